@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numeric>
+#include <vector>
+
+#include "volute/base/checksum.hpp"
+#include "volute/base/half.hpp"
+#include "volute/base/input_file.hpp"
+#include "volute/base/output_file.hpp"
+#include "volute/base/parallel.hpp"
+#include "volute/base/view.hpp"
+
+namespace volute {
+namespace {
+
+std::filesystem::path freshFolder(const std::string& name) {
+  auto folder = std::filesystem::temp_directory_path() / fmt::format("volute-base-{}-{}", ::getpid(), name);
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+std::span<const std::byte> bytesOf(std::string_view text) { return std::as_bytes(std::span(text)); }
+
+TEST(View, SubViewSharesTheDataAtItsOrigin) {
+  std::vector<int> data(2 * 3 * 4);
+  std::iota(data.begin(), data.end(), 0);
+  const View<int, 3> view(std::span<int>(data), {2, 3, 4});
+  EXPECT_EQ(view(1, 2, 3), 23);
+  const auto part = view.sub({1, 1, 1}, {1, 2, 3});
+  EXPECT_EQ(part(0, 0, 0), 12 + 4 + 1);
+  part(0, 1, 2) = -1;
+  EXPECT_EQ(data[23], -1);
+}
+
+TEST(Crc32, AgreesWithThePublishedCheckValue) { EXPECT_EQ(crc32(bytesOf("123456789")), 0xCBF43926u); }
+
+TEST(Half, EveryFiniteHalfMatchesItsDefinition) {
+  for (unsigned bits = 0; bits < 0x10000; ++bits) {
+    const int exponent = static_cast<int>(bits >> 10 & 31);
+    const double mantissa = bits & 1023;
+    const double sign = bits & 0x8000 ? -1 : 1;
+    const float value = toFloat(Half{static_cast<std::uint16_t>(bits)});
+    if (exponent == 31) {
+      EXPECT_EQ(std::isnan(value), mantissa != 0) << bits;
+      if (mantissa == 0) {
+        EXPECT_EQ(value, static_cast<float>(sign * INFINITY));
+      }
+    } else {
+      const double expected = exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25);
+      EXPECT_EQ(value, static_cast<float>(sign * expected)) << bits;
+    }
+  }
+}
+
+TEST(ParallelRanges, CoverEveryIndexOnce) {
+  std::vector<std::atomic<int>> seen(10007);
+  parallelRanges(seen.size(), 13, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) ++seen[i];
+  });
+  for (const auto& count : seen) ASSERT_EQ(count.load(), 1);
+}
+
+TEST(ThreadLimit, HoldsWhileItLives) {
+  const int before = threadCount();
+  {
+    const ThreadLimit limit(1);
+    EXPECT_EQ(threadCount(), 1);
+  }
+  EXPECT_EQ(threadCount(), before);
+}
+
+TEST(OutputFile, AppearsWholeOnCommitAndNotBefore) {
+  const auto folder = freshFolder("commit");
+  const auto target = folder / "out.bin";
+  {
+    auto file = OutputFile::create(target);
+    ASSERT_TRUE(file);
+    ASSERT_TRUE(file->write(bytesOf("hello world")));
+    ASSERT_TRUE(file->overwrite(6, bytesOf("W")));
+    EXPECT_FALSE(std::filesystem::exists(target));
+    ASSERT_TRUE(file->commit());
+  }
+  std::ifstream in(target);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "hello World");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+}
+
+TEST(OutputFile, AbandonedLeavesNothingAndKeepsTheOldTarget) {
+  const auto folder = freshFolder("abandon");
+  const auto target = folder / "out.bin";
+  std::ofstream(target) << "old";
+  {
+    auto file = OutputFile::create(target);
+    ASSERT_TRUE(file);
+    ASSERT_TRUE(file->write(bytesOf("new")));
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  std::ifstream in(target);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "old");
+}
+
+TEST(OutputFile, MissingFolderNamesTheTarget) {
+  auto file = OutputFile::create("/nonexistent-folder/out.bin");
+  ASSERT_FALSE(file);
+  EXPECT_EQ(file.error().code, ErrorCode::kIo);
+  EXPECT_NE(file.error().message.find("/nonexistent-folder/out.bin"), std::string::npos);
+}
+
+TEST(OutputFile, FullDiskIsAnErrorOfTheWrite) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP();
+  const int descriptor = ::open("/dev/full", O_WRONLY);
+  const int saved = ::dup(STDOUT_FILENO);
+  ::dup2(descriptor, STDOUT_FILENO);
+  auto file = OutputFile::create("-");
+  const auto status = file->write(bytesOf("x"));
+  ::dup2(saved, STDOUT_FILENO);
+  ::close(saved);
+  ::close(descriptor);
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("No space left"), std::string::npos);
+}
+
+TEST(InputFile, ReadsAnywhereAndRefusesPastTheEnd) {
+  const auto path = freshFolder("input") / "in.bin";
+  std::ofstream(path) << "0123456789";
+  auto file = InputFile::open(path);
+  ASSERT_TRUE(file);
+  EXPECT_EQ(file->size(), 10u);
+  std::vector<std::byte> bytes(4);
+  ASSERT_TRUE(file->read(6, bytes));
+  EXPECT_EQ(static_cast<char>(bytes[3]), '9');
+  const auto past = file->read(7, bytes);
+  ASSERT_FALSE(past);
+  EXPECT_EQ(past.error().code, ErrorCode::kTruncated);
+}
+
+TEST(InputFile, MissingFileIsNotFound) {
+  auto file = InputFile::open("/nonexistent");
+  ASSERT_FALSE(file);
+  EXPECT_EQ(file.error().code, ErrorCode::kNotFound);
+}
+
+}  // namespace
+}  // namespace volute

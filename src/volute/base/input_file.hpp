@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/base/result.hpp"
+
+namespace volute {
+
+/// A file open for reading at any place. Reads are thread-safe (pread) and never move a shared position.
+class InputFile {
+ public:
+  /// Fails with kNotFound or kIo, naming the path and the system's reason.
+  [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path);
+
+  ~InputFile();
+  InputFile(InputFile&& other) noexcept;
+  InputFile& operator=(InputFile&& other) noexcept;
+
+  std::uint64_t size() const { return size_; }
+  const std::filesystem::path& path() const { return path_; }
+
+  /// Fills `bytes` from `offset` on, whole; kTruncated when the file ends before that.
+  [[nodiscard]] Status read(std::uint64_t offset, std::span<std::byte> bytes) const;
+
+ private:
+  InputFile(int descriptor, std::uint64_t size, std::filesystem::path path)
+      : descriptor_(descriptor), size_(size), path_(std::move(path)) {}
+
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+  std::filesystem::path path_;
+};
+
+}  // namespace volute

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "volute/base/result.hpp"
+
+namespace volute {
+
+/// A name beside `target` for an output in the making, so that the target appears whole or not at all:
+/// whoever writes goes to path(); commit() makes it durable and renames it; otherwise the destructor removes it.
+class PendingFile {
+ public:
+  /// Creates the empty temporary file; kIo when the folder cannot be written. The temporary name keeps the
+  /// target's extension, which some libraries go by.
+  [[nodiscard]] static Result<PendingFile> create(const std::filesystem::path& target);
+
+  ~PendingFile();
+  PendingFile(PendingFile&& other) noexcept;
+  PendingFile& operator=(PendingFile&& other) noexcept;
+
+  const std::filesystem::path& path() const { return temporary_; }
+  const std::filesystem::path& target() const { return target_; }
+
+  /// fsync, then rename over the target. Call it once.
+  [[nodiscard]] Status commit();
+
+ private:
+  PendingFile(std::filesystem::path temporary, std::filesystem::path target);
+
+  std::filesystem::path temporary_;
+  std::filesystem::path target_;
+};
+
+/// A PendingFile with a descriptor: bytes in order, then commit(). "-" as the target is standard output.
+class OutputFile {
+ public:
+  [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& target);
+
+  ~OutputFile();
+  OutputFile(OutputFile&& other) noexcept;
+  OutputFile& operator=(OutputFile&& other) = delete;
+
+  /// Appends. kIo names the target and the system's reason (a full disk, say).
+  [[nodiscard]] Status write(std::span<const std::byte> bytes);
+
+  /// Writes over bytes that were written before (headers whose counts come last). Not for standard output.
+  [[nodiscard]] Status overwrite(std::uint64_t offset, std::span<const std::byte> bytes);
+
+  [[nodiscard]] Status commit();
+
+  std::uint64_t size() const { return size_; }
+
+ private:
+  OutputFile(int descriptor, std::unique_ptr<PendingFile> pending)
+      : descriptor_(descriptor), pending_(std::move(pending)) {}
+  std::string name() const;
+
+  int descriptor_ = -1;
+  std::unique_ptr<PendingFile> pending_;  // null for standard output
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace volute

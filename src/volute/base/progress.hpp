@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <string_view>
+
+namespace volute {
+
+/// What a long call reports to, and asks whether to go on. The default says nothing and never stops.
+/// Called from the thread that made the long call.
+class Progress {
+ public:
+  virtual ~Progress() = default;
+
+  /// `done` of `total` units of `stage` are finished; total 0 means that nobody knows.
+  virtual void report(std::string_view stage, double done, double total) {
+    (void)stage, (void)done, (void)total;
+  }
+
+  /// A remark worth a person's attention that does not stop the work.
+  virtual void remark(std::string_view message) { (void)message; }
+
+  /// True once the caller wants to stop; the long call then fails with ErrorCode::kCancelled and leaves nothing behind.
+  virtual bool cancelled() const { return false; }
+};
+
+}  // namespace volute

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "volute/base/progress.hpp"
+#include "volute/base/result.hpp"
+#include "volute/grid/frame_source.hpp"
+
+namespace volute {
+
+/// What a compressed file must reach.
+struct ErrorTarget {
+  enum class Kind {
+    kRms,       ///< relative RMS <= value: RMS over all voxels and channels / (max - min of the whole original)
+    kPsnr,      ///< [dB]; relative RMS <= 10^(-value / 20)
+    kRatio,     ///< raw float32 bytes / file bytes >= value
+    kSize,      ///< file bytes <= value
+    kMaxError,  ///< |decoded - original| <= value at every voxel
+  };
+  Kind kind = Kind::kRms;
+  double value = 3e-3;
+};
+
+struct CompressOptions {
+  ErrorTarget target;
+  std::string wavelet = "auto";
+  std::string provenance;  ///< kept in the file
+  std::uint64_t maxMemory = std::uint64_t{4} << 30;
+};
+
+struct CompressReport {
+  std::uint64_t rawBytes = 0;
+  std::uint64_t fileBytes = 0;
+  double relativeRms = 0;  ///< measured on what was written
+  double maxError = 0;     ///< absolute
+  double valueMin = 0, valueMax = 0;
+  std::size_t blocks = 0;
+  double seconds = 0;
+};
+
+/// Compresses `source` into the .volute file `target`. Holds a row of blocks (16 frames) in memory, whatever the
+/// number of frames; NaN and Inf are refused with their frame and voxel; the same bytes for any number of threads.
+[[nodiscard]] Result<CompressReport> compress(FrameSource& source, const std::filesystem::path& target,
+                                              const CompressOptions& options, Progress& progress);
+
+}  // namespace volute

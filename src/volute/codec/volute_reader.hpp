@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/base/input_file.hpp"
+#include "volute/base/result.hpp"
+#include "volute/codec/block_grid.hpp"
+#include "volute/grid/frame_source.hpp"
+
+namespace volute {
+
+/// What a .volute file says of itself beyond its VolumeInfo.
+struct VoluteHeader {
+  int versionMajor = 0;
+  int versionMinor = 0;
+  int codec = 0;               ///< which bit stream the blocks use; docs/format.md
+  std::string writtenBy;       ///< program and version
+  std::string provenance;      ///< what it was made from
+  std::string targetKind;      ///< rms, psnr, ratio, size or max-error
+  double targetValue = 0;
+  double reachedRms = 0;       ///< relative RMS over all values: RMS / (max - min)
+  double reachedMaxError = 0;  ///< absolute
+  double valueMin = 0, valueMax = 0;  ///< of the original
+  double haarStep = 0;  ///< quantisation step of the orthonormal Haar coefficients; 0 when the codec has another basis
+};
+
+/// What of a file is there and whole.
+struct Integrity {
+  std::uint64_t expectedBytes = 0;
+  std::uint64_t presentBytes = 0;
+  std::uint64_t segments = 0;         ///< one level of one block each
+  std::uint64_t intactSegments = 0;
+  int intactLevels = 0;               ///< levels, from the coarsest, that are whole in every block
+  std::string firstFault;             ///< empty when all is whole
+  bool complete() const { return firstFault.empty(); }
+};
+
+/// Reads any block, frame or region of a .volute file, touching only what that needs. Const reads are thread-safe.
+/// Every byte is covered by a checksum that is verified before it is used.
+class VoluteReader {
+ public:
+  struct Options {
+    /// False: a truncated file, or a damaged block when it is touched, is an error. True: what is intact of a block's
+    /// levels, coarse first, is decoded and the rest taken as zero.
+    bool partial = false;
+    std::uint64_t maxMemory = std::uint64_t{4} << 30;
+  };
+
+  [[nodiscard]] static Result<VoluteReader> open(const std::filesystem::path& path, const Options& options);
+  [[nodiscard]] static Result<VoluteReader> open(const std::filesystem::path& path) { return open(path, Options{}); }
+
+  const VolumeInfo& info() const;
+  const VoluteHeader& header() const;
+  const BlockGrid& blocks() const;
+
+  /// Checks every segment of the file.
+  Integrity verify() const;
+
+  /// Fills `values` with block `block` at full resolution, shape = blocks().extents(block) x channels, (t, z, y, x, c)
+  /// in C order. `levels` < blocks().levels(block) decodes only that many levels from the coarsest on (a preview).
+  [[nodiscard]] Status readBlock(std::size_t block, std::span<float> values, int levels = 99) const;
+
+  /// The region of one frame: [begin, end) in voxels on each axis, shape (z, y, x, c).
+  [[nodiscard]] Status readRegion(int frame, const std::array<int, 3>& begin, const std::array<int, 3>& end,
+                                  std::span<float> values, int levels = 99) const;
+
+  /// Since open: what has been read and decoded, for `extract`'s report.
+  std::uint64_t bytesRead() const;
+  std::uint64_t blocksDecoded() const;
+
+  VoluteReader(VoluteReader&&) noexcept;
+  VoluteReader& operator=(VoluteReader&&) noexcept;
+  ~VoluteReader();
+
+ private:
+  struct Impl;
+  explicit VoluteReader(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// A .volute file as a source of frames; keeps the decoded row of blocks that holds the current frame.
+std::unique_ptr<FrameSource> frameSource(std::shared_ptr<const VoluteReader> reader);
+
+}  // namespace volute

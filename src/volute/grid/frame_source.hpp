@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "volute/base/result.hpp"
+#include "volute/grid/volume_info.hpp"
+
+namespace volute {
+
+/// A sequence of volumes that is read a frame at a time, so that ten thousand frames need the memory of one.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+
+  virtual const VolumeInfo& info() const = 0;
+
+  /// Fills `values`, shape (z, y, x, c), x and c fastest, with frame `index` (a position, not a frame number).
+  /// Errors name the file and the frame. May be called again for the same frame, and from one thread at a time.
+  [[nodiscard]] virtual Status readFrame(int index, std::span<float> values) = 0;
+};
+
+/// A place to write a sequence to, a frame at a time and in order.
+class FrameSink {
+ public:
+  virtual ~FrameSink() = default;
+
+  /// `values` as FrameSource::readFrame gives them.
+  [[nodiscard]] virtual Status writeFrame(std::span<const float> values) = 0;
+
+  /// After the last frame; without it nothing appears.
+  [[nodiscard]] virtual Status finish() = 0;
+};
+
+}  // namespace volute

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/grid/volume_info.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace volute {
+
+int VolumeInfo::frameAt(double time) const {
+  const auto after = std::upper_bound(times.begin(), times.end(), time);
+  return std::max(0, static_cast<int>(after - times.begin()) - 1);
+}
+
+void VolumeInfo::fillDefaults() {
+  constexpr double kFramesPerSecond = 25;
+  if (frameNumbers.empty()) {
+    frameNumbers.resize(frames);
+    std::iota(frameNumbers.begin(), frameNumbers.end(), 0);
+  }
+  if (times.empty()) {
+    for (int number : frameNumbers) times.push_back((number - frameNumbers.front()) / kFramesPerSecond);
+  }
+  if (bounds.empty()) {
+    const Vec3 voxels(x, y, z);
+    bounds = {Vec3::Zero(), voxels / std::max(1.0, voxels.maxCoeff())};
+  }
+}
+
+Status VolumeInfo::validate(const std::string& where) const {
+  constexpr std::int64_t kMaxFrameValues = std::int64_t{1} << 40;
+  if (frames < 1) return fail(ErrorCode::kInvalidData, "{}: the sequence is empty; expected at least one frame", where);
+  if (x < 1 || y < 1 || z < 1) {
+    return fail(ErrorCode::kInvalidData, "{}: a volume of {} x {} x {} voxels has no values", where, x, y, z);
+  }
+  if (static_cast<double>(x) * y * z > static_cast<double>(kMaxFrameValues)) {
+    return fail(ErrorCode::kTooLarge, "{}: {} x {} x {} voxels is beyond what a volume can hold", where, x, y, z);
+  }
+  if (channels != 1 && channels != 3) {
+    return fail(ErrorCode::kInvalidData, "{}: {} channels; expected 1 (scalar) or 3 (RGB)", where, channels);
+  }
+  if (!bounds.min.allFinite() || !bounds.max.allFinite() || bounds.empty()) {
+    return fail(ErrorCode::kInvalidData, "{}: the bounds are empty or not finite; expected min < max on every axis", where);
+  }
+  if (static_cast<int>(frameNumbers.size()) != frames || static_cast<int>(times.size()) != frames) {
+    return fail(ErrorCode::kInvalidData, "{}: {} frames, but {} frame numbers and {} times", where, frames,
+                frameNumbers.size(), times.size());
+  }
+  for (int i = 0; i < frames; ++i) {
+    const bool ascending = i == 0 || (frameNumbers[i] > frameNumbers[i - 1] && times[i] > times[i - 1]);
+    if (!ascending || !std::isfinite(times[i])) {
+      return fail(ErrorCode::kInvalidData, "{}: frame numbers and times must be finite and ascend; frame {} does not", where, i);
+    }
+  }
+  return {};
+}
+
+}  // namespace volute

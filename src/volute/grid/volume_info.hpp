@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "volute/base/result.hpp"
+#include "volute/math/box.hpp"
+
+namespace volute {
+
+/// What the values of a volume multiply: `kBox` is constant in each voxel; `kTrilinear` interpolates between voxel
+/// centres and falls to zero one voxel beyond the outer ones.
+enum class Basis { kBox, kTrilinear };
+
+/// A sequence of volumes without its values: sizes, place and time.
+struct VolumeInfo {
+  std::string name = "density";  ///< the grid's name
+  std::string unit;              ///< of one value; empty when unknown
+  int frames = 0;
+  int z = 0, y = 0, x = 0;  ///< voxels
+  int channels = 1;         ///< 1, or 3 for linear RGB
+  Box3 bounds;              ///< outer voxel faces [m]
+  std::vector<int> frameNumbers;  ///< one a frame, ascending: the number that the input has
+  std::vector<double> times;      ///< [s], one a frame, ascending
+  Basis basis = Basis::kBox;
+
+  std::size_t voxels() const { return static_cast<std::size_t>(z) * y * x; }
+  std::size_t frameValues() const { return voxels() * channels; }
+  std::size_t values() const { return frameValues() * frames; }
+  std::uint64_t rawBytes() const { return 4ull * values(); }
+  Vec3 voxelSize() const { return bounds.size().cwiseQuotient(Vec3(x, y, z)); }
+
+  /// The frame that is shown at `time` [s]: each is held until the next; the first before, the last after them all.
+  int frameAt(double time) const;
+
+  /// Fills what an input does not state: frame numbers 0.., times from the first at 0 s with 25 frames/s, and bounds
+  /// with cubic voxels whose longest side is 1 m.
+  void fillDefaults();
+
+  /// An error that names the field, when the sizes, bounds, numbers or times make no sense together.
+  [[nodiscard]] Status validate(const std::string& where) const;
+};
+
+}  // namespace volute

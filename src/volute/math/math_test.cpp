@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+
+#include "volute/math/box.hpp"
+#include "volute/math/cubic.hpp"
+#include "volute/math/quadrature.hpp"
+
+namespace volute {
+namespace {
+
+TEST(GaussRule, IsExactForItsDegree) {
+  for (int n : {2, 3, 4, 5, 8}) {
+    for (int degree = 0; degree < 2 * n; ++degree) {
+      const double value = gaussIntegral(n, 0.0, 2.0, [&](double x) { return std::pow(x, degree); });
+      EXPECT_NEAR(value / (std::pow(2.0, degree + 1) / (degree + 1)), 1, 1e-13) << n << " points, degree " << degree;
+    }
+  }
+}
+
+TEST(AdaptiveIntegral, MeetsItsToleranceOnASmoothPeakAndAJump) {
+  EXPECT_NEAR(adaptiveIntegral([](double x) { return std::exp(-1000 * (x - 0.3) * (x - 0.3)); }, 0, 1, 1e-10),
+              std::sqrt(M_PI / 1000), 1e-9);
+  EXPECT_NEAR(adaptiveIntegral([](double x) { return x < M_PI / 4 ? 1.0 : 0.0; }, 0, 1, 1e-9), M_PI / 4, 1e-7);
+}
+
+TEST(Box3, IntersectsFromInsideOutsideAndAlongAFace) {
+  const Box3 box{Vec3(0, 0, 0), Vec3(1, 2, 3)};
+  const Interval through = box.intersect(Vec3(-1, 1, 1), Vec3(1, 0, 0));
+  EXPECT_DOUBLE_EQ(through.begin, 1);
+  EXPECT_DOUBLE_EQ(through.end, 2);
+  EXPECT_TRUE(box.intersect(Vec3(-1, 3, 1), Vec3(1, 0, 0)).empty());
+  EXPECT_DOUBLE_EQ(box.intersect(Vec3(0.5, 0, 0), Vec3(0, 0, 1)).length(), 3);  // in a face
+  EXPECT_DOUBLE_EQ(box.intersect(Vec3(0.5, 1, 1), Vec3(0, 1, 0)).begin, -1);
+}
+
+RC_GTEST_PROP(Cubic, ShiftKeepsTheCurve, ()) {
+  auto number = [] { return *rc::gen::inRange(-1000, 1000) / 500.0; };
+  const Cubic cubic{{number(), number(), number(), number()}};
+  const double shift = number(), s = number();
+  RC_ASSERT(std::abs(cubic.shifted(shift)(s) - cubic(s + shift)) < 1e-10);
+  const double byGauss = gaussIntegral(2, 0.0, s, [&](double x) { return cubic(x); });
+  RC_ASSERT(std::abs(cubic.integral(s) - byGauss) < 1e-10);
+}
+
+}  // namespace
+}  // namespace volute
