@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "volute/wavelet/quantiser.hpp"
 #include "volute/wavelet/transform4d.hpp"
 
 namespace volute {
@@ -96,6 +97,29 @@ TEST(Transform4d, FloatStaysCloseToDouble) {
     transformForward(View<float, 4>(std::span<float>(fast), {5, 9, 6, 12}), wavelet, {2, 3, 3, 3});
     for (std::size_t i = 0; i < exact.size(); ++i) EXPECT_NEAR(fast[i], exact[i], 2e-5);
   }
+}
+
+TEST(QuantisationModel, PredictsTheErrorOfLaplaceNoise) {
+  std::mt19937 random(4);
+  std::exponential_distribution<float> laplace(1.0f);
+  QuantisationModel model;
+  std::vector<float> coefficients(200000);
+  for (float& c : coefficients) model.add(c = laplace(random) * (random() % 2 ? 1.0f : -1.0f));
+  for (float step : {0.01f, 0.3f, 1.0f, 3.0f}) {
+    double measured = 0;
+    for (float c : coefficients) {
+      const double e = c - static_cast<double>(quantise(c, 1 / step)) * step;
+      measured += e * e;
+    }
+    EXPECT_NEAR(model.squaredError(step) / measured, 1, 0.01) << step;
+    EXPECT_NEAR(model.stepFor(measured) / step, 1, 0.01) << step;
+  }
+}
+
+TEST(QuantisationModel, WithoutCoefficientsThereIsNoStep) {
+  QuantisationModel model;
+  model.add(0);
+  EXPECT_EQ(model.stepFor(1), 0);
 }
 
 }  // namespace
