@@ -47,10 +47,10 @@ void listNode(const DenseLevel& dense, std::size_t node, int channels, SubtreeLe
   const std::uint16_t children = dense.children[node];
   level.masks.push_back(static_cast<std::uint16_t>(dense.masks[node] | (children != 0 ? 1 : 0)));
   if (children != 0) level.children.push_back(children);
-  for (int j = 1; j < kChildren; ++j) {
-    if (!(dense.masks[node] >> j & 1)) continue;
-    for (int c = 0; c < channels; ++c) {
-      level.coefficients.push_back(dense.quantised[(node * channels + c) * kChildren + j]);
+  for (int c = 0; c < channels; ++c) {
+    for (int j = 1; j < kChildren; ++j) {
+      const std::int32_t q = dense.quantised[(node * channels + c) * kChildren + j];
+      if (dense.masks[node] >> j & 1) level.coefficients.push_back(q);
     }
   }
   for (int o = 0; o < kChildren; ++o) {

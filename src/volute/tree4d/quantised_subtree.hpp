@@ -13,7 +13,7 @@ namespace volute {
 struct SubtreeLevel {
   std::vector<std::uint16_t> masks;     ///< one a node: bit j: coefficient j is kept; bit 0: the node has children
   std::vector<std::uint16_t> children;  ///< one for each node that has children: which of the 16
-  std::vector<std::int32_t> coefficients;  ///< one for each bit 1..15 and channel, channels together
+  std::vector<std::int32_t> coefficients;  ///< node after node; of a node channel after channel; of those one for each bit 1..15
 };
 
 /// A dense 4D grid of means, shape (t, z, y, x, c), turned into quantised Haar coefficients level by level from the

@@ -22,6 +22,8 @@ struct TreeData {
   static constexpr std::uint32_t kNoNode = 0xFFFFFFFFu;
   static constexpr int kGroup = 32;  ///< nodes a directory entry; their masks fill one cache line
 
+  static constexpr int kPadding = 16;
+
   struct Group {
     std::uint32_t coefficients = 0;  ///< before this group, counted from the begin of its level, in multiples of channels
     std::uint32_t inner = 0;         ///< nodes with children before this group, from the begin of the tree
@@ -32,9 +34,9 @@ struct TreeData {
     std::uint32_t nodes = 0;
     float scale = 1;   ///< of one quantisation step in mean form
     bool wide = false;  ///< int16
-    std::vector<std::int8_t> narrow8;
+    std::vector<std::int8_t> narrow8;  ///< and kPadding zeros, so that vectors may be loaded past the end
     std::vector<std::int16_t> wide16;
-    std::vector<std::uint32_t> escapeIndex;  ///< ascending: coefficient * channels + channel
+    std::vector<std::uint32_t> escapeIndex;  ///< ascending: places in narrow8 or wide16
     std::vector<std::int32_t> escapeValue;
   };
 

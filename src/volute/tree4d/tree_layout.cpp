@@ -41,6 +41,7 @@ void storeCoefficients(std::span<const std::int32_t> coefficients, TreeData::Lev
     store(coefficients, level.wide16, level);
   } else {
     store(coefficients, level.narrow8, level);
+    level.narrow8.resize(level.narrow8.size() + TreeData::kPadding);
   }
   level.narrow8.shrink_to_fit();
   level.wide16.shrink_to_fit();
@@ -94,7 +95,7 @@ std::vector<SubtreeLevel> levelsOf(const TreeData& data) {
     const auto firstParent = data.childMasks.begin() + static_cast<std::ptrdiff_t>(inner);
     parts[l].children.assign(firstParent, firstParent + parents);
     inner += static_cast<std::size_t>(parents);
-    const std::size_t coefficients = level.wide ? level.wide16.size() : level.narrow8.size();
+    const std::size_t coefficients = level.wide ? level.wide16.size() : level.narrow8.size() - TreeData::kPadding;
     for (std::uint32_t i = 0; i < coefficients; ++i) parts[l].coefficients.push_back(coefficientAt(level, i));
   }
   return parts;

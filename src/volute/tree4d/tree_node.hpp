@@ -20,7 +20,7 @@ inline std::uint32_t firstCoefficient(const TreeData& data, std::uint32_t node) 
   return count;
 }
 
-/// Coefficient number `index` (times channels, plus channel) of a level, in quantisation steps.
+/// Number `index` in the array of a level's coefficients, in quantisation steps.
 inline std::int32_t coefficientAt(const TreeData::Level& level, std::uint32_t index) {
   const std::int32_t q = level.wide ? level.wide16[index] : level.narrow8[index];
   if (q != (level.wide ? INT16_MIN : INT8_MIN)) return q;
@@ -31,12 +31,13 @@ inline std::int32_t coefficientAt(const TreeData::Level& level, std::uint32_t in
 /// What `node` adds to its mean in child `o`: the sum of its wavelets there.
 inline float nodeDetail(const TreeData& data, int level, std::uint32_t node, int o, int channel) {
   std::int32_t sum = 0;
-  std::uint32_t index = firstCoefficient(data, node) * data.channels + channel;
+  const auto kept = static_cast<std::uint32_t>(std::popcount(static_cast<unsigned>(data.masks[node] & 0xFFFEu)));
+  std::uint32_t index = firstCoefficient(data, node) * data.channels + channel * kept;
   for (int j = 1; j < 16; ++j) {
     if (!(data.masks[node] >> j & 1)) continue;
     const std::int32_t q = coefficientAt(data.levels[level], index);
     sum += std::popcount(static_cast<unsigned>(o & j)) % 2 == 1 ? -q : q;
-    index += data.channels;
+    ++index;
   }
   return static_cast<float>(sum) * data.levels[level].scale;
 }
