@@ -7,6 +7,8 @@
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <cstring>
 
@@ -307,7 +309,8 @@ HWY_INLINE void addDetails(const TreeData::Level& level, std::uint32_t begin, un
 #endif
 
 /// Appends the children of `item` in one time half; their ranks follow from the first one's.
-HWY_INLINE int listChildren(const TreeData& data, const Item& item, bool later, bool finest, Item* out) {
+HWY_INLINE int listChildren(const TreeData& data, const TreeData::Level& below, const Item& item, bool later, bool finest,
+                            Item* out) {
   const unsigned children = data.childMasks[item.inner];
   const unsigned half = later ? children >> 8 : children & 0xFFu;
   if (half == 0) return 0;
@@ -319,6 +322,7 @@ HWY_INLINE int listChildren(const TreeData& data, const Item& item, bool later, 
     const auto o = static_cast<unsigned>(hwy::Num0BitsBelowLS1Bit_Nonzero32(m));
     const unsigned mask = data.masks[node];
     out[count++] = {node, coefficient, inner, 2 * (item.z + (o >> 2)), 2 * (item.y + (o >> 1 & 1)), 2 * (item.x + (o & 1))};
+    if (!below.wide) hwy::Prefetch(below.narrow8.data() + coefficient * data.channels);
     coefficient += popCount(mask & 0xFFFEu);
     inner += mask & 1u;
   }
@@ -353,7 +357,7 @@ void ReadBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, f
       for (int c = 0; c < data.channels; ++c) {
         addDetails(data.levels[l], channelBegin(data, item.coefficient, mask, c), mask, later, h, at + c * cells);
       }
-      if (mask & 1) next += listChildren(data, item, later, l == 1, &items[turn ^ 1][next]);
+      if (mask & 1) next += listChildren(data, data.levels[l - 1], item, later, l == 1, &items[turn ^ 1][next]);
     }
     count = next;
     current = finer;
@@ -362,19 +366,24 @@ void ReadBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, f
 }
 
 void CopyBrick(const TreeData& data, const BrickCopy& copy) {
+  const BrickCopy c = copy;  // a copy that no store can alias
+  if (c.width < 8 || c.toStep != 1) {
+    for (int z = 0; z < c.depth; ++z)
+      for (int y = 0; y < c.height; ++y)
+        for (int x = 0; x < c.width; ++x) {
+          c.to[z * c.toPlane + y * c.toRow + x * c.toStep] = clamped(data, c.from[z * c.fromPlane + y * c.fromRow + x]);
+        }
+    return;
+  }
   const hn::CappedTag<float, 8> d;
   const auto minimum = hn::Set(d, data.minimum);
   const auto maximum = hn::Set(d, data.maximum);
-  for (int z = 0; z < copy.depth; ++z) {
-    for (int y = 0; y < copy.height; ++y) {
-      const float* from = copy.from + z * copy.fromPlane + y * copy.fromRow;
-      float* to = copy.to + z * copy.toPlane + y * copy.toRow;
-      if (copy.width == 8 && copy.toStep == 1) {
-        for (std::size_t x = 0; x < 8; x += hn::Lanes(d)) {
-          hn::StoreU(hn::Min(hn::Max(hn::LoadU(d, from + x), minimum), maximum), d, to + x);
-        }
-      } else {
-        for (int x = 0; x < copy.width; ++x) to[x * copy.toStep] = clamped(data, from[x]);
+  for (int z = 0; z < c.depth; ++z) {
+    const float* from = c.from + z * c.fromPlane;
+    float* to = c.to + z * c.toPlane;
+    for (int y = 0; y < c.height; ++y, from += c.fromRow, to += c.toRow) {
+      for (std::size_t x = 0; x < 8; x += hn::Lanes(d)) {
+        hn::StoreU(hn::Min(hn::Max(hn::LoadU(d, from + x), minimum), maximum), d, to + x);
       }
     }
   }
