@@ -30,16 +30,20 @@ void append(std::vector<std::byte>& bytes, T value) {
   bytes.insert(bytes.end(), begin, begin + sizeof value);
 }
 
-unsigned bitCount(unsigned mask) { return static_cast<unsigned>(std::popcount(mask)); }
+unsigned bitCount(unsigned mask) {
+  return static_cast<unsigned>(std::popcount(mask));
+}
 
 /// 1 or -1: the sign of wavelet j in child o.
-int signOf(unsigned j, unsigned o) { return bitCount(j & o) % 2 == 0 ? 1 : -1; }
+int signOf(unsigned j, unsigned o) {
+  return bitCount(j & o) % 2 == 0 ? 1 : -1;
+}
 
 }  // namespace
 
 /// What a threshold keeps of one level.
 struct PaperTransform::Kept {
-  std::vector<std::uint16_t> masks;     // coefficients; bit 0 unused
+  std::vector<std::uint16_t> masks;  // coefficients; bit 0 unused
   std::vector<std::uint16_t> children;
 };
 
@@ -57,13 +61,14 @@ PaperTransform::PaperTransform(const Sequence& sequence) : info_(sequence.info) 
     level.validChildren.resize(nodes);
     level.cells.resize(nodes);
     const float scale = orthonormalScale(l);
-    means = detail::oneLevelUp(n, channels, means,
-                               [&](std::size_t node, int c, const auto& v, const auto& children, unsigned valid) {
-                                 float* to = &level.coefficients[(node * channels + c) * kChildren];
-                                 for (int j = 1; j < kChildren; ++j) to[j] = v[j] * scale;
-                                 level.validChildren[node] = static_cast<std::uint16_t>(valid);
-                                 std::ranges::copy(children, level.cells[node].begin());
-                               });
+    means = detail::oneLevelUp(
+        n, channels, means,
+        [&](std::size_t node, int c, const auto& v, const auto& children, unsigned valid) {
+          float* to = &level.coefficients[(node * channels + c) * kChildren];
+          for (int j = 1; j < kChildren; ++j) to[j] = v[j] * scale;
+          level.validChildren[node] = static_cast<std::uint16_t>(valid);
+          std::ranges::copy(children, level.cells[node].begin());
+        });
     levels_.push_back(std::move(level));
     n = detail::halved(n);
   }
@@ -83,13 +88,15 @@ std::vector<PaperTransform::Kept> PaperTransform::keep(double threshold) const {
         const float* coefficients = &level.coefficients[(node * channels + c) * kChildren];
         for (int j = 1; j < kChildren; ++j) {
           const double magnitude = std::fabs(coefficients[j]);
-          if (magnitude >= threshold && magnitude > 0) mask |= 1u << j;
+          if (magnitude >= threshold && magnitude > 0)
+            mask |= 1u << j;
         }
       }
       for (unsigned o = 0; l > 0 && o < kChildren; ++o) {
         const std::uint32_t cell = level.cells[node][o];
         const bool there = level.validChildren[node] >> o & 1;
-        if (there && (kept[l - 1].masks[cell] != 0 || kept[l - 1].children[cell] != 0)) children |= 1u << o;
+        if (there && (kept[l - 1].masks[cell] != 0 || kept[l - 1].children[cell] != 0))
+          children |= 1u << o;
       }
       kept[l].masks[node] = static_cast<std::uint16_t>(mask);
       kept[l].children[node] = static_cast<std::uint16_t>(children);
@@ -104,7 +111,8 @@ std::size_t PaperTransform::bytesAt(double threshold) const {
   for (std::size_t l = 0; l < kept.size(); ++l) {
     for (std::size_t i = 0; i < kept[l].masks.size(); ++i) {
       const bool isRoot = l + 1 == kept.size();
-      if (!isRoot && kept[l].masks[i] == 0 && kept[l].children[i] == 0) continue;
+      if (!isRoot && kept[l].masks[i] == 0 && kept[l].children[i] == 0)
+        continue;
       bytes += kFixedBytes + bitCount(kept[l].masks[i]) * sizeof(float) * info_.channels +
                bitCount(kept[l].children[i]) * sizeof(std::uint32_t);
     }
@@ -124,7 +132,8 @@ double PaperTransform::relativeRmsAt(double threshold) const {
           largest = std::max(largest, std::fabs(v));
           energy += v * v;
         }
-        if (largest < threshold) dropped += energy;
+        if (largest < threshold)
+          dropped += energy;
       }
     }
   }
@@ -133,11 +142,13 @@ double PaperTransform::relativeRmsAt(double threshold) const {
 
 namespace {
 
-/// The largest x in [0, high] with holds(x), to a part in 10^4, for a condition that holds below some x and not above.
+/// The largest x in [0, high] with holds(x), to a part in 10^4, for a condition that holds below
+/// some x and not above.
 template <class Holds>
 double bisect(double high, Holds&& holds) {
   double low = high * 1e-8;
-  if (!holds(low)) return 0;
+  if (!holds(low))
+    return 0;
   for (int i = 0; i < 40 && high > low * 1.0001; ++i) {
     const double middle = std::sqrt(low * high);
     (holds(middle) ? low : high) = middle;
@@ -188,11 +199,14 @@ PaperTree PaperTransform::build(double threshold) const {
       append(bytes, kept[l].masks[node]);
       append(bytes, kept[l].children[node]);
       for (int j = 1; j < kChildren; ++j) {
-        if (!(kept[l].masks[node] >> j & 1)) continue;
-        for (int c = 0; c < channels; ++c) append(bytes, level.coefficients[(node * channels + c) * kChildren + j]);
+        if (!(kept[l].masks[node] >> j & 1))
+          continue;
+        for (int c = 0; c < channels; ++c)
+          append(bytes, level.coefficients[(node * channels + c) * kChildren + j]);
       }
       for (int o = 0; o < kChildren; ++o) {
-        if (!(kept[l].children[node] >> o & 1)) continue;
+        if (!(kept[l].children[node] >> o & 1))
+          continue;
         nextNodes.push_back(level.cells[node][o]);
         nextFields.push_back(bytes.size());
         append(bytes, std::uint32_t{0});
@@ -213,15 +227,20 @@ void PaperTree::values(int t, int z, int y, int x, std::span<float> out) const {
     VOLUTE_ASSERT(readAt<std::uint16_t>(bytes_, node) == t >> (l + 1));
     const unsigned mask = readAt<std::uint16_t>(bytes_, node + 8);
     const unsigned children = readAt<std::uint16_t>(bytes_, node + 10);
-    const auto o = static_cast<unsigned>((t >> l & 1) << 3 | (z >> l & 1) << 2 | (y >> l & 1) << 1 | (x >> l & 1));
+    const auto o = static_cast<unsigned>((t >> l & 1) << 3 | (z >> l & 1) << 2 | (y >> l & 1) << 1 |
+                                         (x >> l & 1));
     const float scale = 1 / orthonormalScale(l);
     std::size_t at = node + kFixedBytes;
     for (unsigned m = mask; m != 0; m &= m - 1) {
-      const float basis = static_cast<float>(signOf(static_cast<unsigned>(std::countr_zero(m)), o)) * scale;
-      for (int c = 0; c < channels; ++c, at += sizeof(float)) out[c] += readAt<float>(bytes_, at) * basis;
+      const float basis =
+          static_cast<float>(signOf(static_cast<unsigned>(std::countr_zero(m)), o)) * scale;
+      for (int c = 0; c < channels; ++c, at += sizeof(float))
+        out[c] += readAt<float>(bytes_, at) * basis;
     }
-    if (!(children >> o & 1)) return;
-    node = readAt<std::uint32_t>(bytes_, at + sizeof(std::uint32_t) * bitCount(children & ((1u << o) - 1)));
+    if (!(children >> o & 1))
+      return;
+    node = readAt<std::uint32_t>(bytes_,
+                                 at + sizeof(std::uint32_t) * bitCount(children & ((1u << o) - 1)));
   }
 }
 
@@ -239,8 +258,8 @@ Eigen::Matrix<double, 5, 5> paperViewMatrix(const Eigen::Matrix3d& rotation, dou
   return m;
 }
 
-std::vector<float> renderByTraversal(const PaperTree& tree, const Eigen::Matrix<double, 5, 5>& view, int n,
-                                     const VoxelBox* box) {
+std::vector<float> renderByTraversal(const PaperTree& tree, const Eigen::Matrix<double, 5, 5>& view,
+                                     int n, const VoxelBox* box) {
   const VolumeInfo& info = tree.info();
   const int channels = info.channels;
   const double longest = std::max({info.x, info.y, info.z});
@@ -251,17 +270,19 @@ std::vector<float> renderByTraversal(const PaperTree& tree, const Eigen::Matrix<
     for (int column = 0; column < n; ++column) {
       float* pixel = &image[(row * n + column) * channels];
       for (int depth = 0; depth < n; ++depth) {
-        // The view volume: x right, y away from the eye, z up, as long as the volume's longest side.
+        // The view volume: x right, y away from the eye, z up, as long as the volume's longest
+        // side.
         Eigen::Matrix<double, 5, 1> p;
-        p << (column + 0.5) / n - 0.5, (depth + 0.5) / n - 0.5, 0.5 - (static_cast<double>(row) + 0.5) / n, 0, 1;
+        p << (column + 0.5) / n - 0.5, (depth + 0.5) / n - 0.5,
+            0.5 - (static_cast<double>(row) + 0.5) / n, 0, 1;
         p.head<3>() *= longest;
         const Eigen::Matrix<double, 5, 1> u = view * p;
         const int x = static_cast<int>(std::floor(u[0] + centre[0]));
         const int y = static_cast<int>(std::floor(u[1] + centre[1]));
         const int z = static_cast<int>(std::floor(u[2] + centre[2]));
         if (box != nullptr) {
-          if (z < box->begin[0] || z >= box->end[0] || y < box->begin[1] || y >= box->end[1] || x < box->begin[2] ||
-              x >= box->end[2]) {
+          if (z < box->begin[0] || z >= box->end[0] || y < box->begin[1] || y >= box->end[1] ||
+              x < box->begin[2] || x >= box->end[2]) {
             continue;
           }
         } else if (x < 0 || y < 0 || z < 0 || x >= info.x || y >= info.y || z >= info.z) {

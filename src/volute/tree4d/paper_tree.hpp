@@ -14,16 +14,19 @@
 
 namespace volute {
 
-/// The hexadeca-tree with the very node of Ahrenberg et al. 2005, Figure 4: position, two masks, and then as many float
-/// coefficients and child offsets as the masks say. What the compact tree is compared with, in bytes and in speed.
+/// The hexadeca-tree with the very node of Ahrenberg et al. 2005, Figure 4: position, two masks,
+/// and then as many float coefficients and child offsets as the masks say. What the compact tree is
+/// compared with, in bytes and in speed.
 class PaperTree {
  public:
-  /// The breadth-first array: the root's scaling coefficients (float32, one a channel), then nodes of
+  /// The breadth-first array: the root's scaling coefficients (float32, one a channel), then nodes
+  /// of
   ///   4 x u16  position: the first voxel of the node's support / 2^(level + 1), as t, z, y, x
   ///   u16      coefficient mask, u16 child mask (bit numbers: haar_node.hpp)
   ///   float32  each kept coefficient (orthonormal), channels together
   ///   u32      each child's byte offset in the array
   std::span<const std::byte> bytes() const { return bytes_; }
+
   std::size_t nodeCount() const { return nodes_; }
 
   /// Section 5.1: the sum over all nodes from the root down whose support holds the voxel.
@@ -40,13 +43,14 @@ class PaperTree {
   std::vector<std::byte> bytes_;
 };
 
-/// All Haar coefficients of a sequence, from which trees for many thresholds are made. Needs a dense copy in memory.
+/// All Haar coefficients of a sequence, from which trees for many thresholds are made. Needs a
+/// dense copy in memory.
 class PaperTransform {
  public:
   explicit PaperTransform(const Sequence& sequence);
 
-  /// Keeps the orthonormal coefficients (of RGB: the triples) whose magnitude (the largest of the three) is at least
-  /// `threshold`, and prunes from the bottom up (section 4.3).
+  /// Keeps the orthonormal coefficients (of RGB: the triples) whose magnitude (the largest of the
+  /// three) is at least `threshold`, and prunes from the bottom up (section 4.3).
   PaperTree build(double threshold) const;
 
   /// Bytes of build(threshold), without building it.
@@ -61,8 +65,8 @@ class PaperTransform {
 
  private:
   struct Level {
-    std::array<int, 4> nodes{};                     // t, z, y, x
-    std::vector<float> coefficients;                // 16 a node and channel, orthonormal
+    std::array<int, 4> nodes{};       // t, z, y, x
+    std::vector<float> coefficients;  // 16 a node and channel, orthonormal
     std::vector<std::uint16_t> validChildren;
     std::vector<std::array<std::uint32_t, 16>> cells;  // a node's children in the level below
   };
@@ -75,14 +79,17 @@ class PaperTransform {
   double range_ = 0;
 };
 
-/// Equation 13: rotates the view volume's axes to the volume's by `rotation` and moves it to frame t.
+/// Equation 13: rotates the view volume's axes to the volume's by `rotation` and moves it to frame
+/// t.
 Eigen::Matrix<double, 5, 5> paperViewMatrix(const Eigen::Matrix3d& rotation, double t);
 
-/// Figure 6, with n^3 voxels in the view volume: every one is transformed by the view matrix and summed into its pixel by a
-/// walk through the tree. `box`: skip voxels outside of it (section 5.2), or null. On all threads, a row a task.
-/// @return shape (n, n, channels), row 0 is the top; values are sums times the voxel's edge, as a line integral in units
+/// Figure 6, with n^3 voxels in the view volume: every one is transformed by the view matrix and
+/// summed into its pixel by a walk through the tree. `box`: skip voxels outside of it
+/// (section 5.2), or null. On all threads, a row a task.
+/// @return shape (n, n, channels), row 0 is the top; values are sums times the voxel's edge, as a
+/// line integral in units
 ///         of the volume's longest side.
-std::vector<float> renderByTraversal(const PaperTree& tree, const Eigen::Matrix<double, 5, 5>& view, int n,
-                                     const VoxelBox* box);
+std::vector<float> renderByTraversal(const PaperTree& tree, const Eigen::Matrix<double, 5, 5>& view,
+                                     int n, const VoxelBox* box);
 
 }  // namespace volute

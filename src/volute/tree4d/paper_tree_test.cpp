@@ -18,7 +18,8 @@ Sequence noiseInABox(int frames, int z, int y, int x, int channels) {
     for (int k = z / 4; k < z / 2; ++k)
       for (int j = y / 4; j < y; ++j)
         for (int i = 0; i < x / 2 + 1; ++i)
-          for (int c = 0; c < channels; ++c) view(t, k, j, i, c) = static_cast<float>(random() % 1000) / 1000;
+          for (int c = 0; c < channels; ++c)
+            view(t, k, j, i, c) = static_cast<float>(random() % 1000) / 1000;
   return sequence;
 }
 
@@ -38,7 +39,8 @@ double measuredRms(const PaperTree& tree, const Sequence& sequence) {
 }
 
 TEST(PaperTree, WithoutAThresholdGivesTheDataBack) {
-  for (const auto& s : {std::array{4, 8, 8, 8, 1}, std::array{3, 5, 9, 6, 3}, std::array{1, 1, 1, 1, 1}}) {
+  for (const auto& s :
+       {std::array{4, 8, 8, 8, 1}, std::array{3, 5, 9, 6, 3}, std::array{1, 1, 1, 1, 1}}) {
     const Sequence sequence = noiseInABox(s[0], s[1], s[2], s[3], s[4]);
     const PaperTransform transform(sequence);
     EXPECT_LT(measuredRms(transform.build(0), sequence), 1e-6);

@@ -4,15 +4,15 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volute/tree4d/tree_read.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
-
-#include <hwy/cache_control.h>
 
 #include <algorithm>
 #include <cstring>
 
 HWY_BEFORE_NAMESPACE();
+
 namespace volute::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -27,16 +27,20 @@ constexpr std::array<std::uint16_t, 16> kOdd = [] {
     for (unsigned j = 0; j < 16; ++j) {
       unsigned parity = o & j;
       parity = (parity ^ parity >> 2) & 3;
-      if ((parity ^ parity >> 1) & 1) odd[o] = static_cast<std::uint16_t>(odd[o] | 1u << j);
+      if ((parity ^ parity >> 1) & 1)
+        odd[o] = static_cast<std::uint16_t>(odd[o] | 1u << j);
     }
   }
   return odd;
 }();
 
-HWY_INLINE std::uint32_t popCount(std::uint64_t bits) { return static_cast<std::uint32_t>(hwy::PopCount(bits)); }
+HWY_INLINE std::uint32_t popCount(std::uint64_t bits) {
+  return static_cast<std::uint32_t>(hwy::PopCount(bits));
+}
 
 /// How many of `bits` are set in the masks of the nodes that stand before `node` in its group.
-HWY_INLINE std::uint32_t rankInGroup(const std::uint16_t* masks, std::uint32_t node, std::uint64_t bits) {
+HWY_INLINE std::uint32_t rankInGroup(const std::uint16_t* masks, std::uint32_t node,
+                                     std::uint64_t bits) {
   const std::uint16_t* group = masks + (node & ~(TreeData::kGroup - 1u));
   const unsigned before = node & (TreeData::kGroup - 1u);
   std::uint32_t count = 0;
@@ -54,19 +58,22 @@ HWY_NOINLINE std::int32_t escaped(const TreeData::Level& level, std::uint32_t in
   return level.escapeValue[static_cast<std::size_t>(found - level.escapeIndex.begin())];
 }
 
-/// Calls visit(lowest bit of the mask, quantised value) for each kept coefficient; `values` has those of one channel.
+/// Calls visit(lowest bit of the mask, quantised value) for each kept coefficient; `values` has
+/// those of one channel.
 template <class T, class Visit>
-HWY_INLINE void forEachCoefficient(const TreeData::Level& level, const T* values, std::uint32_t index, unsigned mask,
-                                   Visit&& visit) {
+HWY_INLINE void forEachCoefficient(const TreeData::Level& level, const T* values,
+                                   std::uint32_t index, unsigned mask, Visit&& visit) {
   for (unsigned m = mask & 0xFFFEu; m != 0; m &= m - 1, ++index) {
     std::int32_t q = values[index];
-    if (HWY_UNLIKELY(q == hwy::LowestValue<T>())) q = escaped(level, index);
+    if (HWY_UNLIKELY(q == hwy::LowestValue<T>()))
+      q = escaped(level, index);
     visit(m & (0u - m), q);
   }
 }
 
 template <class Visit>
-HWY_INLINE void forEachCoefficient(const TreeData::Level& level, std::uint32_t index, unsigned mask, Visit&& visit) {
+HWY_INLINE void forEachCoefficient(const TreeData::Level& level, std::uint32_t index, unsigned mask,
+                                   Visit&& visit) {
   if (level.wide) {
     forEachCoefficient(level, level.wide16.data(), index, mask, visit);
   } else {
@@ -75,12 +82,14 @@ HWY_INLINE void forEachCoefficient(const TreeData::Level& level, std::uint32_t i
 }
 
 /// Where a channel's coefficients begin: a node keeps them channel after channel.
-HWY_INLINE std::uint32_t channelBegin(const TreeData& data, std::uint32_t coefficient, unsigned mask, int channel) {
-  return coefficient * data.channels + static_cast<std::uint32_t>(channel) * popCount(mask & 0xFFFEu);
+HWY_INLINE std::uint32_t channelBegin(const TreeData& data, std::uint32_t coefficient,
+                                      unsigned mask, int channel) {
+  return coefficient * data.channels +
+         static_cast<std::uint32_t>(channel) * popCount(mask & 0xFFFEu);
 }
 
-HWY_INLINE float detail(const TreeData& data, const TreeData::Level& level, std::uint32_t coefficient, unsigned mask, unsigned o,
-                        int channel) {
+HWY_INLINE float detail(const TreeData& data, const TreeData::Level& level,
+                        std::uint32_t coefficient, unsigned mask, unsigned o, int channel) {
   std::int32_t sum = 0;
   forEachCoefficient(level, channelBegin(data, coefficient, mask, channel), mask,
                      [&](unsigned bit, std::int32_t q) { sum += kOdd[o] & bit ? -q : q; });
@@ -88,23 +97,28 @@ HWY_INLINE float detail(const TreeData& data, const TreeData::Level& level, std:
 }
 
 HWY_INLINE unsigned childAt(const std::array<int, 4>& voxel, int level) {
-  return static_cast<unsigned>((voxel[0] >> level & 1) << 3 | (voxel[1] >> level & 1) << 2 | (voxel[2] >> level & 1) << 1 |
-                               (voxel[3] >> level & 1));
+  return static_cast<unsigned>((voxel[0] >> level & 1) << 3 | (voxel[1] >> level & 1) << 2 |
+                               (voxel[2] >> level & 1) << 1 | (voxel[3] >> level & 1));
 }
 
 HWY_INLINE std::uint32_t coefficientsBefore(const TreeData& data, std::uint32_t node) {
-  return data.groups[node / TreeData::kGroup].coefficients + rankInGroup(data.masks.data(), node, kCoefficientBits);
+  return data.groups[node / TreeData::kGroup].coefficients +
+         rankInGroup(data.masks.data(), node, kCoefficientBits);
 }
 
 HWY_INLINE std::uint32_t innerBefore(const TreeData& data, std::uint32_t node) {
-  return data.groups[node / TreeData::kGroup].inner + rankInGroup(data.masks.data(), node, kInnerBits);
+  return data.groups[node / TreeData::kGroup].inner +
+         rankInGroup(data.masks.data(), node, kInnerBits);
 }
 
-HWY_INLINE std::uint32_t childOf(const TreeData& data, std::uint32_t node, unsigned mask, unsigned o) {
-  if (!(mask & 1)) return TreeData::kNoNode;
+HWY_INLINE std::uint32_t childOf(const TreeData& data, std::uint32_t node, unsigned mask,
+                                 unsigned o) {
+  if (!(mask & 1))
+    return TreeData::kNoNode;
   const std::uint32_t inner = innerBefore(data, node);
   const unsigned children = data.childMasks[inner];
-  if (!(children >> o & 1)) return TreeData::kNoNode;
+  if (!(children >> o & 1))
+    return TreeData::kNoNode;
   return data.childBases[inner] + popCount(children & ((1u << o) - 1));
 }
 
@@ -113,7 +127,8 @@ HWY_INLINE float clamped(const TreeData& data, float value) {
 }
 
 float ReadValue(const TreeData& data, const std::array<int, 4>& v, int channel) {
-  if (!data.isOccupied(v[0], v[1], v[2], v[3])) return 0;
+  if (!data.isOccupied(v[0], v[1], v[2], v[3]))
+    return 0;
   const TreeData::Entry& entry = data.entryAt(v[0], v[1], v[2], v[3]);
   float value = entry.value[channel];
   std::uint32_t node = entry.node;
@@ -126,21 +141,24 @@ float ReadValue(const TreeData& data, const std::array<int, 4>& v, int channel) 
   return clamped(data, value);
 }
 
-void ReadValues(const TreeData& data, std::span<const std::array<int, 4>> voxels, std::span<float> values) {
+void ReadValues(const TreeData& data, std::span<const std::array<int, 4>> voxels,
+                std::span<float> values) {
   std::size_t i = 0;
   for (const auto& voxel : voxels) {
     for (int c = 0; c < data.channels; ++c) values[i++] = ReadValue(data, voxel, c);
   }
 }
 
-/// The path from an entry to the last voxel that was read, kept so that a neighbour walks only where it differs.
+/// The path from an entry to the last voxel that was read, kept so that a neighbour walks only
+/// where it differs.
 class Path {
  public:
   explicit Path(const TreeData& data) : data_(data) {}
 
   HWY_INLINE void read(const std::array<int, 4>& v, float* values) {
     const int entryLevels = data_.entryLevels;
-    const unsigned differs = static_cast<unsigned>((v[0] ^ last_[0]) | (v[1] ^ last_[1]) | (v[2] ^ last_[2]) | (v[3] ^ last_[3]));
+    const unsigned differs = static_cast<unsigned>((v[0] ^ last_[0]) | (v[1] ^ last_[1]) |
+                                                   (v[2] ^ last_[2]) | (v[3] ^ last_[3]));
     int l = 0;  // the level from whose cell on the walk must be done again
     if (!started_ || (differs >> entryLevels) != 0) {
       const TreeData::Entry& entry = data_.entryAt(v[0], v[1], v[2], v[3]);
@@ -178,8 +196,8 @@ class Path {
   std::array<float, 3> sums_[8] = {};
 };
 
-void ReadAlong(const TreeData& data, const std::array<int, 4>& origin, const std::array<int, 4>& direction,
-               std::span<float> values) {
+void ReadAlong(const TreeData& data, const std::array<int, 4>& origin,
+               const std::array<int, 4>& direction, std::span<float> values) {
   Path path(data);
   std::array<int, 4> v = origin;
   for (std::size_t i = 0; i < values.size(); i += data.channels) {
@@ -217,14 +235,16 @@ HWY_INLINE void upsample(const float* HWY_RESTRICT from, int g, float* HWY_RESTR
         }
       }
 #endif
-      for (x *= 2; x < h; ++x) row[x] = row[h + x] = row[h * h + x] = row[h * h + h + x] = source[x / 2];
+      for (x *= 2; x < h; ++x)
+        row[x] = row[h + x] = row[h * h + x] = row[h * h + h + x] = source[x / 2];
     }
   }
 }
 
-/// Adds what the 15 wavelets of a node are in its eight children of one time half, for coefficients of any size.
-HWY_INLINE void addDetailsSlowly(const TreeData::Level& level, std::uint32_t begin, unsigned mask, bool later, int h,
-                                 float* HWY_RESTRICT at) {
+/// Adds what the 15 wavelets of a node are in its eight children of one time half, for coefficients
+/// of any size.
+HWY_INLINE void addDetailsSlowly(const TreeData::Level& level, std::uint32_t begin, unsigned mask,
+                                 bool later, int h, float* HWY_RESTRICT at) {
   std::int32_t sums[8] = {};
   forEachCoefficient(level, begin, mask, [&](unsigned bit, std::int32_t q) {
     for (unsigned o = 0; o < 8; ++o) sums[o] += kOdd[o + 8 * later] & bit ? -q : q;
@@ -235,14 +255,14 @@ HWY_INLINE void addDetailsSlowly(const TreeData::Level& level, std::uint32_t beg
 }
 
 #if HWY_TARGET == HWY_SCALAR
-HWY_INLINE void addDetails(const TreeData::Level& level, std::uint32_t begin, unsigned mask, bool later, int h,
-                           float* HWY_RESTRICT at) {
+HWY_INLINE void addDetails(const TreeData::Level& level, std::uint32_t begin, unsigned mask,
+                           bool later, int h, float* HWY_RESTRICT at) {
   addDetailsSlowly(level, begin, mask, later, h, at);
 }
 #else
 
-/// kSpread[m]: for each bit of m that is set, how many are set below it; 0x80 for the others. Spreads packed bytes to the
-/// places that their mask names.
+/// kSpread[m]: for each bit of m that is set, how many are set below it; 0x80 for the others.
+/// Spreads packed bytes to the places that their mask names.
 struct alignas(64) SpreadTable {
   std::uint8_t bytes[256][8];
 };
@@ -256,10 +276,12 @@ constexpr SpreadTable kSpread = [] {
   return table;
 }();
 
-/// The same for int8: spread to their places, then a Hadamard transform of the eight children in eight 16-bit lanes.
-HWY_INLINE void addDetails(const TreeData::Level& level, std::uint32_t begin, unsigned mask, bool later, int h,
-                           float* HWY_RESTRICT at) {
-  if (HWY_UNLIKELY(level.wide)) return addDetailsSlowly(level, begin, mask, later, h, at);
+/// The same for int8: spread to their places, then a Hadamard transform of the eight children in
+/// eight 16-bit lanes.
+HWY_INLINE void addDetails(const TreeData::Level& level, std::uint32_t begin, unsigned mask,
+                           bool later, int h, float* HWY_RESTRICT at) {
+  if (HWY_UNLIKELY(level.wide))
+    return addDetailsSlowly(level, begin, mask, later, h, at);
   const hn::FixedTag<std::uint8_t, 16> d8;
   const hn::FixedTag<std::uint8_t, 8> dHalf8;
   const hn::FixedTag<std::int8_t, 16> di8;
@@ -271,10 +293,12 @@ HWY_INLINE void addDetails(const TreeData::Level& level, std::uint32_t begin, un
 
   const unsigned earlier = mask & 0xFEu;
   const auto spreadEarlier = hn::Load(dHalf8, kSpread.bytes[earlier]);
-  const auto spreadLater =
-      hn::Add(hn::Load(dHalf8, kSpread.bytes[mask >> 8]), hn::Set(dHalf8, static_cast<std::uint8_t>(popCount(earlier))));
-  const auto packed = hn::LoadU(d8, reinterpret_cast<const std::uint8_t*>(level.narrow8.data() + begin));
-  const auto w = hn::BitCast(di8, hn::TableLookupBytesOr0(packed, hn::Combine(d8, spreadLater, spreadEarlier)));
+  const auto spreadLater = hn::Add(hn::Load(dHalf8, kSpread.bytes[mask >> 8]),
+                                   hn::Set(dHalf8, static_cast<std::uint8_t>(popCount(earlier))));
+  const auto packed =
+      hn::LoadU(d8, reinterpret_cast<const std::uint8_t*>(level.narrow8.data() + begin));
+  const auto w = hn::BitCast(
+      di8, hn::TableLookupBytesOr0(packed, hn::Combine(d8, spreadLater, spreadEarlier)));
   if (HWY_UNLIKELY(!hn::AllFalse(di8, hn::Eq(w, hn::Set(di8, hwy::LowestValue<std::int8_t>()))))) {
     return addDetailsSlowly(level, begin, mask, later, h, at);
   }
@@ -299,8 +323,11 @@ HWY_INLINE void addDetails(const TreeData::Level& level, std::uint32_t begin, un
 
   const auto scale = hn::Set(df, level.scale);
   const auto low = hn::Mul(hn::ConvertTo(df, hn::PromoteTo(di32, hn::LowerHalf(z))), scale);
-  const auto high = hn::Mul(hn::ConvertTo(df, hn::PromoteTo(di32, hn::UpperHalf(hn::Half<decltype(d16)>(), z))), scale);
-  auto addPair = [&](float* pair, auto add) { hn::StoreU(hn::Add(hn::LoadU(dPair, pair), add), dPair, pair); };
+  const auto high = hn::Mul(
+      hn::ConvertTo(df, hn::PromoteTo(di32, hn::UpperHalf(hn::Half<decltype(d16)>(), z))), scale);
+  auto addPair = [&](float* pair, auto add) {
+    hn::StoreU(hn::Add(hn::LoadU(dPair, pair), add), dPair, pair);
+  };
   addPair(at, hn::LowerHalf(low));
   addPair(at + h, hn::UpperHalf(dPair, low));
   addPair(at + h * h, hn::LowerHalf(high));
@@ -309,11 +336,12 @@ HWY_INLINE void addDetails(const TreeData::Level& level, std::uint32_t begin, un
 #endif
 
 /// Appends the children of `item` in one time half; their ranks follow from the first one's.
-HWY_INLINE int listChildren(const TreeData& data, const TreeData::Level& below, const Item& item, bool later, bool finest,
-                            Item* out) {
+HWY_INLINE int listChildren(const TreeData& data, const TreeData::Level& below, const Item& item,
+                            bool later, bool finest, Item* out) {
   const unsigned children = data.childMasks[item.inner];
   const unsigned half = later ? children >> 8 : children & 0xFFu;
-  if (half == 0) return 0;
+  if (half == 0)
+    return 0;
   std::uint32_t node = data.childBases[item.inner] + (later ? popCount(children & 0xFFu) : 0);
   std::uint32_t coefficient = coefficientsBefore(data, node);
   std::uint32_t inner = finest ? 0 : innerBefore(data, node);
@@ -321,8 +349,14 @@ HWY_INLINE int listChildren(const TreeData& data, const TreeData::Level& below, 
   for (unsigned m = half; m != 0; m &= m - 1, ++node) {
     const auto o = static_cast<unsigned>(hwy::Num0BitsBelowLS1Bit_Nonzero32(m));
     const unsigned mask = data.masks[node];
-    out[count++] = {node, coefficient, inner, 2 * (item.z + (o >> 2)), 2 * (item.y + (o >> 1 & 1)), 2 * (item.x + (o & 1))};
-    if (!below.wide) hwy::Prefetch(below.narrow8.data() + coefficient * data.channels);
+    out[count++] = {node,
+                    coefficient,
+                    inner,
+                    2 * (item.z + (o >> 2)),
+                    2 * (item.y + (o >> 1 & 1)),
+                    2 * (item.x + (o & 1))};
+    if (!below.wide)
+      hwy::Prefetch(below.narrow8.data() + coefficient * data.channels);
     coefficient += popCount(mask & 0xFFFEu);
     inner += mask & 1u;
   }
@@ -336,7 +370,8 @@ void ReadBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, f
   Item items[2][kMaxNodes];
   int count = 0;
   if (entry.node != TreeData::kNoNode) {
-    items[0][0] = {entry.node, coefficientsBefore(data, entry.node), innerBefore(data, entry.node), 0, 0, 0};
+    items[0][0] = {
+        entry.node, coefficientsBefore(data, entry.node), innerBefore(data, entry.node), 0, 0, 0};
     count = 1;
   }
   int turn = 0;
@@ -355,9 +390,11 @@ void ReadBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, f
       const unsigned mask = data.masks[item.node];
       float* at = finer + (item.z * h + item.y) * h + item.x;
       for (int c = 0; c < data.channels; ++c) {
-        addDetails(data.levels[l], channelBegin(data, item.coefficient, mask, c), mask, later, h, at + c * cells);
+        addDetails(data.levels[l], channelBegin(data, item.coefficient, mask, c), mask, later, h,
+                   at + c * cells);
       }
-      if (mask & 1) next += listChildren(data, data.levels[l - 1], item, later, l == 1, &items[turn ^ 1][next]);
+      if (mask & 1)
+        next += listChildren(data, data.levels[l - 1], item, later, l == 1, &items[turn ^ 1][next]);
     }
     count = next;
     current = finer;
@@ -371,7 +408,8 @@ void CopyBrick(const TreeData& data, const BrickCopy& copy) {
     for (int z = 0; z < c.depth; ++z)
       for (int y = 0; y < c.height; ++y)
         for (int x = 0; x < c.width; ++x) {
-          c.to[z * c.toPlane + y * c.toRow + x * c.toStep] = clamped(data, c.from[z * c.fromPlane + y * c.fromRow + x]);
+          c.to[z * c.toPlane + y * c.toRow + x * c.toStep] =
+              clamped(data, c.from[z * c.fromPlane + y * c.fromRow + x]);
         }
     return;
   }
@@ -390,6 +428,7 @@ void CopyBrick(const TreeData& data, const BrickCopy& copy) {
 }
 
 }  // namespace volute::HWY_NAMESPACE
+
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -405,12 +444,13 @@ float readValue(const TreeData& data, const std::array<int, 4>& voxel, int chann
   return HWY_DYNAMIC_DISPATCH(ReadValue)(data, voxel, channel);
 }
 
-void readValues(const TreeData& data, std::span<const std::array<int, 4>> voxels, std::span<float> values) {
+void readValues(const TreeData& data, std::span<const std::array<int, 4>> voxels,
+                std::span<float> values) {
   HWY_DYNAMIC_DISPATCH(ReadValues)(data, voxels, values);
 }
 
-void readAlong(const TreeData& data, const std::array<int, 4>& origin, const std::array<int, 4>& direction,
-               std::span<float> values) {
+void readAlong(const TreeData& data, const std::array<int, 4>& origin,
+               const std::array<int, 4>& direction, std::span<float> values) {
   HWY_DYNAMIC_DISPATCH(ReadAlong)(data, origin, direction, values);
 }
 
@@ -418,7 +458,9 @@ void readBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, f
   HWY_DYNAMIC_DISPATCH(ReadBlockSlice)(data, entry, t, values);
 }
 
-void copyBrick(const TreeData& data, const BrickCopy& copy) { HWY_DYNAMIC_DISPATCH(CopyBrick)(data, copy); }
+void copyBrick(const TreeData& data, const BrickCopy& copy) {
+  HWY_DYNAMIC_DISPATCH(CopyBrick)(data, copy);
+}
 
 }  // namespace volute
 #endif

@@ -9,19 +9,21 @@
 
 namespace volute {
 
-/// Uniform quantisation with a wide zero: an index q stands for q * step, and |c| is rounded down beyond 0.4, which
-/// costs fewer bits at equal error than rounding at 0.5 (coefficients are Laplace-like: most of a bin lies at its start).
+/// Uniform quantisation with a wide zero: an index q stands for q * step, and |c| is rounded down
+/// beyond 0.4, which costs fewer bits at equal error than rounding at 0.5 (coefficients are
+/// Laplace-like: most of a bin lies at its start).
 inline constexpr float kRoundingOffset = 0.4f;
 
 inline std::int32_t quantise(float coefficient, float inverseStep) {
   constexpr float kLargest = 2.0e9f;
-  const float magnitude = std::fmin(std::fabs(coefficient) * inverseStep + kRoundingOffset, kLargest);
+  const float magnitude =
+      std::fmin(std::fabs(coefficient) * inverseStep + kRoundingOffset, kLargest);
   const auto q = static_cast<std::int32_t>(magnitude);
   return coefficient < 0 ? -q : q;
 }
 
-/// Predicts what quantisation of a set of coefficients with any step costs, from one pass over them: a histogram with 64
-/// bins an octave.
+/// Predicts what quantisation of a set of coefficients with any step costs, from one pass over
+/// them: a histogram with 64 bins an octave.
 class QuantisationModel {
  public:
   QuantisationModel();
@@ -39,6 +41,7 @@ class QuantisationModel {
   struct Bin {
     double count = 0, sum = 0, squares = 0;
   };
+
   std::vector<Bin> bins_;
 };
 
