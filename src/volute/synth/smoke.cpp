@@ -32,7 +32,7 @@ constexpr float kNozzleRadius = 0.16f;
 constexpr std::array<Nozzle, 3> kNozzles = {{
     {{-0.38f, -0.22f, 0.22f}, {0.72f, -0.22f, 0.60f}, {1.00f, 0.16f, 0.14f}},
     {{0.38f, -0.22f, 0.22f}, {-0.17f, 0.75f, 0.60f}, {0.08f, 0.38f, 1.00f}},
-    {{0.00f, 0.44f, 0.22f}, {-0.55f, -0.53f, 0.60f}, {0.95f, 0.62f, 0.12f}},
+    {{0.00f, 0.44f, 0.22f}, {-0.55f, -0.53f, 0.60f}, {1.00f, 0.70f, 0.26f}},
 }};
 
 class Smoke final : public Simulation {
@@ -77,7 +77,7 @@ void Smoke::act(int i, int j, int k) {
   const std::array<float, 3> p = {(static_cast<float>(i) + 0.5f) * h, (static_cast<float>(j) + 0.5f) * h,
                                   (static_cast<float>(k) + 0.5f) * h};
   const std::array<float, 3> world = {p[0] - kExtent / 2, p[1] - kExtent / 2, p[2]};
-  const float keep = fadeAtBorder(world[0], world[1], world[2], 0.16f) / (1 + kStep * kDissipation);
+  const float keep = fadeAtBorder(world[0], world[1], world[2], 0.24f) / (1 + kStep * kDissipation);
   auto& force = fluid_.force();
   float density = 0;
   for (std::size_t s = 0; s < kNozzles.size(); ++s) {
