@@ -35,7 +35,8 @@ class Tree4d {
                       ///< relativeRms
   };
 
-  /// Reads the source up to three times, a row of 16 frames in memory at once.
+  /// Reads the source several times (once for the statistics, then for each try at the step), a
+  /// row of 16 frames in memory at once. NaN and infinities are refused.
   [[nodiscard]] static Result<Tree4d> build(FrameSource& source, const BuildOptions& options,
                                             Progress& progress);
 
