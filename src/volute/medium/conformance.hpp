@@ -43,7 +43,8 @@ struct Traits {
   std::array<std::vector<double>, 3> planes{};
   /// Vertices of cells that do not follow the axes; rays are sent through pairs of them.
   std::vector<Vec3> vertices{};
-  /// Where points are drawn. Must be finite; may be left out when the bounds are.
+  /// Where points are drawn; finite. Left out, it is the bounds, cut off 10 m from 0 where they are
+  /// infinite.
   Box3 region{};
   Tolerance tolerance{};
   std::uint32_t seed = 1;

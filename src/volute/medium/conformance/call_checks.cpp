@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// All kinds in one batch, so that neighbours are as different as can be.
+/// All kinds in one batch, each twice, so that neighbours are as different as can be.
 std::vector<NamedSegment> mixedSegmentsOf(const MediumUnderTest& tested) {
   std::vector<NamedSegment> mixed;
   const auto missing = missingSegmentsOf(tested), empty = emptySegmentsOf(tested);
@@ -27,6 +27,8 @@ std::vector<NamedSegment> mixedSegmentsOf(const MediumUnderTest& tested) {
       mixed.push_back(empty[i]);
     ++i;
   }
+  const std::vector<NamedSegment> reversed(mixed.rbegin(), mixed.rend());
+  mixed.insert(mixed.end(), reversed.begin(), reversed.end());
   return mixed;
 }
 

@@ -49,8 +49,17 @@ std::vector<double> Random::numbers(std::size_t count, double from, double to) {
 }
 
 Traits completed(Traits traits, const Box3& bounds) {
-  if (traits.region.empty())
-    traits.region = bounds;
+  constexpr double kExtent = 10;
+  if (traits.region.empty()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      double& from = traits.region.min[axis];
+      double& to = traits.region.max[axis];
+      from = std::isfinite(bounds.min[axis]) ? bounds.min[axis] : -kExtent;
+      to = std::isfinite(bounds.max[axis]) ? bounds.max[axis] : kExtent;
+      if (!(from < to))
+        to = from + kExtent;  // the bounds are wrong, and a check says so
+    }
+  }
   for (int axis = 0; axis < 3; ++axis) {
     auto& planes = traits.planes[axis];
     for (double face : {bounds.min[axis], bounds.max[axis]}) {
