@@ -37,8 +37,7 @@ struct Piece {
   double end = 0;    ///< infinite only when decay > 0 or all cubics are constant
   Cubic extinction;
   Cubic emission[3];
-  double decay =
-      0;  ///< [1/m]; not 0 only for exponential height profiles; decay * (end - begin) > -700
+  double decay = 0;  ///< [1/m]; 0 but for exponential height profiles; decay * length > -700
 };
 
 /// What comes out of a segment: light emitted along it and not absorbed before its begin, and what
