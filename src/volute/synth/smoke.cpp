@@ -11,11 +11,12 @@ namespace volute {
 namespace {
 
 constexpr float kStep = kFrameSeconds;
-constexpr int kWarmUpFrames = 200;
+constexpr int kWarmUpFrames = 150;
 
 constexpr float kBuoyancy = 0.80f;     // [m/s^2] at density 1
 constexpr float kJet = 1.6f;           // [m/s^2] in the nozzles
-constexpr float kDissipation = 0.02f;  // [1/s]
+constexpr float kDissipation = 0.22f;  // [1/s]
+constexpr float kThinning = 5;         // [1/s], more of it at the open faces
 constexpr float kConfinement = 0.5f;
 constexpr float kStir = 1.4f;  // [m/s^2], eddies of the noise in the smoke
 constexpr float kVisible = 0.03f;
@@ -79,7 +80,8 @@ void Smoke::act(int i, int j, int k) {
                                   (static_cast<float>(j) + 0.5f) * h,
                                   (static_cast<float>(k) + 0.5f) * h};
   const std::array<float, 3> world = {p[0] - kExtent / 2, p[1] - kExtent / 2, p[2]};
-  const float keep = fadeAtBorder(world[0], world[1], world[2], 0.24f) / (1 + kStep * kDissipation);
+  const float border = 1 - fadeAtBorder(world[0], world[1], world[2], 0.45f);
+  const float keep = 1 / (1 + kStep * (kDissipation + kThinning * border));
   auto& force = fluid_.force();
   float density = 0;
   for (std::size_t s = 0; s < kNozzles.size(); ++s) {
