@@ -15,8 +15,8 @@
 
 namespace volute {
 
-/// The points origin + s * direction, begin <= s <= end. `direction` has unit length, so s is in metres;
-/// end may be infinite. Empty when end <= begin.
+/// The points origin + s * direction, begin <= s <= end. `direction` has unit length, so s is in metres; begin may be
+/// -infinity and end +infinity. Empty when end <= begin.
 struct Segment {
   Vec3 origin = Vec3::Zero();
   Vec3 direction = Vec3::UnitX();
@@ -31,11 +31,11 @@ struct Segment {
 ///   extinction(u) = extinction cubic * exp(-decay u)   [1/m]
 ///   emission(u)   = emission cubics  * exp(-decay u)   [radiance/m], linear RGB
 struct Piece {
-  double begin = 0;  ///< [m], parameter of the segment
-  double end = 0;
+  double begin = 0;  ///< [m], parameter of the segment; finite
+  double end = 0;    ///< infinite only when decay > 0 or all cubics are constant
   Cubic extinction;
   Cubic emission[3];
-  double decay = 0;  ///< [1/m]; not 0 only for exponential height profiles
+  double decay = 0;  ///< [1/m]; not 0 only for exponential height profiles; decay * (end - begin) > -700
 };
 
 /// What comes out of a segment: light emitted along it and not absorbed before its begin, and what share of the
@@ -50,7 +50,7 @@ struct Radiance {
 template <class M>
 concept Medium = requires(const M& medium, const Vec3& point, std::span<const Segment> segments,
                           std::span<double> depths, std::span<std::vector<Piece>> pieces) {
-  /// Outside of it extinction and emission are zero.
+  /// Outside of it extinction and emission are zero. Never empty; may be infinite.
   { medium.bounds() } -> std::convertible_to<Box3>;
   /// [1/m] at a point; for probes and tests only.
   { medium.extinction(point) } -> std::convertible_to<double>;
@@ -72,11 +72,13 @@ concept FastMedium = Medium<M> && requires(const M& medium, std::span<const Segm
 /// runs backwards; the conformance suite checks <P c, y> = <c, P' y>.
 template <class M>
 concept LinearMedium = Medium<M> && requires(const M& medium, std::span<const double> coefficients,
-                                             std::span<const Segment> segments, std::span<double> gradient) {
+                                             std::span<const Segment> segments, std::span<const double> weights,
+                                             std::span<double> gradient) {
   { medium.coefficients() } -> std::convertible_to<std::vector<double>>;
+  /// The same basis with other coefficients, as many.
   { medium.withCoefficients(coefficients) } -> std::convertible_to<M>;
   /// gradient += P' weights, one weight for each segment.
-  medium.scatter(segments, coefficients, gradient);
+  medium.scatter(segments, weights, gradient);
 };
 
 }  // namespace volute
