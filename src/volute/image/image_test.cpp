@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "volute/image/colormap.hpp"
+#include "volute/image/compare.hpp"
+#include "volute/image/srgb.hpp"
+
+namespace volute {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+TEST(Srgb, EveryByteComesBack) {
+  Image image(256, 1, 1);
+  for (int i = 0; i < 256; ++i) image.at(i, 0) = static_cast<float>(srgbDecode(i / 255.0));
+  const auto bytes = toSrgb8(image);
+  for (int i = 0; i < 256; ++i) EXPECT_EQ(bytes[i], i);
+  EXPECT_NEAR(srgbDecode(0.5), 0.21404114, 1e-8);
+}
+
+TEST(Srgb, ClampsWhatNoDisplayShows) {
+  EXPECT_EQ(srgbEncode(-1), 0);
+  EXPECT_DOUBLE_EQ(srgbEncode(7), 1);
+  EXPECT_EQ(srgbEncode(kNan), 0);
+  EXPECT_EQ(srgbDecode(kNan), 0);
+  EXPECT_DOUBLE_EQ(srgbEncode(std::numeric_limits<double>::infinity()), 1);
+}
+
+TEST(Exposure, BringsTheBrightPartToOne) {
+  Image image(10, 10, 1);
+  for (int i = 0; i < 100; ++i) image.pixels[i] = static_cast<float>(i);
+  const double factor = suggestExposure(image, 1);
+  EXPECT_DOUBLE_EQ(factor, 1 / 99.0);
+  EXPECT_FLOAT_EQ(exposed(image, factor).pixels[99], 1);
+  EXPECT_EQ(suggestExposure(Image(3, 3)), 1);
+  EXPECT_EQ(toSrgb8(image, factor)[99], 255);
+}
+
+TEST(ColorMap, MatchesTheTablesAtSomePoints) {
+  struct Known {
+    ColorMap map;
+    double t;
+    Rgb color;
+  };
+
+  for (const auto& [map, t, color] :
+       {Known{ColorMap::kViridis, 0, Rgb(68, 1, 84)},
+        Known{ColorMap::kViridis, 127 / 255.0, Rgb(33, 144, 141)},
+        Known{ColorMap::kViridis, 1, Rgb(253, 231, 37)}, Known{ColorMap::kInferno, 0, Rgb(0, 0, 4)},
+        Known{ColorMap::kInferno, 127 / 255.0, Rgb(187, 55, 84)},
+        Known{ColorMap::kInferno, 1, Rgb(252, 255, 164)}}) {
+    EXPECT_LT((displayColor(map, t) - color / 255).abs().maxCoeff(), 0.02) << t;
+  }
+  Image quantity(3, 1, 1);
+  quantity.pixels = {2, 4, static_cast<float>(kNan)};
+  const Image colors = colorMapped(quantity, ColorMap::kViridis, 2, 4);
+  EXPECT_NEAR(srgbEncode(colors.at(1, 0, 0)), displayColor(ColorMap::kViridis, 1)[0], 1e-6);
+  EXPECT_EQ(colors.at(2, 0, 1), colors.at(0, 0, 1));
+}
+
+TEST(CompareImages, MeasuresAsStated) {
+  Image a(2, 1, 1);
+  Image b(2, 1, 1);
+  a.pixels = {0, 4};
+  b.pixels = {0, 3};
+  const auto difference = compareImages(a, b);
+  ASSERT_TRUE(difference);
+  EXPECT_DOUBLE_EQ(difference->maxError, 1);
+  EXPECT_DOUBLE_EQ(difference->rms, std::sqrt(0.5));
+  EXPECT_DOUBLE_EQ(difference->relativeRms, std::sqrt(0.5) / 4);
+  EXPECT_DOUBLE_EQ(difference->psnr, -20 * std::log10(std::sqrt(0.5) / 4));
+  EXPECT_TRUE(std::isinf(compareImages(a, a)->psnr));
+}
+
+TEST(CompareImages, RefusesOtherSizesAndShowsNan) {
+  EXPECT_FALSE(compareImages(Image(2, 2), Image(2, 3)));
+  EXPECT_FALSE(compareImages(Image(2, 2, 1), Image(2, 2, 3)));
+  EXPECT_FALSE(compareImages(Image(), Image()));
+  Image a(2, 1, 1);
+  a.pixels[0] = static_cast<float>(kNan);
+  EXPECT_TRUE(std::isnan(compareImages(a, Image(2, 1, 1))->maxError));
+}
+
+}  // namespace
+}  // namespace volute
