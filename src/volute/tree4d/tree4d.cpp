@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tree4d/tree4d.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+
+#include "volute/base/parallel.hpp"
+#include "volute/tree4d/tree_layout.hpp"
+#include "volute/tree4d/tree_node.hpp"
+#include "volute/tree4d/tree_read.hpp"
+
+namespace volute {
+namespace {
+
+constexpr int kBrick = BrickSlice::kSide;
+constexpr int kMaxSide = BlockGrid::kSide;
+
+template <class T>
+std::size_t bytesOf(const std::vector<T>& values) {
+  return values.capacity() * sizeof(T);
+}
+
+/// The blocks of entries of one frame that hold anything, and what to do with each: body(z, y, x of the block's first
+/// voxel, its values of shape (channel, z, y, x) and side).
+template <class Body>
+void forEachBlockOf(const TreeData& data, int t, Body&& body) {
+  const auto& n = data.entryCounts;
+  const int side = 1 << data.entryLevels;
+  const std::size_t count = static_cast<std::size_t>(n[1]) * n[2] * n[3];
+  constexpr std::size_t kGrain = 4;
+  parallelRanges(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    alignas(64) float values[3 * kMaxSide * kMaxSide * kMaxSide];
+    for (std::size_t i = begin; i < end; ++i) {
+      const int z = static_cast<int>(i / n[3] / n[2]) * side;
+      const int y = static_cast<int>(i / n[3] % n[2]) * side;
+      const int x = static_cast<int>(i % n[3]) * side;
+      bool any = false;
+      for (int bz = z; bz < std::min(z + side, data.extents[1]); bz += kBrick)
+        for (int by = y; by < std::min(y + side, data.extents[2]); by += kBrick)
+          for (int bx = x; bx < std::min(x + side, data.extents[3]); bx += kBrick) any |= data.isOccupied(t, bz, by, bx);
+      if (any) readBlockSlice(data, data.entryAt(t, z, y, x), t, values);
+      body(z, y, x, any ? values : nullptr);
+    }
+  });
+}
+
+/// Rows of 8 voxels of the brick that begins at voxel (z, y, x): copy(row in the brick, source, voxels in the row).
+template <class Copy>
+void copyBrickRows(const TreeData& data, const float* block, int side, int z, int y, int x, int channel, Copy&& copy) {
+  const int mask = side - 1;
+  const float* plane = block + static_cast<std::size_t>(channel) * side * side * side;
+  const int depth = std::min(kBrick, data.extents[1] - z);
+  const int height = std::min(kBrick, data.extents[2] - y);
+  const int width = std::min(kBrick, data.extents[3] - x);
+  for (int dz = 0; dz < depth; ++dz)
+    for (int dy = 0; dy < height; ++dy) {
+      copy(dz, dy, plane + (((z + dz) & mask) * side + ((y + dy) & mask)) * side + (x & mask), width);
+    }
+}
+
+template <class Visit>
+void forEachBrickIn(const TreeData& data, int side, int z, int y, int x, Visit&& visit) {
+  for (int bz = z; bz < std::min(z + side, data.extents[1]); bz += kBrick)
+    for (int by = y; by < std::min(y + side, data.extents[2]); by += kBrick)
+      for (int bx = x; bx < std::min(x + side, data.extents[3]); bx += kBrick) visit(bz, by, bx);
+}
+
+}  // namespace
+
+float Tree4d::value(int t, int z, int y, int x, int channel) const { return readValue(data_, {t, z, y, x}, channel); }
+
+void Tree4d::values(std::span<const std::array<int, 4>> voxels, std::span<float> values) const {
+  readValues(data_, voxels, values);
+}
+
+void Tree4d::valuesAlong(const std::array<int, 4>& origin, const std::array<int, 4>& direction,
+                         std::span<float> values) const {
+  readAlong(data_, origin, direction, values);
+}
+
+double Tree4d::valueFromRoot(int t, int z, int y, int x, int channel) const {
+  if (!data_.isOccupied(t, z, y, x)) return 0;
+  double value = data_.mean[channel];
+  std::uint32_t node = data_.levels.back().firstNode;
+  for (int l = static_cast<int>(data_.levels.size()) - 1; node != TreeData::kNoNode; --l) {
+    const int o = (t >> l & 1) << 3 | (z >> l & 1) << 2 | (y >> l & 1) << 1 | (x >> l & 1);
+    value += nodeDetail(data_, l, node, o, channel);
+    node = childNode(data_, node, o);
+  }
+  return std::clamp<double>(value, data_.minimum, data_.maximum);
+}
+
+void Tree4d::extractFrame(int t, std::span<float> values) const {
+  const int side = 1 << data_.entryLevels;
+  const int channels = data_.channels;
+  forEachBlockOf(data_, t, [&](int z, int y, int x, const float* block) {
+    forEachBrickIn(data_, side, z, y, x, [&](int bz, int by, int bx) {
+      const bool occupied = block != nullptr && data_.isOccupied(t, bz, by, bx);
+      for (int c = 0; c < channels; ++c) {
+        copyBrickRows(data_, block, side, bz, by, bx, c, [&](int dz, int dy, const float* row, int width) {
+          const std::size_t voxel = (static_cast<std::size_t>(bz + dz) * info_.y + by + dy) * info_.x + bx;
+          float* to = &values[voxel * channels + c];
+          if (channels == 1 && occupied) {
+            std::copy_n(row, width, to);
+          } else {
+            for (int i = 0; i < width; ++i) to[i * channels] = occupied ? row[i] : 0.0f;
+          }
+        });
+      }
+    });
+  });
+}
+
+BrickSlice Tree4d::extractSlice(int t) const {
+  std::vector<std::int32_t> index(static_cast<std::size_t>(data_.bricks[0]) * data_.bricks[1] * data_.bricks[2],
+                                  BrickSlice::kEmpty);
+  std::int32_t stored = 0;
+  std::size_t i = 0;
+  for (int bz = 0; bz < data_.bricks[0]; ++bz)
+    for (int by = 0; by < data_.bricks[1]; ++by)
+      for (int bx = 0; bx < data_.bricks[2]; ++bx, ++i) {
+        if (data_.isOccupied(t, bz * kBrick, by * kBrick, bx * kBrick)) index[i] = stored++;
+      }
+  const std::size_t brickValues = static_cast<std::size_t>(BrickSlice::kVoxels) * data_.channels;
+  std::vector<float> bricks(stored * brickValues);
+  const int side = 1 << data_.entryLevels;
+  forEachBlockOf(data_, t, [&](int z, int y, int x, const float* block) {
+    if (block == nullptr) return;
+    forEachBrickIn(data_, side, z, y, x, [&](int bz, int by, int bx) {
+      const std::int32_t at =
+          index[(static_cast<std::size_t>(bz / kBrick) * data_.bricks[1] + by / kBrick) * data_.bricks[2] + bx / kBrick];
+      if (at == BrickSlice::kEmpty) return;
+      for (int c = 0; c < data_.channels; ++c) {
+        float* brick = &bricks[at * brickValues + static_cast<std::size_t>(c) * BrickSlice::kVoxels];
+        copyBrickRows(data_, block, side, bz, by, bx, c, [&](int dz, int dy, const float* row, int width) {
+          std::copy_n(row, width, brick + (dz * kBrick + dy) * kBrick);
+        });
+      }
+    });
+  });
+  BrickSlice slice(info_);
+  slice.assign(std::move(index), std::move(bricks));
+  return slice;
+}
+
+Tree4d Tree4d::prefix(std::size_t nodes) const {
+  std::vector<SubtreeLevel> levels = levelsOf(data_);
+  std::size_t left = std::max<std::size_t>(nodes, 1);
+  for (std::size_t l = levels.size(); l-- > 0;) {
+    SubtreeLevel& level = levels[l];
+    if (level.masks.size() <= left) {
+      left -= level.masks.size();
+      continue;
+    }
+    level.masks.resize(left);
+    std::size_t coefficients = 0, parents = 0;
+    for (std::uint16_t mask : level.masks) {
+      coefficients += static_cast<std::size_t>(std::popcount(static_cast<unsigned>(mask & 0xFFFEu))) * data_.channels;
+      parents += mask & 1u;
+    }
+    level.coefficients.resize(coefficients);
+    level.children.resize(parents);
+    left = 0;
+    // Parents forget the children that were cut off.
+    SubtreeLevel& above = levels[l + 1];
+    std::vector<std::uint16_t> kept;
+    std::size_t parent = 0, child = 0;
+    for (std::uint16_t& mask : above.masks) {
+      if (!(mask & 1)) continue;
+      unsigned children = above.children[parent++];
+      for (unsigned m = children; m != 0; m &= m - 1) {
+        if (child++ >= level.masks.size()) children &= ~(m & (0u - m));
+      }
+      if (children == 0) {
+        mask &= 0xFFFEu;
+      } else {
+        kept.push_back(static_cast<std::uint16_t>(children));
+      }
+    }
+    above.children = std::move(kept);
+  }
+  TreeData data;
+  data.extents = data_.extents;
+  data.channels = data_.channels;
+  data.entryLevels = data_.entryLevels;
+  data.step = data_.step;
+  data.minimum = data_.minimum;
+  data.maximum = data_.maximum;
+  data.mean = data_.mean;
+  data.entryCounts = data_.entryCounts;
+  data.entries.resize(data_.entries.size());
+  data.occupied = data_.occupied;
+  data.bricks = data_.bricks;
+  layOut(levels, data);
+  enterBlocks(data);
+  Tree4d tree(info_, std::move(data));
+  tree.boxes_ = boxes_;
+  return tree;
+}
+
+std::size_t Tree4d::nodeCount() const {
+  return std::accumulate(data_.levels.begin(), data_.levels.end(), std::size_t{0},
+                         [](std::size_t sum, const TreeData::Level& level) { return sum + level.nodes; });
+}
+
+std::size_t Tree4d::memoryBytes() const {
+  std::size_t bytes = sizeof(Tree4d) + bytesOf(data_.masks) + bytesOf(data_.groups) + bytesOf(data_.childMasks) +
+                      bytesOf(data_.childBases) + bytesOf(data_.levels) + bytesOf(data_.entries) + bytesOf(data_.occupied) +
+                      bytesOf(boxes_);
+  for (const TreeData::Level& level : data_.levels) {
+    bytes += bytesOf(level.narrow8) + bytesOf(level.wide16) + bytesOf(level.escapeIndex) + bytesOf(level.escapeValue);
+  }
+  return bytes;
+}
+
+}  // namespace volute

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tree4d/tree_builder.hpp"
+
+#include <algorithm>
+
+#include "volute/base/assert.hpp"
+#include "volute/tree4d/tree_layout.hpp"
+
+namespace volute {
+namespace {
+
+constexpr int kBrick = BrickSlice::kSide;
+
+int levelsFor(int longest) {
+  int levels = 1;
+  while ((1 << levels) < longest) ++levels;
+  return levels;
+}
+
+void extend(VoxelBox& box, const VoxelBox& other) {
+  if (other.empty()) return;
+  if (box.empty()) {
+    box = other;
+    return;
+  }
+  for (int a = 0; a < 3; ++a) {
+    box.begin[a] = std::min(box.begin[a], other.begin[a]);
+    box.end[a] = std::max(box.end[a], other.end[a]);
+  }
+}
+
+}  // namespace
+
+TreeBuilder::TreeBuilder(const VolumeInfo& info, double step, float minimum, float maximum)
+    : info_(info),
+      grid_(info),
+      totalLevels_(levelsFor(std::max({info.frames, info.z, info.y, info.x}))),
+      blockLevels_(std::min(totalLevels_, 4)),
+      step_(step),
+      minimum_(minimum),
+      maximum_(maximum),
+      blocks_(grid_.count()),
+      blockOccupied_(grid_.count()),
+      blockBoxes_(grid_.count()) {}
+
+void TreeBuilder::addBlock(std::size_t block, std::span<const float> values) {
+  VOLUTE_ASSERT(values.size() == grid_.values(block));
+  noteOccupied(block, values);
+  blocks_[block] = buildSubtree({grid_.extents(block), info_.channels, 0, blockLevels_}, values, {}, step_);
+}
+
+void TreeBuilder::noteOccupied(std::size_t block, std::span<const float> values) {
+  const auto e = grid_.extents(block);
+  const auto origin = grid_.origin(block);
+  constexpr int kBricks = BlockGrid::kSide / kBrick;
+  auto& occupied = blockOccupied_[block];
+  auto& boxes = blockBoxes_[block];
+  occupied.assign(static_cast<std::size_t>(e[0]) * kBricks * kBricks * kBricks, 0);
+  boxes.assign(e[0], {});
+  std::size_t i = 0;
+  for (int t = 0; t < e[0]; ++t)
+    for (int z = 0; z < e[1]; ++z)
+      for (int y = 0; y < e[2]; ++y)
+        for (int x = 0; x < e[3]; ++x, i += info_.channels) {
+          bool zero = true;
+          for (int c = 0; c < info_.channels; ++c) zero &= values[i + c] == 0;
+          if (zero) continue;
+          occupied[((t * kBricks + z / kBrick) * kBricks + y / kBrick) * kBricks + x / kBrick] = 1;
+          const int vz = origin[1] + z, vy = origin[2] + y, vx = origin[3] + x;
+          extend(boxes[t], {{vz, vy, vx}, {vz + 1, vy + 1, vx + 1}});
+        }
+}
+
+QuantisedSubtree TreeBuilder::buildUpperTree() const {
+  std::vector<float> means;
+  std::vector<std::uint8_t> hasNode;
+  for (const QuantisedSubtree& block : blocks_) {
+    means.insert(means.end(), block.mean.begin(), block.mean.end());
+    hasNode.push_back(!block.empty);
+  }
+  if (totalLevels_ == blockLevels_) {  // one block: its root is the root
+    QuantisedSubtree upper;
+    upper.mean = blocks_[0].mean;
+    upper.leaves = {0};
+    return upper;
+  }
+  return buildSubtree({grid_.counts(), info_.channels, blockLevels_, totalLevels_ - blockLevels_}, means, hasNode, step_);
+}
+
+std::vector<SubtreeLevel> TreeBuilder::joinLevels(const QuantisedSubtree& upper) const {
+  std::vector<SubtreeLevel> levels(totalLevels_);
+  std::ranges::copy(upper.levels, levels.begin() + blockLevels_);
+  for (int l = 0; l < blockLevels_; ++l) {
+    for (std::uint32_t block : upper.leaves) {
+      const SubtreeLevel& part = blocks_[block].levels[l];
+      levels[l].masks.insert(levels[l].masks.end(), part.masks.begin(), part.masks.end());
+      levels[l].children.insert(levels[l].children.end(), part.children.begin(), part.children.end());
+      levels[l].coefficients.insert(levels[l].coefficients.end(), part.coefficients.begin(), part.coefficients.end());
+    }
+  }
+  return levels;
+}
+
+Tree4d TreeBuilder::finish() {
+  const QuantisedSubtree upper = buildUpperTree();
+  TreeData data;
+  data.extents = grid_.volumeExtents();
+  data.channels = info_.channels;
+  data.entryLevels = blockLevels_;
+  data.step = static_cast<float>(step_);
+  data.minimum = minimum_;
+  data.maximum = maximum_;
+  std::ranges::copy(upper.mean, data.mean.begin());
+  layOut(joinLevels(upper), data);
+
+  // A volume of a single block may have fewer than four levels; its one entry covers it all.
+  data.entryCounts = totalLevels_ == blockLevels_ ? std::array<int, 4>{1, 1, 1, 1} : grid_.counts();
+  data.entries.resize(static_cast<std::size_t>(data.entryCounts[0]) * data.entryCounts[1] * data.entryCounts[2] *
+                      data.entryCounts[3]);
+  enterBlocks(data);
+
+  data.bricks = {(info_.z + kBrick - 1) / kBrick, (info_.y + kBrick - 1) / kBrick, (info_.x + kBrick - 1) / kBrick};
+  const std::size_t frameBricks = static_cast<std::size_t>(data.bricks[0]) * data.bricks[1] * data.bricks[2];
+  data.occupied.assign((frameBricks * info_.frames + 63) / 64, 0);
+  std::vector<VoxelBox> boxes(info_.frames);
+  constexpr int kBricks = BlockGrid::kSide / kBrick;
+  for (std::size_t block = 0; block < grid_.count(); ++block) {
+    const auto origin = grid_.origin(block);
+    for (std::size_t i = 0; i < blockOccupied_[block].size(); ++i) {
+      if (!blockOccupied_[block][i]) continue;
+      const std::size_t t = origin[0] + i / (kBricks * kBricks * kBricks);
+      const std::size_t z = origin[1] / kBrick + i / (kBricks * kBricks) % kBricks;
+      const std::size_t y = origin[2] / kBrick + i / kBricks % kBricks;
+      const std::size_t x = origin[3] / kBrick + i % kBricks;
+      const std::size_t bit = ((t * data.bricks[0] + z) * data.bricks[1] + y) * data.bricks[2] + x;
+      data.occupied[bit >> 6] |= std::uint64_t{1} << (bit & 63);
+    }
+    for (std::size_t t = 0; t < blockBoxes_[block].size(); ++t) extend(boxes[origin[0] + t], blockBoxes_[block][t]);
+  }
+
+  blocks_.clear();
+  Tree4d tree(info_, std::move(data));
+  tree.boxes_ = std::move(boxes);
+  return tree;
+}
+
+}  // namespace volute

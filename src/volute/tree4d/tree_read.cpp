@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tree4d/tree_read.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "volute/tree4d/tree_read.cpp"
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cstring>
+
+HWY_BEFORE_NAMESPACE();
+namespace volute::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr std::uint64_t kCoefficientBits = 0xFFFEFFFEFFFEFFFEull;
+constexpr std::uint64_t kInnerBits = 0x0001000100010001ull;
+
+// Bit j of kOdd[o]: wavelet j is negative in child o.
+constexpr std::array<std::uint16_t, 16> kOdd = [] {
+  std::array<std::uint16_t, 16> odd{};
+  for (unsigned o = 0; o < 16; ++o) {
+    for (unsigned j = 0; j < 16; ++j) {
+      unsigned parity = o & j;
+      parity = (parity ^ parity >> 2) & 3;
+      if ((parity ^ parity >> 1) & 1) odd[o] = static_cast<std::uint16_t>(odd[o] | 1u << j);
+    }
+  }
+  return odd;
+}();
+
+HWY_INLINE std::uint32_t popCount(std::uint64_t bits) { return static_cast<std::uint32_t>(hwy::PopCount(bits)); }
+
+/// How many of `bits` are set in the masks of the nodes that stand before `node` in its group.
+HWY_INLINE std::uint32_t rankInGroup(const std::uint16_t* masks, std::uint32_t node, std::uint64_t bits) {
+  const std::uint16_t* group = masks + (node & ~(TreeData::kGroup - 1u));
+  const unsigned before = node & (TreeData::kGroup - 1u);
+  std::uint32_t count = 0;
+  std::uint64_t word = 0;
+  for (unsigned i = 0; i < before / 4; ++i) {
+    std::memcpy(&word, group + 4 * i, sizeof word);
+    count += popCount(word & bits);
+  }
+  std::memcpy(&word, group + before / 4 * 4, sizeof word);
+  return count + popCount(word & bits & ((1ull << 16 * (before % 4)) - 1));
+}
+
+HWY_NOINLINE std::int32_t escaped(const TreeData::Level& level, std::uint32_t index) {
+  const auto found = std::lower_bound(level.escapeIndex.begin(), level.escapeIndex.end(), index);
+  return level.escapeValue[static_cast<std::size_t>(found - level.escapeIndex.begin())];
+}
+
+/// Calls visit(lowest bit of the mask, quantised value) for each kept coefficient of one channel.
+template <class T, class Visit>
+HWY_INLINE void forEachCoefficient(const TreeData::Level& level, const T* values, std::uint32_t index, int channels,
+                                   unsigned mask, Visit&& visit) {
+  for (unsigned m = mask & 0xFFFEu; m != 0; m &= m - 1, index += channels) {
+    std::int32_t q = values[index];
+    if (HWY_UNLIKELY(q == hwy::LowestValue<T>())) q = escaped(level, index);
+    visit(m & (0u - m), q);
+  }
+}
+
+template <class Visit>
+HWY_INLINE void forEachCoefficient(const TreeData::Level& level, std::uint32_t index, int channels, unsigned mask,
+                                   Visit&& visit) {
+  if (level.wide) {
+    forEachCoefficient(level, level.wide16.data(), index, channels, mask, visit);
+  } else {
+    forEachCoefficient(level, level.narrow8.data(), index, channels, mask, visit);
+  }
+}
+
+HWY_INLINE float detail(const TreeData& data, const TreeData::Level& level, std::uint32_t coefficient, unsigned mask, unsigned o,
+                        int channel) {
+  std::int32_t sum = 0;
+  forEachCoefficient(level, coefficient * data.channels + channel, data.channels, mask,
+                     [&](unsigned bit, std::int32_t q) { sum += kOdd[o] & bit ? -q : q; });
+  return static_cast<float>(sum) * level.scale;
+}
+
+HWY_INLINE unsigned childAt(const std::array<int, 4>& voxel, int level) {
+  return static_cast<unsigned>((voxel[0] >> level & 1) << 3 | (voxel[1] >> level & 1) << 2 | (voxel[2] >> level & 1) << 1 |
+                               (voxel[3] >> level & 1));
+}
+
+HWY_INLINE std::uint32_t coefficientsBefore(const TreeData& data, std::uint32_t node) {
+  return data.groups[node / TreeData::kGroup].coefficients + rankInGroup(data.masks.data(), node, kCoefficientBits);
+}
+
+HWY_INLINE std::uint32_t childOf(const TreeData& data, std::uint32_t node, unsigned mask, unsigned o) {
+  if (!(mask & 1)) return TreeData::kNoNode;
+  const std::uint32_t inner =
+      data.groups[node / TreeData::kGroup].inner + rankInGroup(data.masks.data(), node, kInnerBits);
+  const unsigned children = data.childMasks[inner];
+  if (!(children >> o & 1)) return TreeData::kNoNode;
+  return data.childBases[inner] + popCount(children & ((1u << o) - 1));
+}
+
+HWY_INLINE float clamped(const TreeData& data, float value) {
+  return std::min(std::max(value, data.minimum), data.maximum);
+}
+
+float ReadValue(const TreeData& data, const std::array<int, 4>& v, int channel) {
+  if (!data.isOccupied(v[0], v[1], v[2], v[3])) return 0;
+  const TreeData::Entry& entry = data.entryAt(v[0], v[1], v[2], v[3]);
+  float value = entry.value[channel];
+  std::uint32_t node = entry.node;
+  for (int l = data.entryLevels - 1; node != TreeData::kNoNode; --l) {
+    const unsigned mask = data.masks[node];
+    const unsigned o = childAt(v, l);
+    value += detail(data, data.levels[l], coefficientsBefore(data, node), mask, o, channel);
+    node = childOf(data, node, mask, o);
+  }
+  return clamped(data, value);
+}
+
+void ReadValues(const TreeData& data, std::span<const std::array<int, 4>> voxels, std::span<float> values) {
+  std::size_t i = 0;
+  for (const auto& voxel : voxels) {
+    for (int c = 0; c < data.channels; ++c) values[i++] = ReadValue(data, voxel, c);
+  }
+}
+
+/// The path from an entry to the last voxel that was read, kept so that a neighbour walks only where it differs.
+class Path {
+ public:
+  explicit Path(const TreeData& data) : data_(data) {}
+
+  HWY_INLINE void read(const std::array<int, 4>& v, float* values) {
+    const int entryLevels = data_.entryLevels;
+    const unsigned differs = static_cast<unsigned>((v[0] ^ last_[0]) | (v[1] ^ last_[1]) | (v[2] ^ last_[2]) | (v[3] ^ last_[3]));
+    int l = 0;  // the level from whose cell on the walk must be done again
+    if (!started_ || (differs >> entryLevels) != 0) {
+      const TreeData::Entry& entry = data_.entryAt(v[0], v[1], v[2], v[3]);
+      l = entryLevels;
+      nodes_[l] = entry.node;
+      for (int c = 0; c < data_.channels; ++c) sums_[l][c] = entry.value[c];
+      started_ = true;
+    } else {
+      while (differs >> l != 0) ++l;
+      l = std::max(l, deepest_);  // the walk ended there: nothing below refines the cell
+    }
+    while (l > 0 && nodes_[l] != TreeData::kNoNode) {
+      const std::uint32_t node = nodes_[l];
+      const unsigned mask = data_.masks[node];
+      const unsigned o = childAt(v, l - 1);
+      const std::uint32_t coefficient = coefficientsBefore(data_, node);
+      for (int c = 0; c < data_.channels; ++c) {
+        sums_[l - 1][c] = sums_[l][c] + detail(data_, data_.levels[l - 1], coefficient, mask, o, c);
+      }
+      nodes_[l - 1] = childOf(data_, node, mask, o);
+      --l;
+    }
+    deepest_ = l;
+    last_ = v;
+    for (int c = 0; c < data_.channels; ++c) values[c] = clamped(data_, sums_[l][c]);
+  }
+
+ private:
+  const TreeData& data_;
+  bool started_ = false;
+  int deepest_ = 0;
+  std::array<int, 4> last_{};
+  // [l]: the cell of 2^l voxels a side: its value so far, and the node that refines it.
+  std::uint32_t nodes_[8] = {};
+  std::array<float, 3> sums_[8] = {};
+};
+
+void ReadAlong(const TreeData& data, const std::array<int, 4>& origin, const std::array<int, 4>& direction,
+               std::span<float> values) {
+  Path path(data);
+  std::array<int, 4> v = origin;
+  for (std::size_t i = 0; i < values.size(); i += data.channels) {
+    if (data.isOccupied(v[0], v[1], v[2], v[3])) {
+      path.read(v, &values[i]);
+    } else {
+      std::fill_n(&values[i], data.channels, 0.0f);
+    }
+    for (int a = 0; a < 4; ++a) v[a] += direction[a];
+  }
+}
+
+struct Item {
+  std::uint32_t node, coefficient, inner;
+  std::uint32_t cell;  // offset of its first child in the finer grid
+};
+
+/// From g^3 cells to (2g)^3, each value eight times.
+HWY_INLINE void upsample(const float* HWY_RESTRICT from, int g, float* HWY_RESTRICT to) {
+  const int h = 2 * g;
+  for (int z = 0; z < g; ++z) {
+    for (int y = 0; y < g; ++y) {
+      float* row = to + (2 * z * h + 2 * y) * h;
+      const float* source = from + (z * g + y) * g;
+      int x = 0;
+#if HWY_TARGET != HWY_SCALAR
+      const hn::FixedTag<float, 4> d;
+      for (; x + 4 <= g; x += 4) {
+        const auto v = hn::LoadU(d, source + x);
+        const auto low = hn::InterleaveLower(d, v, v);
+        const auto high = hn::InterleaveUpper(d, v, v);
+        for (float* r : {row, row + h, row + h * h, row + h * h + h}) {
+          hn::StoreU(low, d, r + 2 * x);
+          hn::StoreU(high, d, r + 2 * x + 4);
+        }
+      }
+#endif
+      for (x *= 2; x < h; ++x) row[x] = row[h + x] = row[h * h + x] = row[h * h + h + x] = source[x / 2];
+    }
+  }
+}
+
+/// What the 15 wavelets of a node are in its eight children of one time half, in quantisation steps: a Hadamard transform.
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE void hadamard(const std::int32_t* w, bool later, std::int32_t* sums) {
+  for (int o = 0; o < 8; ++o) {
+    sums[o] = 0;
+    for (int j = 0; j < 16; ++j) sums[o] += kOdd[o + 8 * later] >> j & 1 ? -w[j] : w[j];
+  }
+}
+#else
+HWY_INLINE void hadamard(const std::int32_t* HWY_RESTRICT w, bool later, std::int32_t* HWY_RESTRICT sums) {
+  const hn::FixedTag<std::int32_t, 4> d;
+  auto low = hn::Load(d, w);
+  auto high = hn::Load(d, w + 4);
+  const auto lowLater = hn::Load(d, w + 8);
+  const auto highLater = hn::Load(d, w + 12);
+  low = later ? hn::Sub(low, lowLater) : hn::Add(low, lowLater);
+  high = later ? hn::Sub(high, highLater) : hn::Add(high, highLater);
+  alignas(16) static constexpr std::int32_t kMinusY[4] = {0, 0, -1, -1};
+  alignas(16) static constexpr std::int32_t kMinusX[4] = {0, -1, 0, -1};
+  const auto minusY = hn::Load(d, kMinusY);
+  const auto minusX = hn::Load(d, kMinusX);
+  for (const auto& z : {hn::Add(low, high), hn::Sub(low, high)}) {
+    const auto y = hn::Add(hn::Shuffle1032(z), hn::Sub(hn::Xor(z, minusY), minusY));
+    const auto x = hn::Add(hn::Shuffle2301(y), hn::Sub(hn::Xor(y, minusX), minusX));
+    hn::Store(x, d, sums);
+    sums += 4;
+  }
+}
+#endif
+
+/// Adds a node's wavelets to the finer grid.
+HWY_INLINE void addDetails(const TreeData& data, const TreeData::Level& level, const Item& item, unsigned mask, bool later,
+                           int channel, int h, float* HWY_RESTRICT cells) {
+  alignas(64) std::int32_t w[16] = {};
+  forEachCoefficient(level, item.coefficient * data.channels + channel, data.channels, mask,
+                     [&](unsigned bit, std::int32_t q) { w[hwy::Num0BitsBelowLS1Bit_Nonzero32(bit)] = q; });
+  alignas(32) std::int32_t sums[8];
+  hadamard(w, later, sums);
+  for (int o = 0; o < 8; ++o) {
+    cells[item.cell + ((o >> 2) * h + (o >> 1 & 1)) * h + (o & 1)] += static_cast<float>(sums[o]) * level.scale;
+  }
+}
+
+/// Appends the children of `item` in one time half; their ranks follow from the first one's.
+HWY_INLINE int listChildren(const TreeData& data, const Item& item, bool later, int h, Item* out) {
+  const unsigned children = data.childMasks[item.inner];
+  const unsigned half = later ? children >> 8 : children & 0xFFu;
+  if (half == 0) return 0;
+  const std::uint32_t first = data.childBases[item.inner] + (later ? popCount(children & 0xFFu) : 0);
+  std::uint32_t coefficient = coefficientsBefore(data, first);
+  std::uint32_t inner = data.groups[first / TreeData::kGroup].inner + rankInGroup(data.masks.data(), first, kInnerBits);
+  const int hh = 2 * h;  // cells of the grid after the next
+  const std::uint32_t x = item.cell % h, y = item.cell / h % h, z = item.cell / (h * h);
+  int count = 0;
+  std::uint32_t node = first;
+  for (unsigned m = half; m != 0; m &= m - 1, ++node) {
+    const unsigned o = static_cast<unsigned>(hwy::Num0BitsBelowLS1Bit_Nonzero32(m));
+    const std::uint32_t cell = (2 * (z + (o >> 2)) * hh + 2 * (y + (o >> 1 & 1))) * hh + 2 * (x + (o & 1));
+    out[count++] = {node, coefficient, inner, cell};
+    coefficient += popCount(data.masks[node] & 0xFFFEu);
+    inner += data.masks[node] & 1u;
+  }
+  return count;
+}
+
+void ReadBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, float* values) {
+  constexpr int kMaxSide = 16;
+  constexpr int kMaxNodes = 512;
+  alignas(64) float buffers[2][3 * kMaxSide * kMaxSide * kMaxSide / 8];
+  Item items[2][kMaxNodes];
+  const int side = 1 << data.entryLevels;
+  int count = 0;
+  if (entry.node != TreeData::kNoNode) {
+    items[0][0] = {entry.node, coefficientsBefore(data, entry.node),
+                   data.groups[entry.node / TreeData::kGroup].inner + rankInGroup(data.masks.data(), entry.node, kInnerBits), 0};
+    count = 1;
+  }
+  float* current = buffers[0];
+  for (int c = 0; c < data.channels; ++c) current[c] = entry.value[c];
+  int g = 1;
+  for (int l = data.entryLevels - 1, turn = 0; l >= 0; --l, turn ^= 1) {
+    const int h = 2 * g;
+    float* finer = l == 0 ? values : buffers[turn ^ 1];
+    const bool later = t >> l & 1;
+    for (int c = 0; c < data.channels; ++c) upsample(current + c * g * g * g, g, finer + c * h * h * h);
+    int next = 0;
+    for (int i = 0; i < count; ++i) {
+      const Item& item = items[turn][i];
+      const unsigned mask = data.masks[item.node];
+      for (int c = 0; c < data.channels; ++c) {
+        addDetails(data, data.levels[l], item, mask, later, c, h, finer + c * h * h * h);
+      }
+      if (mask & 1) next += listChildren(data, item, later, h, &items[turn ^ 1][next]);
+    }
+    count = next;
+    current = finer;
+    g = h;
+  }
+  const int total = data.channels * side * side * side;
+  for (int i = 0; i < total; ++i) values[i] = clamped(data, values[i]);
+}
+
+}  // namespace volute::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace volute {
+
+HWY_EXPORT(ReadValue);
+HWY_EXPORT(ReadValues);
+HWY_EXPORT(ReadAlong);
+HWY_EXPORT(ReadBlockSlice);
+
+float readValue(const TreeData& data, const std::array<int, 4>& voxel, int channel) {
+  return HWY_DYNAMIC_DISPATCH(ReadValue)(data, voxel, channel);
+}
+
+void readValues(const TreeData& data, std::span<const std::array<int, 4>> voxels, std::span<float> values) {
+  HWY_DYNAMIC_DISPATCH(ReadValues)(data, voxels, values);
+}
+
+void readAlong(const TreeData& data, const std::array<int, 4>& origin, const std::array<int, 4>& direction,
+               std::span<float> values) {
+  HWY_DYNAMIC_DISPATCH(ReadAlong)(data, origin, direction, values);
+}
+
+void readBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, float* values) {
+  HWY_DYNAMIC_DISPATCH(ReadBlockSlice)(data, entry, t, values);
+}
+
+}  // namespace volute
+#endif

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "volute/tree4d/tree_data.hpp"
+
+// Reads of the compact tree, compiled for several instruction sets; the best one is picked when the program runs.
+// All give the same bits, and the same as a walk with tree_node.hpp in float.
+
+namespace volute {
+
+float readValue(const TreeData& data, const std::array<int, 4>& voxel, int channel);
+
+void readValues(const TreeData& data, std::span<const std::array<int, 4>> voxels, std::span<float> values);
+
+void readAlong(const TreeData& data, const std::array<int, 4>& origin, const std::array<int, 4>& direction,
+               std::span<float> values);
+
+/// Time `t` of the block with entry `entry`: shape (channel, z, y, x) of 2^entryLevels cells a side, clamped.
+void readBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, float* values);
+
+}  // namespace volute
