@@ -10,29 +10,38 @@
 
 namespace volute {
 
-/// How a sequence is cut into blocks of 16 frames x 16^3 voxels; those at the upper border are smaller.
-/// Axes are always (t, z, y, x). Blocks are numbered in C order, t slowest.
+/// How a sequence is cut into blocks of 16 frames x 16^3 voxels; those at the upper border are
+/// smaller. Axes are always (t, z, y, x). Blocks are numbered in C order, t slowest.
 class BlockGrid {
  public:
   static constexpr int kSide = 16;
   using Index4 = std::array<int, 4>;
 
   BlockGrid() = default;
-  explicit BlockGrid(const VolumeInfo& info) : extents_{info.frames, info.z, info.y, info.x}, channels_(info.channels) {
+
+  explicit BlockGrid(const VolumeInfo& info)
+      : extents_{info.frames, info.z, info.y, info.x}, channels_(info.channels) {
     for (int axis = 0; axis < 4; ++axis) counts_[axis] = (extents_[axis] + kSide - 1) / kSide;
   }
 
   std::size_t count() const {
     return static_cast<std::size_t>(counts_[0]) * counts_[1] * counts_[2] * counts_[3];
   }
+
   /// Blocks of one row: the same 16 frames.
-  std::size_t rowCount() const { return static_cast<std::size_t>(counts_[1]) * counts_[2] * counts_[3]; }
+  std::size_t rowCount() const {
+    return static_cast<std::size_t>(counts_[1]) * counts_[2] * counts_[3];
+  }
+
   const Index4& counts() const { return counts_; }
+
   const Index4& volumeExtents() const { return extents_; }
+
   int channels() const { return channels_; }
 
   std::size_t blockAt(const Index4& c) const {
-    return ((static_cast<std::size_t>(c[0]) * counts_[1] + c[1]) * counts_[2] + c[2]) * counts_[3] + c[3];
+    return ((static_cast<std::size_t>(c[0]) * counts_[1] + c[1]) * counts_[2] + c[2]) * counts_[3] +
+           c[3];
   }
 
   Index4 coordinate(std::size_t block) const {
@@ -63,11 +72,14 @@ class BlockGrid {
     return static_cast<std::size_t>(e[0]) * e[1] * e[2] * e[3] * channels_;
   }
 
-  /// Resolution levels of a block, the scaling coefficient included: 1 + ceil(log2(its longest side)).
+  /// Resolution levels of a block, the scaling coefficient included: 1 + ceil(log2(its longest
+  /// side)).
   int levels(std::size_t block) const {
     const Index4 e = extents(block);
     int levels = 1;
-    for (int side = std::max(std::max(e[0], e[1]), std::max(e[2], e[3])); side > 1; side = (side + 1) / 2) ++levels;
+    for (int side = std::max(std::max(e[0], e[1]), std::max(e[2], e[3])); side > 1;
+         side = (side + 1) / 2)
+      ++levels;
     return levels;
   }
 

@@ -15,10 +15,11 @@ namespace volute {
 /// What a compressed file must reach.
 struct ErrorTarget {
   enum class Kind {
-    kRms,       ///< relative RMS <= value: RMS over all voxels and channels / (max - min of the whole original)
-    kPsnr,      ///< [dB]; relative RMS <= 10^(-value / 20)
-    kRatio,     ///< raw float32 bytes / file bytes >= value
-    kSize,      ///< file bytes <= value
+    kRms,    ///< relative RMS <= value: RMS over all voxels and channels / (max - min of the whole
+             ///< original)
+    kPsnr,   ///< [dB]; relative RMS <= 10^(-value / 20)
+    kRatio,  ///< raw float32 bytes / file bytes >= value
+    kSize,   ///< file bytes <= value
     kMaxError,  ///< |decoded - original| <= value at every voxel
   };
   Kind kind = Kind::kRms;
@@ -42,9 +43,11 @@ struct CompressReport {
   double seconds = 0;
 };
 
-/// Compresses `source` into the .volute file `target`. Holds a row of blocks (16 frames) in memory, whatever the
-/// number of frames; NaN and Inf are refused with their frame and voxel; the same bytes for any number of threads.
-[[nodiscard]] Result<CompressReport> compress(FrameSource& source, const std::filesystem::path& target,
+/// Compresses `source` into the .volute file `target`. Holds a row of blocks (16 frames) in memory,
+/// whatever the number of frames; NaN and Inf are refused with their frame and voxel; the same
+/// bytes for any number of threads.
+[[nodiscard]] Result<CompressReport> compress(FrameSource& source,
+                                              const std::filesystem::path& target,
                                               const CompressOptions& options, Progress& progress);
 
 }  // namespace volute

@@ -21,41 +21,47 @@ namespace volute {
 struct VoluteHeader {
   int versionMajor = 0;
   int versionMinor = 0;
-  int codec = 0;               ///< which bit stream the blocks use; docs/format.md
-  std::string writtenBy;       ///< program and version
-  std::string provenance;      ///< what it was made from
-  std::string targetKind;      ///< rms, psnr, ratio, size or max-error
+  int codec = 0;           ///< which bit stream the blocks use; docs/format.md
+  std::string writtenBy;   ///< program and version
+  std::string provenance;  ///< what it was made from
+  std::string targetKind;  ///< rms, psnr, ratio, size or max-error
   double targetValue = 0;
-  double reachedRms = 0;       ///< relative RMS over all values: RMS / (max - min)
-  double reachedMaxError = 0;  ///< absolute
+  double reachedRms = 0;              ///< relative RMS over all values: RMS / (max - min)
+  double reachedMaxError = 0;         ///< absolute
   double valueMin = 0, valueMax = 0;  ///< of the original
-  double haarStep = 0;  ///< quantisation step of the orthonormal Haar coefficients; 0 when the codec has another basis
+  double haarStep = 0;  ///< quantisation step of the orthonormal Haar coefficients; 0 when the
+                        ///< codec has another basis
 };
 
 /// What of a file is there and whole.
 struct Integrity {
   std::uint64_t expectedBytes = 0;
   std::uint64_t presentBytes = 0;
-  std::uint64_t segments = 0;         ///< one level of one block each
+  std::uint64_t segments = 0;  ///< one or two levels of one block each, empty ones not counted
   std::uint64_t intactSegments = 0;
-  int intactLevels = 0;               ///< levels, from the coarsest, that are whole in every block
-  std::string firstFault;             ///< empty when all is whole
+  int intactLevels = 0;    ///< levels, from the coarsest, that are whole in every block
+  std::string firstFault;  ///< empty when all is whole
+
   bool complete() const { return firstFault.empty(); }
 };
 
-/// Reads any block, frame or region of a .volute file, touching only what that needs. Const reads are thread-safe.
-/// Every byte is covered by a checksum that is verified before it is used.
+/// Reads any block, frame or region of a .volute file, touching only what that needs. Const reads
+/// are thread-safe. Every byte is covered by a checksum that is verified before it is used.
 class VoluteReader {
  public:
   struct Options {
-    /// False: a truncated file, or a damaged block when it is touched, is an error. True: what is intact of a block's
-    /// levels, coarse first, is decoded and the rest taken as zero.
+    /// False: a truncated file, or a damaged block when it is touched, is an error. True: what is
+    /// intact of a block's levels, coarse first, is decoded and the rest taken as zero.
     bool partial = false;
     std::uint64_t maxMemory = std::uint64_t{4} << 30;
   };
 
-  [[nodiscard]] static Result<VoluteReader> open(const std::filesystem::path& path, const Options& options);
-  [[nodiscard]] static Result<VoluteReader> open(const std::filesystem::path& path) { return open(path, Options{}); }
+  [[nodiscard]] static Result<VoluteReader> open(const std::filesystem::path& path,
+                                                 const Options& options);
+
+  [[nodiscard]] static Result<VoluteReader> open(const std::filesystem::path& path) {
+    return open(path, Options{});
+  }
 
   const VolumeInfo& info() const;
   const VoluteHeader& header() const;
@@ -64,13 +70,25 @@ class VoluteReader {
   /// Checks every segment of the file.
   Integrity verify() const;
 
-  /// Fills `values` with block `block` at full resolution, shape = blocks().extents(block) x channels, (t, z, y, x, c)
-  /// in C order. `levels` < blocks().levels(block) decodes only that many levels from the coarsest on (a preview).
+  /// Fills `values` with block `block` at full resolution, shape = blocks().extents(block) x
+  /// channels, (t, z, y, x, c) in C order. `levels` < blocks().levels(block) decodes only that many
+  /// levels from the coarsest on (a preview).
   [[nodiscard]] Status readBlock(std::size_t block, std::span<float> values, int levels = 99) const;
 
-  /// The region of one frame: [begin, end) in voxels on each axis, shape (z, y, x, c).
-  [[nodiscard]] Status readRegion(int frame, const std::array<int, 3>& begin, const std::array<int, 3>& end,
-                                  std::span<float> values, int levels = 99) const;
+  /// The region of one frame: [begin, end) in voxels on the axes z, y, x, shape (z, y, x, c).
+  /// Decodes the blocks that it touches, in parallel.
+  [[nodiscard]] Status readRegion(int frame, const std::array<int, 3>& begin,
+                                  const std::array<int, 3>& end, std::span<float> values,
+                                  int levels = 99) const;
+
+  /// Row `row` of blocks: up to 16 frames from 16 * row on, shape (t, z, y, x, c). Decodes in
+  /// parallel.
+  [[nodiscard]] Status readRow(int row, std::span<float> values, int levels = 99) const;
+
+  /// Bytes that the values of a block take in the file.
+  std::uint64_t storedBytes(std::size_t block) const;
+
+  std::uint64_t maxMemory() const;
 
   /// Since open: what has been read and decoded, for `extract`'s report.
   std::uint64_t bytesRead() const;
@@ -86,7 +104,8 @@ class VoluteReader {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A .volute file as a source of frames; keeps the decoded row of blocks that holds the current frame.
+/// A .volute file as a source of frames; keeps the decoded row of blocks that holds the current
+/// frame, if that fits in the reader's maxMemory.
 std::unique_ptr<FrameSource> frameSource(std::shared_ptr<const VoluteReader> reader);
 
 }  // namespace volute

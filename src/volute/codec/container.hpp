@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "volute/base/input_file.hpp"
+#include "volute/base/result.hpp"
+#include "volute/codec/block_codec.hpp"
+#include "volute/codec/block_grid.hpp"
+#include "volute/codec/volute_reader.hpp"
+#include "volute/grid/volume_info.hpp"
+
+namespace volute {
+
+/// Where one tier of one block lies in the file.
+struct Segment {
+  std::uint64_t offset = 0;
+  std::uint32_t size = 0;
+  std::uint32_t crc = 0;
+};
+
+/// All that stands before the values of a .volute file: docs/format.md, sections 2 to 6.
+struct FileHead {
+  VolumeInfo info;
+  VoluteHeader header;
+  StreamParameters parameters;
+  const BlockCodec* codec = nullptr;
+  /// Tier by tier, block by block, as in the file.
+  std::vector<Segment> segments;
+  std::uint64_t headBytes = 0;
+  std::uint64_t fileBytes = 0;
+
+  const Segment& segment(std::size_t tier, std::size_t block, std::size_t blocks) const {
+    return segments[tier * blocks + block];
+  }
+};
+
+BlockShape shapeOf(const BlockGrid& grid, std::size_t block);
+
+/// The bytes of a head; sets headBytes, fileBytes and the segments' offsets from their sizes.
+std::vector<std::byte> writeHead(FileHead& head);
+
+/// Reads and checks a head. Takes any bytes: it allocates in proportion to what is there, and at
+/// most max(64 MiB, maxMemory). The file may end before its last segment (the caller compares its
+/// size with fileBytes), but not after it.
+[[nodiscard]] Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory);
+
+/// True when `crc` is the checksum of `bytes`. A fuzzer's build takes any, to reach what lies
+/// behind.
+bool checksumMatches(std::span<const std::byte> bytes, std::uint32_t crc);
+
+}  // namespace volute

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/codec/volute_reader.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "volute/codec/container.hpp"
+#include "volute/codec/parallel_try.hpp"
+
+namespace volute {
+
+struct VoluteReader::Impl {
+  using Index4 = BlockGrid::Index4;
+
+  Impl(InputFile openFile, const Options& chosen, FileHead readHead)
+      : file(std::move(openFile)), options(chosen), head(std::move(readHead)), grid(head.info) {}
+
+  InputFile file;
+  Options options;
+  FileHead head;
+  BlockGrid grid;
+  mutable std::atomic<std::uint64_t> bytesRead{0};
+  mutable std::atomic<std::uint64_t> blocksDecoded{0};
+
+  std::size_t tiers() const { return head.codec->tierLevels().size(); }
+
+  const Segment& segment(std::size_t tier, std::size_t block) const {
+    return head.segment(tier, block, grid.count());
+  }
+
+  tl::unexpected<Error> blame(std::size_t block, std::uint64_t offset, ErrorCode code,
+                              std::string_view what) const;
+  Status readSegment(std::size_t block, std::size_t tier, std::vector<std::byte>& bytes) const;
+  Result<std::vector<std::vector<std::byte>>> readTiers(std::size_t block, int levels) const;
+  Status decodeBlock(std::size_t block, std::span<float> values, int levels) const;
+  Status checkBox(const Index4& begin, const Index4& end, std::size_t values) const;
+  Status readPart(std::size_t block, const Index4& begin, const Index4& end,
+                  std::span<float> values, int levels) const;
+  Status readBox(const Index4& begin, const Index4& end, std::span<float> values, int levels) const;
+};
+
+// "fire.volute: block 7 (frames 16-31), byte 9000: its checksum is wrong; --partial shows what is
+// intact"
+tl::unexpected<Error> VoluteReader::Impl::blame(std::size_t block, std::uint64_t offset,
+                                                ErrorCode code, std::string_view what) const {
+  const auto first = static_cast<std::size_t>(grid.origin(block)[0]);
+  const auto last = first + static_cast<std::size_t>(grid.extents(block)[0]) - 1;
+  return fail(code, "{}: block {} (frames {}-{}), byte {}: {}; --partial shows what is intact",
+              file.path().string(), block, head.info.frameNumbers[first],
+              head.info.frameNumbers[last], offset, what);
+}
+
+Status VoluteReader::Impl::readSegment(std::size_t block, std::size_t tier,
+                                       std::vector<std::byte>& bytes) const {
+  const Segment& at = segment(tier, block);
+  bytes.clear();
+  if (at.size == 0)
+    return {};
+  if (at.offset + at.size > file.size()) {
+    return blame(block, at.offset, ErrorCode::kTruncated,
+                 fmt::format("the file ends at byte {} of {}", file.size(), head.fileBytes));
+  }
+  bytes.resize(at.size);
+  VOLUTE_TRY(file.read(at.offset, bytes));
+  bytesRead += at.size;
+  if (!checksumMatches(bytes, at.crc))
+    return blame(block, at.offset, ErrorCode::kInvalidData, "its checksum is wrong");
+  return {};
+}
+
+// The segments of the first `levels` levels; with `partial` only those before the first that is
+// damaged.
+Result<std::vector<std::vector<std::byte>>> VoluteReader::Impl::readTiers(std::size_t block,
+                                                                          int levels) const {
+  std::vector<std::vector<std::byte>> result;
+  int firstLevel = 0;
+  for (std::size_t tier = 0; tier < tiers() && firstLevel < levels; ++tier) {
+    std::vector<std::byte> bytes;
+    if (auto status = readSegment(block, tier, bytes); !status) {
+      if (options.partial)
+        break;
+      return tl::unexpected(std::move(status).error());
+    }
+    result.push_back(std::move(bytes));
+    firstLevel += head.codec->tierLevels()[tier];
+  }
+  return result;
+}
+
+Status VoluteReader::Impl::decodeBlock(std::size_t block, std::span<float> values,
+                                       int levels) const {
+  VOLUTE_ASSIGN(auto bytes, readTiers(block, levels));
+  const BlockShape shape = shapeOf(grid, block);
+  ++blocksDecoded;
+  Status status = head.codec->decode(bytes, levels, shape, head.parameters, values);
+  for (; !status && options.partial && !bytes.empty();
+       status = head.codec->decode(bytes, levels, shape, head.parameters, values)) {
+    bytes.pop_back();
+  }
+  if (!status)
+    return blame(block, segment(0, block).offset, status.error().code, status.error().message);
+  return {};
+}
+
+Status VoluteReader::Impl::checkBox(const Index4& begin, const Index4& end,
+                                    std::size_t values) const {
+  const Index4& volume = grid.volumeExtents();
+  bool fits = true;
+  std::size_t wanted = static_cast<std::size_t>(grid.channels());
+  for (std::size_t axis = 0; fits && axis < 4; ++axis) {
+    fits = begin[axis] >= 0 && begin[axis] < end[axis] && end[axis] <= volume[axis];
+    if (fits)
+      wanted *= static_cast<std::size_t>(end[axis] - begin[axis]);
+  }
+  if (fits && wanted == values)
+    return {};
+  return fail(ErrorCode::kInvalidArgument,
+              "{}: frames {}:{}, z {}:{}, y {}:{}, x {}:{} do not lie inside the {} x {} x {} x {} "
+              "of the file (t, z, y, "
+              "x), or do not fill the room for {} values",
+              file.path().string(), begin[0], end[0], begin[1], end[1], begin[2], end[2], begin[3],
+              end[3], volume[0], volume[1], volume[2], volume[3], values);
+}
+
+// Decodes a block and copies what of it lies in [begin, end) to its place there.
+Status VoluteReader::Impl::readPart(std::size_t block, const Index4& begin, const Index4& end,
+                                    std::span<float> values, int levels) const {
+  const Index4 origin = grid.origin(block);
+  const Index4 extents = grid.extents(block);
+  const auto channels = static_cast<std::size_t>(grid.channels());
+  std::vector<float> decoded(grid.values(block));
+  VOLUTE_TRY(decodeBlock(block, decoded, levels));
+  Index4 low{}, high{};
+  for (std::size_t axis = 0; axis < 4; ++axis) {
+    low[axis] = std::max(begin[axis], origin[axis]);
+    high[axis] = std::min(end[axis], origin[axis] + extents[axis]);
+  }
+  // Where (t, z, y, low x) is in an array that starts at `from` and ends at `to`.
+  const auto place = [channels, x = low[3]](int t, int z, int y, const Index4& from,
+                                            const Index4& to) {
+    std::size_t at = static_cast<std::size_t>(t - from[0]);
+    at = at * (to[1] - from[1]) + (z - from[1]);
+    at = at * (to[2] - from[2]) + (y - from[2]);
+    return (at * (to[3] - from[3]) + (x - from[3])) * channels;
+  };
+  Index4 blockEnd{};
+  for (std::size_t axis = 0; axis < 4; ++axis) blockEnd[axis] = origin[axis] + extents[axis];
+  const std::size_t line = static_cast<std::size_t>(high[3] - low[3]) * channels;
+  for (int t = low[0]; t < high[0]; ++t) {
+    for (int z = low[1]; z < high[1]; ++z) {
+      for (int y = low[2]; y < high[2]; ++y) {
+        std::copy_n(decoded.data() + place(t, z, y, origin, blockEnd), line,
+                    values.data() + place(t, z, y, begin, end));
+      }
+    }
+  }
+  return {};
+}
+
+Status VoluteReader::Impl::readBox(const Index4& begin, const Index4& end, std::span<float> values,
+                                   int levels) const {
+  VOLUTE_TRY(checkBox(begin, end, values.size()));
+  Index4 first{}, count{};
+  std::size_t touched = 1;
+  for (std::size_t axis = 0; axis < 4; ++axis) {
+    first[axis] = begin[axis] / BlockGrid::kSide;
+    count[axis] = (end[axis] - 1) / BlockGrid::kSide - first[axis] + 1;
+    touched *= static_cast<std::size_t>(count[axis]);
+  }
+  return parallelTry(touched, [&](std::size_t i) {
+    Index4 at{};
+    for (std::size_t axis = 4; axis-- > 0; i /= static_cast<std::size_t>(count[axis])) {
+      at[axis] = first[axis] + static_cast<int>(i % static_cast<std::size_t>(count[axis]));
+    }
+    return readPart(grid.blockAt(at), begin, end, values, levels);
+  });
+}
+
+VoluteReader::VoluteReader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+VoluteReader::VoluteReader(VoluteReader&&) noexcept = default;
+VoluteReader& VoluteReader::operator=(VoluteReader&&) noexcept = default;
+VoluteReader::~VoluteReader() = default;
+
+Result<VoluteReader> VoluteReader::open(const std::filesystem::path& path, const Options& options) {
+  VOLUTE_ASSIGN(InputFile file, InputFile::open(path));
+  VOLUTE_ASSIGN(FileHead head, readHead(file, options.maxMemory));
+  if (file.size() < head.fileBytes && !options.partial) {
+    return fail(ErrorCode::kTruncated,
+                "{}: is truncated: it ends at byte {} of {}; --partial shows what is intact",
+                path.string(), file.size(), head.fileBytes);
+  }
+  return VoluteReader(std::make_unique<Impl>(std::move(file), options, std::move(head)));
+}
+
+const VolumeInfo& VoluteReader::info() const {
+  return impl_->head.info;
+}
+
+const VoluteHeader& VoluteReader::header() const {
+  return impl_->head.header;
+}
+
+const BlockGrid& VoluteReader::blocks() const {
+  return impl_->grid;
+}
+
+std::uint64_t VoluteReader::maxMemory() const {
+  return impl_->options.maxMemory;
+}
+
+std::uint64_t VoluteReader::bytesRead() const {
+  return impl_->bytesRead;
+}
+
+std::uint64_t VoluteReader::blocksDecoded() const {
+  return impl_->blocksDecoded;
+}
+
+std::uint64_t VoluteReader::storedBytes(std::size_t block) const {
+  std::uint64_t bytes = 0;
+  for (std::size_t tier = 0; tier < impl_->tiers(); ++tier)
+    bytes += impl_->segment(tier, block).size;
+  return bytes;
+}
+
+Integrity VoluteReader::verify() const {
+  const Impl& impl = *impl_;
+  Integrity integrity;
+  integrity.expectedBytes = impl.head.fileBytes;
+  integrity.presentBytes = impl.file.size();
+  std::vector<std::byte> bytes;
+  for (std::size_t tier = 0; tier < impl.tiers(); ++tier) {
+    bool whole = true;
+    for (std::size_t block = 0; block < impl.grid.count(); ++block) {
+      if (impl.segment(tier, block).size == 0)
+        continue;
+      ++integrity.segments;
+      if (const Status status = impl.readSegment(block, tier, bytes); status) {
+        ++integrity.intactSegments;
+      } else {
+        whole = false;
+        if (integrity.firstFault.empty())
+          integrity.firstFault = status.error().message;
+      }
+    }
+    if (whole && integrity.firstFault.empty())
+      integrity.intactLevels += impl.head.codec->tierLevels()[tier];
+  }
+  return integrity;
+}
+
+Status VoluteReader::readBlock(std::size_t block, std::span<float> values, int levels) const {
+  if (block >= impl_->grid.count() || values.size() != impl_->grid.values(block)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: block {} of {} was asked for with room for {} values",
+                impl_->file.path().string(), block, impl_->grid.count(), values.size());
+  }
+  return impl_->decodeBlock(block, values, levels);
+}
+
+Status VoluteReader::readRegion(int frame, const std::array<int, 3>& begin,
+                                const std::array<int, 3>& end, std::span<float> values,
+                                int levels) const {
+  return impl_->readBox({frame, begin[0], begin[1], begin[2]}, {frame + 1, end[0], end[1], end[2]},
+                        values, levels);
+}
+
+Status VoluteReader::readRow(int row, std::span<float> values, int levels) const {
+  const BlockGrid::Index4& volume = impl_->grid.volumeExtents();
+  const int first = std::clamp(row, 0, impl_->grid.counts()[0] - 1) * BlockGrid::kSide;
+  return impl_->readBox(
+      {first, 0, 0, 0},
+      {std::min(first + BlockGrid::kSide, volume[0]), volume[1], volume[2], volume[3]}, values,
+      levels);
+}
+
+}  // namespace volute
