@@ -115,9 +115,9 @@ std::string zshCompletion() {
       "\"$words[2]\" in\n";
   for (const Command& command : commands()) {
     const std::string words = positionalWords(command);
-    out += fmt::format("    {})\n      shift words; (( CURRENT-- ))\n      _arguments {} \\\n",
-                       command.name,
-                       shellQuoted(words.empty() ? "*:file:_files" : fmt::format("*:name:({})", words)));
+    out += fmt::format(
+        "    {})\n      shift words; (( CURRENT-- ))\n      _arguments {} \\\n", command.name,
+        shellQuoted(words.empty() ? "*:file:_files" : fmt::format("*:name:({})", words)));
     const auto options = allOptions(command);
     for (std::size_t i = 0; i < options.size(); ++i) {
       out += fmt::format("        {}{}\n", shellQuoted(zshArgument(*options[i])),
