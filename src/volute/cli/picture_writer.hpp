@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "volute/cli/context.hpp"
+#include "volute/base/result.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/image.hpp"
 
