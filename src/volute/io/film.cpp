@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/film.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "volute/base/assert.hpp"
+#include "volute/io/image_formats.hpp"
+#include "volute/io/plugin.hpp"
+#include "volute/io/reader_process.hpp"
+
+namespace volute {
+
+Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::path& path, int width,
+                                                       int height, double framesPerSecond) {
+  constexpr int kLongestSide = 16384;
+  if (width < 1 || height < 1 || width > kLongestSide || height > kLongestSide) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: a film of {} x {} pixels; expected 1 to {} on a side", path.string(), width,
+                height, kLongestSide);
+  }
+  if (!std::isfinite(framesPerSecond) || framesPerSecond < 0.01 || framesPerSecond > 1000) {
+    return fail(ErrorCode::kInvalidArgument, "{}: {} frames per second; expected 0.01 to 1000",
+                path.string(), framesPerSecond);
+  }
+  VOLUTE_ASSIGN(const FilmPlugin* plugin, loadFilmPlugin());
+  return plugin->makeWriter(path, width, height, framesPerSecond);
+}
+
+/// The child answers "open" with a FilmInfo, and each "next" with "frame" or "end".
+struct FilmReader::Impl {
+  explicit Impl(const std::filesystem::path& file, std::uint64_t memory)
+      : path(file),
+        maxMemory(memory),
+        process([file, decoder = std::shared_ptr<FilmDecoder>()](
+                    std::string_view request,
+                    std::span<float> pixels) mutable -> Result<std::string> {
+          if (request == "open") {
+            VOLUTE_ASSIGN(const FilmPlugin* plugin, loadFilmPlugin());
+            decoder = plugin->makeDecoder();
+            VOLUTE_ASSIGN(const FilmInfo info, decoder->open(file));
+            return std::string(reinterpret_cast<const char*>(&info), sizeof info);
+          }
+          if (!decoder)
+            return fail(ErrorCode::kInvalidData, "{}: decoding it failed before", file.string());
+          VOLUTE_ASSIGN(const bool more, decoder->next(pixels));
+          return std::string(more ? "frame" : "end");
+        }) {}
+
+  Result<std::string> call(std::string_view request, std::size_t values) {
+    constexpr std::uint64_t kLibraries = 256 << 20;
+    return process.call(path.string(), request, values,
+                        {std::max<std::uint64_t>(64 << 20, maxMemory) + kLibraries, 30});
+  }
+
+  std::filesystem::path path;
+  std::uint64_t maxMemory;
+  ReaderProcess process;
+  FilmInfo info;
+};
+
+FilmReader::FilmReader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+FilmReader::~FilmReader() = default;
+FilmReader::FilmReader(FilmReader&&) noexcept = default;
+FilmReader& FilmReader::operator=(FilmReader&&) noexcept = default;
+
+const FilmInfo& FilmReader::info() const {
+  return impl_->info;
+}
+
+Result<FilmReader> FilmReader::open(const std::filesystem::path& path, std::uint64_t maxMemory) {
+  auto impl = std::make_unique<Impl>(path, maxMemory);
+  VOLUTE_ASSIGN(const std::string reply, impl->call("open", 0));
+  VOLUTE_ASSERT(reply.size() == sizeof impl->info);
+  std::memcpy(&impl->info, reply.data(), sizeof impl->info);
+  VOLUTE_TRY(checkImageSize(path, impl->info.width, impl->info.height, 3, maxMemory));
+  return FilmReader(std::move(impl));
+}
+
+Result<std::optional<Image>> FilmReader::next() {
+  const FilmInfo& film = impl_->info;
+  VOLUTE_ASSIGN(const std::string reply,
+                impl_->call("next", std::size_t{3} * film.width * film.height));
+  if (reply == "end")
+    return std::optional<Image>();
+  Image image(film.width, film.height);
+  std::ranges::copy(impl_->process.values(), image.pixels.begin());
+  return std::optional<Image>(std::move(image));
+}
+
+}  // namespace volute

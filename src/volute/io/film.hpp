@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "volute/base/result.hpp"
+#include "volute/image/image.hpp"
+
+namespace volute {
+
+/// Writes a film: H.264 into .mp4, VP9 into .webm, both 4:2:0 with BT.709 colours and a constant
+/// quality. The same frames give the same bytes in every run and on any number of cores.
+class FilmWriter {
+ public:
+  /// @param width, height  [pixels] of every frame; odd sizes are padded by one row or column.
+  /// @param framesPerSecond  > 0.
+  [[nodiscard]] static Result<std::unique_ptr<FilmWriter>> create(const std::filesystem::path& path,
+                                                                  int width, int height,
+                                                                  double framesPerSecond);
+
+  virtual ~FilmWriter() = default;
+
+  /// Appends linear RGB, or grey with one channel, encoded as sRGB and clamped to 0..1.
+  [[nodiscard]] virtual Status addFrame(const Image& linear) = 0;
+
+  /// After the last frame; without it no file appears.
+  [[nodiscard]] virtual Status finish() = 0;
+};
+
+/// What a film says about itself.
+struct FilmInfo {
+  int width = 0;   ///< [pixels]
+  int height = 0;  ///< [pixels]
+  double framesPerSecond = 0;
+};
+
+/// Decodes one film with libav; what a plug-in offers to FilmReader, which runs it in a child
+/// process.
+class FilmDecoder {
+ public:
+  virtual ~FilmDecoder() = default;
+  [[nodiscard]] virtual Result<FilmInfo> open(const std::filesystem::path& path) = 0;
+  /// Linear RGB, shape (height, width, 3); false after the last frame.
+  [[nodiscard]] virtual Result<bool> next(std::span<float> pixels) = 0;
+};
+
+/// Reads a film frame by frame, each as linear RGB. The decoder runs in a child process with
+/// limits, so a damaged film is an error at worst.
+class FilmReader {
+ public:
+  /// @param maxMemory  [bytes] that decoding may take.
+  [[nodiscard]] static Result<FilmReader> open(const std::filesystem::path& path,
+                                               std::uint64_t maxMemory = std::uint64_t{1} << 30);
+
+  ~FilmReader();
+  FilmReader(FilmReader&&) noexcept;
+  FilmReader& operator=(FilmReader&&) noexcept;
+
+  const FilmInfo& info() const;
+
+  /// The next frame; nothing after the last.
+  [[nodiscard]] Result<std::optional<Image>> next();
+
+ private:
+  struct Impl;
+  explicit FilmReader(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// What the plug-in for films offers.
+struct FilmPlugin {
+  Result<std::unique_ptr<FilmWriter>> (*makeWriter)(const std::filesystem::path& path, int width,
+                                                    int height, double framesPerSecond);
+  std::unique_ptr<FilmDecoder> (*makeDecoder)();
+};
+
+}  // namespace volute

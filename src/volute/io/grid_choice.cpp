@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/grid_choice.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+namespace volute {
+namespace {
+
+/// Levenshtein's distance: how many characters to insert, remove or replace.
+std::size_t editDistance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i] != b[j]);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string listed(std::span<const GridEntry> entries) {
+  constexpr std::size_t kMost = 32;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(entries.size(), kMost); ++i) {
+    text += fmt::format("{}{} ({})", i == 0 ? "" : ", ", entries[i].name, entries[i].type);
+  }
+  if (entries.size() > kMost)
+    text += fmt::format(" and {} more", entries.size() - kMost);
+  return text;
+}
+
+std::string nearestHint(std::span<const GridEntry> entries, const std::string& wanted) {
+  const auto distance = [&](const GridEntry& entry) { return editDistance(entry.name, wanted); };
+  const auto nearest = std::ranges::min_element(entries, {}, distance);
+  const bool close = distance(*nearest) <= std::max<std::size_t>(2, wanted.size() / 2);
+  return close ? fmt::format("; did you mean '{}'?", nearest->name) : std::string(";");
+}
+
+}  // namespace
+
+Result<std::size_t> chooseGrid(std::span<const GridEntry> entries, const std::string& wanted,
+                               const std::string& file) {
+  if (entries.empty())
+    return fail(ErrorCode::kNotFound, "{}: holds no grids", file);
+  const std::string choice = wanted.empty() ? "density" : wanted;
+  const auto named = std::ranges::find(entries, choice, &GridEntry::name);
+  if (wanted.empty()) {
+    const auto usable = std::ranges::count_if(entries, &GridEntry::usable);
+    if (usable == 1)
+      return std::ranges::find(entries, true, &GridEntry::usable) - entries.begin();
+    if (usable == 0) {
+      return fail(ErrorCode::kUnsupported, "{}: no grid with a scalar or RGB volume; it has {}",
+                  file, listed(entries));
+    }
+    if (named == entries.end() || !named->usable) {
+      return fail(ErrorCode::kInvalidArgument, "{}: which grid? It has {}; choose one with --grid",
+                  file, listed(entries));
+    }
+  }
+  if (named == entries.end()) {
+    return fail(ErrorCode::kNotFound, "{}: no grid named '{}'{} it has {}", file, wanted,
+                nearestHint(entries, wanted), listed(entries));
+  }
+  if (!named->usable) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: grid '{}' is of type {}; expected a scalar or RGB volume; it has {}", file,
+                named->name, named->type, listed(entries));
+  }
+  return named - entries.begin();
+}
+
+}  // namespace volute

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/image_file.hpp"
+
+#include "volute/base/assert.hpp"
+#include "volute/io/image_formats.hpp"
+
+namespace volute {
+
+#if !VOLUTE_HAS_EXR
+Result<Image> readExr(const std::filesystem::path& path, const ImageReadOptions&) {
+  return fail(ErrorCode::kUnsupported,
+              "{}: this build has no OpenEXR (VOLUTE_WITH_EXR=OFF); use .png", path.string());
+}
+
+Status writeExr(const std::filesystem::path& path, const Image&) {
+  return fail(ErrorCode::kUnsupported,
+              "{}: this build has no OpenEXR (VOLUTE_WITH_EXR=OFF); use .png", path.string());
+}
+#endif
+
+Status checkImageSize(const std::filesystem::path& path, std::int64_t width, std::int64_t height,
+                      int channels, std::uint64_t maxMemory) {
+  constexpr std::int64_t kLongestSide = 1 << 20;
+  const double bytes = 4.0 * static_cast<double>(width) * static_cast<double>(height) * channels;
+  if (width < 1 || height < 1) {
+    return fail(ErrorCode::kInvalidData, "{}: a picture of {} x {} pixels", path.string(), width,
+                height);
+  }
+  if (width <= kLongestSide && height <= kLongestSide && bytes <= static_cast<double>(maxMemory))
+    return {};
+  return fail(ErrorCode::kTooLarge,
+              "{}: a picture of {} x {} pixels needs {:.0f} MiB, more than the {} MiB allowed",
+              path.string(), width, height, bytes / (1 << 20), maxMemory >> 20);
+}
+
+Result<Image> readImage(const std::filesystem::path& path, const ImageReadOptions& options) {
+  if (path.extension() == ".png")
+    return readPng(path, options);
+  if (path.extension() == ".exr")
+    return readExr(path, options);
+  return fail(ErrorCode::kUnsupported, "{}: not a known kind of picture; expected .png or .exr",
+              path.string());
+}
+
+Status writeImage(const std::filesystem::path& path, const Image& image) {
+  VOLUTE_ASSERT(image.channels == 1 || image.channels == 3);
+  VOLUTE_TRY(checkImageSize(path, image.width, image.height, image.channels, ~std::uint64_t{0}));
+  if (path.extension() == ".png")
+    return writePng(path, image);
+  if (path.extension() == ".exr")
+    return writeExr(path, image);
+  return fail(ErrorCode::kUnsupported,
+              "{}: cannot write this kind of picture; expected .png or .exr", path.string());
+}
+
+}  // namespace volute

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "volute/base/result.hpp"
+#include "volute/image/image.hpp"
+
+namespace volute {
+
+/// How to read a picture.
+struct ImageReadOptions {
+  bool raw =
+      false;  ///< PNG: value / maximum as it stands, without decoding sRGB; for maps and masks
+  std::uint64_t maxMemory = std::uint64_t{1} << 30;  ///< [bytes] that the pixels may take
+};
+
+/// Reads a .png (8 or 16 bits, grey, RGB or palette; alpha is dropped; sRGB becomes linear light)
+/// or a .exr (R, G, B, or Y, or a single channel of any name; half or float). Damaged or truncated
+/// files are errors.
+[[nodiscard]] Result<Image> readImage(const std::filesystem::path& path,
+                                      const ImageReadOptions& options = {});
+
+/// Writes a .png (8 bits, sRGB; values are clamped to 0..1) or a .exr (scan lines, float32, ZIP;
+/// channels R, G, B, or Y).
+[[nodiscard]] Status writeImage(const std::filesystem::path& path, const Image& image);
+
+}  // namespace volute

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include "volute/io/image_file.hpp"
+
+namespace volute {
+
+/// The formats behind readImage and writeImage.
+[[nodiscard]] Result<Image> readPng(const std::filesystem::path& path,
+                                    const ImageReadOptions& options);
+[[nodiscard]] Status writePng(const std::filesystem::path& path, const Image& image);
+[[nodiscard]] Result<Image> readExr(const std::filesystem::path& path,
+                                    const ImageReadOptions& options);
+[[nodiscard]] Status writeExr(const std::filesystem::path& path, const Image& image);
+
+/// kTooLarge when the pixels need more than `maxMemory` bytes, or a side is beyond 2^20 pixels.
+[[nodiscard]] Status checkImageSize(const std::filesystem::path& path, std::int64_t width,
+                                    std::int64_t height, int channels, std::uint64_t maxMemory);
+
+}  // namespace volute

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/base/result.hpp"
+#include "volute/grid/volume_info.hpp"
+
+namespace volute {
+
+/// A half-open box of voxel indices, axes in the order x, y, z.
+struct IndexBox {
+  std::array<std::int64_t, 3> begin{};
+  std::array<std::int64_t, 3> end{};
+
+  bool empty() const { return end[0] <= begin[0] || end[1] <= begin[1] || end[2] <= begin[2]; }
+
+  std::int64_t size(int axis) const { return end[axis] - begin[axis]; }
+
+  bool contains(const IndexBox& other) const;
+  void extend(const IndexBox& other);  ///< the least box around both; an empty one adds nothing
+  IndexBox shifted(const std::array<std::int64_t, 3>& by) const;
+};
+
+/// One file's grid on its lattice of voxels, without the values. Trivially copyable: it crosses
+/// from the process that reads the file to ours as bytes.
+struct LatticeFrame {
+  static constexpr std::size_t kMaxName = 255;
+
+  char grid[kMaxName + 1] = {};       ///< the name, ends in 0
+  int channels = 1;                   ///< 1 or 3
+  IndexBox box;                       ///< where the file has values; may be empty
+  std::array<double, 3> voxelSize{};  ///< [m]
+  std::array<double, 3> origin{};     ///< centre of the voxel with index 0 [m]
+  double time = std::numeric_limits<double>::quiet_NaN();  ///< [s]; NaN when not stated
+};
+
+/// What a library that knows a volume format does with one file of it. Used inside a child process
+/// (ReaderProcess), because damaged files may crash such libraries.
+class LatticeReader {
+ public:
+  virtual ~LatticeReader() = default;
+
+  /// The grid named `grid`, or the one that chooseGrid finds when it is empty. Without `needBox`
+  /// the box may be left empty where it would cost reading the values.
+  [[nodiscard]] virtual Result<LatticeFrame> describe(const std::filesystem::path& file,
+                                                      const std::string& grid, bool needBox) = 0;
+
+  /// Fills `values`, shape (z, y, x, c) over `box`; voxels that the file does not have get its
+  /// background value. Values outside the box are cut off when `crop` is true, else they are an
+  /// error.
+  [[nodiscard]] virtual Status read(const std::filesystem::path& file, const std::string& grid,
+                                    const IndexBox& box, bool crop, std::span<float> values) = 0;
+};
+
+/// Writes one frame to one file.
+class LatticeWriter {
+ public:
+  virtual ~LatticeWriter() = default;
+
+  /// `values` have shape (z, y, x, c). Writes to `temporary`; messages name `target`.
+  [[nodiscard]] virtual Status write(const std::filesystem::path& temporary,
+                                     const std::filesystem::path& target, const VolumeInfo& info,
+                                     int frame, std::span<const float> values) = 0;
+};
+
+/// A file of a time series and when it is shown.
+struct TimedFile {
+  double time = 0;  ///< [s]
+  std::filesystem::path path;
+};
+
+/// What a plug-in for a volume format offers. The plug-in exports a function that returns its
+/// table.
+struct LatticePlugin {
+  std::unique_ptr<LatticeReader> (*makeReader)();
+  std::unique_ptr<LatticeWriter> (*makeWriter)(bool half);
+  /// The files that a collection (.pvd) names; null where the format has no collections.
+  Result<std::vector<TimedFile>> (*readCollection)(const std::filesystem::path& file);
+};
+
+}  // namespace volute

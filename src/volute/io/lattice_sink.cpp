@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/lattice_sink.hpp"
+
+#include <vector>
+
+#include "volute/base/assert.hpp"
+#include "volute/base/output_file.hpp"
+#include "volute/io/frame_pattern.hpp"
+
+namespace volute {
+namespace {
+
+std::string escapedXml(const std::string& text) {
+  std::string escaped;
+  for (char c : text) {
+    switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      default:
+        escaped += c;
+    }
+  }
+  return escaped;
+}
+
+class LatticeSink final : public FrameSink {
+ public:
+  LatticeSink(std::vector<std::filesystem::path> targets, std::filesystem::path collection,
+              const VolumeInfo& info, std::unique_ptr<LatticeWriter> writer)
+      : targets_(std::move(targets)),
+        collection_(std::move(collection)),
+        info_(info),
+        writer_(std::move(writer)) {}
+
+  Status writeFrame(std::span<const float> values) override {
+    VOLUTE_ASSERT(values.size() == info_.frameValues());
+    VOLUTE_ASSERT(pending_.size() < targets_.size());
+    const auto& target = targets_[pending_.size()];
+    VOLUTE_ASSIGN(auto file, PendingFile::create(target));
+    VOLUTE_TRY(
+        writer_->write(file.path(), target, info_, static_cast<int>(pending_.size()), values));
+    pending_.push_back(std::move(file));
+    return {};
+  }
+
+  Status finish() override {
+    VOLUTE_ASSERT(pending_.size() == targets_.size());
+    for (auto& file : pending_) VOLUTE_TRY(file.commit());
+    return collection_.empty() ? Status{} : writeCollection();
+  }
+
+ private:
+  Status writeCollection() {
+    std::string text =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
+        "byte_order=\"LittleEndian\">\n  <Collection>\n";
+    for (std::size_t i = 0; i < targets_.size(); ++i) {
+      text += fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", info_.times[i],
+                          escapedXml(targets_[i].filename().string()));
+    }
+    text += "  </Collection>\n</VTKFile>\n";
+    VOLUTE_ASSIGN(auto file, OutputFile::create(collection_));
+    VOLUTE_TRY(file.write(std::as_bytes(std::span(text))));
+    return file.commit();
+  }
+
+  std::vector<std::filesystem::path> targets_;
+  std::filesystem::path collection_;  // empty when there is none
+  VolumeInfo info_;
+  std::unique_ptr<LatticeWriter> writer_;
+  std::vector<PendingFile> pending_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSink>> createLatticeSink(const std::filesystem::path& output,
+                                                     const VolumeInfo& info,
+                                                     std::unique_ptr<LatticeWriter> writer) {
+  VOLUTE_TRY(info.validate(output.string()));
+  const bool collection = output.extension() == ".pvd";
+  std::filesystem::path files = output;
+  if (collection) {
+    if (FramePattern::isPattern(output)) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}: a collection is one file; leave the frame number out of its name",
+                  output.string());
+    }
+    files.replace_filename(output.stem().string() + "_%04d.vti");
+  } else if (!FramePattern::isPattern(output)) {
+    if (info.frames > 1) {
+      auto example = output;
+      example.replace_filename(output.stem().string() + "_%04d" + output.extension().string());
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}: {} frames need a file each; name them with a pattern such as {}",
+                  output.string(), info.frames, example.string());
+    }
+    return std::make_unique<LatticeSink>(std::vector{output}, std::filesystem::path(), info,
+                                         std::move(writer));
+  }
+  VOLUTE_ASSIGN(const FramePattern pattern, FramePattern::parse(files));
+  std::vector<std::filesystem::path> targets;
+  for (int number : info.frameNumbers) targets.push_back(pattern.format(number));
+  return std::make_unique<LatticeSink>(
+      std::move(targets), collection ? output : std::filesystem::path(), info, std::move(writer));
+}
+
+}  // namespace volute

@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/lattice_source.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "volute/base/assert.hpp"
+#include "volute/io/reader_process.hpp"
+
+namespace volute {
+namespace {
+
+/// Crosses to the child as bytes. The grid's name travels in it: it is chosen after the child was
+/// forked.
+struct Request {
+  bool describe = false;
+  bool flag = false;  ///< needBox when describing, crop when reading
+  std::int64_t file = 0;
+  IndexBox box;
+  char grid[LatticeFrame::kMaxName + 1] = {};
+};
+
+template <class T>
+std::string toBytes(const T& value) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return {reinterpret_cast<const char*>(&value), sizeof value};
+}
+
+template <class T>
+T fromBytes(std::string_view bytes) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  T value;
+  VOLUTE_ASSERT(bytes.size() == sizeof value);
+  std::memcpy(&value, bytes.data(), sizeof value);
+  return value;
+}
+
+/// The child's side.
+Result<std::string> serve(LatticeReader& reader, const std::vector<LatticeFile>& files,
+                          const Request& request, std::span<float> values) {
+  const auto& path = files[request.file].path;
+  if (request.describe) {
+    VOLUTE_ASSIGN(const LatticeFrame frame, reader.describe(path, request.grid, request.flag));
+    return toBytes(frame);
+  }
+  VOLUTE_TRY(reader.read(path, request.grid, request.box, request.flag, values));
+  return std::string();
+}
+
+ReaderProcess::Serve makeServe(const std::vector<LatticeFile>& files,
+                               Result<const LatticePlugin*> (*loadPlugin)()) {
+  return [files, loadPlugin, reader = std::shared_ptr<LatticeReader>()](
+             std::string_view bytes, std::span<float> values) mutable -> Result<std::string> {
+    if (!reader) {
+      VOLUTE_ASSIGN(const LatticePlugin* plugin, loadPlugin());
+      reader = plugin->makeReader();
+    }
+    return serve(*reader, files, fromBytes<Request>(bytes), values);
+  };
+}
+
+std::uint64_t sizeOf(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  return error ? 0 : size;
+}
+
+ReaderProcess::Limits limitsFor(const std::filesystem::path& file, std::size_t values,
+                                std::uint64_t maxMemory) {
+  constexpr std::uint64_t kLibraries = 64 << 20;
+  ReaderProcess::Limits limits;
+  limits.memory = std::max<std::uint64_t>(64 << 20, maxMemory) + kLibraries;
+  limits.seconds =
+      5 + 1e-6 * static_cast<double>(sizeOf(file)) + 1e-7 * static_cast<double>(values);
+  return limits;
+}
+
+std::string text(const std::array<double, 3>& v) {
+  return fmt::format("{:.6g} x {:.6g} x {:.6g} m", v[0], v[1], v[2]);
+}
+
+std::string text(const Box3& box) {
+  return fmt::format("{},{},{},{},{},{}", box.min.x(), box.min.y(), box.min.z(), box.max.x(),
+                     box.max.y(), box.max.z());
+}
+
+/// How many voxels `frame`'s index 0 lies away from that of `first`; an error unless both are on
+/// one lattice.
+Result<std::array<std::int64_t, 3>> latticeShift(const LatticeFrame& first,
+                                                 const LatticeFrame& frame,
+                                                 const LatticeFile& file) {
+  constexpr double kSameSize = 1e-5;   // relative; single-precision transforms are this far apart
+  constexpr double kSamePlace = 1e-3;  // voxels
+  constexpr double kFarthest = 1e9;    // voxels; anything beyond is a damaged file
+  std::array<std::int64_t, 3> shift{};
+  if (frame.channels != first.channels) {
+    return fail(ErrorCode::kInvalidData, "{}: frame {} has {} channels, but the first frame has {}",
+                file.path.string(), file.number, frame.channels, first.channels);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(std::abs(frame.voxelSize[axis] - first.voxelSize[axis]) <=
+          kSameSize * first.voxelSize[axis])) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: frame {} has voxels of {}, but the first frame's are {}; resample it",
+                  file.path.string(), file.number, text(frame.voxelSize), text(first.voxelSize));
+    }
+    const double voxels = (frame.origin[axis] - first.origin[axis]) / first.voxelSize[axis];
+    if (!(std::abs(voxels) < kFarthest) || std::abs(voxels - std::round(voxels)) > kSamePlace) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: the voxels of frame {} lie {:.4g} voxels off the first frame's along {}; "
+                  "expected a whole number",
+                  file.path.string(), file.number, voxels, "xyz"[axis]);
+    }
+    shift[axis] = std::llround(voxels);
+  }
+  return shift;
+}
+
+Box3 toBounds(const LatticeFrame& lattice, const IndexBox& box) {
+  Box3 bounds;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double begin = static_cast<double>(box.begin[axis]) - 0.5;
+    const double end = static_cast<double>(box.end[axis]) - 0.5;
+    bounds.min[axis] = lattice.origin[axis] + begin * lattice.voxelSize[axis];
+    bounds.max[axis] = lattice.origin[axis] + end * lattice.voxelSize[axis];
+  }
+  return bounds;
+}
+
+/// The voxels between `bounds`, which must lie on voxel faces.
+Result<IndexBox> toIndexBox(const LatticeFrame& lattice, const Box3& bounds,
+                            const std::string& where) {
+  constexpr double kOnGrid = 1e-3;  // voxels
+  constexpr double kFarthest = 2e9;
+  if (bounds.empty() || !bounds.min.allFinite() || !bounds.max.allFinite()) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: bounds {} are empty; expected min < max on every axis", where, text(bounds));
+  }
+  IndexBox box;
+  bool onGrid = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double begin = (bounds.min[axis] - lattice.origin[axis]) / lattice.voxelSize[axis] + 0.5;
+    const double end = (bounds.max[axis] - lattice.origin[axis]) / lattice.voxelSize[axis] + 0.5;
+    if (!(std::abs(begin) < kFarthest && std::abs(end) < kFarthest)) {
+      return fail(ErrorCode::kInvalidArgument, "{}: bounds {} are too far from its voxels of {}",
+                  where, text(bounds), text(lattice.voxelSize));
+    }
+    onGrid = onGrid && std::abs(begin - std::round(begin)) <= kOnGrid &&
+             std::abs(end - std::round(end)) <= kOnGrid;
+    box.begin[axis] = std::llround(begin);
+    box.end[axis] = std::max(std::llround(end), box.begin[axis] + 1LL);
+  }
+  if (onGrid)
+    return box;
+  return fail(ErrorCode::kInvalidArgument,
+              "{}: bounds {} do not lie on its voxels' faces; the nearest that do are {}", where,
+              text(bounds), text(toBounds(lattice, box)));
+}
+
+/// Refuses what a damaged box may ask for, before anything is allocated.
+Status checkSize(const IndexBox& box, int channels, std::uint64_t maxMemory,
+                 const std::string& where) {
+  const double bytes = 4.0 * channels * box.size(0) * box.size(1) * box.size(2);
+  constexpr std::int64_t kMost = 1'000'000'000;  // so that shifted indices stay within 32 bits
+  const bool huge = std::ranges::any_of(std::array{0, 1, 2}, [&](int axis) {
+    return box.size(axis) > kMost || box.begin[axis] < -kMost || box.end[axis] > kMost;
+  });
+  if (!huge && bytes <= static_cast<double>(maxMemory))
+    return {};
+  return fail(ErrorCode::kTooLarge,
+              "{}: a frame of {} x {} x {} voxels needs {:.0f} MiB, more than the {} MiB allowed; "
+              "give --bounds, or more --max-memory",
+              where, box.size(0), box.size(1), box.size(2), bytes / (1 << 20), maxMemory >> 20);
+}
+
+/// Stated times when all frames have one and they ascend; else none.
+std::vector<double> statedTimes(const std::vector<LatticeFile>& files,
+                                const std::vector<LatticeFrame>& frames) {
+  std::vector<double> times;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const double time = files[i].time.value_or(frames[i].time);
+    if (!std::isfinite(time) || (!times.empty() && time <= times.back()))
+      return {};
+    times.push_back(time);
+  }
+  return times;
+}
+
+class LatticeSource final : public FrameSource {
+ public:
+  LatticeSource(std::vector<LatticeFile> files, Result<const LatticePlugin*> (*loadPlugin)(),
+                const SourceOptions& options)
+      : files_(std::move(files)), process_(makeServe(files_, loadPlugin)), options_(options) {}
+
+  /// Reads what the files say about themselves and settles the volume's place and size.
+  Status open() {
+    std::vector<LatticeFrame> frames;
+    std::string grid = options_.grid;
+    IndexBox box;
+    for (std::size_t i = 0; i < files_.size(); ++i) {
+      VOLUTE_ASSIGN(const LatticeFrame frame, describe(i, grid));
+      if (i == 0)
+        grid = frame.grid;
+      frames.push_back(frame);
+      VOLUTE_ASSIGN(const auto shift, latticeShift(frames.front(), frame, files_[i]));
+      shifts_.push_back(shift);
+      box.extend(frame.box.shifted(shift));
+    }
+    grid_ = grid;
+    const std::string where = files_.front().path.string();
+    if (options_.bounds) {
+      VOLUTE_ASSIGN(box, toIndexBox(frames.front(), *options_.bounds, where));
+    } else if (box.empty()) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: grid '{}' has no active voxels in any of the {} frames; give --bounds",
+                  where, grid, files_.size());
+    }
+    VOLUTE_TRY(checkSize(box, frames.front().channels, options_.maxMemory, where));
+    box_ = box;
+    fillInfo(frames);
+    return info_.validate(where);
+  }
+
+  const VolumeInfo& info() const override { return info_; }
+
+  Status readFrame(int index, std::span<float> values) override {
+    VOLUTE_ASSERT(values.size() == info_.frameValues());
+    const auto& shift = shifts_[index];
+    Request request;
+    request.flag = options_.bounds.has_value();
+    request.file = index;
+    request.box = box_.shifted({-shift[0], -shift[1], -shift[2]});
+    grid_.copy(request.grid, LatticeFrame::kMaxName);
+    const auto& path = files_[index].path;
+    VOLUTE_TRY(process_.call(path.string(), toBytes(request), values.size(),
+                             limitsFor(path, values.size(), options_.maxMemory)));
+    std::ranges::copy(process_.values(), values.begin());
+    return {};
+  }
+
+ private:
+  Result<LatticeFrame> describe(std::size_t index, const std::string& grid) {
+    const auto& path = files_[index].path;
+    Request request;
+    request.describe = true;
+    request.flag = !options_.bounds;
+    request.file = static_cast<std::int64_t>(index);
+    grid.copy(request.grid, LatticeFrame::kMaxName);
+    VOLUTE_ASSIGN(const std::string reply, process_.call(path.string(), toBytes(request), 0,
+                                                         limitsFor(path, 0, options_.maxMemory)));
+    return fromBytes<LatticeFrame>(reply);
+  }
+
+  void fillInfo(const std::vector<LatticeFrame>& frames) {
+    info_.name = grid_;
+    info_.frames = static_cast<int>(files_.size());
+    info_.x = static_cast<int>(box_.size(0));
+    info_.y = static_cast<int>(box_.size(1));
+    info_.z = static_cast<int>(box_.size(2));
+    info_.channels = frames.front().channels;
+    info_.bounds = toBounds(frames.front(), box_);
+    for (const auto& file : files_) info_.frameNumbers.push_back(file.number);
+    info_.times = statedTimes(files_, frames);
+    info_.fillDefaults();
+  }
+
+  std::vector<LatticeFile> files_;
+  ReaderProcess process_;
+  SourceOptions options_;
+  std::string grid_;
+  IndexBox box_;  // on the first frame's lattice
+  std::vector<std::array<std::int64_t, 3>> shifts_;
+  VolumeInfo info_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSource>> openLatticeSource(std::vector<LatticeFile> files,
+                                                       Result<const LatticePlugin*> (*loadPlugin)(),
+                                                       const SourceOptions& options) {
+  VOLUTE_ASSERT(!files.empty());
+  if (options.grid.size() > LatticeFrame::kMaxName) {
+    return fail(ErrorCode::kInvalidArgument, "a grid's name of {} characters; expected {} at most",
+                options.grid.size(), LatticeFrame::kMaxName);
+  }
+  auto source = std::make_unique<LatticeSource>(std::move(files), loadPlugin, options);
+  VOLUTE_TRY(source->open());
+  return source;
+}
+
+Result<std::vector<TimedFile>> readCollection(const std::filesystem::path& collection,
+                                              Result<const LatticePlugin*> (*loadPlugin)()) {
+  const std::string name = collection.string();
+  ReaderProcess process([&](std::string_view, std::span<float>) -> Result<std::string> {
+    VOLUTE_ASSIGN(const LatticePlugin* plugin, loadPlugin());
+    VOLUTE_ASSIGN(const auto files, plugin->readCollection(collection));
+    std::string text;
+    for (const auto& file : files) text += toBytes(file.time) + file.path.string() + '\0';
+    if (text.size() > ReaderProcess::kMaxMessage) {
+      return fail(ErrorCode::kTooLarge, "{}: names too many files", name);
+    }
+    return text;
+  });
+  VOLUTE_ASSIGN(const std::string reply, process.call(name, {}, 0, limitsFor(collection, 0, 0)));
+  std::vector<TimedFile> files;
+  for (std::size_t at = 0; at < reply.size();) {
+    const auto end = reply.find('\0', at + sizeof(double));
+    files.push_back({fromBytes<double>(std::string_view(reply).substr(at, sizeof(double))),
+                     reply.substr(at + sizeof(double), end - at - sizeof(double))});
+    at = end + 1;
+  }
+  return files;
+}
+
+}  // namespace volute

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/npy.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "volute/base/assert.hpp"
+#include "volute/base/half.hpp"
+#include "volute/base/input_file.hpp"
+#include "volute/io/npy_header.hpp"
+
+namespace volute {
+namespace {
+
+/// Extents to axes, and whether the file is as long as they say.
+Result<VolumeInfo> toInfo(const NpyHeader& header, const InputFile& file,
+                          const SourceOptions& options) {
+  const std::string where = file.path().string();
+  std::vector<std::uint64_t> shape = header.shape;
+  if (shape.size() < 3 || shape.size() > 5) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: an array with {} axes; expected (z,y,x), (t,z,y,x) or (t,z,y,x,c)", where,
+                shape.size());
+  }
+  if (shape.size() == 3)
+    shape.insert(shape.begin(), 1);
+  if (shape.size() == 4)
+    shape.push_back(1);
+  constexpr std::uint64_t kMost = std::numeric_limits<std::int32_t>::max();
+  std::uint64_t bytes = header.half ? 2 : 4;
+  bool possible = true;
+  for (std::uint64_t extent : shape) {
+    possible = possible && extent <= kMost && !__builtin_mul_overflow(bytes, extent, &bytes);
+  }
+  const std::uint64_t present = file.size() - header.dataOffset;
+  if (!possible || bytes != present) {
+    const bool shorter = !possible || bytes > present;
+    return fail(shorter ? ErrorCode::kTruncated : ErrorCode::kInvalidData,
+                "{}: holds {} bytes of values, {} than its header says; the file is damaged", where,
+                present, shorter ? "fewer" : "more");
+  }
+  VolumeInfo info;
+  info.frames = static_cast<int>(shape[0]);
+  info.z = static_cast<int>(shape[1]);
+  info.y = static_cast<int>(shape[2]);
+  info.x = static_cast<int>(shape[3]);
+  info.channels = static_cast<int>(shape[4]);
+  constexpr std::uint64_t kPerFrame = sizeof(int) + sizeof(double);
+  if (4 * info.frameValues() > options.maxMemory || info.frames * kPerFrame > options.maxMemory) {
+    return fail(
+        ErrorCode::kTooLarge,
+        "{}: a frame of {} x {} x {} voxels needs more than the {} MiB allowed; raise --max-memory",
+        where, info.x, info.y, info.z, options.maxMemory >> 20);
+  }
+  if (options.bounds)
+    info.bounds = *options.bounds;
+  if (options.bounds && options.bounds->empty()) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: the given bounds are empty; expected min < max on every axis", where);
+  }
+  info.fillDefaults();
+  VOLUTE_TRY(info.validate(where));
+  return info;
+}
+
+class NpySource final : public FrameSource {
+ public:
+  NpySource(InputFile file, const NpyHeader& header, VolumeInfo info)
+      : file_(std::move(file)), header_(header), info_(std::move(info)) {}
+
+  const VolumeInfo& info() const override { return info_; }
+
+  Status readFrame(int index, std::span<float> values) override {
+    VOLUTE_ASSERT(values.size() == info_.frameValues());
+    const std::uint64_t bytes = values.size() * (header_.half ? sizeof(Half) : sizeof(float));
+    const std::uint64_t offset = header_.dataOffset + bytes * static_cast<std::uint64_t>(index);
+    if (!header_.half)
+      return file_.read(offset, std::as_writable_bytes(values));
+    // The halves go into the upper part of the floats' own memory; each is read before its place is
+    // overwritten.
+    auto* halves = reinterpret_cast<std::byte*>(values.data()) + bytes;
+    VOLUTE_TRY(file_.read(offset, {halves, bytes}));
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      Half half;
+      std::memcpy(&half, halves + i * sizeof half, sizeof half);
+      values[i] = toFloat(half);
+    }
+    return {};
+  }
+
+ private:
+  InputFile file_;
+  NpyHeader header_;
+  VolumeInfo info_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
+                                             const SourceOptions& options) {
+  if (!options.grid.empty()) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: a .npy file has no named grids; leave out --grid {}", path.string(),
+                options.grid);
+  }
+  VOLUTE_ASSIGN(auto file, InputFile::open(path));
+  VOLUTE_ASSIGN(const NpyHeader header, readNpyHeader(file));
+  VOLUTE_ASSIGN(VolumeInfo info, toInfo(header, file, options));
+  return std::make_unique<NpySource>(std::move(file), header, std::move(info));
+}
+
+Result<std::unique_ptr<NpySink>> NpySink::create(const std::filesystem::path& path,
+                                                 const VolumeInfo& info) {
+  VOLUTE_TRY(info.validate(path.string()));
+  std::vector<std::uint64_t> shape;
+  for (int extent : {info.frames, info.z, info.y, info.x})
+    shape.push_back(static_cast<std::uint64_t>(extent));
+  if (info.channels > 1)
+    shape.push_back(static_cast<std::uint64_t>(info.channels));
+  VOLUTE_ASSIGN(auto file, OutputFile::create(path));
+  const std::string header = makeNpyHeader(shape);
+  VOLUTE_TRY(file.write(std::as_bytes(std::span(header))));
+  return std::unique_ptr<NpySink>(new NpySink(std::move(file), info));
+}
+
+Status NpySink::writeFrame(std::span<const float> values) {
+  VOLUTE_ASSERT(values.size() == frameValues_ && written_ < frames_);
+  ++written_;
+  return file_.write(std::as_bytes(values));
+}
+
+Status NpySink::finish() {
+  VOLUTE_ASSERT(written_ == frames_);
+  return file_.commit();
+}
+
+}  // namespace volute

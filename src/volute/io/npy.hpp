@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "volute/base/output_file.hpp"
+#include "volute/io/volume_source.hpp"
+
+namespace volute {
+
+/// A NumPy array as a sequence: axes (z, y, x), (t, z, y, x) or (t, z, y, x, c) with c = 1 or 3, C
+/// order, little-endian float32 or float16, versions 1 to 3 of the format. The file's size must be
+/// what its header says.
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
+                                                           const SourceOptions& options);
+
+/// Writes float32 (t, z, y, x), or (t, z, y, x, c) when there are 3 channels, as numpy.save would.
+/// "-" is standard output.
+class NpySink final : public FrameSink {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<NpySink>> create(const std::filesystem::path& path,
+                                                               const VolumeInfo& info);
+
+  [[nodiscard]] Status writeFrame(std::span<const float> values) override;
+  [[nodiscard]] Status finish() override;
+
+ private:
+  NpySink(OutputFile file, const VolumeInfo& info)
+      : file_(std::move(file)), frames_(info.frames), frameValues_(info.frameValues()) {}
+
+  OutputFile file_;
+  int frames_;
+  int written_ = 0;
+  std::size_t frameValues_;
+};
+
+}  // namespace volute

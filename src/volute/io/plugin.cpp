@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/plugin.hpp"
+
+#include <dlfcn.h>
+
+#include <filesystem>
+#include <system_error>
+
+namespace volute {
+namespace {
+
+std::filesystem::path folderBesideProgram() {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  return program.parent_path().parent_path() / "lib" / "volute";
+}
+
+/// `function` of the plug-in lib`name`.so, called; null with `reason` when it cannot be loaded.
+template <class Plugin>
+const Plugin* loadFrom(const std::filesystem::path& file, const char* function,
+                       std::string& reason) {
+  void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  void* symbol = library ? ::dlsym(library, function) : nullptr;
+  if (!symbol) {
+    reason = ::dlerror();
+    return nullptr;
+  }
+  return reinterpret_cast<const Plugin* (*)()>(symbol)();
+}
+
+template <class Plugin>
+Result<const Plugin*> load(bool built, const char* name, const char* function, const char* library,
+                           const char* option) {
+  if (!built) {
+    return fail(ErrorCode::kUnsupported, "this build has no {} ({}=OFF); build Volute with it",
+                library, option);
+  }
+  std::string reason;
+  for (const auto& folder : {folderBesideProgram(), std::filesystem::path(VOLUTE_PLUGIN_FOLDER)}) {
+    const auto file = folder / (std::string(name) + ".so");
+    std::error_code error;
+    if (!std::filesystem::exists(file, error))
+      continue;
+    if (const Plugin* plugin = loadFrom<Plugin>(file, function, reason))
+      return plugin;
+  }
+  if (reason.empty())
+    reason = fmt::format("no {}.so in {}", name, folderBesideProgram().string());
+  return fail(ErrorCode::kUnsupported, "the part of Volute that uses {} cannot be loaded: {}",
+              library, reason);
+}
+
+}  // namespace
+
+Result<const LatticePlugin*> loadVdbPlugin() {
+  return load<LatticePlugin>(VOLUTE_HAS_VDB, "volute_io_vdb", "voluteVdbPlugin", "OpenVDB",
+                             "VOLUTE_WITH_VDB");
+}
+
+Result<const LatticePlugin*> loadVtkPlugin() {
+  return load<LatticePlugin>(VOLUTE_HAS_VTK, "volute_io_vtk", "voluteVtkPlugin", "VTK",
+                             "VOLUTE_WITH_VTK");
+}
+
+Result<const FilmPlugin*> loadFilmPlugin() {
+  return load<FilmPlugin>(VOLUTE_HAS_VIDEO, "volute_io_video", "voluteFilmPlugin", "libav",
+                          "VOLUTE_WITH_VIDEO");
+}
+
+}  // namespace volute

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include "volute/base/result.hpp"
+#include "volute/io/film.hpp"
+#include "volute/io/lattice.hpp"
+
+namespace volute {
+
+/// The parts of this library with heavy dependencies are plug-ins, loaded at the first use: a
+/// program that reads no VTK file neither waits for VTK nor carries it. They lie in lib/volute
+/// beside the program's bin, or where the library was installed. An error says when this build has
+/// none.
+[[nodiscard]] Result<const LatticePlugin*> loadVdbPlugin();
+[[nodiscard]] Result<const LatticePlugin*> loadVtkPlugin();
+[[nodiscard]] Result<const FilmPlugin*> loadFilmPlugin();
+
+}  // namespace volute

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <png.h>
+
+#include <csetjmp>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "volute/base/input_file.hpp"
+#include "volute/base/output_file.hpp"
+#include "volute/image/srgb.hpp"
+#include "volute/io/image_formats.hpp"
+
+namespace volute {
+namespace {
+
+/// libpng leaves by longjmp, which runs no destructors: what its callbacks touch lives here,
+/// outside.
+struct PngState {
+  const InputFile* input = nullptr;
+  std::uint64_t at = 0;
+  std::vector<std::byte> written;
+  std::string message;
+  png_uint_32 width = 0, height = 0;
+  int channels = 0, bits = 0;
+  std::vector<png_byte> pixels;
+  std::vector<png_bytep> rows;
+};
+
+[[noreturn]] void onError(png_structp png, png_const_charp message) {
+  static_cast<PngState*>(png_get_error_ptr(png))->message = message;
+  png_longjmp(png, 1);
+}
+
+void onWarning(png_structp, png_const_charp) {}
+
+void onRead(png_structp png, png_bytep to, size_t count) {
+  auto* state = static_cast<PngState*>(png_get_io_ptr(png));
+  const bool read =
+      state->input->read(state->at, std::as_writable_bytes(std::span(to, count))).has_value();
+  if (!read)
+    png_error(png, "the file ends before the picture does");
+  state->at += count;
+}
+
+void onWrite(png_structp png, png_bytep from, size_t count) {
+  auto* state = static_cast<PngState*>(png_get_io_ptr(png));
+  const auto bytes = std::as_bytes(std::span(from, count));
+  state->written.insert(state->written.end(), bytes.begin(), bytes.end());
+}
+
+/// Reads up to the first pixel and settles on 1 or 3 channels of 8 or 16 bits. False on an error.
+bool readPngHeader(png_structp png, png_infop info, PngState& state) {
+  if (setjmp(png_jmpbuf(png)))
+    return false;
+  png_set_user_limits(png, 1 << 20, 1 << 20);
+  png_set_chunk_malloc_max(png, 8 << 20);
+  png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
+  png_set_read_fn(png, &state, onRead);
+  png_read_info(png, info);
+  const int type = png_get_color_type(png, info);
+  png_set_palette_to_rgb(png);
+  if (type == PNG_COLOR_TYPE_GRAY)
+    png_set_expand_gray_1_2_4_to_8(png);
+  png_set_strip_alpha(png);
+  png_set_swap(png);  // 16 bits in our byte order
+  state.width = png_get_image_width(png, info);
+  state.height = png_get_image_height(png, info);
+  state.channels = (type & PNG_COLOR_MASK_COLOR) ? 3 : 1;
+  state.bits = png_get_bit_depth(png, info) == 16 ? 16 : 8;
+  return true;
+}
+
+bool readPngPixels(png_structp png, png_infop info, PngState& state) {
+  if (setjmp(png_jmpbuf(png)))
+    return false;
+  png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+  if (png_get_rowbytes(png, info) != state.pixels.size() / state.height) {
+    png_error(png, "rows of an unexpected length");
+  }
+  png_read_image(png, state.rows.data());
+  png_read_end(png, nullptr);
+  return true;
+}
+
+Image toImage(const PngState& state, bool raw) {
+  Image image(static_cast<int>(state.width), static_cast<int>(state.height), state.channels);
+  const int levels = 1 << state.bits;
+  std::vector<float> table(levels);
+  for (int i = 0; i < levels; ++i) {
+    const float value = static_cast<float>(i) / static_cast<float>(levels - 1);
+    table[i] = raw ? value : static_cast<float>(srgbDecode(value));
+  }
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    std::uint16_t value = 0;
+    if (state.bits == 16) {
+      std::memcpy(&value, &state.pixels[2 * i], 2);
+    } else {
+      value = state.pixels[i];
+    }
+    image.pixels[i] = table[value];
+  }
+  return image;
+}
+
+bool encodePng(png_structp png, png_infop info, const Image& image, PngState& state) {
+  if (setjmp(png_jmpbuf(png)))
+    return false;
+  png_set_write_fn(png, &state, onWrite, nullptr);
+  png_set_IHDR(png, info, state.width, state.height, 8,
+               image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  png_write_info(png, info);
+  png_write_image(png, state.rows.data());
+  png_write_end(png, info);
+  return true;
+}
+
+void layOutRows(PngState& state, std::size_t rowBytes) {
+  state.pixels.resize(rowBytes * state.height);
+  for (png_uint_32 y = 0; y < state.height; ++y) state.rows.push_back(&state.pixels[y * rowBytes]);
+}
+
+}  // namespace
+
+Result<Image> readPng(const std::filesystem::path& path, const ImageReadOptions& options) {
+  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
+  PngState state;
+  state.input = &file;
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &state, onError, onWarning);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  if (!info)
+    state.message = "out of memory";
+  const auto readAll = [&]() -> Status {
+    if (!info || !readPngHeader(png, info, state))
+      return fail(ErrorCode::kInvalidData, "");
+    VOLUTE_TRY(checkImageSize(path, state.width, state.height, state.channels, options.maxMemory));
+    layOutRows(state, std::size_t{state.width} * state.channels * (state.bits / 8));
+    if (!readPngPixels(png, info, state))
+      return fail(ErrorCode::kInvalidData, "");
+    return {};
+  };
+  const Status status = readAll();
+  png_destroy_read_struct(&png, &info, nullptr);
+  if (!status && !status.error().message.empty())
+    return tl::unexpected<Error>(status.error());
+  if (!status)
+    return fail(ErrorCode::kInvalidData, "{}: not a whole PNG picture: {}", path.string(),
+                state.message);
+  return toImage(state, options.raw);
+}
+
+Status writePng(const std::filesystem::path& path, const Image& image) {
+  PngState state;
+  state.width = static_cast<png_uint_32>(image.width);
+  state.height = static_cast<png_uint_32>(image.height);
+  state.pixels = toSrgb8(image);
+  layOutRows(state, std::size_t{state.width} * image.channels);
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &state, onError, onWarning);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  const bool encoded = info && encodePng(png, info, image, state);
+  png_destroy_write_struct(&png, &info);
+  if (!encoded)
+    return fail(ErrorCode::kIo, "{}: cannot encode the picture: {}", path.string(), state.message);
+  VOLUTE_ASSIGN(auto file, OutputFile::create(path));
+  VOLUTE_TRY(file.write(state.written));
+  return file.commit();
+}
+
+}  // namespace volute

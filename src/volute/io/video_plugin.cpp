@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/opt.h>
+#include <libswscale/swscale.h>
+}
+
+#include <array>
+#include <vector>
+
+#include "volute/base/output_file.hpp"
+#include "volute/image/srgb.hpp"
+#include "volute/io/film.hpp"
+
+namespace volute {
+namespace {
+
+template <auto kFree>
+struct Freed {
+  template <class T>
+  void operator()(T* object) const {
+    kFree(&object);
+  }
+};
+
+void freeScaler(SwsContext** scaler) {
+  sws_freeContext(*scaler);
+}
+
+void closeOutput(AVFormatContext** context) {
+  if ((*context)->pb)
+    avio_closep(&(*context)->pb);
+  avformat_free_context(*context);
+}
+
+using OutputPtr = std::unique_ptr<AVFormatContext, Freed<closeOutput>>;
+using InputPtr = std::unique_ptr<AVFormatContext, Freed<avformat_close_input>>;
+using CodecPtr = std::unique_ptr<AVCodecContext, Freed<avcodec_free_context>>;
+using FramePtr = std::unique_ptr<AVFrame, Freed<av_frame_free>>;
+using PacketPtr = std::unique_ptr<AVPacket, Freed<av_packet_free>>;
+using ScalerPtr = std::unique_ptr<SwsContext, Freed<freeScaler>>;
+
+std::string reason(int code) {
+  char text[AV_ERROR_MAX_STRING_SIZE] = {};
+  av_strerror(code, text, sizeof text);
+  return text;
+}
+
+constexpr int kExact =
+    SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP | SWS_BITEXACT;
+
+struct Encoding {
+  const char* extension;
+  const char* encoder;
+  std::vector<std::pair<const char*, const char*>> options;
+};
+
+const std::array<Encoding, 2>& encodings() {
+  static const std::array<Encoding, 2> kEncodings{
+      {{".mp4", "libx264", {{"crf", "16"}, {"preset", "medium"}}},
+       {".webm",
+        "libvpx-vp9",
+        {{"crf", "20"}, {"deadline", "good"}, {"cpu-used", "4"}, {"row-mt", "1"}}}}};
+  return kEncodings;
+}
+
+class AvFilmWriter final : public FilmWriter {
+ public:
+  AvFilmWriter(PendingFile file, int width, int height)
+      : file_(std::move(file)), width_(width), height_(height) {}
+
+  Status open(const Encoding& encoding, double framesPerSecond) {
+    const AVCodec* codec = avcodec_find_encoder_by_name(encoding.encoder);
+    if (!codec) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: libav has no encoder {} here; install one, or write {}", name(),
+                  encoding.encoder,
+                  encoding.extension == std::string_view(".mp4") ? ".webm" : ".mp4");
+    }
+    AVFormatContext* output = nullptr;
+    const std::string url = "file:" + file_.path().string();
+    VOLUTE_TRY(check(avformat_alloc_output_context2(&output, nullptr, nullptr, url.c_str())));
+    output_.reset(output);
+    output_->flags |= AVFMT_FLAG_BITEXACT;
+    stream_ = avformat_new_stream(output, nullptr);
+    codec_.reset(avcodec_alloc_context3(codec));
+    frame_.reset(av_frame_alloc());
+    packet_.reset(av_packet_alloc());
+    if (!stream_ || !codec_ || !frame_ || !packet_)
+      return check(AVERROR(ENOMEM));
+    VOLUTE_TRY(openCodec(encoding, codec, framesPerSecond));
+    VOLUTE_TRY(check(avio_open(&output_->pb, url.c_str(), AVIO_FLAG_WRITE)));
+    AVDictionary* muxing = nullptr;
+    av_dict_set(&muxing, "movflags", "+faststart", 0);
+    const int written = avformat_write_header(output, &muxing);
+    av_dict_free(&muxing);
+    VOLUTE_TRY(check(written));
+    return openScaler();
+  }
+
+  Status addFrame(const Image& linear) override {
+    if (linear.width != width_ || linear.height != height_) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}: a frame of {} x {} pixels; the film has {} x {}", name(), linear.width,
+                  linear.height, width_, height_);
+    }
+    VOLUTE_TRY(check(av_frame_make_writable(frame_.get())));
+    const std::vector<std::uint8_t> padded = toPaddedRgb(linear);
+    const std::uint8_t* rows[] = {padded.data()};
+    const int stride[] = {3 * codec_->width};
+    VOLUTE_TRY(check(
+        sws_scale(scaler_.get(), rows, stride, 0, codec_->height, frame_->data, frame_->linesize)));
+    frame_->pts = count_++;
+    VOLUTE_TRY(check(avcodec_send_frame(codec_.get(), frame_.get())));
+    return writePackets();
+  }
+
+  Status finish() override {
+    if (count_ == 0)
+      return fail(ErrorCode::kInvalidArgument, "{}: a film without a frame", name());
+    VOLUTE_TRY(check(avcodec_send_frame(codec_.get(), nullptr)));
+    VOLUTE_TRY(writePackets());
+    VOLUTE_TRY(check(av_write_trailer(output_.get())));
+    VOLUTE_TRY(check(output_->pb->error));
+    VOLUTE_TRY(check(avio_closep(&output_->pb)));
+    return file_.commit();
+  }
+
+ private:
+  std::string name() const { return file_.target().string(); }
+
+  Status check(int code) const {
+    if (code >= 0)
+      return {};
+    return fail(ErrorCode::kIo, "{}: cannot write the film: {}", name(), reason(code));
+  }
+
+  Status openCodec(const Encoding& encoding, const AVCodec* codec, double framesPerSecond) {
+    constexpr int kThreads = 4;  // fixed: the bytes depend on it
+    constexpr int kLargest = 1001000;
+    codec_->width = (width_ + 1) / 2 * 2;
+    codec_->height = (height_ + 1) / 2 * 2;
+    codec_->framerate = av_d2q(framesPerSecond, kLargest);
+    codec_->time_base = av_inv_q(codec_->framerate);
+    codec_->pix_fmt = AV_PIX_FMT_YUV420P;
+    codec_->bit_rate = 0;
+    codec_->thread_count = kThreads;
+    codec_->color_range = AVCOL_RANGE_MPEG;
+    codec_->colorspace = AVCOL_SPC_BT709;
+    codec_->color_primaries = AVCOL_PRI_BT709;
+    codec_->color_trc = AVCOL_TRC_BT709;
+    codec_->chroma_sample_location = AVCHROMA_LOC_LEFT;
+    codec_->flags |= AV_CODEC_FLAG_BITEXACT;
+    if (output_->oformat->flags & AVFMT_GLOBALHEADER)
+      codec_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+    AVDictionary* options = nullptr;
+    for (const auto& [key, value] : encoding.options) av_dict_set(&options, key, value, 0);
+    const int opened = avcodec_open2(codec_.get(), codec, &options);
+    av_dict_free(&options);
+    VOLUTE_TRY(check(opened));
+    stream_->time_base = codec_->time_base;
+    stream_->avg_frame_rate = codec_->framerate;
+    return check(avcodec_parameters_from_context(stream_->codecpar, codec_.get()));
+  }
+
+  Status openScaler() {
+    const int width = codec_->width, height = codec_->height;
+    scaler_.reset(sws_getContext(width, height, AV_PIX_FMT_RGB24, width, height, codec_->pix_fmt,
+                                 kExact, nullptr, nullptr, nullptr));
+    if (!scaler_)
+      return check(AVERROR(ENOMEM));
+    const int* matrix = sws_getCoefficients(SWS_CS_ITU709);
+    sws_setColorspaceDetails(scaler_.get(), matrix, 1, matrix, 0, 0, 1 << 16, 1 << 16);
+    frame_->format = codec_->pix_fmt;
+    frame_->width = width;
+    frame_->height = height;
+    return check(av_frame_get_buffer(frame_.get(), 0));
+  }
+
+  /// 8-bit sRGB of the codec's even size: the last column and row are repeated.
+  std::vector<std::uint8_t> toPaddedRgb(const Image& linear) const {
+    const std::vector<std::uint8_t> bytes = toSrgb8(linear);
+    std::vector<std::uint8_t> padded;
+    padded.reserve(std::size_t{3} * codec_->width * codec_->height);
+    for (int y = 0; y < codec_->height; ++y) {
+      for (int x = 0; x < codec_->width; ++x) {
+        const std::size_t pixel =
+            std::size_t(std::min(y, height_ - 1)) * width_ + std::min(x, width_ - 1);
+        for (int c = 0; c < 3; ++c)
+          padded.push_back(bytes[pixel * linear.channels + c % linear.channels]);
+      }
+    }
+    return padded;
+  }
+
+  Status writePackets() {
+    for (;;) {
+      const int received = avcodec_receive_packet(codec_.get(), packet_.get());
+      if (received == AVERROR(EAGAIN) || received == AVERROR_EOF)
+        return {};
+      VOLUTE_TRY(check(received));
+      packet_->duration = 1;  // without it the last frame of an MP4 is shown for no time
+      av_packet_rescale_ts(packet_.get(), codec_->time_base, stream_->time_base);
+      packet_->stream_index = stream_->index;
+      VOLUTE_TRY(check(av_interleaved_write_frame(output_.get(), packet_.get())));
+    }
+  }
+
+  PendingFile file_;
+  int width_, height_;
+  std::int64_t count_ = 0;
+  OutputPtr output_;
+  AVStream* stream_ = nullptr;
+  CodecPtr codec_;
+  FramePtr frame_;
+  PacketPtr packet_;
+  ScalerPtr scaler_;
+};
+
+Result<std::unique_ptr<FilmWriter>> makeWriter(const std::filesystem::path& path, int width,
+                                               int height, double framesPerSecond) {
+  av_log_set_level(AV_LOG_QUIET);
+  for (const auto& encoding : encodings()) {
+    if (path.extension() != encoding.extension)
+      continue;
+    VOLUTE_ASSIGN(auto file, PendingFile::create(path));
+    auto writer = std::make_unique<AvFilmWriter>(std::move(file), width, height);
+    VOLUTE_TRY(writer->open(encoding, framesPerSecond));
+    return writer;
+  }
+  return fail(ErrorCode::kUnsupported, "{}: not a known kind of film; expected .mp4 or .webm",
+              path.string());
+}
+
+class AvFilmDecoder final : public FilmDecoder {
+ public:
+  Result<FilmInfo> open(const std::filesystem::path& path) override {
+    av_log_set_level(AV_LOG_QUIET);
+    name_ = path.string();
+    AVFormatContext* input = nullptr;
+    VOLUTE_TRY(check(avformat_open_input(&input, ("file:" + name_).c_str(), nullptr, nullptr)));
+    input_.reset(input);
+    VOLUTE_TRY(check(avformat_find_stream_info(input, nullptr)));
+    const AVCodec* codec = nullptr;
+    stream_ = av_find_best_stream(input, AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
+    VOLUTE_TRY(check(stream_));
+    const AVStream* stream = input->streams[stream_];
+    codec_.reset(avcodec_alloc_context3(codec));
+    frame_.reset(av_frame_alloc());
+    packet_.reset(av_packet_alloc());
+    if (!codec_ || !frame_ || !packet_)
+      return fail(ErrorCode::kTooLarge, "{}: no memory to decode it", name_);
+    VOLUTE_TRY(check(avcodec_parameters_to_context(codec_.get(), stream->codecpar)));
+    VOLUTE_TRY(check(avcodec_open2(codec_.get(), codec, nullptr)));
+    const AVRational rate = av_guess_frame_rate(input, input->streams[stream_], nullptr);
+    info_ = {codec_->width, codec_->height, rate.den > 0 ? av_q2d(rate) : 0};
+    for (std::size_t i = 0; i < linear_.size(); ++i)
+      linear_[i] = static_cast<float>(srgbDecode(static_cast<double>(i) / 255));
+    return info_;
+  }
+
+  Result<bool> next(std::span<float> pixels) override {
+    for (;;) {
+      const int received = avcodec_receive_frame(codec_.get(), frame_.get());
+      if (received == AVERROR_EOF)
+        return false;
+      if (received != AVERROR(EAGAIN)) {
+        VOLUTE_TRY(check(received));
+        VOLUTE_TRY(convert(pixels));
+        return true;
+      }
+      VOLUTE_TRY(feed());
+    }
+  }
+
+ private:
+  Status check(int code) const {
+    if (code >= 0)
+      return {};
+    return fail(ErrorCode::kInvalidData, "{}: cannot decode the film: {}", name_, reason(code));
+  }
+
+  /// The next packet of the film's stream goes to the decoder; after the last one it is told to
+  /// flush.
+  Status feed() {
+    for (;;) {
+      const int read = av_read_frame(input_.get(), packet_.get());
+      if (read == AVERROR_EOF)
+        return check(avcodec_send_packet(codec_.get(), nullptr));
+      VOLUTE_TRY(check(read));
+      const bool ours = packet_->stream_index == stream_;
+      const int sent = ours ? avcodec_send_packet(codec_.get(), packet_.get()) : 0;
+      av_packet_unref(packet_.get());
+      VOLUTE_TRY(check(sent));
+      if (ours)
+        return {};
+    }
+  }
+
+  Status convert(std::span<float> pixels) {
+    if (frame_->width != info_.width || frame_->height != info_.height) {
+      return fail(ErrorCode::kUnsupported, "{}: the size of the frames changes within the film",
+                  name_);
+    }
+    scaler_.reset(sws_getCachedContext(scaler_.release(), frame_->width, frame_->height,
+                                       static_cast<AVPixelFormat>(frame_->format), frame_->width,
+                                       frame_->height, AV_PIX_FMT_RGB24, kExact, nullptr, nullptr,
+                                       nullptr));
+    if (!scaler_)
+      return fail(ErrorCode::kUnsupported, "{}: an unknown pixel format", name_);
+    const bool hd = frame_->colorspace == AVCOL_SPC_BT709 ||
+                    (frame_->colorspace == AVCOL_SPC_UNSPECIFIED && frame_->height >= 720);
+    const int* matrix = sws_getCoefficients(hd ? SWS_CS_ITU709 : SWS_CS_ITU601);
+    sws_setColorspaceDetails(scaler_.get(), matrix, frame_->color_range == AVCOL_RANGE_JPEG, matrix,
+                             1, 0, 1 << 16, 1 << 16);
+    bytes_.resize(pixels.size());
+    std::uint8_t* rows[] = {bytes_.data()};
+    const int stride[] = {3 * frame_->width};
+    VOLUTE_TRY(check(
+        sws_scale(scaler_.get(), frame_->data, frame_->linesize, 0, frame_->height, rows, stride)));
+    for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = linear_[bytes_[i]];
+    return {};
+  }
+
+  std::string name_;
+  FilmInfo info_;
+  InputPtr input_;
+  int stream_ = -1;
+  CodecPtr codec_;
+  FramePtr frame_;
+  PacketPtr packet_;
+  ScalerPtr scaler_;
+  std::vector<std::uint8_t> bytes_;
+  std::array<float, 256> linear_{};
+};
+
+}  // namespace
+}  // namespace volute
+
+extern "C" const volute::FilmPlugin* voluteFilmPlugin() {
+  using namespace volute;
+  static constexpr FilmPlugin kPlugin{makeWriter, []() -> std::unique_ptr<FilmDecoder> {
+                                        return std::make_unique<AvFilmDecoder>();
+                                      }};
+  return &kPlugin;
+}

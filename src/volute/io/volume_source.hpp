@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "volute/base/result.hpp"
+#include "volute/grid/frame_source.hpp"
+
+namespace volute {
+
+/// How to read a volume.
+struct SourceOptions {
+  std::string grid;            ///< which grid or array; empty: the only one, else "density"
+  std::optional<Box3> bounds;  ///< [m] outer voxel faces: states them (.npy), or crops and pads to
+                               ///< them on the voxel grid
+  std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes] that one frame may take
+};
+
+/// Opens a sequence of volumes by what `input` is: a .npy file; a .vdb file, pattern
+/// (flame_%04d.vdb, flame_####.vdb) or folder of numbered .vdb files; a .vti file or pattern; a
+/// .pvd collection of .vti files. The source streams: it holds one frame at most. Values come as
+/// they are in the file, NaN and infinities included.
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> openSource(const std::filesystem::path& input,
+                                                              const SourceOptions& options);
+
+}  // namespace volute

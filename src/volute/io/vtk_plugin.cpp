@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <vtkCallbackCommand.h>
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkDataArraySelection.h>
+#include <vtkErrorCode.h>
+#include <vtkFloatArray.h>
+#include <vtkImageData.h>
+#include <vtkInformation.h>
+#include <vtkInformationVector.h>
+#include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkOutputWindow.h>
+#include <vtkPointData.h>
+#include <vtkStreamingDemandDrivenPipeline.h>
+#include <vtkXMLDataElement.h>
+#include <vtkXMLDataParser.h>
+#include <vtkXMLImageDataReader.h>
+#include <vtkXMLImageDataWriter.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "volute/base/input_file.hpp"
+#include "volute/io/grid_choice.hpp"
+#include "volute/io/lattice.hpp"
+
+namespace volute {
+namespace {
+
+/// Where VTK reports that it could not read: not by return values. Lives in the child process
+/// alone.
+class ErrorWindow final : public vtkOutputWindow {
+ public:
+  static ErrorWindow* New();
+  vtkTypeMacro(ErrorWindow, vtkOutputWindow);
+
+  void DisplayText(const char*) override {}
+
+  void DisplayErrorText(const char* text) override { note(text); }
+
+  void DisplayWarningText(const char* text) override { note(text); }
+
+  void DisplayGenericWarningText(const char* text) override { note(text); }
+
+  std::string first;
+
+ private:
+  /// The last line of VTK's report; the others say where in VTK's sources.
+  void note(const char* text) {
+    if (!first.empty())
+      return;
+    std::string all(text);
+    all.erase(all.find_last_not_of(" \n") + 1);
+    const auto colon = all.rfind("): ");
+    first = colon == std::string::npos ? all : all.substr(colon + 3);
+    std::ranges::replace(first, '\n', ' ');
+  }
+};
+
+vtkStandardNewMacro(ErrorWindow);
+
+/// Catches VTK's errors while it lives.
+class ErrorWatch {
+ public:
+  ErrorWatch() { vtkOutputWindow::SetInstance(window_); }
+
+  ~ErrorWatch() { vtkOutputWindow::SetInstance(nullptr); }
+
+  ErrorWatch(const ErrorWatch&) = delete;
+  ErrorWatch& operator=(const ErrorWatch&) = delete;
+
+  Status status(const std::string& file) const {
+    if (window_->first.empty())
+      return {};
+    return fail(ErrorCode::kInvalidData, "{}: not a whole VTK file: {}", file, window_->first);
+  }
+
+ private:
+  vtkNew<ErrorWindow> window_;
+};
+
+/// VTK reads up to the last value and never sees that the end is missing.
+Status checkEnd(const std::filesystem::path& path) {
+  constexpr std::string_view kEnd = "</VTKFile>";
+  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
+  std::string tail(std::min<std::uint64_t>(file.size(), 64), ' ');
+  VOLUTE_TRY(file.read(file.size() - tail.size(), std::as_writable_bytes(std::span(tail))));
+  tail.erase(tail.find_last_not_of(" \r\n\t") + 1);
+  if (tail.ends_with(kEnd))
+    return {};
+  return fail(ErrorCode::kTruncated, "{}: does not end in {}; the file is truncated", path.string(),
+              kEnd);
+}
+
+/// An array of the file and what its values belong to.
+struct ArrayEntry {
+  bool cells = false;
+  int components = 0;
+};
+
+struct Arrays {
+  std::vector<GridEntry> names;
+  std::vector<ArrayEntry> entries;
+};
+
+void listArrays(vtkInformation* information, bool cells, Arrays& arrays) {
+  auto* fields = information->Get(cells ? vtkDataObject::CELL_DATA_VECTOR()
+                                        : vtkDataObject::POINT_DATA_VECTOR());
+  for (int i = 0; fields && i < fields->GetNumberOfInformationObjects(); ++i) {
+    vtkInformation* field = fields->GetInformationObject(i);
+    const char* name = field->Get(vtkDataObject::FIELD_NAME());
+    const int components = field->Get(vtkDataObject::FIELD_NUMBER_OF_COMPONENTS());
+    if (!name)
+      continue;
+    const char* where = cells ? "cells" : "points";
+    arrays.names.push_back(
+        {name,
+         fmt::format("{} of {}",
+                     components == 1 ? "scalars" : fmt::format("{} components", components), where),
+         components == 1 || components == 3});
+    arrays.entries.push_back({cells, components});
+  }
+}
+
+/// Name, place and size of the wanted array.
+Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::string& wanted,
+                                   const std::string& file, ArrayEntry& entry) {
+  vtkInformation* information = reader->GetOutputInformation(0);
+  if (!information->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT())) {
+    return fail(ErrorCode::kInvalidData, "{}: states no extent", file);
+  }
+  Arrays arrays;
+  listArrays(information, true, arrays);
+  listArrays(information, false, arrays);
+  VOLUTE_ASSIGN(const std::size_t index, chooseGrid(arrays.names, wanted, file));
+  entry = arrays.entries[index];
+  LatticeFrame frame;
+  arrays.names[index].name.copy(frame.grid, LatticeFrame::kMaxName);
+  frame.channels = entry.components;
+  const int* extent = information->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT());
+  const double* spacing = information->Get(vtkDataObject::SPACING());
+  const double* origin = information->Get(vtkDataObject::ORIGIN());
+  if (information->Has(vtkDataObject::DIRECTION())) {
+    const double* direction = information->Get(vtkDataObject::DIRECTION());
+    for (int i = 0; i < 9; ++i) {
+      if (std::abs(direction[i] - (i % 4 == 0)) > 1e-9) {
+        return fail(ErrorCode::kUnsupported,
+                    "{}: the grid is turned (its Direction); resample it along the axes", file);
+      }
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    frame.voxelSize[axis] = spacing[axis];
+    frame.origin[axis] = origin[axis] + (entry.cells ? 0.5 * spacing[axis] : 0);
+    frame.box.begin[axis] = extent[2 * axis];
+    frame.box.end[axis] = std::int64_t{extent[2 * axis + 1]} + (entry.cells ? 0 : 1);
+    if (!(spacing[axis] > 0) || !std::isfinite(spacing[axis]) || !std::isfinite(origin[axis])) {
+      return fail(
+          ErrorCode::kInvalidData,
+          "{}: a spacing of {} m and an origin of {} m along {}; expected a positive spacing", file,
+          spacing[axis], origin[axis], "xyz"[axis]);
+    }
+    if (frame.box.size(axis) < 1) {
+      return fail(ErrorCode::kInvalidData, "{}: no voxels along {} (extent {} to {})", file,
+                  "xyz"[axis], extent[2 * axis], extent[2 * axis + 1]);
+    }
+  }
+  return frame;
+}
+
+/// The part of the file's `values` over `from` that lies in `to`, into the dense array; 0
+/// elsewhere.
+void copyPart(vtkDataArray* array, const IndexBox& from, const IndexBox& to,
+              std::span<float> values) {
+  const int channels = array->GetNumberOfComponents();
+  auto* floats = vtkFloatArray::SafeDownCast(array);
+  IndexBox part;
+  for (int axis = 0; axis < 3; ++axis) {
+    part.begin[axis] = std::max(from.begin[axis], to.begin[axis]);
+    part.end[axis] = std::min(from.end[axis], to.end[axis]);
+  }
+  std::ranges::fill(values, 0.0f);
+  if (part.empty())
+    return;
+  const auto offset = [](const IndexBox& box, std::int64_t x, std::int64_t y, std::int64_t z) {
+    return ((z - box.begin[2]) * box.size(1) + (y - box.begin[1])) * box.size(0) +
+           (x - box.begin[0]);
+  };
+  for (auto z = part.begin[2]; z < part.end[2]; ++z) {
+    for (auto y = part.begin[1]; y < part.end[1]; ++y) {
+      const std::int64_t source = offset(from, part.begin[0], y, z);
+      float* target = &values[offset(to, part.begin[0], y, z) * channels];
+      if (floats) {
+        std::copy_n(floats->GetPointer(source * channels), part.size(0) * channels, target);
+        continue;
+      }
+      for (std::int64_t i = 0; i < part.size(0); ++i) {
+        for (int c = 0; c < channels; ++c)
+          *target++ = static_cast<float>(array->GetComponent(source + i, c));
+      }
+    }
+  }
+}
+
+class VtkReader final : public LatticeReader {
+ public:
+  Result<LatticeFrame> describe(const std::filesystem::path& path, const std::string& wanted,
+                                bool) override {
+    VOLUTE_TRY(checkEnd(path));
+    const ErrorWatch watch;
+    vtkNew<vtkXMLImageDataReader> reader;
+    reader->SetFileName(path.c_str());
+    reader->UpdateInformation();
+    VOLUTE_TRY(watch.status(path.string()));
+    ArrayEntry entry;
+    return describeImage(reader, wanted, path.string(), entry);
+  }
+
+  Status read(const std::filesystem::path& path, const std::string& wanted, const IndexBox& box,
+              bool, std::span<float> values) override {
+    const std::string file = path.string();
+    VOLUTE_TRY(checkEnd(path));
+    const ErrorWatch watch;
+    vtkNew<vtkXMLImageDataReader> reader;
+    reader->SetFileName(path.c_str());
+    reader->UpdateInformation();
+    VOLUTE_TRY(watch.status(file));
+    ArrayEntry entry;
+    VOLUTE_ASSIGN(const LatticeFrame frame, describeImage(reader, wanted, file, entry));
+    reader->GetPointDataArraySelection()->DisableAllArrays();
+    reader->GetCellDataArraySelection()->DisableAllArrays();
+    (entry.cells ? reader->GetCellDataArraySelection() : reader->GetPointDataArraySelection())
+        ->EnableArray(frame.grid);
+    reader->Update();
+    VOLUTE_TRY(watch.status(file));
+    vtkImageData* image = reader->GetOutput();
+    auto* data = entry.cells ? static_cast<vtkDataSetAttributes*>(image->GetCellData())
+                             : image->GetPointData();
+    vtkDataArray* array = data->GetArray(frame.grid);
+    const std::int64_t voxels = frame.box.size(0) * frame.box.size(1) * frame.box.size(2);
+    if (!array || array->GetNumberOfTuples() != voxels ||
+        array->GetNumberOfComponents() != frame.channels) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: array '{}' does not have a value for each voxel; the file is damaged", file,
+                  frame.grid);
+    }
+    copyPart(array, frame.box, box, values);
+    return {};
+  }
+};
+
+class VtkWriter final : public LatticeWriter {
+ public:
+  Status write(const std::filesystem::path& temporary, const std::filesystem::path& target,
+               const VolumeInfo& info, int, std::span<const float> values) override {
+    vtkNew<vtkFloatArray> array;
+    array->SetName(info.name.c_str());
+    array->SetNumberOfComponents(info.channels);
+    array->SetArray(const_cast<float*>(values.data()), static_cast<vtkIdType>(values.size()),
+                    /*save=*/1);
+    vtkNew<vtkImageData> image;
+    const Vec3 size = info.voxelSize();
+    image->SetDimensions(info.x + 1, info.y + 1, info.z + 1);
+    image->SetOrigin(info.bounds.min.data());
+    image->SetSpacing(size.data());
+    image->GetCellData()->SetScalars(array);
+    vtkNew<vtkXMLImageDataWriter> writer;
+    std::string problem;
+    vtkNew<vtkCallbackCommand> onError;  // also keeps VTK from printing
+    onError->SetClientData(&problem);
+    onError->SetCallback([](vtkObject*, unsigned long, void* client, void* text) {
+      if (text)
+        *static_cast<std::string*>(client) = static_cast<const char*>(text);
+    });
+    writer->AddObserver(vtkCommand::ErrorEvent, onError);
+    writer->SetFileName(temporary.c_str());
+    writer->SetInputData(image);
+    writer->SetDataModeToAppended();
+    writer->EncodeAppendedDataOff();
+    writer->SetHeaderTypeToUInt64();
+    if (writer->Write() == 1 && problem.empty() && writer->GetErrorCode() == 0)
+      return {};
+    return fail(ErrorCode::kIo, "{}: cannot write: {}", target.string(),
+                writer->GetErrorCode()
+                    ? vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode())
+                    : "VTK refused");
+  }
+};
+
+Result<std::vector<TimedFile>> readPvd(const std::filesystem::path& path) {
+  VOLUTE_TRY(checkEnd(path));
+  const ErrorWatch watch;
+  vtkNew<vtkXMLDataParser> parser;
+  parser->SetFileName(path.c_str());
+  const bool parsed = parser->Parse() != 0;
+  VOLUTE_TRY(watch.status(path.string()));
+  vtkXMLDataElement* root = parsed ? parser->GetRootElement() : nullptr;
+  vtkXMLDataElement* collection = root ? root->FindNestedElementWithName("Collection") : nullptr;
+  if (!collection)
+    return fail(ErrorCode::kInvalidData, "{}: not a VTK collection (VTKFile, Collection, DataSet)",
+                path.string());
+  std::vector<TimedFile> files;
+  for (int i = 0; i < collection->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement* element = collection->GetNestedElement(i);
+    const char* file = element->GetAttribute("file");
+    if (element->GetName() != std::string_view("DataSet") || !file) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: element {} of the collection is not a DataSet with a file", path.string(),
+                  i);
+    }
+    int part = 0;
+    if (element->GetScalarAttribute("part", part) && part != 0) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: {} is part {} of its time; expected one file for each time", path.string(),
+                  file, part);
+    }
+    TimedFile& timed = files.emplace_back();
+    timed.path = file;
+    element->GetScalarAttribute("timestep", timed.time);
+  }
+  return files;
+}
+
+}  // namespace
+}  // namespace volute
+
+extern "C" const volute::LatticePlugin* voluteVtkPlugin() {
+  using namespace volute;
+  static constexpr LatticePlugin kPlugin{
+      []() -> std::unique_ptr<LatticeReader> { return std::make_unique<VtkReader>(); },
+      [](bool) -> std::unique_ptr<LatticeWriter> { return std::make_unique<VtkWriter>(); },
+      readPvd};
+  return &kPlugin;
+}
