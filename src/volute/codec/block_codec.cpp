@@ -13,9 +13,11 @@ namespace {
 constexpr int kDroppedBits = 19;
 constexpr std::size_t kBins = std::size_t{1} << (31 - kDroppedBits);
 
-// Coefficients below this many steps are quantised to zero; above it the error is uniform on [-0.4,
-// 0.6] steps.
-constexpr double kDeadZone = 0.6;
+// Coefficients below the dead zone, in steps, are quantised to zero. A bin is narrow against a step
+// up to some steps; above that its error is uniform on [-0.4, 0.6] steps.
+constexpr double kRounding = 0.4;
+constexpr double kDeadZone = 1 - kRounding;
+constexpr double kResolved = 4;
 constexpr double kMeanSquare = (0.6 * 0.6 * 0.6 + 0.4 * 0.4 * 0.4) / 3;
 
 std::size_t binOf(double magnitude) {

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "volute/codec/compress.hpp"
+#include "volute/codec/volute_reader.hpp"
+#include "volute/grid/sequence.hpp"
+
+namespace volute::testing {
+
+/// A file name in a folder of this process that is removed with the object.
+class ScratchFile {
+ public:
+  explicit ScratchFile(const std::string& name = "x.volute")
+      : folder_(std::filesystem::temp_directory_path() /
+                fmt::format("volute-codec-{}-{}", ::getpid(), counter()++)),
+        path_(folder_ / name) {
+    std::filesystem::create_directories(folder_);
+  }
+
+  ~ScratchFile() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+  const std::filesystem::path& folder() const { return folder_; }
+
+ private:
+  static int& counter() {
+    static int count = 0;
+    return count;
+  }
+
+  std::filesystem::path folder_, path_;
+};
+
+inline std::vector<char> readBytes(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+inline void writeBytes(const std::filesystem::path& path, const std::vector<char>& bytes) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+/// Drifting plumes with empty space and some grain; exact in every float unit that rounds as IEEE
+/// 754 says.
+inline Sequence plumes(int frames, int z, int y, int x, int channels = 1, float offset = 0) {
+  Sequence sequence = makeSequence(frames, z, y, x, channels);
+  auto view = sequence.view();
+  std::uint32_t seed = 12345;
+  for (int t = 0; t < frames; ++t)
+    for (int k = 0; k < z; ++k)
+      for (int j = 0; j < y; ++j)
+        for (int i = 0; i < x; ++i)
+          for (int c = 0; c < channels; ++c) {
+            const float dx =
+                (static_cast<float>(i) - 0.5f * static_cast<float>(x + t)) / static_cast<float>(x);
+            const float dy =
+                (static_cast<float>(j) - 0.4f * static_cast<float>(y)) / static_cast<float>(y);
+            const float dz =
+                (static_cast<float>(k) - 0.3f * static_cast<float>(z + c)) / static_cast<float>(z);
+            const float body = 0.2f - dx * dx - dy * dy - dz * dz;
+            seed = seed * 1664525u + 1013904223u;
+            const float grain = static_cast<float>(seed >> 24) * 0x1p-13f;
+            view(t, k, j, i, c) = body > 0 ? offset + body * 4 + grain : offset;
+          }
+  return sequence;
+}
+
+inline Result<CompressReport> compressTo(const std::filesystem::path& path,
+                                         const Sequence& sequence, ErrorTarget target) {
+  SequenceSource source(sequence);
+  CompressOptions options;
+  options.target = target;
+  Progress progress;
+  return compress(source, path, options, progress);
+}
+
+inline Result<Sequence> readBack(const std::filesystem::path& path,
+                                 const VoluteReader::Options& options = {}) {
+  VOLUTE_ASSIGN(VoluteReader reader, VoluteReader::open(path, options));
+  const auto source = frameSource(std::make_shared<VoluteReader>(std::move(reader)));
+  return readAll(*source, std::uint64_t{1} << 32);
+}
+
+struct Difference {
+  double relativeRms = 0, maxError = 0;
+};
+
+inline Difference differenceOf(const Sequence& a, const Sequence& b) {
+  double sum = 0, greatest = 0, low = INFINITY, high = -INFINITY;
+  for (std::size_t i = 0; i < a.values.size(); ++i) {
+    const double error = std::abs(static_cast<double>(b.values[i]) - a.values[i]);
+    sum += error * error;
+    greatest = std::max(greatest, error);
+    low = std::min<double>(low, a.values[i]);
+    high = std::max<double>(high, a.values[i]);
+  }
+  const double rms = std::sqrt(sum / static_cast<double>(a.values.size()));
+  return {high > low ? rms / (high - low) : rms, greatest};
+}
+
+}  // namespace volute::testing

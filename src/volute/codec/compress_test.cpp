@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <rapidcheck/gtest.h>
+#include <sys/resource.h>
+
+#include <limits>
+
+#include "volute/base/parallel.hpp"
+#include "volute/codec/codec_testing.hpp"
+
+namespace volute {
+namespace {
+
+using Kind = ErrorTarget::Kind;
+using testing::compressTo;
+using testing::differenceOf;
+using testing::plumes;
+using testing::readBack;
+using testing::readBytes;
+using testing::ScratchFile;
+
+// Compresses, reads back and checks that the report tells the truth.
+CompressReport checkedRoundTrip(const Sequence& sequence, ErrorTarget target) {
+  const ScratchFile file;
+  const auto report = compressTo(file.path(), sequence, target);
+  EXPECT_TRUE(report) << report.error().message;
+  if (!report)
+    return {};
+  const auto decoded = readBack(file.path());
+  EXPECT_TRUE(decoded) << decoded.error().message;
+  if (!decoded)
+    return {};
+  const auto difference = differenceOf(sequence, *decoded);
+  EXPECT_NEAR(difference.relativeRms, report->relativeRms, 1e-9 * difference.relativeRms);
+  EXPECT_EQ(difference.maxError, report->maxError);
+  EXPECT_EQ(report->fileBytes, std::filesystem::file_size(file.path()));
+  return *report;
+}
+
+TEST(Compress, EveryKindOfTargetIsMetAndNotWasted) {
+  const Sequence sequence = plumes(20, 24, 33, 40);
+  const double raw = static_cast<double>(sequence.info.rawBytes());
+  for (const double rms : {2e-2, 3e-3, 3e-4}) {
+    const auto report = checkedRoundTrip(sequence, {Kind::kRms, rms});
+    EXPECT_LE(report.relativeRms, rms);
+    EXPECT_GT(report.relativeRms, 0.9 * rms);
+  }
+  EXPECT_LE(checkedRoundTrip(sequence, {Kind::kPsnr, 50}).relativeRms, std::pow(10, -2.5));
+  for (const double ratio : {20.0, 60.0}) {
+    const auto report = checkedRoundTrip(sequence, {Kind::kRatio, ratio});
+    EXPECT_LE(static_cast<double>(report.fileBytes), raw / ratio);
+    EXPECT_GT(static_cast<double>(report.fileBytes), 0.9 * raw / ratio);
+  }
+  const auto sized = checkedRoundTrip(sequence, {Kind::kSize, 50000});
+  EXPECT_LE(sized.fileBytes, 50000u);
+  EXPECT_GT(sized.fileBytes, 45000u);
+  for (const double error : {0.1, 0.003}) {
+    const auto report = checkedRoundTrip(sequence, {Kind::kMaxError, error});
+    EXPECT_LE(report.maxError, error);
+    EXPECT_GT(report.maxError, 0.5 * error);
+  }
+}
+
+RC_GTEST_PROP(Compress, AnySizeOfVolumeComesBackWithinItsError, ()) {
+  const auto side = [](int most) { return *rc::gen::inRange(1, most); };
+  const int channels = *rc::gen::element(1, 3);
+  const Sequence sequence =
+      plumes(side(20), side(20), side(20), side(36), channels, *rc::gen::element(0.0f, 100.0f));
+  const ScratchFile file;
+  const auto report = compressTo(file.path(), sequence, {Kind::kRms, 5e-3});
+  RC_ASSERT(report.has_value());
+  const auto decoded = readBack(file.path());
+  RC_ASSERT(decoded.has_value());
+  RC_ASSERT(differenceOf(sequence, *decoded).relativeRms <= 5e-3);
+  RC_ASSERT(decoded->info.x == sequence.info.x && decoded->info.frames == sequence.info.frames);
+}
+
+TEST(Compress, OddSizesOfManyBlocks) {
+  const auto report = checkedRoundTrip(plumes(50, 37, 61, 23), {Kind::kRms, 3e-3});
+  EXPECT_LE(report.relativeRms, 3e-3);
+  EXPECT_EQ(report.blocks, 4u * 3 * 4 * 2);
+}
+
+TEST(Compress, TheSmallestVolumes) {
+  for (const auto& [t, z, y, x] :
+       {std::array{1, 1, 1, 1}, {1, 1, 1, 5}, {1, 5, 1, 1}, {5, 1, 1, 1}, {1, 17, 17, 17}}) {
+    const auto report = checkedRoundTrip(plumes(t, z, y, x, 1, -3), {Kind::kRms, 1e-3});
+    EXPECT_LE(report.relativeRms, 1e-3) << t << z << y << x;
+  }
+}
+
+TEST(Compress, ConstantFieldsAreExact) {
+  for (const float value : {0.0f, -2.5f, 1e-30f, 3e38f}) {
+    Sequence sequence = makeSequence(17, 5, 18, 3, 3);
+    std::ranges::fill(sequence.values, value);
+    const auto report = checkedRoundTrip(sequence, {Kind::kRms, 1e-3});
+    EXPECT_EQ(report.relativeRms, 0);
+    EXPECT_LT(report.fileBytes, 800u);
+  }
+}
+
+TEST(Compress, EmptySpaceStaysExactlyZero) {
+  Sequence sequence = plumes(32, 32, 32, 32);
+  auto view = sequence.view();
+  for (int t = 16; t < 32; ++t)
+    for (int z = 0; z < 32; ++z)
+      for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) view(t, z, y, x, 0) = 0;
+  const ScratchFile file;
+  ASSERT_TRUE(compressTo(file.path(), sequence, {Kind::kRms, 1e-2}));
+  const auto decoded = readBack(file.path());
+  ASSERT_TRUE(decoded);
+  for (std::size_t i = sequence.values.size() / 2; i < sequence.values.size(); ++i)
+    ASSERT_EQ(decoded->values[i], 0);
+}
+
+TEST(Compress, ExtremeValuesDoNotOverflow) {
+  Sequence sequence = makeSequence(3, 4, 5, 6);
+  for (std::size_t i = 0; i < sequence.values.size(); ++i)
+    sequence.values[i] = i % 3 == 0 ? 3.4e38f : i % 3 == 1 ? -3.4e38f : 1e-44f;
+  EXPECT_LE(checkedRoundTrip(sequence, {Kind::kRms, 1e-3}).relativeRms, 1e-3);
+}
+
+TEST(Compress, ReachesWhatFloatsAllowAndSaysWhenNot) {
+  const Sequence sequence = plumes(4, 8, 8, 8);
+  EXPECT_LE(checkedRoundTrip(sequence, {Kind::kMaxError, 2e-6}).maxError, 2e-6);
+  const ScratchFile file;
+  const auto refused = compressTo(file.path(), sequence, {Kind::kMaxError, 1e-12});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_NE(refused.error().message.find("cannot be reached"), std::string::npos);
+  const auto tooSmall = compressTo(file.path(), sequence, {Kind::kSize, 100});
+  ASSERT_FALSE(tooSmall);
+  EXPECT_NE(tooSmall.error().message.find("the smallest is"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(file.path()));
+  EXPECT_TRUE(std::filesystem::is_empty(file.folder()));
+}
+
+TEST(Compress, NonsenseTargetsAndWaveletsAreRefused) {
+  const Sequence sequence = plumes(1, 4, 4, 4);
+  const ScratchFile file;
+  for (const ErrorTarget target : {ErrorTarget{Kind::kMaxError, 0},
+                                   {Kind::kRms, 0},
+                                   {Kind::kRms, -1},
+                                   {Kind::kRatio, NAN},
+                                   {Kind::kPsnr, INFINITY}}) {
+    const auto refused = compressTo(file.path(), sequence, target);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  }
+  SequenceSource source(sequence);
+  Progress progress;
+  CompressOptions options;
+  options.wavelet = "cdf97";
+  EXPECT_EQ(compress(source, file.path(), options, progress).error().code, ErrorCode::kUnsupported);
+  options.wavelet = "db4";
+  EXPECT_EQ(compress(source, file.path(), options, progress).error().code,
+            ErrorCode::kInvalidArgument);
+  options.wavelet = "haar";
+  EXPECT_TRUE(compress(source, file.path(), options, progress));
+}
+
+TEST(Compress, ValuesThatAreNotFiniteAreNamed) {
+  for (const float bad :
+       {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()}) {
+    Sequence sequence = plumes(20, 4, 5, 6, 3);
+    sequence.info.name = "flame";
+    sequence.info.frameNumbers[18] = 77;
+    sequence.info.frameNumbers[19] = 78;
+    sequence.view()(18, 1, 2, 3, 2) = bad;
+    sequence.view()(19, 0, 0, 0, 0) = bad;
+    const ScratchFile file;
+    const auto refused = compressTo(file.path(), sequence, {});
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find(
+                  "grid 'flame', frame 77, voxel (3, 2, 1) in x, y, z, channel 2"),
+              std::string::npos)
+        << refused.error().message;
+  }
+}
+
+TEST(Compress, TheSameBytesForAnyNumberOfThreads) {
+  const Sequence sequence = plumes(33, 40, 33, 50);
+  std::vector<char> first;
+  for (const int threads : {1, 2, 3}) {
+    const ThreadLimit limit(threads);
+    const ScratchFile file;
+    ASSERT_TRUE(compressTo(file.path(), sequence, {Kind::kRms, 2e-3}));
+    const auto bytes = readBytes(file.path());
+    if (first.empty())
+      first = bytes;
+    EXPECT_EQ(bytes, first) << threads;
+  }
+}
+
+TEST(Compress, MetadataComesBackBitForBit) {
+  Sequence sequence = plumes(5, 3, 4, 5, 3);
+  sequence.info.name = "Größe";
+  sequence.info.unit = "g/m3";
+  sequence.info.basis = Basis::kTrilinear;
+  sequence.info.bounds = {Vec3(-1, 0.1, 1.0 / 3), Vec3(2, 5, 7)};
+  sequence.info.frameNumbers = {-3, 5, 6, 7, 2000000000};
+  for (const bool regular : {true, false}) {
+    sequence.info.times.clear();
+    for (const int n : sequence.info.frameNumbers)
+      sequence.info.times.push_back(0.7 + (n + 3.0) / 24);
+    if (!regular)
+      sequence.info.times[2] += 1e-9;
+    SequenceSource source(sequence);
+    CompressOptions options;
+    options.target = {Kind::kPsnr, 43};
+    options.provenance = "made by a test";
+    Progress progress;
+    const ScratchFile file;
+    ASSERT_TRUE(compress(source, file.path(), options, progress));
+    const auto reader = VoluteReader::open(file.path());
+    ASSERT_TRUE(reader) << reader.error().message;
+    const VolumeInfo& info = reader->info();
+    EXPECT_EQ(info.name, sequence.info.name);
+    EXPECT_EQ(info.unit, "g/m3");
+    EXPECT_EQ(info.basis, Basis::kTrilinear);
+    EXPECT_EQ(info.bounds.min, sequence.info.bounds.min);
+    EXPECT_EQ(info.bounds.max, sequence.info.bounds.max);
+    EXPECT_EQ(info.frameNumbers, sequence.info.frameNumbers);
+    EXPECT_EQ(info.times, sequence.info.times);
+    EXPECT_EQ(reader->header().provenance, "made by a test");
+    EXPECT_EQ(reader->header().targetKind, "psnr");
+    EXPECT_EQ(reader->header().targetValue, 43);
+    EXPECT_GT(reader->header().haarStep, 0);
+  }
+}
+
+class Stopper final : public Progress {
+ public:
+  bool cancelled() const override { return true; }
+};
+
+TEST(Compress, StopsWhenAsked) {
+  const Sequence sequence = plumes(20, 8, 8, 8);
+  SequenceSource source(sequence);
+  Stopper stopper;
+  const ScratchFile file;
+  EXPECT_EQ(compress(source, file.path(), {}, stopper).error().code, ErrorCode::kCancelled);
+  EXPECT_TRUE(std::filesystem::is_empty(file.folder()));
+}
+
+TEST(Compress, RowsThatDoNotFitAreRefusedWithTheirNeed) {
+  const Sequence sequence = plumes(16, 32, 32, 32);
+  SequenceSource source(sequence);
+  Progress progress;
+  CompressOptions options;
+  options.maxMemory = 1 << 20;
+  const ScratchFile file;
+  const auto refused = compress(source, file.path(), options, progress);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
+  EXPECT_NE(refused.error().message.find("need 10 MiB"), std::string::npos)
+      << refused.error().message;
+}
+
+// Frames out of nothing, as many as one likes.
+class EndlessSource final : public FrameSource {
+ public:
+  EndlessSource(int frames, int side) : frame_(plumes(1, side, side, side)) {
+    info_ = frame_.info;
+    info_.frames = frames;
+    info_.frameNumbers.clear();
+    info_.times.clear();
+    info_.fillDefaults();
+  }
+
+  const VolumeInfo& info() const override { return info_; }
+
+  Status readFrame(int index, std::span<float> values) override {
+    const float scale = 1 + 0.001f * static_cast<float>(index);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = frame_.values[i] * scale;
+    return {};
+  }
+
+ private:
+  Sequence frame_;
+  VolumeInfo info_;
+};
+
+long peakKilobytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss;
+}
+
+TEST(Compress, MemoryDoesNotGrowWithTheFrames) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the sanitizer keeps freed memory";
+#endif
+  const auto peakOf = [](int frames) {
+    EndlessSource source(frames, 48);
+    CompressOptions options;
+    options.target = {Kind::kRms, 1e-2};
+    Progress progress;
+    const ScratchFile file;
+    EXPECT_TRUE(compress(source, file.path(), options, progress));
+    return peakKilobytes();
+  };
+  const long before = peakOf(32);
+  const long growth = peakOf(320) - before;  // 141 MB of frames
+  EXPECT_LT(growth, 16 << 10);
+}
+
+TEST(Compress, TheIndexOfManyFramesIsSmall) {
+  EndlessSource source(2000, 8);
+  CompressOptions options;
+  options.target = {Kind::kRms, 1e-2};
+  Progress progress;
+  const ScratchFile file;
+  ASSERT_TRUE(compress(source, file.path(), options, progress));
+  const auto bytes = readBytes(file.path());
+  const auto headBytes = static_cast<unsigned char>(bytes[16]) |
+                         static_cast<unsigned char>(bytes[17]) << 8 |
+                         static_cast<unsigned char>(bytes[18]) << 16;
+  EXPECT_LT(headBytes, 125 * 4 * 6 + 500);  // 125 blocks of 4 tiers, frame numbers and times
+}
+
+}  // namespace
+}  // namespace volute
