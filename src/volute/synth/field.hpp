@@ -23,12 +23,6 @@ struct Field {
   }
   float& at(int i, int j, int k) { return values[index(i, j, k)]; }
   float at(int i, int j, int k) const { return values[index(i, j, k)]; }
-
-  /// Takes the size of `other`, not its values; keeps the memory.
-  void resizeAs(const Field& other) {
-    x = other.x, y = other.y, z = other.z;
-    values.resize(other.values.size());
-  }
 };
 
 /// The cell of eight samples around a point, and where in it the point lies (0..1 on each axis).

@@ -13,19 +13,20 @@ constexpr int kStepsPerFrame = 2;
 constexpr float kStep = kFrameSeconds / kStepsPerFrame;
 constexpr int kWarmUpFrames = 45;
 
-constexpr float kBurnerRadius = 0.30f;  // [m]
-constexpr float kBurnerHeight = 0.10f;
-constexpr float kBurnTime = 0.16f;   // [s], in which fuel turns to heat
-constexpr float kHeatOfFuel = 1.5f;  // temperatures are relative: 1 is a bright flame
-constexpr float kCooling = 0.7f;     // [1/s]
-constexpr float kRadiation = 3.2f;   // [1/s] at temperature 1, with its third power
-constexpr float kBuoyancy = 9.0f;    // [m/s^2] at temperature 1
-constexpr float kConfinement = 0.5f;
-constexpr float kGust = 5.0f;   // [m/s^2], eddies of the large noise in the flame
-constexpr float kCurl = 14.0f;  // and of the small one
+constexpr float kBurnerRadius = 0.32f;  // [m]
+constexpr float kBurnerHeight = 0.07f;
+constexpr float kBurnTime = 0.25f;   // [s], in which fuel turns to heat
+constexpr float kHeatOfFuel = 2.6f;  // temperatures are relative: 1 is a bright flame
+constexpr float kCooling = 1.3f;     // [1/s]
+constexpr float kRadiation = 2.5f;   // [1/s] at temperature 1, with its third power
+constexpr float kBuoyancy = 10.0f;    // [m/s^2] at temperature 1
+constexpr float kConfinement = 0.7f;
+constexpr float kSwelling = 3.0f;  // volumes of hot gas more than of fuel
+constexpr float kGust = 6.0f;   // [m/s^2], eddies of the large noise in the flame
+constexpr float kCurl = 16.0f;  // and of the small one
 
-constexpr float kVisible = 0.22f;  // temperature below which nothing glows
-constexpr float kRadiance = 9.0f;  // [radiance/m] at temperature 1
+constexpr float kVisible = 0.3f;  // temperature below which nothing glows
+constexpr float kRadiance = 5.0f;  // [radiance/m] at temperature 1
 
 class Fire final : public Simulation {
  public:
@@ -83,12 +84,15 @@ void Fire::react(int i, int j, int k) {
     const float flow = inlet_.at(px, py, pz)[0];
     const float amount = (1 - smoothStep(0.75f * kBurnerRadius, kBurnerRadius, radius)) * smoothStep(-0.5f, 0.5f, flow);
     fuel = std::max(fuel, amount);
-    heat = std::max(heat, 0.5f * amount);
+    heat = std::max(heat, 0.2f * amount);
   }
+  float& expansion = fluid_.expansion().at(i, j, k);
+  expansion = 0;
   if (fuel == 0 && heat == 0) return;
   const float burnt = fuel * (kStep / (kBurnTime + kStep));
   fuel -= burnt;
   heat += kHeatOfFuel * burnt;
+  expansion = kSwelling * burnt / kStep;
   heat /= 1 + kStep * (kCooling + kRadiation * heat * heat * heat);
   const float fade = fadeAtBorder(x, y, pz, 0.12f);
   fuel *= fade;
@@ -109,8 +113,8 @@ void Fire::write(int channels, std::span<float> values) const {
     // Radiance climbs steeply with temperature; the colour goes from deep red through orange to a pale yellow.
     const float strength = kRadiance * t * t;
     const float red = strength;
-    const float green = strength * (0.10f + 0.55f * smoothStep(0, 1, t));
-    const float blue = strength * (0.01f + 0.30f * smoothStep(0.3f, 1.2f, t));
+    const float green = strength * (0.05f + 0.58f * smoothStep(0.0f, 1.4f, t));
+    const float blue = strength * (0.003f + 0.16f * smoothStep(0.45f, 1.5f, t));
     if (channels == 1) {
       values[i] = 0.2126f * red + 0.7152f * green + 0.0722f * blue;
     } else {

@@ -24,12 +24,6 @@ void forEach(int x, int y, int z, const Body& body) {
   });
 }
 
-// The velocity at a point in cells.
-std::array<float, 3> velocityAt(const std::array<Field, 3>& v, float x, float y, float z) {
-  return {sample(v[0], x, y - 0.5f, z - 0.5f), sample(v[1], x - 0.5f, y, z - 0.5f),
-          sample(v[2], x - 0.5f, y - 0.5f, z)};
-}
-
 }  // namespace
 
 Fluid::Fluid(int size, float extent, int scalars)
@@ -42,61 +36,70 @@ Fluid::Fluid(int size, float extent, int scalars)
       poisson_(size) {
   force_.fill(Field(size, size, size));
   vorticity_ = force_;
-  const std::size_t most = static_cast<std::size_t>(size + 1) * size * size;
-  for (auto& component : path_) component.resize(most);
+  path_ = force_;
+  expansion_ = vorticityLength_;
+  moved_ = corrected_ = vorticityLength_;
 }
 
 void Fluid::advect(float dt) {
-  constexpr std::array<std::array<float, 3>, 3> kFaces = {{{0, 0.5f, 0.5f}, {0.5f, 0, 0.5f}, {0.5f, 0.5f, 0}}};
-  if (!scalars_.empty()) {
-    traceBack(scalars_.front(), {0.5f, 0.5f, 0.5f}, dt);
-    for (Field& scalar : scalars_) carry(scalar);
-  }
-  nextVelocity_ = velocity_;
-  for (int c = 0; c < 3; ++c) {
-    traceBack(velocity_[c], kFaces[c], dt);
-    carry(nextVelocity_[c]);
-  }
+  traceBack(dt);
+  for (Field& scalar : scalars_) carryScalar(scalar);
+  for (int c = 0; c < 3; ++c) carryVelocity(c);
   std::swap(velocity_, nextVelocity_);
 }
 
-// The midpoint rule.
-void Fluid::traceBack(const Field& field, const std::array<float, 3>& offset, float dt) {
+// The midpoint rule, from the cell centres.
+void Fluid::traceBack(float dt) {
   const float scale = -dt / cellSize_;
-  forEach(field.x, field.y, field.z, [&](int i, int j, int k) {
-    const float x = static_cast<float>(i) + offset[0];
-    const float y = static_cast<float>(j) + offset[1];
-    const float z = static_cast<float>(k) + offset[2];
-    const auto here = velocityAt(velocity_, x, y, z);
-    const float half = 0.5f * scale;
-    const auto middle = velocityAt(velocity_, x + half * here[0], y + half * here[1], z + half * here[2]);
-    const std::size_t at = field.index(i, j, k);
-    for (int c = 0; c < 3; ++c) path_[c][at] = scale * middle[c];
+  forEach(size_, size_, size_, [&](int i, int j, int k) {
+    const float half = 0.25f * scale;  // of the sum of two faces
+    const float x = static_cast<float>(i) + 0.5f + half * (velocity_[0].at(i, j, k) + velocity_[0].at(i + 1, j, k));
+    const float y = static_cast<float>(j) + 0.5f + half * (velocity_[1].at(i, j, k) + velocity_[1].at(i, j + 1, k));
+    const float z = static_cast<float>(k) + 0.5f + half * (velocity_[2].at(i, j, k) + velocity_[2].at(i, j, k + 1));
+    const std::size_t at = path_[0].index(i, j, k);
+    path_[0].values[at] = scale * sample(velocity_[0], x, y - 0.5f, z - 0.5f);
+    path_[1].values[at] = scale * sample(velocity_[1], x - 0.5f, y, z - 0.5f);
+    path_[2].values[at] = scale * sample(velocity_[2], x - 0.5f, y - 0.5f, z);
   });
 }
 
-// MacCormack: go back, come forth again, correct by half of what that changed; never beyond the values around.
-void Fluid::carry(Field& field) {
-  moved_.resizeAs(field);
-  corrected_.resizeAs(field);
+// MacCormack: go back, come forth again, correct by half of what that changed. Where that would leave the range of the
+// values around, no correction: clamping to the range draws streaks along the grid.
+void Fluid::carryScalar(Field& field) {
   const auto tapAt = [&](int i, int j, int k, std::size_t at, float sign) {
-    return Tap(field, static_cast<float>(i) + sign * path_[0][at], static_cast<float>(j) + sign * path_[1][at],
-               static_cast<float>(k) + sign * path_[2][at]);
+    return Tap(field, static_cast<float>(i) + sign * path_[0].values[at],
+               static_cast<float>(j) + sign * path_[1].values[at], static_cast<float>(k) + sign * path_[2].values[at]);
   };
-  forEach(field.x, field.y, field.z, [&](int i, int j, int k) {
+  forEach(size_, size_, size_, [&](int i, int j, int k) {
     const std::size_t at = field.index(i, j, k);
     const Tap tap = tapAt(i, j, k, at, 1);
     moved_.values[at] = tap.interpolate(tap.corners(field));
   });
-  forEach(field.x, field.y, field.z, [&](int i, int j, int k) {
+  forEach(size_, size_, size_, [&](int i, int j, int k) {
     const std::size_t at = field.index(i, j, k);
     const auto around = tapAt(i, j, k, at, 1).corners(field);
     const auto [low, high] = std::ranges::minmax(around);
     const Tap forth = tapAt(i, j, k, at, -1);
     const float error = field.values[at] - forth.interpolate(forth.corners(moved_));
-    corrected_.values[at] = std::clamp(moved_.values[at] + 0.5f * error, low, high);
+    const float value = moved_.values[at] + 0.5f * error;
+    corrected_.values[at] = value < low || value > high ? moved_.values[at] : value;
   });
   field.values.swap(corrected_.values);
+}
+
+// First order: its smearing is what keeps eddies of one cell's width from growing, and confinement makes up for it.
+void Fluid::carryVelocity(int component) {
+  const Field& from = velocity_[component];
+  Field& to = nextVelocity_[component];
+  const int last = size_ - 1;
+  forEach(to.x, to.y, to.z, [&](int i, int j, int k) {
+    const std::size_t after = path_[0].index(std::min(i, last), std::min(j, last), std::min(k, last));
+    const std::size_t before = path_[0].index(std::max(i - (component == 0), 0), std::max(j - (component == 1), 0),
+                                              std::max(k - (component == 2), 0));
+    const auto mean = [&](int c) { return 0.5f * (path_[c].values[before] + path_[c].values[after]); };
+    to.at(i, j, k) = sample(from, static_cast<float>(i) + mean(0), static_cast<float>(j) + mean(1),
+                            static_cast<float>(k) + mean(2));
+  });
 }
 
 void Fluid::addForces(float dt, float confinement) {
@@ -172,7 +175,9 @@ float Fluid::divergence(int i, int j, int k) const {
 void Fluid::project() {
   const int n = size_;
   for (int j = 0; j < n; ++j) std::ranges::fill_n(&velocity_[2].at(0, j, 0), n, 0.0f);
-  forEach(n, n, n, [&](int i, int j, int k) { poisson_.rightSide().at(i + 1, j + 1, k + 1) = divergence(i, j, k); });
+  forEach(n, n, n, [&](int i, int j, int k) { 
+    poisson_.rightSide().at(i + 1, j + 1, k + 1) = divergence(i, j, k) - cellSize_ * expansion_.at(i, j, k);
+  });
   poisson_.solve(kCycles);
   const Field& p = poisson_.pressure();
   forEach(n + 1, n, n, [&](int i, int j, int k) {
@@ -186,14 +191,14 @@ void Fluid::project() {
   });
 }
 
-float Fluid::maxDivergence() const {
+float Fluid::divergenceError() const {
   float most = 0;
   for (int k = 0; k < size_; ++k) {
     for (int j = 0; j < size_; ++j) {
-      for (int i = 0; i < size_; ++i) most = std::max(most, std::fabs(divergence(i, j, k)));
+      for (int i = 0; i < size_; ++i) most = std::max(most, std::fabs(divergence(i, j, k) / cellSize_ - expansion_.at(i, j, k)));
     }
   }
-  return most / cellSize_;
+  return most;
 }
 
 }  // namespace volute

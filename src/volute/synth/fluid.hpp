@@ -10,8 +10,8 @@
 
 namespace volute {
 
-/// An incompressible fluid in a cube that is open to still air on the sides and the top and stands on a floor.
-/// Stam's stable fluids on a staggered grid with MacCormack advection and vorticity confinement. A step is advect,
+/// A fluid of constant density in a cube that is open to still air on the sides and the top and stands on a floor.
+/// Stam's stable fluids on a staggered grid with MacCormack advection of scalars and vorticity confinement. A step is advect,
 /// then addForces, then project. All results are the same for any number of threads.
 class Fluid {
  public:
@@ -28,6 +28,9 @@ class Fluid {
   /// Accelerations [m/s^2] at cell centres along x, y, z; addForces uses them up and sets them to zero.
   std::array<Field, 3>& force() { return force_; }
 
+  /// Rate [1/s] at which the fluid swells in each cell, as a burning gas does; holds until it is changed.
+  Field& expansion() { return expansion_; }
+
   /// Velocities [m/s] on the faces: component c has one sample more along axis c.
   const std::array<Field, 3>& velocity() const { return velocity_; }
 
@@ -37,15 +40,16 @@ class Fluid {
   /// Adds `force`, and brings back the small eddies that the grid smears: `confinement` is dimensionless, about 0..1.
   void addForces(float dt, float confinement);
 
-  /// Makes the velocity free of divergence and lets nothing through the floor.
+  /// Makes the divergence of the velocity equal to `expansion` and lets nothing through the floor.
   void project();
 
-  /// The largest |divergence| [1/s] of any cell.
-  float maxDivergence() const;
+  /// The largest |divergence - expansion| [1/s] of any cell.
+  float divergenceError() const;
 
  private:
-  void traceBack(const Field& field, const std::array<float, 3>& offset, float dt);
-  void carry(Field& field);
+  void traceBack(float dt);
+  void carryScalar(Field& field);
+  void carryVelocity(int component);
   void computeVorticity();
   void confine(float strength);
   float divergence(int i, int j, int k) const;
@@ -57,9 +61,10 @@ class Fluid {
   std::array<Field, 3> force_;
   std::array<Field, 3> vorticity_;
   Field vorticityLength_;
+  Field expansion_;
   std::vector<Field> scalars_;
   PoissonSolver poisson_;
-  std::array<std::vector<float>, 3> path_;  // where a sample's matter comes from, relative to it, in cells
+  std::array<Field, 3> path_;  // where a cell's matter comes from, relative to it, in cells
   Field moved_, corrected_;
 };
 

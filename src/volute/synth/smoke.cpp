@@ -11,15 +11,15 @@ namespace volute {
 namespace {
 
 constexpr float kStep = kFrameSeconds;
-constexpr int kWarmUpFrames = 130;
+constexpr int kWarmUpFrames = 150;
 
-constexpr float kBuoyancy = 0.55f;  // [m/s^2] at density 1
-constexpr float kJet = 0.45f;       // [m/s], speed in the nozzles
+constexpr float kBuoyancy = 0.80f;  // [m/s^2] at density 1
+constexpr float kJet = 1.6f;        // [m/s^2] in the nozzles
 constexpr float kDissipation = 0.02f;  // [1/s]
-constexpr float kConfinement = 0.35f;
-constexpr float kStir = 0.6f;  // [m/s^2], eddies of the noise in the smoke
+constexpr float kConfinement = 0.5f;
+constexpr float kStir = 1.4f;  // [m/s^2], eddies of the noise in the smoke
 constexpr float kVisible = 0.03f;
-constexpr float kExtinction = 6.0f;  // [1/m] at density 1
+constexpr float kExtinction = 4.0f;  // [1/m] at density 1
 
 // A soft ball that blows one colour of smoke.
 struct Nozzle {
@@ -30,9 +30,9 @@ struct Nozzle {
 
 constexpr float kNozzleRadius = 0.16f;
 constexpr std::array<Nozzle, 3> kNozzles = {{
-    {{-0.50f, -0.22f, 0.20f}, {0.60f, 0.25f, 0.75f}, {1.00f, 0.30f, 0.12f}},
-    {{0.52f, -0.12f, 0.20f}, {-0.60f, 0.15f, 0.78f}, {0.10f, 0.42f, 1.00f}},
-    {{0.00f, 0.50f, 0.20f}, {0.05f, -0.60f, 0.80f}, {0.85f, 0.80f, 0.70f}},
+    {{-0.38f, -0.22f, 0.22f}, {0.72f, -0.22f, 0.60f}, {1.00f, 0.16f, 0.14f}},
+    {{0.38f, -0.22f, 0.22f}, {-0.17f, 0.75f, 0.60f}, {0.08f, 0.38f, 1.00f}},
+    {{0.00f, 0.44f, 0.22f}, {-0.55f, -0.53f, 0.60f}, {1.00f, 0.70f, 0.26f}},
 }};
 
 class Smoke final : public Simulation {
@@ -77,7 +77,7 @@ void Smoke::act(int i, int j, int k) {
   const std::array<float, 3> p = {(static_cast<float>(i) + 0.5f) * h, (static_cast<float>(j) + 0.5f) * h,
                                   (static_cast<float>(k) + 0.5f) * h};
   const std::array<float, 3> world = {p[0] - kExtent / 2, p[1] - kExtent / 2, p[2]};
-  const float keep = fadeAtBorder(world[0], world[1], world[2], 0.16f) / (1 + kStep * kDissipation);
+  const float keep = fadeAtBorder(world[0], world[1], world[2], 0.24f) / (1 + kStep * kDissipation);
   auto& force = fluid_.force();
   float density = 0;
   for (std::size_t s = 0; s < kNozzles.size(); ++s) {
@@ -92,7 +92,7 @@ void Smoke::act(int i, int j, int k) {
       const float flow = flow_.at(p[0], p[1], p[2])[s];
       own = std::max(own, inside * (0.75f + 0.25f * flow));
       for (int c = 0; c < 3; ++c) {
-        force[c].at(i, j, k) += inside * (1 + 0.6f * flow) * kJet * nozzle.direction[c] * 4;
+        force[c].at(i, j, k) += inside * (1 + 0.6f * flow) * kJet * nozzle.direction[c];
       }
     }
     own *= keep;
