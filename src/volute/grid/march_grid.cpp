@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "volute/grid/voxel_march.hpp"
+
+namespace volute {
+namespace {
+
+constexpr int kSide = BrickSlice::kSide;
+constexpr int kCornerSide = kSide + 1;
+constexpr int kCorners = kCornerSide * kCornerSide * kCornerSide;
+
+/// Whether any voxel around the cells of brick (bx, by, bz) is in a stored brick: its own, or the
+/// one before on any axis.
+bool hasCorners(const BrickSlice& slice, int bx, int by, int bz) {
+  for (int i = 0; i < 8; ++i) {
+    const int x = bx - (i & 1), y = by - (i >> 1 & 1), z = bz - (i >> 2);
+    const bool inside = x >= 0 && y >= 0 && z >= 0 && x < slice.bricksX() && y < slice.bricksY() &&
+                        z < slice.bricksZ();
+    if (inside && slice.brickAt(x, y, z) != BrickSlice::kEmpty)
+      return true;
+  }
+  return false;
+}
+
+/// Appends the voxels around the cells of a brick, shape (c, z, y, x); takes them back when all are
+/// zero.
+bool appendCorners(const BrickSlice& slice, int bx, int by, int bz, std::vector<float>& corners) {
+  const std::size_t before = corners.size();
+  corners.resize(before + static_cast<std::size_t>(kCorners) * slice.channels());
+  float* out = corners.data() + before;
+  bool any = false;
+  for (int c = 0; c < slice.channels(); ++c) {
+    for (int z = 0; z < kCornerSide; ++z) {
+      for (int y = 0; y < kCornerSide; ++y) {
+        for (int x = 0; x < kCornerSide; ++x) {
+          *out = slice.value(bx * kSide + x - 1, by * kSide + y - 1, bz * kSide + z - 1, c);
+          any = any || *out != 0;
+          ++out;
+        }
+      }
+    }
+  }
+  if (!any)
+    corners.resize(before);
+  return any;
+}
+
+/// How many Gauss rules keep the optical depth of each at 1.5 on the longest way through a cell.
+int gaussSteps(const BrickSlice& slice, const CellGrid& cells, double extinctionScale) {
+  constexpr double kMostDepth = 1.5;
+  constexpr double kMostSteps = 64;
+  double largest = 0;
+  for (float value : slice.values())
+    largest = std::max(largest, std::abs(static_cast<double>(value)));
+  const double steps =
+      std::ceil(largest * std::abs(extinctionScale) * cells.cell.norm() / kMostDepth);
+  return static_cast<int>(steps < kMostSteps ? std::max(steps, 1.0) : kMostSteps);
+}
+
+}  // namespace
+
+std::shared_ptr<const MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
+                                               const CellGrid& cells, double emissionScale,
+                                               double extinctionScale) {
+  auto grid = std::make_shared<MarchGrid>();
+  grid->slice = slice;
+  grid->trilinear = slice->basis() == Basis::kTrilinear;
+  grid->channels = slice->channels();
+  grid->emissionScale = emissionScale;
+  grid->extinctionScale = extinctionScale;
+  const int side = grid->trilinear ? kCornerSide : kSide;
+  const std::int32_t brickValues = grid->trilinear ? kCorners : BrickSlice::kVoxels;
+  int bricks[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    bricks[axis] = (cells.count[axis] + kSide - 1) / kSide;
+    grid->stride[axis] = axis == 0 ? 1 : grid->stride[axis - 1] * side;
+    grid->tableStride[axis] = axis == 0 ? 1 : grid->tableStride[axis - 1] * (bricks[axis - 1] + 2);
+  }
+  grid->channelStride = brickValues;
+  grid->table.assign(static_cast<std::size_t>(grid->tableStride[2]) * (bricks[2] + 2), -1);
+  constexpr auto kMost = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
+  for (int z = 0; z < bricks[2] && grid->fits; ++z) {
+    for (int y = 0; y < bricks[1]; ++y) {
+      for (int x = 0; x < bricks[0]; ++x) {
+        std::size_t begin = grid->corners.size();
+        if (grid->trilinear) {
+          if (!hasCorners(*slice, x, y, z) || !appendCorners(*slice, x, y, z, grid->corners))
+            continue;
+        } else {
+          if (slice->brickAt(x, y, z) == BrickSlice::kEmpty)
+            continue;
+          begin = static_cast<std::size_t>(slice->brickAt(x, y, z)) * brickValues * grid->channels;
+        }
+        grid->fits =
+            grid->fits && begin + static_cast<std::size_t>(brickValues) * grid->channels <= kMost;
+        grid->table[(z + 1) * grid->tableStride[2] + (y + 1) * grid->tableStride[1] + x + 1] =
+            static_cast<std::int32_t>(begin);
+      }
+    }
+  }
+  grid->values = grid->trilinear ? grid->corners.data() : slice->values().data();
+  if (grid->trilinear && grid->channels == 3 && extinctionScale != 0) {
+    grid->steps = gaussSteps(*slice, cells, extinctionScale);
+  }
+  return grid;
+}
+
+}  // namespace volute

@@ -1,0 +1,540 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+
+// One ray in each SIMD lane. Lanes step on their own from plane to plane; neighbours in an image
+// take the same bricks, so that few idle. Only IEEE operations without fused multiply-add: every
+// target gives the same bits.
+
+#include "volute/grid/voxel_march.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+// SSSE3 and AVX3_DL bring nothing over their neighbours here; scalable vectors cannot be members of
+// a class.
+#define HWY_DISABLED_TARGETS \
+  (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "volute/grid/voxel_march.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef VOLUTE_GRID_VOXEL_MARCH_LANES
+#define VOLUTE_GRID_VOXEL_MARCH_LANES
+
+namespace volute {
+namespace {
+
+constexpr std::size_t kMostLanes = 128;  // what a batch holds; a multiple of any vector's lanes
+constexpr float kNever = 3e38F;          // stands for infinity, which times 0 would be NaN
+constexpr double kFarAway = 1e30;        // [m] planes beyond are never met
+constexpr float kLightLost = 1e-6F;
+
+/// Rays as the march wants them: `s` counts from where each enters the volume, in metres.
+struct RayLanes {
+  alignas(
+      64) float first[3][kMostLanes];  ///< s of the first plane on each axis; kNever when parallel
+  alignas(64) float delta[3][kMostLanes];     ///< from plane to plane; 0 when parallel
+  alignas(64) float perDelta[3][kMostLanes];  ///< 1 / delta; 0 when parallel
+  alignas(64) float velocity[3][kMostLanes];  ///< cells per metre
+  alignas(64) float exitAt[3][kMostLanes];    ///< place in the cell (0..1) where the ray leaves it,
+                                              ///< or stays
+  alignas(64) std::int32_t cell[3][kMostLanes];
+  alignas(64) std::int32_t step[3][kMostLanes];
+  alignas(64) float length[kMostLanes];
+};
+
+/// Without absorption, or where it is in closed form: the line integrals of the channels. Else
+/// emission, transmittance.
+struct LaneResults {
+  alignas(64) float sum[3][kMostLanes];
+  alignas(64) float transmittance[kMostLanes];
+};
+
+}  // namespace
+}  // namespace volute
+#endif
+
+HWY_BEFORE_NAMESPACE();
+
+namespace volute {
+namespace HWY_NAMESPACE {
+namespace {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using DF = hn::CappedTag<float, 16>;
+using DI = hn::RebindToSigned<DF>;
+using VF = hn::Vec<DF>;
+using VI = hn::Vec<DI>;
+using Mask = hn::Mask<DF>;
+constexpr DF df;
+constexpr DI di;
+
+HWY_INLINE VF Constant(float value) {
+  return hn::Set(df, value);
+}
+
+HWY_INLINE VF MulThenAdd(VF a, VF b, VF c) {
+  return hn::Add(hn::Mul(a, b), c);
+}
+
+HWY_INLINE VF Least(VF a, VF b, VF c) {
+  return hn::Min(hn::Min(a, b), c);
+}
+
+HWY_INLINE Mask ForFloats(hn::Mask<DI> mask) {
+  return hn::RebindMask(df, mask);
+}
+
+HWY_INLINE hn::Mask<DI> ForInts(Mask mask) {
+  return hn::RebindMask(di, mask);
+}
+
+/// exp(x), to some 1e-7 (the polynomial of Cephes' expf); x is kept within -87..87.
+HWY_INLINE VF Exp(VF x) {
+  x = hn::Min(hn::Max(x, Constant(-87)), Constant(87));
+  const VF n = hn::Round(hn::Mul(x, Constant(1.44269504F)));
+  const VF r =
+      MulThenAdd(n, Constant(2.12194440e-4F), hn::Sub(x, hn::Mul(n, Constant(0.693359375F))));
+  VF p = MulThenAdd(Constant(1.9875691500e-4F), r, Constant(1.3981999507e-3F));
+  p = MulThenAdd(p, r, Constant(8.3334519073e-3F));
+  p = MulThenAdd(p, r, Constant(4.1665795894e-2F));
+  p = MulThenAdd(p, r, Constant(1.6666665459e-1F));
+  p = MulThenAdd(p, r, Constant(5.0000001201e-1F));
+  p = hn::Add(MulThenAdd(p, hn::Mul(r, r), r), Constant(1));
+  const VI exponent = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(di, n), hn::Set(di, 127)));
+  return hn::Mul(p, hn::BitCast(df, exponent));
+}
+
+/// (1 - exp(-x)) / x, given e = exp(-x).
+HWY_INLINE VF MeanTransmittance(VF x, VF e) {
+  VF series = MulThenAdd(x, Constant(1 / 120.0F), Constant(-1 / 24.0F));
+  series = MulThenAdd(series, x, Constant(1 / 6.0F));
+  series = MulThenAdd(series, x, Constant(-0.5F));
+  series = MulThenAdd(series, x, Constant(1));
+  return hn::IfThenElse(hn::Lt(hn::Abs(x), Constant(0.1F)), series,
+                        hn::Div(hn::Sub(Constant(1), e), x));
+}
+
+/// One axis of the march.
+struct Axis {
+  VF first, delta, perDelta;
+  VF count;  ///< planes passed so far
+  VF next;   ///< s of the next one, always first + count * delta
+  VI cell, step;
+  VF velocity, exitAt;
+
+  HWY_INLINE void load(const RayLanes& rays, int axis, std::size_t lane) {
+    first = next = hn::Load(df, rays.first[axis] + lane);
+    delta = hn::Load(df, rays.delta[axis] + lane);
+    perDelta = hn::Load(df, rays.perDelta[axis] + lane);
+    velocity = hn::Load(df, rays.velocity[axis] + lane);
+    exitAt = hn::Load(df, rays.exitAt[axis] + lane);
+    cell = hn::Load(di, rays.cell[axis] + lane);
+    step = hn::Load(di, rays.step[axis] + lane);
+    count = hn::Zero(df);
+  }
+
+  HWY_INLINE void pass(VF planes) {
+    count = hn::Add(count, planes);
+    next = MulThenAdd(count, delta, first);
+  }
+
+  HWY_INLINE VI cellNow() const { return hn::Add(cell, hn::Mul(step, hn::ConvertTo(di, count))); }
+
+  /// The place in the cell at s, 0..1.
+  HWY_INLINE VF place(VF s) const { return MulThenAdd(hn::Sub(s, next), velocity, exitAt); }
+};
+
+HWY_INLINE VF Gather(const MarchGrid& grid, int offset, VI index) {
+  return hn::GatherIndex(df, grid.values + offset, index);
+}
+
+/// The eight corners of a cell, as differences so that each place costs seven products.
+struct Corners {
+  VF base[4], slope[4];
+
+  HWY_INLINE Corners(const MarchGrid& grid, int channel, VI index) {
+    for (int i = 0; i < 4; ++i) {
+      const int offset = channel * grid.channelStride + (i & 1 ? grid.stride[1] : 0) +
+                         (i & 2 ? grid.stride[2] : 0);
+      base[i] = Gather(grid, offset, index);
+      slope[i] = hn::Sub(Gather(grid, offset + 1, index), base[i]);
+    }
+  }
+
+  HWY_INLINE VF at(VF x, VF y, VF z) const {
+    VF edge[4];
+    for (int i = 0; i < 4; ++i) edge[i] = MulThenAdd(slope[i], x, base[i]);
+    const VF low = MulThenAdd(hn::Sub(edge[1], edge[0]), y, edge[0]);
+    const VF high = MulThenAdd(hn::Sub(edge[3], edge[2]), y, edge[2]);
+    return MulThenAdd(hn::Sub(high, low), z, low);
+  }
+};
+
+// What a step through a cell adds up. Constructors are written out because the compiler's own would
+// not be compiled for the target. `index` is 0 for lanes that are not active; what they read does
+// not count.
+
+template <int kChannels>
+struct BoxLine {
+  VF sum[3];
+
+  HWY_INLINE BoxLine() { sum[0] = sum[1] = sum[2] = hn::Zero(df); }
+
+  HWY_INLINE void add(const MarchGrid& grid, VI index, VF, VF length, Mask active, const Axis*) {
+    for (int c = 0; c < kChannels; ++c) {
+      const VF value = hn::IfThenElseZero(active, Gather(grid, c * grid.channelStride, index));
+      sum[c] = MulThenAdd(value, length, sum[c]);
+    }
+  }
+
+  HWY_INLINE VF transmittance() const { return Constant(1); }
+};
+
+struct BoxAbsorbing {
+  VF sum[3];
+  VF passed;
+
+  HWY_INLINE BoxAbsorbing() { sum[0] = sum[1] = sum[2] = hn::Zero(df), passed = Constant(1); }
+
+  HWY_INLINE void add(const MarchGrid& grid, VI index, VF, VF length, Mask active, const Axis*) {
+    VF value[3];
+    for (int c = 0; c < 3; ++c)
+      value[c] = hn::IfThenElseZero(active, Gather(grid, c * grid.channelStride, index));
+    const VF scale = Constant(static_cast<float>(grid.extinctionScale / 3));
+    const VF depth =
+        hn::Mul(hn::Mul(hn::Add(hn::Add(value[0], value[1]), value[2]), scale), length);
+    const VF left = Exp(hn::Neg(depth));
+    const VF weight = hn::Mul(hn::Mul(passed, length), MeanTransmittance(depth, left));
+    for (int c = 0; c < 3; ++c) sum[c] = MulThenAdd(value[c], weight, sum[c]);
+    passed = hn::Mul(passed, left);
+  }
+
+  HWY_INLINE VF transmittance() const { return passed; }
+};
+
+template <int kChannels>
+struct TrilinearLine {
+  VF sum[3];
+
+  HWY_INLINE TrilinearLine() { sum[0] = sum[1] = sum[2] = hn::Zero(df); }
+
+  /// The value is a cubic of s: two Gauss points are exact.
+  HWY_INLINE void add(const MarchGrid& grid, VI index, VF begin, VF length, Mask active,
+                      const Axis* axes) {
+    const VF near = MulThenAdd(length, Constant(0.21132487F), begin);
+    const VF far = MulThenAdd(length, Constant(0.78867513F), begin);
+    VF at[2][3];
+    for (int axis = 0; axis < 3; ++axis)
+      at[0][axis] = axes[axis].place(near), at[1][axis] = axes[axis].place(far);
+    for (int c = 0; c < kChannels; ++c) {
+      const Corners corners(grid, c, index);
+      const VF both = hn::Add(corners.at(at[0][0], at[0][1], at[0][2]),
+                              corners.at(at[1][0], at[1][1], at[1][2]));
+      sum[c] =
+          MulThenAdd(hn::IfThenElseZero(active, both), hn::Mul(length, Constant(0.5F)), sum[c]);
+    }
+  }
+
+  HWY_INLINE VF transmittance() const { return Constant(1); }
+};
+
+struct TrilinearAbsorbing {
+  VF sum[3];
+  VF passed;
+
+  HWY_INLINE TrilinearAbsorbing() { sum[0] = sum[1] = sum[2] = hn::Zero(df), passed = Constant(1); }
+
+  HWY_INLINE void add(const MarchGrid& grid, VI index, VF begin, VF length, Mask active,
+                      const Axis* axes) {
+    const Corners corners[3] = {Corners(grid, 0, index), Corners(grid, 1, index),
+                                Corners(grid, 2, index)};
+    const VF part = hn::Mul(length, Constant(1.0F / static_cast<float>(grid.steps)));
+    for (int step = 0; step < grid.steps; ++step) {
+      rule(grid, corners, MulThenAdd(part, Constant(static_cast<float>(step)), begin), part, active,
+           axes);
+    }
+  }
+
+  /// Emission and extinction are cubics: their values at the four Gauss nodes give the optical
+  /// depth up to each node exactly, by the integrals of the Lagrange polynomials.
+  HWY_INLINE void rule(const MarchGrid& grid, const Corners* corners, VF begin, VF length,
+                       Mask active, const Axis* axes) {
+    static constexpr float kNodes[4] = {0.06943184420F, 0.33000947821F, 0.66999052180F,
+                                        0.93056815580F};
+    static constexpr float kWeights[4] = {0.17392742257F, 0.32607257743F, 0.32607257743F,
+                                          0.17392742257F};
+    static constexpr float kUpTo[4][4] = {
+        {0.08696371128F, -0.02660418009F, 0.01262746269F, -0.00355514968F},
+        {0.18811811750F, 0.16303628872F, -0.02788042860F, 0.00673550059F},
+        {0.16719192197F, 0.35395300603F, 0.16303628872F, -0.01419069493F},
+        {0.17748257225F, 0.31344511474F, 0.35267675752F, 0.08696371128F}};
+    const VF scale = Constant(static_cast<float>(grid.extinctionScale / 3));
+    VF value[4][3];
+    VF extinction[4];
+    for (int i = 0; i < 4; ++i) {
+      const VF s = MulThenAdd(length, Constant(kNodes[i]), begin);
+      const VF x = axes[0].place(s), y = axes[1].place(s), z = axes[2].place(s);
+      for (int c = 0; c < 3; ++c) value[i][c] = hn::IfThenElseZero(active, corners[c].at(x, y, z));
+      extinction[i] =
+          hn::Mul(hn::Mul(hn::Add(hn::Add(value[i][0], value[i][1]), value[i][2]), scale), length);
+    }
+    VF depth = hn::Zero(df);
+    for (int i = 0; i < 4; ++i) {
+      VF before = hn::Zero(df);
+      for (int j = 0; j < 4; ++j) before = MulThenAdd(extinction[j], Constant(kUpTo[i][j]), before);
+      const VF weight =
+          hn::Mul(hn::Mul(passed, Exp(hn::Neg(before))), hn::Mul(length, Constant(kWeights[i])));
+      for (int c = 0; c < 3; ++c) sum[c] = MulThenAdd(value[i][c], weight, sum[c]);
+      depth = MulThenAdd(extinction[i], Constant(kWeights[i]), depth);
+    }
+    passed = hn::Mul(passed, Exp(hn::Neg(depth)));
+  }
+
+  HWY_INLINE VF transmittance() const { return passed; }
+};
+
+/// The march of one vector of rays: from brick to brick, and inside stored bricks from cell to
+/// cell.
+template <class Cells>
+class Packet {
+ public:
+  HWY_INLINE Packet(const MarchGrid& grid, const RayLanes& rays, std::size_t lane) : grid_(grid) {
+    for (int axis = 0; axis < 3; ++axis) axes_[axis].load(rays, axis, lane);
+    s_ = hn::Zero(df);
+    end_ = hn::Load(df, rays.length + lane);
+  }
+
+  HWY_INLINE void run(MarchCounts& counts) {
+    VF crossed = hn::Zero(df);
+    for (;;) {
+      end_ = hn::IfThenElse(hn::Lt(cells_.transmittance(), Constant(kLightLost)), s_, end_);
+      const Mask alive = hn::Lt(s_, end_);
+      if (hn::AllFalse(df, alive))
+        break;
+      const VI begin = locate();
+      const Mask stored = hn::And(alive, ForFloats(hn::Gt(begin, hn::Set(di, -1))));
+      const Mask empty = hn::AndNot(stored, alive);
+      counts.bricksVisited += hn::CountTrue(df, stored);
+      counts.bricksSkipped += hn::CountTrue(df, empty);
+      if (!hn::AllFalse(df, empty))
+        jump(empty);
+      if (hn::AllFalse(df, stored))
+        continue;
+      const VF before = planesPassed();
+      cross(begin, stored);
+      crossed = hn::Add(crossed, hn::IfThenElseZero(stored, hn::Sub(planesPassed(), before)));
+    }
+    counts.voxels += static_cast<std::uint64_t>(hn::GetLane(hn::SumOfLanes(df, crossed)));
+  }
+
+  HWY_INLINE void store(LaneResults& results, std::size_t lane) const {
+    for (int c = 0; c < 3; ++c) hn::Store(cells_.sum[c], df, results.sum[c] + lane);
+    hn::Store(cells_.transmittance(), df, results.transmittance + lane);
+  }
+
+ private:
+  HWY_INLINE VF planesPassed() const {
+    return hn::Add(hn::Add(axes_[0].count, axes_[1].count), axes_[2].count);
+  }
+
+  /// Where the values of each lane's brick begin (or -1); sets what the lane needs to know about
+  /// its brick.
+  HWY_INLINE VI locate() {
+    VI entry = hn::Zero(di);
+    inside_ = hn::Zero(di);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Axis& a = axes_[axis];
+      const VI cell = a.cellNow();
+      const VI inBrick = hn::And(cell, hn::Set(di, 7));
+      const VI brick = hn::Add(hn::ShiftRight<3>(cell), hn::Set(di, 1));
+      entry = hn::Add(entry, hn::Mul(brick, hn::Set(di, grid_.tableStride[axis])));
+      inside_ = hn::Add(inside_, hn::Mul(inBrick, hn::Set(di, grid_.stride[axis])));
+      const VI planes =
+          hn::IfThenElse(hn::Gt(a.step, hn::Zero(di)), hn::Sub(hn::Set(di, 8), inBrick),
+                         hn::Add(inBrick, hn::Set(di, 1)));
+      toLeave_[axis] = hn::ConvertTo(df, planes);
+      leaves_[axis] =
+          MulThenAdd(hn::Add(a.count, hn::Sub(toLeave_[axis], Constant(1))), a.delta, a.first);
+    }
+    brickEnd_ = hn::Min(Least(leaves_[0], leaves_[1], leaves_[2]), end_);
+    return hn::GatherIndex(di, grid_.table.data(), entry);
+  }
+
+  /// Takes the lanes of `empty` to the end of their brick. A plane count that rounding makes wrong
+  /// by one is a step of length zero later, or one taken a rounding too early.
+  HWY_INLINE void jump(Mask empty) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Axis& a = axes_[axis];
+      const VF planes =
+          hn::Add(hn::Floor(hn::Mul(hn::Sub(brickEnd_, a.next), a.perDelta)), Constant(1));
+      const VF within =
+          hn::Min(hn::Max(planes, hn::Zero(df)), hn::Sub(toLeave_[axis], Constant(1)));
+      const VF passed = hn::IfThenElse(hn::Le(leaves_[axis], brickEnd_), toLeave_[axis], within);
+      a.pass(hn::IfThenElseZero(empty, passed));
+    }
+    s_ = hn::IfThenElse(empty, brickEnd_, s_);
+  }
+
+  /// Takes the lanes of `stored` through their brick, cell by cell; the others stand still.
+  HWY_INLINE void cross(VI begin, Mask stored) {
+    const VF limit = hn::IfThenElse(stored, brickEnd_, s_);
+    VI index = hn::Add(begin, inside_);
+    VI stride[3];
+    for (int axis = 0; axis < 3; ++axis)
+      stride[axis] = hn::Mul(axes_[axis].step, hn::Set(di, grid_.stride[axis]));
+    for (;;) {
+      const Mask active = hn::Lt(s_, limit);
+      if (hn::AllFalse(df, active))
+        break;
+      const VF to = hn::Max(s_, hn::Min(Least(axes_[0].next, axes_[1].next, axes_[2].next), limit));
+      cells_.add(grid_, hn::IfThenElseZero(ForInts(active), index), s_, hn::Sub(to, s_), active,
+                 axes_);
+      for (int axis = 0; axis < 3; ++axis) {
+        const Mask passes = hn::And(active, hn::Le(axes_[axis].next, to));
+        axes_[axis].pass(hn::IfThenElseZero(passes, Constant(1)));
+        index = hn::Add(index, hn::IfThenElseZero(ForInts(passes), stride[axis]));
+      }
+      s_ = to;
+    }
+  }
+
+  const MarchGrid& grid_;
+  Cells cells_;
+  Axis axes_[3];
+  VF s_, end_;
+  VF toLeave_[3];  ///< planes to pass to leave the brick by this axis
+  VF leaves_[3];   ///< s at which that happens
+  VF brickEnd_;    ///< s at which the ray leaves the brick, or ends in it
+  VI inside_;      ///< index of the cell's value within its brick
+};
+
+template <class Cells>
+void MarchAll(const MarchGrid& grid, const RayLanes& rays, std::size_t count, LaneResults& results,
+              MarchCounts& counts) {
+  for (std::size_t lane = 0; lane < count; lane += hn::Lanes(df)) {
+    Packet<Cells> packet(grid, rays, lane);
+    packet.run(counts);
+    packet.store(results, lane);
+  }
+}
+
+void March(const MarchGrid& grid, const RayLanes& rays, std::size_t count, LaneResults& results,
+           MarchCounts& counts) {
+  const bool rgb = grid.channels == 3;
+  if (rgb && grid.extinctionScale != 0) {
+    (grid.trilinear ? MarchAll<TrilinearAbsorbing> : MarchAll<BoxAbsorbing>)(grid, rays, count,
+                                                                             results, counts);
+  } else if (rgb) {
+    (grid.trilinear ? MarchAll<TrilinearLine<3>> : MarchAll<BoxLine<3>>)(grid, rays, count, results,
+                                                                         counts);
+  } else {
+    (grid.trilinear ? MarchAll<TrilinearLine<1>> : MarchAll<BoxLine<1>>)(grid, rays, count, results,
+                                                                         counts);
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace volute
+
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace volute {
+namespace {
+
+HWY_EXPORT(March);
+
+void setLane(RayLanes& rays, std::size_t lane, const CellGrid& cells, const Segment& segment,
+             const CellEntry& entry) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double direction = segment.direction[axis];
+    const double cell = cells.cell[axis];
+    rays.cell[axis][lane] = entry.cell[axis];
+    rays.step[axis][lane] = entry.step[axis];
+    const double first = entry.crossing[axis] - entry.begin;
+    const bool meets = entry.step[axis] != 0 && first < kFarAway;
+    if (meets) {
+      rays.first[axis][lane] = static_cast<float>(first);
+      rays.delta[axis][lane] = static_cast<float>(std::min(cell / std::abs(direction), kFarAway));
+      rays.perDelta[axis][lane] = static_cast<float>(std::abs(direction) / cell);
+      rays.velocity[axis][lane] = static_cast<float>(direction / cell);
+      rays.exitAt[axis][lane] = direction > 0 ? 1 : 0;
+    } else {
+      const double start = segment.origin[axis] + (direction == 0 ? 0 : entry.begin * direction);
+      rays.first[axis][lane] = kNever;
+      rays.delta[axis][lane] = 0;
+      rays.perDelta[axis][lane] = 0;
+      rays.velocity[axis][lane] = 0;
+      rays.exitAt[axis][lane] =
+          static_cast<float>((start - cells.plane(axis, entry.cell[axis])) / cell);
+    }
+  }
+  rays.length[lane] = static_cast<float>(entry.end - entry.begin);
+}
+
+/// A lane without a ray: it has no length, and stands in the first cell.
+void setIdle(RayLanes& rays, std::size_t lane) {
+  for (int axis = 0; axis < 3; ++axis) {
+    rays.cell[axis][lane] = rays.step[axis][lane] = 0;
+    rays.first[axis][lane] = kNever;
+    rays.delta[axis][lane] = rays.perDelta[axis][lane] = 0;
+    rays.velocity[axis][lane] = rays.exitAt[axis][lane] = 0;
+  }
+  rays.length[lane] = 0;
+}
+
+Radiance lightOf(const MarchGrid& grid, const LaneResults& results, std::size_t lane) {
+  Radiance light;
+  for (int c = 0; c < 3; ++c)
+    light.emitted[c] = grid.emissionScale * results.sum[grid.channels == 3 ? c : 0][lane];
+  light.transmittance = results.transmittance[lane];
+  if (grid.channels == 1 && grid.extinctionScale != 0) {
+    // Emission is a multiple of extinction all along, so that the light depends on the optical
+    // depth alone.
+    const double depth = grid.extinctionScale * results.sum[0][lane];
+    light.transmittance = std::exp(-depth);
+    if (depth != 0)
+      light.emitted *= -std::expm1(-depth) / depth;
+  }
+  return light;
+}
+
+void marchBatch(const MarchGrid& grid, const CellGrid& cells, const CellRange& range,
+                std::span<const Segment> segments, std::span<Radiance> out, MarchCounts& counts) {
+  constexpr std::size_t kWidest = 16;
+  RayLanes rays;
+  LaneResults results;
+  std::size_t lanes = 0;
+  std::size_t segmentOf[kMostLanes];
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    CellEntry entry;
+    if (enterCells(cells, range, segments[i], entry)) {
+      segmentOf[lanes] = i;
+      setLane(rays, lanes++, cells, segments[i], entry);
+    } else {
+      out[i] = Radiance{};
+    }
+  }
+  for (std::size_t lane = lanes; lane % kWidest != 0; ++lane) setIdle(rays, lane);
+  HWY_DYNAMIC_DISPATCH(March)(grid, rays, lanes, results, counts);
+  for (std::size_t lane = 0; lane < lanes; ++lane)
+    out[segmentOf[lane]] = lightOf(grid, results, lane);
+}
+
+}  // namespace
+
+void marchRadiance(const MarchGrid& grid, const CellGrid& cells, const CellRange& range,
+                   std::span<const Segment> segments, std::span<Radiance> out,
+                   MarchCounts& counts) {
+  for (std::size_t i = 0; i < segments.size(); i += kMostLanes) {
+    const std::size_t count = std::min(kMostLanes, segments.size() - i);
+    marchBatch(grid, cells, range, segments.subspan(i, count), out.subspan(i, count), counts);
+  }
+}
+
+}  // namespace volute
+#endif  // HWY_ONCE

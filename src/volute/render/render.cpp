@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/render/render.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <thread>
+#include <vector>
+
+#include "volute/base/parallel.hpp"
+
+namespace volute {
+namespace {
+
+constexpr int kTile = 32;
+constexpr int kBlock =
+    4;  // rays go in blocks of 4 x 4 pixels, so that the lanes of a vector take the same way
+
+struct Pixel {
+  int x = 0;
+  int y = 0;
+};
+
+struct Scene {
+  const Camera& camera;
+  std::span<const AnyMedium> media;
+  const RenderOptions& options;
+  std::span<const float> opaqueDepth;
+
+  std::size_t index(const Pixel& pixel) const {
+    return static_cast<std::size_t>(pixel.y) * camera.width() + pixel.x;
+  }
+
+  bool opaque(const Pixel& pixel) const {
+    return !opaqueDepth.empty() && std::isfinite(opaqueDepth[index(pixel)]);
+  }
+
+  Segment ray(const Pixel& pixel) const {
+    Segment segment = camera.ray(pixel.x + 0.5, pixel.y + 0.5);
+    if (opaque(pixel))
+      segment.end = opaqueDepth[index(pixel)];
+    return segment;
+  }
+};
+
+std::vector<Pixel> pixelsOfTile(const Camera& camera, int left, int top) {
+  std::vector<Pixel> pixels;
+  pixels.reserve(kTile * kTile);
+  const int right = std::min(left + kTile, camera.width());
+  const int bottom = std::min(top + kTile, camera.height());
+  for (int blockY = top; blockY < bottom; blockY += kBlock) {
+    for (int blockX = left; blockX < right; blockX += kBlock) {
+      for (int y = blockY; y < std::min(blockY + kBlock, bottom); ++y) {
+        for (int x = blockX; x < std::min(blockX + kBlock, right); ++x) pixels.push_back({x, y});
+      }
+    }
+  }
+  return pixels;
+}
+
+/// Through all pieces of all media, in double.
+void byPieces(std::span<const AnyMedium> media, std::span<const Segment> segments,
+              std::span<Radiance> light, RenderStats& stats) {
+  std::vector<std::vector<std::vector<Piece>>> ofMedium(media.size());
+  for (std::size_t m = 0; m < media.size(); ++m) {
+    ofMedium[m].resize(segments.size());
+    media[m].pieces(segments, ofMedium[m]);
+  }
+  std::vector<std::vector<Piece>> onRay(media.size());
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    for (std::size_t m = 0; m < media.size(); ++m) {
+      onRay[m] = std::move(ofMedium[m][i]);
+      stats.pieces += onRay[m].size();
+    }
+    light[i] = compositeMedia(onRay);
+  }
+}
+
+/// The part of one ray inside one medium's bounds.
+struct Part {
+  std::size_t medium = 0;
+  Interval inside;
+};
+
+/// The media on a ray in the order in which it meets them.
+std::vector<Part> partsInOrder(std::span<const AnyMedium> media, const Segment& segment) {
+  std::vector<Part> parts;
+  for (std::size_t m = 0; m < media.size(); ++m) {
+    const Interval inside = media[m]
+                                .bounds()
+                                .intersect(segment.origin, segment.direction)
+                                .intersect({segment.begin, segment.end});
+    if (!inside.empty())
+      parts.push_back({m, inside});
+  }
+  std::ranges::sort(parts, {}, [](const Part& part) { return part.inside.begin; });
+  return parts;
+}
+
+bool overlap(std::span<const Part> parts) {
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    if (parts[i].inside.begin < parts[i - 1].inside.end)
+      return true;
+  }
+  return false;
+}
+
+/// Each medium's fast path, and pieces only for the rays on which media overlap.
+void byFastPaths(std::span<const AnyMedium> media, std::span<const Segment> segments,
+                 std::span<Radiance> light, RenderStats& stats) {
+  if (media.size() == 1)
+    return media[0].radiance(segments, light);
+  std::vector<std::size_t> mixed;                         // rays on which media overlap
+  std::vector<std::vector<Part>> parts(segments.size());  // of the other rays
+  std::vector<std::vector<Segment>> segmentsOf(
+      media.size());  // and what each medium has to do for them
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    parts[i] = partsInOrder(media, segments[i]);
+    if (overlap(parts[i])) {
+      mixed.push_back(i);
+    } else {
+      for (const Part& part : parts[i]) segmentsOf[part.medium].push_back(segments[i]);
+    }
+  }
+  std::vector<std::vector<Radiance>> lightOf(media.size());
+  for (std::size_t m = 0; m < media.size(); ++m) {
+    lightOf[m].resize(segmentsOf[m].size());
+    if (!segmentsOf[m].empty())
+      media[m].radiance(segmentsOf[m], lightOf[m]);
+  }
+  std::vector<std::size_t> next(media.size(), 0);
+  auto nextMixed = mixed.begin();
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    light[i] = Radiance{};
+    if (nextMixed != mixed.end() && *nextMixed == i) {
+      ++nextMixed;
+      continue;
+    }
+    for (const Part& part : parts[i]) {
+      const Radiance& one = lightOf[part.medium][next[part.medium]++];
+      light[i].emitted += light[i].transmittance * one.emitted;
+      light[i].transmittance *= one.transmittance;
+    }
+  }
+  std::vector<Segment> mixedSegments;
+  for (std::size_t i : mixed) mixedSegments.push_back(segments[i]);
+  std::vector<Radiance> mixedLight(mixed.size());
+  byPieces(media, mixedSegments, mixedLight, stats);
+  for (std::size_t k = 0; k < mixed.size(); ++k) light[mixed[k]] = mixedLight[k];
+}
+
+void renderColors(const Scene& scene, std::span<const Pixel> pixels,
+                  std::span<const Segment> segments, Image& image, RenderStats& stats) {
+  std::vector<Radiance> light(segments.size());
+  const bool reference = scene.options.renderer == Renderer::kReference;
+  (reference ? byPieces : byFastPaths)(scene.media, segments, light, stats);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    Rgb color = light[i].emitted;
+    if (!scene.opaque(pixels[i]))
+      color += light[i].transmittance * scene.options.background;
+    for (int c = 0; c < 3; ++c)
+      image.at(pixels[i].x, pixels[i].y, c) = static_cast<float>(color[c]);
+  }
+}
+
+void renderDepths(const Scene& scene, std::span<const Pixel> pixels,
+                  std::span<const Segment> segments, Image& image) {
+  std::vector<double> sum(segments.size(), 0);
+  std::vector<double> depths(segments.size());
+  for (const AnyMedium& medium : scene.media) {
+    medium.opticalDepth(segments, depths);
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += depths[i];
+  }
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const double value = scene.options.aov == Aov::kTransmittance ? std::exp(-sum[i]) : sum[i];
+    image.at(pixels[i].x, pixels[i].y) = static_cast<float>(value);
+  }
+}
+
+void renderTile(const Scene& scene, int left, int top, Image& image, RenderStats& stats) {
+  const std::vector<Pixel> pixels = pixelsOfTile(scene.camera, left, top);
+  std::vector<Segment> segments;
+  segments.reserve(pixels.size());
+  for (const Pixel& pixel : pixels) segments.push_back(scene.ray(pixel));
+  stats.rays = pixels.size();
+  stats.segments = pixels.size() * scene.media.size();
+  if (scene.options.aov == Aov::kNone) {
+    renderColors(scene, pixels, segments, image, stats);
+  } else {
+    renderDepths(scene, pixels, segments, image);
+  }
+}
+
+}  // namespace
+
+Result<Image> render(const Camera& camera, std::span<const AnyMedium> media,
+                     const RenderOptions& options, Progress& progress, RenderStats* stats,
+                     std::span<const float> opaqueDepth) {
+  const auto start = std::chrono::steady_clock::now();
+  Image image(camera.width(), camera.height(), options.aov == Aov::kNone ? 3 : 1);
+  const std::size_t pixels = static_cast<std::size_t>(image.width) * image.height;
+  if (!opaqueDepth.empty() && opaqueDepth.size() != pixels) {
+    return fail(ErrorCode::kInvalidArgument,
+                "the opaque depth has {} values for an image of {} x {} pixels", opaqueDepth.size(),
+                image.width, image.height);
+  }
+  const Scene scene{camera, media, options, opaqueDepth};
+  const int columns = (image.width + kTile - 1) / kTile;
+  const int rows = (image.height + kTile - 1) / kTile;
+  const auto caller = std::this_thread::get_id();  // the only one that may talk to `progress`
+  std::atomic<bool> stopped = false;
+  std::atomic<int> done = 0;
+  std::atomic<std::uint64_t> rays = 0, segments = 0, pieces = 0;
+  parallelFor(static_cast<std::size_t>(columns) * rows, [&](std::size_t tile) {
+    const bool talks = std::this_thread::get_id() == caller;
+    if (talks && progress.cancelled())
+      stopped = true;
+    if (stopped)
+      return;
+    RenderStats own;
+    renderTile(scene, static_cast<int>(tile % columns) * kTile,
+               static_cast<int>(tile / columns) * kTile, image, own);
+    rays += own.rays, segments += own.segments, pieces += own.pieces;
+    ++done;
+    if (talks)
+      progress.report("rendering", done, columns * rows);
+  });
+  if (stopped || progress.cancelled()) {
+    return fail(ErrorCode::kCancelled, "stopped: {} of {} tiles were rendered", done.load(),
+                columns * rows);
+  }
+  if (stats) {
+    const std::chrono::duration<double, std::milli> elapsed =
+        std::chrono::steady_clock::now() - start;
+    *stats = {rays, segments, pieces, elapsed.count()};
+  }
+  return image;
+}
+
+}  // namespace volute
