@@ -95,7 +95,9 @@ int show(const std::string& text) {
 }  // namespace
 
 int runProgram(int argc, char** argv) {
-  ::signal(SIGPIPE, SIG_IGN);  // a closed pipe becomes an error of write()
+  // A closed pipe and a file beyond the user's limit become errors of write().
+  ::signal(SIGPIPE, SIG_IGN);
+  ::signal(SIGXFSZ, SIG_IGN);
   const Interrupt interrupt;
   std::vector<std::string> words(argv + 1, argv + argc);
   const auto place = findCommandWord(words);

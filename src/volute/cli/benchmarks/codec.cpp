@@ -16,7 +16,7 @@ namespace volute::cli {
 namespace {
 
 Status benchOne(const char* name, SynthKind kind, Progress& progress, std::vector<BenchRow>& rows) {
-  const SynthOptions made{.kind = kind, .size = 64, .frames = 32, .seed = 1, .channels = 1};
+  const SynthOptions made{.kind = kind, .size = 48, .frames = 16, .seed = 1, .channels = 1};
   VOLUTE_ASSIGN(const Sequence sequence, synthesize(made, progress));
   const auto target =
       std::filesystem::temp_directory_path() / fmt::format("volute-bench-{}.volute", ::getpid());

@@ -5,7 +5,7 @@
 #include <sys/resource.h>
 
 #include <chrono>
-#include <cmath>
+#include <utility>
 
 #include "volute/base/output_file.hpp"
 #include "volute/cli/camera_file.hpp"
@@ -51,9 +51,13 @@ struct Job {
   RenderOptions options;
   std::vector<int> positions;  ///< of the frames to render
   Totals totals;
+  std::optional<Image> tried = std::nullopt;  ///< the picture that the exposure was taken from
+  int triedPosition = -1;
 };
 
 Result<Image> renderFrame(Job& job, int position, Progress& progress) {
+  if (job.tried && position == job.triedPosition)
+    return *std::exchange(job.tried, std::nullopt);
   std::optional<VoxelMedium> medium;
   {
     const Stopwatch watch(job.totals.slices);
@@ -161,8 +165,9 @@ Result<Development> developmentOf(const Arguments& arguments, Job& job, const st
     return development;
   }
   const int middle = job.positions[job.positions.size() / 2];
-  VOLUTE_ASSIGN(const auto image, renderFrame(job, middle, context.progress));
-  development.exposure = suggestExposure(image);
+  VOLUTE_ASSIGN(job.tried, renderFrame(job, middle, context.progress));
+  job.triedPosition = middle;
+  development.exposure = suggestExposure(*job.tried);
   context.progress.remark(fmt::format("exposure {:.4g}, from frame {}", development.exposure,
                                       job.layer.info().frameNumbers[middle]));
   return development;
