@@ -36,14 +36,16 @@ class Interrupt(support.TestCase):
         values[3::4] = b"\x3f" * (len(values) // 4)
         with open(self.path("noise.npy"), "wb") as file:
             file.write(b"\x93NUMPY\x01\x00\x76\x00" + header)
-            for _ in range(96):
-                file.write(values)
+            for frame in range(96):
+                file.write(values[1024 * frame:] + values[:1024 * frame])  # no two are alike
         return self.path("noise.npy")
 
     def test_compress_leaves_no_target(self):
         noise = self.noise()
         for number in (signal.SIGINT, signal.SIGTERM):
-            process = self.start("compress", noise, "-o", self.path("x.volute"), "--rms", "0.0001")
+            process = subprocess.Popen([support.PROGRAM, "compress", noise, "-o", self.path("x.volute"), "--rms", "0.0001"],
+                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            time.sleep(0.4)
             self.assertIn("volute compress: stopped", self.stopped(process, [number]))
             self.assertEqual(self.files(), ["noise.npy"])
 
