@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "volute/base/progress.hpp"
+#include "volute/base/result.hpp"
+
+namespace volute::cli {
+
+/// One measured figure.
+struct BenchRow {
+  std::string name;
+  double value = 0;
+  std::string unit;
+  std::optional<double> ratio =
+      std::nullopt;  ///< to the baseline that the benchmark names, in the same run
+};
+
+/// A set of measurements that belong together. Figures of one run are compared with each other,
+/// never with those of another machine.
+struct Benchmark {
+  std::string_view name;
+  std::string_view description;
+  Result<std::vector<BenchRow>> (*run)(Progress& progress);
+};
+
+/// All benchmarks. A new one is one entry in bench.cpp.
+std::span<const Benchmark> benchmarks();
+
+}  // namespace volute::cli

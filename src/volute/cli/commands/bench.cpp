@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/bench.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "volute/base/parallel.hpp"
+#include "volute/cli/commands/commands.hpp"
+
+namespace volute::cli {
+namespace {
+
+std::string listText() {
+  std::string text;
+  for (const Benchmark& benchmark : benchmarks()) {
+    text += fmt::format("{:<12}  {}\n", benchmark.name, benchmark.description);
+  }
+  return text;
+}
+
+std::string tableText(const Benchmark& benchmark, const std::vector<BenchRow>& rows) {
+  std::size_t width = 0;
+  for (const BenchRow& row : rows) width = std::max(width, row.name.size());
+  std::string text = fmt::format("{}: {}\n", benchmark.name, benchmark.description);
+  for (const BenchRow& row : rows) {
+    text += fmt::format("  {:<{}}  {:>12.5g} {:<9}{}\n", row.name, width, row.value, row.unit,
+                        row.ratio ? fmt::format("  {:.3g}x", *row.ratio) : "");
+  }
+  return text;
+}
+
+nlohmann::ordered_json tableJson(const Benchmark& benchmark, const std::vector<BenchRow>& rows) {
+  auto list = nlohmann::ordered_json::array();
+  for (const BenchRow& row : rows) {
+    list.push_back({{"name", row.name}, {"value", jsonNumber(row.value)}, {"unit", row.unit}});
+    list.back()["ratio"] = row.ratio ? jsonNumber(*row.ratio) : nlohmann::ordered_json();
+  }
+  return {
+      {"name", benchmark.name}, {"description", benchmark.description}, {"rows", std::move(list)}};
+}
+
+Result<std::vector<const Benchmark*>> chosen(const std::vector<std::string>& names) {
+  std::vector<const Benchmark*> list;
+  for (const Benchmark& benchmark : benchmarks()) {
+    if (names.empty())
+      list.push_back(&benchmark);
+  }
+  for (const auto& name : names) {
+    const auto found = std::ranges::find(benchmarks(), name, &Benchmark::name);
+    if (found == benchmarks().end()) {
+      std::vector<std::string_view> known;
+      for (const Benchmark& benchmark : benchmarks()) known.push_back(benchmark.name);
+      return fail(ErrorCode::kInvalidArgument, "there is no benchmark '{}'; expected one of {}",
+                  name, fmt::join(known, ", "));
+    }
+    list.push_back(&*found);
+  }
+  return list;
+}
+
+Status run(const Arguments& arguments, Context& context) {
+  if (arguments.flag("list")) {
+    context.print(listText());
+    return {};
+  }
+  VOLUTE_ASSIGN(const auto list, chosen(arguments.positionals()));
+  nlohmann::ordered_json json{{"threads", threadCount()},
+                              {"benchmarks", nlohmann::ordered_json::array()}};
+  for (const Benchmark* benchmark : list) {
+    if (context.progress.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped before {}", benchmark->name);
+    VOLUTE_ASSIGN(const auto rows, benchmark->run(context.progress));
+    if (!context.json)
+      context.print(tableText(*benchmark, rows));
+    json["benchmarks"].push_back(tableJson(*benchmark, rows));
+  }
+  if (context.json)
+    context.print(dumpJson(json));
+  return {};
+}
+
+}  // namespace
+
+Command benchCommand() {
+  return {.name = "bench",
+          .summary = "Measures speed and size on this machine",
+          .examples = {"volute bench", "volute bench codec --json"},
+          .description =
+              "Ratios compare figures of the same run with the baseline that the benchmark names; "
+              "figures of different "
+              "machines or runs are not comparable. Without a name all benchmarks run.",
+          .positionals = {{.name = "NAME",
+                           .help = "which benchmarks to run",
+                           .several = true,
+                           .optional = true}},
+          .options = {{.name = "list", .help = "list the benchmarks"}},
+          .run = run};
+}
+
+}  // namespace volute::cli

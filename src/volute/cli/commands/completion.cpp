@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/completion.hpp"
+
+#include "volute/cli/commands/commands.hpp"
+
+namespace volute::cli {
+namespace {
+
+Status run(const Arguments& arguments, Context& context) {
+  const std::string& shell = arguments.positional(0);
+  if (shell == "bash") {
+    context.print(bashCompletion());
+  } else if (shell == "zsh") {
+    context.print(zshCompletion());
+  } else if (shell == "fish") {
+    context.print(fishCompletion());
+  } else {
+    return fail(ErrorCode::kInvalidArgument, "'{}' is no known shell; expected bash, zsh or fish",
+                shell);
+  }
+  return {};
+}
+
+}  // namespace
+
+Command completionCommand() {
+  return {
+      .name = "completion",
+      .summary = "Prints a script that lets a shell complete Volute's commands and options",
+      .examples = {"source <(volute completion bash)", "volute completion zsh > ~/.zfunc/_volute",
+                   "volute completion fish > ~/.config/fish/completions/volute.fish"},
+      .description = "The script is made from the same tables as the help.",
+      .positionals = {{.name = "SHELL", .help = "bash, zsh or fish"}},
+      .run = run};
+}
+
+}  // namespace volute::cli

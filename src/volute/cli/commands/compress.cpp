@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/codec/compress.hpp"
+
+#include "volute/cli/commands/commands.hpp"
+#include "volute/cli/version.hpp"
+#include "volute/cli/volume_input.hpp"
+#include "volute/cli/volume_output.hpp"
+
+namespace volute::cli {
+namespace {
+
+ErrorTarget targetOf(const Arguments& arguments) {
+  using Kind = ErrorTarget::Kind;
+  if (const auto rms = arguments.find<double>("rms"))
+    return {Kind::kRms, *rms};
+  if (const auto psnr = arguments.find<double>("psnr"))
+    return {Kind::kPsnr, *psnr};
+  if (const auto ratio = arguments.find<double>("ratio"))
+    return {Kind::kRatio, *ratio};
+  if (const auto size = arguments.find<Bytes>("size"))
+    return {Kind::kSize, static_cast<double>(size->count)};
+  return {Kind::kMaxError, arguments.get<double>("max-error")};
+}
+
+Report reportOf(const std::string& target, const VolumeInfo& info, const CompressReport& result) {
+  const double ratio = static_cast<double>(result.rawBytes) / static_cast<double>(result.fileBytes);
+  const double speed = static_cast<double>(result.rawBytes) / 1e6 / std::max(result.seconds, 1e-9);
+  Report report;
+  report.add("output", target)
+      .add("frames", info.frames, fmt::format("{}", info.frames))
+      .add("size", {info.x, info.y, info.z},
+           fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
+      .add("channels", info.channels, fmt::format("{}", info.channels))
+      .add("raw_bytes", result.rawBytes, bytesText(result.rawBytes))
+      .add("bytes", result.fileBytes, bytesText(result.fileBytes))
+      .add("ratio", jsonNumber(ratio), fmt::format("{:.4g}", ratio))
+      .add("relative_rms", result.relativeRms)
+      .add("psnr", jsonNumber(-20 * std::log10(result.relativeRms)),
+           fmt::format("{:.2f} dB", -20 * std::log10(result.relativeRms)))
+      .add("max_error", result.maxError)
+      .add("seconds", jsonNumber(result.seconds), fmt::format("{:.2f} s", result.seconds))
+      .add("megabytes_per_second", jsonNumber(speed), fmt::format("{:.3g} MB/s", speed));
+  return report;
+}
+
+Status run(const Arguments& arguments, Context& context) {
+  const std::string& path = arguments.positional(0);
+  const auto target = arguments.get<std::string>("output");
+  if (!isVolutePath(target)) {
+    return fail(ErrorCode::kInvalidArgument, "--output: '{}' does not end in .volute", target);
+  }
+  VOLUTE_TRY(checkTarget(target));
+  InputOptions input;
+  input.grid = arguments.find<std::string>("grid").value_or("");
+  input.bounds = arguments.find<Box3>("bounds");
+  input.partial = arguments.flag("partial");
+  VOLUTE_ASSIGN(auto volume, openVolume(path, input, context));
+  auto source = std::move(volume.source);
+  if (const auto frames = arguments.find<FrameRange>("frames")) {
+    VOLUTE_ASSIGN(source, selectFrames(std::move(source), *frames));
+  }
+  CompressOptions options;
+  options.target = targetOf(arguments);
+  options.wavelet = arguments.get<std::string>("wavelet");
+  options.provenance = std::filesystem::path(path).filename().string();
+  options.maxMemory = context.maxMemory;
+  VOLUTE_ASSIGN(const auto result, compress(*source, target, options, context.progress));
+  context.print(reportOf(target, source->info(), result));
+  return {};
+}
+
+}  // namespace
+
+Command compressCommand() {
+  using enum ValueKind;
+  return {
+      .name = "compress",
+      .summary = "Compresses a sequence of volumes to a stated error or size",
+      .examples =
+          {"volute compress fire.npy -o fire.volute --rms 0.003",
+           "volute compress smoke_%04d.vdb -o smoke.volute --grid density --psnr 50 --frames 10:60",
+           "volute compress fire.volute -o small.volute --ratio 200"},
+      .description =
+          "Reads .npy of shape (z,y,x), (t,z,y,x) or (t,z,y,x,c) in float32 or float16, a VDB "
+          "file, pattern or "
+          "folder, .vti, .pvd, or .volute, and writes one .volute file. It reports what was "
+          "reached, measured on "
+          "what was written. NaN and infinities are refused with the frame and voxel.\n\n"
+          "Relative RMS is the RMS error over all voxels and channels, divided by the maximum "
+          "minus the minimum of "
+          "the whole original.",
+      .positionals = {{.name = "INPUT",
+                       .help = "a volume: .npy, .vdb, .vti, .pvd, .volute, a pattern or a folder"}},
+      .options = {{.name = "output",
+                   .letter = 'o',
+                   .kind = kFile,
+                   .value = "OUT.volute",
+                   .help = "the file to write",
+                   .required = true},
+                  {.name = "rms",
+                   .kind = kNumber,
+                   .value = "R",
+                   .help = "relative RMS error at most R",
+                   .positive = true},
+                  {.name = "psnr",
+                   .kind = kNumber,
+                   .value = "DB",
+                   .help = "-20 log10 of the relative RMS at least DB [dB]",
+                   .most = 200,
+                   .positive = true},
+                  {.name = "ratio",
+                   .kind = kNumber,
+                   .value = "F",
+                   .help = "float32 bytes / file bytes at least F",
+                   .positive = true},
+                  {.name = "size",
+                   .kind = kBytes,
+                   .value = "BYTES",
+                   .help = "file at most this large (500K, 20M)"},
+                  {.name = "max-error",
+                   .kind = kNumber,
+                   .value = "E",
+                   .help = "absolute error at most E at every voxel [unit of the values]",
+                   .positive = true},
+                  {.name = "grid",
+                   .kind = kText,
+                   .value = "NAME",
+                   .help = "which grid of a file with several"},
+                  {.name = "frames",
+                   .kind = kFrames,
+                   .value = "A:B[:S]",
+                   .help = "frames with numbers A <= n < B, every S-th"},
+                  {.name = "wavelet",
+                   .kind = kChoice,
+                   .value = "NAME",
+                   .help = "transform",
+                   .initial = "auto",
+                   .choices = {"auto", "haar", "cdf53", "cdf97"}},
+                  {.name = "bounds",
+                   .kind = kBounds,
+                   .value = "X0,Y0,Z0,X1,Y1,Z1",
+                   .help = "outer voxel faces [m]: states those of a .npy, crops or pads others to "
+                           "them on the voxel grid"},
+                  {.name = "partial", .help = "use what is intact of a damaged .volute"}},
+      .oneOf = {{{"rms", "psnr", "ratio", "size", "max-error"}, true}},
+      .run = run};
+}
+
+}  // namespace volute::cli

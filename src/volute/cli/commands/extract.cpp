@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/commands/commands.hpp"
+#include "volute/cli/extract_source.hpp"
+#include "volute/cli/volume_input.hpp"
+#include "volute/cli/volume_output.hpp"
+
+namespace volute::cli {
+namespace {
+
+Result<Extraction> extractionOf(const Arguments& arguments, const VolumeInfo& info,
+                                std::uint64_t maxMemory) {
+  Extraction extraction;
+  VOLUTE_ASSIGN(extraction.positions,
+                selectPositions(info, arguments.find<FrameRange>("frames").value_or(FrameRange{})));
+  extraction.region =
+      arguments.find<Region>("region").value_or(Region{{0, 0, 0}, {info.x, info.y, info.z}});
+  extraction.level = arguments.get<int>("level");
+  extraction.maxMemory = maxMemory;
+  return extraction;
+}
+
+Report reportOf(const std::string& target, const VolumeInfo& info, const VoluteReader& reader) {
+  Report report;
+  report.add("output", target)
+      .add("frames", info.frames, fmt::format("{}", info.frames))
+      .add("size", {info.x, info.y, info.z},
+           fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
+      .add("channels", info.channels, fmt::format("{}", info.channels))
+      .add("bytes_read", reader.bytesRead(), bytesText(reader.bytesRead()))
+      .add("blocks_decoded", reader.blocksDecoded(),
+           fmt::format("{} of {}", reader.blocksDecoded(), reader.blocks().count()));
+  return report;
+}
+
+Status run(const Arguments& arguments, Context& context) {
+  const std::string& path = arguments.positional(0);
+  const auto target = arguments.get<std::string>("output");
+  if (context.json && target == "-") {
+    return fail(ErrorCode::kInvalidArgument,
+                "--json and '--output -' both want standard output; leave one");
+  }
+  if (!isVolutePath(path)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "'{}' does not end in .volute; 'extract' reads such files alone", path);
+  }
+  VOLUTE_TRY(checkTarget(target, true));
+  context.resultsToStderr = target == "-";
+  VOLUTE_ASSIGN(auto reader, openVolute(path, arguments.flag("partial"), context));
+  VOLUTE_ASSIGN(auto extraction, extractionOf(arguments, reader->info(), context.maxMemory));
+  VOLUTE_ASSIGN(auto source,
+                ExtractSource::create(reader, std::move(extraction), context.progress));
+  VOLUTE_ASSIGN(auto sink, openSink(target, source->info()));
+  VOLUTE_TRY(copyFrames(*source, *sink, "extracting", context.progress));
+  context.print(reportOf(target, source->info(), *reader));
+  return {};
+}
+
+}  // namespace
+
+Command extractCommand() {
+  using enum ValueKind;
+  return {
+      .name = "extract",
+      .summary = "Takes frames, a region or a coarser level out of a .volute file",
+      .examples =
+          {"volute extract fire.volute -o fire.npy",
+           "volute extract fire.volute -o fire_%04d.vdb --frames 10:20",
+           "volute extract fire.volute -o - --frames 3 --region 0:32,0:32,16:48 | other-program"},
+      .description =
+          "Touches only the blocks that are needed, a row of 16 frames in memory at a time, and "
+          "reports how many bytes "
+          "were read and blocks decoded.\n\n"
+          "Level L divides the resolution by 2^L: it leaves out the finest L levels of each block, "
+          "which hold what is "
+          "smaller than 2^L voxels in space and 2^L frames in time, and averages cubes of 2^L "
+          "voxels. Cubes that reach "
+          "beyond the region count zeros there and the bounds grow with them, so integrals stay as "
+          "they were.\n\n"
+          "A .npy is float32 of shape (t,z,y,x) or (t,z,y,x,c), a single frame included.",
+      .positionals = {{.name = "IN.volute", .help = "the file to read"}},
+      .options = {{.name = "output",
+                   .letter = 'o',
+                   .kind = kFile,
+                   .value = "OUT",
+                   .help = ".npy, a pattern %04d.vdb or %04d.vti with the frame's number, or - for "
+                           "a .npy on standard output",
+                   .required = true},
+                  {.name = "frames",
+                   .kind = kFrames,
+                   .value = "A:B[:S]",
+                   .help = "frames with numbers A <= n < B, every S-th"},
+                  {.name = "region",
+                   .kind = kRegion,
+                   .value = "X0:X1,Y0:Y1,Z0:Z1",
+                   .help = "voxels, half-open on each axis"},
+                  {.name = "level",
+                   .kind = kInteger,
+                   .value = "L",
+                   .help = "divide the resolution by 2^L",
+                   .initial = "0",
+                   .least = 0,
+                   .most = 4},
+                  {.name = "partial", .help = "use what is intact of a damaged file"}},
+      .run = run};
+}
+
+}  // namespace volute::cli

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <cmath>
+
+#include "volute/cli/commands/commands.hpp"
+#include "volute/cli/volume_input.hpp"
+#include "volute/io/image_file.hpp"
+
+namespace volute::cli {
+namespace {
+
+struct Extremes {
+  double least = std::numeric_limits<double>::infinity();
+  double most = -std::numeric_limits<double>::infinity();
+  std::uint64_t notFinite = 0;
+  std::uint64_t zeros = 0;
+
+  void add(std::span<const float> values) {
+    for (const float value : values) {
+      if (!std::isfinite(value)) {
+        ++notFinite;
+        continue;
+      }
+      zeros += value == 0;
+      least = std::min<double>(least, value);
+      most = std::max<double>(most, value);
+    }
+  }
+};
+
+void addExtremes(Report& report, const Extremes& extremes, std::uint64_t values) {
+  const double zeros = static_cast<double>(extremes.zeros) / static_cast<double>(values);
+  report.add("minimum", extremes.least)
+      .add("maximum", extremes.most)
+      .add("zero_share", jsonNumber(zeros), fmt::format("{:.1f} %", 100 * zeros))
+      .add("not_finite", extremes.notFinite,
+           extremes.notFinite ? fmt::format("{} values", extremes.notFinite) : "");
+}
+
+std::string vectorText(const Vec3& v) {
+  return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
+}
+
+std::string firstToLast(auto first, auto last) {
+  return first == last ? fmt::format("{}", first) : fmt::format("{} to {}", first, last);
+}
+
+void addVolume(Report& report, const VolumeInfo& info) {
+  const Box3& b = info.bounds;
+  report.add("grid", info.name)
+      .add("unit", info.unit, info.unit)
+      .add("size", {info.x, info.y, info.z},
+           fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
+      .add("channels", info.channels,
+           info.channels == 1 ? "1" : fmt::format("{} (linear RGB)", info.channels))
+      .add("frames", info.frames, fmt::format("{}", info.frames))
+      .add("frame_numbers", {info.frameNumbers.front(), info.frameNumbers.back()},
+           firstToLast(info.frameNumbers.front(), info.frameNumbers.back()))
+      .add("times", {info.times.front(), info.times.back()},
+           firstToLast(info.times.front(), info.times.back()) + " s")
+      .add("bounds", {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()},
+           fmt::format("{}  to  {} m", vectorText(b.min), vectorText(b.max)))
+      .add("basis", info.basis == Basis::kBox ? "box" : "trilinear")
+      .add("raw_bytes", info.rawBytes(), bytesText(info.rawBytes()));
+}
+
+void addHeader(Report& report, const VoluteReader& reader, std::uint64_t bytes) {
+  const VoluteHeader& header = reader.header();
+  const double ratio = static_cast<double>(reader.info().rawBytes()) / static_cast<double>(bytes);
+  report.add("ratio", jsonNumber(ratio), fmt::format("{:.4g}", ratio))
+      .add("minimum", header.valueMin)
+      .add("maximum", header.valueMax)
+      .add("asked", {{"kind", header.targetKind}, {"value", jsonNumber(header.targetValue)}},
+           fmt::format("{} {:.6g}", header.targetKind, header.targetValue))
+      .add("relative_rms", header.reachedRms)
+      .add("max_error", header.reachedMaxError)
+      .add("codec", header.codec, fmt::format("{}", header.codec))
+      .add("format", fmt::format("{}.{}", header.versionMajor, header.versionMinor))
+      .add("written_by", header.writtenBy)
+      .add("provenance", header.provenance)
+      .add("blocks", reader.blocks().count(), fmt::format("{}", reader.blocks().count()));
+}
+
+void addIntegrity(Report& report, const Integrity& integrity, const VoluteReader& reader) {
+  report.add("complete", integrity.complete(), "")
+      .add("integrity",
+           {{"expected_bytes", integrity.expectedBytes},
+            {"present_bytes", integrity.presentBytes},
+            {"segments", integrity.segments},
+            {"intact_segments", integrity.intactSegments},
+            {"intact_levels", integrity.intactLevels},
+            {"first_fault", integrity.firstFault}},
+           integrityText(integrity, reader));
+}
+
+Result<Report> describeVolute(const std::string& path, Context& context, bool& damaged) {
+  VoluteReader::Options options;
+  options.partial = true;
+  options.maxMemory = context.maxMemory;
+  VOLUTE_ASSIGN(const auto reader, VoluteReader::open(path, options));
+  const Integrity integrity = reader.verify();
+  const std::uint64_t bytes = bytesOnDisk(path).value_or(integrity.presentBytes);
+  Report report;
+  report.add("file", path).add("kind", "volute").add("bytes", bytes, bytesText(bytes));
+  addIntegrity(report, integrity, reader);
+  addVolume(report, reader.info());
+  addHeader(report, reader, std::max(bytes, integrity.expectedBytes));
+  damaged = damaged || !integrity.complete();
+  return report;
+}
+
+Result<Report> describePicture(const std::string& path) {
+  VOLUTE_ASSIGN(const auto image, readImage(path));
+  Report report;
+  report.add("file", path).add("kind", "picture");
+  if (const auto bytes = bytesOnDisk(path))
+    report.add("bytes", *bytes, bytesText(*bytes));
+  report
+      .add("size", {image.width, image.height},
+           fmt::format("{} x {} pixels", image.width, image.height))
+      .add("channels", image.channels, fmt::format("{}", image.channels));
+  Extremes extremes;
+  extremes.add(image.pixels);
+  addExtremes(report, extremes, image.pixels.size());
+  return report;
+}
+
+Result<Report> describeVolume(const std::string& path, const Arguments& arguments,
+                              Context& context) {
+  InputOptions options;
+  options.grid = arguments.find<std::string>("grid").value_or("");
+  VOLUTE_ASSIGN(auto input, openVolume(path, options, context));
+  Report report;
+  report.add("file", path).add("kind", "volume");
+  if (const auto bytes = bytesOnDisk(path))
+    report.add("bytes", *bytes, bytesText(*bytes));
+  const VolumeInfo& info = input.source->info();
+  addVolume(report, info);
+  if (!arguments.flag("values"))
+    return report;
+  Extremes extremes;
+  std::vector<float> frame(info.frameValues());
+  for (int i = 0; i < info.frames; ++i) {
+    if (context.progress.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped: reading frame {}", info.frameNumbers[i]);
+    VOLUTE_TRY(input.source->readFrame(i, frame));
+    extremes.add(frame);
+    context.progress.report("reading", i + 1, info.frames);
+  }
+  addExtremes(report, extremes, info.values());
+  return report;
+}
+
+Status run(const Arguments& arguments, Context& context) {
+  bool damaged = false;
+  nlohmann::ordered_json files = nlohmann::ordered_json::array();
+  const auto& paths = arguments.positionals();
+  for (const auto& path : paths) {
+    auto report = isVolutePath(path)    ? describeVolute(path, context, damaged)
+                  : isPicturePath(path) ? describePicture(path)
+                                        : describeVolume(path, arguments, context);
+    VOLUTE_TRY(report);
+    files.push_back(report->json());
+    if (!context.json)
+      context.print((files.size() > 1 ? "\n" : "") + report->text());
+  }
+  if (context.json)
+    context.print(
+        dumpJson(paths.size() == 1 ? files[0] : nlohmann::ordered_json{{"files", files}}));
+  if (damaged)
+    return fail(ErrorCode::kInvalidData, "not everything is intact; what is was shown");
+  return {};
+}
+
+}  // namespace
+
+Command infoCommand() {
+  using enum ValueKind;
+  return {.name = "info",
+          .summary = "Says what is in a file and whether it is whole",
+          .examples = {"volute info fire.volute", "volute info smoke.npy --values --json"},
+          .description =
+              "Sizes, frames, times and bounds of a volume; of a .volute also what error was asked "
+              "for and reached, and whether every "
+              "byte is intact. Pictures (.png, .exr) show their size and range. A damaged .volute "
+              "is described as far as it is intact, "
+              "and the exit code is 1.",
+          .positionals = {{.name = "FILE", .help = "a volume or a picture", .several = true}},
+          .options = {{.name = "grid",
+                       .kind = kText,
+                       .value = "NAME",
+                       .help = "which grid of a file with several"},
+                      {.name = "values",
+                       .help = "read all frames for their minimum, maximum, zeros and values that "
+                               "are not finite"}},
+          .run = run};
+}
+
+}  // namespace volute::cli

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/commands/commands.hpp"
+#include "volute/cli/volume_input.hpp"
+#include "volute/cli/volume_output.hpp"
+#include "volute/codec/compress.hpp"
+#include "volute/synth/synth.hpp"
+
+namespace volute::cli {
+namespace {
+
+Result<SynthOptions> optionsOf(const Arguments& arguments) {
+  SynthOptions options;
+  const std::string& kind = arguments.positional(0);
+  if (kind == "smoke") {
+    options.kind = SynthKind::kSmoke;
+  } else if (kind != "fire" && kind != "flame") {
+    return fail(ErrorCode::kInvalidArgument, "'{}' is unknown; expected fire, flame or smoke",
+                kind);
+  }
+  options.channels = kind == "flame" || arguments.flag("scalar") ? 1 : 3;
+  options.size = arguments.get<int>("size");
+  options.frames = arguments.get<int>("frames");
+  options.seed = static_cast<std::uint32_t>(arguments.get<int>("seed"));
+  if (options.size % 8 != 0) {
+    return fail(ErrorCode::kInvalidArgument, "--size: '{}' is no multiple of 8", options.size);
+  }
+  return options;
+}
+
+Status write(FrameSource& source, const std::string& target, const Arguments& arguments,
+             Context& context) {
+  if (!isVolutePath(target)) {
+    VOLUTE_ASSIGN(auto sink, openSink(target, source.info()));
+    return copyFrames(source, *sink, "synthesizing", context.progress);
+  }
+  CompressOptions options;
+  options.target = {ErrorTarget::Kind::kRms, arguments.get<double>("rms")};
+  options.provenance =
+      fmt::format("synthesized {}, seed {}", arguments.positional(0), arguments.get<int>("seed"));
+  options.maxMemory = context.maxMemory;
+  const auto report = compress(source, target, options, context.progress);
+  return report ? Status() : tl::unexpected<Error>(report.error());
+}
+
+Status run(const Arguments& arguments, Context& context) {
+  const auto target = arguments.get<std::string>("output");
+  if (context.json && target == "-") {
+    return fail(ErrorCode::kInvalidArgument,
+                "--json and '--output -' both want standard output; leave one");
+  }
+  VOLUTE_ASSIGN(const auto options, optionsOf(arguments));
+  VOLUTE_TRY(checkTarget(target, true));
+  context.resultsToStderr = target == "-";
+  VOLUTE_ASSIGN(auto source, SyntheticSource::create(options, context.progress));
+  VOLUTE_TRY(write(*source, target, arguments, context));
+  const VolumeInfo& info = source->info();
+  Report report;
+  report.add("output", target)
+      .add("frames", info.frames, fmt::format("{}", info.frames))
+      .add("size", {info.x, info.y, info.z},
+           fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
+      .add("channels", info.channels, fmt::format("{}", info.channels));
+  context.print(report);
+  return {};
+}
+
+}  // namespace
+
+Command synthesizeCommand() {
+  using enum ValueKind;
+  return {
+      .name = "synthesize",
+      .summary = "Makes up a sequence of fire or smoke from a seed",
+      .examples = {"volute synthesize fire -o fire.npy --size 64 --frames 48 --seed 7",
+                   "volute synthesize smoke -o smoke_%04d.vdb --frames 10"},
+      .description =
+          "fire is emission in linear RGB [radiance/m], mostly empty and fast; flame is its "
+          "luminance alone; smoke is coloured "
+          "density [1/m], calm and full. The volume is a cube of 2 m, at 25 frames a second. The "
+          "same seed gives the same "
+          "values on every machine.",
+      .positionals = {{.name = "KIND", .help = "fire, flame or smoke"}},
+      .options =
+          {{.name = "output",
+            .letter = 'o',
+            .kind = kFile,
+            .value = "OUT",
+            .help =
+                ".npy, .volute, a pattern %04d.vdb or %04d.vti, or - for a .npy on standard output",
+            .required = true},
+           {.name = "size",
+            .kind = kInteger,
+            .value = "N",
+            .help = "voxels on each side, a multiple of 8",
+            .initial = "64",
+            .least = 16,
+            .most = 128},
+           {.name = "frames",
+            .kind = kInteger,
+            .value = "N",
+            .help = "how many",
+            .initial = "48",
+            .least = 1,
+            .most = 100000},
+           {.name = "seed",
+            .kind = kInteger,
+            .value = "S",
+            .help = "another seed is another fire",
+            .initial = "1",
+            .least = 0,
+            .most = 2147483647},
+           {.name = "scalar", .help = "one channel instead of RGB"},
+           {.name = "rms",
+            .kind = kNumber,
+            .value = "R",
+            .help = "relative RMS error of a .volute",
+            .initial = "0.001",
+            .positive = true}},
+      .run = run};
+}
+
+}  // namespace volute::cli

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/command.hpp"
+
+namespace volute::cli {
+
+std::span<const Option> commonOptions() {
+  static const std::vector<Option> options = {
+      {.name = "threads",
+       .kind = ValueKind::kInteger,
+       .value = "N",
+       .help = "threads to use; 0 is all that there are",
+       .initial = "0",
+       .least = 0,
+       .most = 4096},
+      {.name = "max-memory",
+       .kind = ValueKind::kBytes,
+       .value = "BYTES",
+       .help = "refuse what needs more memory than this (512M, 2G)",
+       .initial = "4G"},
+      {.name = "json", .help = "print the results as one JSON object"},
+      {.name = "quiet", .letter = 'q', .help = "no progress and no remarks"},
+      {.name = "verbose", .letter = 'v', .help = "more remarks"},
+      {.name = "help", .letter = 'h', .help = "show how the command is used"},
+      {.name = "version", .help = "show the version"},
+  };
+  return options;
+}
+
+}  // namespace volute::cli

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/console.hpp"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+#include "volute/cli/interrupt.hpp"
+
+namespace volute::cli {
+namespace {
+
+constexpr std::chrono::milliseconds kBarInterval(100);
+constexpr std::chrono::seconds kLineInterval(10);
+
+std::string durationText(double seconds) {
+  if (seconds < 60)
+    return fmt::format("{:.0f} s", seconds);
+  const int whole = static_cast<int>(std::min(seconds, 1e8));
+  if (seconds < 3600)
+    return fmt::format("{}:{:02} min", whole / 60, whole % 60);
+  return fmt::format("{}:{:02} h", whole / 3600, whole / 60 % 60);
+}
+
+int terminalWidth() {
+  winsize size{};
+  if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0)
+    return size.ws_col;
+  return 80;
+}
+
+/// Nothing can be said about the rest before some of it is done.
+std::string timeLeft(double done, double total, double elapsed) {
+  if (done <= 0 || elapsed < 0.5)
+    return "";
+  return fmt::format("{} left", durationText(elapsed * (total - done) / done));
+}
+
+}  // namespace
+
+Console::Console(std::string command, Volume volume)
+    : command_(std::move(command)), volume_(volume), terminal_(::isatty(STDERR_FILENO) == 1) {
+  const char* kind = std::getenv("TERM");
+  if (kind && std::string_view(kind) == "dumb")
+    terminal_ = false;
+}
+
+Console::~Console() {
+  clear();
+}
+
+void Console::report(std::string_view stage, double done, double total) {
+  if (volume_ == Volume::kQuiet)
+    return;
+  const auto now = Clock::now();
+  const bool fresh = stage != stage_;
+  if (fresh) {
+    clear();
+    stage_ = stage;
+    stageStart_ = now;
+  }
+  const auto interval = terminal_ ? Clock::duration(kBarInterval) : Clock::duration(kLineInterval);
+  // Plain lines: a stage that is over before the interval is worth a line to those who asked for
+  // more.
+  const bool first = fresh && (terminal_ || volume_ == Volume::kVerbose);
+  if (fresh && !first)
+    lastShown_ = now;
+  const bool last = terminal_ && total > 0 && done >= total;
+  if (!first && !last && now - lastShown_ < interval)
+    return;
+  lastShown_ = now;
+  const double elapsed = std::chrono::duration<double>(now - stageStart_).count();
+  terminal_ ? drawBar(done, total, elapsed) : writeLine(done, total, elapsed);
+}
+
+void Console::drawBar(double done, double total, double elapsed) {
+  std::string line;
+  if (total > 0) {
+    const double share = std::clamp(done / total, 0.0, 1.0);
+    const std::string tail =
+        fmt::format(" {:3.0f} %  {}", 100 * share, timeLeft(done, total, elapsed));
+    const int width =
+        std::clamp(terminalWidth() - static_cast<int>(stage_.size() + tail.size()) - 4, 5, 40);
+    const int full = static_cast<int>(share * width);
+    line = fmt::format("{} [{:#<{}}{:.<{}}]{}", stage_, "", full, "", width - full, tail);
+  } else {
+    line = fmt::format("{}  {}", stage_, durationText(elapsed));
+  }
+  fmt::print(stderr, "\r\x1b[K{}", line);
+  std::fflush(stderr);
+  barShown_ = true;
+}
+
+void Console::writeLine(double done, double total, double elapsed) {
+  if (total > 0) {
+    const std::string left = timeLeft(done, total, elapsed);
+    fmt::print(stderr, "volute {}: {}: {:.0f} %{}{}\n", command_, stage_,
+               100 * std::clamp(done / total, 0.0, 1.0), left.empty() ? "" : ", ", left);
+  } else {
+    fmt::print(stderr, "volute {}: {}\n", command_, stage_);
+  }
+}
+
+void Console::remark(std::string_view message) {
+  if (volume_ == Volume::kQuiet)
+    return;
+  clear();
+  fmt::print(stderr, "volute {}: {}\n", command_, message);
+}
+
+bool Console::cancelled() const {
+  return Interrupt::requested();
+}
+
+void Console::clear() {
+  if (!barShown_)
+    return;
+  fmt::print(stderr, "\r\x1b[K");
+  std::fflush(stderr);
+  barShown_ = false;
+}
+
+}  // namespace volute::cli

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "volute/base/progress.hpp"
+
+namespace volute::cli {
+
+/// Progress and remarks on standard error: on a terminal a bar with the time that is left, else a
+/// plain line at the start of a stage and at most every ten seconds.
+class Console final : public Progress {
+ public:
+  enum class Volume { kQuiet, kNormal, kVerbose };
+
+  /// `command` opens each remark: "volute compress: ...".
+  Console(std::string command, Volume volume);
+  ~Console() override;
+
+  void report(std::string_view stage, double done, double total) override;
+  void remark(std::string_view message) override;
+  bool cancelled() const override;
+
+  /// Ends the line of a bar, so that something else can be written.
+  void clear();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void drawBar(double done, double total, double elapsed);
+  void writeLine(double done, double total, double elapsed);
+
+  std::string command_;
+  Volume volume_;
+  bool terminal_;
+  bool barShown_ = false;
+  std::string stage_;
+  Clock::time_point stageStart_;
+  Clock::time_point lastShown_;
+};
+
+}  // namespace volute::cli

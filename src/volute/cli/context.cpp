@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/context.hpp"
+
+#include <cstdio>
+
+#include "volute/cli/interrupt.hpp"
+
+namespace volute::cli {
+
+void Context::print(const Report& report) const {
+  print(json ? dumpJson(report.json()) : report.text());
+}
+
+// fwrite, not fmt: a failure is kept by the stream and reported once, at the end.
+void Context::print(std::string_view text) const {
+  std::fwrite(text.data(), 1, text.size(), resultsToStderr ? stderr : stdout);
+}
+
+void Context::watch(const std::filesystem::path& target) {
+  Interrupt::watch(target);
+}
+
+}  // namespace volute::cli

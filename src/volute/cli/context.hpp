@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+
+#include "volute/base/progress.hpp"
+#include "volute/cli/report.hpp"
+
+namespace volute::cli {
+
+/// What a command works with besides its arguments.
+struct Context {
+  Progress& progress;
+  std::uint64_t maxMemory = 0;  ///< [bytes]
+  bool json = false;
+  bool verbose = false;
+  bool resultsToStderr = false;  ///< set when the data themselves go to standard output
+
+  /// Shows results: one JSON object or lines of text, on standard output.
+  void print(const Report& report) const;
+  void print(std::string_view text) const;
+
+  /// The parent folder of `target` is searched for half-written files when a second Ctrl-C ends the
+  /// program.
+  static void watch(const std::filesystem::path& target);
+};
+
+}  // namespace volute::cli

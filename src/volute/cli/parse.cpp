@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/parse.hpp"
+
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "volute/cli/suggest.hpp"
+
+namespace volute::cli {
+namespace {
+
+struct Entry {
+  const Option* option;
+  CLI::Option* handle;
+};
+
+/// CLI11 finds the options and their values in the words; what they mean is checked here, so that
+/// each error is one sentence in our own words.
+std::vector<Entry> addOptions(CLI::App& app, std::span<const Option> options) {
+  std::vector<Entry> entries;
+  for (const Option& option : options) {
+    std::string names = fmt::format("--{}", option.name);
+    if (option.letter != 0)
+      names = fmt::format("-{},{}", option.letter, names);
+    CLI::Option* handle =
+        option.kind == ValueKind::kFlag ? app.add_flag(names) : app.add_option(names);
+    handle->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    entries.push_back({&option, handle});
+  }
+  return entries;
+}
+
+Status parseWords(CLI::App& app, std::vector<std::string> words) {
+  std::ranges::reverse(words);
+  try {
+    app.parse(words);
+  } catch (const CLI::ArgumentMismatch& error) {
+    const std::string what = error.what();
+    return fail(ErrorCode::kInvalidArgument, "{} needs a value", what.substr(0, what.find(':')));
+  } catch (const CLI::Error& error) {
+    return fail(ErrorCode::kInvalidArgument, "{}", error.what());
+  }
+  return {};
+}
+
+tl::unexpected<Error> unknownOption(const std::string& word, std::span<const Entry> entries) {
+  const std::string name = word.substr(0, word.find('='));
+  std::vector<std::string_view> names;
+  for (const Entry& entry : entries) names.push_back(entry.option->name);
+  const auto near = nearest(std::string_view(name).substr(name.find_first_not_of('-')), names);
+  if (near.empty())
+    return fail(ErrorCode::kInvalidArgument, "unknown option {}", name);
+  return fail(ErrorCode::kInvalidArgument, "unknown option {}; did you mean --{}?", name, near);
+}
+
+Status takeOption(const Entry& entry, Arguments& arguments) {
+  const Option& option = *entry.option;
+  if (entry.handle->count() > 1 && option.kind != ValueKind::kFlag) {
+    return fail(ErrorCode::kInvalidArgument, "--{} is given {} times; expected once", option.name,
+                entry.handle->count());
+  }
+  const bool given = entry.handle->count() > 0;
+  if (!given && option.initial.empty())
+    return {};
+  const std::string text = given && option.kind != ValueKind::kFlag
+                               ? entry.handle->results().front()
+                               : std::string(option.initial);
+  auto value = parseValue(option, text);
+  if (!value)
+    return fail(ErrorCode::kInvalidArgument, "--{}: {}", option.name, value.error().message);
+  arguments.set(option.name, std::move(*value), given);
+  return {};
+}
+
+Status checkPositionals(const Command& command, const Arguments& arguments) {
+  const auto& words = arguments.positionals();
+  for (std::size_t i = words.size(); i < command.positionals.size(); ++i) {
+    if (command.positionals[i].optional)
+      continue;
+    return fail(ErrorCode::kInvalidArgument, "{} is missing: {}", command.positionals[i].name,
+                command.positionals[i].help);
+  }
+  const bool several = !command.positionals.empty() && command.positionals.back().several;
+  if (words.size() > command.positionals.size() && !several) {
+    return fail(ErrorCode::kInvalidArgument, "'{}' is one argument too many",
+                words[command.positionals.size()]);
+  }
+  return {};
+}
+
+std::string listed(const std::vector<std::string_view>& names) {
+  return fmt::format("--{}", fmt::join(names, ", --"));
+}
+
+Status checkRequirements(const Command& command, const Arguments& arguments) {
+  for (const Option& option : command.options) {
+    if (option.required && !arguments.given(option.name)) {
+      return fail(ErrorCode::kInvalidArgument, "--{} {} is missing: {}", option.name, option.value,
+                  option.help);
+    }
+  }
+  for (const OneOf& group : command.oneOf) {
+    const auto given =
+        std::ranges::count_if(group.names, [&](auto name) { return arguments.given(name); });
+    if (given > 1) {
+      return fail(ErrorCode::kInvalidArgument, "{} of {} are given; expected one", given,
+                  listed(group.names));
+    }
+    if (given == 0 && group.required) {
+      return fail(ErrorCode::kInvalidArgument, "one of {} is missing", listed(group.names));
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Arguments> parseArguments(const Command& command, const std::vector<std::string>& words) {
+  CLI::App app;
+  app.set_help_flag();
+  app.allow_extras();
+  auto entries = addOptions(app, command.options);
+  std::ranges::copy(addOptions(app, commonOptions()), std::back_inserter(entries));
+  const auto separator = std::ranges::find(words, "--");
+  VOLUTE_TRY(parseWords(app, {words.begin(), separator}));
+
+  Arguments arguments;
+  for (const auto& word : app.remaining()) {
+    if (word.size() > 1 && word.front() == '-')
+      return unknownOption(word, entries);
+    arguments.addPositional(word);
+  }
+  if (separator != words.end()) {
+    std::for_each(separator + 1, words.end(),
+                  [&](const auto& word) { arguments.addPositional(word); });
+  }
+  for (const Entry& entry : entries) VOLUTE_TRY(takeOption(entry, arguments));
+  if (arguments.flag("help") || arguments.flag("version"))
+    return arguments;
+  VOLUTE_TRY(checkPositionals(command, arguments));
+  VOLUTE_TRY(checkRequirements(command, arguments));
+  return arguments;
+}
+
+Result<std::size_t> findCommandWord(const std::vector<std::string>& words) {
+  CLI::App app;
+  app.set_help_flag();
+  app.prefix_command();
+  const auto entries = addOptions(app, commonOptions());
+  VOLUTE_TRY(parseWords(app, words));
+  const auto rest = app.remaining();
+  if (!rest.empty() && rest.front().starts_with('-'))
+    return unknownOption(rest.front(), entries);
+  return words.size() - rest.size();
+}
+
+}  // namespace volute::cli

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/picture_writer.hpp"
+
+#include <utility>
+
+#include "volute/cli/volume_input.hpp"
+#include "volute/image/srgb.hpp"
+#include "volute/io/film.hpp"
+#include "volute/io/frame_pattern.hpp"
+#include "volute/io/image_file.hpp"
+
+namespace volute::cli {
+namespace {
+
+Image developed(Image image, const Development& development) {
+  if (!development.colorMap)
+    return exposed(std::move(image), development.exposure);
+  Image quantity(image.width, image.height, 1);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) quantity.at(x, y) = image.at(x, y);
+  }
+  return colorMapped(quantity, *development.colorMap, 0, 1 / development.exposure);
+}
+
+class StillWriter final : public PictureWriter {
+ public:
+  StillWriter(std::optional<FramePattern> pattern, std::string target,
+              const Development& development)
+      : pattern_(std::move(pattern)), target_(std::move(target)), development_(development) {}
+
+  Status write(const Image& image, int frameNumber) override {
+    const auto path = pattern_ ? pattern_->format(frameNumber) : std::filesystem::path(target_);
+    return writeImage(path,
+                      extensionOf(target_) == ".exr" ? image : developed(image, development_));
+  }
+
+  Status finish() override { return {}; }
+
+ private:
+  std::optional<FramePattern> pattern_;
+  std::string target_;
+  Development development_;
+};
+
+class FilmPictures final : public PictureWriter {
+ public:
+  FilmPictures(std::unique_ptr<FilmWriter> film, const Development& development)
+      : film_(std::move(film)), development_(development) {}
+
+  Status write(const Image& image, int) override {
+    return film_->addFrame(developed(image, development_));
+  }
+
+  Status finish() override { return film_->finish(); }
+
+ private:
+  std::unique_ptr<FilmWriter> film_;
+  Development development_;
+};
+
+}  // namespace
+
+bool isFilmPath(const std::string& target) {
+  const std::string extension = extensionOf(target);
+  return extension == ".mp4" || extension == ".webm";
+}
+
+Result<std::unique_ptr<PictureWriter>> stillWriter(const std::string& target,
+                                                   const Development& development) {
+  std::optional<FramePattern> pattern;
+  if (FramePattern::isPattern(target)) {
+    VOLUTE_ASSIGN(pattern, FramePattern::parse(target));
+  }
+  return std::make_unique<StillWriter>(std::move(pattern), target, development);
+}
+
+Result<std::unique_ptr<PictureWriter>> filmWriter(const std::string& target,
+                                                  const Development& development, int width,
+                                                  int height, double framesPerSecond) {
+  VOLUTE_ASSIGN(auto film, FilmWriter::create(target, width, height, framesPerSecond));
+  return std::make_unique<FilmPictures>(std::move(film), development);
+}
+
+}  // namespace volute::cli

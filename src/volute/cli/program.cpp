@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/program.hpp"
+
+#include <signal.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <new>
+
+#include "volute/base/parallel.hpp"
+#include "volute/cli/command.hpp"
+#include "volute/cli/console.hpp"
+#include "volute/cli/help.hpp"
+#include "volute/cli/interrupt.hpp"
+#include "volute/cli/parse.hpp"
+#include "volute/cli/suggest.hpp"
+#include "volute/cli/version.hpp"
+
+namespace volute::cli {
+namespace {
+
+constexpr int kDone = 0;
+constexpr int kCouldNot = 1;
+constexpr int kWrongUsage = 2;
+
+int wrongUsage(const Error& error) {
+  fmt::print(stderr, "volute: {}\n'volute help' lists the commands.\n", error.message);
+  return kWrongUsage;
+}
+
+int unknownCommand(const std::string& word) {
+  std::vector<std::string_view> names;
+  for (const Command& command : commands()) names.push_back(command.name);
+  const auto near = nearest(word, names);
+  const std::string hint = near.empty() ? "" : fmt::format("; did you mean '{}'?", near);
+  return wrongUsage(
+      {ErrorCode::kInvalidArgument, fmt::format("unknown command '{}'{}", word, hint)});
+}
+
+Console::Volume volumeOf(const Arguments& arguments) {
+  if (arguments.flag("quiet"))
+    return Console::Volume::kQuiet;
+  return arguments.flag("verbose") ? Console::Volume::kVerbose : Console::Volume::kNormal;
+}
+
+/// What was printed must have arrived: a full disk behind `> file` is an error like any other.
+Status flushResults() {
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout))
+    return {};
+  return fail(ErrorCode::kIo, "standard output: cannot write: {}", std::strerror(errno));
+}
+
+/// Exceptions that a library let through end the command, not the program without a word.
+Status runGuarded(const Command& command, const Arguments& arguments, Context& context) {
+  try {
+    return command.run(arguments, context);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kTooLarge,
+                "there is not enough memory; give less with --frames or --region");
+  } catch (const std::exception& error) {
+    return fail(ErrorCode::kIo, "{}", error.what());
+  }
+}
+
+int runCommand(const Command& command, const Arguments& arguments) {
+  const ThreadLimit threads(arguments.find<int>("threads").value_or(0));
+  Console console(std::string(command.name), volumeOf(arguments));
+  Context context{.progress = console,
+                  .maxMemory = arguments.get<Bytes>("max-memory").count,
+                  .json = arguments.flag("json"),
+                  .verbose = arguments.flag("verbose")};
+  Status status = runGuarded(command, arguments, context);
+  if (status)
+    status = flushResults();
+  console.clear();
+  if (status)
+    return kDone;
+  std::fflush(stdout);
+  fmt::print(stderr, "volute {}: {}\n", command.name, status.error().message);
+  return status.error().code == ErrorCode::kInvalidArgument ? kWrongUsage : kCouldNot;
+}
+
+int show(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  const Status status = flushResults();
+  if (!status)
+    fmt::print(stderr, "volute: {}\n", status.error().message);
+  return status ? kDone : kCouldNot;
+}
+
+}  // namespace
+
+int runProgram(int argc, char** argv) {
+  // A closed pipe and a file beyond the user's limit become errors of write().
+  ::signal(SIGPIPE, SIG_IGN);
+  ::signal(SIGXFSZ, SIG_IGN);
+  const Interrupt interrupt;
+  std::vector<std::string> words(argv + 1, argv + argc);
+  const auto place = findCommandWord(words);
+  if (!place)
+    return wrongUsage(place.error());
+  if (*place == words.size()) {
+    const bool version = std::ranges::find(words, "--version") != words.end();
+    return show(version ? fmt::format("volute {}\n", kVersion) : overviewText());
+  }
+  const std::string name = words[*place];
+  const Command* command = findCommand(name);
+  if (!command)
+    return unknownCommand(name);
+  words.erase(words.begin() + static_cast<std::ptrdiff_t>(*place));
+  const auto arguments = parseArguments(*command, words);
+  if (!arguments) {
+    fmt::print(stderr, "volute {0}: {1}\n'volute help {0}' shows how it is used.\n", name,
+               arguments.error().message);
+    return kWrongUsage;
+  }
+  if (arguments->flag("help"))
+    return show(helpText(*command));
+  if (arguments->flag("version"))
+    return show(fmt::format("volute {}\n", kVersion));
+  return runCommand(*command, *arguments);
+}
+
+}  // namespace volute::cli

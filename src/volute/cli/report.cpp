@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace volute::cli {
+
+Report& Report::add(std::string_view key, nlohmann::ordered_json value, std::string text) {
+  json_[std::string(key)] = std::move(value);
+  if (text.empty())
+    return *this;
+  std::string label(key);
+  std::ranges::replace(label, '_', ' ');
+  lines_.push_back({std::move(label), std::move(text)});
+  return *this;
+}
+
+Report& Report::add(std::string_view key, double value) {
+  return add(key, jsonNumber(value), fmt::format("{:.6g}", value));
+}
+
+Report& Report::add(std::string_view key, std::string_view value) {
+  return add(key, std::string(value), std::string(value));
+}
+
+std::string Report::text() const {
+  std::size_t width = 0;
+  for (const Line& line : lines_) width = std::max(width, line.label.size());
+  std::string text;
+  for (const Line& line : lines_) text += fmt::format("{:<{}}  {}\n", line.label, width, line.text);
+  return text;
+}
+
+nlohmann::ordered_json jsonNumber(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+}
+
+std::string dumpJson(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string bytesText(std::uint64_t bytes) {
+  if (bytes < 10000)
+    return fmt::format("{} bytes", bytes);
+  constexpr const char* kUnits[] = {"kB", "MB", "GB", "TB", "PB", "EB"};
+  double value = static_cast<double>(bytes) / 1000;
+  int unit = 0;
+  for (; value >= 1000 && unit < 5; ++unit) value /= 1000;
+  return fmt::format("{:.3g} {}", value, kUnits[unit]);
+}
+
+}  // namespace volute::cli

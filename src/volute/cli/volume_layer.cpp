@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/volume_layer.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace volute::cli {
+namespace {
+
+Status checkFinite(std::span<const float> frame, const VolumeInfo& info, const std::string& path,
+                   int position) {
+  for (std::size_t i = 0; i < frame.size(); ++i) {
+    if (std::isfinite(frame[i]))
+      continue;
+    const std::size_t voxel = i / info.channels;
+    return fail(ErrorCode::kInvalidData,
+                "{}: frame {}: voxel x {}, y {}, z {} is {}; expected finite values", path,
+                info.frameNumbers[position], voxel % info.x, voxel / info.x % info.y,
+                voxel / info.x / info.y, frame[i]);
+  }
+  return {};
+}
+
+}  // namespace
+
+VolumeLayer::VolumeLayer(VolumeInput input, const Appearance& appearance)
+    : input_(std::move(input)), appearance_(appearance), info_(input_.source->info()) {
+  if (appearance_.basis)
+    info_.basis = *appearance_.basis;
+}
+
+Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOptions& options,
+                                      const Appearance& appearance, Context& context) {
+  VOLUTE_ASSIGN(auto input, openVolume(path, options, context));
+  const std::uint64_t bytes = 8ull * input.source->info().frameValues();  // dense and as bricks
+  if (bytes > context.maxMemory) {
+    return fail(
+        ErrorCode::kTooLarge,
+        "{}: a frame needs {} MiB of memory, more than the {} MiB allowed; raise --max-memory",
+        path, (bytes >> 20) + 1, context.maxMemory >> 20);
+  }
+  VolumeLayer layer(std::move(input), appearance);
+  layer.path_ = path;
+  return layer;
+}
+
+Result<std::shared_ptr<const BrickSlice>> VolumeLayer::sliceAt(int position) {
+  if (position == position_)
+    return slice_;
+  frame_.resize(info_.frameValues());
+  VOLUTE_TRY(input_.source->readFrame(position, frame_));
+  VOLUTE_TRY(checkFinite(frame_, info_, path_, position));
+  slice_ = std::make_shared<const BrickSlice>(BrickSlice::fromDense(info_, frame_));
+  position_ = position;
+  return slice_;
+}
+
+Result<VoxelMedium> VolumeLayer::mediumAt(int position) {
+  VOLUTE_ASSIGN(auto slice, sliceAt(position));
+  return VoxelMedium(std::move(slice), appearance_.emission, appearance_.extinction);
+}
+
+}  // namespace volute::cli

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "volute/cli/context.hpp"
+#include "volute/grid/frame_source.hpp"
+
+namespace volute::cli {
+
+/// Before long work: the folder must be there, and the target must be no folder and no device. "-"
+/// is allowed where `standardOutput` says so. Its folder is watched for half-written files.
+[[nodiscard]] Status checkTarget(const std::string& target, bool standardOutput = false);
+
+/// A place for volumes by the target's name, as createSink has it; "-" is a .npy on standard
+/// output. A name of no known format is wrong usage.
+[[nodiscard]] Result<std::unique_ptr<FrameSink>> openSink(const std::string& target,
+                                                          const VolumeInfo& info);
+
+/// Copies all frames, reporting and asking whether to go on; then finishes the sink.
+[[nodiscard]] Status copyFrames(FrameSource& source, FrameSink& sink, const std::string& stage,
+                                Progress& progress);
+
+}  // namespace volute::cli

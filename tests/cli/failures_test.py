@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Wrong inputs: one sentence with what, where and what was expected; and never a target."""
+import math
+import os
+import resource
+import signal
+import unittest
+
+import support
+from support import volute, write_npy
+
+
+class Failures(support.TestCase):
+    def compress_fails(self, source, *more, **options):
+        return self.fails(1, "compress", source, "-o", self.path("x.volute"), "--rms", "0.01", *more, **options)
+
+    def test_missing_input_names_it(self):
+        for command in (["info", self.path("no.npy")], ["info", self.path("no.volute")],
+                        ["extract", self.path("no.volute"), "-o", self.path("x.npy")],
+                        ["render", self.path("no.volute"), "-o", self.path("x.png")],
+                        ["compare", self.path("no.npy"), self.path("no.npy")]):
+            self.assertIn("no.", self.fails(1, *command))
+        self.assertIn("no.npy", self.compress_fails(self.path("no.npy")))
+
+    def test_not_finite_values_are_named_by_frame_and_voxel(self):
+        for bad in (math.nan, math.inf, -math.inf):
+            values = [0.0] * 48
+            values[24 + 3 * 4 + 1 * 4 + 2] = bad  # frame 1; shape (2, 2, 3, 4): z 1, y 1, x 2
+            write_npy(self.path("bad.npy"), (2, 2, 3, 4), values)
+            message = self.compress_fails(self.path("bad.npy"))
+            self.assertIn("frame 1", message)
+            self.assertRegex(message, r"2, (y )?1, (z )?1|x = 2, y = 1, z = 1")
+
+    def test_empty_sequences(self):
+        write_npy(self.path("empty.npy"), (0, 4, 4, 4), [])
+        self.assertIn("empty.npy", self.compress_fails(self.path("empty.npy")))
+        self.path("folder").mkdir()
+        self.assertIn("folder", self.compress_fails(self.path("folder")))
+        self.assertIn("s_%04d.vdb", self.compress_fails(self.path("s_%04d.vdb")))
+        message = self.fails(2, "compress", self.make_npy(), "-o", self.path("x.volute"), "--rms", "1", "--frames", "7:9")
+        self.assertIn("frames 0 to 2", message)
+
+    def test_damaged_npy(self):
+        whole = self.make_npy(frames=2, size=4).read_bytes()
+        for length in (0, 5, 9, 60, len(whole) - 1):
+            self.path("cut.npy").write_bytes(whole[:length])
+            self.assertIn("cut.npy", self.compress_fails(self.path("cut.npy")))
+        self.path("long.npy").write_bytes(whole + b"x")
+        self.compress_fails(self.path("long.npy"))
+        for old, new in ((b"<f4", b"<i4"), (b"<f4", b">f4"), (b"False", b"True "), (b"(2, 4,", b"(9, 9,"), (b"(2, 4,", b"(-2,4,")):
+            self.path("odd.npy").write_bytes(whole.replace(old, new, 1))
+            self.assertIn("odd.npy", self.compress_fails(self.path("odd.npy")))
+
+    def test_sizes_that_do_not_match(self):
+        self.make_npy("a.npy", size=6)
+        self.make_npy("b.npy", size=7)
+        message = self.fails(1, "compare", self.path("a.npy"), self.path("b.npy"))
+        self.assertIn("6 x 6 x 6", message)
+        self.assertIn("7 x 7 x 7", message)
+
+    def test_frames_of_different_sizes(self):
+        for number, size in enumerate((16, 24)):
+            made = volute("synthesize", "flame", "-o", self.path(f"s_000{number}.vti"), "--size", size, "--frames", "1")
+            if made.code:
+                self.skipTest(made.message)
+        self.assertIn("s_0001.vti", self.compress_fails(self.path("s_%04d.vti")))
+
+    def test_wrong_grid_lists_those_there_are(self):
+        made = volute("synthesize", "flame", "-o", self.path("s.vdb"), "--size", "16", "--frames", "1")
+        if made.code:
+            self.skipTest(made.message)
+        grid = self.works("info", self.path("s.vdb"), "--json").json["grid"]
+        self.assertIn(f"it has {grid}", self.compress_fails(self.path("s.vdb"), "--grid", "nothing"))
+        self.assertIn("nothing", self.fails(1, "compress", self.make_volute(), "-o", self.path("x.volute"), "--rms", "1",
+                                            "--grid", "nothing"))
+
+    def test_too_little_memory(self):
+        self.assertIn("memory", self.compress_fails(self.make_npy(size=16), "--max-memory", "1K"))
+        packed = self.make_volute(size=16)
+        self.fails(1, "extract", packed, "-o", self.path("x.npy"), "--max-memory", "1K")
+        self.fails(1, "render", packed, "-o", self.path("x.png"), "--max-memory", "1K")
+
+    def test_targets_that_cannot_be_written(self):
+        source, packed = self.make_npy(), self.make_volute()
+        self.path("folder.volute").mkdir()
+        for target in (self.path("missing/x.volute"), self.path("folder.volute"), "/proc/x.volute"):
+            message = self.fails(1, "compress", source, "-o", target, "--rms", "0.01")
+            self.assertIn(str(target), message)
+        self.assertIn("/dev/null", self.fails(1, "extract", packed, "-o", "/dev/null"))
+        self.fails(1, "render", packed, "-o", self.path("missing/x.png"))
+
+    @unittest.skipIf(os.geteuid() == 0, "root may write anywhere")
+    def test_folder_without_permission(self):
+        source, packed = self.make_npy(), self.make_volute()
+        locked = self.path("locked")
+        locked.mkdir(mode=0o555)
+        self.fails(1, "compress", source, "-o", locked / "x.volute", "--rms", "0.01")
+        self.fails(1, "extract", packed, "-o", locked / "x.npy")
+        self.assertEqual(list(locked.iterdir()), [])
+
+    def test_full_disk(self):
+        source, packed = self.make_npy(frames=16, size=16), self.make_volute(frames=16, size=16)
+
+        def small_files():  # as a full disk does, it lets a write fail half-way
+            resource.setrlimit(resource.RLIMIT_FSIZE, (512, 512))
+
+        self.fails(1, "compress", source, "-o", self.path("x.volute"), "--max-error", "0.001", preexec_fn=small_files)
+        self.fails(1, "extract", packed, "-o", self.path("x.npy"), preexec_fn=small_files)
+        self.fails(1, "render", packed, "-o", self.path("x.png"), preexec_fn=small_files)
+        self.fails(1, "render", packed, "-o", self.path("x.exr"), preexec_fn=small_files)
+
+    def test_an_old_target_survives_a_failure(self):
+        self.path("x.volute").write_bytes(b"old")
+        write_npy(self.path("bad.npy"), (1, 1, 1, 1), [math.nan])
+        self.compress_fails(self.path("bad.npy"))
+        self.assertEqual(self.path("x.volute").read_bytes(), b"old")
+
+    def test_a_closed_pipe_is_no_crash(self):
+        packed = self.make_volute()
+        reader, writer = os.pipe()
+        os.close(reader)
+        result = volute("extract", packed, "-o", "-", stdout=writer)
+        os.close(writer)
+        self.assertNotEqual(result.code, -signal.SIGPIPE)
+        self.assertEqual(result.code, 1)
+
+
+if __name__ == "__main__":
+    support.main()

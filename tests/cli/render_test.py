@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Pictures: sizes, formats, cameras, exposures, statistics."""
+import json
+import math
+import struct
+import zlib
+
+import support
+from support import volute, write_npy
+
+
+def read_png(data):
+    """(width, height, rows of bytes) of an 8-bit RGB or grey file without interlacing."""
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    width, height, depth, kind = struct.unpack_from(">IIBB", data, 16)
+    assert depth == 8 and kind in (0, 2)
+    packed, place = b"", 8
+    while place < len(data):
+        (length,) = struct.unpack_from(">I", data, place)
+        if data[place + 4:place + 8] == b"IDAT":
+            packed += data[place + 8:place + 8 + length]
+        place += 12 + length
+    raw, step = zlib.decompress(packed), 3 if kind == 2 else 1
+    rows, above = [], bytes(width * step)
+    for y in range(height):
+        line = bytearray(raw[y * (width * step + 1) + 1:(y + 1) * (width * step + 1)])
+        method = raw[y * (width * step + 1)]
+        for i in range(len(line)):
+            left = line[i - step] if i >= step else 0
+            corner = above[i - step] if i >= step else 0
+            guess = left + above[i] - corner
+            paeth = min((left, above[i], corner), key=lambda v: abs(guess - v))
+            line[i] = (line[i] + (0, left, above[i], (left + above[i]) // 2, paeth)[method]) & 255
+        above = bytes(line)
+        rows.append(above)
+    return width, height, rows
+
+
+def srgb8(linear):
+    encoded = 12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1 / 2.4) - 0.055
+    return round(255 * min(max(encoded, 0), 1))
+
+
+class Render(support.TestCase):
+    def block(self):
+        """A cube of 1 m with the value 0.5 everywhere."""
+        write_npy(self.path("block.npy"), (3, 4, 4, 4), [0.5] * 192)
+        return self.path("block.npy")
+
+    AHEAD = ["--eye", "0.5,-3,0.5", "--target", "0.5,0.5,0.5", "--ortho", "0.5", "--size", "6x6"]
+
+    def test_a_block_has_the_radiance_it_must(self):
+        self.works("render", self.block(), "-o", self.path("x.png"), *self.AHEAD, "--exposure", "1")
+        width, height, rows = read_png(self.path("x.png").read_bytes())
+        self.assertEqual((width, height), (6, 6))
+        self.assertEqual({value for row in rows for value in row}, {srgb8(0.5)})
+
+    def test_absorption_and_background(self):
+        self.works("render", self.block(), "-o", self.path("x.png"), *self.AHEAD, "--exposure", "1", "--emission", "0",
+                   "--extinction", "2", "--background", "1,0.5,0")
+        row = read_png(self.path("x.png").read_bytes())[2][3]
+        through = math.exp(-1)
+        self.assertEqual(tuple(row[:3]), (srgb8(through), srgb8(0.5 * through), 0))
+
+    def test_optical_depth_needs_no_more_options(self):
+        self.works("render", self.block(), "-o", self.path("x.exr"), *self.AHEAD, "--aov", "optical-depth")
+        info = self.works("info", self.path("x.exr"), "--json").json
+        self.assertEqual(info["channels"], 1)
+        self.assertAlmostEqual(info["minimum"], 0.5, places=5)
+        self.assertAlmostEqual(info["maximum"], 0.5, places=5)
+
+    def test_renderers_agree(self):
+        packed = self.make_volute(channels=3)
+        for renderer in ("cpu", "reference"):
+            self.works("render", packed, "-o", self.path(f"{renderer}.exr"), "--size", "24x18", "--renderer", renderer)
+        said = self.works("compare", self.path("reference.exr"), self.path("cpu.exr"), "--json").json
+        self.assertLess(said["max_error"], 1e-4)
+
+    def test_stills_are_named_by_frame(self):
+        self.works("render", self.block(), "-o", self.path("s_%03d.png"), "--size", "4x4", "--frames", "1:3")
+        self.assertEqual(self.files(), ["block.npy", "s_001.png", "s_002.png"])
+        self.assertIn("%04d", self.fails(2, "render", self.block(), "-o", self.path("s.png"), "--frames", "0:3"))
+
+    def test_times_choose_the_frame_that_is_held(self):
+        write_npy(self.path("t.npy"), (2, 1, 1, 1), [0.1, 0.9])
+        for time, value in (("0.039", 0.1), ("0.041", 0.9), ("-5", 0.1), ("99", 0.9)):
+            self.works("render", self.path("t.npy"), "-o", self.path("x.exr"), "--time", time, *self.AHEAD)
+            self.assertAlmostEqual(self.works("info", self.path("x.exr"), "--json").json["maximum"], value, places=6)
+
+    def test_camera_files(self):
+        camera = {"eye": [0.5, -3, 0.5], "target": [0.5, 0.5, 0.5], "up": [0, 0, 1], "ortho": 0.5, "size": [6, 6]}
+        self.path("camera.json").write_text(json.dumps(camera))
+        self.works("render", self.block(), "-o", self.path("a.exr"), "--camera", self.path("camera.json"))
+        self.works("render", self.block(), "-o", self.path("b.exr"), *self.AHEAD)
+        self.assertEqual(self.path("a.exr").read_bytes(), self.path("b.exr").read_bytes())
+        self.path("camera.json").write_text(json.dumps(camera | {"eye": [0, "x", 0]}))
+        self.assertIn("/eye[1]", self.fails(1, "render", self.block(), "-o", self.path("c.png"), "--camera",
+                                            self.path("camera.json")))
+        self.path("camera.json").write_text('{"eye": [0,\n 0')
+        self.assertIn("line 2", self.fails(1, "render", self.block(), "-o", self.path("c.png"), "--camera",
+                                           self.path("camera.json")))
+
+    def test_films(self):
+        for extension in ("mp4", "webm"):
+            made = volute("render", self.block(), "-o", self.path(f"x.{extension}"), "--size", "32x32")
+            if "built without" in made.message:
+                continue
+            self.assertEqual(made.code, 0, made.message)
+            self.assertGreater(self.path(f"x.{extension}").stat().st_size, 100)
+
+    def test_statistics(self):
+        self.works("render", self.make_volute(), "-o", self.path("x.png"), "--size", "8x8", "--stats", self.path("s.json"))
+        stats = json.loads(self.path("s.json").read_text())
+        self.assertEqual(stats["rays"], 64)
+        for key in ("voxels_visited", "bricks_visited", "peak_memory_bytes", "bytes_read"):
+            self.assertGreater(stats[key], 0, key)
+
+    def test_colour_maps_are_for_one_channel(self):
+        self.works("render", self.block(), "-o", self.path("x.png"), "--size", "4x4", "--colormap", "viridis")
+        self.assertIn("RGB", self.fails(2, "render", self.make_volute(channels=3), "-o", self.path("y.png"), "--colormap",
+                                        "inferno"))
+
+    def test_values_that_are_not_finite_are_refused(self):
+        write_npy(self.path("bad.npy"), (1, 1, 1, 2), [0, math.nan])
+        self.assertIn("voxel", self.fails(1, "render", self.path("bad.npy"), "-o", self.path("x.png"), "--size", "4x4"))
+
+
+if __name__ == "__main__":
+    support.main()

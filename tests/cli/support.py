@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""What the tests of the command line share: running the program, and .npy files read and written independently."""
+import array
+import ast
+import json
+import os
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAM = os.environ["VOLUTE"]
+
+
+class Result:
+    def __init__(self, done):
+        self.code, self.out, self.err = done.returncode, done.stdout, done.stderr
+
+    @property
+    def text(self):
+        return self.out.decode()
+
+    @property
+    def message(self):
+        return self.err.decode()
+
+    @property
+    def json(self):
+        return json.loads(self.out)
+
+
+def volute(*arguments, **options):
+    """Runs the program; `options` go to subprocess.run."""
+    command = [PROGRAM, *map(str, arguments)]
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "timeout": 120, "stdin": subprocess.DEVNULL} | options
+    return Result(subprocess.run(command, **options))
+
+
+def write_npy(path, shape, values):
+    """float32 in C order."""
+    header = repr({"descr": "<f4", "fortran_order": False, "shape": tuple(shape)}).encode()
+    header += b" " * (-(len(header) + 11) % 64) + b"\n"
+    data = array.array("f", values)
+    if sys.byteorder == "big":
+        data.byteswap()
+    pathlib.Path(path).write_bytes(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header + data.tobytes())
+
+
+def read_npy(data):
+    """(shape, values) from the bytes of a float32 file."""
+    assert data[:8] == b"\x93NUMPY\x01\x00", data[:8]
+    (length,) = struct.unpack_from("<H", data, 8)
+    header = ast.literal_eval(data[10:10 + length].decode())
+    assert header["descr"] == "<f4" and not header["fortran_order"], header
+    values = array.array("f")
+    values.frombytes(data[10 + length:])
+    return header["shape"], values
+
+
+def plume(frames, size, channels=1):
+    """A smooth moving blob, exact zeros around it: (shape, values)."""
+    values = []
+    for t in range(frames):
+        centre = (0.5 * size, (0.3 + 0.02 * t) * size, 0.5 * size)
+        for z in range(size):
+            for y in range(size):
+                for x in range(size):
+                    square = sum((a - b) ** 2 for a, b in zip((x, y, z), centre))
+                    value = max(0.0, 1 - square / (0.1 * size * size))
+                    values.extend(value * (c + 1) for c in range(channels))
+    return (frames, size, size, size) + ((channels,) if channels > 1 else ()), values
+
+
+class TestCase(unittest.TestCase):
+    """Each test has a folder of its own."""
+
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = pathlib.Path(temporary.name)
+
+    def path(self, name):
+        return self.folder / name
+
+    def files(self):
+        """All names in the folder, half-written files included."""
+        return sorted(entry.name for entry in self.folder.iterdir())
+
+    def make_npy(self, name="in.npy", frames=3, size=12, channels=1):
+        shape, values = plume(frames, size, channels)
+        write_npy(self.path(name), shape, values)
+        return self.path(name)
+
+    def make_volute(self, name="in.volute", **options):
+        source = self.make_npy("source.npy", **options)
+        self.works("compress", source, "-o", self.path(name), "--rms", "0.002")
+        source.unlink()
+        return self.path(name)
+
+    def works(self, *arguments, **options):
+        result = volute(*arguments, **options)
+        self.assertEqual(result.code, 0, result.message)
+        return result
+
+    def fails(self, code, *arguments, **options):
+        """The program ends with `code` and one sentence, and leaves no new file."""
+        before = self.files()
+        result = volute(*arguments, **options)
+        self.assertEqual(result.code, code, result.message)
+        self.assertTrue(result.message.startswith("volute"), result.message)
+        self.assertEqual(self.files(), before)
+        return result.message
+
+
+def main():
+    unittest.main(verbosity=1)

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Help, exit codes, and what wrong usage is answered with."""
+import support
+from support import volute
+
+COMMANDS = ["info", "compress", "extract", "compare", "synthesize", "render", "bench", "help", "man", "completion"]
+
+
+class Usage(support.TestCase):
+    def test_overview_lists_every_command(self):
+        for words in ([], ["--help"], ["help"]):
+            overview = self.works(*words).text
+            for command in COMMANDS:
+                self.assertRegex(overview, rf"(?m)^  {command}\s+\w")
+
+    def test_help_opens_with_an_example(self):
+        for command in COMMANDS:
+            by_option = self.works(command, "--help").text
+            self.assertEqual(by_option, self.works("help", command).text)
+            self.assertRegex(by_option, rf"\AExamples?:\n  (.*<\()?volute {command}")
+            self.assertIn("Usage:\n  volute " + command, by_option)
+            self.assertIn("--threads", by_option)
+
+    def test_help_states_defaults_and_units(self):
+        text = self.works("render", "--help").text
+        self.assertIn("[default auto]", text)
+        self.assertIn("[degrees]", text)
+
+    def test_version(self):
+        self.assertRegex(self.works("--version").text, r"\Avolute \d+\.\d+\.\d+\n\Z")
+        self.assertEqual(self.works("info", "--version").text, self.works("--version").text)
+
+    def test_unknown_names_suggest_the_nearest(self):
+        self.assertIn("did you mean 'compress'?", self.fails(2, "comprss"))
+        self.assertIn("did you mean --rms?", self.fails(2, "compress", "a.npy", "-o", "b.volute", "--rsm", "1"))
+        self.assertIn("did you mean --quiet?", self.fails(2, "--quit"))
+        self.assertIn("did you mean 'haar'?",
+                      self.fails(2, "compress", "a.npy", "-o", "b.volute", "--rms", "1", "--wavelet", "har"))
+        self.assertNotIn("did you mean", self.fails(2, "xyzzy"))
+
+    def test_wrong_usage_is_exit_2(self):
+        for words in (["info"], ["compress"], ["compress", "a.npy", "--rms", "1"],
+                      ["compress", "a.npy", "-o", "b.volute"],
+                      ["compress", "a.npy", "-o", "b.volute", "--rms", "1", "--psnr", "40"],
+                      ["compress", "a.npy", "-o", "b.volute", "--rms", "x"],
+                      ["compress", "a.npy", "-o", "b.volute", "--rms", "-1"],
+                      ["compress", "a.npy", "-o", "b.volute", "--rms"],
+                      ["compress", "a.npy", "-o", "b.txt", "--rms", "1"],
+                      ["extract", "a.volute", "-o", "b.npy", "--region", "0:4,0:4"],
+                      ["extract", "a.volute", "-o", "b.npy", "--frames", "4:2"],
+                      ["extract", "a.volute", "-o", "b.npy", "--level", "-1"],
+                      ["extract", "a.volute", "-o", "-", "--json"],
+                      ["compare", "a.npy"], ["compare", "a.png", "b.npy"], ["synthesize", "water", "-o", "x.npy"],
+                      ["render", "a.volute", "-o", "b.gif"], ["render", "a.volute", "-o", "b.png", "--size", "0x5"],
+                      ["render", "a.volute", "-o", "b.png", "--fov", "30", "--ortho", "2"],
+                      ["help", "nothing"], ["man", "--markdown", "nothing"], ["completion", "tcsh"], ["bench", "nothing"],
+                      ["info", "x", "--threads", "-1"], ["info", "x", "--max-memory", "much"]):
+            with self.subTest(words=words):
+                self.fails(2, *words)
+
+    def test_common_options_may_stand_anywhere(self):
+        source = self.make_npy()
+        self.works("--threads", "1", "--json", "info", source).json
+        self.works("info", source, "--threads=2", "--max-memory", "1G", "-q", "-v")
+
+    def test_results_and_remarks_are_apart(self):
+        result = self.works("render", self.make_volute(), "-o", self.path("x.png"), "--size", "8x8")
+        self.assertEqual(result.text, "")
+        self.assertIn("exposure", result.message)
+        quiet = self.works("render", self.path("in.volute"), "-o", self.path("x.png"), "--size", "8x8", "--quiet")
+        self.assertEqual((quiet.text, quiet.message), ("", ""))
+
+    def test_results_that_cannot_be_written_are_an_error(self):
+        with open("/dev/full", "wb") as full:
+            self.assertIn("standard output", self.fails(1, "info", self.make_npy(), stdout=full))
+            self.assertIn("standard output", self.fails(1, "help", stdout=full))
+            self.fails(1, "extract", self.make_volute(), "-o", "-", stdout=full)
+
+
+if __name__ == "__main__":
+    support.main()

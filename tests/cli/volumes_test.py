@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Volumes through the program and back, measured here with code of our own."""
+import math
+
+import support
+from support import read_npy, volute, write_npy
+
+
+def difference(a, b):
+    """(relative RMS, largest error) by the definition."""
+    square = math.fsum((x - y) ** 2 for x, y in zip(a, b)) / len(a)
+    return math.sqrt(square) / (max(a) - min(a)), max(abs(x - y) for x, y in zip(a, b))
+
+
+class Volumes(support.TestCase):
+    def round_trip(self, *target, **shape):
+        source = self.make_npy(**shape)
+        packed, back = self.path("x.volute"), self.path("back.npy")
+        said = self.works("compress", source, "-o", packed, "--json", *target).json
+        self.works("extract", packed, "-o", back)
+        shape_in, values = read_npy(source.read_bytes())
+        shape_out, decoded = read_npy(back.read_bytes())
+        self.assertEqual(shape_in, shape_out)
+        rms, worst = difference(values, decoded)
+        self.assertAlmostEqual(rms, said["relative_rms"], delta=1e-6 * max(rms, 1e-3))
+        self.assertAlmostEqual(worst, said["max_error"], delta=1e-6)
+        self.assertEqual(said["bytes"], packed.stat().st_size)
+        self.assertEqual(said["raw_bytes"], 4 * len(values))
+        self.assertEqual(sorted(self.files()), ["back.npy", "in.npy", "x.volute"])
+        return rms, worst, said
+
+    def test_targets_are_met(self):
+        self.assertLessEqual(self.round_trip("--rms", "0.01")[0], 0.01)
+        self.assertLessEqual(self.round_trip("--psnr", "50")[0], 10 ** -2.5)
+        self.assertLessEqual(self.round_trip("--max-error", "0.05")[1], 0.05 * (1 + 1e-6))
+        self.assertGreaterEqual(self.round_trip("--ratio", "8", frames=16)[2]["ratio"], 8)
+        self.assertLessEqual(self.round_trip("--size", "6K", frames=16)[2]["bytes"], 6144)
+
+    def test_odd_sizes_and_colours(self):
+        self.round_trip("--rms", "0.003", frames=1, size=5)
+        self.round_trip("--rms", "0.003", frames=17, size=7)
+        self.round_trip("--rms", "0.003", frames=2, size=9, channels=3)
+
+    def test_recompression_and_selection(self):
+        packed = self.make_volute(frames=6)
+        self.works("compress", packed, "-o", self.path("y.volute"), "--rms", "0.01", "--frames", "1:6:2")
+        info = self.works("info", self.path("y.volute"), "--json").json
+        self.assertEqual((info["frames"], info["frame_numbers"]), (3, [1, 5]))
+        self.assertAlmostEqual(info["times"][0], 0.04)
+
+    def test_same_bytes_for_any_number_of_threads(self):
+        source = self.make_npy(frames=18, size=20)
+        for threads in (1, 2, 7):
+            self.works("compress", source, "-o", self.path(f"{threads}.volute"), "--rms", "0.003", "--threads", threads)
+        first = self.path("1.volute").read_bytes()
+        self.assertEqual(first, self.path("2.volute").read_bytes())
+        self.assertEqual(first, self.path("7.volute").read_bytes())
+
+    def test_extract_takes_what_is_asked_for(self):
+        packed = self.make_volute(frames=5, size=20)
+        self.works("extract", packed, "-o", self.path("all.npy"))
+        (_, _, _, nx), everything = read_npy(self.path("all.npy").read_bytes())
+        said = self.works("extract", packed, "-o", self.path("part.npy"), "--frames", "3:5", "--region", "2:9,1:4,17:20",
+                          "--json").json
+        shape, part = read_npy(self.path("part.npy").read_bytes())
+        self.assertEqual(shape, (2, 3, 3, 7))
+        expected = [everything[((t * nx + z) * nx + y) * nx + x] for t in (3, 4) for z in range(17, 20)
+                    for y in range(1, 4) for x in range(2, 9)]
+        self.assertEqual(list(part), expected)
+        self.assertEqual(said["blocks_decoded"], 1)
+        self.assertLess(said["bytes_read"], packed.stat().st_size)
+
+    def test_extract_to_standard_output(self):
+        packed = self.make_volute()
+        self.works("extract", packed, "-o", self.path("x.npy"), "--frames", "1:2")
+        result = self.works("extract", packed, "-o", "-", "--frames", "1:2")
+        self.assertEqual(result.out, self.path("x.npy").read_bytes())
+        self.assertIn("blocks decoded", result.message)
+
+    def test_levels_halve_the_resolution(self):
+        packed = self.make_volute(frames=1, size=16)
+        for level in (1, 2, 4):
+            self.works("extract", packed, "-o", self.path("c.npy"), "--level", level)
+            shape, values = read_npy(self.path("c.npy").read_bytes())
+            self.assertEqual(shape, (1,) + (16 >> level,) * 3)
+            self.works("extract", packed, "-o", self.path("f.npy"))
+            fine = read_npy(self.path("f.npy").read_bytes())[1]
+            self.assertAlmostEqual(math.fsum(values) * 8 ** level, math.fsum(fine), delta=0.02 * math.fsum(fine))
+
+    def test_compare_measures(self):
+        write_npy(self.path("a.npy"), (1, 1, 1, 4), [0, 1, 2, 4])
+        write_npy(self.path("b.npy"), (1, 1, 1, 4), [0, 1, 2, 2])
+        said = self.works("compare", self.path("a.npy"), self.path("b.npy"), "--json").json
+        self.assertEqual((said["rms"], said["relative_rms"], said["max_error"]), (1, 0.25, 2))
+        self.assertAlmostEqual(said["psnr"], 20 * math.log10(4))
+        self.assertEqual(said["bytes"], [144, 144])
+        same = self.works("compare", self.path("a.npy"), self.path("a.npy"), "--json").json
+        self.assertEqual((same["rms"], same["psnr"]), (0, None))
+
+    def test_info_of_several_files(self):
+        files = self.works("info", self.make_npy(), self.make_volute(), "--json").json["files"]
+        self.assertEqual([file["kind"] for file in files], ["volume", "volute"])
+        self.assertEqual(files[0]["size"], [12, 12, 12])
+        self.assertTrue(files[1]["complete"])
+        self.assertEqual(files[1]["asked"], {"kind": "rms", "value": 0.002})
+        values = self.works("info", self.path("in.volute").with_name("in.npy"), "--values", "--json").json
+        self.assertEqual(values["minimum"], 0)
+
+    def test_bounds_are_kept(self):
+        self.works("compress", self.make_npy(), "-o", self.path("x.volute"), "--rms", "0.01", "--bounds", "-1,-1,0,1,1,2")
+        self.assertEqual(self.works("info", self.path("x.volute"), "--json").json["bounds"], [-1, -1, 0, 1, 1, 2])
+
+    def test_made_up_data_are_the_same_again(self):
+        for name in ("a.npy", "b.npy"):
+            self.works("synthesize", "flame", "-o", self.path(name), "--size", "16", "--frames", "2", "--seed", "3")
+        self.assertEqual(self.path("a.npy").read_bytes(), self.path("b.npy").read_bytes())
+        self.assertEqual(read_npy(self.path("a.npy").read_bytes())[0], (2, 16, 16, 16))
+        self.works("synthesize", "fire", "-o", self.path("c.volute"), "--size", "16", "--frames", "2")
+
+    def test_other_formats(self):
+        for extension in ("vdb", "vti"):
+            pattern = self.path(f"s_%04d.{extension}")
+            if "built without" in volute("extract", self.make_volute(), "-o", pattern).message:
+                continue
+            self.works("extract", self.make_volute(), "-o", pattern)
+            self.assertTrue(self.path(f"s_0002.{extension}").exists())
+            self.works("compress", pattern, "-o", self.path("y.volute"), "--rms", "0.01", "--frames", "1:3")
+            self.assertEqual(self.works("info", self.path("y.volute"), "--json").json["frame_numbers"], [1, 2])
+
+    def test_bench_prints_one_object(self):
+        said = self.works("bench", "slice", "--json").json
+        self.assertEqual(said["benchmarks"][0]["name"], "slice")
+        self.assertEqual(said["benchmarks"][0]["rows"][0]["ratio"], 1)
+
+
+if __name__ == "__main__":
+    support.main()
