@@ -8,6 +8,7 @@
 #include "volute/cli/volume_input.hpp"
 #include "volute/grid/brick_slice.hpp"
 #include "volute/grid/voxel_medium.hpp"
+#include "volute/tree4d/tree4d.hpp"
 
 namespace volute::cli {
 
@@ -16,6 +17,13 @@ struct Appearance {
   double emission = 1;         ///< radiance per metre per unit
   double extinction = 0;       ///< 1/m per unit
   std::optional<Basis> basis;  ///< instead of the file's
+};
+
+/// How much of the hexadeca-tree a rendering has looked at.
+struct TreeCounts {
+  std::uint64_t nodes = 0;         ///< of the largest tree that was in memory at a time
+  std::uint64_t treeBytes = 0;     ///< of that tree
+  std::uint64_t nodesVisited = 0;  ///< summed over all frames
 };
 
 /// A volume file that is shown: gives the medium of any of its frames.
@@ -32,17 +40,31 @@ class VolumeLayer {
 
   [[nodiscard]] Result<VoxelMedium> mediumAt(int position);
 
+  /// What was read of trees so far; zeros for inputs without one.
+  const TreeCounts& treeCounts() const { return counts_; }
+
   /// Null unless it is a .volute file.
   const VoluteReader* reader() const { return input_.reader.get(); }
 
  private:
   VolumeLayer(VolumeInput input, const Appearance& appearance);
 
+  [[nodiscard]] Result<BrickSlice> sliceFromTree(int position);
+  [[nodiscard]] Result<BrickSlice> sliceFromFrame(int position);
+
+  /// A tree holds one row of blocks: a still reads no more, and a film of any length needs its
+  /// memory.
+  static constexpr int kTreeFrames = BlockGrid::kSide;
+
   std::string path_;
   VolumeInput input_;
   Appearance appearance_;
   VolumeInfo info_;
   std::vector<float> frame_;
+  std::unique_ptr<const Tree4d> tree_;
+  int treeBegin_ = 0;
+  TreeCounts counts_;
+  Progress* progress_ = nullptr;
   int position_ = -1;
   std::shared_ptr<const BrickSlice> slice_;
 };

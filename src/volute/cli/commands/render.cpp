@@ -209,6 +209,10 @@ nlohmann::ordered_json statsJson(const Job& job) {
   if (const VoluteReader* reader = job.layer.reader()) {
     json["bytes_read"] = reader->bytesRead();
     json["blocks_decoded"] = reader->blocksDecoded();
+    const TreeCounts& counts = job.layer.treeCounts();
+    json["tree_nodes"] = counts.nodes;
+    json["tree_bytes"] = counts.treeBytes;
+    json["nodes_visited"] = counts.nodesVisited;
   }
   return json;
 }
