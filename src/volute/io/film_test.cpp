@@ -133,7 +133,7 @@ TEST(Film, WrongUseIsNamed) {
   ASSERT_VALUE(const auto film, FilmWriter::create(folder / "a.mp4", 64, 48, 25));
   EXPECT_EQ(film->addFrame(Image(32, 48)).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(film->finish().error().code, ErrorCode::kInvalidArgument);
-  EXPECT_EQ(FilmReader::open(folder / "none.mp4").error().code, ErrorCode::kInvalidData);
+  EXPECT_EQ(FilmReader::open(folder / "none.mp4").error().code, ErrorCode::kNotFound);
 }
 
 #else

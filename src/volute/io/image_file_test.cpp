@@ -150,7 +150,7 @@ TEST(Exr, TruncationsAreRefusedAndBitFlipsNeverCrash) {
     writeBytes(folder / "b.exr", bytes.substr(0, length));
     EXPECT_FALSE(readImage(folder / "b.exr")) << length << " of " << bytes.size();
   }
-  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += 11) {
     std::string flipped = bytes;
     flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ 1 << bit % 8);
     writeBytes(folder / "b.exr", flipped);

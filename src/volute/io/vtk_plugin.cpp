@@ -34,9 +34,10 @@ namespace {
 class ErrorWindow final : public vtkOutputWindow {
  public:
   static ErrorWindow* New();
+
   vtkTypeMacro(ErrorWindow, vtkOutputWindow)
 
-  void DisplayText(const char*) override {}
+      void DisplayText(const char*) override {}
 
   void DisplayErrorText(const char* text) override { note(text); }
 
