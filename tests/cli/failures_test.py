@@ -80,6 +80,7 @@ class Failures(support.TestCase):
         packed = self.make_volute(size=16)
         self.fails(1, "extract", packed, "-o", self.path("x.npy"), "--max-memory", "1K")
         self.fails(1, "render", packed, "-o", self.path("x.png"), "--max-memory", "1K")
+        self.assertIn("pixels", self.fails(1, "render", packed, "-o", self.path("x.png"), "--size", "20000x20000"))
 
     def test_targets_that_cannot_be_written(self):
         source, packed = self.make_npy(), self.make_volute()
