@@ -67,7 +67,7 @@ class Scene(support.TestCase):
         good = json.dumps(self.scene)
         for where, change in (
                 ("/format", {"format": "volute-scene-9"}),
-                ("/camera/eye", {"camera": {"eye": [1, 2]}}),
+                ("/camera/eye", {"camera": {"eye": [1, 2], "target": [0, 0, 0], "fov": 9}}),
                 ("/camera", {"camera": {"eye": [1, 2, 3], "target": [0, 0, 0]}}),
                 ("/background[1]", {"background": [0, "x", 0]}),
                 ("/media", {"media": {}}),

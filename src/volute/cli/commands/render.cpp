@@ -19,6 +19,7 @@ constexpr Pixels kUsualSize{800, 600};
 
 /// What a file on the command line shows: a scene, or a volume as a scene of its own.
 struct Subject {
+  bool scene = false;
   std::vector<VolumeLayer> layers;
   std::optional<CameraDescription> camera;
   Rgb background = Rgb::Zero();
@@ -59,7 +60,7 @@ Result<Subject> openScene(const std::string& path, const Arguments& arguments, C
                 name);
   }
   VOLUTE_ASSIGN(auto scene, readScene(path));
-  Subject subject{{}, scene.camera, scene.background};
+  Subject subject{true, {}, scene.camera, scene.background};
   for (SceneVolume& volume : scene.volumes) {
     volume.appearance.basis = basisOf(arguments);
     VOLUTE_ASSIGN(auto layer, VolumeLayer::open(volume.file, inputOptions(arguments),
@@ -85,9 +86,9 @@ Moment momentOf(const std::vector<VolumeLayer>& layers, int position) {
   return moment;
 }
 
-Result<std::vector<Moment>> momentsOf(const Arguments& arguments,
-                                      const std::vector<VolumeLayer>& layers,
+Result<std::vector<Moment>> momentsOf(const Arguments& arguments, const Subject& subject,
                                       const std::string& target, Progress& progress) {
+  const auto& layers = subject.layers;
   if (layers.empty())
     return std::vector{Moment{}};
   if (const auto time = arguments.find<double>("time"))
@@ -95,6 +96,8 @@ Result<std::vector<Moment>> momentsOf(const Arguments& arguments,
   const VolumeInfo& info = layers.front().info();
   const bool several = isFilmPath(target) || FramePattern::isPattern(target);
   if (!arguments.given("frames") && !several) {
+    if (subject.scene)
+      return std::vector{momentAt(layers, 0)};
     if (info.frames > 1) {
       progress.remark(fmt::format(
           "showing the first of {} frames; --time or --frames choose others", info.frames));
@@ -171,7 +174,7 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
                                ? openScene(path, arguments, context)
                                : openVolumeSubject(path, arguments, context));
   }
-  VOLUTE_ASSIGN(auto moments, momentsOf(arguments, subject.layers, target, context.progress));
+  VOLUTE_ASSIGN(auto moments, momentsOf(arguments, subject, target, context.progress));
   VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, subject));
   VOLUTE_TRY(checkPictureMemory(camera, context));
   const double rate = framesPerSecond(subject.layers, moments);
@@ -407,7 +410,7 @@ Command renderCommand() {
           "exposed and sRGB. --exposure auto takes "
           "one factor for all pictures, from the middle one, and says it. Without --time and "
           "--frames a film or a pattern shows all "
-          "frames, a single still the first.",
+          "frames, a single still the first, or of a scene what it shows at 0 s.",
       .positionals = {{.name = "FILE",
                        .help = "a volume (.volute, .npy, .vdb, .vti, .pvd) or a scene (.json)"}},
       .options = renderOptionTable(),
