@@ -86,7 +86,7 @@ figcaption b { display: block; color: var(--ink); font-weight: 600; }
 .plots { display: grid; gap: 24px; margin: 24px 0; grid-template-columns: minmax(0, 1fr); }
 .plot { border: 1px solid var(--rule); border-radius: 10px; padding: 14px 14px 16px; }
 .plot > div { overflow-x: auto; }
-.plot svg { margin: 0 auto; min-width: 440px; }
+.plot svg { min-width: 440px; max-width: none !important; }
 .plot figcaption { padding: 0 14px; }
 .table { margin: 24px 0; overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; font-size: 0.95rem; font-variant-numeric: tabular-nums; }
@@ -182,7 +182,7 @@ class Page:
             body = (f'<video controls loop muted playsinline preload="{load}"{poster}{self.measure(size)} '
                     f'aria-label="{alt}"><source src="{link}" type="{FILMS[kind]}"></video>')
         elif kind in PICTURES:
-            body = f'<img src="{link}" alt="{alt}" loading="lazy" decoding="async"{self.measure(image_size(path))}>'
+            body = f'<img src="{link}" alt="{alt}" loading="lazy"{self.measure(image_size(path))}>'
         else:
             expected = ", ".join(PICTURES + tuple(FILMS))
             raise BadResults(f"{where}: '{name}' is neither a picture nor a film; expected one of {expected}")

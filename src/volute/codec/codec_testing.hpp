@@ -70,8 +70,9 @@ inline Sequence plumes(int frames, int z, int y, int x, int channels = 1, float 
       for (int j = 0; j < y; ++j)
         for (int i = 0; i < x; ++i)
           for (int c = 0; c < channels; ++c) {
-            const float dx =
-                (static_cast<float>(i) - 0.5f * static_cast<float>(x + t)) / static_cast<float>(x);
+            const float drift = 0.1f * static_cast<float>(t);
+            const float dx = (static_cast<float>(i) - 0.5f * static_cast<float>(x) - drift) /
+                             static_cast<float>(x);
             const float dy =
                 (static_cast<float>(j) - 0.4f * static_cast<float>(y)) / static_cast<float>(y);
             const float dz =

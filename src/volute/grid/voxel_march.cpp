@@ -375,7 +375,7 @@ class Packet {
       const VF passed = hn::IfThenElse(hn::Le(leaves_[axis], brickEnd_), toLeave_[axis], within);
       a.pass(hn::IfThenElseZero(empty, passed));
     }
-    s_ = hn::IfThenElse(empty, brickEnd_, s_);
+    s_ = hn::IfThenElse(empty, hn::Max(s_, brickEnd_), s_);
   }
 
   /// Takes the lanes of `stored` through their brick, cell by cell; the others stand still.
@@ -385,10 +385,9 @@ class Packet {
     VI stride[3];
     for (int axis = 0; axis < 3; ++axis)
       stride[axis] = hn::Mul(axes_[axis].step, hn::Set(di, grid_.stride[axis]));
-    for (;;) {
-      const Mask active = hn::Lt(s_, limit);
-      if (hn::AllFalse(df, active))
-        break;
+    Mask active = stored;  // even if the brick ends where it begins, by rounding: that plane is yet
+                           // to be passed
+    do {
       const VF to = hn::Max(s_, hn::Min(Least(axes_[0].next, axes_[1].next, axes_[2].next), limit));
       cells_.add(grid_, hn::IfThenElseZero(ForInts(active), index), s_, hn::Sub(to, s_), active,
                  axes_);
@@ -398,7 +397,8 @@ class Packet {
         index = hn::Add(index, hn::IfThenElseZero(ForInts(passes), stride[axis]));
       }
       s_ = to;
-    }
+      active = hn::Lt(s_, limit);
+    } while (!hn::AllFalse(df, active));
   }
 
   const MarchGrid& grid_;

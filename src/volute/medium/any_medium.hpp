@@ -10,7 +10,8 @@
 
 namespace volute {
 
-/// Holds any Medium by value; one virtual call for each batch. Cheap to copy: the medium is shared and const.
+/// Holds any Medium by value; one virtual call for each batch. Cheap to copy: the medium is shared
+/// and const.
 class AnyMedium {
  public:
   template <Medium M>
@@ -18,7 +19,9 @@ class AnyMedium {
   explicit AnyMedium(M medium) : model_(std::make_shared<const Model<M>>(std::move(medium))) {}
 
   Box3 bounds() const { return model_->bounds(); }
+
   double extinction(const Vec3& point) const { return model_->extinction(point); }
+
   Rgb emission(const Vec3& point) const { return model_->emission(point); }
 
   void opticalDepth(std::span<const Segment> segments, std::span<double> depths) const {
@@ -30,7 +33,9 @@ class AnyMedium {
   }
 
   /// By the medium's own fast path where it has one, else by compositing its pieces.
-  void radiance(std::span<const Segment> segments, std::span<Radiance> out) const { model_->radiance(segments, out); }
+  void radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
+    model_->radiance(segments, out);
+  }
 
  private:
   struct Concept {
@@ -46,15 +51,19 @@ class AnyMedium {
   template <Medium M>
   struct Model final : Concept {
     explicit Model(M held) : medium(std::move(held)) {}
+
     Box3 bounds() const override { return medium.bounds(); }
+
     double extinction(const Vec3& point) const override { return medium.extinction(point); }
+
     Rgb emission(const Vec3& point) const override { return medium.emission(point); }
 
     void opticalDepth(std::span<const Segment> segments, std::span<double> depths) const override {
       medium.opticalDepth(segments, depths);
     }
 
-    void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const override {
+    void pieces(std::span<const Segment> segments,
+                std::span<std::vector<Piece>> pieces) const override {
       medium.pieces(segments, pieces);
     }
 

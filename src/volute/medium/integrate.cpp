@@ -91,9 +91,10 @@ class Stretch {
     const double length = effectiveLength();
     if (std::isinf(length))
       return emissionIntegral();
-    Rgb sum = Rgb::Zero();
-    refine(0, length, 0, gauss(0, length), 0, sum, *error);
-    return sum;
+    Sum sum;
+    refine(0, length, 0, gauss(0, length), sum);
+    *error = sum.error;
+    return sum.value;
   }
 
  private:
@@ -171,13 +172,20 @@ class Stretch {
     return sum * (0.5 * (b - a));
   }
 
+  /// What refine() has found so far, and how often it may still halve: pieces without meaning, such
+  /// as those of a damaged file, must not hold it up. What is left then counts as it is, its error
+  /// too.
+  struct Sum {
+    Rgb value = Rgb::Zero();
+    double error = 0;
+    int splitsLeft = 10000;
+  };
+
   /// Halves [a, b] until two halves agree with the whole and nothing on it varies by more than a
   /// few e-folds: a Gauss rule could otherwise step over a thin bright front altogether.
-  void refine(double a, double b, double depthAtA, const Rgb& whole, int level, Rgb& sum,
-              double& error) const {
-    constexpr int kLevels = 100;
+  void refine(double a, double b, double depthAtA, const Rgb& whole, Sum& sum) const {
     if (depthAtA > kOpaqueDepth) {
-      error += whole.abs().maxCoeff();
+      sum.error += whole.abs().maxCoeff();
       return;
     }
     const double m = 0.5 * (a + b);
@@ -188,13 +196,13 @@ class Stretch {
     for (const Piece& layer : layers_)
       efolds = std::max(efolds, 0.25 * std::abs(layer.decay) * (b - a));
     const bool agree = difference <= kRelativeTolerance * (left + right).abs().maxCoeff();
-    if (level >= kLevels || (efolds <= 2 && agree)) {
-      sum += left + right;
-      error += difference;
+    if ((efolds <= 2 && agree) || --sum.splitsLeft < 0) {
+      sum.value += left + right;
+      sum.error += difference;
       return;
     }
-    refine(a, m, depthAtA, left, level + 1, sum, error);
-    refine(m, b, depth(m), right, level + 1, sum, error);
+    refine(a, m, depthAtA, left, sum);
+    refine(m, b, depth(m), right, sum);
   }
 
   double length_ = 0;
@@ -302,6 +310,12 @@ double integralOfPoints(const std::function<double(const Vec3&)>& value, const B
       bounds.intersect(segment.origin, segment.direction).intersect({segment.begin, segment.end});
   if (inside.empty())
     return 0;
+  bool finite = true;  // adaptive halving would not end on what is not a number
+  const auto at = [&](double s) {
+    const double here = value(segment.at(s));
+    finite = finite && std::isfinite(here);
+    return std::isfinite(here) ? here : 0;
+  };
   const auto between = [&](double begin, double end, const std::function<double(double)>& f) {
     double sum = 0;
     for (int i = 0; i < cuts; ++i) {
@@ -313,16 +327,20 @@ double integralOfPoints(const std::function<double(const Vec3&)>& value, const B
   // s = from +- t / (1 - t) brings infinity to t = 1.
   const auto toInfinity = [&](double from, double sign) {
     return between(0, 1, [&](double t) {
-      return t == 1 ? 0 : value(segment.at(from + sign * t / (1 - t))) / ((1 - t) * (1 - t));
+      return t == 1 ? 0 : at(from + sign * t / (1 - t)) / ((1 - t) * (1 - t));
     });
   };
-  if (std::isinf(inside.begin) && std::isinf(inside.end))
-    return toInfinity(0, -1) + toInfinity(0, 1);
-  if (std::isinf(inside.begin))
-    return toInfinity(inside.end, -1);
-  if (std::isinf(inside.end))
-    return toInfinity(inside.begin, 1);
-  return between(inside.begin, inside.end, [&](double s) { return value(segment.at(s)); });
+  double sum = 0;
+  if (std::isinf(inside.begin) && std::isinf(inside.end)) {
+    sum = toInfinity(0, -1) + toInfinity(0, 1);
+  } else if (std::isinf(inside.begin)) {
+    sum = toInfinity(inside.end, -1);
+  } else if (std::isinf(inside.end)) {
+    sum = toInfinity(inside.begin, 1);
+  } else {
+    sum = between(inside.begin, inside.end, at);
+  }
+  return finite ? sum : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace volute

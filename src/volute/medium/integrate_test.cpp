@@ -194,6 +194,16 @@ TEST(Composite, OfAnInfiniteAtmosphereMeetsTheFiniteOne) {
   expectNear(composite({&infinite, 1}), composite({&finite, 1}), 1e-10);
 }
 
+TEST(Composite, EndsOnPiecesWithoutMeaning) {
+  const double nan = std::nan("");
+  const Cubic wild{{-1e300, 1e300, nan, 1}}, huge{{-1e20, 1e20, -1e20, 1e20}},
+      noisy{{1e18, -3e18, 3e18, -1e18}};
+  for (const Cubic& cubic : {wild, huge, noisy}) {
+    const Piece piece{0, 3, cubic, {huge, wild, Cubic{{1, 2, 3, 4}}}, -200};
+    composite({&piece, 1});
+  }
+}
+
 RC_GTEST_PROP(Composite, AgreesWithFineStepsWithinTheBound, ()) {
   const double length = number(0.1, 4);
   std::vector<std::vector<Piece>> media(1);

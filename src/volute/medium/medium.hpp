@@ -10,13 +10,14 @@
 #include "volute/math/cubic.hpp"
 #include "volute/math/vec.hpp"
 
-// A medium is a list of coefficients over basis functions, and Volute does one thing with it: integrate it along a ray
-// segment. A Medium object is the medium at one instant; what varies in time makes one for each instant.
+// A medium is a list of coefficients over basis functions, and Volute does one thing with it:
+// integrate it along a ray segment. A Medium object is the medium at one instant; what varies in
+// time makes one for each instant.
 
 namespace volute {
 
-/// The points origin + s * direction, begin <= s <= end. `direction` has unit length, so s is in metres; begin may be
-/// -infinity and end +infinity. Empty when end <= begin.
+/// The points origin + s * direction, begin <= s <= end. `direction` has unit length, so s is in
+/// metres; begin may be -infinity and end +infinity. Empty when end <= begin.
 struct Segment {
   Vec3 origin = Vec3::Zero();
   Vec3 direction = Vec3::UnitX();
@@ -24,6 +25,7 @@ struct Segment {
   double end = 0;
 
   Vec3 at(double s) const { return origin + s * direction; }
+
   bool empty() const { return !(begin < end); }
 };
 
@@ -35,18 +37,18 @@ struct Piece {
   double end = 0;    ///< infinite only when decay > 0 or all cubics are constant
   Cubic extinction;
   Cubic emission[3];
-  double decay = 0;  ///< [1/m]; not 0 only for exponential height profiles; decay * (end - begin) > -700
+  double decay = 0;  ///< [1/m]; 0 but for exponential height profiles; decay * length > -700
 };
 
-/// What comes out of a segment: light emitted along it and not absorbed before its begin, and what share of the
-/// light from behind passes.
+/// What comes out of a segment: light emitted along it and not absorbed before its begin, and what
+/// share of the light from behind passes.
 struct Radiance {
   Rgb emitted = Rgb::Zero();
   double transmittance = 1;
 };
 
-/// A medium over any basis. All calls are const and thread-safe, and take segments in batches: the cost of the
-/// indirection is paid per batch, never per sample.
+/// A medium over any basis. All calls are const and thread-safe, and take segments in batches: the
+/// cost of the indirection is paid per batch, never per sample.
 template <class M>
 concept Medium = requires(const M& medium, const Vec3& point, std::span<const Segment> segments,
                           std::span<double> depths, std::span<std::vector<Piece>> pieces) {
@@ -58,27 +60,29 @@ concept Medium = requires(const M& medium, const Vec3& point, std::span<const Se
   { medium.emission(point) } -> std::convertible_to<Rgb>;
   /// The integral of the extinction over each segment, dimensionless, exact for the basis.
   medium.opticalDepth(segments, depths);
-  /// Replaces pieces[i] by the pieces of segments[i], front to back, without overlap; gaps are empty space.
+  /// Replaces pieces[i] by the pieces of segments[i], front to back, without overlap; gaps are
+  /// empty space.
   medium.pieces(segments, pieces);
 };
 
 /// A medium that can integrate emission and absorption itself, faster than through its pieces.
 template <class M>
-concept FastMedium = Medium<M> && requires(const M& medium, std::span<const Segment> segments, std::span<Radiance> out) {
-  medium.radiance(segments, out);
-};
+concept FastMedium =
+    Medium<M> && requires(const M& medium, std::span<const Segment> segments,
+                          std::span<Radiance> out) { medium.radiance(segments, out); };
 
-/// A medium whose optical depth is linear in a list of coefficients c: depth = P c. The adjoint P' is what tomography
-/// runs backwards; the conformance suite checks <P c, y> = <c, P' y>.
+/// A medium whose optical depth is linear in a list of coefficients c: depth = P c. The adjoint P'
+/// is what tomography runs backwards; the conformance suite checks <P c, y> = <c, P' y>.
 template <class M>
-concept LinearMedium = Medium<M> && requires(const M& medium, std::span<const double> coefficients,
-                                             std::span<const Segment> segments, std::span<const double> weights,
-                                             std::span<double> gradient) {
-  { medium.coefficients() } -> std::convertible_to<std::vector<double>>;
-  /// The same basis with other coefficients, as many.
-  { medium.withCoefficients(coefficients) } -> std::convertible_to<M>;
-  /// gradient += P' weights, one weight for each segment.
-  medium.scatter(segments, weights, gradient);
-};
+concept LinearMedium =
+    Medium<M> && requires(const M& medium, std::span<const double> coefficients,
+                          std::span<const Segment> segments, std::span<const double> weights,
+                          std::span<double> gradient) {
+      { medium.coefficients() } -> std::convertible_to<std::vector<double>>;
+      /// The same basis with other coefficients, as many.
+      { medium.withCoefficients(coefficients) } -> std::convertible_to<M>;
+      /// gradient += P' weights, one weight for each segment.
+      medium.scatter(segments, weights, gradient);
+    };
 
 }  // namespace volute

@@ -15,13 +15,16 @@ struct Field {
   std::vector<float> values;
 
   Field() = default;
+
   Field(int sizeX, int sizeY, int sizeZ)
       : x(sizeX), y(sizeY), z(sizeZ), values(static_cast<std::size_t>(sizeX) * sizeY * sizeZ) {}
 
   std::size_t index(int i, int j, int k) const {
     return (static_cast<std::size_t>(k) * y + j) * x + i;
   }
+
   float& at(int i, int j, int k) { return values[index(i, j, k)]; }
+
   float at(int i, int j, int k) const { return values[index(i, j, k)]; }
 };
 

@@ -17,15 +17,15 @@ constexpr float kBurnerRadius = 0.32f;  // [m]
 constexpr float kBurnerHeight = 0.07f;
 constexpr float kBurnTime = 0.25f;   // [s], in which fuel turns to heat
 constexpr float kHeatOfFuel = 2.6f;  // temperatures are relative: 1 is a bright flame
-constexpr float kCooling = 1.3f;     // [1/s]
+constexpr float kCooling = 1.7f;     // [1/s]
 constexpr float kRadiation = 2.5f;   // [1/s] at temperature 1, with its third power
-constexpr float kBuoyancy = 10.0f;    // [m/s^2] at temperature 1
+constexpr float kBuoyancy = 10.0f;   // [m/s^2] at temperature 1
 constexpr float kConfinement = 0.7f;
 constexpr float kSwelling = 3.0f;  // volumes of hot gas more than of fuel
-constexpr float kGust = 6.0f;   // [m/s^2], eddies of the large noise in the flame
-constexpr float kCurl = 16.0f;  // and of the small one
+constexpr float kGust = 6.0f;      // [m/s^2], eddies of the large noise in the flame
+constexpr float kCurl = 16.0f;     // and of the small one
 
-constexpr float kVisible = 0.3f;  // temperature below which nothing glows
+constexpr float kVisible = 0.3f;   // temperature below which nothing glows
 constexpr float kRadiance = 5.0f;  // [radiance/m] at temperature 1
 
 class Fire final : public Simulation {
@@ -82,27 +82,32 @@ void Fire::react(int i, int j, int k) {
   const float radius = std::sqrt(x * x + y * y);
   if (pz < kBurnerHeight && radius < kBurnerRadius) {
     const float flow = inlet_.at(px, py, pz)[0];
-    const float amount = (1 - smoothStep(0.75f * kBurnerRadius, kBurnerRadius, radius)) * smoothStep(-0.5f, 0.5f, flow);
+    const float amount = (1 - smoothStep(0.75f * kBurnerRadius, kBurnerRadius, radius)) *
+                         smoothStep(-0.5f, 0.5f, flow);
     fuel = std::max(fuel, amount);
     heat = std::max(heat, 0.2f * amount);
   }
   float& expansion = fluid_.expansion().at(i, j, k);
   expansion = 0;
-  if (fuel == 0 && heat == 0) return;
+  if (fuel == 0 && heat == 0)
+    return;
   const float burnt = fuel * (kStep / (kBurnTime + kStep));
   fuel -= burnt;
   heat += kHeatOfFuel * burnt;
   expansion = kSwelling * burnt / kStep;
   heat /= 1 + kStep * (kCooling + kRadiation * heat * heat * heat);
-  const float fade = fadeAtBorder(x, y, pz, 0.12f);
+  const float fade = fadeAtBorder(x, y, pz, 0.30f);
   fuel *= fade;
   heat *= fade;
-  if (heat < 1e-4f) heat = 0;
-  if (fuel < 1e-4f) fuel = 0;
+  if (heat < 1e-4f)
+    heat = 0;
+  if (fuel < 1e-4f)
+    fuel = 0;
   const auto gust = gusts_.at(px, py, pz);
   const auto curl = curls_.at(px, py, pz);
   const float share = std::min(1.0f, 2 * heat);
-  for (int c = 0; c < 3; ++c) fluid_.force()[c].at(i, j, k) = share * (kGust * gust[c] + kCurl * curl[c]);
+  for (int c = 0; c < 3; ++c)
+    fluid_.force()[c].at(i, j, k) = share * (kGust * gust[c] + kCurl * curl[c]);
   fluid_.force()[2].at(i, j, k) += kBuoyancy * heat;
 }
 
@@ -110,7 +115,8 @@ void Fire::write(int channels, std::span<float> values) const {
   const auto& heat = fluid_.scalars()[1].values;
   for (std::size_t i = 0; i < heat.size(); ++i) {
     const float t = std::max(0.0f, heat[i] - kVisible) / (1 - kVisible);
-    // Radiance climbs steeply with temperature; the colour goes from deep red through orange to a pale yellow.
+    // Radiance climbs steeply with temperature; the colour goes from deep red through orange to a
+    // pale yellow.
     const float strength = kRadiance * t * t;
     const float red = strength;
     const float green = strength * (0.05f + 0.58f * smoothStep(0.0f, 1.4f, t));
@@ -127,6 +133,8 @@ void Fire::write(int channels, std::span<float> values) const {
 
 }  // namespace
 
-std::unique_ptr<Simulation> makeFire(int size, std::uint32_t seed) { return std::make_unique<Fire>(size, seed); }
+std::unique_ptr<Simulation> makeFire(int size, std::uint32_t seed) {
+  return std::make_unique<Fire>(size, seed);
+}
 
 }  // namespace volute

@@ -7,7 +7,9 @@
 namespace volute {
 namespace {
 
-float smooth(float t) { return t * t * (3 - 2 * t); }
+float smooth(float t) {
+  return t * t * (3 - 2 * t);
+}
 
 // Moves a lattice coordinate so that linear interpolation there is smooth interpolation here.
 float eased(float p) {
@@ -30,24 +32,37 @@ VectorNoise::VectorNoise(std::uint32_t seed, float extent, float cell, float per
     : seed_(mix(seed)), perCell_(1 / cell), period_(period) {
   const int side = static_cast<int>(std::ceil(extent * perCell_)) + 2;
   nodes_.fill(Field(side, side, side));
+  begin_ = end_ = nodes_;
+  fill(begin_, 0);
+  fill(end_, 1);
   setTime(0);
 }
 
-float VectorNoise::node(std::uint32_t epoch, std::size_t index, std::uint32_t component) const {
-  const std::uint32_t bits = mix(mix(seed_ + epoch) ^ (static_cast<std::uint32_t>(index) * 3 + component));
-  return static_cast<float>(bits >> 8) * 0x1p-23f - 1;
+void VectorNoise::fill(Nodes& nodes, std::uint32_t epoch) const {
+  const std::uint32_t base = mix(seed_ + epoch);
+  for (std::uint32_t component = 0; component < 3; ++component) {
+    std::uint32_t key = component;
+    for (float& value : nodes[component].values) {
+      value = static_cast<float>(mix(base ^ key) >> 8) * 0x1p-23f - 1;
+      key += 3;
+    }
+  }
 }
 
 void VectorNoise::setTime(double seconds) {
   const double phase = seconds / period_;
-  const double epoch = std::floor(phase);
-  const float blend = smooth(static_cast<float>(phase - epoch));
-  const auto now = static_cast<std::uint32_t>(epoch);
-  for (std::uint32_t component = 0; component < 3; ++component) {
-    auto& values = nodes_[component].values;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const float a = node(now, i, component);
-      values[i] = a + blend * (node(now + 1, i, component) - a);
+  const double start = std::floor(phase);
+  const float blend = smooth(static_cast<float>(phase - start));
+  const auto epoch = static_cast<std::uint32_t>(start);
+  if (epoch != epoch_) {
+    fill(begin_, epoch);
+    fill(end_, epoch + 1);
+    epoch_ = epoch;
+  }
+  for (std::size_t c = 0; c < nodes_.size(); ++c) {
+    for (std::size_t i = 0; i < nodes_[c].values.size(); ++i) {
+      const float from = begin_[c].values[i];
+      nodes_[c].values[i] = from + blend * (end_[c].values[i] - from);
     }
   }
 }

@@ -12,8 +12,9 @@ namespace volute {
 /// A well mixed 32-bit hash: the only source of randomness here, the same on every machine.
 std::uint32_t mix(std::uint32_t value);
 
-/// Smooth random vectors in [-1, 1]^3 that vary in space and time: value noise on a lattice over the cube
-/// [0, extent]^3 whose nodes take new random values every `period` seconds and blend in between.
+/// Smooth random vectors in [-1, 1]^3 that vary in space and time: value noise on a lattice over
+/// the cube [0, extent]^3 whose nodes take new random values every `period` seconds and blend in
+/// between.
 class VectorNoise {
  public:
   /// @param cell  [m], distance of the nodes: the size of the eddies.
@@ -26,12 +27,16 @@ class VectorNoise {
   std::array<float, 3> at(float px, float py, float pz) const;
 
  private:
-  float node(std::uint32_t epoch, std::size_t index, std::uint32_t component) const;
+  using Nodes = std::array<Field, 3>;
+
+  void fill(Nodes& nodes, std::uint32_t epoch) const;
 
   std::uint32_t seed_;
   float perCell_;
   float period_;
-  std::array<Field, 3> nodes_;
+  std::uint32_t epoch_ = 0;
+  Nodes begin_, end_;  // at the begin and the end of the present period
+  Nodes nodes_;        // now
 };
 
 }  // namespace volute

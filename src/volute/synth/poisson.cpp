@@ -7,11 +7,12 @@
 namespace volute {
 namespace {
 
-constexpr int kSmooth = 2;    // sweeps before and after a coarser level
+constexpr int kSmooth = 2;     // sweeps before and after a coarser level
 constexpr int kCoarsest = 40;  // sweeps on the coarsest, at most 15 cells wide
 constexpr std::size_t kGrain = 8;
 
-// Beyond an open face lies minus the inner value (zero on the face), beyond the floor the same value.
+// Beyond an open face lies minus the inner value (zero on the face), beyond the floor the same
+// value.
 void fillGhosts(Field& p) {
   const int last = p.x - 2;
   for (int k = 1; k <= last; ++k) {
@@ -39,7 +40,8 @@ float neighbours(const Field& p, std::size_t at) {
   return (v[at - 1] + v[at + 1]) + (v[at - row] + v[at + row]) + (v[at - plane] + v[at + plane]);
 }
 
-// Gauss-Seidel in red-black order: the cells of one colour do not see each other, so threads cannot change the result.
+// Gauss-Seidel in red-black order: the cells of one colour do not see each other, so threads cannot
+// change the result.
 void relax(Field& p, const Field& right, int sweeps) {
   const int size = p.x - 2;
   for (int half = 0; half < 2 * sweeps; ++half) {
@@ -48,7 +50,8 @@ void relax(Field& p, const Field& right, int sweeps) {
       for (int k = static_cast<int>(begin) + 1; k <= static_cast<int>(end); ++k) {
         for (int j = 1; j <= size; ++j) {
           const int first = 1 + ((j + k + half) & 1);
-          for (std::size_t at = p.index(first, j, k), stop = p.index(size, j, k); at <= stop; at += 2) {
+          for (std::size_t at = p.index(first, j, k), stop = p.index(size, j, k); at <= stop;
+               at += 2) {
             p.values[at] = (neighbours(p, at) - right.values[at]) * (1.0f / 6.0f);
           }
         }
@@ -97,7 +100,9 @@ void addInterpolated(const Field& coarse, Field& fine) {
     for (int k = static_cast<int>(begin) + 1; k <= static_cast<int>(end); ++k) {
       for (int j = 1; j <= size; ++j) {
         for (int i = 1; i <= size; ++i) {
-          const auto coordinate = [](int fineCell) { return 0.5f * static_cast<float>(fineCell) + 0.25f; };
+          const auto coordinate = [](int fineCell) {
+            return 0.5f * static_cast<float>(fineCell) + 0.25f;
+          };
           fine.at(i, j, k) += sample(coarse, coordinate(i), coordinate(j), coordinate(k));
         }
       }
@@ -111,7 +116,8 @@ PoissonSolver::PoissonSolver(int size) {
   for (int n = size;; n /= 2) {
     const Field field(n + 2, n + 2, n + 2);
     levels_.push_back({n, field, field, field});
-    if (n % 2 != 0 || n <= 4) break;
+    if (n % 2 != 0 || n <= 4)
+      break;
   }
 }
 

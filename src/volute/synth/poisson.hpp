@@ -8,8 +8,9 @@
 
 namespace volute {
 
-/// Solves laplace(p) = b on a cube of cells by geometric multigrid: p = 0 on the four sides and the top (open air),
-/// dp/dz = 0 on the bottom (the floor). Lengths are in cells. The result does not depend on the number of threads.
+/// Solves laplace(p) = b on a cube of cells by geometric multigrid: p = 0 on the four sides and the
+/// top (open air), dp/dz = 0 on the bottom (the floor). Lengths are in cells. The result does not
+/// depend on the number of threads.
 class PoissonSolver {
  public:
   /// @param size  cells on a side, >= 2.
@@ -17,10 +18,12 @@ class PoissonSolver {
 
   /// One ghost cell on every side: (size + 2)^3. Keeps the last solution as the next first guess.
   const Field& pressure() const { return levels_.front().solution; }
+
   Field& rightSide() { return levels_.front().right; }
 
-  /// Runs V-cycles on the right side that the caller filled in (its ghost cells are not read), then fills the ghost
-  /// cells of the pressure so that differences across the border faces mean the border conditions.
+  /// Runs V-cycles on the right side that the caller filled in (its ghost cells are not read), then
+  /// fills the ghost cells of the pressure so that differences across the border faces mean the
+  /// border conditions.
   void solve(int cycles);
 
  private:

@@ -25,7 +25,8 @@ class Simulation {
   /// How many frames pass until what is seen is fully developed.
   virtual int warmUpFrames() const = 0;
 
-  /// The present state, shape (z, y, x, c); finite, >= 0, exactly 0 where nothing is seen. `channels` is 1 or 3.
+  /// The present state, shape (z, y, x, c); finite, >= 0, exactly 0 where nothing is seen.
+  /// `channels` is 1 or 3.
   virtual void write(int channels, std::span<float> values) const = 0;
 };
 
@@ -38,10 +39,12 @@ inline float smoothStep(float low, float high, float value) {
   return t * t * (3 - 2 * t);
 }
 
-/// 1 inside, falling to 0 at the open faces of the cube, so that what leaves it fades instead of being cut off.
+/// 1 inside, falling to 0 at the open faces of the cube, so that what leaves it fades instead of
+/// being cut off.
 /// @param x, y, z  [m], x and y from the axis, z from the floor.
 inline float fadeAtBorder(float x, float y, float z, float width) {
-  const float sides = std::min({kExtent / 2 - std::max(x, -x), kExtent / 2 - std::max(y, -y), kExtent - z});
+  const float sides =
+      std::min({kExtent / 2 - std::max(x, -x), kExtent / 2 - std::max(y, -y), kExtent - z});
   return smoothStep(0, width, sides);
 }
 

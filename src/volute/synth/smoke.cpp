@@ -13,9 +13,10 @@ namespace {
 constexpr float kStep = kFrameSeconds;
 constexpr int kWarmUpFrames = 150;
 
-constexpr float kBuoyancy = 0.80f;  // [m/s^2] at density 1
-constexpr float kJet = 1.6f;        // [m/s^2] in the nozzles
-constexpr float kDissipation = 0.02f;  // [1/s]
+constexpr float kBuoyancy = 0.80f;     // [m/s^2] at density 1
+constexpr float kJet = 1.6f;           // [m/s^2] in the nozzles
+constexpr float kDissipation = 0.22f;  // [1/s]
+constexpr float kThinning = 5;         // [1/s], more of it at the open faces
 constexpr float kConfinement = 0.5f;
 constexpr float kStir = 1.4f;  // [m/s^2], eddies of the noise in the smoke
 constexpr float kVisible = 0.03f;
@@ -43,6 +44,7 @@ class Smoke final : public Simulation {
         flow_(mix(seed + 1), kExtent, 0.15f, 0.5f) {}
 
   int warmUpFrames() const override { return kWarmUpFrames; }
+
   void advanceFrame() override;
   void write(int channels, std::span<float> values) const override;
 
@@ -74,10 +76,12 @@ void Smoke::advanceFrame() {
 // The nozzles, dissipation and the forces in one cell.
 void Smoke::act(int i, int j, int k) {
   const float h = fluid_.cellSize();
-  const std::array<float, 3> p = {(static_cast<float>(i) + 0.5f) * h, (static_cast<float>(j) + 0.5f) * h,
+  const std::array<float, 3> p = {(static_cast<float>(i) + 0.5f) * h,
+                                  (static_cast<float>(j) + 0.5f) * h,
                                   (static_cast<float>(k) + 0.5f) * h};
   const std::array<float, 3> world = {p[0] - kExtent / 2, p[1] - kExtent / 2, p[2]};
-  const float keep = fadeAtBorder(world[0], world[1], world[2], 0.24f) / (1 + kStep * kDissipation);
+  const float border = 1 - fadeAtBorder(world[0], world[1], world[2], 0.45f);
+  const float keep = 1 / (1 + kStep * (kDissipation + kThinning * border));
   auto& force = fluid_.force();
   float density = 0;
   for (std::size_t s = 0; s < kNozzles.size(); ++s) {
@@ -96,10 +100,12 @@ void Smoke::act(int i, int j, int k) {
       }
     }
     own *= keep;
-    if (own < 1e-4f) own = 0;
+    if (own < 1e-4f)
+      own = 0;
     density += own;
   }
-  if (density == 0) return;
+  if (density == 0)
+    return;
   const auto stir = stir_.at(p[0], p[1], p[2]);
   const float share = std::min(1.0f, 2 * density);
   for (int c = 0; c < 3; ++c) force[c].at(i, j, k) += share * kStir * stir[c];
@@ -128,6 +134,8 @@ void Smoke::write(int channels, std::span<float> values) const {
 
 }  // namespace
 
-std::unique_ptr<Simulation> makeSmoke(int size, std::uint32_t seed) { return std::make_unique<Smoke>(size, seed); }
+std::unique_ptr<Simulation> makeSmoke(int size, std::uint32_t seed) {
+  return std::make_unique<Smoke>(size, seed);
+}
 
 }  // namespace volute

@@ -30,21 +30,29 @@ struct SyntheticSource::State {
 };
 
 SyntheticSource::SyntheticSource(const SynthOptions& options, Progress& progress)
-    : options_(options), info_(describe(options)), progress_(progress), state_(std::make_unique<State>()) {}
+    : options_(options),
+      info_(describe(options)),
+      progress_(progress),
+      state_(std::make_unique<State>()) {}
 
 SyntheticSource::~SyntheticSource() = default;
 
-Result<std::unique_ptr<SyntheticSource>> SyntheticSource::create(const SynthOptions& options, Progress& progress) {
+Result<std::unique_ptr<SyntheticSource>> SyntheticSource::create(const SynthOptions& options,
+                                                                 Progress& progress) {
   if (options.size < 16 || options.size > 128 || options.size % 8 != 0) {
-    return fail(ErrorCode::kInvalidArgument, "a synthetic volume cannot have {} voxels on a side; give a multiple of 8 from 16 to 128",
-                options.size);
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "a synthetic volume cannot have {} voxels on a side; give a multiple of 8 from 16 to 128",
+        options.size);
   }
   if (options.frames < 1 || options.frames > kMaxFrames) {
-    return fail(ErrorCode::kInvalidArgument, "a synthetic sequence cannot have {} frames; give 1 to {}", options.frames,
+    return fail(ErrorCode::kInvalidArgument,
+                "a synthetic sequence cannot have {} frames; give 1 to {}", options.frames,
                 kMaxFrames);
   }
   if (options.channels != 1 && options.channels != 3) {
-    return fail(ErrorCode::kInvalidArgument, "a synthetic volume cannot have {} channels; give 1 (scalar) or 3 (RGB)",
+    return fail(ErrorCode::kInvalidArgument,
+                "a synthetic volume cannot have {} channels; give 1 (scalar) or 3 (RGB)",
                 options.channels);
   }
   return std::unique_ptr<SyntheticSource>(new SyntheticSource(options, progress));
@@ -52,18 +60,22 @@ Result<std::unique_ptr<SyntheticSource>> SyntheticSource::create(const SynthOpti
 
 Status SyntheticSource::readFrame(int index, std::span<float> values) {
   if (index < 0 || index >= info_.frames) {
-    return fail(ErrorCode::kInvalidArgument, "synthetic sequence: frame {} does not exist; it has {} frames", index,
+    return fail(ErrorCode::kInvalidArgument,
+                "synthetic sequence: frame {} does not exist; it has {} frames", index,
                 info_.frames);
   }
   VOLUTE_ASSERT(values.size() == info_.frameValues());
   State& state = *state_;
   const auto make = options_.kind == SynthKind::kFire ? makeFire : makeSmoke;
-  if (!state.simulation) state = {make(options_.size, options_.seed), 0};
+  if (!state.simulation)
+    state = {make(options_.size, options_.seed), 0};
   const int warmUp = state.simulation->warmUpFrames();
   const int wanted = warmUp + index;
-  if (state.advanced > wanted) state = {make(options_.size, options_.seed), 0};
+  if (state.advanced > wanted)
+    state = {make(options_.size, options_.seed), 0};
   for (; state.advanced < wanted; ++state.advanced) {
-    if (progress_.cancelled()) return fail(ErrorCode::kCancelled, "stopped: synthetic sequence, before frame {}", index);
+    if (progress_.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped: synthetic sequence, before frame {}", index);
     state.simulation->advanceFrame();
     progress_.report("simulate", state.advanced + 1, warmUp + info_.frames - 1);
   }
@@ -71,7 +83,8 @@ Status SyntheticSource::readFrame(int index, std::span<float> values) {
   return {};
 }
 
-Result<Sequence> synthesize(const SynthOptions& options, Progress& progress, std::uint64_t maxBytes) {
+Result<Sequence> synthesize(const SynthOptions& options, Progress& progress,
+                            std::uint64_t maxBytes) {
   VOLUTE_ASSIGN(const auto source, SyntheticSource::create(options, progress));
   return readAll(*source, maxBytes);
 }

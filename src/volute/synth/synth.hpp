@@ -10,8 +10,8 @@
 
 namespace volute {
 
-/// What to make up: a turbulent flame (fast, about nine tenths of the voxels exactly 0) or three columns of coloured
-/// smoke that mix (calm, fills more of the volume).
+/// What to make up: a turbulent flame (fast, about nine tenths of the voxels exactly 0) or three
+/// columns of coloured smoke that mix (calm, fills more of the volume).
 enum class SynthKind { kFire, kSmoke };
 
 /// The cube of 2 m side with z up: x and y from -1 to 1, z from 0 to 2; 25 frames a second.
@@ -26,14 +26,15 @@ struct SynthOptions {
   int channels = 3;        ///< 1 or 3
 };
 
-/// A made-up sequence that is computed while it is read. The same options give the same bytes on every machine and
-/// for any number of threads. The first frame shows a developed flame or plume. Frames are cheap in order; an earlier
-/// one than the last starts again from the beginning.
+/// A made-up sequence that is computed while it is read. The same options give the same bytes on
+/// every machine and for any number of threads. The first frame shows a developed flame or plume.
+/// Frames are cheap in order; an earlier one than the last starts again from the beginning.
 class SyntheticSource final : public FrameSource {
  public:
-  /// kInvalidArgument when the options are out of range. `progress` is asked and told between frames and must outlive
-  /// the source.
-  [[nodiscard]] static Result<std::unique_ptr<SyntheticSource>> create(const SynthOptions& options, Progress& progress);
+  /// kInvalidArgument when the options are out of range. `progress` is asked and told between
+  /// frames and must outlive the source.
+  [[nodiscard]] static Result<std::unique_ptr<SyntheticSource>> create(const SynthOptions& options,
+                                                                       Progress& progress);
   ~SyntheticSource() override;
 
   const VolumeInfo& info() const override { return info_; }

@@ -11,12 +11,16 @@ namespace volute::detail {
 
 using Extents4 = std::array<int, 4>;
 
-inline Extents4 halved(const Extents4& n) { return {(n[0] + 1) / 2, (n[1] + 1) / 2, (n[2] + 1) / 2, (n[3] + 1) / 2}; }
+inline Extents4 halved(const Extents4& n) {
+  return {(n[0] + 1) / 2, (n[1] + 1) / 2, (n[2] + 1) / 2, (n[3] + 1) / 2};
+}
 
-inline std::size_t cellCount(const Extents4& n) { return static_cast<std::size_t>(n[0]) * n[1] * n[2] * n[3]; }
+inline std::size_t cellCount(const Extents4& n) {
+  return static_cast<std::size_t>(n[0]) * n[1] * n[2] * n[3];
+}
 
-/// Calls visit(parent, children) for each cell of the halved grid: children[o] is the cell that stands for child o and
-/// valid the set of children that are really there.
+/// Calls visit(parent, children) for each cell of the halved grid: children[o] is the cell that
+/// stands for child o and valid the set of children that are really there.
 template <class Visit>
 void forEachNode(const Extents4& n, Visit&& visit) {
   const Extents4 half = halved(n);
@@ -33,25 +37,30 @@ void forEachNode(const Extents4& n, Visit&& visit) {
             low[a] = 2 * p[a] * stride;
             const bool there = 2 * p[a] + 1 < n[a];
             step[a] = there ? stride : 0;
-            if (!there) missing |= 8u >> a;
+            if (!there)
+              missing |= 8u >> a;
             stride *= static_cast<std::size_t>(n[a]);
           }
           std::array<std::size_t, kChildren> children;
           unsigned valid = 0;
           for (unsigned o = 0; o < kChildren; ++o) {
-            children[o] = low[0] + low[1] + low[2] + low[3] + (o >> 3 & 1) * step[0] + (o >> 2 & 1) * step[1] +
-                          (o >> 1 & 1) * step[2] + (o & 1) * step[3];
-            if ((o & missing) == 0) valid |= 1u << o;
+            children[o] = low[0] + low[1] + low[2] + low[3] + (o >> 3 & 1) * step[0] +
+                          (o >> 2 & 1) * step[1] + (o >> 1 & 1) * step[2] + (o & 1) * step[3];
+            if ((o & missing) == 0)
+              valid |= 1u << o;
           }
           visit(parent, children, valid);
         }
 }
 
-/// One level up: the means of the parents, and visit(parent, channel, coefficients in mean form, valid children).
+/// One level up: the means of the parents, and visit(parent, channel, coefficients in mean form,
+/// valid children).
 template <class Visit>
-std::vector<float> oneLevelUp(const Extents4& n, int channels, std::span<const float> means, Visit&& visit) {
+std::vector<float> oneLevelUp(const Extents4& n, int channels, std::span<const float> means,
+                              Visit&& visit) {
   std::vector<float> parents(cellCount(halved(n)) * channels);
-  forEachNode(n, [&](std::size_t parent, const std::array<std::size_t, kChildren>& children, unsigned valid) {
+  forEachNode(n, [&](std::size_t parent, const std::array<std::size_t, kChildren>& children,
+                     unsigned valid) {
     for (int c = 0; c < channels; ++c) {
       std::array<float, kChildren> v;
       for (int o = 0; o < kChildren; ++o) v[o] = means[children[o] * channels + c];
@@ -74,9 +83,10 @@ void visitCoefficients(const SubtreeShape& shape, std::span<const float> means, 
   detail::Extents4 n = shape.extents;
   for (int level = 0; level < shape.levels; ++level) {
     const float scale = orthonormalScale(shape.baseLevel + level);
-    current = detail::oneLevelUp(n, shape.channels, current, [&](auto, auto, const auto& v, const auto&, auto) {
-      for (int j = 1; j < kChildren; ++j) visit(v[j] * scale);
-    });
+    current = detail::oneLevelUp(n, shape.channels, current,
+                                 [&](auto, auto, const auto& v, const auto&, auto) {
+                                   for (int j = 1; j < kChildren; ++j) visit(v[j] * scale);
+                                 });
     n = detail::halved(n);
   }
 }

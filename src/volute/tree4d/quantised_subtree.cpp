@@ -15,8 +15,9 @@ struct DenseLevel {
   std::vector<std::int32_t> quantised;  // 16 a node and channel
 };
 
-DenseLevel quantiseLevel(const detail::Extents4& n, const SubtreeShape& shape, int level, float step,
-                         std::span<const std::uint8_t> kept, std::vector<float>& means) {
+DenseLevel quantiseLevel(const detail::Extents4& n, const SubtreeShape& shape, int level,
+                         float step, std::span<const std::uint8_t> kept,
+                         std::vector<float>& means) {
   const std::size_t nodes = detail::cellCount(detail::halved(n));
   const int channels = shape.channels;
   DenseLevel dense;
@@ -25,43 +26,51 @@ DenseLevel quantiseLevel(const detail::Extents4& n, const SubtreeShape& shape, i
   dense.cells.resize(nodes);
   dense.quantised.resize(nodes * channels * kChildren);
   const float scale = orthonormalScale(shape.baseLevel + level) / step;
-  means = detail::oneLevelUp(n, channels, means,
-                             [&](std::size_t node, int c, const auto& v, const auto& children, unsigned valid) {
-                               std::int32_t* q = &dense.quantised[(node * channels + c) * kChildren];
-                               for (int j = 1; j < kChildren; ++j) {
-                                 q[j] = quantise(v[j], scale);
-                                 if (q[j] != 0) dense.masks[node] |= static_cast<std::uint16_t>(1u << j);
-                               }
-                               if (c > 0) return;
-                               for (unsigned o = 0; o < kChildren; ++o) {
-                                 dense.cells[node][o] = static_cast<std::uint32_t>(children[o]);
-                                 const bool keep = (valid >> o & 1) && !kept.empty() && kept[children[o]];
-                                 if (keep) dense.children[node] |= static_cast<std::uint16_t>(1u << o);
-                               }
-                             });
+  means = detail::oneLevelUp(
+      n, channels, means,
+      [&](std::size_t node, int c, const auto& v, const auto& children, unsigned valid) {
+        std::int32_t* q = &dense.quantised[(node * channels + c) * kChildren];
+        for (int j = 1; j < kChildren; ++j) {
+          q[j] = quantise(v[j], scale);
+          if (q[j] != 0)
+            dense.masks[node] |= static_cast<std::uint16_t>(1u << j);
+        }
+        if (c > 0)
+          return;
+        for (unsigned o = 0; o < kChildren; ++o) {
+          dense.cells[node][o] = static_cast<std::uint32_t>(children[o]);
+          const bool keep = (valid >> o & 1) && !kept.empty() && kept[children[o]];
+          if (keep)
+            dense.children[node] |= static_cast<std::uint16_t>(1u << o);
+        }
+      });
   return dense;
 }
 
 /// Appends node `node` to its level; returns the cells of its kept children through `next`.
-void listNode(const DenseLevel& dense, std::size_t node, int channels, SubtreeLevel& level, std::vector<std::uint32_t>& next) {
+void listNode(const DenseLevel& dense, std::size_t node, int channels, SubtreeLevel& level,
+              std::vector<std::uint32_t>& next) {
   const std::uint16_t children = dense.children[node];
   level.masks.push_back(static_cast<std::uint16_t>(dense.masks[node] | (children != 0 ? 1 : 0)));
-  if (children != 0) level.children.push_back(children);
-  for (int j = 1; j < kChildren; ++j) {
-    if (!(dense.masks[node] >> j & 1)) continue;
-    for (int c = 0; c < channels; ++c) {
-      level.coefficients.push_back(dense.quantised[(node * channels + c) * kChildren + j]);
+  if (children != 0)
+    level.children.push_back(children);
+  for (int c = 0; c < channels; ++c) {
+    for (int j = 1; j < kChildren; ++j) {
+      const std::int32_t q = dense.quantised[(node * channels + c) * kChildren + j];
+      if (dense.masks[node] >> j & 1)
+        level.coefficients.push_back(q);
     }
   }
   for (int o = 0; o < kChildren; ++o) {
-    if (children >> o & 1) next.push_back(dense.cells[node][o]);
+    if (children >> o & 1)
+      next.push_back(dense.cells[node][o]);
   }
 }
 
 }  // namespace
 
-QuantisedSubtree buildSubtree(const SubtreeShape& shape, std::span<const float> means, std::span<const std::uint8_t> hasNode,
-                              double step) {
+QuantisedSubtree buildSubtree(const SubtreeShape& shape, std::span<const float> means,
+                              std::span<const std::uint8_t> hasNode, double step) {
   std::vector<float> current(means.begin(), means.end());
   std::vector<std::uint8_t> kept(hasNode.begin(), hasNode.end());
   std::vector<DenseLevel> dense;
@@ -70,7 +79,8 @@ QuantisedSubtree buildSubtree(const SubtreeShape& shape, std::span<const float> 
     dense.push_back(quantiseLevel(n, shape, level, static_cast<float>(step), kept, current));
     n = detail::halved(n);
     kept.assign(detail::cellCount(n), 0);
-    for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = dense[level].masks[i] != 0 || dense[level].children[i] != 0;
+    for (std::size_t i = 0; i < kept.size(); ++i)
+      kept[i] = dense[level].masks[i] != 0 || dense[level].children[i] != 0;
   }
 
   QuantisedSubtree tree;
@@ -80,7 +90,8 @@ QuantisedSubtree buildSubtree(const SubtreeShape& shape, std::span<const float> 
   std::vector<std::uint32_t> nodes{0};
   for (int level = shape.levels; level-- > 0;) {
     std::vector<std::uint32_t> next;
-    for (std::uint32_t node : nodes) listNode(dense[level], node, shape.channels, tree.levels[level], next);
+    for (std::uint32_t node : nodes)
+      listNode(dense[level], node, shape.channels, tree.levels[level], next);
     nodes = std::move(next);
   }
   tree.leaves = std::move(nodes);

@@ -22,8 +22,8 @@ std::size_t bytesOf(const std::vector<T>& values) {
   return values.capacity() * sizeof(T);
 }
 
-/// The blocks of entries of one frame that hold anything, and what to do with each: body(z, y, x of the block's first
-/// voxel, its values of shape (channel, z, y, x) and side).
+/// Calls body(z, y, x, values) for each block of frame t, from many threads: its first voxel and
+/// its values, shape (channel, z, y, x), which are not set where no brick is occupied.
 template <class Body>
 void forEachBlockOf(const TreeData& data, int t, Body&& body) {
   const auto& n = data.entryCounts;
@@ -39,25 +39,35 @@ void forEachBlockOf(const TreeData& data, int t, Body&& body) {
       bool any = false;
       for (int bz = z; bz < std::min(z + side, data.extents[1]); bz += kBrick)
         for (int by = y; by < std::min(y + side, data.extents[2]); by += kBrick)
-          for (int bx = x; bx < std::min(x + side, data.extents[3]); bx += kBrick) any |= data.isOccupied(t, bz, by, bx);
-      if (any) readBlockSlice(data, data.entryAt(t, z, y, x), t, values);
-      body(z, y, x, any ? values : nullptr);
+          for (int bx = x; bx < std::min(x + side, data.extents[3]); bx += kBrick)
+            any |= data.isOccupied(t, bz, by, bx);
+      if (any)
+        readBlockSlice(data, data.entryAt(t, z, y, x), t, values);
+      body(z, y, x, values);
     }
   });
 }
 
-/// Rows of 8 voxels of the brick that begins at voxel (z, y, x): copy(row in the brick, source, voxels in the row).
-template <class Copy>
-void copyBrickRows(const TreeData& data, const float* block, int side, int z, int y, int x, int channel, Copy&& copy) {
+/// The brick that begins at voxel (z, y, x), out of its block's values.
+BrickCopy brickOf(const TreeData& data, const float* block, int side, int z, int y, int x,
+                  int channel) {
   const int mask = side - 1;
-  const float* plane = block + static_cast<std::size_t>(channel) * side * side * side;
-  const int depth = std::min(kBrick, data.extents[1] - z);
-  const int height = std::min(kBrick, data.extents[2] - y);
-  const int width = std::min(kBrick, data.extents[3] - x);
-  for (int dz = 0; dz < depth; ++dz)
-    for (int dy = 0; dy < height; ++dy) {
-      copy(dz, dy, plane + (((z + dz) & mask) * side + ((y + dy) & mask)) * side + (x & mask), width);
-    }
+  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(side) * side;
+  BrickCopy copy{};
+  copy.from = block + channel * side * plane + (z & mask) * plane + (y & mask) * side + (x & mask);
+  copy.fromRow = side;
+  copy.fromPlane = plane;
+  copy.depth = std::min(kBrick, data.extents[1] - z);
+  copy.height = std::min(kBrick, data.extents[2] - y);
+  copy.width = std::min(kBrick, data.extents[3] - x);
+  return copy;
+}
+
+void fillZero(const BrickCopy& brick) {
+  for (int z = 0; z < brick.depth; ++z)
+    for (int y = 0; y < brick.height; ++y)
+      for (int x = 0; x < brick.width; ++x)
+        brick.to[z * brick.toPlane + y * brick.toRow + x * brick.toStep] = 0;
 }
 
 template <class Visit>
@@ -69,7 +79,9 @@ void forEachBrickIn(const TreeData& data, int side, int z, int y, int x, Visit&&
 
 }  // namespace
 
-float Tree4d::value(int t, int z, int y, int x, int channel) const { return readValue(data_, {t, z, y, x}, channel); }
+float Tree4d::value(int t, int z, int y, int x, int channel) const {
+  return readValue(data_, {t, z, y, x}, channel);
+}
 
 void Tree4d::values(std::span<const std::array<int, 4>> voxels, std::span<float> values) const {
   readValues(data_, voxels, values);
@@ -81,7 +93,8 @@ void Tree4d::valuesAlong(const std::array<int, 4>& origin, const std::array<int,
 }
 
 double Tree4d::valueFromRoot(int t, int z, int y, int x, int channel) const {
-  if (!data_.isOccupied(t, z, y, x)) return 0;
+  if (!data_.isOccupied(t, z, y, x))
+    return 0;
   double value = data_.mean[channel];
   std::uint32_t node = data_.levels.back().firstNode;
   for (int l = static_cast<int>(data_.levels.size()) - 1; node != TreeData::kNoNode; --l) {
@@ -94,49 +107,55 @@ double Tree4d::valueFromRoot(int t, int z, int y, int x, int channel) const {
 
 void Tree4d::extractFrame(int t, std::span<float> values) const {
   const int side = 1 << data_.entryLevels;
-  const int channels = data_.channels;
+  const std::ptrdiff_t channels = data_.channels;
   forEachBlockOf(data_, t, [&](int z, int y, int x, const float* block) {
     forEachBrickIn(data_, side, z, y, x, [&](int bz, int by, int bx) {
-      const bool occupied = block != nullptr && data_.isOccupied(t, bz, by, bx);
       for (int c = 0; c < channels; ++c) {
-        copyBrickRows(data_, block, side, bz, by, bx, c, [&](int dz, int dy, const float* row, int width) {
-          const std::size_t voxel = (static_cast<std::size_t>(bz + dz) * info_.y + by + dy) * info_.x + bx;
-          float* to = &values[voxel * channels + c];
-          if (channels == 1 && occupied) {
-            std::copy_n(row, width, to);
-          } else {
-            for (int i = 0; i < width; ++i) to[i * channels] = occupied ? row[i] : 0.0f;
-          }
-        });
+        BrickCopy brick = brickOf(data_, block, side, bz, by, bx, c);
+        brick.toStep = channels;
+        brick.toRow = info_.x * channels;
+        brick.toPlane = info_.y * brick.toRow;
+        brick.to = &values[bz * brick.toPlane + by * brick.toRow + bx * channels + c];
+        if (data_.isOccupied(t, bz, by, bx)) {
+          copyBrick(data_, brick);
+        } else {
+          fillZero(brick);
+        }
       }
     });
   });
 }
 
 BrickSlice Tree4d::extractSlice(int t) const {
-  std::vector<std::int32_t> index(static_cast<std::size_t>(data_.bricks[0]) * data_.bricks[1] * data_.bricks[2],
-                                  BrickSlice::kEmpty);
+  std::vector<std::int32_t> index(
+      static_cast<std::size_t>(data_.bricks[0]) * data_.bricks[1] * data_.bricks[2],
+      BrickSlice::kEmpty);
   std::int32_t stored = 0;
   std::size_t i = 0;
   for (int bz = 0; bz < data_.bricks[0]; ++bz)
     for (int by = 0; by < data_.bricks[1]; ++by)
       for (int bx = 0; bx < data_.bricks[2]; ++bx, ++i) {
-        if (data_.isOccupied(t, bz * kBrick, by * kBrick, bx * kBrick)) index[i] = stored++;
+        if (data_.isOccupied(t, bz * kBrick, by * kBrick, bx * kBrick))
+          index[i] = stored++;
       }
   const std::size_t brickValues = static_cast<std::size_t>(BrickSlice::kVoxels) * data_.channels;
   std::vector<float> bricks(stored * brickValues);
   const int side = 1 << data_.entryLevels;
   forEachBlockOf(data_, t, [&](int z, int y, int x, const float* block) {
-    if (block == nullptr) return;
     forEachBrickIn(data_, side, z, y, x, [&](int bz, int by, int bx) {
       const std::int32_t at =
-          index[(static_cast<std::size_t>(bz / kBrick) * data_.bricks[1] + by / kBrick) * data_.bricks[2] + bx / kBrick];
-      if (at == BrickSlice::kEmpty) return;
+          index[(static_cast<std::size_t>(bz / kBrick) * data_.bricks[1] + by / kBrick) *
+                    data_.bricks[2] +
+                bx / kBrick];
+      if (at == BrickSlice::kEmpty)
+        return;
       for (int c = 0; c < data_.channels; ++c) {
-        float* brick = &bricks[at * brickValues + static_cast<std::size_t>(c) * BrickSlice::kVoxels];
-        copyBrickRows(data_, block, side, bz, by, bx, c, [&](int dz, int dy, const float* row, int width) {
-          std::copy_n(row, width, brick + (dz * kBrick + dy) * kBrick);
-        });
+        BrickCopy brick = brickOf(data_, block, side, bz, by, bx, c);
+        brick.toStep = 1;
+        brick.toRow = kBrick;
+        brick.toPlane = kBrick * kBrick;
+        brick.to = &bricks[at * brickValues + static_cast<std::size_t>(c) * BrickSlice::kVoxels];
+        copyBrick(data_, brick);
       }
     });
   });
@@ -157,7 +176,9 @@ Tree4d Tree4d::prefix(std::size_t nodes) const {
     level.masks.resize(left);
     std::size_t coefficients = 0, parents = 0;
     for (std::uint16_t mask : level.masks) {
-      coefficients += static_cast<std::size_t>(std::popcount(static_cast<unsigned>(mask & 0xFFFEu))) * data_.channels;
+      coefficients +=
+          static_cast<std::size_t>(std::popcount(static_cast<unsigned>(mask & 0xFFFEu))) *
+          data_.channels;
       parents += mask & 1u;
     }
     level.coefficients.resize(coefficients);
@@ -168,10 +189,12 @@ Tree4d Tree4d::prefix(std::size_t nodes) const {
     std::vector<std::uint16_t> kept;
     std::size_t parent = 0, child = 0;
     for (std::uint16_t& mask : above.masks) {
-      if (!(mask & 1)) continue;
+      if (!(mask & 1))
+        continue;
       unsigned children = above.children[parent++];
       for (unsigned m = children; m != 0; m &= m - 1) {
-        if (child++ >= level.masks.size()) children &= ~(m & (0u - m));
+        if (child++ >= level.masks.size())
+          children &= ~(m & (0u - m));
       }
       if (children == 0) {
         mask &= 0xFFFEu;
@@ -201,16 +224,19 @@ Tree4d Tree4d::prefix(std::size_t nodes) const {
 }
 
 std::size_t Tree4d::nodeCount() const {
-  return std::accumulate(data_.levels.begin(), data_.levels.end(), std::size_t{0},
-                         [](std::size_t sum, const TreeData::Level& level) { return sum + level.nodes; });
+  return std::accumulate(
+      data_.levels.begin(), data_.levels.end(), std::size_t{0},
+      [](std::size_t sum, const TreeData::Level& level) { return sum + level.nodes; });
 }
 
 std::size_t Tree4d::memoryBytes() const {
-  std::size_t bytes = sizeof(Tree4d) + bytesOf(data_.masks) + bytesOf(data_.groups) + bytesOf(data_.childMasks) +
-                      bytesOf(data_.childBases) + bytesOf(data_.levels) + bytesOf(data_.entries) + bytesOf(data_.occupied) +
+  std::size_t bytes = sizeof(Tree4d) + bytesOf(data_.masks) + bytesOf(data_.groups) +
+                      bytesOf(data_.childMasks) + bytesOf(data_.childBases) +
+                      bytesOf(data_.levels) + bytesOf(data_.entries) + bytesOf(data_.occupied) +
                       bytesOf(boxes_);
   for (const TreeData::Level& level : data_.levels) {
-    bytes += bytesOf(level.narrow8) + bytesOf(level.wide16) + bytesOf(level.escapeIndex) + bytesOf(level.escapeValue);
+    bytes += bytesOf(level.narrow8) + bytesOf(level.wide16) + bytesOf(level.escapeIndex) +
+             bytesOf(level.escapeValue);
   }
   return bytes;
 }

@@ -20,40 +20,51 @@ namespace volute {
 struct VoxelBox {
   std::array<int, 3> begin{};
   std::array<int, 3> end{};
+
   bool empty() const { return begin[0] >= end[0] || begin[1] >= end[1] || begin[2] >= end[2]; }
 };
 
-/// The hexadeca-tree of Ahrenberg et al. 2005 (sections 4.3, 4.4 and 5.1) in the compact layout of TreeData: a 4D volume
-/// as pruned, quantised Haar coefficients that are read in place. Immutable; all reads are thread-safe.
+/// The hexadeca-tree of Ahrenberg et al. 2005 (sections 4.3, 4.4 and 5.1) in the compact layout of
+/// TreeData: a 4D volume as pruned, quantised Haar coefficients that are read in place. Immutable;
+/// all reads are thread-safe.
 class Tree4d {
  public:
   struct BuildOptions {
     double relativeRms = 3e-3;  ///< reached within 3 %, never exceeded
-    double step = 0;            ///< instead: the quantisation step of the orthonormal coefficients; 0 = from relativeRms
+    double step = 0;  ///< instead: the quantisation step of the orthonormal coefficients; 0 = from
+                      ///< relativeRms
   };
 
-  /// Reads the source up to three times, a row of 16 frames in memory at once.
-  [[nodiscard]] static Result<Tree4d> build(FrameSource& source, const BuildOptions& options, Progress& progress);
+  /// Reads the source several times (once for the statistics, then for each try at the step), a
+  /// row of 16 frames in memory at once. NaN and infinities are refused.
+  [[nodiscard]] static Result<Tree4d> build(FrameSource& source, const BuildOptions& options,
+                                            Progress& progress);
 
-  /// From a file, block by block. Files of quantised Haar coefficients keep their step, so nothing is lost; others are
-  /// quantised anew with a quarter of the file's error, which adds 3 % to it.
+  /// From a file, block by block. Files of quantised Haar coefficients keep their step, so nothing
+  /// is lost; others are quantised anew with a quarter of the file's error, which adds 3 % to it.
   /// `levels` < 99 reads a preview from that many levels of each block, the coarsest first.
-  [[nodiscard]] static Result<Tree4d> load(const VoluteReader& reader, Progress& progress, int levels = 99);
+  [[nodiscard]] static Result<Tree4d> load(const VoluteReader& reader, Progress& progress,
+                                           int levels = 99);
 
   const VolumeInfo& info() const { return info_; }
+
   const TreeData& data() const { return data_; }
 
-  /// The value at a voxel: t is a frame's position, channel 0 or (RGB) 0 to 2. Coordinates must be inside.
+  /// The value at a voxel: t is a frame's position, channel 0 or (RGB) 0 to 2. Coordinates must be
+  /// inside.
   float value(int t, int z, int y, int x, int channel = 0) const;
 
-  /// The same for many voxels (t, z, y, x) at once; `values` has one (scalar) or three (RGB) a voxel.
+  /// The same for many voxels (t, z, y, x) at once; `values` has one (scalar) or three (RGB) a
+  /// voxel.
   void values(std::span<const std::array<int, 4>> voxels, std::span<float> values) const;
 
-  /// `values[i]` = the voxel `origin + i * direction`; each component of `direction` is -1, 0 or 1. What neighbours share of
-  /// the path from the root is walked once.
-  void valuesAlong(const std::array<int, 4>& origin, const std::array<int, 4>& direction, std::span<float> values) const;
+  /// `values[i]` = the voxel `origin + i * direction`; each component of `direction` is -1, 0 or 1.
+  /// What neighbours share of the path from the root is walked once.
+  void valuesAlong(const std::array<int, 4>& origin, const std::array<int, 4>& direction,
+                   std::span<float> values) const;
 
-  /// The same voxel by the paper's walk from the root (section 5.1, Figure 5), in double: the reference.
+  /// The same voxel by the paper's walk from the root (section 5.1, Figure 5), in double: the
+  /// reference.
   double valueFromRoot(int t, int z, int y, int x, int channel = 0) const;
 
   /// Frame t, dense: shape (z, y, x, c). On all threads.
@@ -74,6 +85,7 @@ class Tree4d {
 
  private:
   friend class TreeBuilder;
+
   Tree4d(VolumeInfo info, TreeData data) : info_(std::move(info)), data_(std::move(data)) {}
 
   VolumeInfo info_;

@@ -32,7 +32,8 @@ Sequence ball(int frames, int z, int y, int x, int channels, unsigned seed = 1) 
           const double r = std::hypot((i - centre) / x, (j - y / 2.0) / y, (k - z / 2.0) / z) * 3;
           for (int c = 0; c < channels; ++c) {
             const double noise = static_cast<double>(random() % 1000) / 5000;
-            view(t, k, j, i, c) = r < 1 ? static_cast<float>((1 - r * r) * (1 + 0.2 * c) * (1 + noise)) : 0.0f;
+            view(t, k, j, i, c) =
+                r < 1 ? static_cast<float>((1 - r * r) * (1 + 0.2 * c) * (1 + noise)) : 0.0f;
           }
         }
   return sequence;
@@ -64,7 +65,8 @@ double relativeRms(const Tree4d& tree, const Sequence& sequence) {
 void expectAllReadsAgree(const Tree4d& tree) {
   const VolumeInfo& info = tree.info();
   const int channels = info.channels;
-  std::vector<float> frame(info.frameValues()), line(static_cast<std::size_t>(info.x) * channels), along(line.size());
+  std::vector<float> frame(info.frameValues()), line(static_cast<std::size_t>(info.x) * channels),
+      along(line.size());
   for (int t = 0; t < info.frames; ++t) {
     tree.extractFrame(t, frame);
     const BrickSlice slice = tree.extractSlice(t);
@@ -80,12 +82,14 @@ void expectAllReadsAgree(const Tree4d& tree) {
         for (int x = 0; x < info.x; ++x)
           for (int c = 0; c < channels; ++c, ++i) {
             const double expected = tree.valueFromRoot(t, z, y, x, c);
-            ASSERT_NEAR(line[x * channels + c], expected, 1e-6 * std::max(1.0f, tree.data().maximum)) << t << ' ' << z << ' ' << y << ' ' << x;
+            ASSERT_NEAR(line[x * channels + c], expected,
+                        1e-6 * std::max(1.0f, tree.data().maximum))
+                << t << ' ' << z << ' ' << y << ' ' << x;
             ASSERT_EQ(tree.value(t, z, y, x, c), line[x * channels + c]);
             ASSERT_EQ(frame[i], line[x * channels + c]) << t << ' ' << z << ' ' << y << ' ' << x;
             ASSERT_EQ(slice.value(x, y, z, c), frame[i]);
-            const bool inBox = z >= box.begin[0] && z < box.end[0] && y >= box.begin[1] && y < box.end[1] &&
-                               x >= box.begin[2] && x < box.end[2];
+            const bool inBox = z >= box.begin[0] && z < box.end[0] && y >= box.begin[1] &&
+                               y < box.end[1] && x >= box.begin[2] && x < box.end[2];
             if (!inBox && info.z % 8 == 0 && info.y % 8 == 0 && info.x % 8 == 0 && frame[i] != 0) {
               // Outside the box only bricks that it shares may hold traces of the quantisation.
               ASSERT_TRUE(tree.data().isOccupied(t, z, y, x));
@@ -96,10 +100,12 @@ void expectAllReadsAgree(const Tree4d& tree) {
 }
 
 TEST(Tree4d, AllReadsAgreeOnManySizes) {
-  const int sizes[][5] = {{1, 1, 1, 1, 1},    {2, 2, 2, 2, 1},   {1, 7, 5, 3, 1},    {16, 16, 16, 16, 1},
-                          {17, 16, 16, 16, 1}, {5, 37, 20, 33, 1}, {40, 9, 17, 24, 3}, {3, 64, 8, 8, 3}};
+  const int sizes[][5] = {{1, 1, 1, 1, 1},     {2, 2, 2, 2, 1},     {1, 7, 5, 3, 1},
+                          {16, 16, 16, 16, 1}, {17, 16, 16, 16, 1}, {5, 37, 20, 33, 1},
+                          {40, 9, 17, 24, 3},  {3, 64, 8, 8, 3}};
   for (const auto& s : sizes) {
-    SCOPED_TRACE(fmt::format("{} frames of {} x {} x {}, {} channels", s[0], s[3], s[2], s[1], s[4]));
+    SCOPED_TRACE(
+        fmt::format("{} frames of {} x {} x {}, {} channels", s[0], s[3], s[2], s[1], s[4]));
     expectAllReadsAgree(treeOf(ball(s[0], s[1], s[2], s[3], s[4]), 0.02));
   }
 }
@@ -126,7 +132,8 @@ TEST(Tree4d, DecodesWhatTheGenericTransformQuantises) {
   const View<double, 4> view(std::span<double>(coefficients), {16, 16, 16, 16});
   transformForward(view, Wavelet::kHaar, {4, 4, 4, 4});
   for (std::size_t i = 1; i < coefficients.size(); ++i) {
-    coefficients[i] = static_cast<double>(quantise(static_cast<float>(coefficients[i]), 1 / kStep)) * kStep;
+    coefficients[i] =
+        static_cast<double>(quantise(static_cast<float>(coefficients[i]), 1 / kStep)) * kStep;
   }
   transformInverse(view, Wavelet::kHaar, {4, 4, 4, 4});
   const Tree4d tree = treeOf(sequence, kStep);
@@ -135,9 +142,10 @@ TEST(Tree4d, DecodesWhatTheGenericTransformQuantises) {
     for (int z = 0; z < 16; ++z)
       for (int y = 0; y < 16; ++y)
         for (int x = 0; x < 16; ++x) {
-          const double expected = tree.data().isOccupied(t, z, y, x)
-                                      ? std::clamp<double>(view(t, z, y, x), tree.data().minimum, tree.data().maximum)
-                                      : 0;
+          const double expected =
+              tree.data().isOccupied(t, z, y, x)
+                  ? std::clamp<double>(view(t, z, y, x), tree.data().minimum, tree.data().maximum)
+                  : 0;
           differing += std::abs(tree.value(t, z, y, x) - expected) > 1e-5;
         }
   EXPECT_LE(differing, 32u);  // a coefficient on the edge of a bin may fall either way
@@ -188,7 +196,8 @@ TEST(Tree4d, PrefixesAreCoarserAndConsistent) {
   const Sequence sequence = ball(16, 40, 40, 40, 1);
   const Tree4d tree = treeOf(sequence, 0.01);
   double before = 1e9;
-  for (std::size_t nodes : {std::size_t{1}, std::size_t{10}, tree.nodeCount() / 10, tree.nodeCount() / 2, tree.nodeCount()}) {
+  for (std::size_t nodes : {std::size_t{1}, std::size_t{10}, tree.nodeCount() / 10,
+                            tree.nodeCount() / 2, tree.nodeCount()}) {
     const Tree4d prefix = tree.prefix(nodes);
     EXPECT_LE(prefix.nodeCount(), nodes);
     const double error = relativeRms(prefix, sequence);
@@ -221,7 +230,8 @@ TEST(Tree4d, ReadsTheSameBitsOnEveryInstructionSet) {
     hwy::SetSupportedTargetsForTest(rest & -rest);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     tree.extractFrame(5, frame);
-    if (first.empty()) first = frame;
+    if (first.empty())
+      first = frame;
     EXPECT_EQ(frame, first) << hwy::TargetName(rest & -rest);
   }
   hwy::SetSupportedTargetsForTest(0);

@@ -19,7 +19,8 @@ int levelsFor(int longest) {
 }
 
 void extend(VoxelBox& box, const VoxelBox& other) {
-  if (other.empty()) return;
+  if (other.empty())
+    return;
   if (box.empty()) {
     box = other;
     return;
@@ -47,7 +48,8 @@ TreeBuilder::TreeBuilder(const VolumeInfo& info, double step, float minimum, flo
 void TreeBuilder::addBlock(std::size_t block, std::span<const float> values) {
   VOLUTE_ASSERT(values.size() == grid_.values(block));
   noteOccupied(block, values);
-  blocks_[block] = buildSubtree({grid_.extents(block), info_.channels, 0, blockLevels_}, values, {}, step_);
+  blocks_[block] =
+      buildSubtree({grid_.extents(block), info_.channels, 0, blockLevels_}, values, {}, step_);
 }
 
 void TreeBuilder::noteOccupied(std::size_t block, std::span<const float> values) {
@@ -65,7 +67,8 @@ void TreeBuilder::noteOccupied(std::size_t block, std::span<const float> values)
         for (int x = 0; x < e[3]; ++x, i += info_.channels) {
           bool zero = true;
           for (int c = 0; c < info_.channels; ++c) zero &= values[i + c] == 0;
-          if (zero) continue;
+          if (zero)
+            continue;
           occupied[((t * kBricks + z / kBrick) * kBricks + y / kBrick) * kBricks + x / kBrick] = 1;
           const int vz = origin[1] + z, vy = origin[2] + y, vx = origin[3] + x;
           extend(boxes[t], {{vz, vy, vx}, {vz + 1, vy + 1, vx + 1}});
@@ -85,7 +88,8 @@ QuantisedSubtree TreeBuilder::buildUpperTree() const {
     upper.leaves = {0};
     return upper;
   }
-  return buildSubtree({grid_.counts(), info_.channels, blockLevels_, totalLevels_ - blockLevels_}, means, hasNode, step_);
+  return buildSubtree({grid_.counts(), info_.channels, blockLevels_, totalLevels_ - blockLevels_},
+                      means, hasNode, step_);
 }
 
 std::vector<SubtreeLevel> TreeBuilder::joinLevels(const QuantisedSubtree& upper) const {
@@ -95,8 +99,10 @@ std::vector<SubtreeLevel> TreeBuilder::joinLevels(const QuantisedSubtree& upper)
     for (std::uint32_t block : upper.leaves) {
       const SubtreeLevel& part = blocks_[block].levels[l];
       levels[l].masks.insert(levels[l].masks.end(), part.masks.begin(), part.masks.end());
-      levels[l].children.insert(levels[l].children.end(), part.children.begin(), part.children.end());
-      levels[l].coefficients.insert(levels[l].coefficients.end(), part.coefficients.begin(), part.coefficients.end());
+      levels[l].children.insert(levels[l].children.end(), part.children.begin(),
+                                part.children.end());
+      levels[l].coefficients.insert(levels[l].coefficients.end(), part.coefficients.begin(),
+                                    part.coefficients.end());
     }
   }
   return levels;
@@ -116,19 +122,22 @@ Tree4d TreeBuilder::finish() {
 
   // A volume of a single block may have fewer than four levels; its one entry covers it all.
   data.entryCounts = totalLevels_ == blockLevels_ ? std::array<int, 4>{1, 1, 1, 1} : grid_.counts();
-  data.entries.resize(static_cast<std::size_t>(data.entryCounts[0]) * data.entryCounts[1] * data.entryCounts[2] *
-                      data.entryCounts[3]);
+  data.entries.resize(static_cast<std::size_t>(data.entryCounts[0]) * data.entryCounts[1] *
+                      data.entryCounts[2] * data.entryCounts[3]);
   enterBlocks(data);
 
-  data.bricks = {(info_.z + kBrick - 1) / kBrick, (info_.y + kBrick - 1) / kBrick, (info_.x + kBrick - 1) / kBrick};
-  const std::size_t frameBricks = static_cast<std::size_t>(data.bricks[0]) * data.bricks[1] * data.bricks[2];
+  data.bricks = {(info_.z + kBrick - 1) / kBrick, (info_.y + kBrick - 1) / kBrick,
+                 (info_.x + kBrick - 1) / kBrick};
+  const std::size_t frameBricks =
+      static_cast<std::size_t>(data.bricks[0]) * data.bricks[1] * data.bricks[2];
   data.occupied.assign((frameBricks * info_.frames + 63) / 64, 0);
   std::vector<VoxelBox> boxes(info_.frames);
   constexpr int kBricks = BlockGrid::kSide / kBrick;
   for (std::size_t block = 0; block < grid_.count(); ++block) {
     const auto origin = grid_.origin(block);
     for (std::size_t i = 0; i < blockOccupied_[block].size(); ++i) {
-      if (!blockOccupied_[block][i]) continue;
+      if (!blockOccupied_[block][i])
+        continue;
       const std::size_t t = origin[0] + i / (kBricks * kBricks * kBricks);
       const std::size_t z = origin[1] / kBrick + i / (kBricks * kBricks) % kBricks;
       const std::size_t y = origin[2] / kBrick + i / kBricks % kBricks;
@@ -136,7 +145,8 @@ Tree4d TreeBuilder::finish() {
       const std::size_t bit = ((t * data.bricks[0] + z) * data.bricks[1] + y) * data.bricks[2] + x;
       data.occupied[bit >> 6] |= std::uint64_t{1} << (bit & 63);
     }
-    for (std::size_t t = 0; t < blockBoxes_[block].size(); ++t) extend(boxes[origin[0] + t], blockBoxes_[block][t]);
+    for (std::size_t t = 0; t < blockBoxes_[block].size(); ++t)
+      extend(boxes[origin[0] + t], blockBoxes_[block][t]);
   }
 
   blocks_.clear();

@@ -11,14 +11,15 @@
 
 namespace volute {
 
-/// Makes a Tree4d from independent blocks, in any order and from any thread; holds the quantised blocks only.
+/// Makes a Tree4d from independent blocks, in any order and from any thread; holds the quantised
+/// blocks only.
 class TreeBuilder {
  public:
   /// Values are clamped to [minimum, maximum] when they are read.
   TreeBuilder(const VolumeInfo& info, double step, float minimum, float maximum);
 
-  /// Block `block` of BlockGrid(info), shape (t, z, y, x, c). Each block once; different blocks may come from different
-  /// threads.
+  /// Block `block` of BlockGrid(info), shape (t, z, y, x, c). Each block once; different blocks may
+  /// come from different threads.
   void addBlock(std::size_t block, std::span<const float> values);
 
   Tree4d finish();
@@ -35,8 +36,9 @@ class TreeBuilder {
   double step_;
   float minimum_, maximum_;
   std::vector<QuantisedSubtree> blocks_;
-  std::vector<std::vector<std::uint8_t>> blockOccupied_;   // per block: one a frame and brick of 8^3
-  std::vector<std::vector<VoxelBox>> blockBoxes_;  // per block: one a frame, in voxels of the volume
+  std::vector<std::vector<std::uint8_t>> blockOccupied_;  // per block: one a frame and brick of 8^3
+  std::vector<std::vector<VoxelBox>>
+      blockBoxes_;  // per block: one a frame, in voxels of the volume
 };
 
 }  // namespace volute

@@ -16,11 +16,13 @@ namespace {
 template <class Narrow>
 std::size_t countEscapes(std::span<const std::int32_t> coefficients) {
   constexpr std::int32_t kMost = std::numeric_limits<Narrow>::max();
-  return static_cast<std::size_t>(std::ranges::count_if(coefficients, [](std::int32_t q) { return std::abs(q) > kMost; }));
+  return static_cast<std::size_t>(
+      std::ranges::count_if(coefficients, [](std::int32_t q) { return std::abs(q) > kMost; }));
 }
 
 template <class Narrow>
-void store(std::span<const std::int32_t> coefficients, std::vector<Narrow>& out, TreeData::Level& level) {
+void store(std::span<const std::int32_t> coefficients, std::vector<Narrow>& out,
+           TreeData::Level& level) {
   constexpr std::int32_t kMost = std::numeric_limits<Narrow>::max();
   for (std::int32_t q : coefficients) {
     if (std::abs(q) > kMost) {
@@ -34,13 +36,16 @@ void store(std::span<const std::int32_t> coefficients, std::vector<Narrow>& out,
 
 void storeCoefficients(std::span<const std::int32_t> coefficients, TreeData::Level& level) {
   constexpr std::size_t kEscapeBytes = 8;
-  const std::size_t narrowBytes = coefficients.size() + kEscapeBytes * countEscapes<std::int8_t>(coefficients);
-  const std::size_t wideBytes = 2 * coefficients.size() + kEscapeBytes * countEscapes<std::int16_t>(coefficients);
+  const std::size_t narrowBytes =
+      coefficients.size() + kEscapeBytes * countEscapes<std::int8_t>(coefficients);
+  const std::size_t wideBytes =
+      2 * coefficients.size() + kEscapeBytes * countEscapes<std::int16_t>(coefficients);
   level.wide = wideBytes < narrowBytes;
   if (level.wide) {
     store(coefficients, level.wide16, level);
   } else {
     store(coefficients, level.narrow8, level);
+    level.narrow8.resize(level.narrow8.size() + TreeData::kPadding);
   }
   level.narrow8.shrink_to_fit();
   level.wide16.shrink_to_fit();
@@ -58,13 +63,17 @@ void layOut(std::span<const SubtreeLevel> parts, TreeData& data) {
     level.scale = data.step / orthonormalScale(static_cast<int>(l));
     storeCoefficients(parts[l].coefficients, level);
     data.masks.insert(data.masks.end(), parts[l].masks.begin(), parts[l].masks.end());
-    data.masks.resize((data.masks.size() + TreeData::kGroup - 1) / TreeData::kGroup * TreeData::kGroup, 0);
-    data.childMasks.insert(data.childMasks.end(), parts[l].children.begin(), parts[l].children.end());
+    data.masks.resize(
+        (data.masks.size() + TreeData::kGroup - 1) / TreeData::kGroup * TreeData::kGroup, 0);
+    data.childMasks.insert(data.childMasks.end(), parts[l].children.begin(),
+                           parts[l].children.end());
 
     std::uint32_t coefficientCount = 0;
     for (std::size_t i = level.firstNode; i < data.masks.size(); ++i) {
-      if (i % TreeData::kGroup == 0) data.groups.push_back({coefficientCount, innerCount});
-      coefficientCount += static_cast<std::uint32_t>(std::popcount(static_cast<unsigned>(data.masks[i] & 0xFFFEu)));
+      if (i % TreeData::kGroup == 0)
+        data.groups.push_back({coefficientCount, innerCount});
+      coefficientCount +=
+          static_cast<std::uint32_t>(std::popcount(static_cast<unsigned>(data.masks[i] & 0xFFFEu)));
       innerCount += data.masks[i] & 1u;
     }
   }
@@ -90,12 +99,15 @@ std::vector<SubtreeLevel> levelsOf(const TreeData& data) {
     const TreeData::Level& level = data.levels[l];
     const auto first = data.masks.begin() + level.firstNode;
     parts[l].masks.assign(first, first + level.nodes);
-    const auto parents = std::ranges::count_if(parts[l].masks, [](std::uint16_t mask) { return (mask & 1) != 0; });
+    const auto parents =
+        std::ranges::count_if(parts[l].masks, [](std::uint16_t mask) { return (mask & 1) != 0; });
     const auto firstParent = data.childMasks.begin() + static_cast<std::ptrdiff_t>(inner);
     parts[l].children.assign(firstParent, firstParent + parents);
     inner += static_cast<std::size_t>(parents);
-    const std::size_t coefficients = level.wide ? level.wide16.size() : level.narrow8.size();
-    for (std::uint32_t i = 0; i < coefficients; ++i) parts[l].coefficients.push_back(coefficientAt(level, i));
+    const std::size_t coefficients =
+        level.wide ? level.wide16.size() : level.narrow8.size() - TreeData::kPadding;
+    for (std::uint32_t i = 0; i < coefficients; ++i)
+      parts[l].coefficients.push_back(coefficientAt(level, i));
   }
   return parts;
 }
@@ -107,8 +119,10 @@ void enterBlocks(TreeData& data) {
     std::array<int, 4> at;  // in cells of its level
     std::array<float, 3> value;
   };
+
   const int entryLevel = data.entryLevels - 1;
-  std::vector<Cell> stack{{data.levels.back().firstNode, static_cast<int>(data.levels.size()) - 1, {}, data.mean}};
+  std::vector<Cell> stack{
+      {data.levels.back().firstNode, static_cast<int>(data.levels.size()) - 1, {}, data.mean}};
   while (!stack.empty()) {
     const Cell cell = stack.back();
     stack.pop_back();
@@ -124,7 +138,9 @@ void enterBlocks(TreeData& data) {
         for (int z = low[1]; z < high[1]; ++z)
           for (int y = low[2]; y < high[2]; ++y)
             for (int x = low[3]; x < high[3]; ++x) {
-              data.entries[((static_cast<std::size_t>(t) * data.entryCounts[1] + z) * data.entryCounts[2] + y) *
+              data.entries[((static_cast<std::size_t>(t) * data.entryCounts[1] + z) *
+                                data.entryCounts[2] +
+                            y) *
                                data.entryCounts[3] +
                            x] = {cell.node, cell.value};
             }
@@ -139,7 +155,8 @@ void enterBlocks(TreeData& data) {
           (child.at[3] << (cell.level - 1 - entryLevel)) >= data.entryCounts[3]) {
         continue;
       }
-      for (int c = 0; c < data.channels; ++c) child.value[c] += nodeDetail(data, cell.level, cell.node, o, c);
+      for (int c = 0; c < data.channels; ++c)
+        child.value[c] += nodeDetail(data, cell.level, cell.node, o, c);
       child.node = childNode(data, cell.node, o);
       stack.push_back(child);
     }

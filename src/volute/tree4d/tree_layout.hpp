@@ -10,7 +10,8 @@
 
 namespace volute {
 
-/// Fills the arrays of `data` from the levels of a whole tree, [0] the finest. `data.step` and `data.channels` are given.
+/// Fills the arrays of `data` from the levels of a whole tree, [0] the finest. `data.step` and
+/// `data.channels` are given.
 void layOut(std::span<const SubtreeLevel> levels, TreeData& data);
 
 /// The levels that layOut was given.

@@ -16,14 +16,18 @@ Result<Tree4d> Tree4d::load(const VoluteReader& reader, Progress& progress, int 
   const VoluteHeader& header = reader.header();
   const double range = header.valueMax - header.valueMin;
   double step = header.haarStep;
-  if (!(step > 0)) step = 0.25 * header.reachedRms * range * std::sqrt(12.0);
-  if (!(step > 0)) step = std::max(range, 1.0) * 1e-6;
-  TreeBuilder builder(info, step, static_cast<float>(header.valueMin), static_cast<float>(header.valueMax));
+  if (!(step > 0))
+    step = 0.25 * header.reachedRms * range * std::sqrt(12.0);
+  if (!(step > 0))
+    step = std::max(range, 1.0) * 1e-6;
+  TreeBuilder builder(info, step, static_cast<float>(header.valueMin),
+                      static_cast<float>(header.valueMax));
   const BlockGrid& grid = reader.blocks();
   Status status;
   std::mutex mutex;
   for (std::size_t row = 0; row < grid.count(); row += grid.rowCount()) {
-    if (progress.cancelled()) return fail(ErrorCode::kCancelled, "stopped: {} of {} blocks were loaded", row, grid.count());
+    if (progress.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped: {} of {} blocks were loaded", row, grid.count());
     parallelFor(grid.rowCount(), [&](std::size_t i) {
       std::vector<float> values(grid.values(row + i));
       Status read = reader.readBlock(row + i, values, levels);
@@ -31,11 +35,13 @@ Result<Tree4d> Tree4d::load(const VoluteReader& reader, Progress& progress, int 
         builder.addBlock(row + i, values);
       } else {
         const std::lock_guard lock(mutex);
-        if (status) status = std::move(read);
+        if (status)
+          status = std::move(read);
       }
     });
     VOLUTE_TRY(status);
-    progress.report("loading", static_cast<double>(row + grid.rowCount()), static_cast<double>(grid.count()));
+    progress.report("loading", static_cast<double>(row + grid.rowCount()),
+                    static_cast<double>(grid.count()));
   }
   return builder.finish();
 }

@@ -4,6 +4,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volute/tree4d/tree_read.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
@@ -11,6 +12,7 @@
 #include <cstring>
 
 HWY_BEFORE_NAMESPACE();
+
 namespace volute::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -25,16 +27,20 @@ constexpr std::array<std::uint16_t, 16> kOdd = [] {
     for (unsigned j = 0; j < 16; ++j) {
       unsigned parity = o & j;
       parity = (parity ^ parity >> 2) & 3;
-      if ((parity ^ parity >> 1) & 1) odd[o] = static_cast<std::uint16_t>(odd[o] | 1u << j);
+      if ((parity ^ parity >> 1) & 1)
+        odd[o] = static_cast<std::uint16_t>(odd[o] | 1u << j);
     }
   }
   return odd;
 }();
 
-HWY_INLINE std::uint32_t popCount(std::uint64_t bits) { return static_cast<std::uint32_t>(hwy::PopCount(bits)); }
+HWY_INLINE std::uint32_t popCount(std::uint64_t bits) {
+  return static_cast<std::uint32_t>(hwy::PopCount(bits));
+}
 
 /// How many of `bits` are set in the masks of the nodes that stand before `node` in its group.
-HWY_INLINE std::uint32_t rankInGroup(const std::uint16_t* masks, std::uint32_t node, std::uint64_t bits) {
+HWY_INLINE std::uint32_t rankInGroup(const std::uint16_t* masks, std::uint32_t node,
+                                     std::uint64_t bits) {
   const std::uint16_t* group = masks + (node & ~(TreeData::kGroup - 1u));
   const unsigned before = node & (TreeData::kGroup - 1u);
   std::uint32_t count = 0;
@@ -52,50 +58,67 @@ HWY_NOINLINE std::int32_t escaped(const TreeData::Level& level, std::uint32_t in
   return level.escapeValue[static_cast<std::size_t>(found - level.escapeIndex.begin())];
 }
 
-/// Calls visit(lowest bit of the mask, quantised value) for each kept coefficient of one channel.
+/// Calls visit(lowest bit of the mask, quantised value) for each kept coefficient; `values` has
+/// those of one channel.
 template <class T, class Visit>
-HWY_INLINE void forEachCoefficient(const TreeData::Level& level, const T* values, std::uint32_t index, int channels,
-                                   unsigned mask, Visit&& visit) {
-  for (unsigned m = mask & 0xFFFEu; m != 0; m &= m - 1, index += channels) {
+HWY_INLINE void forEachCoefficient(const TreeData::Level& level, const T* values,
+                                   std::uint32_t index, unsigned mask, Visit&& visit) {
+  for (unsigned m = mask & 0xFFFEu; m != 0; m &= m - 1, ++index) {
     std::int32_t q = values[index];
-    if (HWY_UNLIKELY(q == hwy::LowestValue<T>())) q = escaped(level, index);
+    if (HWY_UNLIKELY(q == hwy::LowestValue<T>()))
+      q = escaped(level, index);
     visit(m & (0u - m), q);
   }
 }
 
 template <class Visit>
-HWY_INLINE void forEachCoefficient(const TreeData::Level& level, std::uint32_t index, int channels, unsigned mask,
+HWY_INLINE void forEachCoefficient(const TreeData::Level& level, std::uint32_t index, unsigned mask,
                                    Visit&& visit) {
   if (level.wide) {
-    forEachCoefficient(level, level.wide16.data(), index, channels, mask, visit);
+    forEachCoefficient(level, level.wide16.data(), index, mask, visit);
   } else {
-    forEachCoefficient(level, level.narrow8.data(), index, channels, mask, visit);
+    forEachCoefficient(level, level.narrow8.data(), index, mask, visit);
   }
 }
 
-HWY_INLINE float detail(const TreeData& data, const TreeData::Level& level, std::uint32_t coefficient, unsigned mask, unsigned o,
-                        int channel) {
+/// Where a channel's coefficients begin: a node keeps them channel after channel.
+HWY_INLINE std::uint32_t channelBegin(const TreeData& data, std::uint32_t coefficient,
+                                      unsigned mask, int channel) {
+  return coefficient * data.channels +
+         static_cast<std::uint32_t>(channel) * popCount(mask & 0xFFFEu);
+}
+
+HWY_INLINE float detail(const TreeData& data, const TreeData::Level& level,
+                        std::uint32_t coefficient, unsigned mask, unsigned o, int channel) {
   std::int32_t sum = 0;
-  forEachCoefficient(level, coefficient * data.channels + channel, data.channels, mask,
+  forEachCoefficient(level, channelBegin(data, coefficient, mask, channel), mask,
                      [&](unsigned bit, std::int32_t q) { sum += kOdd[o] & bit ? -q : q; });
   return static_cast<float>(sum) * level.scale;
 }
 
 HWY_INLINE unsigned childAt(const std::array<int, 4>& voxel, int level) {
-  return static_cast<unsigned>((voxel[0] >> level & 1) << 3 | (voxel[1] >> level & 1) << 2 | (voxel[2] >> level & 1) << 1 |
-                               (voxel[3] >> level & 1));
+  return static_cast<unsigned>((voxel[0] >> level & 1) << 3 | (voxel[1] >> level & 1) << 2 |
+                               (voxel[2] >> level & 1) << 1 | (voxel[3] >> level & 1));
 }
 
 HWY_INLINE std::uint32_t coefficientsBefore(const TreeData& data, std::uint32_t node) {
-  return data.groups[node / TreeData::kGroup].coefficients + rankInGroup(data.masks.data(), node, kCoefficientBits);
+  return data.groups[node / TreeData::kGroup].coefficients +
+         rankInGroup(data.masks.data(), node, kCoefficientBits);
 }
 
-HWY_INLINE std::uint32_t childOf(const TreeData& data, std::uint32_t node, unsigned mask, unsigned o) {
-  if (!(mask & 1)) return TreeData::kNoNode;
-  const std::uint32_t inner =
-      data.groups[node / TreeData::kGroup].inner + rankInGroup(data.masks.data(), node, kInnerBits);
+HWY_INLINE std::uint32_t innerBefore(const TreeData& data, std::uint32_t node) {
+  return data.groups[node / TreeData::kGroup].inner +
+         rankInGroup(data.masks.data(), node, kInnerBits);
+}
+
+HWY_INLINE std::uint32_t childOf(const TreeData& data, std::uint32_t node, unsigned mask,
+                                 unsigned o) {
+  if (!(mask & 1))
+    return TreeData::kNoNode;
+  const std::uint32_t inner = innerBefore(data, node);
   const unsigned children = data.childMasks[inner];
-  if (!(children >> o & 1)) return TreeData::kNoNode;
+  if (!(children >> o & 1))
+    return TreeData::kNoNode;
   return data.childBases[inner] + popCount(children & ((1u << o) - 1));
 }
 
@@ -104,7 +127,8 @@ HWY_INLINE float clamped(const TreeData& data, float value) {
 }
 
 float ReadValue(const TreeData& data, const std::array<int, 4>& v, int channel) {
-  if (!data.isOccupied(v[0], v[1], v[2], v[3])) return 0;
+  if (!data.isOccupied(v[0], v[1], v[2], v[3]))
+    return 0;
   const TreeData::Entry& entry = data.entryAt(v[0], v[1], v[2], v[3]);
   float value = entry.value[channel];
   std::uint32_t node = entry.node;
@@ -117,21 +141,24 @@ float ReadValue(const TreeData& data, const std::array<int, 4>& v, int channel) 
   return clamped(data, value);
 }
 
-void ReadValues(const TreeData& data, std::span<const std::array<int, 4>> voxels, std::span<float> values) {
+void ReadValues(const TreeData& data, std::span<const std::array<int, 4>> voxels,
+                std::span<float> values) {
   std::size_t i = 0;
   for (const auto& voxel : voxels) {
     for (int c = 0; c < data.channels; ++c) values[i++] = ReadValue(data, voxel, c);
   }
 }
 
-/// The path from an entry to the last voxel that was read, kept so that a neighbour walks only where it differs.
+/// The path from an entry to the last voxel that was read, kept so that a neighbour walks only
+/// where it differs.
 class Path {
  public:
   explicit Path(const TreeData& data) : data_(data) {}
 
   HWY_INLINE void read(const std::array<int, 4>& v, float* values) {
     const int entryLevels = data_.entryLevels;
-    const unsigned differs = static_cast<unsigned>((v[0] ^ last_[0]) | (v[1] ^ last_[1]) | (v[2] ^ last_[2]) | (v[3] ^ last_[3]));
+    const unsigned differs = static_cast<unsigned>((v[0] ^ last_[0]) | (v[1] ^ last_[1]) |
+                                                   (v[2] ^ last_[2]) | (v[3] ^ last_[3]));
     int l = 0;  // the level from whose cell on the walk must be done again
     if (!started_ || (differs >> entryLevels) != 0) {
       const TreeData::Entry& entry = data_.entryAt(v[0], v[1], v[2], v[3]);
@@ -169,8 +196,8 @@ class Path {
   std::array<float, 3> sums_[8] = {};
 };
 
-void ReadAlong(const TreeData& data, const std::array<int, 4>& origin, const std::array<int, 4>& direction,
-               std::span<float> values) {
+void ReadAlong(const TreeData& data, const std::array<int, 4>& origin,
+               const std::array<int, 4>& direction, std::span<float> values) {
   Path path(data);
   std::array<int, 4> v = origin;
   for (std::size_t i = 0; i < values.size(); i += data.channels) {
@@ -185,7 +212,7 @@ void ReadAlong(const TreeData& data, const std::array<int, 4>& origin, const std
 
 struct Item {
   std::uint32_t node, coefficient, inner;
-  std::uint32_t cell;  // offset of its first child in the finer grid
+  std::uint32_t z, y, x;  // of its first child in the finer grid
 };
 
 /// From g^3 cells to (2g)^3, each value eight times.
@@ -208,72 +235,130 @@ HWY_INLINE void upsample(const float* HWY_RESTRICT from, int g, float* HWY_RESTR
         }
       }
 #endif
-      for (x *= 2; x < h; ++x) row[x] = row[h + x] = row[h * h + x] = row[h * h + h + x] = source[x / 2];
+      for (x *= 2; x < h; ++x)
+        row[x] = row[h + x] = row[h * h + x] = row[h * h + h + x] = source[x / 2];
     }
   }
 }
 
-/// What the 15 wavelets of a node are in its eight children of one time half, in quantisation steps: a Hadamard transform.
-#if HWY_TARGET == HWY_SCALAR
-HWY_INLINE void hadamard(const std::int32_t* w, bool later, std::int32_t* sums) {
+/// Adds what the 15 wavelets of a node are in its eight children of one time half, for coefficients
+/// of any size.
+HWY_INLINE void addDetailsSlowly(const TreeData::Level& level, std::uint32_t begin, unsigned mask,
+                                 bool later, int h, float* HWY_RESTRICT at) {
+  std::int32_t sums[8] = {};
+  forEachCoefficient(level, begin, mask, [&](unsigned bit, std::int32_t q) {
+    for (unsigned o = 0; o < 8; ++o) sums[o] += kOdd[o + 8 * later] & bit ? -q : q;
+  });
   for (int o = 0; o < 8; ++o) {
-    sums[o] = 0;
-    for (int j = 0; j < 16; ++j) sums[o] += kOdd[o + 8 * later] >> j & 1 ? -w[j] : w[j];
+    at[((o >> 2) * h + (o >> 1 & 1)) * h + (o & 1)] += static_cast<float>(sums[o]) * level.scale;
   }
 }
+
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE void addDetails(const TreeData::Level& level, std::uint32_t begin, unsigned mask,
+                           bool later, int h, float* HWY_RESTRICT at) {
+  addDetailsSlowly(level, begin, mask, later, h, at);
+}
 #else
-HWY_INLINE void hadamard(const std::int32_t* HWY_RESTRICT w, bool later, std::int32_t* HWY_RESTRICT sums) {
-  const hn::FixedTag<std::int32_t, 4> d;
-  auto low = hn::Load(d, w);
-  auto high = hn::Load(d, w + 4);
-  const auto lowLater = hn::Load(d, w + 8);
-  const auto highLater = hn::Load(d, w + 12);
-  low = later ? hn::Sub(low, lowLater) : hn::Add(low, lowLater);
-  high = later ? hn::Sub(high, highLater) : hn::Add(high, highLater);
-  alignas(16) static constexpr std::int32_t kMinusY[4] = {0, 0, -1, -1};
-  alignas(16) static constexpr std::int32_t kMinusX[4] = {0, -1, 0, -1};
-  const auto minusY = hn::Load(d, kMinusY);
-  const auto minusX = hn::Load(d, kMinusX);
-  for (const auto& z : {hn::Add(low, high), hn::Sub(low, high)}) {
-    const auto y = hn::Add(hn::Shuffle1032(z), hn::Sub(hn::Xor(z, minusY), minusY));
-    const auto x = hn::Add(hn::Shuffle2301(y), hn::Sub(hn::Xor(y, minusX), minusX));
-    hn::Store(x, d, sums);
-    sums += 4;
+
+/// kSpread[m]: for each bit of m that is set, how many are set below it; 0x80 for the others.
+/// Spreads packed bytes to the places that their mask names.
+struct alignas(64) SpreadTable {
+  std::uint8_t bytes[256][8];
+};
+
+constexpr SpreadTable kSpread = [] {
+  SpreadTable table{};
+  for (unsigned m = 0; m < 256; ++m) {
+    std::uint8_t rank = 0;
+    for (unsigned bit = 0; bit < 8; ++bit) table.bytes[m][bit] = m >> bit & 1 ? rank++ : 0x80;
   }
+  return table;
+}();
+
+/// The same for int8: spread to their places, then a Hadamard transform of the eight children in
+/// eight 16-bit lanes.
+HWY_INLINE void addDetails(const TreeData::Level& level, std::uint32_t begin, unsigned mask,
+                           bool later, int h, float* HWY_RESTRICT at) {
+  if (HWY_UNLIKELY(level.wide))
+    return addDetailsSlowly(level, begin, mask, later, h, at);
+  const hn::FixedTag<std::uint8_t, 16> d8;
+  const hn::FixedTag<std::uint8_t, 8> dHalf8;
+  const hn::FixedTag<std::int8_t, 16> di8;
+  const hn::FixedTag<std::int16_t, 8> d16;
+  const hn::FixedTag<std::uint32_t, 4> d32;
+  const hn::FixedTag<std::int32_t, 4> di32;
+  const hn::FixedTag<float, 4> df;
+  const hn::FixedTag<float, 2> dPair;
+
+  const unsigned earlier = mask & 0xFEu;
+  const auto spreadEarlier = hn::Load(dHalf8, kSpread.bytes[earlier]);
+  const auto spreadLater = hn::Add(hn::Load(dHalf8, kSpread.bytes[mask >> 8]),
+                                   hn::Set(dHalf8, static_cast<std::uint8_t>(popCount(earlier))));
+  const auto packed =
+      hn::LoadU(d8, reinterpret_cast<const std::uint8_t*>(level.narrow8.data() + begin));
+  const auto w = hn::BitCast(
+      di8, hn::TableLookupBytesOr0(packed, hn::Combine(d8, spreadLater, spreadEarlier)));
+  if (HWY_UNLIKELY(!hn::AllFalse(di8, hn::Eq(w, hn::Set(di8, hwy::LowestValue<std::int8_t>()))))) {
+    return addDetailsSlowly(level, begin, mask, later, h, at);
+  }
+  const auto a = hn::PromoteTo(d16, hn::LowerHalf(w));
+  const auto b = hn::PromoteTo(d16, hn::UpperHalf(hn::Half<decltype(di8)>(), w));
+  const auto t = later ? hn::Sub(a, b) : hn::Add(a, b);
+
+  // Each step adds a lane to, or subtracts it from, the lane whose number differs in one bit.
+  alignas(16) static constexpr std::int16_t kMinusX[8] = {0, -1, 0, -1, 0, -1, 0, -1};
+  alignas(16) static constexpr std::int16_t kMinusY[8] = {0, 0, -1, -1, 0, 0, -1, -1};
+  alignas(16) static constexpr std::int16_t kMinusZ[8] = {0, 0, 0, 0, -1, -1, -1, -1};
+  const auto minusX = hn::Load(d16, kMinusX);
+  const auto minusY = hn::Load(d16, kMinusY);
+  const auto minusZ = hn::Load(d16, kMinusZ);
+  const auto words = hn::BitCast(d32, t);
+  const auto otherX = hn::BitCast(d16, hn::Or(hn::ShiftLeft<16>(words), hn::ShiftRight<16>(words)));
+  const auto x = hn::Add(otherX, hn::Sub(hn::Xor(t, minusX), minusX));
+  const auto otherY = hn::BitCast(d16, hn::Shuffle2301(hn::BitCast(d32, x)));
+  const auto y = hn::Add(otherY, hn::Sub(hn::Xor(x, minusY), minusY));
+  const auto otherZ = hn::BitCast(d16, hn::Shuffle1032(hn::BitCast(d32, y)));
+  const auto z = hn::Add(otherZ, hn::Sub(hn::Xor(y, minusZ), minusZ));
+
+  const auto scale = hn::Set(df, level.scale);
+  const auto low = hn::Mul(hn::ConvertTo(df, hn::PromoteTo(di32, hn::LowerHalf(z))), scale);
+  const auto high = hn::Mul(
+      hn::ConvertTo(df, hn::PromoteTo(di32, hn::UpperHalf(hn::Half<decltype(d16)>(), z))), scale);
+  auto addPair = [&](float* pair, auto add) {
+    hn::StoreU(hn::Add(hn::LoadU(dPair, pair), add), dPair, pair);
+  };
+  addPair(at, hn::LowerHalf(low));
+  addPair(at + h, hn::UpperHalf(dPair, low));
+  addPair(at + h * h, hn::LowerHalf(high));
+  addPair(at + h * h + h, hn::UpperHalf(dPair, high));
 }
 #endif
 
-/// Adds a node's wavelets to the finer grid.
-HWY_INLINE void addDetails(const TreeData& data, const TreeData::Level& level, const Item& item, unsigned mask, bool later,
-                           int channel, int h, float* HWY_RESTRICT cells) {
-  alignas(64) std::int32_t w[16] = {};
-  forEachCoefficient(level, item.coefficient * data.channels + channel, data.channels, mask,
-                     [&](unsigned bit, std::int32_t q) { w[hwy::Num0BitsBelowLS1Bit_Nonzero32(bit)] = q; });
-  alignas(32) std::int32_t sums[8];
-  hadamard(w, later, sums);
-  for (int o = 0; o < 8; ++o) {
-    cells[item.cell + ((o >> 2) * h + (o >> 1 & 1)) * h + (o & 1)] += static_cast<float>(sums[o]) * level.scale;
-  }
-}
-
 /// Appends the children of `item` in one time half; their ranks follow from the first one's.
-HWY_INLINE int listChildren(const TreeData& data, const Item& item, bool later, int h, Item* out) {
+HWY_INLINE int listChildren(const TreeData& data, const TreeData::Level& below, const Item& item,
+                            bool later, bool finest, Item* out) {
   const unsigned children = data.childMasks[item.inner];
   const unsigned half = later ? children >> 8 : children & 0xFFu;
-  if (half == 0) return 0;
-  const std::uint32_t first = data.childBases[item.inner] + (later ? popCount(children & 0xFFu) : 0);
-  std::uint32_t coefficient = coefficientsBefore(data, first);
-  std::uint32_t inner = data.groups[first / TreeData::kGroup].inner + rankInGroup(data.masks.data(), first, kInnerBits);
-  const int hh = 2 * h;  // cells of the grid after the next
-  const std::uint32_t x = item.cell % h, y = item.cell / h % h, z = item.cell / (h * h);
+  if (half == 0)
+    return 0;
+  std::uint32_t node = data.childBases[item.inner] + (later ? popCount(children & 0xFFu) : 0);
+  std::uint32_t coefficient = coefficientsBefore(data, node);
+  std::uint32_t inner = finest ? 0 : innerBefore(data, node);
   int count = 0;
-  std::uint32_t node = first;
   for (unsigned m = half; m != 0; m &= m - 1, ++node) {
-    const unsigned o = static_cast<unsigned>(hwy::Num0BitsBelowLS1Bit_Nonzero32(m));
-    const std::uint32_t cell = (2 * (z + (o >> 2)) * hh + 2 * (y + (o >> 1 & 1))) * hh + 2 * (x + (o & 1));
-    out[count++] = {node, coefficient, inner, cell};
-    coefficient += popCount(data.masks[node] & 0xFFFEu);
-    inner += data.masks[node] & 1u;
+    const auto o = static_cast<unsigned>(hwy::Num0BitsBelowLS1Bit_Nonzero32(m));
+    const unsigned mask = data.masks[node];
+    out[count++] = {node,
+                    coefficient,
+                    inner,
+                    2 * (item.z + (o >> 2)),
+                    2 * (item.y + (o >> 1 & 1)),
+                    2 * (item.x + (o & 1))};
+    if (!below.wide)
+      hwy::Prefetch(below.narrow8.data() + coefficient * data.channels);
+    coefficient += popCount(mask & 0xFFFEu);
+    inner += mask & 1u;
   }
   return count;
 }
@@ -283,39 +368,67 @@ void ReadBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, f
   constexpr int kMaxNodes = 512;
   alignas(64) float buffers[2][3 * kMaxSide * kMaxSide * kMaxSide / 8];
   Item items[2][kMaxNodes];
-  const int side = 1 << data.entryLevels;
   int count = 0;
   if (entry.node != TreeData::kNoNode) {
-    items[0][0] = {entry.node, coefficientsBefore(data, entry.node),
-                   data.groups[entry.node / TreeData::kGroup].inner + rankInGroup(data.masks.data(), entry.node, kInnerBits), 0};
+    items[0][0] = {
+        entry.node, coefficientsBefore(data, entry.node), innerBefore(data, entry.node), 0, 0, 0};
     count = 1;
   }
-  float* current = buffers[0];
+  int turn = 0;
+  float* current = data.entryLevels % 2 == 0 ? buffers[0] : buffers[1];
   for (int c = 0; c < data.channels; ++c) current[c] = entry.value[c];
   int g = 1;
-  for (int l = data.entryLevels - 1, turn = 0; l >= 0; --l, turn ^= 1) {
+  for (int l = data.entryLevels - 1; l >= 0; --l, turn ^= 1) {
     const int h = 2 * g;
-    float* finer = l == 0 ? values : buffers[turn ^ 1];
+    const int cells = h * h * h;
+    float* finer = l == 0 ? values : current == buffers[0] ? buffers[1] : buffers[0];
     const bool later = t >> l & 1;
-    for (int c = 0; c < data.channels; ++c) upsample(current + c * g * g * g, g, finer + c * h * h * h);
+    for (int c = 0; c < data.channels; ++c) upsample(current + c * g * g * g, g, finer + c * cells);
     int next = 0;
     for (int i = 0; i < count; ++i) {
       const Item& item = items[turn][i];
       const unsigned mask = data.masks[item.node];
+      float* at = finer + (item.z * h + item.y) * h + item.x;
       for (int c = 0; c < data.channels; ++c) {
-        addDetails(data, data.levels[l], item, mask, later, c, h, finer + c * h * h * h);
+        addDetails(data.levels[l], channelBegin(data, item.coefficient, mask, c), mask, later, h,
+                   at + c * cells);
       }
-      if (mask & 1) next += listChildren(data, item, later, h, &items[turn ^ 1][next]);
+      if (mask & 1)
+        next += listChildren(data, data.levels[l - 1], item, later, l == 1, &items[turn ^ 1][next]);
     }
     count = next;
     current = finer;
     g = h;
   }
-  const int total = data.channels * side * side * side;
-  for (int i = 0; i < total; ++i) values[i] = clamped(data, values[i]);
+}
+
+void CopyBrick(const TreeData& data, const BrickCopy& copy) {
+  const BrickCopy c = copy;  // a copy that no store can alias
+  if (c.width < 8 || c.toStep != 1) {
+    for (int z = 0; z < c.depth; ++z)
+      for (int y = 0; y < c.height; ++y)
+        for (int x = 0; x < c.width; ++x) {
+          c.to[z * c.toPlane + y * c.toRow + x * c.toStep] =
+              clamped(data, c.from[z * c.fromPlane + y * c.fromRow + x]);
+        }
+    return;
+  }
+  const hn::CappedTag<float, 8> d;
+  const auto minimum = hn::Set(d, data.minimum);
+  const auto maximum = hn::Set(d, data.maximum);
+  for (int z = 0; z < c.depth; ++z) {
+    const float* from = c.from + z * c.fromPlane;
+    float* to = c.to + z * c.toPlane;
+    for (int y = 0; y < c.height; ++y, from += c.fromRow, to += c.toRow) {
+      for (std::size_t x = 0; x < 8; x += hn::Lanes(d)) {
+        hn::StoreU(hn::Min(hn::Max(hn::LoadU(d, from + x), minimum), maximum), d, to + x);
+      }
+    }
+  }
 }
 
 }  // namespace volute::HWY_NAMESPACE
+
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -325,22 +438,28 @@ HWY_EXPORT(ReadValue);
 HWY_EXPORT(ReadValues);
 HWY_EXPORT(ReadAlong);
 HWY_EXPORT(ReadBlockSlice);
+HWY_EXPORT(CopyBrick);
 
 float readValue(const TreeData& data, const std::array<int, 4>& voxel, int channel) {
   return HWY_DYNAMIC_DISPATCH(ReadValue)(data, voxel, channel);
 }
 
-void readValues(const TreeData& data, std::span<const std::array<int, 4>> voxels, std::span<float> values) {
+void readValues(const TreeData& data, std::span<const std::array<int, 4>> voxels,
+                std::span<float> values) {
   HWY_DYNAMIC_DISPATCH(ReadValues)(data, voxels, values);
 }
 
-void readAlong(const TreeData& data, const std::array<int, 4>& origin, const std::array<int, 4>& direction,
-               std::span<float> values) {
+void readAlong(const TreeData& data, const std::array<int, 4>& origin,
+               const std::array<int, 4>& direction, std::span<float> values) {
   HWY_DYNAMIC_DISPATCH(ReadAlong)(data, origin, direction, values);
 }
 
 void readBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, float* values) {
   HWY_DYNAMIC_DISPATCH(ReadBlockSlice)(data, entry, t, values);
+}
+
+void copyBrick(const TreeData& data, const BrickCopy& copy) {
+  HWY_DYNAMIC_DISPATCH(CopyBrick)(data, copy);
 }
 
 }  // namespace volute

@@ -8,19 +8,33 @@
 
 #include "volute/tree4d/tree_data.hpp"
 
-// Reads of the compact tree, compiled for several instruction sets; the best one is picked when the program runs.
-// All give the same bits, and the same as a walk with tree_node.hpp in float.
+// Reads of the compact tree, compiled for several instruction sets; the best one is picked when the
+// program runs. All give the same bits, and the same as a walk with tree_node.hpp in float.
 
 namespace volute {
 
 float readValue(const TreeData& data, const std::array<int, 4>& voxel, int channel);
 
-void readValues(const TreeData& data, std::span<const std::array<int, 4>> voxels, std::span<float> values);
+void readValues(const TreeData& data, std::span<const std::array<int, 4>> voxels,
+                std::span<float> values);
 
-void readAlong(const TreeData& data, const std::array<int, 4>& origin, const std::array<int, 4>& direction,
-               std::span<float> values);
+void readAlong(const TreeData& data, const std::array<int, 4>& origin,
+               const std::array<int, 4>& direction, std::span<float> values);
 
-/// Time `t` of the block with entry `entry`: shape (channel, z, y, x) of 2^entryLevels cells a side, clamped.
+/// Time `t` of the block with entry `entry`: shape (channel, z, y, x) of 2^entryLevels cells a
+/// side, not yet clamped.
 void readBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, float* values);
+
+/// What copyBrick copies: up to 8 x 8 x 8 values of one channel; strides in floats.
+struct BrickCopy {
+  const float* from;
+  std::ptrdiff_t fromRow, fromPlane;
+  float* to;
+  std::ptrdiff_t toStep, toRow, toPlane;
+  int depth, height, width;
+};
+
+/// Copies and clamps to the data's minimum and maximum.
+void copyBrick(const TreeData& data, const BrickCopy& copy);
 
 }  // namespace volute

@@ -10,22 +10,25 @@ namespace {
 
 constexpr double kSqrt2 = 1.41421356237309504880;
 
-/// Steps alternate between the odd and the even samples, odd ones first: x[i] += c * (x[i-1] + x[i+1]).
-/// Then low *= scale and high /= scale. Daubechies and Sweldens 1998, section 7.
+/// Steps alternate between the odd and the even samples, odd ones first: x[i] += c * (x[i-1] +
+/// x[i+1]). Then low *= scale and high /= scale. Daubechies and Sweldens 1998, section 7.
 struct LiftingScheme {
   std::span<const double> steps;
   double scale;
 };
 
 constexpr std::array kSteps53{-0.5, 0.25};
-constexpr std::array kSteps97{-1.586134342059924, -0.052980118572961, 0.882911075530934, 0.443506852043971};
+constexpr std::array kSteps97{-1.586134342059924, -0.052980118572961, 0.882911075530934,
+                              0.443506852043971};
 
 LiftingScheme schemeOf(Wavelet wavelet) {
-  if (wavelet == Wavelet::kCdf53) return {kSteps53, kSqrt2};
+  if (wavelet == Wavelet::kCdf53)
+    return {kSteps53, kSqrt2};
   return {kSteps97, 1.149604398860241};
 }
 
-/// x[i] += c * (its two neighbours) for i = first, first + 2, ...; a neighbour that is missing is mirrored by the other.
+/// x[i] += c * (its two neighbours) for i = first, first + 2, ...; a neighbour that is missing is
+/// mirrored by the other.
 template <class T>
 void step(T* x, std::ptrdiff_t n, std::ptrdiff_t stride, std::ptrdiff_t first, T c) {
   for (std::ptrdiff_t i = first; i < n; i += 2) {
@@ -49,23 +52,28 @@ void haar(T* x, std::ptrdiff_t n, std::ptrdiff_t stride, T lone) {
     x[i * stride] = (a + b) * kHalf;
     x[(i + 1) * stride] = (a - b) * kHalf;
   }
-  if (n % 2 == 1) x[(n - 1) * stride] *= lone;
+  if (n % 2 == 1)
+    x[(n - 1) * stride] *= lone;
 }
 
 }  // namespace
 
 std::optional<Wavelet> waveletByName(std::string_view name) {
   for (Wavelet wavelet : {Wavelet::kHaar, Wavelet::kCdf53, Wavelet::kCdf97}) {
-    if (name == waveletName(wavelet)) return wavelet;
+    if (name == waveletName(wavelet))
+      return wavelet;
   }
   return {};
 }
 
 std::string_view waveletName(Wavelet wavelet) {
   switch (wavelet) {
-    case Wavelet::kHaar: return "haar";
-    case Wavelet::kCdf53: return "cdf53";
-    default: return "cdf97";
+    case Wavelet::kHaar:
+      return "haar";
+    case Wavelet::kCdf53:
+      return "cdf53";
+    default:
+      return "cdf97";
   }
 }
 
@@ -77,7 +85,8 @@ void liftForward(T* x, std::ptrdiff_t n, std::ptrdiff_t stride, Wavelet wavelet)
     haar(x, n, stride, static_cast<T>(kSqrt2));
   } else {
     const LiftingScheme scheme = schemeOf(wavelet);
-    for (std::size_t s = 0; s < scheme.steps.size(); ++s) step(x, n, stride, s % 2 == 0 ? 1 : 0, static_cast<T>(scheme.steps[s]));
+    for (std::size_t s = 0; s < scheme.steps.size(); ++s)
+      step(x, n, stride, s % 2 == 0 ? 1 : 0, static_cast<T>(scheme.steps[s]));
     scaleAll(x, n, stride, static_cast<T>(scheme.scale), static_cast<T>(1 / scheme.scale));
   }
 }
@@ -91,7 +100,8 @@ void liftInverse(T* x, std::ptrdiff_t n, std::ptrdiff_t stride, Wavelet wavelet)
   } else {
     const LiftingScheme scheme = schemeOf(wavelet);
     scaleAll(x, n, stride, static_cast<T>(1 / scheme.scale), static_cast<T>(scheme.scale));
-    for (std::size_t s = scheme.steps.size(); s-- > 0;) step(x, n, stride, s % 2 == 0 ? 1 : 0, static_cast<T>(-scheme.steps[s]));
+    for (std::size_t s = scheme.steps.size(); s-- > 0;)
+      step(x, n, stride, s % 2 == 0 ? 1 : 0, static_cast<T>(-scheme.steps[s]));
   }
 }
 

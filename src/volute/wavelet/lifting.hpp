@@ -8,7 +8,8 @@
 
 namespace volute {
 
-/// The biorthogonal wavelets of the codec, by their lifting steps. Haar is the paper's (Ahrenberg et al. 2005, section 6).
+/// The biorthogonal wavelets of the codec, by their lifting steps. Haar is the paper's (Ahrenberg
+/// et al. 2005, section 6).
 enum class Wavelet {
   kHaar,
   kCdf53,  ///< Cohen-Daubechies-Feauveau 5/3 (LeGall)
@@ -19,10 +20,11 @@ enum class Wavelet {
 std::optional<Wavelet> waveletByName(std::string_view name);
 std::string_view waveletName(Wavelet wavelet);
 
-/// One level of the transform of `n` samples x[0], x[stride], ..., in place and interleaved: afterwards the even samples
-/// are the scaling (low) and the odd samples the wavelet (high) coefficients. Symmetric extension at both ends; scaled so
-/// that the low of a constant is sqrt(2) times it (orthonormal for Haar). Of an odd number of samples the last is a low
-/// without a partner; of one sample nothing is changed but that scale. T is float or double.
+/// One level of the transform of `n` samples x[0], x[stride], ..., in place and interleaved:
+/// afterwards the even samples are the scaling (low) and the odd samples the wavelet (high)
+/// coefficients. Symmetric extension at both ends; scaled so that the low of a constant is sqrt(2)
+/// times it (orthonormal for Haar). Of an odd number of samples the last is a low without a
+/// partner; of one sample nothing is changed but that scale. T is float or double.
 template <class T>
 void liftForward(T* x, std::ptrdiff_t n, std::ptrdiff_t stride, Wavelet wavelet);
 

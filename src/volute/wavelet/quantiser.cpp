@@ -2,64 +2,68 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/wavelet/quantiser.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
 namespace volute {
 namespace {
 
-constexpr int kBinShift = 17;  // the exponent and the first 6 bits of the mantissa: 64 bins an octave
+// The exponent and the first 6 bits of the mantissa name a bin: 64 an octave.
+constexpr int kBinShift = 17;
 constexpr std::size_t kBins = std::size_t{0x7F800000} >> kBinShift;
+
+/// The middle of a bin.
+double binValue(std::size_t bin) {
+  const auto bits = static_cast<std::uint32_t>(bin << kBinShift | 1u << (kBinShift - 1));
+  return std::bit_cast<float>(bits);
+}
 
 }  // namespace
 
-QuantisationModel::QuantisationModel() : bins_(kBins) {}
+QuantisationModel::QuantisationModel() : counts_(kBins) {}
 
 void QuantisationModel::add(float coefficient) {
   const float magnitude = std::fabs(coefficient);
-  if (magnitude == 0) return;
-  Bin& bin = bins_[std::min<std::size_t>(std::bit_cast<std::uint32_t>(magnitude) >> kBinShift, kBins - 1)];
-  bin.count += 1;
-  bin.sum += magnitude;
-  bin.squares += static_cast<double>(magnitude) * magnitude;
+  if (magnitude == 0)
+    return;
+  ++counts_[std::min<std::size_t>(std::bit_cast<std::uint32_t>(magnitude) >> kBinShift, kBins - 1)];
 }
 
 void QuantisationModel::merge(const QuantisationModel& other) {
-  for (std::size_t i = 0; i < kBins; ++i) {
-    bins_[i].count += other.bins_[i].count;
-    bins_[i].sum += other.bins_[i].sum;
-    bins_[i].squares += other.bins_[i].squares;
-  }
+  for (std::size_t i = 0; i < kBins; ++i) counts_[i] += other.counts_[i];
 }
 
 double QuantisationModel::squaredError(double step) const {
-  // Errors within a step are spread evenly over [-0.4, 0.6) steps once a bin of the histogram is wide against it.
+  // Errors within a step are spread evenly over [-0.4, 0.6) steps once a bin of the histogram is
+  // wide against it.
   constexpr double kOffset = kRoundingOffset;
-  constexpr double kEvenSpread = (kOffset * kOffset * kOffset + (1 - kOffset) * (1 - kOffset) * (1 - kOffset)) / 3;
+  constexpr double kEvenSpread =
+      (kOffset * kOffset * kOffset + (1 - kOffset) * (1 - kOffset) * (1 - kOffset)) / 3;
   constexpr double kNarrow = 24;
   double error = 0;
-  for (const Bin& bin : bins_) {
-    if (bin.count == 0) continue;
-    const double steps = bin.sum / bin.count / step;
-    if (steps > kNarrow) {
-      error += bin.count * kEvenSpread * step * step;
-    } else {
-      const double value = std::floor(steps + kOffset) * step;
-      error += bin.squares - 2 * value * bin.sum + bin.count * value * value;
-    }
+  for (std::size_t i = 0; i < kBins; ++i) {
+    if (counts_[i] == 0)
+      continue;
+    const double value = binValue(i);
+    const double steps = value / step;
+    const double e = value - std::floor(steps + kOffset) * step;
+    error +=
+        static_cast<double>(counts_[i]) * (steps > kNarrow ? kEvenSpread * step * step : e * e);
   }
   return error;
 }
 
 double QuantisationModel::stepFor(double target) const {
-  double low = 0, high = 0;
-  for (std::size_t i = kBins; i-- > 0;) {
-    if (bins_[i].count == 0) continue;
-    high = 4 * bins_[i].sum / bins_[i].count;  // beyond it every coefficient is dropped
-    break;
-  }
-  if (high == 0 || squaredError(high) <= target) return high;
-  low = high * 0x1p-40;
+  const auto largest =
+      std::find_if(counts_.rbegin(), counts_.rend(), [](std::uint64_t count) { return count > 0; });
+  if (largest == counts_.rend())
+    return 0;
+  // Beyond four times the largest coefficient every one is dropped.
+  double high = 4 * binValue(static_cast<std::size_t>(counts_.rend() - largest) - 1);
+  if (squaredError(high) <= target)
+    return high;
+  double low = high * 0x1p-40;
   for (int i = 0; i < 60 && high / low > 1.0001; ++i) {
     const double middle = std::sqrt(low * high);
     (squaredError(middle) <= target ? low : high) = middle;

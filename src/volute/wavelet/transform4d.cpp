@@ -8,7 +8,9 @@ namespace volute {
 namespace {
 
 /// Samples of an axis of `extent` that stand 2^level apart, from 0 on.
-std::ptrdiff_t samplesAt(std::ptrdiff_t extent, int level) { return ((extent - 1) >> level) + 1; }
+std::ptrdiff_t samplesAt(std::ptrdiff_t extent, int level) {
+  return ((extent - 1) >> level) + 1;
+}
 
 /// Lifts all lines along `axis` of the grid whose samples stand 2^strideLevel[a] apart on axis a.
 template <class T, class Lift>
@@ -48,10 +50,13 @@ void transformForward(View<T, 4> samples, Wavelet wavelet, const std::array<int,
   const int deepest = *std::ranges::max_element(levels);
   for (int level = 0; level < deepest; ++level) {
     for (int axis = 4; axis-- > 0;) {
-      if (level >= levels[axis]) continue;
+      if (level >= levels[axis])
+        continue;
       // Axes are lifted one after the other on the same grid: the stride grows when all are done.
       liftAxis(samples, axis, strideLevelsAt(level, levels),
-               [&](T* line, std::ptrdiff_t n, std::ptrdiff_t stride) { liftForward(line, n, stride, wavelet); });
+               [&](T* line, std::ptrdiff_t n, std::ptrdiff_t stride) {
+                 liftForward(line, n, stride, wavelet);
+               });
     }
   }
 }
@@ -61,9 +66,12 @@ void transformInverse(View<T, 4> coefficients, Wavelet wavelet, const std::array
   const int deepest = *std::ranges::max_element(levels);
   for (int level = deepest; level-- > 0;) {
     for (int axis = 0; axis < 4; ++axis) {
-      if (level >= levels[axis]) continue;
+      if (level >= levels[axis])
+        continue;
       liftAxis(coefficients, axis, strideLevelsAt(level, levels),
-               [&](T* line, std::ptrdiff_t n, std::ptrdiff_t stride) { liftInverse(line, n, stride, wavelet); });
+               [&](T* line, std::ptrdiff_t n, std::ptrdiff_t stride) {
+                 liftInverse(line, n, stride, wavelet);
+               });
     }
   }
 }

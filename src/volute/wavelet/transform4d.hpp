@@ -12,10 +12,11 @@ namespace volute {
 /// Levels until every axis has one sample: ceil(log2(longest extent)).
 int fullLevels(const std::array<std::ptrdiff_t, 4>& extents);
 
-/// The 4D non-standard transform (Ahrenberg et al. 2005, section 4.1), in place, of any size: each level lifts along x, y,
-/// z and t the samples that are low on all axes so far; they stand 2^level apart, so the coefficients stay at the place
-/// that they describe. An axis takes part in its first levels[axis] levels; an axis with one sample left is only
-/// scaled (by sqrt 2, like a sample without a partner), so that scales agree between axes.
+/// The 4D non-standard transform (Ahrenberg et al. 2005, section 4.1), in place, of any size: each
+/// level lifts along x, y, z and t the samples that are low on all axes so far; they stand 2^level
+/// apart, so the coefficients stay at the place that they describe. An axis takes part in its first
+/// levels[axis] levels; an axis with one sample left is only scaled (by sqrt 2, like a sample
+/// without a partner), so that scales agree between axes.
 template <class T>
 void transformForward(View<T, 4> samples, Wavelet wavelet, const std::array<int, 4>& levels);
 

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/base/parallel.hpp"
+#include "volute/codec/volute_reader.hpp"
+
+namespace {
+
+constexpr std::uint64_t kMaxMemory = std::uint64_t{64} << 20;
+constexpr std::size_t kMaxBlocks = 8;  // a small file may state millions of empty ones
+
+void requireFinite(std::span<const float> values) {
+  if (!std::ranges::all_of(values, [](float value) { return std::isfinite(value); }))
+    std::abort();
+}
+
+// Everything that a caller can ask of a file; errors are fine, crashes and values that are not
+// finite are not.
+void readEverything(const std::string& path, bool partial) {
+  const auto reader = volute::VoluteReader::open(path, {partial, kMaxMemory});
+  if (!reader)
+    return;
+  const volute::BlockGrid& grid = reader->blocks();
+  if (grid.count() > 100000)
+    return;
+  (void)reader->verify();
+  std::vector<float> values;
+  for (std::size_t block = 0; block < std::min(grid.count(), kMaxBlocks); ++block) {
+    values.resize(grid.values(block));
+    for (const int levels : {1, 3, 99}) {
+      if (reader->readBlock(block, values, levels))
+        requireFinite(values);
+    }
+  }
+  const auto& extents = grid.volumeExtents();
+  const int z = std::min(extents[1], 20);
+  const int y = std::min(extents[2], 20);
+  const int x = std::min(extents[3], 20);
+  values.resize(static_cast<std::size_t>(z) * y * x * grid.channels());
+  if (reader->readRegion(extents[0] - 1, {0, 0, 0}, {z, y, x}, values))
+    requireFinite(values);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const volute::ThreadLimit limit(1);
+  static const int file = ::memfd_create("fuzz.volute", 0);
+  if (::ftruncate(file, 0) != 0 || ::pwrite(file, data, size, 0) != static_cast<ssize_t>(size))
+    std::abort();
+  const std::string path = "/proc/self/fd/" + std::to_string(file);
+  readEverything(path, false);
+  readEverything(path, true);
+  return 0;
+}
