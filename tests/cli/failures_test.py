@@ -111,6 +111,11 @@ class Failures(support.TestCase):
         self.fails(1, "render", packed, "-o", self.path("x.png"), preexec_fn=small_files)
         self.fails(1, "render", packed, "-o", self.path("x.exr"), preexec_fn=small_files)
 
+    def test_targets_out_of_reach(self):
+        source = self.make_npy()
+        for target in (["--size", "10"], ["--ratio", "1e9"], ["--rms", "1e-12"]):
+            self.assertIn("x.volute", self.fails(1, "compress", source, "-o", self.path("x.volute"), *target))
+
     def test_an_old_target_survives_a_failure(self):
         self.path("x.volute").write_bytes(b"old")
         write_npy(self.path("bad.npy"), (1, 1, 1, 1), [math.nan])
