@@ -80,6 +80,7 @@ class Failures(support.TestCase):
         packed = self.make_volute(size=16)
         self.fails(1, "extract", packed, "-o", self.path("x.npy"), "--max-memory", "1K")
         self.fails(1, "render", packed, "-o", self.path("x.png"), "--max-memory", "1K")
+        self.assertIn("pixels", self.fails(1, "render", packed, "-o", self.path("x.png"), "--size", "20000x20000"))
 
     def test_targets_that_cannot_be_written(self):
         source, packed = self.make_npy(), self.make_volute()
@@ -109,6 +110,11 @@ class Failures(support.TestCase):
         self.fails(1, "extract", packed, "-o", self.path("x.npy"), preexec_fn=small_files)
         self.fails(1, "render", packed, "-o", self.path("x.png"), preexec_fn=small_files)
         self.fails(1, "render", packed, "-o", self.path("x.exr"), preexec_fn=small_files)
+
+    def test_targets_out_of_reach(self):
+        source = self.make_npy()
+        for target in (["--size", "10"], ["--ratio", "1e9"], ["--rms", "1e-12"]):
+            self.assertIn("x.volute", self.fails(1, "compress", source, "-o", self.path("x.volute"), *target))
 
     def test_an_old_target_survives_a_failure(self):
         self.path("x.volute").write_bytes(b"old")

@@ -50,7 +50,7 @@ class Interrupt(support.TestCase):
             self.assertEqual(self.files(), ["noise.npy"])
 
     def test_synthesize_and_a_second_signal(self):
-        process = self.start("synthesize", "fire", "-o", self.path("x.npy"), "--size", "128", "--frames", "1000")
+        process = self.start("synthesize", "fire", "-o", self.path("x.npy"), "--size", "64", "--frames", "10000")
         process.send_signal(signal.SIGINT)
         time.sleep(0.02)
         if process.poll() is None:
@@ -61,7 +61,7 @@ class Interrupt(support.TestCase):
 
     def test_render_stops(self):
         packed = self.make_volute()
-        process = subprocess.Popen([support.PROGRAM, "render", packed, "-o", self.path("x.png"), "--size", "20000x20000"],
+        process = subprocess.Popen([support.PROGRAM, "render", packed, "-o", self.path("x.png"), "--size", "4000x4000", "--renderer", "reference"],
                                    stderr=subprocess.PIPE)
         time.sleep(0.5)
         self.assertIn("stopped", self.stopped(process, [signal.SIGINT]))

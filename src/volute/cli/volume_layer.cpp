@@ -26,6 +26,9 @@ Status checkFinite(std::span<const float> frame, const VolumeInfo& info, const s
 
 VolumeLayer::VolumeLayer(VolumeInput input, const Appearance& appearance)
     : input_(std::move(input)), appearance_(appearance), info_(input_.source->info()) {
+  const Placement& placement = appearance_.placement;
+  info_.bounds.min = placement.scale.cwiseProduct(info_.bounds.min) + placement.offset;
+  info_.bounds.max = placement.scale.cwiseProduct(info_.bounds.max) + placement.offset;
   if (appearance_.basis)
     info_.basis = *appearance_.basis;
 }
@@ -77,6 +80,22 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::sliceAt(int position) {
   slice_ = std::make_shared<const BrickSlice>(std::move(slice));
   position_ = position;
   return slice_;
+}
+
+int VolumeLayer::positionAt(double time) const {
+  const Clock& clock = appearance_.clock;
+  double local = clock.offset + clock.rate * time;
+  if (clock.loop && info_.frames > 1) {
+    const double first = info_.times.front();
+    const double lastFrame = info_.times.back() - info_.times[info_.frames - 2];
+    const double period = info_.times.back() + lastFrame - first;
+    local -= period * std::floor((local - first) / period);
+  }
+  return info_.frameAt(local);
+}
+
+double VolumeLayer::timeOf(int position) const {
+  return (info_.times[position] - appearance_.clock.offset) / appearance_.clock.rate;
 }
 
 Result<VoxelMedium> VolumeLayer::mediumAt(int position) {

@@ -12,11 +12,26 @@
 
 namespace volute::cli {
 
-/// How a volume looks: what one unit of its values emits and absorbs.
+/// Where a volume stands in a scene: every point is scaled along the axes, then moved.
+struct Placement {
+  Vec3 scale = Vec3::Ones();  ///< > 0
+  Vec3 offset = Vec3::Zero();
+};
+
+/// A volume's own time: offset + rate * the scene's time [s].
+struct Clock {
+  double offset = 0;
+  double rate = 1;    ///< > 0
+  bool loop = false;  ///< begins again after its last frame, which lasts as long as the one before
+};
+
+/// How a volume looks, and where and when.
 struct Appearance {
   double emission = 1;         ///< radiance per metre per unit
   double extinction = 0;       ///< 1/m per unit
   std::optional<Basis> basis;  ///< instead of the file's
+  Placement placement;
+  Clock clock;
 };
 
 /// How much of the hexadeca-tree a rendering has looked at.
@@ -33,6 +48,7 @@ class VolumeLayer {
                                                 const InputOptions& options,
                                                 const Appearance& appearance, Context& context);
 
+  /// Its bounds are those in the scene.
   const VolumeInfo& info() const { return info_; }
 
   /// The frame at a position as bricks. The last one is kept.
@@ -42,6 +58,12 @@ class VolumeLayer {
 
   /// What was read of trees so far; zeros for inputs without one.
   const TreeCounts& treeCounts() const { return counts_; }
+
+  /// The position of the frame that is shown at a time of the scene [s].
+  int positionAt(double time) const;
+
+  /// When a frame begins in the scene's time [s].
+  double timeOf(int position) const;
 
   /// Null unless it is a .volute file.
   const VoluteReader* reader() const { return input_.reader.get(); }

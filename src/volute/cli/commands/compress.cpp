@@ -44,6 +44,16 @@ Report reportOf(const std::string& target, const VolumeInfo& info, const Compres
   return report;
 }
 
+/// The command line was checked, so what compress() still finds invalid is a target out of reach:
+/// it could not, and that is not wrong usage.
+Result<CompressReport> compressTo(const std::string& target, FrameSource& source,
+                                  const CompressOptions& options, Progress& progress) {
+  auto result = compress(source, target, options, progress);
+  if (!result && result.error().code == ErrorCode::kInvalidArgument)
+    result.error().code = ErrorCode::kUnsupported;
+  return result;
+}
+
 Status run(const Arguments& arguments, Context& context) {
   const std::string& path = arguments.positional(0);
   const auto target = arguments.get<std::string>("output");
@@ -65,7 +75,7 @@ Status run(const Arguments& arguments, Context& context) {
   options.wavelet = arguments.get<std::string>("wavelet");
   options.provenance = std::filesystem::path(path).filename().string();
   options.maxMemory = context.maxMemory;
-  VOLUTE_ASSIGN(const auto result, compress(*source, target, options, context.progress));
+  VOLUTE_ASSIGN(const auto result, compressTo(target, *source, options, context.progress));
   context.print(reportOf(target, source->info(), result));
   return {};
 }

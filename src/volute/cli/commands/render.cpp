@@ -2,16 +2,12 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/render/render.hpp"
 
-#include <sys/resource.h>
-
-#include <chrono>
-#include <utility>
-
 #include "volute/base/output_file.hpp"
 #include "volute/cli/camera_file.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/picture_writer.hpp"
-#include "volute/cli/volume_layer.hpp"
+#include "volute/cli/render_job.hpp"
+#include "volute/cli/scene_file.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/frame_pattern.hpp"
@@ -19,120 +15,171 @@
 namespace volute::cli {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+constexpr Pixels kUsualSize{800, 600};
 
-/// Milliseconds of each stage, and what was looked at.
-struct Totals {
-  double open = 0, slices = 0, render = 0, write = 0;
-  std::uint64_t rays = 0, segments = 0, pieces = 0;
-  std::uint64_t voxels = 0, bricksVisited = 0, bricksSkipped = 0, bricksStored = 0;
-  int pictures = 0;
+/// What a file on the command line shows: a scene, or a volume as a scene of its own.
+struct Subject {
+  bool scene = false;
+  std::vector<VolumeLayer> layers;
+  std::optional<CameraDescription> camera;
+  Rgb background = Rgb::Zero();
 };
 
-class Stopwatch {
- public:
-  explicit Stopwatch(double& total) : total_(total) {}
-
-  ~Stopwatch() {
-    total_ += std::chrono::duration<double, std::milli>(Clock::now() - begin_).count();
-  }
-
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  double& total_;
-  Clock::time_point begin_ = Clock::now();
-};
-
-struct Job {
-  VolumeLayer layer;
-  Camera camera;
-  RenderOptions options;
-  std::vector<int> positions;  ///< of the frames to render
-  Totals totals;
-  std::optional<Image> tried = std::nullopt;  ///< the picture that the exposure was taken from
-  int triedPosition = -1;
-};
-
-Result<Image> renderFrame(Job& job, int position, Progress& progress) {
-  if (job.tried && position == job.triedPosition)
-    return *std::exchange(job.tried, std::nullopt);
-  std::optional<VoxelMedium> medium;
-  {
-    const Stopwatch watch(job.totals.slices);
-    VOLUTE_ASSIGN(medium, job.layer.mediumAt(position));
-  }
-  const Stopwatch watch(job.totals.render);
-  const std::vector<AnyMedium> media{AnyMedium(*medium)};
-  RenderStats stats;
-  VOLUTE_ASSIGN(auto image, render(job.camera, media, job.options, progress, &stats));
-  const MarchCounts counts = medium->counts();
-  Totals& totals = job.totals;
-  totals.rays += stats.rays;
-  totals.segments += stats.segments;
-  totals.pieces += stats.pieces;
-  totals.voxels += counts.voxels;
-  totals.bricksVisited += counts.bricksVisited;
-  totals.bricksSkipped += counts.bricksSkipped;
-  totals.bricksStored += medium->slice().storedBricks();
-  ++totals.pictures;
-  return image;
+InputOptions inputOptions(const Arguments& arguments) {
+  return {.grid = arguments.find<std::string>("grid").value_or(""),
+          .bounds = arguments.find<Box3>("bounds"),
+          .partial = arguments.flag("partial")};
 }
 
-Result<std::vector<int>> positionsOf(const Arguments& arguments, const VolumeInfo& info,
-                                     const std::string& target, Progress& progress) {
+std::optional<Basis> basisOf(const Arguments& arguments) {
+  const auto name = arguments.find<std::string>("basis");
+  if (!name)
+    return std::nullopt;
+  return *name == "box" ? Basis::kBox : Basis::kTrilinear;
+}
+
+Result<Subject> openVolumeSubject(const std::string& path, const Arguments& arguments,
+                                  Context& context) {
+  Appearance appearance;
+  appearance.emission = arguments.get<double>("emission");
+  // Fire does not absorb by default; an optical depth of nothing would say nothing.
+  appearance.extinction =
+      arguments.find<double>("extinction").value_or(arguments.given("aov") ? 1 : 0);
+  appearance.basis = basisOf(arguments);
+  Subject subject;
+  VOLUTE_ASSIGN(auto layer, VolumeLayer::open(path, inputOptions(arguments), appearance, context));
+  subject.layers.push_back(std::move(layer));
+  return subject;
+}
+
+Result<Subject> openScene(const std::string& path, const Arguments& arguments, Context& context) {
+  for (const char* name : {"grid", "bounds", "emission", "extinction"}) {
+    if (!arguments.given(name))
+      continue;
+    return fail(ErrorCode::kInvalidArgument, "--{} is for a single volume; write it into the scene",
+                name);
+  }
+  VOLUTE_ASSIGN(auto scene, readScene(path));
+  Subject subject{true, {}, scene.camera, scene.background};
+  for (SceneVolume& volume : scene.volumes) {
+    volume.appearance.basis = basisOf(arguments);
+    VOLUTE_ASSIGN(auto layer, VolumeLayer::open(volume.file, inputOptions(arguments),
+                                                volume.appearance, context));
+    subject.layers.push_back(std::move(layer));
+  }
+  return subject;
+}
+
+Moment momentAt(const std::vector<VolumeLayer>& layers, double time) {
+  Moment moment;
+  for (const VolumeLayer& layer : layers) moment.positions.push_back(layer.positionAt(time));
+  if (!layers.empty())
+    moment.number = layers.front().info().frameNumbers[moment.positions.front()];
+  return moment;
+}
+
+/// Frames are those of the first volume; the others are shown as they are at its times.
+Moment momentOf(const std::vector<VolumeLayer>& layers, int position) {
+  Moment moment = momentAt(layers, layers.front().timeOf(position));
+  moment.positions.front() = position;
+  moment.number = layers.front().info().frameNumbers[position];
+  return moment;
+}
+
+Result<std::vector<Moment>> momentsOf(const Arguments& arguments, const Subject& subject,
+                                      const std::string& target, Progress& progress) {
+  const auto& layers = subject.layers;
+  if (layers.empty())
+    return std::vector{Moment{}};
   if (const auto time = arguments.find<double>("time"))
-    return std::vector{info.frameAt(*time)};
+    return std::vector{momentAt(layers, *time)};
+  const VolumeInfo& info = layers.front().info();
   const bool several = isFilmPath(target) || FramePattern::isPattern(target);
   if (!arguments.given("frames") && !several) {
-    if (info.frames > 1)
+    if (subject.scene)
+      return std::vector{momentAt(layers, 0)};
+    if (info.frames > 1) {
       progress.remark(fmt::format(
           "showing the first of {} frames; --time or --frames choose others", info.frames));
-    return std::vector{0};
+    }
+    return std::vector{momentOf(layers, 0)};
   }
-  VOLUTE_ASSIGN(auto positions,
+  VOLUTE_ASSIGN(const auto positions,
                 selectPositions(info, arguments.find<FrameRange>("frames").value_or(FrameRange{})));
   if (positions.size() > 1 && !several) {
     return fail(ErrorCode::kInvalidArgument,
                 "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
                 positions.size(), target);
   }
-  return positions;
+  std::vector<Moment> moments;
+  for (const int position : positions) moments.push_back(momentOf(layers, position));
+  return moments;
 }
 
-Result<Camera> chooseCamera(const Arguments& arguments, const VolumeInfo& info) {
-  constexpr Pixels kUsual{800, 600};
-  VOLUTE_ASSIGN(const auto description, cameraOf(arguments));
-  Pixels size = arguments.find<Pixels>("size").value_or(kUsual);
+/// From the times of the first and the last picture; films of one picture have the usual rate.
+double framesPerSecond(const std::vector<VolumeLayer>& layers, const std::vector<Moment>& moments) {
+  constexpr double kUsual = 25;
+  if (moments.size() < 2)
+    return kUsual;
+  const VolumeLayer& first = layers.front();
+  const double seconds = first.timeOf(moments.back().positions.front()) -
+                         first.timeOf(moments.front().positions.front());
+  return static_cast<double>(moments.size() - 1) / seconds;
+}
+
+Result<Camera> chooseCamera(const Arguments& arguments, const Subject& subject) {
+  VOLUTE_ASSIGN(auto description, cameraOf(arguments));
   if (!description)
-    return Camera::framing(info.bounds, size.width, size.height);
+    description = subject.camera;
+  Pixels size = arguments.find<Pixels>("size").value_or(kUsualSize);
+  if (!description)
+    return Camera::framing(subject.layers.front().info().bounds, size.width, size.height);
   if (!arguments.given("size"))
-    size = description->size.value_or(kUsual);
+    size = description->size.value_or(kUsualSize);
   return makeCamera(*description, size);
 }
 
-RenderOptions renderOptions(const Arguments& arguments) {
+/// The linear picture, what is made of it, and its bytes for the file.
+Status checkPictureMemory(const Camera& camera, const Context& context) {
+  constexpr std::uint64_t kBytesAPixel = 32;
+  const std::uint64_t bytes = kBytesAPixel * camera.width() * camera.height();
+  if (bytes <= context.maxMemory)
+    return {};
+  return fail(ErrorCode::kTooLarge,
+              "a picture of {} x {} pixels needs {} MiB of memory, more than the {} MiB allowed; "
+              "raise --max-memory",
+              camera.width(), camera.height(), (bytes >> 20) + 1, context.maxMemory >> 20);
+}
+
+RenderOptions renderOptions(const Arguments& arguments, const Subject& subject) {
   RenderOptions options;
   const auto renderer = arguments.get<std::string>("renderer");
   options.renderer = renderer == "reference" ? Renderer::kReference : Renderer::kCpu;
-  options.background = arguments.get<Vec3>("background").array();
+  options.background = arguments.given("background")
+                           ? Rgb(arguments.get<Vec3>("background").array())
+                           : subject.background;
   if (const auto aov = arguments.find<std::string>("aov")) {
     options.aov = *aov == "transmittance" ? Aov::kTransmittance : Aov::kOpticalDepth;
   }
   return options;
 }
 
-Appearance appearanceOf(const Arguments& arguments) {
-  Appearance appearance;
-  appearance.emission = arguments.get<double>("emission");
-  // Fire does not absorb by default; an optical depth of nothing would say nothing.
-  appearance.extinction =
-      arguments.find<double>("extinction").value_or(arguments.given("aov") ? 1 : 0);
-  if (const auto basis = arguments.find<std::string>("basis")) {
-    appearance.basis = *basis == "box" ? Basis::kBox : Basis::kTrilinear;
+Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target, Context& context) {
+  const std::string& path = arguments.positional(0);
+  RenderTotals totals;
+  Subject subject;
+  {
+    const Stopwatch watch(totals.open);
+    VOLUTE_ASSIGN(subject, extensionOf(path) == ".json"
+                               ? openScene(path, arguments, context)
+                               : openVolumeSubject(path, arguments, context));
   }
-  return appearance;
+  VOLUTE_ASSIGN(auto moments, momentsOf(arguments, subject, target, context.progress));
+  VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, subject));
+  VOLUTE_TRY(checkPictureMemory(camera, context));
+  const double rate = framesPerSecond(subject.layers, moments);
+  const RenderOptions options = renderOptions(arguments, subject);
+  return RenderJob{std::move(subject.layers), camera, options, std::move(moments), rate, totals};
 }
 
 /// 0 stands for auto.
@@ -147,81 +194,28 @@ Result<double> exposureOf(const Arguments& arguments) {
               "--exposure: '{}' is neither auto nor a number greater than 0", text);
 }
 
-Result<Development> developmentOf(const Arguments& arguments, Job& job, const std::string& target,
-                                  Context& context) {
+Result<Development> developmentOf(const Arguments& arguments, const RenderJob& job) {
   Development development;
-  if (const auto map = arguments.find<std::string>("colormap"); map && *map != "grey") {
-    if (job.layer.info().channels != 1 && job.options.aov == Aov::kNone) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "--colormap is for volumes with one channel and for --aov; this one is RGB");
-    }
-    development.colorMap = *map == "viridis" ? ColorMap::kViridis : ColorMap::kInferno;
-  }
   VOLUTE_ASSIGN(development.exposure, exposureOf(arguments));
-  if (development.exposure > 0 || extensionOf(target) == ".exr")
+  const auto map = arguments.get<std::string>("colormap");
+  if (map == "grey")
     return development;
-  if (job.options.aov == Aov::kTransmittance) {
-    development.exposure = 1;
-    return development;
+  for (const VolumeLayer& layer : job.layers) {
+    if (layer.info().channels == 1 || job.options.aov != Aov::kNone)
+      continue;
+    return fail(ErrorCode::kInvalidArgument,
+                "--colormap is for volumes with one channel and for --aov; this one is RGB");
   }
-  const int middle = job.positions[job.positions.size() / 2];
-  VOLUTE_ASSIGN(job.tried, renderFrame(job, middle, context.progress));
-  job.triedPosition = middle;
-  development.exposure = suggestExposure(*job.tried);
-  context.progress.remark(fmt::format("exposure {:.4g}, from frame {}", development.exposure,
-                                      job.layer.info().frameNumbers[middle]));
+  development.colorMap = map == "viridis" ? ColorMap::kViridis : ColorMap::kInferno;
   return development;
 }
 
-/// From the times of the first and the last picture; films of one picture have the usual rate.
-double framesPerSecond(const VolumeInfo& info, const std::vector<int>& positions) {
-  constexpr double kUsual = 25;
-  const double seconds = info.times[positions.back()] - info.times[positions.front()];
-  return seconds > 0 ? static_cast<double>(positions.size() - 1) / seconds : kUsual;
-}
-
-Result<std::unique_ptr<PictureWriter>> writerFor(const std::string& target, const Job& job,
+Result<std::unique_ptr<PictureWriter>> writerFor(const std::string& target, const RenderJob& job,
                                                  const Development& development) {
   if (!isFilmPath(target))
     return stillWriter(target, development);
   return filmWriter(target, development, job.camera.width(), job.camera.height(),
-                    framesPerSecond(job.layer.info(), job.positions));
-}
-
-nlohmann::ordered_json statsJson(const Job& job) {
-  const Totals& t = job.totals;
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  nlohmann::ordered_json json{
-      {"renderer", job.options.renderer == Renderer::kReference ? "reference" : "cpu"},
-      {"size", {job.camera.width(), job.camera.height()}},
-      {"pictures", t.pictures},
-      {"rays", t.rays},
-      {"segments", t.segments},
-      {"pieces", t.pieces},
-      {"voxels_visited", t.voxels},
-      {"bricks_visited", t.bricksVisited},
-      {"bricks_skipped", t.bricksSkipped},
-      {"bricks_stored", t.bricksStored},
-      {"milliseconds",
-       {{"open", t.open}, {"slices", t.slices}, {"render", t.render}, {"write", t.write}}},
-      {"peak_memory_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024}};
-  if (const VoluteReader* reader = job.layer.reader()) {
-    json["bytes_read"] = reader->bytesRead();
-    json["blocks_decoded"] = reader->blocksDecoded();
-    const TreeCounts& counts = job.layer.treeCounts();
-    json["tree_nodes"] = counts.nodes;
-    json["tree_bytes"] = counts.treeBytes;
-    json["nodes_visited"] = counts.nodesVisited;
-  }
-  return json;
-}
-
-Status writeStats(const Job& job, const std::string& target) {
-  VOLUTE_ASSIGN(auto file, OutputFile::create(target));
-  const std::string text = dumpJson(statsJson(job));
-  VOLUTE_TRY(file.write(std::as_bytes(std::span(text))));
-  return file.commit();
+                    job.framesPerSecond);
 }
 
 /// A single picture reports its own progress; of several each is one step.
@@ -235,72 +229,70 @@ class CancelOnly final : public Progress {
   const Progress& outer_;
 };
 
-Status renderAll(Job& job, PictureWriter& writer, Progress& progress) {
-  const auto& positions = job.positions;
+/// Renders and writes every moment; settles the exposure first when it is to be found.
+Status renderAll(RenderJob& job, const std::string& target, Development& development,
+                 Progress& progress) {
+  const std::size_t count = job.moments.size();
+  const std::size_t middle = count / 2;
   CancelOnly steps(progress);
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const int number = job.layer.info().frameNumbers[positions[i]];
+  Progress& each = count > 1 ? static_cast<Progress&>(steps) : progress;
+  std::optional<Image> tried;
+  const bool fixed = job.options.aov == Aov::kTransmittance || extensionOf(target) == ".exr";
+  if (development.exposure == 0 && fixed) {
+    development.exposure = 1;
+  } else if (development.exposure == 0) {
+    VOLUTE_ASSIGN(tried, job.picture(job.moments[middle], each));
+    development.exposure = suggestExposure(*tried);
+    progress.remark(fmt::format("exposure {:.4g}, from frame {}", development.exposure,
+                                job.moments[middle].number));
+  }
+  VOLUTE_ASSIGN(const auto writer, writerFor(target, job, development));
+  for (std::size_t i = 0; i < count; ++i) {
+    const Moment& moment = job.moments[i];
     if (progress.cancelled())
-      return fail(ErrorCode::kCancelled, "stopped before frame {}", number);
-    VOLUTE_ASSIGN(const auto image,
-                  renderFrame(job, positions[i],
-                              positions.size() > 1 ? static_cast<Progress&>(steps) : progress));
+      return fail(ErrorCode::kCancelled, "stopped before frame {}", moment.number);
+    auto image =
+        tried && i == middle ? Result<Image>(std::move(*tried)) : job.picture(moment, each);
+    VOLUTE_TRY(image);
     const Stopwatch watch(job.totals.write);
-    VOLUTE_TRY(writer.write(image, number));
-    if (positions.size() > 1)
-      progress.report("rendering", static_cast<double>(i + 1),
-                      static_cast<double>(positions.size()));
+    VOLUTE_TRY(writer->write(*image, moment.number));
+    if (count > 1)
+      progress.report("rendering", static_cast<double>(i + 1), static_cast<double>(count));
   }
   const Stopwatch watch(job.totals.write);
-  return writer.finish();
+  return writer->finish();
 }
 
-Status checkFormats(const std::string& path, const std::string& target,
-                    const Arguments& arguments) {
-  if (extensionOf(path) == ".json") {
-    return fail(
-        ErrorCode::kUnsupported,
-        "{}: scene files are not rendered by this version; give the volume itself with --camera {}",
-        path, path);
-  }
+Status writeStats(const RenderJob& job, const std::string& target) {
+  VOLUTE_ASSIGN(auto file, OutputFile::create(target));
+  const std::string text = dumpJson(job.stats());
+  VOLUTE_TRY(file.write(std::as_bytes(std::span(text))));
+  return file.commit();
+}
+
+Status checkTargets(const Arguments& arguments, const std::string& target) {
   if (!isPicturePath(target) && !isFilmPath(target)) {
     return fail(ErrorCode::kInvalidArgument,
                 "--output: '{}' is of no known format; expected .png, .exr, .mp4 or .webm", target);
   }
-  if (const auto stats = arguments.find<std::string>("stats")) {
+  if (const auto stats = arguments.find<std::string>("stats"))
     VOLUTE_TRY(checkTarget(*stats, true));
-  }
   return checkTarget(target);
 }
 
 Status run(const Arguments& arguments, Context& context) {
-  const std::string& path = arguments.positional(0);
   const auto target = arguments.get<std::string>("output");
-  VOLUTE_TRY(checkFormats(path, target, arguments));
-  InputOptions input;
-  input.grid = arguments.find<std::string>("grid").value_or("");
-  input.bounds = arguments.find<Box3>("bounds");
-  input.partial = arguments.flag("partial");
-  Totals totals;
-  std::optional<VolumeLayer> layer;
-  {
-    const Stopwatch watch(totals.open);
-    VOLUTE_ASSIGN(layer, VolumeLayer::open(path, input, appearanceOf(arguments), context));
-  }
-  VOLUTE_ASSIGN(auto positions, positionsOf(arguments, layer->info(), target, context.progress));
-  VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, layer->info()));
-  Job job{std::move(*layer), camera, renderOptions(arguments), std::move(positions), totals};
-  VOLUTE_ASSIGN(const auto development, developmentOf(arguments, job, target, context));
-  VOLUTE_ASSIGN(const auto writer, writerFor(target, job, development));
-  VOLUTE_TRY(renderAll(job, *writer, context.progress));
-  if (const auto stats = arguments.find<std::string>("stats")) {
+  VOLUTE_TRY(checkTargets(arguments, target));
+  VOLUTE_ASSIGN(auto job, makeJob(arguments, target, context));
+  VOLUTE_ASSIGN(auto development, developmentOf(arguments, job));
+  VOLUTE_TRY(renderAll(job, target, development, context.progress));
+  if (const auto stats = arguments.find<std::string>("stats"))
     VOLUTE_TRY(writeStats(job, *stats));
-  }
   if (context.json) {
     Report report;
     report.add("output", target).add("exposure", development.exposure);
     auto json = report.json();
-    json.update(statsJson(job));
+    json.update(job.stats());
     context.print(dumpJson(json));
   }
   return {};
@@ -404,24 +396,26 @@ std::vector<Option> renderOptionTable() {
 }  // namespace
 
 Command renderCommand() {
-  return {.name = "render",
-          .summary = "Takes pictures or a film of a volume",
-          .examples = {"volute render fire.volute -o fire.png --size 640x480 --time 0.8",
-                       "volute render fire.volute -o fire.mp4 --frames 0:48",
-                       "volute render smoke.volute -o depth.exr --aov optical-depth --eye 0,-4,1 "
-                       "--target 0,0,1 --fov 40"},
-          .description =
-              "Integrates emission and absorption along each pixel's ray, exactly for the volume's "
-              "basis. Without a camera one is "
-              "chosen that frames the bounds. .exr files hold linear values; .png and films are "
-              "exposed and sRGB. --exposure auto takes "
-              "one factor for all pictures, from the middle one, and says it. Without --time and "
-              "--frames a film or a pattern shows all "
-              "frames, a single still the first.",
-          .positionals = {{.name = "FILE", .help = "a volume: .volute, .npy, .vdb, .vti or .pvd"}},
-          .options = renderOptionTable(),
-          .oneOf = {{{"time", "frames"}, false}, {{"fov", "ortho"}, false}},
-          .run = run};
+  return {
+      .name = "render",
+      .summary = "Takes pictures or a film of a volume",
+      .examples = {"volute render fire.volute -o fire.png --size 640x480 --time 0.8",
+                   "volute render fire.volute -o fire.mp4 --frames 0:48",
+                   "volute render smoke.volute -o depth.exr --aov optical-depth --eye 0,-4,1 "
+                   "--target 0,0,1 --fov 40"},
+      .description =
+          "Integrates emission and absorption along each pixel's ray, exactly for the volume's "
+          "basis. Without a camera one is "
+          "chosen that frames the bounds. .exr files hold linear values; .png and films are "
+          "exposed and sRGB. --exposure auto takes "
+          "one factor for all pictures, from the middle one, and says it. Without --time and "
+          "--frames a film or a pattern shows all "
+          "frames, a single still the first, or of a scene what it shows at 0 s.",
+      .positionals = {{.name = "FILE",
+                       .help = "a volume (.volute, .npy, .vdb, .vti, .pvd) or a scene (.json)"}},
+      .options = renderOptionTable(),
+      .oneOf = {{{"time", "frames"}, false}, {{"fov", "ortho"}, false}},
+      .run = run};
 }
 
 }  // namespace volute::cli

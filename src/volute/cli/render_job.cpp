@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/render_job.hpp"
+
+#include <sys/resource.h>
+
+#include <chrono>
+
+namespace volute::cli {
+namespace {
+
+double now() {
+  const auto time = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+
+}  // namespace
+
+Stopwatch::Stopwatch(double& total) : total_(total), begin_(now()) {}
+
+Stopwatch::~Stopwatch() {
+  total_ += now() - begin_;
+}
+
+Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
+  std::vector<VoxelMedium> volumes;
+  {
+    const Stopwatch watch(totals.slices);
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      VOLUTE_ASSIGN(auto volume, layers[i].mediumAt(moment.positions[i]));
+      volumes.push_back(std::move(volume));
+    }
+  }
+  const Stopwatch watch(totals.render);
+  std::vector<AnyMedium> media;
+  for (const VoxelMedium& volume : volumes) media.emplace_back(volume);
+  RenderStats found;
+  VOLUTE_ASSIGN(auto image, render(camera, media, options, progress, &found));
+  totals.rays += found.rays;
+  totals.segments += found.segments;
+  totals.pieces += found.pieces;
+  for (const VoxelMedium& volume : volumes) {
+    const MarchCounts counts = volume.counts();
+    totals.voxels += counts.voxels;
+    totals.bricksVisited += counts.bricksVisited;
+    totals.bricksSkipped += counts.bricksSkipped;
+    totals.bricksStored += volume.slice().storedBricks();
+  }
+  ++totals.pictures;
+  return image;
+}
+
+nlohmann::ordered_json RenderJob::stats() const {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  std::uint64_t bytesRead = 0, blocksDecoded = 0;
+  TreeCounts tree;
+  for (const VolumeLayer& layer : layers) {
+    if (!layer.reader())
+      continue;
+    bytesRead += layer.reader()->bytesRead();
+    blocksDecoded += layer.reader()->blocksDecoded();
+    tree.nodes += layer.treeCounts().nodes;
+    tree.treeBytes += layer.treeCounts().treeBytes;
+    tree.nodesVisited += layer.treeCounts().nodesVisited;
+  }
+  return {{"renderer", options.renderer == Renderer::kReference ? "reference" : "cpu"},
+          {"size", {camera.width(), camera.height()}},
+          {"pictures", totals.pictures},
+          {"rays", totals.rays},
+          {"segments", totals.segments},
+          {"pieces", totals.pieces},
+          {"voxels_visited", totals.voxels},
+          {"bricks_visited", totals.bricksVisited},
+          {"bricks_skipped", totals.bricksSkipped},
+          {"bricks_stored", totals.bricksStored},
+          {"bytes_read", bytesRead},
+          {"blocks_decoded", blocksDecoded},
+          {"tree_nodes", tree.nodes},
+          {"tree_bytes", tree.treeBytes},
+          {"nodes_visited", tree.nodesVisited},
+          {"milliseconds",
+           {{"open", totals.open},
+            {"slices", totals.slices},
+            {"render", totals.render},
+            {"write", totals.write}}},
+          {"peak_memory_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024}};
+}
+
+}  // namespace volute::cli

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "volute/camera/camera.hpp"
+#include "volute/cli/volume_layer.hpp"
+#include "volute/render/render.hpp"
+
+namespace volute::cli {
+
+/// A picture to take.
+struct Moment {
+  int number = 0;              ///< of the frame, for names
+  std::vector<int> positions;  ///< of the frame of each layer
+};
+
+/// Milliseconds of each stage, and what was looked at, over all pictures.
+struct RenderTotals {
+  double open = 0, slices = 0, render = 0, write = 0;
+  std::uint64_t rays = 0, segments = 0, pieces = 0;
+  std::uint64_t voxels = 0, bricksVisited = 0, bricksSkipped = 0, bricksStored = 0;
+  int pictures = 0;
+};
+
+/// Volumes, a camera and the moments to be seen.
+struct RenderJob {
+  std::vector<VolumeLayer> layers;
+  Camera camera;
+  RenderOptions options;
+  std::vector<Moment> moments;
+  double framesPerSecond = 25;  ///< of a film
+  RenderTotals totals;
+
+  /// The linear picture of a moment.
+  [[nodiscard]] Result<Image> picture(const Moment& moment, Progress& progress);
+
+  /// What --stats writes.
+  nlohmann::ordered_json stats() const;
+};
+
+/// Adds the milliseconds of its life to a total.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& total);
+  ~Stopwatch();
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  double& total_;
+  double begin_;
+};
+
+}  // namespace volute::cli

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/scene_file.hpp"
+
+#include <filesystem>
+
+#include "volute/cli/json_file.hpp"
+
+namespace volute::cli {
+namespace {
+
+using Json = nlohmann::json;
+
+/// 16 numbers, row-major, of a transform that moves and scales along the axes.
+Result<Placement> placementOf(const Json& json, const std::string& file, const std::string& path) {
+  if (!json.is_array() || json.size() != 16) {
+    return fail(ErrorCode::kInvalidData, "{}: {}: expected 16 numbers, row-major", file, path);
+  }
+  Mat4 matrix;
+  for (int i = 0; i < 16; ++i) {
+    VOLUTE_ASSIGN(matrix(i / 4, i % 4),
+                  jsonToNumber(json[i], file, fmt::format("{}[{}]", path, i)));
+  }
+  Placement placement;
+  placement.scale = matrix.diagonal().head<3>();
+  placement.offset = matrix.topRightCorner<3, 1>();
+  Mat4 rest = matrix;
+  rest.diagonal().setZero();
+  rest.topRightCorner<3, 1>().setZero();
+  if (!rest.isZero(0) || matrix(3, 3) != 1 || !(placement.scale.array() > 0).all()) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: {}: only moving and scaling along the axes is rendered, no rotation", file,
+                path);
+  }
+  return placement;
+}
+
+Result<Clock> clockOf(const Json& json, const std::string& file, const std::string& path) {
+  if (!json.is_object())
+    return fail(ErrorCode::kInvalidData, "{}: {}: expected offset, rate and loop", file, path);
+  Clock clock;
+  if (json.contains("offset")) {
+    VOLUTE_ASSIGN(clock.offset, jsonToNumber(json["offset"], file, path + "/offset"));
+  }
+  if (json.contains("rate")) {
+    VOLUTE_ASSIGN(clock.rate, jsonToNumber(json["rate"], file, path + "/rate"));
+  }
+  if (!(clock.rate > 0))
+    return fail(ErrorCode::kInvalidData, "{}: {}/rate: expected more than 0", file, path);
+  if (json.contains("loop")) {
+    if (!json["loop"].is_boolean())
+      return fail(ErrorCode::kInvalidData, "{}: {}/loop: expected true or false", file, path);
+    clock.loop = json["loop"].get<bool>();
+  }
+  return clock;
+}
+
+Result<SceneVolume> volumeOf(const Json& json, const std::string& file, const std::string& path) {
+  if (!json.is_object() || !json.contains("kind") || !json["kind"].is_string()) {
+    return fail(ErrorCode::kInvalidData, "{}: {}/kind: expected volume, fog or smoke", file, path);
+  }
+  const auto kind = json["kind"].get<std::string>();
+  if (kind == "fog" || kind == "smoke") {
+    return fail(ErrorCode::kUnsupported,
+                "{}: {}: media of kind {} are not rendered by this version", file, path, kind);
+  }
+  if (kind != "volume") {
+    return fail(ErrorCode::kInvalidData,
+                "{}: {}/kind: '{}' is unknown; expected volume, fog or smoke", file, path, kind);
+  }
+  if (!json.contains("file") || !json["file"].is_string()) {
+    return fail(ErrorCode::kInvalidData, "{}: {}/file: expected the name of a volume", file, path);
+  }
+  SceneVolume volume;
+  volume.file =
+      (std::filesystem::path(file).parent_path() / json["file"].get<std::string>()).string();
+  Appearance& appearance = volume.appearance;
+  if (json.contains("emission")) {
+    VOLUTE_ASSIGN(appearance.emission, jsonToNumber(json["emission"], file, path + "/emission"));
+  }
+  if (json.contains("extinction")) {
+    VOLUTE_ASSIGN(appearance.extinction,
+                  jsonToNumber(json["extinction"], file, path + "/extinction"));
+  }
+  if (json.contains("transform")) {
+    VOLUTE_ASSIGN(appearance.placement, placementOf(json["transform"], file, path + "/transform"));
+  }
+  if (json.contains("time")) {
+    VOLUTE_ASSIGN(appearance.clock, clockOf(json["time"], file, path + "/time"));
+  }
+  return volume;
+}
+
+Status refuseOtherParts(const Json& json, const std::string& file) {
+  for (const char* part : {"geometry", "lights", "signs", "billboards"}) {
+    if (json.contains(part) && !json[part].empty()) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: /{}: this part of a scene is not rendered by this version", file, part);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<SceneDescription> readScene(const std::string& file) {
+  VOLUTE_ASSIGN(const auto json, readJson(file));
+  if (!json.is_object() || !json.contains("format") || json["format"] != "volute-scene-1") {
+    return fail(ErrorCode::kInvalidData, "{}: /format: expected \"volute-scene-1\"", file);
+  }
+  VOLUTE_TRY(refuseOtherParts(json, file));
+  if (!json.contains("camera"))
+    return fail(ErrorCode::kInvalidData, "{}: /camera is missing", file);
+  SceneDescription scene;
+  VOLUTE_ASSIGN(scene.camera, parseCamera(json["camera"], file, "/camera"));
+  if (json.contains("background")) {
+    VOLUTE_ASSIGN(const Vec3 background, jsonToVector(json["background"], file, "/background"));
+    scene.background = background.array();
+  }
+  const Json media = json.value("media", Json::array());
+  if (!media.is_array())
+    return fail(ErrorCode::kInvalidData, "{}: /media: expected a list", file);
+  for (std::size_t i = 0; i < media.size(); ++i) {
+    VOLUTE_ASSIGN(auto volume, volumeOf(media[i], file, fmt::format("/media/{}", i)));
+    scene.volumes.push_back(std::move(volume));
+  }
+  return scene;
+}
+
+}  // namespace volute::cli

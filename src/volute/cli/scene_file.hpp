@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "volute/cli/camera_file.hpp"
+#include "volute/cli/volume_layer.hpp"
+
+namespace volute::cli {
+
+/// A medium of kind "volume" in a scene.
+struct SceneVolume {
+  std::string file;  ///< found from the scene file's folder
+  Appearance appearance;
+};
+
+/// What is rendered of a volute-scene-1 file: the camera, the background, and media of kind
+/// "volume".
+struct SceneDescription {
+  CameraDescription camera;
+  Rgb background = Rgb::Zero();
+  std::vector<SceneVolume> volumes;
+};
+
+/// Errors name the file and the path inside it. kUnsupported for parts that are valid but not
+/// rendered: geometry, lights, signs, billboards, other kinds of media, transforms that rotate or
+/// mirror.
+[[nodiscard]] Result<SceneDescription> readScene(const std::string& file);
+
+}  // namespace volute::cli

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Scene files: volumes in their places and times, and errors that name the path inside the file."""
+import json
+
+import support
+from support import write_npy
+
+
+class Scene(support.TestCase):
+    def setUp(self):
+        super().setUp()
+        write_npy(self.path("block.npy"), (2, 4, 4, 4), [0.25] * 64 + [0.75] * 64)  # 1 m wide, changes at 0.04 s
+        self.scene = {"format": "volute-scene-1", "background": [0, 0, 0],
+                      "camera": {"eye": [0.5, -3, 0.5], "target": [0.5, 0.5, 0.5], "ortho": 0.5, "size": [4, 4]},
+                      "media": [{"kind": "volume", "file": "block.npy"}]}
+
+    def write(self, name="scene.json"):
+        self.path(name).write_text(json.dumps(self.scene))
+        return self.path(name)
+
+    def radiance(self, *more):
+        """The one value that all pixels have."""
+        self.works("render", self.write(), "-o", self.path("x.exr"), *more)
+        info = self.works("info", self.path("x.exr"), "--json").json
+        self.assertAlmostEqual(info["minimum"], info["maximum"], places=6)
+        return info["maximum"]
+
+    def test_a_volume_is_shown_as_it_is_alone(self):
+        self.assertAlmostEqual(self.radiance(), 0.25, places=6)
+        self.assertAlmostEqual(self.radiance("--time", "0.05"), 0.75, places=6)
+
+    def test_volumes_add_up(self):
+        self.scene["media"].append({"kind": "volume", "file": "block.npy", "emission": 4})
+        self.assertAlmostEqual(self.radiance(), 0.25 + 1, places=6)
+
+    def test_transforms_scale_and_move(self):
+        self.scene["media"][0]["transform"] = [1, 0, 0, 0, 0, 3, 0, 5, 0, 0, 1, 0, 0, 0, 0, 1]
+        self.assertAlmostEqual(self.radiance(), 0.75, places=6)
+        self.scene["media"][0]["transform"][3] = 7
+        self.assertEqual(self.radiance(), 0)
+
+    def test_clocks(self):
+        self.scene["media"][0]["time"] = {"offset": 0.04}
+        self.assertAlmostEqual(self.radiance(), 0.75, places=6)
+        self.scene["media"][0]["time"] = {"rate": 0.5}
+        self.assertAlmostEqual(self.radiance("--time", "0.05"), 0.25, places=6)
+        self.scene["media"][0]["time"] = {"loop": True}
+        self.assertAlmostEqual(self.radiance("--time", "0.09"), 0.25, places=6)
+        self.assertAlmostEqual(self.radiance("--time", "0.13"), 0.75, places=6)
+
+    def test_background_is_seen_through(self):
+        self.scene["background"] = [1, 1, 1]
+        self.scene["media"][0] |= {"emission": 0, "extinction": 4}
+        self.assertAlmostEqual(self.radiance(), 0.36787944, places=6)
+
+    def test_an_empty_scene_is_its_background(self):
+        self.scene |= {"media": [], "background": [0.5, 0.5, 0.5]}
+        self.assertAlmostEqual(self.radiance(), 0.5, places=6)
+
+    def wrong(self, where, code=1):
+        message = self.fails(code, "render", self.write(), "-o", self.path("x.png"))
+        self.assertIn("scene.json: " + where, message)
+
+    def test_errors_name_the_path(self):
+        self.write()
+        good = json.dumps(self.scene)
+        for where, change in (
+                ("/format", {"format": "volute-scene-9"}),
+                ("/camera/eye", {"camera": {"eye": [1, 2], "target": [0, 0, 0], "fov": 9}}),
+                ("/camera", {"camera": {"eye": [1, 2, 3], "target": [0, 0, 0]}}),
+                ("/background[1]", {"background": [0, "x", 0]}),
+                ("/media", {"media": {}}),
+                ("/media/0/kind", {"media": [{"kind": "water"}]}),
+                ("/media/0/file", {"media": [{"kind": "volume"}]}),
+                ("/media/0/emission", {"media": [{"kind": "volume", "file": "block.npy", "emission": "x"}]}),
+                ("/media/0/transform", {"media": [{"kind": "volume", "file": "block.npy", "transform": [1, 2]}]}),
+                ("/media/0/time/rate", {"media": [{"kind": "volume", "file": "block.npy", "time": {"rate": 0}}]}),
+                ("/media/0", {"media": [{"kind": "fog"}]}),
+                ("/lights", {"lights": [{"kind": "sun"}]})):
+            self.scene = json.loads(good) | change
+            self.wrong(where)
+        self.scene = json.loads(good)
+        del self.scene["camera"]
+        self.wrong("/camera")
+
+
+if __name__ == "__main__":
+    support.main()
