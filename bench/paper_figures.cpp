@@ -126,7 +126,7 @@ struct Figures {
   /// Figure 7 and the gain of zlib.
   Result<Json> rateDistortion() const {
     Json rows = Json::array();
-    for (double rms : {3e-2, 2e-2, 1e-2, 6e-3, 3e-3, 2e-3, 1e-3}) {
+    for (double rms : {3e-2, 1.5e-2, 8e-3, 5e-3, 3e-3, 2e-3, 1e-3}) {
       const double threshold = transform.thresholdForRms(rms);
       const PaperTree paper = transform.build(threshold);
       VOLUTE_ASSIGN(const Tree4d tree, compactAt(rms));
@@ -153,6 +153,8 @@ struct Figures {
     Json rows = Json::array();
     for (double rate : rates) {
       const double threshold = transform.thresholdForBytes(static_cast<std::size_t>(rate * raw));
+      if (threshold == 0)
+        continue;  // all coefficients together take less
       const PaperTree paper = transform.build(threshold);
       VOLUTE_ASSIGN(const Tree4d tree, compactAt(transform.relativeRmsAt(threshold)));
       std::vector<float> dense(info.frameValues());
@@ -196,6 +198,8 @@ struct Figures {
     VOLUTE_TRY(add(original, "original", 1, 0));
     for (double rate : rates) {
       const double threshold = transform.thresholdForBytes(static_cast<std::size_t>(rate * raw));
+      if (threshold == 0)
+        continue;  // all coefficients together take less
       const PaperTree paper = transform.build(threshold);
       const Image image =
           picture(BrickSlice::fromDense(info, denseFrame(paper, t)), camera, extinction);

@@ -30,7 +30,7 @@ struct VoxelBox {
 class Tree4d {
  public:
   struct BuildOptions {
-    double relativeRms = 3e-3;  ///< reached within 3 %, never exceeded
+    double relativeRms = 3e-3;  ///< never exceeded, and reached within some 3 %
     double step = 0;  ///< instead: the quantisation step of the orthonormal coefficients; 0 = from
                       ///< relativeRms
   };
