@@ -4,9 +4,10 @@
 //
 //   volute-paper-figures fire.npy --rates 0.066,0.051,0.019 --strip FOLDER/fire > fire.json
 //
-// Figure 7: relative RMS over bit rate (bytes of the tree in memory / raw float32), for the paper's node layout and the
-// compact one. Figure 8: pictures a second over bit rate, for the paper's walk and for slices, each with and without
-// bounding boxes. Figure 9: the pictures at given rates. And what zlib gains on the paper's array.
+// Figure 7: relative RMS over bit rate (bytes of the tree in memory / raw float32), for the paper's
+// node layout and the compact one. Figure 8: pictures a second over bit rate, for the paper's walk
+// and for slices, each with and without bounding boxes. Figure 9: the pictures at given rates. And
+// what zlib gains on the paper's array.
 #include <fmt/format.h>
 #include <zlib.h>
 
@@ -60,12 +61,13 @@ std::size_t zlibBytes(std::span<const std::byte> bytes) {
 Camera frontView(const VolumeInfo& info, int side) {
   const Vec3 centre = info.bounds.centre();
   const double extent = info.bounds.size().maxCoeff();
-  return Camera::orthographic({centre - Vec3(0, 2 * extent, 0), centre, Vec3::UnitZ()}, extent, side, side);
+  return Camera::orthographic({centre - Vec3(0, 2 * extent, 0), centre, Vec3::UnitZ()}, extent,
+                              side, side);
 }
 
 Image picture(const BrickSlice& slice, const Camera& camera, double extinction) {
-  const std::vector<AnyMedium> media{AnyMedium(
-      VoxelMedium(std::make_shared<const BrickSlice>(slice), 1.0, extinction))};
+  const std::vector<AnyMedium> media{
+      AnyMedium(VoxelMedium(std::make_shared<const BrickSlice>(slice), 1.0, extinction))};
   Progress quiet;
   return *render(camera, media, {}, quiet);
 }
@@ -76,7 +78,8 @@ BrickSlice withoutBoxes(const VolumeInfo& info, std::span<const float> values) {
   for (int z = 0; z < slice.bricksZ(); ++z)
     for (int y = 0; y < slice.bricksY(); ++y)
       for (int x = 0; x < slice.bricksX(); ++x)
-        if (slice.brickAt(x, y, z) == BrickSlice::kEmpty) slice.addBrick(x, y, z);
+        if (slice.brickAt(x, y, z) == BrickSlice::kEmpty)
+          slice.addBrick(x, y, z);
   return slice;
 }
 
@@ -104,7 +107,8 @@ double measuredRms(const Tree4d& tree, const Sequence& sequence) {
       sum += e * e;
     }
   }
-  return std::sqrt(sum / static_cast<double>(sequence.values.size())) / (static_cast<double>(high) - low);
+  return std::sqrt(sum / static_cast<double>(sequence.values.size())) /
+         (static_cast<double>(high) - low);
 }
 
 struct Figures {
@@ -122,18 +126,20 @@ struct Figures {
   /// Figure 7 and the gain of zlib.
   Result<Json> rateDistortion() const {
     Json rows = Json::array();
-    for (double rms : {3e-2, 2e-2, 1e-2, 6e-3, 3e-3, 2e-3, 1e-3}) {
+    for (double rms : {3e-2, 1.5e-2, 8e-3, 5e-3, 3e-3, 2e-3, 1e-3}) {
       const double threshold = transform.thresholdForRms(rms);
       const PaperTree paper = transform.build(threshold);
       VOLUTE_ASSIGN(const Tree4d tree, compactAt(rms));
       const auto paperBytes = static_cast<double>(paper.bytes().size());
-      rows.push_back({{"paper", {{"rate", paperBytes / raw},
-                                 {"rms", transform.relativeRmsAt(threshold)},
-                                 {"bytes", paper.bytes().size()},
-                                 {"zlib_bytes", zlibBytes(paper.bytes())}}},
-                      {"compact", {{"rate", static_cast<double>(tree.memoryBytes()) / raw},
-                                   {"rms", measuredRms(tree, sequence)},
-                                   {"bytes", tree.memoryBytes()}}}});
+      rows.push_back({{"paper",
+                       {{"rate", paperBytes / raw},
+                        {"rms", transform.relativeRmsAt(threshold)},
+                        {"bytes", paper.bytes().size()},
+                        {"zlib_bytes", zlibBytes(paper.bytes())}}},
+                      {"compact",
+                       {{"rate", static_cast<double>(tree.memoryBytes()) / raw},
+                        {"rms", measuredRms(tree, sequence)},
+                        {"bytes", tree.memoryBytes()}}}});
     }
     return rows;
   }
@@ -147,27 +153,28 @@ struct Figures {
     Json rows = Json::array();
     for (double rate : rates) {
       const double threshold = transform.thresholdForBytes(static_cast<std::size_t>(rate * raw));
+      if (threshold == 0)
+        continue;  // all coefficients together take less
       const PaperTree paper = transform.build(threshold);
       VOLUTE_ASSIGN(const Tree4d tree, compactAt(transform.relativeRmsAt(threshold)));
       std::vector<float> dense(info.frameValues());
-      rows.push_back(
-          {{"rate", static_cast<double>(paper.bytes().size()) / raw},
-           {"rms", transform.relativeRmsAt(threshold)},
-           {"compact_rate", static_cast<double>(tree.memoryBytes()) / raw},
-           {"traversal", perSecond([&](int run) {
-              renderByTraversal(paper, view(frameOf(run)), kViewSide, nullptr);
-            })},
-           {"traversal_boxes", perSecond([&](int run) {
-              const int t = frameOf(run);
-              renderByTraversal(paper, view(t), kViewSide, &tree.occupiedBox(t));
-            })},
-           {"slices", perSecond([&](int run) {
-              tree.extractFrame(frameOf(run), dense);
-              picture(withoutBoxes(info, dense), camera, 0);
-            })},
-           {"slices_boxes", perSecond([&](int run) {
-              picture(tree.extractSlice(frameOf(run)), camera, 0);
-            })}});
+      rows.push_back({{"rate", static_cast<double>(paper.bytes().size()) / raw},
+                      {"rms", transform.relativeRmsAt(threshold)},
+                      {"compact_rate", static_cast<double>(tree.memoryBytes()) / raw},
+                      {"traversal", perSecond([&](int run) {
+                         renderByTraversal(paper, view(frameOf(run)), kViewSide, nullptr);
+                       })},
+                      {"traversal_boxes", perSecond([&](int run) {
+                         const int t = frameOf(run);
+                         renderByTraversal(paper, view(t), kViewSide, &tree.occupiedBox(t));
+                       })},
+                      {"slices", perSecond([&](int run) {
+                         tree.extractFrame(frameOf(run), dense);
+                         picture(withoutBoxes(info, dense), camera, 0);
+                       })},
+                      {"slices_boxes", perSecond([&](int run) {
+                         picture(tree.extractSlice(frameOf(run)), camera, 0);
+                       })}});
     }
     return rows;
   }
@@ -177,36 +184,42 @@ struct Figures {
     const VolumeInfo& info = sequence.info;
     const int t = info.frames / 2;
     const Camera camera = frontView(info, kStripPixels);
-    const Image original = picture(BrickSlice::fromDense(info, sequence.frame(t)), camera, extinction);
+    const Image original =
+        picture(BrickSlice::fromDense(info, sequence.frame(t)), camera, extinction);
     const double exposure = suggestExposure(original);
     Json rows = Json::array();
     auto add = [&](const Image& image, const std::string& name, double rate, double rms) -> Status {
       const std::string file = fmt::format("{}_{}.png", prefix, name);
       VOLUTE_TRY(writeImage(file, exposed(image, exposure)));
-      rows.push_back({{"file", file}, {"rate", rate}, {"rms", rms}, {"frame", info.frameNumbers[t]}});
+      rows.push_back(
+          {{"file", file}, {"rate", rate}, {"rms", rms}, {"frame", info.frameNumbers[t]}});
       return {};
     };
     VOLUTE_TRY(add(original, "original", 1, 0));
     for (double rate : rates) {
       const double threshold = transform.thresholdForBytes(static_cast<std::size_t>(rate * raw));
+      if (threshold == 0)
+        continue;  // all coefficients together take less
       const PaperTree paper = transform.build(threshold);
-      const Image image = picture(BrickSlice::fromDense(info, denseFrame(paper, t)), camera, extinction);
-      VOLUTE_TRY(add(image, fmt::format("{:.3f}", rate), static_cast<double>(paper.bytes().size()) / raw,
+      const Image image =
+          picture(BrickSlice::fromDense(info, denseFrame(paper, t)), camera, extinction);
+      VOLUTE_TRY(add(image, fmt::format("{:.3f}", rate),
+                     static_cast<double>(paper.bytes().size()) / raw,
                      transform.relativeRmsAt(threshold)));
     }
     return rows;
   }
 };
 
-Result<Json> run(const std::string& input, const std::vector<double>& rates, const std::string& prefix,
-                 double extinction) {
+Result<Json> run(const std::string& input, const std::vector<double>& rates,
+                 const std::string& prefix, double extinction) {
   VOLUTE_ASSIGN(auto source, openSource(input, {}));
   VOLUTE_ASSIGN(const Sequence sequence, readAll(*source, std::uint64_t{8} << 30));
   const Figures figures{sequence, extinction};
   Json json{{"input", input}, {"threads", threadCount()}, {"raw_bytes", sequence.info.rawBytes()}};
   VOLUTE_ASSIGN(json["rate_distortion"], figures.rateDistortion());
-  VOLUTE_ASSIGN(json["frame_rates"],
-                figures.frameRates(std::vector<double>{0.305, 0.2, 0.106, 0.066, 0.051, 0.035, 0.019}));
+  VOLUTE_ASSIGN(json["frame_rates"], figures.frameRates(std::vector<double>{
+                                         0.305, 0.2, 0.106, 0.066, 0.051, 0.035, 0.019}));
   VOLUTE_ASSIGN(json["strip"], figures.strip(rates, prefix));
   return json;
 }

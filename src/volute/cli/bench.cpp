@@ -8,8 +8,15 @@ namespace volute::cli {
 
 std::span<const Benchmark> benchmarks() {
   static const std::vector<Benchmark> table = {
-      {"slice", "making bricks of a dense frame, against copying the frame", benchSlice},
-      {"codec", "compressing and reading made-up fire and smoke at relative RMS 3e-3", benchCodec},
+      {"codec", "compressing and reading at relative RMS 3e-3", benchCodec},
+      {"render", "pictures of 512 x 512 straight from the tree, against the reference",
+       benchRender},
+#ifdef VOLUTE_BENCH
+      {"tree",
+       "the compact tree in memory, against dense, the paper's layout, zfp and NanoVDB at "
+       "relative RMS 3e-3, one thread",
+       benchTree},
+#endif
   };
   return table;
 }

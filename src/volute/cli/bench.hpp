@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -22,12 +23,18 @@ struct BenchRow {
       std::nullopt;  ///< to the baseline that the benchmark names, in the same run
 };
 
+/// What a benchmark measures with.
+struct BenchInput {
+  std::string volume;  ///< a volume sequence; empty: made-up fire and smoke
+  std::uint64_t maxMemory = std::uint64_t{4} << 30;
+};
+
 /// A set of measurements that belong together. Figures of one run are compared with each other,
 /// never with those of another machine.
 struct Benchmark {
   std::string_view name;
   std::string_view description;
-  Result<std::vector<BenchRow>> (*run)(Progress& progress);
+  Result<std::vector<BenchRow>> (*run)(const BenchInput& input, Progress& progress);
 };
 
 /// All benchmarks. A new one is one entry in bench.cpp.

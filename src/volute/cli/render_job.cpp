@@ -54,11 +54,15 @@ nlohmann::ordered_json RenderJob::stats() const {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
   std::uint64_t bytesRead = 0, blocksDecoded = 0;
+  TreeCounts tree;
   for (const VolumeLayer& layer : layers) {
     if (!layer.reader())
       continue;
     bytesRead += layer.reader()->bytesRead();
     blocksDecoded += layer.reader()->blocksDecoded();
+    tree.nodes += layer.treeCounts().nodes;
+    tree.treeBytes += layer.treeCounts().treeBytes;
+    tree.nodesVisited += layer.treeCounts().nodesVisited;
   }
   return {{"renderer", options.renderer == Renderer::kReference ? "reference" : "cpu"},
           {"size", {camera.width(), camera.height()}},
@@ -72,6 +76,9 @@ nlohmann::ordered_json RenderJob::stats() const {
           {"bricks_stored", totals.bricksStored},
           {"bytes_read", bytesRead},
           {"blocks_decoded", blocksDecoded},
+          {"tree_nodes", tree.nodes},
+          {"tree_bytes", tree.treeBytes},
+          {"nodes_visited", tree.nodesVisited},
           {"milliseconds",
            {{"open", totals.open},
             {"slices", totals.slices},

@@ -45,16 +45,39 @@ Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOption
   }
   VolumeLayer layer(std::move(input), appearance);
   layer.path_ = path;
+  layer.progress_ = &context.progress;
   return layer;
+}
+
+Result<BrickSlice> VolumeLayer::sliceFromTree(int position) {
+  if (!tree_ || position < treeBegin_ || position >= treeBegin_ + kTreeFrames) {
+    tree_.reset();
+    treeBegin_ = position / kTreeFrames * kTreeFrames;
+    VOLUTE_ASSIGN(
+        auto tree,
+        Tree4d::load(*input_.reader,
+                     {.firstFrame = treeBegin_, .endFrame = treeBegin_ + kTreeFrames}, *progress_));
+    tree_ = std::make_unique<const Tree4d>(std::move(tree));
+    counts_.nodes = std::max<std::uint64_t>(counts_.nodes, tree_->nodeCount());
+    counts_.treeBytes = std::max<std::uint64_t>(counts_.treeBytes, tree_->memoryBytes());
+  }
+  BrickSlice slice = tree_->extractSlice(position, &counts_.nodesVisited);
+  slice.setBasis(info_.basis);
+  return slice;
+}
+
+Result<BrickSlice> VolumeLayer::sliceFromFrame(int position) {
+  frame_.resize(info_.frameValues());
+  VOLUTE_TRY(input_.source->readFrame(position, frame_));
+  VOLUTE_TRY(checkFinite(frame_, info_, path_, position));
+  return BrickSlice::fromDense(info_, frame_);
 }
 
 Result<std::shared_ptr<const BrickSlice>> VolumeLayer::sliceAt(int position) {
   if (position == position_)
     return slice_;
-  frame_.resize(info_.frameValues());
-  VOLUTE_TRY(input_.source->readFrame(position, frame_));
-  VOLUTE_TRY(checkFinite(frame_, info_, path_, position));
-  slice_ = std::make_shared<const BrickSlice>(BrickSlice::fromDense(info_, frame_));
+  VOLUTE_ASSIGN(auto slice, input_.reader ? sliceFromTree(position) : sliceFromFrame(position));
+  slice_ = std::make_shared<const BrickSlice>(std::move(slice));
   position_ = position;
   return slice_;
 }

@@ -8,6 +8,7 @@
 #include "volute/cli/volume_input.hpp"
 #include "volute/grid/brick_slice.hpp"
 #include "volute/grid/voxel_medium.hpp"
+#include "volute/tree4d/tree4d.hpp"
 
 namespace volute::cli {
 
@@ -33,6 +34,13 @@ struct Appearance {
   Clock clock;
 };
 
+/// How much of the hexadeca-tree a rendering has looked at.
+struct TreeCounts {
+  std::uint64_t nodes = 0;         ///< of the largest tree that was in memory at a time
+  std::uint64_t treeBytes = 0;     ///< of that tree
+  std::uint64_t nodesVisited = 0;  ///< summed over all frames
+};
+
 /// A volume file that is shown: gives the medium of any of its frames.
 class VolumeLayer {
  public:
@@ -48,6 +56,9 @@ class VolumeLayer {
 
   [[nodiscard]] Result<VoxelMedium> mediumAt(int position);
 
+  /// What was read of trees so far; zeros for inputs without one.
+  const TreeCounts& treeCounts() const { return counts_; }
+
   /// The position of the frame that is shown at a time of the scene [s].
   int positionAt(double time) const;
 
@@ -60,11 +71,22 @@ class VolumeLayer {
  private:
   VolumeLayer(VolumeInput input, const Appearance& appearance);
 
+  [[nodiscard]] Result<BrickSlice> sliceFromTree(int position);
+  [[nodiscard]] Result<BrickSlice> sliceFromFrame(int position);
+
+  /// A tree holds one row of blocks: a still reads no more, and a film of any length needs its
+  /// memory.
+  static constexpr int kTreeFrames = BlockGrid::kSide;
+
   std::string path_;
   VolumeInput input_;
   Appearance appearance_;
   VolumeInfo info_;
   std::vector<float> frame_;
+  std::unique_ptr<const Tree4d> tree_;
+  int treeBegin_ = 0;
+  TreeCounts counts_;
+  Progress* progress_ = nullptr;
   int position_ = -1;
   std::shared_ptr<const BrickSlice> slice_;
 };

@@ -29,6 +29,9 @@ class BrickSlice {
   int z() const { return size_[2]; }
   int channels() const { return channels_; }
   Basis basis() const { return basis_; }
+
+  /// The same values over another basis.
+  void setBasis(Basis basis) { basis_ = basis; }
   const Box3& bounds() const { return bounds_; }  ///< outer voxel faces [m]
 
   int bricksX() const { return bricks_[0]; }

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/grid/traversal.hpp"
 
-#include <cmath>
 #include <limits>
 
 namespace volute {
@@ -11,8 +10,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 int cellIndex(const CellGrid& grid, int axis, double coordinate) {
-  const double index = std::floor((coordinate - grid.origin[axis]) / grid.cell[axis]);
-  return static_cast<int>(std::clamp(index, 0.0, grid.count[axis] - 1.0));
+  const double index = (coordinate - grid.origin[axis]) / grid.cell[axis];
+  return index > 0 ? static_cast<int>(std::min(index, grid.count[axis] - 1.0)) : 0;
 }
 
 }  // namespace
@@ -48,8 +47,14 @@ bool enterCells(const CellGrid& grid, const CellRange& range, const Segment& seg
       continue;
     }
     entry.step[axis] = direction > 0 ? 1 : -1;
-    entry.begin = std::max(entry.begin, ((direction > 0 ? low : high) - origin) / direction);
-    entry.end = std::min(entry.end, ((direction > 0 ? high : low) - origin) / direction);
+    const double in = ((direction > 0 ? low : high) - origin) / direction;
+    const double out = ((direction > 0 ? high : low) - origin) / direction;
+    if (!(in <= entry.begin))
+      entry.begin = in;  // so that NaN, too, ends in a miss
+    if (!(out >= entry.end))
+      entry.end = out;
+    if (!(entry.begin < entry.end))
+      return false;
   }
   if (!(entry.begin < entry.end))
     return false;

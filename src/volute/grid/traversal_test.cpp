@@ -79,6 +79,10 @@ TEST(TraverseCells, NearlyParallelRaysDoNotChangeCellsByRounding) {
 }
 
 TEST(TraverseCells, EmptySegmentsAndMissesVisitNothing) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(steps(kGrid, whole(kGrid), {Vec3(0, 3, 1), Vec3(1, nan, 0), 0, 9}).empty());
+  EXPECT_TRUE(steps(kGrid, whole(kGrid), {Vec3(0, nan, 1), Vec3::UnitX(), 0, 9}).empty());
+  EXPECT_TRUE(steps(kGrid, whole(kGrid), {Vec3(0, 3, nan), Vec3::Ones(), 0, 9}).empty());
   EXPECT_TRUE(steps(kGrid, whole(kGrid), {Vec3(0, 3, 1), Vec3::UnitX(), 0.2, 0.2}).empty());
   EXPECT_TRUE(steps(kGrid, whole(kGrid), {Vec3(0, 3, 1), Vec3::UnitX(), 1, 0}).empty());
   EXPECT_TRUE(steps(kGrid, whole(kGrid), {Vec3(0, 0, 1), Vec3::UnitX(), 0, 9}).empty());

@@ -55,16 +55,25 @@ constexpr std::array<std::array<int, 3>, 8> kCorners{{{-1, -1, -1},
                                                       {-1, 0, 0},
                                                       {0, 0, 0}}};
 
-/// A ray inside one cell: from 0 to 1 across it on each axis, linear in the ray parameter.
+/// Where a point is in its cell: from 0 to 1 across it on each axis, rounding kept inside.
+Vec3 placeInCell(const CellGrid& grid, const std::array<int, 3>& cell, const Vec3& point) {
+  Vec3 place;
+  for (int axis = 0; axis < 3; ++axis) {
+    place[axis] =
+        std::clamp((point[axis] - grid.plane(axis, cell[axis])) / grid.cell[axis], 0.0, 1.0);
+  }
+  return place;
+}
+
+/// A ray inside one cell: its place is linear in u.
 struct InCell {
   Vec3 at;        ///< where u = 0
   Vec3 velocity;  ///< per metre
 
-  InCell(const CellGrid& grid, const std::array<int, 3>& cell, const Segment& segment, double begin)
-      : at(segment.at(begin)), velocity(segment.direction.cwiseQuotient(grid.cell)) {
-    for (int axis = 0; axis < 3; ++axis)
-      at[axis] = (at[axis] - grid.plane(axis, cell[axis])) / grid.cell[axis];
-  }
+  InCell(const CellGrid& grid, const std::array<int, 3>& cell, const Segment& segment, double begin,
+         double end)
+      : at(placeInCell(grid, cell, segment.at(begin))),
+        velocity((placeInCell(grid, cell, segment.at(end)) - at) / (end - begin)) {}
 };
 
 /// The share of each corner at a place in the cell.
@@ -142,10 +151,7 @@ double VoxelMedium::weightedValue(const Vec3& point, int channel) const {
   const auto cell = cells_.cellAt(point);
   if (!trilinear())
     return slice_->value(cell[0], cell[1], cell[2], channel);
-  Vec3 place;
-  for (int axis = 0; axis < 3; ++axis)
-    place[axis] = (point[axis] - cells_.plane(axis, cell[axis])) / cells_.cell[axis];
-  const auto shares = cornerShares(place);
+  const auto shares = cornerShares(placeInCell(cells_, cell, point));
   double sum = 0;
   for (int i = 0; i < 8; ++i) {
     const auto& [dx, dy, dz] = kCorners[i];
@@ -177,7 +183,7 @@ void VoxelMedium::opticalDepth(std::span<const Segment> segments, std::span<doub
                       return;
                     }
                     const auto integrals =
-                        cornerIntegrals(InCell(cells_, cell, segments[s], begin), end - begin);
+                        cornerIntegrals(InCell(cells_, cell, segments[s], begin, end), end - begin);
                     for (int i = 0; i < 8; ++i) {
                       const auto& [dx, dy, dz] = kCorners[i];
                       sum +=
@@ -207,7 +213,7 @@ void VoxelMedium::pieces(std::span<const Segment> segments,
                       }
                       const Cubic cubic =
                           trilinear()
-                              ? cornerCubic(InCell(cells_, cell, segments[s], begin), values)
+                              ? cornerCubic(InCell(cells_, cell, segments[s], begin, end), values)
                               : Cubic{{values[0], 0, 0, 0}};
                       piece.extinction += cubic * (extinctionScale_ / channels);
                       piece.emission[c] = cubic * emissionScale_;
@@ -275,7 +281,7 @@ void VoxelMedium::scatter(std::span<const Segment> segments, std::span<const dou
                       return;
                     }
                     const auto integrals =
-                        cornerIntegrals(InCell(cells_, cell, segments[s], begin), end - begin);
+                        cornerIntegrals(InCell(cells_, cell, segments[s], begin, end), end - begin);
                     for (int i = 0; i < 8; ++i) {
                       const auto& [dx, dy, dz] = kCorners[i];
                       add(cell[0] + dx, cell[1] + dy, cell[2] + dz, weights[s] * integrals[i]);

@@ -72,6 +72,10 @@ const FilmInfo& FilmReader::info() const {
 }
 
 Result<FilmReader> FilmReader::open(const std::filesystem::path& path, std::uint64_t maxMemory) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    return fail(ErrorCode::kNotFound, "{}: there is no such file", path.string());
+  }
   auto impl = std::make_unique<Impl>(path, maxMemory);
   VOLUTE_ASSIGN(const std::string reply, impl->call("open", 0));
   VOLUTE_ASSERT(reply.size() == sizeof impl->info);

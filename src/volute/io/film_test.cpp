@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/film.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "volute/image/srgb.hpp"
+#include "volute/io/testing.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::ok;
+using testing::readBytes;
+using testing::TempFolder;
+using testing::writeBytes;
+
+#if VOLUTE_HAS_VIDEO
+
+constexpr int kFrames = 12;
+
+/// Soft colours; the first row of the picture is red, and a bright square moves.
+Image makeFrame(int width, int height, int number) {
+  Image image(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      image.at(x, y, 0) = y < height / 4 ? 0.8f : 0.1f;
+      image.at(x, y, 1) = 0.5f * static_cast<float>(x) / static_cast<float>(width);
+      image.at(x, y, 2) = 0.3f;
+      const bool square =
+          x >= 2 * number && x < 2 * number + 8 && y >= height / 2 && y < height / 2 + 8;
+      if (square)
+        image.at(x, y, 0) = image.at(x, y, 1) = image.at(x, y, 2) = 1;
+    }
+  }
+  return image;
+}
+
+Status writeFilm(const std::filesystem::path& path, int width, int height) {
+  VOLUTE_ASSIGN(auto film, FilmWriter::create(path, width, height, 25));
+  for (int i = 0; i < kFrames; ++i) VOLUTE_TRY(film->addFrame(makeFrame(width, height, i)));
+  return film->finish();
+}
+
+/// Root of the mean squared difference of the sRGB bytes.
+double difference(const Image& a, const Image& b) {
+  double sum = 0;
+  for (int y = 0; y < a.height; ++y) {
+    for (int x = 0; x < a.width; ++x) {
+      for (int c = 0; c < 3; ++c)
+        sum += std::pow(255 * (srgbEncode(a.at(x, y, c)) - srgbEncode(b.at(x, y, c))), 2);
+    }
+  }
+  return std::sqrt(sum / (3.0 * a.width * a.height));
+}
+
+class Films : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Films, AllFramesAndTheirColoursComeBack) {
+  const TempFolder folder;
+  ASSERT_TRUE(ok(writeFilm(folder / GetParam(), 64, 48)));
+  EXPECT_EQ(folder.entries(), 1u);
+  ASSERT_VALUE(auto film, FilmReader::open(folder / GetParam()));
+  EXPECT_EQ(film.info().width, 64);
+  EXPECT_EQ(film.info().height, 48);
+  EXPECT_NEAR(film.info().framesPerSecond, 25, 1e-9);
+  for (int i = 0; i < kFrames; ++i) {
+    ASSERT_VALUE(const auto frame, film.next());
+    ASSERT_TRUE(frame.has_value()) << i;
+    EXPECT_LT(difference(makeFrame(64, 48, i), *frame), 9) << i;  // what 4:2:0 leaves of hard edges
+    EXPECT_NEAR(255 * srgbEncode(frame->at(40, 4, 0)), 255 * srgbEncode(0.8), 3);
+    EXPECT_NEAR(255 * srgbEncode(frame->at(40, 40, 2)), 255 * srgbEncode(0.3), 3);
+  }
+  ASSERT_VALUE(const auto end, film.next());
+  EXPECT_FALSE(end.has_value());
+}
+
+TEST_P(Films, OddSizesArePadded) {
+  const TempFolder folder;
+  ASSERT_TRUE(ok(writeFilm(folder / GetParam(), 33, 17)));
+  ASSERT_VALUE(const auto film, FilmReader::open(folder / GetParam()));
+  EXPECT_EQ(film.info().width, 34);
+  EXPECT_EQ(film.info().height, 18);
+}
+
+TEST_P(Films, EqualInputsGiveEqualBytes) {
+  const TempFolder folder;
+  const std::string name = GetParam();
+  ASSERT_TRUE(ok(writeFilm(folder / ("a_" + name), 64, 48)));
+  ASSERT_TRUE(ok(writeFilm(folder / ("b_" + name), 64, 48)));
+  EXPECT_TRUE(readBytes(folder / ("a_" + name)) == readBytes(folder / ("b_" + name)));
+}
+
+TEST_P(Films, AFullDiskLeavesNothing) {
+  const TempFolder folder;
+  {
+    const testing::FullDisk full(400);
+    const auto status = writeFilm(folder / GetParam(), 64, 48);
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().code, ErrorCode::kIo);
+  }
+  EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST_P(Films, DamagedFilmsNeverCrash) {
+  const TempFolder folder;
+  ASSERT_TRUE(ok(writeFilm(folder / GetParam(), 64, 48)));
+  const std::string bytes = readBytes(folder / GetParam());
+  for (std::size_t i = 0; i < 20; ++i) {
+    writeBytes(folder / "b.mp4", bytes.substr(0, i * bytes.size() / 20));
+    auto film = FilmReader::open(folder / "b.mp4");
+    for (auto frame = film ? film->next() : Result<std::optional<Image>>(); frame && *frame;)
+      frame = film->next();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, Films, ::testing::Values("film.mp4", "film.webm"),
+                         [](const auto& parameter) {
+                           return std::string(parameter.param).substr(5);
+                         });
+
+TEST(Film, WrongUseIsNamed) {
+  const TempFolder folder;
+  EXPECT_EQ(FilmWriter::create(folder / "a.avi", 64, 48, 25).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(FilmWriter::create(folder / "a.mp4", 0, 48, 25).error().code,
+            ErrorCode::kInvalidArgument);
+  EXPECT_EQ(FilmWriter::create(folder / "a.mp4", 64, 48, 0).error().code,
+            ErrorCode::kInvalidArgument);
+  ASSERT_VALUE(const auto film, FilmWriter::create(folder / "a.mp4", 64, 48, 25));
+  EXPECT_EQ(film->addFrame(Image(32, 48)).error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(film->finish().error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(FilmReader::open(folder / "none.mp4").error().code, ErrorCode::kNotFound);
+}
+
+#else
+
+TEST(Film, ABuildWithoutItSaysSo) {
+  EXPECT_THAT(FilmWriter::create("a.mp4", 2, 2, 25).error().message,
+              HasSubstr("this build has no libav"));
+  EXPECT_THAT(FilmReader::open("a.mp4").error().message, HasSubstr("VOLUTE_WITH_VIDEO=OFF"));
+}
+
+#endif
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/frame_pattern.hpp"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "volute/io/testing.hpp"
+
+namespace volute {
+namespace {
+
+using testing::TempFolder;
+using testing::writeBytes;
+
+TEST(FramePattern, FormatsAsPrintfDoes) {
+  ASSERT_VALUE(const auto padded, FramePattern::parse("out/flame_%04d.vdb"));
+  EXPECT_EQ(padded.format(7), "out/flame_0007.vdb");
+  EXPECT_EQ(padded.format(12345), "out/flame_12345.vdb");
+  ASSERT_VALUE(const auto plain, FramePattern::parse("%d.vti"));
+  EXPECT_EQ(plain.format(42), "42.vti");
+  ASSERT_VALUE(const auto hashes, FramePattern::parse("a_###_100%%.png"));
+  EXPECT_EQ(hashes.format(5), "a_005_100%.png");
+}
+
+RC_GTEST_PROP(FramePattern, MatchesWhatItFormats, ()) {
+  const int number = *rc::gen::inRange(0, 1000000000);
+  const auto pattern =
+      FramePattern::parse(*rc::gen::element("f_%04d.vdb", "%d", "x##y.vdb", "%09d.a"));
+  RC_ASSERT(pattern->match(pattern->format(number).filename().string()) == std::optional(number));
+}
+
+TEST(FramePattern, DoesNotMatchOtherNames) {
+  ASSERT_VALUE(const auto pattern, FramePattern::parse("f_%03d.vdb"));
+  for (const char* name : {"f_01.vdb", "f_0001.vdb", "f_abc.vdb", "f_.vdb", "f_-01.vdb", "f_001.vd",
+                           "g_001.vdb", "f_001.vdb.bak", "f_1234567890.vdb", ""}) {
+    EXPECT_FALSE(pattern.match(name)) << name;
+  }
+}
+
+TEST(FramePattern, RefusesWhatIsNotOneFrameNumber) {
+  for (const char* text :
+       {"f_%s.vdb", "f_%4d.vdb", "f_%x", "f_%00d", "f_%", "f_%0", "%d_%d.vdb", "##_##.vdb",
+        "dir_%04d/f.vdb", "dir_%04d/f_%04d.vdb", "plain.vdb", "##########.vdb", "%012d"}) {
+    const auto pattern = FramePattern::parse(text);
+    ASSERT_FALSE(pattern) << text;
+    EXPECT_EQ(pattern.error().code, ErrorCode::kInvalidArgument);
+  }
+}
+
+TEST(FramePattern, ListsByNumberAndSkipsGaps) {
+  const TempFolder folder;
+  for (const char* name : {"f_10.vdb", "f_9.vdb", "f_2.vdb", "f_02.vdb", "g_3.vdb", "f_3.txt"})
+    writeBytes(folder / name, "");
+  std::filesystem::create_directory(folder / "f_4.vdb");
+  ASSERT_VALUE(const auto pattern, FramePattern::parse(folder / "f_%d.vdb"));
+  ASSERT_VALUE(const auto files, pattern.list());
+  ASSERT_EQ(files.size(), 3u);
+  EXPECT_EQ(files[0].number, 2);
+  EXPECT_EQ(files[1].number, 9);
+  EXPECT_EQ(files[2].path, folder / "f_10.vdb");
+}
+
+TEST(FramePattern, SaysWhenNothingIsThere) {
+  const TempFolder folder;
+  ASSERT_VALUE(const auto pattern, FramePattern::parse(folder / "f_%d.vdb"));
+  EXPECT_EQ(pattern.list().error().code, ErrorCode::kNotFound);
+  ASSERT_VALUE(const auto nowhere, FramePattern::parse(folder / "none/f_%d.vdb"));
+  EXPECT_EQ(nowhere.list().error().code, ErrorCode::kNotFound);
+}
+
+TEST(NumberedFiles, TakesTheLastDigitsOfTheStem) {
+  EXPECT_EQ(frameNumberOf("v2_flame_0031.vdb"), 31);
+  EXPECT_EQ(frameNumberOf("flame12b.vdb"), 12);
+  EXPECT_EQ(frameNumberOf("flame.vdb2"), std::nullopt);
+  EXPECT_EQ(frameNumberOf("f_12345678901.vdb"), std::nullopt);
+}
+
+TEST(NumberedFiles, TwoSeriesInOneFolderAreAnError) {
+  const TempFolder folder;
+  writeBytes(folder / "flame_1.vdb", "");
+  writeBytes(folder / "smoke_1.vdb", "");
+  const auto files = listNumberedFiles(folder.path(), ".vdb");
+  ASSERT_FALSE(files);
+  EXPECT_NE(files.error().message.find("same frame number"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace volute

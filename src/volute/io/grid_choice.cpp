@@ -38,7 +38,8 @@ std::string listed(std::span<const GridEntry> entries) {
 std::string nearestHint(std::span<const GridEntry> entries, const std::string& wanted) {
   const auto distance = [&](const GridEntry& entry) { return editDistance(entry.name, wanted); };
   const auto nearest = std::ranges::min_element(entries, {}, distance);
-  const bool close = distance(*nearest) <= std::max<std::size_t>(2, wanted.size() / 2);
+  const bool close = distance(*nearest) <= std::max<std::size_t>(2, wanted.size() / 2) ||
+                     nearest->name.find(wanted) != std::string::npos;
   return close ? fmt::format("; did you mean '{}'?", nearest->name) : std::string(";");
 }
 

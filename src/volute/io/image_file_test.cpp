@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/image_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "volute/image/srgb.hpp"
+#include "volute/io/testing.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::ok;
+using testing::readBytes;
+using testing::TempFolder;
+using testing::writeBytes;
+
+Image makePicture(int width, int height, int channels, float scale = 1) {
+  Image image(width, height, channels);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    image.pixels[i] = scale * static_cast<float>(i * 37 % 101) / 100;
+  return image;
+}
+
+RC_GTEST_PROP(Png, ReadsWhatItWritesTo8Bits, ()) {
+  const TempFolder folder;
+  const auto written =
+      makePicture(*rc::gen::inRange(1, 20), *rc::gen::inRange(1, 20), *rc::gen::element(1, 3));
+  RC_ASSERT(writeImage(folder / "a.png", written).has_value());
+  const auto read = readImage(folder / "a.png");
+  RC_ASSERT(read.has_value());
+  RC_ASSERT(read->width == written.width && read->height == written.height &&
+            read->channels == written.channels);
+  RC_ASSERT(toSrgb8(*read) == toSrgb8(written));
+}
+
+TEST(Png, RawValuesAreNotDecoded) {
+  const TempFolder folder;
+  Image image(2, 1, 1);
+  image.pixels = {1, static_cast<float>(srgbDecode(51.0 / 255))};
+  ASSERT_TRUE(ok(writeImage(folder / "a.png", image)));
+  ASSERT_VALUE(const auto raw, readImage(folder / "a.png", {.raw = true}));
+  EXPECT_EQ(raw.pixels, (std::vector<float>{1, 0.2f}));
+  ASSERT_VALUE(const auto linear, readImage(folder / "a.png"));
+  EXPECT_NEAR(linear.pixels[1], 0.0331f, 1e-4f);
+}
+
+std::string fromHex(const std::string& hex) {
+  std::string bytes;
+  for (std::size_t i = 0; i < hex.size(); i += 2)
+    bytes += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
+  return bytes;
+}
+
+// 2 x 2 pixels written by another program: 16-bit grey (0, 1, 32768, 65535); a palette with
+// transparency (red, green, blue, white); RGBA (1,2,3,128), (255,0,0,0), (0,255,0,255), (9,9,9,9).
+constexpr const char* kGrey16 =
+    "89504e470d0a1a0a0000000d4948445200000002000000021000000000074d8ebb0000001249444154789c6360"
+    "606060646860f8ff1f00050d02800170ca8c0000000049454e44ae426082";
+constexpr const char* kPalette =
+    "89504e470d0a1a0a0000000d49484452000000020000000208030000004568fd160000000c504c5445ff000000"
+    "ff000000fffffffffb0060f60000000274524e5300809b2b4e180000000e49444154789c636060646062060000"
+    "1100079ea22a120000000049454e44ae426082";
+constexpr const char* kRgba =
+    "89504e470d0a1a0a0000000d494844520000000200000002080600000072b60d240000001649444154789c6360"
+    "64626ef8cf0002ff19fe7302010020b103a816ff1b4f0000000049454e44ae426082";
+
+TEST(Png, SixteenBits) {
+  const TempFolder folder;
+  writeBytes(folder / "a.png", fromHex(kGrey16));
+  ASSERT_VALUE(const auto raw, readImage(folder / "a.png", {.raw = true}));
+  EXPECT_EQ(raw.channels, 1);
+  EXPECT_EQ(raw.pixels, (std::vector<float>{0, 1 / 65535.0f, 32768 / 65535.0f, 1}));
+}
+
+TEST(Png, PaletteAndAlpha) {
+  const TempFolder folder;
+  writeBytes(folder / "p.png", fromHex(kPalette));
+  ASSERT_VALUE(const auto palette, readImage(folder / "p.png"));
+  EXPECT_EQ(palette.channels, 3);
+  EXPECT_EQ(palette.pixels, (std::vector<float>{1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1}));
+  writeBytes(folder / "a.png", fromHex(kRgba));
+  ASSERT_VALUE(const auto alpha, readImage(folder / "a.png", {.raw = true}));
+  EXPECT_EQ(alpha.channels, 3);
+  EXPECT_EQ(alpha.pixels[2], 3 / 255.0f);
+  EXPECT_EQ(alpha.pixels[3], 1);
+}
+
+TEST(Png, EveryTruncationAndEveryBitFlipIsRefused) {
+  const TempFolder folder;
+  ASSERT_TRUE(ok(writeImage(folder / "a.png", makePicture(5, 4, 3))));
+  const std::string bytes = readBytes(folder / "a.png");
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    writeBytes(folder / "b.png", bytes.substr(0, length));
+    EXPECT_FALSE(readImage(folder / "b.png")) << length << " of " << bytes.size();
+  }
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+    std::string flipped = bytes;
+    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ 1 << bit % 8);
+    writeBytes(folder / "b.png", flipped);
+    EXPECT_FALSE(readImage(folder / "b.png")) << "bit " << bit;
+  }
+}
+
+TEST(Images, UnknownKindsMissingFilesAndMemory) {
+  const TempFolder folder;
+  EXPECT_EQ(readImage("a.gif").error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(writeImage("a.gif", makePicture(1, 1, 1)).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(readImage(folder / "none.png").error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(writeImage(folder / "none/a.png", makePicture(1, 1, 1)).error().code, ErrorCode::kIo);
+  ASSERT_TRUE(ok(writeImage(folder / "a.png", makePicture(10, 10, 3))));
+  EXPECT_EQ(readImage(folder / "a.png", {.maxMemory = 1199}).error().code, ErrorCode::kTooLarge);
+  EXPECT_TRUE(ok(readImage(folder / "a.png", {.maxMemory = 1200})));
+}
+
+#if VOLUTE_HAS_EXR
+
+TEST(Exr, KeepsEveryFloat) {
+  const TempFolder folder;
+  for (int channels : {1, 3}) {
+    auto written = makePicture(7, 5, channels, 1000);
+    written.pixels[1] = std::numeric_limits<float>::infinity();
+    written.pixels[2] = -0.25f;
+    ASSERT_TRUE(ok(writeImage(folder / "a.exr", written)));
+    ASSERT_VALUE(const auto read, readImage(folder / "a.exr"));
+    EXPECT_EQ(read.channels, channels);
+    EXPECT_EQ(read.pixels, written.pixels);
+  }
+}
+
+TEST(Exr, EqualInputsGiveEqualBytes) {
+  const TempFolder folder;
+  ASSERT_TRUE(ok(writeImage(folder / "a.exr", makePicture(40, 40, 3))));
+  ASSERT_TRUE(ok(writeImage(folder / "b.exr", makePicture(40, 40, 3))));
+  EXPECT_TRUE(readBytes(folder / "a.exr") == readBytes(folder / "b.exr"));
+}
+
+TEST(Exr, TruncationsAreRefusedAndBitFlipsNeverCrash) {
+  const TempFolder folder;
+  ASSERT_TRUE(ok(writeImage(folder / "a.exr", makePicture(9, 20, 3))));
+  const std::string bytes = readBytes(folder / "a.exr");
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    writeBytes(folder / "b.exr", bytes.substr(0, length));
+    EXPECT_FALSE(readImage(folder / "b.exr")) << length << " of " << bytes.size();
+  }
+  for (std::size_t bit = 0; bit < 8 * bytes.size(); bit += 11) {
+    std::string flipped = bytes;
+    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ 1 << bit % 8);
+    writeBytes(folder / "b.exr", flipped);
+    const auto read = readImage(folder / "b.exr", {.maxMemory = 1 << 24});
+    EXPECT_TRUE(read || !read.error().message.empty());
+  }
+}
+
+TEST(Exr, MemoryIsCheckedFirst) {
+  const TempFolder folder;
+  ASSERT_TRUE(ok(writeImage(folder / "a.exr", makePicture(10, 10, 1))));
+  EXPECT_EQ(readImage(folder / "a.exr", {.maxMemory = 399}).error().code, ErrorCode::kTooLarge);
+}
+
+#else
+
+TEST(Exr, ABuildWithoutItSaysSo) {
+  EXPECT_THAT(readImage("a.exr").error().message, HasSubstr("this build has no OpenEXR"));
+  EXPECT_THAT(writeImage("a.exr", Image(1, 1)).error().message, HasSubstr("VOLUTE_WITH_EXR=OFF"));
+}
+
+#endif
+
+}  // namespace
+}  // namespace volute

@@ -7,29 +7,10 @@
 #include "volute/base/assert.hpp"
 #include "volute/base/output_file.hpp"
 #include "volute/io/frame_pattern.hpp"
+#include "volute/io/xml_text.hpp"
 
 namespace volute {
 namespace {
-
-std::string escapedXml(const std::string& text) {
-  std::string escaped;
-  for (char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
 
 class LatticeSink final : public FrameSink {
  public:

@@ -172,7 +172,8 @@ Status checkSize(const IndexBox& box, int channels, std::uint64_t maxMemory,
   return fail(ErrorCode::kTooLarge,
               "{}: a frame of {} x {} x {} voxels needs {:.0f} MiB, more than the {} MiB allowed; "
               "give --bounds, or more --max-memory",
-              where, box.size(0), box.size(1), box.size(2), bytes / (1 << 20), maxMemory >> 20);
+              where, box.size(0), box.size(1), box.size(2), bytes / (1 << 20),
+              static_cast<double>(maxMemory) / (1 << 20));
 }
 
 /// Stated times when all frames have one and they ascend; else none.

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/npy.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "volute/io/npy_header.hpp"
+#include "volute/io/testing.hpp"
+#include "volute/io/volume_sink.hpp"
+
+namespace volute {
+namespace {
+
+using testing::makeBlob;
+using testing::ok;
+using testing::readBytes;
+using testing::TempFolder;
+using testing::writeBytes;
+
+Status writeAll(const std::filesystem::path& path, const Sequence& sequence) {
+  VOLUTE_ASSIGN(auto sink, createSink(path, sequence.info));
+  for (int i = 0; i < sequence.info.frames; ++i) VOLUTE_TRY(sink->writeFrame(sequence.frame(i)));
+  return sink->finish();
+}
+
+Result<Sequence> readSequence(const std::filesystem::path& path,
+                              const SourceOptions& options = {}) {
+  VOLUTE_ASSIGN(auto source, openSource(path, options));
+  return readAll(*source, 1 << 30);
+}
+
+/// A file of version 1 with this dictionary and `dataBytes` zeros.
+std::string npyFile(const std::string& dictionary, std::size_t dataBytes) {
+  std::string text = dictionary + "\n";
+  std::string file =
+      "\x93"
+      "NUMPY";
+  file += {'\1', '\0', static_cast<char>(text.size() & 0xFF), static_cast<char>(text.size() >> 8)};
+  return file + text + std::string(dataBytes, '\0');
+}
+
+std::string dictionary(const std::string& type, const std::string& shape,
+                       const std::string& order = "False") {
+  return "{'descr': '" + type + "', 'fortran_order': " + order + ", 'shape': " + shape + ", }";
+}
+
+RC_GTEST_PROP(Npy, ReadsWhatItWrites, ()) {
+  const TempFolder folder;
+  const auto side = rc::gen::inRange(1, 6);
+  const auto written = makeBlob(*side, *side, *side, *side, *rc::gen::element(1, 3));
+  RC_ASSERT(writeAll(folder / "a.npy", written).has_value());
+  const auto read = readSequence(folder / "a.npy");
+  RC_ASSERT(read.has_value());
+  RC_ASSERT(read->values == written.values);
+  RC_ASSERT(read->info.frames == written.info.frames);
+  RC_ASSERT(read->info.channels == written.info.channels);
+}
+
+TEST(Npy, HeaderIsPaddedAsNumPyDoes) {
+  const std::string header = makeNpyHeader({2, 3, 4, 5});
+  EXPECT_EQ(header.size() % 64, 0u);
+  EXPECT_EQ(header.substr(10, 67),
+            "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, 4, 5), }  ");
+  EXPECT_EQ(header.back(), '\n');
+}
+
+TEST(Npy, KeepsNaNAndInfinity) {
+  const TempFolder folder;
+  auto sequence = makeSequence(1, 1, 1, 3);
+  sequence.values = {std::numeric_limits<float>::quiet_NaN(),
+                     std::numeric_limits<float>::infinity(), -0.0f};
+  ASSERT_TRUE(ok(writeAll(folder / "a.npy", sequence)));
+  ASSERT_VALUE(const auto read, readSequence(folder / "a.npy"));
+  EXPECT_EQ(std::memcmp(read.values.data(), sequence.values.data(), 12), 0);
+}
+
+TEST(Npy, ThreeAxesAreOneFrame) {
+  const TempFolder folder;
+  writeBytes(folder / "a.npy", npyFile(dictionary("<f4", "(2, 3, 4)"), 96));
+  ASSERT_VALUE(const auto source, openSource(folder / "a.npy", {}));
+  const VolumeInfo& info = source->info();
+  EXPECT_EQ(info.frames, 1);
+  EXPECT_EQ(info.z, 2);
+  EXPECT_EQ(info.y, 3);
+  EXPECT_EQ(info.x, 4);
+  EXPECT_EQ(info.bounds.max, Vec3(1, 0.75, 0.5));
+}
+
+TEST(Npy, ReadsHalves) {
+  const TempFolder folder;
+  std::string file = npyFile(dictionary("<f2", "(1, 1, 4)"), 0);
+  for (unsigned half : {0x3C00u, 0xC000u, 0x7C00u, 0x0001u})
+    file += {char(half & 0xFF), char(half >> 8)};
+  writeBytes(folder / "a.npy", file);
+  ASSERT_VALUE(const auto read, readSequence(folder / "a.npy"));
+  EXPECT_EQ(read.values,
+            (std::vector<float>{1, -2, std::numeric_limits<float>::infinity(), 0x1p-24f}));
+}
+
+TEST(Npy, VersionsTwoAndThree) {
+  const TempFolder folder;
+  for (char version : {'\2', '\3'}) {
+    std::string file = npyFile(dictionary("<f4", "(1, 1, 1)"), 4);
+    file[6] = version;
+    file.insert(10, 2, '\0');
+    writeBytes(folder / "a.npy", file);
+    EXPECT_TRUE(ok(openSource(folder / "a.npy", {})));
+  }
+}
+
+TEST(Npy, BoundsAreStatedNotResampled) {
+  const TempFolder folder;
+  writeBytes(folder / "a.npy", npyFile(dictionary("<f4", "(2, 2, 2)"), 32));
+  SourceOptions options;
+  options.bounds = Box3{Vec3(1, 2, 3), Vec3(2, 4, 6)};
+  ASSERT_VALUE(const auto source, openSource(folder / "a.npy", options));
+  EXPECT_EQ(source->info().bounds.min, Vec3(1, 2, 3));
+  EXPECT_EQ(source->info().x, 2);
+}
+
+TEST(Npy, RefusesOtherArraysByName) {
+  const TempFolder folder;
+  const auto message = [&](const std::string& text, std::size_t bytes) {
+    writeBytes(folder / "a.npy", npyFile(text, bytes));
+    const auto source = openSource(folder / "a.npy", {});
+    return source ? std::string("accepted") : source.error().message;
+  };
+  const auto has = [](const std::string& text) { return ::testing::HasSubstr(text); };
+  EXPECT_THAT(message(dictionary("<f8", "(1, 1, 1)"), 8), has("'<f8'"));
+  EXPECT_THAT(message(dictionary(">f4", "(1, 1, 1)"), 4), has("big endian"));
+  EXPECT_THAT(message(dictionary("<f4", "(1, 1, 1)", "True"), 4), has("Fortran order"));
+  EXPECT_THAT(message("{'descr': [('a', '<f4')], 'fortran_order': False, 'shape': (1, 1, 1), }", 4),
+              has("structured"));
+  EXPECT_THAT(message(dictionary("<f4", "(4,)"), 16), has("1 axes"));
+  EXPECT_THAT(message(dictionary("<f4", "(1, 1, 1, 1, 2)"), 8), has("2 channels"));
+  EXPECT_THAT(message(dictionary("<f4", "(0, 1, 1)"), 0), has("no values"));
+  EXPECT_THAT(message(dictionary("<f4", "(1, 1, 1)"), 5), has("more than its header says"));
+  EXPECT_THAT(message(dictionary("<f4", "(1, 1, 2)"), 4), has("fewer than its header says"));
+  EXPECT_THAT(message(dictionary("<f4", "(4294967296, 4294967296, 1)"), 4), has("fewer"));
+  EXPECT_THAT(message(dictionary("<f4", "(99999999999999999999, 1, 1)"), 4), has("damaged"));
+}
+
+TEST(Npy, RefusesMoreThanTheAllowedMemory) {
+  const TempFolder folder;
+  writeBytes(folder / "a.npy", npyFile(dictionary("<f4", "(2, 16, 16, 16)"), 2 * 16384));
+  SourceOptions options;
+  options.maxMemory = 16384;
+  EXPECT_TRUE(ok(openSource(folder / "a.npy", options)));
+  options.maxMemory = 16383;
+  EXPECT_EQ(openSource(folder / "a.npy", options).error().code, ErrorCode::kTooLarge);
+}
+
+TEST(Npy, EveryTruncationIsRefused) {
+  const TempFolder folder;
+  ASSERT_TRUE(ok(writeAll(folder / "a.npy", makeBlob(2, 2, 3, 2))));
+  const std::string bytes = readBytes(folder / "a.npy");
+  for (std::size_t length = 0; length < bytes.size(); ++length) {
+    writeBytes(folder / "b.npy", bytes.substr(0, length));
+    EXPECT_FALSE(openSource(folder / "b.npy", {})) << length;
+  }
+  writeBytes(folder / "b.npy", bytes + "x");
+  EXPECT_FALSE(openSource(folder / "b.npy", {}));
+}
+
+TEST(Npy, EveryBitFlipInTheHeaderIsRefused) {
+  const TempFolder folder;
+  ASSERT_TRUE(ok(writeAll(folder / "a.npy", makeBlob(2, 12, 3, 20, 3))));
+  const std::string bytes = readBytes(folder / "a.npy");
+  ASSERT_EQ(makeNpyHeader({2, 12, 3, 20, 3}), bytes.substr(0, 128));
+  for (std::size_t bit = 0; bit < 8 * 128; ++bit) {
+    std::string flipped = bytes;
+    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ 1 << bit % 8);
+    writeBytes(folder / "b.npy", flipped);
+    EXPECT_FALSE(openSource(folder / "b.npy", {}))
+        << "bit " << bit << ": " << flipped.substr(10, 80);
+  }
+}
+
+TEST(Npy, AFullDiskLeavesNothing) {
+  const TempFolder folder;
+  const auto sequence = makeBlob(4, 16, 16, 16);
+  {
+    const testing::FullDisk full(20000);
+    const auto status = writeAll(folder / "a.npy", sequence);
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().code, ErrorCode::kIo);
+  }
+  EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(VolumeSource, UnknownKindsAreNamed) {
+  EXPECT_EQ(openSource("a.xyz", {}).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(openSource("none.npy", {}).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(openSource("none_%04d.vdb", {}).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(openSource("none.vti", {}).error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(createSink("a.xyz", makeSequence(1, 1, 1, 1).info).error().code,
+            ErrorCode::kUnsupported);
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/reader_process.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <vector>
+
+#include "volute/io/testing.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr ReaderProcess::Limits kLimits{64 << 20, 1};
+
+/// Keeps the compiler from removing what only a damaged file would make a library do.
+volatile std::size_t sink = 0;
+
+Result<std::string> misbehave(std::string_view request, std::span<float> values) {
+  if (request == "crash")
+    ::raise(SIGSEGV);
+  if (request == "abort")
+    std::abort();
+  if (request == "exit")
+    ::_exit(3);
+  if (request == "hang") {
+    while (true) sink = sink + 1;
+  }
+  if (request == "memory") {
+    std::vector<std::vector<char>> hoard;
+    while (true) hoard.emplace_back(std::size_t{16} << 20, 'x');
+  }
+  if (request == "throw")
+    throw std::runtime_error("odd bytes");
+  if (request == "fail")
+    return fail(ErrorCode::kUnsupported, "file: no such thing");
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
+  return std::string(request) + "!";
+}
+
+TEST(ReaderProcess, RepliesAndSharesValues) {
+  ReaderProcess process(misbehave);
+  for (std::size_t count : {10, 1000, 3, 100000}) {
+    const auto reply = process.call("file", "hello", count, kLimits);
+    ASSERT_TRUE(testing::ok(reply));
+    EXPECT_EQ(*reply, "hello!");
+    ASSERT_EQ(process.values().size(), count);
+    EXPECT_EQ(process.values()[count - 1], static_cast<float>(count - 1));
+  }
+}
+
+TEST(ReaderProcess, EveryEndOfTheChildIsAnErrorAndTheNextCallWorks) {
+  ReaderProcess process(misbehave);
+  for (const char* request : {"crash", "abort", "exit"}) {
+    const auto reply = process.call("some/file", request, 4, kLimits);
+    ASSERT_FALSE(reply);
+    EXPECT_EQ(reply.error().code, ErrorCode::kInvalidData);
+    EXPECT_THAT(reply.error().message, HasSubstr("some/file: the file is damaged"));
+    EXPECT_TRUE(testing::ok(process.call("file", "hello", 4, kLimits)));
+  }
+}
+
+TEST(ReaderProcess, AHangEnds) {
+  ReaderProcess process(misbehave);
+  const auto reply = process.call("file", "hang", 0, {64 << 20, 0.05});
+  ASSERT_FALSE(reply);
+  EXPECT_THAT(reply.error().message, HasSubstr("too long"));
+}
+
+TEST(ReaderProcess, ErrorsKeepTheirCodeAndNameTheFile) {
+  ReaderProcess process(misbehave);
+  EXPECT_EQ(process.call("file", "fail", 0, kLimits).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(process.call("file", "fail", 0, kLimits).error().message, "file: no such thing");
+  EXPECT_EQ(process.call("file", "throw", 0, kLimits).error().message, "file: odd bytes");
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(ReaderProcess, MemoryIsLimited) {
+  ReaderProcess process(misbehave);
+  const auto reply = process.call("file", "memory", 0, kLimits);
+  ASSERT_FALSE(reply);
+  EXPECT_EQ(reply.error().code, ErrorCode::kTooLarge);
+}
+#endif
+
+}  // namespace
+}  // namespace volute

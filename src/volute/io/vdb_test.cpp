@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "volute/io/plugin.hpp"
+#include "volute/io/testing.hpp"
+#include "volute/io/volume_sink.hpp"
+#include "volute/io/volume_source.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::makeBlob;
+using testing::ok;
+using testing::readBytes;
+using testing::TempFolder;
+using testing::writeBytes;
+
+Status writeAll(const std::filesystem::path& path, const Sequence& sequence,
+                const SinkOptions& options = {}) {
+  VOLUTE_ASSIGN(auto sink, createSink(path, sequence.info, options));
+  for (int i = 0; i < sequence.info.frames; ++i) VOLUTE_TRY(sink->writeFrame(sequence.frame(i)));
+  return sink->finish();
+}
+
+Result<Sequence> readSequence(const std::filesystem::path& path,
+                              const SourceOptions& options = {}) {
+  VOLUTE_ASSIGN(auto source, openSource(path, options));
+  return readAll(*source, 1 << 30);
+}
+
+#if VOLUTE_HAS_VDB
+
+/// A blob whose first and last voxels are set, so that its box of active voxels is the whole
+/// volume.
+Sequence makeFullBlob(int frames, int z, int y, int x, int channels = 1) {
+  Sequence sequence = makeBlob(frames, z, y, x, channels);
+  for (int i = 0; i < frames; ++i) sequence.frame(i).front() = sequence.frame(i).back() = 0.5f;
+  return sequence;
+}
+
+TEST(Vdb, RoundTripOfScalarAndRgb) {
+  for (int channels : {1, 3}) {
+    const TempFolder folder;
+    auto written = makeFullBlob(2, 5, 9, 17, channels);
+    written.info.name = "flame";
+    written.info.bounds = {Vec3(-1, 2, 3), Vec3(0.7, 4.7, 3.5)};  // voxels of 0.1 x 0.3 x 0.1
+    written.info.frameNumbers = {37, 40};
+    written.info.times = {1.5, 1.62};
+    ASSERT_TRUE(ok(writeAll(folder / "f_%04d.vdb", written)));
+    EXPECT_TRUE(std::filesystem::exists(folder / "f_0037.vdb"));
+    for (const auto& input : {folder / "f_%04d.vdb", folder / "f_####.vdb", folder.path()}) {
+      ASSERT_VALUE(const auto read, readSequence(input));
+      EXPECT_EQ(read.values, written.values);
+      EXPECT_EQ(read.info.name, "flame");
+      EXPECT_EQ(read.info.channels, channels);
+      EXPECT_EQ(read.info.frameNumbers, written.info.frameNumbers);
+      EXPECT_EQ(read.info.times, written.info.times);
+      EXPECT_LT((read.info.bounds.min - written.info.bounds.min).norm(), 1e-12);
+      EXPECT_LT((read.info.bounds.max - written.info.bounds.max).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(Vdb, KeepsNaNAndRoundsHalves) {
+  const TempFolder folder;
+  auto written = makeFullBlob(1, 2, 2, 2);
+  written.values[3] = std::numeric_limits<float>::quiet_NaN();
+  written.values[4] = 0.1f;
+  ASSERT_TRUE(ok(writeAll(folder / "a.vdb", written, {.half = true})));
+  ASSERT_VALUE(const auto read, readSequence(folder / "a.vdb"));
+  EXPECT_TRUE(std::isnan(read.values[3]));
+  EXPECT_NEAR(read.values[4], 0.1f, 5e-5f);
+  EXPECT_NE(read.values[4], 0.1f);
+}
+
+TEST(Vdb, EqualInputsGiveEqualBytes) {
+  const TempFolder folder;
+  const auto written = makeFullBlob(1, 4, 4, 4);
+  ASSERT_TRUE(ok(writeAll(folder / "a.vdb", written)));
+  ASSERT_TRUE(ok(writeAll(folder / "b.vdb", written)));
+  EXPECT_TRUE(readBytes(folder / "a.vdb") == readBytes(folder / "b.vdb"));
+}
+
+/// Two frames on one lattice of 0.25 m voxels; only the voxel (x, y, z) of each is set.
+void writeTwoSpots(const TempFolder& folder) {
+  auto spots = makeSequence(2, 8, 8, 8);
+  spots.info.bounds = {Vec3::Zero(), Vec3::Constant(2)};
+  spots.info.frameNumbers = {3, 10};
+  spots.info.times = {0, 0.28};
+  spots.view()(0, 2, 2, 2, 0) = 1;
+  spots.view()(1, 4, 3, 5, 0) = 2;
+  ASSERT_TRUE(ok(writeAll(folder / "s_%d.vdb", spots)));
+}
+
+TEST(Vdb, WithoutBoundsTheUnionOfActiveVoxels) {
+  const TempFolder folder;
+  writeTwoSpots(folder);
+  ASSERT_VALUE(const auto read, readSequence(folder.path()));
+  EXPECT_EQ(read.info.x, 4);
+  EXPECT_EQ(read.info.y, 2);
+  EXPECT_EQ(read.info.z, 3);
+  EXPECT_EQ(read.info.bounds.min, Vec3(0.5, 0.5, 0.5));
+  EXPECT_EQ(read.view()(0, 0, 0, 0, 0), 1);
+  EXPECT_EQ(read.view()(1, 2, 1, 3, 0), 2);
+}
+
+TEST(Vdb, BoundsCropAndPad) {
+  const TempFolder folder;
+  writeTwoSpots(folder);
+  SourceOptions options;
+  options.bounds = Box3{Vec3(-0.25, 0.75, 0), Vec3(2.5, 1, 1.25)};
+  ASSERT_VALUE(const auto read, readSequence(folder.path(), options));
+  EXPECT_EQ(read.info.x, 11);
+  EXPECT_EQ(read.info.y, 1);
+  EXPECT_EQ(read.info.z, 5);
+  EXPECT_EQ(read.view()(1, 4, 0, 6, 0), 2);
+  double sum = 0;
+  for (float value : read.values) sum += value;
+  EXPECT_EQ(sum, 2);  // the first frame's spot is cut off
+}
+
+TEST(Vdb, BoundsMustLieOnTheVoxelGrid) {
+  const TempFolder folder;
+  writeTwoSpots(folder);
+  SourceOptions options;
+  options.bounds = Box3{Vec3(0.1, 0, 0), Vec3(1, 1, 1)};
+  const auto refused = openSource(folder.path(), options);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("the nearest that do are 0,0,0,1,1,1"));
+  options.bounds = Box3{Vec3(0.0002, 0, 0), Vec3(1, 1, 1)};
+  EXPECT_TRUE(ok(openSource(folder.path(), options)));
+}
+
+TEST(Vdb, EmptyFramesNeedABoxFromElsewhere) {
+  const TempFolder folder;
+  auto sequence = makeSequence(2, 3, 3, 3);
+  ASSERT_TRUE(ok(writeAll(folder / "e_%d.vdb", sequence)));
+  EXPECT_THAT(openSource(folder.path(), {}).error().message, HasSubstr("no active voxels in any"));
+  SourceOptions options;
+  options.bounds = sequence.info.bounds;
+  EXPECT_TRUE(ok(readSequence(folder.path(), options)));
+  sequence.frame(1)[13] = 1;
+  ASSERT_TRUE(ok(writeAll(folder / "e_%d.vdb", sequence)));
+  ASSERT_VALUE(const auto read, readSequence(folder.path()));
+  EXPECT_EQ(read.values, (std::vector<float>{0, 1}));
+}
+
+TEST(Vdb, FramesOnOtherLatticesAreRefused) {
+  const TempFolder folder;
+  auto first = makeFullBlob(1, 4, 4, 4);
+  ASSERT_TRUE(ok(writeAll(folder / "f_1.vdb", first)));
+  const auto second = [&](const Box3& bounds) {
+    first.info.bounds = bounds;
+    EXPECT_TRUE(ok(writeAll(folder / "f_2.vdb", first)));
+    const auto source = openSource(folder.path(), {});
+    return source ? std::string() : source.error().message;
+  };
+  EXPECT_THAT(second({Vec3::Zero(), Vec3::Constant(2)}),
+              HasSubstr("frame 2 has voxels of 0.5 x 0.5 x 0.5 m"));
+  EXPECT_THAT(second({Vec3::Constant(0.1), Vec3::Constant(1.1)}), HasSubstr("0.4 voxels off"));
+  EXPECT_EQ(second({Vec3::Constant(0.5), Vec3::Constant(1.5)}), "");
+  ASSERT_VALUE(const auto moved, readSequence(folder.path()));
+  EXPECT_EQ(moved.info.x, 6);
+  EXPECT_EQ(moved.view()(1, 2, 2, 2, 0), first.values.front());
+}
+
+TEST(Vdb, WrongNamesGetASuggestion) {
+  const TempFolder folder;
+  ASSERT_TRUE(ok(writeAll(folder / "a.vdb", makeFullBlob(1, 2, 2, 2))));
+  SourceOptions options;
+  options.grid = "denisty";
+  const auto source = openSource(folder / "a.vdb", options);
+  ASSERT_FALSE(source);
+  EXPECT_EQ(source.error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(source.error().message, HasSubstr("did you mean 'density'? it has density (float)"));
+}
+
+TEST(Vdb, HugeFramesAreRefusedBeforeTheyAreAllocated) {
+  const TempFolder folder;
+  ASSERT_TRUE(ok(writeAll(folder / "a.vdb", makeFullBlob(1, 16, 16, 16))));
+  SourceOptions options;
+  options.maxMemory = 16383;
+  EXPECT_EQ(openSource(folder / "a.vdb", options).error().code, ErrorCode::kTooLarge);
+  options.maxMemory = 1 << 20;
+  options.bounds = Box3{Vec3::Zero(), Vec3::Constant(1e7)};
+  EXPECT_EQ(openSource(folder / "a.vdb", options).error().code, ErrorCode::kTooLarge);
+}
+
+TEST(Vdb, SeveralFramesNeedAPattern) {
+  const auto sink = createSink("a.vdb", makeSequence(2, 2, 2, 2).info);
+  ASSERT_FALSE(sink);
+  EXPECT_THAT(sink.error().message, HasSubstr("a_%04d.vdb"));
+}
+
+TEST(Vdb, AFullDiskLeavesNothing) {
+  const TempFolder folder;
+  const auto sequence = makeFullBlob(2, 16, 16, 16);
+  {
+    const testing::FullDisk full(4096);
+    const auto status = writeAll(folder / "a_%d.vdb", sequence);
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().code, ErrorCode::kIo);
+  }
+  EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(Vdb, TruncationsAreRefused) {
+  ASSERT_TRUE(ok(loadVdbPlugin()));  // once, here: the many children then find it loaded
+  const TempFolder folder;
+  ASSERT_TRUE(ok(writeAll(folder / "a.vdb", makeFullBlob(1, 6, 6, 6))));
+  const std::string bytes = readBytes(folder / "a.vdb");
+  for (std::size_t length = 0; length < bytes.size();
+       length += std::max<std::size_t>(1, bytes.size() / 150)) {
+    writeBytes(folder / "b.vdb", bytes.substr(0, length));
+    EXPECT_FALSE(readSequence(folder / "b.vdb")) << length << " of " << bytes.size();
+  }
+  writeBytes(folder / "b.vdb", bytes.substr(0, bytes.size() - 1));
+  EXPECT_FALSE(readSequence(folder / "b.vdb"));
+}
+
+TEST(Vdb, BitFlipsNeverCrash) {
+  ASSERT_TRUE(ok(loadVdbPlugin()));  // once, here: the many children then find it loaded
+  const TempFolder folder;
+  ASSERT_TRUE(ok(writeAll(folder / "a.vdb", makeFullBlob(1, 6, 6, 6))));
+  const std::string bytes = readBytes(folder / "a.vdb");
+  std::mt19937 random(1);
+  SourceOptions options;
+  options.maxMemory = 16 << 20;
+  for (int i = 0; i < 150; ++i) {
+    std::string flipped = bytes;
+    const std::size_t bit = random() % (8 * bytes.size());
+    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ 1 << bit % 8);
+    writeBytes(folder / "b.vdb", flipped);
+    const auto read = readSequence(folder / "b.vdb", options);
+    EXPECT_TRUE(read || !read.error().message.empty());
+  }
+}
+
+#else
+
+TEST(Vdb, ABuildWithoutItSaysSo) {
+  const TempFolder folder;
+  writeBytes(folder / "a.vdb", "");
+  EXPECT_THAT(readSequence(folder / "a.vdb").error().message,
+              HasSubstr("this build has no OpenVDB"));
+  EXPECT_THAT(writeAll(folder / "b.vdb", makeBlob(1, 1, 1, 1)).error().message,
+              HasSubstr("VOLUTE_WITH_VDB=OFF"));
+}
+
+#endif
+
+}  // namespace
+}  // namespace volute

@@ -7,7 +7,9 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
+#include <algorithm>
 #include <array>
+#include <cstring>
 #include <vector>
 
 #include "volute/base/output_file.hpp"
@@ -51,6 +53,23 @@ std::string reason(int code) {
 constexpr int kExact =
     SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP | SWS_BITEXACT;
 
+/// A frame with the slack behind its rows that the scaler reads and writes; all zero. Null without
+/// memory.
+FramePtr makeFrame(AVPixelFormat format, int width, int height) {
+  FramePtr frame(av_frame_alloc());
+  if (!frame)
+    return nullptr;
+  frame->format = format;
+  frame->width = width;
+  frame->height = height;
+  if (av_frame_get_buffer(frame.get(), 0) < 0)
+    return nullptr;
+  for (int plane = 0; plane < AV_NUM_DATA_POINTERS && frame->buf[plane]; ++plane) {
+    std::memset(frame->buf[plane]->data, 0, frame->buf[plane]->size);
+  }
+  return frame;
+}
+
 struct Encoding {
   const char* extension;
   const char* encoder;
@@ -59,7 +78,10 @@ struct Encoding {
 
 const std::array<Encoding, 2>& encodings() {
   static const std::array<Encoding, 2> kEncodings{
-      {{".mp4", "libx264", {{"crf", "16"}, {"preset", "medium"}}},
+      // Without cpu-independent x264 lets memory that it never wrote decide about some bits.
+      {{".mp4",
+        "libx264",
+        {{"crf", "16"}, {"preset", "medium"}, {"x264-params", "cpu-independent=1"}}},
        {".webm",
         "libvpx-vp9",
         {{"crf", "20"}, {"deadline", "good"}, {"cpu-used", "4"}, {"row-mt", "1"}}}}};
@@ -86,9 +108,8 @@ class AvFilmWriter final : public FilmWriter {
     output_->flags |= AVFMT_FLAG_BITEXACT;
     stream_ = avformat_new_stream(output, nullptr);
     codec_.reset(avcodec_alloc_context3(codec));
-    frame_.reset(av_frame_alloc());
     packet_.reset(av_packet_alloc());
-    if (!stream_ || !codec_ || !frame_ || !packet_)
+    if (!stream_ || !codec_ || !packet_)
       return check(AVERROR(ENOMEM));
     VOLUTE_TRY(openCodec(encoding, codec, framesPerSecond));
     VOLUTE_TRY(check(avio_open(&output_->pb, url.c_str(), AVIO_FLAG_WRITE)));
@@ -107,11 +128,9 @@ class AvFilmWriter final : public FilmWriter {
                   linear.height, width_, height_);
     }
     VOLUTE_TRY(check(av_frame_make_writable(frame_.get())));
-    const std::vector<std::uint8_t> padded = toPaddedRgb(linear);
-    const std::uint8_t* rows[] = {padded.data()};
-    const int stride[] = {3 * codec_->width};
-    VOLUTE_TRY(check(
-        sws_scale(scaler_.get(), rows, stride, 0, codec_->height, frame_->data, frame_->linesize)));
+    fillRgb(linear);
+    VOLUTE_TRY(check(sws_scale(scaler_.get(), rgb_->data, rgb_->linesize, 0, codec_->height,
+                               frame_->data, frame_->linesize)));
     frame_->pts = count_++;
     VOLUTE_TRY(check(avcodec_send_frame(codec_.get(), frame_.get())));
     return writePackets();
@@ -173,26 +192,22 @@ class AvFilmWriter final : public FilmWriter {
       return check(AVERROR(ENOMEM));
     const int* matrix = sws_getCoefficients(SWS_CS_ITU709);
     sws_setColorspaceDetails(scaler_.get(), matrix, 1, matrix, 0, 0, 1 << 16, 1 << 16);
-    frame_->format = codec_->pix_fmt;
-    frame_->width = width;
-    frame_->height = height;
-    return check(av_frame_get_buffer(frame_.get(), 0));
+    frame_ = makeFrame(codec_->pix_fmt, width, height);
+    rgb_ = makeFrame(AV_PIX_FMT_RGB24, width, height);
+    return check(frame_ && rgb_ ? 0 : AVERROR(ENOMEM));
   }
 
-  /// 8-bit sRGB of the codec's even size: the last column and row are repeated.
-  std::vector<std::uint8_t> toPaddedRgb(const Image& linear) const {
+  /// 8-bit sRGB in the codec's even size: the last column and row are repeated.
+  void fillRgb(const Image& linear) {
     const std::vector<std::uint8_t> bytes = toSrgb8(linear);
-    std::vector<std::uint8_t> padded;
-    padded.reserve(std::size_t{3} * codec_->width * codec_->height);
     for (int y = 0; y < codec_->height; ++y) {
+      std::uint8_t* to = rgb_->data[0] + std::ptrdiff_t{y} * rgb_->linesize[0];
       for (int x = 0; x < codec_->width; ++x) {
         const std::size_t pixel =
             std::size_t(std::min(y, height_ - 1)) * width_ + std::min(x, width_ - 1);
-        for (int c = 0; c < 3; ++c)
-          padded.push_back(bytes[pixel * linear.channels + c % linear.channels]);
+        for (int c = 0; c < 3; ++c) *to++ = bytes[pixel * linear.channels + c % linear.channels];
       }
     }
-    return padded;
   }
 
   Status writePackets() {
@@ -214,7 +229,8 @@ class AvFilmWriter final : public FilmWriter {
   OutputPtr output_;
   AVStream* stream_ = nullptr;
   CodecPtr codec_;
-  FramePtr frame_;
+  FramePtr rgb_;    // what the caller gave
+  FramePtr frame_;  // the same for the encoder
   PacketPtr packet_;
   ScalerPtr scaler_;
 };
@@ -315,12 +331,17 @@ class AvFilmDecoder final : public FilmDecoder {
     const int* matrix = sws_getCoefficients(hd ? SWS_CS_ITU709 : SWS_CS_ITU601);
     sws_setColorspaceDetails(scaler_.get(), matrix, frame_->color_range == AVCOL_RANGE_JPEG, matrix,
                              1, 0, 1 << 16, 1 << 16);
-    bytes_.resize(pixels.size());
-    std::uint8_t* rows[] = {bytes_.data()};
-    const int stride[] = {3 * frame_->width};
-    VOLUTE_TRY(check(
-        sws_scale(scaler_.get(), frame_->data, frame_->linesize, 0, frame_->height, rows, stride)));
-    for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = linear_[bytes_[i]];
+    if (!rgb_)
+      rgb_ = makeFrame(AV_PIX_FMT_RGB24, info_.width, info_.height);
+    if (!rgb_)
+      return fail(ErrorCode::kTooLarge, "{}: no memory to decode it", name_);
+    VOLUTE_TRY(check(sws_scale(scaler_.get(), frame_->data, frame_->linesize, 0, info_.height,
+                               rgb_->data, rgb_->linesize)));
+    for (int y = 0; y < info_.height; ++y) {
+      const std::uint8_t* from = rgb_->data[0] + std::ptrdiff_t{y} * rgb_->linesize[0];
+      float* to = &pixels[std::size_t{3} * info_.width * y];
+      for (int i = 0; i < 3 * info_.width; ++i) to[i] = linear_[from[i]];
+    }
     return {};
   }
 
@@ -329,10 +350,10 @@ class AvFilmDecoder final : public FilmDecoder {
   InputPtr input_;
   int stream_ = -1;
   CodecPtr codec_;
-  FramePtr frame_;
+  FramePtr frame_;  // as it was decoded
+  FramePtr rgb_;
   PacketPtr packet_;
   ScalerPtr scaler_;
-  std::vector<std::uint8_t> bytes_;
   std::array<float, 256> linear_{};
 };
 

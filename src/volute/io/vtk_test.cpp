@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "volute/io/plugin.hpp"
+#include "volute/io/testing.hpp"
+#include "volute/io/volume_sink.hpp"
+#include "volute/io/volume_source.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::makeBlob;
+using testing::ok;
+using testing::readBytes;
+using testing::TempFolder;
+using testing::writeBytes;
+
+Status writeAll(const std::filesystem::path& path, const Sequence& sequence) {
+  VOLUTE_ASSIGN(auto sink, createSink(path, sequence.info));
+  for (int i = 0; i < sequence.info.frames; ++i) VOLUTE_TRY(sink->writeFrame(sequence.frame(i)));
+  return sink->finish();
+}
+
+Result<Sequence> readSequence(const std::filesystem::path& path,
+                              const SourceOptions& options = {}) {
+  VOLUTE_ASSIGN(auto source, openSource(path, options));
+  return readAll(*source, 1 << 30);
+}
+
+#if VOLUTE_HAS_VTK
+
+Sequence makeSeries(int channels) {
+  auto series = makeBlob(3, 3, 4, 5, channels);
+  series.info.name = "smoke & mirrors";
+  series.info.bounds = {Vec3(1, 2, 3), Vec3(2, 2.8, 3.6)};
+  series.info.frameNumbers = {5, 6, 9};
+  series.info.times = {0, 0.5, 2.25};
+  return series;
+}
+
+TEST(Vtk, PatternAndCollectionRoundTrip) {
+  for (int channels : {1, 3}) {
+    const TempFolder folder;
+    const auto written = makeSeries(channels);
+    ASSERT_TRUE(ok(writeAll(folder / "s.pvd", written)));
+    ASSERT_VALUE(const auto read, readSequence(folder / "s.pvd"));
+    EXPECT_EQ(read.values, written.values);
+    EXPECT_EQ(read.info.name, written.info.name);
+    EXPECT_EQ(read.info.frameNumbers, written.info.frameNumbers);
+    EXPECT_EQ(read.info.times, written.info.times);
+    EXPECT_LT((read.info.bounds.min - written.info.bounds.min).norm(), 1e-12);
+    EXPECT_LT((read.info.bounds.max - written.info.bounds.max).norm(), 1e-12);
+    ASSERT_VALUE(const auto pattern, readSequence(folder / "s_%04d.vti"));
+    EXPECT_EQ(pattern.values, written.values);
+    EXPECT_EQ(pattern.info.times, (std::vector<double>{0, 0.04, 0.16}));
+  }
+}
+
+TEST(Vtk, BoundsCropAndPad) {
+  const TempFolder folder;
+  const auto written = makeSeries(1);
+  ASSERT_TRUE(ok(writeAll(folder / "s.pvd", written)));
+  SourceOptions options;
+  options.bounds = Box3{Vec3(1.2, 1.8, 3.2), Vec3(2.2, 2.4, 3.4)};
+  ASSERT_VALUE(const auto read, readSequence(folder / "s.pvd", options));
+  EXPECT_EQ(read.info.x, 5);
+  EXPECT_EQ(read.info.y, 3);
+  EXPECT_EQ(read.info.z, 1);
+  EXPECT_EQ(read.view()(1, 0, 1, 0, 0), written.view()(1, 1, 0, 1, 0));
+  EXPECT_EQ(read.view()(1, 0, 0, 0, 0), 0);
+}
+
+/// A file as other programs write it, with values in text.
+std::string asciiFile(const std::string& attributes, const std::string& pointData,
+                      const std::string& cellData) {
+  return "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" "
+         "byte_order=\"LittleEndian\">\n"
+         "<ImageData WholeExtent=\"2 4 0 1 0 1\" Origin=\"10 0 0\" Spacing=\"0.5 1 1\"" +
+         attributes +
+         ">\n"
+         "<Piece Extent=\"2 4 0 1 0 1\">\n<PointData>" +
+         pointData + "</PointData>\n<CellData>" + cellData +
+         "</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n";
+}
+
+constexpr const char* kPoints =
+    "<DataArray type=\"Float64\" Name=\"t\" format=\"ascii\">0 1 2 3 4 5 6 7 8 9 10 11</DataArray>";
+constexpr const char* kCells =
+    "<DataArray type=\"Int32\" Name=\"k\" format=\"ascii\">7 8</DataArray>";
+
+TEST(Vtk, PointDataAreVoxelCentres) {
+  const TempFolder folder;
+  writeBytes(folder / "p.vti", asciiFile("", kPoints, ""));
+  ASSERT_VALUE(const auto read, readSequence(folder / "p.vti"));
+  EXPECT_EQ(read.info.x, 3);
+  EXPECT_EQ(read.info.z, 2);
+  EXPECT_EQ(read.info.bounds.min, Vec3(10.75, -0.5, -0.5));
+  EXPECT_EQ(read.info.bounds.max, Vec3(12.25, 1.5, 1.5));
+  EXPECT_EQ(read.values[11], 11);
+}
+
+TEST(Vtk, CellsAreVoxelsAndArraysAreChosenByName) {
+  const TempFolder folder;
+  writeBytes(folder / "c.vti", asciiFile("", kPoints, kCells));
+  EXPECT_THAT(openSource(folder / "c.vti", {}).error().message,
+              HasSubstr("k (scalars of cells), t (scalars of points)"));
+  SourceOptions options;
+  options.grid = "k";
+  ASSERT_VALUE(const auto read, readSequence(folder / "c.vti", options));
+  EXPECT_EQ(read.values, (std::vector<float>{7, 8}));
+  EXPECT_EQ(read.info.bounds.min, Vec3(11, 0, 0));
+  EXPECT_EQ(read.info.bounds.max, Vec3(12, 1, 1));
+}
+
+TEST(Vtk, TurnedGridsAreRefused) {
+  const TempFolder folder;
+  writeBytes(folder / "d.vti", asciiFile(" Direction=\"0 1 0 -1 0 0 0 0 1\"", "", kCells));
+  EXPECT_THAT(openSource(folder / "d.vti", {}).error().message, HasSubstr("turned"));
+}
+
+TEST(Vtk, DamagedFilesAreErrors) {
+  ASSERT_TRUE(ok(loadVtkPlugin()));  // once, here: the many children then find it loaded
+  const TempFolder folder;
+  auto written = makeBlob(1, 3, 4, 5);
+  ASSERT_TRUE(ok(writeAll(folder / "a.vti", written)));
+  const std::string bytes = readBytes(folder / "a.vti");
+  const std::size_t whole = bytes.find_last_of('>');
+  for (std::size_t length = 0; length < whole;
+       length += std::max<std::size_t>(1, bytes.size() / 100)) {
+    writeBytes(folder / "b.vti", bytes.substr(0, length));
+    EXPECT_FALSE(readSequence(folder / "b.vti")) << length << " of " << bytes.size();
+  }
+  writeBytes(folder / "b.vti", bytes.substr(0, whole));
+  EXPECT_FALSE(readSequence(folder / "b.vti"));
+  std::mt19937 random(1);
+  SourceOptions options;
+  options.maxMemory = 16 << 20;
+  for (int i = 0; i < 100; ++i) {
+    std::string flipped = bytes;
+    const std::size_t bit = random() % (8 * bytes.size());
+    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ 1 << bit % 8);
+    writeBytes(folder / "b.vti", flipped);
+    const auto read = readSequence(folder / "b.vti", options);
+    EXPECT_TRUE(read || !read.error().message.empty());
+  }
+}
+
+TEST(Vtk, DamagedCollectionsAreErrors) {
+  ASSERT_TRUE(ok(loadVtkPlugin()));  // once, here: the many children then find it loaded
+  const TempFolder folder;
+  ASSERT_TRUE(ok(writeAll(folder / "s.pvd", makeSeries(1))));
+  const std::string bytes = readBytes(folder / "s.pvd");
+  const std::size_t whole = bytes.find_last_of('>');
+  for (std::size_t length = 0; length <= whole; length += 7) {
+    writeBytes(folder / "b.pvd", bytes.substr(0, length));
+    EXPECT_FALSE(openSource(folder / "b.pvd", {})) << length;
+  }
+  const auto refused = [&](const std::string& from, const std::string& to) {
+    std::string text = bytes;
+    text.replace(text.find(from), from.size(), to);
+    writeBytes(folder / "b.pvd", text);
+    const auto source = openSource(folder / "b.pvd", {});
+    return source ? std::string() : source.error().message;
+  };
+  EXPECT_THAT(refused("timestep=\"0.5\"", "timestep=\"0\""), HasSubstr("must ascend"));
+  EXPECT_THAT(refused("part=\"0\"", "part=\"1\""), HasSubstr("part 1"));
+  EXPECT_THAT(refused("s_0005.vti", "mesh.vtu"), HasSubstr("expected a collection of .vti"));
+  EXPECT_THAT(refused("s_0005.vti", "s_0004.vti"), HasSubstr("s_0004.vti"));
+}
+
+TEST(Vtk, AFullDiskLeavesNothing) {
+  const TempFolder folder;
+  const auto sequence = makeBlob(1, 32, 32, 32);
+  {
+    const testing::FullDisk full(4096);
+    const auto status = writeAll(folder / "a.vti", sequence);
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().code, ErrorCode::kIo);
+  }
+  EXPECT_EQ(folder.entries(), 0u);
+}
+
+#else
+
+TEST(Vtk, ABuildWithoutItSaysSo) {
+  const TempFolder folder;
+  writeBytes(folder / "a.vti", "");
+  EXPECT_THAT(readSequence(folder / "a.vti").error().message, HasSubstr("this build has no VTK"));
+  EXPECT_THAT(writeAll(folder / "b.pvd", makeBlob(1, 1, 1, 1)).error().message,
+              HasSubstr("VOLUTE_WITH_VTK=OFF"));
+}
+
+#endif
+
+}  // namespace
+}  // namespace volute

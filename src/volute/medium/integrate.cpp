@@ -92,7 +92,7 @@ class Stretch {
     if (std::isinf(length))
       return emissionIntegral();
     Sum sum;
-    refine(0, length, 0, gauss(0, length), sum);
+    refine(0, length, 0, gauss(0, length), 0, sum);
     *error = sum.error;
     return sum.value;
   }
@@ -183,7 +183,8 @@ class Stretch {
 
   /// Halves [a, b] until two halves agree with the whole and nothing on it varies by more than a
   /// few e-folds: a Gauss rule could otherwise step over a thin bright front altogether.
-  void refine(double a, double b, double depthAtA, const Rgb& whole, Sum& sum) const {
+  void refine(double a, double b, double depthAtA, const Rgb& whole, int level, Sum& sum) const {
+    constexpr int kLevels = 64;
     if (depthAtA > kOpaqueDepth) {
       sum.error += whole.abs().maxCoeff();
       return;
@@ -196,13 +197,13 @@ class Stretch {
     for (const Piece& layer : layers_)
       efolds = std::max(efolds, 0.25 * std::abs(layer.decay) * (b - a));
     const bool agree = difference <= kRelativeTolerance * (left + right).abs().maxCoeff();
-    if ((efolds <= 2 && agree) || --sum.splitsLeft < 0) {
+    if ((efolds <= 2 && agree) || level >= kLevels || --sum.splitsLeft < 0) {
       sum.value += left + right;
       sum.error += difference;
       return;
     }
-    refine(a, m, depthAtA, left, sum);
-    refine(m, b, depth(m), right, sum);
+    refine(a, m, depthAtA, left, level + 1, sum);
+    refine(m, b, depth(m), right, level + 1, sum);
   }
 
   double length_ = 0;

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
@@ -69,6 +70,16 @@ PaperTransform::PaperTransform(const Sequence& sequence) : info_(sequence.info) 
           level.validChildren[node] = static_cast<std::uint16_t>(valid);
           std::ranges::copy(children, level.cells[node].begin());
         });
+    level.magnitudes.resize(nodes * kChildren);
+    level.energies.resize(nodes * kChildren);
+    for (std::size_t i = 0; i < nodes * kChildren; ++i) {
+      for (int c = 0; c < channels; ++c) {
+        const float v =
+            level.coefficients[(i / kChildren * channels + c) * kChildren + i % kChildren];
+        level.magnitudes[i] = std::max(level.magnitudes[i], std::fabs(v));
+        level.energies[i] += v * v;
+      }
+    }
     levels_.push_back(std::move(level));
     n = detail::halved(n);
   }
@@ -76,31 +87,28 @@ PaperTransform::PaperTransform(const Sequence& sequence) : info_(sequence.info) 
 }
 
 std::vector<PaperTransform::Kept> PaperTransform::keep(double threshold) const {
-  const int channels = info_.channels;
+  constexpr std::size_t kGrain = 4096;
+  const auto least = std::max(static_cast<float>(threshold), std::numeric_limits<float>::min());
   std::vector<Kept> kept(levels_.size());
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     const Level& level = levels_[l];
-    kept[l].masks.assign(level.cells.size(), 0);
-    kept[l].children.assign(level.cells.size(), 0);
-    for (std::size_t node = 0; node < level.cells.size(); ++node) {
-      unsigned mask = 0, children = 0;
-      for (int c = 0; c < channels; ++c) {
-        const float* coefficients = &level.coefficients[(node * channels + c) * kChildren];
-        for (int j = 1; j < kChildren; ++j) {
-          const double magnitude = std::fabs(coefficients[j]);
-          if (magnitude >= threshold && magnitude > 0)
-            mask |= 1u << j;
+    kept[l].masks.resize(level.cells.size());
+    kept[l].children.resize(level.cells.size());
+    parallelRanges(level.cells.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t node = begin; node < end; ++node) {
+        unsigned mask = 0, children = 0;
+        for (int j = 1; j < kChildren; ++j)
+          mask |= static_cast<unsigned>(level.magnitudes[node * kChildren + j] >= least) << j;
+        for (unsigned o = 0; l > 0 && o < kChildren; ++o) {
+          const std::uint32_t cell = level.cells[node][o];
+          const bool there = level.validChildren[node] >> o & 1;
+          if (there && (kept[l - 1].masks[cell] != 0 || kept[l - 1].children[cell] != 0))
+            children |= 1u << o;
         }
+        kept[l].masks[node] = static_cast<std::uint16_t>(mask);
+        kept[l].children[node] = static_cast<std::uint16_t>(children);
       }
-      for (unsigned o = 0; l > 0 && o < kChildren; ++o) {
-        const std::uint32_t cell = level.cells[node][o];
-        const bool there = level.validChildren[node] >> o & 1;
-        if (there && (kept[l - 1].masks[cell] != 0 || kept[l - 1].children[cell] != 0))
-          children |= 1u << o;
-      }
-      kept[l].masks[node] = static_cast<std::uint16_t>(mask);
-      kept[l].children[node] = static_cast<std::uint16_t>(children);
-    }
+    });
   }
   return kept;
 }
@@ -121,20 +129,12 @@ std::size_t PaperTransform::bytesAt(double threshold) const {
 }
 
 double PaperTransform::relativeRmsAt(double threshold) const {
-  const int channels = info_.channels;
+  const auto least = static_cast<float>(threshold);
   double dropped = 0;
   for (const Level& level : levels_) {
-    for (std::size_t node = 0; node < level.cells.size(); ++node) {
-      for (int j = 1; j < kChildren; ++j) {
-        double largest = 0, energy = 0;
-        for (int c = 0; c < channels; ++c) {
-          const double v = level.coefficients[(node * channels + c) * kChildren + j];
-          largest = std::max(largest, std::fabs(v));
-          energy += v * v;
-        }
-        if (largest < threshold)
-          dropped += energy;
-      }
+    for (std::size_t i = 0; i < level.magnitudes.size(); ++i) {
+      if (level.magnitudes[i] < least)
+        dropped += level.energies[i];
     }
   }
   return range_ > 0 ? std::sqrt(dropped / static_cast<double>(info_.values())) / range_ : 0;
@@ -142,14 +142,14 @@ double PaperTransform::relativeRmsAt(double threshold) const {
 
 namespace {
 
-/// The largest x in [0, high] with holds(x), to a part in 10^4, for a condition that holds below
+/// The largest x in [0, high] with holds(x), to half a percent, for a condition that holds below
 /// some x and not above.
 template <class Holds>
 double bisect(double high, Holds&& holds) {
   double low = high * 1e-8;
   if (!holds(low))
     return 0;
-  for (int i = 0; i < 40 && high > low * 1.0001; ++i) {
+  for (int i = 0; i < 40 && high > low * 1.005; ++i) {
     const double middle = std::sqrt(low * high);
     (holds(middle) ? low : high) = middle;
   }

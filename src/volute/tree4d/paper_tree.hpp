@@ -67,6 +67,8 @@ class PaperTransform {
   struct Level {
     std::array<int, 4> nodes{};       // t, z, y, x
     std::vector<float> coefficients;  // 16 a node and channel, orthonormal
+    std::vector<float> magnitudes;    // 16 a node: the largest of the channels; [0] is 0
+    std::vector<float> energies;      // 16 a node: the sum of squares over the channels
     std::vector<std::uint16_t> validChildren;
     std::vector<std::array<std::uint32_t, 16>> cells;  // a node's children in the level below
   };

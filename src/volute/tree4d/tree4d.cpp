@@ -3,6 +3,7 @@
 #include "volute/tree4d/tree4d.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <numeric>
 
@@ -25,11 +26,12 @@ std::size_t bytesOf(const std::vector<T>& values) {
 /// Calls body(z, y, x, values) for each block of frame t, from many threads: its first voxel and
 /// its values, shape (channel, z, y, x), which are not set where no brick is occupied.
 template <class Body>
-void forEachBlockOf(const TreeData& data, int t, Body&& body) {
+std::uint64_t forEachBlockOf(const TreeData& data, int t, Body&& body) {
   const auto& n = data.entryCounts;
   const int side = 1 << data.entryLevels;
   const std::size_t count = static_cast<std::size_t>(n[1]) * n[2] * n[3];
   constexpr std::size_t kGrain = 4;
+  std::atomic<std::uint64_t> visited{0};
   parallelRanges(count, kGrain, [&](std::size_t begin, std::size_t end) {
     alignas(64) float values[3 * kMaxSide * kMaxSide * kMaxSide];
     for (std::size_t i = begin; i < end; ++i) {
@@ -42,10 +44,11 @@ void forEachBlockOf(const TreeData& data, int t, Body&& body) {
           for (int bx = x; bx < std::min(x + side, data.extents[3]); bx += kBrick)
             any |= data.isOccupied(t, bz, by, bx);
       if (any)
-        readBlockSlice(data, data.entryAt(t, z, y, x), t, values);
+        visited += readBlockSlice(data, data.entryAt(t, z, y, x), t, values);
       body(z, y, x, values);
     }
   });
+  return visited;
 }
 
 /// The brick that begins at voxel (z, y, x), out of its block's values.
@@ -126,7 +129,7 @@ void Tree4d::extractFrame(int t, std::span<float> values) const {
   });
 }
 
-BrickSlice Tree4d::extractSlice(int t) const {
+BrickSlice Tree4d::extractSlice(int t, std::uint64_t* nodesVisited) const {
   std::vector<std::int32_t> index(
       static_cast<std::size_t>(data_.bricks[0]) * data_.bricks[1] * data_.bricks[2],
       BrickSlice::kEmpty);
@@ -141,24 +144,28 @@ BrickSlice Tree4d::extractSlice(int t) const {
   const std::size_t brickValues = static_cast<std::size_t>(BrickSlice::kVoxels) * data_.channels;
   std::vector<float> bricks(stored * brickValues);
   const int side = 1 << data_.entryLevels;
-  forEachBlockOf(data_, t, [&](int z, int y, int x, const float* block) {
-    forEachBrickIn(data_, side, z, y, x, [&](int bz, int by, int bx) {
-      const std::int32_t at =
-          index[(static_cast<std::size_t>(bz / kBrick) * data_.bricks[1] + by / kBrick) *
-                    data_.bricks[2] +
-                bx / kBrick];
-      if (at == BrickSlice::kEmpty)
-        return;
-      for (int c = 0; c < data_.channels; ++c) {
-        BrickCopy brick = brickOf(data_, block, side, bz, by, bx, c);
-        brick.toStep = 1;
-        brick.toRow = kBrick;
-        brick.toPlane = kBrick * kBrick;
-        brick.to = &bricks[at * brickValues + static_cast<std::size_t>(c) * BrickSlice::kVoxels];
-        copyBrick(data_, brick);
-      }
-    });
-  });
+  const std::uint64_t visited =
+      forEachBlockOf(data_, t, [&](int z, int y, int x, const float* block) {
+        forEachBrickIn(data_, side, z, y, x, [&](int bz, int by, int bx) {
+          const std::int32_t at =
+              index[(static_cast<std::size_t>(bz / kBrick) * data_.bricks[1] + by / kBrick) *
+                        data_.bricks[2] +
+                    bx / kBrick];
+          if (at == BrickSlice::kEmpty)
+            return;
+          for (int c = 0; c < data_.channels; ++c) {
+            BrickCopy brick = brickOf(data_, block, side, bz, by, bx, c);
+            brick.toStep = 1;
+            brick.toRow = kBrick;
+            brick.toPlane = kBrick * kBrick;
+            brick.to =
+                &bricks[at * brickValues + static_cast<std::size_t>(c) * BrickSlice::kVoxels];
+            copyBrick(data_, brick);
+          }
+        });
+      });
+  if (nodesVisited != nullptr)
+    *nodesVisited += visited;
   BrickSlice slice(info_);
   slice.assign(std::move(index), std::move(bricks));
   return slice;

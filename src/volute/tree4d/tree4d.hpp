@@ -30,7 +30,7 @@ struct VoxelBox {
 class Tree4d {
  public:
   struct BuildOptions {
-    double relativeRms = 3e-3;  ///< reached within 3 %, never exceeded
+    double relativeRms = 3e-3;  ///< never exceeded, and reached within some 3 %
     double step = 0;  ///< instead: the quantisation step of the orthonormal coefficients; 0 = from
                       ///< relativeRms
   };
@@ -40,11 +40,16 @@ class Tree4d {
   [[nodiscard]] static Result<Tree4d> build(FrameSource& source, const BuildOptions& options,
                                             Progress& progress);
 
+  struct LoadOptions {
+    int levels = 99;         ///< of each block, the coarsest first; fewer are a preview
+    int firstFrame = 0;      ///< positions [firstFrame, endFrame), widened to whole rows of blocks:
+    int endFrame = 1 << 30;  ///< frames outside are not read from the file and hold zeros
+  };
+
   /// From a file, block by block. Files of quantised Haar coefficients keep their step, so nothing
   /// is lost; others are quantised anew with a quarter of the file's error, which adds 3 % to it.
-  /// `levels` < 99 reads a preview from that many levels of each block, the coarsest first.
-  [[nodiscard]] static Result<Tree4d> load(const VoluteReader& reader, Progress& progress,
-                                           int levels = 99);
+  [[nodiscard]] static Result<Tree4d> load(const VoluteReader& reader, const LoadOptions& options,
+                                           Progress& progress);
 
   const VolumeInfo& info() const { return info_; }
 
@@ -71,7 +76,8 @@ class Tree4d {
   void extractFrame(int t, std::span<float> values) const;
 
   /// Frame t as bricks; empty ones are neither computed nor stored. On all threads.
-  BrickSlice extractSlice(int t) const;
+  /// `nodesVisited`, when given, grows by the nodes that were read.
+  BrickSlice extractSlice(int t, std::uint64_t* nodesVisited = nullptr) const;
 
   /// The smallest box around all voxels of frame t that are not zero (section 5.2 of the paper).
   const VoxelBox& occupiedBox(int t) const { return boxes_[t]; }

@@ -7,6 +7,7 @@
 
 #include "volute/base/parallel.hpp"
 #include "volute/codec/block_row.hpp"
+#include "volute/codec/step_search.hpp"
 #include "volute/tree4d/quantised_subtree.hpp"
 #include "volute/tree4d/tree4d.hpp"
 #include "volute/tree4d/tree_builder.hpp"
@@ -96,33 +97,31 @@ Result<Tree4d> Tree4d::build(FrameSource& source, const BuildOptions& options, P
     const double step = options.step > 0 ? options.step : 1;
     return buildWithStep(rows, info, step, progress);
   }
-  const double allowed =
-      std::pow(options.relativeRms * range, 2) * static_cast<double>(info.values());
-  double step = std::max(model.stepFor(allowed), 1e-30);
+  const auto count = static_cast<double>(info.values());
+  const double predicted = model.stepFor(std::pow(options.relativeRms * range, 2) * count);
+  if (predicted == 0)  // every coefficient is zero, at any step
+    return buildWithStep(rows, info, range, progress);
 
   // The prediction is a little pessimistic where decoded values are clamped or known to be zero.
-  // Two corrections bring the step to what the target allows.
   constexpr double kGoodEnough = 0.97;
-  constexpr int kPasses = 4;
-  constexpr int kMostPasses = 12;
-  double safeStep = 0;
-  for (int pass = 0;; ++pass) {
-    VOLUTE_ASSIGN(Tree4d tree, buildWithStep(rows, info, step, progress));
+  StepSearch search({.target = options.relativeRms,
+                     .closeEnough = kGoodEnough * options.relativeRms,
+                     .finest = 1e-6 * predicted,
+                     .coarsest = 1e6 * predicted,
+                     .maxTries = 12},
+                    predicted);
+  for (;;) {
+    VOLUTE_ASSIGN(Tree4d tree, buildWithStep(rows, info, search.step(), progress));
     VOLUTE_ASSIGN(const double error, squaredError(tree, source, progress));
-    const double reached = std::sqrt(error / allowed);
-    if ((reached <= 1 && reached >= kGoodEnough) || (reached <= 1 && pass >= kPasses))
+    const double reached = std::sqrt(error / count) / range;
+    search.tell(reached);
+    if (search.found())
       return tree;
-    if (error == 0 && model.squaredError(step) == 0)
-      return tree;
-    if (pass >= kMostPasses)
-      return fail(
-          ErrorCode::kInvalidArgument,
-          "a relative RMS error of {:.3g} is below what float32 values can keep; {:.3g} was "
-          "reached",
-          options.relativeRms, reached * options.relativeRms);
-    if (reached <= 1)
-      safeStep = std::max(safeStep, step);
-    step = pass + 1 >= kPasses && safeStep > 0 ? safeStep : step * std::min(0.99 / reached, 4.0);
+    if (search.failed())
+      return fail(ErrorCode::kInvalidArgument,
+                  "a relative RMS error of {:.3g} is below what float32 values can keep; {:.3g} was "
+                  "reached",
+                  options.relativeRms, reached);
   }
 }
 

@@ -79,6 +79,11 @@ QuantisedSubtree TreeBuilder::buildUpperTree() const {
   std::vector<float> means;
   std::vector<std::uint8_t> hasNode;
   for (const QuantisedSubtree& block : blocks_) {
+    if (block.mean.empty()) {  // never added
+      means.insert(means.end(), info_.channels, 0.0f);
+      hasNode.push_back(0);
+      continue;
+    }
     means.insert(means.end(), block.mean.begin(), block.mean.end());
     hasNode.push_back(!block.empty);
   }

@@ -11,7 +11,8 @@
 
 namespace volute {
 
-Result<Tree4d> Tree4d::load(const VoluteReader& reader, Progress& progress, int levels) {
+Result<Tree4d> Tree4d::load(const VoluteReader& reader, const LoadOptions& options,
+                            Progress& progress) {
   const VolumeInfo& info = reader.info();
   const VoluteHeader& header = reader.header();
   const double range = header.valueMax - header.valueMin;
@@ -25,12 +26,19 @@ Result<Tree4d> Tree4d::load(const VoluteReader& reader, Progress& progress, int 
   const BlockGrid& grid = reader.blocks();
   Status status;
   std::mutex mutex;
-  for (std::size_t row = 0; row < grid.count(); row += grid.rowCount()) {
+  const int firstRow = std::clamp(options.firstFrame / BlockGrid::kSide, 0, grid.counts()[0] - 1);
+  const int endRow =
+      std::clamp((std::min(options.endFrame, info.frames) - 1) / BlockGrid::kSide + 1, firstRow + 1,
+                 grid.counts()[0]);
+  const std::size_t first = firstRow * grid.rowCount();
+  const std::size_t end = endRow * grid.rowCount();
+  for (std::size_t row = first; row < end; row += grid.rowCount()) {
     if (progress.cancelled())
-      return fail(ErrorCode::kCancelled, "stopped: {} of {} blocks were loaded", row, grid.count());
+      return fail(ErrorCode::kCancelled, "stopped: {} of {} blocks were loaded", row - first,
+                  end - first);
     parallelFor(grid.rowCount(), [&](std::size_t i) {
       std::vector<float> values(grid.values(row + i));
-      Status read = reader.readBlock(row + i, values, levels);
+      Status read = reader.readBlock(row + i, values, options.levels);
       if (read) {
         builder.addBlock(row + i, values);
       } else {
@@ -40,8 +48,8 @@ Result<Tree4d> Tree4d::load(const VoluteReader& reader, Progress& progress, int 
       }
     });
     VOLUTE_TRY(status);
-    progress.report("loading", static_cast<double>(row + grid.rowCount()),
-                    static_cast<double>(grid.count()));
+    progress.report("loading", static_cast<double>(row + grid.rowCount() - first),
+                    static_cast<double>(end - first));
   }
   return builder.finish();
 }

@@ -363,7 +363,7 @@ HWY_INLINE int listChildren(const TreeData& data, const TreeData::Level& below, 
   return count;
 }
 
-void ReadBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, float* values) {
+int ReadBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, float* values) {
   constexpr int kMaxSide = 16;
   constexpr int kMaxNodes = 512;
   alignas(64) float buffers[2][3 * kMaxSide * kMaxSide * kMaxSide / 8];
@@ -375,6 +375,7 @@ void ReadBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, f
     count = 1;
   }
   int turn = 0;
+  int visited = 0;
   float* current = data.entryLevels % 2 == 0 ? buffers[0] : buffers[1];
   for (int c = 0; c < data.channels; ++c) current[c] = entry.value[c];
   int g = 1;
@@ -396,10 +397,12 @@ void ReadBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, f
       if (mask & 1)
         next += listChildren(data, data.levels[l - 1], item, later, l == 1, &items[turn ^ 1][next]);
     }
+    visited += count;
     count = next;
     current = finer;
     g = h;
   }
+  return visited;
 }
 
 void CopyBrick(const TreeData& data, const BrickCopy& copy) {
@@ -454,8 +457,8 @@ void readAlong(const TreeData& data, const std::array<int, 4>& origin,
   HWY_DYNAMIC_DISPATCH(ReadAlong)(data, origin, direction, values);
 }
 
-void readBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, float* values) {
-  HWY_DYNAMIC_DISPATCH(ReadBlockSlice)(data, entry, t, values);
+int readBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, float* values) {
+  return HWY_DYNAMIC_DISPATCH(ReadBlockSlice)(data, entry, t, values);
 }
 
 void copyBrick(const TreeData& data, const BrickCopy& copy) {

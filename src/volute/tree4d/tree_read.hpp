@@ -23,7 +23,8 @@ void readAlong(const TreeData& data, const std::array<int, 4>& origin,
 
 /// Time `t` of the block with entry `entry`: shape (channel, z, y, x) of 2^entryLevels cells a
 /// side, not yet clamped.
-void readBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, float* values);
+/// Returns how many nodes were read.
+int readBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, float* values);
 
 /// What copyBrick copies: up to 8 x 8 x 8 values of one channel; strides in floats.
 struct BrickCopy {

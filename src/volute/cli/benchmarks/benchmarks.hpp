@@ -3,10 +3,23 @@
 #pragma once
 
 #include "volute/cli/bench.hpp"
+#include "volute/grid/sequence.hpp"
 
 namespace volute::cli {
 
-[[nodiscard]] Result<std::vector<BenchRow>> benchSlice(Progress& progress);
-[[nodiscard]] Result<std::vector<BenchRow>> benchCodec(Progress& progress);
+[[nodiscard]] Result<std::vector<BenchRow>> benchCodec(const BenchInput& input, Progress& progress);
+[[nodiscard]] Result<std::vector<BenchRow>> benchRender(const BenchInput& input,
+                                                        Progress& progress);
+[[nodiscard]] Result<std::vector<BenchRow>> benchTree(const BenchInput& input, Progress& progress);
+
+/// What to measure with: the named input, or a fire and a smoke of 64^3 voxels and 32 frames,
+/// scalar.
+struct NamedSequence {
+  std::string name;
+  Sequence sequence;
+};
+
+[[nodiscard]] Result<std::vector<NamedSequence>> benchSequences(const BenchInput& input,
+                                                                Progress& progress);
 
 }  // namespace volute::cli

@@ -10,14 +10,12 @@
 #include "volute/codec/compress.hpp"
 #include "volute/codec/volute_reader.hpp"
 #include "volute/grid/sequence.hpp"
-#include "volute/synth/synth.hpp"
 
 namespace volute::cli {
 namespace {
 
-Status benchOne(const char* name, SynthKind kind, Progress& progress, std::vector<BenchRow>& rows) {
-  const SynthOptions made{.kind = kind, .size = 48, .frames = 16, .seed = 1, .channels = 1};
-  VOLUTE_ASSIGN(const Sequence sequence, synthesize(made, progress));
+Status benchOne(const std::string& name, const Sequence& sequence, Progress& progress,
+                std::vector<BenchRow>& rows) {
   const auto target =
       std::filesystem::temp_directory_path() / fmt::format("volute-bench-{}.volute", ::getpid());
   VOLUTE_ASSIGN(const auto pending, PendingFile::create(target));  // removes itself at the end
@@ -48,10 +46,11 @@ Status benchOne(const char* name, SynthKind kind, Progress& progress, std::vecto
 
 }  // namespace
 
-Result<std::vector<BenchRow>> benchCodec(Progress& progress) {
+Result<std::vector<BenchRow>> benchCodec(const BenchInput& input, Progress& progress) {
   std::vector<BenchRow> rows;
-  VOLUTE_TRY(benchOne("fire", SynthKind::kFire, progress, rows));
-  VOLUTE_TRY(benchOne("smoke", SynthKind::kSmoke, progress, rows));
+  VOLUTE_ASSIGN(const auto sequences, benchSequences(input, progress));
+  for (const auto& [name, sequence] : sequences)
+    VOLUTE_TRY(benchOne(name, sequence, progress, rows));
   return rows;
 }
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// `volute bench tree`: the compact tree in memory against a dense array, the paper's layout, libzfp's
-// const_array4 and NanoVDB, all at the same error, one thread, in one run.
-#include "volute/tree4d/tree4d.hpp"
-
+// `volute bench tree`: the compact tree in memory against a dense array, the paper's layout,
+// libzfp's const_array4 and NanoVDB, all at the same error, one thread, in one run.
 #include <nanovdb/util/GridBuilder.h>
 
 #include <algorithm>
@@ -15,6 +13,7 @@
 #include "volute/cli/bench_timing.hpp"
 #include "volute/cli/benchmarks/benchmarks.hpp"
 #include "volute/tree4d/paper_tree.hpp"
+#include "volute/tree4d/tree4d.hpp"
 
 namespace volute::cli {
 namespace {
@@ -32,7 +31,8 @@ double range(const Sequence& sequence) {
   return static_cast<double>(high) - low;
 }
 
-/// The largest `parameter` whose error(parameter) is at most kRelativeRms, to 2 %; error grows with it.
+/// The largest `parameter` whose error(parameter) is at most kRelativeRms, to 2 %; error grows with
+/// it.
 template <class Error>
 double parameterForTarget(double low, double high, Error&& error) {
   for (int i = 0; i < 30 && high / low > 1.02; ++i) {
@@ -85,8 +85,8 @@ struct NanoFrames {
           for (int x = 0; x < info.x; ++x, ++i)
             if (sequence.values[i] != 0)
               accessor.setValue(nanovdb::Coord(x, y, z), sequence.values[i]);
-      frames.handles.push_back(
-          builder.getHandle(1.0, nanovdb::Vec3d(0), "", nanovdb::AbsDiff(static_cast<float>(tolerance))));
+      frames.handles.push_back(builder.getHandle(1.0, nanovdb::Vec3d(0), "",
+                                                 nanovdb::AbsDiff(static_cast<float>(tolerance))));
       frames.grids.push_back(frames.handles.back().grid<nanovdb::FpN>());
     }
     return frames;
@@ -137,6 +137,7 @@ double frameReads(const VolumeInfo& info, Extract&& extract) {
 
 struct Names {
   std::string prefix;
+
   std::string operator()(std::string_view what, std::string_view whose) const {
     return fmt::format("{}: {}, {}", prefix, what, whose);
   }
@@ -148,8 +149,7 @@ Result<std::vector<BenchRow>> measure(const std::string& prefix, const Sequence&
   const Names name{prefix};
   const auto raw = static_cast<double>(info.rawBytes());
   SequenceSource source(sequence);
-  VOLUTE_ASSIGN(const Tree4d tree,
-                Tree4d::build(source, {.relativeRms = kRelativeRms}, progress));
+  VOLUTE_ASSIGN(const Tree4d tree, Tree4d::build(source, {.relativeRms = kRelativeRms}, progress));
   const PaperTransform transform(sequence);
   const PaperTree paper = transform.build(transform.thresholdForRms(kRelativeRms));
 
@@ -178,9 +178,8 @@ Result<std::vector<BenchRow>> measure(const std::string& prefix, const Sequence&
   auto rms = [&](std::string_view whose, double value) {
     add(name("relative RMS", whose), value, "", std::nullopt);
   };
-  rms("compact tree", relativeRms(sequence, [&](const Voxel& v) {
-        return tree.value(v[0], v[1], v[2], v[3]);
-      }));
+  rms("compact tree",
+      relativeRms(sequence, [&](const Voxel& v) { return tree.value(v[0], v[1], v[2], v[3]); }));
   rms("paper's layout", transform.relativeRmsAt(transform.thresholdForRms(kRelativeRms)));
   rms("zfp const_array4", relativeRms(sequence, zfp));
   rms("NanoVDB FpN", relativeRms(sequence, nano));
@@ -192,16 +191,18 @@ Result<std::vector<BenchRow>> measure(const std::string& prefix, const Sequence&
   for (Voxel& v : voxels)
     for (int a = 0; a < 4; ++a) v[a] = static_cast<int>(random() % static_cast<unsigned>(sides[a]));
   auto dense = [&](const Voxel& v) {
-    return sequence.values[((static_cast<std::size_t>(v[0]) * info.z + v[1]) * info.y + v[2]) * info.x + v[3]];
+    return sequence
+        .values[((static_cast<std::size_t>(v[0]) * info.z + v[1]) * info.y + v[2]) * info.x + v[3]];
   };
   std::vector<float> values(voxels.size());
   const double zfpRandom = randomReads(std::span(voxels).first(kRandomReads / 16), zfp);
-  auto rate = [&](std::string_view what, std::string_view whose, double megaReads, double baseline) {
+  auto rate = [&](std::string_view what, std::string_view whose, double megaReads,
+                  double baseline) {
     add(name(what, whose), megaReads, "M/s", megaReads / baseline);
   };
   rate("random reads", "zfp const_array4", zfpRandom, zfpRandom);
-  const double treeRandom =
-      static_cast<double>(voxels.size()) / medianSeconds([&] { tree.values(voxels, values); }) / 1e6;
+  const double treeRandom = static_cast<double>(voxels.size()) /
+                            medianSeconds([&] { tree.values(voxels, values); }) / 1e6;
   rate("random reads", "compact tree", treeRandom, zfpRandom);
   rate("random reads", "paper's layout",
        randomReads(voxels, [&](const Voxel& v) { return paper.value(v[0], v[1], v[2], v[3]); }),
@@ -217,36 +218,46 @@ Result<std::vector<BenchRow>> measure(const std::string& prefix, const Sequence&
     for (int y = 0; y < info.y; ++y)
       for (int x = 0; x < info.x; ++x) tree.valuesAlong({middle, 0, y, x}, {0, 1, 0, 0}, line);
   });
-  rate("reads along rays", "compact tree", static_cast<double>(info.voxels()) / raySeconds / 1e6, zfpRays);
+  rate("reads along rays", "compact tree", static_cast<double>(info.voxels()) / raySeconds / 1e6,
+       zfpRays);
   const auto accessor = nano.grids[middle]->getAccessor();
-  rate("reads along rays", "NanoVDB FpN", rayReads(info, middle, [&](const Voxel& v) {
-         return accessor.getValue(nanovdb::Coord(v[3], v[2], v[1]));
-       }), zfpRays);
+  rate(
+      "reads along rays", "NanoVDB FpN",
+      rayReads(info, middle,
+               [&](const Voxel& v) { return accessor.getValue(nanovdb::Coord(v[3], v[2], v[1])); }),
+      zfpRays);
   rate("reads along rays", "dense array", rayReads(info, middle, dense), zfpRays);
 
   std::vector<float> frame(info.frameValues());
   const double copying =
       frameReads(info, [&](int t) { std::ranges::copy(sequence.frame(t), frame.begin()); });
   rate("whole frames", "copying a dense frame", copying, copying);
-  rate("whole frames", "compact tree", frameReads(info, [&](int t) { tree.extractFrame(t, frame); }), copying);
-  rate("whole frames", "compact tree, into bricks", frameReads(info, [&](int t) { tree.extractSlice(t); }), copying);
-  rate("whole frames", "zfp const_array4", frameReads(info, [&](int t) {
-         std::size_t i = 0;
-         for (int z = 0; z < info.z; ++z)
-           for (int y = 0; y < info.y; ++y)
-             for (int x = 0; x < info.x; ++x) frame[i++] = zfp(Voxel{t, z, y, x});
-       }), copying);
+  rate("whole frames", "compact tree",
+       frameReads(info, [&](int t) { tree.extractFrame(t, frame); }), copying);
+  rate("whole frames", "compact tree, into bricks",
+       frameReads(info, [&](int t) { tree.extractSlice(t); }), copying);
+  rate("whole frames", "zfp const_array4",
+       frameReads(info,
+                  [&](int t) {
+                    std::size_t i = 0;
+                    for (int z = 0; z < info.z; ++z)
+                      for (int y = 0; y < info.y; ++y)
+                        for (int x = 0; x < info.x; ++x) frame[i++] = zfp(Voxel{t, z, y, x});
+                  }),
+       copying);
   return rows;
 }
 
 /// The brightest channel of RGB: the peers hold scalars.
 Sequence scalar(Sequence sequence) {
-  if (sequence.info.channels == 1) return sequence;
+  if (sequence.info.channels == 1)
+    return sequence;
   Sequence out{sequence.info, {}};
   out.info.channels = 1;
   out.values.resize(out.info.values());
   for (std::size_t i = 0; i < out.values.size(); ++i)
-    out.values[i] = std::max({sequence.values[3 * i], sequence.values[3 * i + 1], sequence.values[3 * i + 2]});
+    out.values[i] =
+        std::max({sequence.values[3 * i], sequence.values[3 * i + 1], sequence.values[3 * i + 2]});
   return out;
 }
 

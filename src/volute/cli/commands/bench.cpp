@@ -66,12 +66,13 @@ Status run(const Arguments& arguments, Context& context) {
     return {};
   }
   VOLUTE_ASSIGN(const auto list, chosen(arguments.positionals()));
+  const BenchInput input{arguments.find<std::string>("input").value_or(""), context.maxMemory};
   nlohmann::ordered_json json{{"threads", threadCount()},
                               {"benchmarks", nlohmann::ordered_json::array()}};
   for (const Benchmark* benchmark : list) {
     if (context.progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped before {}", benchmark->name);
-    VOLUTE_ASSIGN(const auto rows, benchmark->run(context.progress));
+    VOLUTE_ASSIGN(const auto rows, benchmark->run(input, context.progress));
     if (!context.json)
       context.print(tableText(*benchmark, rows));
     json["benchmarks"].push_back(tableJson(*benchmark, rows));
@@ -95,7 +96,11 @@ Command benchCommand() {
                            .help = "which benchmarks to run",
                            .several = true,
                            .optional = true}},
-          .options = {{.name = "list", .help = "list the benchmarks"}},
+          .options = {{.name = "input",
+                       .kind = ValueKind::kFile,
+                       .value = "VOLUME",
+                       .help = "measure with this volume instead of made-up ones"},
+                      {.name = "list", .help = "list the benchmarks"}},
           .run = run};
 }
 

@@ -7,7 +7,7 @@ namespace volute::conformance {
 std::vector<Check> checks() {
   std::vector<Check> all;
   for (const auto& group :
-       {callChecks(), depthChecks(), pieceChecks(), linearChecks(), radianceChecks()}) {
+       {callChecks(), linearChecks(), depthChecks(), pieceChecks(), radianceChecks()}) {
     all.insert(all.end(), group.begin(), group.end());
   }
   return all;

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/benchmarks/benchmarks.hpp"
+#include "volute/codec/volute_reader.hpp"
+#include "volute/io/volume_source.hpp"
+#include "volute/synth/synth.hpp"
+
+namespace volute::cli {
+
+Result<std::vector<NamedSequence>> benchSequences(const BenchInput& input, Progress& progress) {
+  std::vector<NamedSequence> sequences;
+  if (!input.volume.empty()) {
+    VOLUTE_ASSIGN(auto source, openSource(input.volume, {.maxMemory = input.maxMemory}));
+    VOLUTE_ASSIGN(auto sequence, readAll(*source, input.maxMemory));
+    sequences.push_back({source->info().name, std::move(sequence)});
+    return sequences;
+  }
+  for (const auto& [name, kind] :
+       {std::pair{"fire", SynthKind::kFire}, {"smoke", SynthKind::kSmoke}}) {
+    const SynthOptions made{.kind = kind, .size = 64, .frames = 32, .seed = 1, .channels = 1};
+    VOLUTE_ASSIGN(auto sequence, synthesize(made, progress));
+    sequences.push_back({name, std::move(sequence)});
+  }
+  return sequences;
+}
+
+}  // namespace volute::cli
