@@ -62,14 +62,16 @@ class Failures(support.TestCase):
     def test_frames_of_different_sizes(self):
         for number, size in enumerate((16, 24)):
             made = volute("synthesize", "flame", "-o", self.path(f"s_000{number}.vti"), "--size", size, "--frames", "1")
-            if made.code:
+            if "this build has no" in made.message:
                 self.skipTest(made.message)
+            self.assertEqual(made.code, 0, made.message)
         self.assertIn("s_0001.vti", self.compress_fails(self.path("s_%04d.vti")))
 
     def test_wrong_grid_lists_those_there_are(self):
         made = volute("synthesize", "flame", "-o", self.path("s.vdb"), "--size", "16", "--frames", "1")
-        if made.code:
+        if "this build has no" in made.message:
             self.skipTest(made.message)
+        self.assertEqual(made.code, 0, made.message)
         grid = self.works("info", self.path("s.vdb"), "--json").json["grid"]
         self.assertIn(f"it has {grid}", self.compress_fails(self.path("s.vdb"), "--grid", "nothing"))
         self.assertIn("nothing", self.fails(1, "compress", self.make_volute(), "-o", self.path("x.volute"), "--rms", "1",
