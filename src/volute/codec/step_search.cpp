@@ -54,7 +54,9 @@ double StepSearch::proposal() const {
     next = good_.step * std::exp(along * std::log(bad_.step / good_.step));
   } else {
     const Try& only = good_.known ? good_ : bad_;
-    const double ratio = aim / std::max(only.outcome, 1e-300);
+    // Where the outcome hardly depends on the step, steps of its own size would never arrive:
+    // each try goes further.
+    const double ratio = std::pow(aim / std::max(only.outcome, 1e-300), tries_);
     const double move =
         std::clamp(problem_.grows ? ratio : 1 / ratio, 1 / kGreatestMove, kGreatestMove);
     next = only.step * move;

@@ -33,7 +33,10 @@ class LatticeSink final : public FrameSink {
   }
 
   Status finish() override {
-    VOLUTE_ASSERT(pending_.size() == targets_.size());
+    if (pending_.size() != targets_.size()) {
+      return fail(ErrorCode::kInvalidArgument, "only {} of {} frames were written", pending_.size(),
+                  targets_.size());
+    }
     for (auto& file : pending_) VOLUTE_TRY(file.commit());
     return collection_.empty() ? Status{} : writeCollection();
   }

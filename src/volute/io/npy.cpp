@@ -133,7 +133,10 @@ Status NpySink::writeFrame(std::span<const float> values) {
 }
 
 Status NpySink::finish() {
-  VOLUTE_ASSERT(written_ == frames_);
+  if (written_ != frames_) {
+    return fail(ErrorCode::kInvalidArgument, "only {} of {} frames were written", written_,
+                frames_);
+  }
   return file_.commit();
 }
 

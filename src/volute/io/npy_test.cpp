@@ -194,6 +194,17 @@ TEST(Npy, AFullDiskLeavesNothing) {
   EXPECT_EQ(folder.entries(), 0u);
 }
 
+TEST(Npy, MissingFramesLeaveNothing) {
+  const TempFolder folder;
+  const auto sequence = makeBlob(2, 2, 2, 2);
+  {
+    ASSERT_VALUE(const auto sink, createSink(folder / "a.npy", sequence.info));
+    ASSERT_TRUE(ok(sink->writeFrame(sequence.frame(0))));
+    EXPECT_EQ(sink->finish().error().code, ErrorCode::kInvalidArgument);
+  }
+  EXPECT_EQ(folder.entries(), 0u);
+}
+
 TEST(VolumeSource, UnknownKindsAreNamed) {
   EXPECT_EQ(openSource("a.xyz", {}).error().code, ErrorCode::kUnsupported);
   EXPECT_EQ(openSource("none.npy", {}).error().code, ErrorCode::kNotFound);

@@ -8,6 +8,7 @@
 #include <vtkImageData.h>
 #include <vtkInformation.h>
 #include <vtkInformationVector.h>
+#include <vtkLogger.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
@@ -65,7 +66,10 @@ vtkStandardNewMacro(ErrorWindow)
     /// Catches VTK's errors while it lives.
     class ErrorWatch {
  public:
-  ErrorWatch() { vtkOutputWindow::SetInstance(window_); }
+  ErrorWatch() {
+    vtkOutputWindow::SetInstance(window_);
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // some errors are printed past it
+  }
 
   ~ErrorWatch() { vtkOutputWindow::SetInstance(nullptr); }
 

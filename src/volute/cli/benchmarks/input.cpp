@@ -10,7 +10,9 @@ namespace volute::cli {
 Result<std::vector<NamedSequence>> benchSequences(const BenchInput& input, Progress& progress) {
   std::vector<NamedSequence> sequences;
   if (!input.volume.empty()) {
-    VOLUTE_ASSIGN(auto source, openSource(input.volume, {.maxMemory = input.maxMemory}));
+    SourceOptions options;
+    options.maxMemory = input.maxMemory;
+    VOLUTE_ASSIGN(auto source, openSource(input.volume, options));
     VOLUTE_ASSIGN(auto sequence, readAll(*source, input.maxMemory));
     sequences.push_back({source->info().name, std::move(sequence)});
     return sequences;
