@@ -51,22 +51,24 @@ std::uint64_t forEachBlockOf(const TreeData& data, int t, Body&& body) {
   return visited;
 }
 
-/// The brick that begins at voxel (z, y, x), out of its block's values.
-BrickCopy brickOf(const TreeData& data, const float* block, int side, int z, int y, int x,
-                  int channel) {
+/// The cube of `edge` voxels (less at the border) that begins at voxel (z, y, x), out of its
+/// block's values.
+BoxCopy boxOf(const TreeData& data, const float* block, int edge, int z, int y, int x,
+              int channel) {
+  const int side = 1 << data.entryLevels;
   const int mask = side - 1;
   const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(side) * side;
-  BrickCopy copy{};
+  BoxCopy copy{};
   copy.from = block + channel * side * plane + (z & mask) * plane + (y & mask) * side + (x & mask);
   copy.fromRow = side;
   copy.fromPlane = plane;
-  copy.depth = std::min(kBrick, data.extents[1] - z);
-  copy.height = std::min(kBrick, data.extents[2] - y);
-  copy.width = std::min(kBrick, data.extents[3] - x);
+  copy.depth = std::min(edge, data.extents[1] - z);
+  copy.height = std::min(edge, data.extents[2] - y);
+  copy.width = std::min(edge, data.extents[3] - x);
   return copy;
 }
 
-void fillZero(const BrickCopy& brick) {
+void fillZero(const BoxCopy& brick) {
   for (int z = 0; z < brick.depth; ++z)
     for (int y = 0; y < brick.height; ++y)
       for (int x = 0; x < brick.width; ++x)
@@ -111,21 +113,31 @@ double Tree4d::valueFromRoot(int t, int z, int y, int x, int channel) const {
 void Tree4d::extractFrame(int t, std::span<float> values) const {
   const int side = 1 << data_.entryLevels;
   const std::ptrdiff_t channels = data_.channels;
+  auto place = [&](BoxCopy box, int z, int y, int x, int c) {
+    box.toStep = channels;
+    box.toRow = info_.x * channels;
+    box.toPlane = info_.y * box.toRow;
+    box.to = &values[z * box.toPlane + y * box.toRow + x * channels + c];
+    return box;
+  };
   forEachBlockOf(data_, t, [&](int z, int y, int x, const float* block) {
-    forEachBrickIn(data_, side, z, y, x, [&](int bz, int by, int bx) {
-      for (int c = 0; c < channels; ++c) {
-        BrickCopy brick = brickOf(data_, block, side, bz, by, bx, c);
-        brick.toStep = channels;
-        brick.toRow = info_.x * channels;
-        brick.toPlane = info_.y * brick.toRow;
-        brick.to = &values[bz * brick.toPlane + by * brick.toRow + bx * channels + c];
-        if (data_.isOccupied(t, bz, by, bx)) {
-          copyBrick(data_, brick);
-        } else {
-          fillZero(brick);
-        }
+    bool full = true;
+    forEachBrickIn(data_, side, z, y, x,
+                   [&](int bz, int by, int bx) { full &= data_.isOccupied(t, bz, by, bx); });
+    for (int c = 0; c < channels; ++c) {
+      if (full) {
+        copyValues(data_, place(boxOf(data_, block, side, z, y, x, c), z, y, x, c));
+        continue;
       }
-    });
+      forEachBrickIn(data_, side, z, y, x, [&](int bz, int by, int bx) {
+        const BoxCopy box = place(boxOf(data_, block, kBrick, bz, by, bx, c), bz, by, bx, c);
+        if (data_.isOccupied(t, bz, by, bx)) {
+          copyValues(data_, box);
+        } else {
+          fillZero(box);
+        }
+      });
+    }
   });
 }
 
@@ -154,13 +166,13 @@ BrickSlice Tree4d::extractSlice(int t, std::uint64_t* nodesVisited) const {
           if (at == BrickSlice::kEmpty)
             return;
           for (int c = 0; c < data_.channels; ++c) {
-            BrickCopy brick = brickOf(data_, block, side, bz, by, bx, c);
+            BoxCopy brick = boxOf(data_, block, kBrick, bz, by, bx, c);
             brick.toStep = 1;
             brick.toRow = kBrick;
             brick.toPlane = kBrick * kBrick;
             brick.to =
                 &bricks[at * brickValues + static_cast<std::size_t>(c) * BrickSlice::kVoxels];
-            copyBrick(data_, brick);
+            copyValues(data_, brick);
           }
         });
       });

@@ -118,10 +118,11 @@ Result<Tree4d> Tree4d::build(FrameSource& source, const BuildOptions& options, P
     if (search.found())
       return tree;
     if (search.failed())
-      return fail(ErrorCode::kInvalidArgument,
-                  "a relative RMS error of {:.3g} is below what float32 values can keep; {:.3g} was "
-                  "reached",
-                  options.relativeRms, reached);
+      return fail(
+          ErrorCode::kInvalidArgument,
+          "a relative RMS error of {:.3g} is below what float32 values can keep; {:.3g} was "
+          "reached",
+          options.relativeRms, reached);
   }
 }
 

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "volute/codec/block_grid.hpp"
+
 HWY_BEFORE_NAMESPACE();
 
 namespace volute::HWY_NAMESPACE {
@@ -277,11 +279,10 @@ constexpr SpreadTable kSpread = [] {
 }();
 
 /// The same for int8: spread to their places, then a Hadamard transform of the eight children in
-/// eight 16-bit lanes.
-HWY_INLINE void addDetails(const TreeData::Level& level, std::uint32_t begin, unsigned mask,
-                           bool later, int h, float* HWY_RESTRICT at) {
-  if (HWY_UNLIKELY(level.wide))
-    return addDetailsSlowly(level, begin, mask, later, h, at);
+/// eight 16-bit lanes. kMayEscape: the level has coefficients that do not fit.
+template <bool kMayEscape>
+HWY_INLINE void addNarrowDetails(const TreeData::Level& level, std::uint32_t begin, unsigned mask,
+                                 bool later, int h, float* HWY_RESTRICT at) {
   const hn::FixedTag<std::uint8_t, 16> d8;
   const hn::FixedTag<std::uint8_t, 8> dHalf8;
   const hn::FixedTag<std::int8_t, 16> di8;
@@ -299,7 +300,8 @@ HWY_INLINE void addDetails(const TreeData::Level& level, std::uint32_t begin, un
       hn::LoadU(d8, reinterpret_cast<const std::uint8_t*>(level.narrow8.data() + begin));
   const auto w = hn::BitCast(
       di8, hn::TableLookupBytesOr0(packed, hn::Combine(d8, spreadLater, spreadEarlier)));
-  if (HWY_UNLIKELY(!hn::AllFalse(di8, hn::Eq(w, hn::Set(di8, hwy::LowestValue<std::int8_t>()))))) {
+  if (kMayEscape &&
+      HWY_UNLIKELY(!hn::AllFalse(di8, hn::Eq(w, hn::Set(di8, hwy::LowestValue<std::int8_t>()))))) {
     return addDetailsSlowly(level, begin, mask, later, h, at);
   }
   const auto a = hn::PromoteTo(d16, hn::LowerHalf(w));
@@ -333,18 +335,27 @@ HWY_INLINE void addDetails(const TreeData::Level& level, std::uint32_t begin, un
   addPair(at + h * h, hn::LowerHalf(high));
   addPair(at + h * h + h, hn::UpperHalf(dPair, high));
 }
+
+HWY_INLINE void addDetails(const TreeData::Level& level, std::uint32_t begin, unsigned mask,
+                           bool later, int h, float* HWY_RESTRICT at) {
+  if (level.wide) {
+    addDetailsSlowly(level, begin, mask, later, h, at);
+  } else {
+    addNarrowDetails<true>(level, begin, mask, later, h, at);
+  }
+}
 #endif
 
 /// Appends the children of `item` in one time half; their ranks follow from the first one's.
 HWY_INLINE int listChildren(const TreeData& data, const TreeData::Level& below, const Item& item,
-                            bool later, bool finest, Item* out) {
+                            bool later, Item* out) {
   const unsigned children = data.childMasks[item.inner];
   const unsigned half = later ? children >> 8 : children & 0xFFu;
   if (half == 0)
     return 0;
   std::uint32_t node = data.childBases[item.inner] + (later ? popCount(children & 0xFFu) : 0);
   std::uint32_t coefficient = coefficientsBefore(data, node);
-  std::uint32_t inner = finest ? 0 : innerBefore(data, node);
+  std::uint32_t inner = innerBefore(data, node);
   int count = 0;
   for (unsigned m = half; m != 0; m &= m - 1, ++node) {
     const auto o = static_cast<unsigned>(hwy::Num0BitsBelowLS1Bit_Nonzero32(m));
@@ -363,9 +374,60 @@ HWY_INLINE int listChildren(const TreeData& data, const TreeData::Level& below, 
   return count;
 }
 
+/// Adds the finest level to `values`, straight from its parents: its nodes are most of the tree.
+/// `add` is addDetails or a part of it; the sides of the grid are a constant where they can be.
+template <class Add>
+HWY_INLINE int addFinest(const TreeData& data, const Item* parents, int count, int t, int h,
+                         float* HWY_RESTRICT values, const Add& add) {
+  const bool laterChildren = t >> 1 & 1;
+  const bool later = t & 1;
+  const std::size_t cells = static_cast<std::size_t>(h) * h * h;
+  int visited = 0;
+  for (int i = 0; i < count; ++i) {
+    const Item& parent = parents[i];
+    if (!(data.masks[parent.node] & 1))
+      continue;
+    const unsigned children = data.childMasks[parent.inner];
+    const unsigned half = laterChildren ? children >> 8 : children & 0xFFu;
+    if (half == 0)
+      continue;
+    std::uint32_t node =
+        data.childBases[parent.inner] + (laterChildren ? popCount(children & 0xFFu) : 0);
+    std::uint32_t coefficient = coefficientsBefore(data, node);
+    float* at = values + ((2 * parent.z) * h + 2 * parent.y) * h + 2 * parent.x;
+    for (unsigned m = half; m != 0; m &= m - 1, ++node, ++visited) {
+      const auto o = static_cast<unsigned>(hwy::Num0BitsBelowLS1Bit_Nonzero32(m));
+      const unsigned mask = data.masks[node];
+      float* child = at + ((o >> 2) * h + (o >> 1 & 1)) * 2 * h + 2 * (o & 1);
+      for (int c = 0; c < data.channels; ++c)
+        add(channelBegin(data, coefficient, mask, c), mask, later, child + c * cells);
+      coefficient += popCount(mask & 0xFFFEu);
+    }
+  }
+  return visited;
+}
+
+HWY_INLINE int addFinest(const TreeData& data, const Item* parents, int count, int t, int h,
+                         float* HWY_RESTRICT values) {
+  const TreeData::Level& level = data.levels[0];
+#if HWY_TARGET != HWY_SCALAR
+  constexpr int kUsualSide = BlockGrid::kSide;
+  if (h == kUsualSide && !level.wide && level.escapeIndex.empty()) {
+    return addFinest(data, parents, count, t, kUsualSide, values,
+                     [&](std::uint32_t begin, unsigned mask, bool later, float* at) {
+                       addNarrowDetails<false>(level, begin, mask, later, kUsualSide, at);
+                     });
+  }
+#endif
+  return addFinest(data, parents, count, t, h, values,
+                   [&](std::uint32_t begin, unsigned mask, bool later, float* at) {
+                     addDetails(level, begin, mask, later, h, at);
+                   });
+}
+
 int ReadBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, float* values) {
   constexpr int kMaxSide = 16;
-  constexpr int kMaxNodes = 512;
+  constexpr int kMaxNodes = 64;  // of the levels above the finest
   alignas(64) float buffers[2][3 * kMaxSide * kMaxSide * kMaxSide / 8];
   Item items[2][kMaxNodes];
   int count = 0;
@@ -379,53 +441,52 @@ int ReadBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, fl
   float* current = data.entryLevels % 2 == 0 ? buffers[0] : buffers[1];
   for (int c = 0; c < data.channels; ++c) current[c] = entry.value[c];
   int g = 1;
-  for (int l = data.entryLevels - 1; l >= 0; --l, turn ^= 1) {
+  for (int l = data.entryLevels - 1; l >= 0; --l) {
     const int h = 2 * g;
     const int cells = h * h * h;
     float* finer = l == 0 ? values : current == buffers[0] ? buffers[1] : buffers[0];
     const bool later = t >> l & 1;
     for (int c = 0; c < data.channels; ++c) upsample(current + c * g * g * g, g, finer + c * cells);
+    if (l == 0 && data.entryLevels > 1) {
+      visited += addFinest(data, items[turn], count, t, h, finer);
+      break;
+    }
     int next = 0;
     for (int i = 0; i < count; ++i) {
       const Item& item = items[turn][i];
       const unsigned mask = data.masks[item.node];
       float* at = finer + (item.z * h + item.y) * h + item.x;
-      for (int c = 0; c < data.channels; ++c) {
+      for (int c = 0; c < data.channels; ++c)
         addDetails(data.levels[l], channelBegin(data, item.coefficient, mask, c), mask, later, h,
                    at + c * cells);
-      }
-      if (mask & 1)
-        next += listChildren(data, data.levels[l - 1], item, later, l == 1, &items[turn ^ 1][next]);
+      if (l > 1 && (mask & 1))
+        next += listChildren(data, data.levels[l - 1], item, later, &items[turn ^ 1][next]);
     }
     visited += count;
-    count = next;
     current = finer;
     g = h;
+    if (l == 1)
+      continue;  // the finest level is listed by addFinest from these nodes
+    turn ^= 1;
+    count = next;
   }
   return visited;
 }
 
-void CopyBrick(const TreeData& data, const BrickCopy& copy) {
-  const BrickCopy c = copy;  // a copy that no store can alias
-  if (c.width < 8 || c.toStep != 1) {
-    for (int z = 0; z < c.depth; ++z)
-      for (int y = 0; y < c.height; ++y)
-        for (int x = 0; x < c.width; ++x) {
-          c.to[z * c.toPlane + y * c.toRow + x * c.toStep] =
-              clamped(data, c.from[z * c.fromPlane + y * c.fromRow + x]);
-        }
-    return;
-  }
+void CopyValues(const TreeData& data, const BoxCopy& copy) {
+  const BoxCopy c = copy;  // a copy that no store can alias
   const hn::CappedTag<float, 8> d;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
   const auto minimum = hn::Set(d, data.minimum);
   const auto maximum = hn::Set(d, data.maximum);
   for (int z = 0; z < c.depth; ++z) {
     const float* from = c.from + z * c.fromPlane;
     float* to = c.to + z * c.toPlane;
     for (int y = 0; y < c.height; ++y, from += c.fromRow, to += c.toRow) {
-      for (std::size_t x = 0; x < 8; x += hn::Lanes(d)) {
+      int x = 0;
+      for (; c.toStep == 1 && x + lanes <= c.width; x += lanes)
         hn::StoreU(hn::Min(hn::Max(hn::LoadU(d, from + x), minimum), maximum), d, to + x);
-      }
+      for (; x < c.width; ++x) to[x * c.toStep] = clamped(data, from[x]);
     }
   }
 }
@@ -441,7 +502,7 @@ HWY_EXPORT(ReadValue);
 HWY_EXPORT(ReadValues);
 HWY_EXPORT(ReadAlong);
 HWY_EXPORT(ReadBlockSlice);
-HWY_EXPORT(CopyBrick);
+HWY_EXPORT(CopyValues);
 
 float readValue(const TreeData& data, const std::array<int, 4>& voxel, int channel) {
   return HWY_DYNAMIC_DISPATCH(ReadValue)(data, voxel, channel);
@@ -461,8 +522,8 @@ int readBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, fl
   return HWY_DYNAMIC_DISPATCH(ReadBlockSlice)(data, entry, t, values);
 }
 
-void copyBrick(const TreeData& data, const BrickCopy& copy) {
-  HWY_DYNAMIC_DISPATCH(CopyBrick)(data, copy);
+void copyValues(const TreeData& data, const BoxCopy& copy) {
+  HWY_DYNAMIC_DISPATCH(CopyValues)(data, copy);
 }
 
 }  // namespace volute

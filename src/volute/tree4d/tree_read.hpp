@@ -26,8 +26,8 @@ void readAlong(const TreeData& data, const std::array<int, 4>& origin,
 /// Returns how many nodes were read.
 int readBlockSlice(const TreeData& data, const TreeData::Entry& entry, int t, float* values);
 
-/// What copyBrick copies: up to 8 x 8 x 8 values of one channel; strides in floats.
-struct BrickCopy {
+/// What copyValues copies: a box of values of one channel; strides in floats.
+struct BoxCopy {
   const float* from;
   std::ptrdiff_t fromRow, fromPlane;
   float* to;
@@ -36,6 +36,6 @@ struct BrickCopy {
 };
 
 /// Copies and clamps to the data's minimum and maximum.
-void copyBrick(const TreeData& data, const BrickCopy& copy);
+void copyValues(const TreeData& data, const BoxCopy& copy);
 
 }  // namespace volute
