@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tree4d/quantised_subtree.hpp"
 
+#include <bit>
+
 #include "volute/wavelet/quantiser.hpp"
 
 namespace volute {
@@ -15,6 +17,16 @@ struct DenseLevel {
   std::vector<std::int32_t> quantised;  // 16 a node and channel
 };
 
+/// Whether a node without children is worth its bytes. `gains` is what its coefficients save, in
+/// squared steps of error; a coefficient takes a byte, a node two and a quarter. Asking for 0.3 a
+/// byte made the trees of fire and smoke 1 to 2 % smaller at equal error. Coefficients that are
+/// whole steps already, as those of a file, always pass (1 >= 0.3 * 3.25): loading loses nothing.
+bool worthANode(double gains, int coefficients) {
+  constexpr double kGainPerByte = 0.3;
+  constexpr double kNodeBytes = 2.25;
+  return gains >= kGainPerByte * (coefficients + kNodeBytes);
+}
+
 DenseLevel quantiseLevel(const detail::Extents4& n, const SubtreeShape& shape, int level,
                          float step, std::span<const std::uint8_t> kept,
                          std::vector<float>& means) {
@@ -25,6 +37,7 @@ DenseLevel quantiseLevel(const detail::Extents4& n, const SubtreeShape& shape, i
   dense.children.assign(nodes, 0);
   dense.cells.resize(nodes);
   dense.quantised.resize(nodes * channels * kChildren);
+  std::vector<float> gains(nodes);
   const float scale = orthonormalScale(shape.baseLevel + level) / step;
   means = detail::oneLevelUp(
       n, channels, means,
@@ -32,8 +45,11 @@ DenseLevel quantiseLevel(const detail::Extents4& n, const SubtreeShape& shape, i
         std::int32_t* q = &dense.quantised[(node * channels + c) * kChildren];
         for (int j = 1; j < kChildren; ++j) {
           q[j] = quantise(v[j], scale);
-          if (q[j] != 0)
-            dense.masks[node] |= static_cast<std::uint16_t>(1u << j);
+          if (q[j] == 0)
+            continue;
+          dense.masks[node] |= static_cast<std::uint16_t>(1u << j);
+          const auto steps = static_cast<float>(q[j]);
+          gains[node] += steps * (2 * v[j] * scale - steps);
         }
         if (c > 0)
           return;
@@ -44,6 +60,11 @@ DenseLevel quantiseLevel(const detail::Extents4& n, const SubtreeShape& shape, i
             dense.children[node] |= static_cast<std::uint16_t>(1u << o);
         }
       });
+  for (std::size_t node = 0; node < nodes; ++node) {
+    const int coefficients = std::popcount(dense.masks[node]) * channels;
+    if (dense.children[node] == 0 && !worthANode(gains[node], coefficients))
+      dense.masks[node] = 0;
+  }
   return dense;
 }
 

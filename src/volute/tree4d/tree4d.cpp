@@ -30,7 +30,7 @@ std::uint64_t forEachBlockOf(const TreeData& data, int t, Body&& body) {
   const auto& n = data.entryCounts;
   const int side = 1 << data.entryLevels;
   const std::size_t count = static_cast<std::size_t>(n[1]) * n[2] * n[3];
-  constexpr std::size_t kGrain = 4;
+  constexpr std::size_t kGrain = 8;
   std::atomic<std::uint64_t> visited{0};
   parallelRanges(count, kGrain, [&](std::size_t begin, std::size_t end) {
     alignas(64) float values[3 * kMaxSide * kMaxSide * kMaxSide];

@@ -40,19 +40,32 @@ HWY_INLINE std::uint32_t popCount(std::uint64_t bits) {
   return static_cast<std::uint32_t>(hwy::PopCount(bits));
 }
 
-/// How many of `bits` are set in the masks of the nodes that stand before `node` in its group.
+/// kBefore[n]: the bits of the first n masks of a group, as words of four masks.
+struct alignas(64) BeforeTable {
+  std::uint64_t words[TreeData::kGroup][TreeData::kGroup / 4];
+};
+
+constexpr BeforeTable kBefore = [] {
+  BeforeTable table{};
+  for (int n = 0; n < TreeData::kGroup; ++n) {
+    for (int i = 0; i < n; ++i) table.words[n][i / 4] |= std::uint64_t{0xFFFF} << 16 * (i % 4);
+  }
+  return table;
+}();
+
+/// How many of `bits` are set in the masks of the nodes that stand before `node` in its group. All
+/// words are counted, since a loop of unknown length costs more in mispredicted branches.
 HWY_INLINE std::uint32_t rankInGroup(const std::uint16_t* masks, std::uint32_t node,
                                      std::uint64_t bits) {
   const std::uint16_t* group = masks + (node & ~(TreeData::kGroup - 1u));
-  const unsigned before = node & (TreeData::kGroup - 1u);
+  const std::uint64_t* before = kBefore.words[node & (TreeData::kGroup - 1u)];
   std::uint32_t count = 0;
-  std::uint64_t word = 0;
-  for (unsigned i = 0; i < before / 4; ++i) {
+  for (int i = 0; i < TreeData::kGroup / 4; ++i) {
+    std::uint64_t word = 0;
     std::memcpy(&word, group + 4 * i, sizeof word);
-    count += popCount(word & bits);
+    count += popCount(word & bits & before[i]);
   }
-  std::memcpy(&word, group + before / 4 * 4, sizeof word);
-  return count + popCount(word & bits & ((1ull << 16 * (before % 4)) - 1));
+  return count;
 }
 
 HWY_NOINLINE std::int32_t escaped(const TreeData::Level& level, std::uint32_t index) {
@@ -220,20 +233,27 @@ struct Item {
 /// From g^3 cells to (2g)^3, each value eight times.
 HWY_INLINE void upsample(const float* HWY_RESTRICT from, int g, float* HWY_RESTRICT to) {
   const int h = 2 * g;
+#if HWY_TARGET != HWY_SCALAR
+  const hn::CappedTag<float, 8> d;
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  alignas(32) static constexpr std::int32_t kTwice[] = {0, 0, 1, 1, 2, 2, 3, 3,
+                                                        4, 4, 5, 5, 6, 6, 7, 7};
+  const auto firstHalf = hn::SetTableIndices(d, kTwice);
+  const auto secondHalf = hn::SetTableIndices(d, kTwice + lanes);
+#endif
   for (int z = 0; z < g; ++z) {
     for (int y = 0; y < g; ++y) {
       float* row = to + (2 * z * h + 2 * y) * h;
       const float* source = from + (z * g + y) * g;
       int x = 0;
 #if HWY_TARGET != HWY_SCALAR
-      const hn::FixedTag<float, 4> d;
-      for (; x + 4 <= g; x += 4) {
+      for (; x + lanes <= g; x += lanes) {
         const auto v = hn::LoadU(d, source + x);
-        const auto low = hn::InterleaveLower(d, v, v);
-        const auto high = hn::InterleaveUpper(d, v, v);
+        const auto first = hn::TableLookupLanes(v, firstHalf);
+        const auto second = hn::TableLookupLanes(v, secondHalf);
         for (float* r : {row, row + h, row + h * h, row + h * h + h}) {
-          hn::StoreU(low, d, r + 2 * x);
-          hn::StoreU(high, d, r + 2 * x + 4);
+          hn::StoreU(first, d, r + 2 * x);
+          hn::StoreU(second, d, r + 2 * x + lanes);
         }
       }
 #endif
@@ -288,7 +308,7 @@ HWY_INLINE void addNarrowDetails(const TreeData::Level& level, std::uint32_t beg
   const hn::FixedTag<std::int8_t, 16> di8;
   const hn::FixedTag<std::int16_t, 8> d16;
   const hn::FixedTag<std::uint32_t, 4> d32;
-  const hn::FixedTag<std::int32_t, 4> di32;
+  [[maybe_unused]] const hn::FixedTag<std::int32_t, 4> di32;
   const hn::FixedTag<float, 4> df;
   const hn::FixedTag<float, 2> dPair;
 
@@ -323,10 +343,18 @@ HWY_INLINE void addNarrowDetails(const TreeData::Level& level, std::uint32_t beg
   const auto otherZ = hn::BitCast(d16, hn::Shuffle1032(hn::BitCast(d32, y)));
   const auto z = hn::Add(otherZ, hn::Sub(hn::Xor(y, minusZ), minusZ));
 
+#if HWY_MAX_BYTES >= 32
+  const hn::FixedTag<float, 8> df8;
+  const hn::FixedTag<std::int32_t, 8> di8x32;
+  const auto all = hn::Mul(hn::ConvertTo(df8, hn::PromoteTo(di8x32, z)), hn::Set(df8, level.scale));
+  const auto low = hn::LowerHalf(df, all);
+  const auto high = hn::UpperHalf(df, all);
+#else
   const auto scale = hn::Set(df, level.scale);
   const auto low = hn::Mul(hn::ConvertTo(df, hn::PromoteTo(di32, hn::LowerHalf(z))), scale);
   const auto high = hn::Mul(
       hn::ConvertTo(df, hn::PromoteTo(di32, hn::UpperHalf(hn::Half<decltype(d16)>(), z))), scale);
+#endif
   auto addPair = [&](float* pair, auto add) {
     hn::StoreU(hn::Add(hn::LoadU(dPair, pair), add), dPair, pair);
   };
@@ -374,31 +402,55 @@ HWY_INLINE int listChildren(const TreeData& data, const TreeData::Level& below, 
   return count;
 }
 
-/// Adds the finest level to `values`, straight from its parents: its nodes are most of the tree.
-/// `add` is addDetails or a part of it; the sides of the grid are a constant where they can be.
-template <class Add>
-HWY_INLINE int addFinest(const TreeData& data, const Item* parents, int count, int t, int h,
-                         float* HWY_RESTRICT values, const Add& add) {
-  const bool laterChildren = t >> 1 & 1;
-  const bool later = t & 1;
-  const std::size_t cells = static_cast<std::size_t>(h) * h * h;
-  int visited = 0;
+/// The children of one parent in one time half.
+struct Siblings {
+  std::uint32_t node, coefficient;  // of the first
+  unsigned present;                 // bit o: child o is there
+  float* at;                        // the parent's first voxel
+};
+
+/// Lists who has children in the time half, and asks for their coefficients before they are needed.
+HWY_INLINE int listSiblings(const TreeData& data, const Item* parents, int count, bool later, int h,
+                            float* values, Siblings* out) {
+  const TreeData::Level& level = data.levels[0];
+  int listed = 0;
   for (int i = 0; i < count; ++i) {
     const Item& parent = parents[i];
     if (!(data.masks[parent.node] & 1))
       continue;
     const unsigned children = data.childMasks[parent.inner];
-    const unsigned half = laterChildren ? children >> 8 : children & 0xFFu;
-    if (half == 0)
+    const unsigned present = later ? children >> 8 : children & 0xFFu;
+    if (present == 0)
       continue;
-    std::uint32_t node =
-        data.childBases[parent.inner] + (laterChildren ? popCount(children & 0xFFu) : 0);
-    std::uint32_t coefficient = coefficientsBefore(data, node);
-    float* at = values + ((2 * parent.z) * h + 2 * parent.y) * h + 2 * parent.x;
-    for (unsigned m = half; m != 0; m &= m - 1, ++node, ++visited) {
+    const std::uint32_t node =
+        data.childBases[parent.inner] + (later ? popCount(children & 0xFFu) : 0);
+    const std::uint32_t coefficient = coefficientsBefore(data, node);
+    if (!level.wide)
+      hwy::Prefetch(level.narrow8.data() + coefficient * data.channels);
+    out[listed++] = {node, coefficient, present,
+                     values + ((2 * parent.z) * h + 2 * parent.y) * h + 2 * parent.x};
+  }
+  return listed;
+}
+
+/// Adds the finest level to `values`, straight from its parents: its nodes are most of the tree.
+/// `add` is addDetails or a part of it; the sides of the grid are a constant where they can be.
+template <class Add>
+HWY_INLINE int addFinest(const TreeData& data, const Item* parents, int count, int t, int h,
+                         float* HWY_RESTRICT values, const Add& add) {
+  constexpr int kMaxParents = 64;
+  Siblings siblings[kMaxParents];
+  const int listed = listSiblings(data, parents, count, (t >> 1 & 1) != 0, h, values, siblings);
+  const bool later = t & 1;
+  const std::size_t cells = static_cast<std::size_t>(h) * h * h;
+  int visited = 0;
+  for (int i = 0; i < listed; ++i) {
+    std::uint32_t node = siblings[i].node;
+    std::uint32_t coefficient = siblings[i].coefficient;
+    for (unsigned m = siblings[i].present; m != 0; m &= m - 1, ++node, ++visited) {
       const auto o = static_cast<unsigned>(hwy::Num0BitsBelowLS1Bit_Nonzero32(m));
       const unsigned mask = data.masks[node];
-      float* child = at + ((o >> 2) * h + (o >> 1 & 1)) * 2 * h + 2 * (o & 1);
+      float* child = siblings[i].at + ((o >> 2) * h + (o >> 1 & 1)) * 2 * h + 2 * (o & 1);
       for (int c = 0; c < data.channels; ++c)
         add(channelBegin(data, coefficient, mask, c), mask, later, child + c * cells);
       coefficient += popCount(mask & 0xFFFEu);
