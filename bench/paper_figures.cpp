@@ -120,7 +120,7 @@ struct Figures {
   /// Bit rates below that of all coefficients together; where one asks for more, nearly all of
   /// them.
   std::vector<double> reachable(std::span<const double> rates) const {
-    constexpr double kNearlyAll = 0.97;
+    constexpr double kNearlyAll = 0.9;
     const double all = kNearlyAll * static_cast<double>(transform.bytesAt(0)) / raw;
     std::vector<double> list;
     for (double rate : rates) {
@@ -133,7 +133,8 @@ struct Figures {
   Result<Tree4d> compactAt(double rms) const {
     SequenceSource source(sequence);
     Progress quiet;
-    return Tree4d::build(source, {.relativeRms = rms}, quiet);
+    constexpr double kFinest = 1e-5;  // below it float32 noise is all that is left
+    return Tree4d::build(source, {.relativeRms = std::max(rms, kFinest)}, quiet);
   }
 
   /// Figure 7 and the gain of zlib.

@@ -146,7 +146,7 @@ namespace {
 /// some x and not above.
 template <class Holds>
 double bisect(double high, Holds&& holds) {
-  double low = high * 1e-8;
+  double low = high * 1e-14;
   if (!holds(low))
     return 0;
   for (int i = 0; i < 40 && high > low * 1.005; ++i) {
