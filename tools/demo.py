@@ -85,8 +85,8 @@ def rate_distortion_section(results):
     series = []
     for color, (name, result) in enumerate(results.items()):
         rows = result["figures"]["rate_distortion"]
-        for kind, label, dash in (("paper", "paper's layout", False), ("compact", "compact tree", True)):
-            series.append({"name": f"{name}, {label}", "color": color, "dash": dash,
+        for kind, label, dash, marker in (("paper", "paper's layout", False, "circle"), ("compact", "compact tree", True, "square")):
+            series.append({"name": f"{name}, {label}", "color": color, "dash": dash, "marker": marker,
                            "x": [row[kind]["rate"] for row in rows], "y": [row[kind]["rms"] for row in rows]})
         series.append({"name": f"{name}, file", "color": color, "marker": "diamond",
                        "x": [result["report"]["bytes"] / result["figures"]["raw_bytes"]],
