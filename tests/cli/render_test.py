@@ -56,6 +56,19 @@ class Render(support.TestCase):
         self.assertEqual((width, height), (6, 6))
         self.assertEqual({value for row in rows for value in row}, {srgb8(0.5)})
 
+    def test_a_film_needs_less_memory_than_the_volume(self):
+        """The renderer reads the tree: no dense copy of all frames is ever in memory."""
+        size, frames = 64, 160
+        _, values = support.plume(1, size)
+        write_npy(self.path("long.npy"), (frames, size, size, size), values * frames)
+        self.works("compress", self.path("long.npy"), "-o", self.path("long.volute"), "--rms", "0.003")
+        self.works("render", self.path("long.volute"), "-o", self.path("x_%04d.png"), "--frames", "0:160:20",
+                   "--size", "64x64", "--stats", self.path("stats.json"))
+        stats = json.loads(self.path("stats.json").read_text())
+        self.assertLess(stats["peak_memory_bytes"], 4 * frames * size**3 / 2)
+        self.assertGreater(stats["nodes_visited"], 0)
+        self.assertLess(stats["tree_bytes"], 4 * frames * size**3 / 10)
+
     def test_absorption_and_background(self):
         self.works("render", self.block(), "-o", self.path("x.png"), *self.AHEAD, "--exposure", "1", "--emission", "0",
                    "--extinction", "2", "--background", "1,0.5,0")
