@@ -5,6 +5,9 @@
 #include <sys/resource.h>
 
 #include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <string>
 
 namespace volute::cli {
 namespace {
@@ -12,6 +15,19 @@ namespace {
 double now() {
   const auto time = std::chrono::steady_clock::now().time_since_epoch();
   return std::chrono::duration<double, std::milli>(time).count();
+}
+
+/// The most memory that this program has held. getrusage() would count what its parent held before
+/// it started us.
+std::uint64_t peakMemoryBytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmHWM:"))
+      return 1024 * std::strtoull(line.c_str() + 6, nullptr, 10);
+  }
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return 1024 * static_cast<std::uint64_t>(usage.ru_maxrss);
 }
 
 }  // namespace
@@ -51,8 +67,6 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
 }
 
 nlohmann::ordered_json RenderJob::stats() const {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
   std::uint64_t bytesRead = 0, blocksDecoded = 0;
   TreeCounts tree;
   for (const VolumeLayer& layer : layers) {
@@ -84,7 +98,7 @@ nlohmann::ordered_json RenderJob::stats() const {
             {"slices", totals.slices},
             {"render", totals.render},
             {"write", totals.write}}},
-          {"peak_memory_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024}};
+          {"peak_memory_bytes", peakMemoryBytes()}};
 }
 
 }  // namespace volute::cli
