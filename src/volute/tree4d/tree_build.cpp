@@ -37,25 +37,19 @@ Status forEachBlock(BlockRow& rows, std::string_view stage, Progress& progress, 
   return {};
 }
 
-int blockLevels(const VolumeInfo& info) {
-  const int longest = std::max({info.frames, info.z, info.y, info.x});
-  int levels = 1;
-  while (levels < 4 && (1 << levels) < longest) ++levels;
-  return levels;
-}
-
 /// The orthonormal coefficients of all blocks, which predict the error of any step.
 Result<QuantisationModel> gather(BlockRow& rows, const VolumeInfo& info, Progress& progress) {
   QuantisationModel all;
   std::mutex mutex;
-  VOLUTE_TRY(forEachBlock(
-      rows, "reading", progress, [&](std::size_t block, std::span<const float> values) {
-        QuantisationModel model;
-        const SubtreeShape shape{rows.grid().extents(block), info.channels, 0, blockLevels(info)};
-        visitCoefficients(shape, values, [&](float c) { model.add(c); });
-        const std::lock_guard lock(mutex);
-        all.merge(model);
-      }));
+  VOLUTE_TRY(forEachBlock(rows, "reading", progress,
+                          [&](std::size_t block, std::span<const float> values) {
+                            QuantisationModel model;
+                            const SubtreeShape shape{rows.grid().extents(block), info.channels, 0,
+                                                     treeLevels(info).block};
+                            visitCoefficients(shape, values, [&](float c) { model.add(c); });
+                            const std::lock_guard lock(mutex);
+                            all.merge(model);
+                          }));
   return all;
 }
 

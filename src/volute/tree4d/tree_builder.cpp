@@ -12,12 +12,6 @@ namespace {
 
 constexpr int kBrick = BrickSlice::kSide;
 
-int levelsFor(int longest) {
-  int levels = 1;
-  while ((1 << levels) < longest) ++levels;
-  return levels;
-}
-
 void extend(VoxelBox& box, const VoxelBox& other) {
   if (other.empty())
     return;
@@ -33,11 +27,19 @@ void extend(VoxelBox& box, const VoxelBox& other) {
 
 }  // namespace
 
+TreeLevels treeLevels(const VolumeInfo& info) {
+  constexpr int kBlockLevels = 4;  // of a block of 16
+  const int longest = std::max({info.frames, info.z, info.y, info.x});
+  int levels = 1;
+  while ((1 << levels) < longest) ++levels;
+  return {levels, std::min(levels, kBlockLevels)};
+}
+
 TreeBuilder::TreeBuilder(const VolumeInfo& info, double step, float minimum, float maximum)
     : info_(info),
       grid_(info),
-      totalLevels_(levelsFor(std::max({info.frames, info.z, info.y, info.x}))),
-      blockLevels_(std::min(totalLevels_, 4)),
+      totalLevels_(treeLevels(info).total),
+      blockLevels_(treeLevels(info).block),
       step_(step),
       minimum_(minimum),
       maximum_(maximum),

@@ -11,6 +11,15 @@
 
 namespace volute {
 
+/// Levels of the tree of a volume: 2^total covers its longest side; of these, `block` lie in a
+/// block.
+struct TreeLevels {
+  int total = 1;
+  int block = 1;
+};
+
+TreeLevels treeLevels(const VolumeInfo& info);
+
 /// Makes a Tree4d from independent blocks, in any order and from any thread; holds the quantised
 /// blocks only.
 class TreeBuilder {
