@@ -3,38 +3,7 @@
 
 // The walk of one vector of rays. Included once for each SIMD target, after hwy/highway.h.
 
-#ifndef VOLUTE_FOG_LANES
-#define VOLUTE_FOG_LANES
-
-#include "volute/fog/fog_levels.hpp"
-
-namespace volute {
-
-constexpr std::size_t kFogLanes = 128;  // what a batch holds; a multiple of any vector's lanes
-constexpr std::size_t kWidestFogVector = 16;
-
-enum class ZoneKind { kConstant, kLinear, kExponential };
-
-/// Stretches as the walk wants them: s counts from where each enters, in metres.
-struct FogLanes {
-  struct Axis {
-    alignas(64) float first[kFogLanes];     ///< s of the first plane; huge when parallel
-    alignas(64) float delta[kFogLanes];     ///< from plane to plane; 0 when parallel
-    alignas(64) float velocity[kFogLanes];  ///< cells per metre
-    alignas(64) float exitAt[kFogLanes];    ///< place in the cell (0..1) where the ray leaves it
-    alignas(64) std::int32_t cell[kFogLanes];
-    alignas(64) std::int32_t step[kFogLanes];
-  };
-
-  Axis x, y;
-  alignas(64) float length[kFogLanes];
-  alignas(64) float zoneBegin[kFogLanes];  ///< g at s = 0; exponential: its exponent, negated
-  alignas(64) float zoneSlope[kFogLanes];  ///< [1/m], the change of zoneBegin with s
-  FogLevels::Level level;
-};
-
-}  // namespace volute
-#endif
+#include "volute/fog/fog_lanes.hpp"
 
 #if defined(VOLUTE_FOG_KERNEL) == defined(HWY_TARGET_TOGGLE)
 #ifdef VOLUTE_FOG_KERNEL
@@ -283,7 +252,8 @@ class Walk {
       s_ = to;
       const Mask opaque = hn::Gt(sum_, Constant(kOpaque));
       end_ = hn::IfThenElse(opaque, s_, end_);
-      active = hn::And(hn::AndNot(opaque, active), hn::Lt(s_, limit));
+      limit = hn::IfThenElse(opaque, s_, limit);
+      active = hn::Lt(s_, limit);
     }
   }
 
