@@ -85,22 +85,25 @@ struct EnterAxis {
     clip(from, to, hn::And(hn::Ge(o, from), hn::Le(o, to)), begin, end);
   }
 
-  HWY_INLINE void store(FogLanes::Axis& axis, std::size_t lane, VD from, VD to, VD begin) const {
+  /// A ray that is not there stands in the first cell.
+  HWY_INLINE void store(FogLanes::Axis& axis, std::size_t lane, VD from, VD to, VD begin,
+                        hn::Mask<DD> there) const {
     const VD zero = hn::Zero(dd), one = Constant(1);
     const auto forwards = hn::Gt(d, zero);
-    const VD at = hn::IfThenElse(parallel, o, MulThenAdd(d, begin, o));
-    const VD index = hn::IfThenElse(hn::AndNot(parallel, hn::Lt(d, zero)),
-                                    hn::Sub(hn::Ceil(at), one), hn::Floor(at));
+    const auto moves = hn::AndNot(parallel, there);
+    const VD at = hn::IfThenElse(moves, MulThenAdd(d, begin, o), hn::IfThenElse(there, o, from));
+    const VD index =
+        hn::IfThenElse(hn::AndNot(forwards, moves), hn::Sub(hn::Ceil(at), one), hn::Floor(at));
     const VD cell = hn::Min(hn::Max(index, from), hn::Sub(to, one));
     const VD ahead = hn::IfThenElse(forwards, one, zero);
     const VD crossing = hn::Mul(hn::Sub(hn::Add(cell, ahead), o), inverse);
-    put(axis.first + lane, hn::IfThenElse(parallel, Constant(kNever), hn::Sub(crossing, begin)));
-    put(axis.delta + lane, hn::IfThenElse(parallel, zero, hn::Abs(inverse)));
-    put(axis.velocity + lane, hn::IfThenElse(parallel, zero, d));
-    put(axis.exitAt + lane, hn::IfThenElse(parallel, hn::Sub(at, cell), ahead));
+    put(axis.first + lane, hn::IfThenElse(moves, hn::Sub(crossing, begin), Constant(kNever)));
+    put(axis.delta + lane, hn::IfThenElseZero(moves, hn::Abs(inverse)));
+    put(axis.velocity + lane, hn::IfThenElseZero(moves, d));
+    put(axis.exitAt + lane, hn::IfThenElse(moves, ahead, hn::Sub(at, cell)));
     const VD step = hn::IfThenElse(forwards, one, Constant(-1));
     hn::Store(hn::DemoteTo(di, cell), di, axis.cell + lane);
-    hn::Store(hn::DemoteTo(di, hn::IfThenElse(parallel, zero, step)), di, axis.step + lane);
+    hn::Store(hn::DemoteTo(di, hn::IfThenElseZero(moves, step)), di, axis.step + lane);
   }
 
   static HWY_INLINE void put(float* to, VD value) { hn::Store(hn::DemoteTo(df, value), df, to); }
@@ -131,13 +134,14 @@ bool Enter(const FogRays& rays, const Place& place, FogLanes& lanes) {
     const auto there = hn::Lt(begin, end);
     any = any || !hn::AllFalse(dd, there);
     begin = hn::IfThenElseZero(there, begin);
-    x.store(lanes.x, lane, fromX, toX, begin);
-    y.store(lanes.y, lane, fromY, toY, begin);
+    x.store(lanes.x, lane, fromX, toX, begin, there);
+    y.store(lanes.y, lane, fromY, toY, begin, there);
     EnterAxis::put(lanes.length + lane, hn::IfThenElseZero(there, hn::Sub(end, begin)));
     const VD height = MulThenAdd(z.d, begin, z.o);
-    EnterAxis::put(lanes.zoneBegin + lane,
-                   MulThenAdd(height, Constant(place.zoneSlope), Constant(place.zoneBegin)));
-    EnterAxis::put(lanes.zoneSlope + lane, hn::Mul(z.d, Constant(place.zoneSlope)));
+    const VD zone = MulThenAdd(height, Constant(place.zoneSlope), Constant(place.zoneBegin));
+    EnterAxis::put(lanes.zoneBegin + lane, hn::IfThenElseZero(there, zone));
+    EnterAxis::put(lanes.zoneSlope + lane,
+                   hn::IfThenElseZero(there, hn::Mul(z.d, Constant(place.zoneSlope))));
   }
   return any;
 }
