@@ -199,6 +199,7 @@ class Walk {
     x_.load(lanes.x, lane);
     y_.load(lanes.y, lane);
     s_ = sum_ = hn::Zero(df);
+    opaque_ = Constant(17);
     end_ = hn::Load(df, lanes.length + lane);
     zoneBegin_ = hn::Load(df, lanes.zoneBegin + lane);
     zoneSlope_ = hn::Load(df, lanes.zoneSlope + lane);
@@ -224,14 +225,32 @@ class Walk {
     }
   }
 
+  /// The sum is wanted however large.
+  HWY_INLINE void goOn() { opaque_ = Constant(3e38F); }
+
+  /// From cell to cell up to s = limit or the end.
+  HWY_INLINE void runTo(VF limit) {
+    const VF stop = hn::Max(s_, hn::Min(limit, end_));
+    cross(hn::Lt(s_, stop), stop);
+  }
+
+  HWY_INLINE VF sum() const { return sum_; }
+
+  /// The density where the walk stands; 0 outside of what is not empty.
+  HWY_INLINE VF density(VF s) {
+    const VI index = hn::Add(hn::Mul(y_.cellNow(), hn::Set(di, level_.stride)),
+                             hn::Add(x_.cellNow(), hn::Set(di, level_.base)));
+    Along<kDegree> along;
+    const VF zero = hn::Zero(df);
+    alongCell(values_, index, level_.stride, x_.place(s_), y_.place(s_), zero, zero, along);
+    return hn::IfThenElseZero(hn::And(hn::Ge(s, zero), hn::Lt(s, end_)), along.m[0]);
+  }
+
   HWY_INLINE void store(float* sum) const {
     hn::Store(kKind == ZoneKind::kConstant ? hn::Mul(sum_, zoneBegin_) : sum_, df, sum);
   }
 
  private:
-  /// Optical depth beyond which no light is left to tell.
-  static constexpr float kOpaque = 17;
-
   /// Takes the lanes of `active` to `limit`; the others have none to go.
   HWY_INLINE void cross(Mask active, VF limit) {
     VI index = hn::Add(hn::Mul(y_.cellNow(), hn::Set(di, level_.stride)),
@@ -250,7 +269,7 @@ class Walk {
       index = hn::Add(index, hn::Add(hn::IfThenElseZero(ForInts(passX), x_.step),
                                      hn::IfThenElseZero(ForInts(passY), strideY)));
       s_ = to;
-      const Mask opaque = hn::Gt(sum_, Constant(kOpaque));
+      const Mask opaque = hn::Gt(sum_, opaque_);
       end_ = hn::IfThenElse(opaque, s_, end_);
       limit = hn::IfThenElse(opaque, s_, limit);
       active = hn::Lt(s_, limit);
@@ -326,6 +345,7 @@ class Walk {
   const std::int32_t* skips_;
   WalkAxis x_, y_;
   VF s_, end_, sum_, zoneBegin_, zoneSlope_, longest_;
+  VF opaque_;  ///< optical depth beyond which no light is left to tell
   VF toLeave_[2];  ///< planes to pass to leave the square by this axis
   VF leaves_[2];   ///< s at which that happens
   VF blockEnd_;    ///< s at which the ray leaves the square, or ends in it

@@ -136,6 +136,7 @@ bool Enter(const FogRays& rays, const Place& place, FogLanes& lanes) {
     begin = hn::IfThenElseZero(there, begin);
     x.store(lanes.x, lane, fromX, toX, begin, there);
     y.store(lanes.y, lane, fromY, toY, begin, there);
+    EnterAxis::put(lanes.begin + lane, begin);
     EnterAxis::put(lanes.length + lane, hn::IfThenElseZero(there, hn::Sub(end, begin)));
     const VD height = MulThenAdd(z.d, begin, z.o);
     const VD zone = MulThenAdd(height, Constant(place.zoneSlope), Constant(place.zoneBegin));

@@ -47,6 +47,7 @@ struct FogLanes {
   };
 
   Axis x, y;
+  alignas(64) float begin[kFogLanes];  ///< parameter of the segment where the ray enters
   alignas(64) float length[kFogLanes];
   alignas(64) float zoneBegin[kFogLanes];  ///< g at s = 0; exponential: its exponent, negated
   alignas(64) float zoneSlope[kFogLanes];  ///< [1/m], the change of zoneBegin with s
