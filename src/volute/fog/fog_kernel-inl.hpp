@@ -194,12 +194,13 @@ struct WalkAxis {
 template <int kDegree, ZoneKind kKind>
 class Walk {
  public:
-  HWY_INLINE Walk(const FogLevels& levels, const FogLanes& lanes, std::size_t lane)
+  /// Ends where the optical depth has reached `opaque`.
+  HWY_INLINE Walk(const FogLevels& levels, const FogLanes& lanes, std::size_t lane, float opaque)
       : level_(lanes.level), values_(levels.values().data()), skips_(levels.skips().data()) {
     x_.load(lanes.x, lane);
     y_.load(lanes.y, lane);
     s_ = sum_ = hn::Zero(df);
-    opaque_ = Constant(17);
+    opaque_ = Constant(opaque);
     end_ = hn::Load(df, lanes.length + lane);
     zoneBegin_ = hn::Load(df, lanes.zoneBegin + lane);
     zoneSlope_ = hn::Load(df, lanes.zoneSlope + lane);
@@ -224,9 +225,6 @@ class Walk {
         cross(stored, hn::IfThenElse(stored, blockEnd_, s_));
     }
   }
-
-  /// The sum is wanted however large.
-  HWY_INLINE void goOn() { opaque_ = Constant(3e38F); }
 
   /// From cell to cell up to s = limit or the end.
   HWY_INLINE void runTo(VF limit) {
@@ -345,7 +343,7 @@ class Walk {
   const std::int32_t* skips_;
   WalkAxis x_, y_;
   VF s_, end_, sum_, zoneBegin_, zoneSlope_, longest_;
-  VF opaque_;  ///< optical depth beyond which no light is left to tell
+  VF opaque_;      ///< optical depth beyond which no light is left to tell
   VF toLeave_[2];  ///< planes to pass to leave the square by this axis
   VF leaves_[2];   ///< s at which that happens
   VF blockEnd_;    ///< s at which the ray leaves the square, or ends in it

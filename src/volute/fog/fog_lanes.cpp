@@ -161,24 +161,20 @@ HWY_EXPORT(Enter);
 
 constexpr double kFar = 1e300;  // stands for infinite distances
 
-/// Where a level begins and ends. Distances are a share of |OP| with mu, metres otherwise. False
-/// when that is nowhere on rays that begin at the eye.
-bool setDistances(const FogMedium& fog, int level, Place& place) {
+/// Where a level begins and ends. Distances are a share of |OP| with mu, metres otherwise.
+void setDistances(const FogDetail& detail, const LevelEnds& ends, int level, Place& place) {
   place.fromMetres = -kFar, place.toMetres = kFar;
-  const FogDetail& detail = fog.options().detail;
   if (detail.finestOnly())
-    return true;
-  const FogDetail::Ends ends = detail.ends(fog.levels().count() - 1, fog.cell(), 1);
+    return;
   const bool metres = detail.cellAngle > 0;
   if (level > 0) {
-    place.fromMetres = metres ? ends[level - 1] : 0;
-    place.fromDistance = metres ? 0 : ends[level - 1];
+    place.fromMetres = metres ? ends.ends[level - 1] : 0;
+    place.fromDistance = metres ? 0 : ends.ends[level - 1];
   }
-  if (std::isfinite(ends[level])) {
-    place.toMetres = metres ? ends[level] : 0;
-    place.toDistance = metres ? 0 : ends[level];
+  if (std::isfinite(ends.ends[level])) {
+    place.toMetres = metres ? ends.ends[level] : 0;
+    place.toDistance = metres ? 0 : ends.ends[level];
   }
-  return ends[level] > (level > 0 ? ends[level - 1] : 0);
 }
 
 }  // namespace
@@ -188,6 +184,10 @@ ZoneKind kindOf(const FogProfile::Zone& zone) {
          : zone.decay != 0 ? ZoneKind::kExponential
                            : ZoneKind::kConstant;
 }
+
+LevelEnds::LevelEnds(const FogMedium& fog)
+    : ends(fog.options().detail.ends(fog.levels().count() - 1, fog.cell(), 1)),
+      count(fog.options().detail.finestOnly() ? 1 : fog.levels().count()) {}
 
 void FogRays::set(const FogMedium& fog, std::span<const Segment> segments) {
   const Vec3 corner = fog.domainCorner();
@@ -220,7 +220,10 @@ void FogRays::set(const FogMedium& fog, std::span<const Segment> segments) {
 }
 
 bool FogLanes::set(const FogMedium& fog, const FogRays& rays, const FogProfile::Zone& zone,
-                   int levelIndex) {
+                   int levelIndex, const LevelEnds& ends) {
+  const bool somewhere = ends.ends[levelIndex] > (levelIndex > 0 ? ends.ends[levelIndex - 1] : 0);
+  if (!somewhere && !(rays.behind && levelIndex == 0))
+    return false;
   level = fog.levels().level(levelIndex);
   const CellRect& rect = level.occupied;
   if (rect.empty())
@@ -231,8 +234,7 @@ bool FogLanes::set(const FogMedium& fog, const FogRays& rays, const FogProfile::
   place.to[0] = rect.x1, place.to[1] = rect.y1;
   place.bottom = zone.bottom, place.top = zone.top;
   place.topBelongs = &zone == &fog.profile().zones().back();
-  if (!setDistances(fog, levelIndex, place) && !(rays.behind && levelIndex == 0))
-    return false;
+  setDistances(fog.options().detail, ends, levelIndex, place);
   place.zoneSlope = zone.decay != 0 ? zone.decay : zone.slope;
   place.zoneBegin = (zone.decay != 0 ? 0 : zone.value) - place.zoneSlope * zone.reference;
   return HWY_DYNAMIC_DISPATCH(Enter)(rays, place, *this);

@@ -34,6 +34,14 @@ struct FogRays {
   void set(const FogMedium& fog, std::span<const Segment> segments);
 };
 
+/// Where the levels of a fog end along its rays: FogDetail::ends() for |OP| = 1.
+struct LevelEnds {
+  FogDetail::Ends ends;
+  int count = 1;  ///< levels that are looked at
+
+  explicit LevelEnds(const FogMedium& fog);
+};
+
 /// The parts of a batch in one zone and one level, as the walk wants them: s counts from where each
 /// ray enters, in metres. A ray that misses what is not empty has no length.
 struct FogLanes {
@@ -54,7 +62,8 @@ struct FogLanes {
   FogLevels::Level level;
 
   /// False when no ray is in this zone and level.
-  bool set(const FogMedium& fog, const FogRays& rays, const FogProfile::Zone& zone, int level);
+  bool set(const FogMedium& fog, const FogRays& rays, const FogProfile::Zone& zone, int level,
+           const LevelEnds& ends);
 };
 
 }  // namespace volute

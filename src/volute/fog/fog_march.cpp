@@ -32,9 +32,9 @@ namespace {
 
 template <int kDegree, ZoneKind kKind>
 void MarchLanes(const FogLevels& levels, const FogLanes& lanes, std::size_t count, bool skip,
-                float* sums) {
+                float opaque, float* sums) {
   for (std::size_t lane = 0; lane < count; lane += hn::Lanes(df)) {
-    Walk<kDegree, kKind> walk(levels, lanes, lane);
+    Walk<kDegree, kKind> walk(levels, lanes, lane, opaque);
     if (skip) {
       walk.runOverEmpty();
     } else {
@@ -46,28 +46,28 @@ void MarchLanes(const FogLevels& levels, const FogLanes& lanes, std::size_t coun
 
 template <int kDegree>
 void MarchDegree(const FogLevels& levels, const FogLanes& lanes, std::size_t count, bool skip,
-                 ZoneKind kind, float* sums) {
+                 ZoneKind kind, float opaque, float* sums) {
   switch (kind) {
     case ZoneKind::kConstant:
-      return MarchLanes<kDegree, ZoneKind::kConstant>(levels, lanes, count, skip, sums);
+      return MarchLanes<kDegree, ZoneKind::kConstant>(levels, lanes, count, skip, opaque, sums);
     case ZoneKind::kLinear:
-      return MarchLanes<kDegree, ZoneKind::kLinear>(levels, lanes, count, skip, sums);
+      return MarchLanes<kDegree, ZoneKind::kLinear>(levels, lanes, count, skip, opaque, sums);
     case ZoneKind::kExponential:
-      return MarchLanes<kDegree, ZoneKind::kExponential>(levels, lanes, count, skip, sums);
+      return MarchLanes<kDegree, ZoneKind::kExponential>(levels, lanes, count, skip, opaque, sums);
   }
 }
 
 void March(const FogLevels& levels, const FogLanes& lanes, std::size_t count, bool skip,
-           ZoneKind kind, float* sums) {
+           ZoneKind kind, float opaque, float* sums) {
   switch (levels.degree()) {
     case 0:
-      return MarchDegree<0>(levels, lanes, count, skip, kind, sums);
+      return MarchDegree<0>(levels, lanes, count, skip, kind, opaque, sums);
     case 1:
-      return MarchDegree<1>(levels, lanes, count, skip, kind, sums);
+      return MarchDegree<1>(levels, lanes, count, skip, kind, opaque, sums);
     case 2:
-      return MarchDegree<2>(levels, lanes, count, skip, kind, sums);
+      return MarchDegree<2>(levels, lanes, count, skip, kind, opaque, sums);
     default:
-      return MarchDegree<3>(levels, lanes, count, skip, kind, sums);
+      return MarchDegree<3>(levels, lanes, count, skip, kind, opaque, sums);
   }
 }
 
@@ -87,23 +87,23 @@ constexpr double kSkipFrom = 0.3;  // share of empty blocks from which on lookin
 
 }  // namespace
 
-void marchDepths(const FogMedium& fog, std::span<const Segment> segments,
-                 std::span<double> depths) {
+void marchDepths(const FogMedium& fog, std::span<const Segment> segments, std::span<double> depths,
+                 float opaque) {
   FogRays rays;
   FogLanes lanes;
   alignas(64) float sums[kFogLanes];
-  const int levels = fog.options().detail.finestOnly() ? 1 : fog.levels().count();
+  const LevelEnds ends(fog);
   for (std::size_t begin = 0; begin < segments.size(); begin += kFogLanes) {
     const std::size_t count = std::min(kFogLanes, segments.size() - begin);
     const auto out = depths.subspan(begin, count);
     rays.set(fog, segments.subspan(begin, count));
     std::ranges::fill(out, 0.0);
     for (const FogProfile::Zone& zone : fog.profile().zones()) {
-      for (int level = 0; level < levels; ++level) {
-        if (!lanes.set(fog, rays, zone, level))
+      for (int level = 0; level < ends.count; ++level) {
+        if (!lanes.set(fog, rays, zone, level, ends))
           continue;
         const bool skip = lanes.level.emptyShare > kSkipFrom;
-        HWY_DYNAMIC_DISPATCH(March)(fog.levels(), lanes, count, skip, kindOf(zone), sums);
+        HWY_DYNAMIC_DISPATCH(March)(fog.levels(), lanes, count, skip, kindOf(zone), opaque, sums);
         for (std::size_t lane = 0; lane < count; ++lane) out[lane] += sums[lane];
       }
     }

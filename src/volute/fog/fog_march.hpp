@@ -13,8 +13,12 @@ namespace volute {
 
 class FogMedium;
 
+/// Beyond this optical depth no light is left to tell.
+constexpr float kOpaqueDepth = 17;
+
 /// The optical depth of each segment, in float: transmittances within 2e-6 of the reference. A ray
-/// that has lost all but 1e-7 of its light ends there. The fog has no top, and its levels fit.
-void marchDepths(const FogMedium& fog, std::span<const Segment> segments, std::span<double> depths);
+/// ends where its depth has reached `opaque`. The fog has no top, and its levels fit.
+void marchDepths(const FogMedium& fog, std::span<const Segment> segments, std::span<double> depths,
+                 float opaque = kOpaqueDepth);
 
 }  // namespace volute

@@ -338,6 +338,18 @@ FogMedium FogMedium::shifted(const Vec3& by) const {
   return fog;
 }
 
+FogMedium FogMedium::finest() const {
+  FogMedium fog = *this;
+  fog.options_.detail = {};
+  return fog;
+}
+
+FogMedium FogMedium::withProfile(const FogProfile& profile) const {
+  FogMedium fog = *this;
+  fog.profile_ = profile;
+  return fog;
+}
+
 FogMedium FogMedium::withLevels(std::shared_ptr<const FogLevels> levels) const {
   FogMedium fog = *this;
   fog.levels_ = std::move(levels);

@@ -69,6 +69,12 @@ class FogMedium {
   /// The same fog elsewhere, as wind would move it [m].
   FogMedium shifted(const Vec3& by) const;
 
+  /// The same without dropping details.
+  FogMedium finest() const;
+
+  /// The same map under another profile.
+  FogMedium withProfile(const FogProfile& profile) const;
+
   /// The same with other levels of the same map size, as a sequence of maps has.
   FogMedium withLevels(std::shared_ptr<const FogLevels> levels) const;
 

@@ -55,6 +55,8 @@ struct PolarLook {
 
 namespace {
 
+constexpr float kEndless = 3e38F;  // the table wants the sums however large
+
 /// The radii of a table that is being built.
 struct PolarRadii {
   double from = 0, step = 1;
@@ -82,10 +84,8 @@ void BuildRows(const FogLevels& levels, FogLanes& lanes, std::size_t count, cons
     // g = r makes the first moment of the linear zone's walk.
     hn::Store(begin, df, lanes.zoneBegin + lane);
     hn::Store(Constant(1), df, lanes.zoneSlope + lane);
-    Walk<kDegree, ZoneKind::kConstant> plain(levels, lanes, lane);
-    Walk<kDegree, ZoneKind::kLinear> moment(levels, lanes, lane);
-    plain.goOn();
-    moment.goOn();
+    Walk<kDegree, ZoneKind::kConstant> plain(levels, lanes, lane, kEndless);
+    Walk<kDegree, ZoneKind::kLinear> moment(levels, lanes, lane, kEndless);
     for (int j = 0; j < radii.count; ++j) {
       const VF r = Constant(static_cast<float>(radii.from + j * radii.step));
       const VF s = hn::Sub(r, begin);
@@ -321,7 +321,7 @@ Result<PolarTable> PolarTable::make(const FogMedium& fog, const Vec3& eye,
   PolarTable table(fog);
   table.eye_ = eye;
   const int cells = std::max(fog.levels().columns(), fog.levels().rows());
-  const int automatic = cells <= 96 ? 256 : std::max(512, cells);
+  const int automatic = cells <= 96 ? 256 : std::max(384, cells * 3 / 4);
   table.azimuths_ = options.azimuths > 0 ? options.azimuths : 2 * automatic;
   table.radii_ = options.radii > 0 ? options.radii : automatic;
   table.sectors_ = options.sector ? 1 : 4;
@@ -352,7 +352,7 @@ Result<PolarTable> PolarTable::make(const FogMedium& fog, const Vec3& eye,
       }
       rays.set(fog, segments);
       std::ranges::fill(rays.origin[2], 0.0);  // the map alone, whatever the eye's height
-      if (lanes.set(fog, rays, everywhere.zones().front(), 0)) {
+      if (lanes.set(fog, rays, everywhere.zones().front(), 0, LevelEnds(fog))) {
         HWY_DYNAMIC_DISPATCH(Build)
         (fog.levels(), lanes, segments.size(), radii, entries->data() + row * rowSize);
       }

@@ -87,7 +87,7 @@ void uniformStepDepths(const FogMedium& fog, int steps, std::span<const Segment>
     const auto out = depths.subspan(begin, count);
     rays.set(fog, segments.subspan(begin, count));
     std::ranges::fill(out, 0.0);
-    if (!lanes.set(fog, rays, fog.profile().zones().front(), 0))
+    if (!lanes.set(fog, rays, fog.profile().zones().front(), 0, LevelEnds(fog)))
       continue;
     HWY_DYNAMIC_DISPATCH(UniformSteps)(fog.levels(), lanes, count, steps, sums);
     for (std::size_t lane = 0; lane < count; ++lane) out[lane] = sums[lane];

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fog/sun_shadow.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "volute/base/parallel.hpp"
+#include "volute/fog/fog_march.hpp"
+
+namespace volute {
+namespace {
+
+constexpr double kLowest = 1e-3;  // sine of the sun's height
+
+}  // namespace
+
+double SunShadow::Map::at(double x, double y) const {
+  x = std::clamp(x, 0.0, columns - 1.0);
+  y = std::clamp(y, 0.0, rows - 1.0);
+  const int i = std::min(static_cast<int>(x), columns - 2);
+  const int j = std::min(static_cast<int>(y), rows - 2);
+  const double u = x - i, v = y - j;
+  const float* corner = &values[static_cast<std::size_t>(j) * columns + i];
+  return (1 - v) * ((1 - u) * corner[0] + u * corner[1]) +
+         v * ((1 - u) * corner[columns] + u * corner[columns + 1]);
+}
+
+SunShadow::Map SunShadow::sampled(const FogProfile& profile, double factor) const {
+  const FogMedium fog = fog_.withProfile(profile);
+  const CellRect cells = fog_.levels().mapCells();
+  const int perCell = static_cast<int>(std::lround(fog_.cell() / step_));
+  Map map;
+  map.columns = (cells.x1 - cells.x0) * perCell + 1;
+  map.rows = (cells.y1 - cells.y0) * perCell + 1;
+  map.values.resize(static_cast<std::size_t>(map.columns) * map.rows);
+  parallelRanges(map.rows, 1, [&](std::size_t begin, std::size_t end) {
+    std::vector<Segment> segments(map.columns);
+    std::vector<double> depths(map.columns);
+    for (std::size_t j = begin; j < end; ++j) {
+      for (int i = 0; i < map.columns; ++i) {
+        const Vec3 from(x0_ + i * step_, y0_ + static_cast<double>(j) * step_,
+                        fog_.domainCorner().z());
+        segments[i] = {from, sun_, 0, std::numeric_limits<double>::infinity()};
+      }
+      marchDepths(fog, segments, depths, std::numeric_limits<float>::max());
+      for (int i = 0; i < map.columns; ++i)
+        map.values[j * map.columns + i] = static_cast<float>(factor * depths[i]);
+    }
+  });
+  return map;
+}
+
+Result<SunShadow> SunShadow::make(const FogMedium& fog, const Vec3& towardsSun, int samples) {
+  const Vec3 sun = towardsSun.normalized();
+  if (!sun.allFinite() || !(sun.z() >= kLowest)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "the sun over the fog is towards ({}, {}, {}), but must stand above the horizon",
+                towardsSun.x(), towardsSun.y(), towardsSun.z());
+  }
+  if (samples < 1 || samples > 8)
+    return fail(ErrorCode::kInvalidArgument, "a sun's shadow has 1 to 8 samples a cell, not {}",
+                samples);
+  if (fog.hasTop() || !fog.levels().fits())
+    return fail(ErrorCode::kUnsupported, "fog with a top cannot shadow itself");
+  const FogMedium finest = fog.finest();
+  SunShadow shadow(finest);
+  shadow.sun_ = sun;
+  shadow.step_ = fog.cell() / samples;
+  const CellRect cells = fog.levels().mapCells();
+  shadow.x0_ = fog.domainCorner().x() + cells.x0 * fog.cell();
+  shadow.y0_ = fog.domainCorner().y() + cells.y0 * fog.cell();
+  shadow.i0_ = std::make_shared<const Map>(shadow.sampled({}, 1));
+  for (const auto& zone : fog.profile().zones()) {
+    if (zone.slope != 0 && !shadow.i1_) {
+      // g = z / highest, and z = s_z t.
+      const double highest = FogProfile::kFarthest;
+      const FogProfile::Knot knots[] = {{0, 0}, {highest, 1}};
+      shadow.i1_ = std::make_shared<const Map>(
+          shadow.sampled(*FogProfile::linear(knots), highest / sun.z()));
+    }
+    if (zone.decay != 0 && !shadow.s_) {
+      shadow.decay_ = zone.decay;
+      shadow.s_ = std::make_shared<const Map>(
+          shadow.sampled(*FogProfile::exponential(0, 1 / zone.decay), 1));
+    }
+  }
+  return shadow;
+}
+
+SunShadow::Moments SunShadow::momentsAt(double x, double y) const {
+  // A place before the fog: as from where the ray enters, t_in later.
+  double x1 = x0_ + (i0_->columns - 1) * step_, y1 = y0_ + (i0_->rows - 1) * step_;
+  Box3 box{Vec3(x0_, y0_, -1), Vec3(x1, y1, 1)};
+  const Vec3 flat(sun_.x(), sun_.y(), 0);
+  double in = 0;
+  if (!box.contains(Vec3(x, y, 0))) {
+    const Interval inside = box.intersect(Vec3(x, y, 0), flat);
+    if (inside.empty() || !(inside.end > 0))
+      return {};
+    in = std::max(0.0, inside.begin);
+  }
+  const double u = (x + in * sun_.x() - x0_) / step_, v = (y + in * sun_.y() - y0_) / step_;
+  Moments out;
+  out.i0 = i0_->at(u, v);
+  out.i1 = i1_ ? i1_->at(u, v) + in * out.i0 : 0;
+  out.s = s_ ? s_->at(u, v) * std::exp(-decay_ * sun_.z() * in) : 0;
+  return out;
+}
+
+double SunShadow::opticalDepth(const Vec3& point) const {
+  const double height = point.z() - fog_.domainCorner().z();
+  const auto at = [&](double t) {
+    return momentsAt(point.x() + t * sun_.x(), point.y() + t * sun_.y());
+  };
+  double depth = 0;
+  for (const auto& zone : fog_.profile().zones()) {
+    const double begin = std::max(0.0, (zone.bottom - height) / sun_.z());
+    const double end = (zone.top - height) / sun_.z();
+    if (!(begin < end))
+      continue;
+    const Moments from = at(begin);
+    if (zone.decay != 0) {
+      depth += zone(height + begin * sun_.z()) * from.s;
+      continue;
+    }
+    const Moments to = at(end);
+    depth += zone(height) * (from.i0 - to.i0);
+    if (zone.slope != 0) {
+      depth += zone.slope * sun_.z() * (from.i1 + begin * from.i0 - (to.i1 + end * to.i0));
+    }
+  }
+  return std::max(0.0, depth);
+}
+
+}  // namespace volute

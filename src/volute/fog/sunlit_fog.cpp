@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fog/sunlit_fog.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "volute/math/quadrature.hpp"
+#include "volute/medium/integrate.hpp"
+
+namespace volute {
+namespace {
+
+constexpr double kLightTolerance = 1e-4;
+constexpr int kMostCuts = 5;
+constexpr double kLightLost = 1e-7;
+
+/// curve * (a + b s + c s^2).
+Polynomial timesParabola(const Polynomial& curve, double a, double b, double c) {
+  Polynomial out = curve.timesLine(a, b);
+  if (c != 0)
+    out += curve.timesLine(0, 1).timesLine(0, c);
+  return out;
+}
+
+}  // namespace
+
+double henyeyGreenstein(double asymmetry, double cosine) {
+  const double g = asymmetry;
+  return (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g - 2 * g * cosine, 1.5));
+}
+
+Result<SunlitFog> SunlitFog::make(const FogMedium& fog, std::span<const FogSun> suns,
+                                  const SunScattering& scattering) {
+  if (!(std::abs(scattering.asymmetry) < 1)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "the asymmetry of fog is {}, but must be between -1 and 1", scattering.asymmetry);
+  }
+  if (!(scattering.albedo >= 0).all() || !(scattering.albedo <= 1).all())
+    return fail(ErrorCode::kInvalidArgument, "the albedo of fog must be from 0 to 1");
+  SunlitFog lit(fog);
+  lit.scattering_ = scattering;
+  for (const FogSun& sun : suns) {
+    if (!(sun.irradiance >= 0).all() || !sun.irradiance.isFinite().all())
+      return fail(ErrorCode::kInvalidArgument,
+                  "a sun's irradiance must be finite and not negative");
+    VOLUTE_ASSIGN(SunShadow shadow, SunShadow::make(fog, sun.towards, scattering.samples));
+    lit.suns_.push_back(sun);
+    lit.shadows_.push_back(std::move(shadow));
+  }
+  return lit;
+}
+
+std::vector<double> SunlitFog::phasesTowards(const Vec3& direction) const {
+  std::vector<double> phases;
+  // Light travels from the sun, and on against the ray.
+  for (const SunShadow& shadow : shadows_)
+    phases.push_back(henyeyGreenstein(scattering_.asymmetry, shadow.towardsSun().dot(direction)));
+  return phases;
+}
+
+Rgb SunlitFog::source(const Vec3& point, std::span<const double> phases) const {
+  Rgb light = fog_.options().color;
+  for (std::size_t i = 0; i < suns_.size(); ++i) {
+    const double seen = scattering_.visibility ? scattering_.visibility(point, i) : 1;
+    if (seen > 0)
+      light += scattering_.albedo * suns_[i].irradiance *
+               (seen * phases[i] * std::exp(-shadows_[i].opticalDepth(point)));
+  }
+  return light;
+}
+
+Rgb SunlitFog::emission(const Vec3& point) const {
+  const std::vector<double> phases(suns_.size(), 1 / (4 * std::numbers::pi));
+  return extinction(point) * source(point, phases);
+}
+
+void SunlitFog::cut(const Segment& segment, const Piece& piece, std::span<const double> phases,
+                    int level, std::vector<Piece>& out) const {
+  const double length = piece.end - piece.begin;
+  const auto at = [&](double share) {
+    return source(segment.at(piece.begin + share * length), phases);
+  };
+  const int room = Polynomial::kTerms - piece.extinction.terms();  // degrees that may be added
+  const Rgb first = at(0), middle = at(0.5), last = at(1);
+  // The light as a + b x + c x^2 with x from 0 to 1.
+  const Rgb c = room >= 2 ? Rgb(2 * (first + last - 2 * middle)) : Rgb::Zero();
+  const Rgb a = room >= 1 ? first : middle;
+  const Rgb b = room >= 1 ? Rgb(last - first - c) : Rgb::Zero();
+  double error = 0;
+  for (double x : {0.25, 0.75}) {
+    const Rgb there = at(x);
+    error = std::max(error, ((a + b * x + c * x * x - there).abs()).maxCoeff() -
+                                kLightTolerance * there.maxCoeff());
+  }
+  if (error > 0 && level < kMostCuts && std::isfinite(length)) {
+    const double half = piece.begin + 0.5 * length;
+    cut(segment, clipped(piece, piece.begin, half), phases, level + 1, out);
+    cut(segment, clipped(piece, half, piece.end), phases, level + 1, out);
+    return;
+  }
+  Piece lit = piece;
+  for (int k = 0; k < 3; ++k) {
+    lit.emission[k] =
+        timesParabola(piece.extinction, a[k], b[k] / length, c[k] / (length * length));
+  }
+  out.push_back(lit);
+}
+
+void SunlitFog::pieces(std::span<const Segment> segments,
+                       std::span<std::vector<Piece>> pieces) const {
+  std::vector<Piece> plain;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    pieces[i].clear();
+    fog_.pieces(segments.subspan(i, 1), {&plain, 1});
+    const std::vector<double> phases = phasesTowards(segments[i].direction);
+    for (const Piece& piece : plain) cut(segments[i], piece, phases, 0, pieces[i]);
+  }
+}
+
+void SunlitFog::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
+  const GaussRule rule = gaussRule(3);
+  std::vector<Piece> plain;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const Segment& segment = segments[i];
+    out[i] = Radiance{};
+    fog_.pieces(segments.subspan(i, 1), {&plain, 1});
+    const std::vector<double> phases = phasesTowards(segment.direction);
+    for (const Piece& whole : plain) {
+      constexpr double kThin = 0.5;
+      const int parts = std::clamp(static_cast<int>(pieceOpticalDepth(whole) / kThin) + 1, 1, 64);
+      const double length = (whole.end - whole.begin) / parts;
+      for (int part = 0; part < parts && out[i].transmittance > kLightLost; ++part) {
+        const Piece piece = parts == 1 ? whole
+                                       : clipped(whole, whole.begin + part * length,
+                                                 whole.begin + (part + 1) * length);
+        for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
+          const double u = 0.5 * length * (1 + rule.nodes[k]);
+          const double before = decayingIntegral(piece.extinction, piece.decay, u);
+          const double here = piece.extinction(u) * std::exp(-piece.decay * u - before);
+          out[i].emitted += (0.5 * length * rule.weights[k] * out[i].transmittance * here) *
+                            source(segment.at(piece.begin + u), phases);
+        }
+        out[i].transmittance *= std::exp(-pieceOpticalDepth(piece));
+      }
+    }
+  }
+}
+
+}  // namespace volute
