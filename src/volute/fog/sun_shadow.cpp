@@ -8,11 +8,13 @@
 
 #include "volute/base/parallel.hpp"
 #include "volute/fog/fog_march.hpp"
+#include "volute/math/quadrature.hpp"
 
 namespace volute {
 namespace {
 
-constexpr double kLowest = 1e-3;  // sine of the sun's height
+constexpr double kLowest = 1e-3;     // sine of the sun's height
+constexpr double kSteepCells = 3.0;  // over so many cells a zone is integrated by Gauss points
 
 }  // namespace
 
@@ -52,6 +54,24 @@ SunShadow::Map SunShadow::sampled(const FogProfile& profile, double factor) cons
   return map;
 }
 
+SunShadow::Map SunShadow::sampledDensity() const {
+  Map map;
+  map.columns = i0_->columns;
+  map.rows = i0_->rows;
+  map.values.resize(i0_->values.size());
+  const FogMedium fog = fog_.withProfile({});
+  parallelRanges(map.rows, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t j = begin; j < end; ++j) {
+      for (int i = 0; i < map.columns; ++i) {
+        const Vec3 point(x0_ + i * step_, y0_ + static_cast<double>(j) * step_,
+                         fog_.domainCorner().z());
+        map.values[j * map.columns + i] = static_cast<float>(fog.extinction(point));
+      }
+    }
+  });
+  return map;
+}
+
 Result<SunShadow> SunShadow::make(const FogMedium& fog, const Vec3& towardsSun, int samples) {
   const Vec3 sun = towardsSun.normalized();
   if (!sun.allFinite() || !(sun.z() >= kLowest)) {
@@ -72,6 +92,7 @@ Result<SunShadow> SunShadow::make(const FogMedium& fog, const Vec3& towardsSun, 
   shadow.x0_ = fog.domainCorner().x() + cells.x0 * fog.cell();
   shadow.y0_ = fog.domainCorner().y() + cells.y0 * fog.cell();
   shadow.i0_ = std::make_shared<const Map>(shadow.sampled({}, 1));
+  shadow.rho_ = std::make_shared<const Map>(shadow.sampledDensity());
   for (const auto& zone : fog.profile().zones()) {
     if (zone.slope != 0 && !shadow.i1_) {
       // g = z / highest, and z = s_z t.
@@ -109,28 +130,41 @@ SunShadow::Moments SunShadow::momentsAt(double x, double y) const {
   return out;
 }
 
-double SunShadow::opticalDepth(const Vec3& point) const {
+double SunShadow::zoneDepth(const FogProfile::Zone& zone, const Vec3& point) const {
   const double height = point.z() - fog_.domainCorner().z();
-  const auto at = [&](double t) {
-    return momentsAt(point.x() + t * sun_.x(), point.y() + t * sun_.y());
-  };
-  double depth = 0;
-  for (const auto& zone : fog_.profile().zones()) {
-    const double begin = std::max(0.0, (zone.bottom - height) / sun_.z());
-    const double end = (zone.top - height) / sun_.z();
-    if (!(begin < end))
-      continue;
-    const Moments from = at(begin);
-    if (zone.decay != 0) {
-      depth += zone(height + begin * sun_.z()) * from.s;
-      continue;
+  const double begin = std::max(0.0, (zone.bottom - height) / sun_.z());
+  const double end = (zone.top - height) / sun_.z();
+  if (!(begin < end))
+    return 0;
+  const auto placeAt = [&](double t) -> Vec3 { return point + t * sun_; };
+  const auto momentsAfter = [&](double t) { return momentsAt(placeAt(t).x(), placeAt(t).y()); };
+  if (zone.decay != 0)
+    return zone(height + begin * sun_.z()) * momentsAfter(begin).s;
+
+  const double cells = (end - begin) * std::hypot(sun_.x(), sun_.y()) / fog_.cell();
+  if (cells < kSteepCells) {
+    double depth = 0;
+    const int parts = static_cast<int>(cells) + 1;
+    for (int k = 0; k < parts; ++k) {
+      const double from = begin + (end - begin) * k / parts;
+      depth += gaussIntegral(3, from, from + (end - begin) / parts, [&](double t) {
+        const double x = (placeAt(t).x() - x0_) / step_, y = (placeAt(t).y() - y0_) / step_;
+        const bool inside = x >= 0 && y >= 0 && x <= rho_->columns - 1 && y <= rho_->rows - 1;
+        return inside ? zone(height + t * sun_.z()) * rho_->at(x, y) : 0.0;
+      });
     }
-    const Moments to = at(end);
-    depth += zone(height) * (from.i0 - to.i0);
-    if (zone.slope != 0) {
-      depth += zone.slope * sun_.z() * (from.i1 + begin * from.i0 - (to.i1 + end * to.i0));
-    }
+    return depth;
   }
+  const Moments from = momentsAfter(begin), to = momentsAfter(end);
+  double depth = zone(height) * (from.i0 - to.i0);
+  if (zone.slope != 0)
+    depth += zone.slope * sun_.z() * (from.i1 + begin * from.i0 - (to.i1 + end * to.i0));
+  return depth;
+}
+
+double SunShadow::opticalDepth(const Vec3& point) const {
+  double depth = 0;
+  for (const auto& zone : fog_.profile().zones()) depth += zoneDepth(zone, point);
   return std::max(0.0, depth);
 }
 

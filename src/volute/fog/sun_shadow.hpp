@@ -13,7 +13,8 @@ namespace volute {
 /// height. With s the unit direction to the sun, s_z > 0, and p a place seen from above:
 ///   I_k(p) = integral over t > 0 of rho(p + s t) t^k,  S(p) = the same of rho exp(-s_z t / H);
 /// constant zones need I_0, linear ones I_0 and I_1, and the depth above a point of an exponential
-/// profile is g(z) S(p).
+/// profile is g(z) S(p). Where the way through a zone is steep, so that it stays over a few cells,
+/// differences of I_k would cancel: there rho itself is integrated by Gauss points.
 ///
 /// The maps are sampled at the corners of cells (or more finely) and interpolated, so that they
 /// blur by O(cell^2); at the samples they are those of the walk. Always of the finest level.
@@ -49,13 +50,15 @@ class SunShadow {
   explicit SunShadow(FogMedium fog) : fog_(std::move(fog)) {}
 
   Map sampled(const FogProfile& profile, double factor) const;
+  Map sampledDensity() const;
   Moments momentsAt(double x, double y) const;
+  double zoneDepth(const FogProfile::Zone& zone, const Vec3& point) const;
 
   FogMedium fog_;
   Vec3 sun_ = Vec3::UnitZ();
   double x0_ = 0, y0_ = 0, step_ = 1;  ///< [m], of the samples
   double decay_ = 0;                   ///< [1/m], of the exponential zone
-  std::shared_ptr<const Map> i0_, i1_, s_;
+  std::shared_ptr<const Map> rho_, i0_, i1_, s_;
 };
 
 }  // namespace volute

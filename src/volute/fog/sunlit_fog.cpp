@@ -13,7 +13,8 @@ namespace volute {
 namespace {
 
 constexpr double kLightTolerance = 1e-4;
-constexpr int kMostCuts = 5;
+constexpr double kFinestCut = 1 / 32.0;  // of a cell
+constexpr double kThin = 0.5;            // optical depth of what three Gauss points take
 constexpr double kLightLost = 1e-7;
 
 /// curve * (a + b s + c s^2).
@@ -77,7 +78,7 @@ Rgb SunlitFog::emission(const Vec3& point) const {
 }
 
 void SunlitFog::cut(const Segment& segment, const Piece& piece, std::span<const double> phases,
-                    int level, std::vector<Piece>& out) const {
+                    std::vector<Piece>& out) const {
   const double length = piece.end - piece.begin;
   const auto at = [&](double share) {
     return source(segment.at(piece.begin + share * length), phases);
@@ -94,10 +95,10 @@ void SunlitFog::cut(const Segment& segment, const Piece& piece, std::span<const 
     error = std::max(error, ((a + b * x + c * x * x - there).abs()).maxCoeff() -
                                 kLightTolerance * there.maxCoeff());
   }
-  if (error > 0 && level < kMostCuts && std::isfinite(length)) {
+  if (error > 0 && length > kFinestCut * fog_.cell()) {
     const double half = piece.begin + 0.5 * length;
-    cut(segment, clipped(piece, piece.begin, half), phases, level + 1, out);
-    cut(segment, clipped(piece, half, piece.end), phases, level + 1, out);
+    cut(segment, clipped(piece, piece.begin, half), phases, out);
+    cut(segment, clipped(piece, half, piece.end), phases, out);
     return;
   }
   Piece lit = piece;
@@ -115,34 +116,41 @@ void SunlitFog::pieces(std::span<const Segment> segments,
     pieces[i].clear();
     fog_.pieces(segments.subspan(i, 1), {&plain, 1});
     const std::vector<double> phases = phasesTowards(segments[i].direction);
-    for (const Piece& piece : plain) cut(segments[i], piece, phases, 0, pieces[i]);
+    for (const Piece& piece : plain) cut(segments[i], piece, phases, pieces[i]);
   }
 }
 
-void SunlitFog::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
+void SunlitFog::add(const Segment& segment, const Piece& piece, std::span<const double> phases,
+                    Radiance& out) const {
   const GaussRule rule = gaussRule(3);
+  const double length = piece.end - piece.begin;
+  for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
+    const double u = 0.5 * length * (1 + rule.nodes[k]);
+    const double before = decayingIntegral(piece.extinction, piece.decay, u);
+    const double here = piece.extinction(u) * std::exp(-piece.decay * u - before);
+    out.emitted += (0.5 * length * rule.weights[k] * out.transmittance * here) *
+                   source(segment.at(piece.begin + u), phases);
+  }
+  out.transmittance *= std::exp(-pieceOpticalDepth(piece));
+}
+
+void SunlitFog::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
   std::vector<Piece> plain;
   for (std::size_t i = 0; i < segments.size(); ++i) {
-    const Segment& segment = segments[i];
     out[i] = Radiance{};
     fog_.pieces(segments.subspan(i, 1), {&plain, 1});
-    const std::vector<double> phases = phasesTowards(segment.direction);
+    const std::vector<double> phases = phasesTowards(segments[i].direction);
     for (const Piece& whole : plain) {
-      constexpr double kThin = 0.5;
-      const int parts = std::clamp(static_cast<int>(pieceOpticalDepth(whole) / kThin) + 1, 1, 64);
-      const double length = (whole.end - whole.begin) / parts;
-      for (int part = 0; part < parts && out[i].transmittance > kLightLost; ++part) {
-        const Piece piece = parts == 1 ? whole
-                                       : clipped(whole, whole.begin + part * length,
-                                                 whole.begin + (part + 1) * length);
-        for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
-          const double u = 0.5 * length * (1 + rule.nodes[k]);
-          const double before = decayingIntegral(piece.extinction, piece.decay, u);
-          const double here = piece.extinction(u) * std::exp(-piece.decay * u - before);
-          out[i].emitted += (0.5 * length * rule.weights[k] * out[i].transmittance * here) *
-                            source(segment.at(piece.begin + u), phases);
+      double begin = whole.begin, length = whole.end - whole.begin;
+      while (begin < whole.end && out[i].transmittance > kLightLost) {
+        Piece part = clipped(whole, begin, std::min(begin + length, whole.end));
+        while (pieceOpticalDepth(part) > kThin) {
+          length *= 0.5;
+          part = clipped(whole, begin, begin + length);
         }
-        out[i].transmittance *= std::exp(-pieceOpticalDepth(piece));
+        add(segments[i], part, phases, out[i]);
+        begin = part.end;
+        length *= 2;
       }
     }
   }

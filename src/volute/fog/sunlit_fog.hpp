@@ -52,8 +52,8 @@ class SunlitFog {
   }
 
   /// Those of the fog, cut until a parabola through the light at begin, middle and end of each is
-  /// within 1e-4 of it (relative to the brightest) halfway between, or five times. For degree 3 a
-  /// line, or with a linear profile a constant, stands for the parabola.
+  /// within 1e-4 of it (relative to the brightest) halfway between, or they are a 32nd of a cell
+  /// long. For degree 3 a line, or with a linear profile a constant, stands for the parabola.
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
   /// Three Gauss points in each cell, and more where it is dense; in double.
@@ -70,8 +70,11 @@ class SunlitFog {
   /// What a unit of extinction sends along `direction`.
   Rgb source(const Vec3& point, std::span<const double> phases) const;
   std::vector<double> phasesTowards(const Vec3& direction) const;
-  void cut(const Segment& segment, const Piece& piece, std::span<const double> phases, int level,
+  void cut(const Segment& segment, const Piece& piece, std::span<const double> phases,
            std::vector<Piece>& out) const;
+  /// One thin piece, by three Gauss points.
+  void add(const Segment& segment, const Piece& piece, std::span<const double> phases,
+           Radiance& out) const;
 
   FogMedium fog_;
   std::vector<FogSun> suns_;
