@@ -9,6 +9,7 @@ namespace volute::cli {
 std::span<const Benchmark> benchmarks() {
   static const std::vector<Benchmark> table = {
       {"codec", "compressing and reading at relative RMS 3e-3", benchCodec},
+      {"fog", "painted fog over a valley: exact walk, polar table, details, one thread", benchFog},
       {"render", "pictures of 512 x 512 straight from the tree, against the reference",
        benchRender},
 #ifdef VOLUTE_BENCH

@@ -51,7 +51,8 @@ SplineGrid analysedBoth(const SplineGrid& fine, const std::vector<double>& x, in
 
 /// Where the splines and wavelets of the coarser level are at u in cell `cell` of the finer one.
 struct CoarseWeights {
-  int firstSpline, firstWavelet;
+  int firstSpline, firstWavelet;  ///< of those that touch the cell
+  int splines, wavelets;          ///< how many do
   std::array<double, 4> spline{};
   std::array<double, 8> wavelet{};
 
@@ -62,6 +63,8 @@ struct CoarseWeights {
     const int wide = static_cast<int>(filters.wavelet.size());
     firstSpline = floorHalf(first - d);
     firstWavelet = floorHalf(first - filters.waveletFirst - wide + 2);
+    splines = floorHalf(cell) - firstSpline + 1;
+    wavelets = floorHalf(cell - filters.waveletFirst) - firstWavelet + 1;
     for (int i = 0; i <= d; ++i) {
       add(spline, p, first + i - 2 * firstSpline, fine[i]);
       add(wavelet, filters.wavelet, first + i - filters.waveletFirst - 2 * firstWavelet, fine[i]);
@@ -74,24 +77,19 @@ struct CoarseWeights {
   /// A fine spline is part of coarse function k with the tap n - 2k.
   template <std::size_t N>
   static void add(std::array<double, N>& to, const std::vector<double>& taps, int n, double by) {
-    for (int k = 0; k < static_cast<int>(N); ++k) {
-      const int tap = n - 2 * k;
-      if (tap >= 0 && tap < static_cast<int>(taps.size()))
-        to[k] += by * taps[tap];
-    }
+    const int last = static_cast<int>(taps.size()) - 1;
+    for (int k = std::max(0, (n - last + 1) / 2); 2 * k <= n && n - 2 * k <= last; ++k)
+      to[k] += by * taps[n - 2 * k];
   }
 };
 
-template <std::size_t X, std::size_t Y>
-double weighted(const SplineGrid& grid, int firstX, const std::array<double, X>& x, int firstY,
-                const std::array<double, Y>& y) {
+/// The sum over `countX` by `countY` coefficients from (firstX, firstY) on.
+double weighted(const SplineGrid& grid, int firstX, int countX, const double* x, int firstY,
+                int countY, const double* y) {
   double sum = 0;
-  for (std::size_t j = 0; j < Y; ++j) {
+  for (int j = 0; j < countY; ++j) {
     double row = 0;
-    for (std::size_t i = 0; i < X; ++i) {
-      if (x[i] != 0)
-        row += x[i] * grid.orZero(firstX + static_cast<int>(i), firstY + static_cast<int>(j));
-    }
+    for (int i = 0; i < countX; ++i) row += x[i] * grid.orZero(firstX + i, firstY + j);
     sum += y[j] * row;
   }
   return sum;
@@ -148,9 +146,15 @@ double PaperFog::waveletDensity(const Wavelets& wavelets, int x, int y, double u
                                                   twoScale(3)};
   const CdfFilters& f = shortestCdf(degree_);
   const CoarseWeights wx(f, twoScales[degree_], x, u), wy(f, twoScales[degree_], y, v);
-  return weighted(wavelets.phiPsi, wx.firstSpline, wx.spline, wy.firstWavelet, wy.wavelet) +
-         weighted(wavelets.psiPhi, wx.firstWavelet, wx.wavelet, wy.firstSpline, wy.spline) +
-         weighted(wavelets.psiPsi, wx.firstWavelet, wx.wavelet, wy.firstWavelet, wy.wavelet);
+  const auto sum = [](const SplineGrid& grid, const CoarseWeights& x, bool waveletX,
+                      const CoarseWeights& y, bool waveletY) {
+    return weighted(
+        grid, waveletX ? x.firstWavelet : x.firstSpline, waveletX ? x.wavelets : x.splines,
+        waveletX ? x.wavelet.data() : x.spline.data(), waveletY ? y.firstWavelet : y.firstSpline,
+        waveletY ? y.wavelets : y.splines, waveletY ? y.wavelet.data() : y.spline.data());
+  };
+  return sum(wavelets.phiPsi, wx, false, wy, true) + sum(wavelets.psiPhi, wx, true, wy, false) +
+         sum(wavelets.psiPsi, wx, true, wy, true);
 }
 
 double PaperFog::waveletIntegral(const Wavelets& wavelets, int level, const PlaneRay& ray,
