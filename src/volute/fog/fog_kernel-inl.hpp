@@ -200,10 +200,12 @@ class Walk {
     x_.load(lanes.x, lane);
     y_.load(lanes.y, lane);
     s_ = sum_ = hn::Zero(df);
-    opaque_ = Constant(opaque);
     end_ = hn::Load(df, lanes.length + lane);
     zoneBegin_ = hn::Load(df, lanes.zoneBegin + lane);
     zoneSlope_ = hn::Load(df, lanes.zoneSlope + lane);
+    opaque_ = Constant(opaque);
+    if constexpr (kKind == ZoneKind::kConstant)  // g is multiplied in at the end
+      opaque_ = hn::Div(opaque_, hn::Max(zoneBegin_, Constant(1e-30F)));
     if constexpr (kKind == ZoneKind::kExponential)  // so that |b| <= 1 in Moment()
       longest_ = hn::Div(Constant(2), hn::Max(hn::Abs(zoneSlope_), Constant(1e-30F)));
   }

@@ -253,6 +253,21 @@ TEST(FogMedium, MuEndsAreThoseOfThePaper) {
   EXPECT_EQ(none[2], kInfinity);
 }
 
+TEST(FogMedium, ThinLayersOfDenseMapsAreNotOpaque) {
+  SplineGrid ones(40, 40);
+  std::ranges::fill(ones.c, 1.0);
+  const FogProfile::Layer layers[] = {{0, 1, 0.01}, {2, 3, 0.02}};
+  const FogMedium fog = fogtest::fog(ones, *FogProfile::layers(layers), {}, 3);
+  const Segment level{fog.bounds().centre() + Vec3(-20, 0, 0), Vec3::UnitX(), 0, 40};
+  for (double height : {0.5, 2.5}) {
+    Segment segment = level;
+    segment.origin.z() = 0.5 + height;
+    Radiance radiance;
+    fog.radiance({&segment, 1}, {&radiance, 1});
+    EXPECT_NEAR(radiance.transmittance, std::exp(-depthOf(fog, segment)), 2e-6);
+  }
+}
+
 TEST(FogMedium, WindMovesTheFog) {
   const FogMedium fog = fogtest::fog(fogtest::map(12, 9), *FogProfile::exponential(0, 3), {});
   const Vec3 by(1.7, -0.4, 0.3);

@@ -111,22 +111,23 @@ Result<SunShadow> SunShadow::make(const FogMedium& fog, const Vec3& towardsSun, 
 }
 
 SunShadow::Moments SunShadow::momentsAt(double x, double y) const {
-  // A place before the fog: as from where the ray enters, t_in later.
-  double x1 = x0_ + (i0_->columns - 1) * step_, y1 = y0_ + (i0_->rows - 1) * step_;
-  Box3 box{Vec3(x0_, y0_, -1), Vec3(x1, y1, 1)};
-  const Vec3 flat(sun_.x(), sun_.y(), 0);
-  double in = 0;
-  if (!box.contains(Vec3(x, y, 0))) {
-    const Interval inside = box.intersect(Vec3(x, y, 0), flat);
+  double u = (x - x0_) / step_, v = (y - y0_) / step_, in = 0;
+  const double lastU = i0_->columns - 1, lastV = i0_->rows - 1;
+  if (!(u >= 0 && v >= 0 && u <= lastU && v <= lastV)) {
+    // A place before the fog: as from where the ray enters, `in` later.
+    const Box3 box{Vec3(0, 0, -1), Vec3(lastU, lastV, 1)};
+    const Vec3 direction(sun_.x() / step_, sun_.y() / step_, 0);
+    const Interval inside = box.intersect(Vec3(u, v, 0), direction);
     if (inside.empty() || !(inside.end > 0))
       return {};
     in = std::max(0.0, inside.begin);
+    u += in * direction.x();
+    v += in * direction.y();
   }
-  const double u = (x + in * sun_.x() - x0_) / step_, v = (y + in * sun_.y() - y0_) / step_;
   Moments out;
   out.i0 = i0_->at(u, v);
   out.i1 = i1_ ? i1_->at(u, v) + in * out.i0 : 0;
-  out.s = s_ ? s_->at(u, v) * std::exp(-decay_ * sun_.z() * in) : 0;
+  out.s = s_ ? s_->at(u, v) * (in > 0 ? std::exp(-decay_ * sun_.z() * in) : 1) : 0;
   return out;
 }
 

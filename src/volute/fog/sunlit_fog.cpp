@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "volute/math/quadrature.hpp"
+#include "volute/fog/cell_spline.hpp"
 #include "volute/medium/integrate.hpp"
 
 namespace volute {
@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kLightTolerance = 1e-4;
 constexpr double kFinestCut = 1 / 32.0;  // of a cell
-constexpr double kThin = 0.5;            // optical depth of what three Gauss points take
+constexpr double kThin = 0.125;          // optical depth of a step of radiance()
+constexpr int kMostSteps = 4096;         // in a cell, for rays that hardly ever leave it
 constexpr double kLightLost = 1e-7;
 
 /// curve * (a + b s + c s^2).
@@ -61,14 +62,15 @@ std::vector<double> SunlitFog::phasesTowards(const Vec3& direction) const {
   return phases;
 }
 
+double SunlitFog::lit(const Vec3& point, std::size_t sun) const {
+  const double seen = scattering_.visibility ? scattering_.visibility(point, sun) : 1;
+  return seen > 0 ? seen * std::exp(-shadows_[sun].opticalDepth(point)) : 0;
+}
+
 Rgb SunlitFog::source(const Vec3& point, std::span<const double> phases) const {
   Rgb light = fog_.options().color;
-  for (std::size_t i = 0; i < suns_.size(); ++i) {
-    const double seen = scattering_.visibility ? scattering_.visibility(point, i) : 1;
-    if (seen > 0)
-      light += scattering_.albedo * suns_[i].irradiance *
-               (seen * phases[i] * std::exp(-shadows_[i].opticalDepth(point)));
-  }
+  for (std::size_t i = 0; i < suns_.size(); ++i)
+    light += scattering_.albedo * suns_[i].irradiance * (phases[i] * lit(point, i));
   return light;
 }
 
@@ -120,39 +122,56 @@ void SunlitFog::pieces(std::span<const Segment> segments,
   }
 }
 
-void SunlitFog::add(const Segment& segment, const Piece& piece, std::span<const double> phases,
-                    Radiance& out) const {
-  const GaussRule rule = gaussRule(3);
-  const double length = piece.end - piece.begin;
-  for (std::size_t k = 0; k < rule.nodes.size(); ++k) {
-    const double u = 0.5 * length * (1 + rule.nodes[k]);
-    const double before = decayingIntegral(piece.extinction, piece.decay, u);
-    const double here = piece.extinction(u) * std::exp(-piece.decay * u - before);
-    out.emitted += (0.5 * length * rule.weights[k] * out.transmittance * here) *
-                   source(segment.at(piece.begin + u), phases);
+std::vector<double> SunlitFog::sunlight(const Segment& segment) const {
+  std::vector<double> light(suns_.size());
+  if (suns_.empty())
+    return light;
+  const double nodes[2] = {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)};
+  const double bottom = segment.origin.z() - fog_.domainCorner().z();
+  double passed = 1;
+  std::vector<FogMedium::Stretch> parts;
+  fog_.stretches(segment, parts);
+  for (const auto& part : parts) {
+    const PlaneRay ray = fog_.planeRay(segment, part.level);
+    const PlaneAxis alongX{ray.ox, ray.dx}, alongY{ray.oy, ray.dy};
+    const auto inCell = [&](int x, int y, double begin, double end) {
+      if (passed < kLightLost)
+        return;
+      const CellSpline cell(fog_.levels().pyramid().level(part.level), fog_.options().degree, x, y);
+      if (cell.largest() == 0)
+        return;
+      const double step = std::min(fog_.cell(), kThin / cell.largest());
+      const int steps =
+          std::clamp(static_cast<int>(std::min((end - begin) / step, 1e6)) + 1, 1, kMostSteps);
+      const double length = (end - begin) / steps;
+      for (int k = 0; k < steps && passed >= kLightLost; ++k) {
+        const double from = begin + k * length;
+        double depth = 0;
+        for (double node : nodes) {
+          const double s = from + node * length;
+          depth += 0.5 * length * cell(alongX.at(s) - x, alongY.at(s) - y) *
+                   (*part.zone)(bottom + s * segment.direction.z());
+        }
+        const double after = passed * std::exp(-depth);
+        const Vec3 middle = segment.at(from + 0.5 * length);
+        for (std::size_t i = 0; i < light.size(); ++i)
+          light[i] += (passed - after) * lit(middle, i);
+        passed = after;
+      }
+    };
+    walkCells(ray, fog_.levels().level(part.level).occupied, part.begin, part.end, inCell);
   }
-  out.transmittance *= std::exp(-pieceOpticalDepth(piece));
+  const std::vector<double> phases = phasesTowards(segment.direction);
+  for (std::size_t i = 0; i < light.size(); ++i) light[i] *= phases[i];
+  return light;
 }
 
 void SunlitFog::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
-  std::vector<Piece> plain;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    out[i] = Radiance{};
-    fog_.pieces(segments.subspan(i, 1), {&plain, 1});
-    const std::vector<double> phases = phasesTowards(segments[i].direction);
-    for (const Piece& whole : plain) {
-      double begin = whole.begin, length = whole.end - whole.begin;
-      while (begin < whole.end && out[i].transmittance > kLightLost) {
-        Piece part = clipped(whole, begin, std::min(begin + length, whole.end));
-        while (pieceOpticalDepth(part) > kThin) {
-          length *= 0.5;
-          part = clipped(whole, begin, begin + length);
-        }
-        add(segments[i], part, phases, out[i]);
-        begin = part.end;
-        length *= 2;
-      }
-    }
+  fog_.radiance(segments, out);
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    const std::vector<double> light = sunlight(segments[k]);
+    for (std::size_t i = 0; i < suns_.size(); ++i)
+      out[k].emitted += scattering_.albedo * suns_[i].irradiance * light[i];
   }
 }
 

@@ -56,7 +56,9 @@ class SunlitFog {
   /// long. For degree 3 a line, or with a linear profile a constant, stands for the parabola.
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
-  /// Three Gauss points in each cell, and more where it is dense; in double.
+  /// Transmittance and constant light as FogMedium::radiance. The light of suns by steps of at most
+  /// a cell and an optical depth of 1/8, with the light at the middle of each: within some 1e-3 of
+  /// the pieces' on maps that are smooth over a few cells.
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
   const FogMedium& fog() const { return fog_; }
@@ -67,14 +69,16 @@ class SunlitFog {
  private:
   explicit SunlitFog(FogMedium fog) : fog_(std::move(fog)) {}
 
+  /// How much of a sun's light reaches a point, 0..1.
+  double lit(const Vec3& point, std::size_t sun) const;
+
   /// What a unit of extinction sends along `direction`.
   Rgb source(const Vec3& point, std::span<const double> phases) const;
   std::vector<double> phasesTowards(const Vec3& direction) const;
   void cut(const Segment& segment, const Piece& piece, std::span<const double> phases,
            std::vector<Piece>& out) const;
-  /// One thin piece, by three Gauss points.
-  void add(const Segment& segment, const Piece& piece, std::span<const double> phases,
-           Radiance& out) const;
+  /// The part of each sun's light, times its phase, that arrives at the begin of the segment.
+  std::vector<double> sunlight(const Segment& segment) const;
 
   FogMedium fog_;
   std::vector<FogSun> suns_;
