@@ -16,6 +16,7 @@ Command helpCommand();
 Command infoCommand();
 Command manCommand();
 Command renderCommand();
+Command fogCommand();
 Command synthesizeCommand();
 
 }  // namespace volute::cli
