@@ -320,6 +320,25 @@ class Frames(FogCase):
         self.camera({"eye": [0, 0, 0], "target": [1, 0, 0], "fov": 60, "size": [80, 60]})
         self.assertIn("80 x 60", self.fails(1, *self.words()))
 
+    def test_shaders(self):
+        self.waves()
+        folder = self.path("shaders")
+        self.works("fog", self.path("waves.png"), "--export-glsl", folder, "--degree", "2", "--levels", "1",
+                   "--origin", "1,2,3", "--profile", "slab:0,5")
+        uniforms = json.loads((folder / "fog.json").read_text())
+        size = uniforms["fogMap"]["width"] * uniforms["fogMap"]["height"]
+        texels = (folder / "fog_map.f32").read_bytes()
+        self.assertEqual(len(texels), 4 * size)
+        for name in ("fog.glsl", "fog_polar.glsl"):
+            text = (folder / name).read_text()
+            self.assertTrue(text.startswith("// SPDX-License-Identifier: Apache-2.0"))
+        self.assertIn("fogOpticalDepth", (folder / "fog.glsl").read_text())
+        self.assertIn(f"{uniforms['fogMap']['width']} x", (folder / "README.md").read_text())
+        self.assertLess(uniforms["fogCorner"][0], 1)  # the padding for levels
+        self.works("fog", self.path("waves.png"), "--export-glsl", self.path("more"), "--profile", "exponential:0,5")
+        self.assertFalse((self.path("more") / "fog_polar.glsl").exists())
+        self.fails(1, "fog", self.path("waves.png"), "--export-glsl", self.path("waves.png"))
+
     def test_wrong_usage(self):
         for more in (("--degree", "4"), ("--cell", "0"), ("--mu", "2"), ("--profile", "round:1"),
                      ("--profile", "slab:3,1"), ("--profile", "slab:3,x"), ("--sun", "0,0,1"), ("--levels", "99"),
