@@ -28,8 +28,8 @@ vec4 fogPolarEntry(vec3 eye, ivec2 texel, ivec2 size) {
   float r = fogPolarRadii.x + float(texel.x) * fogPolarRadii.y;
   vec2 o = (eye.xy - fogCorner.xy) / fogCell;
   vec2 d = direction / fogCell;
-  float m0 = fogStretch(o, d, 0.0, 1.0, 0.0, r, 0, fogMapCells, vec4(1.0, 0.0, 0.0, 0.0));
-  float m1 = fogStretch(o, d, 0.0, 1.0, 0.0, r, 0, fogMapCells, vec4(0.0, 1.0, 0.0, 0.0));
+  float m0 = fogStretch(o, d, 0.0, 1.0, 0.0, r, 0, fogMapCells, vec4(1.0, 0.0, 0.0, 0.0), 1e30);
+  float m1 = fogStretch(o, d, 0.0, 1.0, 0.0, r, 0, fogMapCells, vec4(0.0, 1.0, 0.0, 0.0), 1e30);
   vec2 at = o + d * r;
   float rho = 0.0;
   if (all(greaterThanEqual(at, vec2(fogMapCells.xy))) && all(lessThan(at, vec2(fogMapCells.zw)))) {

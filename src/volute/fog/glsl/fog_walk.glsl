@@ -82,8 +82,9 @@ float fogNextPlane(int cell, float o, float d) {
 
 // The integral of rho g over begin..end in one level and one zone of the profile. The ray is o + d s seen from above,
 // in cells of the level, and height + rise s. Gauss points per cell are as many as make it exact; where the profile is
-// exponential, cells are cut at scale heights.
-float fogStretch(vec2 o, vec2 d, float height, float rise, float begin, float end, int level, ivec4 rect, vec4 profile) {
+// exponential, cells are cut at scale heights. Ends where the integral has reached `opaque`.
+float fogStretch(vec2 o, vec2 d, float height, float rise, float begin, float end, int level, ivec4 rect, vec4 profile,
+                 float opaque) {
   if (!fogClip(o.x, d.x, float(rect.x), float(rect.z), begin, end)) return 0.0;
   if (!fogClip(o.y, d.y, float(rect.y), float(rect.w), begin, end)) return 0.0;
   if (begin >= end) return 0.0;
@@ -108,7 +109,7 @@ float fogStretch(vec2 o, vec2 d, float height, float rise, float begin, float en
       sum += mean * (to - s);
       s = to;
     }
-    if (s >= end || sum > 40.0) break;
+    if (s >= end || sum > opaque) break;
     if (plane > s) continue;
     if (next.x <= next.y) {
       cell.x += d.x > 0.0 ? 1 : -1;
@@ -156,7 +157,7 @@ float fogOpticalDepth(vec3 eye, vec3 direction, float distance) {
       float end = to;
       if (!fogClip(local.z, direction.z, fogZoneHeights[zone].x, fogZoneHeights[zone].y, begin, end)) continue;
       sum += fogStretch(local.xy * perCell, direction.xy * perCell, local.z, direction.z, begin, end, level,
-                        fogRect(level), fogZones[zone]);
+                        fogRect(level), fogZones[zone], 40.0);
     }
     from = max(from, to);
   }
