@@ -57,7 +57,6 @@ Valley::Valley(std::uint32_t seed)
     : seed_(mix(seed + 77)),
       heights_(static_cast<std::size_t>(kSamples) * kSamples),
       covers_(heights_.size()),
-      walls_(heights_.size()),
       lit_(heights_.size(), 1) {
   parallelFor(kSamples, [&](std::size_t j) {
     for (int i = 0; i < kSamples; ++i) {
@@ -150,7 +149,6 @@ void Valley::buildHouse(const Vec3& at, double length, double width, double wall
       }
       if (along < 0.5 * length && across < 0.5 * width) {
         heights_[place] = static_cast<float>(at.z() + wall + roof * (1 - 2 * across / width));
-        walls_[place] = static_cast<float>(at.z() + wall);
         covers_[place] = Cover::kHouse;
       }
     }
@@ -173,15 +171,18 @@ void Valley::buildVillage() {
 }
 
 void Valley::findBlocks() {
-  constexpr int kBlocks = (kSamples - 1) / kBlock;
-  highest_.assign(static_cast<std::size_t>(kBlocks) * kBlocks, 0);
-  for (int b = 0; b < kBlocks; ++b) {
-    for (int a = 0; a < kBlocks; ++a) {
-      float most = -1e9F;
-      for (int j = b * kBlock; j <= (b + 1) * kBlock; ++j)
-        for (int i = a * kBlock; i <= (a + 1) * kBlock; ++i)
-          most = std::max(most, heights_[index(i, j)]);
-      highest_[static_cast<std::size_t>(b) * kBlocks + a] = most;
+  for (int level = 0; level < kLevels; ++level) {
+    const int side = kSides[level], blocks = (kSamples - 1) / side;
+    std::vector<float>& highest = highest_[level];
+    highest.assign(static_cast<std::size_t>(blocks) * blocks, -1e9F);
+    for (int j = 0; j < blocks; ++j) {
+      for (int i = 0; i < blocks; ++i) {
+        float& most = highest[static_cast<std::size_t>(j) * blocks + i];
+        for (int y = j * side; y <= (j + 1) * side; ++y) {
+          const auto row = heights_.begin() + static_cast<std::ptrdiff_t>(index(i * side, y));
+          most = std::max(most, *std::max_element(row, row + side + 1));
+        }
+      }
     }
   }
 }
@@ -211,18 +212,17 @@ Vec3 Valley::towardsSun() {
   return Vec3(0.45, 0.85, 0.42).normalized();
 }
 
-double Valley::hitInBlock(const Vec3& eye, const Vec3& direction, double begin, double end) const {
-  const double level = std::max(direction.head<2>().norm(), 1e-3);
-  const double step = 0.7 * kStep / level;
-  double from = begin;
-  double above = eye.z() + from * direction.z() -
-                 height(eye.x() + from * direction.x(), eye.y() + from * direction.y());
+double Valley::hitBySteps(const Vec3& eye, const Vec3& direction, double begin, double end) const {
+  const auto aboveAt = [&](double s) {
+    return eye.z() + s * direction.z() -
+           height(eye.x() + s * direction.x(), eye.y() + s * direction.y());
+  };
+  const double step = 0.7 * kStep / std::max(direction.head<2>().norm(), 1e-3);
+  double from = begin, above = aboveAt(from);
   if (above <= 0)
     return begin;
   while (from < end) {
-    const double to = std::min(from + step, end + 1e-6);
-    const double next = eye.z() + to * direction.z() -
-                        height(eye.x() + to * direction.x(), eye.y() + to * direction.y());
+    const double to = std::min(from + step, end + 1e-6), next = aboveAt(to);
     if (next <= 0)
       return from + (to - from) * above / (above - next);
     from = to, above = next;
@@ -230,33 +230,38 @@ double Valley::hitInBlock(const Vec3& eye, const Vec3& direction, double begin, 
   return kInfinity;
 }
 
-double Valley::hit(const Vec3& eye, const Vec3& direction, double begin) const {
-  constexpr double kBlockSide = kBlock * kStep;
-  constexpr int kBlocks = (kSamples - 1) / kBlock;
-  const Box3 box{Vec3(0, 0, -1e6), Vec3(kSide, kSide, 1e6)};
-  const Interval inside = box.intersect(eye, direction).intersect({begin, 1e5});
-  double s = inside.begin;
-  while (s < inside.end) {
+double Valley::hitInBlocks(int level, const Vec3& eye, const Vec3& direction, double begin,
+                           double end) const {
+  const int blocks = (kSamples - 1) / kSides[level];
+  const double side = kSides[level] * kStep;
+  for (double s = begin; s < end;) {
     const Vec3 at = eye + (s + 1e-7) * direction;
-    const int a = std::clamp(static_cast<int>(at.x() / kBlockSide), 0, kBlocks - 1);
-    const int b = std::clamp(static_cast<int>(at.y() / kBlockSide), 0, kBlocks - 1);
-    double leave = inside.end;
+    const int block[2] = {std::clamp(static_cast<int>(at.x() / side), 0, blocks - 1),
+                          std::clamp(static_cast<int>(at.y() / side), 0, blocks - 1)};
+    double leave = end;
     for (int axis = 0; axis < 2; ++axis) {
       const double d = direction[axis];
-      if (std::abs(d) > 1e-9) {
-        const double plane = ((axis ? b : a) + (d > 0)) * kBlockSide;
-        leave = std::min(leave, std::max((plane - eye[axis]) / d, s + 1e-6));
-      }
+      if (std::abs(d) > 1e-9)
+        leave =
+            std::min(leave, std::max(((block[axis] + (d > 0)) * side - eye[axis]) / d, s + 1e-6));
     }
     const double lowest = eye.z() + (direction.z() < 0 ? leave : s) * direction.z();
-    if (lowest <= highest_[static_cast<std::size_t>(b) * kBlocks + a]) {
-      const double found = hitInBlock(eye, direction, s, leave);
+    if (lowest <= highest_[level][static_cast<std::size_t>(block[1]) * blocks + block[0]]) {
+      const double found = level > 0 ? hitInBlocks(level - 1, eye, direction, s, leave)
+                                     : hitBySteps(eye, direction, s, leave);
       if (found < kInfinity)
         return found;
     }
     s = leave;
   }
   return kInfinity;
+}
+
+double Valley::hit(const Vec3& eye, const Vec3& direction, double begin) const {
+  const Box3 box{Vec3(0, 0, -1e6), Vec3(kSide, kSide, 1e6)};
+  const Interval inside = box.intersect(eye, direction).intersect({begin, 1e5});
+  return inside.empty() ? kInfinity
+                        : hitInBlocks(kLevels - 1, eye, direction, inside.begin, inside.end);
 }
 
 Rgb Valley::sky(const Vec3& direction) const {
@@ -293,7 +298,7 @@ Rgb Valley::shade(const Vec3& point) const {
       albedo = rgb(0.05, 0.11, 0.035);
       break;
     case Cover::kHouse:
-      albedo = point.z() < walls_[index(i, j)] ? rgb(0.62, 0.57, 0.47) : rgb(0.36, 0.12, 0.07);
+      albedo = normal.z() < 0.55 ? rgb(0.62, 0.57, 0.47) : rgb(0.36, 0.12, 0.07);
       break;
   }
   const double facing = std::max(0.0, normal.dot(towardsSun()));

@@ -47,7 +47,8 @@ class Valley {
   enum class Cover : std::uint8_t { kMeadow, kForest, kRock, kWater, kCrown, kHouse };
 
   static constexpr int kSamples = 1025;
-  static constexpr int kBlock = 16;
+  static constexpr int kLevels = 3;
+  static constexpr int kSides[kLevels] = {4, 16, 64};  ///< of blocks, in cells
   static constexpr double kStep = kSide / (kSamples - 1);
 
   std::size_t index(int i, int j) const { return static_cast<std::size_t>(j) * kSamples + i; }
@@ -62,16 +63,17 @@ class Valley {
 
   /// The distance to the ground; infinite for the sky. `begin` is where to start [m].
   double hit(const Vec3& eye, const Vec3& direction, double begin) const;
-  double hitInBlock(const Vec3& eye, const Vec3& direction, double begin, double end) const;
+  double hitInBlocks(int level, const Vec3& eye, const Vec3& direction, double begin,
+                     double end) const;
+  double hitBySteps(const Vec3& eye, const Vec3& direction, double begin, double end) const;
   Rgb shade(const Vec3& point) const;
   Rgb sky(const Vec3& direction) const;
 
   std::uint32_t seed_;
   std::vector<float> heights_;  ///< shape (kSamples, kSamples), row 0 at y = 0
   std::vector<Cover> covers_;
-  std::vector<float> walls_;    ///< height of the eaves where a house stands
-  std::vector<float> lit_;      ///< share of the sun
-  std::vector<float> highest_;  ///< of blocks of kBlock^2 cells
+  std::vector<float> lit_;               ///< share of the sun
+  std::vector<float> highest_[kLevels];  ///< of blocks
 };
 
 }  // namespace volute
