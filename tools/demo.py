@@ -10,6 +10,7 @@ import json
 import os
 import pathlib
 import platform
+import shutil
 import subprocess
 import sys
 import time
@@ -24,6 +25,8 @@ SEQUENCES = {
     "smoke": {"rates": (0.305, 0.106, 0.019), "extinction": 1.5,
               "mode": f"emission and absorption, extinction 1.5{NBSP}/m per unit"},
 }
+
+FOG = {"sigma": 0.05, "profile": "exponential:2,9", "mus": (1, 0.7, 0.4, 0), "frames": 100, "rate": 20}
 
 
 def say(text):
@@ -62,6 +65,79 @@ class Demo:
         figures = self.run("volute-paper-figures", f"{name}.npy", "--rates", ",".join(map(str, look["rates"])),
                            "--strip", f"strip_{name}", "--extinction", look["extinction"])
         return {"report": report, "film": film, "figures": figures}
+
+
+    def fog(self, out, degree, *more, source="valley", cell=8):
+        """One frame of the valley behind fog; splines of every degree peak where the map's pixels are."""
+        origin = -degree * cell / 2
+        return self.run("volute", "fog", f"{source}/fogmap.png", "--color", "valley/color.exr", "--depth", "valley/depth.exr",
+                        "--camera", "valley/camera.json", "-o", out, "--degree", degree, f"--origin={origin},{origin},0", "--cell", cell, "--sigma-max", FOG["sigma"],
+                        "--profile", FOG["profile"], *more, "--json")
+
+    def valley(self):
+        """A frame of a made-up valley, fog of several kinds on it, and a flight."""
+        say("valley: the frame without fog")
+        self.run("volute", "synthesize", "valley", "-o", "valley", "--pixels", "640x360", "--size", 64)
+        self.run("volute", "synthesize", "valley", "-o", "coarse", "--pixels", "16x9", "--size", 32)
+        say("valley: fog of every kind")
+        for degree in (0, 1, 2):
+            self.fog(f"fog_degree_{degree}.png", degree, source="coarse", cell=16)
+        for levels in range(4):
+            self.fog(f"fog_level_{levels}.png", 1, "--levels", levels, "--mu", 0)
+        for mu in FOG["mus"]:
+            self.fog(f"fog_mu_{mu}.png", 1, "--levels", 3, "--mu", mu)
+        self.run("volute", "fog", "valley/fogmap.png", "--color", "valley/color.exr", "--depth", "valley/depth.exr",
+                 "--camera", "valley/camera.json", "-o", "fog_none.png", "--sigma-max", 0, "--json")
+        lit = self.fog("fog_sun.png", 2, "--sun=-0.45,-0.85,-0.42", "--sun-radiance", "3,2.3,1.5", "--asymmetry",
+                       0.6, "--fog-color", "0.28,0.33,0.40")
+        say(f"valley: a flight of {FOG['frames']} frames")
+        self.run("volute", "synthesize", "valley", "-o", "flight", "--pixels", "640x360", "--size", 64, "--frames", FOG["frames"])
+        flight = self.run("volute", "fog", "flight/fogmap.png", "--color", "flight/color_%04d.png", "--depth",
+                          "flight/depth_%04d.exr", "--camera", "flight/camera_%04d.json", "-o", "flight.mp4", "--degree", 2,
+                          "--origin=-8,-8,0", "--cell", 8, "--sigma-max", FOG["sigma"], "--profile", FOG["profile"], "--wind", "3,-1,0",
+                          "--rate", FOG["rate"], "--json")
+        shutil.rmtree(self.out / "flight")
+        shutil.rmtree(self.out / "coarse")
+        return {"lit": lit, "flight": flight}
+
+
+def fog_sections(result):
+    """As Figures 3, 6 and 7 of Giroud and Biri 2010, on one frame of the valley."""
+    look = (f"extinction up to {FOG['sigma']}{NBSP}/m, thinning by e every 9{NBSP}m above 2{NBSP}m; perspective 50°, linear light, "
+            "shown as sRGB")
+    size = 8 * 64
+    kinds = {0: "Haar (degree 0)", 1: "Linear (degree 1)", 2: "Quadratic (degree 2)"}
+    first = {"title": "Fog over a valley",
+             "text": ["A painted map says how thick the fog is at each place, a profile how it thins with height. The valley is a "
+                      "picture with depths, as any renderer would give it; `volute fog` integrates the fog from the eye to each "
+                      "pixel's depth, exactly in every cell of the map.",
+                      f"The map has 64 × 64 pixels of 8{NBSP}m; {look}."],
+             "facts": [{"value": f"{result['flight']['milliseconds'] / FOG['frames']:.0f}{NBSP}ms",
+                        "label": "a frame of the flight, 640 × 360, reading and encoding included"}],
+             "figures": [
+                 {"file": "flight.mp4", "poster": "fog_sun.png", "label": "A flight",
+                  "caption": f"{FOG['frames']} frames at {FOG['rate']} a second, degree 2, fog colour constant; a wind of 3{NBSP}m/s"},
+                 {"file": "fog_sun.png", "label": "A low sun",
+                  "caption": "Degree 2; the sun's light is scattered once and shadowed by the fog itself (asymmetry 0.6)"},
+                 {"file": "fog_none.png", "label": "Without fog", "caption": "The frame that the fog is put on"},
+                 {"file": "valley/fogmap.png", "label": "The painted map",
+                  "caption": f"{size}{NBSP}m wide, north up; white is {FOG['sigma']}{NBSP}/m"}], "columns": 2}
+    degrees = {"title": "Splines of the fog",
+               "text": "As Figure 3 of Giroud and Biri 2010: one map, here of 32 × 32 pixels of 16 m, read as splines of three "
+                       "degrees. Haar shows its cells; linear fog is continuous; quadratic fog is smooth.",
+               "figures": [{"file": f"fog_degree_{d}.png", "label": name, "caption": f"Cells of 16{NBSP}m"}
+                           for d, name in kinds.items()], "columns": 3}
+    levels = {"title": "Details removed",
+              "text": "As Figure 6: the coarsest level alone, after halving the map so many times. The mass of the fog stays, "
+                      "and no level becomes negative.",
+              "figures": [{"file": f"fog_level_{n}.png", "label": f"{n} levels removed" if n != 1 else "1 level removed",
+                           "caption": f"Linear, cells of {8 * 2 ** n}{NBSP}m"} for n in range(4)], "columns": 2}
+    mus = {"title": "Details by distance",
+           "text": "As Figure 7: three levels of details, level L from the finest ends at mu^(3 - L) of the distance to the "
+                   "surface. All levels are merged into one walk, so mu = 1 costs nothing.",
+           "figures": [{"file": f"fog_mu_{mu}.png", "label": f"mu = {mu}", "caption": "Linear, 3 levels, finest cells of 8\u00a0m"}
+                       for mu in FOG["mus"]], "columns": 2}
+    return [first, degrees, levels, mus]
 
 
 def films_section(results, frames, size):
@@ -160,14 +236,16 @@ def main():
     demo = Demo(options.bin.resolve(), options.out.resolve(), options.size, options.frames)
     begin = time.monotonic()
     results = {name: demo.sequence(name) for name in SEQUENCES}
+    valley = demo.valley()
     threads = results["fire"]["figures"]["threads"]
     page = {"title": "Volute",
-            "subtitle": "Fire and smoke, compressed into 4D wavelet trees and rendered straight from them",
+            "subtitle": "Fire and smoke in 4D wavelet trees, and fog painted on a map",
             "intro": "Everything on this page was made by `./dev demo` on this machine, from a seed.",
             "footer": f"Made in {time.monotonic() - begin:.0f}{NBSP}s with {threads} threads on {platform.machine()}, "
                       f"{time.strftime('%Y-%m-%d')}.",
             "sections": [films_section(results, options.frames, options.size), rate_distortion_section(results),
-                         frame_rate_section(results, threads), *strip_section(results), zlib_section(results)]}
+                         frame_rate_section(results, threads), *strip_section(results), zlib_section(results),
+                         *fog_sections(valley)]}
     (options.out / "results.json").write_text(json.dumps(page, indent=1))
     done = demo_page.main([str(options.out)])
     if done:
