@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
+#include "volute/codec/wavelet_codec.hpp"
 #include "volute/grid/frame_source.hpp"
 
 namespace volute {
@@ -28,7 +30,9 @@ struct ErrorTarget {
 
 struct CompressOptions {
   ErrorTarget target;
-  std::string wavelet = "auto";
+  std::string wavelet = "auto";  ///< auto, haar, cdf53 or cdf97: what blocks may choose from
+  std::optional<BlockMode> mode;  ///< one mode for all blocks, for experiments
+  bool fast = false;              ///< fewer modes to choose from: quicker, and some percent larger
   std::string provenance;  ///< kept in the file
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
 };

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "volute/codec/contexts.hpp"
+#include "volute/codec/subbands.hpp"
+
+// The order of the bits of quantised coefficients, and what each depends on: docs/format.md,
+// section 8. Written once for writing, reading and pricing: a Bits object codes a bit and gives it
+// back; a reader ignores the value that it is handed.
+//
+//   concept Bits:  bool bit(unsigned context, bool value);  bool even(bool value);
+
+namespace volute {
+
+/// Magnitudes are remembered for their neighbours up to this.
+inline constexpr int kRemembered = 255;
+
+/// Greatest number of bits of a quantised coefficient.
+inline constexpr int kMostBits = 30;
+
+namespace detail {
+
+template <std::size_t kSize>
+constexpr std::array<std::uint8_t, 256> classTable(const std::array<int, kSize>& upTo) {
+  std::array<std::uint8_t, 256> table{};
+  for (int n = 0; n < 256; ++n) {
+    std::uint8_t c = 0;
+    while (c < kSize && n > upTo[c]) ++c;
+    table[n] = c;
+  }
+  return table;
+}
+
+}  // namespace detail
+
+inline constexpr auto kSumClass =
+    detail::classTable(std::array{0, 1, 2, 4, 6, 9, 14, 22, 40});
+inline constexpr auto kSizeClass = detail::classTable(std::array{0, 1, 2, 4, 9});
+
+inline unsigned sumClass(unsigned sum) {
+  return kSumClass[std::min(sum, 255u)];
+}
+
+inline unsigned sizeClass(unsigned size) {
+  return kSizeClass[std::min(size, 255u)];
+}
+
+/// The magnitudes of one level, for the contexts of the cells to come and of the next level: a cell
+/// is 16 of them, with a border of empty cells around all.
+class CellMemory {
+ public:
+  CellMemory() = default;
+  explicit CellMemory(const CellLevel& level) {
+    std::size_t size = 1;
+    for (int axis = 4; axis-- > 0;) {
+      stride_[axis] = static_cast<std::ptrdiff_t>(size);
+      size *= static_cast<std::size_t>(level.cells[axis]) + 2;
+    }
+    magnitudes_.resize(16 * size);
+    sums_.resize(size);
+    int n = 0;
+    for (int a = 0; a < 4; ++a) {
+      direct_[a] = -stride_[a];
+      for (int b = a + 1; b < 4; ++b) {
+        diagonal_[n++] = -stride_[a] - stride_[b];
+        diagonal_[n++] = -stride_[a] + stride_[b];
+      }
+    }
+  }
+
+  std::ptrdiff_t at(const BlockGrid::Index4& cell) const {
+    std::ptrdiff_t at = 0;
+    for (int axis = 0; axis < 4; ++axis) at += (cell[axis] + 1) * stride_[axis];
+    return at;
+  }
+
+  /// Neighbours before a cell: those at distance 1 twice, diagonal ones once.
+  unsigned sumAround(std::ptrdiff_t cell) const {
+    const std::uint16_t* s = sums_.data() + cell;
+    unsigned sum = 0;
+    for (std::ptrdiff_t d : direct_) sum += 2u * s[d];
+    for (std::ptrdiff_t d : diagonal_) sum += s[d];
+    return sum;
+  }
+
+  /// The same for each orientation.
+  void around(std::ptrdiff_t cell, std::uint16_t out[16]) const {
+    const std::uint8_t* m = magnitudes_.data() + 16 * cell;
+    std::uint16_t sum[16] = {};
+    for (std::ptrdiff_t d : direct_) {
+      const std::uint8_t* from = m + 16 * d;
+      for (int k = 0; k < 16; ++k) sum[k] = static_cast<std::uint16_t>(sum[k] + 2 * from[k]);
+    }
+    for (std::ptrdiff_t d : diagonal_) {
+      const std::uint8_t* from = m + 16 * d;
+      for (int k = 0; k < 16; ++k) sum[k] = static_cast<std::uint16_t>(sum[k] + from[k]);
+    }
+    std::copy(sum, sum + 16, out);
+  }
+
+  unsigned sum(std::ptrdiff_t cell) const { return sums_[cell]; }
+
+  unsigned magnitude(std::ptrdiff_t cell, int k) const { return magnitudes_[16 * cell + k]; }
+
+  void remember(std::ptrdiff_t cell, int k, std::int32_t q) {
+    const auto m = static_cast<std::uint8_t>(std::min(std::abs(q), kRemembered));
+    magnitudes_[16 * cell + k] = m;
+    sums_[cell] = static_cast<std::uint16_t>(sums_[cell] + m);
+  }
+
+ private:
+  std::array<std::ptrdiff_t, 4> stride_{}, direct_{};
+  std::array<std::ptrdiff_t, 12> diagonal_{};
+  std::vector<std::uint8_t> magnitudes_;
+  std::vector<std::uint16_t> sums_;
+};
+
+/// What is known of a cell before it is coded.
+struct CellContext {
+  int level = 0;
+  unsigned cell = 0;  ///< context of the bit that says whether anything is in it
+  std::uint16_t around[16] = {};
+  std::uint16_t parent[16] = {};
+
+  /// Context of coefficient k's zero bit; `q`: the cell's coefficients before k. `size`: that of
+  /// its magnitude.
+  unsigned zero(int k, const std::int32_t q[16], unsigned& size) const {
+    unsigned siblings = 0;
+    for (int bit = 8; bit > 0; bit >>= 1) {
+      if ((k & bit) != 0 && (k & ~bit) != 0)
+        siblings += static_cast<unsigned>(std::min(std::abs(q[k & ~bit]), kRemembered));
+    }
+    const unsigned near = around[k];
+    const unsigned up = 2u * parent[k];
+    const auto l = static_cast<unsigned>(level);
+    size = context::kSize + (l * kSumClasses + sumClass((near + up + 2 * siblings + 1) / 2)) * 16;
+    const auto highs = static_cast<unsigned>(std::popcount(static_cast<unsigned>(k)));
+    return context::kZero + (((l * 5 + highs) * kSumClasses + sumClass((near + 1) / 2)) *
+                                 kSizeClasses +
+                             sizeClass(up)) *
+                                kSizeClasses +
+           sizeClass(siblings);
+  }
+};
+
+/// A magnitude of at least 1: unary up to 16, then Exp-Golomb.
+template <class Bits>
+std::int32_t codeMagnitude(Bits& bits, unsigned context, int level, std::int32_t magnitude) {
+  for (std::int32_t k = 1; k < 16; ++k) {
+    if (!bits.bit(context + static_cast<unsigned>(k), magnitude > k))
+      return k;
+  }
+  const auto rest = static_cast<std::uint32_t>(magnitude - 15);
+  const int length = magnitude > 15 ? static_cast<int>(std::bit_width(rest)) - 1 : 0;
+  const unsigned longer = context::kLong + 32 * static_cast<unsigned>(level);
+  int n = 0;
+  while (n < kMostBits - 1 && bits.bit(longer + static_cast<unsigned>(n), length > n)) ++n;
+  std::uint32_t value = 1;
+  for (int i = n; i-- > 0;) value = value << 1 | (bits.even((rest >> i & 1) != 0) ? 1u : 0u);
+  return static_cast<std::int32_t>(value) + 15;
+}
+
+/// Any number: how many bits its magnitude has, in unary, those below the first, and the sign.
+/// `context`: the first of kMostBits.
+template <class Bits>
+std::int32_t codeNumber(Bits& bits, unsigned context, std::int32_t q) {
+  const auto magnitude = static_cast<std::uint32_t>(std::abs(q));
+  const int length = static_cast<int>(std::bit_width(magnitude));
+  int n = 0;
+  while (n < kMostBits && bits.bit(context + static_cast<unsigned>(n), length > n)) ++n;
+  if (n == 0)
+    return 0;
+  std::uint32_t value = 1;
+  for (int i = n - 1; i-- > 0;)
+    value = value << 1 | (bits.even((magnitude >> i & 1) != 0) ? 1u : 0u);
+  const bool negative = bits.even(q < 0);
+  return negative ? -static_cast<std::int32_t>(value) : static_cast<std::int32_t>(value);
+}
+
+/// The coefficients `existing` of a cell in which one at least is not zero.
+template <class Bits>
+void codeMembers(Bits& bits, const CellContext& c, std::uint16_t existing, std::int32_t q[16]) {
+  bool seen = false;
+  for (unsigned left = existing; left != 0; left &= left - 1) {
+    const int k = std::countr_zero(left);
+    unsigned size = 0;
+    const unsigned zero = c.zero(k, q, size);
+    // The last one must be what makes the cell more than empty.
+    const bool implied = !seen && (left & (left - 1)) == 0;
+    if (!implied && !bits.bit(zero, q[k] != 0)) {
+      q[k] = 0;
+      continue;
+    }
+    seen = true;
+    const std::int32_t magnitude = codeMagnitude(bits, size, c.level, std::abs(q[k]));
+    q[k] = bits.even(q[k] < 0) ? -magnitude : magnitude;
+  }
+}
+
+/// Visits the cells of a level that have coefficients, in C order:
+///
+///   bool code(position, existing, context, neighbours, q)
+///
+/// with the cell's position in the block, its orientations, the context of its bit, and neighbours(),
+/// which fills in the rest of the context and must be called before codeMembers(). It says whether
+/// any of q is not zero.
+///
+/// @param support  of the block, or empty for all.
+/// @param parent  the memory of the level above, whose strides are twice as far; null for none.
+template <class Code>
+CellMemory codeLevel(const CellLevel& level, std::span<const std::uint8_t> support,
+                     const CellLevel* above, const CellMemory* parent, const Code& code) {
+  CellMemory memory(level);
+  CellContext c;
+  c.level = level.stride;
+  BlockGrid::Index4 cell{};
+  for (cell[0] = 0; cell[0] < level.cells[0]; ++cell[0])
+    for (cell[1] = 0; cell[1] < level.cells[1]; ++cell[1])
+      for (cell[2] = 0; cell[2] < level.cells[2]; ++cell[2])
+        for (cell[3] = 0; cell[3] < level.cells[3]; ++cell[3]) {
+          std::uint16_t existing = level.existing(cell);
+          std::ptrdiff_t position = 0;
+          for (int axis = 0; axis < 4; ++axis) position += cell[axis] * level.step[axis];
+          if (!support.empty()) {
+            const std::uint8_t* in = support.data() + position;
+            for (unsigned left = existing; left != 0; left &= left - 1) {
+              const int k = std::countr_zero(left);
+              if (in[level.offset[k]] == 0)
+                existing = static_cast<std::uint16_t>(existing & ~(1u << k));
+            }
+          }
+          if (existing == 0)
+            continue;
+          const std::ptrdiff_t at = memory.at(cell);
+          std::ptrdiff_t up = 0;
+          unsigned parentSum = 0;
+          if (parent != nullptr) {
+            BlockGrid::Index4 from = cell;
+            for (int axis = 0; axis < 4; ++axis)
+              if (above->halved[axis])
+                from[axis] /= 2;
+            up = parent->at(from);
+            parentSum = parent->sum(up);
+          }
+          const auto members = static_cast<unsigned>(std::popcount(existing));
+          c.cell = context::kCell +
+                   ((static_cast<unsigned>(c.level) * kSumClasses +
+                     sumClass((memory.sumAround(at) + 2) / 4)) *
+                        kSizeClasses +
+                    sizeClass((parentSum + 1) / 2)) *
+                       4 +
+                   (members < 4 ? 0u : members < 8 ? 1u : members < 15 ? 2u : 3u);
+          const auto neighbours = [&] {
+            memory.around(at, c.around);
+            for (int k = 0; k < 16; ++k)
+              c.parent[k] = parent != nullptr
+                                ? static_cast<std::uint16_t>(parent->magnitude(up, k))
+                                : std::uint16_t{0};
+          };
+          std::int32_t q[16] = {};
+          if (!code(position, existing, c, neighbours, q))
+            continue;
+          for (unsigned left = existing; left != 0; left &= left - 1) {
+            const int k = std::countr_zero(left);
+            if (q[k] != 0)
+              memory.remember(at, k, q[k]);
+          }
+        }
+  return memory;
+}
+
+}  // namespace volute
