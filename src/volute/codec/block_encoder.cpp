@@ -112,7 +112,7 @@ class CellQuantiser {
       AskBits ask{contexts};
       ask.bit(zero, candidate != 0);
       if (candidate != 0) {
-        (void)codeMagnitude(ask, context, c.level, candidate);
+        (void)codeMagnitude(ask, context, candidate);
         ask.even(false);
       }
       return squaredError(size, candidate) + kLambda / kUnit * static_cast<double>(ask.price);

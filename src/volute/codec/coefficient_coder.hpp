@@ -43,10 +43,16 @@ constexpr std::array<std::uint8_t, 256> classTable(const std::array<int, kSize>&
 
 inline constexpr auto kSumClass =
     detail::classTable(std::array{0, 1, 2, 4, 6, 9, 14, 22, 40});
+inline constexpr auto kWideClass =
+    detail::classTable(std::array{0, 1, 2, 4, 6, 9, 14, 22, 32, 46, 66, 94, 134, 190});
 inline constexpr auto kSizeClass = detail::classTable(std::array{0, 1, 2, 4, 9});
 
 inline unsigned sumClass(unsigned sum) {
   return kSumClass[std::min(sum, 255u)];
+}
+
+inline unsigned wideClass(unsigned sum) {
+  return kWideClass[std::min(sum, 255u)];
 }
 
 inline unsigned sizeClass(unsigned size) {
@@ -141,7 +147,7 @@ struct CellContext {
     const unsigned near = around[k];
     const unsigned up = 2u * parent[k];
     const auto l = static_cast<unsigned>(level);
-    size = context::kSize + (l * kSumClasses + sumClass((near + up + 2 * siblings + 1) / 2)) * 16;
+    size = context::kSize + (l * kWideClasses + wideClass((near + up + 2 * siblings + 1) / 2)) * 16;
     const auto highs = static_cast<unsigned>(std::popcount(static_cast<unsigned>(k)));
     return context::kZero + (((l * 5 + highs) * kSumClasses + sumClass((near + 1) / 2)) *
                                  kSizeClasses +
@@ -153,14 +159,15 @@ struct CellContext {
 
 /// A magnitude of at least 1: unary up to 16, then Exp-Golomb.
 template <class Bits>
-std::int32_t codeMagnitude(Bits& bits, unsigned context, int level, std::int32_t magnitude) {
+std::int32_t codeMagnitude(Bits& bits, unsigned context, std::int32_t magnitude) {
   for (std::int32_t k = 1; k < 16; ++k) {
     if (!bits.bit(context + static_cast<unsigned>(k), magnitude > k))
       return k;
   }
   const auto rest = static_cast<std::uint32_t>(magnitude - 15);
   const int length = magnitude > 15 ? static_cast<int>(std::bit_width(rest)) - 1 : 0;
-  const unsigned longer = context::kLong + 32 * static_cast<unsigned>(level);
+  const unsigned longer =
+      context::kLong + 32 * ((context - context::kSize) / 16 % static_cast<unsigned>(kWideClasses));
   int n = 0;
   while (n < kMostBits - 1 && bits.bit(longer + static_cast<unsigned>(n), length > n)) ++n;
   std::uint32_t value = 1;
@@ -200,7 +207,7 @@ void codeMembers(Bits& bits, const CellContext& c, std::uint16_t existing, std::
       continue;
     }
     seen = true;
-    const std::int32_t magnitude = codeMagnitude(bits, size, c.level, std::abs(q[k]));
+    const std::int32_t magnitude = codeMagnitude(bits, size, std::abs(q[k]));
     q[k] = bits.even(q[k] < 0) ? -magnitude : magnitude;
   }
 }

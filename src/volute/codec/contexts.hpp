@@ -16,8 +16,10 @@ namespace volute {
 /// Levels that have cells: strides 1, 2, 4, 8.
 inline constexpr int kCellLevels = 4;
 
-/// Sizes of neighbourhoods fall into ten classes, those of single coefficients into six.
+/// Sizes of neighbourhoods fall into ten classes, or fifteen where the size of a coefficient is
+/// guessed from them, those of single coefficients into six.
 inline constexpr int kSumClasses = 10;
+inline constexpr int kWideClasses = 15;
 inline constexpr int kSizeClasses = 6;
 
 namespace context {
@@ -36,8 +38,8 @@ inline constexpr unsigned kZero =
     kCell + kCellLevels * kSumClasses * kSizeClasses * 4;  ///< level, highs, neighbours, parent, siblings
 inline constexpr unsigned kSize =
     kZero + kCellLevels * 5 * kSumClasses * kSizeClasses * kSizeClasses;  ///< level, all three, k
-inline constexpr unsigned kLong = kSize + kCellLevels * kSumClasses * 16;  ///< level, bits above 15
-inline constexpr unsigned kCorrected = kLong + kCellLevels * 32;  ///< line; voxel by the one before
+inline constexpr unsigned kLong = kSize + kCellLevels * kWideClasses * 16;  ///< neighbours, bits above 15
+inline constexpr unsigned kCorrected = kLong + kWideClasses * 32;  ///< line; voxel by the one before
 inline constexpr unsigned kCorrection = kCorrected + 3;           ///< size of a correction
 inline constexpr unsigned kCount = kCorrection + 32;
 
