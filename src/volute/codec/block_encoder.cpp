@@ -12,8 +12,8 @@
 namespace volute {
 namespace {
 
-// What a bit is worth, in squared quantisation steps: the slope of the error of a uniform quantiser,
-// 1/6 log(2) = 0.1155, and some more, since most coefficients here are in its dead zone.
+// What a bit is worth, in squared quantisation steps: the slope of the error of a uniform
+// quantiser, 1/6 log(2) = 0.1155, and some more, since most coefficients here are in its dead zone.
 constexpr double kLambda = 0.16;
 constexpr double kUnit = 4096;  // of prices: parts of a bit
 
@@ -22,7 +22,8 @@ std::uint32_t priceOf(const AdaptiveBit& state, bool bit) {
   static const std::vector<std::uint32_t> prices = [] {
     std::vector<std::uint32_t> table(4097);
     for (int i = 0; i <= 4096; ++i)
-      table[i] = static_cast<std::uint32_t>(std::lround(-kUnit * std::log2(std::max(i, 1) / 4096.0)));
+      table[i] =
+          static_cast<std::uint32_t>(std::lround(-kUnit * std::log2(std::max(i, 1) / 4096.0)));
     return table;
   }();
   const int one = (state.one + 8) >> 4;
@@ -40,6 +41,7 @@ struct WriteBits {
     out.bit(contexts[context], value);
     return value;
   }
+
   bool even(bool value) {
     out.even(value);
     return value;
@@ -56,6 +58,7 @@ struct PriceBits {
     contexts[context].learn(value);
     return value;
   }
+
   bool even(bool value) {
     price += static_cast<std::uint64_t>(kUnit);
     return value;
@@ -71,6 +74,7 @@ struct AskBits {
     price += priceOf(contexts[context], value);
     return value;
   }
+
   bool even(bool value) {
     price += static_cast<std::uint64_t>(kUnit);
     return value;
@@ -88,9 +92,11 @@ class CellQuantiser {
               const double sizes[16], std::int32_t q[16]) const {
     double kept = kLambda / kUnit * priceOf(contexts[c.cell], true);
     double dropped = kLambda / kUnit * priceOf(contexts[c.cell], false);
+    std::uint8_t m[16] = {};
     for (unsigned left = existing; left != 0; left &= left - 1) {
       const int k = std::countr_zero(left);
-      kept += chooseOne(contexts, c, k, sizes[k], q);
+      kept += chooseOne(contexts, c, k, m, sizes[k], q);
+      m[k] = static_cast<std::uint8_t>(std::min(q[k], kRemembered));
       dropped += sizes[k] * sizes[k];
     }
     if (dropped < kept)
@@ -104,10 +110,10 @@ class CellQuantiser {
 
  private:
   // The lesser of two candidates; gives its cost.
-  double chooseOne(const Contexts& contexts, const CellContext& c, int k, double size,
-                   std::int32_t q[16]) const {
+  double chooseOne(const Contexts& contexts, const CellContext& c, int k, const std::uint8_t m[16],
+                   double size, std::int32_t q[16]) const {
     unsigned context = 0;
-    const unsigned zero = c.zero(k, q, context);
+    const unsigned zero = c.zero(k, m, context);
     const auto costOf = [&](std::int32_t candidate) {
       AskBits ask{contexts};
       ask.bit(zero, candidate != 0);
@@ -162,7 +168,7 @@ class BlockWriting {
     const AxisLevels levels = blockLevels(shape.extents, mode.timeLevels);
     for (int c = 0; c < shape.channels; ++c)
       shapeForward(plane(c), support_, shape.extents, mode.wavelet, levels);
-    walk_.emplace(shape_, mode_, support_);
+    walk_.emplace(shape_, mode_, support_, memories_);
   }
 
   Contexts& contexts() { return contexts_; }
@@ -186,6 +192,7 @@ class BlockWriting {
   double squaredError() const { return squaredError_; }
 
   std::span<float> planes() { return planes_; }
+
   std::span<const std::uint8_t> support() const { return support_; }
 
  private:
@@ -208,6 +215,7 @@ class BlockWriting {
   std::vector<float> planes_;
   std::vector<std::uint8_t> support_;
   Contexts contexts_;
+  std::array<ComponentMemory, 3> memories_;
   std::optional<BlockWalk> walk_;
   double squaredError_ = 0;
 };
@@ -222,17 +230,18 @@ bool BlockWriting::hasAny(std::size_t tier) {
       continue;
     const CellLevel level(shape_.extents, levels, stride, mode_.wavelet);
     bool any = false;
+    CellMemory memory;
     for (int c = 0; c < shape_.channels; ++c) {
-      (void)codeLevel(level, support_, nullptr, nullptr,
-                      [&](std::ptrdiff_t position, std::uint16_t existing, const CellContext&,
-                          const auto&, const std::int32_t*) {
-                        for (unsigned left = existing; left != 0; left &= left - 1) {
-                          const int k = std::countr_zero(left);
-                          const float value = plane(c)[position + level.offset[k]];
-                          any = any || std::abs(value) * level.norm[k] >= 0.5 * parameters_.step;
-                        }
-                        return false;
-                      });
+      codeLevel(level, support_, nullptr, nullptr, memory,
+                [&](std::ptrdiff_t position, std::uint16_t existing, const CellContext&,
+                    const auto&, const std::int32_t*) {
+                  for (unsigned left = existing; left != 0; left &= left - 1) {
+                    const int k = std::countr_zero(left);
+                    const float value = plane(c)[position + level.offset[k]];
+                    any = any || std::abs(value) * level.norm[k] >= 0.5 * parameters_.step;
+                  }
+                  return false;
+                });
     }
     if (any)
       return true;
@@ -261,16 +270,16 @@ void BlockWriting::codeHead(Bits& bits) {
   walk_->scaling([&](int c, std::ptrdiff_t position, double norm) {
     float& value = plane(c)[position];
     const double size = std::abs(value) * (norm / parameters_.step);
-    const std::int32_t q = codeNumber(bits, context::kScaling,
-                                      value < 0 ? -rounded(size) : rounded(size));
+    const std::int32_t q =
+        codeNumber(bits, context::kScaling, value < 0 ? -rounded(size) : rounded(size));
     settle(value, norm, size, q, nullptr);
   });
 }
 
 template <class Bits>
 bool BlockWriting::codeOneCell(Bits& bits, float* at, const CellLevel& level,
-                               std::uint16_t existing, CellContext& context,
-                               const auto& neighbours, std::int32_t* q, Training* training) {
+                               std::uint16_t existing, CellContext& context, const auto& neighbours,
+                               std::int32_t* q, Training* training) {
   double sizes[16] = {};
   bool any = false;
   for (unsigned left = existing; left != 0; left &= left - 1) {
@@ -302,12 +311,12 @@ void BlockWriting::code(Bits& bits, std::size_t tier, Training* training) {
   const TierStrides range = strides(tier);
   if (range.scaling)
     codeHead(bits);
-  walk_->cells(range, [&](int c, const CellLevel& level, std::ptrdiff_t position,
-                          std::uint16_t existing, CellContext& context, const auto& neighbours,
-                          std::int32_t* q) {
-    return codeOneCell(bits, plane(c).data() + position, level, existing, context, neighbours, q,
-                       training);
-  });
+  walk_->cells(range,
+               [&](int c, const CellLevel& level, std::ptrdiff_t position, std::uint16_t existing,
+                   CellContext& context, const auto& neighbours, std::int32_t* q) {
+                 return codeOneCell(bits, plane(c).data() + position, level, existing, context,
+                                    neighbours, q, training);
+               });
 }
 
 void BlockWriting::skip(std::size_t tier) {
@@ -330,8 +339,7 @@ bool redundant(const BlockMode& mode, const BlockShape& shape, bool full) {
 }
 
 // Original - shown, in steps of correction, where it is too much.
-std::vector<std::int32_t> correctionsOf(std::span<const float> values,
-                                        std::span<const float> shown,
+std::vector<std::int32_t> correctionsOf(std::span<const float> values, std::span<const float> shown,
                                         const WaveletParameters& parameters) {
   constexpr double kGreatest = (1 << (kMostBits - 2)) - 1;
   std::vector<std::int32_t> corrections(values.size());
@@ -371,7 +379,8 @@ void Training::add(const Training& other) {
 
 void Training::apply(WaveletParameters& parameters) const {
   const auto mean = [](std::int64_t sum, std::int64_t count) {
-    return static_cast<int>(std::lround(static_cast<double>(sum) / static_cast<double>(count) / 256));
+    return static_cast<int>(
+        std::lround(static_cast<double>(sum) / static_cast<double>(count) / 256));
   };
   if (oneCount > 0)
     parameters.one = std::clamp(mean(oneSum, oneCount), 128, 384);

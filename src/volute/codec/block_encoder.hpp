@@ -37,8 +37,7 @@ class BlockEncoder {
                                   std::span<const BlockMode> candidates) const;
 
   /// The tiers of a block; all empty without a mode. Adds to `training` what is in them.
-  std::vector<std::vector<std::byte>> encode(std::span<const float> values,
-                                             const BlockShape& shape,
+  std::vector<std::vector<std::byte>> encode(std::span<const float> values, const BlockShape& shape,
                                              const std::optional<BlockMode>& mode,
                                              Training& training) const;
 

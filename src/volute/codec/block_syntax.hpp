@@ -26,8 +26,8 @@ void codeMode(Bits& bits, BlockMode& mode) {
                        : Wavelet::kCdf53;
   }
   const bool many = bits.bit(context::kTime, mode.timeLevels >= 2);
-  const bool odd = bits.bit(context::kTime + (many ? 2u : 1u),
-                            mode.timeLevels == 1 || mode.timeLevels == 4);
+  const bool odd =
+      bits.bit(context::kTime + (many ? 2u : 1u), mode.timeLevels == 1 || mode.timeLevels == 4);
   mode.timeLevels = many ? (odd ? 4 : 2) : (odd ? 1 : 0);
 }
 
@@ -128,16 +128,23 @@ void codeCorrections(Bits& bits, const BlockShape& shape, std::span<std::int32_t
   }
 }
 
+/// The magnitudes of a component at the level that is coded and the one above.
+struct ComponentMemory {
+  CellMemory current, above;
+};
+
 /// The way through the coefficients of a block, stride by stride and within one component by
 /// component, from coarse to fine.
 class BlockWalk {
  public:
-  BlockWalk(const BlockShape& shape, const BlockMode& mode, std::span<const std::uint8_t> support)
+  /// @param memories  room, one for each component; used up to the end of the walk.
+  BlockWalk(const BlockShape& shape, const BlockMode& mode, std::span<const std::uint8_t> support,
+            std::span<ComponentMemory> memories)
       : shape_(shape),
         mode_(mode),
         support_(support),
         levels_(blockLevels(shape.extents, mode.timeLevels)),
-        memories_(static_cast<std::size_t>(shape.channels)) {}
+        memories_(memories) {}
 
   /// Calls code(component, position, norm) for each scaling coefficient.
   template <class Code>
@@ -165,11 +172,11 @@ class BlockWalk {
         continue;
       CellLevel level(shape_.extents, levels_, stride, mode_.wavelet);
       for (int c = 0; c < shape_.channels; ++c) {
-        CellMemory& memory = memories_[static_cast<std::size_t>(c)];
-        memory = codeLevel(level, support_, above_ ? &*above_ : nullptr,
-                           above_ ? &memory : nullptr, [&](auto&&... rest) {
-                             return code(c, std::as_const(level), rest...);
-                           });
+        ComponentMemory& memory = memories_[static_cast<std::size_t>(c)];
+        std::swap(memory.current, memory.above);
+        codeLevel(level, support_, above_ ? &*above_ : nullptr, above_ ? &memory.above : nullptr,
+                  memory.current,
+                  [&](auto&&... rest) { return code(c, std::as_const(level), rest...); });
       }
       above_ = level;
     }
@@ -180,7 +187,7 @@ class BlockWalk {
   BlockMode mode_;
   std::span<const std::uint8_t> support_;
   AxisLevels levels_;
-  std::vector<CellMemory> memories_;
+  std::span<ComponentMemory> memories_;
   std::optional<CellLevel> above_;
 };
 

@@ -41,8 +41,7 @@ constexpr std::array<std::uint8_t, 256> classTable(const std::array<int, kSize>&
 
 }  // namespace detail
 
-inline constexpr auto kSumClass =
-    detail::classTable(std::array{0, 1, 2, 4, 6, 9, 14, 22, 40});
+inline constexpr auto kSumClass = detail::classTable(std::array{0, 1, 2, 4, 6, 9, 14, 22, 40});
 inline constexpr auto kWideClass =
     detail::classTable(std::array{0, 1, 2, 4, 6, 9, 14, 22, 32, 46, 66, 94, 134, 190});
 inline constexpr auto kSizeClass = detail::classTable(std::array{0, 1, 2, 4, 9});
@@ -63,15 +62,15 @@ inline unsigned sizeClass(unsigned size) {
 /// is 16 of them, with a border of empty cells around all.
 class CellMemory {
  public:
-  CellMemory() = default;
-  explicit CellMemory(const CellLevel& level) {
+  /// Forgets all, for the cells of another level.
+  void reset(const CellLevel& level) {
     std::size_t size = 1;
     for (int axis = 4; axis-- > 0;) {
       stride_[axis] = static_cast<std::ptrdiff_t>(size);
       size *= static_cast<std::size_t>(level.cells[axis]) + 2;
     }
-    magnitudes_.resize(16 * size);
-    sums_.resize(size);
+    magnitudes_.assign(16 * size, 0);
+    sums_.assign(size, 0);
     int n = 0;
     for (int a = 0; a < 4; ++a) {
       direct_[a] = -stride_[a];
@@ -136,25 +135,25 @@ struct CellContext {
   std::uint16_t around[16] = {};
   std::uint16_t parent[16] = {};
 
-  /// Context of coefficient k's zero bit; `q`: the cell's coefficients before k. `size`: that of
-  /// its magnitude.
-  unsigned zero(int k, const std::int32_t q[16], unsigned& size) const {
-    unsigned siblings = 0;
-    for (int bit = 8; bit > 0; bit >>= 1) {
-      if ((k & bit) != 0 && (k & ~bit) != 0)
-        siblings += static_cast<unsigned>(std::min(std::abs(q[k & ~bit]), kRemembered));
-    }
+  /// Context of coefficient k's zero bit; `m`: the magnitudes of the cell's coefficients before k,
+  /// 0 from k on and for 0. `size`: the context of its magnitude.
+  unsigned zero(int k, const std::uint8_t m[16], unsigned& size) const {
+    // Without a bit that k does not have it is k itself, and still 0.
+    const unsigned siblings = unsigned{m[k & 7]} + m[k & 11] + m[k & 13] + m[k & 14];
     const unsigned near = around[k];
     const unsigned up = 2u * parent[k];
-    const auto l = static_cast<unsigned>(level);
-    size = context::kSize + (l * kWideClasses + wideClass((near + up + 2 * siblings + 1) / 2)) * 16;
-    const auto highs = static_cast<unsigned>(std::popcount(static_cast<unsigned>(k)));
-    return context::kZero + (((l * 5 + highs) * kSumClasses + sumClass((near + 1) / 2)) *
-                                 kSizeClasses +
-                             sizeClass(up)) *
-                                kSizeClasses +
+    const unsigned orientation = static_cast<unsigned>(level) * 5 + kHighs[k];
+    size = context::kSize +
+           (orientation * kWideClasses + wideClass((near + up + 2 * siblings + 1) / 2)) * 16;
+    return context::kZero +
+           ((orientation * kSumClasses + sumClass((near + 1) / 2)) * kSizeClasses + sizeClass(up)) *
+               kSizeClasses +
            sizeClass(siblings);
   }
+
+ private:
+  static constexpr std::array<std::uint8_t, 16> kHighs{0, 1, 1, 2, 1, 2, 2, 3,
+                                                       1, 2, 2, 3, 2, 3, 3, 4};
 };
 
 /// A magnitude of at least 1: unary up to 16, then Exp-Golomb.
@@ -196,10 +195,11 @@ std::int32_t codeNumber(Bits& bits, unsigned context, std::int32_t q) {
 template <class Bits>
 void codeMembers(Bits& bits, const CellContext& c, std::uint16_t existing, std::int32_t q[16]) {
   bool seen = false;
+  std::uint8_t m[16] = {};
   for (unsigned left = existing; left != 0; left &= left - 1) {
     const int k = std::countr_zero(left);
     unsigned size = 0;
-    const unsigned zero = c.zero(k, q, size);
+    const unsigned zero = c.zero(k, m, size);
     // The last one must be what makes the cell more than empty.
     const bool implied = !seen && (left & (left - 1)) == 0;
     if (!implied && !bits.bit(zero, q[k] != 0)) {
@@ -209,6 +209,7 @@ void codeMembers(Bits& bits, const CellContext& c, std::uint16_t existing, std::
     seen = true;
     const std::int32_t magnitude = codeMagnitude(bits, size, std::abs(q[k]));
     q[k] = bits.even(q[k] < 0) ? -magnitude : magnitude;
+    m[k] = static_cast<std::uint8_t>(std::min(magnitude, kRemembered));
   }
 }
 
@@ -216,16 +217,18 @@ void codeMembers(Bits& bits, const CellContext& c, std::uint16_t existing, std::
 ///
 ///   bool code(position, existing, context, neighbours, q)
 ///
-/// with the cell's position in the block, its orientations, the context of its bit, and neighbours(),
-/// which fills in the rest of the context and must be called before codeMembers(). It says whether
-/// any of q is not zero.
+/// with the cell's position in the block, its orientations, the context of its bit, and
+/// neighbours(), which fills in the rest of the context and must be called before codeMembers(). It
+/// says whether any of q is not zero.
 ///
 /// @param support  of the block, or empty for all.
 /// @param parent  the memory of the level above, whose strides are twice as far; null for none.
+/// @param memory  what is remembered of this one.
 template <class Code>
-CellMemory codeLevel(const CellLevel& level, std::span<const std::uint8_t> support,
-                     const CellLevel* above, const CellMemory* parent, const Code& code) {
-  CellMemory memory(level);
+void codeLevel(const CellLevel& level, std::span<const std::uint8_t> support,
+               const CellLevel* above, const CellMemory* parent, CellMemory& memory,
+               const Code& code) {
+  memory.reset(level);
   CellContext c;
   c.level = level.stride;
   BlockGrid::Index4 cell{};
@@ -264,13 +267,15 @@ CellMemory codeLevel(const CellLevel& level, std::span<const std::uint8_t> suppo
                         kSizeClasses +
                     sizeClass((parentSum + 1) / 2)) *
                        4 +
-                   (members < 4 ? 0u : members < 8 ? 1u : members < 15 ? 2u : 3u);
+                   (members < 4    ? 0u
+                    : members < 8  ? 1u
+                    : members < 15 ? 2u
+                                   : 3u);
           const auto neighbours = [&] {
             memory.around(at, c.around);
             for (int k = 0; k < 16; ++k)
-              c.parent[k] = parent != nullptr
-                                ? static_cast<std::uint16_t>(parent->magnitude(up, k))
-                                : std::uint16_t{0};
+              c.parent[k] = parent != nullptr ? static_cast<std::uint16_t>(parent->magnitude(up, k))
+                                              : std::uint16_t{0};
           };
           std::int32_t q[16] = {};
           if (!code(position, existing, c, neighbours, q))
@@ -281,7 +286,6 @@ CellMemory codeLevel(const CellLevel& level, std::span<const std::uint8_t> suppo
               memory.remember(at, k, q[k]);
           }
         }
-  return memory;
 }
 
 }  // namespace volute

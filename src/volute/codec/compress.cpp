@@ -191,16 +191,17 @@ void addCoefficients(std::span<const float> values, const BlockShape& shape,
     shapeForward(plane, {}, shape.extents, Wavelet::kCdf53, levels);
     for (int stride = 0; stride < deepest(levels); ++stride) {
       const CellLevel level(shape.extents, levels, stride, Wavelet::kCdf53);
-      (void)codeLevel(level, {}, nullptr, nullptr,
-                      [&](std::ptrdiff_t position, std::uint16_t existing, const CellContext&,
-                          const auto&, const std::int32_t*) {
-                        for (unsigned left = existing; left != 0; left &= left - 1) {
-                          const int k = std::countr_zero(left);
-                          model.add(static_cast<float>(plane[position + level.offset[k]] *
-                                                       level.norm[k]));
-                        }
-                        return false;
-                      });
+      CellMemory memory;
+      codeLevel(
+          level, {}, nullptr, nullptr, memory,
+          [&](std::ptrdiff_t position, std::uint16_t existing, const CellContext&, const auto&,
+              const std::int32_t*) {
+            for (unsigned left = existing; left != 0; left &= left - 1) {
+              const int k = std::countr_zero(left);
+              model.add(static_cast<float>(plane[position + level.offset[k]] * level.norm[k]));
+            }
+            return false;
+          });
     }
   }
 }
@@ -421,8 +422,6 @@ tl::unexpected<Error> Compressor::unreachable() const {
 }
 
 Result<CompressReport> Compressor::write() {
-  { double h[16]={}; using namespace context; unsigned b[]={0,kLine,kSupport,kScaling,kCell,kZero,kSize,kLong,kCorrected,kCount};
-    for(int g=0;g<9;g++){ for(unsigned i=b[g];i<b[g+1];i++){ double n0=training_.counts.seen[i][0],n1=training_.counts.seen[i][1]; if(n0>0)h[g]-=n0*std::log2(n0/(n0+n1)); if(n1>0)h[g]-=n1*std::log2(n1/(n0+n1)); } fprintf(stderr,"group %d: %.0f bytes\n",g,h[g]/8);} std::size_t seg[3]={}; for(std::size_t i=0;i<head_.segments.size();i++)seg[i/row_.grid().count()]+=head_.segments[i].size; fprintf(stderr,"tiers %zu %zu %zu head %zu signs %lld\n",seg[0],seg[1],seg[2],headBytes_.size(),(long long)(training_.oneCount+training_.moreCount)/8); }
   VOLUTE_ASSIGN(auto file, OutputFile::create(target_));
   VOLUTE_TRY(file.write(headBytes_));
   for (Spool& spool : spools_) VOLUTE_TRY(spool.copyTo(file));
@@ -476,9 +475,7 @@ Result<CompressReport> Compressor::run() {
   VOLUTE_TRY(openSpools());
   VOLUTE_TRY(survey());
   const StepSearch::Problem wanted = problem();
-  const auto within = [&](double step) {
-    return std::clamp(step, wanted.finest, wanted.coarsest);
-  };
+  const auto within = [&](double step) { return std::clamp(step, wanted.finest, wanted.coarsest); };
   const bool bounded = options_.target.kind == Kind::kMaxError;
   double step = within(firstStep(wanted));
   VOLUTE_TRY(encodeAll(step, Way::kLearn));

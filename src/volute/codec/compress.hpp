@@ -30,10 +30,10 @@ struct ErrorTarget {
 
 struct CompressOptions {
   ErrorTarget target;
-  std::string wavelet = "auto";  ///< auto, haar, cdf53 or cdf97: what blocks may choose from
+  std::string wavelet = "auto";   ///< auto, haar, cdf53 or cdf97: what blocks may choose from
   std::optional<BlockMode> mode;  ///< one mode for all blocks, for experiments
   bool fast = false;              ///< fewer modes to choose from: quicker, and some percent larger
-  std::string provenance;  ///< kept in the file
+  std::string provenance;         ///< kept in the file
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
 };
 

@@ -296,7 +296,8 @@ Status readInfoChunk(std::span<const std::byte> content, const std::string& path
         header.valueMax <= kLargest)) {
     return malformed("the range of the values");
   }
-  std::vector<std::uint64_t> tiers(static_cast<std::size_t>(std::min<std::uint64_t>(in.varint(), 6)));
+  std::vector<std::uint64_t> tiers(
+      static_cast<std::size_t>(std::min<std::uint64_t>(in.varint(), 6)));
   for (std::uint64_t& levels : tiers) levels = in.varint();
   const auto parameters = in.bytes(in.varint());
   if (!in.ok())

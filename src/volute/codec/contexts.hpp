@@ -26,21 +26,23 @@ namespace context {
 
 // Each group begins where the one before ends. Within a group the last index runs fastest, and
 // neighbours in that order are alike: the file's table relies on it.
-inline constexpr unsigned kShaped = 0;                    ///< whether a block has a support
-inline constexpr unsigned kWavelet = kShaped + 1;         ///< its wavelet: not 9/7; then Haar
-inline constexpr unsigned kTime = kWavelet + 2;           ///< its time levels, in two bits
-inline constexpr unsigned kEnd = kTime + 3;               ///< corrections follow
-inline constexpr unsigned kLine = kEnd + 1;               ///< uniform lines of the support
-inline constexpr unsigned kSupport = kLine + 2;           ///< by 12 neighbours
-inline constexpr unsigned kScaling = kSupport + 4096;     ///< bits of a scaling coefficient
-inline constexpr unsigned kCell = kScaling + 32;          ///< level, neighbours, parent, members
-inline constexpr unsigned kZero =
-    kCell + kCellLevels * kSumClasses * kSizeClasses * 4;  ///< level, highs, neighbours, parent, siblings
+inline constexpr unsigned kShaped = 0;                 ///< whether a block has a support
+inline constexpr unsigned kWavelet = kShaped + 1;      ///< its wavelet: not 9/7; then Haar
+inline constexpr unsigned kTime = kWavelet + 2;        ///< its time levels, in two bits
+inline constexpr unsigned kEnd = kTime + 3;            ///< corrections follow
+inline constexpr unsigned kLine = kEnd + 1;            ///< uniform lines of the support
+inline constexpr unsigned kSupport = kLine + 2;        ///< by 12 neighbours
+inline constexpr unsigned kScaling = kSupport + 4096;  ///< bits of a scaling coefficient
+inline constexpr unsigned kCell = kScaling + 32;       ///< level, neighbours, parent, members
+inline constexpr unsigned kZero = kCell + kCellLevels * kSumClasses * kSizeClasses *
+                                              4;  ///< level, highs, neighbours, parent, siblings
 inline constexpr unsigned kSize =
     kZero + kCellLevels * 5 * kSumClasses * kSizeClasses * kSizeClasses;  ///< level, all three, k
-inline constexpr unsigned kLong = kSize + kCellLevels * kWideClasses * 16;  ///< neighbours, bits above 15
-inline constexpr unsigned kCorrected = kLong + kWideClasses * 32;  ///< line; voxel by the one before
-inline constexpr unsigned kCorrection = kCorrected + 3;           ///< size of a correction
+inline constexpr unsigned kLong =
+    kSize + kCellLevels * 5 * kWideClasses * 16;  ///< neighbours, bits above 15
+inline constexpr unsigned kCorrected =
+    kLong + kWideClasses * 32;                           ///< line; voxel by the one before
+inline constexpr unsigned kCorrection = kCorrected + 3;  ///< size of a correction
 inline constexpr unsigned kCount = kCorrection + 32;
 
 }  // namespace context
@@ -53,6 +55,7 @@ struct ContextCounts {
   std::vector<std::array<std::uint32_t, 2>> seen{context::kCount};
 
   void add(unsigned at, bool bit) { ++seen[at][bit ? 1 : 0]; }
+
   void add(const ContextCounts& other);
 };
 

@@ -110,12 +110,20 @@ void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
   for (int c = 0; c < shape.channels; ++c)
     shapeInverse(planes.subspan(c * voxels, voxels), support, shape.extents, mode.wavelet, levels);
   parameters.color.merge(planes, shape.channels, values);
-  const auto channels = static_cast<std::size_t>(shape.channels);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!support.empty() && support[i / channels] == 0)
-      values[i] = 0;
-    // NaN, which only a damaged file can make, becomes the minimum.
-    values[i] = std::min(stream.valueMax, std::max(stream.valueMin, values[i]));
+  // NaN, which only a damaged file can make, becomes the minimum.
+  for (float& value : values) {
+    const float least = stream.valueMin < value ? value : stream.valueMin;
+    value = stream.valueMax < least ? stream.valueMax : least;
+  }
+  if (support.empty())
+    return;
+  const float outside = std::min(stream.valueMax, std::max(stream.valueMin, 0.0f));
+  if (shape.channels == 1) {
+    for (std::size_t i = 0; i < voxels; ++i) values[i] = support[i] != 0 ? values[i] : outside;
+  } else {
+    for (std::size_t i = 0; i < voxels; ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        values[3 * i + c] = support[i] != 0 ? values[3 * i + c] : outside;
   }
 }
 

@@ -17,6 +17,7 @@ struct ReadBits {
   ArithmeticDecoder in;
 
   bool bit(unsigned context, bool) { return in.bit(contexts[context]); }
+
   bool even(bool) { return in.even(); }
 };
 
@@ -39,30 +40,51 @@ tl::unexpected<Error> malformed(std::size_t tier) {
   return fail(ErrorCode::kInvalidData, "is malformed in tier {}", tier);
 }
 
+/// Room for a block; getting memory of this size costs as much as using it.
+struct Scratch {
+  Contexts contexts;
+  std::vector<float> planes;
+  std::vector<std::uint8_t> support;
+  std::array<ComponentMemory, 3> memories;
+};
+
 /// One block on its way.
 class BlockReading {
  public:
-  BlockReading(const WaveletParameters& parameters, const BlockShape& shape)
-      : parameters_(parameters), shape_(shape), contexts_(parameters.contexts) {}
+  BlockReading(const WaveletParameters& parameters, const BlockShape& shape, Scratch& scratch)
+      : parameters_(parameters),
+        shape_(shape),
+        contexts_(scratch.contexts),
+        planes_(scratch.planes),
+        support_(scratch.support),
+        memories_(scratch.memories) {
+    contexts_ = parameters.contexts;
+    planes_.assign(shape.values(), 0);
+    support_.clear();
+  }
 
-  Status read(Tiers tiers, int levels, std::vector<float>& planes);
+  Status read(Tiers tiers, int levels);
   void correct(const StreamInfo& stream, std::span<float> values) const;
 
   const BlockMode& mode() const { return mode_; }
+
+  std::span<float> planes() { return planes_; }
+
   std::span<const std::uint8_t> support() const { return support_; }
 
  private:
   void readHead(ReadBits& bits);
-  void readCells(ReadBits& bits, BlockWalk& walk, const TierStrides& strides,
-                 std::vector<float>& planes) const;
-  void readScaling(ReadBits& bits, const BlockWalk& walk, std::vector<float>& planes) const;
+  void readCells(ReadBits& bits, BlockWalk& walk, const TierStrides& strides);
+  void readScaling(ReadBits& bits, const BlockWalk& walk);
   void readCorrections(ReadBits& bits);
 
   const WaveletParameters& parameters_;
   const BlockShape& shape_;
-  Contexts contexts_;
+  Contexts& contexts_;
+  std::vector<float>& planes_;
+  std::vector<std::uint8_t>& support_;
+  std::span<ComponentMemory> memories_;
   BlockMode mode_;
-  std::vector<std::uint8_t> support_;
   std::vector<std::int32_t> corrections_;
 };
 
@@ -74,17 +96,15 @@ void BlockReading::readHead(ReadBits& bits) {
   codeSupport(bits, shape_.extents, support_);
 }
 
-void BlockReading::readScaling(ReadBits& bits, const BlockWalk& walk,
-                               std::vector<float>& planes) const {
+void BlockReading::readScaling(ReadBits& bits, const BlockWalk& walk) {
   const Dequantiser dequantise(parameters_);
   walk.scaling([&](int c, std::ptrdiff_t position, double norm) {
-    planes[c * shape_.voxels() + position] =
+    planes_[c * shape_.voxels() + position] =
         dequantise(codeNumber(bits, context::kScaling, 0), norm);
   });
 }
 
-void BlockReading::readCells(ReadBits& bits, BlockWalk& walk, const TierStrides& strides,
-                             std::vector<float>& planes) const {
+void BlockReading::readCells(ReadBits& bits, BlockWalk& walk, const TierStrides& strides) {
   const Dequantiser dequantise(parameters_);
   walk.cells(strides,
              [&](int c, const CellLevel& level, std::ptrdiff_t position, std::uint16_t existing,
@@ -93,7 +113,7 @@ void BlockReading::readCells(ReadBits& bits, BlockWalk& walk, const TierStrides&
                  return false;
                neighbours();
                codeMembers(bits, context, existing, q);
-               float* cell = planes.data() + c * shape_.voxels() + position;
+               float* cell = planes_.data() + c * shape_.voxels() + position;
                for (unsigned left = existing; left != 0; left &= left - 1) {
                  const int k = std::countr_zero(left);
                  if (q[k] != 0)
@@ -110,7 +130,7 @@ void BlockReading::readCorrections(ReadBits& bits) {
   codeCorrections(bits, shape_, corrections_);
 }
 
-Status BlockReading::read(Tiers tiers, int levels, std::vector<float>& planes) {
+Status BlockReading::read(Tiers tiers, int levels) {
   std::optional<BlockWalk> walk;
   for (std::size_t tier = 0; tier < tiers.size(); ++tier) {
     const TierStrides strides = stridesOfTier(shape_, tier, levels);
@@ -126,10 +146,10 @@ Status BlockReading::read(Tiers tiers, int levels, std::vector<float>& planes) {
     ReadBits bits{contexts_, ArithmeticDecoder(tiers[tier])};
     if (strides.scaling) {
       readHead(bits);
-      walk.emplace(shape_, mode_, support_);
-      readScaling(bits, *walk, planes);
+      walk.emplace(shape_, mode_, support_, memories_);
+      readScaling(bits, *walk);
     }
-    readCells(bits, *walk, strides, planes);
+    readCells(bits, *walk, strides);
     if (levels < shape_.levels())
       continue;
     if (tier + 1 == kWaveletTiers.size())
@@ -170,10 +190,10 @@ class WaveletDecoder final : public BlockDecoder {
       std::ranges::fill(values, std::min(stream_.valueMax, std::max(stream_.valueMin, 0.0f)));
       return {};
     }
-    BlockReading block(parameters_, shape);
-    std::vector<float> planes(shape.values());
-    VOLUTE_TRY(block.read(tiers, levels, planes));
-    reconstruct(planes, block.support(), block.mode(), shape, parameters_, stream_, values);
+    thread_local Scratch scratch;
+    BlockReading block(parameters_, shape, scratch);
+    VOLUTE_TRY(block.read(tiers, levels));
+    reconstruct(block.planes(), block.support(), block.mode(), shape, parameters_, stream_, values);
     block.correct(stream_, values);
     return {};
   }

@@ -89,7 +89,16 @@ struct Strip {
     }
   }
 
+  /// Whether there is anything: zeros stay zeros.
+  HWY_INLINE bool empty() const {
+    F any = hn::Zero(d);
+    for (std::size_t i = 0; i < rows.count; ++i) any = hn::Or(any, get(i));
+    return hn::AllFalse(d, hn::Ne(any, hn::Zero(d)));
+  }
+
   HWY_INLINE void lift(Wavelet wavelet, bool inverse) const {
+    if (empty())
+      return;
     const LiftingSteps steps_ = liftingSteps(wavelet);
     if (wavelet == Wavelet::kHaar) {
       haar(inverse ? 1 / kRootTwo : kRootTwo);
@@ -170,7 +179,7 @@ class Level {
 
   // x becomes the slowest axis for a while, some lines at a time.
   void liftAlongX(Wavelet wavelet, bool inverse) const {
-    constexpr std::size_t kLines = 64;
+    constexpr std::size_t kLines = 16;
     const auto count = static_cast<std::size_t>(extents_[3]);
     float turned[kLongestSide * kLines];
     float turnedSupport[kLongestSide * kLines];
@@ -178,6 +187,8 @@ class Level {
     for (std::size_t first = 0; first < lines; first += kLines) {
       const std::size_t n = std::min(kLines, lines - first);
       float* samples = samples_.data() + first * count;
+      if (std::all_of(samples, samples + n * count, [](float value) { return value == 0; }))
+        continue;
       turn(samples, n, count, turned, n);
       if (!support_.empty())
         turn(support_.data() + first * count, n, count, turnedSupport, n);
@@ -225,8 +236,14 @@ void visitLow(const Extents& e, const std::array<bool, 4>& halved, const Visit& 
       }
 }
 
+/// Room for what is left of a block at each level.
+struct Scratch {
+  std::array<std::vector<float>, 5> samples, support;
+};
+
 void transform(std::span<float> samples, std::span<const float> support, const Extents& extents,
-               Wavelet wavelet, const AxisLevels& levels, bool inverse) {
+               Wavelet wavelet, const AxisLevels& levels, bool inverse, Scratch& scratch,
+               std::size_t depth) {
   if (deepest(levels) == 0)
     return;
   const Level level(samples, support, extents);
@@ -243,12 +260,14 @@ void transform(std::span<float> samples, std::span<const float> support, const E
   }
   if (deepest(left) > 0) {
     const Extents half = halfOf(extents, halved);
-    std::vector<float> low(sizeOf(half));
-    std::vector<float> lowSupport(support.empty() ? 0 : low.size());
+    std::vector<float>& low = scratch.samples[depth];
+    std::vector<float>& lowSupport = scratch.support[depth];
+    low.resize(sizeOf(half));
+    lowSupport.resize(support.empty() ? 0 : low.size());
     visitLow(extents, halved, [&](std::size_t i, std::size_t j) { low[i] = samples[j]; });
     if (!support.empty())
       visitLow(extents, halved, [&](std::size_t i, std::size_t j) { lowSupport[i] = support[j]; });
-    transform(low, lowSupport, half, wavelet, left, inverse);
+    transform(low, lowSupport, half, wavelet, left, inverse, scratch, depth + 1);
     visitLow(extents, halved, [&](std::size_t i, std::size_t j) { samples[j] = low[i]; });
   }
   if (inverse) {
@@ -264,8 +283,10 @@ void transformBlock(std::span<float> samples, std::span<const std::uint8_t> supp
   VOLUTE_ASSERT(samples.size() == sizeOf(extents) &&
                 (support.empty() || support.size() == samples.size()) &&
                 *std::ranges::max_element(extents) <= kLongestSide);
-  transform(samples, std::vector<float>(support.begin(), support.end()), extents, wavelet, levels,
-            inverse);
+  // Memory of this size costs as much to get as to use.
+  thread_local Scratch scratch;
+  scratch.support[0].assign(support.begin(), support.end());
+  transform(samples, scratch.support[0], extents, wavelet, levels, inverse, scratch, 1);
 }
 
 int halvings(int side) {

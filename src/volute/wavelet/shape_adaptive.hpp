@@ -41,7 +41,8 @@ int deepest(const AxisLevels& levels);
 void shapeForward(std::span<float> samples, std::span<const std::uint8_t> support,
                   const std::array<int, 4>& extents, Wavelet wavelet, const AxisLevels& levels);
 
-/// Undoes shapeForward up to rounding, given the same support. Coefficients outside it must be zero.
+/// Undoes shapeForward up to rounding, given the same support. Coefficients outside it must be
+/// zero.
 void shapeInverse(std::span<float> coefficients, std::span<const std::uint8_t> support,
                   const std::array<int, 4>& extents, Wavelet wavelet, const AxisLevels& levels);
 

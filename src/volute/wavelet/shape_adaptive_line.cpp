@@ -50,6 +50,7 @@ class Line {
 
  private:
   bool in(int i) const { return i >= 0 && i < n_ && (support_.empty() || support_[i] != 0); }
+
   bool lone(int i) const { return !in(i - 1) && !in(i + 1); }
 
   std::span<float> x_;

@@ -122,8 +122,7 @@ RC_GTEST_PROP(ShapeAdaptive, InverseRestores, ()) {
   shapeForward(x, shaped.support, e, wavelet, levels);
   for (std::size_t i = 0; i < x.size(); ++i) RC_ASSERT(shaped.support[i] != 0 || x[i] == 0);
   shapeInverse(x, shaped.support, e, wavelet, levels);
-  for (std::size_t i = 0; i < x.size(); ++i)
-    RC_ASSERT(std::abs(x[i] - shaped.samples[i]) < 2e-5f);
+  for (std::size_t i = 0; i < x.size(); ++i) RC_ASSERT(std::abs(x[i] - shaped.samples[i]) < 2e-5f);
 }
 
 TEST(ShapeAdaptive, LineInverseRestores) {
