@@ -109,26 +109,39 @@ class ArithmeticDecoder {
   }
 
   bool bit(AdaptiveBit& state) {
-    const bool value = take((range_ >> 16) * state.one);
-    state.learn(value);
-    return value;
+    // Branches, not selections: a guess of the bit lets work on the next one begin.
+    const std::uint64_t bound = (range_ >> 16) * state.one;
+    if (code_ < bound) {
+      range_ = bound;
+      state.learn(true);
+      refill();
+      return true;
+    }
+    code_ -= bound;
+    range_ -= bound;
+    state.learn(false);
+    refill();
+    return false;
   }
 
-  bool even() { return take(range_ >> 1); }
+  bool even() {
+    const std::uint64_t bound = range_ >> 1;
+    const bool value = code_ < bound;
+    code_ -= value ? 0 : bound;
+    range_ = value ? bound : range_ - bound;
+    refill();
+    return value;
+  }
 
   /// False when bytes are left that no bit depended on.
   bool usedAll() const { return next_ >= bytes_.size(); }
 
  private:
-  bool take(std::uint64_t bound) {
-    const bool value = code_ < bound;
-    code_ -= value ? 0 : bound;
-    range_ = value ? bound : range_ - bound;
-    if (range_ < std::uint64_t{1} << 32) {
+  void refill() {
+    if (range_ < std::uint64_t{1} << 32) [[unlikely]] {
       fill();
       range_ <<= 32;
     }
-    return value;
   }
 
   void fill() {

@@ -112,8 +112,9 @@ class CellQuantiser {
   // The lesser of two candidates; gives its cost.
   double chooseOne(const Contexts& contexts, const CellContext& c, int k, const std::uint8_t m[16],
                    double size, std::int32_t q[16]) const {
-    unsigned context = 0;
-    const unsigned zero = c.zero(k, m, context);
+    const unsigned siblings = CellContext::siblingsOf(k, m);
+    const unsigned zero = c.zero(k, siblings);
+    const unsigned context = c.size(k, siblings);
     const auto costOf = [&](std::int32_t candidate) {
       AskBits ask{contexts};
       ask.bit(zero, candidate != 0);

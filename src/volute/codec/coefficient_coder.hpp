@@ -58,6 +58,19 @@ inline unsigned sizeClass(unsigned size) {
   return kSizeClass[std::min(size, 255u)];
 }
 
+/// Cells with few coefficients are in classes of their own.
+inline unsigned memberClass(unsigned members) {
+  return members < 4 ? 0 : members < 8 ? 1 : members < 15 ? 2 : 3;
+}
+
+/// How many bits are set in a number below 16.
+inline constexpr std::array<std::uint8_t, 16> kOnes{0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
+
+inline unsigned onesOf(std::uint16_t word) {
+  return unsigned{kOnes[word & 15]} + kOnes[word >> 4 & 15] + kOnes[word >> 8 & 15] +
+         kOnes[word >> 12];
+}
+
 /// The magnitudes of one level, for the contexts of the cells to come and of the next level: a cell
 /// is 16 of them, with a border of empty cells around all.
 class CellMemory {
@@ -113,7 +126,7 @@ class CellMemory {
 
   unsigned sum(std::ptrdiff_t cell) const { return sums_[cell]; }
 
-  unsigned magnitude(std::ptrdiff_t cell, int k) const { return magnitudes_[16 * cell + k]; }
+  std::uint8_t magnitude(std::ptrdiff_t cell, int k) const { return magnitudes_[16 * cell + k]; }
 
   void remember(std::ptrdiff_t cell, int k, std::int32_t q) {
     const auto m = static_cast<std::uint8_t>(std::min(std::abs(q), kRemembered));
@@ -133,27 +146,32 @@ struct CellContext {
   int level = 0;
   unsigned cell = 0;  ///< context of the bit that says whether anything is in it
   std::uint16_t around[16] = {};
-  std::uint16_t parent[16] = {};
+  std::uint8_t parent[16] = {};
 
-  /// Context of coefficient k's zero bit; `m`: the magnitudes of the cell's coefficients before k,
-  /// 0 from k on and for 0. `size`: the context of its magnitude.
-  unsigned zero(int k, const std::uint8_t m[16], unsigned& size) const {
-    // Without a bit that k does not have it is k itself, and still 0.
-    const unsigned siblings = unsigned{m[k & 7]} + m[k & 11] + m[k & 13] + m[k & 14];
-    const unsigned near = around[k];
-    const unsigned up = 2u * parent[k];
-    const unsigned orientation = static_cast<unsigned>(level) * 5 + kHighs[k];
-    size = context::kSize +
-           (orientation * kWideClasses + wideClass((near + up + 2 * siblings + 1) / 2)) * 16;
+  /// Context of coefficient k's zero bit. `siblings`: siblingsOf() it.
+  unsigned zero(int k, unsigned siblings) const {
     return context::kZero +
-           ((orientation * kSumClasses + sumClass((near + 1) / 2)) * kSizeClasses + sizeClass(up)) *
+           ((orientation(k) * kSumClasses + sumClass((around[k] + 1u) / 2)) * kSizeClasses +
+            sizeClass(2u * parent[k])) *
                kSizeClasses +
            sizeClass(siblings);
   }
 
+  /// First context of its magnitude.
+  unsigned size(int k, unsigned siblings) const {
+    const unsigned sum = around[k] + 2u * parent[k] + 2 * siblings;
+    return context::kSize + (orientation(k) * kWideClasses + wideClass((sum + 1) / 2)) * 16;
+  }
+
+  /// The magnitudes of the orientations that are k but for one high; `m`: of the cell's
+  /// coefficients before k, and 0 from k on and for 0.
+  static unsigned siblingsOf(int k, const std::uint8_t m[16]) {
+    // Without a bit that k does not have it is k itself, and still 0.
+    return unsigned{m[k & 7]} + m[k & 11] + m[k & 13] + m[k & 14];
+  }
+
  private:
-  static constexpr std::array<std::uint8_t, 16> kHighs{0, 1, 1, 2, 1, 2, 2, 3,
-                                                       1, 2, 2, 3, 2, 3, 3, 4};
+  unsigned orientation(int k) const { return static_cast<unsigned>(level) * 5 + kOnes[k]; }
 };
 
 /// A magnitude of at least 1: unary up to 16, then Exp-Golomb.
@@ -198,16 +216,15 @@ void codeMembers(Bits& bits, const CellContext& c, std::uint16_t existing, std::
   std::uint8_t m[16] = {};
   for (unsigned left = existing; left != 0; left &= left - 1) {
     const int k = std::countr_zero(left);
-    unsigned size = 0;
-    const unsigned zero = c.zero(k, m, size);
+    const unsigned siblings = CellContext::siblingsOf(k, m);
     // The last one must be what makes the cell more than empty.
     const bool implied = !seen && (left & (left - 1)) == 0;
-    if (!implied && !bits.bit(zero, q[k] != 0)) {
+    if (!implied && !bits.bit(c.zero(k, siblings), q[k] != 0)) {
       q[k] = 0;
       continue;
     }
     seen = true;
-    const std::int32_t magnitude = codeMagnitude(bits, size, std::abs(q[k]));
+    const std::int32_t magnitude = codeMagnitude(bits, c.size(k, siblings), std::abs(q[k]));
     q[k] = bits.even(q[k] < 0) ? -magnitude : magnitude;
     m[k] = static_cast<std::uint8_t>(std::min(magnitude, kRemembered));
   }
@@ -231,51 +248,39 @@ void codeLevel(const CellLevel& level, std::span<const std::uint8_t> support,
   memory.reset(level);
   CellContext c;
   c.level = level.stride;
+  const unsigned first =
+      context::kCell + static_cast<unsigned>(c.level) * kSumClasses * kSizeClasses * kMemberClasses;
   BlockGrid::Index4 cell{};
-  for (cell[0] = 0; cell[0] < level.cells[0]; ++cell[0])
-    for (cell[1] = 0; cell[1] < level.cells[1]; ++cell[1])
-      for (cell[2] = 0; cell[2] < level.cells[2]; ++cell[2])
-        for (cell[3] = 0; cell[3] < level.cells[3]; ++cell[3]) {
-          std::uint16_t existing = level.existing(cell);
-          std::ptrdiff_t position = 0;
-          for (int axis = 0; axis < 4; ++axis) position += cell[axis] * level.step[axis];
-          if (!support.empty()) {
-            const std::uint8_t* in = support.data() + position;
-            for (unsigned left = existing; left != 0; left &= left - 1) {
-              const int k = std::countr_zero(left);
-              if (in[level.offset[k]] == 0)
-                existing = static_cast<std::uint16_t>(existing & ~(1u << k));
-            }
-          }
+  const auto& count = level.cells;
+  for (cell[0] = 0; cell[0] < count[0]; ++cell[0])
+    for (cell[1] = 0; cell[1] < count[1]; ++cell[1])
+      for (cell[2] = 0; cell[2] < count[2]; ++cell[2]) {
+        // A row of cells along x.
+        cell[3] = 0;
+        const std::uint16_t inRow = level.existingInRow(cell);
+        std::ptrdiff_t position = level.position(cell);
+        std::ptrdiff_t at = memory.at(cell);
+        const std::ptrdiff_t parents = parent != nullptr ? parent->at(above->cellAbove(cell)) : 0;
+        const int perParent = above != nullptr && above->halved[3] ? 1 : 0;
+        for (; cell[3] < count[3]; ++cell[3], position += level.step[3], ++at) {
+          std::uint16_t existing = inRow;
+          if (level.cut[3] && cell[3] == count[3] - 1)
+            existing = static_cast<std::uint16_t>(existing & ~level.high[3]);
+          if (!support.empty())
+            existing = level.within(support.data() + position, existing);
           if (existing == 0)
             continue;
-          const std::ptrdiff_t at = memory.at(cell);
-          std::ptrdiff_t up = 0;
-          unsigned parentSum = 0;
-          if (parent != nullptr) {
-            BlockGrid::Index4 from = cell;
-            for (int axis = 0; axis < 4; ++axis)
-              if (above->halved[axis])
-                from[axis] /= 2;
-            up = parent->at(from);
-            parentSum = parent->sum(up);
-          }
-          const auto members = static_cast<unsigned>(std::popcount(existing));
-          c.cell = context::kCell +
-                   ((static_cast<unsigned>(c.level) * kSumClasses +
-                     sumClass((memory.sumAround(at) + 2) / 4)) *
-                        kSizeClasses +
+          const std::ptrdiff_t up = parents + (cell[3] >> perParent);
+          const unsigned parentSum = parent != nullptr ? parent->sum(up) : 0;
+          c.cell = first +
+                   (sumClass((memory.sumAround(at) + 2) / 4) * kSizeClasses +
                     sizeClass((parentSum + 1) / 2)) *
-                       4 +
-                   (members < 4    ? 0u
-                    : members < 8  ? 1u
-                    : members < 15 ? 2u
-                                   : 3u);
+                       kMemberClasses +
+                   memberClass(onesOf(existing));
           const auto neighbours = [&] {
             memory.around(at, c.around);
             for (int k = 0; k < 16; ++k)
-              c.parent[k] = parent != nullptr ? static_cast<std::uint16_t>(parent->magnitude(up, k))
-                                              : std::uint16_t{0};
+              c.parent[k] = parent != nullptr ? parent->magnitude(up, k) : 0;
           };
           std::int32_t q[16] = {};
           if (!code(position, existing, c, neighbours, q))
@@ -286,6 +291,7 @@ void codeLevel(const CellLevel& level, std::span<const std::uint8_t> support,
               memory.remember(at, k, q[k]);
           }
         }
+      }
 }
 
 }  // namespace volute

@@ -21,6 +21,7 @@ inline constexpr int kCellLevels = 4;
 inline constexpr int kSumClasses = 10;
 inline constexpr int kWideClasses = 15;
 inline constexpr int kSizeClasses = 6;
+inline constexpr int kMemberClasses = 4;
 
 namespace context {
 

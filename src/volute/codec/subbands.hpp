@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -31,14 +32,40 @@ struct CellLevel {
 
   CellLevel(const Index4& extents, const AxisLevels& levels, int stride, Wavelet wavelet);
 
-  /// The orientations of a cell that lie inside the block.
-  std::uint16_t existing(const Index4& cell) const {
+  /// Where a cell's orientation 0 stands in the block.
+  std::ptrdiff_t position(const Index4& cell) const {
+    return cell[0] * step[0] + cell[1] * step[1] + cell[2] * step[2] + cell[3] * step[3];
+  }
+
+  /// The cell of this level whose places hold the same frames and voxels as a cell of the next
+  /// finer one.
+  Index4 cellAbove(Index4 cell) const {
+    for (int axis = 0; axis < 4; ++axis) cell[axis] >>= halved[axis] ? 1 : 0;
+    return cell;
+  }
+
+  /// The orientations that lie inside the block in a row of cells along x, but for its last cell.
+  std::uint16_t existingInRow(const Index4& cell) const {
     std::uint16_t left = orientations;
-    for (int axis = 0; axis < 4; ++axis) {
+    for (int axis = 0; axis < 3; ++axis) {
       if (cut[axis] && cell[axis] == cells[axis] - 1)
         left = static_cast<std::uint16_t>(left & ~high[axis]);
     }
     return left;
+  }
+
+  /// Those of `existing` that belong to the support, whose value at the cell's position is *cell.
+  std::uint16_t within(const std::uint8_t* cell, std::uint16_t existing) const {
+    unsigned in = 0;
+    if (existing == 0xFFFE) {
+      for (int k = 1; k < 16; ++k) in |= static_cast<unsigned>(cell[offset[k]]) << k;
+    } else {
+      for (unsigned left = existing; left != 0; left &= left - 1) {
+        const int k = std::countr_zero(left);
+        in |= static_cast<unsigned>(cell[offset[k]]) << k;
+      }
+    }
+    return static_cast<std::uint16_t>(in);
   }
 };
 

@@ -13,12 +13,26 @@ namespace {
 
 /// The Bits of a reader.
 struct ReadBits {
-  Contexts& contexts;
+  AdaptiveBit* contexts;
   ArithmeticDecoder in;
 
   bool bit(unsigned context, bool) { return in.bit(contexts[context]); }
 
   bool even(bool) { return in.even(); }
+};
+
+/// A reader for some bits in a row, whose state can stay in registers.
+class LocalBits : public ReadBits {
+ public:
+  explicit LocalBits(ReadBits& home) : ReadBits(home), home_(home) {}
+
+  ~LocalBits() { home_.in = in; }
+
+  LocalBits(const LocalBits&) = delete;
+  LocalBits& operator=(const LocalBits&) = delete;
+
+ private:
+  ReadBits& home_;
 };
 
 /// What a quantised coefficient stands for.
@@ -93,7 +107,8 @@ void BlockReading::readHead(ReadBits& bits) {
   if (!mode_.shaped)
     return;
   support_.resize(shape_.voxels());
-  codeSupport(bits, shape_.extents, support_);
+  LocalBits local(bits);
+  codeSupport(local, shape_.extents, std::span(support_));
 }
 
 void BlockReading::readScaling(ReadBits& bits, const BlockWalk& walk) {
@@ -112,7 +127,10 @@ void BlockReading::readCells(ReadBits& bits, BlockWalk& walk, const TierStrides&
                if (!bits.bit(context.cell, false))
                  return false;
                neighbours();
-               codeMembers(bits, context, existing, q);
+               {
+                 LocalBits local(bits);
+                 codeMembers(local, context, existing, q);
+               }
                float* cell = planes_.data() + c * shape_.voxels() + position;
                for (unsigned left = existing; left != 0; left &= left - 1) {
                  const int k = std::countr_zero(left);
@@ -143,7 +161,7 @@ Status BlockReading::read(Tiers tiers, int levels) {
     // A block that has anything has it in tier 0, with the mode.
     if (tier > 0 && !walk)
       return malformed(tier);
-    ReadBits bits{contexts_, ArithmeticDecoder(tiers[tier])};
+    ReadBits bits{contexts_.data(), ArithmeticDecoder(tiers[tier])};
     if (strides.scaling) {
       readHead(bits);
       walk.emplace(shape_, mode_, support_, memories_);
@@ -202,7 +220,7 @@ class WaveletDecoder final : public BlockDecoder {
     if (tiers.empty() || tiers[0].empty())
       return "empty";
     Contexts contexts = parameters_.contexts;
-    ReadBits bits{contexts, ArithmeticDecoder(tiers[0])};
+    ReadBits bits{contexts.data(), ArithmeticDecoder(tiers[0])};
     BlockMode mode;
     codeMode(bits, mode);
     return volute::describe(mode);
