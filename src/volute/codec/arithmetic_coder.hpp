@@ -38,38 +38,14 @@ struct AdaptiveBit {
   }();
 };
 
-/// Writes bits into a byte string. The interval [low, low + range) shrinks to the part of each bit;
-/// a carry out of `low` runs back into the bytes that are written.
+/// Writes bits into a byte string: those with estimates from its front, even ones, which need no
+/// arithmetic, from its end backwards. The interval [low, low + range) shrinks to the part of each
+/// bit; a carry out of `low` runs back into the bytes that are written.
 class ArithmeticEncoder {
  public:
   void bit(AdaptiveBit& state, bool value) {
-    narrow((range_ >> 16) * state.one, value);
+    const std::uint64_t bound = (range_ >> 16) * state.one;
     state.learn(value);
-  }
-
-  /// A bit that is as often 0 as 1.
-  void even(bool value) { narrow(range_ >> 1, value); }
-
-  /// Ends the string, as short as it can be: a reader takes zeros for what lies beyond it.
-  std::vector<std::byte> finish() {
-    // The number in the interval with the fewest bytes.
-    for (int bytes = 0; bytes <= 8; ++bytes) {
-      const std::uint64_t rest = bytes == 8 ? 0 : ~std::uint64_t{0} >> 8 * bytes;
-      const std::uint64_t value = (low_ + rest) & ~rest;
-      const bool carried = low_ + rest < low_;
-      if (value - low_ >= range_)
-        continue;
-      if (carried)
-        carry();
-      for (int i = 0; i < bytes; ++i) push(value >> (56 - 8 * i));
-      break;
-    }
-    while (!bytes_.empty() && bytes_.back() == std::byte{0}) bytes_.pop_back();
-    return std::move(bytes_);
-  }
-
- private:
-  void narrow(std::uint64_t bound, bool value) {
     if (value) {
       range_ = bound;
     } else {
@@ -85,6 +61,33 @@ class ArithmeticEncoder {
     }
   }
 
+  /// A bit that is as often 0 as 1.
+  void even(bool value) {
+    if (evenCount_ % 8 == 0)
+      even_.push_back(std::byte{0});
+    if (value)
+      even_.back() |= std::byte{1} << evenCount_ % 8;
+    ++evenCount_;
+  }
+
+  /// Ends the string.
+  std::vector<std::byte> finish() {
+    // The fewest bytes that say where in the interval, whatever follows them.
+    for (int bytes = 0; bytes <= 8; ++bytes) {
+      const std::uint64_t rest = bytes == 8 ? 0 : ~std::uint64_t{0} >> 8 * bytes;
+      const std::uint64_t value = (low_ + rest) & ~rest;
+      if (value - low_ >= range_ || range_ - (value - low_) <= rest)
+        continue;
+      if (low_ + rest < low_)
+        carry();
+      for (int i = 0; i < bytes; ++i) push(value >> (56 - 8 * i));
+      break;
+    }
+    bytes_.insert(bytes_.end(), even_.rbegin(), even_.rend());
+    return std::move(bytes_);
+  }
+
+ private:
   void push(std::uint64_t byte) { bytes_.push_back(static_cast<std::byte>(byte & 0xFF)); }
 
   void carry() {
@@ -95,15 +98,17 @@ class ArithmeticEncoder {
     }
   }
 
-  std::vector<std::byte> bytes_;
+  std::vector<std::byte> bytes_, even_;
+  std::size_t evenCount_ = 0;
   std::uint64_t low_ = 0;
   std::uint64_t range_ = ~std::uint64_t{0};
 };
 
-/// Reads what ArithmeticEncoder wrote. Any bytes give some bits; reads no further than their end.
+/// Reads what ArithmeticEncoder wrote. Any bytes give some bits; reads nothing beyond their ends.
 class ArithmeticDecoder {
  public:
-  explicit ArithmeticDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
+  explicit ArithmeticDecoder(std::span<const std::byte> bytes)
+      : bytes_(bytes), evenBegin_(bytes.size()) {
     fill();
     fill();
   }
@@ -125,16 +130,20 @@ class ArithmeticDecoder {
   }
 
   bool even() {
-    const std::uint64_t bound = range_ >> 1;
-    const bool value = code_ < bound;
-    code_ -= value ? 0 : bound;
-    range_ = value ? bound : range_ - bound;
-    refill();
+    if (evenLeft_ == 0) {
+      for (; evenLeft_ < 64 && evenBegin_ > 0; evenLeft_ += 8)
+        even_ |= static_cast<std::uint64_t>(bytes_[--evenBegin_]) << evenLeft_;
+      if (evenLeft_ == 0)
+        return false;
+    }
+    const bool value = (even_ & 1) != 0;
+    even_ >>= 1;
+    --evenLeft_;
     return value;
   }
 
   /// False when bytes are left that no bit depended on.
-  bool usedAll() const { return next_ >= bytes_.size(); }
+  bool usedAll() const { return next_ >= evenBegin_ + static_cast<std::size_t>(evenLeft_ / 8); }
 
  private:
   void refill() {
@@ -153,9 +162,11 @@ class ArithmeticDecoder {
   }
 
   std::span<const std::byte> bytes_;
-  std::size_t next_ = 0;
+  std::size_t next_ = 0, evenBegin_;
   std::uint64_t code_ = 0;
   std::uint64_t range_ = ~std::uint64_t{0};
+  std::uint64_t even_ = 0;
+  int evenLeft_ = 0;
 };
 
 }  // namespace volute

@@ -92,7 +92,7 @@ struct Strip {
   /// Whether there is anything: zeros stay zeros.
   HWY_INLINE bool empty() const {
     F any = hn::Zero(d);
-    for (std::size_t i = 0; i < rows.count; ++i) any = hn::Or(any, get(i));
+    for (std::size_t i = 0; i < rows.count; ++i) any = hn::Max(any, hn::Abs(get(i)));
     return hn::AllFalse(d, hn::Ne(any, hn::Zero(d)));
   }
 
