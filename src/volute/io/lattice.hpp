@@ -64,7 +64,8 @@ class LatticeReader {
 /// How a frame is written.
 struct LatticeWriterOptions {
   bool half = false;  ///< OpenVDB: values as 16-bit floats
-  bool zip = false;   ///< OpenVDB: zlib, which is slower and smaller than its default, Blosc
+  bool zip =
+      false;  ///< OpenVDB: zlib, slower and smaller than Blosc; the grid's class is unknown then
 };
 
 /// Writes one frame to one file.

@@ -378,7 +378,8 @@ class VdbWriter final : public LatticeWriter {
       const auto grid = info.channels == 3 ? makeGrid<openvdb::Vec3SGrid>(info, values)
                                            : makeGrid<openvdb::FloatGrid>(info, values);
       grid->setName(info.name);
-      grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+      // OpenVDB does not zip fog volumes.
+      grid->setGridClass(options_.zip ? openvdb::GRID_UNKNOWN : openvdb::GRID_FOG_VOLUME);
       grid->setTransform(makeTransform(info));
       grid->setSaveFloatAsHalf(options_.half);
       grid->insertMeta(kTimeKey, openvdb::DoubleMetadata(info.times[frame]));

@@ -12,7 +12,7 @@
 namespace volute::cli {
 namespace {
 
-/// A wandering blob with exact zeros around it, sizes that are no multiples of anything.
+/// A wandering blob that fades into exact zeros, sizes that are no multiples of anything.
 Sequence blob(int channels) {
   Sequence sequence = makeSequence(5, 9, 13, 18, channels);
   const auto view = sequence.view();
@@ -23,8 +23,8 @@ Sequence blob(int channels) {
           for (int c = 0; c < channels; ++c) {
             const double square =
                 std::pow(z - 4.0, 2) + std::pow(y - 5.0 - t, 2) + std::pow(x - 9.0 + c, 2);
-            view(t, z, y, x, c) =
-                static_cast<float>(std::max(0.0, 1.3 - square / 20) * (1 + 0.1 * std::sin(x * y)));
+            view(t, z, y, x, c) = static_cast<float>(std::pow(std::max(0.0, 1.3 - square / 40), 3) *
+                                                     (1 + 0.1 * std::sin(x * y)));
           }
   return sequence;
 }

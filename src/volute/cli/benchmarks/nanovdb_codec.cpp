@@ -4,6 +4,8 @@
 #include <nanovdb/util/GridBuilder.h>
 #include <nanovdb/util/IO.h>
 
+#include <cmath>
+
 #include "volute/base/parallel.hpp"
 #include "volute/cli/benchmarks/file_codec.hpp"
 
@@ -12,7 +14,11 @@ namespace {
 
 using Handle = nanovdb::GridHandle<>;
 
-/// Channel `channel` of one frame; zeros are not stored.
+/// Voxels up to this share of the tolerance are not stored. Of 0, 0.4, 0.7 and 1 it makes the
+/// smallest files at equal error, on smoke and on fire.
+constexpr float kEmpty = 0.7f;
+
+/// Channel `channel` of one frame.
 Handle makeGrid(const VolumeInfo& info, std::span<const float> frame, int channel,
                 float tolerance) {
   nanovdb::GridBuilder<float, nanovdb::FpN> builder(0.0f);
@@ -21,11 +27,12 @@ Handle makeGrid(const VolumeInfo& info, std::span<const float> frame, int channe
   for (int z = 0; z < info.z; ++z) {
     for (int y = 0; y < info.y; ++y) {
       for (int x = 0; x < info.x; ++x, value += info.channels) {
-        if (*value != 0)
+        if (std::fabs(*value) > kEmpty * tolerance)
           accessor.setValue(nanovdb::Coord(x, y, z), *value);
       }
     }
   }
+  builder.setStats(nanovdb::StatsMode::Disable);  // nobody reads them here, and they take bytes
   return builder.getHandle(1.0, nanovdb::Vec3d(0), "", nanovdb::AbsDiff(tolerance));
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <cmath>
+
 #include "volute/cli/benchmarks/file_codec.hpp"
 #include "volute/io/plugin.hpp"
 
@@ -11,9 +13,10 @@ class VdbCodec final : public FileCodec {
  public:
   explicit VdbCodec(const LatticePlugin& plugin) : plugin_(plugin) {}
 
-  Setting setting() const override { return Setting::kNone; }
+  Setting setting() const override { return Setting::kTolerance; }
 
-  Result<float> encode(const Sequence& sequence, double,
+  /// Values up to the tolerance become background, which is how OpenVDB saves space.
+  Result<float> encode(const Sequence& sequence, double setting,
                        const std::filesystem::path& folder) const override {
     const auto writer = plugin_.makeWriter({.half = true, .zip = true});
     VolumeInfo info = sequence.info;
@@ -23,7 +26,7 @@ class VdbCodec final : public FileCodec {
       for (int t = 0; t < info.frames; ++t) {
         const float* from = sequence.frame(t).data() + c;
         for (float& value : values) {
-          value = *from;
+          value = std::fabs(*from) <= setting ? 0.0f : *from;
           from += sequence.info.channels;
         }
         const auto path = file(folder, c, t);

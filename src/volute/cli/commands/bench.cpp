@@ -99,7 +99,9 @@ Command benchCommand() {
           .description =
               "Ratios compare figures of the same run with the baseline that the benchmark names; "
               "figures of different "
-              "machines or runs are not comparable. Without a name all benchmarks run.",
+              "machines or runs are not comparable. Without a name all benchmarks run. "
+              "tools/codec_plot.py draws what `bench codec --json` "
+              "prints.",
           .positionals = {{.name = "NAME",
                            .help = "which benchmarks to run",
                            .several = true,
