@@ -91,8 +91,8 @@ Status encodeAll(std::span<Rival> list, const Sequence& sequence, double target,
     if (!rival.hasTarget() && !rival.files.folder.empty())
       continue;
     const auto folder = scratch.path() / fmt::format("{}", rival.place);
-    const ThreadLimit one(1);
-    VOLUTE_ASSIGN(rival.files, encodeWithin(*rival.codec, sequence, target, folder, progress));
+    VOLUTE_ASSIGN(rival.files,
+                  encodeWithin(*rival.codec, sequence, target, folder, /*threads=*/1, progress));
   }
   return {};
 }
@@ -124,6 +124,8 @@ void addSpeeds(Table& table, const std::string& figure, std::span<Rival* const> 
               baseline == timed.end() ? std::nullopt
                                       : std::optional((*baseline)->seconds / rival->seconds));
   }
+  if (threadCount() == 1)
+    return;
   const Rival& volute = *timed[kVolute];
   table.add(fmt::format("{} with {} threads", figure, threadCount()), target, volute.name(),
             megabytes / allSeconds, "MB/s", volute.seconds / allSeconds);
@@ -159,7 +161,7 @@ Status timeEncoding(Table& table, std::span<Rival> list, const Sequence& sequenc
   const Rival& volute = list[kVolute];
   const auto folder = volute.files.folder;
   VOLUTE_ASSIGN(const CodedFiles files,
-                encodeWithin(*volute.codec, sequence, target, folder, progress));
+                encodeWithin(*volute.codec, sequence, target, folder, /*threads=*/0, progress));
   addSpeeds(table, "encoding", timed, target, files.encodingSeconds, sequence.info);
   return {};
 }

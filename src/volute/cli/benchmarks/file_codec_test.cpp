@@ -41,7 +41,7 @@ TEST_P(EveryFileCodec, KeepsTheErrorThatIsAskedFor) {
   for (const int channels : {1, 3}) {
     for (const double target : {1e-2, 1e-3}) {
       const auto files =
-          encodeWithin(**codec, blob(channels), target, scratch->path() / "files", quiet);
+          encodeWithin(**codec, blob(channels), target, scratch->path() / "files", 1, quiet);
       ASSERT_TRUE(files) << files.error().message;
       EXPECT_LE(files->relativeRms, target) << channels;
       EXPECT_GT(files->bytes, 0u);
@@ -59,7 +59,7 @@ TEST_P(EveryFileCodec, WithoutAToleranceIsNearlyLossless) {
   const auto scratch = ScratchFolder::create();
   ASSERT_TRUE(scratch);
   Progress quiet;
-  const auto files = encodeWithin(**codec, blob(1), 1e-2, scratch->path() / "files", quiet);
+  const auto files = encodeWithin(**codec, blob(1), 1e-2, scratch->path() / "files", 1, quiet);
   ASSERT_TRUE(files) << files.error().message;
   EXPECT_LE(files->relativeRms, 0x1p-11);
 }
