@@ -330,7 +330,9 @@ extern "C" const volute::LatticePlugin* voluteVtkPlugin() {
   using namespace volute;
   static constexpr LatticePlugin kPlugin{
       []() -> std::unique_ptr<LatticeReader> { return std::make_unique<VtkReader>(); },
-      [](bool) -> std::unique_ptr<LatticeWriter> { return std::make_unique<VtkWriter>(); },
+      [](const LatticeWriterOptions&) -> std::unique_ptr<LatticeWriter> {
+        return std::make_unique<VtkWriter>();
+      },
       readPvd};
   return &kPlugin;
 }
