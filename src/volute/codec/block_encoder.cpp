@@ -394,7 +394,7 @@ void Training::apply(WaveletParameters& parameters) const {
 std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
                                               const BlockShape& shape,
                                               std::span<const BlockMode> candidates) const {
-  const auto components = parameters_.color.split(values, shape.channels);
+  const auto components = parameters_.color.split(values, shape.channels, parameters_.unit());
   const auto support = supportOf(values, shape);
   const bool full = std::ranges::find(support, 0) == support.end();
   // What leaving it out costs.
@@ -402,7 +402,7 @@ std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
   double least = 0;
   double greatest = 0;
   for (float value : values) {
-    const double error = (value - nothing) / parameters_.step;
+    const double error = (value - nothing) / (parameters_.step * parameters_.unit());
     least += error * error;
     greatest = std::max(greatest, std::abs(value - nothing));
   }
@@ -437,7 +437,7 @@ std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> 
   std::vector<std::vector<std::byte>> tiers(kWaveletTiers.size());
   if (!mode)
     return tiers;
-  const auto components = parameters_.color.split(values, shape.channels);
+  const auto components = parameters_.color.split(values, shape.channels, parameters_.unit());
   BlockWriting block(parameters_, components, supportOf(values, shape), shape, *mode);
   for (std::size_t tier = 0; tier < tiers.size(); ++tier) {
     const bool last = tier + 1 == tiers.size();

@@ -38,25 +38,29 @@ ColorTransform ColorTransform::of(const ColorMoments& moments) {
   return transform;
 }
 
-std::vector<float> ColorTransform::split(std::span<const float> values, int channels) const {
-  if (channels == 1)
-    return {values.begin(), values.end()};
-  const std::size_t voxels = values.size() / 3;
+std::vector<float> ColorTransform::split(std::span<const float> values, int channels,
+                                         float unit) const {
   std::vector<float> planes(values.size());
+  if (channels == 1) {
+    std::ranges::transform(values, planes.begin(), [unit](float value) { return value / unit; });
+    return planes;
+  }
+  const std::size_t voxels = values.size() / 3;
   for (std::size_t i = 0; i < 3; ++i) {
     const float* row = &rows[3 * i];
     for (std::size_t v = 0; v < voxels; ++v) {
       const float* value = &values[3 * v];
-      planes[i * voxels + v] = row[0] * value[0] + row[1] * value[1] + row[2] * value[2];
+      planes[i * voxels + v] =
+          row[0] * (value[0] / unit) + row[1] * (value[1] / unit) + row[2] * (value[2] / unit);
     }
   }
   return planes;
 }
 
-void ColorTransform::merge(std::span<const float> planes, int channels,
+void ColorTransform::merge(std::span<const float> planes, int channels, float unit,
                            std::span<float> values) const {
   if (channels == 1) {
-    std::ranges::copy(planes, values.begin());
+    std::ranges::transform(planes, values.begin(), [unit](float value) { return value * unit; });
     return;
   }
   const std::size_t voxels = values.size() / 3;
@@ -65,7 +69,7 @@ void ColorTransform::merge(std::span<const float> planes, int channels,
     const float b = planes[voxels + v];
     const float c = planes[2 * voxels + v];
     for (std::size_t j = 0; j < 3; ++j)
-      values[3 * v + j] = rows[j] * a + rows[3 + j] * b + rows[6 + j] * c;
+      values[3 * v + j] = (rows[j] * a + rows[3 + j] * b + rows[6 + j] * c) * unit;
   }
 }
 

@@ -23,11 +23,13 @@ struct ColorTransform {
   /// The transform that packs most energy into the first component, least into the last.
   static ColorTransform of(const ColorMoments& moments);
 
-  /// Interleaved values into one plane for each component. One channel is left as it is.
-  std::vector<float> split(std::span<const float> values, int channels) const;
+  /// Interleaved values, divided by `unit`, into one plane for each component. One channel stays
+  /// one. `unit` is a power of two, so nothing is rounded by it.
+  std::vector<float> split(std::span<const float> values, int channels, float unit) const;
 
   /// Undoes split(). Products are added in the order of the components, in float32.
-  void merge(std::span<const float> planes, int channels, std::span<float> values) const;
+  void merge(std::span<const float> planes, int channels, float unit,
+             std::span<float> values) const;
 };
 
 }  // namespace volute

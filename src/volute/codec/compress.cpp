@@ -237,7 +237,13 @@ Status Compressor::survey() {
     parameters_.color = ColorTransform::of(all);
   head_.header.valueMin = row_.minimum();
   head_.header.valueMax = row_.maximum();
-  modes_.assign(grid.count(), modesToTry(options_).front());
+  const float greatest = std::max(std::abs(row_.minimum()), std::abs(row_.maximum()));
+  if (greatest > 0)
+    parameters_.exponent = std::clamp(std::ilogb(greatest) + 1, -126, 127);
+  const std::vector<BlockMode> modes = modesToTry(options_);
+  const BlockMode usual{false, Wavelet::kCdf53, 4};
+  const bool tried = std::ranges::find(modes, usual) != modes.end();
+  modes_.assign(grid.count(), tried ? usual : modes.front());
   return {};
 }
 
@@ -300,8 +306,9 @@ Status Compressor::encodeRow(int row, Way way) {
 
 Status Compressor::encodeAll(double step, Way way) {
   constexpr int kRowsToLearnFrom = 4;
-  parameters_.step = step;
-  if (way != Way::kLearn)
+  parameters_.step = step / parameters_.unit();
+  // From the first try on the parameters stay, so that what a step gives can be had again.
+  if (way == Way::kChoose || (way == Way::kEncode && tries_ == 0))
     training_.apply(parameters_);
   training_ = {};
   head_.parameters = writeParameters(parameters_, info_.channels);
@@ -392,7 +399,7 @@ double Compressor::betterStep(const StepSearch::Problem& problem) const {
   // How the step goes with the error, and with the size.
   const double power = isSize(options_.target.kind) ? -1.3 : 1.2;
   const double change = std::pow(0.995 * problem.target / std::max(outcomeOfTry(), 1e-30), power);
-  return parameters_.step * std::clamp(change, 1 / kMostChange, kMostChange);
+  return parameters_.step * parameters_.unit() * std::clamp(change, 1 / kMostChange, kMostChange);
 }
 
 double Compressor::outcomeOfTry() const {
@@ -464,7 +471,7 @@ Status Compressor::searchSmallest() {
       best = factor * target;
     }
   }
-  if (parameters_.step != best)
+  if (parameters_.step != best / parameters_.unit())
     VOLUTE_TRY(encodeAll(best, Way::kEncode));
   if (!(outcome_.maxError <= target))
     return unreachable();
@@ -484,9 +491,9 @@ Result<CompressReport> Compressor::run() {
     VOLUTE_TRY(searchSmallest());
     return write();
   }
-  // Modes depend on the step.
+  // Modes depend on the step, and on what blocks in other modes have taught.
   const double better = within(betterStep(wanted));
-  if (std::max(better / step, step / better) > 1.5) {
+  if (!options_.fast || std::max(better / step, step / better) > 1.5) {
     VOLUTE_TRY(encodeAll(better, Way::kChoose));
   }
   VOLUTE_TRY(searchStep(within(betterStep(wanted))));

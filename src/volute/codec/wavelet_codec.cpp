@@ -52,6 +52,7 @@ std::span<const BlockMode> allBlockModes() {
 
 std::vector<std::byte> writeParameters(const WaveletParameters& parameters, int channels) {
   ByteWriter out;
+  out.zigzag(parameters.exponent);
   out.f64(parameters.step);
   out.f64(parameters.maxError);
   out.varint(static_cast<std::uint64_t>(parameters.one));
@@ -67,6 +68,7 @@ Result<WaveletParameters> readParameters(std::span<const std::byte> bytes, int c
   constexpr std::uint64_t kMostTableBytes = 4 * context::kCount;
   WaveletParameters parameters;
   ByteReader in(bytes);
+  const std::int64_t exponent = in.zigzag();
   parameters.step = in.f64();
   parameters.maxError = in.f64();
   const std::uint64_t one = in.varint();
@@ -78,12 +80,13 @@ Result<WaveletParameters> readParameters(std::span<const std::byte> bytes, int c
       orthonormal = orthonormal && within(value, -1.001, 1.001);
     }
   }
-  if (!in.ok() || !(parameters.step > 0) || !std::isfinite(parameters.step) ||
-      !within(parameters.maxError, 0, 1e38) || !within(static_cast<double>(one), 1, 512) ||
-      !within(static_cast<double>(more), -255, 255) || !orthonormal ||
-      in.remaining() > kMostTableBytes) {
+  if (!in.ok() || !within(static_cast<double>(exponent), -126, 127) || !(parameters.step > 0) ||
+      !std::isfinite(parameters.step) || !within(parameters.maxError, 0, 1e38) ||
+      !within(static_cast<double>(one), 1, 512) || !within(static_cast<double>(more), -255, 255) ||
+      !orthonormal || in.remaining() > kMostTableBytes) {
     return fail(ErrorCode::kInvalidData, "parameters of its codec that are missing or impossible");
   }
+  parameters.exponent = static_cast<int>(exponent);
   parameters.one = static_cast<int>(one);
   parameters.more = static_cast<int>(more);
   const auto table = in.bytes(in.remaining());
@@ -109,7 +112,7 @@ void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
   const AxisLevels levels = blockLevels(shape.extents, mode.timeLevels);
   for (int c = 0; c < shape.channels; ++c)
     shapeInverse(planes.subspan(c * voxels, voxels), support, shape.extents, mode.wavelet, levels);
-  parameters.color.merge(planes, shape.channels, values);
+  parameters.color.merge(planes, shape.channels, parameters.unit(), values);
   // NaN, which only a damaged file can make, becomes the minimum.
   for (float& value : values) {
     const float least = stream.valueMin < value ? value : stream.valueMin;

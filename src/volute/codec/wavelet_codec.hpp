@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <string>
@@ -45,7 +46,9 @@ std::span<const BlockMode> allBlockModes();
 
 /// What holds for all blocks of a stream.
 struct WaveletParameters {
-  double step = 1;  ///< quantisation step of a coefficient with synthesis norm 1, > 0
+  /// Values are coded as multiples of 2^exponent, so that none of them is near a float's limits.
+  int exponent = 0;
+  double step = 1;  ///< quantisation step of a coefficient with synthesis norm 1, > 0; in units
   ColorTransform color;
   /// What a quantised magnitude m stands for: one, for 1; m + more for greater ones. In 1/256.
   int one = 256, more = 0;
@@ -58,6 +61,9 @@ struct WaveletParameters {
     const int m = q < 0 ? -q : q;
     return m == 0 ? 0 : m == 1 ? one / 256.0 : m + more / 256.0;
   }
+
+  /// 2^exponent.
+  float unit() const { return std::ldexp(1.0f, exponent); }
 
   /// Distance between neighbouring corrections: a little less than twice maxError, which leaves
   /// room for rounding.
