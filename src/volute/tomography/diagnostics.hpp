@@ -15,9 +15,9 @@ struct CameraDiagnosis {
   double residual = 0;       ///< relative L2 of S a - (p - b)
   double residualRatio = 1;  ///< to the median of the other cameras
   double gain = 1;           ///< the factor on its measured radiance that fits the others best
-  bool outOfStep = false;    ///< its residual stands out: another instant, or moved, or miscalibrated
-  bool gainDrift = false;    ///< its gain stands out
-  double borderShare = 0;    ///< of the silhouette's pixels, those on the image border
+  bool outOfStep = false;  ///< its residual stands out: another instant, or moved, or miscalibrated
+  bool gainDrift = false;  ///< its gain stands out
+  double borderShare = 0;  ///< of the silhouette's pixels, those on the image border
 };
 
 struct TomographyDiagnosis {

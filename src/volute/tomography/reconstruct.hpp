@@ -25,7 +25,7 @@ enum class TomographySolver {
 
 /// What is added to the least squares; the last three need kApg.
 enum class Regularization {
-  kAuto,     ///< chosen from the data, with its strength
+  kAuto,  ///< chosen from the data, with its strength
   kNone,
   kTv,       ///< total variation of all channels together
   kSmooth,   ///< squared differences of neighbours
@@ -41,16 +41,16 @@ struct TomographyOptions {
   Basis basis = Basis::kTrilinear;
   TomographySolver solver = TomographySolver::kApg;
   Regularization regularization = Regularization::kAuto;
-  std::optional<double> lambda;    ///< strength, times the largest eigenvalue of S'S; none: chosen
-  std::optional<int> iterations;   ///< exactly so many; none: stops by discrepancy when noiseSigma
-                                   ///< is known, else by held-out pixels
-  int raysPerPixel = 4;            ///< 1 or 4
-  bool hull = true;                ///< unknowns only where every camera sees the medium
+  std::optional<double> lambda;   ///< strength, times the largest eigenvalue of S'S; none: chosen
+  std::optional<int> iterations;  ///< exactly so many; none: stops by discrepancy when noiseSigma
+                                  ///< is known, else by held-out pixels
+  int raysPerPixel = 4;           ///< 1 or 4
+  bool hull = true;               ///< unknowns only where every camera sees the medium
   bool nonNegative = true;
-  bool coarseToFine = false;       ///< first at half the resolution
+  bool coarseToFine = false;         ///< first at half the resolution
   std::optional<double> noiseSigma;  ///< of one pixel's channel, as radiance
   Wavelet wavelet = Wavelet::kHaar;
-  std::uint32_t seed = 1;          ///< of the held-out pixels and the cycle spinning
+  std::uint32_t seed = 1;  ///< of the held-out pixels and the cycle spinning
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes]
 };
 
@@ -59,7 +59,7 @@ struct Reconstruction {
   std::vector<float> volume;  ///< (z, y, x, 3), radiance per metre
   int iterations = 0;
   Regularization regularization = Regularization::kNone;  ///< the one used
-  double lambda = 0;             ///< used, times the largest eigenvalue
+  double lambda = 0;                                      ///< used, times the largest eigenvalue
   std::string_view stoppedBy;    ///< "iterations", "discrepancy", "held-out pixels", "converged"
   double largestEigenvalue = 0;  ///< of S'S [m^2]
   double hullShare = 1;          ///< unknown voxels / all voxels

@@ -29,7 +29,7 @@ struct TomographyView {
 
 /// Where the unknown volume lies.
 struct VolumeGeometry {
-  Box3 bounds;                     ///< outer voxel faces [m]
+  Box3 bounds;                      ///< outer voxel faces [m]
   std::array<int, 3> resolution{};  ///< voxels on x, y, z
 
   std::size_t voxels() const {
