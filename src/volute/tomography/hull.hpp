@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "volute/tomography/support.hpp"
 #include "volute/tomography/view.hpp"
 
 namespace volute {
