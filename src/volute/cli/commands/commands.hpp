@@ -15,6 +15,7 @@ Command extractCommand();
 Command helpCommand();
 Command infoCommand();
 Command manCommand();
+Command projectCommand();
 Command renderCommand();
 Command synthesizeCommand();
 
