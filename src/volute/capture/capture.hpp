@@ -48,7 +48,8 @@ struct Capture {
   std::string kind;            ///< "capture.json", "NeRF transforms", "COLMAP", "OpenCV"
   double pixelCentre = 0.5;    ///< of the file's coordinates; the cameras have it settled
   std::vector<CaptureCamera> cameras;
-  std::vector<int> frames;  ///< ascending
+  std::vector<int> frames;  ///< ascending; those that were chosen
+  int firstFrame = 0;       ///< of the whole capture: its time is 0 s
   CaptureVolume volume;
   double white = 1;                  ///< linear radiance of a value of 1
   std::optional<double> noiseSigma;  ///< of one pixel's channel, as radiance

@@ -234,4 +234,26 @@ Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
   return picture;
 }
 
+Status checkPicturesThere(const Capture& capture) {
+  std::string first;
+  int missing = 0, all = 0;
+  for (const int frame : capture.frames) {
+    for (const CaptureCamera& camera : capture.cameras) {
+      if (camera.pictures.image.empty())
+        continue;
+      const auto path = frameFile(camera.pictures.image, frame);
+      std::error_code error;
+      ++all;
+      if (std::filesystem::exists(path, error))
+        continue;
+      if (++missing == 1)
+        first =
+            fmt::format("camera {}, frame {}: there is no picture {}", camera.name, frame, path);
+    }
+  }
+  if (missing == 0)
+    return {};
+  return fail(ErrorCode::kNotFound, "{}; {} of {} pictures are missing", first, missing, all);
+}
+
 }  // namespace volute

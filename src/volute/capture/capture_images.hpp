@@ -70,4 +70,8 @@ class CaptureImages {
   std::map<std::size_t, FilmFrames> films_;
 };
 
+/// kNotFound when a picture of a frame is missing: names the first, and how many there are. Films
+/// are not looked into.
+[[nodiscard]] Status checkPicturesThere(const Capture& capture);
+
 }  // namespace volute

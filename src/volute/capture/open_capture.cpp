@@ -127,8 +127,8 @@ std::vector<int> framesInRange(const std::vector<int>& frames, const FrameRange&
   return chosen;
 }
 
-/// The frames that are stated, else those of which there are pictures; of films, which do not say
-/// how long they are, those that the range names.
+/// All frames of the capture: those that are stated, else those of which there are pictures; of
+/// films, which do not say how long they are, those that the range names.
 Result<std::vector<int>> findFrames(const std::filesystem::path& file, const CaptureDraft& draft,
                                     const FrameRange& range) {
   std::set<int> there;
@@ -152,7 +152,11 @@ Result<std::vector<int>> findFrames(const std::filesystem::path& file, const Cap
                 "{}: no picture is called {}; --images PATTERN says where they are", file.string(),
                 draft.cameras.front().pictures.image);
   }
-  const auto chosen = framesInRange(frames, range);
+  return frames;
+}
+
+Result<std::vector<int>> chooseFrames(const std::vector<int>& frames, const FrameRange& range) {
+  auto chosen = framesInRange(frames, range);
   if (chosen.empty()) {
     return fail(ErrorCode::kInvalidArgument,
                 "frames {} select nothing; the capture has frames {} to {}", toString(range),
@@ -285,10 +289,14 @@ Result<Capture> openCapture(const std::filesystem::path& file, const CaptureOpti
                   camera.where, camera.name);
     }
   }
-  VOLUTE_ASSIGN(auto frames, findFrames(file, draft, options.frames));
+  VOLUTE_ASSIGN(const auto all, findFrames(file, draft, options.frames));
+  VOLUTE_ASSIGN(auto frames, chooseFrames(all, options.frames));
   VOLUTE_ASSIGN(const auto volume, chooseVolume(file, draft, options));
   VOLUTE_ASSIGN(auto capture, makeCapture(file, draft, options));
   capture.frames = std::move(frames);
+  // A film's frames are those that were asked for; its time begins with frame 0.
+  const bool stated = draft.frames || !capture.cameras.front().pictures.image.empty();
+  capture.firstFrame = stated ? all.front() : 0;
   capture.volume = volume;
   return capture;
 }

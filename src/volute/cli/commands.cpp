@@ -10,9 +10,9 @@ namespace volute::cli {
 
 std::span<const Command> commands() {
   static const std::vector<Command> table = {
-      infoCommand(),       compressCommand(), extractCommand(),    compareCommand(),
-      synthesizeCommand(), projectCommand(),  renderCommand(),     benchCommand(),
-      helpCommand(),       manCommand(),      completionCommand(),
+      infoCommand(),       compressCommand(), extractCommand(),     compareCommand(),
+      synthesizeCommand(), projectCommand(),  reconstructCommand(), renderCommand(),
+      benchCommand(),      helpCommand(),     manCommand(),         completionCommand(),
   };
   return table;
 }

@@ -16,6 +16,7 @@ Command helpCommand();
 Command infoCommand();
 Command manCommand();
 Command projectCommand();
+Command reconstructCommand();
 Command renderCommand();
 Command synthesizeCommand();
 

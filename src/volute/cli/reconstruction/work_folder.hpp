@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/base/result.hpp"
+
+namespace volute::cli {
+
+/// Where finished frames of a long run wait until the output is written: a folder "OUT.work" beside
+/// it. An interrupted run that is started again finds them there, as long as its key, a digest of
+/// all that decides about the result, is the same; otherwise they are removed first.
+class WorkFolder {
+ public:
+  /// Makes the folder, or takes the one that is there. "-" works in the folder for temporary files.
+  [[nodiscard]] static Result<WorkFolder> open(const std::filesystem::path& output,
+                                               const std::string& key);
+
+  /// True when an earlier run with another key left frames, which are gone now.
+  bool discarded() const { return discarded_; }
+
+  const std::filesystem::path& path() const { return path_; }
+
+  bool has(int frame) const;
+
+  /// True when any frame is there.
+  bool any() const;
+
+  /// Stores a finished frame; it is there whole or not at all.
+  [[nodiscard]] Status store(int frame, std::span<const float> values,
+                             const nlohmann::ordered_json& record) const;
+
+  /// The values of a frame; kInvalidData when they are damaged or not `count`.
+  [[nodiscard]] Result<std::vector<float>> values(int frame, std::size_t count) const;
+
+  [[nodiscard]] Result<nlohmann::ordered_json> record(int frame) const;
+
+  /// Removes it all: the output is there.
+  void remove() const;
+
+ private:
+  WorkFolder(std::filesystem::path path, bool discarded)
+      : path_(std::move(path)), discarded_(discarded) {}
+
+  std::filesystem::path path_;
+  bool discarded_;
+};
+
+/// A digest of a text: 16 hexadecimal digits (FNV-1a, 64 bits).
+std::string digestOf(std::string_view text);
+
+}  // namespace volute::cli
