@@ -28,9 +28,10 @@ class LatticeField {
   }
 
   void copyTo(std::span<float> unknowns) const {
-    forElements(nodes_.size(),
-                [&](std::size_t i) { Eigen::Map<Colour> to(&unknowns[4 * i]);
-      to = values_[nodes_[i]]; });
+    forElements(nodes_.size(), [&](std::size_t i) {
+      Eigen::Map<Colour> to(&unknowns[4 * i]);
+      to = values_[nodes_[i]];
+    });
   }
 
   Colour& operator[](std::ptrdiff_t node) { return values_[node]; }

@@ -23,6 +23,16 @@ double LeastSquares::squaredResidual(std::span<const float> projected) const {
   });
 }
 
+std::vector<float> LeastSquares::majorizer() const {
+  std::vector<float> x(4 * unknowns()), sx(4 * rows()), out(unknowns());
+  for (std::size_t i = 0; i < x.size(); i += 4) x[i] = 1;
+  projector->forward(x, sx);
+  forElements(sx.size(), [&](std::size_t i) { sx[i] *= squaredWeight[i / 4]; });
+  projector->adjoint(sx, x);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = x[4 * i];
+  return out;
+}
+
 double LeastSquares::largestEigenvalue() const {
   constexpr int kIterations = 12;
   // All weights are positive, so that the eigenvector is: a constant is near to it.

@@ -25,6 +25,10 @@ struct LeastSquares {
   /// |W (projected - measured)|^2.
   double squaredResidual(std::span<const float> projected) const;
 
+  /// S' W^2 S 1, one for each unknown: a diagonal matrix no smaller than S' W^2 S, as no entry of S
+  /// is negative.
+  std::vector<float> majorizer() const;
+
   /// The largest eigenvalue of S' W^2 S [m^2], by power iteration: too small by some percent at
   /// most.
   double largestEigenvalue() const;

@@ -17,7 +17,7 @@ class NoPrior final : public Prior {
  public:
   explicit NoPrior(bool nonNegative) : nonNegative_(nonNegative) {}
 
-  void proximal(std::span<float> a, double) override {
+  void proximal(std::span<float> a, std::span<const float>) override {
     if (nonNegative_)
       clampNegative(a);
   }
@@ -31,7 +31,7 @@ class Smoothness final : public Prior {
   Smoothness(std::shared_ptr<const Support> support, double strength, bool nonNegative)
       : support_(std::move(support)), strength_(strength), nonNegative_(nonNegative) {}
 
-  void proximal(std::span<float> a, double) override {
+  void proximal(std::span<float> a, std::span<const float>) override {
     if (nonNegative_)
       clampNegative(a);
   }

@@ -17,9 +17,13 @@ class Prior {
  public:
   virtual ~Prior() = default;
 
-  /// a = argmin 1/2 |x - a|^2 + step R(x), x >= 0; R's smooth part left out. Approximate: it may
-  /// keep what it found for the next call.
-  virtual void proximal(std::span<float> a, double step) = 0;
+  /// a = argmin 1/2 sum of |x_i - a_i|^2 / step[i] + R(x), x >= 0; R's smooth part left out.
+  /// Approximate: it may keep what it found for the next call.
+  /// @param step  one for each unknown.
+  virtual void proximal(std::span<float> a, std::span<const float> step) = 0;
+
+  /// Whether steps may differ between unknowns.
+  virtual bool takesSteps() const { return true; }
 
   /// gradient += the gradient of R's smooth part.
   virtual void addGradient(std::span<const float> a, std::span<float> gradient) const {

@@ -37,6 +37,20 @@ Vector columnSums(const LeastSquares& problem) {
   return sums;
 }
 
+/// 1 / curvature for each unknown.
+std::vector<float> steps(const LeastSquares& problem, double largest, const Prior& prior) {
+  constexpr double kSafety = 1.02;  // the power iteration comes from below
+  const auto smooth = static_cast<float>(prior.curvature());
+  if (!prior.takesSteps())
+    return std::vector<float>(problem.unknowns(),
+                              1 / (static_cast<float>(kSafety * largest) + smooth));
+  std::vector<float> step = problem.majorizer();
+  // Unknowns that hardly any ray reaches must not run away with rounding.
+  const auto least = static_cast<float>(1e-4 * largest);
+  for (float& value : step) value = 1 / (std::max(value, least) + smooth);
+  return step;
+}
+
 std::array<double, 3> channelNorms(const Vector& a) {
   std::array<double, 3> sums{};
   for (std::size_t c = 0; c < 3; ++c)
@@ -51,9 +65,7 @@ std::array<double, 3> channelNorms(const Vector& a) {
 
 int solveApg(const LeastSquares& problem, double largest, Prior& prior, int iterations,
              Vector& unknowns, const SolverWatch& watch) {
-  constexpr double kSafety = 1.02;  // the power iteration comes from below
-  const double step = 1 / (kSafety * largest + prior.curvature());
-  const auto stepF = static_cast<float>(step);
+  const std::vector<float> step = steps(problem, largest, prior);
   Vector& x = unknowns;
   Vector y = x, before(x.size()), gradient(x.size());
   Vector sx(4 * problem.rows()), sy(sx.size()), sBefore;
@@ -64,14 +76,15 @@ int solveApg(const LeastSquares& problem, double largest, Prior& prior, int iter
     problem.gradient(sy, gradient);
     prior.addGradient(y, gradient);
     std::swap(before, x);
-    forElements(x.size(), [&](std::size_t i) { x[i] = y[i] - stepF * gradient[i]; });
+    forElements(x.size(), [&](std::size_t i) { x[i] = y[i] - step[i / 4] * gradient[i]; });
     prior.proximal(x, step);
     sBefore = sx;
     problem.projector->forward(x, sx);
     if (!watch(k, x, sx))
       return k;
     const double uphill = sumElements(x.size(), [&](std::size_t i) {
-      return (static_cast<double>(y[i]) - x[i]) * (static_cast<double>(x[i]) - before[i]);
+      return (static_cast<double>(y[i]) - x[i]) * (static_cast<double>(x[i]) - before[i]) /
+             step[i / 4];
     });
     if (uphill > 0)
       momentum = 1;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -18,6 +19,7 @@ class TotalVariation final : public Prior {
         strength_(strength),
         nonNegative_(nonNegative),
         inside_(support_->latticeSize()),
+        weight_(support_->latticeSize()),
         target_(*support_),
         primal_(*support_),
         dual_(support_->latticeSize(), kZero),
@@ -28,19 +30,25 @@ class TotalVariation final : public Prior {
     last_ = static_cast<std::ptrdiff_t>(support_->latticeSize()) - margin;
   }
 
-  void proximal(std::span<float> a, double step) override {
+  void proximal(std::span<float> a, std::span<const float> step) override {
     constexpr int kIterations = 10;  // the dual goes on from the call before
-    const auto weight = static_cast<float>(step * strength_);
+    const auto nodes = support_->nodes();
+    const auto strength = static_cast<float>(strength_);
+    float largest = 0;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      weight_[nodes[i]] = step[i] * strength;
+      largest = std::max(largest, weight_[nodes[i]]);
+    }
     target_.fill(a);
     ahead_ = dual_;
     double momentum = 1;
     for (int k = 0; k < kIterations; ++k) {
-      updatePrimal(ahead_, weight);
+      updatePrimal(ahead_);
       const double next = 0.5 * (1 + std::sqrt(1 + 4 * momentum * momentum));
-      updateDual(1 / (12 * weight), static_cast<float>((momentum - 1) / next));
+      updateDual(1 / (12 * largest), static_cast<float>((momentum - 1) / next));
       momentum = next;
     }
-    updatePrimal(dual_, weight);
+    updatePrimal(dual_);
     primal_.copyTo(a);
   }
 
@@ -54,15 +62,15 @@ class TotalVariation final : public Prior {
                 [&](std::size_t i) { body(first_ + static_cast<std::ptrdiff_t>(i)); });
   }
 
-  /// primal = the constraint's nearest point to target - weight D' dual.
-  void updatePrimal(const std::vector<Dual>& dual, float weight) {
+  /// primal = the constraint's nearest point to target - weight * D' dual.
+  void updatePrimal(const std::vector<Dual>& dual) {
     const auto& stride = support_->stride();
     forNodes([&](std::ptrdiff_t n) {
       if (!inside_[n])
         return;
       Colour sum = Colour::Zero();
       for (int a = 0; a < 3; ++a) sum += dual[n - stride[a]][a] - dual[n][a];
-      const Colour value = target_[n] - weight * sum;
+      const Colour value = target_[n] - weight_[n] * sum;
       primal_[n] = nonNegative_ ? Colour(value.max(0.0F)) : value;
     });
   }
@@ -91,6 +99,7 @@ class TotalVariation final : public Prior {
   bool nonNegative_;
   std::ptrdiff_t first_ = 0, last_ = 0;
   std::vector<std::uint8_t> inside_;
+  std::vector<float> weight_;
   LatticeField target_, primal_;
   std::vector<Dual> dual_, ahead_;
 };

@@ -36,7 +36,10 @@ class WaveletSparsity final : public Prior {
     }
   }
 
-  void proximal(std::span<float> a, double step) override {
+  bool takesSteps() const override { return false; }
+
+  void proximal(std::span<float> a, std::span<const float> steps) override {
+    const float step = steps.empty() ? 0 : steps[0];
     std::ptrdiff_t shift = 0;
     for (int axis = 3; axis-- > 0;)
       shift = shift * size_[axis] + static_cast<std::ptrdiff_t>(random_() % kShifts);

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "volute/tomography/frame_problem.hpp"
+#include "volute/tomography/solvers.hpp"
+
+namespace volute {
+
+/// The strength of a prior and what came of it.
+struct Fit {
+  Regularization regularization = Regularization::kNone;
+  double lambda = 0;  ///< times the largest eigenvalue
+  int iterations = 0;
+  std::string_view stoppedBy = "iterations";
+  std::vector<float> unknowns;
+  std::vector<float> projected;  ///< S a
+  double heldOutError = 0;
+};
+
+/// What fits of one frame share.
+struct FitSetup {
+  const FrameProblem& problem;
+  const TomographyOptions& options;
+  double largest;  ///< eigenvalue of S' W^2 S
+  Progress& progress;
+};
+
+/// A random share of the rows, chosen by `seed`: 1 for those held out of a fit.
+std::vector<std::uint8_t> heldOutRows(std::size_t rows, std::uint32_t seed);
+
+/// The data with the rows held out.
+LeastSquares withoutRows(const LeastSquares& data, std::span<const std::uint8_t> heldOut);
+
+/// Weighted relative L2 of the data over the rows that are held out.
+double heldOutError(const LeastSquares& data, std::span<const std::uint8_t> heldOut,
+                    std::span<const float> projected);
+
+/// When to stop besides after so many iterations.
+struct StopRule {
+  int iterations = 0;
+  double squaredResidual = 0;               ///< of the data: stops at or below
+  std::span<const std::uint8_t> heldOut{};  ///< stops when their error rises; empty: none
+  bool whenSettled = false;                 ///< stops when the volume no longer changes
+};
+
+/// Runs the solver of the options on `data` from `start`.
+[[nodiscard]] Result<Fit> runFit(const FitSetup& setup, const LeastSquares& data,
+                                 Regularization regularization, double lambda,
+                                 std::vector<float> start, const StopRule& stop);
+
+/// Chooses the prior's strength by held-out pixels, and when to stop; see Regularization::kAuto.
+[[nodiscard]] Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start);
+
+}  // namespace volute
