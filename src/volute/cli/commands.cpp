@@ -11,8 +11,9 @@ namespace volute::cli {
 std::span<const Command> commands() {
   static const std::vector<Command> table = {
       infoCommand(),       compressCommand(), extractCommand(),     compareCommand(),
-      synthesizeCommand(), projectCommand(),  reconstructCommand(), renderCommand(),
-      benchCommand(),      helpCommand(),     manCommand(),         completionCommand(),
+      synthesizeCommand(), projectCommand(),  reconstructCommand(), joinCommand(),
+      renderCommand(),     benchCommand(),    helpCommand(),        manCommand(),
+      completionCommand(),
   };
   return table;
 }

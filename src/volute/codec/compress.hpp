@@ -30,6 +30,10 @@ struct CompressOptions {
   ErrorTarget target;
   std::string wavelet = "auto";
   std::string provenance;  ///< kept in the file
+  /// What the source is already off its own original, absolute; the file states the sums, which the
+  /// errors to that original do not exceed.
+  double sourceRms = 0;
+  double sourceMaxError = 0;
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
 };
 

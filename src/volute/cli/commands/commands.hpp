@@ -14,6 +14,7 @@ Command compressCommand();
 Command extractCommand();
 Command helpCommand();
 Command infoCommand();
+Command joinCommand();
 Command manCommand();
 Command projectCommand();
 Command reconstructCommand();
