@@ -157,17 +157,19 @@ Result<std::unique_ptr<ReconstructedFrames>> openFrames(const Capture& capture,
                                                         Context& context) {
   VOLUTE_ASSIGN(auto views,
                 ViewReader::open(capture, heldOut, context.maxMemory, context.progress));
-  VOLUTE_ASSIGN(auto work, WorkFolder::open(target, runKey(capture, settings, heldOut)));
-  if (work.discarded()) {
-    context.progress.remark(
-        fmt::format("{}: frames of an earlier run with other options or inputs were removed",
-                    work.path().string()));
+  VOLUTE_ASSIGN(const auto work, WorkFolder::open(target));
+  const bool before = work.any();
+  auto frames = ReconstructedFrames::open(capture, settings, std::move(views), work,
+                                          frameKeys(capture, settings, heldOut), context.progress);
+  if (!frames) {
+    if (!before)
+      work.remove();
+    return frames;
   }
-  VOLUTE_ASSIGN(auto frames, ReconstructedFrames::open(capture, settings, std::move(views),
-                                                       std::move(work), context.progress));
-  if (frames->resumed() > 0) {
-    context.progress.remark(fmt::format("{} of {} frames were finished by an earlier run",
-                                        frames->resumed(), frames->info().frames));
+  if (before) {
+    context.progress.remark(
+        fmt::format("{}: an earlier run finished {} of {} frames with these options and inputs",
+                    work.path().string(), (*frames)->resumed(), (*frames)->info().frames));
   }
   return frames;
 }

@@ -3,6 +3,7 @@
 #include "volute/cli/reconstruction/reconstructed_frames.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 
@@ -74,15 +75,14 @@ VolumeInfo infoOf(const Capture& capture, Basis basis, bool grey) {
 
 Result<std::unique_ptr<ReconstructedFrames>> ReconstructedFrames::open(
     const Capture& capture, const ReconstructionSettings& settings, ViewReader views,
-    WorkFolder work, Progress& progress) {
-  std::unique_ptr<ReconstructedFrames> frames(
-      new ReconstructedFrames(capture, settings, std::move(views), std::move(work), progress));
+    WorkFolder work, std::vector<std::string> keys, Progress& progress) {
+  std::unique_ptr<ReconstructedFrames> frames(new ReconstructedFrames(
+      capture, settings, std::move(views), std::move(work), std::move(keys), progress));
   VOLUTE_ASSIGN(const FrameViews first, frames->views_.read(capture.frames.front()));
   frames->grey_ = first.grey();
   frames->info_ = infoOf(capture, settings.tomography.basis, frames->grey_);
   VOLUTE_TRY(frames->info_.validate("the reconstruction"));
-  while (frames->resumed_ < frames->info_.frames &&
-         frames->work_.has(frames->numberOf(frames->resumed_)))
+  while (frames->resumed_ < frames->info_.frames && frames->finished(frames->resumed_))
     ++frames->resumed_;
   return frames;
 }
@@ -91,18 +91,25 @@ VolumeGeometry ReconstructedFrames::geometry() const {
   return {capture_.volume.bounds, capture_.volume.resolution};
 }
 
+/// A sentence that comes again with other numbers, for another frame, is shown once.
 void ReconstructedFrames::warn(const std::string& text) {
-  constexpr int kMost = 20;
-  if (++warnings_ <= kMost) {
+  const auto frame = text.find(", frame ");
+  std::string kind = text.substr(0, frame == std::string::npos ? 0 : frame);
+  for (std::size_t i = kind.size(); i < text.size(); ++i) {
+    if (!std::isdigit(static_cast<unsigned char>(text[i])) && text[i] != '.')
+      kind += text[i];
+  }
+  if (shown_.insert(kind).second) {
     progress_.remark("warning: " + text);
-  } else if (warnings_ == kMost + 1) {
-    progress_.remark("warning: there are more; --report writes them all");
+  } else if (!more_) {
+    progress_.remark("warning: it is so in more frames; --report writes them all");
+    more_ = true;
   }
 }
 
 Status ReconstructedFrames::solveAll() {
   for (int index = 0; index < info_.frames; ++index) {
-    if (!work_.has(numberOf(index)))
+    if (!finished(index))
       VOLUTE_TRY(solve(index));
     progress_.report("reconstructing", index + 1 - resumed_, info_.frames - resumed_);
   }
@@ -112,7 +119,7 @@ Status ReconstructedFrames::solveAll() {
 
 Status ReconstructedFrames::readFrame(int index, std::span<float> values) {
   for (int i = 0; i <= index; ++i) {
-    if (!work_.has(numberOf(i)))
+    if (!finished(i))
       VOLUTE_TRY(solve(i));
   }
   VOLUTE_ASSIGN(const auto colour, volume(index));
@@ -275,7 +282,7 @@ Status ReconstructedFrames::solve(int index) {
       {"seconds", jsonNumber(seconds.count())},
       {"cameras", cameras},
       {"warnings", warnings}};
-  return work_.store(number, result.volume, record);
+  return work_.store(number, keys_[static_cast<std::size_t>(index)], result.volume, record);
 }
 
 }  // namespace volute::cli

@@ -30,10 +30,11 @@ struct ReconstructionSettings {
 class ReconstructedFrames final : public FrameSource {
  public:
   /// Reads the first frame's pictures, to know whether they are grey. All but the moved arguments
-  /// must outlive the object.
+  /// must outlive the object. `keys`: what finished frames in the work folder must have, one a
+  /// frame.
   [[nodiscard]] static Result<std::unique_ptr<ReconstructedFrames>> open(
       const Capture& capture, const ReconstructionSettings& settings, ViewReader views,
-      WorkFolder work, Progress& progress);
+      WorkFolder work, std::vector<std::string> keys, Progress& progress);
 
   const VolumeInfo& info() const override { return info_; }
 
@@ -59,14 +60,20 @@ class ReconstructedFrames final : public FrameSource {
 
  private:
   ReconstructedFrames(const Capture& capture, const ReconstructionSettings& settings,
-                      ViewReader views, WorkFolder work, Progress& progress)
+                      ViewReader views, WorkFolder work, std::vector<std::string> keys,
+                      Progress& progress)
       : capture_(capture),
         settings_(settings),
         views_(std::move(views)),
         work_(std::move(work)),
+        keys_(std::move(keys)),
         progress_(progress) {}
 
   int numberOf(int index) const { return capture_.frames[static_cast<std::size_t>(index)]; }
+
+  bool finished(int index) const {
+    return work_.has(numberOf(index), keys_[static_cast<std::size_t>(index)]);
+  }
 
   std::size_t colourValues() const { return 3 * info_.voxels(); }
 
@@ -85,10 +92,12 @@ class ReconstructedFrames final : public FrameSource {
   const ReconstructionSettings& settings_;
   ViewReader views_;
   WorkFolder work_;
+  std::vector<std::string> keys_;  // one a frame
   Progress& progress_;
   VolumeInfo info_;
   int resumed_ = 0;
-  int warnings_ = 0;  // so far
+  std::set<std::string> shown_;  // kinds of warnings
+  bool more_ = false;            // it was said that there are more
   bool grey_ = false;
 };
 

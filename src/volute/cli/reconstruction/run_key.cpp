@@ -24,7 +24,7 @@ std::string digits(const auto& matrix) {
   return text;
 }
 
-std::string describe(const CaptureCamera& known, const std::vector<int>& frames) {
+std::string describe(const CaptureCamera& known) {
   const Camera& camera = known.camera;
   const PictureSource& pictures = known.pictures;
   const Distortion& lens = camera.distortion();
@@ -39,24 +39,32 @@ std::string describe(const CaptureCamera& known, const std::vector<int>& frames)
     if (!file.empty())
       text += stateOf(file);
   }
-  for (const int frame : frames) {
-    if (!pictures.image.empty())
-      text += stateOf(frameFile(pictures.image, frame));
-  }
   return text;
 }
 
 }  // namespace
 
-std::string runKey(const Capture& capture, const ReconstructionSettings& settings,
-                   const std::vector<std::string>& heldOut) {
+std::vector<std::string> frameKeys(const Capture& capture, const ReconstructionSettings& settings,
+                                   const std::vector<std::string>& heldOut) {
   std::string text =
       fmt::format("{} {} {} {} {} {}\n", kVersion, settingsJson(settings).dump(),
                   digits(capture.volume.bounds.min), digits(capture.volume.bounds.max),
                   fmt::join(capture.volume.resolution, " "), capture.white);
-  text += fmt::format("{}\n{}\n", fmt::join(heldOut, "/"), fmt::join(capture.emptyFrames, " "));
-  for (const CaptureCamera& camera : capture.cameras) text += describe(camera, capture.frames);
-  return digestOf(text);
+  text += fmt::format("{}\n", fmt::join(heldOut, "/"));
+  for (const CaptureCamera& camera : capture.cameras) {
+    text += describe(camera);
+    for (const int frame : capture.emptyFrames)
+      text += stateOf(frameFile(camera.pictures.image, frame));
+  }
+  const std::string common = digestOf(text);
+  std::vector<std::string> keys;
+  for (const int frame : capture.frames) {
+    std::string own = common + (settings.warmStart && !keys.empty() ? keys.back() : "");
+    for (const CaptureCamera& camera : capture.cameras)
+      own += stateOf(frameFile(camera.pictures.image, frame));
+    keys.push_back(digestOf(own));
+  }
+  return keys;
 }
 
 }  // namespace volute::cli

@@ -9,9 +9,10 @@
 
 namespace volute::cli {
 
-/// A digest of all that decides about a reconstruction: the program's version, the options, the
-/// cameras, and which pictures of which frames, with their size and time of change.
-std::string runKey(const Capture& capture, const ReconstructionSettings& settings,
-                   const std::vector<std::string>& heldOut);
+/// A digest for each frame of all that decides about its reconstruction: the program's version, the
+/// options, the cameras, and size and time of change of its pictures; with a warm start also of all
+/// frames before it.
+std::vector<std::string> frameKeys(const Capture& capture, const ReconstructionSettings& settings,
+                                   const std::vector<std::string>& heldOut);
 
 }  // namespace volute::cli

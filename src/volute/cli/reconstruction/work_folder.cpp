@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <cstring>
-#include <fstream>
 
 #include "volute/base/checksum.hpp"
 #include "volute/base/input_file.hpp"
@@ -17,8 +16,6 @@ namespace volute::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kKeyFile = "key";
 
 fs::path valuesFile(const fs::path& folder, int frame) {
   return folder / fmt::format("frame_{:06d}.values", frame);
@@ -42,20 +39,12 @@ Result<std::vector<std::byte>> readFile(const fs::path& path) {
   return bytes;
 }
 
-/// Empty when there is none.
-std::string keyOf(const fs::path& folder) {
-  std::ifstream stream(folder / kKeyFile);
-  std::string key;
-  std::getline(stream, key);
-  return key;
-}
-
 /// Only what is ours: the folder may hold what somebody put there.
 void removeFrames(const fs::path& folder) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    const bool ours = name == kKeyFile || name.starts_with("frame_") || name.starts_with(".");
+    const bool ours = name.starts_with("frame_") || name.starts_with(".frame_");
     if (ours && entry.is_regular_file(error))
       fs::remove(entry.path(), error);
   }
@@ -72,28 +61,25 @@ std::string digestOf(std::string_view text) {
   return fmt::format("{:016x}", hash);
 }
 
-Result<WorkFolder> WorkFolder::open(const fs::path& output, const std::string& key) {
+Result<WorkFolder> WorkFolder::open(const fs::path& output) {
   fs::path folder = output;
   folder += ".work";
   if (output == "-")
-    folder = fs::temp_directory_path() / fmt::format("volute-{}-{}.work", key, ::getuid());
+    folder = fs::temp_directory_path() / fmt::format("volute-{}.work", ::getpid());
   std::error_code error;
   fs::create_directory(folder, error);
   if (!fs::is_directory(folder, error)) {
     return fail(ErrorCode::kIo, "{}: cannot make this folder for finished frames", folder.string());
   }
-  const std::string before = keyOf(folder);
-  const bool discarded = !before.empty() && before != key;
-  if (before != key) {
-    removeFrames(folder);
-    VOLUTE_TRY(writeFile(folder / kKeyFile, std::as_bytes(std::span(key))));
-  }
-  return WorkFolder(folder, discarded);
+  return WorkFolder(folder);
 }
 
-bool WorkFolder::has(int frame) const {
+bool WorkFolder::has(int frame, const std::string& key) const {
   std::error_code error;
-  return fs::exists(recordFile(path_, frame), error) && fs::exists(valuesFile(path_, frame), error);
+  if (!fs::exists(recordFile(path_, frame), error) || !fs::exists(valuesFile(path_, frame), error))
+    return false;
+  const auto json = readJson(recordFile(path_, frame));
+  return json && json->is_object() && json->value("key", "") == key;
 }
 
 bool WorkFolder::any() const {
@@ -105,11 +91,13 @@ bool WorkFolder::any() const {
   return false;
 }
 
-Status WorkFolder::store(int frame, std::span<const float> values,
+Status WorkFolder::store(int frame, const std::string& key, std::span<const float> values,
                          const nlohmann::ordered_json& record) const {
   const auto packed = pack({std::as_bytes(values)});
-  nlohmann::ordered_json stored = {{"crc", crc32(packed)}, {"record", record}};
+  nlohmann::ordered_json stored = {{"key", key}, {"crc", crc32(packed)}, {"record", record}};
   const std::string text = stored.dump();
+  std::error_code error;
+  fs::remove(recordFile(path_, frame), error);  // must not vouch for values that are not its own
   VOLUTE_TRY(writeFile(valuesFile(path_, frame), packed));
   return writeFile(recordFile(path_, frame), std::as_bytes(std::span(text)));
 }

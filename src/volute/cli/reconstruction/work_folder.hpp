@@ -13,26 +13,23 @@
 namespace volute::cli {
 
 /// Where finished frames of a long run wait until the output is written: a folder "OUT.work" beside
-/// it. An interrupted run that is started again finds them there, as long as its key, a digest of
-/// all that decides about the result, is the same; otherwise they are removed first.
+/// it. An interrupted run that is started again finds them there. Each has a key, a digest of all
+/// that decides about it; frames with another key count as not there.
 class WorkFolder {
  public:
-  /// Makes the folder, or takes the one that is there. "-" works in the folder for temporary files.
-  [[nodiscard]] static Result<WorkFolder> open(const std::filesystem::path& output,
-                                               const std::string& key);
-
-  /// True when an earlier run with another key left frames, which are gone now.
-  bool discarded() const { return discarded_; }
+  /// Makes the folder, or takes the one that is there. For "-" it is one in the folder for
+  /// temporary files, of this process alone.
+  [[nodiscard]] static Result<WorkFolder> open(const std::filesystem::path& output);
 
   const std::filesystem::path& path() const { return path_; }
 
-  bool has(int frame) const;
+  bool has(int frame, const std::string& key) const;
 
   /// True when any frame is there.
   bool any() const;
 
   /// Stores a finished frame; it is there whole or not at all.
-  [[nodiscard]] Status store(int frame, std::span<const float> values,
+  [[nodiscard]] Status store(int frame, const std::string& key, std::span<const float> values,
                              const nlohmann::ordered_json& record) const;
 
   /// The values of a frame; kInvalidData when they are damaged or not `count`.
@@ -44,11 +41,9 @@ class WorkFolder {
   void remove() const;
 
  private:
-  WorkFolder(std::filesystem::path path, bool discarded)
-      : path_(std::move(path)), discarded_(discarded) {}
+  explicit WorkFolder(std::filesystem::path path) : path_(std::move(path)) {}
 
   std::filesystem::path path_;
-  bool discarded_;
 };
 
 /// A digest of a text: 16 hexadecimal digits (FNV-1a, 64 bits).
