@@ -8,6 +8,7 @@ import os
 import pathlib
 import shutil
 import tempfile
+import unittest
 
 import support
 from pictures import read_exr, write_exr
@@ -57,6 +58,8 @@ def made(folder=[]):
                         ["project", path / "truth.npy", path / "capture.json", "-o", path / "{camera}_%04d.exr", "--basis",
                          "box"]):
             done = support.volute(*command)
+            if "this build has no OpenEXR" in done.message:
+                raise unittest.SkipTest(done.message)
             assert done.code == 0, done.message
     return folder[0]
 

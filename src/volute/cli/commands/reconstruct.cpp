@@ -85,21 +85,13 @@ void remarkOnLayout(const Capture& capture, Context& context) {
     context.progress.remark(*advice);
 }
 
-Status writeVolume(ReconstructedFrames& frames, const std::string& target,
-                   const Arguments& arguments, const Capture& capture, Context& context,
-                   Report& report) {
-  if (!isVolutePath(target)) {
-    VOLUTE_ASSIGN(auto sink, openSink(target, frames.info()));
-    return copyFrames(frames, *sink, "writing", context.progress);
-  }
+Result<CompressReport> writeVolute(ReconstructedFrames& frames, const Arguments& arguments,
+                                   const Capture& capture, Context& context) {
   CompressOptions options;
   options.target = {ErrorTarget::Kind::kRms, arguments.get<double>("rms")};
   options.provenance = fmt::format("reconstructed from {}", capture.file.filename().string());
   options.maxMemory = context.maxMemory;
-  VOLUTE_ASSIGN(const auto written, compress(frames, target, options, context.progress));
-  report.add("bytes", written.fileBytes, bytesText(written.fileBytes))
-      .add("relative_rms", written.relativeRms);
-  return {};
+  return compress(frames, arguments.get<std::string>("output"), options, context.progress);
 }
 
 Status writeReport(const std::string& file, const nlohmann::ordered_json& json,
@@ -177,6 +169,11 @@ Result<std::unique_ptr<ReconstructedFrames>> openFrames(const Capture& capture,
 Status runFrames(ReconstructedFrames& frames, const Arguments& arguments, const Capture& capture,
                  const ReconstructionSettings& settings, Context& context) {
   const auto target = arguments.get<std::string>("output");
+  // A target that cannot be written is told before the long work.
+  std::unique_ptr<FrameSink> sink;
+  if (!isVolutePath(target)) {
+    VOLUTE_ASSIGN(sink, openSink(target, frames.info()));
+  }
   VOLUTE_TRY(frames.solveAll());
   VOLUTE_ASSIGN(const auto json, reconstructionReport(capture, settings, frames));
   const VolumeInfo& info = frames.info();
@@ -186,7 +183,13 @@ Status runFrames(ReconstructedFrames& frames, const Arguments& arguments, const 
       .add("size", {info.x, info.y, info.z},
            fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
       .add("channels", info.channels, fmt::format("{}", info.channels));
-  VOLUTE_TRY(writeVolume(frames, target, arguments, capture, context, report));
+  if (sink) {
+    VOLUTE_TRY(copyFrames(frames, *sink, "writing", context.progress));
+  } else {
+    VOLUTE_ASSIGN(const auto written, writeVolute(frames, arguments, capture, context));
+    report.add("bytes", written.fileBytes, bytesText(written.fileBytes))
+        .add("relative_rms", written.relativeRms);
+  }
   if (const auto file = arguments.find<std::string>("report")) {
     VOLUTE_TRY(writeReport(*file, json, frames, context.progress));
   }
