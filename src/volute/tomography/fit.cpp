@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "volute/tomography/diagnostics.hpp"
 #include "volute/tomography/vector_ops.hpp"
 
 namespace volute {
@@ -181,27 +182,48 @@ Result<Fit> runFit(const FitSetup& setup, const LeastSquares& data, Regularizati
   return fit;
 }
 
+std::vector<std::uint8_t> heldOutView(const FrameProblem& problem,
+                                      std::span<const TomographyView> views) {
+  const Vec3 centre = problem.support->geometry().bounds.centre();
+  std::vector<std::pair<double, int>> nearest;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    double angle = 90;
+    for (std::size_t other = 0; other < views.size(); ++other) {
+      if (other != v)
+        angle = std::min(angle, angleBetween(views[v].camera, views[other].camera, centre));
+    }
+    nearest.emplace_back(angle, static_cast<int>(v));
+  }
+  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
+  std::ranges::nth_element(nearest, middle);
+  std::vector<std::uint8_t> heldOut;
+  for (const PixelRow& row : problem.projector->pixels())
+    heldOut.push_back(row.view == middle->second ? 1 : 0);
+  return heldOut;
+}
+
 Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
   constexpr double kStrongest = 1e-2, kWeakest = 1e-6, kFactor = 0.31622776601683794;
-  constexpr int kSearchIterations = 60, kFinalIterations = 400;
+  constexpr int kSearchIterations = 40, kFinalIterations = 300;
+  constexpr double kGain = 0.98;  // less is no reason for a weaker prior
+  constexpr std::size_t kLeastViews = 4;
   const LeastSquares& data = setup.problem.data;
-  const auto heldOut = heldOutRows(data.rows(), setup.options.seed);
+  const auto heldOut = setup.views.size() >= kLeastViews
+                           ? heldOutView(setup.problem, setup.views)
+                           : heldOutRows(data.rows(), setup.options.seed);
   const LeastSquares rest = withoutRows(data, heldOut);
   const double value = typicalValue(setup);
   std::optional<Fit> best;
-  int worse = 0, iterations = 0;
-  for (double share = kStrongest; share >= kWeakest && worse < 2; share *= kFactor) {
+  int iterations = 0;
+  for (double share = kStrongest; share >= kWeakest; share *= kFactor) {
     VOLUTE_ASSIGN(Fit fit, runFit(setup, rest, Regularization::kTv, share * value, start,
                                   {kSearchIterations, 0, {}, true}));
     fit.heldOutError = heldOutError(data, heldOut, fit.projected);
     iterations += fit.iterations;
+    if (best && fit.heldOutError > kGain * best->heldOutError)
+      break;
     start = fit.unknowns;
-    if (!best || fit.heldOutError < best->heldOutError) {
-      best = std::move(fit);
-      worse = 0;
-    } else {
-      ++worse;
-    }
+    best = std::move(fit);
   }
   VOLUTE_ASSIGN(Fit fit, runFit(setup, data, Regularization::kTv, best->lambda,
                                 std::move(best->unknowns), {kFinalIterations, 0, {}, true}));

@@ -26,6 +26,7 @@ struct Fit {
 /// What fits of one frame share.
 struct FitSetup {
   const FrameProblem& problem;
+  std::span<const TomographyView> views;
   const TomographyOptions& options;
   double largest;  ///< eigenvalue of S' W^2 S
   Progress& progress;
@@ -33,6 +34,10 @@ struct FitSetup {
 
 /// A random share of the rows, chosen by `seed`: 1 for those held out of a fit.
 std::vector<std::uint8_t> heldOutRows(std::size_t rows, std::uint32_t seed);
+
+/// All rows of the camera whose nearest neighbour, in angle, is at the median distance.
+std::vector<std::uint8_t> heldOutView(const FrameProblem& problem,
+                                      std::span<const TomographyView> views);
 
 /// The data with the rows held out.
 LeastSquares withoutRows(const LeastSquares& data, std::span<const std::uint8_t> heldOut);
@@ -54,7 +59,10 @@ struct StopRule {
                                  Regularization regularization, double lambda,
                                  std::vector<float> start, const StopRule& stop);
 
-/// Chooses the prior's strength by held-out pixels, and when to stop; see Regularization::kAuto.
+/// Chooses the strength of the total variation: from strong to weak, each fit going on from the one
+/// before, until the error over the held-out pixels has risen. With four views or more those are
+/// the pixels of one camera, for other pixels of the same cameras would be predicted ever better by
+/// a volume that fits the noise. Then fits all pixels.
 [[nodiscard]] Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start);
 
 }  // namespace volute

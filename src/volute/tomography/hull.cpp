@@ -77,6 +77,54 @@ std::vector<std::uint8_t> dilated(std::span<const std::uint8_t> mask, int width,
   return out;
 }
 
+/// The mean of the 5 x 5 pixels around each, those at the border counted again beyond it.
+Image blurred(const Image& image) {
+  constexpr int kReach = 2;
+  constexpr float kShare = 1.0F / (2 * kReach + 1);
+  Image wide(image.width, image.height, image.channels), out = wide;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < image.channels; ++c)
+        for (int d = -kReach; d <= kReach; ++d)
+          wide.at(x, y, c) += kShare * image.at(std::clamp(x + d, 0, image.width - 1), y, c);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < image.channels; ++c)
+        for (int d = -kReach; d <= kReach; ++d)
+          out.at(x, y, c) += kShare * wide.at(x, std::clamp(y + d, 0, image.height - 1), c);
+  return out;
+}
+
+/// Light below this share of the brightest is no part of a silhouette.
+constexpr double kDarkest = 0.002;
+
+double brightestOf(const TomographyView& view) {
+  float brightest = 0;
+  for (std::size_t i = 0; i < view.radiance.pixels.size(); ++i) {
+    const bool valid = view.weight.empty() || view.weight[i / view.radiance.channels] != 0;
+    brightest = std::max(brightest, valid ? view.radiance.pixels[i] : 0);
+  }
+  return brightest;
+}
+
+/// Pixels that show the medium. Where noise decides, the means of 25 pixels are looked at: their
+/// noise is a fifth.
+std::vector<std::uint8_t> litPixels(const TomographyView& view, std::optional<double> noiseSigma) {
+  constexpr double kFifths = 5;
+  const double darkest = kDarkest * brightestOf(view);
+  double threshold = silhouetteThreshold(view, noiseSigma);
+  const bool noisy = threshold > darkest;
+  if (noisy)
+    threshold = std::max(threshold / kFifths, darkest);
+  const Image image = noisy ? blurred(view.radiance) : view.radiance;
+  std::vector<std::uint8_t> mask(image.pixels.size() / image.channels);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    if (std::abs(image.pixels[i]) > threshold)
+      mask[i / image.channels] = 1;
+  }
+  return mask;
+}
+
 }  // namespace
 
 double noiseOf(const TomographyView& view) {
@@ -100,26 +148,14 @@ double noiseOf(const TomographyView& view) {
 }
 
 double silhouetteThreshold(const TomographyView& view, std::optional<double> noiseSigma) {
-  float brightest = 0;
-  for (std::size_t i = 0; i < view.radiance.pixels.size(); ++i) {
-    const bool valid = view.weight.empty() || view.weight[i / view.radiance.channels] != 0;
-    brightest = std::max(brightest, valid ? view.radiance.pixels[i] : 0);
-  }
-  return std::max(3 * noiseSigma.value_or(noiseOf(view)), 0.002 * brightest);
+  return std::max(3.5 * noiseSigma.value_or(noiseOf(view)), kDarkest * brightestOf(view));
 }
 
 std::vector<std::uint8_t> dilatedSilhouette(const TomographyView& view,
                                             std::optional<double> noiseSigma) {
   const Image& image = view.radiance;
-  std::vector<std::uint8_t> mask = view.silhouette;
-  if (mask.empty()) {
-    const auto threshold = static_cast<float>(silhouetteThreshold(view, noiseSigma));
-    mask.resize(static_cast<std::size_t>(image.width) * image.height);
-    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-      if (std::abs(image.pixels[i]) > threshold)
-        mask[i / image.channels] = 1;
-    }
-  }
+  std::vector<std::uint8_t> mask =
+      view.silhouette.empty() ? litPixels(view, noiseSigma) : view.silhouette;
   for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = mask[i] != 0 ? 1 : 0;
   mask = dilated(mask, image.width, image.height);
   for (std::size_t i = 0; i < view.weight.size(); ++i) {

@@ -16,13 +16,14 @@ namespace volute {
 /// pixels, as radiance; 0 for images without noise.
 double noiseOf(const TomographyView& view);
 
-/// The radiance above which a pixel shows the medium, by default: three times the noise, and at
-/// least 1/500 of the view's brightest channel.
+/// The radiance above which a pixel shows the medium, by default: 3.5 times the noise, and at least
+/// 1/500 of the view's brightest channel.
 double silhouetteThreshold(const TomographyView& view, std::optional<double> noiseSigma);
 
 /// (height, width), 1 where the medium may be seen: the view's own silhouette or |p - b| over the
 /// threshold in any channel, dilated by one pixel; 1 where the weight is 0, for nothing is known
-/// there.
+/// there. Where the noise decides, means of 5 x 5 pixels are compared with a fifth of the
+/// threshold.
 std::vector<std::uint8_t> dilatedSilhouette(const TomographyView& view,
                                             std::optional<double> noiseSigma);
 

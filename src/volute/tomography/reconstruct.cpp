@@ -151,7 +151,7 @@ Result<Reconstruction> reconstruct(std::span<const TomographyView> views,
   const double largest = problem.data.largestEigenvalue();
   if (!(largest > 0))
     return fail(ErrorCode::kInvalidData, "No pixel that counts sees the volume");
-  const FitSetup setup{problem, options, largest, progress};
+  const FitSetup setup{problem, views, options, largest, progress};
   VOLUTE_ASSIGN(const Fit fit, choosesStrength(options) ? chooseFit(setup, std::move(start))
                                                         : fixedFit(setup, std::move(start)));
   Reconstruction result;

@@ -25,27 +25,27 @@ class TotalVariation final : public Prior {
         dual_(support_->latticeSize(), kZero),
         ahead_(dual_) {
     for (std::int32_t node : support_->nodes()) inside_[node] = 1;
-    const std::ptrdiff_t margin = support_->stride()[2] + support_->stride()[1] + 1;
-    first_ = margin;
-    last_ = static_cast<std::ptrdiff_t>(support_->latticeSize()) - margin;
+    const auto& stride = support_->stride();
+    std::vector<std::uint8_t> reached(inside_);
+    for (std::int32_t node : support_->nodes())
+      for (std::int32_t step : stride) reached[node - step] = 1;
+    for (std::size_t node = 0; node < reached.size(); ++node) {
+      if (reached[node])
+        reached_.push_back(static_cast<std::int32_t>(node));
+    }
+    rate_.resize(reached_.size());
   }
 
   void proximal(std::span<float> a, std::span<const float> step) override {
-    constexpr int kIterations = 10;  // the dual goes on from the call before
-    const auto nodes = support_->nodes();
-    const auto strength = static_cast<float>(strength_);
-    float largest = 0;
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      weight_[nodes[i]] = step[i] * strength;
-      largest = std::max(largest, weight_[nodes[i]]);
-    }
+    constexpr int kIterations = 5;  // the dual goes on from the call before
+    setSteps(step);
     target_.fill(a);
     ahead_ = dual_;
     double momentum = 1;
     for (int k = 0; k < kIterations; ++k) {
       updatePrimal(ahead_);
       const double next = 0.5 * (1 + std::sqrt(1 + 4 * momentum * momentum));
-      updateDual(1 / (12 * largest), static_cast<float>((momentum - 1) / next));
+      updateDual(static_cast<float>((momentum - 1) / next));
       momentum = next;
     }
     updatePrimal(dual_);
@@ -56,18 +56,26 @@ class TotalVariation final : public Prior {
   using Dual = std::array<Colour, 3>;  // one for the difference along each axis
   inline static const Dual kZero{Colour::Zero(), Colour::Zero(), Colour::Zero()};
 
-  template <class Body>
-  void forNodes(Body&& body) const {
-    forElements(static_cast<std::size_t>(last_ - first_),
-                [&](std::size_t i) { body(first_ + static_cast<std::ptrdiff_t>(i)); });
+  /// Each dual vector has a rate of its own (Pock and Chambolle 2011, lemma 2), so that one unknown
+  /// with a large step does not slow all the others down.
+  void setSteps(std::span<const float> step) {
+    const auto nodes = support_->nodes();
+    const auto strength = static_cast<float>(strength_);
+    for (std::size_t i = 0; i < nodes.size(); ++i) weight_[nodes[i]] = step[i] * strength;
+    for (std::size_t i = 0; i < reached_.size(); ++i) {
+      const std::int32_t n = reached_[i];
+      float next = 0;
+      for (std::int32_t stride : support_->stride()) next = std::max(next, weight_[n + stride]);
+      rate_[i] = 1 / (6 * (weight_[n] + next));
+    }
   }
 
   /// primal = the constraint's nearest point to target - weight * D' dual.
   void updatePrimal(const std::vector<Dual>& dual) {
     const auto& stride = support_->stride();
-    forNodes([&](std::ptrdiff_t n) {
-      if (!inside_[n])
-        return;
+    const auto nodes = support_->nodes();
+    forElements(nodes.size(), [&](std::size_t i) {
+      const std::ptrdiff_t n = nodes[i];
       Colour sum = Colour::Zero();
       for (int a = 0; a < 3; ++a) sum += dual[n - stride[a]][a] - dual[n][a];
       const Colour value = target_[n] - weight_[n] * sum;
@@ -76,13 +84,14 @@ class TotalVariation final : public Prior {
   }
 
   /// dual = ahead + rate D primal, no longer than 1; ahead = dual + beta (dual - the dual before).
-  void updateDual(float rate, float beta) {
+  void updateDual(float beta) {
     const auto& stride = support_->stride();
-    forNodes([&](std::ptrdiff_t n) {
+    forElements(reached_.size(), [&](std::size_t i) {
+      const std::ptrdiff_t n = reached_[i];
       Dual next;
       float squared = 0;
       for (int a = 0; a < 3; ++a) {
-        next[a] = ahead_[n][a] + rate * (primal_[n + stride[a]] - primal_[n]);
+        next[a] = ahead_[n][a] + rate_[i] * (primal_[n + stride[a]] - primal_[n]);
         squared += next[a].square().sum();
       }
       const float scale = squared > 1 ? 1 / std::sqrt(squared) : 1;
@@ -97,9 +106,10 @@ class TotalVariation final : public Prior {
   std::shared_ptr<const Support> support_;
   double strength_;
   bool nonNegative_;
-  std::ptrdiff_t first_ = 0, last_ = 0;
+  std::vector<std::int32_t> reached_;  // nodes with a difference to an unknown
   std::vector<std::uint8_t> inside_;
   std::vector<float> weight_;
+  std::vector<float> rate_;  // of each in reached_
   LatticeField target_, primal_;
   std::vector<Dual> dual_, ahead_;
 };

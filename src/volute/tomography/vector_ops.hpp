@@ -13,7 +13,7 @@
 
 namespace volute {
 
-inline constexpr std::size_t kVectorBlock = 16384;
+inline constexpr std::size_t kVectorBlock = 4096;
 
 /// body(i) for each element.
 template <class Body>
