@@ -264,6 +264,27 @@ TEST_F(Importers, ColmapTruncationsNeverCrash) {
   }
 }
 
+TEST_F(Importers, DamagedTextsNeverCrash) {
+  writeNerf(folder, false);
+  writeText(folder / "cameras.yml",
+            fmt::format("%YAML:1.0\n---\n{}", fmt::join(openCvEntries(false), "")));
+  for (const char* name : {"capture.json", "transforms.json", "cameras.yml"}) {
+    const auto path = folder / name;
+    const std::string whole = testing::readBytes(path);
+    for (std::size_t i = 0; i < whole.size(); i += 13) {
+      writeText(path, whole.substr(0, i));
+      EXPECT_FALSE(i + 20 < whole.size() && openCapture(path, options).has_value() &&
+                   std::string_view(name).ends_with("json"))
+          << name << " " << i;
+      std::string flipped = whole;
+      flipped[i] = static_cast<char>(flipped[i] ^ (1 << i % 7));
+      writeText(path, flipped);
+      (void)openCapture(path, options).has_value();
+    }
+    writeText(path, whole);
+  }
+}
+
 TEST_F(Importers, OpenCvFaults) {
   const auto with = [&](const std::string& text) {
     writeText(folder / "wrong.yml", "%YAML:1.0\n---\n" + text);
