@@ -329,6 +329,11 @@ class Pictures(ring.TestCase):
         self.change("c3", 10, elsewhere)
         self.assertRegex(self.refused(), r"frame 10: the visual hull is empty.*; without camera c3 it would hold \d+\.\d+ %")
 
+    def test_a_hull_that_fills_the_volume(self):
+        for name in ring.NAMES:
+            self.change(name, 10, lambda p: Picture(40, 32, 3, [value + 0.5 for value in p.values]))
+        self.assertRegex(self.reconstruct("--frames", "10").message, r"frame 10: the visual hull fills \d+ % of the volume")
+
     def test_clean_captures_warn_of_nothing(self):
         self.assertNotIn("warning", self.reconstruct().message)
 

@@ -12,6 +12,7 @@
 #include "volute/cli/reconstruction/picture_check.hpp"
 #include "volute/cli/reconstruction/work_folder.hpp"
 #include "volute/grid/frame_source.hpp"
+#include "volute/tomography/diagnostics.hpp"
 #include "volute/tomography/reconstruct.hpp"
 
 namespace volute::cli {
@@ -84,6 +85,8 @@ class ReconstructedFrames final : public FrameSource {
   [[nodiscard]] Result<std::vector<std::string>> diagnosed(const FrameViews& views,
                                                            const Reconstruction& result,
                                                            nlohmann::ordered_json& cameras);
+  std::vector<std::string> explained(std::size_t camera, const CameraDiagnosis& found,
+                                     const FrameViews& views, const Reconstruction& result);
   std::optional<std::string> outOfStep(std::size_t camera, const FrameViews& views,
                                        const Reconstruction& result);
   void warn(const std::string& text);
