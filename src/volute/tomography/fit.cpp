@@ -36,10 +36,16 @@ std::unique_ptr<Prior> makePrior(const FitSetup& setup, Regularization regulariz
 class Watcher {
  public:
   Watcher(const FitSetup& setup, const LeastSquares& data, const StopRule& stop, Fit& fit)
-      : setup_(setup), data_(data), stop_(stop), fit_(fit) {}
+      : setup_(setup),
+        data_(data),
+        stop_(stop),
+        fit_(fit),
+        light_(data.squaredResidual(std::vector<float>(data.measured.size()))) {}
 
   bool operator()(int iteration, std::span<const float> unknowns,
                   std::span<const float> projected) {
+    const double residual = std::sqrt(data_.squaredResidual(projected) / std::max(light_, 1e-300));
+    setup_.progress.detail(fmt::format("residual {:.3f}", residual));
     setup_.progress.report("solving", iteration, stop_.iterations);
     if (setup_.progress.cancelled())
       return false;
@@ -100,6 +106,7 @@ class Watcher {
   const LeastSquares& data_;
   const StopRule& stop_;
   Fit& fit_;
+  double light_;  // |W measured|^2
   std::vector<float> best_, bestProjected_, before_;
   int waited_ = 0;
 };

@@ -24,11 +24,15 @@ class FrameProgress final : public Progress {
       : whole_(whole), number_(number), before_(before), total_(total) {}
 
   void report(std::string_view stage, double done, double total) override {
-    whole_.detail(fmt::format("frame {}, {} {:.0f}", number_, stage, done));
+    const bool iterates = stage == "solving";
+    whole_.detail(iterates ? fmt::format("frame {}, iteration {:.0f}, {}", number_, done, detail_)
+                           : fmt::format("frame {}, {}", number_, stage));
     // The solver may stop before its last iteration, so a frame never looks finished here.
     const double share = total > 0 ? std::min(0.99, done / total) : 0;
     whole_.report("reconstructing", before_ + share, total_);
   }
+
+  void detail(std::string_view text) override { detail_ = text; }
 
   void remark(std::string_view message) override {
     whole_.remark(fmt::format("frame {}: {}", number_, message));
@@ -38,6 +42,7 @@ class FrameProgress final : public Progress {
 
  private:
   Progress& whole_;
+  std::string detail_;  // of the solver
   int number_;
   double before_, total_;
 };
