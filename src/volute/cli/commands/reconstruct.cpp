@@ -217,7 +217,7 @@ Status run(const Arguments& arguments, Context& context) {
   remarkOnLayout(capture, context);
   VOLUTE_ASSIGN(auto frames, openFrames(capture, settings, heldOut, target, context));
   const Status status = runFrames(*frames, arguments, capture, settings, context);
-  if (!status && frames->work().any()) {
+  if (!status && target != "-" && frames->work().any()) {
     context.progress.remark(
         fmt::format("finished frames are kept in {}; the same command goes on from there",
                     frames->work().path().string()));
