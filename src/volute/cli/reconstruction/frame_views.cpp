@@ -6,13 +6,13 @@
 
 namespace volute::cli {
 
-std::vector<TomographyView> FrameViews::fitted() const {
-  std::vector<TomographyView> chosen;
+std::vector<TomographyView> FrameViews::fittedWithout(std::size_t view) const {
+  std::vector<TomographyView> others;
   for (std::size_t i = 0; i < views.size(); ++i) {
-    if (!heldOut[i])
-      chosen.push_back(views[i]);
+    if (!heldOut[i] && i != view)
+      others.push_back(views[i]);
   }
-  return chosen;
+  return others;
 }
 
 bool FrameViews::grey() const {
@@ -50,6 +50,8 @@ Result<FrameViews> ViewReader::read(int frame) {
     result.facts.push_back({picture.brightest, picture.saturatedShare, picture.maskedShare,
                             picture.transparentShare, picture.grey});
   }
+  if (std::ranges::find(heldOut_, 1) != heldOut_.end())
+    result.chosen = result.fittedWithout(result.views.size());
   return result;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,13 @@ struct FrameViews {
   std::vector<PictureFacts> facts;  ///< one a view
   std::vector<char> heldOut;        ///< one a view: only compared with, not fitted
 
+  std::vector<TomographyView> chosen;  ///< a copy of those to fit; empty when that is all of them
+
   /// The views that are fitted.
-  std::vector<TomographyView> fitted() const;
+  std::span<const TomographyView> fitted() const { return chosen.empty() ? views : chosen; }
+
+  /// Those but one.
+  std::vector<TomographyView> fittedWithout(std::size_t view) const;
 
   /// True when every picture has one channel.
   bool grey() const;

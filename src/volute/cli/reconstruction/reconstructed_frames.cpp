@@ -180,12 +180,11 @@ std::optional<std::string> ReconstructedFrames::outOfStep(std::size_t camera,
                                                           const Reconstruction& result) {
   constexpr int kIterations = 60;
   constexpr double kClearly = 0.8;
-  FrameViews others = views;
-  others.heldOut[camera] = 1;
   TomographyOptions options = settings_.tomography;
   options.iterations = kIterations;
   Quietly quiet(progress_);
-  const auto fit = reconstruct(others.fitted(), geometry(), options, result.volume, quiet);
+  const auto fit =
+      reconstruct(views.fittedWithout(camera), geometry(), options, result.volume, quiet);
   if (!fit)
     return std::nullopt;
   const Image seen = projectVolume(fit->volume, geometry(), options.basis,
