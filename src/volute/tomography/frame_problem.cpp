@@ -84,9 +84,12 @@ std::vector<std::uint8_t> rowMask(const TomographyView& view,
 
 void fillRows(std::span<const TomographyView> views, const TomographyOptions& options,
               FrameProblem& problem) {
+  // The other solvers are there to compare with: they take what they see as it is.
+  const bool weighs = options.solver == TomographySolver::kApg;
   std::vector<std::vector<float>> variance;
   for (const TomographyView& view : views)
-    variance.push_back(pixelVariance(view, options.noiseSigma));
+    variance.push_back(weighs ? pixelVariance(view, options.noiseSigma)
+                              : std::vector<float>(view.radiance.pixels.size() / 3, 1.0F));
   const std::span<const PixelRow> rows = problem.projector->pixels();
   LeastSquares& data = problem.data;
   data.projector = problem.projector.get();
