@@ -344,7 +344,7 @@ class Step(ring.TestCase):
         for frame in range(11, 14):
             self.path(f"c2_{frame:04d}.exr").unlink()
             self.path(f"c2_{frame:04d}.exr").write_bytes(pictures[frame - 1])
-        message = self.reconstruct("--frames", "12").message
+        message = self.reconstruct("--frames", "12", "--resolution", "32").message
         self.assertRegex(message, r"camera c2, frame 12: its picture of frame 13 fits .*: it seems to run 1 frame late")
 
     def test_a_camera_that_is_too_bright_is_told_by_its_gain(self):

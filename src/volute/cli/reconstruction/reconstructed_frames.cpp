@@ -226,13 +226,17 @@ std::vector<std::string> ReconstructedFrames::explained(std::size_t camera,
         "gain in the capture",
         name, 100 * std::abs(1 / found.gain - 1), found.gain < 1 ? "bright" : "dark", found.gain));
   }
-  if (found.outOfStep) {
-    warnings.push_back(
-        outOfStep(camera, views, result)
-            .value_or(
-                fmt::format("{}: does not fit the others: its residual of {:.3f} is {:.1f} times "
-                            "theirs: another instant, moved, or miscalibrated?",
-                            name, found.residual, found.residualRatio)));
+  // Another frame that fits better is evidence enough for a camera that stands out a little.
+  constexpr double kSuspicious = 1.5;
+  if (!found.outOfStep && !(found.residualRatio > kSuspicious))
+    return warnings;
+  if (const auto text = outOfStep(camera, views, result)) {
+    warnings.push_back(*text);
+  } else if (found.outOfStep) {
+    warnings.push_back(fmt::format(
+        "{}: does not fit the others: its residual of {:.3f} is {:.1f} times theirs: another "
+        "instant, moved, or miscalibrated?",
+        name, found.residual, found.residualRatio));
   }
   return warnings;
 }
