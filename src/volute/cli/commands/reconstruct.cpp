@@ -48,9 +48,10 @@ ReconstructionSettings settingsOf(const Arguments& arguments, const Capture& cap
 /// What is wrong before any picture is read.
 Status checkCapture(const Capture& capture, const std::vector<std::string>& heldOut, bool force,
                     Progress& progress) {
-  constexpr std::size_t kFewest = 3;
-  const std::size_t fitted =
-      capture.cameras.size() - std::min(capture.cameras.size(), heldOut.size());
+  constexpr int kFewest = 3;
+  const auto fitted = std::ranges::count_if(capture.cameras, [&](const CaptureCamera& camera) {
+    return std::ranges::find(heldOut, camera.name) == heldOut.end();
+  });
   std::vector<std::string> faults;
   if (fitted < kFewest) {
     faults.push_back(
@@ -91,7 +92,11 @@ Result<CompressReport> writeVolute(ReconstructedFrames& frames, const Arguments&
   options.target = {ErrorTarget::Kind::kRms, arguments.get<double>("rms")};
   options.provenance = fmt::format("reconstructed from {}", capture.file.filename().string());
   options.maxMemory = context.maxMemory;
-  return compress(frames, arguments.get<std::string>("output"), options, context.progress);
+  auto written = compress(frames, arguments.get<std::string>("output"), options, context.progress);
+  // The command line was checked; what is still found invalid is an error out of reach.
+  if (!written && written.error().code == ErrorCode::kInvalidArgument)
+    written.error().code = ErrorCode::kUnsupported;
+  return written;
 }
 
 Status writeReport(const std::string& file, const nlohmann::ordered_json& json,
