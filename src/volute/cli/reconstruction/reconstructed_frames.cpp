@@ -268,6 +268,25 @@ Result<std::vector<std::string>> ReconstructedFrames::diagnosed(const FrameViews
   return warnings;
 }
 
+/// Each camera's residual, held-out ones too, and what its picture said.
+nlohmann::ordered_json ReconstructedFrames::measured(const FrameViews& views,
+                                                     const Reconstruction& result) const {
+  auto cameras = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < views.views.size(); ++i) {
+    const TomographyView& view = views.views[i];
+    const auto residual =
+        residualOf(view, projectVolume(result.volume, geometry(), settings_.tomography.basis,
+                                       view.camera, settings_.tomography.raysPerPixel));
+    cameras.push_back({{"name", view.name},
+                       {"held_out", views.heldOut[i] != 0},
+                       {"residual", jsonNumber(residual.relative)},
+                       {"psnr", jsonNumber(residual.psnr)},
+                       {"saturated_share", views.facts[i].saturatedShare},
+                       {"masked_share", views.facts[i].maskedShare}});
+  }
+  return cameras;
+}
+
 Status ReconstructedFrames::solve(int index) {
   const auto start = std::chrono::steady_clock::now();
   const int number = numberOf(index);
@@ -284,19 +303,7 @@ Status ReconstructedFrames::solve(int index) {
   if (!findings.dark) {
     VOLUTE_ASSIGN(result, fit(index, views));
   }
-  auto cameras = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < views.views.size(); ++i) {
-    const TomographyView& view = views.views[i];
-    const auto residual =
-        residualOf(view, projectVolume(result.volume, geometry(), settings_.tomography.basis,
-                                       view.camera, settings_.tomography.raysPerPixel));
-    cameras.push_back({{"name", view.name},
-                       {"held_out", views.heldOut[i] != 0},
-                       {"residual", jsonNumber(residual.relative)},
-                       {"psnr", jsonNumber(residual.psnr)},
-                       {"saturated_share", views.facts[i].saturatedShare},
-                       {"masked_share", views.facts[i].maskedShare}});
-  }
+  auto cameras = measured(views, result);
   if (!findings.dark) {
     VOLUTE_ASSIGN(const auto more, diagnosed(views, result, cameras));
     warnings.insert(warnings.end(), more.begin(), more.end());
