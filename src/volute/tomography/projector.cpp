@@ -139,39 +139,38 @@ void Projector::reach(Chunk& chunk) const {
                                             static_cast<std::int32_t>(support_->latticeSize()));
 }
 
-std::size_t Projector::tableSize() const {
-  std::size_t sum = 0;
-  for (const Table& table : tables_) sum += table.weights.size();
-  return sum;
-}
-
 bool Projector::writeTables(std::uint64_t bytes) {
-  std::vector<Table> tables(chunks_.size());
-  std::atomic<std::uint64_t> used = 0;
-  parallelFor(chunks_.size(), [&](std::size_t i) {
-    if (used > bytes)
-      return;
-    writeTable(chunks_[i], tables[i]);
-    used += tables[i].weights.size() * sizeof(NodeWeight);
-  });
-  // The sum is the same whatever the order, unless it is too large in any.
-  if (used > bytes)
-    return false;
-  tables_ = std::move(tables);
-  for (std::size_t i = 0; i < chunks_.size(); ++i) {
-    const auto [low, high] = std::ranges::minmax_element(tables_[i].weights, {}, &NodeWeight::node);
-    if (low != tables_[i].weights.end()) {
-      chunks_[i].firstNode = low->node;
-      chunks_[i].lastNode = high->node + 1;
-    }
-  }
-  return true;
-}
-
-void Projector::writeTable(const Chunk& chunk, Table& table) const {
   std::vector<std::int32_t> unknownAt(support_->latticeSize(), -1);
   for (std::size_t i = 0; i < unknowns(); ++i)
     unknownAt[support_->nodes()[i]] = static_cast<std::int32_t>(i);
+  std::vector<Table> tables(chunks_.size());
+  // Twice, by row and by unknown, and once more while the parts are put together.
+  const std::uint64_t most = bytes / (3 * sizeof(NodeWeight));
+  std::atomic<std::uint64_t> written = 0;
+  parallelFor(chunks_.size(), [&](std::size_t i) {
+    if (written > most)
+      return;
+    writeTable(chunks_[i], unknownAt, tables[i]);
+    written += tables[i].weights.size();
+  });
+  // The sum is the same whatever the order, unless it is too large in any.
+  if (written > most)
+    return false;
+  byRow_.weights.reserve(written);
+  byRow_.begin.push_back(0);
+  for (Table& table : tables) {
+    const std::uint64_t before = byRow_.weights.size();
+    byRow_.weights.insert(byRow_.weights.end(), table.weights.begin(), table.weights.end());
+    for (std::size_t i = 1; i < table.begin.size(); ++i)
+      byRow_.begin.push_back(before + table.begin[i]);
+    table = {};
+  }
+  transposeTable();
+  return true;
+}
+
+void Projector::writeTable(const Chunk& chunk, std::span<const std::int32_t> unknownAt,
+                           Table& table) const {
   std::vector<std::uint32_t> place(unknowns(), 0);  // in the row, from 1; 0 = not there yet
   std::vector<NodeWeight> raw;
   table.begin.push_back(0);
@@ -194,6 +193,29 @@ void Projector::writeTable(const Chunk& chunk, Table& table) const {
   }
 }
 
+void Projector::transposeTable() {
+  byUnknown_.begin.assign(unknowns() + 1, 0);
+  for (const NodeWeight& w : byRow_.weights) ++byUnknown_.begin[w.node + 1];
+  for (std::size_t i = 0; i < unknowns(); ++i) byUnknown_.begin[i + 1] += byUnknown_.begin[i];
+  std::vector<std::uint64_t> next(byUnknown_.begin.begin(), byUnknown_.begin.end() - 1);
+  byUnknown_.weights.resize(byRow_.weights.size());
+  for (std::size_t row = 0; row < rows(); ++row) {
+    for (std::uint64_t i = byRow_.begin[row]; i < byRow_.begin[row + 1]; ++i) {
+      const NodeWeight& w = byRow_.weights[i];
+      byUnknown_.weights[next[w.node]++] = {static_cast<std::int32_t>(row), w.weight};
+    }
+  }
+}
+
+/// sums = table * values, rows on all threads.
+void Projector::multiply(const Table& table, std::span<const float> values,
+                         std::span<float> sums) const {
+  parallelRanges(table.begin.size() - 1, 64, [&](std::size_t begin, std::size_t end) {
+    tableSums(table.weights.data(), table.begin.data() + begin, end - begin, values.data(),
+              sums.data() + 4 * begin);
+  });
+}
+
 std::vector<float> Projector::toLattice(std::span<const float> unknowns) const {
   std::vector<float> lattice(4 * support_->latticeSize());
   const auto nodes = support_->nodes();
@@ -207,12 +229,7 @@ std::vector<float> Projector::toLattice(std::span<const float> unknowns) const {
 void Projector::forward(std::span<const float> unknowns, std::span<float> pixels) const {
   VOLUTE_ASSERT(unknowns.size() == 4 * this->unknowns() && pixels.size() == 4 * rows());
   if (usesTable()) {
-    parallelFor(chunks_.size(), [&](std::size_t i) {
-      const Chunk& chunk = chunks_[i];
-      tableForward(tables_[i].weights.data(), tables_[i].begin.data(),
-                   chunk.lastRow - chunk.firstRow, unknowns.data(),
-                   pixels.data() + 4 * chunk.firstRow);
-    });
+    multiply(byRow_, unknowns, pixels);
     return;
   }
   const std::vector<float> lattice = toLattice(unknowns);
@@ -224,25 +241,25 @@ void Projector::forward(std::span<const float> unknowns, std::span<float> pixels
 
 void Projector::adjoint(std::span<const float> pixels, std::span<float> unknowns) const {
   VOLUTE_ASSERT(unknowns.size() == 4 * this->unknowns() && pixels.size() == 4 * rows());
+  if (usesTable()) {
+    multiply(byUnknown_, pixels, unknowns);
+    return;
+  }
   std::vector<std::vector<float>> parts(chunks_.size());
   parallelFor(chunks_.size(), [&](std::size_t i) {
     const Chunk& chunk = chunks_[i];
     parts[i].assign(4 * static_cast<std::size_t>(chunk.lastNode - chunk.firstNode), 0.0F);
     float* origin = parts[i].data() - 4 * static_cast<std::ptrdiff_t>(chunk.firstNode);
-    const std::size_t rows = chunk.lastRow - chunk.firstRow;
-    if (usesTable())
-      tableAdjoint(tables_[i].weights.data(), tables_[i].begin.data(), rows,
-                   pixels.data() + 4 * chunk.firstRow, origin);
-    else
-      walkAdjoint(lattice_, pixels.data() + 4 * chunk.firstRow,
-                  rays_.data() + chunk.firstRow * raysPerPixel_, rows, raysPerPixel_, origin);
+    walkAdjoint(lattice_, pixels.data() + 4 * chunk.firstRow,
+                rays_.data() + chunk.firstRow * raysPerPixel_, chunk.lastRow - chunk.firstRow,
+                raysPerPixel_, origin);
   });
   const auto nodes = support_->nodes();
   parallelRanges(nodes.size(), 1024, [&](std::size_t begin, std::size_t end) {
     std::fill(unknowns.begin() + 4 * begin, unknowns.begin() + 4 * end, 0.0F);
     for (std::size_t c = 0; c < chunks_.size(); ++c) {
       for (std::size_t i = begin; i < end; ++i) {
-        const std::int32_t at = usesTable() ? static_cast<std::int32_t>(i) : nodes[i];
+        const std::int32_t at = nodes[i];
         if (at < chunks_[c].firstNode || at >= chunks_[c].lastNode)
           continue;
         const float* part = &parts[c][4 * static_cast<std::size_t>(at - chunks_[c].firstNode)];

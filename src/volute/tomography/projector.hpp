@@ -31,8 +31,8 @@ struct ProjectorView {
 /// by view.
 ///
 /// Rays are walked anew in each product. Where the weights of all rows fit into `tableBytes`, they
-/// are written down at the start instead, which pays after some ten products: pixels of four rays
-/// cost no more than those of one then.
+/// are written down at the start instead, by rows and by unknowns, which pays after a few products:
+/// pixels of four rays then cost little more than those of one.
 class Projector {
  public:
   Projector(std::span<const ProjectorView> views, std::shared_ptr<const Support> support,
@@ -46,10 +46,10 @@ class Projector {
 
   const Support& support() const { return *support_; }
 
-  bool usesTable() const { return !tables_.empty(); }
+  bool usesTable() const { return !byRow_.begin.empty(); }
 
   /// Weights in the table; 0 without one.
-  std::size_t tableSize() const;
+  std::size_t tableSize() const { return byRow_.weights.size(); }
 
   /// pixels = S unknowns.
   void forward(std::span<const float> unknowns, std::span<float> pixels) const;
@@ -62,9 +62,10 @@ class Projector {
   /// matter.
   struct Chunk {
     std::size_t firstRow = 0, lastRow = 0;
-    std::int32_t firstNode = 0, lastNode = 0;  ///< what its rays reach, in the lattice or the table
+    std::int32_t firstNode = 0, lastNode = 0;  ///< what its rays reach in the lattice
   };
 
+  /// A sparse matrix: row i has the weights [begin[i], begin[i+1]).
   struct Table {
     std::vector<std::uint64_t> begin;
     std::vector<NodeWeight> weights;
@@ -74,7 +75,9 @@ class Projector {
   void cutChunks();
   void reach(Chunk& chunk) const;
   bool writeTables(std::uint64_t bytes);
-  void writeTable(const Chunk& chunk, Table& table) const;
+  void writeTable(const Chunk& chunk, std::span<const std::int32_t> unknownAt, Table& table) const;
+  void transposeTable();
+  void multiply(const Table& table, std::span<const float> values, std::span<float> sums) const;
   std::vector<float> toLattice(std::span<const float> unknowns) const;
 
   std::shared_ptr<const Support> support_;
@@ -83,7 +86,7 @@ class Projector {
   std::vector<PixelRow> rows_;
   std::vector<WalkRay> rays_;  ///< raysPerPixel for each row
   std::vector<Chunk> chunks_;
-  std::vector<Table> tables_;  ///< one a chunk, or none
+  Table byRow_, byUnknown_;  ///< empty without a table
 };
 
 /// The ray of a segment through the cells that unknowns reach into; length 0 when it meets none.

@@ -130,7 +130,7 @@ struct HatWeights {
 /// visit(node, weight in all lanes, number) for the eight corners of a cell.
 template <class Visit>
 HWY_INLINE void ForCorners(const WalkLattice& lattice, std::int32_t node, const HatWeights& w,
-                           const Visit& visit) {
+                           Visit& visit) {
   const std::int32_t y = node + lattice.stride[1], z = node + lattice.stride[2];
   const std::int32_t yz = y + lattice.stride[2];
   visit(node, hn::Broadcast<0>(w.low), 0);
@@ -146,7 +146,7 @@ HWY_INLINE void ForCorners(const WalkLattice& lattice, std::int32_t node, const 
 /// visit(node, weight in all lanes, a number 0..7 to tell corners apart) for all that a ray
 /// reaches.
 template <Basis kBasis, class Visit>
-HWY_INLINE void ForWeights(const WalkLattice& lattice, const WalkRay& ray, const Visit& visit) {
+HWY_INLINE void ForWeights(const WalkLattice& lattice, const WalkRay& ray, Visit& visit) {
   for (Walk walk(lattice, ray); walk.goesOn(); walk.pass()) {
     walk.cross();
     const std::int32_t node = walk.node();
@@ -162,21 +162,54 @@ HWY_INLINE T* At(T* values, std::int32_t node) {
   return values + 4 * static_cast<std::ptrdiff_t>(node);
 }
 
+// What is done with each weight. Classes, as compilers do not inline lambdas of another target.
+
+struct Gather {
+  const float* values;
+  // Four sums, so that additions need not wait for each other.
+  V4 sum[4] = {hn::Zero(d4), hn::Zero(d4), hn::Zero(d4), hn::Zero(d4)};
+
+  HWY_INLINE explicit Gather(const float* from) : values(from) {}
+
+  HWY_INLINE void operator()(std::int32_t node, V4 weight, int corner) {
+    V4& part = sum[corner & 3];
+    part = hn::MulAdd(weight, hn::LoadU(d4, At(values, node)), part);
+  }
+
+  HWY_INLINE V4 total() const { return hn::Add(hn::Add(sum[0], sum[1]), hn::Add(sum[2], sum[3])); }
+};
+
+struct Scatter {
+  V4 value;
+  float* gradient;
+
+  HWY_INLINE Scatter(V4 what, float* to) : value(what), gradient(to) {}
+
+  HWY_INLINE void operator()(std::int32_t node, V4 weight, int) {
+    float* at = At(gradient, node);
+    hn::StoreU(hn::MulAdd(weight, value, hn::LoadU(d4, at)), d4, at);
+  }
+};
+
+struct Append {
+  std::vector<NodeWeight>& out;
+  float share;
+
+  HWY_INLINE Append(std::vector<NodeWeight>& to, float factor) : out(to), share(factor) {}
+
+  HWY_INLINE void operator()(std::int32_t node, V4 weight, int) {
+    out.push_back({node, share * hn::GetLane(weight)});
+  }
+};
+
 template <Basis kBasis>
 void ForwardRows(const WalkLattice& lattice, const float* values, const WalkRay* rays,
                  std::size_t rows, int raysPerRow, float* sums) {
   const V4 share = hn::Set(d4, 1.0F / static_cast<float>(raysPerRow));
   for (std::size_t row = 0; row < rows; ++row) {
-    // Four sums, so that additions need not wait for each other.
-    V4 sum[4] = {hn::Zero(d4), hn::Zero(d4), hn::Zero(d4), hn::Zero(d4)};
-    for (int i = 0; i < raysPerRow; ++i) {
-      ForWeights<kBasis>(lattice, *rays++, [&](std::int32_t node, V4 weight, int corner) HWY_ATTR {
-        V4& part = sum[corner & 3];
-        part = hn::MulAdd(weight, hn::LoadU(d4, At(values, node)), part);
-      });
-    }
-    const V4 all = hn::Add(hn::Add(sum[0], sum[1]), hn::Add(sum[2], sum[3]));
-    hn::StoreU(hn::Mul(all, share), d4, sums + 4 * row);
+    Gather gather(values);
+    for (int i = 0; i < raysPerRow; ++i) ForWeights<kBasis>(lattice, *rays++, gather);
+    hn::StoreU(hn::Mul(gather.total(), share), d4, sums + 4 * row);
   }
 }
 
@@ -185,13 +218,8 @@ void AdjointRows(const WalkLattice& lattice, const float* rowValues, const WalkR
                  std::size_t rows, int raysPerRow, float* gradient) {
   const V4 share = hn::Set(d4, 1.0F / static_cast<float>(raysPerRow));
   for (std::size_t row = 0; row < rows; ++row) {
-    const V4 value = hn::Mul(hn::LoadU(d4, rowValues + 4 * row), share);
-    for (int i = 0; i < raysPerRow; ++i) {
-      ForWeights<kBasis>(lattice, *rays++, [&](std::int32_t node, V4 weight, int) HWY_ATTR {
-        float* at = At(gradient, node);
-        hn::StoreU(hn::MulAdd(weight, value, hn::LoadU(d4, at)), d4, at);
-      });
-    }
+    Scatter scatter(hn::Mul(hn::LoadU(d4, rowValues + 4 * row), share), gradient);
+    for (int i = 0; i < raysPerRow; ++i) ForWeights<kBasis>(lattice, *rays++, scatter);
   }
 }
 
@@ -211,9 +239,7 @@ void Adjoint(const WalkLattice& lattice, const float* rowValues, const WalkRay* 
 
 void Weights(const WalkLattice& lattice, const WalkRay* rays, int raysPerRow,
              std::vector<NodeWeight>& out) {
-  const float share = 1.0F / static_cast<float>(raysPerRow);
-  auto append = [&](std::int32_t node, V4 weight, int)
-                    HWY_ATTR { out.push_back({node, share * hn::GetLane(weight)}); };
+  Append append(out, 1.0F / static_cast<float>(raysPerRow));
   for (int i = 0; i < raysPerRow; ++i) {
     if (lattice.basis == Basis::kBox)
       ForWeights<Basis::kBox>(lattice, rays[i], append);
@@ -222,33 +248,20 @@ void Weights(const WalkLattice& lattice, const WalkRay* rays, int raysPerRow,
   }
 }
 
-void TableForward(const NodeWeight* table, const std::uint64_t* begin, std::size_t rows,
-                  const float* values, float* sums) {
+void Table(const NodeWeight* table, const std::uint64_t* begin, std::size_t rows,
+           const float* values, float* sums) {
   for (std::size_t row = 0; row < rows; ++row) {
-    V4 sum[4] = {hn::Zero(d4), hn::Zero(d4), hn::Zero(d4), hn::Zero(d4)};
-    auto add = [&](const NodeWeight& entry, V4& part) HWY_ATTR {
-      part = hn::MulAdd(hn::Set(d4, entry.weight), hn::LoadU(d4, At(values, entry.node)), part);
-    };
+    Gather gather(values);
     std::uint64_t i = begin[row];
-    for (; i + 4 <= begin[row + 1]; i += 4) {
-      add(table[i], sum[0]);
-      add(table[i + 1], sum[1]);
-      add(table[i + 2], sum[2]);
-      add(table[i + 3], sum[3]);
+    const std::uint64_t end = begin[row + 1];
+    for (; i + 4 <= end; i += 4) {
+      gather(table[i].node, hn::Set(d4, table[i].weight), 0);
+      gather(table[i + 1].node, hn::Set(d4, table[i + 1].weight), 1);
+      gather(table[i + 2].node, hn::Set(d4, table[i + 2].weight), 2);
+      gather(table[i + 3].node, hn::Set(d4, table[i + 3].weight), 3);
     }
-    for (; i < begin[row + 1]; ++i) add(table[i], sum[0]);
-    hn::StoreU(hn::Add(hn::Add(sum[0], sum[1]), hn::Add(sum[2], sum[3])), d4, sums + 4 * row);
-  }
-}
-
-void TableAdjoint(const NodeWeight* table, const std::uint64_t* begin, std::size_t rows,
-                  const float* rowValues, float* gradient) {
-  for (std::size_t row = 0; row < rows; ++row) {
-    const V4 value = hn::LoadU(d4, rowValues + 4 * row);
-    for (std::uint64_t i = begin[row]; i < begin[row + 1]; ++i) {
-      float* at = At(gradient, table[i].node);
-      hn::StoreU(hn::MulAdd(hn::Set(d4, table[i].weight), value, hn::LoadU(d4, at)), d4, at);
-    }
+    for (; i < end; ++i) gather(table[i].node, hn::Set(d4, table[i].weight), 0);
+    hn::StoreU(gather.total(), d4, sums + 4 * row);
   }
 }
 
@@ -264,8 +277,7 @@ namespace volute {
 HWY_EXPORT(Forward);
 HWY_EXPORT(Adjoint);
 HWY_EXPORT(Weights);
-HWY_EXPORT(TableForward);
-HWY_EXPORT(TableAdjoint);
+HWY_EXPORT(Table);
 
 void walkForward(const WalkLattice& lattice, const float* values, const WalkRay* rays,
                  std::size_t rows, int raysPerRow, float* sums) {
@@ -282,14 +294,9 @@ void walkWeights(const WalkLattice& lattice, const WalkRay* rays, int raysPerRow
   HWY_DYNAMIC_DISPATCH(Weights)(lattice, rays, raysPerRow, out);
 }
 
-void tableForward(const NodeWeight* table, const std::uint64_t* begin, std::size_t rows,
-                  const float* values, float* sums) {
-  HWY_DYNAMIC_DISPATCH(TableForward)(table, begin, rows, values, sums);
-}
-
-void tableAdjoint(const NodeWeight* table, const std::uint64_t* begin, std::size_t rows,
-                  const float* rowValues, float* gradient) {
-  HWY_DYNAMIC_DISPATCH(TableAdjoint)(table, begin, rows, rowValues, gradient);
+void tableSums(const NodeWeight* table, const std::uint64_t* begin, std::size_t rows,
+               const float* values, float* sums) {
+  HWY_DYNAMIC_DISPATCH(Table)(table, begin, rows, values, sums);
 }
 
 }  // namespace volute

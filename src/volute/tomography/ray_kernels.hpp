@@ -46,10 +46,8 @@ struct NodeWeight {
 void walkWeights(const WalkLattice& lattice, const WalkRay* rays, int raysPerRow,
                  std::vector<NodeWeight>& out);
 
-/// The same as the walks with the weights written down: row i has those of [begin[i], begin[i+1]).
-void tableForward(const NodeWeight* table, const std::uint64_t* begin, std::size_t rows,
-                  const float* values, float* sums);
-void tableAdjoint(const NodeWeight* table, const std::uint64_t* begin, std::size_t rows,
-                  const float* rowValues, float* gradient);
+/// The same as a walk with the weights written down: row i has those of [begin[i], begin[i+1]).
+void tableSums(const NodeWeight* table, const std::uint64_t* begin, std::size_t rows,
+               const float* values, float* sums);
 
 }  // namespace volute
