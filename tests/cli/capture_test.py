@@ -207,6 +207,7 @@ class Pictures(ring.TestCase):
     def test_dark_frames_are_zero(self):
         for name in ring.NAMES:
             self.change(name, 11, lambda picture: Picture(40, 32, 3))
+        self.change("c1", 11, lambda picture: picture.set(20, 20, 1))  # a hot pixel
         result = self.reconstruct("--frames", "10:13")
         self.assertIn("frame 11: no camera sees any light", result.message)
         shape, values = support.read_npy(self.path("out.npy").read_bytes())

@@ -15,7 +15,7 @@ namespace volute::cli {
 struct PictureFindings {
   std::vector<std::string> faults;    ///< no good comes of going on
   std::vector<std::string> warnings;  ///< measured, but for a person to decide
-  bool dark = false;                  ///< no camera sees any light
+  bool dark = false;                  ///< no camera sees light on more than two pixels
 };
 
 struct PictureLimits {
