@@ -189,7 +189,7 @@ std::optional<std::string> ReconstructedFrames::outOfStep(std::size_t camera,
     return std::nullopt;
   const Image seen = projectVolume(fit->volume, geometry(), options.basis,
                                    views.views[camera].camera, options.raysPerPixel);
-  const double own = residualOf(views.views[camera], seen).relative;
+  const double own = residualOf(views.views[camera], seen, options.noiseSigma).relative;
   double best = own;
   int shift = 0;
   for (const int by : {-2, -1, 1, 2}) {
@@ -198,7 +198,7 @@ std::optional<std::string> ReconstructedFrames::outOfStep(std::size_t camera,
       continue;
     TomographyView view = views.views[camera];
     view.radiance = std::move(*image);
-    const double residual = residualOf(view, seen).relative;
+    const double residual = residualOf(view, seen, options.noiseSigma).relative;
     if (residual < best) {
       best = residual;
       shift = by;
@@ -275,8 +275,10 @@ nlohmann::ordered_json ReconstructedFrames::measured(const FrameViews& views,
   for (std::size_t i = 0; i < views.views.size(); ++i) {
     const TomographyView& view = views.views[i];
     const auto residual =
-        residualOf(view, projectVolume(result.volume, geometry(), settings_.tomography.basis,
-                                       view.camera, settings_.tomography.raysPerPixel));
+        residualOf(view,
+                   projectVolume(result.volume, geometry(), settings_.tomography.basis, view.camera,
+                                 settings_.tomography.raysPerPixel),
+                   settings_.tomography.noiseSigma);
     cameras.push_back({{"name", view.name},
                        {"held_out", views.heldOut[i] != 0},
                        {"residual", jsonNumber(residual.relative)},

@@ -2,16 +2,23 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <optional>
+
 #include "volute/tomography/view.hpp"
 
 namespace volute::cli {
 
-/// How far the projection of a volume is from what a camera saw, over the pixels that count.
+/// How far the projection of a volume is from what a camera saw.
 struct ViewResidual {
-  double relative = 0;  ///< |W (projected - given)| / |W given|; 0 when nothing was seen
-  double psnr = 0;      ///< -20 log10(rms / (max - min of given)) [dB]; infinite when equal
+  /// |projected - given| / |given| over the pixels that count and show light in either, so that the
+  /// noise of a dark surround says nothing; 0 when nothing was seen.
+  double relative = 0;
+  /// -20 log10(rms / (max - min of given)) over all pixels that count [dB]; infinite when equal.
+  double psnr = 0;
 };
 
-ViewResidual residualOf(const TomographyView& view, const Image& projected);
+/// @param noiseSigma  as TomographyOptions has it: says which pixels show light.
+ViewResidual residualOf(const TomographyView& view, const Image& projected,
+                        std::optional<double> noiseSigma);
 
 }  // namespace volute::cli
