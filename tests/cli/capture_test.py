@@ -3,7 +3,7 @@
 """Captures: calibrations in four formats, and every fault that must be refused or reported, injected and named."""
 import json
 import math
-import unittest
+import pathlib
 
 import ring
 import support
@@ -102,6 +102,14 @@ class Formats(ring.TestCase):
 
 
 class Project(ring.TestCase):
+    def test_the_example_of_the_manual(self):
+        page = (pathlib.Path(__file__).parents[2] / "docs" / "capture.md").read_text()
+        self.path("manual.json").write_text(page.split("```json\n")[1].split("```")[0])
+        result = self.works("project", self.make_npy(size=8, frames=1), self.path("manual.json"), "-o", self.path("m.exr"),
+                            "--rays-per-pixel", 1)
+        self.assertNotIn("not known", result.message)
+        self.assertGreater(max(read_exr(self.path("m.exr")).values), 0)
+
     def test_is_linear_and_names_its_pictures(self):
         self.works("project", self.path("truth.npy"), self.path("capture.json"), "-o", self.path("p_{camera}_%03d.exr"),
                    "--frames", "12:13", "--basis", "box")
