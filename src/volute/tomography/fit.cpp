@@ -13,6 +13,7 @@ namespace volute {
 namespace {
 
 constexpr unsigned kHeldOutOf = 20;  // one row in so many
+constexpr double kBright = 0.7;      // of the typical value
 
 std::unique_ptr<Prior> makePrior(const FitSetup& setup, Regularization regularization,
                                  double lambda) {
@@ -21,7 +22,9 @@ std::unique_ptr<Prior> makePrior(const FitSetup& setup, Regularization regulariz
   const double strength = lambda * setup.largest;
   switch (regularization) {
     case Regularization::kTv:
-      return makeTotalVariation(support, strength, options.nonNegative);
+      return makeTotalVariation(support, strength,
+                                {options.sparsity * strength, kBright * setup.typical},
+                                options.nonNegative);
     case Regularization::kSmooth:
       return makeSmoothness(support, strength, options.nonNegative);
     case Regularization::kWavelet:
@@ -54,7 +57,7 @@ class Watcher {
       return because("discrepancy");
     if (!stop_.heldOut.empty() && rises(unknowns, projected))
       return because("held-out pixels");
-    if (stop_.whenSettled && settled(iteration, unknowns))
+    if (stop_.settled > 0 && settled(iteration, unknowns))
       return because("converged");
     return true;
   }
@@ -87,7 +90,6 @@ class Watcher {
   /// Compares with kEvery iterations before.
   bool settled(int iteration, std::span<const float> unknowns) {
     constexpr int kEvery = 10;
-    constexpr double kChange = 2e-3;
     if (iteration % kEvery != 0)
       return false;
     bool same = false;
@@ -96,7 +98,7 @@ class Watcher {
         const double d = static_cast<double>(unknowns[i]) - before_[i];
         return d * d;
       });
-      same = change <= kChange * kChange * dot(unknowns, unknowns);
+      same = change <= stop_.settled * stop_.settled * dot(unknowns, unknowns);
     }
     before_.assign(unknowns.begin(), unknowns.end());
     return same;
@@ -126,18 +128,15 @@ int solve(const FitSetup& setup, const LeastSquares& data, Prior& prior, int ite
   }
 }
 
-/// What a voxel may have: the largest entry of S' W^2 (p - b) over the largest eigenvalue. Total
-/// variation is proportional to the light, least squares to its square: strengths count in it.
-double typicalValue(const FitSetup& setup) {
-  const LeastSquares& data = setup.problem.data;
+}  // namespace
+
+double typicalValue(const LeastSquares& data, double largest) {
   std::vector<float> gradient(4 * data.unknowns());
   data.gradient(std::vector<float>(4 * data.rows()), gradient);
-  float largest = 0;
-  for (float value : gradient) largest = std::max(largest, -value);
-  return setup.largest > 0 ? largest / setup.largest : 0;
+  float most = 0;
+  for (float value : gradient) most = std::max(most, -value);
+  return largest > 0 ? most / largest : 0;
 }
-
-}  // namespace
 
 std::vector<std::uint8_t> heldOutRows(std::size_t rows, std::uint32_t seed) {
   std::mt19937 random(seed);
@@ -211,20 +210,19 @@ std::vector<std::uint8_t> heldOutView(const FrameProblem& problem,
 
 Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
   constexpr double kStrongest = 1e-2, kWeakest = 1e-6, kFactor = 0.31622776601683794;
-  constexpr int kSearchIterations = 40, kFinalIterations = 300;
-  constexpr double kGain = 0.98;  // less is no reason for a weaker prior
+  constexpr int kSearchIterations = 40, kFinalIterations = 600;
+  constexpr double kGain = 0.985;  // less is no reason for a weaker prior
   constexpr std::size_t kLeastViews = 4;
   const LeastSquares& data = setup.problem.data;
   const auto heldOut = setup.views.size() >= kLeastViews
                            ? heldOutView(setup.problem, setup.views)
                            : heldOutRows(data.rows(), setup.options.seed);
   const LeastSquares rest = withoutRows(data, heldOut);
-  const double value = typicalValue(setup);
   std::optional<Fit> best;
   int iterations = 0;
   for (double share = kStrongest; share >= kWeakest; share *= kFactor) {
-    VOLUTE_ASSIGN(Fit fit, runFit(setup, rest, Regularization::kTv, share * value, start,
-                                  {kSearchIterations, 0, {}, true}));
+    VOLUTE_ASSIGN(Fit fit, runFit(setup, rest, Regularization::kTv, share * setup.typical, start,
+                                  {kSearchIterations, 0, {}, 2 * kSettled}));
     fit.heldOutError = heldOutError(data, heldOut, fit.projected);
     iterations += fit.iterations;
     if (best && fit.heldOutError > kGain * best->heldOutError)
@@ -233,7 +231,7 @@ Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
     best = std::move(fit);
   }
   VOLUTE_ASSIGN(Fit fit, runFit(setup, data, Regularization::kTv, best->lambda,
-                                std::move(best->unknowns), {kFinalIterations, 0, {}, true}));
+                                std::move(best->unknowns), {kFinalIterations, 0, {}, kSettled}));
   fit.heldOutError = best->heldOutError;
   fit.iterations += iterations;
   return fit;

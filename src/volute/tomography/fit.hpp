@@ -29,8 +29,14 @@ struct FitSetup {
   std::span<const TomographyView> views;
   const TomographyOptions& options;
   double largest;  ///< eigenvalue of S' W^2 S
+  double typical;  ///< typicalValue()
   Progress& progress;
 };
+
+/// What a voxel may have [radiance/m]: the largest entry of S' W^2 (p - b) over the largest
+/// eigenvalue. Total variation is proportional to the light, least squares to its square: strengths
+/// count in it.
+double typicalValue(const LeastSquares& data, double largest);
 
 /// A random share of the rows, chosen by `seed`: 1 for those held out of a fit.
 std::vector<std::uint8_t> heldOutRows(std::size_t rows, std::uint32_t seed);
@@ -51,8 +57,10 @@ struct StopRule {
   int iterations = 0;
   double squaredResidual = 0;               ///< of the data: stops at or below
   std::span<const std::uint8_t> heldOut{};  ///< stops when their error rises; empty: none
-  bool whenSettled = false;                 ///< stops when the volume no longer changes
+  double settled = 0;  ///< stops when ten iterations change the volume by no more, relative L2
 };
+
+inline constexpr double kSettled = 1e-3;  ///< what counts as settled
 
 /// Runs the solver of the options on `data` from `start`.
 [[nodiscard]] Result<Fit> runFit(const FitSetup& setup, const LeastSquares& data,

@@ -37,10 +37,18 @@ class Prior {
 /// Nothing but a >= 0, if `nonNegative`.
 std::unique_ptr<Prior> makeNoPrior(bool nonNegative);
 
+/// A liking for few voxels that shine: each voxel pays strength * scale / (scale + a) for its
+/// light, the less the brighter it is (reweighted l1, Candes, Wakin and Boyd 2008).
+struct Sparsity {
+  double strength = 0;
+  double scale = 1;  ///< what counts as bright [radiance/m]
+};
+
 /// strength * sum over voxels of the length of all channels' differences to the three next voxels
 /// (joint total variation); voxels outside the support count as 0.
+/// Sparsity needs `nonNegative`.
 std::unique_ptr<Prior> makeTotalVariation(std::shared_ptr<const Support> support, double strength,
-                                          bool nonNegative);
+                                          const Sparsity& sparsity, bool nonNegative);
 
 /// strength / 2 * the squared differences of neighbours.
 std::unique_ptr<Prior> makeSmoothness(std::shared_ptr<const Support> support, double strength,

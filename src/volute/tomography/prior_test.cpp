@@ -60,7 +60,7 @@ TEST(TotalVariation, ProximalPointIsBetterThanItsNeighbours) {
   const std::vector<float> x = noisy(support->size(), 0.5F, 0.5F);
   std::vector<float> step(support->size());
   for (std::size_t i = 0; i < step.size(); ++i) step[i] = 0.2F + 0.1F * static_cast<float>(i % 5);
-  const auto prior = makeTotalVariation(support, kStrength, true);
+  const auto prior = makeTotalVariation(support, kStrength, {}, true);
   std::vector<float> a;
   for (int k = 0; k < 60; ++k) {  // the dual goes on from call to call
     a = x;

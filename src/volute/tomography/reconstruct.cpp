@@ -44,19 +44,19 @@ Result<Fit> fixedFit(const FitSetup& setup, std::vector<float> start) {
   const double lambda = penalised ? options.lambda.value_or(kUsualLambda) : 0;
   if (options.iterations)
     return runFit(setup, data, regularization, lambda, std::move(start),
-                  {*options.iterations, 0, {}, false});
+                  {*options.iterations, 0, {}, 0});
   if (penalised)
-    return runFit(setup, data, regularization, lambda, std::move(start), {kMost, 0, {}, true});
+    return runFit(setup, data, regularization, lambda, std::move(start), {kMost, 0, {}, kSettled});
   if (options.noiseSigma && *options.noiseSigma > 0)
     return runFit(setup, data, regularization, lambda, std::move(start),
-                  {kMost, expectedResidual(data, *options.noiseSigma), {}, false});
+                  {kMost, expectedResidual(data, *options.noiseSigma), {}, 0});
   // The held-out pixels tell how long to go on; the last run has them too.
   const auto heldOut = heldOutRows(data.rows(), options.seed);
   VOLUTE_ASSIGN(Fit search, runFit(setup, withoutRows(data, heldOut), regularization, lambda, start,
-                                   {kMost, 0, heldOut, false}));
+                                   {kMost, 0, heldOut, 0}));
   const int best = std::max(1, search.iterations - (search.stoppedBy == "iterations" ? 0 : 12));
-  VOLUTE_ASSIGN(
-      Fit fit, runFit(setup, data, regularization, lambda, std::move(start), {best, 0, {}, false}));
+  VOLUTE_ASSIGN(Fit fit,
+                runFit(setup, data, regularization, lambda, std::move(start), {best, 0, {}, 0}));
   fit.stoppedBy = "held-out pixels";
   fit.heldOutError = search.heldOutError;
   return fit;
@@ -151,7 +151,8 @@ Result<Reconstruction> reconstruct(std::span<const TomographyView> views,
   const double largest = problem.data.largestEigenvalue();
   if (!(largest > 0))
     return fail(ErrorCode::kInvalidData, "No pixel that counts sees the volume");
-  const FitSetup setup{problem, views, options, largest, progress};
+  const FitSetup setup{problem, views, options, largest, typicalValue(problem.data, largest),
+                       progress};
   VOLUTE_ASSIGN(const Fit fit, choosesStrength(options) ? chooseFit(setup, std::move(start))
                                                         : fixedFit(setup, std::move(start)));
   Reconstruction result;

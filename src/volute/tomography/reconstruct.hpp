@@ -42,6 +42,8 @@ struct TomographyOptions {
   TomographySolver solver = TomographySolver::kApg;
   Regularization regularization = Regularization::kAuto;
   std::optional<double> lambda;   ///< strength, times the largest eigenvalue of S'S; none: chosen
+  double sparsity = 2.5;          ///< with total variation: how much a dark voxel pays for light,
+                                  ///< times lambda; 0: plain total variation
   std::optional<int> iterations;  ///< exactly so many; none: stops by discrepancy when noiseSigma
                                   ///< is known, else by held-out pixels
   int raysPerPixel = 4;           ///< 1 or 4

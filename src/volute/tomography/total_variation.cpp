@@ -14,9 +14,11 @@ namespace {
 /// gradient-based algorithms for constrained total variation"), with all channels under one root.
 class TotalVariation final : public Prior {
  public:
-  TotalVariation(std::shared_ptr<const Support> support, double strength, bool nonNegative)
+  TotalVariation(std::shared_ptr<const Support> support, double strength, const Sparsity& sparsity,
+                 bool nonNegative)
       : support_(std::move(support)),
         strength_(strength),
+        sparsity_(sparsity),
         nonNegative_(nonNegative),
         inside_(support_->latticeSize()),
         weight_(support_->latticeSize()),
@@ -50,6 +52,19 @@ class TotalVariation final : public Prior {
     }
     updatePrimal(dual_);
     primal_.copyTo(a);
+  }
+
+  // Concave, so that it adds nothing to the curvature.
+  void addGradient(std::span<const float> a, std::span<float> gradient) const override {
+    if (!nonNegative_ || !(sparsity_.strength > 0))
+      return;
+    const auto scale = static_cast<float>(sparsity_.scale);
+    const auto most = static_cast<float>(sparsity_.strength);
+    forElements(a.size() / 4, [&](std::size_t i) {
+      const float brightest = std::max({a[4 * i], a[4 * i + 1], a[4 * i + 2], 0.0F});
+      const float price = most * scale / (scale + brightest);
+      for (std::size_t c = 0; c < 3; ++c) gradient[4 * i + c] += price;
+    });
   }
 
  private:
@@ -105,6 +120,7 @@ class TotalVariation final : public Prior {
 
   std::shared_ptr<const Support> support_;
   double strength_;
+  Sparsity sparsity_;
   bool nonNegative_;
   std::vector<std::int32_t> reached_;  // nodes with a difference to an unknown
   std::vector<std::uint8_t> inside_;
@@ -117,10 +133,10 @@ class TotalVariation final : public Prior {
 }  // namespace
 
 std::unique_ptr<Prior> makeTotalVariation(std::shared_ptr<const Support> support, double strength,
-                                          bool nonNegative) {
+                                          const Sparsity& sparsity, bool nonNegative) {
   if (!(strength > 0))
     return makeNoPrior(nonNegative);
-  return std::make_unique<TotalVariation>(std::move(support), strength, nonNegative);
+  return std::make_unique<TotalVariation>(std::move(support), strength, sparsity, nonNegative);
 }
 
 }  // namespace volute

@@ -141,6 +141,8 @@ std::vector<Method> methods() {
   const Basis box = Basis::kBox, hat = Basis::kTrilinear;
   auto unconstrained = options(kSirt, hat, 1, R::kNone, 0, 200);
   unconstrained.nonNegative = false;
+  auto plain = options(kApg, hat, 4, R::kTv, 1e-4, 200);
+  plain.sparsity = 0;
   return {{"SIRT unconstrained, 200", unconstrained},
           {"SIRT, 200", options(kSirt, hat, 1, R::kNone, 0, 200)},
           {"CGLS and clamp, 100", options(kCgls, hat, 1, R::kNone, 0, 100)},
@@ -150,7 +152,8 @@ std::vector<Method> methods() {
           {"APG trilinear, 200, 2x2 rays", options(kApg, hat, 4, R::kNone, 0, 200)},
           {"APG, wavelets 1e-4", options(kApg, hat, 4, R::kWavelet, 1e-4, 200)},
           {"APG, smooth 1e-4", options(kApg, hat, 4, R::kSmooth, 1e-4, 200)},
-          {"APG, TV 1e-4", options(kApg, hat, 4, R::kTv, 1e-4, 200)},
+          {"APG, TV 1e-4", plain},
+          {"APG, TV 1e-4, sparse", options(kApg, hat, 4, R::kTv, 1e-4, 200)},
           {"auto", TomographyOptions{}}};
 }
 

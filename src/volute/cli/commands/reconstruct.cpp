@@ -31,6 +31,7 @@ ReconstructionSettings settingsOf(const Arguments& arguments, const Capture& cap
   options.solver = *tomographySolverByName(arguments.get<std::string>("solver"));
   options.regularization = *regularizationByName(arguments.get<std::string>("regularization"));
   options.lambda = arguments.find<double>("lambda");
+  options.sparsity = arguments.find<double>("sparsity").value_or(options.sparsity);
   options.iterations = arguments.find<int>("iterations");
   options.raysPerPixel = arguments.get<std::string>("rays-per-pixel") == "1" ? 1 : 4;
   options.hull = !arguments.flag("no-hull");
@@ -263,6 +264,12 @@ std::vector<Option> solverOptions() {
        .kind = kNumber,
        .value = "F",
        .help = "its strength, times the largest eigenvalue of S'S; else chosen from the data",
+       .least = 0},
+      {.name = "sparsity",
+       .kind = kNumber,
+       .value = "F",
+       .help = "with total variation: how much a dark voxel pays for light, times lambda",
+       .initial = "2.5",
        .least = 0},
       {.name = "noise-sigma",
        .kind = kNumber,
