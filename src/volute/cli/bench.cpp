@@ -14,6 +14,10 @@ std::span<const Benchmark> benchmarks() {
        benchCodec},
       {"render", "pictures of 512 x 512 straight from the tree, against the reference",
        benchRender},
+      {"tomography",
+       "reconstruction of a made-up fire from 8 views: quality of the methods, and speed against "
+       "a sparse matrix",
+       benchTomography},
 #ifdef VOLUTE_BENCH
       {"tree",
        "the compact tree in memory, against dense, the paper's layout, zfp and NanoVDB at "

@@ -158,6 +158,7 @@ class Compressor {
   QuantisationModel model_;
   std::vector<Spool> spools_;  // one a tier
   Outcome outcome_;
+  double relativeRms_ = 0;  // of the last way through all blocks
   int tries_ = 0;
 };
 
@@ -333,8 +334,10 @@ Status Compressor::encodeAll(double step, Way way) {
   }
   const double range = head_.header.valueMax - head_.header.valueMin;
   const double rms = std::sqrt(outcome_.squaredError / static_cast<double>(info_.values()));
-  head_.header.reachedRms = range > 0 ? rms / range : rms;
-  head_.header.reachedMaxError = outcome_.maxError;
+  relativeRms_ = range > 0 ? rms / range : rms;
+  head_.header.reachedRms =
+      relativeRms_ + (range > 0 ? options_.sourceRms / range : options_.sourceRms);
+  head_.header.reachedMaxError = outcome_.maxError + options_.sourceMaxError;
   headBytes_ = writeHead(head_);
   return {};
 }
@@ -410,7 +413,7 @@ double Compressor::outcomeOfTry() const {
     case Kind::kMaxError:
       return outcome_.maxError;
     default:
-      return head_.header.reachedRms;
+      return relativeRms_;
   }
 }
 
@@ -424,8 +427,8 @@ tl::unexpected<Error> Compressor::unreachable() const {
   return fail(ErrorCode::kInvalidArgument,
               "{}: {} = {} cannot be reached: the rounding of float32 leaves a relative RMS of "
               "{:.3g} and a maximum error of {:.3g}; ask for more",
-              target_.string(), nameOf(options_.target.kind), options_.target.value,
-              head_.header.reachedRms, outcome_.maxError);
+              target_.string(), nameOf(options_.target.kind), options_.target.value, relativeRms_,
+              outcome_.maxError);
 }
 
 Result<CompressReport> Compressor::write() {
@@ -436,8 +439,8 @@ Result<CompressReport> Compressor::write() {
   CompressReport report;
   report.rawBytes = info_.rawBytes();
   report.fileBytes = head_.fileBytes;
-  report.relativeRms = head_.header.reachedRms;
-  report.maxError = head_.header.reachedMaxError;
+  report.relativeRms = relativeRms_;
+  report.maxError = outcome_.maxError;
   report.valueMin = head_.header.valueMin;
   report.valueMax = head_.header.valueMax;
   report.blocks = row_.grid().count();

@@ -34,6 +34,10 @@ struct CompressOptions {
   std::optional<BlockMode> mode;  ///< one mode for all blocks, for experiments
   bool fast = false;              ///< fewer modes to choose from: quicker, and some percent larger
   std::string provenance;         ///< kept in the file
+  /// What the source is already off its own original, absolute; the file states the sums, which the
+  /// errors to that original do not exceed.
+  double sourceRms = 0;
+  double sourceMaxError = 0;
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
 };
 

@@ -14,7 +14,10 @@ Command compressCommand();
 Command extractCommand();
 Command helpCommand();
 Command infoCommand();
+Command joinCommand();
 Command manCommand();
+Command projectCommand();
+Command reconstructCommand();
 Command renderCommand();
 Command synthesizeCommand();
 
