@@ -253,6 +253,18 @@ TEST(FogMedium, MuEndsAreThoseOfThePaper) {
   EXPECT_EQ(none[2], kInfinity);
 }
 
+TEST(FogMedium, LargeMapsAreWalkedAsExactly) {
+  for (double share : {1.0, 0.1}) {
+    const FogMedium fog =
+        fogtest::fog(fogtest::map(1500, 1100, 2, share), *FogProfile::slab(-1000, 1000), {}, 2e-3);
+    const auto segments = fogtest::rays(fog, 150);
+    std::vector<Radiance> fast(segments.size());
+    fog.radiance(segments, fast);
+    for (std::size_t i = 0; i < segments.size(); ++i)
+      EXPECT_NEAR(fast[i].transmittance, std::exp(-depthOf(fog, segments[i])), 2e-6);
+  }
+}
+
 TEST(FogMedium, ThinLayersOfDenseMapsAreNotOpaque) {
   SplineGrid ones(40, 40);
   std::ranges::fill(ones.c, 1.0);
