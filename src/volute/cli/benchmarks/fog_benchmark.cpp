@@ -214,8 +214,10 @@ Status benchProfiles(Run& run) {
   const FogProfile::Knot knots[] = {{-2, 1}, {3, 0.8}, {6, 0.2}, {20, 0}};
   VOLUTE_ASSIGN(const FogProfile linear, FogProfile::linear(knots));
   VOLUTE_ASSIGN(const FogProfile exponential, FogProfile::exponential(0, 4));
+  const FogProfile::Layer stack[] = {{-5, 2, 1}, {1, 4, 0.5}};
+  VOLUTE_ASSIGN(const FogProfile layers, FogProfile::layers(stack));
   const std::pair<const char*, const FogProfile*> profiles[] = {
-      {"slab", &run.slab}, {"linear", &linear}, {"exponential", &exponential}};
+      {"slab", &run.slab}, {"linear", &linear}, {"exponential", &exponential}, {"layers", &layers}};
   VOLUTE_ASSIGN(const FogMedium base, makeFog(fogMap(64), run.slab));
   for (int degree = 0; degree <= 3; ++degree) {
     for (const auto& [name, profile] : profiles) {
