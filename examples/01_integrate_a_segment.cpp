@@ -40,7 +40,7 @@ struct Ball {
     for (std::size_t i = 0; i < segments.size(); ++i) {
       pieces[i].clear();
       const Interval c = chord(segments[i]);
-      const Cubic emission[3]{{{glow[0]}}, {{glow[1]}}, {{glow[2]}}};
+      const Polynomial emission[3]{{{glow[0]}}, {{glow[1]}}, {{glow[2]}}};
       if (!c.empty()) {
         pieces[i].push_back(
             {c.begin, c.end, {{sigma}}, {emission[0], emission[1], emission[2]}, 0});

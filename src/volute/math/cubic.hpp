@@ -6,9 +6,13 @@
 
 namespace volute {
 
+struct Polynomial;
+
 /// c0 + c1 s + c2 s^2 + c3 s^3.
 struct Cubic {
   std::array<double, 4> c{};
+
+  operator Polynomial() const;  // NOLINT(google-explicit-constructor): in polynomial.hpp
 
   double operator()(double s) const { return c[0] + s * (c[1] + s * (c[2] + s * c[3])); }
 

@@ -7,6 +7,7 @@
 
 #include "volute/math/box.hpp"
 #include "volute/math/cubic.hpp"
+#include "volute/math/polynomial.hpp"
 #include "volute/math/quadrature.hpp"
 
 namespace volute {
@@ -44,6 +45,25 @@ RC_GTEST_PROP(Cubic, ShiftKeepsTheCurve, ()) {
   RC_ASSERT(std::abs(cubic.shifted(shift)(s) - cubic(s + shift)) < 1e-10);
   const double byGauss = gaussIntegral(2, 0.0, s, [&](double x) { return cubic(x); });
   RC_ASSERT(std::abs(cubic.integral(s) - byGauss) < 1e-10);
+}
+
+RC_GTEST_PROP(Polynomial, ShiftIntegralAndProductKeepTheCurve, ()) {
+  auto number = [] { return *rc::gen::inRange(-1000, 1000) / 500.0; };
+  Polynomial curve;
+  for (int i = 0; i < 7; ++i) curve.c[i] = number();
+  const double shift = number(), s = number(), a = number(), b = number();
+  RC_ASSERT(std::abs(curve.shifted(shift)(s) - curve(s + shift)) < 1e-8);
+  RC_ASSERT(std::abs(curve.timesLine(a, b)(s) - curve(s) * (a + b * s)) < 1e-9);
+  const double byGauss = gaussIntegral(4, 0.0, s, [&](double x) { return curve(x); });
+  RC_ASSERT(std::abs(curve.integral(s) - byGauss) < 1e-10);
+}
+
+TEST(Polynomial, TermsAndConversion) {
+  const Polynomial line = Cubic{{1, 2, 0, 0}};
+  EXPECT_EQ(line.terms(), 2);
+  EXPECT_FALSE(line.isConstant());
+  EXPECT_TRUE(Polynomial{}.isZero());
+  EXPECT_DOUBLE_EQ(line(3), 7);
 }
 
 }  // namespace

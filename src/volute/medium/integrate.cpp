@@ -17,19 +17,19 @@ constexpr double kRelativeTolerance = 1e-10;
 constexpr double kOpaqueDepth = 46;    // exp(-46) = 1e-20: nothing comes through
 constexpr double kVanishedDecay = 80;  // exp(-80) * 80^3 = 1e-29: the rest of an infinite piece
 
-/// The integrals of t^n exp(-x t) over 0 <= t <= 1 for n = 0..3.
-std::array<double, 4> exponentialMoments(double x) {
-  std::array<double, 4> moments{};
+/// The integrals of t^n exp(-x t) over 0 <= t <= 1 for n < terms.
+std::array<double, Polynomial::kTerms> exponentialMoments(double x, int terms) {
+  std::array<double, Polynomial::kTerms> moments{};
   if (std::abs(x) > 16) {  // integration by parts; so far from 0 nothing cancels
     moments[0] = -std::expm1(-x) / x;
-    for (int n = 1; n < 4; ++n) moments[n] = (n * moments[n - 1] - std::exp(-x)) / x;
+    for (int n = 1; n < terms; ++n) moments[n] = (n * moments[n - 1] - std::exp(-x)) / x;
     return moments;
   }
   // Series whose terms are all positive, cut where (16 e / 80)^80 < 1e-20:
   //   x <= 0: sum of (-x)^j / (j! (n + 1 + j)), from that of the exponential
   //   x >  0: exp(-x) * sum of x^j / ((n + 1) ... (n + 1 + j)), the same by Kummer's transformation
   constexpr int kTerms = 80;
-  for (int n = 0; n < 4; ++n) {
+  for (int n = 0; n < terms; ++n) {
     double term = x > 0 ? std::exp(-x) / (n + 1) : 1;
     for (int j = 0; j < kTerms; ++j) {
       moments[n] += x > 0 ? term : term / (n + 1 + j);
@@ -46,10 +46,10 @@ double meanTransmittance(double x) {
   return x == 0 ? 1 : -std::expm1(-x) / x;
 }
 
-/// The one factor by which an emission is the extinction (both cubics of one piece), or NaN.
-double ratio(const Cubic& emission, const Cubic& extinction) {
+/// The one factor by which an emission is the extinction (both of one piece), or NaN.
+double ratio(const Polynomial& emission, const Polynomial& extinction) {
   double factor = std::numeric_limits<double>::quiet_NaN();
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < Polynomial::kTerms; ++i) {
     const double e = emission.c[i];
     const double x = extinction.c[i];
     if (x == 0 && e == 0)
@@ -124,7 +124,7 @@ class Stretch {
     const double tau = depth();
     const Rgb unabsorbed = emissionIntegral();
     for (int channel = 0; channel < 3; ++channel) {
-      const Cubic& emission = layers_[0].emission[channel];
+      const Polynomial& emission = layers_[0].emission[channel];
       const double colour = emission.isZero() ? 0 : ratio(emission, layers_[0].extinction);
       if (emission.isZero()) {
         out[channel] = 0;
@@ -221,21 +221,23 @@ void advance(Radiance& radiance, std::span<const Piece> layers, double& error) {
 
 }  // namespace
 
-double decayingIntegral(const Cubic& cubic, double decay, double length) {
-  if (cubic.isZero())
+double decayingIntegral(const Polynomial& curve, double decay, double length) {
+  const int terms = curve.terms();
+  if (terms == 0)
     return 0;
-  const auto& c = cubic.c;
+  const auto& c = curve.c;
+  double sum = 0;
   if (std::isinf(length)) {
     if (!(decay > 0))
       return kInfinity;
-    return (c[0] + (c[1] + (2 * c[2] + 6 * c[3] / decay) / decay) / decay) / decay;
+    for (int n = terms - 1; n >= 0; --n) sum = c[n] + (n + 1) * sum / decay;  // n! / decay^(n + 1)
+    return sum / decay;
   }
   if (decay == 0)
-    return cubic.integral(length);
-  const std::array<double, 4> moments = exponentialMoments(decay * length);
-  double sum = 0;
+    return curve.integral(length);
+  const auto moments = exponentialMoments(decay * length, terms);
   double power = length;
-  for (int n = 0; n < 4; ++n, power *= length) sum += c[n] * power * moments[n];
+  for (int n = 0; n < terms; ++n, power *= length) sum += c[n] * power * moments[n];
   return sum;
 }
 

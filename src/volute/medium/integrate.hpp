@@ -13,10 +13,10 @@
 
 namespace volute {
 
-/// The integral of cubic(u) * exp(-decay u) over 0 <= u <= length, in closed form and without
-/// cancellation for any decay. `length` may be infinite: then decay > 0, or a cubic that is not
+/// The integral of curve(u) * exp(-decay u) over 0 <= u <= length, in closed form and without
+/// cancellation for any decay. `length` may be infinite: then decay > 0, or a curve that is not
 /// zero gives infinity.
-double decayingIntegral(const Cubic& cubic, double decay, double length);
+double decayingIntegral(const Polynomial& curve, double decay, double length);
 
 /// The integral of the extinction over the piece, dimensionless.
 double pieceOpticalDepth(const Piece& piece);

@@ -31,7 +31,7 @@ Cubic positiveCubic(double length, double size) {
 
 Piece randomPiece(double begin, double length, double decay) {
   Piece piece{begin, begin + length, positiveCubic(length, number(0, 5)), {}, decay};
-  for (Cubic& emission : piece.emission) emission = positiveCubic(length, number(0, 3));
+  for (Polynomial& emission : piece.emission) emission = positiveCubic(length, number(0, 3));
   return piece;
 }
 
@@ -110,6 +110,21 @@ RC_GTEST_PROP(DecayingIntegral, AgreesWithGaussOnManySmallParts, ()) {
   }
   RC_ASSERT(std::abs(decayingIntegral(cubic, decay, length) - byGauss) <=
             1e-12 * std::abs(byGauss));
+}
+
+RC_GTEST_PROP(DecayingIntegral, AgreesWithGaussForEveryPower, ()) {
+  const double length = number(0.1, 3);
+  const double decay = number(-60, 60) / length;
+  for (int n = 0; n < Polynomial::kTerms; ++n) {
+    Polynomial power;
+    power.c[n] = 1;
+    double byGauss = 0;
+    for (int i = 0; i < 64; ++i) {
+      byGauss += gaussIntegral(8, length * i / 64, length * (i + 1) / 64,
+                               [&](double u) { return power(u) * std::exp(-decay * u); });
+    }
+    RC_ASSERT(std::abs(decayingIntegral(power, decay, length) - byGauss) <= 1e-12 * byGauss);
+  }
 }
 
 RC_GTEST_PROP(DecayingIntegral, IsContinuousWhereTheMethodChanges, ()) {

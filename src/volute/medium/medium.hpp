@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "volute/math/box.hpp"
-#include "volute/math/cubic.hpp"
+#include "volute/math/polynomial.hpp"
 #include "volute/math/vec.hpp"
 
 // A medium is a list of coefficients over basis functions, and Volute does one thing with it:
@@ -30,13 +30,13 @@ struct Segment {
 };
 
 /// A stretch of a segment on which the medium has a closed form. With u = s - begin:
-///   extinction(u) = extinction cubic * exp(-decay u)   [1/m]
-///   emission(u)   = emission cubics  * exp(-decay u)   [radiance/m], linear RGB
+///   extinction(u) = extinction polynomial * exp(-decay u)   [1/m]
+///   emission(u)   = emission polynomials  * exp(-decay u)   [radiance/m], linear RGB
 struct Piece {
   double begin = 0;  ///< [m], parameter of the segment; finite
-  double end = 0;    ///< infinite only when decay > 0 or all cubics are constant
-  Cubic extinction;
-  Cubic emission[3];
+  double end = 0;    ///< infinite only when decay > 0 or all polynomials are constant
+  Polynomial extinction;
+  Polynomial emission[3];
   double decay = 0;  ///< [1/m]; 0 but for exponential height profiles; decay * length > -700
 };
 

@@ -117,19 +117,19 @@ std::vector<Fault> faultsOfPieces() {
        .pieces = [](const Segment&,
                     std::vector<Piece>& pieces) { std::reverse(pieces.begin(), pieces.end()); }},
       {.name = "PiecesAreAppended", .appendsPieces = true},
-      {.name = "CubicsAreNotMirrored",
+      {.name = "CurvesAreNotMirrored",
        .pieces =
            [](const Segment& s, std::vector<Piece>& pieces) {
              if (s.direction.x() >= 0)
                return;
              for (Piece& piece : pieces) {  // p(length - u): the same integral
-               Cubic turned = piece.extinction.shifted(piece.end - piece.begin);
-               turned.c[1] = -turned.c[1], turned.c[3] = -turned.c[3];
+               Polynomial turned = piece.extinction.shifted(piece.end - piece.begin);
+               for (int i = 1; i < Polynomial::kTerms; i += 2) turned.c[i] = -turned.c[i];
                if (std::isfinite(piece.end))
                  piece.extinction = turned;
              }
            }},
-      {.name = "CubicsBeginAtTheOrigin",
+      {.name = "CurvesBeginAtTheOrigin",
        .pieces =
            [](const Segment&, std::vector<Piece>& pieces) {
              for (Piece& piece : pieces) piece.extinction = piece.extinction.shifted(-piece.begin);

@@ -39,8 +39,8 @@ std::vector<double> parametersInside(const Piece& piece) {
   return out;
 }
 
-bool isFinite(const Cubic& cubic) {
-  for (double c : cubic.c) {
+bool isFinite(const Polynomial& curve) {
+  for (double c : curve.c) {
     if (!std::isfinite(c))
       return false;
   }

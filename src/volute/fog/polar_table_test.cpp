@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fog/polar_table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "volute/fog/fog_testing.hpp"
+
+namespace volute {
+namespace {
+
+struct Picture {
+  Vec3 eye;
+  std::vector<float> x, y, z, distance;
+
+  EyeRays rays() const { return {eye, x, y, z, distance}; }
+
+  void add(const Vec3& direction, double length) {
+    x.push_back(static_cast<float>(direction.x()));
+    y.push_back(static_cast<float>(direction.y()));
+    z.push_back(static_cast<float>(direction.z()));
+    distance.push_back(static_cast<float>(length));
+  }
+};
+
+/// A pinhole picture over a bumpy ground, some of it sky.
+Picture pinhole(const Vec3& eye, double yaw, int side = 60) {
+  Picture picture{eye, {}, {}, {}, {}};
+  for (int j = 0; j < side; ++j) {
+    for (int i = 0; i < side; ++i) {
+      const double a = 1.4 * (i + 0.5) / side - 0.7, b = 0.25 - 0.5 * (j + 0.5) / side;
+      const Vec3 d(std::cos(yaw) - a * std::sin(yaw), std::sin(yaw) + a * std::cos(yaw), b);
+      const double length = b < -0.02 ? -eye.z() / b * (1 + 0.2 * std::sin(9 * a)) : 1e9;
+      picture.add(d.normalized(),
+                  b > 0.1 ? std::numeric_limits<double>::infinity() : std::min(length, 1e4));
+    }
+  }
+  return picture;
+}
+
+/// Directions all around, up and down too.
+Picture sphere(const Vec3& eye) {
+  Picture picture{eye, {}, {}, {}, {}};
+  for (int i = 0; i < 4000; ++i) {
+    const double z = -1 + 2 * (i + 0.5) / 4000, turn = 2.399963 * i;
+    const double level = std::sqrt(1 - z * z);
+    picture.add(Vec3(level * std::cos(turn), level * std::sin(turn), z), 1 + i % 50);
+  }
+  return picture;
+}
+
+double worst(const FogMedium& fog, const PolarTable& table, const Picture& picture) {
+  std::vector<float> out(picture.x.size());
+  table.transmittance(picture.rays(), out);
+  double most = 0;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const Segment segment{picture.eye, Vec3(picture.x[i], picture.y[i], picture.z[i]), 0,
+                          picture.distance[i]};
+    double depth = 0;
+    fog.opticalDepth({&segment, 1}, {&depth, 1});
+    const double error = std::abs(out[i] - std::exp(-depth));
+    if (!(error <= most))
+      most = std::isnan(error) ? 1e9 : error;
+  }
+  return most;
+}
+
+class PolarProfiles : public ::testing::TestWithParam<int> {
+ protected:
+  /// A smooth map; the walk itself is tested elsewhere.
+  FogMedium make(int degree) const {
+    SplineGrid map(40, 34);
+    for (int j = 0; j < 34; ++j)
+      for (int i = 0; i < 40; ++i)
+        map.at(i, j) = std::pow(std::sin(0.31 * i + 0.1 * j) * std::sin(0.23 * j - 0.05 * i), 2);
+    return fogtest::fog(map, fogtest::profiles()[GetParam()].profile, {.degree = degree});
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Every, PolarProfiles, ::testing::Values(0, 1, 3),
+                         [](const auto& info) { return fogtest::profiles()[info.param].name; });
+
+TEST_P(PolarProfiles, AgreeWithTheReference) {
+  for (int degree = 0; degree <= 3; ++degree) {
+    const FogMedium fog = make(degree);
+    for (const Vec3& eye : {Vec3(10, 15, 2.5), Vec3(-60, 20, 4), Vec3(30, 30, 12)}) {
+      const Picture front = pinhole(eye, eye.x() < 0 ? 0.05 : 0.8);
+      const auto sector = PolarSector::of(front.rays());
+      ASSERT_TRUE(sector);
+      const double bound = degree == 0 ? 6e-2 : 1.0 / 512;  // degree 0 jumps between azimuths
+      EXPECT_LT(worst(fog, *PolarTable::make(fog, eye, {.sector = sector}), front), bound);
+      EXPECT_LT(worst(fog, *PolarTable::make(fog, eye), sphere(eye)), bound) << degree;
+    }
+  }
+}
+
+TEST_P(PolarProfiles, ErrorFallsWithTheSquareOfTheAzimuthStep) {
+  const FogMedium fog = make(2);
+  const Vec3 eye(10, 15, 2.5);
+  const Picture picture = pinhole(eye, 0.8);
+  const auto error = [&](int azimuths) {
+    return worst(
+        fog,
+        *PolarTable::make(
+            fog, eye,
+            {.azimuths = azimuths, .radii = 600, .sector = PolarSector::of(picture.rays())}),
+        picture);
+  };
+  EXPECT_LT(error(129), error(33) / 8);
+}
+
+TEST(PolarTable, HomogeneousFogIsExact) {
+  SplineGrid ones(30, 30);
+  std::ranges::fill(ones.c, 1.0);
+  const FogMedium fog =
+      *FogMedium::make(*FogMap::fromCoefficients(ones, {.cell = 2}), *FogProfile::slab(0, 5), {});
+  Picture picture{Vec3(30, 30, 2), {}, {}, {}, {}};
+  for (double turn = 0; turn < 6.28; turn += 0.05)
+    for (double z : {-0.3, -0.05, 0.0, 0.2, 0.9})
+      picture.add(Vec3(std::cos(turn), std::sin(turn), z).normalized(), 15);
+  EXPECT_LT(worst(fog, *PolarTable::make(fog, picture.eye), picture), 1e-5);
+}
+
+TEST(PolarTable, SectorOfRaysAllAroundIsNone) {
+  EXPECT_FALSE(PolarSector::of(sphere(Vec3(0, 0, 1)).rays()));
+  const auto sector = PolarSector::of(pinhole(Vec3(0, 0, 1), 2).rays());
+  ASSERT_TRUE(sector);
+  EXPECT_NEAR(sector->yaw, 2, 1e-3);
+  EXPECT_NEAR(sector->tangent, 0.7, 0.02);
+}
+
+TEST(PolarTable, WhatItCannotServeIsSaid) {
+  const SplineGrid map = fogtest::map(9, 9);
+  const auto code = [&](const FogMedium& fog, PolarOptions options = {}) {
+    const auto table = PolarTable::make(fog, Vec3(0, 0, 1), options);
+    EXPECT_FALSE(table);
+    return table.error().code;
+  };
+  EXPECT_EQ(code(fogtest::fog(map, *FogProfile::exponential(0, 3), {})), ErrorCode::kUnsupported);
+  EXPECT_EQ(code(fogtest::fog(map, {}, {.levels = 2, .detail = {.mu = 0.5}})),
+            ErrorCode::kUnsupported);
+  EXPECT_EQ(code(fogtest::fog(map, {}, {}), {.azimuths = 1}), ErrorCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fog/sunlit_fog.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "volute/fog/cell_spline.hpp"
+#include "volute/medium/integrate.hpp"
+
+namespace volute {
+namespace {
+
+constexpr double kLightTolerance = 1e-4;
+constexpr double kFinestCut = 1 / 32.0;  // of a cell
+constexpr double kThin = 0.125;          // optical depth of a step of radiance()
+constexpr int kMostSteps = 4096;         // in a cell, for rays that hardly ever leave it
+constexpr double kLightLost = 1e-7;
+
+/// curve * (a + b s + c s^2).
+Polynomial timesParabola(const Polynomial& curve, double a, double b, double c) {
+  Polynomial out = curve.timesLine(a, b);
+  if (c != 0)
+    out += curve.timesLine(0, 1).timesLine(0, c);
+  return out;
+}
+
+}  // namespace
+
+double henyeyGreenstein(double asymmetry, double cosine) {
+  const double g = asymmetry;
+  return (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g - 2 * g * cosine, 1.5));
+}
+
+Result<SunlitFog> SunlitFog::make(const FogMedium& fog, std::span<const FogSun> suns,
+                                  const SunScattering& scattering) {
+  if (!(std::abs(scattering.asymmetry) < 1)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "the asymmetry of fog is {}, but must be between -1 and 1", scattering.asymmetry);
+  }
+  if (!(scattering.albedo >= 0).all() || !(scattering.albedo <= 1).all())
+    return fail(ErrorCode::kInvalidArgument, "the albedo of fog must be from 0 to 1");
+  SunlitFog lit(fog);
+  lit.scattering_ = scattering;
+  for (const FogSun& sun : suns) {
+    if (!(sun.irradiance >= 0).all() || !sun.irradiance.isFinite().all())
+      return fail(ErrorCode::kInvalidArgument,
+                  "a sun's irradiance must be finite and not negative");
+    VOLUTE_ASSIGN(SunShadow shadow, SunShadow::make(fog, sun.towards, scattering.samples));
+    lit.suns_.push_back(sun);
+    lit.shadows_.push_back(std::move(shadow));
+  }
+  return lit;
+}
+
+std::vector<double> SunlitFog::phasesTowards(const Vec3& direction) const {
+  std::vector<double> phases;
+  // Light travels from the sun, and on against the ray.
+  for (const SunShadow& shadow : shadows_)
+    phases.push_back(henyeyGreenstein(scattering_.asymmetry, shadow.towardsSun().dot(direction)));
+  return phases;
+}
+
+double SunlitFog::lit(const Vec3& point, std::size_t sun) const {
+  const double seen = scattering_.visibility ? scattering_.visibility(point, sun) : 1;
+  return seen > 0 ? seen * std::exp(-shadows_[sun].opticalDepth(point)) : 0;
+}
+
+Rgb SunlitFog::source(const Vec3& point, std::span<const double> phases) const {
+  Rgb light = fog_.options().color;
+  for (std::size_t i = 0; i < suns_.size(); ++i)
+    light += scattering_.albedo * suns_[i].irradiance * (phases[i] * lit(point, i));
+  return light;
+}
+
+Rgb SunlitFog::emission(const Vec3& point) const {
+  const std::vector<double> phases(suns_.size(), 1 / (4 * std::numbers::pi));
+  return extinction(point) * source(point, phases);
+}
+
+void SunlitFog::cut(const Segment& segment, const Piece& piece, std::span<const double> phases,
+                    std::vector<Piece>& out) const {
+  const double length = piece.end - piece.begin;
+  const auto at = [&](double share) {
+    return source(segment.at(piece.begin + share * length), phases);
+  };
+  const int room = Polynomial::kTerms - piece.extinction.terms();  // degrees that may be added
+  const Rgb first = at(0), middle = at(0.5), last = at(1);
+  // The light as a + b x + c x^2 with x from 0 to 1.
+  const Rgb c = room >= 2 ? Rgb(2 * (first + last - 2 * middle)) : Rgb::Zero();
+  const Rgb a = room >= 1 ? first : middle;
+  const Rgb b = room >= 1 ? Rgb(last - first - c) : Rgb::Zero();
+  double error = 0;
+  for (double x : {0.25, 0.75}) {
+    const Rgb there = at(x);
+    error = std::max(error, ((a + b * x + c * x * x - there).abs()).maxCoeff() -
+                                kLightTolerance * there.maxCoeff());
+  }
+  if (error > 0 && length > kFinestCut * fog_.cell()) {
+    const double half = piece.begin + 0.5 * length;
+    cut(segment, clipped(piece, piece.begin, half), phases, out);
+    cut(segment, clipped(piece, half, piece.end), phases, out);
+    return;
+  }
+  Piece lit = piece;
+  for (int k = 0; k < 3; ++k) {
+    lit.emission[k] =
+        timesParabola(piece.extinction, a[k], b[k] / length, c[k] / (length * length));
+  }
+  out.push_back(lit);
+}
+
+void SunlitFog::pieces(std::span<const Segment> segments,
+                       std::span<std::vector<Piece>> pieces) const {
+  std::vector<Piece> plain;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    pieces[i].clear();
+    fog_.pieces(segments.subspan(i, 1), {&plain, 1});
+    const std::vector<double> phases = phasesTowards(segments[i].direction);
+    for (const Piece& piece : plain) cut(segments[i], piece, phases, pieces[i]);
+  }
+}
+
+std::vector<double> SunlitFog::sunlight(const Segment& segment) const {
+  std::vector<double> light(suns_.size());
+  if (suns_.empty())
+    return light;
+  const double nodes[2] = {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)};
+  const double bottom = segment.origin.z() - fog_.domainCorner().z();
+  double passed = 1;
+  std::vector<FogMedium::Stretch> parts;
+  fog_.stretches(segment, parts);
+  for (const auto& part : parts) {
+    const PlaneRay ray = fog_.planeRay(segment, part.level);
+    const PlaneAxis alongX{ray.ox, ray.dx}, alongY{ray.oy, ray.dy};
+    const auto inCell = [&](int x, int y, double begin, double end) {
+      if (passed < kLightLost)
+        return;
+      const CellSpline cell(fog_.levels().pyramid().level(part.level), fog_.options().degree, x, y);
+      if (cell.largest() == 0)
+        return;
+      const double step = std::min(fog_.cell(), kThin / cell.largest());
+      const int steps =
+          std::clamp(static_cast<int>(std::min((end - begin) / step, 1e6)) + 1, 1, kMostSteps);
+      const double length = (end - begin) / steps;
+      for (int k = 0; k < steps && passed >= kLightLost; ++k) {
+        const double from = begin + k * length;
+        double depth = 0;
+        for (double node : nodes) {
+          const double s = from + node * length;
+          depth += 0.5 * length * cell(alongX.at(s) - x, alongY.at(s) - y) *
+                   (*part.zone)(bottom + s * segment.direction.z());
+        }
+        const double after = passed * std::exp(-depth);
+        const Vec3 middle = segment.at(from + 0.5 * length);
+        for (std::size_t i = 0; i < light.size(); ++i)
+          light[i] += (passed - after) * lit(middle, i);
+        passed = after;
+      }
+    };
+    walkCells(ray, fog_.levels().level(part.level).occupied, part.begin, part.end, inCell);
+  }
+  const std::vector<double> phases = phasesTowards(segment.direction);
+  for (std::size_t i = 0; i < light.size(); ++i) light[i] *= phases[i];
+  return light;
+}
+
+void SunlitFog::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
+  fog_.radiance(segments, out);
+  for (std::size_t k = 0; k < segments.size(); ++k) {
+    const std::vector<double> light = sunlight(segments[k]);
+    for (std::size_t i = 0; i < suns_.size(); ++i)
+      out[k].emitted += scattering_.albedo * suns_[i].irradiance * light[i];
+  }
+}
+
+}  // namespace volute

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "volute/fog/sun_shadow.hpp"
+
+namespace volute {
+
+/// A sun over fog. Not the light that reaches surfaces: that is irradiance times
+/// exp(-SunShadow::opticalDepth(point)).
+struct FogSun {
+  Vec3 towards = Vec3::UnitZ();  ///< from the scene to the sun; its length does not matter
+  Rgb irradiance = Rgb::Ones();  ///< on a surface that faces it, linear RGB
+};
+
+struct SunScattering {
+  Rgb albedo = Rgb::Ones();  ///< share of the extinguished light that is scattered
+  double asymmetry = 0;      ///< g of the phase function, -1 < g < 1; 0.6 to 0.9 for droplets
+  /// 0..1: how much of a sun (its number is the second argument) the scene's geometry lets through
+  /// to a point. Empty: all.
+  std::function<double(const Vec3&, std::size_t)> visibility{};
+  int samples = 1;  ///< of SunShadow
+};
+
+/// The phase function of Henyey and Greenstein [1/sr]; its integral over the sphere is 1. `cosine`
+/// is between the directions in which the light travels before and after.
+double henyeyGreenstein(double asymmetry, double cosine);
+
+/// Fog that scatters the light of suns once, shadowed by itself and by the scene, beside the
+/// constant light that FogOptions::color stands for:
+///   L = integral of K (color + sum of albedo phase irradiance exp(-t_sun) V) exp(-t) ds.
+///
+/// A Medium and FastMedium. emission() at a point, which knows no direction, has the mean of the
+/// phase function.
+class SunlitFog {
+ public:
+  /// kInvalidArgument for scattering out of range, and as SunShadow::make.
+  [[nodiscard]] static Result<SunlitFog> make(const FogMedium& fog, std::span<const FogSun> suns,
+                                              const SunScattering& scattering = {});
+
+  Box3 bounds() const { return fog_.bounds(); }
+
+  double extinction(const Vec3& point) const { return fog_.extinction(point); }
+
+  Rgb emission(const Vec3& point) const;
+
+  void opticalDepth(std::span<const Segment> segments, std::span<double> depths) const {
+    fog_.opticalDepth(segments, depths);
+  }
+
+  /// Those of the fog, cut until a parabola through the light at begin, middle and end of each is
+  /// within 1e-4 of it (relative to the brightest) halfway between, or they are a 32nd of a cell
+  /// long. For degree 3 a line, or with a linear profile a constant, stands for the parabola.
+  void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
+
+  /// Transmittance and constant light as FogMedium::radiance. The light of suns by steps of at most
+  /// a cell and an optical depth of 1/8, with the light at the middle of each: within some 1e-3 of
+  /// the pieces' on maps that are smooth over a few cells.
+  void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
+
+  const FogMedium& fog() const { return fog_; }
+
+  /// One for each sun.
+  const std::vector<SunShadow>& shadows() const { return shadows_; }
+
+ private:
+  explicit SunlitFog(FogMedium fog) : fog_(std::move(fog)) {}
+
+  /// How much of a sun's light reaches a point, 0..1.
+  double lit(const Vec3& point, std::size_t sun) const;
+
+  /// What a unit of extinction sends along `direction`.
+  Rgb source(const Vec3& point, std::span<const double> phases) const;
+  std::vector<double> phasesTowards(const Vec3& direction) const;
+  void cut(const Segment& segment, const Piece& piece, std::span<const double> phases,
+           std::vector<Piece>& out) const;
+  /// The part of each sun's light, times its phase, that arrives at the begin of the segment.
+  std::vector<double> sunlight(const Segment& segment) const;
+
+  FogMedium fog_;
+  std::vector<FogSun> suns_;
+  std::vector<SunShadow> shadows_;
+  SunScattering scattering_;
+};
+
+}  // namespace volute
