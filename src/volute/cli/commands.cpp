@@ -12,7 +12,7 @@ std::span<const Command> commands() {
   static const std::vector<Command> table = {
       infoCommand(),       compressCommand(), extractCommand(),     compareCommand(),
       synthesizeCommand(), projectCommand(),  reconstructCommand(), joinCommand(),
-      renderCommand(),     benchCommand(),    helpCommand(),        manCommand(),
+      renderCommand(),     fogCommand(),     benchCommand(),    helpCommand(),        manCommand(),
       completionCommand(),
   };
   return table;

@@ -40,16 +40,20 @@ Stopwatch::~Stopwatch() {
 
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
   std::vector<VoxelMedium> volumes;
+  std::vector<AnyMedium> media;
   {
     const Stopwatch watch(totals.slices);
     for (std::size_t i = 0; i < layers.size(); ++i) {
       VOLUTE_ASSIGN(auto volume, layers[i].mediumAt(moment.positions[i]));
+      media.emplace_back(volume);
       volumes.push_back(std::move(volume));
+    }
+    for (const FogLayer& fog : fogs) {
+      VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time));
+      media.push_back(std::move(medium));
     }
   }
   const Stopwatch watch(totals.render);
-  std::vector<AnyMedium> media;
-  for (const VoxelMedium& volume : volumes) media.emplace_back(volume);
   RenderStats found;
   VOLUTE_ASSIGN(auto image, render(camera, media, options, progress, &found));
   totals.rays += found.rays;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "volute/camera/camera.hpp"
+#include "volute/cli/fog_layer.hpp"
 #include "volute/cli/volume_layer.hpp"
 #include "volute/render/render.hpp"
 
@@ -14,8 +15,9 @@ namespace volute::cli {
 
 /// A picture to take.
 struct Moment {
-  int number = 0;              ///< of the frame, for names
-  std::vector<int> positions;  ///< of the frame of each layer
+  int number = 0;                ///< of the frame, for names
+  std::vector<int> positions{};  ///< of the frame of each layer
+  double time = 0;               ///< [s], of the scene
 };
 
 /// Milliseconds of each stage, and what was looked at, over all pictures.
@@ -26,9 +28,10 @@ struct RenderTotals {
   int pictures = 0;
 };
 
-/// Volumes, a camera and the moments to be seen.
+/// Volumes, fog, a camera and the moments to be seen.
 struct RenderJob {
   std::vector<VolumeLayer> layers;
+  std::vector<FogLayer> fogs;
   Camera camera;
   RenderOptions options;
   std::vector<Moment> moments;

@@ -35,39 +35,23 @@ Result<Placement> placementOf(const Json& json, const std::string& file, const s
   return placement;
 }
 
-Result<Clock> clockOf(const Json& json, const std::string& file, const std::string& path) {
-  if (!json.is_object())
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected offset, rate and loop", file, path);
-  Clock clock;
-  if (json.contains("offset")) {
-    VOLUTE_ASSIGN(clock.offset, jsonToNumber(json["offset"], file, path + "/offset"));
-  }
-  if (json.contains("rate")) {
-    VOLUTE_ASSIGN(clock.rate, jsonToNumber(json["rate"], file, path + "/rate"));
-  }
-  if (!(clock.rate > 0))
-    return fail(ErrorCode::kInvalidData, "{}: {}/rate: expected more than 0", file, path);
-  if (json.contains("loop")) {
-    if (!json["loop"].is_boolean())
-      return fail(ErrorCode::kInvalidData, "{}: {}/loop: expected true or false", file, path);
-    clock.loop = json["loop"].get<bool>();
-  }
-  return clock;
-}
-
-Result<SceneVolume> volumeOf(const Json& json, const std::string& file, const std::string& path) {
+Result<std::string> kindOf(const Json& json, const std::string& file, const std::string& path) {
   if (!json.is_object() || !json.contains("kind") || !json["kind"].is_string()) {
     return fail(ErrorCode::kInvalidData, "{}: {}/kind: expected volume, fog or smoke", file, path);
   }
   const auto kind = json["kind"].get<std::string>();
-  if (kind == "fog" || kind == "smoke") {
+  if (kind == "smoke") {
     return fail(ErrorCode::kUnsupported,
                 "{}: {}: media of kind {} are not rendered by this version", file, path, kind);
   }
-  if (kind != "volume") {
+  if (kind != "volume" && kind != "fog") {
     return fail(ErrorCode::kInvalidData,
                 "{}: {}/kind: '{}' is unknown; expected volume, fog or smoke", file, path, kind);
   }
+  return kind;
+}
+
+Result<SceneVolume> volumeOf(const Json& json, const std::string& file, const std::string& path) {
   if (!json.contains("file") || !json["file"].is_string()) {
     return fail(ErrorCode::kInvalidData, "{}: {}/file: expected the name of a volume", file, path);
   }
@@ -86,13 +70,13 @@ Result<SceneVolume> volumeOf(const Json& json, const std::string& file, const st
     VOLUTE_ASSIGN(appearance.placement, placementOf(json["transform"], file, path + "/transform"));
   }
   if (json.contains("time")) {
-    VOLUTE_ASSIGN(appearance.clock, clockOf(json["time"], file, path + "/time"));
+    VOLUTE_ASSIGN(appearance.clock, parseClock(json["time"], file, path + "/time"));
   }
   return volume;
 }
 
 Status refuseOtherParts(const Json& json, const std::string& file) {
-  for (const char* part : {"geometry", "lights", "signs", "billboards"}) {
+  for (const char* part : {"geometry", "signs", "billboards"}) {
     if (json.contains(part) && !json[part].empty()) {
       return fail(ErrorCode::kUnsupported,
                   "{}: /{}: this part of a scene is not rendered by this version", file, part);
@@ -117,12 +101,22 @@ Result<SceneDescription> readScene(const std::string& file) {
     VOLUTE_ASSIGN(const Vec3 background, jsonToVector(json["background"], file, "/background"));
     scene.background = background.array();
   }
+  if (json.contains("lights")) {
+    VOLUTE_ASSIGN(scene.suns, parseSuns(json["lights"], file, "/lights"));
+  }
   const Json media = json.value("media", Json::array());
   if (!media.is_array())
     return fail(ErrorCode::kInvalidData, "{}: /media: expected a list", file);
   for (std::size_t i = 0; i < media.size(); ++i) {
-    VOLUTE_ASSIGN(auto volume, volumeOf(media[i], file, fmt::format("/media/{}", i)));
-    scene.volumes.push_back(std::move(volume));
+    const std::string path = fmt::format("/media/{}", i);
+    VOLUTE_ASSIGN(const auto kind, kindOf(media[i], file, path));
+    if (kind == "fog") {
+      VOLUTE_ASSIGN(auto fog, parseFog(media[i], file, path));
+      scene.fogs.push_back(std::move(fog));
+    } else {
+      VOLUTE_ASSIGN(auto volume, volumeOf(media[i], file, path));
+      scene.volumes.push_back(std::move(volume));
+    }
   }
   return scene;
 }

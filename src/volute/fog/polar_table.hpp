@@ -61,6 +61,12 @@ class PolarTable {
 
   int radii() const { return radii_; }
 
+  /// [m]
+  double firstRadius() const { return from_; }
+
+  /// [m], from one radius to the next.
+  double radiusStep() const { return step_; }
+
  private:
   explicit PolarTable(FogMedium fog) : fog_(std::move(fog)) {}
 

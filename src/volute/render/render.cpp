@@ -158,8 +158,12 @@ void renderColors(const Scene& scene, std::span<const Pixel> pixels,
   (reference ? byPieces : byFastPaths)(scene.media, segments, light, stats);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     Rgb color = light[i].emitted;
-    if (!scene.opaque(pixels[i]))
+    if (const Image* behind = scene.options.behind) {
+      for (int c = 0; c < 3; ++c)
+        color[c] += light[i].transmittance * behind->at(pixels[i].x, pixels[i].y, c);
+    } else if (!scene.opaque(pixels[i])) {
       color += light[i].transmittance * scene.options.background;
+    }
     for (int c = 0; c < 3; ++c)
       image.at(pixels[i].x, pixels[i].y, c) = static_cast<float>(color[c]);
   }
@@ -205,6 +209,13 @@ Result<Image> render(const Camera& camera, std::span<const AnyMedium> media,
     return fail(ErrorCode::kInvalidArgument,
                 "the opaque depth has {} values for an image of {} x {} pixels", opaqueDepth.size(),
                 image.width, image.height);
+  }
+  if (const Image* behind = options.behind;
+      behind &&
+      (behind->width != image.width || behind->height != image.height || behind->channels != 3)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "the picture behind has {} x {} x {} values for an image of {} x {} pixels",
+                behind->width, behind->height, behind->channels, image.width, image.height);
   }
   const Scene scene{camera, media, options, opaqueDepth};
   const int columns = (image.width + kTile - 1) / kTile;

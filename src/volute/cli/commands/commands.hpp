@@ -19,6 +19,7 @@ Command manCommand();
 Command projectCommand();
 Command reconstructCommand();
 Command renderCommand();
+Command fogCommand();
 Command synthesizeCommand();
 
 }  // namespace volute::cli

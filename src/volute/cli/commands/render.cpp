@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/render/render.hpp"
 
+#include <cmath>
+
 #include "volute/base/output_file.hpp"
 #include "volute/cli/camera_file.hpp"
 #include "volute/cli/commands/commands.hpp"
@@ -16,11 +18,13 @@ namespace volute::cli {
 namespace {
 
 constexpr Pixels kUsualSize{800, 600};
+constexpr double kUsualRate = 25;  ///< frames a second
 
 /// What a file on the command line shows: a scene, or a volume as a scene of its own.
 struct Subject {
   bool scene = false;
   std::vector<VolumeLayer> layers;
+  std::vector<FogLayer> fogs;
   std::optional<CameraDescription> camera;
   Rgb background = Rgb::Zero();
 };
@@ -60,18 +64,22 @@ Result<Subject> openScene(const std::string& path, const Arguments& arguments, C
                 name);
   }
   VOLUTE_ASSIGN(auto scene, readScene(path));
-  Subject subject{true, {}, scene.camera, scene.background};
+  Subject subject{true, {}, {}, scene.camera, scene.background};
   for (SceneVolume& volume : scene.volumes) {
     volume.appearance.basis = basisOf(arguments);
     VOLUTE_ASSIGN(auto layer, VolumeLayer::open(volume.file, inputOptions(arguments),
                                                 volume.appearance, context));
     subject.layers.push_back(std::move(layer));
   }
+  for (const FogDescription& description : scene.fogs) {
+    VOLUTE_ASSIGN(auto fog, FogLayer::open(description, scene.suns, context));
+    subject.fogs.push_back(std::move(fog));
+  }
   return subject;
 }
 
 Moment momentAt(const std::vector<VolumeLayer>& layers, double time) {
-  Moment moment;
+  Moment moment{.time = time};
   for (const VolumeLayer& layer : layers) moment.positions.push_back(layer.positionAt(time));
   if (!layers.empty())
     moment.number = layers.front().info().frameNumbers[moment.positions.front()];
@@ -86,11 +94,39 @@ Moment momentOf(const std::vector<VolumeLayer>& layers, int position) {
   return moment;
 }
 
+/// Scenes without a volume: frame n is at n / 25 s; without --frames as many as the fog has maps.
+Result<std::vector<Moment>> momentsOfFog(const Arguments& arguments, const Subject& subject,
+                                         const std::string& target) {
+  const bool several = isFilmPath(target) || FramePattern::isPattern(target);
+  const auto chosen = arguments.find<FrameRange>("frames");
+  if (const auto time = arguments.find<double>("time"))
+    return std::vector{Moment{.time = *time}};
+  if (!chosen && !several)
+    return std::vector{Moment{}};
+  double last = 0;
+  for (const FogLayer& fog : subject.fogs) last = std::max(last, fog.timeOf(fog.frames() - 1));
+  const FrameRange range = chosen.value_or(FrameRange{});
+  const int begin = range.begin.value_or(0);
+  const int end = range.end.value_or(static_cast<int>(std::lround(last * kUsualRate)) + 1);
+  std::vector<Moment> moments;
+  for (int n = begin; n < end; n += range.step)
+    moments.push_back({.number = n, .time = n / kUsualRate});
+  if (moments.empty())
+    return fail(ErrorCode::kInvalidArgument, "--frames: there is no frame from {} to {}", begin,
+                end);
+  if (moments.size() > 1 && !several) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
+                moments.size(), target);
+  }
+  return moments;
+}
+
 Result<std::vector<Moment>> momentsOf(const Arguments& arguments, const Subject& subject,
                                       const std::string& target, Progress& progress) {
   const auto& layers = subject.layers;
   if (layers.empty())
-    return std::vector{Moment{}};
+    return momentsOfFog(arguments, subject, target);
   if (const auto time = arguments.find<double>("time"))
     return std::vector{momentAt(layers, *time)};
   const VolumeInfo& info = layers.front().info();
@@ -117,14 +153,10 @@ Result<std::vector<Moment>> momentsOf(const Arguments& arguments, const Subject&
 }
 
 /// From the times of the first and the last picture; films of one picture have the usual rate.
-double framesPerSecond(const std::vector<VolumeLayer>& layers, const std::vector<Moment>& moments) {
-  constexpr double kUsual = 25;
+double framesPerSecond(const std::vector<Moment>& moments) {
   if (moments.size() < 2)
-    return kUsual;
-  const VolumeLayer& first = layers.front();
-  const double seconds = first.timeOf(moments.back().positions.front()) -
-                         first.timeOf(moments.front().positions.front());
-  return static_cast<double>(moments.size() - 1) / seconds;
+    return kUsualRate;
+  return static_cast<double>(moments.size() - 1) / (moments.back().time - moments.front().time);
 }
 
 Result<Camera> chooseCamera(const Arguments& arguments, const Subject& subject) {
@@ -177,9 +209,15 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   VOLUTE_ASSIGN(auto moments, momentsOf(arguments, subject, target, context.progress));
   VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, subject));
   VOLUTE_TRY(checkPictureMemory(camera, context));
-  const double rate = framesPerSecond(subject.layers, moments);
+  const double rate = framesPerSecond(moments);
   const RenderOptions options = renderOptions(arguments, subject);
-  return RenderJob{std::move(subject.layers), camera, options, std::move(moments), rate, totals};
+  return RenderJob{std::move(subject.layers),
+                   std::move(subject.fogs),
+                   camera,
+                   options,
+                   std::move(moments),
+                   rate,
+                   totals};
 }
 
 /// 0 stands for auto.
@@ -206,6 +244,9 @@ Result<Development> developmentOf(const Arguments& arguments, const RenderJob& j
     return fail(ErrorCode::kInvalidArgument,
                 "--colormap is for volumes with one channel and for --aov; this one is RGB");
   }
+  if (!job.fogs.empty() && job.options.aov == Aov::kNone)
+    return fail(ErrorCode::kInvalidArgument,
+                "--colormap is for volumes with one channel and for --aov; this scene has fog");
   development.colorMap = map == "viridis" ? ColorMap::kViridis : ColorMap::kInferno;
   return development;
 }

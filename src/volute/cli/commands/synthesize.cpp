@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/valley_files.hpp"
 #include "volute/cli/volume_input.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/codec/compress.hpp"
@@ -15,8 +16,8 @@ Result<SynthOptions> optionsOf(const Arguments& arguments) {
   if (kind == "smoke") {
     options.kind = SynthKind::kSmoke;
   } else if (kind != "fire" && kind != "flame") {
-    return fail(ErrorCode::kInvalidArgument, "'{}' is unknown; expected fire, flame or smoke",
-                kind);
+    return fail(ErrorCode::kInvalidArgument,
+                "'{}' is unknown; expected fire, flame, smoke or valley", kind);
   }
   options.channels = kind == "flame" || arguments.flag("scalar") ? 1 : 3;
   options.size = arguments.get<int>("size");
@@ -43,7 +44,24 @@ Status write(FrameSource& source, const std::string& target, const Arguments& ar
   return report ? Status() : tl::unexpected<Error>(report.error());
 }
 
+/// The valley is no volume: a folder of pictures.
+Status runValley(const Arguments& arguments, Context& context) {
+  const auto target = arguments.get<std::string>("output");
+  ValleyFiles files;
+  files.seed = static_cast<std::uint32_t>(arguments.get<int>("seed"));
+  files.size = arguments.get<Pixels>("pixels");
+  files.frames = arguments.findGiven<int>("frames").value_or(1);
+  files.mapSize = arguments.findGiven<int>("size").value_or(files.mapSize);
+  VOLUTE_TRY(writeValley(files, target, context.progress));
+  Report report;
+  report.add("output", target).add("frames", files.frames, fmt::format("{}", files.frames));
+  context.print(report);
+  return {};
+}
+
 Status run(const Arguments& arguments, Context& context) {
+  if (arguments.positional(0) == "valley")
+    return runValley(arguments, context);
   const auto target = arguments.get<std::string>("output");
   if (context.json && target == "-") {
     return fail(ErrorCode::kInvalidArgument,
@@ -71,52 +89,62 @@ Command synthesizeCommand() {
   using enum ValueKind;
   return {
       .name = "synthesize",
-      .summary = "Makes up a sequence of fire or smoke from a seed",
+      .summary = "Makes up fire, smoke or a valley for fog from a seed",
       .examples = {"volute synthesize fire -o fire.npy --size 64 --frames 48 --seed 7",
-                   "volute synthesize smoke -o smoke_%04d.vdb --frames 10"},
+                   "volute synthesize smoke -o smoke_%04d.vdb --frames 10",
+                   "volute synthesize valley -o valley --pixels 640x360"},
       .description =
           "fire is emission in linear RGB [radiance/m], mostly empty and fast; flame is its "
           "luminance alone; smoke is coloured "
           "density [1/m], calm and full. The volume is a cube of 2 m, at 25 frames a second. The "
           "same seed gives the same "
-          "values on every machine.",
-      .positionals = {{.name = "KIND", .help = "fire, flame or smoke"}},
-      .options =
-          {{.name = "output",
-            .letter = 'o',
-            .kind = kFile,
-            .value = "OUT",
-            .help =
-                ".npy, .volute, a pattern %04d.vdb or %04d.vti, or - for a .npy on standard output",
-            .required = true},
-           {.name = "size",
-            .kind = kInteger,
-            .value = "N",
-            .help = "voxels on each side, a multiple of 8",
-            .initial = "64",
-            .least = 16,
-            .most = 128},
-           {.name = "frames",
-            .kind = kInteger,
-            .value = "N",
-            .help = "how many",
-            .initial = "48",
-            .least = 1,
-            .most = 100000},
-           {.name = "seed",
-            .kind = kInteger,
-            .value = "S",
-            .help = "another seed is another fire",
-            .initial = "1",
-            .least = 0,
-            .most = 2147483647},
-           {.name = "scalar", .help = "one channel instead of RGB"},
-           {.name = "rms",
-            .kind = kNumber,
-            .value = "R",
-            .help = "relative RMS error of a .volute",
-            .initial = "0.001",
-            .positive = true}},
+          "values on every machine.\n\n"
+          "valley is a frame for volute fog, in a folder: color.exr, depth.exr, camera.json and "
+          "the "
+          "painted fogmap.png of --size pixels a side; with --frames a flight, color_%04d.png, "
+          "depth_%04d.exr and camera_%04d.json. The map's cells have a side of 512 m / size.",
+      .positionals = {{.name = "KIND", .help = "fire, flame, smoke or valley"}},
+      .options = {{.name = "output",
+                   .letter = 'o',
+                   .kind = kFile,
+                   .value = "OUT",
+                   .help = ".npy, .volute, a pattern %04d.vdb or %04d.vti, or - for a .npy on "
+                           "standard output; "
+                           "the valley's folder",
+                   .required = true},
+                  {.name = "size",
+                   .kind = kInteger,
+                   .value = "N",
+                   .help = "voxels on each side, a multiple of 8; pixels of the valley's map",
+                   .initial = "64",
+                   .least = 16,
+                   .most = 128},
+                  {.name = "frames",
+                   .kind = kInteger,
+                   .value = "N",
+                   .help = "how many",
+                   .initial = "48",
+                   .least = 1,
+                   .most = 100000},
+                  {.name = "seed",
+                   .kind = kInteger,
+                   .value = "S",
+                   .help = "another seed is another fire",
+                   .initial = "1",
+                   .least = 0,
+                   .most = 2147483647},
+                  {.name = "pixels",
+                   .kind = kPixels,
+                   .value = "WxH",
+                   .help = "of the valley's pictures",
+                   .initial = "640x360"},
+                  {.name = "scalar", .help = "one channel instead of RGB"},
+                  {.name = "rms",
+                   .kind = kNumber,
+                   .value = "R",
+                   .help = "relative RMS error of a .volute",
+                   .initial = "0.001",
+                   .positive = true}},
       .run = run};
 }
 

@@ -1,0 +1,354 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Fog in scenes and over frames of other renderers, against closed forms; what is refused."""
+import json
+import math
+
+import support
+from plain_pictures import write_exr, write_png
+from support import write_npy
+
+INFINITY = float("inf")
+
+
+class FogCase(support.TestCase):
+    def value(self, name):
+        """The one value that all pixels and channels have."""
+        info = self.works("info", self.path(name), "--json").json
+        self.assertAlmostEqual(info["minimum"], info["maximum"], delta=1e-6)
+        return info["maximum"]
+
+    def difference(self, a, b):
+        return self.works("compare", self.path(a), self.path(b), "--json").json["max_error"]
+
+    def white(self, name="map.png", size=16):
+        write_png(self.path(name), [[255] * size] * size)
+
+    def waves(self, name="waves.png", size=24):
+        write_png(self.path(name), [[int(127 + 120 * math.sin(0.7 * x + 0.05 * y * y)) for x in range(size)]
+                                    for y in range(size)])
+
+
+class Scenes(FogCase):
+    def setUp(self):
+        super().setUp()
+        self.white()
+        self.fog = {"kind": "fog", "map": "map.png", "cell": 1, "sigma_max": 0.1, "color": [1, 1, 1],
+                    "profile": {"kind": "slab", "bottom": 0, "top": 10}}
+        self.scene = {"format": "volute-scene-1", "media": [self.fog],
+                      "camera": {"eye": [8, 8, 30], "target": [8, 8, 0], "up": [0, 1, 0], "ortho": 1, "size": [8, 6]}}
+
+    def write(self):
+        self.path("scene.json").write_text(json.dumps(self.scene))
+        return self.path("scene.json")
+
+    def render(self, name="x.exr", *more):
+        self.works("render", self.write(), "-o", self.path(name), *more)
+        return name
+
+    def test_straight_down_through_a_slab_of_every_degree(self):
+        for degree in range(4):
+            self.fog["degree"] = degree
+            self.assertAlmostEqual(self.value(self.render()), 1 - math.exp(-1), delta=2e-6)
+
+    def test_profiles(self):
+        for profile, depth in (({"kind": "slab", "bottom": -2, "top": 3}, 5),
+                               ({"kind": "linear", "knots": [[0, 1], [10, 0.5], [30, 0]]}, 7.5 + 5),
+                               ({"kind": "layers", "layers": [[0, 4, 0.5], [2, 6, 0.25]]}, 3)):
+            self.fog["profile"] = profile
+            self.assertAlmostEqual(self.value(self.render()), 1 - math.exp(-0.1 * depth), delta=2e-6)
+        self.fog["profile"] = {"kind": "exponential", "bottom": 0, "height": 5}
+        self.scene["camera"] |= {"eye": [8, 8, 0], "target": [8, 8, 9], "fov": 0.01}
+        del self.scene["camera"]["ortho"]
+        self.assertAlmostEqual(self.value(self.render()), 1 - math.exp(-0.5), delta=2e-6)
+
+    def test_the_eye_inside_and_below(self):
+        del self.scene["camera"]["ortho"]
+        for eye, target, depth in ((4, 30, 6), (4, -9, 4), (-5, 30, 10), (30, -5, 10)):
+            self.scene["camera"] |= {"eye": [8, 8, eye], "target": [8, 8, target], "fov": 0.01}
+            self.assertAlmostEqual(self.value(self.render()), 1 - math.exp(-0.1 * depth), delta=2e-6)
+
+    def overlapping(self):
+        self.waves()
+        write_npy(self.path("block.npy"), (8, 8, 8), [0.1 * (i % 7) for i in range(512)])
+        self.fog |= {"map": "waves.png", "levels": 2, "mu": 0.6, "degree": 2,
+                     "profile": {"kind": "exponential", "bottom": 1, "height": 3}}
+        self.scene["media"] += [
+            {"kind": "volume", "file": "block.npy", "emission": 0.5, "extinction": 0.7,
+             "transform": [8, 0, 0, 8, 0, 8, 0, 8, 0, 0, 8, 0, 0, 0, 0, 1]},
+            self.fog | {"degree": 1, "origin": [3, -2, 1], "mu": 1, "color": [0.2, 0.5, 0.9]}]
+        self.scene["camera"] = {"eye": [-4, -6, 5], "target": [12, 12, 2], "fov": 60, "size": [48, 36]}
+
+    def test_both_renderers_agree_where_media_overlap(self):
+        self.overlapping()
+        self.render("cpu.exr", "--renderer", "cpu")
+        self.render("reference.exr", "--renderer", "reference")
+        self.assertLess(self.difference("cpu.exr", "reference.exr"), 1e-5)
+        self.scene["media"] = self.scene["media"][:1]
+        self.render("cpu.exr", "--renderer", "cpu")
+        self.render("reference.exr", "--renderer", "reference")
+        self.assertLess(self.difference("cpu.exr", "reference.exr"), 1e-5)
+
+    def test_overlapping_media_do_not_depend_on_their_order(self):
+        self.overlapping()
+        self.render("a.exr")
+        self.scene["media"].reverse()
+        self.render("b.exr")
+        self.assertLess(self.difference("a.exr", "b.exr"), 1e-5)
+
+    def test_a_sun_lights_the_fog(self):
+        # Seen from above, thin fog under a sun at the zenith: isotropic, one scattering.
+        self.fog |= {"sigma_max": 1e-4, "color": [0, 0, 0]}
+        self.scene["lights"] = [{"kind": "sun", "direction": [0, 0, -1], "radiance": [2, 2, 2]}]
+        self.assertAlmostEqual(self.value(self.render()), 2 * 1e-3 / (4 * math.pi), delta=1e-6)
+        self.waves()
+        self.fog |= {"map": "waves.png", "sigma_max": 0.1, "asymmetry": 0.5}
+        self.scene["lights"][0]["direction"] = [1, 0.5, -1]
+        self.render("cpu.exr", "--renderer", "cpu")
+        self.render("reference.exr", "--renderer", "reference")
+        self.assertLess(self.difference("cpu.exr", "reference.exr"), 2e-3)
+
+    def test_wind_moves_the_map(self):
+        self.waves()
+        self.fog |= {"map": "waves.png", "wind": [1.5, -0.5]}
+        self.scene["camera"] = {"eye": [-4, -6, 15], "target": [12, 12, 2], "fov": 40, "size": [16, 12]}
+        self.render("blown.exr", "--time", "2")
+        self.fog |= {"origin": [3, -1, 0], "wind": [0, 0]}
+        self.render("moved.exr")
+        self.assertLess(self.difference("blown.exr", "moved.exr"), 2e-6)
+
+    def test_sequences_of_maps_mix(self):
+        write_png(self.path("fog_0000.png"), [[0] * 16] * 16)
+        write_png(self.path("fog_0001.png"), [[255] * 16] * 16)
+        write_npy(self.path("fog.npy"), (2, 1, 16, 16), [0] * 256 + [1] * 256)
+        for name in ("fog_%04d.png", ["fog_0000.png", "fog_0001.png"], "fog.npy"):
+            self.fog["map"] = name
+            self.assertEqual(self.value(self.render()), 0)
+            self.assertAlmostEqual(self.value(self.render("x.exr", "--time", "0.02")), 1 - math.exp(-0.5), delta=2e-6)
+        self.works("compress", self.path("fog.npy"), "-o", self.path("fog.volute"), "--max-error", "1e-6")
+        self.fog["map"] = "fog.volute"
+        self.assertAlmostEqual(self.value(self.render("x.exr", "--time", "9")), 1 - math.exp(-1), delta=1e-5)
+        self.fog |= {"map": "fog_%04d.png", "times": [10, 20]}
+        self.assertAlmostEqual(self.value(self.render("x.exr", "--time", "15")), 1 - math.exp(-0.5), delta=2e-6)
+        self.fog["time"] = {"offset": 5, "rate": 2}
+        self.assertAlmostEqual(self.value(self.render("x.exr", "--time", "5")), 1 - math.exp(-0.5), delta=2e-6)
+
+    def test_a_top_map_cuts_the_fog(self):
+        self.white("top.png", 40)
+        self.fog["top"] = {"map": "top.png", "origin": [-8, -8, 0], "cell": 1, "height": 3}
+        self.assertAlmostEqual(self.value(self.render()), 1 - math.exp(-0.3), delta=2e-6)
+
+    def test_the_row_at_the_bottom_has_the_smallest_y(self):
+        write_png(self.path("map.png"), [[0] * 16] * 8 + [[255] * 16] * 8)
+        self.fog["degree"] = 0
+        self.scene["camera"] |= {"eye": [8, 4, 30], "target": [8, 4, 0]}
+        self.assertAlmostEqual(self.value(self.render()), 1 - math.exp(-1), delta=2e-6)
+        self.scene["camera"] |= {"eye": [8, 12, 30], "target": [8, 12, 0]}
+        self.assertEqual(self.value(self.render()), 0)
+
+    def test_small_and_deep_maps(self):
+        self.fog["degree"] = 0
+        for rows, bits, eye, share in (([[255]], 8, [0.5, 0.5], 1), ([[51] * 9], 8, [4, 0.5], 0.2),
+                                       ([[51]] * 9, 8, [0.5, 4], 0.2), ([[13107] * 4] * 4, 16, [2, 2], 0.2)):
+            write_png(self.path("map.png"), rows, bits)
+            self.scene["camera"] |= {"eye": [*eye, 30], "target": [*eye, 0], "ortho": 0.5}
+            self.assertAlmostEqual(self.value(self.render()), 1 - math.exp(-share), delta=2e-6)
+
+    def test_colour_only_on_request(self):
+        write_png(self.path("map.png"), [[255, 0, 0] * 16] * 16, channels=3)
+        message = self.fails(1, "render", self.write(), "-o", self.path("x.png"))
+        self.assertIn("map.png: ", message)
+        self.assertIn("3 channels", message)
+        self.fog["convert"] = "luma"
+        self.assertAlmostEqual(self.value(self.render()), 1 - math.exp(-0.2126), delta=2e-6)
+
+    def test_optical_depth_of_all_media(self):
+        self.render("x.exr", "--aov", "optical-depth")
+        self.assertAlmostEqual(self.value("x.exr"), 1, delta=1e-6)
+
+    def test_errors_name_the_path(self):
+        for where, change in (
+                ("/media/0/map", {"map": 3}), ("/media/0/map", {"map": []}),
+                ("/media/0/cell", {"cell": 0}), ("/media/0/sigma_max", {"sigma_max": -0.1}),
+                ("/media/0/degree", {"degree": 4}), ("/media/0/degree", {"degree": 1.5}),
+                ("/media/0/levels", {"levels": -1}), ("/media/0/mu", {"mu": 1.5}),
+                ("/media/0/color", {"color": [1, -1, 1]}), ("/media/0/color", {"color": [1, 1]}),
+                ("/media/0/wind", {"wind": [1]}), ("/media/0/origin", {"origin": "x"}),
+                ("/media/0/albedo", {"albedo": [2, 1, 1]}), ("/media/0/asymmetry", {"asymmetry": 1}),
+                ("/media/0/convert", {"convert": "red"}), ("/media/0/sigma-max: this name", {"sigma-max": 1}),
+                ("/media/0/times", {"times": [1, 2]}), ("/media/0/time/rate", {"time": {"rate": 0}}),
+                ("/media/0/top/map", {"top": {}}), ("/media/0/top/height", {"top": {"map": "map.png", "height": -1}}),
+                ("/media/0/profile/kind", {"profile": {"kind": "round"}}),
+                ("/media/0/profile:", {"profile": {"kind": "slab", "bottom": 3, "top": 2}}),
+                ("/media/0/profile:", {"profile": {"kind": "linear", "knots": [[0, 1]]}}),
+                ("/media/0/profile/knots[1]", {"profile": {"kind": "linear", "knots": [[0, 1], [2]]}}),
+                ("/media/0/profile/layers", {"profile": {"kind": "layers"}})):
+            self.scene["media"] = [self.fog | change]
+            self.assertIn("scene.json: " + where, self.fails(1, "render", self.write(), "-o", self.path("x.png")))
+        self.scene["media"] = [self.fog]
+        for where, lights in (("/lights", {}), ("/lights/0/kind", [{"kind": "moon"}]),
+                              ("/lights/0/direction", [{"kind": "sun", "direction": [0, 0, 1]}]),
+                              ("/lights/0/radiance", [{"kind": "sun", "direction": [0, 0, -1], "radiance": [-1, 0, 0]}]),
+                              ("/lights/0", [{"kind": "spot"}])):
+            self.scene["lights"] = lights
+            self.assertIn("scene.json: " + where, self.fails(1, "render", self.write(), "-o", self.path("x.png")))
+
+    def test_maps_that_are_not_there_or_damaged(self):
+        self.fog["map"] = "none.png"
+        self.assertIn("none.png", self.fails(1, "render", self.write(), "-o", self.path("x.png")))
+        data = self.path("map.png").read_bytes()
+        self.path("half.png").write_bytes(data[:len(data) // 2])
+        self.fog["map"] = "half.png"
+        self.assertIn("half.png", self.fails(1, "render", self.write(), "-o", self.path("x.png")))
+        write_npy(self.path("deep.npy"), (3, 4, 4), [0] * 48)
+        self.fog["map"] = "deep.npy"
+        self.assertIn("deep.npy", self.fails(1, "render", self.write(), "-o", self.path("x.png")))
+
+
+class Frames(FogCase):
+    """volute fog: out = T color + (1 - T) fog-color."""
+
+    def setUp(self):
+        super().setUp()
+        self.white(size=40)
+        self.camera({"eye": [20, -5, 5], "target": [20, 15, 5], "fov": 60})
+        self.color(0.5)
+        self.depth([10] * 48)
+
+    def camera(self, camera):
+        self.path("camera.json").write_text(json.dumps(camera))
+
+    def color(self, value):
+        write_exr(self.path("color.exr"), 8, 6, {name: [value] * 48 for name in "RGB"})
+
+    def depth(self, values, width=8, height=6):
+        write_exr(self.path("depth.exr"), width, height, {"Y": values})
+
+    def words(self, *more, out="x.exr", sigma=0.1):
+        return ("fog", self.path("map.png"), "--color", self.path("color.exr"), "--depth", self.path("depth.exr"),
+                "--camera", self.path("camera.json"), "-o", self.path(out), f"--sigma-max={sigma}", *more)
+
+    def expected(self, name, optical):
+        """The picture of these optical depths."""
+        values = [0.5 * math.exp(-t) + 0.25 * (1 - math.exp(-t)) for t in optical]
+        write_exr(self.path(name), 8, 6, {c: values for c in "RGB"})
+        return name
+
+    def per_pixel(self, along):
+        """along(stretch) with stretch = |ray| / its part along the axis, which is +y here."""
+        pixel = 2 * math.tan(math.radians(30)) / 6
+        return [along(math.hypot(1, (x + 0.5 - 4) * pixel, (y + 0.5 - 3) * pixel)) for y in range(6) for x in range(8)]
+
+    def test_depth_along_the_axis_and_along_the_ray(self):
+        more = ("--fog-color", "0.25,0.25,0.25", "--degree", "0")
+        self.works(*self.words(*more))
+        self.expected("z.exr", self.per_pixel(lambda stretch: 0.1 * 5 * stretch))  # the map begins at y = 0
+        self.assertLess(self.difference("z.exr", "x.exr"), 2e-6)
+        self.works(*self.words(*more, "--depth-kind", "ray"))
+        self.expected("ray.exr", self.per_pixel(lambda stretch: 0.1 * (10 - 5 * stretch)))
+        self.assertLess(self.difference("ray.exr", "x.exr"), 2e-6)
+
+    def test_the_sky_is_behind_all_fog(self):
+        self.camera({"eye": [20, 20, 30], "target": [20, 20, 0], "up": [0, 1, 0], "ortho": 6})
+        self.depth([INFINITY] * 48)
+        profile = ("--profile", "slab:0,20", "--fog-color", "0.25,0.25,0.25")
+        self.works(*self.words(*profile))
+        self.assertAlmostEqual(self.value("x.exr"), 0.5 * math.exp(-2) + 0.25 * (1 - math.exp(-2)), delta=2e-6)
+        self.depth([20] * 48)
+        self.works(*self.words(*profile, "--sky-depth", "15"))
+        self.assertAlmostEqual(self.value("x.exr"), 0.5 * math.exp(-2) + 0.25 * (1 - math.exp(-2)), delta=2e-6)
+        self.works(*self.words(*profile))
+        self.assertAlmostEqual(self.value("x.exr"), 0.5 * math.exp(-1) + 0.25 * (1 - math.exp(-1)), delta=2e-6)
+
+    def test_nothing_in_the_air_changes_nothing(self):
+        self.works(*self.words(sigma=0))
+        self.assertEqual(self.difference("color.exr", "x.exr"), 0)
+        self.depth([0] * 48)
+        self.works(*self.words())
+        self.assertEqual(self.difference("color.exr", "x.exr"), 0)
+
+    def test_display_pictures_in_and_out(self):
+        write_png(self.path("color.png"), [[10, 120, 250] * 8] * 6, channels=3)
+        words = [self.path("color.png") if str(word).endswith("color.exr") else word for word in self.words(out="x.png", sigma=0)]
+        self.works(*words)
+        self.assertEqual(self.difference("color.png", "x.png"), 0)
+
+    def test_both_renderers_and_a_scene_agree(self):
+        self.waves("map.png", 40)
+        more = ("--degree", "3", "--levels", "2", "--mu", "0.5", "--profile", "exponential:0,8")
+        self.works(*self.words(*more))
+        self.works(*self.words(*more, "--renderer", "reference", out="reference.exr"))
+        self.assertLess(self.difference("x.exr", "reference.exr"), 1e-5)
+        self.depth([INFINITY] * 48)
+        self.works(*self.words(*more))
+        scene = {"format": "volute-scene-1", "background": [0.5] * 3,
+                 "camera": json.loads(self.path("camera.json").read_text()) | {"size": [8, 6]},
+                 "media": [{"kind": "fog", "map": "map.png", "sigma_max": 0.1, "degree": 3, "levels": 2, "mu": 0.5,
+                            "color": [0.8, 0.85, 0.9], "profile": {"kind": "exponential", "bottom": 0, "height": 8}}]}
+        self.path("scene.json").write_text(json.dumps(scene))
+        self.works("render", self.path("scene.json"), "-o", self.path("scene.exr"))
+        self.assertLess(self.difference("x.exr", "scene.exr"), 1e-6)
+
+    def test_several_frames(self):
+        for number in (3, 4):
+            for name in ("color", "depth"):
+                self.path(f"{name}_{number}.exr").write_bytes(self.path(f"{name}.exr").read_bytes())
+        words = ["fog", self.path("map.png"), "--color", self.path("color_%d.exr"), "--depth", self.path("depth_%d.exr"),
+                 "--camera", self.path("camera.json"), "--wind", "100,0,0"]
+        self.works(*words, "-o", self.path("out_%d.exr"))
+        self.assertGreater(self.difference("out_3.exr", "out_4.exr"), 1e-4)
+        self.works(*words, "-o", self.path("out.mp4"), "--frames", "3:5")
+        self.assertIn("%04d", self.fails(2, *words, "-o", self.path("out.exr")))
+        self.fails(2, *words, "-o", self.path("out.exr"), "--frames", "7:9")
+
+    def test_depths_that_are_none(self):
+        values = [10.0] * 48
+        values[2 * 8 + 5] = float("nan")
+        self.depth(values)
+        message = self.fails(1, *self.words())
+        self.assertIn("depth.exr: pixel 5, 2 is nan", message)
+        values[2 * 8 + 5] = -1
+        self.depth(values)
+        self.assertIn("pixel 5, 2 is -1", self.fails(1, *self.words()))
+        write_exr(self.path("depth.exr"), 8, 6, {name: [1] * 48 for name in "RGB"})
+        self.assertIn("3 channels", self.fails(1, *self.words()))
+
+    def test_sizes_must_agree(self):
+        self.depth([1] * 40, 8, 5)
+        self.assertIn("8 x 5", self.fails(1, *self.words()))
+        self.depth([1] * 48)
+        self.camera({"eye": [0, 0, 0], "target": [1, 0, 0], "fov": 60, "size": [80, 60]})
+        self.assertIn("80 x 60", self.fails(1, *self.words()))
+
+    def test_shaders(self):
+        self.waves()
+        folder = self.path("shaders")
+        self.works("fog", self.path("waves.png"), "--export-glsl", folder, "--degree", "2", "--levels", "1",
+                   "--origin", "1,2,3", "--profile", "slab:0,5")
+        uniforms = json.loads((folder / "fog.json").read_text())
+        size = uniforms["fogMap"]["width"] * uniforms["fogMap"]["height"]
+        texels = (folder / "fog_map.f32").read_bytes()
+        self.assertEqual(len(texels), 4 * size)
+        for name in ("fog.glsl", "fog_polar.glsl"):
+            text = (folder / name).read_text()
+            self.assertTrue(text.startswith("// SPDX-License-Identifier: Apache-2.0"))
+        self.assertIn("fogOpticalDepth", (folder / "fog.glsl").read_text())
+        self.assertIn(f"{uniforms['fogMap']['width']} x", (folder / "README.md").read_text())
+        self.assertLess(uniforms["fogCorner"][0], 1)  # the padding for levels
+        self.works("fog", self.path("waves.png"), "--export-glsl", self.path("more"), "--profile", "exponential:0,5")
+        self.assertFalse((self.path("more") / "fog_polar.glsl").exists())
+        self.fails(1, "fog", self.path("waves.png"), "--export-glsl", self.path("waves.png"))
+
+    def test_wrong_usage(self):
+        for more in (("--degree", "4"), ("--cell", "0"), ("--mu", "2"), ("--profile", "round:1"),
+                     ("--profile", "slab:3,1"), ("--profile", "slab:3,x"), ("--sun", "0,0,1"), ("--levels", "99"),
+                     ("--fog-color=-1,0,0",), ("--frames", "1:2"), ("--depth-kind", "w")):
+            self.fails(2, *self.words(*more))
+        self.assertIn("at least 0", self.fails(2, *self.words(sigma=-1)))
+        self.fails(2, "fog", self.path("map.png"))
+        self.assertIn("--depth", self.fails(2, "fog", self.path("map.png"), "--color", self.path("color.exr")))
+        self.fails(2, *self.words(out="x.jpg"))
+
+
+if __name__ == "__main__":
+    support.main()
