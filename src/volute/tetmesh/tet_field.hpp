@@ -30,8 +30,7 @@ std::vector<float> cellToPoint(const TetMesh& mesh, std::span<const float> cellV
 void interpolateFields(std::span<const float> a, std::span<const float> b, double share,
                        std::span<float> out);
 
-/// The gradient in each tet, and the value at the origin of the world: value(p) = g.head<3>() . p +
-/// g[3].
-std::vector<Eigen::Vector4d> gradients(const TetMesh& mesh, std::span<const float> values);
+/// The gradient in each tet, per metre.
+std::vector<Vec3> gradients(const TetMesh& mesh, std::span<const float> values);
 
 }  // namespace volute

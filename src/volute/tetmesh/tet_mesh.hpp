@@ -57,9 +57,12 @@ class TetMesh {
 
   double volume(std::int32_t tet) const;  ///< [m3], > 0
 
-  /// The affine functions that are 1 at one vertex of a tet and 0 at the others, as (gradient,
-  /// value at the origin of the world).
-  std::array<Eigen::Vector4d, 4> shapes(std::int32_t tet) const;
+  /// The gradients [1/m] of the affine functions that are 1 at one vertex of a tet and 0 at the
+  /// others. They sum to 0.
+  std::array<Vec3, 4> slopes(std::int32_t tet) const;
+
+  /// Those functions' values at a point: its barycentric coordinates, which sum to 1.
+  std::array<double, 4> shares(std::int32_t tet, const Vec3& point) const;
 
  private:
   TetMesh() = default;
