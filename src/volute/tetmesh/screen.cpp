@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tetmesh/screen.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace volute {
+namespace {
+
+constexpr double kOffFace = 2e-6;  // share of a tet by which an eye keeps off its faces
+
+Vec3 centreOf(const TetMesh& mesh, std::int32_t tet) {
+  Vec3 centre = Vec3::Zero();
+  for (const std::int32_t v : mesh.tets()[tet]) centre += 0.25 * mesh.vertices()[v];
+  return centre;
+}
+
+}  // namespace
+
+ScreenView::ScreenView(const Camera& camera, const TetLocator& locator)
+    : eye(camera.eye()),
+      right(camera.right()),
+      down(camera.down()),
+      forward(camera.forward()),
+      perPixel(1 / camera.pixelSize()),
+      orthographic(camera.isOrthographic()),
+      width(camera.width()),
+      height(camera.height()) {
+  if (orthographic)
+    return;
+  eyeTet = locator.find(eye);
+  if (eyeTet < 0)
+    return;
+  const auto shares = locator.mesh().shares(eyeTet, eye);
+  if (*std::ranges::min_element(shares) < kOffFace)
+    eye += 4 * kOffFace * (centreOf(locator.mesh(), eyeTet) - eye);
+}
+
+ScreenVertex ScreenView::project(const Vec3& point) const {
+  const Vec3 from = point - eye;
+  const double z = from.dot(forward);
+  return {static_cast<float>(from.dot(right) * perPixel),
+          static_cast<float>(from.dot(down) * perPixel),
+          orthographic ? 1.0F : static_cast<float>(z),
+          static_cast<float>(z),
+          0,
+          0,
+          0,
+          0};
+}
+
+double ScreenView::rayScale(double px, double py) const {
+  return orthographic ? 1 : std::sqrt(1 + (px * px + py * py) / (perPixel * perPixel));
+}
+
+PixelBox pixelBox(const ScreenView& view, const ScreenVertex& a, const ScreenVertex& b,
+                  const ScreenVertex& c) {
+  constexpr float kNear = 1e-6F;    // [m]; what is nearer is cut off
+  constexpr float kMargin = 2e-3F;  // [pixels]; rounding of the projection
+  constexpr float kFar = std::numeric_limits<float>::max();
+  float x0 = kFar, x1 = -kFar, y0 = kFar, y1 = -kFar;
+  const auto add = [&](float x, float y, float w) {
+    x0 = std::min(x0, x / w), x1 = std::max(x1, x / w);
+    y0 = std::min(y0, y / w), y1 = std::max(y1, y / w);
+  };
+  const ScreenVertex* corners[3] = {&a, &b, &c};
+  bool cut = false;
+  for (int i = 0; i < 3; ++i) {
+    const ScreenVertex& p = *corners[i];
+    const ScreenVertex& q = *corners[(i + 1) % 3];
+    if (p.w > kNear)
+      add(p.x, p.y, p.w);
+    if ((p.w > kNear) != (q.w > kNear)) {
+      const float share = (kNear - p.w) / (q.w - p.w);
+      add(p.x + share * (q.x - p.x), p.y + share * (q.y - p.y), kNear);
+      cut = true;
+    }
+  }
+  if (!(x0 <= x1))
+    return {};
+  // Cut edges are projected from near the eye, where a rounding is many pixels.
+  const float margin = cut ? 2 : kMargin;
+  const float cx = 0.5F * view.width - 0.5F, cy = 0.5F * view.height - 0.5F;
+  const auto to = [](float x, int most) {
+    return static_cast<int>(std::clamp(x, -1.0F, most + 0.0F));
+  };
+  return {std::max(0, to(std::ceil(x0 + cx - margin), view.width)),
+          std::max(0, to(std::ceil(y0 + cy - margin), view.height)),
+          std::min(view.width - 1, to(std::floor(x1 + cx + margin), view.width)),
+          std::min(view.height - 1, to(std::floor(y1 + cy + margin), view.height))};
+}
+
+}  // namespace volute

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "volute/camera/camera.hpp"
+#include "volute/tetmesh/tet_locator.hpp"
+
+namespace volute {
+
+/// A vertex before the camera: its picture is at (x, y) / w pixels from the picture's centre, its
+/// depth is z [m] along the view (w = z for a pinhole, 1 for an orthographic camera). An edge's
+/// function at a pixel (px, py) is the cross product of its ends' (x - px w, y - py w): the
+/// determinant of the ray's direction and both ends, whose sign says on which side the ray passes.
+struct ScreenVertex {
+  float x, y, w, z;
+  float tau;      ///< extinction [1/m]
+  float r, g, b;  ///< source
+};
+
+/// A camera whose eye stands inside a tet, not on a face, edge or vertex of it: moved by a
+/// millionth of the tet where it does.
+struct ScreenView {
+  ScreenView(const Camera& camera, const TetLocator& locator);
+
+  ScreenVertex project(const Vec3& point) const;
+
+  /// Distance along a pixel's ray for each metre of depth.
+  double rayScale(double px, double py) const;
+
+  Vec3 eye, right, down, forward;
+  double perPixel;  ///< 1 / Camera::pixelSize
+  bool orthographic;
+  int width, height;
+  std::int32_t eyeTet = -1;  ///< -1: the eye is outside, or the rays begin at -infinity
+};
+
+/// Which pixels a triangle may touch: the box of those in whose centres it may lie, ends included;
+/// empty when none. Parts behind the eye are cut off.
+struct PixelBox {
+  int x0 = 0, y0 = 0, x1 = -1, y1 = -1;
+
+  bool empty() const { return x1 < x0 || y1 < y0; }
+};
+
+PixelBox pixelBox(const ScreenView& view, const ScreenVertex& a, const ScreenVertex& b,
+                  const ScreenVertex& c);
+
+}  // namespace volute
