@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "volute/camera/camera.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
@@ -13,9 +12,9 @@
 namespace volute {
 
 /// Pictures of optical depth without sorting. Along a ray the extinction is a sum of ramps, one for
-/// each face that is crossed, so that the depth up to t is a sum over faces f crossed before t of
+/// each face that is crossed, so that the depth up to t is a sum over the faces f crossed before t:
 ///   1/2 J_f |n_f . d| (t - t_f)^2
-/// with J_f the jump of the gradient across the face along its normal; the boundary brings the
+/// with J_f the jump of the gradient across the face along its normal n_f; the boundary brings the
 /// field itself in and out, and an eye inside begins with its own tet's line. Faces without a jump,
 /// as in clear air, cost nothing; new smoke costs one gradient a tet and one jump a face.
 ///
@@ -31,8 +30,7 @@ class FaceSplat {
   /// [1/m], one for each vertex, finite and >= 0.
   void setExtinction(std::span<const float> extinction);
 
-  /// One depth for each pixel, row by row from the top. Keeps what depends on the eye alone for the
-  /// next call: turning and zooming are cheaper than moving.
+  /// One depth for each pixel, row by row from the top.
   void opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span<float> depth);
 
  private:

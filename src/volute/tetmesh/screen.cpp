@@ -27,7 +27,9 @@ ScreenView::ScreenView(const Camera& camera, const TetLocator& locator)
       perPixel(1 / camera.pixelSize()),
       orthographic(camera.isOrthographic()),
       width(camera.width()),
-      height(camera.height()) {
+      height(camera.height()),
+      originX(0.5 * camera.width()),
+      originY(0.5 * camera.height()) {
   if (orthographic)
     return;
   eyeTet = locator.find(eye);
@@ -41,9 +43,10 @@ ScreenView::ScreenView(const Camera& camera, const TetLocator& locator)
 ScreenVertex ScreenView::project(const Vec3& point) const {
   const Vec3 from = point - eye;
   const double z = from.dot(forward);
-  return {static_cast<float>(from.dot(right) * perPixel),
-          static_cast<float>(from.dot(down) * perPixel),
-          orthographic ? 1.0F : static_cast<float>(z),
+  const double w = orthographic ? 1 : z;
+  return {static_cast<float>(from.dot(right) * perPixel - (originX - 0.5 * width) * w),
+          static_cast<float>(from.dot(down) * perPixel - (originY - 0.5 * height) * w),
+          static_cast<float>(w),
           static_cast<float>(z),
           0,
           0,
@@ -51,7 +54,8 @@ ScreenVertex ScreenView::project(const Vec3& point) const {
           0};
 }
 
-double ScreenView::rayScale(double px, double py) const {
+double ScreenView::rayScale(int x, int y) const {
+  const double px = x + 0.5 - 0.5 * width, py = y + 0.5 - 0.5 * height;
   return orthographic ? 1 : std::sqrt(1 + (px * px + py * py) / (perPixel * perPixel));
 }
 
@@ -82,7 +86,8 @@ PixelBox pixelBox(const ScreenView& view, const ScreenVertex& a, const ScreenVer
     return {};
   // Cut edges are projected from near the eye, where a rounding is many pixels.
   const float margin = cut ? 2 : kMargin;
-  const float cx = 0.5F * view.width - 0.5F, cy = 0.5F * view.height - 0.5F;
+  const auto cx = static_cast<float>(view.originX - 0.5);
+  const auto cy = static_cast<float>(view.originY - 0.5);
   const auto to = [](float x, int most) {
     return static_cast<int>(std::clamp(x, -1.0F, most + 0.0F));
   };

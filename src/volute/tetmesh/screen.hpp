@@ -11,7 +11,7 @@
 
 namespace volute {
 
-/// A vertex before the camera: its picture is at (x, y) / w pixels from the picture's centre, its
+/// A vertex before the camera: its picture is at (x, y) / w pixels from the view's origin, its
 /// depth is z [m] along the view (w = z for a pinhole, 1 for an orthographic camera). An edge's
 /// function at a pixel (px, py) is the cross product of its ends' (x - px w, y - py w): the
 /// determinant of the ray's direction and both ends, whose sign says on which side the ray passes.
@@ -26,15 +26,22 @@ struct ScreenVertex {
 struct ScreenView {
   ScreenView(const Camera& camera, const TetLocator& locator);
 
+  /// x and y count from the origin, which is the picture's centre unless moved.
   ScreenVertex project(const Vec3& point) const;
 
+  /// A pixel's centre from the origin.
+  double pixelX(int x) const { return x + 0.5 - originX; }
+
+  double pixelY(int y) const { return y + 0.5 - originY; }
+
   /// Distance along a pixel's ray for each metre of depth.
-  double rayScale(double px, double py) const;
+  double rayScale(int x, int y) const;
 
   Vec3 eye, right, down, forward;
   double perPixel;  ///< 1 / Camera::pixelSize
   bool orthographic;
   int width, height;
+  double originX, originY;   ///< [pixels]; near the pixels in question float says more of them
   std::int32_t eyeTet = -1;  ///< -1: the eye is outside, or the rays begin at -infinity
 };
 

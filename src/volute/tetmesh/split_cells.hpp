@@ -12,8 +12,8 @@
 
 namespace volute {
 
-/// Shapes of cells, vertices in VTK's order: the quads of a hexahedron are 0123 below and 4567
-/// above; a wedge has triangles 012 and 345; a pyramid the quad 0123 and the tip 4.
+/// Shapes of cells, vertices in VTK's order: a hexahedron has the quads 0123 and 4567, a wedge the
+/// triangles 012 and 345, a pyramid the quad 0123 and the tip 4.
 enum class CellShape : std::uint8_t { kTet, kPyramid, kWedge, kHexahedron, kPolyhedron };
 
 /// Cells as a file has them.
@@ -23,25 +23,17 @@ struct CellSoup {
   std::vector<std::int64_t> offsets;  ///< cell i is connectivity[offsets[i]] .. [offsets[i + 1]]
   /// Vertices; of a polyhedron: the number of faces, then for each its number of vertices and they.
   std::vector<std::int64_t> connectivity;
-
-  std::size_t cells() const { return shapes.size(); }
 };
 
-/// Tets out of cells.
+/// Tets out of cells, on the same vertices.
 struct SplitCells {
-  std::vector<Vec3> vertices;  ///< those of the soup, then centres of polyhedra and hexahedra
   std::vector<Tet> tets;
   std::vector<std::int32_t> cellOf;  ///< the cell of each tet
-  /// For each added vertex: the soup's vertices that it is the mean of.
-  std::vector<std::vector<std::int32_t>> means;
 };
 
-/// Splits cells into tets so that neighbours meet: a shared polygon is cut from its vertex of least
-/// index on both sides. Wedges and hexahedra whose quads' cuts leave no split into their own
-/// vertices, and polyhedra, get a vertex in their middle; pieces without volume are left out.
+/// Splits convex cells into tets so that neighbours meet: each face is cut into a fan from its
+/// vertex of least index, on both of its sides, and each cell into the pyramids from its own such
+/// vertex over the pieces of the faces that do not have it.
 [[nodiscard]] Result<SplitCells> splitCells(const CellSoup& soup, std::string_view name);
-
-/// A field on the soup's vertices, carried on to the added ones.
-std::vector<float> withMeans(const SplitCells& split, std::vector<float> pointValues);
 
 }  // namespace volute

@@ -494,10 +494,10 @@ void RasterEntries(const ScreenView& view, const ScreenVertex* vertices, const E
   alignas(64) float depths[kWidest];
   alignas(64) float kinds[kWidest];
   for (int y = box.y0; y <= box.y1; ++y) {
-    const VF py = Constant(static_cast<float>(y + 0.5 - 0.5 * view.height));
+    const VF py = Constant(static_cast<float>(view.pixelY(y)));
     for (int x = box.x0; x <= box.x1; x += static_cast<int>(hn::Lanes(df))) {
-      const VF px = hn::Add(Constant(static_cast<float>(x + 0.5 - 0.5 * view.width)),
-                            hn::ConvertTo(df, hn::Iota(di, 0)));
+      const VF px =
+          hn::Add(Constant(static_cast<float>(view.pixelX(x))), hn::ConvertTo(df, hn::Iota(di, 0)));
       VF rx[3], ry[3], e[3];
       for (int i = 0; i < 3; ++i) {
         rx[i] = hn::NegMulAdd(px, Constant(v[i]->w), Constant(v[i]->x));

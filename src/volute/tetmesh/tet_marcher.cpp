@@ -16,8 +16,9 @@
 namespace volute {
 namespace {
 
-constexpr int kTile = 32;  // pixels
-constexpr int kBlock = 4;  // rays side by side come from blocks of kBlock x kBlock pixels
+constexpr int kTile = 32;   // pixels
+constexpr int kSector = 8;  // tiles whose vertices are projected together, near their own origin
+constexpr int kBlock = 4;   // rays side by side come from blocks of kBlock x kBlock pixels
 
 /// A tile's pixels, entries and results.
 struct TileWork {
@@ -27,6 +28,39 @@ struct TileWork {
   std::vector<std::int32_t> pixels;  // of each ray, in the picture
   std::vector<char> doubtful;        // of each pixel of the tile
 };
+
+/// Sorts by pixel, then by depth; returns where each pixel's entries begin, and the end.
+std::vector<std::int32_t> sortByPixel(std::vector<MarchEntry>& entries, std::size_t pixels) {
+  std::vector<std::int32_t> begin(pixels + 1, 0);
+  for (const MarchEntry& entry : entries) ++begin[static_cast<std::size_t>(entry.pixel) + 1];
+  for (std::size_t i = 0; i < pixels; ++i) begin[i + 1] += begin[i];
+  std::vector<MarchEntry> sorted(entries.size());
+  std::vector<std::int32_t> end(begin.begin(), begin.end() - 1);
+  for (const MarchEntry& entry : entries) {
+    const auto pixel = static_cast<std::size_t>(entry.pixel);
+    std::int32_t at = end[pixel]++;
+    const auto before = [](const MarchEntry& a, const MarchEntry& b) {
+      return a.z != b.z ? a.z < b.z : a.halfFace < b.halfFace;
+    };
+    for (; at > begin[pixel] && before(entry, sorted[at - 1]); --at) sorted[at] = sorted[at - 1];
+    sorted[at] = entry;
+  }
+  entries.swap(sorted);
+  return begin;
+}
+
+/// False when rays surely leave the mesh through the face, or pass it edge on: by the sign of the
+/// determinant of its vertices.
+bool mayEnter(const EntryFace& face, std::span<const ScreenVertex> vertices) {
+  Vec3 v[3];
+  for (int i = 0; i < 3; ++i) {
+    const ScreenVertex& s = vertices[face.vertices[i]];
+    v[i] = Vec3(s.x, s.y, s.w);
+  }
+  const double determinant = v[0].cross(v[1]).dot(v[2]);
+  const double rounding = 1e-5 * v[0].norm() * v[1].norm() * v[2].norm();
+  return face.positive ? determinant > -rounding : determinant < rounding;
+}
 
 }  // namespace
 
@@ -45,6 +79,10 @@ struct TetMarcher::State {
   MarchMesh marchMesh(const ScreenView& view, bool lit) const;
   void gather(const ScreenView& view, OpaqueDepth opaque, const PixelBox& tile,
               std::span<const std::int32_t> faces, TileWork& work) const;
+
+  template <class Store, class Doubt>
+  void sector(const Camera& camera, const ScreenView& view, const PixelBox& part,
+              OpaqueDepth opaque, bool lit, const Store& store, const Doubt& doubt);
 
   /// Calls store(pixel, result) for each pixel of the picture; doubtful(pixel, ray) where the twin
   /// must do it.
@@ -70,8 +108,10 @@ void TetMarcher::State::bin(const ScreenView& view) {
   parallelRanges(faces.size(), 2048, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       EntryFace& face = faces[i];
-      face.box = pixelBox(view, vertices[face.vertices[0]], vertices[face.vertices[1]],
-                          vertices[face.vertices[2]]);
+      face.box = {};
+      if (mayEnter(face, vertices))
+        face.box = pixelBox(view, vertices[face.vertices[0]], vertices[face.vertices[1]],
+                            vertices[face.vertices[2]]);
     }
   });
   const int across = (view.width + kTile - 1) / kTile, down = (view.height + kTile - 1) / kTile;
@@ -123,14 +163,7 @@ void TetMarcher::State::gather(const ScreenView& view, OpaqueDepth opaque, const
   }
   for (const std::int32_t face : faceList)
     rasterEntries(view, vertices.data(), faces[face], tile, work.entries, work.doubtful);
-  std::ranges::sort(work.entries, [](const MarchEntry& a, const MarchEntry& b) {
-    return a.pixel != b.pixel ? a.pixel < b.pixel
-           : a.z != b.z       ? a.z < b.z
-                              : a.halfFace < b.halfFace;
-  });
-  std::vector<std::int32_t> begin(count + 1, 0);
-  for (const MarchEntry& entry : work.entries) ++begin[static_cast<std::size_t>(entry.pixel) + 1];
-  for (std::size_t i = 0; i < count; ++i) begin[i + 1] += begin[i];
+  const std::vector<std::int32_t> begin = sortByPixel(work.entries, count);
   work.results.assign(count, {});
   for (int by = 0; by < height; by += kBlock) {
     for (int bx = 0; bx < width; bx += kBlock) {
@@ -138,9 +171,8 @@ void TetMarcher::State::gather(const ScreenView& view, OpaqueDepth opaque, const
         for (int x = bx; x < std::min(bx + kBlock, width); ++x) {
           const std::size_t local = static_cast<std::size_t>(y) * width + x;
           const std::int32_t pixel = (y + tile.y0) * view.width + x + tile.x0;
-          const double px = x + tile.x0 + 0.5 - 0.5 * view.width;
-          const double py = y + tile.y0 + 0.5 - 0.5 * view.height;
-          const double scale = view.rayScale(px, py);
+          const double px = view.pixelX(x + tile.x0), py = view.pixelY(y + tile.y0);
+          const double scale = view.rayScale(x + tile.x0, y + tile.y0);
           const double end = opaque.empty() ? std::numeric_limits<double>::max()
                                             : std::min<double>(opaque[pixel] / scale, 1e30);
           work.results[work.rays.size()].doubtful = work.doubtful[local] != 0;
@@ -157,13 +189,33 @@ void TetMarcher::State::gather(const ScreenView& view, OpaqueDepth opaque, const
 template <class Store, class Doubt>
 void TetMarcher::State::picture(const Camera& camera, OpaqueDepth opaque, bool lit,
                                 const Store& store, const Doubt& doubt) {
-  const ScreenView view(camera, *locator);
+  ScreenView view(camera, *locator);
   project(view, lit);
   bin(view);
+  constexpr int kSide = kTile * kSector;
+  for (int y = 0; y < view.height; y += kSide) {
+    for (int x = 0; x < view.width; x += kSide) {
+      view.originX = x + 0.5 * std::min(kSide, view.width - x);
+      view.originY = y + 0.5 * std::min(kSide, view.height - y);
+      project(view, lit);
+      sector(camera, view,
+             {x, y, std::min(x + kSide, view.width) - 1, std::min(y + kSide, view.height) - 1},
+             opaque, lit, store, doubt);
+    }
+  }
+}
+
+template <class Store, class Doubt>
+void TetMarcher::State::sector(const Camera& camera, const ScreenView& view, const PixelBox& part,
+                               OpaqueDepth opaque, bool lit, const Store& store,
+                               const Doubt& doubt) {
   const MarchMesh march = marchMesh(view, lit);
-  const int across = (view.width + kTile - 1) / kTile;
-  parallelFor(tiles.size(), [&](std::size_t i) {
-    const int x0 = static_cast<int>(i) % across * kTile, y0 = static_cast<int>(i) / across * kTile;
+  const int across = (part.x1 - part.x0) / kTile + 1, down = (part.y1 - part.y0) / kTile + 1;
+  const int all = (view.width + kTile - 1) / kTile;
+  parallelFor(static_cast<std::size_t>(across) * down, [&](std::size_t at) {
+    const int x0 = part.x0 + static_cast<int>(at) % across * kTile;
+    const int y0 = part.y0 + static_cast<int>(at) / across * kTile;
+    const std::size_t i = static_cast<std::size_t>(y0 / kTile) * all + x0 / kTile;
     const PixelBox tile{x0, y0, std::min(x0 + kTile, view.width) - 1,
                         std::min(y0 + kTile, view.height) - 1};
     TileWork work;
