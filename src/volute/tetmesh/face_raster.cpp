@@ -87,7 +87,7 @@ void SplatFaces(const ScreenView& view, const ScreenVertex* vertices,
           if (!view.orthographic)
             counted = hn::And(counted, hn::Gt(t, zero));
           if (tile.bounded)
-            counted = hn::And(counted, hn::Lt(t, end));
+            counted = hn::And(counted, hn::Lt(t, hn::Load(df, tile.limit + at + part)));
           const VF q = hn::Sub(end, t);
           VF added;
           if (face.boundary < 0) {

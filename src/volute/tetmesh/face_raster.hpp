@@ -33,8 +33,9 @@ struct SplatTile {
   static constexpr int kSide = 32;
 
   int x0 = 0, y0 = 0;
-  bool bounded = false;  ///< false: all rays end at `end`, any depth that is near the smoke
-  alignas(64) float end[kSide * kSide];
+  bool bounded = false;                    ///< some pixels have a limit
+  alignas(64) float end[kSide * kSide];    ///< the depth at which the ramps are evaluated
+  alignas(64) float limit[kSide * kSide];  ///< faces count up to here: `end`, or infinite
   alignas(64) float sum[kSide * kSide];
   alignas(64) float doubt[kSide * kSide];  ///< > 0: a ray met an edge
 

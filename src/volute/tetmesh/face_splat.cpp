@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
@@ -41,8 +42,9 @@ struct FaceSplat::State {
   LiveFace liveFace(const TetFace& face) const;
   std::vector<BoundaryLine> boundaryLines(const ScreenView& view) const;
   std::vector<std::vector<std::int32_t>> bin(const ScreenView& view) const;
-  void setEnds(const ScreenView& view, OpaqueDepth opaque, std::span<const std::int32_t> list,
-               SplatTile& tile) const;
+  void setEnds(const ScreenView& view, OpaqueDepth opaque, float farthest,
+               std::span<const std::int32_t> list,
+               SplatTile& tile) const;  // opaque depths beyond `farthest` do not count
   void beginAtEye(const ScreenView& view, SplatTile& tile) const;
 };
 
@@ -101,29 +103,28 @@ std::vector<std::vector<std::int32_t>> FaceSplat::State::bin(const ScreenView& v
   return bins;
 }
 
-void FaceSplat::State::setEnds(const ScreenView& view, OpaqueDepth opaque,
+void FaceSplat::State::setEnds(const ScreenView& view, OpaqueDepth opaque, float farthest,
                                std::span<const std::int32_t> list, SplatTile& tile) const {
-  tile.bounded = !opaque.empty();
-  if (!tile.bounded) {
-    // Any depth will do, since all that came in has gone out behind the mesh; the sums are least,
-    // and so is their rounding, where the field bends most.
-    double sum = 0, weight = 1e-30;
-    for (const std::int32_t i : list) {
-      const double bend = std::abs(static_cast<double>(faces[i].bend));
-      sum += bend * vertices[faces[i].vertices[0]].z;
-      weight += bend;
-    }
-    std::ranges::fill(tile.end, static_cast<float>(sum / weight));
-    return;
+  // Without a surface any depth will do, since all that came in has gone out behind the mesh; the
+  // sums are least, and so is their rounding, where the field bends most.
+  double sum = 0, weight = 1e-30;
+  for (const std::int32_t i : list) {
+    const double bend = std::abs(static_cast<double>(faces[i].bend));
+    sum += bend * vertices[faces[i].vertices[0]].z;
+    weight += bend;
   }
-  std::ranges::fill(tile.end, 0.0F);
-  const float farthest = static_cast<float>(
-      2 * ((mesh().bounds().centre() - view.eye).norm() + mesh().bounds().size().norm()));
+  std::ranges::fill(tile.end, static_cast<float>(sum / weight));
+  std::ranges::fill(tile.limit, std::numeric_limits<float>::max());
+  tile.bounded = !opaque.empty();
+  if (!tile.bounded)
+    return;
   for (int y = tile.y0; y < std::min(tile.y0 + kSide, view.height); ++y) {
     for (int x = tile.x0; x < std::min(tile.x0 + kSide, view.width); ++x) {
-      const float depth = opaque[static_cast<std::size_t>(y) * view.width + x];
-      tile.end[SplatTile::index(x - tile.x0, y - tile.y0)] =
-          std::min(farthest, static_cast<float>(depth / view.rayScale(x, y)));
+      const double depth = opaque[static_cast<std::size_t>(y) * view.width + x];
+      const auto z = static_cast<float>(depth / view.rayScale(x, y));
+      const int at = SplatTile::index(x - tile.x0, y - tile.y0);
+      if (z < farthest)
+        tile.end[at] = tile.limit[at] = z;
     }
   }
 }
@@ -213,12 +214,14 @@ void FaceSplat::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span
   const auto lines = state.boundaryLines(view);
   const auto bins = state.bin(view);
   const TetMedium twin(state.locator, state.extinction);
+  float farthest = 0;
+  for (const ScreenVertex& v : state.vertices) farthest = std::max(farthest, v.z);
   const int across = tilesOver(view.width);
   parallelFor(bins.size(), [&](std::size_t i) {
     SplatTile tile;
     tile.x0 = static_cast<int>(i) % across * kSide;
     tile.y0 = static_cast<int>(i) / across * kSide;
-    state.setEnds(view, opaque, bins[i], tile);
+    state.setEnds(view, opaque, farthest, bins[i], tile);
     state.beginAtEye(view, tile);
     splatFaces(view, state.vertices.data(), state.faces, lines, bins[i], tile);
     for (int y = tile.y0; y < std::min(tile.y0 + kSide, view.height); ++y) {

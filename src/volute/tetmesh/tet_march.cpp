@@ -77,7 +77,7 @@ HWY_INLINE void Weights(VF d0, VF d1, VF& w0, VF& w1) {
   const VF slope = hn::Mul(Constant(0.5F), hn::Sub(d1, d0));
   const VF whole = hn::Mul(Constant(0.5F), hn::Add(d0, d1));
   const auto depth = [&](VF s) { return hn::Mul(s, hn::MulAdd(slope, s, d0)); };
-  if (hn::AllTrue(df, hn::Le(whole, Constant(0.25F)))) {
+  if (hn::AllTrue(df, hn::Le(whole, Constant(0.2F)))) {
     w0 = Quadrature(3, hn::Zero(df), Constant(1), [&](VF s) { return SmallLoss(depth(s)); });
     w1 = hn::Sub(SmallLoss(whole), w0);
     return;
