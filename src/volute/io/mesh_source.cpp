@@ -127,13 +127,23 @@ Result<MeshFrame> MeshSource::read(std::size_t frame) {
                                         fmt::format("{}: field '{}'", file, data.field)));
   VOLUTE_ASSIGN(const SplitCells split, splitCells(data.soup, file));
   if (!mesh_ || vertices_ != data.soup.vertices || tets_ != split.tets) {
-    VOLUTE_ASSIGN(mesh_, TetMesh::build(data.soup.vertices, split.tets, file));
+    std::vector<Vec3> vertices = data.soup.vertices;
+    std::vector<Tet> tets = split.tets;
+    order_ = reorderInSpace(vertices, tets);
+    VOLUTE_ASSIGN(mesh_, TetMesh::build(std::move(vertices), std::move(tets), file));
     vertices_ = std::move(data.soup.vertices);
     tets_ = split.tets;
   }
   out.mesh = mesh_;
-  out.values =
-      data.ofCells ? cellToPoint(*mesh_, data.values, split.cellOf) : std::move(data.values);
+  if (data.ofCells) {
+    std::vector<std::int32_t> cellOf;
+    for (const std::int32_t from : order_.tetFrom)
+      cellOf.push_back(split.cellOf[static_cast<std::size_t>(from)]);
+    out.values = cellToPoint(*mesh_, data.values, cellOf);
+  } else {
+    for (const std::int32_t from : order_.vertexFrom)
+      out.values.push_back(data.values[static_cast<std::size_t>(from)]);
+  }
   return out;
 }
 

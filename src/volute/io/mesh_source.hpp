@@ -9,15 +9,17 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/tetmesh/spatial_order.hpp"
 #include "volute/tetmesh/tet_field.hpp"
 #include "volute/tetmesh/tet_mesh.hpp"
 
 namespace volute {
 
-/// One instant of a case.
+/// One instant of a case. Vertices and tets are in an order of our own, near in memory where they
+/// are near in space; it depends on the file's mesh alone.
 struct MeshFrame {
   std::shared_ptr<const TetMesh> mesh;
-  std::vector<float> values;  ///< one for each vertex, as in the file, >= 0
+  std::vector<float> values;  ///< one for each vertex of the mesh, >= 0
   std::string field;
   std::size_t clamped = 0;  ///< negative values that were set to 0
 };
@@ -48,6 +50,7 @@ class MeshSource {
   std::shared_ptr<const TetMesh> mesh_;  // of the last frame, with what it was made of
   std::vector<Vec3> vertices_;
   std::vector<Tet> tets_;
+  MeshOrder order_;
 };
 
 }  // namespace volute

@@ -33,7 +33,7 @@ HWY_INLINE VF Edge(VF px, VF py, VF qx, VF qy) {
   return hn::Sub(hn::Mul(px, qy), hn::Mul(py, qx));
 }
 
-void SplatFaces(const ScreenView& view, const ScreenVertex* vertices,
+void SplatFaces(const ScreenView& view, const ScreenVertex* vertices, const PixelPlace* places,
                 std::span<const LiveFace> faces, std::span<const BoundaryLine> lines,
                 std::span<const std::int32_t> list, SplatTile& tile) {
   constexpr int kPixels = kBlock * kBlock;
@@ -49,7 +49,11 @@ void SplatFaces(const ScreenView& view, const ScreenVertex* vertices,
     const ScreenVertex& a = vertices[face.vertices[0]];
     const ScreenVertex& b = vertices[face.vertices[1]];
     const ScreenVertex& c = vertices[face.vertices[2]];
-    const PixelBox box = pixelBox(view, a, b, c);
+    const PixelPlace& pa = places[face.vertices[0]];
+    const PixelPlace& pb = places[face.vertices[1]];
+    const PixelPlace& pc = places[face.vertices[2]];
+    const PixelBox box =
+        pa.ahead && pb.ahead && pc.ahead ? pixelBox(view, pa, pb, pc) : pixelBox(view, a, b, c);
     const int bx0 = (std::max(box.x0, tile.x0) - tile.x0) / kBlock;
     const int by0 = (std::max(box.y0, tile.y0) - tile.y0) / kBlock;
     const int bx1 = (std::min(box.x1, tile.x0 + SplatTile::kSide - 1) - tile.x0) / kBlock;
@@ -131,10 +135,10 @@ HWY_EXPORT(SplatFaces);
 
 }  // namespace
 
-void splatFaces(const ScreenView& view, const ScreenVertex* vertices,
+void splatFaces(const ScreenView& view, const ScreenVertex* vertices, const PixelPlace* places,
                 std::span<const LiveFace> faces, std::span<const BoundaryLine> lines,
                 std::span<const std::int32_t> list, SplatTile& tile) {
-  HWY_DYNAMIC_DISPATCH(SplatFaces)(view, vertices, faces, lines, list, tile);
+  HWY_DYNAMIC_DISPATCH(SplatFaces)(view, vertices, places, faces, lines, list, tile);
 }
 
 }  // namespace volute

@@ -12,11 +12,12 @@
 
 namespace volute {
 
-/// A face that bends the extinction.
+/// A face, and how it bends the extinction.
 struct LiveFace {
   std::int32_t vertices[3];
-  /// Inside: 1/2 J / |n| with n the cross product of two edges; times their pixels it is half the
-  /// bend of the slope along a ray.
+  /// 1/2 J / |n| with n the cross product of two edges; times the sum of the edges' functions, half
+  /// the bend of the slope along a ray. 0: leaves the extinction as it is. On the boundary: 1 where
+  /// there is smoke.
   float bend = 0;
   std::int32_t boundary = -1;  ///< index into boundary slopes
 };
@@ -46,8 +47,7 @@ struct SplatTile {
 };
 
 /// Adds faces to a tile: depth per metre of depth, to be multiplied by the rays' scale.
-/// `perPixels`: 1 / perPixel^2 of the view.
-void splatFaces(const ScreenView& view, const ScreenVertex* vertices,
+void splatFaces(const ScreenView& view, const ScreenVertex* vertices, const PixelPlace* places,
                 std::span<const LiveFace> faces, std::span<const BoundaryLine> lines,
                 std::span<const std::int32_t> list, SplatTile& tile);
 

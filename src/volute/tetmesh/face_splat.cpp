@@ -10,7 +10,6 @@
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/tetmesh/face_raster.hpp"
-#include "volute/tetmesh/tet_field.hpp"
 
 namespace volute {
 namespace {
@@ -31,15 +30,20 @@ int tilesOver(int pixels) {
 struct FaceSplat::State {
   std::shared_ptr<const TetLocator> locator;
   std::vector<float> extinction;
-  std::vector<Vec3> gradient;              // of each tet
-  std::vector<LiveFace> faces;             // those that bend
-  std::vector<std::int32_t> boundaryTets;  // of BoundaryLine
-  std::vector<float> boundaryPositive;     // +1 where rays enter with positive edges
+  float negligible = 0;  // jumps of the gradient whose square is less count as none
+  std::vector<std::array<Eigen::Vector3f, 3>> slopes;  // TetMesh::slopes but the first
+  std::vector<Eigen::Vector3f> gradient;               // of each tet
+  std::vector<LiveFace> faces;                         // all, in the mesh's order
+  std::vector<Eigen::Vector3f> across;                 // half of each face's normal over its size
+  std::vector<std::int32_t> boundaryTets;              // of BoundaryLine
+  std::vector<float> boundaryPositive;                 // +1 where rays enter with positive edges
   std::vector<ScreenVertex> vertices;
+  std::vector<PixelPlace> places;
 
   const TetMesh& mesh() const { return locator->mesh(); }
 
-  LiveFace liveFace(const TetFace& face) const;
+  void prepare();
+  float bendOf(std::size_t face) const;
   std::vector<BoundaryLine> boundaryLines(const ScreenView& view) const;
   std::vector<std::vector<std::int32_t>> bin(const ScreenView& view) const;
   void setEnds(const ScreenView& view, OpaqueDepth opaque, float farthest,
@@ -48,27 +52,57 @@ struct FaceSplat::State {
   void beginAtEye(const ScreenView& view, SplatTile& tile) const;
 };
 
-LiveFace FaceSplat::State::liveFace(const TetFace& face) const {
-  LiveFace live;
-  std::ranges::copy(face.vertices, live.vertices);
-  const Vec3& a = mesh().vertices()[face.vertices[0]];
-  const Vec3 normal =
-      (mesh().vertices()[face.vertices[1]] - a).cross(mesh().vertices()[face.vertices[2]] - a);
-  // From the first tet to the second.
-  const std::int32_t across = mesh().tets()[face.first / 4][face.first % 4];
-  const double outwards = normal.dot(a - mesh().vertices()[across]) > 0 ? 1 : -1;
-  const Vec3 jump = gradient[face.second / 4] - gradient[face.first / 4];
-  const double longest = mesh().bounds().size().squaredNorm();
-  if (0.5 * jump.norm() * longest > kNegligible)
-    live.bend = static_cast<float>(0.5 * outwards * jump.dot(normal) / normal.squaredNorm());
-  return live;
+void FaceSplat::State::prepare() {
+  slopes.resize(mesh().tets().size());
+  parallelRanges(slopes.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const auto exact = mesh().slopes(static_cast<std::int32_t>(t));
+      for (int k = 0; k < 3; ++k) slopes[t][k] = exact[k + 1].cast<float>();
+    }
+  });
+  gradient.resize(slopes.size());
+  faces.resize(mesh().faces().size());
+  across.resize(faces.size());
+  parallelRanges(faces.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const TetFace& face = mesh().faces()[f];
+      std::ranges::copy(face.vertices, faces[f].vertices);
+      const Vec3& a = mesh().vertices()[face.vertices[0]];
+      const Vec3 normal =
+          (mesh().vertices()[face.vertices[1]] - a).cross(mesh().vertices()[face.vertices[2]] - a);
+      // From the first tet to the second.
+      const std::int32_t apex = mesh().tets()[face.first / 4][face.first % 4];
+      const double outwards = normal.dot(a - mesh().vertices()[apex]) > 0 ? 1 : -1;
+      across[f] = (0.5 * outwards / normal.squaredNorm() * normal).cast<float>();
+    }
+  });
+  for (std::size_t i = 0; i < mesh().boundary().size(); ++i) {
+    const std::int32_t f = mesh().boundary()[i];
+    faces[f].boundary = static_cast<std::int32_t>(i);
+    boundaryTets.push_back(mesh().faces()[f].first / 4);
+    // Rays that see positive edges' functions run along the cross product of the edges.
+    const Vec3& a = mesh().vertices()[faces[f].vertices[0]];
+    const Vec3 normal = (mesh().vertices()[faces[f].vertices[1]] - a)
+                            .cross(mesh().vertices()[faces[f].vertices[2]] - a);
+    boundaryPositive.push_back(normal.dot(across[f].cast<double>()) < 0 ? 1.0F : -1.0F);
+  }
+}
+
+float FaceSplat::State::bendOf(std::size_t f) const {
+  const TetFace& face = mesh().faces()[f];
+  if (face.second == TetMesh::kBoundary) {
+    const Tet& tet = mesh().tets()[face.first / 4];
+    return std::ranges::any_of(tet, [&](std::int32_t v) { return extinction[v] > 0; });
+  }
+  const Eigen::Vector3f jump = gradient[face.second / 4] - gradient[face.first / 4];
+  return jump.squaredNorm() > negligible ? jump.dot(across[f]) : 0.0F;
 }
 
 std::vector<BoundaryLine> FaceSplat::State::boundaryLines(const ScreenView& view) const {
   std::vector<BoundaryLine> lines(boundaryTets.size());
   const double perPixel = view.orthographic ? 0 : 1 / view.perPixel;
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const Vec3& g = gradient[boundaryTets[i]];
+    const Vec3 g = gradient[boundaryTets[i]].cast<double>();
     lines[i] = {static_cast<float>(g.dot(view.right) * perPixel),
                 static_cast<float>(g.dot(view.down) * perPixel),
                 static_cast<float>(g.dot(view.forward)), boundaryPositive[i]};
@@ -87,7 +121,12 @@ std::vector<std::vector<std::int32_t>> FaceSplat::State::bin(const ScreenView& v
     const std::size_t end = std::min(faces.size(), (chunk + 1) * kChunk);
     for (std::size_t i = chunk * kChunk; i < end; ++i) {
       const auto& v = faces[i].vertices;
-      const PixelBox box = pixelBox(view, vertices[v[0]], vertices[v[1]], vertices[v[2]]);
+      if (faces[i].bend == 0)
+        continue;
+      const PixelPlace &a = places[v[0]], &b = places[v[1]], &c = places[v[2]];
+      const PixelBox box = a.ahead && b.ahead && c.ahead
+                               ? pixelBox(view, a, b, c)
+                               : pixelBox(view, vertices[v[0]], vertices[v[1]], vertices[v[2]]);
       if (box.empty())
         continue;
       for (int y = box.y0 / kSide; y <= box.y1 / kSide; ++y) {
@@ -109,6 +148,8 @@ void FaceSplat::State::setEnds(const ScreenView& view, OpaqueDepth opaque, float
   // sums are least, and so is their rounding, where the field bends most.
   double sum = 0, weight = 1e-30;
   for (const std::int32_t i : list) {
+    if (faces[i].boundary >= 0)
+      continue;
     const double bend = std::abs(static_cast<double>(faces[i].bend));
     sum += bend * vertices[faces[i].vertices[0]].z;
     weight += bend;
@@ -137,7 +178,7 @@ void FaceSplat::State::beginAtEye(const ScreenView& view, SplatTile& tile) const
   const auto shares = mesh().shares(view.eyeTet, view.eye);
   double tau = 0;
   for (int k = 0; k < 4; ++k) tau += shares[k] * extinction[mesh().tets()[view.eyeTet][k]];
-  const Vec3& g = gradient[view.eyeTet];
+  const Vec3 g = gradient[view.eyeTet].cast<double>();
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
       const double px = view.pixelX(x + tile.x0), py = view.pixelY(y + tile.y0);
@@ -152,18 +193,11 @@ void FaceSplat::State::beginAtEye(const ScreenView& view, SplatTile& tile) const
 FaceSplat::FaceSplat(std::shared_ptr<const TetLocator> locator)
     : state_(std::make_unique<State>()) {
   state_->locator = std::move(locator);
-  const TetMesh& mesh = state_->mesh();
-  for (const std::int32_t f : mesh.boundary()) {
-    const TetFace& face = mesh.faces()[f];
-    const Vec3& a = mesh.vertices()[face.vertices[0]];
-    const Vec3 normal =
-        (mesh.vertices()[face.vertices[1]] - a).cross(mesh.vertices()[face.vertices[2]] - a);
-    const std::int32_t across = mesh.tets()[face.first / 4][face.first % 4];
-    // Rays that see positive edges' functions run along the normal.
-    state_->boundaryPositive.push_back(normal.dot(mesh.vertices()[across] - a) > 0 ? 1.0F : -1.0F);
-    state_->boundaryTets.push_back(face.first / 4);
-  }
-  setExtinction(std::vector<float>(mesh.vertices().size(), 0));
+  // A jump that cannot reach kNegligible across the whole mesh.
+  const double jump = 2 * kNegligible / state_->mesh().bounds().size().squaredNorm();
+  state_->negligible = static_cast<float>(jump * jump);
+  state_->extinction.assign(state_->mesh().vertices().size(), 0);
+  state_->prepare();
 }
 
 FaceSplat::~FaceSplat() = default;
@@ -175,40 +209,31 @@ void FaceSplat::setExtinction(std::span<const float> extinction) {
   const TetMesh& mesh = state.mesh();
   VOLUTE_ASSERT(extinction.size() == mesh.vertices().size());
   state.extinction.assign(extinction.begin(), extinction.end());
-  state.gradient = gradients(mesh, extinction);
-  const std::size_t chunks = (mesh.faces().size() + kChunk - 1) / kChunk;
-  std::vector<std::vector<LiveFace>> live(chunks);
-  parallelFor(chunks, [&](std::size_t chunk) {
-    const std::size_t end = std::min(mesh.faces().size(), (chunk + 1) * kChunk);
-    for (std::size_t f = chunk * kChunk; f < end; ++f) {
-      if (mesh.faces()[f].second == TetMesh::kBoundary)
-        continue;
-      const LiveFace face = state.liveFace(mesh.faces()[f]);
-      if (face.bend != 0)
-        live[chunk].push_back(face);
+  parallelRanges(mesh.tets().size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
+      const Tet& tet = mesh.tets()[t];
+      const auto& slope = state.slopes[t];
+      const float first = extinction[tet[0]];
+      state.gradient[t] = (extinction[tet[1]] - first) * slope[0] +
+                          (extinction[tet[2]] - first) * slope[1] +
+                          (extinction[tet[3]] - first) * slope[2];
     }
   });
-  state.faces.clear();
-  for (const auto& chunk : live) state.faces.insert(state.faces.end(), chunk.begin(), chunk.end());
-  for (std::size_t i = 0; i < mesh.boundary().size(); ++i) {
-    const TetFace& face = mesh.faces()[mesh.boundary()[i]];
-    const Tet& tet = mesh.tets()[face.first / 4];
-    if (std::ranges::all_of(tet, [&](std::int32_t v) { return extinction[v] == 0; }))
-      continue;
-    LiveFace& entry = state.faces.emplace_back();
-    std::ranges::copy(face.vertices, entry.vertices);
-    entry.boundary = static_cast<std::int32_t>(i);
-  }
+  parallelRanges(state.faces.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) state.faces[f].bend = state.bendOf(f);
+  });
 }
 
 void FaceSplat::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span<float> depth) {
   State& state = *state_;
   const ScreenView view(camera, *state.locator);
   state.vertices.resize(state.mesh().vertices().size());
+  state.places.resize(state.vertices.size());
   parallelRanges(state.vertices.size(), 8192, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       state.vertices[i] = view.project(state.mesh().vertices()[i]);
       state.vertices[i].tau = state.extinction[i];
+      state.places[i] = pixelPlace(state.vertices[i]);
     }
   });
   const auto lines = state.boundaryLines(view);
@@ -223,7 +248,7 @@ void FaceSplat::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span
     tile.y0 = static_cast<int>(i) / across * kSide;
     state.setEnds(view, opaque, farthest, bins[i], tile);
     state.beginAtEye(view, tile);
-    splatFaces(view, state.vertices.data(), state.faces, lines, bins[i], tile);
+    splatFaces(view, state.vertices.data(), state.places.data(), state.faces, lines, bins[i], tile);
     for (int y = tile.y0; y < std::min(tile.y0 + kSide, view.height); ++y) {
       for (int x = tile.x0; x < std::min(tile.x0 + kSide, view.width); ++x) {
         const int at = SplatTile::index(x - tile.x0, y - tile.y0);

@@ -17,6 +17,26 @@ Vec3 centreOf(const TetMesh& mesh, std::int32_t tet) {
   return centre;
 }
 
+constexpr float kNear = 1e-6F;    // [m]; what is nearer is cut off
+constexpr float kMargin = 2e-3F;  // [pixels]; rounding of the projection
+
+/// The pixels whose centres lie in a range, widened by a margin. Without std::floor, which is a
+/// call where there is no instruction for it.
+PixelBox boxAround(const ScreenView& view, float x0, float x1, float y0, float y1, float margin) {
+  const auto floored = [](double x, int most) {
+    return static_cast<int>(std::clamp(x, -1.0, most + 0.0) + 2) - 2;
+  };
+  const auto ceiled = [](double x, int most) {
+    constexpr int kBig = 1 << 20;
+    return kBig - static_cast<int>(kBig - std::clamp(x, -1.0, most + 0.0));
+  };
+  const double cx = view.originX - 0.5, cy = view.originY - 0.5;
+  return {std::max(0, ceiled(x0 + cx - margin, view.width)),
+          std::max(0, ceiled(y0 + cy - margin, view.height)),
+          std::min(view.width - 1, floored(x1 + cx + margin, view.width)),
+          std::min(view.height - 1, floored(y1 + cy + margin, view.height))};
+}
+
 }  // namespace
 
 ScreenView::ScreenView(const Camera& camera, const TetLocator& locator)
@@ -61,10 +81,8 @@ double ScreenView::rayScale(int x, int y) const {
 
 PixelBox pixelBox(const ScreenView& view, const ScreenVertex& a, const ScreenVertex& b,
                   const ScreenVertex& c) {
-  constexpr float kNear = 1e-6F;    // [m]; what is nearer is cut off
-  constexpr float kMargin = 2e-3F;  // [pixels]; rounding of the projection
-  constexpr float kFar = std::numeric_limits<float>::max();
-  float x0 = kFar, x1 = -kFar, y0 = kFar, y1 = -kFar;
+  constexpr float kMost = std::numeric_limits<float>::max();
+  float x0 = kMost, x1 = -kMost, y0 = kMost, y1 = -kMost;
   const auto add = [&](float x, float y, float w) {
     x0 = std::min(x0, x / w), x1 = std::max(x1, x / w);
     y0 = std::min(y0, y / w), y1 = std::max(y1, y / w);
@@ -85,16 +103,19 @@ PixelBox pixelBox(const ScreenView& view, const ScreenVertex& a, const ScreenVer
   if (!(x0 <= x1))
     return {};
   // Cut edges are projected from near the eye, where a rounding is many pixels.
-  const float margin = cut ? 2 : kMargin;
-  const auto cx = static_cast<float>(view.originX - 0.5);
-  const auto cy = static_cast<float>(view.originY - 0.5);
-  const auto to = [](float x, int most) {
-    return static_cast<int>(std::clamp(x, -1.0F, most + 0.0F));
-  };
-  return {std::max(0, to(std::ceil(x0 + cx - margin), view.width)),
-          std::max(0, to(std::ceil(y0 + cy - margin), view.height)),
-          std::min(view.width - 1, to(std::floor(x1 + cx + margin), view.width)),
-          std::min(view.height - 1, to(std::floor(y1 + cy + margin), view.height))};
+  return boxAround(view, x0, x1, y0, y1, cut ? 2 : kMargin);
+}
+
+PixelPlace pixelPlace(const ScreenVertex& vertex) {
+  if (!(vertex.w > kNear))
+    return {};
+  return {vertex.x / vertex.w, vertex.y / vertex.w, true};
+}
+
+PixelBox pixelBox(const ScreenView& view, const PixelPlace& a, const PixelPlace& b,
+                  const PixelPlace& c) {
+  return boxAround(view, std::min(a.x, std::min(b.x, c.x)), std::max(a.x, std::max(b.x, c.x)),
+                   std::min(a.y, std::min(b.y, c.y)), std::max(a.y, std::max(b.y, c.y)), kMargin);
 }
 
 }  // namespace volute

@@ -56,4 +56,16 @@ struct PixelBox {
 PixelBox pixelBox(const ScreenView& view, const ScreenVertex& a, const ScreenVertex& b,
                   const ScreenVertex& c);
 
+/// Where a vertex is seen, so that its faces need not divide.
+struct PixelPlace {
+  float x = 0, y = 0;  ///< from the view's origin
+  bool ahead = false;  ///< false: behind the eye or all but; x and y mean nothing
+};
+
+PixelPlace pixelPlace(const ScreenVertex& vertex);
+
+/// pixelBox for corners that are ahead, by their places.
+PixelBox pixelBox(const ScreenView& view, const PixelPlace& a, const PixelPlace& b,
+                  const PixelPlace& c);
+
 }  // namespace volute

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "volute/tetmesh/made_meshes.hpp"
+#include "volute/tetmesh/spatial_order.hpp"
 #include "volute/tetmesh/tet_field.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
 
@@ -69,6 +70,25 @@ TEST(TetMesh, SaysWhatIsWrong) {
   auto broken = kCorners;
   broken[2].y() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(errorOf(broken, {{0, 1, 2, 3}, {1, 2, 3, 4}}), HasSubstr("vertex 2 is at"));
+}
+
+TEST(SpatialOrder, MovesVerticesAndTets) {
+  const auto mesh = boxMesh(kBox, {3, 4, 2}, 0.2, 9);
+  std::vector<Vec3> vertices(mesh->vertices().rbegin(), mesh->vertices().rend());
+  std::vector<Tet> tets(mesh->tets().begin(), mesh->tets().end());
+  for (Tet& tet : tets) {
+    for (std::int32_t& v : tet) v = static_cast<std::int32_t>(vertices.size()) - 1 - v;
+  }
+  const auto oldVertices = vertices;
+  const auto oldTets = tets;
+  const MeshOrder order = reorderInSpace(vertices, tets);
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    EXPECT_EQ(vertices[i], oldVertices[order.vertexFrom[i]]);
+  for (std::size_t t = 0; t < tets.size(); ++t) {
+    for (int k = 0; k < 4; ++k)
+      EXPECT_EQ(vertices[tets[t][k]], oldVertices[oldTets[order.tetFrom[t]][k]]);
+  }
+  EXPECT_TRUE(TetMesh::build(vertices, tets, "moved").has_value());
 }
 
 TEST(TetField, ChecksValues) {

@@ -10,6 +10,7 @@ namespace volute::cli {
 [[nodiscard]] Result<std::vector<BenchRow>> benchCodec(const BenchInput& input, Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchRender(const BenchInput& input,
                                                         Progress& progress);
+[[nodiscard]] Result<std::vector<BenchRow>> benchSmoke(const BenchInput& input, Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchTree(const BenchInput& input, Progress& progress);
 
 /// What to measure with: the named input, or a fire and a smoke of 64^3 voxels and 32 frames,
