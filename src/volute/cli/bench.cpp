@@ -19,6 +19,9 @@ std::span<const Benchmark> benchmarks() {
        "reconstruction of a made-up fire from 8 views: quality of the methods, and speed against "
        "a sparse matrix",
        benchTomography},
+      {"smoke",
+       "smoke on tetrahedra, steady and new, eye fixed and moving; ratios to the reference",
+       benchSmoke},
 #ifdef VOLUTE_BENCH
       {"tree",
        "the compact tree in memory, against dense, the paper's layout, zfp and NanoVDB at "

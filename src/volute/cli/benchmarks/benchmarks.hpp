@@ -13,6 +13,7 @@ namespace volute::cli {
                                                         Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchTomography(const BenchInput& input,
                                                             Progress& progress);
+[[nodiscard]] Result<std::vector<BenchRow>> benchSmoke(const BenchInput& input, Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchTree(const BenchInput& input, Progress& progress);
 
 /// What to measure with: the named input, or a fire and a smoke of size^3 voxels and 32 frames,
