@@ -219,21 +219,21 @@ Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
                            : heldOutRows(data.rows(), setup.options.seed);
   const LeastSquares rest = withoutRows(data, heldOut);
   std::optional<Fit> best;
-  int iterations = 0;
   for (double share = kStrongest; share >= kWeakest; share *= kFactor) {
     VOLUTE_ASSIGN(Fit fit, runFit(setup, rest, Regularization::kTv, share * setup.typical, start,
                                   {kSearchIterations, 0, {}, 2 * kSettled}));
     fit.heldOutError = heldOutError(data, heldOut, fit.projected);
-    iterations += fit.iterations;
     if (best && fit.heldOutError > kGain * best->heldOutError)
       break;
     start = fit.unknowns;
     best = std::move(fit);
   }
+  const std::optional<int>& wanted = setup.options.iterations;
+  const StopRule stop =
+      wanted ? StopRule{*wanted, 0, {}, 0} : StopRule{kFinalIterations, 0, {}, kSettled};
   VOLUTE_ASSIGN(Fit fit, runFit(setup, data, Regularization::kTv, best->lambda,
-                                std::move(best->unknowns), {kFinalIterations, 0, {}, kSettled}));
+                                std::move(best->unknowns), stop));
   fit.heldOutError = best->heldOutError;
-  fit.iterations += iterations;
   return fit;
 }
 

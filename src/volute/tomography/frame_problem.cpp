@@ -69,6 +69,18 @@ Status emptyHull(std::span<const TomographyView> views) {
               views.size());
 }
 
+/// Bytes that a frame needs at most without a table: rays, vectors of pixels and of unknowns, and a
+/// gradient for each chunk of rows.
+std::uint64_t bytesNeeded(std::span<const std::vector<std::uint8_t>> masks, const Support& support,
+                          int raysPerPixel) {
+  constexpr std::uint64_t kColour = 16, kPixelVectors = 8, kUnknownVectors = 10, kGradients = 32;
+  std::uint64_t pixels = 0;
+  for (const auto& mask : masks)
+    pixels += mask.size() - static_cast<std::uint64_t>(std::ranges::count(mask, 0));
+  return pixels * (raysPerPixel * sizeof(WalkRay) + kPixelVectors * kColour) +
+         support.size() * kUnknownVectors * kColour + support.latticeSize() * kGradients * kColour;
+}
+
 /// Rows of pixels that count for the projector.
 std::vector<std::uint8_t> rowMask(const TomographyView& view,
                                   const std::vector<std::uint8_t>& silhouette) {
@@ -169,6 +181,13 @@ Result<FrameProblem> makeFrameProblem(std::span<const TomographyView> views,
   std::vector<std::vector<std::uint8_t>> masks;
   std::vector<ProjectorView> seen;
   for (std::size_t v = 0; v < views.size(); ++v) masks.push_back(rowMask(clean[v], silhouettes[v]));
+  const std::uint64_t needed = bytesNeeded(masks, *problem.support, options.raysPerPixel);
+  if (needed > options.maxMemory)
+    return fail(
+        ErrorCode::kTooLarge,
+        "The reconstruction needs {:.1f} GB, more than the {:.1f} GB that are allowed; take "
+        "a lower resolution, one ray a pixel or smaller images, or allow more memory",
+        static_cast<double>(needed) * 1e-9, static_cast<double>(options.maxMemory) * 1e-9);
   for (std::size_t v = 0; v < views.size(); ++v) seen.push_back({&views[v].camera, masks[v]});
   problem.projector = std::make_unique<const Projector>(seen, problem.support, options.raysPerPixel,
                                                         options.maxMemory / 4);

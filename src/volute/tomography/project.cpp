@@ -20,7 +20,7 @@ Image projectVolume(std::span<const float> volume, const VolumeGeometry& geometr
   std::vector<float> unknowns(4 * support->size());
   for (std::size_t i = 0; i < support->size(); ++i)
     std::copy_n(&volume[3 * static_cast<std::size_t>(support->voxels()[i])], 3, &unknowns[4 * i]);
-  const ProjectorView view{&camera};
+  const ProjectorView view{&camera, {}};
   const Projector projector({&view, 1}, support, raysPerPixel, 0);
   std::vector<float> sums(4 * projector.rows());
   projector.forward(unknowns, sums);

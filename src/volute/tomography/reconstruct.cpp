@@ -38,9 +38,13 @@ Result<Fit> fixedFit(const FitSetup& setup, std::vector<float> start) {
   constexpr double kUsualLambda = 1e-5;
   const TomographyOptions& options = setup.options;
   const LeastSquares& data = setup.problem.data;
-  const bool penalised = options.regularization != Regularization::kNone &&
-                         options.regularization != Regularization::kAuto;
-  const auto regularization = penalised ? options.regularization : Regularization::kNone;
+  // With a strength but no kind, it is the kind that would be chosen.
+  const bool automatic = options.regularization == Regularization::kAuto;
+  const bool apg = options.solver == TomographySolver::kApg;
+  const auto regularization = !automatic ? options.regularization
+                              : apg      ? Regularization::kTv
+                                         : Regularization::kNone;
+  const bool penalised = regularization != Regularization::kNone;
   const double lambda = penalised ? options.lambda.value_or(kUsualLambda) : 0;
   if (options.iterations)
     return runFit(setup, data, regularization, lambda, std::move(start),
@@ -65,7 +69,8 @@ Result<Fit> fixedFit(const FitSetup& setup, std::vector<float> start) {
 bool choosesStrength(const TomographyOptions& options) {
   if (options.solver != TomographySolver::kApg || options.lambda)
     return false;
-  return options.regularization == Regularization::kAuto;
+  return options.regularization == Regularization::kAuto ||
+         options.regularization == Regularization::kTv;
 }
 
 /// The half of a resolution.

@@ -25,7 +25,8 @@ enum class TomographySolver {
 
 /// What is added to the least squares; the last three need kApg.
 enum class Regularization {
-  kAuto,  ///< chosen from the data, with its strength
+  kAuto,  ///< total variation, as strong as a held-out camera asks for (of fewer than four views,
+          ///< held-out pixels); nothing with other solvers than kApg
   kNone,
   kTv,       ///< total variation of all channels together
   kSmooth,   ///< squared differences of neighbours
@@ -41,11 +42,14 @@ struct TomographyOptions {
   Basis basis = Basis::kTrilinear;
   TomographySolver solver = TomographySolver::kApg;
   Regularization regularization = Regularization::kAuto;
-  std::optional<double> lambda;   ///< strength, times the largest eigenvalue of S'S; none: chosen
+  std::optional<double> lambda;   ///< strength, times the largest eigenvalue of S'S; none: chosen,
+                                  ///< or 1e-5 with kSmooth and kWavelet
   double sparsity = 2.5;          ///< with total variation: how much a dark voxel pays for light,
                                   ///< times lambda; 0: plain total variation
-  std::optional<int> iterations;  ///< exactly so many; none: stops by discrepancy when noiseSigma
-                                  ///< is known, else by held-out pixels
+  std::optional<int> iterations;  ///< exactly so many, after the choice of the strength if that is
+                                  ///< automatic; none: until the volume settles, or without
+                                  ///< regularization until the residual is down to noiseSigma, or
+                                  ///< the error of held-out pixels rises
   int raysPerPixel = 4;           ///< 1 or 4
   bool hull = true;               ///< unknowns only where every camera sees the medium
   bool nonNegative = true;
@@ -59,7 +63,7 @@ struct TomographyOptions {
 /// A solved frame.
 struct Reconstruction {
   std::vector<float> volume;  ///< (z, y, x, 3), radiance per metre
-  int iterations = 0;
+  int iterations = 0;         ///< without those of the choice of the strength
   Regularization regularization = Regularization::kNone;  ///< the one used
   double lambda = 0;                                      ///< used, times the largest eigenvalue
   std::string_view stoppedBy;    ///< "iterations", "discrepancy", "held-out pixels", "converged"

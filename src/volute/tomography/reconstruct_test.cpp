@@ -191,6 +191,11 @@ TEST(Reconstruct, RefusesWhatMakesNoSense) {
   options.lambda = -1;
   EXPECT_THAT(failure(scene.views, scene.geometry, options, invalid), HasSubstr("lambda"));
 
+  options = {};
+  options.maxMemory = 1 << 20;
+  EXPECT_THAT(failure(scene.views, scene.geometry, options, ErrorCode::kTooLarge),
+              HasSubstr("allow more memory"));
+
   auto views = scene.views;
   views[2].radiance = Image(44, 48);
   EXPECT_THAT(failure(views, scene.geometry, {}, invalid), HasSubstr("Camera c2"));
