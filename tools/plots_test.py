@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""Tests of plots.py and demo_page.py: `python3 tools/plots_test.py`."""
+"""Tests of plots.py, codec_plot.py and demo_page.py: `python3 tools/plots_test.py`."""
 import contextlib
 import io
 import json
@@ -14,6 +14,7 @@ import unittest
 import xml.etree.ElementTree as ElementTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import codec_plot
 import demo_page
 import plots
 
@@ -81,6 +82,31 @@ class Svg(unittest.TestCase):
     def test_lengths_must_agree(self):
         with self.assertRaisesRegex(ValueError, "series 'a'"):
             plots.line_plot([{"name": "a", "x": [1], "y": []}], "t", "x", "y")
+
+
+class CodecPlot(unittest.TestCase):
+    @staticmethod
+    def row(figure, codec, target, value, **more):
+        return {"value": value, "labels": {"data": "a b", "figure": figure, "codec": codec, "target": target}, **more}
+
+    def test_draws_what_the_benchmark_says(self):
+        rows = [self.row("size", "A", "0.01", 0.01), self.row("size", "A", "0.001", 0.1),
+                self.row("size", "B", "0.01", 0.3), self.row("size", "B", "0.001", 0.3),
+                self.row("relative RMS", "A", "0.01", 0.0098), self.row("relative RMS", "A", "0.001", 0.00099),
+                self.row("relative RMS", "B", "0.001", 0, note="at every target"),
+                {"value": None, "labels": {"data": "a b", "figure": "missing", "codec": "C"}, "note": "not measured"}]
+        self.assertEqual(codec_plot.curves(rows), {"a b": {"A": [(0.01, 0.0098, 0.01), (0.001, 0.00099, 0.1)],
+                                                           "B": [(0.01, None, 0.3), (0.001, None, 0.3)]}})
+        with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
+            codec_plot.main([folder], io.StringIO(json.dumps({"benchmarks": [{"rows": rows}]})))
+            svg = (pathlib.Path(folder) / "a_b.svg").read_text(encoding="utf-8")
+        for part in ("a b", "A", "B (fixed)", "relative RMS error", "stroke-dasharray"):
+            self.assertIn(part, svg)
+        self.assertEqual(svg.count("A: "), 2)
+
+    def test_refuses_what_has_no_sizes(self):
+        with self.assertRaisesRegex(SystemExit, "no sizes"):
+            codec_plot.main(["nowhere"], io.StringIO('{"benchmarks": []}'))
 
 
 class Page(unittest.TestCase):

@@ -5,7 +5,7 @@ import json
 import math
 
 import support
-from pictures import write_exr, write_png
+from plain_pictures import write_exr, write_png
 from support import write_npy
 
 INFINITY = float("inf")

@@ -2,6 +2,8 @@
 # SPDX-FileCopyrightText: The Volute authors
 """Volumes through the program and back, measured here with code of our own."""
 import math
+import shutil
+import subprocess
 
 import support
 from support import read_npy, volute, write_npy
@@ -131,9 +133,37 @@ class Volumes(support.TestCase):
     def test_bench_prints_one_object(self):
         said = self.works("bench", "codec", "--input", self.make_npy(), "--json").json
         self.assertEqual(said["benchmarks"][0]["name"], "codec")
-        rows = {row["name"].split(": ")[1]: row for row in said["benchmarks"][0]["rows"]}
-        self.assertGreater(rows["file"]["value"], 100)
-        self.assertLessEqual(rows["relative RMS"]["value"], 3e-3)
+        rows = said["benchmarks"][0]["rows"]
+        sizes = [row for row in rows if row["labels"]["figure"] == "size"]
+        errors = [row for row in rows if row["labels"]["figure"] == "relative RMS"]
+        self.assertEqual({row["labels"]["target"] for row in sizes}, {"0.01", "0.003", "0.001"})
+        self.assertEqual({row["labels"]["codec"] for row in sizes}, {row["labels"]["codec"] for row in errors})
+        self.assertGreaterEqual({row["labels"]["codec"] for row in sizes}, {"Volute", "zstd -19, float32"})
+        for row in sizes:
+            self.assertGreater(row["value"], 0)
+            self.assertEqual(row["ratio"] == 1, row["labels"]["codec"] == "Volute", row)
+        for row in errors:
+            self.assertLessEqual(row["value"], float(row["labels"]["target"]), row)
+        for row in rows:
+            if row["labels"]["figure"] == "missing":
+                self.assertIsNone(row["value"])
+                self.assertIn("this build has no", row["note"])
+
+    def test_bench_says_which_peer_is_not_there(self):
+        # The program alone, without the plug-ins that lie beside it.
+        alone = self.path("bin") / "volute"
+        alone.parent.mkdir()
+        shutil.copy(support.PROGRAM, alone)
+        done = subprocess.run([alone, "bench", "codec", "--input", self.make_npy(frames=1, size=8)],
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        if "size at 0.01, OpenVDB" in done.stdout:
+            self.skipTest("the plug-in is installed")
+        self.assertRegex(done.stdout, r"in: OpenVDB half, zip +- +not measured: .*(cannot be loaded|has no OpenVDB)")
+
+    def test_bench_wants_a_volume_that_varies(self):
+        write_npy(self.path("flat.npy"), (1, 2, 2, 2), [1.0] * 8)
+        self.assertIn("varies", self.fails(1, "bench", "codec", "--input", self.path("flat.npy")))
 
 
 if __name__ == "__main__":

@@ -17,6 +17,9 @@ class Progress {
     (void)stage, (void)done, (void)total;
   }
 
+  /// What is going on within the stage, in a few words that replace the last ones: "frame 12".
+  virtual void detail(std::string_view text) { (void)text; }
+
   /// A remark worth a person's attention that does not stop the work.
   virtual void remark(std::string_view message) { (void)message; }
 

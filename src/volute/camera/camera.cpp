@@ -3,6 +3,8 @@
 #include "volute/camera/camera.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -27,10 +29,75 @@ Vec3 usableUp(const Vec3& forward, const Vec3& up) {
   return best;
 }
 
+/// The rotation that R means.
+Result<Mat3> rotationOf(const Mat3& R) {
+  constexpr double kRounding = 1e-3;
+  if (!R.allFinite())
+    return fail(ErrorCode::kInvalidArgument, "R is not finite");
+  const double error = (R * R.transpose() - Mat3::Identity()).cwiseAbs().maxCoeff();
+  const double determinant = R.determinant();
+  if (!(error <= kRounding)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "R is no rotation: R R' is off the identity by {:.3g} (determinant {:.3g}); "
+                "expected orthonormal rows",
+                error, determinant);
+  }
+  if (determinant < 0) {
+    return fail(ErrorCode::kInvalidArgument,
+                "R is mirrored (determinant {:.3g}); expected a rotation with x right, y down, z "
+                "forward: an axis has the wrong sign or two are swapped",
+                determinant);
+  }
+  const Eigen::JacobiSVD<Mat3> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return Mat3(svd.matrixU() * svd.matrixV().transpose());
+}
+
+Status checkIntrinsics(const Calibration& calibration) {
+  const Mat3& K = calibration.K;
+  if (calibration.width < 1 || calibration.height < 1) {
+    return fail(ErrorCode::kInvalidArgument, "the image has {} x {} pixels", calibration.width,
+                calibration.height);
+  }
+  if (!K.allFinite() || !calibration.t.allFinite())
+    return fail(ErrorCode::kInvalidArgument, "K or t is not finite");
+  if (!(K(0, 0) > 0 && K(1, 1) > 0)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "the focal lengths are {} and {} pixels; expected positive ones", K(0, 0), K(1, 1));
+  }
+  if (K(1, 0) != 0 || K(2, 0) != 0 || K(2, 1) != 0 || K(2, 2) != 1) {
+    return fail(ErrorCode::kInvalidArgument,
+                "K has entries that a pinhole has not; expected [[fx, skew, cx], [0, fy, cy], [0, "
+                "0, 1]]");
+  }
+  if (calibration.pixelCentre != 0 && calibration.pixelCentre != 0.5) {
+    return fail(ErrorCode::kInvalidArgument, "the first pixel's centre is at {}; expected 0 or 0.5",
+                calibration.pixelCentre);
+  }
+  return {};
+}
+
+/// Every image point between the middle and a border that can be undone can be undone too.
+Status checkLens(const Camera& camera) {
+  constexpr int kPlaces = 32;
+  for (int i = 0; i < 4 * kPlaces; ++i) {
+    const double along = static_cast<double>(i % kPlaces) / kPlaces;
+    const Vec2 corners[] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
+    const Vec2 place = (1 - along) * corners[i / kPlaces] + along * corners[i / kPlaces + 1];
+    const double px = place.x() * camera.width(), py = place.y() * camera.height();
+    if (!camera.ray(px, py).empty())
+      continue;
+    return fail(ErrorCode::kInvalidArgument,
+                "the lens distortion cannot be undone at image point ({:.1f}, {:.1f}): its "
+                "polynomial folds over before it; check the order [k1, k2, p1, p2, k3]",
+                px, py);
+  }
+  return {};
+}
+
 }  // namespace
 
 Camera::Camera(const View3& view, int width, int height)
-    : width_(width), height_(height), eye_(view.eye) {
+    : width_(width), height_(height), eye_(view.eye), principal_(0.5 * width, 0.5 * height) {
   VOLUTE_ASSERT(width > 0 && height > 0);
   const Vec3 toTarget = view.target - view.eye;
   forward_ = toTarget.norm() > 0 ? Vec3(toTarget.normalized()) : Vec3(Vec3::UnitY());
@@ -38,10 +105,34 @@ Camera::Camera(const View3& view, int width, int height)
   down_ = forward_.cross(right_);
 }
 
+Camera::Camera(const Calibration& calibration, const Mat3& rotation)
+    : width_(calibration.width),
+      height_(calibration.height),
+      eye_(-rotation.transpose() * calibration.t),
+      right_(rotation.row(0)),
+      down_(rotation.row(1)),
+      forward_(rotation.row(2)),
+      pixelSize_(1 / calibration.K(1, 1)),
+      pixelWidth_(1 / calibration.K(0, 0)),
+      skew_(calibration.K(0, 1) / calibration.K(1, 1)),
+      principal_(calibration.K(0, 2), calibration.K(1, 2)),
+      distortion_(calibration.distortion) {
+  principal_.array() += 0.5 - calibration.pixelCentre;
+}
+
+Result<Camera> Camera::calibrated(const Calibration& calibration) {
+  VOLUTE_TRY(checkIntrinsics(calibration));
+  VOLUTE_ASSIGN(const Mat3 rotation, rotationOf(calibration.R));
+  const Camera camera(calibration, rotation);
+  VOLUTE_TRY(checkLens(camera));
+  return camera;
+}
+
 Camera Camera::pinhole(const View3& view, double fov, int width, int height) {
   VOLUTE_ASSERT(fov > 0 && fov < 180);
   Camera camera(view, width, height);
   camera.pixelSize_ = 2 * std::tan(0.5 * fov * std::numbers::pi / 180) / height;
+  camera.pixelWidth_ = camera.pixelSize_;
   return camera;
 }
 
@@ -50,6 +141,7 @@ Camera Camera::orthographic(const View3& view, double extent, int width, int hei
   Camera camera(view, width, height);
   camera.orthographic_ = true;
   camera.pixelSize_ = extent / height;
+  camera.pixelWidth_ = camera.pixelSize_;
   return camera;
 }
 
@@ -77,12 +169,48 @@ Camera Camera::framing(const Box3& bounds, int width, int height) {
   return camera;
 }
 
+Mat3 Camera::intrinsics() const {
+  VOLUTE_ASSERT(!orthographic_);
+  Mat3 K = Mat3::Identity();
+  K(0, 0) = 1 / pixelWidth_;
+  K(1, 1) = 1 / pixelSize_;
+  K(0, 1) = skew_ / pixelSize_;
+  K.block<2, 1>(0, 2) = principal_;
+  return K;
+}
+
+Mat3 Camera::rotation() const {
+  Mat3 R;
+  R << right_.transpose(), down_.transpose(), forward_.transpose();
+  return R;
+}
+
 Segment Camera::ray(double px, double py) const {
-  const Vec3 offset =
-      (px - 0.5 * width_) * pixelSize_ * right_ + (py - 0.5 * height_) * pixelSize_ * down_;
+  const double v = py - principal_.y();
+  Vec2 place((px - principal_.x() - skew_ * v) * pixelWidth_, v * pixelSize_);
+  if (!distortion_.none()) {
+    const auto undistorted = undistort(distortion_, place);
+    if (!undistorted)
+      return {eye_, forward_, 0, 0};
+    place = *undistorted;
+  }
+  const Vec3 offset = place.x() * right_ + place.y() * down_;
   if (orthographic_)
     return {eye_ + offset, forward_, -kInfinity, kInfinity};
   return {eye_, (forward_ + offset).normalized(), 0, kInfinity};
+}
+
+std::optional<Vec2> Camera::project(const Vec3& point) const {
+  const Vec3 offset = point - eye_;
+  const double depth = orthographic_ ? 1 : offset.dot(forward_);
+  if (!(depth > 0))
+    return std::nullopt;
+  Vec2 place(offset.dot(right_) / depth, offset.dot(down_) / depth);
+  if (!beforeFold(distortion_, place))
+    return std::nullopt;
+  place = distort(distortion_, place);
+  const double v = place.y() / pixelSize_;
+  return principal_ + Vec2(place.x() / pixelWidth_ + skew_ * v, v);
 }
 
 }  // namespace volute

@@ -2,6 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <optional>
+
+#include "volute/base/result.hpp"
+#include "volute/camera/lens.hpp"
 #include "volute/math/vec.hpp"
 #include "volute/medium/medium.hpp"
 
@@ -14,7 +18,22 @@ struct View3 {
   Vec3 up = Vec3::UnitZ();
 };
 
-/// Pinhole or orthographic. Pixel (0, 0) is at the top left; its centre is (0.5, 0.5).
+/// A pinhole camera as calibrations describe it. x right, y down, z forward:
+///   x_cam = R x_world + t,  (x, y) = x_cam.xy / x_cam.z,  (x', y') = distort(x, y),
+///   u = K(0,0) x' + K(0,1) y' + K(0,2),  v = K(1,1) y' + K(1,2).
+struct Calibration {
+  int width = 0;   ///< [pixels]
+  int height = 0;  ///< [pixels]
+  Mat3 K = Mat3::Identity();
+  Mat3 R = Mat3::Identity();  ///< a rotation
+  Vec3 t = Vec3::Zero();      ///< [m]
+  Distortion distortion;
+  /// What (u, v) is at the centre of the first pixel: 0.5 (COLMAP, NeRF transforms) or 0 (OpenCV).
+  double pixelCentre = 0.5;
+};
+
+/// Pinhole or orthographic. Pixel (0, 0) is at the top left; its centre is (0.5, 0.5), whatever the
+/// convention of the calibration that a camera was made from.
 ///
 /// Every view gives a camera: one whose target is its eye looks along +y, and one whose up is zero
 /// or along the view takes the world axis that is furthest from the view instead (z before y before
@@ -32,6 +51,12 @@ class Camera {
   /// as a cube of 1 m around the origin.
   static Camera framing(const Box3& bounds, int width, int height);
 
+  /// kInvalidArgument, in a sentence that wants a subject, unless R is a rotation to 1e-3 (rounded
+  /// digits are repaired, mirrored and scaled ones are refused), the focal lengths are positive,
+  /// K's other entries are those of a pinhole, and the lens can be undone along the whole border of
+  /// the image.
+  [[nodiscard]] static Result<Camera> calibrated(const Calibration& calibration);
+
   int width() const { return width_; }
 
   int height() const { return height_; }
@@ -48,22 +73,48 @@ class Camera {
 
   const Vec3& forward() const { return forward_; }
 
-  /// The side of a pixel: at distance 1 along `forward` (pinhole, dimensionless) or in the world
+  /// The height of a pixel: at distance 1 along `forward` (pinhole, dimensionless) or in the world
   /// (orthographic) [m].
   double pixelSize() const { return pixelSize_; }
 
+  /// Its width, as pixelSize(): the same but for calibrated cameras.
+  double pixelWidth() const { return pixelWidth_; }
+
+  /// The image point that `forward` meets, but for the lens; the middle of the image but for
+  /// calibrated cameras.
+  const Vec2& principalPoint() const { return principal_; }
+
+  /// None but for calibrated cameras.
+  const Distortion& distortion() const { return distortion_; }
+
+  /// K for centres at +0.5, as Calibration has it. Pinhole cameras only.
+  Mat3 intrinsics() const;
+
+  /// The rotation whose rows are right, down and forward.
+  Mat3 rotation() const;
+
   /// The ray through image point (px, py) in pixels; (x + 0.5, y + 0.5) for pixel centres. It
   /// begins at the eye (pinhole) or extends both ways (orthographic: begin = -infinity), has no
-  /// near plane, and ends at infinity.
+  /// near plane, and ends at infinity. Empty (begin = end = 0) for an image point that the lens
+  /// does not reach.
   Segment ray(double px, double py) const;
+
+  /// Where a point of the world appears in the image [pixels], inside its borders or not: the
+  /// inverse of ray(). Nothing for points that are not in front of a pinhole, or so far outside
+  /// that the lens folds them back.
+  std::optional<Vec2> project(const Vec3& point) const;
 
  private:
   Camera(const View3& view, int width, int height);
+  Camera(const Calibration& calibration, const Mat3& rotation);
 
   bool orthographic_ = false;
   int width_ = 0, height_ = 0;
   Vec3 eye_, right_, down_, forward_;
-  double pixelSize_ = 0;
+  double pixelSize_ = 0, pixelWidth_ = 0;
+  double skew_ = 0;  // in pixels to the right for one pixel down
+  Vec2 principal_;
+  Distortion distortion_;
 };
 
 }  // namespace volute

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "volute/base/progress.hpp"
@@ -21,6 +22,9 @@ struct BenchRow {
   std::string unit;
   std::optional<double> ratio =
       std::nullopt;  ///< to the baseline that the benchmark names, in the same run
+  std::vector<std::pair<std::string, std::string>> labels =
+      {};                 ///< what the row is about, for programs: {"codec", "zfp 4D"}
+  std::string note = {};  ///< a remark; why there is no value (NaN), say
 };
 
 /// What a benchmark measures with.

@@ -10,9 +10,10 @@ namespace volute::cli {
 
 std::span<const Command> commands() {
   static const std::vector<Command> table = {
-      infoCommand(),       compressCommand(), extractCommand(),    compareCommand(),
-      synthesizeCommand(), renderCommand(),   fogCommand(),        benchCommand(),
-      helpCommand(),       manCommand(),      completionCommand(),
+      infoCommand(),       compressCommand(), extractCommand(),     compareCommand(),
+      synthesizeCommand(), projectCommand(),  reconstructCommand(), joinCommand(),
+      renderCommand(),     fogCommand(),     benchCommand(),    helpCommand(),        manCommand(),
+      completionCommand(),
   };
   return table;
 }

@@ -78,18 +78,23 @@ void Console::report(std::string_view stage, double done, double total) {
   terminal_ ? drawBar(done, total, elapsed) : writeLine(done, total, elapsed);
 }
 
+std::string Console::stageText() const {
+  return detail_.empty() ? stage_ : fmt::format("{}, {}", stage_, detail_);
+}
+
 void Console::drawBar(double done, double total, double elapsed) {
+  const std::string stage = stageText();
   std::string line;
   if (total > 0) {
     const double share = std::clamp(done / total, 0.0, 1.0);
     const std::string tail =
         fmt::format(" {:3.0f} %  {}", 100 * share, timeLeft(done, total, elapsed));
     const int width =
-        std::clamp(terminalWidth() - static_cast<int>(stage_.size() + tail.size()) - 4, 5, 40);
+        std::clamp(terminalWidth() - static_cast<int>(stage.size() + tail.size()) - 4, 5, 40);
     const int full = static_cast<int>(share * width);
-    line = fmt::format("{} [{:#<{}}{:.<{}}]{}", stage_, "", full, "", width - full, tail);
+    line = fmt::format("{} [{:#<{}}{:.<{}}]{}", stage, "", full, "", width - full, tail);
   } else {
-    line = fmt::format("{}  {}", stage_, durationText(elapsed));
+    line = fmt::format("{}  {}", stage, durationText(elapsed));
   }
   fmt::print(stderr, "\r\x1b[K{}", line);
   std::fflush(stderr);
@@ -99,10 +104,10 @@ void Console::drawBar(double done, double total, double elapsed) {
 void Console::writeLine(double done, double total, double elapsed) {
   if (total > 0) {
     const std::string left = timeLeft(done, total, elapsed);
-    fmt::print(stderr, "volute {}: {}: {:.0f} %{}{}\n", command_, stage_,
+    fmt::print(stderr, "volute {}: {}: {:.0f} %{}{}\n", command_, stageText(),
                100 * std::clamp(done / total, 0.0, 1.0), left.empty() ? "" : ", ", left);
   } else {
-    fmt::print(stderr, "volute {}: {}\n", command_, stage_);
+    fmt::print(stderr, "volute {}: {}\n", command_, stageText());
   }
 }
 

@@ -20,6 +20,9 @@ class Console final : public Progress {
   ~Console() override;
 
   void report(std::string_view stage, double done, double total) override;
+
+  void detail(std::string_view text) override { detail_ = text; }
+
   void remark(std::string_view message) override;
   bool cancelled() const override;
 
@@ -29,6 +32,7 @@ class Console final : public Progress {
  private:
   using Clock = std::chrono::steady_clock;
 
+  std::string stageText() const;
   void drawBar(double done, double total, double elapsed);
   void writeLine(double done, double total, double elapsed);
 
@@ -37,6 +41,7 @@ class Console final : public Progress {
   bool terminal_;
   bool barShown_ = false;
   std::string stage_;
+  std::string detail_;  // of the stage
   Clock::time_point stageStart_;
   Clock::time_point lastShown_;
 };

@@ -87,6 +87,8 @@ std::string optionHelp(const Option& option) {
     text += fmt::format(": {}", fmt::join(option.choices, ", "));
   if (!option.initial.empty())
     text += fmt::format(" [default {}]", option.initial);
+  if (option.several)
+    text += "; may be repeated";
   return text;
 }
 

@@ -38,6 +38,7 @@ struct Option {
   double most = std::numeric_limits<double>::infinity();
   bool positive = false;  ///< the number must be greater than zero
   bool required = false;
+  bool several = false;  ///< may be repeated; texts only
 };
 
 /// What stands without dashes. The last one of a command may take several.

@@ -58,6 +58,10 @@ tl::unexpected<Error> unknownOption(const std::string& word, std::span<const Ent
 
 Status takeOption(const Entry& entry, Arguments& arguments) {
   const Option& option = *entry.option;
+  if (option.several) {
+    arguments.set(option.name, entry.handle->results(), entry.handle->count() > 0);
+    return {};
+  }
   if (entry.handle->count() > 1 && option.kind != ValueKind::kFlag) {
     return fail(ErrorCode::kInvalidArgument, "--{} is given {} times; expected once", option.name,
                 entry.handle->count());

@@ -26,6 +26,7 @@ const Command& sample() {
                   {.name = "psnr", .kind = ValueKind::kNumber, .value = "DB"},
                   {.name = "eye", .kind = ValueKind::kVector, .value = "X,Y,Z"},
                   {.name = "level", .kind = ValueKind::kInteger, .value = "L", .initial = "2"},
+                  {.name = "name", .kind = ValueKind::kText, .value = "N", .several = true},
                   {.name = "partial"}},
       .oneOf = {{{"rms", "psnr"}, true}}};
   return command;
@@ -34,6 +35,18 @@ const Command& sample() {
 std::string messageOf(const std::vector<std::string>& words) {
   const auto arguments = parseArguments(sample(), words);
   return arguments ? "" : arguments.error().message;
+}
+
+TEST(Parse, SomeOptionsMayBeRepeated) {
+  const auto arguments =
+      parseArguments(sample(), {"in.npy", "-o", "x", "--rms", "1", "--name", "b", "--name=a,c"});
+  ASSERT_TRUE(arguments) << arguments.error().message;
+  EXPECT_EQ(arguments->find<std::vector<std::string>>("name"),
+            (std::vector<std::string>{"b", "a,c"}));
+  const auto without = parseArguments(sample(), {"in.npy", "-o", "x", "--rms", "1"});
+  ASSERT_TRUE(without) << without.error().message;
+  EXPECT_TRUE(without->find<std::vector<std::string>>("name")->empty());
+  EXPECT_FALSE(without->given("name"));
 }
 
 TEST(Parse, ReadsOptionsInAnyOrderAndForm) {

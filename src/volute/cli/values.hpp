@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "volute/base/result.hpp"
 #include "volute/cli/option.hpp"
@@ -29,9 +30,9 @@ struct Pixels {
 };
 
 /// A parsed value: bool for kFlag, std::string for kText, kFile and kChoice, double for kNumber,
-/// int for kInteger, and the type of the same name for the others.
-using Value =
-    std::variant<bool, std::string, double, int, Bytes, FrameRange, Region, Box3, Vec3, Pixels>;
+/// int for kInteger, and the type of the same name for the others; several texts are a vector.
+using Value = std::variant<bool, std::string, double, int, Bytes, FrameRange, Region, Box3, Vec3,
+                           Pixels, std::vector<std::string>>;
 
 /// The errors of these are one sentence (kInvalidArgument) with the offending text and what was
 /// expected.

@@ -4,7 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "volute/base/result.hpp"
@@ -27,61 +29,23 @@ struct BlockShape {
   int levels() const;
 };
 
-/// What holds for all blocks of a stream and is known to its reader.
-struct StreamParameters {
-  double step = 1;                   ///< quantisation step; the only knob of the rate control
+/// What a file says of its values beside the parameters of its codec.
+struct StreamInfo {
+  int channels = 1;
   float valueMin = 0, valueMax = 0;  ///< of the original; decoded values are clamped to it
 };
 
-/// Predicts the error of a quantisation step from one look at the data: how much weight there is in
-/// coefficients of each size. Sizes are counted in sixteenths of an octave.
-class ErrorHistogram {
+/// The bytes of a block, one string for each tier.
+using Tiers = std::span<const std::vector<std::byte>>;
+
+/// Reads the blocks of one stream. Thread-safe; each block is decoded for itself. A new codec is
+/// one such class with a number of its own, listed in openDecoder().
+class BlockDecoder {
  public:
-  ErrorHistogram();
-
-  /// A coefficient, orthonormal; `weight` is what a unit of its squared error adds to that of the
-  /// voxels (1 except at the border).
-  void add(double coefficient, double weight);
-  void add(const ErrorHistogram& other);
-
-  /// The sum of squared errors to expect of dead-zone quantisation with rounding offset 0.4.
-  double squaredError(double step) const;
-  /// How many coefficients it leaves.
-  double survivors(double step) const;
-
- private:
-  struct Bin {
-    double count = 0, weight = 0, energy = 0;
-  };
-
-  std::vector<Bin> bins_;
-};
-
-/// A bit stream for blocks. Stateless and thread-safe; a block is encoded and decoded for itself. A
-/// new codec is one class with a number of its own, listed in findCodec().
-class BlockCodec {
- public:
-  virtual ~BlockCodec() = default;
-
-  virtual std::uint32_t id() const = 0;
+  virtual ~BlockDecoder() = default;
 
   /// How many levels each tier holds, coarse to fine; 5 in all.
   virtual std::span<const int> tierLevels() const = 0;
-
-  /// Parameters as the file keeps them, and back: kInvalidData for impossible ones. The range of
-  /// the values is kept elsewhere.
-  virtual std::vector<std::byte> writeParameters(const StreamParameters& parameters) const = 0;
-  [[nodiscard]] virtual Status readParameters(std::span<const std::byte> bytes,
-                                              StreamParameters& parameters) const = 0;
-
-  /// Adds the coefficients of a block, `values` of shape extents x channels, to `histogram`.
-  virtual void analyse(std::span<const float> values, const BlockShape& shape,
-                       ErrorHistogram& histogram) const = 0;
-
-  /// One byte string for each tier; empty when all its coefficients are zero.
-  virtual std::vector<std::vector<std::byte>> encode(std::span<const float> values,
-                                                     const BlockShape& shape,
-                                                     const StreamParameters& parameters) const = 0;
 
   /// No tier of such a block takes more bytes: what a reader may allocate.
   virtual std::uint64_t maxSegmentBytes(const BlockShape& shape, std::size_t tier) const = 0;
@@ -89,15 +53,30 @@ class BlockCodec {
   /// Fills `values` from the first tiers of a block; tiers that are not given, and levels from
   /// `levels` on, count as zero. Safe on any bytes: kInvalidData, in a message that wants a
   /// subject, or finite values.
-  [[nodiscard]] virtual Status decode(std::span<const std::vector<std::byte>> tiers, int levels,
-                                      const BlockShape& shape, const StreamParameters& parameters,
+  [[nodiscard]] virtual Status decode(Tiers tiers, int levels, const BlockShape& shape,
                                       std::span<float> values) const = 0;
+
+  /// How the block is coded, in a few words: "empty", "shaped cdf53, 4 time levels".
+  [[nodiscard]] virtual Result<std::string> describe(Tiers tiers,
+                                                     const BlockShape& shape) const = 0;
+
+  /// The quantisation step of the orthonormal Haar coefficients; 0 in another basis.
+  virtual double haarStep() const { return 0; }
 };
 
-/// The Haar codec, number 1 (docs/format.md, section 7).
-const BlockCodec& haarCodec();
+/// Codec 1, Haar and zstd (docs/format.md, section 7): read only.
+[[nodiscard]] Result<std::shared_ptr<const BlockDecoder>> openHaarDecoder(
+    std::span<const std::byte> parameters, const StreamInfo& stream);
 
-/// Null when this build does not know the number.
-const BlockCodec* findCodec(std::uint32_t id);
+/// Codec 2, wavelets on a support and context modelling (docs/format.md, section 8).
+[[nodiscard]] Result<std::shared_ptr<const BlockDecoder>> openWaveletDecoder(
+    std::span<const std::byte> parameters, const StreamInfo& stream);
+
+/// Whether this build knows a codec's number.
+bool knowsCodec(std::uint32_t id);
+
+/// @param parameters  as the file keeps them; impossible ones are kInvalidData.
+[[nodiscard]] Result<std::shared_ptr<const BlockDecoder>> openDecoder(
+    std::uint32_t id, std::span<const std::byte> parameters, const StreamInfo& stream);
 
 }  // namespace volute

@@ -25,6 +25,8 @@ class ByteWriter {
 
   void f64(double value) { fixed(std::bit_cast<std::uint64_t>(value), 8); }
 
+  void f32(float value) { fixed(std::bit_cast<std::uint32_t>(value), 4); }
+
   void varint(std::uint64_t value) {
     for (; value >= 0x80; value >>= 7) u8(static_cast<std::uint8_t>(value | 0x80));
     u8(static_cast<std::uint8_t>(value));
@@ -77,6 +79,8 @@ class ByteReader {
   std::uint64_t u64() { return fixed(8); }
 
   double f64() { return std::bit_cast<double>(fixed(8)); }
+
+  float f32() { return std::bit_cast<float>(static_cast<std::uint32_t>(fixed(4))); }
 
   std::uint64_t varint() {
     std::uint64_t value = 0;

@@ -6,17 +6,19 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <limits>
+#include <mutex>
 #include <vector>
 
 #include "volute/base/checksum.hpp"
 #include "volute/base/parallel.hpp"
-#include "volute/codec/block_codec.hpp"
+#include "volute/codec/block_encoder.hpp"
 #include "volute/codec/block_row.hpp"
+#include "volute/codec/coefficient_coder.hpp"
 #include "volute/codec/container.hpp"
 #include "volute/codec/parallel_try.hpp"
 #include "volute/codec/spool.hpp"
 #include "volute/codec/step_search.hpp"
+#include "volute/wavelet/quantiser.hpp"
 
 namespace volute {
 namespace {
@@ -25,7 +27,7 @@ namespace {
 constexpr std::size_t kBatch = 64;
 // Buffers of a batch, for each value of a block: a generous bound of what encode() and decode()
 // hold.
-constexpr std::uint64_t kBatchBytesAValue = 16;
+constexpr std::uint64_t kBatchBytesAValue = 32;
 
 using Kind = ErrorTarget::Kind;
 
@@ -50,12 +52,7 @@ bool isSize(Kind kind) {
 }
 
 Status checkOptions(const CompressOptions& options) {
-  if (options.wavelet == "cdf53" || options.wavelet == "cdf97") {
-    return fail(ErrorCode::kUnsupported,
-                "wavelet {}: codec 1 (haar-zstd) has the Haar wavelet only; use auto or haar",
-                options.wavelet);
-  }
-  if (options.wavelet != "auto" && options.wavelet != "haar") {
+  if (options.wavelet != "auto" && !waveletByName(options.wavelet)) {
     return fail(ErrorCode::kInvalidArgument,
                 "wavelet '{}' is unknown; expected auto, haar, cdf53 or cdf97", options.wavelet);
   }
@@ -83,7 +80,24 @@ struct EncodedBlock {
   Outcome outcome;
 };
 
-/// One call of compress().
+std::vector<BlockMode> modesToTry(const CompressOptions& options) {
+  if (options.mode)
+    return {*options.mode};
+  const auto wavelet = waveletByName(options.wavelet);
+  std::vector<BlockMode> modes;
+  for (const BlockMode& mode : allBlockModes()) {
+    const bool quick = mode.shaped ? mode.timeLevels == 0 : mode.timeLevels == 4;
+    if (wavelet ? mode.wavelet != *wavelet : options.fast && mode.wavelet == Wavelet::kHaar)
+      continue;
+    if (!options.fast || quick)
+      modes.push_back(mode);
+  }
+  return modes;
+}
+
+/// One call of compress(). Goes through the blocks several times: to survey the values; to learn
+/// what quantised coefficients are like, from some of them; to choose the mode of each block; and
+/// to encode them all, until the step meets the target.
 class Compressor {
  public:
   Compressor(FrameSource& source, const std::filesystem::path& target,
@@ -94,29 +108,42 @@ class Compressor {
         info_(source.info()),
         row_(source) {
     head_.info = info_;
-    head_.codec = &haarCodec();
+    head_.header.codec = 2;
     head_.header.writtenBy = "volute " VOLUTE_VERSION;
     head_.header.provenance = options.provenance;
     head_.header.targetKind = nameOf(options.target.kind);
     head_.header.targetValue = options.target.value;
+    if (options.target.kind == Kind::kMaxError)
+      parameters_.maxError = options.target.value;
   }
 
   Result<CompressReport> run();
 
  private:
+  // One way through all rows of blocks, or some of them.
+  enum class Way { kLearn, kChoose, kEncode };
+
   Status openSpools();
-  Status analyse();
-  Status encodeAll(double step);
-  Status encodeRow(int row);
+  Status survey();
+  Status encodeAll(double step, Way way);
+  Status encodeRow(int row, Way way);
   Status append(const EncodedBlock& block, std::size_t number);
-  Result<EncodedBlock> encodeBlock(std::size_t block) const;
+  Result<EncodedBlock> encodeBlock(std::size_t block, Way way, Training& training);
   Status checkCancelled() const;
+  Status searchStep(double first);
+  Status searchSmallest();
 
   StepSearch::Problem problem() const;
   double firstStep(const StepSearch::Problem& problem) const;
+  double betterStep(const StepSearch::Problem& problem) const;
   double outcomeOfTry() const;
   tl::unexpected<Error> unreachable() const;
   Result<CompressReport> write();
+
+  StreamInfo stream() const {
+    return {info_.channels, static_cast<float>(head_.header.valueMin),
+            static_cast<float>(head_.header.valueMax)};
+  }
 
   std::filesystem::path target_;
   const CompressOptions& options_;
@@ -125,9 +152,13 @@ class Compressor {
   BlockRow row_;
   FileHead head_;
   std::vector<std::byte> headBytes_;
-  ErrorHistogram histogram_;
+  WaveletParameters parameters_;
+  Training training_;  // of the last way through
+  std::vector<std::optional<BlockMode>> modes_;
+  QuantisationModel model_;
   std::vector<Spool> spools_;  // one a tier
   Outcome outcome_;
+  double relativeRms_ = 0;  // of the last way through all blocks
   int tries_ = 0;
 };
 
@@ -141,7 +172,7 @@ Status Compressor::openSpools() {
   auto folder = target_ == "-" ? std::filesystem::temp_directory_path() : target_.parent_path();
   if (folder.empty())
     folder = ".";
-  for (std::size_t tier = 0; tier < head_.codec->tierLevels().size(); ++tier) {
+  for (std::size_t tier = 0; tier < kWaveletTiers.size(); ++tier) {
     auto spool = Spool::create(folder);
     if (!spool)
       return fail(spool.error().code, "{}: cannot be written: {}", target_.string(),
@@ -151,14 +182,40 @@ Status Compressor::openSpools() {
   return {};
 }
 
-Status Compressor::analyse() {
-  // A fixed number of histograms, each of the same blocks whatever the threads, so that sums come
-  // out the same.
+// Adds the coefficients of a block in a middling transform, each at the size it has in the values.
+void addCoefficients(std::span<const float> values, const BlockShape& shape,
+                     QuantisationModel& model) {
+  const AxisLevels levels = blockLevels(shape.extents, 4);
+  std::vector<float> plane(shape.voxels());
+  for (int c = 0; c < shape.channels; ++c) {
+    for (std::size_t i = 0; i < plane.size(); ++i) plane[i] = values[i * shape.channels + c];
+    shapeForward(plane, {}, shape.extents, Wavelet::kCdf53, levels);
+    for (int stride = 0; stride < deepest(levels); ++stride) {
+      const CellLevel level(shape.extents, levels, stride, Wavelet::kCdf53);
+      CellMemory memory;
+      codeLevel(
+          level, {}, nullptr, nullptr, memory,
+          [&](std::ptrdiff_t position, std::uint16_t existing, const CellContext&, const auto&,
+              const std::int32_t*) {
+            for (unsigned left = existing; left != 0; left &= left - 1) {
+              const int k = std::countr_zero(left);
+              model.add(static_cast<float>(plane[position + level.offset[k]] * level.norm[k]));
+            }
+            return false;
+          });
+    }
+  }
+}
+
+Status Compressor::survey() {
+  // A fixed number of sums, each of the same blocks whatever the threads, so that they come out
+  // the same.
   constexpr std::size_t kParts = 16;
   const BlockGrid& grid = row_.grid();
   const std::size_t blocks = grid.rowCount();
   const std::size_t parts = std::min(kParts, blocks);
-  std::vector<ErrorHistogram> histograms(parts);
+  std::vector<QuantisationModel> models(parts);
+  std::vector<ColorMoments> moments(parts);
   for (int row = 0; row < row_.rows(); ++row) {
     VOLUTE_TRY(checkCancelled());
     VOLUTE_TRY(row_.load(row));
@@ -168,26 +225,41 @@ Status Compressor::analyse() {
         const std::size_t block = row * blocks + i;
         values.resize(grid.values(block));
         row_.cut(block, values);
-        head_.codec->analyse(values, shapeOf(grid, block), histograms[part]);
+        moments[part].add(values, info_.channels);
+        addCoefficients(values, shapeOf(grid, block), models[part]);
       }
     });
     progress_.report("analysing", row + 1, row_.rows());
   }
-  for (const ErrorHistogram& histogram : histograms) histogram_.add(histogram);
-  head_.header.valueMin = head_.parameters.valueMin = row_.minimum();
-  head_.header.valueMax = head_.parameters.valueMax = row_.maximum();
+  ColorMoments all;
+  for (const ColorMoments& part : moments) all.add(part);
+  for (const QuantisationModel& part : models) model_.merge(part);
+  if (info_.channels == 3)
+    parameters_.color = ColorTransform::of(all);
+  head_.header.valueMin = row_.minimum();
+  head_.header.valueMax = row_.maximum();
+  const float greatest = std::max(std::abs(row_.minimum()), std::abs(row_.maximum()));
+  if (greatest > 0)
+    parameters_.exponent = std::clamp(std::ilogb(greatest) + 1, -126, 127);
+  const std::vector<BlockMode> modes = modesToTry(options_);
+  const BlockMode usual{false, Wavelet::kCdf53, 4};
+  const bool tried = std::ranges::find(modes, usual) != modes.end();
+  modes_.assign(grid.count(), tried ? usual : modes.front());
   return {};
 }
 
 // Encodes a block and decodes it as the reader will.
-Result<EncodedBlock> Compressor::encodeBlock(std::size_t block) const {
+Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, Way way, Training& training) {
   const BlockShape shape = shapeOf(row_.grid(), block);
   std::vector<float> values(shape.values());
   std::vector<float> decoded(values.size());
   row_.cut(block, values);
+  const BlockEncoder encoder(parameters_, stream());
+  if (way == Way::kChoose)
+    modes_[block] = encoder.choose(values, shape, modesToTry(options_));
   EncodedBlock result;
-  result.tiers = head_.codec->encode(values, shape, head_.parameters);
-  VOLUTE_TRY(head_.codec->decode(result.tiers, shape.levels(), shape, head_.parameters, decoded));
+  result.tiers = encoder.encode(values, shape, modes_[block], training);
+  VOLUTE_TRY(head_.decoder->decode(result.tiers, shape.levels(), shape, decoded));
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double error = std::abs(static_cast<double>(decoded[i]) - values[i]);
     result.outcome.squaredError += error * error;
@@ -212,16 +284,20 @@ Status Compressor::append(const EncodedBlock& block, std::size_t number) {
   return {};
 }
 
-Status Compressor::encodeRow(int row) {
+Status Compressor::encodeRow(int row, Way way) {
   const std::size_t blocks = row_.grid().rowCount();
   std::vector<EncodedBlock> batch;
+  std::mutex mutex;
   for (std::size_t begin = 0; begin < blocks; begin += kBatch) {
     VOLUTE_TRY(checkCancelled());
     batch.clear();
     batch.resize(std::min(kBatch, blocks - begin));
     const std::size_t first = row * blocks + begin;
     VOLUTE_TRY(parallelTry(batch.size(), [&](std::size_t i) -> Status {
-      VOLUTE_ASSIGN(batch[i], encodeBlock(first + i));
+      Training training;
+      VOLUTE_ASSIGN(batch[i], encodeBlock(first + i, way, training));
+      const std::lock_guard lock(mutex);
+      training_.add(training);
       return {};
     }));
     for (std::size_t i = 0; i < batch.size(); ++i) VOLUTE_TRY(append(batch[i], first + i));
@@ -229,25 +305,39 @@ Status Compressor::encodeRow(int row) {
   return {};
 }
 
-Status Compressor::encodeAll(double step) {
-  head_.parameters.step = step;
+Status Compressor::encodeAll(double step, Way way) {
+  constexpr int kRowsToLearnFrom = 4;
+  parameters_.step = step / parameters_.unit();
+  // From the first try on the parameters stay, so that what a step gives can be had again.
+  if (way == Way::kChoose || (way == Way::kEncode && tries_ == 0))
+    training_.apply(parameters_);
+  training_ = {};
+  head_.parameters = writeParameters(parameters_, info_.channels);
+  VOLUTE_ASSIGN(head_.decoder, openWaveletDecoder(head_.parameters, stream()));
   head_.segments.assign(row_.grid().count() * spools_.size(), Segment{});
   outcome_ = {};
   for (Spool& spool : spools_) VOLUTE_TRY(spool.clear());
-  ++tries_;
-  const std::string stage =
-      tries_ == 1 ? "compressing" : fmt::format("compressing, try {}", tries_);
-  for (int row = 0; row < row_.rows(); ++row) {
+  const int rows = row_.rows();
+  const int count = way == Way::kLearn ? std::min(rows, kRowsToLearnFrom) : rows;
+  tries_ += way == Way::kEncode ? 1 : 0;
+  const std::string stage = way == Way::kLearn    ? "learning"
+                            : way == Way::kChoose ? "choosing modes"
+                            : tries_ == 1         ? "compressing"
+                                                  : fmt::format("compressing, try {}", tries_);
+  for (int i = 0; i < count; ++i) {
+    const int row = static_cast<int>(static_cast<std::int64_t>(i) * rows / count);
     // A sequence of one row is still loaded from the way before.
-    if (row_.rows() > 1)
+    if (rows > 1)
       VOLUTE_TRY(row_.load(row));
-    VOLUTE_TRY(encodeRow(row));
-    progress_.report(stage, row + 1, row_.rows());
+    VOLUTE_TRY(encodeRow(row, way));
+    progress_.report(stage, i + 1, count);
   }
   const double range = head_.header.valueMax - head_.header.valueMin;
   const double rms = std::sqrt(outcome_.squaredError / static_cast<double>(info_.values()));
-  head_.header.reachedRms = range > 0 ? rms / range : rms;
-  head_.header.reachedMaxError = outcome_.maxError;
+  relativeRms_ = range > 0 ? rms / range : rms;
+  head_.header.reachedRms =
+      relativeRms_ + (range > 0 ? options_.sourceRms / range : options_.sourceRms);
+  head_.header.reachedMaxError = outcome_.maxError + options_.sourceMaxError;
   headBytes_ = writeHead(head_);
   return {};
 }
@@ -259,7 +349,7 @@ StepSearch::Problem Compressor::problem() const {
   // Coarser than the greatest orthonormal coefficient of a block, 4^4 times the greatest value,
   // gives nothing but zeros; finer than a float's rounding gains nothing.
   problem.coarsest = std::ldexp(greatest, 10);
-  problem.finest = std::ldexp(greatest, -28);
+  problem.finest = std::ldexp(greatest, -21);
   if (head_.header.valueMin == head_.header.valueMax) {
     // Clamping makes a constant exact whatever the step.
     problem.finest = problem.coarsest = greatest > 0 ? std::ldexp(greatest, -12) : 1;
@@ -279,37 +369,40 @@ StepSearch::Problem Compressor::problem() const {
       problem.target = value;
       break;
     case Kind::kMaxError:
-      problem.target = value;
-      break;
+      break;  // searchSmallest()
   }
   problem.grows = !isSize(options_.target.kind);
-  problem.closeEnough = problem.target * (isSize(options_.target.kind)              ? 0.97
-                                          : options_.target.kind == Kind::kMaxError ? 0.85
-                                                                                    : 0.95);
+  problem.closeEnough = 0.99 * problem.target;
   return problem;
 }
 
-// The step that the histogram predicts to meet the target.
+// The step that the survey predicts to meet the target.
 double Compressor::firstStep(const StepSearch::Problem& problem) const {
-  constexpr double kMargin = 0.985;      // predictions of the RMS are right to about 1 %
-  constexpr double kErrorOfAStep = 0.7;  // typical: step / greatest error
+  constexpr double kMaxErrorSteps = 1.5;
   if (options_.target.kind == Kind::kMaxError)
-    return kErrorOfAStep * problem.target;
+    return kMaxErrorSteps * options_.target.value;
   const double range = head_.header.valueMax - head_.header.valueMin;
-  const auto predicted = [&](double step) {
-    // A coefficient that is left costs about a byte.
-    if (isSize(options_.target.kind))
-      return -histogram_.survivors(step);
-    return std::sqrt(histogram_.squaredError(step) / static_cast<double>(info_.values())) / range;
-  };
-  const double wanted = isSize(options_.target.kind) ? -problem.target : kMargin * problem.target;
+  if (!isSize(options_.target.kind)) {
+    const double squared = problem.target * problem.target * range * range;
+    return model_.stepFor(squared * static_cast<double>(info_.values()));
+  }
+  // A coefficient that is left costs about a byte.
   double fine = problem.finest;
   double coarse = problem.coarsest;
   for (int i = 0; i < 60; ++i) {
     const double middle = std::sqrt(fine * coarse);
-    (predicted(middle) <= wanted ? fine : coarse) = middle;
+    (static_cast<double>(model_.survivors(middle)) > problem.target ? fine : coarse) = middle;
   }
-  return fine;
+  return coarse;
+}
+
+// The step that should meet the target, from what the last one gave.
+double Compressor::betterStep(const StepSearch::Problem& problem) const {
+  constexpr double kMostChange = 6;
+  // How the step goes with the error, and with the size.
+  const double power = isSize(options_.target.kind) ? -1.3 : 1.2;
+  const double change = std::pow(0.995 * problem.target / std::max(outcomeOfTry(), 1e-30), power);
+  return parameters_.step * parameters_.unit() * std::clamp(change, 1 / kMostChange, kMostChange);
 }
 
 double Compressor::outcomeOfTry() const {
@@ -320,7 +413,7 @@ double Compressor::outcomeOfTry() const {
     case Kind::kMaxError:
       return outcome_.maxError;
     default:
-      return head_.header.reachedRms;
+      return relativeRms_;
   }
 }
 
@@ -334,8 +427,8 @@ tl::unexpected<Error> Compressor::unreachable() const {
   return fail(ErrorCode::kInvalidArgument,
               "{}: {} = {} cannot be reached: the rounding of float32 leaves a relative RMS of "
               "{:.3g} and a maximum error of {:.3g}; ask for more",
-              target_.string(), nameOf(options_.target.kind), options_.target.value,
-              head_.header.reachedRms, outcome_.maxError);
+              target_.string(), nameOf(options_.target.kind), options_.target.value, relativeRms_,
+              outcome_.maxError);
 }
 
 Result<CompressReport> Compressor::write() {
@@ -346,25 +439,67 @@ Result<CompressReport> Compressor::write() {
   CompressReport report;
   report.rawBytes = info_.rawBytes();
   report.fileBytes = head_.fileBytes;
-  report.relativeRms = head_.header.reachedRms;
-  report.maxError = head_.header.reachedMaxError;
+  report.relativeRms = relativeRms_;
+  report.maxError = outcome_.maxError;
   report.valueMin = head_.header.valueMin;
   report.valueMax = head_.header.valueMax;
   report.blocks = row_.grid().count();
   return report;
 }
 
-Result<CompressReport> Compressor::run() {
-  VOLUTE_TRY(openSpools());
-  VOLUTE_TRY(analyse());
-  const StepSearch::Problem wanted = problem();
-  StepSearch search(wanted, firstStep(wanted));
+Status Compressor::searchStep(double first) {
+  StepSearch search(problem(), first);
   while (!search.found()) {
-    VOLUTE_TRY(encodeAll(search.step()));
+    VOLUTE_TRY(encodeAll(search.step(), Way::kEncode));
     search.tell(outcomeOfTry());
     if (search.failed())
       return unreachable();
   }
+  return {};
+}
+
+// Corrections keep the maximum error whatever the step: the one that makes the smallest file, from
+// the middle outwards.
+Status Compressor::searchSmallest() {
+  const double target = options_.target.value;
+  double best = 0;
+  std::uint64_t least = 0;
+  for (const double factor : {1.5, 2.1, 3.0, 1.05, 0.75}) {
+    if ((factor == 3.0 && best < 2 * target) || (factor == 1.05 && best > 2 * target) ||
+        (factor == 0.75 && best > 1.2 * target))
+      continue;
+    VOLUTE_TRY(encodeAll(factor * target, Way::kEncode));
+    if (least == 0 || head_.fileBytes < least) {
+      least = head_.fileBytes;
+      best = factor * target;
+    }
+  }
+  if (parameters_.step != best / parameters_.unit())
+    VOLUTE_TRY(encodeAll(best, Way::kEncode));
+  if (!(outcome_.maxError <= target))
+    return unreachable();
+  return {};
+}
+
+Result<CompressReport> Compressor::run() {
+  VOLUTE_TRY(openSpools());
+  VOLUTE_TRY(survey());
+  const StepSearch::Problem wanted = problem();
+  const auto within = [&](double step) { return std::clamp(step, wanted.finest, wanted.coarsest); };
+  const bool bounded = options_.target.kind == Kind::kMaxError;
+  double step = within(firstStep(wanted));
+  VOLUTE_TRY(encodeAll(step, Way::kLearn));
+  VOLUTE_TRY(encodeAll(step, Way::kChoose));
+  if (bounded) {
+    VOLUTE_TRY(searchSmallest());
+    return write();
+  }
+  // Modes depend on the step, and on what blocks in other modes have taught.
+  const double better = within(betterStep(wanted));
+  if (!options_.fast || std::max(better / step, step / better) > 1.5) {
+    VOLUTE_TRY(encodeAll(better, Way::kChoose));
+  }
+  VOLUTE_TRY(searchStep(within(betterStep(wanted))));
   return write();
 }
 

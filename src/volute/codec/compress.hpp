@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
+#include "volute/codec/wavelet_codec.hpp"
 #include "volute/grid/frame_source.hpp"
 
 namespace volute {
@@ -28,8 +30,14 @@ struct ErrorTarget {
 
 struct CompressOptions {
   ErrorTarget target;
-  std::string wavelet = "auto";
-  std::string provenance;  ///< kept in the file
+  std::string wavelet = "auto";   ///< auto, haar, cdf53 or cdf97: what blocks may choose from
+  std::optional<BlockMode> mode;  ///< one mode for all blocks, for experiments
+  bool fast = false;              ///< fewer modes to choose from: quicker, and some percent larger
+  std::string provenance;         ///< kept in the file
+  /// What the source is already off its own original, absolute; the file states the sums, which the
+  /// errors to that original do not exceed.
+  double sourceRms = 0;
+  double sourceMaxError = 0;
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
 };
 

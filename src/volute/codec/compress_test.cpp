@@ -39,22 +39,22 @@ CompressReport checkedRoundTrip(const Sequence& sequence, ErrorTarget target) {
 }
 
 TEST(Compress, EveryKindOfTargetIsMetAndNotWasted) {
-  const Sequence sequence = plumes(20, 24, 33, 40);
+  const Sequence sequence = plumes(18, 16, 20, 33);
   const double raw = static_cast<double>(sequence.info.rawBytes());
   for (const double rms : {2e-2, 3e-3, 3e-4}) {
     const auto report = checkedRoundTrip(sequence, {Kind::kRms, rms});
     EXPECT_LE(report.relativeRms, rms);
-    EXPECT_GT(report.relativeRms, 0.9 * rms);
+    EXPECT_GT(report.relativeRms, 0.75 * rms);
   }
   EXPECT_LE(checkedRoundTrip(sequence, {Kind::kPsnr, 50}).relativeRms, std::pow(10, -2.5));
-  for (const double ratio : {20.0, 60.0}) {
+  for (const double ratio : {20.0, 40.0}) {
     const auto report = checkedRoundTrip(sequence, {Kind::kRatio, ratio});
     EXPECT_LE(static_cast<double>(report.fileBytes), raw / ratio);
     EXPECT_GT(static_cast<double>(report.fileBytes), 0.9 * raw / ratio);
   }
-  const auto sized = checkedRoundTrip(sequence, {Kind::kSize, 50000});
-  EXPECT_LE(sized.fileBytes, 50000u);
-  EXPECT_GT(sized.fileBytes, 45000u);
+  const auto sized = checkedRoundTrip(sequence, {Kind::kSize, 30000});
+  EXPECT_LE(sized.fileBytes, 30000u);
+  EXPECT_GT(sized.fileBytes, 27000u);
   for (const double error : {0.1, 0.003}) {
     const auto report = checkedRoundTrip(sequence, {Kind::kMaxError, error});
     EXPECT_LE(report.maxError, error);
@@ -152,13 +152,9 @@ TEST(Compress, NonsenseTargetsAndWaveletsAreRefused) {
   SequenceSource source(sequence);
   Progress progress;
   CompressOptions options;
-  options.wavelet = "cdf97";
-  EXPECT_EQ(compress(source, file.path(), options, progress).error().code, ErrorCode::kUnsupported);
   options.wavelet = "db4";
   EXPECT_EQ(compress(source, file.path(), options, progress).error().code,
             ErrorCode::kInvalidArgument);
-  options.wavelet = "haar";
-  EXPECT_TRUE(compress(source, file.path(), options, progress));
 }
 
 TEST(Compress, ValuesThatAreNotFiniteAreNamed) {
@@ -227,7 +223,6 @@ TEST(Compress, MetadataComesBackBitForBit) {
     EXPECT_EQ(reader->header().provenance, "made by a test");
     EXPECT_EQ(reader->header().targetKind, "psnr");
     EXPECT_EQ(reader->header().targetValue, 43);
-    EXPECT_GT(reader->header().haarStep, 0);
   }
 }
 
@@ -255,7 +250,7 @@ TEST(Compress, RowsThatDoNotFitAreRefusedWithTheirNeed) {
   const auto refused = compress(source, file.path(), options, progress);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::kTooLarge);
-  EXPECT_NE(refused.error().message.find("need 10 MiB"), std::string::npos)
+  EXPECT_NE(refused.error().message.find("need 18 MiB"), std::string::npos)
       << refused.error().message;
 }
 
@@ -294,17 +289,18 @@ TEST(Compress, MemoryDoesNotGrowWithTheFrames) {
   GTEST_SKIP() << "the sanitizer keeps freed memory";
 #endif
   const auto peakOf = [](int frames) {
-    EndlessSource source(frames, 48);
+    EndlessSource source(frames, 32);
     CompressOptions options;
     options.target = {Kind::kRms, 1e-2};
+    options.mode = BlockMode{};  // the same for all: quicker
     Progress progress;
     const ScratchFile file;
     EXPECT_TRUE(compress(source, file.path(), options, progress));
     return peakKilobytes();
   };
   const long before = peakOf(32);
-  const long growth = peakOf(320) - before;  // 141 MB of frames
-  EXPECT_LT(growth, 16 << 10);
+  const long growth = peakOf(320) - before;  // 42 MB of frames
+  EXPECT_LT(growth, 8 << 10);
 }
 
 TEST(Compress, TheIndexOfManyFramesIsSmall) {
@@ -318,7 +314,7 @@ TEST(Compress, TheIndexOfManyFramesIsSmall) {
   const auto headBytes = static_cast<unsigned char>(bytes[16]) |
                          static_cast<unsigned char>(bytes[17]) << 8 |
                          static_cast<unsigned char>(bytes[18]) << 16;
-  EXPECT_LT(headBytes, 125 * 4 * 6 + 500);  // 125 blocks of 4 tiers, frame numbers and times
+  EXPECT_LT(headBytes, 125 * 3 * 6 + 3000);  // 125 blocks of 3 tiers, contexts, frames and times
 }
 
 }  // namespace

@@ -82,12 +82,11 @@ std::vector<std::byte> writeInfoChunk(const FileHead& head) {
                              header.valueMin, header.valueMax}) {
     out.f64(value);
   }
-  const auto tiers = head.codec->tierLevels();
+  const auto tiers = head.decoder->tierLevels();
   out.varint(tiers.size());
   for (const int levels : tiers) out.varint(static_cast<std::uint64_t>(levels));
-  const auto parameters = head.codec->writeParameters(head.parameters);
-  out.varint(parameters.size());
-  out.bytes(parameters);
+  out.varint(head.parameters.size());
+  out.bytes(head.parameters);
   return pack({out.view()});
 }
 
@@ -148,8 +147,7 @@ Status readPrologue(const InputFile& file, FileHead& head) {
                 "{}: has format version {}.{}; this program reads {}.x, a newer one may read it",
                 path, head.header.versionMajor, head.header.versionMinor, kMajor);
   }
-  head.codec = findCodec(codec);
-  if (!head.codec) {
+  if (!knowsCodec(codec)) {
     return fail(ErrorCode::kUnsupported,
                 "{}: uses codec {}, which this program does not know; a newer one may read it",
                 path, codec);
@@ -298,27 +296,30 @@ Status readInfoChunk(std::span<const std::byte> content, const std::string& path
         header.valueMax <= kLargest)) {
     return malformed("the range of the values");
   }
-  head.parameters.valueMin = static_cast<float>(header.valueMin);
-  head.parameters.valueMax = static_cast<float>(header.valueMax);
-  const auto tiers = head.codec->tierLevels();
-  bool known = in.varint() == tiers.size();
-  for (std::size_t i = 0; known && i < tiers.size(); ++i)
-    known = in.varint() == static_cast<std::uint64_t>(tiers[i]);
-  if (!known)
-    return malformed("tiers that the codec does not have");
+  std::vector<std::uint64_t> tiers(
+      static_cast<std::size_t>(std::min<std::uint64_t>(in.varint(), 6)));
+  for (std::uint64_t& levels : tiers) levels = in.varint();
   const auto parameters = in.bytes(in.varint());
   if (!in.ok())
     return malformed("it ends early");
-  if (const auto status = head.codec->readParameters(parameters, head.parameters); !status) {
-    return malformed(status.error().message);
+  head.parameters.assign(parameters.begin(), parameters.end());
+  auto decoder = openDecoder(static_cast<std::uint32_t>(header.codec), parameters,
+                             {head.info.channels, static_cast<float>(header.valueMin),
+                              static_cast<float>(header.valueMax)});
+  if (!decoder)
+    return malformed(decoder.error().message);
+  head.decoder = std::move(*decoder);
+  if (!std::ranges::equal(tiers, head.decoder->tierLevels(), {}, {},
+                          [](int levels) { return static_cast<std::uint64_t>(levels); })) {
+    return malformed("tiers that the codec does not have");
   }
-  header.haarStep = head.parameters.step;
+  header.haarStep = head.decoder->haarStep();
   return {};
 }
 
 Status readIndexChunk(std::span<const std::byte> content, const std::string& path,
                       const BlockGrid& grid, FileHead& head) {
-  const std::size_t tiers = head.codec->tierLevels().size();
+  const std::size_t tiers = head.decoder->tierLevels().size();
   const std::size_t blocks = grid.count();
   ByteReader in(content);
   head.segments.resize(blocks * tiers);
@@ -327,7 +328,7 @@ Status readIndexChunk(std::span<const std::byte> content, const std::string& pat
     for (std::size_t block = 0; block < blocks; ++block) {
       Segment& segment = head.segments[tier * blocks + block];
       const std::uint64_t size = in.varint();
-      if (!in.ok() || size > head.codec->maxSegmentBytes(shapeOf(grid, block), tier)) {
+      if (!in.ok() || size > head.decoder->maxSegmentBytes(shapeOf(grid, block), tier)) {
         return fail(ErrorCode::kInvalidData,
                     "{}: the index gives block {} an impossible size in tier {}", path, block,
                     tier);
@@ -351,7 +352,7 @@ Status readIndexChunk(std::span<const std::byte> content, const std::string& pat
 Result<std::uint64_t> countSegments(const FileHead& head, const std::string& path,
                                     std::uint64_t budget) {
   const VolumeInfo& info = head.info;
-  double blocks = static_cast<double>(head.codec->tierLevels().size());
+  double blocks = static_cast<double>(head.decoder->tierLevels().size());
   for (const int side : {info.frames, info.z, info.y, info.x}) blocks *= (side + 15) / 16;
   const double bytes = blocks * (sizeof(Segment) + 9);
   if (bytes > static_cast<double>(budget) / 2) {
@@ -399,7 +400,7 @@ std::vector<std::byte> writeHead(FileHead& head) {
   out.bytes(std::as_bytes(std::span(kMagic)));
   out.u16(kMajor);
   out.u16(kMinor);
-  out.u32(head.codec->id());
+  out.u32(static_cast<std::uint32_t>(head.header.codec));
   out.u64(head.headBytes);
   out.u64(head.fileBytes);
   out.u32(crc32(out.view()));

@@ -27,8 +27,8 @@ struct Segment {
 struct FileHead {
   VolumeInfo info;
   VoluteHeader header;
-  StreamParameters parameters;
-  const BlockCodec* codec = nullptr;
+  std::vector<std::byte> parameters;  ///< of the codec
+  std::shared_ptr<const BlockDecoder> decoder;
   /// Tier by tier, block by block, as in the file.
   std::vector<Segment> segments;
   std::uint64_t headBytes = 0;

@@ -16,7 +16,6 @@ namespace volute {
 namespace {
 
 constexpr std::array<int, 4> kTierLevels{2, 1, 1, 1};
-constexpr double kRounding = 0.4;
 constexpr std::uint64_t kMaxEscape = std::uint64_t{1} << 53;
 constexpr std::uint64_t kEscape = 255;
 
@@ -61,102 +60,6 @@ void visitCells(const BlockShape& shape, int level, const HaarCells& cells, cons
 
 HaarCells cellsOf(const BlockShape& shape, int level) {
   return {shape.extents, std::max(strideExponent(shape, level), 0)};
-}
-
-// Channel planes of a block, transformed.
-std::vector<float> transformed(std::span<const float> values, const BlockShape& shape) {
-  const std::size_t voxels = shape.voxels();
-  std::vector<float> planes(values.size());
-  for (std::size_t c = 0; c < static_cast<std::size_t>(shape.channels); ++c) {
-    for (std::size_t i = 0; i < voxels; ++i)
-      planes[c * voxels + i] = values[i * shape.channels + c];
-    haarForward(std::span(planes).subspan(c * voxels, voxels), shape.extents);
-  }
-  return planes;
-}
-
-class Bits {
- public:
-  void add(bool bit) {
-    if (filled_ == 0)
-      bytes.push_back(std::byte{0});
-    if (bit)
-      bytes.back() |= std::byte(1u << filled_);
-    filled_ = (filled_ + 1) % 8;
-  }
-
-  void align() { filled_ = 0; }
-
-  std::vector<std::byte> bytes;
-
- private:
-  int filled_ = 0;
-};
-
-// The five planes of docs/format.md, section 7, in the making.
-struct Planes {
-  Bits cells;
-  std::vector<std::byte> masksLow, masksHigh, values;
-  ByteWriter escapes;
-
-  void addValue(std::int64_t q) {
-    const std::uint64_t value =
-        (q > 0 ? 2 * static_cast<std::uint64_t>(q) : 2 * static_cast<std::uint64_t>(-q) - 1) - 1;
-    values.push_back(static_cast<std::byte>(std::min(value, kEscape)));
-    if (value >= kEscape)
-      escapes.varint(value - kEscape);
-  }
-};
-
-std::int64_t quantise(float coefficient, double inverseStep) {
-  constexpr double kLimit = static_cast<double>(std::int64_t{1} << 52);
-  const double magnitude =
-      std::floor(std::abs(static_cast<double>(coefficient)) * inverseStep + kRounding);
-  if (!(magnitude >= 1))
-    return 0;
-  const auto q = static_cast<std::int64_t>(std::min(magnitude, kLimit));
-  return coefficient < 0 ? -q : q;
-}
-
-void encodeLevel(std::span<const float> plane, const BlockShape& shape, int level, double step,
-                 Planes& planes) {
-  const HaarCells cells = cellsOf(shape, level);
-  const double inverse = 1 / stepOf(shape, level, step);
-  visitCells(shape, level, cells, [&](std::ptrdiff_t position, std::uint16_t existing, double) {
-    unsigned mask = 0;
-    for (unsigned left = existing; left != 0; left &= left - 1) {
-      const auto k = static_cast<unsigned>(std::countr_zero(left));
-      const std::int64_t q =
-          quantise(plane[static_cast<std::size_t>(position + cells.offset(k))], inverse);
-      if (q == 0)
-        continue;
-      mask |= 1u << k;
-      planes.addValue(q);
-    }
-    planes.cells.add(mask != 0);
-    if (mask != 0 && level > 0) {
-      planes.masksLow.push_back(static_cast<std::byte>(mask & 0xFF));
-      planes.masksHigh.push_back(static_cast<std::byte>(mask >> 8));
-    }
-    return true;
-  });
-  planes.cells.align();
-}
-
-std::vector<std::byte> encodeTier(std::span<const float> coefficients, const BlockShape& shape,
-                                  std::size_t tier, double step) {
-  Planes planes;
-  const LevelRange levels = levelsOfTier(shape, tier);
-  for (int level = levels.begin; level < levels.end; ++level) {
-    for (int c = 0; c < shape.channels; ++c) {
-      encodeLevel(coefficients.subspan(c * shape.voxels(), shape.voxels()), shape, level, step,
-                  planes);
-    }
-  }
-  if (planes.values.empty())
-    return {};
-  return pack({planes.cells.bytes, planes.masksLow, planes.masksHigh, planes.values,
-               planes.escapes.view()});
 }
 
 // The five planes of a segment, being read.
@@ -278,79 +181,25 @@ std::uint64_t maxContent(const BlockShape& shape, std::size_t tier) {
   return bytes * static_cast<std::uint64_t>(shape.channels);
 }
 
-class HaarCodec final : public BlockCodec {
+class HaarDecoder final : public BlockDecoder {
  public:
-  std::uint32_t id() const override { return 1; }
+  HaarDecoder(double step, const StreamInfo& stream) : step_(step), stream_(stream) {}
 
   std::span<const int> tierLevels() const override { return kTierLevels; }
-
-  std::vector<std::byte> writeParameters(const StreamParameters& parameters) const override {
-    ByteWriter out;
-    out.f64(parameters.step);
-    return out.take();
-  }
-
-  Status readParameters(std::span<const std::byte> bytes,
-                        StreamParameters& parameters) const override {
-    ByteReader in(bytes);
-    parameters.step = in.f64();
-    if (!in.ok() || in.remaining() != 0 || !std::isfinite(parameters.step) ||
-        parameters.step <= 0) {
-      return fail(ErrorCode::kInvalidData, "the quantisation step is missing or impossible");
-    }
-    return {};
-  }
-
-  void analyse(std::span<const float> values, const BlockShape& shape,
-               ErrorHistogram& histogram) const override {
-    const std::vector<float> coefficients = transformed(values, shape);
-    for (int level = 0; level < shape.levels(); ++level) {
-      const HaarCells cells = cellsOf(shape, level);
-      const double toOrthonormal = 1 / stepOf(shape, level, 1);
-      for (int c = 0; c < shape.channels; ++c) {
-        const auto plane = std::span(coefficients).subspan(c * shape.voxels(), shape.voxels());
-        visitCells(
-            shape, level, cells, [&](std::ptrdiff_t position, std::uint16_t existing, double part) {
-              for (unsigned left = existing; left != 0; left &= left - 1) {
-                const auto k = static_cast<unsigned>(std::countr_zero(left));
-                histogram.add(
-                    toOrthonormal * plane[static_cast<std::size_t>(position + cells.offset(k))],
-                    part);
-              }
-              return true;
-            });
-      }
-    }
-  }
-
-  std::vector<std::vector<std::byte>> encode(std::span<const float> values, const BlockShape& shape,
-                                             const StreamParameters& parameters) const override {
-    VOLUTE_ASSERT(values.size() == shape.values());
-    std::vector<std::vector<std::byte>> tiers(kTierLevels.size());
-    if (std::ranges::all_of(values, [](float value) { return value == 0; }))
-      return tiers;
-    const std::vector<float> coefficients = transformed(values, shape);
-    for (std::size_t tier = 0; tier < tiers.size(); ++tier) {
-      tiers[tier] = encodeTier(coefficients, shape, tier, parameters.step);
-    }
-    return tiers;
-  }
 
   std::uint64_t maxSegmentBytes(const BlockShape& shape, std::size_t tier) const override {
     const std::uint64_t content = maxContent(shape, tier);
     return content == 0 ? 0 : 1 + content;
   }
 
-  Status decode(std::span<const std::vector<std::byte>> tiers, int levels, const BlockShape& shape,
-                const StreamParameters& parameters, std::span<float> values) const override {
+  Status decode(Tiers tiers, int levels, const BlockShape& shape,
+                std::span<float> values) const override {
     VOLUTE_ASSERT(values.size() == shape.values() && tiers.size() <= kTierLevels.size());
-    const auto finish = [&parameters](float value) {
-      return std::min(parameters.valueMax,
-                      std::max(parameters.valueMin, value));  // NaN becomes the minimum
+    const auto finish = [this](float value) {
+      return std::min(stream_.valueMax,
+                      std::max(stream_.valueMin, value));  // NaN becomes the minimum
     };
-    bool zero = true;
-    for (const auto& tier : tiers) zero = zero && tier.empty();
-    if (zero) {
+    if (empty(tiers)) {
       std::ranges::fill(values, finish(0));
       return {};
     }
@@ -360,7 +209,7 @@ class HaarCodec final : public BlockCodec {
       if (tiers[tier].empty() || levelsOfTier(shape, tier).begin >= levels)
         continue;
       VOLUTE_ASSIGN(const auto content, unpack(tiers[tier], maxContent(shape, tier)));
-      if (!decodeTier(content, shape, tier, levels, parameters.step, coefficients)) {
+      if (!decodeTier(content, shape, tier, levels, step_, coefficients)) {
         return fail(ErrorCode::kInvalidData, "is malformed in tier {}", tier);
       }
     }
@@ -371,13 +220,31 @@ class HaarCodec final : public BlockCodec {
     }
     return {};
   }
+
+  Result<std::string> describe(Tiers tiers, const BlockShape&) const override {
+    return empty(tiers) ? "empty" : "plain haar, 4 time levels";
+  }
+
+  double haarStep() const override { return step_; }
+
+ private:
+  static bool empty(Tiers tiers) {
+    return std::ranges::all_of(tiers, [](const auto& tier) { return tier.empty(); });
+  }
+
+  double step_;
+  StreamInfo stream_;
 };
 
 }  // namespace
 
-const BlockCodec& haarCodec() {
-  static const HaarCodec codec;
-  return codec;
+Result<std::shared_ptr<const BlockDecoder>> openHaarDecoder(std::span<const std::byte> parameters,
+                                                            const StreamInfo& stream) {
+  ByteReader in(parameters);
+  const double step = in.f64();
+  if (!in.ok() || in.remaining() != 0 || !std::isfinite(step) || step <= 0)
+    return fail(ErrorCode::kInvalidData, "the quantisation step is missing or impossible");
+  return std::make_shared<const HaarDecoder>(step, stream);
 }
 
 }  // namespace volute

@@ -23,7 +23,7 @@ struct VoluteReader::Impl {
   mutable std::atomic<std::uint64_t> bytesRead{0};
   mutable std::atomic<std::uint64_t> blocksDecoded{0};
 
-  std::size_t tiers() const { return head.codec->tierLevels().size(); }
+  std::size_t tiers() const { return head.decoder->tierLevels().size(); }
 
   const Segment& segment(std::size_t tier, std::size_t block) const {
     return head.segment(tier, block, grid.count());
@@ -83,7 +83,7 @@ Result<std::vector<std::vector<std::byte>>> VoluteReader::Impl::readTiers(std::s
       return tl::unexpected(std::move(status).error());
     }
     result.push_back(std::move(bytes));
-    firstLevel += head.codec->tierLevels()[tier];
+    firstLevel += head.decoder->tierLevels()[tier];
   }
   return result;
 }
@@ -93,9 +93,9 @@ Status VoluteReader::Impl::decodeBlock(std::size_t block, std::span<float> value
   VOLUTE_ASSIGN(auto bytes, readTiers(block, levels));
   const BlockShape shape = shapeOf(grid, block);
   ++blocksDecoded;
-  Status status = head.codec->decode(bytes, levels, shape, head.parameters, values);
+  Status status = head.decoder->decode(bytes, levels, shape, values);
   for (; !status && options.partial && !bytes.empty();
-       status = head.codec->decode(bytes, levels, shape, head.parameters, values)) {
+       status = head.decoder->decode(bytes, levels, shape, values)) {
     bytes.pop_back();
   }
   if (!status)
@@ -225,6 +225,11 @@ std::uint64_t VoluteReader::storedBytes(std::size_t block) const {
   return bytes;
 }
 
+Result<std::string> VoluteReader::describeBlock(std::size_t block) const {
+  VOLUTE_ASSIGN(const auto tiers, impl_->readTiers(block, 1));
+  return impl_->head.decoder->describe(tiers, shapeOf(impl_->grid, block));
+}
+
 Integrity VoluteReader::verify() const {
   const Impl& impl = *impl_;
   Integrity integrity;
@@ -246,7 +251,7 @@ Integrity VoluteReader::verify() const {
       }
     }
     if (whole && integrity.firstFault.empty())
-      integrity.intactLevels += impl.head.codec->tierLevels()[tier];
+      integrity.intactLevels += impl.head.decoder->tierLevels()[tier];
   }
   return integrity;
 }

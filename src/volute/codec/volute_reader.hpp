@@ -85,6 +85,9 @@ class VoluteReader {
   /// parallel.
   [[nodiscard]] Status readRow(int row, std::span<float> values, int levels = 99) const;
 
+  /// How a block is coded, in a few words. Reads its first tier.
+  [[nodiscard]] Result<std::string> describeBlock(std::size_t block) const;
+
   /// Bytes that the values of a block take in the file.
   std::uint64_t storedBytes(std::size_t block) const;
 

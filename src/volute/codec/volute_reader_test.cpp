@@ -328,5 +328,22 @@ TEST(FrozenFile, Version1Codec1) {
   EXPECT_LE(testing::differenceOf(smallSequence(), *decoded).relativeRms, 0.05);
 }
 
+// Written from plumes(18, 17, 9, 19, 3) at a relative RMS of 0.03.
+TEST(FrozenFile, Version1Codec2) {
+  const auto path = std::filesystem::path(VOLUTE_TEST_DATA) / "version1_codec2.volute";
+  const auto decoded = readBack(path);
+  ASSERT_TRUE(decoded) << decoded.error().message;
+  const std::span<const float> values(decoded->values);
+  EXPECT_EQ(values[2000], 0.00132884516f);
+  EXPECT_EQ(values[9000], 0.00275412714f);
+  EXPECT_EQ(values[9001], 0);
+  EXPECT_EQ(crc32(std::as_bytes(values)), 0x49A091ACu);
+  EXPECT_LE(testing::differenceOf(plumes(18, 17, 9, 19, 3), *decoded).relativeRms, 0.03);
+  const auto reader = VoluteReader::open(path);
+  EXPECT_EQ(reader->describeBlock(0).value(), "plain cdf53, 4 time levels");
+  EXPECT_EQ(reader->describeBlock(2).value(), "empty");
+  EXPECT_EQ(reader->describeBlock(5).value(), "plain cdf53, 1 time level");
+}
+
 }  // namespace
 }  // namespace volute

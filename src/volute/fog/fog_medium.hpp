@@ -51,8 +51,7 @@ class FogMedium {
   /// One piece for each cell, profile zone and level that is not all zero.
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
-  /// The fast path, in float and SIMD: transmittances within 2e-6 of the reference for maps up to
-  /// 1024^2 seen from within a few of their sizes. Each ray's result depends on nothing but the
+  /// The fast path, in float and SIMD: transmittances within 2e-6 of the reference. Each ray's result depends on nothing but the
   /// ray. Jumps over empty parts of the map. With a `top` map it is the reference.
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 

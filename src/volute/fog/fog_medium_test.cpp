@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "volute/fog/fog_testing.hpp"
+#include "volute/fog/uniform_steps.hpp"
 #include "volute/math/quadrature.hpp"
 
 namespace volute {
@@ -251,6 +252,33 @@ TEST(FogMedium, MuEndsAreThoseOfThePaper) {
   EXPECT_EQ(none[0], 0);
   EXPECT_EQ(none[1], 0);
   EXPECT_EQ(none[2], kInfinity);
+}
+
+TEST(UniformSteps, ConvergeToTheWalk) {
+  const FogMedium fog = fogtest::fog(fogtest::map(40, 30), *FogProfile::slab(0, 6), {});
+  const auto segments = fogtest::rays(fog, 100);
+  std::vector<double> depths(segments.size());
+  const auto worst = [&](int steps) {
+    uniformStepDepths(fog, steps, segments, depths);
+    double most = 0;
+    for (std::size_t i = 0; i < segments.size(); ++i)
+      most = std::max(most, std::abs(depths[i] - depthOf(fog, segments[i])));
+    return most;
+  };
+  EXPECT_LT(worst(64), 0.05);
+  EXPECT_LT(worst(4000), 2e-4);
+}
+
+TEST(FogMedium, LargeMapsAreWalkedAsExactly) {
+  for (double share : {1.0, 0.1}) {
+    const FogMedium fog =
+        fogtest::fog(fogtest::map(1500, 1100, 2, share), *FogProfile::slab(-1000, 1000), {}, 2e-3);
+    const auto segments = fogtest::rays(fog, 150);
+    std::vector<Radiance> fast(segments.size());
+    fog.radiance(segments, fast);
+    for (std::size_t i = 0; i < segments.size(); ++i)
+      EXPECT_NEAR(fast[i].transmittance, std::exp(-depthOf(fog, segments[i])), 2e-6);
+  }
 }
 
 TEST(FogMedium, ThinLayersOfDenseMapsAreNotOpaque) {

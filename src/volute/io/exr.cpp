@@ -104,12 +104,11 @@ Image toDisplay(const Image& data, const Imath::Box2i& dataWindow, const Imath::
   return image;
 }
 
-Result<Image> readPixels(const InputFile& file, const ImageReadOptions& options) {
-  ExrInput stream(file);
-  Imf::InputFile exr(stream);
+Result<Image> readChannels(const InputFile& file, Imf::InputFile& exr,
+                           const std::vector<std::string>& channels,
+                           const ImageReadOptions& options) {
   const auto& header = exr.header();
   const Imath::Box2i window = header.dataWindow(), display = header.displayWindow();
-  VOLUTE_ASSIGN(const auto channels, chooseChannels(header.channels(), file.path().string()));
   const int count = static_cast<int>(channels.size());
   for (const auto& box : {window, display}) {
     VOLUTE_TRY(checkImageSize(file.path(), std::int64_t{box.max.x} - box.min.x + 1,
@@ -130,18 +129,47 @@ Result<Image> readPixels(const InputFile& file, const ImageReadOptions& options)
   return window == display ? image : toDisplay(image, window, display);
 }
 
-}  // namespace
+Result<Image> readPixels(const InputFile& file, Imf::InputFile& exr,
+                         const ImageReadOptions& options) {
+  VOLUTE_ASSIGN(const auto channels, chooseChannels(exr.header().channels(), file.path().string()));
+  return readChannels(file, exr, channels, options);
+}
 
-Result<Image> readExr(const std::filesystem::path& path, const ImageReadOptions& options) {
+Result<std::optional<Image>> readAlphaChannel(const InputFile& file, Imf::InputFile& exr,
+                                              const ImageReadOptions& options) {
+  const Imf::Channel* alpha = exr.header().channels().findChannel("A");
+  if (!alpha || alpha->type == Imf::UINT || alpha->xSampling != 1 || alpha->ySampling != 1)
+    return std::optional<Image>();
+  VOLUTE_ASSIGN(auto image, readChannels(file, exr, {"A"}, options));
+  return std::optional<Image>(std::move(image));
+}
+
+/// Opens a picture and lets `read` read of it; OpenEXR's exceptions become errors.
+template <class Read>
+auto readWith(const std::filesystem::path& path, const ImageReadOptions& options, Read&& read)
+    -> decltype(read(std::declval<const InputFile&>(), std::declval<Imf::InputFile&>(), options)) {
   VOLUTE_ASSIGN(const auto file, InputFile::open(path));
   constexpr int kLongestSide = 1 << 20;
   Imf::Header::setMaxImageSize(kLongestSide, kLongestSide);
   try {
-    return readPixels(file, options);
+    ExrInput stream(file);
+    Imf::InputFile exr(stream);
+    return read(file, exr, options);
   } catch (const std::exception& error) {
     return fail(ErrorCode::kInvalidData, "{}: not a whole OpenEXR picture: {}", path.string(),
                 error.what());
   }
+}
+
+}  // namespace
+
+Result<Image> readExr(const std::filesystem::path& path, const ImageReadOptions& options) {
+  return readWith(path, options, readPixels);
+}
+
+Result<std::optional<Image>> readExrAlpha(const std::filesystem::path& path,
+                                          const ImageReadOptions& options) {
+  return readWith(path, options, readAlphaChannel);
 }
 
 Status writeExr(const std::filesystem::path& path, const Image& image) {

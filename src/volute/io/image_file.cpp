@@ -13,6 +13,12 @@ Result<Image> readExr(const std::filesystem::path& path, const ImageReadOptions&
               "{}: this build has no OpenEXR (VOLUTE_WITH_EXR=OFF); use .png", path.string());
 }
 
+Result<std::optional<Image>> readExrAlpha(const std::filesystem::path& path,
+                                          const ImageReadOptions& options) {
+  VOLUTE_TRY(readExr(path, options));
+  return std::nullopt;
+}
+
 Status writeExr(const std::filesystem::path& path, const Image&) {
   return fail(ErrorCode::kUnsupported,
               "{}: this build has no OpenEXR (VOLUTE_WITH_EXR=OFF); use .png", path.string());
@@ -41,6 +47,15 @@ Result<Image> readImage(const std::filesystem::path& path, const ImageReadOption
     return readExr(path, options);
   return fail(ErrorCode::kUnsupported, "{}: not a known kind of picture; expected .png or .exr",
               path.string());
+}
+
+Result<std::optional<Image>> readAlpha(const std::filesystem::path& path,
+                                       const ImageReadOptions& options) {
+  if (path.extension() == ".png")
+    return readPngAlpha(path, options);
+  if (path.extension() == ".exr")
+    return readExrAlpha(path, options);
+  return std::nullopt;
 }
 
 Status writeImage(const std::filesystem::path& path, const Image& image) {

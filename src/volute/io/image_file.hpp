@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "volute/base/result.hpp"
 #include "volute/image/image.hpp"
@@ -22,6 +23,11 @@ struct ImageReadOptions {
 /// files are errors.
 [[nodiscard]] Result<Image> readImage(const std::filesystem::path& path,
                                       const ImageReadOptions& options = {});
+
+/// The alpha channel of a .png or .exr, 0 = transparent, 1 = opaque, one channel; nothing when the
+/// picture has none.
+[[nodiscard]] Result<std::optional<Image>> readAlpha(const std::filesystem::path& path,
+                                                     const ImageReadOptions& options = {});
 
 /// Writes a .png (8 bits, sRGB; values are clamped to 0..1) or a .exr (scan lines, float32, ZIP;
 /// channels R, G, B, or Y).

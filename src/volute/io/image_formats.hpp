@@ -9,9 +9,13 @@ namespace volute {
 /// The formats behind readImage and writeImage.
 [[nodiscard]] Result<Image> readPng(const std::filesystem::path& path,
                                     const ImageReadOptions& options);
+[[nodiscard]] Result<std::optional<Image>> readPngAlpha(const std::filesystem::path& path,
+                                                        const ImageReadOptions& options);
 [[nodiscard]] Status writePng(const std::filesystem::path& path, const Image& image);
 [[nodiscard]] Result<Image> readExr(const std::filesystem::path& path,
                                     const ImageReadOptions& options);
+[[nodiscard]] Result<std::optional<Image>> readExrAlpha(const std::filesystem::path& path,
+                                                        const ImageReadOptions& options);
 [[nodiscard]] Status writeExr(const std::filesystem::path& path, const Image& image);
 
 /// kTooLarge when the pixels need more than `maxMemory` bytes, or a side is beyond 2^20 pixels.

@@ -61,6 +61,13 @@ class LatticeReader {
                                     const IndexBox& box, bool crop, std::span<float> values) = 0;
 };
 
+/// How a frame is written.
+struct LatticeWriterOptions {
+  bool half = false;  ///< OpenVDB: values as 16-bit floats
+  bool zip =
+      false;  ///< OpenVDB: zlib, slower and smaller than Blosc; the grid's class is unknown then
+};
+
 /// Writes one frame to one file.
 class LatticeWriter {
  public:
@@ -82,7 +89,7 @@ struct TimedFile {
 /// table.
 struct LatticePlugin {
   std::unique_ptr<LatticeReader> (*makeReader)();
-  std::unique_ptr<LatticeWriter> (*makeWriter)(bool half);
+  std::unique_ptr<LatticeWriter> (*makeWriter)(const LatticeWriterOptions& options);
   /// The files that a collection (.pvd) names; null where the format has no collections.
   Result<std::vector<TimedFile>> (*readCollection)(const std::filesystem::path& file);
 };

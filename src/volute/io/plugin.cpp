@@ -63,6 +63,11 @@ Result<const LatticePlugin*> loadVtkPlugin() {
                              "VOLUTE_WITH_VTK");
 }
 
+Result<const MeshPlugin*> loadVtkMeshPlugin() {
+  return load<MeshPlugin>(VOLUTE_HAS_VTK, "volute_io_vtk", "voluteVtkMeshPlugin", "VTK",
+                          "VOLUTE_WITH_VTK");
+}
+
 Result<const FilmPlugin*> loadFilmPlugin() {
   return load<FilmPlugin>(VOLUTE_HAS_VIDEO, "volute_io_video", "voluteFilmPlugin", "libav",
                           "VOLUTE_WITH_VIDEO");

@@ -5,6 +5,7 @@
 #include "volute/base/result.hpp"
 #include "volute/io/film.hpp"
 #include "volute/io/lattice.hpp"
+#include "volute/io/mesh.hpp"
 
 namespace volute {
 
@@ -14,6 +15,7 @@ namespace volute {
 /// none.
 [[nodiscard]] Result<const LatticePlugin*> loadVdbPlugin();
 [[nodiscard]] Result<const LatticePlugin*> loadVtkPlugin();
+[[nodiscard]] Result<const MeshPlugin*> loadVtkMeshPlugin();
 [[nodiscard]] Result<const FilmPlugin*> loadFilmPlugin();
 
 }  // namespace volute

@@ -24,6 +24,8 @@ struct PngState {
   std::string message;
   png_uint_32 width = 0, height = 0;
   int channels = 0, bits = 0;
+  bool keepAlpha = false;  // as the last channel, if there is one
+  bool hasAlpha = false;
   std::vector<png_byte> pixels;
   std::vector<png_bytep> rows;
 };
@@ -63,11 +65,17 @@ bool readPngHeader(png_structp png, png_infop info, PngState& state) {
   png_set_palette_to_rgb(png);
   if (type == PNG_COLOR_TYPE_GRAY)
     png_set_expand_gray_1_2_4_to_8(png);
-  png_set_strip_alpha(png);
+  state.hasAlpha = (type & PNG_COLOR_MASK_ALPHA) || png_get_valid(png, info, PNG_INFO_tRNS);
+  if (state.keepAlpha && state.hasAlpha) {
+    png_set_tRNS_to_alpha(png);
+  } else {
+    png_set_strip_alpha(png);
+  }
   png_set_swap(png);  // 16 bits in our byte order
   state.width = png_get_image_width(png, info);
   state.height = png_get_image_height(png, info);
-  state.channels = (type & PNG_COLOR_MASK_COLOR) ? 3 : 1;
+  state.channels =
+      ((type & PNG_COLOR_MASK_COLOR) ? 3 : 1) + (state.keepAlpha && state.hasAlpha ? 1 : 0);
   state.bits = png_get_bit_depth(png, info) == 16 ? 16 : 8;
   return true;
 }
@@ -124,11 +132,10 @@ void layOutRows(PngState& state, std::size_t rowBytes) {
   for (png_uint_32 y = 0; y < state.height; ++y) state.rows.push_back(&state.pixels[y * rowBytes]);
 }
 
-}  // namespace
-
-Result<Image> readPng(const std::filesystem::path& path, const ImageReadOptions& options) {
+/// Fills `state` with the whole picture.
+Status readPngFile(const std::filesystem::path& path, const ImageReadOptions& options,
+                   PngState& state) {
   VOLUTE_ASSIGN(const auto file, InputFile::open(path));
-  PngState state;
   state.input = &file;
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &state, onError, onWarning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
@@ -137,6 +144,8 @@ Result<Image> readPng(const std::filesystem::path& path, const ImageReadOptions&
   const auto readAll = [&]() -> Status {
     if (!info || !readPngHeader(png, info, state))
       return fail(ErrorCode::kInvalidData, "");
+    if (state.keepAlpha && !state.hasAlpha)
+      return {};  // nothing to read
     VOLUTE_TRY(checkImageSize(path, state.width, state.height, state.channels, options.maxMemory));
     layOutRows(state, std::size_t{state.width} * state.channels * (state.bits / 8));
     if (!readPngPixels(png, info, state))
@@ -150,7 +159,29 @@ Result<Image> readPng(const std::filesystem::path& path, const ImageReadOptions&
   if (!status)
     return fail(ErrorCode::kInvalidData, "{}: not a whole PNG picture: {}", path.string(),
                 state.message);
+  return {};
+}
+
+}  // namespace
+
+Result<Image> readPng(const std::filesystem::path& path, const ImageReadOptions& options) {
+  PngState state;
+  VOLUTE_TRY(readPngFile(path, options, state));
   return toImage(state, options.raw);
+}
+
+Result<std::optional<Image>> readPngAlpha(const std::filesystem::path& path,
+                                          const ImageReadOptions& options) {
+  PngState state;
+  state.keepAlpha = true;
+  VOLUTE_TRY(readPngFile(path, options, state));
+  if (!state.hasAlpha)
+    return std::optional<Image>();
+  const Image all = toImage(state, true);
+  Image alpha(all.width, all.height, 1);
+  for (std::size_t i = 0; i < alpha.pixels.size(); ++i)
+    alpha.pixels[i] = all.pixels[(i + 1) * all.channels - 1];
+  return std::optional<Image>(std::move(alpha));
 }
 
 Status writePng(const std::filesystem::path& path, const Image& image) {

@@ -104,6 +104,11 @@ class VdbFile final : public openvdb::io::Archive {
 /// Writes to a stream of ours, so that a full disk shows.
 class VdbOutput final : public openvdb::io::Archive {
  public:
+  explicit VdbOutput(bool zip) {
+    if (zip)
+      setCompression(openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
+  }
+
   void writeTo(std::ostream& stream, const openvdb::GridBase::Ptr& grid) const {
     write(stream, openvdb::GridPtrVec{grid}, /*seekable=*/true);
   }
@@ -363,7 +368,9 @@ void overwriteIdentifier(std::ostream& stream, int number, std::span<const float
 
 class VdbWriter final : public LatticeWriter {
  public:
-  explicit VdbWriter(bool half) : half_(half) { openvdb::initialize(); }
+  explicit VdbWriter(const LatticeWriterOptions& options) : options_(options) {
+    openvdb::initialize();
+  }
 
   Status write(const std::filesystem::path& temporary, const std::filesystem::path& target,
                const VolumeInfo& info, int frame, std::span<const float> values) override {
@@ -371,14 +378,15 @@ class VdbWriter final : public LatticeWriter {
       const auto grid = info.channels == 3 ? makeGrid<openvdb::Vec3SGrid>(info, values)
                                            : makeGrid<openvdb::FloatGrid>(info, values);
       grid->setName(info.name);
-      grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+      // OpenVDB does not zip fog volumes.
+      grid->setGridClass(options_.zip ? openvdb::GRID_UNKNOWN : openvdb::GRID_FOG_VOLUME);
       grid->setTransform(makeTransform(info));
-      grid->setSaveFloatAsHalf(half_);
+      grid->setSaveFloatAsHalf(options_.half);
       grid->insertMeta(kTimeKey, openvdb::DoubleMetadata(info.times[frame]));
       std::ofstream stream;
       stream.exceptions(std::ios::badbit | std::ios::failbit);
       stream.open(temporary, std::ios::binary);
-      VdbOutput().writeTo(stream, grid);
+      VdbOutput(options_.zip).writeTo(stream, grid);
       overwriteIdentifier(stream, info.frameNumbers[frame], values);
       stream.close();
     } catch (const std::ios_base::failure&) {
@@ -390,7 +398,7 @@ class VdbWriter final : public LatticeWriter {
   }
 
  private:
-  bool half_;
+  LatticeWriterOptions options_;
 };
 
 }  // namespace
@@ -400,7 +408,9 @@ extern "C" const volute::LatticePlugin* voluteVdbPlugin() {
   using namespace volute;
   static constexpr LatticePlugin kPlugin{
       []() -> std::unique_ptr<LatticeReader> { return std::make_unique<VdbReader>(); },
-      [](bool half) -> std::unique_ptr<LatticeWriter> { return std::make_unique<VdbWriter>(half); },
+      [](const LatticeWriterOptions& options) -> std::unique_ptr<LatticeWriter> {
+        return std::make_unique<VdbWriter>(options);
+      },
       nullptr};
   return &kPlugin;
 }

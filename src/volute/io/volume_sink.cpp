@@ -21,7 +21,7 @@ Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& outpu
                 output.string());
   }
   VOLUTE_ASSIGN(const LatticePlugin* plugin, vdb ? loadVdbPlugin() : loadVtkPlugin());
-  return createLatticeSink(output, info, plugin->makeWriter(options.half));
+  return createLatticeSink(output, info, plugin->makeWriter({.half = options.half}));
 }
 
 }  // namespace volute

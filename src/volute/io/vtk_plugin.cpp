@@ -8,10 +8,7 @@
 #include <vtkImageData.h>
 #include <vtkInformation.h>
 #include <vtkInformationVector.h>
-#include <vtkLogger.h>
 #include <vtkNew.h>
-#include <vtkObjectFactory.h>
-#include <vtkOutputWindow.h>
 #include <vtkPointData.h>
 #include <vtkStreamingDemandDrivenPipeline.h>
 #include <vtkXMLDataElement.h>
@@ -22,82 +19,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volute/base/input_file.hpp"
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/lattice.hpp"
+#include "volute/io/vtk_errors.hpp"
 #include "volute/io/xml_text.hpp"
 
 namespace volute {
 namespace {
-
-/// Where VTK reports that it could not read: not by return values. Lives in the child process
-/// alone.
-class ErrorWindow final : public vtkOutputWindow {
- public:
-  static ErrorWindow* New();
-
-  vtkTypeMacro(ErrorWindow, vtkOutputWindow)
-
-      void DisplayText(const char*) override {}
-
-  void DisplayErrorText(const char* text) override { note(text); }
-
-  void DisplayWarningText(const char* text) override { note(text); }
-
-  void DisplayGenericWarningText(const char* text) override { note(text); }
-
-  std::string first;
-
- private:
-  /// The last line of VTK's report; the others say where in VTK's sources.
-  void note(const char* text) {
-    if (!first.empty())
-      return;
-    std::string all(text);
-    all.erase(all.find_last_not_of(" \n") + 1);
-    const auto colon = all.rfind("): ");
-    first = colon == std::string::npos ? all : all.substr(colon + 3);
-    std::ranges::replace(first, '\n', ' ');
-  }
-};
-
-vtkStandardNewMacro(ErrorWindow)
-
-    /// Catches VTK's errors while it lives.
-    class ErrorWatch {
- public:
-  ErrorWatch() {
-    vtkOutputWindow::SetInstance(window_);
-    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // some errors are printed past it
-  }
-
-  ~ErrorWatch() { vtkOutputWindow::SetInstance(nullptr); }
-
-  ErrorWatch(const ErrorWatch&) = delete;
-  ErrorWatch& operator=(const ErrorWatch&) = delete;
-
-  Status status(const std::string& file) const {
-    if (window_->first.empty())
-      return {};
-    return fail(ErrorCode::kInvalidData, "{}: not a whole VTK file: {}", file, window_->first);
-  }
-
- private:
-  vtkNew<ErrorWindow> window_;
-};
-
-/// VTK reads up to the last value and never sees that the end is missing.
-Status checkEnd(const std::filesystem::path& path) {
-  constexpr std::string_view kEnd = "</VTKFile>";
-  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
-  std::string tail(std::min<std::uint64_t>(file.size(), 64), ' ');
-  VOLUTE_TRY(file.read(file.size() - tail.size(), std::as_writable_bytes(std::span(tail))));
-  tail.erase(tail.find_last_not_of(" \r\n\t") + 1);
-  if (tail.ends_with(kEnd))
-    return {};
-  return fail(ErrorCode::kTruncated, "{}: does not end in {}; the file is truncated", path.string(),
-              kEnd);
-}
 
 /// An array of the file and what its values belong to.
 struct ArrayEntry {
@@ -330,7 +258,9 @@ extern "C" const volute::LatticePlugin* voluteVtkPlugin() {
   using namespace volute;
   static constexpr LatticePlugin kPlugin{
       []() -> std::unique_ptr<LatticeReader> { return std::make_unique<VtkReader>(); },
-      [](bool) -> std::unique_ptr<LatticeWriter> { return std::make_unique<VtkWriter>(); },
+      [](const LatticeWriterOptions&) -> std::unique_ptr<LatticeWriter> {
+        return std::make_unique<VtkWriter>();
+      },
       readPvd};
   return &kPlugin;
 }

@@ -2,30 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/wavelet/lifting.hpp"
 
-#include <array>
-#include <span>
+#include "volute/wavelet/lifting_steps.hpp"
 
 namespace volute {
 namespace {
-
-constexpr double kSqrt2 = 1.41421356237309504880;
-
-/// Steps alternate between the odd and the even samples, odd ones first: x[i] += c * (x[i-1] +
-/// x[i+1]). Then low *= scale and high /= scale. Daubechies and Sweldens 1998, section 7.
-struct LiftingScheme {
-  std::span<const double> steps;
-  double scale;
-};
-
-constexpr std::array kSteps53{-0.5, 0.25};
-constexpr std::array kSteps97{-1.586134342059924, -0.052980118572961, 0.882911075530934,
-                              0.443506852043971};
-
-LiftingScheme schemeOf(Wavelet wavelet) {
-  if (wavelet == Wavelet::kCdf53)
-    return {kSteps53, kSqrt2};
-  return {kSteps97, 1.149604398860241};
-}
 
 /// x[i] += c * (its two neighbours) for i = first, first + 2, ...; a neighbour that is missing is
 /// mirrored by the other.
@@ -45,7 +25,7 @@ void scaleAll(T* x, std::ptrdiff_t n, std::ptrdiff_t stride, T low, T high) {
 
 template <class T>
 void haar(T* x, std::ptrdiff_t n, std::ptrdiff_t stride, T lone) {
-  constexpr T kHalf = static_cast<T>(1 / kSqrt2);
+  constexpr T kHalf = static_cast<T>(1 / kRootTwo);
   for (std::ptrdiff_t i = 0; i + 1 < n; i += 2) {
     const T a = x[i * stride];
     const T b = x[(i + 1) * stride];
@@ -80,13 +60,13 @@ std::string_view waveletName(Wavelet wavelet) {
 template <class T>
 void liftForward(T* x, std::ptrdiff_t n, std::ptrdiff_t stride, Wavelet wavelet) {
   if (n == 1) {
-    x[0] *= static_cast<T>(kSqrt2);
+    x[0] *= static_cast<T>(kRootTwo);
   } else if (wavelet == Wavelet::kHaar) {
-    haar(x, n, stride, static_cast<T>(kSqrt2));
+    haar(x, n, stride, static_cast<T>(kRootTwo));
   } else {
-    const LiftingScheme scheme = schemeOf(wavelet);
-    for (std::size_t s = 0; s < scheme.steps.size(); ++s)
-      step(x, n, stride, s % 2 == 0 ? 1 : 0, static_cast<T>(scheme.steps[s]));
+    const LiftingSteps scheme = liftingSteps(wavelet);
+    for (int s = 0; s < scheme.count; ++s)
+      step(x, n, stride, s % 2 == 0 ? 1 : 0, static_cast<T>(scheme.factor[s]));
     scaleAll(x, n, stride, static_cast<T>(scheme.scale), static_cast<T>(1 / scheme.scale));
   }
 }
@@ -94,14 +74,14 @@ void liftForward(T* x, std::ptrdiff_t n, std::ptrdiff_t stride, Wavelet wavelet)
 template <class T>
 void liftInverse(T* x, std::ptrdiff_t n, std::ptrdiff_t stride, Wavelet wavelet) {
   if (n == 1) {
-    x[0] *= static_cast<T>(1 / kSqrt2);
+    x[0] *= static_cast<T>(1 / kRootTwo);
   } else if (wavelet == Wavelet::kHaar) {
-    haar(x, n, stride, static_cast<T>(1 / kSqrt2));
+    haar(x, n, stride, static_cast<T>(1 / kRootTwo));
   } else {
-    const LiftingScheme scheme = schemeOf(wavelet);
+    const LiftingSteps scheme = liftingSteps(wavelet);
     scaleAll(x, n, stride, static_cast<T>(1 / scheme.scale), static_cast<T>(scheme.scale));
-    for (std::size_t s = scheme.steps.size(); s-- > 0;)
-      step(x, n, stride, s % 2 == 0 ? 1 : 0, static_cast<T>(-scheme.steps[s]));
+    for (int s = scheme.count; s-- > 0;)
+      step(x, n, stride, s % 2 == 0 ? 1 : 0, static_cast<T>(-scheme.factor[s]));
   }
 }
 

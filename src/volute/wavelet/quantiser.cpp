@@ -54,6 +54,13 @@ double QuantisationModel::squaredError(double step) const {
   return error;
 }
 
+std::uint64_t QuantisationModel::survivors(double step) const {
+  std::uint64_t left = 0;
+  for (std::size_t i = 0; i < kBins; ++i)
+    left += binValue(i) >= (1 - kRoundingOffset) * step ? counts_[i] : 0;
+  return left;
+}
+
 double QuantisationModel::stepFor(double target) const {
   const auto largest =
       std::find_if(counts_.rbegin(), counts_.rend(), [](std::uint64_t count) { return count > 0; });

@@ -11,9 +11,12 @@ namespace volute::cli {
 [[nodiscard]] Result<std::vector<BenchRow>> benchFog(const BenchInput& input, Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchRender(const BenchInput& input,
                                                         Progress& progress);
+[[nodiscard]] Result<std::vector<BenchRow>> benchTomography(const BenchInput& input,
+                                                            Progress& progress);
+[[nodiscard]] Result<std::vector<BenchRow>> benchSmoke(const BenchInput& input, Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchTree(const BenchInput& input, Progress& progress);
 
-/// What to measure with: the named input, or a fire and a smoke of 64^3 voxels and 32 frames,
+/// What to measure with: the named input, or a fire and a smoke of size^3 voxels and 32 frames,
 /// scalar.
 struct NamedSequence {
   std::string name;
@@ -21,6 +24,6 @@ struct NamedSequence {
 };
 
 [[nodiscard]] Result<std::vector<NamedSequence>> benchSequences(const BenchInput& input,
-                                                                Progress& progress);
+                                                                Progress& progress, int size = 64);
 
 }  // namespace volute::cli

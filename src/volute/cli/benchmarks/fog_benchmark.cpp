@@ -214,8 +214,10 @@ Status benchProfiles(Run& run) {
   const FogProfile::Knot knots[] = {{-2, 1}, {3, 0.8}, {6, 0.2}, {20, 0}};
   VOLUTE_ASSIGN(const FogProfile linear, FogProfile::linear(knots));
   VOLUTE_ASSIGN(const FogProfile exponential, FogProfile::exponential(0, 4));
+  const FogProfile::Layer stack[] = {{-5, 2, 1}, {1, 4, 0.5}};
+  VOLUTE_ASSIGN(const FogProfile layers, FogProfile::layers(stack));
   const std::pair<const char*, const FogProfile*> profiles[] = {
-      {"slab", &run.slab}, {"linear", &linear}, {"exponential", &exponential}};
+      {"slab", &run.slab}, {"linear", &linear}, {"exponential", &exponential}, {"layers", &layers}};
   VOLUTE_ASSIGN(const FogMedium base, makeFog(fogMap(64), run.slab));
   for (int degree = 0; degree <= 3; ++degree) {
     for (const auto& [name, profile] : profiles) {
@@ -340,7 +342,7 @@ void benchTable2(Run& run) {
     for (int m = 0; m < 6; ++m) {
       std::vector<std::function<void()>> works{walkAll(plain, &PaperFog::merged, rays, 1)};
       for (const auto& [name, walk] : kWalks) works.push_back(walkAll(fog, walk, rays, kMus[m]));
-      const auto seconds = leastSeconds(works, 3);
+      const auto seconds = leastSeconds(works, 5);
       for (int w = 0; w < 3; ++w) {
         run.add(fmt::format("table 2: {}, {} levels, mu {}; paper {:.2f}", kWalks[w].first, levels,
                             kMus[m], kFrames[levels - 1][m] / 45.0),
@@ -366,7 +368,7 @@ void benchTable3(Run& run) {
       const PaperFog fog(fogMap(row.side), row.degree, levels);
       std::vector<std::function<void()>> works;
       for (const auto& [name, walk] : kWalks) works.push_back(walkAll(fog, walk, rays, 1));
-      const auto seconds = leastSeconds(works, 3);
+      const auto seconds = leastSeconds(works, 5);
       const std::string map =
           fmt::format("table 3: {0} x {0}, degree {1}, {2} levels: ", row.side, row.degree, levels);
       const auto& frames = row.frames[levels - 1];

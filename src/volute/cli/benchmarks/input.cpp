@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <filesystem>
+
 #include "volute/cli/benchmarks/benchmarks.hpp"
 #include "volute/codec/volute_reader.hpp"
 #include "volute/io/volume_source.hpp"
@@ -7,19 +9,21 @@
 
 namespace volute::cli {
 
-Result<std::vector<NamedSequence>> benchSequences(const BenchInput& input, Progress& progress) {
+Result<std::vector<NamedSequence>> benchSequences(const BenchInput& input, Progress& progress,
+                                                  int size) {
   std::vector<NamedSequence> sequences;
   if (!input.volume.empty()) {
     SourceOptions options;
     options.maxMemory = input.maxMemory;
     VOLUTE_ASSIGN(auto source, openSource(input.volume, options));
     VOLUTE_ASSIGN(auto sequence, readAll(*source, input.maxMemory));
-    sequences.push_back({source->info().name, std::move(sequence)});
+    const std::string file = std::filesystem::path(input.volume).stem().string();
+    sequences.push_back({file.empty() ? source->info().name : file, std::move(sequence)});
     return sequences;
   }
   for (const auto& [name, kind] :
        {std::pair{"fire", SynthKind::kFire}, {"smoke", SynthKind::kSmoke}}) {
-    const SynthOptions made{.kind = kind, .size = 64, .frames = 32, .seed = 1, .channels = 1};
+    const SynthOptions made{.kind = kind, .size = size, .frames = 32, .seed = 1, .channels = 1};
     VOLUTE_ASSIGN(auto sequence, synthesize(made, progress));
     sequences.push_back({name, std::move(sequence)});
   }

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "volute/base/parallel.hpp"
 #include "volute/cli/commands/commands.hpp"
@@ -25,8 +26,12 @@ std::string tableText(const Benchmark& benchmark, const std::vector<BenchRow>& r
   for (const BenchRow& row : rows) width = std::max(width, row.name.size());
   std::string text = fmt::format("{}: {}\n", benchmark.name, benchmark.description);
   for (const BenchRow& row : rows) {
-    text += fmt::format("  {:<{}}  {:>12.5g} {:<9}{}\n", row.name, width, row.value, row.unit,
-                        row.ratio ? fmt::format("  {:.3g}x", *row.ratio) : "");
+    std::string line =
+        fmt::format("  {:<{}}  {:>12} {:<9}{:<8}  {}", row.name, width,
+                    std::isnan(row.value) ? std::string("-") : fmt::format("{:.5g}", row.value),
+                    row.unit, row.ratio ? fmt::format("  {:.3g}x", *row.ratio) : "", row.note);
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + '\n';
   }
   return text;
 }
@@ -36,6 +41,9 @@ nlohmann::ordered_json tableJson(const Benchmark& benchmark, const std::vector<B
   for (const BenchRow& row : rows) {
     list.push_back({{"name", row.name}, {"value", jsonNumber(row.value)}, {"unit", row.unit}});
     list.back()["ratio"] = row.ratio ? jsonNumber(*row.ratio) : nlohmann::ordered_json();
+    for (const auto& [key, value] : row.labels) list.back()["labels"][key] = value;
+    if (!row.note.empty())
+      list.back()["note"] = row.note;
   }
   return {
       {"name", benchmark.name}, {"description", benchmark.description}, {"rows", std::move(list)}};
@@ -91,7 +99,9 @@ Command benchCommand() {
           .description =
               "Ratios compare figures of the same run with the baseline that the benchmark names; "
               "figures of different "
-              "machines or runs are not comparable. Without a name all benchmarks run.",
+              "machines or runs are not comparable. Without a name all benchmarks run. "
+              "tools/codec_plot.py draws what `bench codec --json` "
+              "prints.",
           .positionals = {{.name = "NAME",
                            .help = "which benchmarks to run",
                            .several = true,

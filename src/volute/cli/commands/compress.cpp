@@ -23,6 +23,15 @@ ErrorTarget targetOf(const Arguments& arguments) {
   return {Kind::kMaxError, arguments.get<double>("max-error")};
 }
 
+std::vector<std::string_view> modeNames() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const BlockMode& mode : allBlockModes()) all.push_back(shortName(mode));
+    return all;
+  }();
+  return {names.begin(), names.end()};
+}
+
 Report reportOf(const std::string& target, const VolumeInfo& info, const CompressReport& result) {
   const double ratio = static_cast<double>(result.rawBytes) / static_cast<double>(result.fileBytes);
   const double speed = static_cast<double>(result.rawBytes) / 1e6 / std::max(result.seconds, 1e-9);
@@ -73,6 +82,9 @@ Status run(const Arguments& arguments, Context& context) {
   CompressOptions options;
   options.target = targetOf(arguments);
   options.wavelet = arguments.get<std::string>("wavelet");
+  options.fast = arguments.flag("fast");
+  if (const auto mode = arguments.find<std::string>("block-mode"))
+    options.mode = blockModeByName(*mode);
   options.provenance = std::filesystem::path(path).filename().string();
   options.maxMemory = context.maxMemory;
   VOLUTE_ASSIGN(const auto result, compressTo(target, *source, options, context.progress));
@@ -144,9 +156,17 @@ Command compressCommand() {
                   {.name = "wavelet",
                    .kind = kChoice,
                    .value = "NAME",
-                   .help = "transform",
+                   .help = "transform of all blocks; auto: the best one for each",
                    .initial = "auto",
                    .choices = {"auto", "haar", "cdf53", "cdf97"}},
+                  {.name = "fast",
+                   .help = "fewer transforms to choose from: quicker, and a little larger"},
+                  {.name = "block-mode",
+                   .kind = kChoice,
+                   .value = "SUPPORT:WAVELET:TIME",
+                   .help = "one mode for all blocks, to compare: plain or shaped (with an exact "
+                           "support), the wavelet, and how often time is halved",
+                   .choices = modeNames()},
                   {.name = "bounds",
                    .kind = kBounds,
                    .value = "X0,Y0,Z0,X1,Y1,Z1",

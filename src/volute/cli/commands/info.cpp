@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <cmath>
+#include <map>
 
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/volume_input.hpp"
@@ -93,7 +94,42 @@ void addIntegrity(Report& report, const Integrity& integrity, const VoluteReader
            integrityText(integrity, reader));
 }
 
-Result<Report> describeVolute(const std::string& path, Context& context, bool& damaged) {
+// A line for each block: where it is, how it is coded, what it takes.
+void addBlocks(Report& report, const VoluteReader& reader) {
+  const BlockGrid& grid = reader.blocks();
+  nlohmann::ordered_json blocks = nlohmann::ordered_json::array();
+  std::map<std::string, int> modes;
+  std::string text;
+  for (std::size_t i = 0; i < grid.count(); ++i) {
+    const auto origin = grid.origin(i);
+    const auto extents = grid.extents(i);
+    const auto described = reader.describeBlock(i);
+    const std::string mode = described ? *described : "damaged";
+    ++modes[mode];
+    blocks.push_back({{"block", i},
+                      {"origin", {origin[3], origin[2], origin[1]}},
+                      {"size", {extents[3], extents[2], extents[1]}},
+                      {"frames",
+                       {reader.info().frameNumbers[origin[0]],
+                        reader.info().frameNumbers[origin[0] + extents[0] - 1]}},
+                      {"bytes", reader.storedBytes(i)},
+                      {"mode", mode}});
+    text += fmt::format("\n  {:>6}  frames {} to {}, voxels from {}, {}, {}: {} bytes, {}", i,
+                        reader.info().frameNumbers[origin[0]],
+                        reader.info().frameNumbers[origin[0] + extents[0] - 1], origin[3],
+                        origin[2], origin[1], reader.storedBytes(i), mode);
+  }
+  nlohmann::ordered_json counts;
+  std::string countsText;
+  for (const auto& [mode, count] : modes) {
+    counts[mode] = count;
+    countsText += fmt::format("{}{} {}", countsText.empty() ? "" : "; ", count, mode);
+  }
+  report.add("modes", counts, countsText).add("block_list", blocks, text);
+}
+
+Result<Report> describeVolute(const std::string& path, bool blocks, Context& context,
+                              bool& damaged) {
   VoluteReader::Options options;
   options.partial = true;
   options.maxMemory = context.maxMemory;
@@ -105,6 +141,8 @@ Result<Report> describeVolute(const std::string& path, Context& context, bool& d
   addIntegrity(report, integrity, reader);
   addVolume(report, reader.info());
   addHeader(report, reader, std::max(bytes, integrity.expectedBytes));
+  if (blocks)
+    addBlocks(report, reader);
   damaged = damaged || !integrity.complete();
   return report;
 }
@@ -156,7 +194,8 @@ Status run(const Arguments& arguments, Context& context) {
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   const auto& paths = arguments.positionals();
   for (const auto& path : paths) {
-    auto report = isVolutePath(path)    ? describeVolute(path, context, damaged)
+    auto report = isVolutePath(path)
+                      ? describeVolute(path, arguments.flag("blocks"), context, damaged)
                   : isPicturePath(path) ? describePicture(path)
                                         : describeVolume(path, arguments, context);
     VOLUTE_TRY(report);
@@ -190,6 +229,8 @@ Command infoCommand() {
                        .kind = kText,
                        .value = "NAME",
                        .help = "which grid of a file with several"},
+                      {.name = "blocks",
+                       .help = "of a .volute, each block's place, transform and size"},
                       {.name = "values",
                        .help = "read all frames for their minimum, maximum, zeros and values that "
                                "are not finite"}},

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "volute/camera/camera.hpp"
+#include "volute/capture/response.hpp"
+#include "volute/math/box.hpp"
+
+namespace volute {
+
+/// Where the pictures of one camera are, and what their values mean.
+struct PictureSource {
+  std::string image;            ///< the files: %04d, %d or #### stands for the frame; empty: a film
+  std::filesystem::path video;  ///< the film; empty: files
+  int videoStart = 0;           ///< the frame number of the film's first frame
+  std::filesystem::path background;      ///< a picture without the medium; empty: none
+  std::filesystem::path mask;            ///< 0 = ignore the pixel (obstructors); empty: none
+  double gain = 1;                       ///< a factor on its linear values
+  Response response = Response::srgb();  ///< of .png files and films; .exr files are linear
+  /// A channel that reads this or more is saturated: a stored value, 1 = white. Without it 1 for
+  /// .png files, 250/255 for films, and nothing for .exr files.
+  std::optional<double> saturation;
+};
+
+/// One calibrated camera of a capture.
+struct CaptureCamera {
+  std::string name;
+  Camera camera;
+  PictureSource pictures;
+};
+
+/// The place of the volume that is looked for.
+struct CaptureVolume {
+  Box3 bounds;                      ///< outer voxel faces [m]
+  std::array<int, 3> resolution{};  ///< voxels on x, y, z
+};
+
+/// What cameras saw of a medium, and how to read it. Voxel (i, j, k) is centred at
+/// bounds.min + (i + 0.5, j + 0.5, k + 0.5) voxel sizes.
+struct Capture {
+  std::filesystem::path file;  ///< where it was read from
+  std::string kind;            ///< "capture.json", "NeRF transforms", "COLMAP", "OpenCV"
+  double pixelCentre = 0.5;    ///< of the file's coordinates; the cameras have it settled
+  std::vector<CaptureCamera> cameras;
+  std::vector<int> frames;  ///< ascending; those that were chosen
+  int firstFrame = 0;       ///< of the whole capture: its time is 0 s
+  CaptureVolume volume;
+  double white = 1;                  ///< linear radiance of a value of 1
+  std::optional<double> noiseSigma;  ///< of one pixel's channel, as radiance
+  std::vector<int> emptyFrames;      ///< frames without the medium, to estimate backgrounds from
+  std::vector<std::string> remarks;  ///< what a person should know: conventions, unknown keys
+};
+
+/// The position of a camera; nothing when there is none of that name.
+std::optional<std::size_t> findCamera(const Capture& capture, const std::string& name);
+
+}  // namespace volute

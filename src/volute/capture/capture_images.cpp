@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/capture/capture_images.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "volute/capture/background.hpp"
+#include "volute/capture/image_name.hpp"
+#include "volute/image/srgb.hpp"
+#include "volute/io/image_file.hpp"
+
+namespace volute {
+namespace {
+
+/// Light for each of the 2^16 values that a stored one can have.
+std::vector<float> lightTable(const Response& response, double factor) {
+  constexpr int kValues = 1 << 16;
+  std::vector<float> table(kValues);
+  for (int i = 0; i < kValues; ++i)
+    table[i] = static_cast<float>(factor * response.linear(static_cast<double>(i) / (kValues - 1)));
+  return table;
+}
+
+double shareBelowOne(const Image& alpha) {
+  const auto count = std::ranges::count_if(alpha.pixels, [](float a) { return a < 1; });
+  return static_cast<double>(count) / static_cast<double>(alpha.pixels.size());
+}
+
+/// One channel becomes three.
+Image inColour(Image image) {
+  if (image.channels == 3)
+    return image;
+  Image colour(image.width, image.height);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    std::fill_n(&colour.pixels[3 * i], 3, image.pixels[i]);
+  return colour;
+}
+
+}  // namespace
+
+std::string CaptureImages::nameOf(std::size_t camera, int frame) const {
+  return fmt::format("camera {}, frame {}", capture_->cameras[camera].name, frame);
+}
+
+Status CaptureImages::checkSize(std::size_t camera, const Image& image,
+                                const std::string& name) const {
+  const Camera& expected = capture_->cameras[camera].camera;
+  if (image.width == expected.width() && image.height == expected.height())
+    return {};
+  if (image.width == expected.height() && image.height == expected.width()) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: the picture has {} x {} pixels and the calibration says {} x {}: width and "
+                "height are swapped in one of them",
+                name, image.width, image.height, expected.width(), expected.height());
+  }
+  return fail(ErrorCode::kInvalidData,
+              "{}: the picture has {} x {} pixels; the calibration is for {} x {}", name,
+              image.width, image.height, expected.width(), expected.height());
+}
+
+Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
+                                                      const std::filesystem::path& path,
+                                                      const std::string& name) const {
+  const auto& pictures = capture_->cameras[camera].pictures;
+  const ImageReadOptions options{.raw = true, .maxMemory = maxMemory_};
+  Stored stored;
+  stored.linear = path.extension() == ".exr";
+  auto image = readImage(path, options);
+  if (!image)
+    return fail(image.error().code, "{}: {}", name, image.error().message);
+  stored.image = std::move(*image);
+  VOLUTE_TRY(checkSize(camera, stored.image, name));
+  VOLUTE_ASSIGN(const auto alpha, readAlpha(path, options));
+  stored.transparentShare = alpha ? shareBelowOne(*alpha) : 0;
+  if (!stored.linear && stored.transparentShare > 0) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: {:.1f} % of the pixels of {} are transparent, so their light is unknown; "
+                "expected opaque pictures, of the medium over its background",
+                name, 100 * stored.transparentShare, path.string());
+  }
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  stored.saturation = pictures.saturation.value_or(stored.linear ? kNever : 1);
+  return stored;
+}
+
+Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int frame) {
+  const auto& pictures = capture_->cameras[camera].pictures;
+  const std::string name = nameOf(camera, frame);
+  if (pictures.video.empty()) {
+    const std::filesystem::path path = frameFile(pictures.image, frame);
+    std::error_code error;
+    if (!std::filesystem::exists(path, error))
+      return fail(ErrorCode::kNotFound, "{}: there is no picture {}", name, path.string());
+    return readFile(camera, path, name);
+  }
+  auto film = films_.find(camera);
+  if (film == films_.end()) {
+    VOLUTE_ASSIGN(auto opened, FilmFrames::open(pictures.video, maxMemory_));
+    film = films_.emplace(camera, std::move(opened)).first;
+  }
+  const int position = frame - pictures.videoStart;
+  if (position < 0) {
+    return fail(ErrorCode::kNotFound, "{}: the film {} begins with frame {}", name,
+                pictures.video.string(), pictures.videoStart);
+  }
+  auto image = film->second.frame(position);
+  if (!image)
+    return fail(image.error().code, "{}: {}", name, image.error().message);
+  VOLUTE_TRY(checkSize(camera, *image, name));
+  Stored stored;
+  stored.image = std::move(*image);
+  for (float& value : stored.image.pixels) value = static_cast<float>(srgbEncode(value));
+  constexpr double kFilmWhite = 250.0 / 255;  // lossy coding scatters saturated values
+  stored.saturation = pictures.saturation.value_or(kFilmWhite);
+  return stored;
+}
+
+Image CaptureImages::linearised(std::size_t camera, const Stored& stored) const {
+  const auto& pictures = capture_->cameras[camera].pictures;
+  const double factor = capture_->white * pictures.gain;
+  Image image = stored.image;
+  if (stored.linear) {
+    for (float& value : image.pixels) value = static_cast<float>(factor * value);
+  } else {
+    const auto table = lightTable(pictures.response, factor);
+    const float top = static_cast<float>(table.size() - 1);
+    for (float& value : image.pixels)
+      value = table[static_cast<std::size_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * top))];
+  }
+  return inColour(std::move(image));
+}
+
+Status CaptureImages::openMask(std::size_t camera) {
+  const auto& path = capture_->cameras[camera].pictures.mask;
+  if (path.empty())
+    return {};
+  const std::string name = fmt::format("camera {}, mask", capture_->cameras[camera].name);
+  VOLUTE_ASSIGN(const auto image, readImage(path, {.raw = true, .maxMemory = maxMemory_}));
+  VOLUTE_TRY(checkSize(camera, image, name));
+  auto& mask = masks_[camera];
+  mask.resize(image.pixels.size() / static_cast<std::size_t>(image.channels));
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    mask[i / static_cast<std::size_t>(image.channels)] |= image.pixels[i] > 0 ? 1 : 0;
+  if (std::ranges::none_of(mask, [](char m) { return m != 0; })) {
+    return fail(ErrorCode::kInvalidData, "{}: {} is 0 everywhere, so no pixel counts", name,
+                path.string());
+  }
+  return {};
+}
+
+Status CaptureImages::openBackground(std::size_t camera, Progress& progress) {
+  const auto& pictures = capture_->cameras[camera].pictures;
+  if (!pictures.background.empty()) {
+    const std::string name = fmt::format("camera {}, background", capture_->cameras[camera].name);
+    VOLUTE_ASSIGN(const auto stored, readFile(camera, pictures.background, name));
+    backgrounds_[camera] = linearised(camera, stored);
+  } else if (!capture_->emptyFrames.empty()) {
+    const auto& frames = capture_->emptyFrames;
+    VOLUTE_ASSIGN(backgrounds_[camera],
+                  medianImage(frames.size(), maxMemory_, [&](std::size_t i) -> Result<Image> {
+                    progress.report("backgrounds", static_cast<double>(camera * frames.size() + i),
+                                    static_cast<double>(capture_->cameras.size() * frames.size()));
+                    if (progress.cancelled())
+                      return fail(ErrorCode::kCancelled, "stopped: reading backgrounds");
+                    VOLUTE_ASSIGN(const auto stored, readStored(camera, frames[i]));
+                    return linearised(camera, stored);
+                  }));
+  }
+  for (const float value : backgrounds_[camera].pixels) {
+    if (!std::isfinite(value))
+      return fail(ErrorCode::kInvalidData,
+                  "camera {}: its background has a value that is not finite",
+                  capture_->cameras[camera].name);
+  }
+  return {};
+}
+
+Result<CaptureImages> CaptureImages::open(const Capture& capture, std::uint64_t maxMemory,
+                                          Progress& progress) {
+  CaptureImages images(capture, maxMemory);
+  images.masks_.resize(capture.cameras.size());
+  images.backgrounds_.resize(capture.cameras.size());
+  for (std::size_t camera = 0; camera < capture.cameras.size(); ++camera) {
+    VOLUTE_TRY(images.openMask(camera));
+    VOLUTE_TRY(images.openBackground(camera, progress));
+  }
+  return images;
+}
+
+Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
+  VOLUTE_ASSIGN(const Stored stored, readStored(camera, frame));
+  const auto& mask = masks_[camera];
+  const auto& background = backgrounds_[camera].pixels;
+  CameraPicture picture;
+  picture.radiance = linearised(camera, stored);
+  picture.transparentShare = stored.transparentShare;
+  picture.grey = stored.image.channels == 1;
+  const std::size_t channels = static_cast<std::size_t>(stored.image.channels);
+  const std::size_t pixels = stored.image.pixels.size() / channels;
+  picture.weight.assign(pixels, 1);
+  std::size_t masked = 0, saturated = 0;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    float* light = &picture.radiance.pixels[3 * i];
+    const float* values = &stored.image.pixels[channels * i];
+    if (!mask.empty() && !mask[i]) {
+      ++masked;
+      picture.weight[i] = 0;
+      std::fill_n(light, 3, 0.0f);  // whatever stands there, also NaN
+      continue;
+    }
+    if (!std::isfinite(light[0]) || !std::isfinite(light[1]) || !std::isfinite(light[2])) {
+      const auto width = static_cast<std::size_t>(stored.image.width);
+      return fail(
+          ErrorCode::kInvalidData,
+          "{}: the value at pixel ({}, {}) is not finite; mask it (0 = ignore) or render the "
+          "picture again",
+          nameOf(camera, frame), i % width, i / width);
+    }
+    if (*std::max_element(values, values + channels) >= stored.saturation - 1e-6) {
+      ++saturated;
+      picture.weight[i] = 0;
+    }
+    for (int c = 0; c < 3; ++c) {
+      picture.brightest = std::max<double>(picture.brightest, light[c]);
+      if (!background.empty())
+        light[c] -= background[3 * i + static_cast<std::size_t>(c)];
+    }
+  }
+  picture.maskedShare = static_cast<double>(masked) / static_cast<double>(pixels);
+  picture.saturatedShare = static_cast<double>(saturated) /
+                           static_cast<double>(std::max<std::size_t>(1, pixels - masked));
+  return picture;
+}
+
+Status checkPicturesThere(const Capture& capture) {
+  std::string first;
+  int missing = 0, all = 0;
+  for (const int frame : capture.frames) {
+    for (const CaptureCamera& camera : capture.cameras) {
+      if (camera.pictures.image.empty())
+        continue;
+      const auto path = frameFile(camera.pictures.image, frame);
+      std::error_code error;
+      ++all;
+      if (std::filesystem::exists(path, error))
+        continue;
+      if (++missing == 1)
+        first =
+            fmt::format("camera {}, frame {}: there is no picture {}", camera.name, frame, path);
+    }
+  }
+  if (missing == 0)
+    return {};
+  return fail(ErrorCode::kNotFound, "{}; {} of {} pictures are missing", first, missing, all);
+}
+
+}  // namespace volute

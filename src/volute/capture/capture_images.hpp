@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "volute/base/progress.hpp"
+#include "volute/capture/capture.hpp"
+#include "volute/image/image.hpp"
+#include "volute/io/film_frames.hpp"
+
+namespace volute {
+
+/// One camera's picture of one frame as radiance.
+struct CameraPicture {
+  Image radiance;               ///< measured minus background, linear RGB; negative values are kept
+  std::vector<float> weight;    ///< (height, width), 0 = saturated or masked, else 1
+  double brightest = 0;         ///< of the measured channels, background included
+  double saturatedShare = 0;    ///< of the pixels that are not masked
+  double maskedShare = 0;       ///< of all pixels
+  double transparentShare = 0;  ///< of all pixels of an .exr, those with alpha < 1
+  bool grey = false;            ///< one channel in the file
+};
+
+/// Reads the pictures of a capture: makes them linear, applies gain and white, subtracts the
+/// background, and finds what does not count. Every error names the camera and the frame.
+class CaptureImages {
+ public:
+  /// Reads masks and backgrounds; estimates those backgrounds that are not given from the empty
+  /// frames, if there are any. `capture` must outlive it.
+  [[nodiscard]] static Result<CaptureImages> open(const Capture& capture, std::uint64_t maxMemory,
+                                                  Progress& progress);
+
+  /// @param camera  position in the capture.
+  /// @param frame  number; kNotFound when there is no such picture, kInvalidData for a size that is
+  ///   not the camera's, a value that is not finite, or a .png with transparent pixels.
+  [[nodiscard]] Result<CameraPicture> read(std::size_t camera, int frame);
+
+  /// True when the camera's pictures have something subtracted.
+  bool hasBackground(std::size_t camera) const { return !backgrounds_[camera].pixels.empty(); }
+
+ private:
+  /// A picture as it is stored, 1 = white, before anything is made of it.
+  struct Stored {
+    Image image;
+    double saturation = 0;  // a channel that reads this or more is saturated
+    bool linear = false;    // .exr
+    double transparentShare = 0;
+  };
+
+  CaptureImages(const Capture& capture, std::uint64_t maxMemory)
+      : capture_(&capture), maxMemory_(maxMemory) {}
+
+  std::string nameOf(std::size_t camera, int frame) const;
+  [[nodiscard]] Result<Stored> readStored(std::size_t camera, int frame);
+  [[nodiscard]] Result<Stored> readFile(std::size_t camera, const std::filesystem::path& path,
+                                        const std::string& name) const;
+  [[nodiscard]] Status checkSize(std::size_t camera, const Image& image,
+                                 const std::string& name) const;
+  Image linearised(std::size_t camera, const Stored& stored) const;
+  [[nodiscard]] Status openMask(std::size_t camera);
+  [[nodiscard]] Status openBackground(std::size_t camera, Progress& progress);
+
+  const Capture* capture_;
+  std::uint64_t maxMemory_;
+  std::vector<std::vector<char>> masks_;  // 0 = ignore; empty: none
+  std::vector<Image> backgrounds_;        // linear RGB; empty: none
+  std::map<std::size_t, FilmFrames> films_;
+};
+
+/// kNotFound when a picture of a frame is missing: names the first, and how many there are. Films
+/// are not looked into.
+[[nodiscard]] Status checkPicturesThere(const Capture& capture);
+
+}  // namespace volute

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/capture/capture_images.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "volute/capture/background.hpp"
+#include "volute/capture/testing.hpp"
+
+namespace volute {
+namespace {
+
+using testing::failsWith;
+using testing::kHeight;
+using testing::kWidth;
+using testing::ok;
+using testing::ringJson;
+
+class CaptureImagesTest : public ::testing::Test {
+ protected:
+  void SetUp() override { testing::writeRingPictures(folder); }
+
+  /// A picture of the ring's size.
+  Image picture(float value, int channels = 3) const {
+    Image image(kWidth, kHeight, channels);
+    std::ranges::fill(image.pixels, value);
+    return image;
+  }
+
+  void write(const std::string& name, const Image& image) {
+    std::filesystem::remove(folder / name);
+    ASSERT_TRUE(ok(writeImage(folder / name, image)));
+  }
+
+  Result<CameraPicture> readPicture(std::size_t camera, int frame) {
+    testing::writeText(folder / "capture.json", json.dump());
+    VOLUTE_ASSIGN(capture, openCapture(folder / "capture.json", {}));
+    Progress progress;
+    VOLUTE_ASSIGN(auto images, CaptureImages::open(*capture, 1 << 30, progress));
+    return images.read(camera, frame);
+  }
+
+  testing::TempFolder folder;
+  nlohmann::json json = ringJson();
+  std::optional<Capture> capture;
+};
+
+TEST_F(CaptureImagesTest, ReadsRadiance) {
+  json["white"] = 2;
+  json["cameras"][1]["gain"] = 0.5;
+  ASSERT_VALUE(const auto a, readPicture(0, 5));
+  EXPECT_FLOAT_EQ(a.radiance.at(12, 8, 1), 10);
+  ASSERT_VALUE(const auto b, readPicture(1, 4));
+  EXPECT_FLOAT_EQ(b.radiance.at(12, 8, 2), 4.1f);
+  EXPECT_EQ(b.radiance.at(0, 0), 0);
+  EXPECT_EQ(b.saturatedShare, 0);
+  EXPECT_FLOAT_EQ(b.brightest, 4.1f);
+  EXPECT_FALSE(b.grey);
+}
+
+TEST_F(CaptureImagesTest, GreyPicturesBecomeThreeChannels) {
+  write("f_0004_a.exr", picture(0.5f, 1));
+  ASSERT_VALUE(const auto read, readPicture(0, 4));
+  EXPECT_TRUE(read.grey);
+  EXPECT_EQ(read.radiance.channels, 3);
+  EXPECT_EQ(read.radiance.at(3, 3, 2), 0.5f);
+}
+
+TEST_F(CaptureImagesTest, PngValuesBecomeLight) {
+  json["cameras"][0]["image"] = "p_%04d.png";
+  Image light = picture(0.25f);
+  light.at(5, 6, 0) = 1;
+  write("p_0004.png", light);  // written as sRGB
+  for (const auto& [color, factor] : {std::pair("srgb", 1.0), std::pair("linear", 0.5371 / 0.25)}) {
+    json["color"] = color;
+    ASSERT_VALUE(const auto read, readPicture(0, 4));
+    EXPECT_NEAR(read.radiance.at(2, 2, 1), 0.25 * factor, 2e-3);
+    EXPECT_EQ(read.weight[6 * kWidth + 5], 0) << "saturated";
+    EXPECT_EQ(read.weight[0], 1);
+    EXPECT_NEAR(read.saturatedShare, 1.0 / (kWidth * kHeight), 1e-12);
+  }
+  json["saturation"] = 0.5;
+  ASSERT_VALUE(const auto all, readPicture(0, 4));
+  EXPECT_EQ(all.saturatedShare, 1);
+}
+
+TEST_F(CaptureImagesTest, BackgroundsAreSubtractedAndNegativesKept) {
+  json["cameras"][0]["background"] = "back.exr";
+  write("back.exr", picture(0.75f));
+  ASSERT_VALUE(const auto read, readPicture(0, 4));
+  EXPECT_FLOAT_EQ(read.radiance.at(12, 8), 3.25f);
+  EXPECT_FLOAT_EQ(read.radiance.at(0, 0), -0.75f);
+  EXPECT_EQ(read.brightest, 4);
+}
+
+TEST_F(CaptureImagesTest, BackgroundsAreTheMedianOfEmptyFrames) {
+  json["empty_frames"] = {0, 2};
+  for (int frame = 0; frame < 3; ++frame) {
+    for (const char* name : {"a", "b", "c"}) {
+      Image image = picture(0.5f + 0.125f * static_cast<float>(frame));
+      image.at(frame, 0) = 100;  // a spark
+      write(fmt::format("f_{:04d}_{}.exr", frame, name), image);
+    }
+  }
+  ASSERT_VALUE(const auto read, readPicture(2, 5));
+  EXPECT_FLOAT_EQ(read.radiance.at(9, 9), -0.625f);
+  EXPECT_FLOAT_EQ(read.radiance.at(0, 0), -0.75f) << "the spark's frame counts as the brightest";
+}
+
+TEST_F(CaptureImagesTest, MasksTakePixelsOut) {
+  json["cameras"][1]["mask"] = "mask.png";
+  Image mask = picture(1, 1);
+  mask.at(12, 8) = 0;
+  write("mask.png", mask);
+  Image broken = picture(1);
+  broken.at(12, 8) = std::nanf("");
+  write("f_0004_b.exr", broken);
+  ASSERT_VALUE(const auto read, readPicture(1, 4));
+  EXPECT_EQ(read.weight[8 * kWidth + 12], 0);
+  EXPECT_EQ(read.radiance.at(12, 8), 0);
+  EXPECT_NEAR(read.maskedShare, 1.0 / (kWidth * kHeight), 1e-12);
+  write("mask.png", picture(0, 1));
+  EXPECT_TRUE(failsWith(readPicture(1, 4), "camera b, mask"));
+}
+
+TEST_F(CaptureImagesTest, ValuesThatAreNotFiniteAreNamed) {
+  for (const float bad : {std::nanf(""), INFINITY, -INFINITY}) {
+    Image image = picture(0.5f);
+    image.at(7, 3, 1) = bad;
+    write("f_0005_c.exr", image);
+    EXPECT_TRUE(
+        failsWith(readPicture(2, 5), "camera c, frame 5: the value at pixel (7, 3) is not finite"));
+  }
+}
+
+TEST_F(CaptureImagesTest, WrongSizesAreNamed) {
+  write("f_0004_b.exr", Image(kHeight, kWidth));
+  EXPECT_TRUE(failsWith(readPicture(1, 4),
+                        "camera b, frame 4: the picture has 16 x 24 pixels and "
+                        "the calibration says 24 x 16: width and height are "
+                        "swapped"));
+  write("f_0004_b.exr", Image(kWidth, kHeight + 1));
+  EXPECT_TRUE(failsWith(readPicture(1, 4),
+                        "the picture has 24 x 17 pixels; the calibration is for "
+                        "24 x 16"));
+  json["cameras"][0]["background"] = "back.exr";
+  write("back.exr", Image(3, 3));
+  EXPECT_TRUE(failsWith(readPicture(0, 4), "camera a, background: the picture has 3 x 3"));
+}
+
+TEST_F(CaptureImagesTest, MissingViewsAreNamed) {
+  std::filesystem::remove(folder / "f_0005_b.exr");
+  EXPECT_TRUE(failsWith(readPicture(1, 5), "camera b, frame 5: there is no picture"));
+}
+
+TEST_F(CaptureImagesTest, TransparentPngsAreRefused) {
+  // 24 x 16 RGBA, every pixel (255, 128, 0, 127), and the same opaque; from Python's zlib.
+  constexpr const char* kTransparentPng =
+      "89504e470d0a1a0a0000000d49484452000000180000001008060000000c24bf950000001e4944415478"
+      "da63f8dfc0504f4bcc306ac1a805a3168c5a306ac150b00000f600fd1feed142820000000049454e44ae"
+      "426082";
+  constexpr const char* kOpaquePng =
+      "89504e470d0a1a0a0000000d49484452000000180000001008060000000c24bf950000001e4944415478"
+      "da63f8dfc0f09f969861d482510b462d18b560d482a1600100f80bbd2e41ec641e0000000049454e44ae"
+      "426082";
+  const auto bytes = [](const char* hex) {
+    std::string text;
+    for (; *hex; hex += 2) text += static_cast<char>(std::stoi(std::string(hex, 2), nullptr, 16));
+    return text;
+  };
+  json["cameras"][0]["image"] = "t.png";
+  testing::writeBytes(folder / "t.png", bytes(kTransparentPng));
+  EXPECT_TRUE(failsWith(readPicture(0, 4), "camera a, frame 4: 100.0 % of the pixels of"));
+  testing::writeBytes(folder / "t.png", bytes(kOpaquePng));
+  ASSERT_VALUE(const auto read, readPicture(0, 4));
+  EXPECT_EQ(read.transparentShare, 0);
+}
+
+TEST_F(CaptureImagesTest, FilmsAreReadByFrame) {
+  const auto writer = FilmWriter::create(folder / "film.mp4", kWidth, kHeight, 25);
+  if (!writer && writer.error().code == ErrorCode::kUnsupported)
+    GTEST_SKIP() << writer.error().message;
+  ASSERT_TRUE(ok(writer));
+  for (int i = 0; i < 6; ++i)
+    ASSERT_TRUE(ok((*writer)->addFrame(picture(0.1f * static_cast<float>(i)))));
+  ASSERT_TRUE(ok((*writer)->finish()));
+  json["color"] = "srgb";
+  json["cameras"][0].erase("image");
+  json["cameras"][0]["video"] = "film.mp4";
+  json["cameras"][0]["video_start"] = 2;
+  ASSERT_VALUE(const auto four, readPicture(0, 4));
+  EXPECT_NEAR(four.radiance.at(5, 5, 1), 0.2, 0.01);
+  EXPECT_TRUE(failsWith(readPicture(0, 1), "camera a, frame 1: the film"));
+  EXPECT_TRUE(failsWith(readPicture(0, 8), "camera a, frame 8: "));
+  EXPECT_TRUE(failsWith(readPicture(0, 8), "the film has 6 frames; frame 6 was asked for"));
+}
+
+TEST(FilmFrames, AnyOrder) {
+  const testing::TempFolder folder;
+  const auto writer = FilmWriter::create(folder / "film.mp4", 16, 16, 25);
+  if (!writer && writer.error().code == ErrorCode::kUnsupported)
+    GTEST_SKIP() << writer.error().message;
+  for (int i = 0; i < 5; ++i) {
+    Image image(16, 16);
+    std::ranges::fill(image.pixels, 0.2f * static_cast<float>(i));
+    ASSERT_TRUE(ok((*writer)->addFrame(image)));
+  }
+  ASSERT_TRUE(ok((*writer)->finish()));
+  ASSERT_VALUE(auto film, FilmFrames::open(folder / "film.mp4"));
+  for (const int i : {2, 2, 4, 0, 1, 3}) {
+    ASSERT_VALUE(const auto image, film.frame(i));
+    EXPECT_NEAR(image.at(8, 8), 0.2 * i, 0.02) << i;
+  }
+  EXPECT_TRUE(failsWith(film.frame(5), "the film has 5 frames"));
+  EXPECT_TRUE(ok(film.frame(1)));
+}
+
+TEST(Background, MedianOfAnyCount) {
+  const auto value = [](std::size_t i) -> Result<Image> {
+    Image image(1, 1, 1);
+    image.pixels[0] = std::array{9.0f, 1.0f, 4.0f, 2.0f}[i];
+    return image;
+  };
+  EXPECT_EQ(medianImage(1, 1 << 20, value).value().pixels[0], 9);
+  EXPECT_EQ(medianImage(3, 1 << 20, value).value().pixels[0], 4);
+  EXPECT_EQ(medianImage(4, 1 << 20, value).value().pixels[0], 3);
+  EXPECT_EQ(medianImage(4, 1, value).value().pixels[0], 9) << "room for one";
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <algorithm>
+
+#include "volute/capture/importers.hpp"
+#include "volute/capture/json_value.hpp"
+#include "volute/io/frame_pattern.hpp"
+
+namespace volute {
+namespace {
+
+Result<Distortion> readDistortion(const JsonValue& value) {
+  VOLUTE_ASSIGN(const auto k, value.numbers());
+  if (k.size() != 4 && k.size() != 5)
+    return value.fault("expected the 4 or 5 numbers [k1, k2, p1, p2, k3]");
+  return Distortion{k[0], k[1], k[2], k[3], k.size() == 5 ? k[4] : 0};
+}
+
+/// "srgb", "gamma:2.2", or {"table": [...]}.
+Result<Response> readResponse(const JsonValue& value) {
+  if (const auto table = value.find("table")) {
+    VOLUTE_ASSIGN(auto values, table->numbers());
+    auto response = Response::table(std::move(values));
+    return response ? response : Result<Response>(table->fault(response.error().message));
+  }
+  VOLUTE_ASSIGN(const auto name, value.text());
+  auto response = Response::byName(name);
+  return response ? response : Result<Response>(value.fault(response.error().message));
+}
+
+Result<double> readPositive(const JsonValue& value) {
+  VOLUTE_ASSIGN(const double number, value.number());
+  if (!(number > 0))
+    return value.fault(fmt::format("is {}; expected more than 0", number));
+  return number;
+}
+
+Result<int> readSide(const JsonValue& value) {
+  constexpr int kMost = 1 << 16;
+  VOLUTE_ASSIGN(const int side, value.integer());
+  if (side < 1 || side > kMost)
+    return value.fault(fmt::format("is {}; expected 1 to {} pixels", side, kMost));
+  return side;
+}
+
+/// Whole numbers, each greater than the one before and none negative.
+Result<std::vector<int>> readFrames(const JsonValue& value) {
+  VOLUTE_ASSIGN(const auto items, value.items());
+  std::vector<int> frames;
+  for (const JsonValue& item : items) {
+    VOLUTE_ASSIGN(const int frame, item.integer());
+    if (frame < 0 || (!frames.empty() && frame <= frames.back()))
+      return item.fault("expected frame numbers that ascend from 0 on");
+    frames.push_back(frame);
+  }
+  if (frames.empty())
+    return value.fault("expected at least one frame");
+  return frames;
+}
+
+/// [a, b] is a..b inclusive, longer lists are the frames themselves.
+Result<std::vector<int>> readEmptyFrames(const JsonValue& value) {
+  VOLUTE_ASSIGN(auto frames, readFrames(value));
+  if (frames.size() == 2) {
+    constexpr int kMost = 10000;
+    if (frames[1] - frames[0] >= kMost)
+      return value.fault(fmt::format("more than {} frames", kMost));
+    const int last = frames[1];
+    frames.pop_back();
+    while (frames.back() < last) frames.push_back(frames.back() + 1);
+  }
+  return frames;
+}
+
+/// Reads what a camera of ours may have; the paths in it are relative to the file's folder.
+class CameraReader {
+ public:
+  CameraReader(const JsonValue& value, const std::filesystem::path& folder, CameraDraft defaults)
+      : value_(value), folder_(folder), draft_(std::move(defaults)) {
+    draft_.where = value.where();
+  }
+
+  Result<CameraDraft> read() {
+    VOLUTE_ASSIGN(const auto name, value_.at("name"));
+    VOLUTE_ASSIGN(draft_.name, name.text());
+    VOLUTE_TRY(readCalibration());
+    VOLUTE_TRY(readPictures());
+    return draft_;
+  }
+
+ private:
+  Status readCalibration() {
+    Calibration& calibration = draft_.calibration;
+    VOLUTE_ASSIGN(const auto width, value_.at("width"));
+    VOLUTE_ASSIGN(calibration.width, readSide(width));
+    VOLUTE_ASSIGN(const auto height, value_.at("height"));
+    VOLUTE_ASSIGN(calibration.height, readSide(height));
+    VOLUTE_ASSIGN(const auto K, value_.at("K"));
+    VOLUTE_ASSIGN(calibration.K, K.matrix(3, 3));
+    VOLUTE_ASSIGN(const auto R, value_.at("R"));
+    VOLUTE_ASSIGN(calibration.R, R.matrix(3, 3));
+    VOLUTE_ASSIGN(const auto t, value_.at("t"));
+    VOLUTE_ASSIGN(calibration.t, t.vector());
+    if (const auto distortion = value_.find("distortion")) {
+      VOLUTE_ASSIGN(calibration.distortion, readDistortion(*distortion));
+    }
+    return {};
+  }
+
+  Result<std::string> path(const JsonValue& value) const {
+    VOLUTE_ASSIGN(const auto text, value.text());
+    if (text.empty())
+      return value.fault("expected a file's name");
+    return (folder_ / text).string();
+  }
+
+  Status readPictures() {
+    PictureSource& pictures = draft_.pictures;
+    if (const auto image = value_.find("image")) {
+      VOLUTE_ASSIGN(pictures.image, path(*image));
+      if (FramePattern::isPattern(pictures.image) && !FramePattern::parse(pictures.image)) {
+        return image->fault("expected one frame number in the file's name, as %04d, %d or ####");
+      }
+    }
+    if (const auto video = value_.find("video")) {
+      VOLUTE_ASSIGN(pictures.video, path(*video));
+      if (!pictures.image.empty())
+        return video->fault("the camera has an image too; expected one of them");
+    }
+    if (const auto start = value_.find("video_start")) {
+      VOLUTE_ASSIGN(pictures.videoStart, start->integer());
+    }
+    if (const auto background = value_.find("background")) {
+      VOLUTE_ASSIGN(pictures.background, path(*background));
+    }
+    if (const auto mask = value_.find("mask")) {
+      VOLUTE_ASSIGN(pictures.mask, path(*mask));
+    }
+    if (const auto gain = value_.find("gain")) {
+      VOLUTE_ASSIGN(pictures.gain, readPositive(*gain));
+    }
+    if (const auto color = value_.find("color")) {
+      VOLUTE_ASSIGN(pictures.response, readResponse(*color));
+    }
+    if (const auto saturation = value_.find("saturation")) {
+      VOLUTE_ASSIGN(pictures.saturation, readPositive(*saturation));
+    }
+    return {};
+  }
+
+  const JsonValue& value_;
+  const std::filesystem::path& folder_;
+  CameraDraft draft_;
+};
+
+Status readVolume(const JsonValue& value, CaptureDraft& draft) {
+  VOLUTE_ASSIGN(const auto low, value.at("min"));
+  VOLUTE_ASSIGN(const auto high, value.at("max"));
+  Box3 bounds;
+  VOLUTE_ASSIGN(bounds.min, low.vector());
+  VOLUTE_ASSIGN(bounds.max, high.vector());
+  if (bounds.empty())
+    return value.fault("min is not below max on every axis");
+  draft.bounds = bounds;
+  VOLUTE_ASSIGN(const auto resolution, value.at("resolution"));
+  VOLUTE_ASSIGN(const auto sides, resolution.items());
+  if (sides.size() != 3)
+    return resolution.fault("expected three whole numbers, voxels on x, y and z");
+  std::array<int, 3> voxels{};
+  for (int axis = 0; axis < 3; ++axis) {
+    constexpr int kMost = 1 << 14;
+    VOLUTE_ASSIGN(voxels[axis], sides[axis].integer());
+    if (voxels[axis] < 1 || voxels[axis] > kMost)
+      return sides[axis].fault(fmt::format("expected 1 to {} voxels", kMost));
+  }
+  draft.resolution = voxels;
+  return {};
+}
+
+void remarkUnknown(const JsonValue& value, std::initializer_list<std::string_view> known,
+                   CaptureDraft& draft) {
+  for (const auto& key : value.unknownKeys(known))
+    draft.remarks.push_back(fmt::format("{} is not known and ignored", key));
+}
+
+/// What stands before the cameras.
+Status readHead(const JsonValue& root, CaptureDraft& draft, CameraDraft& defaults) {
+  if (const auto centre = root.find("pixel_centre")) {
+    VOLUTE_ASSIGN(draft.pixelCentre, centre->number());
+    if (draft.pixelCentre != 0 && draft.pixelCentre != 0.5)
+      return centre->fault("expected 0.5 or 0: where the centre of the first pixel is");
+  }
+  defaults.calibration.pixelCentre = draft.pixelCentre;
+  if (const auto color = root.find("color")) {
+    VOLUTE_ASSIGN(defaults.pictures.response, readResponse(*color));
+  }
+  if (const auto saturation = root.find("saturation")) {
+    VOLUTE_ASSIGN(defaults.pictures.saturation, readPositive(*saturation));
+  }
+  if (const auto white = root.find("white")) {
+    VOLUTE_ASSIGN(draft.white, readPositive(*white));
+  }
+  if (const auto sigma = root.find("noise_sigma")) {
+    VOLUTE_ASSIGN(draft.noiseSigma, readPositive(*sigma));
+  }
+  if (const auto frames = root.find("frames")) {
+    VOLUTE_ASSIGN(draft.frames, readFrames(*frames));
+  }
+  if (const auto empty = root.find("empty_frames")) {
+    VOLUTE_ASSIGN(draft.emptyFrames, readEmptyFrames(*empty));
+  }
+  if (const auto volume = root.find("volume")) {
+    VOLUTE_TRY(readVolume(*volume, draft));
+    remarkUnknown(*volume, {"min", "max", "resolution"}, draft);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
+                                     const nlohmann::json& json) {
+  const JsonValue root(json, file.string());
+  VOLUTE_ASSIGN(const auto format, root.at("format"));
+  VOLUTE_ASSIGN(const auto name, format.text());
+  if (name != "volute-capture-1")
+    return format.fault(fmt::format("is '{}'; expected 'volute-capture-1'", name));
+  CaptureDraft draft;
+  draft.kind = "capture.json";
+  CameraDraft defaults;
+  VOLUTE_TRY(readHead(root, draft, defaults));
+  remarkUnknown(root,
+                {"format", "color", "white", "pixel_centre", "frames", "volume", "noise_sigma",
+                 "cameras", "empty_frames", "saturation"},
+                draft);
+  VOLUTE_ASSIGN(const auto list, root.at("cameras"));
+  VOLUTE_ASSIGN(const auto cameras, list.items());
+  const auto folder = file.parent_path();
+  for (const JsonValue& camera : cameras) {
+    VOLUTE_ASSIGN(auto read, CameraReader(camera, folder, defaults).read());
+    draft.cameras.push_back(std::move(read));
+    remarkUnknown(camera,
+                  {"name", "image", "width", "height", "K", "R", "t", "distortion", "background",
+                   "mask", "gain", "video", "video_start", "color", "saturation"},
+                  draft);
+  }
+  return draft;
+}
+
+}  // namespace volute

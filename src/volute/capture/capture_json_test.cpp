@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "volute/capture/testing.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::Contains;
+using testing::failsWith;
+using ::testing::HasSubstr;
+using testing::ok;
+using testing::ringCalibration;
+using testing::ringJson;
+using testing::TempFolder;
+
+Result<Capture> openJson(const TempFolder& folder, const nlohmann::json& json,
+                         const CaptureOptions& options = {}) {
+  testing::writeText(folder / "capture.json", json.dump(1));
+  return openCapture(folder / "capture.json", options);
+}
+
+TEST(CaptureJson, IsReadWhole) {
+  const TempFolder folder;
+  auto json = ringJson();
+  json["noise_sigma"] = 0.02;
+  json["white"] = 3;
+  json["color"] = "gamma:2.2";
+  json["cameras"][1]["gain"] = 1.5;
+  json["cameras"][1]["color"] = {{"table", {0, 0.25, 1}}};
+  json["cameras"][1]["distortion"] = {0.1, 0.01, 0.001, -0.001, 0};
+  json["cameras"][1]["background"] = "back.exr";
+  ASSERT_VALUE(const auto capture, openJson(folder, json));
+  EXPECT_EQ(capture.kind, "capture.json");
+  EXPECT_EQ(capture.frames, (std::vector<int>{4, 5}));
+  EXPECT_EQ(capture.noiseSigma, 0.02);
+  EXPECT_EQ(capture.white, 3);
+  EXPECT_EQ(capture.volume.resolution, (std::array<int, 3>{8, 8, 8}));
+  ASSERT_EQ(capture.cameras.size(), 3u);
+  const auto& b = capture.cameras[1];
+  EXPECT_EQ(b.name, "b");
+  EXPECT_EQ(b.pictures.image, (folder / "f_%04d_b.exr").string());
+  EXPECT_EQ(b.pictures.background, folder / "back.exr");
+  EXPECT_EQ(b.pictures.gain, 1.5);
+  EXPECT_EQ(b.pictures.response.name(), "table of 3 values");
+  EXPECT_EQ(b.camera.distortion(), (Distortion{0.1, 0.01, 0.001, -0.001, 0}));
+  EXPECT_NEAR((b.camera.intrinsics() - ringCalibration(1, 3).K).norm(), 0, 1e-12);
+  EXPECT_EQ(capture.cameras[0].pictures.response.name(), "gamma:2.2");
+  EXPECT_THAT(capture.remarks, Contains(HasSubstr("pixel centres at 0.5")));
+}
+
+TEST(CaptureJson, EveryErrorNamesItsPlace) {
+  const TempFolder folder;
+
+  struct Case {
+    const char* pointer;
+    nlohmann::json value;
+    const char* message;
+  };
+
+  const Case cases[] = {
+      {"/format", "volute-capture-9", "capture.json: format: is 'volute-capture-9'"},
+      {"/color", "rec709", "color: 'rec709' is no known response"},
+      {"/white", 0, "white: is 0; expected more than 0"},
+      {"/pixel_centre", 0.25, "pixel_centre: expected 0.5 or 0"},
+      {"/frames", {5, 4}, "frames[1]: expected frame numbers that ascend"},
+      {"/frames", nlohmann::json::array(), "frames: expected at least one frame"},
+      {"/volume/min", {1, -1, -1}, "volume: min is not below max"},
+      {"/volume/resolution/2", 0, "volume.resolution[2]: expected 1 to"},
+      {"/volume/resolution", {4, 4}, "volume.resolution: expected three"},
+      {"/cameras/2/name", 3, "cameras[2].name: expected a text"},
+      {"/cameras/2/name", "a", "cameras[2]: a second camera 'a'"},
+      {"/cameras/1/width", -3, "cameras[1].width: is -3"},
+      {"/cameras/1/K/1", {0, 1}, "cameras[1].K[1]: expected 3 numbers"},
+      {"/cameras/1/K/1/2", "x", "cameras[1].K[1][2]: expected a number"},
+      {"/cameras/1/t", {1, 2}, "cameras[1].t: expected 3 numbers"},
+      {"/cameras/1/gain", -1, "cameras[1].gain: is -1"},
+      {"/cameras/1/distortion", {1, 2}, "cameras[1].distortion: expected the 4 or 5 numbers"},
+      {"/cameras/1/image", "a_%d_%d.exr", "cameras[1].image: expected one frame number"},
+      {"/cameras/0/video", "a.mp4", "cameras[0].video: the camera has an image too"},
+      {"/cameras/0/color", {{"table", {1, 0}}}, "cameras[0].color.table: expected at least two"},
+      {"/cameras", 7, "cameras: expected a list"},
+  };
+  for (const Case& wrong : cases) {
+    auto json = ringJson();
+    json[nlohmann::json::json_pointer(wrong.pointer)] = wrong.value;
+    EXPECT_TRUE(failsWith(openJson(folder, json), wrong.message)) << wrong.pointer;
+  }
+}
+
+TEST(CaptureJson, MissingPartsAreNamed) {
+  const TempFolder folder;
+  for (const char* key : {"name", "width", "height", "K", "R", "t"}) {
+    auto json = ringJson();
+    json["cameras"][1].erase(key);
+    EXPECT_TRUE(failsWith(openJson(folder, json), fmt::format("cameras[1]: '{}' is missing", key)));
+  }
+  auto json = ringJson();
+  json["cameras"][2].erase("image");
+  EXPECT_TRUE(failsWith(openJson(folder, json), "cameras[2] (c): has no pictures"));
+  json = ringJson();
+  json.erase("volume");
+  EXPECT_TRUE(failsWith(openJson(folder, json), "--bounds"));
+  json["cameras"].clear();
+  EXPECT_TRUE(failsWith(openJson(folder, json), "has no cameras"));
+}
+
+TEST(CaptureJson, ImpossibleCamerasAreNamed) {
+  const TempFolder folder;
+  auto json = ringJson();
+  for (auto& value : json["cameras"][1]["R"][0]) value = -value.get<double>();
+  EXPECT_TRUE(failsWith(openJson(folder, json), "cameras[1] (b): R is mirrored (determinant -1)"));
+  json = ringJson();
+  for (auto& value : json["cameras"][2]["R"][0]) value = 1.1 * value.get<double>();
+  EXPECT_TRUE(failsWith(openJson(folder, json),
+                        "cameras[2] (c): R is no rotation: R R' is off the "
+                        "identity by 0.21"));
+}
+
+TEST(CaptureJson, UnknownKeysAreRemarked) {
+  const TempFolder folder;
+  auto json = ringJson();
+  json["cameras"][1]["distorsion"] = {0, 0, 0, 0, 0};
+  ASSERT_VALUE(const auto capture, openJson(folder, json));
+  EXPECT_THAT(capture.remarks, Contains("cameras[1].distorsion is not known and ignored"));
+}
+
+TEST(CaptureJson, OptionsGoBeforeTheFile) {
+  const TempFolder folder;
+  CaptureOptions options;
+  options.bounds = Box3{Vec3(-2, -1, 0), Vec3(2, 1, 1)};
+  options.resolution = {16, 0, 0};
+  options.images = "elsewhere/{camera}_####.png";
+  options.frames = {5, 9, 1};
+  options.response = Response();
+  ASSERT_VALUE(const auto capture, openJson(folder, ringJson(), options));
+  EXPECT_EQ(capture.volume.bounds.max, Vec3(2, 1, 1));
+  EXPECT_EQ(capture.volume.resolution, (std::array<int, 3>{16, 8, 4}));
+  EXPECT_EQ(capture.cameras[2].pictures.image, "elsewhere/c_####.png");
+  EXPECT_EQ(capture.frames, (std::vector<int>{5}));
+  options.frames = {7, 9, 1};
+  EXPECT_TRUE(failsWith(openJson(folder, ringJson(), options), "the capture has frames 4 to 5"));
+}
+
+TEST(CaptureJson, FramesAreThoseOfThePictures) {
+  const TempFolder folder;
+  testing::writeRingPictures(folder);
+  auto json = ringJson();
+  json.erase("frames");
+  ASSERT_VALUE(const auto capture, openJson(folder, json));
+  EXPECT_EQ(capture.frames, (std::vector<int>{4, 5}));
+  json["cameras"][0]["image"] = "g_%04d.exr";
+  json["cameras"][1]["image"] = "g_%04d.exr";
+  json["cameras"][2]["image"] = "g_%04d.exr";
+  EXPECT_TRUE(failsWith(openJson(folder, json), "no picture is called"));
+}
+
+TEST(CaptureJson, TwoEmptyFramesAreARange) {
+  const TempFolder folder;
+  auto json = ringJson();
+  json["empty_frames"] = {0, 3};
+  EXPECT_EQ(openJson(folder, json).value().emptyFrames, (std::vector<int>{0, 1, 2, 3}));
+  json["empty_frames"] = {0, 3, 8};
+  EXPECT_EQ(openJson(folder, json).value().emptyFrames, (std::vector<int>{0, 3, 8}));
+}
+
+TEST(CaptureJson, OtherFilesAreNoCaptures) {
+  const TempFolder folder;
+  testing::writeText(folder / "x.json", "{\"a\": 1}");
+  EXPECT_TRUE(failsWith(openCapture(folder / "x.json", {}), "no capture; expected"));
+  testing::writeText(folder / "x.json", "{\"a\": ");
+  EXPECT_TRUE(failsWith(openCapture(folder / "x.json", {}), "line 1 is no valid JSON"));
+  testing::writeText(folder / "x.dat", "");
+  EXPECT_TRUE(failsWith(openCapture(folder / "x.dat", {}), "not a known kind of calibration"));
+  EXPECT_TRUE(failsWith(openCapture(folder / "none.json", {}), "there is no such file"));
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/capture/colmap_files.hpp"
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <sstream>
+
+#include "volute/base/input_file.hpp"
+
+namespace volute {
+namespace {
+
+// In the order of COLMAP's numbers, with how many parameters each has.
+struct Model {
+  std::string_view name;
+  int parameters;
+};
+
+constexpr std::array<Model, 11> kModels{{{"SIMPLE_PINHOLE", 3},
+                                         {"PINHOLE", 4},
+                                         {"SIMPLE_RADIAL", 4},
+                                         {"RADIAL", 5},
+                                         {"OPENCV", 8},
+                                         {"OPENCV_FISHEYE", 8},
+                                         {"FULL_OPENCV", 12},
+                                         {"FOV", 5},
+                                         {"SIMPLE_RADIAL_FISHEYE", 4},
+                                         {"RADIAL_FISHEYE", 5},
+                                         {"THIN_PRISM_FISHEYE", 12}}};
+
+Result<std::string> readWhole(const std::filesystem::path& path) {
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
+  if (file.size() > kMostBytes)
+    return fail(ErrorCode::kTooLarge, "{}: {} bytes are too many for a COLMAP model", path.string(),
+                file.size());
+  std::string text(file.size(), '\0');
+  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
+  return text;
+}
+
+bool toNumber(const std::string& text, double& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+template <class Number>
+bool toWhole(const std::string& text, Number& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+std::vector<std::string> wordsOf(const std::string& line) {
+  std::istringstream stream(line);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+/// Lines with their numbers; comments left out, empty lines kept.
+struct Line {
+  int number = 0;
+  std::vector<std::string> words;
+};
+
+std::vector<Line> linesOf(const std::string& text) {
+  std::vector<Line> lines;
+  std::istringstream stream(text);
+  int number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    if (!line.starts_with('#'))
+      lines.push_back({number, wordsOf(line)});
+  }
+  return lines;
+}
+
+Status readCamerasText(const std::filesystem::path& path, ColmapModel& model) {
+  VOLUTE_ASSIGN(const std::string text, readWhole(path));
+  for (const Line& line : linesOf(text)) {
+    if (line.words.empty())
+      continue;
+    ColmapCamera camera;
+    std::uint32_t id = 0;
+    bool good = line.words.size() >= 5 && toWhole(line.words[0], id) &&
+                toWhole(line.words[2], camera.width) && toWhole(line.words[3], camera.height);
+    if (good)
+      camera.model = line.words[1];
+    for (std::size_t i = 4; good && i < line.words.size(); ++i)
+      good = toNumber(line.words[i], camera.parameters.emplace_back());
+    if (!good) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: line {}: expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS", path.string(),
+                  line.number);
+    }
+    model.cameras[id] = std::move(camera);
+  }
+  return {};
+}
+
+bool parseImage(const Line& line, ColmapImage& image) {
+  if (line.words.size() < 10)
+    return false;
+  std::array<double, 7> pose{};
+  for (std::size_t i = 0; i < pose.size(); ++i) {
+    if (!toNumber(line.words[i + 1], pose[i]))
+      return false;
+  }
+  std::uint32_t id = 0;
+  double number = 0;
+  if (!toWhole(line.words[0], id) || !toWhole(line.words[8], image.camera) ||
+      toNumber(line.words[9], number)) {
+    return false;
+  }
+  image.name = line.words[9];
+  for (std::size_t i = 10; i < line.words.size(); ++i) image.name += " " + line.words[i];
+  image.rotation = {pose[0], pose[1], pose[2], pose[3]};
+  image.translation = Vec3(pose[4], pose[5], pose[6]);
+  return true;
+}
+
+/// Each image has a line of its own and one of points, which may be empty and which some tools
+/// leave out.
+Status readImagesText(const std::filesystem::path& path, ColmapModel& model) {
+  VOLUTE_ASSIGN(const std::string text, readWhole(path));
+  bool pointsMayFollow = false;
+  for (const Line& line : linesOf(text)) {
+    ColmapImage image;
+    if (parseImage(line, image)) {
+      image.where = fmt::format("{}: line {}", path.string(), line.number);
+      model.images.push_back(std::move(image));
+      pointsMayFollow = true;
+      continue;
+    }
+    const bool points = line.words.empty() || (pointsMayFollow && line.words.size() % 3 == 0);
+    if (!points) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: line {}: expected IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME",
+                  path.string(), line.number);
+    }
+    pointsMayFollow = false;
+  }
+  return {};
+}
+
+/// Little-endian values one after another; after the end all are zero and ok() is false.
+class Bytes {
+ public:
+  explicit Bytes(const std::string& bytes) : bytes_(bytes) {}
+
+  template <class T>
+  T take() {
+    static_assert(std::endian::native == std::endian::little);
+    T value{};
+    if (bytes_.size() - at_ < sizeof(T)) {
+      ok_ = false;
+      return value;
+    }
+    std::memcpy(&value, bytes_.data() + at_, sizeof(T));
+    at_ += sizeof(T);
+    return value;
+  }
+
+  std::string takeText() {
+    const auto end = bytes_.find('\0', at_);
+    if (end == std::string::npos) {
+      ok_ = false;
+      return "";
+    }
+    std::string text = bytes_.substr(at_, end - at_);
+    at_ = end + 1;
+    return text;
+  }
+
+  void skip(std::uint64_t count, std::uint64_t size) {
+    if ((bytes_.size() - at_) / size < count) {
+      ok_ = false;
+    } else {
+      at_ += count * size;
+    }
+  }
+
+  bool ok() const { return ok_; }
+
+  bool atEnd() const { return at_ == bytes_.size(); }
+
+  std::size_t at() const { return at_; }
+
+ private:
+  const std::string& bytes_;
+  std::size_t at_ = 0;
+  bool ok_ = true;
+};
+
+tl::unexpected<Error> damaged(const std::filesystem::path& path, const Bytes& bytes) {
+  return fail(ErrorCode::kTruncated, "{}: byte {}: no whole COLMAP model; the file is damaged",
+              path.string(), bytes.at());
+}
+
+Status readCamerasBinary(const std::filesystem::path& path, ColmapModel& model) {
+  VOLUTE_ASSIGN(const std::string text, readWhole(path));
+  Bytes bytes(text);
+  const auto count = bytes.take<std::uint64_t>();
+  for (std::uint64_t i = 0; i < count && bytes.ok(); ++i) {
+    const auto id = bytes.take<std::uint32_t>();
+    const auto number = bytes.take<std::int32_t>();
+    if (!bytes.ok() || number < 0 || number >= static_cast<int>(kModels.size()))
+      return damaged(path, bytes);
+    ColmapCamera camera;
+    camera.model = kModels[static_cast<std::size_t>(number)].name;
+    const auto width = bytes.take<std::uint64_t>(), height = bytes.take<std::uint64_t>();
+    if (width > 1 << 20 || height > 1 << 20)
+      return damaged(path, bytes);
+    camera.width = static_cast<int>(width), camera.height = static_cast<int>(height);
+    for (int k = 0; k < kModels[static_cast<std::size_t>(number)].parameters; ++k)
+      camera.parameters.push_back(bytes.take<double>());
+    model.cameras[id] = std::move(camera);
+  }
+  if (!bytes.ok() || !bytes.atEnd())
+    return damaged(path, bytes);
+  return {};
+}
+
+Status readImagesBinary(const std::filesystem::path& path, ColmapModel& model) {
+  VOLUTE_ASSIGN(const std::string text, readWhole(path));
+  Bytes bytes(text);
+  const auto count = bytes.take<std::uint64_t>();
+  for (std::uint64_t i = 0; i < count && bytes.ok(); ++i) {
+    ColmapImage image;
+    image.where = fmt::format("{}: image {}", path.string(), bytes.take<std::uint32_t>());
+    for (double& value : image.rotation) value = bytes.take<double>();
+    for (int axis = 0; axis < 3; ++axis) image.translation[axis] = bytes.take<double>();
+    image.camera = bytes.take<std::uint32_t>();
+    image.name = bytes.takeText();
+    bytes.skip(bytes.take<std::uint64_t>(), 24);  // x, y and the point's number
+    if (bytes.ok())
+      model.images.push_back(std::move(image));
+  }
+  if (!bytes.ok() || !bytes.atEnd())
+    return damaged(path, bytes);
+  return {};
+}
+
+}  // namespace
+
+Result<ColmapModel> readColmapFiles(const std::filesystem::path& folder) {
+  std::error_code error;
+  ColmapModel model;
+  if (std::filesystem::exists(folder / "cameras.txt", error)) {
+    VOLUTE_TRY(readCamerasText(folder / "cameras.txt", model));
+    VOLUTE_TRY(readImagesText(folder / "images.txt", model));
+  } else if (std::filesystem::exists(folder / "cameras.bin", error)) {
+    VOLUTE_TRY(readCamerasBinary(folder / "cameras.bin", model));
+    VOLUTE_TRY(readImagesBinary(folder / "images.bin", model));
+  } else {
+    return fail(ErrorCode::kNotFound,
+                "{}: no COLMAP model in this folder; expected cameras.txt and images.txt, or .bin",
+                folder.string());
+  }
+  return model;
+}
+
+}  // namespace volute

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/capture/geometry_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include "volute/capture/testing.hpp"
+
+namespace volute {
+namespace {
+
+using testing::ringJson;
+using testing::TempFolder;
+
+/// The faults of the ring with a change.
+std::vector<GeometryFault> faultsWith(const std::function<void(nlohmann::json&)>& change) {
+  const TempFolder folder;
+  auto json = ringJson();
+  change(json);
+  testing::writeText(folder / "capture.json", json.dump());
+  const auto capture = openCapture(folder / "capture.json", {});
+  if (!capture)
+    return {{"", capture.error().message}};
+  return checkGeometry(*capture);
+}
+
+void expectFault(const std::function<void(nlohmann::json&)>& change, const std::string& camera,
+                 const std::string& part) {
+  const auto faults = faultsWith(change);
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(faults[0].camera, camera);
+  EXPECT_NE(faults[0].message.find("camera " + camera), std::string::npos) << faults[0].message;
+  EXPECT_NE(faults[0].message.find(part), std::string::npos) << faults[0].message;
+}
+
+void scale(nlohmann::json& vector, double factor) {
+  for (auto& value : vector) value = factor * value.get<double>();
+}
+
+TEST(GeometryCheck, CleanCapturesHaveNoFault) {
+  EXPECT_TRUE(faultsWith([](nlohmann::json&) {}).empty());
+}
+
+TEST(GeometryCheck, CentimetresForMetres) {
+  expectFault([](auto& json) { scale(json["cameras"][1]["t"], 100); }, "b",
+              "covers only 0.2 of 24 pixels: the camera stands 401.1 m from the centre of a volume "
+              "of 2 x 2 x 2 m; is one of them in centimetres");
+  const auto inside = faultsWith([](auto& json) {
+    scale(json["volume"]["min"], 100);
+    scale(json["volume"]["max"], 100);
+  });
+  ASSERT_EQ(inside.size(), 3u);
+  EXPECT_NE(inside[2].message.find("camera c: the camera stands inside the volume"),
+            std::string::npos);
+}
+
+TEST(GeometryCheck, VolumeBehindTheCamera) {
+  expectFault(
+      [](auto& json) {
+        auto& R = json["cameras"][2]["R"];
+        scale(R[0], -1);  // turned around its vertical axis
+        scale(R[2], -1);
+        // Its place stays: t = -R eye.
+        json["cameras"][2]["t"][0] = -json["cameras"][2]["t"][0].template get<double>();
+        json["cameras"][2]["t"][2] = -json["cameras"][2]["t"][2].template get<double>();
+      },
+      "c", "the volume lies behind the camera, its centre 4.045 m behind");
+}
+
+TEST(GeometryCheck, VolumeOutsideTheImage) {
+  expectFault([](auto& json) { json["cameras"][0]["t"][0] = 9; }, "a",
+              "the volume lies outside the image: it would appear at x");
+}
+
+TEST(GeometryCheck, WidthAndHeightSwapped) {
+  expectFault(
+      [](auto& json) {
+        json["cameras"][0]["width"] = 16;
+        json["cameras"][0]["height"] = 24;
+      },
+      "a", "the principal point (12.0, 8.0) is far off the middle of 16 x 24 pixels");
+}
+
+TEST(GeometryCheck, PartlyVisibleVolumesAreFine) {
+  EXPECT_TRUE(faultsWith([](auto& json) { json["cameras"][0]["t"][0] = 1; }).empty());
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "volute/base/result.hpp"
+#include "volute/capture/capture.hpp"
+
+// What the readers of calibrations give to openCapture(), which completes and checks it.
+
+namespace volute {
+
+/// A camera as its file has it.
+struct CameraDraft {
+  std::string name;         ///< empty: from pictureName and the pattern of the images
+  std::string pictureName;  ///< as the calibration calls its picture; may be empty
+  std::string where;        ///< for messages: "capture.json: cameras[3]"
+  Calibration calibration;  ///< width and height 0: those of its pictures
+  PictureSource pictures;   ///< paths are ready to open; no image: from the pattern of the images
+};
+
+/// A capture whose cameras are not made yet.
+struct CaptureDraft {
+  std::string kind;
+  double pixelCentre = 0.5;
+  std::vector<CameraDraft> cameras;
+  std::optional<std::vector<int>> frames;
+  std::optional<Box3> bounds;
+  std::optional<std::array<int, 3>> resolution;
+  double white = 1;
+  std::optional<double> noiseSigma;
+  std::vector<int> emptyFrames;
+  std::vector<std::string> remarks;
+};
+
+/// Volute's own format, "volute-capture-1" (docs/capture.md). Errors name the path in the JSON.
+[[nodiscard]] Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
+                                                   const nlohmann::json& json);
+
+/// transforms.json as NeRF tools write it: camera to world, x right, y up, z backward; pixel
+/// centres at 0.5; intrinsics in each frame, or once for all.
+[[nodiscard]] Result<CaptureDraft> readNerfTransforms(const std::filesystem::path& file,
+                                                      const nlohmann::json& json);
+
+/// A COLMAP model: the folder with cameras and images as .txt or .bin. Pixel centres at 0.5.
+[[nodiscard]] Result<CaptureDraft> readColmap(const std::filesystem::path& folder);
+
+/// OpenCV FileStorage, YAML or JSON: matrices K_NAME, D_NAME, R_NAME, T_NAME for each camera, world
+/// to camera. Pixel centres at 0.
+[[nodiscard]] Result<CaptureDraft> readOpenCv(const std::filesystem::path& file);
+
+}  // namespace volute

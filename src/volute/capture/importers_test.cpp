@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/capture/importers.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "volute/capture/testing.hpp"
+#include "volute/io/json_file.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::Contains;
+using testing::failsWith;
+using ::testing::HasSubstr;
+using testing::ok;
+using testing::ringCalibration;
+using testing::ringJson;
+using testing::TempFolder;
+using testing::writeText;
+
+constexpr int kCameras = 3;
+
+std::string nameOf(int i) {
+  return std::string(1, static_cast<char>('a' + i));
+}
+
+std::string digits(double value) {
+  return fmt::format("{:.17g}", value);
+}
+
+void writeNerf(const TempFolder& folder, bool common) {
+  nlohmann::json json = {{"frames", nlohmann::json::array()}, {"aabb_scale", 2}};
+  for (int i = 0; i < kCameras; ++i) {
+    const Calibration c = ringCalibration(i, kCameras);
+    Mat4 toWorld = Mat4::Identity();
+    toWorld.topLeftCorner<3, 3>() = c.R.transpose() * Vec3(1, -1, -1).asDiagonal();
+    toWorld.block<3, 1>(0, 3) = -c.R.transpose() * c.t;
+    nlohmann::json frame = {{"file_path", "pictures/f_####_" + nameOf(i) + ".exr"},
+                            {"transform_matrix", testing::toJson(toWorld)},
+                            {"fl_x", c.K(0, 0)},
+                            {"fl_y", c.K(1, 1)},
+                            {"cx", c.K(0, 2)},
+                            {"cy", c.K(1, 2)}};
+    nlohmann::json& sizes = common ? json : frame;
+    sizes["w"] = testing::kWidth;
+    sizes["h"] = testing::kHeight;
+    json["frames"].push_back(frame);
+  }
+  writeText(folder / "transforms.json", json.dump());
+}
+
+template <class T>
+void put(std::string& bytes, T value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+void writeColmapBinary(const TempFolder& folder) {
+  std::string cameras, images;
+  put<std::uint64_t>(cameras, kCameras);
+  put<std::uint64_t>(images, kCameras);
+  for (int i = 0; i < kCameras; ++i) {
+    const Calibration c = ringCalibration(i, kCameras);
+    put<std::uint32_t>(cameras, static_cast<std::uint32_t>(i + 1));
+    put<std::int32_t>(cameras, 1);
+    put<std::uint64_t>(cameras, testing::kWidth);
+    put<std::uint64_t>(cameras, testing::kHeight);
+    for (const double p : {c.K(0, 0), c.K(1, 1), c.K(0, 2), c.K(1, 2)}) put(cameras, p);
+    const Eigen::Quaterniond q(c.R);
+    put<std::uint32_t>(images, static_cast<std::uint32_t>(i + 1));
+    for (const double v : {q.w(), q.x(), q.y(), q.z(), c.t.x(), c.t.y(), c.t.z()}) put(images, v);
+    put<std::uint32_t>(images, static_cast<std::uint32_t>(i + 1));
+    images += "f_0004_" + nameOf(i) + ".exr";
+    images += '\0';
+    put<std::uint64_t>(images, 2);
+    images += std::string(48, 'x');
+  }
+  std::filesystem::create_directory(folder / "bin");
+  writeText(folder / "bin" / "cameras.bin", cameras);
+  writeText(folder / "bin" / "images.bin", images);
+}
+
+void writeColmapText(const TempFolder& folder, const std::string& points) {
+  std::string cameras = "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n";
+  std::string images = "# two lines an image\n";
+  for (int i = 0; i < kCameras; ++i) {
+    const Calibration c = ringCalibration(i, kCameras);
+    cameras +=
+        fmt::format("{} PINHOLE {} {} {} {} {} {}\n", i + 1, testing::kWidth, testing::kHeight,
+                    digits(c.K(0, 0)), digits(c.K(1, 1)), digits(c.K(0, 2)), digits(c.K(1, 2)));
+    const Eigen::Quaterniond q(c.R);
+    images += fmt::format("{} {} {} {} {} {} {} {} {} f_0004_{}.exr\n{}", i + 1, digits(q.w()),
+                          digits(q.x()), digits(q.y()), digits(q.z()), digits(c.t.x()),
+                          digits(c.t.y()), digits(c.t.z()), i + 1, nameOf(i), points);
+  }
+  std::filesystem::create_directory(folder / "text");
+  writeText(folder / "text" / "cameras.txt", cameras);
+  writeText(folder / "text" / "images.txt", images);
+}
+
+std::string openCvMatrix(const std::string& name, const Eigen::MatrixXd& m, bool json) {
+  std::vector<std::string> values;
+  for (int i = 0; i < m.rows(); ++i) {
+    for (int j = 0; j < m.cols(); ++j) values.push_back(digits(m(i, j)));
+  }
+  const auto data = fmt::format("[ {} ]", fmt::join(values, ", "));
+  if (json) {
+    return fmt::format(
+        "\"{}\": {{\"type_id\": \"opencv-matrix\", \"rows\": {}, \"cols\": {}, \"dt\": \"d\", "
+        "\"data\": {}}}",
+        name, m.rows(), m.cols(), data);
+  }
+  return fmt::format("{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n   data: {}\n", name,
+                     m.rows(), m.cols(), data);
+}
+
+std::vector<std::string> openCvEntries(bool json) {
+  std::vector<std::string> entries;
+  for (int i = 0; i < kCameras; ++i) {
+    Calibration c = ringCalibration(i, kCameras);
+    c.K(0, 2) -= 0.5;  // OpenCV's centres
+    c.K(1, 2) -= 0.5;
+    entries.push_back(openCvMatrix("K_" + nameOf(i), c.K, json));
+    entries.push_back(openCvMatrix("D_" + nameOf(i), Eigen::MatrixXd::Zero(1, 5), json));
+    entries.push_back(openCvMatrix("R_" + nameOf(i), c.R, json));
+    entries.push_back(openCvMatrix("T_" + nameOf(i), c.t, json));
+  }
+  return entries;
+}
+
+/// The same cameras, pictures, frames and volume, to rounding.
+void expectSame(const Capture& a, const Capture& b) {
+  ASSERT_EQ(a.cameras.size(), b.cameras.size());
+  for (std::size_t i = 0; i < a.cameras.size(); ++i) {
+    const auto &x = a.cameras[i], &y = b.cameras[i];
+    EXPECT_EQ(x.name, y.name);
+    EXPECT_EQ(x.pictures.image, y.pictures.image);
+    EXPECT_EQ(x.camera.width(), y.camera.width());
+    EXPECT_EQ(x.camera.height(), y.camera.height());
+    EXPECT_NEAR((x.camera.intrinsics() - y.camera.intrinsics()).norm(), 0, 1e-10);
+    EXPECT_NEAR((x.camera.rotation() - y.camera.rotation()).norm(), 0, 1e-12);
+    EXPECT_NEAR((x.camera.eye() - y.camera.eye()).norm(), 0, 1e-12);
+  }
+  EXPECT_EQ(a.frames, b.frames);
+  EXPECT_EQ(a.volume.bounds.min, b.volume.bounds.min);
+  EXPECT_EQ(a.volume.resolution, b.volume.resolution);
+}
+
+class Importers : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    testing::writeRingPictures(folder);
+    writeText(folder / "capture.json", ringJson().dump());
+    options.images = (folder / "f_%04d_{camera}.exr").string();
+    options.bounds = Box3{Vec3(-1, -1, -1), Vec3(1, 1, 1)};
+    options.resolution = {8, 8, 8};
+  }
+
+  void expectOurs(const std::filesystem::path& file, const std::string& convention) {
+    ASSERT_VALUE(const auto ours, openCapture(folder / "capture.json", options));
+    ASSERT_VALUE(const auto other, openCapture(file, options));
+    expectSame(ours, other);
+    EXPECT_THAT(other.remarks, Contains(HasSubstr(convention)));
+  }
+
+  TempFolder folder;
+  CaptureOptions options;
+};
+
+TEST_F(Importers, NerfTransforms) {
+  for (const bool common : {false, true}) {
+    writeNerf(folder, common);
+    expectOurs(folder / "transforms.json", "NeRF transforms: 3 cameras, pixel centres at 0.5");
+  }
+}
+
+TEST_F(Importers, ColmapTextAndBinary) {
+  writeColmapBinary(folder);
+  expectOurs(folder / "bin", "COLMAP: 3 cameras, pixel centres at 0.5");
+  expectOurs(folder / "bin" / "images.bin", "COLMAP");
+  for (const char* points : {"\n", "1.5 2.5 -1 3 4 17\n", ""}) {
+    writeColmapText(folder, points);
+    expectOurs(folder / "text", "COLMAP");
+  }
+}
+
+TEST_F(Importers, OpenCvYamlAndJson) {
+  for (const char* start : {"%YAML:1.0\n---\n", "%YAML:1.0\n"}) {
+    writeText(folder / "cameras.yml",
+              fmt::format("{}{}", start, fmt::join(openCvEntries(false), "")));
+    expectOurs(folder / "cameras.yml", "OpenCV: 3 cameras, pixel centres at 0");
+  }
+  writeText(folder / "cameras.json", fmt::format("{{{}}}", fmt::join(openCvEntries(true), ", ")));
+  expectOurs(folder / "cameras.json", "OpenCV: 3 cameras, pixel centres at 0");
+}
+
+TEST_F(Importers, NerfWithoutPatternUsesItsOwnPaths) {
+  writeNerf(folder, true);
+  std::filesystem::create_directory(folder / "pictures");
+  for (const char* name : {"a", "b", "c"}) {
+    std::filesystem::rename(folder / fmt::format("f_0004_{}.exr", name),
+                            folder / fmt::format("pictures/f_0004_{}.exr", name));
+  }
+  options.images.reset();
+  ASSERT_VALUE(const auto capture, openCapture(folder / "transforms.json", options));
+  EXPECT_EQ(capture.cameras[1].name, "f_b");
+  EXPECT_EQ(capture.frames, (std::vector<int>{4}));
+}
+
+TEST_F(Importers, NerfFaults) {
+  writeNerf(folder, true);
+  const auto with = [&](const char* pointer, const nlohmann::json& value) {
+    auto json = readJson(folder / "transforms.json").value();
+    json[nlohmann::json::json_pointer(pointer)] = value;
+    writeText(folder / "wrong.json", json.dump());
+    return openCapture(folder / "wrong.json", options);
+  };
+  EXPECT_TRUE(failsWith(with("/camera_model", "OPENCV_FISHEYE"),
+                        "camera_model: the camera model OPENCV_FISHEYE is not read"));
+  EXPECT_TRUE(failsWith(with("/frames/1/transform_matrix/2", {1, 2}),
+                        "frames[1].transform_matrix[2]: expected 4 numbers"));
+  EXPECT_TRUE(failsWith(with("/frames/2/k4", 0.1), "frames[2]: k4 is 0.1"));
+  EXPECT_TRUE(failsWith(with("/frames/2/fl_x", 0), "frames[2]: has no focal length"));
+  EXPECT_TRUE(failsWith(with("/frames/2/file_path", "f_####_b.exr"), "a second camera 'b'"));
+}
+
+TEST_F(Importers, ColmapModelsWithLenses) {
+  writeColmapText(folder, "\n");
+  const auto lensOf = [&](const std::string& model) {
+    writeText(folder / "text" / "cameras.txt", fmt::format("1 {0}\n2 {0}\n3 {0}\n", model));
+    auto capture = openCapture(folder / "text", options);
+    return capture ? Result<Distortion>(capture->cameras[0].camera.distortion())
+                   : Result<Distortion>(tl::unexpected(capture.error()));
+  };
+  EXPECT_EQ(lensOf("SIMPLE_PINHOLE 24 16 25 12 8").value(), Distortion{});
+  EXPECT_EQ(lensOf("SIMPLE_RADIAL 24 16 25 12 8 0.1").value(), (Distortion{0.1, 0, 0, 0, 0}));
+  EXPECT_EQ(lensOf("RADIAL 24 16 25 12 8 0.1 0.2").value(), (Distortion{0.1, 0.2, 0, 0, 0}));
+  EXPECT_EQ(lensOf("OPENCV 24 16 25 26 12 8 .1 .2 .03 .04").value(),
+            (Distortion{0.1, 0.2, 0.03, 0.04, 0}));
+  EXPECT_TRUE(failsWith(lensOf("FULL_OPENCV 24 16 1 1 1 1 0 0 0 0 0 0 0 0"), "FULL_OPENCV"));
+  EXPECT_TRUE(failsWith(lensOf("PINHOLE 24 16 25 12 8"), "has 3 parameters; expected 4"));
+  EXPECT_TRUE(failsWith(lensOf("PINHOLE 24 16 25 x 12 8"), "cameras.txt: line 1: expected"));
+}
+
+TEST_F(Importers, ColmapTruncationsNeverCrash) {
+  writeColmapBinary(folder);
+  for (const char* name : {"cameras.bin", "images.bin"}) {
+    const auto path = folder / "bin" / name;
+    const std::string whole = testing::readBytes(path);
+    for (std::size_t length = 0; length < whole.size(); length += 3) {
+      writeText(path, whole.substr(0, length));
+      EXPECT_FALSE(openCapture(folder / "bin", options)) << name << " " << length;
+    }
+    for (std::size_t bit = 0; bit < 8 * whole.size(); bit += 7) {
+      std::string flipped = whole;
+      flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ (1 << bit % 8));
+      writeText(path, flipped);
+      (void)openCapture(folder / "bin", options).has_value();
+    }
+    writeText(path, whole);
+  }
+}
+
+TEST_F(Importers, DamagedTextsNeverCrash) {
+  writeNerf(folder, false);
+  writeText(folder / "cameras.yml",
+            fmt::format("%YAML:1.0\n---\n{}", fmt::join(openCvEntries(false), "")));
+  for (const char* name : {"capture.json", "transforms.json", "cameras.yml"}) {
+    const auto path = folder / name;
+    const std::string whole = testing::readBytes(path);
+    for (std::size_t i = 0; i < whole.size(); i += 13) {
+      writeText(path, whole.substr(0, i));
+      EXPECT_FALSE(i + 20 < whole.size() && openCapture(path, options).has_value() &&
+                   std::string_view(name).ends_with("json"))
+          << name << " " << i;
+      std::string flipped = whole;
+      flipped[i] = static_cast<char>(flipped[i] ^ (1 << i % 7));
+      writeText(path, flipped);
+      (void)openCapture(path, options).has_value();
+    }
+    writeText(path, whole);
+  }
+}
+
+TEST_F(Importers, OpenCvFaults) {
+  const auto with = [&](const std::string& text) {
+    writeText(folder / "wrong.yml", "%YAML:1.0\n---\n" + text);
+    return openCapture(folder / "wrong.yml", options);
+  };
+  const Calibration c = ringCalibration(0, kCameras);
+  const auto K = openCvMatrix("K_a", c.K, false), R = openCvMatrix("R_a", c.R, false);
+  EXPECT_TRUE(failsWith(with(K), "there is no matrix R_a"));
+  EXPECT_TRUE(failsWith(with(K + R + openCvMatrix("T_a", Eigen::MatrixXd::Zero(2, 1), false)),
+                        "T_a is 2 x 1 with 2 values; expected 3 x 1"));
+  EXPECT_TRUE(failsWith(with("a: 1\n"), "no cameras; expected matrices K_NAME"));
+  EXPECT_TRUE(failsWith(with("a: [1, 2\n"), "line 4: no valid YAML"));
+  EXPECT_TRUE(failsWith(with(K + openCvMatrix("D_a", Eigen::MatrixXd::Ones(1, 8), false)),
+                        "D_a has 8 coefficients"));
+}
+
+TEST_F(Importers, OpenCvRotationVectors) {
+  const Calibration c = ringCalibration(1, kCameras);
+  const Eigen::AngleAxisd turn(c.R);
+  writeText(folder / "v.yml", "%YAML:1.0\n---\n" + openCvMatrix("K_b", c.K, false) +
+                                  openCvMatrix("rvec_b", turn.angle() * turn.axis(), false) +
+                                  openCvMatrix("tvec_b", c.t, false));
+  ASSERT_VALUE(const auto capture, openCapture(folder / "v.yml", options));
+  EXPECT_NEAR((capture.cameras[0].camera.rotation() - c.R).norm(), 0, 1e-12);
+}
+
+TEST_F(Importers, WithoutPicturesAPatternIsAskedFor) {
+  writeColmapText(folder, "\n");
+  options.images.reset();
+  EXPECT_TRUE(failsWith(openCapture(folder / "text", options), "--images PATTERN"));
+  options.images = (folder / "f_%04d.exr").string();
+  EXPECT_TRUE(failsWith(openCapture(folder / "text", options), "{camera} is missing"));
+}
+
+}  // namespace
+}  // namespace volute

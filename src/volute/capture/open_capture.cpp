@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/capture/open_capture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "volute/capture/image_name.hpp"
+#include "volute/capture/importers.hpp"
+#include "volute/io/film_frames.hpp"
+#include "volute/io/image_file.hpp"
+#include "volute/io/json_file.hpp"
+
+namespace volute {
+namespace {
+
+bool isOpenCvJson(const nlohmann::json& json) {
+  return json.is_object() && std::ranges::any_of(json, [](const nlohmann::json& value) {
+           return value.is_object() && value.contains("type_id");
+         });
+}
+
+Result<CaptureDraft> readJsonCapture(const std::filesystem::path& file) {
+  VOLUTE_ASSIGN(const auto json, readJson(file));
+  if (json.is_object() && json.contains("format"))
+    return readCaptureJson(file, json);
+  if (isOpenCvJson(json))
+    return readOpenCv(file);
+  if (json.is_object() && json.contains("frames"))
+    return readNerfTransforms(file, json);
+  return fail(ErrorCode::kInvalidData,
+              "{}: no capture; expected \"format\": \"volute-capture-1\", a NeRF transforms.json "
+              "with \"frames\", or OpenCV's matrices",
+              file.string());
+}
+
+Result<CaptureDraft> readDraft(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error))
+    return fail(ErrorCode::kNotFound, "{}: there is no such file", file.string());
+  if (std::filesystem::is_directory(file, error))
+    return readColmap(file);
+  const std::string extension = file.extension().string();
+  if (extension == ".json")
+    return readJsonCapture(file);
+  if (extension == ".yml" || extension == ".yaml")
+    return readOpenCv(file);
+  if (extension == ".txt" || extension == ".bin")
+    return readColmap(file.parent_path());
+  return fail(ErrorCode::kUnsupported,
+              "{}: not a known kind of calibration; expected capture.json, transforms.json, a "
+              "COLMAP model's folder, or OpenCV's .yml",
+              file.string());
+}
+
+bool isFilm(const std::string& path) {
+  constexpr std::array<std::string_view, 5> kFilms{".mp4", ".webm", ".mov", ".mkv", ".avi"};
+  return std::ranges::find(kFilms, std::filesystem::path(path).extension().string()) !=
+         kFilms.end();
+}
+
+bool sameCalibration(const Calibration& a, const Calibration& b) {
+  constexpr double kRounding = 1e-9;
+  return a.width == b.width && a.height == b.height && a.distortion == b.distortion &&
+         a.K.isApprox(b.K, kRounding) && a.R.isApprox(b.R, kRounding) &&
+         (a.t - b.t).norm() <= kRounding * (1 + a.t.norm());
+}
+
+/// "images/frame_####_c0.exr" is camera frame_c0 when no pattern says where its name is.
+std::string plainName(const std::string& pictureName) {
+  std::string name = std::filesystem::path(pictureName).stem().string();
+  std::erase(name, '#');
+  for (auto at = name.find("__"); at != std::string::npos; at = name.find("__")) name.erase(at, 1);
+  return name;
+}
+
+/// Gives each camera a name, and drops further pictures of a camera that stands still.
+Status nameCameras(CaptureDraft& draft, const std::optional<ImageName>& images) {
+  std::vector<CameraDraft> cameras;
+  for (CameraDraft& camera : draft.cameras) {
+    if (camera.name.empty() && images)
+      camera.name = images->cameraIn(camera.pictureName).value_or("");
+    if (camera.name.empty())
+      camera.name = plainName(camera.pictureName);
+    const auto before = std::ranges::find(cameras, camera.name, &CameraDraft::name);
+    if (before == cameras.end()) {
+      cameras.push_back(std::move(camera));
+    } else if (!camera.pictureName.empty() &&
+               sameCalibration(before->calibration, camera.calibration)) {
+      continue;
+    } else {
+      return fail(
+          ErrorCode::kInvalidData,
+          "{}: a second camera '{}', other than {}; expected cameras that stand still, each "
+          "with a name of its own (--images with {{camera}} says where the name is)",
+          camera.where, camera.name, before->where);
+    }
+  }
+  draft.cameras = std::move(cameras);
+  return {};
+}
+
+Status placePictures(CaptureDraft& draft, const std::optional<ImageName>& images) {
+  if (!images)
+    return {};
+  if (!images->hasCamera() && draft.cameras.size() > 1) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: {{camera}} is missing; expected it where the names of the {} cameras stand",
+                images->text(), draft.cameras.size());
+  }
+  for (CameraDraft& camera : draft.cameras) {
+    const std::string name = images->ofCamera(camera.name);
+    camera.pictures.image = isFilm(name) ? "" : name;
+    camera.pictures.video = isFilm(name) ? name : "";
+  }
+  return {};
+}
+
+std::vector<int> framesInRange(const std::vector<int>& frames, const FrameRange& range) {
+  std::vector<int> chosen;
+  const int first = range.begin.value_or(frames.empty() ? 0 : frames.front());
+  for (const int frame : frames) {
+    if (frame >= first && (!range.end || frame < *range.end) && (frame - first) % range.step == 0)
+      chosen.push_back(frame);
+  }
+  return chosen;
+}
+
+/// All frames of the capture: those that are stated, else those of which there are pictures; of
+/// films, which do not say how long they are, those that the range names.
+Result<std::vector<int>> findFrames(const std::filesystem::path& file, const CaptureDraft& draft,
+                                    const FrameRange& range) {
+  std::set<int> there;
+  bool film = false;
+  for (const CameraDraft& camera : draft.cameras) {
+    film = film || !camera.pictures.video.empty();
+    for (const int frame : framesThere(camera.pictures.image)) there.insert(frame);
+  }
+  std::vector<int> frames(there.begin(), there.end());
+  if (draft.frames) {
+    frames = *draft.frames;
+  } else if (frames.empty() && film && range.end) {
+    for (int frame = range.begin.value_or(0); frame < *range.end; ++frame) frames.push_back(frame);
+  } else if (frames.empty()) {
+    if (film) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}: films do not say which frames are meant; state them with --frames A:B",
+                  file.string());
+    }
+    return fail(ErrorCode::kNotFound,
+                "{}: no picture is called {}; --images PATTERN says where they are", file.string(),
+                draft.cameras.front().pictures.image);
+  }
+  return frames;
+}
+
+Result<std::vector<int>> chooseFrames(const std::vector<int>& frames, const FrameRange& range) {
+  auto chosen = framesInRange(frames, range);
+  if (chosen.empty()) {
+    return fail(ErrorCode::kInvalidArgument,
+                "frames {} select nothing; the capture has frames {} to {}", toString(range),
+                frames.front(), frames.back());
+  }
+  return chosen;
+}
+
+/// Calibrations that leave the size out mean that of the pictures.
+Status completeSize(CameraDraft& camera, std::uint64_t maxMemory) {
+  Calibration& calibration = camera.calibration;
+  if (calibration.width > 0 && calibration.height > 0)
+    return {};
+  if (!camera.pictures.video.empty()) {
+    VOLUTE_ASSIGN(const auto film, FilmReader::open(camera.pictures.video, maxMemory));
+    calibration.width = film.info().width, calibration.height = film.info().height;
+    return {};
+  }
+  const auto frames = framesThere(camera.pictures.image);
+  if (frames.empty()) {
+    return fail(
+        ErrorCode::kNotFound,
+        "{}: states no image size, and there is no picture{} to take it from; --images says "
+        "where they are",
+        camera.where, camera.pictures.image.empty() ? "" : " " + camera.pictures.image);
+  }
+  VOLUTE_ASSIGN(const auto image, readImage(frameFile(camera.pictures.image, frames.front()),
+                                            {.raw = true, .maxMemory = maxMemory}));
+  calibration.width = image.width, calibration.height = image.height;
+  return {};
+}
+
+Result<CaptureCamera> makeCamera(CameraDraft& draft) {
+  auto camera = Camera::calibrated(draft.calibration);
+  if (!camera) {
+    return fail(ErrorCode::kInvalidData, "{} ({}): {}", draft.where, draft.name,
+                camera.error().message);
+  }
+  return CaptureCamera{draft.name, *camera, std::move(draft.pictures)};
+}
+
+std::array<int, 3> cubicResolution(const Box3& bounds, int longest) {
+  const double voxel = bounds.size().maxCoeff() / longest;
+  std::array<int, 3> voxels{};
+  for (int axis = 0; axis < 3; ++axis)
+    voxels[axis] = std::max(1, static_cast<int>(std::lround(bounds.size()[axis] / voxel)));
+  return voxels;
+}
+
+Result<CaptureVolume> chooseVolume(const std::filesystem::path& file, const CaptureDraft& draft,
+                                   const CaptureOptions& options) {
+  const auto bounds = options.bounds ? options.bounds : draft.bounds;
+  auto resolution = options.resolution ? options.resolution : draft.resolution;
+  if (!bounds) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: does not say where the volume is; state its outer faces in metres with "
+                "--bounds X0,Y0,Z0,X1,Y1,Z1",
+                file.string());
+  }
+  if (!resolution) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: does not say how fine the volume is; state its voxels with --resolution N",
+                file.string());
+  }
+  if ((*resolution)[1] == 0)
+    resolution = cubicResolution(*bounds, (*resolution)[0]);
+  return CaptureVolume{*bounds, *resolution};
+}
+
+std::string conventionText(const CaptureDraft& draft) {
+  std::string text = fmt::format("{}: {} cameras, pixel centres at {}", draft.kind,
+                                 draft.cameras.size(), draft.pixelCentre);
+  if (draft.kind == "NeRF transforms")
+    text += ", OpenGL's camera axes turned to x right, y down, z forward";
+  return text;
+}
+
+/// Names, sizes and cameras: all but frames and volume.
+Result<CaptureDraft> openDraft(const std::filesystem::path& file, const CaptureOptions& options,
+                               std::optional<ImageName>& images) {
+  if (options.images) {
+    VOLUTE_ASSIGN(images, ImageName::parse(*options.images));
+  }
+  VOLUTE_ASSIGN(auto draft, readDraft(file));
+  if (draft.cameras.empty())
+    return fail(ErrorCode::kInvalidData, "{}: has no cameras", file.string());
+  VOLUTE_TRY(nameCameras(draft, images));
+  VOLUTE_TRY(placePictures(draft, images));
+  return draft;
+}
+
+Result<Capture> makeCapture(const std::filesystem::path& file, CaptureDraft& draft,
+                            const CaptureOptions& options) {
+  Capture capture;
+  capture.file = file;
+  capture.kind = draft.kind;
+  capture.pixelCentre = draft.pixelCentre;
+  capture.white = draft.white;
+  capture.noiseSigma = draft.noiseSigma;
+  capture.emptyFrames = draft.emptyFrames;
+  capture.remarks = draft.remarks;
+  capture.remarks.insert(capture.remarks.begin(), conventionText(draft));
+  for (CameraDraft& camera : draft.cameras) {
+    if (options.response)
+      camera.pictures.response = *options.response;
+    VOLUTE_TRY(completeSize(camera, options.maxMemory));
+    VOLUTE_ASSIGN(auto made, makeCamera(camera));
+    capture.cameras.push_back(std::move(made));
+  }
+  return capture;
+}
+
+}  // namespace
+
+std::optional<std::size_t> findCamera(const Capture& capture, const std::string& name) {
+  const auto found = std::ranges::find(capture.cameras, name, &CaptureCamera::name);
+  if (found == capture.cameras.end())
+    return std::nullopt;
+  return static_cast<std::size_t>(found - capture.cameras.begin());
+}
+
+Result<Capture> openCapture(const std::filesystem::path& file, const CaptureOptions& options) {
+  std::optional<ImageName> images;
+  VOLUTE_ASSIGN(auto draft, openDraft(file, options, images));
+  for (const CameraDraft& camera : draft.cameras) {
+    if (camera.pictures.image.empty() && camera.pictures.video.empty()) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "{} ({}): has no pictures; say where they are with --images PATTERN, in which "
+                  "{{camera}} is the camera's name and %04d the frame",
+                  camera.where, camera.name);
+    }
+  }
+  VOLUTE_ASSIGN(const auto all, findFrames(file, draft, options.frames));
+  VOLUTE_ASSIGN(auto frames, chooseFrames(all, options.frames));
+  VOLUTE_ASSIGN(const auto volume, chooseVolume(file, draft, options));
+  VOLUTE_ASSIGN(auto capture, makeCapture(file, draft, options));
+  capture.frames = std::move(frames);
+  // A film's frames are those that were asked for; its time begins with frame 0.
+  const bool stated = draft.frames || !capture.cameras.front().pictures.image.empty();
+  capture.firstFrame = stated ? all.front() : 0;
+  capture.volume = volume;
+  return capture;
+}
+
+Result<Capture> openCalibration(const std::filesystem::path& file, const CaptureOptions& options) {
+  std::optional<ImageName> images;
+  VOLUTE_ASSIGN(auto draft, openDraft(file, options, images));
+  VOLUTE_ASSIGN(auto capture, makeCapture(file, draft, options));
+  capture.frames = draft.frames.value_or(std::vector<int>{});
+  if (auto volume = chooseVolume(file, draft, options))
+    capture.volume = *volume;
+  return capture;
+}
+
+}  // namespace volute

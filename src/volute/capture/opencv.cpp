@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <yaml-cpp/yaml.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <optional>
+#include <span>
+
+#include "volute/base/input_file.hpp"
+#include "volute/capture/importers.hpp"
+
+namespace volute {
+namespace {
+
+/// A matrix of the file, or a plain number as 1 x 1.
+struct Entry {
+  int rows = 0, columns = 0;
+  std::vector<double> values;
+};
+
+/// In the order of the file.
+using Entries = std::vector<std::pair<std::string, Entry>>;
+
+const Entry* findEntry(const Entries& entries, const std::string& name) {
+  const auto found = std::ranges::find(entries, name, &Entries::value_type::first);
+  return found == entries.end() ? nullptr : &found->second;
+}
+
+std::optional<Entry> entryOf(const YAML::Node& node) {
+  Entry entry;
+  if (node.IsScalar()) {
+    double value = 0;
+    if (!YAML::convert<double>::decode(node, value))
+      return std::nullopt;
+    return Entry{1, 1, {value}};
+  }
+  if (!node.IsMap() || !node["rows"] || !node["cols"] || !node["data"])
+    return std::nullopt;
+  entry.rows = node["rows"].as<int>();
+  entry.columns = node["cols"].as<int>();
+  for (const auto& value : node["data"]) entry.values.push_back(value.as<double>());
+  return entry;
+}
+
+/// JSON is YAML too, so one reader does for both. yaml-cpp throws.
+Result<Entries> readEntries(const std::filesystem::path& file) {
+  constexpr std::uint64_t kMostBytes = 16 << 20;
+  VOLUTE_ASSIGN(const auto input, InputFile::open(file));
+  if (input.size() > kMostBytes) {
+    return fail(ErrorCode::kTooLarge, "{}: {} bytes are too many for a calibration", file.string(),
+                input.size());
+  }
+  std::string text(input.size(), '\0');
+  VOLUTE_TRY(input.read(0, std::as_writable_bytes(std::span(text))));
+  // OpenCV's first line is no YAML directive as the standard has it, and old versions put no "---"
+  // after it.
+  if (text.starts_with("%YAML"))
+    text.replace(0, text.find('\n'), "# ");
+  try {
+    const YAML::Node root = YAML::Load(text);
+    if (!root.IsMap())
+      return fail(ErrorCode::kInvalidData,
+                  "{}: holds no named matrices; expected OpenCV's FileStorage", file.string());
+    Entries entries;
+    for (const auto& item : root) {
+      if (auto entry = entryOf(item.second))
+        entries.emplace_back(item.first.as<std::string>(), std::move(*entry));
+    }
+    return entries;
+  } catch (const YAML::Exception& error) {
+    return fail(ErrorCode::kInvalidData, "{}: line {}: no valid YAML or JSON: {}", file.string(),
+                error.mark.line + 1, error.msg);
+  }
+}
+
+class CameraFinder {
+ public:
+  CameraFinder(const Entries& entries, std::string file)
+      : entries_(entries), file_(std::move(file)) {}
+
+  Result<CameraDraft> read(const std::string& name) const {
+    CameraDraft camera;
+    camera.name = name;
+    camera.where = fmt::format("{}: camera {}", file_, name);
+    Calibration& calibration = camera.calibration;
+    calibration.pixelCentre = 0;
+    VOLUTE_ASSIGN(const Entry K, matrix({"K_", "M_", "camera_matrix_"}, name, 3, 3));
+    calibration.K = toMatrix(K);
+    VOLUTE_ASSIGN(calibration.distortion, distortion(name));
+    VOLUTE_ASSIGN(calibration.R, rotation(name));
+    VOLUTE_ASSIGN(const Entry t, matrix({"T_", "t_", "tvec_"}, name, 3, 1));
+    calibration.t = Vec3(t.values[0], t.values[1], t.values[2]);
+    readSize(name, calibration);
+    return camera;
+  }
+
+ private:
+  const Entry* find(std::initializer_list<const char*> prefixes, const std::string& name) const {
+    for (const char* prefix : prefixes) {
+      if (const Entry* entry = findEntry(entries_, prefix + name))
+        return entry;
+    }
+    return nullptr;
+  }
+
+  Result<Entry> matrix(std::initializer_list<const char*> prefixes, const std::string& name,
+                       int rows, int columns) const {
+    const Entry* entry = find(prefixes, name);
+    const std::string wanted = *prefixes.begin() + name;
+    if (!entry)
+      return fail(ErrorCode::kNotFound, "{}: there is no matrix {}", file_, wanted);
+    const bool fits = (entry->rows == rows && entry->columns == columns) ||
+                      (columns == 1 && entry->rows == 1 && entry->columns == rows);
+    if (!fits || entry->values.size() != static_cast<std::size_t>(rows) * columns) {
+      return fail(ErrorCode::kInvalidData, "{}: {} is {} x {} with {} values; expected {} x {}",
+                  file_, wanted, entry->rows, entry->columns, entry->values.size(), rows, columns);
+    }
+    return *entry;
+  }
+
+  static Mat3 toMatrix(const Entry& entry) {
+    Mat3 matrix;
+    for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = entry.values[static_cast<std::size_t>(i)];
+    return matrix;
+  }
+
+  Result<Distortion> distortion(const std::string& name) const {
+    const Entry* entry = find({"D_", "distortion_coefficients_", "dist_coeffs_"}, name);
+    if (!entry)
+      return Distortion{};
+    auto k = entry->values;
+    for (std::size_t i = 5; i < k.size(); ++i) {
+      if (k[i] != 0) {
+        return fail(ErrorCode::kUnsupported,
+                    "{}: D_{} has {} coefficients; lenses with k1, k2, p1, p2, k3 are read", file_,
+                    name, k.size());
+      }
+    }
+    k.resize(5, 0);
+    return Distortion{k[0], k[1], k[2], k[3], k[4]};
+  }
+
+  /// A matrix, or Rodrigues' vector: the axis times the angle.
+  Result<Mat3> rotation(const std::string& name) const {
+    const Entry* entry = find({"R_", "rvec_"}, name);
+    if (entry && entry->values.size() == 3) {
+      const Vec3 axis(entry->values[0], entry->values[1], entry->values[2]);
+      if (axis.norm() == 0)
+        return Mat3(Mat3::Identity());
+      return Mat3(Eigen::AngleAxisd(axis.norm(), axis.normalized()).toRotationMatrix());
+    }
+    VOLUTE_ASSIGN(const Entry R, matrix({"R_", "rvec_"}, name, 3, 3));
+    return toMatrix(R);
+  }
+
+  void readSize(const std::string& name, Calibration& calibration) const {
+    const Entry* width = find({"image_width_", "width_"}, name);
+    const Entry* height = find({"image_height_", "height_"}, name);
+    width = width ? width : findEntry(entries_, "image_width");
+    height = height ? height : findEntry(entries_, "image_height");
+    constexpr double kMost = 1 << 20;
+    for (const auto& [entry, side] :
+         {std::pair(width, &calibration.width), std::pair(height, &calibration.height)}) {
+      if (entry && entry->values.size() == 1 && entry->values[0] >= 1 && entry->values[0] <= kMost)
+        *side = static_cast<int>(entry->values[0]);
+    }
+  }
+
+  const Entries& entries_;
+  std::string file_;
+};
+
+}  // namespace
+
+Result<CaptureDraft> readOpenCv(const std::filesystem::path& file) {
+  VOLUTE_ASSIGN(const auto entries, readEntries(file));
+  CaptureDraft draft;
+  draft.kind = "OpenCV";
+  draft.pixelCentre = 0;
+  const CameraFinder finder(entries, file.string());
+  for (const auto& [key, entry] : entries) {
+    for (const std::string_view prefix : {"K_", "M_", "camera_matrix_"}) {
+      if (!key.starts_with(prefix) || key.size() == prefix.size())
+        continue;
+      VOLUTE_ASSIGN(auto camera, finder.read(key.substr(prefix.size())));
+      draft.cameras.push_back(std::move(camera));
+    }
+  }
+  if (draft.cameras.empty()) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: no cameras; expected matrices K_NAME, D_NAME, R_NAME and T_NAME for each",
+                file.string());
+  }
+  return draft;
+}
+
+}  // namespace volute

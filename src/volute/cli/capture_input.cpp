@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/capture_input.hpp"
+
+namespace volute::cli {
+namespace {
+
+/// "64" or "64,48,96".
+Result<std::array<int, 3>> parseResolution(const std::string& text) {
+  constexpr int kMost = 1 << 14;
+  std::array<int, 3> voxels{};
+  std::size_t begin = 0;
+  int count = 0;
+  for (; count < 3 && begin <= text.size(); ++count) {
+    const auto end = std::min(text.find(',', begin), text.size());
+    const auto side = parseInteger(std::string_view(text).substr(begin, end - begin));
+    if (!side || *side < 1 || *side > kMost)
+      break;
+    voxels[static_cast<std::size_t>(count)] = *side;
+    begin = end + 1;
+  }
+  if (begin <= text.size() || (count != 1 && count != 3)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--resolution: '{}' is no resolution; expected N or NX,NY,NZ voxels, 1 to {}", text,
+                kMost);
+  }
+  return voxels;
+}
+
+}  // namespace
+
+std::vector<Option> captureOptionTable() {
+  using enum ValueKind;
+  return {{.name = "images",
+           .kind = kText,
+           .value = "PATTERN",
+           .help = "where the pictures are, when the calibration does not say or says otherwise: "
+                   "{camera} is the camera's name, %04d or #### the frame"},
+          {.name = "bounds",
+           .kind = kBounds,
+           .value = "X0,Y0,Z0,X1,Y1,Z1",
+           .help = "outer faces of the volume [m]; else the capture's"},
+          {.name = "color",
+           .kind = kText,
+           .value = "CURVE",
+           .help = "linear, srgb or gamma:G: how .png files and films store light; else the "
+                   "capture's, else srgb (.exr files are linear)"}};
+}
+
+Result<CaptureOptions> captureOptionsOf(const Arguments& arguments, const Context& context) {
+  CaptureOptions options;
+  options.images = arguments.find<std::string>("images");
+  options.bounds = arguments.find<Box3>("bounds");
+  options.frames = arguments.find<FrameRange>("frames").value_or(FrameRange{});
+  options.maxMemory = context.maxMemory;
+  if (const auto text = arguments.find<std::string>("resolution")) {
+    VOLUTE_ASSIGN(options.resolution, parseResolution(*text));
+  }
+  if (const auto text = arguments.find<std::string>("color")) {
+    const auto response = Response::byName(*text);
+    if (!response)
+      return fail(ErrorCode::kInvalidArgument, "--color: {}", response.error().message);
+    options.response = *response;
+  }
+  return options;
+}
+
+void remarkOn(const Capture& capture, Context& context) {
+  for (const auto& remark : capture.remarks)
+    context.progress.remark(fmt::format("{}: {}", capture.file.string(), remark));
+}
+
+}  // namespace volute::cli

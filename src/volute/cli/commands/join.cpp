@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/codec/join.hpp"
+
+#include "volute/cli/commands/commands.hpp"
+#include "volute/cli/volume_input.hpp"
+#include "volute/cli/volume_output.hpp"
+
+namespace volute::cli {
+namespace {
+
+Status run(const Arguments& arguments, Context& context) {
+  const auto target = arguments.get<std::string>("output");
+  std::vector<std::filesystem::path> parts;
+  for (const std::string& path : arguments.positionals()) {
+    if (!isVolutePath(path))
+      return fail(ErrorCode::kInvalidArgument, "'{}' does not end in .volute", path);
+    parts.emplace_back(path);
+  }
+  if (!isVolutePath(target)) {
+    return fail(ErrorCode::kInvalidArgument, "--output: '{}' does not end in .volute", target);
+  }
+  VOLUTE_TRY(checkTarget(target));
+  const JoinOptions options{arguments.find<double>("rms"), context.maxMemory};
+  auto result = join(parts, target, options, context.progress);
+  // The command line was checked; what is still found invalid is in the files, or out of reach.
+  if (!result && result.error().code == ErrorCode::kInvalidArgument)
+    result.error().code = ErrorCode::kUnsupported;
+  if (!result)
+    return tl::unexpected<Error>(result.error());
+  Report report;
+  report.add("output", target)
+      .add("parts", parts.size(), fmt::format("{}", parts.size()))
+      .add("frames", result->frames, fmt::format("{}", result->frames))
+      .add("exact", result->copied,
+           result->copied ? "yes: blocks were copied as they are" : "no: decoded and encoded again")
+      .add("relative_rms_to_parts", result->partsRms)
+      .add("relative_rms", result->relativeRms)
+      .add("max_error", result->maxError)
+      .add("bytes", result->fileBytes, bytesText(result->fileBytes));
+  context.print(report);
+  return {};
+}
+
+}  // namespace
+
+Command joinCommand() {
+  using enum ValueKind;
+  return {
+      .name = "join",
+      .summary = "Puts .volute files of one grid together in the order of their frames",
+      .examples = {"volute join part1.volute part2.volute -o fire.volute"},
+      .description =
+          "For sequences whose frames were reconstructed or compressed in parts, on several "
+          "machines. The parts must have the same voxels, bounds, channels and basis, and frame "
+          "numbers that do not overlap; any order will do.\n\n"
+          "Blocks of 16 frames are copied as they are, so that no value changes, when all parts "
+          "but "
+          "the last have a multiple of 16 frames and codec, quantisation and range of values are "
+          "the same in all. Parts that were compressed one by one to an error seldom agree in "
+          "that; they are decoded and encoded again, which adds an error to theirs: the result "
+          "says how much, and states for the file the sum, which the error to the originals does "
+          "not exceed.",
+      .positionals = {{.name = "PART", .help = ".volute files", .several = true}},
+      .options = {{.name = "output",
+                   .letter = 'o',
+                   .kind = kFile,
+                   .value = "OUT.volute",
+                   .help = "the file to write",
+                   .required = true},
+                  {.name = "rms",
+                   .kind = kNumber,
+                   .value = "R",
+                   .help = "relative RMS to the parts where they must be encoded again; else as "
+                           "large as their own",
+                   .positive = true}},
+      .run = run};
+}
+
+}  // namespace volute::cli

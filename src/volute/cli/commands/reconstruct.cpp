@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/reconstruct.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "volute/base/output_file.hpp"
+#include "volute/capture/geometry_check.hpp"
+#include "volute/cli/capture_input.hpp"
+#include "volute/cli/commands/commands.hpp"
+#include "volute/cli/reconstruction/reconstructed_frames.hpp"
+#include "volute/cli/reconstruction/reconstruction_page.hpp"
+#include "volute/cli/reconstruction/reconstruction_report.hpp"
+#include "volute/cli/reconstruction/run_key.hpp"
+#include "volute/cli/version.hpp"
+#include "volute/cli/volume_input.hpp"
+#include "volute/cli/volume_output.hpp"
+#include "volute/codec/compress.hpp"
+#include "volute/tomography/diagnostics.hpp"
+
+namespace volute::cli {
+namespace {
+
+ReconstructionSettings settingsOf(const Arguments& arguments, const Capture& capture,
+                                  const Context& context) {
+  ReconstructionSettings settings;
+  TomographyOptions& options = settings.tomography;
+  options.basis = arguments.get<std::string>("basis") == "box" ? Basis::kBox : Basis::kTrilinear;
+  // The names are choices, so they are known.
+  options.solver = *tomographySolverByName(arguments.get<std::string>("solver"));
+  options.regularization = *regularizationByName(arguments.get<std::string>("regularization"));
+  options.lambda = arguments.find<double>("lambda");
+  options.sparsity = arguments.find<double>("sparsity").value_or(options.sparsity);
+  options.iterations = arguments.find<int>("iterations");
+  options.raysPerPixel = arguments.get<std::string>("rays-per-pixel") == "1" ? 1 : 4;
+  options.hull = !arguments.flag("no-hull");
+  options.coarseToFine = arguments.flag("coarse-to-fine");
+  options.noiseSigma = arguments.find<double>("noise-sigma");
+  if (!options.noiseSigma)
+    options.noiseSigma = capture.noiseSigma;
+  options.maxMemory = context.maxMemory;
+  settings.limits.saturated = arguments.get<double>("max-saturated");
+  settings.warmStart = !arguments.flag("no-warm-start");
+  settings.force = arguments.flag("force");
+  return settings;
+}
+
+/// What is wrong before any picture is read.
+Status checkCapture(const Capture& capture, const std::vector<std::string>& heldOut, bool force,
+                    Progress& progress) {
+  constexpr int kFewest = 3;
+  const auto fitted = std::ranges::count_if(capture.cameras, [&](const CaptureCamera& camera) {
+    return std::ranges::find(heldOut, camera.name) == heldOut.end();
+  });
+  std::vector<std::string> faults;
+  if (fitted < kFewest) {
+    faults.push_back(
+        fmt::format("{} view{} {} too few to tell where light is along a ray; expected at least {}",
+                    fitted, fitted == 1 ? "" : "s", fitted == 1 ? "is" : "are", kFewest));
+  }
+  for (const GeometryFault& fault : checkGeometry(capture)) faults.push_back(fault.message);
+  if (!faults.empty() && !force)
+    return fail(ErrorCode::kInvalidData, "{}: {} (--force goes on)", capture.file.string(),
+                faults.front());
+  for (const auto& fault : faults) progress.remark("warning: " + fault);
+  if (fitted == 0)
+    return fail(ErrorCode::kInvalidArgument, "--hold-out: no camera is left to reconstruct from");
+  return checkPicturesThere(capture);
+}
+
+void remarkOnLayout(const Capture& capture, Context& context) {
+  std::vector<std::string> angles;
+  const Vec3 centre = capture.volume.bounds.centre();
+  for (std::size_t i = 0; i + 1 < capture.cameras.size(); ++i) {
+    for (std::size_t k = i + 1; k < capture.cameras.size(); ++k) {
+      angles.push_back(
+          fmt::format("{}-{} {:.0f}", capture.cameras[i].name, capture.cameras[k].name,
+                      angleBetween(capture.cameras[i].camera, capture.cameras[k].camera, centre)));
+    }
+  }
+  if (context.verbose && !angles.empty()) {
+    context.progress.remark(
+        fmt::format("degrees between lines of sight, modulo 180: {}", fmt::join(angles, ", ")));
+  }
+  if (const auto advice = adviseLayout(capture))
+    context.progress.remark(*advice);
+}
+
+Result<CompressReport> writeVolute(ReconstructedFrames& frames, const Arguments& arguments,
+                                   const Capture& capture, Context& context) {
+  CompressOptions options;
+  options.target = {ErrorTarget::Kind::kRms, arguments.get<double>("rms")};
+  options.provenance = fmt::format("reconstructed from {}", capture.file.filename().string());
+  options.maxMemory = context.maxMemory;
+  auto written = compress(frames, arguments.get<std::string>("output"), options, context.progress);
+  // The command line was checked; what is still found invalid is an error out of reach.
+  if (!written && written.error().code == ErrorCode::kInvalidArgument)
+    written.error().code = ErrorCode::kUnsupported;
+  return written;
+}
+
+Status writeReport(const std::string& file, const nlohmann::ordered_json& json,
+                   ReconstructedFrames& frames, Progress& progress) {
+  const std::string text = dumpJson(json) + "\n";
+  VOLUTE_ASSIGN(auto output, OutputFile::create(file));
+  VOLUTE_TRY(output.write(std::as_bytes(std::span(text))));
+  VOLUTE_TRY(output.commit());
+  auto page = std::filesystem::path(file);
+  return writeReconstructionPage(page.replace_extension(".html"), json, frames, progress);
+}
+
+void addSummary(const nlohmann::ordered_json& json, Report& report) {
+  const auto number = [&](const char* key, const char* format) {
+    if (json[key].is_number())
+      report.add(key, json[key], fmt::format(fmt::runtime(format), json[key].get<double>()));
+  };
+  number("residual", "{:.4g} (relative L2 of the fitted cameras)");
+  number("held_out_psnr", "{:.2f} dB");
+  number("iterations", "{:.1f} a frame");
+  number("hull_share", "{:.4g} of the volume");
+  number("seconds_per_frame", "{:.2f} s");
+  std::vector<std::string> residuals;
+  nlohmann::ordered_json byName = nlohmann::ordered_json::object();
+  for (const auto& camera : json["cameras"]) {
+    const auto name = camera["name"].get<std::string>();
+    byName[name] = camera["residual"];
+    if (camera["residual"].is_number())
+      residuals.push_back(fmt::format("{} {:.3f}", name, camera["residual"].get<double>()));
+  }
+  report.add("residuals", byName, fmt::format("{}", fmt::join(residuals, ", ")));
+  report.add("warnings", json["warnings"], fmt::format("{}", json["warnings"].size()));
+}
+
+Status checkTargets(const Arguments& arguments, const std::string& target) {
+  if (const auto report = arguments.find<std::string>("report")) {
+    VOLUTE_TRY(checkTarget(*report));
+    if (extensionOf(*report) != ".json") {
+      return fail(ErrorCode::kInvalidArgument,
+                  "--report: '{}' does not end in .json; a page .html is written beside it",
+                  *report);
+    }
+  }
+  if (arguments.given("rms") && !isVolutePath(target)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--rms is the error of a compressed file; '{}' does not end in .volute", target);
+  }
+  return checkTarget(target, true);
+}
+
+Result<std::unique_ptr<ReconstructedFrames>> openFrames(const Capture& capture,
+                                                        const ReconstructionSettings& settings,
+                                                        const std::vector<std::string>& heldOut,
+                                                        const std::string& target,
+                                                        Context& context) {
+  VOLUTE_ASSIGN(auto views,
+                ViewReader::open(capture, heldOut, context.maxMemory, context.progress));
+  VOLUTE_ASSIGN(const auto work, WorkFolder::open(target));
+  const bool before = work.any();
+  auto frames = ReconstructedFrames::open(capture, settings, std::move(views), work,
+                                          frameKeys(capture, settings, heldOut), context.progress);
+  if (!frames) {
+    if (!before)
+      work.remove();
+    return frames;
+  }
+  if (before) {
+    context.progress.remark(
+        fmt::format("{}: an earlier run finished {} of {} frames with these options and inputs",
+                    work.path().string(), (*frames)->resumed(), (*frames)->info().frames));
+  }
+  return frames;
+}
+
+Status runFrames(ReconstructedFrames& frames, const Arguments& arguments, const Capture& capture,
+                 const ReconstructionSettings& settings, Context& context) {
+  const auto target = arguments.get<std::string>("output");
+  // A target that cannot be written is told before the long work.
+  std::unique_ptr<FrameSink> sink;
+  if (!isVolutePath(target)) {
+    VOLUTE_ASSIGN(sink, openSink(target, frames.info()));
+  }
+  VOLUTE_TRY(frames.solveAll());
+  VOLUTE_ASSIGN(const auto json, reconstructionReport(capture, settings, frames));
+  const VolumeInfo& info = frames.info();
+  Report report;
+  report.add("output", target)
+      .add("frames", info.frames, fmt::format("{}", info.frames))
+      .add("size", {info.x, info.y, info.z},
+           fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
+      .add("channels", info.channels, fmt::format("{}", info.channels));
+  if (sink) {
+    VOLUTE_TRY(copyFrames(frames, *sink, "writing", context.progress));
+  } else {
+    VOLUTE_ASSIGN(const auto written, writeVolute(frames, arguments, capture, context));
+    report.add("bytes", written.fileBytes, bytesText(written.fileBytes))
+        .add("relative_rms", written.relativeRms);
+  }
+  if (const auto file = arguments.find<std::string>("report")) {
+    VOLUTE_TRY(writeReport(*file, json, frames, context.progress));
+  }
+  frames.work().remove();
+  addSummary(json, report);
+  context.print(report);
+  return {};
+}
+
+Status run(const Arguments& arguments, Context& context) {
+  const auto target = arguments.get<std::string>("output");
+  if (context.json && target == "-") {
+    return fail(ErrorCode::kInvalidArgument,
+                "--json and '--output -' both want standard output; leave one");
+  }
+  VOLUTE_TRY(checkTargets(arguments, target));
+  context.resultsToStderr = target == "-";
+  VOLUTE_ASSIGN(const auto options, captureOptionsOf(arguments, context));
+  VOLUTE_ASSIGN(const auto capture, openCapture(arguments.positional(0), options));
+  remarkOn(capture, context);
+  const auto heldOut =
+      arguments.find<std::vector<std::string>>("hold-out").value_or(std::vector<std::string>{});
+  const auto settings = settingsOf(arguments, capture, context);
+  VOLUTE_TRY(checkCapture(capture, heldOut, settings.force, context.progress));
+  remarkOnLayout(capture, context);
+  VOLUTE_ASSIGN(auto frames, openFrames(capture, settings, heldOut, target, context));
+  const Status status = runFrames(*frames, arguments, capture, settings, context);
+  if (!status && target != "-" && frames->work().any()) {
+    context.progress.remark(
+        fmt::format("finished frames are kept in {}; the same command goes on from there",
+                    frames->work().path().string()));
+  } else {
+    frames->work().remove();
+  }
+  return status;
+}
+
+std::vector<Option> solverOptions() {
+  using enum ValueKind;
+  return {
+      {.name = "basis",
+       .kind = kChoice,
+       .value = "NAME",
+       .help = "what the values mean between voxel centres; the file keeps it",
+       .initial = "trilinear",
+       .choices = {"trilinear", "box"}},
+      {.name = "solver",
+       .kind = kChoice,
+       .value = "NAME",
+       .help = "accelerated projected gradient, or the classics to compare with",
+       .initial = "apg",
+       .choices = {"apg", "mlem", "sirt", "cgls"}},
+      {.name = "iterations",
+       .kind = kInteger,
+       .value = "N",
+       .help = "exactly N; else it stops by the noise, or by held-out pixels",
+       .least = 1,
+       .most = 100000},
+      {.name = "regularization",
+       .kind = kChoice,
+       .value = "NAME",
+       .help = "what is preferred among volumes that fit alike; auto chooses from the data",
+       .initial = "auto",
+       .choices = {"auto", "none", "tv", "smooth", "wavelet"}},
+      {.name = "lambda",
+       .kind = kNumber,
+       .value = "F",
+       .help = "its strength, times the largest eigenvalue of S'S; else chosen from the data",
+       .least = 0},
+      {.name = "sparsity",
+       .kind = kNumber,
+       .value = "F",
+       .help = "with total variation: how much a dark voxel pays for light, times lambda",
+       .initial = "2.5",
+       .least = 0},
+      {.name = "noise-sigma",
+       .kind = kNumber,
+       .value = "S",
+       .help = "noise of a pixel's channel [radiance]; else the capture's",
+       .positive = true},
+      {.name = "rays-per-pixel",
+       .kind = kChoice,
+       .value = "N",
+       .help = "1 through the pixel's centre, or the mean of 4 at its quarters",
+       .initial = "4",
+       .choices = {"1", "4"}},
+      {.name = "no-hull", .help = "unknowns everywhere, not only where every camera sees light"},
+      {.name = "coarse-to-fine", .help = "first at half the resolution"},
+      {.name = "warm-start", .help = "start each frame from the one before (this is the default)"},
+      {.name = "no-warm-start", .help = "start each frame from nothing"}};
+}
+
+std::vector<Option> optionTable() {
+  using enum ValueKind;
+  std::vector<Option> options = {
+      {.name = "output",
+       .letter = 'o',
+       .kind = kFile,
+       .value = "OUT",
+       .help = ".volute, .npy (float32, t,z,y,x[,c]), %04d.vdb, %04d.vti, .pvd, or - for a .npy",
+       .required = true},
+      {.name = "resolution",
+       .kind = kText,
+       .value = "N[,N,N]",
+       .help = "voxels on x, y, z, or cubes with N on the longest side; else the capture's"},
+      {.name = "frames",
+       .kind = kFrames,
+       .value = "A:B[:S]",
+       .help = "frames with numbers A <= n < B; volute join puts parts together"},
+      {.name = "rms",
+       .kind = kNumber,
+       .value = "R",
+       .help = "relative RMS error of the compressed .volute",
+       .initial = "0.001",
+       .positive = true},
+      {.name = "hold-out",
+       .kind = kText,
+       .value = "NAME",
+       .help = "a camera to compare with, not to reconstruct from",
+       .several = true},
+      {.name = "report",
+       .kind = kFile,
+       .value = "FILE.json",
+       .help = "write all that was measured, and FILE.html with plots and pictures"},
+      {.name = "max-saturated",
+       .kind = kNumber,
+       .value = "SHARE",
+       .help = "refuse pictures of which more of the lit pixels are saturated",
+       .initial = "0.5",
+       .least = 0,
+       .most = 1},
+      {.name = "force", .help = "go on in spite of faults, with fewer than 3 views too"}};
+  for (const auto& table : {captureOptionTable(), solverOptions()})
+    options.insert(options.end(), table.begin(), table.end());
+  return options;
+}
+
+}  // namespace
+
+Command reconstructCommand() {
+  return {
+      .name = "reconstruct",
+      .summary = "Reconstructs volumes of fire from calibrated cameras",
+      .examples = {"volute reconstruct capture.json -o fire.volute --report fire.json",
+                   "volute reconstruct transforms.json -o fire.npy --images "
+                   "'in/{camera}_%04d.png' --bounds=-1,-1,0,1,1,3 --resolution 96",
+                   "volute reconstruct capture.json -o part2.volute --frames 100:200"},
+      .description =
+          "Solves each frame for the emission whose line integrals are what the cameras saw: least "
+          "squares over all cameras and colours, non-negative, zero where a camera sees nothing. "
+          "CAPTURE is a capture.json, a NeRF transforms.json, a COLMAP model's folder or OpenCV's "
+          ".yml; docs/capture.md describes them.\n\n"
+          "Captures that cannot be right are refused with the camera, the frame and the number: "
+          "mirrored or scaled rotations, units that do not match, sizes, missing or black or "
+          "saturated pictures, values that are not finite, backgrounds that moved, an empty hull. "
+          "What a person must decide is a warning.\n\n"
+          "Finished frames are kept in OUT.work beside the output until it is whole; an "
+          "interrupted run goes on from there when it is started again.",
+      .positionals = {{.name = "CAPTURE", .help = "the cameras and their pictures"}},
+      .options = optionTable(),
+      .oneOf = {{{"warm-start", "no-warm-start"}, false}},
+      .run = run};
+}
+
+}  // namespace volute::cli

@@ -1,0 +1,463 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/codec/block_encoder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "volute/base/assert.hpp"
+#include "volute/codec/block_syntax.hpp"
+
+namespace volute {
+namespace {
+
+// What a bit is worth, in squared quantisation steps: the slope of the error of a uniform
+// quantiser, 1/6 log(2) = 0.1155, and some more, since most coefficients here are in its dead zone.
+constexpr double kLambda = 0.16;
+constexpr double kUnit = 4096;  // of prices: parts of a bit
+
+/// -log2 of a probability in 1/4096.
+std::uint32_t priceOf(const AdaptiveBit& state, bool bit) {
+  static const std::vector<std::uint32_t> prices = [] {
+    std::vector<std::uint32_t> table(4097);
+    for (int i = 0; i <= 4096; ++i)
+      table[i] =
+          static_cast<std::uint32_t>(std::lround(-kUnit * std::log2(std::max(i, 1) / 4096.0)));
+    return table;
+  }();
+  const int one = (state.one + 8) >> 4;
+  return prices[bit ? one : 4096 - one];
+}
+
+/// The Bits of a writer.
+struct WriteBits {
+  Contexts& contexts;
+  Training& training;
+  ArithmeticEncoder out{};
+
+  bool bit(unsigned context, bool value) {
+    training.counts.add(context, value);
+    out.bit(contexts[context], value);
+    return value;
+  }
+
+  bool even(bool value) {
+    out.even(value);
+    return value;
+  }
+};
+
+/// Bits that are counted and not kept.
+struct PriceBits {
+  Contexts& contexts;
+  std::uint64_t price = 0;
+
+  bool bit(unsigned context, bool value) {
+    price += priceOf(contexts[context], value);
+    contexts[context].learn(value);
+    return value;
+  }
+
+  bool even(bool value) {
+    price += static_cast<std::uint64_t>(kUnit);
+    return value;
+  }
+};
+
+/// Bits that teach nothing: what a magnitude would cost now.
+struct AskBits {
+  const Contexts& contexts;
+  std::uint64_t price = 0;
+
+  bool bit(unsigned context, bool value) {
+    price += priceOf(contexts[context], value);
+    return value;
+  }
+
+  bool even(bool value) {
+    price += static_cast<std::uint64_t>(kUnit);
+    return value;
+  }
+};
+
+/// Chooses the quantised values of a cell: rounding down where that saves more bits than it costs
+/// error, and nothing at all where the whole cell is not worth its bits.
+class CellQuantiser {
+ public:
+  explicit CellQuantiser(const WaveletParameters& parameters) : parameters_(parameters) {}
+
+  /// @param sizes  magnitudes in steps; `q`: rounded to the nearest on entry, chosen on return.
+  void choose(const Contexts& contexts, const CellContext& c, std::uint16_t existing,
+              const double sizes[16], std::int32_t q[16]) const {
+    double kept = kLambda / kUnit * priceOf(contexts[c.cell], true);
+    double dropped = kLambda / kUnit * priceOf(contexts[c.cell], false);
+    std::uint8_t m[16] = {};
+    for (unsigned left = existing; left != 0; left &= left - 1) {
+      const int k = std::countr_zero(left);
+      kept += chooseOne(contexts, c, k, m, sizes[k], q);
+      m[k] = static_cast<std::uint8_t>(std::min(q[k], kRemembered));
+      dropped += sizes[k] * sizes[k];
+    }
+    if (dropped < kept)
+      std::fill(q, q + 16, 0);
+  }
+
+  double squaredError(double size, std::int32_t q) const {
+    const double error = size - parameters_.shown(q);
+    return error * error;
+  }
+
+ private:
+  // The lesser of two candidates; gives its cost.
+  double chooseOne(const Contexts& contexts, const CellContext& c, int k, const std::uint8_t m[16],
+                   double size, std::int32_t q[16]) const {
+    const unsigned siblings = CellContext::siblingsOf(k, m);
+    const unsigned zero = c.zero(k, siblings);
+    const unsigned context = c.size(k, siblings);
+    const auto costOf = [&](std::int32_t candidate) {
+      AskBits ask{contexts};
+      ask.bit(zero, candidate != 0);
+      if (candidate != 0) {
+        (void)codeMagnitude(ask, context, candidate);
+        ask.even(false);
+      }
+      return squaredError(size, candidate) + kLambda / kUnit * static_cast<double>(ask.price);
+    };
+    const double cost = costOf(q[k]);
+    if (q[k] == 0)
+      return cost;
+    const double lower = costOf(q[k] - 1);
+    if (lower >= cost)
+      return cost;
+    --q[k];
+    return lower;
+  }
+
+  const WaveletParameters& parameters_;
+};
+
+std::int32_t rounded(double size) {
+  constexpr double kGreatest = (1 << (kMostBits - 1)) - 1;
+  return static_cast<std::int32_t>(std::min(size + 0.5, kGreatest));
+}
+
+std::vector<std::uint8_t> supportOf(std::span<const float> values, const BlockShape& shape) {
+  std::vector<std::uint8_t> support(shape.voxels());
+  const auto channels = static_cast<std::size_t>(shape.channels);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i] != 0)
+      support[i / channels] = 1;
+  }
+  return support;
+}
+
+/// A block in one mode: its coefficients, and the way they are put into bits.
+class BlockWriting {
+ public:
+  BlockWriting(const WaveletParameters& parameters, std::span<const float> components,
+               std::span<const std::uint8_t> support, const BlockShape& shape,
+               const BlockMode& mode)
+      : parameters_(parameters),
+        quantiser_(parameters),
+        shape_(shape),
+        mode_(mode),
+        planes_(components.begin(), components.end()),
+        contexts_(parameters.contexts) {
+    if (mode.shaped)
+      support_.assign(support.begin(), support.end());
+    const AxisLevels levels = blockLevels(shape.extents, mode.timeLevels);
+    for (int c = 0; c < shape.channels; ++c)
+      shapeForward(plane(c), support_, shape.extents, mode.wavelet, levels);
+    walk_.emplace(shape_, mode_, support_, memories_);
+  }
+
+  Contexts& contexts() { return contexts_; }
+
+  TierStrides strides(std::size_t tier) const {
+    return stridesOfTier(shape_, tier, shape_.levels());
+  }
+
+  /// Whether a tier has a coefficient that may not be zero.
+  bool hasAny(std::size_t tier);
+
+  /// Codes the head, if the tier has it, and the coefficients, and puts what they were quantised to
+  /// in their place.
+  template <class Bits>
+  void code(Bits& bits, std::size_t tier, Training* training);
+
+  /// Goes past a tier that is left out.
+  void skip(std::size_t tier);
+
+  /// In squared steps, of what was coded so far.
+  double squaredError() const { return squaredError_; }
+
+  std::span<float> planes() { return planes_; }
+
+  std::span<const std::uint8_t> support() const { return support_; }
+
+ private:
+  std::span<float> plane(int c) {
+    return std::span(planes_).subspan(c * shape_.voxels(), shape_.voxels());
+  }
+
+  template <class Bits>
+  void codeHead(Bits& bits);
+  template <class Bits>
+  bool codeOneCell(Bits& bits, float* at, const CellLevel& level, std::uint16_t existing,
+                   CellContext& context, const auto& neighbours, std::int32_t* q,
+                   Training* training);
+  void settle(float& coefficient, double norm, double size, std::int32_t q, Training* training);
+
+  const WaveletParameters& parameters_;
+  CellQuantiser quantiser_;
+  BlockShape shape_;
+  BlockMode mode_;
+  std::vector<float> planes_;
+  std::vector<std::uint8_t> support_;
+  Contexts contexts_;
+  std::array<ComponentMemory, 3> memories_;
+  std::optional<BlockWalk> walk_;
+  double squaredError_ = 0;
+};
+
+bool BlockWriting::hasAny(std::size_t tier) {
+  const TierStrides range = strides(tier);
+  if (range.scaling)
+    return true;
+  const AxisLevels levels = blockLevels(shape_.extents, mode_.timeLevels);
+  for (int stride = range.first; stride > range.end; --stride) {
+    if (stride >= deepest(levels))
+      continue;
+    const CellLevel level(shape_.extents, levels, stride, mode_.wavelet);
+    bool any = false;
+    CellMemory memory;
+    for (int c = 0; c < shape_.channels; ++c) {
+      codeLevel(level, support_, nullptr, nullptr, memory,
+                [&](std::ptrdiff_t position, std::uint16_t existing, const CellContext&,
+                    const auto&, const std::int32_t*) {
+                  for (unsigned left = existing; left != 0; left &= left - 1) {
+                    const int k = std::countr_zero(left);
+                    const float value = plane(c)[position + level.offset[k]];
+                    any = any || std::abs(value) * level.norm[k] >= 0.5 * parameters_.step;
+                  }
+                  return false;
+                });
+    }
+    if (any)
+      return true;
+  }
+  return false;
+}
+
+void BlockWriting::settle(float& coefficient, double norm, double size, std::int32_t q,
+                          Training* training) {
+  squaredError_ += quantiser_.squaredError(size, q);
+  const double shown = parameters_.shown(q) * (parameters_.step / norm);
+  const std::int32_t m = std::abs(q);
+  if (training != nullptr && m > 0) {
+    const auto parts = static_cast<std::int64_t>(std::lround(65536 * (size - (m > 1 ? m : 0))));
+    (m == 1 ? training->oneSum : training->moreSum) += parts;
+    ++(m == 1 ? training->oneCount : training->moreCount);
+  }
+  coefficient = static_cast<float>(q < 0 ? -shown : shown);
+}
+
+template <class Bits>
+void BlockWriting::codeHead(Bits& bits) {
+  codeMode(bits, mode_);
+  if (mode_.shaped)
+    codeSupport(bits, shape_.extents, support_);
+  walk_->scaling([&](int c, std::ptrdiff_t position, double norm) {
+    float& value = plane(c)[position];
+    const double size = std::abs(value) * (norm / parameters_.step);
+    const std::int32_t q =
+        codeNumber(bits, context::kScaling, value < 0 ? -rounded(size) : rounded(size));
+    settle(value, norm, size, q, nullptr);
+  });
+}
+
+template <class Bits>
+bool BlockWriting::codeOneCell(Bits& bits, float* at, const CellLevel& level,
+                               std::uint16_t existing, CellContext& context, const auto& neighbours,
+                               std::int32_t* q, Training* training) {
+  double sizes[16] = {};
+  bool any = false;
+  for (unsigned left = existing; left != 0; left &= left - 1) {
+    const int k = std::countr_zero(left);
+    sizes[k] = std::abs(at[level.offset[k]]) * (level.norm[k] / parameters_.step);
+    q[k] = rounded(sizes[k]);
+    any = any || q[k] != 0;
+  }
+  if (any) {
+    neighbours();
+    quantiser_.choose(contexts_, context, existing, sizes, q);
+    any = std::any_of(q, q + 16, [](std::int32_t value) { return value != 0; });
+  }
+  for (unsigned left = existing; left != 0; left &= left - 1) {
+    const int k = std::countr_zero(left);
+    float& value = at[level.offset[k]];
+    if (value < 0)
+      q[k] = -q[k];
+    settle(value, level.norm[k], sizes[k], q[k], training);
+  }
+  bits.bit(context.cell, any);
+  if (any)
+    codeMembers(bits, context, existing, q);
+  return any;
+}
+
+template <class Bits>
+void BlockWriting::code(Bits& bits, std::size_t tier, Training* training) {
+  const TierStrides range = strides(tier);
+  if (range.scaling)
+    codeHead(bits);
+  walk_->cells(range,
+               [&](int c, const CellLevel& level, std::ptrdiff_t position, std::uint16_t existing,
+                   CellContext& context, const auto& neighbours, std::int32_t* q) {
+                 return codeOneCell(bits, plane(c).data() + position, level, existing, context,
+                                    neighbours, q, training);
+               });
+}
+
+void BlockWriting::skip(std::size_t tier) {
+  walk_->cells(strides(tier), [&](int c, const CellLevel& level, std::ptrdiff_t position,
+                                  std::uint16_t existing, const auto&, const auto&, const auto*) {
+    float* at = plane(c).data() + position;
+    for (unsigned left = existing; left != 0; left &= left - 1) {
+      const int k = std::countr_zero(left);
+      const double size = std::abs(at[level.offset[k]]) * (level.norm[k] / parameters_.step);
+      settle(at[level.offset[k]], level.norm[k], size, 0, nullptr);
+    }
+    return false;
+  });
+}
+
+// Whether a mode does what a simpler one does.
+bool redundant(const BlockMode& mode, const BlockShape& shape, bool full) {
+  const int halvings = blockLevels(shape.extents, 4)[0];
+  return (mode.shaped && full) || (mode.timeLevels > halvings && halvings <= 2);
+}
+
+// Original - shown, in steps of correction, where it is too much.
+std::vector<std::int32_t> correctionsOf(std::span<const float> values, std::span<const float> shown,
+                                        const WaveletParameters& parameters) {
+  constexpr double kGreatest = (1 << (kMostBits - 2)) - 1;
+  std::vector<std::int32_t> corrections(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double error = static_cast<double>(values[i]) - shown[i];
+    if (std::abs(error) <= parameters.maxError)
+      continue;
+    const double steps = std::round(error / parameters.correctionStep());
+    corrections[i] = static_cast<std::int32_t>(std::clamp(steps, -kGreatest, kGreatest));
+  }
+  return corrections;
+}
+
+// Codes what the coefficients left too far from the values; says whether there was anything.
+bool codeCorrectionsOf(WriteBits& bits, BlockWriting& block, const BlockShape& shape,
+                       const BlockMode& mode, std::span<const float> values,
+                       const WaveletParameters& parameters, const StreamInfo& stream) {
+  std::vector<float> shown(values.size());
+  reconstruct(block.planes(), block.support(), mode, shape, parameters, stream, shown);
+  auto corrections = correctionsOf(values, shown, parameters);
+  const bool any = std::ranges::any_of(corrections, [](std::int32_t c) { return c != 0; });
+  bits.bit(context::kEnd, any);
+  if (any)
+    codeCorrections(bits, shape, std::span(corrections));
+  return any;
+}
+
+}  // namespace
+
+void Training::add(const Training& other) {
+  counts.add(other.counts);
+  oneSum += other.oneSum;
+  oneCount += other.oneCount;
+  moreSum += other.moreSum;
+  moreCount += other.moreCount;
+}
+
+void Training::apply(WaveletParameters& parameters) const {
+  const auto mean = [](std::int64_t sum, std::int64_t count) {
+    return static_cast<int>(
+        std::lround(static_cast<double>(sum) / static_cast<double>(count) / 256));
+  };
+  if (oneCount > 0)
+    parameters.one = std::clamp(mean(oneSum, oneCount), 128, 384);
+  if (moreCount > 0)
+    parameters.more = std::clamp(mean(moreSum, moreCount), -128, 128);
+  parameters.table = contextTable(counts);
+  parameters.contexts = contextsOf(parameters.table);
+}
+
+std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
+                                              const BlockShape& shape,
+                                              std::span<const BlockMode> candidates) const {
+  const auto components = parameters_.color.split(values, shape.channels, parameters_.unit());
+  const auto support = supportOf(values, shape);
+  const bool full = std::ranges::find(support, 0) == support.end();
+  // What leaving it out costs.
+  const double nothing = std::min(stream_.valueMax, std::max(stream_.valueMin, 0.0f));
+  double least = 0;
+  double greatest = 0;
+  for (float value : values) {
+    const double error = (value - nothing) / (parameters_.step * parameters_.unit());
+    least += error * error;
+    greatest = std::max(greatest, std::abs(value - nothing));
+  }
+  if (parameters_.maxError > 0 && greatest > parameters_.maxError)
+    least = std::numeric_limits<double>::infinity();
+  std::optional<BlockMode> best;
+  for (const BlockMode& mode : candidates) {
+    if (redundant(mode, shape, full) && candidates.size() > 1)
+      continue;
+    BlockWriting block(parameters_, components, support, shape, mode);
+    PriceBits bits{block.contexts()};
+    for (std::size_t tier = 0; tier < kWaveletTiers.size(); ++tier) {
+      if (block.hasAny(tier))
+        block.code(bits, tier, nullptr);
+      else
+        block.skip(tier);
+    }
+    const double cost = block.squaredError() + kLambda / kUnit * static_cast<double>(bits.price);
+    if (cost < least || (!best && candidates.size() == 1 && least > 0)) {
+      least = cost;
+      best = mode;
+    }
+  }
+  return best;
+}
+
+std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> values,
+                                                         const BlockShape& shape,
+                                                         const std::optional<BlockMode>& mode,
+                                                         Training& training) const {
+  VOLUTE_ASSERT(values.size() == shape.values());
+  std::vector<std::vector<std::byte>> tiers(kWaveletTiers.size());
+  if (!mode)
+    return tiers;
+  const auto components = parameters_.color.split(values, shape.channels, parameters_.unit());
+  BlockWriting block(parameters_, components, supportOf(values, shape), shape, *mode);
+  for (std::size_t tier = 0; tier < tiers.size(); ++tier) {
+    const bool last = tier + 1 == tiers.size();
+    const bool corrects = last && parameters_.maxError > 0;
+    WriteBits bits{block.contexts(), training};
+    bool any = block.hasAny(tier);
+    if (any || corrects)
+      block.code(bits, tier, &training);
+    if (corrects)
+      any |= codeCorrectionsOf(bits, block, shape, *mode, values, parameters_, stream_);
+    if (!any) {
+      if (!last)
+        block.skip(tier);
+      continue;
+    }
+    tiers[tier] = bits.out.finish();
+    if (tiers[tier].empty())
+      tiers[tier].push_back(std::byte{0});
+  }
+  return tiers;
+}
+
+}  // namespace volute

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "volute/codec/coefficient_coder.hpp"
+#include "volute/codec/wavelet_codec.hpp"
+
+// What of a block stands before and after its coefficients, and the way through them; for writing,
+// reading and pricing alike (see coefficient_coder.hpp). docs/format.md, section 8.
+
+namespace volute {
+
+template <class Bits>
+void codeMode(Bits& bits, BlockMode& mode) {
+  mode.shaped = bits.bit(context::kShaped, mode.shaped);
+  if (!bits.bit(context::kWavelet, mode.wavelet != Wavelet::kCdf97)) {
+    mode.wavelet = Wavelet::kCdf97;
+  } else {
+    mode.wavelet = bits.bit(context::kWavelet + 1, mode.wavelet == Wavelet::kHaar)
+                       ? Wavelet::kHaar
+                       : Wavelet::kCdf53;
+  }
+  const bool many = bits.bit(context::kTime, mode.timeLevels >= 2);
+  const bool odd =
+      bits.bit(context::kTime + (many ? 2u : 1u), mode.timeLevels == 1 || mode.timeLevels == 4);
+  mode.timeLevels = many ? (odd ? 4 : 2) : (odd ? 1 : 0);
+}
+
+/// The support, line by line, from the lines before: a line's bits as a word, bit x for voxel x.
+/// A line whose neighbouring lines are all empty, or all full, has a bit of its own that says
+/// whether it goes on like that.
+template <class Bits>
+class SupportCoder {
+ public:
+  SupportCoder(Bits& bits, const BlockGrid::Index4& extents, std::span<std::uint8_t> support)
+      : bits_(bits), e_(extents), support_(support) {}
+
+  void run() {
+    const std::size_t count = static_cast<std::size_t>(e_[0]) * e_[1] * e_[2];
+    lines_.assign(count, 0);
+    std::size_t at = 0;
+    for (int t = 0; t < e_[0]; ++t)
+      for (int z = 0; z < e_[1]; ++z)
+        for (int y = 0; y < e_[2]; ++y, ++at) {
+          std::span<std::uint8_t> voxels = support_.subspan(at * e_[3], e_[3]);
+          std::uint32_t wanted = 0;
+          for (int x = 0; x < e_[3]; ++x) wanted |= static_cast<std::uint32_t>(voxels[x]) << x;
+          lines_[at] = line(t, z, y, wanted);
+          for (int x = 0; x < e_[3]; ++x) voxels[x] = lines_[at] >> x & 1;
+        }
+  }
+
+ private:
+  std::uint32_t at(int t, int z, int y) const {
+    if (t < 0 || z < 0 || y < 0 || z >= e_[1] || y >= e_[2])
+      return 0;
+    return lines_[(static_cast<std::size_t>(t) * e_[1] + z) * e_[2] + y];
+  }
+
+  std::uint32_t line(int t, int z, int y, std::uint32_t wanted) {
+    const std::uint32_t full = (1u << e_[3]) - 1;
+    const std::uint32_t y1 = at(t, z, y - 1);
+    const std::uint32_t z1 = at(t, z - 1, y);
+    const std::uint32_t t1 = at(t - 1, z, y);
+    const std::uint32_t z1after = at(t, z - 1, y + 1);
+    const std::uint32_t z1before = at(t, z - 1, y - 1);
+    const std::uint32_t t1y = at(t - 1, z, y + 1);
+    const std::uint32_t t1z = at(t - 1, z + 1, y);
+    if ((y1 | z1 | t1 | z1after | z1before | t1y | t1z) == 0) {
+      if (bits_.bit(context::kLine, wanted == 0))
+        return 0;
+    } else if ((y1 & z1 & t1) == full) {
+      if (bits_.bit(context::kLine + 1, wanted == full))
+        return full;
+    }
+    std::uint32_t line = 0;
+    for (int x = 0; x < e_[3]; ++x) {
+      const auto before = [x](std::uint32_t word) { return word << 1 >> x & 1; };
+      const auto here = [x](std::uint32_t word) { return word >> x & 1; };
+      const auto after = [x](std::uint32_t word) { return word >> x >> 1 & 1; };
+      const std::uint32_t c = before(line) | here(y1) << 1 | here(z1) << 2 | here(t1) << 3 |
+                              after(y1) << 4 | after(z1) << 5 | here(z1after) << 6 |
+                              after(t1) << 7 | here(t1y) << 8 | here(t1z) << 9 | before(y1) << 10 |
+                              here(z1before) << 11;
+      if (bits_.bit(context::kSupport + c, (wanted >> x & 1) != 0))
+        line |= 1u << x;
+    }
+    return line;
+  }
+
+  Bits& bits_;
+  BlockGrid::Index4 e_;
+  std::span<std::uint8_t> support_;
+  std::vector<std::uint32_t> lines_;
+};
+
+/// Codes which voxels of a block belong to its support (1) and which do not (0).
+template <class Bits>
+void codeSupport(Bits& bits, const BlockGrid::Index4& extents, std::span<std::uint8_t> support) {
+  SupportCoder<Bits>(bits, extents, support).run();
+}
+
+/// Whole numbers of corrections for the values of a block, most of them 0; by lines of x.
+template <class Bits>
+void codeCorrections(Bits& bits, const BlockShape& shape, std::span<std::int32_t> corrections) {
+  const std::size_t line = static_cast<std::size_t>(shape.extents[3]) * shape.channels;
+  for (std::size_t begin = 0; begin < corrections.size(); begin += line) {
+    const auto values = corrections.subspan(begin, line);
+    bool any = false;
+    for (std::int32_t value : values) any = any || value != 0;
+    if (!bits.bit(context::kCorrected, any))
+      continue;
+    bool before = false;
+    for (std::int32_t& value : values) {
+      before = bits.bit(context::kCorrected + (before ? 2u : 1u), value != 0);
+      if (!before)
+        continue;
+      // Never 0: from 1 up and from -1 down.
+      const std::int32_t coded =
+          codeNumber(bits, context::kCorrection, value > 0 ? value : value - 1);
+      value = coded > 0 ? coded : coded + 1;
+    }
+  }
+}
+
+/// The magnitudes of a component at the level that is coded and the one above.
+struct ComponentMemory {
+  CellMemory current, above;
+};
+
+/// The way through the coefficients of a block, stride by stride and within one component by
+/// component, from coarse to fine.
+class BlockWalk {
+ public:
+  /// @param memories  room, one for each component; used up to the end of the walk.
+  BlockWalk(const BlockShape& shape, const BlockMode& mode, std::span<const std::uint8_t> support,
+            std::span<ComponentMemory> memories)
+      : shape_(shape),
+        mode_(mode),
+        support_(support),
+        levels_(blockLevels(shape.extents, mode.timeLevels)),
+        memories_(memories) {}
+
+  /// Calls code(component, position, norm) for each scaling coefficient.
+  template <class Code>
+  void scaling(const Code& code) const {
+    const ScalingLattice lattice(shape_.extents, levels_, mode_.wavelet);
+    for (int c = 0; c < shape_.channels; ++c) {
+      BlockGrid::Index4 i{};
+      for (i[0] = 0; i[0] < lattice.count[0]; ++i[0])
+        for (i[1] = 0; i[1] < lattice.count[1]; ++i[1])
+          for (i[2] = 0; i[2] < lattice.count[2]; ++i[2])
+            for (i[3] = 0; i[3] < lattice.count[3]; ++i[3]) {
+              std::ptrdiff_t position = 0;
+              for (int axis = 0; axis < 4; ++axis) position += i[axis] * lattice.step[axis];
+              if (support_.empty() || support_[position] != 0)
+                code(c, position, lattice.norm);
+            }
+    }
+  }
+
+  /// Calls code(component, level, position, existing, context, neighbours, q) as codeLevel() does.
+  template <class Code>
+  void cells(const TierStrides& strides, const Code& code) {
+    for (int stride = strides.first; stride > strides.end; --stride) {
+      if (stride >= deepest(levels_))
+        continue;
+      CellLevel level(shape_.extents, levels_, stride, mode_.wavelet);
+      for (int c = 0; c < shape_.channels; ++c) {
+        ComponentMemory& memory = memories_[static_cast<std::size_t>(c)];
+        std::swap(memory.current, memory.above);
+        codeLevel(level, support_, above_ ? &*above_ : nullptr, above_ ? &memory.above : nullptr,
+                  memory.current,
+                  [&](auto&&... rest) { return code(c, std::as_const(level), rest...); });
+      }
+      above_ = level;
+    }
+  }
+
+ private:
+  BlockShape shape_;
+  BlockMode mode_;
+  std::span<const std::uint8_t> support_;
+  AxisLevels levels_;
+  std::span<ComponentMemory> memories_;
+  std::optional<CellLevel> above_;
+};
+
+}  // namespace volute

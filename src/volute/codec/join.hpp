@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "volute/base/progress.hpp"
+#include "volute/base/result.hpp"
+
+namespace volute {
+
+struct JoinOptions {
+  /// Relative RMS to the parts when they must be encoded again; none: what the parts have
+  /// themselves.
+  std::optional<double> rms;
+  std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes]
+};
+
+struct JoinReport {
+  int frames = 0;
+  /// True when blocks were copied as they are: every value of the joined file is exactly that of
+  /// its part.
+  bool copied = false;
+  double partsRms = 0;     ///< relative RMS that was added to the parts; 0 when copied
+  double relativeRms = 0;  ///< to the originals, at most; relative to the range of all parts
+  double maxError = 0;     ///< to the originals, at most; absolute
+  std::uint64_t fileBytes = 0;
+};
+
+/// Puts .volute files of one grid together in the order of their frame numbers, which must not
+/// overlap. Times that begin anew in each part go on in the steps of the first.
+///
+/// Blocks of 16 frames are copied byte for byte when that changes no value: all parts but the last
+/// have a multiple of 16 frames, and codec, quantisation and range of the values, to which decoded
+/// ones are clamped, are the same for all. Otherwise the parts are decoded and encoded again. That
+/// adds an error to theirs; the file states their sum, which the error to the originals does not
+/// exceed.
+///
+/// kInvalidData, with the names of both files, when grids, bounds, channels, basis, units or frames
+/// do not fit together.
+[[nodiscard]] Result<JoinReport> join(const std::vector<std::filesystem::path>& parts,
+                                      const std::filesystem::path& target,
+                                      const JoinOptions& options, Progress& progress);
+
+}  // namespace volute

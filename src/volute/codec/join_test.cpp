@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/codec/join.hpp"
+
+#include <algorithm>
+
+#include "volute/codec/codec_testing.hpp"
+
+namespace volute {
+namespace {
+
+using testing::differenceOf;
+using testing::plumes;
+using testing::readBack;
+using testing::ScratchFile;
+
+/// Frames [begin, end) as a sequence of its own.
+Sequence partOf(const Sequence& whole, int begin, int end) {
+  Sequence part;
+  part.info = whole.info;
+  part.info.frames = end - begin;
+  part.info.frameNumbers = {whole.info.frameNumbers.begin() + begin,
+                            whole.info.frameNumbers.begin() + end};
+  part.info.times = {whole.info.times.begin() + begin, whole.info.times.begin() + end};
+  const auto size = static_cast<std::ptrdiff_t>(whole.info.frameValues());
+  part.values = {whole.values.begin() + begin * size, whole.values.begin() + end * size};
+  return part;
+}
+
+/// The first half again and again: parts of it are quantised alike.
+Sequence periodic(int frames) {
+  Sequence sequence = plumes(frames, 10, 9, 18);
+  const std::size_t half = 16 * sequence.info.frameValues();
+  for (std::size_t i = half; i < sequence.values.size(); ++i)
+    sequence.values[i] = sequence.values[i - half];
+  return sequence;
+}
+
+class JoinTest : public ::testing::Test {
+ protected:
+  std::filesystem::path pack(const std::string& name, const Sequence& sequence, double rms = 3e-3) {
+    const auto path = scratch.folder() / name;
+    const auto report = testing::compressTo(path, sequence, {ErrorTarget::Kind::kRms, rms});
+    EXPECT_TRUE(report) << (report ? "" : report.error().message);
+    return path;
+  }
+
+  Result<JoinReport> joined(const std::vector<std::filesystem::path>& parts,
+                            const JoinOptions& options = {}) {
+    Progress progress;
+    return join(parts, scratch.path(), options, progress);
+  }
+
+  std::string messageOf(const std::vector<std::filesystem::path>& parts) {
+    const auto result = joined(parts);
+    EXPECT_FALSE(std::filesystem::exists(scratch.path()));
+    return result ? "" : result.error().message;
+  }
+
+  ScratchFile scratch;
+};
+
+TEST_F(JoinTest, CopiesBlocksWhereThatIsExact) {
+  const Sequence whole = periodic(37);
+  const auto a = pack("a.volute", partOf(whole, 0, 16)),
+             b = pack("b.volute", partOf(whole, 16, 32));
+  const auto report = joined({a, b});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->copied);
+  EXPECT_EQ(report->partsRms, 0);
+  const auto first = readBack(a).value(), second = readBack(b).value();
+  const auto both = readBack(scratch.path()).value();
+  ASSERT_EQ(both.info.frames, 32);
+  EXPECT_EQ(both.info.frameNumbers, partOf(whole, 0, 32).info.frameNumbers);
+  EXPECT_EQ(both.info.times, partOf(whole, 0, 32).info.times);
+  EXPECT_TRUE(std::ranges::equal(first.values, std::span(both.values).first(first.values.size())));
+  EXPECT_TRUE(std::ranges::equal(second.values, std::span(both.values).last(second.values.size())));
+  EXPECT_NEAR(differenceOf(partOf(whole, 0, 32), both).relativeRms, report->relativeRms, 1e-9);
+  EXPECT_TRUE(VoluteReader::open(scratch.path()).value().verify().complete());
+}
+
+TEST_F(JoinTest, EncodesAgainWhereQuantisationDiffers) {
+  const Sequence whole = plumes(32, 10, 9, 18);
+  const auto a = pack("a.volute", partOf(whole, 0, 16), 1e-3);
+  const auto b = pack("b.volute", partOf(whole, 16, 32), 4e-3);
+  const auto report = joined({b, a}, {.rms = 1e-3});  // in any order
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_FALSE(report->copied);
+  EXPECT_LE(report->partsRms, 1e-3);
+  const auto difference = differenceOf(whole, readBack(scratch.path()).value());
+  EXPECT_LE(difference.relativeRms, report->relativeRms * 1.001);
+  EXPECT_LE(difference.maxError, report->maxError * 1.001);
+  const auto header = VoluteReader::open(scratch.path()).value().header();
+  // The decoded parts do not quite reach the range of the originals.
+  EXPECT_NEAR(header.reachedRms, report->relativeRms, 1e-5);
+}
+
+TEST_F(JoinTest, PartsNeedNotEndWithABlock) {
+  const Sequence whole = periodic(37);
+  const auto report =
+      joined({pack("a.volute", partOf(whole, 0, 5)), pack("b.volute", partOf(whole, 5, 24)),
+              pack("c.volute", partOf(whole, 24, 37))});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_FALSE(report->copied);
+  const auto both = readBack(scratch.path()).value();
+  EXPECT_EQ(both.info.frameNumbers, whole.info.frameNumbers);
+  EXPECT_LE(differenceOf(whole, both).relativeRms, report->relativeRms * 1.001);
+  EXPECT_LT(report->relativeRms, 7e-3);
+}
+
+TEST_F(JoinTest, TimesThatBeginAnewGoOn) {
+  const Sequence whole = plumes(8, 4, 4, 4);
+  Sequence late = partOf(whole, 4, 8);
+  const double start = late.info.times.front();
+  for (double& time : late.info.times) time -= start;
+  ASSERT_TRUE(joined({pack("a.volute", partOf(whole, 0, 4)), pack("b.volute", late)}));
+  const auto times = readBack(scratch.path()).value().info.times;
+  for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(times[i], whole.info.times[i], 1e-12);
+}
+
+TEST_F(JoinTest, RefusesWhatDoesNotFit) {
+  const Sequence whole = plumes(8, 4, 4, 4);
+  const auto a = pack("a.volute", partOf(whole, 0, 4));
+  EXPECT_NE(messageOf({a, pack("b.volute", partOf(whole, 3, 8))}).find("do not overlap"),
+            std::string::npos);
+  EXPECT_NE(messageOf({a, a}).find("frames 0 to 3"), std::string::npos);
+  Sequence wider = partOf(plumes(8, 4, 4, 5), 4, 8);
+  EXPECT_NE(messageOf({a, pack("c.volute", wider)}).find("5 x 4 x 4 voxels"), std::string::npos);
+  Sequence moved = partOf(whole, 4, 8);
+  moved.info.bounds.max.z() += 0.5;
+  EXPECT_NE(messageOf({a, pack("d.volute", moved)}).find("do not fit together"), std::string::npos);
+  Sequence other = partOf(whole, 4, 8);
+  other.info.basis = Basis::kTrilinear;
+  EXPECT_NE(messageOf({a, pack("e.volute", other)}).find("trilinear basis"), std::string::npos);
+  EXPECT_NE(messageOf({a, scratch.folder() / "none.volute"}).find("none.volute"),
+            std::string::npos);
+  EXPECT_EQ(messageOf({}), "there is nothing to join; expected .volute files");
+}
+
+TEST_F(JoinTest, DamagedPartsAreRefused) {
+  const Sequence whole = periodic(37);
+  const auto a = pack("a.volute", partOf(whole, 0, 16)),
+             b = pack("b.volute", partOf(whole, 16, 32));
+  auto bytes = testing::readBytes(b);
+  bytes[bytes.size() - 20] ^= 4;
+  testing::writeBytes(b, bytes);
+  EXPECT_NE(messageOf({a, b}).find("b.volute: is damaged"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/codec/wavelet_codec.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "volute/codec/byte_io.hpp"
+
+namespace volute {
+namespace {
+
+constexpr std::array kTimeLevels{0, 1, 2, 4};
+constexpr std::array kWavelets{Wavelet::kHaar, Wavelet::kCdf53, Wavelet::kCdf97};
+
+bool within(double value, double least, double most) {
+  return value >= least && value <= most;
+}
+
+}  // namespace
+
+std::string describe(const BlockMode& mode) {
+  return fmt::format("{} {}, {} time level{}", mode.shaped ? "shaped" : "plain",
+                     waveletName(mode.wavelet), mode.timeLevels, mode.timeLevels == 1 ? "" : "s");
+}
+
+std::string shortName(const BlockMode& mode) {
+  return fmt::format("{}:{}:{}", mode.shaped ? "shaped" : "plain", waveletName(mode.wavelet),
+                     mode.timeLevels);
+}
+
+std::optional<BlockMode> blockModeByName(std::string_view name) {
+  for (const BlockMode& mode : allBlockModes()) {
+    if (name == shortName(mode))
+      return mode;
+  }
+  return std::nullopt;
+}
+
+std::span<const BlockMode> allBlockModes() {
+  static const std::vector<BlockMode> modes = [] {
+    std::vector<BlockMode> all;
+    for (bool shaped : {false, true})
+      for (Wavelet wavelet : kWavelets)
+        for (int timeLevels : kTimeLevels) all.push_back({shaped, wavelet, timeLevels});
+    return all;
+  }();
+  return modes;
+}
+
+std::vector<std::byte> writeParameters(const WaveletParameters& parameters, int channels) {
+  ByteWriter out;
+  out.zigzag(parameters.exponent);
+  out.f64(parameters.step);
+  out.f64(parameters.maxError);
+  out.varint(static_cast<std::uint64_t>(parameters.one));
+  out.zigzag(parameters.more);
+  if (channels == 3) {
+    for (float value : parameters.color.rows) out.f32(value);
+  }
+  out.bytes(parameters.table);
+  return out.take();
+}
+
+Result<WaveletParameters> readParameters(std::span<const std::byte> bytes, int channels) {
+  constexpr std::uint64_t kMostTableBytes = 4 * context::kCount;
+  WaveletParameters parameters;
+  ByteReader in(bytes);
+  const std::int64_t exponent = in.zigzag();
+  parameters.step = in.f64();
+  parameters.maxError = in.f64();
+  const std::uint64_t one = in.varint();
+  const std::int64_t more = in.zigzag();
+  bool orthonormal = true;
+  if (channels == 3) {
+    for (float& value : parameters.color.rows) {
+      value = in.f32();
+      orthonormal = orthonormal && within(value, -1.001, 1.001);
+    }
+  }
+  if (!in.ok() || !within(static_cast<double>(exponent), -126, 127) || !(parameters.step > 0) ||
+      !std::isfinite(parameters.step) || !within(parameters.maxError, 0, 1e38) ||
+      !within(static_cast<double>(one), 1, 512) || !within(static_cast<double>(more), -255, 255) ||
+      !orthonormal || in.remaining() > kMostTableBytes) {
+    return fail(ErrorCode::kInvalidData, "parameters of its codec that are missing or impossible");
+  }
+  parameters.exponent = static_cast<int>(exponent);
+  parameters.one = static_cast<int>(one);
+  parameters.more = static_cast<int>(more);
+  const auto table = in.bytes(in.remaining());
+  parameters.table.assign(table.begin(), table.end());
+  parameters.contexts = contextsOf(table);
+  return parameters;
+}
+
+TierStrides stridesOfTier(const BlockShape& shape, std::size_t tier, int levels) {
+  int begin = 0;
+  for (std::size_t i = 0; i < tier; ++i) begin += kWaveletTiers[i];
+  const int end = std::min({begin + kWaveletTiers[tier], levels, shape.levels()});
+  // Level i has the stride of exponent (number of levels) - 1 - i; level 0 is the scaling.
+  return {shape.levels() - 1 - std::max(begin, 1), shape.levels() - 1 - std::max(end, 1),
+          begin == 0};
+}
+
+void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
+                 const BlockMode& mode, const BlockShape& shape,
+                 const WaveletParameters& parameters, const StreamInfo& stream,
+                 std::span<float> values) {
+  const std::size_t voxels = shape.voxels();
+  const AxisLevels levels = blockLevels(shape.extents, mode.timeLevels);
+  for (int c = 0; c < shape.channels; ++c)
+    shapeInverse(planes.subspan(c * voxels, voxels), support, shape.extents, mode.wavelet, levels);
+  parameters.color.merge(planes, shape.channels, parameters.unit(), values);
+  // NaN, which only a damaged file can make, becomes the minimum.
+  for (float& value : values) {
+    const float least = stream.valueMin < value ? value : stream.valueMin;
+    value = stream.valueMax < least ? stream.valueMax : least;
+  }
+  if (support.empty())
+    return;
+  const float outside = std::min(stream.valueMax, std::max(stream.valueMin, 0.0f));
+  if (shape.channels == 1) {
+    for (std::size_t i = 0; i < voxels; ++i) values[i] = support[i] != 0 ? values[i] : outside;
+  } else {
+    for (std::size_t i = 0; i < voxels; ++i)
+      for (std::size_t c = 0; c < 3; ++c)
+        values[3 * i + c] = support[i] != 0 ? values[3 * i + c] : outside;
+  }
+}
+
+}  // namespace volute

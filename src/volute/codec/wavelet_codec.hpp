@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "volute/codec/block_codec.hpp"
+#include "volute/codec/color_transform.hpp"
+#include "volute/codec/contexts.hpp"
+#include "volute/codec/subbands.hpp"
+#include "volute/wavelet/shape_adaptive.hpp"
+
+// Codec 2: what its reader and its writer share. docs/format.md, section 8.
+
+namespace volute {
+
+/// How many levels the tiers of codec 2 hold.
+inline constexpr std::array<int, 3> kWaveletTiers{3, 1, 1};
+
+/// How a block is transformed. Each block has the mode that costs it least.
+struct BlockMode {
+  bool shaped = false;  ///< with a lossless support, outside of which values are exactly 0
+  Wavelet wavelet = Wavelet::kCdf97;
+  int timeLevels = 4;  ///< 0, 1, 2 or 4 halvings of time, fewer where there is less to halve
+
+  bool operator==(const BlockMode&) const = default;
+};
+
+/// "shaped cdf53, 4 time levels".
+std::string describe(const BlockMode& mode);
+
+/// "plain:cdf97:4" and the like.
+std::string shortName(const BlockMode& mode);
+
+/// Empty for other texts.
+std::optional<BlockMode> blockModeByName(std::string_view name);
+
+/// All of them.
+std::span<const BlockMode> allBlockModes();
+
+/// What holds for all blocks of a stream.
+struct WaveletParameters {
+  /// Values are coded as multiples of 2^exponent, so that none of them is near a float's limits.
+  int exponent = 0;
+  double step = 1;  ///< quantisation step of a coefficient with synthesis norm 1, > 0; in units
+  ColorTransform color;
+  /// What a quantised magnitude m stands for: one, for 1; m + more for greater ones. In 1/256.
+  int one = 256, more = 0;
+  double maxError = 0;           ///< > 0: corrections keep every voxel within it
+  std::vector<std::byte> table;  ///< contextTable()
+  Contexts contexts = untrainedContexts();
+
+  /// The magnitude, in steps, that is shown for q.
+  double shown(std::int32_t q) const {
+    const int m = q < 0 ? -q : q;
+    return m == 0 ? 0 : m == 1 ? one / 256.0 : m + more / 256.0;
+  }
+
+  /// 2^exponent.
+  float unit() const { return std::ldexp(1.0f, exponent); }
+
+  /// Distance between neighbouring corrections: a little less than twice maxError, which leaves
+  /// room for rounding.
+  double correctionStep() const { return maxError * 2 * (1 - 1.0 / 128); }
+};
+
+std::vector<std::byte> writeParameters(const WaveletParameters& parameters, int channels);
+[[nodiscard]] Result<WaveletParameters> readParameters(std::span<const std::byte> bytes,
+                                                       int channels);
+
+/// The strides whose cells a tier holds, from `first` down to (not including) `end`; and whether it
+/// is the one with the scaling coefficients.
+struct TierStrides {
+  int first = -1, end = -1;
+  bool scaling = false;
+};
+
+/// @param levels  levels of the block to be decoded, from the coarsest.
+TierStrides stridesOfTier(const BlockShape& shape, std::size_t tier, int levels);
+
+/// Turns planes of dequantised coefficients into values, as a reader sees them before corrections:
+/// inverse transform, colour, range of the stream, zeros outside of the support.
+void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
+                 const BlockMode& mode, const BlockShape& shape,
+                 const WaveletParameters& parameters, const StreamInfo& stream,
+                 std::span<float> values);
+
+}  // namespace volute

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <algorithm>
+#include <limits>
+
+#include "volute/base/assert.hpp"
+#include "volute/codec/block_codec.hpp"
+#include "volute/codec/block_syntax.hpp"
+#include "volute/codec/wavelet_codec.hpp"
+
+namespace volute {
+namespace {
+
+/// The Bits of a reader.
+struct ReadBits {
+  AdaptiveBit* contexts;
+  ArithmeticDecoder in;
+
+  bool bit(unsigned context, bool) { return in.bit(contexts[context]); }
+
+  bool even(bool) { return in.even(); }
+};
+
+/// A reader for some bits in a row, whose state can stay in registers.
+class LocalBits : public ReadBits {
+ public:
+  explicit LocalBits(ReadBits& home) : ReadBits(home), home_(home) {}
+
+  ~LocalBits() { home_.in = in; }
+
+  LocalBits(const LocalBits&) = delete;
+  LocalBits& operator=(const LocalBits&) = delete;
+
+ private:
+  ReadBits& home_;
+};
+
+/// What a quantised coefficient stands for.
+class Dequantiser {
+ public:
+  explicit Dequantiser(const WaveletParameters& parameters) : parameters_(parameters) {}
+
+  float operator()(std::int32_t q, double norm) const {
+    constexpr double kLargest = std::numeric_limits<float>::max();
+    const double size = std::min(parameters_.shown(q) * (parameters_.step / norm), kLargest);
+    return static_cast<float>(q < 0 ? -size : size);
+  }
+
+ private:
+  const WaveletParameters& parameters_;
+};
+
+tl::unexpected<Error> malformed(std::size_t tier) {
+  return fail(ErrorCode::kInvalidData, "is malformed in tier {}", tier);
+}
+
+/// Room for a block; getting memory of this size costs as much as using it.
+struct Scratch {
+  Contexts contexts;
+  std::vector<float> planes;
+  std::vector<std::uint8_t> support;
+  std::array<ComponentMemory, 3> memories;
+};
+
+/// One block on its way.
+class BlockReading {
+ public:
+  BlockReading(const WaveletParameters& parameters, const BlockShape& shape, Scratch& scratch)
+      : parameters_(parameters),
+        shape_(shape),
+        contexts_(scratch.contexts),
+        planes_(scratch.planes),
+        support_(scratch.support),
+        memories_(scratch.memories) {
+    contexts_ = parameters.contexts;
+    planes_.assign(shape.values(), 0);
+    support_.clear();
+  }
+
+  Status read(Tiers tiers, int levels);
+  void correct(const StreamInfo& stream, std::span<float> values) const;
+
+  const BlockMode& mode() const { return mode_; }
+
+  std::span<float> planes() { return planes_; }
+
+  std::span<const std::uint8_t> support() const { return support_; }
+
+ private:
+  void readHead(ReadBits& bits);
+  void readCells(ReadBits& bits, BlockWalk& walk, const TierStrides& strides);
+  void readScaling(ReadBits& bits, const BlockWalk& walk);
+  void readCorrections(ReadBits& bits);
+
+  const WaveletParameters& parameters_;
+  const BlockShape& shape_;
+  Contexts& contexts_;
+  std::vector<float>& planes_;
+  std::vector<std::uint8_t>& support_;
+  std::span<ComponentMemory> memories_;
+  BlockMode mode_;
+  std::vector<std::int32_t> corrections_;
+};
+
+void BlockReading::readHead(ReadBits& bits) {
+  codeMode(bits, mode_);
+  if (!mode_.shaped)
+    return;
+  support_.resize(shape_.voxels());
+  LocalBits local(bits);
+  codeSupport(local, shape_.extents, std::span(support_));
+}
+
+void BlockReading::readScaling(ReadBits& bits, const BlockWalk& walk) {
+  const Dequantiser dequantise(parameters_);
+  walk.scaling([&](int c, std::ptrdiff_t position, double norm) {
+    planes_[c * shape_.voxels() + position] =
+        dequantise(codeNumber(bits, context::kScaling, 0), norm);
+  });
+}
+
+void BlockReading::readCells(ReadBits& bits, BlockWalk& walk, const TierStrides& strides) {
+  const Dequantiser dequantise(parameters_);
+  walk.cells(strides,
+             [&](int c, const CellLevel& level, std::ptrdiff_t position, std::uint16_t existing,
+                 CellContext& context, const auto& neighbours, std::int32_t* q) {
+               if (!bits.bit(context.cell, false))
+                 return false;
+               neighbours();
+               {
+                 LocalBits local(bits);
+                 codeMembers(local, context, existing, q);
+               }
+               float* cell = planes_.data() + c * shape_.voxels() + position;
+               for (unsigned left = existing; left != 0; left &= left - 1) {
+                 const int k = std::countr_zero(left);
+                 if (q[k] != 0)
+                   cell[level.offset[k]] = dequantise(q[k], level.norm[k]);
+               }
+               return true;
+             });
+}
+
+void BlockReading::readCorrections(ReadBits& bits) {
+  if (!(parameters_.maxError > 0) || !bits.bit(context::kEnd, false))
+    return;
+  corrections_.resize(shape_.values());
+  codeCorrections(bits, shape_, corrections_);
+}
+
+Status BlockReading::read(Tiers tiers, int levels) {
+  std::optional<BlockWalk> walk;
+  for (std::size_t tier = 0; tier < tiers.size(); ++tier) {
+    const TierStrides strides = stridesOfTier(shape_, tier, levels);
+    if (tiers[tier].empty()) {
+      // Zeros, which the next tier's contexts see.
+      if (walk)
+        walk->cells(strides, [](auto&&...) { return false; });
+      continue;
+    }
+    // A block that has anything has it in tier 0, with the mode.
+    if (tier > 0 && !walk)
+      return malformed(tier);
+    ReadBits bits{contexts_.data(), ArithmeticDecoder(tiers[tier])};
+    if (strides.scaling) {
+      readHead(bits);
+      walk.emplace(shape_, mode_, support_, memories_);
+      readScaling(bits, *walk);
+    }
+    readCells(bits, *walk, strides);
+    if (levels < shape_.levels())
+      continue;
+    if (tier + 1 == kWaveletTiers.size())
+      readCorrections(bits);
+    if (!bits.in.usedAll())
+      return malformed(tier);
+  }
+  return {};
+}
+
+void BlockReading::correct(const StreamInfo& stream, std::span<float> values) const {
+  for (std::size_t i = 0; i < corrections_.size(); ++i) {
+    if (corrections_[i] == 0)
+      continue;
+    const auto value =
+        static_cast<float>(values[i] + corrections_[i] * parameters_.correctionStep());
+    values[i] = std::min(stream.valueMax, std::max(stream.valueMin, value));
+  }
+}
+
+class WaveletDecoder final : public BlockDecoder {
+ public:
+  WaveletDecoder(WaveletParameters parameters, const StreamInfo& stream)
+      : parameters_(std::move(parameters)), stream_(stream) {}
+
+  std::span<const int> tierLevels() const override { return kWaveletTiers; }
+
+  std::uint64_t maxSegmentBytes(const BlockShape& shape, std::size_t) const override {
+    // The support, 46 bits of a coefficient with their signs and 34 of a correction, at the least
+    // probability, 10 bits each.
+    return 110 * static_cast<std::uint64_t>(shape.values()) + 1024;
+  }
+
+  Status decode(Tiers tiers, int levels, const BlockShape& shape,
+                std::span<float> values) const override {
+    VOLUTE_ASSERT(values.size() == shape.values() && tiers.size() <= kWaveletTiers.size());
+    if (std::ranges::all_of(tiers, [](const auto& tier) { return tier.empty(); })) {
+      std::ranges::fill(values, std::min(stream_.valueMax, std::max(stream_.valueMin, 0.0f)));
+      return {};
+    }
+    thread_local Scratch scratch;
+    BlockReading block(parameters_, shape, scratch);
+    VOLUTE_TRY(block.read(tiers, levels));
+    reconstruct(block.planes(), block.support(), block.mode(), shape, parameters_, stream_, values);
+    block.correct(stream_, values);
+    return {};
+  }
+
+  Result<std::string> describe(Tiers tiers, const BlockShape&) const override {
+    if (tiers.empty() || tiers[0].empty())
+      return "empty";
+    Contexts contexts = parameters_.contexts;
+    ReadBits bits{contexts.data(), ArithmeticDecoder(tiers[0])};
+    BlockMode mode;
+    codeMode(bits, mode);
+    return volute::describe(mode);
+  }
+
+ private:
+  WaveletParameters parameters_;
+  StreamInfo stream_;
+};
+
+}  // namespace
+
+Result<std::shared_ptr<const BlockDecoder>> openWaveletDecoder(
+    std::span<const std::byte> parameters, const StreamInfo& stream) {
+  VOLUTE_ASSIGN(auto read, readParameters(parameters, stream.channels));
+  return std::make_shared<const WaveletDecoder>(std::move(read), stream);
+}
+
+}  // namespace volute

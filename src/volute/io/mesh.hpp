@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "volute/base/result.hpp"
+#include "volute/tetmesh/split_cells.hpp"
+
+namespace volute {
+
+/// What a file's mesh takes. Trivially copyable: it crosses from the process that reads the file.
+struct MeshSize {
+  static constexpr std::size_t kMaxName = 255;
+
+  char field[kMaxName + 1] = {};  ///< the name, ends in 0
+  bool ofCells = false;           ///< a value for each cell, else for each point
+  std::uint64_t points = 0;
+  std::uint64_t cells = 0;  ///< those with a volume
+  std::uint64_t indices = 0;
+
+  std::uint64_t values() const { return ofCells ? cells : points; }
+};
+
+/// Cells and one field of a file.
+struct MeshData {
+  CellSoup soup;
+  std::vector<float> values;
+  bool ofCells = false;
+  std::string field;
+};
+
+/// What a library that knows a mesh format does with one file. Used inside a child process
+/// (ReaderProcess), because damaged files may crash such libraries.
+class MeshReader {
+ public:
+  virtual ~MeshReader() = default;
+
+  /// Reads the file; the field named `field`, or the only scalar when it is empty. An error lists
+  /// the fields that are there.
+  [[nodiscard]] virtual Result<MeshSize> load(const std::filesystem::path& file,
+                                              const std::string& field) = 0;
+
+  /// What was loaded.
+  [[nodiscard]] virtual Result<MeshData> take() = 0;
+};
+
+/// What a plug-in for a mesh format offers.
+struct MeshPlugin {
+  std::unique_ptr<MeshReader> (*makeReader)();
+};
+
+}  // namespace volute

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/mesh_source.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "volute/base/assert.hpp"
+#include "volute/io/lattice_source.hpp"
+#include "volute/io/mesh.hpp"
+#include "volute/io/plugin.hpp"
+#include "volute/io/reader_process.hpp"
+
+namespace volute {
+namespace {
+
+/// Goes through an array of bytes, writing to it or reading from it.
+struct Bytes {
+  std::byte* at;
+
+  template <class T>
+  void put(const std::vector<T>& from) {
+    std::memcpy(at, from.data(), from.size() * sizeof(T));
+    at += from.size() * sizeof(T);
+  }
+
+  template <class T>
+  void get(std::vector<T>& to, std::uint64_t count) {
+    to.resize(count);
+    std::memcpy(static_cast<void*>(to.data()), at, count * sizeof(T));
+    at += count * sizeof(T);
+  }
+};
+
+std::size_t floatsFor(const MeshSize& size) {
+  const std::uint64_t bytes = size.points * sizeof(Vec3) + size.cells * sizeof(CellShape) +
+                              (size.cells + 1 + size.indices) * sizeof(std::int64_t) +
+                              size.values() * sizeof(float);
+  return (bytes + sizeof(float) - 1) / sizeof(float);
+}
+
+/// The child's side: the first call reads the file and says how much it is, the second hands it
+/// over.
+ReaderProcess::Serve makeServe(const std::filesystem::path& file, const std::string& field) {
+  return [file, field, reader = std::shared_ptr<MeshReader>()](
+             std::string_view, std::span<float> values) mutable -> Result<std::string> {
+    if (!reader) {
+      VOLUTE_ASSIGN(const MeshPlugin* plugin, loadVtkMeshPlugin());
+      reader = plugin->makeReader();
+      VOLUTE_ASSIGN(const MeshSize size, reader->load(file, field));
+      return std::string(reinterpret_cast<const char*>(&size), sizeof size);
+    }
+    VOLUTE_ASSIGN(const MeshData data, reader->take());
+    Bytes bytes{reinterpret_cast<std::byte*>(values.data())};
+    bytes.put(data.soup.vertices);
+    bytes.put(data.soup.offsets);
+    bytes.put(data.soup.connectivity);
+    bytes.put(data.values);
+    bytes.put(data.soup.shapes);
+    return std::string();
+  };
+}
+
+Result<MeshData> readMesh(const std::filesystem::path& path, const MeshOptions& options) {
+  const std::string file = path.string();
+  std::error_code error;
+  const auto fileSize = std::filesystem::file_size(path, error);
+  if (error)
+    return fail(ErrorCode::kNotFound, "{}: cannot be read: {}", file, error.message());
+  ReaderProcess process(makeServe(path, options.field));
+  ReaderProcess::Limits limits;
+  limits.memory = options.maxMemory;
+  limits.seconds = 10 + 1e-6 * static_cast<double>(fileSize);
+  VOLUTE_ASSIGN(const std::string reply, process.call(file, {}, 0, limits));
+  MeshSize size;
+  VOLUTE_ASSERT(reply.size() == sizeof size);
+  std::memcpy(&size, reply.data(), sizeof size);
+  VOLUTE_TRY(process.call(file, {}, floatsFor(size), limits));
+  MeshData data;
+  data.ofCells = size.ofCells;
+  data.field = size.field;
+  // Copied out of memory that is shared read-write; nothing is written through it here.
+  Bytes bytes{reinterpret_cast<std::byte*>(const_cast<float*>(process.values().data()))};
+  bytes.get(data.soup.vertices, size.points);
+  bytes.get(data.soup.offsets, size.cells + 1);
+  bytes.get(data.soup.connectivity, size.indices);
+  bytes.get(data.values, size.values());
+  bytes.get(data.soup.shapes, size.cells);
+  return data;
+}
+
+}  // namespace
+
+Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const MeshOptions& options) {
+  MeshSource source;
+  source.options_ = options;
+  std::error_code error;
+  if (!std::filesystem::exists(path, error))
+    return fail(ErrorCode::kNotFound, "{}: no such file", path.string());
+  if (path.extension() == ".vtu") {
+    source.files_ = {path};
+    source.times_ = {0};
+    return source;
+  }
+  if (path.extension() != ".pvd") {
+    return fail(ErrorCode::kUnsupported, "{}: not a mesh; expected a .vtu file or a .pvd series",
+                path.string());
+  }
+  VOLUTE_ASSIGN(auto files, readCollection(path, loadVtkPlugin));
+  std::ranges::stable_sort(files, {}, &TimedFile::time);
+  for (const TimedFile& file : files) {
+    source.files_.push_back(path.parent_path() / file.path);
+    source.times_.push_back(file.time);
+  }
+  if (source.files_.empty())
+    return fail(ErrorCode::kInvalidData, "{}: names no files", path.string());
+  return source;
+}
+
+Result<MeshFrame> MeshSource::read(std::size_t frame) {
+  VOLUTE_ASSERT(frame < files_.size());
+  const std::string file = files_[frame].string();
+  VOLUTE_ASSIGN(MeshData data, readMesh(files_[frame], options_));
+  MeshFrame out;
+  out.field = data.field;
+  VOLUTE_ASSIGN(out.clamped, checkField(data.values, options_.negatives,
+                                        fmt::format("{}: field '{}'", file, data.field)));
+  VOLUTE_ASSIGN(const SplitCells split, splitCells(data.soup, file));
+  if (!mesh_ || vertices_ != data.soup.vertices || tets_ != split.tets) {
+    std::vector<Vec3> vertices = data.soup.vertices;
+    std::vector<Tet> tets = split.tets;
+    order_ = reorderInSpace(vertices, tets);
+    VOLUTE_ASSIGN(mesh_, TetMesh::build(std::move(vertices), std::move(tets), file));
+    vertices_ = std::move(data.soup.vertices);
+    tets_ = split.tets;
+  }
+  out.mesh = mesh_;
+  if (data.ofCells) {
+    std::vector<std::int32_t> cellOf;
+    for (const std::int32_t from : order_.tetFrom)
+      cellOf.push_back(split.cellOf[static_cast<std::size_t>(from)]);
+    out.values = cellToPoint(*mesh_, data.values, cellOf);
+  } else {
+    for (const std::int32_t from : order_.vertexFrom)
+      out.values.push_back(data.values[static_cast<std::size_t>(from)]);
+  }
+  return out;
+}
+
+}  // namespace volute

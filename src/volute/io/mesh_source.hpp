@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/base/result.hpp"
+#include "volute/tetmesh/spatial_order.hpp"
+#include "volute/tetmesh/tet_field.hpp"
+#include "volute/tetmesh/tet_mesh.hpp"
+
+namespace volute {
+
+/// One instant of a case. Vertices and tets are in an order of our own, near in memory where they
+/// are near in space; it depends on the file's mesh alone.
+struct MeshFrame {
+  std::shared_ptr<const TetMesh> mesh;
+  std::vector<float> values;  ///< one for each vertex of the mesh, >= 0
+  std::string field;
+  std::size_t clamped = 0;  ///< negative values that were set to 0
+};
+
+struct MeshOptions {
+  std::string field{};  ///< empty: the only scalar, or the one called "density"
+  Negatives negatives = Negatives::kRefuse;
+  std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< bytes, for reading one file
+};
+
+/// Smoke on a mesh over time: a .vtu file, or a .pvd series of them. Cells are split into tets,
+/// values of cells become values of points. Files are read in a child process.
+class MeshSource {
+ public:
+  [[nodiscard]] static Result<MeshSource> open(const std::filesystem::path& path,
+                                               const MeshOptions& options = {});
+
+  /// [s], ascending; a single file is at 0.
+  std::span<const double> times() const { return times_; }
+
+  /// Reads one instant. Frames whose cells are the same share a mesh.
+  [[nodiscard]] Result<MeshFrame> read(std::size_t frame);
+
+ private:
+  std::vector<std::filesystem::path> files_;
+  std::vector<double> times_;
+  MeshOptions options_;
+  std::shared_ptr<const TetMesh> mesh_;  // of the last frame, with what it was made of
+  std::vector<Vec3> vertices_;
+  std::vector<Tet> tets_;
+  MeshOrder order_;
+};
+
+}  // namespace volute

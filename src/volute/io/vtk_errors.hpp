@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <vtkLogger.h>
+#include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkOutputWindow.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include "volute/base/input_file.hpp"
+
+// What VTK says when it cannot read; for the files of the VTK plug-in alone.
+
+namespace volute {
+
+/// Where VTK reports that it could not read: not by return values. Lives in the child process
+/// alone.
+class ErrorWindow final : public vtkOutputWindow {
+ public:
+  static ErrorWindow* New();
+
+  vtkTypeMacro(ErrorWindow, vtkOutputWindow)
+
+      void DisplayText(const char*) override {}
+
+  void DisplayErrorText(const char* text) override { note(text); }
+
+  void DisplayWarningText(const char* text) override { note(text); }
+
+  void DisplayGenericWarningText(const char* text) override { note(text); }
+
+  std::string first;
+
+ private:
+  /// The last line of VTK's report; the others say where in VTK's sources.
+  void note(const char* text) {
+    if (!first.empty())
+      return;
+    std::string all(text);
+    all.erase(all.find_last_not_of(" \n") + 1);
+    const auto colon = all.rfind("): ");
+    first = colon == std::string::npos ? all : all.substr(colon + 3);
+    std::ranges::replace(first, '\n', ' ');
+  }
+};
+
+inline vtkStandardNewMacro(ErrorWindow)
+
+    /// Catches VTK's errors while it lives.
+    class ErrorWatch {
+ public:
+  ErrorWatch() {
+    vtkOutputWindow::SetInstance(window_);
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // some errors are printed past it
+  }
+
+  ~ErrorWatch() { vtkOutputWindow::SetInstance(nullptr); }
+
+  ErrorWatch(const ErrorWatch&) = delete;
+  ErrorWatch& operator=(const ErrorWatch&) = delete;
+
+  Status status(const std::string& file) const {
+    if (window_->first.empty())
+      return {};
+    return fail(ErrorCode::kInvalidData, "{}: not a whole VTK file: {}", file, window_->first);
+  }
+
+ private:
+  vtkNew<ErrorWindow> window_;
+};
+
+/// VTK reads up to the last value and never sees that the end is missing.
+inline Status checkEnd(const std::filesystem::path& path) {
+  constexpr std::string_view kEnd = "</VTKFile>";
+  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
+  std::string tail(std::min<std::uint64_t>(file.size(), 64), ' ');
+  VOLUTE_TRY(file.read(file.size() - tail.size(), std::as_writable_bytes(std::span(tail))));
+  tail.erase(tail.find_last_not_of(" \r\n\t") + 1);
+  if (tail.ends_with(kEnd))
+    return {};
+  return fail(ErrorCode::kTruncated, "{}: does not end in {}; the file is truncated", path.string(),
+              kEnd);
+}
+
+}  // namespace volute

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkIdList.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkSmartPointer.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLUnstructuredGridReader.h>
+
+#include <optional>
+
+#include "volute/io/grid_choice.hpp"
+#include "volute/io/mesh.hpp"
+#include "volute/io/vtk_errors.hpp"
+
+namespace volute {
+namespace {
+
+struct Field {
+  vtkDataArray* array = nullptr;
+  bool ofCells = false;
+};
+
+void listFields(vtkDataSetAttributes* data, bool ofCells, std::vector<GridEntry>& names,
+                std::vector<Field>& fields) {
+  for (int i = 0; i < data->GetNumberOfArrays(); ++i) {
+    vtkDataArray* array = data->GetArray(i);
+    if (!array || !array->GetName())
+      continue;
+    const int components = array->GetNumberOfComponents();
+    const char* where = ofCells ? "cells" : "points";
+    names.push_back(
+        {array->GetName(),
+         fmt::format("{} of {}",
+                     components == 1 ? "scalars" : fmt::format("{} components", components), where),
+         components == 1});
+    fields.push_back({array, ofCells});
+  }
+}
+
+/// The shape of a cell with a volume; none for points, lines and surfaces.
+Result<std::optional<CellShape>> shapeOf(int type, const std::string& file) {
+  switch (type) {
+    case VTK_TETRA:
+      return CellShape::kTet;
+    case VTK_PYRAMID:
+      return CellShape::kPyramid;
+    case VTK_WEDGE:
+      return CellShape::kWedge;
+    case VTK_HEXAHEDRON:
+    case VTK_VOXEL:
+      return CellShape::kHexahedron;
+    case VTK_POLYHEDRON:
+      return CellShape::kPolyhedron;
+    default:
+      if (type <= VTK_QUAD)
+        return std::nullopt;
+      return fail(ErrorCode::kUnsupported,
+                  "{}: has cells of VTK type {}; expected tetrahedra, pyramids, wedges, hexahedra, "
+                  "voxels or polyhedra; make the mesh linear",
+                  file, type);
+  }
+}
+
+void appendCell(vtkUnstructuredGrid* grid, vtkIdType cell, vtkIdList* ids,
+                std::vector<std::int64_t>& out) {
+  const int type = grid->GetCellType(cell);
+  if (type == VTK_POLYHEDRON)
+    grid->GetFaceStream(cell, ids);
+  else
+    grid->GetCellPoints(cell, ids);
+  const auto begin = out.size();
+  for (vtkIdType i = 0; i < ids->GetNumberOfIds(); ++i) out.push_back(ids->GetId(i));
+  if (type == VTK_VOXEL && ids->GetNumberOfIds() == 8) {  // rows, not rounds
+    std::swap(out[begin + 2], out[begin + 3]);
+    std::swap(out[begin + 6], out[begin + 7]);
+  }
+}
+
+class VtkMeshReader final : public MeshReader {
+ public:
+  Result<MeshSize> load(const std::filesystem::path& path, const std::string& wanted) override {
+    const std::string file = path.string();
+    VOLUTE_TRY(checkEnd(path));
+    const ErrorWatch watch;
+    vtkNew<vtkXMLUnstructuredGridReader> reader;
+    reader->SetFileName(path.c_str());
+    reader->Update();
+    VOLUTE_TRY(watch.status(file));
+    vtkUnstructuredGrid* grid = reader->GetOutput();
+    std::vector<GridEntry> names;
+    std::vector<Field> fields;
+    listFields(grid->GetPointData(), false, names, fields);
+    listFields(grid->GetCellData(), true, names, fields);
+    VOLUTE_ASSIGN(const std::size_t chosen, chooseGrid(names, wanted, file));
+    data_ = {};
+    data_.field = names[chosen].name;
+    data_.ofCells = fields[chosen].ofCells;
+    VOLUTE_TRY(copyCells(grid, fields[chosen], file));
+    MeshSize size;
+    data_.field.copy(size.field, MeshSize::kMaxName);
+    size.ofCells = data_.ofCells;
+    size.points = data_.soup.vertices.size();
+    size.cells = data_.soup.shapes.size();
+    size.indices = data_.soup.connectivity.size();
+    return size;
+  }
+
+  Result<MeshData> take() override { return std::move(data_); }
+
+ private:
+  Status copyCells(vtkUnstructuredGrid* grid, const Field& field, const std::string& file) {
+    const vtkIdType expected = field.ofCells ? grid->GetNumberOfCells() : grid->GetNumberOfPoints();
+    if (field.array->GetNumberOfTuples() != expected) {
+      return fail(ErrorCode::kInvalidData, "{}: field '{}' has {} values; expected {}", file,
+                  data_.field, field.array->GetNumberOfTuples(), expected);
+    }
+    data_.soup.vertices.resize(static_cast<std::size_t>(grid->GetNumberOfPoints()));
+    for (vtkIdType i = 0; i < grid->GetNumberOfPoints(); ++i)
+      grid->GetPoint(i, data_.soup.vertices[static_cast<std::size_t>(i)].data());
+    vtkNew<vtkIdList> ids;
+    data_.soup.offsets.push_back(0);
+    for (vtkIdType i = 0; i < grid->GetNumberOfCells(); ++i) {
+      VOLUTE_ASSIGN(const auto shape, shapeOf(grid->GetCellType(i), file));
+      if (!shape)
+        continue;
+      appendCell(grid, i, ids, data_.soup.connectivity);
+      data_.soup.shapes.push_back(*shape);
+      data_.soup.offsets.push_back(static_cast<std::int64_t>(data_.soup.connectivity.size()));
+      if (field.ofCells)
+        data_.values.push_back(static_cast<float>(field.array->GetComponent(i, 0)));
+    }
+    for (vtkIdType i = 0; i < grid->GetNumberOfPoints() && !field.ofCells; ++i)
+      data_.values.push_back(static_cast<float>(field.array->GetComponent(i, 0)));
+    return {};
+  }
+
+  MeshData data_;
+};
+
+}  // namespace
+}  // namespace volute
+
+extern "C" const volute::MeshPlugin* voluteVtkMeshPlugin() {
+  using namespace volute;
+  static constexpr MeshPlugin kPlugin{
+      []() -> std::unique_ptr<MeshReader> { return std::make_unique<VtkMeshReader>(); }};
+  return &kPlugin;
+}

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/optics/visibility.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace volute {
+
+std::span<const VisibilityLaw> visibilityLaws() {
+  static const std::array<VisibilityLaw, 3> laws{
+      {{"jin-reflecting", 3}, {"jin-emitting", 8}, {"reciprocal-od", std::numbers::ln10}}};
+  return laws;
+}
+
+Result<VisibilityLaw> visibilityLaw(std::string_view nameOrC) {
+  std::string names;
+  for (const VisibilityLaw& law : visibilityLaws()) {
+    if (law.name == nameOrC)
+      return law;
+    names += law.name + ", ";
+  }
+  double c = 0;
+  const char* end = nameOrC.data() + nameOrC.size();
+  const auto [stop, error] = std::from_chars(nameOrC.data(), end, c);
+  if (error == std::errc() && stop == end && c > 0 && std::isfinite(c))
+    return VisibilityLaw{"custom", c};
+  return fail(ErrorCode::kInvalidArgument,
+              "visibility law '{}': expected {}or a number C > 0 (S = C / K)", nameOrC, names);
+}
+
+double visibilityDistance(double extinction, const VisibilityLaw& law) {
+  return extinction > 0 ? law.c / extinction : std::numeric_limits<double>::infinity();
+}
+
+std::string_view nameOf(PictureMode mode) {
+  return mode == PictureMode::kPhotometric ? "photometric" : "threshold";
+}
+
+Result<PictureMode> pictureMode(std::string_view name) {
+  for (const PictureMode mode : {PictureMode::kPhotometric, PictureMode::kThreshold}) {
+    if (nameOf(mode) == name)
+      return mode;
+  }
+  return fail(
+      ErrorCode::kInvalidArgument,
+      "picture mode '{}': expected photometric (the light that passes) or threshold (10 % at "
+      "the visibility distance)",
+      name);
+}
+
+double photometricTransmittance(double depth) {
+  return std::exp(-depth);
+}
+
+double thresholdTransmittance(double depth, double c) {
+  return std::exp(-depth * (std::numbers::ln10 / c));
+}
+
+double seenTransmittance(double depth, PictureMode mode, double c) {
+  return mode == PictureMode::kPhotometric ? photometricTransmittance(depth)
+                                           : thresholdTransmittance(depth, c);
+}
+
+}  // namespace volute

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "volute/base/result.hpp"
+
+namespace volute {
+
+/// How far one sees in smoke of extinction K [1/m]: S = C / K. An empirical rule, not physics: C
+/// holds for the signs and the illumination of the experiments behind it.
+struct VisibilityLaw {
+  std::string name;
+  double c = 3;  ///< the optical depth at which a thing is no longer seen, > 0
+};
+
+/// jin-reflecting 3, jin-emitting 8 (Jin's experiments: reflecting and light-emitting signs),
+/// reciprocal-od ln 10 (S = 1/D, 10 % of the light left: Staubli et al. 2005, section 3).
+std::span<const VisibilityLaw> visibilityLaws();
+
+/// One of visibilityLaws(), or a number C > 0, whose law is called "custom".
+[[nodiscard]] Result<VisibilityLaw> visibilityLaw(std::string_view nameOrC);
+
+/// [m]; infinite in clear air.
+double visibilityDistance(double extinction, const VisibilityLaw& law);
+
+/// What a picture's transmittance means. One picture has one mode.
+enum class PictureMode {
+  kPhotometric,  ///< e^-depth: the share of light that passes
+  kThreshold,  ///< 10^(-depth / C): what has faded to 10 % is what the law calls no longer visible
+};
+
+std::string_view nameOf(PictureMode mode);
+[[nodiscard]] Result<PictureMode> pictureMode(std::string_view name);
+
+/// The share of light that passes an optical depth (natural logarithm).
+double photometricTransmittance(double depth);
+
+/// 10^(-depth / C): Staubli et al. 2005, equation 2, whose "optical density" is K / 3 (C = 3).
+double thresholdTransmittance(double depth, double c);
+
+/// Through what a surface or a sign is seen: in threshold mode each thing has its own C (3, or 8
+/// for one that emits light), in photometric mode none has. From a threshold transmittance T of C =
+/// 3 this is T^(3/8) for an emitting sign (Staubli et al. 2005, section 4.4); applied to e^-depth
+/// that power would be wrong.
+double seenTransmittance(double depth, PictureMode mode, double c);
+
+}  // namespace volute

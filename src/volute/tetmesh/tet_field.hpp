@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "volute/base/result.hpp"
+#include "volute/tetmesh/tet_mesh.hpp"
+
+// Fields are one float for each vertex, linear in each tet.
+
+namespace volute {
+
+/// What is done about negative values, which concentrations cannot have.
+enum class Negatives { kRefuse, kClamp };
+
+/// Refuses values that are not finite, and negative ones unless they are to be clamped to 0.
+/// Returns how many were clamped.
+[[nodiscard]] Result<std::size_t> checkField(std::span<float> values, Negatives negatives,
+                                             std::string_view name);
+
+/// Values at vertices from values of cells: the mean of the tets around a vertex by volume.
+/// `cellOf` gives the cell of each tet; empty when cells are the tets.
+std::vector<float> cellToPoint(const TetMesh& mesh, std::span<const float> cellValues,
+                               std::span<const std::int32_t> cellOf);
+
+/// (1 - share) a + share b. Values between two instants, share in [0, 1].
+void interpolateFields(std::span<const float> a, std::span<const float> b, double share,
+                       std::span<float> out);
+
+/// The gradient in each tet, per metre.
+std::vector<Vec3> gradients(const TetMesh& mesh, std::span<const float> values);
+
+}  // namespace volute

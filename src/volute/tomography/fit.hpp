@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "volute/tomography/frame_problem.hpp"
+#include "volute/tomography/solvers.hpp"
+
+namespace volute {
+
+/// The strength of a prior and what came of it.
+struct Fit {
+  Regularization regularization = Regularization::kNone;
+  double lambda = 0;  ///< times the largest eigenvalue
+  int iterations = 0;
+  std::string_view stoppedBy = "iterations";
+  std::vector<float> unknowns;
+  std::vector<float> projected;  ///< S a
+  double heldOutError = 0;
+};
+
+/// What fits of one frame share.
+struct FitSetup {
+  const FrameProblem& problem;
+  std::span<const TomographyView> views;
+  const TomographyOptions& options;
+  double largest;  ///< eigenvalue of S' W^2 S
+  double typical;  ///< typicalValue()
+  Progress& progress;
+};
+
+/// What a voxel may have [radiance/m]: the largest entry of S' W^2 (p - b) over the largest
+/// eigenvalue. Total variation is proportional to the light, least squares to its square: strengths
+/// count in it.
+double typicalValue(const LeastSquares& data, double largest);
+
+/// A random share of the rows, chosen by `seed`: 1 for those held out of a fit.
+std::vector<std::uint8_t> heldOutRows(std::size_t rows, std::uint32_t seed);
+
+/// All rows of the camera whose nearest neighbour, in angle, is at the median distance.
+std::vector<std::uint8_t> heldOutView(const FrameProblem& problem,
+                                      std::span<const TomographyView> views);
+
+/// The data with the rows held out.
+LeastSquares withoutRows(const LeastSquares& data, std::span<const std::uint8_t> heldOut);
+
+/// Weighted relative L2 of the data over the rows that are held out.
+double heldOutError(const LeastSquares& data, std::span<const std::uint8_t> heldOut,
+                    std::span<const float> projected);
+
+/// When to stop besides after so many iterations.
+struct StopRule {
+  int iterations = 0;
+  double squaredResidual = 0;               ///< of the data: stops at or below
+  std::span<const std::uint8_t> heldOut{};  ///< stops when their error rises; empty: none
+  double settled = 0;  ///< stops when ten iterations change the volume by no more, relative L2
+};
+
+inline constexpr double kSettled = 1e-3;  ///< what counts as settled
+
+/// Runs the solver of the options on `data` from `start`.
+[[nodiscard]] Result<Fit> runFit(const FitSetup& setup, const LeastSquares& data,
+                                 Regularization regularization, double lambda,
+                                 std::vector<float> start, const StopRule& stop);
+
+/// Chooses the strength of the total variation: from strong to weak, each fit going on from the one
+/// before, until the error over the held-out pixels has risen. With four views or more those are
+/// the pixels of one camera, for other pixels of the same cameras would be predicted ever better by
+/// a volume that fits the noise. Then fits all pixels.
+[[nodiscard]] Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start);
+
+}  // namespace volute

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/frame_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volute/tomography/hull.hpp"
+#include "volute/tomography/pixel_weights.hpp"
+
+namespace volute {
+namespace {
+
+Status checkView(const TomographyView& view) {
+  const Image& image = view.radiance;
+  if (image.width != view.camera.width() || image.height != view.camera.height() ||
+      image.channels != 3)
+    return fail(ErrorCode::kInvalidArgument,
+                "Camera {}: its image is {} x {} with {} channels, its calibration says {} x {} "
+                "with 3; check the image's size, or scale the calibration with it",
+                view.name, image.width, image.height, image.channels, view.camera.width(),
+                view.camera.height());
+  const std::size_t pixels = static_cast<std::size_t>(image.width) * image.height;
+  if ((!view.weight.empty() && view.weight.size() != pixels) ||
+      (!view.silhouette.empty() && view.silhouette.size() != pixels))
+    return fail(ErrorCode::kInvalidArgument,
+                "Camera {}: its mask is not as large as its image of {} x {} pixels", view.name,
+                image.width, image.height);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    const bool counts = view.weight.empty() || view.weight[i / 3] != 0;
+    if (counts && !std::isfinite(image.pixels[i]))
+      return fail(ErrorCode::kInvalidData,
+                  "Camera {}: pixel ({}, {}) is not a finite number; repair the image or mask the "
+                  "pixel",
+                  view.name, i / 3 % image.width, i / 3 / image.width);
+  }
+  return {};
+}
+
+bool sees(const TomographyView& view) {
+  for (std::size_t i = 0; i < view.radiance.pixels.size(); ++i) {
+    if (view.radiance.pixels[i] > 0 && (view.weight.empty() || view.weight[i / 3] != 0))
+      return true;
+  }
+  return false;
+}
+
+/// Values of pixels that do not count may be anything: they become 0.
+TomographyView cleaned(const TomographyView& view) {
+  TomographyView clean = view;
+  for (std::size_t i = 0; i < clean.radiance.pixels.size(); ++i) {
+    if (!view.weight.empty() && view.weight[i / 3] == 0)
+      clean.radiance.pixels[i] = 0;
+  }
+  return clean;
+}
+
+Status emptyHull(std::span<const TomographyView> views) {
+  for (const TomographyView& view : views) {
+    if (!sees(view))
+      return fail(ErrorCode::kNotFound,
+                  "Camera {}: its image is black after the background was subtracted, so that the "
+                  "visual hull is empty; check its image and background, or leave the hull out",
+                  view.name);
+  }
+  return fail(ErrorCode::kNotFound,
+              "The visual hull is empty: no voxel is seen in the silhouettes of all {} cameras; "
+              "check the volume's bounds and unit [m], the calibration, and the silhouettes",
+              views.size());
+}
+
+/// Bytes that a frame needs at most without a table: rays, vectors of pixels and of unknowns, and a
+/// gradient for each chunk of rows.
+std::uint64_t bytesNeeded(std::span<const std::vector<std::uint8_t>> masks, const Support& support,
+                          int raysPerPixel) {
+  constexpr std::uint64_t kColour = 16, kPixelVectors = 8, kUnknownVectors = 10, kGradients = 32;
+  std::uint64_t pixels = 0;
+  for (const auto& mask : masks)
+    pixels += mask.size() - static_cast<std::uint64_t>(std::ranges::count(mask, 0));
+  return pixels * (raysPerPixel * sizeof(WalkRay) + kPixelVectors * kColour) +
+         support.size() * kUnknownVectors * kColour + support.latticeSize() * kGradients * kColour;
+}
+
+/// Rows of pixels that count for the projector.
+std::vector<std::uint8_t> rowMask(const TomographyView& view,
+                                  const std::vector<std::uint8_t>& silhouette) {
+  std::vector<std::uint8_t> mask = silhouette;
+  if (mask.empty())
+    mask.assign(static_cast<std::size_t>(view.camera.width()) * view.camera.height(), 1);
+  for (std::size_t i = 0; i < view.weight.size(); ++i) {
+    if (view.weight[i] == 0)
+      mask[i] = 0;
+  }
+  return mask;
+}
+
+void fillRows(std::span<const TomographyView> views, const TomographyOptions& options,
+              FrameProblem& problem) {
+  // The other solvers are there to compare with: they take what they see as it is.
+  const bool weighs = options.solver == TomographySolver::kApg;
+  std::vector<std::vector<float>> variance;
+  for (const TomographyView& view : views)
+    variance.push_back(weighs ? pixelVariance(view, options.noiseSigma)
+                              : std::vector<float>(view.radiance.pixels.size() / 3, 1.0F));
+  const std::span<const PixelRow> rows = problem.projector->pixels();
+  LeastSquares& data = problem.data;
+  data.projector = problem.projector.get();
+  data.measured.resize(4 * rows.size());
+  data.squaredWeight.resize(rows.size());
+  double sum = 0;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const TomographyView& view = views[rows[row].view];
+    const std::size_t pixel = rows[row].pixel;
+    std::copy_n(&view.radiance.pixels[3 * pixel], 3, &data.measured[4 * row]);
+    const float own = view.weight.empty() ? 1 : view.weight[pixel];
+    const float uncertain = variance[rows[row].view][pixel];
+    data.squaredWeight[row] = uncertain > 0 ? own * own / uncertain : 0;
+    sum += data.squaredWeight[row];
+  }
+  const auto scale = static_cast<float>(sum > 0 ? static_cast<double>(rows.size()) / sum : 0);
+  for (float& weight : data.squaredWeight) weight *= scale;
+}
+
+}  // namespace
+
+Status checkReconstruction(std::span<const TomographyView> views, const VolumeGeometry& geometry,
+                           const TomographyOptions& options) {
+  if (views.empty())
+    return fail(ErrorCode::kInvalidArgument, "There is no view to reconstruct from");
+  const auto& n = geometry.resolution;
+  if (geometry.bounds.empty() || !geometry.bounds.min.allFinite() ||
+      !geometry.bounds.max.allFinite())
+    return fail(ErrorCode::kInvalidArgument,
+                "The volume's bounds are empty: each maximum must be larger than its minimum");
+  if (std::ranges::min(n) < 1 || std::ranges::max(n) > 1024)
+    return fail(ErrorCode::kInvalidArgument,
+                "The volume's resolution {} x {} x {} is out of range: 1 to 1024 voxels an axis",
+                n[0], n[1], n[2]);
+  if (options.raysPerPixel != 1 && options.raysPerPixel != 4)
+    return fail(ErrorCode::kInvalidArgument, "{} rays a pixel: it can be 1 or 4",
+                options.raysPerPixel);
+  if (options.iterations && *options.iterations < 1)
+    return fail(ErrorCode::kInvalidArgument, "{} iterations: at least 1 is needed",
+                *options.iterations);
+  if (options.lambda && !(*options.lambda >= 0 && std::isfinite(*options.lambda)))
+    return fail(ErrorCode::kInvalidArgument, "lambda {}: it must be 0 or more", *options.lambda);
+  if (options.noiseSigma && !(*options.noiseSigma >= 0 && std::isfinite(*options.noiseSigma)))
+    return fail(ErrorCode::kInvalidArgument, "noise sigma {}: it must be 0 or more",
+                *options.noiseSigma);
+  const bool penalised = options.regularization != Regularization::kNone &&
+                         options.regularization != Regularization::kAuto;
+  if (penalised && options.solver != TomographySolver::kApg)
+    return fail(ErrorCode::kInvalidArgument,
+                "The solver {} knows no regularization; use apg, or the regularization none",
+                tomographySolverName(options.solver));
+  for (const TomographyView& view : views) VOLUTE_TRY(checkView(view));
+  return {};
+}
+
+Result<FrameProblem> makeFrameProblem(std::span<const TomographyView> views,
+                                      const VolumeGeometry& geometry,
+                                      const TomographyOptions& options, Progress& progress) {
+  std::vector<TomographyView> clean;
+  for (const TomographyView& view : views) clean.push_back(cleaned(view));
+  std::vector<std::vector<std::uint8_t>> silhouettes(views.size());
+  std::vector<std::uint8_t> hull;
+  FrameProblem problem;
+  if (options.hull) {
+    for (std::size_t v = 0; v < views.size(); ++v)
+      silhouettes[v] = dilatedSilhouette(clean[v], options.noiseSigma);
+    progress.report("visual hull", 0, 1);
+    hull = visualHull(clean, silhouettes, geometry);
+    const auto kept = static_cast<std::size_t>(std::ranges::count(hull, 1));
+    if (kept == 0)
+      return tl::unexpected(emptyHull(clean).error());
+    problem.hullShare = static_cast<double>(kept) / static_cast<double>(geometry.voxels());
+  }
+  if (progress.cancelled())
+    return fail(ErrorCode::kCancelled, "Stopped");
+  problem.support = std::make_shared<const Support>(geometry, options.basis, hull);
+  std::vector<std::vector<std::uint8_t>> masks;
+  std::vector<ProjectorView> seen;
+  for (std::size_t v = 0; v < views.size(); ++v) masks.push_back(rowMask(clean[v], silhouettes[v]));
+  const std::uint64_t needed = bytesNeeded(masks, *problem.support, options.raysPerPixel);
+  if (needed > options.maxMemory)
+    return fail(
+        ErrorCode::kTooLarge,
+        "The reconstruction needs {:.1f} GB, more than the {:.1f} GB that are allowed; take "
+        "a lower resolution, one ray a pixel or smaller images, or allow more memory",
+        static_cast<double>(needed) * 1e-9, static_cast<double>(options.maxMemory) * 1e-9);
+  for (std::size_t v = 0; v < views.size(); ++v) seen.push_back({&views[v].camera, masks[v]});
+  problem.projector = std::make_unique<const Projector>(seen, problem.support, options.raysPerPixel,
+                                                        options.maxMemory / 4);
+  if (problem.projector->rows() == 0)
+    return fail(ErrorCode::kInvalidArgument,
+                "No ray of any camera meets the volume; check its bounds and unit [m], and the "
+                "calibration");
+  fillRows(clean, options, problem);
+  return problem;
+}
+
+std::vector<double> residualOfViews(const FrameProblem& problem, std::size_t views,
+                                    std::span<const float> projected) {
+  std::vector<double> error(views), light(views);
+  const LeastSquares& data = problem.data;
+  const auto rows = problem.projector->pixels();
+  for (std::size_t i = 0; i < projected.size(); ++i) {
+    const double measured = data.measured[i];
+    const double difference = projected[i] - measured;
+    error[rows[i / 4].view] += difference * difference;
+    light[rows[i / 4].view] += measured * measured;
+  }
+  for (std::size_t v = 0; v < views; ++v)
+    error[v] = light[v] > 0 ? std::sqrt(error[v] / light[v]) : 0;
+  return error;
+}
+
+std::vector<float> toVolume(const Support& support, std::span<const float> unknowns) {
+  std::vector<float> volume(3 * support.geometry().voxels());
+  for (std::size_t i = 0; i < support.size(); ++i)
+    std::copy_n(&unknowns[4 * i], 3, &volume[3 * static_cast<std::size_t>(support.voxels()[i])]);
+  return volume;
+}
+
+std::vector<float> toUnknowns(const Support& support, std::span<const float> volume) {
+  std::vector<float> unknowns(4 * support.size());
+  for (std::size_t i = 0; i < support.size(); ++i)
+    std::copy_n(&volume[3 * static_cast<std::size_t>(support.voxels()[i])], 3, &unknowns[4 * i]);
+  return unknowns;
+}
+
+}  // namespace volute

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/hull.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "volute/base/parallel.hpp"
+
+namespace volute {
+namespace {
+
+/// How many rays on a side of a pixel keep neighbours within one voxel, all through the volume.
+int raysPerSide(const Camera& camera, const VolumeGeometry& geometry) {
+  constexpr double kMost = 16;
+  const double x = 0.5 * camera.width(), y = 0.5 * camera.height();
+  const Segment middle = camera.ray(x, y), right = camera.ray(x + 1, y),
+                below = camera.ray(x, y + 1);
+  double furthest = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 up(corner & 1, corner >> 1 & 1, corner >> 2);
+    const Vec3 point = geometry.bounds.min + up.cwiseProduct(geometry.bounds.size());
+    furthest = std::max(furthest, (point - middle.origin).dot(middle.direction));
+  }
+  const Vec3 there = middle.at(furthest);
+  const double spacing =
+      std::max((right.at(furthest) - there).norm(), (below.at(furthest) - there).norm());
+  const double rays = std::ceil(spacing / geometry.voxelSize().minCoeff());
+  return rays > 1 ? static_cast<int>(std::min(rays, kMost)) : 1;
+}
+
+enum Seen : std::uint8_t { kUnseen = 0, kOutside = 1, kInside = 2 };
+
+/// (z, y, x): how the camera sees each voxel.
+std::vector<std::uint8_t> seenVoxels(const Camera& camera, std::span<const std::uint8_t> silhouette,
+                                     const VolumeGeometry& geometry) {
+  const CellGrid cells = basisCells(geometry, Basis::kBox);
+  const CellRange all{{0, 0, 0}, cells.count};
+  std::vector<std::uint8_t> seen(geometry.voxels(), kUnseen);
+  const int side = raysPerSide(camera, geometry);
+  parallelFor(static_cast<std::size_t>(camera.height()), [&](std::size_t row) {
+    for (int x = 0; x < camera.width(); ++x) {
+      const std::uint8_t mark = silhouette[row * camera.width() + x] != 0 ? kInside : kOutside;
+      for (int i = 0; i < side * side; ++i) {
+        const Segment ray = camera.ray(x + (i % side + 0.5) / side,
+                                       static_cast<double>(row) + (i / side + 0.5) / side);
+        traverseCells(cells, all, ray, [&](const std::array<int, 3>& cell, double, double) {
+          const std::size_t voxel =
+              (static_cast<std::size_t>(cell[2]) * cells.count[1] + cell[1]) * cells.count[0] +
+              cell[0];
+          const std::atomic_ref<std::uint8_t> at(seen[voxel]);
+          std::uint8_t old = at.load(std::memory_order_relaxed);
+          while (old < mark && !at.compare_exchange_weak(old, mark, std::memory_order_relaxed)) {
+          }
+        });
+      }
+    }
+  });
+  return seen;
+}
+
+std::vector<std::uint8_t> dilated(std::span<const std::uint8_t> mask, int width, int height) {
+  std::vector<std::uint8_t> wide(mask.size()), out(mask.size());
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::uint8_t* row = mask.data() + static_cast<std::size_t>(y) * width;
+      wide[static_cast<std::size_t>(y) * width + x] =
+          row[x] | row[std::max(x - 1, 0)] | row[std::min(x + 1, width - 1)];
+    }
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      auto at = [&](int row) { return wide[static_cast<std::size_t>(row) * width + x]; };
+      out[static_cast<std::size_t>(y) * width + x] =
+          at(y) | at(std::max(y - 1, 0)) | at(std::min(y + 1, height - 1));
+    }
+  return out;
+}
+
+/// The mean of the 5 x 5 pixels around each, those at the border counted again beyond it.
+Image blurred(const Image& image) {
+  constexpr int kReach = 2;
+  constexpr float kShare = 1.0F / (2 * kReach + 1);
+  Image wide(image.width, image.height, image.channels), out = wide;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < image.channels; ++c)
+        for (int d = -kReach; d <= kReach; ++d)
+          wide.at(x, y, c) += kShare * image.at(std::clamp(x + d, 0, image.width - 1), y, c);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < image.channels; ++c)
+        for (int d = -kReach; d <= kReach; ++d)
+          out.at(x, y, c) += kShare * wide.at(x, std::clamp(y + d, 0, image.height - 1), c);
+  return out;
+}
+
+/// Light below this share of the brightest is no part of a silhouette.
+constexpr double kDarkest = 0.002;
+
+double brightestOf(const TomographyView& view) {
+  float brightest = 0;
+  for (std::size_t i = 0; i < view.radiance.pixels.size(); ++i) {
+    const bool valid = view.weight.empty() || view.weight[i / view.radiance.channels] != 0;
+    brightest = std::max(brightest, valid ? view.radiance.pixels[i] : 0);
+  }
+  return brightest;
+}
+
+/// Pixels that show the medium. Where noise decides, the means of 25 pixels are looked at: their
+/// noise is a fifth.
+std::vector<std::uint8_t> litPixels(const TomographyView& view, std::optional<double> noiseSigma) {
+  constexpr double kFifths = 5;
+  const double darkest = kDarkest * brightestOf(view);
+  double threshold = silhouetteThreshold(view, noiseSigma);
+  const bool noisy = threshold > darkest;
+  if (noisy)
+    threshold = std::max(threshold / kFifths, darkest);
+  const Image image = noisy ? blurred(view.radiance) : view.radiance;
+  std::vector<std::uint8_t> mask(image.pixels.size() / image.channels);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    if (std::abs(image.pixels[i]) > threshold)
+      mask[i / image.channels] = 1;
+  }
+  return mask;
+}
+
+}  // namespace
+
+double noiseOf(const TomographyView& view) {
+  const Image& image = view.radiance;
+  std::vector<float> differences;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x + 1 < image.width; ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
+      if (!view.weight.empty() && (view.weight[pixel] == 0 || view.weight[pixel + 1] == 0))
+        continue;
+      for (int c = 0; c < image.channels; ++c)
+        differences.push_back(std::abs(image.at(x, y, c) - image.at(x + 1, y, c)));
+    }
+  }
+  if (differences.empty())
+    return 0;
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::ranges::nth_element(differences, middle);
+  constexpr double kSigmaOfMedian = 1.4826 / 1.41421356;  // of a difference of two
+  return kSigmaOfMedian * *middle;
+}
+
+double silhouetteThreshold(const TomographyView& view, std::optional<double> noiseSigma) {
+  return std::max(3.5 * noiseSigma.value_or(noiseOf(view)), kDarkest * brightestOf(view));
+}
+
+std::vector<std::uint8_t> dilatedSilhouette(const TomographyView& view,
+                                            std::optional<double> noiseSigma) {
+  const Image& image = view.radiance;
+  std::vector<std::uint8_t> mask =
+      view.silhouette.empty() ? litPixels(view, noiseSigma) : view.silhouette;
+  for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = mask[i] != 0 ? 1 : 0;
+  mask = dilated(mask, image.width, image.height);
+  for (std::size_t i = 0; i < view.weight.size(); ++i) {
+    if (view.weight[i] == 0)
+      mask[i] = 1;
+  }
+  return mask;
+}
+
+std::vector<std::uint8_t> visualHull(std::span<const TomographyView> views,
+                                     std::span<const std::vector<std::uint8_t>> silhouettes,
+                                     const VolumeGeometry& geometry) {
+  std::vector<std::uint8_t> hull(geometry.voxels(), 1);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const auto seen = seenVoxels(views[v].camera, silhouettes[v], geometry);
+    for (std::size_t i = 0; i < hull.size(); ++i) hull[i] &= seen[i] != kOutside ? 1 : 0;
+  }
+  return hull;
+}
+
+}  // namespace volute

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "volute/tomography/support.hpp"
+#include "volute/tomography/view.hpp"
+
+namespace volute {
+
+/// What is taken as noise in one view: a robust estimate from the differences of neighbouring
+/// pixels, as radiance; 0 for images without noise.
+double noiseOf(const TomographyView& view);
+
+/// The radiance above which a pixel shows the medium, by default: 3.5 times the noise, and at least
+/// 1/500 of the view's brightest channel.
+double silhouetteThreshold(const TomographyView& view, std::optional<double> noiseSigma);
+
+/// (height, width), 1 where the medium may be seen: the view's own silhouette or |p - b| over the
+/// threshold in any channel, dilated by one pixel; 1 where the weight is 0, for nothing is known
+/// there. Where the noise decides, means of 5 x 5 pixels are compared with a fifth of the
+/// threshold.
+std::vector<std::uint8_t> dilatedSilhouette(const TomographyView& view,
+                                            std::optional<double> noiseSigma);
+
+/// (z, y, x), 1 for each voxel that every camera that sees it may have in its silhouette. A voxel
+/// counts with its whole footprint: the basis function's when trilinear.
+std::vector<std::uint8_t> visualHull(std::span<const TomographyView> views,
+                                     std::span<const std::vector<std::uint8_t>> silhouettes,
+                                     const VolumeGeometry& geometry);
+
+}  // namespace volute

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/hull.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "volute/tomography/testing.hpp"
+
+namespace volute {
+namespace {
+
+std::vector<std::vector<std::uint8_t>> silhouettesOf(const TestScene& scene) {
+  std::vector<std::vector<std::uint8_t>> out;
+  for (const TomographyView& view : scene.views) out.push_back(dilatedSilhouette(view, {}));
+  return out;
+}
+
+TEST(Noise, IsEstimatedFromNeighbours) {
+  const TestScene scene(3, 0.05);
+  for (const TomographyView& view : scene.views) EXPECT_NEAR(noiseOf(view), 0.05, 0.01);
+  const TestScene clean(3);
+  EXPECT_LT(noiseOf(clean.views[0]), 1e-3);
+}
+
+TEST(Silhouette, IsDilatedByOnePixel) {
+  TomographyView view{"c", Camera::pinhole({}, 30, 9, 7), Image(9, 7)};
+  view.radiance.at(4, 3, 1) = -1;  // darker than the background counts too
+  view.radiance.at(8, 0, 0) = 1;
+  const auto mask = dilatedSilhouette(view, 0.0);
+  for (int y = 0; y < 7; ++y)
+    for (int x = 0; x < 9; ++x) {
+      const bool lit = (std::abs(x - 4) <= 1 && std::abs(y - 3) <= 1) || (x >= 7 && y <= 1);
+      EXPECT_EQ(mask[y * 9 + x], lit) << x << ' ' << y;
+    }
+}
+
+TEST(Silhouette, IsUnknownWherePixelsDoNotCount) {
+  TomographyView view{"c", Camera::pinhole({}, 30, 4, 1), Image(4, 1)};
+  view.weight = {1, 0, 1, 1};
+  const auto mask = dilatedSilhouette(view, {});
+  EXPECT_EQ(mask, (std::vector<std::uint8_t>{0, 1, 0, 0}));
+}
+
+TEST(Silhouette, OwnMaskWins) {
+  TomographyView view{"c", Camera::pinhole({}, 30, 5, 1), Image(5, 1)};
+  view.radiance.at(0, 0) = 1;
+  view.silhouette = {0, 0, 0, 0, 7};
+  EXPECT_EQ(dilatedSilhouette(view, {}), (std::vector<std::uint8_t>{0, 0, 0, 1, 1}));
+}
+
+class HullTest : public testing::TestWithParam<double> {};
+
+TEST_P(HullTest, LosesNoLightAndIsTight) {
+  const TestScene scene(8, GetParam());
+  const auto hull = visualHull(scene.views, silhouettesOf(scene), scene.geometry);
+  double lost = 0, all = 0;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const double light = scene.truth[3 * i];
+    all += light;
+    lost += hull[i] ? 0 : light;
+  }
+  EXPECT_LE(lost, 0.002 * all);
+  const auto lit = std::ranges::count_if(hull, [](auto v) { return v != 0; });
+  EXPECT_LT(static_cast<double>(lit), 0.4 * static_cast<double>(hull.size()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Noise, HullTest, testing::Values(0.0, 0.02));
+
+TEST(Hull, VoxelThatNoCameraSeesStays) {
+  const VolumeGeometry geometry{{Vec3(-1, -1, -1), Vec3(1, 1, 1)}, {4, 4, 4}};
+  // A narrow view of the middle, in which nothing is lit.
+  const TomographyView view{"c", Camera::orthographic({Vec3(0, -5, 0), Vec3::Zero()}, 1, 16, 16),
+                            Image(16, 16)};
+  const std::vector<std::vector<std::uint8_t>> dark{dilatedSilhouette(view, {})};
+  const auto hull = visualHull({&view, 1}, dark, geometry);
+  auto at = [&](int x, int y, int z) { return hull[(z * 4 + y) * 4 + x]; };
+  EXPECT_EQ(at(1, 2, 1), 0);
+  EXPECT_EQ(at(0, 2, 1), 1);
+  EXPECT_EQ(at(1, 0, 3), 1);
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "volute/tomography/projector.hpp"
+
+namespace volute {
+
+/// min 1/2 |W (S a - measured)|^2: the data of one frame. Vectors as the projector has them.
+struct LeastSquares {
+  const Projector* projector = nullptr;
+  std::vector<float> measured;       ///< p - b, four floats for each row
+  std::vector<float> squaredWeight;  ///< one for each row; 0 for pixels that are held out
+
+  std::size_t unknowns() const { return projector->unknowns(); }
+
+  std::size_t rows() const { return projector->rows(); }
+
+  /// gradient = S' W^2 (projected - measured), given projected = S a.
+  void gradient(std::span<const float> projected, std::span<float> gradient) const;
+
+  /// |W (projected - measured)|^2.
+  double squaredResidual(std::span<const float> projected) const;
+
+  /// S' W^2 S 1, one for each unknown: a diagonal matrix no smaller than S' W^2 S, as no entry of S
+  /// is negative.
+  std::vector<float> majorizer() const;
+
+  /// The largest eigenvalue of S' W^2 S [m^2], by power iteration: too small by some percent at
+  /// most.
+  double largestEigenvalue() const;
+};
+
+}  // namespace volute

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "volute/base/progress.hpp"
+#include "volute/base/result.hpp"
+#include "volute/tomography/view.hpp"
+#include "volute/wavelet/lifting.hpp"
+
+namespace volute {
+
+/// How the least squares are solved.
+enum class TomographySolver {
+  kApg,   ///< accelerated projected gradient with adaptive restart
+  kMlem,  ///< multiplicative (expectation maximisation); non-negative by itself
+  kSirt,  ///< simultaneous iterations scaled by row and column sums
+  kCgls,  ///< conjugate gradients, clamped at the end
+};
+
+/// What is added to the least squares; the last three need kApg.
+enum class Regularization {
+  kAuto,  ///< total variation, as strong as a held-out camera asks for (of fewer than four views,
+          ///< held-out pixels); nothing with other solvers than kApg
+  kNone,
+  kTv,       ///< total variation of all channels together
+  kSmooth,   ///< squared differences of neighbours
+  kWavelet,  ///< few wavelet coefficients, in every shift by one voxel (cycle spinning)
+};
+
+std::optional<TomographySolver> tomographySolverByName(std::string_view name);  ///< "apg", ...
+std::string_view tomographySolverName(TomographySolver solver);
+std::optional<Regularization> regularizationByName(std::string_view name);  ///< "auto", ...
+std::string_view regularizationName(Regularization regularization);
+
+struct TomographyOptions {
+  Basis basis = Basis::kTrilinear;
+  TomographySolver solver = TomographySolver::kApg;
+  Regularization regularization = Regularization::kAuto;
+  std::optional<double> lambda;   ///< strength, times the largest eigenvalue of S'S; none: chosen,
+                                  ///< or 1e-5 with kSmooth and kWavelet
+  double sparsity = 2.5;          ///< with total variation: how much a dark voxel pays for light,
+                                  ///< times lambda; 0: plain total variation
+  std::optional<int> iterations;  ///< exactly so many, after the choice of the strength if that is
+                                  ///< automatic; none: until the volume settles, or without
+                                  ///< regularization until the residual is down to noiseSigma, or
+                                  ///< the error of held-out pixels rises
+  int raysPerPixel = 4;           ///< 1 or 4
+  bool hull = true;               ///< unknowns only where every camera sees the medium
+  bool nonNegative = true;
+  bool coarseToFine = false;         ///< first at half the resolution
+  std::optional<double> noiseSigma;  ///< of one pixel's channel, as radiance
+  Wavelet wavelet = Wavelet::kHaar;
+  std::uint32_t seed = 1;  ///< of the held-out pixels and the cycle spinning
+  std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes]
+};
+
+/// A solved frame.
+struct Reconstruction {
+  std::vector<float> volume;  ///< (z, y, x, 3), radiance per metre
+  int iterations = 0;         ///< without those of the choice of the strength
+  Regularization regularization = Regularization::kNone;  ///< the one used
+  double lambda = 0;                                      ///< used, times the largest eigenvalue
+  std::string_view stoppedBy;    ///< "iterations", "discrepancy", "held-out pixels", "converged"
+  double largestEigenvalue = 0;  ///< of S'S [m^2]
+  double hullShare = 1;          ///< unknown voxels / all voxels
+  std::size_t pixels = 0;        ///< that took part, over all views
+  std::vector<double> residual;  ///< for each view, relative L2 of S a - (p - b) over its pixels
+  double heldOutError = 0;       ///< relative L2 over the held-out pixels; 0 when none were
+};
+
+/// Reconstructs one frame: min 1/2 |W (S a - (p - b))|^2 + lambda R(a), a >= 0, a = 0 outside the
+/// visual hull (Ahrenberg et al. 2005, section 3). The same result for any number of threads.
+/// @param warmStart  a volume like the result, the frame before; empty: none.
+/// Errors: kInvalidArgument for views or options that make no sense, kInvalidData for images that
+/// are not finite, kNotFound for an empty hull, kTooLarge, kCancelled.
+[[nodiscard]] Result<Reconstruction> reconstruct(std::span<const TomographyView> views,
+                                                 const VolumeGeometry& geometry,
+                                                 const TomographyOptions& options,
+                                                 std::span<const float> warmStart,
+                                                 Progress& progress);
+
+}  // namespace volute

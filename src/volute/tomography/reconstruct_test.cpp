@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/reconstruct.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "volute/base/parallel.hpp"
+#include "volute/tomography/diagnostics.hpp"
+#include "volute/tomography/testing.hpp"
+
+namespace volute {
+namespace {
+
+using testing::HasSubstr;
+
+Reconstruction solved(const TestScene& scene, const TomographyOptions& options,
+                      std::span<const float> start = {}) {
+  Progress progress;
+  auto result = reconstruct(scene.views, scene.geometry, options, start, progress);
+  EXPECT_TRUE(result) << (result ? "" : result.error().message);
+  return result ? *result : Reconstruction{};
+}
+
+std::string failure(std::span<const TomographyView> views, const VolumeGeometry& geometry,
+                    const TomographyOptions& options, ErrorCode code) {
+  Progress progress;
+  const auto result = reconstruct(views, geometry, options, {}, progress);
+  EXPECT_FALSE(result);
+  if (result)
+    return {};
+  EXPECT_EQ(result.error().code, code);
+  return result.error().message;
+}
+
+struct Method {
+  const char* name;
+  TomographyOptions options;
+  double error;  ///< relative L2 of the volume that it must reach
+};
+
+TomographyOptions method(TomographySolver solver, Regularization regularization, double lambda,
+                         Basis basis = Basis::kTrilinear) {
+  TomographyOptions options;
+  options.solver = solver;
+  options.regularization = regularization;
+  options.lambda = lambda;
+  options.basis = basis;
+  options.raysPerPixel = 1;
+  options.iterations = 100;
+  return options;
+}
+
+class MethodTest : public testing::TestWithParam<Method> {};
+
+TEST_P(MethodTest, FindsTheVolume) {
+  const TestScene scene(9);
+  const Reconstruction result = solved(scene, GetParam().options);
+  EXPECT_LT(scene.error(result.volume), GetParam().error);
+  for (float value : result.volume) EXPECT_GE(value, 0);
+  ASSERT_EQ(result.residual.size(), 9U);
+  for (double residual : result.residual) EXPECT_LT(residual, 0.1);
+}
+
+const auto kNone = Regularization::kNone;
+INSTANTIATE_TEST_SUITE_P(
+    All, MethodTest,
+    testing::Values(
+        Method{"Apg", method(TomographySolver::kApg, kNone, 0), 0.12},
+        Method{"ApgBox", method(TomographySolver::kApg, kNone, 0, Basis::kBox), 0.25},
+        Method{"Mlem", method(TomographySolver::kMlem, kNone, 0), 0.17},
+        Method{"Sirt", method(TomographySolver::kSirt, kNone, 0), 0.17},
+        Method{"Cgls", method(TomographySolver::kCgls, kNone, 0), 0.25},
+        Method{"Tv", method(TomographySolver::kApg, Regularization::kTv, 1e-4), 0.1},
+        Method{"Smooth", method(TomographySolver::kApg, Regularization::kSmooth, 1e-5), 0.12},
+        Method{"Wavelet", method(TomographySolver::kApg, Regularization::kWavelet, 1e-4), 0.12}),
+    [](const auto& info) { return info.param.name; });
+
+TEST(Reconstruct, AutomaticIsNearTheBestStrength) {
+  for (double noise : {0.0, 0.03}) {
+    const TestScene scene(9, noise);
+    TomographyOptions options;
+    const Reconstruction automatic = solved(scene, options);
+    EXPECT_EQ(automatic.regularization, Regularization::kTv);
+    EXPECT_GT(automatic.heldOutError, 0);
+    double best = 1;
+    options.regularization = Regularization::kTv;
+    for (double lambda : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2}) {
+      options.lambda = lambda;
+      best = std::min(best, scene.error(solved(scene, options).volume));
+    }
+    EXPECT_LT(scene.error(automatic.volume), 1.4 * best) << "noise " << noise;
+  }
+}
+
+TEST(Reconstruct, StopsByDiscrepancyBeforeItFitsTheNoise) {
+  const TestScene scene(7, 0.03);
+  TomographyOptions options;
+  options.regularization = kNone;
+  options.noiseSigma = 0.03;
+  const Reconstruction stopped = solved(scene, options);
+  EXPECT_EQ(stopped.stoppedBy, "discrepancy");
+  options.iterations = 300;
+  EXPECT_LT(scene.error(stopped.volume), scene.error(solved(scene, options).volume));
+}
+
+TEST(Reconstruct, StopsByHeldOutPixelsWhenTheNoiseIsUnknown) {
+  const TestScene scene(7, 0.03);
+  TomographyOptions options;
+  options.regularization = kNone;
+  const Reconstruction stopped = solved(scene, options);
+  EXPECT_EQ(stopped.stoppedBy, "held-out pixels");
+  options.iterations = 300;
+  EXPECT_LT(scene.error(stopped.volume), scene.error(solved(scene, options).volume));
+}
+
+TEST(Reconstruct, WarmStartNeedsFewerIterations) {
+  const TestScene before(7), now(7, 0, 0.05);
+  TomographyOptions options;
+  options.regularization = kNone;
+  options.iterations = 60;
+  const Reconstruction first = solved(before, options);
+  options.iterations = 5;
+  EXPECT_LT(now.error(solved(now, options, first.volume).volume),
+            0.9 * now.error(solved(now, options).volume));
+}
+
+TEST(Reconstruct, CoarseToFineFindsTheVolume) {
+  const TestScene scene(7);
+  TomographyOptions options;
+  options.coarseToFine = true;
+  options.regularization = Regularization::kTv;
+  options.lambda = 1e-4;
+  EXPECT_LT(scene.error(solved(scene, options).volume), 0.12);
+}
+
+TEST(Reconstruct, SameForAnyNumberOfThreads) {
+  const TestScene scene(5, 0.01);
+  std::vector<std::vector<float>> volumes;
+  for (int threads : {1, 3}) {
+    const ThreadLimit limit(threads);
+    volumes.push_back(solved(scene, {}).volume);
+  }
+  EXPECT_EQ(volumes[0], volumes[1]);
+}
+
+TEST(Reconstruct, NegativeValuesOnlyIfAllowed) {
+  const TestScene scene(4, 0.05);
+  TomographyOptions options;
+  options.regularization = kNone;
+  options.iterations = 50;
+  options.hull = false;
+  options.nonNegative = false;
+  const auto volume = solved(scene, options).volume;
+  EXPECT_LT(*std::ranges::min_element(volume), 0);
+}
+
+TEST(Reconstruct, SaturatedPixelsWithoutWeightDoNoHarm) {
+  TestScene scene(8);
+  const Reconstruction clean = solved(scene, {});
+  for (TomographyView& view : scene.views) {
+    view.weight.assign(view.radiance.pixels.size() / 3, 1.0F);
+    for (std::size_t i = 0; i < view.weight.size(); ++i) {
+      float* pixel = &view.radiance.pixels[3 * i];
+      if (pixel[0] > 1.6F) {
+        view.weight[i] = 0;
+        pixel[0] = pixel[1] = std::numeric_limits<float>::quiet_NaN();
+      }
+    }
+  }
+  EXPECT_LT(scene.error(solved(scene, {}).volume), 2 * scene.error(clean.volume));
+}
+
+TEST(Reconstruct, RefusesWhatMakesNoSense) {
+  const TestScene scene(4);
+  const auto invalid = ErrorCode::kInvalidArgument;
+  EXPECT_THAT(failure({}, scene.geometry, {}, invalid), HasSubstr("no view"));
+  VolumeGeometry flat = scene.geometry;
+  flat.bounds.max.z() = flat.bounds.min.z();
+  EXPECT_THAT(failure(scene.views, flat, {}, invalid), HasSubstr("bounds"));
+  TomographyOptions options;
+  options.raysPerPixel = 3;
+  EXPECT_THAT(failure(scene.views, scene.geometry, options, invalid), HasSubstr("rays"));
+  options = {};
+  options.solver = TomographySolver::kSirt;
+  options.regularization = Regularization::kTv;
+  EXPECT_THAT(failure(scene.views, scene.geometry, options, invalid), HasSubstr("sirt"));
+  options = {};
+  options.lambda = -1;
+  EXPECT_THAT(failure(scene.views, scene.geometry, options, invalid), HasSubstr("lambda"));
+
+  options = {};
+  options.maxMemory = 1 << 20;
+  EXPECT_THAT(failure(scene.views, scene.geometry, options, ErrorCode::kTooLarge),
+              HasSubstr("allow more memory"));
+
+  auto views = scene.views;
+  views[2].radiance = Image(44, 48);
+  EXPECT_THAT(failure(views, scene.geometry, {}, invalid), HasSubstr("Camera c2"));
+  views = scene.views;
+  views[1].radiance.at(5, 6) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(failure(views, scene.geometry, {}, ErrorCode::kInvalidData),
+              HasSubstr("Camera c1: pixel (5, 6)"));
+  views = scene.views;
+  views[3].radiance = Image(48, 44);
+  EXPECT_THAT(failure(views, scene.geometry, {}, ErrorCode::kNotFound), HasSubstr("Camera c3"));
+  VolumeGeometry away = scene.geometry;
+  away.bounds = {Vec3::Constant(0.8), Vec3::Constant(0.98)};
+  EXPECT_THAT(failure(scene.views, away, {}, ErrorCode::kNotFound), HasSubstr("hull is empty"));
+}
+
+TEST(Reconstruct, CanBeCancelled) {
+  struct Impatient : Progress {
+    bool cancelled() const override { return true; }
+  } impatient;
+
+  const TestScene scene(3);
+  const auto result = reconstruct(scene.views, scene.geometry, {}, {}, impatient);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kCancelled);
+}
+
+TEST(Names, RoundTrip) {
+  for (const char* name : {"apg", "mlem", "sirt", "cgls"})
+    EXPECT_EQ(tomographySolverName(*tomographySolverByName(name)), name);
+  for (const char* name : {"auto", "none", "tv", "smooth", "wavelet"})
+    EXPECT_EQ(regularizationName(*regularizationByName(name)), name);
+  EXPECT_FALSE(tomographySolverByName("art"));
+  EXPECT_FALSE(regularizationByName(""));
+}
+
+TomographyDiagnosis diagnosed(const TestScene& scene) {
+  Progress progress;
+  const Reconstruction result = solved(scene, {});
+  const auto diagnosis = diagnose(scene.views, scene.geometry, {}, result, progress);
+  EXPECT_TRUE(diagnosis);
+  return diagnosis ? *diagnosis : TomographyDiagnosis{};
+}
+
+TEST(Diagnose, ConsistentDataWarnOfNothing) {
+  for (double noise : {0.0, 0.02}) {
+    const TomographyDiagnosis diagnosis = diagnosed(TestScene(7, noise));
+    EXPECT_THAT(diagnosis.warnings, testing::IsEmpty());
+    EXPECT_THAT(diagnosis.advice, testing::IsEmpty());
+    EXPECT_EQ(diagnosis.angles.size(), 21U);
+  }
+}
+
+TEST(Diagnose, NamesTheCameraOutOfStep) {
+  TestScene scene(7);
+  scene.views[4].radiance = TestScene(7, 0, 0.4).views[4].radiance;
+  const TomographyDiagnosis diagnosis = diagnosed(scene);
+  for (std::size_t v = 0; v < 7; ++v) {
+    EXPECT_EQ(diagnosis.cameras[v].outOfStep, v == 4);
+    EXPECT_FALSE(diagnosis.cameras[v].gainDrift);
+  }
+  ASSERT_EQ(diagnosis.warnings.size(), 1U);
+  EXPECT_THAT(diagnosis.warnings[0], HasSubstr("Camera c4"));
+}
+
+TEST(Diagnose, NamesTheCameraWithADriftedGain) {
+  TestScene scene(7);
+  for (float& value : scene.views[2].radiance.pixels) value *= 1.1F;
+  const TomographyDiagnosis diagnosis = diagnosed(scene);
+  for (std::size_t v = 0; v < 7; ++v) {
+    EXPECT_EQ(diagnosis.cameras[v].gainDrift, v == 2);
+    EXPECT_FALSE(diagnosis.cameras[v].outOfStep);
+  }
+  EXPECT_NEAR(diagnosis.cameras[2].gain, 1 / 1.1, 0.02);
+  ASSERT_EQ(diagnosis.warnings.size(), 1U);
+  EXPECT_THAT(diagnosis.warnings[0], HasSubstr("Camera c2"));
+}
+
+TEST(Diagnose, SeesLightBesideTheVolumeAndOnTheBorder) {
+  TestScene scene(5);
+  Image& image = scene.views[1].radiance;
+  for (int y = 0; y < 6; ++y)
+    for (int x = 0; x < 12; ++x)
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = 0.8F;
+  scene.geometry.bounds = {Vec3::Constant(-0.8), Vec3::Constant(0.8)};
+  const TomographyDiagnosis diagnosis = diagnosed(scene);
+  EXPECT_GT(diagnosis.cameras[1].borderLight, 0.05);
+  EXPECT_GT(diagnosis.cameras[1].lightOutside, 0.05);
+  EXPECT_EQ(diagnosis.cameras[0].borderLight, 0);
+}
+
+TEST(Diagnose, AdvisesAgainstOppositeCameras) {
+  std::vector<TomographyView> views;
+  for (int i = 0; i < 4; ++i) {
+    const double angle = std::numbers::pi / 2 * i;
+    views.push_back(
+        {"c" + std::to_string(i),
+         Camera::pinhole({Vec3(5 * std::cos(angle), 5 * std::sin(angle), 0), Vec3::Zero()}, 30, 8,
+                         8),
+         Image(8, 8)});
+  }
+  EXPECT_NEAR(angleBetween(views[0].camera, views[1].camera, Vec3::Zero()), 90, 1e-9);
+  EXPECT_NEAR(angleBetween(views[0].camera, views[2].camera, Vec3::Zero()), 0, 1e-5);
+  const auto advice = layoutAdvice(views, Vec3::Zero());
+  ASSERT_EQ(advice.size(), 1U);
+  EXPECT_THAT(advice[0], HasSubstr("c0 and c2 (0 degrees), c1 and c3 (0 degrees)"));
+  EXPECT_EQ(layoutAdvice(std::span(views).first(2), Vec3::Zero()).size(), 1U);
+}
+
+}  // namespace
+}  // namespace volute

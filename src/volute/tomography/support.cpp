@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/support.hpp"
+
+#include <algorithm>
+
+namespace volute {
+namespace {
+
+/// The voxels around those that are not 0; all when `hull` is empty.
+CellRange boxAround(const VolumeGeometry& geometry, std::span<const std::uint8_t> hull) {
+  const auto& n = geometry.resolution;
+  if (hull.empty())
+    return {{0, 0, 0}, n};
+  CellRange box{n, {0, 0, 0}};
+  std::size_t i = 0;
+  for (int z = 0; z < n[2]; ++z) {
+    for (int y = 0; y < n[1]; ++y) {
+      for (int x = 0; x < n[0]; ++x, ++i) {
+        if (hull[i] == 0)
+          continue;
+        const std::array<int, 3> voxel{x, y, z};
+        for (int a = 0; a < 3; ++a) {
+          box.begin[a] = std::min(box.begin[a], voxel[a]);
+          box.end[a] = std::max(box.end[a], voxel[a] + 1);
+        }
+      }
+    }
+  }
+  return box.empty() ? CellRange{{0, 0, 0}, {1, 1, 1}} : box;
+}
+
+}  // namespace
+
+CellGrid basisCells(const VolumeGeometry& geometry, Basis basis) {
+  CellGrid cells{geometry.bounds.min, geometry.voxelSize(), geometry.resolution};
+  if (basis == Basis::kTrilinear) {
+    cells.origin -= 0.5 * cells.cell;
+    for (int& count : cells.count) ++count;
+  }
+  return cells;
+}
+
+Support::Support(const VolumeGeometry& geometry, Basis basis, std::span<const std::uint8_t> hull)
+    : geometry_(geometry), basis_(basis), cells_(basisCells(geometry, basis)) {
+  const bool trilinear = basis == Basis::kTrilinear;
+  const CellRange box = boxAround(geometry, hull);
+  range_ = box;
+  std::int32_t nodes = 1;
+  for (int a = 0; a < 3; ++a) {
+    if (trilinear)
+      ++range_.end[a];
+    box_[a] = box.end[a] - box.begin[a];
+    stride_[a] = nodes;
+    nodes *= box_[a] + 2;
+  }
+  const std::int32_t diagonal = stride_[0] + stride_[1] + stride_[2];
+  const std::int32_t margin = 2 * diagonal;
+  latticeSize_ = static_cast<std::size_t>(nodes) + 2 * margin;
+  firstVoxel_ = margin + diagonal;
+  first_ = trilinear ? margin : firstVoxel_;
+  touched_.assign(latticeSize_, 0);
+
+  const auto& n = geometry.resolution;
+  for (int z = box.begin[2]; z < box.end[2]; ++z) {
+    for (int y = box.begin[1]; y < box.end[1]; ++y) {
+      for (int x = box.begin[0]; x < box.end[0]; ++x) {
+        const std::int32_t voxel = (z * n[1] + y) * n[0] + x;
+        if (!hull.empty() && hull[voxel] == 0)
+          continue;
+        const std::int32_t node = firstVoxel_ + stride_[0] * (x - box.begin[0]) +
+                                  stride_[1] * (y - box.begin[1]) + stride_[2] * (z - box.begin[2]);
+        voxel_.push_back(voxel);
+        node_.push_back(node);
+        for (int corner = 0; corner < (trilinear ? 8 : 1); ++corner)
+          touched_[node - (corner & 1) * stride_[0] - (corner >> 1 & 1) * stride_[1] -
+                   (corner >> 2) * stride_[2]] = 1;
+      }
+    }
+  }
+}
+
+}  // namespace volute

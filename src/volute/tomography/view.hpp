@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "volute/camera/camera.hpp"
+#include "volute/grid/traversal.hpp"
+#include "volute/grid/volume_info.hpp"
+#include "volute/image/image.hpp"
+#include "volute/math/box.hpp"
+
+namespace volute {
+
+/// What one calibrated camera saw of one frame.
+struct TomographyView {
+  std::string name;  ///< for messages
+  Camera camera;     ///< pixel (x, y) is centred at camera.ray(x + 0.5, y + 0.5)
+  Image radiance;    ///< measured minus background, linear RGB, as wide and high as the camera;
+                     ///< finite; negative values are kept (clamping them costs 1.1 dB)
+  std::vector<float> weight{};  ///< (height, width), 0..1; 0 = saturated, masked or invalid; empty:
+                                ///< 1 everywhere
+  std::vector<std::uint8_t> silhouette{};  ///< (height, width), not 0 where the medium is seen,
+                                           ///< before dilation; empty: by threshold
+};
+
+/// Where the unknown volume lies.
+struct VolumeGeometry {
+  Box3 bounds;                      ///< outer voxel faces [m]
+  std::array<int, 3> resolution{};  ///< voxels on x, y, z
+
+  std::size_t voxels() const {
+    return static_cast<std::size_t>(resolution[0]) * resolution[1] * resolution[2];
+  }
+
+  Vec3 voxelSize() const {
+    return bounds.size().cwiseQuotient(Vec3(resolution[0], resolution[1], resolution[2]));
+  }
+};
+
+}  // namespace volute

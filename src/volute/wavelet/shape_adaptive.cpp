@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/wavelet/shape_adaptive.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "volute/wavelet/shape_adaptive.cpp"
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
+#include <hwy/highway.h>
+
+#include "volute/wavelet/lifting_steps.hpp"
+
+HWY_BEFORE_NAMESPACE();
+
+namespace volute::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// A few lines side by side, one in each lane. What lies beyond their ends is zero and not in the
+/// support. Never MulAdd: it rounds differently from processor to processor.
+template <class D, bool kShaped>
+struct Strip {
+  using F = hn::Vec<D>;
+  D d;
+  const LiftingRows& rows;
+  std::size_t lane;
+
+  HWY_INLINE float* at(std::size_t i) const { return rows.samples + i * rows.stride + lane; }
+
+  HWY_INLINE F get(std::size_t i) const {
+    return i < rows.count ? hn::LoadU(d, at(i)) : hn::Zero(d);
+  }
+
+  HWY_INLINE F in(std::size_t i) const {
+    if (i >= rows.count)
+      return hn::Zero(d);
+    if constexpr (kShaped)
+      return hn::LoadU(d, rows.support + i * rows.stride + lane);
+    else
+      return hn::Set(d, 1.0f);
+  }
+
+  /// x[i] += factor (x[i-1] + x[i+1]), a neighbour that is missing mirrored by the other one.
+  HWY_INLINE void step(std::size_t i, F factor) const {
+    F before = get(i - 1);
+    F after = get(i + 1);
+    if (kShaped || i == 0 || i + 1 == rows.count) {
+      const F two = hn::Set(d, 2.0f);
+      before = hn::Mul(hn::Sub(two, in(i + 1)), before);
+      after = hn::Mul(hn::Sub(two, in(i - 1)), after);
+    }
+    F change = hn::Mul(factor, hn::Add(before, after));
+    if constexpr (kShaped)
+      change = hn::Mul(in(i), change);
+    hn::StoreU(hn::Add(get(i), change), d, at(i));
+  }
+
+  HWY_INLINE void steps(std::size_t first, double factor) const {
+    const F f = hn::Set(d, static_cast<float>(factor));
+    for (std::size_t i = first; i < rows.count; i += 2) step(i, f);
+  }
+
+  /// Multiplies sample i by `paired`, or by `alone` where no neighbour is in the support.
+  HWY_INLINE void scale(std::size_t i, double paired, double alone) const {
+    F factor = hn::Set(d, static_cast<float>(paired));
+    if (kShaped || rows.count == 1) {
+      const auto none = hn::Eq(hn::Add(in(i - 1), in(i + 1)), hn::Zero(d));
+      factor = hn::IfThenElse(none, hn::Set(d, static_cast<float>(alone)), factor);
+    }
+    hn::StoreU(hn::Mul(get(i), factor), d, at(i));
+  }
+
+  HWY_INLINE void scaleAll(double low, double high, double loneLow) const {
+    for (std::size_t i = 0; i < rows.count; i += 2) scale(i, low, loneLow);
+    for (std::size_t i = 1; i < rows.count; i += 2) scale(i, high, 1.0);
+  }
+
+  /// (a, b) becomes ((a + b) / sqrt 2, (a - b) / sqrt 2); a lone a is multiplied by `alone`, a lone
+  /// b stays.
+  HWY_INLINE void haar(double alone) const {
+    const F half = hn::Set(d, static_cast<float>(1 / kRootTwo));
+    for (std::size_t i = 0; i < rows.count; i += 2) {
+      const F a = get(i);
+      const F b = get(i + 1);
+      const auto both = hn::Ne(hn::Mul(in(i), in(i + 1)), hn::Zero(d));
+      const F lone = hn::Mul(a, hn::Set(d, static_cast<float>(alone)));
+      hn::StoreU(hn::IfThenElse(both, hn::Mul(hn::Add(a, b), half), lone), d, at(i));
+      if (i + 1 < rows.count)
+        hn::StoreU(hn::IfThenElse(both, hn::Mul(hn::Sub(a, b), half), b), d, at(i + 1));
+    }
+  }
+
+  /// Whether there is anything: zeros stay zeros.
+  HWY_INLINE bool empty() const {
+    F any = hn::Zero(d);
+    for (std::size_t i = 0; i < rows.count; ++i) any = hn::Max(any, hn::Abs(get(i)));
+    return hn::AllFalse(d, hn::Ne(any, hn::Zero(d)));
+  }
+
+  HWY_INLINE void lift(Wavelet wavelet, bool inverse) const {
+    if (empty())
+      return;
+    const LiftingSteps steps_ = liftingSteps(wavelet);
+    if (wavelet == Wavelet::kHaar) {
+      haar(inverse ? 1 / kRootTwo : kRootTwo);
+    } else if (!inverse) {
+      for (int i = 0; i < steps_.count; ++i) steps(i % 2 == 0 ? 1 : 0, steps_.factor[i]);
+      scaleAll(steps_.scale, 1 / steps_.scale, kRootTwo);
+    } else {
+      scaleAll(1 / steps_.scale, steps_.scale, 1 / kRootTwo);
+      for (int i = steps_.count; i-- > 0;) steps(i % 2 == 0 ? 1 : 0, -steps_.factor[i]);
+    }
+  }
+};
+
+template <bool kShaped>
+void liftLanes(const LiftingRows& rows, Wavelet wavelet, bool inverse) {
+  const hn::ScalableTag<float> wide;
+  const hn::CappedTag<float, 1> one;
+  std::size_t lane = 0;
+  for (; lane + hn::Lanes(wide) <= rows.lines; lane += hn::Lanes(wide))
+    Strip<decltype(wide), kShaped>{wide, rows, lane}.lift(wavelet, inverse);
+  for (; lane < rows.lines; ++lane)
+    Strip<decltype(one), kShaped>{one, rows, lane}.lift(wavelet, inverse);
+}
+
+void LiftRows(const LiftingRows& rows, Wavelet wavelet, bool inverse) {
+  if (rows.support != nullptr)
+    liftLanes<true>(rows, wavelet, inverse);
+  else
+    liftLanes<false>(rows, wavelet, inverse);
+}
+
+}  // namespace volute::HWY_NAMESPACE
+
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "volute/base/assert.hpp"
+
+namespace volute {
+namespace {
+
+HWY_EXPORT(LiftRows);
+
+using Extents = std::array<int, 4>;
+
+std::size_t sizeOf(const Extents& e) {
+  return static_cast<std::size_t>(e[0]) * e[1] * e[2] * e[3];
+}
+
+/// A block, or what is left of it at a level, without gaps.
+class Level {
+ public:
+  Level(std::span<float> samples, std::span<const float> support, const Extents& extents)
+      : samples_(samples), support_(support), extents_(extents) {}
+
+  void lift(int axis, Wavelet wavelet, bool inverse) const {
+    const auto count = static_cast<std::size_t>(extents_[axis]);
+    if (axis == 3)
+      return liftAlongX(wavelet, inverse);
+    std::size_t lines = 1;
+    for (int a = axis + 1; a < 4; ++a) lines *= static_cast<std::size_t>(extents_[a]);
+    const std::size_t slab = count * lines;
+    for (std::size_t begin = 0; begin < samples_.size(); begin += slab)
+      run({samples_.data() + begin, support_.empty() ? nullptr : support_.data() + begin, count,
+           lines, lines},
+          wavelet, inverse);
+  }
+
+ private:
+  static void run(const LiftingRows& rows, Wavelet wavelet, bool inverse) {
+    HWY_DYNAMIC_DISPATCH(LiftRows)(rows, wavelet, inverse);
+  }
+
+  // x becomes the slowest axis for a while, some lines at a time.
+  void liftAlongX(Wavelet wavelet, bool inverse) const {
+    constexpr std::size_t kLines = 16;
+    const auto count = static_cast<std::size_t>(extents_[3]);
+    float turned[kLongestSide * kLines];
+    float turnedSupport[kLongestSide * kLines];
+    const std::size_t lines = samples_.size() / count;
+    for (std::size_t first = 0; first < lines; first += kLines) {
+      const std::size_t n = std::min(kLines, lines - first);
+      float* samples = samples_.data() + first * count;
+      if (std::all_of(samples, samples + n * count, [](float value) { return value == 0; }))
+        continue;
+      turn(samples, n, count, turned, n);
+      if (!support_.empty())
+        turn(support_.data() + first * count, n, count, turnedSupport, n);
+      run({turned, support_.empty() ? nullptr : turnedSupport, count, n, n}, wavelet, inverse);
+      turn(turned, count, n, samples, count);
+    }
+  }
+
+  // to(j, i) = from(i, j), i < rows, j < columns.
+  static void turn(const float* from, std::size_t rows, std::size_t columns, float* to,
+                   std::size_t stride) {
+    for (std::size_t j = 0; j < columns; ++j) {
+      for (std::size_t i = 0; i < rows; ++i) to[j * stride + i] = from[i * columns + j];
+    }
+  }
+
+  std::span<float> samples_;
+  std::span<const float> support_;
+  Extents extents_;
+};
+
+// What is left of a block after halving the axes of `halved`.
+Extents halfOf(const Extents& e, const std::array<bool, 4>& halved) {
+  Extents half = e;
+  for (int a = 0; a < 4; ++a)
+    if (halved[a])
+      half[a] = (e[a] + 1) / 2;
+  return half;
+}
+
+// visit(i, j): element i of the half is element j of the whole.
+template <class Visit>
+void visitLow(const Extents& e, const std::array<bool, 4>& halved, const Visit& visit) {
+  const Extents half = halfOf(e, halved);
+  std::size_t i = 0;
+  for (int t = 0; t < half[0]; ++t)
+    for (int z = 0; z < half[1]; ++z)
+      for (int y = 0; y < half[2]; ++y) {
+        const std::size_t line =
+            ((static_cast<std::size_t>(t << halved[0]) * e[1] + (z << halved[1])) * e[2] +
+             (y << halved[2])) *
+            e[3];
+        for (int x = 0; x < half[3]; ++x)
+          visit(i++, line + (static_cast<std::size_t>(x) << halved[3]));
+      }
+}
+
+/// Room for what is left of a block at each level.
+struct Scratch {
+  std::array<std::vector<float>, 5> samples, support;
+};
+
+void transform(std::span<float> samples, std::span<const float> support, const Extents& extents,
+               Wavelet wavelet, const AxisLevels& levels, bool inverse, Scratch& scratch,
+               std::size_t depth) {
+  if (deepest(levels) == 0)
+    return;
+  const Level level(samples, support, extents);
+  std::array<bool, 4> halved{};
+  AxisLevels left = levels;
+  for (int axis = 0; axis < 4; ++axis) {
+    halved[axis] = levels[axis] > 0;
+    left[axis] -= halved[axis] ? 1 : 0;
+  }
+  if (!inverse) {
+    for (int axis = 4; axis-- > 0;)
+      if (halved[axis])
+        level.lift(axis, wavelet, false);
+  }
+  if (deepest(left) > 0) {
+    const Extents half = halfOf(extents, halved);
+    std::vector<float>& low = scratch.samples[depth];
+    std::vector<float>& lowSupport = scratch.support[depth];
+    low.resize(sizeOf(half));
+    lowSupport.resize(support.empty() ? 0 : low.size());
+    visitLow(extents, halved, [&](std::size_t i, std::size_t j) { low[i] = samples[j]; });
+    if (!support.empty())
+      visitLow(extents, halved, [&](std::size_t i, std::size_t j) { lowSupport[i] = support[j]; });
+    transform(low, lowSupport, half, wavelet, left, inverse, scratch, depth + 1);
+    visitLow(extents, halved, [&](std::size_t i, std::size_t j) { samples[j] = low[i]; });
+  }
+  if (inverse) {
+    for (int axis = 0; axis < 4; ++axis)
+      if (halved[axis])
+        level.lift(axis, wavelet, true);
+  }
+}
+
+void transformBlock(std::span<float> samples, std::span<const std::uint8_t> support,
+                    const Extents& extents, Wavelet wavelet, const AxisLevels& levels,
+                    bool inverse) {
+  VOLUTE_ASSERT(samples.size() == sizeOf(extents) &&
+                (support.empty() || support.size() == samples.size()) &&
+                *std::ranges::max_element(extents) <= kLongestSide);
+  // Memory of this size costs as much to get as to use.
+  thread_local Scratch scratch;
+  scratch.support[0].assign(support.begin(), support.end());
+  transform(samples, scratch.support[0], extents, wavelet, levels, inverse, scratch, 1);
+}
+
+int halvings(int side) {
+  int levels = 0;
+  for (; side > 1; side = (side + 1) / 2) ++levels;
+  return levels;
+}
+
+}  // namespace
+
+AxisLevels blockLevels(const std::array<int, 4>& extents, int timeLevels) {
+  const int space = halvings(std::max({extents[1], extents[2], extents[3]}));
+  return {std::min(timeLevels, halvings(extents[0])), space, space, space};
+}
+
+int deepest(const AxisLevels& levels) {
+  return *std::ranges::max_element(levels);
+}
+
+void shapeForward(std::span<float> samples, std::span<const std::uint8_t> support,
+                  const std::array<int, 4>& extents, Wavelet wavelet, const AxisLevels& levels) {
+  transformBlock(samples, support, extents, wavelet, levels, false);
+}
+
+void shapeInverse(std::span<float> coefficients, std::span<const std::uint8_t> support,
+                  const std::array<int, 4>& extents, Wavelet wavelet, const AxisLevels& levels) {
+  transformBlock(coefficients, support, extents, wavelet, levels, true);
+}
+
+}  // namespace volute
+
+#endif

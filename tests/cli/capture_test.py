@@ -1,0 +1,369 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Captures: calibrations in four formats, and every fault that must be refused or reported, injected and named."""
+import json
+import math
+import pathlib
+
+import ring
+import support
+from pictures import Picture, read_exr, write_exr, write_png
+
+
+def transposed(rows):
+    return [list(column) for column in zip(*rows)]
+
+
+def eye_of(camera):
+    return [-sum(camera["R"][k][i] * camera["t"][k] for k in range(3)) for i in range(3)]
+
+
+def quaternion(R):
+    """(w, x, y, z) of a rotation whose trace is not near -1, else by the largest diagonal."""
+    trace = R[0][0] + R[1][1] + R[2][2]
+    if trace > 0:
+        s = 2 * math.sqrt(1 + trace)
+        return s / 4, (R[2][1] - R[1][2]) / s, (R[0][2] - R[2][0]) / s, (R[1][0] - R[0][1]) / s
+    i = max(range(3), key=lambda k: R[k][k])
+    j, k = (i + 1) % 3, (i + 2) % 3
+    s = 2 * math.sqrt(1 + R[i][i] - R[j][j] - R[k][k])
+    q = [(R[k][j] - R[j][k]) / s, 0, 0, 0]
+    q[1 + i], q[1 + j], q[1 + k] = s / 4, (R[j][i] + R[i][j]) / s, (R[k][i] + R[i][k]) / s
+    return tuple(q)
+
+
+class Formats(ring.TestCase):
+    def setUp(self):
+        super().setUp()
+        self.options = ["--images", self.path("{camera}_%04d.exr"), "--bounds=-1,-1,-1,1,1,1", "--resolution", "16"]
+        self.reconstruct("--frames", "10")
+        self.ours = self.path("out.npy").read_bytes()
+
+    def same(self, calibration, convention):
+        result = self.works("reconstruct", self.path(calibration), "-o", self.path("other.npy"), "--iterations", 25,
+                            "--regularization", "none", "--frames", "10:11", *self.options)
+        self.assertIn(convention, result.message)
+        shape, other = support.read_npy(self.path("other.npy").read_bytes())
+        shape_ours, ours = support.read_npy(self.ours)
+        self.assertEqual(shape, shape_ours)
+        worst = max(abs(a - b) for a, b in zip(ours, other))
+        self.assertLess(worst, 1e-3 * max(ours), calibration)
+
+    def test_nerf_transforms(self):
+        frames = []
+        for camera in self.json["cameras"]:
+            axes = transposed([[r * s for r in row] for row, s in zip(camera["R"], (1, -1, -1))])
+            eye = eye_of(camera)
+            K = camera["K"]
+            frames.append({"file_path": f"{camera['name']}_####.exr", "fl_x": K[0][0], "fl_y": K[1][1], "cx": K[0][2],
+                           "cy": K[1][2], "w": camera["width"], "h": camera["height"],
+                           "transform_matrix": [axes[i] + [eye[i]] for i in range(3)] + [[0, 0, 0, 1]]})
+        self.path("transforms.json").write_text(json.dumps({"frames": frames, "aabb_scale": 4}))
+        self.same("transforms.json", "pixel centres at 0.5, OpenGL's camera axes")
+
+    def test_colmap(self):
+        folder = self.path("model")
+        folder.mkdir()
+        cameras, images = "# cameras\n", "# images\n"
+        for i, camera in enumerate(self.json["cameras"], 1):
+            K = camera["K"]
+            cameras += f"{i} PINHOLE {camera['width']} {camera['height']} {K[0][0]} {K[1][1]} {K[0][2]} {K[1][2]}\n"
+            numbers = " ".join(repr(x) for x in (*quaternion(camera["R"]), *camera["t"]))
+            images += f"{i} {numbers} {i} {camera['name']}_0010.exr\n\n"
+        (folder / "cameras.txt").write_text(cameras)
+        (folder / "images.txt").write_text(images)
+        self.same("model", "COLMAP: 5 cameras, pixel centres at 0.5")
+
+    def test_opencv(self):
+        def matrix(name, rows):
+            data = ", ".join(repr(float(x)) for row in rows for x in row)
+            return f"{name}: !!opencv-matrix\n   rows: {len(rows)}\n   cols: {len(rows[0])}\n   dt: d\n   data: [ {data} ]\n"
+
+        text = "%YAML:1.0\n---\n"
+        for camera in self.json["cameras"]:
+            K = [row[:] for row in camera["K"]]
+            K[0][2] -= 0.5
+            K[1][2] -= 0.5
+            name = camera["name"]
+            text += matrix("K_" + name, K) + matrix("D_" + name, [[0] * 5]) + matrix("R_" + name, camera["R"])
+            text += matrix("T_" + name, [[x] for x in camera["t"]])
+        self.path("cameras.yml").write_text(text)
+        self.same("cameras.yml", "OpenCV: 5 cameras, pixel centres at 0")
+
+    def test_half_a_pixel_raises_the_residual(self):
+        self.write_capture()
+        right = self.works("reconstruct", self.path("capture.json"), "-o", self.path("a.npy"), "--frames", "10", "--json",
+                           "--iterations", 25, "--regularization", "none").json["residual"]
+        self.json["pixel_centre"] = 0
+        self.write_capture()
+        wrong = self.works("reconstruct", self.path("capture.json"), "-o", self.path("b.npy"), "--frames", "10", "--json",
+                           "--iterations", 25, "--regularization", "none").json["residual"]
+        self.assertGreater(wrong, 1.02 * right)
+
+
+class Project(ring.TestCase):
+    def test_the_example_of_the_manual(self):
+        page = (pathlib.Path(__file__).parents[2] / "docs" / "capture.md").read_text()
+        self.path("manual.json").write_text(page.split("```json\n")[1].split("```")[0])
+        result = self.works("project", self.make_npy(size=8, frames=1), self.path("manual.json"), "-o", self.path("m.exr"),
+                            "--rays-per-pixel", 1)
+        self.assertNotIn("not known", result.message)
+        self.assertGreater(max(read_exr(self.path("m.exr")).values), 0)
+
+    def test_is_linear_and_names_its_pictures(self):
+        self.works("project", self.path("truth.npy"), self.path("capture.json"), "-o", self.path("p_{camera}_%03d.exr"),
+                   "--frames", "12:13", "--basis", "box")
+        again = read_exr(self.path("p_c2_012.exr"))
+        self.assertEqual(again.values, read_exr(self.path("c2_0012.exr")).values)
+        self.assertEqual(again.channels, 3)
+
+    def test_grey_volumes_have_equal_channels(self):
+        self.make_npy("grey.npy", frames=1, size=8)
+        self.works("project", self.path("grey.npy"), self.path("capture.json"), "-o", self.path("g_{camera}.exr"))
+        picture = read_exr(self.path("g_c1.exr"))
+        self.assertEqual(picture.values[0::3], picture.values[1::3])
+        self.assertGreater(max(picture.values), 0)
+
+    def test_a_uniform_cube_is_as_bright_as_it_is_deep(self):
+        support.write_npy(self.path("one.npy"), (1, 4, 4, 4), [2.0] * 64)
+        self.json["cameras"] = self.json["cameras"][:1]
+        R, t = ring.pose([5, 0, 0])
+        self.json["cameras"][0].update({"R": R, "t": t, "K": [[40, 0, 20], [0, 40, 16], [0, 0, 1]]})
+        self.write_capture()
+        self.works("project", self.path("one.npy"), self.path("capture.json"), "-o", self.path("one.exr"), "--basis", "box",
+                   "--rays-per-pixel", 1)
+        # The middle ray passes 2 m of a value of 2, a hair obliquely.
+        slope = math.hypot(0.5 / 40, 0.5 / 40)
+        self.assertAlmostEqual(read_exr(self.path("one.exr")).at(20, 16), 4 * math.sqrt(1 + slope * slope), places=5)
+
+    def test_refuses_names_that_would_collide(self):
+        source = [self.path("truth.npy"), self.path("capture.json"), "-o"]
+        self.assertIn("{camera}", self.fails(2, "project", *source, self.path("p_%04d.exr")))
+        self.assertIn("%04d", self.fails(2, "project", *source, self.path("p_{camera}.exr")))
+        self.assertIn(".exr", self.fails(2, "project", *source, self.path("{camera}_%04d.png")))
+
+
+class Geometry(ring.TestCase):
+    def test_mirrored_rotation(self):
+        self.camera("c2")["R"][0] = [-x for x in self.camera("c2")["R"][0]]
+        self.assertRegex(self.refused(), r"cameras\[2\] \(c2\): R is mirrored \(determinant -1\)")
+
+    def test_scaled_rotation(self):
+        self.camera("c3")["R"] = [[1.05 * x for x in row] for row in self.camera("c3")["R"]]
+        self.assertRegex(self.refused(), r"cameras\[3\] \(c3\): R is no rotation: R R' is off the identity by 0.10")
+
+    def test_centimetres_for_metres(self):
+        self.camera("c1")["t"] = [100 * x for x in self.camera("c1")["t"]]
+        self.assertRegex(self.refused(), r"camera c1: the volume covers only 0\.\d of 40 pixels.*centimetres")
+
+    def test_bounds_in_centimetres(self):
+        self.json["volume"].update({"min": [-100] * 3, "max": [100] * 3})
+        self.assertRegex(self.refused(), r"camera north: the camera stands inside the volume")
+
+    def test_inverted_pose(self):
+        camera = self.camera("south")
+        camera["t"] = [-x for x in camera["t"]]
+        self.assertRegex(self.refused(), r"camera south: the volume lies behind the camera, its centre 4\.\d+ m behind")
+
+    def test_volume_outside_the_image(self):
+        self.camera("c1")["t"][0] += 6
+        self.assertRegex(self.refused(), r"camera c1: the volume lies outside the image: it would appear at x \d+ to")
+
+    def test_width_and_height_swapped(self):
+        camera = self.camera("c3")
+        camera["width"], camera["height"] = camera["height"], camera["width"]
+        self.assertRegex(self.refused(), r"camera c3.*40 x 32|camera c3.*swapped")
+
+    def test_too_few_views(self):
+        self.json["cameras"] = self.json["cameras"][:2]
+        self.assertRegex(self.refused(), r"2 views are too few.*expected at least 3.*--force")
+        self.works("reconstruct", self.path("capture.json"), "-o", self.path("out.npy"), "--iterations", 5, "--force",
+                   "--regularization", "none", "--frames", "10")
+        self.json = ring.capture()
+        self.assertIn("too few", self.refused("--hold-out", "c1", "--hold-out", "c2", "--hold-out", "c3"))
+
+    def test_opposite_cameras_are_advised_on(self):
+        R, t = ring.pose([-x for x in eye_of(self.camera("north"))])
+        self.camera("south").update({"R": R, "t": t})
+        self.write_capture()
+        self.works("project", self.path("truth.npy"), self.path("capture.json"), "-o", self.path("new_{camera}_%04d.exr"))
+        result = self.reconstruct("--frames", "10", "--images", self.path("new_{camera}_%04d.exr"))
+        self.assertRegex(result.message, r"north and south \(0\.0\) degrees modulo 180; an odd number")
+
+
+class Pictures(ring.TestCase):
+    def test_missing_pictures(self):
+        self.path("c2_0011.exr").unlink()
+        self.path("c2_0012.exr").unlink()
+        message = self.refused()
+        self.assertRegex(message, r"camera c2, frame 11: there is no picture .*c2_0011.exr; 2 of 20 pictures are missing")
+
+    def test_values_that_are_not_finite(self):
+        self.change("c1", 12, lambda picture: picture.set(7, 9, math.nan))
+        self.assertRegex(self.refused(), r"camera c1, frame 12: the value at pixel \(7, 9\) is not finite")
+
+    def test_sizes_that_differ(self):
+        self.change("c3", 10, lambda picture: Picture(32, 40, 3))
+        self.assertRegex(self.refused(), r"camera c3, frame 10: the picture has 32 x 40 .* 40 x 32: width and height are swapped")
+        self.change("c3", 10, lambda picture: Picture(20, 16, 3))
+        self.assertRegex(self.refused(), r"camera c3, frame 10: the picture has 20 x 16 pixels; the calibration is for 40 x 32")
+
+    def test_all_black(self):
+        self.change("c2", 11, lambda picture: Picture(40, 32, 3))
+        self.assertRegex(self.refused(), r"camera c2, frame 11: the picture is all black, while camera \w+ has \d+ lit pixels")
+
+    def test_dark_frames_are_zero(self):
+        for name in ring.NAMES:
+            self.change(name, 11, lambda picture: Picture(40, 32, 3))
+        self.change("c1", 11, lambda picture: picture.set(20, 20, 1))  # a hot pixel
+        result = self.reconstruct("--frames", "10:13")
+        self.assertIn("frame 11: no camera sees any light", result.message)
+        shape, values = support.read_npy(self.path("out.npy").read_bytes())
+        size = len(values) // shape[0]
+        self.assertEqual(max(values[size:2 * size]), 0)
+        self.assertGreater(max(values[2 * size:]), 0)
+
+    def test_transparent_pictures(self):
+        for name in ring.NAMES:
+            picture = read_exr(self.path(f"{name}_0010.exr"))
+            write_exr(self.path(f"a_{name}_0010.exr"), picture, alpha=0.5 if name == "c1" else 1)
+        result = self.reconstruct("--frames", "10", "--images", self.path("a_{camera}_%04d.exr"))
+        self.assertRegex(result.message, r"warning: camera c1, frame 10: 100\.0 % of the pixels are transparent")
+        self.assertEqual(result.message.count("warning"), 1)
+
+    def as_png(self, scale, bits=8, **options):
+        for name in ring.NAMES:
+            picture = read_exr(self.path(f"{name}_0010.exr"))
+            picture.values = [scale * value for value in picture.values]
+            write_png(self.path(f"{name}_0010.png"), picture, bits, **options)
+
+    def png(self, *options):
+        return self.reconstruct("--frames", "10", "--images", self.path("{camera}_%04d.png"), "--json", *options)
+
+    def test_png_in_every_curve(self):
+        peak = max(max(read_exr(self.path(f"{name}_0010.exr")).values) for name in ring.NAMES)
+        self.json["white"] = 1.05 * peak
+        self.write_capture()
+        linear = self.reconstruct("--frames", "10", "--json", "--color", "linear")
+        for curve, encode in (("srgb", None), ("gamma:2.2", lambda v: max(v, 0) ** (1 / 2.2)), ("linear", lambda v: max(v, 0))):
+            self.as_png(1 / (1.05 * peak), 16, **({"encode": encode} if encode else {}))
+            result = self.png("--color", curve)
+            self.assertAlmostEqual(result.json["residual"], linear.json["residual"], delta=2e-3, msg=curve)
+            self.assertNotIn("warning", result.message)
+
+    def test_saturated_pixels_do_not_count_and_are_told(self):
+        peak = max(max(read_exr(self.path(f"{name}_0010.exr")).values) for name in ring.NAMES)
+        self.as_png(4 / peak)
+        self.json["white"] = peak / 4
+        self.write_capture()
+        result = self.png()
+        self.assertRegex(result.message, r"camera \w+, frame 10: \d\d\.\d % of the lit pixels are saturated and do not count")
+        message = self.fails(1, "reconstruct", self.path("capture.json"), "-o", self.path("x.npy"), "--frames", "10",
+                             "--images", self.path("{camera}_%04d.png"), "--max-saturated", "0.05")
+        self.assertRegex(message, r"camera \w+, frame 10: .* more than the 5\.0 % allowed")
+
+    def test_backgrounds(self):
+        def glow(picture):
+            picture.values = [value + 0.25 + 0.01 * (i % 7) for i, value in enumerate(picture.values)]
+
+        for name in ring.NAMES:
+            empty = Picture(40, 32, 3)
+            glow(empty)
+            write_exr(self.path(f"back_{name}.exr"), empty)
+            self.camera(name)["background"] = f"back_{name}.exr"
+            for frame in range(10, 14):
+                self.change(name, frame, glow)
+        self.write_capture()
+        result = self.reconstruct("--json")
+        self.assertNotIn("warning", result.message)
+        self.assertLess(result.json["residual"], 0.3)
+        moved = Picture(40, 32, 3, [0.25 + 0.01 * (i % 7) + (0.3 if i % 120 < 30 else 0) for i in range(40 * 32 * 3)])
+        write_exr(self.path("back_c3.exr"), moved)
+        self.assertRegex(self.refused(), r"camera c3, frame 10: \d+\.\d % of the pixels are darker than the background by more "
+                                         r"than .*: the background moved")
+
+    def test_backgrounds_from_empty_frames(self):
+        for name in ring.NAMES:
+            for frame in range(3):
+                empty = Picture(40, 32, 3, [0.5] * (40 * 32 * 3))
+                empty.set(frame, 5, 9)
+                write_exr(self.path(f"{name}_{frame:04d}.exr"), empty)
+            for frame in range(10, 14):
+                self.change(name, frame, lambda p: Picture(40, 32, 3, [v + 0.5 for v in p.values]))
+        self.json["empty_frames"] = [0, 2]
+        self.write_capture()
+        result = self.reconstruct("--json")
+        self.assertNotIn("warning", result.message)
+        self.assertLess(result.json["residual"], 0.3)
+
+    def test_masks(self):
+        def obstructed(picture):
+            for y in range(8, 20):
+                for x in range(14, 20):
+                    picture.set(x, y, 5)
+
+        for frame in range(10, 14):
+            self.change("c2", frame, obstructed)
+        mask = Picture(40, 32, 1, [1.0] * (40 * 32))
+        for y in range(8, 20):
+            for x in range(14, 20):
+                mask.set(x, y, 0)
+        write_png(self.path("mask.png"), mask)
+        bare = self.reconstruct("--json", "--frames", "10").json["residual"]
+        self.camera("c2")["mask"] = "mask.png"
+        self.write_capture()
+        masked = self.reconstruct("--json", "--frames", "10").json["residual"]
+        self.assertLess(masked, 0.7 * bare)
+
+    def test_light_outside_the_volume_and_silhouettes_at_the_border(self):
+        def stray(picture):
+            for y in range(6):
+                for x in range(10):
+                    picture.set(x, y, 2)
+
+        self.change("c1", 10, stray)
+        message = self.reconstruct("--frames", "10").message
+        self.assertRegex(message, r"camera c1, frame 10: \d+\.\d % of the light lies outside the volume's bounds")
+        self.assertRegex(message, r"camera c1, frame 10: the silhouette touches the left border of the picture in 6 of 32 pixels")
+        self.assertRegex(message, r"camera c1, frame 10: the silhouette touches the upper border of the picture in 10 of 40")
+
+    def test_empty_hull_names_the_camera(self):
+        def elsewhere(picture):
+            flipped = Picture(40, 32, 3)
+            for y in range(3):
+                for x in range(3):
+                    flipped.set(1 + x, 1 + y, 1)
+            return flipped
+
+        self.change("c3", 10, elsewhere)
+        self.assertRegex(self.refused(), r"frame 10: the visual hull is empty.*; without camera c3 it would hold \d+\.\d+ %")
+
+    def test_a_hull_that_fills_the_volume(self):
+        for name in ring.NAMES:
+            self.change(name, 10, lambda p: Picture(40, 32, 3, [value + 0.5 for value in p.values]))
+        self.assertRegex(self.reconstruct("--frames", "10").message, r"frame 10: the visual hull fills \d+ % of the volume")
+
+    def test_clean_captures_warn_of_nothing(self):
+        self.assertNotIn("warning", self.reconstruct().message)
+
+
+class Step(ring.TestCase):
+    def test_a_camera_one_frame_late_is_told_with_the_evidence(self):
+        pictures = {frame: self.path(f"c2_{frame:04d}.exr").read_bytes() for frame in range(10, 14)}
+        for frame in range(11, 14):
+            self.path(f"c2_{frame:04d}.exr").unlink()
+            self.path(f"c2_{frame:04d}.exr").write_bytes(pictures[frame - 1])
+        message = self.reconstruct("--frames", "12", "--resolution", "32").message
+        self.assertRegex(message, r"camera c2, frame 12: its picture of frame 13 fits .*: it seems to run 1 frame late")
+
+    def test_a_camera_that_is_too_bright_is_told_by_its_gain(self):
+        self.json["cameras"][2]["gain"] = 1.25
+        self.write_capture()
+        self.reconstruct("--frames", "10", "--report", self.path("r.json"), )
+        cameras = json.loads(self.path("r.json").read_text())["frames"][0]["cameras"]
+        gains = {camera["name"]: camera["gain"] for camera in cameras}
+        self.assertEqual(min(gains, key=gains.get), "c2")
+
+
+if __name__ == "__main__":
+    support.main()

@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Reconstruction end to end: what comes out, its report, runs that are interrupted or split, and joining."""
+import json
+import math
+import os
+import signal
+import subprocess
+import time
+
+import ring
+import support
+from pictures import Picture, read_exr, write_exr
+from support import read_npy
+
+
+def means(shape, values, factor):
+    """Averages of cubes of factor^3 voxels."""
+    frames, z, y, x, channels = shape
+    out = []
+    for t in range(frames):
+        for k in range(0, z, factor):
+            for j in range(0, y, factor):
+                for i in range(0, x, factor):
+                    for c in range(channels):
+                        out.append(sum(values[(((t * z + k + dk) * y + j + dj) * x + i + di) * channels + c]
+                                       for dk in range(factor) for dj in range(factor) for di in range(factor)) / factor ** 3)
+    return out
+
+
+def relative(a, b):
+    return math.sqrt(math.fsum((x - y) ** 2 for x, y in zip(a, b)) / math.fsum(x * x for x in a))
+
+
+class Reconstruct(ring.TestCase):
+    def test_finds_the_volume(self):
+        self.reconstruct("--frames", "11:13")
+        shape, values = read_npy(self.path("out.npy").read_bytes())
+        self.assertEqual(shape, (2, 16, 16, 16, 3))
+        self.assertGreaterEqual(min(values), 0)
+        whole, truth = read_npy(self.path("truth.npy").read_bytes())
+        size = len(truth) // whole[0]
+        coarse = means((2,) + whole[1:], truth[size:3 * size], 2)
+        self.assertLess(relative(coarse, values), 0.5)
+        # The light is all there, whatever five views can tell of its place.
+        self.assertAlmostEqual(math.fsum(values), math.fsum(coarse), delta=0.03 * math.fsum(coarse))
+
+    def test_volute_keeps_frames_basis_and_place(self):
+        self.reconstruct(output="out.volute")
+        info = self.works("info", self.path("out.volute"), "--json").json
+        self.assertEqual((info["frame_numbers"], info["size"], info["channels"]), ([10, 13], [16, 16, 16], 3))
+        self.assertEqual((info["basis"], info["grid"], info["bounds"]), ("trilinear", "emission", [-1, -1, -1, 1, 1, 1]))
+        self.assertLessEqual(info["reached"]["relative_rms"] if "reached" in info else info["relative_rms"], 1e-3)
+
+    def test_report_and_page(self):
+        result = self.reconstruct("--hold-out", "c1", "--hold-out", "c3", "--report", self.path("r.json"), "--json")
+        report = json.loads(self.path("r.json").read_text())
+        self.assertEqual([camera["held_out"] for camera in report["cameras"]], [False, True, False, True, False])
+        self.assertEqual(result.json["held_out_psnr"], report["held_out_psnr"])
+        self.assertGreater(report["held_out_psnr"], 25)
+        self.assertEqual([frame["frame"] for frame in report["frames"]], [10, 11, 12, 13])
+        frame = report["frames"][2]
+        self.assertEqual((frame["iterations"], frame["stopped_by"], frame["regularization"]), (25, "iterations", "none"))
+        self.assertTrue(0 < frame["hull_share"] < 1)
+        for camera in frame["cameras"]:
+            self.assertTrue(0 < camera["residual"] < 1, camera)
+            self.assertEqual(camera["saturated_share"], 0)
+        self.assertEqual(len(report["angles"]), 10)
+        self.assertAlmostEqual(report["angles"][0]["degrees"], 36, delta=1)
+        page = self.path("r.html").read_text()
+        self.assertEqual(page.count("data:image/png;base64,"), 3 * 3 * 5)  # frames, pictures, cameras
+        self.assertEqual(page.count("<svg"), 4)
+        self.assertIn("c3 (held out): given", page)
+
+    def test_residual_is_what_project_and_compare_say(self):
+        residuals = self.reconstruct("--frames", "12", "--json").json["residuals"]
+        self.works("project", self.path("out.npy"), self.path("capture.json"), "-o", self.path("seen_{camera}.exr"))
+        for name in ring.NAMES:
+            given, seen = read_exr(self.path(f"{name}_0012.exr")), read_exr(self.path(f"seen_{name}.exr"))
+            self.assertAlmostEqual(relative(given.values, seen.values), residuals[name], delta=1e-4)
+
+    def test_grey_pictures_give_one_channel(self):
+        for name in ring.NAMES:
+            picture = read_exr(self.path(f"{name}_0010.exr"))
+            write_exr(self.path(f"g_{name}_0010.exr"), Picture(40, 32, 1, picture.values[0::3]))
+        self.reconstruct("--frames", "10", "--images", self.path("g_{camera}_%04d.exr"))
+        shape, grey = read_npy(self.path("out.npy").read_bytes())
+        self.assertEqual(shape, (1, 16, 16, 16))
+        self.reconstruct("--frames", "10", output="colour.npy")
+        colour = read_npy(self.path("colour.npy").read_bytes())[1]
+        self.assertLess(relative(colour[0::3], grey), 0.05)
+
+    def test_standard_output(self):
+        self.reconstruct("--frames", "10")
+        result = self.works("reconstruct", self.path("capture.json"), "-o", "-", "--iterations", 25, "--regularization",
+                            "none", "--frames", "10")
+        self.assertEqual(result.out, self.path("out.npy").read_bytes())
+        self.assertIn("residual", result.message)
+
+    def test_other_solvers_and_options(self):
+        for options in (["--solver", "mlem"], ["--solver", "sirt"], ["--solver", "cgls"], ["--basis", "box"], ["--no-hull"],
+                        ["--rays-per-pixel", 1], ["--coarse-to-fine"], ["--resolution", "12,10,8"], ["--no-warm-start"]):
+            result = self.reconstruct("--frames", "10:12", "--json", *options)
+            self.assertLess(result.json["residual"], 0.8, options)
+        self.assertEqual(read_npy(self.path("out.npy").read_bytes())[0][0], 2)
+
+    def test_wrong_usage(self):
+        source = self.path("capture.json")
+        self.assertIn("no camera 'c9'; the capture has north",
+                      self.fails(2, "reconstruct", source, "-o", self.path("x.npy"), "--hold-out", "c9"))
+        self.assertIn("--resolution", self.fails(2, "reconstruct", source, "-o", self.path("x.npy"), "--resolution", "8,8"))
+        self.assertIn("--rms", self.fails(2, "reconstruct", source, "-o", self.path("x.npy"), "--rms", "0.1"))
+        self.assertIn("frames 10 to 13", self.fails(2, "reconstruct", source, "-o", self.path("x.npy"), "--frames", "40:50"))
+        self.assertIn("--report", self.fails(2, "reconstruct", source, "-o", self.path("x.npy"), "--report",
+                                             self.path("r.txt")))
+        self.assertIn("x.xyz", self.fails(2, "reconstruct", source, "-o", self.path("x.xyz"), "--iterations", 1))
+
+
+class Interrupted(ring.TestCase):
+    OPTIONS = ["--iterations", "4000", "--regularization", "none"]
+
+    def command(self, *more):
+        return ["reconstruct", self.path("capture.json"), "-o", self.path("out.npy"), *self.OPTIONS, *more]
+
+    def interrupt(self, *more):
+        """Stops the program once it has finished a frame."""
+        process = subprocess.Popen([support.PROGRAM, *map(str, self.command(*more))], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE)
+        end = time.monotonic() + 60
+        while not list(self.path("out.npy.work").glob("frame_000011.json")) and time.monotonic() < end:
+            self.assertIsNone(process.poll(), "ended before it could be stopped")
+            time.sleep(0.002)
+        process.send_signal(signal.SIGINT)
+        message = process.communicate(timeout=60)[1].decode()
+        self.assertEqual(process.returncode, 1, message)
+        self.assertIn("finished frames are kept in", message)
+        self.assertFalse(self.path("out.npy").exists())
+
+    def test_goes_on_where_it_was(self):
+        self.works(*self.command())
+        whole = self.path("out.npy").read_bytes()
+        self.path("out.npy").unlink()
+        self.assertFalse(self.path("out.npy.work").exists())
+        self.interrupt()
+        result = self.works(*self.command())
+        self.assertRegex(result.message, r"an earlier run finished [23] of 4 frames")
+        self.assertEqual(self.path("out.npy").read_bytes(), whole)
+        self.assertFalse(self.path("out.npy.work").exists())
+
+    def test_other_options_or_pictures_begin_anew(self):
+        self.interrupt()
+        other = ["reconstruct", self.path("capture.json"), "-o", self.path("out.npy"), "--iterations", 3]
+        self.assertIn("finished 0 of 4 frames", self.works(*other, "--regularization", "none").message)
+        self.path("out.npy").unlink()
+        self.interrupt()
+        self.change("c1", 11, lambda picture: None)  # the same values, but another file
+        self.assertIn("finished 1 of 4 frames", self.works(*self.command()).message)
+
+
+class Parts(ring.TestCase):
+    def test_parts_of_a_sequence_join(self):
+        for name, frames in (("a", "10:12"), ("b", "12:14"), ("whole", "10:14")):
+            self.reconstruct("--frames", frames, "--no-warm-start", output=f"{name}.volute")
+        said = self.works("join", self.path("b.volute"), self.path("a.volute"), "-o", self.path("c.volute"), "--json").json
+        self.assertEqual((said["frames"], said["exact"]), (4, False))
+        whole = self.works("info", self.path("whole.volute"), "--json").json
+        joined = self.works("info", self.path("c.volute"), "--json").json
+        for key in ("frames", "frame_numbers", "times", "size", "bounds", "channels", "grid", "basis"):
+            self.assertEqual(joined[key], whole[key], key)
+        self.assertLessEqual(said["relative_rms"], 2.2e-3)
+        far = self.works("compare", self.path("whole.volute"), self.path("c.volute"), "--json").json
+        self.assertLessEqual(far["relative_rms"], said["relative_rms"] + 1e-3)
+        self.works("extract", self.path("c.volute"), "-o", self.path("x.npy"), "--frames", "11:13")
+        self.assertEqual(read_npy(self.path("x.npy").read_bytes())[0], (2, 16, 16, 16, 3))
+
+    def test_whole_blocks_are_copied(self):
+        shape, values = support.plume(16, 8)
+        support.write_npy(self.path("p.npy"), (32,) + shape[1:], list(values) * 2)
+        for name, frames in (("a", "0:16"), ("b", "16:32")):
+            self.works("compress", self.path("p.npy"), "-o", self.path(f"{name}.volute"), "--rms", "0.002", "--frames", frames)
+            self.works("extract", self.path(f"{name}.volute"), "-o", self.path(f"{name}.npy"))
+        said = self.works("join", self.path("a.volute"), self.path("b.volute"), "-o", self.path("c.volute"), "--json").json
+        self.assertEqual((said["exact"], said["relative_rms_to_parts"]), (True, 0))
+        self.works("extract", self.path("c.volute"), "-o", self.path("c.npy"))
+        self.assertEqual(list(read_npy(self.path("c.npy").read_bytes())[1]),
+                         [value for name in "ab" for value in read_npy(self.path(f"{name}.npy").read_bytes())[1]])
+
+    def test_refuses_what_does_not_fit(self):
+        a, b = self.make_volute("a.volute", frames=2), self.make_volute("b.volute", frames=2, size=8)
+        self.assertIn("do not fit together", self.fails(1, "join", a, b, "-o", self.path("c.volute")))
+        self.assertIn("do not overlap", self.fails(1, "join", a, a, "-o", self.path("c.volute")))
+        self.assertIn(".volute", self.fails(2, "join", a, self.path("truth.npy"), "-o", self.path("c.volute")))
+
+
+if __name__ == "__main__":
+    support.main()
