@@ -350,5 +350,22 @@ class Frames(FogCase):
         self.fails(2, *self.words(out="x.jpg"))
 
 
+class Valley(FogCase):
+    def test_frames_for_fog(self):
+        folder = self.path("valley")
+        self.works("synthesize", "valley", "-o", folder, "--pixels", "48x27", "--size", "32", "--seed", "3")
+        self.assertEqual(sorted(path.name for path in folder.iterdir()), ["camera.json", "color.exr", "depth.exr", "fogmap.png"])
+        self.works("fog", folder / "fogmap.png", "--color", folder / "color.exr", "--depth", folder / "depth.exr",
+                   "--camera", folder / "camera.json", "-o", self.path("x.exr"), "--cell", "16")
+        self.assertGreater(self.works("compare", folder / "color.exr", self.path("x.exr"), "--json").json["max_error"], 0.05)
+
+    def test_a_flight(self):
+        folder = self.path("flight")
+        self.works("synthesize", "valley", "-o", folder, "--pixels", "16x10", "--frames", "2")
+        self.assertIn("color_0001.png", [path.name for path in folder.iterdir()])
+        self.works("fog", folder / "fogmap.png", "--color", folder / "color_%04d.png", "--depth", folder / "depth_%04d.exr",
+                   "--camera", folder / "camera_%04d.json", "-o", self.path("x.mp4"), "--cell", "8")
+
+
 if __name__ == "__main__":
     support.main()
