@@ -78,16 +78,17 @@ void SplatFaces(const ScreenView& view, const ScreenVertex* vertices, const Pixe
           const VF ea = Edge(rbx, rby, rcx, rcy), eb = Edge(rcx, rcy, rax, ray),
                    ec = Edge(rax, ray, rbx, rby);
           const VF least = hn::Min(ea, hn::Min(eb, ec)), most = hn::Max(ea, hn::Max(eb, ec));
-          // Beyond the far side of an edge: both signs. On it: one end is 0.
+          // Both signs: the ray passes by. A least or most of 0: it meets an edge.
           const Mask touched = hn::Or(hn::Ge(least, zero), hn::Le(most, zero));
           if (hn::AllFalse(df, touched))
             continue;
+          const Mask inside = hn::Or(hn::Gt(least, zero), hn::Lt(most, zero));
           const VF total = hn::Add(ea, hn::Add(eb, ec));
           const VF per = hn::Div(Constant(1), total);
           const VF za = hn::MulAdd(ea, az, hn::MulAdd(eb, bz, hn::Mul(ec, cz)));
           const VF t = hn::Min(farthest, hn::Max(nearest, hn::Mul(za, per)));
           const VF end = hn::Load(df, tile.end + at + part);
-          Mask counted = hn::Or(hn::Gt(least, zero), hn::Lt(most, zero));
+          Mask counted = inside;
           if (!view.orthographic)
             counted = hn::And(counted, hn::Gt(t, zero));
           if (tile.bounded)
@@ -110,11 +111,10 @@ void SplatFaces(const ScreenView& view, const ScreenVertex* vertices, const Pixe
           }
           float* sum = tile.sum + at + part;
           hn::Store(hn::Add(hn::Load(df, sum), hn::IfThenElseZero(counted, added)), df, sum);
-          const Mask onEdge = hn::And(touched, hn::Eq(hn::Mul(ea, hn::Mul(eb, ec)), zero));
+          const Mask onEdge = hn::AndNot(inside, touched);
           if (HWY_UNLIKELY(!hn::AllFalse(df, onEdge))) {
-            const Mask exact = hn::And(onEdge, hn::Or(hn::Eq(least, zero), hn::Eq(most, zero)));
             float* doubt = tile.doubt + at + part;
-            hn::Store(hn::IfThenElse(exact, Constant(1), hn::Load(df, doubt)), df, doubt);
+            hn::Store(hn::IfThenElse(onEdge, Constant(1), hn::Load(df, doubt)), df, doubt);
           }
         }
       }

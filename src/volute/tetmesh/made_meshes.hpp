@@ -13,8 +13,8 @@
 
 namespace volute {
 
-/// A box cut into tets, six to a cell; inner vertices moved by up to `jitter` of a cell at random
-/// (< 0.3 keeps all tets whole).
+/// A box cut into tets, six to a cell; inner vertices moved by up to `jitter` of a cell at random,
+/// less where a tet would turn inside out.
 std::shared_ptr<const TetMesh> boxMesh(const Box3& box, const std::array<int, 3>& cells,
                                        double jitter, std::uint32_t seed);
 

@@ -49,6 +49,7 @@ TEST(TetMesh, FillsItsBox) {
     volume += mesh->volume(static_cast<std::int32_t>(t));
   EXPECT_NEAR(volume, kBox.size().prod(), 1e-12);
   EXPECT_EQ(mesh->boundary().size(), 4u * (12 + 15 + 20));
+  EXPECT_GT(hallMesh(0.42, 1)->tets().size(), 100000u);
   for (std::size_t i = 0; i < mesh->opposites().size(); ++i) {
     const std::int32_t other = mesh->opposite(static_cast<std::int32_t>(i));
     if (other != TetMesh::kBoundary) {
