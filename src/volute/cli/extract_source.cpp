@@ -185,6 +185,11 @@ Status ExtractSource::readFrame(int index, std::span<float> values) {
   } else {
     averageCubes(frame, extraction_.region, extraction_.level, info_, values);
   }
+  // Coarse levels, asked for or all that is intact, may leave the original's range.
+  const VoluteHeader& header = reader_->header();
+  const auto least = static_cast<float>(std::min(0.0, header.valueMin));
+  const auto most = static_cast<float>(std::max(0.0, header.valueMax));
+  for (float& value : values) value = std::clamp(value, least, most);
   return {};
 }
 

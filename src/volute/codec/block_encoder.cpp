@@ -359,7 +359,7 @@ bool codeCorrectionsOf(WriteBits& bits, BlockWriting& block, const BlockShape& s
                        const BlockMode& mode, std::span<const float> values,
                        const WaveletParameters& parameters, const StreamInfo& stream) {
   std::vector<float> shown(values.size());
-  reconstruct(block.planes(), block.support(), mode, shape, parameters, stream, shown);
+  reconstruct(block.planes(), block.support(), mode, shape, parameters, stream, false, shown);
   auto corrections = correctionsOf(values, shown, parameters);
   const bool any = std::ranges::any_of(corrections, [](std::int32_t c) { return c != 0; });
   bits.bit(context::kEnd, any);

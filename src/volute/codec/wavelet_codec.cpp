@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "volute/codec/byte_io.hpp"
 
@@ -106,7 +107,7 @@ TierStrides stridesOfTier(const BlockShape& shape, std::size_t tier, int levels)
 
 void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
                  const BlockMode& mode, const BlockShape& shape,
-                 const WaveletParameters& parameters, const StreamInfo& stream,
+                 const WaveletParameters& parameters, const StreamInfo& stream, bool coarse,
                  std::span<float> values) {
   const std::size_t voxels = shape.voxels();
   const AxisLevels levels = blockLevels(shape.extents, mode.timeLevels);
@@ -114,11 +115,15 @@ void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
     shapeInverse(planes.subspan(c * voxels, voxels), support, shape.extents, mode.wavelet, levels);
   parameters.color.merge(planes, shape.channels, parameters.unit(), values);
   // NaN, which only a damaged file can make, becomes the minimum.
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  const float range = std::min(stream.valueMax / 2 - stream.valueMin / 2, kLargest / 4);
+  const float low = coarse ? std::max(stream.valueMin, -kLargest / 2) - 2 * range : stream.valueMin;
+  const float high = coarse ? std::min(stream.valueMax, kLargest / 2) + 2 * range : stream.valueMax;
   for (float& value : values) {
-    const float least = stream.valueMin < value ? value : stream.valueMin;
-    value = stream.valueMax < least ? stream.valueMax : least;
+    const float least = low < value ? value : low;
+    value = high < least ? high : least;
   }
-  if (support.empty())
+  if (support.empty() || coarse)
     return;
   const float outside = std::min(stream.valueMax, std::max(stream.valueMin, 0.0f));
   if (shape.channels == 1) {

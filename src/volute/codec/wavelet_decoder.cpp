@@ -211,7 +211,8 @@ class WaveletDecoder final : public BlockDecoder {
     thread_local Scratch scratch;
     BlockReading block(parameters_, shape, scratch);
     VOLUTE_TRY(block.read(tiers, levels));
-    reconstruct(block.planes(), block.support(), block.mode(), shape, parameters_, stream_, values);
+    reconstruct(block.planes(), block.support(), block.mode(), shape, parameters_, stream_,
+                levels < shape.levels() || tiers.size() < kWaveletTiers.size(), values);
     block.correct(stream_, values);
     return {};
   }

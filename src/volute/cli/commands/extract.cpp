@@ -75,8 +75,9 @@ Command extractCommand() {
           "which hold what is "
           "smaller than 2^L voxels in space and 2^L frames in time, and averages cubes of 2^L "
           "voxels. Cubes that reach "
-          "beyond the region count zeros there and the bounds grow with them, so integrals stay as "
-          "they were.\n\n"
+          "beyond the region count zeros there and the bounds grow with them, so integrals stay "
+          "within "
+          "some percent.\n\n"
           "A .npy is float32 of shape (t,z,y,x) or (t,z,y,x,c), a single frame included.",
       .positionals = {{.name = "IN.volute", .help = "the file to read"}},
       .options = {{.name = "output",
