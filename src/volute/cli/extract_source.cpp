@@ -145,8 +145,11 @@ Status ExtractSource::loadBlock(std::size_t block) {
   const Region& r = extraction_.region;
   const int channels = info_.channels;
   std::vector<float> values(grid.values(block));
-  VOLUTE_TRY(
-      reader_->readBlock(block, values, std::max(1, grid.levels(block) - extraction_.level)));
+
+  // The coarsest levels are read together; with all of them means come out better.
+  constexpr int kReadTogether = 3;
+  VOLUTE_TRY(reader_->readBlock(block, values,
+                                std::max(kReadTogether, grid.levels(block) - extraction_.level)));
 
   const int x0 = std::max(origin[3], r.begin[0]), x1 = std::min(origin[3] + extents[3], r.end[0]);
   const int y0 = std::max(origin[2], r.begin[1]), y1 = std::min(origin[2] + extents[2], r.end[1]);
