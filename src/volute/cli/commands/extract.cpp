@@ -71,13 +71,13 @@ Command extractCommand() {
           "Touches only the blocks that are needed, a row of 16 frames in memory at a time, and "
           "reports how many bytes "
           "were read and blocks decoded.\n\n"
-          "Level L divides the resolution by 2^L: it leaves out the finest L levels of each block, "
-          "which hold what is "
-          "smaller than 2^L voxels in space and 2^L frames in time, and averages cubes of 2^L "
-          "voxels. Cubes that reach "
-          "beyond the region count zeros there and the bounds grow with them, so integrals stay "
-          "within "
-          "some percent.\n\n"
+          "Level L divides the resolution by 2^L: it leaves out the finest levels of each block, "
+          "which hold what is smaller than 2^L voxels in space and 2^L frames in time, and "
+          "averages "
+          "cubes of 2^L voxels. It is a preview: means are right within some percent, and less so "
+          "where a small body stands in empty space. Cubes that reach beyond the region count "
+          "zeros "
+          "there and the bounds grow with them.\n\n"
           "A .npy is float32 of shape (t,z,y,x) or (t,z,y,x,c), a single frame included.",
       .positionals = {{.name = "IN.volute", .help = "the file to read"}},
       .options = {{.name = "output",
