@@ -54,7 +54,7 @@ class Demo:
         say(f"{name}: making {self.frames} frames of {self.size}^3 voxels")
         self.run("volute", "synthesize", name, "-o", f"{name}.npy", "--size", self.size, "--frames", self.frames)
         say(f"{name}: compressing")
-        report = self.run("volute", "compress", f"{name}.npy", "-o", f"{name}.volute", "--rms", "1e-3",
+        report = self.run("volute", "compress", f"{name}.npy", "-o", f"{name}.volute", "--rms", "2e-4", "--fast",
                           "--bounds=-1,-1,0,1,1,2", "--json")
         say(f"{name}: rendering the film from the tree")
         view = ("--eye", "0,-4.2,1.25", "--target", "0,0,1", "--fov", "30", "--size", "512x512",
