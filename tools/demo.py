@@ -17,6 +17,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import demo_errors
 import demo_page
 
 NBSP = "\u00a0"
@@ -95,7 +96,15 @@ class Demo:
             self.run("volute", "render", *source, "-o", f"cameras_{name}.exr", *where, "--json")
             self.run("volute", "render", *source, "-o", f"cameras_{name}.png", *where, "--exposure", 0.8, "--json")
         compared = self.run("volute", "compare", "cameras_truth.exr", "cameras_reconstructed.exr", "--json")
-        return {"report": report, "compared": compared, "size": self.size}
+        return {"report": report, "compared": compared, "size": self.size, "errors": self.camera_errors()}
+
+    def camera_errors(self):
+        """How far the compressed reconstruction is from the truth, in the new view and as a volume."""
+        self.run("volute", "extract", "reconstructed.volute", "-o", "reconstructed.npy", "--json")
+        view = demo_errors.compare_views(self.out / "cameras_truth.exr", self.out / "cameras_reconstructed.exr",
+                                         self.out / "cameras_difference.png")
+        volume = demo_errors.volume_error(self.out / "fire.npy", CAMERAS["frame"], self.out / "reconstructed.npy")
+        return {"view": view, "volume": volume}
 
     def fog(self, out, degree, *more, source="valley", cell=8):
         """One frame of the valley behind fog; splines of every degree peak where the map's pixels are."""
@@ -153,7 +162,7 @@ def ring_camera(i):
 
 def cameras_section(result):
     error = result["compared"]
-    report = result["report"]
+    report, errors = result["report"], result["errors"]
     look = f"perspective 27°, linear light, one exposure, sRGB; frame {CAMERAS['frame']}"
     return {"title": "Fire from eight cameras",
             "text": [f"The synthetic fire, {result['size']}³ voxels that are boxes of constant light, is filmed by {CAMERAS['count']} cameras "
@@ -163,12 +172,17 @@ def cameras_section(result):
                      "What each camera saw, what the reconstruction would show it and the difference are in reconstruction.html, "
                      "beside this page."],
             "facts": [{"value": f"{error['psnr']:.1f}{NBSP}dB", "label": "PSNR of the new view"},
+                      {"value": f"{errors['view']['relative_l2']:.3f}", "label": "relative L2 error of the new view"},
+                      {"value": f"{errors['volume']:.3f}", "label": "relative L2 error of the volume, to means of 2³ voxels"},
                       {"value": f"{report['seconds_per_frame']:.1f}{NBSP}s", "label": "to reconstruct the frame"},
                       {"value": f"{100 * report['hull_share']:.0f}{NBSP}%", "label": "of the voxels are in the visual hull"}],
             "figures": [{"file": "cameras_truth.png", "label": "The fire", "caption": f"{result['size']}³, box basis; {look}"},
                         {"file": "cameras_reconstructed.png", "label": "Reconstructed and compressed",
                          "caption": f"{result['size'] // 2}³, trilinear; from a file of {report['bytes'] / 1e3:.1f}{NBSP}kB; {look}"},
-                        {"file": "cameras_seen.png", "label": "What camera c3 saw", "caption": f"From its place; {look}"}], "columns": 3}
+                        {"file": "cameras_difference.png", "label": "Their difference",
+                         "caption": "Length of the RGB difference, linear light; viridis from 0 (violet) to "
+                                    f"{100 * errors['view']['largest']:.0f}{NBSP}% of the fire's brightest channel (yellow)"},
+                        {"file": "cameras_seen.png", "label": "What camera c3 saw", "caption": f"From its place; {look}"}], "columns": 4}
 
 
 def fog_sections(result):
