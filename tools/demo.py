@@ -182,7 +182,7 @@ def cameras_section(result):
                         {"file": "cameras_difference.png", "label": "Their difference",
                          "caption": "Length of the RGB difference, linear light; viridis from 0 (violet) to "
                                     f"{100 * errors['view']['largest']:.0f}{NBSP}% of the fire's brightest channel (yellow)"},
-                        {"file": "cameras_seen.png", "label": "What camera c3 saw", "caption": f"From its place; {look}"}], "columns": 4}
+                        {"file": "cameras_seen.png", "label": "From the place of camera c3", "caption": f"Box basis; {look}"}], "columns": 4}
 
 
 def fog_sections(result):
