@@ -129,7 +129,7 @@ TEST(SplinePyramid, LeastSquaresIsChuiWangsCoarsePart) {
     const Eigen::VectorXd coarse = synthesis.partialPivLu().solve(signal);
 
     // One row of coefficients as the rows of a grid of one column.
-    SplineGrid line(kLine - 2 * degree, kLine - 2 * degree);
+    SplineGrid line(kLine - degree, kLine - degree);
     for (int i = 0; i < 28; ++i) line.at(114 + i, kLine / 2) = data.c[i];
     const SplineGrid projected = restricted(line, degree, Restriction::kLeastSquares);
     double scale = 0;  // a column of the projection is the line's, times some factor
