@@ -32,8 +32,8 @@ struct CompressOptions {
   ErrorTarget target;
   std::string wavelet = "auto";   ///< auto, haar, cdf53 or cdf97: what blocks may choose from
   std::optional<BlockMode> mode;  ///< one mode for all blocks, for experiments
-  bool fast = false;              ///< fewer modes to choose from: quicker, and some percent larger
-  std::string provenance;         ///< kept in the file
+  bool fast = false;       ///< fewer modes to choose from: quicker, and up to some percent larger
+  std::string provenance;  ///< kept in the file
   /// What the source is already off its own original, absolute; the file states the sums, which the
   /// errors to that original do not exceed.
   double sourceRms = 0;
