@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <Eigen/Geometry>  // cross()
 #include <cstdint>
 #include <limits>
 #include <memory>
