@@ -128,7 +128,8 @@ Records smoke16File(std::array<int, 3> cells,
     }
     file.time(time);
     file.values(head);
-    file.guarded.emplace_back(file.bytes.size() - 20, file.bytes.size() - 12);  // the counts
+    if (split == 0)
+      file.guarded.emplace_back(file.bytes.size() - 20, file.bytes.size() - 12);  // the counts
     file.values(words);
   }
   return file;
