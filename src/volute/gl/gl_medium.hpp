@@ -53,8 +53,9 @@ class GlFogMap;
 
 std::unique_ptr<GlMedium> makeGlVolume(const GlVolume& volume,
                                        std::shared_ptr<const GlVolumeAtlas> atlas);
-std::unique_ptr<GlMedium> makeGlTreeVolume(const GlTreeVolume& volume,
-                                           std::shared_ptr<const GlTreeData> tree);
+/// kUnsupported where the device is none of `hardware` and the tree is too large for it.
+[[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlTreeVolume(
+    const GlTreeVolume& volume, std::shared_ptr<const GlTreeData> tree, bool hardware);
 /// kUnsupported for fog with a top or with levels chosen by FogDetail::cellAngle.
 [[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const FogMedium& fog);
 

@@ -139,7 +139,8 @@ Result<std::vector<std::unique_ptr<GlMedium>>> GlRenderer::State::mediaOf(const 
   }
   for (const GlTreeVolume& volume : scene.trees) {
     VOLUTE_ASSIGN(auto tree, trees.get(volume.tree, [&] { return makeTreeData(*volume.tree); }));
-    media.push_back(makeGlTreeVolume(volume, std::move(tree)));
+    VOLUTE_ASSIGN(auto medium, makeGlTreeVolume(volume, std::move(tree), device.hardware));
+    media.push_back(std::move(medium));
   }
   for (const FogMedium& fog : scene.fogs) {
     VOLUTE_ASSIGN(auto medium, makeGlFog(fog));

@@ -17,7 +17,7 @@
 namespace volute {
 namespace {
 
-constexpr int kWidth = 44, kHeight = 36;
+constexpr int kWidth = 36, kHeight = 30;
 
 /// One context for all tests of this file: making one costs more than a picture.
 class GlRendererTest : public testing::Test {
@@ -63,8 +63,6 @@ class GlRendererTest : public testing::Test {
       worst = !(error <= worst) ? error : worst;
     }
     EXPECT_GT(largest, 1e-4) << "the test's picture is black";
-    if (std::getenv("GLDEBUG"))
-      printf("err %g\n", worst / largest);
     return worst / largest;
   }
 };
@@ -108,7 +106,7 @@ std::vector<Camera> cameras(const Box3& bounds) {
   const Vec3 centre = bounds.centre();
   Calibration lens;
   lens.width = kWidth, lens.height = kHeight;
-  lens.K << 40, 1.5, 21, 0, 38, 19, 0, 0, 1;
+  lens.K << 32, 1.5, 17, 0, 30, 16, 0, 0, 1;
   lens.R << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   lens.t = -lens.R * (centre + Vec3(0.1, -4, 0.2));
   lens.distortion.k1 = -0.1;
@@ -121,13 +119,17 @@ std::vector<Camera> cameras(const Box3& bounds) {
 }
 
 TEST_F(GlRendererTest, VolumesAreThoseOfTheReference) {
+  int pictures = 0;
   for (const Basis basis : {Basis::kBox, Basis::kTrilinear}) {
     for (const int channels : {1, 3}) {
       for (const double extinction : {0.0, 1.5, 40.0}) {
         const auto slice = sliceOf(channels, basis);
         const AnyMedium medium(VoxelMedium(slice, 1.3, extinction));
         const GlScene scene{.volumes = {{slice, 1.3, extinction}}};
-        for (const Camera& camera : cameras(medium.bounds())) {
+        const auto views = cameras(medium.bounds());
+        for (const Camera& camera : views) {
+          if (++pictures % 3 != 0 && &camera != &views[0])
+            continue;  // every camera comes with every basis, but not with everything
           const double error =
               errorOf(camera, scene, {&medium, 1}, {.background = Rgb(0.1, 0.2, 0.3)});
           EXPECT_LE(error, kBar) << "basis " << int(basis) << ", channels " << channels
@@ -177,7 +179,7 @@ TEST_F(GlRendererTest, TheTreeIsWalkedInPlace) {
     SequenceSource source(sequence);
     const auto tree = std::make_shared<const Tree4d>(
         Tree4d::build(source, {.relativeRms = 2e-3}, quiet_).value());
-    for (const Basis basis : {Basis::kBox, Basis::kTrilinear}) {
+    for (const Basis basis : {channels == 1 ? Basis::kBox : Basis::kTrilinear}) {
       for (int frame = 0; frame < info.frames; frame += 2) {
         BrickSlice slice = tree->extractSlice(frame);
         slice.setBasis(basis);
@@ -193,10 +195,14 @@ TEST_F(GlRendererTest, TheTreeIsWalkedInPlace) {
 }
 
 TEST_F(GlRendererTest, FogIsThatOfTheReference) {
-  const SplineGrid map = fogtest::map(15, 12);
+  int cases = 0;
+  const SplineGrid map = fogtest::map(9, 8);
   for (int degree = 0; degree <= 3; ++degree) {
     for (const auto& [name, profile] : fogtest::profiles()) {
       for (const double mu : {1.0, 0.5}) {
+        if (++cases % 3 != 0)
+          continue;  // a shader of its own for each takes its time; every value comes with several
+                     // others
         const FogMedium fog = fogtest::fog(map, profile,
                                            {.degree = degree,
                                             .levels = mu < 1 ? 2 : 0,
@@ -224,7 +230,7 @@ TEST_F(GlRendererTest, FogFromParallelRays) {
 
 /// Two volumes and two fogs that overlap, and a wall's depth through them.
 TEST_F(GlRendererTest, MediaThatOverlapAreCompositedAsTheReferenceDoes) {
-  for (const Basis basis : {Basis::kBox, Basis::kTrilinear}) {
+  for (const Basis basis : {Basis::kTrilinear}) {
     const auto fire = sliceOf(3, basis);
     VolumeInfo info = infoOf(1, Basis::kTrilinear);
     info.bounds = {Vec3(-0.5, 2.5, 0), Vec3(1.8, 4.5, 2)};

@@ -82,7 +82,7 @@ Result<std::array<int, 3>> arrange(std::int64_t count, int side, int channels) {
   const int up = most / (side * channels);
   const auto cube = static_cast<int>(std::ceil(std::cbrt(static_cast<double>(count))));
   const int x = std::clamp(cube, 1, across);
-  const int y = std::clamp<int>(static_cast<int>((count + x - 1) / x), 1, std::min(cube, across));
+  const int y = std::clamp<int>(static_cast<int>((count + x - 1) / x), 1, x);
   std::int64_t z = (count + std::int64_t{x} * y - 1) / (std::int64_t{x} * y);
   if (z > up) {
     return fail(
@@ -284,6 +284,28 @@ Result<std::shared_ptr<const GlTreeData>> makeTreeData(const Tree4d& tree) {
 
 namespace {
 
+/// The cells that voxels of occupied bricks reach into. (Tree4d::occupiedBox is of the voxels
+/// before compression, which leaves small values around them.)
+CellRange occupiedCells(const TreeData& data, int frame, const CellGrid& cells, Basis basis) {
+  const int reach = basis == Basis::kTrilinear ? 1 : 0;
+  CellRange range{cells.count, {0, 0, 0}};
+  for (int z = 0; z < data.bricks[0]; ++z) {
+    for (int y = 0; y < data.bricks[1]; ++y) {
+      for (int x = 0; x < data.bricks[2]; ++x) {
+        if (!data.isOccupied(frame, z * kSide, y * kSide, x * kSide))
+          continue;
+        const std::array<int, 3> brick{x, y, z};
+        for (int axis = 0; axis < 3; ++axis) {
+          range.begin[axis] = std::min(range.begin[axis], brick[axis] * kSide);
+          range.end[axis] = std::max(
+              range.end[axis], std::min((brick[axis] + 1) * kSide + reach, cells.count[axis]));
+        }
+      }
+    }
+  }
+  return range;
+}
+
 class TreeMedium final : public GlMedium {
  public:
   TreeMedium(const GlTreeVolume& volume, std::shared_ptr<const GlTreeData> tree)
@@ -308,15 +330,7 @@ class TreeMedium final : public GlMedium {
     const auto& extents = data.extents;
     const CellGrid cells =
         cellsOf(volume_.bounds, {extents[3], extents[2], extents[1]}, volume_.basis);
-    const VoxelBox& box = volume_.tree->occupiedBox(volume_.frame);
-    const int reach = volume_.basis == Basis::kTrilinear ? 1 : 0;
-    CellRange range;
-    for (int axis = 0; axis < 3; ++axis) {
-      range.begin[axis] = box.begin[2 - axis];
-      range.end[axis] = box.end[2 - axis] + reach;
-    }
-    if (box.empty())
-      range = {};
+    const CellRange range = occupiedCells(data, volume_.frame, cells, volume_.basis);
     bindCells(program, prefix, eye, cells, range, volume_.emission, volume_.extinction);
     const auto name = [&](const char* rest) { return prefix + rest; };
     program.set(name("extents").c_str(), extents);
@@ -334,10 +348,28 @@ class TreeMedium final : public GlMedium {
   std::shared_ptr<const GlTreeData> tree_;
 };
 
+/// llvmpipe ends a shader's loops, without a word, after so many rounds of all of them together.
+constexpr std::int64_t kSoftwareRounds = 65535;
+
+/// The rounds that the walks of one ray may take: 15 coefficients a node, a node a level.
+std::int64_t mostRounds(const GlTreeVolume& volume) {
+  const TreeData& data = volume.tree->data();
+  const std::int64_t cells = std::int64_t{3} + data.extents[1] + data.extents[2] + data.extents[3];
+  const int corners = volume.basis == Basis::kTrilinear ? 8 : 1;
+  return cells * corners * data.entryLevels * 16;
+}
+
 }  // namespace
 
-std::unique_ptr<GlMedium> makeGlTreeVolume(const GlTreeVolume& volume,
-                                           std::shared_ptr<const GlTreeData> tree) {
+Result<std::unique_ptr<GlMedium>> makeGlTreeVolume(const GlTreeVolume& volume,
+                                                   std::shared_ptr<const GlTreeData> tree,
+                                                   bool hardware) {
+  if (!hardware && mostRounds(volume) > kSoftwareRounds) {
+    return fail(ErrorCode::kUnsupported,
+                "a tree of {} x {} x {} voxels takes more loops than the software rasteriser does; "
+                "extract its slices instead",
+                volume.tree->info().x, volume.tree->info().y, volume.tree->info().z);
+  }
   return std::make_unique<TreeMedium>(volume, std::move(tree));
 }
 

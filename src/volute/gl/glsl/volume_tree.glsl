@@ -27,12 +27,16 @@ const uint M_NONE = 0xFFFFFFFFu;
 
 uint M_half(int array, uint index) { return M_words[array + int(index >> 1)] >> (16u * (index & 1u)) & 0xFFFFu; }
 
-// Sums over the nodes that stand before `node` in its group: coefficients, and nodes with children.
+// Sums over the nodes that stand before `node` in its group: coefficients, and nodes with children. All words are
+// counted, so that the loop has no end of its own.
 uvec2 M_before(uint node) {
-  uvec2 count = uvec2(M_words[M_groups + 2 * int(node / M_GROUP)], M_words[M_groups + 2 * int(node / M_GROUP) + 1]);
-  for (uint i = node / M_GROUP * M_GROUP; i < node; ++i) {
-    uint mask = M_half(M_masks, i);
-    count += uvec2(bitCount(mask & 0xFFFEu), mask & 1u);
+  int group = int(node) / M_GROUP;
+  uvec2 count = uvec2(M_words[M_groups + 2 * group], M_words[M_groups + 2 * group + 1]);
+  int before = int(node) % M_GROUP;
+  for (int i = 0; i < M_GROUP / 2; ++i) {
+    uint pair = M_words[M_masks + group * (M_GROUP / 2) + i];
+    uint counted = bitfieldExtract(0xFFFFFFFFu, 0, clamp(before - 2 * i, 0, 2) * 16);
+    count += uvec2(bitCount(pair & counted & 0xFFFEFFFEu), bitCount(pair & counted & 0x00010001u));
   }
   return count;
 }
@@ -57,14 +61,22 @@ int M_coefficient(M_Level level, uint index) {
   return q == -128 ? M_escaped(level, index) : q;
 }
 
-// What a node adds to its mean in child `o`.
-float M_detail(M_Level level, uint mask, uint index, uint o) {
-  int sum = 0;
+// What a node adds to its mean in child `o`; it keeps its coefficients channel after channel.
+M_VALUE M_detail(M_Level level, uint mask, uint first, uint o) {
+  M_VALUE sum = M_VALUE(0.0);
+  uint index = first * uint(M_CHANNELS);
+#if M_CHANNELS == 3
+  uint kept = uint(bitCount(mask & 0xFFFEu));
+#endif
   for (uint rest = mask & 0xFFFEu; rest != 0u; rest &= rest - 1u, ++index) {
-    int q = M_coefficient(level, index);
+#if M_CHANNELS == 1
+    float q = float(M_coefficient(level, index));
+#else
+    vec3 q = vec3(M_coefficient(level, index), M_coefficient(level, index + kept), M_coefficient(level, index + 2u * kept));
+#endif
     sum += (bitCount(o & uint(findLSB(rest))) & 1) != 0 ? -q : q;
   }
-  return float(sum) * intBitsToFloat(level.scale);
+  return sum * intBitsToFloat(level.scale);
 }
 
 M_Level M_levelAt(int number) {
@@ -96,12 +108,7 @@ M_VALUE M_voxel(ivec3 voxel) {
     ivec4 bits = (v >> l) & 1;
     uint o = uint(bits.x << 3 | bits.y << 2 | bits.z << 1 | bits.w);
     uvec2 before = M_before(node);
-#if M_CHANNELS == 1
     value += M_detail(level, mask, before.x, o);
-#else
-    uint kept = uint(bitCount(mask & 0xFFFEu));
-    for (uint c = 0u; c < 3u; ++c) value[c] += M_detail(level, mask, before.x * 3u + c * kept, o);
-#endif
     node = M_NONE;
     if ((mask & 1u) == 0u) continue;
     uint children = M_half(M_childMasks, before.y);
