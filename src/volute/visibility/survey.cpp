@@ -25,10 +25,10 @@ Place placeAt(const SightInstant& instant, const Vec3& point) {
 }  // namespace
 
 Result<std::vector<SightTarget>> placeSigns(const SightInstant& instant,
-                                            std::span<const Sign> signs, const Box3& bounds,
+                                            std::span<const SafetySign> signs, const Box3& bounds,
                                             Progress& progress) {
   std::vector<SightTarget> targets;
-  for (const Sign& sign : signs) {
+  for (const SafetySign& sign : signs) {
     double moved = 0;
     if (placeAt(instant, sign.position) != Place::kGas &&
         placeAt(instant, sign.position + kFace * sign.normal) != Place::kGas) {

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "volute/base/progress.hpp"
-#include "volute/visibility/sign.hpp"
+#include "volute/visibility/safety_sign.hpp"
 
 namespace volute {
 
 /// A sign with the point that sight lines end at.
 struct SightTarget {
-  Sign sign;
+  SafetySign sign;
   Vec3 target = Vec3::Zero();  ///< the sign's position, or the nearest gas in front of it
 };
 
@@ -20,7 +20,7 @@ struct SightTarget {
 /// of a wall or outside of the field gets the first gas along its normal, with a remark, as far as
 /// half a metre; beyond that it is an error that names the sign.
 [[nodiscard]] Result<std::vector<SightTarget>> placeSigns(const SightInstant& instant,
-                                                          std::span<const Sign> signs,
+                                                          std::span<const SafetySign> signs,
                                                           const Box3& bounds, Progress& progress);
 
 /// Looks from all eyes to all signs at one instant, on all threads.

@@ -22,7 +22,7 @@ class Remarks final : public Progress {
   std::string text_;
 };
 
-std::vector<Sign> twoSigns() {
+std::vector<SafetySign> twoSigns() {
   return {{.name = "east",
            .position = Vec3(30, 2, 2),
            .normal = Vec3(-1, 0, 0),
@@ -76,7 +76,7 @@ TEST(Survey, LossTimesFollowTheClosedForm) {
 
 TEST(Survey, ASignInsideOfAWallIsMovedOutAndOneFartherInIsAnError) {
   Remarks progress;
-  std::vector<Sign> signs = twoSigns();
+  std::vector<SafetySign> signs = twoSigns();
   signs[0].position = Vec3(20.8, 7, 2);
   signs[0].normal = Vec3(1, 0, 0);
   const auto moved = placeSigns(Room(0), signs, Room::bounds(), progress).value();

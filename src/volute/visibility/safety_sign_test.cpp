@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/visibility/sign.hpp"
+#include "volute/visibility/safety_sign.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,19 +11,19 @@ namespace volute {
 namespace {
 
 /// Uniform smoke, nothing in the way.
-Sighting through(const Sign& sign, const Vec3& eye, double extinction) {
+Sighting through(const SafetySign& sign, const Vec3& eye, double extinction) {
   const double depth = extinction * (eye - sign.position).norm();
   return judge(sign, eye, {.depth = depth, .low = depth, .high = depth});
 }
 
-Sign signOf(const char* law, AngleLaw angle = {}) {
+SafetySign signOf(const char* law, AngleLaw angle = {}) {
   return {.name = "exit", .law = visibilityLaw(law).value(), .angle = angle};
 }
 
 TEST(Sign, IsSeenAsFarAsJinSays) {
   // K = 0.3: 10 m and 26.67 m.
   for (const auto& [law, c] : {std::pair("jin-reflecting", 3.0), {"jin-emitting", 8.0}}) {
-    const Sign sign = signOf(law);
+    const SafetySign sign = signOf(law);
     const double most = c / 0.3;
     const Sighting near = through(sign, Vec3(most - 0.01, 0, 0), 0.3);
     const Sighting far = through(sign, Vec3(most + 0.01, 0, 0), 0.3);
@@ -66,7 +66,7 @@ TEST(Sign, AngleLawsShortenTheDistance) {
 }
 
 TEST(Sign, RoundingLeavesItOpen) {
-  const Sign sign = signOf("jin-reflecting");
+  const SafetySign sign = signOf("jin-reflecting");
   const Sighting open = judge(sign, Vec3(5, 0, 0), {.depth = 2.9, .low = 2.5, .high = 3.3});
   EXPECT_TRUE(open.visible && open.possibly);
   EXPECT_FALSE(open.certainly);
@@ -75,7 +75,7 @@ TEST(Sign, RoundingLeavesItOpen) {
 }
 
 TEST(Sign, BehindAWallOrInTheUnknownIsNotSeen) {
-  const Sign sign = signOf("jin-reflecting");
+  const SafetySign sign = signOf("jin-reflecting");
   const Sighting wall =
       judge(sign, Vec3(5, 0, 0), {.depth = 0.5, .low = 0.5, .high = 0.5, .blocked = true});
   EXPECT_FALSE(wall.visible || wall.possibly);

@@ -33,7 +33,7 @@ struct AngleLaw {
 std::string nameOf(const AngleLaw& law);  ///< "limit 60" for one with a limit
 
 /// A sign that people look for.
-struct Sign {
+struct SafetySign {
   std::string name;
   Vec3 position = Vec3::Zero();      ///< its middle [m]
   Vec3 normal = Vec3::UnitX();       ///< unit; where it faces
@@ -59,9 +59,9 @@ struct Sighting {
 };
 
 /// Puts together where the eye is and what lies on the line.
-Sighting judge(const Sign& sign, const Vec3& eye, const Sight& sight);
+Sighting judge(const SafetySign& sign, const Vec3& eye, const Sight& sight);
 
 /// The same with another depth on the same line, between two stored times, say.
-Sighting judged(const Sign& sign, Sighting sighting, double depth, double low, double high);
+Sighting judged(const SafetySign& sign, Sighting sighting, double depth, double low, double high);
 
 }  // namespace volute

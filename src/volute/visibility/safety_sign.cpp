@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/visibility/sign.hpp"
+#include "volute/visibility/safety_sign.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ double degrees(double radians) {
   return radians * (180 / std::numbers::pi);
 }
 
-double cosineOf(const Sign& sign, const Vec3& eye, double distance) {
+double cosineOf(const SafetySign& sign, const Vec3& eye, double distance) {
   return distance > 0 ? std::clamp(sign.normal.dot(eye - sign.position) / distance, -1.0, 1.0) : 1;
 }
 
@@ -61,7 +61,7 @@ std::string nameOf(const AngleLaw& law) {
   return "front";
 }
 
-Sighting judged(const Sign& sign, Sighting sighting, double depth, double low, double high) {
+Sighting judged(const SafetySign& sign, Sighting sighting, double depth, double low, double high) {
   const double factor = sign.angle.factor(std::cos(sighting.angle * (std::numbers::pi / 180)));
   const double most = sign.law.c * factor;
   sighting.depth = sighting.covered ? depth : kNoNumber;
@@ -79,7 +79,7 @@ Sighting judged(const Sign& sign, Sighting sighting, double depth, double low, d
   return sighting;
 }
 
-Sighting judge(const Sign& sign, const Vec3& eye, const Sight& sight) {
+Sighting judge(const SafetySign& sign, const Vec3& eye, const Sight& sight) {
   Sighting sighting;
   sighting.distance = (eye - sign.position).norm();
   sighting.angle = degrees(std::acos(cosineOf(sign, eye, sighting.distance)));
