@@ -128,7 +128,8 @@ Result<SightCase> openSightCase(const std::string& path, const Arguments& argume
   if (isSmvPath(path))
     return openFds(path, arguments, context);
   if (arguments.given("source"))
-    return fail(ErrorCode::kInvalidArgument, "--source is for FDS cases (.smv); of a mesh, --field");
+    return fail(ErrorCode::kInvalidArgument,
+                "--source is for FDS cases (.smv); of a mesh, --field");
   return openMesh(path, arguments, context);
 }
 

@@ -16,7 +16,7 @@ namespace volute::cli {
 /// The smoke of a case as sight lines ask for it.
 struct SightCase {
   std::unique_ptr<SightField> field;
-  std::string smoke;  ///< where the extinction comes from, for people
+  std::string smoke;                 ///< where the extinction comes from, for people
   std::vector<std::string> remarks;  ///< what the case's reader has to say
 };
 
