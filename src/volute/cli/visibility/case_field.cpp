@@ -5,6 +5,7 @@
 #include "volute/cli/visibility/fds_sight.hpp"
 #include "volute/cli/visibility/mesh_sight.hpp"
 #include "volute/optics/smoke_potential.hpp"
+#include "volute/optics/visibility.hpp"
 
 namespace volute::cli {
 namespace {

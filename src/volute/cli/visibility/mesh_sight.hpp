@@ -6,6 +6,7 @@
 
 #include "volute/io/mesh_source.hpp"
 #include "volute/optics/extinction.hpp"
+#include "volute/tetmesh/tet_locator.hpp"
 #include "volute/visibility/sight_field.hpp"
 
 namespace volute::cli {
