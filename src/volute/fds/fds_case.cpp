@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "volute/base/parallel.hpp"
-#include "volute/fds/smoke_scale.hpp"
 #include "volute/fds/solids.hpp"
 
 namespace volute {
@@ -409,42 +408,59 @@ Status FdsCase::findGeneration() {
         "{}: frame {} has bytes up to {}, its .sz file says {}: neither opacity nor density",
         best->path.string(), bestFrame, largest, most);
   }
+  return bytesAreDensity_ ? Status() : findRounding(*best);
+}
+
+/// Whether opacity was cut off to a byte or rounded. The fourth column of .s3d.sz has the largest
+/// value c of a frame: FDS 6.5 writes e and cuts it off; 6.7 writes e + 1/2 and cuts that off, so
+/// that even a clear frame says 1/2; others write e and round it.
+Status FdsCase::findRounding(const Part& part) {
+  constexpr int kFramesToRead = 12;
+  double least = std::numeric_limits<double>::infinity();
+  int cut = 0;
+  int rounded = 0;
+  int read = 0;
+  const auto& times = part.file->frames().times;
+  std::vector<float> bytes(part.file->values());
+  for (const FdsSizeRow& row : part.sizeRows) {
+    if (row.columns.size() < 3)
+      continue;
+    const double most = row.columns[2];
+    least = std::min(least, most);
+    const double fraction = most - std::floor(most);
+    const auto place = std::ranges::find_if(
+        times, [&](double time) { return std::abs(time - row.time) <= 1e-5 * (1 + time); });
+    if (fraction <= 0.51 || fraction >= 0.99 || place == times.end() || read == kFramesToRead)
+      continue;
+    ++read;
+    VOLUTE_TRY(part.file->readFrame(static_cast<std::size_t>(place - times.begin()), bytes));
+    const double largest = *std::ranges::max_element(bytes);
+    cut += largest == std::floor(most);
+    rounded += largest == std::ceil(most);
+  }
+  if (rounded > 0 && cut == 0)
+    rounding_ = SmokeScale::Rounding::kNearest;
+  if (cut > 0 && rounded == 0)
+    rounding_ = least >= 0.499 ? SmokeScale::Rounding::kNearest : SmokeScale::Rounding::kDown;
   return {};
 }
 
-Result<std::shared_ptr<const FdsValues>> FdsCase::partValues(const Part& part,
-                                                             std::size_t position) const {
-  const std::size_t frame = part.frameAt[position];
-  const double time = part.file->frames().times[frame];
-  std::vector<float> stored(part.file->values());
-  VOLUTE_TRY(part.file->readFrame(frame, stored));
-
-  const FdsMesh& mesh = index_.meshes[static_cast<std::size_t>(part.what.mesh)];
-  std::vector<std::vector<std::uint8_t>> solid(index_.meshes.size());
-  const auto own = static_cast<std::size_t>(part.what.mesh);
-  solid[own] = solidCells(mesh, time);
+/// How the stored values of a frame become extinction.
+Result<SmokeScale> FdsCase::scaleOf(const Part& part, std::size_t frame) const {
   SmokeScale scale;
   scale.quantity = source().quantity;
   scale.massExtinction = part.massExtinction;
   scale.visibilityFactor = options_.visibilityFactor;
   scale.visibilityCap = options_.visibilityCap;
-  std::vector<std::uint8_t> gas;
-  const bool averaged = source().kind == FdsFileKind::kSmoke ||
-                        source().kind == FdsFileKind::kSmokeDensity ||
-                        source().kind == FdsFileKind::kSmoke16;
-  if (averaged) {
-    for (std::size_t i = 0; i < solid.size(); ++i) {
-      if (i != own && near(index_.meshes[i].bounds(), mesh.bounds()))
-        solid[i] = solidCells(index_.meshes[i], time);
-    }
-    gas = gasCellsAtNodes(index_, part.what.mesh, solid);
-  }
-  if (source().kind == FdsFileKind::kSmoke && !bytesAreDensity_) {
+  const FdsFileKind kind = source().kind;
+  if (kind == FdsFileKind::kSmoke && !bytesAreDensity_) {
     scale.bytes = SmokeScale::Bytes::kOpacity;
+    scale.rounding = rounding_;
     scale.cellLength = part.cellLength;
-  } else if (source().kind == FdsFileKind::kSmoke || source().kind == FdsFileKind::kSmokeDensity) {
+  } else if (kind == FdsFileKind::kSmoke || kind == FdsFileKind::kSmokeDensity) {
     scale.bytes = SmokeScale::Bytes::kDensity;
-    const std::size_t column = source().kind == FdsFileKind::kSmokeDensity ? 4 : 2;
+    const double time = part.file->frames().times[frame];
+    const std::size_t column = kind == FdsFileKind::kSmokeDensity ? 4 : 2;
     const auto row = std::ranges::find_if(part.sizeRows, [&](const FdsSizeRow& one) {
       return std::abs(one.time - time) <= 1e-5 * (1 + std::abs(time)) &&
              one.columns.size() > column;
@@ -456,9 +472,44 @@ Result<std::shared_ptr<const FdsValues>> FdsCase::partValues(const Part& part,
                   part.path.string(), frame, time);
     }
     scale.largestDensity = row->columns[column];
-  } else if (source().kind == FdsFileKind::kSmoke16) {
+  } else if (kind == FdsFileKind::kSmoke16) {
     VOLUTE_ASSIGN(const double step, static_cast<const FdsSmoke16File&>(*part.file).step(frame));
     scale.step = kHalfWord * step;
+  }
+  return scale;
+}
+
+/// Means over nodes, which obstructions and walls dilute.
+static bool isAveraged(FdsFileKind kind) {
+  return kind == FdsFileKind::kSmoke || kind == FdsFileKind::kSmokeDensity ||
+         kind == FdsFileKind::kSmoke16;
+}
+
+Result<std::shared_ptr<const FdsValues>> FdsCase::partValues(const Part& part,
+                                                             std::size_t position) const {
+  const std::size_t frame = part.frameAt[position];
+  const double time = part.file->frames().times[frame];
+  std::vector<float> stored(part.file->values());
+  VOLUTE_TRY(part.file->readFrame(frame, stored));
+  VOLUTE_ASSIGN(const SmokeScale scale, scaleOf(part, frame));
+
+  const FdsMesh& mesh = index_.meshes[static_cast<std::size_t>(part.what.mesh)];
+  const auto own = static_cast<std::size_t>(part.what.mesh);
+  std::vector<std::vector<std::uint8_t>> solid(index_.meshes.size());
+  std::vector<NodeCells> round;
+  std::vector<float> first;  // stored values of the first moment, where there were any
+  SmokeScale firstScale;
+  if (isAveraged(source().kind)) {
+    for (std::size_t i = 0; i < solid.size(); ++i) {
+      if (near(index_.meshes[i].bounds(), mesh.bounds()))
+        solid[i] = solidCells(index_.meshes[i], time);
+    }
+    round = cellsRoundNodes(index_, part.what.mesh, time, solid);
+    first.resize(stored.size());
+    VOLUTE_TRY(part.file->readFrame(0, first));
+    VOLUTE_ASSIGN(firstScale, scaleOf(part, 0));
+  } else {
+    solid[own] = solidCells(mesh, time);
   }
 
   const auto needed = part.needed(mesh, solid[own]);
@@ -475,7 +526,10 @@ Result<std::shared_ptr<const FdsValues>> FdsCase::partValues(const Part& part,
             (static_cast<std::size_t>(z) * part.axes.size[1] + y) * part.axes.size[0] + x;
         if (needed[at] == 0)
           continue;
-        const SmokeBand band = scale.band(stored[from], averaged ? gas[from] : 8);
+        SmokeBand band = scale.band(stored[from]);
+        if (!round.empty())
+          band = gasOnly(band, first[from] > 0 ? firstScale.band(first[from]) : SmokeBand{},
+                         round[from]);
         if (!std::isfinite(band.value)) {
           return fail(ErrorCode::kInvalidData,
                       "{}: frame {} (t = {} s): value {} is {}, in gas: the file is damaged",

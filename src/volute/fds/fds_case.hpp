@@ -12,6 +12,7 @@
 #include "volute/fds/fds_source.hpp"
 #include "volute/fds/frame_file.hpp"
 #include "volute/fds/obstructions.hpp"
+#include "volute/fds/smoke_scale.hpp"
 
 namespace volute {
 
@@ -70,6 +71,8 @@ class FdsCase {
   Status openParts();
   Result<std::shared_ptr<Part>> openPart(const FdsSourcePart& what) const;
   Status findGeneration();
+  Status findRounding(const Part& part);
+  Result<SmokeScale> scaleOf(const Part& part, std::size_t frame) const;
   Status findTimes();
   Status buildGrid();
   void noteMissingMeshes();
@@ -82,7 +85,8 @@ class FdsCase {
   std::vector<FdsSource> sources_;
   std::size_t chosen_ = 0;
   std::vector<std::shared_ptr<Part>> parts_;
-  bool bytesAreDensity_ = false;  // of .s3d: the third generation
+  bool bytesAreDensity_ = false;                                    // of .s3d: the third generation
+  SmokeScale::Rounding rounding_ = SmokeScale::Rounding::kUnknown;  // of .s3d's opacity
   std::vector<double> times_;
   std::shared_ptr<const FdsGrid> grid_;
   std::vector<std::string> remarks_;

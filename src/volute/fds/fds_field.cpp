@@ -96,6 +96,16 @@ FdsField FdsField::withSource(const Rgb& source) const {
   return other;
 }
 
+std::optional<FdsCell> FdsField::cellAt(const Vec3& point) const {
+  const int index = grid_->latticeAt(point);
+  if (index < 0)
+    return std::nullopt;
+  const FdsLattice& lattice = grid_->lattices()[index];
+  std::array<int, 3> cell;
+  for (int axis = 0; axis < 3; ++axis) cell[axis] = cellBetween(lattice.planes[axis], point[axis]);
+  return (*cells_[index])[lattice.cellAt(cell)];
+}
+
 double FdsField::extinction(const Vec3& point) const {
   const int index = grid_->latticeAt(point);
   if (index < 0)

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -59,6 +60,9 @@ class FdsField {
   const std::vector<FdsCell>& cells(std::size_t lattice) const { return *cells_[lattice]; }
 
   Box3 bounds() const { return grid_->bounds(); }
+
+  /// What stands at a point; nothing outside of what the source covers.
+  std::optional<FdsCell> cellAt(const Vec3& point) const;
 
   double extinction(const Vec3& point) const;
 

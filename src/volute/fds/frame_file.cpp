@@ -63,10 +63,8 @@ Status scanFrames(const FortranFile& file, std::uint64_t offset, FdsFrameIndex& 
 Status checkLabel(const FortranFile& file, std::uint64_t offset, std::span<const char> found,
                   std::string_view expected, std::string_view what) {
   const std::string_view text(found.data(), found.size());
-  const std::size_t end = text.find_last_not_of(' ');
-  const std::string_view stated = text.substr(0, end == std::string_view::npos ? 0 : end + 1);
-  const std::string_view wanted = trimmed(expected.substr(0, kLabel));
-  if (trimmed(stated) == wanted && (stated.empty() || stated.front() != '\0'))
+  const std::string_view stated = text.substr(0, text.find_last_not_of(' ') + 1);
+  if (stated == trimmed(expected.substr(0, kLabel)))
     return {};
   return fail(ErrorCode::kInvalidData,
               "{}: byte {}: the {} is '{}', the .smv file says '{}': damaged, or of another run",

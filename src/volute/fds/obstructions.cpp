@@ -92,8 +92,7 @@ FdsObstructions::FdsObstructions(const SmvIndex& index, double time)
       const Box3 box = boxOf(mesh, vent.nodes);
       const Vec3 size = box.size();
       const auto flat = std::min_element(size.data(), size.data() + 3) - size.data();
-      const bool shut =
-          !vent.events.empty() && !FdsObstruction{{}, {}, {}, true, vent.events}.shownAt(time);
+      const bool shut = !isShown(vent.events, time);
       if (!vent.drawn || shut || size[flat] > 0)
         continue;
       const FdsColour colour = vent.colour ? *vent.colour : surfaceColour(index, vent.surface);

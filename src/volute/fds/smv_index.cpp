@@ -282,6 +282,7 @@ Status SmvReader::readVents(std::string_view) {
     VOLUTE_ASSIGN(const auto second, numbers("a vent's node indices", 6));
     VOLUTE_ASSIGN(vent.nodes, nodeBox(second));
     vent.colour = colourOf(second);
+    vent.open = second.size() >= 8 && second[7] == 2;
     const bool outline = second.size() >= 8 && (second[7] == 2 || second[7] == -2);
     const bool invisible = second.size() >= 7 && second[6] < 0 && !vent.colour;
     vent.drawn = !outline && !invisible && (vent.surface != 0 || vent.colour);
@@ -509,7 +510,7 @@ Result<SmvIndex> SmvReader::read() {
 
 }  // namespace
 
-bool FdsObstruction::shownAt(double time) const {
+bool isShown(std::span<const FdsEvent> events, double time) {
   if (events.empty())
     return true;
   bool shown = !events.front().shown;

@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,10 @@ struct FdsEvent {
   double time = 0;  ///< [s]
   bool shown = true;
 };
+
+/// Whether what has these events (ascending) is there at a time [s], the times of the events
+/// included. Before the first event it is what that event changes; without events it is there.
+bool isShown(std::span<const FdsEvent> events, double time);
 
 /// A box between node indices of its mesh, begin <= end on each axis; two are equal where it is
 /// thin.
@@ -41,15 +46,14 @@ struct FdsObstruction {
   bool drawn = true;                ///< not marked as invisible
   std::vector<FdsEvent> events;     ///< ascending in time
 
-  /// Whether it is there at a time [s], the times of its events included. Before its first event
-  /// it is what that event changes.
-  bool shownAt(double time) const;
+  bool shownAt(double time) const { return isShown(events, time); }
 };
 
 struct FdsVent {
   FdsNodeBox nodes;
   int surface = 0;
   std::optional<FdsColour> colour;
+  bool open = false;  ///< OPEN or MIRROR: no wall
   bool drawn = true;  ///< false for OPEN and MIRROR, and for what FDS adds for the mesh's own walls
   std::vector<FdsEvent> events;  ///< shown: open
 };

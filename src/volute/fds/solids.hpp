@@ -14,11 +14,17 @@ namespace volute {
 /// fill none.
 std::vector<std::uint8_t> solidCells(const FdsMesh& mesh, double time);
 
-/// What share of the eight cells round each node counts as gas in FDS's average for .s3d files:
-/// cells that are gas; of those outside the mesh only the ones next to a face, which hold what is
-/// on the other side of it (another mesh's cell, or a mirror of the own one); none across edges and
-/// corners. `solid` is solidCells() of all meshes. 0..8 for each node.
-std::vector<std::uint8_t> gasCellsAtNodes(const SmvIndex& index, int mesh,
-                                          std::span<const std::vector<std::uint8_t>> solid);
+/// What the eight cells round a node hold in FDS's average for .s3d files. The rest of the eight,
+/// outside of the mesh across its edges and corners, count as zero.
+struct NodeCells {
+  std::uint8_t gas = 0;   ///< gas, of this mesh or of another one across a face
+  std::uint8_t open = 0;  ///< across a face that is open (a vent OPEN or MIRROR): mostly a mirror
+  std::uint8_t held = 0;  ///< solid, or across a wall: they keep the value of the first moment
+};
+
+/// For each node of a mesh at a time [s]. `solid` is solidCells() of all meshes; those that do not
+/// touch this one may be empty.
+std::vector<NodeCells> cellsRoundNodes(const SmvIndex& index, int mesh, double time,
+                                       std::span<const std::vector<std::uint8_t>> solid);
 
 }  // namespace volute
