@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""The demo's chapter on exit signs: a small building with smoke, made here, and from where its signs are seen."""
+"""The demo's chapter on exit signs: a hall with smoke, made here, and from where its signs are seen."""
 import heapq
 import json
 import math
@@ -10,13 +10,13 @@ import fds_case
 NBSP = "\u00a0"
 SIZE, CELL, HEIGHT = (24.0, 10.0, 3.0), 0.25, 1.75
 TIMES = [10.0 * t for t in range(19)]
-# Boxes x0 x1 y0 y1: two rooms each side of a corridor, doors between.
-WALLS = [(0, 4, 3.5, 3.75), (5, 13, 3.5, 3.75), (14, 24, 3.5, 3.75), (0, 8, 6.25, 6.5), (9, 18, 6.25, 6.5),
-         (19, 24, 6.25, 6.5), (9, 9.25, 0, 3.5), (14.5, 14.75, 6.5, 10)]
-FIRE = (17.0, 9.0)
+# Walls of a hall: boxes x0 x1 y0 y1.
+WALLS = [(6, 6.25, 0, 3.5), (6, 6.25, 6.5, 10), (11, 11.25, 3, 7), (16, 16.25, 0, 4), (16, 16.25, 7, 10),
+         (18, 21, 4.5, 4.75)]
+FIRE = (20.5, 8.0)
 SIGNS = [{"name": "west exit", "position": [0, 5, 2.25], "normal": [1, 0, 0], "size": [0.6, 0.3], "emitting": True},
-         {"name": "east exit", "position": [24, 5, 2.25], "normal": [-1, 0, 0], "size": [0.6, 0.3]}]
-ROUTE = "x,y\n17,8\n18.5,7\n18.5,5\n0.5,5\n"
+         {"name": "north exit", "position": [13.5, 10, 2.25], "normal": [0, -1, 0], "size": [0.6, 0.3]}]
+ROUTE = "x,y\n22,2\n17.5,3\n15.5,5.5\n12.5,8\n8,8\n5,5\n0.5,5\n"
 
 
 def spread():
@@ -71,7 +71,7 @@ def chapter(demo):
     (folder / "route.csv").write_text(ROUTE)
     look = ("visibility", "building/building.smv", "--signs", "building/signs.json", "--height", HEIGHT)
     demo.run("volute", *look, "-o", "signs", "--step", 0.125, "--json")
-    demo.run("volute", *look, "-o", "route", "--route", "building/route.csv", "--step", 0.25, "--json")
+    demo.run("volute", *look, "-o", "route", "--route", "building/route.csv", "--step", 0.25, "--start", 60, "--json")
     plan = json.loads((demo.out / "signs" / "visibility.json").read_text())
     (route,) = json.loads((demo.out / "route" / "visibility.json").read_text())["routes"]
     shown = 12
@@ -82,21 +82,21 @@ def chapter(demo):
     at = f"seen from {HEIGHT}{NBSP}m above the floor; points {plan['eyes']['step']}{NBSP}m apart"
     return {
         "title": "Where exit signs are seen",
-        "text": ["A building of 24 × 10 m with a fire in one room, written as the output of FDS. `volute visibility` "
+        "text": ["A hall of 24 × 10 m with a fire in its east, written as the output of FDS. `volute visibility` "
                  "looks from every point of the plan to both signs at every stored time: the optical depth of each sight line is "
                  "integrated exactly through the cells, and a sign is seen while it is at most C, 8 for the lit one in the west "
-                 "and 3 for the reflecting one in the east (Jin's rule; docs/visibility.md says what it leaves out)."],
+                 "and 3 for the reflecting one in the north (Jin's rule; docs/visibility.md says what it leaves out)."],
         "facts": [{"value": f"{100 * kept:.0f}{NBSP}%", "label": f"of the plan still sees a sign after {TIMES[-1]:.0f} s"},
                   {"value": f"{100 * route['walk_share_with_a_sign']:.0f}{NBSP}%",
-                   "label": "of the way from the fire's room to the west exit has a sign in view, for one who leaves at 0 s"}],
+                   "label": "of the way from the east end to the west exit has a sign in view, for one who leaves at 60 s"}],
         "figures": [
             {"file": "signs/aset.png", "label": "When the last sign is lost",
              "caption": f"First stored time at which no sign is seen [s]; {at}"},
             {"file": f"signs/maps/1_west_exit_{shown:04d}.png", "label": f"The lit sign at {TIMES[shown]:.0f} s",
              "caption": f"Visibility S = C / mean extinction [m]; grey where the sign is not seen; {at}"},
-            {"file": f"signs/maps/2_east_exit_{shown:04d}.png", "label": f"The reflecting sign at {TIMES[shown]:.0f} s",
+            {"file": f"signs/maps/2_north_exit_{shown:04d}.png", "label": f"The reflecting sign at {TIMES[shown]:.0f} s",
              "caption": f"The same for C = 3; {at}"},
-            {"file": "route/routes.png", "label": "A way out", "caption": "From the fire's room to the west exit"}],
+            {"file": "route/routes.png", "label": "A way out", "caption": "From the east end to the west exit"}],
         "columns": 2,
         "plots": [{"title": "Share of the plan from which a sign is seen", "series": series, "x_label": "time [s]",
                    "y_label": "share of the points"}]}

@@ -26,7 +26,7 @@ Rgb grey(double display) {
 }
 
 const Rgb kSignColor(0.72, 0.03, 0.03);
-const Rgb kRouteColor(0.8, 0.12, 0.3);
+const Rgb kRouteColor(0.03, 0.16, 0.62);
 
 Rgb colorOf(PlanMark mark) {
   switch (mark) {
