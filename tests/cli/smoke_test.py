@@ -131,7 +131,7 @@ class Quantities(SmokeCase):
         for code, words, said in (
                 (2, ("slab.vtu", "--field", "smoke"), "--quantity: is missing"),
                 (1, ("slab.vtu", "--field", "soot", "--quantity", "extinction"), "'soot'"),
-                (1, ("slab.vtu", "--quantity", "extinction"), "smoke"),  # two fields
+                (2, ("slab.vtu", "--quantity", "extinction"), "choose one with --field"),
                 (2, ("slab.vtu", "--field", "smoke", "--quantity", "products-density"), "soot yield"),
                 (2, ("slab.vtu", "--field", "smoke", "--quantity", "mass-fraction"), "--density-field"),
                 (2, ("slab.vtu", "--field", "smoke", "--quantity", "soot-density", "--material", "chipboard"), "products-density"),

@@ -13,9 +13,9 @@ namespace volute::cli {
 /// A made-up fire in a hall, as a .pvd series: see hallSmoke().
 struct HallFiles {
   std::uint32_t seed = 1;
-  double cell = 0.45;    ///< size of the mesh's cells [m]
-  int steps = 31;        ///< one .vtu file each
-  double interval = 5;   ///< between steps [s]
+  double cell = 0.45;   ///< size of the mesh's cells [m]
+  int steps = 31;       ///< one .vtu file each
+  double interval = 5;  ///< between steps [s]
 };
 
 /// `target` ends in .pvd; the steps are beside it.

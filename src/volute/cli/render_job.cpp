@@ -109,27 +109,28 @@ nlohmann::ordered_json RenderJob::stats() const {
     tree.treeBytes += layer.treeCounts().treeBytes;
     tree.nodesVisited += layer.treeCounts().nodesVisited;
   }
-  nlohmann::ordered_json json = {{"renderer", options.renderer == Renderer::kReference ? "reference" : "cpu"},
-          {"size", {camera.width(), camera.height()}},
-          {"pictures", totals.pictures},
-          {"rays", totals.rays},
-          {"segments", totals.segments},
-          {"pieces", totals.pieces},
-          {"voxels_visited", totals.voxels},
-          {"bricks_visited", totals.bricksVisited},
-          {"bricks_skipped", totals.bricksSkipped},
-          {"bricks_stored", totals.bricksStored},
-          {"bytes_read", bytesRead},
-          {"blocks_decoded", blocksDecoded},
-          {"tree_nodes", tree.nodes},
-          {"tree_bytes", tree.treeBytes},
-          {"nodes_visited", tree.nodesVisited},
-          {"milliseconds",
-           {{"open", totals.open},
-            {"slices", totals.slices},
-            {"render", totals.render},
-            {"write", totals.write}}},
-          {"peak_memory_bytes", peakMemoryBytes()}};
+  nlohmann::ordered_json json = {
+      {"renderer", options.renderer == Renderer::kReference ? "reference" : "cpu"},
+      {"size", {camera.width(), camera.height()}},
+      {"pictures", totals.pictures},
+      {"rays", totals.rays},
+      {"segments", totals.segments},
+      {"pieces", totals.pieces},
+      {"voxels_visited", totals.voxels},
+      {"bricks_visited", totals.bricksVisited},
+      {"bricks_skipped", totals.bricksSkipped},
+      {"bricks_stored", totals.bricksStored},
+      {"bytes_read", bytesRead},
+      {"blocks_decoded", blocksDecoded},
+      {"tree_nodes", tree.nodes},
+      {"tree_bytes", tree.treeBytes},
+      {"nodes_visited", tree.nodesVisited},
+      {"milliseconds",
+       {{"open", totals.open},
+        {"slices", totals.slices},
+        {"render", totals.render},
+        {"write", totals.write}}},
+      {"peak_memory_bytes", peakMemoryBytes()}};
   json["mode"] = nameOf(law.mode);
   if (law.mode == PictureMode::kThreshold)
     json["C"] = law.c;

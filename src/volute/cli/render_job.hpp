@@ -8,9 +8,9 @@
 
 #include "volute/camera/camera.hpp"
 #include "volute/cli/fog_layer.hpp"
+#include "volute/cli/picture_writer.hpp"
 #include "volute/cli/scene_signs.hpp"
 #include "volute/cli/smoke_picture.hpp"
-#include "volute/cli/picture_writer.hpp"
 #include "volute/cli/volume_layer.hpp"
 #include "volute/render/render.hpp"
 

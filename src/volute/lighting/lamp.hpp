@@ -15,10 +15,10 @@ struct Lamp {
   enum class Kind { kSpot, kSun };
 
   Kind kind = Kind::kSpot;
-  Vec3 position = Vec3::Zero();        ///< of a spot [m]
-  Vec3 direction = -Vec3::UnitZ();     ///< the way its light travels, along the cone's axis; unit
-  double coneCosine = -1;              ///< of a spot: no light at a larger angle from its axis
-  Rgb intensity = Rgb::Constant(1);    ///< spot: power per solid angle; sun: what arrives, per area
+  Vec3 position = Vec3::Zero();      ///< of a spot [m]
+  Vec3 direction = -Vec3::UnitZ();   ///< the way its light travels, along the cone's axis; unit
+  double coneCosine = -1;            ///< of a spot: no light at a larger angle from its axis
+  Rgb intensity = Rgb::Constant(1);  ///< spot: power per solid angle; sun: what arrives, per area
   /// A spot's light is nowhere stronger than at this distance [m]; lamps have a size.
   double radius = 0.05;
 

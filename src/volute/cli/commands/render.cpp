@@ -135,10 +135,9 @@ Status openSmokes(const SceneDescription& scene, const Arguments& arguments, Sub
 }
 
 Result<Subject> openScene(const std::string& path, const Arguments& arguments, Context& context) {
-  for (const char* name :
-       {"grid", "bounds", "emission", "extinction", "field", "quantity", "unit", "scale",
-        "mass-extinction", "soot-yield", "material", "burning", "density-field", "albedo",
-        "clamp"}) {
+  for (const char* name : {"grid", "bounds", "emission", "extinction", "field", "quantity", "unit",
+                           "scale", "mass-extinction", "soot-yield", "material", "burning",
+                           "density-field", "albedo", "clamp"}) {
     if (!arguments.given(name))
       continue;
     return fail(ErrorCode::kInvalidArgument, "--{} is for a single file; write it into the scene",
@@ -164,8 +163,7 @@ Result<Subject> openScene(const std::string& path, const Arguments& arguments, C
   return subject;
 }
 
-Result<Subject> openSubject(const std::string& path, const Arguments& arguments,
-                            Context& context) {
+Result<Subject> openSubject(const std::string& path, const Arguments& arguments, Context& context) {
   if (extensionOf(path) == ".json")
     return openScene(path, arguments, context);
   return isSmokeCase(path) ? openSmokeSubject(path, arguments, context)
@@ -240,8 +238,8 @@ Result<std::vector<Moment>> momentsOfSmoke(const Arguments& arguments, const Sub
   const bool film = isFilmPath(target), several = film || FramePattern::isPattern(target);
   if (!arguments.given("frames") && !several) {
     if (smoke.steps() > 1 && !subject.scene) {
-      progress.remark(fmt::format(
-          "showing the first of {} steps; --time or --frames choose others", smoke.steps()));
+      progress.remark(fmt::format("showing the first of {} steps; --time or --frames choose others",
+                                  smoke.steps()));
     }
     return std::vector{Moment{.time = subject.scene ? 0 : smoke.timeOf(0)}};
   }
@@ -599,8 +597,7 @@ std::vector<Option> renderOptionTable() {
        .help = "seconds of smoke in a second of its film",
        .initial = "1",
        .positive = true},
-      {.name = "legend",
-       .help = "draw mode, mass extinction, C and time into .png and films"},
+      {.name = "legend", .help = "draw mode, mass extinction, C and time into .png and films"},
       {.name = "cache",
        .kind = kFile,
        .value = "DIR",
