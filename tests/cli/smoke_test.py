@@ -4,7 +4,7 @@
 import json
 import math
 
-import plain_pictures
+import pictures
 import smoke_files
 import support
 
@@ -178,7 +178,7 @@ class Signs(SmokeCase):
     RADIANCE = 0.8
 
     def seen(self, mode, sign, **more):
-        self.path("grey.exr").exists() or plain_pictures.write_exr(self.path("grey.exr"), 1, 1, {"Y": [self.RADIANCE]})
+        self.path("grey.exr").exists() or pictures.write_planes(self.path("grey.exr"), 1, 1, {"Y": [self.RADIANCE]})
         signs = [{"name": "exit", "position": [10, 0, 0], "normal": [-1, 0, 0], "size": [0.6, 0.3], "picture": "grey.exr"} | sign]
         smoke = {"mode": mode} | more.pop("smoke", {})
         return self.scene([0, 0, 0], [10, 0, 0], fov=0.5, smoke=smoke, signs=signs, **more)
@@ -351,7 +351,7 @@ class Together(SmokeCase):
         scene["media"].append({"kind": "smoke", "case": "other.vtu", "quantity": "extinction"})
         self.path("scene.json").write_text(json.dumps(scene))
         self.assertAlmostEqual(self.value(self.path("scene.json")), math.exp(-3), delta=1e-5)
-        plain_pictures.write_exr(self.path("fog.exr"), 4, 4, {"Y": [1.0] * 16})
+        pictures.write_planes(self.path("fog.exr"), 4, 4, {"Y": [1.0] * 16})
         scene["media"][1] = {"kind": "fog", "map": "fog.exr", "origin": [-100, -100, -100], "cell": 100, "degree": 0, "sigma_max": 0.01,
                              "color": [1, 0, 0], "profile": {"kind": "slab", "bottom": 0, "top": 1000}}
         self.path("scene.json").write_text(json.dumps(scene))
