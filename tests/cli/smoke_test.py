@@ -146,6 +146,20 @@ class Quantities(SmokeCase):
         self.slab(0)
         self.assertIn("no finite", self.fails(1, "render", self.path("slab.vtu"), "--quantity", "visibility", *view, *out))
 
+    def test_meshes_that_are_none(self):
+        points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1), (-1, -1, -1)]
+        for name, used, tets, said in (
+                ("flat", [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1, 2, 3)], "no volume"),
+                ("loose", points[:5], [(0, 1, 2, 3)], "no tet"),
+                ("three", points, [(0, 1, 2, 3), (1, 2, 3, 4), (1, 2, 3, 5)], "face"),
+                ("outside", points[:4], [(0, 1, 2, 9)], "vert")):
+            smoke_files.write_vtu(self.path(f"{name}.vtu"), (used, tets), {"smoke": [0.5] * len(used)})
+            message = self.fails(1, "render", self.path(f"{name}.vtu"), "--quantity", "extinction", "-o", self.path("x.png"))
+            self.assertIn(said, message)
+            self.assertIn(name + ".vtu", message)
+        self.path("cut.vtu").write_bytes(self.path("loose.vtu").read_bytes()[:900])
+        self.assertIn("cut.vtu", self.fails(1, "render", self.path("cut.vtu"), "--quantity", "extinction", "-o", self.path("x.png")))
+
     def test_scenes_name_the_place(self):
         self.slab(0.3)
         for smoke, where in (({"quantity": "soot"}, "/media/0/quantity"), ({"quantity": None}, "/media/0/quantity"),
