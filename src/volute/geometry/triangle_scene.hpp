@@ -43,6 +43,12 @@ struct Hit {
   bool found() const { return triangle != kNone; }
 };
 
+/// Where light comes from: a point, or so far away that its rays are parallel.
+struct LightPoint {
+  Vec3 place = Vec3::UnitZ();  ///< [m]; of a far one the direction to it, of any length
+  bool far = true;
+};
+
 /// Moves triangles: p becomes transform * (p, 1). Affine; mirrors too.
 std::vector<Triangle> transformed(std::span<const Triangle> triangles, const Mat4& transform);
 
@@ -73,6 +79,11 @@ class TriangleScene {
 
   /// 1 where something is in the way, else 0.
   void occluded(std::span<const Segment> segments, std::span<std::uint8_t> blocked) const;
+
+  /// Replaces `dark` by the parts of a segment that the surfaces keep a light from, in order and
+  /// apart from each other. Exact, from the triangles that the plane through the segment and the
+  /// light cuts; no samples.
+  void shadows(const Segment& segment, const LightPoint& light, std::vector<Interval>& dark) const;
 
   std::span<const Triangle> triangles() const;
   std::span<const Material> materials() const;
