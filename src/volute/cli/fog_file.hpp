@@ -47,12 +47,9 @@ struct FogDescription {
 [[nodiscard]] Result<FogProfile> parseFogProfile(const nlohmann::json& json,
                                                  const std::string& file, const std::string& path);
 
-/// The "lights" of a scene: suns, {"kind": "sun", "direction", "radiance"}. `direction` is the way
-/// the light travels, so it points down; `radiance` is what arrives on a surface that faces the
-/// sun.
-[[nodiscard]] Result<std::vector<FogSun>> parseSuns(const nlohmann::json& json,
-                                                    const std::string& file,
-                                                    const std::string& path);
+/// {"kind": "sun", "direction", "radiance"}, one of a scene's "lights"; see scene_lights.hpp.
+[[nodiscard]] Result<FogSun> parseSun(const nlohmann::json& json, const std::string& file,
+                                      const std::string& path);
 
 /// {"offset", "rate", "loop"} of a medium.
 [[nodiscard]] Result<Clock> parseClock(const nlohmann::json& json, const std::string& file,
