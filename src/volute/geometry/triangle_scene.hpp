@@ -33,6 +33,12 @@ struct Triangle {
   Vec3 normal() const { return (corners[1] - corners[0]).cross(corners[2] - corners[0]); }
 };
 
+/// What a file of geometry holds.
+struct TriangleMesh {
+  std::vector<Triangle> triangles;
+  std::vector<Material> materials;  ///< at least as many as the triangles name
+};
+
 /// Where a segment meets a surface first.
 struct Hit {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();

@@ -32,8 +32,9 @@ struct BillboardOptions {
 };
 
 /// A volume drawn on a flat rectangle that faces the camera (Ahrenberg et al. 2005, section 5.2):
-/// seen from the camera's side by parallel rays into a texture, XX Cheap to look at, and right
-/// where the volume is small or far.
+/// seen from the camera's side by parallel rays into a texture, without changing its shape: its
+/// height fills the billboard's, its width as much as fits. Cheap to look at, and right where the
+/// volume is small or far.
 ///
 /// A Medium: a sheet 1e-4 of its height thick that sends and lets through what the texture says,
 /// bilinear between texels; so it is in the right order among surfaces and other media.
