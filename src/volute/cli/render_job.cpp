@@ -9,6 +9,8 @@
 #include <fstream>
 #include <string>
 
+#include "volute/render/scaled_medium.hpp"
+
 namespace volute::cli {
 namespace {
 
@@ -30,6 +32,22 @@ std::uint64_t peakMemoryBytes() {
   return 1024 * static_cast<std::uint64_t>(usage.ru_maxrss);
 }
 
+nlohmann::ordered_json smokeStats(const std::vector<SmokeLayer>& smokes) {
+  SmokeCounts sum;
+  for (const SmokeLayer& smoke : smokes) {
+    sum.stepsRead += smoke.counts().stepsRead;
+    sum.lightsComputed += smoke.counts().lightsComputed;
+    sum.lightsReused += smoke.counts().lightsReused;
+    sum.clamped += smoke.counts().clamped;
+    sum.lightMilliseconds += smoke.counts().lightMilliseconds;
+  }
+  return {{"steps_read", sum.stepsRead},
+          {"lights_computed", sum.lightsComputed},
+          {"lights_reused", sum.lightsReused},
+          {"negative_values_clamped", sum.clamped},
+          {"light_milliseconds", sum.lightMilliseconds}};
+}
+
 }  // namespace
 
 Stopwatch::Stopwatch(double& total) : total_(total), begin_(now()) {}
@@ -41,21 +59,30 @@ Stopwatch::~Stopwatch() {
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
   std::vector<VoxelMedium> volumes;
   std::vector<AnyMedium> media;
+  const double factor = law.factor();
   {
     const Stopwatch watch(totals.slices);
     for (std::size_t i = 0; i < layers.size(); ++i) {
-      VOLUTE_ASSIGN(auto volume, layers[i].mediumAt(moment.positions[i]));
+      VOLUTE_ASSIGN(auto volume, layers[i].mediumAt(moment.positions[i], factor));
       media.emplace_back(volume);
       volumes.push_back(std::move(volume));
     }
     for (const FogLayer& fog : fogs) {
       VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time));
-      media.push_back(std::move(medium));
+      media.push_back(factor == 1 ? std::move(medium)
+                                  : AnyMedium(ScaledMedium(std::move(medium), factor)));
     }
   }
-  const Stopwatch watch(totals.render);
   RenderStats found;
-  VOLUTE_ASSIGN(auto image, render(camera, media, options, progress, &found));
+  const bool plain = smokes.empty() && signs.empty();
+  const double begun = totals.slices;
+  Result<Image> image = [&] {
+    const Stopwatch watch(totals.render);
+    return plain ? render(camera, media, options, progress, &found)
+                 : pictureWithSmoke(moment.time, media, progress, found);
+  }();
+  VOLUTE_TRY(image);
+  totals.render -= totals.slices - begun;  // steps are read meanwhile
   totals.rays += found.rays;
   totals.segments += found.segments;
   totals.pieces += found.pieces;
@@ -82,7 +109,7 @@ nlohmann::ordered_json RenderJob::stats() const {
     tree.treeBytes += layer.treeCounts().treeBytes;
     tree.nodesVisited += layer.treeCounts().nodesVisited;
   }
-  return {{"renderer", options.renderer == Renderer::kReference ? "reference" : "cpu"},
+  nlohmann::ordered_json json = {{"renderer", options.renderer == Renderer::kReference ? "reference" : "cpu"},
           {"size", {camera.width(), camera.height()}},
           {"pictures", totals.pictures},
           {"rays", totals.rays},
@@ -103,6 +130,12 @@ nlohmann::ordered_json RenderJob::stats() const {
             {"render", totals.render},
             {"write", totals.write}}},
           {"peak_memory_bytes", peakMemoryBytes()}};
+  json["mode"] = nameOf(law.mode);
+  if (law.mode == PictureMode::kThreshold)
+    json["C"] = law.c;
+  if (!smokes.empty())
+    json["smoke"] = smokeStats(smokes);
+  return json;
 }
 
 }  // namespace volute::cli

@@ -8,6 +8,9 @@
 
 #include "volute/camera/camera.hpp"
 #include "volute/cli/fog_layer.hpp"
+#include "volute/cli/scene_signs.hpp"
+#include "volute/cli/smoke_picture.hpp"
+#include "volute/cli/picture_writer.hpp"
 #include "volute/cli/volume_layer.hpp"
 #include "volute/render/render.hpp"
 
@@ -28,7 +31,7 @@ struct RenderTotals {
   int pictures = 0;
 };
 
-/// Volumes, fog, a camera and the moments to be seen.
+/// Volumes, fog, smoke, signs, a camera and the moments to be seen.
 struct RenderJob {
   std::vector<VolumeLayer> layers;
   std::vector<FogLayer> fogs;
@@ -37,12 +40,25 @@ struct RenderJob {
   std::vector<Moment> moments;
   double framesPerSecond = 25;  ///< of a film
   RenderTotals totals;
+  std::vector<SmokeLayer> smokes{};
+  std::vector<Sign> signs{};
+  PictureLaw law{};
+  SmokePictures smokePictures{};
+  bool legend = false;         ///< drawn into visible pictures
+  bool measuresLight = false;  ///< the picture is the share of white light that passes
 
   /// The linear picture of a moment.
   [[nodiscard]] Result<Image> picture(const Moment& moment, Progress& progress);
 
+  /// What the picture of a moment says about itself; the legend only where it is asked for.
+  PictureText textOf(const Moment& moment) const;
+
   /// What --stats writes.
   nlohmann::ordered_json stats() const;
+
+  /// With smoke or signs; `others` are media as the law sees them.
+  [[nodiscard]] Result<Image> pictureWithSmoke(double time, std::span<const AnyMedium> others,
+                                               Progress& progress, RenderStats& found);
 };
 
 /// Adds the milliseconds of its life to a total.

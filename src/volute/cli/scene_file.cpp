@@ -40,11 +40,7 @@ Result<std::string> kindOf(const Json& json, const std::string& file, const std:
     return fail(ErrorCode::kInvalidData, "{}: {}/kind: expected volume, fog or smoke", file, path);
   }
   const auto kind = json["kind"].get<std::string>();
-  if (kind == "smoke") {
-    return fail(ErrorCode::kUnsupported,
-                "{}: {}: media of kind {} are not rendered by this version", file, path, kind);
-  }
-  if (kind != "volume" && kind != "fog") {
+  if (kind != "volume" && kind != "fog" && kind != "smoke") {
     return fail(ErrorCode::kInvalidData,
                 "{}: {}/kind: '{}' is unknown; expected volume, fog or smoke", file, path, kind);
   }
@@ -75,8 +71,18 @@ Result<SceneVolume> volumeOf(const Json& json, const std::string& file, const st
   return volume;
 }
 
+/// One picture has one mode.
+Status checkOneLaw(const std::vector<SmokeDescription>& others, const SmokeDescription& smoke) {
+  if (others.empty() || others.front().law == smoke.law)
+    return {};
+  return fail(ErrorCode::kInvalidData,
+              "{}/mode: {} with C = {:g}, but {} is {} with C = {:g}; one picture has one mode",
+              smoke.where, nameOf(smoke.law.mode), smoke.law.c, others.front().where,
+              nameOf(others.front().law.mode), others.front().law.c);
+}
+
 Status refuseOtherParts(const Json& json, const std::string& file) {
-  for (const char* part : {"geometry", "signs", "billboards"}) {
+  for (const char* part : {"geometry", "billboards"}) {
     if (json.contains(part) && !json[part].empty()) {
       return fail(ErrorCode::kUnsupported,
                   "{}: /{}: this part of a scene is not rendered by this version", file, part);
@@ -102,7 +108,10 @@ Result<SceneDescription> readScene(const std::string& file) {
     scene.background = background.array();
   }
   if (json.contains("lights")) {
-    VOLUTE_ASSIGN(scene.suns, parseSuns(json["lights"], file, "/lights"));
+    VOLUTE_ASSIGN(scene.lights, parseLights(json["lights"], file, "/lights"));
+  }
+  if (json.contains("signs")) {
+    VOLUTE_ASSIGN(scene.signs, parseSigns(json["signs"], file, "/signs"));
   }
   const Json media = json.value("media", Json::array());
   if (!media.is_array())
@@ -113,6 +122,10 @@ Result<SceneDescription> readScene(const std::string& file) {
     if (kind == "fog") {
       VOLUTE_ASSIGN(auto fog, parseFog(media[i], file, path));
       scene.fogs.push_back(std::move(fog));
+    } else if (kind == "smoke") {
+      VOLUTE_ASSIGN(auto smoke, parseSmoke(media[i], file, path));
+      VOLUTE_TRY(checkOneLaw(scene.smokes, smoke));
+      scene.smokes.push_back(std::move(smoke));
     } else {
       VOLUTE_ASSIGN(auto volume, volumeOf(media[i], file, path));
       scene.volumes.push_back(std::move(volume));

@@ -98,9 +98,10 @@ double VolumeLayer::timeOf(int position) const {
   return (info_.times[position] - appearance_.clock.offset) / appearance_.clock.rate;
 }
 
-Result<VoxelMedium> VolumeLayer::mediumAt(int position) {
+Result<VoxelMedium> VolumeLayer::mediumAt(int position, double extinctionFactor) {
   VOLUTE_ASSIGN(auto slice, sliceAt(position));
-  return VoxelMedium(std::move(slice), appearance_.emission, appearance_.extinction);
+  return VoxelMedium(std::move(slice), appearance_.emission,
+                     extinctionFactor * appearance_.extinction);
 }
 
 }  // namespace volute::cli

@@ -54,7 +54,8 @@ class VolumeLayer {
   /// The frame at a position as bricks. The last one is kept.
   [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> sliceAt(int position);
 
-  [[nodiscard]] Result<VoxelMedium> mediumAt(int position);
+  /// `extinctionFactor` multiplies the appearance's extinction.
+  [[nodiscard]] Result<VoxelMedium> mediumAt(int position, double extinctionFactor = 1);
 
   /// What was read of trees so far; zeros for inputs without one.
   const TreeCounts& treeCounts() const { return counts_; }
