@@ -68,7 +68,7 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
       volumes.push_back(std::move(volume));
     }
     for (const FogLayer& fog : fogs) {
-      VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time));
+      VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time, camera.eye()));
       media.push_back(factor == 1 ? std::move(medium)
                                   : AnyMedium(ScaledMedium(std::move(medium), factor)));
     }
