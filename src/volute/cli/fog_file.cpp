@@ -4,7 +4,6 @@
 
 #include <numbers>
 
-
 #include "volute/cli/json_file.hpp"
 #include "volute/cli/json_members.hpp"
 
@@ -106,8 +105,8 @@ Status readMeaning(const Members& members, FogDescription& fog) {
     VOLUTE_TRY(members.text("path", path, "\"walk\" or \"polar\""));
     if (path != "walk" && path != "polar")
       return members.objection(
-          "path", {ErrorCode::kInvalidData,
-                   fmt::format("'{}' is unknown; expected walk or polar", path)});
+          "path",
+          {ErrorCode::kInvalidData, fmt::format("'{}' is unknown; expected walk or polar", path)});
     fog.polar = path == "polar";
   }
   if (!members.has("convert"))
@@ -126,7 +125,9 @@ Status readMeaning(const Members& members, FogDescription& fog) {
 Result<Clock> parseClock(const Json& json, const std::string& file, const std::string& path) {
   if (!json.is_object())
     return fail(ErrorCode::kInvalidData, "{}: {}: expected offset, rate and loop", file, path);
+  constexpr std::string_view kNames[] = {"offset", "rate", "loop"};
   const Members members(json, file, path);
+  VOLUTE_TRY(members.check(kNames));
   Clock clock;
   VOLUTE_TRY(members.number("offset", clock.offset));
   VOLUTE_TRY(members.number("rate", clock.rate));
@@ -181,10 +182,10 @@ Result<FogProfile> parseFogProfile(const Json& json, const std::string& file,
 
 Result<FogDescription> parseFog(const Json& json, const std::string& file,
                                 const std::string& path) {
-  constexpr std::string_view kNames[] = {
-      "kind",    "map",   "times", "origin", "cell", "sigma_max", "degree",    "levels", "mu",
-      "profile", "color", "wind",  "top",    "time", "albedo",    "asymmetry", "convert",
-      "path",    "cell_angle"};
+  constexpr std::string_view kNames[] = {"kind",      "map",     "times",  "origin",    "cell",
+                                         "sigma_max", "degree",  "levels", "mu",        "profile",
+                                         "color",     "wind",    "top",    "time",      "albedo",
+                                         "asymmetry", "convert", "path",   "cell_angle"};
   const Members members(json, file, path);
   VOLUTE_TRY(members.check(kNames));
   FogDescription fog;

@@ -64,9 +64,10 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
     const Stopwatch watch(totals.slices);
     for (std::size_t i = 0; i < layers.size(); ++i) {
       VOLUTE_ASSIGN(auto volume, layers[i].mediumAt(moment.positions[i], factor));
-      media.emplace_back(volume);
+      media.push_back(layers[i].placed(volume));
       volumes.push_back(std::move(volume));
     }
+    VOLUTE_TRY(addBillboards(moment.time, media, progress));
     for (const FogLayer& fog : fogs) {
       VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time, camera.eye()));
       media.push_back(factor == 1 ? std::move(medium)
@@ -74,7 +75,7 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
     }
   }
   RenderStats found;
-  const bool plain = smokes.empty() && signs.empty();
+  const bool plain = smokes.empty() && signs.empty() && geometry.empty();
   const double begun = totals.slices;
   Result<Image> image = [&] {
     const Stopwatch watch(totals.render);
@@ -109,30 +110,37 @@ nlohmann::ordered_json RenderJob::stats() const {
     tree.treeBytes += layer.treeCounts().treeBytes;
     tree.nodesVisited += layer.treeCounts().nodesVisited;
   }
-  nlohmann::ordered_json json = {{"renderer", options.renderer == Renderer::kReference ? "reference" : "cpu"},
-          {"size", {camera.width(), camera.height()}},
-          {"pictures", totals.pictures},
-          {"rays", totals.rays},
-          {"segments", totals.segments},
-          {"pieces", totals.pieces},
-          {"voxels_visited", totals.voxels},
-          {"bricks_visited", totals.bricksVisited},
-          {"bricks_skipped", totals.bricksSkipped},
-          {"bricks_stored", totals.bricksStored},
-          {"bytes_read", bytesRead},
-          {"blocks_decoded", blocksDecoded},
-          {"tree_nodes", tree.nodes},
-          {"tree_bytes", tree.treeBytes},
-          {"nodes_visited", tree.nodesVisited},
-          {"milliseconds",
-           {{"open", totals.open},
-            {"slices", totals.slices},
-            {"render", totals.render},
-            {"write", totals.write}}},
-          {"peak_memory_bytes", peakMemoryBytes()}};
+  nlohmann::ordered_json json = {
+      {"renderer", options.renderer == Renderer::kReference ? "reference" : "cpu"},
+      {"size", {camera.width(), camera.height()}},
+      {"pictures", totals.pictures},
+      {"rays", totals.rays},
+      {"segments", totals.segments},
+      {"pieces", totals.pieces},
+      {"voxels_visited", totals.voxels},
+      {"bricks_visited", totals.bricksVisited},
+      {"bricks_skipped", totals.bricksSkipped},
+      {"bricks_stored", totals.bricksStored},
+      {"bytes_read", bytesRead},
+      {"blocks_decoded", blocksDecoded},
+      {"tree_nodes", tree.nodes},
+      {"tree_bytes", tree.treeBytes},
+      {"nodes_visited", tree.nodesVisited},
+      {"milliseconds",
+       {{"open", totals.open},
+        {"slices", totals.slices},
+        {"render", totals.render},
+        {"surfaces", totals.surfaces},
+        {"write", totals.write}}},
+      {"peak_memory_bytes", peakMemoryBytes()}};
   json["mode"] = nameOf(law.mode);
   if (law.mode == PictureMode::kThreshold)
     json["C"] = law.c;
+  if (!geometry.empty()) {
+    json["geometry"] = {{"triangles", geometry.triangles().size()},
+                        {"surface_pixels", totals.surfacePixels},
+                        {"shadow_rays", totals.shadowRays}};
+  }
   if (!smokes.empty())
     json["smoke"] = smokeStats(smokes);
   return json;

@@ -7,7 +7,7 @@
 #include "volute/cli/render_job.hpp"
 #include "volute/cli/smoke_walls.hpp"
 
-// The part of a RenderJob that smoke and signs have.
+// The part of a RenderJob that smoke, surfaces and signs have.
 
 namespace volute::cli {
 namespace {
@@ -79,6 +79,10 @@ Result<Image> RenderJob::pictureWithSmoke(double time, std::span<const AnyMedium
     }
   }
   Surfaces surfaces(camera, options.background);
+  if (!geometry.empty()) {
+    VOLUTE_ASSIGN(const auto view, viewOfGeometry(others, states, progress));
+    surfaces.add(view);
+  }
   for (std::size_t i = 0; i < smokes.size(); ++i) {
     if (!smokes[i].description().walls)
       continue;
@@ -90,8 +94,7 @@ Result<Image> RenderJob::pictureWithSmoke(double time, std::span<const AnyMedium
   surfaces.add(seen);
   const SmokeScene scene{states, others, law, surfaces.depth()};
   if (options.aov != Aov::kNone) {
-    VOLUTE_ASSIGN(auto depth,
-                  smokePictures.opticalDepth(camera, scene, options, progress, found));
+    VOLUTE_ASSIGN(auto depth, smokePictures.opticalDepth(camera, scene, options, progress, found));
     for (float& value : depth.pixels) {
       if (options.aov == Aov::kTransmittance)
         value = static_cast<float>(std::exp(-law.factor() * value));
@@ -127,8 +130,7 @@ PictureText RenderJob::textOf(const Moment& moment) const {
         model.smokePotential && model.quantity == SmokeQuantity::kProductsDensity
             ? fmt::format("P = {:g} dB m2/g", *model.smokePotential)
             : fmt::format("Km = {:g} m2/kg", model.massExtinction);
-    text.notes.emplace_back("volute.smoke",
-                            fmt::format("{}, {}", nameOf(model.quantity), how));
+    text.notes.emplace_back("volute.smoke", fmt::format("{}, {}", nameOf(model.quantity), how));
     lines.push_back(how);
   }
   lines.push_back(fmt::format("t = {:.2f} s", moment.time));

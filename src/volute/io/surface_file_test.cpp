@@ -7,6 +7,7 @@
 
 #include <cstring>
 
+#include "volute/io/glb_writer.hpp"
 #include "volute/io/testing.hpp"
 
 namespace volute {
@@ -126,6 +127,22 @@ TEST(Gltf, ReadsStripsAndFansAndBuffersBesideTheFile) {
   writeBytes(folder / "c.glb", glb(sample(R"([{"mesh":0}])", R"(,"mode":5)"), square()));
   ASSERT_VALUE(const auto strip, readSurfaces(folder / "c.glb"));
   EXPECT_EQ(strip.triangles.size(), 4u);
+}
+
+TEST(Gltf, WhatIsWrittenIsRead) {
+  const TempFolder folder;
+  TriangleMesh mesh;
+  mesh.materials = {{Rgb(0.5, 0.25, 0.125), Rgb::Zero()}, {}, {Rgb::Zero(), Rgb(4, 2, 0)}};
+  for (int i = 0; i < 5; ++i)
+    mesh.triangles.push_back(
+        {{Vec3(i, 0, 0.5), Vec3(0, i, -1), Vec3(1, 2, i)}, i % 2 == 0 ? 0u : 2u});
+  ASSERT_TRUE(writeGlb(folder / "w.glb", mesh));
+  ASSERT_VALUE(const auto read, readSurfaces(folder / "w.glb"));
+  ASSERT_EQ(read.triangles.size(), 5u);
+  EXPECT_EQ(read.triangles[1].corners[0], Vec3(2, 0, 0.5));  // by material
+  EXPECT_EQ(read.triangles[4].corners[2], Vec3(1, 2, 3));
+  EXPECT_EQ(read.materials[read.triangles[0].material].baseColor[1], 0.25);
+  EXPECT_NEAR(read.materials[read.triangles[4].material].emission[0], 4, 1e-12);
 }
 
 TEST(Gltf, ErrorsNameTheElement) {

@@ -27,6 +27,9 @@ struct Subject {
   std::vector<FogLayer> fogs;
   std::vector<SmokeLayer> smokes;
   std::vector<Sign> signs;
+  SceneLights lights;
+  TriangleScene geometry;
+  std::vector<BillboardLayer> billboards;
   PictureLaw law;
   std::optional<CameraDescription> camera;
   Rgb background = Rgb::Zero();
@@ -79,9 +82,10 @@ Result<std::optional<LightCache>> lightCache(const Arguments& arguments, Context
 }
 
 Result<std::shared_ptr<const SmokeLighting>> smokeLighting(const SceneLights& lights,
+                                                           const TriangleScene& geometry,
                                                            const Arguments& arguments,
                                                            Context& context) {
-  SmokeLighting lighting{lights, std::nullopt, {}, ""};
+  SmokeLighting lighting{lights, std::nullopt, blocksOf(geometry), keyOf(geometry)};
   if (!lights.lamps.empty()) {
     VOLUTE_ASSIGN(lighting.cache, lightCache(arguments, context));
   }
@@ -97,7 +101,7 @@ Result<Subject> openSmokeSubject(const std::string& path, const Arguments& argum
                   path);
   }
   VOLUTE_ASSIGN(const auto description, smokeOf(path, arguments));
-  VOLUTE_ASSIGN(const auto lighting, smokeLighting({}, arguments, context));
+  VOLUTE_ASSIGN(const auto lighting, smokeLighting({}, {}, arguments, context));
   Subject subject;
   VOLUTE_ASSIGN(auto smoke, SmokeLayer::open(description, lighting, context));
   subject.smokes.push_back(std::move(smoke));
@@ -126,7 +130,8 @@ Status openSmokes(const SceneDescription& scene, const Arguments& arguments, Sub
   VOLUTE_ASSIGN(subject.law, lawOf(scene, arguments));
   if (scene.smokes.empty())
     return {};
-  VOLUTE_ASSIGN(const auto lighting, smokeLighting(scene.lights, arguments, context));
+  VOLUTE_ASSIGN(const auto lighting,
+                smokeLighting(scene.lights, subject.geometry, arguments, context));
   for (const SmokeDescription& description : scene.smokes) {
     VOLUTE_ASSIGN(auto smoke, SmokeLayer::open(description, lighting, context));
     subject.smokes.push_back(std::move(smoke));
@@ -134,11 +139,20 @@ Status openSmokes(const SceneDescription& scene, const Arguments& arguments, Sub
   return {};
 }
 
+Status openBillboards(const SceneDescription& scene, Subject& subject, Context& context) {
+  for (const SceneBillboard& board : scene.billboards) {
+    VOLUTE_ASSIGN(auto volume, VolumeLayer::open(board.file, {}, board.appearance, context));
+    BillboardOptions options = board.options;
+    options.shown = volume.info().bounds;
+    subject.billboards.push_back({std::move(volume), options});
+  }
+  return {};
+}
+
 Result<Subject> openScene(const std::string& path, const Arguments& arguments, Context& context) {
-  for (const char* name :
-       {"grid", "bounds", "emission", "extinction", "field", "quantity", "unit", "scale",
-        "mass-extinction", "soot-yield", "material", "burning", "density-field", "albedo",
-        "clamp"}) {
+  for (const char* name : {"grid", "bounds", "emission", "extinction", "field", "quantity", "unit",
+                           "scale", "mass-extinction", "soot-yield", "material", "burning",
+                           "density-field", "albedo", "clamp"}) {
     if (!arguments.given(name))
       continue;
     return fail(ErrorCode::kInvalidArgument, "--{} is for a single file; write it into the scene",
@@ -156,7 +170,11 @@ Result<Subject> openScene(const std::string& path, const Arguments& arguments, C
                                                 volume.appearance, context));
     subject.layers.push_back(std::move(layer));
   }
-  for (const FogDescription& description : scene.fogs) {
+  subject.lights = scene.lights;
+  VOLUTE_ASSIGN(subject.geometry, loadGeometry(scene.geometry, context));
+  VOLUTE_TRY(openBillboards(scene, subject, context));
+  for (FogDescription& description : scene.fogs) {
+    description.scattering.shadows = fogShadows(subject.geometry, scene.lights.suns);
     VOLUTE_ASSIGN(auto fog, FogLayer::open(description, scene.lights.suns, context));
     subject.fogs.push_back(std::move(fog));
   }
@@ -164,8 +182,7 @@ Result<Subject> openScene(const std::string& path, const Arguments& arguments, C
   return subject;
 }
 
-Result<Subject> openSubject(const std::string& path, const Arguments& arguments,
-                            Context& context) {
+Result<Subject> openSubject(const std::string& path, const Arguments& arguments, Context& context) {
   if (extensionOf(path) == ".json")
     return openScene(path, arguments, context);
   return isSmokeCase(path) ? openSmokeSubject(path, arguments, context)
@@ -240,8 +257,8 @@ Result<std::vector<Moment>> momentsOfSmoke(const Arguments& arguments, const Sub
   const bool film = isFilmPath(target), several = film || FramePattern::isPattern(target);
   if (!arguments.given("frames") && !several) {
     if (smoke.steps() > 1 && !subject.scene) {
-      progress.remark(fmt::format(
-          "showing the first of {} steps; --time or --frames choose others", smoke.steps()));
+      progress.remark(fmt::format("showing the first of {} steps; --time or --frames choose others",
+                                  smoke.steps()));
     }
     return std::vector{Moment{.time = subject.scene ? 0 : smoke.timeOf(0)}};
   }
@@ -373,6 +390,9 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
                 std::move(subject.signs),
                 subject.law,
                 {}};
+  job.lights = std::move(subject.lights);
+  job.geometry = subject.geometry;
+  job.billboards = std::move(subject.billboards);
   job.legend = arguments.flag("legend");
   job.measuresLight = smokeLeads && !subject.scene;
   return job;
@@ -402,10 +422,13 @@ Result<Development> developmentOf(const Arguments& arguments, const RenderJob& j
     return fail(ErrorCode::kInvalidArgument,
                 "--colormap is for volumes with one channel and for --aov; this one is RGB");
   }
-  if ((!job.fogs.empty() || !job.smokes.empty()) && job.options.aov == Aov::kNone) {
+  if ((!job.fogs.empty() || !job.smokes.empty() || !job.geometry.empty()) &&
+      job.options.aov == Aov::kNone) {
     return fail(ErrorCode::kInvalidArgument,
                 "--colormap is for volumes with one channel and for --aov; this shows {}",
-                job.fogs.empty() ? "smoke" : "fog");
+                !job.fogs.empty()     ? "fog"
+                : !job.smokes.empty() ? "smoke"
+                                      : "surfaces");
   }
   development.colorMap = map == "viridis" ? ColorMap::kViridis : ColorMap::kInferno;
   return development;
@@ -599,8 +622,7 @@ std::vector<Option> renderOptionTable() {
        .help = "seconds of smoke in a second of its film",
        .initial = "1",
        .positive = true},
-      {.name = "legend",
-       .help = "draw mode, mass extinction, C and time into .png and films"},
+      {.name = "legend", .help = "draw mode, mass extinction, C and time into .png and films"},
       {.name = "cache",
        .kind = kFile,
        .value = "DIR",
