@@ -56,7 +56,27 @@ Stopwatch::~Stopwatch() {
   total_ += now() - begin_;
 }
 
+Result<Image> RenderJob::glPicture(const Moment& moment, Progress& progress) {
+  {
+    const Stopwatch watch(totals.slices);
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      VOLUTE_ASSIGN(const auto slice, layers[i].sliceAt(moment.positions[i]));
+      totals.bricksStored += slice->storedBricks();
+    }
+  }
+  const Stopwatch watch(totals.render);
+  RenderStats found;
+  VOLUTE_ASSIGN(auto image, gl->picture(camera, {layers, moment.positions, fogs, moment.time},
+                                        options, progress, found));
+  totals.rays += found.rays;
+  totals.segments += found.segments;
+  ++totals.pictures;
+  return image;
+}
+
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
+  if (gl)
+    return glPicture(moment, progress);
   std::vector<VoxelMedium> volumes;
   std::vector<AnyMedium> media;
   const double factor = law.factor();
@@ -111,7 +131,7 @@ nlohmann::ordered_json RenderJob::stats() const {
     tree.nodesVisited += layer.treeCounts().nodesVisited;
   }
   nlohmann::ordered_json json = {
-      {"renderer", options.renderer == Renderer::kReference ? "reference" : "cpu"},
+      {"renderer", gl ? "gl" : options.renderer == Renderer::kReference ? "reference" : "cpu"},
       {"size", {camera.width(), camera.height()}},
       {"pictures", totals.pictures},
       {"rays", totals.rays},
@@ -141,6 +161,8 @@ nlohmann::ordered_json RenderJob::stats() const {
                         {"surface_pixels", totals.surfacePixels},
                         {"shadow_rays", totals.shadowRays}};
   }
+  if (gl)
+    json["gl"] = gl->stats();
   if (!smokes.empty())
     json["smoke"] = smokeStats(smokes);
   return json;

@@ -8,6 +8,7 @@
 
 #include "volute/camera/camera.hpp"
 #include "volute/cli/fog_layer.hpp"
+#include "volute/cli/gl_pictures.hpp"
 #include "volute/cli/picture_writer.hpp"
 #include "volute/cli/scene_geometry.hpp"
 #include "volute/cli/scene_signs.hpp"
@@ -50,6 +51,7 @@ struct RenderJob {
   std::vector<Moment> moments;
   double framesPerSecond = 25;  ///< of a film
   RenderTotals totals;
+  std::shared_ptr<GlPictures> gl{};  ///< takes the pictures when it is not null
   std::vector<SmokeLayer> smokes{};
   std::vector<Sign> signs{};
   PictureLaw law{};
@@ -62,6 +64,9 @@ struct RenderJob {
 
   /// The linear picture of a moment.
   [[nodiscard]] Result<Image> picture(const Moment& moment, Progress& progress);
+
+  /// The same by OpenGL.
+  [[nodiscard]] Result<Image> glPicture(const Moment& moment, Progress& progress);
 
   /// What the picture of a moment says about itself; the legend only where it is asked for.
   PictureText textOf(const Moment& moment) const;

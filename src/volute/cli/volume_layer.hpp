@@ -62,6 +62,9 @@ class VolumeLayer {
   /// `extinctionFactor` multiplies the appearance's extinction.
   [[nodiscard]] Result<VoxelMedium> mediumAt(int position, double extinctionFactor = 1);
 
+  /// Whether its transform turns or mirrors it.
+  bool turned() const { return appearance_.placement.turns(); }
+
   /// A medium of this layer as it stands in the scene.
   AnyMedium placed(const VoxelMedium& medium) const;
 
@@ -73,6 +76,8 @@ class VolumeLayer {
 
   /// When a frame begins in the scene's time [s].
   double timeOf(int position) const;
+
+  const Appearance& appearance() const { return appearance_; }
 
   /// Null unless it is a .volute file.
   const VoluteReader* reader() const { return input_.reader.get(); }

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/render/render.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "volute/base/output_file.hpp"
@@ -365,6 +366,36 @@ RenderOptions renderOptions(const Arguments& arguments, const Subject& subject) 
   return options;
 }
 
+/// What OpenGL does not draw, in the plural; empty when it draws all.
+std::string_view beyondGl(const Subject& subject) {
+  if (!subject.smokes.empty())
+    return "smoke on meshes";
+  if (!subject.geometry.empty())
+    return "geometry";
+  if (!subject.signs.empty())
+    return "signs";
+  if (!subject.billboards.empty())
+    return "billboards";
+  return std::ranges::any_of(subject.layers, &VolumeLayer::turned) ? "volumes that are turned" : "";
+}
+
+/// Null for the processor. `auto` takes OpenGL where hardware draws all that the subject has.
+Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments, const Subject& subject) {
+  const auto renderer = arguments.get<std::string>("renderer");
+  const auto beyond = beyondGl(subject);
+  if (renderer == "gl" && !beyond.empty()) {
+    return fail(ErrorCode::kUnsupported,
+                "--renderer gl does not draw {} yet; choose cpu or leave it out", beyond);
+  }
+  if (renderer == "gl")
+    return GlPictures::open(false);
+  const bool served = beyond.empty() && std::ranges::none_of(subject.fogs, &FogLayer::sunlit);
+  if (renderer != "auto" || !served || !glIsLikely())
+    return nullptr;
+  auto gl = GlPictures::open(true);
+  return gl ? std::move(*gl) : nullptr;
+}
+
 Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target, Context& context) {
   const std::string& path = arguments.positional(0);
   RenderTotals totals;
@@ -379,17 +410,18 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   const bool smokeLeads = subject.layers.empty() && !subject.smokes.empty();
   const double rate = smokeLeads ? kUsualRate : framesPerSecond(moments);
   const RenderOptions options = renderOptions(arguments, subject);
+  VOLUTE_ASSIGN(auto gl, chooseGl(arguments, subject));
   RenderJob job{std::move(subject.layers),
                 std::move(subject.fogs),
                 camera,
                 options,
                 std::move(moments),
                 rate,
-                totals,
-                std::move(subject.smokes),
-                std::move(subject.signs),
-                subject.law,
-                {}};
+                totals};
+  job.gl = std::move(gl);
+  job.smokes = std::move(subject.smokes);
+  job.signs = std::move(subject.signs);
+  job.law = subject.law;
   job.lights = std::move(subject.lights);
   job.geometry = subject.geometry;
   job.billboards = std::move(subject.billboards);
@@ -550,9 +582,9 @@ std::vector<Option> renderOptionTable() {
       {.name = "renderer",
        .kind = kChoice,
        .value = "NAME",
-       .help = "who renders; auto is cpu",
+       .help = "who renders; auto is gl with a graphics card that can, else cpu",
        .initial = "auto",
-       .choices = {"auto", "cpu", "reference"}},
+       .choices = {"auto", "cpu", "gl", "reference"}},
       {.name = "camera",
        .kind = kFile,
        .value = "FILE.json",
