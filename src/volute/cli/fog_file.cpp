@@ -125,7 +125,9 @@ Status readMeaning(const Members& members, FogDescription& fog) {
 Result<Clock> parseClock(const Json& json, const std::string& file, const std::string& path) {
   if (!json.is_object())
     return fail(ErrorCode::kInvalidData, "{}: {}: expected offset, rate and loop", file, path);
+  constexpr std::string_view kNames[] = {"offset", "rate", "loop"};
   const Members members(json, file, path);
+  VOLUTE_TRY(members.check(kNames));
   Clock clock;
   VOLUTE_TRY(members.number("offset", clock.offset));
   VOLUTE_TRY(members.number("rate", clock.rate));

@@ -25,6 +25,9 @@ class FogLayer {
   /// The same, lit by the suns, for pictures from an eye.
   [[nodiscard]] Result<AnyMedium> mediumAt(double time, const Vec3& eye) const;
 
+  /// Whether suns light it.
+  bool sunlit() const { return !suns_.empty(); }
+
   /// How many maps there are.
   int frames() const { return static_cast<int>(times_.size()); }
 

@@ -56,7 +56,27 @@ Stopwatch::~Stopwatch() {
   total_ += now() - begin_;
 }
 
+Result<Image> RenderJob::glPicture(const Moment& moment, Progress& progress) {
+  {
+    const Stopwatch watch(totals.slices);
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      VOLUTE_ASSIGN(const auto slice, layers[i].sliceAt(moment.positions[i]));
+      totals.bricksStored += slice->storedBricks();
+    }
+  }
+  const Stopwatch watch(totals.render);
+  RenderStats found;
+  VOLUTE_ASSIGN(auto image, gl->picture(camera, {layers, moment.positions, fogs, moment.time},
+                                        options, progress, found));
+  totals.rays += found.rays;
+  totals.segments += found.segments;
+  ++totals.pictures;
+  return image;
+}
+
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
+  if (gl)
+    return glPicture(moment, progress);
   std::vector<VoxelMedium> volumes;
   std::vector<AnyMedium> media;
   const double factor = law.factor();
@@ -64,9 +84,10 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
     const Stopwatch watch(totals.slices);
     for (std::size_t i = 0; i < layers.size(); ++i) {
       VOLUTE_ASSIGN(auto volume, layers[i].mediumAt(moment.positions[i], factor));
-      media.emplace_back(volume);
+      media.push_back(layers[i].placed(volume));
       volumes.push_back(std::move(volume));
     }
+    VOLUTE_TRY(addBillboards(moment.time, media, progress));
     for (const FogLayer& fog : fogs) {
       VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time, camera.eye()));
       media.push_back(factor == 1 ? std::move(medium)
@@ -74,7 +95,7 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
     }
   }
   RenderStats found;
-  const bool plain = smokes.empty() && signs.empty();
+  const bool plain = smokes.empty() && signs.empty() && geometry.empty();
   const double begun = totals.slices;
   Result<Image> image = [&] {
     const Stopwatch watch(totals.render);
@@ -110,7 +131,7 @@ nlohmann::ordered_json RenderJob::stats() const {
     tree.nodesVisited += layer.treeCounts().nodesVisited;
   }
   nlohmann::ordered_json json = {
-      {"renderer", options.renderer == Renderer::kReference ? "reference" : "cpu"},
+      {"renderer", gl ? "gl" : options.renderer == Renderer::kReference ? "reference" : "cpu"},
       {"size", {camera.width(), camera.height()}},
       {"pictures", totals.pictures},
       {"rays", totals.rays},
@@ -129,11 +150,19 @@ nlohmann::ordered_json RenderJob::stats() const {
        {{"open", totals.open},
         {"slices", totals.slices},
         {"render", totals.render},
+        {"surfaces", totals.surfaces},
         {"write", totals.write}}},
       {"peak_memory_bytes", peakMemoryBytes()}};
   json["mode"] = nameOf(law.mode);
   if (law.mode == PictureMode::kThreshold)
     json["C"] = law.c;
+  if (!geometry.empty()) {
+    json["geometry"] = {{"triangles", geometry.triangles().size()},
+                        {"surface_pixels", totals.surfacePixels},
+                        {"shadow_rays", totals.shadowRays}};
+  }
+  if (gl)
+    json["gl"] = gl->stats();
   if (!smokes.empty())
     json["smoke"] = smokeStats(smokes);
   return json;

@@ -7,7 +7,7 @@
 #include "volute/cli/render_job.hpp"
 #include "volute/cli/smoke_walls.hpp"
 
-// The part of a RenderJob that smoke and signs have.
+// The part of a RenderJob that smoke, surfaces and signs have.
 
 namespace volute::cli {
 namespace {
@@ -79,6 +79,10 @@ Result<Image> RenderJob::pictureWithSmoke(double time, std::span<const AnyMedium
     }
   }
   Surfaces surfaces(camera, options.background);
+  if (!geometry.empty()) {
+    VOLUTE_ASSIGN(const auto view, viewOfGeometry(others, states, progress));
+    surfaces.add(view);
+  }
   for (std::size_t i = 0; i < smokes.size(); ++i) {
     if (!smokes[i].description().walls)
       continue;

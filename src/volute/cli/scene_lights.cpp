@@ -14,8 +14,8 @@ namespace {
 using Json = nlohmann::json;
 
 Result<Lamp> parseSpot(const Json& json, const std::string& file, const std::string& path) {
-  constexpr std::string_view kNames[] = {"kind",  "position",  "target",
-                                         "angle", "intensity", "radius"};
+  constexpr std::string_view kNames[] = {"kind",      "position", "target", "angle",
+                                         "intensity", "radius",   "edge"};
   const Members members(json, file, path);
   VOLUTE_TRY(members.check(kNames));
   for (const char* key : {"position", "target"}) {
@@ -31,6 +31,8 @@ Result<Lamp> parseSpot(const Json& json, const std::string& file, const std::str
   VOLUTE_TRY(members.number("angle", angle, 0, 360));
   VOLUTE_TRY(members.color("intensity", lamp.intensity, kUnlimited));
   VOLUTE_TRY(members.number("radius", lamp.radius, 1e-6));
+  lamp.edge = 0.1;
+  VOLUTE_TRY(members.number("edge", lamp.edge, 0, 1));
   if (!((target - lamp.position).norm() > 0)) {
     return fail(ErrorCode::kInvalidData, "{}: {}: position and target are the same point", file,
                 path);

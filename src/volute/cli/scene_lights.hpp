@@ -20,10 +20,10 @@ struct SceneLights {
 };
 
 /// A list of {"kind": "sun", "direction", "radiance"}, {"kind": "spot", "position", "target",
-/// "angle", "intensity", "radius"} and {"kind": "ambient", "radiance"}. A sun's `direction` is the
-/// way its light travels, so it points down, and its `radiance` is what arrives on a surface that
-/// faces it. A spot's `angle` [degrees] is its cone's from side to side, `intensity` the power per
-/// solid angle in it.
+/// "angle", "intensity", "radius", "edge"} and {"kind": "ambient", "radiance"}. A sun's `direction`
+/// is the way its light travels, so it points down, and its `radiance` is what arrives on a surface
+/// that faces it. A spot's `angle` [degrees] is its cone's from side to side, `intensity` the power
+/// per solid angle in it.
 [[nodiscard]] Result<SceneLights> parseLights(const nlohmann::json& json, const std::string& file,
                                               const std::string& path);
 

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/render/render.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "volute/base/output_file.hpp"
@@ -27,6 +28,9 @@ struct Subject {
   std::vector<FogLayer> fogs;
   std::vector<SmokeLayer> smokes;
   std::vector<Sign> signs;
+  SceneLights lights;
+  TriangleScene geometry;
+  std::vector<BillboardLayer> billboards;
   PictureLaw law;
   std::optional<CameraDescription> camera;
   Rgb background = Rgb::Zero();
@@ -79,9 +83,10 @@ Result<std::optional<LightCache>> lightCache(const Arguments& arguments, Context
 }
 
 Result<std::shared_ptr<const SmokeLighting>> smokeLighting(const SceneLights& lights,
+                                                           const TriangleScene& geometry,
                                                            const Arguments& arguments,
                                                            Context& context) {
-  SmokeLighting lighting{lights, std::nullopt, {}, ""};
+  SmokeLighting lighting{lights, std::nullopt, blocksOf(geometry), keyOf(geometry)};
   if (!lights.lamps.empty()) {
     VOLUTE_ASSIGN(lighting.cache, lightCache(arguments, context));
   }
@@ -97,7 +102,7 @@ Result<Subject> openSmokeSubject(const std::string& path, const Arguments& argum
                   path);
   }
   VOLUTE_ASSIGN(const auto description, smokeOf(path, arguments));
-  VOLUTE_ASSIGN(const auto lighting, smokeLighting({}, arguments, context));
+  VOLUTE_ASSIGN(const auto lighting, smokeLighting({}, {}, arguments, context));
   Subject subject;
   VOLUTE_ASSIGN(auto smoke, SmokeLayer::open(description, lighting, context));
   subject.smokes.push_back(std::move(smoke));
@@ -126,10 +131,21 @@ Status openSmokes(const SceneDescription& scene, const Arguments& arguments, Sub
   VOLUTE_ASSIGN(subject.law, lawOf(scene, arguments));
   if (scene.smokes.empty())
     return {};
-  VOLUTE_ASSIGN(const auto lighting, smokeLighting(scene.lights, arguments, context));
+  VOLUTE_ASSIGN(const auto lighting,
+                smokeLighting(scene.lights, subject.geometry, arguments, context));
   for (const SmokeDescription& description : scene.smokes) {
     VOLUTE_ASSIGN(auto smoke, SmokeLayer::open(description, lighting, context));
     subject.smokes.push_back(std::move(smoke));
+  }
+  return {};
+}
+
+Status openBillboards(const SceneDescription& scene, Subject& subject, Context& context) {
+  for (const SceneBillboard& board : scene.billboards) {
+    VOLUTE_ASSIGN(auto volume, VolumeLayer::open(board.file, {}, board.appearance, context));
+    BillboardOptions options = board.options;
+    options.shown = volume.info().bounds;
+    subject.billboards.push_back({std::move(volume), options});
   }
   return {};
 }
@@ -155,7 +171,11 @@ Result<Subject> openScene(const std::string& path, const Arguments& arguments, C
                                                 volume.appearance, context));
     subject.layers.push_back(std::move(layer));
   }
-  for (const FogDescription& description : scene.fogs) {
+  subject.lights = scene.lights;
+  VOLUTE_ASSIGN(subject.geometry, loadGeometry(scene.geometry, context));
+  VOLUTE_TRY(openBillboards(scene, subject, context));
+  for (FogDescription& description : scene.fogs) {
+    description.scattering.shadows = fogShadows(subject.geometry, scene.lights.suns);
     VOLUTE_ASSIGN(auto fog, FogLayer::open(description, scene.lights.suns, context));
     subject.fogs.push_back(std::move(fog));
   }
@@ -346,6 +366,36 @@ RenderOptions renderOptions(const Arguments& arguments, const Subject& subject) 
   return options;
 }
 
+/// What OpenGL does not draw, in the plural; empty when it draws all.
+std::string_view beyondGl(const Subject& subject) {
+  if (!subject.smokes.empty())
+    return "smoke on meshes";
+  if (!subject.geometry.empty())
+    return "geometry";
+  if (!subject.signs.empty())
+    return "signs";
+  if (!subject.billboards.empty())
+    return "billboards";
+  return std::ranges::any_of(subject.layers, &VolumeLayer::turned) ? "volumes that are turned" : "";
+}
+
+/// Null for the processor. `auto` takes OpenGL where hardware draws all that the subject has.
+Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments, const Subject& subject) {
+  const auto renderer = arguments.get<std::string>("renderer");
+  const auto beyond = beyondGl(subject);
+  if (renderer == "gl" && !beyond.empty()) {
+    return fail(ErrorCode::kUnsupported,
+                "--renderer gl does not draw {} yet; choose cpu or leave it out", beyond);
+  }
+  if (renderer == "gl")
+    return GlPictures::open(false);
+  const bool served = beyond.empty() && std::ranges::none_of(subject.fogs, &FogLayer::sunlit);
+  if (renderer != "auto" || !served || !glIsLikely())
+    return nullptr;
+  auto gl = GlPictures::open(true);
+  return gl ? std::move(*gl) : nullptr;
+}
+
 Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target, Context& context) {
   const std::string& path = arguments.positional(0);
   RenderTotals totals;
@@ -360,17 +410,21 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   const bool smokeLeads = subject.layers.empty() && !subject.smokes.empty();
   const double rate = smokeLeads ? kUsualRate : framesPerSecond(moments);
   const RenderOptions options = renderOptions(arguments, subject);
+  VOLUTE_ASSIGN(auto gl, chooseGl(arguments, subject));
   RenderJob job{std::move(subject.layers),
                 std::move(subject.fogs),
                 camera,
                 options,
                 std::move(moments),
                 rate,
-                totals,
-                std::move(subject.smokes),
-                std::move(subject.signs),
-                subject.law,
-                {}};
+                totals};
+  job.gl = std::move(gl);
+  job.smokes = std::move(subject.smokes);
+  job.signs = std::move(subject.signs);
+  job.law = subject.law;
+  job.lights = std::move(subject.lights);
+  job.geometry = subject.geometry;
+  job.billboards = std::move(subject.billboards);
   job.legend = arguments.flag("legend");
   job.measuresLight = smokeLeads && !subject.scene;
   return job;
@@ -400,10 +454,13 @@ Result<Development> developmentOf(const Arguments& arguments, const RenderJob& j
     return fail(ErrorCode::kInvalidArgument,
                 "--colormap is for volumes with one channel and for --aov; this one is RGB");
   }
-  if ((!job.fogs.empty() || !job.smokes.empty()) && job.options.aov == Aov::kNone) {
+  if ((!job.fogs.empty() || !job.smokes.empty() || !job.geometry.empty()) &&
+      job.options.aov == Aov::kNone) {
     return fail(ErrorCode::kInvalidArgument,
                 "--colormap is for volumes with one channel and for --aov; this shows {}",
-                job.fogs.empty() ? "smoke" : "fog");
+                !job.fogs.empty()     ? "fog"
+                : !job.smokes.empty() ? "smoke"
+                                      : "surfaces");
   }
   development.colorMap = map == "viridis" ? ColorMap::kViridis : ColorMap::kInferno;
   return development;
@@ -525,9 +582,9 @@ std::vector<Option> renderOptionTable() {
       {.name = "renderer",
        .kind = kChoice,
        .value = "NAME",
-       .help = "who renders; auto is cpu",
+       .help = "who renders; auto is gl with a graphics card that can, else cpu",
        .initial = "auto",
-       .choices = {"auto", "cpu", "reference"}},
+       .choices = {"auto", "cpu", "gl", "reference"}},
       {.name = "camera",
        .kind = kFile,
        .value = "FILE.json",

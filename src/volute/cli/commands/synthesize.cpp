@@ -53,6 +53,7 @@ Status runValley(const Arguments& arguments, Context& context) {
   files.size = arguments.get<Pixels>("pixels");
   files.frames = arguments.findGiven<int>("frames").value_or(1);
   files.mapSize = arguments.findGiven<int>("size").value_or(files.mapSize);
+  files.geometry = arguments.flag("geometry");
   VOLUTE_TRY(writeValley(files, target, context.progress));
   Report report;
   report.add("output", target).add("frames", files.frames, fmt::format("{}", files.frames));
@@ -161,6 +162,8 @@ Command synthesizeCommand() {
                    .initial = "48",
                    .least = 1,
                    .most = 100000},
+                  {.name = "geometry",
+                   .help = "of the valley, write valley.glb too: its surface as triangles"},
                   {.name = "seed",
                    .kind = kInteger,
                    .value = "S",
