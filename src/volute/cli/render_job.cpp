@@ -69,7 +69,7 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
       volumes.push_back(std::move(volume));
     }
     for (const FogLayer& fog : fogs) {
-      VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time));
+      VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time, camera.eye()));
       media.push_back(std::move(medium));
     }
   }
