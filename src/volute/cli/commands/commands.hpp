@@ -21,5 +21,6 @@ Command reconstructCommand();
 Command renderCommand();
 Command fogCommand();
 Command synthesizeCommand();
+Command viewCommand();  ///< in builds with the viewer only
 
 }  // namespace volute::cli
