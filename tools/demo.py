@@ -19,6 +19,7 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import demo_errors
 import demo_page
+import demo_visibility
 
 NBSP = "\u00a0"
 SEQUENCES = {
@@ -322,6 +323,8 @@ def main():
     results = {name: demo.sequence(name) for name in SEQUENCES}
     cameras = demo.cameras()
     valley = demo.valley()
+    say("a building: from where its exit signs are seen")
+    signs = demo_visibility.chapter(demo)
     threads = results["fire"]["figures"]["threads"]
     page = {"title": "Volute",
             "subtitle": "Fire and smoke in 4D wavelet trees, and fog painted on a map",
@@ -330,7 +333,7 @@ def main():
                       f"{time.strftime('%Y-%m-%d')}.",
             "sections": [films_section(results, options.frames, options.size), rate_distortion_section(results),
                          frame_rate_section(results, threads), *strip_section(results), zlib_section(results),
-                         cameras_section(cameras), *fog_sections(valley)]}
+                         cameras_section(cameras), *fog_sections(valley), signs]}
     (options.out / "results.json").write_text(json.dumps(page, indent=1))
     done = demo_page.main([str(options.out)])
     if done:

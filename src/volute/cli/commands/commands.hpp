@@ -22,5 +22,6 @@ Command renderCommand();
 Command fogCommand();
 Command synthesizeCommand();
 Command viewCommand();  ///< in builds with the viewer only
+Command visibilityCommand();
 
 }  // namespace volute::cli
