@@ -26,6 +26,9 @@ std::span<const Benchmark> benchmarks() {
       {"smoke",
        "smoke on tetrahedra, steady and new, eye fixed and moving; ratios to the reference",
        benchSmoke},
+#ifdef VOLUTE_WITH_GL
+      {"gl", "pictures of 256 x 256 by OpenGL on the device there is; ratios to the processor", benchGl},
+#endif
       {"visibility",
        "maps of where three signs are seen, on all threads; ratio to a loop over rays in NumPy",
        benchVisibility},

@@ -21,14 +21,27 @@ class Pictures final : public GlPictures {
       VolumeLayer& layer = subject.layers[i];
       VOLUTE_ASSIGN(auto slice, layer.sliceAt(subject.positions[i]));
       const Appearance& look = layer.appearance();
-      scene.volumes.push_back({std::move(slice), look.emission, look.extinction});
+      const Placement& placement = look.placement;
+      GlVolume volume{std::move(slice), look.emission, subject.factor * look.extinction};
+      if (placement.turns())  // else its place is in the slice's bounds
+        volume.turn = placement.turn, volume.offset = placement.offset;
+      scene.volumes.push_back(std::move(volume));
     }
     for (const FogLayer& fog : subject.fogs) {
       if (fog.sunlit()) {
         return fail(ErrorCode::kUnsupported,
                     "fog that a sun lights is not rendered by OpenGL; use --renderer cpu");
       }
+      if (subject.factor != 1) {
+        return fail(ErrorCode::kUnsupported,
+                    "fog in threshold mode is not rendered by OpenGL; use --renderer cpu");
+      }
       scene.fogs.push_back(fog.fogAt(subject.time));
+    }
+    for (const SmokeState& smoke : subject.smokes) {
+      GlSmoke shown{smoke.locator, smoke.extinction, smoke.source};
+      for (float& value : shown.extinction) value = static_cast<float>(subject.factor * value);
+      scene.smokes.push_back(std::move(shown));
     }
     return renderer_.render(camera, scene, options, progress, &stats, opaqueDepth);
   }

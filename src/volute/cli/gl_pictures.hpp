@@ -11,6 +11,7 @@
 #include "volute/camera/camera.hpp"
 #include "volute/cli/fog_layer.hpp"
 #include "volute/cli/report.hpp"
+#include "volute/cli/smoke_layer.hpp"
 #include "volute/cli/volume_layer.hpp"
 #include "volute/render/render.hpp"
 
@@ -22,6 +23,8 @@ struct GlSubject {
   std::span<const int> positions{};  ///< the frame of each layer
   std::span<const FogLayer> fogs{};
   double time = 0;  ///< [s], of the scene
+  std::span<const SmokeState> smokes{};
+  double factor = 1;  ///< of all extinctions, as the picture's law has it
 };
 
 /// Takes pictures by OpenGL, without a display. In builds without OpenGL there is none.
@@ -32,7 +35,8 @@ class GlPictures {
 
   virtual ~GlPictures() = default;
 
-  /// As volute::render(). kUnsupported for fog that suns light or that has a top.
+  /// As volute::render(). kUnsupported for fog that suns light, that has a top, or
+  /// under a law whose factor is not 1.
   [[nodiscard]] virtual Result<Image> picture(const Camera& camera, const GlSubject& subject,
                                               const RenderOptions& options, Progress& progress,
                                               RenderStats& stats,

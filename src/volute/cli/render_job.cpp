@@ -56,27 +56,8 @@ Stopwatch::~Stopwatch() {
   total_ += now() - begin_;
 }
 
-Result<Image> RenderJob::glPicture(const Moment& moment, Progress& progress) {
-  {
-    const Stopwatch watch(totals.slices);
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-      VOLUTE_ASSIGN(const auto slice, layers[i].sliceAt(moment.positions[i]));
-      totals.bricksStored += slice->storedBricks();
-    }
-  }
-  const Stopwatch watch(totals.render);
-  RenderStats found;
-  VOLUTE_ASSIGN(auto image, gl->picture(camera, {layers, moment.positions, fogs, moment.time},
-                                        options, progress, found));
-  totals.rays += found.rays;
-  totals.segments += found.segments;
-  ++totals.pictures;
-  return image;
-}
-
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
-  if (gl)
-    return glPicture(moment, progress);
+  glSubject = {layers, moment.positions, fogs, moment.time, {}, law.factor()};
   std::vector<VoxelMedium> volumes;
   std::vector<AnyMedium> media;
   const double factor = law.factor();
@@ -99,6 +80,8 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
   const double begun = totals.slices;
   Result<Image> image = [&] {
     const Stopwatch watch(totals.render);
+    if (plain && gl)
+      return gl->picture(camera, glSubject, options, progress, found);
     return plain ? render(camera, media, options, progress, &found)
                  : pictureWithSmoke(moment.time, media, progress, found);
   }();
@@ -131,7 +114,9 @@ nlohmann::ordered_json RenderJob::stats() const {
     tree.nodesVisited += layer.treeCounts().nodesVisited;
   }
   nlohmann::ordered_json json = {
-      {"renderer", gl ? "gl" : options.renderer == Renderer::kReference ? "reference" : "cpu"},
+      {"renderer", gl                                         ? "gl"
+                   : options.renderer == Renderer::kReference ? "reference"
+                                                              : "cpu"},
       {"size", {camera.width(), camera.height()}},
       {"pictures", totals.pictures},
       {"rays", totals.rays},

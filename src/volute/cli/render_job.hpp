@@ -52,6 +52,7 @@ struct RenderJob {
   double framesPerSecond = 25;  ///< of a film
   RenderTotals totals;
   std::shared_ptr<GlPictures> gl{};  ///< takes the pictures when it is not null
+  GlSubject glSubject{};             ///< of the picture that is being taken
   std::vector<SmokeLayer> smokes{};
   std::vector<Sign> signs{};
   PictureLaw law{};
@@ -65,9 +66,6 @@ struct RenderJob {
   /// The linear picture of a moment.
   [[nodiscard]] Result<Image> picture(const Moment& moment, Progress& progress);
 
-  /// The same by OpenGL.
-  [[nodiscard]] Result<Image> glPicture(const Moment& moment, Progress& progress);
-
   /// What the picture of a moment says about itself; the legend only where it is asked for.
   PictureText textOf(const Moment& moment) const;
 
@@ -77,6 +75,10 @@ struct RenderJob {
   /// With smoke, surfaces or signs; `others` are media as the law sees them.
   [[nodiscard]] Result<Image> pictureWithSmoke(double time, std::span<const AnyMedium> others,
                                                Progress& progress, RenderStats& found);
+
+  /// The integral of all extinctions up to the surfaces, natural logarithm, whatever the law.
+  [[nodiscard]] Result<Image> depthOf(const SmokeScene& scene, Progress& progress,
+                                      RenderStats& found);
 
   /// The geometry, lit through the media; `others` as above.
   [[nodiscard]] Result<SurfaceView> viewOfGeometry(std::span<const AnyMedium> others,

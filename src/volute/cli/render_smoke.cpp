@@ -93,8 +93,9 @@ Result<Image> RenderJob::pictureWithSmoke(double time, std::span<const AnyMedium
   const auto seen = signPixels(camera, signs, surfaces.depth());
   surfaces.add(seen);
   const SmokeScene scene{states, others, law, surfaces.depth()};
+  glSubject.smokes = states;
   if (options.aov != Aov::kNone) {
-    VOLUTE_ASSIGN(auto depth, smokePictures.opticalDepth(camera, scene, options, progress, found));
+    VOLUTE_ASSIGN(auto depth, depthOf(scene, progress, found));
     for (float& value : depth.pixels) {
       if (options.aov == Aov::kTransmittance)
         value = static_cast<float>(std::exp(-law.factor() * value));
@@ -103,14 +104,25 @@ Result<Image> RenderJob::pictureWithSmoke(double time, std::span<const AnyMedium
   }
   RenderOptions before = options;
   before.behind = surfaces.color();
-  VOLUTE_ASSIGN(auto image, smokePictures.color(camera, scene, before, progress, found));
+  VOLUTE_ASSIGN(auto image,
+                gl ? gl->picture(camera, glSubject, before, progress, found, scene.opaqueDepth)
+                   : smokePictures.color(camera, scene, before, progress, found));
   if (seen.empty())
     return image;
   RenderStats ofSigns;
-  VOLUTE_ASSIGN(const auto depth,
-                smokePictures.opticalDepth(camera, scene, options, progress, ofSigns));
+  VOLUTE_ASSIGN(const auto depth, depthOf(scene, progress, ofSigns));
   addSigns(seen, signs, depth, law, image);
   return image;
+}
+
+Result<Image> RenderJob::depthOf(const SmokeScene& scene, Progress& progress, RenderStats& found) {
+  if (!gl)
+    return smokePictures.opticalDepth(camera, scene, options, progress, found);
+  GlSubject natural = glSubject;
+  natural.factor = 1;
+  RenderOptions depths = options;
+  depths.aov = Aov::kOpticalDepth;
+  return gl->picture(camera, natural, depths, progress, found, scene.opaqueDepth);
 }
 
 PictureText RenderJob::textOf(const Moment& moment) const {

@@ -65,6 +65,9 @@ class SmokeLayer {
   /// and after the last step it is theirs.
   [[nodiscard]] Result<SmokeState> at(double time);
 
+  /// Who hears of later reads, instead of the context that it was opened in.
+  void setProgress(Progress& progress) { progress_ = &progress; }
+
   const SmokeCounts& counts() const { return counts_; }
 
  private:

@@ -7,6 +7,7 @@
 
 #include "volute/cli/fog_layer.hpp"
 #include "volute/cli/scene_file.hpp"
+#include "volute/cli/smoke_layer.hpp"
 #include "volute/cli/volume_layer.hpp"
 
 namespace volute::cli {
@@ -28,9 +29,9 @@ class ViewDocument final : public Document {
   std::vector<double> times() const override { return times_; }
 
   bool grey() const override {
-    return fogs_.empty() && std::ranges::all_of(layers_, [](const VolumeLayer& layer) {
-             return layer.info().channels == 1;
-           });
+    return fogs_.empty() && smokes_.empty() &&
+           std::ranges::all_of(layers_,
+                               [](const VolumeLayer& layer) { return layer.info().channels == 1; });
   }
 
   std::optional<StartView> startView() const override { return start_; }
@@ -56,6 +57,8 @@ class ViewDocument final : public Document {
   Status addVolume(const std::string& file, const Appearance& appearance, Progress& progress);
   Status addFog(const FogDescription& description, const std::vector<FogSun>& suns,
                 Progress& progress);
+  Status addSmokes(const SceneDescription& scene, Progress& progress);
+  void noteMissing(const SceneDescription& scene);
   void include(const Box3& bounds);
   Result<std::shared_ptr<const BrickSlice>> coarseSlice(const VolumeLayer& layer, int position,
                                                         Progress& progress) const;
@@ -66,6 +69,7 @@ class ViewDocument final : public Document {
   std::vector<VolumeLayer> layers_;
   std::vector<int> block_;  ///< of the frames that each layer has in memory
   std::vector<FogLayer> fogs_;
+  std::vector<SmokeLayer> smokes_;
   Box3 bounds_;
   std::vector<double> times_{0.0};
   std::optional<StartView> start_;
@@ -116,6 +120,31 @@ Status ViewDocument::addFog(const FogDescription& description, const std::vector
   return {};
 }
 
+/// Smoke is lit by the lamps through itself; the scene's surfaces are not in their way.
+Status ViewDocument::addSmokes(const SceneDescription& scene, Progress& progress) {
+  Context inner = context(progress);
+  auto lighting = std::make_shared<SmokeLighting>();
+  lighting->lights = scene.lights;
+  for (const SmokeDescription& description : scene.smokes) {
+    VOLUTE_ASSIGN(auto smoke, SmokeLayer::open(description, lighting, inner));
+    include(smoke.bounds());
+    smokes_.push_back(std::move(smoke));
+  }
+  return {};
+}
+
+/// A picture that lacks something says so.
+void ViewDocument::noteMissing(const SceneDescription& scene) {
+  if (!scene.geometry.empty())
+    remarks_.push_back("geometry is not shown, nor its shadows");
+  if (!scene.signs.empty())
+    remarks_.push_back("signs are not shown");
+  if (!scene.billboards.empty())
+    remarks_.push_back("billboards are not shown");
+  if (scene.camera.ortho)
+    remarks_.push_back("the scene's parallel camera is shown as a pinhole");
+}
+
 Status ViewDocument::openVolume(Progress& progress) {
   VOLUTE_TRY(addVolume(path_, {}, progress));
   const VolumeInfo& info = layers_.front().info();
@@ -146,11 +175,14 @@ Status ViewDocument::openScene(Progress& progress) {
   files_.emplace_back(path_);
   for (const SceneVolume& volume : scene.volumes)
     VOLUTE_TRY(addVolume(volume.file, volume.appearance, progress));
-  for (const FogDescription& fog : scene.fogs) VOLUTE_TRY(addFog(fog, scene.suns, progress));
+  for (const FogDescription& fog : scene.fogs) VOLUTE_TRY(addFog(fog, scene.lights.suns, progress));
+  VOLUTE_TRY(addSmokes(scene, progress));
+  noteMissing(scene);
   double last = 0;
   for (const VolumeLayer& layer : layers_)
     last = std::max(last, layer.timeOf(layer.info().frames - 1));
   for (const FogLayer& fog : fogs_) last = std::max(last, fog.timeOf(fog.frames() - 1));
+  for (const SmokeLayer& smoke : smokes_) last = std::max(last, smoke.timeOf(smoke.steps() - 1));
   for (int frame = 1; frame <= static_cast<int>(std::lround(last * kRate)); ++frame)
     times_.push_back(frame / kRate);
   const CameraDescription& camera = scene.camera;
@@ -158,8 +190,9 @@ Status ViewDocument::openScene(Progress& progress) {
   background_ = scene.background;
   if (bounds_.empty())
     bounds_ = {camera.view.target - Vec3::Ones(), camera.view.target + Vec3::Ones()};
-  title_ = fmt::format("{}: {} volumes, {} fogs", std::filesystem::path(path_).filename().string(),
-                       layers_.size(), fogs_.size());
+  title_ = fmt::format("{}: {} volumes, {} fogs, {} smokes",
+                       std::filesystem::path(path_).filename().string(), layers_.size(),
+                       fogs_.size(), smokes_.size());
   return {};
 }
 
@@ -197,9 +230,17 @@ Result<GlScene> ViewDocument::sceneAt(double time, bool coarse, Progress& progre
     if (!placed)
       block_[i] = position / BlockGrid::kSide;
     const Appearance& look = layer.appearance();
-    scene.volumes.push_back({std::move(slice), look.emission, look.extinction});
+    GlVolume volume{std::move(slice), look.emission, look.extinction};
+    if (look.placement.turns())  // else its place is in the slice's bounds
+      volume.turn = look.placement.turn, volume.offset = look.placement.offset;
+    scene.volumes.push_back(std::move(volume));
   }
   for (const FogLayer& fog : fogs_) scene.fogs.push_back(fog.fogAt(time));
+  for (SmokeLayer& smoke : smokes_) {
+    smoke.setProgress(progress);
+    VOLUTE_ASSIGN(auto state, smoke.at(time));
+    scene.smokes.push_back({state.locator, std::move(state.extinction), std::move(state.source)});
+  }
   return scene;
 }
 

@@ -140,4 +140,9 @@ void GlProgram::set(const char* name, const Vec3& value) const {
                      static_cast<float>(value.y()), static_cast<float>(value.z()));
 }
 
+void GlProgram::set(const char* name, const Mat3& value) const {
+  const Eigen::Matrix3f columns = value.cast<float>();
+  glProgramUniformMatrix3fv(object_.name(), place(name), 1, GL_FALSE, columns.data());
+}
+
 }  // namespace volute

@@ -13,6 +13,7 @@
 #include "volute/gl/gl_device.hpp"
 #include "volute/grid/sequence.hpp"
 #include "volute/grid/voxel_medium.hpp"
+#include "volute/medium/turned_medium.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
 #include "volute/tetmesh/tet_medium.hpp"
 
@@ -148,6 +149,16 @@ TEST_F(GlRendererTest, OpticalDepthsAreThoseOfTheReference) {
   const Camera camera = Camera::framing(medium.bounds(), kWidth, kHeight);
   for (const Aov aov : {Aov::kOpticalDepth, Aov::kTransmittance})
     EXPECT_LE(errorOf(camera, {.volumes = {{slice, 1, 30}}}, {&medium, 1}, {.aov = aov}), 1e-4);
+}
+
+TEST_F(GlRendererTest, VolumesMayBeTurnedAndMirrored) {
+  const auto slice = sliceOf(1, Basis::kTrilinear);
+  Mat3 turn;
+  turn << 0.6, 0, 0.8, 0, -1, 0, 0.8, 0, -0.6;
+  const Vec3 offset(0.3, 6, 1.5);
+  const AnyMedium medium(TurnedMedium(AnyMedium(VoxelMedium(slice, 1, 2)), turn, offset));
+  for (const Camera& camera : cameras(medium.bounds()))
+    EXPECT_LE(errorOf(camera, {.volumes = {{slice, 1, 2, turn, offset}}}, {&medium, 1}, {}), kBar);
 }
 
 TEST_F(GlRendererTest, OpaqueSurfacesHideWhatIsBehindThem) {

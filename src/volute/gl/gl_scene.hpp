@@ -15,8 +15,10 @@ namespace volute {
 /// VoxelMedium's twin: one instant of a volume, from an atlas of its bricks on the device.
 struct GlVolume {
   std::shared_ptr<const BrickSlice> slice;
-  double emission = 1;    ///< radiance per metre per unit
-  double extinction = 0;  ///< 1/m per unit
+  double emission = 1;           ///< radiance per metre per unit
+  double extinction = 0;         ///< 1/m per unit
+  Mat3 turn = Mat3::Identity();  ///< orthogonal; points of the slice are turned by it, then moved
+  Vec3 offset = Vec3::Zero();    ///< [m]
 };
 
 /// The same, but the hexadeca-tree itself is on the device and each voxel is a walk in it

@@ -24,10 +24,13 @@ CellGrid cellsOf(const Box3& bounds, const std::array<int, 3>& voxels, Basis bas
 
 /// What both kinds of volume tell the shader.
 void bindCells(const GlProgram& program, const std::string& prefix, const Vec3& eye,
-               const CellGrid& cells, const CellRange& range, double emission, double extinction) {
+               const CellGrid& cells, const CellRange& range, double emission, double extinction,
+               const Mat3& turn = Mat3::Identity(), const Vec3& offset = Vec3::Zero()) {
   const auto name = [&](const char* rest) { return prefix + rest; };
-  const Vec3 inCells = (eye - cells.origin).cwiseQuotient(cells.cell);
+  const Vec3 unturned = turn.transpose() * (eye - offset);
+  const Vec3 inCells = (unturned - cells.origin).cwiseQuotient(cells.cell);
   program.set(name("eye").c_str(), inCells);
+  program.set(name("turn").c_str(), Mat3(turn.transpose()));
   program.set(name("perMetre").c_str(), Vec3(cells.cell.cwiseInverse()));
   program.set(name("lo").c_str(), range.begin);
   program.set(name("hi").c_str(), range.end);
@@ -192,7 +195,7 @@ class AtlasMedium final : public GlMedium {
   void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
             GlBindings& bindings) const override {
     bindCells(program, prefix, eye, atlas_->cells, atlas_->range, volume_.emission,
-              volume_.extinction);
+              volume_.extinction, volume_.turn, volume_.offset);
     program.set((prefix + "atlasBricks").c_str(), atlas_->atlasBricks);
     program.set((prefix + "bricks").c_str(), bindings.texture);
     glBindTextureUnit(static_cast<GLuint>(bindings.texture++), atlas_->bricks.name());

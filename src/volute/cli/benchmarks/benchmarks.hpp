@@ -10,6 +10,8 @@ namespace volute::cli {
 [[nodiscard]] Result<std::vector<BenchRow>> benchCodec(const BenchInput& input, Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchFds(const BenchInput& input, Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchFog(const BenchInput& input, Progress& progress);
+/// In builds with OpenGL.
+[[nodiscard]] Result<std::vector<BenchRow>> benchGl(const BenchInput& input, Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchRender(const BenchInput& input,
                                                         Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchTomography(const BenchInput& input,

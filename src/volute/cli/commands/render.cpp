@@ -368,15 +368,11 @@ RenderOptions renderOptions(const Arguments& arguments, const Subject& subject) 
 
 /// What OpenGL does not draw, in the plural; empty when it draws all.
 std::string_view beyondGl(const Subject& subject) {
-  if (!subject.smokes.empty())
-    return "smoke on meshes";
-  if (!subject.geometry.empty())
-    return "geometry";
-  if (!subject.signs.empty())
-    return "signs";
   if (!subject.billboards.empty())
     return "billboards";
-  return std::ranges::any_of(subject.layers, &VolumeLayer::turned) ? "volumes that are turned" : "";
+  if (std::ranges::any_of(subject.fogs, &FogLayer::sunlit))
+    return "fog that suns light";
+  return subject.law.factor() != 1 && !subject.fogs.empty() ? "fog in threshold mode" : "";
 }
 
 /// Null for the processor. `auto` takes OpenGL where hardware draws all that the subject has.
@@ -389,8 +385,7 @@ Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments, const S
   }
   if (renderer == "gl")
     return GlPictures::open(false);
-  const bool served = beyond.empty() && std::ranges::none_of(subject.fogs, &FogLayer::sunlit);
-  if (renderer != "auto" || !served || !glIsLikely())
+  if (renderer != "auto" || !beyond.empty() || !glIsLikely())
     return nullptr;
   auto gl = GlPictures::open(true);
   return gl ? std::move(*gl) : nullptr;

@@ -6,6 +6,7 @@
 
 uniform vec3 M_eye;       // [cells] the camera's eye
 uniform vec3 M_perMetre;  // [cells/m]
+uniform mat3 M_turn;       // from the world's axes to the volume's
 uniform ivec3 M_lo;       // the cells M_lo <= i < M_hi are not all empty
 uniform ivec3 M_hi;
 uniform float M_emission;    // radiance per metre per unit
@@ -73,8 +74,8 @@ ivec3 M_cellAt(float s) {
 }
 
 void M_begin() {
-  M_o = M_eye + rayOrigin * M_perMetre;
-  M_d = rayDirection * M_perMetre;
+  M_o = M_eye + M_turn * rayOrigin * M_perMetre;
+  M_d = M_turn * rayDirection * M_perMetre;
   M_waits = false;
   float begin = rayBegin;
   float end = rayEnd;

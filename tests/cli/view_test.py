@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""The viewer without a display: its frame as a picture."""
+import json
+import os
+
+import support
+from support import volute, write_npy
+
+
+class View(support.TestCase):
+    def setUp(self):
+        super().setUp()
+        if "view" not in volute("help").text:
+            self.skipTest("this build has no viewer")
+        probe = volute("info", "--gl")
+        if probe.code != 0:
+            self.skipTest(probe.message.strip())
+
+    def volume(self):
+        values = [float(2 <= x + 3 * t < 5 and 2 < y < 7 and 2 < z < 7) for t in range(2) for z in range(10)
+                  for y in range(10) for x in range(10)]
+        write_npy(self.path("v.npy"), (2, 10, 10, 10), values)
+        return self.path("v.npy")
+
+    def frame(self, *arguments):
+        self.works("view", *arguments, "--screenshot", self.path("s.png"), "--size", "320x200")
+        data = self.path("s.png").read_bytes()
+        self.path("s.png").unlink()
+        return data
+
+    def test_a_screenshot_shows_the_time(self):
+        first = self.frame(self.volume(), "--no-panels")
+        later = self.frame(self.volume(), "--no-panels", "--time", "0.04")
+        self.assertNotEqual(first, later)
+        self.assertEqual(first, self.frame(self.volume(), "--no-panels"))
+
+    def test_panels_are_on_it(self):
+        self.assertNotEqual(self.frame(self.volume()), self.frame(self.volume(), "--no-panels"))
+
+    def test_a_volute_file_and_a_scene(self):
+        self.frame(self.make_volute())
+        self.volume()
+        self.path("scene.json").write_text(json.dumps({
+            "format": "volute-scene-1", "camera": {"eye": [0.5, -2, 0.5], "target": [0.5, 0.5, 0.5], "fov": 40},
+            "background": [0.2, 0.2, 0.4], "media": [{"kind": "volume", "file": "v.npy", "extinction": 2}]}))
+        self.frame(self.path("scene.json"))
+
+    def test_errors_are_sentences(self):
+        self.assertIn("missing.npy", self.fails(1, "view", self.path("missing.npy"), "--screenshot", self.path("s.png")))
+        self.fails(2, "view", self.volume(), "--screenshot", self.path("s.jpg"))
+
+    def test_without_a_display_a_window_is_an_error(self):
+        environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+        result = volute("view", self.volume(), env=environment)
+        self.assertEqual(result.code, 1)
+        self.assertIn("--screenshot", result.message)
+
+
+if __name__ == "__main__":
+    support.main()
