@@ -77,6 +77,9 @@ class VolumeLayer {
   /// When a frame begins in the scene's time [s].
   double timeOf(int position) const;
 
+  /// Who hears of later reads, instead of the context that it was opened in.
+  void setProgress(Progress& progress) { progress_ = &progress; }
+
   const Appearance& appearance() const { return appearance_; }
 
   /// Null unless it is a .volute file.
