@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""Meshes with smoke, written as text, and float pictures read back, by other means than the program's."""
-import array
+"""Meshes with smoke, written as text, and what pictures say about themselves."""
 import itertools
 import pathlib
 import struct
-import zlib
+
+import pictures
 
 SIX = ((0, 1, 3, 7), (0, 1, 5, 7), (0, 2, 3, 7), (0, 2, 6, 7), (0, 4, 5, 7), (0, 4, 6, 7))
 
@@ -53,55 +53,12 @@ def write_pvd(path, files):
 
 
 def read_exr(path):
-    """(width, height, {channel: values}, {attribute: text}) of a scan-line file of float32, ZIP, or none."""
-    data = pathlib.Path(path).read_bytes()
-    at = 8
-    names, texts, box_, compression = [], {}, None, 0
-    while data[at]:
-        name, rest = data[at:].split(b"\0", 1)
-        kind = rest.split(b"\0", 1)[0]
-        at += len(name) + len(kind) + 2
-        (size,) = struct.unpack_from("<i", data, at)
-        value = data[at + 4:at + 4 + size]
-        at += 4 + size
-        if kind == b"chlist":
-            while value[0]:
-                channel, value = value.split(b"\0", 1)
-                names.append(channel.decode())
-                value = value[16:]
-        elif kind == b"box2i" and name == b"dataWindow":
-            box_ = struct.unpack("<4i", value)
-        elif kind == b"compression":
-            compression = value[0]
-        elif kind == b"string":
-            texts[name.decode()] = value.decode()
-    width, height = box_[2] + 1, box_[3] + 1
-    lines = {0: 1, 2: 1, 3: 16}[compression]
-    chunks = (height + lines - 1) // lines
-    offsets = struct.unpack_from(f"<{chunks}Q", data, at + 1)
-    rows = []
-    for chunk, offset in enumerate(offsets):
-        count = min(lines, height - chunk * lines)
-        (size,) = struct.unpack_from("<i", data, offset + 4)
-        block = data[offset + 8:offset + 8 + size]
-        whole = 4 * width * len(names) * count
-        if size < whole:
-            block = unzip(block)
-        for row in range(count):
-            values = array.array("f", block[4 * width * len(names) * row:4 * width * len(names) * (row + 1)])
-            rows.append([values[c * width:(c + 1) * width] for c in range(len(names))])
-    return width, height, {name: [v for row in rows for v in row[c]] for c, name in enumerate(names)}, texts
-
-
-def unzip(block):
-    """OpenEXR's: deflated differences of interleaved halves."""
-    raw = bytearray(zlib.decompress(block))
-    for i in range(1, len(raw)):
-        raw[i] = (raw[i - 1] + raw[i] - 128) & 255
-    half = (len(raw) + 1) // 2
-    out = bytearray(len(raw))
-    out[0::2], out[1::2] = raw[:half], raw[half:]
-    return bytes(out)
+    """(width, height, {channel: values}, {attribute: text})."""
+    picture = pictures.read_exr(path)
+    names = "RGB" if picture.channels == 3 else "Y"
+    header, _ = pictures.attributes(pathlib.Path(path).read_bytes())
+    texts = {name: value.decode("latin1") for name, value in header.items() if name.startswith("volute.")}
+    return picture.width, picture.height, {name: picture.values[c::picture.channels] for c, name in enumerate(names)}, texts
 
 
 def png_texts(path):

@@ -4,7 +4,7 @@
 import json
 import math
 
-import plain_pictures
+import pictures
 import smoke_files
 import support
 
@@ -131,7 +131,7 @@ class Quantities(SmokeCase):
         for code, words, said in (
                 (2, ("slab.vtu", "--field", "smoke"), "--quantity: is missing"),
                 (1, ("slab.vtu", "--field", "soot", "--quantity", "extinction"), "'soot'"),
-                (1, ("slab.vtu", "--quantity", "extinction"), "smoke"),  # two fields
+                (2, ("slab.vtu", "--quantity", "extinction"), "choose one with --field"),
                 (2, ("slab.vtu", "--field", "smoke", "--quantity", "products-density"), "soot yield"),
                 (2, ("slab.vtu", "--field", "smoke", "--quantity", "mass-fraction"), "--density-field"),
                 (2, ("slab.vtu", "--field", "smoke", "--quantity", "soot-density", "--material", "chipboard"), "products-density"),
@@ -145,6 +145,20 @@ class Quantities(SmokeCase):
         self.assertIn("1 negative value", result.message)
         self.slab(0)
         self.assertIn("no finite", self.fails(1, "render", self.path("slab.vtu"), "--quantity", "visibility", *view, *out))
+
+    def test_meshes_that_are_none(self):
+        points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1), (-1, -1, -1)]
+        for name, used, tets, said in (
+                ("flat", [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1, 2, 3)], "no volume"),
+                ("loose", points[:5], [(0, 1, 2, 3)], "no tet"),
+                ("three", points, [(0, 1, 2, 3), (1, 2, 3, 4), (1, 2, 3, 5)], "face"),
+                ("outside", points[:4], [(0, 1, 2, 9)], "vert")):
+            smoke_files.write_vtu(self.path(f"{name}.vtu"), (used, tets), {"smoke": [0.5] * len(used)})
+            message = self.fails(1, "render", self.path(f"{name}.vtu"), "--quantity", "extinction", "-o", self.path("x.png"))
+            self.assertIn(said, message)
+            self.assertIn(name + ".vtu", message)
+        self.path("cut.vtu").write_bytes(self.path("loose.vtu").read_bytes()[:900])
+        self.assertIn("cut.vtu", self.fails(1, "render", self.path("cut.vtu"), "--quantity", "extinction", "-o", self.path("x.png")))
 
     def test_scenes_name_the_place(self):
         self.slab(0.3)
@@ -178,7 +192,7 @@ class Signs(SmokeCase):
     RADIANCE = 0.8
 
     def seen(self, mode, sign, **more):
-        self.path("grey.exr").exists() or plain_pictures.write_exr(self.path("grey.exr"), 1, 1, {"Y": [self.RADIANCE]})
+        self.path("grey.exr").exists() or pictures.write_planes(self.path("grey.exr"), 1, 1, {"Y": [self.RADIANCE]})
         signs = [{"name": "exit", "position": [10, 0, 0], "normal": [-1, 0, 0], "size": [0.6, 0.3], "picture": "grey.exr"} | sign]
         smoke = {"mode": mode} | more.pop("smoke", {})
         return self.scene([0, 0, 0], [10, 0, 0], fov=0.5, smoke=smoke, signs=signs, **more)
@@ -351,7 +365,7 @@ class Together(SmokeCase):
         scene["media"].append({"kind": "smoke", "case": "other.vtu", "quantity": "extinction"})
         self.path("scene.json").write_text(json.dumps(scene))
         self.assertAlmostEqual(self.value(self.path("scene.json")), math.exp(-3), delta=1e-5)
-        plain_pictures.write_exr(self.path("fog.exr"), 4, 4, {"Y": [1.0] * 16})
+        pictures.write_planes(self.path("fog.exr"), 4, 4, {"Y": [1.0] * 16})
         scene["media"][1] = {"kind": "fog", "map": "fog.exr", "origin": [-100, -100, -100], "cell": 100, "degree": 0, "sigma_max": 0.01,
                              "color": [1, 0, 0], "profile": {"kind": "slab", "bottom": 0, "top": 1000}}
         self.path("scene.json").write_text(json.dumps(scene))

@@ -9,8 +9,8 @@
 
 namespace volute {
 
-/// 128 bits that stand for some content, in the order in which it was added: other content has other
-/// bits but for chance. Not meant to withstand forgery.
+/// 128 bits that stand for some content, in the order in which it was added: other content has
+/// other bits but for chance. Not meant to withstand forgery.
 class ContentHash {
  public:
   void add(std::span<const std::byte> bytes);

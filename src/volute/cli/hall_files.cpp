@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/hall_files.hpp"
 
+#include <cmath>
 #include <vector>
 
 #include "volute/io/vtu_writer.hpp"
@@ -27,6 +28,21 @@ Status writeHall(const HallFiles& files, const std::filesystem::path& target, Pr
     progress.report("synthesizing", i + 1, files.steps);
   }
   return writePvd(target, series);
+}
+
+Status writeBall(const std::filesystem::path& target, std::uint32_t seed) {
+  constexpr double kSoot = 0.5, kRadius = 0.75;  // [g/m3], [m]
+  const Vec3 centre(0.2, 0.1, 1.5);
+  if (target.extension() != ".vtu") {
+    return fail(ErrorCode::kInvalidArgument, "--output: '{}' is no .vtu file", target.string());
+  }
+  const auto mesh = boxMesh({Vec3(-3, -3, 0), Vec3(3, 3, 4)}, {48, 48, 32}, 0.2, seed);
+  std::vector<float> soot;
+  for (const Vec3& p : mesh->vertices()) {
+    const double away = (p - centre).norm() / kRadius;
+    soot.push_back(static_cast<float>(kSoot * std::max(0.0, 1 - std::pow(away, 4))));
+  }
+  return writeVtu(target, *mesh, "soot", soot);
 }
 
 }  // namespace volute::cli

@@ -12,8 +12,8 @@
 namespace volute::cli {
 namespace {
 
-constexpr int kRowsOfDots = 320;   // a dot for so many rows of the picture
-constexpr double kShade = 0.08;    // of the ground behind the text, linear
+constexpr int kRowsOfDots = 320;  // a dot for so many rows of the picture
+constexpr double kShade = 0.08;   // of the ground behind the text, linear
 constexpr double kInk = 0.9;
 
 /// In dots.

@@ -92,8 +92,7 @@ Result<std::unique_ptr<PictureWriter>> filmWriter(const std::string& target,
                                                   const Development& development, int width,
                                                   int height, double framesPerSecond,
                                                   const std::string& comment) {
-  VOLUTE_ASSIGN(auto film,
-                FilmWriter::create(target, width, height, framesPerSecond, comment));
+  VOLUTE_ASSIGN(auto film, FilmWriter::create(target, width, height, framesPerSecond, comment));
   return std::make_unique<FilmPictures>(std::move(film), development);
 }
 

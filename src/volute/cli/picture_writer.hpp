@@ -22,8 +22,8 @@ struct Development {
 
 /// What a picture says about itself.
 struct PictureText {
-  ImageNotes notes{};                ///< in the file
-  std::vector<std::string> legend{}; ///< drawn into .png and films; empty: nothing
+  ImageNotes notes{};                 ///< in the file
+  std::vector<std::string> legend{};  ///< drawn into .png and films; empty: nothing
 };
 
 /// Where pictures go, in order; nothing appears before it is whole.

@@ -52,8 +52,7 @@ Result<std::vector<float>> SmokeLayer::extinctionOf(const MeshFrame& frame, std:
   }
   std::vector<float> extinction(frame.values.size());
   description_.model.extinction(frame.values, gas, extinction);
-  const auto endless =
-      std::ranges::find_if(extinction, [](float k) { return !std::isfinite(k); });
+  const auto endless = std::ranges::find_if(extinction, [](float k) { return !std::isfinite(k); });
   if (endless == extinction.end())
     return extinction;
   const auto vertex = endless - extinction.begin();
@@ -65,16 +64,19 @@ Result<std::vector<float>> SmokeLayer::extinctionOf(const MeshFrame& frame, std:
               place.x(), place.y(), place.z(), nameOf(description_.model.quantity));
 }
 
-/// What the choice of quantity and unit comes to, once.
+/// What the choice of quantity and unit comes to, at the first step with smoke.
 void SmokeLayer::remarkOn(const MeshFrame& frame, std::span<const float> extinction) {
   const double most = *std::ranges::max_element(extinction);
+  if (remarked_ || !(most > 0))
+    return;
+  remarked_ = true;
   const SmokeModel& model = description_.model;
   const double soot = model.sootDensity(most);
   progress_->remark(fmt::format(
       "{}: field '{}' as {}: extinction up to {:.3g}/m, visibility from {:.3g} m (C = {:g}), soot "
       "up to {:.2g} kg/m3",
-      description_.file, frame.field, nameOf(model.quantity), most,
-      description_.law.c / most, description_.law.c, soot));
+      description_.file, frame.field, nameOf(model.quantity), most, description_.law.c / most,
+      description_.law.c, soot));
   if (soot > kMuchSoot) {
     progress_->remark(fmt::format(
         "that is much for soot (fires in rooms: 1e-6 to 1e-3 kg/m3); check the quantity and the "
@@ -94,8 +96,7 @@ Result<SmokeLayer::Step> SmokeLayer::readStep(std::size_t index) {
   }
   if (!step.paths)
     step.paths = std::make_shared<const LampPaths>(std::make_shared<const TetLocator>(frame.mesh));
-  if (counts_.stepsRead == 0)
-    remarkOn(frame, step.extinction);
+  remarkOn(frame, step.extinction);
   if (frame.clamped > 0) {
     progress_->remark(fmt::format("{}: step {}: {} negative values taken as 0", description_.file,
                                   index, frame.clamped));

@@ -19,8 +19,8 @@ namespace volute::cli {
 /// Smoke at one instant, on its mesh.
 struct SmokeState {
   std::shared_ptr<const TetLocator> locator;
-  std::vector<float> extinction;  ///< [1/m], natural logarithm, one for each vertex
-  std::vector<float> source;      ///< see TetMedium; empty: black
+  std::vector<float> extinction;               ///< [1/m], natural logarithm, one for each vertex
+  std::vector<float> source;                   ///< see TetMedium; empty: black
   std::vector<std::vector<float>> lampShares;  ///< of each lamp, at each vertex
 };
 
@@ -28,8 +28,8 @@ struct SmokeState {
 struct SmokeLighting {
   SceneLights lights;
   std::optional<LightCache> cache;
-  Blocks blocks;         ///< other opaque things; may be empty
-  std::string blocksKey; ///< stands for them in the cache
+  Blocks blocks;          ///< other opaque things; may be empty
+  std::string blocksKey;  ///< stands for them in the cache
 };
 
 /// What was done, summed over all pictures.
@@ -94,6 +94,7 @@ class SmokeLayer {
   Progress* progress_ = nullptr;
   std::vector<std::shared_ptr<const Step>> steps_;  ///< the last two
   SmokeCounts counts_;
+  bool remarked_ = false;
 };
 
 }  // namespace volute::cli

@@ -32,8 +32,8 @@ struct ImageReadOptions {
 [[nodiscard]] Result<std::optional<Image>> readAlpha(const std::filesystem::path& path,
                                                      const ImageReadOptions& options = {});
 
-/// What a picture says about itself, as names and texts in Latin letters: tEXt of a .png, attributes
-/// of a .exr.
+/// What a picture says about itself, as names and texts in Latin letters: tEXt of a .png,
+/// attributes of a .exr.
 using ImageNotes = std::vector<std::pair<std::string, std::string>>;
 
 /// The notes of a .png or .exr; empty when it has none.

@@ -22,7 +22,6 @@ struct SeriesFile {
 };
 
 /// Writes a .pvd collection.
-[[nodiscard]] Status writePvd(const std::filesystem::path& path,
-                              std::span<const SeriesFile> files);
+[[nodiscard]] Status writePvd(const std::filesystem::path& path, std::span<const SeriesFile> files);
 
 }  // namespace volute

@@ -79,8 +79,8 @@ TEST_F(LightCacheTest, ForgetsWhatWasUsedLeastLately) {
   constexpr std::size_t kFile = 56 + 400;
   const auto cache = LightCache::open(folder, 3 * kFile);
   const auto used = [&](const std::string& key, int secondsAgo) {
-    fs::last_write_time(folder / (key + ".light"), fs::file_time_type::clock::now() -
-                                                       std::chrono::seconds(secondsAgo));
+    fs::last_write_time(folder / (key + ".light"),
+                        fs::file_time_type::clock::now() - std::chrono::seconds(secondsAgo));
   };
   const std::string keys[] = {std::string(32, '0'), std::string(32, '1'), std::string(32, '2'),
                               std::string(32, '3')};

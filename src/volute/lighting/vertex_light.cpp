@@ -52,8 +52,7 @@ LampPaths::LampPaths(std::shared_ptr<const TetLocator> locator) : locator_(std::
 }
 
 /// The tet around a vertex into which a direction points; -1: none.
-std::int32_t LampPaths::firstTet(std::int32_t vertex, const Vec3& direction,
-                                 bool& doubtful) const {
+std::int32_t LampPaths::firstTet(std::int32_t vertex, const Vec3& direction, bool& doubtful) const {
   const TetMesh& mesh = locator_->mesh();
   constexpr double kFlat = 1e-7;  // of the cosine: along a face
   for (std::int32_t i = begin_[vertex]; i < begin_[vertex + 1]; ++i) {
@@ -128,8 +127,7 @@ std::vector<float> LampPaths::shares(std::span<const float> extinction, const La
                                      const Blocks& blocks) const {
   const TetMesh& mesh = locator_->mesh();
   VOLUTE_ASSERT(extinction.size() == mesh.vertices().size());
-  const bool inside =
-      lamp.kind == Lamp::Kind::kSpot && locator_->find(lamp.position) >= 0;
+  const bool inside = lamp.kind == Lamp::Kind::kSpot && locator_->find(lamp.position) >= 0;
   std::vector<float> shares(extinction.size(), 0);
   parallelRanges(shares.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<Segment> ways;
@@ -139,8 +137,7 @@ std::vector<float> LampPaths::shares(std::span<const float> extinction, const La
       if (lamp.irradiance(point).isZero(0))
         continue;
       const Segment way = lamp.towards(point);
-      const Walk walk =
-          this->walk(static_cast<std::int32_t>(i), way, extinction, inside);
+      const Walk walk = this->walk(static_cast<std::int32_t>(i), way, extinction, inside);
       const double share = walk.doubtful ? lampShareReference(*locator_, extinction, way)
                                          : (walk.dark ? 0 : std::exp(-walk.depth));
       shares[i] = static_cast<float>(share);

@@ -90,8 +90,8 @@ std::vector<SignPixel> signPixels(const Camera& camera, std::span<const Sign> si
     for (int x = 0; x < camera.width(); ++x) {
       const auto pixel = static_cast<std::size_t>(y) * camera.width() + x;
       Segment ray = camera.ray(x + 0.5, y + 0.5);
-      const double wall = opaqueDepth.empty() ? std::numeric_limits<double>::infinity()
-                                              : opaqueDepth[pixel];
+      const double wall =
+          opaqueDepth.empty() ? std::numeric_limits<double>::infinity() : opaqueDepth[pixel];
       ray.end = std::min(ray.end, wall * (1 + 1e-5) + kOnWall);
       std::optional<SignPixel> found;
       Place first;
@@ -101,8 +101,10 @@ std::vector<SignPixel> signPixels(const Camera& camera, std::span<const Sign> si
           continue;
         first = *place;
         ray.end = place->distance;
-        found = SignPixel{static_cast<std::int32_t>(pixel), static_cast<std::int32_t>(s),
-                          static_cast<float>(std::min(place->distance, wall)), {}};
+        found = SignPixel{static_cast<std::int32_t>(pixel),
+                          static_cast<std::int32_t>(s),
+                          static_cast<float>(std::min(place->distance, wall)),
+                          {}};
       }
       if (!found)
         continue;

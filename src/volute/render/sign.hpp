@@ -19,8 +19,8 @@ struct Sign {
   Vec3 normal = Vec3::UnitX();   ///< towards those who read it; any length > 0
   double width = 0.6;            ///< [m]
   double height = 0.3;           ///< [m]
-  double c = 3;    ///< at which optical depth it is no longer seen: 8 where it emits light, else 3
-  Image picture;   ///< linear RGB radiance, at least one pixel
+  double c = 3;   ///< at which optical depth it is no longer seen: 8 where it emits light, else 3
+  Image picture;  ///< linear RGB radiance, at least one pixel
 
   /// The directions of the picture's rows and columns, of unit length: right and down of one who
   /// reads it. Signs stand upright along z; those that lie have their top towards +y.

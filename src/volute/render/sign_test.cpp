@@ -81,8 +81,7 @@ TEST(Sign, HasNoBack) {
 }
 
 TEST(Sign, IsFoundFromAnyDirection) {
-  for (const Vec3& normal :
-       {Vec3(1, 2, 0.3), Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(-1, 0.1, -2)}) {
+  for (const Vec3& normal : {Vec3(1, 2, 0.3), Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(-1, 0.1, -2)}) {
     Sign sign = testSign();
     sign.normal = normal;
     const Vec3 eye = sign.position + 4 * normal.normalized();

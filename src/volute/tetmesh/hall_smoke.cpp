@@ -84,8 +84,7 @@ double inRoom(const Vec3& p, const Layers& layers, double time, double eddy) {
   const double away = std::hypot(p.x() - kSeat.x() - sway, p.y() - kSeat.y() - 0.7 * sway);
   const double column = 0.9 * ramp(time, 5) * std::exp(-0.5 * away * away / (width * width)) *
                         (1 + 0.6 * eddy) / (1 + 0.25 * height);
-  const double layer =
-      layers.roomDensity * step((height - layers.roomBottom + 0.35 * eddy) / 0.22);
+  const double layer = layers.roomDensity * step((height - layers.roomBottom + 0.35 * eddy) / 0.22);
   return column + layer * (1 + 0.35 * eddy);
 }
 
@@ -118,8 +117,7 @@ std::vector<float> hallSmoke(const TetMesh& hall, double time, std::uint32_t see
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3& p = hall.vertices()[i];
       const double eddy = std::clamp(eddies.at(p, time), -1.3, 1.3);
-      const double value =
-          p.x() > kWall ? inRoom(p, layers, time, eddy) : inHall(p, layers, eddy);
+      const double value = p.x() > kWall ? inRoom(p, layers, time, eddy) : inHall(p, layers, eddy);
       soot[i] = static_cast<float>(std::max(value - kClear, 0.0));
     }
   });

@@ -18,7 +18,7 @@ Result<SynthOptions> optionsOf(const Arguments& arguments) {
     options.kind = SynthKind::kSmoke;
   } else if (kind != "fire" && kind != "flame") {
     return fail(ErrorCode::kInvalidArgument,
-                "'{}' is unknown; expected fire, flame, smoke, valley or hall", kind);
+                "'{}' is unknown; expected fire, flame, smoke, valley, hall or ball", kind);
   }
   options.channels = kind == "flame" || arguments.flag("scalar") ? 1 : 3;
   options.size = arguments.get<int>("size");
@@ -61,6 +61,15 @@ Status runValley(const Arguments& arguments, Context& context) {
   return {};
 }
 
+Status runBall(const Arguments& arguments, Context& context) {
+  const auto target = arguments.get<std::string>("output");
+  VOLUTE_TRY(writeBall(target, static_cast<std::uint32_t>(arguments.get<int>("seed"))));
+  Report report;
+  report.add("output", target);
+  context.print(report);
+  return {};
+}
+
 /// Smoke on a mesh of tets.
 Status runHall(const Arguments& arguments, Context& context) {
   const auto target = arguments.get<std::string>("output");
@@ -79,6 +88,8 @@ Status runHall(const Arguments& arguments, Context& context) {
 Status run(const Arguments& arguments, Context& context) {
   if (arguments.positional(0) == "hall")
     return runHall(arguments, context);
+  if (arguments.positional(0) == "ball")
+    return runBall(arguments, context);
   if (arguments.positional(0) == "valley")
     return runValley(arguments, context);
   const auto target = arguments.get<std::string>("output");
@@ -125,15 +136,17 @@ Command synthesizeCommand() {
           "depth_%04d.exr and camera_%04d.json. The map's cells have a side of 512 m / size.\n\n"
           "hall is a hall of 28 x 12 x 6 m beside a room on fire, as a mesh of tets with the field "
           "soot [g/m3], a .vtu file for each of --frames (31) steps of --interval; for volute "
-          "render and volute visibility. It is made up, not simulated.",
-      .positionals = {{.name = "KIND", .help = "fire, flame, smoke, valley or hall"}},
+          "render and volute visibility. It is made up, not simulated. ball is a ball of the same "
+          "smoke "
+          "in a box, one .vtu file.",
+      .positionals = {{.name = "KIND", .help = "fire, flame, smoke, valley, hall or ball"}},
       .options = {{.name = "output",
                    .letter = 'o',
                    .kind = kFile,
                    .value = "OUT",
                    .help = ".npy, .volute, a pattern %04d.vdb or %04d.vti, or - for a .npy on "
                            "standard output; "
-                           "the valley's folder; the hall's .pvd",
+                           "the valley's folder; the hall's .pvd, the ball's .vtu",
                    .required = true},
                   {.name = "size",
                    .kind = kInteger,
@@ -167,7 +180,7 @@ Command synthesizeCommand() {
                    .kind = kNumber,
                    .value = "M",
                    .help = "size of the hall's cells [m]",
-                   .initial = "0.45",
+                   .initial = "0.4",
                    .least = 0.1,
                    .most = 2},
                   {.name = "interval",
