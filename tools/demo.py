@@ -20,6 +20,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import demo_errors
 import demo_page
 import demo_smoke
+import demo_visibility
 
 NBSP = "\u00a0"
 SEQUENCES = {
@@ -326,6 +327,8 @@ def main():
     cameras = demo.cameras()
     valley = demo.valley()
     smoke = demo_smoke.make(demo, say)
+    say("a building: from where its exit signs are seen")
+    signs = demo_visibility.chapter(demo)
     threads = results["fire"]["figures"]["threads"]
     page = {"title": "Volute",
             "subtitle": "Fire and smoke in 4D wavelet trees, fog painted on a map, and smoke as a person in it sees it",
@@ -335,7 +338,7 @@ def main():
             "sections": [films_section(results, options.frames, options.size), rate_distortion_section(results),
                          frame_rate_section(results, threads), *strip_section(results), zlib_section(results),
                          cameras_section(cameras), *fog_sections(valley),
-                         *demo_smoke.sections(smoke)]}
+                         *demo_smoke.sections(smoke), signs]}
     (options.out / "results.json").write_text(json.dumps(page, indent=1))
     done = demo_page.main([str(options.out)])
     if done:

@@ -12,8 +12,8 @@ std::span<const Command> commands() {
   static const std::vector<Command> table = {
       infoCommand(),       compressCommand(), extractCommand(),     compareCommand(),
       synthesizeCommand(), projectCommand(),  reconstructCommand(), joinCommand(),
-      renderCommand(),     fogCommand(),     benchCommand(),    helpCommand(),        manCommand(),
-      completionCommand(),
+      renderCommand(),     fogCommand(),      visibilityCommand(),  benchCommand(),
+      helpCommand(),       manCommand(),      completionCommand(),
   };
   return table;
 }

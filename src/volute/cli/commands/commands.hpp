@@ -21,5 +21,6 @@ Command reconstructCommand();
 Command renderCommand();
 Command fogCommand();
 Command synthesizeCommand();
+Command visibilityCommand();
 
 }  // namespace volute::cli
