@@ -146,7 +146,7 @@ Status ViewDocument::openScene(Progress& progress) {
   files_.emplace_back(path_);
   for (const SceneVolume& volume : scene.volumes)
     VOLUTE_TRY(addVolume(volume.file, volume.appearance, progress));
-  for (const FogDescription& fog : scene.fogs) VOLUTE_TRY(addFog(fog, scene.suns, progress));
+  for (const FogDescription& fog : scene.fogs) VOLUTE_TRY(addFog(fog, scene.lights.suns, progress));
   double last = 0;
   for (const VolumeLayer& layer : layers_)
     last = std::max(last, layer.timeOf(layer.info().frames - 1));
