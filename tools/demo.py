@@ -118,7 +118,7 @@ class Demo:
     def valley(self):
         """A frame of a made-up valley, fog of several kinds on it, and a flight."""
         say("valley: the frame without fog")
-        self.run("volute", "synthesize", "valley", "-o", "valley", "--pixels", "640x360", "--size", 64)
+        self.run("volute", "synthesize", "valley", "-o", "valley", "--pixels", "640x360", "--size", 64, "--geometry")
         self.run("volute", "synthesize", "valley", "-o", "coarse", "--pixels", "16x9", "--size", 32)
         say("valley: fog of every kind")
         for degree in (0, 1, 2):
@@ -130,7 +130,8 @@ class Demo:
         self.run("volute", "fog", "valley/fogmap.png", "--color", "valley/color.exr", "--depth", "valley/depth.exr",
                  "--camera", "valley/camera.json", "-o", "fog_none.png", "--sigma-max", 0, "--json")
         lit = self.fog("fog_sun.png", 2, "--sun=-0.45,-0.85,-0.42", "--sun-radiance", "3,2.3,1.5", "--asymmetry",
-                       0.6, "--fog-color", "0.28,0.33,0.40")
+                       0.6, "--fog-color", "0.28,0.33,0.40", "--geometry", "valley/valley.glb")
+        (self.out / "valley/valley.glb").unlink()
         say(f"valley: a flight of {FOG['frames']} frames")
         self.run("volute", "synthesize", "valley", "-o", "flight", "--pixels", "640x360", "--size", 64, "--frames", FOG["frames"])
         flight = self.run("volute", "fog", "flight/fogmap.png", "--color", "flight/color_%04d.png", "--depth",
@@ -204,7 +205,8 @@ def fog_sections(result):
                  {"file": "flight.mp4", "poster": "fog_sun.png", "label": "A flight",
                   "caption": f"{FOG['frames']} frames at {FOG['rate']} a second, degree 2, fog colour constant; a wind of 3{NBSP}m/s"},
                  {"file": "fog_sun.png", "label": "A low sun",
-                  "caption": "Degree 2; the sun's light is scattered once and shadowed by the fog itself (asymmetry 0.6)"},
+                  "caption": "Degree 2; the sun's light is scattered once and shadowed by the fog itself and, exactly, by the hills, trees and houses "
+                             "(asymmetry 0.6)"},
                  {"file": "fog_none.png", "label": "Without fog", "caption": "The frame that the fog is put on"},
                  {"file": "valley/fogmap.png", "label": "The painted map",
                   "caption": f"{size}{NBSP}m wide, north up; white is {FOG['sigma']}{NBSP}/m"}], "columns": 2}

@@ -7,11 +7,11 @@ import json
 NBSP = "\u00a0"
 SEED, INTERVAL, STEPS = 1, 5, 33
 MOMENTS = (10, 35, 50, 70, 100, 150)
-SIGN_MOMENTS = (40, 60, 80, 120)
-SPEED = 8
-SIZE = (640, 360)
+SIGN_MOMENTS = (60, 90, 110, 130)
+SPEED = 10
+SIZE, FILM = (640, 360), (480, 270)
 
-LAMPS = [{"kind": "spot", "position": [x, 6, 4.9], "target": [x, 6, 0], "angle": 360, "intensity": [36, 34, 30], "radius": 0.2}
+LAMPS = [{"kind": "spot", "position": [x, 6, 4.9], "target": [x, 6, 0], "angle": 360, "intensity": [28, 26, 23], "radius": 0.25}
          for x in (3.5, 14.5)]
 FIRE = {"kind": "spot", "position": [24.3, 6, 0.7], "target": [24.3, 6, 6], "angle": 360, "intensity": [34, 14, 4], "radius": 0.5}
 AMBIENT = {"kind": "ambient", "radiance": [0.05, 0.05, 0.055]}
@@ -27,11 +27,11 @@ SCENE = {
     "lights": [*LAMPS, FIRE, AMBIENT],
     "media": [{"kind": "smoke", "case": "hall.pvd", "field": "soot", "quantity": "soot-density", "unit": "g/m3", "mode": "photometric",
                "albedo": [0.5, 0.5, 0.5], "walls": [0.72, 0.70, 0.66]}],
-    "signs": [sign("emitting", 4.9, True), sign("reflecting", 7.1, False)]}
+    "signs": [sign("emitting", 5.35, True), sign("reflecting", 6.65, False)]}
 
 BALL = {
     "format": "volute-scene-1",
-    "camera": {"eye": [-4.4, -5.2, 3.4], "target": [0, 0.2, 1.1], "fov": 34, "size": [480, 360]},
+    "camera": {"eye": [-2.6, -2.8, 2.5], "target": [0.5, 0.4, 1.0], "fov": 58, "size": [480, 360]},
     "lights": [{"kind": "spot", "position": [-1.9, -0.6, 3.8], "target": [0.2, 0.1, 1.2], "angle": 64, "intensity": [30, 29, 27]},
                {"kind": "ambient", "radiance": [0.06, 0.06, 0.07]}],
     "media": [{"kind": "smoke", "case": "ball.vtu", "field": "soot", "quantity": "soot-density", "unit": "g/m3",
@@ -53,15 +53,16 @@ def make(demo, say):
     say("smoke: a hall on fire")
     demo.run("volute", "synthesize", "hall", "-o", "hall.pvd", "--frames", STEPS, "--interval", INTERVAL, "--seed", SEED)
     demo.run("volute", "synthesize", "ball", "-o", "ball.vtu")
-    close = {"eye": [8.9, 6, 1.7], "target": [20, 6, 3.1], "fov": 10, "size": [640, 200]}
+    close = {"eye": [8.9, 6, 1.7], "target": [20, 6, 3.1], "fov": 8, "size": [480, 200]}
     scenes = {"hall": SCENE, "threshold": changed(SCENE, "threshold"), "signs": changed(SCENE, "threshold", camera=close),
               "unlit": changed(SCENE, lights=[{"kind": "ambient", "radiance": [0.35, 0.35, 0.35]}]),
               "ball": BALL, "ball_unlit": changed(BALL, lights=[{"kind": "ambient", "radiance": [0.35, 0.35, 0.35]}])}
     for name, scene in scenes.items():
         (demo.out / f"smoke_{name}.json").write_text(json.dumps(scene, indent=1))
 
-    def still(scene, out, time, *more):
-        return demo.run("volute", "render", f"smoke_{scene}.json", "-o", out, "--time", time, "--exposure", 1, "--cache", "light", *more, "--json")
+    def still(scene, out, time, *more, exposure=1):
+        return demo.run("volute", "render", f"smoke_{scene}.json", "-o", out, "--time", time, "--exposure", exposure, "--cache", "light", *more,
+                        "--json")
 
     say("smoke: stills")
     for time in MOMENTS:
@@ -72,9 +73,9 @@ def make(demo, say):
     still("unlit", "smoke_unlit.png", MOMENTS[3])
     still("ball", "smoke_ball.png", 0)
     still("ball_unlit", "smoke_ball_unlit.png", 0)
-    depth = still("hall", "smoke_depth.png", MOMENTS[3], "--aov", "optical-depth", "--exposure", 1 / 8, "--colormap", "viridis", "--legend")
+    depth = still("hall", "smoke_depth.png", MOMENTS[3], "--aov", "optical-depth", "--colormap", "viridis", "--legend", exposure=1 / 8)
     say("smoke: the film")
-    film = demo.run("volute", "render", "smoke_hall.json", "-o", "smoke.mp4", "--speed", SPEED, "--exposure", 1, "--cache", "light",
+    film = demo.run("volute", "render", "smoke_hall.json", "-o", "smoke.mp4", "--size", f"{FILM[0]}x{FILM[1]}", "--speed", SPEED, "--exposure", 1, "--cache", "light",
                     "--legend", "--json")
     return {"film": film, "depth": depth}
 
@@ -89,7 +90,7 @@ def sections(result):
                       "density at their corners. `volute render` integrates extinction and scattered light exactly in each "
                       "tetrahedron. Lamps below the ceiling and the fire light the smoke and the walls through the smoke.",
                       f"Extinction is Km times the soot density, Km = 8700{NBSP}m²/kg; {look}."],
-             "facts": [{"value": f"{milliseconds:.0f}{NBSP}ms", "label": f"a picture of the film, {SIZE[0]} × {SIZE[1]}, walls and signs included"},
+             "facts": [{"value": f"{milliseconds:.0f}{NBSP}ms", "label": f"a picture of the film, {FILM[0]} × {FILM[1]}, walls and signs included"},
                        {"value": f"{film['smoke']['lights_reused']} of {film['smoke']['lights_computed'] + film['smoke']['lights_reused']}",
                         "label": "lamps and steps whose light was kept from pictures before"}],
              "figures": [{"file": "smoke.mp4", "poster": "smoke_70.png", "label": "From ignition to 160 s",

@@ -265,7 +265,8 @@ Result<SmokeDescription> smokeOf(const std::string& file, const Arguments& argum
 
 bool isSmokeCase(const std::string& path) {
   const std::string extension = extensionOf(path);
-  if (extension == ".vtu")
+  constexpr std::string_view kMeshes[] = {".vtu", ".case", ".e", ".ex2", ".exo", ".exii", ".foam"};
+  if (std::ranges::find(kMeshes, extension) != std::end(kMeshes))
     return true;
   if (extension != ".pvd")
     return false;

@@ -50,10 +50,9 @@ Segment Lamp::towards(const Vec3& point) const {
 }
 
 void Lamp::addTo(ContentHash& hash) const {
-  hash.add(kind == Kind::kSun ? 1.0 : 0.0);
-  hash.add(std::span<const double>(position.data(), 3));
-  hash.add(std::span<const double>(direction.data(), 3));
-  hash.add(coneCosine);
+  const bool sun = kind == Kind::kSun;
+  hash.add(sun ? 1.0 : 0.0);
+  hash.add(std::span<const double>(sun ? direction.data() : position.data(), 3));
 }
 
 }  // namespace volute

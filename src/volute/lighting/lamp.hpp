@@ -34,7 +34,7 @@ struct Lamp {
   /// From a point to the lamp; endless towards the sun. Empty at the lamp itself.
   Segment towards(const Vec3& point) const;
 
-  /// Adds all that decides where its light goes, its colour and power apart.
+  /// Adds all that decides which ways its light takes: its colour, power and cone do not.
   void addTo(ContentHash& hash) const;
 };
 

@@ -133,10 +133,7 @@ std::vector<float> LampPaths::shares(std::span<const float> extinction, const La
     std::vector<Segment> ways;
     std::vector<std::size_t> lit;
     for (std::size_t i = begin; i < end; ++i) {
-      const Vec3& point = mesh.vertices()[i];
-      if (lamp.irradiance(point).isZero(0))
-        continue;
-      const Segment way = lamp.towards(point);
+      const Segment way = lamp.towards(mesh.vertices()[i]);
       const Walk walk = this->walk(static_cast<std::int32_t>(i), way, extinction, inside);
       const double share = walk.doubtful ? lampShareReference(*locator_, extinction, way)
                                          : (walk.dark ? 0 : std::exp(-walk.depth));

@@ -13,8 +13,9 @@
 namespace volute {
 
 /// How much of a lamp's light comes to each vertex of a mesh through the smoke: e^-depth of the
-/// straight way, exact for the field; 0 in the lamp's dark, where a wall is in the way, and outside
-/// of its cone. Staubli et al. 2005, section 4.3, read it off a picture from the lamp instead.
+/// straight way, exact for the field; 0 where a wall is in the way. A lamp's cone is not in it: its
+/// edge is sharper than the mesh. Staubli et al. 2005, section 4.3, read it off a picture from the
+/// lamp instead.
 ///
 /// Walls are what the light would have to leave the mesh for and enter it again, so that a lamp may
 /// stand outside; and what `blocks` says.

@@ -103,10 +103,6 @@ TEST(LampPaths, AgreeWithARayForEachVertex) {
     int compared = 0, lit = 0, dark = 0;
     for (std::size_t i = 0; i < shares.size(); i += 6) {
       const Vec3& point = hall().mesh->vertices()[i];
-      if (lamp.irradiance(point).isZero(0)) {
-        EXPECT_EQ(shares[i], 0);
-        continue;
-      }
       const Segment way = lamp.towards(point);
       if (way.empty())
         continue;
@@ -133,8 +129,6 @@ TEST(LampPaths, AgreeWithTheirTwinEverywhere) {
     int different = 0;
     for (std::size_t i = 0; i < shares.size(); i += 2) {
       const Vec3& point = hall().mesh->vertices()[i];
-      if (lamp.irradiance(point).isZero(0))
-        continue;
       const double twin =
           lampShareReference(*hall().locator, hall().extinction, lamp.towards(point));
       different += !(std::abs(shares[i] - twin) <= 1e-6);

@@ -67,8 +67,8 @@ struct Layers {
     roomDensity = 0.3 * ramp(time, 35);
     const double outflow = time - 22;  // since the layer came down to the lintel
     reach = 0.75 * std::max(outflow, 0.0) - 1;
-    hallDepth = 0.35 + 3.6 * ramp(outflow - 5, 75);
-    hallDensity = 0.055 * ramp(outflow, 50);
+    hallDepth = 0.35 + 4.3 * ramp(outflow - 5, 75);
+    hallDensity = 0.08 * ramp(outflow, 50);
     jet = ramp(outflow, 6);
   }
 
