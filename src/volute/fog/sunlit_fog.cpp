@@ -32,8 +32,9 @@ using Shadows = std::vector<std::vector<Interval>>;  // of each sun
 std::vector<double> edgesWithin(const Shadows& shadows, double begin, double end) {
   std::vector<double> edges;
   for (const auto& dark : shadows) {
-    for (const Interval& part : dark) {
-      for (double edge : {part.begin, part.end}) {
+    auto part = std::ranges::upper_bound(dark, begin, {}, &Interval::end);
+    for (; part != dark.end() && part->begin < end; ++part) {
+      for (double edge : {part->begin, part->end}) {
         if (edge > begin && edge < end)
           edges.push_back(edge);
       }
