@@ -89,6 +89,11 @@ class Fds(Visibility):
             blocked += row["blocked"]
         self.assertTrue(50 < blocked < len(rows) - 50)
         self.assertEqual(self.report()["signs"][1]["C"], 8)
+        # A single time looks along each line itself; several work the lines out once.
+        once = self.look(self.path("case.smv"), self.path("signs.json"), "--eyes", self.path("eyes.csv"), "--frames", "1:2",
+                         output="once")
+        for one, row in zip(once, rows[len(rows) // 2:], strict=True):
+            self.assertLess(abs(one["optical_depth"] - row["optical_depth"]), 1e-6 * row["optical_depth"])
 
     def test_an_obstruction_that_goes_opens_the_view(self):
         case = self.two_meshes((0.0, 10.0, 20.0), [(0, 0, 8.0, False), (1, 0, 15.0, False)])
@@ -178,6 +183,17 @@ class Plan(Visibility):
         report = self.report()
         self.assertEqual({v for row in report["aset_local"]["rows"] for v in row}, {30.0, None})
         self.assertEqual((self.path("out") / "aset.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+
+    def test_a_rule_that_nobody_looked_up_says_so(self):
+        for name, checked, extinction in (("large-room", False, 0.3), ("aset-rset-maps", True, 0.23)):
+            self.look(self.case(range(0, 30, 2)), self.signs_of_hall(), "--height", 2, "--step", 2, "--maps", "aset",
+                      "--sight-limit", name, output=name)
+            report = self.report(name)
+            self.assertEqual(any("not checked" in remark for remark in report["remarks"]), not checked)
+            self.assertEqual("not checked" in (self.path(name) / "report.html").read_text(), not checked)
+            self.assertAlmostEqual(report["aset_local"]["extinction"], extinction, 6)
+            first = 2 * math.ceil(extinction / 0.04 - 1e-9)
+            self.assertEqual({v for row in report["aset_local"]["rows"] for v in row}, {float(first)})
 
     def test_a_route_is_covered_less_and_less(self):
         self.path("route.csv").write_text("x,y\n2,2\n9,2\n19,2\n")

@@ -69,6 +69,16 @@ Result<double> extinctionLimit(const Arguments& arguments) {
   return law.c / limit.distance;
 }
 
+/// What a rule's limit is, where it comes from, and whether that was looked up.
+std::string limitRemark(const std::string& name, double extinction) {
+  const auto limit = sightLimit(name).value_or(SightLimit{});
+  return fmt::format("sight limit {}: K = {:.4g} 1/m where one stands ({}{})", name, extinction,
+                     limit.source,
+                     limit.checked ? ""
+                                   : "; this source was not checked: look it up before you rely on "
+                                     "it");
+}
+
 Status run(const Arguments& arguments, Context& context) {
   SurveyRequest request;
   request.casePath = arguments.positional(0);
@@ -83,15 +93,10 @@ Status run(const Arguments& arguments, Context& context) {
   request.survey.maps = arguments.get<std::string>("maps") == "all";
   VOLUTE_ASSIGN(request.survey.extinctionLimit, extinctionLimit(arguments));
   VOLUTE_ASSIGN(const auto watch, watchOf(arguments));
-  if (const auto name = arguments.find<std::string>("sight-limit")) {
-    const auto limit = *sightLimit(*name);
-    context.progress.remark(fmt::format(
-        "sight limit {}: K = {:.4g} 1/m where one stands ({}{})", name.value(),
-        request.survey.extinctionLimit, limit.source,
-        limit.checked ? "" : "; this source was not checked: look it up before you rely on it"));
-  }
   Context::watch(request.output);
   VOLUTE_ASSIGN(auto sightCase, openSightCase(request.casePath, arguments, context));
+  if (const auto name = arguments.find<std::string>("sight-limit"))
+    sightCase.remarks.push_back(limitRemark(*name, request.survey.extinctionLimit));
   return runSurvey(std::move(request), sightCase, *watch, context);
 }
 

@@ -13,6 +13,7 @@ namespace volute::cli {
 namespace {
 
 constexpr const char* kMark = "visibility.json";
+constexpr std::uint64_t kMostLines = std::uint64_t{512} << 20;  // bytes of worked-out sight lines
 
 /// Passes everything on, and keeps the remarks for the report.
 class RemarkLog final : public Progress {
@@ -130,6 +131,7 @@ class Job {
         case_(sightCase),
         watch_(watch),
         log_(context.progress),
+        lookout_(std::min(context.maxMemory / 4, kMostLines)),
         survey_(request_.survey) {}
 
   Status run(Context& context) {
@@ -164,7 +166,7 @@ class Job {
     }
     const auto eyes = watch_.eyes(time);
     sightings_.resize(eyes.size() * survey_.signs.size());
-    lookAround(*instant, survey_.signs, eyes, sightings_);
+    lookout_.look(*instant, survey_.signs, eyes, sightings_, survey_.times.size() > 1);
     const Moment moment{time, *instant, eyes, sightings_};
     VOLUTE_TRY(csv.write(time, eyes, survey_.signs, sightings_));
     summary_.push_back(summaryOf(moment, survey_));
@@ -223,6 +225,7 @@ class Job {
   SightCase& case_;
   Watch& watch_;
   RemarkLog log_;
+  Lookout lookout_;
   Survey survey_;
   std::vector<Sighting> sightings_;
   Json summary_ = Json::array();
