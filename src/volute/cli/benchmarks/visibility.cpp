@@ -206,6 +206,8 @@ Result<std::vector<BenchRow>> benchVisibility(const BenchInput&, Progress& progr
   std::vector<BenchRow> rows;
   rows.push_back({fmt::format("{} maps of {} x {} points, 3 signs", kTimes, kNx, kNy), seconds, "s",
                   plain ? std::optional(*plain / seconds) : std::nullopt});
+  rows.push_back({"the same, along each line anew each time", direct, "s",
+                  plain ? std::optional(*plain / direct) : std::nullopt});
   rows.push_back(
       {"sight lines, exact through every cell", 1e-6 * lines / seconds, "million/s", std::nullopt});
   if (!plain) {
