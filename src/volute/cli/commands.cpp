@@ -12,7 +12,11 @@ std::span<const Command> commands() {
   static const std::vector<Command> table = {
       infoCommand(),       compressCommand(), extractCommand(),     compareCommand(),
       synthesizeCommand(), projectCommand(),  reconstructCommand(), joinCommand(),
-      renderCommand(),     fogCommand(),      visibilityCommand(),  benchCommand(),
+      renderCommand(),     fogCommand(),      visibilityCommand(),  
+#ifdef VOLUTE_WITH_VIEWER
+      viewCommand(),
+#endif
+      benchCommand(),
       helpCommand(),       manCommand(),      completionCommand(),
   };
   return table;

@@ -9,8 +9,8 @@
 
 namespace volute {
 
-/// Letters of 5 x 8 dots in cells of 6 x 9, printable ASCII; anything else is drawn as '?'. Each dot
-/// is a square of `scale` pixels.
+/// Letters of 5 x 8 dots in cells of 6 x 9, printable ASCII; anything else is drawn as '?'. Each
+/// dot is a square of `scale` pixels.
 struct TextSize {
   int width = 0, height = 0;  ///< [pixels], without the gap after the last letter
 };

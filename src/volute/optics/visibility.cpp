@@ -88,6 +88,10 @@ Result<PictureMode> pictureMode(std::string_view name) {
       name);
 }
 
+double PictureLaw::factor() const {
+  return mode == PictureMode::kPhotometric ? 1 : std::numbers::ln10 / c;
+}
+
 double photometricTransmittance(double depth) {
   return std::exp(-depth);
 }

@@ -53,6 +53,16 @@ enum class PictureMode {
 std::string_view nameOf(PictureMode mode);
 [[nodiscard]] Result<PictureMode> pictureMode(std::string_view name);
 
+/// What everything in one picture is seen through, signs apart, which have a C of their own.
+struct PictureLaw {
+  PictureMode mode = PictureMode::kPhotometric;
+  double c = 3;  ///< of threshold mode
+
+  /// The picture's transmittance is e^(-factor depth): 1, or ln 10 / C.
+  double factor() const;
+  bool operator==(const PictureLaw&) const = default;
+};
+
 /// The share of light that passes an optical depth (natural logarithm).
 double photometricTransmittance(double depth);
 
