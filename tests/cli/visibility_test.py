@@ -240,7 +240,7 @@ class Tetrahedra(Visibility):
         rows = self.look(self.path("hall.vtu"), signs, "--eyes", eyes, "--quantity", "extinction", output="c")
         self.assertLess(abs(rows[0]["mean_extinction"] - 0.021), 1e-6)
         # Without a quantity nobody knows what the numbers are.
-        self.assertIn("--quantity is missing", self.fails(2, "visibility", self.path("hall.vtu"), "--signs", signs,
+        self.assertIn("--quantity: is missing", self.fails(2, "visibility", self.path("hall.vtu"), "--signs", signs,
                                                           "--eyes", eyes, "-o", self.path("d")))
 
     def test_a_series_over_time(self):
@@ -253,6 +253,20 @@ class Tetrahedra(Visibility):
         self.assertEqual(rows[1][0], 10)
         self.assertIsNone(rows[1][9])
         self.assertEqual(self.report()["signs"][0]["law"], "custom")
+
+
+    def test_pictures_of_what_is_seen(self):
+        sight_cases.write_vtu(self.path("hall.vtu"), (10, 4, 3), (5, 2, 2), lambda x, y, z: 0.05 * z)
+        self.look(self.path("hall.vtu"), self.signs({"name": "s", "position": [10, 2, 2], "normal": [-1, 0, 0]}),
+                  "--quantity", "extinction", "--height", 1.5, "--step", 1, "--maps", "aset", "--picture", "1,2,1.7")
+        report = self.report()
+        self.assertEqual([(p["mode"], p["sign"]) for p in report["pictures"]], [("photometric", "s"), ("threshold", "s")])
+        first, second = ((self.path("out") / p["file"]).read_bytes() for p in report["pictures"])
+        self.assertEqual(struct.unpack(">II", first[16:24]), (640, 400))
+        self.assertNotEqual(first, second)
+        # The scene is there to be rendered again.
+        self.works("render", self.path("out") / "views/view_1.json", "-o", self.path("again.png"), "--size", "64x40",
+                   "--cache", "none")
 
 
 class Damage(Visibility):
