@@ -89,6 +89,11 @@ class Fds(Visibility):
             blocked += row["blocked"]
         self.assertTrue(50 < blocked < len(rows) - 50)
         self.assertEqual(self.report()["signs"][1]["C"], 8)
+        # A single time looks along each line itself; several work the lines out once.
+        once = self.look(self.path("case.smv"), self.path("signs.json"), "--eyes", self.path("eyes.csv"), "--frames", "1:2",
+                         output="once")
+        for one, row in zip(once, rows[len(rows) // 2:], strict=True):
+            self.assertLess(abs(one["optical_depth"] - row["optical_depth"]), 1e-6 * row["optical_depth"])
 
     def test_an_obstruction_that_goes_opens_the_view(self):
         case = self.two_meshes((0.0, 10.0, 20.0), [(0, 0, 8.0, False), (1, 0, 15.0, False)])
@@ -179,6 +184,17 @@ class Plan(Visibility):
         self.assertEqual({v for row in report["aset_local"]["rows"] for v in row}, {30.0, None})
         self.assertEqual((self.path("out") / "aset.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
 
+    def test_a_rule_that_nobody_looked_up_says_so(self):
+        for name, checked, extinction in (("large-room", False, 0.3), ("aset-rset-maps", True, 0.23)):
+            self.look(self.case(range(0, 30, 2)), self.signs_of_hall(), "--height", 2, "--step", 2, "--maps", "aset",
+                      "--sight-limit", name, output=name)
+            report = self.report(name)
+            self.assertEqual(any("not checked" in remark for remark in report["remarks"]), not checked)
+            self.assertEqual("not checked" in (self.path(name) / "report.html").read_text(), not checked)
+            self.assertAlmostEqual(report["aset_local"]["extinction"], extinction, 6)
+            first = 2 * math.ceil(extinction / 0.04 - 1e-9)
+            self.assertEqual({v for row in report["aset_local"]["rows"] for v in row}, {float(first)})
+
     def test_a_route_is_covered_less_and_less(self):
         self.path("route.csv").write_text("x,y\n2,2\n9,2\n19,2\n")
         rows = self.look(self.case(), self.signs({"name": "exit", "position": [20, 2, 2], "normal": [-1, 0, 0]}),
@@ -224,7 +240,7 @@ class Tetrahedra(Visibility):
         rows = self.look(self.path("hall.vtu"), signs, "--eyes", eyes, "--quantity", "extinction", output="c")
         self.assertLess(abs(rows[0]["mean_extinction"] - 0.021), 1e-6)
         # Without a quantity nobody knows what the numbers are.
-        self.assertIn("--quantity is missing", self.fails(2, "visibility", self.path("hall.vtu"), "--signs", signs,
+        self.assertIn("--quantity: is missing", self.fails(2, "visibility", self.path("hall.vtu"), "--signs", signs,
                                                           "--eyes", eyes, "-o", self.path("d")))
 
     def test_a_series_over_time(self):
@@ -237,6 +253,20 @@ class Tetrahedra(Visibility):
         self.assertEqual(rows[1][0], 10)
         self.assertIsNone(rows[1][9])
         self.assertEqual(self.report()["signs"][0]["law"], "custom")
+
+
+    def test_pictures_of_what_is_seen(self):
+        sight_cases.write_vtu(self.path("hall.vtu"), (10, 4, 3), (5, 2, 2), lambda x, y, z: 0.05 * z)
+        self.look(self.path("hall.vtu"), self.signs({"name": "s", "position": [10, 2, 2], "normal": [-1, 0, 0]}),
+                  "--quantity", "extinction", "--height", 1.5, "--step", 1, "--maps", "aset", "--picture", "1,2,1.7")
+        report = self.report()
+        self.assertEqual([(p["mode"], p["sign"]) for p in report["pictures"]], [("photometric", "s"), ("threshold", "s")])
+        first, second = ((self.path("out") / p["file"]).read_bytes() for p in report["pictures"])
+        self.assertEqual(struct.unpack(">II", first[16:24]), (640, 400))
+        self.assertNotEqual(first, second)
+        # The scene is there to be rendered again.
+        self.works("render", self.path("out") / "views/view_1.json", "-o", self.path("again.png"), "--size", "64x40",
+                   "--cache", "none")
 
 
 class Damage(Visibility):

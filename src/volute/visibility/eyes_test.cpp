@@ -113,5 +113,44 @@ TEST(Trajectories, DamageIsNamed) {
   EXPECT_THAT(message("#framerate: 8\n"), HasSubstr("nobody"));
 }
 
+/// Calls check for a text with every bit flipped once, and for every beginning of it.
+template <class Check>
+void forEachDamage(const std::string& text, Check&& check) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    check(text.substr(0, i));
+    for (int bit = 0; bit < 8; ++bit) {
+      std::string damaged = text;
+      damaged[i] = static_cast<char>(damaged[i] ^ (1 << bit));
+      check(damaged);
+    }
+  }
+}
+
+TEST(Damage, NoFlippedBitGivesAPlaceThatIsNone) {
+  int read = 0, refused = 0;
+  const auto count = [&](const auto& result) { ++(result ? read : refused); };
+  forEachDamage("route,x,y,z\na,1.5,2,-3e1\na,4,5.25,6\n", [&](const std::string& text) {
+    const auto points = parsePoints(text, "d.csv", 1.8);
+    count(points);
+    if (!points)
+      return;
+    for (const NamedPoint& point : *points) ASSERT_TRUE(point.position.allFinite());
+    if (const auto routes = routesOf(*points, "d.csv"))
+      ASSERT_GT((*routes)[0].length(), 0);
+  });
+  forEachDamage("#framerate: 8.00\n#ID frame x/m y/m z/m\n1 0 1.5 2 0\n1 8 3 4 0\n",
+                [&](const std::string& text) {
+                  const auto people = Trajectories::parse(text, "d.txt", {});
+                  count(people);
+                  if (!people)
+                    return;
+                  for (const double time : {0.0, 0.5, 1.0, people->end()}) {
+                    for (const auto& person : people->at(time)) ASSERT_TRUE(person.eye.allFinite());
+                  }
+                });
+  EXPECT_GT(read, 100);
+  EXPECT_GT(refused, 100);
+}
+
 }  // namespace
 }  // namespace volute

@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -43,6 +45,35 @@ enum class Place : unsigned char {
   kOutside,  ///< the field does not reach here
 };
 
+/// One of a field's stored values, and how much it counts in an optical depth [m].
+struct SightWeight {
+  std::uint32_t value = 0;
+  float weight = 0;
+};
+
+/// Adds to a value's weight if it is among the last few, else appends it. `first` is where the
+/// line's weights begin. Neighbouring cells share corners.
+inline void addWeight(std::vector<SightWeight>& weights, std::size_t first, std::uint32_t value,
+                      double weight) {
+  constexpr std::size_t kRecent = 12;
+  if (weight == 0)
+    return;
+  const std::size_t from = std::max(first, weights.size() - std::min(weights.size(), kRecent));
+  for (std::size_t i = weights.size(); i-- > from;) {
+    if (weights[i].value == value) {
+      weights[i].weight += static_cast<float>(weight);
+      return;
+    }
+  }
+  weights.push_back({value, static_cast<float>(weight)});
+}
+
+/// The stored values [1/m]; `low` and `high` are empty when they are exact.
+struct SightData {
+  std::span<const float> value;
+  std::span<const float> low, high;
+};
+
 /// Smoke and obstructions at one stored time. All calls are const and thread-safe.
 class SightInstant {
  public:
@@ -56,6 +87,19 @@ class SightInstant {
 
   /// K at each point [1/m]; NaN where the field does not reach or something solid stands.
   virtual void extinction(std::span<const Vec3> points, std::span<double> extinction) const = 0;
+
+  /// Optical depths are linear in the stored values. Instants of one field with the same geometry()
+  /// have the same weights: lines are worked out once and then summed at each time. 0: this field
+  /// has none.
+  virtual std::uint64_t geometry() const { return 0; }
+
+  /// Appends the weights of a line; sets `covered` and `blocked` of the sight.
+  virtual void weigh(const SightLine& line, std::vector<SightWeight>& weights, Sight& sight) const {
+    (void)line, (void)weights, (void)sight;
+  }
+
+  /// What the weights are of.
+  virtual SightData data() const { return {}; }
 };
 
 /// Smoke over time.

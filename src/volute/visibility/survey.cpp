@@ -3,6 +3,8 @@
 #include "volute/visibility/survey.hpp"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <limits>
 
 #include "volute/base/assert.hpp"
@@ -15,6 +17,20 @@ namespace {
 constexpr double kFace = 1e-4;
 /// The farthest that a sign is moved, and in what steps [m].
 constexpr double kReach = 0.5, kStride = 0.01;
+
+constexpr std::size_t kBatch = 64;  // lines
+
+/// Calls body(sign, first eye, eyes, batch): all lines in batches, those of one sign together.
+template <class Body>
+void forEachBatch(std::size_t signs, std::size_t eyes, Body&& body) {
+  const std::size_t batches = (eyes + kBatch - 1) / kBatch;
+  parallelRanges(signs * batches, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      const std::size_t first = b % batches * kBatch;
+      body(b / batches, first, std::min(kBatch, eyes - first), b);
+    }
+  });
+}
 
 Place placeAt(const SightInstant& instant, const Vec3& point) {
   Place place{};
@@ -62,21 +78,82 @@ Result<std::vector<SightTarget>> placeSigns(const SightInstant& instant,
 void lookAround(const SightInstant& instant, std::span<const SightTarget> signs,
                 std::span<const Vec3> eyes, std::span<Sighting> out) {
   VOLUTE_ASSERT(out.size() == signs.size() * eyes.size());
-  constexpr std::size_t kBatch = 64;
-  const std::size_t batches = (eyes.size() + kBatch - 1) / kBatch;
-  // One sign after the other: neighbouring lines run through the same cells.
-  parallelRanges(signs.size() * batches, 1, [&](std::size_t begin, std::size_t end) {
-    std::vector<SightLine> lines(kBatch);
-    std::vector<Sight> sights(kBatch);
-    for (std::size_t b = begin; b < end; ++b) {
-      const std::size_t s = b / batches, first = b % batches * kBatch;
-      const std::size_t count = std::min(kBatch, eyes.size() - first);
-      for (std::size_t i = 0; i < count; ++i) lines[i] = {eyes[first + i], signs[s].target};
-      instant.look(std::span(lines).first(count), std::span(sights).first(count));
-      for (std::size_t i = 0; i < count; ++i)
-        out[s * eyes.size() + first + i] = judge(signs[s].sign, lines[i].eye, sights[i]);
-    }
-  });
+  forEachBatch(signs.size(), eyes.size(),
+               [&](std::size_t s, std::size_t first, std::size_t count, std::size_t) {
+                 std::vector<SightLine> lines(count);
+                 std::vector<Sight> sights(count);
+                 for (std::size_t i = 0; i < count; ++i)
+                   lines[i] = {eyes[first + i], signs[s].target};
+                 instant.look(lines, sights);
+                 for (std::size_t i = 0; i < count; ++i)
+                   out[s * eyes.size() + first + i] = judge(signs[s].sign, lines[i].eye, sights[i]);
+               });
+}
+
+void Lookout::look(const SightInstant& instant, std::span<const SightTarget> signs,
+                   std::span<const Vec3> eyes, std::span<Sighting> out, bool again) {
+  VOLUTE_ASSERT(out.size() == signs.size() * eyes.size());
+  const bool worth = again && instant.geometry() != 0 && instant.geometry() != tooLarge_;
+  if (fits(instant, eyes) || (worth && workOut(instant, signs, eyes)))
+    sum(instant, signs, eyes, out);
+  else
+    lookAround(instant, signs, eyes, out);
+}
+
+bool Lookout::fits(const SightInstant& instant, std::span<const Vec3> eyes) const {
+  return geometry_ != 0 && instant.geometry() == geometry_ && std::ranges::equal(eyes, eyes_);
+}
+
+bool Lookout::workOut(const SightInstant& instant, std::span<const SightTarget> signs,
+                      std::span<const Vec3> eyes) {
+  std::atomic<std::uint64_t> bytes{0};
+  batches_.assign(signs.size() * ((eyes.size() + kBatch - 1) / kBatch), {});
+  forEachBatch(signs.size(), eyes.size(),
+               [&](std::size_t s, std::size_t first, std::size_t count, std::size_t b) {
+                 if (bytes > maxBytes_)
+                   return;
+                 Batch& batch = batches_[b];
+                 for (std::size_t i = 0; i < count; ++i) {
+                   instant.weigh({eyes[first + i], signs[s].target}, batch.weights,
+                                 batch.sights.emplace_back());
+                   batch.ends.push_back(static_cast<std::uint32_t>(batch.weights.size()));
+                 }
+                 batch.weights.shrink_to_fit();
+                 bytes += batch.weights.size() * sizeof(SightWeight) + count * sizeof(Sight);
+               });
+  const bool kept = bytes <= maxBytes_;
+  geometry_ = kept ? instant.geometry() : 0;
+  tooLarge_ = kept ? tooLarge_ : instant.geometry();
+  eyes_.assign(eyes.begin(), eyes.end());
+  if (!kept)
+    batches_ = {};
+  return kept;
+}
+
+void Lookout::sum(const SightInstant& instant, std::span<const SightTarget> signs,
+                  std::span<const Vec3> eyes, std::span<Sighting> out) const {
+  const SightData data = instant.data();
+  const auto dot = [](std::span<const SightWeight> weights, std::span<const float> values) {
+    double sum = 0;
+    for (const SightWeight& weight : weights)
+      sum += static_cast<double>(weight.weight) * values[weight.value];
+    return sum;
+  };
+  forEachBatch(signs.size(), eyes.size(),
+               [&](std::size_t s, std::size_t first, std::size_t count, std::size_t b) {
+                 const Batch& batch = batches_[b];
+                 std::uint32_t begin = 0;
+                 for (std::size_t i = 0; i < count; ++i) {
+                   const auto weights =
+                       std::span(batch.weights).subspan(begin, batch.ends[i] - begin);
+                   begin = batch.ends[i];
+                   Sight sight = batch.sights[i];
+                   sight.depth = dot(weights, data.value);
+                   sight.low = data.low.empty() ? sight.depth : dot(weights, data.low);
+                   sight.high = data.high.empty() ? sight.depth : dot(weights, data.high);
+                   out[s * eyes.size() + first + i] = judge(signs[s].sign, eyes[first + i], sight);
+                 }
+               });
 }
 
 LossTimes::LossTimes(std::size_t places)

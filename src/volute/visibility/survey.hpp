@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,39 @@ struct SightTarget {
 /// @param out  shape (sign, eye), eye fastest.
 void lookAround(const SightInstant& instant, std::span<const SightTarget> signs,
                 std::span<const Vec3> eyes, std::span<Sighting> out);
+
+/// Looks again and again from the same eyes, while smoke changes and obstructions mostly stay:
+/// works the lines out once and keeps them, as far as memory allows.
+class Lookout {
+ public:
+  /// Keeps at most `maxBytes` of worked-out lines; more are looked along anew each time.
+  explicit Lookout(std::uint64_t maxBytes) : maxBytes_(maxBytes) {}
+
+  /// As lookAround(), to float precision.
+  /// @param again  whether there will be another call; a single look keeps nothing.
+  void look(const SightInstant& instant, std::span<const SightTarget> signs,
+            std::span<const Vec3> eyes, std::span<Sighting> out, bool again);
+
+ private:
+  /// Lines that are worked out and summed together.
+  struct Batch {
+    std::vector<SightWeight> weights;
+    std::vector<std::uint32_t> ends;  ///< of each line's weights
+    std::vector<Sight> sights;        ///< covered, blocked
+  };
+
+  bool fits(const SightInstant& instant, std::span<const Vec3> eyes) const;
+  bool workOut(const SightInstant& instant, std::span<const SightTarget> signs,
+               std::span<const Vec3> eyes);
+  void sum(const SightInstant& instant, std::span<const SightTarget> signs,
+           std::span<const Vec3> eyes, std::span<Sighting> out) const;
+
+  std::uint64_t maxBytes_;
+  std::uint64_t geometry_ = 0;  // of the lines that are kept; 0: none
+  std::uint64_t tooLarge_ = 0;  // the geometry whose lines did not fit
+  std::vector<Vec3> eyes_;
+  std::vector<Batch> batches_;
+};
 
 /// The first stored times at which something is no longer so, for many places [s]; infinite where
 /// it always is.

@@ -41,15 +41,6 @@ class TetRay {
     slope_[0] = -slope_[1] - slope_[2] - slope_[3];
   }
 
-  /// The field along the ray: c0 + c1 s.
-  void field(const float* values, const Tet& tet, double& c0, double& c1) const {
-    c0 = c1 = 0;
-    for (int k = 0; k < 4; ++k) {
-      c0 += share_[k] * values[tet[k]];
-      c1 += slope_[k] * values[tet[k]];
-    }
-  }
-
   /// The nearest face ahead; `across` is -1 when two are equally near, so that the way on is
   /// not sure.
   Exit exit() const {
@@ -84,8 +75,9 @@ Segment segmentOf(const SightLine& line) {
 
 }  // namespace
 
-TetInstant::TetInstant(std::shared_ptr<const TetLocator> locator, std::vector<float> extinction)
-    : locator_(std::move(locator)), extinction_(std::move(extinction)) {
+TetInstant::TetInstant(std::shared_ptr<const TetLocator> locator, std::vector<float> extinction,
+                       std::uint64_t geometry)
+    : locator_(std::move(locator)), extinction_(std::move(extinction)), geometry_(geometry) {
   VOLUTE_ASSERT(extinction_.size() == locator_->mesh().vertices().size());
 }
 
@@ -97,11 +89,11 @@ double TetInstant::valueAt(std::int32_t tet, const Vec3& point) const {
   return sum;
 }
 
-Sight TetInstant::lookSlowly(const SightLine& line) const {
-  const Segment segment = segmentOf(line);
+template <class Visit>
+void TetInstant::cross(const Segment& segment, Sight& sight, Visit&& visit) const {
   std::vector<TetCrossing> crossings;
   locator_->crossings(segment, crossings);
-  Sight sight;
+  sight = {};
   // Beyond the mesh nothing is known; a gap between two parts of the way is something opaque.
   double last = 0;
   bool entered = false;
@@ -114,37 +106,26 @@ Sight TetInstant::lookSlowly(const SightLine& line) const {
     }
     entered = true;
     last = std::max(last, crossing.end);
-    sight.depth += (crossing.end - crossing.begin) *
-                   valueAt(crossing.tet, segment.at(0.5 * (crossing.begin + crossing.end)));
+    visit(crossing.tet, crossing.begin, crossing.end);
   }
   if (segment.end - last > kTolerance) {
     sight.blocked |= entered;
     sight.covered &= entered;
   }
-  sight.low = sight.high = sight.depth;
-  return sight;
 }
 
-/// False where the way is not sure or leaves the mesh before the target.
-bool TetInstant::walk(const SightLine& line, Sight& sight) const {
+template <class Visit>
+bool TetInstant::walk(const Segment& segment, Visit&& visit) const {
   const TetMesh& mesh = locator_->mesh();
-  const Segment segment = segmentOf(line);
-  std::int32_t tet = locator_->find(line.eye);
-  double at = 0, sum = 0;
+  std::int32_t tet = locator_->find(segment.origin);
+  double at = 0;
   for (std::size_t steps = 0; tet >= 0 && steps <= mesh.tets().size(); ++steps) {
-    const TetRay ray(mesh, tet, segment.origin, segment.direction);
-    const Exit exit = ray.exit();
+    const Exit exit = TetRay(mesh, tet, segment.origin, segment.direction).exit();
     const double end = std::min(exit.at, segment.end);
-    if (end > at) {
-      double c0 = 0, c1 = 0;
-      ray.field(extinction_.data(), mesh.tets()[static_cast<std::size_t>(tet)], c0, c1);
-      sum += (end - at) * std::max(0.0, c0 + 0.5 * c1 * (at + end));
-    }
-    if (exit.at >= segment.end - kRounding) {
-      sight = {};
-      sight.depth = sight.low = sight.high = sum;
+    if (end > at)
+      visit(tet, at, end);
+    if (exit.at >= segment.end - kRounding)
       return true;
-    }
     // Backwards by more than rounding: lost.
     if (exit.across < 0 || exit.at < at - kTolerance)
       return false;
@@ -155,11 +136,47 @@ bool TetInstant::walk(const SightLine& line, Sight& sight) const {
   return false;
 }
 
+Sight TetInstant::lookSlowly(const SightLine& line) const {
+  const Segment segment = segmentOf(line);
+  Sight sight;
+  double sum = 0;
+  // Linear along the line: the middle is the mean.
+  cross(segment, sight, [&](std::int32_t tet, double begin, double end) {
+    sum += (end - begin) * valueAt(tet, segment.at(0.5 * (begin + end)));
+  });
+  sight.depth = sight.low = sight.high = sum;
+  return sight;
+}
+
 void TetInstant::look(std::span<const SightLine> lines, std::span<Sight> sights) const {
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (!walk(lines[i], sights[i]))
-      sights[i] = lookSlowly(lines[i]);
+    const Segment segment = segmentOf(lines[i]);
+    double sum = 0;
+    const bool arrived = walk(segment, [&](std::int32_t tet, double begin, double end) {
+      sum += (end - begin) * valueAt(tet, segment.at(0.5 * (begin + end)));
+    });
+    sights[i] = arrived ? Sight{.depth = sum, .low = sum, .high = sum} : lookSlowly(lines[i]);
   }
+}
+
+void TetInstant::weigh(const SightLine& line, std::vector<SightWeight>& weights,
+                       Sight& sight) const {
+  const Segment segment = segmentOf(line);
+  const TetMesh& mesh = locator_->mesh();
+  const std::size_t first = weights.size();
+  const auto add = [&](std::int32_t tet, double begin, double end) {
+    const auto shares = mesh.shares(tet, segment.at(0.5 * (begin + end)));
+    const Tet& vertices = mesh.tets()[static_cast<std::size_t>(tet)];
+    for (int k = 0; k < 4; ++k) {
+      addWeight(weights, first, static_cast<std::uint32_t>(vertices[k]),
+                (end - begin) * std::max(shares[k], 0.0));
+    }
+  };
+  sight = {};
+  if (walk(segment, add))
+    return;
+  weights.resize(first);
+  cross(segment, sight, add);
 }
 
 void TetInstant::places(std::span<const Vec3> points, std::span<Place> places) const {

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "volute/tetmesh/made_meshes.hpp"
+#include "volute/visibility/survey.hpp"
 
 namespace volute {
 namespace {
@@ -75,6 +76,40 @@ TEST(TetSight, LinesThroughVerticesAndAlongEdgesAreNotLost) {
     const Sight sight = look(instant, {eye, target});
     EXPECT_NEAR(sight.depth, 0.25 * (target - eye).norm(), 1e-6);
     EXPECT_FALSE(sight.blocked);
+  }
+}
+
+TEST(Lookout, WorkedOutLinesGiveTheSameAtEachTime) {
+  const auto mesh = hallMesh(1.2, 2);
+  const auto locator = std::make_shared<const TetLocator>(mesh);
+  SafetySign sign;
+  sign.position = mesh->bounds().centre();
+  sign.law = visibilityLaw("jin-emitting").value();
+  const std::vector<SightTarget> signs{{sign, sign.position}};
+  std::vector<Vec3> eyes;
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> share(0, 1);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 at(share(random), share(random), share(random));
+    eyes.emplace_back(mesh->bounds().min + at.cwiseProduct(mesh->bounds().size()));
+  }
+  // Enough memory, and next to none.
+  for (const std::uint64_t most : {std::uint64_t{1} << 24, std::uint64_t{1000}}) {
+    Lookout lookout(most);
+    for (int t = 0; t < 4; ++t) {
+      if (t == 3)
+        eyes.pop_back();  // other eyes: nothing that is kept fits
+      const TetInstant instant(locator, plume(*mesh, 3.0 + t, 2), 1);
+      std::vector<Sighting> found(eyes.size()), expected(eyes.size());
+      lookout.look(instant, signs, eyes, found, true);
+      lookAround(instant, signs, eyes, expected);
+      for (std::size_t i = 0; i < eyes.size(); ++i) {
+        ASSERT_EQ(found[i].blocked, expected[i].blocked);
+        ASSERT_EQ(found[i].covered, expected[i].covered);
+        if (expected[i].covered)
+          ASSERT_NEAR(found[i].depth, expected[i].depth, 1e-6 * (1e-3 + expected[i].depth));
+      }
+    }
   }
 }
 

@@ -7,41 +7,43 @@
 #include "volute/cli/visibility/case_field.hpp"
 #include "volute/cli/visibility/sign_file.hpp"
 #include "volute/cli/visibility/survey_job.hpp"
-#include "volute/cli/volume_output.hpp"
+#include "volute/fds/smv_index.hpp"
 
 namespace volute::cli {
 namespace {
 
-Result<std::string> readText(const std::string& path) {
-  constexpr std::uint64_t kMost = std::uint64_t{512} << 20;
+/// A text file; what is made of it takes several times its size.
+Result<std::string> readText(const std::string& path, const Context& context) {
+  const std::uint64_t most = context.maxMemory / 16;
   VOLUTE_ASSIGN(const auto file, InputFile::open(path));
-  if (file.size() > kMost) {
-    return fail(ErrorCode::kTooLarge, "{}: {} bytes of text are too many; expected at most {}",
-                path, file.size(), kMost);
+  if (file.size() > most) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: {} bytes of text are too many; expected at most {}, a 16th of --max-memory",
+                path, file.size(), most);
   }
   std::string text(file.size(), '\0');
   VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
   return text;
 }
 
-Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments) {
+Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context& context) {
   const auto height = arguments.findGiven<double>("height");
   if (const auto file = arguments.find<std::string>("route")) {
-    VOLUTE_ASSIGN(const auto text, readText(*file));
+    VOLUTE_ASSIGN(const auto text, readText(*file, context));
     VOLUTE_ASSIGN(const auto points, parsePoints(text, *file, height));
     VOLUTE_ASSIGN(auto routes, routesOf(points, *file));
     return routeWatch(std::move(routes), arguments.get<double>("speed"),
                       arguments.get<double>("start"));
   }
   if (const auto file = arguments.find<std::string>("eyes")) {
-    VOLUTE_ASSIGN(const auto text, readText(*file));
+    VOLUTE_ASSIGN(const auto text, readText(*file, context));
     VOLUTE_ASSIGN(const auto points, parsePoints(text, *file, height));
     std::vector<Vec3> eyes;
     for (const NamedPoint& point : points) eyes.push_back(point.position);
     return pointWatch(std::move(eyes));
   }
   if (const auto file = arguments.find<std::string>("trajectories")) {
-    VOLUTE_ASSIGN(const auto text, readText(*file));
+    VOLUTE_ASSIGN(const auto text, readText(*file, context));
     VOLUTE_ASSIGN(auto people, Trajectories::parse(text, *file, height));
     return trajectoryWatch(std::move(people));
   }
@@ -69,6 +71,33 @@ Result<double> extinctionLimit(const Arguments& arguments) {
   return law.c / limit.distance;
 }
 
+/// Places that pictures are taken from.
+Result<std::vector<Vec3>> viewsOf(const Arguments& arguments) {
+  std::vector<Vec3> eyes;
+  for (const auto& text :
+       arguments.find<std::vector<std::string>>("picture").value_or(std::vector<std::string>{})) {
+    const auto eye = parseVector(text);
+    if (!eye)
+      return fail(ErrorCode::kInvalidArgument, "--picture: {}", eye.error().message);
+    eyes.push_back(*eye);
+  }
+  if (!eyes.empty() && isSmvPath(arguments.positional(0))) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--picture is for meshes (.vtu, .pvd): pictures of FDS cases are not made yet");
+  }
+  return eyes;
+}
+
+/// What a rule's limit is, where it comes from, and whether that was looked up.
+std::string limitRemark(const std::string& name, double extinction) {
+  const auto limit = sightLimit(name).value_or(SightLimit{});
+  return fmt::format("sight limit {}: K = {:.4g} 1/m where one stands ({}{})", name, extinction,
+                     limit.source,
+                     limit.checked ? ""
+                                   : "; this source was not checked: look it up before you rely on "
+                                     "it");
+}
+
 Status run(const Arguments& arguments, Context& context) {
   SurveyRequest request;
   request.casePath = arguments.positional(0);
@@ -82,17 +111,14 @@ Status run(const Arguments& arguments, Context& context) {
   request.survey.height = arguments.get<double>("height");
   request.survey.maps = arguments.get<std::string>("maps") == "all";
   VOLUTE_ASSIGN(request.survey.extinctionLimit, extinctionLimit(arguments));
-  VOLUTE_ASSIGN(const auto watch, watchOf(arguments));
-  if (const auto name = arguments.find<std::string>("sight-limit")) {
-    const auto limit = *sightLimit(*name);
-    context.progress.remark(fmt::format(
-        "sight limit {}: K = {:.4g} 1/m where one stands ({}{})", name.value(),
-        request.survey.extinctionLimit, limit.source,
-        limit.checked ? "" : "; this source was not checked: look it up before you rely on it"));
-  }
+  VOLUTE_ASSIGN(const auto watch, watchOf(arguments, context));
+  VOLUTE_ASSIGN(auto views, viewsOf(arguments));
   Context::watch(request.output);
   VOLUTE_ASSIGN(auto sightCase, openSightCase(request.casePath, arguments, context));
-  return runSurvey(std::move(request), sightCase, *watch, context);
+  if (const auto name = arguments.find<std::string>("sight-limit"))
+    sightCase.remarks.push_back(limitRemark(*name, request.survey.extinctionLimit));
+  ViewPictures pictures(std::move(views), request.casePath, arguments);
+  return runSurvey(std::move(request), sightCase, *watch, pictures, context);
 }
 
 std::vector<std::string_view> limitNames() {
@@ -165,6 +191,11 @@ std::vector<Option> optionTable() {
        .help = "of a plan: all signs and times, or the loss times alone",
        .initial = "all",
        .choices = {"all", "aset"}},
+      {.name = "picture",
+       .kind = kText,
+       .value = "X,Y,Z",
+       .help = "also take pictures from here towards the nearest sign, of a mesh [m]",
+       .several = true},
       {.name = "extinction-limit",
        .kind = kNumber,
        .value = "K",

@@ -2,9 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/visibility/case_field.hpp"
 
+#include "volute/cli/scene_smoke.hpp"
 #include "volute/cli/visibility/fds_sight.hpp"
 #include "volute/cli/visibility/mesh_sight.hpp"
-#include "volute/optics/smoke_potential.hpp"
 #include "volute/optics/visibility.hpp"
 
 namespace volute::cli {
@@ -19,74 +19,23 @@ tl::unexpected<Error> objection(const char* option, const Error& error) {
   return fail(ErrorCode::kInvalidArgument, "--{}: {}", option, error.message);
 }
 
-Status takeMaterial(const Arguments& arguments, SmokeModel& model) {
-  const std::string material = textOf(arguments, "material");
-  if (material.empty()) {
-    if (arguments.given("burning"))
-      return fail(ErrorCode::kInvalidArgument, "--burning is for --material");
-    return {};
-  }
-  if (model.quantity != SmokeQuantity::kProductsDensity) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--material is for --quantity products-density: it says how much of what burns "
-                "becomes soot");
-  }
-  const auto potential = smokePotentialOf(material);
-  if (!potential)
-    return objection("material", potential.error());
-  const std::string how = textOf(arguments, "burning");
-  VOLUTE_ASSIGN(const Burning kind, burning(how.empty() ? "flaming" : how));
-  model.smokePotential = potential->value(kind);
-  return {};
-}
-
-Result<SmokeModel> modelOf(const Arguments& arguments) {
-  SmokeModel model;
-  const std::string quantity = textOf(arguments, "quantity");
-  if (quantity.empty()) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--quantity is missing; say what the field holds: soot-density, products-density, "
-                "mass-fraction, extinction, optical-density, optical-density-db or visibility");
-  }
-  VOLUTE_ASSIGN(model.quantity, smokeQuantity(quantity));
-  if (const std::string unit = textOf(arguments, "unit"); !unit.empty()) {
-    VOLUTE_ASSIGN(model.unit, densityUnit(unit));
-  }
-  model.scale = arguments.find<double>("scale").value_or(1);
-  model.massExtinction = arguments.find<double>("mass-extinction").value_or(kFdsMassExtinction);
-  model.sootYield = arguments.find<double>("soot-yield").value_or(0);
-  VOLUTE_TRY(takeMaterial(arguments, model));
-  if (const std::string c = textOf(arguments, "C"); !c.empty()) {
-    const auto law = visibilityLaw(c);
-    if (!law)
-      return objection("C", law.error());
-    model.c = law->c;
-  }
-  if (model.quantity == SmokeQuantity::kMassFraction && !arguments.given("density-field")) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--density-field is missing; mass-fraction needs the gas's density [kg/m3]");
-  }
-  if (const auto good = model.check(); !good)
-    return objection("quantity", good.error());
-  return model;
-}
-
 Result<SightCase> openMesh(const std::string& path, const Arguments& arguments, Context& context) {
-  VOLUTE_ASSIGN(const auto model, modelOf(arguments));
+  VOLUTE_ASSIGN(const auto smoke, smokeOf(path, arguments));
   MeshOptions options;
-  options.field = textOf(arguments, "field");
-  options.negatives = arguments.flag("clamp") ? Negatives::kClamp : Negatives::kRefuse;
+  options.field = smoke.field;
+  options.negatives = smoke.negatives;
   options.maxMemory = context.maxMemory;
   VOLUTE_ASSIGN(auto source, MeshSource::open(path, options));
   std::optional<MeshSource> density;
-  if (model.quantity == SmokeQuantity::kMassFraction) {
-    options.field = textOf(arguments, "density-field");
+  if (smoke.model.quantity == SmokeQuantity::kMassFraction) {
+    options.field = smoke.densityField;
     VOLUTE_ASSIGN(density, MeshSource::open(path, options));
   }
-  VOLUTE_ASSIGN(auto sight, MeshSight::open(std::move(source), std::move(density), model, path));
-  std::string smoke = fmt::format("{}: field '{}' as {} on tetrahedra", path, sight->fieldName(),
-                                  nameOf(model.quantity));
-  return SightCase{std::move(sight), std::move(smoke), {}};
+  VOLUTE_ASSIGN(auto sight,
+                MeshSight::open(std::move(source), std::move(density), smoke.model, path));
+  std::string words = fmt::format("{}: field '{}' as {} on tetrahedra", path, sight->fieldName(),
+                                  nameOf(smoke.model.quantity));
+  return SightCase{std::move(sight), std::move(words), {}};
 }
 
 /// The case's files say what they hold.
@@ -135,62 +84,17 @@ Result<SightCase> openSightCase(const std::string& path, const Arguments& argume
 }
 
 std::vector<Option> sightCaseOptions() {
-  using enum ValueKind;
-  return {
+  std::vector<Option> options = {
       {.name = "source",
-       .kind = kText,
+       .kind = ValueKind::kText,
        .value = "NAME",
-       .help = "which of an FDS case's files the smoke is read from; else the best"},
-      {.name = "field",
-       .kind = kText,
-       .value = "NAME",
-       .help = "the field of a mesh's smoke; else its only scalar"},
-      {.name = "quantity",
-       .kind = kChoice,
-       .value = "NAME",
-       .help = "what the field holds",
-       .choices = {"soot-density", "products-density", "mass-fraction", "extinction",
-                   "optical-density", "optical-density-db", "visibility"}},
-      {.name = "unit",
-       .kind = kChoice,
-       .value = "NAME",
-       .help = "of a density; else kg/m3",
-       .choices = {"kg/m3", "g/m3", "mg/m3"}},
-      {.name = "scale",
-       .kind = kNumber,
-       .value = "S",
-       .help = "multiplies the field first",
-       .positive = true},
-      {.name = "mass-extinction",
-       .kind = kNumber,
-       .value = "KM",
-       .help = "of soot [m2/kg]; else 8700, as FDS has it",
-       .positive = true},
-      {.name = "soot-yield",
-       .kind = kNumber,
-       .value = "YS",
-       .help = "mass of soot per mass burnt, of products-density",
-       .most = 1,
-       .positive = true},
-      {.name = "material",
-       .kind = kText,
-       .value = "NAME",
-       .help = "what burns, in the place of soot yield and mass extinction"},
-      {.name = "burning",
-       .kind = kChoice,
-       .value = "HOW",
-       .help = "how the material burns; else flaming",
-       .choices = {"flaming", "smouldering"}},
-      {.name = "density-field",
-       .kind = kText,
-       .value = "NAME",
-       .help = "the gas's density [kg/m3], of mass-fraction"},
-      {.name = "C",
-       .kind = kText,
-       .value = "C",
-       .help = "of a visibility field: jin-reflecting (3), jin-emitting (8), reciprocal-od, or a "
-               "number; signs have their own"},
-      {.name = "clamp", .help = "take negative values of a field as 0"}};
+       .help = "which of an FDS case's files the smoke is read from; else the best"}};
+  // Pictures' own options aside.
+  for (const Option& option : smokeOptions()) {
+    if (option.name != "mode" && option.name != "albedo")
+      options.push_back(option);
+  }
+  return options;
 }
 
 }  // namespace volute::cli

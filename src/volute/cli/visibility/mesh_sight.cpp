@@ -40,9 +40,11 @@ Result<std::shared_ptr<const SightInstant>> MeshSight::read(std::size_t time) {
                   name_, frame.field, times()[time], value);
     }
   }
-  if (!locator_ || &locator_->mesh() != frame.mesh.get())
+  if (!locator_ || &locator_->mesh() != frame.mesh.get()) {
     locator_ = std::make_shared<const TetLocator>(frame.mesh);
-  return std::make_shared<const TetInstant>(locator_, std::move(extinction));
+    ++meshes_;
+  }
+  return std::make_shared<const TetInstant>(locator_, std::move(extinction), meshes_);
 }
 
 }  // namespace volute::cli

@@ -42,6 +42,7 @@ class MeshSight final : public SightField {
   std::string name_, fieldName_;
   Box3 bounds_;
   std::shared_ptr<const TetLocator> locator_;  // of the last mesh
+  std::uint64_t meshes_ = 0;                   // how many there were
   std::shared_ptr<const SightInstant> first_;  // until it is asked for
 };
 

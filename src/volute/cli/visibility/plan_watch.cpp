@@ -163,8 +163,8 @@ class PlanWatch final : public Watch {
   PlanPicture visibilityMap(const Moment& moment, std::size_t s) const {
     const SafetySign& sign = survey_->signs[s].sign;
     PlanPicture picture;
-    picture.title =
-        fmt::format("{} at {:.4g} s, seen from z = {:g} m", sign.name, moment.time, plan_.origin[2]);
+    picture.title = fmt::format("{} at {:.4g} s, seen from z = {:g} m", sign.name, moment.time,
+                                plan_.origin[2]);
     picture.subtitle = fmt::format("S = C / mean K, {} C = {:.4g}, angle {}", sign.law.name,
                                    sign.law.c, nameOf(sign.angle));
     picture.barLabel = "visibility S [m]";

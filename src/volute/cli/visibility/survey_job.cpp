@@ -13,6 +13,7 @@ namespace volute::cli {
 namespace {
 
 constexpr const char* kMark = "visibility.json";
+constexpr std::uint64_t kMostLines = std::uint64_t{512} << 20;  // bytes of worked-out sight lines
 
 /// Passes everything on, and keeps the remarks for the report.
 class RemarkLog final : public Progress {
@@ -125,11 +126,15 @@ Status writeJson(const std::filesystem::path& path, const Json& json) {
 /// The survey as it goes through time.
 class Job {
  public:
-  Job(SurveyRequest request, SightCase& sightCase, Watch& watch, Context& context)
+  Job(SurveyRequest request, SightCase& sightCase, Watch& watch, ViewPictures& pictures,
+      Context& context)
       : request_(std::move(request)),
         case_(sightCase),
         watch_(watch),
+        pictures_(pictures),
         log_(context.progress),
+        maxMemory_(context.maxMemory),
+        lookout_(std::min(context.maxMemory / 4, kMostLines)),
         survey_(request_.survey) {}
 
   Status run(Context& context) {
@@ -150,7 +155,7 @@ class Job {
     }
     VOLUTE_TRY(csv.finish());
     remarkOnUncovered();
-    VOLUTE_TRY(finish(folder));
+    VOLUTE_TRY(finish(folder, context));
     report(context, csv.rows());
     return {};
   }
@@ -161,10 +166,18 @@ class Job {
     if (survey_.signs.empty()) {
       VOLUTE_ASSIGN(survey_.signs, placeSigns(*instant, request_.signs, survey_.bounds, log_));
       VOLUTE_TRY(watch_.begin(survey_, *instant, log_));
+      VOLUTE_TRY(pictures_.begin(survey_, *instant));
     }
     const auto eyes = watch_.eyes(time);
-    sightings_.resize(eyes.size() * survey_.signs.size());
-    lookAround(*instant, survey_.signs, eyes, sightings_);
+    const std::uint64_t lines = eyes.size() * survey_.signs.size();
+    if (lines > maxMemory_ / (2 * sizeof(Sighting))) {
+      return fail(ErrorCode::kTooLarge,
+                  "{} eyes and {} signs are more sight lines than fit in --max-memory; expected at "
+                  "most {}: choose a larger --step or fewer signs",
+                  eyes.size(), survey_.signs.size(), maxMemory_ / (2 * sizeof(Sighting)));
+    }
+    sightings_.resize(lines);
+    lookout_.look(*instant, survey_.signs, eyes, sightings_, survey_.times.size() > 1);
     const Moment moment{time, *instant, eyes, sightings_};
     VOLUTE_TRY(csv.write(time, eyes, survey_.signs, sightings_));
     summary_.push_back(summaryOf(moment, survey_));
@@ -186,7 +199,7 @@ class Job {
     }
   }
 
-  Status finish(PendingFolder& folder) {
+  Status finish(PendingFolder& folder, Context& context) {
     json_ = {{"format", "volute-visibility-1"},
              {"case", request_.casePath},
              {"smoke", case_.smoke},
@@ -197,7 +210,9 @@ class Job {
     for (const SightTarget& target : survey_.signs) json_["signs"].push_back(signJson(target));
     json_["times"] = survey_.times;
     json_["summary"] = summary_;
-    VOLUTE_ASSIGN(const auto body, watch_.finish(json_));
+    VOLUTE_ASSIGN(auto body, watch_.finish(json_));
+    VOLUTE_ASSIGN(const auto views, pictures_.finish(survey_, json_, context));
+    body += views;
     json_["remarks"] = log_.remarks();
     if (watch_.hasPage())
       VOLUTE_TRY(writeSurveyPage(folder.path() / "report.html", json_, body));
@@ -222,7 +237,10 @@ class Job {
   SurveyRequest request_;
   SightCase& case_;
   Watch& watch_;
+  ViewPictures& pictures_;
   RemarkLog log_;
+  std::uint64_t maxMemory_;
+  Lookout lookout_;
   Survey survey_;
   std::vector<Sighting> sightings_;
   Json summary_ = Json::array();
@@ -231,8 +249,9 @@ class Job {
 
 }  // namespace
 
-Status runSurvey(SurveyRequest request, SightCase& sightCase, Watch& watch, Context& context) {
-  return Job(std::move(request), sightCase, watch, context).run(context);
+Status runSurvey(SurveyRequest request, SightCase& sightCase, Watch& watch, ViewPictures& pictures,
+                 Context& context) {
+  return Job(std::move(request), sightCase, watch, pictures, context).run(context);
 }
 
 }  // namespace volute::cli

@@ -4,6 +4,7 @@
 
 #include "volute/cli/context.hpp"
 #include "volute/cli/visibility/case_field.hpp"
+#include "volute/cli/visibility/view_pictures.hpp"
 #include "volute/cli/visibility/watch.hpp"
 #include "volute/grid/select_frames.hpp"
 
@@ -20,6 +21,6 @@ struct SurveyRequest {
 
 /// Goes through the stored times of a case, one after the other, and writes the folder of results.
 [[nodiscard]] Status runSurvey(SurveyRequest request, SightCase& sightCase, Watch& watch,
-                               Context& context);
+                               ViewPictures& pictures, Context& context);
 
 }  // namespace volute::cli

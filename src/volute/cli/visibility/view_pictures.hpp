@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include "volute/cli/arguments.hpp"
+#include "volute/cli/context.hpp"
+#include "volute/cli/visibility/watch.hpp"
+
+namespace volute::cli {
+
+/// What people see who stand at a few places: pictures towards the nearest sign, in the middle of
+/// the times and at the last, photometric and threshold. Each place has a scene file that `volute
+/// render` takes; lamps hang below the ceiling over the eye, the sign and between them. For smoke
+/// on meshes.
+class ViewPictures {
+ public:
+  /// `casePath` and the smoke's options go into the scenes.
+  ViewPictures(std::vector<Vec3> eyes, const std::string& casePath, const Arguments& arguments);
+
+  /// Writes the scenes.
+  [[nodiscard]] Status begin(const Survey& survey, const SightInstant& first);
+
+  /// Renders; adds the pictures to the report and returns their part of the page.
+  [[nodiscard]] Result<std::string> finish(const Survey& survey, Json& report, Context& context);
+
+ private:
+  struct View {
+    Vec3 eye = Vec3::Zero();
+    std::size_t sign = 0;
+    std::string scene;  ///< the file
+  };
+
+  std::vector<Vec3> eyes_;
+  Json smoke_;
+  std::vector<View> views_;
+};
+
+}  // namespace volute::cli
