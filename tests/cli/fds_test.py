@@ -69,7 +69,7 @@ class Fds(support.TestCase):
         data = bytearray(self.path("case_1.sf").read_bytes())
         data[146] ^= 4
         self.path("case_1.sf").write_bytes(data)
-        self.assertIn("case_1.sf: byte 146: the record marker", self.fails("info", self.case).message)
+        self.assertIn("case_1.sf: byte 146: the record marker", self.fails(1, "info", self.case))
 
     def test_extract_gives_voxels_of_the_finest_cells(self):
         self.works("extract", self.case, "-o", self.path("out.npy"))
@@ -91,12 +91,12 @@ class Fds(support.TestCase):
 
     def test_what_is_not_there_is_said(self):
         self.assertIn("no source 's3d'; the case has slice3d-extinction-cells",
-                      self.fails("info", self.case, "--grid", "s3d").message)
+                      self.fails(1, "info", self.case, "--grid", "s3d"))
         self.case.write_text(self.case.read_text().split("SLCC")[0])
         self.assertIsNone(self.works("info", self.case, "--json").json["source"])
         self.assertIn("nothing in the case says how thick the smoke is",
-                      self.fails("extract", self.case, "-o", self.path("out.npy")).message)
+                      self.fails(1, "extract", self.case, "-o", self.path("out.npy")))
 
 
 if __name__ == "__main__":
-    support.unittest.main()
+    support.main()

@@ -26,6 +26,9 @@ std::span<const Benchmark> benchmarks() {
       {"smoke",
        "smoke on tetrahedra, steady and new, eye fixed and moving; ratios to the reference",
        benchSmoke},
+      {"visibility",
+       "maps of where three signs are seen, on all threads; ratio to a loop over rays in NumPy",
+       benchVisibility},
 #ifdef VOLUTE_BENCH
       {"tree",
        "the compact tree in memory, against dense, the paper's layout, zfp and NanoVDB at "

@@ -74,7 +74,8 @@ Status run(const Arguments& arguments, Context& context) {
     return {};
   }
   VOLUTE_ASSIGN(const auto list, chosen(arguments.positionals()));
-  const BenchInput input{arguments.find<std::string>("input").value_or(""), context.maxMemory};
+  const BenchInput input{arguments.find<std::string>("input").value_or(""), context.maxMemory,
+                         arguments.find<std::string>("truth").value_or("")};
   nlohmann::ordered_json json{{"threads", threadCount()},
                               {"benchmarks", nlohmann::ordered_json::array()}};
   for (const Benchmark* benchmark : list) {
@@ -95,7 +96,8 @@ Status run(const Arguments& arguments, Context& context) {
 Command benchCommand() {
   return {.name = "bench",
           .summary = "Measures speed and size on this machine",
-          .examples = {"volute bench", "volute bench codec --json"},
+          .examples = {"volute bench", "volute bench codec --json",
+                       "volute bench tomography --input capture.json --truth 'truth/%04d.vdb'"},
           .description =
               "Ratios compare figures of the same run with the baseline that the benchmark names; "
               "figures of different "
@@ -109,7 +111,12 @@ Command benchCommand() {
           .options = {{.name = "input",
                        .kind = ValueKind::kFile,
                        .value = "VOLUME",
-                       .help = "measure with this volume instead of made-up ones"},
+                       .help = "measure with this volume instead of made-up ones; tomography: a "
+                               "capture"},
+                      {.name = "truth",
+                       .kind = ValueKind::kFile,
+                       .value = "VOLUME",
+                       .help = "tomography: the true volumes of the capture's frames"},
                       {.name = "list", .help = "list the benchmarks"}},
           .run = run};
 }
