@@ -137,7 +137,6 @@ double FdsField::depthOf(const Segment& segment) const {
                          sum += Local(lattice, cell, segment)
                                     .integrate(values + places.first(cell), places, from, to);
                        }
-                       return true;
                      });
     } else {
       traversePlanes(lattice.planes, segment, begin, end,
@@ -145,7 +144,6 @@ double FdsField::depthOf(const Segment& segment) const {
                        const std::size_t place = lattice.cellAt(cell);
                        if (cells[place] == FdsCell::kGas)
                          sum += values[place] * (to - from);
-                       return true;
                      });
     }
   });
@@ -166,18 +164,18 @@ FdsDepth FdsField::bandOf(const Segment& segment) const {
         [&](const std::array<int, 3>& cell, double from, double to) {
           const std::size_t place = lattice.cellAt(cell);
           if (cells[place] == FdsCell::kUnknown)
-            return true;
+            return;
           known += to - from;
           if (cells[place] == FdsCell::kSolid) {
             depth.insideSolids += to - from;
-            return true;
+            return;
           }
           if (!lattice.nodal) {
             const double length = to - from;
             depth.value += values.value[place] * length;
             depth.low += (banded ? values.low : values.value)[place] * length;
             depth.high += (banded ? values.high : values.value)[place] * length;
-            return true;
+            return;
           }
           const std::size_t first = places.first(cell);
           const Local local(lattice, cell, segment);
@@ -186,13 +184,12 @@ FdsDepth FdsField::bandOf(const Segment& segment) const {
           if (!banded) {
             depth.low += value;
             depth.high += value;
-            return true;
+            return;
           }
           depth.low += local.integrate(values.low.data() + first, places, from, to);
           const float* high = values.high.data() + first;
           depth.high += anyInfinite(high, places) ? std::numeric_limits<double>::infinity()
                                                   : local.integrate(high, places, from, to);
-          return true;
         });
   });
   depth.uncovered = std::max(0.0, segment.end - segment.begin - known);
@@ -222,7 +219,7 @@ std::vector<Piece> FdsField::piecesOf(const Segment& segment) const {
                    [&](const std::array<int, 3>& cell, double from, double to) {
                      const std::size_t place = lattice.cellAt(cell);
                      if (cells[place] != FdsCell::kGas)
-                       return true;
+                       return;
                      Piece piece{from, to, {}, {}, 0};
                      if (lattice.nodal) {
                        const Local local(lattice, cell, segment);
@@ -241,7 +238,6 @@ std::vector<Piece> FdsField::piecesOf(const Segment& segment) const {
                      }
                      for (int c = 0; c < 3; ++c) piece.emission[c] = piece.extinction * source_[c];
                      out.push_back(piece);
-                     return true;
                    });
   });
   return out;

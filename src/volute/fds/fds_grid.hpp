@@ -53,59 +53,57 @@ inline int cellBetween(const std::vector<double>& planes, double place) {
 }
 
 /// Calls visit(cell, begin, end) for each cell between the planes that the segment's points from
-/// `begin` to `end` pass, front to back, with begin < end and each begin the end before it; stops
-/// when visit returns false. The points lie inside the planes but for rounding. After Amanatides
-/// and Woo 1987, with each crossing from its own plane, so that nothing adds up. A ray in a plane
-/// runs through the upper cells.
+/// `begin` to `end` pass, front to back, with begin < end and each begin the end before it. The
+/// points lie inside the planes but for rounding. After Amanatides and Woo 1987, with each crossing
+/// from its own plane, so that nothing adds up, and all axes advanced alike: which one is next
+/// cannot be predicted. A ray in a plane runs through the upper cells.
 template <class Visit>
 void traversePlanes(const FdsPlanes& planes, const Segment& segment, double begin, double end,
                     Visit&& visit) {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
+  struct Axis {
+    const double* planes;
+    int last;  // plane
+    int step;
+    int ahead;  // 1 when the next plane is the cell's upper one
+    double origin;
+    double inverse;
+
+    double crossing(int cell) const {
+      return (planes[std::clamp(cell + ahead, 0, last)] - origin) * inverse;
+    }
+  };
+
+  std::array<Axis, 3> axes;
   std::array<int, 3> cell;
-  std::array<int, 3> step;
-  std::array<double, 3> crossing;
-  std::array<double, 3> inverse;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double direction = segment.direction[axis];
-    const double place =
-        direction == 0 ? segment.origin[axis] : segment.origin[axis] + begin * direction;
-    cell[axis] = cellBetween(planes[axis], place);
-    step[axis] = direction > 0 ? 1 : direction < 0 ? -1 : 0;
-    inverse[axis] = direction == 0 ? 0 : 1 / direction;
-    if (direction < 0 && cell[axis] > 0 && place == planes[axis][cell[axis]])
-      --cell[axis];
-    crossing[axis] =
-        direction == 0
-            ? kNever
-            : (planes[axis][cell[axis] + (direction > 0 ? 1 : 0)] - segment.origin[axis]) *
-                  inverse[axis];
+  std::array<double, 3> next;
+  for (int a = 0; a < 3; ++a) {
+    const double direction = segment.direction[a];
+    const double origin = segment.origin[a];
+    const double place = direction == 0 ? origin : origin + begin * direction;
+    const int step = direction > 0 ? 1 : direction < 0 ? -1 : 0;
+    axes[a] = {planes[a].data(), static_cast<int>(planes[a].size()) - 1, step, step > 0 ? 1 : 0,
+               origin,           direction == 0 ? 0 : 1 / direction};
+    cell[a] = cellBetween(planes[a], place);
+    if (step < 0 && cell[a] > 0 && place == planes[a][cell[a]])
+      --cell[a];
+    next[a] = std::numeric_limits<double>::infinity();
+    if (step != 0) {
+      next[a] = axes[a].crossing(cell[a]);
+      end = std::min(end, axes[a].crossing(step > 0 ? axes[a].last : 0));
+    }
   }
   double from = begin;
   while (from < end) {
-    int axis = crossing[1] < crossing[0] ? 1 : 0;
-    if (crossing[2] < crossing[axis])
-      axis = 2;
-    const double to = std::min(crossing[axis], end);
-    if (to > from) {
-      if (!visit(cell, from, to))
-        return;
-      from = to;
+    const double to = std::min(std::min(next[0], next[1]), std::min(next[2], end));
+    if (to > from)
+      visit(cell, from, to);
+    for (int a = 0; a < 3; ++a) {
+      const bool crossed = next[a] <= to;
+      cell[a] += crossed ? axes[a].step : 0;
+      const double crossing = axes[a].crossing(cell[a]);
+      next[a] = crossed ? crossing : next[a];
     }
-    int& index = cell[axis];
-    index += step[axis];
-    if (index < 0 || index + 1 >= static_cast<int>(planes[axis].size())) {
-      // The outermost cell takes what rounding leaves over.
-      index -= step[axis];
-      crossing[axis] = kNever;
-      if (crossing[0] == kNever && crossing[1] == kNever && crossing[2] == kNever) {
-        if (end > from)
-          visit(cell, from, end);
-        return;
-      }
-      continue;
-    }
-    crossing[axis] =
-        (planes[axis][index + (step[axis] > 0 ? 1 : 0)] - segment.origin[axis]) * inverse[axis];
+    from = std::max(from, to);
   }
 }
 
@@ -158,7 +156,6 @@ void FdsGrid::traverse(const Segment& segment, Visit&& visit) const {
                      from = begin;
                    }
                    until = end;
-                   return true;
                  });
   if (lattice >= 0 && from < until)
     visit(lattice, from, until);
