@@ -8,6 +8,7 @@
 namespace volute::cli {
 
 [[nodiscard]] Result<std::vector<BenchRow>> benchCodec(const BenchInput& input, Progress& progress);
+[[nodiscard]] Result<std::vector<BenchRow>> benchFds(const BenchInput& input, Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchFog(const BenchInput& input, Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchRender(const BenchInput& input,
                                                         Progress& progress);
@@ -15,6 +16,9 @@ namespace volute::cli {
                                                             Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchSmoke(const BenchInput& input, Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchTree(const BenchInput& input, Progress& progress);
+
+[[nodiscard]] Result<std::vector<BenchRow>> benchVisibility(const BenchInput& input,
+                                                            Progress& progress);
 
 /// What to measure with: the named input, or a fire and a smoke of size^3 voxels and 32 frames,
 /// scalar.

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/fds_input.hpp"
 #include "volute/cli/gl_pictures.hpp"
 #include "volute/cli/volume_input.hpp"
 #include "volute/io/image_file.hpp"
@@ -214,14 +215,16 @@ Status run(const Arguments& arguments, Context& context) {
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   const auto& paths = arguments.positionals();
   for (const auto& path : paths) {
-    auto report = isVolutePath(path)
-                      ? describeVolute(path, arguments.flag("blocks"), context, damaged)
-                  : isPicturePath(path) ? describePicture(path)
-                                        : describeVolume(path, arguments, context);
+    auto report =
+        isVolutePath(path)    ? describeVolute(path, arguments.flag("blocks"), context, damaged)
+        : isPicturePath(path) ? describePicture(path)
+        : isSmvPath(path) ? describeFdsCase(path, arguments.find<std::string>("grid").value_or(""),
+                                            arguments.flag("values"), context)
+                          : describeVolume(path, arguments, context);
     VOLUTE_TRY(report);
     files.push_back(report->json());
     if (!context.json)
-      context.print((files.size() > 1 ? "\n" : "") + report->text());
+      context.print(fmt::format("{}{}", files.size() > 1 ? "\n" : "", report->text()));
   }
   if (context.json)
     context.print(
@@ -239,19 +242,22 @@ Command infoCommand() {
       .name = "info",
       .summary = "Says what is in a file and whether it is whole",
       .examples = {"volute info fire.volute", "volute info smoke.npy --values --json",
-                   "volute info --gl"},
+                   "volute info case.smv", "volute info --gl"},
       .description =
           "Sizes, frames, times and bounds of a volume; of a .volute also what error was asked "
           "for and reached, and whether every "
           "byte is intact. Pictures (.png, .exr) show their size and range. A damaged .volute "
           "is described as far as it is intact, "
-          "and the exit code is 1.",
-      .positionals =
-          {{.name = "FILE", .help = "a volume or a picture", .several = true, .optional = true}},
+          "and the exit code is 1. An FDS case (.smv) shows its meshes, obstructions and files, "
+          "which of them says how thick the smoke is, at which times, and what is cut off.",
+      .positionals = {{.name = "FILE",
+                       .help = "a volume, a picture or an FDS case",
+                       .several = true,
+                       .optional = true}},
       .options = {{.name = "grid",
                    .kind = kText,
                    .value = "NAME",
-                   .help = "which grid of a file with several"},
+                   .help = "which grid of a file with several; which source of an FDS case"},
                   {.name = "blocks",
                    .help = "of a .volute, each block's place, transform and size"},
                   {.name = "values",
