@@ -32,6 +32,7 @@ struct BenchInput {
   std::string volume;  ///< a volume sequence, or a capture for tomography; empty: made-up ones
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
   std::string truth{};  ///< the volumes that a capture shows
+  std::string grid{};   ///< of the truth's files; empty: the only one
 };
 
 /// A set of measurements that belong together. Figures of one run are compared with each other,

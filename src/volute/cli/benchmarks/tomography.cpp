@@ -152,7 +152,7 @@ Result<std::vector<BenchRow>> benchCapture(const BenchInput& input, Progress& pr
   VOLUTE_ASSIGN(const Capture capture, openCapture(input.volume, {}));
   for (const int frame : capture.frames) {
     VOLUTE_ASSIGN(const FilmedScene scene,
-                  filmCapture(capture, frame, input.truth, input.maxMemory, progress));
+                  filmCapture(capture, frame, input.truth, input.grid, input.maxMemory, progress));
     if (frame == capture.frames.front()) {
       for (int rays : {1, 4}) addProjectorSpeed(scene, rays, rows);
       VOLUTE_TRY(addMethods(scene, false, progress, rows));

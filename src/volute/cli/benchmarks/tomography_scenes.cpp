@@ -101,8 +101,8 @@ Result<Image> finePicture(std::span<const float> volume, const VolumeGeometry& g
 
 /// (z, y, x, 3) of one frame.
 Result<std::vector<float>> readTruth(const Capture& capture, int frame, const std::string& path,
-                                     std::uint64_t maxMemory) {
-  VOLUTE_ASSIGN(const auto source, openSource(path, {"", capture.volume.bounds, maxMemory}));
+                                     const std::string& grid, std::uint64_t maxMemory) {
+  VOLUTE_ASSIGN(const auto source, openSource(path, {grid, capture.volume.bounds, maxMemory}));
   const VolumeInfo& info = source->info();
   const auto& n = capture.volume.resolution;
   if (info.x != n[0] || info.y != n[1] || info.z != n[2] ||
@@ -212,11 +212,12 @@ Result<FilmedScene> filmMadeUp(SynthKind kind, Progress& progress) {
 }
 
 Result<FilmedScene> filmCapture(const Capture& capture, int frame, const std::string& truth,
-                                std::uint64_t maxMemory, Progress& progress) {
+                                const std::string& grid, std::uint64_t maxMemory,
+                                Progress& progress) {
   FilmedScene scene;
   scene.name = fmt::format("frame {}", frame);
   scene.geometry = {capture.volume.bounds, capture.volume.resolution};
-  VOLUTE_ASSIGN(scene.truth, readTruth(capture, frame, truth, maxMemory));
+  VOLUTE_ASSIGN(scene.truth, readTruth(capture, frame, truth, grid, maxMemory));
   VOLUTE_ASSIGN(auto reader, ViewReader::open(capture, {}, maxMemory, progress));
   VOLUTE_ASSIGN(FrameViews views, reader.read(frame));
   scene.views = std::move(views.views);

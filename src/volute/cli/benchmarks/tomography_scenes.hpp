@@ -48,8 +48,9 @@ SceneQuality qualityOf(const FilmedScene& scene, std::span<const float> volume, 
 /// A frame of a capture, with the pictures that it has, beside its true volume. The other views are
 /// integrals through the truth, trilinear, with 16 rays a pixel.
 /// @param truth  a volume sequence with the capture's frames, or with one frame for each of them.
+/// @param grid  of its files; empty: the only one.
 [[nodiscard]] Result<FilmedScene> filmCapture(const Capture& capture, int frame,
-                                              const std::string& truth, std::uint64_t maxMemory,
-                                              Progress& progress);
+                                              const std::string& truth, const std::string& grid,
+                                              std::uint64_t maxMemory, Progress& progress);
 
 }  // namespace volute::cli

@@ -75,7 +75,8 @@ Status run(const Arguments& arguments, Context& context) {
   }
   VOLUTE_ASSIGN(const auto list, chosen(arguments.positionals()));
   const BenchInput input{arguments.find<std::string>("input").value_or(""), context.maxMemory,
-                         arguments.find<std::string>("truth").value_or("")};
+                         arguments.find<std::string>("truth").value_or(""),
+                         arguments.find<std::string>("grid").value_or("")};
   nlohmann::ordered_json json{{"threads", threadCount()},
                               {"benchmarks", nlohmann::ordered_json::array()}};
   for (const Benchmark* benchmark : list) {
@@ -117,6 +118,10 @@ Command benchCommand() {
                        .kind = ValueKind::kFile,
                        .value = "VOLUME",
                        .help = "tomography: the true volumes of the capture's frames"},
+                      {.name = "grid",
+                       .kind = ValueKind::kText,
+                       .value = "NAME",
+                       .help = "tomography: which grid of the truth's files"},
                       {.name = "list", .help = "list the benchmarks"}},
           .run = run};
 }
