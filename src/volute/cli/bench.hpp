@@ -31,6 +31,7 @@ struct BenchRow {
 struct BenchInput {
   std::string volume;  ///< a volume sequence; empty: made-up fire and smoke
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
+  bool quick = false;  ///< fewer measurements, where there are many
 };
 
 /// A set of measurements that belong together. Figures of one run are compared with each other,

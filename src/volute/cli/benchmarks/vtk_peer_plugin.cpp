@@ -16,6 +16,7 @@
 #include <vtkOpenGLProjectedTetrahedraMapper.h>
 #include <vtkPiecewiseFunction.h>
 #include <vtkPointData.h>
+#include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
@@ -48,7 +49,7 @@ class Window final : public vtkGenericOpenGLRenderWindow {
 
   vtkTypeMacro(Window, vtkGenericOpenGLRenderWindow)
 
-  void OpenGLInitContext() override {
+      void OpenGLInitContext() override {
     vtkObject::GlobalWarningDisplayOff();
     Superclass::OpenGLInitContext();
     GlewInitValid = true;
@@ -58,7 +59,7 @@ class Window final : public vtkGenericOpenGLRenderWindow {
 
 vtkStandardNewMacro(Window)
 
-Status makeContextCurrent() {
+    Status makeContextCurrent() {
   const auto failed = [] {
     return fail(ErrorCode::kUnsupported, "OpenGL cannot draw without a display here");
   };

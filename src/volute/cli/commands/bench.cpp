@@ -74,7 +74,8 @@ Status run(const Arguments& arguments, Context& context) {
     return {};
   }
   VOLUTE_ASSIGN(const auto list, chosen(arguments.positionals()));
-  const BenchInput input{arguments.find<std::string>("input").value_or(""), context.maxMemory};
+  const BenchInput input{arguments.find<std::string>("input").value_or(""), context.maxMemory,
+                         arguments.flag("quick")};
   nlohmann::ordered_json json{{"threads", threadCount()},
                               {"benchmarks", nlohmann::ordered_json::array()}};
   for (const Benchmark* benchmark : list) {
@@ -110,6 +111,8 @@ Command benchCommand() {
                        .kind = ValueKind::kFile,
                        .value = "VOLUME",
                        .help = "measure with this volume instead of made-up ones"},
+                      {.name = "quick",
+                       .help = "fewer measurements: `smoke` draws 800 x 600 alone, without a sign"},
                       {.name = "list", .help = "list the benchmarks"}},
           .run = run};
 }
