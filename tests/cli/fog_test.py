@@ -5,7 +5,7 @@ import json
 import math
 
 import support
-from plain_pictures import write_exr, write_png
+from pictures import write_planes, write_rows
 from support import write_npy
 
 INFINITY = float("inf")
@@ -22,10 +22,10 @@ class FogCase(support.TestCase):
         return self.works("compare", self.path(a), self.path(b), "--json").json["max_error"]
 
     def white(self, name="map.png", size=16):
-        write_png(self.path(name), [[255] * size] * size)
+        write_rows(self.path(name), [[255] * size] * size)
 
     def waves(self, name="waves.png", size=24):
-        write_png(self.path(name), [[int(127 + 120 * math.sin(0.7 * x + 0.05 * y * y)) for x in range(size)]
+        write_rows(self.path(name), [[int(127 + 120 * math.sin(0.7 * x + 0.05 * y * y)) for x in range(size)]
                                     for y in range(size)])
 
 
@@ -118,8 +118,8 @@ class Scenes(FogCase):
         self.assertLess(self.difference("blown.exr", "moved.exr"), 2e-6)
 
     def test_sequences_of_maps_mix(self):
-        write_png(self.path("fog_0000.png"), [[0] * 16] * 16)
-        write_png(self.path("fog_0001.png"), [[255] * 16] * 16)
+        write_rows(self.path("fog_0000.png"), [[0] * 16] * 16)
+        write_rows(self.path("fog_0001.png"), [[255] * 16] * 16)
         write_npy(self.path("fog.npy"), (2, 1, 16, 16), [0] * 256 + [1] * 256)
         for name in ("fog_%04d.png", ["fog_0000.png", "fog_0001.png"], "fog.npy"):
             self.fog["map"] = name
@@ -139,7 +139,7 @@ class Scenes(FogCase):
         self.assertAlmostEqual(self.value(self.render()), 1 - math.exp(-0.3), delta=2e-6)
 
     def test_the_row_at_the_bottom_has_the_smallest_y(self):
-        write_png(self.path("map.png"), [[0] * 16] * 8 + [[255] * 16] * 8)
+        write_rows(self.path("map.png"), [[0] * 16] * 8 + [[255] * 16] * 8)
         self.fog["degree"] = 0
         self.scene["camera"] |= {"eye": [8, 4, 30], "target": [8, 4, 0]}
         self.assertAlmostEqual(self.value(self.render()), 1 - math.exp(-1), delta=2e-6)
@@ -150,12 +150,12 @@ class Scenes(FogCase):
         self.fog["degree"] = 0
         for rows, bits, eye, share in (([[255]], 8, [0.5, 0.5], 1), ([[51] * 9], 8, [4, 0.5], 0.2),
                                        ([[51]] * 9, 8, [0.5, 4], 0.2), ([[13107] * 4] * 4, 16, [2, 2], 0.2)):
-            write_png(self.path("map.png"), rows, bits)
+            write_rows(self.path("map.png"), rows, bits)
             self.scene["camera"] |= {"eye": [*eye, 30], "target": [*eye, 0], "ortho": 0.5}
             self.assertAlmostEqual(self.value(self.render()), 1 - math.exp(-share), delta=2e-6)
 
     def test_colour_only_on_request(self):
-        write_png(self.path("map.png"), [[255, 0, 0] * 16] * 16, channels=3)
+        write_rows(self.path("map.png"), [[255, 0, 0] * 16] * 16, channels=3)
         message = self.fails(1, "render", self.write(), "-o", self.path("x.png"))
         self.assertIn("map.png: ", message)
         self.assertIn("3 channels", message)
@@ -219,10 +219,10 @@ class Frames(FogCase):
         self.path("camera.json").write_text(json.dumps(camera))
 
     def color(self, value):
-        write_exr(self.path("color.exr"), 8, 6, {name: [value] * 48 for name in "RGB"})
+        write_planes(self.path("color.exr"), 8, 6, {name: [value] * 48 for name in "RGB"})
 
     def depth(self, values, width=8, height=6):
-        write_exr(self.path("depth.exr"), width, height, {"Y": values})
+        write_planes(self.path("depth.exr"), width, height, {"Y": values})
 
     def words(self, *more, out="x.exr", sigma=0.1):
         return ("fog", self.path("map.png"), "--color", self.path("color.exr"), "--depth", self.path("depth.exr"),
@@ -231,7 +231,7 @@ class Frames(FogCase):
     def expected(self, name, optical):
         """The picture of these optical depths."""
         values = [0.5 * math.exp(-t) + 0.25 * (1 - math.exp(-t)) for t in optical]
-        write_exr(self.path(name), 8, 6, {c: values for c in "RGB"})
+        write_planes(self.path(name), 8, 6, {c: values for c in "RGB"})
         return name
 
     def per_pixel(self, along):
@@ -268,7 +268,7 @@ class Frames(FogCase):
         self.assertEqual(self.difference("color.exr", "x.exr"), 0)
 
     def test_display_pictures_in_and_out(self):
-        write_png(self.path("color.png"), [[10, 120, 250] * 8] * 6, channels=3)
+        write_rows(self.path("color.png"), [[10, 120, 250] * 8] * 6, channels=3)
         words = [self.path("color.png") if str(word).endswith("color.exr") else word for word in self.words(out="x.png", sigma=0)]
         self.works(*words)
         self.assertEqual(self.difference("color.png", "x.png"), 0)
@@ -288,6 +288,32 @@ class Frames(FogCase):
         self.path("scene.json").write_text(json.dumps(scene))
         self.works("render", self.path("scene.json"), "-o", self.path("scene.exr"))
         self.assertLess(self.difference("x.exr", "scene.exr"), 1e-6)
+
+    def test_the_polar_path_is_within_its_bound_and_walks_where_it_does_not_serve(self):
+        self.waves("map.png", 40)
+        self.depth([8] * 48)
+        more = ("--profile", "slab:0,8", "--fog-color", "0,0,0")
+        self.works(*self.words(*more))
+        self.works(*self.words(*more, "--path", "polar", out="polar.exr"))
+        difference = self.difference("x.exr", "polar.exr")
+        self.assertGreater(difference, 0)
+        self.assertLess(difference, 0.5 / 512)
+        for unserved in (("--degree", "0"), ("--sun", "0,1,-1"), ("--levels", "2", "--mu", "0.5"),
+                         ("--profile", "exponential:0,8")):
+            words = self.words(*more, *unserved) if unserved[0] != "--profile" else self.words(*unserved)
+            self.works(*words)
+            self.works(*[self.path("polar.exr") if word == self.path("x.exr") else word for word in words],
+                       "--path", "polar")
+            self.assertEqual(self.difference("x.exr", "polar.exr"), 0, unserved)
+
+    def test_details_by_the_angle_of_a_cell(self):
+        self.waves("map.png", 40)
+        self.works(*self.words("--levels", "3"))
+        self.works(*self.words("--levels", "3", "--cell-angle", "1e-4", out="fine.exr"))
+        self.works(*self.words("--levels", "3", "--cell-angle", "1", out="coarse.exr"))
+        self.assertEqual(self.difference("x.exr", "fine.exr"), 0)
+        self.assertGreater(self.difference("x.exr", "coarse.exr"), 1e-4)
+        self.assertIn("cell-angle", self.fails(2, *self.words("--cell-angle", "-1")))
 
     def test_several_frames(self):
         for number in (3, 4):
@@ -310,7 +336,7 @@ class Frames(FogCase):
         values[2 * 8 + 5] = -1
         self.depth(values)
         self.assertIn("pixel 5, 2 is -1", self.fails(1, *self.words()))
-        write_exr(self.path("depth.exr"), 8, 6, {name: [1] * 48 for name in "RGB"})
+        write_planes(self.path("depth.exr"), 8, 6, {name: [1] * 48 for name in "RGB"})
         self.assertIn("3 channels", self.fails(1, *self.words()))
 
     def test_sizes_must_agree(self):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""OpenEXR and PNG pictures with the standard library alone: what the tests of captures read and change."""
+"""OpenEXR and PNG pictures with the standard library alone: what the tests read and write."""
 import array
 import pathlib
 import struct
@@ -82,33 +82,38 @@ def split_channels(data):
         at = end + 17
 
 
-def write_exr(path, picture, alpha=None):
-    """Uncompressed; `alpha` adds a channel A of that value."""
-    names = ["B", "G", "R"] if picture.channels == 3 else ["Y"]
-    planes = {"B": 2, "G": 1, "R": 0, "Y": 0}
-    names = (["A"] if alpha is not None else []) + names
-    channels = b"".join(name.encode() + b"\0" + struct.pack("<iIii", 2, 0, 1, 1) for name in names) + b"\0"
-    window = struct.pack("<4i", 0, 0, picture.width - 1, picture.height - 1)
-    header = MAGIC
-    for name, kind, value in (("channels", "chlist", channels), ("compression", "compression", b"\0"),
-                              ("dataWindow", "box2i", window), ("displayWindow", "box2i", window),
-                              ("lineOrder", "lineOrder", b"\0"), ("pixelAspectRatio", "float", struct.pack("<f", 1)),
-                              ("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0)),
-                              ("screenWindowWidth", "float", struct.pack("<f", 1))):
-        header += name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(value)) + value
-    header += b"\0"
-    size = 4 * picture.width * len(names)
-    first = len(header) + 8 * picture.height
-    table = b"".join(struct.pack("<Q", first + y * (size + 8)) for y in range(picture.height))
+def write_planes(path, width, height, planes):
+    """OpenEXR without compression; planes: {"Y": values} or {"R": .., "G": .., "B": ..}, row 0 at the top."""
+    names = sorted(planes)
+
+    def attribute(name, kind, data):
+        return name + b"\0" + kind + b"\0" + struct.pack("<i", len(data)) + data
+
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    listed = b"".join(name.encode() + b"\0" + struct.pack("<iIii", 2, 0, 1, 1) for name in names) + b"\0"
+    header = MAGIC + attribute(b"channels", b"chlist", listed) + attribute(b"compression", b"compression", b"\0")
+    header += attribute(b"dataWindow", b"box2i", window) + attribute(b"displayWindow", b"box2i", window)
+    header += attribute(b"lineOrder", b"lineOrder", b"\0")
+    header += attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
+    header += attribute(b"screenWindowCenter", b"v2f", bytes(8))
+    header += attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0"
+    size = 4 * width * len(names)
+    first = len(header) + 8 * height
+    table = b"".join(struct.pack("<Q", first + y * (size + 8)) for y in range(height))
     body = []
-    for y in range(picture.height):
-        row = picture.values[y * picture.width * picture.channels:(y + 1) * picture.width * picture.channels]
-        line = struct.pack("<ii", y, size)
-        for name in names:
-            plane = [alpha] * picture.width if name == "A" else row[planes[name]::picture.channels]
-            line += array.array("f", plane).tobytes()
-        body.append(line)
+    for y in range(height):
+        row = b"".join(array.array("f", planes[name][y * width:(y + 1) * width]).tobytes() for name in names)
+        body.append(struct.pack("<ii", y, size) + row)
     pathlib.Path(path).write_bytes(header + table + b"".join(body))
+
+
+def write_exr(path, picture, alpha=None):
+    """As write_planes; `alpha` adds a channel A of that value."""
+    names = "RGB" if picture.channels == 3 else "Y"
+    planes = {name: picture.values[c::picture.channels] for c, name in enumerate(names)}
+    if alpha is not None:
+        planes["A"] = [alpha] * (picture.width * picture.height)
+    write_planes(path, picture.width, picture.height, planes)
 
 
 def encode_srgb(value):
@@ -116,20 +121,21 @@ def encode_srgb(value):
     return 12.92 * value if value <= 0.0031308 else 1.055 * value ** (1 / 2.4) - 0.055
 
 
+def write_rows(path, rows, bits=8, channels=1):
+    """PNG of whole numbers, stored as they are; channels interleaved."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    head = struct.pack(">IIBBBBB", len(rows[0]) // channels, len(rows), bits, 2 if channels == 3 else 0, 0, 0, 0)
+    kind = "B" if bits == 8 else "H"
+    raw = b"".join(b"\0" + struct.pack(f">{len(row)}{kind}", *row) for row in rows)
+    pathlib.Path(path).write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(raw)) +
+                                   chunk(b"IEND", b""))
+
+
 def write_png(path, picture, bits=8, encode=encode_srgb):
     """8 or 16 bits; `encode` makes stored values of linear ones."""
     top = (1 << bits) - 1
     stored = [round(top * encode(value)) for value in picture.values]
-    raw = b""
     length = picture.width * picture.channels
-    for y in range(picture.height):
-        row = stored[y * length:(y + 1) * length]
-        raw += b"\0" + (bytes(row) if bits == 8 else struct.pack(f">{length}H", *row))
-
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    kind = 2 if picture.channels == 3 else 0
-    head = struct.pack(">IIBBBBB", picture.width, picture.height, bits, kind, 0, 0, 0)
-    pathlib.Path(path).write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(raw)) +
-                                   chunk(b"IEND", b""))
+    write_rows(path, [stored[y * length:(y + 1) * length] for y in range(picture.height)], bits, picture.channels)

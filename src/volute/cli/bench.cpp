@@ -12,6 +12,10 @@ std::span<const Benchmark> benchmarks() {
        "files at equal relative RMS: sizes against Volute's; speeds of one thread, per second of "
        "processor time, against zfp 4D's (of all threads, per second, against one)",
        benchCodec},
+      {"fds",
+       "an FDS case of 100 meshes and 5 million cells: opening, and sight lines against a plain "
+       "loop",
+       benchFds},
       {"fog", "painted fog over a valley: exact walk, polar table, details, one thread", benchFog},
       {"render", "pictures of 512 x 512 straight from the tree, against the reference",
        benchRender},

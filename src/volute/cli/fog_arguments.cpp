@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/fog_arguments.hpp"
 
+#include <numbers>
+
 namespace volute::cli {
 namespace {
 
@@ -61,6 +63,8 @@ Result<FogDescription> fogOf(const Arguments& arguments, const std::string& map)
   fog.options.degree = arguments.get<int>("degree");
   fog.options.levels = arguments.get<int>("levels");
   fog.options.detail.mu = arguments.get<double>("mu");
+  fog.options.detail.cellAngle = arguments.get<double>("cell-angle");
+  fog.polar = arguments.get<std::string>("path") == "polar";
   VOLUTE_ASSIGN(fog.options.color, lightOf(arguments, "fog-color", 1e6));
   VOLUTE_ASSIGN(fog.scattering.albedo, lightOf(arguments, "albedo", 1));
   fog.scattering.asymmetry = arguments.get<double>("asymmetry");
@@ -113,6 +117,22 @@ std::vector<Option> fogOptionTable() {
        .initial = "1",
        .least = 0,
        .most = 1},
+      {.name = "cell-angle",
+       .kind = kNumber,
+       .value = "A",
+       .help = "instead of --mu: a level is used from where its cells are seen under this angle "
+               "[rad]; 0: off",
+       .initial = "0",
+       .least = 0,
+       .most = std::numbers::pi / 2},
+      {.name = "path",
+       .kind = kChoice,
+       .value = "HOW",
+       .help = "walk: every ray, exactly; polar: by a table for each picture's eye, within 1/512 of "
+               "transmittance, where it serves (degree 1 to 3, slab, linear or layers, no sun, all "
+               "details), else walk",
+       .initial = "walk",
+       .choices = {"walk", "polar"}},
       {.name = "profile",
        .kind = kText,
        .value = "KIND:NUMBERS",

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <numbers>
 
 #include "volute/cli/json_file.hpp"
 #include "volute/cli/suggest.hpp"
@@ -13,6 +14,7 @@ namespace {
 
 using Json = nlohmann::json;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kRightAngle = std::numbers::pi / 2;
 
 /// One object of a JSON file: its members by name, and errors that say where they stand.
 class Members {
@@ -190,9 +192,19 @@ Status readMeaning(const Members& members, FogDescription& fog) {
   VOLUTE_TRY(members.integer("degree", fog.options.degree, 0, kMostSplineDegree));
   VOLUTE_TRY(members.integer("levels", fog.options.levels, 0, kMostFogLevels));
   VOLUTE_TRY(members.number("mu", fog.options.detail.mu, 0, 1));
+  VOLUTE_TRY(members.number("cell_angle", fog.options.detail.cellAngle, 0, kRightAngle));
   VOLUTE_TRY(members.color("color", fog.options.color, kInfinity));
   VOLUTE_TRY(members.color("albedo", fog.scattering.albedo, 1));
   VOLUTE_TRY(members.number("asymmetry", fog.scattering.asymmetry, -0.999, 0.999));
+  if (members.has("path")) {
+    std::string path;
+    VOLUTE_TRY(members.text("path", path, "\"walk\" or \"polar\""));
+    if (path != "walk" && path != "polar")
+      return members.objection(
+          "path", {ErrorCode::kInvalidData,
+                   fmt::format("'{}' is unknown; expected walk or polar", path)});
+    fog.polar = path == "polar";
+  }
   if (!members.has("convert"))
     return {};
   std::string convert;
@@ -266,7 +278,8 @@ Result<FogDescription> parseFog(const Json& json, const std::string& file,
                                 const std::string& path) {
   constexpr std::string_view kNames[] = {
       "kind",    "map",   "times", "origin", "cell", "sigma_max", "degree",    "levels", "mu",
-      "profile", "color", "wind",  "top",    "time", "albedo",    "asymmetry", "convert"};
+      "profile", "color", "wind",  "top",    "time", "albedo",    "asymmetry", "convert",
+      "path",    "cell_angle"};
   const Members members(json, file, path);
   VOLUTE_TRY(members.check(kNames));
   FogDescription fog;

@@ -34,6 +34,9 @@ struct FogDescription {
   Vec3 wind = Vec3::Zero();  ///< [m/s], in the scene's time
   Clock clock;
   SunScattering scattering;
+  /// Pictures by a table of polar prefix sums where it serves (degree 1 to 3, no dropped details, no
+  /// top, no exponential profile, no suns): |dT| < 1/512. Else every ray is walked, exactly.
+  bool polar = false;
 };
 
 /// A fog object of a scene. Names of files are found from the folder of `file`. Errors name the

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/fog/polar_fog.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
 
@@ -148,8 +149,15 @@ FogMedium FogLayer::fogAt(double time) const {
   return sequence_->at(local).shifted(blown);
 }
 
-Result<AnyMedium> FogLayer::mediumAt(double time) const {
+Result<AnyMedium> FogLayer::mediumAt(double time, const Vec3& eye) const {
   FogMedium fog = fogAt(time);
+  if (suns_.empty() && description_.polar && fog.options().degree > 0) {
+    auto polar = PolarFog::make(fog, eye);
+    if (polar)
+      return AnyMedium(std::move(*polar));
+    if (polar.error().code != ErrorCode::kUnsupported)
+      return at(description_.where, polar.error());
+  }
   if (suns_.empty())
     return AnyMedium(std::move(fog));
   auto lit = SunlitFog::make(fog, suns_, description_.scattering);

@@ -22,8 +22,11 @@ class FogLayer {
   /// At a time of the scene [s]: the maps at its clock's time, blown by the wind.
   FogMedium fogAt(double time) const;
 
-  /// The same, lit by the suns.
-  [[nodiscard]] Result<AnyMedium> mediumAt(double time) const;
+  /// The same, lit by the suns, for pictures from an eye.
+  [[nodiscard]] Result<AnyMedium> mediumAt(double time, const Vec3& eye) const;
+
+  /// Whether suns light it.
+  bool sunlit() const { return !suns_.empty(); }
 
   /// How many maps there are.
   int frames() const { return static_cast<int>(times_.size()); }

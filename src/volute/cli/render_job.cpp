@@ -38,7 +38,27 @@ Stopwatch::~Stopwatch() {
   total_ += now() - begin_;
 }
 
+Result<Image> RenderJob::glPicture(const Moment& moment, Progress& progress) {
+  {
+    const Stopwatch watch(totals.slices);
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      VOLUTE_ASSIGN(const auto slice, layers[i].sliceAt(moment.positions[i]));
+      totals.bricksStored += slice->storedBricks();
+    }
+  }
+  const Stopwatch watch(totals.render);
+  RenderStats found;
+  VOLUTE_ASSIGN(auto image, gl->picture(camera, {layers, moment.positions, fogs, moment.time},
+                                        options, progress, found));
+  totals.rays += found.rays;
+  totals.segments += found.segments;
+  ++totals.pictures;
+  return image;
+}
+
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
+  if (gl)
+    return glPicture(moment, progress);
   std::vector<VoxelMedium> volumes;
   std::vector<AnyMedium> media;
   {
@@ -49,7 +69,7 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
       volumes.push_back(std::move(volume));
     }
     for (const FogLayer& fog : fogs) {
-      VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time));
+      VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time, camera.eye()));
       media.push_back(std::move(medium));
     }
   }
@@ -82,27 +102,33 @@ nlohmann::ordered_json RenderJob::stats() const {
     tree.treeBytes += layer.treeCounts().treeBytes;
     tree.nodesVisited += layer.treeCounts().nodesVisited;
   }
-  return {{"renderer", options.renderer == Renderer::kReference ? "reference" : "cpu"},
-          {"size", {camera.width(), camera.height()}},
-          {"pictures", totals.pictures},
-          {"rays", totals.rays},
-          {"segments", totals.segments},
-          {"pieces", totals.pieces},
-          {"voxels_visited", totals.voxels},
-          {"bricks_visited", totals.bricksVisited},
-          {"bricks_skipped", totals.bricksSkipped},
-          {"bricks_stored", totals.bricksStored},
-          {"bytes_read", bytesRead},
-          {"blocks_decoded", blocksDecoded},
-          {"tree_nodes", tree.nodes},
-          {"tree_bytes", tree.treeBytes},
-          {"nodes_visited", tree.nodesVisited},
-          {"milliseconds",
-           {{"open", totals.open},
-            {"slices", totals.slices},
-            {"render", totals.render},
-            {"write", totals.write}}},
-          {"peak_memory_bytes", peakMemoryBytes()}};
+  const bool reference = options.renderer == Renderer::kReference;
+  nlohmann::ordered_json stats = {{"renderer", gl          ? "gl"
+                                               : reference ? "reference"
+                                                           : "cpu"},
+                                  {"size", {camera.width(), camera.height()}},
+                                  {"pictures", totals.pictures},
+                                  {"rays", totals.rays},
+                                  {"segments", totals.segments},
+                                  {"pieces", totals.pieces},
+                                  {"voxels_visited", totals.voxels},
+                                  {"bricks_visited", totals.bricksVisited},
+                                  {"bricks_skipped", totals.bricksSkipped},
+                                  {"bricks_stored", totals.bricksStored},
+                                  {"bytes_read", bytesRead},
+                                  {"blocks_decoded", blocksDecoded},
+                                  {"tree_nodes", tree.nodes},
+                                  {"tree_bytes", tree.treeBytes},
+                                  {"nodes_visited", tree.nodesVisited},
+                                  {"milliseconds",
+                                   {{"open", totals.open},
+                                    {"slices", totals.slices},
+                                    {"render", totals.render},
+                                    {"write", totals.write}}},
+                                  {"peak_memory_bytes", peakMemoryBytes()}};
+  if (gl)
+    stats["gl"] = gl->stats();
+  return stats;
 }
 
 }  // namespace volute::cli

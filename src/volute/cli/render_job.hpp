@@ -8,6 +8,7 @@
 
 #include "volute/camera/camera.hpp"
 #include "volute/cli/fog_layer.hpp"
+#include "volute/cli/gl_pictures.hpp"
 #include "volute/cli/volume_layer.hpp"
 #include "volute/render/render.hpp"
 
@@ -37,9 +38,13 @@ struct RenderJob {
   std::vector<Moment> moments;
   double framesPerSecond = 25;  ///< of a film
   RenderTotals totals;
+  std::shared_ptr<GlPictures> gl{};  ///< takes the pictures when it is not null
 
   /// The linear picture of a moment.
   [[nodiscard]] Result<Image> picture(const Moment& moment, Progress& progress);
+
+  /// The same by OpenGL.
+  [[nodiscard]] Result<Image> glPicture(const Moment& moment, Progress& progress);
 
   /// What --stats writes.
   nlohmann::ordered_json stats() const;

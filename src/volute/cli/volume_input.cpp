@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "volute/cli/fds_input.hpp"
 #include "volute/io/volume_source.hpp"
 
 namespace volute::cli {
@@ -75,9 +76,14 @@ Result<VolumeInput> openVolume(const std::string& path, const InputOptions& opti
     input.source = frameSource(input.reader);
     return input;
   }
+  if (isSmvPath(path)) {
+    VOLUTE_ASSIGN(input.source,
+                  openFdsVolume(path, options.grid, options.bounds, std::nullopt, context));
+    return input;
+  }
   if (isPicturePath(path)) {
     return fail(ErrorCode::kUnsupported,
-                "{}: this is a picture; expected a volume: .volute, .npy, .vdb, .vti or .pvd",
+                "{}: this is a picture; expected a volume: .volute, .npy, .vdb, .vti, .pvd or .smv",
                 path);
   }
   SourceOptions source;

@@ -65,6 +65,8 @@ class VolumeLayer {
   /// When a frame begins in the scene's time [s].
   double timeOf(int position) const;
 
+  const Appearance& appearance() const { return appearance_; }
+
   /// Null unless it is a .volute file.
   const VoluteReader* reader() const { return input_.reader.get(); }
 

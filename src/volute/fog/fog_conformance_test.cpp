@@ -101,21 +101,30 @@ VOLUTE_CONFORMANCE(Exponential0, inDouble(0, 2));
 VOLUTE_CONFORMANCE(Exponential1, inDouble(1, 2));
 VOLUTE_CONFORMANCE(Exponential2, inDouble(2, 2));
 VOLUTE_CONFORMANCE(Exponential3, inDouble(3, 2));
+VOLUTE_CONFORMANCE(Layers0, inDouble(0, 3));
 VOLUTE_CONFORMANCE(Layers1, inDouble(1, 3));
+VOLUTE_CONFORMANCE(Layers2, inDouble(2, 3));
+VOLUTE_CONFORMANCE(Layers3, inDouble(3, 3));
 VOLUTE_CONFORMANCE(Top0, withTop(0));
 VOLUTE_CONFORMANCE(Top1, withTop(1));
+VOLUTE_CONFORMANCE(Top2, withTop(2));
 VOLUTE_CONFORMANCE(Top3, withTop(3));
 VOLUTE_CONFORMANCE(FastSlab0, inFloat(0, 0));
 VOLUTE_CONFORMANCE(FastSlab1, inFloat(1, 0));
 VOLUTE_CONFORMANCE(FastSlab2, inFloat(2, 0));
 VOLUTE_CONFORMANCE(FastSlab3, inFloat(3, 0));
+VOLUTE_CONFORMANCE(FastLinear0, inFloat(0, 1));
 VOLUTE_CONFORMANCE(FastLinear1, inFloat(1, 1));
+VOLUTE_CONFORMANCE(FastLinear2, inFloat(2, 1));
 VOLUTE_CONFORMANCE(FastLinear3, inFloat(3, 1));
 VOLUTE_CONFORMANCE(FastExponential0, inFloat(0, 2));
 VOLUTE_CONFORMANCE(FastExponential1, inFloat(1, 2));
 VOLUTE_CONFORMANCE(FastExponential2, inFloat(2, 2));
 VOLUTE_CONFORMANCE(FastExponential3, inFloat(3, 2));
+VOLUTE_CONFORMANCE(FastLayers0, inFloat(0, 3));
 VOLUTE_CONFORMANCE(FastLayers1, inFloat(1, 3));
+VOLUTE_CONFORMANCE(FastLayers2, inFloat(2, 3));
+VOLUTE_CONFORMANCE(FastLayers3, inFloat(3, 3));
 
 }  // namespace
 }  // namespace volute

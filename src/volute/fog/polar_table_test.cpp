@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/fog/polar_table.hpp"
+#include "volute/fog/polar_fog.hpp"
 
 #include <gtest/gtest.h>
 
@@ -130,6 +130,35 @@ TEST(PolarTable, SectorOfRaysAllAroundIsNone) {
   ASSERT_TRUE(sector);
   EXPECT_NEAR(sector->yaw, 2, 1e-3);
   EXPECT_NEAR(sector->tangent, 0.7, 0.02);
+}
+
+TEST(PolarFog, LooksUpFromItsEyeAndWalksFromElsewhere) {
+  SplineGrid map(40, 34);
+  for (int j = 0; j < 34; ++j)
+    for (int i = 0; i < 40; ++i) map.at(i, j) = 0.5 + 0.5 * std::sin(0.3 * i) * std::cos(0.2 * j);
+  const FogMedium fog =
+      fogtest::fog(map, *FogProfile::slab(0, 6), {.degree = 1, .color = Rgb(0.5, 0.6, 0.7)});
+  const Vec3 eye(10, 15, 2.5);
+  const PolarFog polar = *PolarFog::make(fog, eye);
+  std::vector<Segment> here, elsewhere;
+  for (int i = 0; i < 40; ++i) {
+    const Vec3 direction = Vec3(std::cos(0.16 * i), std::sin(0.16 * i), -0.05).normalized();
+    here.push_back({eye, direction, 0, 20});
+    elsewhere.push_back({eye + Vec3(1, 0, 0), direction, 0, 20});
+  }
+  std::vector<Radiance> looked(40), walked(40);
+  polar.radiance(here, looked);
+  fog.radiance(here, walked);
+  double most = 0;
+  for (int i = 0; i < 40; ++i) {
+    most = std::max(most, std::abs(looked[i].transmittance - walked[i].transmittance));
+    EXPECT_NEAR(looked[i].emitted[1], 0.6 * (1 - looked[i].transmittance), 1e-12);
+  }
+  EXPECT_LT(most, 1.0 / 512);
+  EXPECT_GT(most, 0);
+  polar.radiance(elsewhere, looked);
+  fog.radiance(elsewhere, walked);
+  for (int i = 0; i < 40; ++i) EXPECT_EQ(looked[i].transmittance, walked[i].transmittance);
 }
 
 TEST(PolarTable, WhatItCannotServeIsSaid) {

@@ -8,6 +8,7 @@
 namespace volute::cli {
 
 [[nodiscard]] Result<std::vector<BenchRow>> benchCodec(const BenchInput& input, Progress& progress);
+[[nodiscard]] Result<std::vector<BenchRow>> benchFds(const BenchInput& input, Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchFog(const BenchInput& input, Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchRender(const BenchInput& input,
                                                         Progress& progress);

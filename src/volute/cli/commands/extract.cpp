@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/extract_source.hpp"
+#include "volute/cli/fds_input.hpp"
 #include "volute/cli/volume_input.hpp"
 #include "volute/cli/volume_output.hpp"
 
@@ -33,6 +34,56 @@ Report reportOf(const std::string& target, const VolumeInfo& info, const VoluteR
   return report;
 }
 
+/// Where {mesh} stands in an output's name, the number of a mesh from 1.
+std::string nameForMesh(std::string target, int mesh) {
+  const auto place = target.find("{mesh}");
+  return target.replace(place, 6, fmt::format("{:04}", mesh));
+}
+
+/// Voxels of extinction out of an FDS case: all meshes together, or one.
+Status extractFds(const std::string& path, const std::string& target, std::optional<int> mesh,
+                  const Arguments& arguments, Context& context) {
+  VOLUTE_TRY(checkTarget(target, true));
+  VOLUTE_ASSIGN(auto volume, openFdsVolume(path, arguments.find<std::string>("grid").value_or(""),
+                                           std::nullopt, mesh, context));
+  const auto frames = arguments.find<FrameRange>("frames").value_or(FrameRange{});
+  VOLUTE_ASSIGN(auto source, selectFrames(std::move(volume), frames));
+  const VolumeInfo& info = source->info();
+  VOLUTE_ASSIGN(auto sink, openSink(target, info));
+  VOLUTE_TRY(copyFrames(*source, *sink, "extracting", context.progress));
+  Report report;
+  report.add("output", target)
+      .add("frames", info.frames, fmt::format("{}", info.frames))
+      .add("size", {info.x, info.y, info.z},
+           fmt::format("{} x {} x {} voxels", info.x, info.y, info.z));
+  context.print(report);
+  return {};
+}
+
+Status runFds(const std::string& path, const std::string& target, const Arguments& arguments,
+              Context& context) {
+  if (arguments.given("region") || arguments.flag("partial") || arguments.get<int>("level") != 0) {
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "--region, --level and --partial are for .volute files; of an FDS case --frames and "
+        "--grid choose");
+  }
+  if (target.find("{mesh}") == std::string::npos)
+    return extractFds(path, target, std::nullopt, arguments, context);
+  if (context.json)
+    return fail(ErrorCode::kInvalidArgument, "--json and {{mesh}} do not go together");
+  VOLUTE_ASSIGN(const SmvIndex index, SmvIndex::read(path));
+  for (int mesh = 0; mesh < static_cast<int>(index.meshes.size()); ++mesh) {
+    const Status status = extractFds(path, nameForMesh(target, mesh + 1), mesh, arguments, context);
+    if (!status && status.error().code == ErrorCode::kNotFound) {
+      context.progress.remark(status.error().message);
+      continue;
+    }
+    VOLUTE_TRY(status);
+  }
+  return {};
+}
+
 Status run(const Arguments& arguments, Context& context) {
   const std::string& path = arguments.positional(0);
   const auto target = arguments.get<std::string>("output");
@@ -40,12 +91,14 @@ Status run(const Arguments& arguments, Context& context) {
     return fail(ErrorCode::kInvalidArgument,
                 "--json and '--output -' both want standard output; leave one");
   }
+  context.resultsToStderr = target == "-";
+  if (isSmvPath(path))
+    return runFds(path, target, arguments, context);
   if (!isVolutePath(path)) {
     return fail(ErrorCode::kInvalidArgument,
-                "'{}' does not end in .volute; 'extract' reads such files alone", path);
+                "'{}' does not end in .volute or .smv; 'extract' reads such files alone", path);
   }
   VOLUTE_TRY(checkTarget(target, true));
-  context.resultsToStderr = target == "-";
   VOLUTE_ASSIGN(auto reader, openVolute(path, arguments.flag("partial"), context));
   VOLUTE_ASSIGN(auto extraction, extractionOf(arguments, reader->info(), context.maxMemory));
   VOLUTE_ASSIGN(auto source,
@@ -65,6 +118,7 @@ Command extractCommand() {
       .summary = "Takes frames, a region or a coarser level out of a .volute file",
       .examples =
           {"volute extract fire.volute -o fire.npy",
+           "volute extract case.smv -o smoke_{mesh}_%04d.vti",
            "volute extract fire.volute -o fire_%04d.vdb --frames 10:20",
            "volute extract fire.volute -o - --frames 3 --region 0:32,0:32,16:48 | other-program"},
       .description =
@@ -78,8 +132,11 @@ Command extractCommand() {
           "where a small body stands in empty space. Cubes that reach beyond the region count "
           "zeros "
           "there and the bounds grow with them.\n\n"
-          "A .npy is float32 of shape (t,z,y,x) or (t,z,y,x,c), a single frame included.",
-      .positionals = {{.name = "IN.volute", .help = "the file to read"}},
+          "A .npy is float32 of shape (t,z,y,x) or (t,z,y,x,c), a single frame included.\n\n"
+          "Of an FDS case it takes the extinction [1/m] at the stored times as voxels of the "
+          "finest "
+          "cell size, obstructions zero; with {mesh} in OUT, each mesh on its own.",
+      .positionals = {{.name = "IN", .help = "a .volute file, or the .smv of an FDS case"}},
       .options = {{.name = "output",
                    .letter = 'o',
                    .kind = kFile,
@@ -91,6 +148,10 @@ Command extractCommand() {
                    .kind = kFrames,
                    .value = "A:B[:S]",
                    .help = "frames with numbers A <= n < B, every S-th"},
+                  {.name = "grid",
+                   .kind = kText,
+                   .value = "NAME",
+                   .help = "which source of an FDS case; 'volute info' names them"},
                   {.name = "region",
                    .kind = kRegion,
                    .value = "X0:X1,Y0:Y1,Z0:Z1",

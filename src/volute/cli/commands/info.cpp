@@ -4,6 +4,8 @@
 #include <map>
 
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/fds_input.hpp"
+#include "volute/cli/gl_pictures.hpp"
 #include "volute/cli/volume_input.hpp"
 #include "volute/io/image_file.hpp"
 
@@ -189,15 +191,36 @@ Result<Report> describeVolume(const std::string& path, const Arguments& argument
   return report;
 }
 
+/// The graphics device, before the files if there are any.
+Status showGl(const Arguments& arguments, Context& context) {
+  VOLUTE_ASSIGN(const auto report, describeGl());
+  if (context.json && arguments.positionals().empty())
+    context.print(dumpJson(report.json()));
+  else if (context.json)
+    return fail(ErrorCode::kInvalidArgument, "--gl with --json takes no FILE");
+  else
+    context.print(report.text());
+  return {};
+}
+
 Status run(const Arguments& arguments, Context& context) {
+  if (arguments.positionals().empty() && !arguments.flag("gl"))
+    return fail(ErrorCode::kInvalidArgument, "FILE is missing; give a file, or --gl");
+  if (arguments.flag("gl")) {
+    VOLUTE_TRY(showGl(arguments, context));
+    if (arguments.positionals().empty())
+      return {};
+  }
   bool damaged = false;
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   const auto& paths = arguments.positionals();
   for (const auto& path : paths) {
-    auto report = isVolutePath(path)
-                      ? describeVolute(path, arguments.flag("blocks"), context, damaged)
-                  : isPicturePath(path) ? describePicture(path)
-                                        : describeVolume(path, arguments, context);
+    auto report =
+        isVolutePath(path)    ? describeVolute(path, arguments.flag("blocks"), context, damaged)
+        : isPicturePath(path) ? describePicture(path)
+        : isSmvPath(path) ? describeFdsCase(path, arguments.find<std::string>("grid").value_or(""),
+                                            arguments.flag("values"), context)
+                          : describeVolume(path, arguments, context);
     VOLUTE_TRY(report);
     files.push_back(report->json());
     if (!context.json)
@@ -215,26 +238,34 @@ Status run(const Arguments& arguments, Context& context) {
 
 Command infoCommand() {
   using enum ValueKind;
-  return {.name = "info",
-          .summary = "Says what is in a file and whether it is whole",
-          .examples = {"volute info fire.volute", "volute info smoke.npy --values --json"},
-          .description =
-              "Sizes, frames, times and bounds of a volume; of a .volute also what error was asked "
-              "for and reached, and whether every "
-              "byte is intact. Pictures (.png, .exr) show their size and range. A damaged .volute "
-              "is described as far as it is intact, "
-              "and the exit code is 1.",
-          .positionals = {{.name = "FILE", .help = "a volume or a picture", .several = true}},
-          .options = {{.name = "grid",
-                       .kind = kText,
-                       .value = "NAME",
-                       .help = "which grid of a file with several"},
-                      {.name = "blocks",
-                       .help = "of a .volute, each block's place, transform and size"},
-                      {.name = "values",
-                       .help = "read all frames for their minimum, maximum, zeros and values that "
-                               "are not finite"}},
-          .run = run};
+  return {
+      .name = "info",
+      .summary = "Says what is in a file and whether it is whole",
+      .examples = {"volute info fire.volute", "volute info smoke.npy --values --json",
+                   "volute info case.smv", "volute info --gl"},
+      .description =
+          "Sizes, frames, times and bounds of a volume; of a .volute also what error was asked "
+          "for and reached, and whether every "
+          "byte is intact. Pictures (.png, .exr) show their size and range. A damaged .volute "
+          "is described as far as it is intact, "
+          "and the exit code is 1. An FDS case (.smv) shows its meshes, obstructions and files, "
+          "which of them says how thick the smoke is, at which times, and what is cut off.",
+      .positionals = {{.name = "FILE",
+                       .help = "a volume, a picture or an FDS case",
+                       .several = true,
+                       .optional = true}},
+      .options = {{.name = "grid",
+                   .kind = kText,
+                   .value = "NAME",
+                   .help = "which grid of a file with several; which source of an FDS case"},
+                  {.name = "blocks",
+                   .help = "of a .volute, each block's place, transform and size"},
+                  {.name = "values",
+                   .help = "read all frames for their minimum, maximum, zeros and values that "
+                           "are not finite"},
+                  {.name = "gl",
+                   .help = "the graphics device that --renderer gl draws with, and its limits"}},
+      .run = run};
 }
 
 }  // namespace volute::cli

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/render/render.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "volute/base/output_file.hpp"
@@ -196,6 +197,18 @@ RenderOptions renderOptions(const Arguments& arguments, const Subject& subject) 
   return options;
 }
 
+/// Null for the processor. `auto` takes OpenGL where hardware draws all that the subject has.
+Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments, const Subject& subject) {
+  const auto renderer = arguments.get<std::string>("renderer");
+  if (renderer == "gl")
+    return GlPictures::open(false);
+  const bool served = std::ranges::none_of(subject.fogs, &FogLayer::sunlit);
+  if (renderer != "auto" || !served || !glIsLikely())
+    return nullptr;
+  auto gl = GlPictures::open(true);
+  return gl ? std::move(*gl) : nullptr;
+}
+
 Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target, Context& context) {
   const std::string& path = arguments.positional(0);
   RenderTotals totals;
@@ -211,13 +224,15 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   VOLUTE_TRY(checkPictureMemory(camera, context));
   const double rate = framesPerSecond(moments);
   const RenderOptions options = renderOptions(arguments, subject);
+  VOLUTE_ASSIGN(auto gl, chooseGl(arguments, subject));
   return RenderJob{std::move(subject.layers),
                    std::move(subject.fogs),
                    camera,
                    options,
                    std::move(moments),
                    rate,
-                   totals};
+                   totals,
+                   std::move(gl)};
 }
 
 /// 0 stands for auto.
@@ -361,9 +376,9 @@ std::vector<Option> renderOptionTable() {
       {.name = "renderer",
        .kind = kChoice,
        .value = "NAME",
-       .help = "who renders; auto is cpu",
+       .help = "who renders; auto is gl with a graphics card that can, else cpu",
        .initial = "auto",
-       .choices = {"auto", "cpu", "reference"}},
+       .choices = {"auto", "cpu", "gl", "reference"}},
       {.name = "camera",
        .kind = kFile,
        .value = "FILE.json",

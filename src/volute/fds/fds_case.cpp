@@ -1,0 +1,638 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fds/fds_case.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <optional>
+
+#include "volute/base/parallel.hpp"
+#include "volute/fds/solids.hpp"
+
+namespace volute {
+namespace {
+
+constexpr double kSameTime = 1e-6;  // relative, or [s] near 0
+constexpr double kHalfWord = 1.0;   // steps of .s16: how FDS rounds is not known
+
+bool sameTime(double a, double b) {
+  return std::abs(a - b) <= kSameTime * std::max({1.0, std::abs(a), std::abs(b)});
+}
+
+/// How the values of a lattice lie in its file.
+struct FileAxes {
+  std::array<std::vector<int>, 3> place;  // of each lattice value, on each axis
+  std::array<int, 3> size{};              // of the file's box
+};
+
+/// The cells that values stand for, on one axis.
+struct AxisCells {
+  std::vector<double> planes;
+  std::vector<int> places;
+  std::vector<std::array<int, 2>> cells;  // of the mesh, first and last, for each lattice cell
+};
+
+/// Values of cells with indices begin..end; index 0 is a ghost, i stands for the cell that ends at
+/// node i.
+AxisCells cellAxis(const std::vector<double>& nodes, int begin, int end) {
+  AxisCells axis;
+  for (int i = std::max(begin, 1); i <= end; ++i) {
+    if (axis.planes.empty())
+      axis.planes.push_back(nodes[static_cast<std::size_t>(i) - 1]);
+    axis.planes.push_back(nodes[static_cast<std::size_t>(i)]);
+    axis.places.push_back(i - begin);
+    axis.cells.push_back({i - 1, i - 1});
+  }
+  return axis;
+}
+
+/// Values at nodes begin..end; one node alone is a layer that reaches to the middles of the cells
+/// on both sides.
+AxisCells nodeAxis(const std::vector<double>& nodes, int begin, int end) {
+  AxisCells axis;
+  if (begin < end) {
+    for (int i = begin; i <= end; ++i) {
+      axis.planes.push_back(nodes[static_cast<std::size_t>(i)]);
+      axis.places.push_back(i - begin);
+      if (i < end)
+        axis.cells.push_back({i, i});
+    }
+    return axis;
+  }
+  const int last = static_cast<int>(nodes.size()) - 1;
+  const auto middle = [&](int cell) {
+    return 0.5 *
+           (nodes[static_cast<std::size_t>(cell)] + nodes[static_cast<std::size_t>(cell) + 1]);
+  };
+  axis.planes = {begin > 0 ? middle(begin - 1) : nodes.front(),
+                 begin < last ? middle(begin) : nodes.back()};
+  axis.places = {0, 0};
+  axis.cells = {{std::max(begin - 1, 0), std::min(begin, last - 1)}};
+  return axis;
+}
+
+/// Whether boxes touch.
+bool near(const Box3& a, const Box3& b) {
+  constexpr double kNear = 1e-4;  // [m]
+  return (a.min.array() <= b.max.array() + kNear).all() &&
+         (b.min.array() <= a.max.array() + kNear).all();
+}
+
+}  // namespace
+
+/// One file, and the lattice that its values are on.
+struct FdsCase::Part {
+  FdsSourcePart what;
+  std::filesystem::path path;
+  std::unique_ptr<FdsFrameFile> file;
+  FdsLattice lattice;
+  FileAxes axes;
+  std::array<std::vector<std::array<int, 2>>, 3> meshCells;  // of each lattice cell
+  double massExtinction = kFdsMassExtinction;
+  double cellLength = 0;             // dx of the opacity of .s3d [m]
+  std::vector<FdsSizeRow> sizeRows;  // of .s3d
+  std::vector<std::size_t> frameAt;  // of the file, for each of the case's times
+
+  /// The lattice cell's state where `solid` are the mesh's cells: solid when all it spans are.
+  bool isSolid(const FdsMesh& mesh, std::span<const std::uint8_t> solid,
+               const std::array<int, 3>& cell) const {
+    const auto& [x0, x1] = meshCells[0][static_cast<std::size_t>(cell[0])];
+    const auto& [y0, y1] = meshCells[1][static_cast<std::size_t>(cell[1])];
+    const auto& [z0, z1] = meshCells[2][static_cast<std::size_t>(cell[2])];
+    for (int z = z0; z <= z1; ++z) {
+      for (int y = y0; y <= y1; ++y) {
+        for (int x = x0; x <= x1; ++x) {
+          if (solid[(static_cast<std::size_t>(z) * mesh.cells(1) + y) * mesh.cells(0) + x] == 0)
+            return false;
+        }
+      }
+    }
+    return true;
+  }
+
+  /// Calls body(cell) for each cell of the lattice, x fastest.
+  template <class Body>
+  void forCells(Body&& body) const {
+    for (int z = 0; z < lattice.cells(2); ++z) {
+      for (int y = 0; y < lattice.cells(1); ++y) {
+        for (int x = 0; x < lattice.cells(0); ++x) body(std::array<int, 3>{x, y, z});
+      }
+    }
+  }
+
+  /// Whether none of the values that the cell needs is missing.
+  bool hasValues(std::span<const float> values, const std::array<int, 3>& cell) const {
+    if (!lattice.nodal)
+      return !std::isnan(values[lattice.cellAt(cell)]);
+    const std::size_t strideY = lattice.planes[0].size();
+    const std::size_t strideZ = strideY * lattice.planes[1].size();
+    const float* first = values.data() + cell[2] * strideZ + cell[1] * strideY + cell[0];
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      if (std::isnan(first[(corner & 1) + ((corner >> 1) & 1) * strideY + (corner >> 2) * strideZ]))
+        return false;
+    }
+    return true;
+  }
+
+  /// 1 for each value that a cell of gas needs.
+  std::vector<std::uint8_t> needed(const FdsMesh& mesh, std::span<const std::uint8_t> solid) const {
+    std::vector<std::uint8_t> needed(lattice.valueCount(), 0);
+    const std::size_t strideY = lattice.planes[0].size();
+    const std::size_t strideZ = strideY * lattice.planes[1].size();
+    forCells([&](const std::array<int, 3>& cell) {
+      if (isSolid(mesh, solid, cell))
+        return;
+      if (!lattice.nodal) {
+        needed[lattice.cellAt(cell)] = 1;
+        return;
+      }
+      const std::size_t first = cell[2] * strideZ + cell[1] * strideY + cell[0];
+      for (std::size_t corner = 0; corner < 8; ++corner)
+        needed[first + (corner & 1) + ((corner >> 1) & 1) * strideY + (corner >> 2) * strideZ] = 1;
+    });
+    return needed;
+  }
+};
+
+Result<FdsCase> FdsCase::open(const std::filesystem::path& path, const FdsOptions& options) {
+  FdsCase opened;
+  opened.options_ = options;
+  VOLUTE_ASSIGN(opened.index_, SmvIndex::read(path));
+  opened.remarks_ = opened.index_.remarks;
+  VOLUTE_TRY(opened.chooseSource(options));
+  VOLUTE_TRY(opened.openParts());
+  VOLUTE_TRY(opened.findTimes());
+  VOLUTE_TRY(opened.findGeneration());
+  VOLUTE_TRY(opened.buildGrid());
+  opened.noteMissingMeshes();
+  return opened;
+}
+
+Status FdsCase::chooseSource(const FdsOptions& options) {
+  sources_ = findSources(index_);
+  std::string names;
+  for (const FdsSource& source : sources_) names += (names.empty() ? "" : ", ") + source.name;
+  const auto found = std::ranges::find_if(sources_, [&](const FdsSource& source) {
+    return options.source.empty() ? source.volume || !options.volume
+                                  : source.name == options.source;
+  });
+  if (found != sources_.end()) {
+    chosen_ = static_cast<std::size_t>(found - sources_.begin());
+    return {};
+  }
+  if (sources_.empty()) {
+    return fail(ErrorCode::kNotFound,
+                "{}: nothing in the case says how thick the smoke is: it needs slices of "
+                "EXTINCTION COEFFICIENT (&SLCF), or SMOKE3D",
+                index_.path.string());
+  }
+  if (options.source.empty()) {
+    return fail(ErrorCode::kNotFound,
+                "{}: the case has smoke in layers only ({}), nothing that fills a volume",
+                index_.path.string(), names);
+  }
+  return fail(ErrorCode::kNotFound, "{}: no source '{}'; the case has {}", index_.path.string(),
+              options.source, names);
+}
+
+Result<std::shared_ptr<FdsCase::Part>> FdsCase::openPart(const FdsSourcePart& what) const {
+  auto part = std::make_shared<Part>();
+  part->what = what;
+  const FdsMesh& mesh = index_.meshes[static_cast<std::size_t>(what.mesh)];
+  FdsNodeBox nodes{{0, 0, 0}, {mesh.cells(0), mesh.cells(1), mesh.cells(2)}};
+  const auto hold = [&](auto opened) -> Status {
+    if (!opened)
+      return tl::unexpected<Error>(opened.error());
+    using File = typename decltype(opened)::value_type;
+    part->file = std::make_unique<File>(std::move(*opened));
+    return {};
+  };
+  if (source().kind == FdsFileKind::kSlice) {
+    const FdsSliceEntry& entry = index_.slices[what.entry];
+    part->path = entry.file;
+    VOLUTE_ASSIGN(auto slice, FdsSliceFile::open(entry, mesh));
+    nodes = slice.nodes();
+    part->file = std::make_unique<FdsSliceFile>(std::move(slice));
+  } else if (source().kind == FdsFileKind::kPlot) {
+    std::vector<FdsPlotEntry> entries;
+    const FdsPlotEntry& first = index_.plots[what.entry];
+    const auto& labels = first.labels[static_cast<std::size_t>(source().plotVariable)];
+    for (const FdsPlotEntry& plot : index_.plots) {
+      if (plot.mesh == what.mesh &&
+          plot.labels[static_cast<std::size_t>(source().plotVariable)] == labels)
+        entries.push_back(plot);
+    }
+    part->path = first.file;
+    VOLUTE_TRY(hold(FdsPlotFiles::open(std::move(entries), source().plotVariable, mesh)));
+  } else {
+    const FdsSmokeEntry& entry = index_.smoke[what.entry];
+    part->path = entry.file;
+    if (entry.massExtinction)
+      part->massExtinction = *entry.massExtinction;
+    if (source().kind == FdsFileKind::kSmoke16) {
+      VOLUTE_TRY(hold(FdsSmoke16File::open(part->path.replace_extension(".s16"), mesh)));
+    } else {
+      part->sizeRows = readSizeFile(entry.file.string() + ".sz");
+      if (source().kind == FdsFileKind::kSmokeDensity)
+        part->path.replace_extension(".s3dd");
+      VOLUTE_TRY(hold(FdsSmokeFile::open(part->path, mesh)));
+    }
+  }
+  if (options_.massExtinction > 0)
+    part->massExtinction = options_.massExtinction;
+  part->cellLength = mesh.planes[0][1] - mesh.planes[0][0];
+  part->lattice.mesh = what.mesh;
+  part->lattice.nodal = !source().cellCentred;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto cells = source().cellCentred
+                           ? cellAxis(mesh.planes[axis], nodes.begin[axis], nodes.end[axis])
+                           : nodeAxis(mesh.planes[axis], nodes.begin[axis], nodes.end[axis]);
+    part->lattice.planes[axis] = cells.planes;
+    part->axes.place[axis] = cells.places;
+    part->axes.size[axis] = nodes.end[axis] - nodes.begin[axis] + 1;
+    part->meshCells[axis] = cells.cells;
+  }
+  return part;
+}
+
+Status FdsCase::openParts() {
+  const auto& wanted = source().parts;
+  std::vector<Result<std::shared_ptr<Part>>> opened(wanted.size());
+  parallelFor(wanted.size(), [&](std::size_t i) { opened[i] = openPart(wanted[i]); });
+  for (auto& part : opened) {
+    if (!part && part.error().code == ErrorCode::kTruncated) {
+      remarks_.push_back(part.error().message + ": the file is left out");
+      continue;
+    }
+    VOLUTE_TRY(part);
+    for (const std::string& remark : (*part)->file->frames().remarks) remarks_.push_back(remark);
+    const bool empty = std::ranges::any_of((*part)->lattice.planes,
+                                           [](const auto& planes) { return planes.size() < 2; });
+    if (empty) {
+      remarks_.push_back(
+          fmt::format("{}: holds nothing but cells outside of its mesh: it is left "
+                      "out",
+                      (*part)->path.string()));
+    } else if ((*part)->file->frames().times.empty()) {
+      remarks_.push_back(
+          fmt::format("{}: holds no whole frame yet: it is left out", (*part)->path.string()));
+    } else {
+      parts_.push_back(std::move(*part));
+    }
+  }
+  if (parts_.empty()) {
+    return fail(ErrorCode::kTruncated, "{}: no file of the source '{}' holds a whole frame{}{}",
+                index_.path.string(), source().name, remarks_.empty() ? "" : ": ",
+                remarks_.empty() ? "" : remarks_.back());
+  }
+  if (source().quantity == SmokeQuantity::kVisibility) {
+    remarks_.push_back(fmt::format(
+        "{}: visibility is cut at {} m: where it is, extinction is anything from 0 to {:.4g} 1/m, "
+        "and {:.4g} is taken",
+        index_.path.string(), options_.visibilityCap,
+        options_.visibilityFactor / options_.visibilityCap,
+        options_.visibilityFactor / options_.visibilityCap));
+  }
+  return {};
+}
+
+/// The times that all files have.
+Status FdsCase::findTimes() {
+  std::vector<std::size_t> next(parts_.size(), 0);
+  std::vector<std::vector<std::size_t>> frames(parts_.size());
+  std::size_t dropped = 0;
+  for (std::size_t first = 0; first < parts_[0]->file->frames().times.size(); ++first) {
+    const double time = parts_[0]->file->frames().times[first];
+    bool everywhere = true;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      const auto& times = parts_[i]->file->frames().times;
+      while (next[i] < times.size() && times[next[i]] < time && !sameTime(times[next[i]], time))
+        ++next[i];
+      everywhere = everywhere && next[i] < times.size() && sameTime(times[next[i]], time);
+    }
+    if (!everywhere) {
+      ++dropped;
+      continue;
+    }
+    times_.push_back(time);
+    for (std::size_t i = 0; i < parts_.size(); ++i) frames[i].push_back(next[i]);
+  }
+  if (times_.empty()) {
+    return fail(ErrorCode::kTruncated, "{}: the {} files of the source '{}' have no time in common",
+                index_.path.string(), parts_.size(), source().name);
+  }
+  if (dropped > 0) {
+    remarks_.push_back(fmt::format(
+        "{}: {} of the frames of {} are left out: other files of the source do not have them (yet)",
+        index_.path.string(), dropped, parts_[0]->path.string()));
+  }
+  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->frameAt = std::move(frames[i]);
+  return {};
+}
+
+Status FdsCase::buildGrid() {
+  std::vector<FdsLattice> lattices;
+  double bytes = 0;
+  for (const auto& part : parts_) {
+    lattices.push_back(part->lattice);
+    const double perValue = source().kind == FdsFileKind::kSlice ? 4 : 12;
+    bytes += 3 * perValue * static_cast<double>(part->lattice.valueCount());  // two and one between
+  }
+  if (bytes > static_cast<double>(options_.maxMemory)) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: its frames need {:.3g} GB, {:.3g} GB are allowed: raise --max-memory",
+                index_.path.string(), bytes * 1e-9, static_cast<double>(options_.maxMemory) * 1e-9);
+  }
+  VOLUTE_ASSIGN(grid_, FdsGrid::create(std::move(lattices)));
+  return {};
+}
+
+void FdsCase::noteMissingMeshes() {
+  std::vector<bool> covered(index_.meshes.size(), false);
+  for (const auto& part : parts_) covered[static_cast<std::size_t>(part->what.mesh)] = true;
+  std::string missing;
+  int count = 0;
+  for (std::size_t i = 0; i < covered.size(); ++i) {
+    if (!covered[i] && ++count <= 8)
+      missing += (missing.empty() ? "" : ", ") + std::to_string(i + 1);
+  }
+  if (count > 0) {
+    remarks_.push_back(fmt::format("{}: the source '{}' does not cover {} of {} meshes ({}{})",
+                                   index_.path.string(), source().name, count, covered.size(),
+                                   missing, count > 8 ? ", ..." : ""));
+  }
+}
+
+/// Whether bytes of .s3d are opacity or density: the fourth number of a frame in .s3d.sz is the
+/// largest byte (before it was rounded) of the former, the largest density of the latter. Nothing
+/// else tells them apart.
+Status FdsCase::findGeneration() {
+  if (source().kind != FdsFileKind::kSmoke)
+    return {};
+  const Part* best = nullptr;
+  std::size_t bestFrame = 0;
+  double most = 0;
+  bool any = false;
+  for (const auto& part : parts_) {
+    const auto& times = part->file->frames().times;
+    for (const FdsSizeRow& row : part->sizeRows) {
+      const auto place = std::ranges::find_if(
+          times, [&](double time) { return std::abs(time - row.time) <= 1e-5 * (1 + time); });
+      if (row.columns.size() < 3 || place == times.end())
+        continue;
+      any = true;
+      if (row.columns[2] > most) {
+        most = row.columns[2];
+        best = part.get();
+        bestFrame = static_cast<std::size_t>(place - times.begin());
+      }
+    }
+  }
+  if (best == nullptr) {
+    if (!any) {
+      remarks_.push_back(fmt::format(
+          "{}: without a fourth column in .s3d.sz its bytes are taken for opacity, as FDS wrote "
+          "them until 2025",
+          index_.path.string()));
+    }
+    return {};
+  }
+  std::vector<float> bytes(best->file->values());
+  VOLUTE_TRY(best->file->readFrame(bestFrame, bytes));
+  const double largest = *std::ranges::max_element(bytes);
+  bytesAreDensity_ = largest > 0 && std::abs(largest - most) > 1;
+  if (bytesAreDensity_ && most > 1) {
+    return fail(
+        ErrorCode::kInvalidData,
+        "{}: frame {} has bytes up to {}, its .sz file says {}: neither opacity nor density",
+        best->path.string(), bestFrame, largest, most);
+  }
+  return bytesAreDensity_ ? Status() : findRounding(*best);
+}
+
+/// Whether opacity was cut off to a byte or rounded. The fourth column of .s3d.sz has the largest
+/// value c of a frame: FDS 6.5 writes e and cuts it off; 6.7 writes e + 1/2 and cuts that off, so
+/// that even a clear frame says 1/2; others write e and round it.
+Status FdsCase::findRounding(const Part& part) {
+  constexpr int kFramesToRead = 12;
+  double least = std::numeric_limits<double>::infinity();
+  int cut = 0;
+  int rounded = 0;
+  int read = 0;
+  const auto& times = part.file->frames().times;
+  std::vector<float> bytes(part.file->values());
+  for (const FdsSizeRow& row : part.sizeRows) {
+    if (row.columns.size() < 3)
+      continue;
+    const double most = row.columns[2];
+    least = std::min(least, most);
+    const double fraction = most - std::floor(most);
+    const auto place = std::ranges::find_if(
+        times, [&](double time) { return std::abs(time - row.time) <= 1e-5 * (1 + time); });
+    if (fraction <= 0.51 || fraction >= 0.99 || place == times.end() || read == kFramesToRead)
+      continue;
+    ++read;
+    VOLUTE_TRY(part.file->readFrame(static_cast<std::size_t>(place - times.begin()), bytes));
+    const double largest = *std::ranges::max_element(bytes);
+    cut += largest == std::floor(most);
+    rounded += largest == std::ceil(most);
+  }
+  if (rounded > 0 && cut == 0)
+    rounding_ = SmokeScale::Rounding::kNearest;
+  if (cut > 0 && rounded == 0)
+    rounding_ = least >= 0.499 ? SmokeScale::Rounding::kNearest : SmokeScale::Rounding::kDown;
+  return {};
+}
+
+/// How the stored values of a frame become extinction.
+Result<SmokeScale> FdsCase::scaleOf(const Part& part, std::size_t frame) const {
+  SmokeScale scale;
+  scale.quantity = source().quantity;
+  scale.massExtinction = part.massExtinction;
+  scale.visibilityFactor = options_.visibilityFactor;
+  scale.visibilityCap = options_.visibilityCap;
+  const FdsFileKind kind = source().kind;
+  if (kind == FdsFileKind::kSmoke && !bytesAreDensity_) {
+    scale.bytes = SmokeScale::Bytes::kOpacity;
+    scale.rounding = rounding_;
+    scale.cellLength = part.cellLength;
+  } else if (kind == FdsFileKind::kSmoke || kind == FdsFileKind::kSmokeDensity) {
+    scale.bytes = SmokeScale::Bytes::kDensity;
+    const double time = part.file->frames().times[frame];
+    const std::size_t column = kind == FdsFileKind::kSmokeDensity ? 4 : 2;
+    const auto row = std::ranges::find_if(part.sizeRows, [&](const FdsSizeRow& one) {
+      return std::abs(one.time - time) <= 1e-5 * (1 + std::abs(time)) &&
+             one.columns.size() > column;
+    });
+    if (row == part.sizeRows.end() || !(row->columns[column] >= 0)) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: frame {} (t = {} s): its .sz file does not say the largest density, without "
+                  "which bytes mean nothing",
+                  part.path.string(), frame, time);
+    }
+    scale.largestDensity = row->columns[column];
+  } else if (kind == FdsFileKind::kSmoke16) {
+    VOLUTE_ASSIGN(const double step, static_cast<const FdsSmoke16File&>(*part.file).step(frame));
+    scale.step = kHalfWord * step;
+  }
+  return scale;
+}
+
+/// Means over nodes, which obstructions and walls dilute.
+static bool isAveraged(FdsFileKind kind) {
+  return kind == FdsFileKind::kSmoke || kind == FdsFileKind::kSmokeDensity ||
+         kind == FdsFileKind::kSmoke16;
+}
+
+Result<std::shared_ptr<const FdsValues>> FdsCase::partValues(const Part& part,
+                                                             std::size_t position) const {
+  const std::size_t frame = part.frameAt[position];
+  const double time = part.file->frames().times[frame];
+  std::vector<float> stored(part.file->values());
+  VOLUTE_TRY(part.file->readFrame(frame, stored));
+  VOLUTE_ASSIGN(const SmokeScale scale, scaleOf(part, frame));
+
+  const FdsMesh& mesh = index_.meshes[static_cast<std::size_t>(part.what.mesh)];
+  const auto own = static_cast<std::size_t>(part.what.mesh);
+  std::vector<std::vector<std::uint8_t>> solid(index_.meshes.size());
+  std::vector<NodeCells> round;
+  std::vector<float> first;  // stored values of the first moment, where there were any
+  SmokeScale firstScale;
+  if (isAveraged(source().kind)) {
+    for (std::size_t i = 0; i < solid.size(); ++i) {
+      if (near(index_.meshes[i].bounds(), mesh.bounds()))
+        solid[i] = solidCells(index_.meshes[i], time);
+    }
+    round = cellsRoundNodes(index_, part.what.mesh, time, solid);
+    first.resize(stored.size());
+    VOLUTE_TRY(part.file->readFrame(0, first));
+    VOLUTE_ASSIGN(firstScale, scaleOf(part, 0));
+  } else {
+    solid[own] = solidCells(mesh, time);
+  }
+
+  const auto needed = part.needed(mesh, solid[own]);
+  auto values = std::make_shared<FdsValues>();
+  values->value.assign(needed.size(), std::numeric_limits<float>::quiet_NaN());
+  if (scale.inexact())
+    values->low = values->high = values->value;
+  std::size_t i = 0;
+  for (const int z : part.axes.place[2]) {
+    for (const int y : part.axes.place[1]) {
+      for (const int x : part.axes.place[0]) {
+        const std::size_t at = i++;
+        const std::size_t from =
+            (static_cast<std::size_t>(z) * part.axes.size[1] + y) * part.axes.size[0] + x;
+        if (needed[at] == 0)
+          continue;
+        SmokeBand band = scale.band(stored[from]);
+        if (!round.empty())
+          band = gasOnly(band, first[from] > 0 ? firstScale.band(first[from]) : SmokeBand{},
+                         round[from]);
+        if (!std::isfinite(band.value)) {
+          return fail(ErrorCode::kInvalidData,
+                      "{}: frame {} (t = {} s): value {} is {}, in gas: the file is damaged",
+                      part.path.string(), frame, time, from, stored[from]);
+        }
+        values->value[at] = band.value;
+        if (scale.inexact()) {
+          values->low[at] = band.low;
+          values->high[at] = band.high;
+        }
+      }
+    }
+  }
+  return std::shared_ptr<const FdsValues>(std::move(values));
+}
+
+Result<std::shared_ptr<const FdsCase::Frame>> FdsCase::frame(std::size_t position) {
+  for (const auto& [kept, frame] : kept_) {
+    if (kept == position)
+      return frame;
+  }
+  auto frame = std::make_shared<Frame>(parts_.size());
+  std::mutex mutex;
+  std::optional<Error> error;
+  parallelFor(parts_.size(), [&](std::size_t i) {
+    auto values = partValues(*parts_[i], position);
+    if (values) {
+      (*frame)[i] = std::move(*values);
+      return;
+    }
+    const std::lock_guard lock(mutex);
+    if (!error)
+      error = values.error();
+  });
+  if (error)
+    return tl::unexpected<Error>(*error);
+  if (kept_.size() == 2)
+    kept_.erase(kept_.begin());
+  kept_.emplace_back(position, frame);
+  return std::shared_ptr<const Frame>(std::move(frame));
+}
+
+namespace {
+
+/// (1 - share) a + share b; where one has no value, the other's.
+std::vector<float> between(const std::vector<float>& a, const std::vector<float>& b, double share) {
+  std::vector<float> out(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::isnan(a[i]) || std::isnan(b[i])) {
+      out[i] = std::isnan(a[i]) ? b[i] : a[i];
+    } else if (std::isinf(a[i]) || std::isinf(b[i])) {
+      out[i] = std::numeric_limits<float>::infinity();
+    } else {
+      out[i] = static_cast<float>((1 - share) * a[i] + share * b[i]);
+    }
+  }
+  return out;
+}
+
+std::shared_ptr<const FdsValues> between(const FdsValues& a, const FdsValues& b, double share) {
+  return std::make_shared<FdsValues>(FdsValues{between(a.value, b.value, share),
+                                               between(a.low, b.low, share),
+                                               between(a.high, b.high, share)});
+}
+
+}  // namespace
+
+/// What each cell holds at a time; gas without a value in either stored frame is unknown.
+FdsCase::Cells FdsCase::cellsAt(double time, const Frame& values) const {
+  Cells cells(parts_.size());
+  parallelFor(parts_.size(), [&](std::size_t i) {
+    const Part& part = *parts_[i];
+    const FdsMesh& mesh = index_.meshes[static_cast<std::size_t>(part.what.mesh)];
+    const auto solid = solidCells(mesh, time);
+    auto states = std::make_shared<std::vector<FdsCell>>(part.lattice.cellCount(), FdsCell::kGas);
+    part.forCells([&](const std::array<int, 3>& cell) {
+      FdsCell& state = (*states)[part.lattice.cellAt(cell)];
+      if (part.isSolid(mesh, solid, cell)) {
+        state = FdsCell::kSolid;
+      } else if (!part.hasValues(values[i]->value, cell)) {
+        state = FdsCell::kUnknown;
+      }
+    });
+    cells[i] = std::move(states);
+  });
+  return cells;
+}
+
+Result<FdsField> FdsCase::field(double time) {
+  const auto after = std::upper_bound(times_.begin(), times_.end(), time);
+  const std::size_t first = after == times_.begin() ? 0 : (after - times_.begin()) - 1;
+  const std::size_t second = std::min(first + 1, times_.size() - 1);
+  const double length = times_[second] - times_[first];
+  const double share = length > 0 ? std::clamp((time - times_[first]) / length, 0.0, 1.0) : 0;
+  VOLUTE_ASSIGN(const auto a, frame(first));
+  Frame values = *a;
+  if (share > 0) {
+    VOLUTE_ASSIGN(const auto b, frame(second));
+    parallelFor(values.size(),
+                [&](std::size_t i) { values[i] = between(*(*a)[i], *(*b)[i], share); });
+  }
+  Cells cells = cellsAt(time, values);
+  return FdsField(grid_, std::move(values), std::move(cells));
+}
+
+}  // namespace volute

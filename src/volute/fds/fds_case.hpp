@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/fds/fds_field.hpp"
+#include "volute/fds/fds_source.hpp"
+#include "volute/fds/frame_file.hpp"
+#include "volute/fds/obstructions.hpp"
+#include "volute/fds/smoke_scale.hpp"
+
+namespace volute {
+
+/// How to read a case.
+struct FdsOptions {
+  std::string source;           ///< name of a source; empty: the best
+  bool volume = false;          ///< only what fills meshes, for pictures and volumes
+  double massExtinction = 0;    ///< Km [m2/kg]; 0: the case's, else what FDS assumes
+  double visibilityFactor = 3;  ///< C of visibility slices (VISIBILITY_FACTOR)
+  double visibilityCap = 30;    ///< [m], what FDS cuts visibility at (MAXIMUM_VISIBILITY)
+  std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes], for frames
+};
+
+/// The smoke of a case: which files it is read from, when, where, and one moment at a time.
+class FdsCase {
+ public:
+  /// Reads the index and checks all files of the chosen source. kNotFound when nothing in the case
+  /// says how thick the smoke is. What was left out, and why, is in remarks().
+  [[nodiscard]] static Result<FdsCase> open(const std::filesystem::path& path,
+                                            const FdsOptions& options = {});
+
+  const SmvIndex& index() const { return index_; }
+
+  /// All that the case offers, best first.
+  std::span<const FdsSource> sources() const { return sources_; }
+
+  const FdsSource& source() const { return sources_[chosen_]; }
+
+  /// Of the stored frames [s], those that all files of the source have; ascending, one at least.
+  std::span<const double> times() const { return times_; }
+
+  /// What the source covers.
+  const Box3& bounds() const { return grid_->bounds(); }
+
+  const FdsGrid& grid() const { return *grid_; }
+
+  /// Truncated files, meshes without a file, caps; sentences.
+  std::span<const std::string> remarks() const { return remarks_; }
+
+  /// The smoke at a time [s]: linear between the stored frames, the first before them, the last
+  /// after them; obstructions are those of that time. Keeps the frames that it read last. From one
+  /// thread at a time.
+  [[nodiscard]] Result<FdsField> field(double time);
+
+  /// The obstructions at a time [s].
+  FdsObstructions obstructions(double time) const { return {index_, time}; }
+
+ private:
+  struct Part;
+  using Frame = std::vector<std::shared_ptr<const FdsValues>>;
+  using Cells = std::vector<std::shared_ptr<const std::vector<FdsCell>>>;
+
+  FdsCase() = default;
+
+  Status chooseSource(const FdsOptions& options);
+  Status openParts();
+  Result<std::shared_ptr<Part>> openPart(const FdsSourcePart& what) const;
+  Status findGeneration();
+  Status findRounding(const Part& part);
+  Result<SmokeScale> scaleOf(const Part& part, std::size_t frame) const;
+  Status findTimes();
+  Status buildGrid();
+  void noteMissingMeshes();
+  Result<std::shared_ptr<const Frame>> frame(std::size_t position);
+  Result<std::shared_ptr<const FdsValues>> partValues(const Part& part, std::size_t position) const;
+  Cells cellsAt(double time, const Frame& values) const;
+
+  FdsOptions options_;
+  SmvIndex index_;
+  std::vector<FdsSource> sources_;
+  std::size_t chosen_ = 0;
+  std::vector<std::shared_ptr<Part>> parts_;
+  bool bytesAreDensity_ = false;                                    // of .s3d: the third generation
+  SmokeScale::Rounding rounding_ = SmokeScale::Rounding::kUnknown;  // of .s3d's opacity
+  std::vector<double> times_;
+  std::shared_ptr<const FdsGrid> grid_;
+  std::vector<std::string> remarks_;
+  std::vector<std::pair<std::size_t, std::shared_ptr<const Frame>>> kept_;  // two at most
+};
+
+}  // namespace volute

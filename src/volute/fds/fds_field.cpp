@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fds/fds_field.hpp"
+
+#include "volute/base/assert.hpp"
+#include "volute/base/parallel.hpp"
+
+namespace volute {
+namespace {
+
+constexpr std::size_t kGrain = 64;  // segments worth a task
+
+/// Where the eight corners of a cell are among the values of a nodal lattice.
+struct NodePlaces {
+  explicit NodePlaces(const FdsLattice& lattice)
+      : strideY(lattice.planes[0].size()), strideZ(strideY * lattice.planes[1].size()) {}
+
+  std::size_t first(const std::array<int, 3>& cell) const {
+    return cell[2] * strideZ + cell[1] * strideY + static_cast<std::size_t>(cell[0]);
+  }
+
+  std::size_t offset(int corner) const {
+    return (corner & 1) + ((corner >> 1) & 1) * strideY + (corner >> 2) * strideZ;
+  }
+
+  std::size_t strideY;
+  std::size_t strideZ;
+};
+
+/// A cell and a segment through it: place on each axis from 0 to 1 is at + slope * s.
+struct Local {
+  Local(const FdsLattice& lattice, const std::array<int, 3>& cell, const Segment& segment) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto& planes = lattice.planes[axis];
+      const double begin = planes[cell[axis]];
+      const double perCell = 1 / (planes[cell[axis] + 1] - begin);
+      at[axis] = (segment.origin[axis] - begin) * perCell;
+      slope[axis] = segment.direction[axis] * perCell;
+    }
+  }
+
+  /// Trilinear, at the ray parameter s.
+  double interpolate(const float* first, const NodePlaces& places, double s) const {
+    const double x = at[0] + slope[0] * s;
+    const double y = at[1] + slope[1] * s;
+    const double z = at[2] + slope[2] * s;
+    const auto row = [&](const float* v) { return v[0] + x * (static_cast<double>(v[1]) - v[0]); };
+    const auto plane = [&](const float* v) {
+      const double lower = row(v);
+      return lower + y * (row(v + places.strideY) - lower);
+    };
+    const double lower = plane(first);
+    return lower + z * (plane(first + places.strideZ) - lower);
+  }
+
+  /// The exact integral from begin to end: a trilinear function is a cubic along a ray, for which
+  /// the Gauss rule with two points is exact.
+  double integrate(const float* first, const NodePlaces& places, double begin, double end) const {
+    constexpr double kNode = 0.57735026918962576451;  // 1 / sqrt 3
+    const double middle = 0.5 * (begin + end);
+    const double half = 0.5 * (end - begin);
+    return half * (interpolate(first, places, middle - kNode * half) +
+                   interpolate(first, places, middle + kNode * half));
+  }
+
+  double at[3];
+  double slope[3];
+};
+
+bool anyInfinite(const float* first, const NodePlaces& places) {
+  for (int corner = 0; corner < 8; ++corner) {
+    if (std::isinf(first[places.offset(corner)]))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+FdsField::FdsField(std::shared_ptr<const FdsGrid> grid,
+                   std::vector<std::shared_ptr<const FdsValues>> values,
+                   std::vector<std::shared_ptr<const std::vector<FdsCell>>> cells)
+    : grid_(std::move(grid)), values_(std::move(values)), cells_(std::move(cells)) {
+  VOLUTE_ASSERT(values_.size() == grid_->lattices().size());
+  VOLUTE_ASSERT(cells_.size() == grid_->lattices().size());
+  for (std::size_t i = 0; i < values_.size(); ++i) {
+    VOLUTE_ASSERT(values_[i]->value.size() == grid_->lattices()[i].valueCount());
+    VOLUTE_ASSERT(values_[i]->low.size() == values_[i]->high.size());
+    VOLUTE_ASSERT(cells_[i]->size() == grid_->lattices()[i].cellCount());
+  }
+}
+
+FdsField FdsField::withSource(const Rgb& source) const {
+  FdsField other = *this;
+  other.source_ = source;
+  return other;
+}
+
+std::optional<FdsCell> FdsField::cellAt(const Vec3& point) const {
+  const int index = grid_->latticeAt(point);
+  if (index < 0)
+    return std::nullopt;
+  const FdsLattice& lattice = grid_->lattices()[index];
+  std::array<int, 3> cell;
+  for (int axis = 0; axis < 3; ++axis) cell[axis] = cellBetween(lattice.planes[axis], point[axis]);
+  return (*cells_[index])[lattice.cellAt(cell)];
+}
+
+double FdsField::extinction(const Vec3& point) const {
+  const int index = grid_->latticeAt(point);
+  if (index < 0)
+    return 0;
+  const FdsLattice& lattice = grid_->lattices()[index];
+  std::array<int, 3> cell;
+  for (int axis = 0; axis < 3; ++axis) cell[axis] = cellBetween(lattice.planes[axis], point[axis]);
+  if ((*cells_[index])[lattice.cellAt(cell)] != FdsCell::kGas)
+    return 0;
+  const float* values = values_[index]->value.data();
+  if (!lattice.nodal)
+    return values[lattice.cellAt(cell)];
+  const NodePlaces places(lattice);
+  return Local(lattice, cell, {point, Vec3::UnitX(), 0, 0})
+      .interpolate(values + places.first(cell), places, 0);
+}
+
+double FdsField::depthOf(const Segment& segment) const {
+  double sum = 0;
+  grid_->traverse(segment, [&](int index, double begin, double end) {
+    const FdsLattice& lattice = grid_->lattices()[index];
+    const FdsCell* cells = cells_[index]->data();
+    const float* values = values_[index]->value.data();
+    if (lattice.nodal) {
+      const NodePlaces places(lattice);
+      traversePlanes(lattice.planes, segment, begin, end,
+                     [&](const std::array<int, 3>& cell, double from, double to) {
+                       if (cells[lattice.cellAt(cell)] == FdsCell::kGas) {
+                         sum += Local(lattice, cell, segment)
+                                    .integrate(values + places.first(cell), places, from, to);
+                       }
+                       return true;
+                     });
+    } else {
+      traversePlanes(lattice.planes, segment, begin, end,
+                     [&](const std::array<int, 3>& cell, double from, double to) {
+                       const std::size_t place = lattice.cellAt(cell);
+                       if (cells[place] == FdsCell::kGas)
+                         sum += values[place] * (to - from);
+                       return true;
+                     });
+    }
+  });
+  return sum;
+}
+
+FdsDepth FdsField::bandOf(const Segment& segment) const {
+  FdsDepth depth;
+  double known = 0;
+  grid_->traverse(segment, [&](int index, double begin, double end) {
+    const FdsLattice& lattice = grid_->lattices()[index];
+    const FdsValues& values = *values_[index];
+    const FdsCell* cells = cells_[index]->data();
+    const NodePlaces places(lattice);
+    const bool banded = !values.low.empty();
+    traversePlanes(
+        lattice.planes, segment, begin, end,
+        [&](const std::array<int, 3>& cell, double from, double to) {
+          const std::size_t place = lattice.cellAt(cell);
+          if (cells[place] == FdsCell::kUnknown)
+            return true;
+          known += to - from;
+          if (cells[place] == FdsCell::kSolid) {
+            depth.insideSolids += to - from;
+            return true;
+          }
+          if (!lattice.nodal) {
+            const double length = to - from;
+            depth.value += values.value[place] * length;
+            depth.low += (banded ? values.low : values.value)[place] * length;
+            depth.high += (banded ? values.high : values.value)[place] * length;
+            return true;
+          }
+          const std::size_t first = places.first(cell);
+          const Local local(lattice, cell, segment);
+          const double value = local.integrate(values.value.data() + first, places, from, to);
+          depth.value += value;
+          if (!banded) {
+            depth.low += value;
+            depth.high += value;
+            return true;
+          }
+          depth.low += local.integrate(values.low.data() + first, places, from, to);
+          const float* high = values.high.data() + first;
+          depth.high += anyInfinite(high, places) ? std::numeric_limits<double>::infinity()
+                                                  : local.integrate(high, places, from, to);
+          return true;
+        });
+  });
+  depth.uncovered = std::max(0.0, segment.end - segment.begin - known);
+  return depth;
+}
+
+void FdsField::opticalDepth(std::span<const Segment> segments, std::span<double> depths) const {
+  parallelRanges(segments.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) depths[i] = depthOf(segments[i]);
+  });
+}
+
+void FdsField::depths(std::span<const Segment> segments, std::span<FdsDepth> out) const {
+  parallelRanges(segments.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) out[i] = bandOf(segments[i]);
+  });
+}
+
+std::vector<Piece> FdsField::piecesOf(const Segment& segment) const {
+  std::vector<Piece> out;
+  grid_->traverse(segment, [&](int index, double begin, double end) {
+    const FdsLattice& lattice = grid_->lattices()[index];
+    const FdsCell* cells = cells_[index]->data();
+    const float* values = values_[index]->value.data();
+    const NodePlaces places(lattice);
+    traversePlanes(lattice.planes, segment, begin, end,
+                   [&](const std::array<int, 3>& cell, double from, double to) {
+                     const std::size_t place = lattice.cellAt(cell);
+                     if (cells[place] != FdsCell::kGas)
+                       return true;
+                     Piece piece{from, to, {}, {}, 0};
+                     if (lattice.nodal) {
+                       const Local local(lattice, cell, segment);
+                       for (int corner = 0; corner < 8; ++corner) {
+                         Polynomial basis{{values[places.first(cell) + places.offset(corner)]}};
+                         for (int axis = 0; axis < 3; ++axis) {
+                           const double start = local.at[axis] + local.slope[axis] * from;
+                           basis = ((corner >> axis) & 1)
+                                       ? basis.timesLine(start, local.slope[axis])
+                                       : basis.timesLine(1 - start, -local.slope[axis]);
+                         }
+                         piece.extinction += basis;
+                       }
+                     } else {
+                       piece.extinction.c[0] = values[place];
+                     }
+                     for (int c = 0; c < 3; ++c) piece.emission[c] = piece.extinction * source_[c];
+                     out.push_back(piece);
+                     return true;
+                   });
+  });
+  return out;
+}
+
+void FdsField::pieces(std::span<const Segment> segments,
+                      std::span<std::vector<Piece>> pieces) const {
+  for (std::size_t i = 0; i < segments.size(); ++i) pieces[i] = piecesOf(segments[i]);
+}
+
+void FdsField::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const double depth = depthOf(segments[i]);
+    out[i] = {source_ * -std::expm1(-depth), std::exp(-depth)};
+  }
+}
+
+}  // namespace volute

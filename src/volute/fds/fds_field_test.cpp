@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fds/fds_field.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "volute/medium/conformance.hpp"
+
+namespace volute {
+namespace {
+
+FdsLattice lattice(FdsPlanes planes, bool nodal) {
+  return {0, std::move(planes), nodal};
+}
+
+/// A coarse and stretched mesh, and a finer one at its end on x, with a thin gap to a third.
+std::vector<FdsLattice> meshes(bool nodal) {
+  return {lattice({{{0, 0.5, 1.0, 2.0}, {0, 1, 1.5, 2}, {-1, 0, 1}}}, nodal),
+          lattice({{{2, 2.25, 2.5, 2.75, 3.0}, {0, 0.5, 1, 1.5, 2}, {-1, -0.5, 0, 0.5, 1}}}, nodal),
+          lattice({{{3.25, 4}, {0.5, 2}, {-1, 1}}}, nodal)};
+}
+
+FdsField fieldOf(std::vector<FdsLattice> lattices,
+                 const std::function<double(const Vec3&)>& function, std::uint32_t solidSeed = 0) {
+  auto grid = FdsGrid::create(std::move(lattices));
+  EXPECT_TRUE(grid);
+  std::vector<std::shared_ptr<const FdsValues>> values;
+  std::vector<std::shared_ptr<const std::vector<FdsCell>>> cells;
+  std::mt19937 random(solidSeed);
+  for (const FdsLattice& one : (*grid)->lattices()) {
+    auto made = std::make_shared<FdsValues>();
+    const auto centre = [&](int axis, std::size_t i) {
+      const auto& p = one.planes[axis];
+      return one.nodal ? p[i] : 0.5 * (p[i] + p[i + 1]);
+    };
+    const std::size_t extra = one.nodal ? 1 : 0;
+    for (std::size_t z = 0; z < one.cells(2) + extra; ++z) {
+      for (std::size_t y = 0; y < one.cells(1) + extra; ++y) {
+        for (std::size_t x = 0; x < one.cells(0) + extra; ++x)
+          made->value.push_back(
+              static_cast<float>(function({centre(0, x), centre(1, y), centre(2, z)})));
+      }
+    }
+    auto states = std::make_shared<std::vector<FdsCell>>(one.cellCount(), FdsCell::kGas);
+    for (FdsCell& state : *states) {
+      if (solidSeed != 0 && random() % 5 == 0)
+        state = FdsCell::kSolid;
+    }
+    values.push_back(std::move(made));
+    cells.push_back(std::move(states));
+  }
+  return {*grid, std::move(values), std::move(cells)};
+}
+
+double linear(const Vec3& p) {
+  return 3 + 0.5 * p.x() + 0.25 * p.y() - p.z();
+}
+
+Segment between(const Vec3& a, const Vec3& b) {
+  return {a, (b - a).normalized(), 0, (b - a).norm()};
+}
+
+FdsDepth depthOf(const FdsField& field, const Segment& segment) {
+  FdsDepth depth;
+  field.depths({&segment, 1}, {&depth, 1});
+  double value = 0;
+  field.opticalDepth({&segment, 1}, {&value, 1});
+  EXPECT_EQ(value, depth.value);
+  return depth;
+}
+
+conformance::MediumUnderTest underTest(bool nodal) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(0, 2);
+  const FdsField field = fieldOf(meshes(nodal), [&](const Vec3&) { return uniform(random); }, 3);
+  conformance::Traits traits;
+  for (const FdsLattice& one : field.grid().lattices()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      auto& planes = traits.planes[axis];
+      planes.insert(planes.end(), one.planes[axis].begin(), one.planes[axis].end());
+    }
+  }
+  for (auto& planes : traits.planes) {
+    std::sort(planes.begin(), planes.end());
+    planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
+  }
+  // The adaptive Simpson of the suite steps over corners of cells, where solids end.
+  traits.tolerance.quadrature = 5e-3;
+  return conformance::underTest(field.withSource({0.5, 1, 2}), traits);
+}
+
+VOLUTE_CONFORMANCE(FdsCells, underTest(false));
+VOLUTE_CONFORMANCE(FdsNodes, underTest(true));
+
+TEST(FdsField, nodesAreTrilinearWithoutSeamsAcrossMeshesOfOtherCells) {
+  auto lattices = meshes(true);
+  lattices.pop_back();
+  const FdsField field = fieldOf(lattices, linear);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> x(0, 3), y(0, 2), z(-1, 1);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 a(x(random), y(random), z(random));
+    const Vec3 b(x(random), y(random), z(random));
+    const Segment segment = between(a, b);
+    const double expected = 0.5 * (linear(a) + linear(b)) * segment.end;
+    const FdsDepth depth = depthOf(field, segment);
+    EXPECT_NEAR(depth.value, expected, 1e-6 * expected);
+    EXPECT_EQ(depth.low, depth.value);
+    EXPECT_EQ(depth.high, depth.value);
+    EXPECT_LT(depth.uncovered, 1e-12);
+    EXPECT_NEAR(field.extinction(a), linear(a), 1e-6);
+  }
+}
+
+TEST(FdsField, facesBetweenMeshesCountOnce) {
+  auto lattices = meshes(false);
+  lattices.pop_back();
+  const FdsField field = fieldOf(lattices, [](const Vec3&) { return 1.0; });
+  // Along x, in the face between the meshes, along edges, the other way.
+  EXPECT_NEAR(depthOf(field, between({0, 1, 0}, {3, 1, 0})).value, 3, 1e-12);
+  EXPECT_NEAR(depthOf(field, between({3, 1, 0}, {0, 1, 0})).value, 3, 1e-12);
+  EXPECT_NEAR(depthOf(field, between({2, 0, 0.25}, {2, 2, 0.25})).value, 2, 1e-12);
+  EXPECT_NEAR(depthOf(field, between({3, 0, 0.25}, {3, 2, 0.25})).value, 2, 1e-12);
+  EXPECT_NEAR(depthOf(field, between({0, 0, -1}, {3, 2, 1})).value, Vec3(3, 2, 2).norm(), 1e-12);
+}
+
+TEST(FdsField, planesThatFiveDecimalsMoveApartAreOne) {
+  for (const double shift : {-9e-6, 9e-6}) {
+    const FdsField field =
+        fieldOf({lattice({{{0, 0.5, 1}, {0, 1}, {0, 1}}}, false),
+                 lattice({{{1 + shift, 1.5, 2}, {shift, 1}, {0, 1 - shift}}}, false)},
+                [](const Vec3&) { return 1.0; });
+    const FdsDepth depth = depthOf(field, between({0, 0.5, 0.5}, {2, 0.5, 0.5}));
+    EXPECT_NEAR(depth.value, 2, 1e-12);
+    EXPECT_EQ(depth.uncovered, 0);
+  }
+}
+
+TEST(FdsField, whereMeshesOverlapTheFinestCounts) {
+  const FdsField field = fieldOf({lattice({{{0, 1, 2}, {0, 1}, {0, 1}}}, false),
+                                  lattice({{{0.5, 0.75, 1, 1.25, 1.5}, {0, 1}, {0, 1}}}, false)},
+                                 [](const Vec3& p) {
+                                   // Centres of the coarse cells are at 0.5 and 1.5.
+                                   return p.x() == 0.5 || p.x() == 1.5 ? 1.0 : 10.0;
+                                 });
+  EXPECT_NEAR(depthOf(field, between({0, 0.5, 0.5}, {2, 0.5, 0.5})).value, 11, 1e-12);
+}
+
+TEST(FdsField, gapsAndTheOutsideAreNotCovered) {
+  const FdsField field = fieldOf(meshes(false), [](const Vec3&) { return 2.0; });
+  const FdsDepth depth = depthOf(field, between({-1, 1, 0.5}, {5, 1, 0.5}));
+  EXPECT_NEAR(depth.value, 2 * 3.75, 1e-12);
+  EXPECT_NEAR(depth.uncovered, 1 + 0.25 + 1, 1e-12);
+  EXPECT_EQ(depthOf(field, between({-1, -1, 0}, {5, -1, 0})).uncovered, 6);
+  EXPECT_FALSE(field.cellAt({3.1, 1, 0}));
+  EXPECT_EQ(field.cellAt({3.3, 1, 0}), FdsCell::kGas);
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fds/fds_grid.hpp"
+
+#include <numeric>
+
+namespace volute {
+namespace {
+
+constexpr double kMostParts = 1 << 24;
+constexpr double kSnap = 1e-4;      // of a cell
+constexpr double kRounding = 1e-5;  // [m], what five decimals leave
+
+/// Half of what may lie between two planes that are one [m], on one axis.
+double tolerance(const FdsLattice& lattice, int axis) {
+  const auto& planes = lattice.planes[axis];
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < planes.size(); ++i)
+    least = std::min(least, planes[i] - planes[i - 1]);
+  return std::min(std::max(kSnap * least, kRounding), 0.05 * least);
+}
+
+/// Moves the outer planes of all lattices onto common ones, and returns these.
+std::vector<double> commonPlanes(std::vector<FdsLattice>& lattices, int axis) {
+  struct End {
+    double place;
+    double tolerance;
+    double* plane;
+  };
+
+  std::vector<End> ends;
+  for (FdsLattice& lattice : lattices) {
+    const double within = tolerance(lattice, axis);
+    ends.push_back({lattice.planes[axis].front(), within, &lattice.planes[axis].front()});
+    ends.push_back({lattice.planes[axis].back(), within, &lattice.planes[axis].back()});
+  }
+  std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) { return a.place < b.place; });
+  std::vector<double> planes;
+  double reach = 0;
+  for (const End& end : ends) {
+    if (planes.empty() || end.place - planes.back() > std::min(reach, end.tolerance)) {
+      planes.push_back(end.place);
+      reach = end.tolerance;
+    }
+    *end.plane = planes.back();
+  }
+  return planes;
+}
+
+double cellVolume(const FdsLattice& lattice) {
+  return lattice.bounds().size().prod() / static_cast<double>(lattice.cellCount());
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const FdsGrid>> FdsGrid::create(std::vector<FdsLattice> lattices) {
+  auto grid = std::make_shared<FdsGrid>();
+  grid->lattices_ = std::move(lattices);
+  double parts = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    grid->planes_[axis] = commonPlanes(grid->lattices_, axis);
+    parts *= static_cast<double>(grid->planes_[axis].size() - 1);
+  }
+  if (parts > kMostParts) {
+    return fail(ErrorCode::kTooLarge,
+                "the ends of {} meshes cut space into {:.3g} parts, more than {:.3g}: align them",
+                grid->lattices_.size(), parts, kMostParts);
+  }
+  grid->table_.assign(static_cast<std::size_t>(parts), -1);
+  std::vector<int> order(grid->lattices_.size());
+  std::iota(order.rbegin(), order.rend(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return cellVolume(grid->lattices_[a]) > cellVolume(grid->lattices_[b]);
+  });
+  for (const int index : order) {
+    const FdsLattice& lattice = grid->lattices_[index];
+    std::array<int, 3> begin;
+    std::array<int, 3> end;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto& planes = grid->planes_[axis];
+      const auto at = [&](double place) {
+        return static_cast<int>(std::lower_bound(planes.begin(), planes.end(), place) -
+                                planes.begin());
+      };
+      begin[axis] = at(lattice.planes[axis].front());
+      end[axis] = at(lattice.planes[axis].back());
+    }
+    for (int z = begin[2]; z < end[2]; ++z) {
+      for (int y = begin[1]; y < end[1]; ++y) {
+        const std::size_t row = (static_cast<std::size_t>(z) * (grid->planes_[1].size() - 1) + y) *
+                                (grid->planes_[0].size() - 1);
+        std::fill(grid->table_.begin() + static_cast<std::ptrdiff_t>(row + begin[0]),
+                  grid->table_.begin() + static_cast<std::ptrdiff_t>(row + end[0]), index);
+      }
+    }
+    grid->bounds_.extend(lattice.bounds().min);
+    grid->bounds_.extend(lattice.bounds().max);
+  }
+  return std::shared_ptr<const FdsGrid>(std::move(grid));
+}
+
+int FdsGrid::latticeAt(const Vec3& point) const {
+  if (!bounds_.contains(point))
+    return -1;
+  std::array<std::size_t, 3> part;
+  for (int axis = 0; axis < 3; ++axis)
+    part[axis] = static_cast<std::size_t>(cellBetween(planes_[axis], point[axis]));
+  return table_[(part[2] * (planes_[1].size() - 1) + part[1]) * (planes_[0].size() - 1) + part[0]];
+}
+
+}  // namespace volute

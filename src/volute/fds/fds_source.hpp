@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "volute/fds/smv_index.hpp"
+#include "volute/optics/extinction.hpp"
+
+namespace volute {
+
+/// Which files the smoke is read from.
+enum class FdsFileKind {
+  kSlice,         ///< .sf: floats
+  kPlot,          ///< .q: floats, at few times
+  kSmoke16,       ///< .s16: 16 bits
+  kSmokeDensity,  ///< .s3dd: 8 bits of density (the second generation of .s3d)
+  kSmoke,         ///< .s3d: 8 bits of opacity, or of density (third generation)
+};
+
+/// One file of a source, or one mesh's PLOT3D files.
+struct FdsSourcePart {
+  int mesh = 0;
+  std::size_t entry = 0;  ///< in SmvIndex::slices or smoke, by kind; the first of plots
+};
+
+/// One way to know the smoke of a case.
+struct FdsSource {
+  std::string name;         ///< what options name it by: slice-extinction, s3d
+  std::string description;  ///< for people
+  FdsFileKind kind = FdsFileKind::kSmoke;
+  SmokeQuantity quantity = SmokeQuantity::kExtinction;
+  bool cellCentred = false;
+  bool volume = false;  ///< fills meshes; else layers one cell thick
+  int plotVariable = 0;
+  std::vector<FdsSourcePart> parts;
+};
+
+/// All ways that the index offers, best first: extinction as FDS wrote it, optical density, density
+/// of soot, visibility (which is capped), then 16-bit, density and opacity bytes; of equal ones
+/// those that fill meshes, and of these those of more meshes. PLOT3D, which has few times, is last.
+/// Each has a name of its own.
+std::vector<FdsSource> findSources(const SmvIndex& index);
+
+}  // namespace volute

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fds/fds_writer.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+
+namespace volute::fdswriter {
+namespace {
+
+void append(std::vector<std::uint8_t>& bytes, const void* data, std::size_t size) {
+  const auto* begin = static_cast<const std::uint8_t*>(data);
+  bytes.insert(bytes.end(), begin, begin + size);
+}
+
+}  // namespace
+
+void Records::record(const void* data, std::size_t size, bool header) {
+  const auto* from = static_cast<const std::uint8_t*>(data);
+  const std::size_t piece = split == 0 ? size : split;
+  for (std::size_t done = 0; done < size || done == 0;) {
+    const std::size_t now = std::min(piece, size - done);
+    const bool more = done + now < size;
+    const auto leading = static_cast<std::int32_t>(more ? -static_cast<std::int64_t>(now) : now);
+    const auto trailing =
+        static_cast<std::int32_t>(done > 0 ? -static_cast<std::int64_t>(now) : now);
+    const std::size_t begin = bytes.size();
+    append(bytes, &leading, 4);
+    append(bytes, from + done, now);
+    append(bytes, &trailing, 4);
+    if (header) {
+      guarded.emplace_back(begin, bytes.size());
+    } else {
+      guarded.emplace_back(begin, begin + 4);
+      guarded.emplace_back(bytes.size() - 4, bytes.size());
+    }
+    done += now;
+    if (now == 0)
+      break;
+  }
+}
+
+void Records::label(std::string text) {
+  text.resize(30, ' ');
+  record(text.data(), text.size(), true);
+}
+
+void Records::save(const std::filesystem::path& path) const {
+  saveBytes(path, bytes);
+}
+
+std::vector<std::uint8_t> runLengths(const std::vector<std::uint8_t>& bytes) {
+  std::vector<std::uint8_t> out;
+  for (std::size_t i = 0; i < bytes.size();) {
+    std::size_t run = 1;
+    while (i + run < bytes.size() && bytes[i + run] == bytes[i] && run < 254) ++run;
+    if (run > 3) {
+      out.insert(out.end(), {255, bytes[i], static_cast<std::uint8_t>(run)});
+    } else {
+      out.insert(out.end(), run, bytes[i]);
+    }
+    i += run;
+  }
+  return out;
+}
+
+Records sliceFile(const Slice& slice,
+                  const std::vector<std::pair<float, std::vector<float>>>& frames,
+                  std::size_t split) {
+  Records file;
+  file.label(slice.quantity);
+  file.label(slice.shortName);
+  file.label(slice.unit);
+  const Indices& at = slice.at;
+  file.values<std::int32_t>({at.i1, at.i2, at.j1, at.j2, at.k1, at.k2}, true);
+  file.split = split;
+  for (const auto& [time, values] : frames) {
+    file.time(time);
+    file.values(values);
+  }
+  return file;
+}
+
+Records smokeFile(std::array<int, 3> cells,
+                  const std::vector<std::pair<float, std::vector<std::uint8_t>>>& frames,
+                  std::size_t split) {
+  Records file;
+  file.values<std::int32_t>({1, 0, 0, cells[0], 0, cells[1], 0, cells[2]}, true);
+  file.split = split;
+  for (const auto& [time, bytes] : frames) {
+    const auto code = runLengths(bytes);
+    file.time(time);
+    file.values<std::int32_t>(
+        {static_cast<std::int32_t>(bytes.size()), static_cast<std::int32_t>(code.size())}, true);
+    file.values(code);
+  }
+  return file;
+}
+
+Records smoke16File(std::array<int, 3> cells,
+                    const std::vector<std::pair<float, std::vector<double>>>& frames,
+                    std::size_t split) {
+  Records file;
+  file.values<std::int32_t>({1, 1, 0, cells[0] + 1, cells[1] + 1, cells[2] + 1}, true);
+  file.split = split;
+  for (const auto& [time, values] : frames) {
+    const float least = static_cast<float>(*std::min_element(values.begin(), values.end()));
+    const float most = static_cast<float>(*std::max_element(values.begin(), values.end()));
+    std::vector<std::uint8_t> head;
+    const auto count = static_cast<std::int32_t>(values.size());
+    append(head, &count, 4);
+    append(head, &count, 4);
+    append(head, &least, 4);
+    append(head, &most, 4);
+    std::vector<std::uint8_t> words;
+    for (const double value : values) {
+      const double share = most > least ? (value - least) / (static_cast<double>(most) - least) : 0;
+      const auto word = static_cast<unsigned>(std::lround(std::clamp(share, 0.0, 1.0) * 65535));
+      words.push_back(static_cast<std::uint8_t>(word >> 8));
+      words.push_back(static_cast<std::uint8_t>(word & 255));
+    }
+    file.time(time);
+    file.values(head);
+    if (split == 0)
+      file.guarded.emplace_back(file.bytes.size() - 20, file.bytes.size() - 12);  // the counts
+    file.values(words);
+  }
+  return file;
+}
+
+Records plotFile(std::array<int, 3> cells, const std::vector<float>& fiveVariables) {
+  Records file;
+  file.values<std::int32_t>({cells[0] + 1, cells[1] + 1, cells[2] + 1}, true);
+  file.values<float>({0, 0, 0, 0}, true);
+  file.values(fiveVariables);
+  return file;
+}
+
+void Index::slice(int mesh, const Slice& slice, const std::string& file, bool cellCentred) {
+  const Indices& at = slice.at;
+  files += fmt::format(
+      "{}{:6} # STRUCTURED %slcf & {:5} {:5} {:5} {:5} {:5} {:5} ! 1 0\n {}\n {}\n {}\n {}\n",
+      cellCentred ? "SLCC" : "SLCF", mesh, at.i1, at.i2, at.j1, at.j2, at.k1, at.k2, file,
+      slice.quantity, slice.shortName, slice.unit);
+}
+
+void Index::smoke(int mesh, const std::string& file, double massExtinction) {
+  files += fmt::format("SMOKF3D{:6} {:10.3f}\n {}\n SOOT DENSITY\n rho_Soot\n kg/m3\n", mesh,
+                       massExtinction, file);
+}
+
+void Index::plot(int mesh, double time, const std::string& file,
+                 const std::string& secondQuantity) {
+  files += fmt::format("PL3D {:11.2f}{:6}\n {}\n", time, mesh, file);
+  for (int i = 0; i < 5; ++i) {
+    files += i == 1 ? fmt::format(" {}\n ext\n 1/m\n", secondQuantity)
+                    : std::string(" TEMPERATURE\n temp\n C\n");
+  }
+}
+
+void Index::event(const std::string& keyword, int mesh, int number, double time) {
+  files += fmt::format("{}{:6}\n{:6}{:10.2f}\n", keyword, mesh, number, time);
+}
+
+std::string Index::text() const {
+  std::string out = fmt::format(
+      "TITLE\n made for a test\n\nFDSVERSION\n{}\n\nCHID\n made\n\nNMESHES\n {}\n\nALBEDO\n 0.3\n\n"
+      "SURFACE\n INERT\n 5000.00 1.00\n 0 1.0 1.0 1.0 0.8 0.4 1.0\n null\n\n",
+      version, meshes.size());
+  for (const Mesh& mesh : meshes) {
+    const auto& p = mesh.planes;
+    out += fmt::format("OFFSET\n 0.0 0.0 0.0\n\nGRID   mesh\n {:5}{:5}{:5}    0\n\n",
+                       p[0].size() - 1, p[1].size() - 1, p[2].size() - 1);
+    out += fmt::format("PDIM\n {:.5f} {:.5f} {:.5f} {:.5f} {:.5f} {:.5f} 0.0 0.0 0.0\n\n",
+                       p[0].front(), p[0].back(), p[1].front(), p[1].back(), p[2].front(),
+                       p[2].back());
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      out += fmt::format("TRN{}\n    0\n", "XYZ"[axis]);
+      for (std::size_t i = 0; i < p[axis].size(); ++i)
+        out += fmt::format("{:5} {:14.5f}\n", i, p[axis][i]);
+      out += "\n";
+    }
+    out += fmt::format("OBST\n {}\n", mesh.obstructions.size());
+    int ordinal = 0;
+    for (const Indices& o : mesh.obstructions) {
+      out += fmt::format("  {:.5f} {:.5f} {:.5f} {:.5f} {:.5f} {:.5f} {} 0 0 0 0 0 0 ! wall\n",
+                         p[0][o.i1], p[0][o.i2], p[1][o.j1], p[1][o.j2], p[2][o.k1], p[2][o.k2],
+                         ++ordinal);
+    }
+    for (const Indices& o : mesh.obstructions) {
+      out += fmt::format("{:5}{:5}{:5}{:5}{:5}{:5}   -3   -1  1.0 0.5 0.25 1.0\n", o.i1, o.i2, o.j1,
+                         o.j2, o.k1, o.k2);
+    }
+    out += fmt::format("\nVENT\n {} 0\n", mesh.openings.size());
+    for (std::size_t i = 0; i < mesh.openings.size(); ++i)
+      out += fmt::format("  0.0 0.0 0.0 0.0 0.0 0.0 {} 2\n", i + 1);
+    for (const Indices& v : mesh.openings) {
+      out +=
+          fmt::format("{:5}{:5}{:5}{:5}{:5}{:5}  -99    2\n", v.i1, v.i2, v.j1, v.j2, v.k1, v.k2);
+    }
+    out += "\nCVENT\n    0\n\n";
+  }
+  return out + files;
+}
+
+void Index::save(const std::filesystem::path& path) const {
+  saveText(path, text());
+}
+
+std::vector<double> atNodes(const Planes& planes, const Function& function) {
+  std::vector<double> out;
+  for (const double z : planes[2]) {
+    for (const double y : planes[1]) {
+      for (const double x : planes[0]) out.push_back(function(x, y, z));
+    }
+  }
+  return out;
+}
+
+std::vector<float> atNodes(const Planes& planes, const Indices& at, const Function& function) {
+  std::vector<float> out;
+  for (int k = at.k1; k <= at.k2; ++k) {
+    for (int j = at.j1; j <= at.j2; ++j) {
+      for (int i = at.i1; i <= at.i2; ++i)
+        out.push_back(static_cast<float>(function(planes[0][i], planes[1][j], planes[2][k])));
+    }
+  }
+  return out;
+}
+
+std::vector<float> inCells(const Planes& planes, const Indices& at, const Function& function,
+                           float ghost) {
+  std::vector<float> out;
+  for (int k = at.k1; k <= at.k2; ++k) {
+    for (int j = at.j1; j <= at.j2; ++j) {
+      for (int i = at.i1; i <= at.i2; ++i) {
+        out.push_back(i == 0 || j == 0 || k == 0
+                          ? ghost
+                          : static_cast<float>(function(0.5 * (planes[0][i - 1] + planes[0][i]),
+                                                        0.5 * (planes[1][j - 1] + planes[1][j]),
+                                                        0.5 * (planes[2][k - 1] + planes[2][k]))));
+      }
+    }
+  }
+  return out;
+}
+
+Folder::Folder() {
+  std::string name = (std::filesystem::temp_directory_path() / "volute-fds-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr)
+    throw std::runtime_error("no temporary folder");
+  path_ = name;
+}
+
+Folder::~Folder() {
+  std::error_code code;
+  std::filesystem::remove_all(path_, code);
+}
+
+void saveText(const std::filesystem::path& path, const std::string& text) {
+  std::filesystem::remove(path);
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+void saveBytes(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
+  std::filesystem::remove(path);  // a file that is cut and written again is flushed
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+}
+
+}  // namespace volute::fdswriter

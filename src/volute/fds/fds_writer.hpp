@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+// Writes small FDS cases for tests, as FDS would. It shares no code with the reader.
+
+namespace volute::fdswriter {
+
+using Planes = std::array<std::vector<double>, 3>;
+using Function = std::function<double(double x, double y, double z)>;
+
+/// A Fortran file in the making, which remembers where its markers and headers are.
+struct Records {
+  std::vector<std::uint8_t> bytes;
+  std::vector<std::pair<std::size_t, std::size_t>>
+      guarded;            ///< [begin, end) of markers and headers
+  std::size_t split = 0;  ///< records longer than this are split; 0: never
+
+  void record(const void* data, std::size_t size, bool header);
+
+  template <class T>
+  void values(const std::vector<T>& all, bool header = false) {
+    record(all.data(), all.size() * sizeof(T), header);
+  }
+
+  void label(std::string text);
+
+  void time(float seconds) { record(&seconds, sizeof(seconds), false); }
+
+  void save(const std::filesystem::path& path) const;
+};
+
+/// Nodes of a mesh, i2 inclusive.
+struct Indices {
+  int i1, i2, j1, j2, k1, k2;
+};
+
+/// 255, value, count for more than three equal bytes; others as they are.
+std::vector<std::uint8_t> runLengths(const std::vector<std::uint8_t>& bytes);
+
+struct Slice {
+  Indices at;
+  std::string quantity = "SOOT EXTINCTION COEFFICIENT";
+  std::string shortName = "ext_coef_Soot";
+  std::string unit = "1/m";
+};
+
+Records sliceFile(const Slice& slice,
+                  const std::vector<std::pair<float, std::vector<float>>>& frames,
+                  std::size_t split = 0);
+/// `cells` is IBAR, JBAR, KBAR.
+Records smokeFile(std::array<int, 3> cells,
+                  const std::vector<std::pair<float, std::vector<std::uint8_t>>>& frames,
+                  std::size_t split = 0);
+Records smoke16File(std::array<int, 3> cells,
+                    const std::vector<std::pair<float, std::vector<double>>>& frames,
+                    std::size_t split = 0);
+Records plotFile(std::array<int, 3> cells, const std::vector<float>& fiveVariables);
+
+/// The text of a .smv file.
+struct Index {
+  struct Mesh {
+    Planes planes;
+    std::vector<Indices> obstructions;
+    std::vector<Indices> openings;  ///< OPEN vents
+  };
+
+  std::string version = "FDS6.7.5-0-g71f025606-release";
+  std::vector<Mesh> meshes;
+  std::string files;  ///< what comes after the meshes
+
+  void slice(int mesh, const Slice& slice, const std::string& file, bool cellCentred);
+  void smoke(int mesh, const std::string& file, double massExtinction);
+  void plot(int mesh, double time, const std::string& file, const std::string& secondQuantity);
+  void event(const std::string& keyword, int mesh, int number, double time);
+  std::string text() const;
+  void save(const std::filesystem::path& path) const;
+};
+
+/// Values at all nodes of a mesh, x fastest.
+std::vector<double> atNodes(const Planes& planes, const Function& function);
+/// Of cells i1..i2 and so on as FDS counts them: cell i lies between nodes i - 1 and i; what lies
+/// outside of the mesh (0) is `ghost`.
+std::vector<float> inCells(const Planes& planes, const Indices& at, const Function& function,
+                           float ghost);
+std::vector<float> atNodes(const Planes& planes, const Indices& at, const Function& function);
+
+/// A folder that goes away with the object.
+class Folder {
+ public:
+  Folder();
+  ~Folder();
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+void saveText(const std::filesystem::path& path, const std::string& text);
+void saveBytes(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
+
+}  // namespace volute::fdswriter

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fds/smoke_scale.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace volute {
+namespace {
+
+constexpr double kLargestByte = 254;
+constexpr double kSlack = 1e-4;  // of a byte: FDS may compute in single precision
+constexpr double kFloat = 1e-6;  // what rounding to float may take from a band, relative
+
+SmokeBand widened(double value, double low, double high) {
+  return {static_cast<float>(value), static_cast<float>(std::max(0.0, low) * (1 - kFloat)),
+          static_cast<float>(high * (1 + kFloat))};
+}
+
+/// Extinction of an opacity over `length`, for fractional bytes.
+double opaque(double byte, double length) {
+  return -std::log1p(-byte / kLargestByte) / length;
+}
+
+}  // namespace
+
+SmokeBand SmokeScale::band(float stored) const {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  if (!std::isfinite(stored))
+    return {kNan, kNan, kNan};
+  if (bytes == Bytes::kOpacity) {
+    const double below = rounding == Rounding::kDown ? 0 : 0.5;
+    const double above = rounding == Rounding::kNearest ? 0.5 : 1;
+    const double least = std::clamp(stored - below - kSlack, 0.0, kLargestByte - 0.5);
+    const double most = std::min(stored + above + kSlack, kLargestByte);
+    const double middle = rounding == Rounding::kDown && stored > 0 ? stored + 0.5 : stored;
+    return widened(opaque(std::min(middle, kLargestByte - 0.5), cellLength),
+                   opaque(least, cellLength), opaque(most, cellLength));
+  }
+  if (bytes == Bytes::kDensity) {
+    const double perByte = massExtinction * largestDensity / kLargestByte;
+    const double most = std::min(stored + 1.0, kLargestByte);
+    return widened(stored * perByte, (stored - 0.5) * perByte, most * perByte);
+  }
+  switch (quantity) {
+    case SmokeQuantity::kVisibility: {
+      const double cap = visibilityFactor / visibilityCap;
+      if (!(stored >= 0))
+        return {kNan, kNan, kNan};
+      if (stored >= visibilityCap * (1 - kFloat))
+        return widened(cap, 0, cap);
+      return stored > 0 ? widened(visibilityFactor / stored, visibilityFactor / stored,
+                                  visibilityFactor / stored)
+                        : SmokeBand{kNan, kNan, kNan};
+    }
+    case SmokeQuantity::kOpticalDensity: {
+      const double value = std::max(0.0, stored * std::log(10.0));
+      return widened(value, value, value);
+    }
+    case SmokeQuantity::kSootDensity: {
+      const double least = std::max(0.0, massExtinction * (stored - step));
+      const double value = std::max(0.0, massExtinction * stored);
+      return widened(value, least, massExtinction * (stored + step));
+    }
+    default: {
+      const double value = std::max(0.0F, stored);
+      return widened(value, value, value);
+    }
+  }
+}
+
+SmokeBand gasOnly(const SmokeBand& all, const SmokeBand& first, const NodeCells& cells) {
+  const double gas = cells.gas;
+  const double all8 = gas + cells.open + cells.held;
+  SmokeBand held;  // of one held cell; nothing in a case that began clear
+  if (first.value > 0) {
+    const double perCell = 8 / all8;
+    held = widened(first.value * perCell, first.low * perCell, first.high * perCell);
+  }
+  const auto rest = [&](double mean, double one) {
+    return std::max(0.0, 8 * mean - cells.held * one);
+  };
+  const double value = rest(all.value, held.value) / (gas + cells.open);
+  const double low = rest(all.low, held.high) / (gas + cells.open);
+  const double high = rest(all.high, held.low) / std::max(gas, 1.0);
+  return widened(value, std::min(low, value), std::max(high, value));
+}
+
+}  // namespace volute

@@ -1,0 +1,550 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fds/smv_index.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "volute/fds/text_lines.hpp"
+
+namespace volute {
+namespace {
+
+/// "% " and what follows, "!" and what follows: comments of the index.
+std::string_view beforeMark(std::string_view text, char mark) {
+  return text.substr(0, text.find(mark));
+}
+
+/// Reads the file block by block: a keyword at the begin of a line, then lines that begin with a
+/// space or are counted.
+class SmvReader {
+ public:
+  explicit SmvReader(TextLines lines) : lines_(std::move(lines)) { index_.path = lines_.path(); }
+
+  Result<SmvIndex> read();
+
+ private:
+  using Handler = Status (SmvReader::*)(std::string_view rest);
+
+  Result<std::optional<std::string>> nextLine();
+  Result<std::string> need(std::string_view what);
+  Result<std::vector<double>> numbers(std::string_view what, std::size_t least);
+  Result<int> count(std::string_view what);
+  Result<int> meshNumber(std::string_view rest);
+  Status handle(std::string_view line);
+  tl::unexpected<Error> wrong(std::string_view expected) const;
+
+  Status text(std::string& into, std::string_view what);
+  Status readVersion(std::string_view);
+  Status readTitle(std::string_view);
+  Status readChid(std::string_view);
+  Status readEnd(std::string_view);
+  Status readMeshCount(std::string_view);
+  Status readAlbedo(std::string_view);
+  Status readSurface(std::string_view);
+  Status readGrid(std::string_view rest);
+  Status readPlanes(int axis);
+
+  Status readTrnx(std::string_view) { return readPlanes(0); }
+
+  Status readTrny(std::string_view) { return readPlanes(1); }
+
+  Status readTrnz(std::string_view) { return readPlanes(2); }
+
+  Status readObstructions(std::string_view);
+  Status readVents(std::string_view);
+  Status readDevice(std::string_view);
+  Status readLabels(FdsLabels& labels);
+  Status readSliceNodes(std::string_view rest);
+  Status readSliceCells(std::string_view rest);
+  Status readSlice(std::string_view rest, bool cellCentred);
+  Status readSmoke(std::string_view rest);
+  Status readPlot(std::string_view rest);
+  Status readEvent(std::string_view rest, bool ofVent, bool shown);
+
+  Status showObstruction(std::string_view rest) { return readEvent(rest, false, true); }
+
+  Status hideObstruction(std::string_view rest) { return readEvent(rest, false, false); }
+
+  Status openVent(std::string_view rest) { return readEvent(rest, true, true); }
+
+  Status closeVent(std::string_view rest) { return readEvent(rest, true, false); }
+
+  Status readGeometry(std::string_view);
+
+  Result<FdsMesh*> lastMesh();
+  Result<FdsNodeBox> nodeBox(std::span<const double> indices);
+  Status finish();
+
+  TextLines lines_;
+  SmvIndex index_;
+  std::optional<int> meshCount_;
+  std::array<int, 3> cells_{};  // of the mesh that is being read
+  std::vector<int> blocks_;     // of each mesh: 1 with obstructions, 2 with vents
+  bool geometry_ = false;
+  bool cutOff_ = false;  // the file ended within a block
+  std::map<std::string, int> skippedSlices_;
+};
+
+tl::unexpected<Error> SmvReader::wrong(std::string_view expected) const {
+  return fail(ErrorCode::kInvalidData, "{}: line {}: expected {}", lines_.path().string(),
+              lines_.lineNumber(), expected);
+}
+
+Result<std::optional<std::string>> SmvReader::nextLine() {
+  return lines_.next();
+}
+
+Result<std::string> SmvReader::need(std::string_view what) {
+  VOLUTE_ASSIGN(auto line, nextLine());
+  if (!line) {
+    cutOff_ = true;
+    return fail(ErrorCode::kTruncated, "{}: ends after line {}, where {} should be",
+                lines_.path().string(), lines_.lineNumber(), what);
+  }
+  return std::move(*line);
+}
+
+/// A line of numbers, at least `least`; what follows them is ignored.
+Result<std::vector<double>> SmvReader::numbers(std::string_view what, std::size_t least) {
+  VOLUTE_ASSIGN(const std::string line, need(what));
+  std::vector<double> out;
+  for (const auto word : words(line)) {
+    const auto value = numberOf(word);
+    if (!value)
+      break;
+    out.push_back(*value);
+  }
+  if (out.size() < least)
+    return wrong(fmt::format("{} ({} numbers), not '{}'", what, least, line.substr(0, 60)));
+  return out;
+}
+
+Result<int> SmvReader::count(std::string_view what) {
+  VOLUTE_ASSIGN(const std::string line, need(what));
+  const auto found = words(line);
+  const auto value = found.empty() ? std::nullopt : integerOf(found[0]);
+  if (!value || *value < 0)
+    return wrong(fmt::format("{}, not '{}'", what, line.substr(0, 60)));
+  return *value;
+}
+
+/// The place of the mesh whose number (from 1) is the first word.
+Result<int> SmvReader::meshNumber(std::string_view rest) {
+  const auto found = words(rest);
+  const auto value = found.empty() ? std::nullopt : integerOf(found[0]);
+  if (!value || *value < 1 || *value > static_cast<int>(index_.meshes.size())) {
+    return wrong(fmt::format("the number of a mesh, 1 to {}, not '{}'", index_.meshes.size(),
+                             found.empty() ? "" : found[0]));
+  }
+  return *value - 1;
+}
+
+Status SmvReader::text(std::string& into, std::string_view what) {
+  VOLUTE_ASSIGN(const std::string line, need(what));
+  into = trimmed(line);
+  return {};
+}
+
+Status SmvReader::readVersion(std::string_view) {
+  return text(index_.version, "the version of FDS");
+}
+
+Status SmvReader::readTitle(std::string_view) {
+  return text(index_.title, "the title");
+}
+
+Status SmvReader::readChid(std::string_view) {
+  return text(index_.chid, "the name of the case");
+}
+
+Status SmvReader::readEnd(std::string_view) {
+  std::string name;
+  VOLUTE_TRY(text(name, "the name of the .end file"));
+  std::error_code code;
+  index_.ended = !name.empty() && std::filesystem::exists(index_.path.parent_path() / name, code);
+  return {};
+}
+
+Status SmvReader::readMeshCount(std::string_view) {
+  VOLUTE_ASSIGN(meshCount_, count("the number of meshes"));
+  return {};
+}
+
+Status SmvReader::readAlbedo(std::string_view) {
+  VOLUTE_ASSIGN(const auto values, numbers("the albedo", 1));
+  index_.albedo = values[0];
+  return {};
+}
+
+Status SmvReader::readSurface(std::string_view) {
+  FdsSurface surface;
+  VOLUTE_TRY(text(surface.name, "the name of a surface"));
+  VOLUTE_ASSIGN(const auto thermal, numbers("a surface's temperature and emissivity", 0));
+  VOLUTE_ASSIGN(const auto look, numbers("a surface's type, size and colour", 7));
+  for (int c = 0; c < 4; ++c) surface.colour[c] = static_cast<float>(look[3 + c]);
+  VOLUTE_ASSIGN(const auto texture, need("a surface's texture"));
+  (void)thermal, (void)texture;
+  index_.surfaces.push_back(std::move(surface));
+  return {};
+}
+
+Result<FdsMesh*> SmvReader::lastMesh() {
+  if (index_.meshes.empty())
+    return wrong("GRID before what belongs to a mesh");
+  return &index_.meshes.back();
+}
+
+Status SmvReader::readGrid(std::string_view rest) {
+  VOLUTE_ASSIGN(const auto values, numbers("the cells of a mesh on x, y, z", 3));
+  FdsMesh mesh;
+  mesh.name = trimmed(rest);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (values[axis] < 1 || values[axis] > 1e6 || values[axis] != static_cast<int>(values[axis]))
+      return wrong("1 to 1000000 cells on each axis");
+    cells_[axis] = static_cast<int>(values[axis]);
+  }
+  index_.meshes.push_back(std::move(mesh));
+  blocks_.push_back(0);
+  return {};
+}
+
+Status SmvReader::readPlanes(int axis) {
+  VOLUTE_ASSIGN(FdsMesh * mesh, lastMesh());
+  VOLUTE_ASSIGN(const int transforms, count("the number of transform points"));
+  for (int i = 0; i < transforms; ++i) VOLUTE_TRY(numbers("a point of a mesh's transform", 0));
+  std::vector<double> planes;
+  for (int i = 0; i <= cells_[axis]; ++i) {
+    VOLUTE_ASSIGN(const auto values, numbers("the index and place of a node", 2));
+    if (values[0] != i)
+      return wrong(fmt::format("node {}, not {}", i, values[0]));
+    if (!planes.empty() && !(values[1] > planes.back()))
+      return wrong("the places of nodes to ascend");
+    planes.push_back(values[1]);
+  }
+  mesh->planes[axis] = std::move(planes);
+  return {};
+}
+
+Result<FdsNodeBox> SmvReader::nodeBox(std::span<const double> indices) {
+  FdsNodeBox box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double begin = indices[2 * axis];
+    const double end = indices[2 * axis + 1];
+    if (!(begin >= 0 && begin <= end && end <= cells_[axis]))
+      return wrong(
+          fmt::format("node indices from 0 to {}, not {} to {}", cells_[axis], begin, end));
+    box.begin[axis] = static_cast<int>(begin);
+    box.end[axis] = static_cast<int>(end);
+  }
+  return box;
+}
+
+std::optional<FdsColour> colourOf(std::span<const double> values) {
+  if (values.size() < 12)
+    return std::nullopt;
+  FdsColour colour;
+  for (int c = 0; c < 4; ++c) colour[c] = static_cast<float>(std::clamp(values[8 + c], 0.0, 1.0));
+  return colour;
+}
+
+Status SmvReader::readObstructions(std::string_view) {
+  VOLUTE_ASSIGN(FdsMesh * mesh, lastMesh());
+  VOLUTE_ASSIGN(const int number, count("the number of obstructions"));
+  std::vector<FdsObstruction> obstructions;
+  for (int i = 0; i < number; ++i) {
+    VOLUTE_ASSIGN(const auto first, numbers("an obstruction's ends and surfaces", 6));
+    FdsObstruction& one = obstructions.emplace_back();
+    for (std::size_t face = 0; face < 6 && 7 + face < first.size(); ++face)
+      one.surfaces[face] = static_cast<int>(first[7 + face]);
+  }
+  for (FdsObstruction& one : obstructions) {
+    VOLUTE_ASSIGN(const auto second, numbers("an obstruction's node indices", 6));
+    VOLUTE_ASSIGN(one.nodes, nodeBox(second));
+    if (second.size() >= 7 && second[6] == -3)
+      one.colour = colourOf(second);
+    one.drawn = second.size() < 8 || second[7] != -2;
+  }
+  mesh->obstructions = std::move(obstructions);
+  blocks_.back() |= 1;
+  return {};
+}
+
+Status SmvReader::readVents(std::string_view) {
+  VOLUTE_ASSIGN(FdsMesh * mesh, lastMesh());
+  VOLUTE_ASSIGN(const int number, count("the number of vents"));
+  std::vector<FdsVent> vents;
+  for (int i = 0; i < number; ++i) {
+    VOLUTE_ASSIGN(const auto first, numbers("a vent's ends and surface", 6));
+    vents.emplace_back().surface = first.size() > 7 ? static_cast<int>(first[7]) : 0;
+  }
+  for (FdsVent& vent : vents) {
+    VOLUTE_ASSIGN(const auto second, numbers("a vent's node indices", 6));
+    VOLUTE_ASSIGN(vent.nodes, nodeBox(second));
+    vent.colour = colourOf(second);
+    vent.open = second.size() >= 8 && second[7] == 2;
+    const bool outline = second.size() >= 8 && (second[7] == 2 || second[7] == -2);
+    const bool invisible = second.size() >= 7 && second[6] < 0 && !vent.colour;
+    vent.drawn = !outline && !invisible && (vent.surface != 0 || vent.colour);
+  }
+  mesh->vents = std::move(vents);
+  blocks_.back() |= 2;
+  return {};
+}
+
+Status SmvReader::readDevice(std::string_view) {
+  FdsDevice device;
+  std::string line;
+  VOLUTE_TRY(text(line, "a device's label"));
+  const auto mark = line.rfind('%');
+  device.label = trimmed(std::string_view(line).substr(0, mark));
+  if (mark != std::string::npos)
+    device.quantity = trimmed(std::string_view(line).substr(mark + 1));
+  VOLUTE_ASSIGN(const auto place, numbers("a device's place", 3));
+  device.position = {place[0], place[1], place[2]};
+  index_.devices.push_back(std::move(device));
+  return {};
+}
+
+Status SmvReader::readLabels(FdsLabels& labels) {
+  VOLUTE_TRY(text(labels.quantity, "a quantity"));
+  VOLUTE_TRY(text(labels.shortName, "a quantity's short name"));
+  return text(labels.unit, "a quantity's unit");
+}
+
+Status SmvReader::readSliceNodes(std::string_view rest) {
+  return readSlice(rest, false);
+}
+
+Status SmvReader::readSliceCells(std::string_view rest) {
+  return readSlice(rest, true);
+}
+
+Status SmvReader::readSlice(std::string_view rest, bool cellCentred) {
+  FdsSliceEntry slice;
+  slice.cellCentred = cellCentred;
+  VOLUTE_ASSIGN(slice.mesh, meshNumber(rest));
+  const auto mark = rest.find('&');
+  if (mark != std::string_view::npos) {
+    std::vector<double> indices;
+    for (const auto word : words(beforeMark(rest.substr(mark + 1), '!'))) {
+      const auto value = numberOf(word);
+      if (value)
+        indices.push_back(*value);
+    }
+    if (indices.size() < 6)
+      return wrong("six node indices after '&'");
+    const FdsMesh& mesh = index_.meshes[slice.mesh];
+    cells_ = {mesh.cells(0), mesh.cells(1), mesh.cells(2)};
+    VOLUTE_ASSIGN(slice.nodes, nodeBox(indices));
+  }
+  std::string name;
+  VOLUTE_TRY(text(name, "the name of a slice file"));
+  slice.file = index_.path.parent_path() / name;
+  VOLUTE_TRY(readLabels(slice.labels));
+  const auto kind = rest.find('#');
+  if (kind != std::string_view::npos && rest.find("STRUCTURED", kind) == std::string_view::npos) {
+    ++skippedSlices_[slice.labels.quantity];
+    return {};
+  }
+  index_.slices.push_back(std::move(slice));
+  return {};
+}
+
+Status SmvReader::readSmoke(std::string_view rest) {
+  FdsSmokeEntry smoke;
+  VOLUTE_ASSIGN(smoke.mesh, meshNumber(rest));
+  const auto found = words(rest);
+  if (found.size() > 1) {
+    smoke.massExtinction = numberOf(found[1]);
+    if (smoke.massExtinction && !(*smoke.massExtinction > 0))
+      smoke.massExtinction.reset();
+  }
+  std::string name;
+  VOLUTE_TRY(text(name, "the name of a smoke file"));
+  smoke.file = index_.path.parent_path() / name;
+  VOLUTE_TRY(readLabels(smoke.labels));
+  index_.smoke.push_back(std::move(smoke));
+  return {};
+}
+
+Status SmvReader::readPlot(std::string_view rest) {
+  FdsPlotEntry plot;
+  const auto found = words(rest);
+  const auto time = found.empty() ? std::nullopt : numberOf(found[0]);
+  if (!time || found.size() < 2)
+    return wrong("PL3D, a time and a mesh");
+  plot.time = *time;
+  // Fortran may leave a space within the time: "PL3D       10.06     1" or "PL3D  10 .06  1".
+  VOLUTE_ASSIGN(plot.mesh, meshNumber(found.back()));
+  if (found.size() == 3 && found[1].starts_with('.')) {
+    if (const auto joined = numberOf(std::string(found[0]) + std::string(found[1])))
+      plot.time = *joined;
+  }
+  std::string name;
+  VOLUTE_TRY(text(name, "the name of a PLOT3D file"));
+  plot.file = index_.path.parent_path() / name;
+  for (FdsLabels& labels : plot.labels) VOLUTE_TRY(readLabels(labels));
+  index_.plots.push_back(std::move(plot));
+  return {};
+}
+
+Status SmvReader::readEvent(std::string_view rest, bool ofVent, bool shown) {
+  VOLUTE_ASSIGN(const int place, meshNumber(rest));
+  VOLUTE_ASSIGN(const auto values, numbers("the number of what changes, and the time", 2));
+  FdsMesh& mesh = index_.meshes[place];
+  const std::size_t number = ofVent ? mesh.vents.size() : mesh.obstructions.size();
+  if (!(values[0] >= 1 && values[0] <= static_cast<double>(number))) {
+    return wrong(fmt::format("the number of {}, 1 to {}, not {}",
+                             ofVent ? "a vent" : "an obstruction", number, values[0]));
+  }
+  const auto one = static_cast<std::size_t>(values[0]) - 1;
+  auto& events = ofVent ? mesh.vents[one].events : mesh.obstructions[one].events;
+  events.push_back({values[1], shown});
+  return {};
+}
+
+Status SmvReader::readGeometry(std::string_view) {
+  geometry_ = true;
+  return {};
+}
+
+Status SmvReader::handle(std::string_view line) {
+  static const std::map<std::string_view, Handler> handlers = {
+      {"FDSVERSION", &SmvReader::readVersion},
+      {"TITLE", &SmvReader::readTitle},
+      {"CHID", &SmvReader::readChid},
+      {"ENDF", &SmvReader::readEnd},
+      {"NMESHES", &SmvReader::readMeshCount},
+      {"ALBEDO", &SmvReader::readAlbedo},
+      {"SURFACE", &SmvReader::readSurface},
+      {"GRID", &SmvReader::readGrid},
+      {"TRNX", &SmvReader::readTrnx},
+      {"TRNY", &SmvReader::readTrny},
+      {"TRNZ", &SmvReader::readTrnz},
+      {"OBST", &SmvReader::readObstructions},
+      {"VENT", &SmvReader::readVents},
+      {"DEVICE", &SmvReader::readDevice},
+      {"SLCF", &SmvReader::readSliceNodes},
+      {"SLCC", &SmvReader::readSliceCells},
+      {"SMOKF3D", &SmvReader::readSmoke},
+      {"SMOKG3D", &SmvReader::readSmoke},
+      {"PL3D", &SmvReader::readPlot},
+      {"SHOW_OBST", &SmvReader::showObstruction},
+      {"HIDE_OBST", &SmvReader::hideObstruction},
+      {"OPEN_VENT", &SmvReader::openVent},
+      {"CLOSE_VENT", &SmvReader::closeVent},
+      {"GEOM", &SmvReader::readGeometry},
+      {"CGEOM", &SmvReader::readGeometry},
+  };
+  if (line.empty() || line[0] < 'A' || line[0] > 'Z')
+    return {};
+  const std::string_view keyword = line.substr(0, line.find_first_of(" \t"));
+  const auto found = handlers.find(keyword);
+  if (found == handlers.end())
+    return {};
+  return (this->*found->second)(line.substr(keyword.size()));
+}
+
+Status SmvReader::finish() {
+  const std::string name = lines_.path().string();
+  if (index_.meshes.empty())
+    return fail(ErrorCode::kInvalidData, "{}: has no GRID: not the .smv file of an FDS case", name);
+  for (FdsMesh& mesh : index_.meshes) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (mesh.planes[axis].size() < 2)
+        return fail(ErrorCode::kInvalidData, "{}: mesh '{}' has no node places", name, mesh.name);
+    }
+    const auto byTime = [](const FdsEvent& a, const FdsEvent& b) { return a.time < b.time; };
+    for (auto& one : mesh.obstructions)
+      std::stable_sort(one.events.begin(), one.events.end(), byTime);
+    for (auto& one : mesh.vents) std::stable_sort(one.events.begin(), one.events.end(), byTime);
+  }
+  if (lines_.endedWithinLine() || cutOff_) {
+    index_.remarks.push_back(fmt::format("{}: ends within line {}: what it names there is left out",
+                                         name, lines_.lineNumber() + 1));
+  }
+  if (geometry_) {
+    index_.remarks.push_back(fmt::format(
+        "{}: the case has surfaces of triangles (GEOM), which are not read: they block no sight",
+        name));
+  }
+  for (const auto& [quantity, number] : skippedSlices_) {
+    index_.remarks.push_back(fmt::format(
+        "{}: {} slices of '{}' on cut cells are left out: only structured ones are read", name,
+        number, quantity));
+  }
+  return {};
+}
+
+Result<SmvIndex> SmvReader::read() {
+  for (;;) {
+    VOLUTE_ASSIGN(const auto line, nextLine());
+    if (!line)
+      break;
+    const Status status = handle(*line);
+    if (status)
+      continue;
+    // A case that runs appends entries: a cut-off one is left out. Meshes must be whole.
+    const bool later = line->starts_with("SL") || line->starts_with("SMOK") ||
+                       line->starts_with("PL3D") || line->starts_with("SHOW_") ||
+                       line->starts_with("HIDE_") || line->starts_with("OPEN_") ||
+                       line->starts_with("CLOSE_") || line->starts_with("DEVICE");
+    if (status.error().code != ErrorCode::kTruncated || !later)
+      return tl::unexpected<Error>(status.error());
+    break;
+  }
+  if (meshCount_ && static_cast<int>(index_.meshes.size()) < *meshCount_) {
+    return fail(ErrorCode::kTruncated, "{}: ends at line {} with {} of {} meshes",
+                lines_.path().string(), lines_.lineNumber(), index_.meshes.size(), *meshCount_);
+  }
+  const auto cut = std::ranges::find_if(blocks_, [](int blocks) { return blocks != 3; });
+  if (cut != blocks_.end()) {
+    return fail(ErrorCode::kTruncated,
+                "{}: mesh {} has no OBST or no VENT block: the file ends at line {} or is damaged",
+                lines_.path().string(), cut - blocks_.begin() + 1, lines_.lineNumber());
+  }
+  VOLUTE_TRY(finish());
+  return std::move(index_);
+}
+
+}  // namespace
+
+bool isShown(std::span<const FdsEvent> events, double time) {
+  if (events.empty())
+    return true;
+  bool shown = !events.front().shown;
+  for (const FdsEvent& event : events) {
+    if (event.time > time)
+      break;
+    shown = event.shown;
+  }
+  return shown;
+}
+
+std::uint64_t FdsMesh::nodeCount() const {
+  return static_cast<std::uint64_t>(planes[0].size()) * planes[1].size() * planes[2].size();
+}
+
+std::uint64_t FdsMesh::cellCount() const {
+  return static_cast<std::uint64_t>(cells(0)) * cells(1) * cells(2);
+}
+
+Box3 FdsMesh::bounds() const {
+  return {Vec3(planes[0].front(), planes[1].front(), planes[2].front()),
+          Vec3(planes[0].back(), planes[1].back(), planes[2].back())};
+}
+
+Result<SmvIndex> SmvIndex::read(const std::filesystem::path& path) {
+  VOLUTE_ASSIGN(auto lines, TextLines::open(path));
+  return SmvReader(std::move(lines)).read();
+}
+
+bool isSmvPath(const std::string& path) {
+  std::string end = std::filesystem::path(path).extension().string();
+  std::transform(end.begin(), end.end(), end.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return end == ".smv";
+}
+
+}  // namespace volute

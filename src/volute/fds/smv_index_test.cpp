@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fds/smv_index.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include "volute/fds/fds_writer.hpp"
+#include "volute/fds/obstructions.hpp"
+
+namespace volute {
+namespace {
+
+using fdswriter::Folder;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+const fdswriter::Planes kPlanes{{{0, 1, 3}, {0, 1, 2}, {0, 0.5, 1}}};
+
+fdswriter::Index made() {
+  fdswriter::Index index;
+  index.meshes.push_back({kPlanes, {{0, 1, 0, 2, 0, 1}, {1, 1, 0, 2, 0, 2}}, {{2, 2, 0, 2, 0, 2}}});
+  index.meshes.push_back({{{{3, 4}, {0, 1, 2}, {0, 0.5, 1}}}, {}, {}});
+  index.slice(1, {{0, 2, 0, 2, 1, 1}}, "made_1_1.sf", false);
+  index.slice(2, {{0, 1, 0, 2, 1, 1}}, "made_2_1.sf", true);
+  index.smoke(1, "made_1_1.s3d", 7600);
+  index.plot(2, 10.06, "made_2_10p06.q", "TEMPERATURE");
+  index.event("HIDE_OBST", 1, 2, 30);
+  index.files += "DEVICE\n exit sign % VISIBILITY\n 1.0 2.0 3.0 0 0 -1 0 0\n";
+  return index;
+}
+
+Result<SmvIndex> readText(const Folder& folder, const std::string& text) {
+  fdswriter::saveText(folder / "made.smv", text);
+  return SmvIndex::read(folder / "made.smv");
+}
+
+TEST(SmvIndex, readsWhatAnyVersionWrites) {
+  const Folder folder;
+  const auto index = readText(folder, made().text());
+  ASSERT_TRUE(index) << index.error().message;
+  EXPECT_EQ(index->chid, "made");
+  EXPECT_THAT(index->version, HasSubstr("6.7.5"));
+  ASSERT_THAT(index->meshes, SizeIs(2));
+  EXPECT_THAT(index->meshes[0].planes[0], ElementsAre(0, 1, 3));
+  ASSERT_THAT(index->meshes[0].obstructions, SizeIs(2));
+  EXPECT_EQ(index->meshes[0].obstructions[1].nodes, (FdsNodeBox{{1, 0, 0}, {1, 2, 2}}));
+  EXPECT_EQ((*index->meshes[0].obstructions[0].colour)[1], 0.5F);
+  EXPECT_TRUE(index->meshes[0].obstructions[1].shownAt(29.99));
+  EXPECT_FALSE(index->meshes[0].obstructions[1].shownAt(30));
+  EXPECT_TRUE(index->meshes[0].vents[0].open);
+  ASSERT_THAT(index->slices, SizeIs(2));
+  EXPECT_FALSE(index->slices[0].cellCentred);
+  EXPECT_TRUE(index->slices[1].cellCentred);
+  EXPECT_EQ(index->slices[1].mesh, 1);
+  EXPECT_EQ(index->slices[1].labels.unit, "1/m");
+  EXPECT_EQ(index->smoke[0].massExtinction, 7600);
+  EXPECT_EQ(index->plots[0].time, 10.06);
+  ASSERT_THAT(index->devices, SizeIs(1));
+  EXPECT_EQ(index->devices[0].label, "exit sign");
+  EXPECT_EQ(index->devices[0].quantity, "VISIBILITY");
+  EXPECT_EQ(index->devices[0].position, Vec3(1, 2, 3));
+  // FDS 6.5: no "# STRUCTURED", no mass extinction.
+  auto old = made();
+  old.files =
+      "SLCF     1 &     0     2     0     2     1     1\n a.sf\n X\n x\n 1/m\n"
+      "SMOKF3D     1\n b.s3d\n SOOT MASS FRACTION\n Y\n kg/kg\n";
+  const auto older = readText(folder, old.text());
+  ASSERT_TRUE(older);
+  EXPECT_EQ(older->slices[0].nodes, (FdsNodeBox{{0, 0, 1}, {2, 2, 1}}));
+  EXPECT_FALSE(older->smoke[0].massExtinction);
+}
+
+TEST(SmvIndex, everyTruncationIsAnErrorWithinTheMeshesAndARemarkAfterThem) {
+  const Folder folder;
+  const std::string text = made().text();
+  const std::size_t files = text.find("SLCF");
+  const auto whole = readText(folder, text);
+  for (std::size_t size = 0; size < text.size(); ++size) {
+    const auto index = readText(folder, text.substr(0, size));
+    if (size < text.rfind("\nVENT")) {
+      ASSERT_FALSE(index) << size;
+      continue;
+    }
+    if (!index) {
+      EXPECT_LT(size, files);
+      EXPECT_EQ(index.error().code, ErrorCode::kTruncated) << index.error().message;
+      continue;
+    }
+    EXPECT_LE(index->slices.size(), whole->slices.size());
+    for (std::size_t i = 0; i < index->slices.size(); ++i) {
+      EXPECT_EQ(index->slices[i].file, whole->slices[i].file);
+      EXPECT_EQ(index->slices[i].labels, whole->slices[i].labels);
+    }
+    const bool atLineEnd = size == 0 || text[size - 1] == '\n' ||
+                           text.find_first_not_of(" ", text.rfind('\n', size - 1) + 1) >= size;
+    if (!atLineEnd) {
+      EXPECT_FALSE(index->remarks.empty()) << size;
+    }
+  }
+}
+
+TEST(SmvIndex, anyFlippedBitIsReadOrRefused) {
+  const Folder folder;
+  const std::string text = made().text();
+  for (std::size_t bit = 0; bit < 8 * text.size(); bit += 3) {
+    std::string flipped = text;
+    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ (1 << (bit % 8)));
+    const auto index = readText(folder, flipped);
+    if (!index) {
+      EXPECT_THAT(index.error().message, HasSubstr("made.smv"));
+    }
+  }
+}
+
+TEST(SmvIndex, errorsNameTheLine) {
+  const Folder folder;
+  std::string text = made().text();
+  text.replace(text.find("        1.00000"), 15, "        9.00000");
+  const auto index = readText(folder, text);
+  ASSERT_FALSE(index);
+  EXPECT_THAT(index.error().message, HasSubstr("line 35: "));
+  EXPECT_THAT(index.error().message, HasSubstr("expected the places of nodes to ascend"));
+  const auto none = readText(folder, "hello\n");
+  ASSERT_FALSE(none);
+  EXPECT_THAT(none.error().message, HasSubstr("has no GRID"));
+}
+
+Segment between(const Vec3& a, const Vec3& b) {
+  return {a, (b - a).normalized(), 0, (b - a).norm()};
+}
+
+TEST(Obstructions, hideWhatLiesBehindThem) {
+  const Folder folder;
+  const auto index = readText(folder, made().text());
+  const FdsObstructions now(*index, 0);
+  EXPECT_THAT(now.boxes(), SizeIs(2));
+  // Through the block, over it, to a sign on its face, along its face, through the thin wall.
+  EXPECT_TRUE(now.blocked(between({-1, 1, 0.25}, {2, 1, 0.25})));
+  EXPECT_TRUE(now.blocked(between({0.5, 1, 0.75}, {2, 1, 0.75})));  // the thin wall
+  const FdsObstructions later(*index, 30);
+  EXPECT_FALSE(later.blocked(between({0.5, 1, 0.75}, {2, 1, 0.75})));
+  EXPECT_FALSE(later.blocked(between({2.5, 1, 0.9}, {1, 1, 0.25})));
+  EXPECT_TRUE(later.blocked(between({2.5, 1, 0.9}, {0.99, 1, 0.25})));
+  EXPECT_TRUE(later.blocked(between({-1, 0.5, 0.5}, {2, 0.5, 0.5})));
+  EXPECT_FALSE(later.blocked(between({2, 0, 0.1}, {2, 2, 0.1})));
+}
+
+TEST(Obstructions, manyAreFoundAsOneByOne) {
+  fdswriter::Index index;
+  fdswriter::Planes planes;
+  for (auto& axis : planes) {
+    for (int i = 0; i <= 20; ++i) axis.push_back(0.1 * i);
+  }
+  std::srand(4);
+  std::vector<fdswriter::Indices> all;
+  for (int i = 0; i < 60; ++i) {
+    const int x = std::rand() % 18, y = std::rand() % 18, z = std::rand() % 18;
+    all.push_back({x, x + std::rand() % 3, y, y + std::rand() % 3, z, z + std::rand() % 3});
+  }
+  index.meshes.push_back({planes, all, {}});
+  const Folder folder;
+  const auto read = readText(folder, index.text());
+  const FdsObstructions many(*read, 0);
+  std::vector<Segment> lines;
+  for (int i = 0; i < 300; ++i) {
+    const auto coordinate = [] { return 2.0 * std::rand() / RAND_MAX; };
+    lines.push_back(between({coordinate(), coordinate(), coordinate()},
+                            {coordinate(), coordinate(), coordinate()}));
+  }
+  std::vector<std::uint8_t> found(lines.size());
+  many.blocked(lines, found);
+  int blocked = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    bool expected = false;
+    for (const FdsBox& box : many.boxes()) {
+      double begin = 1e-3;
+      double end = lines[i].end - 1e-3;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double a = (box.bounds.min[axis] - lines[i].origin[axis]) / lines[i].direction[axis];
+        const double b = (box.bounds.max[axis] - lines[i].origin[axis]) / lines[i].direction[axis];
+        begin = std::max({begin, std::min(a, b)});
+        end = std::min({end, std::max(a, b)});
+      }
+      expected = expected || begin <= end + 1e-15;
+    }
+    EXPECT_EQ(found[i] != 0, expected);
+    blocked += expected;
+  }
+  EXPECT_GT(blocked, 30);
+  EXPECT_LT(blocked, 270);
+}
+
+TEST(Obstructions, facesTurnOutwards) {
+  const Folder folder;
+  const auto index = readText(folder, made().text());
+  const FdsObstructions now(*index, 0);
+  const auto quads = now.quads();
+  EXPECT_THAT(quads, SizeIs(6 + 2));  // a block, and both sides of a thin wall
+  int outward = 0;
+  for (const FdsQuad& quad : quads) {
+    const Vec3 normal =
+        (quad.corners[1] - quad.corners[0]).cross(quad.corners[2] - quad.corners[0]).normalized();
+    const Vec3 middle =
+        0.25 * (quad.corners[0] + quad.corners[1] + quad.corners[2] + quad.corners[3]);
+    outward += normal.dot(middle - Vec3(0.5, 1, 0.25)) > 0 && middle.x() <= 1;
+    EXPECT_EQ(quad.colour[1], 0.5F);
+  }
+  EXPECT_GE(outward, 6);
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/geometry/embree_scene.hpp"
+
+#include <embree3/rtcore.h>
+
+#include <cmath>
+#include <optional>
+
+namespace volute {
+namespace {
+
+constexpr double kMargin = 1e-5;   ///< of the scene's size, before and behind what Embree looks at
+constexpr double kLargest = 1e15;  ///< [m]; single precision squares what it is given
+
+struct ReleaseDevice {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+
+struct ReleaseScene {
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+
+using Device = std::unique_ptr<RTCDeviceTy, ReleaseDevice>;
+using SceneHandle = std::unique_ptr<RTCSceneTy, ReleaseScene>;
+
+/// Where a segment crosses the triangle's plane, if strictly between its ends.
+std::optional<double> atPlane(const Segment& segment, const Triangle& triangle) {
+  const Vec3 normal = triangle.normal();
+  const double distance =
+      normal.dot(triangle.corners[0] - segment.origin) / normal.dot(segment.direction);
+  if (distance > segment.begin && distance < segment.end)
+    return distance;
+  return std::nullopt;
+}
+
+/// What a filter call knows of its query.
+struct Query {
+  RTCIntersectContext context;
+  std::span<const Triangle> triangles;
+  const Segment& segment;
+};
+
+void keepWithin(const RTCFilterFunctionNArguments* arguments) {
+  const auto* query = reinterpret_cast<const Query*>(arguments->context);
+  for (unsigned int i = 0; i < arguments->N; ++i) {
+    if (arguments->valid[i] != -1)
+      continue;
+    const unsigned int triangle = RTCHitN_primID(arguments->hit, arguments->N, i);
+    if (!atPlane(query->segment, query->triangles[triangle]))
+      arguments->valid[i] = 0;
+  }
+}
+
+bool attachTriangles(RTCDevice device, RTCScene scene, std::span<const Triangle> triangles,
+                     const Vec3& centre) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* corners = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                              RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                                              3 * triangles.size()));
+  auto* indices = static_cast<unsigned int*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                              3 * sizeof(unsigned int), triangles.size()));
+  const bool filled = corners && indices;
+  for (std::size_t i = 0; filled && i < triangles.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 corner = triangles[i].corners[k] - centre;
+      for (int axis = 0; axis < 3; ++axis)
+        corners[3 * (3 * i + k) + axis] = static_cast<float>(corner[axis]);
+      indices[3 * i + k] = static_cast<unsigned int>(3 * i + k);
+    }
+  }
+  if (filled) {
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+  }
+  rtcReleaseGeometry(geometry);
+  return filled;
+}
+
+}  // namespace
+
+struct EmbreeScene::Impl {
+  Device device;
+  SceneHandle scene;
+  std::span<const Triangle> triangles;
+  Box3 bounds;  ///< a little larger than the scene
+  Vec3 centre;
+  double margin = 0;
+
+  std::optional<RTCRay> rayOf(const Segment& segment) const;
+};
+
+/// The part near the scene, around its middle; nothing where the segment passes by.
+std::optional<RTCRay> EmbreeScene::Impl::rayOf(const Segment& segment) const {
+  const Interval part =
+      bounds.intersect(segment.origin, segment.direction).intersect({segment.begin, segment.end});
+  if (part.empty())
+    return std::nullopt;
+  const Vec3 from = segment.at(part.begin - margin) - centre;
+  RTCRay ray{};
+  ray.org_x = static_cast<float>(from.x());
+  ray.org_y = static_cast<float>(from.y());
+  ray.org_z = static_cast<float>(from.z());
+  ray.dir_x = static_cast<float>(segment.direction.x());
+  ray.dir_y = static_cast<float>(segment.direction.y());
+  ray.dir_z = static_cast<float>(segment.direction.z());
+  ray.tfar = static_cast<float>(part.length() + 2 * margin);
+  ray.mask = ~0u;
+  return ray;
+}
+
+EmbreeScene::EmbreeScene(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+
+EmbreeScene::~EmbreeScene() = default;
+
+std::unique_ptr<const EmbreeScene> EmbreeScene::make(std::span<const Triangle> triangles,
+                                                     const Box3& bounds) {
+  auto impl = std::make_unique<Impl>();
+  impl->triangles = triangles;
+  impl->centre = bounds.centre();
+  const double size = bounds.size().norm();
+  if (!(size > 0) || size > kLargest)
+    return nullptr;
+  impl->margin = kMargin * size;
+  impl->bounds = {(bounds.min.array() - impl->margin).matrix(),
+                  (bounds.max.array() + impl->margin).matrix()};
+  impl->device.reset(rtcNewDevice("threads=1"));
+  if (!impl->device)
+    return nullptr;
+  impl->scene.reset(rtcNewScene(impl->device.get()));
+  rtcSetSceneFlags(
+      impl->scene.get(),
+      static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+  if (!attachTriangles(impl->device.get(), impl->scene.get(), triangles, impl->centre))
+    return nullptr;
+  rtcCommitScene(impl->scene.get());
+  if (rtcGetDeviceError(impl->device.get()) != RTC_ERROR_NONE)
+    return nullptr;
+  return std::unique_ptr<const EmbreeScene>(new EmbreeScene(std::move(impl)));
+}
+
+Hit EmbreeScene::nearest(const Segment& segment) const {
+  const auto ray = impl_->rayOf(segment);
+  if (!ray)
+    return {};
+  Query query{{}, impl_->triangles, segment};
+  rtcInitIntersectContext(&query.context);
+  query.context.filter = keepWithin;
+  RTCRayHit found{*ray, {}};
+  found.hit.geomID = found.hit.primID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(impl_->scene.get(), &query.context, &found);
+  if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    return {};
+  const auto distance = atPlane(segment, impl_->triangles[found.hit.primID]);
+  return {*distance, found.hit.primID};
+}
+
+bool EmbreeScene::occluded(const Segment& segment) const {
+  auto ray = impl_->rayOf(segment);
+  if (!ray)
+    return false;
+  Query query{{}, impl_->triangles, segment};
+  rtcInitIntersectContext(&query.context);
+  query.context.filter = keepWithin;
+  rtcOccluded1(impl_->scene.get(), &query.context, &*ray);
+  return ray->tfar < 0;
+}
+
+}  // namespace volute

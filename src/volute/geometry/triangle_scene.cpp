@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/geometry/triangle_scene.hpp"
+
+#include <algorithm>
+
+#include "volute/base/assert.hpp"
+#include "volute/geometry/triangle_tree.hpp"
+#if VOLUTE_HAS_EMBREE
+#include "volute/geometry/embree_scene.hpp"
+#endif
+
+namespace volute {
+
+struct TriangleScene::Impl {
+  Impl(std::vector<Triangle> given, std::vector<Material> looks)
+      : triangles(std::move(given)), materials(std::move(looks)), tree(triangles) {}
+
+  std::vector<Triangle> triangles;
+  std::vector<Material> materials;
+  TriangleTree tree;
+#if VOLUTE_HAS_EMBREE
+  std::unique_ptr<const EmbreeScene> embree;
+#endif
+
+  Hit nearest(const Segment& segment) const {
+#if VOLUTE_HAS_EMBREE
+    if (embree)
+      return embree->nearest(segment);
+#endif
+    return tree.nearest(segment);
+  }
+
+  bool occluded(const Segment& segment) const {
+#if VOLUTE_HAS_EMBREE
+    if (embree)
+      return embree->occluded(segment);
+#endif
+    return tree.occluded(segment);
+  }
+};
+
+std::vector<Triangle> transformed(std::span<const Triangle> triangles, const Mat4& transform) {
+  const Mat3 linear = transform.topLeftCorner<3, 3>();
+  const Vec3 offset = transform.topRightCorner<3, 1>();
+  std::vector<Triangle> moved(triangles.begin(), triangles.end());
+  for (Triangle& triangle : moved) {
+    for (Vec3& corner : triangle.corners) corner = linear * corner + offset;
+  }
+  return moved;
+}
+
+TriangleScene::TriangleScene()
+    : impl_(std::make_shared<const Impl>(std::vector<Triangle>{}, std::vector<Material>{})) {}
+
+Result<TriangleScene> TriangleScene::build(std::vector<Triangle> triangles,
+                                           std::vector<Material> materials, Execution execution) {
+  if (triangles.size() > (1ull << 31)) {
+    return fail(ErrorCode::kTooLarge, "the geometry has {} triangles, more than 2^31",
+                triangles.size());
+  }
+  if (materials.empty())
+    materials.emplace_back();
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    for (const Vec3& corner : triangles[i].corners) {
+      if (!corner.allFinite())
+        return fail(ErrorCode::kInvalidArgument, "triangle {} has a corner that is not finite", i);
+    }
+    if (triangles[i].material >= materials.size()) {
+      return fail(ErrorCode::kInvalidArgument, "triangle {} names material {}, but there are {}", i,
+                  triangles[i].material, materials.size());
+    }
+  }
+  auto impl = std::make_shared<Impl>(std::move(triangles), std::move(materials));
+#if VOLUTE_HAS_EMBREE
+  if (execution == Execution::kFast && !impl->triangles.empty())
+    impl->embree = EmbreeScene::make(impl->triangles, impl->tree.bounds());
+#else
+  static_cast<void>(execution);
+#endif
+  TriangleScene scene;
+  scene.impl_ = std::move(impl);
+  return scene;
+}
+
+void TriangleScene::nearest(std::span<const Segment> segments, std::span<Hit> hits) const {
+  VOLUTE_ASSERT(segments.size() == hits.size());
+  std::ranges::transform(segments, hits.begin(),
+                         [&](const Segment& segment) { return impl_->nearest(segment); });
+}
+
+void TriangleScene::occluded(std::span<const Segment> segments,
+                             std::span<std::uint8_t> blocked) const {
+  VOLUTE_ASSERT(segments.size() == blocked.size());
+  std::ranges::transform(segments, blocked.begin(),
+                         [&](const Segment& segment) { return impl_->occluded(segment) ? 1 : 0; });
+}
+
+std::span<const Triangle> TriangleScene::triangles() const {
+  return impl_->triangles;
+}
+
+std::span<const Material> TriangleScene::materials() const {
+  return impl_->materials;
+}
+
+const Box3& TriangleScene::bounds() const {
+  return impl_->tree.bounds();
+}
+
+}  // namespace volute

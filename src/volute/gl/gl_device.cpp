@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/gl/gl_device.hpp"
+
+#include <dlfcn.h>
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+
+#include <array>
+#include <filesystem>
+#include <string_view>
+
+namespace volute {
+namespace {
+
+std::string text(GLenum name) {
+  const auto* value = reinterpret_cast<const char*>(glGetString(name));
+  return value ? value : "";
+}
+
+std::int64_t limit(GLenum name) {
+  GLint64 value = 0;
+  glGetInteger64v(name, &value);
+  return value;
+}
+
+bool isSoftware(const std::string& renderer) {
+  for (const char* name : {"llvmpipe", "softpipe", "swrast", "SwiftShader", "Software"}) {
+    if (renderer.find(name) != std::string::npos)
+      return true;
+  }
+  return false;
+}
+
+/// libepoxy ends the program when a library is missing, so they are looked for first.
+Status findLibraries() {
+  for (const char* name : {"libEGL.so.1", "libGL.so.1"}) {
+    if (void* library = ::dlopen(name, RTLD_LAZY | RTLD_LOCAL)) {
+      ::dlclose(library);
+      continue;
+    }
+    return fail(
+        ErrorCode::kUnsupported,
+        "there is no OpenGL here: {} is missing; install libegl1, libgl1 and libgl1-mesa-dri "
+        "or the graphics card's driver, or render with --renderer cpu",
+        name);
+  }
+  return {};
+}
+
+bool hasClientExtension(const char* name) {
+  return epoxy_has_egl_extension(EGL_NO_DISPLAY, name);
+}
+
+/// Displays to try, hardware before software.
+std::vector<EGLDisplay> displays(HeadlessGl::Wanted wanted) {
+  std::vector<EGLDisplay> hardware, software;
+  if (hasClientExtension("EGL_EXT_device_enumeration") &&
+      hasClientExtension("EGL_EXT_platform_device")) {
+    std::array<EGLDeviceEXT, 32> devices{};
+    EGLint count = 0;
+    eglQueryDevicesEXT(static_cast<EGLint>(devices.size()), devices.data(), &count);
+    for (EGLint i = 0; i < count; ++i) {
+      const char* found = eglQueryDeviceStringEXT(devices[i], EGL_EXTENSIONS);
+      const bool slow = found && std::string_view(found).find("EGL_MESA_device_software") !=
+                                     std::string_view::npos;
+      (slow ? software : hardware)
+          .push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], nullptr));
+    }
+  }
+  if (wanted == HeadlessGl::Wanted::kHardware)
+    return hardware;
+  if (hasClientExtension("EGL_MESA_platform_surfaceless")) {
+    hardware.push_back(
+        eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr));
+  }
+  hardware.insert(hardware.end(), software.begin(), software.end());
+  return hardware;
+}
+
+/// EGL_NO_CONTEXT where the display has no OpenGL 4.5 core.
+EGLContext contextOn(EGLDisplay display) {
+  if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr) ||
+      !eglBindAPI(EGL_OPENGL_API))
+    return EGL_NO_CONTEXT;
+  const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
+                           EGL_NONE};
+  EGLConfig config = EGL_NO_CONFIG_KHR;
+  EGLint count = 0;
+  if (!eglChooseConfig(display, wanted, &config, 1, &count) || count == 0)
+    config = EGL_NO_CONFIG_KHR;
+  const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION,
+                            4,
+                            EGL_CONTEXT_MINOR_VERSION,
+                            5,
+                            EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                            EGL_NONE};
+  const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, version);
+  if (context == EGL_NO_CONTEXT)
+    return EGL_NO_CONTEXT;
+  if (eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context))
+    return context;
+  eglDestroyContext(display, context);
+  return EGL_NO_CONTEXT;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::int64_t>> GlDevice::limits() const {
+  return {{"max_texture_size", largestTexture},
+          {"max_3d_texture_size", largestTexture3d},
+          {"max_shader_storage_block_size", largestStorageBlock},
+          {"max_compute_shader_storage_blocks", storageBindings},
+          {"max_compute_texture_image_units", textureUnits},
+          {"max_compute_work_group_invocations", groupInvocations},
+          {"max_compute_shared_memory_size", sharedMemory}};
+}
+
+bool graphicsHardwarePresent() {
+  std::error_code ignored;
+  for (const char* node : {"/dev/nvidia0", "/dev/dxg"}) {
+    if (std::filesystem::exists(node, ignored))
+      return true;
+  }
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/dri", ignored)) {
+    if (entry.path().filename().string().starts_with("renderD"))
+      return true;
+  }
+  return false;
+}
+
+Result<GlDevice> currentGlDevice() {
+  if (epoxy_gl_version() < 45 || !epoxy_is_desktop_gl()) {
+    return fail(
+        ErrorCode::kUnsupported,
+        "OpenGL 4.5 is needed, this driver has {}; update it, or render with --renderer cpu",
+        text(GL_VERSION));
+  }
+  GlDevice device;
+  device.renderer = text(GL_RENDERER);
+  device.vendor = text(GL_VENDOR);
+  device.version = text(GL_VERSION);
+  device.shadingLanguage = text(GL_SHADING_LANGUAGE_VERSION);
+  device.hardware = !isSoftware(device.renderer);
+  device.largestTexture = limit(GL_MAX_TEXTURE_SIZE);
+  device.largestTexture3d = limit(GL_MAX_3D_TEXTURE_SIZE);
+  device.largestStorageBlock = limit(GL_MAX_SHADER_STORAGE_BLOCK_SIZE);
+  device.storageBindings = limit(GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS);
+  device.textureUnits = limit(GL_MAX_COMPUTE_TEXTURE_IMAGE_UNITS);
+  device.groupInvocations = limit(GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS);
+  device.sharedMemory = limit(GL_MAX_COMPUTE_SHARED_MEMORY_SIZE);
+  return device;
+}
+
+Result<HeadlessGl> HeadlessGl::create(Wanted wanted) {
+  VOLUTE_TRY(findLibraries());
+  for (const EGLDisplay display : displays(wanted)) {
+    const EGLContext context = contextOn(display);
+    if (context == EGL_NO_CONTEXT)
+      continue;
+    HeadlessGl gl;
+    gl.display_ = display;
+    gl.context_ = context;
+    VOLUTE_ASSIGN(gl.device_, currentGlDevice());
+    if (wanted == Wanted::kAny || gl.device_.hardware)
+      return gl;
+  }
+  if (wanted == Wanted::kHardware)
+    return fail(ErrorCode::kUnsupported,
+                "no graphics hardware here has OpenGL 4.5 without a display");
+  return fail(
+      ErrorCode::kUnsupported,
+      "no driver here has OpenGL 4.5 without a display; update the graphics driver, install "
+      "libgl1-mesa-dri, or render with --renderer cpu");
+}
+
+HeadlessGl::HeadlessGl(HeadlessGl&& other) noexcept
+    : display_(std::exchange(other.display_, nullptr)),
+      context_(std::exchange(other.context_, nullptr)),
+      device_(std::move(other.device_)) {}
+
+HeadlessGl::~HeadlessGl() {
+  if (!context_)
+    return;
+  eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  eglDestroyContext(display_, context_);
+}
+
+}  // namespace volute

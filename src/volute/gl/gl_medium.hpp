@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "volute/camera/camera.hpp"
+#include "volute/gl/gl_program.hpp"
+#include "volute/gl/gl_scene.hpp"
+
+namespace volute {
+
+/// What is known of a medium's light before it is integrated.
+struct GlNature {
+  bool constant = false;  ///< in each cell
+  bool absorbs = true;
+  std::optional<Rgb> color;  ///< emission / extinction, where that is one colour
+  int points = 4;            ///< of Gauss' rule that integrate its extinction exactly
+};
+
+/// The next free texture unit; 0 and 1 are the ray's.
+struct GlBindings {
+  int texture = 2;
+  int storage = 0;
+};
+
+/// A medium on the device: functions for a shader that goes along a ray, and what they read. In its
+/// parts M_ stands for a prefix that makes names unique, and so does a leading fog or FOG_.
+class GlMedium {
+ public:
+  virtual ~GlMedium() = default;
+
+  /// Media with the same key have the same parts.
+  virtual std::string key() const = 0;
+  virtual std::vector<ShaderPart> parts() const = 0;
+  virtual GlNature nature() const = 0;
+
+  /// Before a picture from `eye`.
+  virtual void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye,
+                    GlBindings& bindings) const = 0;
+};
+
+/// What stays on the device between pictures.
+class GlVolumeAtlas;
+class GlTreeData;
+class GlFogMap;
+
+[[nodiscard]] Result<std::shared_ptr<const GlVolumeAtlas>> makeVolumeAtlas(const BrickSlice& slice);
+[[nodiscard]] Result<std::shared_ptr<const GlTreeData>> makeTreeData(const Tree4d& tree);
+
+std::unique_ptr<GlMedium> makeGlVolume(const GlVolume& volume,
+                                       std::shared_ptr<const GlVolumeAtlas> atlas);
+/// kUnsupported where the device is none of `hardware` and the tree is too large for it.
+[[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlTreeVolume(
+    const GlTreeVolume& volume, std::shared_ptr<const GlTreeData> tree, bool hardware);
+/// kUnsupported for fog with a top or with levels chosen by FogDetail::cellAngle.
+[[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const FogMedium& fog);
+
+/// Puts a medium's own prefix into a part's text.
+std::string withPrefix(const std::string& text, const std::string& prefix);
+
+}  // namespace volute

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "volute/fog/fog_medium.hpp"
+#include "volute/grid/brick_slice.hpp"
+#include "volute/tree4d/tree4d.hpp"
+
+namespace volute {
+
+/// VoxelMedium's twin: one instant of a volume, from an atlas of its bricks on the device.
+struct GlVolume {
+  std::shared_ptr<const BrickSlice> slice;
+  double emission = 1;    ///< radiance per metre per unit
+  double extinction = 0;  ///< 1/m per unit
+};
+
+/// The same, but the hexadeca-tree itself is on the device and each voxel is a walk in it
+/// (Ahrenberg et al. 2005, Figures 5 and 6): no time is spent on the instant, more on each ray.
+struct GlTreeVolume {
+  std::shared_ptr<const Tree4d> tree;
+  int frame = 0;
+  Basis basis = Basis::kBox;
+  Box3 bounds;  ///< outer voxel faces [m]
+  double emission = 1;
+  double extinction = 0;
+};
+
+/// All media of a picture, and the light behind them.
+struct GlScene {
+  std::vector<GlVolume> volumes{};
+  std::vector<GlTreeVolume> trees{};
+  std::vector<FogMedium> fogs{};
+
+  std::size_t media() const { return volumes.size() + trees.size() + fogs.size(); }
+};
+
+}  // namespace volute

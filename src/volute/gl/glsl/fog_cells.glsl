@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// Fog, cell by cell along a ray that meets other media too; M_ stands for the medium's own prefix. Follows fog_walk.glsl,
+// whose functions it uses. Levels of detail follow each other along the ray, in each the zones of the height profile, in
+// each the cells.
+
+uniform vec3 M_fogColor;  // radiance of infinitely thick fog
+
+vec2 M_o, M_d;            // the ray seen from above, in cells of the level
+float M_height, M_rise;   // above the map's origin
+float M_farthest;
+int M_level, M_zone;      // those after the stretch that the ray is in
+int M_inLevel, M_inZone;
+float M_from;             // where the level begins
+ivec4 M_rect;
+ivec2 M_cell;
+vec2 M_planes;
+float M_end;              // the ray is in this cell or gap up to here
+float M_stretchBegin, M_stretchEnd;
+bool M_on;
+bool M_waits;             // before the stretch
+float M_c[FOG_SIDE * FOG_SIDE];
+
+float M_levelEnd(int level) {
+  if (level == FOG_LEVELS - 1 || fogMu >= 1.0) return rayEnd;
+  float share = 1.0;
+  for (int k = level; k < FOG_LEVELS - 1; ++k) share *= fogMu;
+  return min(share * M_farthest, rayEnd);
+}
+
+void M_enter(float s) {
+  M_planes = vec2(fogNextPlane(M_cell.x, M_o.x, M_d.x), fogNextPlane(M_cell.y, M_o.y, M_d.y));
+  M_end = min(min(M_planes.x, M_planes.y), M_stretchEnd);
+  float decay = fogZones[M_inZone].z * abs(M_rise);
+  if (decay > 1e-20) M_end = min(M_end, s + 1.0 / decay);
+  M_end = max(M_end, s);
+  fogCoefficients(M_cell, M_inLevel, M_c);
+}
+
+// To the next stretch that the ray passes, or to the end.
+void M_seek(float s) {
+  M_on = false;
+  M_waits = false;
+  while (M_level < FOG_LEVELS) {
+    float levelEnd = M_levelEnd(M_level);
+    if (M_zone >= FOG_ZONES || levelEnd <= M_from) {
+      M_from = max(M_from, levelEnd);
+      ++M_level;
+      M_zone = 0;
+      continue;
+    }
+    M_inLevel = M_level;
+    M_inZone = M_rise >= 0.0 ? M_zone : FOG_ZONES - 1 - M_zone;
+    ++M_zone;
+    float begin = max(M_from, s);
+    float end = levelEnd;
+    float perCell = exp2(-float(M_inLevel)) / fogCell;
+    M_o = (rayOrigin.xy - fogCorner.xy) * perCell;
+    M_d = rayDirection.xy * perCell;
+    M_rect = fogRect(M_inLevel);
+    if (begin < end && fogClip(M_height, M_rise, fogZoneHeights[M_inZone].x, fogZoneHeights[M_inZone].y, begin, end) &&
+        fogClip(M_o.x, M_d.x, float(M_rect.x), float(M_rect.z), begin, end) &&
+        fogClip(M_o.y, M_d.y, float(M_rect.y), float(M_rect.w), begin, end) && begin < end) {
+      M_stretchBegin = begin;
+      M_stretchEnd = end;
+      M_end = begin;
+      M_waits = true;
+      return;
+    }
+  }
+  M_end = FARTHEST;
+}
+
+void M_begin() {
+  M_height = rayOrigin.z - fogCorner.z;
+  M_rise = rayDirection.z;
+  vec3 local = rayOrigin - fogCorner;
+  M_farthest = rayEnd < 1e30 ? rayEnd : fogExit(local, rayDirection);
+  M_level = 0;
+  M_zone = 0;
+  M_from = rayBegin;
+  M_seek(rayBegin);
+}
+
+void M_next() {
+  float s = M_end;
+  if (M_waits) {
+    M_waits = false;
+    M_on = true;
+    M_cell = clamp(ivec2(floor(M_o + M_d * s + 1e-4 * sign(M_d))), M_rect.xy, M_rect.zw - 1);
+    M_enter(s);
+    return;
+  }
+  if (s >= M_stretchEnd) {
+    M_seek(s);
+    return;
+  }
+  float plane = min(M_planes.x, M_planes.y);
+  if (plane > s) {  // a long way through one cell of an exponential profile
+    M_enter(s);
+    return;
+  }
+  int axis = M_planes.x <= M_planes.y ? 0 : 1;
+  M_cell[axis] += M_d[axis] > 0.0 ? 1 : -1;
+  if (M_cell[axis] < M_rect[axis] || M_cell[axis] >= M_rect[axis + 2]) {
+    M_seek(s);
+    return;
+  }
+  M_enter(s);
+}
+
+void M_sample(float s, inout float k, inout vec3 e) {
+  if (!M_on) return;
+  vec2 place = clamp(M_o + M_d * s - vec2(M_cell), 0.0, 1.0);
+  float here = fogSpline(M_c, place) * fogProfile(fogZones[M_inZone], M_height + M_rise * s);
+  k += here;
+  e += here * M_fogColor;
+}

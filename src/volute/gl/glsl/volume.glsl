@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// One instant of a volume, cell by cell along a ray; M_ stands for the medium's own prefix. Cells are voxels (box), or
+// lie between eight voxel centres (trilinear: cell i is between voxels i - 1 and i). Bricks of 8^3 cells that are empty
+// are stepped over. M_open(brick) and M_voxel(voxel) come from volume_atlas.glsl or volume_tree.glsl.
+
+uniform vec3 M_eye;       // [cells] the camera's eye
+uniform vec3 M_perMetre;  // [cells/m]
+uniform ivec3 M_lo;       // the cells M_lo <= i < M_hi are not all empty
+uniform ivec3 M_hi;
+uniform float M_emission;    // radiance per metre per unit
+uniform float M_extinction;  // 1/m per unit
+
+#if M_CHANNELS == 1
+#define M_VALUE float
+#else
+#define M_VALUE vec3
+#endif
+
+vec3 M_o, M_d;     // the ray in cells
+ivec3 M_cell;
+vec3 M_planes;     // where the ray leaves the cell, or the empty brick, on each axis
+float M_end;       // the ray is in this cell or gap up to here
+float M_stop;
+bool M_on;         // in a brick that is not empty
+bool M_waits;      // still before the volume
+bool M_leaps;      // in an empty brick
+#if M_TRILINEAR
+M_VALUE M_c[8];    // coefficients of 1, x, y, xy, z, xz, yz, xyz
+#else
+M_VALUE M_c;
+#endif
+
+float M_plane(int axis, int low, int high) {
+  return M_d[axis] == 0.0 ? FARTHEST : (float(M_d[axis] > 0.0 ? high : low) - M_o[axis]) / M_d[axis];
+}
+
+void M_finish() {
+  M_on = false;
+  M_waits = false;
+  M_end = FARTHEST;
+  M_stop = -FARTHEST;
+}
+
+#if M_TRILINEAR
+void M_read() {
+  for (int i = 0; i < 8; ++i) M_c[i] = M_voxel(M_cell + ivec3(i & 1, i >> 1 & 1, i >> 2) - 1);
+  for (int axis = 1; axis < 8; axis *= 2) {
+    for (int i = 0; i < 8; ++i) {
+      if ((i & axis) != 0) M_c[i] -= M_c[i ^ axis];
+    }
+  }
+}
+#else
+void M_read() { M_c = M_voxel(M_cell); }
+#endif
+
+// What is in M_cell, and how far it goes.
+void M_enter() {
+  ivec3 brick = M_cell >> 3;
+  M_on = M_open(brick);
+  M_leaps = !M_on;
+  ivec3 low = M_on ? M_cell : brick * 8;
+  ivec3 high = M_on ? M_cell + 1 : brick * 8 + 8;
+  for (int axis = 0; axis < 3; ++axis) M_planes[axis] = M_plane(axis, low[axis], high[axis]);
+  M_end = min(min(M_planes.x, M_planes.y), min(M_planes.z, M_stop));
+  if (M_on) M_read();
+}
+
+ivec3 M_cellAt(float s) {
+  vec3 place = clamp(M_o + s * M_d, vec3(M_lo), vec3(M_hi) - 0.5);
+  return clamp(ivec3(floor(place)), M_lo, M_hi - 1);
+}
+
+void M_begin() {
+  M_o = M_eye + rayOrigin * M_perMetre;
+  M_d = rayDirection * M_perMetre;
+  M_waits = false;
+  float begin = rayBegin;
+  float end = rayEnd;
+  bool met = all(lessThan(M_lo, M_hi));
+  for (int axis = 0; axis < 3; ++axis)
+    met = met && clipAxis(M_o[axis], M_d[axis], float(M_lo[axis]), float(M_hi[axis]), begin, end);
+  if (!met || begin >= end) {
+    M_finish();
+    return;
+  }
+  M_stop = end;
+  M_on = false;
+  M_waits = true;
+  M_end = begin;
+}
+
+// Into what comes after M_end.
+void M_next() {
+  if (M_end >= M_stop) {
+    M_finish();
+    return;
+  }
+  if (M_waits) {
+    M_waits = false;
+    M_cell = M_cellAt(M_end);
+    M_enter();
+    return;
+  }
+  int axis = M_planes.x <= M_planes.y ? 0 : 1;
+  if (M_planes.z < M_planes[axis]) axis = 2;
+  int ahead = M_d[axis] > 0.0 ? 1 : -1;
+  if (M_leaps) {
+    ivec3 brick = (M_cell >> 3) * 8;
+    M_cell = clamp(M_cellAt(M_end), brick, brick + 7);
+    M_cell[axis] = ahead > 0 ? brick[axis] + 8 : brick[axis] - 1;
+  } else {
+    M_cell[axis] += ahead;
+  }
+  if (M_cell[axis] < M_lo[axis] || M_cell[axis] >= M_hi[axis]) {
+    M_finish();
+    return;
+  }
+  M_cell = clamp(M_cell, M_lo, M_hi - 1);
+  M_enter();
+}
+
+// Adds the medium at s, which is in the cell.
+void M_sample(float s, inout float k, inout vec3 e) {
+  if (!M_on) return;
+#if M_TRILINEAR
+  vec3 p = clamp(M_o + s * M_d - vec3(M_cell), 0.0, 1.0);
+  M_VALUE v = M_c[0] + p.x * M_c[1] + p.y * (M_c[2] + p.x * M_c[3]) +
+              p.z * (M_c[4] + p.x * M_c[5] + p.y * (M_c[6] + p.x * M_c[7]));
+#else
+  M_VALUE v = M_c;
+#endif
+#if M_CHANNELS == 1
+  k += M_extinction * v;
+#else
+  k += M_extinction * (v.r + v.g + v.b) / 3.0;
+#endif
+  e += M_emission * vec3(v);
+}

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+// The shaders of glsl/*.glsl, which are files there and strings in the library.
+
+namespace volute::glsl {
+
+extern const char* const kRay;
+extern const char* const kMarch;
+extern const char* const kVolume;
+extern const char* const kVolumeAtlas;
+extern const char* const kVolumeTree;
+extern const char* const kFogCells;
+
+}  // namespace volute::glsl
