@@ -3,6 +3,7 @@
 #include "volute/io/vtk_cases.hpp"
 
 #include <vtkAppendFilter.h>
+#include <vtkCellData.h>
 #include <vtkCompositeDataIterator.h>
 #include <vtkCompositeDataSet.h>
 #include <vtkExodusIIReader.h>
@@ -77,13 +78,8 @@ bool hasVolume(vtkUnstructuredGrid& grid) {
   return false;
 }
 
-std::vector<vtkUnstructuredGrid*> volumesOf(vtkDataObject* data) {
-  std::vector<vtkUnstructuredGrid*> grids;
-  const auto add = [&](vtkDataObject* object) {
-    auto* grid = vtkUnstructuredGrid::SafeDownCast(object);
-    if (grid && hasVolume(*grid))
-      grids.push_back(grid);
-  };
+template <class Add>
+void forEachBlock(vtkDataObject* data, const Add& add) {
   if (auto* blocks = vtkCompositeDataSet::SafeDownCast(data)) {
     vtkSmartPointer<vtkCompositeDataIterator> at;
     at.TakeReference(blocks->NewIterator());
@@ -92,6 +88,15 @@ std::vector<vtkUnstructuredGrid*> volumesOf(vtkDataObject* data) {
   } else {
     add(data);
   }
+}
+
+std::vector<vtkUnstructuredGrid*> volumesOf(vtkDataObject* data) {
+  std::vector<vtkUnstructuredGrid*> grids;
+  forEachBlock(data, [&](vtkDataObject* block) {
+    auto* grid = vtkUnstructuredGrid::SafeDownCast(block);
+    if (grid && hasVolume(*grid))
+      grids.push_back(grid);
+  });
   return grids;
 }
 
@@ -118,22 +123,35 @@ bool matches(const std::string& name, const std::string& pattern) {
 }
 
 /// Reading past the end, VTK repeats the last line.
-Status checkLines(const std::filesystem::path& path, std::uint64_t values) {
+Status checkLines(const std::filesystem::path& path, std::uint64_t expected) {
   VOLUTE_ASSIGN(const auto file, InputFile::open(path));
   std::string text(file.size(), ' ');
   VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
   if (text.substr(0, 256).find('\0') != std::string::npos)
     return {};  // binary: VTK counts
   const auto lines = static_cast<std::uint64_t>(std::ranges::count(text, '\n'));
-  constexpr std::uint64_t kHead = 4;  // description, part, its number, coordinates or cells
-  if (!text.ends_with('\n') || lines < values + kHead) {
-    return fail(ErrorCode::kTruncated,
-                "{}: has {} lines{}; expected {} values and {} lines before them; the file is "
-                "truncated",
-                path.string(), lines, text.ends_with('\n') ? "" : " and ends inside one", values,
-                kHead);
-  }
-  return {};
+  if (text.ends_with('\n') && lines >= expected)
+    return {};
+  return fail(ErrorCode::kTruncated,
+              "{}: has {} whole lines; expected {} and an end of line after the last; the file is "
+              "truncated",
+              path.string(), lines, expected);
+}
+
+/// The lines of an EnSight field in ASCII.
+std::uint64_t linesOf(vtkDataObject* whole, const std::string& field) {
+  std::uint64_t lines = 1;            // the description
+  constexpr std::uint64_t kHead = 3;  // part, its number, coordinates or the kind of cells
+  forEachBlock(whole, [&](vtkDataObject* block) {
+    auto* data = vtkDataSet::SafeDownCast(block);
+    if (!data)
+      return;
+    if (data->GetPointData()->HasArray(field.c_str()))
+      lines += kHead + static_cast<std::uint64_t>(data->GetNumberOfPoints());
+    else if (data->GetCellData()->HasArray(field.c_str()))
+      lines += kHead + static_cast<std::uint64_t>(data->GetNumberOfCells());
+  });
+  return lines;
 }
 
 }  // namespace
@@ -146,8 +164,7 @@ Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path) {
   return times;
 }
 
-Result<vtkSmartPointer<vtkUnstructuredGrid>> readVtkVolume(const std::filesystem::path& path,
-                                                           std::size_t instant) {
+Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t instant) {
   const std::string file = path.string();
   const bool single = path.extension() == ".vtu";
   if (single)
@@ -166,40 +183,39 @@ Result<vtkSmartPointer<vtkUnstructuredGrid>> readVtkVolume(const std::filesystem
     reader->UpdateTimeStep(times[instant]);
   }
   VOLUTE_TRY(watch.status(file));
-  if (single)
-    return vtkSmartPointer<vtkUnstructuredGrid>(
-        vtkUnstructuredGrid::SafeDownCast(reader->GetOutputDataObject(0)));
-  const auto grids = volumesOf(reader->GetOutputDataObject(0));
+  VtkVolume volume;
+  volume.whole = reader->GetOutputDataObject(0);
+  const auto grids = volumesOf(volume.whole);
   if (grids.empty()) {
     return fail(ErrorCode::kInvalidData, "{}: has no cells with a volume; expected a mesh of them",
                 file);
   }
-  if (grids.size() == 1)
-    return vtkSmartPointer<vtkUnstructuredGrid>(grids[0]);
-  vtkNew<vtkAppendFilter> append;
-  append->MergePointsOn();
-  append->SetTolerance(0);
-  for (vtkUnstructuredGrid* grid : grids) append->AddInputData(grid);
-  append->Update();
-  VOLUTE_TRY(watch.status(file));
-  return vtkSmartPointer<vtkUnstructuredGrid>(append->GetOutput());
+  volume.grid = grids[0];
+  if (grids.size() > 1) {
+    vtkNew<vtkAppendFilter> append;
+    append->MergePointsOn();
+    append->SetTolerance(0);
+    for (vtkUnstructuredGrid* grid : grids) append->AddInputData(grid);
+    append->Update();
+    VOLUTE_TRY(watch.status(file));
+    volume.grid = append->GetOutput();
+  }
+  return volume;
 }
 
 Status checkVtkCase(const std::filesystem::path& path, const std::string& field,
-                    vtkUnstructuredGrid& grid) {
+                    vtkDataObject* whole) {
   if (path.extension() != ".case")
     return {};
-  const std::string pattern = patternOf(path, field);
+  const std::filesystem::path pattern = patternOf(path, field);
   if (pattern.empty())
     return {};
-  const std::uint64_t values = static_cast<std::uint64_t>(
-      grid.GetPointData()->HasArray(field.c_str()) ? grid.GetNumberOfPoints()
-                                                   : grid.GetNumberOfCells());
-  const auto folder = (path.parent_path() / pattern).parent_path();
+  const std::uint64_t lines = linesOf(whole, field);
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (matches(entry.path().filename().string(), std::filesystem::path(pattern).filename()))
-      VOLUTE_TRY(checkLines(entry.path(), values));
+  for (const auto& entry :
+       std::filesystem::directory_iterator((path.parent_path() / pattern).parent_path(), error)) {
+    if (matches(entry.path().filename().string(), pattern.filename().string()))
+      VOLUTE_TRY(checkLines(entry.path(), lines));
   }
   return {};
 }

@@ -18,12 +18,17 @@ namespace volute {
 /// The instants of a .vtu file or a case.
 [[nodiscard]] Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path);
 
-/// All blocks with volumes at one instant as one grid.
-[[nodiscard]] Result<vtkSmartPointer<vtkUnstructuredGrid>> readVtkVolume(
-    const std::filesystem::path& path, std::size_t instant);
+/// What a file has at one instant.
+struct VtkVolume {
+  vtkSmartPointer<vtkUnstructuredGrid> grid;  ///< all blocks with volumes as one
+  vtkSmartPointer<vtkDataObject> whole;       ///< as VTK read it
+};
+
+[[nodiscard]] Result<VtkVolume> readVtkVolume(const std::filesystem::path& path,
+                                              std::size_t instant);
 
 /// What VTK does not see: the end missing from an EnSight field in ASCII.
 [[nodiscard]] Status checkVtkCase(const std::filesystem::path& path, const std::string& field,
-                                  vtkUnstructuredGrid& grid);
+                                  vtkDataObject* whole);
 
 }  // namespace volute

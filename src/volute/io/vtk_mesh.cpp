@@ -88,7 +88,8 @@ class VtkMeshReader final : public MeshReader {
   Result<MeshSize> load(const std::filesystem::path& path, std::size_t instant,
                         const std::string& wanted) override {
     const std::string file = path.string();
-    VOLUTE_ASSIGN(const auto grid, readVtkVolume(path, instant));
+    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, instant));
+    vtkUnstructuredGrid* grid = volume.grid;
     std::vector<GridEntry> names;
     std::vector<Field> fields;
     listFields(grid->GetPointData(), false, names, fields);
@@ -97,12 +98,8 @@ class VtkMeshReader final : public MeshReader {
     data_ = {};
     data_.field = names[chosen].name;
     data_.ofCells = fields[chosen].ofCells;
-    VOLUTE_TRY(checkVtkCase(path, data_.field, *grid));
+    VOLUTE_TRY(checkVtkCase(path, data_.field, volume.whole));
     VOLUTE_TRY(copyCells(grid, fields[chosen], file));
-    if (data_.soup.shapes.empty()) {
-      return fail(ErrorCode::kInvalidData,
-                  "{}: has no cells with a volume; expected a mesh of them", file);
-    }
     MeshSize size;
     data_.field.copy(size.field, MeshSize::kMaxName);
     size.ofCells = data_.ofCells;

@@ -51,7 +51,9 @@ Result<SmokeCase> caseOf(const BenchInput& input) {
 }
 
 bool isMesh(const std::string& file) {
-  return file.ends_with(".vtu") || file.ends_with(".pvd");
+  const std::string kind = std::filesystem::path(file).extension().string();
+  return kind == ".vtu" || kind == ".pvd" || kind == ".case" || kind == ".foam" || kind == ".e" ||
+         kind == ".exo" || kind == ".ex2" || kind == ".exii";
 }
 
 struct Eye {
@@ -240,8 +242,6 @@ class Table {
         const auto [worst, off] = judgement_.errors(opacity);
         row.value = worst;
         row.note = fmt::format("{:.2f} % of the pixels off by more than 1/255", 100 * off);
-        // Slow ones get as many frames as fit.
-        slow_.push_back(times->wall);
         if (wall > kPatience)
           stopped_[i] = fmt::format("one frame took {:.1f} s; no more were drawn", times->wall);
       }
@@ -284,7 +284,6 @@ class Table {
   bool quick_;
   Judgement judgement_;
   std::vector<std::string> stopped_;  // why a drawer draws no more here
-  std::vector<double> slow_;
 };
 
 }  // namespace
