@@ -19,6 +19,8 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import demo_errors
 import demo_page
+import demo_smoke
+import demo_visibility
 
 NBSP = "\u00a0"
 SEQUENCES = {
@@ -322,15 +324,19 @@ def main():
     results = {name: demo.sequence(name) for name in SEQUENCES}
     cameras = demo.cameras()
     valley = demo.valley()
+    smoke = demo_smoke.make(demo, say)
+    say("a building: from where its exit signs are seen")
+    signs = demo_visibility.chapter(demo)
     threads = results["fire"]["figures"]["threads"]
     page = {"title": "Volute",
-            "subtitle": "Fire and smoke in 4D wavelet trees, and fog painted on a map",
+            "subtitle": "Fire and smoke in 4D wavelet trees, fog painted on a map, and smoke as a person in it sees it",
             "intro": "Everything on this page was made by `./dev demo` on this machine, from a seed.",
             "footer": f"Made in {time.monotonic() - begin:.0f}{NBSP}s with {threads} threads on {platform.machine()}, "
                       f"{time.strftime('%Y-%m-%d')}.",
             "sections": [films_section(results, options.frames, options.size), rate_distortion_section(results),
                          frame_rate_section(results, threads), *strip_section(results), zlib_section(results),
-                         cameras_section(cameras), *fog_sections(valley)]}
+                         cameras_section(cameras), *fog_sections(valley),
+                         *demo_smoke.sections(smoke), signs]}
     (options.out / "results.json").write_text(json.dumps(page, indent=1))
     done = demo_page.main([str(options.out)])
     if done:

@@ -12,6 +12,8 @@ import sys
 import tempfile
 import unittest
 
+import schema
+
 PROGRAM = os.environ["VOLUTE"]
 
 
@@ -103,6 +105,9 @@ class TestCase(unittest.TestCase):
     def works(self, *arguments, **options):
         result = volute(*arguments, **options)
         self.assertEqual(result.code, 0, result.message)
+        if arguments[0] == "render" and str(arguments[1]).endswith(".json"):
+            scene = json.loads(pathlib.Path(arguments[1]).read_text())
+            self.assertEqual(schema.faults(scene), [], "docs/scene.schema.json refuses what was rendered")
         return result
 
     def fails(self, code, *arguments, **options):

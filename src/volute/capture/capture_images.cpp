@@ -200,6 +200,7 @@ Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
   const std::size_t channels = static_cast<std::size_t>(stored.image.channels);
   const std::size_t pixels = stored.image.pixels.size() / channels;
   picture.weight.assign(pixels, 1);
+  picture.atLeast.assign(pixels, 0);
   std::size_t masked = 0, saturated = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
     float* light = &picture.radiance.pixels[3 * i];
@@ -218,7 +219,11 @@ Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
           "picture again",
           nameOf(camera, frame), i % width, i / width);
     }
-    if (*std::max_element(values, values + channels) >= stored.saturation - 1e-6) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (values[channels == 3 ? c : 0] >= stored.saturation - 1e-6)
+        picture.atLeast[i] |= static_cast<std::uint8_t>(1U << c);
+    }
+    if (picture.atLeast[i] != 0) {
       ++saturated;
       picture.weight[i] = 0;
     }

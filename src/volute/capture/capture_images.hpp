@@ -17,6 +17,7 @@ namespace volute {
 struct CameraPicture {
   Image radiance;               ///< measured minus background, linear RGB; negative values are kept
   std::vector<float> weight;    ///< (height, width), 0 = saturated or masked, else 1
+  std::vector<std::uint8_t> atLeast;  ///< (height, width), bit c: channel c is saturated
   double brightest = 0;         ///< of the measured channels, background included
   double saturatedShare = 0;    ///< of the pixels that are not masked
   double maskedShare = 0;       ///< of all pixels

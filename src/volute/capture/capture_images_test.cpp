@@ -80,6 +80,8 @@ TEST_F(CaptureImagesTest, PngValuesBecomeLight) {
     EXPECT_NEAR(read.radiance.at(2, 2, 1), 0.25 * factor, 2e-3);
     EXPECT_EQ(read.weight[6 * kWidth + 5], 0) << "saturated";
     EXPECT_EQ(read.weight[0], 1);
+    EXPECT_EQ(read.atLeast[0], 0);
+    EXPECT_NE(read.atLeast[6 * kWidth + 5], 0);
     EXPECT_NEAR(read.saturatedShare, 1.0 / (kWidth * kHeight), 1e-12);
   }
   json["saturation"] = 0.5;

@@ -28,6 +28,9 @@ std::span<const Benchmark> benchmarks() {
        "and "
        "without; least of several frames; ratios to VTK's projected tetrahedra",
        benchSmoke},
+      {"visibility",
+       "maps of where three signs are seen, on all threads; ratio to a loop over rays in NumPy",
+       benchVisibility},
 #ifdef VOLUTE_BENCH
       {"tree",
        "the compact tree in memory, against dense, the paper's layout, zfp and NanoVDB at "

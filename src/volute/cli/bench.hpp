@@ -29,8 +29,9 @@ struct BenchRow {
 
 /// What a benchmark measures with.
 struct BenchInput {
-  std::string volume;  ///< a volume sequence; empty: made-up fire and smoke
+  std::string volume;  ///< a volume sequence, or a capture for tomography; empty: made-up ones
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
+  std::string truth{};  ///< the volumes that a capture shows
   bool quick = false;  ///< fewer measurements, where there are many
 };
 

@@ -12,8 +12,12 @@ std::span<const Command> commands() {
   static const std::vector<Command> table = {
       infoCommand(),       compressCommand(), extractCommand(),     compareCommand(),
       synthesizeCommand(), projectCommand(),  reconstructCommand(), joinCommand(),
-      renderCommand(),     fogCommand(),     benchCommand(),    helpCommand(),        manCommand(),
-      completionCommand(),
+      renderCommand(),     fogCommand(),      visibilityCommand(),  
+#ifdef VOLUTE_WITH_VIEWER
+      viewCommand(),
+#endif
+      benchCommand(),
+      helpCommand(),       manCommand(),      completionCommand(),
   };
   return table;
 }

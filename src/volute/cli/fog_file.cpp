@@ -2,112 +2,16 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/fog_file.hpp"
 
-#include <filesystem>
-#include <limits>
 #include <numbers>
 
 #include "volute/cli/json_file.hpp"
-#include "volute/cli/suggest.hpp"
+#include "volute/cli/json_members.hpp"
 
 namespace volute::cli {
 namespace {
 
 using Json = nlohmann::json;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRightAngle = std::numbers::pi / 2;
-
-/// One object of a JSON file: its members by name, and errors that say where they stand.
-class Members {
- public:
-  Members(const Json& json, const std::string& file, const std::string& path)
-      : json_(json), file_(file), path_(path) {}
-
-  /// An object without other names than these.
-  Status check(std::span<const std::string_view> names) const {
-    if (!json_.is_object())
-      return fail(ErrorCode::kInvalidData, "{}: {}: expected an object", file_, path_);
-    for (const auto& [key, value] : json_.items()) {
-      if (std::ranges::find(names, key) != names.end())
-        continue;
-      const auto near = nearest(key, names);
-      return fail(ErrorCode::kInvalidData, "{}: {}/{}: this name is unknown{}", file_, path_, key,
-                  near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
-    }
-    return {};
-  }
-
-  bool has(const char* key) const { return json_.contains(key); }
-
-  const Json& at(const char* key) const { return json_[key]; }
-
-  std::string where(const char* key) const { return path_ + "/" + key; }
-
-  /// Leaves `value` as it is where the member is missing.
-  Status number(const char* key, double& value, double least = -kInfinity,
-                double most = kInfinity) const {
-    if (!has(key))
-      return {};
-    VOLUTE_ASSIGN(value, jsonToNumber(json_[key], file_, where(key)));
-    if (value >= least && value <= most)
-      return {};
-    return wrong(key, std::isinf(most) ? fmt::format("at least {}", least)
-                                       : fmt::format("{} to {}", least, most));
-  }
-
-  Status integer(const char* key, int& value, int least, int most) const {
-    if (!has(key))
-      return {};
-    if (!json_[key].is_number_integer())
-      return wrong(key, fmt::format("a whole number from {} to {}", least, most));
-    double number = 0;
-    VOLUTE_TRY(this->number(key, number, least, most));
-    value = static_cast<int>(number);
-    return {};
-  }
-
-  Status text(const char* key, std::string& value, const char* expected) const {
-    if (!has(key) || !json_[key].is_string())
-      return fail(ErrorCode::kInvalidData, "{}: {}: expected {}", file_, where(key), expected);
-    value = json_[key].get<std::string>();
-    return {};
-  }
-
-  Status vector(const char* key, Vec3& value) const {
-    if (!has(key))
-      return {};
-    VOLUTE_ASSIGN(value, jsonToVector(json_[key], file_, where(key)));
-    return {};
-  }
-
-  /// Three numbers within limits.
-  Status color(const char* key, Rgb& value, double most) const {
-    Vec3 given = value.matrix();
-    VOLUTE_TRY(vector(key, given));
-    value = given.array();
-    if ((value >= 0).all() && (value <= most).all())
-      return {};
-    return wrong(key, std::isinf(most) ? "numbers of at least 0" : "numbers from 0 to 1");
-  }
-
-  /// The library's objection, at a member.
-  Status objection(const char* key, const Error& error) const {
-    return fail(ErrorCode::kInvalidData, "{}: {}: {}", file_, where(key), error.message);
-  }
-
- private:
-  Status wrong(const char* key, std::string_view expected) const {
-    return fail(ErrorCode::kInvalidData, "{}: {}: {} is out of range; expected {}", file_,
-                where(key), json_[key].dump(), expected);
-  }
-
-  const Json& json_;
-  const std::string& file_;
-  const std::string& path_;
-};
-
-std::string besides(const std::string& file, const std::string& name) {
-  return (std::filesystem::path(file).parent_path() / name).string();
-}
 
 /// Rows of so many numbers each.
 Result<std::vector<std::vector<double>>> tableOf(const Json& json, std::size_t columns,
@@ -193,7 +97,7 @@ Status readMeaning(const Members& members, FogDescription& fog) {
   VOLUTE_TRY(members.integer("levels", fog.options.levels, 0, kMostFogLevels));
   VOLUTE_TRY(members.number("mu", fog.options.detail.mu, 0, 1));
   VOLUTE_TRY(members.number("cell_angle", fog.options.detail.cellAngle, 0, kRightAngle));
-  VOLUTE_TRY(members.color("color", fog.options.color, kInfinity));
+  VOLUTE_TRY(members.color("color", fog.options.color, kUnlimited));
   VOLUTE_TRY(members.color("albedo", fog.scattering.albedo, 1));
   VOLUTE_TRY(members.number("asymmetry", fog.scattering.asymmetry, -0.999, 0.999));
   if (members.has("path")) {
@@ -201,8 +105,8 @@ Status readMeaning(const Members& members, FogDescription& fog) {
     VOLUTE_TRY(members.text("path", path, "\"walk\" or \"polar\""));
     if (path != "walk" && path != "polar")
       return members.objection(
-          "path", {ErrorCode::kInvalidData,
-                   fmt::format("'{}' is unknown; expected walk or polar", path)});
+          "path",
+          {ErrorCode::kInvalidData, fmt::format("'{}' is unknown; expected walk or polar", path)});
     fog.polar = path == "polar";
   }
   if (!members.has("convert"))
@@ -221,7 +125,9 @@ Status readMeaning(const Members& members, FogDescription& fog) {
 Result<Clock> parseClock(const Json& json, const std::string& file, const std::string& path) {
   if (!json.is_object())
     return fail(ErrorCode::kInvalidData, "{}: {}: expected offset, rate and loop", file, path);
+  constexpr std::string_view kNames[] = {"offset", "rate", "loop"};
   const Members members(json, file, path);
+  VOLUTE_TRY(members.check(kNames));
   Clock clock;
   VOLUTE_TRY(members.number("offset", clock.offset));
   VOLUTE_TRY(members.number("rate", clock.rate));
@@ -276,10 +182,10 @@ Result<FogProfile> parseFogProfile(const Json& json, const std::string& file,
 
 Result<FogDescription> parseFog(const Json& json, const std::string& file,
                                 const std::string& path) {
-  constexpr std::string_view kNames[] = {
-      "kind",    "map",   "times", "origin", "cell", "sigma_max", "degree",    "levels", "mu",
-      "profile", "color", "wind",  "top",    "time", "albedo",    "asymmetry", "convert",
-      "path",    "cell_angle"};
+  constexpr std::string_view kNames[] = {"kind",      "map",     "times",  "origin",    "cell",
+                                         "sigma_max", "degree",  "levels", "mu",        "profile",
+                                         "color",     "wind",    "top",    "time",      "albedo",
+                                         "asymmetry", "convert", "path",   "cell_angle"};
   const Members members(json, file, path);
   VOLUTE_TRY(members.check(kNames));
   FogDescription fog;
@@ -298,36 +204,24 @@ Result<FogDescription> parseFog(const Json& json, const std::string& file,
   return fog;
 }
 
-Result<std::vector<FogSun>> parseSuns(const Json& json, const std::string& file,
-                                      const std::string& path) {
+Result<FogSun> parseSun(const Json& json, const std::string& file, const std::string& path) {
   constexpr std::string_view kNames[] = {"kind", "direction", "radiance"};
-  if (!json.is_array())
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected a list", file, path);
-  std::vector<FogSun> suns;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    const std::string at = fmt::format("{}/{}", path, i);
-    if (json[i].is_object() && json[i].value("kind", Json()) == "spot") {
-      return fail(ErrorCode::kUnsupported,
-                  "{}: {}: lights of kind spot are not rendered by this version", file, at);
-    }
-    const Members members(json[i], file, at);
-    VOLUTE_TRY(members.check(kNames));
-    if (json[i].value("kind", Json()) != "sun")
-      return fail(ErrorCode::kInvalidData, "{}: {}/kind: expected sun or spot", file, at);
-    FogSun sun;
-    Vec3 direction = Vec3::Zero();
-    VOLUTE_TRY(members.vector("direction", direction));
-    if (!(direction.z() < 0)) {
-      return fail(ErrorCode::kInvalidData,
-                  "{}: {}/direction: expected three numbers, the way the light travels, with a "
-                  "third below 0",
-                  file, at);
-    }
-    sun.towards = -direction;
-    VOLUTE_TRY(members.color("radiance", sun.irradiance, kInfinity));
-    suns.push_back(sun);
+  const Members members(json, file, path);
+  VOLUTE_TRY(members.check(kNames));
+  if (json.value("kind", Json()) != "sun")
+    return fail(ErrorCode::kInvalidData, "{}: {}/kind: expected sun, spot or ambient", file, path);
+  FogSun sun;
+  Vec3 direction = Vec3::Zero();
+  VOLUTE_TRY(members.vector("direction", direction));
+  if (!(direction.z() < 0)) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: {}/direction: expected three numbers, the way the light travels, with a "
+                "third below 0",
+                file, path);
   }
-  return suns;
+  sun.towards = -direction;
+  VOLUTE_TRY(members.color("radiance", sun.irradiance, kUnlimited));
+  return sun;
 }
 
 }  // namespace volute::cli

@@ -34,8 +34,8 @@ struct FogDescription {
   Vec3 wind = Vec3::Zero();  ///< [m/s], in the scene's time
   Clock clock;
   SunScattering scattering;
-  /// Pictures by a table of polar prefix sums where it serves (degree 1 to 3, no dropped details, no
-  /// top, no exponential profile, no suns): |dT| < 1/512. Else every ray is walked, exactly.
+  /// Pictures by a table of polar prefix sums where it serves (degree 1 to 3, no dropped details,
+  /// no top, no exponential profile, no suns): |dT| < 1/512. Else every ray is walked, exactly.
   bool polar = false;
 };
 
@@ -50,12 +50,9 @@ struct FogDescription {
 [[nodiscard]] Result<FogProfile> parseFogProfile(const nlohmann::json& json,
                                                  const std::string& file, const std::string& path);
 
-/// The "lights" of a scene: suns, {"kind": "sun", "direction", "radiance"}. `direction` is the way
-/// the light travels, so it points down; `radiance` is what arrives on a surface that faces the
-/// sun.
-[[nodiscard]] Result<std::vector<FogSun>> parseSuns(const nlohmann::json& json,
-                                                    const std::string& file,
-                                                    const std::string& path);
+/// {"kind": "sun", "direction", "radiance"}, one of a scene's "lights"; see scene_lights.hpp.
+[[nodiscard]] Result<FogSun> parseSun(const nlohmann::json& json, const std::string& file,
+                                      const std::string& path);
 
 /// {"offset", "rate", "loop"} of a medium.
 [[nodiscard]] Result<Clock> parseClock(const nlohmann::json& json, const std::string& file,

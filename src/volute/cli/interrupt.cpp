@@ -28,7 +28,7 @@ sigset_t stopSignals() {
   return set;
 }
 
-/// PendingFile names its files ".STEM.PID.COUNT.partEXTENSION".
+/// PendingFile names its files ".STEM.PID.COUNT.partEXTENSION", PendingFolder its folders alike.
 void removePendingFiles() {
   const std::string ours = fmt::format(".{}.", ::getpid());
   const std::scoped_lock lock(foldersMutex);
@@ -39,7 +39,7 @@ void removePendingFiles() {
       const bool pending = name.starts_with('.') && name.find(ours) != std::string::npos &&
                            name.find(".part") != std::string::npos;
       if (pending)
-        std::filesystem::remove(entry.path(), error);
+        std::filesystem::remove_all(entry.path(), error);
     }
   }
 }

@@ -3,8 +3,15 @@
 #include "volute/cli/json_file.hpp"
 
 #include <cmath>
+#include <filesystem>
+
+#include "volute/cli/json_members.hpp"
 
 namespace volute::cli {
+
+std::string besides(const std::string& file, const std::string& name) {
+  return (std::filesystem::path(file).parent_path() / name).string();
+}
 
 Result<double> jsonToNumber(const nlohmann::json& json, const std::string& file,
                             const std::string& path) {

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "volute/cli/legend.hpp"
 #include "volute/cli/volume_input.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/film.hpp"
@@ -23,16 +24,28 @@ Image developed(Image image, const Development& development) {
   return colorMapped(quantity, *development.colorMap, 0, 1 / development.exposure);
 }
 
+Image developed(const Image& image, const Development& development, const PictureText& text) {
+  Image out = developed(image, development);
+  if (text.legend.empty())
+    return out;
+  std::optional<ColorScale> scale;
+  if (development.colorMap)
+    scale = ColorScale{*development.colorMap, 1 / development.exposure};
+  drawLegend(out, text.legend, scale);
+  return out;
+}
+
 class StillWriter final : public PictureWriter {
  public:
   StillWriter(std::optional<FramePattern> pattern, std::string target,
               const Development& development)
       : pattern_(std::move(pattern)), target_(std::move(target)), development_(development) {}
 
-  Status write(const Image& image, int frameNumber) override {
+  Status write(const Image& image, int frameNumber, const PictureText& text) override {
     const auto path = pattern_ ? pattern_->format(frameNumber) : std::filesystem::path(target_);
     return writeImage(path,
-                      extensionOf(target_) == ".exr" ? image : developed(image, development_));
+                      extensionOf(target_) == ".exr" ? image : developed(image, development_, text),
+                      text.notes);
   }
 
   Status finish() override { return {}; }
@@ -48,8 +61,8 @@ class FilmPictures final : public PictureWriter {
   FilmPictures(std::unique_ptr<FilmWriter> film, const Development& development)
       : film_(std::move(film)), development_(development) {}
 
-  Status write(const Image& image, int) override {
-    return film_->addFrame(developed(image, development_));
+  Status write(const Image& image, int, const PictureText& text) override {
+    return film_->addFrame(developed(image, development_, text));
   }
 
   Status finish() override { return film_->finish(); }
@@ -77,8 +90,9 @@ Result<std::unique_ptr<PictureWriter>> stillWriter(const std::string& target,
 
 Result<std::unique_ptr<PictureWriter>> filmWriter(const std::string& target,
                                                   const Development& development, int width,
-                                                  int height, double framesPerSecond) {
-  VOLUTE_ASSIGN(auto film, FilmWriter::create(target, width, height, framesPerSecond));
+                                                  int height, double framesPerSecond,
+                                                  const std::string& comment) {
+  VOLUTE_ASSIGN(auto film, FilmWriter::create(target, width, height, framesPerSecond, comment));
   return std::make_unique<FilmPictures>(std::move(film), development);
 }
 

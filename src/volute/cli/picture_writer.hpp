@@ -10,6 +10,7 @@
 #include "volute/base/result.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/image.hpp"
+#include "volute/io/image_file.hpp"
 
 namespace volute::cli {
 
@@ -19,11 +20,18 @@ struct Development {
   std::optional<ColorMap> colorMap;  ///< of the first channel, from 0 to 1 after the exposure
 };
 
+/// What a picture says about itself.
+struct PictureText {
+  ImageNotes notes{};                 ///< in the file
+  std::vector<std::string> legend{};  ///< drawn into .png and films; empty: nothing
+};
+
 /// Where pictures go, in order; nothing appears before it is whole.
 class PictureWriter {
  public:
   virtual ~PictureWriter() = default;
-  [[nodiscard]] virtual Status write(const Image& image, int frameNumber) = 0;
+  [[nodiscard]] virtual Status write(const Image& image, int frameNumber,
+                                     const PictureText& text = {}) = 0;
   /// After the last picture.
   [[nodiscard]] virtual Status finish() = 0;
 };
@@ -33,11 +41,12 @@ class PictureWriter {
 [[nodiscard]] Result<std::unique_ptr<PictureWriter>> stillWriter(const std::string& target,
                                                                  const Development& development);
 
-/// A film .mp4 or .webm.
+/// A film .mp4 or .webm, and what it says about itself.
 [[nodiscard]] Result<std::unique_ptr<PictureWriter>> filmWriter(const std::string& target,
                                                                 const Development& development,
                                                                 int width, int height,
-                                                                double framesPerSecond);
+                                                                double framesPerSecond,
+                                                                const std::string& comment = {});
 
 bool isFilmPath(const std::string& target);
 

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <string>
 
+#include "volute/render/scaled_medium.hpp"
+
 namespace volute::cli {
 namespace {
 
@@ -28,6 +30,22 @@ std::uint64_t peakMemoryBytes() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
   return 1024 * static_cast<std::uint64_t>(usage.ru_maxrss);
+}
+
+nlohmann::ordered_json smokeStats(const std::vector<SmokeLayer>& smokes) {
+  SmokeCounts sum;
+  for (const SmokeLayer& smoke : smokes) {
+    sum.stepsRead += smoke.counts().stepsRead;
+    sum.lightsComputed += smoke.counts().lightsComputed;
+    sum.lightsReused += smoke.counts().lightsReused;
+    sum.clamped += smoke.counts().clamped;
+    sum.lightMilliseconds += smoke.counts().lightMilliseconds;
+  }
+  return {{"steps_read", sum.stepsRead},
+          {"lights_computed", sum.lightsComputed},
+          {"lights_reused", sum.lightsReused},
+          {"negative_values_clamped", sum.clamped},
+          {"light_milliseconds", sum.lightMilliseconds}};
 }
 
 }  // namespace
@@ -61,21 +79,31 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
     return glPicture(moment, progress);
   std::vector<VoxelMedium> volumes;
   std::vector<AnyMedium> media;
+  const double factor = law.factor();
   {
     const Stopwatch watch(totals.slices);
     for (std::size_t i = 0; i < layers.size(); ++i) {
-      VOLUTE_ASSIGN(auto volume, layers[i].mediumAt(moment.positions[i]));
-      media.emplace_back(volume);
+      VOLUTE_ASSIGN(auto volume, layers[i].mediumAt(moment.positions[i], factor));
+      media.push_back(layers[i].placed(volume));
       volumes.push_back(std::move(volume));
     }
+    VOLUTE_TRY(addBillboards(moment.time, media, progress));
     for (const FogLayer& fog : fogs) {
       VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time, camera.eye()));
-      media.push_back(std::move(medium));
+      media.push_back(factor == 1 ? std::move(medium)
+                                  : AnyMedium(ScaledMedium(std::move(medium), factor)));
     }
   }
-  const Stopwatch watch(totals.render);
   RenderStats found;
-  VOLUTE_ASSIGN(auto image, render(camera, media, options, progress, &found));
+  const bool plain = smokes.empty() && signs.empty() && geometry.empty();
+  const double begun = totals.slices;
+  Result<Image> image = [&] {
+    const Stopwatch watch(totals.render);
+    return plain ? render(camera, media, options, progress, &found)
+                 : pictureWithSmoke(moment.time, media, progress, found);
+  }();
+  VOLUTE_TRY(image);
+  totals.render -= totals.slices - begun;  // steps are read meanwhile
   totals.rays += found.rays;
   totals.segments += found.segments;
   totals.pieces += found.pieces;
@@ -102,33 +130,42 @@ nlohmann::ordered_json RenderJob::stats() const {
     tree.treeBytes += layer.treeCounts().treeBytes;
     tree.nodesVisited += layer.treeCounts().nodesVisited;
   }
-  const bool reference = options.renderer == Renderer::kReference;
-  nlohmann::ordered_json stats = {{"renderer", gl          ? "gl"
-                                               : reference ? "reference"
-                                                           : "cpu"},
-                                  {"size", {camera.width(), camera.height()}},
-                                  {"pictures", totals.pictures},
-                                  {"rays", totals.rays},
-                                  {"segments", totals.segments},
-                                  {"pieces", totals.pieces},
-                                  {"voxels_visited", totals.voxels},
-                                  {"bricks_visited", totals.bricksVisited},
-                                  {"bricks_skipped", totals.bricksSkipped},
-                                  {"bricks_stored", totals.bricksStored},
-                                  {"bytes_read", bytesRead},
-                                  {"blocks_decoded", blocksDecoded},
-                                  {"tree_nodes", tree.nodes},
-                                  {"tree_bytes", tree.treeBytes},
-                                  {"nodes_visited", tree.nodesVisited},
-                                  {"milliseconds",
-                                   {{"open", totals.open},
-                                    {"slices", totals.slices},
-                                    {"render", totals.render},
-                                    {"write", totals.write}}},
-                                  {"peak_memory_bytes", peakMemoryBytes()}};
+  nlohmann::ordered_json json = {
+      {"renderer", gl ? "gl" : options.renderer == Renderer::kReference ? "reference" : "cpu"},
+      {"size", {camera.width(), camera.height()}},
+      {"pictures", totals.pictures},
+      {"rays", totals.rays},
+      {"segments", totals.segments},
+      {"pieces", totals.pieces},
+      {"voxels_visited", totals.voxels},
+      {"bricks_visited", totals.bricksVisited},
+      {"bricks_skipped", totals.bricksSkipped},
+      {"bricks_stored", totals.bricksStored},
+      {"bytes_read", bytesRead},
+      {"blocks_decoded", blocksDecoded},
+      {"tree_nodes", tree.nodes},
+      {"tree_bytes", tree.treeBytes},
+      {"nodes_visited", tree.nodesVisited},
+      {"milliseconds",
+       {{"open", totals.open},
+        {"slices", totals.slices},
+        {"render", totals.render},
+        {"surfaces", totals.surfaces},
+        {"write", totals.write}}},
+      {"peak_memory_bytes", peakMemoryBytes()}};
+  json["mode"] = nameOf(law.mode);
+  if (law.mode == PictureMode::kThreshold)
+    json["C"] = law.c;
+  if (!geometry.empty()) {
+    json["geometry"] = {{"triangles", geometry.triangles().size()},
+                        {"surface_pixels", totals.surfacePixels},
+                        {"shadow_rays", totals.shadowRays}};
+  }
   if (gl)
-    stats["gl"] = gl->stats();
-  return stats;
+    json["gl"] = gl->stats();
+  if (!smokes.empty())
+    json["smoke"] = smokeStats(smokes);
+  return json;
 }
 
 }  // namespace volute::cli

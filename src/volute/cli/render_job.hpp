@@ -9,6 +9,11 @@
 #include "volute/camera/camera.hpp"
 #include "volute/cli/fog_layer.hpp"
 #include "volute/cli/gl_pictures.hpp"
+#include "volute/cli/picture_writer.hpp"
+#include "volute/cli/scene_geometry.hpp"
+#include "volute/cli/scene_signs.hpp"
+#include "volute/cli/smoke_picture.hpp"
+#include "volute/cli/smoke_walls.hpp"
 #include "volute/cli/volume_layer.hpp"
 #include "volute/render/render.hpp"
 
@@ -27,9 +32,17 @@ struct RenderTotals {
   std::uint64_t rays = 0, segments = 0, pieces = 0;
   std::uint64_t voxels = 0, bricksVisited = 0, bricksSkipped = 0, bricksStored = 0;
   int pictures = 0;
+  double surfaces = 0;
+  std::uint64_t surfacePixels = 0, shadowRays = 0;
 };
 
-/// Volumes, fog, a camera and the moments to be seen.
+/// A billboard and the volume that it shows.
+struct BillboardLayer {
+  VolumeLayer volume;
+  BillboardOptions options;
+};
+
+/// Volumes, fog, smoke, surfaces, signs, a camera and the moments to be seen.
 struct RenderJob {
   std::vector<VolumeLayer> layers;
   std::vector<FogLayer> fogs;
@@ -39,6 +52,15 @@ struct RenderJob {
   double framesPerSecond = 25;  ///< of a film
   RenderTotals totals;
   std::shared_ptr<GlPictures> gl{};  ///< takes the pictures when it is not null
+  std::vector<SmokeLayer> smokes{};
+  std::vector<Sign> signs{};
+  PictureLaw law{};
+  SmokePictures smokePictures{};
+  SceneLights lights{};
+  TriangleScene geometry{};
+  std::vector<BillboardLayer> billboards{};
+  bool legend = false;         ///< drawn into visible pictures
+  bool measuresLight = false;  ///< the picture is the share of white light that passes
 
   /// The linear picture of a moment.
   [[nodiscard]] Result<Image> picture(const Moment& moment, Progress& progress);
@@ -46,8 +68,24 @@ struct RenderJob {
   /// The same by OpenGL.
   [[nodiscard]] Result<Image> glPicture(const Moment& moment, Progress& progress);
 
+  /// What the picture of a moment says about itself; the legend only where it is asked for.
+  PictureText textOf(const Moment& moment) const;
+
   /// What --stats writes.
   nlohmann::ordered_json stats() const;
+
+  /// With smoke, surfaces or signs; `others` are media as the law sees them.
+  [[nodiscard]] Result<Image> pictureWithSmoke(double time, std::span<const AnyMedium> others,
+                                               Progress& progress, RenderStats& found);
+
+  /// The geometry, lit through the media; `others` as above.
+  [[nodiscard]] Result<SurfaceView> viewOfGeometry(std::span<const AnyMedium> others,
+                                                   std::span<const SmokeState> states,
+                                                   Progress& progress);
+
+  /// The billboards as media, drawn for this camera.
+  [[nodiscard]] Status addBillboards(double time, std::vector<AnyMedium>& media,
+                                     Progress& progress);
 };
 
 /// Adds the milliseconds of its life to a total.

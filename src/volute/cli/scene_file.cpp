@@ -5,46 +5,19 @@
 #include <filesystem>
 
 #include "volute/cli/json_file.hpp"
+#include "volute/cli/json_members.hpp"
 
 namespace volute::cli {
 namespace {
 
 using Json = nlohmann::json;
 
-/// 16 numbers, row-major, of a transform that moves and scales along the axes.
-Result<Placement> placementOf(const Json& json, const std::string& file, const std::string& path) {
-  if (!json.is_array() || json.size() != 16) {
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected 16 numbers, row-major", file, path);
-  }
-  Mat4 matrix;
-  for (int i = 0; i < 16; ++i) {
-    VOLUTE_ASSIGN(matrix(i / 4, i % 4),
-                  jsonToNumber(json[i], file, fmt::format("{}[{}]", path, i)));
-  }
-  Placement placement;
-  placement.scale = matrix.diagonal().head<3>();
-  placement.offset = matrix.topRightCorner<3, 1>();
-  Mat4 rest = matrix;
-  rest.diagonal().setZero();
-  rest.topRightCorner<3, 1>().setZero();
-  if (!rest.isZero(0) || matrix(3, 3) != 1 || !(placement.scale.array() > 0).all()) {
-    return fail(ErrorCode::kUnsupported,
-                "{}: {}: only moving and scaling along the axes is rendered, no rotation", file,
-                path);
-  }
-  return placement;
-}
-
 Result<std::string> kindOf(const Json& json, const std::string& file, const std::string& path) {
   if (!json.is_object() || !json.contains("kind") || !json["kind"].is_string()) {
     return fail(ErrorCode::kInvalidData, "{}: {}/kind: expected volume, fog or smoke", file, path);
   }
   const auto kind = json["kind"].get<std::string>();
-  if (kind == "smoke") {
-    return fail(ErrorCode::kUnsupported,
-                "{}: {}: media of kind {} are not rendered by this version", file, path, kind);
-  }
-  if (kind != "volume" && kind != "fog") {
+  if (kind != "volume" && kind != "fog" && kind != "smoke") {
     return fail(ErrorCode::kInvalidData,
                 "{}: {}/kind: '{}' is unknown; expected volume, fog or smoke", file, path, kind);
   }
@@ -55,6 +28,9 @@ Result<SceneVolume> volumeOf(const Json& json, const std::string& file, const st
   if (!json.contains("file") || !json["file"].is_string()) {
     return fail(ErrorCode::kInvalidData, "{}: {}/file: expected the name of a volume", file, path);
   }
+  constexpr std::string_view kNames[] = {"kind",       "file",      "emission",
+                                         "extinction", "transform", "time"};
+  VOLUTE_TRY(Members(json, file, path).check(kNames));
   SceneVolume volume;
   volume.file =
       (std::filesystem::path(file).parent_path() / json["file"].get<std::string>()).string();
@@ -67,7 +43,8 @@ Result<SceneVolume> volumeOf(const Json& json, const std::string& file, const st
                   jsonToNumber(json["extinction"], file, path + "/extinction"));
   }
   if (json.contains("transform")) {
-    VOLUTE_ASSIGN(appearance.placement, placementOf(json["transform"], file, path + "/transform"));
+    VOLUTE_ASSIGN(appearance.placement,
+                  parsePlacement(json["transform"], file, path + "/transform"));
   }
   if (json.contains("time")) {
     VOLUTE_ASSIGN(appearance.clock, parseClock(json["time"], file, path + "/time"));
@@ -75,14 +52,14 @@ Result<SceneVolume> volumeOf(const Json& json, const std::string& file, const st
   return volume;
 }
 
-Status refuseOtherParts(const Json& json, const std::string& file) {
-  for (const char* part : {"geometry", "signs", "billboards"}) {
-    if (json.contains(part) && !json[part].empty()) {
-      return fail(ErrorCode::kUnsupported,
-                  "{}: /{}: this part of a scene is not rendered by this version", file, part);
-    }
-  }
-  return {};
+/// One picture has one mode.
+Status checkOneLaw(const std::vector<SmokeDescription>& others, const SmokeDescription& smoke) {
+  if (others.empty() || others.front().law == smoke.law)
+    return {};
+  return fail(ErrorCode::kInvalidData,
+              "{}/mode: {} with C = {:g}, but {} is {} with C = {:g}; one picture has one mode",
+              smoke.where, nameOf(smoke.law.mode), smoke.law.c, others.front().where,
+              nameOf(others.front().law.mode), others.front().law.c);
 }
 
 }  // namespace
@@ -92,7 +69,9 @@ Result<SceneDescription> readScene(const std::string& file) {
   if (!json.is_object() || !json.contains("format") || json["format"] != "volute-scene-1") {
     return fail(ErrorCode::kInvalidData, "{}: /format: expected \"volute-scene-1\"", file);
   }
-  VOLUTE_TRY(refuseOtherParts(json, file));
+  constexpr std::string_view kNames[] = {"format",   "camera", "background", "lights",
+                                         "geometry", "media",  "signs",      "billboards"};
+  VOLUTE_TRY(Members(json, file, "").check(kNames));
   if (!json.contains("camera"))
     return fail(ErrorCode::kInvalidData, "{}: /camera is missing", file);
   SceneDescription scene;
@@ -102,7 +81,16 @@ Result<SceneDescription> readScene(const std::string& file) {
     scene.background = background.array();
   }
   if (json.contains("lights")) {
-    VOLUTE_ASSIGN(scene.suns, parseSuns(json["lights"], file, "/lights"));
+    VOLUTE_ASSIGN(scene.lights, parseLights(json["lights"], file, "/lights"));
+  }
+  if (json.contains("geometry")) {
+    VOLUTE_ASSIGN(scene.geometry, parseGeometry(json["geometry"], file, "/geometry"));
+  }
+  if (json.contains("billboards")) {
+    VOLUTE_ASSIGN(scene.billboards, parseBillboards(json["billboards"], file, "/billboards"));
+  }
+  if (json.contains("signs")) {
+    VOLUTE_ASSIGN(scene.signs, parseSigns(json["signs"], file, "/signs"));
   }
   const Json media = json.value("media", Json::array());
   if (!media.is_array())
@@ -113,6 +101,10 @@ Result<SceneDescription> readScene(const std::string& file) {
     if (kind == "fog") {
       VOLUTE_ASSIGN(auto fog, parseFog(media[i], file, path));
       scene.fogs.push_back(std::move(fog));
+    } else if (kind == "smoke") {
+      VOLUTE_ASSIGN(auto smoke, parseSmoke(media[i], file, path));
+      VOLUTE_TRY(checkOneLaw(scene.smokes, smoke));
+      scene.smokes.push_back(std::move(smoke));
     } else {
       VOLUTE_ASSIGN(auto volume, volumeOf(media[i], file, path));
       scene.volumes.push_back(std::move(volume));

@@ -7,6 +7,10 @@
 
 #include "volute/cli/camera_file.hpp"
 #include "volute/cli/fog_file.hpp"
+#include "volute/cli/scene_geometry.hpp"
+#include "volute/cli/scene_lights.hpp"
+#include "volute/cli/scene_signs.hpp"
+#include "volute/cli/scene_smoke.hpp"
 #include "volute/cli/volume_layer.hpp"
 
 namespace volute::cli {
@@ -17,18 +21,22 @@ struct SceneVolume {
   Appearance appearance;
 };
 
-/// What is rendered of a volute-scene-1 file: the camera, the background, media of kind
-/// "volume" and "fog", and suns.
+/// What is rendered of a volute-scene-1 file: the camera, the background, media,
+/// lights, geometry, signs and billboards.
 struct SceneDescription {
   CameraDescription camera;
   Rgb background = Rgb::Zero();
   std::vector<SceneVolume> volumes;
   std::vector<FogDescription> fogs;
-  std::vector<FogSun> suns;  ///< they light the fog, not the volumes
+  std::vector<SmokeDescription> smokes;
+  SceneLights lights;  ///< for fog, smoke and surfaces, not volumes
+  std::vector<Sign> signs;
+  std::vector<SceneGeometry> geometry;
+  std::vector<SceneBillboard> billboards;
 };
 
-/// Errors name the file and the path inside it. kUnsupported for parts that are valid but not
-/// rendered: geometry, spot lights, signs, billboards, smoke, transforms that rotate or mirror.
+/// Errors name the file and the path inside it, names that are unknown included. kUnsupported for
+/// transforms that shear a volume.
 [[nodiscard]] Result<SceneDescription> readScene(const std::string& file);
 
 }  // namespace volute::cli

@@ -8,6 +8,7 @@
 #include "volute/base/output_file.hpp"
 #include "volute/cli/report.hpp"
 #include "volute/image/srgb.hpp"
+#include "volute/io/glb_writer.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/synth/valley.hpp"
 
@@ -48,6 +49,8 @@ Status writeValley(const ValleyFiles& files, const std::filesystem::path& folder
     return fail(ErrorCode::kIo, "--output: cannot make the folder '{}'", folder.string());
   const Valley valley(files.seed);
   VOLUTE_TRY(writeMap(valley.fogMap(files.mapSize), folder / "fogmap.png"));
+  if (files.geometry)
+    VOLUTE_TRY(writeGlb(folder / "valley.glb", valley.surfaces(2)));
   const bool flight = files.frames > 1;
   for (int i = 0; i < files.frames; ++i) {
     if (progress.cancelled())

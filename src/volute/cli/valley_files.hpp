@@ -17,6 +17,7 @@ struct ValleyFiles {
   Pixels size{640, 360};
   int frames = 1;  ///< more than one: a flight
   int mapSize = 64;
+  bool geometry = false;  ///< valley.glb too: a height every metre as triangles
 };
 
 /// Writes fogmap.png and color.exr, depth.exr, camera.json, or for a flight color_%04d.png,

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "volute/medium/turned_medium.hpp"
+
 namespace volute::cli {
 namespace {
 
@@ -27,8 +29,9 @@ Status checkFinite(std::span<const float> frame, const VolumeInfo& info, const s
 VolumeLayer::VolumeLayer(VolumeInput input, const Appearance& appearance)
     : input_(std::move(input)), appearance_(appearance), info_(input_.source->info()) {
   const Placement& placement = appearance_.placement;
-  info_.bounds.min = placement.scale.cwiseProduct(info_.bounds.min) + placement.offset;
-  info_.bounds.max = placement.scale.cwiseProduct(info_.bounds.max) + placement.offset;
+  const Vec3 offset = placement.turns() ? Vec3(Vec3::Zero()) : placement.offset;
+  info_.bounds.min = placement.scale.cwiseProduct(info_.bounds.min) + offset;
+  info_.bounds.max = placement.scale.cwiseProduct(info_.bounds.max) + offset;
   if (appearance_.basis)
     info_.basis = *appearance_.basis;
 }
@@ -98,9 +101,17 @@ double VolumeLayer::timeOf(int position) const {
   return (info_.times[position] - appearance_.clock.offset) / appearance_.clock.rate;
 }
 
-Result<VoxelMedium> VolumeLayer::mediumAt(int position) {
+Result<VoxelMedium> VolumeLayer::mediumAt(int position, double extinctionFactor) {
   VOLUTE_ASSIGN(auto slice, sliceAt(position));
-  return VoxelMedium(std::move(slice), appearance_.emission, appearance_.extinction);
+  return VoxelMedium(std::move(slice), appearance_.emission,
+                     extinctionFactor * appearance_.extinction);
+}
+
+AnyMedium VolumeLayer::placed(const VoxelMedium& medium) const {
+  const Placement& placement = appearance_.placement;
+  if (!placement.turns())
+    return AnyMedium(medium);
+  return AnyMedium(TurnedMedium(AnyMedium(medium), placement.turn, placement.offset));
 }
 
 }  // namespace volute::cli

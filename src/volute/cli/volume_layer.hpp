@@ -8,14 +8,19 @@
 #include "volute/cli/volume_input.hpp"
 #include "volute/grid/brick_slice.hpp"
 #include "volute/grid/voxel_medium.hpp"
+#include "volute/medium/any_medium.hpp"
 #include "volute/tree4d/tree4d.hpp"
 
 namespace volute::cli {
 
-/// Where a volume stands in a scene: every point is scaled along the axes, then moved.
+/// Where a volume stands in a scene: every point is scaled along the axes, then turned about the
+/// origin, then moved.
 struct Placement {
   Vec3 scale = Vec3::Ones();  ///< > 0
   Vec3 offset = Vec3::Zero();
+  Mat3 turn = Mat3::Identity();  ///< orthogonal; may mirror
+
+  bool turns() const { return turn != Mat3::Identity(); }
 };
 
 /// A volume's own time: offset + rate * the scene's time [s].
@@ -48,13 +53,20 @@ class VolumeLayer {
                                                 const InputOptions& options,
                                                 const Appearance& appearance, Context& context);
 
-  /// Its bounds are those in the scene.
+  /// Its bounds are those in the scene, but for what turns the volume.
   const VolumeInfo& info() const { return info_; }
 
   /// The frame at a position as bricks. The last one is kept.
   [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> sliceAt(int position);
 
-  [[nodiscard]] Result<VoxelMedium> mediumAt(int position);
+  /// `extinctionFactor` multiplies the appearance's extinction.
+  [[nodiscard]] Result<VoxelMedium> mediumAt(int position, double extinctionFactor = 1);
+
+  /// Whether its transform turns or mirrors it.
+  bool turned() const { return appearance_.placement.turns(); }
+
+  /// A medium of this layer as it stands in the scene.
+  AnyMedium placed(const VoxelMedium& medium) const;
 
   /// What was read of trees so far; zeros for inputs without one.
   const TreeCounts& treeCounts() const { return counts_; }
@@ -64,6 +76,9 @@ class VolumeLayer {
 
   /// When a frame begins in the scene's time [s].
   double timeOf(int position) const;
+
+  /// Who hears of later reads, instead of the context that it was opened in.
+  void setProgress(Progress& progress) { progress_ = &progress; }
 
   const Appearance& appearance() const { return appearance_; }
 

@@ -8,6 +8,7 @@
 
 #include "volute/fog/fog_testing.hpp"
 #include "volute/fog/sunlit_fog.hpp"
+#include "volute/geometry/triangle_scene.hpp"
 #include "volute/math/quadrature.hpp"
 #include "volute/medium/conformance.hpp"
 #include "volute/medium/integrate.hpp"
@@ -152,6 +153,79 @@ TEST(SunlitFog, VisibilityAndPhaseAreFactors) {
     EXPECT_NEAR(light(forward), light(plain) * 4 * std::numbers::pi * phase,
                 1e-9 * light(forward) + 1e-15);
   }
+}
+
+/// Poles, a roof and a wall in smooth fog.
+TriangleScene obstacles() {
+  std::vector<Triangle> triangles;
+  const auto quad = [&](const Vec3& corner, const Vec3& a, const Vec3& b) {
+    triangles.push_back({{corner, corner + a, corner + a + b}});
+    triangles.push_back({{corner, corner + a + b, corner + b}});
+  };
+  quad(Vec3(5, 5, 3), Vec3(6, 0, 1), Vec3(0, 7, 0));
+  quad(Vec3(14, 2, 0), Vec3(0, 12, 0), Vec3(0, 0, 4));
+  for (int i = 0; i < 12; ++i)
+    quad(Vec3(2 + 1.5 * i, 9 + 0.3 * i, -1), Vec3(0.2, 0.1, 0), Vec3(0, 0, 7));
+  return *TriangleScene::build(std::move(triangles));
+}
+
+/// The sun's light by many steps, with a ray to the sun from the middle of each: through the fog as
+/// it is walked, and past the triangles.
+double sunlightByRays(const FogMedium& fog, const TriangleScene& scene, const Vec3& sun,
+                      const Segment& segment, int steps) {
+  const Interval inside = fog.bounds()
+                              .intersect(segment.origin, segment.direction)
+                              .intersect({segment.begin, segment.end});
+  if (inside.empty())
+    return 0;
+  const double length = inside.length() / steps;
+  double light = 0, passed = 1;
+  for (int i = 0; i < steps; ++i) {
+    const double from = inside.begin + i * length;
+    const Segment step{segment.origin, segment.direction, from, from + length};
+    const Segment toSun{segment.at(from + 0.5 * length), sun, 0, kInfinity};
+    double depth = 0, above = 0;
+    std::uint8_t blocked = 0;
+    fog.opticalDepth({&step, 1}, {&depth, 1});
+    scene.occluded({&toSun, 1}, {&blocked, 1});
+    fog.opticalDepth({&toSun, 1}, {&above, 1});
+    if (!blocked)
+      light += passed * (1 - std::exp(-depth)) * std::exp(-above);
+    passed *= std::exp(-depth);
+  }
+  return light / (4 * std::numbers::pi);
+}
+
+TEST_P(SunProfiles, SurfacesShadowTheLightInTheFog) {
+  const FogMedium fog = smoothFog(profile(), {.degree = 2, .color = Rgb::Zero()});
+  const TriangleScene scene = obstacles();
+  const FogSun sun{Vec3(1, -0.4, 0.8).normalized(), Rgb::Ones()};
+  const auto shadows = [&](const Segment& segment, std::size_t, std::vector<Interval>& dark) {
+    scene.shadows(segment, {sun.towards}, dark);
+  };
+  const SunlitFog open = *SunlitFog::make(fog, {&sun, 1}, {.samples = 4});
+  const SunlitFog lit = *SunlitFog::make(fog, {&sun, 1}, {.shadows = shadows, .samples = 4});
+  double brightest = 0, darkened = 0, fastError = 0, pieceError = 0;
+  int judged = 0;
+  for (const Segment& segment : fogtest::rays(fog, 60)) {
+    Radiance unshadowed, fast, pieces;
+    open.radiance({&segment, 1}, {&unshadowed, 1});
+    lit.radiance({&segment, 1}, {&fast, 1});
+    if (!(unshadowed.emitted[0] > 1.01 * fast.emitted[0]) || ++judged > 8)
+      continue;
+    radianceByPieces(lit, {&segment, 1}, {&pieces, 1});
+    const double rays = sunlightByRays(fog, scene, sun.towards, segment, 4000);
+    brightest = std::max(brightest, rays);
+    darkened = std::max(darkened, unshadowed.emitted[0] - fast.emitted[0]);
+    fastError = std::max(fastError, std::abs(fast.emitted[0] - rays));
+    pieceError = std::max(pieceError, std::abs(pieces.emitted[0] - rays));
+  }
+  EXPECT_LT(fastError, 2e-3 * brightest);
+  EXPECT_LT(pieceError, 2e-3 * brightest);
+  EXPECT_GE(judged, 8);
+  EXPECT_GT(darkened, 0.03 * brightest);
+  RecordProperty("fast", std::to_string(fastError / brightest));
+  RecordProperty("pieces", std::to_string(pieceError / brightest));
 }
 
 TEST(SunlitFog, BadScatteringIsNamed) {

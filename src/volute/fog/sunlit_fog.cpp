@@ -26,6 +26,40 @@ Polynomial timesParabola(const Polynomial& curve, double a, double b, double c) 
   return out;
 }
 
+using Shadows = std::vector<std::vector<Interval>>;  // of each sun
+
+/// The ends of the parts of (begin, end) on which it is dark or light for each sun alike.
+std::vector<double> edgesWithin(const Shadows& shadows, double begin, double end) {
+  std::vector<double> edges;
+  for (const auto& dark : shadows) {
+    for (const Interval& part : dark) {
+      for (double edge : {part.begin, part.end}) {
+        if (edge > begin && edge < end)
+          edges.push_back(edge);
+      }
+    }
+  }
+  std::ranges::sort(edges);
+  edges.push_back(end);
+  return edges;
+}
+
+bool isDark(std::span<const Interval> dark, double s) {
+  const auto next = std::ranges::upper_bound(dark, s, {}, &Interval::begin);
+  return next != dark.begin() && s < std::prev(next)->end;
+}
+
+/// Zero for the suns that do not reach the middle of a part.
+std::vector<double> reaching(std::span<const double> phases, const Shadows& shadows, double begin,
+                             double end) {
+  std::vector<double> left(phases.begin(), phases.end());
+  for (std::size_t i = 0; i < shadows.size(); ++i) {
+    if (isDark(shadows[i], 0.5 * (begin + end)))
+      left[i] = 0;
+  }
+  return left;
+}
+
 }  // namespace
 
 double henyeyGreenstein(double asymmetry, double cosine) {
@@ -67,10 +101,25 @@ double SunlitFog::lit(const Vec3& point, std::size_t sun) const {
   return seen > 0 ? seen * std::exp(-shadows_[sun].opticalDepth(point)) : 0;
 }
 
+std::vector<std::vector<Interval>> SunlitFog::shadowsOn(const Segment& segment) const {
+  if (!scattering_.shadows)
+    return {};
+  Shadows shadows(suns_.size());
+  const Interval inside =
+      bounds().intersect(segment.origin, segment.direction).intersect({segment.begin, segment.end});
+  if (inside.empty())
+    return shadows;
+  const Segment part{segment.origin, segment.direction, inside.begin, inside.end};
+  for (std::size_t i = 0; i < suns_.size(); ++i) scattering_.shadows(part, i, shadows[i]);
+  return shadows;
+}
+
 Rgb SunlitFog::source(const Vec3& point, std::span<const double> phases) const {
   Rgb light = fog_.options().color;
-  for (std::size_t i = 0; i < suns_.size(); ++i)
-    light += scattering_.albedo * suns_[i].irradiance * (phases[i] * lit(point, i));
+  for (std::size_t i = 0; i < suns_.size(); ++i) {
+    if (phases[i] > 0)
+      light += scattering_.albedo * suns_[i].irradiance * (phases[i] * lit(point, i));
+  }
   return light;
 }
 
@@ -118,7 +167,14 @@ void SunlitFog::pieces(std::span<const Segment> segments,
     pieces[i].clear();
     fog_.pieces(segments.subspan(i, 1), {&plain, 1});
     const std::vector<double> phases = phasesTowards(segments[i].direction);
-    for (const Piece& piece : plain) cut(segments[i], piece, phases, pieces[i]);
+    const Shadows shadows = shadowsOn(segments[i]);
+    for (const Piece& piece : plain) {
+      double from = piece.begin;
+      for (double to : edgesWithin(shadows, piece.begin, piece.end)) {
+        cut(segments[i], clipped(piece, from, to), reaching(phases, shadows, from, to), pieces[i]);
+        from = to;
+      }
+    }
   }
 }
 
@@ -128,6 +184,8 @@ std::vector<double> SunlitFog::sunlight(const Segment& segment) const {
     return light;
   const double nodes[2] = {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)};
   const double bottom = segment.origin.z() - fog_.domainCorner().z();
+  const std::vector<double> phases = phasesTowards(segment.direction);
+  const Shadows shadows = shadowsOn(segment);
   double passed = 1;
   std::vector<FogMedium::Stretch> parts;
   fog_.stretches(segment, parts);
@@ -141,28 +199,36 @@ std::vector<double> SunlitFog::sunlight(const Segment& segment) const {
       if (cell.largest() == 0)
         return;
       const double step = std::min(fog_.cell(), kThin / cell.largest());
-      const int steps =
-          std::clamp(static_cast<int>(std::min((end - begin) / step, 1e6)) + 1, 1, kMostSteps);
-      const double length = (end - begin) / steps;
-      for (int k = 0; k < steps && passed >= kLightLost; ++k) {
-        const double from = begin + k * length;
-        double depth = 0;
-        for (double node : nodes) {
-          const double s = from + node * length;
-          depth += 0.5 * length * cell(alongX.at(s) - x, alongY.at(s) - y) *
-                   (*part.zone)(bottom + s * segment.direction.z());
+      const auto inSteps = [&](double from, double to, std::span<const double> reach) {
+        const int steps =
+            std::clamp(static_cast<int>(std::min((to - from) / step, 1e6)) + 1, 1, kMostSteps);
+        const double length = (to - from) / steps;
+        for (int k = 0; k < steps && passed >= kLightLost; ++k) {
+          double depth = 0;
+          for (double node : nodes) {
+            const double s = from + (k + node) * length;
+            depth += 0.5 * length * cell(alongX.at(s) - x, alongY.at(s) - y) *
+                     (*part.zone)(bottom + s * segment.direction.z());
+          }
+          const double after = passed * std::exp(-depth);
+          const Vec3 middle = segment.at(from + (k + 0.5) * length);
+          for (std::size_t i = 0; i < light.size(); ++i) {
+            if (reach[i] > 0)
+              light[i] += (passed - after) * reach[i] * lit(middle, i);
+          }
+          passed = after;
         }
-        const double after = passed * std::exp(-depth);
-        const Vec3 middle = segment.at(from + 0.5 * length);
-        for (std::size_t i = 0; i < light.size(); ++i)
-          light[i] += (passed - after) * lit(middle, i);
-        passed = after;
+      };
+      if (shadows.empty())
+        return inSteps(begin, end, phases);
+      double from = begin;
+      for (double to : edgesWithin(shadows, begin, end)) {
+        inSteps(from, to, reaching(phases, shadows, from, to));
+        from = to;
       }
     };
     walkCells(ray, fog_.levels().level(part.level).occupied, part.begin, part.end, inCell);
   }
-  const std::vector<double> phases = phasesTowards(segment.direction);
-  for (std::size_t i = 0; i < light.size(); ++i) light[i] *= phases[i];
   return light;
 }
 

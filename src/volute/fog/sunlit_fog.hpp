@@ -22,6 +22,11 @@ struct SunScattering {
   /// 0..1: how much of a sun (its number is the second argument) the scene's geometry lets through
   /// to a point. Empty: all.
   std::function<double(const Vec3&, std::size_t)> visibility{};
+  /// The parts of a segment from which surfaces keep a sun (the second argument) entirely, in order
+  /// and apart from each other; replaces the third. Empty: none. The light is then integrated on
+  /// both sides of each edge of a shadow, so that the edge itself costs no accuracy. emission() at
+  /// a point knows nothing of them.
+  std::function<void(const Segment&, std::size_t, std::vector<Interval>&)> shadows{};
   int samples = 1;  ///< of SunShadow
 };
 
@@ -71,6 +76,9 @@ class SunlitFog {
 
   /// How much of a sun's light reaches a point, 0..1.
   double lit(const Vec3& point, std::size_t sun) const;
+
+  /// The parts of a segment that each sun does not reach for the scene's surfaces.
+  std::vector<std::vector<Interval>> shadowsOn(const Segment& segment) const;
 
   /// What a unit of extinction sends along `direction`.
   Rgb source(const Vec3& point, std::span<const double> phases) const;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "volute/base/assert.hpp"
+#include "volute/geometry/shadow_intervals.hpp"
 #include "volute/geometry/triangle_tree.hpp"
 #if VOLUTE_HAS_EMBREE
 #include "volute/geometry/embree_scene.hpp"
@@ -94,6 +95,11 @@ void TriangleScene::occluded(std::span<const Segment> segments,
   VOLUTE_ASSERT(segments.size() == blocked.size());
   std::ranges::transform(segments, blocked.begin(),
                          [&](const Segment& segment) { return impl_->occluded(segment) ? 1 : 0; });
+}
+
+void TriangleScene::shadows(const Segment& segment, const LightPoint& light,
+                            std::vector<Interval>& dark) const {
+  shadowsOn(segment, light, impl_->tree, dark);
 }
 
 std::span<const Triangle> TriangleScene::triangles() const {

@@ -33,6 +33,12 @@ struct Triangle {
   Vec3 normal() const { return (corners[1] - corners[0]).cross(corners[2] - corners[0]); }
 };
 
+/// What a file of geometry holds.
+struct TriangleMesh {
+  std::vector<Triangle> triangles;
+  std::vector<Material> materials;  ///< at least as many as the triangles name
+};
+
 /// Where a segment meets a surface first.
 struct Hit {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -41,6 +47,12 @@ struct Hit {
   std::uint32_t triangle = kNone;                             ///< its place in the scene's list
 
   bool found() const { return triangle != kNone; }
+};
+
+/// Where light comes from: a point, or so far away that its rays are parallel.
+struct LightPoint {
+  Vec3 place = Vec3::UnitZ();  ///< [m]; of a far one the direction to it, of any length
+  bool far = true;
 };
 
 /// Moves triangles: p becomes transform * (p, 1). Affine; mirrors too.
@@ -73,6 +85,11 @@ class TriangleScene {
 
   /// 1 where something is in the way, else 0.
   void occluded(std::span<const Segment> segments, std::span<std::uint8_t> blocked) const;
+
+  /// Replaces `dark` by the parts of a segment that the surfaces keep a light from, in order and
+  /// apart from each other. Exact, from the triangles that the plane through the segment and the
+  /// light cuts; no samples.
+  void shadows(const Segment& segment, const LightPoint& light, std::vector<Interval>& dark) const;
 
   std::span<const Triangle> triangles() const;
   std::span<const Material> materials() const;

@@ -3,7 +3,6 @@
 #include "volute/geometry/triangle_tree.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -13,7 +12,6 @@ namespace volute {
 namespace {
 
 constexpr std::uint32_t kLeaf = 4;
-constexpr int kDeepest = 64;  // halving 2^31 triangles ends far earlier
 
 Box3 boxOf(const Triangle& triangle) {
   Box3 box;
@@ -154,28 +152,6 @@ bool TriangleTree::occluded(const Segment& segment) const {
     }
   }
   return false;
-}
-
-void TriangleTree::select(const std::function<bool(const Box3&)>& mayMeet,
-                          const std::function<void(const Triangle&)>& visit) const {
-  if (nodes_.empty())
-    return;
-  std::array<std::uint32_t, kDeepest> stack;
-  int depth = 0;
-  stack[depth++] = 0;
-  while (depth > 0) {
-    const std::uint32_t number = stack[--depth];
-    const Node& node = nodes_[number];
-    if (!mayMeet(node.box))
-      continue;
-    if (node.count == 0) {
-      stack[depth++] = node.start;
-      stack[depth++] = number + 1;
-      continue;
-    }
-    for (std::uint32_t i = node.start; i < node.start + node.count; ++i)
-      visit(triangles_[order_[i]]);
-  }
 }
 
 }  // namespace volute

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <functional>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -20,9 +20,9 @@ class TriangleTree {
   Hit nearest(const Segment& segment) const;
   bool occluded(const Segment& segment) const;
 
-  /// Calls `visit` for each triangle of the leaves whose boxes `mayMeet` wants.
-  void select(const std::function<bool(const Box3&)>& mayMeet,
-              const std::function<void(const Triangle&)>& visit) const;
+  /// Calls `visit` for each triangle of the leaves all of whose boxes `mayMeet` wants.
+  template <class MayMeet, class Visit>
+  void select(MayMeet&& mayMeet, Visit&& visit) const;
 
   const Box3& bounds() const { return bounds_; }
 
@@ -42,6 +42,29 @@ class TriangleTree {
   std::vector<std::uint32_t> order_;
   std::vector<Node> nodes_;
   Box3 bounds_;  ///< of the triangles themselves
+
+  static constexpr int kDeepest = 64;  ///< halving 2^31 triangles ends far earlier
 };
+
+template <class MayMeet, class Visit>
+void TriangleTree::select(MayMeet&& mayMeet, Visit&& visit) const {
+  std::array<std::uint32_t, kDeepest> stack;
+  int depth = 0;
+  if (!nodes_.empty())
+    stack[depth++] = 0;
+  while (depth > 0) {
+    const std::uint32_t number = stack[--depth];
+    const Node& node = nodes_[number];
+    if (!mayMeet(node.box))
+      continue;
+    if (node.count == 0) {
+      stack[depth++] = node.start;
+      stack[depth++] = number + 1;
+      continue;
+    }
+    for (std::uint32_t i = node.start; i < node.start + node.count; ++i)
+      visit(triangles_[order_[i]]);
+  }
+}
 
 }  // namespace volute

@@ -26,7 +26,7 @@ class FogOnDevice final : public GlMedium {
 
   GlNature nature() const override { return {.color = color_, .points = 4}; }
 
-  void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye,
+  void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
             GlBindings& bindings) const override {
     program.set((prefix + "fogCorner").c_str(), Vec3(shader_.corner - eye));
     program.set((prefix + "fogCell").c_str(), static_cast<float>(shader_.cell));

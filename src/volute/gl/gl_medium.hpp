@@ -38,15 +38,15 @@ class GlMedium {
   virtual std::vector<ShaderPart> parts() const = 0;
   virtual GlNature nature() const = 0;
 
-  /// Before a picture from `eye`.
+  /// Before a picture from `eye`; `inside`: rays begin there, not behind it.
   virtual void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye,
-                    GlBindings& bindings) const = 0;
+                    bool inside, GlBindings& bindings) const = 0;
 };
 
 /// What stays on the device between pictures.
 class GlVolumeAtlas;
 class GlTreeData;
-class GlFogMap;
+class GlMesh;
 
 [[nodiscard]] Result<std::shared_ptr<const GlVolumeAtlas>> makeVolumeAtlas(const BrickSlice& slice);
 [[nodiscard]] Result<std::shared_ptr<const GlTreeData>> makeTreeData(const Tree4d& tree);
@@ -56,6 +56,9 @@ std::unique_ptr<GlMedium> makeGlVolume(const GlVolume& volume,
 /// kUnsupported where the device is none of `hardware` and the tree is too large for it.
 [[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlTreeVolume(
     const GlTreeVolume& volume, std::shared_ptr<const GlTreeData> tree, bool hardware);
+[[nodiscard]] Result<std::shared_ptr<const GlMesh>> makeGlMesh(const TetMesh& mesh);
+
+std::unique_ptr<GlMedium> makeGlSmoke(const GlSmoke& smoke, std::shared_ptr<const GlMesh> mesh);
 /// kUnsupported for fog with a top or with levels chosen by FogDetail::cellAngle.
 [[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const FogMedium& fog);
 

@@ -61,6 +61,10 @@ inline void destroyQuery(GLuint name) {
   glDeleteQueries(1, &name);
 }
 
+inline void destroySampler(GLuint name) {
+  glDeleteSamplers(1, &name);
+}
+
 inline void destroyShader(GLuint name) {
   glDeleteShader(name);
 }

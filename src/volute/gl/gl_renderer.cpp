@@ -107,6 +107,7 @@ struct GlRenderer::State {
   std::map<std::string, GlProgram> programs;
   Kept<BrickSlice, GlVolumeAtlas> atlases;
   Kept<Tree4d, GlTreeData> trees;
+  Kept<TetLocator, GlMesh> meshes;
   GlTexture picture, opaque, lens;
   int width = 0, height = 0;
 
@@ -146,6 +147,12 @@ Result<std::vector<std::unique_ptr<GlMedium>>> GlRenderer::State::mediaOf(const 
     VOLUTE_ASSIGN(auto medium, makeGlFog(fog));
     media.push_back(std::move(medium));
   }
+  for (const GlSmoke& smoke : scene.smokes) {
+    VOLUTE_ASSIGN(auto mesh,
+                  meshes.get(smoke.locator, [&] { return makeGlMesh(smoke.locator->mesh()); }));
+    media.push_back(makeGlSmoke(smoke, std::move(mesh)));
+  }
+  meshes.sweep();
   atlases.sweep();
   trees.sweep();
   return media;
@@ -244,7 +251,7 @@ Status GlRenderer::draw(const Camera& camera, const GlScene& scene, GlQuantity q
   state_->bindCamera(*program, camera, opaqueDepth);
   GlBindings bindings;
   for (std::size_t i = 0; i < media.size(); ++i)
-    media[i]->bind(*program, mediumPrefix(i), camera.eye(), bindings);
+    media[i]->bind(*program, mediumPrefix(i), camera.eye(), !camera.isOrthographic(), bindings);
   return state_->dispatch(*program, "march", progress);
 }
 

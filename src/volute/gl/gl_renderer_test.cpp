@@ -13,6 +13,8 @@
 #include "volute/gl/gl_device.hpp"
 #include "volute/grid/sequence.hpp"
 #include "volute/grid/voxel_medium.hpp"
+#include "volute/tetmesh/made_meshes.hpp"
+#include "volute/tetmesh/tet_medium.hpp"
 
 namespace volute {
 namespace {
@@ -258,6 +260,74 @@ TEST_F(GlRendererTest, MediaThatOverlapAreCompositedAsTheReferenceDoes) {
     EXPECT_LE(errorOf(camera, scene, media, {.background = Rgb(0.1, 0.2, 0.5)}, wall), kBar);
     EXPECT_LE(errorOf(camera, scene, media, {.aov = Aov::kOpticalDepth}, wall), 1e-4);
   }
+}
+
+/// A mesh, its smoke, and the same as the reference's medium.
+struct Smoke {
+  explicit Smoke(std::shared_ptr<const TetMesh> mesh, bool lit, double thick)
+      : locator(std::make_shared<const TetLocator>(mesh)) {
+    for (const Vec3& p : mesh->vertices()) {
+      extinction.push_back(
+          float(thick * std::max(0.0, std::sin(2 * p.x()) + std::cos(3 * p.y() + p.z()))));
+      if (lit) {
+        for (int c = 0; c < 3; ++c) source.push_back(float(0.6 + 0.4 * std::sin(c + p.z())));
+      }
+    }
+  }
+
+  GlSmoke onDevice() const { return {locator, extinction, source}; }
+
+  AnyMedium medium() const { return AnyMedium(TetMedium(locator, extinction, source)); }
+
+  std::shared_ptr<const TetLocator> locator;
+  std::vector<float> extinction, source;
+};
+
+TEST_F(GlRendererTest, SmokeIsThatOfTheReference) {
+  const auto box = boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {6, 5, 4}, 0.3, 5);
+  for (const bool lit : {false, true}) {
+    for (const double thick : {0.8, 25.0}) {
+      const Smoke smoke(box, lit, thick);
+      const AnyMedium medium = smoke.medium();
+      for (const Camera& camera : cameras(medium.bounds())) {
+        EXPECT_LE(errorOf(camera, {.smokes = {smoke.onDevice()}}, {&medium, 1},
+                          {.background = Rgb(0.3, 0.5, 0.1)}),
+                  kBar)
+            << "lit " << lit << ", thick " << thick << ", eye " << camera.eye().transpose();
+      }
+    }
+  }
+}
+
+TEST_F(GlRendererTest, SmokeInAHallThatRaysLeaveAndReEnter) {
+  const Smoke smoke(hallMesh(2.5, 3), true, 0.1);
+  const AnyMedium medium = smoke.medium();
+  const Box3 hall = medium.bounds();
+  const Camera outside = Camera::framing(hall, kWidth, kHeight);
+  const Camera inside = Camera::pinhole({hall.min + Vec3(2.3, 6.1, 1.7), hall.max - Vec3(1, 4, 3)},
+                                        60, kWidth, kHeight);
+  std::vector<float> wall(kWidth * kHeight, 9.0F);
+  for (const Camera& camera : {outside, inside}) {
+    EXPECT_LE(errorOf(camera, {.smokes = {smoke.onDevice()}}, {&medium, 1}, {}), kBar);
+    EXPECT_LE(
+        errorOf(camera, {.smokes = {smoke.onDevice()}}, {&medium, 1}, {.aov = Aov::kOpticalDepth}),
+        kBar);
+  }
+  EXPECT_LE(errorOf(inside, {.smokes = {smoke.onDevice()}}, {&medium, 1}, {}, wall), kBar);
+}
+
+TEST_F(GlRendererTest, SmokeVolumeAndFogOverlap) {
+  const Smoke smoke(boxMesh({Vec3(-0.8, 2.2, 0.6), Vec3(1, 3.5, 2.9)}, {4, 4, 5}, 0.2, 2), true,
+                    1.5);
+  const auto fire = sliceOf(3, Basis::kTrilinear);
+  const FogMedium fog =
+      fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[1].profile, {.degree = 1}, 0.9, 0.6);
+  const std::vector<AnyMedium> media{AnyMedium(VoxelMedium(fire, 2, 3)), AnyMedium(fog),
+                                     smoke.medium()};
+  const GlScene scene{.volumes = {{fire, 2, 3}}, .fogs = {fog}, .smokes = {smoke.onDevice()}};
+  const Camera camera =
+      Camera::pinhole({Vec3(0.2, -1, 2.6), Vec3(0.3, 3.2, 1.2)}, 50, kWidth, kHeight);
+  EXPECT_LE(errorOf(camera, scene, media, {.background = Rgb(0.1, 0.2, 0.5)}), kBar);
 }
 
 TEST_F(GlRendererTest, RefusesWhatItCannotRender) {

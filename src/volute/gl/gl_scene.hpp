@@ -7,6 +7,7 @@
 
 #include "volute/fog/fog_medium.hpp"
 #include "volute/grid/brick_slice.hpp"
+#include "volute/tetmesh/tet_locator.hpp"
 #include "volute/tree4d/tree4d.hpp"
 
 namespace volute {
@@ -29,13 +30,21 @@ struct GlTreeVolume {
   double extinction = 0;
 };
 
+/// TetMarcher's twin: one instant of smoke on a mesh.
+struct GlSmoke {
+  std::shared_ptr<const TetLocator> locator;
+  std::vector<float> extinction{};  ///< [1/m], one for each vertex, finite and >= 0
+  std::vector<float> source{};  ///< radiance of infinitely thick smoke, RGB a vertex; empty: black
+};
+
 /// All media of a picture, and the light behind them.
 struct GlScene {
   std::vector<GlVolume> volumes{};
   std::vector<GlTreeVolume> trees{};
   std::vector<FogMedium> fogs{};
+  std::vector<GlSmoke> smokes{};
 
-  std::size_t media() const { return volumes.size() + trees.size() + fogs.size(); }
+  std::size_t media() const { return volumes.size() + trees.size() + fogs.size() + smokes.size(); }
 };
 
 }  // namespace volute

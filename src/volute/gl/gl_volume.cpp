@@ -189,7 +189,7 @@ class AtlasMedium final : public GlMedium {
     return natureOf(atlas_->channels, atlas_->basis, volume_.emission, volume_.extinction);
   }
 
-  void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye,
+  void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
             GlBindings& bindings) const override {
     bindCells(program, prefix, eye, atlas_->cells, atlas_->range, volume_.emission,
               volume_.extinction);
@@ -324,7 +324,7 @@ class TreeMedium final : public GlMedium {
     return natureOf(tree_->data->channels, volume_.basis, volume_.emission, volume_.extinction);
   }
 
-  void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye,
+  void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
             GlBindings& bindings) const override {
     const TreeData& data = *tree_->data;
     const auto& extents = data.extents;

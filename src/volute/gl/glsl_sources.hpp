@@ -12,5 +12,6 @@ extern const char* const kVolume;
 extern const char* const kVolumeAtlas;
 extern const char* const kVolumeTree;
 extern const char* const kFogCells;
+extern const char* const kSmoke;
 
 }  // namespace volute::glsl

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "volute/image/bitmap_text.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/compare.hpp"
+#include "volute/image/drawing.hpp"
 #include "volute/image/srgb.hpp"
 
 namespace volute {
@@ -83,6 +85,32 @@ TEST(CompareImages, RefusesOtherSizesAndShowsNan) {
   Image a(2, 1, 1);
   a.pixels[0] = static_cast<float>(kNan);
   EXPECT_TRUE(std::isnan(compareImages(a, Image(2, 1, 1))->maxError));
+}
+
+TEST(Drawing, TextUpwardsIsTextTurned) {
+  Image flat(40, 9, 1), turned(9, 40, 1);
+  drawText(flat, "Ly 7", 0, 0, 1, Rgb::Ones());
+  drawTextUpwards(turned, "Ly 7", 0, 40, 1, Rgb::Ones());
+  float sum = 0;
+  for (int y = 0; y < 9; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      EXPECT_EQ(flat.at(x, y), turned.at(y, 39 - x));
+      sum += flat.at(x, y);
+    }
+  }
+  EXPECT_GT(sum, 20);
+}
+
+TEST(Drawing, LinesHaveTheirWidthAndRectanglesAreCut) {
+  Image image(20, 20, 1);
+  drawLine(image, 2, 10, 18, 10, 4, Rgb::Ones());
+  float column = 0;
+  for (int y = 0; y < 20; ++y) column += image.at(10, y);
+  EXPECT_NEAR(column, 4, 0.01);
+  EXPECT_EQ(image.at(19, 0), 0);
+  fillRect(image, -5, -5, 2, 100, Rgb::Constant(0.5));
+  EXPECT_EQ(image.at(1, 19), 0.5F);
+  EXPECT_EQ(image.at(2, 19), 0);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
 
 #include <algorithm>
 #include <cstring>
@@ -144,6 +145,15 @@ Result<std::optional<Image>> readAlphaChannel(const InputFile& file, Imf::InputF
   return std::optional<Image>(std::move(image));
 }
 
+Result<ImageNotes> readNotes(const InputFile&, Imf::InputFile& exr, const ImageReadOptions&) {
+  ImageNotes notes;
+  for (auto it = exr.header().begin(); it != exr.header().end(); ++it) {
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&it.attribute()))
+      notes.emplace_back(it.name(), text->value());
+  }
+  return notes;
+}
+
 /// Opens a picture and lets `read` read of it; OpenEXR's exceptions become errors.
 template <class Read>
 auto readWith(const std::filesystem::path& path, const ImageReadOptions& options, Read&& read)
@@ -172,12 +182,17 @@ Result<std::optional<Image>> readExrAlpha(const std::filesystem::path& path,
   return readWith(path, options, readAlphaChannel);
 }
 
-Status writeExr(const std::filesystem::path& path, const Image& image) {
+Result<ImageNotes> readExrNotes(const std::filesystem::path& path) {
+  return readWith(path, {}, readNotes);
+}
+
+Status writeExr(const std::filesystem::path& path, const Image& image, const ImageNotes& notes) {
   const char* const names[] = {"R", "G", "B"};
   ExrOutput stream;
   try {
     Imf::Header header(image.width, image.height);
     header.compression() = Imf::ZIP_COMPRESSION;
+    for (const auto& [name, text] : notes) header.insert(name, Imf::StringAttribute(text));
     Imf::FrameBuffer buffer;
     for (int c = 0; c < image.channels; ++c) {
       const char* name = image.channels == 1 ? "Y" : names[c];

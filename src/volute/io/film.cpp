@@ -14,7 +14,8 @@
 namespace volute {
 
 Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::path& path, int width,
-                                                       int height, double framesPerSecond) {
+                                                       int height, double framesPerSecond,
+                                                       const std::string& comment) {
   constexpr int kLongestSide = 16384;
   if (width < 1 || height < 1 || width > kLongestSide || height > kLongestSide) {
     return fail(ErrorCode::kInvalidArgument,
@@ -26,7 +27,7 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::pa
                 path.string(), framesPerSecond);
   }
   VOLUTE_ASSIGN(const FilmPlugin* plugin, loadFilmPlugin());
-  return plugin->makeWriter(path, width, height, framesPerSecond);
+  return plugin->makeWriter(path, width, height, framesPerSecond, comment);
 }
 
 /// The child answers "open" with a FilmInfo, and each "next" with "frame" or "end".

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "volute/base/result.hpp"
 #include "volute/image/image.hpp"
@@ -19,9 +20,11 @@ class FilmWriter {
  public:
   /// @param width, height  [pixels] of every frame; odd sizes are padded by one row or column.
   /// @param framesPerSecond  > 0.
+  /// @param comment  what the film says about itself; empty: nothing.
   [[nodiscard]] static Result<std::unique_ptr<FilmWriter>> create(const std::filesystem::path& path,
                                                                   int width, int height,
-                                                                  double framesPerSecond);
+                                                                  double framesPerSecond,
+                                                                  const std::string& comment = {});
 
   virtual ~FilmWriter() = default;
 
@@ -75,7 +78,8 @@ class FilmReader {
 /// What the plug-in for films offers.
 struct FilmPlugin {
   Result<std::unique_ptr<FilmWriter>> (*makeWriter)(const std::filesystem::path& path, int width,
-                                                    int height, double framesPerSecond);
+                                                    int height, double framesPerSecond,
+                                                    const std::string& comment);
   std::unique_ptr<FilmDecoder> (*makeDecoder)();
 };
 

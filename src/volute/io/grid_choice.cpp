@@ -46,9 +46,9 @@ std::string nearestHint(std::span<const GridEntry> entries, const std::string& w
 }  // namespace
 
 Result<std::size_t> chooseGrid(std::span<const GridEntry> entries, const std::string& wanted,
-                               const std::string& file) {
+                               const std::string& file, const char* noun) {
   if (entries.empty())
-    return fail(ErrorCode::kNotFound, "{}: holds no grids", file);
+    return fail(ErrorCode::kNotFound, "{}: holds no {}s", file, noun);
   const std::string choice = wanted.empty() ? "density" : wanted;
   const auto named = std::ranges::find(entries, choice, &GridEntry::name);
   if (wanted.empty()) {
@@ -56,21 +56,21 @@ Result<std::size_t> chooseGrid(std::span<const GridEntry> entries, const std::st
     if (usable == 1)
       return std::ranges::find(entries, true, &GridEntry::usable) - entries.begin();
     if (usable == 0) {
-      return fail(ErrorCode::kUnsupported, "{}: no grid with a scalar or RGB volume; it has {}",
-                  file, listed(entries));
+      return fail(ErrorCode::kUnsupported, "{}: no {} with a scalar or RGB volume; it has {}", file,
+                  noun, listed(entries));
     }
     if (named == entries.end() || !named->usable) {
-      return fail(ErrorCode::kInvalidArgument, "{}: which grid? It has {}; choose one with --grid",
-                  file, listed(entries));
+      return fail(ErrorCode::kInvalidArgument, "{}: which {}? It has {}; choose one with --{}",
+                  file, noun, listed(entries), noun);
     }
   }
   if (named == entries.end()) {
-    return fail(ErrorCode::kNotFound, "{}: no grid named '{}'{} it has {}", file, wanted,
+    return fail(ErrorCode::kNotFound, "{}: no {} named '{}'{} it has {}", file, noun, wanted,
                 nearestHint(entries, wanted), listed(entries));
   }
   if (!named->usable) {
     return fail(ErrorCode::kUnsupported,
-                "{}: grid '{}' is of type {}; expected a scalar or RGB volume; it has {}", file,
+                "{}: {} '{}' is of type {}; expected a scalar or RGB volume; it has {}", file, noun,
                 named->name, named->type, listed(entries));
   }
   return named - entries.begin();

@@ -18,8 +18,9 @@ struct GridEntry {
 
 /// Which of `entries` is meant: the one named `wanted`; when that is empty the only usable one,
 /// else the one called "density". The error lists what there is, and for a wrong name suggests the
-/// nearest.
+/// nearest. `noun` is what people call an entry, and the option that names one.
 [[nodiscard]] Result<std::size_t> chooseGrid(std::span<const GridEntry> entries,
-                                             const std::string& wanted, const std::string& file);
+                                             const std::string& wanted, const std::string& file,
+                                             const char* noun = "grid");
 
 }  // namespace volute

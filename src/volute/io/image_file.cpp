@@ -19,7 +19,12 @@ Result<std::optional<Image>> readExrAlpha(const std::filesystem::path& path,
   return std::nullopt;
 }
 
-Status writeExr(const std::filesystem::path& path, const Image&) {
+Result<ImageNotes> readExrNotes(const std::filesystem::path& path) {
+  VOLUTE_TRY(readExr(path, {}));
+  return ImageNotes();
+}
+
+Status writeExr(const std::filesystem::path& path, const Image&, const ImageNotes&) {
   return fail(ErrorCode::kUnsupported,
               "{}: this build has no OpenEXR (VOLUTE_WITH_EXR=OFF); use .png", path.string());
 }
@@ -58,13 +63,21 @@ Result<std::optional<Image>> readAlpha(const std::filesystem::path& path,
   return std::nullopt;
 }
 
-Status writeImage(const std::filesystem::path& path, const Image& image) {
+Result<ImageNotes> readImageNotes(const std::filesystem::path& path) {
+  if (path.extension() == ".png")
+    return readPngNotes(path);
+  if (path.extension() == ".exr")
+    return readExrNotes(path);
+  return ImageNotes();
+}
+
+Status writeImage(const std::filesystem::path& path, const Image& image, const ImageNotes& notes) {
   VOLUTE_ASSERT(image.channels == 1 || image.channels == 3);
   VOLUTE_TRY(checkImageSize(path, image.width, image.height, image.channels, ~std::uint64_t{0}));
   if (path.extension() == ".png")
-    return writePng(path, image);
+    return writePng(path, image, notes);
   if (path.extension() == ".exr")
-    return writeExr(path, image);
+    return writeExr(path, image, notes);
   return fail(ErrorCode::kUnsupported,
               "{}: cannot write this kind of picture; expected .png or .exr", path.string());
 }

@@ -5,6 +5,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "volute/base/result.hpp"
 #include "volute/image/image.hpp"
@@ -29,8 +32,16 @@ struct ImageReadOptions {
 [[nodiscard]] Result<std::optional<Image>> readAlpha(const std::filesystem::path& path,
                                                      const ImageReadOptions& options = {});
 
+/// What a picture says about itself, as names and texts in Latin letters: tEXt of a .png,
+/// attributes of a .exr.
+using ImageNotes = std::vector<std::pair<std::string, std::string>>;
+
+/// The notes of a .png or .exr; empty when it has none.
+[[nodiscard]] Result<ImageNotes> readImageNotes(const std::filesystem::path& path);
+
 /// Writes a .png (8 bits, sRGB; values are clamped to 0..1) or a .exr (scan lines, float32, ZIP;
 /// channels R, G, B, or Y).
-[[nodiscard]] Status writeImage(const std::filesystem::path& path, const Image& image);
+[[nodiscard]] Status writeImage(const std::filesystem::path& path, const Image& image,
+                                const ImageNotes& notes = {});
 
 }  // namespace volute

@@ -109,6 +109,23 @@ TEST(Png, EveryTruncationAndEveryBitFlipIsRefused) {
   }
 }
 
+TEST(Images, KeepNotes) {
+  const TempFolder folder;
+  const ImageNotes notes = {{"volute.mode", "threshold"}, {"volute.time", "3 s"}};
+  for (const char* name : {"a.png", "a.exr"}) {
+#if !VOLUTE_HAS_EXR
+    if (name == std::string("a.exr"))
+      continue;
+#endif
+    ASSERT_TRUE(ok(writeImage(folder / name, makePicture(5, 4, 3), notes)));
+    ASSERT_VALUE(const auto read, readImageNotes(folder / name));
+    for (const auto& note : notes) EXPECT_EQ(std::ranges::count(read, note), 1) << name;
+    ASSERT_TRUE(ok(writeImage(folder / name, makePicture(5, 4, 3))));
+    ASSERT_VALUE(const auto none, readImageNotes(folder / name));
+    EXPECT_TRUE(none.empty()) << name;
+  }
+}
+
 TEST(Images, UnknownKindsMissingFilesAndMemory) {
   const TempFolder folder;
   EXPECT_EQ(readImage("a.gif").error().code, ErrorCode::kUnsupported);

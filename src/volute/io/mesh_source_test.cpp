@@ -9,6 +9,8 @@
 #include <fstream>
 
 #include "volute/io/testing.hpp"
+#include "volute/io/vtu_writer.hpp"
+#include "volute/tetmesh/made_meshes.hpp"
 
 namespace volute {
 namespace {
@@ -46,6 +48,31 @@ std::string vtu(const std::string& smoke, const std::string& cells = "") {
 Result<MeshFrame> readOne(const std::filesystem::path& path, const MeshOptions& options = {}) {
   VOLUTE_ASSIGN(auto source, MeshSource::open(path, options));
   return source.read(0);
+}
+
+TEST(VtuWriter, IsReadBackExactly) {
+  const TempFolder folder;
+  const auto mesh = hallMesh(2, 5);
+  std::vector<float> values(mesh->vertices().size());
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = 0.1F * static_cast<float>(i);
+  ASSERT_TRUE(testing::ok(writeVtu(folder / "a&b.vtu", *mesh, "so<ot", values)));
+  const SeriesFile files[] = {{"a&b.vtu", 2.5}, {"a&b.vtu", 7}};
+  ASSERT_TRUE(testing::ok(writePvd(folder / "s.pvd", files)));
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "s.pvd"));
+  EXPECT_THAT(source.times(), ElementsAre(2.5, 7));
+  ASSERT_VALUE(const auto frame, source.read(1));
+  EXPECT_EQ(frame.field, "so<ot");
+  ASSERT_EQ(frame.mesh->tets().size(), mesh->tets().size());
+  // Read meshes are reordered in space.
+  std::vector<std::pair<std::array<double, 3>, float>> written, read;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const Vec3 &a = mesh->vertices()[i], &b = frame.mesh->vertices()[i];
+    written.push_back({{a.x(), a.y(), a.z()}, values[i]});
+    read.push_back({{b.x(), b.y(), b.z()}, frame.values[i]});
+  }
+  std::ranges::sort(written);
+  std::ranges::sort(read);
+  EXPECT_EQ(read, written);
 }
 
 TEST(MeshSource, ReadsPointsAndCells) {

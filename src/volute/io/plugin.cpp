@@ -71,6 +71,16 @@ Result<const MeshPlugin*> loadVtkMeshPlugin() {
                           "VOLUTE_WITH_VTK");
 }
 
+Result<const SurfacePlugin*> loadVtkSurfacePlugin() {
+  return load<SurfacePlugin>(VOLUTE_HAS_VTK, "volute_io_vtk", "voluteVtkSurfacePlugin", "VTK",
+                             "VOLUTE_WITH_VTK");
+}
+
+Result<const SurfacePlugin*> loadGltfPlugin() {
+  return load<SurfacePlugin>(VOLUTE_HAS_GLTF, "volute_io_gltf", "voluteGltfPlugin", "tinygltf",
+                             "VOLUTE_WITH_GLTF");
+}
+
 Result<const FilmPlugin*> loadFilmPlugin() {
   return load<FilmPlugin>(VOLUTE_HAS_VIDEO, "volute_io_video", "voluteFilmPlugin", "libav",
                           "VOLUTE_WITH_VIDEO");

@@ -6,6 +6,7 @@
 #include "volute/io/film.hpp"
 #include "volute/io/lattice.hpp"
 #include "volute/io/mesh.hpp"
+#include "volute/io/surface.hpp"
 
 namespace volute {
 
@@ -16,6 +17,8 @@ namespace volute {
 [[nodiscard]] Result<const LatticePlugin*> loadVdbPlugin();
 [[nodiscard]] Result<const LatticePlugin*> loadVtkPlugin();
 [[nodiscard]] Result<const MeshPlugin*> loadVtkMeshPlugin();
+[[nodiscard]] Result<const SurfacePlugin*> loadVtkSurfacePlugin();
+[[nodiscard]] Result<const SurfacePlugin*> loadGltfPlugin();
 [[nodiscard]] Result<const FilmPlugin*> loadFilmPlugin();
 
 /// What `function` of another plug-in, lib/volute/NAME.so, returns. `library` is what it needs, for

@@ -26,6 +26,7 @@ struct PngState {
   int channels = 0, bits = 0;
   bool keepAlpha = false;  // as the last channel, if there is one
   bool hasAlpha = false;
+  ImageNotes notes;
   std::vector<png_byte> pixels;
   std::vector<png_bytep> rows;
 };
@@ -89,8 +90,17 @@ bool readPngPixels(png_structp png, png_infop info, PngState& state) {
     png_error(png, "rows of an unexpected length");
   }
   png_read_image(png, state.rows.data());
-  png_read_end(png, nullptr);
+  png_read_end(png, info);
   return true;
+}
+
+/// Of a picture that was read.
+ImageNotes notesOf(png_structp png, png_infop info) {
+  ImageNotes notes;
+  png_textp texts = nullptr;
+  const int count = png_get_text(png, info, &texts, nullptr);
+  for (int i = 0; i < count; ++i) notes.emplace_back(texts[i].key, texts[i].text);
+  return notes;
 }
 
 Image toImage(const PngState& state, bool raw) {
@@ -113,7 +123,8 @@ Image toImage(const PngState& state, bool raw) {
   return image;
 }
 
-bool encodePng(png_structp png, png_infop info, const Image& image, PngState& state) {
+bool encodePng(png_structp png, png_infop info, const Image& image, std::vector<png_text>& texts,
+               PngState& state) {
   if (setjmp(png_jmpbuf(png)))
     return false;
   png_set_write_fn(png, &state, onWrite, nullptr);
@@ -121,6 +132,8 @@ bool encodePng(png_structp png, png_infop info, const Image& image, PngState& st
                image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  if (!texts.empty())
+    png_set_text(png, info, texts.data(), static_cast<int>(texts.size()));
   png_write_info(png, info);
   png_write_image(png, state.rows.data());
   png_write_end(png, info);
@@ -150,6 +163,7 @@ Status readPngFile(const std::filesystem::path& path, const ImageReadOptions& op
     layOutRows(state, std::size_t{state.width} * state.channels * (state.bits / 8));
     if (!readPngPixels(png, info, state))
       return fail(ErrorCode::kInvalidData, "");
+    state.notes = notesOf(png, info);
     return {};
   };
   const Status status = readAll();
@@ -184,15 +198,30 @@ Result<std::optional<Image>> readPngAlpha(const std::filesystem::path& path,
   return std::optional<Image>(std::move(alpha));
 }
 
-Status writePng(const std::filesystem::path& path, const Image& image) {
+Result<ImageNotes> readPngNotes(const std::filesystem::path& path) {
+  PngState state;
+  VOLUTE_TRY(readPngFile(path, {}, state));
+  return std::move(state.notes);
+}
+
+Status writePng(const std::filesystem::path& path, const Image& image, const ImageNotes& notes) {
   PngState state;
   state.width = static_cast<png_uint_32>(image.width);
   state.height = static_cast<png_uint_32>(image.height);
   state.pixels = toSrgb8(image);
   layOutRows(state, std::size_t{state.width} * image.channels);
+  // libpng takes names and texts that it promises not to change.
+  std::vector<png_text> texts;
+  for (const auto& [name, text] : notes) {
+    png_text& entry = texts.emplace_back();
+    entry.compression = PNG_TEXT_COMPRESSION_NONE;
+    entry.key = const_cast<char*>(name.c_str());
+    entry.text = const_cast<char*>(text.c_str());
+    entry.text_length = text.size();
+  }
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &state, onError, onWarning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
-  const bool encoded = info && encodePng(png, info, image, state);
+  const bool encoded = info && encodePng(png, info, image, texts, state);
   png_destroy_write_struct(&png, &info);
   if (!encoded)
     return fail(ErrorCode::kIo, "{}: cannot encode the picture: {}", path.string(), state.message);

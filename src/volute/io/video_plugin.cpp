@@ -93,7 +93,7 @@ class AvFilmWriter final : public FilmWriter {
   AvFilmWriter(PendingFile file, int width, int height)
       : file_(std::move(file)), width_(width), height_(height) {}
 
-  Status open(const Encoding& encoding, double framesPerSecond) {
+  Status open(const Encoding& encoding, double framesPerSecond, const std::string& comment) {
     const AVCodec* codec = avcodec_find_encoder_by_name(encoding.encoder);
     if (!codec) {
       return fail(ErrorCode::kUnsupported,
@@ -106,6 +106,8 @@ class AvFilmWriter final : public FilmWriter {
     VOLUTE_TRY(check(avformat_alloc_output_context2(&output, nullptr, nullptr, url.c_str())));
     output_.reset(output);
     output_->flags |= AVFMT_FLAG_BITEXACT;
+    if (!comment.empty())
+      VOLUTE_TRY(check(av_dict_set(&output->metadata, "comment", comment.c_str(), 0)));
     stream_ = avformat_new_stream(output, nullptr);
     codec_.reset(avcodec_alloc_context3(codec));
     packet_.reset(av_packet_alloc());
@@ -236,14 +238,15 @@ class AvFilmWriter final : public FilmWriter {
 };
 
 Result<std::unique_ptr<FilmWriter>> makeWriter(const std::filesystem::path& path, int width,
-                                               int height, double framesPerSecond) {
+                                               int height, double framesPerSecond,
+                                               const std::string& comment) {
   av_log_set_level(AV_LOG_QUIET);
   for (const auto& encoding : encodings()) {
     if (path.extension() != encoding.extension)
       continue;
     VOLUTE_ASSIGN(auto file, PendingFile::create(path));
     auto writer = std::make_unique<AvFilmWriter>(std::move(file), width, height);
-    VOLUTE_TRY(writer->open(encoding, framesPerSecond));
+    VOLUTE_TRY(writer->open(encoding, framesPerSecond, comment));
     return writer;
   }
   return fail(ErrorCode::kUnsupported, "{}: not a known kind of film; expected .mp4 or .webm",

@@ -94,7 +94,7 @@ class VtkMeshReader final : public MeshReader {
     std::vector<Field> fields;
     listFields(grid->GetPointData(), false, names, fields);
     listFields(grid->GetCellData(), true, names, fields);
-    VOLUTE_ASSIGN(const std::size_t chosen, chooseGrid(names, wanted, file));
+    VOLUTE_ASSIGN(const std::size_t chosen, chooseGrid(names, wanted, file, "field"));
     data_ = {};
     data_.field = names[chosen].name;
     data_.ofCells = fields[chosen].ofCells;

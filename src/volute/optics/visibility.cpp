@@ -9,10 +9,46 @@
 #include <numbers>
 
 namespace volute {
+namespace {
+
+constexpr std::string_view kReflecting =
+    "light-reflecting signs: FDS User Guide, visibility, after Mulholland (SFPE Handbook); Jin's "
+    "experiments give 2 to 4";
+constexpr std::string_view kEmitting =
+    "light-emitting signs: FDS User Guide, visibility, after Mulholland (SFPE Handbook); Jin's "
+    "experiments give 5 to 10";
+
+}  // namespace
+
+std::span<const SightLimit> sightLimits() {
+  static const std::array<SightLimit, 4> limits{
+      {{"aset-rset-maps", std::numbers::ln10 / 0.23, "reciprocal-od",
+        "K < 0.23 1/m: Schroeder, Arnold, Seyfried, A Map Representation of the ASET-RSET Concept, "
+        "2020, and its program",
+        true},
+       {"large-room", 10, "jin-reflecting", "10 m in large rooms: Purser, PD 7974-6, CIBSE Guide E",
+        false},
+       {"small-room", 5, "jin-reflecting", "5 m in small rooms: Purser, PD 7974-6, CIBSE Guide E",
+        false},
+       {"nfpa-130", 10, "jin-reflecting", "doors and walls at 10 m: NFPA 130, stations", false}}};
+  return limits;
+}
+
+Result<SightLimit> sightLimit(std::string_view name) {
+  std::string names;
+  for (const SightLimit& limit : sightLimits()) {
+    if (limit.name == name)
+      return limit;
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", limit.name);
+  }
+  return fail(ErrorCode::kInvalidArgument, "sight limit '{}': expected {}", name, names);
+}
 
 std::span<const VisibilityLaw> visibilityLaws() {
   static const std::array<VisibilityLaw, 3> laws{
-      {{"jin-reflecting", 3}, {"jin-emitting", 8}, {"reciprocal-od", std::numbers::ln10}}};
+      {{"jin-reflecting", 3, kReflecting},
+       {"jin-emitting", 8, kEmitting},
+       {"reciprocal-od", std::numbers::ln10, "S = 1/D: Staubli et al. 2005, section 3"}}};
   return laws;
 }
 
@@ -50,6 +86,10 @@ Result<PictureMode> pictureMode(std::string_view name) {
       "picture mode '{}': expected photometric (the light that passes) or threshold (10 % at "
       "the visibility distance)",
       name);
+}
+
+double PictureLaw::factor() const {
+  return mode == PictureMode::kPhotometric ? 1 : std::numbers::ln10 / c;
 }
 
 double photometricTransmittance(double depth) {

@@ -14,8 +14,25 @@ namespace volute {
 /// holds for the signs and the illumination of the experiments behind it.
 struct VisibilityLaw {
   std::string name;
-  double c = 3;  ///< the optical depth at which a thing is no longer seen, > 0
+  double c = 3;                  ///< the optical depth at which a thing is no longer seen, > 0
+  std::string_view source = {};  ///< where C comes from; empty for a custom one
+  bool checked = true;           ///< the source was read, not quoted from memory
 };
+
+/// A least distance of sight that a way of escape is asked to keep, about smoke where the eye is:
+/// S = C / K there. Rules differ by country and by building: each has its source.
+struct SightLimit {
+  std::string_view name;
+  double distance = 0;   ///< [m]
+  std::string_view law;  ///< of visibilityLaws(), for S
+  std::string_view source;
+  bool checked = false;  ///< the source was read, not quoted from memory
+};
+
+std::span<const SightLimit> sightLimits();
+
+/// One of sightLimits(). An error lists them.
+[[nodiscard]] Result<SightLimit> sightLimit(std::string_view name);
 
 /// jin-reflecting 3, jin-emitting 8 (Jin's experiments: reflecting and light-emitting signs),
 /// reciprocal-od ln 10 (S = 1/D, 10 % of the light left: Staubli et al. 2005, section 3).
@@ -35,6 +52,16 @@ enum class PictureMode {
 
 std::string_view nameOf(PictureMode mode);
 [[nodiscard]] Result<PictureMode> pictureMode(std::string_view name);
+
+/// What everything in one picture is seen through, signs apart, which have a C of their own.
+struct PictureLaw {
+  PictureMode mode = PictureMode::kPhotometric;
+  double c = 3;  ///< of threshold mode
+
+  /// The picture's transmittance is e^(-factor depth): 1, or ln 10 / C.
+  double factor() const;
+  bool operator==(const PictureLaw&) const = default;
+};
 
 /// The share of light that passes an optical depth (natural logarithm).
 double photometricTransmittance(double depth);

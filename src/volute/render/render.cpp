@@ -45,7 +45,11 @@ struct Scene {
   }
 };
 
-std::vector<Pixel> pixelsOfTile(const Camera& camera, int left, int top) {
+std::vector<Pixel> pixelsOfTile(const Scene& scene, int left, int top) {
+  const Camera& camera = scene.camera;
+  const auto wanted = [&](const Pixel& pixel) {
+    return scene.options.only.empty() || scene.options.only[scene.index(pixel)];
+  };
   std::vector<Pixel> pixels;
   pixels.reserve(kTile * kTile);
   const int right = std::min(left + kTile, camera.width());
@@ -53,7 +57,10 @@ std::vector<Pixel> pixelsOfTile(const Camera& camera, int left, int top) {
   for (int blockY = top; blockY < bottom; blockY += kBlock) {
     for (int blockX = left; blockX < right; blockX += kBlock) {
       for (int y = blockY; y < std::min(blockY + kBlock, bottom); ++y) {
-        for (int x = blockX; x < std::min(blockX + kBlock, right); ++x) pixels.push_back({x, y});
+        for (int x = blockX; x < std::min(blockX + kBlock, right); ++x) {
+          if (wanted({x, y}))
+            pixels.push_back({x, y});
+        }
       }
     }
   }
@@ -184,7 +191,7 @@ void renderDepths(const Scene& scene, std::span<const Pixel> pixels,
 }
 
 void renderTile(const Scene& scene, int left, int top, Image& image, RenderStats& stats) {
-  const std::vector<Pixel> pixels = pixelsOfTile(scene.camera, left, top);
+  const std::vector<Pixel> pixels = pixelsOfTile(scene, left, top);
   std::vector<Segment> segments;
   segments.reserve(pixels.size());
   for (const Pixel& pixel : pixels) segments.push_back(scene.ray(pixel));
@@ -216,6 +223,11 @@ Result<Image> render(const Camera& camera, std::span<const AnyMedium> media,
     return fail(ErrorCode::kInvalidArgument,
                 "the picture behind has {} x {} x {} values for an image of {} x {} pixels",
                 behind->width, behind->height, behind->channels, image.width, image.height);
+  }
+  if (!options.only.empty() && options.only.size() != pixels) {
+    return fail(ErrorCode::kInvalidArgument,
+                "a choice among {} pixels for an image of {} x {} pixels", options.only.size(),
+                image.width, image.height);
   }
   const Scene scene{camera, media, options, opaqueDepth};
   const int columns = (image.width + kTile - 1) / kTile;

@@ -33,6 +33,8 @@ struct RenderOptions {
   /// A linear RGB picture of the camera's size that is seen through all media, opaque surfaces
   /// and what is beyond them alike; instead of the background. Must outlive the call.
   const Image* behind = nullptr;
+  /// Empty, or one for each pixel, row by row: 0 leaves it black. Must outlive the call.
+  std::span<const std::uint8_t> only = {};
 };
 
 struct RenderStats {
@@ -52,7 +54,7 @@ struct RenderStats {
 /// @param stats  filled when it is not null.
 /// @return the picture, the same for any number of threads; kCancelled when `progress` said so,
 /// kInvalidArgument when
-///   the size of opaqueDepth or of the picture behind is not the camera's.
+///   the size of opaqueDepth, of the picture behind or of `only` is not the camera's.
 [[nodiscard]] Result<Image> render(const Camera& camera, std::span<const AnyMedium> media,
                                    const RenderOptions& options, Progress& progress,
                                    RenderStats* stats = nullptr,

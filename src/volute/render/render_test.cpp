@@ -11,6 +11,7 @@
 
 #include "volute/base/parallel.hpp"
 #include "volute/grid/voxel_medium.hpp"
+#include "volute/render/scaled_medium.hpp"
 
 namespace volute {
 namespace {
@@ -266,6 +267,37 @@ TEST(Render, StopsWhenAsked) {
   const auto image = render(Camera::framing(medium.bounds(), 200, 200), {&medium, 1}, {}, stop);
   ASSERT_FALSE(image);
   EXPECT_EQ(image.error().code, ErrorCode::kCancelled);
+}
+
+TEST(Render, ChoosesAmongPixels) {
+  const AnyMedium medium(cloud(3, Basis::kTrilinear, 1, 2));
+  const Camera camera = Camera::framing(medium.bounds(), 40, 30);
+  const Image whole = picture(camera, {&medium, 1});
+  std::vector<std::uint8_t> only(40 * 30);
+  for (std::size_t i = 0; i < only.size(); ++i) only[i] = i % 3 == 0;
+  RenderOptions options;
+  options.only = only;
+  const Image some = picture(camera, {&medium, 1}, options);
+  for (std::size_t i = 0; i < some.pixels.size(); ++i)
+    EXPECT_EQ(some.pixels[i], only[i / 3] ? whole.pixels[i] : 0);
+  options.only = std::span(only).first(7);
+  Progress progress;
+  EXPECT_FALSE(render(camera, {&medium, 1}, options, progress));
+}
+
+TEST(ScaledMedium, TakesAndSendsMore) {
+  const AnyMedium one = block({Vec3(0, 0, 0), Vec3(2, 1, 1)}, 0.5, 0.25);
+  const ScaledMedium more(one, 3);
+  const Segment ray{Vec3(-1, 0.5, 0.5), Vec3::UnitX(), 0, 10};
+  double depth = 0;
+  more.opticalDepth({&ray, 1}, {&depth, 1});
+  EXPECT_NEAR(depth, 1.5, 1e-6);
+  Radiance light;
+  AnyMedium(more).radiance({&ray, 1}, {&light, 1});
+  EXPECT_NEAR(light.transmittance, std::exp(-1.5), 1e-6);
+  EXPECT_NEAR(light.emitted[0], 2 * (1 - std::exp(-1.5)), 1e-6);
+  EXPECT_NEAR(more.extinction(Vec3(1, 0.5, 0.5)), 0.75, 1e-6);
+  EXPECT_NEAR(more.emission(Vec3(1, 0.5, 0.5))[1], 1.5, 1e-6);
 }
 
 }  // namespace

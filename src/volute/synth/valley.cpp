@@ -328,6 +328,25 @@ Valley::Frame Valley::look(const Camera& camera) const {
   return frame;
 }
 
+TriangleMesh Valley::surfaces(int every) const {
+  TriangleMesh mesh;
+  for (const Rgb& color : {rgb(0.16, 0.24, 0.06), rgb(0.07, 0.10, 0.03), rgb(0.26, 0.25, 0.21),
+                           rgb(0.06, 0.12, 0.17), rgb(0.05, 0.11, 0.035), rgb(0.36, 0.12, 0.07)})
+    mesh.materials.push_back({color, Rgb::Zero()});  // in the order of Cover
+  const auto corner = [&](int i, int j) {
+    return Vec3(i * kStep, j * kStep, heights_[index(i, j)]);
+  };
+  for (int j = 0; j + every < kSamples; j += every) {
+    for (int i = 0; i + every < kSamples; i += every) {
+      const auto cover = static_cast<std::uint32_t>(covers_[index(i + every / 2, j + every / 2)]);
+      const Vec3 here = corner(i, j), across = corner(i + every, j + every);
+      mesh.triangles.push_back({{here, corner(i + every, j), across}, cover});
+      mesh.triangles.push_back({{here, across, corner(i, j + every)}, cover});
+    }
+  }
+  return mesh;
+}
+
 Image Valley::fogMap(int size) const {
   Image map(size, size, 1);
   for (int row = 0; row < size; ++row) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "volute/camera/camera.hpp"
+#include "volute/geometry/triangle_scene.hpp"
 #include "volute/image/image.hpp"
 
 namespace volute {
@@ -30,6 +31,9 @@ class Valley {
   /// A painted map of morning fog, values 0..1 in steps of 1/255 that lie along the river and in
   /// banks; its first row has the largest y. Cells of kSide / size.
   Image fogMap(int size) const;
+
+  /// The same as triangles, of every `every`-th height, coloured by what covers each place.
+  TriangleMesh surfaces(int every) const;
 
   /// From a slope, along the valley.
   View3 view() const;

@@ -162,7 +162,7 @@ double heldOutError(const LeastSquares& data, std::span<const std::uint8_t> held
       continue;
     for (std::size_t c = 0; c < 3; ++c) {
       const double measured = data.measured[4 * row + c];
-      const double difference = projected[4 * row + c] - measured;
+      const double difference = data.misfit(4 * row + c, projected[4 * row + c]);
       error += data.squaredWeight[row] * difference * difference;
       light += data.squaredWeight[row] * measured * measured;
     }

@@ -22,12 +22,13 @@ Status checkView(const TomographyView& view) {
                 view.camera.height());
   const std::size_t pixels = static_cast<std::size_t>(image.width) * image.height;
   if ((!view.weight.empty() && view.weight.size() != pixels) ||
-      (!view.silhouette.empty() && view.silhouette.size() != pixels))
+      (!view.silhouette.empty() && view.silhouette.size() != pixels) ||
+      (!view.atLeast.empty() && view.atLeast.size() != pixels))
     return fail(ErrorCode::kInvalidArgument,
                 "Camera {}: its mask is not as large as its image of {} x {} pixels", view.name,
                 image.width, image.height);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-    const bool counts = view.weight.empty() || view.weight[i / 3] != 0;
+    const bool counts = view.counts(i / 3) || view.isSaturated(i / 3);
     if (counts && !std::isfinite(image.pixels[i]))
       return fail(ErrorCode::kInvalidData,
                   "Camera {}: pixel ({}, {}) is not a finite number; repair the image or mask the "
@@ -49,7 +50,7 @@ bool sees(const TomographyView& view) {
 TomographyView cleaned(const TomographyView& view) {
   TomographyView clean = view;
   for (std::size_t i = 0; i < clean.radiance.pixels.size(); ++i) {
-    if (!view.weight.empty() && view.weight[i / 3] == 0)
+    if (!view.counts(i / 3) && !view.isSaturated(i / 3))
       clean.radiance.pixels[i] = 0;
   }
   return clean;
@@ -87,8 +88,8 @@ std::vector<std::uint8_t> rowMask(const TomographyView& view,
   std::vector<std::uint8_t> mask = silhouette;
   if (mask.empty())
     mask.assign(static_cast<std::size_t>(view.camera.width()) * view.camera.height(), 1);
-  for (std::size_t i = 0; i < view.weight.size(); ++i) {
-    if (view.weight[i] == 0)
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (!view.counts(i) && !view.isSaturated(i))
       mask[i] = 0;
   }
   return mask;
@@ -107,12 +108,15 @@ void fillRows(std::span<const TomographyView> views, const TomographyOptions& op
   data.projector = problem.projector.get();
   data.measured.resize(4 * rows.size());
   data.squaredWeight.resize(rows.size());
+  data.atLeast.assign(rows.size(), 0);
   double sum = 0;
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const TomographyView& view = views[rows[row].view];
     const std::size_t pixel = rows[row].pixel;
     std::copy_n(&view.radiance.pixels[3 * pixel], 3, &data.measured[4 * row]);
-    const float own = view.weight.empty() ? 1 : view.weight[pixel];
+    const bool saturated = view.isSaturated(pixel) && weighs;
+    const float own = saturated ? 1 : view.weight.empty() ? 1 : view.weight[pixel];
+    data.atLeast[row] = saturated ? view.atLeast[pixel] : 0;
     const float uncertain = variance[rows[row].view][pixel];
     data.squaredWeight[row] = uncertain > 0 ? own * own / uncertain : 0;
     sum += data.squaredWeight[row];
@@ -205,6 +209,8 @@ std::vector<double> residualOfViews(const FrameProblem& problem, std::size_t vie
   const LeastSquares& data = problem.data;
   const auto rows = problem.projector->pixels();
   for (std::size_t i = 0; i < projected.size(); ++i) {
+    if (data.atLeast[i / 4] != 0)
+      continue;
     const double measured = data.measured[i];
     const double difference = projected[i] - measured;
     error[rows[i / 4].view] += difference * difference;

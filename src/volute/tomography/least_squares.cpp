@@ -10,15 +10,14 @@ namespace volute {
 
 void LeastSquares::gradient(std::span<const float> projected, std::span<float> gradient) const {
   std::vector<float> residual(projected.size());
-  forElements(residual.size(), [&](std::size_t i) {
-    residual[i] = squaredWeight[i / 4] * (projected[i] - measured[i]);
-  });
+  forElements(residual.size(),
+              [&](std::size_t i) { residual[i] = squaredWeight[i / 4] * misfit(i, projected[i]); });
   projector->adjoint(residual, gradient);
 }
 
 double LeastSquares::squaredResidual(std::span<const float> projected) const {
   return sumElements(projected.size(), [&](std::size_t i) {
-    const double r = static_cast<double>(projected[i]) - measured[i];
+    const double r = misfit(i, projected[i]);
     return squaredWeight[i / 4] * r * r;
   });
 }

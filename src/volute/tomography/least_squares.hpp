@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -14,10 +15,20 @@ struct LeastSquares {
   const Projector* projector = nullptr;
   std::vector<float> measured;       ///< p - b, four floats for each row
   std::vector<float> squaredWeight;  ///< one for each row; 0 for pixels that are held out
+  /// One for each row, bit c: channel c was `measured` or more, and costs nothing above. Empty:
+  /// none. For solvers that go by gradient() alone.
+  std::vector<std::uint8_t> atLeast{};
 
   std::size_t unknowns() const { return projector->unknowns(); }
 
   std::size_t rows() const { return projector->rows(); }
+
+  /// projected - measured of element i, 4 for each row; 0 for what is above a bound.
+  float misfit(std::size_t i, float projected) const {
+    const float difference = projected - measured[i];
+    const bool bound = !atLeast.empty() && (atLeast[i / 4] >> (i % 4) & 1) != 0;
+    return bound && difference > 0 ? 0 : difference;
+  }
 
   /// gradient = S' W^2 (projected - measured), given projected = S a.
   void gradient(std::span<const float> projected, std::span<float> gradient) const;

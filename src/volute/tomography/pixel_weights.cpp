@@ -14,8 +14,10 @@ namespace {
 double squaredGradient(const TomographyView& view, int x, int y) {
   const Image& image = view.radiance;
   auto counts = [&](int i, int j) {
-    return i >= 0 && j >= 0 && i < image.width && j < image.height &&
-           (view.weight.empty() || view.weight[static_cast<std::size_t>(j) * image.width + i] > 0);
+    if (i < 0 || j < 0 || i >= image.width || j >= image.height)
+      return false;
+    const std::size_t pixel = static_cast<std::size_t>(j) * image.width + i;
+    return view.counts(pixel) || view.isSaturated(pixel);
   };
   const int left = counts(x - 1, y) ? x - 1 : x, right = counts(x + 1, y) ? x + 1 : x;
   const int above = counts(x, y - 1) ? y - 1 : y, below = counts(x, y + 1) ? y + 1 : y;

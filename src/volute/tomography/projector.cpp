@@ -53,6 +53,21 @@ ImageRow makeImageRow(const Support& support, const Camera& camera,
 
 }  // namespace
 
+/// The projector's own working memory, or some for once when another product has it.
+class Projector::ScratchUse {
+ public:
+  explicit ScratchUse(const Projector& projector)
+      : lock_(projector.scratchMutex_, std::try_to_lock),
+        scratch_(lock_ ? &projector.scratch_ : &own_) {}
+
+  Scratch* operator->() const { return scratch_; }
+
+ private:
+  std::unique_lock<std::mutex> lock_;
+  Scratch own_;
+  Scratch* scratch_;
+};
+
 WalkRay walkRay(const Support& support, const Segment& segment) {
   WalkRay ray{};
   double first = 0;
@@ -126,9 +141,10 @@ void Projector::reach(Chunk& chunk) const {
     std::int32_t from = ray.node, to = ray.node;
     for (int a = 0; a < 3; ++a) {
       const double ends = ray.position[a] + static_cast<double>(ray.length) * ray.velocity[a];
-      // One cell more, as rounding may have it, and the upper corners.
-      from += static_cast<std::int32_t>(std::min(std::floor(ends) - 1, 0.0)) * lattice_.stride[a];
-      to += static_cast<std::int32_t>(std::max(std::floor(ends) + 2, 1.0)) * lattice_.stride[a];
+      // The upper corners, and two cells more at both ends: one as rounding may have it, one as
+      // walks end with weights of 0 beside the last cell.
+      from += static_cast<std::int32_t>(std::min(std::floor(ends) - 2, 0.0)) * lattice_.stride[a];
+      to += static_cast<std::int32_t>(std::max(std::floor(ends) + 3, 1.0)) * lattice_.stride[a];
     }
     low = std::min(low, from);
     high = std::max(high, to + 1);
@@ -171,25 +187,29 @@ bool Projector::writeTables(std::uint64_t bytes) {
 
 void Projector::writeTable(const Chunk& chunk, std::span<const std::int32_t> unknownAt,
                            Table& table) const {
+  constexpr std::size_t kRowsAtOnce = 16;
   std::vector<std::uint32_t> place(unknowns(), 0);  // in the row, from 1; 0 = not there yet
-  std::vector<NodeWeight> raw;
+  std::vector<std::vector<NodeWeight>> raw(kRowsAtOnce);
   table.begin.push_back(0);
-  for (std::size_t row = chunk.firstRow; row < chunk.lastRow; ++row) {
-    raw.clear();
-    walkWeights(lattice_, rays_.data() + row * raysPerPixel_, raysPerPixel_, raw);
-    const std::size_t begin = table.weights.size();
-    for (const NodeWeight& w : raw) {
-      const std::int32_t unknown = unknownAt[w.node];
-      if (unknown < 0)
-        continue;
-      if (place[unknown] == 0) {
-        table.weights.push_back({unknown, 0});
-        place[unknown] = static_cast<std::uint32_t>(table.weights.size() - begin);
+  for (std::size_t first = chunk.firstRow; first < chunk.lastRow; first += kRowsAtOnce) {
+    const std::size_t count = std::min(kRowsAtOnce, chunk.lastRow - first);
+    for (auto& row : raw) row.clear();
+    walkWeights(lattice_, rays_.data() + first * raysPerPixel_, count, raysPerPixel_, raw.data());
+    for (std::size_t row = 0; row < count; ++row) {
+      const std::size_t begin = table.weights.size();
+      for (const NodeWeight& w : raw[row]) {
+        const std::int32_t unknown = unknownAt[w.node];
+        if (unknown < 0)
+          continue;
+        if (place[unknown] == 0) {
+          table.weights.push_back({unknown, 0});
+          place[unknown] = static_cast<std::uint32_t>(table.weights.size() - begin);
+        }
+        table.weights[begin + place[unknown] - 1].weight += w.weight;
       }
-      table.weights[begin + place[unknown] - 1].weight += w.weight;
+      for (std::size_t i = begin; i < table.weights.size(); ++i) place[table.weights[i].node] = 0;
+      table.begin.push_back(table.weights.size());
     }
-    for (std::size_t i = begin; i < table.weights.size(); ++i) place[table.weights[i].node] = 0;
-    table.begin.push_back(table.weights.size());
   }
 }
 
@@ -216,14 +236,13 @@ void Projector::multiply(const Table& table, std::span<const float> values,
   });
 }
 
-std::vector<float> Projector::toLattice(std::span<const float> unknowns) const {
-  std::vector<float> lattice(4 * support_->latticeSize());
+void Projector::toLattice(std::span<const float> unknowns, std::vector<float>& lattice) const {
+  lattice.resize(4 * support_->latticeSize());  // what is no unknown stays 0
   const auto nodes = support_->nodes();
   parallelRanges(nodes.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       std::copy_n(&unknowns[4 * i], 4, &lattice[4 * static_cast<std::size_t>(nodes[i])]);
   });
-  return lattice;
 }
 
 void Projector::forward(std::span<const float> unknowns, std::span<float> pixels) const {
@@ -232,7 +251,9 @@ void Projector::forward(std::span<const float> unknowns, std::span<float> pixels
     multiply(byRow_, unknowns, pixels);
     return;
   }
-  const std::vector<float> lattice = toLattice(unknowns);
+  const ScratchUse scratch(*this);
+  std::vector<float>& lattice = scratch->lattice;
+  toLattice(unknowns, lattice);
   parallelRanges(rows(), 64, [&](std::size_t begin, std::size_t end) {
     walkForward(lattice_, lattice.data(), rays_.data() + begin * raysPerPixel_, end - begin,
                 raysPerPixel_, pixels.data() + 4 * begin);
@@ -245,7 +266,9 @@ void Projector::adjoint(std::span<const float> pixels, std::span<float> unknowns
     multiply(byUnknown_, pixels, unknowns);
     return;
   }
-  std::vector<std::vector<float>> parts(chunks_.size());
+  const ScratchUse scratch(*this);
+  std::vector<std::vector<float>>& parts = scratch->parts;
+  parts.resize(chunks_.size());
   parallelFor(chunks_.size(), [&](std::size_t i) {
     const Chunk& chunk = chunks_[i];
     parts[i].assign(4 * static_cast<std::size_t>(chunk.lastNode - chunk.firstNode), 0.0F);
@@ -254,17 +277,26 @@ void Projector::adjoint(std::span<const float> pixels, std::span<float> unknowns
                 rays_.data() + chunk.firstRow * raysPerPixel_, chunk.lastRow - chunk.firstRow,
                 raysPerPixel_, origin);
   });
+  addParts(parts, unknowns);
+}
+
+/// In the order of the chunks.
+void Projector::addParts(std::span<const std::vector<float>> parts,
+                         std::span<float> unknowns) const {
   const auto nodes = support_->nodes();
   parallelRanges(nodes.size(), 1024, [&](std::size_t begin, std::size_t end) {
     std::fill(unknowns.begin() + 4 * begin, unknowns.begin() + 4 * end, 0.0F);
     for (std::size_t c = 0; c < chunks_.size(); ++c) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const std::int32_t at = nodes[i];
-        if (at < chunks_[c].firstNode || at >= chunks_[c].lastNode)
-          continue;
-        const float* part = &parts[c][4 * static_cast<std::size_t>(at - chunks_[c].firstNode)];
-        for (int k = 0; k < 4; ++k) unknowns[4 * i + k] += part[k];
-      }
+      // Nodes ascend with the unknowns.
+      const auto from =
+          std::lower_bound(nodes.begin() + begin, nodes.begin() + end, chunks_[c].firstNode);
+      const auto to = std::lower_bound(from, nodes.begin() + end, chunks_[c].lastNode);
+      const float* part = parts[c].data() - 4 * static_cast<std::ptrdiff_t>(chunks_[c].firstNode);
+      for (auto i = static_cast<std::size_t>(from - nodes.begin()),
+                last = static_cast<std::size_t>(to - nodes.begin());
+           i < last; ++i)
+        for (int k = 0; k < 4; ++k)
+          unknowns[4 * i + k] += part[4 * static_cast<std::ptrdiff_t>(nodes[i]) + k];
     }
   });
 }

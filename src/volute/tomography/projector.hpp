@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -71,6 +72,14 @@ class Projector {
     std::vector<NodeWeight> weights;
   };
 
+  /// Working memory of products: taking it anew each time costs as much as a walk.
+  struct Scratch {
+    std::vector<float> lattice;             ///< the unknowns with zeros around
+    std::vector<std::vector<float>> parts;  ///< each chunk's gradient
+  };
+
+  class ScratchUse;
+
   void addView(int view, const ProjectorView& what);
   void cutChunks();
   void reach(Chunk& chunk) const;
@@ -78,7 +87,8 @@ class Projector {
   void writeTable(const Chunk& chunk, std::span<const std::int32_t> unknownAt, Table& table) const;
   void transposeTable();
   void multiply(const Table& table, std::span<const float> values, std::span<float> sums) const;
-  std::vector<float> toLattice(std::span<const float> unknowns) const;
+  void toLattice(std::span<const float> unknowns, std::vector<float>& lattice) const;
+  void addParts(std::span<const std::vector<float>> parts, std::span<float> unknowns) const;
 
   std::shared_ptr<const Support> support_;
   int raysPerPixel_;
@@ -87,6 +97,8 @@ class Projector {
   std::vector<WalkRay> rays_;  ///< raysPerPixel for each row
   std::vector<Chunk> chunks_;
   Table byRow_, byUnknown_;  ///< empty without a table
+  mutable std::mutex scratchMutex_;
+  mutable Scratch scratch_;
 };
 
 /// The ray of a segment through the cells that unknowns reach into; length 0 when it meets none.

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 
-// One ray at a time: its place in a vector of x, y, z, a voxel's colours in another. Rays in lanes
-// would need gathers for 24 values a cell, and the transpose would need scatters with conflicts.
+// Rays walk side by side, one in each lane, and write down what they pass: a few steps at a time,
+// which stay in the innermost cache. Then the weights of one ray after the other meet the values, a
+// node's colours in one vector: rays in lanes would need gathers there, and the transpose scatters
+// with conflicts.
 
 #include "volute/tomography/ray_kernels.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 // The fallback needs vectors of four. The compiler's bug that makes Highway avoid them (GCC 106322)
@@ -29,187 +32,275 @@ using D4 = hn::FixedTag<float, 4>;
 using V4 = hn::Vec<D4>;
 constexpr D4 d4;
 
+using DF = hn::CappedTag<float, 16>;
+using DI = hn::RebindToSigned<DF>;
+using VF = hn::Vec<DF>;
+using VI = hn::Vec<DI>;
+using MF = hn::Mask<DF>;
+constexpr DF df;
+constexpr DI di;
+constexpr std::size_t kLanes = hn::MaxLanes(df);
+
 constexpr float kNever = 1e30F;
+constexpr int kSteps = 8;  // between two turns of the values
 
-/// The walk of one ray from cell to cell.
-class Walk {
+/// Nodes that a step of a ray is done with. Trilinear: the four corners of the face of its cell
+/// that lies behind it, with all weight that they get from this ray. Box: the cell.
+template <Basis kBasis>
+constexpr int kNodesAStep = kBasis == Basis::kBox ? 1 : 4;
+
+/// What the rays of a group passed in up to kSteps steps.
+template <Basis kBasis>
+struct Passed {
+  static constexpr int kNodes = kNodesAStep<kBasis>;
+  alignas(64) std::int32_t steps[kLanes];  ///< of each ray
+  alignas(64) std::int32_t node[kSteps][kNodes][kLanes];
+  alignas(64) float weight[kSteps][kNodes][kLanes];
+};
+
+/// A place in each ray's cell, or a length along its axes.
+struct Vec3F {
+  VF x, y, z;
+};
+
+HWY_INLINE VI Select(MF mask, VI yes, VI no) {
+  return hn::IfThenElse(hn::RebindMask(di, mask), yes, no);
+}
+
+/// The rays of a group from cell to cell. Each is mirrored so that it goes upwards on all axes: it
+/// enters cells at 0 and leaves them at 1, and strides carry the sign.
+template <Basis kBasis>
+class Group {
  public:
-  HWY_INLINE Walk(const WalkLattice& lattice, const WalkRay& ray)
-      : length_(ray.length), node_(ray.node) {
-    alignas(16) float position[4], velocity[4], inverse[4], exit[4], enter[4];
-    std::int32_t step[3];
-    for (int a = 0; a < 3; ++a) {
-      position[a] = ray.position[a];
-      velocity[a] = ray.velocity[a];
-      const bool moves = std::abs(velocity[a]) > 1e-20F;
-      inverse[a] = moves ? 1 / velocity[a] : kNever;
-      exit[a] = velocity[a] < 0 ? 0.0F : 1.0F;
-      enter[a] = 1 - exit[a];
-      step[a] = velocity[a] < 0 ? -lattice.stride[a] : lattice.stride[a];
+  HWY_INLINE Group(const WalkLattice& lattice, const WalkRay* rays, std::size_t count) {
+    alignas(64) float place[3][kLanes] = {}, speed[3][kLanes] = {}, left[kLanes] = {};
+    alignas(64) std::int32_t stride[3][kLanes] = {}, node[kLanes] = {};
+    for (std::size_t i = 0; i < count; ++i) {
+      left[i] = std::max(rays[i].length, 0.0F);
+      node[i] = rays[i].node;
+      for (int a = 0; a < 3; ++a) {
+        const bool down = rays[i].velocity[a] < 0;
+        place[a][i] = down ? 1 - rays[i].position[a] : rays[i].position[a];
+        speed[a][i] = std::abs(rays[i].velocity[a]);
+        stride[a][i] = down ? -lattice.stride[a] : lattice.stride[a];
+        // The corner that the ray comes from; a box has but one node.
+        node[i] += down && kBasis == Basis::kTrilinear ? lattice.stride[a] : 0;
+      }
     }
-    position[3] = velocity[3] = enter[3] = 0;
-    exit[3] = 1, inverse[3] = kNever;
-    for (int i = 0; i < 16; ++i)
-      jump_[i] = (i & 1 ? step[0] : 0) + (i & 2 ? step[1] : 0) + (i & 4 ? step[2] : 0);
-    begin_ = hn::Load(d4, position);
-    velocity_ = hn::Load(d4, velocity);
-    inverse_ = hn::Load(d4, inverse);
-    exit_ = hn::Load(d4, exit);
-    enter_ = hn::Load(d4, enter);
+    place_ = {hn::Load(df, place[0]), hn::Load(df, place[1]), hn::Load(df, place[2])};
+    speed_ = {hn::Load(df, speed[0]), hn::Load(df, speed[1]), hn::Load(df, speed[2])};
+    inverse_ = {inverseOf(speed_.x), inverseOf(speed_.y), inverseOf(speed_.z)};
+    left_ = hn::Load(df, left);
+    before_ = left_;
+    node_ = hn::Load(di, node);
+    for (int a = 0; a < 3; ++a) stride_[a] = hn::Load(di, stride[a]);
+    for (VF& corner : corner_) corner = hn::Zero(df);
   }
 
-  HWY_INLINE bool goesOn() const { return s_ < length_; }
+  HWY_INLINE bool goesOn() const { return !hn::AllFalse(df, hn::Gt(before_, hn::Zero(df))); }
 
-  /// To where the ray leaves its present cell: begin(), end(), piece() and node() then describe the
-  /// piece inside of it, until pass().
-  HWY_INLINE void cross() {
-    toPlane_ = hn::Mul(hn::Sub(exit_, begin_), inverse_);
-    V4 least = hn::Min(toPlane_, hn::Shuffle2301(toPlane_));
-    least = hn::Min(least, hn::Shuffle1032(least));
-    least = hn::Min(least, hn::Set(d4, length_ - s_));
-    piece_ = hn::Max(least, hn::Zero(d4));
-    end_ = hn::MulAdd(velocity_, piece_, begin_);
-  }
-
-  HWY_INLINE void pass() {
-    const auto passes = hn::Le(toPlane_, piece_);
-    alignas(8) std::uint8_t bits[8];
-    hn::StoreMaskBits(d4, passes, bits);
-    begin_ = hn::IfThenElse(passes, enter_, end_);
-    node_ += jump_[bits[0] & 15];
-    s_ += hn::GetLane(piece_);
-  }
-
-  HWY_INLINE V4 begin() const { return begin_; }
-
-  HWY_INLINE V4 end() const { return end_; }
-
-  HWY_INLINE V4 piece() const { return piece_; }  ///< its length [m] in all lanes
-
-  HWY_INLINE std::int32_t node() const { return node_; }
-
- private:
-  V4 begin_, velocity_, inverse_, exit_, enter_;
-  V4 end_, toPlane_, piece_;
-  float s_ = 0;
-  float length_;
-  std::int32_t node_;
-  std::int32_t jump_[16];
-};
-
-/// The integrals of the eight hat functions over a piece: a product of three linear functions is a
-/// cubic, so two Gauss points are exact.
-struct HatWeights {
-  V4 low, high;  ///< at the lower and upper z; x is the faster of the four
-
-  HWY_INLINE explicit HatWeights(const Walk& walk) {
-    const V4 across = hn::Sub(walk.end(), walk.begin());
-    const V4 half = hn::Mul(walk.piece(), hn::Set(d4, 0.5F));
-    V4 xy, below, above;
-    at(hn::MulAdd(across, hn::Set(d4, 0.21132487F), walk.begin()), half, xy, below, above);
-    low = hn::Mul(xy, below);
-    high = hn::Mul(xy, above);
-    at(hn::MulAdd(across, hn::Set(d4, 0.78867513F), walk.begin()), half, xy, below, above);
-    low = hn::MulAdd(xy, below, low);
-    high = hn::MulAdd(xy, above, high);
+  /// The next steps of all rays.
+  HWY_INLINE void walk(Passed<kBasis>& passed) {
+    VI steps = hn::Zero(di);
+    for (int k = 0; k < kSteps; ++k) {
+      // One step more after the end takes the last cell's other face.
+      const MF valid = hn::Gt(before_, hn::Zero(df));
+      steps = hn::Add(steps, hn::IfThenElseZero(hn::RebindMask(di, valid), hn::Set(di, 1)));
+      step(passed, k);
+    }
+    hn::Store(steps, di, passed.steps);
   }
 
  private:
-  HWY_INLINE static void at(V4 place, V4 scale, V4& xy, V4& below, V4& above) {
-    const V4 rest = hn::Sub(hn::Set(d4, 1.0F), place);
-    const V4 xThenY = hn::InterleaveLower(d4, rest, place);  // 1-x, x, 1-y, y
-    const V4 z = hn::InterleaveUpper(d4, rest, place);       // 1-z, z, .., ..
-    const V4 x = hn::ConcatLowerLower(d4, xThenY, xThenY);
-    const V4 y = hn::InterleaveUpper(d4, xThenY, xThenY);
-    xy = hn::Mul(hn::Mul(x, y), scale);
-    below = hn::Broadcast<0>(z);
-    above = hn::Broadcast<1>(z);
+  HWY_INLINE static VF inverseOf(VF speed) {
+    const MF moves = hn::Gt(speed, hn::Set(df, 1e-20F));
+    const VF one = hn::Set(df, 1.0F);
+    return hn::IfThenElse(moves, hn::Div(one, hn::IfThenElse(moves, speed, one)),
+                          hn::Set(df, kNever));
   }
+
+  HWY_INLINE void step(Passed<kBasis>& passed, int k) {
+    const VF one = hn::Set(df, 1.0F);
+    const VF toX = hn::Mul(hn::Sub(one, place_.x), inverse_.x);
+    const VF toY = hn::Mul(hn::Sub(one, place_.y), inverse_.y);
+    const VF toZ = hn::Mul(hn::Sub(one, place_.z), inverse_.z);
+    const VF least = hn::Min(hn::Min(toX, toY), hn::Min(toZ, left_));
+    const VF piece = hn::Max(least, hn::Zero(df));
+    before_ = left_;
+    left_ = hn::Sub(left_, piece);
+    const Vec3F end{hn::MulAdd(speed_.x, piece, place_.x), hn::MulAdd(speed_.y, piece, place_.y),
+                    hn::MulAdd(speed_.z, piece, place_.z)};
+    // One face at a time. At its end a ray leaves by x, so that all its weight comes out.
+    const MF x = hn::Or(hn::Le(toX, piece), hn::Le(left_, hn::Zero(df)));
+    const MF y = hn::AndNot(x, hn::Le(toY, piece));
+    if constexpr (kBasis == Basis::kBox) {
+      hn::Store(node_, di, passed.node[k][0]);
+      hn::Store(piece, df, passed.weight[k][0]);
+    } else {
+      addHats(end, piece);
+      leaveFace(x, y, passed, k);
+    }
+    node_ = hn::Add(node_, Select(x, stride_[0], Select(y, stride_[1], stride_[2])));
+    const VF zero = hn::Zero(df);
+    place_.x = hn::IfThenElse(x, zero, end.x);
+    place_.y = hn::IfThenElse(y, zero, end.y);
+    place_.z = hn::IfThenElse(hn::Or(x, y), end.z, zero);
+  }
+
+  /// Adds the integrals of the cell's eight hat functions over a piece: a product of three linear
+  /// functions is a cubic, so two Gauss points are exact.
+  HWY_INLINE void addHats(const Vec3F& end, VF piece) {
+    const VF half = hn::Mul(piece, hn::Set(df, 0.5F));
+    const Vec3F across{hn::Sub(end.x, place_.x), hn::Sub(end.y, place_.y),
+                       hn::Sub(end.z, place_.z)};
+    VF a[4], b[4], zA, zB;
+    hatsAt(across, hn::Set(df, 0.21132487F), half, a, zA);
+    hatsAt(across, hn::Set(df, 0.78867513F), half, b, zB);
+    for (int i = 0; i < 4; ++i) {
+      const VF far = hn::MulAdd(b[i], zB, hn::Mul(a[i], zA));
+      const VF both = hn::Add(a[i], b[i]);
+      corner_[4 + i] = hn::Add(corner_[4 + i], far);
+      corner_[i] = hn::Add(corner_[i], hn::Sub(both, far));
+    }
+  }
+
+  /// The hats in x and y, x the faster, and the place on z.
+  HWY_INLINE void hatsAt(const Vec3F& across, VF share, VF scale, VF xy[4], VF& z) const {
+    const VF x = hn::MulAdd(across.x, share, place_.x);
+    const VF y = hn::MulAdd(across.y, share, place_.y);
+    z = hn::MulAdd(across.z, share, place_.z);
+    const VF far = hn::Mul(scale, x), near = hn::Sub(scale, far);
+    xy[3] = hn::Mul(far, y);
+    xy[1] = hn::Sub(far, xy[3]);
+    xy[2] = hn::Mul(near, y);
+    xy[0] = hn::Sub(near, xy[2]);
+  }
+
+  /// Writes down the corners behind the ray, and makes those ahead of it the ones behind. Corner
+  /// 1 x + 2 y + 4 z has 1 for ahead.
+  HWY_INLINE void leaveFace(MF x, MF y, Passed<kBasis>& passed, int k) {
+    VF* c = corner_;
+    const MF z = hn::Not(hn::Or(x, y));
+    const VI first = hn::Add(node_, Select(x, stride_[1], stride_[0]));
+    const VI second = Select(z, stride_[1], stride_[2]);
+    hn::Store(node_, di, passed.node[k][0]);
+    hn::Store(first, di, passed.node[k][1]);
+    hn::Store(hn::Add(node_, second), di, passed.node[k][2]);
+    hn::Store(hn::Add(first, second), di, passed.node[k][3]);
+    hn::Store(c[0], df, passed.weight[k][0]);
+    hn::Store(hn::IfThenElse(x, c[2], c[1]), df, passed.weight[k][1]);
+    hn::Store(hn::IfThenElse(z, c[2], c[4]), df, passed.weight[k][2]);
+    hn::Store(hn::IfThenElse(x, c[6], hn::IfThenElse(y, c[5], c[3])), df, passed.weight[k][3]);
+    c[0] = hn::IfThenElse(x, c[1], hn::IfThenElse(y, c[2], c[4]));
+    c[1] = hn::IfThenZeroElse(x, hn::IfThenElse(y, c[3], c[5]));
+    c[2] = hn::IfThenElse(x, c[3], hn::IfThenElseZero(z, c[6]));
+    c[3] = hn::IfThenElseZero(z, c[7]);
+    c[4] = hn::IfThenElse(x, c[5], hn::IfThenElseZero(y, c[6]));
+    c[5] = hn::IfThenElseZero(y, c[7]);
+    c[6] = hn::IfThenElseZero(x, c[7]);
+    c[7] = hn::Zero(df);
+  }
+
+  Vec3F place_, speed_, inverse_;
+  VF left_, before_;  // [m] to the end, now and a step ago
+  VI node_, stride_[3];
+  VF corner_[8];  // weights that are not written down yet
 };
-
-/// visit(node, weight in all lanes, number) for the eight corners of a cell.
-template <class Visit>
-HWY_INLINE void ForCorners(const WalkLattice& lattice, std::int32_t node, const HatWeights& w,
-                           Visit& visit) {
-  const std::int32_t y = node + lattice.stride[1], z = node + lattice.stride[2];
-  const std::int32_t yz = y + lattice.stride[2];
-  visit(node, hn::Broadcast<0>(w.low), 0);
-  visit(node + 1, hn::Broadcast<1>(w.low), 1);
-  visit(y, hn::Broadcast<2>(w.low), 2);
-  visit(y + 1, hn::Broadcast<3>(w.low), 3);
-  visit(z, hn::Broadcast<0>(w.high), 4);
-  visit(z + 1, hn::Broadcast<1>(w.high), 5);
-  visit(yz, hn::Broadcast<2>(w.high), 6);
-  visit(yz + 1, hn::Broadcast<3>(w.high), 7);
-}
-
-/// visit(node, weight in all lanes, a number 0..7 to tell corners apart) for all that a ray
-/// reaches.
-template <Basis kBasis, class Visit>
-HWY_INLINE void ForWeights(const WalkLattice& lattice, const WalkRay& ray, Visit& visit) {
-  for (Walk walk(lattice, ray); walk.goesOn(); walk.pass()) {
-    walk.cross();
-    const std::int32_t node = walk.node();
-    if (kBasis == Basis::kBox)
-      visit(node, walk.piece(), 0);
-    else
-      ForCorners(lattice, node, HatWeights(walk), visit);
-  }
-}
 
 template <class T>
 HWY_INLINE T* At(T* values, std::int32_t node) {
   return values + 4 * static_cast<std::ptrdiff_t>(node);
 }
 
-// What is done with each weight. Classes, as compilers do not inline lambdas of another target.
+// What is done with what a ray passed. Classes, as compilers do not inline lambdas of another
+// target.
 
+/// Sums values up, for each ray.
 struct Gather {
   const float* values;
-  // Four sums, so that additions need not wait for each other.
-  V4 sum[4] = {hn::Zero(d4), hn::Zero(d4), hn::Zero(d4), hn::Zero(d4)};
+  alignas(16) float sum[kLanes][4] = {};
 
   HWY_INLINE explicit Gather(const float* from) : values(from) {}
 
-  HWY_INLINE void operator()(std::int32_t node, V4 weight, int corner) {
-    V4& part = sum[corner & 3];
-    part = hn::MulAdd(weight, hn::LoadU(d4, At(values, node)), part);
+  template <Basis kBasis>
+  HWY_INLINE void take(std::size_t ray, const Passed<kBasis>& passed) {
+    constexpr int kNodes = kNodesAStep<kBasis>;
+    // Four sums, so that additions need not wait for each other.
+    V4 part[4] = {hn::Load(d4, sum[ray]), hn::Zero(d4), hn::Zero(d4), hn::Zero(d4)};
+    for (int k = 0; k < passed.steps[ray]; ++k) {
+      for (int i = 0; i < kNodes; ++i)
+        part[i] = hn::MulAdd(hn::Set(d4, passed.weight[k][i][ray]),
+                             hn::LoadU(d4, At(values, passed.node[k][i][ray])), part[i]);
+    }
+    hn::Store(hn::Add(hn::Add(part[0], part[1]), hn::Add(part[2], part[3])), d4, sum[ray]);
   }
-
-  HWY_INLINE V4 total() const { return hn::Add(hn::Add(sum[0], sum[1]), hn::Add(sum[2], sum[3])); }
 };
 
+/// Adds a value of each ray where it passed.
 struct Scatter {
-  V4 value;
   float* gradient;
+  alignas(16) float value[kLanes][4];
 
-  HWY_INLINE Scatter(V4 what, float* to) : value(what), gradient(to) {}
+  HWY_INLINE explicit Scatter(float* to) : gradient(to) {}
 
-  HWY_INLINE void operator()(std::int32_t node, V4 weight, int) {
-    float* at = At(gradient, node);
-    hn::StoreU(hn::MulAdd(weight, value, hn::LoadU(d4, at)), d4, at);
+  template <Basis kBasis>
+  HWY_INLINE void take(std::size_t ray, const Passed<kBasis>& passed) const {
+    const V4 v = hn::Load(d4, value[ray]);
+    for (int k = 0; k < passed.steps[ray]; ++k) {
+      for (int i = 0; i < kNodesAStep<kBasis>; ++i) {
+        float* at = At(gradient, passed.node[k][i][ray]);
+        hn::StoreU(hn::MulAdd(hn::Set(d4, passed.weight[k][i][ray]), v, hn::LoadU(d4, at)), d4, at);
+      }
+    }
   }
 };
 
+/// Appends the weights to the list of each ray's row.
 struct Append {
-  std::vector<NodeWeight>& out;
-  float share;
+  std::vector<NodeWeight>* out;
+  int raysPerRow;
 
-  HWY_INLINE Append(std::vector<NodeWeight>& to, float factor) : out(to), share(factor) {}
+  HWY_INLINE Append(std::vector<NodeWeight>* to, int rays) : out(to), raysPerRow(rays) {}
 
-  HWY_INLINE void operator()(std::int32_t node, V4 weight, int) {
-    out.push_back({node, share * hn::GetLane(weight)});
+  template <Basis kBasis>
+  HWY_INLINE void take(std::size_t ray, const Passed<kBasis>& passed) const {
+    std::vector<NodeWeight>& row = out[ray / raysPerRow];
+    const float share = 1.0F / static_cast<float>(raysPerRow);
+    for (int k = 0; k < passed.steps[ray]; ++k)
+      for (int i = 0; i < kNodesAStep<kBasis>; ++i)
+        row.push_back({passed.node[k][i][ray], share * passed.weight[k][i][ray]});
   }
 };
+
+/// Walks a group to its end.
+template <Basis kBasis, class Visit>
+HWY_INLINE void WalkGroup(const WalkLattice& lattice, const WalkRay* rays, std::size_t count,
+                          Visit& visit) {
+  Passed<kBasis> passed;
+  Group<kBasis> group(lattice, rays, count);
+  while (group.goesOn()) {
+    group.walk(passed);
+    for (std::size_t ray = 0; ray < count; ++ray) visit.take(ray, passed);
+  }
+}
+
+// Groups of whole rows: a row has 1 or 4 rays, and a group 4 or more.
 
 template <Basis kBasis>
 void ForwardRows(const WalkLattice& lattice, const float* values, const WalkRay* rays,
                  std::size_t rows, int raysPerRow, float* sums) {
   const V4 share = hn::Set(d4, 1.0F / static_cast<float>(raysPerRow));
-  for (std::size_t row = 0; row < rows; ++row) {
+  const std::size_t rowsAtOnce = kLanes / raysPerRow;
+  for (std::size_t first = 0; first < rows; first += rowsAtOnce) {
+    const std::size_t count = std::min(rowsAtOnce, rows - first);
     Gather gather(values);
-    for (int i = 0; i < raysPerRow; ++i) ForWeights<kBasis>(lattice, *rays++, gather);
-    hn::StoreU(hn::Mul(gather.total(), share), d4, sums + 4 * row);
+    WalkGroup<kBasis>(lattice, rays + first * raysPerRow, count * raysPerRow, gather);
+    for (std::size_t row = 0; row < count; ++row) {
+      V4 sum = hn::Load(d4, gather.sum[row * raysPerRow]);
+      for (int i = 1; i < raysPerRow; ++i)
+        sum = hn::Add(sum, hn::Load(d4, gather.sum[row * raysPerRow + i]));
+      hn::StoreU(hn::Mul(sum, share), d4, sums + 4 * (first + row));
+    }
   }
 }
 
@@ -217,9 +308,25 @@ template <Basis kBasis>
 void AdjointRows(const WalkLattice& lattice, const float* rowValues, const WalkRay* rays,
                  std::size_t rows, int raysPerRow, float* gradient) {
   const V4 share = hn::Set(d4, 1.0F / static_cast<float>(raysPerRow));
-  for (std::size_t row = 0; row < rows; ++row) {
-    Scatter scatter(hn::Mul(hn::LoadU(d4, rowValues + 4 * row), share), gradient);
-    for (int i = 0; i < raysPerRow; ++i) ForWeights<kBasis>(lattice, *rays++, scatter);
+  const std::size_t rowsAtOnce = kLanes / raysPerRow;
+  for (std::size_t first = 0; first < rows; first += rowsAtOnce) {
+    const std::size_t count = std::min(rowsAtOnce, rows - first);
+    Scatter scatter(gradient);
+    for (std::size_t ray = 0; ray < count * raysPerRow; ++ray)
+      hn::Store(hn::Mul(hn::LoadU(d4, rowValues + 4 * (first + ray / raysPerRow)), share), d4,
+                scatter.value[ray]);
+    WalkGroup<kBasis>(lattice, rays + first * raysPerRow, count * raysPerRow, scatter);
+  }
+}
+
+template <Basis kBasis>
+void WeightRows(const WalkLattice& lattice, const WalkRay* rays, std::size_t rows, int raysPerRow,
+                std::vector<NodeWeight>* out) {
+  const std::size_t rowsAtOnce = kLanes / raysPerRow;
+  for (std::size_t first = 0; first < rows; first += rowsAtOnce) {
+    const std::size_t count = std::min(rowsAtOnce, rows - first);
+    Append append(out + first, raysPerRow);
+    WalkGroup<kBasis>(lattice, rays + first * raysPerRow, count * raysPerRow, append);
   }
 }
 
@@ -237,31 +344,27 @@ void Adjoint(const WalkLattice& lattice, const float* rowValues, const WalkRay* 
        : AdjointRows<Basis::kTrilinear>)(lattice, rowValues, rays, rows, raysPerRow, gradient);
 }
 
-void Weights(const WalkLattice& lattice, const WalkRay* rays, int raysPerRow,
-             std::vector<NodeWeight>& out) {
-  Append append(out, 1.0F / static_cast<float>(raysPerRow));
-  for (int i = 0; i < raysPerRow; ++i) {
-    if (lattice.basis == Basis::kBox)
-      ForWeights<Basis::kBox>(lattice, rays[i], append);
-    else
-      ForWeights<Basis::kTrilinear>(lattice, rays[i], append);
-  }
+void Weights(const WalkLattice& lattice, const WalkRay* rays, std::size_t rows, int raysPerRow,
+             std::vector<NodeWeight>* out) {
+  (lattice.basis == Basis::kBox
+       ? WeightRows<Basis::kBox>
+       : WeightRows<Basis::kTrilinear>)(lattice, rays, rows, raysPerRow, out);
 }
 
 void Table(const NodeWeight* table, const std::uint64_t* begin, std::size_t rows,
            const float* values, float* sums) {
   for (std::size_t row = 0; row < rows; ++row) {
-    Gather gather(values);
+    V4 part[4] = {hn::Zero(d4), hn::Zero(d4), hn::Zero(d4), hn::Zero(d4)};
     std::uint64_t i = begin[row];
     const std::uint64_t end = begin[row + 1];
-    for (; i + 4 <= end; i += 4) {
-      gather(table[i].node, hn::Set(d4, table[i].weight), 0);
-      gather(table[i + 1].node, hn::Set(d4, table[i + 1].weight), 1);
-      gather(table[i + 2].node, hn::Set(d4, table[i + 2].weight), 2);
-      gather(table[i + 3].node, hn::Set(d4, table[i + 3].weight), 3);
-    }
-    for (; i < end; ++i) gather(table[i].node, hn::Set(d4, table[i].weight), 0);
-    hn::StoreU(gather.total(), d4, sums + 4 * row);
+    for (; i + 4 <= end; i += 4)
+      for (int j = 0; j < 4; ++j)
+        part[j] = hn::MulAdd(hn::Set(d4, table[i + j].weight),
+                             hn::LoadU(d4, At(values, table[i + j].node)), part[j]);
+    for (; i < end; ++i)
+      part[0] = hn::MulAdd(hn::Set(d4, table[i].weight), hn::LoadU(d4, At(values, table[i].node)),
+                           part[0]);
+    hn::StoreU(hn::Add(hn::Add(part[0], part[1]), hn::Add(part[2], part[3])), d4, sums + 4 * row);
   }
 }
 
@@ -289,9 +392,9 @@ void walkAdjoint(const WalkLattice& lattice, const float* rowValues, const WalkR
   HWY_DYNAMIC_DISPATCH(Adjoint)(lattice, rowValues, rays, rows, raysPerRow, gradient);
 }
 
-void walkWeights(const WalkLattice& lattice, const WalkRay* rays, int raysPerRow,
-                 std::vector<NodeWeight>& out) {
-  HWY_DYNAMIC_DISPATCH(Weights)(lattice, rays, raysPerRow, out);
+void walkWeights(const WalkLattice& lattice, const WalkRay* rays, std::size_t rows, int raysPerRow,
+                 std::vector<NodeWeight>* out) {
+  HWY_DYNAMIC_DISPATCH(Weights)(lattice, rays, rows, raysPerRow, out);
 }
 
 void tableSums(const NodeWeight* table, const std::uint64_t* begin, std::size_t rows,

@@ -42,9 +42,10 @@ struct NodeWeight {
   float weight;
 };
 
-/// Appends the weights of one row to `out`: several for a node that several rays or cells reach.
-void walkWeights(const WalkLattice& lattice, const WalkRay* rays, int raysPerRow,
-                 std::vector<NodeWeight>& out);
+/// Appends the weights of each row to out[row]: several for a node that several rays reach, and 0
+/// for some beside them.
+void walkWeights(const WalkLattice& lattice, const WalkRay* rays, std::size_t rows, int raysPerRow,
+                 std::vector<NodeWeight>* out);
 
 /// The same as a walk with the weights written down: row i has those of [begin[i], begin[i+1]).
 void tableSums(const NodeWeight* table, const std::uint64_t* begin, std::size_t rows,

@@ -28,7 +28,8 @@ std::optional<Enum> byName(const std::array<const char*, N>& names, std::string_
 /// and pixel, in the weights of the data.
 double expectedResidual(const LeastSquares& data, double sigma) {
   double weights = 0;
-  for (float weight : data.squaredWeight) weights += weight;
+  for (std::size_t row = 0; row < data.rows(); ++row)
+    weights += data.atLeast[row] != 0 ? 0 : data.squaredWeight[row];
   return 3 * sigma * sigma * weights;
 }
 

@@ -173,6 +173,40 @@ TEST(Reconstruct, SaturatedPixelsWithoutWeightDoNoHarm) {
   EXPECT_LT(scene.error(solved(scene, {}).volume), 2 * scene.error(clean.volume));
 }
 
+/// Pictures whose channels end at `white`.
+void saturate(TestScene& scene, float white) {
+  for (TomographyView& view : scene.views) {
+    auto& pixels = view.radiance.pixels;
+    view.weight.assign(pixels.size() / 3, 1.0F);
+    view.atLeast.assign(pixels.size() / 3, 0);
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      if (pixels[i] < white)
+        continue;
+      pixels[i] = white;
+      view.weight[i / 3] = 0;
+      view.atLeast[i / 3] |= static_cast<std::uint8_t>(1U << i % 3);
+    }
+  }
+}
+
+TEST(Reconstruct, SaturatedPixelsAreBounds) {
+  TestScene scene(8);
+  const double clean = scene.error(solved(scene, {}).volume);
+  saturate(scene, 0.6F);
+  const double bounded = scene.error(solved(scene, {}).volume);
+  for (TomographyView& view : scene.views) view.atLeast.clear();
+  const double leftOut = scene.error(solved(scene, {}).volume);
+  EXPECT_LT(bounded, 0.6 * leftOut);
+  EXPECT_LT(bounded, 2 * clean);
+}
+
+TEST(Reconstruct, NothingSaturatedIsNothingElse) {
+  TestScene scene(5);
+  const auto plain = solved(scene, {}).volume;
+  saturate(scene, 1e9F);
+  EXPECT_EQ(solved(scene, {}).volume, plain);
+}
+
 TEST(Reconstruct, RefusesWhatMakesNoSense) {
   const TestScene scene(4);
   const auto invalid = ErrorCode::kInvalidArgument;
@@ -271,6 +305,36 @@ TEST(Diagnose, NamesTheCameraWithADriftedGain) {
   EXPECT_NEAR(diagnosis.cameras[2].gain, 1 / 1.1, 0.02);
   ASSERT_EQ(diagnosis.warnings.size(), 1U);
   EXPECT_THAT(diagnosis.warnings[0], HasSubstr("Camera c2"));
+}
+
+/// The camera with its principal point moved and another lens.
+Camera recalibrated(const Camera& camera, const Vec2& moved, const Distortion& lens) {
+  Mat3 k = camera.intrinsics();
+  k.topRightCorner<2, 1>() += moved;
+  const auto made = Camera::calibrated({camera.width(), camera.height(), k, camera.rotation(),
+                                        -camera.rotation() * camera.eye(), lens, 0.5});
+  EXPECT_TRUE(made);
+  return *made;
+}
+
+TEST(Diagnose, NamesTheCameraWhosePrincipalPointIsWrong) {
+  TestScene scene(7);
+  scene.views[3].camera = recalibrated(scene.views[3].camera, Vec2(2.5, -1.5), {});
+  const TomographyDiagnosis diagnosis = diagnosed(scene);
+  for (std::size_t v = 0; v < 7; ++v) EXPECT_EQ(diagnosis.cameras[v].outOfStep, v == 3) << v;
+  ASSERT_EQ(diagnosis.warnings.size(), 1U);
+  EXPECT_THAT(diagnosis.warnings[0], HasSubstr("Camera c3"));
+}
+
+TEST(Diagnose, NamesTheCameraWhoseLensIsLeftOut) {
+  TestScene scene(7);
+  const VolumeGeometry fine{scene.geometry.bounds, {40, 40, 40}};
+  const Camera bent = recalibrated(scene.views[5].camera, Vec2::Zero(), {.k1 = 5});
+  scene.views[5].radiance = projectVolume(TestScene::blobs(fine, 0), fine, Basis::kBox, bent, 4);
+  const TomographyDiagnosis diagnosis = diagnosed(scene);
+  for (std::size_t v = 0; v < 7; ++v) EXPECT_EQ(diagnosis.cameras[v].outOfStep, v == 5) << v;
+  ASSERT_EQ(diagnosis.warnings.size(), 1U);
+  EXPECT_THAT(diagnosis.warnings[0], HasSubstr("Camera c5"));
 }
 
 TEST(Diagnose, SeesLightBesideTheVolumeAndOnTheBorder) {

@@ -23,8 +23,15 @@ struct TomographyView {
                      ///< finite; negative values are kept (clamping them costs 1.1 dB)
   std::vector<float> weight{};  ///< (height, width), 0..1; 0 = saturated, masked or invalid; empty:
                                 ///< 1 everywhere
+  /// (height, width), bit c: channel c is saturated, its radiance what is measured or more; empty:
+  /// none. The weight of such pixels is 0; kApg takes what they tell all the same.
+  std::vector<std::uint8_t> atLeast{};
   std::vector<std::uint8_t> silhouette{};  ///< (height, width), not 0 where the medium is seen,
                                            ///< before dilation; empty: by threshold
+
+  bool counts(std::size_t pixel) const { return weight.empty() || weight[pixel] != 0; }
+
+  bool isSaturated(std::size_t pixel) const { return !atLeast.empty() && atLeast[pixel] != 0; }
 };
 
 /// Where the unknown volume lies.

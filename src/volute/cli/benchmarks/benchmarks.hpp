@@ -17,6 +17,9 @@ namespace volute::cli {
 [[nodiscard]] Result<std::vector<BenchRow>> benchSmoke(const BenchInput& input, Progress& progress);
 [[nodiscard]] Result<std::vector<BenchRow>> benchTree(const BenchInput& input, Progress& progress);
 
+[[nodiscard]] Result<std::vector<BenchRow>> benchVisibility(const BenchInput& input,
+                                                            Progress& progress);
+
 /// What to measure with: the named input, or a fire and a smoke of size^3 voxels and 32 frames,
 /// scalar.
 struct NamedSequence {

@@ -75,6 +75,7 @@ Status run(const Arguments& arguments, Context& context) {
   }
   VOLUTE_ASSIGN(const auto list, chosen(arguments.positionals()));
   const BenchInput input{arguments.find<std::string>("input").value_or(""), context.maxMemory,
+                         arguments.find<std::string>("truth").value_or(""),
                          arguments.flag("quick")};
   nlohmann::ordered_json json{{"threads", threadCount()},
                               {"benchmarks", nlohmann::ordered_json::array()}};
@@ -96,7 +97,8 @@ Status run(const Arguments& arguments, Context& context) {
 Command benchCommand() {
   return {.name = "bench",
           .summary = "Measures speed and size on this machine",
-          .examples = {"volute bench", "volute bench codec --json"},
+          .examples = {"volute bench", "volute bench codec --json",
+                       "volute bench tomography --input capture.json --truth 'truth/%04d.vdb'"},
           .description =
               "Ratios compare figures of the same run with the baseline that the benchmark names; "
               "figures of different "
@@ -110,7 +112,12 @@ Command benchCommand() {
           .options = {{.name = "input",
                        .kind = ValueKind::kFile,
                        .value = "VOLUME",
-                       .help = "measure with this volume instead of made-up ones"},
+                       .help = "measure with this volume instead of made-up ones; tomography: a "
+                               "capture"},
+                      {.name = "truth",
+                       .kind = ValueKind::kFile,
+                       .value = "VOLUME",
+                       .help = "tomography: the true volumes of the capture's frames"},
                       {.name = "quick",
                        .help = "fewer measurements: `smoke` draws 800 x 600 alone, without a sign"},
                       {.name = "list", .help = "list the benchmarks"}},

@@ -21,5 +21,7 @@ Command reconstructCommand();
 Command renderCommand();
 Command fogCommand();
 Command synthesizeCommand();
+Command viewCommand();  ///< in builds with the viewer only
+Command visibilityCommand();
 
 }  // namespace volute::cli

@@ -9,6 +9,7 @@
 #include "volute/cli/fog_layer.hpp"
 #include "volute/cli/picture_writer.hpp"
 #include "volute/cli/render_job.hpp"
+#include "volute/cli/scene_geometry.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
@@ -153,6 +154,19 @@ Status fogPictures(const std::vector<Frame>& frames, const FogLayer& layer,
   return writer->finish();
 }
 
+/// What shadows the sun in the fog.
+Status addGeometry(const Arguments& arguments, FogDescription& description,
+                   const Context& context) {
+  const auto file = arguments.find<std::string>("geometry");
+  if (!file)
+    return {};
+  if (!arguments.given("sun"))
+    return fail(ErrorCode::kInvalidArgument, "--geometry shadows a sun in the fog; add --sun");
+  VOLUTE_ASSIGN(const auto geometry, loadGeometry({{*file, Mat4::Identity()}}, context));
+  description.scattering.shadows = fogShadows(geometry, sunsOf(arguments));
+  return {};
+}
+
 Status checkUse(const Arguments& arguments) {
   for (const char* name : {"color", "depth", "camera", "output"}) {
     if (!arguments.given(name)) {
@@ -175,7 +189,8 @@ Status run(const Arguments& arguments, Context& context) {
   const bool pictures = arguments.given("color") || arguments.given("output") || !folder;
   if (pictures)
     VOLUTE_TRY(checkUse(arguments));
-  VOLUTE_ASSIGN(const auto description, fogOf(arguments, arguments.positional(0)));
+  VOLUTE_ASSIGN(auto description, fogOf(arguments, arguments.positional(0)));
+  VOLUTE_TRY(addGeometry(arguments, description, context));
   VOLUTE_ASSIGN(const auto layer, FogLayer::open(description, sunsOf(arguments), context));
   Report report;
   if (folder) {
@@ -251,6 +266,10 @@ std::vector<Option> optionTable() {
        .kind = kNumber,
        .value = "T",
        .help = "the fog at T, instead of the frame's number / rate [s]"},
+      {.name = "geometry",
+       .kind = kFile,
+       .value = "FILE",
+       .help = "surfaces that shadow the sun in the fog: .glb, .gltf, .obj or .vtp [m]"},
       {.name = "renderer",
        .kind = kChoice,
        .value = "NAME",

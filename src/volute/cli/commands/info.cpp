@@ -224,7 +224,7 @@ Status run(const Arguments& arguments, Context& context) {
     VOLUTE_TRY(report);
     files.push_back(report->json());
     if (!context.json)
-      context.print((files.size() > 1 ? "\n" : "") + report->text());
+      context.print(fmt::format("{}{}", files.size() > 1 ? "\n" : "", report->text()));
   }
   if (context.json)
     context.print(

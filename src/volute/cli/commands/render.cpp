@@ -26,6 +26,12 @@ struct Subject {
   bool scene = false;
   std::vector<VolumeLayer> layers;
   std::vector<FogLayer> fogs;
+  std::vector<SmokeLayer> smokes;
+  std::vector<Sign> signs;
+  SceneLights lights;
+  TriangleScene geometry;
+  std::vector<BillboardLayer> billboards;
+  PictureLaw law;
   std::optional<CameraDescription> camera;
   Rgb background = Rgb::Zero();
 };
@@ -57,26 +63,131 @@ Result<Subject> openVolumeSubject(const std::string& path, const Arguments& argu
   return subject;
 }
 
+/// Where light that was computed is kept; nothing when it is not to be, or cannot.
+Result<std::optional<LightCache>> lightCache(const Arguments& arguments, Context& context) {
+  const auto limit = arguments.get<Bytes>("cache-size").count;
+  const auto folder = arguments.find<std::string>("cache");
+  if (limit == 0 || folder == "none")
+    return std::nullopt;
+  if (folder) {
+    VOLUTE_ASSIGN(auto cache, LightCache::open(*folder, limit));
+    return cache;
+  }
+  if (LightCache::usualFolder().empty())
+    return std::nullopt;
+  auto cache = LightCache::open(LightCache::usualFolder(), limit);
+  if (cache)
+    return std::optional(std::move(*cache));
+  context.progress.remark("light is not kept: " + cache.error().message);
+  return std::nullopt;
+}
+
+Result<std::shared_ptr<const SmokeLighting>> smokeLighting(const SceneLights& lights,
+                                                           const TriangleScene& geometry,
+                                                           const Arguments& arguments,
+                                                           Context& context) {
+  SmokeLighting lighting{lights, std::nullopt, blocksOf(geometry), keyOf(geometry)};
+  if (!lights.lamps.empty()) {
+    VOLUTE_ASSIGN(lighting.cache, lightCache(arguments, context));
+  }
+  return std::make_shared<const SmokeLighting>(std::move(lighting));
+}
+
+/// A case alone: black smoke before white, so that the picture is what passes of the light.
+Result<Subject> openSmokeSubject(const std::string& path, const Arguments& arguments,
+                                 Context& context) {
+  for (const char* name : {"grid", "bounds", "emission", "extinction", "basis"}) {
+    if (arguments.given(name))
+      return fail(ErrorCode::kInvalidArgument, "--{} is for volumes of voxels; {} is a mesh", name,
+                  path);
+  }
+  VOLUTE_ASSIGN(const auto description, smokeOf(path, arguments));
+  VOLUTE_ASSIGN(const auto lighting, smokeLighting({}, {}, arguments, context));
+  Subject subject;
+  VOLUTE_ASSIGN(auto smoke, SmokeLayer::open(description, lighting, context));
+  subject.smokes.push_back(std::move(smoke));
+  subject.law = description.law;
+  subject.background = Rgb::Ones();
+  return subject;
+}
+
+/// The scene's, or the command line's instead.
+Result<PictureLaw> lawOf(const SceneDescription& scene, const Arguments& arguments) {
+  PictureLaw law = scene.smokes.empty() ? PictureLaw{} : scene.smokes.front().law;
+  if (const auto mode = arguments.find<std::string>("mode")) {
+    VOLUTE_ASSIGN(law.mode, pictureMode(*mode));
+  }
+  if (const auto c = arguments.find<std::string>("C")) {
+    auto found = visibilityLaw(*c);
+    if (!found)
+      return fail(ErrorCode::kInvalidArgument, "--C: {}", found.error().message);
+    law.c = found->c;
+  }
+  return law;
+}
+
+Status openSmokes(const SceneDescription& scene, const Arguments& arguments, Subject& subject,
+                  Context& context) {
+  VOLUTE_ASSIGN(subject.law, lawOf(scene, arguments));
+  if (scene.smokes.empty())
+    return {};
+  VOLUTE_ASSIGN(const auto lighting,
+                smokeLighting(scene.lights, subject.geometry, arguments, context));
+  for (const SmokeDescription& description : scene.smokes) {
+    VOLUTE_ASSIGN(auto smoke, SmokeLayer::open(description, lighting, context));
+    subject.smokes.push_back(std::move(smoke));
+  }
+  return {};
+}
+
+Status openBillboards(const SceneDescription& scene, Subject& subject, Context& context) {
+  for (const SceneBillboard& board : scene.billboards) {
+    VOLUTE_ASSIGN(auto volume, VolumeLayer::open(board.file, {}, board.appearance, context));
+    BillboardOptions options = board.options;
+    options.shown = volume.info().bounds;
+    subject.billboards.push_back({std::move(volume), options});
+  }
+  return {};
+}
+
 Result<Subject> openScene(const std::string& path, const Arguments& arguments, Context& context) {
-  for (const char* name : {"grid", "bounds", "emission", "extinction"}) {
+  for (const char* name : {"grid", "bounds", "emission", "extinction", "field", "quantity", "unit",
+                           "scale", "mass-extinction", "soot-yield", "material", "burning",
+                           "density-field", "albedo", "clamp"}) {
     if (!arguments.given(name))
       continue;
-    return fail(ErrorCode::kInvalidArgument, "--{} is for a single volume; write it into the scene",
+    return fail(ErrorCode::kInvalidArgument, "--{} is for a single file; write it into the scene",
                 name);
   }
   VOLUTE_ASSIGN(auto scene, readScene(path));
-  Subject subject{true, {}, {}, scene.camera, scene.background};
+  Subject subject;
+  subject.scene = true;
+  subject.camera = scene.camera;
+  subject.background = scene.background;
+  subject.signs = std::move(scene.signs);
   for (SceneVolume& volume : scene.volumes) {
     volume.appearance.basis = basisOf(arguments);
     VOLUTE_ASSIGN(auto layer, VolumeLayer::open(volume.file, inputOptions(arguments),
                                                 volume.appearance, context));
     subject.layers.push_back(std::move(layer));
   }
-  for (const FogDescription& description : scene.fogs) {
-    VOLUTE_ASSIGN(auto fog, FogLayer::open(description, scene.suns, context));
+  subject.lights = scene.lights;
+  VOLUTE_ASSIGN(subject.geometry, loadGeometry(scene.geometry, context));
+  VOLUTE_TRY(openBillboards(scene, subject, context));
+  for (FogDescription& description : scene.fogs) {
+    description.scattering.shadows = fogShadows(subject.geometry, scene.lights.suns);
+    VOLUTE_ASSIGN(auto fog, FogLayer::open(description, scene.lights.suns, context));
     subject.fogs.push_back(std::move(fog));
   }
+  VOLUTE_TRY(openSmokes(scene, arguments, subject, context));
   return subject;
+}
+
+Result<Subject> openSubject(const std::string& path, const Arguments& arguments, Context& context) {
+  if (extensionOf(path) == ".json")
+    return openScene(path, arguments, context);
+  return isSmokeCase(path) ? openSmokeSubject(path, arguments, context)
+                           : openVolumeSubject(path, arguments, context);
 }
 
 Moment momentAt(const std::vector<VolumeLayer>& layers, double time) {
@@ -123,9 +234,64 @@ Result<std::vector<Moment>> momentsOfFog(const Arguments& arguments, const Subje
   return moments;
 }
 
+/// Pictures 25 times a second, of so many seconds each.
+Result<std::vector<Moment>> momentsOfFilm(double first, double last, double speed) {
+  constexpr double kMost = 1e6;
+  const double count = std::round((last - first) / speed * kUsualRate) + 1;
+  if (count > kMost) {
+    return fail(ErrorCode::kInvalidArgument,
+                "a film of {:.0f} s at --speed {:g} has {:.0f} pictures; choose a higher --speed",
+                last - first, speed, count);
+  }
+  std::vector<Moment> moments;
+  for (int i = 0; i < static_cast<int>(count); ++i)
+    moments.push_back({.number = i, .time = std::min(first + i * speed / kUsualRate, last)});
+  return moments;
+}
+
+/// Frames are the steps of the first case; films go through its time, 25 pictures a second.
+Result<std::vector<Moment>> momentsOfSmoke(const Arguments& arguments, const Subject& subject,
+                                           const std::string& target, Progress& progress) {
+  const SmokeLayer& smoke = subject.smokes.front();
+  if (const auto time = arguments.find<double>("time"))
+    return std::vector{Moment{.time = *time}};
+  const bool film = isFilmPath(target), several = film || FramePattern::isPattern(target);
+  if (!arguments.given("frames") && !several) {
+    if (smoke.steps() > 1 && !subject.scene) {
+      progress.remark(fmt::format("showing the first of {} steps; --time or --frames choose others",
+                                  smoke.steps()));
+    }
+    return std::vector{Moment{.time = subject.scene ? 0 : smoke.timeOf(0)}};
+  }
+  const FrameRange range = arguments.find<FrameRange>("frames").value_or(FrameRange{});
+  const int begin = std::max(range.begin.value_or(0), 0);
+  const int end = std::min(range.end.value_or(smoke.steps()), smoke.steps());
+  if (begin >= end) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--frames: {} has the steps 0 to {}; there is none from {} to {}",
+                smoke.description().file, smoke.steps() - 1, begin,
+                range.end.value_or(smoke.steps()));
+  }
+  if (film) {
+    return momentsOfFilm(smoke.timeOf(begin), smoke.timeOf(end - 1),
+                         arguments.get<double>("speed"));
+  }
+  std::vector<Moment> moments;
+  for (int n = begin; n < end; n += range.step)
+    moments.push_back({.number = n, .time = smoke.timeOf(n)});
+  if (moments.size() > 1 && !several) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
+                moments.size(), target);
+  }
+  return moments;
+}
+
 Result<std::vector<Moment>> momentsOf(const Arguments& arguments, const Subject& subject,
                                       const std::string& target, Progress& progress) {
   const auto& layers = subject.layers;
+  if (layers.empty() && !subject.smokes.empty())
+    return momentsOfSmoke(arguments, subject, target, progress);
   if (layers.empty())
     return momentsOfFog(arguments, subject, target);
   if (const auto time = arguments.find<double>("time"))
@@ -165,8 +331,11 @@ Result<Camera> chooseCamera(const Arguments& arguments, const Subject& subject) 
   if (!description)
     description = subject.camera;
   Pixels size = arguments.find<Pixels>("size").value_or(kUsualSize);
-  if (!description)
-    return Camera::framing(subject.layers.front().info().bounds, size.width, size.height);
+  if (!description) {
+    const Box3 bounds = subject.layers.empty() ? subject.smokes.front().bounds()
+                                               : subject.layers.front().info().bounds;
+    return Camera::framing(bounds, size.width, size.height);
+  }
   if (!arguments.given("size"))
     size = description->size.value_or(kUsualSize);
   return makeCamera(*description, size);
@@ -197,12 +366,30 @@ RenderOptions renderOptions(const Arguments& arguments, const Subject& subject) 
   return options;
 }
 
+/// What OpenGL does not draw, in the plural; empty when it draws all.
+std::string_view beyondGl(const Subject& subject) {
+  if (!subject.smokes.empty())
+    return "smoke on meshes";
+  if (!subject.geometry.empty())
+    return "geometry";
+  if (!subject.signs.empty())
+    return "signs";
+  if (!subject.billboards.empty())
+    return "billboards";
+  return std::ranges::any_of(subject.layers, &VolumeLayer::turned) ? "volumes that are turned" : "";
+}
+
 /// Null for the processor. `auto` takes OpenGL where hardware draws all that the subject has.
 Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments, const Subject& subject) {
   const auto renderer = arguments.get<std::string>("renderer");
+  const auto beyond = beyondGl(subject);
+  if (renderer == "gl" && !beyond.empty()) {
+    return fail(ErrorCode::kUnsupported,
+                "--renderer gl does not draw {} yet; choose cpu or leave it out", beyond);
+  }
   if (renderer == "gl")
     return GlPictures::open(false);
-  const bool served = std::ranges::none_of(subject.fogs, &FogLayer::sunlit);
+  const bool served = beyond.empty() && std::ranges::none_of(subject.fogs, &FogLayer::sunlit);
   if (renderer != "auto" || !served || !glIsLikely())
     return nullptr;
   auto gl = GlPictures::open(true);
@@ -215,24 +402,32 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   Subject subject;
   {
     const Stopwatch watch(totals.open);
-    VOLUTE_ASSIGN(subject, extensionOf(path) == ".json"
-                               ? openScene(path, arguments, context)
-                               : openVolumeSubject(path, arguments, context));
+    VOLUTE_ASSIGN(subject, openSubject(path, arguments, context));
   }
   VOLUTE_ASSIGN(auto moments, momentsOf(arguments, subject, target, context.progress));
   VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, subject));
   VOLUTE_TRY(checkPictureMemory(camera, context));
-  const double rate = framesPerSecond(moments);
+  const bool smokeLeads = subject.layers.empty() && !subject.smokes.empty();
+  const double rate = smokeLeads ? kUsualRate : framesPerSecond(moments);
   const RenderOptions options = renderOptions(arguments, subject);
   VOLUTE_ASSIGN(auto gl, chooseGl(arguments, subject));
-  return RenderJob{std::move(subject.layers),
-                   std::move(subject.fogs),
-                   camera,
-                   options,
-                   std::move(moments),
-                   rate,
-                   totals,
-                   std::move(gl)};
+  RenderJob job{std::move(subject.layers),
+                std::move(subject.fogs),
+                camera,
+                options,
+                std::move(moments),
+                rate,
+                totals};
+  job.gl = std::move(gl);
+  job.smokes = std::move(subject.smokes);
+  job.signs = std::move(subject.signs);
+  job.law = subject.law;
+  job.lights = std::move(subject.lights);
+  job.geometry = subject.geometry;
+  job.billboards = std::move(subject.billboards);
+  job.legend = arguments.flag("legend");
+  job.measuresLight = smokeLeads && !subject.scene;
+  return job;
 }
 
 /// 0 stands for auto.
@@ -259,9 +454,14 @@ Result<Development> developmentOf(const Arguments& arguments, const RenderJob& j
     return fail(ErrorCode::kInvalidArgument,
                 "--colormap is for volumes with one channel and for --aov; this one is RGB");
   }
-  if (!job.fogs.empty() && job.options.aov == Aov::kNone)
+  if ((!job.fogs.empty() || !job.smokes.empty() || !job.geometry.empty()) &&
+      job.options.aov == Aov::kNone) {
     return fail(ErrorCode::kInvalidArgument,
-                "--colormap is for volumes with one channel and for --aov; this scene has fog");
+                "--colormap is for volumes with one channel and for --aov; this shows {}",
+                !job.fogs.empty()     ? "fog"
+                : !job.smokes.empty() ? "smoke"
+                                      : "surfaces");
+  }
   development.colorMap = map == "viridis" ? ColorMap::kViridis : ColorMap::kInferno;
   return development;
 }
@@ -270,8 +470,13 @@ Result<std::unique_ptr<PictureWriter>> writerFor(const std::string& target, cons
                                                  const Development& development) {
   if (!isFilmPath(target))
     return stillWriter(target, development);
+  std::string comment;
+  for (const auto& [name, text] : job.textOf(job.moments.front()).notes) {
+    if (name != "volute.time")
+      comment += fmt::format("{}{}: {}", comment.empty() ? "" : "; ", name, text);
+  }
   return filmWriter(target, development, job.camera.width(), job.camera.height(),
-                    job.framesPerSecond);
+                    job.framesPerSecond, comment);
 }
 
 /// A single picture reports its own progress; of several each is one step.
@@ -293,7 +498,8 @@ Status renderAll(RenderJob& job, const std::string& target, Development& develop
   CancelOnly steps(progress);
   Progress& each = count > 1 ? static_cast<Progress&>(steps) : progress;
   std::optional<Image> tried;
-  const bool fixed = job.options.aov == Aov::kTransmittance || extensionOf(target) == ".exr";
+  const bool fixed = job.options.aov == Aov::kTransmittance || extensionOf(target) == ".exr" ||
+                     (job.measuresLight && job.options.aov == Aov::kNone);
   if (development.exposure == 0 && fixed) {
     development.exposure = 1;
   } else if (development.exposure == 0) {
@@ -311,7 +517,7 @@ Status renderAll(RenderJob& job, const std::string& target, Development& develop
         tried && i == middle ? Result<Image>(std::move(*tried)) : job.picture(moment, each);
     VOLUTE_TRY(image);
     const Stopwatch watch(job.totals.write);
-    VOLUTE_TRY(writer->write(*image, moment.number));
+    VOLUTE_TRY(writer->write(*image, moment.number, job.textOf(moment)));
     if (count > 1)
       progress.report("rendering", static_cast<double>(i + 1), static_cast<double>(count));
   }
@@ -356,7 +562,7 @@ Status run(const Arguments& arguments, Context& context) {
 
 std::vector<Option> renderOptionTable() {
   using enum ValueKind;
-  return {
+  std::vector<Option> options = {
       {.name = "output",
        .letter = 'o',
        .kind = kFile,
@@ -442,11 +648,31 @@ std::vector<Option> renderOptionTable() {
        .kind = kBounds,
        .value = "X0,Y0,Z0,X1,Y1,Z1",
        .help = "as for compress [m]"},
+      {.name = "speed",
+       .kind = kNumber,
+       .value = "S",
+       .help = "seconds of smoke in a second of its film",
+       .initial = "1",
+       .positive = true},
+      {.name = "legend", .help = "draw mode, mass extinction, C and time into .png and films"},
+      {.name = "cache",
+       .kind = kFile,
+       .value = "DIR",
+       .help = "where the light of lamps in smoke is kept, or none; else volute/light in the "
+               "user's cache folder"},
+      {.name = "cache-size",
+       .kind = kBytes,
+       .value = "BYTES",
+       .help = "what it may take there",
+       .initial = "1G"},
       {.name = "stats",
        .kind = kFile,
        .value = "FILE.json",
        .help = "write what was visited, the time of each stage and the peak memory"},
       {.name = "partial", .help = "use what is intact of a damaged .volute"}};
+  const std::vector<Option> smoke = smokeOptions();
+  options.insert(options.end(), smoke.begin(), smoke.end());
+  return options;
 }
 
 }  // namespace

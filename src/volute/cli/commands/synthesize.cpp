@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/hall_files.hpp"
 #include "volute/cli/valley_files.hpp"
 #include "volute/cli/volume_input.hpp"
 #include "volute/cli/volume_output.hpp"
@@ -17,7 +18,7 @@ Result<SynthOptions> optionsOf(const Arguments& arguments) {
     options.kind = SynthKind::kSmoke;
   } else if (kind != "fire" && kind != "flame") {
     return fail(ErrorCode::kInvalidArgument,
-                "'{}' is unknown; expected fire, flame, smoke or valley", kind);
+                "'{}' is unknown; expected fire, flame, smoke, valley, hall or ball", kind);
   }
   options.channels = kind == "flame" || arguments.flag("scalar") ? 1 : 3;
   options.size = arguments.get<int>("size");
@@ -52,6 +53,7 @@ Status runValley(const Arguments& arguments, Context& context) {
   files.size = arguments.get<Pixels>("pixels");
   files.frames = arguments.findGiven<int>("frames").value_or(1);
   files.mapSize = arguments.findGiven<int>("size").value_or(files.mapSize);
+  files.geometry = arguments.flag("geometry");
   VOLUTE_TRY(writeValley(files, target, context.progress));
   Report report;
   report.add("output", target).add("frames", files.frames, fmt::format("{}", files.frames));
@@ -59,7 +61,35 @@ Status runValley(const Arguments& arguments, Context& context) {
   return {};
 }
 
+Status runBall(const Arguments& arguments, Context& context) {
+  const auto target = arguments.get<std::string>("output");
+  VOLUTE_TRY(writeBall(target, static_cast<std::uint32_t>(arguments.get<int>("seed"))));
+  Report report;
+  report.add("output", target);
+  context.print(report);
+  return {};
+}
+
+/// Smoke on a mesh of tets.
+Status runHall(const Arguments& arguments, Context& context) {
+  const auto target = arguments.get<std::string>("output");
+  HallFiles files;
+  files.seed = static_cast<std::uint32_t>(arguments.get<int>("seed"));
+  files.steps = arguments.findGiven<int>("frames").value_or(files.steps);
+  files.cell = arguments.get<double>("cell");
+  files.interval = arguments.get<double>("interval");
+  VOLUTE_TRY(writeHall(files, target, context.progress));
+  Report report;
+  report.add("output", target).add("frames", files.steps, fmt::format("{}", files.steps));
+  context.print(report);
+  return {};
+}
+
 Status run(const Arguments& arguments, Context& context) {
+  if (arguments.positional(0) == "hall")
+    return runHall(arguments, context);
+  if (arguments.positional(0) == "ball")
+    return runBall(arguments, context);
   if (arguments.positional(0) == "valley")
     return runValley(arguments, context);
   const auto target = arguments.get<std::string>("output");
@@ -89,10 +119,11 @@ Command synthesizeCommand() {
   using enum ValueKind;
   return {
       .name = "synthesize",
-      .summary = "Makes up fire, smoke or a valley for fog from a seed",
+      .summary = "Makes up fire, smoke, a valley for fog or a hall on fire from a seed",
       .examples = {"volute synthesize fire -o fire.npy --size 64 --frames 48 --seed 7",
                    "volute synthesize smoke -o smoke_%04d.vdb --frames 10",
-                   "volute synthesize valley -o valley --pixels 640x360"},
+                   "volute synthesize valley -o valley --pixels 640x360",
+                   "volute synthesize hall -o hall.pvd"},
       .description =
           "fire is emission in linear RGB [radiance/m], mostly empty and fast; flame is its "
           "luminance alone; smoke is coloured "
@@ -102,15 +133,20 @@ Command synthesizeCommand() {
           "valley is a frame for volute fog, in a folder: color.exr, depth.exr, camera.json and "
           "the "
           "painted fogmap.png of --size pixels a side; with --frames a flight, color_%04d.png, "
-          "depth_%04d.exr and camera_%04d.json. The map's cells have a side of 512 m / size.",
-      .positionals = {{.name = "KIND", .help = "fire, flame, smoke or valley"}},
+          "depth_%04d.exr and camera_%04d.json. The map's cells have a side of 512 m / size.\n\n"
+          "hall is a hall of 28 x 12 x 6 m beside a room on fire, as a mesh of tets with the field "
+          "soot [g/m3], a .vtu file for each of --frames (31) steps of --interval; for volute "
+          "render and volute visibility. It is made up, not simulated. ball is a ball of the same "
+          "smoke "
+          "in a box, one .vtu file.",
+      .positionals = {{.name = "KIND", .help = "fire, flame, smoke, valley, hall or ball"}},
       .options = {{.name = "output",
                    .letter = 'o',
                    .kind = kFile,
                    .value = "OUT",
                    .help = ".npy, .volute, a pattern %04d.vdb or %04d.vti, or - for a .npy on "
                            "standard output; "
-                           "the valley's folder",
+                           "the valley's folder; the hall's .pvd, the ball's .vtu",
                    .required = true},
                   {.name = "size",
                    .kind = kInteger,
@@ -126,6 +162,8 @@ Command synthesizeCommand() {
                    .initial = "48",
                    .least = 1,
                    .most = 100000},
+                  {.name = "geometry",
+                   .help = "of the valley, write valley.glb too: its surface as triangles"},
                   {.name = "seed",
                    .kind = kInteger,
                    .value = "S",
@@ -138,6 +176,19 @@ Command synthesizeCommand() {
                    .value = "WxH",
                    .help = "of the valley's pictures",
                    .initial = "640x360"},
+                  {.name = "cell",
+                   .kind = kNumber,
+                   .value = "M",
+                   .help = "size of the hall's cells [m]",
+                   .initial = "0.4",
+                   .least = 0.1,
+                   .most = 2},
+                  {.name = "interval",
+                   .kind = kNumber,
+                   .value = "S",
+                   .help = "between the hall's steps [s]",
+                   .initial = "5",
+                   .positive = true},
                   {.name = "scalar", .help = "one channel instead of RGB"},
                   {.name = "rms",
                    .kind = kNumber,

@@ -46,7 +46,8 @@ Result<FrameViews> ViewReader::read(int frame) {
     const bool allCount = std::ranges::all_of(picture.weight, [](float w) { return w == 1; });
     const CaptureCamera& known = capture_->cameras[camera];
     result.views.push_back({known.name, known.camera, std::move(picture.radiance),
-                            allCount ? std::vector<float>{} : std::move(picture.weight)});
+                            allCount ? std::vector<float>{} : std::move(picture.weight),
+                            allCount ? std::vector<std::uint8_t>{} : std::move(picture.atLeast)});
     result.facts.push_back({picture.brightest, picture.saturatedShare, picture.maskedShare,
                             picture.transparentShare, picture.grey});
   }

@@ -7,8 +7,8 @@
 #include <limits>
 #include <set>
 
-#include "volute/base/input_file.hpp"
 #include "volute/base/output_file.hpp"
+#include "volute/cli/inline_picture.hpp"
 #include "volute/cli/reconstruction/line_plot.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
@@ -44,29 +44,11 @@ std::string textOf(const Json& json, const char* format = "{:.4g}") {
   return escapedHtml(json.is_string() ? json.get<std::string>() : json.dump());
 }
 
-std::string base64(std::span<const std::byte> bytes) {
-  constexpr std::string_view kLetters =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group =
-          group << 8 | (i + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k <= bytes.size() ? kLetters[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
-
 /// The picture as part of the page; written as a file first, in the folder of the finished frames.
 Result<std::string> inlinePng(const Image& image, const std::filesystem::path& folder) {
   const auto path = folder / "frame_picture.png";
   VOLUTE_TRY(writeImage(path, image));
-  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
-  std::vector<std::byte> bytes(file.size());
-  VOLUTE_TRY(file.read(0, bytes));
-  return "data:image/png;base64," + base64(bytes);
+  return inlinePicture(path);
 }
 
 /// |projected - given|, the largest channel; 0 where pixels do not count.

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "volute/base/result.hpp"
+
+namespace volute {
+
+/// A folder in the making beside `target`, so that a folder of results appears whole or not at all:
+/// files go to path(); commit() renames it; otherwise the destructor removes it with all in it.
+class PendingFolder {
+ public:
+  /// A folder `target` that is there is replaced in commit() when it is empty or holds a file named
+  /// `mark`, which says that this program made it; else it is an error.
+  [[nodiscard]] static Result<PendingFolder> create(const std::filesystem::path& target,
+                                                    std::string_view mark);
+
+  ~PendingFolder();
+  PendingFolder(PendingFolder&& other) noexcept;
+  PendingFolder& operator=(PendingFolder&&) = delete;
+
+  const std::filesystem::path& path() const { return temporary_; }
+
+  const std::filesystem::path& target() const { return target_; }
+
+  /// Call it once, when all files are closed.
+  [[nodiscard]] Status commit();
+
+ private:
+  PendingFolder(std::filesystem::path temporary, std::filesystem::path target)
+      : temporary_(std::move(temporary)), target_(std::move(target)) {}
+
+  std::filesystem::path temporary_;
+  std::filesystem::path target_;
+};
+
+}  // namespace volute

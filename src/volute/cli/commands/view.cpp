@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/base/output_file.hpp"
+#include "volute/cli/commands/commands.hpp"
+#include "volute/cli/view_document.hpp"
+#include "volute/cli/volume_output.hpp"
+#include "volute/io/image_file.hpp"
+#include "volute/viewer/headless_viewer.hpp"
+#include "volute/viewer/window.hpp"
+
+namespace volute::cli {
+namespace {
+
+Status run(const Arguments& arguments, Context& context) {
+  const std::string& path = arguments.positional(0);
+  const double time = arguments.find<double>("time").value_or(0);
+  const Pixels size = arguments.get<Pixels>("size");
+  const auto open = documentOpener(context.maxMemory);
+  const auto target = arguments.find<std::string>("screenshot");
+  if (!target)
+    return runViewerWindow(open, path, time, size.width, size.height, context.progress);
+  if (extensionOf(*target) != ".png")
+    return fail(ErrorCode::kInvalidArgument, "--screenshot: '{}' is no .png", *target);
+  VOLUTE_TRY(checkTarget(*target));
+  VOLUTE_ASSIGN(const Image image,
+                viewerScreenshot(open, path, time, size.width, size.height,
+                                 !arguments.flag("no-panels"), context.progress));
+  return writeImage(*target, image);
+}
+
+}  // namespace
+
+Command viewCommand() {
+  using enum ValueKind;
+  return {
+      .name = "view",
+      .summary = "Shows a volume, fog or a scene in a window",
+      .examples = {"volute view fire.volute", "volute view scene.json --time 0.8",
+                   "volute view fire.volute --screenshot fire.png"},
+      .description =
+          "Turn with the left mouse button, move across with the right one, F1 shows the rest. "
+          "Files are read in the background, coarse levels first, and read again when they change "
+          "on disk. Draws with OpenGL 4.5. A .png is taken for a map of fog.\n\n"
+          "--screenshot draws the same frame without a display, once all is loaded.",
+      .positionals = {{.name = "FILE",
+                       .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), a map of fog (.png) or "
+                               "a scene (.json)"}},
+      .options = {{.name = "screenshot",
+                   .kind = kFile,
+                   .value = "OUT.png",
+                   .help = "write the viewer's frame instead of opening a window"},
+                  {.name = "time", .kind = kNumber, .value = "T", .help = "begin at T [s]"},
+                  {.name = "size",
+                   .kind = kPixels,
+                   .value = "WxH",
+                   .help = "of the window or the screenshot [pixels]",
+                   .initial = "1280x800"},
+                  {.name = "no-panels", .help = "a screenshot of the picture alone"}},
+      .run = run};
+}
+
+}  // namespace volute::cli

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <algorithm>
+
+#include "volute/base/input_file.hpp"
+#include "volute/cli/commands/commands.hpp"
+#include "volute/cli/visibility/case_field.hpp"
+#include "volute/cli/visibility/sign_file.hpp"
+#include "volute/cli/visibility/survey_job.hpp"
+#include "volute/cli/volume_output.hpp"
+
+namespace volute::cli {
+namespace {
+
+Result<std::string> readText(const std::string& path) {
+  constexpr std::uint64_t kMost = std::uint64_t{512} << 20;
+  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
+  if (file.size() > kMost) {
+    return fail(ErrorCode::kTooLarge, "{}: {} bytes of text are too many; expected at most {}",
+                path, file.size(), kMost);
+  }
+  std::string text(file.size(), '\0');
+  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
+  return text;
+}
+
+Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments) {
+  const auto height = arguments.findGiven<double>("height");
+  if (const auto file = arguments.find<std::string>("route")) {
+    VOLUTE_ASSIGN(const auto text, readText(*file));
+    VOLUTE_ASSIGN(const auto points, parsePoints(text, *file, height));
+    VOLUTE_ASSIGN(auto routes, routesOf(points, *file));
+    return routeWatch(std::move(routes), arguments.get<double>("speed"),
+                      arguments.get<double>("start"));
+  }
+  if (const auto file = arguments.find<std::string>("eyes")) {
+    VOLUTE_ASSIGN(const auto text, readText(*file));
+    VOLUTE_ASSIGN(const auto points, parsePoints(text, *file, height));
+    std::vector<Vec3> eyes;
+    for (const NamedPoint& point : points) eyes.push_back(point.position);
+    return pointWatch(std::move(eyes));
+  }
+  if (const auto file = arguments.find<std::string>("trajectories")) {
+    VOLUTE_ASSIGN(const auto text, readText(*file));
+    VOLUTE_ASSIGN(auto people, Trajectories::parse(text, *file, height));
+    return trajectoryWatch(std::move(people));
+  }
+  return planWatch();
+}
+
+std::vector<std::string> namesIn(std::string_view list) {
+  std::vector<std::string> names;
+  while (true) {
+    const std::size_t comma = list.find(',');
+    names.emplace_back(list.substr(0, comma));
+    if (comma == list.npos)
+      return names;
+    list.remove_prefix(comma + 1);
+  }
+}
+
+Result<double> extinctionLimit(const Arguments& arguments) {
+  const auto number = arguments.find<double>("extinction-limit");
+  const auto name = arguments.find<std::string>("sight-limit");
+  if (!name)
+    return number.value_or(0);
+  VOLUTE_ASSIGN(const auto limit, sightLimit(*name));
+  VOLUTE_ASSIGN(const auto law, visibilityLaw(limit.law));
+  return law.c / limit.distance;
+}
+
+Status run(const Arguments& arguments, Context& context) {
+  SurveyRequest request;
+  request.casePath = arguments.positional(0);
+  request.output = arguments.get<std::string>("output");
+  VOLUTE_ASSIGN(request.signs, readSigns(arguments.get<std::string>("signs")));
+  for (const auto& set :
+       arguments.find<std::vector<std::string>>("set").value_or(std::vector<std::string>{}))
+    request.sets.push_back(namesIn(set));
+  request.frames = arguments.find<FrameRange>("frames").value_or(FrameRange{});
+  request.survey.step = arguments.get<double>("step");
+  request.survey.height = arguments.get<double>("height");
+  request.survey.maps = arguments.get<std::string>("maps") == "all";
+  VOLUTE_ASSIGN(request.survey.extinctionLimit, extinctionLimit(arguments));
+  VOLUTE_ASSIGN(const auto watch, watchOf(arguments));
+  if (const auto name = arguments.find<std::string>("sight-limit")) {
+    const auto limit = *sightLimit(*name);
+    context.progress.remark(fmt::format(
+        "sight limit {}: K = {:.4g} 1/m where one stands ({}{})", name.value(),
+        request.survey.extinctionLimit, limit.source,
+        limit.checked ? "" : "; this source was not checked: look it up before you rely on it"));
+  }
+  Context::watch(request.output);
+  VOLUTE_ASSIGN(auto sightCase, openSightCase(request.casePath, arguments, context));
+  return runSurvey(std::move(request), sightCase, *watch, context);
+}
+
+std::vector<std::string_view> limitNames() {
+  std::vector<std::string_view> names;
+  for (const SightLimit& limit : sightLimits()) names.push_back(limit.name);
+  return names;
+}
+
+std::vector<Option> optionTable() {
+  using enum ValueKind;
+  std::vector<Option> options = {
+      {.name = "signs",
+       .kind = kFile,
+       .value = "SIGNS.json",
+       .help = "the signs: positions, where they face, what law they are seen by",
+       .required = true},
+      {.name = "output",
+       .letter = 'o',
+       .kind = kFile,
+       .value = "FOLDER",
+       .help = "a new folder for the results; one of an earlier run is replaced",
+       .required = true},
+      {.name = "height",
+       .kind = kNumber,
+       .value = "Z",
+       .help = "z of the eyes: of a plan over the whole case, or of points without one [m]",
+       .initial = "2"},
+      {.name = "route",
+       .kind = kFile,
+       .value = "ROUTE.csv",
+       .help = "look along routes: x,y[,z] [m], several by a column 'route'"},
+      {.name = "eyes",
+       .kind = kFile,
+       .value = "EYES.csv",
+       .help = "look from these points alone: x,y[,z] [m]"},
+      {.name = "trajectories",
+       .kind = kFile,
+       .value = "FILE.txt",
+       .help = "look with walking people: JuPedSim's text format"},
+      {.name = "step",
+       .kind = kNumber,
+       .value = "M",
+       .help = "between the points of a plan or a route [m]",
+       .initial = "0.25",
+       .least = 1e-3,
+       .most = 1e3},
+      {.name = "speed",
+       .kind = kNumber,
+       .value = "V",
+       .help = "of somebody who walks a route [m/s]",
+       .initial = "1.2",
+       .positive = true},
+      {.name = "start",
+       .kind = kNumber,
+       .value = "T",
+       .help = "when they set out [s]",
+       .initial = "0"},
+      {.name = "frames",
+       .kind = kFrames,
+       .value = "A:B[:S]",
+       .help = "stored times by position from 0: A <= n < B, every S-th"},
+      {.name = "set",
+       .kind = kText,
+       .value = "NAME,NAME",
+       .help = "also map when none of these signs is seen",
+       .several = true},
+      {.name = "maps",
+       .kind = kChoice,
+       .value = "WHICH",
+       .help = "of a plan: all signs and times, or the loss times alone",
+       .initial = "all",
+       .choices = {"all", "aset"}},
+      {.name = "extinction-limit",
+       .kind = kNumber,
+       .value = "K",
+       .help = "also map when the smoke where one stands reaches K [1/m]",
+       .positive = true},
+      {.name = "sight-limit",
+       .kind = kChoice,
+       .value = "NAME",
+       .help = "the same by a rule's name",
+       .choices = limitNames()}};
+  const auto more = sightCaseOptions();
+  options.insert(options.end(), more.begin(), more.end());
+  return options;
+}
+
+}  // namespace
+
+Command visibilityCommand() {
+  return {
+      .name = "visibility",
+      .summary = "From where, and how long, signs are seen through smoke",
+      .examples = {"volute visibility corridor.smv --signs signs.json --height 2 -o visibility",
+                   "volute visibility hall.pvd --quantity soot-density --unit g/m3 --signs "
+                   "signs.json --route routes.csv --speed 1.2 -o routes",
+                   "volute visibility hall.pvd --quantity extinction --signs signs.json --eyes "
+                   "eyes.csv -o points"},
+      .description =
+          "Looks from every eye to every sign at every stored time: is something opaque between, "
+          "and how much smoke? The optical depth of a sight line is integrated exactly; a sign is "
+          "seen while it is at most C (3 for reflecting signs, 8 for light-emitting ones), and "
+          "from "
+          "in front.\n\nFOLDER gets sight.csv (a row for each eye, sign and time), "
+          "visibility.json, "
+          "and for plans and routes report.html, maps (.png, .vti) and the map of when no sign is "
+          "seen any more. docs/visibility.md says what is computed, and what the rules leave out.",
+      .positionals = {{.name = "CASE",
+                       .help = "smoke on a mesh (.vtu, .pvd) or an FDS case (.smv)"}},
+      .options = optionTable(),
+      .oneOf = {{.names = {"route", "eyes", "trajectories"}},
+                {.names = {"extinction-limit", "sight-limit"}}},
+      .run = run};
+}
+
+}  // namespace volute::cli

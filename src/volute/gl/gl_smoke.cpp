@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/gl/face_tree.hpp"
+#include "volute/gl/gl_medium.hpp"
+#include "volute/gl/glsl_sources.hpp"
+
+namespace volute {
+
+/// A mesh without its fields.
+class GlMesh {
+ public:
+  Vec3 middle = Vec3::Zero();
+  GlBuffer places, tets, opposites, nodes, faces;
+};
+
+namespace {
+
+template <class T>
+std::span<const T> spanOf(const std::vector<T>& values) {
+  return values;
+}
+
+class SmokeOnDevice final : public GlMedium {
+ public:
+  SmokeOnDevice(const GlSmoke& smoke, std::shared_ptr<const GlMesh> mesh)
+      : locator_(smoke.locator), mesh_(std::move(mesh)), black_(smoke.source.empty()) {
+    std::vector<std::array<float, 4>> fields;
+    for (std::size_t i = 0; i < smoke.extinction.size(); ++i) {
+      std::array<float, 4> field{smoke.extinction[i], 0, 0, 0};
+      if (!black_)
+        std::copy_n(&smoke.source[3 * i], 3, field.begin() + 1);
+      fields.push_back(field);
+    }
+    fields_ = makeBuffer(spanOf(fields));
+  }
+
+  std::string key() const override { return "smoke"; }
+
+  std::vector<ShaderPart> parts() const override { return {{"smoke.glsl", glsl::kSmoke}}; }
+
+  GlNature nature() const override {
+    GlNature nature;
+    if (black_)
+      nature = {.color = Rgb(Rgb::Zero()), .points = 2};
+    return nature;
+  }
+
+  void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool inside,
+            GlBindings& bindings) const override {
+    program.set((prefix + "eye").c_str(), Vec3(eye - mesh_->middle));
+    program.set((prefix + "eyeTet").c_str(), inside ? locator_->find(eye) : -1);
+    const std::pair<const char*, const GlBuffer*> blocks[] = {
+        {"Vertices", &mesh_->places},     {"Fields", &fields_},     {"Tets", &mesh_->tets},
+        {"Opposites", &mesh_->opposites}, {"Nodes", &mesh_->nodes}, {"Faces", &mesh_->faces}};
+    for (const auto& [block, buffer] : blocks)
+      program.bindStorage((prefix + block).c_str(), bindings.storage++, *buffer);
+  }
+
+ private:
+  std::shared_ptr<const TetLocator> locator_;
+  std::shared_ptr<const GlMesh> mesh_;
+  bool black_;
+  GlBuffer fields_;
+};
+
+}  // namespace
+
+Result<std::shared_ptr<const GlMesh>> makeGlMesh(const TetMesh& mesh) {
+  GLint64 most = 0;
+  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+  if (static_cast<std::int64_t>(16 * mesh.tets().size()) > most) {
+    return fail(ErrorCode::kTooLarge,
+                "a mesh of {} tetrahedra does not fit in the graphics device's buffers of {} MiB; "
+                "render with --renderer cpu",
+                mesh.tets().size(), most >> 20);
+  }
+  auto made = std::make_shared<GlMesh>();
+  made->middle = mesh.bounds().centre();
+  std::vector<std::array<float, 4>> places;
+  for (const Vec3& vertex : mesh.vertices()) {
+    const Vec3 place = vertex - made->middle;
+    places.push_back({static_cast<float>(place.x()), static_cast<float>(place.y()),
+                      static_cast<float>(place.z()), 0});
+  }
+  made->places = makeBuffer(spanOf(places));
+  made->tets = makeBuffer(mesh.tets());
+  made->opposites = makeBuffer(mesh.opposites());
+  const FaceTree tree(mesh, made->middle);
+  static_assert(sizeof(FaceTree::Node) == 32);
+  made->nodes = makeBuffer(spanOf(tree.nodes));
+  made->faces = makeBuffer(spanOf(tree.faces));
+  return made;
+}
+
+std::unique_ptr<GlMedium> makeGlSmoke(const GlSmoke& smoke, std::shared_ptr<const GlMesh> mesh) {
+  return std::make_unique<SmokeOnDevice>(smoke, std::move(mesh));
+}
+
+}  // namespace volute

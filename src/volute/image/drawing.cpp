@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/image/drawing.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volute/image/bitmap_text.hpp"
+
+namespace volute {
+
+void fillRect(Image& image, int x0, int y0, int x1, int y1, const Rgb& color) {
+  for (int y = std::max(y0, 0); y < std::min(y1, image.height); ++y) {
+    for (int x = std::max(x0, 0); x < std::min(x1, image.width); ++x) {
+      for (int c = 0; c < image.channels; ++c) image.at(x, y, c) = static_cast<float>(color[c]);
+    }
+  }
+}
+
+void drawLine(Image& image, double x0, double y0, double x1, double y1, double width,
+              const Rgb& color) {
+  const double length = std::hypot(x1 - x0, y1 - y0);
+  const double half = 0.5 * width;
+  const auto low = [&](double a, double b) {
+    return static_cast<int>(std::floor(std::min(a, b) - half));
+  };
+  const auto high = [&](double a, double b) {
+    return static_cast<int>(std::ceil(std::max(a, b) + half));
+  };
+  for (int y = std::max(low(y0, y1), 0); y < std::min(high(y0, y1), image.height); ++y) {
+    for (int x = std::max(low(x0, x1), 0); x < std::min(high(x0, x1), image.width); ++x) {
+      const double px = x + 0.5 - x0, py = y + 0.5 - y0;
+      const double along =
+          length > 0 ? std::clamp((px * (x1 - x0) + py * (y1 - y0)) / length, 0.0, length) : 0;
+      const double share = length > 0 ? along / length : 0;
+      // Coverage falls from 1 to 0 over one pixel.
+      const double off = std::hypot(px - share * (x1 - x0), py - share * (y1 - y0));
+      const double cover = std::clamp(half + 0.5 - off, 0.0, 1.0);
+      for (int c = 0; c < image.channels; ++c) {
+        float& value = image.at(x, y, c);
+        value = static_cast<float>(value + cover * (color[c] - value));
+      }
+    }
+  }
+}
+
+void drawTextUpwards(Image& image, std::string_view text, int x, int y, int scale,
+                     const Rgb& color) {
+  const TextSize size = textSize(text, scale);
+  Image flat(size.width, size.height, 1);
+  drawText(flat, text, 0, 0, scale, Rgb::Ones());
+  for (int ty = 0; ty < flat.height; ++ty) {
+    for (int tx = 0; tx < flat.width; ++tx) {
+      if (flat.at(tx, ty) > 0)
+        fillRect(image, x + ty, y - tx - 1, x + ty + 1, y - tx, color);
+    }
+  }
+}
+
+}  // namespace volute

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/obj.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "volute/base/input_file.hpp"
+#include "volute/io/below_folder.hpp"
+
+namespace volute {
+namespace {
+
+/// Takes the next word off a line.
+std::string_view nextWord(std::string_view& line) {
+  const auto begin = std::min(line.find_first_not_of(" \t\r"), line.size());
+  line.remove_prefix(begin);
+  const auto end = std::min(line.find_first_of(" \t\r"), line.size());
+  const std::string_view word = line.substr(0, end);
+  line.remove_prefix(end);
+  return word;
+}
+
+template <class T>
+bool parse(std::string_view word, T& value) {
+  if (!word.empty() && word.front() == '+')
+    word.remove_prefix(1);
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return error == std::errc() && end == word.data() + word.size();
+}
+
+/// Calls `statement(keyword, rest, lineNumber)` for each line that says something; a backslash at a
+/// line's end goes on with the next.
+template <class Statement>
+Status forEachLine(std::string& text, Statement&& statement) {
+  int number = 0, begins = 1;
+  std::string joined;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    std::string_view line(text.data() + at, end - at);
+    at = end + 1;
+    ++number;
+    if (joined.empty())
+      begins = number;
+    if (!line.empty() && line.back() == '\r')
+      line.remove_suffix(1);
+    if (!line.empty() && line.back() == '\\') {
+      joined.append(line.substr(0, line.size() - 1)).push_back(' ');
+      continue;
+    }
+    joined.append(line);
+    std::string_view rest = std::string_view(joined).substr(0, joined.find('#'));
+    const std::string_view keyword = nextWord(rest);
+    if (!keyword.empty())
+      VOLUTE_TRY(statement(keyword, rest, begins));
+    joined.clear();
+  }
+  return {};
+}
+
+Result<std::string> readText(const std::filesystem::path& path, std::uint64_t maxMemory) {
+  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
+  if (file.size() > maxMemory) {
+    return fail(ErrorCode::kTooLarge, "{}: {} MiB, more than the {} MiB of memory allowed",
+                path.string(), file.size() >> 20, maxMemory >> 20);
+  }
+  std::string text(file.size(), ' ');
+  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
+  return text;
+}
+
+class ObjReader {
+ public:
+  ObjReader(std::filesystem::path path, std::uint64_t maxMemory)
+      : path_(std::move(path)), maxMemory_(maxMemory) {
+    mesh_.materials.emplace_back();
+  }
+
+  Result<TriangleMesh> read() {
+    VOLUTE_ASSIGN(std::string text, readText(path_, maxMemory_));
+    VOLUTE_TRY(forEachLine(text, [&](std::string_view keyword, std::string_view rest, int line) {
+      return statement(keyword, rest, line);
+    }));
+    if (mesh_.triangles.empty()) {
+      return fail(ErrorCode::kInvalidData, "{}: has no faces; expected an .obj file with v and f",
+                  path_.string());
+    }
+    return std::move(mesh_);
+  }
+
+ private:
+  template <class... Args>
+  tl::unexpected<Error> fault(int line, fmt::format_string<Args...> format, Args&&... args) const {
+    return fail(ErrorCode::kInvalidData, "{}: line {}: {}", path_.string(), line,
+                fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  Status statement(std::string_view keyword, std::string_view rest, int line) {
+    if (keyword == "v")
+      return addVertex(rest, line);
+    if (keyword == "f")
+      return addFace(rest, line);
+    if (keyword == "usemtl") {
+      const auto found = named_.find(std::string(nextWord(rest)));
+      material_ = found == named_.end() ? 0 : found->second;
+    } else if (keyword == "mtllib") {
+      while (!rest.empty()) {
+        const std::string_view name = nextWord(rest);
+        if (!name.empty())
+          VOLUTE_TRY(addLibrary(std::string(name), line));
+      }
+    }
+    return {};
+  }
+
+  Status addVertex(std::string_view rest, int line) {
+    Vec3 point;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string_view word = nextWord(rest);
+      if (!parse(word, point[axis]) || !std::isfinite(point[axis]))
+        return fault(line, "'{}' is no coordinate; expected v X Y Z", word);
+    }
+    vertices_.push_back(point);
+    return {};
+  }
+
+  Status addFace(std::string_view rest, int line) {
+    std::vector<std::size_t> corners;
+    for (std::string_view word = nextWord(rest); !word.empty(); word = nextWord(rest)) {
+      const std::string_view digits = word.substr(0, word.find('/'));
+      std::int64_t number = 0;
+      const auto count = static_cast<std::int64_t>(vertices_.size());
+      if (!parse(digits, number))
+        return fault(line, "'{}' is no corner; expected the number of a vertex", word);
+      const std::int64_t index = number > 0 ? number - 1 : count + number;
+      if (number == 0 || index < 0 || index >= count)
+        return fault(line, "vertex {} of {} is not there", number, count);
+      corners.push_back(static_cast<std::size_t>(index));
+    }
+    if (corners.size() < 3)
+      return fault(line, "a face of {} corners; expected at least 3", corners.size());
+    if ((mesh_.triangles.size() + corners.size()) * sizeof(Triangle) > maxMemory_)
+      return fail(ErrorCode::kTooLarge,
+                  "{}: line {}: the triangles need more than the {} MiB of memory allowed",
+                  path_.string(), line, maxMemory_ >> 20);
+    for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+      mesh_.triangles.push_back(
+          {{vertices_[corners[0]], vertices_[corners[i]], vertices_[corners[i + 1]]}, material_});
+    }
+    return {};
+  }
+
+  /// A library that is not there leaves its materials at the default, as such files often travel
+  /// alone.
+  Status addLibrary(const std::string& name, int line) {
+    const auto folder = path_.has_parent_path() ? path_.parent_path() : std::filesystem::path(".");
+    const auto file = folder / name;
+    if (!isBelowFolder(file, folder))
+      return fault(line, "'{}' is not below the file's own folder", name);
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error))
+      return {};
+    VOLUTE_ASSIGN(std::string text, readText(file, maxMemory_));
+    std::uint32_t current = 0;
+    return forEachLine(
+        text, [&](std::string_view keyword, std::string_view rest, int at) -> Status {
+          if (keyword == "newmtl") {
+            current = static_cast<std::uint32_t>(mesh_.materials.size());
+            named_[std::string(nextWord(rest))] = current;
+            mesh_.materials.emplace_back();
+            return {};
+          }
+          if (current == 0 || (keyword != "Kd" && keyword != "Ke"))
+            return {};
+          Rgb color;
+          for (int c = 0; c < 3; ++c) {
+            const std::string_view word = nextWord(rest);
+            if (!parse(word, color[c]) || !(color[c] >= 0) || !std::isfinite(color[c])) {
+              return fail(ErrorCode::kInvalidData, "{}: line {}: '{}' is no share of a color",
+                          file.string(), at, word);
+            }
+          }
+          Material& material = mesh_.materials[current];
+          (keyword == "Kd" ? material.baseColor : material.emission) = color;
+          return {};
+        });
+  }
+
+  std::filesystem::path path_;
+  std::uint64_t maxMemory_;
+  TriangleMesh mesh_;
+  std::vector<Vec3> vertices_;
+  std::map<std::string, std::uint32_t> named_;
+  std::uint32_t material_ = 0;
+};
+
+}  // namespace
+
+Result<TriangleMesh> readObj(const std::filesystem::path& path, std::uint64_t maxMemory) {
+  return ObjReader(path, maxMemory).read();
+}
+
+}  // namespace volute

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/surface_file.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "volute/base/assert.hpp"
+#include "volute/io/obj.hpp"
+#include "volute/io/plugin.hpp"
+#include "volute/io/reader_process.hpp"
+
+namespace volute {
+namespace {
+
+/// How much a file holds, as it crosses from the child.
+struct SurfaceSize {
+  std::uint64_t triangles = 0, materials = 0;
+
+  std::size_t floats() const {
+    return (triangles * sizeof(Triangle) + materials * sizeof(Material)) / sizeof(float);
+  }
+};
+
+std::string extensionOf(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return std::tolower(c); });
+  return extension;
+}
+
+/// The child's side: the first call reads the file and says how much it is, the second hands it
+/// over.
+ReaderProcess::Serve makeServe(const std::filesystem::path& file) {
+  return [file, mesh = std::shared_ptr<TriangleMesh>()](
+             std::string_view, std::span<float> values) mutable -> Result<std::string> {
+    if (!mesh) {
+      const bool gltf = extensionOf(file) != ".vtp";
+      VOLUTE_ASSIGN(const SurfacePlugin* plugin, gltf ? loadGltfPlugin() : loadVtkSurfacePlugin());
+      VOLUTE_ASSIGN(auto read, plugin->read(file));
+      mesh = std::make_shared<TriangleMesh>(std::move(read));
+      const SurfaceSize size{mesh->triangles.size(), mesh->materials.size()};
+      return std::string(reinterpret_cast<const char*>(&size), sizeof size);
+    }
+    auto* to = reinterpret_cast<std::byte*>(values.data());
+    const std::size_t bytes = mesh->triangles.size() * sizeof(Triangle);
+    if (bytes > 0)
+      std::memcpy(to, mesh->triangles.data(), bytes);
+    if (!mesh->materials.empty())
+      std::memcpy(to + bytes, mesh->materials.data(), mesh->materials.size() * sizeof(Material));
+    return std::string();
+  };
+}
+
+Status checkMemory(const std::string& file, std::uint64_t triangles, std::uint64_t maxMemory) {
+  if (triangles <= maxMemory / sizeof(Triangle))
+    return {};
+  return fail(ErrorCode::kTooLarge,
+              "{}: {} triangles need more than the {} MiB of memory allowed; raise --max-memory",
+              file, triangles, maxMemory >> 20);
+}
+
+Result<TriangleMesh> readInChild(const std::filesystem::path& path, std::uint64_t maxMemory) {
+  const std::string file = path.string();
+  std::error_code error;
+  const auto fileSize = std::filesystem::file_size(path, error);
+  if (error)
+    return fail(ErrorCode::kNotFound, "{}: cannot be read: {}", file, error.message());
+  ReaderProcess process(makeServe(path));
+  const ReaderProcess::Limits limits{.memory = maxMemory,
+                                     .seconds = 10 + 1e-6 * static_cast<double>(fileSize)};
+  VOLUTE_ASSIGN(const std::string reply, process.call(file, {}, 0, limits));
+  SurfaceSize size;
+  VOLUTE_ASSERT(reply.size() == sizeof size);
+  std::memcpy(&size, reply.data(), sizeof size);
+  VOLUTE_TRY(checkMemory(file, size.triangles, maxMemory));
+  VOLUTE_TRY(process.call(file, {}, size.floats(), limits));
+  TriangleMesh mesh;
+  mesh.triangles.resize(size.triangles);
+  mesh.materials.resize(size.materials);
+  const auto* from = reinterpret_cast<const std::byte*>(process.values().data());
+  const std::size_t bytes = size.triangles * sizeof(Triangle);
+  if (bytes > 0)
+    std::memcpy(static_cast<void*>(mesh.triangles.data()), from, bytes);
+  if (size.materials > 0)
+    std::memcpy(static_cast<void*>(mesh.materials.data()), from + bytes,
+                size.materials * sizeof(Material));
+  return mesh;
+}
+
+}  // namespace
+
+bool isSurfacePath(const std::filesystem::path& path) {
+  const std::string extension = extensionOf(path);
+  return extension == ".glb" || extension == ".gltf" || extension == ".obj" || extension == ".vtp";
+}
+
+Result<TriangleMesh> readSurfaces(const std::filesystem::path& path, std::uint64_t maxMemory) {
+  if (!isSurfacePath(path)) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: no known geometry; expected .glb, .gltf, .obj or .vtp", path.string());
+  }
+  if (extensionOf(path) != ".obj")
+    return readInChild(path, maxMemory);
+  VOLUTE_ASSIGN(auto mesh, readObj(path, maxMemory));
+  VOLUTE_TRY(checkMemory(path.string(), mesh.triangles.size(), maxMemory));
+  return mesh;
+}
+
+}  // namespace volute

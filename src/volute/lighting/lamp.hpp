@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "volute/base/content_hash.hpp"
+#include "volute/medium/medium.hpp"
+
+namespace volute {
+
+/// What lights smoke and walls: a spot lamp, or the sun.
+struct Lamp {
+  enum class Kind { kSpot, kSun };
+
+  Kind kind = Kind::kSpot;
+  Vec3 position = Vec3::Zero();     ///< of a spot [m]
+  Vec3 direction = -Vec3::UnitZ();  ///< the way its light travels, along the cone's axis; unit
+  double coneCosine = -1;           ///< of a spot: no light at a larger angle from its axis
+  /// Of a spot: the share of the cone's half angle, from its rim inwards, on which the light grows
+  /// smoothly from nothing to all, 0..1.
+  double edge = 0;
+  Rgb intensity = Rgb::Constant(1);  ///< spot: power per solid angle; sun: what arrives, per area
+  /// A spot's light is nowhere stronger than at this distance [m]; lamps have a size.
+  double radius = 0.05;
+
+  /// What arrives at a point, per area that faces the lamp, if nothing is in the way.
+  Rgb irradiance(const Vec3& point) const;
+
+  /// 0..1: how far a point is inside a spot's cone, as its edge has it.
+  double coneShare(const Vec3& point) const;
+
+  /// From a point to the lamp; endless towards the sun. Empty at the lamp itself.
+  Segment towards(const Vec3& point) const;
+
+  /// Adds all that decides where its light goes, its colour and power apart.
+  void addTo(ContentHash& hash) const;
+};
+
+/// 1 for each segment that something opaque interrupts, else 0.
+using Blocks = std::function<void(std::span<const Segment>, std::span<std::uint8_t>)>;
+
+}  // namespace volute

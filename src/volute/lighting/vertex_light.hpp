@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/lighting/lamp.hpp"
+#include "volute/tetmesh/tet_locator.hpp"
+
+namespace volute {
+
+/// How much of a lamp's light comes to each vertex of a mesh through the smoke: e^-depth of the
+/// straight way, exact for the field; 0 in the lamp's dark, where a wall is in the way, and outside
+/// of its cone. Staubli et al. 2005, section 4.3, read it off a picture from the lamp instead.
+///
+/// Walls are what the light would have to leave the mesh for and enter it again, so that a lamp may
+/// stand outside; and what `blocks` says.
+///
+/// Walks from vertex to lamp through neighbours, in double; where the way meets an edge, the slow
+/// twin does it.
+class LampPaths {
+ public:
+  explicit LampPaths(std::shared_ptr<const TetLocator> locator);
+
+  /// One share for each vertex. `extinction` [1/m], one for each vertex, finite and >= 0.
+  std::vector<float> shares(std::span<const float> extinction, const Lamp& lamp,
+                            const Blocks& blocks = {}) const;
+
+  const std::shared_ptr<const TetLocator>& locator() const { return locator_; }
+
+ private:
+  /// What the walk found out about one vertex.
+  struct Walk {
+    double depth = 0;
+    bool dark = false;
+    bool doubtful = false;  ///< the way meets an edge or a vertex
+  };
+
+  Walk walk(std::int32_t vertex, const Segment& way, std::span<const float> extinction,
+            bool lampInside) const;
+  std::int32_t firstTet(std::int32_t vertex, const Vec3& direction, bool& doubtful) const;
+
+  std::shared_ptr<const TetLocator> locator_;
+  std::vector<std::int32_t> begin_, around_;  ///< the tets around each vertex
+};
+
+/// The slow twin, one segment at a time: the depth of a way in the mesh and whether it leaves the
+/// mesh and enters it again.
+double lampShareReference(const TetLocator& locator, std::span<const float> extinction,
+                          const Segment& way);
+
+/// Radiance of infinitely thick smoke at each vertex, three each: lamps' light scattered once, the
+/// same in all directions, plus `ambient` that comes from everywhere and is not attenuated.
+/// `shares` has one list for each lamp. Albedo is the share of what smoke takes from light that it
+/// sends on.
+std::vector<float> scatteredLight(std::span<const Vec3> points, std::span<const Lamp> lamps,
+                                  std::span<const std::vector<float>> shares, const Rgb& albedo,
+                                  const Rgb& ambient);
+
+}  // namespace volute

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/render/sign.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "volute/base/parallel.hpp"
+#include "volute/image/bitmap_text.hpp"
+#include "volute/image/srgb.hpp"
+
+namespace volute {
+namespace {
+
+constexpr int kSamples = 4;  // across a pixel, for the picture
+
+/// Signs stick to walls: this far behind one they are still before it [m].
+constexpr double kOnWall = 1e-3;
+
+/// A point of a sign, 0..1 from its left and from its top.
+struct Place {
+  double u = 0, v = 0, distance = 0;
+};
+
+std::optional<Place> meet(const Sign& sign, const Segment& ray) {
+  const double facing = ray.direction.dot(sign.normal);
+  if (!(facing < 0))
+    return std::nullopt;
+  const double s = (sign.position - ray.origin).dot(sign.normal) / facing;
+  if (!(s > ray.begin && s < ray.end))
+    return std::nullopt;
+  const Vec3 from = ray.at(s) - sign.position;
+  const Place place{0.5 + from.dot(sign.right()) / sign.width,
+                    0.5 + from.dot(sign.down()) / sign.height, s};
+  const bool inside = place.u >= 0 && place.u <= 1 && place.v >= 0 && place.v <= 1;
+  return inside ? std::optional(place) : std::nullopt;
+}
+
+/// Between the picture's pixels, whose values stand at their centres; its border goes on.
+Rgb pictureAt(const Image& picture, double u, double v) {
+  const double x = std::clamp(u * picture.width - 0.5, 0.0, picture.width - 1.0);
+  const double y = std::clamp(v * picture.height - 0.5, 0.0, picture.height - 1.0);
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const int x1 = std::min(x0 + 1, picture.width - 1), y1 = std::min(y0 + 1, picture.height - 1);
+  Rgb color;
+  for (int c = 0; c < 3; ++c) {
+    const double top = std::lerp(picture.at(x0, y0, c), picture.at(x1, y0, c), x - x0);
+    const double bottom = std::lerp(picture.at(x0, y1, c), picture.at(x1, y1, c), x - x0);
+    color[c] = std::lerp(top, bottom, y - y0);
+  }
+  return color;
+}
+
+Rgb averageOver(const Camera& camera, const Sign& sign, int x, int y, const Place& centre) {
+  Rgb sum = Rgb::Zero();
+  int hits = 0;
+  for (int i = 0; i < kSamples * kSamples; ++i) {
+    const Segment ray = camera.ray(x + (i % kSamples + 0.5) / kSamples,
+                                   y + (static_cast<int>(i / kSamples) + 0.5) / kSamples);
+    if (const auto place = meet(sign, ray)) {
+      sum += pictureAt(sign.picture, place->u, place->v);
+      ++hits;
+    }
+  }
+  return hits > 0 ? Rgb(sum / hits) : pictureAt(sign.picture, centre.u, centre.v);
+}
+
+}  // namespace
+
+Vec3 Sign::right() const {
+  const Vec3 n = normal.normalized();
+  const Vec3 up = std::abs(n.z()) > 1 - 1e-9 ? Vec3::UnitY() : Vec3::UnitZ();
+  return up.cross(n).normalized();
+}
+
+Vec3 Sign::down() const {
+  return right().cross(normal.normalized());
+}
+
+std::vector<SignPixel> signPixels(const Camera& camera, std::span<const Sign> signs,
+                                  std::span<const float> opaqueDepth) {
+  if (signs.empty())
+    return {};
+  std::vector<std::vector<SignPixel>> rows(static_cast<std::size_t>(camera.height()));
+  parallelFor(rows.size(), [&](std::size_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < camera.width(); ++x) {
+      const auto pixel = static_cast<std::size_t>(y) * camera.width() + x;
+      Segment ray = camera.ray(x + 0.5, y + 0.5);
+      const double wall =
+          opaqueDepth.empty() ? std::numeric_limits<double>::infinity() : opaqueDepth[pixel];
+      ray.end = std::min(ray.end, wall * (1 + 1e-5) + kOnWall);
+      std::optional<SignPixel> found;
+      Place first;
+      for (std::size_t s = 0; s < signs.size(); ++s) {
+        const auto place = meet(signs[s], ray);
+        if (!place)
+          continue;
+        first = *place;
+        ray.end = place->distance;
+        found = SignPixel{static_cast<std::int32_t>(pixel),
+                          static_cast<std::int32_t>(s),
+                          static_cast<float>(std::min(place->distance, wall)),
+                          {}};
+      }
+      if (!found)
+        continue;
+      const Rgb color = averageOver(camera, signs[found->sign], x, y, first);
+      for (int c = 0; c < 3; ++c) found->radiance[c] = static_cast<float>(color[c]);
+      rows[row].push_back(*found);
+    }
+  });
+  std::vector<SignPixel> all;
+  for (const auto& row : rows) all.insert(all.end(), row.begin(), row.end());
+  return all;
+}
+
+Image exitPicture() {
+  constexpr int kScale = 8;
+  const Rgb green(srgbDecode(0.0), srgbDecode(0.52), srgbDecode(0.31));
+  const TextSize size = textSize("EXIT", kScale);
+  Image picture(size.width + 8 * kScale, size.height + 6 * kScale, 3);
+  for (std::size_t i = 0; i < picture.pixels.size(); ++i)
+    picture.pixels[i] = static_cast<float>(green[static_cast<Eigen::Index>(i % 3)]);
+  drawText(picture, "EXIT", 4 * kScale, 3 * kScale, kScale, Rgb::Ones());
+  return picture;
+}
+
+}  // namespace volute

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/render/sign.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+
+namespace volute {
+namespace {
+
+/// 0.6 x 0.3 m, 2 m before the eye; red is on its left, green on its right, blue adds to the top.
+Sign testSign() {
+  Sign sign;
+  sign.position = Vec3(2, 0, 1);
+  sign.normal = Vec3(-3, 0, 0);
+  sign.picture = Image(2, 2, 3);
+  sign.picture.at(0, 0, 0) = sign.picture.at(0, 1, 0) = 1;
+  sign.picture.at(1, 0, 1) = sign.picture.at(1, 1, 1) = 1;
+  sign.picture.at(0, 0, 2) = sign.picture.at(1, 0, 2) = 1;
+  return sign;
+}
+
+/// Looks along +x; pixels of 1 cm at the sign.
+Camera testCamera() {
+  return Camera::orthographic({Vec3(0, 0, 1), Vec3(2, 0, 1), Vec3::UnitZ()}, 0.4, 80, 40);
+}
+
+TEST(Sign, StandsWhereItIs) {
+  const Sign sign = testSign();
+  const auto pixels = signPixels(testCamera(), {&sign, 1}, {});
+  EXPECT_EQ(pixels.size(), 60 * 30u);
+  for (const SignPixel& seen : pixels) {
+    EXPECT_NEAR(seen.distance, 2, 1e-6);
+    EXPECT_NEAR(seen.pixel % 80, 39.5, 30);
+    EXPECT_NEAR(seen.pixel / 80, 19.5, 15);
+  }
+}
+
+TEST(Sign, ShowsItsPictureUprightAndNotMirrored) {
+  const Sign sign = testSign();
+  const auto pixels = signPixels(testCamera(), {&sign, 1}, {});
+  const SignPixel& topLeft = pixels.front();
+  const SignPixel& bottomRight = pixels.back();
+  EXPECT_NEAR(topLeft.radiance[0], 1, 1e-6);
+  EXPECT_NEAR(topLeft.radiance[1], 0, 1e-6);
+  EXPECT_NEAR(topLeft.radiance[2], 1, 1e-6);
+  EXPECT_NEAR(bottomRight.radiance[0], 0, 1e-6);
+  EXPECT_NEAR(bottomRight.radiance[1], 1, 1e-6);
+  EXPECT_NEAR(bottomRight.radiance[2], 0, 1e-6);
+  double sum = 0;  // bilinear: the mean stays
+  for (const SignPixel& seen : pixels) sum += seen.radiance[0];
+  EXPECT_NEAR(sum / static_cast<double>(pixels.size()), 0.5, 1e-3);
+}
+
+TEST(Sign, IsHiddenByWhatIsBefore) {
+  const Sign sign = testSign();
+  std::vector<float> opaque(80 * 40, std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < opaque.size(); ++i) opaque[i] = i % 80 < 40 ? 1.9F : 2.0F;
+  const auto pixels = signPixels(testCamera(), {&sign, 1}, opaque);
+  EXPECT_EQ(pixels.size(), 30 * 30u);  // on the wall it is seen
+  for (const SignPixel& seen : pixels) EXPECT_GE(seen.pixel % 80, 40);
+}
+
+TEST(Sign, HidesThoseBehind) {
+  std::vector<Sign> signs = {testSign(), testSign()};
+  signs[0].position.x() = 3;
+  const auto pixels = signPixels(testCamera(), signs, {});
+  EXPECT_EQ(pixels.size(), 60 * 30u);
+  for (const SignPixel& seen : pixels) EXPECT_EQ(seen.sign, 1);
+}
+
+TEST(Sign, HasNoBack) {
+  Sign sign = testSign();
+  sign.normal = Vec3::UnitX();
+  EXPECT_TRUE(signPixels(testCamera(), {&sign, 1}, {}).empty());
+  sign.normal = Vec3::UnitY();
+  EXPECT_TRUE(signPixels(testCamera(), {&sign, 1}, {}).empty());
+}
+
+TEST(Sign, IsFoundFromAnyDirection) {
+  for (const Vec3& normal : {Vec3(1, 2, 0.3), Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(-1, 0.1, -2)}) {
+    Sign sign = testSign();
+    sign.normal = normal;
+    const Vec3 eye = sign.position + 4 * normal.normalized();
+    const Camera camera = Camera::pinhole({eye, sign.position, Vec3::UnitZ()}, 10, 64, 64);
+    const auto pixels = signPixels(camera, {&sign, 1}, {});
+    const double expected = 0.18 / std::pow(4 * camera.pixelSize(), 2);
+    EXPECT_NEAR(static_cast<double>(pixels.size()), expected, 0.05 * expected);
+    EXPECT_NEAR(sign.right().dot(normal), 0, 1e-12);
+    EXPECT_NEAR(sign.right().cross(sign.down()).dot(normal.normalized()), -1, 1e-12);
+    EXPECT_LE(sign.down().z(), 0);
+  }
+}
+
+TEST(Sign, HasAPictureOfItsOwn) {
+  const Image picture = exitPicture();
+  EXPECT_EQ(picture.channels, 3);
+  double ink = 0;
+  for (const float value : picture.pixels) ink += value == 1;
+  EXPECT_GT(ink, 0.05 * static_cast<double>(picture.pixels.size()));
+  EXPECT_LT(ink, 0.5 * static_cast<double>(picture.pixels.size()));
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/render/surfaces.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <thread>
+
+#include "volute/base/parallel.hpp"
+
+namespace volute {
+namespace {
+
+constexpr double kLift = 1e-7;  ///< of a shadow's ray from its surface: more than rounding moves it
+
+/// A lamp's rays from the points that face it.
+struct ShadowRays {
+  std::vector<std::size_t> point;  ///< whose it is
+  std::vector<double> cosine;
+  std::vector<Segment> segments;
+};
+
+/// Towards the side from which the ray came.
+Vec3 facing(const Triangle& triangle, const Vec3& direction) {
+  const Vec3 normal = triangle.normal().normalized();
+  return normal.dot(direction) > 0 ? Vec3(-normal) : normal;
+}
+
+ShadowRays shadowRaysTo(const Lamp& lamp, const TriangleScene& geometry,
+                        std::span<const Segment> segments, std::span<const SurfacePoint> points) {
+  ShadowRays rays;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Hit& hit = points[i].hit;
+    if (!hit.found())
+      continue;
+    const Vec3 place = segments[i].at(hit.distance);
+    Segment way = lamp.towards(place);
+    const double cosine =
+        facing(geometry.triangles()[hit.triangle], segments[i].direction).dot(way.direction);
+    if (way.empty() || !(cosine > 0) || (lamp.irradiance(place) == 0).all())
+      continue;
+    way.begin = kLift * (1 + place.cwiseAbs().maxCoeff());
+    rays.point.push_back(i);
+    rays.cosine.push_back(cosine);
+    rays.segments.push_back(way);
+  }
+  return rays;
+}
+
+/// The share of each ray's light that arrives.
+std::vector<double> arriving(const SurfaceScene& scene, const ShadowRays& rays) {
+  std::vector<std::uint8_t> blocked(rays.segments.size());
+  scene.geometry.occluded(rays.segments, blocked);
+  std::vector<Segment> open;
+  for (std::size_t k = 0; k < blocked.size(); ++k) {
+    if (!blocked[k])
+      open.push_back(rays.segments[k]);
+  }
+  std::vector<double> sum(open.size(), 0), depths(open.size());
+  for (const AnyMedium& medium : scene.media) {
+    medium.opticalDepth(open, depths);
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += depths[k];
+  }
+  std::vector<double> share(blocked.size(), 0);
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < blocked.size(); ++k) {
+    if (!blocked[k])
+      share[k] = std::exp(-sum[next++]);
+  }
+  return share;
+}
+
+}  // namespace
+
+std::vector<SurfacePoint> lookAtSurfaces(const SurfaceScene& scene,
+                                         std::span<const Segment> segments,
+                                         std::uint64_t* shadowRays) {
+  std::vector<Hit> hits(segments.size());
+  scene.geometry.nearest(segments, hits);
+  std::vector<SurfacePoint> points(segments.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].hit = hits[i];
+    if (!hits[i].found())
+      continue;
+    const Material& material = scene.geometry.materialOf(hits[i]);
+    points[i].radiance = material.emission + material.baseColor * scene.ambient;
+  }
+  for (const Lamp& lamp : scene.lamps) {
+    const ShadowRays rays = shadowRaysTo(lamp, scene.geometry, segments, points);
+    const std::vector<double> share = arriving(scene, rays);
+    for (std::size_t k = 0; k < share.size(); ++k) {
+      SurfacePoint& point = points[rays.point[k]];
+      const Rgb irradiance = lamp.irradiance(rays.segments[k].origin) * rays.cosine[k] * share[k];
+      point.radiance +=
+          scene.geometry.materialOf(point.hit).baseColor / std::numbers::pi * irradiance;
+    }
+    if (shadowRays)
+      *shadowRays += share.size();
+  }
+  return points;
+}
+
+Result<SurfacePicture> renderSurfaces(const Camera& camera, const SurfaceScene& scene,
+                                      const Rgb& background, Progress& progress) {
+  SurfacePicture picture;
+  picture.color = Image(camera.width(), camera.height(), 3);
+  picture.depth.resize(static_cast<std::size_t>(camera.width()) * camera.height());
+  const auto caller = std::this_thread::get_id();  // the only one that may talk to `progress`
+  std::atomic<bool> stopped = false;
+  std::atomic<std::uint64_t> surfacePixels = 0, shadowRays = 0;
+  parallelFor(static_cast<std::size_t>(camera.height()), [&](std::size_t y) {
+    if (std::this_thread::get_id() == caller && progress.cancelled())
+      stopped = true;
+    if (stopped)
+      return;
+    std::vector<Segment> segments;
+    for (int x = 0; x < camera.width(); ++x)
+      segments.push_back(camera.ray(x + 0.5, static_cast<double>(y) + 0.5));
+    std::uint64_t rays = 0, found = 0;
+    const auto points = lookAtSurfaces(scene, segments, &rays);
+    for (int x = 0; x < camera.width(); ++x) {
+      const SurfacePoint& point = points[x];
+      const Rgb color = point.hit.found() ? point.radiance : background;
+      for (int c = 0; c < 3; ++c)
+        picture.color.at(x, static_cast<int>(y), c) = static_cast<float>(color[c]);
+      picture.depth[y * camera.width() + x] = static_cast<float>(point.hit.distance);
+      found += point.hit.found();
+    }
+    surfacePixels += found, shadowRays += rays;
+  });
+  if (stopped || progress.cancelled())
+    return fail(ErrorCode::kCancelled, "stopped before the surfaces were drawn");
+  picture.surfacePixels = surfacePixels, picture.shadowRays = shadowRays;
+  return picture;
+}
+
+}  // namespace volute

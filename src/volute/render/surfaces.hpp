@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "volute/base/progress.hpp"
+#include "volute/base/result.hpp"
+#include "volute/camera/camera.hpp"
+#include "volute/geometry/triangle_scene.hpp"
+#include "volute/image/image.hpp"
+#include "volute/lighting/lamp.hpp"
+#include "volute/medium/any_medium.hpp"
+
+namespace volute {
+
+/// What decides how surfaces look.
+struct SurfaceScene {
+  const TriangleScene& geometry;
+  std::span<const Lamp> lamps = {};
+  Rgb ambient = Rgb::Zero();  ///< radiance that comes from everywhere, whatever is in the way
+  std::span<const AnyMedium> media = {};  ///< take from lamps' light on its way to a surface
+};
+
+/// The nearest surface in each pixel, as render() takes it.
+struct SurfacePicture {
+  Image color;               ///< linear RGB radiance; the background where there is no surface
+  std::vector<float> depth;  ///< along each pixel's ray [m], infinite where there is none
+  std::uint64_t surfacePixels = 0;
+  std::uint64_t shadowRays = 0;
+};
+
+/// What a surface at a point sends back along `ray` (Lambert):
+///   emission + base color / pi * sum over lamps of irradiance cos V exp(-t) + base color * ambient
+/// with V = 0 behind other surfaces, else 1, and t the optical depth of all media to the lamp,
+/// exact. Only the side that the ray meets is lit.
+///
+/// One ray for each pixel, through its centre, so that edges are not smoothed and fit the media's.
+/// @return the same for any number of threads; kCancelled when `progress` said so.
+[[nodiscard]] Result<SurfacePicture> renderSurfaces(const Camera& camera, const SurfaceScene& scene,
+                                                    const Rgb& background, Progress& progress);
+
+/// The same for any segments: where each meets a surface first and what comes back from there; no
+/// light and an infinite distance where it meets none.
+struct SurfacePoint {
+  Hit hit;
+  Rgb radiance = Rgb::Zero();
+};
+
+std::vector<SurfacePoint> lookAtSurfaces(const SurfaceScene& scene,
+                                         std::span<const Segment> segments,
+                                         std::uint64_t* shadowRays = nullptr);
+
+}  // namespace volute

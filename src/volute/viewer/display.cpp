@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/viewer/display.hpp"
+
+#include <vector>
+
+namespace volute {
+
+namespace viewerGlsl {
+extern const char* const kScreen;
+extern const char* const kDisplay;
+}  // namespace viewerGlsl
+
+namespace {
+
+constexpr int kColors = 256;
+constexpr int kPictureUnit = 0, kColorsUnit = 1;
+
+void fillColors(GLuint texture, ColorMap map) {
+  std::vector<float> texels;
+  for (int i = 0; i < kColors; ++i) {
+    const Rgb color = displayColor(map, i / (kColors - 1.0));
+    for (int c = 0; c < 3; ++c) texels.push_back(static_cast<float>(color[c]));
+  }
+  glTextureSubImage2D(texture, 0, 0, 0, kColors, 1, GL_RGB, GL_FLOAT, texels.data());
+}
+
+}  // namespace
+
+Result<Display> Display::create() {
+  const ShaderStage stages[] = {{GL_VERTEX_SHADER, {{"screen.glsl", viewerGlsl::kScreen}}},
+                                {GL_FRAGMENT_SHADER, {{"display.glsl", viewerGlsl::kDisplay}}}};
+  VOLUTE_ASSIGN(auto program, GlProgram::link(stages));
+  Display display(std::move(program));
+  GLuint name = 0;
+  glCreateVertexArrays(1, &name);
+  display.nothing_ = GlVertexArray(name);
+  glCreateSamplers(1, &name);
+  glSamplerParameteri(name, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glSamplerParameteri(name, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glSamplerParameteri(name, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glSamplerParameteri(name, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  display.smooth_ = GlObject<detail::destroySampler>(name);
+  display.colors_ = makeTexture2d(GL_RGB32F, kColors, 1);
+  fillColors(display.colors_.name(), ColorMap::kInferno);
+  display.map_ = ColorMap::kInferno;
+  return display;
+}
+
+void Display::draw(GLuint picture, const DisplayLook& look, int width, int height) {
+  if (look.map && look.map != map_) {
+    fillColors(colors_.name(), *look.map);
+    map_ = look.map;
+  }
+  program_.use();
+  program_.set("picture", kPictureUnit);
+  program_.set("colors", kColorsUnit);
+  program_.set("background", Vec3(look.background));
+  program_.set("exposure", static_cast<float>(look.exposure));
+  program_.set("mapped", look.map ? 1 : 0);
+  glBindTextureUnit(kPictureUnit, picture);
+  glBindTextureUnit(kColorsUnit, colors_.name());
+  glBindSampler(kPictureUnit, smooth_.name());
+  glBindSampler(kColorsUnit, smooth_.name());
+  glBindVertexArray(nothing_.name());
+  glDisable(GL_BLEND);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_SCISSOR_TEST);
+  glViewport(0, 0, width, height);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glBindSampler(kPictureUnit, 0);
+  glBindSampler(kColorsUnit, 0);
+}
+
+}  // namespace volute

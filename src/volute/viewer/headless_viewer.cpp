@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/viewer/headless_viewer.hpp"
+
+#include <chrono>
+#include <thread>
+
+namespace volute {
+
+Result<std::unique_ptr<HeadlessViewer>> HeadlessViewer::create(OpenDocument open) {
+  VOLUTE_ASSIGN(auto gl, HeadlessGl::create());
+  std::unique_ptr<HeadlessViewer> viewer(new HeadlessViewer(std::move(gl)));
+  VOLUTE_ASSIGN(viewer->app_, ViewerApp::create(std::move(open)));
+  return viewer;
+}
+
+void HeadlessViewer::resize(int width, int height) {
+  if (width == width_ && height == height_)
+    return;
+  width_ = width, height_ = height;
+  colors_ = makeTexture2d(GL_RGBA8, width, height);
+  GLuint name = 0;
+  glCreateFramebuffers(1, &name);
+  frame_ = GlFramebuffer(name);
+  glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, colors_.name(), 0);
+}
+
+Status HeadlessViewer::frame(const ViewerInput& input) {
+  resize(input.width, input.height);
+  glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
+  return app_->frame(input);
+}
+
+Status HeadlessViewer::settle(ViewerInput input, Progress& progress) {
+  constexpr int kMoreFrames = 2;  // panels find their sizes in the frame after they first appear
+  for (int more = kMoreFrames; more > 0;) {
+    if (progress.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped while loading");
+    VOLUTE_TRY(frame(input));
+    input.pressed.clear();
+    if (app_->settled()) {
+      --more;
+      continue;
+    }
+    const LoaderState& loading = app_->loading();
+    progress.report(loading.stage, std::max(loading.share, 0.0), loading.share < 0 ? 0 : 1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return {};
+}
+
+Image HeadlessViewer::picture() const {
+  glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
+  return ViewerApp::shownPicture(width_, height_);
+}
+
+Result<Image> viewerScreenshot(OpenDocument open, const std::string& path, double time, int width,
+                               int height, bool panels, Progress& progress) {
+  VOLUTE_ASSIGN(const auto viewer, HeadlessViewer::create(std::move(open)));
+  ViewerApp& app = viewer->app();
+  app.settings().panels = panels;
+  app.open(path, time);
+  ViewerInput input;
+  input.width = width, input.height = height;
+  VOLUTE_TRY(viewer->settle(input, progress));
+  if (!app.error().empty())
+    return fail(ErrorCode::kInvalidData, "{}", app.error());
+  return viewer->picture();
+}
+
+}  // namespace volute

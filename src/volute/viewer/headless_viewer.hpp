@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "volute/gl/gl_device.hpp"
+#include "volute/viewer/viewer_app.hpp"
+
+namespace volute {
+
+/// The viewer without a display: its frames go to a framebuffer of their own.
+class HeadlessViewer {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<HeadlessViewer>> create(OpenDocument open);
+
+  ViewerApp& app() { return *app_; }
+
+  [[nodiscard]] Status frame(const ViewerInput& input);
+
+  /// Frames of this input until all is loaded and drawn; kCancelled when `progress` says so.
+  [[nodiscard]] Status settle(ViewerInput input, Progress& progress);
+
+  /// What the last frame showed.
+  Image picture() const;
+
+ private:
+  explicit HeadlessViewer(HeadlessGl gl) : gl_(std::move(gl)) {}
+
+  void resize(int width, int height);
+
+  HeadlessGl gl_;  // first, so that it ends last
+  GlTexture colors_;
+  GlFramebuffer frame_;
+  int width_ = 0, height_ = 0;
+  std::unique_ptr<ViewerApp> app_;
+};
+
+/// What `volute view --screenshot` does: the viewer's frame of a file at a time [s], as a picture.
+[[nodiscard]] Result<Image> viewerScreenshot(OpenDocument open, const std::string& path,
+                                             double time, int width, int height, bool panels,
+                                             Progress& progress);
+
+}  // namespace volute

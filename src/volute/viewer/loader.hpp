@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "volute/viewer/document.hpp"
+
+namespace volute {
+
+/// What the loader has to say, at one moment.
+struct LoaderState {
+  bool busy = false;
+  std::string stage;  ///< what it does
+  double share = 0;   ///< 0..1; negative when nobody knows
+  std::string error;  ///< the last one, until something succeeds
+};
+
+/// What it has loaded.
+struct LoadedScene {
+  GlScene scene;
+  double time = 0;
+  bool coarse = false;
+};
+
+/// What an opened document says of itself.
+struct DocumentInfo {
+  std::string title;
+  Box3 bounds;
+  std::vector<double> times;
+  bool grey = false;
+  std::optional<StartView> startView;
+  Rgb background = Rgb::Zero();
+  std::vector<std::string> remarks;
+};
+
+/// Opens documents and their instants in a thread of its own, so that the picture never waits.
+/// Requests that are overtaken by newer ones are dropped, the one that runs is cancelled.
+class Loader {
+ public:
+  explicit Loader(OpenDocument open);
+  ~Loader();
+  Loader(const Loader&) = delete;
+  Loader& operator=(const Loader&) = delete;
+
+  /// Opens a file instead of what is open, and loads its first picture at `time`.
+  void open(std::string path, double time);
+
+  /// Opens the same file again if one of its files has changed on disk since; looks at most every
+  /// half second.
+  void watch();
+
+  /// Loads another instant; the newest request counts.
+  void request(double time);
+
+  LoaderState state() const;
+
+  /// Whether there is nothing that it still has to do.
+  bool idle() const;
+
+  /// What has been opened since the last call.
+  std::optional<DocumentInfo> takeDocument();
+
+  /// What has been loaded since the last call.
+  std::optional<LoadedScene> takeScene();
+
+ private:
+  class Reporter;
+
+  struct Watched {
+    std::filesystem::path path;
+    std::filesystem::file_time_type time;
+  };
+
+  void work();
+  bool openNow(const std::string& path);
+  void loadNow(double time);
+  void deliver(Result<GlScene> scene, double time, bool coarse);
+  bool overtaken() const;
+
+  OpenDocument open_;
+  std::unique_ptr<Document> document_;  // the thread's
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  bool ends_ = false;
+  std::optional<std::string> wantedPath_;
+  std::optional<double> wantedTime_;
+  bool working_ = false;
+  LoaderState state_;
+  std::optional<DocumentInfo> opened_;
+  std::optional<LoadedScene> loaded_;
+  std::string path_;
+  double time_ = 0;
+  std::vector<Watched> watched_;
+  double lastLook_ = 0;
+
+  std::thread thread_;  // last: it uses the others
+};
+
+}  // namespace volute

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <vector>
+
+namespace volute {
+
+/// The viewer's clock: plays, is scrubbed, has a speed, begins again at the end.
+class Timeline {
+ public:
+  /// `times`: when frames begin [s], ascending, one at least.
+  void setTimes(std::vector<double> times);
+
+  double time() const { return time_; }  ///< [s]
+
+  double first() const { return times_.front(); }
+
+  double last() const { return times_.back(); }
+
+  bool moves() const { return times_.size() > 1; }
+
+  bool playing() const { return playing_; }
+
+  void play(bool on) { playing_ = on && moves(); }
+
+  double speed() const { return speed_; }
+
+  /// Times as fast, 0.01 to 100.
+  void setSpeed(double speed);
+
+  /// Clamped to the first and the last frame.
+  void seek(double time);
+
+  /// To the beginning of the frame before or after; stops.
+  void step(int frames);
+
+  /// Which frame is shown, from 0.
+  int frame() const;
+
+  int frames() const { return static_cast<int>(times_.size()); }
+
+  /// Goes on by so many seconds of the clock on the wall.
+  void advance(double seconds);
+
+ private:
+  std::vector<double> times_{0.0};
+  double time_ = 0;
+  double speed_ = 1;
+  bool playing_ = false;
+};
+
+}  // namespace volute

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/viewer/timeline.hpp"
+
+#include <gtest/gtest.h>
+
+namespace volute {
+namespace {
+
+Timeline threeFrames() {
+  Timeline timeline;
+  timeline.setTimes({1, 1.5, 2.5});
+  return timeline;
+}
+
+TEST(Timeline, SeeksWithinItsFrames) {
+  Timeline timeline = threeFrames();
+  EXPECT_EQ(timeline.time(), 1);
+  timeline.seek(1.7);
+  EXPECT_EQ(timeline.frame(), 1);
+  timeline.seek(99);
+  EXPECT_EQ(timeline.time(), 2.5);
+  timeline.seek(-99);
+  EXPECT_EQ(timeline.time(), 1);
+  EXPECT_EQ(timeline.frame(), 0);
+}
+
+TEST(Timeline, PlaysAtItsSpeedAndBeginsAgain) {
+  Timeline timeline = threeFrames();
+  timeline.advance(1);
+  EXPECT_EQ(timeline.time(), 1) << "it does not play yet";
+  timeline.play(true);
+  timeline.setSpeed(2);
+  timeline.advance(0.5);
+  EXPECT_DOUBLE_EQ(timeline.time(), 2);
+  timeline.advance(0.7);  // the last frame lasts a second, as the one before it
+  EXPECT_DOUBLE_EQ(timeline.time(), 3.4);
+  EXPECT_EQ(timeline.frame(), 2);
+  timeline.advance(0.1);
+  EXPECT_NEAR(timeline.time(), 1.1, 1e-12);
+}
+
+TEST(Timeline, StepsFromFrameToFrameAndStops) {
+  Timeline timeline = threeFrames();
+  timeline.play(true);
+  timeline.step(1);
+  EXPECT_FALSE(timeline.playing());
+  EXPECT_EQ(timeline.time(), 1.5);
+  timeline.step(5);
+  EXPECT_EQ(timeline.time(), 2.5);
+  timeline.step(-1);
+  EXPECT_EQ(timeline.time(), 1.5);
+}
+
+TEST(Timeline, AStillDoesNotPlay) {
+  Timeline timeline;
+  timeline.play(true);
+  EXPECT_FALSE(timeline.playing());
+  timeline.setTimes({});
+  EXPECT_EQ(timeline.frames(), 1);
+}
+
+}  // namespace
+}  // namespace volute

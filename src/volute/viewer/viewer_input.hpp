@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+namespace volute {
+
+/// Keys that mean something to the viewer.
+enum class Key {
+  kSpace,
+  kLeft,
+  kRight,
+  kHome,
+  kEnd,
+  kUp,
+  kDown,
+  kPlus,
+  kMinus,
+  kF1,
+  kF12,
+  kEscape,
+  kA,
+  kD,
+  kE,
+  kF,
+  kH,
+  kM,
+  kQ,
+  kS,
+  kW,
+};
+
+/// What a person did between two frames. The window fills it from its events, tests by hand.
+struct ViewerInput {
+  int width = 960, height = 640;    ///< of the picture [pixels]
+  double seconds = 1.0 / 60;        ///< since the last frame
+  double mouseX = -1, mouseY = -1;  ///< [pixels] from the top left
+  bool buttons[3]{};                ///< left, right, middle are held
+  double wheel = 0;                 ///< clicks, away from the person is positive
+  std::vector<Key> pressed{};       ///< went down since the last frame
+  std::set<Key> held{};
+  bool shift = false;
+  std::string dropped{};  ///< a file that was dropped on the window; empty: none
+};
+
+}  // namespace volute

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/viewer/window.hpp"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include <filesystem>
+#include <optional>
+
+#include "volute/io/image_file.hpp"
+#include "volute/viewer/viewer_app.hpp"
+
+namespace volute {
+namespace {
+
+std::optional<Key> keyOf(int key) {
+  switch (key) {
+    case GLFW_KEY_SPACE:
+      return Key::kSpace;
+    case GLFW_KEY_LEFT:
+      return Key::kLeft;
+    case GLFW_KEY_RIGHT:
+      return Key::kRight;
+    case GLFW_KEY_UP:
+      return Key::kUp;
+    case GLFW_KEY_DOWN:
+      return Key::kDown;
+    case GLFW_KEY_HOME:
+      return Key::kHome;
+    case GLFW_KEY_END:
+      return Key::kEnd;
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD:
+      return Key::kPlus;
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT:
+      return Key::kMinus;
+    case GLFW_KEY_F1:
+      return Key::kF1;
+    case GLFW_KEY_F12:
+      return Key::kF12;
+    case GLFW_KEY_ESCAPE:
+      return Key::kEscape;
+    case GLFW_KEY_A:
+      return Key::kA;
+    case GLFW_KEY_D:
+      return Key::kD;
+    case GLFW_KEY_E:
+      return Key::kE;
+    case GLFW_KEY_F:
+      return Key::kF;
+    case GLFW_KEY_H:
+      return Key::kH;
+    case GLFW_KEY_M:
+      return Key::kM;
+    case GLFW_KEY_Q:
+      return Key::kQ;
+    case GLFW_KEY_S:
+      return Key::kS;
+    case GLFW_KEY_W:
+      return Key::kW;
+    default:
+      return std::nullopt;
+  }
+}
+
+/// GLFW, started; ended with its owner.
+class Window {
+ public:
+  static Result<std::unique_ptr<Window>> create(int width, int height) {
+    std::unique_ptr<Window> window(new Window);
+    if (!glfwInit()) {
+      return fail(ErrorCode::kUnsupported,
+                  "there is no display to open a window on; --screenshot OUT.png needs none");
+    }
+    window->started_ = true;
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    window->window_ = glfwCreateWindow(width, height, "Volute", nullptr, nullptr);
+    if (!window->window_) {
+      return fail(ErrorCode::kUnsupported,
+                  "this display's driver has no OpenGL 4.5; update the graphics driver");
+    }
+    glfwMakeContextCurrent(window->window_);
+    glfwSwapInterval(1);
+    glfwSetWindowUserPointer(window->window_, window.get());
+    window->listen();
+    return window;
+  }
+
+  ~Window() {
+    if (window_)
+      glfwDestroyWindow(window_);
+    if (started_)
+      glfwTerminate();
+  }
+
+  bool closes() const { return glfwWindowShouldClose(window_); }
+
+  void show() { glfwSwapBuffers(window_); }
+
+  /// What happened since the last call.
+  ViewerInput input() {
+    heard_.pressed.clear();
+    heard_.dropped.clear();
+    heard_.wheel = 0;
+    glfwPollEvents();
+    glfwGetFramebufferSize(window_, &heard_.width, &heard_.height);
+    int width = 1, height = 1;
+    glfwGetWindowSize(window_, &width, &height);
+    glfwGetCursorPos(window_, &heard_.mouseX, &heard_.mouseY);
+    heard_.mouseX *= static_cast<double>(heard_.width) / std::max(width, 1);
+    heard_.mouseY *= static_cast<double>(heard_.height) / std::max(height, 1);
+    constexpr int kButtons[] = {GLFW_MOUSE_BUTTON_LEFT, GLFW_MOUSE_BUTTON_RIGHT,
+                                GLFW_MOUSE_BUTTON_MIDDLE};
+    for (int i = 0; i < 3; ++i)
+      heard_.buttons[i] = glfwGetMouseButton(window_, kButtons[i]) == GLFW_PRESS;
+    const double now = glfwGetTime();
+    heard_.seconds = now - last_;
+    last_ = now;
+    return heard_;
+  }
+
+ private:
+  Window() = default;
+
+  static ViewerInput& heardBy(GLFWwindow* window) {
+    return static_cast<Window*>(glfwGetWindowUserPointer(window))->heard_;
+  }
+
+  void listen() {
+    glfwSetKeyCallback(window_, [](GLFWwindow* window, int code, int, int action, int mods) {
+      ViewerInput& heard = heardBy(window);
+      heard.shift = mods & GLFW_MOD_SHIFT;
+      const auto key = keyOf(code);
+      if (!key)
+        return;
+      if (action == GLFW_RELEASE) {
+        heard.held.erase(*key);
+        return;
+      }
+      heard.held.insert(*key);
+      heard.pressed.push_back(*key);
+    });
+    glfwSetScrollCallback(window_,
+                          [](GLFWwindow* window, double, double y) { heardBy(window).wheel += y; });
+    glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
+      if (count > 0)
+        heardBy(window).dropped = paths[0];
+    });
+  }
+
+  bool started_ = false;
+  GLFWwindow* window_ = nullptr;
+  ViewerInput heard_;
+  double last_ = 0;
+};
+
+/// The first name that is free.
+std::string screenshotName() {
+  for (int i = 1;; ++i) {
+    const std::string name = fmt::format("volute_{:04d}.png", i);
+    if (!std::filesystem::exists(name))
+      return name;
+  }
+}
+
+}  // namespace
+
+Status runViewerWindow(OpenDocument open, const std::string& path, double time, int width,
+                       int height, Progress& progress) {
+  VOLUTE_ASSIGN(const auto window, Window::create(width, height));
+  VOLUTE_ASSIGN(const auto app, ViewerApp::create(std::move(open)));
+  app->open(path, time);
+  while (!window->closes() && !progress.cancelled()) {
+    const ViewerInput input = window->input();
+    if (input.width <= 0 || input.height <= 0)
+      continue;  // minimised
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    VOLUTE_TRY(app->frame(input));
+    if (app->takeScreenshotWish()) {
+      const std::string name = screenshotName();
+      const Status written = writeImage(name, ViewerApp::shownPicture(input.width, input.height));
+      app->say(written ? name + " is written" : written.error().message);
+    }
+    window->show();
+  }
+  return {};
+}
+
+}  // namespace volute

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/visibility/eyes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "volute/base/parallel.hpp"
+
+namespace volute {
+namespace {
+
+constexpr double kLargest = 1e7;  // [m]; beyond it coordinates are a mistake
+
+std::string_view trimmed(std::string_view text) {
+  const auto isSpace = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+  while (!text.empty() && isSpace(text.front())) text.remove_prefix(1);
+  while (!text.empty() && isSpace(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::string lowered(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
+}
+
+std::optional<double> numberOf(std::string_view text) {
+  if (text.starts_with('+'))
+    text.remove_prefix(1);
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || stop != end || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+/// Fields between commas, or semicolons where a line has them; quotes around a field are dropped.
+std::vector<std::string_view> fieldsOf(std::string_view line) {
+  const char separator = line.find(';') != line.npos ? ';' : ',';
+  std::vector<std::string_view> fields;
+  for (std::size_t begin = 0;;) {
+    const std::size_t end = line.find(separator, begin);
+    auto field = trimmed(line.substr(begin, end == line.npos ? line.npos : end - begin));
+    if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
+      field = field.substr(1, field.size() - 2);
+    fields.push_back(field);
+    if (end == line.npos)
+      return fields;
+    begin = end + 1;
+  }
+}
+
+std::vector<std::string_view> wordsOf(std::string_view line) {
+  std::vector<std::string_view> words;
+  constexpr std::string_view kSpaces = " \t\r,;";
+  for (std::size_t begin = line.find_first_not_of(kSpaces); begin != line.npos;) {
+    const std::size_t end = std::min(line.find_first_of(kSpaces, begin), line.size());
+    words.push_back(line.substr(begin, end - begin));
+    begin = line.find_first_not_of(kSpaces, end);
+  }
+  return words;
+}
+
+/// Calls visit(line, number) until it fails; lines are trimmed and numbered from 1.
+template <class Visit>
+Status forEachLine(std::string_view text, Visit&& visit) {
+  if (text.starts_with("\xEF\xBB\xBF"))
+    text.remove_prefix(3);
+  int number = 0;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    VOLUTE_TRY(visit(trimmed(text.substr(0, end)), ++number));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return {};
+}
+
+/// Which field of a line is what; -1: none.
+struct Columns {
+  int x = 0, y = 1, z = 2, name = -1;
+
+  /// From a line of names; nothing when there are none.
+  static std::optional<Columns> named(const std::vector<std::string_view>& fields) {
+    Columns columns{-1, -1, -1, -1};
+    for (int i = 0; i < static_cast<int>(fields.size()); ++i) {
+      const std::string field = lowered(fields[static_cast<std::size_t>(i)]);
+      const auto is = [&](std::string_view axis) {
+        return field == axis || field.starts_with(std::string(axis) + "/") ||
+               field.starts_with(std::string(axis) + " [") || field == "eye_" + std::string(axis);
+      };
+      if (is("x"))
+        columns.x = i;
+      else if (is("y"))
+        columns.y = i;
+      else if (is("z"))
+        columns.z = i;
+      else if (field == "name" || field == "route")
+        columns.name = i;
+    }
+    if (columns.x < 0 || columns.y < 0)
+      return std::nullopt;
+    return columns;
+  }
+};
+
+/// The coordinate in a field.
+Result<double> coordinate(const std::vector<std::string_view>& fields, int column, char axis,
+                          std::string_view file, int line) {
+  if (column >= static_cast<int>(fields.size())) {
+    return fail(ErrorCode::kInvalidData, "{}: line {}: {} is missing; expected x,y,z in metres",
+                file, line, axis);
+  }
+  const std::string_view field = fields[static_cast<std::size_t>(column)];
+  const auto value = numberOf(field);
+  if (!value || std::abs(*value) > kLargest) {
+    return fail(ErrorCode::kInvalidData, "{}: line {}: {} is '{}'; expected a number of metres",
+                file, line, axis, field.substr(0, 40));
+  }
+  return *value;
+}
+
+Result<NamedPoint> pointOf(const std::vector<std::string_view>& fields, const Columns& columns,
+                           std::string_view file, int line, std::optional<double> height) {
+  if (columns.z < 0 && !height) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: line {}: z is missing; add a column z, or give the eyes' height with --height",
+                file, line);
+  }
+  NamedPoint point;
+  VOLUTE_ASSIGN(point.position[0], coordinate(fields, columns.x, 'x', file, line));
+  VOLUTE_ASSIGN(point.position[1], coordinate(fields, columns.y, 'y', file, line));
+  point.position[2] = height.value_or(0);
+  if (columns.z >= 0) {
+    VOLUTE_ASSIGN(point.position[2], coordinate(fields, columns.z, 'z', file, line));
+  }
+  if (columns.name >= 0 && columns.name < static_cast<int>(fields.size()))
+    point.name = fields[static_cast<std::size_t>(columns.name)];
+  return point;
+}
+
+/// A person's place in one frame.
+struct Step {
+  int id = 0;
+  int frame = 0;
+  Vec3 place = Vec3::Zero();  ///< in the file's unit
+};
+
+/// "id frame x y z ..."; z need not be there when the eyes' height is given.
+Result<Step> stepOf(std::string_view text, std::string_view file, int line, bool needsZ) {
+  const auto words = wordsOf(text);
+  std::array<double, 5> values{};
+  for (std::size_t i = 0; i < (needsZ ? 5U : 4U); ++i) {
+    const auto value = i < words.size() ? numberOf(words[i]) : std::nullopt;
+    const bool fits = i >= 2 || (value && *value == std::floor(*value) && *value >= 0);
+    if (!value || !fits || std::abs(*value) > kLargest) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: line {}: expected 'id frame x y{}', whole numbers and lengths", file, line,
+                  needsZ ? " z" : "");
+    }
+    values[i] = *value;
+  }
+  return Step{static_cast<int>(values[0]), static_cast<int>(values[1]),
+              Vec3(values[2], values[3], values[4])};
+}
+
+/// Frames a second and metres in a unit of length, as a file's remarks say.
+struct TrajectoryHead {
+  double rate = 0;
+  double unit = 1;
+
+  void read(std::string_view line) {
+    constexpr std::string_view kRate = "framerate:";
+    const std::string remark = lowered(line);
+    const std::size_t at = remark.find(kRate);
+    if (at != remark.npos) {
+      const auto words = wordsOf(std::string_view(remark).substr(at + kRate.size()));
+      if (const auto value = words.empty() ? std::nullopt : numberOf(words[0]))
+        rate = *value;
+    }
+    if (remark.find("x/cm") != remark.npos || remark.find("x[in cm]") != remark.npos)
+      unit = 0.01;
+  }
+};
+
+}  // namespace
+
+Result<FloorPlan> floorPlan(const SightInstant& instant, const Box3& bounds, double height,
+                            double step) {
+  constexpr double kMost = 4e6;
+  const double nx = std::ceil(bounds.size()[0] / step - 1e-6);
+  const double ny = std::ceil(bounds.size()[1] / step - 1e-6);
+  if (!(nx * ny <= kMost)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "a plan of {} x {} m has {:.0f} points {} m apart; expected at most {:.0f}: choose "
+                "a larger step",
+                bounds.size()[0], bounds.size()[1], nx * ny, step, kMost);
+  }
+  FloorPlan plan;
+  plan.step = step;
+  plan.origin = Vec3(bounds.min[0] + 0.5 * step, bounds.min[1] + 0.5 * step, height);
+  plan.nx = std::max(1, static_cast<int>(nx));
+  plan.ny = std::max(1, static_cast<int>(ny));
+  plan.places.resize(plan.size());
+  parallelRanges(plan.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    std::vector<Vec3> points;
+    for (std::size_t i = begin; i < end; ++i) points.push_back(plan.at(i));
+    instant.places(points, std::span(plan.places).subspan(begin, end - begin));
+  });
+  return plan;
+}
+
+double Route::length() const {
+  double sum = 0;
+  for (std::size_t i = 1; i < points.size(); ++i) sum += (points[i] - points[i - 1]).norm();
+  return sum;
+}
+
+Vec3 Route::at(double along) const {
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double piece = (points[i] - points[i - 1]).norm();
+    if (along <= piece && piece > 0)
+      return points[i - 1] + std::max(along, 0.0) / piece * (points[i] - points[i - 1]);
+    along -= piece;
+  }
+  return points.back();
+}
+
+std::vector<double> stationsOf(const Route& route, double step) {
+  std::vector<double> stations{0};
+  double start = 0;
+  for (std::size_t i = 1; i < route.points.size(); ++i) {
+    const double piece = (route.points[i] - route.points[i - 1]).norm();
+    const int parts = static_cast<int>(std::ceil(piece / step - 1e-9));
+    for (int k = 1; k <= parts; ++k) stations.push_back(start + piece * k / parts);
+    start += piece;
+  }
+  return stations;
+}
+
+Result<std::vector<NamedPoint>> parsePoints(std::string_view text, std::string_view file,
+                                            std::optional<double> height) {
+  std::vector<NamedPoint> points;
+  std::optional<Columns> columns;
+  const auto readLine = [&](std::string_view line, int number) -> Status {
+    if (line.empty() || line.starts_with('#'))
+      return {};
+    const auto fields = fieldsOf(line);
+    if (!columns) {
+      columns = Columns::named(fields);
+      if (columns)
+        return {};
+      columns = Columns{};
+      if (fields.size() < 3)
+        columns->z = -1;
+    }
+    VOLUTE_ASSIGN(auto point, pointOf(fields, *columns, file, number, height));
+    points.push_back(std::move(point));
+    return {};
+  };
+  VOLUTE_TRY(forEachLine(text, readLine));
+  if (points.empty())
+    return fail(ErrorCode::kInvalidData, "{}: no point; expected lines x,y,z in metres", file);
+  return points;
+}
+
+Result<std::vector<Route>> routesOf(const std::vector<NamedPoint>& points, std::string_view file) {
+  std::vector<Route> routes;
+  for (const NamedPoint& point : points) {
+    auto route = std::ranges::find(routes, point.name, &Route::name);
+    if (route == routes.end())
+      route = routes.insert(routes.end(), Route{point.name, {}});
+    route->points.push_back(point.position);
+  }
+  for (Route& route : routes) {
+    if (!(route.length() > 0)) {
+      return fail(ErrorCode::kInvalidData, "{}: route '{}' has no length; expected two points",
+                  file, route.name);
+    }
+    if (route.name.empty())
+      route.name = "route";
+  }
+  return routes;
+}
+
+Result<Trajectories> Trajectories::parse(std::string_view text, std::string_view file,
+                                         std::optional<double> height) {
+  TrajectoryHead head;
+  std::map<int, std::map<int, Vec3>> frames;
+  const auto readLine = [&](std::string_view line, int number) -> Status {
+    if (line.starts_with('#')) {
+      head.read(line);
+    } else if (!line.empty()) {
+      VOLUTE_ASSIGN(const auto step, stepOf(line, file, number, !height));
+      const Vec3 place = head.unit * step.place;
+      frames[step.id][step.frame] = Vec3(place[0], place[1], height.value_or(place[2]));
+    }
+    return {};
+  };
+  VOLUTE_TRY(forEachLine(text, readLine));
+  if (frames.empty())
+    return fail(ErrorCode::kInvalidData, "{}: nobody walks here; expected lines 'id frame x y z'",
+                file);
+  if (!(head.rate > 0)) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: no frame rate; expected a line '# framerate: 8.00' with frames a second",
+                file);
+  }
+  Trajectories result;
+  result.begin_ = std::numeric_limits<double>::infinity();
+  for (const auto& [id, steps] : frames) {
+    result.ids_.push_back(id);
+    auto& list = result.steps_.emplace_back();
+    for (const auto& [frame, eye] : steps) list.push_back({frame / head.rate, eye});
+    result.begin_ = std::min(result.begin_, list.front().time);
+    result.end_ = std::max(result.end_, list.back().time);
+  }
+  return result;
+}
+
+std::vector<Trajectories::Person> Trajectories::at(double time) const {
+  std::vector<Person> present;
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    const auto& steps = steps_[i];
+    const auto next = std::ranges::lower_bound(steps, time, {}, &Step::time);
+    if (next == steps.end())
+      continue;
+    if (next->time == time) {
+      present.push_back({ids_[i], next->eye});
+    } else if (next != steps.begin()) {
+      const Step& before = *std::prev(next);
+      const double share = (time - before.time) / (next->time - before.time);
+      present.push_back({ids_[i], before.eye + share * (next->eye - before.eye)});
+    }
+  }
+  return present;
+}
+
+}  // namespace volute

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/visibility/eyes.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "volute/visibility/testing.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(FloorPlan, HasPointsInTheMiddleOfSquares) {
+  const auto plan = floorPlan(Room(0), Room::bounds(), 2, 0.5).value();
+  ASSERT_EQ(plan.nx, 60);
+  ASSERT_EQ(plan.ny, 20);
+  EXPECT_EQ(plan.at(0), Vec3(0.25, 0.25, 2));
+  EXPECT_EQ(plan.at(61), Vec3(0.75, 0.75, 2));
+  int solid = 0;
+  for (const Place place : plan.places) solid += place == Place::kSolid;
+  EXPECT_EQ(solid, 2 * 12);
+  EXPECT_TRUE(plan.walkable(0));
+  EXPECT_FALSE(plan.walkable(10 * 60 + 40));
+  EXPECT_EQ(floorPlan(Room(0), Room::bounds(), 5, 0.5).value().places[0], Place::kOutside);
+  // The last squares reach beyond the bounds.
+  EXPECT_EQ(floorPlan(Room(0), Room::bounds(), 2, 4).value().nx, 8);
+  EXPECT_THAT(floorPlan(Room(0), Room::bounds(), 2, 1e-6).error().message,
+              HasSubstr("larger step"));
+}
+
+TEST(Points, AreReadWithAndWithoutNames) {
+  const auto plain = parsePoints("1,2,3\n# remark\n\n4, 5 ,6\r\n", "e.csv", {}).value();
+  ASSERT_EQ(plain.size(), 2U);
+  EXPECT_EQ(plain[1].position, Vec3(4, 5, 6));
+  const auto named =
+      parsePoints("\xEF\xBB\xBFroute,z [m],x,y\n\"A, no\",3,1,2\nA,3,1,2\n", "e.csv", {});
+  EXPECT_FALSE(named.has_value()) << "a quoted comma is not understood";
+  const auto columns = parsePoints("route;z [m];x;y\nA;3;1;2\n", "e.csv", {}).value();
+  EXPECT_EQ(columns[0].position, Vec3(1, 2, 3));
+  EXPECT_EQ(columns[0].name, "A");
+  const auto flat = parsePoints("x,y\n1,2\n", "e.csv", 1.8).value();
+  EXPECT_EQ(flat[0].position, Vec3(1, 2, 1.8));
+  EXPECT_EQ(parsePoints("1,2\n", "e.csv", 1.8).value()[0].position, Vec3(1, 2, 1.8));
+}
+
+TEST(Points, DamageIsNamedWithItsLine) {
+  const auto message = [](const char* text) {
+    return parsePoints(text, "eyes.csv", {}).error().message;
+  };
+  EXPECT_THAT(message("x,y,z\n1,2,3\n1,abc,3\n"), HasSubstr("eyes.csv: line 3: y is 'abc'"));
+  EXPECT_THAT(message("1,2,3\n1,2\n"), HasSubstr("line 2: z is missing"));
+  EXPECT_THAT(message("1,2\n"), HasSubstr("--height"));
+  EXPECT_THAT(message("1,2,nan\n"), HasSubstr("line 1: z is 'nan'"));
+  EXPECT_THAT(message("1,2,1e300\n"), HasSubstr("line 1: z is '1e300'"));
+  EXPECT_THAT(message(""), HasSubstr("no point"));
+  EXPECT_THAT(message("x,y,z\n"), HasSubstr("no point"));
+}
+
+TEST(Routes, HaveStationsFromStartToEnd) {
+  const auto points =
+      parsePoints("route,x,y,z\na,0,0,1\nb,9,9,9\na,3,0,1\nb,9,9,8\na,3,1,1\n", "r.csv", {})
+          .value();
+  const auto routes = routesOf(points, "r.csv").value();
+  ASSERT_EQ(routes.size(), 2U);
+  EXPECT_DOUBLE_EQ(routes[0].length(), 4);
+  EXPECT_EQ(routes[0].at(3.5), Vec3(3, 0.5, 1));
+  EXPECT_EQ(routes[0].at(-1), Vec3(0, 0, 1));
+  EXPECT_EQ(routes[0].at(9), Vec3(3, 1, 1));
+  const auto stations = stationsOf(routes[0], 0.7);
+  EXPECT_EQ(stations.front(), 0);
+  EXPECT_DOUBLE_EQ(stations.back(), 4);
+  EXPECT_NE(std::ranges::find(stations, 3.0), stations.end()) << "corners are stations";
+  for (std::size_t i = 1; i < stations.size(); ++i)
+    EXPECT_LE(stations[i] - stations[i - 1], 0.7 + 1e-9);
+  EXPECT_THAT(routesOf({{"x", Vec3(1, 1, 1)}}, "r.csv").error().message,
+              HasSubstr("route 'x' has no length"));
+}
+
+TEST(Trajectories, AreReadAsJuPedSimWritesThem) {
+  constexpr const char* kText =
+      "#description: jpscore (0.9.6)\n#framerate: 8.00\n#ID: the agent ID\n"
+      "#ID\tFR\tX\tY\tZ\tA\tB\tANGLE\tCOLOR\n"
+      "6\t0\t4.20\t3.33\t0.00\t0.18\t0.25\t-90.00\t0\n"
+      "6\t8\t5.20\t3.33\t0.00\t0.18\t0.25\t-90.00\t0\n"
+      "7\t8\t1.00\t1.00\t0.00\t0.18\t0.25\t-90.00\t0\n";
+  const auto walk = Trajectories::parse(kText, "t.txt", 1.8).value();
+  EXPECT_EQ(walk.people(), 2);
+  EXPECT_EQ(walk.end(), 1);
+  const auto half = walk.at(0.5);
+  ASSERT_EQ(half.size(), 1U);
+  EXPECT_EQ(half[0].id, 6);
+  EXPECT_NEAR((half[0].eye - Vec3(4.7, 3.33, 1.8)).norm(), 0, 1e-12);
+  EXPECT_EQ(walk.at(1).size(), 2U);
+  EXPECT_TRUE(walk.at(1.01).empty());
+  const auto centimetres =
+      Trajectories::parse("# framerate: 25 fps\n#ID frame x/cm y/cm z/cm\n1 0 100 200 176\n",
+                          "t.txt", {})
+          .value();
+  EXPECT_NEAR((centimetres.at(0)[0].eye - Vec3(1, 2, 1.76)).norm(), 0, 1e-12);
+}
+
+TEST(Trajectories, DamageIsNamed) {
+  const auto message = [](const char* text) {
+    return Trajectories::parse(text, "t.txt", 1.8).error().message;
+  };
+  EXPECT_THAT(message("1 0 1 1 0\n"), HasSubstr("t.txt: no frame rate"));
+  EXPECT_THAT(message("#framerate: 8\n1 0 1\n"), HasSubstr("t.txt: line 2"));
+  EXPECT_THAT(message("#framerate: 8\n1 0.5 1 1 0\n"), HasSubstr("line 2"));
+  EXPECT_THAT(message("#framerate: 8\n"), HasSubstr("nobody"));
+}
+
+}  // namespace
+}  // namespace volute

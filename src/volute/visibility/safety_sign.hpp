@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "volute/optics/visibility.hpp"
+#include "volute/visibility/sight_field.hpp"
+
+namespace volute {
+
+/// How the distance from which a sign is seen depends on the angle between the line of sight and
+/// the sign's normal: it is multiplied by a factor from 0 to 1.
+struct AngleLaw {
+  enum class Kind {
+    kFront,   ///< 1 from in front of the sign's plane, else 0
+    kAny,     ///< 1 from everywhere
+    kCosine,  ///< the angle's cosine, 0 from behind (as in FDSVismap, Boerger et al. 2024)
+    kLimit,   ///< 1 up to `limit`, else 0
+  };
+
+  Kind kind = Kind::kFront;
+  double limit = 90;  ///< [degrees], of kLimit
+
+  double factor(double cosine) const;
+};
+
+/// "front", "any" or "cosine".
+[[nodiscard]] Result<AngleLaw> angleLaw(std::string_view name);
+std::string nameOf(const AngleLaw& law);  ///< "limit 60" for one with a limit
+
+/// A sign that people look for.
+struct SafetySign {
+  std::string name;
+  Vec3 position = Vec3::Zero();      ///< its middle [m]
+  Vec3 normal = Vec3::UnitX();       ///< unit; where it faces
+  std::array<double, 2> size{0, 0};  ///< width and height [m]
+  VisibilityLaw law;                 ///< how far it is seen in smoke
+  AngleLaw angle;
+};
+
+/// What an eye makes of a sign at one time.
+struct Sighting {
+  double distance = 0;  ///< [m]
+  double angle = 0;     ///< [degrees] between the sign's normal and the direction to the eye
+  bool covered = true;
+  bool blocked = false;
+  double depth = 0, low = 0, high = 0;  ///< see Sight; NaN, the known part, infinity if not covered
+  double meanExtinction = 0;            ///< depth / distance [1/m]
+  /// From how far the sign would be seen through smoke of that mean extinction at that angle [m]:
+  /// C factor / K; infinite in clear air, 0 from where it cannot be read.
+  double visibility = 0;
+  bool visible = false;    ///< in sight, distance <= visibility
+  bool certainly = false;  ///< so at any depth up to `high`
+  bool possibly = false;   ///< so at some depth from `low` up
+};
+
+/// Puts together where the eye is and what lies on the line.
+Sighting judge(const SafetySign& sign, const Vec3& eye, const Sight& sight);
+
+/// The same with another depth on the same line, between two stored times, say.
+Sighting judged(const SafetySign& sign, Sighting sighting, double depth, double low, double high);
+
+}  // namespace volute

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "volute/base/result.hpp"
+#include "volute/math/box.hpp"
+#include "volute/math/vec.hpp"
+
+// What the question "from where is the exit sign still seen?" asks of smoke, whatever it is made
+// of: cells of FDS meshes, tetrahedra, a formula.
+
+namespace volute {
+
+/// From an eye to a point of a sign [m].
+struct SightLine {
+  Vec3 eye = Vec3::Zero();
+  Vec3 target = Vec3::UnitX();
+
+  double length() const { return (target - eye).norm(); }
+};
+
+/// What lies on a sight line.
+struct Sight {
+  /// Integral of the extinction K over the line (natural logarithm, dimensionless). Solids count as
+  /// clear, and so do stretches of which the field knows nothing.
+  double depth = 0;
+  /// What the true integral is within, as far as the field's data are rounded (bytes, say):
+  /// low <= depth <= high.
+  double low = 0, high = 0;
+  bool covered = true;   ///< the field knows the smoke everywhere on the line, solids aside
+  bool blocked = false;  ///< something opaque stands between; what ends at the target does not
+};
+
+/// What stands at a point.
+enum class Place : unsigned char {
+  kGas,      ///< one can look from here
+  kSolid,    ///< inside something opaque
+  kOutside,  ///< the field does not reach here
+};
+
+/// Smoke and obstructions at one stored time. All calls are const and thread-safe.
+class SightInstant {
+ public:
+  virtual ~SightInstant() = default;
+
+  /// Fills sights[i] for lines[i]. Called from many threads, each with a batch of its own.
+  virtual void look(std::span<const SightLine> lines, std::span<Sight> sights) const = 0;
+
+  /// What stands at each point.
+  virtual void places(std::span<const Vec3> points, std::span<Place> places) const = 0;
+
+  /// K at each point [1/m]; NaN where the field does not reach or something solid stands.
+  virtual void extinction(std::span<const Vec3> points, std::span<double> extinction) const = 0;
+};
+
+/// Smoke over time.
+class SightField {
+ public:
+  virtual ~SightField() = default;
+
+  /// When the smoke is stored [s], ascending.
+  virtual std::span<const double> times() const = 0;
+
+  /// All places of which the field may know something [m].
+  virtual Box3 bounds() const = 0;
+
+  /// Reads one stored time, a position in times(). Asked in ascending order, each once; what was
+  /// given before need not stay cheap to make again.
+  [[nodiscard]] virtual Result<std::shared_ptr<const SightInstant>> read(std::size_t time) = 0;
+};
+
+/// A floor plan: points in the middle of squares, all at one height.
+struct FloorPlan {
+  Vec3 origin = Vec3::Zero();  ///< the first point [m]; z is the eyes' height
+  double step = 0.25;          ///< [m]
+  int nx = 0, ny = 0;
+  std::vector<Place> places;  ///< shape (y, x), x fastest
+
+  std::size_t size() const { return static_cast<std::size_t>(nx) * ny; }
+
+  Vec3 at(std::size_t i) const {
+    const auto x = static_cast<double>(i % static_cast<std::size_t>(nx));
+    const auto y = static_cast<double>(i / static_cast<std::size_t>(nx));
+    return origin + Vec3(step * x, step * y, 0);
+  }
+
+  bool walkable(std::size_t i) const { return places[i] == Place::kGas; }
+};
+
+}  // namespace volute

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Scenes with opaque geometry: lit surfaces, media that end at them, shadows in fog, billboards."""
+import json
+import math
+import struct
+
+import support
+from pictures import Picture, read_exr, write_png
+from support import write_npy
+
+
+def obj(*quads):
+    """Quadrilaterals of four corners each."""
+    lines = [f"v {x} {y} {z}" for quad in quads for x, y, z in quad]
+    lines += [f"f {4 * i + 1} {4 * i + 2} {4 * i + 3} {4 * i + 4}" for i in range(len(quads))]
+    return "\n".join(lines) + "\n"
+
+
+def floor(z=0.0, half=50.0):
+    return [(-half, -half, z), (half, -half, z), (half, half, z), (-half, half, z)]
+
+
+def glb(points):
+    """A triangle that glows green."""
+    binary = b"".join(struct.pack("<3f", *point) for point in points)
+    text = json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+        "materials": [{"emissiveFactor": [0, 1, 0]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36}]}).encode()
+    text += b" " * (-len(text) % 4)
+    return (struct.pack("<4sIIII", b"glTF", 2, 28 + len(text) + 36, len(text), 0x4E4F534A) + text +
+            struct.pack("<II", 36, 0x004E4942) + binary)
+
+
+class Geometry(support.TestCase):
+    def setUp(self):
+        super().setUp()
+        self.path("floor.obj").write_text(obj(floor()))
+        self.scene = {"format": "volute-scene-1", "background": [9, 9, 9],
+                      "camera": {"eye": [0, 0, 10], "target": [0, 0, 0], "up": [0, 1, 0], "ortho": 8, "size": [8, 8]},
+                      "geometry": [{"file": "floor.obj"}]}
+
+    def render(self, *more, name="x.exr"):
+        self.path("scene.json").write_text(json.dumps(self.scene))
+        self.works("render", self.path("scene.json"), "-o", self.path(name), *more)
+        return read_exr(self.path(name))
+
+    def wrong(self, where, **change):
+        self.path("scene.json").write_text(json.dumps(self.scene | change))
+        message = self.fails(1, "render", self.path("scene.json"), "-o", self.path("y.png"))
+        self.assertIn(where, message)
+
+    def fog(self, sigma, top, **more):
+        write_png(self.path("map.png"), Picture(60, 60, 1, [1.0] * 3600))
+        return {"kind": "fog", "map": "map.png", "origin": [-30, -30, 0], "cell": 1, "sigma_max": sigma, "degree": 0,
+                "profile": {"kind": "slab", "bottom": 0, "top": top}, "color": [0, 0, 0]} | more
+
+    def test_sun_and_ambient_light_by_lambert(self):
+        self.scene["lights"] = [{"kind": "sun", "direction": [0, 1, -1], "radiance": [2, 4, 6]},
+                                {"kind": "ambient", "radiance": [0.5, 0, 0]}]
+        picture = self.render()
+        light = math.sqrt(0.5) / math.pi
+        for c, expected in enumerate((2 * light + 0.5, 4 * light, 6 * light)):
+            self.assertAlmostEqual(picture.at(3, 3, c), 0.8 * expected, places=6)
+
+    def test_spots_shine_down(self):
+        self.scene["lights"] = [{"kind": "spot", "position": [0, 0, 4], "target": [0, 0, 0], "angle": 60,
+                                 "intensity": [16, 16, 16]}]
+        picture = self.render("--size", "9x9")
+        self.assertAlmostEqual(picture.at(4, 4), 0.8 / math.pi, places=6)
+        self.assertEqual(picture.at(0, 0), 0)
+
+    def test_surfaces_cast_shadows(self):
+        self.path("roof.obj").write_text(obj([(0, -50, 3), (50, -50, 3), (50, 50, 3), (0, 50, 3)]))
+        self.scene["geometry"].append({"file": "roof.obj"})
+        self.scene["camera"] = {"eye": [0, 0, 2], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 90, "size": [8, 8]}
+        self.scene["lights"] = [{"kind": "sun", "direction": [0, 0, -1], "radiance": [1, 1, 1]}]
+        picture = self.render()
+        for x in range(8):
+            self.assertAlmostEqual(picture.at(x, 4), 0.8 / math.pi if x < 4 else 0, places=6)
+
+    def test_transforms_move_geometry_and_mirrors_keep_it(self):
+        self.path("tri.glb").write_bytes(glb([(1, 0, 0), (3, 0, 0), (1, 2, 0)]))
+        self.scene["geometry"] = [{"file": "tri.glb"}]
+        picture = self.render()
+        self.assertEqual((picture.at(5, 3, 0), picture.at(5, 3, 1)), (0, 1))
+        self.assertEqual(picture.at(2, 3), 9)
+        self.scene["geometry"][0]["transform"] = [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
+        picture = self.render()
+        self.assertEqual(picture.at(5, 3), 9)
+        self.assertEqual(picture.at(2, 3, 1), 1)
+
+    def test_up_y_turns_the_file(self):
+        # Upright in a file whose y is up: seen from above it is a line, from the front a triangle.
+        self.path("tri.glb").write_bytes(glb([(-2, 0, 0), (2, 0, 0), (0, 4, 0)]))
+        self.scene["geometry"] = [{"file": "tri.glb", "up": "y"}]
+        self.scene["camera"] = {"eye": [0, -9, 2], "target": [0, 0, 2], "ortho": 8, "size": [8, 8]}
+        picture = self.render()
+        self.assertEqual(picture.at(4, 4, 0), 0)
+        self.assertEqual(picture.at(4, 0, 0), 9)
+
+    def test_media_end_at_surfaces_and_take_from_the_light(self):
+        self.scene["media"] = [self.fog(0.1, 4)]
+        self.scene["lights"] = [{"kind": "sun", "direction": [0, 0, -1], "radiance": [1, 1, 1]}]
+        self.scene["media"][0]["albedo"] = [0, 0, 0]
+        self.path("scene.json").write_text(json.dumps(self.scene))
+        depth = self.render("--aov", "optical-depth", name="depth.exr")
+        self.assertAlmostEqual(depth.at(4, 4), 0.4, places=5)
+        # Down through the fog and back up.
+        self.assertAlmostEqual(self.render().at(4, 4), 0.8 / math.pi * math.exp(-0.8), places=5)
+        self.scene["geometry"] = [{"file": "floor.obj", "transform": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 3, 0, 0, 0, 1]}]
+        self.assertAlmostEqual(self.render("--aov", "optical-depth").at(4, 4), 0.1, places=5)
+        self.assertAlmostEqual(self.render("--aov", "transmittance").at(4, 4), math.exp(-0.1), places=5)
+
+    def test_geometry_shadows_the_sun_in_the_fog(self):
+        """A roof over half of thin fog, seen from the side: lit and dark parts of a ray, in closed form."""
+        self.path("roof.obj").write_text(obj([(0, -50, 8), (50, -50, 8), (50, 50, 8), (0, 50, 8)]))
+        self.scene |= {"geometry": [{"file": "roof.obj"}], "background": [0, 0, 0],
+                       "lights": [{"kind": "sun", "direction": [0, 0, -1], "radiance": [1, 1, 1]}],
+                       "camera": {"eye": [-20, 0, 1], "target": [0, 0, 1], "ortho": 0.5, "size": [2, 2]},
+                       "media": [self.fog(0.05, 2)]}
+        # Along x from -30 to 30 at heights 0.875 and 1.125; dark from x = 0 on.
+        picture = self.render()
+        for row, height in ((0, 1.125), (1, 0.875)):
+            expected = (1 - math.exp(-0.05 * 30)) * math.exp(-0.05 * (2 - height)) / (4 * math.pi)
+            self.assertAlmostEqual(picture.at(0, row) / expected, 1, places=3)
+        reference = self.render("--renderer", "reference")
+        self.assertAlmostEqual(reference.at(0, 0) / picture.at(0, 0), 1, places=3)
+
+    def test_volumes_turn(self):
+        # Brighter along x: two voxels of 0.5 m.
+        write_npy(self.path("two.npy"), (1, 1, 1, 2), [1.0, 3.0])
+        self.scene |= {"geometry": [], "background": [0, 0, 0],
+                       "media": [{"kind": "volume", "file": "two.npy",
+                                  "transform": [0, -1, 0, 0.25, 1, 0, 0, -0.5, 0, 0, 1, 0, 0, 0, 0, 1]}],
+                       "camera": {"eye": [0, -5, 0.25], "target": [0, 0, 0.25], "ortho": 0.1, "size": [1, 1]}}
+        # Seen along +y, which was x: 0.5 m of 1 and 0.5 m of 3.
+        self.assertAlmostEqual(self.render("--basis", "box").at(0, 0), 2, places=5)
+        self.scene["media"][0]["transform"] = [1, 0, 0.5, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
+        self.wrong("/media/0/transform: shears")
+
+    def test_billboards_show_the_volume(self):
+        write_npy(self.path("block.npy"), (1, 4, 4, 4), [0.25] * 64)
+        self.scene |= {"geometry": [], "background": [0, 0, 0],
+                       "billboards": [{"volume": "block.npy", "position": [5, 30, 2], "size": [3, 3]}],
+                       "camera": {"eye": [5, 0, 2], "target": [5, 30, 2], "fov": 2, "size": [3, 3]}}
+        self.assertAlmostEqual(self.render("--basis", "box").at(1, 1), 0.25, places=5)
+        self.scene["geometry"] = [{"file": "floor.obj", "transform": [1, 0, 0, 0, 0, 0, 1, 20, 0, 1, 0, 0, 0, 0, 0, 1]}]
+        self.assertEqual(self.render().at(1, 1), 0)  # a black wall before it
+
+    def test_stats_count_surfaces(self):
+        self.scene["lights"] = [{"kind": "sun", "direction": [0, 0, -1], "radiance": [1, 1, 1]}]
+        self.render("--stats", self.path("stats.json"))
+        stats = json.loads(self.path("stats.json").read_text())
+        self.assertEqual(stats["geometry"], {"triangles": 2, "surface_pixels": 64, "shadow_rays": 64})
+        self.assertIn("surfaces", stats["milliseconds"])
+
+    def test_errors_name_the_place(self):
+        self.wrong("/geometry: expected a list", geometry={})
+        self.wrong("/geometry/0/file", geometry=[{}])
+        self.wrong("'" + str(self.path("a.fbx")), geometry=[{"file": "a.fbx"}])
+        self.wrong("none.obj", geometry=[{"file": "none.obj"}])
+        self.wrong("did you mean 'transform'", geometry=[{"file": "floor.obj", "transfrom": []}])
+        self.wrong("/geometry/0/transform: expected 16", geometry=[{"file": "floor.obj", "transform": [1]}])
+        self.wrong("/geometry/0/transform: makes everything flat",
+                   geometry=[{"file": "floor.obj", "transform": [0] * 15 + [1]}])
+        self.wrong("did you mean 'geometry'", geometri=[])
+        self.wrong("/billboards/0/size", billboards=[{"volume": "x.npy", "position": [0, 0, 0], "size": [1]}])
+        self.path("bad.glb").write_bytes(b"glTF\2\0\0\0")
+        self.wrong("bad.glb: not a whole glTF", geometry=[{"file": "bad.glb"}])
+
+
+if __name__ == "__main__":
+    support.main()

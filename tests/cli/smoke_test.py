@@ -1,0 +1,406 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Smoke as a person sees it: what `volute render` makes of meshes, lamps and signs, against closed forms."""
+import json
+import math
+
+import pictures
+import smoke_files
+import support
+
+WHITE = {"background": [1, 1, 1]}
+
+
+class SmokeCase(support.TestCase):
+    """A slab of uniform smoke and pictures of it."""
+
+    def slab(self, value, low=(0, -1, -1), high=(10, 1, 1), cells=(5, 2, 2), name="slab.vtu", **more):
+        mesh = smoke_files.box(low, high, cells)
+        fields = {"smoke": [float(value)] * len(mesh[0])}
+        smoke_files.write_vtu(self.path(name), mesh, fields | {key: [float(v)] * len(mesh[0]) for key, v in more.items()})
+        return name
+
+    def scene(self, eye, target, case="slab.vtu", size=(8, 8), ortho=None, fov=None, smoke=None, **parts):
+        camera = {"eye": eye, "target": target, "size": list(size)} | ({"fov": fov} if fov else {"ortho": ortho or 0.2})
+        if abs(target[0] - eye[0]) + abs(target[1] - eye[1]) < 1e-9:
+            camera["up"] = [0, 1, 0]
+        media = [{"kind": "smoke", "case": case, "field": "smoke", "quantity": "extinction"} | (smoke or {})] if case else []
+        self.path("scene.json").write_text(json.dumps(
+            {"format": "volute-scene-1", "camera": camera, "media": media} | parts))
+        return self.path("scene.json")
+
+    def picture(self, scene, *more):
+        self.works("render", scene, "-o", self.path("x.exr"), "--cache", "none", *more)
+        return smoke_files.read_exr(self.path("x.exr"))
+
+    def value(self, scene, *more, channel="R"):
+        """The middle pixel's."""
+        width, height, channels, _ = self.picture(scene, *more)
+        return channels[channel][height // 2 * width + width // 2]
+
+
+class Greys(SmokeCase):
+    """A uniform slab gives 255 e^(-K L) within half a level at every distance, direction and cell size."""
+
+    def grey(self, scene, *more):
+        return 255 * self.value(scene, *more)
+
+    def test_every_cell_size_distance_and_renderer(self):
+        for cells in ((1, 1, 1), (3, 2, 5), (9, 4, 4)):
+            self.slab(0.3119, cells=cells)
+            for distance in (0.01, 3, 80):
+                scene = self.scene([-distance, 0.03, 0.02], [5, 0.03, 0.02], **WHITE)
+                for renderer in ("cpu", "reference"):
+                    self.assertAlmostEqual(self.grey(scene, "--renderer", renderer), 255 * math.exp(-3.119), delta=0.01)
+
+    def test_fds_smoke_test(self):
+        for length, grey in ((0.5, 181), (1, 128), (2, 64), (3, 32), (4, 16), (5, 8)):
+            self.slab(7.922e-5, high=(length, 1, 1))
+            scene = self.scene([-3, 0.1, 0.2], [5, 0.1, 0.2], smoke={"quantity": "soot-density"}, **WHITE)
+            self.assertAlmostEqual(self.grey(scene), 255 * (128 / 255) ** length, delta=0.5)
+            self.assertAlmostEqual(self.grey(scene), grey, delta=0.75)  # grey is printed rounded
+
+    def test_fds_beam_detector(self):
+        self.slab(0.3119)
+        exact = (192.6, 141.0, 103.2, 75.6, 55.3, 40.5, 29.6, 21.7, 15.9)
+        for i, grey in enumerate(exact):  # seen from inside, so far from the smoke's end
+            scene = self.scene([10 - 0.9 - i, 0.1, 0.2], [20, 0.1, 0.2], fov=1, **WHITE)
+            self.assertAlmostEqual(self.grey(scene), grey, delta=0.06)
+
+    def test_oblique_views_of_a_unit_cube(self):
+        extinction = math.log(255 / 100)
+        for cells in ((1, 1, 1), (4, 4, 4)):
+            self.slab(extinction, low=(-0.5, -0.5, -0.5), high=(0.5, 0.5, 0.5), cells=cells)
+            for direction, grey in (((1, 0, 0), 100), ((1, 1, 0), 68), ((0, 1, -1), 68), ((1, 1, 1), 50), ((-1, 1, 1), 50)):
+                eye = [3 * d + 1e-4 for d in direction]
+                length = math.sqrt(sum(d * d for d in direction))
+                for how in ({"ortho": 1e-3}, {"fov": 0.01}):
+                    seen = self.grey(self.scene(eye, [1e-4] * 3, **how, **WHITE))
+                    self.assertAlmostEqual(seen, 255 * math.exp(-extinction * length), delta=0.2)
+                    self.assertAlmostEqual(seen, grey, delta=0.5)
+
+    def test_a_ramp_of_extinction(self):
+        mesh = smoke_files.box((0, -1, -1), (10, 1, 1), (7, 2, 2))
+        smoke_files.write_vtu(self.path("slab.vtu"), mesh, {"smoke": [0.06 * p[0] for p in mesh[0]]})
+        self.assertAlmostEqual(self.grey(self.scene([-3, 0, 0], [5, 0, 0], **WHITE)), 255 * math.exp(-3), delta=0.01)
+
+
+class Quantities(SmokeCase):
+    def test_every_spelling_of_one_smoke(self):
+        extinction = 0.3
+        for value, smoke in (
+                (extinction, {"quantity": "extinction"}),
+                (extinction / 2, {"quantity": "extinction", "scale": 2}),
+                (extinction / math.log(10), {"quantity": "optical-density"}),
+                (10 * extinction / math.log(10), {"quantity": "optical-density-db"}),
+                (3 / extinction, {"quantity": "visibility", "C": 3}),
+                (8 / extinction, {"quantity": "visibility", "C": "jin-emitting"}),
+                (extinction / 8700, {"quantity": "soot-density"}),
+                (1e3 * extinction / 7600, {"quantity": "soot-density", "unit": "g/m3", "mass_extinction": 7600}),
+                (1e6 * extinction / 7600, {"quantity": "soot-density", "unit": "mg/m3", "mass_extinction": 7600}),
+                (1e3 * extinction / 760, {"quantity": "products-density", "unit": "g/m3", "mass_extinction": 7600, "soot_yield": 0.1}),
+                (10 * extinction / math.log(10) / 4.2, {"quantity": "products-density", "unit": "g/m3", "material": "rigid PU foam",
+                                                        "burning": "flaming"}),
+                (extinction / 8700 / 1.2, {"quantity": "mass-fraction", "density_field": "rho"})):
+            self.slab(value, rho=1.2)
+            for mode, expected in ((None, math.exp(-3)), ("photometric", math.exp(-3)), ("threshold", None)):
+                look = dict(smoke) | ({"mode": mode} if mode else {})
+                c = {"jin-emitting": 8}.get(look.get("C"), look.get("C", 3))
+                wanted = expected if expected else 10 ** (-3 / c)
+                self.assertAlmostEqual(self.value(self.scene([-3, 0, 0], [5, 0, 0], smoke=look, **WHITE)), wanted, delta=1e-5)
+
+    def test_a_case_on_the_command_line(self):
+        self.slab(1e3 * 0.3 / 8700)
+        view = ("--eye=-3,0,0", "--target", "5,0,0", "--ortho", "0.2", "--size", "8x8")
+        case = ("--field", "smoke", "--quantity", "soot-density", "--unit", "g/m3")
+        self.assertAlmostEqual(self.value(self.path("slab.vtu"), *view, *case), math.exp(-3), delta=1e-5)
+        self.assertAlmostEqual(self.value(self.path("slab.vtu"), *view, *case, "--mode", "threshold"), 0.1, delta=1e-5)
+        self.assertAlmostEqual(self.value(self.path("slab.vtu"), *view, *case, "--mode", "threshold", "--C", "8"), 10 ** (-3 / 8), delta=1e-5)
+        self.assertAlmostEqual(self.value(self.path("slab.vtu"), *view, *case, "--background", "0.5,0.5,0.5"), 0.5 * math.exp(-3), delta=1e-5)
+        depth = self.value(self.path("slab.vtu"), *view, *case, "--aov", "optical-depth", "--mode", "threshold", channel="Y")
+        self.assertAlmostEqual(depth, 3, delta=1e-4)  # whatever the mode
+        self.assertAlmostEqual(self.value(self.path("slab.vtu"), *view, *case, "--aov", "transmittance", "--mode", "threshold", channel="Y"),
+                               0.1, delta=1e-5)
+        self.works("render", self.path("slab.vtu"), "-o", self.path("framed.png"), *case)
+
+    def test_what_is_missing_or_wrong(self):
+        self.slab(0.3, other=1)
+        smoke_files.write_vtu(self.path("negative.vtu"), smoke_files.box((0, 0, 0), (1, 1, 1), (1, 1, 1)), {"smoke": [0.5] * 7 + [-0.25]})
+        view = ("--eye=-3,0,0", "--target", "5,0,0", "--ortho", "0.2", "--size", "8x8")
+        out = ("-o", self.path("x.png"))
+        for code, words, said in (
+                (2, ("slab.vtu", "--field", "smoke"), "--quantity: is missing"),
+                (1, ("slab.vtu", "--field", "soot", "--quantity", "extinction"), "'soot'"),
+                (2, ("slab.vtu", "--quantity", "extinction"), "choose one with --field"),
+                (2, ("slab.vtu", "--field", "smoke", "--quantity", "products-density"), "soot yield"),
+                (2, ("slab.vtu", "--field", "smoke", "--quantity", "mass-fraction"), "--density-field"),
+                (2, ("slab.vtu", "--field", "smoke", "--quantity", "soot-density", "--material", "chipboard"), "products-density"),
+                (2, ("slab.vtu", "--field", "smoke", "--quantity", "extinction", "--mode", "threshold", "--C", "-1"), "--C"),
+                (2, ("slab.vtu", "--field", "smoke", "--quantity", "extinction", "--grid", "x"), "--grid"),
+                (1, ("negative.vtu", "--quantity", "extinction"), "negative"),
+                (1, ("none.vtu", "--quantity", "extinction"), "none.vtu")):
+            message = self.fails(code, "render", self.path(words[0]), *words[1:], *view, *out)
+            self.assertIn(said, message)
+        result = self.works("render", self.path("negative.vtu"), "--quantity", "extinction", "--clamp", *view, *out)
+        self.assertIn("1 negative value", result.message)
+        self.slab(0)
+        self.assertIn("no finite", self.fails(1, "render", self.path("slab.vtu"), "--quantity", "visibility", *view, *out))
+
+    def test_meshes_that_are_none(self):
+        points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1), (-1, -1, -1)]
+        for name, used, tets, said in (
+                ("flat", [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1, 2, 3)], "no volume"),
+                ("loose", points[:5], [(0, 1, 2, 3)], "no tet"),
+                ("three", points, [(0, 1, 2, 3), (1, 2, 3, 4), (1, 2, 3, 5)], "face"),
+                ("outside", points[:4], [(0, 1, 2, 9)], "vert")):
+            smoke_files.write_vtu(self.path(f"{name}.vtu"), (used, tets), {"smoke": [0.5] * len(used)})
+            message = self.fails(1, "render", self.path(f"{name}.vtu"), "--quantity", "extinction", "-o", self.path("x.png"))
+            self.assertIn(said, message)
+            self.assertIn(name + ".vtu", message)
+        self.path("cut.vtu").write_bytes(self.path("loose.vtu").read_bytes()[:900])
+        self.assertIn("cut.vtu", self.fails(1, "render", self.path("cut.vtu"), "--quantity", "extinction", "-o", self.path("x.png")))
+
+    def test_scenes_name_the_place(self):
+        self.slab(0.3)
+        for smoke, where in (({"quantity": "soot"}, "/media/0/quantity"), ({"quantity": None}, "/media/0/quantity"),
+                             ({"mode": "dark"}, "/media/0/mode"), ({"C": 0}, "/media/0/C"), ({"albedo": [2, 0, 0]}, "/media/0/albedo"),
+                             ({"unit": "g"}, "/media/0/unit"), ({"burning": "flaming"}, "/media/0/burning"),
+                             ({"walls": 3}, "/media/0/walls"), ({"negatives": 1}, "/media/0/negatives"),
+                             ({"emission": 3}, "/media/0/emission"), ({"case": 3}, "/media/0/case")):
+            scene = self.scene([-3, 0, 0], [5, 0, 0], smoke=smoke)
+            self.assertIn("scene.json: " + where, self.fails(1, "render", scene, "-o", self.path("x.png")))
+        for sign, where in (({"normal": [0, 0, 0]}, "/signs/0/normal"), ({"size": [1]}, "/signs/0/size"), ({"C": "x"}, "/signs/0/C"),
+                            ({"emitting": 1}, "/signs/0/emitting"), ({"colour": 1}, "/signs/0/colour")):
+            scene = self.scene([-3, 0, 0], [5, 0, 0], signs=[{"position": [1, 0, 0], "normal": [-1, 0, 0]} | sign])
+            self.assertIn("scene.json: " + where, self.fails(1, "render", scene, "-o", self.path("x.png")))
+        for light, where in (({"kind": "spot", "position": [0, 0, 0]}, "/lights/0/target"),
+                             ({"kind": "spot", "position": [0, 0, 0], "target": [0, 0, 0]}, "/lights/0"),
+                             ({"kind": "lamp"}, "/lights/0")):
+            self.assertIn("scene.json: " + where, self.fails(1, "render", self.scene([-3, 0, 0], [5, 0, 0], lights=[light]), "-o", self.path("x.png")))
+
+    def test_one_picture_has_one_mode(self):
+        self.slab(0.3)
+        scene = json.loads(self.scene([-3, 0, 0], [5, 0, 0]).read_text())
+        scene["media"].append(dict(scene["media"][0], mode="threshold"))
+        self.path("scene.json").write_text(json.dumps(scene))
+        self.assertIn("one picture has one mode", self.fails(1, "render", self.path("scene.json"), "-o", self.path("x.png")))
+
+
+class Signs(SmokeCase):
+    """An exit sign in a corridor of smoke, K = 0.3/m: 10 m before it and some behind it."""
+
+    RADIANCE = 0.8
+
+    def seen(self, mode, sign, **more):
+        self.path("grey.exr").exists() or pictures.write_planes(self.path("grey.exr"), 1, 1, {"Y": [self.RADIANCE]})
+        signs = [{"name": "exit", "position": [10, 0, 0], "normal": [-1, 0, 0], "size": [0.6, 0.3], "picture": "grey.exr"} | sign]
+        smoke = {"mode": mode} | more.pop("smoke", {})
+        return self.scene([0, 0, 0], [10, 0, 0], fov=0.5, smoke=smoke, signs=signs, **more)
+
+    def test_laws(self):
+        self.slab(0.3, low=(-5, -1, -1), high=(17, 1, 1), cells=(6, 2, 2))
+        for mode, sign, share in (("photometric", {}, math.exp(-3)), ("photometric", {"emitting": True}, math.exp(-3)),
+                                  ("photometric", {"C": 2}, math.exp(-3)), ("threshold", {}, 0.1), ("threshold", {"emitting": False}, 0.1),
+                                  ("threshold", {"emitting": True}, 10 ** (-3 / 8)), ("threshold", {"C": 8}, 10 ** (-3 / 8)),
+                                  ("threshold", {"emitting": True, "C": 3}, 0.1), ("threshold", {"C": "reciprocal-od"}, math.exp(-3))):
+            for renderer in ("cpu", "reference"):
+                value = self.value(self.seen(mode, sign), "--renderer", renderer)
+                self.assertAlmostEqual(value, self.RADIANCE * share, delta=1e-5, msg=f"{mode} {sign} {renderer}")
+
+    def test_the_figures_of_ten_metres(self):
+        self.slab(0.3, low=(-5, -1, -1), high=(17, 1, 1))
+        for mode, emitting, printed in (("photometric", True, 0.0498), ("threshold", False, 0.1000), ("threshold", True, 0.4217)):
+            self.assertAlmostEqual(self.value(self.seen(mode, {"emitting": emitting})) / self.RADIANCE, printed, delta=5.1e-5)
+
+    def test_smoke_keeps_its_own_light(self):
+        self.slab(0.3, low=(-5, -1, -1), high=(17, 1, 1))
+        light = {"lights": [{"kind": "ambient", "radiance": [0.5, 0.25, 1]}], "smoke": {"albedo": [0.4, 1, 0.5]}}
+        for mode, c, factor in (("photometric", 8, 1), ("threshold", 8, math.log(10) / 3), ("threshold", 3, math.log(10) / 3)):
+            share = math.exp(-3) if mode == "photometric" else 10 ** (-3 / c)
+            for channel, source in (("R", 0.2), ("G", 0.25), ("B", 0.5)):
+                expected = source * (1 - math.exp(-3 * factor)) + self.RADIANCE * share
+                scene = self.seen(mode, {"C": c}, lights=light["lights"], smoke=dict(light["smoke"]))
+                self.assertAlmostEqual(self.value(scene, channel=channel), expected, delta=1e-4)
+
+    def test_thick_smoke_does_not_spoil_an_emitting_sign(self):
+        self.slab(2.0, low=(-5, -1, -1), high=(17, 1, 1))  # e^-20: the march would stop at 1e-6
+        scene = self.seen("threshold", {"emitting": True}, lights=[{"kind": "ambient", "radiance": [0, 0, 0]}])
+        self.assertAlmostEqual(self.value(scene), self.RADIANCE * 10 ** (-20 / 8), delta=1e-4)
+
+    def test_what_a_sign_hides_and_what_hides_it(self):
+        self.slab(0.3, low=(-5, -1, -1), high=(17, 1, 1))
+        scene = json.loads(self.seen("threshold", {}).read_text()) | WHITE
+        near = dict(scene["signs"][0], position=[5, 0, 0], size=[0.01, 0.01])
+        scene["signs"].append(near)
+        self.path("scene.json").write_text(json.dumps(scene))
+        width, height, channels, _ = self.picture(self.path("scene.json"))
+        middle, corner = channels["R"][height // 2 * width + width // 2], channels["R"][0]
+        self.assertAlmostEqual(middle, self.RADIANCE * 10 ** -0.5, delta=1e-5)
+        self.assertAlmostEqual(corner, self.RADIANCE * 0.1, delta=1e-5)
+        scene["signs"] = [dict(near, normal=[1, 0, 0])]  # from behind
+        self.path("scene.json").write_text(json.dumps(scene))
+        self.assertAlmostEqual(self.value(self.path("scene.json")), 10 ** (-0.3 * 17 / 3), delta=1e-5)
+
+    def test_a_sign_without_smoke(self):
+        scene = json.loads(self.seen("threshold", {}).read_text())
+        scene["media"] = []
+        self.path("scene.json").write_text(json.dumps(scene))
+        self.assertAlmostEqual(self.value(self.path("scene.json")), self.RADIANCE, delta=1e-6)
+
+
+class Lights(SmokeCase):
+    def test_single_scattering_of_a_far_lamp(self):
+        # Nearly the same light everywhere: I / r^2 albedo / (4 pi), thin smoke.
+        self.slab(1e-4, low=(0, -0.05, -0.05), high=(0.1, 0.05, 0.05), cells=(1, 1, 1))
+        lamp = {"kind": "spot", "position": [0, 0, 100], "target": [0, 0, 0], "angle": 1, "intensity": [4e8, 2e8, 1e8]}
+        scene = self.scene([-1, 0, 0], [1, 0, 0], lights=[lamp], smoke={"albedo": [0.5, 0.5, 1]}, ortho=0.01)
+        irradiance = 4e8 / 100 ** 2
+        expected = 0.5 / (4 * math.pi) * irradiance * (1 - math.exp(-1e-5))
+        self.assertAlmostEqual(self.value(scene) / expected, 1, delta=2e-3)
+        self.assertAlmostEqual(self.value(scene, channel="B") / expected, 0.5, delta=2e-3)
+        lamp["target"] = [5, 0, 0]  # the cone misses
+        self.assertEqual(self.value(self.scene([-1, 0, 0], [1, 0, 0], lights=[lamp], ortho=0.01)), 0)
+
+    def test_sun_through_a_slab(self):
+        # E(z) = albedo / (4 pi) e^(-K (top - z)), seen along x: E (1 - e^(-K L)).
+        self.slab(0.2, cells=(4, 4, 32))
+        sun = {"kind": "sun", "direction": [0, 0, -1], "radiance": [10, 10, 10]}
+        for z in (-0.75, 0.5):
+            scene = self.scene([-3, 0, z], [5, 0, z], lights=[sun], ortho=0.01, smoke={"albedo": [1, 1, 1]})
+            expected = 10 / (4 * math.pi) * math.exp(-0.2 * (1 - z)) * (1 - math.exp(-2))
+            self.assertAlmostEqual(self.value(scene) / expected, 1, delta=1e-3)
+
+    def test_light_is_computed_once(self):
+        self.slab(0.3, name="a.vtu")
+        self.slab(0.31, name="b.vtu")
+        self.slab(0.3, name="c.vtu", cells=(5, 2, 3))
+        lamp = {"kind": "spot", "position": [5, 0, 0.5], "target": [5, 0, 0], "angle": 120, "intensity": [3, 3, 3]}
+        sun = {"kind": "sun", "direction": [0, 0, -1], "radiance": [1, 1, 1]}
+
+        def counts(case, lights):
+            scene = self.scene([-3, 0, 0], [5, 0, 0], case=case, lights=lights)
+            self.works("render", scene, "-o", self.path("x.exr"), "--cache", self.path("kept"), "--stats", self.path("s.json"))
+            found = json.loads(self.path("s.json").read_text())["smoke"]
+            return found["lights_computed"], found["lights_reused"]
+
+        self.assertEqual(counts("a.vtu", [lamp, sun]), (2, 0))
+        first = self.path("x.exr").read_bytes()
+        self.assertEqual(counts("a.vtu", [lamp, sun]), (0, 2))
+        self.assertEqual(self.path("x.exr").read_bytes(), first)
+        self.assertEqual(counts("b.vtu", [lamp, sun]), (2, 0))  # another field
+        self.assertEqual(counts("c.vtu", [lamp, sun]), (2, 0))  # another mesh
+        self.assertEqual(counts("a.vtu", [dict(lamp, position=[5, 0, 0.6]), sun]), (1, 1))  # another lamp
+        self.assertEqual(counts("a.vtu", [dict(lamp, intensity=[9, 9, 9]), sun]), (0, 2))  # its paths are the same
+        self.assertGreater(self.value(self.path("scene.json")), 0)
+        for kept in self.path("kept").iterdir():
+            kept.write_bytes(kept.read_bytes()[:-3])
+        self.assertEqual(counts("a.vtu", [lamp, sun]), (2, 0))  # damaged files are not used
+        self.assertEqual(self.path("x.exr").read_bytes(), first)
+
+
+class Time(SmokeCase):
+    def setUp(self):
+        super().setUp()
+        self.slab(0.1, name="0.vtu")
+        self.slab(0.3, name="1.vtu")
+        self.slab(0.3, name="2.vtu", cells=(2, 2, 2))
+        smoke_files.write_pvd(self.path("case.pvd"), {2: "0.vtu", 4: "1.vtu", 8: "2.vtu"})
+
+    def test_linear_between_steps(self):
+        scene = self.scene([-3, 0, 0], [5, 0, 0], case="case.pvd", **WHITE)
+        for time, depth in ((0, 1), (2, 1), (2.5, 1.5), (3, 2), (4, 3), (6, 3), (8, 3), (99, 3)):
+            self.assertAlmostEqual(self.value(scene, "--time", time), math.exp(-depth), delta=1e-5)
+        scene = self.scene([-3, 0, 0], [5, 0, 0], case="case.pvd", smoke={"time": {"offset": 2, "rate": 2}}, **WHITE)
+        self.assertAlmostEqual(self.value(scene, "--time", 0.5), math.exp(-2), delta=1e-5)
+
+    def test_stills_are_steps_and_films_run_through_time(self):
+        view = ("--eye=-3,0,0", "--target", "5,0,0", "--ortho", "0.2", "--size", "16x16", "--quantity", "extinction")
+        self.works("render", self.path("case.pvd"), "-o", self.path("s_%02d.exr"), *view)
+        self.assertEqual([n for n in self.files() if n.startswith("s_")], ["s_00.exr", "s_01.exr", "s_02.exr"])
+        self.assertAlmostEqual(smoke_files.read_exr(self.path("s_01.exr"))[2]["R"][0], math.exp(-3), delta=1e-5)
+        self.works("render", self.path("case.pvd"), "-o", self.path("f.mp4"), *view, "--speed", "2", "--stats", self.path("s.json"))
+        stats = json.loads(self.path("s.json").read_text())
+        self.assertEqual(stats["pictures"], 76)  # 6 s at twice the speed
+        self.assertEqual(stats["smoke"]["steps_read"], 3)
+        self.assertIn(b"volute.mode: photometric", self.path("f.mp4").read_bytes())
+        self.assertIn("there is none", self.fails(2, "render", self.path("case.pvd"), "-o", self.path("x.png"), *view, "--frames", "7:9"))
+
+
+class Together(SmokeCase):
+    """Smoke, fire and fog on one ray."""
+
+    def test_fire_in_smoke(self):
+        self.slab(0.2)
+        support.write_npy(self.path("fire.npy"), (1, 2, 2, 2), [1.0] * 8)  # 1 m wide
+        fire = {"kind": "volume", "file": "fire.npy", "emission": 2, "transform": [1, 0, 0, 4, 0, 1, 0, -0.5, 0, 0, 1, -0.5, 0, 0, 0, 1]}
+        scene = json.loads(self.scene([-3, 0, 0.01], [5, 0, 0.01]).read_text()) | WHITE
+        scene["media"].append(fire)
+        self.path("scene.json").write_text(json.dumps(scene))
+        expected = 2 * (math.exp(-0.8) - math.exp(-1)) / 0.2 + math.exp(-2)
+        for renderer in ("cpu", "reference"):
+            self.assertAlmostEqual(self.value(self.path("scene.json"), "--renderer", renderer), expected, delta=1e-5)
+        factor = math.log(10) / 3
+        expected = 2 * (math.exp(-0.8 * factor) - math.exp(-factor)) / (0.2 * factor) + math.exp(-2 * factor)
+        self.assertAlmostEqual(self.value(self.path("scene.json"), "--mode", "threshold"), expected, delta=1e-5)
+        depth = self.value(self.path("scene.json"), "--aov", "optical-depth", channel="Y")
+        self.assertAlmostEqual(depth, 2, delta=1e-4)
+
+    def test_wide_pictures_use_both_ways(self):
+        self.slab(0.2)
+        support.write_npy(self.path("fire.npy"), (1, 2, 2, 2), [1.0] * 8)
+        fire = {"kind": "volume", "file": "fire.npy", "emission": 2, "transform": [1, 0, 0, 4, 0, 1, 0, -0.5, 0, 0, 1, -0.5, 0, 0, 0, 1]}
+        scene = json.loads(self.scene([-3, 0.1, 0.01], [5, 0.2, 0.01], size=(40, 30), fov=40,
+                                      lights=[{"kind": "ambient", "radiance": [1, 1, 1]}]).read_text())
+        scene["media"].append(fire)
+        self.path("scene.json").write_text(json.dumps(scene))
+        fast = self.picture(self.path("scene.json"))[2]["G"]
+        slow = self.picture(self.path("scene.json"), "--renderer", "reference")[2]["G"]
+        for a, b in zip(fast, slow):
+            self.assertAlmostEqual(a, b, delta=2e-5)
+
+    def test_fog_and_two_smokes(self):
+        self.slab(0.2)
+        self.slab(0.1, low=(5, -1, -1), high=(15, 1, 1), name="other.vtu")
+        scene = json.loads(self.scene([-3, 0, 0], [5, 0, 0]).read_text()) | WHITE
+        scene["media"].append({"kind": "smoke", "case": "other.vtu", "quantity": "extinction"})
+        self.path("scene.json").write_text(json.dumps(scene))
+        self.assertAlmostEqual(self.value(self.path("scene.json")), math.exp(-3), delta=1e-5)
+        pictures.write_planes(self.path("fog.exr"), 4, 4, {"Y": [1.0] * 16})
+        scene["media"][1] = {"kind": "fog", "map": "fog.exr", "origin": [-100, -100, -100], "cell": 100, "degree": 0, "sigma_max": 0.01,
+                             "color": [1, 0, 0], "profile": {"kind": "slab", "bottom": 0, "top": 1000}}
+        self.path("scene.json").write_text(json.dumps(scene))
+        reference = self.picture(self.path("scene.json"), "--renderer", "reference")[2]
+        fast = self.picture(self.path("scene.json"))[2]
+        for channel in "RGB":
+            self.assertAlmostEqual(fast[channel][0], reference[channel][0], delta=1e-5)
+        self.assertLess(fast["G"][0], math.exp(-2) - 0.01)
+
+
+class Metadata(SmokeCase):
+    def test_every_output_names_its_mode(self):
+        self.slab(0.3)
+        for mode in ("photometric", "threshold"):
+            scene = self.scene([-3, 0, 0], [5, 0, 0], smoke={"mode": mode}, **WHITE)
+            self.works("render", scene, "-o", self.path("x.png"), "--stats", self.path("s.json"), "--time", 3)
+            texts = smoke_files.png_texts(self.path("x.png"))
+            self.assertEqual(texts["volute.mode"], mode)
+            self.assertEqual(texts.get("volute.C"), "3" if mode == "threshold" else None)
+            self.assertEqual(texts["volute.time"], "3 s")
+            self.assertIn("Km = 8700 m2/kg", texts["volute.smoke"])
+            self.assertEqual(json.loads(self.path("s.json").read_text())["mode"], mode)
+            self.assertEqual(self.picture(scene)[3]["volute.mode"], mode)
+            self.assertEqual(self.picture(scene, "--aov", "optical-depth")[3]["volute.shows"], "optical depth (natural logarithm)")
+
+    def test_the_legend_is_drawn_into_pictures(self):
+        self.slab(0.0)
+        scene = self.scene([-3, 0, 0], [5, 0, 0], size=(320, 200), ortho=1, **WHITE)
+        self.works("render", scene, "-o", self.path("plain.png"), "--exposure", "1")
+        self.works("render", scene, "-o", self.path("legend.png"), "--exposure", "1", "--legend")
+        found = self.works("compare", self.path("plain.png"), self.path("legend.png"), "--json").json
+        self.assertGreater(found["max_error"], 0.5)
+        self.works("render", scene, "-o", self.path("x.exr"), "--legend")
+        self.assertAlmostEqual(min(smoke_files.read_exr(self.path("x.exr"))[2]["G"]), 1, delta=1e-6)
+
+
+if __name__ == "__main__":
+    support.main()

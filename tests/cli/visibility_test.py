@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""volute visibility: from where signs are seen, in cases written here."""
+import csv
+import json
+import math
+import random
+import re
+import struct
+import subprocess
+import sys
+
+import sight_cases
+import support
+from sight_cases import FdsCase, Mesh
+
+COLUMNS = ("time,eye_x,eye_y,eye_z,sign,distance,angle,blocked,optical_depth,optical_depth_low,optical_depth_high,"
+           "mean_extinction,visibility,visible").split(",")
+
+
+def uneven(time, x, y, z):
+    """Extinction that differs from cell to cell and grows."""
+    return (0.02 + 0.01 * time) * (2 + math.sin(7 * x + 3 * y) + math.cos(5 * z + x * y))
+
+
+class Visibility(support.TestCase):
+    def signs(self, *signs, name="signs.json"):
+        self.path(name).write_text(json.dumps({"signs": list(signs)}))
+        return self.path(name)
+
+    def east(self, **more):
+        return {"name": "east", "position": [7, 1.5, 1.1], "normal": [-1, 0, 0], "size": [0.6, 0.3]} | more
+
+    def west(self, **more):
+        return {"name": "west", "position": [0, 2, 1.3], "normal": [1, 0, 0], "emitting": True} | more
+
+    def look(self, case, signs, *options, output="out"):
+        self.works("visibility", case, "--signs", signs, "-o", self.path(output), *options)
+        return self.rows(output)
+
+    def rows(self, output="out"):
+        with open(self.path(output) / "sight.csv", newline="") as file:
+            reader = csv.DictReader(file)
+            self.assertEqual(reader.fieldnames, COLUMNS)
+            return [{k: v if k == "sign" else float(v) for k, v in row.items()} for row in reader]
+
+    def report(self, output="out"):
+        return json.loads((self.path(output) / "visibility.json").read_text())
+
+    def eyes(self, points, name="eyes.csv"):
+        self.path(name).write_text("x,y,z\n" + "".join("{},{},{}\n".format(*p) for p in points))
+        return self.path(name)
+
+    def two_meshes(self, times=(0.0, 10.0), events=()):
+        left = Mesh("left", (0, 4, 0, 3, 0, 2.4), (16, 12, 8), [(2, 2.5, 0, 1.5, 0, 2.4)])
+        right = Mesh("right", (4, 7, 0, 3, 0, 2.4), (6, 6, 4), [(5, 5.5, 2, 3, 0, 2.4)])
+        return FdsCase([left, right], times, uneven, events)
+
+
+class Fds(Visibility):
+    def test_any_line_equals_the_exact_sum_over_cells(self):
+        case = self.two_meshes()
+        draw = random.Random(4)
+        points = []
+        while len(points) < 150:
+            point = [round(draw.uniform(0.01, high), 4) for high in (6.99, 2.99, 2.39)]
+            if not case.solid(point, 0):
+                points.append(point)
+        rows = self.look(case.write(self.folder), self.signs(self.east(), self.west()), "--eyes", self.eyes(points))
+        self.assertEqual(len(rows), 2 * 2 * len(points))
+        self.assertFalse((self.path("out") / "report.html").exists())
+        blocked = 0
+        for row in rows:
+            eye = [row["eye_x"], row["eye_y"], row["eye_z"]]
+            target, normal, c = (([7, 1.5, 1.1], -1, 3) if row["sign"] == "east" else ([0, 2, 1.3], 1, 8))
+            depth, hidden = case.sight(eye, target, row["time"])
+            distance = math.dist(eye, target)
+            self.assertLess(abs(row["optical_depth"] - depth), 1e-5 * depth + 1e-9)
+            self.assertLess(abs(row["mean_extinction"] - depth / distance), 1e-5 * depth / distance)
+            self.assertEqual(row["blocked"], hidden)
+            self.assertAlmostEqual(row["distance"], distance, 5)
+            cosine = normal * (eye[0] - target[0]) / distance
+            self.assertAlmostEqual(row["angle"], math.degrees(math.acos(cosine)), 3)
+            self.assertLess(abs(row["visibility"] - c * distance / depth), 2e-5 * row["visibility"])
+            if abs(depth / c - 1) > 1e-4:
+                self.assertEqual(row["visible"], depth < c and not hidden)
+            self.assertLessEqual(row["optical_depth_low"], row["optical_depth"])
+            self.assertGreaterEqual(row["optical_depth_high"], row["optical_depth"])
+            blocked += row["blocked"]
+        self.assertTrue(50 < blocked < len(rows) - 50)
+        self.assertEqual(self.report()["signs"][1]["C"], 8)
+
+    def test_an_obstruction_that_goes_opens_the_view(self):
+        case = self.two_meshes((0.0, 10.0, 20.0), [(0, 0, 8.0, False), (1, 0, 15.0, False)])
+        rows = self.look(case.write(self.folder), self.signs(self.east()),
+                         "--eyes", self.eyes([(1, 1, 1), (3, 2.9, 1), (4.5, 1, 1)]))
+        self.assertEqual([row["blocked"] for row in rows], [1, 1, 0, 0, 1, 0, 0, 0, 0])
+
+    def test_memory_does_not_grow_with_time(self):
+        most = []
+        for count in (4, 60):
+            mesh = Mesh("room", (0, 7, 0, 3, 0, 2.4), (70, 30, 24))
+            case = FdsCase([mesh], [0.0], lambda *_: 0.1)
+            path = case.write(self.folder, f"long{count}")
+            slice_file = self.path(f"long{count}_1_1.sf")
+            frame = slice_file.read_bytes()
+            head = 3 * 38 + 32
+            with open(slice_file, "wb") as file:
+                file.write(frame[:head])
+                for t in range(count):
+                    file.write(struct.pack("<ifi", 4, t, 4) + frame[head + 12:])
+            code = ("import resource, subprocess, sys; subprocess.run(sys.argv[1:], check=True, stdout=-3); "
+                    "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)")
+            out = subprocess.run([sys.executable, "-c", code, support.PROGRAM, "visibility", path, "--quiet", "--signs",
+                                  self.signs(self.east()), "-o", self.path(f"out{count}"), "--height", "1.2", "--step",
+                                  "0.5", "--maps", "aset"], check=True, stdout=subprocess.PIPE)
+            most.append(int(out.stdout))
+        self.assertEqual(len(self.report("out60")["times"]), 60)
+        # 56 more frames are 12 MB.
+        self.assertLess(most[1] - most[0], 4000)
+
+
+class Plan(Visibility):
+    def case(self, times=range(0, 60, 10)):
+        """Uniform smoke, K = 0.02 t."""
+        mesh = Mesh("hall", (0, 20, 0, 8, 0, 4), (40, 16, 8), [(10, 10.5, 3, 8, 0, 4)])
+        return FdsCase([mesh], [float(t) for t in times], lambda t, *_: 0.02 * t).write(self.folder)
+
+    def signs_of_hall(self):
+        return self.signs({"name": "exit A/1", "position": [20, 2, 2], "normal": [-1, 0, 0]},
+                          {"name": "lit", "position": [0, 4, 2], "normal": [1, 0, 0], "emitting": True})
+
+    def test_loss_times_follow_the_closed_form(self):
+        self.look(self.case(), self.signs_of_hall(), "--height", 2, "--step", 0.5, "--set", "lit")
+        report = self.report()
+        self.assertEqual([entry["set"] for entry in report["aset"]], ["all signs", "exit A/1", "lit", "lit"])
+        lit = report["aset"][2]
+        checked = 0
+        for y, row in enumerate(report["plan"]):
+            for x, walkable in enumerate(row):
+                point = (0.25 + 0.5 * x, 0.25 + 0.5 * y)
+                solid = 10 < point[0] < 10.5 and point[1] > 3
+                self.assertEqual(walkable, "0" if solid else "1")
+                found = lit["rows"][y][x]
+                if solid:
+                    self.assertIsNone(found)
+                    continue
+                # Seen round the end of the wall at x = 10 .. 10.5, y > 3?
+                share = [(wall - 0) / point[0] for wall in (10, 10.5)]
+                behind = point[0] > 10.5 and max(4 + s * (point[1] - 4) for s in share) > 3
+                distance = math.dist(point, (0, 4))
+                lost = next((t for t in range(0, 60, 10) if behind or 0.02 * t * distance > 8 * (1 + 1e-6)), None)
+                self.assertEqual(found, lost, (point, distance))
+                checked += lost is not None and lost > 0
+        self.assertGreater(checked, 50)
+        self.assertEqual(report["aset"][3]["rows"], lit["rows"])
+
+    def test_every_map_is_there_and_says_its_units(self):
+        self.look(self.case([0, 30]), self.signs_of_hall(), "--height", 2, "--step", 0.5, "--extinction-limit", 0.3)
+        names = sorted(p.name for p in (self.path("out") / "maps").iterdir())
+        maps = [f"{sign}_{t:04d}.{kind}" for sign in ("1_exit_A_1", "2_lit") for t in (0, 1) for kind in ("png", "vti")]
+        self.assertEqual(names, sorted(maps + ["1_exit_A_1.pvd", "2_lit.pvd"]))
+        vti = (self.path("out") / "maps/2_lit_0001.vti").read_bytes()
+        head = vti[:vti.index(b"<AppendedData")].decode()
+        arrays = re.findall(r'Name="(\w+)" format="appended" offset="(\d+)"', head)
+        self.assertIn('WholeExtent="0 40 0 16 0 0"', head)
+        base = vti.index(b"_", vti.index(b"<AppendedData")) + 1
+        offset = base + int(dict(arrays)["visibility"])
+        (size,) = struct.unpack_from("<Q", vti, offset)
+        self.assertEqual(size, 4 * 40 * 16)
+        values = struct.unpack_from(f"<{size // 4}f", vti, offset + 8)
+        self.assertAlmostEqual(values[0], 8 / 0.6, 4)
+        self.assertTrue(math.isnan(values[8 * 40 + 20]))
+        page = (self.path("out") / "report.html").read_text()
+        self.assertIn("jin-emitting", page)
+        self.assertNotIn("http", page)
+        self.assertEqual(set(re.findall(r"src='(data:image/png;base64,|[^']{0,20})", page)), {"data:image/png;base64,"})
+        report = self.report()
+        self.assertEqual({v for row in report["aset_local"]["rows"] for v in row}, {30.0, None})
+        self.assertEqual((self.path("out") / "aset.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+
+    def test_a_route_is_covered_less_and_less(self):
+        self.path("route.csv").write_text("x,y\n2,2\n9,2\n19,2\n")
+        rows = self.look(self.case(), self.signs({"name": "exit", "position": [20, 2, 2], "normal": [-1, 0, 0]}),
+                         "--route", self.path("route.csv"), "--height", 2, "--step", 0.1, "--speed", 1, "--start", 5)
+        (route,) = self.report()["routes"]
+        self.assertAlmostEqual(route["length"], 17)
+        for moment in route["coverage"]:
+            seen = min(17, max(0, 3 / (0.02 * moment["time"]) - 1)) / 17 if moment["time"] else 1
+            self.assertLess(abs(moment["any"] - seen), 0.012)
+        for place in route["walk"]:
+            # 1 m/s from 5 s on: at x = 2 + t - 5 there is K = 0.02 t.
+            t = place["time"]
+            self.assertAlmostEqual(place["position"][0], 2 + t - 5, 6)
+            depth = 0.02 * t * (20 - place["position"][0])
+            if abs(depth - 3) > 1e-3:
+                self.assertEqual(place["seen"], ["exit"] if depth < 3 else [])
+        self.assertTrue((self.path("out") / "report.html").exists())
+        self.assertEqual(len(rows), 6 * len(route["walk"]))
+
+    def test_people_look_where_they_are(self):
+        self.path("walk.txt").write_text("#framerate: 2.00\n#ID frame x/m y/m z/m\n" + "".join(
+            f"3 {f} {1 + 0.5 * f:.2f} 2.00 0.00\n" for f in range(30)))
+        rows = self.look(self.case([0, 1, 14, 20]), self.signs_of_hall(), "--trajectories", self.path("walk.txt"),
+                         "--height", 1.8)
+        self.assertEqual([(row["time"], row["eye_x"], row["eye_z"]) for row in rows if row["sign"] == "lit"],
+                         [(0, 1, 1.8), (1, 2, 1.8), (14, 15, 1.8)])
+        self.assertEqual([m["people"] for m in self.report()["people"]], [1, 1, 1, 0])
+
+
+class Tetrahedra(Visibility):
+    def test_soot_in_grammes_and_what_it_means(self):
+        sight_cases.write_vtu(self.path("hall.vtu"), (10, 4, 3), (5, 2, 2), lambda x, y, z: 0.01 + 0.002 * x)
+        signs = self.signs({"name": "s", "position": [10, 2, 2], "normal": [-1, 0, 0]})
+        eyes = self.eyes([(1, 1, 1.5), (9, 3, 2)])
+        rows = self.look(self.path("hall.vtu"), signs, "--eyes", eyes, "--quantity", "soot-density", "--unit", "g/m3",
+                         "--mass-extinction", 7600, "--scale", 2)
+        for row in rows:
+            mean = 2 * 7.6 * (0.01 + 0.002 * 0.5 * (10 + row["eye_x"]))
+            self.assertLess(abs(row["mean_extinction"] - mean), 1e-5 * mean)
+        rows = self.look(self.path("hall.vtu"), signs, "--eyes", eyes, "--quantity", "products-density", "--unit",
+                         "g/m3", "--soot-yield", 0.1, output="b")
+        self.assertLess(abs(rows[0]["mean_extinction"] - 0.87 * 0.021), 1e-5)
+        rows = self.look(self.path("hall.vtu"), signs, "--eyes", eyes, "--quantity", "extinction", output="c")
+        self.assertLess(abs(rows[0]["mean_extinction"] - 0.021), 1e-6)
+        # Without a quantity nobody knows what the numbers are.
+        self.assertIn("--quantity is missing", self.fails(2, "visibility", self.path("hall.vtu"), "--signs", signs,
+                                                          "--eyes", eyes, "-o", self.path("d")))
+
+    def test_a_series_over_time(self):
+        for t in (0, 10):
+            sight_cases.write_vtu(self.path(f"s{t}.vtu"), (10, 4, 3), (4, 2, 2), lambda x, y, z: 0.03 * t)
+        sight_cases.write_pvd(self.path("s.pvd"), [(0, "s0.vtu"), (10, "s10.vtu")])
+        self.look(self.path("s.pvd"), self.signs({"name": "s", "position": [10, 2, 2], "normal": [-1, 0, 0], "C": 1.2}),
+                  "--quantity", "extinction", "--height", 1.5, "--step", 1)
+        rows = self.report()["aset"][0]["rows"]
+        self.assertEqual(rows[1][0], 10)
+        self.assertIsNone(rows[1][9])
+        self.assertEqual(self.report()["signs"][0]["law"], "custom")
+
+
+class Damage(Visibility):
+    def setUp(self):
+        super().setUp()
+        mesh = Mesh("room", (0, 7, 0, 3, 0, 2.4), (7, 3, 3))
+        self.case = FdsCase([mesh], [0.0, 1.0], lambda *_: 0.1).write(self.folder)
+        self.points = self.eyes([(1, 1, 1)])
+
+    def refused(self, signs, *options, code=1):
+        self.path("signs.json").write_text(signs if isinstance(signs, str) else json.dumps(signs))
+        return self.fails(code, "visibility", self.case, "--signs", self.path("signs.json"), "-o", self.path("out"),
+                          *(options or ("--eyes", self.points)))
+
+    def test_signs_are_checked_one_by_one(self):
+        def sign(**more):
+            return {"signs": [self.east(), self.east(name="b") | more]}
+
+        def without(key):
+            broken = sign()
+            del broken["signs"][1][key]
+            return broken
+
+        for broken, expected in (
+                ({}, "/signs: expected a list"), ({"signs": []}, "/signs: 0 signs"), ("{", "line 1"),
+                ({"signs": [3]}, "/signs/0: expected an object"),
+                (without("position"), "/signs/1/position: is missing"), (without("normal"), "/signs/1/normal: is missing"),
+                (sign(position=[1, 2]), "/signs/1/position"), (sign(position=[1, 2, "x"]), "/signs/1/position"),
+                (sign(normal=[0, 0, 0]), "/signs/1/normal: is zero"), (sign(size=[1, -1]), "/signs/1/size"),
+                (sign(C=0), "/signs/1/C"), (sign(C="jin"), "/signs/1/C"), (sign(emitting=1), "/signs/1/emitting"),
+                (sign(angle_law="sine"), "/signs/1/angle_law"), (sign(angle_law={"limit": 270}), "/signs/1/angle_law"),
+                (sign(name="east"), "/signs/1/name: 'east' is another"), (sign(emiting=True), "did you mean 'emitting'"),
+                (sign(position=[50, 1, 1]), "sign 'b' at 50, 1, 1 m has no gas")):
+            message = self.refused(broken, code=2 if "has no gas" in expected else 1)
+            self.assertIn(expected, message)
+
+    def test_eyes_and_folders_are_checked(self):
+        good = {"signs": [self.east()]}
+        self.path("eyes.csv").write_text("x,y,z\n1,1,1\n1,oops,1\n")
+        self.assertIn("eyes.csv: line 3: y is 'oops'", self.refused(good))
+        self.path("eyes.csv").write_text("x,y\n1,1\n")
+        self.assertIn("--height", self.refused(good))
+        self.assertIn("nobody can look from z = 9", self.refused(good, "--height", 9, code=2))
+        self.assertIn("--quantity is for meshes", self.refused(good, "--quantity", "extinction", code=2))
+        self.assertIn("no sign is named 'west'", self.refused(good, "--set", "east,west", code=2))
+        self.assertIn("stored times", self.refused(good, "--frames", "5:9", code=2))
+        self.path("out").mkdir()
+        (self.path("out") / "thesis.txt").write_text("x")
+        self.path("eyes.csv").write_text("1,1,1\n")
+        self.assertIn("holds files of something else", self.refused(good))
+        self.assertEqual((self.path("out") / "thesis.txt").read_text(), "x")
+
+    def test_a_result_is_replaced_whole(self):
+        signs = self.signs(self.east())
+        self.look(self.case, signs, "--height", 1, "--step", 0.5)
+        self.assertTrue((self.path("out") / "aset.png").exists())
+        before = self.files()
+        self.look(self.case, signs, "--eyes", self.points)
+        self.assertEqual(sorted(p.name for p in self.path("out").iterdir()), ["sight.csv", "visibility.json"])
+        self.assertEqual(self.files(), before)
+
+    def test_unknown_air_is_not_clear_air(self):
+        result = self.works("visibility", self.case, "--signs", self.signs(self.east()), "--eyes",
+                            self.eyes([(1, 1, 1), (1, -3, 1)]), "-o", self.path("out"))
+        self.assertIn("eye 2 at 1, -3, 1 m is where the case has no smoke", result.message)
+        rows = self.rows()
+        self.assertTrue(math.isnan(rows[1]["optical_depth"]) and math.isinf(rows[1]["optical_depth_high"]))
+        self.assertEqual([row["visible"] for row in rows], [1, 0, 1, 0])
+        self.assertEqual(self.report()["summary"][0]["uncovered"], 1)
+
+
+if __name__ == "__main__":
+    support.main()
