@@ -76,15 +76,9 @@ ReaderProcess::Serve makeServe(const std::filesystem::path& file, const std::str
   };
 }
 
-bool isCase(const std::filesystem::path& path) {
-  static constexpr std::string_view kExtensions[] = {".case", ".e",    ".ex2",
-                                                     ".exo",  ".exii", ".foam"};
-  return std::ranges::find(kExtensions, path.extension().string()) != std::end(kExtensions);
-}
-
 /// A case may be spread over files that only its reader knows.
 double secondsFor(const std::filesystem::path& path, std::uint64_t fileSize) {
-  return (isCase(path) ? 60 : 10) + 1e-6 * static_cast<double>(fileSize);
+  return (isMeshCase(path) ? 60 : 10) + 1e-6 * static_cast<double>(fileSize);
 }
 
 Result<std::uint64_t> sizeOf(const std::filesystem::path& path) {
@@ -146,6 +140,12 @@ Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t instant
 
 }  // namespace
 
+bool isMeshCase(const std::filesystem::path& path) {
+  static constexpr std::string_view kExtensions[] = {".case", ".e",    ".ex2",
+                                                     ".exo",  ".exii", ".foam"};
+  return std::ranges::find(kExtensions, path.extension().string()) != std::end(kExtensions);
+}
+
 Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const MeshOptions& options) {
   MeshSource source;
   source.options_ = options;
@@ -157,7 +157,7 @@ Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const Mes
     source.times_ = {0};
     return source;
   }
-  if (isCase(path)) {
+  if (isMeshCase(path)) {
     VOLUTE_ASSIGN(source.times_, readTimes(path, options));
     for (std::size_t i = 0; i < source.times_.size(); ++i) source.instants_.push_back({path, i});
     return source;

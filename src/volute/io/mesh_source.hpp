@@ -30,6 +30,10 @@ struct MeshOptions {
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< bytes, for reading one file
 };
 
+/// Whether a file's name is that of a case which MeshSource reads beside .vtu and .pvd: EnSight,
+/// Exodus or OpenFOAM.
+bool isMeshCase(const std::filesystem::path& path);
+
 /// Smoke on a mesh over time: a .vtu file, a .pvd series of them, or a case of EnSight Gold
 /// (.case), Exodus (.e, .ex2, .exo, .exii) or OpenFOAM (.foam). Cells are split into tets, values
 /// of cells become values of points; blocks of a case are joined where their points are the same.

@@ -51,9 +51,7 @@ Result<SmokeCase> caseOf(const BenchInput& input) {
 }
 
 bool isMesh(const std::string& file) {
-  const std::string kind = std::filesystem::path(file).extension().string();
-  return kind == ".vtu" || kind == ".pvd" || kind == ".case" || kind == ".foam" || kind == ".e" ||
-         kind == ".exo" || kind == ".ex2" || kind == ".exii";
+  return file.ends_with(".vtu") || file.ends_with(".pvd") || isMeshCase(file);
 }
 
 struct Eye {
