@@ -24,7 +24,9 @@ std::span<const Benchmark> benchmarks() {
        "a sparse matrix",
        benchTomography},
       {"smoke",
-       "smoke on tetrahedra, steady and new, eye fixed and moving; ratios to the reference",
+       "smoke on tetrahedra, steady and new, eye fixed and turning or moving, with an exit sign "
+       "and "
+       "without; least of several frames; ratios to VTK's projected tetrahedra",
        benchSmoke},
 #ifdef VOLUTE_WITH_GL
       {"gl", "pictures of 256 x 256 by OpenGL on the device there is; ratios to the processor", benchGl},

@@ -33,6 +33,7 @@ struct BenchInput {
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
   std::string truth{};  ///< the volumes that a capture shows
   std::string grid{};   ///< of the truth's files; empty: the only one
+  bool quick = false;  ///< fewer measurements, where there are many
 };
 
 /// A set of measurements that belong together. Figures of one run are compared with each other,

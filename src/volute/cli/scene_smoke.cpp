@@ -7,6 +7,7 @@
 #include "volute/cli/fog_file.hpp"
 #include "volute/cli/json_members.hpp"
 #include "volute/cli/volume_input.hpp"
+#include "volute/io/mesh_source.hpp"
 #include "volute/optics/smoke_potential.hpp"
 
 namespace volute::cli {
@@ -145,7 +146,7 @@ Result<SmokeDescription> parseSmoke(const Json& json, const std::string& file,
   VOLUTE_TRY(members.check(kNames));
   SmokeDescription smoke;
   smoke.where = fmt::format("{}: {}", file, path);
-  VOLUTE_TRY(members.text("case", smoke.file, "the name of a .vtu file or a .pvd series"));
+  VOLUTE_TRY(members.text("case", smoke.file, "the name of a .vtu file, a .pvd series or a case"));
   smoke.file = besides(file, smoke.file);
   VOLUTE_TRY(textOf(members, "field", smoke.field));
   VOLUTE_TRY(textOf(members, "density_field", smoke.densityField));
@@ -265,8 +266,7 @@ Result<SmokeDescription> smokeOf(const std::string& file, const Arguments& argum
 
 bool isSmokeCase(const std::string& path) {
   const std::string extension = extensionOf(path);
-  constexpr std::string_view kMeshes[] = {".vtu", ".case", ".e", ".ex2", ".exo", ".exii", ".foam"};
-  if (std::ranges::find(kMeshes, extension) != std::end(kMeshes))
+  if (extension == ".vtu" || isMeshCase(path))
     return true;
   if (extension != ".pvd")
     return false;

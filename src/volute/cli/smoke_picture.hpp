@@ -8,7 +8,7 @@
 
 #include "volute/cli/smoke_layer.hpp"
 #include "volute/render/render.hpp"
-#include "volute/tetmesh/face_splat.hpp"
+#include "volute/tetmesh/tet_splat.hpp"
 #include "volute/tetmesh/tet_marcher.hpp"
 
 namespace volute::cli {
@@ -45,7 +45,7 @@ class SmokePictures {
 
     std::shared_ptr<const TetLocator> locator;
     TetMarcher marcher;
-    FaceSplat splat;
+    TetSplat splat;
   };
 
   Fast& fastFor(const std::shared_ptr<const TetLocator>& locator);

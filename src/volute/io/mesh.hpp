@@ -39,10 +39,13 @@ class MeshReader {
  public:
   virtual ~MeshReader() = default;
 
-  /// Reads the file; the field named `field`, or the only scalar when it is empty. An error lists
-  /// the fields that are there.
+  /// The instants that a file has [s], ascending; of a file that says nothing of time, 0.
+  [[nodiscard]] virtual Result<std::vector<double>> times(const std::filesystem::path& file) = 0;
+
+  /// Reads one instant of the file, counted from 0; the field named `field`, or the only scalar
+  /// when it is empty. An error lists the fields that are there.
   [[nodiscard]] virtual Result<MeshSize> load(const std::filesystem::path& file,
-                                              const std::string& field) = 0;
+                                              std::size_t instant, const std::string& field) = 0;
 
   /// What was loaded.
   [[nodiscard]] virtual Result<MeshData> take() = 0;

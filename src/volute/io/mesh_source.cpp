@@ -2,7 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/io/mesh_source.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstring>
 
 #include "volute/base/assert.hpp"
@@ -39,15 +43,26 @@ std::size_t floatsFor(const MeshSize& size) {
   return (bytes + sizeof(float) - 1) / sizeof(float);
 }
 
-/// The child's side: the first call reads the file and says how much it is, the second hands it
-/// over.
+constexpr std::string_view kTimes = "times", kTake = "take";  // requests; others are instants
+
+/// The child's side: it is asked for the instants, or for one of them: how much it is, then the
+/// thing itself.
 ReaderProcess::Serve makeServe(const std::filesystem::path& file, const std::string& field) {
   return [file, field, reader = std::shared_ptr<MeshReader>()](
-             std::string_view, std::span<float> values) mutable -> Result<std::string> {
+             std::string_view request, std::span<float> values) mutable -> Result<std::string> {
     if (!reader) {
       VOLUTE_ASSIGN(const MeshPlugin* plugin, loadVtkMeshPlugin());
       reader = plugin->makeReader();
-      VOLUTE_ASSIGN(const MeshSize size, reader->load(file, field));
+    }
+    if (request == kTimes) {
+      VOLUTE_ASSIGN(const std::vector<double> times, reader->times(file));
+      return std::string(reinterpret_cast<const char*>(times.data()),
+                         times.size() * sizeof(double));
+    }
+    if (request != kTake) {
+      std::size_t instant = 0;
+      std::from_chars(request.data(), request.data() + request.size(), instant);
+      VOLUTE_ASSIGN(const MeshSize size, reader->load(file, instant, field));
       return std::string(reinterpret_cast<const char*>(&size), sizeof size);
     }
     VOLUTE_ASSIGN(const MeshData data, reader->take());
@@ -61,21 +76,55 @@ ReaderProcess::Serve makeServe(const std::filesystem::path& file, const std::str
   };
 }
 
-Result<MeshData> readMesh(const std::filesystem::path& path, const MeshOptions& options) {
-  const std::string file = path.string();
+/// A case may be spread over files that only its reader knows.
+double secondsFor(const std::filesystem::path& path, std::uint64_t fileSize) {
+  return (isMeshCase(path) ? 60 : 10) + 1e-6 * static_cast<double>(fileSize);
+}
+
+Result<std::uint64_t> sizeOf(const std::filesystem::path& path) {
   std::error_code error;
-  const auto fileSize = std::filesystem::file_size(path, error);
-  if (error)
-    return fail(ErrorCode::kNotFound, "{}: cannot be read: {}", file, error.message());
+  const auto size = std::filesystem::file_size(path, error);
+  if (error) {
+    return fail(ErrorCode::kNotFound, "{}: cannot be read: {}", path.string(), error.message());
+  }
+  return size;
+}
+
+Result<std::vector<double>> readTimes(const std::filesystem::path& path,
+                                      const MeshOptions& options) {
+  const std::string file = path.string();
+  VOLUTE_ASSIGN(const std::uint64_t fileSize, sizeOf(path));
   ReaderProcess process(makeServe(path, options.field));
-  ReaderProcess::Limits limits;
-  limits.memory = options.maxMemory;
-  limits.seconds = 10 + 1e-6 * static_cast<double>(fileSize);
-  VOLUTE_ASSIGN(const std::string reply, process.call(file, {}, 0, limits));
+  const ReaderProcess::Limits limits{options.maxMemory, secondsFor(path, fileSize)};
+  VOLUTE_ASSIGN(const std::string reply, process.call(file, kTimes, 0, limits));
+  if (reply.size() >= ReaderProcess::kMaxMessage) {
+    return fail(ErrorCode::kTooLarge, "{}: has {} instants or more; expected fewer: split the case",
+                file, reply.size() / sizeof(double));
+  }
+  std::vector<double> times(reply.size() / sizeof(double));
+  std::memcpy(times.data(), reply.data(), times.size() * sizeof(double));
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (!std::isfinite(times[i]) || (i > 0 && times[i] <= times[i - 1])) {
+      return fail(ErrorCode::kInvalidData, "{}: instant {} is at {} s; expected ascending times",
+                  file, i, times[i]);
+    }
+  }
+  if (times.empty())
+    return fail(ErrorCode::kInvalidData, "{}: has no instants", file);
+  return times;
+}
+
+Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t instant,
+                          const MeshOptions& options) {
+  const std::string file = path.string();
+  VOLUTE_ASSIGN(const std::uint64_t fileSize, sizeOf(path));
+  ReaderProcess process(makeServe(path, options.field));
+  const ReaderProcess::Limits limits{options.maxMemory, secondsFor(path, fileSize)};
+  VOLUTE_ASSIGN(const std::string reply, process.call(file, fmt::format("{}", instant), 0, limits));
   MeshSize size;
   VOLUTE_ASSERT(reply.size() == sizeof size);
   std::memcpy(&size, reply.data(), sizeof size);
-  VOLUTE_TRY(process.call(file, {}, floatsFor(size), limits));
+  VOLUTE_TRY(process.call(file, kTake, floatsFor(size), limits));
   MeshData data;
   data.ofCells = size.ofCells;
   data.field = size.field;
@@ -91,6 +140,12 @@ Result<MeshData> readMesh(const std::filesystem::path& path, const MeshOptions& 
 
 }  // namespace
 
+bool isMeshCase(const std::filesystem::path& path) {
+  static constexpr std::string_view kExtensions[] = {".case", ".e",    ".ex2",
+                                                     ".exo",  ".exii", ".foam"};
+  return std::ranges::find(kExtensions, path.extension().string()) != std::end(kExtensions);
+}
+
 Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const MeshOptions& options) {
   MeshSource source;
   source.options_ = options;
@@ -98,29 +153,38 @@ Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const Mes
   if (!std::filesystem::exists(path, error))
     return fail(ErrorCode::kNotFound, "{}: no such file", path.string());
   if (path.extension() == ".vtu") {
-    source.files_ = {path};
+    source.instants_ = {{path, 0}};
     source.times_ = {0};
     return source;
   }
+  if (isMeshCase(path)) {
+    VOLUTE_ASSIGN(source.times_, readTimes(path, options));
+    for (std::size_t i = 0; i < source.times_.size(); ++i) source.instants_.push_back({path, i});
+    return source;
+  }
   if (path.extension() != ".pvd") {
-    return fail(ErrorCode::kUnsupported, "{}: not a mesh; expected a .vtu file or a .pvd series",
-                path.string());
+    return fail(
+        ErrorCode::kUnsupported,
+        "{}: not a mesh; expected a .vtu file, a .pvd series, or a case of EnSight (.case), "
+        "Exodus (.e, .ex2, .exo, .exii) or OpenFOAM (.foam)",
+        path.string());
   }
   VOLUTE_ASSIGN(auto files, readCollection(path, loadVtkPlugin));
   std::ranges::stable_sort(files, {}, &TimedFile::time);
   for (const TimedFile& file : files) {
-    source.files_.push_back(path.parent_path() / file.path);
+    source.instants_.push_back({path.parent_path() / file.path, 0});
     source.times_.push_back(file.time);
   }
-  if (source.files_.empty())
+  if (source.instants_.empty())
     return fail(ErrorCode::kInvalidData, "{}: names no files", path.string());
   return source;
 }
 
 Result<MeshFrame> MeshSource::read(std::size_t frame) {
-  VOLUTE_ASSERT(frame < files_.size());
-  const std::string file = files_[frame].string();
-  VOLUTE_ASSIGN(MeshData data, readMesh(files_[frame], options_));
+  VOLUTE_ASSERT(frame < instants_.size());
+  const Instant& instant = instants_[frame];
+  const std::string file = instant.file.string();
+  VOLUTE_ASSIGN(MeshData data, readMesh(instant.file, instant.index, options_));
   MeshFrame out;
   out.field = data.field;
   VOLUTE_ASSIGN(out.clamped, checkField(data.values, options_.negatives,

@@ -30,8 +30,14 @@ struct MeshOptions {
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< bytes, for reading one file
 };
 
-/// Smoke on a mesh over time: a .vtu file, or a .pvd series of them. Cells are split into tets,
-/// values of cells become values of points. Files are read in a child process.
+/// Whether a file's name is that of a case which MeshSource reads beside .vtu and .pvd: EnSight,
+/// Exodus or OpenFOAM.
+bool isMeshCase(const std::filesystem::path& path);
+
+/// Smoke on a mesh over time: a .vtu file, a .pvd series of them, or a case of EnSight Gold
+/// (.case), Exodus (.e, .ex2, .exo, .exii) or OpenFOAM (.foam). Cells are split into tets, values
+/// of cells become values of points; blocks of a case are joined where their points are the same.
+/// Files are read in a child process.
 class MeshSource {
  public:
   [[nodiscard]] static Result<MeshSource> open(const std::filesystem::path& path,
@@ -44,7 +50,13 @@ class MeshSource {
   [[nodiscard]] Result<MeshFrame> read(std::size_t frame);
 
  private:
-  std::vector<std::filesystem::path> files_;
+  /// Where an instant is: a file, and the place in it.
+  struct Instant {
+    std::filesystem::path file;
+    std::size_t index = 0;
+  };
+
+  std::vector<Instant> instants_;
   std::vector<double> times_;
   MeshOptions options_;
   std::shared_ptr<const TetMesh> mesh_;  // of the last frame, with what it was made of

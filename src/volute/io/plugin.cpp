@@ -17,16 +17,14 @@ std::filesystem::path folderBesideProgram() {
 }
 
 /// `function` of the plug-in lib`name`.so, called; null with `reason` when it cannot be loaded.
-template <class Plugin>
-const Plugin* loadFrom(const std::filesystem::path& file, const char* function,
-                       std::string& reason) {
+const void* loadFrom(const std::filesystem::path& file, const char* function, std::string& reason) {
   void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   void* symbol = library ? ::dlsym(library, function) : nullptr;
   if (!symbol) {
     reason = ::dlerror();
     return nullptr;
   }
-  return reinterpret_cast<const Plugin* (*)()>(symbol)();
+  return reinterpret_cast<const void* (*)()>(symbol)();
 }
 
 template <class Plugin>
@@ -36,13 +34,20 @@ Result<const Plugin*> load(bool built, const char* name, const char* function, c
     return fail(ErrorCode::kUnsupported, "this build has no {} ({}=OFF); build Volute with it",
                 library, option);
   }
+  VOLUTE_ASSIGN(const void* plugin, loadPlugin(name, function, library));
+  return static_cast<const Plugin*>(plugin);
+}
+
+}  // namespace
+
+Result<const void*> loadPlugin(const char* name, const char* function, const char* library) {
   std::string reason;
   for (const auto& folder : {folderBesideProgram(), std::filesystem::path(VOLUTE_PLUGIN_FOLDER)}) {
     const auto file = folder / (std::string(name) + ".so");
     std::error_code error;
     if (!std::filesystem::exists(file, error))
       continue;
-    if (const Plugin* plugin = loadFrom<Plugin>(file, function, reason))
+    if (const void* plugin = loadFrom(file, function, reason))
       return plugin;
   }
   if (reason.empty())
@@ -50,8 +55,6 @@ Result<const Plugin*> load(bool built, const char* name, const char* function, c
   return fail(ErrorCode::kUnsupported, "the part of Volute that uses {} cannot be loaded: {}",
               library, reason);
 }
-
-}  // namespace
 
 Result<const LatticePlugin*> loadVdbPlugin() {
   return load<LatticePlugin>(VOLUTE_HAS_VDB, "volute_io_vdb", "voluteVdbPlugin", "OpenVDB",

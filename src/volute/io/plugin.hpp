@@ -21,4 +21,9 @@ namespace volute {
 [[nodiscard]] Result<const SurfacePlugin*> loadGltfPlugin();
 [[nodiscard]] Result<const FilmPlugin*> loadFilmPlugin();
 
+/// What `function` of another plug-in, lib/volute/NAME.so, returns. `library` is what it needs, for
+/// the error.
+[[nodiscard]] Result<const void*> loadPlugin(const char* name, const char* function,
+                                             const char* library);
+
 }  // namespace volute

@@ -66,7 +66,7 @@ inline vtkStandardNewMacro(ErrorWindow)
   Status status(const std::string& file) const {
     if (window_->first.empty())
       return {};
-    return fail(ErrorCode::kInvalidData, "{}: not a whole VTK file: {}", file, window_->first);
+    return fail(ErrorCode::kInvalidData, "{}: not a whole file: {}", file, window_->first);
   }
 
  private:

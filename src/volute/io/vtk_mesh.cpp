@@ -7,12 +7,12 @@
 #include <vtkPointData.h>
 #include <vtkSmartPointer.h>
 #include <vtkUnstructuredGrid.h>
-#include <vtkXMLUnstructuredGridReader.h>
 
 #include <optional>
 
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/mesh.hpp"
+#include "volute/io/vtk_cases.hpp"
 #include "volute/io/vtk_errors.hpp"
 
 namespace volute {
@@ -81,15 +81,15 @@ void appendCell(vtkUnstructuredGrid* grid, vtkIdType cell, vtkIdList* ids,
 
 class VtkMeshReader final : public MeshReader {
  public:
-  Result<MeshSize> load(const std::filesystem::path& path, const std::string& wanted) override {
+  Result<std::vector<double>> times(const std::filesystem::path& path) override {
+    return readVtkTimes(path);
+  }
+
+  Result<MeshSize> load(const std::filesystem::path& path, std::size_t instant,
+                        const std::string& wanted) override {
     const std::string file = path.string();
-    VOLUTE_TRY(checkEnd(path));
-    const ErrorWatch watch;
-    vtkNew<vtkXMLUnstructuredGridReader> reader;
-    reader->SetFileName(path.c_str());
-    reader->Update();
-    VOLUTE_TRY(watch.status(file));
-    vtkUnstructuredGrid* grid = reader->GetOutput();
+    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, instant));
+    vtkUnstructuredGrid* grid = volume.grid;
     std::vector<GridEntry> names;
     std::vector<Field> fields;
     listFields(grid->GetPointData(), false, names, fields);
@@ -98,6 +98,7 @@ class VtkMeshReader final : public MeshReader {
     data_ = {};
     data_.field = names[chosen].name;
     data_.ofCells = fields[chosen].ofCells;
+    VOLUTE_TRY(checkVtkCase(path, data_.field, volume.whole));
     VOLUTE_TRY(copyCells(grid, fields[chosen], file));
     MeshSize size;
     data_.field.copy(size.field, MeshSize::kMaxName);

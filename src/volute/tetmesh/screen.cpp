@@ -67,8 +67,8 @@ ScreenVertex ScreenView::project(const Vec3& point) const {
   return {static_cast<float>(from.dot(right) * perPixel - (originX - 0.5 * width) * w),
           static_cast<float>(from.dot(down) * perPixel - (originY - 0.5 * height) * w),
           static_cast<float>(w),
-          static_cast<float>(z),
           0,
+          static_cast<float>(z),
           0,
           0,
           0};

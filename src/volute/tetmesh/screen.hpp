@@ -16,8 +16,9 @@ namespace volute {
 /// function at a pixel (px, py) is the cross product of its ends' (x - px w, y - py w): the
 /// determinant of the ray's direction and both ends, whose sign says on which side the ray passes.
 struct ScreenVertex {
-  float x, y, w, z;
-  float tau;      ///< extinction [1/m]
+  float x, y, w;
+  float tau;  ///< extinction [1/m]
+  float z;
   float r, g, b;  ///< source
 };
 

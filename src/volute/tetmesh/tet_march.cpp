@@ -60,27 +60,46 @@ HWY_INLINE VF SmallLoss(VF x) {
   return hn::Mul(p, x);
 }
 
-template <class F>
-HWY_INLINE VF Quadrature(int points, VF from, VF length, F&& f) {
-  const GaussRule rule = gaussRule(points);
+/// Gauss on (0, 1).
+template <int kPoints>
+struct UnitRule {
+  float nodes[kPoints], weights[kPoints];
+
+  UnitRule() {
+    const GaussRule rule = gaussRule(kPoints);
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      nodes[i] = static_cast<float>(0.5 + 0.5 * rule.nodes[i]);
+      weights[i] = static_cast<float>(0.5 * rule.weights[i]);
+    }
+  }
+};
+
+template <int kPoints, class F>
+HWY_INLINE VF Quadrature(VF from, VF length, F&& f) {
+  static const UnitRule<kPoints> rule;
   VF sum = hn::Zero(df);
-  for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
-    const VF s = hn::MulAdd(length, Constant(static_cast<float>(0.5 + 0.5 * rule.nodes[i])), from);
-    sum = hn::MulAdd(f(s), Constant(static_cast<float>(0.5 * rule.weights[i])), sum);
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const VF s = hn::MulAdd(length, Constant(rule.nodes[i]), from);
+    sum = hn::MulAdd(f(s), Constant(rule.weights[i]), sum);
   }
   return hn::Mul(sum, length);
 }
 
-/// w0 = integral of 1 - T, w0 + w1 = 1 - T(1); see segment_weights.cpp. The rule is the cheapest
-/// that suits the deepest lane: cells of real meshes are thin.
-HWY_INLINE void Weights(VF d0, VF d1, VF& w0, VF& w1) {
+/// w0 = integral of 1 - T, w0 + w1 = 1 - T(1), which is returned; see segment_weights.cpp. The rule
+/// is the cheapest that suits the deepest lane: cells of real meshes are thin.
+HWY_INLINE VF Weights(VF d0, VF d1, VF& w0, VF& w1) {
   const VF slope = hn::Mul(Constant(0.5F), hn::Sub(d1, d0));
   const VF whole = hn::Mul(Constant(0.5F), hn::Add(d0, d1));
   const auto depth = [&](VF s) { return hn::Mul(s, hn::MulAdd(slope, s, d0)); };
-  if (hn::AllTrue(df, hn::Le(whole, Constant(0.2F)))) {
-    w0 = Quadrature(3, hn::Zero(df), Constant(1), [&](VF s) { return SmallLoss(depth(s)); });
-    w1 = hn::Sub(SmallLoss(whole), w0);
-    return;
+  if (hn::AllTrue(df, hn::Le(whole, Constant(0.5F)))) {
+    const auto loss = [&](VF s) { return SmallLoss(depth(s)); };
+    const VF lost = SmallLoss(whole);
+    if (hn::AllTrue(df, hn::Le(whole, Constant(0.2F))))
+      w0 = Quadrature<3>(hn::Zero(df), Constant(1), loss);
+    else
+      w0 = Quadrature<4>(hn::Zero(df), Constant(1), loss);
+    w1 = hn::Sub(lost, w0);
+    return lost;
   }
   const auto loss = [&](VF s) {
     const VF x = depth(s);
@@ -88,8 +107,10 @@ HWY_INLINE void Weights(VF d0, VF d1, VF& w0, VF& w1) {
                           hn::Sub(Constant(1), ExpNeg(x)));
   };
   const VF lost = hn::Sub(Constant(1), ExpNeg(whole));
-  if (hn::AllTrue(df, hn::Le(whole, Constant(6)))) {
-    w0 = Quadrature(8, hn::Zero(df), Constant(1), loss);
+  if (hn::AllTrue(df, hn::Le(whole, Constant(1.5F)))) {
+    w0 = Quadrature<5>(hn::Zero(df), Constant(1), loss);
+  } else if (hn::AllTrue(df, hn::Le(whole, Constant(6)))) {
+    w0 = Quadrature<8>(hn::Zero(df), Constant(1), loss);
   } else {
     constexpr float kDark = 17;  // e^-17 = 4e-8
     const VF root = hn::MulAdd(d0, d0, hn::Mul(Constant(4 * kDark), slope));
@@ -98,9 +119,10 @@ HWY_INLINE void Weights(VF d0, VF d1, VF& w0, VF& w1) {
         hn::IfThenElse(hn::Ge(root, hn::Zero(df)), hn::Min(to, Constant(1)), Constant(1));
     const VF half = hn::Mul(dark, Constant(0.5F));
     w0 = hn::Add(hn::Sub(Constant(1), dark),
-                 hn::Add(Quadrature(8, hn::Zero(df), half, loss), Quadrature(8, half, half, loss)));
+                 hn::Add(Quadrature<8>(hn::Zero(df), half, loss), Quadrature<8>(half, half, loss)));
   }
   w1 = hn::Max(hn::Sub(lost, w0), hn::Zero(df));
+  return lost;
 }
 
 void MarchWeights(const float* d0, const float* d1, float* w0, float* w1) {
@@ -146,14 +168,42 @@ HWY_INLINE void Replace(Corner& corner, const Corner& by, Mask mask) {
   corner.place = Choose(mask, by.place, corner.place);
 }
 
+/// Four floats of a record for each lane, one vector a float: by blocks of 16 bytes and transposed,
+/// which takes a quarter of a gather's loads. `at`: where each lane's record begins.
+HWY_INLINE void LoadFour(const float* records, const std::int32_t* at, VF (&out)[4]) {
+#if HWY_TARGET == HWY_SCALAR
+  for (int k = 0; k < 4; ++k) out[k] = hn::GatherIndex(df, records + k, hn::LoadU(di, at));
+#else
+  constexpr std::size_t kLanes = hn::MaxLanes(df);
+  const VI block = hn::ShiftRight<2>(hn::Iota(di, 0));
+  VF rows[4];  // row j has lanes j, j + 4, j + 8 ..
+  for (std::size_t j = 0; j < 4; ++j) {
+    rows[j] = hn::LoadDup128(df, records + at[j]);
+    for (std::size_t b = 1; b < kLanes / 4; ++b) {
+      const Mask here =
+          hn::RebindMask(df, hn::Eq(block, hn::Set(di, static_cast<std::int32_t>(b))));
+      rows[j] = hn::IfThenElse(here, hn::LoadDup128(df, records + at[4 * b + j]), rows[j]);
+    }
+  }
+  const VF low02 = hn::InterleaveLower(df, rows[0], rows[2]),
+           high02 = hn::InterleaveUpper(df, rows[0], rows[2]),
+           low13 = hn::InterleaveLower(df, rows[1], rows[3]),
+           high13 = hn::InterleaveUpper(df, rows[1], rows[3]);
+  out[0] = hn::InterleaveLower(df, low02, low13);
+  out[1] = hn::InterleaveUpper(df, low02, low13);
+  out[2] = hn::InterleaveLower(df, high02, high13);
+  out[3] = hn::InterleaveUpper(df, high02, high13);
+#endif
+}
+
 /// What lanes keep while others are loaded.
 struct alignas(64) Lanes {
   float corner[3][7][kWidest];
   std::int32_t place[3][kWidest];
   float weight[3][kWidest];
   float px[kWidest], py[kWidest], scale[kWidest], zEnd[kWidest];
-  float z[kWidest], tau[kWidest], rgb[3][kWidest];  // where the ray stands
-  float sum[kWidest], light[3][kWidest];            // depth; emitted
+  float z[kWidest], tau[kWidest], rgb[3][kWidest];         // where the ray stands
+  float sum[kWidest], passed[kWidest], light[3][kWidest];  // depth; transmittance; emitted
   std::int32_t half[kWidest], steps[kWidest];
   std::int32_t state[kWidest];  // kRunning ...
 };
@@ -282,6 +332,7 @@ class Pack {
       lanes_.scale[lane] = ray.scale;
       lanes_.zEnd[lane] = ray.zEnd;
       lanes_.sum[lane] = 0;
+      lanes_.passed[lane] = 1;
       for (int c = 0; c < 3; ++c) lanes_.light[c][lane] = 0;
       if (again(lane))
         break;
@@ -354,7 +405,7 @@ class Pack {
     VF z = hn::Load(df, lanes_.z), tau = hn::Load(df, lanes_.tau);
     VF rgb[3] = {hn::Load(df, lanes_.rgb[0]), hn::Load(df, lanes_.rgb[1]),
                  hn::Load(df, lanes_.rgb[2])};
-    VF sum = hn::Load(df, lanes_.sum);
+    VF sum = hn::Load(df, lanes_.sum), passed = hn::Load(df, lanes_.passed);
     VF light[3] = {hn::Load(df, lanes_.light[0]), hn::Load(df, lanes_.light[1]),
                    hn::Load(df, lanes_.light[2])};
     VI half = hn::Load(di, lanes_.half), steps = hn::Load(di, lanes_.steps),
@@ -369,15 +420,19 @@ class Pack {
     do {
       const VI at = hn::ShiftLeft<3>(
           hn::GatherIndex(di, mesh_.tets, hn::IfThenElseZero(hn::RebindMask(di, active), half)));
-      const auto read = [&](int slot) { return hn::GatherIndex(df, vertices + slot, at); };
-      const VF w = read(2);
+      alignas(64) std::int32_t records[kWidest];
+      hn::Store(at, di, records);
+      VF place[4], glow[4];
+      LoadFour(vertices, records, place);
+      if (kLit || mesh_.orthographic)
+        LoadFour(vertices + 4, records, glow);
       Corner d;
-      d.x = hn::NegMulAdd(px, w, read(0));
-      d.y = hn::NegMulAdd(py, w, read(1));
-      d.z = mesh_.orthographic ? read(3) : w;
-      d.tau = read(4);
+      d.x = hn::NegMulAdd(px, place[2], place[0]);
+      d.y = hn::NegMulAdd(py, place[2], place[1]);
+      d.z = mesh_.orthographic ? glow[0] : place[2];
+      d.tau = place[3];
       if constexpr (kLit)
-        d.r = read(5), d.g = read(6), d.b = read(7);
+        d.r = glow[1], d.g = glow[2], d.b = glow[3];
       d.place = hn::And(half, hn::Set(di, 3));
       const VF da = Edge(d.x, d.y, a.x, a.y), db = Edge(d.x, d.y, b.x, b.y),
                dc = Edge(d.x, d.y, c.x, c.y);
@@ -411,16 +466,16 @@ class Pack {
       if constexpr (kLit) {
         VF w0, w1;
         const VF used = hn::IfThenElseZero(goes, length);
-        Weights(hn::Mul(tau, used), hn::Mul(tau1, used), w0, w1);
-        const VF passed = ExpNeg(sum);
+        const VF lost = Weights(hn::Mul(tau, used), hn::Mul(tau1, used), w0, w1);
         const VF corners[3][3] = {{a.r, b.r, c.r}, {a.g, b.g, c.g}, {a.b, b.b, c.b}};
         for (int i = 0; i < 3; ++i) {
           const VF end = here(corners[i][0], corners[i][1], corners[i][2]);
           const VF cut = Choose(past, hn::MulAdd(share, hn::Sub(end, rgb[i]), rgb[i]), end);
-          const VF glow = hn::MulAdd(w0, rgb[i], hn::Mul(w1, cut));
-          light[i] = Choose(goes, hn::MulAdd(passed, glow, light[i]), light[i]);
+          const VF sent = hn::MulAdd(w0, rgb[i], hn::Mul(w1, cut));
+          light[i] = Choose(goes, hn::MulAdd(passed, sent, light[i]), light[i]);
           rgb[i] = cut;
         }
+        passed = Choose(goes, hn::NegMulAdd(passed, lost, passed), passed);
       }
       const VF part = hn::Mul(hn::Mul(Constant(0.5F), length), hn::Add(tau, tau1));
       sum = hn::Add(sum, hn::IfThenElseZero(goes, part));
@@ -456,6 +511,7 @@ class Pack {
     hn::Store(wa, df, lanes_.weight[0]), hn::Store(wb, df, lanes_.weight[1]);
     hn::Store(wc, df, lanes_.weight[2]);
     hn::Store(z, df, lanes_.z), hn::Store(tau, df, lanes_.tau), hn::Store(sum, df, lanes_.sum);
+    hn::Store(passed, df, lanes_.passed);
     for (int i = 0; i < 3; ++i) {
       hn::Store(rgb[i], df, lanes_.rgb[i]);
       hn::Store(light[i], df, lanes_.light[i]);

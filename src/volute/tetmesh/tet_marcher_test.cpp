@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tetmesh/tet_marcher.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,6 +14,7 @@
 #include "volute/tetmesh/made_meshes.hpp"
 #include "volute/tetmesh/segment_weights.hpp"
 #include "volute/tetmesh/tet_march.hpp"
+#include "volute/tetmesh/tet_splat.hpp"
 
 namespace volute {
 namespace {
@@ -79,7 +81,7 @@ double largestDifference(const std::vector<float>& depth, const std::vector<doub
   return worst;
 }
 
-/// Holds both fast paths against the reference.
+/// Holds the fast paths against the reference.
 void expectExact(const Camera& camera, OpaqueDepth opaque, const char* name) {
   TetMarcher marcher(hall().locator);
   marcher.setExtinction(hall().extinction);
@@ -92,7 +94,11 @@ void expectExact(const Camera& camera, OpaqueDepth opaque, const char* name) {
   FaceSplat splat(hall().locator);
   splat.setExtinction(hall().extinction);
   splat.opticalDepth(camera, opaque, depth);
-  EXPECT_LE(largestDifference(depth, expected), 1e-4) << name << ", splat";
+  EXPECT_LE(largestDifference(depth, expected), 1e-4) << name << ", face splat";
+  TetSplat tets(hall().locator);
+  tets.setExtinction(hall().extinction);
+  tets.opticalDepth(camera, opaque, depth);
+  EXPECT_LE(largestDifference(depth, expected), 1e-5) << name << ", tet splat";
 }
 
 TEST(TetPictures, SeeWhatTheReferenceSees) {
@@ -134,6 +140,47 @@ TEST(TetMarcher, DependsOnNoThreads) {
   const ThreadLimit limit(1);
   marcher.opticalDepth(camera, {}, one);
   EXPECT_EQ(many, one);
+}
+
+TEST(TetSplat, DependsOnNoThreads) {
+  TetSplat splat(hall().locator);
+  splat.setExtinction(hall().extinction);
+  const Camera camera = cameraAt(Vec3(2.3, 6.8, 1.7), Vec3(24, 6, 2.4));
+  std::vector<float> many(kWidth * kHeight), one(many.size());
+  splat.opticalDepth(camera, {}, many);
+  const ThreadLimit limit(1);
+  splat.opticalDepth(camera, {}, one);
+  EXPECT_EQ(many, one);
+}
+
+TEST(TetSplat, TakesNewSmoke) {
+  TetSplat splat(hall().locator);
+  const Camera camera = cameraAt(Vec3(2.3, 6.8, 1.7), Vec3(24, 6, 2.4));
+  std::vector<float> depth(kWidth * kHeight), fresh(depth.size());
+  splat.opticalDepth(camera, {}, depth);
+  EXPECT_THAT(depth, ::testing::Each(0));  // none yet
+  splat.setExtinction(std::vector<float>(hall().extinction.size(), 0.1F));
+  splat.opticalDepth(camera, {}, depth);
+  splat.setExtinction(hall().extinction);
+  splat.opticalDepth(camera, {}, depth);
+  TetSplat other(hall().locator);
+  other.setExtinction(hall().extinction);
+  other.opticalDepth(camera, {}, fresh);
+  EXPECT_EQ(depth, fresh);
+}
+
+TEST(TetSplat, SeesUniformSmokeAsItsLength) {
+  // Rays along faces, edges and vertices of a regular mesh: nothing is counted twice or lost.
+  const auto mesh = boxMesh({Vec3::Zero(), Vec3(8, 8, 8)}, {8, 8, 8}, 0, 1);
+  TetSplat splat(std::make_shared<TetLocator>(mesh));
+  splat.setExtinction(std::vector<float>(mesh->vertices().size(), 0.25F));
+  std::vector<float> depth(81);
+  splat.opticalDepth(Camera::orthographic({Vec3(4, -1, 4), Vec3(4, 4, 4)}, 7, 9, 9), {}, depth);
+  for (const float d : depth) EXPECT_NEAR(d, 2, 1e-5);
+  // From a vertex inside along the axis: the middle pixel's ray runs along edges.
+  splat.opticalDepth(Camera::pinhole({Vec3(4, 4, 4), Vec3(8, 4, 4), Vec3::UnitZ()}, 60, 9, 9), {},
+                     depth);
+  EXPECT_NEAR(depth[40], 1, 1e-5);
 }
 
 TEST(TetMarcher, PassesThroughVertices) {

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// `volute bench smoke`: smoke on tetrahedra, frame after frame.
+// `volute bench smoke`: smoke on tetrahedra, frame after frame (Staubli et al. 2005, table 3).
+#include <sys/resource.h>
+
 #include <Eigen/Geometry>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <functional>
+#include <limits>
 
-#include "volute/cli/bench_timing.hpp"
+#include "volute/base/parallel.hpp"
 #include "volute/cli/benchmarks/benchmarks.hpp"
+#include "volute/cli/benchmarks/smoke_drawers.hpp"
 #include "volute/io/mesh_source.hpp"
-#include "volute/tetmesh/face_splat.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
-#include "volute/tetmesh/tet_marcher.hpp"
 
 namespace volute::cli {
 namespace {
@@ -18,23 +22,17 @@ namespace {
 /// Extinction of 1 g/m3 of the field [1/m].
 constexpr float kPerGram = 0.15F;
 
-/// Smoke at a few instants on one mesh.
-struct Case {
-  std::string name;
-  std::shared_ptr<const TetMesh> mesh;
-  std::vector<std::vector<float>> extinction;
-};
-
-Case madeCase() {
-  Case made{"made hall", hallMesh(0.42, 1), {}};
+SmokeCase madeCase(std::string name, double cell) {
+  SmokeCase made{std::move(name), hallMesh(cell, 1), {}};
   for (int i = 0; i < 4; ++i) made.extinction.push_back(plume(*made.mesh, i, 1));
   return made;
 }
 
 /// The last instants of a case that have the same mesh as the last; of a single one, shares of it.
-Result<Case> caseOf(const BenchInput& input) {
-  VOLUTE_ASSIGN(auto source, MeshSource::open(input.volume, {.negatives = Negatives::kClamp}));
-  Case read{std::filesystem::path(input.volume).filename().string(), nullptr, {}};
+Result<SmokeCase> caseOf(const BenchInput& input) {
+  const MeshOptions options{.field = "smoke", .negatives = Negatives::kClamp};
+  VOLUTE_ASSIGN(auto source, MeshSource::open(input.volume, options));
+  SmokeCase read{std::filesystem::path(input.volume).filename().string(), nullptr, {}};
   const std::size_t count = source.times().size();
   for (std::size_t i = count - std::min<std::size_t>(count, 4); i < count; ++i) {
     VOLUTE_ASSIGN(auto frame, source.read(i));
@@ -53,7 +51,7 @@ Result<Case> caseOf(const BenchInput& input) {
 }
 
 bool isMesh(const std::string& file) {
-  return file.ends_with(".vtu") || file.ends_with(".pvd");
+  return file.ends_with(".vtu") || file.ends_with(".pvd") || isMeshCase(file);
 }
 
 struct Eye {
@@ -70,146 +68,251 @@ std::vector<Eye> eyesOf(const Box3& box) {
           {"inside", at(0.08, 0.57, 0.28), at(0.86, 0.5, 0.4), 60}};
 }
 
-/// The view at step i: turned a little, or moved a little around.
-Camera cameraAt(const Eye& eye, int width, int height, int turn, int move) {
-  const Vec3 across = (eye.target - eye.eye).cross(Vec3::UnitZ()).normalized();
-  const double reach = (eye.target - eye.eye).norm();
-  return Camera::pinhole({eye.eye + 0.005 * reach * move * across,
-                          eye.target + 0.01 * reach * turn * across, Vec3::UnitZ()},
-                         eye.fov, width, height);
-}
-
-/// Seconds of the reference for each pixel, and the largest errors of opacity, at some pixels.
-struct Judgement {
-  double secondsPerPixel = 0;
-  std::vector<std::size_t> pixels;
-  std::vector<double> alpha;
-
-  Judgement(const TetMedium& medium, const Camera& camera) {
-    constexpr std::size_t kPixels = 1500;
-    const auto all = static_cast<std::size_t>(camera.width()) * camera.height();
-    std::vector<Segment> rays;
-    for (std::size_t i = 0; i < kPixels; ++i) {
-      pixels.push_back(i * 2654435761u % all);
-      rays.push_back(pixelRay(camera, static_cast<int>(pixels[i] % camera.width()),
-                              static_cast<int>(pixels[i] / camera.width()), {}));
-    }
-    std::vector<double> depths(kPixels);
-    const auto begin = std::chrono::steady_clock::now();
-    medium.opticalDepth(rays, depths);
-    secondsPerPixel =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / kPixels;
-    for (const double depth : depths) alpha.push_back(1 - std::exp(-depth));
-  }
-
-  double error(std::span<const float> depth) const {
-    double worst = 0;
-    for (std::size_t i = 0; i < pixels.size(); ++i)
-      worst = std::max(worst, std::abs(1 - std::exp(-double(depth[pixels[i]])) - alpha[i]));
-    return worst;
-  }
-};
-
 struct Mode {
   const char* name;
   bool newSmoke, moving;
 };
 
+/// "Fixed" is an eye that turns, as in the paper.
 constexpr Mode kModes[] = {{"steady smoke, fixed eye", false, false},
                            {"new smoke, fixed eye", true, false},
                            {"steady smoke, moving eye", false, true},
                            {"new smoke, moving eye", true, true}};
 
-class View {
- public:
-  View(const Case& smoke, const std::shared_ptr<const TetLocator>& locator, const Eye& eye,
-       int width, int height)
-      : smoke_(smoke),
-        eye_(eye),
-        width_(width),
-        height_(height),
-        judgement_(TetMedium(locator, smoke.extinction[0]), cameraAt(eye, width, height, 0, 0)) {}
+struct Setting {
+  const SmokeCase& smoke;
+  const Eye& eye;
+  int width, height;
+  bool sign;
 
   std::string name() const {
-    return fmt::format("{}, {}, {}x{}", smoke_.name, eye_.name, width_, height_);
+    return fmt::format("{}, {}, {}x{}{}", smoke.name, eye.name, width, height,
+                       sign ? ", exit sign" : "");
   }
 
-  /// Times all modes of one path: draw(camera) after setSmoke(field).
-  template <class SetSmoke, class Draw>
-  void measure(const std::string& path, SetSmoke&& setSmoke, Draw&& draw,
-               std::vector<BenchRow>& rows) const {
-    const double reference = judgement_.secondsPerPixel * width_ * height_;
-    for (const Mode& mode : kModes) {
-      setSmoke(smoke_.extinction[0]);
-      int frame = 0;
-      const double seconds = medianSeconds(
-          [&] {
-            ++frame;
-            if (mode.newSmoke)
-              setSmoke(smoke_.extinction[frame % smoke_.extinction.size()]);
-            draw(cameraAt(eye_, width_, height_, frame % 8, mode.moving ? frame % 8 : 0));
-          },
-          0.2);
-      rows.push_back({fmt::format("{}: {}, {}", name(), path, mode.name), 1 / seconds, "frames/s",
-                      reference / seconds});
+  /// The view at step i: turned a little, or moved a little aside.
+  SmokeView view(int field, int turn, int move) const {
+    const Vec3 across = (eye.target - eye.eye).cross(Vec3::UnitZ()).normalized();
+    const Vec3 towards = eye.target - eye.eye;
+    SmokeView view;
+    view.eye = eye.eye + 0.005 * towards.norm() * move * across;
+    view.target = eye.target + 0.01 * towards.norm() * turn * across;
+    view.fov = eye.fov;
+    view.width = width;
+    view.height = height;
+    view.field = field;
+    if (sign) {
+      const Vec3 centre = eye.eye + 0.8 * towards;
+      const Vec3 right = 0.04 * towards.norm() * across, up = 0.4 * right.norm() * Vec3::UnitZ();
+      view.sign = {centre - right + up, centre + right + up, centre + right - up,
+                   centre - right - up};
     }
-    setSmoke(smoke_.extinction[0]);
-    draw(cameraAt(eye_, width_, height_, 0, 0));
+    return view;
   }
-
-  const Judgement& judgement() const { return judgement_; }
-
- private:
-  const Case& smoke_;
-  const Eye& eye_;
-  int width_, height_;
-  Judgement judgement_;
 };
 
-void benchView(const Case& smoke, const std::shared_ptr<const TetLocator>& locator, const Eye& eye,
-               int width, int height, std::vector<BenchRow>& rows) {
-  const View view(smoke, locator, eye, width, height);
-  std::vector<float> depth(static_cast<std::size_t>(width) * height);
-  const auto errorRow = [&](const char* path) {
-    rows.push_back({fmt::format("{}: {}, largest error of opacity", view.name(), path),
-                    view.judgement().error(depth), "", std::nullopt});
-  };
-  FaceSplat splat(locator);
-  view.measure(
-      "face splat", [&](const auto& field) { splat.setExtinction(field); },
-      [&](const Camera& camera) { splat.opticalDepth(camera, {}, depth); }, rows);
-  errorRow("face splat");
-  TetMarcher marcher(locator);
-  marcher.setSource(std::vector<float>(3 * smoke.mesh->vertices().size(), 0.5F));
-  view.measure(
-      "marcher", [&](const auto& field) { marcher.setExtinction(field); },
-      [&](const Camera& camera) { marcher.opticalDepth(camera, {}, depth); }, rows);
-  errorRow("marcher");
-  std::vector<float> color(4 * depth.size());
-  view.measure(
-      "marcher, lit colour", [&](const auto& field) { marcher.setExtinction(field); },
-      [&](const Camera& camera) { marcher.litColor(camera, {}, color); }, rows);
+double processorSeconds() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
+
+/// Opacities of some pixels, by the reference.
+struct Judgement {
+  double secondsPerPixel = 0;
+  std::vector<std::size_t> pixels;
+  std::vector<double> alpha;
+
+  Judgement(const TetMedium& medium, const SmokeView& view) {
+    constexpr std::size_t kPixels = 3000;
+    const Camera camera = view.camera();
+    const std::vector<float> opaque = opaqueDepth(view);
+    const auto all = static_cast<std::size_t>(view.width) * view.height;
+    std::vector<Segment> rays;
+    for (std::size_t i = 0; i < kPixels; ++i) {
+      pixels.push_back(i * 2654435761u % all);
+      rays.push_back(pixelRay(camera, static_cast<int>(pixels[i] % view.width),
+                              static_cast<int>(pixels[i] / view.width), opaque));
+    }
+    std::vector<double> depths(kPixels);
+    const double begin = processorSeconds();
+    medium.opticalDepth(rays, depths);
+    secondsPerPixel = (processorSeconds() - begin) / kPixels;
+    for (const double depth : depths) alpha.push_back(1 - std::exp(-depth));
+  }
+
+  /// The largest error, and how many pixels are off by more than one step of 8 bits.
+  std::pair<double, double> errors(std::span<const float> opacity) const {
+    double worst = 0, off = 0;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      const double error = std::abs(opacity[pixels[i]] - alpha[i]);
+      worst = std::max(worst, error);
+      off += error > 1.0 / 255;
+    }
+    return {worst, off / static_cast<double>(pixels.size())};
+  }
+};
+
+/// The least of several frames.
+struct Timing {
+  double wall = std::numeric_limits<double>::infinity(), processor = wall;
+  int frames = 0;
+  std::string trouble;
+
+  void add(const DrawTimes& times) {
+    wall = std::min(wall, times.wall);
+    processor = std::min(processor, times.processor);
+    ++frames;
+  }
+};
+
+class Table {
+ public:
+  Table(const Setting& setting, const std::shared_ptr<const TetLocator>& locator,
+        std::span<const std::unique_ptr<SmokeDrawer>> drawers, bool quick)
+      : setting_(setting),
+        drawers_(drawers),
+        quick_(quick),
+        judgement_(TetMedium(locator, setting.smoke.extinction[0]), setting.view(0, 0, 0)) {}
+
+  Status measure(std::vector<BenchRow>& rows, Progress& progress) {
+    VOLUTE_TRY(judge(rows));
+    for (const Mode& mode : kModes) {
+      if (progress.cancelled())
+        return fail(ErrorCode::kCancelled, "stopped in {}", setting_.name());
+      const std::vector<Timing> timings = draw(mode);
+      const Timing& peer = timings.front();
+      for (std::size_t i = 0; i < drawers_.size(); ++i) {
+        BenchRow row = rowOf(*drawers_[i], mode.name);
+        row.unit = "ms";
+        row.value = timings[i].frames > 0 ? 1e3 * timings[i].wall
+                                          : std::numeric_limits<double>::quiet_NaN();
+        if (peer.frames > 0 && timings[i].frames > 0)
+          row.ratio = peer.wall / timings[i].wall;
+        row.note = timings[i].trouble;
+        if (timings[i].frames > 0)
+          row.note +=
+              fmt::format("{}{:.0f} ms of processor time, {} frames", row.note.empty() ? "" : "; ",
+                          1e3 * timings[i].processor, timings[i].frames);
+        rows.push_back(std::move(row));
+      }
+    }
+    return {};
+  }
+
+ private:
+  BenchRow rowOf(const SmokeDrawer& drawer, const char* what) const {
+    BenchRow row;
+    row.name = fmt::format("{}: {}, {}", setting_.name(), drawer.name(), what);
+    row.labels = {{"case", setting_.smoke.name},
+                  {"eye", setting_.eye.name},
+                  {"size", fmt::format("{}x{}", setting_.width, setting_.height)},
+                  {"sign", setting_.sign ? "yes" : "no"},
+                  {"drawer", std::string(drawer.name())},
+                  {"what", what}};
+    return row;
+  }
+
+  /// One frame of each, the first: their errors. Drawers that fail or are too slow stop here.
+  Status judge(std::vector<BenchRow>& rows) {
+    stopped_.assign(drawers_.size(), "");
+    const double reference = judgement_.secondsPerPixel * setting_.width * setting_.height;
+    rows.push_back({fmt::format("{}: reference, double", setting_.name()),
+                    1e3 * reference,
+                    "ms",
+                    std::nullopt,
+                    {},
+                    "of processor time, from 3000 pixels"});
+    for (std::size_t i = 0; i < drawers_.size(); ++i) {
+      std::vector<float> opacity(static_cast<std::size_t>(setting_.width) * setting_.height);
+      const SmokeView view = setting_.view(0, 0, 0);
+      const auto begin = std::chrono::steady_clock::now();
+      const auto times = drawers_[i]->draw(view, opacity);
+      const double wall =
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      BenchRow row = rowOf(*drawers_[i], "largest error of opacity");
+      if (!times) {
+        stopped_[i] = times.error().message;
+        row.value = std::numeric_limits<double>::quiet_NaN();
+        row.note = stopped_[i];
+      } else {
+        const auto [worst, off] = judgement_.errors(opacity);
+        row.value = worst;
+        row.note = fmt::format("{:.2f} % of the pixels off by more than 1/255", 100 * off);
+        if (wall > kPatience)
+          stopped_[i] = fmt::format("one frame took {:.1f} s; no more were drawn", times->wall);
+      }
+      rows.push_back(std::move(row));
+    }
+    return {};
+  }
+
+  /// All drawers in turn, so that what else the machine does meets all of them.
+  std::vector<Timing> draw(const Mode& mode) {
+    const int rounds = quick_ ? 4 : 6;
+    std::vector<Timing> timings(drawers_.size());
+    std::vector<float> opacity(static_cast<std::size_t>(setting_.width) * setting_.height);
+    std::vector<double> spent(drawers_.size(), 0);
+    for (int frame = 1; frame <= rounds; ++frame) {
+      const int field =
+          mode.newSmoke ? frame % static_cast<int>(setting_.smoke.extinction.size()) : 0;
+      for (std::size_t i = 0; i < drawers_.size(); ++i) {
+        Timing& timing = timings[i];
+        timing.trouble = stopped_[i];
+        if (!stopped_[i].empty() || (frame > 2 && spent[i] > kPatience))
+          continue;
+        const auto times =
+            drawers_[i]->draw(setting_.view(field, frame, mode.moving ? frame : 0), opacity);
+        if (!times) {
+          timing.trouble = stopped_[i] = times.error().message;
+          continue;
+        }
+        timing.add(*times);
+        spent[i] += times->wall;
+      }
+    }
+    return timings;
+  }
+
+  static constexpr double kPatience = 20;  // seconds for one drawer and mode
+
+  Setting setting_;
+  std::span<const std::unique_ptr<SmokeDrawer>> drawers_;
+  bool quick_;
+  Judgement judgement_;
+  std::vector<std::string> stopped_;  // why a drawer draws no more here
+};
 
 }  // namespace
 
 Result<std::vector<BenchRow>> benchSmoke(const BenchInput& input, Progress& progress) {
-  Case smoke = madeCase();
+  std::vector<SmokeCase> cases;
   if (isMesh(input.volume)) {
-    VOLUTE_ASSIGN(smoke, caseOf(input));
+    VOLUTE_ASSIGN(cases.emplace_back(), caseOf(input));
+  } else {
+    cases.push_back(madeCase("made hall", 0.42));
+    if (!input.quick)
+      cases.push_back(madeCase("made hall, fine", 0.18));
   }
-  for (auto& field : smoke.extinction) {
-    for (float& value : field) value *= kPerGram;
-  }
-  const auto locator = std::make_shared<const TetLocator>(smoke.mesh);
   std::vector<BenchRow> rows;
-  rows.push_back({fmt::format("{}: tetrahedra", smoke.name),
-                  static_cast<double>(smoke.mesh->tets().size()), "", std::nullopt});
-  for (const Eye& eye : eyesOf(smoke.mesh->bounds())) {
-    for (const auto& [width, height] : {std::pair(800, 600), {1920, 1080}}) {
-      if (progress.cancelled())
-        return fail(ErrorCode::kCancelled, "stopped in {}", smoke.name);
-      benchView(smoke, locator, eye, width, height, rows);
+  for (SmokeCase& smoke : cases) {
+    for (auto& field : smoke.extinction) {
+      for (float& value : field) value *= kPerGram;
+    }
+    const auto locator = std::make_shared<const TetLocator>(smoke.mesh);
+    rows.push_back({fmt::format("{}: tetrahedra", smoke.name),
+                    static_cast<double>(smoke.mesh->tets().size()), "", std::nullopt});
+    for (const Eye& eye : eyesOf(smoke.mesh->bounds())) {
+      for (const auto& [width, height] : {std::pair(800, 600), {1920, 1080}}) {
+        for (const bool sign : {false, true}) {
+          if (input.quick && (sign || width > 800))
+            continue;
+          const auto drawers = smokeDrawers(smoke, locator, input.quick);
+          Table table({smoke, eye, width, height, sign}, locator, drawers, input.quick);
+          VOLUTE_TRY(table.measure(rows, progress));
+        }
+      }
     }
   }
   return rows;

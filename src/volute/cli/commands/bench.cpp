@@ -76,7 +76,7 @@ Status run(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto list, chosen(arguments.positionals()));
   const BenchInput input{arguments.find<std::string>("input").value_or(""), context.maxMemory,
                          arguments.find<std::string>("truth").value_or(""),
-                         arguments.find<std::string>("grid").value_or("")};
+                         arguments.find<std::string>("grid").value_or(""), arguments.flag("quick")};
   nlohmann::ordered_json json{{"threads", threadCount()},
                               {"benchmarks", nlohmann::ordered_json::array()}};
   for (const Benchmark* benchmark : list) {
@@ -122,6 +122,8 @@ Command benchCommand() {
                        .kind = ValueKind::kText,
                        .value = "NAME",
                        .help = "tomography: which grid of the truth's files"},
+                      {.name = "quick",
+                       .help = "fewer measurements: `smoke` draws 800 x 600 alone, without a sign"},
                       {.name = "list", .help = "list the benchmarks"}},
           .run = run};
 }

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// Writes the Exodus file that mesh_cases_test.cpp reads: two hexahedra, two instants.
+#include <vtkDoubleArray.h>
+#include <vtkExodusIIWriter.h>
+#include <vtkInformation.h>
+#include <vtkInformationVector.h>
+#include <vtkNew.h>
+#include <vtkObjectFactory.h>
+#include <vtkPointData.h>
+#include <vtkStreamingDemandDrivenPipeline.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkUnstructuredGridAlgorithm.h>
+
+namespace {
+
+/// Smoke is 1 + x at 10 s, 3 + x at 20 s.
+class Box final : public vtkUnstructuredGridAlgorithm {
+ public:
+  static Box* New();
+
+  vtkTypeMacro(Box, vtkUnstructuredGridAlgorithm)
+
+      Box() {
+    SetNumberOfInputPorts(0);
+  }
+
+  int RequestInformation(vtkInformation*, vtkInformationVector**,
+                         vtkInformationVector* out) override {
+    const double times[] = {10, 20};
+    vtkInformation* info = out->GetInformationObject(0);
+    info->Set(vtkStreamingDemandDrivenPipeline::TIME_STEPS(), times, 2);
+    info->Set(vtkStreamingDemandDrivenPipeline::TIME_RANGE(), times, 2);
+    return 1;
+  }
+
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector* out) override {
+    vtkInformation* info = out->GetInformationObject(0);
+    auto* grid = vtkUnstructuredGrid::GetData(info);
+    double time = 10;
+    if (info->Has(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP()))
+      time = info->Get(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP());
+    vtkNew<vtkPoints> points;
+    vtkNew<vtkDoubleArray> smoke;
+    smoke->SetName("smoke");
+    for (int i = 0; i < 12; ++i) {
+      const double x = i % 3;
+      points->InsertNextPoint(x, i / 3 % 2, i / 6);
+      smoke->InsertNextValue((time < 15 ? 1 : 3) + x);
+    }
+    grid->SetPoints(points);
+    grid->Allocate(2);
+    for (vtkIdType first : {0, 1}) {
+      const vtkIdType ids[8] = {first,     first + 1, first + 4,  first + 3,
+                                first + 6, first + 7, first + 10, first + 9};
+      grid->InsertNextCell(VTK_HEXAHEDRON, 8, ids);
+    }
+    grid->GetPointData()->AddArray(smoke);
+    grid->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), time);
+    return 1;
+  }
+};
+
+vtkStandardNewMacro(Box)
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count != 2)
+    return 2;
+  vtkNew<Box> box;
+  vtkNew<vtkExodusIIWriter> writer;
+  writer->SetFileName(arguments[1]);
+  writer->SetInputConnection(box->GetOutputPort());
+  writer->WriteAllTimeStepsOn();
+  return writer->Write() ? 0 : 1;
+}
