@@ -160,6 +160,7 @@ Result<FdsCase> FdsCase::open(const std::filesystem::path& path, const FdsOption
   opened.options_ = options;
   VOLUTE_ASSIGN(opened.index_, SmvIndex::read(path));
   opened.remarks_ = opened.index_.remarks;
+  VOLUTE_TRY(opened.checkSize());
   VOLUTE_TRY(opened.chooseSource(options));
   VOLUTE_TRY(opened.openParts());
   VOLUTE_TRY(opened.findTimes());
@@ -167,6 +168,19 @@ Result<FdsCase> FdsCase::open(const std::filesystem::path& path, const FdsOption
   VOLUTE_TRY(opened.buildGrid());
   opened.noteMissingMeshes();
   return opened;
+}
+
+/// Obstructions take a byte for each cell of the meshes, whatever part of them has smoke.
+Status FdsCase::checkSize() const {
+  double cells = 0;
+  for (const FdsMesh& mesh : index_.meshes) cells += static_cast<double>(mesh.cellCount());
+  if (cells <= static_cast<double>(options_.maxMemory))
+    return {};
+  return fail(
+      ErrorCode::kTooLarge,
+      "{}: its meshes have {:.3g} cells, which need {:.3g} GB; {:.3g} GB are allowed: raise "
+      "--max-memory",
+      index_.path.string(), cells, cells * 1e-9, static_cast<double>(options_.maxMemory) * 1e-9);
 }
 
 Status FdsCase::chooseSource(const FdsOptions& options) {

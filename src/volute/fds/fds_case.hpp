@@ -67,6 +67,7 @@ class FdsCase {
 
   FdsCase() = default;
 
+  Status checkSize() const;
   Status chooseSource(const FdsOptions& options);
   Status openParts();
   Result<std::shared_ptr<Part>> openPart(const FdsSourcePart& what) const;

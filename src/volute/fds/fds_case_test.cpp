@@ -597,6 +597,25 @@ TEST(FdsCase, memoryIsBounded) {
   EXPECT_EQ(read.error().code, ErrorCode::kTooLarge);
 }
 
+TEST(FdsCase, aMeshThatIsTooLargeIsRefusedBeforeItIsBuilt) {
+  // A slice of four values in a mesh of 7e11 cells: the index alone says so.
+  const Folder folder;
+  fdswriter::Index index;
+  Planes planes;
+  for (auto& axis : planes) {
+    for (int i = 0; i <= 9000; ++i) axis.push_back(0.001 * i);
+  }
+  index.meshes.push_back({planes, {}, {}});
+  const fdswriter::Slice slice{{0, 1, 0, 1, 1, 1}};
+  fdswriter::sliceFile(slice, {{0, {1, 1, 1, 1}}}).save(folder / "a.sf");
+  index.slice(1, slice, "a.sf", false);
+  index.save(folder / "made.smv");
+  const auto read = FdsCase::open(folder / "made.smv");
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().code, ErrorCode::kTooLarge);
+  EXPECT_THAT(read.error().message, HasSubstr("7.29e+11 cells"));
+}
+
 TEST(FdsCase, plot3dIsReadWhereNothingElseIs) {
   const Folder folder;
   fdswriter::Index index;
