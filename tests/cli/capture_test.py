@@ -47,7 +47,7 @@ class Formats(ring.TestCase):
         shape_ours, ours = support.read_npy(self.ours)
         self.assertEqual(shape, shape_ours)
         worst = max(abs(a - b) for a, b in zip(ours, other))
-        self.assertLess(worst, 1e-3 * max(ours), calibration)
+        self.assertLess(worst, 1e-5 * max(ours), calibration)
 
     def test_nerf_transforms(self):
         frames = []

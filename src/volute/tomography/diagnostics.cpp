@@ -147,6 +147,37 @@ void warnOf(const TomographyView& view, const CameraDiagnosis& camera,
         view.name, 100 * camera.lightOutside));
 }
 
+/// What one view says on its own.
+CameraDiagnosis measured(const TomographyView& view, const VolumeGeometry& geometry,
+                         const TomographyOptions& options, const Reconstruction& reconstruction) {
+  const Image projected = projectVolume(reconstruction.volume, geometry, options.basis, view.camera,
+                                        options.raysPerPixel);
+  const Match match(view, projected, options.noiseSigma);
+  const double threshold = silhouetteThreshold(view, options.noiseSigma);
+  CameraDiagnosis camera;
+  camera.residual = match.residual;
+  camera.gain = match.gain;
+  camera.borderLight = litBorder(view, 5 * threshold);
+  camera.lightOutside = lightOutside(view, geometry.bounds, threshold);
+  return camera;
+}
+
+/// What the view says beside the others. `raw` is as measured() has it.
+CameraDiagnosis compared(std::span<const CameraDiagnosis> raw, std::size_t v) {
+  CameraDiagnosis camera = raw[v];
+  const double others = medianOfOthers(raw, v, &CameraDiagnosis::residual);
+  camera.residualRatio = camera.residual / std::max(others, 1e-3);
+  camera.gain = raw[v].gain / medianOfOthers(raw, v, &CameraDiagnosis::gain);
+  const bool standsOut = camera.residual > kLeastResidual && camera.residualRatio > kStandsOut;
+  if (standsOut && raw.size() > 2) {
+    // With the gain g a residual of about |1 - g| would be left of a perfect fit.
+    const double explained = std::abs(1 - camera.gain) / camera.residual;
+    camera.gainDrift = explained * explained > kGainShare;
+    camera.outOfStep = !camera.gainDrift;
+  }
+  return camera;
+}
+
 }  // namespace
 
 double angleBetween(const Camera& a, const Camera& b, const Vec3& centre) {
@@ -185,40 +216,18 @@ Result<TomographyDiagnosis> diagnose(std::span<const TomographyView> views,
                                      const TomographyOptions& options,
                                      const Reconstruction& reconstruction, Progress& progress) {
   TomographyDiagnosis diagnosis;
-  auto& cameras = diagnosis.cameras;
-  std::vector<Match> matches;
-  for (const TomographyView& view : views) {
-    const Image projected = projectVolume(reconstruction.volume, geometry, options.basis,
-                                          view.camera, options.raysPerPixel);
-    matches.emplace_back(view, projected, options.noiseSigma);
-    const double threshold = silhouetteThreshold(view, options.noiseSigma);
-    CameraDiagnosis camera;
-    camera.residual = matches.back().residual;
-    camera.gain = matches.back().gain;
-    camera.borderLight = litBorder(view, 5 * threshold);
-    camera.lightOutside = lightOutside(view, geometry.bounds, threshold);
-    cameras.push_back(camera);
-  }
-  const std::vector<CameraDiagnosis> raw = cameras;
+  std::vector<CameraDiagnosis> raw;
+  for (const TomographyView& view : views)
+    raw.push_back(measured(view, geometry, options, reconstruction));
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const double others = medianOfOthers(raw, v, &CameraDiagnosis::residual);
-    const double gains = medianOfOthers(raw, v, &CameraDiagnosis::gain);
-    cameras[v].residualRatio = cameras[v].residual / std::max(others, 1e-3);
-    cameras[v].gain = raw[v].gain / gains;
-    const bool standsOut =
-        cameras[v].residual > kLeastResidual && cameras[v].residualRatio > kStandsOut;
-    if (standsOut && views.size() > 2) {
-      // With the gain g a residual of about |1 - g| would be left of a perfect fit.
-      const double explained = std::abs(1 - cameras[v].gain) / cameras[v].residual;
-      cameras[v].gainDrift = explained * explained > kGainShare;
-      cameras[v].outOfStep = !cameras[v].gainDrift;
-      if (cameras[v].gainDrift) {
-        VOLUTE_ASSIGN(const Match alone,
-                      matchWithout(views, v, geometry, options, reconstruction, progress));
-        cameras[v].gain = alone.gain;
-      }
+    CameraDiagnosis camera = compared(raw, v);
+    if (camera.gainDrift) {
+      VOLUTE_ASSIGN(const Match alone,
+                    matchWithout(views, v, geometry, options, reconstruction, progress));
+      camera.gain = alone.gain;
     }
-    warnOf(views[v], cameras[v], diagnosis.warnings);
+    warnOf(views[v], camera, diagnosis.warnings);
+    diagnosis.cameras.push_back(camera);
   }
   if (options.hull && reconstruction.hullShare > kFullHull)
     diagnosis.warnings.push_back(fmt::format(

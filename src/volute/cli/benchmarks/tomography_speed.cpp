@@ -25,40 +25,62 @@ double seconds(auto&& work) {
 using Sparse = Eigen::SparseMatrix<float, Eigen::RowMajor, int>;
 using Colours = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-/// The matrix of the pixels that `projector` has, filled row by row on all threads.
-Sparse assemble(const Projector& projector, std::span<const TomographyView> views,
-                int raysPerPixel) {
+using SparseRow = std::vector<NodeWeight>;  ///< ascending columns
+
+/// The rays of a pixel.
+std::vector<WalkRay> raysOf(const Support& support, const Camera& camera, std::int32_t pixel,
+                            int raysPerPixel) {
+  const double x = pixel % camera.width(), y = pixel / camera.width();
+  std::vector<WalkRay> rays;
+  for (int i = 0; i < raysPerPixel; ++i) {
+    const double dx = raysPerPixel == 1 ? 0.5 : i % 2 * 0.5 + 0.25;
+    const double dy = raysPerPixel == 1 ? 0.5 : i / 2 * 0.5 + 0.25;
+    rays.push_back(walkRay(support, camera.ray(x + dx, y + dy)));
+  }
+  return rays;
+}
+
+/// Sorted, each column once, those that are no unknown left out.
+SparseRow merged(SparseRow raw, std::span<const int> column) {
+  std::erase_if(raw, [&](const NodeWeight& w) { return column[w.node] < 0; });
+  std::ranges::sort(raw, {}, &NodeWeight::node);
+  SparseRow row;
+  for (const NodeWeight& w : raw) {
+    if (!row.empty() && row.back().node == column[w.node])
+      row.back().weight += w.weight;
+    else
+      row.push_back({column[w.node], w.weight});
+  }
+  return row;
+}
+
+/// The rows of the pixels that `projector` has, on all threads.
+std::vector<SparseRow> sparseRows(const Projector& projector, std::span<const TomographyView> views,
+                                  int raysPerPixel) {
   const Support& support = projector.support();
-  WalkLattice lattice{support.basis(),
-                      {support.stride()[0], support.stride()[1], support.stride()[2]}};
+  const WalkLattice lattice{support.basis(),
+                            {support.stride()[0], support.stride()[1], support.stride()[2]}};
   std::vector<int> column(support.latticeSize(), -1);
   for (std::size_t i = 0; i < support.size(); ++i) column[support.nodes()[i]] = static_cast<int>(i);
-  std::vector<std::vector<NodeWeight>> rows(projector.rows());
+  std::vector<SparseRow> rows(projector.rows());
   parallelRanges(rows.size(), 256, [&](std::size_t begin, std::size_t end) {
-    std::vector<NodeWeight> raw;
+    SparseRow raw;
     for (std::size_t r = begin; r < end; ++r) {
       const PixelRow& pixel = projector.pixels()[r];
-      const Camera& camera = views[pixel.view].camera;
-      const double x = pixel.pixel % camera.width(), y = pixel.pixel / camera.width();
-      std::vector<WalkRay> rays;
-      for (int i = 0; i < raysPerPixel; ++i) {
-        const double dx = raysPerPixel == 1 ? 0.5 : i % 2 * 0.5 + 0.25;
-        const double dy = raysPerPixel == 1 ? 0.5 : i / 2 * 0.5 + 0.25;
-        rays.push_back(walkRay(support, camera.ray(x + dx, y + dy)));
-      }
+      const auto rays = raysOf(support, views[pixel.view].camera, pixel.pixel, raysPerPixel);
       raw.clear();
       walkWeights(lattice, rays.data(), 1, raysPerPixel, &raw);
-      std::erase_if(raw, [&](const NodeWeight& w) { return column[w.node] < 0; });
-      std::ranges::sort(raw, {}, &NodeWeight::node);
-      for (const NodeWeight& w : raw) {
-        if (!rows[r].empty() && rows[r].back().node == column[w.node])
-          rows[r].back().weight += w.weight;
-        else
-          rows[r].push_back({column[w.node], w.weight});
-      }
+      rows[r] = merged(raw, column);
     }
   });
-  Sparse matrix(static_cast<int>(rows.size()), static_cast<int>(support.size()));
+  return rows;
+}
+
+/// The matrix of the pixels that `projector` has.
+Sparse assemble(const Projector& projector, std::span<const TomographyView> views,
+                int raysPerPixel) {
+  const auto rows = sparseRows(projector, views, raysPerPixel);
+  Sparse matrix(static_cast<int>(rows.size()), static_cast<int>(projector.unknowns()));
   std::size_t count = 0;
   for (const auto& row : rows) count += row.size();
   matrix.resizeNonZeros(static_cast<int>(count));
