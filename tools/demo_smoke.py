@@ -27,7 +27,7 @@ SCENE = {
     "lights": [*LAMPS, FIRE, AMBIENT],
     "media": [{"kind": "smoke", "case": "hall.pvd", "field": "soot", "quantity": "soot-density", "unit": "g/m3", "mode": "photometric",
                "albedo": [0.5, 0.5, 0.5], "walls": [0.72, 0.70, 0.66]}],
-    "signs": [sign("emitting", 5.35, True), sign("reflecting", 6.65, False)]}
+    "signs": [sign("emitting", 6.65, True), sign("reflecting", 5.35, False)]}
 
 BALL = {
     "format": "volute-scene-1",
