@@ -465,8 +465,10 @@ class Pack {
       const Mask goes = hn::And(active, way);
       if constexpr (kLit) {
         VF w0, w1;
-        const VF used = hn::IfThenElseZero(goes, length);
-        const VF lost = Weights(hn::Mul(tau, used), hn::Mul(tau1, used), w0, w1);
+        // Not a number in a lane that waits would call for the finest rule.
+        const VF d0 = hn::IfThenElseZero(goes, hn::Mul(tau, length)),
+                 d1 = hn::IfThenElseZero(goes, hn::Mul(tau1, length));
+        const VF lost = Weights(d0, d1, w0, w1);
         const VF corners[3][3] = {{a.r, b.r, c.r}, {a.g, b.g, c.g}, {a.b, b.b, c.b}};
         for (int i = 0; i < 3; ++i) {
           const VF end = here(corners[i][0], corners[i][1], corners[i][2]);
