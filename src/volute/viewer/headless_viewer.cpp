@@ -32,7 +32,7 @@ Status HeadlessViewer::frame(const ViewerInput& input) {
 }
 
 Status HeadlessViewer::settle(ViewerInput input, Progress& progress) {
-  constexpr int kMoreFrames = 2;  // panels find their sizes in the frame after they first appear
+  constexpr int kMoreFrames = 4;  // panels find their sizes in the frames after they first appear
   for (int more = kMoreFrames; more > 0;) {
     if (progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped while loading");
