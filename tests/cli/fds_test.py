@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """FDS cases through the program, written here as FDS writes them."""
+import json
+import math
 import struct
 
 import support
@@ -88,6 +90,35 @@ class Fds(support.TestCase):
         said = self.works("info", self.path("x.volute"), "--json").json
         self.assertEqual((said["grid"], said["unit"], said["size"], said["times"]),
                          ("extinction", "1/m", [8, 4, 4], [0, 10]))
+
+    def seen(self, x, time, *more):
+        """What a parallel camera sees along +y at this x, before white."""
+        self.works("render", self.case, "-o", self.path("x.exr"), "--ortho", "0.1", "--eye", f"{x},-1,0.5",
+                   "--target", f"{x},0,0.5", "--size", "4x4", "--background", "1,1,1", "--time", str(time),
+                   "--albedo", "0,0,0", *more)
+        info = self.works("info", self.path("x.exr"), "--json").json
+        self.assertAlmostEqual(info["minimum"], info["maximum"], delta=1e-6)
+        return info["maximum"]
+
+    def test_a_case_is_rendered_as_smoke_with_its_building(self):
+        self.assertAlmostEqual(self.seen(1.5, 0), math.exp(-2), delta=1e-6)
+        self.assertAlmostEqual(self.seen(1.5, 10), math.exp(-4), delta=1e-6)
+        self.assertAlmostEqual(self.seen(1.5, 10, "--scale", "0.5"), math.exp(-2), delta=1e-6)
+        wall = self.seen(0.25, 4.9, "--aov", "optical-depth")
+        self.assertEqual(wall, 0)
+        self.assertAlmostEqual(self.seen(0.25, 5), math.exp(-1.5), delta=1e-6)  # the wall is gone
+        self.assertAlmostEqual(self.seen(0.25, 4.9, "--aov", "transmittance"), 1, delta=1e-6)
+        self.assertIn("--quantity", self.fails(1, "render", self.case, "-o", self.path("x.png"),
+                                               "--quantity", "extinction"))
+
+    def test_a_case_is_a_medium_of_a_scene(self):
+        scene = {"format": "volute-scene-1", "background": [1, 1, 1], "lights": [{"kind": "ambient", "radiance": [1, 1, 1]}],
+                 "camera": {"eye": [1.5, -1, 0.5], "target": [1.5, 0, 0.5], "ortho": 0.1, "size": [4, 4]},
+                 "media": [{"kind": "smoke", "case": "case.smv", "albedo": [0.5, 0.5, 0.5]}]}
+        self.path("scene.json").write_text(json.dumps(scene))
+        self.works("render", self.path("scene.json"), "-o", self.path("x.exr"))
+        info = self.works("info", self.path("x.exr"), "--json").json
+        self.assertAlmostEqual(info["maximum"], math.exp(-2) + 0.5 * (1 - math.exp(-2)), delta=1e-6)
 
     def test_what_is_not_there_is_said(self):
         self.assertIn("no source 's3d'; the case has slice3d-extinction-cells",

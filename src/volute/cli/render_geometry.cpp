@@ -27,6 +27,22 @@ Result<SurfaceView> RenderJob::viewOfGeometry(std::span<const AnyMedium> others,
   return SurfaceView{std::move(picture.depth), std::move(picture.color)};
 }
 
+Status RenderJob::placeBuildings(double time) {
+  std::vector<std::size_t> wanted;
+  for (const FdsLayer& fds : fdsCases) wanted.push_back(fds.changesUntil(time));
+  if (wanted == buildings_)
+    return {};
+  if (!fixedGeometry_)
+    fixedGeometry_ = geometry;
+  const auto triangles = fixedGeometry_->triangles();
+  const auto materials = fixedGeometry_->materials();
+  TriangleMesh all{{triangles.begin(), triangles.end()}, {materials.begin(), materials.end()}};
+  for (const FdsLayer& fds : fdsCases) fds.addBuilding(time, all);
+  VOLUTE_ASSIGN(geometry, TriangleScene::build(std::move(all.triangles), std::move(all.materials)));
+  buildings_ = std::move(wanted);
+  return {};
+}
+
 Status RenderJob::addBillboards(double time, std::vector<AnyMedium>& media, Progress& progress) {
   for (BillboardLayer& board : billboards) {
     VOLUTE_ASSIGN(const auto volume,

@@ -69,6 +69,12 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
       volumes.push_back(std::move(volume));
     }
     VOLUTE_TRY(addBillboards(moment.time, media, progress));
+    for (const FdsLayer& fds : fdsCases) {
+      VOLUTE_ASSIGN(auto medium, fds.mediumAt(moment.time));
+      media.push_back(factor == 1 ? std::move(medium)
+                                  : AnyMedium(ScaledMedium(std::move(medium), factor)));
+    }
+    VOLUTE_TRY(placeBuildings(moment.time));
     for (const FogLayer& fog : fogs) {
       VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time, camera.eye()));
       media.push_back(factor == 1 ? std::move(medium)

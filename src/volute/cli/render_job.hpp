@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "volute/camera/camera.hpp"
+#include "volute/cli/fds_layer.hpp"
 #include "volute/cli/fog_layer.hpp"
 #include "volute/cli/gl_pictures.hpp"
 #include "volute/cli/picture_writer.hpp"
@@ -60,6 +61,7 @@ struct RenderJob {
   SceneLights lights{};
   TriangleScene geometry{};
   std::vector<BillboardLayer> billboards{};
+  std::vector<FdsLayer> fdsCases{};
   bool legend = false;         ///< drawn into visible pictures
   bool measuresLight = false;  ///< the picture is the share of white light that passes
 
@@ -80,6 +82,9 @@ struct RenderJob {
   [[nodiscard]] Result<Image> depthOf(const SmokeScene& scene, Progress& progress,
                                       RenderStats& found);
 
+  /// `geometry` becomes the scene's and the buildings of the FDS cases at a time.
+  [[nodiscard]] Status placeBuildings(double time);
+
   /// The geometry, lit through the media; `others` as above.
   [[nodiscard]] Result<SurfaceView> viewOfGeometry(std::span<const AnyMedium> others,
                                                    std::span<const SmokeState> states,
@@ -88,6 +93,10 @@ struct RenderJob {
   /// The billboards as media, drawn for this camera.
   [[nodiscard]] Status addBillboards(double time, std::vector<AnyMedium>& media,
                                      Progress& progress);
+
+ private:
+  std::optional<TriangleScene> fixedGeometry_;  ///< the scene's own, once there are buildings
+  std::vector<std::size_t> buildings_;          ///< FdsLayer::changesUntil() of those in `geometry`
 };
 
 /// Adds the milliseconds of its life to a total.

@@ -145,6 +145,10 @@ PictureText RenderJob::textOf(const Moment& moment) const {
     text.notes.emplace_back("volute.smoke", fmt::format("{}, {}", nameOf(model.quantity), how));
     lines.push_back(how);
   }
+  for (const FdsLayer& fds : fdsCases) {
+    text.notes.emplace_back("volute.smoke", "FDS, " + fds.source());
+    lines.push_back("FDS, " + fds.source());
+  }
   lines.push_back(fmt::format("t = {:.2f} s", moment.time));
   if (legend)
     text.legend = std::move(lines);

@@ -31,6 +31,7 @@ struct Subject {
   SceneLights lights;
   TriangleScene geometry;
   std::vector<BillboardLayer> billboards;
+  std::vector<FdsLayer> fdsCases;
   PictureLaw law;
   std::optional<CameraDescription> camera;
   Rgb background = Rgb::Zero();
@@ -111,6 +112,26 @@ Result<Subject> openSmokeSubject(const std::string& path, const Arguments& argum
   return subject;
 }
 
+/// An FDS case alone, in even white light.
+Result<Subject> openFdsSubject(const std::string& path, const Arguments& arguments,
+                               Context& context) {
+  for (const char* name :
+       {"grid", "bounds", "emission", "extinction", "basis", "quantity", "unit"}) {
+    if (arguments.given(name)) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "--{}: the FDS case {} says this itself; --field names one of its sources", name,
+                  path);
+    }
+  }
+  VOLUTE_ASSIGN(const auto description, smokeOf(path, arguments));
+  Subject subject;
+  subject.lights.ambient = Rgb::Ones();
+  VOLUTE_ASSIGN(auto fds, FdsLayer::open(description, subject.lights.ambient, context));
+  subject.fdsCases.push_back(std::move(fds));
+  subject.law = description.law;
+  return subject;
+}
+
 /// The scene's, or the command line's instead.
 Result<PictureLaw> lawOf(const SceneDescription& scene, const Arguments& arguments) {
   PictureLaw law = scene.smokes.empty() ? PictureLaw{} : scene.smokes.front().law;
@@ -134,6 +155,11 @@ Status openSmokes(const SceneDescription& scene, const Arguments& arguments, Sub
   VOLUTE_ASSIGN(const auto lighting,
                 smokeLighting(scene.lights, subject.geometry, arguments, context));
   for (const SmokeDescription& description : scene.smokes) {
+    if (isFdsCase(description.file)) {
+      VOLUTE_ASSIGN(auto fds, FdsLayer::open(description, scene.lights.ambient, context));
+      subject.fdsCases.push_back(std::move(fds));
+      continue;
+    }
     VOLUTE_ASSIGN(auto smoke, SmokeLayer::open(description, lighting, context));
     subject.smokes.push_back(std::move(smoke));
   }
@@ -186,6 +212,8 @@ Result<Subject> openScene(const std::string& path, const Arguments& arguments, C
 Result<Subject> openSubject(const std::string& path, const Arguments& arguments, Context& context) {
   if (extensionOf(path) == ".json")
     return openScene(path, arguments, context);
+  if (isFdsCase(path))
+    return openFdsSubject(path, arguments, context);
   return isSmokeCase(path) ? openSmokeSubject(path, arguments, context)
                            : openVolumeSubject(path, arguments, context);
 }
@@ -249,36 +277,46 @@ Result<std::vector<Moment>> momentsOfFilm(double first, double last, double spee
   return moments;
 }
 
-/// Frames are the steps of the first case; films go through its time, 25 pictures a second.
-Result<std::vector<Moment>> momentsOfSmoke(const Arguments& arguments, const Subject& subject,
-                                           const std::string& target, Progress& progress) {
-  const SmokeLayer& smoke = subject.smokes.front();
+/// The stored steps of a case of smoke.
+struct Steps {
+  std::string file;
+  std::vector<double> times;  ///< [s], of the scene
+
+  template <class Layer>
+  explicit Steps(const Layer& layer) : file(layer.description().file) {
+    for (int i = 0; i < layer.steps(); ++i) times.push_back(layer.timeOf(i));
+  }
+};
+
+/// Frames are the steps of the case; films go through its time, 25 pictures a second.
+Result<std::vector<Moment>> momentsOfSmoke(const Steps& smoke, const Arguments& arguments,
+                                           const Subject& subject, const std::string& target,
+                                           Progress& progress) {
+  const int steps = static_cast<int>(smoke.times.size());
   if (const auto time = arguments.find<double>("time"))
     return std::vector{Moment{.time = *time}};
   const bool film = isFilmPath(target), several = film || FramePattern::isPattern(target);
   if (!arguments.given("frames") && !several) {
-    if (smoke.steps() > 1 && !subject.scene) {
-      progress.remark(fmt::format("showing the first of {} steps; --time or --frames choose others",
-                                  smoke.steps()));
+    if (steps > 1 && !subject.scene) {
+      progress.remark(
+          fmt::format("showing the first of {} steps; --time or --frames choose others", steps));
     }
-    return std::vector{Moment{.time = subject.scene ? 0 : smoke.timeOf(0)}};
+    return std::vector{Moment{.time = subject.scene ? 0 : smoke.times.front()}};
   }
   const FrameRange range = arguments.find<FrameRange>("frames").value_or(FrameRange{});
   const int begin = std::max(range.begin.value_or(0), 0);
-  const int end = std::min(range.end.value_or(smoke.steps()), smoke.steps());
+  const int end = std::min(range.end.value_or(steps), steps);
   if (begin >= end) {
     return fail(ErrorCode::kInvalidArgument,
-                "--frames: {} has the steps 0 to {}; there is none from {} to {}",
-                smoke.description().file, smoke.steps() - 1, begin,
-                range.end.value_or(smoke.steps()));
+                "--frames: {} has the steps 0 to {}; there is none from {} to {}", smoke.file,
+                steps - 1, begin, range.end.value_or(steps));
   }
   if (film) {
-    return momentsOfFilm(smoke.timeOf(begin), smoke.timeOf(end - 1),
-                         arguments.get<double>("speed"));
+    return momentsOfFilm(smoke.times[begin], smoke.times[end - 1], arguments.get<double>("speed"));
   }
   std::vector<Moment> moments;
   for (int n = begin; n < end; n += range.step)
-    moments.push_back({.number = n, .time = smoke.timeOf(n)});
+    moments.push_back({.number = n, .time = smoke.times[n]});
   if (moments.size() > 1 && !several) {
     return fail(ErrorCode::kInvalidArgument,
                 "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
@@ -291,7 +329,9 @@ Result<std::vector<Moment>> momentsOf(const Arguments& arguments, const Subject&
                                       const std::string& target, Progress& progress) {
   const auto& layers = subject.layers;
   if (layers.empty() && !subject.smokes.empty())
-    return momentsOfSmoke(arguments, subject, target, progress);
+    return momentsOfSmoke(Steps(subject.smokes.front()), arguments, subject, target, progress);
+  if (layers.empty() && !subject.fdsCases.empty())
+    return momentsOfSmoke(Steps(subject.fdsCases.front()), arguments, subject, target, progress);
   if (layers.empty())
     return momentsOfFog(arguments, subject, target);
   if (const auto time = arguments.find<double>("time"))
@@ -332,8 +372,9 @@ Result<Camera> chooseCamera(const Arguments& arguments, const Subject& subject) 
     description = subject.camera;
   Pixels size = arguments.find<Pixels>("size").value_or(kUsualSize);
   if (!description) {
-    const Box3 bounds = subject.layers.empty() ? subject.smokes.front().bounds()
-                                               : subject.layers.front().info().bounds;
+    const Box3 bounds = !subject.layers.empty()   ? subject.layers.front().info().bounds
+                        : !subject.smokes.empty() ? subject.smokes.front().bounds()
+                                                  : subject.fdsCases.front().bounds();
     return Camera::framing(bounds, size.width, size.height);
   }
   if (!arguments.given("size"))
@@ -370,6 +411,8 @@ RenderOptions renderOptions(const Arguments& arguments, const Subject& subject) 
 std::string_view beyondGl(const Subject& subject) {
   if (!subject.billboards.empty())
     return "billboards";
+  if (!subject.fdsCases.empty())
+    return "FDS cases";
   if (std::ranges::any_of(subject.fogs, &FogLayer::sunlit))
     return "fog that suns light";
   return subject.law.factor() != 1 && !subject.fogs.empty() ? "fog in threshold mode" : "";
@@ -403,7 +446,8 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, subject));
   VOLUTE_TRY(checkPictureMemory(camera, context));
   const bool smokeLeads = subject.layers.empty() && !subject.smokes.empty();
-  const double rate = smokeLeads ? kUsualRate : framesPerSecond(moments);
+  const bool stepsLead = smokeLeads || (subject.layers.empty() && !subject.fdsCases.empty());
+  const double rate = stepsLead ? kUsualRate : framesPerSecond(moments);
   const RenderOptions options = renderOptions(arguments, subject);
   VOLUTE_ASSIGN(auto gl, chooseGl(arguments, subject));
   RenderJob job{std::move(subject.layers),
@@ -420,6 +464,7 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   job.lights = std::move(subject.lights);
   job.geometry = subject.geometry;
   job.billboards = std::move(subject.billboards);
+  job.fdsCases = std::move(subject.fdsCases);
   job.legend = arguments.flag("legend");
   job.measuresLight = smokeLeads && !subject.scene;
   return job;
@@ -673,26 +718,27 @@ std::vector<Option> renderOptionTable() {
 }  // namespace
 
 Command renderCommand() {
-  return {
-      .name = "render",
-      .summary = "Takes pictures or a film of a volume",
-      .examples = {"volute render fire.volute -o fire.png --size 640x480 --time 0.8",
-                   "volute render fire.volute -o fire.mp4 --frames 0:48",
-                   "volute render smoke.volute -o depth.exr --aov optical-depth --eye 0,-4,1 "
-                   "--target 0,0,1 --fov 40"},
-      .description =
-          "Integrates emission and absorption along each pixel's ray, exactly for the volume's "
-          "basis. Without a camera one is "
-          "chosen that frames the bounds. .exr files hold linear values; .png and films are "
-          "exposed and sRGB. --exposure auto takes "
-          "one factor for all pictures, from the middle one, and says it. Without --time and "
-          "--frames a film or a pattern shows all "
-          "frames, a single still the first, or of a scene what it shows at 0 s.",
-      .positionals = {{.name = "FILE",
-                       .help = "a volume (.volute, .npy, .vdb, .vti, .pvd) or a scene (.json)"}},
-      .options = renderOptionTable(),
-      .oneOf = {{{"time", "frames"}, false}, {{"fov", "ortho"}, false}},
-      .run = run};
+  return {.name = "render",
+          .summary = "Takes pictures or a film of a volume",
+          .examples = {"volute render fire.volute -o fire.png --size 640x480 --time 0.8",
+                       "volute render fire.volute -o fire.mp4 --frames 0:48",
+                       "volute render smoke.volute -o depth.exr --aov optical-depth --eye 0,-4,1 "
+                       "--target 0,0,1 --fov 40"},
+          .description =
+              "Integrates emission and absorption along each pixel's ray, exactly for the volume's "
+              "basis. Without a camera one is "
+              "chosen that frames the bounds. .exr files hold linear values; .png and films are "
+              "exposed and sRGB. --exposure auto takes "
+              "one factor for all pictures, from the middle one, and says it. Without --time and "
+              "--frames a film or a pattern shows all "
+              "frames, a single still the first, or of a scene what it shows at 0 s.",
+          .positionals = {{.name = "FILE",
+                           .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh "
+                                   "(.vtu, .pvd, .case, .e, "
+                                   ".foam), an FDS case (.smv) or a scene (.json)"}},
+          .options = renderOptionTable(),
+          .oneOf = {{{"time", "frames"}, false}, {{"fov", "ortho"}, false}},
+          .run = run};
 }
 
 }  // namespace volute::cli
