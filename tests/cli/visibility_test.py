@@ -101,6 +101,16 @@ class Fds(Visibility):
                          "--eyes", self.eyes([(1, 1, 1), (3, 2.9, 1), (4.5, 1, 1)]))
         self.assertEqual([row["blocked"] for row in rows], [1, 1, 0, 0, 1, 0, 0, 0, 0])
 
+    def test_pictures_show_the_building_and_the_smoke(self):
+        case = self.two_meshes()
+        self.look(case.write(self.folder), self.signs(self.east()), "--height", 1.5, "--step", 1, "--maps", "aset",
+                  "--picture", "4.5,1,1")
+        pictures = self.report()["pictures"]
+        self.assertEqual({p["mode"] for p in pictures}, {"photometric", "threshold"})
+        seen = {(self.path("out") / p["file"]).read_bytes() for p in pictures}
+        self.assertEqual(len(seen), len(pictures))
+        self.works("render", self.path("out") / "views/view_1.json", "-o", self.path("again.png"), "--size", "64x40")
+
     def test_memory_does_not_grow_with_time(self):
         most = []
         for count in (4, 60):

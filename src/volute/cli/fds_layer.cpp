@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volute/cli/volume_input.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/render/scaled_medium.hpp"
 
@@ -32,10 +31,6 @@ Rgb linear(const FdsColour& colour, const Vec3& normal) {
 }
 
 }  // namespace
-
-bool isFdsCase(const std::string& path) {
-  return extensionOf(path) == ".smv";
-}
 
 Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Rgb& ambient,
                                 Context& context) {

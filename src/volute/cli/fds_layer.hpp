@@ -57,7 +57,4 @@ class FdsLayer {
   std::vector<double> events_;
 };
 
-/// By its name.
-bool isFdsCase(const std::string& path);
-
 }  // namespace volute::cli

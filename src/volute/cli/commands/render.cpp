@@ -155,7 +155,7 @@ Status openSmokes(const SceneDescription& scene, const Arguments& arguments, Sub
   VOLUTE_ASSIGN(const auto lighting,
                 smokeLighting(scene.lights, subject.geometry, arguments, context));
   for (const SmokeDescription& description : scene.smokes) {
-    if (isFdsCase(description.file)) {
+    if (isSmvPath(description.file)) {
       VOLUTE_ASSIGN(auto fds, FdsLayer::open(description, scene.lights.ambient, context));
       subject.fdsCases.push_back(std::move(fds));
       continue;
@@ -212,7 +212,7 @@ Result<Subject> openScene(const std::string& path, const Arguments& arguments, C
 Result<Subject> openSubject(const std::string& path, const Arguments& arguments, Context& context) {
   if (extensionOf(path) == ".json")
     return openScene(path, arguments, context);
-  if (isFdsCase(path))
+  if (isSmvPath(path))
     return openFdsSubject(path, arguments, context);
   return isSmokeCase(path) ? openSmokeSubject(path, arguments, context)
                            : openVolumeSubject(path, arguments, context);

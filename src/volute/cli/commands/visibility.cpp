@@ -81,10 +81,6 @@ Result<std::vector<Vec3>> viewsOf(const Arguments& arguments) {
       return fail(ErrorCode::kInvalidArgument, "--picture: {}", eye.error().message);
     eyes.push_back(*eye);
   }
-  if (!eyes.empty() && isSmvPath(arguments.positional(0))) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--picture is for meshes (.vtu, .pvd): pictures of FDS cases are not made yet");
-  }
   return eyes;
 }
 
@@ -194,7 +190,7 @@ std::vector<Option> optionTable() {
       {.name = "picture",
        .kind = kText,
        .value = "X,Y,Z",
-       .help = "also take pictures from here towards the nearest sign, of a mesh [m]",
+       .help = "also take pictures from here towards the nearest sign [m]",
        .several = true},
       {.name = "extinction-limit",
        .kind = kNumber,

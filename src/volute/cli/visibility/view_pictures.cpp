@@ -8,6 +8,7 @@
 #include "volute/cli/command.hpp"
 #include "volute/cli/parse.hpp"
 #include "volute/cli/report.hpp"
+#include "volute/fds/smv_index.hpp"
 
 namespace volute::cli {
 namespace {
@@ -87,6 +88,20 @@ Json lampOver(const Vec3& point, const SightInstant& instant, const Box3& bounds
           {"intensity", {30, 30, 30}}};
 }
 
+/// Over the eye, the sign and between them.
+Json lampsBetween(const Vec3& eye, const Vec3& sign, const SightInstant& instant,
+                  const Box3& bounds) {
+  Json lamps = Json::array();
+  for (const double share : {0.0, 0.5, 0.9})
+    lamps.push_back(lampOver(eye + share * (sign - eye), instant, bounds));
+  return lamps;
+}
+
+/// From everywhere: what lamps send is not scattered by the smoke of FDS cases.
+Json evenLight() {
+  return Json::array({Json{{"kind", "ambient"}, {"radiance", {0.8, 0.8, 0.8}}}});
+}
+
 Status writeScene(const std::filesystem::path& path, const Json& scene) {
   VOLUTE_ASSIGN(auto file, OutputFile::create(path));
   const std::string text = dumpJson(scene) + "\n";
@@ -110,7 +125,7 @@ Status render(const std::string& scene, const std::string& target, double time, 
 
 ViewPictures::ViewPictures(std::vector<Vec3> eyes, const std::string& casePath,
                            const Arguments& arguments)
-    : eyes_(std::move(eyes)), smoke_(smokeJson(casePath, arguments)) {}
+    : eyes_(std::move(eyes)), smoke_(smokeJson(casePath, arguments)), lit_(!isSmvPath(casePath)) {}
 
 Status ViewPictures::begin(const Survey& survey, const SightInstant& first) {
   if (eyes_.empty())
@@ -121,9 +136,7 @@ Status ViewPictures::begin(const Survey& survey, const SightInstant& first) {
     const auto nearest = std::ranges::min_element(
         survey.signs, {}, [&](const SightTarget& sign) { return (sign.target - eye).norm(); });
     const Vec3 target = nearest->target;
-    Json lamps = Json::array();
-    for (const double share : {0.0, 0.5, 0.9})
-      lamps.push_back(lampOver(eye + share * (target - eye), first, survey.bounds));
+    const Json lamps = lit_ ? lampsBetween(eye, target, first, survey.bounds) : evenLight();
     const Json scene = {{"format", "volute-scene-1"},
                         {"camera",
                          {{"eye", vectorJson(eye)},
@@ -146,7 +159,7 @@ Result<std::string> ViewPictures::finish(const Survey& survey, Json& report, Con
     return std::string();
   std::string page =
       "<h2>What is seen</h2>\n<p>Photometric: the light that passes. Threshold: what has faded to "
-      "10 % is what the law calls no longer visible. The lamps are made up.</p>\n";
+      "10 % is what the law calls no longer visible. The light is made up.</p>\n";
   report["pictures"] = Json::array();
   const std::size_t count = survey.times.size();
   std::vector<std::size_t> shown{count / 2, count - 1};

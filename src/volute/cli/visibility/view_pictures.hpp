@@ -10,8 +10,8 @@ namespace volute::cli {
 
 /// What people see who stand at a few places: pictures towards the nearest sign, in the middle of
 /// the times and at the last, photometric and threshold. Each place has a scene file that `volute
-/// render` takes; lamps hang below the ceiling over the eye, the sign and between them. For smoke
-/// on meshes.
+/// render` takes; lamps hang below the ceiling over the eye, the sign and between them, or the
+/// light of an FDS case comes from everywhere.
 class ViewPictures {
  public:
   /// `casePath` and the smoke's options go into the scenes.
@@ -32,6 +32,7 @@ class ViewPictures {
 
   std::vector<Vec3> eyes_;
   Json smoke_;
+  bool lit_ = true;  ///< by lamps; else from everywhere
   std::vector<View> views_;
 };
 
