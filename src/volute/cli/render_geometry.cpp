@@ -30,16 +30,16 @@ Result<SurfaceView> RenderJob::viewOfGeometry(std::span<const AnyMedium> others,
 Status RenderJob::placeBuildings(double time) {
   std::vector<std::size_t> wanted;
   for (const FdsLayer& fds : fdsCases) wanted.push_back(fds.changesUntil(time));
-  if (wanted == buildings_)
+  if (wanted == buildings)
     return {};
-  if (!fixedGeometry_)
-    fixedGeometry_ = geometry;
-  const auto triangles = fixedGeometry_->triangles();
-  const auto materials = fixedGeometry_->materials();
+  if (!fixedGeometry)
+    fixedGeometry = geometry;
+  const auto triangles = fixedGeometry->triangles();
+  const auto materials = fixedGeometry->materials();
   TriangleMesh all{{triangles.begin(), triangles.end()}, {materials.begin(), materials.end()}};
   for (const FdsLayer& fds : fdsCases) fds.addBuilding(time, all);
   VOLUTE_ASSIGN(geometry, TriangleScene::build(std::move(all.triangles), std::move(all.materials)));
-  buildings_ = std::move(wanted);
+  buildings = std::move(wanted);
   return {};
 }
 

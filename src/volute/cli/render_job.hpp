@@ -62,8 +62,10 @@ struct RenderJob {
   TriangleScene geometry{};
   std::vector<BillboardLayer> billboards{};
   std::vector<FdsLayer> fdsCases{};
-  bool legend = false;         ///< drawn into visible pictures
-  bool measuresLight = false;  ///< the picture is the share of white light that passes
+  std::optional<TriangleScene> fixedGeometry{};  ///< the scene's own, once there are buildings
+  std::vector<std::size_t> buildings{};  ///< FdsLayer::changesUntil() of those in `geometry`
+  bool legend = false;                   ///< drawn into visible pictures
+  bool measuresLight = false;            ///< the picture is the share of white light that passes
 
   /// The linear picture of a moment.
   [[nodiscard]] Result<Image> picture(const Moment& moment, Progress& progress);
@@ -93,10 +95,6 @@ struct RenderJob {
   /// The billboards as media, drawn for this camera.
   [[nodiscard]] Status addBillboards(double time, std::vector<AnyMedium>& media,
                                      Progress& progress);
-
- private:
-  std::optional<TriangleScene> fixedGeometry_;  ///< the scene's own, once there are buildings
-  std::vector<std::size_t> buildings_;          ///< FdsLayer::changesUntil() of those in `geometry`
 };
 
 /// Adds the milliseconds of its life to a total.
