@@ -105,7 +105,7 @@ class TestCase(unittest.TestCase):
     def works(self, *arguments, **options):
         result = volute(*arguments, **options)
         self.assertEqual(result.code, 0, result.message)
-        if arguments[0] == "render" and str(arguments[1]).endswith(".json"):
+        if arguments and arguments[0] == "render" and str(arguments[1]).endswith(".json"):
             scene = json.loads(pathlib.Path(arguments[1]).read_text())
             self.assertEqual(schema.faults(scene), [], "docs/scene.schema.json refuses what was rendered")
         return result

@@ -7,6 +7,7 @@
 #include "volute/cli/fog_file.hpp"
 #include "volute/cli/json_members.hpp"
 #include "volute/cli/volume_input.hpp"
+#include "volute/fds/smv_index.hpp"
 #include "volute/io/mesh_source.hpp"
 #include "volute/optics/smoke_potential.hpp"
 
@@ -63,7 +64,11 @@ tl::expected<void, Objection> takeMaterial(SmokeModel& model, const Words& words
 
 tl::expected<void, Objection> takeWords(SmokeDescription& smoke, const Words& words) {
   const auto missing = words.quantity.empty();
-  if (auto taken = take(smoke.model.quantity, smokeQuantity(words.quantity), "quantity"); !taken) {
+  const bool saysItself = missing && isSmvPath(smoke.file);
+  if (auto taken = saysItself
+                       ? tl::expected<void, Objection>()
+                       : take(smoke.model.quantity, smokeQuantity(words.quantity), "quantity");
+      !taken) {
     return missing ? object("quantity",
                             "is missing; say what the field holds: soot-density, "
                             "products-density, mass-fraction, extinction, optical-density, "

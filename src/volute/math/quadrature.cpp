@@ -10,6 +10,8 @@ namespace volute {
 namespace {
 
 // Abramowitz and Stegun, table 25.4.
+constexpr std::array kNodes1{0.0};
+constexpr std::array kWeights1{2.0};
 constexpr std::array kNodes2{-0.5773502691896257645, 0.5773502691896257645};
 constexpr std::array kWeights2{1.0, 1.0};
 constexpr std::array kNodes3{-0.7745966692414833770, 0.0, 0.7745966692414833770};
@@ -42,6 +44,7 @@ double refine(const std::function<double(double)>& f, double a, double b, double
 
 GaussRule gaussRule(int n) {
   switch (n) {
+    case 1: return {kNodes1, kWeights1};
     case 2: return {kNodes2, kWeights2};
     case 3: return {kNodes3, kWeights3};
     case 4: return {kNodes4, kWeights4};

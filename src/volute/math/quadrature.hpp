@@ -14,7 +14,7 @@ struct GaussRule {
   std::span<const double> weights;
 };
 
-/// n = 2, 3, 4, 5 or 8.
+/// n = 1 to 5, or 8.
 GaussRule gaussRule(int n);
 
 /// The integral of `f` over [a, b] by an n-point Gauss rule.

@@ -143,8 +143,10 @@ double lengthByEveryTet(const TetMesh& mesh, const Segment& segment) {
       const double slope = slopes[k].dot(segment.direction);
       if (slope > 0)
         range.begin = std::max(range.begin, -at[k] / slope);
-      else
+      else if (slope < 0)
         range.end = std::min(range.end, -at[k] / slope);
+      else if (at[k] < 0)
+        range.end = range.begin;
     }
     sum += range.length();
   }
