@@ -37,9 +37,9 @@ Plan planFor(std::span<const std::unique_ptr<GlMedium>> media) {
     points = std::max(points, nature.points);
   }
   if (constant)
-    return {March::kConstant, 1, {}};
+    return {March::kConstant, 1, Rgb::Zero()};
   if (!absorbs)
-    return {March::kThin, points, {}};
+    return {March::kThin, points, Rgb::Zero()};
   if (media.size() == 1 && media[0]->nature().color)
     return {March::kProportional, points, *media[0]->nature().color};
   return plan;
