@@ -109,7 +109,7 @@ class Fds(support.TestCase):
         # The wall is gone; where it stood, smoke is known from 10 s alone.
         self.assertAlmostEqual(self.seen(0.25, 5), math.exp(-0.5 * 2 - 0.5 * 1.5), delta=1e-6)
         self.assertAlmostEqual(self.seen(0.25, 4.9, "--aov", "transmittance"), 1, delta=1e-6)
-        self.assertIn("--quantity", self.fails(1, "render", self.case, "-o", self.path("x.png"),
+        self.assertIn("--quantity", self.fails(2, "render", self.case, "-o", self.path("x.png"),
                                                "--quantity", "extinction"))
 
     def test_a_case_is_a_medium_of_a_scene(self):
