@@ -65,7 +65,7 @@ struct RenderJob {
   std::optional<TriangleScene> fixedGeometry{};  ///< the scene's own, once there are buildings
   std::vector<std::size_t> buildings{};  ///< FdsLayer::changesUntil() of those in `geometry`
   bool legend = false;                   ///< drawn into visible pictures
-  bool measuresLight = false;            ///< the picture is the share of white light that passes
+  bool measuresLight = false;            ///< shares of white light: 1 is white
 
   /// The linear picture of a moment.
   [[nodiscard]] Result<Image> picture(const Moment& moment, Progress& progress);

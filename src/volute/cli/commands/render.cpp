@@ -112,7 +112,7 @@ Result<Subject> openSmokeSubject(const std::string& path, const Arguments& argum
   return subject;
 }
 
-/// An FDS case alone, in even white light.
+/// An FDS case alone, in even white light and before white.
 Result<Subject> openFdsSubject(const std::string& path, const Arguments& arguments,
                                Context& context) {
   for (const char* name :
@@ -129,6 +129,7 @@ Result<Subject> openFdsSubject(const std::string& path, const Arguments& argumen
   VOLUTE_ASSIGN(auto fds, FdsLayer::open(description, subject.lights.ambient, context));
   subject.fdsCases.push_back(std::move(fds));
   subject.law = description.law;
+  subject.background = Rgb::Ones();
   return subject;
 }
 
@@ -466,7 +467,7 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   job.billboards = std::move(subject.billboards);
   job.fdsCases = std::move(subject.fdsCases);
   job.legend = arguments.flag("legend");
-  job.measuresLight = smokeLeads && !subject.scene;
+  job.measuresLight = stepsLead && !subject.scene;
   return job;
 }
 
