@@ -95,6 +95,22 @@ Result<Maps> readMaps(const FogDescription& fog, Context& context) {
   return readPictures(fog.maps, numbers, fog, context);
 }
 
+/// What the picture spans, by the rays at its border; nullopt: all around.
+std::optional<PolarSector> sectorOf(const Camera& camera) {
+  std::vector<float> x, y, z;
+  const auto add = [&](double px, double py) {
+    const Vec3 direction = camera.ray(px, py).direction;
+    x.push_back(static_cast<float>(direction.x()));
+    y.push_back(static_cast<float>(direction.y()));
+    z.push_back(static_cast<float>(direction.z()));
+  };
+  for (const double py : {0.0, static_cast<double>(camera.height())})
+    for (int px = 0; px <= camera.width(); ++px) add(px, py);
+  for (const double px : {0.0, static_cast<double>(camera.width())})
+    for (int py = 0; py <= camera.height(); ++py) add(px, py);
+  return PolarSector::of({camera.eye(), x, y, z, {}});
+}
+
 }  // namespace
 
 Result<FogLayer> FogLayer::open(const FogDescription& description, std::vector<FogSun> suns,
@@ -149,10 +165,11 @@ FogMedium FogLayer::fogAt(double time) const {
   return sequence_->at(local).shifted(blown);
 }
 
-Result<AnyMedium> FogLayer::mediumAt(double time, const Vec3& eye) const {
+Result<AnyMedium> FogLayer::mediumAt(double time, const Camera& camera) const {
   FogMedium fog = fogAt(time);
-  if (suns_.empty() && description_.polar && fog.options().degree > 0) {
-    auto polar = PolarFog::make(fog, eye);
+  const bool serves = suns_.empty() && fog.options().degree > 0 && !camera.isOrthographic();
+  if (description_.polar && serves) {
+    auto polar = PolarFog::make(fog, camera.eye(), {.sector = sectorOf(camera)});
     if (polar)
       return AnyMedium(std::move(*polar));
     if (polar.error().code != ErrorCode::kUnsupported)

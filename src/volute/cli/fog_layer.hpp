@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "volute/camera/camera.hpp"
 #include "volute/cli/context.hpp"
 #include "volute/cli/fog_file.hpp"
 #include "volute/fog/fog_sequence.hpp"
@@ -22,8 +23,8 @@ class FogLayer {
   /// At a time of the scene [s]: the maps at its clock's time, blown by the wind.
   FogMedium fogAt(double time) const;
 
-  /// The same, lit by the suns, for pictures from an eye.
-  [[nodiscard]] Result<AnyMedium> mediumAt(double time, const Vec3& eye) const;
+  /// The same, lit by the suns, for pictures of a camera.
+  [[nodiscard]] Result<AnyMedium> mediumAt(double time, const Camera& camera) const;
 
   /// Whether suns light it.
   bool sunlit() const { return !suns_.empty(); }

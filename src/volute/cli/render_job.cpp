@@ -76,7 +76,7 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
     }
     VOLUTE_TRY(placeBuildings(moment.time));
     for (const FogLayer& fog : fogs) {
-      VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time, camera.eye()));
+      VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time, camera));
       media.push_back(factor == 1 ? std::move(medium)
                                   : AnyMedium(ScaledMedium(std::move(medium), factor)));
     }

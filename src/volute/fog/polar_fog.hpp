@@ -7,7 +7,7 @@
 namespace volute {
 
 /// Fog for pictures from one eye: segments that begin at the eye are looked up in a PolarTable
-/// (|dT| < 1/512), all others are walked. Depths and pieces are the fog's own, exact.
+/// (its error: PolarTable), all others are walked. Depths and pieces are the fog's own, exact.
 ///
 /// A Medium and FastMedium.
 class PolarFog {

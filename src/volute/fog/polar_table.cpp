@@ -321,7 +321,7 @@ Result<PolarTable> PolarTable::make(const FogMedium& fog, const Vec3& eye,
   PolarTable table(fog);
   table.eye_ = eye;
   const int cells = std::max(fog.levels().columns(), fog.levels().rows());
-  const int automatic = cells <= 96 ? 256 : std::max(384, cells * 3 / 4);
+  const int automatic = cells <= 96 ? 256 : std::max(384, cells);
   table.azimuths_ = options.azimuths > 0 ? options.azimuths : 2 * automatic;
   table.radii_ = options.radii > 0 ? options.radii : automatic;
   table.sectors_ = options.sector ? 1 : 4;

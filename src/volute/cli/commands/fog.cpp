@@ -127,7 +127,7 @@ Result<Image> fogged(const Frame& frame, const FogLayer& layer, const Arguments&
   VOLUTE_ASSIGN(const auto depth, readDepth(frame.depth, camera, rule, context));
   const double time =
       arguments.find<double>("time").value_or(frame.number / arguments.get<double>("rate"));
-  VOLUTE_ASSIGN(const auto medium, layer.mediumAt(time, camera.eye()));
+  VOLUTE_ASSIGN(const auto medium, layer.mediumAt(time, camera));
   RenderOptions options;
   options.behind = &color;
   if (arguments.get<std::string>("renderer") == "reference")
