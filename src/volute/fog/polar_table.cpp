@@ -321,9 +321,11 @@ Result<PolarTable> PolarTable::make(const FogMedium& fog, const Vec3& eye,
   PolarTable table(fog);
   table.eye_ = eye;
   const int cells = std::max(fog.levels().columns(), fog.levels().rows());
-  const int automatic = cells <= 96 ? 256 : std::max(384, cells);
-  table.azimuths_ = options.azimuths > 0 ? options.azimuths : 2 * automatic;
-  table.radii_ = options.radii > 0 ? options.radii : automatic;
+  // Linear between azimuths, cubic between radii; dense noise asks for a radius a cell.
+  const int usualAzimuths = cells <= 96 ? 512 : 2 * std::max(384, cells * 3 / 4);
+  const int usualRadii = cells <= 96 ? 256 : std::max(384, cells);
+  table.azimuths_ = options.azimuths > 0 ? options.azimuths : usualAzimuths;
+  table.radii_ = options.radii > 0 ? options.radii : usualRadii;
   table.sectors_ = options.sector ? 1 : 4;
   table.yaw_ = options.sector ? options.sector->yaw : 0;
   table.tangent_ = options.sector ? options.sector->tangent : 1;

@@ -135,12 +135,10 @@ TEST_P(SunProfiles, FastPathAgreesWithPieces) {
   }
 }
 
-TEST(SunlitFog, VisibilityAndPhaseAreFactors) {
+TEST(SunlitFog, PhaseIsAFactor) {
   const FogMedium fog = smoothFog(*FogProfile::exponential(1, 3), {.color = Rgb::Zero()});
   const FogSun sun{Vec3(1, 0, 1), Rgb::Ones()};
   const SunlitFog plain = *SunlitFog::make(fog, {&sun, 1});
-  const SunlitFog half = *SunlitFog::make(
-      fog, {&sun, 1}, {.visibility = [](const Vec3&, std::size_t) { return 0.5; }});
   const SunlitFog forward = *SunlitFog::make(fog, {&sun, 1}, {.asymmetry = 0.7});
   for (const Segment& segment : fogtest::rays(fog, 30)) {
     const auto light = [&](const SunlitFog& lit) {
@@ -149,7 +147,6 @@ TEST(SunlitFog, VisibilityAndPhaseAreFactors) {
       return radiance.emitted[0];
     };
     const double phase = henyeyGreenstein(0.7, Vec3(1, 0, 1).normalized().dot(segment.direction));
-    EXPECT_NEAR(light(half), 0.5 * light(plain), 1e-12);
     EXPECT_NEAR(light(forward), light(plain) * 4 * std::numbers::pi * phase,
                 1e-9 * light(forward) + 1e-15);
   }

@@ -98,8 +98,7 @@ std::vector<double> SunlitFog::phasesTowards(const Vec3& direction) const {
 }
 
 double SunlitFog::lit(const Vec3& point, std::size_t sun) const {
-  const double seen = scattering_.visibility ? scattering_.visibility(point, sun) : 1;
-  return seen > 0 ? seen * std::exp(-shadows_[sun].opticalDepth(point)) : 0;
+  return std::exp(-shadows_[sun].opticalDepth(point));
 }
 
 std::vector<std::vector<Interval>> SunlitFog::shadowsOn(const Segment& segment) const {

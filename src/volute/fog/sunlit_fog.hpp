@@ -19,10 +19,7 @@ struct FogSun {
 struct SunScattering {
   Rgb albedo = Rgb::Ones();  ///< share of the extinguished light that is scattered
   double asymmetry = 0;      ///< g of the phase function, -1 < g < 1; 0.6 to 0.9 for droplets
-  /// 0..1: how much of a sun (its number is the second argument) the scene's geometry lets through
-  /// to a point. Empty: all.
-  std::function<double(const Vec3&, std::size_t)> visibility{};
-  /// The parts of a segment from which surfaces keep a sun (the second argument) entirely, in order
+  /// The parts of a segment from which surfaces keep a sun (its number is the second argument) entirely, in order
   /// and apart from each other; replaces the third. Empty: none. The light is then integrated on
   /// both sides of each edge of a shadow, so that the edge itself costs no accuracy. emission() at
   /// a point knows nothing of them.
@@ -74,7 +71,7 @@ class SunlitFog {
  private:
   explicit SunlitFog(FogMedium fog) : fog_(std::move(fog)) {}
 
-  /// How much of a sun's light reaches a point, 0..1.
+  /// How much of a sun's light the fog lets through to a point, 0..1.
   double lit(const Vec3& point, std::size_t sun) const;
 
   /// The parts of a segment that each sun does not reach for the scene's surfaces.

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "volute/base/parallel.hpp"
-#include "volute/tetmesh/face_splat.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
 #include "volute/tetmesh/segment_weights.hpp"
 #include "volute/tetmesh/tet_march.hpp"
@@ -91,10 +90,6 @@ void expectExact(const Camera& camera, OpaqueDepth opaque, const char* name) {
   marcher.opticalDepth(camera, opaque, depth);
   EXPECT_LE(largestDifference(depth, expected), 1e-5) << name;
   EXPECT_LT(marcher.counts().doubtful, depth.size() / 50);
-  FaceSplat splat(hall().locator);
-  splat.setExtinction(hall().extinction);
-  splat.opticalDepth(camera, opaque, depth);
-  EXPECT_LE(largestDifference(depth, expected), 1e-4) << name << ", face splat";
   TetSplat tets(hall().locator);
   tets.setExtinction(hall().extinction);
   tets.opticalDepth(camera, opaque, depth);

@@ -18,7 +18,7 @@ namespace volute {
 /// there are no special cases.
 ///
 /// Float and SIMD, on all threads; |d alpha| <= 1e-5. The result does not depend on the number of
-/// threads. FaceSplat computes the same from the faces.
+/// threads.
 class TetSplat {
  public:
   explicit TetSplat(std::shared_ptr<const TetLocator> locator);

@@ -14,7 +14,6 @@
 #include "volute/cli/benchmarks/smoke_peer.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/io/reader_process.hpp"
-#include "volute/tetmesh/face_splat.hpp"
 #include "volute/tetmesh/tet_marcher.hpp"
 #include "volute/tetmesh/tet_splat.hpp"
 

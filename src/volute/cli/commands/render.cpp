@@ -9,8 +9,7 @@
 #include "volute/cli/camera_file.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/picture_writer.hpp"
-#include "volute/cli/render_job.hpp"
-#include "volute/cli/scene_file.hpp"
+#include "volute/cli/render_moments.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/frame_pattern.hpp"
@@ -19,355 +18,8 @@ namespace volute::cli {
 namespace {
 
 constexpr Pixels kUsualSize{800, 600};
-constexpr double kUsualRate = 25;  ///< frames a second
 
-/// What a file on the command line shows: a scene, or a volume as a scene of its own.
-struct Subject {
-  bool scene = false;
-  std::vector<VolumeLayer> layers;
-  std::vector<FogLayer> fogs;
-  std::vector<SmokeLayer> smokes;
-  std::vector<Sign> signs;
-  SceneLights lights;
-  TriangleScene geometry;
-  std::vector<BillboardLayer> billboards;
-  std::vector<FdsLayer> fdsCases;
-  PictureLaw law;
-  std::optional<CameraDescription> camera;
-  Rgb background = Rgb::Zero();
-};
-
-InputOptions inputOptions(const Arguments& arguments) {
-  return {.grid = arguments.find<std::string>("grid").value_or(""),
-          .bounds = arguments.find<Box3>("bounds"),
-          .partial = arguments.flag("partial")};
-}
-
-std::optional<Basis> basisOf(const Arguments& arguments) {
-  const auto name = arguments.find<std::string>("basis");
-  if (!name)
-    return std::nullopt;
-  return *name == "box" ? Basis::kBox : Basis::kTrilinear;
-}
-
-Result<Subject> openVolumeSubject(const std::string& path, const Arguments& arguments,
-                                  Context& context) {
-  Appearance appearance;
-  appearance.emission = arguments.get<double>("emission");
-  // Fire does not absorb by default; an optical depth of nothing would say nothing.
-  appearance.extinction =
-      arguments.find<double>("extinction").value_or(arguments.given("aov") ? 1 : 0);
-  appearance.basis = basisOf(arguments);
-  Subject subject;
-  VOLUTE_ASSIGN(auto layer, VolumeLayer::open(path, inputOptions(arguments), appearance, context));
-  subject.layers.push_back(std::move(layer));
-  return subject;
-}
-
-/// Where light that was computed is kept; nothing when it is not to be, or cannot.
-Result<std::optional<LightCache>> lightCache(const Arguments& arguments, Context& context) {
-  const auto limit = arguments.get<Bytes>("cache-size").count;
-  const auto folder = arguments.find<std::string>("cache");
-  if (limit == 0 || folder == "none")
-    return std::nullopt;
-  if (folder) {
-    VOLUTE_ASSIGN(auto cache, LightCache::open(*folder, limit));
-    return cache;
-  }
-  if (LightCache::usualFolder().empty())
-    return std::nullopt;
-  auto cache = LightCache::open(LightCache::usualFolder(), limit);
-  if (cache)
-    return std::optional(std::move(*cache));
-  context.progress.remark("light is not kept: " + cache.error().message);
-  return std::nullopt;
-}
-
-Result<std::shared_ptr<const SmokeLighting>> smokeLighting(const SceneLights& lights,
-                                                           const TriangleScene& geometry,
-                                                           const Arguments& arguments,
-                                                           Context& context) {
-  SmokeLighting lighting{lights, std::nullopt, blocksOf(geometry), keyOf(geometry)};
-  if (!lights.lamps.empty()) {
-    VOLUTE_ASSIGN(lighting.cache, lightCache(arguments, context));
-  }
-  return std::make_shared<const SmokeLighting>(std::move(lighting));
-}
-
-/// A case alone: black smoke before white, so that the picture is what passes of the light.
-Result<Subject> openSmokeSubject(const std::string& path, const Arguments& arguments,
-                                 Context& context) {
-  for (const char* name : {"grid", "bounds", "emission", "extinction", "basis"}) {
-    if (arguments.given(name))
-      return fail(ErrorCode::kInvalidArgument, "--{} is for volumes of voxels; {} is a mesh", name,
-                  path);
-  }
-  VOLUTE_ASSIGN(const auto description, smokeOf(path, arguments));
-  VOLUTE_ASSIGN(const auto lighting, smokeLighting({}, {}, arguments, context));
-  Subject subject;
-  VOLUTE_ASSIGN(auto smoke, SmokeLayer::open(description, lighting, context));
-  subject.smokes.push_back(std::move(smoke));
-  subject.law = description.law;
-  subject.background = Rgb::Ones();
-  return subject;
-}
-
-/// An FDS case alone, in even white light and before white.
-Result<Subject> openFdsSubject(const std::string& path, const Arguments& arguments,
-                               Context& context) {
-  for (const char* name :
-       {"grid", "bounds", "emission", "extinction", "basis", "quantity", "unit"}) {
-    if (arguments.given(name)) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "--{}: the FDS case {} says this itself; --field names one of its sources", name,
-                  path);
-    }
-  }
-  VOLUTE_ASSIGN(const auto description, smokeOf(path, arguments));
-  Subject subject;
-  subject.lights.ambient = Rgb::Ones();
-  VOLUTE_ASSIGN(auto fds, FdsLayer::open(description, subject.lights.ambient, context));
-  subject.fdsCases.push_back(std::move(fds));
-  subject.law = description.law;
-  subject.background = Rgb::Ones();
-  return subject;
-}
-
-/// The scene's, or the command line's instead.
-Result<PictureLaw> lawOf(const SceneDescription& scene, const Arguments& arguments) {
-  PictureLaw law = scene.smokes.empty() ? PictureLaw{} : scene.smokes.front().law;
-  if (const auto mode = arguments.find<std::string>("mode")) {
-    VOLUTE_ASSIGN(law.mode, pictureMode(*mode));
-  }
-  if (const auto c = arguments.find<std::string>("C")) {
-    auto found = visibilityLaw(*c);
-    if (!found)
-      return fail(ErrorCode::kInvalidArgument, "--C: {}", found.error().message);
-    law.c = found->c;
-  }
-  return law;
-}
-
-Status openSmokes(const SceneDescription& scene, const Arguments& arguments, Subject& subject,
-                  Context& context) {
-  VOLUTE_ASSIGN(subject.law, lawOf(scene, arguments));
-  if (scene.smokes.empty())
-    return {};
-  VOLUTE_ASSIGN(const auto lighting,
-                smokeLighting(scene.lights, subject.geometry, arguments, context));
-  for (const SmokeDescription& description : scene.smokes) {
-    if (isSmvPath(description.file)) {
-      VOLUTE_ASSIGN(auto fds, FdsLayer::open(description, scene.lights.ambient, context));
-      subject.fdsCases.push_back(std::move(fds));
-      continue;
-    }
-    VOLUTE_ASSIGN(auto smoke, SmokeLayer::open(description, lighting, context));
-    subject.smokes.push_back(std::move(smoke));
-  }
-  return {};
-}
-
-Status openBillboards(const SceneDescription& scene, Subject& subject, Context& context) {
-  for (const SceneBillboard& board : scene.billboards) {
-    VOLUTE_ASSIGN(auto volume, VolumeLayer::open(board.file, {}, board.appearance, context));
-    BillboardOptions options = board.options;
-    options.shown = volume.info().bounds;
-    subject.billboards.push_back({std::move(volume), options});
-  }
-  return {};
-}
-
-Result<Subject> openScene(const std::string& path, const Arguments& arguments, Context& context) {
-  for (const char* name : {"grid", "bounds", "emission", "extinction", "field", "quantity", "unit",
-                           "scale", "mass-extinction", "soot-yield", "material", "burning",
-                           "density-field", "albedo", "clamp"}) {
-    if (!arguments.given(name))
-      continue;
-    return fail(ErrorCode::kInvalidArgument, "--{} is for a single file; write it into the scene",
-                name);
-  }
-  VOLUTE_ASSIGN(auto scene, readScene(path));
-  Subject subject;
-  subject.scene = true;
-  subject.camera = scene.camera;
-  subject.background = scene.background;
-  subject.signs = std::move(scene.signs);
-  for (SceneVolume& volume : scene.volumes) {
-    volume.appearance.basis = basisOf(arguments);
-    VOLUTE_ASSIGN(auto layer, VolumeLayer::open(volume.file, inputOptions(arguments),
-                                                volume.appearance, context));
-    subject.layers.push_back(std::move(layer));
-  }
-  subject.lights = scene.lights;
-  VOLUTE_ASSIGN(subject.geometry, loadGeometry(scene.geometry, context));
-  VOLUTE_TRY(openBillboards(scene, subject, context));
-  for (FogDescription& description : scene.fogs) {
-    description.scattering.shadows = fogShadows(subject.geometry, scene.lights.suns);
-    VOLUTE_ASSIGN(auto fog, FogLayer::open(description, scene.lights.suns, context));
-    subject.fogs.push_back(std::move(fog));
-  }
-  VOLUTE_TRY(openSmokes(scene, arguments, subject, context));
-  return subject;
-}
-
-Result<Subject> openSubject(const std::string& path, const Arguments& arguments, Context& context) {
-  if (extensionOf(path) == ".json")
-    return openScene(path, arguments, context);
-  if (isSmvPath(path))
-    return openFdsSubject(path, arguments, context);
-  return isSmokeCase(path) ? openSmokeSubject(path, arguments, context)
-                           : openVolumeSubject(path, arguments, context);
-}
-
-Moment momentAt(const std::vector<VolumeLayer>& layers, double time) {
-  Moment moment{.time = time};
-  for (const VolumeLayer& layer : layers) moment.positions.push_back(layer.positionAt(time));
-  if (!layers.empty())
-    moment.number = layers.front().info().frameNumbers[moment.positions.front()];
-  return moment;
-}
-
-/// Frames are those of the first volume; the others are shown as they are at its times.
-Moment momentOf(const std::vector<VolumeLayer>& layers, int position) {
-  Moment moment = momentAt(layers, layers.front().timeOf(position));
-  moment.positions.front() = position;
-  moment.number = layers.front().info().frameNumbers[position];
-  return moment;
-}
-
-/// Scenes without a volume: frame n is at n / 25 s; without --frames as many as the fog has maps.
-Result<std::vector<Moment>> momentsOfFog(const Arguments& arguments, const Subject& subject,
-                                         const std::string& target) {
-  const bool several = isFilmPath(target) || FramePattern::isPattern(target);
-  const auto chosen = arguments.find<FrameRange>("frames");
-  if (const auto time = arguments.find<double>("time"))
-    return std::vector{Moment{.time = *time}};
-  if (!chosen && !several)
-    return std::vector{Moment{}};
-  double last = 0;
-  for (const FogLayer& fog : subject.fogs) last = std::max(last, fog.timeOf(fog.frames() - 1));
-  const FrameRange range = chosen.value_or(FrameRange{});
-  const int begin = range.begin.value_or(0);
-  const int end = range.end.value_or(static_cast<int>(std::lround(last * kUsualRate)) + 1);
-  std::vector<Moment> moments;
-  for (int n = begin; n < end; n += range.step)
-    moments.push_back({.number = n, .time = n / kUsualRate});
-  if (moments.empty())
-    return fail(ErrorCode::kInvalidArgument, "--frames: there is no frame from {} to {}", begin,
-                end);
-  if (moments.size() > 1 && !several) {
-    return fail(ErrorCode::kInvalidArgument,
-                "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
-                moments.size(), target);
-  }
-  return moments;
-}
-
-/// Pictures 25 times a second, of so many seconds each.
-Result<std::vector<Moment>> momentsOfFilm(double first, double last, double speed) {
-  constexpr double kMost = 1e6;
-  const double count = std::round((last - first) / speed * kUsualRate) + 1;
-  if (count > kMost) {
-    return fail(ErrorCode::kInvalidArgument,
-                "a film of {:.0f} s at --speed {:g} has {:.0f} pictures; choose a higher --speed",
-                last - first, speed, count);
-  }
-  std::vector<Moment> moments;
-  for (int i = 0; i < static_cast<int>(count); ++i)
-    moments.push_back({.number = i, .time = std::min(first + i * speed / kUsualRate, last)});
-  return moments;
-}
-
-/// The stored steps of a case of smoke.
-struct Steps {
-  std::string file;
-  std::vector<double> times;  ///< [s], of the scene
-
-  template <class Layer>
-  explicit Steps(const Layer& layer) : file(layer.description().file) {
-    for (int i = 0; i < layer.steps(); ++i) times.push_back(layer.timeOf(i));
-  }
-};
-
-/// Frames are the steps of the case; films go through its time, 25 pictures a second.
-Result<std::vector<Moment>> momentsOfSmoke(const Steps& smoke, const Arguments& arguments,
-                                           const Subject& subject, const std::string& target,
-                                           Progress& progress) {
-  const int steps = static_cast<int>(smoke.times.size());
-  if (const auto time = arguments.find<double>("time"))
-    return std::vector{Moment{.time = *time}};
-  const bool film = isFilmPath(target), several = film || FramePattern::isPattern(target);
-  if (!arguments.given("frames") && !several) {
-    if (steps > 1 && !subject.scene) {
-      progress.remark(
-          fmt::format("showing the first of {} steps; --time or --frames choose others", steps));
-    }
-    return std::vector{Moment{.time = subject.scene ? 0 : smoke.times.front()}};
-  }
-  const FrameRange range = arguments.find<FrameRange>("frames").value_or(FrameRange{});
-  const int begin = std::max(range.begin.value_or(0), 0);
-  const int end = std::min(range.end.value_or(steps), steps);
-  if (begin >= end) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--frames: {} has the steps 0 to {}; there is none from {} to {}", smoke.file,
-                steps - 1, begin, range.end.value_or(steps));
-  }
-  if (film) {
-    return momentsOfFilm(smoke.times[begin], smoke.times[end - 1], arguments.get<double>("speed"));
-  }
-  std::vector<Moment> moments;
-  for (int n = begin; n < end; n += range.step)
-    moments.push_back({.number = n, .time = smoke.times[n]});
-  if (moments.size() > 1 && !several) {
-    return fail(ErrorCode::kInvalidArgument,
-                "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
-                moments.size(), target);
-  }
-  return moments;
-}
-
-Result<std::vector<Moment>> momentsOf(const Arguments& arguments, const Subject& subject,
-                                      const std::string& target, Progress& progress) {
-  const auto& layers = subject.layers;
-  if (layers.empty() && !subject.smokes.empty())
-    return momentsOfSmoke(Steps(subject.smokes.front()), arguments, subject, target, progress);
-  if (layers.empty() && !subject.fdsCases.empty())
-    return momentsOfSmoke(Steps(subject.fdsCases.front()), arguments, subject, target, progress);
-  if (layers.empty())
-    return momentsOfFog(arguments, subject, target);
-  if (const auto time = arguments.find<double>("time"))
-    return std::vector{momentAt(layers, *time)};
-  const VolumeInfo& info = layers.front().info();
-  const bool several = isFilmPath(target) || FramePattern::isPattern(target);
-  if (!arguments.given("frames") && !several) {
-    if (subject.scene)
-      return std::vector{momentAt(layers, 0)};
-    if (info.frames > 1) {
-      progress.remark(fmt::format(
-          "showing the first of {} frames; --time or --frames choose others", info.frames));
-    }
-    return std::vector{momentOf(layers, 0)};
-  }
-  VOLUTE_ASSIGN(const auto positions,
-                selectPositions(info, arguments.find<FrameRange>("frames").value_or(FrameRange{})));
-  if (positions.size() > 1 && !several) {
-    return fail(ErrorCode::kInvalidArgument,
-                "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
-                positions.size(), target);
-  }
-  std::vector<Moment> moments;
-  for (const int position : positions) moments.push_back(momentOf(layers, position));
-  return moments;
-}
-
-/// From the times of the first and the last picture; films of one picture have the usual rate.
-double framesPerSecond(const std::vector<Moment>& moments) {
-  if (moments.size() < 2)
-    return kUsualRate;
-  return static_cast<double>(moments.size() - 1) / (moments.back().time - moments.front().time);
-}
-
-Result<Camera> chooseCamera(const Arguments& arguments, const Subject& subject) {
+Result<Camera> chooseCamera(const Arguments& arguments, const RenderSubject& subject) {
   VOLUTE_ASSIGN(auto description, cameraOf(arguments));
   if (!description)
     description = subject.camera;
@@ -395,7 +47,7 @@ Status checkPictureMemory(const Camera& camera, const Context& context) {
               camera.width(), camera.height(), (bytes >> 20) + 1, context.maxMemory >> 20);
 }
 
-RenderOptions renderOptions(const Arguments& arguments, const Subject& subject) {
+RenderOptions renderOptions(const Arguments& arguments, const RenderSubject& subject) {
   RenderOptions options;
   const auto renderer = arguments.get<std::string>("renderer");
   options.renderer = renderer == "reference" ? Renderer::kReference : Renderer::kCpu;
@@ -409,7 +61,7 @@ RenderOptions renderOptions(const Arguments& arguments, const Subject& subject) 
 }
 
 /// What OpenGL does not draw, in the plural; empty when it draws all.
-std::string_view beyondGl(const Subject& subject) {
+std::string_view beyondGl(const RenderSubject& subject) {
   if (!subject.billboards.empty())
     return "billboards";
   if (!subject.fdsCases.empty())
@@ -420,7 +72,8 @@ std::string_view beyondGl(const Subject& subject) {
 }
 
 /// Null for the processor. `auto` takes OpenGL where hardware draws all that the subject has.
-Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments, const Subject& subject) {
+Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments,
+                                             const RenderSubject& subject) {
   const auto renderer = arguments.get<std::string>("renderer");
   const auto beyond = beyondGl(subject);
   if (renderer == "gl" && !beyond.empty()) {
@@ -438,7 +91,7 @@ Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments, const S
 Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target, Context& context) {
   const std::string& path = arguments.positional(0);
   RenderTotals totals;
-  Subject subject;
+  RenderSubject subject;
   {
     const Stopwatch watch(totals.open);
     VOLUTE_ASSIGN(subject, openSubject(path, arguments, context));
