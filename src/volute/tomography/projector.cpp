@@ -6,15 +6,18 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/tomography/beam.hpp"
 
 namespace volute {
 namespace {
 
 constexpr std::size_t kChunks = 32;
 constexpr std::size_t kLeastRows = 256;
+constexpr std::size_t kMostRays = 4;
 
 /// Image points of a pixel's rays, from its upper left corner.
 std::array<double, 2> rayOffset(int raysPerPixel, int ray) {
@@ -26,8 +29,37 @@ std::array<double, 2> rayOffset(int raysPerPixel, int ray) {
 /// The pixels and rays of one image row.
 struct ImageRow {
   std::vector<PixelRow> pixels;
-  std::vector<WalkRay> rays;
+  std::vector<std::uint8_t> isBeam;  ///< of each pixel
+  std::vector<Beam> beams;
+  std::vector<BeamRay> beamRays;
+  std::vector<WalkRay> looseRays;
 };
+
+/// The rays of one pixel, if any meets an unknown.
+void addPixel(const Support& support, std::span<const Segment> segments, PixelRow pixel,
+              ImageRow& row) {
+  std::array<TouchedPart, kMostRays> touched;
+  bool meets = false;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    touched[i] = touchedPart(support, segments[i]);
+    meets = meets || !touched[i].empty();
+  }
+  if (!meets)
+    return;
+  row.pixels.push_back(pixel);
+  Beam beam{};
+  std::array<BeamRay, kMostRays> rays{};
+  const bool isBeam =
+      support.basis() == Basis::kTrilinear && makeBeam(support, segments, touched, beam, rays);
+  row.isBeam.push_back(isBeam ? 1 : 0);
+  if (isBeam) {
+    row.beams.push_back(beam);
+    row.beamRays.insert(row.beamRays.end(), rays.begin(), rays.begin() + segments.size());
+    return;
+  }
+  for (std::size_t i = 0; i < segments.size(); ++i)
+    row.looseRays.push_back(walkRay(support, segments[i], touched[i]));
+}
 
 ImageRow makeImageRow(const Support& support, const Camera& camera,
                       std::span<const std::uint8_t> mask, int raysPerPixel, int view, int y) {
@@ -36,19 +68,83 @@ ImageRow makeImageRow(const Support& support, const Camera& camera,
     const std::int32_t pixel = y * camera.width() + x;
     if (!mask.empty() && mask[pixel] == 0)
       continue;
-    const std::size_t before = row.rays.size();
-    bool meets = false;
+    std::array<Segment, kMostRays> segments;
     for (int i = 0; i < raysPerPixel; ++i) {
       const auto [dx, dy] = rayOffset(raysPerPixel, i);
-      row.rays.push_back(walkRay(support, camera.ray(x + dx, y + dy)));
-      meets = meets || row.rays.back().length > 0;
+      segments[i] = camera.ray(x + dx, y + dy);
     }
-    if (meets)
-      row.pixels.push_back({view, pixel});
-    else
-      row.rays.resize(before);
+    addPixel(support, std::span(segments).first(raysPerPixel), {view, pixel}, row);
   }
   return row;
+}
+
+/// Bounds of lattice nodes.
+struct NodeRange {
+  std::int32_t first = std::numeric_limits<std::int32_t>::max(), last = 0;
+
+  void add(std::int32_t low, std::int32_t high) {
+    first = std::min(first, low);
+    last = std::max(last, high + 1);
+  }
+};
+
+/// The nodes between the corners that a beam's anchor has in its first and last slab.
+void addReach(const Beam& beam, std::span<const BeamRay> rays, NodeRange& range) {
+  std::int32_t low = beam.node, high = beam.node;
+  const std::int32_t way = beam.slabs * beam.stride[2];
+  low += std::min(way, 0);
+  high += std::max(way, 0);
+  for (int a = 0; a < 2; ++a) {
+    float least = rays[0].place[a], most = least;
+    for (const BeamRay& ray : rays) {
+      const float end = ray.place[a] + static_cast<float>(beam.slabs) * ray.slope[a];
+      least = std::min({least, ray.place[a], end});
+      most = std::max({most, ray.place[a], end});
+    }
+    // One node more at both ends, as rounding may have it.
+    auto anchorAt = [&](float place) {
+      return std::clamp(beam.anchor[a] + static_cast<std::int32_t>(std::floor(place)), 0,
+                        beam.lastAnchor[a]);
+    };
+    low += (anchorAt(least - 1) - beam.anchor[a]) * beam.stride[a];
+    high += (anchorAt(most + 1) - beam.anchor[a] + kBeamNodes - 1) * beam.stride[a];
+  }
+  range.add(low, high);
+}
+
+/// The nodes of the box around a ray.
+void addReach(const WalkRay& ray, const WalkLattice& lattice, NodeRange& range) {
+  if (!(ray.length > 0))
+    return;
+  std::int32_t from = ray.node, to = ray.node;
+  for (int a = 0; a < 3; ++a) {
+    const double ends = ray.position[a] + static_cast<double>(ray.length) * ray.velocity[a];
+    // The upper corners, and two cells more at both ends: one as rounding may have it, one as
+    // walks end with weights of 0 beside the last cell.
+    from += static_cast<std::int32_t>(std::min(std::floor(ends) - 2, 0.0)) * lattice.stride[a];
+    to += static_cast<std::int32_t>(std::max(std::floor(ends) + 3, 1.0)) * lattice.stride[a];
+  }
+  range.add(from, to);
+}
+
+/// What stands at `from`, in groups of `size`.
+template <class T>
+std::vector<T> taken(std::span<const T> values, std::span<const std::uint32_t> from,
+                     std::size_t size) {
+  std::vector<T> out;
+  out.reserve(from.size() * size);
+  for (const std::uint32_t i : from)
+    out.insert(out.end(), values.begin() + i * size, values.begin() + (i + 1) * size);
+  return out;
+}
+
+/// The numbers below `count`, by `part` of each; those of a part in their own order.
+std::vector<std::uint32_t> sortedByPart(std::span<const std::uint32_t> rows,
+                                        std::span<const std::uint8_t> partOfRow) {
+  std::vector<std::uint32_t> order(rows.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return partOfRow[rows[i]]; });
+  return order;
 }
 
 }  // namespace
@@ -68,29 +164,19 @@ class Projector::ScratchUse {
   Scratch* scratch_;
 };
 
-WalkRay walkRay(const Support& support, const Segment& segment) {
+WalkRay walkRay(const Support& support, const Segment& segment, const TouchedPart& touched) {
   WalkRay ray{};
-  double first = 0;
-  bool found = false;
+  if (touched.empty())
+    return ray;
   const CellGrid& cells = support.cells();
-  traverseCells(cells, support.range(), segment,
-                [&](const std::array<int, 3>& cell, double begin, double end) {
-                  if (!support.touches(cell))
-                    return;
-                  if (!found) {
-                    found = true;
-                    first = begin;
-                    ray.node = support.nodeOf(cell);
-                    for (int a = 0; a < 3; ++a) {
-                      const double place = (segment.origin[a] + begin * segment.direction[a] -
-                                            cells.plane(a, cell[a])) /
-                                           cells.cell[a];
-                      ray.position[a] = static_cast<float>(std::clamp(place, 0.0, 1.0));
-                      ray.velocity[a] = static_cast<float>(segment.direction[a] / cells.cell[a]);
-                    }
-                  }
-                  ray.length = static_cast<float>(end - first);
-                });
+  ray.node = support.nodeOf(touched.firstCell);
+  ray.length = static_cast<float>(touched.part.length());
+  for (int a = 0; a < 3; ++a) {
+    const double place =
+        (segment.at(touched.part.begin)[a] - cells.plane(a, touched.firstCell[a])) / cells.cell[a];
+    ray.position[a] = static_cast<float>(std::clamp(place, 0.0, 1.0));
+    ray.velocity[a] = static_cast<float>(segment.direction[a] / cells.cell[a]);
+  }
   return ray;
 }
 
@@ -100,11 +186,10 @@ Projector::Projector(std::span<const ProjectorView> views, std::shared_ptr<const
   lattice_.basis = support_->basis();
   std::ranges::copy(support_->stride(), lattice_.stride);
   for (std::size_t v = 0; v < views.size(); ++v) addView(static_cast<int>(v), views[v]);
-  cutChunks();
   if (writeTables(tableBytes)) {
-    rays_ = {};
+    beams_ = {}, beamRays_ = {}, beamRows_ = {}, looseRays_ = {}, looseRows_ = {};
   } else {
-    parallelFor(chunks_.size(), [&](std::size_t i) { reach(chunks_[i]); });
+    cutChunks();
   }
 }
 
@@ -115,58 +200,100 @@ void Projector::addView(int view, const ProjectorView& what) {
         makeImageRow(*support_, *what.camera, what.mask, raysPerPixel_, view, static_cast<int>(y));
   });
   for (const ImageRow& row : rows) {
+    for (std::size_t i = 0; i < row.pixels.size(); ++i)
+      (row.isBeam[i] != 0 ? beamRows_ : looseRows_)
+          .push_back(static_cast<std::uint32_t>(rows_.size() + i));
     rows_.insert(rows_.end(), row.pixels.begin(), row.pixels.end());
-    rays_.insert(rays_.end(), row.rays.begin(), row.rays.end());
+    beams_.insert(beams_.end(), row.beams.begin(), row.beams.end());
+    beamRays_.insert(beamRays_.end(), row.beamRays.begin(), row.beamRays.end());
+    looseRays_.insert(looseRays_.end(), row.looseRays.begin(), row.looseRays.end());
   }
 }
 
-/// Cuts depend on the sizes alone. Each chunk has a gradient of its own, so that there are fewer
-/// where the volume is large and the rows are few.
+/// For each row, the lattice plane on the slowest axis which its rays pass half-way.
+std::vector<std::int32_t> Projector::rowPlanes() const {
+  std::vector<std::int32_t> plane(rows());
+  const std::int32_t size = lattice_.stride[2];
+  for (std::size_t i = 0; i < beams_.size(); ++i) {
+    const Beam& beam = beams_[i];
+    const BeamRay& ray = beamRays_[i * raysPerPixel_];
+    const float half = 0.5F * static_cast<float>(beam.slabs);
+    auto node = static_cast<double>(beam.node) + half * static_cast<float>(beam.stride[2]);
+    for (int a = 0; a < 2; ++a) node += half * ray.slope[a] * static_cast<float>(beam.stride[a]);
+    plane[beamRows_[i]] = static_cast<std::int32_t>(node / size);
+  }
+  for (std::size_t i = 0; i < looseRows_.size(); ++i) {
+    const WalkRay& ray = looseRays_[i * raysPerPixel_];
+    const double node = ray.node + 0.5 * ray.length * ray.velocity[2] * size;
+    plane[looseRows_[i]] = static_cast<std::int32_t>(node / size);
+  }
+  return plane;
+}
+
+/// Cuts depend on the rows alone. Each chunk has a gradient of its own, so that there are fewer
+/// where the volume is large and the rows are few; rows that pass near to each other go together,
+/// so that each reaches few nodes.
 void Projector::cutChunks() {
   const std::size_t count = std::clamp<std::size_t>(rows() / kLeastRows, 1, kChunks);
+  const std::vector<std::int32_t> plane = rowPlanes();
+  std::vector<std::uint32_t> order(rows());
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::stable_sort(order, {}, [&](std::uint32_t row) { return plane[row]; });
+  std::vector<std::uint8_t> chunkOf(rows());
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t k = rows() * i / count; k < rows() * (i + 1) / count; ++k)
+      chunkOf[order[k]] = static_cast<std::uint8_t>(i);
+
+  const auto beamOrder = sortedByPart(beamRows_, chunkOf);
+  beams_ = taken<Beam>(beams_, beamOrder, 1);
+  beamRays_ = taken<BeamRay>(beamRays_, beamOrder, raysPerPixel_);
+  beamRows_ = taken<std::uint32_t>(beamRows_, beamOrder, 1);
+  const auto looseOrder = sortedByPart(looseRows_, chunkOf);
+  looseRays_ = taken<WalkRay>(looseRays_, looseOrder, raysPerPixel_);
+  looseRows_ = taken<std::uint32_t>(looseRows_, looseOrder, 1);
+
+  chunks_.resize(count);
+  auto partOf = [&](std::uint32_t row) { return chunkOf[row]; };
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t first = rows() * i / count, last = rows() * (i + 1) / count;
-    chunks_.push_back({first, last, 0, 0});
+    const auto beams = std::ranges::equal_range(beamRows_, i, {}, partOf);
+    const auto loose = std::ranges::equal_range(looseRows_, i, {}, partOf);
+    Chunk& chunk = chunks_[i];
+    chunk.firstBeam = beams.begin() - beamRows_.begin();
+    chunk.lastBeam = beams.end() - beamRows_.begin();
+    chunk.firstLoose = loose.begin() - looseRows_.begin();
+    chunk.lastLoose = loose.end() - looseRows_.begin();
   }
+  parallelFor(count, [&](std::size_t i) { reach(chunks_[i]); });
 }
 
-/// Bounds of the nodes that the rays reach, from the boxes around them.
+/// Bounds of the nodes that the rays reach.
 void Projector::reach(Chunk& chunk) const {
-  std::int32_t low = std::numeric_limits<std::int32_t>::max(), high = 0;
-  const std::size_t first = chunk.firstRow * raysPerPixel_, last = chunk.lastRow * raysPerPixel_;
-  for (std::size_t i = first; i < last; ++i) {
-    const WalkRay& ray = rays_[i];
-    if (!(ray.length > 0))
-      continue;
-    std::int32_t from = ray.node, to = ray.node;
-    for (int a = 0; a < 3; ++a) {
-      const double ends = ray.position[a] + static_cast<double>(ray.length) * ray.velocity[a];
-      // The upper corners, and two cells more at both ends: one as rounding may have it, one as
-      // walks end with weights of 0 beside the last cell.
-      from += static_cast<std::int32_t>(std::min(std::floor(ends) - 2, 0.0)) * lattice_.stride[a];
-      to += static_cast<std::int32_t>(std::max(std::floor(ends) + 3, 1.0)) * lattice_.stride[a];
-    }
-    low = std::min(low, from);
-    high = std::max(high, to + 1);
-  }
-  chunk.firstNode =
-      std::clamp<std::int32_t>(low, 0, static_cast<std::int32_t>(support_->latticeSize()));
-  chunk.lastNode = std::clamp<std::int32_t>(high, chunk.firstNode,
-                                            static_cast<std::int32_t>(support_->latticeSize()));
+  NodeRange range;
+  const auto rays = static_cast<std::size_t>(raysPerPixel_);
+  for (std::size_t i = chunk.firstBeam; i < chunk.lastBeam; ++i)
+    addReach(beams_[i], std::span(beamRays_).subspan(i * rays, rays), range);
+  for (std::size_t i = chunk.firstLoose * rays; i < chunk.lastLoose * rays; ++i)
+    addReach(looseRays_[i], lattice_, range);
+  const auto size = static_cast<std::int32_t>(support_->latticeSize());
+  chunk.firstNode = std::clamp<std::int32_t>(range.first, 0, size);
+  chunk.lastNode = std::clamp<std::int32_t>(range.last, chunk.firstNode, size);
 }
 
 bool Projector::writeTables(std::uint64_t bytes) {
+  if (bytes == 0)
+    return false;
   std::vector<std::int32_t> unknownAt(support_->latticeSize(), -1);
   for (std::size_t i = 0; i < unknowns(); ++i)
     unknownAt[support_->nodes()[i]] = static_cast<std::int32_t>(i);
-  std::vector<Table> tables(chunks_.size());
+  const std::size_t count = std::clamp<std::size_t>(rows() / kLeastRows, 1, kChunks);
+  std::vector<Table> tables(count);
   // Twice, by row and by unknown, and once more while the parts are put together.
   const std::uint64_t most = bytes / (3 * sizeof(NodeWeight));
   std::atomic<std::uint64_t> written = 0;
-  parallelFor(chunks_.size(), [&](std::size_t i) {
+  parallelFor(count, [&](std::size_t i) {
     if (written > most)
       return;
-    writeTable(chunks_[i], unknownAt, tables[i]);
+    writeTable(rows() * i / count, rows() * (i + 1) / count, unknownAt, tables[i]);
     written += tables[i].weights.size();
   });
   // The sum is the same whatever the order, unless it is too large in any.
@@ -185,16 +312,37 @@ bool Projector::writeTables(std::uint64_t bytes) {
   return true;
 }
 
-void Projector::writeTable(const Chunk& chunk, std::span<const std::int32_t> unknownAt,
-                           Table& table) const {
+/// The weights of `count` rows from `first` on, as they come.
+void Projector::rawWeights(std::size_t first, std::size_t count,
+                           std::span<std::vector<NodeWeight>> raw) const {
+  const auto last = static_cast<std::uint32_t>(first + count);
+  std::vector<std::vector<NodeWeight>> own(count);
+  auto put = [&](std::span<const std::uint32_t> rowOf, std::size_t from, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) std::swap(raw[rowOf[from + i] - first], own[i]);
+  };
+  for (auto& row : raw) row.clear();
+  auto begin = std::ranges::lower_bound(beamRows_, first) - beamRows_.begin();
+  auto end = std::ranges::lower_bound(beamRows_, last) - beamRows_.begin();
+  beamWeights(beams_.data() + begin, beamRays_.data() + begin * raysPerPixel_, end - begin,
+              raysPerPixel_, own.data());
+  put(beamRows_, begin, end - begin);
+  for (auto& row : own) row.clear();
+  begin = std::ranges::lower_bound(looseRows_, first) - looseRows_.begin();
+  end = std::ranges::lower_bound(looseRows_, last) - looseRows_.begin();
+  walkWeights(lattice_, looseRays_.data() + begin * raysPerPixel_, end - begin, raysPerPixel_,
+              own.data());
+  put(looseRows_, begin, end - begin);
+}
+
+void Projector::writeTable(std::size_t firstRow, std::size_t lastRow,
+                           std::span<const std::int32_t> unknownAt, Table& table) const {
   constexpr std::size_t kRowsAtOnce = 16;
   std::vector<std::uint32_t> place(unknowns(), 0);  // in the row, from 1; 0 = not there yet
   std::vector<std::vector<NodeWeight>> raw(kRowsAtOnce);
   table.begin.push_back(0);
-  for (std::size_t first = chunk.firstRow; first < chunk.lastRow; first += kRowsAtOnce) {
-    const std::size_t count = std::min(kRowsAtOnce, chunk.lastRow - first);
-    for (auto& row : raw) row.clear();
-    walkWeights(lattice_, rays_.data() + first * raysPerPixel_, count, raysPerPixel_, raw.data());
+  for (std::size_t first = firstRow; first < lastRow; first += kRowsAtOnce) {
+    const std::size_t count = std::min(kRowsAtOnce, lastRow - first);
+    rawWeights(first, count, raw);
     for (std::size_t row = 0; row < count; ++row) {
       const std::size_t begin = table.weights.size();
       for (const NodeWeight& w : raw[row]) {
@@ -245,6 +393,15 @@ void Projector::toLattice(std::span<const float> unknowns, std::vector<float>& l
   });
 }
 
+void Projector::forwardLoose(std::size_t first, std::size_t last, const float* lattice,
+                             std::span<float> pixels) const {
+  std::vector<float> sums(4 * (last - first));
+  walkForward(lattice_, lattice, looseRays_.data() + first * raysPerPixel_, last - first,
+              raysPerPixel_, sums.data());
+  for (std::size_t i = first; i < last; ++i)
+    std::copy_n(&sums[4 * (i - first)], 4, &pixels[4 * std::size_t{looseRows_[i]}]);
+}
+
 void Projector::forward(std::span<const float> unknowns, std::span<float> pixels) const {
   VOLUTE_ASSERT(unknowns.size() == 4 * this->unknowns() && pixels.size() == 4 * rows());
   if (usesTable()) {
@@ -254,10 +411,46 @@ void Projector::forward(std::span<const float> unknowns, std::span<float> pixels
   const ScratchUse scratch(*this);
   std::vector<float>& lattice = scratch->lattice;
   toLattice(unknowns, lattice);
-  parallelRanges(rows(), 64, [&](std::size_t begin, std::size_t end) {
-    walkForward(lattice_, lattice.data(), rays_.data() + begin * raysPerPixel_, end - begin,
-                raysPerPixel_, pixels.data() + 4 * begin);
+  parallelRanges(beams_.size(), 128, [&](std::size_t begin, std::size_t end) {
+    std::vector<float> sums(4 * (end - begin));
+    beamForward(beams_.data() + begin, beamRays_.data() + begin * raysPerPixel_, end - begin,
+                raysPerPixel_, lattice.data(), sums.data());
+    for (std::size_t i = begin; i < end; ++i)
+      std::copy_n(&sums[4 * (i - begin)], 4, &pixels[4 * std::size_t{beamRows_[i]}]);
   });
+  parallelRanges(looseRows_.size(), 64, [&](std::size_t begin, std::size_t end) {
+    forwardLoose(begin, end, lattice.data(), pixels);
+  });
+}
+
+/// Values of the rows `rowOf`, one after the other.
+std::vector<float> Projector::valuesOf(std::span<const std::uint32_t> rowOf,
+                                       std::span<const float> pixels) {
+  std::vector<float> values(4 * rowOf.size());
+  for (std::size_t i = 0; i < rowOf.size(); ++i)
+    std::copy_n(&pixels[4 * std::size_t{rowOf[i]}], 4, &values[4 * i]);
+  return values;
+}
+
+void Projector::adjointLoose(const Chunk& chunk, std::span<const float> pixels,
+                             float* gradient) const {
+  const std::size_t count = chunk.lastLoose - chunk.firstLoose;
+  const auto values = valuesOf(std::span(looseRows_).subspan(chunk.firstLoose, count), pixels);
+  walkAdjoint(lattice_, values.data(), looseRays_.data() + chunk.firstLoose * raysPerPixel_, count,
+              raysPerPixel_, gradient);
+}
+
+/// work(chunk, its gradient as one of the whole lattice) for all chunks; then their sum.
+template <class Work>
+void Projector::sumChunks(std::vector<std::vector<float>>& parts, std::span<float> unknowns,
+                          Work&& work) const {
+  parts.resize(chunks_.size());
+  parallelFor(chunks_.size(), [&](std::size_t i) {
+    const Chunk& chunk = chunks_[i];
+    parts[i].assign(4 * static_cast<std::size_t>(chunk.lastNode - chunk.firstNode), 0.0F);
+    work(chunk, parts[i].data() - 4 * static_cast<std::ptrdiff_t>(chunk.firstNode));
+  });
+  addParts(parts, unknowns);
 }
 
 void Projector::adjoint(std::span<const float> pixels, std::span<float> unknowns) const {
@@ -267,17 +460,68 @@ void Projector::adjoint(std::span<const float> pixels, std::span<float> unknowns
     return;
   }
   const ScratchUse scratch(*this);
-  std::vector<std::vector<float>>& parts = scratch->parts;
-  parts.resize(chunks_.size());
-  parallelFor(chunks_.size(), [&](std::size_t i) {
-    const Chunk& chunk = chunks_[i];
-    parts[i].assign(4 * static_cast<std::size_t>(chunk.lastNode - chunk.firstNode), 0.0F);
-    float* origin = parts[i].data() - 4 * static_cast<std::ptrdiff_t>(chunk.firstNode);
-    walkAdjoint(lattice_, pixels.data() + 4 * chunk.firstRow,
-                rays_.data() + chunk.firstRow * raysPerPixel_, chunk.lastRow - chunk.firstRow,
-                raysPerPixel_, origin);
+  sumChunks(scratch->parts, unknowns, [&](const Chunk& chunk, float* gradient) {
+    const std::size_t count = chunk.lastBeam - chunk.firstBeam;
+    const auto values = valuesOf(std::span(beamRows_).subspan(chunk.firstBeam, count), pixels);
+    beamAdjoint(beams_.data() + chunk.firstBeam, beamRays_.data() + chunk.firstBeam * raysPerPixel_,
+                count, raysPerPixel_, values.data(), gradient);
+    adjointLoose(chunk, pixels, gradient);
   });
-  addParts(parts, unknowns);
+}
+
+/// What the kernels need to turn sums of a chunk's beams into values.
+struct Projector::TurnContext {
+  const Turn& turn;
+  std::span<const std::uint32_t> rows;
+
+  static void call(const void* context, std::size_t first, std::size_t count, const float* sums,
+                   float* values) {
+    const auto& self = *static_cast<const TurnContext*>(context);
+    for (std::size_t i = 0; i < count; ++i)
+      self.turn(self.rows[first + i], sums + 4 * i, values + 4 * i);
+  }
+};
+
+void Projector::thereAndBack(std::span<const float> unknowns, const Turn& turn,
+                             std::span<float> pixels, std::span<float> result) const {
+  VOLUTE_ASSERT(unknowns.size() == 4 * this->unknowns() && result.size() == unknowns.size() &&
+                pixels.size() == 4 * rows());
+  if (usesTable()) {
+    multiply(byRow_, unknowns, pixels);
+    std::vector<float> back(pixels.size());
+    parallelRanges(rows(), 1024, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t row = begin; row < end; ++row) turn(row, &pixels[4 * row], &back[4 * row]);
+    });
+    multiply(byUnknown_, back, result);
+    return;
+  }
+  const ScratchUse scratch(*this);
+  std::vector<float>& lattice = scratch->lattice;
+  toLattice(unknowns, lattice);
+  sumChunks(scratch->parts, result, [&](const Chunk& chunk, float* gradient) {
+    const std::size_t count = chunk.lastBeam - chunk.firstBeam;
+    const TurnContext context{turn, std::span(beamRows_).subspan(chunk.firstBeam, count)};
+    std::vector<float> sums(4 * count);
+    beamThereAndBack(beams_.data() + chunk.firstBeam,
+                     beamRays_.data() + chunk.firstBeam * raysPerPixel_, count, raysPerPixel_,
+                     lattice.data(), TurnContext::call, &context, sums.data(), gradient);
+    for (std::size_t i = 0; i < count; ++i)
+      std::copy_n(&sums[4 * i], 4, &pixels[4 * std::size_t{context.rows[i]}]);
+    turnLoose(chunk, turn, lattice.data(), pixels, gradient);
+  });
+}
+
+void Projector::turnLoose(const Chunk& chunk, const Turn& turn, const float* lattice,
+                          std::span<float> pixels, float* gradient) const {
+  forwardLoose(chunk.firstLoose, chunk.lastLoose, lattice, pixels);
+  const std::size_t count = chunk.lastLoose - chunk.firstLoose;
+  std::vector<float> values(4 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t row = looseRows_[chunk.firstLoose + i];
+    turn(row, &pixels[4 * row], &values[4 * i]);
+  }
+  walkAdjoint(lattice_, values.data(), looseRays_.data() + chunk.firstLoose * raysPerPixel_, count,
+              raysPerPixel_, gradient);
 }
 
 /// In the order of the chunks.

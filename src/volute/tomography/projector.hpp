@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
 #include <vector>
 
+#include "volute/tomography/beam_kernels.hpp"
 #include "volute/tomography/ray_kernels.hpp"
 #include "volute/tomography/support.hpp"
 #include "volute/tomography/view.hpp"
@@ -31,9 +33,10 @@ struct ProjectorView {
 /// floats R G B 0 for each unknown or pixel. Rows are the pixels whose rays meet an unknown, view
 /// by view.
 ///
-/// Rays are walked anew in each product. Where the weights of all rows fit into `tableBytes`, they
-/// are written down at the start instead, by rows and by unknowns, which pays after a few products:
-/// pixels of four rays then cost little more than those of one.
+/// Rays are walked anew in each product: the rays of a pixel together as a beam, or one by one
+/// where they are too far apart for that, and with the box basis. Where the weights of all rows fit
+/// into `tableBytes`, they are written down at the start instead, by rows and by unknowns, which
+/// pays after a few products.
 class Projector {
  public:
   Projector(std::span<const ProjectorView> views, std::shared_ptr<const Support> support,
@@ -49,6 +52,9 @@ class Projector {
 
   bool usesTable() const { return !byRow_.begin.empty(); }
 
+  /// Rows whose rays walk together; 0 with a table.
+  std::size_t beams() const { return beams_.size(); }
+
   /// Weights in the table; 0 without one.
   std::size_t tableSize() const { return byRow_.weights.size(); }
 
@@ -58,12 +64,21 @@ class Projector {
   /// unknowns = S' pixels.
   void adjoint(std::span<const float> pixels, std::span<float> unknowns) const;
 
+  /// back[0..3] = what is to be spread along the rays of a row, from sum[0..3].
+  using Turn = std::function<void(std::size_t row, const float* sum, float* back)>;
+
+  /// pixels = S unknowns, and result = S' turn(pixels), in one walk. `turn` is called from several
+  /// threads.
+  void thereAndBack(std::span<const float> unknowns, const Turn& turn, std::span<float> pixels,
+                    std::span<float> result) const;
+
  private:
-  /// Rows that are summed up on their own. Chunks are added in order, so that the threads do not
+  /// Rows that are summed up on their own. They are added in order, so that the threads do not
   /// matter.
   struct Chunk {
-    std::size_t firstRow = 0, lastRow = 0;
-    std::int32_t firstNode = 0, lastNode = 0;  ///< what its rays reach in the lattice
+    std::size_t firstBeam = 0, lastBeam = 0;    ///< in beams_
+    std::size_t firstLoose = 0, lastLoose = 0;  ///< in looseRows_
+    std::int32_t firstNode = 0, lastNode = 0;   ///< what its rays reach in the lattice
   };
 
   /// A sparse matrix: row i has the weights [begin[i], begin[i+1]).
@@ -79,22 +94,42 @@ class Projector {
   };
 
   class ScratchUse;
+  struct TurnContext;
 
   void addView(int view, const ProjectorView& what);
+  std::vector<std::int32_t> rowPlanes() const;
   void cutChunks();
   void reach(Chunk& chunk) const;
   bool writeTables(std::uint64_t bytes);
-  void writeTable(const Chunk& chunk, std::span<const std::int32_t> unknownAt, Table& table) const;
+  void writeTable(std::size_t firstRow, std::size_t lastRow,
+                  std::span<const std::int32_t> unknownAt, Table& table) const;
   void transposeTable();
   void multiply(const Table& table, std::span<const float> values, std::span<float> sums) const;
   void toLattice(std::span<const float> unknowns, std::vector<float>& lattice) const;
+  void rawWeights(std::size_t first, std::size_t count,
+                  std::span<std::vector<NodeWeight>> raw) const;
+  static std::vector<float> valuesOf(std::span<const std::uint32_t> rowOf,
+                                     std::span<const float> pixels);
+  void forwardLoose(std::size_t first, std::size_t last, const float* lattice,
+                    std::span<float> pixels) const;
+  void adjointLoose(const Chunk& chunk, std::span<const float> pixels, float* gradient) const;
+  void turnLoose(const Chunk& chunk, const Turn& turn, const float* lattice,
+                 std::span<float> pixels, float* gradient) const;
+  template <class Work>
+  void sumChunks(std::vector<std::vector<float>>& parts, std::span<float> unknowns,
+                 Work&& work) const;
   void addParts(std::span<const std::vector<float>> parts, std::span<float> unknowns) const;
 
   std::shared_ptr<const Support> support_;
   int raysPerPixel_;
   WalkLattice lattice_;
   std::vector<PixelRow> rows_;
-  std::vector<WalkRay> rays_;  ///< raysPerPixel for each row
+  // Of each row either a beam or loose rays; in the order of the chunks once those are cut.
+  std::vector<Beam> beams_;
+  std::vector<BeamRay> beamRays_;        ///< raysPerPixel for each beam
+  std::vector<std::uint32_t> beamRows_;  ///< of each beam
+  std::vector<WalkRay> looseRays_;       ///< raysPerPixel for each loose row
+  std::vector<std::uint32_t> looseRows_;
   std::vector<Chunk> chunks_;
   Table byRow_, byUnknown_;  ///< empty without a table
   mutable std::mutex scratchMutex_;
@@ -102,6 +137,6 @@ class Projector {
 };
 
 /// The ray of a segment through the cells that unknowns reach into; length 0 when it meets none.
-WalkRay walkRay(const Support& support, const Segment& segment);
+WalkRay walkRay(const Support& support, const Segment& segment, const TouchedPart& touched);
 
 }  // namespace volute

@@ -128,6 +128,33 @@ TEST_P(ProjectorTest, AgreesWithReference) {
   }
 }
 
+TEST_P(ProjectorTest, ThereAndBackIsForwardAndAdjoint) {
+  const auto hull = scene_.someHull();
+  const Projector projector = make(hull);
+  const auto x = randomColours(projector.unknowns(), 3), y = randomColours(projector.rows(), 4);
+  std::vector<float> sx(y.size()), residual(y.size()), expected(x.size());
+  projector.forward(x, sx);
+  for (std::size_t i = 0; i < y.size(); ++i) residual[i] = 0.5F * (sx[i] - y[i]);
+  projector.adjoint(residual, expected);
+  std::vector<float> pixels(y.size()), result(x.size());
+  projector.thereAndBack(
+      x,
+      [&](std::size_t row, const float* sum, float* back) {
+        for (std::size_t c = 0; c < 4; ++c) back[c] = 0.5F * (sum[c] - y[4 * row + c]);
+      },
+      pixels, result);
+  for (std::size_t i = 0; i < y.size(); ++i) EXPECT_NEAR(pixels[i], sx[i], 1e-6);
+  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(result[i], expected[i], 1e-5);
+}
+
+TEST_P(ProjectorTest, WalksBothTogetherAndOneByOne) {
+  const Projector projector = make(scene_.someHull());
+  const bool together = GetParam().basis == Basis::kTrilinear && !GetParam().table;
+  EXPECT_EQ(projector.beams() > projector.rows() / 3, together);
+  // Through a camera inside of the volume, and where pixels are larger than voxels.
+  EXPECT_LT(projector.beams(), projector.rows());
+}
+
 TEST_P(ProjectorTest, LeavesOutNoRayThatMeetsAnUnknown) {
   const auto hull = scene_.someHull();
   const Projector projector = make(hull);

@@ -41,6 +41,21 @@ CellGrid basisCells(const VolumeGeometry& geometry, Basis basis) {
   return cells;
 }
 
+TouchedPart touchedPart(const Support& support, const Segment& segment) {
+  TouchedPart touched;
+  traverseCells(support.cells(), support.range(), segment,
+                [&](const std::array<int, 3>& cell, double begin, double end) {
+                  if (!support.touches(cell))
+                    return;
+                  if (touched.empty()) {
+                    touched.part.begin = begin;
+                    touched.firstCell = cell;
+                  }
+                  touched.part.end = end;
+                });
+  return touched;
+}
+
 Support::Support(const VolumeGeometry& geometry, Basis basis, std::span<const std::uint8_t> hull)
     : geometry_(geometry), basis_(basis), cells_(basisCells(geometry, basis)) {
   const bool trilinear = basis == Basis::kTrilinear;

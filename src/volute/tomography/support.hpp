@@ -75,6 +75,16 @@ class Support {
   std::vector<std::uint8_t> touched_;
 };
 
+/// The part of a segment from the first to the last cell that an unknown reaches into.
+struct TouchedPart {
+  Interval part;  ///< empty when it meets none
+  std::array<int, 3> firstCell{};
+
+  bool empty() const { return part.empty(); }
+};
+
+TouchedPart touchedPart(const Support& support, const Segment& segment);
+
 /// The cells of a basis over a volume: its voxels, or the cells between their centres with one
 /// layer around.
 CellGrid basisCells(const VolumeGeometry& geometry, Basis basis);

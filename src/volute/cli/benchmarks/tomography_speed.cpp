@@ -35,7 +35,8 @@ std::vector<WalkRay> raysOf(const Support& support, const Camera& camera, std::i
   for (int i = 0; i < raysPerPixel; ++i) {
     const double dx = raysPerPixel == 1 ? 0.5 : i % 2 * 0.5 + 0.25;
     const double dy = raysPerPixel == 1 ? 0.5 : i / 2 * 0.5 + 0.25;
-    rays.push_back(walkRay(support, camera.ray(x + dx, y + dy)));
+    const Segment segment = camera.ray(x + dx, y + dy);
+    rays.push_back(walkRay(support, segment, touchedPart(support, segment)));
   }
   return rays;
 }

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/beam.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace volute {
+namespace {
+
+// Rounding in the kernels' floats must not carry a ray beyond the last node.
+constexpr double kMostSpread = kBeamNodes - 2 - 1e-3;
+
+/// A ray in nodes of the lattice, along the three axes of its beam: two in the plane, and the one
+/// along which it advances, made to be ascending.
+struct NodeRay {
+  Vec3 origin, direction;  ///< origin + s direction, s in metres
+
+  double at(int axis, double s) const { return origin[axis] + s * direction[axis]; }
+};
+
+/// The beam's axes in the lattice, and the size of the lattice along them.
+struct BeamAxes {
+  std::array<int, 3> axis{};
+  std::array<int, 3> nodes{};
+  bool down = false;  ///< the last one is descended
+};
+
+BeamAxes axesOf(const Support& support, const Vec3& direction) {
+  BeamAxes axes;
+  const Vec3 steps = direction.cwiseQuotient(support.cells().cell);
+  int along = 0;
+  steps.cwiseAbs().maxCoeff(&along);
+  axes.axis = {along == 0 ? 1 : 0, along == 2 ? 1 : 2, along};
+  for (int a = 0; a < 3; ++a) axes.nodes[a] = support.boxSize()[axes.axis[a]] + 2;
+  axes.down = steps[along] < 0;
+  return axes;
+}
+
+NodeRay nodeRay(const Support& support, const BeamAxes& axes, const Segment& segment) {
+  const CellGrid& cells = support.cells();
+  NodeRay ray;
+  for (int a = 0; a < 3; ++a) {
+    const int axis = axes.axis[a];
+    const double first = cells.plane(axis, support.range().begin[axis]);
+    ray.origin[a] = (segment.origin[axis] - first) / cells.cell[axis];
+    ray.direction[a] = segment.direction[axis] / cells.cell[axis];
+  }
+  if (axes.down) {
+    ray.origin[2] = axes.nodes[2] - 1 - ray.origin[2];
+    ray.direction[2] = -ray.direction[2];
+  }
+  return ray;
+}
+
+}  // namespace
+
+bool makeBeam(const Support& support, std::span<const Segment> segments,
+              std::span<const TouchedPart> touched, Beam& beam, std::span<BeamRay> rays) {
+  Vec3 direction = Vec3::Zero();
+  for (const Segment& segment : segments) direction += segment.direction;
+  const BeamAxes axes = axesOf(support, direction);
+  if (std::ranges::min(axes.nodes) < kBeamNodes)
+    return false;
+  std::array<NodeRay, 4> ray;
+  double low = axes.nodes[2], high = 0;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    ray[i] = nodeRay(support, axes, segments[i]);
+    const Vec3& step = ray[i].direction;
+    // No ray may advance faster in the plane than across it.
+    if (!(step[2] > 0 && step[2] >= std::abs(step[0]) && step[2] >= std::abs(step[1])))
+      return false;
+    if (touched[i].empty())
+      continue;
+    low = std::min(low, ray[i].at(2, touched[i].part.begin));
+    high = std::max(high, ray[i].at(2, touched[i].part.end));
+  }
+  const int first = std::clamp(static_cast<int>(std::floor(low)), 0, axes.nodes[2] - 2);
+  const int last = std::clamp(static_cast<int>(std::ceil(high)), first + 1, axes.nodes[2] - 1);
+  beam.slabs = last - first;
+  const int row = axes.down ? axes.nodes[2] - 1 - first : first;
+  const auto& stride = support.stride();
+  beam.node = support.nodeOf(support.range().begin) + row * stride[axes.axis[2]];
+  beam.stride[2] = axes.down ? -stride[axes.axis[2]] : stride[axes.axis[2]];
+  for (int a = 0; a < 2; ++a) {
+    beam.stride[a] = stride[axes.axis[a]];
+    beam.lastAnchor[a] = axes.nodes[a] - kBeamNodes;
+    std::array<double, 4> place{};
+    double least = axes.nodes[a], spread[2]{}, steepest = 0;
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      const NodeRay& r = ray[i];
+      const double s = (first - r.origin[2]) / r.direction[2], perSlab = 1 / r.direction[2];
+      if (s < segments[i].begin || s + beam.slabs * perSlab > segments[i].end)
+        return false;
+      place[i] = r.at(a, s);
+      rays[i].slope[a] = static_cast<float>(r.direction[a] * perSlab);
+      rays[i].length = static_cast<float>(perSlab);
+      least = std::min(least, place[i]);
+      steepest = std::max(steepest, std::abs(r.direction[a] * perSlab));
+      for (std::size_t j = 0; j < i; ++j) {
+        const double apart = place[i] - place[j];
+        const double turn = r.direction[a] * perSlab - ray[j].direction[a] / ray[j].direction[2];
+        spread[0] = std::max(spread[0], std::abs(apart));
+        spread[1] = std::max(spread[1], std::abs(apart + beam.slabs * turn));
+      }
+    }
+    if (std::max(spread[0], spread[1]) + steepest > kMostSpread)
+      return false;
+    beam.anchor[a] = std::clamp(static_cast<int>(std::floor(least)), 0, beam.lastAnchor[a]);
+    beam.node += beam.anchor[a] * beam.stride[a];
+    for (std::size_t i = 0; i < segments.size(); ++i)
+      rays[i].place[a] = static_cast<float>(place[i] - beam.anchor[a]);
+  }
+  return true;
+}
+
+}  // namespace volute

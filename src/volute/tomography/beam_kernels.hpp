@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "volute/tomography/ray_kernels.hpp"
+
+// The inner loops of the projector for trilinear volumes, apart from it so that the SIMD code is
+// one translation unit. Voxels and pixels are four floats, R G B 0.
+
+namespace volute {
+
+/// Nodes on each side of the square that the rays of a beam reach in a plane.
+inline constexpr int kBeamNodes = 4;
+
+/// The rays of one pixel, which walk together from plane to plane of the lattice across the axis
+/// along which they advance most. Between two planes, a slab, they reach kBeamNodes x kBeamNodes
+/// nodes of each, from an anchor on.
+struct Beam {
+  std::int32_t node;           ///< the anchor in the first plane
+  std::int32_t stride[3];      ///< in nodes, along the two axes in the plane and to the next plane
+  std::int32_t anchor[2];      ///< its place in the plane at the first slab
+  std::int32_t lastAnchor[2];  ///< the largest place that an anchor may have
+  std::int32_t slabs;
+};
+
+/// One of its rays.
+struct BeamRay {
+  float place[2];  ///< in the first plane, from the anchor [nodes]
+  float slope[2];  ///< nodes a slab, -1..1
+  float length;    ///< [m] a slab
+};
+
+/// sums[0..3] of each beam: the mean over its rays of the line integrals through `values`.
+/// @param rays  raysPerBeam (1 or 4) for each beam.
+void beamForward(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
+                 const float* values, float* sums);
+
+/// The transpose: adds each beam's four values, spread along its rays, to `gradient`.
+void beamAdjoint(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
+                 const float* beamValues, float* gradient);
+
+/// Makes of the sums of `count` beams from `first` on what is spread along them.
+using BeamTurn = void (*)(const void* context, std::size_t first, std::size_t count,
+                          const float* sums, float* beamValues);
+
+/// Both in one walk: beamForward through `values`, then `turn`, then beamAdjoint.
+/// @param sums  as of beamForward.
+void beamThereAndBack(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
+                      const float* values, BeamTurn turn, const void* context, float* sums,
+                      float* gradient);
+
+/// Appends the weights of each beam to out[beam]: several for a node that it reaches in two slabs,
+/// none of 0.
+void beamWeights(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
+                 std::vector<NodeWeight>* out);
+
+}  // namespace volute
