@@ -61,9 +61,9 @@ bool makeBeam(const Support& support, std::span<const Segment> segments,
   Vec3 direction = Vec3::Zero();
   for (const Segment& segment : segments) direction += segment.direction;
   const BeamAxes axes = axesOf(support, direction);
-  if (std::ranges::min(axes.nodes) < kBeamNodes)
+  if (segments.size() != kBeamRays || std::ranges::min(axes.nodes) < kBeamNodes)
     return false;
-  std::array<NodeRay, 4> ray;
+  std::array<NodeRay, kBeamRays> ray;
   double low = axes.nodes[2], high = 0;
   for (std::size_t i = 0; i < segments.size(); ++i) {
     ray[i] = nodeRay(support, axes, segments[i]);
@@ -80,13 +80,14 @@ bool makeBeam(const Support& support, std::span<const Segment> segments,
   const int last = std::clamp(static_cast<int>(std::ceil(high)), first + 1, axes.nodes[2] - 1);
   beam.slabs = last - first;
   const int row = axes.down ? axes.nodes[2] - 1 - first : first;
-  const auto& stride = support.stride();
+  beam.turned = axes.axis[2] == 0 ? 1 : 0;
+  const auto stride = beam.turned != 0 ? support.turnedStride() : support.stride();
   beam.node = support.nodeOf(support.range().begin) + row * stride[axes.axis[2]];
   beam.stride[2] = axes.down ? -stride[axes.axis[2]] : stride[axes.axis[2]];
   for (int a = 0; a < 2; ++a) {
     beam.stride[a] = stride[axes.axis[a]];
     beam.lastAnchor[a] = axes.nodes[a] - kBeamNodes;
-    std::array<double, 4> place{};
+    std::array<double, kBeamRays> place{};
     double least = axes.nodes[a], spread[2]{}, steepest = 0;
     for (std::size_t i = 0; i < segments.size(); ++i) {
       const NodeRay& r = ray[i];

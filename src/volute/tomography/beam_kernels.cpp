@@ -42,7 +42,7 @@ constexpr DI di;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(df));
 
 constexpr int kSide = kBeamNodes;
-constexpr int kMostRays = 4;
+constexpr int kRays = kBeamRays;
 constexpr int kPieces = 3;  // of a ray in a slab: it crosses one line of nodes on each axis at most
 constexpr int kPoints =
     2;  // of Gauss' rule on a piece: a product of three linear functions is a cubic
@@ -62,21 +62,24 @@ struct SlabWeights {
   }
 };
 
-/// Hat functions of the four nodes at a place 0..3, and beyond those of the outer ones.
-HWY_INLINE void HatsAt(VF place, VF hat[kSide]) {
+/// Hat functions of the first kNodes nodes at a place 0..kNodes-1, and beyond those of the outer
+/// ones.
+template <int kNodes>
+HWY_INLINE void HatsAt(VF place, VF* hat) {
   const VF zero = hn::Zero(df), one = hn::Set(df, 1.0F);
-  const VF x = hn::Min(hn::Max(place, zero), hn::Set(df, 3.0F));
-  const VF first = hn::Min(x, one);
-  const VF second = hn::Min(hn::Max(hn::Sub(x, one), zero), one);
-  const VF third = hn::Max(hn::Sub(x, hn::Set(df, 2.0F)), zero);
-  hat[0] = hn::Sub(one, first);
-  hat[1] = hn::Sub(first, second);
-  hat[2] = hn::Sub(second, third);
-  hat[3] = third;
+  VF x = hn::Min(hn::Max(place, zero), hn::Set(df, static_cast<float>(kNodes - 1)));
+  // How far each cell is passed: 1 for those before the place, 0 for those after it.
+  VF before = one;
+  for (int i = 0; i < kNodes - 1; ++i) {
+    const VF passed = i == kNodes - 2 ? hn::Max(x, zero) : hn::Min(hn::Max(x, zero), one);
+    hat[i] = hn::Sub(before, passed);
+    before = passed;
+    x = hn::Sub(x, one);
+  }
+  hat[kNodes - 1] = before;
 }
 
 /// Beams side by side, from slab to slab.
-template <int kRays>
 class Group {
  public:
   HWY_INLINE Group(const Beam* beams, const BeamRay* rays, int count) {
@@ -103,21 +106,17 @@ class Group {
 
   /// The weights of the next slab.
   HWY_INLINE void walk(SlabWeights& out) {
-    const VF most[2] = {moveAnchor(0), moveAnchor(1)};
+    const VF across = moveAnchor(0), down = moveAnchor(1);
     hn::Store(node_, di, out.node);
-    const bool narrow = hn::AllTrue(df, hn::Le(most[0], hn::Set(df, 2.0F)));
-    out.rows = hn::AllTrue(df, hn::Le(most[1], hn::Set(df, 1.0F)))   ? 2
-               : hn::AllTrue(df, hn::Le(most[1], hn::Set(df, 2.0F))) ? 3
-                                                                     : kSide;
-    Factor factors[kRays * kPieces * kPoints];
-    Factor* end = factors;
-    for (int r = 0; r < kRays; ++r) end = addRay(ray_[r], end);
-    for (int row = 0; row < out.rows; ++row) {
-      if (narrow)
-        sumRow<kSide - 1>(factors, end, row, out);
-      else
-        sumRow<kSide>(factors, end, row, out);
-    }
+    const VF two = hn::Set(df, 2.0F);
+    const bool narrow = hn::AllTrue(df, hn::Le(across, two));
+    const bool low = hn::AllTrue(df, hn::Le(down, two));
+    if (narrow && low)
+      addWeights<3, 3>(out);
+    else if (low)
+      addWeights<4, 3>(out);
+    else
+      addWeights<4, 4>(out);
     for (Ray& ray : ray_)
       for (int a = 0; a < 2; ++a) ray.place[a] = hn::Add(ray.place[a], ray.slope[a]);
     node_ = hn::Add(node_, next_);
@@ -182,7 +181,18 @@ class Group {
     return hn::Min(hn::Mul(way, ray.inverse[a]), one);
   }
 
+  /// The weights of all nodes that any beam reaches in a slab.
+  template <int kColumns, int kRows>
+  HWY_INLINE void addWeights(SlabWeights& out) const {
+    out.rows = kRows;
+    Factor factors[kRays * kPieces * kPoints];
+    Factor* end = factors;
+    for (const Ray& ray : ray_) end = addRay<kColumns, kRows>(ray, end);
+    for (int row = 0; row < kRows; ++row) sumRow<kColumns>(factors, end, row, out);
+  }
+
   /// The points on the pieces of a ray that are not empty in all lanes.
+  template <int kColumns, int kRows>
   HWY_INLINE static Factor* addRay(const Ray& ray, Factor* out) {
     const VF x = crossing(ray, 0), y = crossing(ray, 1), one = hn::Set(df, 1.0F);
     const VF cut[kPieces + 1] = {hn::Zero(df), hn::Min(x, y), hn::Max(x, y), one};
@@ -192,17 +202,19 @@ class Group {
       const VF extent = hn::Sub(cut[piece + 1], cut[piece]);
       const VF weight = hn::Mul(hn::Mul(extent, hn::Set(df, 0.5F)), ray.length);
       for (float share : {0.21132487F, 0.78867513F})
-        addPoint(ray, hn::MulAdd(extent, hn::Set(df, share), cut[piece]), weight, *out++);
+        addPoint<kColumns, kRows>(ray, hn::MulAdd(extent, hn::Set(df, share), cut[piece]), weight,
+                                  *out++);
     }
     return out;
   }
 
+  template <int kColumns, int kRows>
   HWY_INLINE static void addPoint(const Ray& ray, VF at, VF weight, Factor& out) {
-    HatsAt(hn::MulAdd(ray.slope[0], at, ray.place[0]), out.across);
+    HatsAt<kColumns>(hn::MulAdd(ray.slope[0], at, ray.place[0]), out.across);
     VF down[kSide];
-    HatsAt(hn::MulAdd(ray.slope[1], at, ray.place[1]), down);
+    HatsAt<kRows>(hn::MulAdd(ray.slope[1], at, ray.place[1]), down);
     const VF far = hn::Mul(weight, at), near = hn::Sub(weight, far);
-    for (int i = 0; i < kSide; ++i) {
+    for (int i = 0; i < kRows; ++i) {
       out.down[0][i] = hn::Mul(near, down[i]);
       out.down[1][i] = hn::Mul(far, down[i]);
     }
@@ -255,17 +267,13 @@ class Spread {
   VI index_[kSide / kNodesAVector];
 };
 
-/// Where a beam's rows of nodes are in memory, for one slab.
+/// From row to row and from plane to plane of a beam, in floats.
 struct Rows {
-  std::ptrdiff_t across, down, next;  // floats
+  std::ptrdiff_t down, next;
 
   HWY_INLINE explicit Rows(const Beam& beam)
-      : across(4 * static_cast<std::ptrdiff_t>(beam.stride[0])),
-        down(4 * static_cast<std::ptrdiff_t>(beam.stride[1])),
+      : down(4 * static_cast<std::ptrdiff_t>(beam.stride[1])),
         next(4 * static_cast<std::ptrdiff_t>(beam.stride[2])) {}
-
-  /// Whether the nodes of a row follow each other.
-  HWY_INLINE bool dense() const { return across == 4; }
 };
 
 // What is done with the weights of a slab. Classes, as compilers do not inline lambdas of another
@@ -278,21 +286,6 @@ class Gather {
 
   HWY_INLINE void take(const Rows& rows, int beam, const SlabWeights& slab) {
     const float* from = values_ + 4 * static_cast<std::ptrdiff_t>(slab.node[beam]);
-    if (rows.dense())
-      takeDense(rows, beam, slab, from);
-    else
-      takeApart(rows, beam, slab, from);
-  }
-
-  HWY_INLINE V4 sum(int beam) const {
-    V4 total = hn::Load(d4, sum_[beam]);
-    for (int i = 4; i < kLanes; i += 4) total = hn::Add(total, hn::Load(d4, sum_[beam] + i));
-    return total;
-  }
-
- private:
-  HWY_INLINE void takeDense(const Rows& rows, int beam, const SlabWeights& slab,
-                            const float* from) {
     VF total[2] = {hn::Load(df, sum_[beam]), hn::Zero(df)};
     for (int row = 0; row < slab.rows; ++row, from += rows.down)
       for (int plane = 0; plane < 2; ++plane)
@@ -303,20 +296,13 @@ class Gather {
     hn::Store(hn::Add(total[0], total[1]), df, sum_[beam]);
   }
 
-  HWY_INLINE void takeApart(const Rows& rows, int beam, const SlabWeights& slab,
-                            const float* from) {
-    V4 total[2] = {hn::Load(d4, sum_[beam]), hn::Zero(d4)};
-    for (int row = 0; row < slab.rows; ++row, from += rows.down)
-      for (int plane = 0; plane < 2; ++plane) {
-        const float* weight = slab.row(plane, row, beam);
-        for (int i = 0; i < kSide; ++i)
-          total[plane] =
-              hn::MulAdd(hn::Set(d4, weight[i]),
-                         hn::LoadU(d4, from + plane * rows.next + i * rows.across), total[plane]);
-      }
-    hn::Store(hn::Add(total[0], total[1]), d4, sum_[beam]);
+  HWY_INLINE V4 sum(int beam) const {
+    V4 total = hn::Load(d4, sum_[beam]);
+    for (int i = 4; i < kLanes; i += 4) total = hn::Add(total, hn::Load(d4, sum_[beam] + i));
+    return total;
   }
 
+ private:
   const float* values_;
   Spread spread_;
   alignas(64) float sum_[kLanes][kLanes] = {};
@@ -331,14 +317,6 @@ class Scatter {
 
   HWY_INLINE void take(const Rows& rows, int beam, const SlabWeights& slab) const {
     float* to = gradient_ + 4 * static_cast<std::ptrdiff_t>(slab.node[beam]);
-    if (rows.dense())
-      takeDense(rows, beam, slab, to);
-    else
-      takeApart(rows, beam, slab, to);
-  }
-
- private:
-  HWY_INLINE void takeDense(const Rows& rows, int beam, const SlabWeights& slab, float* to) const {
     const VF value = hn::LoadDup128(df, value_[beam]);
     for (int row = 0; row < slab.rows; ++row, to += rows.down)
       for (int plane = 0; plane < 2; ++plane)
@@ -350,18 +328,7 @@ class Scatter {
         }
   }
 
-  HWY_INLINE void takeApart(const Rows& rows, int beam, const SlabWeights& slab, float* to) const {
-    const V4 value = hn::Load(d4, value_[beam]);
-    for (int row = 0; row < slab.rows; ++row, to += rows.down)
-      for (int plane = 0; plane < 2; ++plane) {
-        const float* weight = slab.row(plane, row, beam);
-        for (int i = 0; i < kSide; ++i) {
-          float* at = to + plane * rows.next + i * rows.across;
-          hn::StoreU(hn::MulAdd(hn::Set(d4, weight[i]), value, hn::LoadU(d4, at)), d4, at);
-        }
-      }
-  }
-
+ private:
   float* gradient_;
   Spread spread_;
   alignas(64) float value_[kLanes][4];
@@ -373,16 +340,15 @@ class Append {
   HWY_INLINE Append(std::vector<NodeWeight>* out, float share) : out_(out), share_(share) {}
 
   HWY_INLINE void take(const Rows& rows, int beam, const SlabWeights& slab) const {
-    const std::int32_t across = static_cast<std::int32_t>(rows.across / 4),
-                       down = static_cast<std::int32_t>(rows.down / 4),
-                       next = static_cast<std::int32_t>(rows.next / 4);
+    const auto down = static_cast<std::int32_t>(rows.down / 4),
+               next = static_cast<std::int32_t>(rows.next / 4);
     for (int plane = 0; plane < 2; ++plane)
       for (int row = 0; row < slab.rows; ++row) {
         const float* weight = slab.row(plane, row, beam);
         const std::int32_t first = slab.node[beam] + plane * next + row * down;
         for (int i = 0; i < kSide; ++i) {
           if (weight[i] != 0)
-            out_[beam].push_back({first + i * across, share_ * weight[i]});
+            out_[beam].push_back({first + i, share_ * weight[i]});
         }
       }
   }
@@ -398,20 +364,24 @@ int MostSlabs(const Beam* beams, int count) {
   return most;
 }
 
-/// What slab `k` of a group is for.
+/// Shows slab `k` of each beam of a group to `visit`. Not one after the other: beams side by side
+/// write to overlapping stretches of memory, and a vector that was just stored a node further left
+/// has to reach the cache before it can be loaded.
 template <class Visit>
 HWY_INLINE void VisitSlab(const Beam* beams, int count, int k, const SlabWeights& slab,
                           Visit& visit) {
-  for (int i = 0; i < count; ++i) {
-    if (k < beams[i].slabs)
+  constexpr int kApart = 5;  // prime to the number of lanes
+  for (int step = 0; step < kLanes; ++step) {
+    const int i = step * kApart % kLanes;
+    if (i < count && k < beams[i].slabs)
       visit.take(Rows(beams[i]), i, slab);
   }
 }
 
-template <int kRays, class Visit>
+template <class Visit>
 HWY_INLINE void WalkGroup(const Beam* beams, const BeamRay* rays, int count, Visit& visit) {
   SlabWeights slab;
-  Group<kRays> group(beams, rays, count);
+  Group group(beams, rays, count);
   const int most = MostSlabs(beams, count);
   for (int k = 0; k < most; ++k) {
     group.walk(slab);
@@ -431,7 +401,6 @@ struct Beams {
   const BeamRay* rays;
 };
 
-template <int kRays>
 struct ForwardBody {
   Beams from;
   const float* values;
@@ -439,13 +408,12 @@ struct ForwardBody {
 
   HWY_INLINE void group(std::size_t first, int count) {
     Gather gather(values);
-    WalkGroup<kRays>(from.beams + first, from.rays + first * kRays, count, gather);
+    WalkGroup(from.beams + first, from.rays + first * kRays, count, gather);
     for (int i = 0; i < count; ++i)
       hn::StoreU(hn::Mul(gather.sum(i), hn::Set(d4, 1.0F / kRays)), d4, sums + 4 * (first + i));
   }
 };
 
-template <int kRays>
 struct AdjointBody {
   Beams from;
   const float* beamValues;
@@ -456,22 +424,20 @@ struct AdjointBody {
     for (int i = 0; i < count; ++i)
       scatter.set(i,
                   hn::Mul(hn::LoadU(d4, beamValues + 4 * (first + i)), hn::Set(d4, 1.0F / kRays)));
-    WalkGroup<kRays>(from.beams + first, from.rays + first * kRays, count, scatter);
+    WalkGroup(from.beams + first, from.rays + first * kRays, count, scatter);
   }
 };
 
-template <int kRays>
 struct WeightsBody {
   Beams from;
   std::vector<NodeWeight>* out;
 
   HWY_INLINE void group(std::size_t first, int count) {
     Append append(out + first, 1.0F / kRays);
-    WalkGroup<kRays>(from.beams + first, from.rays + first * kRays, count, append);
+    WalkGroup(from.beams + first, from.rays + first * kRays, count, append);
   }
 };
 
-template <int kRays>
 struct ThereAndBackBody {
   Beams from;
   const float* values;
@@ -484,7 +450,7 @@ struct ThereAndBackBody {
   HWY_INLINE void group(std::size_t first, int count) {
     const Beam* beams = from.beams + first;
     Gather gather(values);
-    Group<kRays> walk(beams, from.rays + first * kRays, count);
+    Group walk(beams, from.rays + first * kRays, count);
     const int most = MostSlabs(beams, count);
     if (slabs.size() < static_cast<std::size_t>(most))
       slabs.resize(most);
@@ -503,46 +469,29 @@ struct ThereAndBackBody {
   }
 };
 
-void Forward(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
-             const float* values, float* sums) {
-  ForwardBody<1> one{{beams, rays}, values, sums};
-  ForwardBody<4> four{{beams, rays}, values, sums};
-  if (raysPerBeam == 1)
-    ForGroups(count, one);
-  else
-    ForGroups(count, four);
+void Forward(const Beam* beams, const BeamRay* rays, std::size_t count, const float* values,
+             float* sums) {
+  ForwardBody body{{beams, rays}, values, sums};
+  ForGroups(count, body);
 }
 
-void Adjoint(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
-             const float* beamValues, float* gradient) {
-  AdjointBody<1> one{{beams, rays}, beamValues, gradient};
-  AdjointBody<4> four{{beams, rays}, beamValues, gradient};
-  if (raysPerBeam == 1)
-    ForGroups(count, one);
-  else
-    ForGroups(count, four);
+void Adjoint(const Beam* beams, const BeamRay* rays, std::size_t count, const float* beamValues,
+             float* gradient) {
+  AdjointBody body{{beams, rays}, beamValues, gradient};
+  ForGroups(count, body);
 }
 
-void Weights(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
+void Weights(const Beam* beams, const BeamRay* rays, std::size_t count,
              std::vector<NodeWeight>* out) {
-  WeightsBody<1> one{{beams, rays}, out};
-  WeightsBody<4> four{{beams, rays}, out};
-  if (raysPerBeam == 1)
-    ForGroups(count, one);
-  else
-    ForGroups(count, four);
+  WeightsBody body{{beams, rays}, out};
+  ForGroups(count, body);
 }
 
-void ThereAndBack(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
-                  const float* values, BeamTurn turn, const void* context, float* sums,
-                  float* gradient) {
+void ThereAndBack(const Beam* beams, const BeamRay* rays, std::size_t count, const float* values,
+                  BeamTurn turn, const void* context, float* sums, float* gradient) {
   std::vector<SlabWeights> slabs;
-  ThereAndBackBody<1> one{{beams, rays}, values, turn, context, sums, gradient, slabs};
-  ThereAndBackBody<4> four{{beams, rays}, values, turn, context, sums, gradient, slabs};
-  if (raysPerBeam == 1)
-    ForGroups(count, one);
-  else
-    ForGroups(count, four);
+  ThereAndBackBody body{{beams, rays}, values, turn, context, sums, gradient, slabs};
+  ForGroups(count, body);
 }
 
 }  // namespace
@@ -559,26 +508,26 @@ HWY_EXPORT(Adjoint);
 HWY_EXPORT(ThereAndBack);
 HWY_EXPORT(Weights);
 
-void beamForward(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
-                 const float* values, float* sums) {
-  HWY_DYNAMIC_DISPATCH(Forward)(beams, rays, count, raysPerBeam, values, sums);
+void beamForward(const Beam* beams, const BeamRay* rays, std::size_t count, const float* values,
+                 float* sums) {
+  HWY_DYNAMIC_DISPATCH(Forward)(beams, rays, count, values, sums);
 }
 
-void beamAdjoint(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
-                 const float* beamValues, float* gradient) {
-  HWY_DYNAMIC_DISPATCH(Adjoint)(beams, rays, count, raysPerBeam, beamValues, gradient);
+void beamAdjoint(const Beam* beams, const BeamRay* rays, std::size_t count, const float* beamValues,
+                 float* gradient) {
+  HWY_DYNAMIC_DISPATCH(Adjoint)(beams, rays, count, beamValues, gradient);
 }
 
-void beamThereAndBack(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
+void beamThereAndBack(const Beam* beams, const BeamRay* rays, std::size_t count,
                       const float* values, BeamTurn turn, const void* context, float* sums,
                       float* gradient) {
   HWY_DYNAMIC_DISPATCH(ThereAndBack)
-  (beams, rays, count, raysPerBeam, values, turn, context, sums, gradient);
+  (beams, rays, count, values, turn, context, sums, gradient);
 }
 
-void beamWeights(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
+void beamWeights(const Beam* beams, const BeamRay* rays, std::size_t count,
                  std::vector<NodeWeight>* out) {
-  HWY_DYNAMIC_DISPATCH(Weights)(beams, rays, count, raysPerBeam, out);
+  HWY_DYNAMIC_DISPATCH(Weights)(beams, rays, count, out);
 }
 
 }  // namespace volute

@@ -16,15 +16,19 @@ namespace volute {
 /// Nodes on each side of the square that the rays of a beam reach in a plane.
 inline constexpr int kBeamNodes = 4;
 
-/// The rays of one pixel, which walk together from plane to plane of the lattice across the axis
-/// along which they advance most. Between two planes, a slab, they reach kBeamNodes x kBeamNodes
-/// nodes of each, from an anchor on.
+inline constexpr int kBeamRays = 4;
+
+/// The four rays of one pixel, which walk together from plane to plane of the lattice across the
+/// axis along which they advance most. Between two planes, a slab, they reach kBeamNodes x
+/// kBeamNodes nodes of each, from an anchor on.
 struct Beam {
-  std::int32_t node;           ///< the anchor in the first plane
-  std::int32_t stride[3];      ///< in nodes, along the two axes in the plane and to the next plane
-  std::int32_t anchor[2];      ///< its place in the plane at the first slab
+  std::int32_t node;       ///< the anchor in the first plane
+  std::int32_t stride[3];  ///< in nodes, along the two axes in the plane, 1 for the first, and to
+                           ///< the next plane
+  std::int32_t anchor[2];  ///< its place in the plane at the first slab
   std::int32_t lastAnchor[2];  ///< the largest place that an anchor may have
   std::int32_t slabs;
+  std::int32_t turned;  ///< 1: nodes and strides are of the lattice with x and y exchanged
 };
 
 /// One of its rays.
@@ -35,13 +39,13 @@ struct BeamRay {
 };
 
 /// sums[0..3] of each beam: the mean over its rays of the line integrals through `values`.
-/// @param rays  raysPerBeam (1 or 4) for each beam.
-void beamForward(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
-                 const float* values, float* sums);
+/// @param rays  kBeamRays for each beam.
+void beamForward(const Beam* beams, const BeamRay* rays, std::size_t count, const float* values,
+                 float* sums);
 
 /// The transpose: adds each beam's four values, spread along its rays, to `gradient`.
-void beamAdjoint(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
-                 const float* beamValues, float* gradient);
+void beamAdjoint(const Beam* beams, const BeamRay* rays, std::size_t count, const float* beamValues,
+                 float* gradient);
 
 /// Makes of the sums of `count` beams from `first` on what is spread along them.
 using BeamTurn = void (*)(const void* context, std::size_t first, std::size_t count,
@@ -49,13 +53,13 @@ using BeamTurn = void (*)(const void* context, std::size_t first, std::size_t co
 
 /// Both in one walk: beamForward through `values`, then `turn`, then beamAdjoint.
 /// @param sums  as of beamForward.
-void beamThereAndBack(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
+void beamThereAndBack(const Beam* beams, const BeamRay* rays, std::size_t count,
                       const float* values, BeamTurn turn, const void* context, float* sums,
                       float* gradient);
 
 /// Appends the weights of each beam to out[beam]: several for a node that it reaches in two slabs,
 /// none of 0.
-void beamWeights(const Beam* beams, const BeamRay* rays, std::size_t count, int raysPerBeam,
+void beamWeights(const Beam* beams, const BeamRay* rays, std::size_t count,
                  std::vector<NodeWeight>* out);
 
 }  // namespace volute

@@ -113,6 +113,43 @@ class Watcher {
   int waited_ = 0;
 };
 
+/// Strengths from strong to weak, and how the held-out error falls with them.
+class StrengthSearch {
+ public:
+  /// Adds the error of a strength; whether a weaker one may pay.
+  bool add(double share, double error) {
+    if (!error_) {
+      chosen_ = share;
+    } else {
+      const double slope = std::log(error / *error_), middle = std::sqrt(share * share_);
+      const bool pays = slope <= kSlope;
+      if (pays)
+        chosen_ = share;
+      else if (slope_)
+        chosen_ = middle_ * std::pow(middle / middle_, (kSlope - *slope_) / (slope - *slope_));
+      if (!pays)
+        return false;
+      slope_ = slope;
+      middle_ = middle;
+    }
+    share_ = share;
+    error_ = error;
+    return true;
+  }
+
+  /// Where, between the middles of two steps, a weaker prior ceases to pay; the weakest if it
+  /// always did.
+  double chosen() const { return chosen_; }
+
+ private:
+  // Of the logarithm of the error a step. What a weaker prior gains without noise comes from more
+  // iterations, not from the prior.
+  static constexpr double kSlope = -0.0175;
+
+  std::optional<double> error_, slope_;
+  double share_ = 0, middle_ = 0, chosen_ = 0;
+};
+
 int solve(const FitSetup& setup, const LeastSquares& data, Prior& prior, int iterations,
           std::vector<float>& unknowns, const SolverWatch& watch) {
   const bool nonNegative = setup.options.nonNegative;
@@ -211,29 +248,29 @@ std::vector<std::uint8_t> heldOutView(const FrameProblem& problem,
 Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
   constexpr double kStrongest = 1e-2, kWeakest = 1e-6, kFactor = 0.31622776601683794;
   constexpr int kSearchIterations = 40, kFinalIterations = 600;
-  constexpr double kGain = 0.985;  // less is no reason for a weaker prior
   constexpr std::size_t kLeastViews = 4;
   const LeastSquares& data = setup.problem.data;
   const auto heldOut = setup.views.size() >= kLeastViews
                            ? heldOutView(setup.problem, setup.views)
                            : heldOutRows(data.rows(), setup.options.seed);
   const LeastSquares rest = withoutRows(data, heldOut);
-  std::optional<Fit> best;
-  for (double share = kStrongest; share >= kWeakest; share *= kFactor) {
+  StrengthSearch search;
+  double error = 0;
+  for (double share = kStrongest; share >= 0.99 * kWeakest; share *= kFactor) {
     VOLUTE_ASSIGN(Fit fit, runFit(setup, rest, Regularization::kTv, share * setup.typical, start,
                                   {kSearchIterations, 0, {}, 2 * kSettled}));
     fit.heldOutError = heldOutError(data, heldOut, fit.projected);
-    if (best && fit.heldOutError > kGain * best->heldOutError)
+    if (!search.add(share, fit.heldOutError))
       break;
-    start = fit.unknowns;
-    best = std::move(fit);
+    error = fit.heldOutError;
+    start = std::move(fit.unknowns);
   }
   const std::optional<int>& wanted = setup.options.iterations;
   const StopRule stop =
       wanted ? StopRule{*wanted, 0, {}, 0} : StopRule{kFinalIterations, 0, {}, kSettled};
-  VOLUTE_ASSIGN(Fit fit, runFit(setup, data, Regularization::kTv, best->lambda,
-                                std::move(best->unknowns), stop));
-  fit.heldOutError = best->heldOutError;
+  VOLUTE_ASSIGN(Fit fit, runFit(setup, data, Regularization::kTv, search.chosen() * setup.typical,
+                                std::move(start), stop));
+  fit.heldOutError = error;
   return fit;
 }
 

@@ -34,7 +34,7 @@ double squaredGradient(const TomographyView& view, int x, int y) {
 }  // namespace
 
 std::vector<float> pixelVariance(const TomographyView& view, std::optional<double> noiseSigma) {
-  constexpr double kFloor = 0.1;
+  constexpr double kFloor = 0.03;
   const Image& image = view.radiance;
   const double sigma = noiseSigma.value_or(noiseOf(view));
   const double noise = sigma * sigma;

@@ -14,7 +14,7 @@ namespace volute {
 inline constexpr double kSightError = 0.05;
 
 /// What of a pixel's radiance is uncertain, squared, (height, width): the noise, and the radiance's
-/// gradient times kSightError. A floor of a tenth of its mean keeps dark pixels from ruling alone.
+/// gradient times kSightError. A floor of 3 % of its mean keeps dark pixels from ruling alone.
 std::vector<float> pixelVariance(const TomographyView& view, std::optional<double> noiseSigma);
 
 }  // namespace volute

@@ -138,12 +138,12 @@ std::vector<T> taken(std::span<const T> values, std::span<const std::uint32_t> f
   return out;
 }
 
-/// The numbers below `count`, by `part` of each; those of a part in their own order.
-std::vector<std::uint32_t> sortedByPart(std::span<const std::uint32_t> rows,
-                                        std::span<const std::uint8_t> partOfRow) {
-  std::vector<std::uint32_t> order(rows.size());
+/// 0 .. count - 1 by key(i); those of the same key in their own order.
+template <class Key>
+std::vector<std::uint32_t> sortedBy(std::size_t count, Key&& key) {
+  std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0U);
-  std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return partOfRow[rows[i]]; });
+  std::ranges::stable_sort(order, {}, key);
   return order;
 }
 
@@ -157,6 +157,8 @@ class Projector::ScratchUse {
         scratch_(lock_ ? &projector.scratch_ : &own_) {}
 
   Scratch* operator->() const { return scratch_; }
+
+  Scratch& operator*() const { return *scratch_; }
 
  private:
   std::unique_lock<std::mutex> lock_;
@@ -236,47 +238,58 @@ std::vector<std::int32_t> Projector::rowPlanes() const {
 void Projector::cutChunks() {
   const std::size_t count = std::clamp<std::size_t>(rows() / kLeastRows, 1, kChunks);
   const std::vector<std::int32_t> plane = rowPlanes();
-  std::vector<std::uint32_t> order(rows());
-  std::iota(order.begin(), order.end(), 0U);
-  std::ranges::stable_sort(order, {}, [&](std::uint32_t row) { return plane[row]; });
+  const auto order = sortedBy(rows(), [&](std::uint32_t row) { return plane[row]; });
   std::vector<std::uint8_t> chunkOf(rows());
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t k = rows() * i / count; k < rows() * (i + 1) / count; ++k)
       chunkOf[order[k]] = static_cast<std::uint8_t>(i);
 
-  const auto beamOrder = sortedByPart(beamRows_, chunkOf);
+  const auto beamOrder = sortedBy(
+      beams_.size(), [&](std::uint32_t i) { return 2 * chunkOf[beamRows_[i]] + beams_[i].turned; });
   beams_ = taken<Beam>(beams_, beamOrder, 1);
   beamRays_ = taken<BeamRay>(beamRays_, beamOrder, raysPerPixel_);
   beamRows_ = taken<std::uint32_t>(beamRows_, beamOrder, 1);
-  const auto looseOrder = sortedByPart(looseRows_, chunkOf);
+  const auto looseOrder =
+      sortedBy(looseRows_.size(), [&](std::uint32_t i) { return chunkOf[looseRows_[i]]; });
   looseRays_ = taken<WalkRay>(looseRays_, looseOrder, raysPerPixel_);
   looseRows_ = taken<std::uint32_t>(looseRows_, looseOrder, 1);
 
   chunks_.resize(count);
-  auto partOf = [&](std::uint32_t row) { return chunkOf[row]; };
+  std::size_t beam = 0, loose = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto beams = std::ranges::equal_range(beamRows_, i, {}, partOf);
-    const auto loose = std::ranges::equal_range(looseRows_, i, {}, partOf);
     Chunk& chunk = chunks_[i];
-    chunk.firstBeam = beams.begin() - beamRows_.begin();
-    chunk.lastBeam = beams.end() - beamRows_.begin();
-    chunk.firstLoose = loose.begin() - looseRows_.begin();
-    chunk.lastLoose = loose.end() - looseRows_.begin();
+    for (int turned = 0; turned < 2; ++turned) {
+      chunk.beams[turned].first = beam;
+      while (beam < beams_.size() && chunkOf[beamRows_[beam]] == i && beams_[beam].turned == turned)
+        ++beam;
+      chunk.beams[turned].last = beam;
+    }
+    chunk.firstLoose = loose;
+    while (loose < looseRows_.size() && chunkOf[looseRows_[loose]] == i) ++loose;
+    chunk.lastLoose = loose;
   }
   parallelFor(count, [&](std::size_t i) { reach(chunks_[i]); });
+  if (std::ranges::any_of(beams_, [](const Beam& b) { return b.turned != 0; })) {
+    for (const std::int32_t node : support_->nodes())
+      turnedNodes_.push_back(support_->turned(node));
+  }
 }
 
 /// Bounds of the nodes that the rays reach.
 void Projector::reach(Chunk& chunk) const {
-  NodeRange range;
   const auto rays = static_cast<std::size_t>(raysPerPixel_);
-  for (std::size_t i = chunk.firstBeam; i < chunk.lastBeam; ++i)
-    addReach(beams_[i], std::span(beamRays_).subspan(i * rays, rays), range);
-  for (std::size_t i = chunk.firstLoose * rays; i < chunk.lastLoose * rays; ++i)
-    addReach(looseRays_[i], lattice_, range);
   const auto size = static_cast<std::int32_t>(support_->latticeSize());
-  chunk.firstNode = std::clamp<std::int32_t>(range.first, 0, size);
-  chunk.lastNode = std::clamp<std::int32_t>(range.last, chunk.firstNode, size);
+  for (BeamSpan& span : chunk.beams) {
+    NodeRange range;
+    for (std::size_t i = span.first; i < span.last; ++i)
+      addReach(beams_[i], std::span(beamRays_).subspan(i * rays, rays), range);
+    if (&span == &chunk.beams[0]) {
+      for (std::size_t i = chunk.firstLoose * rays; i < chunk.lastLoose * rays; ++i)
+        addReach(looseRays_[i], lattice_, range);
+    }
+    span.firstNode = std::clamp<std::int32_t>(range.first, 0, size);
+    span.lastNode = std::clamp<std::int32_t>(range.last, span.firstNode, size);
+  }
 }
 
 bool Projector::writeTables(std::uint64_t bytes) {
@@ -324,7 +337,11 @@ void Projector::rawWeights(std::size_t first, std::size_t count,
   auto begin = std::ranges::lower_bound(beamRows_, first) - beamRows_.begin();
   auto end = std::ranges::lower_bound(beamRows_, last) - beamRows_.begin();
   beamWeights(beams_.data() + begin, beamRays_.data() + begin * raysPerPixel_, end - begin,
-              raysPerPixel_, own.data());
+              own.data());
+  for (auto i = begin; i < end; ++i) {
+    if (beams_[i].turned != 0)
+      for (NodeWeight& w : own[i - begin]) w.node = support_->turnedBack(w.node);
+  }
   put(beamRows_, begin, end - begin);
   for (auto& row : own) row.clear();
   begin = std::ranges::lower_bound(looseRows_, first) - looseRows_.begin();
@@ -384,13 +401,17 @@ void Projector::multiply(const Table& table, std::span<const float> values,
   });
 }
 
-void Projector::toLattice(std::span<const float> unknowns, std::vector<float>& lattice) const {
-  lattice.resize(4 * support_->latticeSize());  // what is no unknown stays 0
-  const auto nodes = support_->nodes();
-  parallelRanges(nodes.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      std::copy_n(&unknowns[4 * i], 4, &lattice[4 * static_cast<std::size_t>(nodes[i])]);
-  });
+void Projector::toLattices(std::span<const float> unknowns, Scratch& scratch) const {
+  for (int turned = 0; turned < (turnedNodes_.empty() ? 1 : 2); ++turned) {
+    const auto nodes =
+        turned != 0 ? std::span<const std::int32_t>(turnedNodes_) : support_->nodes();
+    std::vector<float>& lattice = scratch.lattice[turned];
+    lattice.resize(4 * support_->latticeSize());  // what is no unknown stays 0
+    parallelRanges(nodes.size(), 4096, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        std::copy_n(&unknowns[4 * i], 4, &lattice[4 * static_cast<std::size_t>(nodes[i])]);
+    });
+  }
 }
 
 void Projector::forwardLoose(std::size_t first, std::size_t last, const float* lattice,
@@ -409,18 +430,24 @@ void Projector::forward(std::span<const float> unknowns, std::span<float> pixels
     return;
   }
   const ScratchUse scratch(*this);
-  std::vector<float>& lattice = scratch->lattice;
-  toLattice(unknowns, lattice);
-  parallelRanges(beams_.size(), 128, [&](std::size_t begin, std::size_t end) {
-    std::vector<float> sums(4 * (end - begin));
-    beamForward(beams_.data() + begin, beamRays_.data() + begin * raysPerPixel_, end - begin,
-                raysPerPixel_, lattice.data(), sums.data());
-    for (std::size_t i = begin; i < end; ++i)
-      std::copy_n(&sums[4 * (i - begin)], 4, &pixels[4 * std::size_t{beamRows_[i]}]);
+  toLattices(unknowns, *scratch);
+  parallelFor(2 * chunks_.size(), [&](std::size_t i) {
+    const BeamSpan& span = chunks_[i / 2].beams[i % 2];
+    std::vector<float> sums(4 * span.size());
+    beamForward(beams_.data() + span.first, beamRays_.data() + span.first * raysPerPixel_,
+                span.size(), scratch->lattice[i % 2].data(), sums.data());
+    putRows(span, sums, pixels);
   });
   parallelRanges(looseRows_.size(), 64, [&](std::size_t begin, std::size_t end) {
-    forwardLoose(begin, end, lattice.data(), pixels);
+    forwardLoose(begin, end, scratch->lattice[0].data(), pixels);
   });
+}
+
+/// Puts sums of beams where their rows are.
+void Projector::putRows(const BeamSpan& span, std::span<const float> sums,
+                        std::span<float> pixels) const {
+  for (std::size_t i = 0; i < span.size(); ++i)
+    std::copy_n(&sums[4 * i], 4, &pixels[4 * std::size_t{beamRows_[span.first + i]}]);
 }
 
 /// Values of the rows `rowOf`, one after the other.
@@ -440,15 +467,21 @@ void Projector::adjointLoose(const Chunk& chunk, std::span<const float> pixels,
               raysPerPixel_, gradient);
 }
 
-/// work(chunk, its gradient as one of the whole lattice) for all chunks; then their sum.
+/// work(chunk, its gradients in both lattices) for all chunks; then their sum.
 template <class Work>
 void Projector::sumChunks(std::vector<std::vector<float>>& parts, std::span<float> unknowns,
                           Work&& work) const {
-  parts.resize(chunks_.size());
+  parts.resize(2 * chunks_.size());
   parallelFor(chunks_.size(), [&](std::size_t i) {
     const Chunk& chunk = chunks_[i];
-    parts[i].assign(4 * static_cast<std::size_t>(chunk.lastNode - chunk.firstNode), 0.0F);
-    work(chunk, parts[i].data() - 4 * static_cast<std::ptrdiff_t>(chunk.firstNode));
+    std::array<float*, 2> gradient{};
+    for (std::size_t turned = 0; turned < 2; ++turned) {
+      const BeamSpan& span = chunk.beams[turned];
+      std::vector<float>& part = parts[2 * i + turned];
+      part.assign(4 * static_cast<std::size_t>(span.lastNode - span.firstNode), 0.0F);
+      gradient[turned] = part.data() - 4 * static_cast<std::ptrdiff_t>(span.firstNode);
+    }
+    work(chunk, gradient);
   });
   addParts(parts, unknowns);
 }
@@ -460,12 +493,14 @@ void Projector::adjoint(std::span<const float> pixels, std::span<float> unknowns
     return;
   }
   const ScratchUse scratch(*this);
-  sumChunks(scratch->parts, unknowns, [&](const Chunk& chunk, float* gradient) {
-    const std::size_t count = chunk.lastBeam - chunk.firstBeam;
-    const auto values = valuesOf(std::span(beamRows_).subspan(chunk.firstBeam, count), pixels);
-    beamAdjoint(beams_.data() + chunk.firstBeam, beamRays_.data() + chunk.firstBeam * raysPerPixel_,
-                count, raysPerPixel_, values.data(), gradient);
-    adjointLoose(chunk, pixels, gradient);
+  sumChunks(scratch->parts, unknowns, [&](const Chunk& chunk, std::array<float*, 2> gradient) {
+    for (std::size_t turned = 0; turned < 2; ++turned) {
+      const BeamSpan& span = chunk.beams[turned];
+      const auto values = valuesOf(std::span(beamRows_).subspan(span.first, span.size()), pixels);
+      beamAdjoint(beams_.data() + span.first, beamRays_.data() + span.first * raysPerPixel_,
+                  span.size(), values.data(), gradient[turned]);
+    }
+    adjointLoose(chunk, pixels, gradient[0]);
   });
 }
 
@@ -496,18 +531,18 @@ void Projector::thereAndBack(std::span<const float> unknowns, const Turn& turn,
     return;
   }
   const ScratchUse scratch(*this);
-  std::vector<float>& lattice = scratch->lattice;
-  toLattice(unknowns, lattice);
-  sumChunks(scratch->parts, result, [&](const Chunk& chunk, float* gradient) {
-    const std::size_t count = chunk.lastBeam - chunk.firstBeam;
-    const TurnContext context{turn, std::span(beamRows_).subspan(chunk.firstBeam, count)};
-    std::vector<float> sums(4 * count);
-    beamThereAndBack(beams_.data() + chunk.firstBeam,
-                     beamRays_.data() + chunk.firstBeam * raysPerPixel_, count, raysPerPixel_,
-                     lattice.data(), TurnContext::call, &context, sums.data(), gradient);
-    for (std::size_t i = 0; i < count; ++i)
-      std::copy_n(&sums[4 * i], 4, &pixels[4 * std::size_t{context.rows[i]}]);
-    turnLoose(chunk, turn, lattice.data(), pixels, gradient);
+  toLattices(unknowns, *scratch);
+  sumChunks(scratch->parts, result, [&](const Chunk& chunk, std::array<float*, 2> gradient) {
+    for (std::size_t turned = 0; turned < 2; ++turned) {
+      const BeamSpan& span = chunk.beams[turned];
+      const TurnContext context{turn, std::span(beamRows_).subspan(span.first, span.size())};
+      std::vector<float> sums(4 * span.size());
+      beamThereAndBack(beams_.data() + span.first, beamRays_.data() + span.first * raysPerPixel_,
+                       span.size(), scratch->lattice[turned].data(), TurnContext::call, &context,
+                       sums.data(), gradient[turned]);
+      putRows(span, sums, pixels);
+    }
+    turnLoose(chunk, turn, scratch->lattice[0].data(), pixels, gradient[0]);
   });
 }
 
@@ -527,20 +562,21 @@ void Projector::turnLoose(const Chunk& chunk, const Turn& turn, const float* lat
 /// In the order of the chunks.
 void Projector::addParts(std::span<const std::vector<float>> parts,
                          std::span<float> unknowns) const {
-  const auto nodes = support_->nodes();
-  parallelRanges(nodes.size(), 1024, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(this->unknowns(), 1024, [&](std::size_t begin, std::size_t end) {
     std::fill(unknowns.begin() + 4 * begin, unknowns.begin() + 4 * end, 0.0F);
-    for (std::size_t c = 0; c < chunks_.size(); ++c) {
-      // Nodes ascend with the unknowns.
-      const auto from =
-          std::lower_bound(nodes.begin() + begin, nodes.begin() + end, chunks_[c].firstNode);
-      const auto to = std::lower_bound(from, nodes.begin() + end, chunks_[c].lastNode);
-      const float* part = parts[c].data() - 4 * static_cast<std::ptrdiff_t>(chunks_[c].firstNode);
-      for (auto i = static_cast<std::size_t>(from - nodes.begin()),
-                last = static_cast<std::size_t>(to - nodes.begin());
-           i < last; ++i)
-        for (int k = 0; k < 4; ++k)
+    for (std::size_t c = 0; c < parts.size(); ++c) {
+      const BeamSpan& span = chunks_[c / 2].beams[c % 2];
+      if (span.firstNode == span.lastNode)
+        continue;
+      const auto nodes =
+          c % 2 != 0 ? std::span<const std::int32_t>(turnedNodes_) : support_->nodes();
+      const float* part = parts[c].data() - 4 * static_cast<std::ptrdiff_t>(span.firstNode);
+      for (std::size_t i = begin; i < end; ++i) {
+        if (nodes[i] < span.firstNode || nodes[i] >= span.lastNode)
+          continue;
+        for (std::size_t k = 0; k < 4; ++k)
           unknowns[4 * i + k] += part[4 * static_cast<std::ptrdiff_t>(nodes[i]) + k];
+      }
     }
   });
 }

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -73,12 +74,20 @@ class Projector {
                     std::span<float> result) const;
 
  private:
+  /// Rows of a chunk that go through one of the two lattices: that of the support, and the same
+  /// with x and y exchanged.
+  struct BeamSpan {
+    std::size_t first = 0, last = 0;           ///< in beams_
+    std::int32_t firstNode = 0, lastNode = 0;  ///< what they reach, with the loose rows
+
+    std::size_t size() const { return last - first; }
+  };
+
   /// Rows that are summed up on their own. They are added in order, so that the threads do not
   /// matter.
   struct Chunk {
-    std::size_t firstBeam = 0, lastBeam = 0;    ///< in beams_
+    std::array<BeamSpan, 2> beams;              ///< those that are turned are the second
     std::size_t firstLoose = 0, lastLoose = 0;  ///< in looseRows_
-    std::int32_t firstNode = 0, lastNode = 0;   ///< what its rays reach in the lattice
   };
 
   /// A sparse matrix: row i has the weights [begin[i], begin[i+1]).
@@ -89,8 +98,8 @@ class Projector {
 
   /// Working memory of products: taking it anew each time costs as much as a walk.
   struct Scratch {
-    std::vector<float> lattice;             ///< the unknowns with zeros around
-    std::vector<std::vector<float>> parts;  ///< each chunk's gradient
+    std::array<std::vector<float>, 2> lattice;  ///< the unknowns with zeros around, and turned
+    std::vector<std::vector<float>> parts;      ///< each chunk's gradients, two of them
   };
 
   class ScratchUse;
@@ -105,11 +114,12 @@ class Projector {
                   std::span<const std::int32_t> unknownAt, Table& table) const;
   void transposeTable();
   void multiply(const Table& table, std::span<const float> values, std::span<float> sums) const;
-  void toLattice(std::span<const float> unknowns, std::vector<float>& lattice) const;
+  void toLattices(std::span<const float> unknowns, Scratch& scratch) const;
   void rawWeights(std::size_t first, std::size_t count,
                   std::span<std::vector<NodeWeight>> raw) const;
   static std::vector<float> valuesOf(std::span<const std::uint32_t> rowOf,
                                      std::span<const float> pixels);
+  void putRows(const BeamSpan& span, std::span<const float> sums, std::span<float> pixels) const;
   void forwardLoose(std::size_t first, std::size_t last, const float* lattice,
                     std::span<float> pixels) const;
   void adjointLoose(const Chunk& chunk, std::span<const float> pixels, float* gradient) const;
@@ -123,6 +133,7 @@ class Projector {
   std::shared_ptr<const Support> support_;
   int raysPerPixel_;
   WalkLattice lattice_;
+  std::vector<std::int32_t> turnedNodes_;  ///< of the unknowns; empty when no beam is turned
   std::vector<PixelRow> rows_;
   // Of each row either a beam or loose rays; in the order of the chunks once those are cut.
   std::vector<Beam> beams_;

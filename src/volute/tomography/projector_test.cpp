@@ -149,9 +149,10 @@ TEST_P(ProjectorTest, ThereAndBackIsForwardAndAdjoint) {
 
 TEST_P(ProjectorTest, WalksBothTogetherAndOneByOne) {
   const Projector projector = make(scene_.someHull());
-  const bool together = GetParam().basis == Basis::kTrilinear && !GetParam().table;
+  const bool together =
+      GetParam().basis == Basis::kTrilinear && GetParam().raysPerPixel == 4 && !GetParam().table;
   EXPECT_EQ(projector.beams() > projector.rows() / 3, together);
-  // Through a camera inside of the volume, and where pixels are larger than voxels.
+  // Not through the camera inside of the volume.
   EXPECT_LT(projector.beams(), projector.rows());
 }
 

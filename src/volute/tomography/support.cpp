@@ -41,6 +41,16 @@ CellGrid basisCells(const VolumeGeometry& geometry, Basis basis) {
   return cells;
 }
 
+std::int32_t Support::turned(std::int32_t node) const {
+  const std::int32_t origin = nodeOf(range_.begin), place = (node - origin) % stride_[2];
+  return node - place + place % stride_[1] * (box_[1] + 2) + place / stride_[1];
+}
+
+std::int32_t Support::turnedBack(std::int32_t node) const {
+  const std::int32_t origin = nodeOf(range_.begin), place = (node - origin) % stride_[2];
+  return node - place + place % (box_[1] + 2) * stride_[1] + place / (box_[1] + 2);
+}
+
 TouchedPart touchedPart(const Support& support, const Segment& segment) {
   TouchedPart touched;
   traverseCells(support.cells(), support.range(), segment,

@@ -51,6 +51,15 @@ class Support {
 
   const std::array<std::int32_t, 3>& stride() const { return stride_; }  ///< in nodes, on x, y, z
 
+  /// In the lattice with x and y exchanged, where nodes that follow each other along y do so in
+  /// memory: the strides on x, y, z, and a node of the other lattice.
+  std::array<std::int32_t, 3> turnedStride() const { return {box_[1] + 2, 1, stride_[2]}; }
+
+  std::int32_t turned(std::int32_t node) const;
+
+  /// The reverse of turned().
+  std::int32_t turnedBack(std::int32_t node) const;
+
   /// Lattice nodes, with a margin at both ends for a ray that rounding carries one cell too far.
   std::size_t latticeSize() const { return latticeSize_; }
 
