@@ -15,6 +15,17 @@ void LeastSquares::gradient(std::span<const float> projected, std::span<float> g
   projector->adjoint(residual, gradient);
 }
 
+void LeastSquares::projectAndGradient(std::span<const float> a, std::span<float> projected,
+                                      std::span<float> gradient) const {
+  projector->thereAndBack(
+      a,
+      [this](std::size_t row, const float* sum, float* back) {
+        for (std::size_t c = 0; c < 4; ++c)
+          back[c] = squaredWeight[row] * misfit(4 * row + c, sum[c]);
+      },
+      projected, gradient);
+}
+
 double LeastSquares::squaredResidual(std::span<const float> projected) const {
   return sumElements(projected.size(), [&](std::size_t i) {
     const double r = misfit(i, projected[i]);

@@ -33,6 +33,10 @@ struct LeastSquares {
   /// gradient = S' W^2 (projected - measured), given projected = S a.
   void gradient(std::span<const float> projected, std::span<float> gradient) const;
 
+  /// projected = S a and the gradient there, in one walk.
+  void projectAndGradient(std::span<const float> a, std::span<float> projected,
+                          std::span<float> gradient) const;
+
   /// |W (projected - measured)|^2.
   double squaredResidual(std::span<const float> projected) const;
 

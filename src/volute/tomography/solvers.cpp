@@ -68,20 +68,19 @@ int solveApg(const LeastSquares& problem, double largest, Prior& prior, int iter
   const std::vector<float> step = steps(problem, largest, prior);
   Vector& x = unknowns;
   Vector y = x, before(x.size()), gradient(x.size());
-  Vector sx(4 * problem.rows()), sy(sx.size()), sBefore;
-  problem.projector->forward(x, sx);
-  sy = sx;
+  Vector sy(4 * problem.rows()), sx(sy.size());
   double momentum = 1;
+  float beta = 0;
   for (int k = 1; k <= iterations; ++k) {
-    problem.gradient(sy, gradient);
+    problem.projectAndGradient(y, sy, gradient);
+    // y is x + beta (x - before), and S is linear: the product with x need not be made.
+    forElements(sx.size(), [&](std::size_t i) { sx[i] = (sy[i] + beta * sx[i]) / (1 + beta); });
+    if (k > 1 && !watch(k - 1, x, sx))
+      return k - 1;
     prior.addGradient(y, gradient);
     std::swap(before, x);
     forElements(x.size(), [&](std::size_t i) { x[i] = y[i] - step[i / 4] * gradient[i]; });
     prior.proximal(x, step);
-    sBefore = sx;
-    problem.projector->forward(x, sx);
-    if (!watch(k, x, sx))
-      return k;
     const double uphill = sumElements(x.size(), [&](std::size_t i) {
       return (static_cast<double>(y[i]) - x[i]) * (static_cast<double>(x[i]) - before[i]) /
              step[i / 4];
@@ -89,12 +88,12 @@ int solveApg(const LeastSquares& problem, double largest, Prior& prior, int iter
     if (uphill > 0)
       momentum = 1;
     const double next = 0.5 * (1 + std::sqrt(1 + 4 * momentum * momentum));
-    const auto beta = static_cast<float>((momentum - 1) / next);
+    beta = static_cast<float>((momentum - 1) / next);
     momentum = next;
     forElements(x.size(), [&](std::size_t i) { y[i] = x[i] + beta * (x[i] - before[i]); });
-    // S is linear: the product with y need not be made.
-    forElements(sx.size(), [&](std::size_t i) { sy[i] = sx[i] + beta * (sx[i] - sBefore[i]); });
   }
+  problem.projector->forward(x, sx);
+  watch(iterations, x, sx);
   return iterations;
 }
 

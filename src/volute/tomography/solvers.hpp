@@ -20,7 +20,7 @@ using SolverWatch = std::function<bool(int iteration, std::span<const float> unk
 /// iterations it made.
 
 /// Accelerated projected gradient (Beck and Teboulle 2009) with adaptive restart (O'Donoghue and
-/// Candes 2015). One product with S and one with S' an iteration.
+/// Candes 2015). One product with S and one with S' an iteration, in one walk.
 /// @param largest  the largest eigenvalue of S' W^2 S.
 int solveApg(const LeastSquares& problem, double largest, Prior& prior, int iterations,
              std::vector<float>& unknowns, const SolverWatch& watch);
