@@ -296,6 +296,32 @@ TEST(ReferenceProjector, LinearFieldAlongAnAxisOfBoxesIsTheSumOfItsCentres) {
   }
 }
 
+TEST(Projector, RoundingDoesNotAddUpOnLongWays) {
+  const VolumeGeometry geometry{{Vec3(-1, -1, -1), Vec3(1, 1, 1)}, {70, 60, 80}};
+  const auto support =
+      std::make_shared<const Support>(geometry, Basis::kTrilinear, std::span<const std::uint8_t>{});
+  const auto x = randomColours(support->size(), 21);
+  std::vector<double> volume(geometry.voxels());
+  for (std::size_t i = 0; i < x.size() / 4; ++i) volume[i] = x[4 * i];
+  const ReferenceProjector reference(geometry, Basis::kTrilinear);
+  // Along each axis both ways, along diagonals of faces and of the cube, and askew.
+  for (const Vec3& from :
+       {Vec3(4, 0, 0), Vec3(-4, 0, 0), Vec3(0, 4, 0.01), Vec3(0, -4, 0), Vec3(0.01, 0, 4),
+        Vec3(0, 0.01, -4), Vec3(3, 3, 0), Vec3(-3, 3, 3), Vec3(0.4, -3, 3.1), Vec3(2, -1, 0.5)}) {
+    const Camera camera = Camera::pinhole({from, Vec3(0.02, -0.01, 0.03)}, 28, 41, 31);
+    const ProjectorView view{&camera, {}};
+    const Projector projector({&view, 1}, support, 4, 0);
+    std::vector<float> sx(4 * projector.rows());
+    projector.forward(x, sx);
+    for (std::size_t row = 0; row < projector.rows(); row += 7) {
+      double sum = 0;
+      for (const Segment& ray : raysOf(camera, projector.pixels()[row].pixel, 4))
+        sum += 0.25 * reference.forward(volume, ray);
+      EXPECT_NEAR(sx[4 * row], sum, 2e-6) << from.transpose() << ", row " << row;
+    }
+  }
+}
+
 TEST(ProjectVolume, ConstantCubeShowsItsChords) {
   const VolumeGeometry geometry{{Vec3(-1, -1, -1), Vec3(1, 1, 1)}, {8, 8, 8}};
   const std::vector<float> volume(3 * geometry.voxels(), 2.0F);

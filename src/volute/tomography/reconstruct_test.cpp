@@ -127,6 +127,27 @@ TEST(Reconstruct, WarmStartNeedsFewerIterations) {
             0.9 * now.error(solved(now, options).volume));
 }
 
+/// Priors that make the result depend on more than the data.
+class WarmStartTest : public testing::TestWithParam<Regularization> {};
+
+TEST_P(WarmStartTest, EndsWhereAColdStartEnds) {
+  const TestScene before(5), now(5, 0, 0.05);
+  TomographyOptions options;
+  options.regularization = GetParam();
+  options.lambda = 1e-4;
+  options.iterations = 150;
+  const Reconstruction first = solved(before, options);
+  const Reconstruction cold = solved(now, options), warm = solved(now, options, first.volume);
+  EXPECT_NEAR(now.error(warm.volume), now.error(cold.volume), 0.01);
+  options.iterations = 6;
+  EXPECT_LT(now.error(solved(now, options, first.volume).volume),
+            0.9 * now.error(solved(now, options).volume));
+}
+
+INSTANTIATE_TEST_SUITE_P(Priors, WarmStartTest,
+                         testing::Values(Regularization::kTv, Regularization::kSmooth,
+                                         Regularization::kWavelet));
+
 TEST(Reconstruct, CoarseToFineFindsTheVolume) {
   const TestScene scene(7);
   TomographyOptions options;
