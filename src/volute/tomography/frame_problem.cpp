@@ -74,12 +74,15 @@ Status emptyHull(std::span<const TomographyView> views) {
 /// gradient for each chunk of rows.
 std::uint64_t bytesNeeded(std::span<const std::vector<std::uint8_t>> masks, const Support& support,
                           int raysPerPixel) {
-  constexpr std::uint64_t kColour = 16, kPixelVectors = 8, kUnknownVectors = 10, kGradients = 32;
+  constexpr std::uint64_t kColour = 16, kPixelVectors = 8, kUnknownVectors = 10;
+  // The rays of a pixel that walk together do so through two lattices.
+  const std::uint64_t lattices = raysPerPixel == kBeamRays ? 2 : 1;
+  const std::uint64_t gradients = (32 + 1) * lattices;
   std::uint64_t pixels = 0;
   for (const auto& mask : masks)
     pixels += mask.size() - static_cast<std::uint64_t>(std::ranges::count(mask, 0));
   return pixels * (raysPerPixel * sizeof(WalkRay) + kPixelVectors * kColour) +
-         support.size() * kUnknownVectors * kColour + support.latticeSize() * kGradients * kColour;
+         support.size() * kUnknownVectors * kColour + support.latticeSize() * gradients * kColour;
 }
 
 /// Rows of pixels that count for the projector.
