@@ -135,6 +135,10 @@ void GlProgram::set(const char* name, const std::array<float, 2>& value) const {
   glProgramUniform2f(object_.name(), place(name), value[0], value[1]);
 }
 
+void GlProgram::set(const char* name, const std::array<float, 4>& value) const {
+  glProgramUniform4fv(object_.name(), place(name), 1, value.data());
+}
+
 void GlProgram::set(const char* name, const Vec3& value) const {
   glProgramUniform3f(object_.name(), place(name), static_cast<float>(value.x()),
                      static_cast<float>(value.y()), static_cast<float>(value.z()));

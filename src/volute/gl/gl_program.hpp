@@ -43,6 +43,7 @@ class GlProgram {
   void set(const char* name, const std::array<int, 3>& value) const;
   void set(const char* name, const std::array<int, 4>& value) const;
   void set(const char* name, const std::array<float, 2>& value) const;
+  void set(const char* name, const std::array<float, 4>& value) const;
   void set(const char* name, const Vec3& value) const;
   void set(const char* name, const Mat3& value) const;
 

@@ -13,5 +13,9 @@ extern const char* const kVolumeAtlas;
 extern const char* const kVolumeTree;
 extern const char* const kFogCells;
 extern const char* const kSmoke;
+extern const char* const kTetsVertex;
+extern const char* const kTetsFragment;
+extern const char* const kTetsWallVertex;
+extern const char* const kTetsWallFragment;
 
 }  // namespace volute::glsl
