@@ -48,16 +48,20 @@ class Pictures final : public GlPictures {
 
   nlohmann::ordered_json stats() override {
     for (const GlPassTime& pass : renderer_.takePasses()) {
-      auto found = std::ranges::find(passes_, pass.name, &GlPassTime::name);
+      auto found = std::ranges::find_if(passes_, [&](const GlPassTime& other) {
+        return other.name == pass.name && other.media == pass.media;
+      });
       if (found == passes_.end())
-        found = passes_.insert(passes_.end(), GlPassTime{pass.name});
+        found = passes_.insert(passes_.end(), GlPassTime{pass.name, pass.media});
       found->times += pass.times;
       found->milliseconds += pass.milliseconds;
     }
     auto passes = nlohmann::ordered_json::array();
     for (const GlPassTime& pass : passes_) {
-      passes.push_back(
-          {{"name", pass.name}, {"times", pass.times}, {"milliseconds", pass.milliseconds}});
+      passes.push_back({{"name", pass.name},
+                        {"media", pass.media},
+                        {"times", pass.times},
+                        {"milliseconds", pass.milliseconds}});
     }
     return {
         {"device", gl_.device().renderer}, {"hardware", gl_.device().hardware}, {"passes", passes}};

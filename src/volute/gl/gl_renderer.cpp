@@ -8,6 +8,7 @@
 
 #include "volute/gl/gl_device.hpp"
 #include "volute/gl/gl_medium.hpp"
+#include "volute/gl/smoke_passes.hpp"
 
 namespace volute {
 namespace {
@@ -99,6 +100,20 @@ Rgb behindPixel(const RenderOptions& options, std::span<const float> opaqueDepth
   return opaque ? Rgb(Rgb::Zero()) : options.background;
 }
 
+/// "volume + fog".
+std::string mediaNames(const GlScene& scene) {
+  std::string name;
+  const auto add = [&](const char* medium, bool there) {
+    if (there)
+      name += (name.empty() ? "" : " + ") + std::string(medium);
+  };
+  add("volume", !scene.volumes.empty());
+  add("tree", !scene.trees.empty());
+  add("fog", !scene.fogs.empty());
+  add("smoke", !scene.smokes.empty());
+  return name;
+}
+
 }  // namespace
 
 struct GlRenderer::State {
@@ -109,6 +124,7 @@ struct GlRenderer::State {
   Kept<Tree4d, GlTreeData> trees;
   Kept<TetLocator, GlMesh> meshes;
   GlTexture picture, opaque, lens;
+  SmokePasses smokePasses;
   int width = 0, height = 0;
 
   Result<const GlProgram*> programFor(std::span<const std::unique_ptr<GlMedium>> media,
@@ -117,7 +133,10 @@ struct GlRenderer::State {
   Status resize(const Camera& camera);
   void bindCamera(const GlProgram& program, const Camera& camera,
                   std::span<const float> opaqueDepth);
-  Status dispatch(const GlProgram& program, const char* pass, Progress& progress);
+  void setOpaque(std::span<const float> opaqueDepth);
+  Status dispatch(const GlProgram& program, const std::string& media, Progress& progress);
+  Status march(const Camera& camera, const GlScene& scene, GlQuantity quantity, Progress& progress,
+               std::span<const float> opaqueDepth);
 };
 
 Result<const GlProgram*> GlRenderer::State::programFor(
@@ -186,14 +205,8 @@ void GlRenderer::State::bindCamera(const GlProgram& program, const Camera& camer
   program.set("lens", kLensUnit);
   program.set("opaqueGiven", opaqueDepth.empty() ? 0 : 1);
   program.set("lensGiven", camera.distortion().none() ? 0 : 1);
-  if (!opaqueDepth.empty()) {
-    std::vector<float> texels(opaqueDepth.begin(), opaqueDepth.end());
-    for (float& depth : texels) depth = depth < kFarthest ? depth : kFarthest;
-    if (!opaque)
-      opaque = makeTexture2d(GL_R32F, width, height);
-    glTextureSubImage2D(opaque.name(), 0, 0, 0, width, height, GL_RED, GL_FLOAT, texels.data());
+  if (!opaqueDepth.empty())
     glBindTextureUnit(kOpaqueUnit, opaque.name());
-  }
   if (!camera.distortion().none()) {
     lens = makeTexture2d(GL_RGBA32F, width, height);
     const std::vector<float> texels = lensDirections(camera);
@@ -202,7 +215,16 @@ void GlRenderer::State::bindCamera(const GlProgram& program, const Camera& camer
   }
 }
 
-Status GlRenderer::State::dispatch(const GlProgram& program, const char* pass, Progress& progress) {
+void GlRenderer::State::setOpaque(std::span<const float> opaqueDepth) {
+  std::vector<float> texels(opaqueDepth.begin(), opaqueDepth.end());
+  for (float& depth : texels) depth = depth < kFarthest ? depth : kFarthest;
+  if (!opaque)
+    opaque = makeTexture2d(GL_R32F, width, height);
+  glTextureSubImage2D(opaque.name(), 0, 0, 0, width, height, GL_RED, GL_FLOAT, texels.data());
+}
+
+Status GlRenderer::State::dispatch(const GlProgram& program, const std::string& media,
+                                   Progress& progress) {
   program.use();
   glBindImageTexture(0, picture.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   for (int row = 0; row < height; row += kBandRows) {
@@ -210,7 +232,7 @@ Status GlRenderer::State::dispatch(const GlProgram& program, const char* pass, P
       return fail(ErrorCode::kCancelled, "stopped: {} of {} rows were rendered", row, height);
     program.set("firstRow", row);
     const int rows = std::min(kBandRows, height - row);
-    passes.run(pass, [&] {
+    passes.run("march", media, [&] {
       glDispatchCompute(static_cast<GLuint>((width + kGroup - 1) / kGroup),
                         static_cast<GLuint>((rows + kGroup - 1) / kGroup), 1);
     });
@@ -233,26 +255,37 @@ Result<GlRenderer> GlRenderer::create() {
   return GlRenderer(std::move(state));
 }
 
-Status GlRenderer::draw(const Camera& camera, const GlScene& scene, GlQuantity quantity,
-                        Progress& progress, std::span<const float> opaqueDepth) {
-  VOLUTE_TRY(checkInput(camera, {}, opaqueDepth));
-  VOLUTE_TRY(state_->resize(camera));
+Status GlRenderer::State::march(const Camera& camera, const GlScene& scene, GlQuantity quantity,
+                                Progress& progress, std::span<const float> opaqueDepth) {
   std::vector<std::unique_ptr<GlMedium>> media;
   Status uploaded;
-  state_->passes.run("upload", [&] {
-    auto made = state_->mediaOf(scene);
+  passes.run("upload", mediaNames(scene), [&] {
+    auto made = mediaOf(scene);
     if (made)
       media = std::move(*made);
     else
       uploaded = tl::unexpected(std::move(made).error());
   });
   VOLUTE_TRY(std::move(uploaded));
-  VOLUTE_ASSIGN(const GlProgram* program, state_->programFor(media, quantity));
-  state_->bindCamera(*program, camera, opaqueDepth);
+  VOLUTE_ASSIGN(const GlProgram* program, programFor(media, quantity));
+  bindCamera(*program, camera, opaqueDepth);
   GlBindings bindings;
   for (std::size_t i = 0; i < media.size(); ++i)
     media[i]->bind(*program, mediumPrefix(i), camera.eye(), !camera.isOrthographic(), bindings);
-  return state_->dispatch(*program, "march", progress);
+  return dispatch(*program, mediaNames(scene), progress);
+}
+
+Status GlRenderer::draw(const Camera& camera, const GlScene& scene, GlQuantity quantity,
+                        Progress& progress, std::span<const float> opaqueDepth) {
+  VOLUTE_TRY(checkInput(camera, {}, opaqueDepth));
+  VOLUTE_TRY(state_->resize(camera));
+  if (!opaqueDepth.empty())
+    state_->setOpaque(opaqueDepth);
+  const GlSmokeMethod method = smokeMethod(scene, camera, quantity);
+  if (method == GlSmokeMethod::kMarch)
+    return state_->march(camera, scene, quantity, progress, opaqueDepth);
+  return state_->smokePasses.draw(camera, scene.smokes[0], method, opaqueDepth,
+                                  state_->opaque.name(), state_->picture.name(), state_->passes);
 }
 
 Result<Image> GlRenderer::render(const Camera& camera, const GlScene& scene,

@@ -177,6 +177,37 @@ TEST_F(GlRendererTest, SmokeIsThatOfTheReference) {
   }
 }
 
+TEST_F(GlRendererTest, EveryWayToDrawSmokeIsTheReference) {
+  const auto box = boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {6, 5, 4}, 0.3, 5);
+  for (const bool lit : {false, true}) {
+    const Smoke smoke(box, lit, 3);
+    const AnyMedium medium = smoke.medium();
+    for (const Camera& camera : cameras(medium.bounds())) {
+      std::vector<float> wall(static_cast<std::size_t>(camera.width()) * camera.height(), INFINITY);
+      const double middle = (medium.bounds().centre() - camera.eye()).norm();
+      for (std::size_t i = 0; i < wall.size(); i += 2)
+        wall[i] = static_cast<float>(middle * (0.7 + 0.0005 * double(i % 999)));
+      for (const auto method :
+           {GlSmokeMethod::kMarch, GlSmokeMethod::kSplat, GlSmokeMethod::kProject}) {
+        (void)renderer_->takePasses();
+        const GlScene scene{.smokes = {smoke.onDevice()}, .smokeMethod = method};
+        EXPECT_LE(errorOf(camera, scene, {&medium, 1}, {.background = Rgb(0.3, 0.5, 0.1)}, wall),
+                  method == GlSmokeMethod::kProject ? 2e-3 : kBar)
+            << "lit " << lit << ", method " << int(method) << ", eye " << camera.eye().transpose();
+        const auto passes = renderer_->takePasses();
+        const bool lens = !camera.distortion().none();
+        const char* pass = lens || method == GlSmokeMethod::kMarch ? "march"
+                           : method == GlSmokeMethod::kProject     ? "draw tetrahedra"
+                           : lit                                   ? "march"
+                                                                   : "splat";
+        EXPECT_TRUE(std::ranges::any_of(passes, [&](const GlPassTime& time) {
+          return time.name == pass && time.media == "smoke";
+        })) << pass;
+      }
+    }
+  }
+}
+
 TEST_F(GlRendererTest, SmokeInAHallThatRaysLeaveAndReEnter) {
   const Smoke smoke(hallMesh(2.5, 3), true, 0.1);
   const AnyMedium medium = smoke.medium();

@@ -39,12 +39,22 @@ struct GlSmoke {
   std::vector<float> source{};  ///< radiance of infinitely thick smoke, RGB a vertex; empty: black
 };
 
+/// How a smoke is drawn that is alone in its picture. One among other media is marched with them,
+/// and so is any under a camera with a lens.
+enum class GlSmokeMethod {
+  kAuto,     ///< black smoke and optical depths by the splat, light by the march
+  kMarch,    ///< from face to face, in a compute shader
+  kSplat,    ///< DepthSplat: transmittance alone; light is marched
+  kProject,  ///< TetProjector, for drivers whose compute shaders are slow
+};
+
 /// All media of a picture, and the light behind them.
 struct GlScene {
   std::vector<GlVolume> volumes{};
   std::vector<GlTreeVolume> trees{};
   std::vector<FogMedium> fogs{};
   std::vector<GlSmoke> smokes{};
+  GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
 
   std::size_t media() const { return volumes.size() + trees.size() + fogs.size() + smokes.size(); }
 };

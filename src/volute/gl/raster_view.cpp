@@ -19,6 +19,9 @@ Result<RasterView> RasterView::of(const Camera& camera, const Box3& bounds) {
   if (view.orthographic) {
     view.toImage << 1 / camera.pixelWidth(), 0, camera.principalPoint().x(), 0,
         1 / camera.pixelSize(), camera.principalPoint().y(), 0, 0, 1;
+    view.rayCorner = camera.ray(0, 0).origin - camera.eye();
+    view.rayRight = camera.right() * camera.pixelWidth();
+    view.rayDown = camera.down() * camera.pixelSize();
     return view;
   }
   view.toImage = camera.intrinsics();

@@ -19,7 +19,8 @@ struct RasterView {
   bool orthographic = false;
   double nearest = 1;   ///< [m]; a pinhole's depths are nearest / w
   double farthest = 1;  ///< [m]; an orthographic camera's are 1/2 - z / (4 farthest)
-  /// Rays one metre along the view: of image point (0, 0), and one pixel further.
+  /// The ray of image point (0, 0), and one pixel further: its direction, one metre along the view,
+  /// or (orthographic) its origin from the eye [m].
   Vec3 rayCorner = Vec3::Zero(), rayRight = Vec3::Zero(), rayDown = Vec3::Zero();
 
   /// kUnsupported for cameras with a lens, whose straight lines are bent.

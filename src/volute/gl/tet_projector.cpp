@@ -334,7 +334,7 @@ Status TetProjector::draw(const Camera& camera, std::span<const float> opaqueDep
   VOLUTE_ASSIGN(const auto view, RasterView::of(camera, state.mesh->bounds()));
   const TetEye eye = TetEye::of(camera);
   state.resize(camera, options.target);
-  passes.run("smoke: sort and project", [&] {
+  passes.run("sort and project", "smoke", [&] {
     if (!state.eye || !(*state.eye == eye))
       state.project(eye);
     if (state.fieldsNew)
@@ -344,7 +344,7 @@ Status TetProjector::draw(const Camera& camera, std::span<const float> opaqueDep
     if (!opaqueDepth.empty())
       state.setOpaque(opaqueDepth);
   });
-  passes.run("smoke: draw tetrahedra", [&] {
+  passes.run("draw tetrahedra", "smoke", [&] {
     const RasterScope scope(state.framebuffer, state.width, state.height);
     const float clear[] = {0, 0, 0, 1};
     glClearNamedFramebufferfv(state.framebuffer.name(), GL_COLOR, 0, clear);
