@@ -3,10 +3,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "volute/fog/fog_medium.hpp"
+#include "volute/fog/polar_table.hpp"
+#include "volute/fog/sunlit_fog.hpp"
 #include "volute/grid/brick_slice.hpp"
+#include "volute/render/billboard.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
 #include "volute/tree4d/tree4d.hpp"
 
@@ -48,15 +51,29 @@ enum class GlSmokeMethod {
   kProject,  ///< TetProjector, for drivers whose compute shaders are slow
 };
 
+/// Billboard's twin: a volume's picture on a rectangle that faces the camera.
+struct GlBillboard {
+  GlVolume volume;
+  BillboardOptions options;
+};
+
 /// All media of a picture, and the light behind them.
 struct GlScene {
   std::vector<GlVolume> volumes{};
   std::vector<GlTreeVolume> trees{};
   std::vector<FogMedium> fogs{};
   std::vector<GlSmoke> smokes{};
+  std::vector<SunlitFog> sunlitFogs{};
+  std::vector<GlBillboard> billboards{};
+  double fogFactor = 1;  ///< of all fogs' extinction, as ScaledMedium has it
+  /// A fog that is alone in its picture is drawn by a polar table where one serves.
+  std::optional<PolarOptions> polarFog{};
   GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
 
-  std::size_t media() const { return volumes.size() + trees.size() + fogs.size() + smokes.size(); }
+  std::size_t media() const {
+    return volumes.size() + trees.size() + fogs.size() + smokes.size() + sunlitFogs.size() +
+           billboards.size();
+  }
 };
 
 }  // namespace volute
