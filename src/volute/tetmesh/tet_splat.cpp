@@ -23,12 +23,14 @@ int tilesOver(int pixels) {
   return (pixels + kSide - 1) / kSide;
 }
 
-BinnedTet inTile(std::int32_t tet, const PixelBox& box, int x, int y) {
+BinnedTet inTile(BinnedTet tet, const PixelBox& box, int x, int y) {
   const auto block = [](int pixel, int tile) {
     return static_cast<std::uint8_t>(std::clamp(pixel - tile * kSide, 0, kSide - 1) /
                                      TetTile::kBlock);
   };
-  return {tet, block(box.x0, x), block(box.y0, y), block(box.x1, x), block(box.y1, y)};
+  tet.x0 = block(box.x0, x), tet.y0 = block(box.y0, y);
+  tet.x1 = block(box.x1, x), tet.y1 = block(box.y1, y);
+  return tet;
 }
 
 /// A chunk's tets, tile by tile.
@@ -40,6 +42,20 @@ struct ChunkBins {
     return {tets.data() + begin[tile], tets.data() + begin[tile + 1]};
   }
 };
+
+/// Where the tile's rays end.
+void bound(const ScreenView& view, OpaqueDepth opaque, TetTile& tile) {
+  tile.bounded = true;
+  std::ranges::fill(tile.end, 0.0F);
+  for (int y = tile.y0; y < std::min(tile.y0 + kSide, view.height); ++y) {
+    for (int x = tile.x0; x < std::min(tile.x0 + kSide, view.width); ++x) {
+      const float end = opaque[static_cast<std::size_t>(y) * view.width + x];
+      const double z = std::min(end / view.rayScale(x, y), 1e30);
+      tile.end[TetTile::index(x - tile.x0, y - tile.y0)] =
+          static_cast<float>(view.orthographic ? -z : 1 / std::max(z, 1e-30));
+    }
+  }
+}
 
 PixelBox unite(const PixelBox& a, const PixelBox& b) {
   if (a.empty() || b.empty())
@@ -55,17 +71,15 @@ struct TetSplat::State {
   std::vector<FacePlane> planes;                       // of each face
   std::vector<std::array<std::int32_t, 4>> faces;      // SplatMesh::faces
   std::vector<std::array<Eigen::Vector3f, 3>> slopes;  // TetMesh::slopes but the first
-  std::vector<Eigen::Vector3f> gradient;               // of each tet
+  std::vector<TetSmoke> smoke;                         // of each tet
   std::vector<char> dark;                              // tets without smoke
-  std::vector<ScreenVertex> vertices;
-  std::vector<PixelPlace> places;
-  std::vector<float> depth;  // of each vertex along the view
+  std::vector<SplatVertex> vertices;
 
   const TetMesh& mesh() const { return locator->mesh(); }
 
   void prepare();
   void project(const ScreenView& view);
-  PixelBox boxOf(const ScreenView& view, const Tet& tet) const;
+  PixelBox boxAtEye(const ScreenView& view, const Tet& tet) const;
   ChunkBins binChunk(const ScreenView& view, std::size_t chunk) const;
   SplatMesh splatMesh() const;
 };
@@ -73,7 +87,7 @@ struct TetSplat::State {
 void TetSplat::State::prepare() {
   const std::size_t tets = mesh().tets().size();
   slopes.resize(tets);
-  gradient.assign(tets, Eigen::Vector3f::Zero());
+  smoke.assign(tets, {Vec3::Zero(), 0});
   dark.assign(tets, 1);
   faces.resize(tets);
   parallelRanges(tets, 4096, [&](std::size_t begin, std::size_t end) {
@@ -102,57 +116,57 @@ void TetSplat::State::prepare() {
 
 void TetSplat::State::project(const ScreenView& view) {
   vertices.resize(mesh().vertices().size());
-  places.resize(vertices.size());
-  depth.resize(vertices.size());
   parallelRanges(vertices.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      vertices[i] = view.project(mesh().vertices()[i]);
-      places[i] = pixelPlace(vertices[i]);
-      depth[i] = vertices[i].z;
+      const ScreenVertex vertex = view.project(mesh().vertices()[i]);
+      const PixelPlace place = pixelPlace(vertex);
+      vertices[i] = {
+          place.x, place.y, -place.x, -place.y, vertex.z, -vertex.z, place.ahead ? 0.0F : 1.0F, 0};
     }
   });
 }
 
-PixelBox TetSplat::State::boxOf(const ScreenView& view, const Tet& tet) const {
-  const PixelPlace* place[4];
-  bool ahead = true;
-  for (int k = 0; k < 4; ++k) {
-    place[k] = &places[tet[k]];
-    ahead &= place[k]->ahead;
-  }
+/// Of a tet that is partly behind the eye.
+PixelBox TetSplat::State::boxAtEye(const ScreenView& view, const Tet& tet) const {
+  ScreenVertex corners[4];
+  for (int k = 0; k < 4; ++k) corners[k] = view.project(mesh().vertices()[tet[k]]);
   PixelBox box;
-  if (ahead) {
-    // As of two corners: what the four of them span.
-    const auto [x0, x1] = std::minmax({place[0]->x, place[1]->x, place[2]->x, place[3]->x});
-    const auto [y0, y1] = std::minmax({place[0]->y, place[1]->y, place[2]->y, place[3]->y});
-    const PixelPlace low{x0, y0, true}, high{x1, y1, true};
-    return pixelBox(view, low, high, high);
-  }
   for (int k = 0; k < 4; ++k) {
-    box = unite(box, pixelBox(view, vertices[tet[(k + 1) % 4]], vertices[tet[(k + 2) % 4]],
-                              vertices[tet[(k + 3) % 4]]));
+    box = unite(box,
+                pixelBox(view, corners[(k + 1) % 4], corners[(k + 2) % 4], corners[(k + 3) % 4]));
   }
   return box;
 }
 
 ChunkBins TetSplat::State::binChunk(const ScreenView& view, std::size_t chunk) const {
+  constexpr std::size_t kBatch = 512;
   const int across = tilesOver(view.width), down = tilesOver(view.height);
   const std::size_t end = std::min(faces.size(), (chunk + 1) * kChunk);
   std::vector<std::pair<std::int32_t, BinnedTet>> found;
   found.reserve(2 * kChunk);
   ChunkBins bins;
   bins.begin.assign(static_cast<std::size_t>(across) * down + 1, 0);
+  std::vector<TetSpan> spans(kBatch);
   for (std::size_t t = chunk * kChunk; t < end; ++t) {
+    const std::size_t at = t % kBatch;
+    if (at == 0) {
+      spanTets(view, vertices.data(), mesh().tets().subspan(t, std::min(kBatch, end - t)),
+               spans.data());
+    }
     if (dark[t])
       continue;
-    const PixelBox box = boxOf(view, mesh().tets()[t]);
+    const TetSpan& span = spans[at];
+    const PixelBox box = span.behind > 0 ? boxAtEye(view, mesh().tets()[t])
+                                         : PixelBox{-span.minusX0, -span.minusY0, span.x1, span.y1};
     if (box.empty())
       continue;
+    const BinnedTet tet{
+        static_cast<std::int32_t>(t), 0, 0, 0, 0, -span.minusNearest, span.farthest};
     for (int y = box.y0 / kSide; y <= box.y1 / kSide; ++y) {
       for (int x = box.x0 / kSide; x <= box.x1 / kSide; ++x) {
         const int tile = y * across + x;
         ++bins.begin[static_cast<std::size_t>(tile) + 1];
-        found.emplace_back(tile, inTile(static_cast<std::int32_t>(t), box, x, y));
+        found.emplace_back(tile, inTile(tet, box, x, y));
       }
     }
   }
@@ -165,13 +179,9 @@ ChunkBins TetSplat::State::binChunk(const ScreenView& view, std::size_t chunk) c
 
 SplatMesh TetSplat::State::splatMesh() const {
   SplatMesh splat;
-  splat.vertices = mesh().vertices().data();
-  splat.tets = mesh().tets().data()->data();
   splat.faces = faces.data()->data();
   splat.planes = planes.data();
-  splat.extinction = extinction.data();
-  splat.gradient = gradient.data()->data();
-  splat.depth = depth.data();
+  splat.smoke = smoke.data();
   return splat;
 }
 
@@ -198,8 +208,11 @@ void TetSplat::setExtinction(std::span<const float> extinction) {
                             extinction[tet[3]]};
       state.dark[t] = std::max(std::max(tau[0], tau[1]), std::max(tau[2], tau[3])) <= negligible;
       const auto& slope = state.slopes[t];
-      state.gradient[t] = (tau[1] - tau[0]) * slope[0] + (tau[2] - tau[0]) * slope[1] +
-                          (tau[3] - tau[0]) * slope[2];
+      const Eigen::Vector3f gradient = (tau[1] - tau[0]) * slope[0] + (tau[2] - tau[0]) * slope[1] +
+                                       (tau[3] - tau[0]) * slope[2];
+      TetSmoke& smoke = state.smoke[t];
+      smoke.gradient = gradient.cast<double>();
+      smoke.offset = tau[0] - smoke.gradient.dot(mesh.vertices()[tet[0]]);
     }
   });
 }
@@ -217,29 +230,11 @@ void TetSplat::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span<
     TetTile tile;
     tile.x0 = static_cast<int>(i) % across * kSide;
     tile.y0 = static_cast<int>(i) / across * kSide;
-    const int width = std::min(kSide, view.width - tile.x0);
-    const int height = std::min(kSide, view.height - tile.y0);
     std::ranges::fill(tile.sum, 0.0F);
-    tile.bounded = !opaque.empty();
-    const auto forEachPixel = [&](auto&& f) {
-      for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
-          f(TetTile::index(x, y), static_cast<std::size_t>(y + tile.y0) * view.width + x + tile.x0,
-            view.rayScale(x + tile.x0, y + tile.y0));
-        }
-      }
-    };
-    if (tile.bounded) {
-      std::ranges::fill(tile.end, 0.0F);
-      forEachPixel([&](int at, std::size_t pixel, double scale) {
-        const double z = std::min(opaque[pixel] / scale, 1e30);
-        tile.end[at] = static_cast<float>(view.orthographic ? -z : 1 / std::max(z, 1e-30));
-      });
-    }
+    if (!opaque.empty())
+      bound(view, opaque, tile);
     for (const ChunkBins& chunk : bins) splatTets(view, mesh, chunk.of(i), tile);
-    forEachPixel([&](int at, std::size_t pixel, double scale) {
-      depth[pixel] = std::max(0.0F, tile.sum[at] * static_cast<float>(scale));
-    });
+    readTile(view, tile, depth.data());
   });
 }
 
