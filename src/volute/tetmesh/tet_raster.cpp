@@ -105,8 +105,9 @@ HWY_INLINE void SetBounds(const TileRays& rays, const SplatMesh& mesh, std::int3
     const std::int32_t face = mesh.faces[4 * static_cast<std::int64_t>(tet) + k];
     alignas(32) double all[4];
     Multiply(mesh.planes[face >> 1].normal.data(), rays.plane, all);
-    const bool low = (all[3] > 0) == ((face & 1) == 0);
-    const double by = 1 / std::copysign(std::max(std::abs(all[3]), kLeast), all[3]);
+    const bool before = all[3] > 0;
+    const bool low = before == ((face & 1) == 0);
+    const double by = 1 / (before ? std::max(all[3], kLeast) : std::min(all[3], -kLeast));
     highs -= !low;
     out.bound[low ? lows : highs] = {static_cast<float>(all[0] * by),
                                      static_cast<float>(all[1] * by),
@@ -164,18 +165,21 @@ struct RowSpans {
 template <int kLows>
 HWY_INLINE void SetSpans(const TetBounds& tet, const BinnedTet& blocks, RowSpans& spans) {
   constexpr int kLines = kLows * (4 - kLows);
-  constexpr float kFar = 1e6F, kLeast = 1e-30F, kMargin = 1e-6F;
+  constexpr float kFar = 1e6F, kLeast = 1e-30F, kMargin = 1e-6F, kFlat = 1e-3F;
   constexpr float kReach = kBlock - 1;
   Affine begins[kLines + 1], ends[kLines + 1];  // in blocks, `y` for a row of them
   for (int line = 0; line < kLines; ++line) {
     const Affine& low = tet.bound[line / (4 - kLows)];
     const Affine& high = tet.bound[kLows + line % (4 - kLows)];
     const float x = high.x - low.x, y = high.y - low.y;
-    const float at = high.at - low.at + std::max(0.0F, kReach * y) +
-                     kMargin * (std::abs(high.at) + std::abs(low.at));
-    const float by = -1 / std::copysign(std::max(std::abs(x), kLeast), x);
-    const float from = at * by / kBlock, step = y * by;
+    const float rounding = kMargin * (std::abs(high.at) + std::abs(low.at) +
+                                      TetTile::kSide * (std::abs(high.x) + std::abs(low.x) +
+                                                        std::abs(high.y) + std::abs(low.y)));
+    const float at = high.at - low.at + std::max(0.0F, kReach * y) + rounding;
     const bool begin = x > 0;
+    const float least = kFlat * rounding + kLeast;
+    const float by = -1 / (begin ? std::max(x, least) : std::min(x, -least));
+    const float from = at * by / kBlock, step = y * by;
     begins[line] = {begin ? from - kReach / kBlock : -kFar, 0, begin ? step : 0};
     ends[line] = {begin ? kFar : from, 0, begin ? 0 : step};
   }
