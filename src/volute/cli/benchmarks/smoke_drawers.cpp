@@ -186,7 +186,7 @@ std::vector<float> opaqueDepth(const SmokeView& view) {
 std::vector<std::unique_ptr<SmokeDrawer>> smokeDrawers(
     const SmokeCase& smoke, const std::shared_ptr<const TetLocator>& locator, bool quick) {
   std::vector<std::unique_ptr<SmokeDrawer>> drawers;
-  const double seconds = quick ? 30 : 90;
+  const double seconds = quick ? 30 : 60;
   drawers.push_back(std::make_unique<PeerDrawer>(smoke, PeerMapper::kProjectedTetrahedra,
                                                  "VTK projected tetrahedra", 90));
   drawers.push_back(
