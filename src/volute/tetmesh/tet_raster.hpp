@@ -6,30 +6,24 @@
 #include <span>
 
 #include "volute/math/vec.hpp"
+#include "volute/tetmesh/face_planes.hpp"
 #include "volute/tetmesh/screen.hpp"
 
 // The inner loop of TetSplat.
 
 namespace volute {
 
-/// The plane of a face: normal . x = offset, the normal of length 1, away from the face's first
-/// tet.
-struct FacePlane {
-  Vec3 normal;
-  double offset = 0;
-};
-
-/// The extinction [1/m] in a tet: gradient . x + offset.
-struct TetSmoke {
+/// A field in a tet: gradient . x + offset.
+struct LinearField {
   Vec3 gradient;
   double offset = 0;
 };
 
 /// The mesh and its smoke as the splat sees them.
 struct SplatMesh {
-  const std::int32_t* faces = nullptr;  ///< four each: 2 * plane, + 1 where the tet is its second
+  const std::int32_t* faces = nullptr;  ///< FacePlanes::sides
   const FacePlane* planes = nullptr;
-  const TetSmoke* smoke = nullptr;  ///< of each tet
+  const LinearField* smoke = nullptr;  ///< of each tet, the extinction [1/m]
 };
 
 /// A vertex as boxes of tets want it: the largest of four of these, number by number, is what a tet
