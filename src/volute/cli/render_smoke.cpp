@@ -86,8 +86,9 @@ Result<Image> RenderJob::pictureWithSmoke(double time, std::span<const AnyMedium
   for (std::size_t i = 0; i < smokes.size(); ++i) {
     if (!smokes[i].description().walls)
       continue;
-    VOLUTE_ASSIGN(const auto walls, lookAtWalls(camera, states[i], smokes[i].lights(),
-                                                *smokes[i].description().walls));
+    VOLUTE_ASSIGN(const auto walls,
+                  lookAtWalls(camera, states[i], smokes[i].lights(), *smokes[i].description().walls,
+                              smokes[i].blocks()));
     surfaces.add(walls);
   }
   const auto seen = signPixels(camera, signs, surfaces.depth());
