@@ -2,9 +2,16 @@
 # SPDX-FileCopyrightText: The Volute authors
 """OpenGL without a display: what the device is, and pictures that are those of the processor."""
 import json
+import os
 
+import smoke_files
 import support
+from geometry_test import floor, obj
+from pictures import Picture, read_exr, write_png
 from support import volute, write_npy
+
+# The processor may not draw.
+ONLY_GL = os.environ | {"VOLUTE_CPU_RENDERER": "off"}
 
 
 def missing():
@@ -52,6 +59,66 @@ class Gl(support.TestCase):
         self.assertEqual(passes["march"]["times"], 2)
         self.assertGreater(passes["march"]["milliseconds"], 0)
         self.assertIn("upload", passes)
+
+    def scene(self, **parts):
+        """A hall: a floor, a pillar, a spot, a sign, and media by name."""
+        self.path("hall.obj").write_text(obj(floor(-1, 9), [(2, 2, -1), (3, 2, -1), (3, 2, 2), (2, 2, 2)]))
+        write_png(self.path("map.png"), Picture(20, 20, 1, [0.2 + 0.8 * (i * 7 % 11) / 10 for i in range(400)]))
+        mesh = smoke_files.box((-3, -1, -1), (3, 3, 2), (4, 3, 3))
+        smoke_files.write_vtu(self.path("slab.vtu"), mesh, {"smoke": [0.1 + 0.02 * x for x, y, z in mesh[0]]})
+        media = {
+            "volume": {"kind": "volume", "file": str(self.volume()), "extinction": 0.05, "emission": 0.02},
+            "fog": {"kind": "fog", "map": "map.png", "origin": [-10, -10, -1], "cell": 1, "sigma_max": 0.1, "degree": 2,
+                    "profile": {"kind": "slab", "bottom": 0, "top": 2}, "color": [0.3, 0.3, 0.4]},
+            "smoke": {"kind": "smoke", "case": "slab.vtu", "quantity": "extinction"}}
+        wanted = parts.pop("media", list(media))
+        self.path("scene.json").write_text(json.dumps({
+            "format": "volute-scene-1", "background": [0.2, 0.3, 0.5], "media": [media[name] for name in wanted],
+            "camera": {"eye": [-1, -9, 3], "target": [0, 1, 0.5], "fov": 50, "size": [40, 32]}} | parts))
+        return self.path("scene.json")
+
+    HALL = {"geometry": [{"file": "hall.obj"}],
+            "lights": [{"kind": "spot", "position": [0, -1, 4], "target": [1, 2, 0], "angle": 80, "intensity": [20, 16, 12]},
+                       {"kind": "ambient", "radiance": [0.1, 0.1, 0.1]}],
+            "signs": [{"name": "exit", "position": [0, 2.9, 1], "normal": [0, -1, 0], "size": [1.5, 0.8], "emitting": True}]}
+
+    def difference(self, scene, *more):
+        """Of gl, with the processor's renderer off, from the reference, as a share of the brightest; and the statistics."""
+        self.works("render", scene, "--renderer", "reference", "-o", self.path("reference.exr"), "--cache", "none", *more)
+        self.works("render", scene, "--renderer", "gl", "-o", self.path("gl.exr"), "--stats", self.path("s.json"),
+                   "--cache", "none", *more, env=ONLY_GL)
+        found = self.works("compare", self.path("reference.exr"), self.path("gl.exr"), "--json").json
+        brightest = max(read_exr(self.path("reference.exr")).values)
+        return found["max_error"] / brightest, json.loads(self.path("s.json").read_text())
+
+    def test_each_medium_and_all_without_the_processor(self):
+        for media in (["volume"], ["fog"], ["smoke"], ["volume", "fog", "smoke"]):
+            error, stats = self.difference(self.scene(media=media))
+            self.assertLess(error, 2e-3, media)
+            drawn = {medium for p in stats["gl"]["passes"] for medium in p["media"].split(" + ")}
+            self.assertTrue(drawn >= set(media), (media, drawn))
+
+    def test_what_stands_in_scenes_is_drawn_too(self):
+        for mode in ("photometric", "threshold"):
+            scene = json.loads(self.scene(**self.HALL).read_text())
+            scene["media"][2]["mode"] = mode
+            self.path("scene.json").write_text(json.dumps(scene))
+            error, stats = self.difference(self.path("scene.json"))
+            self.assertLess(error, 2e-3, mode)
+            names = {p["name"] for p in stats["gl"]["passes"]}
+            self.assertTrue(names >= {"surfaces", "shadows", "light", "signs", "signs deferred", "march"}, names)
+
+    def test_billboards_and_suns(self):
+        board = {"volume": str(self.volume()), "position": [0, 1, 1], "size": [3, 3], "emission": 0.05}
+        error, stats = self.difference(self.scene(media=["fog"], billboards=[board],
+                                                  lights=[{"kind": "sun", "direction": [0.2, 0.4, -1], "radiance": [2, 2, 1]}]))
+        self.assertLess(error, 2e-3)
+        self.assertIn("billboard", {p["name"] for p in stats["gl"]["passes"]})
+
+    def test_the_processor_can_be_switched_off(self):
+        result = volute("render", self.scene(media=["fog"]), "-o", self.path("x.png"), "--renderer", "cpu", env=ONLY_GL)
+        self.assertEqual(result.code, 1)
+        self.assertIn("VOLUTE_CPU_RENDERER", result.message)
 
 
 if __name__ == "__main__":

@@ -2,11 +2,53 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/gl_pictures.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "volute/gl/gl_device.hpp"
 #include "volute/gl/gl_renderer.hpp"
 
 namespace volute::cli {
 namespace {
+
+Result<GlVolume> volumeOf(VolumeLayer& layer, int position, double factor) {
+  VOLUTE_ASSIGN(auto slice, layer.sliceAt(position));
+  const Appearance& look = layer.appearance();
+  const Placement& placement = look.placement;
+  GlVolume volume{std::move(slice), look.emission, factor * look.extinction};
+  if (placement.turns())  // else its place is in the slice's bounds
+    volume.turn = placement.turn, volume.offset = placement.offset;
+  return volume;
+}
+
+Result<GlScene> sceneOf(const GlSubject& subject, const Camera& camera) {
+  GlScene scene;
+  for (std::size_t i = 0; i < subject.layers.size(); ++i) {
+    VOLUTE_ASSIGN(auto volume, volumeOf(subject.layers[i], subject.positions[i], subject.factor));
+    scene.volumes.push_back(std::move(volume));
+  }
+  scene.fogFactor = subject.factor;
+  for (const FogLayer& fog : subject.fogs) {
+    if (!fog.sunlit()) {
+      scene.fogs.push_back(fog.fogAt(subject.time));
+      scene.polarFog = fog.polarFor(camera);
+      continue;
+    }
+    VOLUTE_ASSIGN(auto lit, fog.sunlitAt(subject.time));
+    scene.sunlitFogs.push_back(std::move(lit));
+  }
+  for (const SmokeState& smoke : subject.smokes) {
+    GlSmoke shown{smoke.locator, smoke.extinction, smoke.source};
+    for (float& value : shown.extinction) value = static_cast<float>(subject.factor * value);
+    scene.smokes.push_back(std::move(shown));
+  }
+  for (BillboardLayer& board : subject.billboards) {
+    const int position = board.volume.positionAt(subject.time);
+    VOLUTE_ASSIGN(auto volume, volumeOf(board.volume, position, subject.factor));
+    scene.billboards.push_back({std::move(volume), board.options});
+  }
+  return scene;
+}
 
 class Pictures final : public GlPictures {
  public:
@@ -16,48 +58,57 @@ class Pictures final : public GlPictures {
   Result<Image> picture(const Camera& camera, const GlSubject& subject,
                         const RenderOptions& options, Progress& progress, RenderStats& stats,
                         std::span<const float> opaqueDepth) override {
-    GlScene scene;
-    for (std::size_t i = 0; i < subject.layers.size(); ++i) {
-      VolumeLayer& layer = subject.layers[i];
-      VOLUTE_ASSIGN(auto slice, layer.sliceAt(subject.positions[i]));
-      const Appearance& look = layer.appearance();
-      const Placement& placement = look.placement;
-      GlVolume volume{std::move(slice), look.emission, subject.factor * look.extinction};
-      if (placement.turns())  // else its place is in the slice's bounds
-        volume.turn = placement.turn, volume.offset = placement.offset;
-      scene.volumes.push_back(std::move(volume));
-    }
-    for (const FogLayer& fog : subject.fogs) {
-      if (fog.sunlit()) {
-        return fail(ErrorCode::kUnsupported,
-                    "fog that a sun lights is not rendered by OpenGL; use --renderer cpu");
-      }
-      if (subject.factor != 1) {
-        return fail(ErrorCode::kUnsupported,
-                    "fog in threshold mode is not rendered by OpenGL; use --renderer cpu");
-      }
-      scene.fogs.push_back(fog.fogAt(subject.time));
-    }
-    for (const SmokeState& smoke : subject.smokes) {
-      GlSmoke shown{smoke.locator, smoke.extinction, smoke.source};
-      for (float& value : shown.extinction) value = static_cast<float>(subject.factor * value);
-      scene.smokes.push_back(std::move(shown));
-    }
+    VOLUTE_ASSIGN(const GlScene scene, sceneOf(subject, camera));
     return renderer_.render(camera, scene, options, progress, &stats, opaqueDepth);
+  }
+
+  Result<SurfacePicture> surfaces(const Camera& camera, const GlSubject& subject,
+                                  const TriangleScene& geometry, const SceneLights& lights,
+                                  Progress& progress) override {
+    GlSubject natural = subject;
+    natural.factor = 1;  // lamps' light is always attenuated physically
+    GlScene media;
+    if (!lights.lamps.empty()) {
+      VOLUTE_ASSIGN(media, sceneOf(natural, camera));
+    }
+    return renderer_.surfaces(camera, {geometry, lights.lamps, lights.ambient}, media, Rgb::Zero(),
+                              progress);
+  }
+
+  Result<std::vector<SignPixel>> findSigns(const Camera& camera, std::span<const Sign> signs,
+                                           std::span<const float> opaqueDepth) override {
+    return renderer_.findSigns(camera, signs, opaqueDepth);
+  }
+
+  Result<Image> signLight(const Camera& camera, const GlSubject& subject,
+                          std::span<const Sign> signs, const PictureLaw& law, Progress& progress,
+                          std::span<const float> opaqueDepth) override {
+    GlSubject natural = subject;
+    natural.factor = 1;
+    VOLUTE_ASSIGN(const GlScene scene, sceneOf(natural, camera));
+    VOLUTE_TRY(renderer_.draw(camera, scene, GlQuantity::kOpticalDepth, progress, opaqueDepth));
+    std::vector<float> powers;  // of e, of the depth
+    for (const Sign& sign : signs)
+      powers.push_back(static_cast<float>(-std::log(seenTransmittance(1, law.mode, sign.c))));
+    return renderer_.signLight(powers);
   }
 
   nlohmann::ordered_json stats() override {
     for (const GlPassTime& pass : renderer_.takePasses()) {
-      auto found = std::ranges::find(passes_, pass.name, &GlPassTime::name);
+      auto found = std::ranges::find_if(passes_, [&](const GlPassTime& other) {
+        return other.name == pass.name && other.media == pass.media;
+      });
       if (found == passes_.end())
-        found = passes_.insert(passes_.end(), GlPassTime{pass.name});
+        found = passes_.insert(passes_.end(), GlPassTime{pass.name, pass.media});
       found->times += pass.times;
       found->milliseconds += pass.milliseconds;
     }
     auto passes = nlohmann::ordered_json::array();
     for (const GlPassTime& pass : passes_) {
-      passes.push_back(
-          {{"name", pass.name}, {"times", pass.times}, {"milliseconds", pass.milliseconds}});
+      passes.push_back({{"name", pass.name},
+                        {"media", pass.media},
+                        {"times", pass.times},
+                        {"milliseconds", pass.milliseconds}});
     }
     return {
         {"device", gl_.device().renderer}, {"hardware", gl_.device().hardware}, {"passes", passes}};

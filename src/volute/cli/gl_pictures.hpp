@@ -10,12 +10,24 @@
 #include "volute/base/result.hpp"
 #include "volute/camera/camera.hpp"
 #include "volute/cli/report.hpp"
+#include "volute/geometry/triangle_scene.hpp"
+#include "volute/optics/visibility.hpp"
+#include "volute/render/billboard.hpp"
 #include "volute/render/render.hpp"
+#include "volute/render/sign.hpp"
+#include "volute/render/surfaces.hpp"
 #include "volute/scene/fog_layer.hpp"
+#include "volute/scene/scene_lights.hpp"
 #include "volute/scene/smoke_layer.hpp"
 #include "volute/scene/volume_layer.hpp"
 
 namespace volute::cli {
+
+/// A billboard and the volume that it shows.
+struct BillboardLayer {
+  VolumeLayer volume;
+  BillboardOptions options;
+};
 
 /// What a picture by OpenGL shows, and when.
 struct GlSubject {
@@ -25,6 +37,7 @@ struct GlSubject {
   double time = 0;  ///< [s], of the scene
   std::span<const SmokeState> smokes{};
   double factor = 1;  ///< of all extinctions, as the picture's law has it
+  std::span<BillboardLayer> billboards{};
 };
 
 /// Takes pictures by OpenGL, without a display. In builds without OpenGL there is none.
@@ -35,12 +48,29 @@ class GlPictures {
 
   virtual ~GlPictures() = default;
 
-  /// As volute::render(). kUnsupported for fog that suns light, that has a top, or
-  /// under a law whose factor is not 1.
+  /// As volute::render(). kUnsupported for fog with a top, with levels by cell angle, or that a sun
+  /// lights among surfaces.
   [[nodiscard]] virtual Result<Image> picture(const Camera& camera, const GlSubject& subject,
                                               const RenderOptions& options, Progress& progress,
                                               RenderStats& stats,
                                               std::span<const float> opaqueDepth = {}) = 0;
+
+  /// As renderSurfaces(); the subject's media take from the lamps' light, by their own extinctions.
+  [[nodiscard]] virtual Result<SurfacePicture> surfaces(const Camera& camera,
+                                                        const GlSubject& subject,
+                                                        const TriangleScene& geometry,
+                                                        const SceneLights& lights,
+                                                        Progress& progress) = 0;
+
+  /// As signPixels().
+  [[nodiscard]] virtual Result<std::vector<SignPixel>> findSigns(
+      const Camera& camera, std::span<const Sign> signs, std::span<const float> opaqueDepth) = 0;
+
+  /// What is seen of the signs found last, through the subject up to `opaqueDepth`.
+  [[nodiscard]] virtual Result<Image> signLight(const Camera& camera, const GlSubject& subject,
+                                                std::span<const Sign> signs, const PictureLaw& law,
+                                                Progress& progress,
+                                                std::span<const float> opaqueDepth) = 0;
 
   /// The device's name, and what it did, pass by pass, since it was opened.
   virtual nlohmann::ordered_json stats() = 0;

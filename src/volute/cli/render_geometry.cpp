@@ -13,6 +13,11 @@ Result<SurfaceView> RenderJob::viewOfGeometry(std::span<const AnyMedium> others,
                                               std::span<const SmokeState> states,
                                               Progress& progress) {
   const Stopwatch watch(totals.surfaces);
+  if (gl) {
+    VOLUTE_ASSIGN(auto seen, gl->surfaces(camera, glSubject, geometry, lights, progress));
+    totals.surfacePixels += seen.surfacePixels;
+    return SurfaceView{std::move(seen.depth), std::move(seen.color)};
+  }
   // Lamps' light is always attenuated physically, whatever the picture's law.
   std::vector<AnyMedium> media;
   for (const AnyMedium& other : others) {

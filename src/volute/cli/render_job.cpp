@@ -45,8 +45,16 @@ nlohmann::ordered_json smokeStats(const std::vector<SmokeLayer>& smokes) {
 
 }  // namespace
 
+Status RenderJob::processorMayDraw(const char* what) {
+  const char* cpu = std::getenv("VOLUTE_CPU_RENDERER");
+  if (!cpu || std::string_view(cpu) != "off")
+    return {};
+  return fail(ErrorCode::kUnsupported,
+              "{} is drawn by the processor, which VOLUTE_CPU_RENDERER=off forbids", what);
+}
+
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
-  glSubject = {layers, moment.positions, fogs, moment.time, {}, law.factor()};
+  glSubject = {layers, moment.positions, fogs, moment.time, {}, law.factor(), billboards};
   std::vector<VoxelMedium> volumes;
   std::vector<AnyMedium> media;
   const double factor = law.factor();
@@ -57,7 +65,8 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
       media.push_back(layers[i].placed(volume));
       volumes.push_back(std::move(volume));
     }
-    VOLUTE_TRY(addBillboards(moment.time, media, progress));
+    if (!gl)
+      VOLUTE_TRY(addBillboards(moment.time, media, progress));
     for (const FdsLayer& fds : fdsCases) {
       VOLUTE_ASSIGN(auto medium, fds.mediumAt(moment.time));
       media.push_back(factor == 1 ? std::move(medium)
@@ -65,6 +74,8 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
     }
     VOLUTE_TRY(placeBuildings(moment.time));
     for (const FogLayer& fog : fogs) {
+      if (gl)
+        break;  // it has its own
       VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time, camera));
       media.push_back(factor == 1 ? std::move(medium)
                                   : AnyMedium(ScaledMedium(std::move(medium), factor)));
@@ -73,10 +84,12 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
   RenderStats found;
   const bool plain = smokes.empty() && signs.empty() && geometry.empty();
   const double begun = totals.slices;
-  Result<Image> image = [&] {
+  Result<Image> image = [&]() -> Result<Image> {
     const Stopwatch watch(totals.render);
     if (plain && gl)
       return gl->picture(camera, glSubject, options, progress, found);
+    if (!gl)
+      VOLUTE_TRY(processorMayDraw("this picture"));
     return plain ? render(camera, media, options, progress, &found)
                  : pictureWithSmoke(moment.time, media, progress, found);
   }();

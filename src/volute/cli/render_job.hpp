@@ -38,12 +38,6 @@ struct RenderTotals {
   std::uint64_t surfacePixels = 0, shadowRays = 0;
 };
 
-/// A billboard and the volume that it shows.
-struct BillboardLayer {
-  VolumeLayer volume;
-  BillboardOptions options;
-};
-
 /// Volumes, fog, smoke, surfaces, signs, a camera and the moments to be seen.
 struct RenderJob {
   std::vector<VolumeLayer> layers;
@@ -84,6 +78,15 @@ struct RenderJob {
   /// The integral of all extinctions up to the surfaces, natural logarithm, whatever the law.
   [[nodiscard]] Result<Image> depthOf(const SmokeScene& scene, Progress& progress,
                                       RenderStats& found);
+
+  /// kUnsupported where VOLUTE_CPU_RENDERER=off forbids the processor to draw: tests set it to see
+  /// that all was drawn by OpenGL.
+  [[nodiscard]] static Status processorMayDraw(const char* what);
+
+  /// The pixels of signs, and what is seen of them added to the picture.
+  [[nodiscard]] Result<std::vector<SignPixel>> findSigns(std::span<const float> opaqueDepth);
+  [[nodiscard]] Status showSigns(std::span<const SignPixel> seen, const SmokeScene& scene,
+                                 Progress& progress, Image& image);
 
   /// `geometry` becomes the scene's and the buildings of the FDS cases at a time.
   [[nodiscard]] Status placeBuildings(double time);

@@ -80,17 +80,20 @@ Result<Image> RenderJob::pictureWithSmoke(double time, std::span<const AnyMedium
   }
   Surfaces surfaces(camera, options.background);
   if (!geometry.empty()) {
+    glSubject.smokes = states;
     VOLUTE_ASSIGN(const auto view, viewOfGeometry(others, states, progress));
     surfaces.add(view);
   }
   for (std::size_t i = 0; i < smokes.size(); ++i) {
     if (!smokes[i].description().walls)
       continue;
-    VOLUTE_ASSIGN(const auto walls, lookAtWalls(camera, states[i], smokes[i].lights(),
-                                                *smokes[i].description().walls));
+    VOLUTE_TRY(processorMayDraw("the wall of smoke"));
+    VOLUTE_ASSIGN(const auto walls,
+                  lookAtWalls(camera, states[i], smokes[i].lights(), *smokes[i].description().walls,
+                              smokes[i].blocks()));
     surfaces.add(walls);
   }
-  const auto seen = signPixels(camera, signs, surfaces.depth());
+  VOLUTE_ASSIGN(const auto seen, findSigns(surfaces.depth()));
   surfaces.add(seen);
   const SmokeScene scene{states, others, law, surfaces.depth()};
   glSubject.smokes = states;
@@ -109,10 +112,28 @@ Result<Image> RenderJob::pictureWithSmoke(double time, std::span<const AnyMedium
                    : smokePictures.color(camera, scene, before, progress, found));
   if (seen.empty())
     return image;
-  RenderStats ofSigns;
-  VOLUTE_ASSIGN(const auto depth, depthOf(scene, progress, ofSigns));
-  addSigns(seen, signs, depth, law, image);
+  VOLUTE_TRY(showSigns(seen, scene, progress, image));
   return image;
+}
+
+Result<std::vector<SignPixel>> RenderJob::findSigns(std::span<const float> opaqueDepth) {
+  if (gl && !signs.empty())
+    return gl->findSigns(camera, signs, opaqueDepth);
+  return signPixels(camera, signs, opaqueDepth);
+}
+
+Status RenderJob::showSigns(std::span<const SignPixel> seen, const SmokeScene& scene,
+                            Progress& progress, Image& image) {
+  if (!gl) {
+    RenderStats ofSigns;
+    VOLUTE_ASSIGN(const auto depth, depthOf(scene, progress, ofSigns));
+    addSigns(seen, signs, depth, law, image);
+    return {};
+  }
+  VOLUTE_ASSIGN(const auto light,
+                gl->signLight(camera, glSubject, signs, law, progress, scene.opaqueDepth));
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] += light.pixels[i];
+  return {};
 }
 
 Result<Image> RenderJob::depthOf(const SmokeScene& scene, Progress& progress, RenderStats& found) {

@@ -315,23 +315,35 @@ std::optional<PolarSector> PolarSector::of(const EyeRays& rays) {
   return sector;
 }
 
-Result<PolarTable> PolarTable::make(const FogMedium& fog, const Vec3& eye,
+Result<PolarLayout> PolarLayout::of(const FogMedium& fog, const Vec3& eye,
                                     const PolarOptions& options) {
   VOLUTE_TRY(checkServed(fog, eye, options));
-  PolarTable table(fog);
-  table.eye_ = eye;
   const int cells = std::max(fog.levels().columns(), fog.levels().rows());
   // Linear between azimuths, cubic between radii; dense noise asks for a radius a cell.
   const int usualAzimuths = cells <= 96 ? 512 : 2 * std::max(384, cells * 3 / 4);
   const int usualRadii = cells <= 96 ? 256 : std::max(384, cells);
-  table.azimuths_ = options.azimuths > 0 ? options.azimuths : usualAzimuths;
-  table.radii_ = options.radii > 0 ? options.radii : usualRadii;
-  table.sectors_ = options.sector ? 1 : 4;
-  table.yaw_ = options.sector ? options.sector->yaw : 0;
-  table.tangent_ = options.sector ? options.sector->tangent : 1;
+  PolarLayout layout;
+  layout.azimuths = options.azimuths > 0 ? options.azimuths : usualAzimuths;
+  layout.radii = options.radii > 0 ? options.radii : usualRadii;
+  layout.sectors = options.sector ? 1 : 4;
+  layout.yaw = options.sector ? options.sector->yaw : 0;
+  layout.tangent = options.sector ? options.sector->tangent : 1;
   const Interval reach = distances(fog, eye);
-  table.from_ = reach.begin;
-  table.step_ = (reach.end - reach.begin) / (table.radii_ - 1);
+  layout.from = reach.begin;
+  layout.step = (reach.end - reach.begin) / (layout.radii - 1);
+  return layout;
+}
+
+Result<PolarTable> PolarTable::make(const FogMedium& fog, const Vec3& eye,
+                                    const PolarOptions& options) {
+  VOLUTE_ASSIGN(const PolarLayout layout, PolarLayout::of(fog, eye, options));
+  PolarTable table(fog);
+  table.eye_ = eye;
+  table.azimuths_ = layout.azimuths, table.radii_ = layout.radii;
+  table.sectors_ = layout.sectors;
+  table.yaw_ = layout.yaw, table.tangent_ = layout.tangent;
+  table.from_ = layout.from, table.step_ = layout.step;
+  const double farthest = distances(fog, eye).end;
   for (const auto& zone : fog.profile().zones())
     table.stride_ = zone.slope != 0 ? 4 : table.stride_;
 
@@ -350,7 +362,7 @@ Result<PolarTable> PolarTable::make(const FogMedium& fog, const Vec3& eye,
         const double place = double(i % table.azimuths_) / (table.azimuths_ - 1);
         const Vec3 direction = azimuthDirection(table.yaw_, static_cast<int>(i / table.azimuths_),
                                                 (2 * place - 1) * table.tangent_);
-        segments.push_back({eye, direction, 0, reach.end});
+        segments.push_back({eye, direction, 0, farthest});
       }
       rays.set(fog, segments);
       std::ranges::fill(rays.origin[2], 0.0);  // the map alone, whatever the eye's height

@@ -36,6 +36,18 @@ struct PolarOptions {
   std::optional<PolarSector> sector = std::nullopt;
 };
 
+/// Where the entries of a table are.
+struct PolarLayout {
+  double yaw = 0, tangent = 1;  ///< of the sector, or of the first of four
+  int sectors = 1;              ///< 4: all around
+  int azimuths = 0, radii = 0;  ///< azimuths in each sector
+  double from = 0, step = 1;    ///< radii [m]
+
+  /// As PolarTable::make.
+  [[nodiscard]] static Result<PolarLayout> of(const FogMedium& fog, const Vec3& eye,
+                                              const PolarOptions& options);
+};
+
 /// All rays from one eye with one azimuth see the same density, one above the other. So its
 /// integrals over the horizontal distance, M_k(azimuth, r) = integral of rho r'^k dr' up to r, k =
 /// 0 and 1, serve every pixel with two look-ups for each zone of the profile:

@@ -163,6 +163,15 @@ double SunShadow::zoneDepth(const FogProfile::Zone& zone, const Vec3& point) con
   return depth;
 }
 
+SunShadow::Maps SunShadow::maps() const {
+  Maps out{i0_->columns, i0_->rows, x0_, y0_, step_, decay_, {}};
+  for (std::size_t i = 0; i < i0_->values.size(); ++i) {
+    for (const Map* map : {rho_.get(), i0_.get(), i1_.get(), s_.get()})
+      out.texels.push_back(map ? map->values[i] : 0);
+  }
+  return out;
+}
+
 double SunShadow::opticalDepth(const Vec3& point) const {
   double depth = 0;
   for (const auto& zone : fog_.profile().zones()) depth += zoneDepth(zone, point);

@@ -33,6 +33,17 @@ class SunShadow {
   /// Unit length.
   const Vec3& towardsSun() const { return sun_; }
 
+  /// The maps for a shader, shape (rows, columns) of (rho, I_0, I_1, S), 0 where the profile needs
+  /// none; what zoneDepth() and momentsAt() do with them is in gl/glsl/fog_sun.glsl too.
+  struct Maps {
+    int columns = 0, rows = 0;
+    double x0 = 0, y0 = 0, step = 1;  ///< [m] place of the first, and from one to the next
+    double decay = 0;                 ///< [1/m] of the exponential zone
+    std::vector<float> texels;        ///< four each
+  };
+
+  Maps maps() const;
+
  private:
   /// Values at the corners of cells: bilinear between.
   struct Map {

@@ -19,10 +19,10 @@ struct FogSun {
 struct SunScattering {
   Rgb albedo = Rgb::Ones();  ///< share of the extinguished light that is scattered
   double asymmetry = 0;      ///< g of the phase function, -1 < g < 1; 0.6 to 0.9 for droplets
-  /// The parts of a segment from which surfaces keep a sun (its number is the second argument) entirely, in order
-  /// and apart from each other; replaces the third. Empty: none. The light is then integrated on
-  /// both sides of each edge of a shadow, so that the edge itself costs no accuracy. emission() at
-  /// a point knows nothing of them.
+  /// The parts of a segment from which surfaces keep a sun (its number is the second argument)
+  /// entirely, in order and apart from each other; replaces the third. Empty: none. The light is
+  /// then integrated on both sides of each edge of a shadow, so that the edge itself costs no
+  /// accuracy. emission() at a point knows nothing of them.
   std::function<void(const Segment&, std::size_t, std::vector<Interval>&)> shadows{};
   int samples = 1;  ///< of SunShadow
 };
@@ -64,6 +64,10 @@ class SunlitFog {
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
   const FogMedium& fog() const { return fog_; }
+
+  const std::vector<FogSun>& suns() const { return suns_; }
+
+  const SunScattering& scattering() const { return scattering_; }
 
   /// One for each sun.
   const std::vector<SunShadow>& shadows() const { return shadows_; }

@@ -3,12 +3,9 @@
 #include "volute/gl/face_tree.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 
 namespace volute {
 namespace {
-
-constexpr std::size_t kLeaf = 4;  ///< faces at most
 
 struct Item {
   Box3 box;
@@ -29,51 +26,19 @@ Item itemOf(const TetMesh& mesh, const TetFace& face, const Vec3& middle) {
   return item;
 }
 
-/// Rounded outwards by more than a float's rounding.
-void setBox(FaceTree::Node& node, std::span<const Item> items) {
-  Box3 box;
-  for (const Item& item : items) {
-    box.extend(item.box.min);
-    box.extend(item.box.max);
-  }
-  const double margin = 1e-6 * (box.min.cwiseAbs().maxCoeff() + box.max.cwiseAbs().maxCoeff());
-  for (int axis = 0; axis < 3; ++axis) {
-    node.low[axis] = static_cast<float>(box.min[axis] - margin);
-    node.high[axis] = static_cast<float>(box.max[axis] + margin);
-  }
-}
-
-void split(FaceTree& tree, std::size_t at, std::span<Item> items) {
-  setBox(tree.nodes[at], items);
-  if (items.size() <= kLeaf) {
-    tree.nodes[at].first = static_cast<std::int32_t>(tree.faces.size());
-    tree.nodes[at].count = static_cast<std::int32_t>(items.size());
-    for (const Item& item : items) tree.faces.push_back(item.face);
-    return;
-  }
-  int axis = 0;
-  const FaceTree::Node& node = tree.nodes[at];
-  for (int i = 1; i < 3; ++i) {
-    if (node.high[i] - node.low[i] > node.high[axis] - node.low[axis])
-      axis = i;
-  }
-  const std::size_t half = items.size() / 2;
-  std::ranges::nth_element(items, items.begin() + static_cast<std::ptrdiff_t>(half), {},
-                           [&](const Item& item) { return item.box.centre()[axis]; });
-  const std::size_t children = tree.nodes.size();
-  tree.nodes[at].first = static_cast<std::int32_t>(children);
-  tree.nodes.resize(children + 2);
-  split(tree, children, items.first(half));
-  split(tree, children + 1, items.subspan(half));
-}
-
 }  // namespace
 
-FaceTree::FaceTree(const TetMesh& mesh, const Vec3& middle) : nodes(1) {
-  std::vector<Item> items;
-  for (const std::int32_t face : mesh.boundary())
-    items.push_back(itemOf(mesh, mesh.faces()[face], middle));
-  split(*this, 0, items);
+FaceTree::FaceTree(const TetMesh& mesh, const Vec3& middle) {
+  std::vector<Box3> boxes;
+  std::vector<std::int32_t> marks;
+  for (const std::int32_t face : mesh.boundary()) {
+    const Item item = itemOf(mesh, mesh.faces()[face], middle);
+    boxes.push_back(item.box);
+    marks.push_back(item.face);
+  }
+  BoxTree tree(boxes);
+  nodes = std::move(tree.nodes);
+  for (const std::int32_t item : tree.items) faces.push_back(marks[item]);
 }
 
 }  // namespace volute

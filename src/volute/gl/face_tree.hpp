@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "volute/gl/box_tree.hpp"
 #include "volute/tetmesh/tet_mesh.hpp"
 
 namespace volute {
@@ -13,12 +14,7 @@ namespace volute {
 /// A tree of boxes over a mesh's boundary faces, as glsl/smoke.glsl reads it. Places are floats
 /// from `middle`.
 struct FaceTree {
-  struct Node {
-    std::array<float, 3> low{};
-    std::int32_t first = 0;  ///< child, the second beside it; or place in `faces`
-    std::array<float, 3> high{};
-    std::int32_t count = 0;  ///< faces; 0 for an inner node
-  };
+  using Node = BoxTree::Node;
 
   std::vector<Node> nodes;  ///< [0] is the root
   /// 2 * half-face, + 1 where a ray that enters by it has positive edge functions.

@@ -9,22 +9,72 @@
 namespace volute {
 namespace {
 
+/// A sun over fog, on the device.
+struct SunOnDevice {
+  GlTexture maps;
+  SunShadow::Maps shape;  ///< without its texels
+  Vec3 way = Vec3::UnitZ();
+  Rgb light = Rgb::Zero();  ///< albedo times irradiance
+  double asymmetry = 0;
+};
+
+std::vector<SunOnDevice> sunsOf(const SunlitFog& fog) {
+  std::vector<SunOnDevice> suns;
+  for (std::size_t i = 0; i < fog.suns().size(); ++i) {
+    SunOnDevice sun;
+    sun.shape = fog.shadows()[i].maps();
+    sun.maps = makeTexture2d(GL_RGBA32F, sun.shape.columns, sun.shape.rows);
+    glTextureSubImage2D(sun.maps.name(), 0, 0, 0, sun.shape.columns, sun.shape.rows, GL_RGBA,
+                        GL_FLOAT, sun.shape.texels.data());
+    sun.shape.texels = {};
+    sun.way = fog.shadows()[i].towardsSun();
+    sun.light = fog.scattering().albedo * fog.suns()[i].irradiance;
+    sun.asymmetry = fog.scattering().asymmetry;
+    suns.push_back(std::move(sun));
+  }
+  return suns;
+}
+
+/// The functions of each sun, and their sum.
+std::string sunFunctions(std::size_t suns) {
+  std::string text;
+  for (std::size_t i = 0; i < suns; ++i) {
+    for (const char* c = glsl::kFogSun; *c; ++c) {
+      if (*c == '@')
+        text += std::to_string(i);
+      else
+        text += *c;
+    }
+  }
+  text += "vec3 M_sunlight(vec3 place) {\n  vec3 sum = vec3(0.0);\n";
+  for (std::size_t i = 0; i < suns; ++i) text += fmt::format("  sum += M_sun{}(place);\n", i);
+  return text + "  return sum;\n}\n";
+}
+
 class FogOnDevice final : public GlMedium {
  public:
-  FogOnDevice(FogShader shader, const FogMedium& fog)
-      : shader_(std::move(shader)), color_(fog.options().color), degree_(fog.options().degree) {
+  FogOnDevice(FogShader shader, const FogMedium& fog, double factor, std::vector<SunOnDevice> suns)
+      : shader_(std::move(shader)), color_(fog.options().color), suns_(std::move(suns)) {
+    for (float& texel : shader_.texels) texel = static_cast<float>(factor * texel);
     map_ = makeTexture2d(GL_R32F, shader_.width, shader_.height);
     glTextureSubImage2D(map_.name(), 0, 0, 0, shader_.width, shader_.height, GL_RED, GL_FLOAT,
                         shader_.texels.data());
   }
 
-  std::string key() const override { return "fog " + shader_.walk; }
+  std::string key() const override { return fmt::format("fog {} {}", suns_.size(), shader_.walk); }
 
   std::vector<ShaderPart> parts() const override {
-    return {{"fog_walk.glsl", shader_.walk}, {"fog_cells.glsl", glsl::kFogCells}};
+    return {{"fog_walk.glsl", shader_.walk},
+            {"fog_sun.glsl", sunFunctions(suns_.size())},
+            {"fog_cells.glsl", glsl::kFogCells}};
   }
 
-  GlNature nature() const override { return {.color = color_, .points = 4}; }
+  GlNature nature() const override {
+    GlNature nature{.points = 4};
+    if (suns_.empty())
+      nature.color = color_;
+    return nature;
+  }
 
   void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
             GlBindings& bindings) const override {
@@ -34,20 +84,42 @@ class FogOnDevice final : public GlMedium {
     program.set((prefix + "fogColor").c_str(), Vec3(color_));
     program.set((prefix + "fogMap").c_str(), bindings.texture);
     glBindTextureUnit(static_cast<GLuint>(bindings.texture++), map_.name());
+    for (std::size_t i = 0; i < suns_.size(); ++i) {
+      const SunOnDevice& sun = suns_[i];
+      const auto set = [&](const char* name, const auto& value) {
+        program.set(fmt::format("{}sun{}{}", prefix, name, i).c_str(), value);
+      };
+      set("Maps", bindings.texture);
+      glBindTextureUnit(static_cast<GLuint>(bindings.texture++), sun.maps.name());
+      set("Way", sun.way);
+      set("Corner", Vec3(sun.shape.x0 - eye.x(), sun.shape.y0 - eye.y(), sun.shape.step));
+      set("Decay", static_cast<float>(sun.shape.decay));
+      set("Light", Vec3(sun.light));
+      set("Asymmetry", static_cast<float>(sun.asymmetry));
+    }
   }
 
  private:
   FogShader shader_;
   Rgb color_;
-  int degree_;
+  std::vector<SunOnDevice> suns_;
   GlTexture map_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<GlMedium>> makeGlFog(const FogMedium& fog) {
+Result<std::unique_ptr<GlMedium>> makeGlFog(const FogMedium& fog, double factor) {
   VOLUTE_ASSIGN(auto shader, fogShader(fog));
-  return std::make_unique<FogOnDevice>(std::move(shader), fog);
+  return std::make_unique<FogOnDevice>(std::move(shader), fog, factor, std::vector<SunOnDevice>());
+}
+
+Result<std::unique_ptr<GlMedium>> makeGlFog(const SunlitFog& fog, double factor) {
+  if (fog.scattering().shadows) {
+    return fail(ErrorCode::kUnsupported,
+                "fog in the shadows of surfaces is not rendered by OpenGL; use --renderer cpu");
+  }
+  VOLUTE_ASSIGN(auto shader, fogShader(fog.fog()));
+  return std::make_unique<FogOnDevice>(std::move(shader), fog.fog(), factor, sunsOf(fog));
 }
 
 }  // namespace volute

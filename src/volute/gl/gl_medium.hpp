@@ -17,13 +17,13 @@ namespace volute {
 struct GlNature {
   bool constant = false;  ///< in each cell
   bool absorbs = true;
-  std::optional<Rgb> color;  ///< emission / extinction, where that is one colour
-  int points = 4;            ///< of Gauss' rule that integrate its extinction exactly
+  std::optional<Rgb> color{};  ///< emission / extinction, where that is one colour
+  int points = 4;              ///< of Gauss' rule that integrate its extinction exactly
 };
 
-/// The next free texture unit; 0 and 1 are the ray's.
+/// The next free texture unit; 0 to 2 are the ray's.
 struct GlBindings {
-  int texture = 2;
+  int texture = 3;
   int storage = 0;
 };
 
@@ -59,8 +59,10 @@ std::unique_ptr<GlMedium> makeGlVolume(const GlVolume& volume,
 [[nodiscard]] Result<std::shared_ptr<const GlMesh>> makeGlMesh(const TetMesh& mesh);
 
 std::unique_ptr<GlMedium> makeGlSmoke(const GlSmoke& smoke, std::shared_ptr<const GlMesh> mesh);
-/// kUnsupported for fog with a top or with levels chosen by FogDetail::cellAngle.
-[[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const FogMedium& fog);
+/// `factor`: of its extinction. kUnsupported for fog with a top, with levels chosen by
+/// FogDetail::cellAngle, or that surfaces shadow.
+[[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const FogMedium& fog, double factor = 1);
+[[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const SunlitFog& fog, double factor = 1);
 
 /// Puts a medium's own prefix into a part's text.
 std::string withPrefix(const std::string& text, const std::string& prefix);

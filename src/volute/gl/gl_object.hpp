@@ -94,6 +94,27 @@ GlBuffer makeBuffer(std::span<const T> values) {
   return GlBuffer(name);
 }
 
+/// One to be filled later.
+inline GlBuffer makeEmptyBuffer(std::size_t bytes) {
+  GLuint name = 0;
+  glCreateBuffers(1, &name);
+  glNamedBufferStorage(name, static_cast<GLsizeiptr>(bytes > 16 ? bytes : 16), nullptr,
+                       GL_DYNAMIC_STORAGE_BIT);
+  return GlBuffer(name);
+}
+
+inline GlVertexArray makeVertexArray() {
+  GLuint name = 0;
+  glCreateVertexArrays(1, &name);
+  return GlVertexArray(name);
+}
+
+inline GlFramebuffer makeFramebuffer() {
+  GLuint name = 0;
+  glCreateFramebuffers(1, &name);
+  return GlFramebuffer(name);
+}
+
 /// A texture without mipmaps that is read texel by texel.
 inline GlTexture makeTexture2d(GLenum format, int width, int height) {
   GLuint name = 0;

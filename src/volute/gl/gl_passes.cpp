@@ -18,9 +18,11 @@ void GlPasses::collect() {
     GLuint64 begin = 0, end = 0;
     glGetQueryObjectui64v(pair.begin.name(), GL_QUERY_RESULT, &begin);
     glGetQueryObjectui64v(pair.end.name(), GL_QUERY_RESULT, &end);
-    auto found = std::ranges::find(times_, pair.name, &GlPassTime::name);
+    auto found = std::ranges::find_if(times_, [&](const GlPassTime& time) {
+      return time.name == pair.name && time.media == pair.media;
+    });
     if (found == times_.end())
-      found = times_.insert(times_.end(), GlPassTime{pair.name});
+      found = times_.insert(times_.end(), GlPassTime{pair.name, pair.media});
     ++found->times;
     found->milliseconds += 1e-6 * static_cast<double>(end - begin);
   }

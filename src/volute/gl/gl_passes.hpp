@@ -13,6 +13,7 @@ namespace volute {
 /// What the device did, and how long it took.
 struct GlPassTime {
   std::string name;
+  std::string media;  ///< what it drew: "volume", "fog", "volume + smoke"; empty: none of them
   int times = 0;
   double milliseconds = 0;  ///< on the device, summed
 };
@@ -23,7 +24,12 @@ class GlPasses {
   /// Does `work` and notes when the device began and ended it.
   template <class Work>
   void run(std::string name, Work&& work) {
-    Pair pair{std::move(name), stamp(), {}};
+    run(std::move(name), {}, std::forward<Work>(work));
+  }
+
+  template <class Work>
+  void run(std::string name, std::string media, Work&& work) {
+    Pair pair{std::move(name), std::move(media), stamp(), {}};
     work();
     pair.end = stamp();
     open_.push_back(std::move(pair));
@@ -42,7 +48,7 @@ class GlPasses {
 
  private:
   struct Pair {
-    std::string name;
+    std::string name, media;
     GlQuery begin, end;
   };
 

@@ -123,6 +123,14 @@ void GlProgram::set(const char* name, const std::array<int, 4>& value) const {
   glProgramUniform4i(object_.name(), place(name), value[0], value[1], value[2], value[3]);
 }
 
+void GlProgram::setExactly(const char* name, const Vec3& value) const {
+  glProgramUniform3dv(object_.name(), place(name), 1, value.data());
+}
+
+void GlProgram::setExactly(const char* name, const Eigen::Vector2d& value) const {
+  glProgramUniform2dv(object_.name(), place(name), 1, value.data());
+}
+
 void GlProgram::bindStorage(const char* block, int binding, const GlBuffer& buffer) const {
   const GLuint index = glGetProgramResourceIndex(object_.name(), GL_SHADER_STORAGE_BLOCK, block);
   if (index == GL_INVALID_INDEX)
@@ -133,6 +141,10 @@ void GlProgram::bindStorage(const char* block, int binding, const GlBuffer& buff
 
 void GlProgram::set(const char* name, const std::array<float, 2>& value) const {
   glProgramUniform2f(object_.name(), place(name), value[0], value[1]);
+}
+
+void GlProgram::set(const char* name, const std::array<float, 4>& value) const {
+  glProgramUniform4fv(object_.name(), place(name), 1, value.data());
 }
 
 void GlProgram::set(const char* name, const Vec3& value) const {

@@ -43,8 +43,13 @@ class GlProgram {
   void set(const char* name, const std::array<int, 3>& value) const;
   void set(const char* name, const std::array<int, 4>& value) const;
   void set(const char* name, const std::array<float, 2>& value) const;
+  void set(const char* name, const std::array<float, 4>& value) const;
   void set(const char* name, const Vec3& value) const;
   void set(const char* name, const Mat3& value) const;
+
+  /// In double.
+  void setExactly(const char* name, const Vec3& value) const;
+  void setExactly(const char* name, const Eigen::Vector2d& value) const;
 
   /// Gives the storage block of that name the buffer, at a binding of its own.
   void bindStorage(const char* block, int binding, const GlBuffer& buffer) const;

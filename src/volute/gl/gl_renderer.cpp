@@ -6,8 +6,14 @@
 #include <cmath>
 #include <map>
 
+#include "volute/gl/gl_billboard.hpp"
 #include "volute/gl/gl_device.hpp"
 #include "volute/gl/gl_medium.hpp"
+#include "volute/gl/gl_rays.hpp"
+#include "volute/gl/polar_pass.hpp"
+#include "volute/gl/sign_passes.hpp"
+#include "volute/gl/smoke_passes.hpp"
+#include "volute/gl/surface_passes.hpp"
 
 namespace volute {
 namespace {
@@ -15,7 +21,6 @@ namespace {
 constexpr float kFarthest = 3e38F;
 constexpr int kGroup = 8;      // pixels a side of a work group
 constexpr int kBandRows = 64;  // of one dispatch, between which the caller may stop
-constexpr int kOpaqueUnit = 0, kLensUnit = 1;
 
 /// What is on the device as long as pictures need it.
 template <class Source, class Made>
@@ -49,29 +54,6 @@ class Kept {
   std::map<const Source*, Entry> entries_;
 };
 
-std::vector<float> lensDirections(const Camera& camera) {
-  std::vector<float> texels;
-  texels.reserve(4 * static_cast<std::size_t>(camera.width()) * camera.height());
-  for (int y = 0; y < camera.height(); ++y) {
-    for (int x = 0; x < camera.width(); ++x) {
-      const Segment ray = camera.ray(x + 0.5, y + 0.5);
-      for (int axis = 0; axis < 3; ++axis)
-        texels.push_back(static_cast<float>(ray.direction[axis]));
-      texels.push_back(ray.empty() ? 0.0F : 1.0F);
-    }
-  }
-  return texels;
-}
-
-/// The step from one row of pixels to the next, which skew turns.
-Vec3 rowStep(const Camera& camera) {
-  const Vec3 down = camera.down() * camera.pixelSize();
-  if (camera.isOrthographic())
-    return down;
-  const double skew = camera.intrinsics()(0, 1) * camera.pixelSize();
-  return down - camera.right() * (skew * camera.pixelWidth());
-}
-
 Status checkInput(const Camera& camera, const RenderOptions& options,
                   std::span<const float> opaqueDepth) {
   const std::size_t pixels = static_cast<std::size_t>(camera.width()) * camera.height();
@@ -99,6 +81,31 @@ Rgb behindPixel(const RenderOptions& options, std::span<const float> opaqueDepth
   return opaque ? Rgb(Rgb::Zero()) : options.background;
 }
 
+/// VoxelMedium::bounds(): between voxels there is something half a voxel further out.
+Box3 boundsOf(const BrickSlice& slice) {
+  Box3 bounds = slice.bounds();
+  if (slice.basis() == Basis::kBox)
+    return bounds;
+  const Vec3 half = 0.5 * bounds.size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()));
+  bounds.min -= half, bounds.max += half;
+  return bounds;
+}
+
+/// "volume + fog".
+std::string mediaNames(const GlScene& scene) {
+  std::string name;
+  const auto add = [&](const char* medium, bool there) {
+    if (there)
+      name += (name.empty() ? "" : " + ") + std::string(medium);
+  };
+  add("volume", !scene.volumes.empty());
+  add("tree", !scene.trees.empty());
+  add("fog", !scene.fogs.empty() || !scene.sunlitFogs.empty());
+  add("smoke", !scene.smokes.empty());
+  add("billboard", !scene.billboards.empty());
+  return name;
+}
+
 }  // namespace
 
 struct GlRenderer::State {
@@ -108,16 +115,33 @@ struct GlRenderer::State {
   Kept<BrickSlice, GlVolumeAtlas> atlases;
   Kept<Tree4d, GlTreeData> trees;
   Kept<TetLocator, GlMesh> meshes;
-  GlTexture picture, opaque, lens;
+  GlTexture picture, opaque, lens, passed;
+  SmokePasses smokePasses;
+  PolarPass polarPass;
+  BillboardPass billboardPass;
+  SurfacePasses surfacePasses;
+  SignPasses signPasses;
   int width = 0, height = 0;
 
   Result<const GlProgram*> programFor(std::span<const std::unique_ptr<GlMedium>> media,
                                       GlQuantity quantity);
-  Result<std::vector<std::unique_ptr<GlMedium>>> mediaOf(const GlScene& scene);
+  using Media = std::vector<std::unique_ptr<GlMedium>>;
+  Result<Media> mediaOf(const GlScene& scene, const Camera& camera, Progress& progress);
+  Result<std::unique_ptr<GlMedium>> mediumOf(const GlVolume& volume);
+  Result<std::unique_ptr<GlMedium>> mediumOf(const GlBillboard& board, const Camera& camera,
+                                             Progress& progress);
+  Status checkSize(const Camera& camera) const;
   Status resize(const Camera& camera);
-  void bindCamera(const GlProgram& program, const Camera& camera,
-                  std::span<const float> opaqueDepth);
-  Status dispatch(const GlProgram& program, const char* pass, Progress& progress);
+  void setOpaque(std::span<const float> opaqueDepth);
+  GlRays raysOf(const Camera& camera, std::span<const float> opaqueDepth);
+  /// Rays from the eye and no others may begin inside of a mesh.
+  Status march(const Camera& camera, std::span<const std::unique_ptr<GlMedium>> media,
+               GlQuantity quantity, const GlRays& rays, const GlTexture& target,
+               const std::string& names, Progress& progress);
+  Status dispatch(const GlProgram& program, const Camera& camera, const GlTexture& target,
+                  const std::string& media, Progress& progress);
+  Status drawAlone(const Camera& camera, const GlScene& scene, GlSmokeMethod method,
+                   std::span<const float> opaqueDepth, const GlRays& rays);
 };
 
 Result<const GlProgram*> GlRenderer::State::programFor(
@@ -131,12 +155,38 @@ Result<const GlProgram*> GlRenderer::State::programFor(
   return &programs.emplace(std::move(key), std::move(program)).first->second;
 }
 
-Result<std::vector<std::unique_ptr<GlMedium>>> GlRenderer::State::mediaOf(const GlScene& scene) {
-  std::vector<std::unique_ptr<GlMedium>> media;
+Result<std::unique_ptr<GlMedium>> GlRenderer::State::mediumOf(const GlVolume& volume) {
+  VOLUTE_ASSIGN(auto atlas,
+                atlases.get(volume.slice, [&] { return makeVolumeAtlas(*volume.slice); }));
+  return makeGlVolume(volume, std::move(atlas));
+}
+
+Result<std::unique_ptr<GlMedium>> GlRenderer::State::mediumOf(const GlBillboard& board,
+                                                              const Camera& camera,
+                                                              Progress& progress) {
+  const BillboardOptions& options = board.options;
+  if (!(options.width > 0) || !(options.height > 0) || options.rows < 1) {
+    return fail(ErrorCode::kInvalidArgument,
+                "a billboard of {} x {} m with {} rows; expected a size of more than 0",
+                options.width, options.height, options.rows);
+  }
+  Media shown;
+  VOLUTE_ASSIGN(auto medium, mediumOf(board.volume));
+  shown.push_back(std::move(medium));
+  const Camera view = billboardView(boundsOf(*board.volume.slice), camera, options);
+  VOLUTE_TRY(checkSize(view));
+  const GlTexture drawn = makeTexture2d(GL_RGBA32F, view.width(), view.height());
+  VOLUTE_TRY(march(view, shown, GlQuantity::kLight, {}, drawn, "billboard", progress));
+  return billboardPass.make(options, view, drawn.name(), passes);
+}
+
+Result<GlRenderer::State::Media> GlRenderer::State::mediaOf(const GlScene& scene,
+                                                            const Camera& camera,
+                                                            Progress& progress) {
+  Media media;
   for (const GlVolume& volume : scene.volumes) {
-    VOLUTE_ASSIGN(auto atlas,
-                  atlases.get(volume.slice, [&] { return makeVolumeAtlas(*volume.slice); }));
-    media.push_back(makeGlVolume(volume, std::move(atlas)));
+    VOLUTE_ASSIGN(auto medium, mediumOf(volume));
+    media.push_back(std::move(medium));
   }
   for (const GlTreeVolume& volume : scene.trees) {
     VOLUTE_ASSIGN(auto tree, trees.get(volume.tree, [&] { return makeTreeData(*volume.tree); }));
@@ -144,7 +194,11 @@ Result<std::vector<std::unique_ptr<GlMedium>>> GlRenderer::State::mediaOf(const 
     media.push_back(std::move(medium));
   }
   for (const FogMedium& fog : scene.fogs) {
-    VOLUTE_ASSIGN(auto medium, makeGlFog(fog));
+    VOLUTE_ASSIGN(auto medium, makeGlFog(fog, scene.fogFactor));
+    media.push_back(std::move(medium));
+  }
+  for (const SunlitFog& fog : scene.sunlitFogs) {
+    VOLUTE_ASSIGN(auto medium, makeGlFog(fog, scene.fogFactor));
     media.push_back(std::move(medium));
   }
   for (const GlSmoke& smoke : scene.smokes) {
@@ -152,73 +206,104 @@ Result<std::vector<std::unique_ptr<GlMedium>>> GlRenderer::State::mediaOf(const 
                   meshes.get(smoke.locator, [&] { return makeGlMesh(smoke.locator->mesh()); }));
     media.push_back(makeGlSmoke(smoke, std::move(mesh)));
   }
+  for (const GlBillboard& board : scene.billboards) {
+    VOLUTE_ASSIGN(auto medium, mediumOf(board, camera, progress));
+    media.push_back(std::move(medium));
+  }
   meshes.sweep();
   atlases.sweep();
   trees.sweep();
   return media;
 }
 
+Status GlRenderer::State::checkSize(const Camera& camera) const {
+  if (camera.width() <= device.largestTexture && camera.height() <= device.largestTexture)
+    return {};
+  return fail(ErrorCode::kTooLarge,
+              "a picture of {} x {} pixels is larger than the {} a side that the graphics device "
+              "has; use --renderer cpu",
+              camera.width(), camera.height(), device.largestTexture);
+}
+
 Status GlRenderer::State::resize(const Camera& camera) {
   if (camera.width() == width && camera.height() == height)
     return {};
-  if (camera.width() > device.largestTexture || camera.height() > device.largestTexture) {
-    return fail(ErrorCode::kTooLarge,
-                "a picture of {} x {} pixels is larger than the {} a side that the graphics device "
-                "has; use --renderer cpu",
-                camera.width(), camera.height(), device.largestTexture);
-  }
+  VOLUTE_TRY(checkSize(camera));
   width = camera.width(), height = camera.height();
   picture = makeTexture2d(GL_RGBA32F, width, height);
+  passed = {};
   opaque = {};
   return {};
 }
 
-void GlRenderer::State::bindCamera(const GlProgram& program, const Camera& camera,
-                                   std::span<const float> opaqueDepth) {
-  program.set("size", std::array{width, height});
-  program.set("forward", camera.forward());
-  program.set("right", Vec3(camera.right() * camera.pixelWidth()));
-  program.set("down", rowStep(camera));
-  program.set("principal", std::array{static_cast<float>(camera.principalPoint().x()),
-                                      static_cast<float>(camera.principalPoint().y())});
-  program.set("orthographic", camera.isOrthographic() ? 1 : 0);
-  program.set("opaque", kOpaqueUnit);
-  program.set("lens", kLensUnit);
-  program.set("opaqueGiven", opaqueDepth.empty() ? 0 : 1);
-  program.set("lensGiven", camera.distortion().none() ? 0 : 1);
-  if (!opaqueDepth.empty()) {
-    std::vector<float> texels(opaqueDepth.begin(), opaqueDepth.end());
-    for (float& depth : texels) depth = depth < kFarthest ? depth : kFarthest;
-    if (!opaque)
-      opaque = makeTexture2d(GL_R32F, width, height);
-    glTextureSubImage2D(opaque.name(), 0, 0, 0, width, height, GL_RED, GL_FLOAT, texels.data());
-    glBindTextureUnit(kOpaqueUnit, opaque.name());
-  }
-  if (!camera.distortion().none()) {
-    lens = makeTexture2d(GL_RGBA32F, width, height);
-    const std::vector<float> texels = lensDirections(camera);
-    glTextureSubImage2D(lens.name(), 0, 0, 0, width, height, GL_RGBA, GL_FLOAT, texels.data());
-    glBindTextureUnit(kLensUnit, lens.name());
-  }
+void GlRenderer::State::setOpaque(std::span<const float> opaqueDepth) {
+  std::vector<float> texels(opaqueDepth.begin(), opaqueDepth.end());
+  for (float& depth : texels) depth = depth < kFarthest ? depth : kFarthest;
+  if (!opaque)
+    opaque = makeTexture2d(GL_R32F, width, height);
+  glTextureSubImage2D(opaque.name(), 0, 0, 0, width, height, GL_RED, GL_FLOAT, texels.data());
 }
 
-Status GlRenderer::State::dispatch(const GlProgram& program, const char* pass, Progress& progress) {
+GlRays GlRenderer::State::raysOf(const Camera& camera, std::span<const float> opaqueDepth) {
+  GlRays rays;
+  if (!opaqueDepth.empty()) {
+    setOpaque(opaqueDepth);
+    rays.opaque = opaque.name();
+  }
+  if (!camera.distortion().none()) {
+    lens = lensDirections(camera);
+    rays.lens = lens.name();
+  }
+  return rays;
+}
+
+Status GlRenderer::State::march(const Camera& camera,
+                                std::span<const std::unique_ptr<GlMedium>> media,
+                                GlQuantity quantity, const GlRays& rays, const GlTexture& target,
+                                const std::string& names, Progress& progress) {
+  VOLUTE_ASSIGN(const GlProgram* program, programFor(media, quantity));
+  bindRays(*program, camera, rays);
+  GlBindings bindings;
+  const bool inside = !camera.isOrthographic() && rays.origins == 0;
+  for (std::size_t i = 0; i < media.size(); ++i)
+    media[i]->bind(*program, mediumPrefix(i), camera.eye(), inside, bindings);
+  return dispatch(*program, camera, target, names, progress);
+}
+
+Status GlRenderer::State::dispatch(const GlProgram& program, const Camera& camera,
+                                   const GlTexture& target, const std::string& media,
+                                   Progress& progress) {
   program.use();
-  glBindImageTexture(0, picture.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  for (int row = 0; row < height; row += kBandRows) {
-    if (progress.cancelled())
-      return fail(ErrorCode::kCancelled, "stopped: {} of {} rows were rendered", row, height);
+  glBindImageTexture(0, target.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  for (int row = 0; row < camera.height(); row += kBandRows) {
+    if (progress.cancelled()) {
+      return fail(ErrorCode::kCancelled, "stopped: {} of {} rows were rendered", row,
+                  camera.height());
+    }
     program.set("firstRow", row);
-    const int rows = std::min(kBandRows, height - row);
-    passes.run(pass, [&] {
-      glDispatchCompute(static_cast<GLuint>((width + kGroup - 1) / kGroup),
+    const int rows = std::min(kBandRows, camera.height() - row);
+    passes.run("march", media, [&] {
+      glDispatchCompute(static_cast<GLuint>((camera.width() + kGroup - 1) / kGroup),
                         static_cast<GLuint>((rows + kGroup - 1) / kGroup), 1);
     });
     glFlush();
-    progress.report("rendering", row + rows, height);
+    progress.report("rendering", row + rows, camera.height());
   }
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
   return {};
+}
+
+/// What is alone in its picture and has a way of its own; kUnsupported where that does not serve.
+Status GlRenderer::State::drawAlone(const Camera& camera, const GlScene& scene,
+                                    GlSmokeMethod method, std::span<const float> opaqueDepth,
+                                    const GlRays& rays) {
+  if (method != GlSmokeMethod::kMarch)
+    return smokePasses.draw(camera, scene.smokes[0], method, opaqueDepth, rays.opaque,
+                            picture.name(), passes);
+  if (scene.polarFog && scene.fogs.size() == 1 && scene.media() == 1)
+    return polarPass.draw(scene.fogs[0], scene.fogFactor, *scene.polarFog, camera, rays,
+                          picture.name(), passes);
+  return fail(ErrorCode::kUnsupported, "nothing is alone");
 }
 
 GlRenderer::GlRenderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -235,24 +320,57 @@ Result<GlRenderer> GlRenderer::create() {
 
 Status GlRenderer::draw(const Camera& camera, const GlScene& scene, GlQuantity quantity,
                         Progress& progress, std::span<const float> opaqueDepth) {
+  State& state = *state_;
   VOLUTE_TRY(checkInput(camera, {}, opaqueDepth));
-  VOLUTE_TRY(state_->resize(camera));
-  std::vector<std::unique_ptr<GlMedium>> media;
+  VOLUTE_TRY(state.resize(camera));
+  const GlRays rays = state.raysOf(camera, opaqueDepth);
+  const auto alone =
+      state.drawAlone(camera, scene, smokeMethod(scene, camera, quantity), opaqueDepth, rays);
+  if (alone || alone.error().code != ErrorCode::kUnsupported)
+    return alone;
+  State::Media media;
   Status uploaded;
-  state_->passes.run("upload", [&] {
-    auto made = state_->mediaOf(scene);
+  const std::string names = mediaNames(scene);
+  state.passes.run("upload", names, [&] {
+    auto made = state.mediaOf(scene, camera, progress);
     if (made)
       media = std::move(*made);
     else
       uploaded = tl::unexpected(std::move(made).error());
   });
   VOLUTE_TRY(std::move(uploaded));
-  VOLUTE_ASSIGN(const GlProgram* program, state_->programFor(media, quantity));
-  state_->bindCamera(*program, camera, opaqueDepth);
-  GlBindings bindings;
-  for (std::size_t i = 0; i < media.size(); ++i)
-    media[i]->bind(*program, mediumPrefix(i), camera.eye(), !camera.isOrthographic(), bindings);
-  return state_->dispatch(*program, "march", progress);
+  return state.march(camera, media, quantity, rays, state.picture, names, progress);
+}
+
+Result<SurfacePicture> GlRenderer::surfaces(const Camera& camera, const SurfaceScene& scene,
+                                            const GlScene& media, const Rgb& background,
+                                            Progress& progress) {
+  State& state = *state_;
+  VOLUTE_TRY(state.resize(camera));
+  State::Media made;
+  SurfacePasses::Attenuate attenuate;
+  if (media.media() > 0 && !scene.lamps.empty()) {
+    VOLUTE_ASSIGN(made, state.mediaOf(media, camera, progress));
+    if (!state.passed)
+      state.passed = makeTexture2d(GL_RGBA32F, state.width, state.height);
+    attenuate = [&](const GlRays& rays) -> Result<GLuint> {
+      VOLUTE_TRY(state.march(camera, made, GlQuantity::kOpticalDepth, rays, state.passed,
+                             mediaNames(media), progress));
+      return state.passed.name();
+    };
+  }
+  return state.surfacePasses.draw(camera, scene, background, attenuate, state.passes);
+}
+
+Result<std::vector<SignPixel>> GlRenderer::findSigns(const Camera& camera,
+                                                     std::span<const Sign> signs,
+                                                     std::span<const float> opaqueDepth) {
+  VOLUTE_TRY(state_->resize(camera));
+  return state_->signPasses.find(camera, signs, opaqueDepth, state_->passes);
+}
+
+Result<Image> GlRenderer::signLight(std::span<const float> powers) {
+  return state_->signPasses.light(powers, state_->picture.name(), state_->passes);
 }
 
 Result<Image> GlRenderer::render(const Camera& camera, const GlScene& scene,

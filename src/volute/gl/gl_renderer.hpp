@@ -12,6 +12,8 @@
 #include "volute/gl/gl_scene.hpp"
 #include "volute/gl/scene_shader.hpp"
 #include "volute/render/render.hpp"
+#include "volute/render/sign.hpp"
+#include "volute/render/surfaces.hpp"
 
 namespace volute {
 
@@ -37,6 +39,20 @@ class GlRenderer {
   /// fourth channel, the optical depth.
   [[nodiscard]] Status draw(const Camera& camera, const GlScene& scene, GlQuantity quantity,
                             Progress& progress, std::span<const float> opaqueDepth = {});
+
+  /// As renderSurfaces(), with these media in the place of the scene's.
+  [[nodiscard]] Result<SurfacePicture> surfaces(const Camera& camera, const SurfaceScene& scene,
+                                                const GlScene& media, const Rgb& background,
+                                                Progress& progress);
+
+  /// As signPixels(). No signs: no pixels.
+  [[nodiscard]] Result<std::vector<SignPixel>> findSigns(const Camera& camera,
+                                                         std::span<const Sign> signs,
+                                                         std::span<const float> opaqueDepth);
+
+  /// What is seen of the signs found last through what texture() holds, which must be their depths:
+  /// each through exp(-power * depth). Black elsewhere.
+  [[nodiscard]] Result<Image> signLight(std::span<const float> powers);
 
   GLuint texture() const;
 

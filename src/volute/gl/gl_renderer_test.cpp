@@ -1,125 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/gl/gl_renderer.hpp"
-
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <numbers>
-#include <random>
-
-#include "volute/base/parallel.hpp"
-#include "volute/fog/fog_testing.hpp"
-#include "volute/gl/gl_device.hpp"
+#include "volute/gl/gl_testing.hpp"
 #include "volute/grid/sequence.hpp"
-#include "volute/grid/voxel_medium.hpp"
 #include "volute/medium/turned_medium.hpp"
-#include "volute/tetmesh/made_meshes.hpp"
-#include "volute/tetmesh/tet_medium.hpp"
 
 namespace volute {
+using namespace gltest;
+
 namespace {
-
-constexpr int kWidth = 36, kHeight = 30;
-
-/// One context for all tests of this file: making one costs more than a picture.
-class GlRendererTest : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    auto made = HeadlessGl::create();
-    if (made) {
-      gl_ = std::make_unique<HeadlessGl>(std::move(*made));
-      renderer_ = std::make_unique<GlRenderer>(GlRenderer::create().value());
-    } else {
-      missing_ = made.error().message;
-    }
-  }
-
-  static void TearDownTestSuite() {
-    renderer_.reset();
-    gl_.reset();
-  }
-
-  void SetUp() override {
-    if (!gl_)
-      GTEST_SKIP() << missing_;
-  }
-
-  static inline std::unique_ptr<HeadlessGl> gl_;
-  static inline std::unique_ptr<GlRenderer> renderer_;
-  static inline std::string missing_;
-  Progress quiet_;
-
-  /// The largest difference from the reference, as a share of its largest value.
-  double errorOf(const Camera& camera, const GlScene& scene, std::span<const AnyMedium> media,
-                 RenderOptions options, std::span<const float> opaque = {}) {
-    const auto image = renderer_->render(camera, scene, options, quiet_, nullptr, opaque);
-    EXPECT_TRUE(image) << image.error().message;
-    if (!image)
-      return INFINITY;
-    options.renderer = Renderer::kReference;
-    const Image expected = render(camera, media, options, quiet_, nullptr, opaque).value();
-    double largest = 0, worst = 0;
-    for (std::size_t i = 0; i < expected.pixels.size(); ++i) {
-      largest = std::max<double>(largest, expected.pixels[i]);
-      const double error = std::abs(double(image->pixels[i]) - expected.pixels[i]);
-      worst = !(error <= worst) ? error : worst;
-    }
-    EXPECT_GT(largest, 1e-4) << "the test's picture is black";
-    return worst / largest;
-  }
-};
-
-constexpr double kBar = 5e-4;  // the contract says 2e-3
-
-/// Blobs with holes between them, so that some bricks are empty; sizes that no brick divides.
-VolumeInfo infoOf(int channels, Basis basis) {
-  VolumeInfo info;
-  info.frames = 1, info.x = 21, info.y = 17, info.z = 26, info.channels = channels;
-  info.basis = basis;
-  info.bounds = {Vec3(-1, 2, 0.5), Vec3(1.1, 3.7, 3.1)};
-  return info;
-}
-
-std::vector<float> blobs(const VolumeInfo& info, int frame = 0) {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<float> noise(0.5F, 1.0F);
-  std::vector<float> values;
-  for (int z = 0; z < info.z; ++z) {
-    for (int y = 0; y < info.y; ++y) {
-      for (int x = 0; x < info.x; ++x) {
-        const float a = std::hypot(x - 5.0F - frame, y - 8.0F, z - 6.0F),
-                    b = std::hypot(x - 16.0F, y - 9.0F, z - 20.0F);
-        const float inside = std::max(0.0F, 1 - a / 5) + 2 * std::max(0.0F, 1 - b / 6);
-        for (int c = 0; c < info.channels; ++c)
-          values.push_back(inside * noise(random) * (1 + 0.4F * c));
-      }
-    }
-  }
-  return values;
-}
-
-std::shared_ptr<const BrickSlice> sliceOf(int channels, Basis basis) {
-  const VolumeInfo info = infoOf(channels, basis);
-  return std::make_shared<const BrickSlice>(BrickSlice::fromDense(info, blobs(info)));
-}
-
-/// Beside, inside, along an axis, orthographic, and through a lens.
-std::vector<Camera> cameras(const Box3& bounds) {
-  const Vec3 centre = bounds.centre();
-  Calibration lens;
-  lens.width = kWidth, lens.height = kHeight;
-  lens.K << 32, 1.5, 17, 0, 30, 16, 0, 0, 1;
-  lens.R << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-  lens.t = -lens.R * (centre + Vec3(0.1, -4, 0.2));
-  lens.distortion.k1 = -0.1;
-  return {Camera::framing(bounds, kWidth, kHeight),
-          Camera::pinhole({centre + Vec3(0.05, 0.02, -0.3), centre + Vec3(1, 2, 0.5)}, 70, kWidth,
-                          kHeight),
-          Camera::pinhole({centre - Vec3(0, 5, 0), centre}, 30, kWidth + 1, kHeight + 1),
-          Camera::orthographic({centre + Vec3(1, -1, 0.7), centre}, 3.5, kWidth, kHeight),
-          Camera::calibrated(lens).value()};
-}
 
 TEST_F(GlRendererTest, VolumesAreThoseOfTheReference) {
   int pictures = 0;
@@ -273,27 +161,6 @@ TEST_F(GlRendererTest, MediaThatOverlapAreCompositedAsTheReferenceDoes) {
   }
 }
 
-/// A mesh, its smoke, and the same as the reference's medium.
-struct Smoke {
-  explicit Smoke(std::shared_ptr<const TetMesh> mesh, bool lit, double thick)
-      : locator(std::make_shared<const TetLocator>(mesh)) {
-    for (const Vec3& p : mesh->vertices()) {
-      extinction.push_back(
-          float(thick * std::max(0.0, std::sin(2 * p.x()) + std::cos(3 * p.y() + p.z()))));
-      if (lit) {
-        for (int c = 0; c < 3; ++c) source.push_back(float(0.6 + 0.4 * std::sin(c + p.z())));
-      }
-    }
-  }
-
-  GlSmoke onDevice() const { return {locator, extinction, source}; }
-
-  AnyMedium medium() const { return AnyMedium(TetMedium(locator, extinction, source)); }
-
-  std::shared_ptr<const TetLocator> locator;
-  std::vector<float> extinction, source;
-};
-
 TEST_F(GlRendererTest, SmokeIsThatOfTheReference) {
   const auto box = boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {6, 5, 4}, 0.3, 5);
   for (const bool lit : {false, true}) {
@@ -305,6 +172,37 @@ TEST_F(GlRendererTest, SmokeIsThatOfTheReference) {
                           {.background = Rgb(0.3, 0.5, 0.1)}),
                   kBar)
             << "lit " << lit << ", thick " << thick << ", eye " << camera.eye().transpose();
+      }
+    }
+  }
+}
+
+TEST_F(GlRendererTest, EveryWayToDrawSmokeIsTheReference) {
+  const auto box = boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {6, 5, 4}, 0.3, 5);
+  for (const bool lit : {false, true}) {
+    const Smoke smoke(box, lit, 3);
+    const AnyMedium medium = smoke.medium();
+    for (const Camera& camera : cameras(medium.bounds())) {
+      std::vector<float> wall(static_cast<std::size_t>(camera.width()) * camera.height(), INFINITY);
+      const double middle = (medium.bounds().centre() - camera.eye()).norm();
+      for (std::size_t i = 0; i < wall.size(); i += 2)
+        wall[i] = static_cast<float>(middle * (0.7 + 0.0005 * double(i % 999)));
+      for (const auto method :
+           {GlSmokeMethod::kMarch, GlSmokeMethod::kSplat, GlSmokeMethod::kProject}) {
+        (void)renderer_->takePasses();
+        const GlScene scene{.smokes = {smoke.onDevice()}, .smokeMethod = method};
+        EXPECT_LE(errorOf(camera, scene, {&medium, 1}, {.background = Rgb(0.3, 0.5, 0.1)}, wall),
+                  method == GlSmokeMethod::kProject ? 2e-3 : kBar)
+            << "lit " << lit << ", method " << int(method) << ", eye " << camera.eye().transpose();
+        const auto passes = renderer_->takePasses();
+        const bool lens = !camera.distortion().none();
+        const char* pass = lens || method == GlSmokeMethod::kMarch ? "march"
+                           : method == GlSmokeMethod::kProject     ? "draw tetrahedra"
+                           : lit                                   ? "march"
+                                                                   : "splat";
+        EXPECT_TRUE(std::ranges::any_of(passes, [&](const GlPassTime& time) {
+          return time.name == pass && time.media == "smoke";
+        })) << pass;
       }
     }
   }

@@ -3,10 +3,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "volute/fog/fog_medium.hpp"
+#include "volute/fog/polar_table.hpp"
+#include "volute/fog/sunlit_fog.hpp"
 #include "volute/grid/brick_slice.hpp"
+#include "volute/render/billboard.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
 #include "volute/tree4d/tree4d.hpp"
 
@@ -39,14 +42,38 @@ struct GlSmoke {
   std::vector<float> source{};  ///< radiance of infinitely thick smoke, RGB a vertex; empty: black
 };
 
+/// How a smoke is drawn that is alone in its picture. One among other media is marched with them,
+/// and so is any under a camera with a lens.
+enum class GlSmokeMethod {
+  kAuto,     ///< black smoke and optical depths by the splat, light by the march
+  kMarch,    ///< from face to face, in a compute shader
+  kSplat,    ///< DepthSplat: transmittance alone; light is marched
+  kProject,  ///< TetProjector, for drivers whose compute shaders are slow
+};
+
+/// Billboard's twin: a volume's picture on a rectangle that faces the camera.
+struct GlBillboard {
+  GlVolume volume;
+  BillboardOptions options;
+};
+
 /// All media of a picture, and the light behind them.
 struct GlScene {
   std::vector<GlVolume> volumes{};
   std::vector<GlTreeVolume> trees{};
   std::vector<FogMedium> fogs{};
   std::vector<GlSmoke> smokes{};
+  std::vector<SunlitFog> sunlitFogs{};
+  std::vector<GlBillboard> billboards{};
+  double fogFactor = 1;  ///< of all fogs' extinction, as ScaledMedium has it
+  /// A fog that is alone in its picture is drawn by a polar table where one serves.
+  std::optional<PolarOptions> polarFog{};
+  GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
 
-  std::size_t media() const { return volumes.size() + trees.size() + fogs.size() + smokes.size(); }
+  std::size_t media() const {
+    return volumes.size() + trees.size() + fogs.size() + smokes.size() + sunlitFogs.size() +
+           billboards.size();
+  }
 };
 
 }  // namespace volute

@@ -13,5 +13,24 @@ extern const char* const kVolumeAtlas;
 extern const char* const kVolumeTree;
 extern const char* const kFogCells;
 extern const char* const kSmoke;
+extern const char* const kSplatVertex;
+extern const char* const kSplatFragment;
+extern const char* const kResolve;
+extern const char* const kTriangles;
+extern const char* const kSurfacesHit;
+extern const char* const kSurfacesShadow;
+extern const char* const kSurfacesLight;
+extern const char* const kLamp;
+extern const char* const kSigns;
+extern const char* const kSignsDeferred;
+extern const char* const kBillboard;
+extern const char* const kSheet;
+extern const char* const kFogSun;
+extern const char* const kFogPolarTable;
+extern const char* const kFogPolarPicture;
+extern const char* const kTetsVertex;
+extern const char* const kTetsFragment;
+extern const char* const kTetsWallVertex;
+extern const char* const kTetsWallFragment;
 
 }  // namespace volute::glsl

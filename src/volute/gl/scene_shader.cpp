@@ -114,7 +114,7 @@ std::string mainFunction(std::size_t media) {
     return;
   }
 )" + forEach(media, "  @begin();") +
-         R"(  float s = -FARTHEST;
+         R"(  float s = rayFrom;
   for (int step = 0; step < 1000000; ++step) {
     float to = FARTHEST;
     bool any = false;

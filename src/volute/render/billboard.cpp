@@ -29,17 +29,19 @@ std::array<double, 4> bilinear(const Image& texture, double across, double down)
   return value;
 }
 
-/// Parallel rays through the middle of the volume, along the line from the eye to the billboard.
-Camera viewOf(const Box3& bounds, const Vec3& forward, const Vec3& up,
-              const BillboardOptions& options) {
+}  // namespace
+
+Camera billboardView(const Box3& volume, const Camera& camera, const BillboardOptions& options) {
+  const Vec3 way = options.position - camera.eye();
+  const bool faces = !camera.isOrthographic() && way.norm() > 0;
+  const Vec3 forward = faces ? Vec3(way.normalized()) : camera.forward();
+  const Box3& bounds = options.shown.empty() ? volume : options.shown;
   const int columns =
       std::max(1, static_cast<int>(std::lround(options.rows * options.width / options.height)));
   const Vec3 middle = bounds.centre();
-  return Camera::orthographic({middle - bounds.size().norm() * forward, middle, up},
+  return Camera::orthographic({middle - bounds.size().norm() * forward, middle, -camera.down()},
                               bounds.size().z(), columns, options.rows);
 }
-
-}  // namespace
 
 Result<Billboard> Billboard::draw(const AnyMedium& volume, const Camera& camera,
                                   const BillboardOptions& options, Progress& progress) {
@@ -50,11 +52,7 @@ Result<Billboard> Billboard::draw(const AnyMedium& volume, const Camera& camera,
   }
   Billboard board;
   board.options_ = options;
-  const Vec3 way = options.position - camera.eye();
-  const bool faces = !camera.isOrthographic() && way.norm() > 0;
-  const Vec3 forward = faces ? Vec3(way.normalized()) : camera.forward();
-  const Camera view = viewOf(options.shown.empty() ? volume.bounds() : options.shown, forward,
-                             -camera.down(), options);
+  const Camera view = billboardView(volume.bounds(), camera, options);
   board.right_ = view.right(), board.down_ = view.down(), board.forward_ = view.forward();
   board.thickness_ = kThickness * options.height;
   RenderOptions clear;

@@ -31,6 +31,10 @@ struct BillboardOptions {
   Box3 shown{};  ///< of the volume; its height becomes the billboard's. Empty: the volume's bounds
 };
 
+/// The camera that draws a billboard's texture: parallel rays through the middle of the volume,
+/// along the line from the eye to the billboard.
+Camera billboardView(const Box3& volume, const Camera& camera, const BillboardOptions& options);
+
 /// A volume drawn on a flat rectangle that faces the camera (Ahrenberg et al. 2005, section 5.2):
 /// seen from the camera's side by parallel rays into a texture, without changing its shape: its
 /// height fills the billboard's, its width as much as fits. Cheap to look at, and right where the

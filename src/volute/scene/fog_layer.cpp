@@ -165,22 +165,34 @@ FogMedium FogLayer::fogAt(double time) const {
   return sequence_->at(local).shifted(blown);
 }
 
+Result<SunlitFog> FogLayer::sunlitAt(double time) const {
+  auto lit = SunlitFog::make(fogAt(time), suns_, description_.scattering);
+  if (!lit)
+    return at(description_.where, lit.error());
+  return lit;
+}
+
+std::optional<PolarOptions> FogLayer::polarFor(const Camera& camera) const {
+  const bool serves = suns_.empty() && description_.options.degree > 0 && !camera.isOrthographic();
+  if (!description_.polar || !serves)
+    return std::nullopt;
+  return PolarOptions{.sector = sectorOf(camera)};
+}
+
 Result<AnyMedium> FogLayer::mediumAt(double time, const Camera& camera) const {
+  if (!suns_.empty()) {
+    VOLUTE_ASSIGN(auto lit, sunlitAt(time));
+    return AnyMedium(std::move(lit));
+  }
   FogMedium fog = fogAt(time);
-  const bool serves = suns_.empty() && fog.options().degree > 0 && !camera.isOrthographic();
-  if (description_.polar && serves) {
-    auto polar = PolarFog::make(fog, camera.eye(), {.sector = sectorOf(camera)});
+  if (const auto options = polarFor(camera)) {
+    auto polar = PolarFog::make(fog, camera.eye(), *options);
     if (polar)
       return AnyMedium(std::move(*polar));
     if (polar.error().code != ErrorCode::kUnsupported)
       return at(description_.where, polar.error());
   }
-  if (suns_.empty())
-    return AnyMedium(std::move(fog));
-  auto lit = SunlitFog::make(fog, suns_, description_.scattering);
-  if (!lit)
-    return at(description_.where, lit.error());
-  return AnyMedium(std::move(*lit));
+  return AnyMedium(std::move(fog));
 }
 
 }  // namespace volute

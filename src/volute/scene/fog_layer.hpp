@@ -3,10 +3,13 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "volute/camera/camera.hpp"
 #include "volute/fog/fog_sequence.hpp"
+#include "volute/fog/polar_table.hpp"
+#include "volute/fog/sunlit_fog.hpp"
 #include "volute/medium/any_medium.hpp"
 #include "volute/scene/fog_file.hpp"
 #include "volute/scene/reading.hpp"
@@ -25,6 +28,12 @@ class FogLayer {
 
   /// The same, lit by the suns, for pictures of a camera.
   [[nodiscard]] Result<AnyMedium> mediumAt(double time, const Camera& camera) const;
+
+  /// Fog that suns light, as it is seen by any camera.
+  [[nodiscard]] Result<SunlitFog> sunlitAt(double time) const;
+
+  /// How a polar table for a camera is to be made; nothing where the fog is to be walked.
+  std::optional<PolarOptions> polarFor(const Camera& camera) const;
 
   /// Whether suns light it.
   bool sunlit() const { return !suns_.empty(); }

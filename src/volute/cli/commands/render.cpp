@@ -64,13 +64,18 @@ RenderOptions renderOptions(const Arguments& arguments, const RenderSubject& sub
 
 /// What OpenGL does not draw, in the plural; empty when it draws all.
 std::string_view beyondGl(const RenderSubject& subject) {
-  if (!subject.billboards.empty())
-    return "billboards";
   if (!subject.fdsCases.empty())
     return "FDS cases";
-  if (std::ranges::any_of(subject.fogs, &FogLayer::sunlit))
-    return "fog that suns light";
-  return subject.law.factor() != 1 && !subject.fogs.empty() ? "fog in threshold mode" : "";
+  for (const FogLayer& layer : subject.fogs) {
+    if (layer.sunlit() && !subject.geometry.empty())
+      return "fog that suns light among surfaces";
+    const FogMedium fog = layer.fogAt(0);
+    if (fog.hasTop())
+      return "fogs with a top";
+    if (fog.options().detail.cellAngle > 0)
+      return "fogs with levels by cell angle";
+  }
+  return "";
 }
 
 /// Null for the processor. `auto` takes OpenGL where hardware draws all that the subject has.

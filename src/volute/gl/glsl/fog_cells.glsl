@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // Fog, cell by cell along a ray that meets other media too; M_ stands for the medium's own prefix. Follows fog_walk.glsl,
-// whose functions it uses. Levels of detail follow each other along the ray, in each the zones of the height profile, in
+// whose functions it uses; M_sunlight(place) is what suns add to the fog's own light. Levels of detail follow each other along the ray, in each the zones of the height profile, in
 // each the cells.
 
 uniform vec3 M_fogColor;  // radiance of infinitely thick fog
@@ -114,5 +114,5 @@ void M_sample(float s, inout float k, inout vec3 e) {
   vec2 place = clamp(M_o + M_d * s - vec2(M_cell), 0.0, 1.0);
   float here = fogSpline(M_c, place) * fogProfile(fogZones[M_inZone], M_height + M_rise * s);
   k += here;
-  e += here * M_fogColor;
+  e += here * (M_fogColor + M_sunlight(rayOrigin + s * rayDirection));
 }

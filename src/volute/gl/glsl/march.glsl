@@ -7,9 +7,6 @@
 //   MARCH_GENERAL       Gauss' rule, with the depth up to each of its points from the polynomial through all of them
 // mediaAt(s, k, e) gives the extinction [1/m] and the emission of all media together.
 
-vec3 light = vec3(0.0);
-float depth = 0.0;  // optical
-
 const float DARK = 13.9;  // e^-13.9 < 1e-6 of the light passes
 
 #if MARCH == MARCH_CONSTANT

@@ -17,18 +17,23 @@ uniform int opaqueGiven;
 uniform sampler2D opaque;  // [m] along the ray to the nearest opaque surface; FARTHEST where there is none
 uniform int lensGiven;
 uniform sampler2D lens;    // directions of cameras with a lens; w = 0 where it does not reach
+uniform int originsGiven;  // with the lens, for rays that are no camera's
+uniform sampler2D origins; // from the eye [m]
 
 const float FARTHEST = 3e38;
+
+vec3 light = vec3(0.0);  // what has come out of the ray so far
+float depth = 0.0;       // optical
 
 vec3 rayOrigin = vec3(0.0);
 vec3 rayDirection;
 float rayBegin = 0.0;
 float rayEnd = FARTHEST;
+float rayFrom = -FARTHEST;  // what is before does not count, though the media are entered at rayBegin
 
-// False where there is no pixel or no ray.
-bool castRay(ivec2 pixel) {
-  if (any(greaterThanEqual(pixel, size))) return false;
-  vec2 at = vec2(pixel) + 0.5 - principal;
+// Through an image point of a pixel; false where there is no ray. With a lens, through the pixel's centre.
+bool castRayAt(vec2 place, ivec2 pixel) {
+  vec2 at = place - principal;
   if (orthographic != 0) {
     rayOrigin = at.x * right + at.y * down;
     rayDirection = forward;
@@ -40,7 +45,17 @@ bool castRay(ivec2 pixel) {
   if (lensGiven == 0) return true;
   vec4 bent = texelFetch(lens, pixel, 0);
   rayDirection = bent.xyz;
+  if (originsGiven != 0) {
+    rayOrigin = texelFetch(origins, pixel, 0).xyz;
+    rayBegin = -FARTHEST;
+    rayFrom = 0.0;
+  }
   return bent.w != 0.0;
+}
+
+// False where there is no pixel or no ray.
+bool castRay(ivec2 pixel) {
+  return all(lessThan(pixel, size)) && castRayAt(vec2(pixel) + 0.5, pixel);
 }
 
 // Cuts begin..end to where o + d s is within lo..hi; false when it never is.

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fog/polar_fog.hpp"
+#include "volute/gl/gl_testing.hpp"
+#include "volute/render/billboard.hpp"
+#include "volute/render/scaled_medium.hpp"
+
+// What stands among the media of a scene: surfaces, lamps, signs, billboards, suns.
+
+namespace volute {
+
+using namespace gltest;
+
+namespace {
+
+constexpr double kScene = 2e-3;
+
+class GlSceneTest : public GlRendererTest {
+ protected:
+  /// The largest difference, as a share of the brightest; infinite where the sizes differ.
+  static double difference(std::span<const float> found, std::span<const float> expected) {
+    if (found.size() != expected.size())
+      return INFINITY;
+    double worst = 0, brightest = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (std::isinf(expected[i]) && found[i] == expected[i])
+        continue;
+      const double error = std::abs(double(found[i]) - expected[i]);
+      worst = !(error <= worst) ? error : worst;
+      brightest = std::max(brightest, std::abs(double(expected[i])));
+    }
+    EXPECT_GT(brightest, 1e-3) << "the test's picture is black";
+    return worst / brightest;
+  }
+};
+
+/// A floor, two pillars that throw shadows, and a ball that glows.
+TriangleScene room() {
+  std::vector<Triangle> triangles;
+  const auto quad = [&](const Vec3& a, const Vec3& u, const Vec3& v, std::uint32_t material) {
+    triangles.push_back({{a, a + u, a + u + v}, material});
+    triangles.push_back({{a, a + u + v, a + v}, material});
+  };
+  const auto box = [&](const Vec3& a, const Vec3& size, std::uint32_t material) {
+    const Vec3 x(size.x(), 0, 0), y(0, size.y(), 0), z(0, 0, size.z());
+    quad(a, y, x, material), quad(a + z, x, y, material);
+    quad(a, x, z, material), quad(a + y, z, x, material);
+    quad(a, z, y, material), quad(a + x, y, z, material);
+  };
+  quad(Vec3(-5, -2, 0.03), Vec3(11, 0.1, 0), Vec3(0.2, 12, 0.1), 0);
+  box(Vec3(-1.6, 1.3, 0), Vec3(0.4, 0.5, 2.7), 1);
+  box(Vec3(1.7, 3.1, 0.1), Vec3(0.3, 0.4, 3.1), 2);
+  for (int i = 0; i < 60; ++i) {
+    const auto at = [&](int k) {
+      const double turn = 0.7 * k, height = -1 + 2.0 * (k % 31) / 31,
+                   r = std::sqrt(1 - height * height);
+      return Vec3(0.3 + 0.5 * r * std::cos(turn), 4.6 + 0.5 * r * std::sin(turn),
+                  0.9 + 0.5 * height);
+    };
+    triangles.push_back({{at(i), at(i + 1), at(i + 9)}, 3});
+  }
+  return TriangleScene::build(std::move(triangles), {{Rgb(0.7, 0.6, 0.5)},
+                                                     {Rgb(0.2, 0.5, 0.8)},
+                                                     {Rgb(0.9, 0.3, 0.2)},
+                                                     {Rgb(0.5, 0.5, 0.5), Rgb(0.05, 0.02, 0)}})
+      .value();
+}
+
+std::vector<Lamp> lamps() {
+  Lamp spot;
+  spot.position = Vec3(0.4, 1.2, 3.9);
+  spot.direction = Vec3(-0.1, 0.4, -1).normalized();
+  spot.coneCosine = std::cos(0.9), spot.edge = 0.3;
+  spot.intensity = Rgb(20, 17, 13);
+  Lamp sun;
+  sun.kind = Lamp::Kind::kSun;
+  sun.direction = Vec3(0.5, 0.3, -0.8).normalized();
+  sun.intensity = Rgb(1, 1.2, 1.6);
+  return {spot, sun};
+}
+
+TEST_F(GlSceneTest, SurfacesAreLitThroughMediaAsByTheProcessor) {
+  const TriangleScene geometry = room();
+  const auto lights = lamps();
+  const Smoke smoke(boxMesh({Vec3(-2.1, 0.7, 0.1), Vec3(2.3, 5.2, 3.2)}, {5, 5, 4}, 0.2, 2), false,
+                    0.5);
+  const auto fire = sliceOf(1, Basis::kTrilinear);
+  const FogMedium fog =
+      fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[1].profile, {.degree = 2}, 0.5, 0.6);
+  const std::vector<AnyMedium> media{AnyMedium(VoxelMedium(fire, 1, 2)), AnyMedium(fog),
+                                     smoke.medium()};
+  const GlScene onDevice{.volumes = {{fire, 1, 2}}, .fogs = {fog}, .smokes = {smoke.onDevice()}};
+  const Vec3 target(0.1, 3, 1);
+  for (const Camera& camera : {Camera::pinhole({Vec3(-3.1, -2.2, 4.1), target}, 45, 70, 60),
+                               Camera::orthographic({Vec3(3.2, -1.3, 2.9), target}, 6.1, 61, 50)}) {
+    const SurfaceScene full{geometry, lights, Rgb(0.02, 0.03, 0.04), media};
+    const SurfaceScene clear{geometry, lights, Rgb(0.02, 0.03, 0.04)};
+    for (const bool smoky : {false, true}) {
+      const auto expected =
+          renderSurfaces(camera, smoky ? full : clear, Rgb(0.3, 0.2, 0.1), quiet_).value();
+      const auto found = renderer_->surfaces(camera, clear, smoky ? onDevice : GlScene{},
+                                             Rgb(0.3, 0.2, 0.1), quiet_);
+      ASSERT_TRUE(found) << found.error().message;
+      EXPECT_LE(difference(found->color.pixels, expected.color.pixels), kScene)
+          << "media " << smoky;
+      EXPECT_LE(difference(found->depth, expected.depth), 1e-6);
+      EXPECT_EQ(found->surfacePixels, expected.surfacePixels);
+      EXPECT_GT(found->surfacePixels, 500u);
+    }
+  }
+}
+
+std::vector<Sign> signs() {
+  Sign exit;
+  exit.position = Vec3(0.2, 3.4, 1.8), exit.normal = Vec3(-0.3, -1, 0.2);
+  exit.width = 1.2, exit.height = 0.6, exit.c = 8;
+  exit.picture = exitPicture();
+  Sign door = exit;
+  door.position = Vec3(-0.9, 2.9, 0.9), door.normal = Vec3(0.2, -1, 0), door.c = 3;
+  Sign turned = exit;
+  turned.normal = Vec3(0, 1, 0);
+  turned.position = Vec3(1.3, 3, 1);
+  return {exit, door, turned};
+}
+
+TEST_F(GlSceneTest, SignsAreFoundAndShineThroughSmoke) {
+  const auto all = signs();
+  const Smoke smoke(boxMesh({Vec3(-2.1, 0.7, 0.1), Vec3(2.3, 5.2, 3.2)}, {5, 5, 4}, 0.2, 2), false,
+                    0.8);
+  const std::vector<AnyMedium> media{smoke.medium()};
+  const Camera camera = Camera::pinhole({Vec3(-0.7, -2.2, 2.1), Vec3(0.1, 3, 1.4)}, 40, 80, 60);
+  std::vector<float> wall(80 * 60, INFINITY);
+  for (std::size_t i = 0; i < wall.size(); ++i) {
+    if (i % 80 < 43)
+      wall[i] = 5.2F;
+  }
+  const auto expected = signPixels(camera, all, wall);
+  const auto found = renderer_->findSigns(camera, all, wall);
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_EQ(found->size(), expected.size());
+  ASSERT_GT(expected.size(), 60u);
+  std::vector<float> ends = wall;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ((*found)[i].pixel, expected[i].pixel);
+    EXPECT_EQ((*found)[i].sign, expected[i].sign);
+    EXPECT_NEAR((*found)[i].distance, expected[i].distance, 1e-5);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR((*found)[i].radiance[c], expected[i].radiance[c], 1e-4);
+    ends[expected[i].pixel] = expected[i].distance;
+  }
+  ASSERT_TRUE(renderer_->draw(camera, {.smokes = {smoke.onDevice()}}, GlQuantity::kOpticalDepth,
+                              quiet_, ends));
+  const float powers[] = {0.2878F, 0.7675F, 1};
+  const auto light = renderer_->signLight(powers);
+  ASSERT_TRUE(light);
+  const Image depth =
+      render(camera, media, {.renderer = Renderer::kReference, .aov = Aov::kOpticalDepth}, quiet_,
+             nullptr, ends)
+          .value();
+  Image shown(80, 60, 3);
+  for (const SignPixel& pixel : expected) {
+    for (int c = 0; c < 3; ++c) {
+      shown.pixels[3 * pixel.pixel + c] =
+          pixel.radiance[c] * std::exp(-powers[pixel.sign] * depth.pixels[pixel.pixel]);
+    }
+  }
+  EXPECT_LE(difference(light->pixels, shown.pixels), kScene);
+}
+
+TEST_F(GlSceneTest, BillboardsAreThoseOfTheProcessor) {
+  const FogMedium fog =
+      fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[1].profile, {.degree = 1}, 0.9, 0.6);
+  for (const BillboardAlpha alpha : {BillboardAlpha::kTransmittance, BillboardAlpha::kIntensity}) {
+    for (const Basis basis : {Basis::kBox, Basis::kTrilinear}) {
+      const auto slice = sliceOf(3, basis);
+      const double extinction = alpha == BillboardAlpha::kIntensity ? 0 : 1.5;
+      BillboardOptions options{Vec3(0.4, 3, 1.6), 1.7, 1.9, 64, alpha, {}};
+      if (basis == Basis::kBox)
+        options.shown = {Vec3(-0.8, 2.2, 0.8), Vec3(0.9, 3.5, 2.7)};
+      const Camera camera =
+          Camera::pinhole({Vec3(-0.7, -2.2, 2.1), Vec3(0.2, 3, 1.4)}, 50, kWidth, kHeight);
+      const AnyMedium board(
+          Billboard::draw(AnyMedium(VoxelMedium(slice, 0.4, extinction)), camera, options, quiet_)
+              .value());
+      const GlBillboard onDevice{{slice, 0.4, extinction}, options};
+      std::vector<float> wall(kWidth * kHeight, INFINITY);
+      for (std::size_t i = 0; i < wall.size(); i += 5) wall[i] = 4.5F;
+      const RenderOptions behind{.background = Rgb(0.5, 0.4, 0.3)};
+      EXPECT_LE(errorOf(camera, {.billboards = {onDevice}}, {&board, 1}, behind, wall), kScene)
+          << "alpha " << int(alpha) << ", basis " << int(basis);
+      const std::vector<AnyMedium> both{AnyMedium(fog), board};
+      EXPECT_LE(errorOf(camera, {.fogs = {fog}, .billboards = {onDevice}}, both, behind), kScene)
+          << "in fog, alpha " << int(alpha) << ", basis " << int(basis);
+    }
+  }
+}
+
+TEST_F(GlSceneTest, SunsLightFog) {
+  const FogSun suns[] = {{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)},
+                         {Vec3(-0.2, 0.1, 1), Rgb(0.4, 0.5, 0.9)}};
+  for (const auto& [name, profile] : fogtest::profiles()) {
+    const int degree = name == "slab" ? 1 : 2;
+    const FogMedium fog =
+        fogtest::fog(fogtest::map(9, 8), profile, {.degree = degree, .color = Rgb(0.1, 0.1, 0.2)});
+    for (const int count : {1, 2}) {
+      if (count == 2 && name != "linear")
+        continue;
+      const SunlitFog lit = SunlitFog::make(fog, std::span(suns).first(count),
+                                            {.albedo = Rgb(0.9, 0.8, 0.7), .asymmetry = 0.5})
+                                .value();
+      const AnyMedium medium(lit);
+      const Camera camera =
+          Camera::pinhole({Vec3(-4, -3, 3), Vec3(8, 9, 1.5)}, 70, kWidth, kHeight);
+      EXPECT_LE(
+          errorOf(camera, {.sunlitFogs = {lit}}, {&medium, 1}, {.background = Rgb(0.2, 0.1, 0.4)}),
+          kScene)
+          << name << ", suns " << count;
+    }
+  }
+}
+
+TEST_F(GlSceneTest, FogAloneByAPolarTable) {
+  const FogMedium fog = fogtest::fog(fogtest::map(19, 16), fogtest::profiles()[1].profile,
+                                     {.degree = 2, .color = Rgb(0.8, 0.9, 1)});
+  const Camera camera = Camera::pinhole({Vec3(-4, -3, 3), Vec3(8, 9, 1.5)}, 60, kWidth, kHeight);
+  const AnyMedium exact(fog);
+  const GlScene scene{.fogs = {fog}, .polarFog = PolarOptions{}};
+  (void)renderer_->takePasses();
+  std::vector<float> wall(kWidth * kHeight, INFINITY);
+  for (std::size_t i = 0; i < wall.size(); i += 3) wall[i] = 0.3F + 0.02F * float(i);
+  EXPECT_LE(errorOf(camera, scene, {&exact, 1}, {.background = Rgb(0.2, 0.1, 0.4)}, wall),
+            1 / 512.0);
+  (void)errorOf(camera, scene, {&exact, 1}, {});
+  int tables = 0, pictures = 0;
+  for (const GlPassTime& pass : renderer_->takePasses()) {
+    tables += pass.name == "polar table" ? pass.times : 0;
+    pictures += pass.name == "polar" ? pass.times : 0;
+  }
+  EXPECT_EQ(tables, 1) << "for one eye";
+  EXPECT_EQ(pictures, 2);
+  // Where no table serves, the fog is walked.
+  const FogMedium other =
+      fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[2].profile, {.degree = 2});
+  const AnyMedium walked(other);
+  EXPECT_LE(errorOf(camera, {.fogs = {other}, .polarFog = PolarOptions{}}, {&walked, 1}, {}), kBar);
+}
+
+TEST_F(GlSceneTest, FogByAFactor) {
+  const FogMedium fog =
+      fogtest::fog(fogtest::map(9, 8), fogtest::profiles()[1].profile, {.degree = 1});
+  const AnyMedium medium(ScaledMedium(AnyMedium(fog), 0.7675));
+  const Camera camera = Camera::pinhole({Vec3(-4, -3, 3), Vec3(8, 9, 1.5)}, 70, kWidth, kHeight);
+  EXPECT_LE(errorOf(camera, {.fogs = {fog}, .fogFactor = 0.7675}, {&medium, 1}, {}), kBar);
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// The ways from what is seen to a lamp, for the march through the media; follows triangles.glsl and lamp.glsl.
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(rgba32f, binding = 0) writeonly uniform image2D ways;    // direction; w = 0 where no light arrives
+layout(r32f, binding = 1) writeonly uniform image2D distances;  // [m] to the lamp
+
+uniform sampler2D normals;
+uniform sampler2D points;
+uniform dvec3 eyeInGeometry;
+uniform float lift;  // of a shadow's ray from its surface, times 1 + its place: more than rounding moves it
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(pixel, textureSize(normals, 0)))) return;
+  vec4 normal = texelFetch(normals, pixel, 0);
+  vec3 point = texelFetch(points, pixel, 0).xyz;
+  vec4 way = towardsLamp(point);
+  bool lit = normal.w >= 0.0 && way.w > 0.0 && dot(normal.xyz, way.xyz) > 0.0 && irradianceAt(point) != vec3(0.0);
+  if (lit) {
+    dvec3 at = eyeInGeometry + dvec3(point);
+    at += lift * (1.0 + float(max(max(abs(at.x), abs(at.y)), abs(at.z)))) * normal.xyz;
+    lit = meetTriangles(at, dvec3(way.xyz), double(way.w), true).triangle < 0;
+  }
+  imageStore(ways, pixel, vec4(way.xyz, lit ? 1.0 : 0.0));
+  imageStore(distances, pixel, vec4(way.w));
+}
