@@ -96,6 +96,12 @@ FdsField FdsField::withSource(const Rgb& source) const {
   return other;
 }
 
+FdsField FdsField::withValues(std::vector<std::shared_ptr<const FdsValues>> values) const {
+  FdsField other(grid_, std::move(values), cells_);
+  other.source_ = source_;
+  return other;
+}
+
 std::optional<FdsCell> FdsField::cellAt(const Vec3& point) const {
   const int index = grid_->latticeAt(point);
   if (index < 0)

@@ -53,6 +53,9 @@ class FdsField {
   /// The same smoke in another light.
   FdsField withSource(const Rgb& source) const;
 
+  /// Other values of the same lattices, as many.
+  FdsField withValues(std::vector<std::shared_ptr<const FdsValues>> values) const;
+
   const FdsGrid& grid() const { return *grid_; }
 
   const FdsValues& values(std::size_t lattice) const { return *values_[lattice]; }
