@@ -150,9 +150,13 @@ Status openBillboards(const SceneDescription& scene, RenderSubject& subject, Con
 
 Result<RenderSubject> openScene(const std::string& path, const Arguments& arguments,
                                 Context& context) {
-  for (const char* name : {"grid", "bounds", "emission", "extinction", "field", "quantity", "unit",
-                           "scale", "mass-extinction", "soot-yield", "material", "burning",
-                           "density-field", "albedo", "clamp"}) {
+  for (const char* name : {"grid",          "bounds",      "emission",
+                           "extinction",    "field",       "quantity",
+                           "unit",          "scale",       "mass-extinction",
+                           "soot-yield",    "material",    "burning",
+                           "density-field", "albedo",      "clamp",
+                           "fire",          "fire-cutoff", "fire-temperature",
+                           "devices",       "slice",       "slice-range"}) {
     if (!arguments.given(name))
       continue;
     return fail(ErrorCode::kInvalidArgument, "--{} is for a single file; write it into the scene",

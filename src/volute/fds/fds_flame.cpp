@@ -26,6 +26,34 @@ FdsField above(const FdsField& heat, double cutoff) {
   return heat.withValues(std::move(values));
 }
 
+/// The box of all cells that have a value above 0, or corners that have; empty if none has.
+Box3 litBounds(const FdsField& light) {
+  Box3 box;
+  for (std::size_t i = 0; i < light.grid().lattices().size(); ++i) {
+    const FdsLattice& lattice = light.grid().lattices()[i];
+    const auto& values = light.values(i).value;
+    const int extra = lattice.nodal ? 1 : 0;
+    std::size_t place = 0;
+    for (int z = 0; z < lattice.cells(2) + extra; ++z) {
+      for (int y = 0; y < lattice.cells(1) + extra; ++y) {
+        for (int x = 0; x < lattice.cells(0) + extra; ++x) {
+          if (!(values[place++] > 0))
+            continue;
+          const std::array<int, 3> at{x, y, z};
+          for (int axis = 0; axis < 3; ++axis) {
+            // A node lights the cells on both sides of it.
+            const auto& planes = lattice.planes[axis];
+            const int last = static_cast<int>(planes.size()) - 1;
+            box.min[axis] = std::min(box.min[axis], planes[std::max(at[axis] - extra, 0)]);
+            box.max[axis] = std::max(box.max[axis], planes[std::min(at[axis] + 1, last)]);
+          }
+        }
+      }
+    }
+  }
+  return box;
+}
+
 Rgb colourOf(const FlameLaw& law) {
   const auto [r, g, b] = blackBodyColour(law.temperature);
   return kPerMegawatt * law.emission * Rgb(r, g, b);
@@ -34,7 +62,11 @@ Rgb colourOf(const FlameLaw& law) {
 }  // namespace
 
 FdsFlame::FdsFlame(const FdsField& heat, const FlameLaw& law)
-    : light_(above(heat, law.cutoff)), colour_(colourOf(law)) {}
+    : light_(above(heat, law.cutoff)), colour_(colourOf(law)), bounds_(litBounds(light_)) {
+  burns_ = !bounds_.empty();
+  if (!burns_)
+    bounds_ = light_.bounds();
+}
 
 void FdsFlame::opticalDepth(std::span<const Segment> segments, std::span<double> depths) const {
   std::fill_n(depths.begin(), segments.size(), 0.0);

@@ -25,7 +25,11 @@ class FdsFlame {
   /// `heat` holds the heat release [kW/m3] in place of an extinction.
   FdsFlame(const FdsField& heat, const FlameLaw& law);
 
-  Box3 bounds() const { return light_.bounds(); }
+  /// Whether there is a flame anywhere.
+  bool burns() const { return burns_; }
+
+  /// Of the cells that burn; without any, of the case.
+  Box3 bounds() const { return bounds_; }
 
   double extinction(const Vec3&) const { return 0; }
 
@@ -38,6 +42,8 @@ class FdsFlame {
  private:
   FdsField light_;  // heat above the cutoff [kW/m3]
   Rgb colour_;      // radiance per metre of 1 kW/m3
+  Box3 bounds_;
+  bool burns_ = false;
 };
 
 }  // namespace volute

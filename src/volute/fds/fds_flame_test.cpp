@@ -50,6 +50,20 @@ conformance::MediumUnderTest underTest() {
 
 VOLUTE_CONFORMANCE(FdsFlames, underTest());
 
+TEST(FdsFlame, ReachesAsFarAsItsCells) {
+  const Folder folder;
+  const auto heat = [](double x, double y, double z) {
+    return x == 0.6 && y == 0.4 && z == 0 ? 500.0 : 10.0;
+  };
+  const FdsFlame flame(heatOf(folder, heat, {0, 0, 0, 0, 0, 0}), {});
+  EXPECT_TRUE(flame.burns());
+  EXPECT_NEAR((flame.bounds().min - Vec3(0.4, 0.2, 0)).norm(), 0, 1e-12);
+  EXPECT_NEAR((flame.bounds().max - Vec3(0.8, 0.6, 0.3)).norm(), 0, 1e-12);
+  const Folder cold;
+  EXPECT_FALSE(
+      FdsFlame(heatOf(cold, [](auto...) { return 10.0; }, {0, 0, 0, 0, 0, 0}), {}).burns());
+}
+
 TEST(FdsFlame, ShinesAsItReleasesHeatAboveItsCutoff) {
   const Folder folder;
   // 100 kW/m3 below x = 0.5, 700 above: at nodes 0, 0.2, 0.4 and 0.6, 0.8, 1.

@@ -26,6 +26,8 @@ struct FdsLattice {
   int mesh = 0;  ///< place in SmvIndex::meshes
   FdsPlanes planes;
   bool nodal = false;  ///< values at corners, trilinear between them; else constant in each cell
+  int thinAxis = -1;   ///< of a 2D slice: across it
+  double place = 0;    ///< where on that axis its values lie [m]
 
   int cells(int axis) const { return static_cast<int>(planes[axis].size()) - 1; }
 

@@ -109,6 +109,12 @@ Result<std::shared_ptr<FdsCase::Part>> FdsCase::openPart(const FdsSourcePart& wh
     part->axes.place[axis] = cells.places;
     part->axes.size[axis] = nodes.end[axis] - nodes.begin[axis] + 1;
     part->meshCells[axis] = cells.cells;
+    if (nodes.begin[axis] != nodes.end[axis] || part->lattice.cells(axis) < 1)
+      continue;
+    part->lattice.thinAxis = axis;
+    part->lattice.place = source().cellCentred
+                              ? 0.5 * (cells.planes[0] + cells.planes[1])
+                              : mesh.planes[axis][static_cast<std::size_t>(nodes.begin[axis])];
   }
   return part;
 }
