@@ -33,9 +33,9 @@ struct FdsLattice {
 
   std::size_t cellCount() const { return static_cast<std::size_t>(cells(0)) * cells(1) * cells(2); }
 
-  std::size_t valueCount() const {
-    return nodal ? planes[0].size() * planes[1].size() * planes[2].size() : cellCount();
-  }
+  std::size_t nodeCount() const { return planes[0].size() * planes[1].size() * planes[2].size(); }
+
+  std::size_t valueCount() const { return nodal ? nodeCount() : cellCount(); }
 
   std::size_t cellAt(const std::array<int, 3>& cell) const {
     return (static_cast<std::size_t>(cell[2]) * cells(1) + cell[1]) * cells(0) + cell[0];

@@ -8,6 +8,7 @@
 
 #include "volute/image/srgb.hpp"
 #include "volute/render/scaled_medium.hpp"
+#include "volute/scene/fds_light.hpp"
 
 namespace volute {
 namespace {
@@ -37,8 +38,8 @@ Rgb linear(const FdsColour& colour, const Vec3& normal) {
 
 }  // namespace
 
-Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Rgb& ambient,
-                                Reading& reading) {
+Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const SceneLights& lights,
+                                Blocks blocks, Reading& reading) {
   VOLUTE_TRY(checkWords(description));
   FdsOptions options{.source = description.field, .volume = description.field.empty()};
   if (description.model.massExtinction != kFdsMassExtinction)
@@ -48,7 +49,8 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Rgb& 
   VOLUTE_ASSIGN(auto opened, FdsCase::open(description.file, options));
   FdsLayer layer;
   layer.description_ = description;
-  layer.ambient_ = ambient;
+  layer.lights_ = lights;
+  layer.blocks_ = std::move(blocks);
   layer.case_ = std::make_shared<FdsCase>(std::move(opened));
   layer.events_ = obstructionEvents(layer.case_->index());
   if (description.fds.devices) {
@@ -86,10 +88,21 @@ double FdsLayer::caseTime(double time) const {
 
 Result<AnyMedium> FdsLayer::mediumAt(double time) const {
   VOLUTE_ASSIGN(const auto field, case_->field(caseTime(time)));
-  AnyMedium medium(field.withSource(description_.albedo * ambient_));
+  AnyMedium medium(inLight(field, time));
   if (description_.model.scale == 1)
     return medium;
   return AnyMedium(ScaledMedium(std::move(medium), description_.model.scale));
+}
+
+FdsField FdsLayer::inLight(const FdsField& field, double time) const {
+  if (lights_.lamps.empty())
+    return field.withSource(description_.albedo * lights_.ambient);
+  return field.withLight(fdsLight(field, case_->obstructions(caseTime(time)),
+                                  {.lamps = lights_.lamps,
+                                   .ambient = lights_.ambient,
+                                   .albedo = description_.albedo,
+                                   .density = description_.model.scale,
+                                   .blocks = blocks_}));
 }
 
 Status FdsLayer::openFire(Reading& reading) {

@@ -13,6 +13,7 @@
 #include "volute/medium/any_medium.hpp"
 #include "volute/scene/fds_slice.hpp"
 #include "volute/scene/reading.hpp"
+#include "volute/scene/scene_lights.hpp"
 #include "volute/scene/scene_smoke.hpp"
 
 namespace volute {
@@ -23,9 +24,11 @@ class FdsLayer {
  public:
   /// `description` says the case, the source (its field; empty: the best that fills meshes), a
   /// scale, Km and the albedo; the case itself says what its files hold, so kInvalidArgument for
-  /// another quantity. Smoke scatters `ambient`; lamps do not light it.
+  /// another quantity. Smoke scatters the light of the lamps that obstructions and `blocks` let
+  /// through, once, and the ambient one.
   [[nodiscard]] static Result<FdsLayer> open(const SmokeDescription& description,
-                                             const Rgb& ambient, Reading& reading);
+                                             const SceneLights& lights, Blocks blocks,
+                                             Reading& reading);
 
   const SmokeDescription& description() const { return description_; }
 
@@ -67,10 +70,12 @@ class FdsLayer {
 
   double caseTime(double time) const;
   Status openFire(Reading& reading);
+  FdsField inLight(const FdsField& field, double time) const;
   void addDevices(double time, TriangleMesh& to) const;
 
   SmokeDescription description_;
-  Rgb ambient_ = Rgb::Zero();
+  SceneLights lights_;
+  Blocks blocks_;
   std::shared_ptr<FdsCase> case_;
   std::shared_ptr<FdsCase> heat_;  // null: no fire
   FlameLaw flame_;
