@@ -22,28 +22,13 @@ struct Request {
   char grid[LatticeFrame::kMaxName + 1] = {};
 };
 
-template <class T>
-std::string toBytes(const T& value) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  return {reinterpret_cast<const char*>(&value), sizeof value};
-}
-
-template <class T>
-T fromBytes(std::string_view bytes) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  T value;
-  VOLUTE_ASSERT(bytes.size() == sizeof value);
-  std::memcpy(&value, bytes.data(), sizeof value);
-  return value;
-}
-
 /// The child's side.
 Result<std::string> serve(LatticeReader& reader, const std::vector<LatticeFile>& files,
                           const Request& request, std::span<float> values) {
   const auto& path = files[request.file].path;
   if (request.describe) {
     VOLUTE_ASSIGN(const LatticeFrame frame, reader.describe(path, request.grid, request.flag));
-    return toBytes(frame);
+    return toMessage(frame);
   }
   VOLUTE_TRY(reader.read(path, request.grid, request.box, request.flag, values));
   return std::string();
@@ -57,7 +42,8 @@ ReaderProcess::Serve makeServe(const std::vector<LatticeFile>& files,
       VOLUTE_ASSIGN(const LatticePlugin* plugin, loadPlugin());
       reader = plugin->makeReader();
     }
-    return serve(*reader, files, fromBytes<Request>(bytes), values);
+    VOLUTE_ASSIGN(const auto request, fromMessage<Request>(bytes));
+    return serve(*reader, files, request, values);
   };
 }
 
@@ -235,7 +221,7 @@ class LatticeSource final : public FrameSource {
     request.box = box_.shifted({-shift[0], -shift[1], -shift[2]});
     grid_.copy(request.grid, LatticeFrame::kMaxName);
     const auto& path = files_[index].path;
-    VOLUTE_TRY(process_.call(path.string(), toBytes(request), values.size(),
+    VOLUTE_TRY(process_.call(path.string(), toMessage(request), values.size(),
                              limitsFor(path, values.size(), options_.maxMemory)));
     std::ranges::copy(process_.values(), values.begin());
     return {};
@@ -249,9 +235,9 @@ class LatticeSource final : public FrameSource {
     request.flag = !options_.bounds;
     request.file = static_cast<std::int64_t>(index);
     grid.copy(request.grid, LatticeFrame::kMaxName);
-    VOLUTE_ASSIGN(const std::string reply, process_.call(path.string(), toBytes(request), 0,
+    VOLUTE_ASSIGN(const std::string reply, process_.call(path.string(), toMessage(request), 0,
                                                          limitsFor(path, 0, options_.maxMemory)));
-    return fromBytes<LatticeFrame>(reply);
+    return fromMessage<LatticeFrame>(reply);
   }
 
   void fillInfo(const std::vector<LatticeFrame>& frames) {
@@ -298,7 +284,7 @@ Result<std::vector<TimedFile>> readCollection(const std::filesystem::path& colle
     VOLUTE_ASSIGN(const LatticePlugin* plugin, loadPlugin());
     VOLUTE_ASSIGN(const auto files, plugin->readCollection(collection));
     std::string text;
-    for (const auto& file : files) text += toBytes(file.time) + file.path.string() + '\0';
+    for (const auto& file : files) text += toMessage(file.time) + file.path.string() + '\0';
     if (text.size() > ReaderProcess::kMaxMessage) {
       return fail(ErrorCode::kTooLarge, "{}: names too many files", name);
     }
@@ -308,8 +294,11 @@ Result<std::vector<TimedFile>> readCollection(const std::filesystem::path& colle
   std::vector<TimedFile> files;
   for (std::size_t at = 0; at < reply.size();) {
     const auto end = reply.find('\0', at + sizeof(double));
-    files.push_back({fromBytes<double>(std::string_view(reply).substr(at, sizeof(double))),
-                     reply.substr(at + sizeof(double), end - at - sizeof(double))});
+    const std::string_view entry = std::string_view(reply).substr(at, end - at);
+    VOLUTE_ASSIGN(const auto time, fromMessage<double>(entry.substr(0, sizeof(double))));
+    if (end == std::string::npos)
+      return fail(ErrorCode::kInvalidData, "{}: the list of its files is cut short", name);
+    files.push_back({time, std::string(entry.substr(sizeof(double)))});
     at = end + 1;
   }
   return files;

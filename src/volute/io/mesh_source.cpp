@@ -63,7 +63,7 @@ ReaderProcess::Serve makeServe(const std::filesystem::path& file, const std::str
       std::size_t instant = 0;
       std::from_chars(request.data(), request.data() + request.size(), instant);
       VOLUTE_ASSIGN(const MeshSize size, reader->load(file, instant, field));
-      return std::string(reinterpret_cast<const char*>(&size), sizeof size);
+      return toMessage(size);
     }
     VOLUTE_ASSIGN(const MeshData data, reader->take());
     Bytes bytes{reinterpret_cast<std::byte*>(values.data())};
@@ -121,9 +121,7 @@ Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t instant
   ReaderProcess process(makeServe(path, options.field));
   const ReaderProcess::Limits limits{options.maxMemory, secondsFor(path, fileSize)};
   VOLUTE_ASSIGN(const std::string reply, process.call(file, fmt::format("{}", instant), 0, limits));
-  MeshSize size;
-  VOLUTE_ASSERT(reply.size() == sizeof size);
-  std::memcpy(&size, reply.data(), sizeof size);
+  VOLUTE_ASSIGN(const auto size, fromMessage<MeshSize>(reply));
   VOLUTE_TRY(process.call(file, kTake, floatsFor(size), limits));
   MeshData data;
   data.ofCells = size.ofCells;

@@ -5,9 +5,12 @@
 #include <sys/types.h>
 
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <type_traits>
 
 #include "volute/base/result.hpp"
 
@@ -61,5 +64,27 @@ class ReaderProcess {
   std::size_t valueCount_ = 0;
   std::size_t mappedBytes_ = 0;
 };
+
+/// A value as a message to or from the other process.
+template <class T>
+std::string toMessage(const T& value) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return {reinterpret_cast<const char*>(&value), sizeof value};
+}
+
+/// kInvalidData where the size is not T's: it comes from a process that read a file nobody vouches
+/// for.
+template <class T>
+Result<T> fromMessage(std::string_view message) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  if (message.size() != sizeof(T)) {
+    return fail(ErrorCode::kInvalidData,
+                "the process that reads the file answered with {} bytes; expected {}",
+                message.size(), sizeof(T));
+  }
+  T value;
+  std::memcpy(&value, message.data(), sizeof value);
+  return value;
+}
 
 }  // namespace volute

@@ -79,6 +79,12 @@ TEST(ReaderProcess, ErrorsKeepTheirCodeAndNameTheFile) {
   EXPECT_EQ(process.call("file", "throw", 0, kLimits).error().message, "file: odd bytes");
 }
 
+TEST(ReaderProcess, MessagesOfAnotherSizeAreRefused) {
+  EXPECT_EQ(*fromMessage<double>(toMessage(2.5)), 2.5);
+  EXPECT_EQ(fromMessage<double>("short").error().message,
+            "the process that reads the file answered with 5 bytes; expected 8");
+}
+
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 TEST(ReaderProcess, MemoryIsLimited) {
   ReaderProcess process(misbehave);

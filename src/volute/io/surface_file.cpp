@@ -41,7 +41,7 @@ ReaderProcess::Serve makeServe(const std::filesystem::path& file) {
       VOLUTE_ASSIGN(auto read, plugin->read(file));
       mesh = std::make_shared<TriangleMesh>(std::move(read));
       const SurfaceSize size{mesh->triangles.size(), mesh->materials.size()};
-      return std::string(reinterpret_cast<const char*>(&size), sizeof size);
+      return toMessage(size);
     }
     auto* to = reinterpret_cast<std::byte*>(values.data());
     const std::size_t bytes = mesh->triangles.size() * sizeof(Triangle);
@@ -71,9 +71,7 @@ Result<TriangleMesh> readInChild(const std::filesystem::path& path, std::uint64_
   const ReaderProcess::Limits limits{.memory = maxMemory,
                                      .seconds = 10 + 1e-6 * static_cast<double>(fileSize)};
   VOLUTE_ASSIGN(const std::string reply, process.call(file, {}, 0, limits));
-  SurfaceSize size;
-  VOLUTE_ASSERT(reply.size() == sizeof size);
-  std::memcpy(&size, reply.data(), sizeof size);
+  VOLUTE_ASSIGN(const auto size, fromMessage<SurfaceSize>(reply));
   VOLUTE_TRY(checkMemory(file, size.triangles, maxMemory));
   VOLUTE_TRY(process.call(file, {}, size.floats(), limits));
   TriangleMesh mesh;
