@@ -13,8 +13,8 @@ def record(data):
     return struct.pack("<i", len(data)) + data + struct.pack("<i", len(data))
 
 
-def slice_file(indices, frames):
-    out = b"".join(record(text.ljust(30).encode()) for text in ("SOOT EXTINCTION COEFFICIENT", "ext", "1/m"))
+def slice_file(indices, frames, labels=("SOOT EXTINCTION COEFFICIENT", "ext", "1/m")):
+    out = b"".join(record(text.ljust(30).encode()) for text in labels)
     out += record(struct.pack("<6i", *indices))
     for time, values in frames:
         out += record(struct.pack("<f", time)) + record(struct.pack(f"<{len(values)}f", *values))
@@ -91,13 +91,14 @@ class Fds(support.TestCase):
         self.assertEqual((said["grid"], said["unit"], said["size"], said["times"]),
                          ("extinction", "1/m", [8, 4, 4], [0, 10]))
 
-    def seen(self, x, time, *more):
+    def seen(self, x, time, *more, grey=True):
         """What a parallel camera sees along +y at this x, before white."""
         self.works("render", self.case, "-o", self.path("x.exr"), "--ortho", "0.1", "--eye", f"{x},-1,0.5",
                    "--target", f"{x},0,0.5", "--size", "4x4", "--background", "1,1,1", "--time", str(time),
                    "--albedo", "0,0,0", *more)
         info = self.works("info", self.path("x.exr"), "--json").json
-        self.assertAlmostEqual(info["minimum"], info["maximum"], delta=1e-6)
+        if grey:
+            self.assertAlmostEqual(info["minimum"], info["maximum"], delta=1e-6)
         return info["maximum"]
 
     def test_a_case_is_rendered_as_smoke_with_its_building(self):
@@ -120,6 +121,68 @@ class Fds(support.TestCase):
         self.works("render", self.path("scene.json"), "-o", self.path("x.exr"))
         info = self.works("info", self.path("x.exr"), "--json").json
         self.assertAlmostEqual(info["maximum"], math.exp(-2) + 0.5 * (1 - math.exp(-2)), delta=1e-6)
+
+    def add_slice(self, mesh, indices, value, labels, keyword="SLCC"):
+        i1, i2, j1, j2, k1, k2 = indices
+        count = (i2 - i1 + 1) * (j2 - j1 + 1) * (k2 - k1 + 1)
+        name = f"{labels[1]}_{mesh}.sf"
+        self.path(name).write_bytes(slice_file(indices, [(t, [value] * count) for t in (0, 10)], labels))
+        with self.case.open("a") as file:
+            file.write(f"{keyword} {mesh} # STRUCTURED & {' '.join(map(str, indices))}\n {name}\n"
+                       + "".join(f" {label}\n" for label in labels))
+
+    def test_fire_shines_through_the_smoke(self):
+        self.add_slice(2, (0, 4) * 3, 500.0, ("HRRPUV", "hrrpuv", "kW/m3"))
+        clear = self.seen(1.5, 0, "--scale", "1e-9", "--fire", "8", grey=False) - 1
+        self.assertGreater(clear, 4)  # 8/m per MW/m3 in 1 m of 0.5 MW/m3, more of it in red
+        self.assertAlmostEqual(self.seen(1.5, 0, "--scale", "1e-9", "--fire", "4", grey=False) - 1, clear / 2, delta=1e-6)
+        self.assertAlmostEqual(self.seen(1.5, 0, "--fire", "8", grey=False) - math.exp(-2), clear * (1 - math.exp(-2)) / 2,
+                               delta=1e-5)
+        for without in (("--fire", "0"), ("--fire-cutoff", "501")):
+            self.assertAlmostEqual(self.seen(1.5, 0, *without), math.exp(-2), delta=1e-6)
+        # It hides nothing.
+        self.assertAlmostEqual(self.seen(1.5, 0, "--aov", "optical-depth"), 2, delta=1e-6)
+        with self.case.open("a") as file:
+            file.write("HRRPUVCUT\n 1\n 600.0\n")
+        self.assertAlmostEqual(self.seen(1.5, 0), math.exp(-2), delta=1e-6)
+        self.works("render", self.case, "-o", self.path("x.png"), "--size", "40x40")
+        self.assertIn(b"fire: black body 1500 K, 20/m per MW/m3, above 600 kW/m3", self.path("x.png").read_bytes())
+
+    def test_devices_are_listed_and_marked(self):
+        with self.case.open("a") as file:
+            file.write("DEVICE\n exit % VISIBILITY\n 1.5 0.0 0.5 0 0 -1 0 0\nDEVICE_ACT 1\n 1 4.0 1\n")
+        said = self.works("info", self.case, "--json").json["devices"]
+        self.assertEqual(said, [{"label": "exit", "quantity": "VISIBILITY", "position": [1.5, 0, 0.5], "active": False,
+                                 "events": [{"time": 4, "active": True}]}])
+        self.assertIn("exit (VISIBILITY) at 1.5, 0, 0.5 m, idle, active at 4 s", self.works("info", self.case).text)
+        self.assertAlmostEqual(self.seen(1.5, 0), math.exp(-2), delta=1e-6)
+
+        def blue(time):
+            """Of the mark's middle, which lies before the smoke."""
+            self.works("render", self.case, "-o", self.path("x.exr"), "--ortho", "0.01", "--eye", "1.5,-1,0.5",
+                       "--target", "1.5,0,0.5", "--size", "2x2", "--time", str(time), "--devices", "--albedo", "0,0,0")
+            return self.works("info", self.path("x.exr"), "--json").json["maximum"]
+        self.assertAlmostEqual(blue(0), 0.8, delta=0.01)
+        self.assertAlmostEqual(blue(4), 0.9, delta=0.01)
+
+    def test_slices_are_sheets_in_the_picture(self):
+        self.add_slice(2, (0, 4, 0, 4, 2, 2), 60.0, ("TEMPERATURE", "temp", "C"), "SLCF")
+        said = self.works("info", self.case, "--json").json
+        self.assertEqual(said["slices"], {"TEMPERATURE at z = 0.5 m": 1})
+
+        def from_above(*more):
+            self.works("render", self.case, "-o", self.path("x.exr"), "--ortho", "0.1", "--eye", "1.5,0.55,3",
+                       "--target", "1.5,0.55,0", "--up", "0,1,0", "--size", "4x4", "--albedo", "0,0,0", *more)
+            return self.works("info", self.path("x.exr"), "--json").json["maximum"]
+        self.assertAlmostEqual(from_above(), math.exp(-2), delta=1e-6)
+        # Viridis ends in yellow, 0.99 of red as sRGB; half of the smoke is above the sheet.
+        self.assertAlmostEqual(from_above("--slice", "TEMPERATURE", "--slice-range", "20,50"), 0.98 * math.exp(-1),
+                               delta=0.02)
+        dark = from_above("--slice", "TEMPERATURE", "--slice-range", "60,100")
+        self.assertLess(dark, 0.12 * math.exp(-1))
+        self.assertIn("no 2D slice of 'HEAT'; the case has slices of SOOT EXTINCTION COEFFICIENT, TEMPERATURE",
+                      self.fails(1, "render", self.case, "-o", self.path("x.png"), "--slice", "HEAT"))
+        self.fails(2, "render", self.case, "-o", self.path("x.png"), "--slice", "TEMPERATURE", "--slice-range", "5,2")
 
     def test_what_is_not_there_is_said(self):
         self.assertIn("no source 's3d'; the case has slice3d-extinction-cells",

@@ -49,6 +49,60 @@ void addMeshes(Report& report, const SmvIndex& index) {
       .add("bounds", boundsJson(bounds), boundsText(bounds));
 }
 
+void addDevices(Report& report, const SmvIndex& index) {
+  constexpr std::size_t kShown = 20;
+  Json list = Json::array();
+  std::string text = fmt::format("{}", index.devices.size());
+  for (const FdsDevice& device : index.devices) {
+    Json events = Json::array();
+    std::string changes;
+    for (const FdsEvent& event : device.events) {
+      events.push_back({{"time", event.time}, {"active", event.shown}});
+      changes += fmt::format(", {} at {:g} s", event.shown ? "active" : "idle", event.time);
+    }
+    list.push_back({{"label", device.label},
+                    {"quantity", device.quantity},
+                    {"position", {device.position.x(), device.position.y(), device.position.z()}},
+                    {"active", device.active},
+                    {"events", events}});
+    if (list.size() <= kShown) {
+      text += fmt::format("\n  {} ({}) at {} m, {}{}", device.label, device.quantity,
+                          vectorText(device.position), device.active ? "active" : "idle", changes);
+    }
+  }
+  if (list.size() > kShown)
+    text += "\n  ...";
+  report.add("devices", list, text);
+}
+
+/// 2D slices, by where they lie.
+void addSlices(Report& report, const SmvIndex& index) {
+  std::map<std::string, int> planes;
+  for (const FdsSliceEntry& slice : index.slices) {
+    if (!slice.nodes)
+      continue;
+    const FdsMesh& mesh = index.meshes[static_cast<std::size_t>(slice.mesh)];
+    for (int axis = 0; axis < 3; ++axis) {
+      const int node = slice.nodes->begin[axis];
+      if (node != slice.nodes->end[axis])
+        continue;
+      const auto& places = mesh.planes[axis];
+      const auto at = static_cast<std::size_t>(node);
+      const double place =
+          slice.cellCentred && node > 0 ? 0.5 * (places[at - 1] + places[at]) : places[at];
+      ++planes[fmt::format("{} at {} = {:g} m", slice.labels.quantity, "xyz"[axis], place)];
+    }
+  }
+  Json list;
+  std::string text;
+  for (const auto& [name, count] : planes) {
+    list[name] = count;
+    text += fmt::format("{}{}{}", text.empty() ? "" : "; ", name,
+                        count > 1 ? fmt::format(" ({} meshes)", count) : "");
+  }
+  report.add("slices", list, text.empty() ? "none in a plane" : text);
+}
+
 void addContents(Report& report, const SmvIndex& index) {
   std::size_t obstructions = 0;
   std::size_t vents = 0;
@@ -65,7 +119,8 @@ void addContents(Report& report, const SmvIndex& index) {
                                                events.size(), events.front(), events.back())));
   report.add("obstruction_events", Json(events), "");
   report.add("vents", vents, fmt::format("{}", vents));
-  report.add("devices", index.devices.size(), fmt::format("{}", index.devices.size()));
+  addDevices(report, index);
+  addSlices(report, index);
   std::map<std::string, int> quantities;
   for (const auto& slice : index.slices) ++quantities["slices of " + slice.labels.quantity];
   for (const auto& smoke : index.smoke) ++quantities["smoke3d of " + smoke.labels.quantity];

@@ -63,7 +63,7 @@ void drawLegend(Image& image, const std::vector<std::string>& lines,
     drawBar(image, *scale, {x, y, kBarWidth * dot, kBarHeight * dot});
     y += (kBarHeight + 2) * dot;
     const std::string most = fmt::format("{:.4g}", scale->most);
-    drawText(image, "0", x, y, dot, ink);
+    drawText(image, fmt::format("{:.4g}", scale->least), x, y, dot, ink);
     drawText(image, most, x + kBarWidth * dot - textSize(most, dot).width, y, dot, ink);
     y += kLine * dot;
   }

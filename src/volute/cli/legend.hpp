@@ -11,10 +11,11 @@
 
 namespace volute::cli {
 
-/// The colours of a measured quantity, from 0 to `most`.
+/// The colours of a measured quantity, from `least` to `most`.
 struct ColorScale {
   ColorMap map = ColorMap::kViridis;
   double most = 1;
+  double least = 0;
 };
 
 /// Draws lines of text on a dark ground into the lower left corner of a picture that will be

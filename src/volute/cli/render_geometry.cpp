@@ -33,8 +33,8 @@ Result<SurfaceView> RenderJob::viewOfGeometry(std::span<const AnyMedium> others,
 }
 
 Status RenderJob::placeBuildings(double time) {
-  std::vector<std::size_t> wanted;
-  for (const FdsLayer& fds : fdsCases) wanted.push_back(fds.changesUntil(time));
+  std::vector<std::uint64_t> wanted;
+  for (const FdsLayer& fds : fdsCases) wanted.push_back(fds.surfacesAt(time));
   if (wanted == buildings)
     return {};
   if (!fixedGeometry)
@@ -42,7 +42,7 @@ Status RenderJob::placeBuildings(double time) {
   const auto triangles = fixedGeometry->triangles();
   const auto materials = fixedGeometry->materials();
   TriangleMesh all{{triangles.begin(), triangles.end()}, {materials.begin(), materials.end()}};
-  for (const FdsLayer& fds : fdsCases) fds.addBuilding(time, all);
+  for (const FdsLayer& fds : fdsCases) VOLUTE_TRY(fds.addSurfaces(time, all));
   VOLUTE_ASSIGN(geometry, TriangleScene::build(std::move(all.triangles), std::move(all.materials)));
   buildings = std::move(wanted);
   return {};

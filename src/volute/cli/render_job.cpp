@@ -71,6 +71,9 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
       VOLUTE_ASSIGN(auto medium, fds.mediumAt(moment.time));
       media.push_back(factor == 1 ? std::move(medium)
                                   : AnyMedium(ScaledMedium(std::move(medium), factor)));
+      VOLUTE_ASSIGN(auto flame, fds.flameAt(moment.time));
+      if (flame)
+        media.push_back(std::move(*flame));
     }
     VOLUTE_TRY(placeBuildings(moment.time));
     for (const FogLayer& fog : fogs) {

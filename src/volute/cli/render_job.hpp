@@ -58,9 +58,9 @@ struct RenderJob {
   std::vector<BillboardLayer> billboards{};
   std::vector<FdsLayer> fdsCases{};
   std::optional<TriangleScene> fixedGeometry{};  ///< the scene's own, once there are buildings
-  std::vector<std::size_t> buildings{};  ///< FdsLayer::changesUntil() of those in `geometry`
-  bool legend = false;                   ///< drawn into visible pictures
-  bool measuresLight = false;            ///< shares of white light: 1 is white
+  std::vector<std::uint64_t> buildings{};        ///< FdsLayer::surfacesAt() of those in `geometry`
+  bool legend = false;                           ///< drawn into visible pictures
+  bool measuresLight = false;                    ///< shares of white light: 1 is white
 
   /// The linear picture of a moment.
   [[nodiscard]] Result<Image> picture(const Moment& moment, Progress& progress);
@@ -88,7 +88,7 @@ struct RenderJob {
   [[nodiscard]] Status showSigns(std::span<const SignPixel> seen, const SmokeScene& scene,
                                  Progress& progress, Image& image);
 
-  /// `geometry` becomes the scene's and the buildings of the FDS cases at a time.
+  /// `geometry` becomes the scene's and all that is opaque in the FDS cases at a time.
   [[nodiscard]] Status placeBuildings(double time);
 
   /// The geometry, lit through the media; `others` as above.

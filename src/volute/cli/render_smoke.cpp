@@ -167,8 +167,11 @@ PictureText RenderJob::textOf(const Moment& moment) const {
     lines.push_back(how);
   }
   for (const FdsLayer& fds : fdsCases) {
-    text.notes.emplace_back("volute.smoke", "FDS, " + fds.source());
-    lines.push_back("FDS, " + fds.source());
+    const auto words = fds.words();
+    text.notes.emplace_back("volute.smoke", fmt::format("{}", fmt::join(words, "; ")));
+    lines.insert(lines.end(), words.begin(), words.end());
+    if (fds.slice() != nullptr)
+      text.scale = ColorScale{ColorMap::kViridis, fds.slice()->range()[1], fds.slice()->range()[0]};
   }
   lines.push_back(fmt::format("t = {:.2f} s", moment.time));
   if (legend)

@@ -97,7 +97,7 @@ Result<RenderSubject> openFdsSubject(const std::string& path, const Arguments& a
   VOLUTE_ASSIGN(const auto description, smokeOf(path, arguments));
   RenderSubject subject;
   subject.lights.ambient = Rgb::Ones();
-  VOLUTE_ASSIGN(auto fds, FdsLayer::open(description, subject.lights.ambient, context));
+  VOLUTE_ASSIGN(auto fds, FdsLayer::open(description, subject.lights, {}, context));
   subject.fdsCases.push_back(std::move(fds));
   subject.law = description.law;
   subject.background = Rgb::Ones();
@@ -128,7 +128,8 @@ Status openSmokes(const SceneDescription& scene, const Arguments& arguments, Ren
                 smokeLighting(scene.lights, subject.geometry, arguments, context));
   for (const SmokeDescription& description : scene.smokes) {
     if (isSmvPath(description.file)) {
-      VOLUTE_ASSIGN(auto fds, FdsLayer::open(description, scene.lights.ambient, context));
+      VOLUTE_ASSIGN(auto fds,
+                    FdsLayer::open(description, scene.lights, blocksOf(subject.geometry), context));
       subject.fdsCases.push_back(std::move(fds));
       continue;
     }
@@ -150,9 +151,13 @@ Status openBillboards(const SceneDescription& scene, RenderSubject& subject, Con
 
 Result<RenderSubject> openScene(const std::string& path, const Arguments& arguments,
                                 Context& context) {
-  for (const char* name : {"grid", "bounds", "emission", "extinction", "field", "quantity", "unit",
-                           "scale", "mass-extinction", "soot-yield", "material", "burning",
-                           "density-field", "albedo", "clamp"}) {
+  for (const char* name : {"grid",          "bounds",      "emission",
+                           "extinction",    "field",       "quantity",
+                           "unit",          "scale",       "mass-extinction",
+                           "soot-yield",    "material",    "burning",
+                           "density-field", "albedo",      "clamp",
+                           "fire",          "fire-cutoff", "fire-temperature",
+                           "devices",       "slice",       "slice-range"}) {
     if (!arguments.given(name))
       continue;
     return fail(ErrorCode::kInvalidArgument, "--{} is for a single file; write it into the scene",

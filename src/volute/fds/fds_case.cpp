@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <mutex>
 #include <optional>
 
 #include "volute/base/parallel.hpp"
+#include "volute/fds/fds_part.hpp"
 #include "volute/fds/solids.hpp"
 
 namespace volute {
@@ -20,58 +22,6 @@ bool sameTime(double a, double b) {
   return std::abs(a - b) <= kSameTime * std::max({1.0, std::abs(a), std::abs(b)});
 }
 
-/// How the values of a lattice lie in its file.
-struct FileAxes {
-  std::array<std::vector<int>, 3> place;  // of each lattice value, on each axis
-  std::array<int, 3> size{};              // of the file's box
-};
-
-/// The cells that values stand for, on one axis.
-struct AxisCells {
-  std::vector<double> planes;
-  std::vector<int> places;
-  std::vector<std::array<int, 2>> cells;  // of the mesh, first and last, for each lattice cell
-};
-
-/// Values of cells with indices begin..end; index 0 is a ghost, i stands for the cell that ends at
-/// node i.
-AxisCells cellAxis(const std::vector<double>& nodes, int begin, int end) {
-  AxisCells axis;
-  for (int i = std::max(begin, 1); i <= end; ++i) {
-    if (axis.planes.empty())
-      axis.planes.push_back(nodes[static_cast<std::size_t>(i) - 1]);
-    axis.planes.push_back(nodes[static_cast<std::size_t>(i)]);
-    axis.places.push_back(i - begin);
-    axis.cells.push_back({i - 1, i - 1});
-  }
-  return axis;
-}
-
-/// Values at nodes begin..end; one node alone is a layer that reaches to the middles of the cells
-/// on both sides.
-AxisCells nodeAxis(const std::vector<double>& nodes, int begin, int end) {
-  AxisCells axis;
-  if (begin < end) {
-    for (int i = begin; i <= end; ++i) {
-      axis.planes.push_back(nodes[static_cast<std::size_t>(i)]);
-      axis.places.push_back(i - begin);
-      if (i < end)
-        axis.cells.push_back({i, i});
-    }
-    return axis;
-  }
-  const int last = static_cast<int>(nodes.size()) - 1;
-  const auto middle = [&](int cell) {
-    return 0.5 *
-           (nodes[static_cast<std::size_t>(cell)] + nodes[static_cast<std::size_t>(cell) + 1]);
-  };
-  axis.planes = {begin > 0 ? middle(begin - 1) : nodes.front(),
-                 begin < last ? middle(begin) : nodes.back()};
-  axis.places = {0, 0};
-  axis.cells = {{std::max(begin - 1, 0), std::min(begin, last - 1)}};
-  return axis;
-}
-
 /// Whether boxes touch.
 bool near(const Box3& a, const Box3& b) {
   constexpr double kNear = 1e-4;  // [m]
@@ -81,90 +31,21 @@ bool near(const Box3& a, const Box3& b) {
 
 }  // namespace
 
-/// One file, and the lattice that its values are on.
-struct FdsCase::Part {
-  FdsSourcePart what;
-  std::filesystem::path path;
-  std::unique_ptr<FdsFrameFile> file;
-  FdsLattice lattice;
-  FileAxes axes;
-  std::array<std::vector<std::array<int, 2>>, 3> meshCells;  // of each lattice cell
-  double massExtinction = kFdsMassExtinction;
-  double cellLength = 0;             // dx of the opacity of .s3d [m]
-  std::vector<FdsSizeRow> sizeRows;  // of .s3d
-  std::vector<std::size_t> frameAt;  // of the file, for each of the case's times
-
-  /// The lattice cell's state where `solid` are the mesh's cells: solid when all it spans are.
-  bool isSolid(const FdsMesh& mesh, std::span<const std::uint8_t> solid,
-               const std::array<int, 3>& cell) const {
-    const auto& [x0, x1] = meshCells[0][static_cast<std::size_t>(cell[0])];
-    const auto& [y0, y1] = meshCells[1][static_cast<std::size_t>(cell[1])];
-    const auto& [z0, z1] = meshCells[2][static_cast<std::size_t>(cell[2])];
-    for (int z = z0; z <= z1; ++z) {
-      for (int y = y0; y <= y1; ++y) {
-        for (int x = x0; x <= x1; ++x) {
-          if (solid[(static_cast<std::size_t>(z) * mesh.cells(1) + y) * mesh.cells(0) + x] == 0)
-            return false;
-        }
-      }
-    }
-    return true;
-  }
-
-  /// Calls body(cell) for each cell of the lattice, x fastest.
-  template <class Body>
-  void forCells(Body&& body) const {
-    for (int z = 0; z < lattice.cells(2); ++z) {
-      for (int y = 0; y < lattice.cells(1); ++y) {
-        for (int x = 0; x < lattice.cells(0); ++x) body(std::array<int, 3>{x, y, z});
-      }
-    }
-  }
-
-  /// Whether none of the values that the cell needs is missing.
-  bool hasValues(std::span<const float> values, const std::array<int, 3>& cell) const {
-    if (!lattice.nodal)
-      return !std::isnan(values[lattice.cellAt(cell)]);
-    const std::size_t strideY = lattice.planes[0].size();
-    const std::size_t strideZ = strideY * lattice.planes[1].size();
-    const float* first = values.data() + cell[2] * strideZ + cell[1] * strideY + cell[0];
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-      if (std::isnan(first[(corner & 1) + ((corner >> 1) & 1) * strideY + (corner >> 2) * strideZ]))
-        return false;
-    }
-    return true;
-  }
-
-  /// 1 for each value that a cell of gas needs.
-  std::vector<std::uint8_t> needed(const FdsMesh& mesh, std::span<const std::uint8_t> solid) const {
-    std::vector<std::uint8_t> needed(lattice.valueCount(), 0);
-    const std::size_t strideY = lattice.planes[0].size();
-    const std::size_t strideZ = strideY * lattice.planes[1].size();
-    forCells([&](const std::array<int, 3>& cell) {
-      if (isSolid(mesh, solid, cell))
-        return;
-      if (!lattice.nodal) {
-        needed[lattice.cellAt(cell)] = 1;
-        return;
-      }
-      const std::size_t first = cell[2] * strideZ + cell[1] * strideY + cell[0];
-      for (std::size_t corner = 0; corner < 8; ++corner)
-        needed[first + (corner & 1) + ((corner >> 1) & 1) * strideY + (corner >> 2) * strideZ] = 1;
-    });
-    return needed;
-  }
-};
-
 Result<FdsCase> FdsCase::open(const std::filesystem::path& path, const FdsOptions& options) {
+  VOLUTE_ASSIGN(auto index, SmvIndex::read(path));
+  return open(std::move(index), options);
+}
+
+Result<FdsCase> FdsCase::open(SmvIndex index, const FdsOptions& options) {
   FdsCase opened;
   opened.options_ = options;
-  VOLUTE_ASSIGN(opened.index_, SmvIndex::read(path));
+  opened.index_ = std::move(index);
   opened.remarks_ = opened.index_.remarks;
   VOLUTE_TRY(opened.checkSize());
   VOLUTE_TRY(opened.chooseSource(options));
   VOLUTE_TRY(opened.openParts());
   VOLUTE_TRY(opened.findTimes());
-  VOLUTE_TRY(opened.findGeneration());
+  VOLUTE_TRY(opened.findBytes());
   VOLUTE_TRY(opened.buildGrid());
   opened.noteMissingMeshes();
   return opened;
@@ -184,7 +65,7 @@ Status FdsCase::checkSize() const {
 }
 
 Status FdsCase::chooseSource(const FdsOptions& options) {
-  sources_ = findSources(index_);
+  sources_ = options.quantity.empty() ? findSources(index_) : findSources(index_, options.quantity);
   std::string names;
   for (const FdsSource& source : sources_) names += (names.empty() ? "" : ", ") + source.name;
   const auto found = std::ranges::find_if(sources_, [&](const FdsSource& source) {
@@ -195,6 +76,10 @@ Status FdsCase::chooseSource(const FdsOptions& options) {
     chosen_ = static_cast<std::size_t>(found - sources_.begin());
     return {};
   }
+  if (sources_.empty() && !options.quantity.empty()) {
+    return fail(ErrorCode::kNotFound, "{}: no file of the case has '{}'", index_.path.string(),
+                options.quantity);
+  }
   if (sources_.empty()) {
     return fail(ErrorCode::kNotFound,
                 "{}: nothing in the case says how thick the smoke is: it needs slices of "
@@ -203,71 +88,11 @@ Status FdsCase::chooseSource(const FdsOptions& options) {
   }
   if (options.source.empty()) {
     return fail(ErrorCode::kNotFound,
-                "{}: the case has smoke in layers only ({}), nothing that fills a volume",
-                index_.path.string(), names);
+                "{}: the case has {} in layers only ({}), nothing that fills a volume",
+                index_.path.string(), options.quantity.empty() ? "smoke" : options.quantity, names);
   }
   return fail(ErrorCode::kNotFound, "{}: no source '{}'; the case has {}", index_.path.string(),
               options.source, names);
-}
-
-Result<std::shared_ptr<FdsCase::Part>> FdsCase::openPart(const FdsSourcePart& what) const {
-  auto part = std::make_shared<Part>();
-  part->what = what;
-  const FdsMesh& mesh = index_.meshes[static_cast<std::size_t>(what.mesh)];
-  FdsNodeBox nodes{{0, 0, 0}, {mesh.cells(0), mesh.cells(1), mesh.cells(2)}};
-  const auto hold = [&](auto opened) -> Status {
-    if (!opened)
-      return tl::unexpected<Error>(opened.error());
-    using File = typename decltype(opened)::value_type;
-    part->file = std::make_unique<File>(std::move(*opened));
-    return {};
-  };
-  if (source().kind == FdsFileKind::kSlice) {
-    const FdsSliceEntry& entry = index_.slices[what.entry];
-    part->path = entry.file;
-    VOLUTE_ASSIGN(auto slice, FdsSliceFile::open(entry, mesh));
-    nodes = slice.nodes();
-    part->file = std::make_unique<FdsSliceFile>(std::move(slice));
-  } else if (source().kind == FdsFileKind::kPlot) {
-    std::vector<FdsPlotEntry> entries;
-    const FdsPlotEntry& first = index_.plots[what.entry];
-    const auto& labels = first.labels[static_cast<std::size_t>(source().plotVariable)];
-    for (const FdsPlotEntry& plot : index_.plots) {
-      if (plot.mesh == what.mesh &&
-          plot.labels[static_cast<std::size_t>(source().plotVariable)] == labels)
-        entries.push_back(plot);
-    }
-    part->path = first.file;
-    VOLUTE_TRY(hold(FdsPlotFiles::open(std::move(entries), source().plotVariable, mesh)));
-  } else {
-    const FdsSmokeEntry& entry = index_.smoke[what.entry];
-    part->path = entry.file;
-    if (entry.massExtinction)
-      part->massExtinction = *entry.massExtinction;
-    if (source().kind == FdsFileKind::kSmoke16) {
-      VOLUTE_TRY(hold(FdsSmoke16File::open(part->path.replace_extension(".s16"), mesh)));
-    } else {
-      part->sizeRows = readSizeFile(entry.file.string() + ".sz");
-      if (source().kind == FdsFileKind::kSmokeDensity)
-        part->path.replace_extension(".s3dd");
-      VOLUTE_TRY(hold(FdsSmokeFile::open(part->path, mesh)));
-    }
-  }
-  if (options_.massExtinction > 0)
-    part->massExtinction = options_.massExtinction;
-  part->cellLength = mesh.planes[0][1] - mesh.planes[0][0];
-  part->lattice.mesh = what.mesh;
-  part->lattice.nodal = !source().cellCentred;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto cells = source().cellCentred
-                           ? cellAxis(mesh.planes[axis], nodes.begin[axis], nodes.end[axis])
-                           : nodeAxis(mesh.planes[axis], nodes.begin[axis], nodes.end[axis]);
-    part->lattice.planes[axis] = cells.planes;
-    part->axes.place[axis] = cells.places;
-    part->axes.size[axis] = nodes.end[axis] - nodes.begin[axis] + 1;
-    part->meshCells[axis] = cells.cells;
-  }
-  return part;
 }
 
 Status FdsCase::openParts() {
@@ -378,12 +203,63 @@ void FdsCase::noteMissingMeshes() {
   }
 }
 
+/// What bytes of .s3d stand for.
+Status FdsCase::findBytes() {
+  if (source().kind != FdsFileKind::kSmoke)
+    return {};
+  return options_.quantity.empty() ? findGeneration() : findHeatScale();
+}
+
+/// The heat of the last byte is an input of FDS that no file names. The fourth number of a frame in
+/// .s3d.sz is the largest heat q, and its byte is 254 q / it, cut off: FDS's default if that fits,
+/// else what does.
+Status FdsCase::findHeatScale() {
+  constexpr int kFramesToRead = 4;  // of each file
+  double least = 0;
+  double most = std::numeric_limits<double>::infinity();
+  for (const auto& part : parts_) {
+    int read = 0;
+    std::vector<float> bytes(part->file->values());
+    std::vector<FdsSizeRow> rows = part->sizeRows;
+    std::ranges::sort(rows, std::greater{}, [](const FdsSizeRow& row) {
+      return row.columns.size() > 2 ? row.columns[2] : 0;
+    });
+    const auto& times = part->file->frames().times;
+    for (const FdsSizeRow& row : rows) {
+      const auto place = std::ranges::find_if(
+          times, [&](double time) { return std::abs(time - row.time) <= 1e-5 * (1 + time); });
+      if (row.columns.size() < 3 || !(row.columns[2] > 0) || place == times.end())
+        continue;
+      if (read++ == kFramesToRead)
+        break;
+      VOLUTE_TRY(part->file->readFrame(static_cast<std::size_t>(place - times.begin()), bytes));
+      const double byte = *std::ranges::max_element(bytes);
+      if (byte <= 0)
+        continue;
+      least = std::max(least, 254 * row.columns[2] / (byte + 1));
+      most = std::min(most, 254 * row.columns[2] / byte);
+    }
+  }
+  if (most == std::numeric_limits<double>::infinity() ||
+      (least <= largestHeat_ * (1 + 1e-5) && largestHeat_ <= most * (1 + 1e-5)))
+    return {};
+  if (least > most * (1 + 1e-5)) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: bytes of {} and the largest values in their .sz files do not fit together",
+                index_.path.string(), kFdsHeatRelease);
+  }
+  largestHeat_ = 0.5 * (least + most);
+  remarks_.push_back(fmt::format(
+      "{}: the last byte of {} stands for {:.4g} to {:.4g} kW/m3 by its .sz files; the middle is "
+      "taken",
+      index_.path.string(), kFdsHeatRelease, least, most));
+  return {};
+}
+
 /// Whether bytes of .s3d are opacity or density: the fourth number of a frame in .s3d.sz is the
 /// largest byte (before it was rounded) of the former, the largest density of the latter. Nothing
 /// else tells them apart.
 Status FdsCase::findGeneration() {
-  if (source().kind != FdsFileKind::kSmoke)
-    return {};
   const Part* best = nullptr;
   std::size_t bestFrame = 0;
   double most = 0;
@@ -466,8 +342,12 @@ Result<SmokeScale> FdsCase::scaleOf(const Part& part, std::size_t frame) const {
   scale.massExtinction = part.massExtinction;
   scale.visibilityFactor = options_.visibilityFactor;
   scale.visibilityCap = options_.visibilityCap;
+  scale.asStored = !options_.quantity.empty();
   const FdsFileKind kind = source().kind;
-  if (kind == FdsFileKind::kSmoke && !bytesAreDensity_) {
+  if (kind == FdsFileKind::kSmoke && scale.asStored) {
+    scale.bytes = SmokeScale::Bytes::kHeat;
+    scale.largestHeat = largestHeat_;
+  } else if (kind == FdsFileKind::kSmoke && !bytesAreDensity_) {
     scale.bytes = SmokeScale::Bytes::kOpacity;
     scale.rounding = rounding_;
     scale.cellLength = part.cellLength;

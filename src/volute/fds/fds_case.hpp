@@ -18,7 +18,8 @@ namespace volute {
 
 /// How to read a case.
 struct FdsOptions {
-  std::string source;           ///< name of a source; empty: the best
+  std::string quantity{};       ///< what FDS calls it, as it is stored; empty: extinction [1/m]
+  std::string source{};         ///< name of a source; empty: the best
   bool volume = false;          ///< only what fills meshes, for pictures and volumes
   double massExtinction = 0;    ///< Km [m2/kg]; 0: the case's, else what FDS assumes
   double visibilityFactor = 3;  ///< C of visibility slices (VISIBILITY_FACTOR)
@@ -26,13 +27,17 @@ struct FdsOptions {
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes], for frames
 };
 
-/// The smoke of a case: which files it is read from, when, where, and one moment at a time.
+/// The smoke of a case, or another quantity: which files it is read from, when, where, and one
+/// moment at a time.
 class FdsCase {
  public:
   /// Reads the index and checks all files of the chosen source. kNotFound when nothing in the case
   /// says how thick the smoke is. What was left out, and why, is in remarks().
   [[nodiscard]] static Result<FdsCase> open(const std::filesystem::path& path,
                                             const FdsOptions& options = {});
+
+  /// The same of an index that is read already.
+  [[nodiscard]] static Result<FdsCase> open(SmvIndex index, const FdsOptions& options = {});
 
   const SmvIndex& index() const { return index_; }
 
@@ -71,7 +76,9 @@ class FdsCase {
   Status chooseSource(const FdsOptions& options);
   Status openParts();
   Result<std::shared_ptr<Part>> openPart(const FdsSourcePart& what) const;
+  Status findBytes();
   Status findGeneration();
+  Status findHeatScale();
   Status findRounding(const Part& part);
   Result<SmokeScale> scaleOf(const Part& part, std::size_t frame) const;
   Status findTimes();
@@ -87,6 +94,7 @@ class FdsCase {
   std::size_t chosen_ = 0;
   std::vector<std::shared_ptr<Part>> parts_;
   bool bytesAreDensity_ = false;                                    // of .s3d: the third generation
+  double largestHeat_ = 1200;                                       // [kW/m3], FDS's default
   SmokeScale::Rounding rounding_ = SmokeScale::Rounding::kUnknown;  // of .s3d's opacity
   std::vector<double> times_;
   std::shared_ptr<const FdsGrid> grid_;

@@ -2,8 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/fds/fds_field.hpp"
 
+#include <algorithm>
+
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/medium/integrate.hpp"
 
 namespace volute {
 namespace {
@@ -67,6 +70,36 @@ struct Local {
   double slope[3];
 };
 
+/// The trilinear weights of a cell's corners along a segment, cubics of s - from.
+std::array<Polynomial, 8> cornerCurves(const FdsLattice& lattice, const std::array<int, 3>& cell,
+                                       const Segment& segment, double from) {
+  const Local local(lattice, cell, segment);
+  std::array<Polynomial, 8> curves;
+  for (int corner = 0; corner < 8; ++corner) {
+    Polynomial& curve = curves[corner];
+    curve.c[0] = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double start = local.at[axis] + local.slope[axis] * from;
+      curve = ((corner >> axis) & 1) ? curve.timesLine(start, local.slope[axis])
+                                     : curve.timesLine(1 - start, -local.slope[axis]);
+    }
+  }
+  return curves;
+}
+
+/// Of two cubics.
+Polynomial product(const Polynomial& a, const Polynomial& b) {
+  Polynomial out;
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) out.c[i + j] += a.c[i] * b.c[j];
+  }
+  return out;
+}
+
+Rgb lightAt(const FdsLight& light, std::size_t node) {
+  return {light[3 * node], light[3 * node + 1], light[3 * node + 2]};
+}
+
 bool anyInfinite(const float* first, const NodePlaces& places) {
   for (int corner = 0; corner < 8; ++corner) {
     if (std::isinf(first[places.offset(corner)]))
@@ -88,11 +121,40 @@ FdsField::FdsField(std::shared_ptr<const FdsGrid> grid,
     VOLUTE_ASSERT(values_[i]->low.size() == values_[i]->high.size());
     VOLUTE_ASSERT(cells_[i]->size() == grid_->lattices()[i].cellCount());
   }
+  std::vector<MarchLattice> march(values_.size());
+  std::vector<std::uint8_t> simple(values_.size(), 0);
+  parallelFor(values_.size(), [&](std::size_t i) {
+    const std::vector<FdsCell>& cells = *cells_[i];
+    std::vector<std::uint8_t> gas(cells.size());
+    for (std::size_t c = 0; c < cells.size(); ++c) gas[c] = cells[c] == FdsCell::kGas;
+    march[i] = MarchLattice(grid_->lattices()[i], values_[i]->value, gas);
+    simple[i] =
+        values_[i]->low.empty() && std::ranges::find(cells, FdsCell::kUnknown) == cells.end();
+  });
+  simple_ = std::ranges::find(simple, 0) == simple.end();
+  march_ = std::make_shared<const std::vector<MarchLattice>>(std::move(march));
 }
 
 FdsField FdsField::withSource(const Rgb& source) const {
   FdsField other = *this;
   other.source_ = source;
+  other.light_.clear();
+  return other;
+}
+
+FdsField FdsField::withLight(std::vector<std::shared_ptr<const FdsLight>> light) const {
+  VOLUTE_ASSERT(light.size() == grid_->lattices().size());
+  for (std::size_t i = 0; i < light.size(); ++i)
+    VOLUTE_ASSERT(light[i]->size() == 3 * grid_->lattices()[i].nodeCount());
+  FdsField other = *this;
+  other.light_ = std::move(light);
+  return other;
+}
+
+FdsField FdsField::withValues(std::vector<std::shared_ptr<const FdsValues>> values) const {
+  FdsField other(grid_, std::move(values), cells_);
+  other.source_ = source_;
+  other.light_ = light_;
   return other;
 }
 
@@ -196,16 +258,92 @@ FdsDepth FdsField::bandOf(const Segment& segment) const {
   return depth;
 }
 
+/// What the march finds on several segments.
+struct FdsField::Lines {
+  std::vector<double> depth;
+  std::vector<double> inside;  ///< [m] within lattices
+  std::vector<double> gas;     ///< [m] of it
+};
+
+FdsField::Lines FdsField::march(std::span<const Segment> segments) const {
+  struct Part {
+    int lattice;
+    MarchPart part;
+  };
+
+  Lines lines{std::vector<double>(segments.size(), 0.0), std::vector<double>(segments.size(), 0.0),
+              std::vector<double>(segments.size(), 0.0)};
+  std::vector<Part> parts;
+  for (std::uint32_t i = 0; i < segments.size(); ++i) {
+    grid_->traverse(segments[i], [&](int index, double begin, double end) {
+      parts.push_back({index, {i, begin, end}});
+      lines.inside[i] += end - begin;
+    });
+  }
+  std::ranges::stable_sort(parts, {}, &Part::lattice);
+  std::vector<MarchPart> some;
+  std::vector<MarchSum> sums;
+  for (std::size_t first = 0; first < parts.size(); first += some.size()) {
+    const int lattice = parts[first].lattice;
+    some.clear();
+    for (std::size_t i = first; i < parts.size() && parts[i].lattice == lattice; ++i)
+      some.push_back(parts[i].part);
+    sums.resize(some.size());
+    marchParts(grid_->lattices()[lattice], (*march_)[lattice], segments, some, sums);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      lines.depth[some[i].segment] += sums[i].depth;
+      lines.gas[some[i].segment] += sums[i].gas;
+    }
+  }
+  return lines;
+}
+
 void FdsField::opticalDepth(std::span<const Segment> segments, std::span<double> depths) const {
   parallelRanges(segments.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) depths[i] = depthOf(segments[i]);
+    const Lines lines = march(segments.subspan(begin, end - begin));
+    std::ranges::copy(lines.depth, depths.begin() + static_cast<std::ptrdiff_t>(begin));
   });
+}
+
+void FdsField::opticalDepthReference(std::span<const Segment> segments,
+                                     std::span<double> depths) const {
+  for (std::size_t i = 0; i < segments.size(); ++i) depths[i] = depthOf(segments[i]);
 }
 
 void FdsField::depths(std::span<const Segment> segments, std::span<FdsDepth> out) const {
   parallelRanges(segments.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) out[i] = bandOf(segments[i]);
+    if (!simple_)
+      return depthsReference(segments.subspan(begin, end - begin), out.subspan(begin, end - begin));
+    const Lines lines = march(segments.subspan(begin, end - begin));
+    for (std::size_t i = begin; i < end; ++i) {
+      const double depth = lines.depth[i - begin];
+      const double inside = lines.inside[i - begin];
+      const double length = segments[i].end - segments[i].begin;
+      out[i] = {depth, depth, depth, std::max(0.0, length - inside),
+                std::max(0.0, inside - lines.gas[i - begin])};
+    }
   });
+}
+
+void FdsField::depthsReference(std::span<const Segment> segments, std::span<FdsDepth> out) const {
+  for (std::size_t i = 0; i < segments.size(); ++i) out[i] = bandOf(segments[i]);
+}
+
+Rgb FdsField::emission(const Vec3& point) const {
+  const double taken = extinction(point);
+  if (light_.empty() || taken == 0)
+    return source_ * taken;
+  const int index = grid_->latticeAt(point);
+  const FdsLattice& lattice = grid_->lattices()[index];
+  std::array<int, 3> cell;
+  for (int axis = 0; axis < 3; ++axis) cell[axis] = cellBetween(lattice.planes[axis], point[axis]);
+  const auto corners = cornerCurves(lattice, cell, {point, Vec3::UnitX(), 0, 0}, 0);
+  const NodePlaces places(lattice);
+  Rgb light = Rgb::Zero();
+  for (int corner = 0; corner < 8; ++corner)
+    light +=
+        corners[corner].c[0] * lightAt(*light_[index], places.first(cell) + places.offset(corner));
+  return taken * light;
 }
 
 std::vector<Piece> FdsField::piecesOf(const Segment& segment) const {
@@ -215,28 +353,32 @@ std::vector<Piece> FdsField::piecesOf(const Segment& segment) const {
     const FdsCell* cells = cells_[index]->data();
     const float* values = values_[index]->value.data();
     const NodePlaces places(lattice);
+    const bool lit = !light_.empty();
     traversePlanes(lattice.planes, segment, begin, end,
                    [&](const std::array<int, 3>& cell, double from, double to) {
                      const std::size_t place = lattice.cellAt(cell);
                      if (cells[place] != FdsCell::kGas)
                        return;
                      Piece piece{from, to, {}, {}, 0};
+                     std::array<Polynomial, 8> corners;
+                     if (lattice.nodal || lit)
+                       corners = cornerCurves(lattice, cell, segment, from);
                      if (lattice.nodal) {
-                       const Local local(lattice, cell, segment);
-                       for (int corner = 0; corner < 8; ++corner) {
-                         Polynomial basis{{values[places.first(cell) + places.offset(corner)]}};
-                         for (int axis = 0; axis < 3; ++axis) {
-                           const double start = local.at[axis] + local.slope[axis] * from;
-                           basis = ((corner >> axis) & 1)
-                                       ? basis.timesLine(start, local.slope[axis])
-                                       : basis.timesLine(1 - start, -local.slope[axis]);
-                         }
-                         piece.extinction += basis;
-                       }
+                       for (int corner = 0; corner < 8; ++corner)
+                         piece.extinction +=
+                             corners[corner] * values[places.first(cell) + places.offset(corner)];
                      } else {
                        piece.extinction.c[0] = values[place];
                      }
-                     for (int c = 0; c < 3; ++c) piece.emission[c] = piece.extinction * source_[c];
+                     std::array<Polynomial, 3> light;
+                     for (int corner = 0; lit && corner < 8; ++corner) {
+                       const Rgb colour =
+                           lightAt(*light_[index], places.first(cell) + places.offset(corner));
+                       for (int c = 0; c < 3; ++c) light[c] += corners[corner] * colour[c];
+                     }
+                     for (int c = 0; c < 3; ++c)
+                       piece.emission[c] = lit ? product(piece.extinction, light[c])
+                                               : piece.extinction * source_[c];
                      out.push_back(piece);
                    });
   });
@@ -249,10 +391,11 @@ void FdsField::pieces(std::span<const Segment> segments,
 }
 
 void FdsField::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    const double depth = depthOf(segments[i]);
-    out[i] = {source_ * -std::expm1(-depth), std::exp(-depth)};
-  }
+  if (!light_.empty())
+    return radianceByPieces(*this, segments, out);
+  const Lines lines = march(segments);
+  for (std::size_t i = 0; i < segments.size(); ++i)
+    out[i] = {source_ * -std::expm1(-lines.depth[i]), std::exp(-lines.depth[i])};
 }
 
 }  // namespace volute

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "volute/fds/fds_grid.hpp"
+#include "volute/fds/fds_march.hpp"
 #include "volute/medium/medium.hpp"
 
 namespace volute {
@@ -37,9 +38,13 @@ struct FdsDepth {
   double insideSolids = 0;  ///< [m] of the segment inside obstructions
 };
 
+/// Radiance of infinitely thick smoke at the nodes of one lattice, linear RGB, three for each node,
+/// x fastest; trilinear between them.
+using FdsLight = std::vector<float>;
+
 /// One moment of a case's smoke as a medium: extinction constant in each cell, or trilinear between
 /// nodes, zero inside obstructions and outside of the meshes. The light that it scatters towards us
-/// is an even `source` (radiance of infinitely thick smoke, linear RGB).
+/// is even, or given at the nodes.
 ///
 /// Exact, in double. Cheap to copy: what it holds is shared and const.
 class FdsField {
@@ -50,8 +55,14 @@ class FdsField {
            std::vector<std::shared_ptr<const FdsValues>> values,
            std::vector<std::shared_ptr<const std::vector<FdsCell>>> cells);
 
-  /// The same smoke in another light.
+  /// The same smoke in another light, the same everywhere.
   FdsField withSource(const Rgb& source) const;
+
+  /// The same smoke in a light that is given at the nodes of each lattice.
+  FdsField withLight(std::vector<std::shared_ptr<const FdsLight>> light) const;
+
+  /// Other values of the same lattices, as many.
+  FdsField withValues(std::vector<std::shared_ptr<const FdsValues>> values) const;
 
   const FdsGrid& grid() const { return *grid_; }
 
@@ -66,23 +77,31 @@ class FdsField {
 
   double extinction(const Vec3& point) const;
 
-  Rgb emission(const Vec3& point) const { return source_ * extinction(point); }
+  Rgb emission(const Vec3& point) const;
 
-  /// On all cores.
+  /// On all cores, several segments at once.
   void opticalDepth(std::span<const Segment> segments, std::span<double> depths) const;
+
+  /// The same one after the other, which the fast way is tested against.
+  void opticalDepthReference(std::span<const Segment> segments, std::span<double> depths) const;
 
   /// The optical depths with their bounds, and how much of each segment has no value. Segments must
   /// be finite. On all cores.
   void depths(std::span<const Segment> segments, std::span<FdsDepth> out) const;
 
+  void depthsReference(std::span<const Segment> segments, std::span<FdsDepth> out) const;
+
   /// One piece for each cell.
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
-  /// Closed form: the light is that of one colour.
+  /// In even light a closed form, else through the pieces.
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
  private:
+  struct Lines;
+
   double depthOf(const Segment& segment) const;
+  Lines march(std::span<const Segment> segments) const;
   FdsDepth bandOf(const Segment& segment) const;
   std::vector<Piece> piecesOf(const Segment& segment) const;
 
@@ -90,6 +109,9 @@ class FdsField {
   std::vector<std::shared_ptr<const FdsValues>> values_;
   std::vector<std::shared_ptr<const std::vector<FdsCell>>> cells_;
   Rgb source_ = Rgb::Zero();
+  std::vector<std::shared_ptr<const FdsLight>> light_;  // empty: even
+  std::shared_ptr<const std::vector<MarchLattice>> march_;
+  bool simple_ = true;  // values are exact, and known in all gas
 };
 
 }  // namespace volute

@@ -3,6 +3,7 @@
 #include "volute/fds/fds_field.hpp"
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <random>
 
@@ -71,7 +72,9 @@ FdsDepth depthOf(const FdsField& field, const Segment& segment) {
   return depth;
 }
 
-conformance::MediumUnderTest underTest(bool nodal) {
+FdsField lit(const FdsField& field);
+
+conformance::MediumUnderTest underTest(bool nodal, bool inLight) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(0, 2);
   const FdsField field = fieldOf(meshes(nodal), [&](const Vec3&) { return uniform(random); }, 3);
@@ -88,11 +91,69 @@ conformance::MediumUnderTest underTest(bool nodal) {
   }
   // The adaptive Simpson of the suite steps over corners of cells, where solids end.
   traits.tolerance.quadrature = 5e-3;
-  return conformance::underTest(field.withSource({0.5, 1, 2}), traits);
+  return conformance::underTest(inLight ? lit(field) : field.withSource({0.5, 1, 2}), traits);
 }
 
-VOLUTE_CONFORMANCE(FdsCells, underTest(false));
-VOLUTE_CONFORMANCE(FdsNodes, underTest(true));
+/// In light that differs from node to node.
+FdsField lit(const FdsField& field) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  std::vector<std::shared_ptr<const FdsLight>> light;
+  for (const FdsLattice& one : field.grid().lattices()) {
+    auto made = std::make_shared<FdsLight>(3 * one.nodeCount());
+    for (float& value : *made) value = uniform(random);
+    light.push_back(std::move(made));
+  }
+  return field.withLight(std::move(light));
+}
+
+VOLUTE_CONFORMANCE(FdsCells, underTest(false, false));
+VOLUTE_CONFORMANCE(FdsNodes, underTest(true, false));
+VOLUTE_CONFORMANCE(FdsCellsInLight, underTest(false, true));
+VOLUTE_CONFORMANCE(FdsNodesInLight, underTest(true, true));
+
+TEST(FdsField, manyLinesAtOnceEqualOneAfterTheOther) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> uniform(0, 2);
+  std::vector<Segment> lines;
+  const auto point = [&] {
+    return Vec3(-0.5 + 2.5 * uniform(random), 1.3 * uniform(random), uniform(random) - 1);
+  };
+  for (int i = 0; i < 300; ++i) lines.push_back(between(point(), point()));
+  // Along planes and edges, through corners, and of no length.
+  lines.push_back(between({0, 1, 0}, {4, 1, 0}));
+  lines.push_back(between({4, 1.5, 0}, {0, 1.5, 0}));
+  lines.push_back(between({3, 2, 1}, {2, 0, -1}));
+  lines.push_back(between({0, 0, -1}, {2, 2, 1}));
+  lines.push_back(between({2, 1, -1}, {2, 1, 1}));
+  lines.push_back({Vec3(1, 1, 0), Vec3::UnitX(), 0.5, 0.5});
+  lines.push_back({Vec3(9, 9, 9), Vec3::UnitX(), 0, 1});
+  for (const bool nodal : {false, true}) {
+    const FdsField field = fieldOf(meshes(nodal), [&](const Vec3&) { return uniform(random); }, 3);
+    std::vector<double> expected(lines.size());
+    std::vector<FdsDepth> bands(lines.size());
+    field.opticalDepthReference(lines, expected);
+    field.depthsReference(lines, bands);
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      hwy::SetSupportedTargetsForTest(target);
+      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+      SCOPED_TRACE(hwy::TargetName(target));
+      std::vector<double> depths(lines.size());
+      std::vector<FdsDepth> found(lines.size());
+      field.opticalDepth(lines, depths);
+      field.depths(lines, found);
+      for (std::size_t i = 0; i < lines.size(); ++i) {
+        EXPECT_NEAR(depths[i], expected[i], 1e-12 * (1 + expected[i])) << i;
+        EXPECT_EQ(found[i].value, depths[i]);
+        EXPECT_EQ(found[i].high, depths[i]);
+        EXPECT_NEAR(found[i].uncovered, bands[i].uncovered, 1e-12) << i;
+        EXPECT_NEAR(found[i].insideSolids, bands[i].insideSolids, 1e-12) << i;
+      }
+    }
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  }
+}
 
 TEST(FdsField, nodesAreTrilinearWithoutSeamsAcrossMeshesOfOtherCells) {
   auto lattices = meshes(true);

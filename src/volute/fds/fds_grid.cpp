@@ -56,6 +56,11 @@ double cellVolume(const FdsLattice& lattice) {
 Result<std::shared_ptr<const FdsGrid>> FdsGrid::create(std::vector<FdsLattice> lattices) {
   auto grid = std::make_shared<FdsGrid>();
   grid->lattices_ = std::move(lattices);
+  for (const FdsLattice& lattice : grid->lattices_) {
+    if (lattice.nodeCount() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+      return fail(ErrorCode::kTooLarge, "mesh {} has {} nodes, more than 2^31", lattice.mesh + 1,
+                  lattice.nodeCount());
+  }
   double parts = 1;
   for (int axis = 0; axis < 3; ++axis) {
     grid->planes_[axis] = commonPlanes(grid->lattices_, axis);

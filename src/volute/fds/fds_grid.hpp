@@ -26,14 +26,16 @@ struct FdsLattice {
   int mesh = 0;  ///< place in SmvIndex::meshes
   FdsPlanes planes;
   bool nodal = false;  ///< values at corners, trilinear between them; else constant in each cell
+  int thinAxis = -1;   ///< of a 2D slice: across it
+  double place = 0;    ///< where on that axis its values lie [m]
 
   int cells(int axis) const { return static_cast<int>(planes[axis].size()) - 1; }
 
   std::size_t cellCount() const { return static_cast<std::size_t>(cells(0)) * cells(1) * cells(2); }
 
-  std::size_t valueCount() const {
-    return nodal ? planes[0].size() * planes[1].size() * planes[2].size() : cellCount();
-  }
+  std::size_t nodeCount() const { return planes[0].size() * planes[1].size() * planes[2].size(); }
+
+  std::size_t valueCount() const { return nodal ? nodeCount() : cellCount(); }
 
   std::size_t cellAt(const std::array<int, 3>& cell) const {
     return (static_cast<std::size_t>(cell[2]) * cells(1) + cell[1]) * cells(0) + cell[0];

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <compare>
 #include <map>
 #include <optional>
 #include <set>
@@ -79,26 +81,69 @@ bool isVolume(const FdsSliceEntry& slice) {
   return true;
 }
 
-void addSlices(const SmvIndex& index, std::vector<FdsSource>& sources) {
-  std::map<std::tuple<SmokeQuantity, bool, bool>, FdsSource> groups;
+/// How a source spells a quantity of FDS in its name: slice-gas-temperature.
+std::string spelled(std::string_view quantity) {
+  std::string name;
+  for (const char c : quantity)
+    name += c == ' ' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
+}
+
+/// What is looked for: smoke in any spelling, or one quantity.
+struct Wanted {
+  std::string_view quantity{};  // empty: smoke
+
+  struct Found {
+    SmokeQuantity smoke = SmokeQuantity::kExtinction;
+    std::string name;
+
+    auto operator<=>(const Found&) const = default;
+  };
+
+  std::optional<Found> in(const FdsLabels& labels) const {
+    if (!quantity.empty()) {
+      return labels.quantity == quantity ? std::optional(Found{{}, spelled(quantity)})
+                                         : std::nullopt;
+    }
+    const auto smoke = smokeQuantityOf(labels);
+    return smoke ? std::optional(Found{*smoke, std::string(nameOf(*smoke))}) : std::nullopt;
+  }
+};
+
+void addSlices(const SmvIndex& index, const Wanted& wanted, std::vector<FdsSource>& sources) {
+  std::map<std::tuple<Wanted::Found, bool, bool>, FdsSource> groups;
   for (std::size_t i = 0; i < index.slices.size(); ++i) {
     const FdsSliceEntry& slice = index.slices[i];
-    const auto quantity = smokeQuantityOf(slice.labels);
-    if (!quantity)
+    const auto found = wanted.in(slice.labels);
+    if (!found)
       continue;
     const bool volume = isVolume(slice);
-    FdsSource& group = groups[{*quantity, volume, slice.cellCentred}];
+    FdsSource& group = groups[{*found, volume, slice.cellCentred}];
     group.kind = FdsFileKind::kSlice;
-    group.quantity = *quantity;
+    group.quantity = found->smoke;
     group.cellCentred = slice.cellCentred;
     group.volume = volume;
-    group.name = fmt::format("slice{}-{}{}", volume ? "3d" : "", nameOf(*quantity),
+    group.name = fmt::format("slice{}-{}{}", volume ? "3d" : "", found->name,
                              slice.cellCentred ? "-cells" : "");
-    group.description = fmt::format("{} slices of {}, {}", volume ? "3D" : "2D", nameOf(*quantity),
+    group.description = fmt::format("{} slices of {}, {}", volume ? "3D" : "2D", found->name,
                                     slice.cellCentred ? "values of cells" : "values at nodes");
     group.parts.push_back({slice.mesh, i});
   }
   for (auto& [key, group] : groups) sources.push_back(std::move(group));
+}
+
+/// Bytes of heat release.
+void addFire(const SmvIndex& index, std::vector<FdsSource>& sources) {
+  FdsSource bytes;
+  bytes.name = "s3d-" + spelled(kFdsHeatRelease);
+  bytes.description = "8-bit heat release at nodes (.s3d)";
+  bytes.volume = true;
+  for (std::size_t i = 0; i < index.smoke.size(); ++i) {
+    if (index.smoke[i].labels.quantity == kFdsHeatRelease)
+      bytes.parts.push_back({index.smoke[i].mesh, i});
+  }
+  if (!bytes.parts.empty())
+    sources.push_back(std::move(bytes));
 }
 
 void addSmoke(const SmvIndex& index, std::vector<FdsSource>& sources) {
@@ -133,41 +178,56 @@ void addSmoke(const SmvIndex& index, std::vector<FdsSource>& sources) {
   }
 }
 
-void addPlots(const SmvIndex& index, std::vector<FdsSource>& sources) {
+void addPlots(const SmvIndex& index, const Wanted& wanted, std::vector<FdsSource>& sources) {
   for (int variable = 0; variable < 5; ++variable) {
     FdsSource source;
     source.kind = FdsFileKind::kPlot;
     source.volume = true;
     source.plotVariable = variable;
     std::set<int> meshes;
+    std::string name;
     for (std::size_t i = 0; i < index.plots.size(); ++i) {
       const FdsPlotEntry& plot = index.plots[i];
-      const auto quantity = smokeQuantityOf(plot.labels[static_cast<std::size_t>(variable)]);
-      if (!quantity || !meshes.insert(plot.mesh).second)
+      const auto found = wanted.in(plot.labels[static_cast<std::size_t>(variable)]);
+      if (!found || !meshes.insert(plot.mesh).second)
         continue;
-      source.quantity = *quantity;
+      source.quantity = found->smoke;
+      name = found->name;
       source.parts.push_back({plot.mesh, i});
     }
     if (source.parts.empty())
       continue;
-    source.name = fmt::format("plot3d-{}", nameOf(source.quantity));
-    source.description =
-        fmt::format("PLOT3D files of {}, values at nodes", nameOf(source.quantity));
+    source.name = "plot3d-" + name;
+    source.description = fmt::format("PLOT3D files of {}, values at nodes", name);
     sources.push_back(std::move(source));
   }
+}
+
+void sortByRank(std::vector<FdsSource>& sources) {
+  std::stable_sort(sources.begin(), sources.end(), [](const FdsSource& a, const FdsSource& b) {
+    return std::make_tuple(rankOf(a), !a.volume, -meshesOf(a), !a.cellCentred) <
+           std::make_tuple(rankOf(b), !b.volume, -meshesOf(b), !b.cellCentred);
+  });
 }
 
 }  // namespace
 
 std::vector<FdsSource> findSources(const SmvIndex& index) {
   std::vector<FdsSource> sources;
-  addSlices(index, sources);
+  addSlices(index, {}, sources);
   addSmoke(index, sources);
-  addPlots(index, sources);
-  std::stable_sort(sources.begin(), sources.end(), [](const FdsSource& a, const FdsSource& b) {
-    return std::make_tuple(rankOf(a), !a.volume, -meshesOf(a), !a.cellCentred) <
-           std::make_tuple(rankOf(b), !b.volume, -meshesOf(b), !b.cellCentred);
-  });
+  addPlots(index, {}, sources);
+  sortByRank(sources);
+  return sources;
+}
+
+std::vector<FdsSource> findSources(const SmvIndex& index, std::string_view quantity) {
+  std::vector<FdsSource> sources;
+  addSlices(index, {quantity}, sources);
+  if (quantity == kFdsHeatRelease)
+    addFire(index, sources);
+  addPlots(index, {quantity}, sources);
+  sortByRank(sources);
   return sources;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "volute/fds/smv_index.hpp"
@@ -25,7 +26,7 @@ struct FdsSourcePart {
   std::size_t entry = 0;  ///< in SmvIndex::slices or smoke, by kind; the first of plots
 };
 
-/// One way to know the smoke of a case.
+/// One way to know the smoke of a case, or another quantity.
 struct FdsSource {
   std::string name;         ///< what options name it by: slice-extinction, s3d
   std::string description;  ///< for people
@@ -42,5 +43,12 @@ struct FdsSource {
 /// those that fill meshes, and of these those of more meshes. PLOT3D, which has few times, is last.
 /// Each has a name of its own.
 std::vector<FdsSource> findSources(const SmvIndex& index);
+
+/// The name of the heat that a fire gives off per volume and time [kW/m3].
+inline constexpr std::string_view kFdsHeatRelease = "HRRPUV";
+
+/// The same for any quantity by the name that FDS gives it, as it is stored. Besides slices and
+/// PLOT3D, the heat release alone has bytes (.s3d).
+std::vector<FdsSource> findSources(const SmvIndex& index, std::string_view quantity);
 
 }  // namespace volute

@@ -43,6 +43,15 @@ SmokeBand SmokeScale::band(float stored) const {
     const double most = std::min(stored + 1.0, kLargestByte);
     return widened(stored * perByte, (stored - 0.5) * perByte, most * perByte);
   }
+  if (bytes == Bytes::kHeat) {
+    const double perByte = largestHeat / kLargestByte;
+    const double middle = stored > 0 ? stored + 0.5 : 0;
+    return widened(
+        middle * perByte, stored * perByte,
+        stored < kLargestByte ? (stored + 1) * perByte : std::numeric_limits<double>::infinity());
+  }
+  if (asStored)
+    return {stored, stored, stored};
   switch (quantity) {
     case SmokeQuantity::kVisibility: {
       const double cap = visibilityFactor / visibilityCap;

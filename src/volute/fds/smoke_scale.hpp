@@ -21,11 +21,14 @@ struct SmokeBand {
 /// byte says "at least" and no more. A byte of density (later) is rho = largest b / 254, rounded in
 /// a way that is not documented: up to a whole step is allowed for.
 ///
+/// A byte of heat release (all versions) is 254 q / HRRPUV_MAX_SMV, cut off; the last one says "at
+/// least".
+///
 /// All of them are means over the eight cells round a node. Obstructions and what lies behind the
 /// mesh's walls count with the value that they had in the first moment (0 in a fire), what lies
 /// across its edges with 0; taking these out gives the mean of the gas.
 struct SmokeScale {
-  enum class Bytes { kNone, kOpacity, kDensity };
+  enum class Bytes { kNone, kOpacity, kDensity, kHeat };
   enum class Rounding { kUnknown, kDown, kNearest };
 
   SmokeQuantity quantity = SmokeQuantity::kExtinction;  ///< of physical values
@@ -36,6 +39,8 @@ struct SmokeScale {
   Rounding rounding = Rounding::kUnknown;  ///< of opacity
   double cellLength = 0;                   ///< [m], of opacity
   double largestDensity = 0;               ///< [kg/m3], of b = 254
+  double largestHeat = 0;                  ///< [kW/m3], of b = 254: HRRPUV_MAX_SMV
+  bool asStored = false;                   ///< not smoke: physical values are taken as they are
   double step = 0;                         ///< of physical values that were rounded
 
   /// Whether values stand for a range.

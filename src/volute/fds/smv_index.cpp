@@ -41,6 +41,7 @@ class SmvReader {
   Status readEnd(std::string_view);
   Status readMeshCount(std::string_view);
   Status readAlbedo(std::string_view);
+  Status readFireCutoff(std::string_view);
   Status readSurface(std::string_view);
   Status readGrid(std::string_view rest);
   Status readPlanes(int axis);
@@ -54,6 +55,7 @@ class SmvReader {
   Status readObstructions(std::string_view);
   Status readVents(std::string_view);
   Status readDevice(std::string_view);
+  Status readActivation(std::string_view);
   Status readLabels(FdsLabels& labels);
   Status readSliceNodes(std::string_view rest);
   Status readSliceCells(std::string_view rest);
@@ -81,8 +83,8 @@ class SmvReader {
   std::optional<int> meshCount_;
   std::array<int, 3> cells_{};  // of the mesh that is being read
   std::vector<int> blocks_;     // of each mesh: 1 with obstructions, 2 with vents
-  bool geometry_ = false;
-  bool cutOff_ = false;  // the file ended within a block
+  int geometries_ = 0;          // blocks of triangles
+  bool cutOff_ = false;         // the file ended within a block
   std::map<std::string, int> skippedSlices_;
 };
 
@@ -174,6 +176,14 @@ Status SmvReader::readMeshCount(std::string_view) {
 Status SmvReader::readAlbedo(std::string_view) {
   VOLUTE_ASSIGN(const auto values, numbers("the albedo", 1));
   index_.albedo = values[0];
+  return {};
+}
+
+Status SmvReader::readFireCutoff(std::string_view) {
+  VOLUTE_TRY(count("the number of cutoffs"));
+  VOLUTE_ASSIGN(const auto values, numbers("the least heat release that is a fire", 1));
+  if (values[0] >= 0)
+    index_.fireCutoff = values[0];
   return {};
 }
 
@@ -302,7 +312,18 @@ Status SmvReader::readDevice(std::string_view) {
     device.quantity = trimmed(std::string_view(line).substr(mark + 1));
   VOLUTE_ASSIGN(const auto place, numbers("a device's place", 3));
   device.position = {place[0], place[1], place[2]};
+  device.active = place.size() > 6 && place[6] != 0;
   index_.devices.push_back(std::move(device));
+  return {};
+}
+
+Status SmvReader::readActivation(std::string_view) {
+  VOLUTE_ASSIGN(const auto values, numbers("the number of a device, the time and its state", 3));
+  const std::size_t number = index_.devices.size();
+  if (!(values[0] >= 1 && values[0] <= static_cast<double>(number)))
+    return wrong(fmt::format("the number of a device, 1 to {}, not {}", number, values[0]));
+  index_.devices[static_cast<std::size_t>(values[0]) - 1].events.push_back(
+      {values[1], values[2] != 0});
   return {};
 }
 
@@ -405,7 +426,7 @@ Status SmvReader::readEvent(std::string_view rest, bool ofVent, bool shown) {
 }
 
 Status SmvReader::readGeometry(std::string_view) {
-  geometry_ = true;
+  ++geometries_;
   return {};
 }
 
@@ -417,6 +438,7 @@ Status SmvReader::handle(std::string_view line) {
       {"ENDF", &SmvReader::readEnd},
       {"NMESHES", &SmvReader::readMeshCount},
       {"ALBEDO", &SmvReader::readAlbedo},
+      {"HRRPUVCUT", &SmvReader::readFireCutoff},
       {"SURFACE", &SmvReader::readSurface},
       {"GRID", &SmvReader::readGrid},
       {"TRNX", &SmvReader::readTrnx},
@@ -425,6 +447,7 @@ Status SmvReader::handle(std::string_view line) {
       {"OBST", &SmvReader::readObstructions},
       {"VENT", &SmvReader::readVents},
       {"DEVICE", &SmvReader::readDevice},
+      {"DEVICE_ACT", &SmvReader::readActivation},
       {"SLCF", &SmvReader::readSliceNodes},
       {"SLCC", &SmvReader::readSliceCells},
       {"SMOKF3D", &SmvReader::readSmoke},
@@ -460,14 +483,21 @@ Status SmvReader::finish() {
       std::stable_sort(one.events.begin(), one.events.end(), byTime);
     for (auto& one : mesh.vents) std::stable_sort(one.events.begin(), one.events.end(), byTime);
   }
+  for (FdsDevice& device : index_.devices) {
+    std::stable_sort(device.events.begin(), device.events.end(),
+                     [](const FdsEvent& a, const FdsEvent& b) { return a.time < b.time; });
+  }
   if (lines_.endedWithinLine() || cutOff_) {
     index_.remarks.push_back(fmt::format("{}: ends within line {}: what it names there is left out",
                                          name, lines_.lineNumber() + 1));
   }
-  if (geometry_) {
+  if (geometries_ > 0) {
     index_.remarks.push_back(fmt::format(
-        "{}: the case has surfaces of triangles (GEOM), which are not read: they block no sight",
-        name));
+        "{}: warning: walls made of triangles (GEOM: {} of them) are not read. They are not drawn "
+        "and block no sight line, so that signs may count as seen through them; the gas of cells "
+        "that they cut, and what lies within them, counts as the files have it (.s3d: clear). "
+        "Results near them are not to be relied upon",
+        name, geometries_));
   }
   for (const auto& [quantity, number] : skippedSlices_) {
     index_.remarks.push_back(fmt::format(
@@ -486,10 +516,10 @@ Result<SmvIndex> SmvReader::read() {
     if (status)
       continue;
     // A case that runs appends entries: a cut-off one is left out. Meshes must be whole.
-    const bool later = line->starts_with("SL") || line->starts_with("SMOK") ||
-                       line->starts_with("PL3D") || line->starts_with("SHOW_") ||
-                       line->starts_with("HIDE_") || line->starts_with("OPEN_") ||
-                       line->starts_with("CLOSE_") || line->starts_with("DEVICE");
+    const bool later =
+        line->starts_with("SL") || line->starts_with("SMOK") || line->starts_with("PL3D") ||
+        line->starts_with("SHOW_") || line->starts_with("HIDE_") || line->starts_with("OPEN_") ||
+        line->starts_with("CLOSE_") || line->starts_with("DEVICE");  // DEVICE_ACT too
     if (status.error().code != ErrorCode::kTruncated || !later)
       return tl::unexpected<Error>(status.error());
     break;

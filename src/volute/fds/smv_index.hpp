@@ -80,6 +80,12 @@ struct FdsDevice {
   std::string label;
   std::string quantity;
   Vec3 position = Vec3::Zero();
+  bool active = false;           ///< before the first event
+  std::vector<FdsEvent> events;  ///< ascending in time; shown: active
+
+  bool activeAt(double time) const {
+    return events.empty() || time < events.front().time ? active : isShown(events, time);
+  }
 };
 
 /// What a file holds, as the index says it.
@@ -121,7 +127,8 @@ struct SmvIndex {
   std::string version;  ///< FDSVERSION's first line
   std::string title;
   std::string chid;
-  double albedo = 0.3;  ///< what Smokeview gives soot
+  double albedo = 0.3;               ///< what Smokeview gives soot
+  std::optional<double> fireCutoff;  ///< HRRPUVCUT [kW/m3]: less heat than this is drawn as no fire
   std::vector<FdsMesh> meshes;
   std::vector<FdsSurface> surfaces;
   std::vector<FdsDevice> devices;

@@ -63,6 +63,7 @@ TEST(SmvIndex, readsWhatAnyVersionWrites) {
   EXPECT_EQ(index->devices[0].label, "exit sign");
   EXPECT_EQ(index->devices[0].quantity, "VISIBILITY");
   EXPECT_EQ(index->devices[0].position, Vec3(1, 2, 3));
+  EXPECT_FALSE(index->fireCutoff);
   // FDS 6.5: no "# STRUCTURED", no mass extinction.
   auto old = made();
   old.files =
@@ -72,6 +73,39 @@ TEST(SmvIndex, readsWhatAnyVersionWrites) {
   ASSERT_TRUE(older);
   EXPECT_EQ(older->slices[0].nodes, (FdsNodeBox{{0, 0, 1}, {2, 2, 1}}));
   EXPECT_FALSE(older->smoke[0].massExtinction);
+}
+
+TEST(SmvIndex, devicesAreActiveFromTheirEventsOn) {
+  const Folder folder;
+  auto text = made();
+  text.files =
+      "DEVICE\n detector % CHAMBER OBSCURATION\n 1 2 3 0 0 -1 0 0\n"
+      "DEVICE\n door % TIME\n 1 1 1 0 0 -1 1 0\n"
+      "DEVICE_ACT 1\n 1 31.5 1\n\nDEVICE_ACT 2\n 2 40 0\nDEVICE_ACT 2\n 2 35 1\n"
+      "HRRPUVCUT\n 1\n 80.0\n";
+  const auto index = readText(folder, text.text());
+  ASSERT_TRUE(index) << index.error().message;
+  ASSERT_THAT(index->devices, SizeIs(2));
+  EXPECT_FALSE(index->devices[0].activeAt(31.4));
+  EXPECT_TRUE(index->devices[0].activeAt(31.5));
+  EXPECT_TRUE(index->devices[1].activeAt(0));
+  EXPECT_TRUE(index->devices[1].activeAt(39));
+  EXPECT_FALSE(index->devices[1].activeAt(40));
+  EXPECT_EQ(index->fireCutoff, 80);
+  text.files += "DEVICE_ACT 3\n 3 1 1\n";
+  const auto wrong = readText(folder, text.text());
+  ASSERT_FALSE(wrong);
+  EXPECT_THAT(wrong.error().message, HasSubstr("the number of a device, 1 to 2, not 3"));
+}
+
+TEST(SmvIndex, wallsOfTrianglesAreNamedAsMissing) {
+  const Folder folder;
+  auto text = made();
+  text.files += "GEOM 1\n made.ge\n";
+  const auto index = readText(folder, text.text());
+  ASSERT_TRUE(index) << index.error().message;
+  ASSERT_THAT(index->remarks, SizeIs(1));
+  EXPECT_THAT(index->remarks[0], HasSubstr("block no sight line"));
 }
 
 TEST(SmvIndex, everyTruncationIsAnErrorWithinTheMeshesAndARemarkAfterThem) {

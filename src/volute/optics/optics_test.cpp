@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "volute/optics/black_body.hpp"
 #include "volute/optics/extinction.hpp"
 #include "volute/optics/smoke_potential.hpp"
 #include "volute/optics/visibility.hpp"
@@ -18,6 +19,34 @@ using ::testing::HasSubstr;
 /// Half a unit in the last of the digits that a table prints.
 void expectPrinted(double value, double printed, double lastDigit) {
   EXPECT_NEAR(value, printed, 0.5001 * lastDigit);
+}
+
+TEST(BlackBody, HasTheChromaticityOfThePlanckianLocus) {
+  // CIE 1931 x, y of the locus (Wyszecki and Stiles); sRGB holds 2000 K and more.
+  struct Row {
+    double temperature, x, y;
+  };
+
+  for (const Row& row :
+       {Row{2000, 0.5267, 0.4133}, {3000, 0.4369, 0.4041}, {6500, 0.3135, 0.3237}}) {
+    const auto [r, g, b] = blackBodyColour(row.temperature);
+    const double x = 0.4124 * r + 0.3576 * g + 0.1805 * b;
+    const double y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    const double z = 0.0193 * r + 0.1192 * g + 0.9505 * b;
+    EXPECT_NEAR(y, 1, 1e-3);
+    EXPECT_NEAR(x / (x + y + z), row.x, 0.006) << row.temperature;
+    EXPECT_NEAR(y / (x + y + z), row.y, 0.006) << row.temperature;
+  }
+}
+
+TEST(BlackBody, FlamesAreRedAndDaylightIsWhite) {
+  const auto flame = blackBodyColour(1500);
+  EXPECT_GT(flame[0], 2 * flame[1]);
+  EXPECT_EQ(flame[2], 0);
+  for (const double channel : blackBodyColour(6600)) EXPECT_NEAR(channel, 1, 0.06);
+  for (const double temperature : {500.0, 20000.0}) {
+    for (const double channel : blackBodyColour(temperature)) EXPECT_TRUE(std::isfinite(channel));
+  }
 }
 
 struct LawRow {

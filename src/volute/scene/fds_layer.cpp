@@ -3,13 +3,19 @@
 #include "volute/scene/fds_layer.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "volute/image/srgb.hpp"
 #include "volute/render/scaled_medium.hpp"
+#include "volute/scene/fds_light.hpp"
 
 namespace volute {
 namespace {
+
+constexpr double kDeviceSize = 0.12;  // [m], from the middle of a mark to its corners
+const Rgb kIdleDevice(0.02, 0.1, 0.8);
+const Rgb kActiveDevice(0.9, 0.02, 0.5);
 
 /// What a case says itself cannot be said again.
 Status checkWords(const SmokeDescription& smoke) {
@@ -32,8 +38,8 @@ Rgb linear(const FdsColour& colour, const Vec3& normal) {
 
 }  // namespace
 
-Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Rgb& ambient,
-                                Reading& reading) {
+Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const SceneLights& lights,
+                                Blocks blocks, Reading& reading) {
   VOLUTE_TRY(checkWords(description));
   FdsOptions options{.source = description.field, .volume = description.field.empty()};
   if (description.model.massExtinction != kFdsMassExtinction)
@@ -43,12 +49,24 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Rgb& 
   VOLUTE_ASSIGN(auto opened, FdsCase::open(description.file, options));
   FdsLayer layer;
   layer.description_ = description;
-  layer.ambient_ = ambient;
+  layer.lights_ = lights;
+  layer.blocks_ = std::move(blocks);
   layer.case_ = std::make_shared<FdsCase>(std::move(opened));
   layer.events_ = obstructionEvents(layer.case_->index());
+  if (description.fds.devices) {
+    for (const FdsDevice& device : layer.case_->index().devices) {
+      for (const FdsEvent& event : device.events) layer.events_.push_back(event.time);
+    }
+    std::ranges::sort(layer.events_);
+  }
   for (const std::string& remark : layer.case_->remarks()) reading.progress.remark(remark);
   reading.progress.remark(fmt::format("{}: extinction from {} ({})", description.file,
                                       layer.case_->source().name, layer.source()));
+  VOLUTE_TRY(layer.openFire(reading));
+  if (!description.fds.slice.empty()) {
+    VOLUTE_ASSIGN(layer.slice_, FdsSliceSheet::open(layer.case_->index(), description.fds.slice,
+                                                    description.fds.sliceRange, reading));
+  }
   return layer;
 }
 
@@ -70,16 +88,104 @@ double FdsLayer::caseTime(double time) const {
 
 Result<AnyMedium> FdsLayer::mediumAt(double time) const {
   VOLUTE_ASSIGN(const auto field, case_->field(caseTime(time)));
-  AnyMedium medium(field.withSource(description_.albedo * ambient_));
+  AnyMedium medium(inLight(field, time));
   if (description_.model.scale == 1)
     return medium;
   return AnyMedium(ScaledMedium(std::move(medium), description_.model.scale));
 }
 
-std::size_t FdsLayer::changesUntil(double time) const {
+FdsField FdsLayer::inLight(const FdsField& field, double time) const {
+  if (lights_.lamps.empty())
+    return field.withSource(description_.albedo * lights_.ambient);
+  return field.withLight(fdsLight(field, case_->obstructions(caseTime(time)),
+                                  {.lamps = lights_.lamps,
+                                   .ambient = lights_.ambient,
+                                   .albedo = description_.albedo,
+                                   .density = description_.model.scale,
+                                   .blocks = blocks_}));
+}
+
+Status FdsLayer::openFire(Reading& reading) {
+  const FdsLook& look = description_.fds;
+  if (!look.fire || !(look.flame.emission > 0))
+    return {};
+  FdsOptions options{.volume = true};
+  options.quantity = kFdsHeatRelease;
+  options.maxMemory = reading.maxMemory;
+  auto opened = FdsCase::open(case_->index(), options);
+  if (!opened && opened.error().code == ErrorCode::kNotFound)
+    return {};
+  VOLUTE_TRY(opened);
+  heat_ = std::make_shared<FdsCase>(std::move(*opened));
+  flame_ = look.flame;
+  flame_.cutoff = look.cutoff.value_or(case_->index().fireCutoff.value_or(flame_.cutoff));
+  for (const std::string& remark : heat_->remarks()) {
+    if (std::ranges::find(case_->remarks(), remark) == case_->remarks().end())
+      reading.progress.remark(remark);
+  }
+  reading.progress.remark(fmt::format("{}: fire from {} ({}) above {:g} kW/m3", description_.file,
+                                      heat_->source().name, heat_->source().description,
+                                      flame_.cutoff));
+  return {};
+}
+
+Result<std::optional<AnyMedium>> FdsLayer::flameAt(double time) const {
+  if (!heat_)
+    return std::nullopt;
+  VOLUTE_ASSIGN(const auto heat, heat_->field(caseTime(time)));
+  FdsFlame flame(heat, flame_);
+  return flame.burns() ? std::optional(AnyMedium(std::move(flame))) : std::nullopt;
+}
+
+std::uint64_t FdsLayer::surfacesAt(double time) const {
   const double local = caseTime(time);
-  return static_cast<std::size_t>(
+  if (slice_)
+    return std::bit_cast<std::uint64_t>(local);
+  return static_cast<std::uint64_t>(
       std::ranges::count_if(events_, [&](double event) { return event <= local; }));
+}
+
+Status FdsLayer::addSurfaces(double time, TriangleMesh& to) const {
+  addBuilding(time, to);
+  if (description_.fds.devices)
+    addDevices(time, to);
+  return slice_ ? slice_->addTo(to, caseTime(time)) : Status();
+}
+
+/// An octahedron for each, which shines by itself.
+void FdsLayer::addDevices(double time, TriangleMesh& to) const {
+  const double local = caseTime(time);
+  const auto material = static_cast<std::uint32_t>(to.materials.size());
+  to.materials.push_back({Rgb::Zero(), kIdleDevice});
+  to.materials.push_back({Rgb::Zero(), kActiveDevice});
+  for (const FdsDevice& device : case_->index().devices) {
+    const std::uint32_t look = material + (device.activeAt(local) ? 1 : 0);
+    for (int side = 0; side < 8; ++side) {
+      Vec3 corners[3];
+      for (int axis = 0; axis < 3; ++axis) {
+        corners[axis] = device.position;
+        corners[axis][axis] += (side >> axis & 1) != 0 ? kDeviceSize : -kDeviceSize;
+      }
+      to.triangles.push_back({{corners[0], corners[1], corners[2]}, look});
+    }
+  }
+}
+
+std::vector<std::string> FdsLayer::words() const {
+  std::vector<std::string> words{"FDS, " + source()};
+  if (heat_) {
+    words.push_back(fmt::format("fire: black body {:g} K, {:g}/m per MW/m3, above {:g} kW/m3",
+                                flame_.temperature, flame_.emission, flame_.cutoff));
+  }
+  if (description_.fds.devices) {
+    words.push_back(
+        fmt::format("{} devices: blue, active ones magenta", case_->index().devices.size()));
+  }
+  if (slice_) {
+    words.push_back(fmt::format("slice: {} {:.4g} .. {:.4g} {}", slice_->quantity(),
+                                slice_->range()[0], slice_->range()[1], slice_->unit()));
+  }
+  return words;
 }
 
 void FdsLayer::addBuilding(double time, TriangleMesh& to) const {

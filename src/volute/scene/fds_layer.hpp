@@ -2,26 +2,33 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "volute/fds/fds_case.hpp"
 #include "volute/geometry/triangle_scene.hpp"
 #include "volute/medium/any_medium.hpp"
+#include "volute/scene/fds_slice.hpp"
 #include "volute/scene/reading.hpp"
+#include "volute/scene/scene_lights.hpp"
 #include "volute/scene/scene_smoke.hpp"
 
 namespace volute {
 
-/// An FDS case that is shown: its smoke and its building at any time. Holds two stored frames.
+/// An FDS case that is shown: its smoke, fire and building at any time, and devices and slices
+/// where they are asked for. Holds two stored frames of each.
 class FdsLayer {
  public:
   /// `description` says the case, the source (its field; empty: the best that fills meshes), a
   /// scale, Km and the albedo; the case itself says what its files hold, so kInvalidArgument for
-  /// another quantity. Smoke scatters `ambient`; lamps do not light it.
+  /// another quantity. Smoke scatters the light of the lamps that obstructions and `blocks` let
+  /// through, once, and the ambient one.
   [[nodiscard]] static Result<FdsLayer> open(const SmokeDescription& description,
-                                             const Rgb& ambient, Reading& reading);
+                                             const SceneLights& lights, Blocks blocks,
+                                             Reading& reading);
 
   const SmokeDescription& description() const { return description_; }
 
@@ -38,23 +45,42 @@ class FdsLayer {
   /// The smoke at a time of the scene [s], linear between stored frames.
   [[nodiscard]] Result<AnyMedium> mediumAt(double time) const;
 
-  /// How many of the times at which obstructions come or go are past: while it stays, so does the
-  /// building.
-  std::size_t changesUntil(double time) const;
+  /// The fire at a time of the scene [s], which shines and hides nothing; nothing where the case
+  /// has no heat release, or it is not shown.
+  [[nodiscard]] Result<std::optional<AnyMedium>> flameAt(double time) const;
+
+  /// A number for what addSurfaces() adds: while it stays, so do they.
+  std::uint64_t surfacesAt(double time) const;
+
+  /// Adds all that is opaque: the building, the devices' marks and the slice.
+  [[nodiscard]] Status addSurfaces(double time, TriangleMesh& to) const;
 
   /// Adds the obstructions and vents of that time, coloured as the case says; ambient light alone
   /// would show no edges, so faces along x reflect 0.7 and along y 0.85 of their colour.
   void addBuilding(double time, TriangleMesh& to) const;
 
+  /// What a picture says about what it shows, and by which laws.
+  std::vector<std::string> words() const;
+
+  /// The slice that is shown, or null.
+  const FdsSliceSheet* slice() const { return slice_ ? &*slice_ : nullptr; }
+
  private:
   FdsLayer() = default;
 
   double caseTime(double time) const;
+  Status openFire(Reading& reading);
+  FdsField inLight(const FdsField& field, double time) const;
+  void addDevices(double time, TriangleMesh& to) const;
 
   SmokeDescription description_;
-  Rgb ambient_ = Rgb::Zero();
+  SceneLights lights_;
+  Blocks blocks_;
   std::shared_ptr<FdsCase> case_;
-  std::vector<double> events_;
+  std::shared_ptr<FdsCase> heat_;  // null: no fire
+  FlameLaw flame_;
+  std::optional<FdsSliceSheet> slice_;
+  std::vector<double> events_;  // of obstructions, and of devices where they are shown; ascending
 };
 
 }  // namespace volute

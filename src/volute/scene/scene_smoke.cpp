@@ -133,9 +133,10 @@ tl::expected<void, SmokeObjection> takeWords(SmokeDescription& smoke, const Smok
 Result<SmokeDescription> parseSmoke(const Json& json, const std::string& file,
                                     const std::string& path) {
   constexpr std::string_view kNames[] = {
-      "kind",  "case",     "field",   "density_field", "quantity", "unit",
-      "scale", "material", "burning", "soot_yield",    "C",        "mass_extinction",
-      "mode",  "albedo",   "time",    "negatives",     "walls"};
+      "kind",    "case",     "field",      "density_field", "quantity", "unit",
+      "scale",   "material", "burning",    "soot_yield",    "C",        "mass_extinction",
+      "mode",    "albedo",   "time",       "negatives",     "walls",    "fire",
+      "devices", "slice",    "slice_range"};
   const Members members(json, file, path);
   VOLUTE_TRY(members.check(kNames));
   SmokeDescription smoke;
@@ -150,6 +151,12 @@ Result<SmokeDescription> parseSmoke(const Json& json, const std::string& file,
   VOLUTE_TRY(members.color("albedo", smoke.albedo, 1));
   VOLUTE_TRY(parseNegatives(members, file, smoke));
   VOLUTE_TRY(parseWalls(members, file, smoke));
+  for (const char* name : {"fire", "devices", "slice", "slice_range"}) {
+    if (members.has(name) && !isSmvPath(smoke.file))
+      return fail(ErrorCode::kInvalidData, "{}: {}: is for FDS cases (.smv)", file,
+                  members.where(name));
+  }
+  VOLUTE_ASSIGN(smoke.fds, parseFdsLook(json, file, path));
   if (members.has("time")) {
     VOLUTE_ASSIGN(smoke.clock, parseClock(members.at("time"), file, members.where("time")));
   }

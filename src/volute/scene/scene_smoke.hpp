@@ -9,6 +9,7 @@
 
 #include "volute/optics/extinction.hpp"
 #include "volute/optics/visibility.hpp"
+#include "volute/scene/fds_look.hpp"
 #include "volute/scene/volume_layer.hpp"
 #include "volute/tetmesh/tet_field.hpp"
 
@@ -25,6 +26,7 @@ struct SmokeDescription {
   Rgb albedo = Rgb::Constant(0.3);  ///< share of what is taken from light that is scattered
   Negatives negatives = Negatives::kRefuse;
   Clock clock;
+  FdsLook fds;               ///< of FDS cases
   std::optional<Rgb> walls;  ///< what the mesh's boundary reflects; nothing: it is not shown
 };
 

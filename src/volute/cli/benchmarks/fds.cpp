@@ -168,8 +168,10 @@ void addRays(std::vector<BenchRow>& rows, const FdsField& field) {
   std::vector<double> depths(lines.size());
   std::vector<FdsDepth> bands(lines.size());
   double oneCore = 0;
+  double oneByOne = 0;
   {
     const ThreadLimit one(1);
+    oneByOne = medianSeconds([&] { field.opticalDepthReference(lines, depths); });
     oneCore = medianSeconds([&] { field.opticalDepth(lines, depths); });
   }
   const double allCores = medianSeconds([&] { field.opticalDepth(lines, depths); });
@@ -179,6 +181,12 @@ void addRays(std::vector<BenchRow>& rows, const FdsField& field) {
     worst = std::max(worst, std::abs(depths[i] - plain[i]) / (1 + plain[i]));
   const auto rate = [&](double seconds) { return static_cast<double>(lines.size()) / seconds; };
   rows.push_back({"rays, plain loop, one core", plainRate, "rays/s", 1.0, {}, "the baseline"});
+  rows.push_back({"rays, one core, one at a time",
+                  rate(oneByOne),
+                  "rays/s",
+                  rate(oneByOne) / plainRate,
+                  {},
+                  {}});
   rows.push_back({"rays, one core", rate(oneCore), "rays/s", rate(oneCore) / plainRate, {}, {}});
   rows.push_back({"rays, all cores", rate(allCores), "rays/s", rate(allCores) / plainRate, {}, {}});
   rows.push_back({"rays with bounds and cover, all cores",

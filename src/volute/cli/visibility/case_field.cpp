@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/visibility/case_field.hpp"
 
+#include <algorithm>
+
 #include "volute/cli/smoke_arguments.hpp"
 #include "volute/cli/visibility/fds_sight.hpp"
 #include "volute/cli/visibility/mesh_sight.hpp"
@@ -90,9 +92,11 @@ std::vector<Option> sightCaseOptions() {
        .kind = ValueKind::kText,
        .value = "NAME",
        .help = "which of an FDS case's files the smoke is read from; else the best"}};
-  // Pictures' own options aside.
+  constexpr std::string_view kOfPictures[] = {"mode",        "albedo",           "fire",
+                                              "fire-cutoff", "fire-temperature", "devices",
+                                              "slice",       "slice-range"};
   for (const Option& option : smokeOptions()) {
-    if (option.name != "mode" && option.name != "albedo")
+    if (std::ranges::find(kOfPictures, option.name) == std::end(kOfPictures))
       options.push_back(option);
   }
   return options;

@@ -83,7 +83,7 @@ class PlanWatch final : public Watch {
       VOLUTE_TRY(writeAset(set));
       VOLUTE_ASSIGN(const auto figure,
                     figureOf(survey_->folder / asetName(set),
-                             fmt::format("When {} no longer seen.", setWords(set))));
+                             fmt::format("When {} seen any more.", setWords(set))));
       page += figure;
     }
     if (survey_->extinctionLimit > 0) {
@@ -113,8 +113,8 @@ class PlanWatch final : public Watch {
   std::string setWords(std::size_t set) const {
     const auto& members = survey_->sets[set].members;
     return members.size() == 1
-               ? "sign " + survey_->signs[members[0]].sign.name + " is"
-               : (set == 0 ? "none of the signs is" : "none of " + survey_->sets[set].name + " is");
+               ? "sign " + survey_->signs[members[0]].sign.name + " is not"
+               : (set == 0 ? "no sign is" : "no sign of " + survey_->sets[set].name + " is");
   }
 
   /// Points from which no sign of a set is in sight before there is smoke.

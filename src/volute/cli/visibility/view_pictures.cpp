@@ -97,9 +97,12 @@ Json lampsBetween(const Vec3& eye, const Vec3& sign, const SightInstant& instant
   return lamps;
 }
 
-/// From everywhere: what lamps send is not scattered by the smoke of FDS cases.
+/// From everywhere: where a building's lamps are an FDS case does not say.
+constexpr double kEvenLight = 0.8;
+
 Json evenLight() {
-  return Json::array({Json{{"kind", "ambient"}, {"radiance", {0.8, 0.8, 0.8}}}});
+  return Json::array(
+      {Json{{"kind", "ambient"}, {"radiance", {kEvenLight, kEvenLight, kEvenLight}}}});
 }
 
 Status writeScene(const std::filesystem::path& path, const Json& scene) {
@@ -110,12 +113,12 @@ Status writeScene(const std::filesystem::path& path, const Json& scene) {
 }
 
 Status render(const std::string& scene, const std::string& target, double time, const char* mode,
-              Context& context) {
+              const std::string& exposure, Context& context) {
   const Command* command = findCommand("render");
-  VOLUTE_ASSIGN(
-      const auto arguments,
-      parseArguments(*command, {scene, "-o", target, "--time", fmt::format("{}", time), "--mode",
-                                mode, "--legend", "--renderer", "cpu", "--cache", "none"}));
+  VOLUTE_ASSIGN(const auto arguments,
+                parseArguments(*command, {scene, "-o", target, "--time", fmt::format("{}", time),
+                                          "--mode", mode, "--legend", "--renderer", "cpu",
+                                          "--cache", "none", "--exposure", exposure}));
   Quiet quiet(context.progress);
   Context own{quiet, context.maxMemory};
   return command->run(arguments, own);
@@ -161,6 +164,8 @@ Result<std::string> ViewPictures::finish(const Survey& survey, Json& report, Con
       "<h2>What is seen</h2>\n<p>Photometric: the light that passes. Threshold: what has faded to "
       "10 % is what the law calls no longer visible. The light is made up.</p>\n";
   report["pictures"] = Json::array();
+  // In even light, what is white is as bright as the light.
+  const std::string exposure = lit_ ? "auto" : fmt::format("{}", 1 / kEvenLight);
   const std::size_t count = survey.times.size();
   std::vector<std::size_t> shown{count / 2, count - 1};
   shown.erase(std::ranges::unique(shown).begin(), shown.end());
@@ -170,7 +175,7 @@ Result<std::string> ViewPictures::finish(const Survey& survey, Json& report, Con
         const std::string file =
             fmt::format("{}_{:04d}_{}.png", view.scene.substr(0, view.scene.size() - 5), t, mode);
         VOLUTE_TRY(render((survey.folder / view.scene).string(), (survey.folder / file).string(),
-                          survey.times[t], mode, context));
+                          survey.times[t], mode, exposure, context));
         report["pictures"].push_back({{"file", file},
                                       {"eye", vectorJson(view.eye)},
                                       {"sign", survey.signs[view.sign].sign.name},

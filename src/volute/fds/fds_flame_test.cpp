@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fds/fds_flame.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+
+#include "volute/fds/fds_case_testing.hpp"
+#include "volute/medium/conformance.hpp"
+#include "volute/optics/black_body.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const FdsOptions kHeat{.quantity = std::string(kFdsHeatRelease)};
+
+/// A case with the heat release as a 3D slice of nodes.
+FdsField heatOf(const Folder& folder, const fdswriter::Function& heat, Indices solid) {
+  fdswriter::Index index;
+  index.meshes.push_back({kFirst, {solid}, {}});
+  const fdswriter::Slice slice{whole(kFirst), "HRRPUV", "hrrpuv", "kW/m3"};
+  fdswriter::sliceFile(slice, {{0, fdswriter::atNodes(kFirst, slice.at, heat)}})
+      .save(folder / "made.sf");
+  index.slice(1, slice, "made.sf", false);
+  index.save(folder / "made.smv");
+  FdsCase read = opened(folder / "made.smv", kHeat);
+  EXPECT_EQ(read.source().name, "slice3d-hrrpuv");
+  return fieldAt(read, 0);
+}
+
+conformance::MediumUnderTest underTest() {
+  const Folder folder;
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> uniform(0, 900);
+  const FdsFlame flame(
+      heatOf(folder, [&](double, double, double) { return uniform(random); }, {1, 3, 1, 2, 0, 2}),
+      {});
+  conformance::Traits traits{.planes = kFirst};
+  // The adaptive Simpson of the suite steps over corners of cells, where solids end.
+  traits.tolerance.quadrature = 5e-3;
+  return conformance::underTest(flame, traits);
+}
+
+VOLUTE_CONFORMANCE(FdsFlames, underTest());
+
+TEST(FdsFlame, ReachesAsFarAsItsCells) {
+  const Folder folder;
+  const auto heat = [](double x, double y, double z) {
+    return x == 0.6 && y == 0.4 && z == 0 ? 500.0 : 10.0;
+  };
+  const FdsFlame flame(heatOf(folder, heat, {0, 0, 0, 0, 0, 0}), {});
+  EXPECT_TRUE(flame.burns());
+  EXPECT_NEAR((flame.bounds().min - Vec3(0.4, 0.2, 0)).norm(), 0, 1e-12);
+  EXPECT_NEAR((flame.bounds().max - Vec3(0.8, 0.6, 0.3)).norm(), 0, 1e-12);
+  const Folder cold;
+  EXPECT_FALSE(
+      FdsFlame(heatOf(cold, [](auto...) { return 10.0; }, {0, 0, 0, 0, 0, 0}), {}).burns());
+}
+
+TEST(FdsFlame, ShinesAsItReleasesHeatAboveItsCutoff) {
+  const Folder folder;
+  // 100 kW/m3 below x = 0.5, 700 above: at nodes 0, 0.2, 0.4 and 0.6, 0.8, 1.
+  const FdsField heat = heatOf(
+      folder, [](double x, double, double) { return x < 0.5 ? 100.0 : 700.0; }, {0, 0, 0, 0, 0, 0});
+  const Segment line = between({0, 0.4, 0.3}, {1, 0.4, 0.3});
+  for (const auto& [cutoff, megawatts] : {std::pair{200.0, 0.1 * 0.7 + 0.4 * 0.7},
+                                          {0.0, 0.4 * 0.1 + 0.2 * 0.4 + 0.4 * 0.7},
+                                          {800.0, 0.0}}) {
+    const FdsFlame flame(heat, {.temperature = 2000, .emission = 3, .cutoff = cutoff});
+    Radiance seen;
+    flame.radiance({&line, 1}, {&seen, 1});
+    const auto colour = blackBodyColour(2000);
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(seen.emitted[c], 3 * megawatts * colour[static_cast<std::size_t>(c)], 1e-6);
+    EXPECT_EQ(seen.transmittance, 1);
+  }
+}
+
+/// Bytes as FDS writes them, one mesh of even heat with a byte of 254 at one node.
+void saveBytes(const Folder& folder, double heat, double most, const std::string& sizes) {
+  fdswriter::Index index;
+  index.meshes.push_back({kFirst, {}, {}});
+  const auto byte = static_cast<std::uint8_t>(254 * heat / most);
+  const std::size_t nodes = kFirst[0].size() * kFirst[1].size() * kFirst[2].size();
+  fdswriter::smokeFile(cellsOf(kFirst), {{0, std::vector<std::uint8_t>(nodes, 0)},
+                                         {5, std::vector<std::uint8_t>(nodes, byte)}})
+      .save(folder / "made.s3d");
+  fdswriter::saveText(folder / "made.s3d.sz", sizes);
+  index.files += "SMOKF3D 1\n made.s3d\n HRRPUV\n hrrpuv\n kW/m3\n";
+  index.save(folder / "made.smv");
+}
+
+TEST(FdsFlame, BytesHaveTheScaleThatTheirSizesSay) {
+  for (const double most : {1200.0, 5000.0}) {
+    const Folder folder;
+    saveBytes(folder, 267.8, most, "0\n 0 1 1 0.0\n 5 1 1 267.8\n");
+    FdsCase read = opened(folder / "made.smv", kHeat);
+    EXPECT_EQ(read.source().name, "s3d-hrrpuv");
+    const double byte = most / 254;
+    // In the middle, where no wall dilutes: within a byte, or what one byte's scale leaves open.
+    EXPECT_NEAR(fieldAt(read, 5).extinction({0.5, 0.4, 0.4}), 267.8, 0.6 * byte) << most;
+    if (most == 1200) {
+      EXPECT_THAT(read.remarks(), IsEmpty());
+    } else {
+      EXPECT_THAT(read.remarks(), Contains(HasSubstr("stands for")));
+    }
+  }
+}
+
+TEST(FdsFlame, BytesThatContradictTheirSizesAreRefused) {
+  const Folder folder;
+  saveBytes(folder, 267.8, 1200, "0\n 0 1 1 0.0\n 5 1 1 267.8\n 5 1 1 900\n");
+  const auto read = FdsCase::open(folder / "made.smv", kHeat);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().code, ErrorCode::kInvalidData);
+}
+
+TEST(FdsFlame, ACaseWithoutHeatSaysSo) {
+  const Folder folder;
+  fdswriter::Index index;
+  index.meshes.push_back({kFirst, {}, {}});
+  index.save(folder / "made.smv");
+  const auto read = FdsCase::open(folder / "made.smv", kHeat);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().code, ErrorCode::kNotFound);
+  EXPECT_THAT(read.error().message, HasSubstr("no file of the case has 'HRRPUV'"));
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+
+// One part of a sight line in each SIMD lane, in double. Lanes step on their own from plane to
+// plane, on one axis at a time: where a line meets an edge, steps of no length follow each other.
+// Only IEEE operations without fused multiply-add.
+
+#include "volute/fds/fds_march.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+// Scalable vectors cannot be members of a class.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "volute/fds/fds_march.cpp"
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
+#include <hwy/highway.h>
+
+#ifndef VOLUTE_FDS_MARCH_LANES
+#define VOLUTE_FDS_MARCH_LANES
+
+namespace volute {
+namespace {
+
+constexpr std::size_t kMostLanes = 64;  // what a batch holds; a multiple of any vector's lanes
+
+struct PartLanes {
+  alignas(64) double from[kMostLanes];
+  alignas(64) double end[kMostLanes];
+  alignas(64) double next[3][kMostLanes];  ///< where the next plane of each axis is met
+  alignas(64) double origin[3][kMostLanes];
+  alignas(64) double direction[3][kMostLanes];
+  alignas(64) double inverse[3][kMostLanes];  ///< 1 / direction; 0 when parallel
+  alignas(
+      64) std::int64_t plane[3][kMostLanes];     ///< the next one; of a parallel axis the upper one
+  alignas(64) std::int64_t step[3][kMostLanes];  ///< -1, 0, 1
+  alignas(64) std::int64_t cell[kMostLanes];
+  alignas(64) std::int64_t cellStep[3][kMostLanes];
+  alignas(64) std::int64_t corner[kMostLanes];  ///< the value at the cell's least corner
+  alignas(64) std::int64_t cornerStep[3][kMostLanes];
+  alignas(64) double depth[kMostLanes];
+  alignas(64) double gas[kMostLanes];
+};
+
+}  // namespace
+}  // namespace volute
+#endif
+
+HWY_BEFORE_NAMESPACE();
+
+namespace volute::HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<double, 8>;
+using DI = hn::RebindToSigned<D>;
+using DF = hn::Rebind<float, D>;
+using DN = hn::Rebind<std::int32_t, D>;
+using V = hn::Vec<D>;
+using VI = hn::Vec<DI>;
+using Mask = hn::Mask<D>;
+constexpr D d;
+constexpr DI di;
+
+HWY_INLINE V ValuesAt(const float* values, VI place) {
+  constexpr DF df;
+  constexpr DN dn;
+  constexpr hn::RebindToUnsigned<DN> dw;
+  constexpr hn::RebindToUnsigned<DI> du;
+  return hn::PromoteTo(
+      d, hn::GatherIndex(df, values, hn::BitCast(dn, hn::TruncateTo(dw, hn::BitCast(du, place)))));
+}
+
+HWY_INLINE VI Choose(Mask mask, VI yes, VI no) {
+  return hn::IfThenElse(hn::RebindMask(di, mask), yes, no);
+}
+
+/// What a lane knows of the cell that it is in, of a nodal lattice.
+struct Cell {
+  V lower[3];    ///< its lower planes
+  V perCell[3];  ///< 1 / its size
+};
+
+HWY_INLINE V Interpolate(const V* origin, const V* direction, const Cell& cell, const V* corners,
+                         V s) {
+  V share[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const V at = hn::Mul(hn::Sub(origin[axis], cell.lower[axis]), cell.perCell[axis]);
+    share[axis] = hn::Add(at, hn::Mul(hn::Mul(direction[axis], cell.perCell[axis]), s));
+  }
+  V plane[2];
+  for (int z = 0; z < 2; ++z) {
+    V row[2];
+    for (int y = 0; y < 2; ++y) {
+      const V low = corners[4 * z + 2 * y];
+      row[y] = hn::Add(low, hn::Mul(share[0], hn::Sub(corners[4 * z + 2 * y + 1], low)));
+    }
+    plane[z] = hn::Add(row[0], hn::Mul(share[1], hn::Sub(row[1], row[0])));
+  }
+  return hn::Add(plane[0], hn::Mul(share[2], hn::Sub(plane[1], plane[0])));
+}
+
+/// The integral over from..to: a cubic, for which the Gauss rule with two points is exact.
+HWY_INLINE V Integral(const MarchLattice& march, const V* origin, const V* direction,
+                      const Cell& cell, VI corner, V from, V to) {
+  V corners[8];
+  for (int i = 0; i < 8; ++i) {
+    const std::int64_t offset =
+        (i & 1) * march.stride[0] + ((i >> 1) & 1) * march.stride[1] + (i >> 2) * march.stride[2];
+    corners[i] = ValuesAt(march.values, hn::Add(corner, hn::Set(di, offset)));
+  }
+  const V half = hn::Mul(hn::Set(d, 0.5), hn::Sub(to, from));
+  const V middle = hn::Mul(hn::Set(d, 0.5), hn::Add(from, to));
+  const V away = hn::Mul(hn::Set(d, 0.57735026918962576451), half);  // 1 / sqrt 3
+  return hn::Mul(half,
+                 hn::Add(Interpolate(origin, direction, cell, corners, hn::Sub(middle, away)),
+                         Interpolate(origin, direction, cell, corners, hn::Add(middle, away))));
+}
+
+/// The planes round the cells, of a nodal lattice: `next` is the upper one of lanes that go up.
+HWY_INLINE void EnterCell(const MarchLattice& march, VI next, VI step, V& lower, V& perCell) {
+  const VI up = hn::IfThenElse(hn::Lt(step, hn::Zero(di)), hn::Set(di, 1), hn::Zero(di));
+  const VI upper = hn::Add(next, up);
+  lower = hn::GatherIndex(d, march.planes.data(), hn::Sub(upper, hn::Set(di, 1)));
+  perCell =
+      hn::Div(hn::Set(d, 1.0), hn::Sub(hn::GatherIndex(d, march.planes.data(), upper), lower));
+}
+
+template <bool kNodal>
+HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::size_t first) {
+  V from = hn::Load(d, lanes.from + first);
+  const V end = hn::Load(d, lanes.end + first);
+  V next[3], origin[3], direction[3], inverse[3];
+  VI plane[3], step[3], cellStep[3], cornerStep[3];
+  Cell inside;
+  for (int axis = 0; axis < 3; ++axis) {
+    next[axis] = hn::Load(d, lanes.next[axis] + first);
+    origin[axis] = hn::Load(d, lanes.origin[axis] + first);
+    direction[axis] = hn::Load(d, lanes.direction[axis] + first);
+    inverse[axis] = hn::Load(d, lanes.inverse[axis] + first);
+    plane[axis] = hn::Load(di, lanes.plane[axis] + first);
+    step[axis] = hn::Load(di, lanes.step[axis] + first);
+    cellStep[axis] = hn::Load(di, lanes.cellStep[axis] + first);
+    cornerStep[axis] = hn::Load(di, lanes.cornerStep[axis] + first);
+    if constexpr (kNodal)
+      EnterCell(march, plane[axis], step[axis], inside.lower[axis], inside.perCell[axis]);
+  }
+  VI cell = hn::Load(di, lanes.cell + first);
+  VI corner = hn::Load(di, lanes.corner + first);
+  V depth = hn::Zero(d), gas = hn::Zero(d);
+  for (Mask live = hn::Lt(from, end); !hn::AllFalse(d, live); live = hn::Lt(from, end)) {
+    const V to = hn::Min(hn::Min(next[0], next[1]), hn::Min(next[2], end));
+    // What stands still looks at the first cell and counts for nothing.
+    const VI here = hn::IfThenElseZero(hn::RebindMask(di, live), cell);
+    const V value = ValuesAt(march.own.data(), here);
+    const V length = hn::IfThenElseZero(hn::And(live, hn::Ge(value, hn::Zero(d))),
+                                        hn::Max(hn::Sub(to, from), hn::Zero(d)));
+    gas = hn::Add(gas, length);
+    if constexpr (kNodal) {
+      const VI at = hn::IfThenElseZero(hn::RebindMask(di, live), corner);
+      const V part = Integral(march, origin, direction, inside, at, from, to);
+      depth = hn::Add(depth, hn::IfThenElseZero(hn::Gt(length, hn::Zero(d)), part));
+    } else {
+      depth = hn::Add(depth, hn::Mul(value, length));
+    }
+    // The axis whose plane is next, and one of them where two are.
+    const Mask onX = hn::And(live, hn::And(hn::Le(next[0], next[1]), hn::Le(next[0], next[2])));
+    const Mask onY = hn::And(hn::AndNot(onX, live), hn::Le(next[1], next[2]));
+    const Mask onZ = hn::AndNot(hn::Or(onX, onY), live);
+    const Mask on[3] = {onX, onY, onZ};
+    const VI moved = hn::Add(Choose(onX, plane[0], Choose(onY, plane[1], plane[2])),
+                             Choose(onX, step[0], Choose(onY, step[1], step[2])));
+    // Dead lanes may have left the planes.
+    const VI safe = hn::IfThenElseZero(hn::RebindMask(di, live), moved);
+    const V place = hn::GatherIndex(d, march.planes.data(), safe);
+    for (int axis = 0; axis < 3; ++axis) {
+      const V crossing = hn::Mul(hn::Sub(place, origin[axis]), inverse[axis]);
+      next[axis] = hn::IfThenElse(on[axis], crossing, next[axis]);
+      plane[axis] = Choose(on[axis], moved, plane[axis]);
+      const hn::Mask<DI> mask = hn::RebindMask(di, on[axis]);
+      cell = hn::Add(cell, hn::IfThenElseZero(mask, cellStep[axis]));
+      if constexpr (kNodal)
+        corner = hn::Add(corner, hn::IfThenElseZero(mask, cornerStep[axis]));
+    }
+    if constexpr (kNodal) {
+      const VI stepped = Choose(onX, step[0], Choose(onY, step[1], step[2]));
+      V lower, perCell;
+      EnterCell(march, safe, stepped, lower, perCell);
+      for (int axis = 0; axis < 3; ++axis) {
+        inside.lower[axis] = hn::IfThenElse(on[axis], lower, inside.lower[axis]);
+        inside.perCell[axis] = hn::IfThenElse(on[axis], perCell, inside.perCell[axis]);
+      }
+    }
+    from = hn::IfThenElse(live, hn::Max(from, to), from);
+  }
+  hn::Store(depth, d, lanes.depth + first);
+  hn::Store(gas, d, lanes.gas + first);
+}
+
+void March(const MarchLattice& march, PartLanes& lanes, std::size_t count) {
+  for (std::size_t first = 0; first < count; first += hn::Lanes(d)) {
+    if (march.nodal)
+      MarchVector<true>(march, lanes, first);
+    else
+      MarchVector<false>(march, lanes, first);
+  }
+}
+
+}  // namespace
+}  // namespace volute::HWY_NAMESPACE
+
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace volute {
+namespace {
+
+HWY_EXPORT(March);
+
+void setLane(PartLanes& lanes, std::size_t lane, const FdsLattice& lattice,
+             const MarchLattice& march, const Segment& segment, const MarchPart& part) {
+  lanes.from[lane] = part.begin;
+  double end = part.end;
+  std::int64_t place = 0, corner = 0, stride = 1;
+  for (int a = 0; a < 3; ++a) {
+    const auto& planes = lattice.planes[a];
+    const double direction = segment.direction[a];
+    const double origin = segment.origin[a];
+    const double at = direction == 0 ? origin : origin + part.begin * direction;
+    const int step = direction > 0 ? 1 : direction < 0 ? -1 : 0;
+    std::int64_t cell = cellBetween(planes, at);
+    if (step < 0 && cell > 0 && at == planes[static_cast<std::size_t>(cell)])
+      --cell;
+    const double inverse = direction == 0 ? 0 : 1 / direction;
+    lanes.origin[a][lane] = origin;
+    lanes.direction[a][lane] = direction;
+    lanes.inverse[a][lane] = inverse;
+    lanes.step[a][lane] = step;
+    lanes.cellStep[a][lane] = step * stride;
+    lanes.cornerStep[a][lane] = step * march.stride[a];
+    const std::int64_t next = cell + (step < 0 ? 0 : 1);
+    lanes.plane[a][lane] = march.first[a] + next;
+    lanes.next[a][lane] = step == 0 ? std::numeric_limits<double>::infinity()
+                                    : (planes[static_cast<std::size_t>(next)] - origin) * inverse;
+    if (step != 0) {
+      const double exit = step > 0 ? planes.back() : planes.front();
+      end = std::min(end, (exit - origin) * inverse);
+    }
+    place += cell * stride;
+    corner += cell * march.stride[a];
+    stride *= march.cells[a];
+  }
+  lanes.end[lane] = end;
+  lanes.cell[lane] = place;
+  lanes.corner[lane] = corner;
+}
+
+/// A lane that has nothing to do.
+void setIdle(PartLanes& lanes, std::size_t lane, const MarchLattice& march) {
+  lanes.from[lane] = lanes.end[lane] = 0;
+  lanes.cell[lane] = lanes.corner[lane] = 0;
+  for (int a = 0; a < 3; ++a) {
+    lanes.next[a][lane] = std::numeric_limits<double>::infinity();
+    lanes.origin[a][lane] = lanes.direction[a][lane] = lanes.inverse[a][lane] = 0;
+    lanes.plane[a][lane] = march.first[a] + 1;
+    lanes.step[a][lane] = lanes.cellStep[a][lane] = lanes.cornerStep[a][lane] = 0;
+  }
+}
+
+}  // namespace
+
+MarchLattice::MarchLattice(const FdsLattice& lattice, std::span<const float> values,
+                           std::span<const std::uint8_t> gas)
+    : nodal(lattice.nodal), values(values.data()) {
+  planes.push_back(0);
+  std::int64_t step = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    first[axis] = static_cast<std::int64_t>(planes.size());
+    planes.insert(planes.end(), lattice.planes[axis].begin(), lattice.planes[axis].end());
+    cells[axis] = lattice.cells(axis);
+    stride[axis] = step;
+    step *= cells[axis] + (nodal ? 1 : 0);
+  }
+  planes.push_back(0);
+  planes.push_back(0);
+  own.resize(gas.size());
+  for (std::size_t i = 0; i < gas.size(); ++i) own[i] = gas[i] == 0 ? -1 : nodal ? 1 : values[i];
+}
+
+void marchParts(const FdsLattice& lattice, const MarchLattice& march,
+                std::span<const Segment> segments, std::span<const MarchPart> parts,
+                std::span<MarchSum> sums) {
+  constexpr std::size_t kWidest = 8;
+  PartLanes lanes;
+  for (std::size_t begin = 0; begin < parts.size(); begin += kMostLanes) {
+    const std::size_t count = std::min(kMostLanes, parts.size() - begin);
+    for (std::size_t i = 0; i < count; ++i) {
+      const MarchPart& part = parts[begin + i];
+      setLane(lanes, i, lattice, march, segments[part.segment], part);
+    }
+    for (std::size_t i = count; i % kWidest != 0; ++i) setIdle(lanes, i, march);
+    HWY_DYNAMIC_DISPATCH(March)(march, lanes, count);
+    for (std::size_t i = 0; i < count; ++i) sums[begin + i] = {lanes.depth[i], lanes.gas[i]};
+  }
+}
+
+}  // namespace volute
+#endif  // HWY_ONCE

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "volute/fds/fds_grid.hpp"
+
+namespace volute {
+
+/// A lattice as the march wants it.
+struct MarchLattice {
+  MarchLattice() = default;
+
+  /// `values` as FdsValues have them, `gas` 1 for each cell of gas, else 0.
+  MarchLattice(const FdsLattice& lattice, std::span<const float> values,
+               std::span<const std::uint8_t> gas);
+
+  std::vector<double> planes;           ///< of x, y, z one after the other, with one more all round
+  std::array<std::int64_t, 3> first{};  ///< of each axis' planes
+  std::array<std::int64_t, 3> cells{};
+  std::array<std::int64_t, 3> stride{};  ///< from value to value
+  bool nodal = false;
+  const float* values = nullptr;  ///< of a nodal lattice; must outlive this
+  std::vector<float> own;         ///< of each cell: its value, or 1 if nodal; -1 where no gas is
+};
+
+/// A part of a segment in one lattice.
+struct MarchPart {
+  std::uint32_t segment = 0;
+  double begin = 0, end = 0;
+};
+
+/// The integral over a part, and how much of it is gas [m].
+struct MarchSum {
+  double depth = 0;
+  double gas = 0;
+};
+
+/// Several parts at once, one in each lane, exact as traversePlanes() is and in the same order of
+/// sums: of cells the same bits on every target.
+void marchParts(const FdsLattice& lattice, const MarchLattice& march,
+                std::span<const Segment> segments, std::span<const MarchPart> parts,
+                std::span<MarchSum> sums);
+
+}  // namespace volute

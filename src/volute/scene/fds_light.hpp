@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "volute/fds/fds_field.hpp"
+#include "volute/fds/obstructions.hpp"
+#include "volute/lighting/lamp.hpp"
+
+namespace volute {
+
+/// What lights the smoke of an FDS case.
+struct FdsLamps {
+  std::span<const Lamp> lamps;
+  Rgb ambient = Rgb::Zero();  ///< from everywhere, whatever is in the way
+  Rgb albedo = Rgb::Zero();   ///< share of what smoke takes that it sends on
+  double density = 1;         ///< the smoke is so many times as thick as the field
+  Blocks blocks{};            ///< opaque things besides the obstructions; may be empty
+};
+
+/// Light that smoke scatters once, the same in all directions, for FdsField::withLight(). What a
+/// lamp sends is attenuated by the smoke on its straight way to the middle of each cell of gas,
+/// exactly, and stopped by obstructions; a node has the mean of its lattice's cells of gas around
+/// it. So shadows have edges a cell wide.
+std::vector<std::shared_ptr<const FdsLight>> fdsLight(const FdsField& field,
+                                                      const FdsObstructions& obstructions,
+                                                      const FdsLamps& lamps);
+
+}  // namespace volute
