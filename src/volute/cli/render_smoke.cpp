@@ -88,8 +88,9 @@ Result<Image> RenderJob::pictureWithSmoke(double time, std::span<const AnyMedium
     if (!smokes[i].description().walls)
       continue;
     VOLUTE_TRY(processorMayDraw("the wall of smoke"));
-    VOLUTE_ASSIGN(const auto walls, lookAtWalls(camera, states[i], smokes[i].lights(),
-                                                *smokes[i].description().walls));
+    VOLUTE_ASSIGN(const auto walls,
+                  lookAtWalls(camera, states[i], smokes[i].lights(), *smokes[i].description().walls,
+                              smokes[i].blocks()));
     surfaces.add(walls);
   }
   VOLUTE_ASSIGN(const auto seen, findSigns(surfaces.depth()));

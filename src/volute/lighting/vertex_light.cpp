@@ -74,12 +74,16 @@ std::int32_t LampPaths::firstTet(std::int32_t vertex, const Vec3& direction, boo
 
 LampPaths::Walk LampPaths::walk(std::int32_t vertex, const Segment& way,
                                 std::span<const float> extinction, bool lampInside) const {
-  const TetMesh& mesh = locator_->mesh();
+  Walk out;
+  const std::int32_t tet = firstTet(vertex, way.direction, out.doubtful);
+  return out.doubtful ? out : walkFrom(*locator_, tet, way, extinction, lampInside);
+}
+
+LampPaths::Walk LampPaths::walkFrom(const TetLocator& locator, std::int32_t tet, const Segment& way,
+                                    std::span<const float> extinction, bool lampInside) {
+  const TetMesh& mesh = locator.mesh();
   const double near = kNear * sizeOf(mesh);
   Walk out;
-  std::int32_t tet = firstTet(vertex, way.direction, out.doubtful);
-  if (out.doubtful)
-    return out;
   int entry = -1;  // the vertex across the face by which the walk came in
   double s = 0;
   while (tet >= 0) {
@@ -119,7 +123,7 @@ LampPaths::Walk LampPaths::walk(std::int32_t vertex, const Segment& way,
     entry = across % 4;
   }
   if (way.end - s > near)
-    out.dark = lampInside || meshBetween(*locator_, way, s + near);
+    out.dark = lampInside || meshBetween(locator, way, s + near);
   return out;
 }
 
@@ -152,6 +156,14 @@ std::vector<float> LampPaths::shares(std::span<const float> extinction, const La
     }
   });
   return shares;
+}
+
+double lampShareAt(const TetLocator& locator, std::span<const float> extinction, const Segment& way,
+                   std::int32_t tet, bool lampInside) {
+  const auto walk = LampPaths::walkFrom(locator, tet, way, extinction, lampInside);
+  if (walk.doubtful)
+    return lampShareReference(locator, extinction, way);
+  return walk.dark ? 0 : std::exp(-walk.depth);
 }
 
 double lampShareReference(const TetLocator& locator, std::span<const float> extinction,

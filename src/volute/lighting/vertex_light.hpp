@@ -33,6 +33,9 @@ class LampPaths {
   const std::shared_ptr<const TetLocator>& locator() const { return locator_; }
 
  private:
+  friend double lampShareAt(const TetLocator& locator, std::span<const float> extinction,
+                            const Segment& way, std::int32_t tet, bool lampInside);
+
   /// What the walk found out about one vertex.
   struct Walk {
     double depth = 0;
@@ -42,11 +45,18 @@ class LampPaths {
 
   Walk walk(std::int32_t vertex, const Segment& way, std::span<const float> extinction,
             bool lampInside) const;
+  static Walk walkFrom(const TetLocator& locator, std::int32_t tet, const Segment& way,
+                       std::span<const float> extinction, bool lampInside);
   std::int32_t firstTet(std::int32_t vertex, const Vec3& direction, bool& doubtful) const;
 
   std::shared_ptr<const TetLocator> locator_;
   std::vector<std::int32_t> begin_, around_;  ///< the tets around each vertex
 };
+
+/// The same from a point of `tet`, its faces included: `way` leads from there to the lamp, which is
+/// in the mesh or not.
+double lampShareAt(const TetLocator& locator, std::span<const float> extinction, const Segment& way,
+                   std::int32_t tet, bool lampInside);
 
 /// The slow twin, one segment at a time: the depth of a way in the mesh and whether it leaves the
 /// mesh and enters it again.

@@ -53,6 +53,9 @@ class SmokeLayer {
 
   const SceneLights& lights() const { return lighting_->lights; }
 
+  /// Opaque things beside the mesh's own walls.
+  const Blocks& blocks() const { return lighting_->blocks; }
+
   const Box3& bounds() const { return bounds_; }
 
   int steps() const { return static_cast<int>(source_.times().size()); }

@@ -80,9 +80,9 @@ Image SmokePictures::smokeAlone(const Camera& camera, const SmokeScene& scene,
     fast.splat.opticalDepth(camera, scene.opaqueDepth, depth);
     for (std::size_t i = 0; i < pixels; ++i) rgbt[4 * i + 3] = std::exp(-depth[i]);
   } else {
-    fast.marcher.setExtinction(extinction);
-    fast.marcher.setSource(smoke.source);
-    fast.marcher.litColor(camera, scene.opaqueDepth, rgbt);
+    fast.splat.setExtinction(extinction);
+    fast.splat.setSource(smoke.source);
+    fast.splat.litColor(camera, scene.opaqueDepth, rgbt);
   }
   compose(rgbt, scene, options, image);
   return image;

@@ -21,9 +21,9 @@ struct SmokeScene {
   std::span<const float> opaqueDepth;  ///< as render() takes it
 };
 
-/// Pictures of smoke together with other media. A single smoke is splatted (black smoke) or marched
-/// (lit smoke) wherever nothing else is on a pixel's ray; rays that meet other media too, pictures
-/// of several smokes, and the reference, go through all pieces of all media.
+/// Pictures of smoke together with other media. A single smoke is splatted wherever nothing else is
+/// on a pixel's ray; rays that meet other media too, pictures of several smokes, and the reference,
+/// go through all pieces of all media.
 class SmokePictures {
  public:
   /// As render() does it; signs and surfaces are not in it.

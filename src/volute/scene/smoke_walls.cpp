@@ -3,6 +3,7 @@
 #include "volute/scene/smoke_walls.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <limits>
 #include <numbers>
 
@@ -14,8 +15,12 @@ namespace {
 /// A face of the boundary, anticlockwise from inside.
 struct WallFace {
   std::array<std::int32_t, 3> vertices;
-  Vec3 inwards;  ///< unit normal
+  std::int32_t tet;  ///< behind it
+  Vec3 inwards;      ///< unit normal
 };
+
+/// Shares of a lamp's light that are alike.
+constexpr float kAlike = 0.01F;
 
 std::vector<WallFace> wallsFacing(const Camera& camera, const TetMesh& mesh) {
   std::vector<WallFace> walls;
@@ -32,7 +37,7 @@ std::vector<WallFace> wallsFacing(const Camera& camera, const TetMesh& mesh) {
     const Vec3 toEye =
         camera.isOrthographic() ? Vec3(-camera.forward()) : Vec3(camera.eye() - points[a]);
     if (normal.dot(toEye) > 0)
-      walls.push_back({{a, b, c}, normal.normalized()});
+      walls.push_back({{a, b, c}, face.first / 4, normal.normalized()});
   }
   return walls;
 }
@@ -47,19 +52,51 @@ Vec3 sharesIn(const WallFace& wall, std::span<const Vec3> points, const Vec3& po
   return Vec3(1 - second - third, second, third).cwiseMax(0);
 }
 
-Rgb lightOn(const WallFace& wall, const Vec3& point, const SmokeState& smoke,
-            const SceneLights& lights) {
-  const Vec3 shares = sharesIn(wall, smoke.locator->mesh().vertices(), point);
-  Rgb light = lights.ambient;
-  for (std::size_t l = 0; l < lights.lamps.size(); ++l) {
-    double share = 0;
-    for (int k = 0; k < 3; ++k) share += shares[k] * smoke.lampShares[l][wall.vertices[k]];
-    const double cosine = wall.inwards.dot(lights.lamps[l].towards(point).direction);
-    if (cosine > 0)
-      light += share * cosine / std::numbers::pi * lights.lamps[l].irradiance(point);
+/// The lamps before the walls of a mesh.
+class WallLight {
+ public:
+  WallLight(const SmokeState& smoke, const SceneLights& lights, const Blocks& blocks)
+      : smoke_(smoke), lights_(lights), blocks_(blocks) {
+    for (const Lamp& lamp : lights.lamps)
+      inside_.push_back(lamp.kind == Lamp::Kind::kSpot && smoke.locator->find(lamp.position) >= 0);
   }
-  return light;
-}
+
+  /// What a point of a wall reflects if it reflects all.
+  Rgb on(const WallFace& wall, const Vec3& point) const {
+    const Vec3 shares = sharesIn(wall, smoke_.locator->mesh().vertices(), point);
+    Rgb light = lights_.ambient;
+    for (std::size_t l = 0; l < lights_.lamps.size(); ++l) {
+      const Segment way = lights_.lamps[l].towards(point);
+      const double cosine = wall.inwards.dot(way.direction);
+      const Rgb arriving = lights_.lamps[l].irradiance(point);
+      if (cosine > 0 && (arriving > 0).any())
+        light += shareOf(l, wall, way, shares) * cosine / std::numbers::pi * arriving;
+    }
+    return light;
+  }
+
+ private:
+  double shareOf(std::size_t lamp, const WallFace& wall, const Segment& way,
+                 const Vec3& shares) const {
+    const auto& known = smoke_.lampShares[lamp];
+    const float corners[3] = {known[wall.vertices[0]], known[wall.vertices[1]],
+                              known[wall.vertices[2]]};
+    const auto [least, most] = std::ranges::minmax(corners);
+    if (most - least <= kAlike)
+      return shares[0] * corners[0] + shares[1] * corners[1] + shares[2] * corners[2];
+    const double share =
+        lampShareAt(*smoke_.locator, smoke_.extinction, way, wall.tet, inside_[lamp]);
+    std::uint8_t blocked = 0;
+    if (share > 0 && blocks_)
+      blocks_({&way, 1}, {&blocked, 1});
+    return blocked ? 0 : share;
+  }
+
+  const SmokeState& smoke_;
+  const SceneLights& lights_;
+  const Blocks& blocks_;
+  std::vector<char> inside_;  // of each lamp: it is in the mesh
+};
 
 Result<TriangleScene> sceneOf(std::span<const WallFace> walls, std::span<const Vec3> points) {
   std::vector<Triangle> triangles(walls.size());
@@ -72,10 +109,11 @@ Result<TriangleScene> sceneOf(std::span<const WallFace> walls, std::span<const V
 }  // namespace
 
 Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
-                                const SceneLights& lights, const Rgb& color) {
+                                const SceneLights& lights, const Rgb& color, const Blocks& blocks) {
   const TetMesh& mesh = smoke.locator->mesh();
   const auto walls = wallsFacing(camera, mesh);
   VOLUTE_ASSIGN(const auto scene, sceneOf(walls, mesh.vertices()));
+  const WallLight light(smoke, lights, blocks);
   const auto width = static_cast<std::size_t>(camera.width());
   SurfaceView view{std::vector<float>(width * static_cast<std::size_t>(camera.height()),
                                       std::numeric_limits<float>::infinity()),
@@ -90,8 +128,7 @@ Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
       if (!hits[x].found())
         continue;
       view.depth[y * width + x] = static_cast<float>(hits[x].distance);
-      const Rgb seen =
-          color * lightOn(walls[hits[x].triangle], rays[x].at(hits[x].distance), smoke, lights);
+      const Rgb seen = color * light.on(walls[hits[x].triangle], rays[x].at(hits[x].distance));
       for (int c = 0; c < 3; ++c)
         view.color.at(static_cast<int>(x), static_cast<int>(y), c) = static_cast<float>(seen[c]);
     }

@@ -19,9 +19,12 @@ struct SurfaceView {
 
 /// The boundary of a mesh as walls that reflect `color` of the light in all directions, seen from
 /// their inside alone: from outside one looks into the building. Lamps' light comes through the
-/// smoke, which so casts shadows (Staubli et al. 2005, section 4.3); what reaches a point of a wall
-/// is between what reaches its triangle's corners.
+/// smoke, which so casts shadows (Staubli et al. 2005, section 4.3). Where the corners of a
+/// triangle see a lamp alike, within a hundredth of its light, what reaches a point is between
+/// them; elsewhere each pixel looks for the lamp by itself, so that the edges of shadows are those
+/// of what casts them. `blocks`: other opaque things.
 [[nodiscard]] Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
-                                              const SceneLights& lights, const Rgb& color);
+                                              const SceneLights& lights, const Rgb& color,
+                                              const Blocks& blocks = {});
 
 }  // namespace volute

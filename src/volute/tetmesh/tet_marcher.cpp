@@ -70,10 +70,12 @@ struct TetMarcher::State {
   std::vector<EntryFace> faces;  // of the boundary; boxes are those of the last view
   std::vector<ScreenVertex> vertices;
   std::vector<std::vector<std::int32_t>> tiles;  // faces
+  std::span<const std::uint8_t> only;            // pixels to draw; empty: all
   std::atomic<std::uint64_t> steps{0}, entered{0}, doubtful{0};
 
   const TetMesh& mesh() const { return locator->mesh(); }
 
+  bool drawn(int width, const PixelBox& part) const;
   void project(const ScreenView& view, bool lit);
   void bin(const ScreenView& view);
   MarchMesh marchMesh(const ScreenView& view, bool lit) const;
@@ -90,6 +92,19 @@ struct TetMarcher::State {
   void picture(const Camera& camera, OpaqueDepth opaque, bool lit, const Store& store,
                const Doubt& doubt);
 };
+
+/// Whether any of the pixels of a part are to be drawn.
+bool TetMarcher::State::drawn(int width, const PixelBox& part) const {
+  if (only.empty())
+    return true;
+  for (int y = part.y0; y <= part.y1; ++y) {
+    const auto row = only.subspan(static_cast<std::size_t>(y) * width + part.x0,
+                                  static_cast<std::size_t>(part.x1 - part.x0) + 1);
+    if (std::ranges::any_of(row, [](std::uint8_t pixel) { return pixel != 0; }))
+      return true;
+  }
+  return false;
+}
 
 void TetMarcher::State::project(const ScreenView& view, bool lit) {
   vertices.resize(mesh().vertices().size());
@@ -171,6 +186,8 @@ void TetMarcher::State::gather(const ScreenView& view, OpaqueDepth opaque, const
         for (int x = bx; x < std::min(bx + kBlock, width); ++x) {
           const std::size_t local = static_cast<std::size_t>(y) * width + x;
           const std::int32_t pixel = (y + tile.y0) * view.width + x + tile.x0;
+          if (!only.empty() && only[static_cast<std::size_t>(pixel)] == 0)
+            continue;
           const double px = view.pixelX(x + tile.x0), py = view.pixelY(y + tile.y0);
           const double scale = view.rayScale(x + tile.x0, y + tile.y0);
           const double end = opaque.empty() ? std::numeric_limits<double>::max()
@@ -195,12 +212,14 @@ void TetMarcher::State::picture(const Camera& camera, OpaqueDepth opaque, bool l
   constexpr int kSide = kTile * kSector;
   for (int y = 0; y < view.height; y += kSide) {
     for (int x = 0; x < view.width; x += kSide) {
+      const PixelBox part{x, y, std::min(x + kSide, view.width) - 1,
+                          std::min(y + kSide, view.height) - 1};
+      if (!drawn(view.width, part))
+        continue;
       view.originX = x + 0.5 * std::min(kSide, view.width - x);
       view.originY = y + 0.5 * std::min(kSide, view.height - y);
       project(view, lit);
-      sector(camera, view,
-             {x, y, std::min(x + kSide, view.width) - 1, std::min(y + kSide, view.height) - 1},
-             opaque, lit, store, doubt);
+      sector(camera, view, part, opaque, lit, store, doubt);
     }
   }
 }
@@ -218,6 +237,8 @@ void TetMarcher::State::sector(const Camera& camera, const ScreenView& view, con
     const std::size_t i = static_cast<std::size_t>(y0 / kTile) * all + x0 / kTile;
     const PixelBox tile{x0, y0, std::min(x0 + kTile, view.width) - 1,
                         std::min(y0 + kTile, view.height) - 1};
+    if (!drawn(view.width, tile))
+      return;
     TileWork work;
     gather(view, opaque, tile, tiles[i], work);
     steps += marchRays(march, work.rays, work.entries, work.results);
@@ -282,7 +303,10 @@ void TetMarcher::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::spa
       });
 }
 
-void TetMarcher::litColor(const Camera& camera, OpaqueDepth opaque, std::span<float> rgbt) {
+void TetMarcher::litColor(const Camera& camera, OpaqueDepth opaque, std::span<float> rgbt,
+                          std::span<const std::uint8_t> only) {
+  VOLUTE_ASSERT(only.empty() || 4 * only.size() == rgbt.size());
+  state_->only = only;
   const TetMedium twin(state_->locator, state_->extinction, state_->source);
   state_->picture(
       camera, opaque, !state_->source.empty(),
@@ -298,6 +322,7 @@ void TetMarcher::litColor(const Camera& camera, OpaqueDepth opaque, std::span<fl
         for (int c = 0; c < 3; ++c) out[c] = static_cast<float>(exact.emitted[c]);
         out[3] = static_cast<float>(exact.transmittance);
       });
+  state_->only = {};
 }
 
 TetMarchCounts TetMarcher::counts() const {

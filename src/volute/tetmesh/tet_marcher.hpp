@@ -45,8 +45,10 @@ class TetMarcher {
   void opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span<float> depth);
 
   /// Four for each pixel: the light that smoke sends to the eye (linear RGB), and the transmittance
-  /// to what is behind.
-  void litColor(const Camera& camera, OpaqueDepth opaque, std::span<float> rgbt);
+  /// to what is behind. `only`: one for each pixel, 0 where the picture is to stay as it is; empty:
+  /// all pixels.
+  void litColor(const Camera& camera, OpaqueDepth opaque, std::span<float> rgbt,
+                std::span<const std::uint8_t> only = {});
 
   TetMarchCounts counts() const;
 

@@ -4,12 +4,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hwy/highway.h>
 
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "volute/base/parallel.hpp"
+#include "volute/tetmesh/face_planes.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
 #include "volute/tetmesh/segment_weights.hpp"
 #include "volute/tetmesh/tet_march.hpp"
@@ -108,21 +110,130 @@ TEST(TetPictures, StopAtOpaqueSurfaces) {
   }
 }
 
-TEST(TetMarcher, LightsSmoke) {
+std::vector<double> litReference(const Camera& camera, OpaqueDepth until) {
+  std::vector<double> expected(4 * kWidth * kHeight);
+  referenceColor(hall().medium(), camera, until, expected);
+  return expected;
+}
+
+/// The largest error of a lit picture.
+double litError(const std::vector<float>& light, const std::vector<double>& expected) {
+  double worst = 0;
+  for (std::size_t i = 0; i < light.size(); ++i)
+    worst = std::max(worst, std::abs(light[i] - expected[i]));
+  return worst;
+}
+
+TEST(TetPictures, LightSmoke) {
   TetMarcher marcher(hall().locator);
+  TetSplat splat(hall().locator);
   marcher.setExtinction(hall().extinction);
+  splat.setExtinction(hall().extinction);
   marcher.setSource(hall().source);
+  splat.setSource(hall().source);
   const auto opaque = opaqueDepths();
   for (const auto& [name, camera] : cameras()) {
     std::vector<float> light(4 * kWidth * kHeight);
-    std::vector<double> expected(light.size());
     const OpaqueDepth until = camera.isOrthographic() ? OpaqueDepth{} : OpaqueDepth{opaque};
+    const std::vector<double> expected = litReference(camera, until);
     marcher.litColor(camera, until, light);
-    referenceColor(hall().medium(), camera, until, expected);
-    double worst = 0;
-    for (std::size_t i = 0; i < light.size(); ++i)
-      worst = std::max(worst, std::abs(light[i] - expected[i]));
-    EXPECT_LE(worst, 1e-5) << name;
+    EXPECT_LE(litError(light, expected), 1e-5) << name;
+    splat.litColor(camera, until, light);
+    EXPECT_LE(litError(light, expected), 1e-5) << name << ", tet splat";
+    EXPECT_LT(splat.marched(), light.size() / 4 / 20) << name;
+  }
+}
+
+TEST(TetPictures, AreTheSameOnAllTargets) {
+  const Camera camera = cameraAt(Vec3(2.3, 6.8, 1.7), Vec3(24, 6, 2.4));
+  std::vector<float> light(4 * kWidth * kHeight), depth(kWidth * kHeight);
+  std::vector<double> expected(depth.size());
+  referenceDepth(hall().medium(), camera, {}, expected);
+  const std::vector<double> lit = litReference(camera, {});
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    TetSplat splat(hall().locator);
+    splat.setExtinction(hall().extinction);
+    splat.setSource(hall().source);
+    splat.opticalDepth(camera, {}, depth);
+    EXPECT_LE(largestDifference(depth, expected), 1e-5) << hwy::TargetName(target);
+    splat.litColor(camera, {}, light);
+    EXPECT_LE(litError(light, lit), 1e-5) << hwy::TargetName(target);
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+TEST(TetSplat, LightsFromAnEyeThatTurnsAsFromAnother) {
+  TetSplat turning(hall().locator);
+  turning.setExtinction(hall().extinction);
+  turning.setSource(hall().source);
+  std::vector<float> light(4 * kWidth * kHeight), fresh(light.size());
+  const Vec3 eyes[] = {{2.3, 6.8, 1.7}, {2.3, 6.8, 1.7}, {20, 5, 2}, {-9, -14, 14}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Camera camera = cameraAt(eyes[i], Vec3(14, 6 + static_cast<double>(i), 2.4));
+    turning.litColor(camera, {}, light);
+    TetSplat other(hall().locator);
+    other.setExtinction(hall().extinction);
+    other.setSource(hall().source);
+    other.litColor(camera, {}, fresh);
+    EXPECT_EQ(light, fresh) << i;
+  }
+}
+
+TEST(TetSplat, LeavesToTheMarcherWhatComesTooLate) {
+  // Two thin boxes, one behind the other, and a third that is nearer to the eye by its middle but
+  // behind the first: its long tets reach past it.
+  const auto mesh = boxMesh({Vec3::Zero(), Vec3(1, 1, 1)}, {1, 1, 1}, 0, 1);
+  std::vector<Vec3> vertices;
+  std::vector<Tet> tets;
+  const auto add = [&](const Vec3& at, const Vec3& size) {
+    const auto first = static_cast<std::int32_t>(vertices.size());
+    for (const Vec3& v : mesh->vertices()) vertices.emplace_back(at + v.cwiseProduct(size));
+    for (Tet tet : mesh->tets()) {
+      for (std::int32_t& v : tet) v += first;
+      tets.push_back(tet);
+    }
+  };
+  add(Vec3(4, -8, -1), Vec3(0.5, 9, 2));      // far off the axis by its middle, near on it
+  add(Vec3(5.5, -0.5, -1), Vec3(0.5, 1, 2));  // behind it on the axis
+  const auto both = TetMesh::build(vertices, tets, "boxes");
+  ASSERT_TRUE(both);
+  const auto locator = std::make_shared<TetLocator>(*both);
+  std::vector<float> extinction((*both)->vertices().size(), 0.8F), source;
+  for (const Vec3& v : (*both)->vertices()) {
+    for (int c = 0; c < 3; ++c) source.push_back(static_cast<float>(v.x() > 5 ? c : 3 - c));
+  }
+  const Camera camera = Camera::pinhole({Vec3::Zero(), Vec3::UnitX(), Vec3::UnitZ()}, 20, 40, 40);
+  TetSplat splat(locator);
+  splat.setExtinction(extinction);
+  splat.setSource(source);
+  std::vector<float> light(4 * 1600);
+  std::vector<double> expected(light.size());
+  splat.litColor(camera, {}, light);
+  referenceColor({locator, extinction, source}, camera, {}, expected);
+  for (std::size_t i = 0; i < light.size(); ++i) ASSERT_NEAR(light[i], expected[i], 1e-5) << i;
+  EXPECT_GT(splat.marched(), 0U);
+}
+
+TEST(VisibilityOrder, PutsNeighboursBehindEachOther) {
+  const TetMesh& mesh = *hall().mesh;
+  const FacePlanes faces(mesh);
+  for (const Vec3& eye : {Vec3(-9, -14, 14), Vec3(2.3, 6.8, 1.7)}) {
+    const auto order = visibilityOrder(mesh, faces, {eye, Vec3::UnitX(), false});
+    std::vector<std::int32_t> place(mesh.tets().size(), -1);
+    for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = static_cast<std::int32_t>(i);
+    EXPECT_THAT(place, ::testing::Each(::testing::Ge(0)));
+    int wrong = 0;
+    for (const TetFace& face : mesh.faces()) {
+      if (face.second == TetMesh::kBoundary)
+        continue;
+      const FacePlane& plane = faces.planes[&face - mesh.faces().data()];
+      const bool firstInFront = plane.normal.dot(eye) < plane.offset;
+      wrong += (place[face.first / 4] < place[face.second / 4]) != firstInFront;
+    }
+    EXPECT_EQ(wrong, 0);
   }
 }
 

@@ -11,186 +11,48 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/tetmesh/tet_bounds-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 
 namespace volute::HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using DF = hn::CappedTag<float, 16>;
-using VF = hn::Vec<DF>;
-using Mask = hn::Mask<DF>;
-constexpr DF df;
-constexpr int kBlock = TetTile::kBlock;
-constexpr int kPixels = kBlock * kBlock;
-
-HWY_INLINE VF Constant(float x) {
-  return hn::Set(df, x);
-}
-
-/// 1 / x but for the last bit or two.
-HWY_INLINE VF Reciprocal(VF x) {
-  const VF guess = hn::ApproximateReciprocal(x);
-  return hn::Mul(guess, hn::NegMulAdd(x, guess, Constant(2)));
-}
-
-/// at + x dx + y dy, dx and dy in pixels from the tile's first.
-struct Affine {
-  float at, x, y;
-};
-
-/// A tet over a tile. A pixel's ray is inside while its inverse depth (orthographic: minus its
-/// depth) is above the first `lows` bounds and below the others: each is affine over the picture.
-struct TetBounds {
-  Affine bound[4];
-  int lows = 0;
-  float lowest, highest;  // of the vertices
-  Affine tau;             // extinction at depth `z0`
-  Affine slope;           // of the extinction along the depth
-  float z0;
-};
-
-/// A tile's rays, in double.
-struct TileRays {
-  Vec3 eye, right, down;  // one pixel
-  Vec3 first;             // perspective: direction of the first pixel; else its origin
-  Vec3 forward;
-  bool orthographic;
-
-  TileRays(const ScreenView& view, const TetTile& tile)
-      : eye(view.eye),
-        right(view.right / view.perPixel),
-        down(view.down / view.perPixel),
-        forward(view.forward),
-        orthographic(view.orthographic) {
-    const double x = tile.x0 + 0.5 - 0.5 * view.width, y = tile.y0 + 0.5 - 0.5 * view.height;
-    first = x * right + y * down + (orthographic ? eye : forward);
-  }
-};
-
-HWY_INLINE double Dot(const Vec3& a, const Vec3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-HWY_INLINE Affine Scaled(double at, double x, double y, double by) {
-  return {static_cast<float>(at * by), static_cast<float>(x * by), static_cast<float>(y * by)};
-}
-
-/// Both tets at a face find the same bound, bit by bit: what one of them is too long the other is
-/// too short.
-HWY_INLINE void SetBounds(const TileRays& rays, const SplatMesh& mesh, std::int32_t tet,
-                          TetBounds& out) {
-  constexpr double kLeast = 1e-12;  // an eye in a face's plane
-  Affine bounds[4];
-  bool low[4];
-  for (int k = 0; k < 4; ++k) {
-    const std::int32_t face = mesh.faces[4 * static_cast<std::int64_t>(tet) + k];
-    const FacePlane& plane = mesh.planes[face >> 1];
-    const double x = Dot(plane.normal, rays.right), y = Dot(plane.normal, rays.down);
-    const double first = Dot(plane.normal, rays.first);
-    double divisor = rays.orthographic ? Dot(plane.normal, rays.forward)
-                                       : plane.offset - Dot(plane.normal, rays.eye);
-    low[k] = (divisor > 0) == ((face & 1) == 0);
-    if (std::abs(divisor) < kLeast)
-      divisor = divisor > 0 ? kLeast : -kLeast;
-    bounds[k] = Scaled(rays.orthographic ? first - plane.offset : first, x, y, 1 / divisor);
-  }
-  int lows = 0, highs = 4;
-  for (int k = 0; k < 4; ++k) out.bound[low[k] ? lows++ : --highs] = bounds[k];
-  out.lows = lows;
-}
-
-HWY_INLINE void SetField(const TileRays& rays, const SplatMesh& mesh, std::int32_t tet,
-                         TetBounds& out) {
-  const std::int32_t* corners = mesh.tets + 4 * static_cast<std::int64_t>(tet);
-  float nearest = mesh.depth[corners[0]], farthest = nearest;
-  for (int k = 1; k < 4; ++k) {
-    nearest = std::min(nearest, mesh.depth[corners[k]]);
-    farthest = std::max(farthest, mesh.depth[corners[k]]);
-  }
-  constexpr float kAround = 1e-6F;
-  if (rays.orthographic) {
-    const float around = kAround * std::max(std::abs(nearest), std::abs(farthest));
-    out.lowest = -farthest - around;
-    out.highest = -nearest + around;
-  } else {
-    out.lowest = (1 - kAround) / farthest;
-    out.highest = nearest > 0 ? (1 + kAround) / nearest : 1e30F;
-  }
-  const float* g = mesh.gradient + 3 * static_cast<std::int64_t>(tet);
-  const Vec3 gradient(g[0], g[1], g[2]);
-  const Vec3 corner = mesh.vertices[corners[0]] - rays.eye;
-  const double z0 = Dot(corner, rays.forward);
-  const double x = Dot(gradient, rays.right), y = Dot(gradient, rays.down);
-  const double across = rays.orthographic ? 1 : z0;
-  const double tau0 = mesh.extinction[corners[0]] - Dot(gradient, corner);
-  out.z0 = static_cast<float>(z0);
-  if (rays.orthographic) {
-    const double slope = Dot(gradient, rays.forward);
-    const double first = Dot(gradient, rays.first) - Dot(gradient, rays.eye);
-    out.tau = {static_cast<float>(tau0 + first + z0 * slope), static_cast<float>(across * x),
-               static_cast<float>(across * y)};
-    out.slope = {static_cast<float>(slope), 0, 0};
-  } else {
-    const double slope = Dot(gradient, rays.first);
-    out.tau = {static_cast<float>(tau0 + z0 * slope), static_cast<float>(across * x),
-               static_cast<float>(across * y)};
-    out.slope = {static_cast<float>(slope), static_cast<float>(x), static_cast<float>(y)};
-  }
-}
-
-/// An affine function along a row of pixels.
-struct Row {
-  VF flat, slope;
-
-  HWY_INLINE Row() = default;
-
-  HWY_INLINE Row(const Affine& plane, VF dy)
-      : flat(hn::MulAdd(dy, Constant(plane.y), Constant(plane.at))), slope(Constant(plane.x)) {}
-
-  HWY_INLINE VF at(VF dx) const { return hn::MulAdd(dx, slope, flat); }
-};
-
+/// Adds a tet's depth to the pixels that it touches.
 template <int kLows, bool kOrthographic>
-HWY_INLINE void AddTet(const TetBounds& tet, const BinnedTet& blocks, const float* columns,
-                       const float* rows, TetTile& tile) {
+HWY_INLINE void AddTet(const TetBounds& tet, const TetRamp& tau, const BinnedTet& blocks,
+                       const float* columns, const float* rows, TetTile& tile) {
   constexpr int kLanes = static_cast<int>(hn::MaxLanes(df));
-  const VF lowest = Constant(tet.lowest), highest = Constant(tet.highest), z0 = Constant(tet.z0);
-  for (int part = 0; part < kPixels; part += kLanes) {
-    for (int y = blocks.y0; y <= blocks.y1; ++y) {
+  RowSpans spans;
+  SetSpans<kLows>(tet, blocks, spans);
+  const VF z0 = Constant(blocks.nearest);
+  for (int y = blocks.y0; y <= blocks.y1; ++y) {
+    for (int part = 0; part < kPixels; part += kLanes) {
       const VF dy = hn::Load(df, rows + y * kPixels + part);
-      const Row b0(tet.bound[0], dy), b1(tet.bound[1], dy), b2(tet.bound[2], dy),
-          b3(tet.bound[3], dy);
-      const Row taus(tet.tau, dy), slopes(tet.slope, dy);
-      for (int x = blocks.x0; x <= blocks.x1; ++x) {
+      const BoundRows<kLows> bounds(tet, dy);
+      const Row taus(tau.value, dy), slopes(tau.slope, dy);
+      for (int x = spans.first[y]; x <= spans.last[y]; ++x) {
         const VF dx = hn::Load(df, columns + x * kPixels + part);
-        VF low = hn::Max(lowest, b0.at(dx)), high = highest;
-        if constexpr (kLows > 1)
-          low = hn::Max(low, b1.at(dx));
-        else
-          high = hn::Min(high, b1.at(dx));
-        if constexpr (kLows > 2)
-          low = hn::Max(low, b2.at(dx));
-        else
-          high = hn::Min(high, b2.at(dx));
-        if constexpr (kLows > 3)
-          low = hn::Max(low, b3.at(dx));
-        else
-          high = hn::Min(high, b3.at(dx));
+        VF low, high;
+        bounds.at(dx, low, high);
         const int at = (y * TetTile::kBlocks + x) * kPixels + part;
         if (tile.bounded)
           low = hn::Max(low, hn::Load(df, tile.end + at));
-        const Mask inside = hn::Gt(high, low);
-        if (hn::AllFalse(df, inside))
-          continue;
-        const VF begin = kOrthographic ? hn::Neg(high) : Reciprocal(high);
-        const VF end = kOrthographic ? hn::Neg(low) : Reciprocal(low);
-        const VF middle = hn::MulSub(Constant(0.5F), hn::Add(begin, end), z0);
+        const VF width = hn::Sub(high, low), twice = hn::Add(high, low);
+        VF middle, length;
+        if constexpr (kOrthographic) {
+          middle = hn::MulSub(Constant(-0.5F), twice, z0);
+          length = width;
+        } else {
+          const VF per = Reciprocal(hn::Mul(high, low));
+          middle = hn::MulSub(Constant(0.5F), hn::Mul(twice, per), z0);
+          length = hn::Mul(width, per);
+        }
         const VF mean = hn::MulAdd(middle, slopes.at(dx), taus.at(dx));
-        const VF depth = hn::Mul(hn::Sub(end, begin), mean);
+        const Mask inside = hn::Gt(width, hn::Zero(df));
         float* sum = tile.sum + at;
-        hn::Store(hn::Add(hn::Load(df, sum), hn::IfThenElseZero(inside, depth)), df, sum);
+        hn::Store(hn::Add(hn::Load(df, sum), hn::IfThenElseZero(inside, hn::Mul(length, mean))), df,
+                  sum);
       }
     }
   }
@@ -202,44 +64,36 @@ HWY_INLINE void Prefetch(const SplatMesh& mesh, std::span<const BinnedTet> list,
   if (i + kLater >= list.size())
     return;
   const auto later = static_cast<std::int64_t>(list[i + kLater].tet);
-  hwy::Prefetch(mesh.tets + 4 * later);
   hwy::Prefetch(mesh.faces + 4 * later);
-  hwy::Prefetch(mesh.gradient + 3 * later);
+  hwy::Prefetch(mesh.smoke + later);
   const auto soon = static_cast<std::int64_t>(list[i + kSoon].tet);
-  for (int k = 0; k < 4; ++k) {
-    hwy::Prefetch(&mesh.planes[mesh.faces[4 * soon + k] >> 1]);
-    hwy::Prefetch(&mesh.depth[mesh.tets[4 * soon + k]]);
-  }
-  hwy::Prefetch(&mesh.vertices[mesh.tets[4 * soon]]);
-  hwy::Prefetch(&mesh.extinction[mesh.tets[4 * soon]]);
+  for (int k = 0; k < 4; ++k) hwy::Prefetch(&mesh.planes[mesh.faces[4 * soon + k] >> 1]);
 }
 
 template <bool kOrthographic>
 void SplatAll(const TileRays& rays, const SplatMesh& mesh, std::span<const BinnedTet> list,
               TetTile& tile) {
-  alignas(64) float columns[TetTile::kBlocks * kPixels], rows[TetTile::kBlocks * kPixels];
-  for (int i = 0; i < TetTile::kBlocks * kPixels; ++i) {
-    columns[i] = static_cast<float>(i / kPixels * kBlock + i % kBlock);
-    rows[i] = static_cast<float>(i / kPixels * kBlock + i % kPixels / kBlock);
-  }
+  static const BlockPixels pixels;
+  const float *columns = pixels.columns, *rows = pixels.rows;
   for (std::size_t i = 0; i < list.size(); ++i) {
     Prefetch(mesh, list, i);
     const BinnedTet& binned = list[i];
     TetBounds tet;
     SetBounds(rays, mesh, binned.tet, tet);
-    SetField(rays, mesh, binned.tet, tet);
+    SetRange<kOrthographic>(binned, tet);
+    const TetRamp tau = RampOf<kOrthographic>(rays, mesh.smoke[binned.tet], binned.nearest);
     switch (tet.lows) {
       case 1:
-        AddTet<1, kOrthographic>(tet, binned, columns, rows, tile);
+        AddTet<1, kOrthographic>(tet, tau, binned, columns, rows, tile);
         break;
       case 2:
-        AddTet<2, kOrthographic>(tet, binned, columns, rows, tile);
+        AddTet<2, kOrthographic>(tet, tau, binned, columns, rows, tile);
         break;
       case 3:
-        AddTet<3, kOrthographic>(tet, binned, columns, rows, tile);
+        AddTet<3, kOrthographic>(tet, tau, binned, columns, rows, tile);
         break;
       case 4:
-        AddTet<4, kOrthographic>(tet, binned, columns, rows, tile);
+        AddTet<4, kOrthographic>(tet, tau, binned, columns, rows, tile);
         break;
       default:  // no point lies beyond all four faces
         break;
@@ -249,11 +103,65 @@ void SplatAll(const TileRays& rays, const SplatMesh& mesh, std::span<const Binne
 
 void SplatTets(const ScreenView& view, const SplatMesh& mesh, std::span<const BinnedTet> list,
                TetTile& tile) {
-  const TileRays rays(view, tile);
+  if (list.empty())
+    return;
+  const TileRays rays(view, tile.x0, tile.y0);
   if (view.orthographic)
     SplatAll<true>(rays, mesh, list, tile);
   else
     SplatAll<false>(rays, mesh, list, tile);
+}
+
+void SpanTets(const ScreenView& view, const SplatVertex* vertices, std::span<const Tet> tets,
+              TetSpan* spans) {
+  constexpr hn::CappedTag<float, 4> d4;
+  constexpr hn::RebindToSigned<decltype(d4)> i4;
+  constexpr float kMargin = 2e-3F;  // [pixels]; rounding of the projection
+  const auto cx = static_cast<float>(view.originX - 0.5),
+             cy = static_cast<float>(view.originY - 0.5);
+  const auto width = static_cast<float>(view.width), height = static_cast<float>(view.height);
+  alignas(16) const float shift[4] = {cx + kMargin, cy + kMargin, kMargin - cx, kMargin - cy};
+  alignas(16) const float least[4] = {-1, -1, -width, -height};
+  alignas(16) const float most[4] = {width - 1, height - 1, 0, 0};
+  for (std::size_t t = 0; t < tets.size(); ++t) {
+    const float* v[4];
+    for (int k = 0; k < 4; ++k) v[k] = &vertices[tets[t][k]].x;
+    const auto largest = [&](std::size_t i) {
+      return hn::Max(hn::Max(hn::Load(d4, v[0] + i), hn::Load(d4, v[1] + i)),
+                     hn::Max(hn::Load(d4, v[2] + i), hn::Load(d4, v[3] + i)));
+    };
+    for (std::size_t i = 0; i < 4; i += hn::Lanes(d4)) {
+      const auto seen = hn::Add(largest(i), hn::Load(d4, shift + i));
+      const auto inside = hn::Min(hn::Max(seen, hn::Load(d4, least + i)), hn::Load(d4, most + i));
+      hn::Store(hn::ConvertTo(i4, hn::Floor(inside)), i4, &spans[t].x1 + i);
+      hn::Store(largest(4 + i), d4, &spans[t].farthest + i);
+    }
+  }
+}
+
+void ReadTile(const ScreenView& view, const TetTile& tile, float* picture) {
+  constexpr hn::CappedTag<float, kBlock> d4;
+  alignas(16) float depths[kBlock];
+  const int width = std::min(TetTile::kSide, view.width - tile.x0);
+  const int height = std::min(TetTile::kSide, view.height - tile.y0);
+  const double per = view.orthographic ? 0 : 1 / (view.perPixel * view.perPixel);
+  for (int y = 0; y < height; ++y) {
+    const double py = tile.y0 + y + 0.5 - 0.5 * view.height;
+    const auto flat = hn::Set(d4, static_cast<float>(1 + py * py * per));
+    const auto across = hn::Set(d4, static_cast<float>(per));
+    float* row = picture + static_cast<std::size_t>(tile.y0 + y) * view.width + tile.x0;
+    for (int x = 0; x < width; x += kBlock) {
+      const float* sums = tile.sum + TetTile::index(x, y);
+      const auto first = static_cast<float>(tile.x0 + x + 0.5 - 0.5 * view.width);
+      for (int i = 0; i < kBlock; i += static_cast<int>(hn::Lanes(d4))) {
+        const auto px = hn::Iota(d4, first + static_cast<float>(i));
+        const auto scale = hn::Sqrt(hn::MulAdd(hn::Mul(px, px), across, flat));
+        const auto depth = hn::Mul(hn::Load(d4, sums + i), scale);
+        hn::Store(hn::Max(depth, hn::Zero(d4)), d4, depths + i);
+      }
+      std::copy_n(depths, std::min(kBlock, width - x), row + x);
+    }
+  }
 }
 
 }  // namespace
@@ -265,9 +173,20 @@ HWY_AFTER_NAMESPACE();
 namespace volute {
 namespace {
 
+HWY_EXPORT(ReadTile);
+HWY_EXPORT(SpanTets);
 HWY_EXPORT(SplatTets);
 
 }  // namespace
+
+void spanTets(const ScreenView& view, const SplatVertex* vertices, std::span<const Tet> tets,
+              TetSpan* spans) {
+  HWY_DYNAMIC_DISPATCH(SpanTets)(view, vertices, tets, spans);
+}
+
+void readTile(const ScreenView& view, const TetTile& tile, float* picture) {
+  HWY_DYNAMIC_DISPATCH(ReadTile)(view, tile, picture);
+}
 
 void splatTets(const ScreenView& view, const SplatMesh& mesh, std::span<const BinnedTet> list,
                TetTile& tile) {

@@ -6,34 +6,46 @@
 #include <span>
 
 #include "volute/math/vec.hpp"
+#include "volute/tetmesh/face_planes.hpp"
 #include "volute/tetmesh/screen.hpp"
 
 // The inner loop of TetSplat.
 
 namespace volute {
 
-/// The plane of a face: normal . x = offset, the normal of length 1, away from the face's first
-/// tet.
-struct FacePlane {
-  Vec3 normal;
+/// A field in a tet: gradient . x + offset.
+struct LinearField {
+  Vec3 gradient;
   double offset = 0;
 };
 
 /// The mesh and its smoke as the splat sees them.
 struct SplatMesh {
-  const Vec3* vertices = nullptr;
-  const std::int32_t* tets = nullptr;   ///< four vertices each
-  const std::int32_t* faces = nullptr;  ///< four each: 2 * plane, + 1 where the tet is its second
+  const std::int32_t* faces = nullptr;  ///< FacePlanes::sides
   const FacePlane* planes = nullptr;
-  const float* extinction = nullptr;  ///< of each vertex
-  const float* gradient = nullptr;    ///< of the extinction, three for each tet
-  const float* depth = nullptr;       ///< along the view, of each vertex
+  const LinearField* smoke = nullptr;  ///< of each tet, the extinction [1/m]
+};
+
+/// A vertex as boxes of tets want it: the largest of four of these, number by number, is what a tet
+/// spans. Its picture is at x, y [pixels from the view's origin], its depth is z [m].
+struct alignas(32) SplatVertex {
+  float x, y, minusX, minusY;
+  float z, minusZ;
+  float behind;  ///< 1: behind the eye or all but, x and y mean nothing; else 0
+  float unused;
+};
+
+/// What a tet spans on the picture, ends included, and along the view.
+struct alignas(32) TetSpan {
+  std::int32_t x1, y1, minusX0, minusY0;
+  float farthest, minusNearest, behind, unused;
 };
 
 /// A tet that may touch a tile, and the tile's blocks where it may.
 struct BinnedTet {
   std::int32_t tet;
   std::uint8_t x0, y0, x1, y1;
+  float nearest, farthest;  ///< of its vertices, along the view [m]
 };
 
 /// One square of pixels. They lie in blocks as wide as SIMD likes them; index() finds them.
@@ -50,6 +62,14 @@ struct TetTile {
     return (y / kBlock * kBlocks + x / kBlock) * kBlock * kBlock + y % kBlock * kBlock + x % kBlock;
   }
 };
+
+/// Where tets are seen; those partly `behind` the eye by other means. Spans outside of the picture
+/// are empty.
+void spanTets(const ScreenView& view, const SplatVertex* vertices, std::span<const Tet> tets,
+              TetSpan* spans);
+
+/// The tile's optical depths, times the rays' scales, into a picture as wide as the view.
+void readTile(const ScreenView& view, const TetTile& tile, float* picture);
 
 /// Adds tets to a tile: optical depth for each metre of the rays' scale.
 void splatTets(const ScreenView& view, const SplatMesh& mesh, std::span<const BinnedTet> list,

@@ -11,11 +11,13 @@
 
 namespace volute {
 
-/// Pictures of optical depth without sorting, tet by tet: the depths of a ray's tets may be summed
-/// in any order. Inverse depths are affine over a picture, so that a tet is where two upper and two
-/// lower bounds (or one and three) leave room between them; there the extinction's mean is that
-/// of the middle. A ray along an edge gets nothing from the tets beside it, not the wrong thing:
-/// there are no special cases.
+/// Pictures of smoke tet by tet. Inverse depths are affine over a picture, so that a tet is where
+/// two upper and two lower bounds (or one and three) leave room between them. A ray along an edge
+/// gets nothing from the tets beside it, not the wrong thing: there are no special cases.
+///
+/// Optical depths are summed in any order. Lit smoke goes from front to back: the tets are sorted
+/// once for an eye, however it turns, and each pixel knows up to where it has come. Where a tet
+/// comes too late for a pixel, as may be behind walls, the pixel is left to TetMarcher.
 ///
 /// Float and SIMD, on all threads; |d alpha| <= 1e-5. The result does not depend on the number of
 /// threads.
@@ -29,8 +31,19 @@ class TetSplat {
   /// [1/m], one for each vertex, finite and >= 0.
   void setExtinction(std::span<const float> extinction);
 
+  /// Radiance of infinitely thick smoke under the light at each vertex: linear RGB, three for each
+  /// vertex, finite (Staubli et al. 2005, E in equation 3). Empty: black.
+  void setSource(std::span<const float> source);
+
   /// One depth for each pixel, row by row from the top.
   void opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span<float> depth);
+
+  /// Four for each pixel: the light that smoke sends to the eye (linear RGB), and the transmittance
+  /// to what is behind.
+  void litColor(const Camera& camera, OpaqueDepth opaque, std::span<float> rgbt);
+
+  /// Pixels of the last lit picture that were left to TetMarcher.
+  std::size_t marched() const;
 
  private:
   struct State;

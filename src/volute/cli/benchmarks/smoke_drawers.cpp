@@ -72,17 +72,19 @@ class OwnDrawer : public SmokeDrawer {
 };
 
 /// Smoke under a uniform white light: what is seen of it is its opacity.
-class LitDrawer final : public OwnDrawer<TetMarcher> {
+template <class Path>
+class LitDrawer final : public OwnDrawer<Path> {
  public:
-  LitDrawer(const SmokeCase& smoke, const std::shared_ptr<const TetLocator>& locator)
-      : OwnDrawer(smoke, locator, "Volute, lit colour by marching") {
-    path_.setSource(std::vector<float>(3 * smoke.mesh->vertices().size(), 1));
+  LitDrawer(const SmokeCase& smoke, const std::shared_ptr<const TetLocator>& locator,
+            std::string_view name)
+      : OwnDrawer<Path>(smoke, locator, name) {
+    this->path_.setSource(std::vector<float>(3 * smoke.mesh->vertices().size(), 1));
   }
 
  private:
   void paint(const Camera& camera, OpaqueDepth opaque) override {
     color_.resize(4 * static_cast<std::size_t>(camera.width()) * camera.height());
-    path_.litColor(camera, opaque, color_);
+    this->path_.litColor(camera, opaque, color_);
   }
 
   void fill(std::span<float> opacity) const override {
@@ -186,14 +188,17 @@ std::vector<float> opaqueDepth(const SmokeView& view) {
 std::vector<std::unique_ptr<SmokeDrawer>> smokeDrawers(
     const SmokeCase& smoke, const std::shared_ptr<const TetLocator>& locator, bool quick) {
   std::vector<std::unique_ptr<SmokeDrawer>> drawers;
-  const double seconds = quick ? 30 : 90;
+  const double seconds = quick ? 30 : 60;
   drawers.push_back(std::make_unique<PeerDrawer>(smoke, PeerMapper::kProjectedTetrahedra,
                                                  "VTK projected tetrahedra", 90));
   drawers.push_back(
       std::make_unique<OwnDrawer<TetSplat>>(smoke, locator, "Volute, transmittance by splat"));
   drawers.push_back(
       std::make_unique<OwnDrawer<TetMarcher>>(smoke, locator, "Volute, transmittance by marching"));
-  drawers.push_back(std::make_unique<LitDrawer>(smoke, locator));
+  drawers.push_back(
+      std::make_unique<LitDrawer<TetSplat>>(smoke, locator, "Volute, lit colour by splat"));
+  drawers.push_back(
+      std::make_unique<LitDrawer<TetMarcher>>(smoke, locator, "Volute, lit colour by marching"));
   drawers.push_back(
       std::make_unique<PeerDrawer>(smoke, PeerMapper::kRayCaster, "VTK Bunyk ray caster", seconds));
   if (!quick) {

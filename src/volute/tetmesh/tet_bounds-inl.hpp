@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// What a tet is before the pixels of a tile, for each SIMD target: included by kernels alone.
+#if defined(VOLUTE_TETMESH_TET_BOUNDS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef VOLUTE_TETMESH_TET_BOUNDS_INL
+#undef VOLUTE_TETMESH_TET_BOUNDS_INL
+#else
+#define VOLUTE_TETMESH_TET_BOUNDS_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "volute/tetmesh/tet_lanes-inl.hpp"
+#include "volute/tetmesh/tet_raster.hpp"
+
+HWY_BEFORE_NAMESPACE();
+
+namespace volute::HWY_NAMESPACE {
+namespace {
+
+constexpr int kBlock = TetTile::kBlock;
+constexpr int kPixels = kBlock * kBlock;
+constexpr float kEye = 1e-18F;  // [m]; the depth where rays begin
+
+/// 1 / x but for the last bit or two.
+HWY_INLINE VF Reciprocal(VF x) {
+  const VF guess = hn::ApproximateReciprocal(x);
+  return hn::Mul(guess, hn::NegMulAdd(x, guess, Constant(2)));
+}
+
+/// at + x dx + y dy, dx and dy in pixels from the tile's first.
+struct Affine {
+  float at, x, y;
+};
+
+/// A tet over a tile. A pixel's ray is inside while its inverse depth (orthographic: minus its
+/// depth) is above the first `lows` bounds and below the others: each is affine over the picture.
+struct TetBounds {
+  Affine bound[4];
+  int lows = 0;
+  float lowest, highest;  // of the vertices
+};
+
+/// Four products at once: a function a . x + b of space over a tile's pixels is (a, b) times one of
+/// these matrices, in double.
+struct alignas(32) RowMatrix {
+  double rows[4][4];
+};
+
+/// A tile's rays.
+struct TileRays {
+  RowMatrix plane;  ///< of a FacePlane: the bound times its divisor at the first pixel, its steps
+                    ///< along x and y, the divisor
+  RowMatrix field;  ///< of a LinearField: perspective: its slope along the depth, three as above,
+                    ///< and its value at the eye; orthographic: its value at depth 0, three, and
+                    ///< the slope
+
+  TileRays(const ScreenView& view, int x0, int y0) {
+    const Vec3 right = view.right / view.perPixel, down = view.down / view.perPixel;
+    const double x = x0 + 0.5 - 0.5 * view.width, y = y0 + 0.5 - 0.5 * view.height;
+    const Vec3 first = x * right + y * down + (view.orthographic ? view.eye : view.forward);
+    for (int k = 0; k < 3; ++k) {
+      const double steps[3] = {first[k], right[k], down[k]};
+      for (int i = 0; i < 3; ++i) plane.rows[k][i] = field.rows[k][i] = steps[i];
+      plane.rows[k][3] = view.orthographic ? view.forward[k] : -view.eye[k];
+      field.rows[k][3] = view.orthographic ? view.forward[k] : view.eye[k];
+    }
+    for (int i = 0; i < 4; ++i) {
+      plane.rows[3][i] = view.orthographic ? -(i == 0) : i == 3;
+      field.rows[3][i] = view.orthographic ? i == 0 : i == 3;
+    }
+  }
+};
+
+HWY_INLINE void Multiply(const double* by, const RowMatrix& matrix, double* out) {
+  constexpr hn::CappedTag<double, 4> dd;
+  for (std::size_t i = 0; i < 4; i += hn::Lanes(dd)) {
+    auto sum = hn::Mul(hn::Set(dd, by[0]), hn::Load(dd, matrix.rows[0] + i));
+    for (int k = 1; k < 4; ++k)
+      sum = hn::MulAdd(hn::Set(dd, by[k]), hn::Load(dd, matrix.rows[k] + i), sum);
+    hn::Store(sum, dd, out + i);
+  }
+}
+
+/// Both tets at a face find the same bound, bit by bit: what one of them is too long the other is
+/// too short.
+HWY_INLINE void SetBounds(const TileRays& rays, const SplatMesh& mesh, std::int32_t tet,
+                          TetBounds& out) {
+  constexpr double kLeast = 1e-12;  // an eye in a face's plane
+  int lows = 0, highs = 4;
+  for (int k = 0; k < 4; ++k) {
+    const std::int32_t face = mesh.faces[4 * static_cast<std::int64_t>(tet) + k];
+    alignas(32) double all[4];
+    Multiply(mesh.planes[face >> 1].normal.data(), rays.plane, all);
+    const bool before = all[3] > 0;
+    const bool low = before == ((face & 1) == 0);
+    const double by = 1 / (before ? std::max(all[3], kLeast) : std::min(all[3], -kLeast));
+    highs -= !low;
+    out.bound[low ? lows : highs] = {static_cast<float>(all[0] * by),
+                                     static_cast<float>(all[1] * by),
+                                     static_cast<float>(all[2] * by)};
+    lows += low;
+  }
+  out.lows = lows;
+}
+
+/// Between which inverse depths a tet's vertices are.
+template <bool kOrthographic>
+HWY_INLINE void SetRange(const BinnedTet& tet, TetBounds& out) {
+  constexpr float kAround = 1e-6F, kNear = 1e-6F;
+  if constexpr (kOrthographic) {
+    const float around = kAround * std::max(std::abs(tet.nearest), std::abs(tet.farthest));
+    out.lowest = -tet.farthest - around;
+    out.highest = -tet.nearest + around;
+  } else {
+    out.lowest = (1 - kAround) / std::max(tet.farthest, kNear);
+    out.highest = (1 + kAround) / std::max(tet.nearest, kEye);
+  }
+}
+
+/// A field, linear in a tet, along the rays of a tile: value + (depth - z0) slope.
+struct TetRamp {
+  Affine value, slope;
+};
+
+template <bool kOrthographic>
+HWY_INLINE TetRamp RampOf(const TileRays& rays, const LinearField& field, float z0) {
+  alignas(32) double all[4];
+  Multiply(field.gradient.data(), rays.field, all);
+  if constexpr (kOrthographic) {
+    return {{static_cast<float>(all[0] + z0 * all[3]), static_cast<float>(all[1]),
+             static_cast<float>(all[2])},
+            {static_cast<float>(all[3]), 0, 0}};
+  } else {
+    return {{static_cast<float>(all[3] + z0 * all[0]), static_cast<float>(z0 * all[1]),
+             static_cast<float>(z0 * all[2])},
+            {static_cast<float>(all[0]), static_cast<float>(all[1]), static_cast<float>(all[2])}};
+  }
+}
+
+/// An affine function along a row of pixels.
+struct Row {
+  VF flat, slope;
+
+  HWY_INLINE Row() = default;
+
+  HWY_INLINE Row(const Affine& plane, VF dy)
+      : flat(hn::MulAdd(dy, Constant(plane.y), Constant(plane.at))), slope(Constant(plane.x)) {}
+
+  HWY_INLINE VF at(VF dx) const { return hn::MulAdd(dx, slope, flat); }
+};
+
+/// Which blocks of each row of blocks a tet may touch, from `first` to `last`.
+struct RowSpans {
+  alignas(64) std::int32_t first[TetTile::kBlocks];
+  alignas(64) std::int32_t last[TetTile::kBlocks];
+};
+
+/// From the tet's silhouette: a pixel is inside where each upper bound is above each lower one,
+/// which is a side of a line.
+template <int kLows>
+HWY_INLINE void SetSpans(const TetBounds& tet, const BinnedTet& blocks, RowSpans& spans) {
+  constexpr int kLines = kLows * (4 - kLows);
+  constexpr float kFar = 1e6F, kLeast = 1e-30F, kMargin = 1e-6F, kFlat = 1e-3F;
+  constexpr float kReach = kBlock - 1;
+  Affine begins[kLines + 1], ends[kLines + 1];  // in blocks, `y` for a row of them
+  for (int line = 0; line < kLines; ++line) {
+    const Affine& low = tet.bound[line / (4 - kLows)];
+    const Affine& high = tet.bound[kLows + line % (4 - kLows)];
+    const float x = high.x - low.x, y = high.y - low.y;
+    const float rounding = kMargin * (std::abs(high.at) + std::abs(low.at) +
+                                      TetTile::kSide * (std::abs(high.x) + std::abs(low.x) +
+                                                        std::abs(high.y) + std::abs(low.y)));
+    const float at = high.at - low.at + std::max(0.0F, kReach * y) + rounding;
+    const bool begin = x > 0;
+    const float least = kFlat * rounding + kLeast;
+    const float by = -1 / (begin ? std::max(x, least) : std::min(x, -least));
+    const float from = at * by / kBlock, step = y * by;
+    begins[line] = {begin ? from - kReach / kBlock : -kFar, 0, begin ? step : 0};
+    ends[line] = {begin ? kFar : from, 0, begin ? 0 : step};
+  }
+  for (int row = 0; row < TetTile::kBlocks; row += static_cast<int>(hn::Lanes(df))) {
+    const VF y = hn::ConvertTo(df, hn::Iota(di, row));
+    VF first = Constant(blocks.x0), last = Constant(blocks.x1);
+    for (int line = 0; line < kLines; ++line) {
+      first = hn::Max(first, hn::MulAdd(y, Constant(begins[line].y), Constant(begins[line].at)));
+      last = hn::Min(last, hn::MulAdd(y, Constant(ends[line].y), Constant(ends[line].at)));
+    }
+    first = hn::Min(first, Constant(kFar)), last = hn::Max(last, Constant(-1));
+    hn::Store(hn::ConvertTo(di, hn::Ceil(first)), di, spans.first + row);
+    hn::Store(hn::ConvertTo(di, last), di, spans.last + row);
+  }
+}
+
+/// A tet's bounds along a row of pixels.
+template <int kLows>
+struct BoundRows {
+  Row rows[4];
+  VF lowest, highest;
+
+  HWY_INLINE BoundRows(const TetBounds& tet, VF dy)
+      : lowest(Constant(tet.lowest)), highest(Constant(tet.highest)) {
+    for (int k = 0; k < 4; ++k) rows[k] = Row(tet.bound[k], dy);
+  }
+
+  HWY_INLINE void at(VF dx, VF& low, VF& high) const {
+    low = lowest, high = highest;
+    for (int k = 0; k < kLows; ++k) low = hn::Max(low, rows[k].at(dx));
+    for (int k = kLows; k < 4; ++k) high = hn::Min(high, rows[k].at(dx));
+  }
+};
+
+/// Where the pixels of a row and of a column of blocks are in the tile.
+struct BlockPixels {
+  alignas(64) float columns[TetTile::kBlocks * kPixels];
+  alignas(64) float rows[TetTile::kBlocks * kPixels];
+
+  BlockPixels() {
+    for (int i = 0; i < TetTile::kBlocks * kPixels; ++i) {
+      columns[i] = static_cast<float>(i / kPixels * kBlock + i % kBlock);
+      rows[i] = static_cast<float>(i / kPixels * kBlock + i % kPixels / kBlock);
+    }
+  }
+};
+
+}  // namespace
+}  // namespace volute::HWY_NAMESPACE
+
+HWY_AFTER_NAMESPACE();
+#endif

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tetmesh/tet_lit_raster.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "volute/tetmesh/tet_lit_raster.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
+#include <hwy/highway.h>
+
+#include "volute/tetmesh/segment_weights-inl.hpp"
+#include "volute/tetmesh/tet_bounds-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+
+namespace volute::HWY_NAMESPACE {
+namespace {
+
+/// A ramp along a row of pixels.
+struct RampRow {
+  Row value, slope;
+
+  HWY_INLINE RampRow() = default;
+
+  HWY_INLINE RampRow(const TetRamp& ramp, VF dy) : value(ramp.value, dy), slope(ramp.slope, dy) {}
+};
+
+/// A tet's extinction and source over a tile, at the depth `z0` and onwards.
+struct LitRamps {
+  TetRamp tau, source[3];
+  float z0;
+};
+
+template <bool kOrthographic>
+HWY_INLINE LitRamps RampsOf(const TileRays& rays, const LitMesh& mesh, const BinnedTet& tet) {
+  LitRamps ramps;
+  ramps.z0 = tet.nearest;
+  ramps.tau = RampOf<kOrthographic>(rays, mesh.splat.smoke[tet.tet], ramps.z0);
+  const TetSource& source = mesh.sources[tet.tet];
+  const Vec3& at = mesh.vertices[mesh.tets[tet.tet][0]];
+  for (int c = 0; c < 3; ++c) {
+    const float* g = source.gradient[c];
+    LinearField field{Vec3(g[0], g[1], g[2]), 0};
+    field.offset = source.value[c] - (field.gradient[0] * at[0] + field.gradient[1] * at[1] +
+                                      field.gradient[2] * at[2]);
+    ramps.source[c] = RampOf<kOrthographic>(rays, field, ramps.z0);
+  }
+  return ramps;
+}
+
+/// How far a tet may begin before the end of those added: rounding.
+struct Tolerance {
+  float scale, plus;
+};
+
+/// A ray's way through a tet. Lanes that are not inside have no length.
+struct Way {
+  Mask inside;
+  VF low, high, begin, end, length;  ///< begin and end from z0 on; length in depth
+};
+
+template <bool kOrthographic>
+HWY_INLINE Way WayOf(VF low, VF high, VF z0) {
+  Way way;
+  way.low = low, way.high = high;
+  const VF width = hn::Sub(high, low);
+  way.inside = hn::Gt(width, hn::Zero(df));
+  VF begin, end, length;
+  if constexpr (kOrthographic) {
+    begin = hn::Neg(hn::Add(high, z0));
+    end = hn::Neg(hn::Add(low, z0));
+    length = width;
+  } else {
+    const VF per = Reciprocal(hn::Mul(high, low));
+    begin = hn::MulSub(low, per, z0);
+    end = hn::MulSub(high, per, z0);
+    length = hn::Mul(width, per);
+  }
+  way.begin = hn::IfThenElseZero(way.inside, begin);
+  way.end = hn::IfThenElseZero(way.inside, end);
+  way.length = hn::IfThenElseZero(way.inside, length);
+  return way;
+}
+
+/// Adds what a vector of pixels sees of a tet.
+HWY_INLINE void AddLight(const Way& way, const RampRow& tau, const RampRow (&source)[3], VF dx,
+                         Tolerance tolerance, int at, LitTile& tile) {
+  const VF last = hn::Load(df, tile.last + at);
+  const Mask wrong = hn::And(
+      way.inside,
+      hn::Gt(way.high, hn::MulAdd(last, Constant(tolerance.scale), Constant(tolerance.plus))));
+  if (!hn::AllFalse(df, wrong))
+    hn::Store(hn::IfThenElse(wrong, Constant(1), hn::Load(df, tile.wrong + at)), df,
+              tile.wrong + at);
+  hn::Store(hn::IfThenElse(way.inside, way.low, last), df, tile.last + at);
+  const VF length = hn::Mul(way.length, hn::Load(df, tile.scale + at));
+  const VF value = tau.value.at(dx), slope = tau.slope.at(dx);
+  const VF d0 = hn::Max(hn::Mul(hn::MulAdd(way.begin, slope, value), length), hn::Zero(df));
+  const VF d1 = hn::Max(hn::Mul(hn::MulAdd(way.end, slope, value), length), hn::Zero(df));
+  VF w0, w1;
+  const VF lost = Weights(d0, d1, w0, w1);
+  const VF passed = hn::Load(df, tile.passed + at);
+  w0 = hn::Mul(w0, passed);
+  w1 = hn::Mul(w1, passed);
+  const VF near = hn::MulAdd(w0, way.begin, hn::Mul(w1, way.end)), both = hn::Add(w0, w1);
+  for (int c = 0; c < 3; ++c) {
+    float* light = tile.light[c] + at;
+    const VF sent = hn::MulAdd(near, source[c].slope.at(dx),
+                               hn::MulAdd(both, source[c].value.at(dx), hn::Load(df, light)));
+    hn::Store(sent, df, light);
+  }
+  hn::Store(hn::NegMulAdd(passed, lost, passed), df, tile.passed + at);
+}
+
+template <int kLows, bool kOrthographic>
+HWY_INLINE void LightTet(const TetBounds& tet, const LitRamps& ramps, const BinnedTet& blocks,
+                         const BlockPixels& pixels, Tolerance tolerance, LitTile& tile) {
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(df));
+  RowSpans spans;
+  SetSpans<kLows>(tet, blocks, spans);
+  const VF z0 = Constant(ramps.z0);
+  for (int y = blocks.y0; y <= blocks.y1; ++y) {
+    for (int part = 0; part < kPixels; part += kLanes) {
+      const VF dy = hn::Load(df, pixels.rows + y * kPixels + part);
+      const BoundRows<kLows> bounds(tet, dy);
+      const RampRow tau(ramps.tau, dy);
+      const RampRow source[3] = {
+          {ramps.source[0], dy}, {ramps.source[1], dy}, {ramps.source[2], dy}};
+      for (int x = spans.first[y]; x <= spans.last[y]; ++x) {
+        const VF dx = hn::Load(df, pixels.columns + x * kPixels + part);
+        const int at = (y * LitTile::kBlocks + x) * kPixels + part;
+        VF low, high;
+        bounds.at(dx, low, high);
+        if (tile.bounded)
+          low = hn::Max(low, hn::Load(df, tile.end + at));
+        const Way way = WayOf<kOrthographic>(low, high, z0);
+        if (!hn::AllFalse(df, way.inside))
+          AddLight(way, tau, source, dx, tolerance, at, tile);
+      }
+    }
+  }
+}
+
+/// What the tets after the next need: they lie anywhere in memory.
+HWY_INLINE void PrefetchLit(const LitMesh& mesh, std::span<const BinnedTet> list, std::size_t i) {
+  constexpr std::size_t kSoon = 4, kLater = 8;
+  if (i + kLater >= list.size())
+    return;
+  const auto later = static_cast<std::size_t>(list[i + kLater].tet);
+  hwy::Prefetch(mesh.splat.faces + 4 * later);
+  hwy::Prefetch(mesh.splat.smoke + later);
+  hwy::Prefetch(mesh.sources + later);
+  hwy::Prefetch(mesh.tets + later);
+  const auto soon = static_cast<std::size_t>(list[i + kSoon].tet);
+  for (int k = 0; k < 4; ++k)
+    hwy::Prefetch(&mesh.splat.planes[mesh.splat.faces[4 * soon + k] >> 1]);
+  hwy::Prefetch(&mesh.vertices[mesh.tets[soon][0]]);
+}
+
+template <bool kOrthographic>
+void LightAll(const TileRays& rays, const LitMesh& mesh, std::span<const BinnedTet> list,
+              Tolerance tolerance, LitTile& tile) {
+  static const BlockPixels pixels;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    PrefetchLit(mesh, list, i);
+    TetBounds tet;
+    SetBounds(rays, mesh.splat, list[i].tet, tet);
+    SetRange<kOrthographic>(list[i], tet);
+    const LitRamps ramps = RampsOf<kOrthographic>(rays, mesh, list[i]);
+    switch (tet.lows) {
+      case 1:
+        LightTet<1, kOrthographic>(tet, ramps, list[i], pixels, tolerance, tile);
+        break;
+      case 2:
+        LightTet<2, kOrthographic>(tet, ramps, list[i], pixels, tolerance, tile);
+        break;
+      case 3:
+        LightTet<3, kOrthographic>(tet, ramps, list[i], pixels, tolerance, tile);
+        break;
+      case 4:
+        LightTet<4, kOrthographic>(tet, ramps, list[i], pixels, tolerance, tile);
+        break;
+      default:  // no point lies beyond all four faces
+        break;
+    }
+  }
+}
+
+void LightTets(const ScreenView& view, const LitMesh& mesh, std::span<const BinnedTet> list,
+               float size, LitTile& tile) {
+  constexpr float kRounding = 3e-5F;
+  const TileRays rays(view, tile.x0, tile.y0);
+  if (view.orthographic)
+    LightAll<true>(rays, mesh, list, {1, kRounding * size}, tile);
+  else
+    LightAll<false>(rays, mesh, list, {1 + kRounding, 0}, tile);
+}
+
+}  // namespace
+}  // namespace volute::HWY_NAMESPACE
+
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace volute {
+namespace {
+
+HWY_EXPORT(LightTets);
+
+}  // namespace
+
+void lightTets(const ScreenView& view, const LitMesh& mesh, std::span<const BinnedTet> list,
+               float size, LitTile& tile) {
+  if (!list.empty())
+    HWY_DYNAMIC_DISPATCH(LightTets)(view, mesh, list, size, tile);
+}
+
+}  // namespace volute
+#endif  // HWY_ONCE
