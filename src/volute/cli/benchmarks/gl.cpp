@@ -74,8 +74,8 @@ Result<std::vector<BenchRow>> benchGl(const BenchInput& input, Progress& progres
   VOLUTE_TRY(addTrees(input, progress, cases));
   std::vector<BenchRow> rows;
   for (const GlCase& one : cases) {
-    progress.report("measuring", static_cast<std::int64_t>(rows.size() / 3),
-                    static_cast<std::int64_t>(cases.size()));
+    progress.report("measuring", static_cast<double>(rows.size()) / 3,
+                    static_cast<double>(cases.size()));
     if (progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped before {}", one.name);
     VOLUTE_TRY(measure(one, renderer, gl.device().renderer, rows));
