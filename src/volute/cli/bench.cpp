@@ -29,7 +29,10 @@ std::span<const Benchmark> benchmarks() {
        "without; least of several frames; ratios to VTK's projected tetrahedra",
        benchSmoke},
 #ifdef VOLUTE_WITH_GL
-      {"gl", "pictures of 256 x 256 by OpenGL on the device there is; ratios to the processor", benchGl},
+      {"gl",
+       "the papers' tables of frame rates by OpenGL on the device there is; ratios to the "
+       "processor",
+       benchGl},
 #endif
       {"visibility",
        "maps of where three signs are seen, on all threads; ratio to a loop over rays in NumPy",
