@@ -28,7 +28,7 @@ Image developed(const Image& image, const Development& development, const Pictur
   Image out = developed(image, development);
   if (text.legend.empty())
     return out;
-  std::optional<ColorScale> scale;
+  std::optional<ColorScale> scale = text.scale;
   if (development.colorMap)
     scale = ColorScale{*development.colorMap, 1 / development.exposure};
   drawLegend(out, text.legend, scale);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/cli/legend.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/image.hpp"
 #include "volute/io/image_file.hpp"
@@ -24,6 +25,7 @@ struct Development {
 struct PictureText {
   ImageNotes notes{};                 ///< in the file
   std::vector<std::string> legend{};  ///< drawn into .png and films; empty: nothing
+  std::optional<ColorScale> scale{};  ///< of a picture that comes in its colours
 };
 
 /// Where pictures go, in order; nothing appears before it is whole.
