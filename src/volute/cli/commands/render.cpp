@@ -90,6 +90,45 @@ Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments,
   return gl ? std::move(*gl) : nullptr;
 }
 
+/// --slice and --isosurface; nothing when neither is given.
+Result<std::optional<SmokeContour>> contourOf(const Arguments& arguments, const RenderJob& job) {
+  const auto slice = arguments.find<std::string>("slice");
+  const auto surface = arguments.find<double>("isosurface");
+  if (!slice && !surface)
+    return std::nullopt;
+  const char* option = slice ? "--slice" : "--isosurface";
+  if (job.smokes.empty())
+    return fail(ErrorCode::kInvalidArgument, "{} is for smoke on a mesh; there is none", option);
+  SmokeContour contour;
+  if (slice) {
+    VOLUTE_ASSIGN(contour, parseSlice(*slice));
+  }
+  if (surface) {
+    contour.kind = SmokeContour::Kind::kSurface;
+    contour.visibility = *surface;
+  }
+  if (job.law.mode == PictureMode::kThreshold)
+    contour.c = job.law.c;
+  if (arguments.get<std::string>("slice-shows") == "extinction")
+    contour.shows = SmokeContour::Shows::kExtinction;
+  return contour;
+}
+
+/// The scale of a slice's extinction, from all that will be shown.
+Status scaleContour(RenderJob& job) {
+  if (!job.contour || job.contour->shows == SmokeContour::Shows::kVisibility)
+    return {};
+  double most = 0;
+  for (const Moment& moment : job.moments) {
+    for (SmokeLayer& smoke : job.smokes) {
+      VOLUTE_ASSIGN(const SmokeState state, smoke.at(moment.time));
+      most = std::max(most, mostExtinctionOn(*job.contour, {&state, 1}));
+    }
+  }
+  job.contour->most = most > 0 ? most : 1;
+  return {};
+}
+
 Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target, Context& context) {
   const std::string& path = arguments.positional(0);
   RenderTotals totals;
@@ -126,44 +165,6 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   VOLUTE_ASSIGN(job.contour, contourOf(arguments, job));
   VOLUTE_TRY(scaleContour(job));
   return job;
-}
-
-/// --slice and --isosurface; nothing when neither is given.
-Result<std::optional<SmokeContour>> contourOf(const Arguments& arguments, const RenderJob& job) {
-  const auto slice = arguments.find<std::string>("slice");
-  const auto surface = arguments.find<double>("isosurface");
-  if (!slice && !surface)
-    return std::nullopt;
-  const char* option = slice ? "--slice" : "--isosurface";
-  if (job.smokes.empty())
-    return fail(ErrorCode::kInvalidArgument, "{} is for smoke on a mesh; there is none", option);
-  SmokeContour contour;
-  if (slice)
-    VOLUTE_ASSIGN(contour, parseSlice(*slice));
-  if (surface) {
-    contour.kind = SmokeContour::Kind::kSurface;
-    contour.visibility = *surface;
-  }
-  if (job.law.mode == PictureMode::kThreshold)
-    contour.c = job.law.c;
-  if (arguments.get<std::string>("slice-shows") == "extinction")
-    contour.shows = SmokeContour::Shows::kExtinction;
-  return contour;
-}
-
-/// The scale of a slice's extinction, from all that will be shown.
-Status scaleContour(RenderJob& job) {
-  if (!job.contour || job.contour->shows == SmokeContour::Shows::kVisibility)
-    return {};
-  double most = 0;
-  for (const Moment& moment : job.moments) {
-    for (SmokeLayer& smoke : job.smokes) {
-      VOLUTE_ASSIGN(const SmokeState state, smoke.at(moment.time));
-      most = std::max(most, mostExtinctionOn(*job.contour, {&state, 1}));
-    }
-  }
-  job.contour->most = most > 0 ? most : 1;
-  return {};
 }
 
 /// 0 stands for auto.
