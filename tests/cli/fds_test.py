@@ -176,13 +176,13 @@ class Fds(support.TestCase):
             return self.works("info", self.path("x.exr"), "--json").json["maximum"]
         self.assertAlmostEqual(from_above(), math.exp(-2), delta=1e-6)
         # Viridis ends in yellow, 0.99 of red as sRGB; half of the smoke is above the sheet.
-        self.assertAlmostEqual(from_above("--slice", "TEMPERATURE", "--slice-range", "20,50"), 0.98 * math.exp(-1),
+        self.assertAlmostEqual(from_above("--fds-slice", "TEMPERATURE", "--fds-slice-range", "20,50"), 0.98 * math.exp(-1),
                                delta=0.02)
-        dark = from_above("--slice", "TEMPERATURE", "--slice-range", "60,100")
+        dark = from_above("--fds-slice", "TEMPERATURE", "--fds-slice-range", "60,100")
         self.assertLess(dark, 0.12 * math.exp(-1))
         self.assertIn("no 2D slice of 'HEAT'; the case has slices of SOOT EXTINCTION COEFFICIENT, TEMPERATURE",
-                      self.fails(1, "render", self.case, "-o", self.path("x.png"), "--slice", "HEAT"))
-        self.fails(2, "render", self.case, "-o", self.path("x.png"), "--slice", "TEMPERATURE", "--slice-range", "5,2")
+                      self.fails(1, "render", self.case, "-o", self.path("x.png"), "--fds-slice", "HEAT"))
+        self.fails(2, "render", self.case, "-o", self.path("x.png"), "--fds-slice", "TEMPERATURE", "--fds-slice-range", "5,2")
 
     def test_what_is_not_there_is_said(self):
         self.assertIn("no source 's3d'; the case has slice3d-extinction-cells",

@@ -426,5 +426,49 @@ class Metadata(SmokeCase):
         self.assertAlmostEqual(min(smoke_files.read_exr(self.path("x.exr"))[2]["G"]), 1, delta=1e-6)
 
 
+class Contours(SmokeCase):
+    """--slice and --isosurface, what programs for CFD draw instead of smoke."""
+
+    VIEW = ("--eye", "5,0,9", "--target", "5,0,0", "--up", "0,1,0", "--ortho", "2", "--size", "8x8")
+    CASE = ("--field", "smoke", "--quantity", "extinction")
+
+    def middle(self, value, *more):
+        self.slab(value)
+        self.works("render", self.path("slab.vtu"), "-o", self.path("x.exr"), *self.VIEW, *self.CASE, *more)
+        channels = smoke_files.read_exr(self.path("x.exr"))[2]
+        return [channels[c][36] for c in "RGB"]
+
+    def assertColor(self, found, display):
+        """As it is displayed."""
+        for value, expected in zip(found, display):
+            self.assertAlmostEqual(1.055 * value ** (1 / 2.4) - 0.055 if value > 0.0031308 else 12.92 * value, expected, delta=0.03)
+
+    def test_a_slice_shows_the_local_visibility(self):
+        self.assertColor(self.middle(0.2, "--slice", "z=0.4"), (0.128, 0.567, 0.551))  # 15 of 30 m
+        self.assertColor(self.middle(1e-3, "--slice", "z=0.4"), (0.993, 0.906, 0.144))  # 3 km
+        self.assertColor(self.middle(0.2, "--slice", "z=0.4", "--mode", "threshold", "--C", "6"), (0.993, 0.906, 0.144))
+        self.assertColor(self.middle(0.2, "--slice", "z=0.4", "--slice-shows", "extinction"), (0.993, 0.906, 0.144))
+
+    def test_pictures_say_what_they_show(self):
+        self.slab(0.2)
+        out = ("render", self.path("slab.vtu"), "-o", self.path("x.png"), *self.VIEW, *self.CASE, "--legend")
+        self.works(*out, "--slice", "z=0.4")
+        self.assertEqual(smoke_files.png_texts(self.path("x.png"))["volute.shows"],
+                         "slice: local visibility S = C/K [m], C = 3, the last colour and more, at z = 0.4 m")
+        self.works(*out, "--isosurface", "10")
+        self.assertEqual(smoke_files.png_texts(self.path("x.png"))["volute.shows"],
+                         "isosurface: local visibility S = C/K = 10 m, C = 3")
+
+    def test_what_is_wrong(self):
+        self.slab(0.2)
+        out = ("render", self.path("slab.vtu"), "-o", self.path("x.png"), *self.CASE)
+        for words in (("--slice", "1.8"), ("--slice", "w=1"), ("--slice", "z=1", "--isosurface", "10"),
+                      ("--slice", "z=1", "--aov", "transmittance"), ("--isosurface", "0")):
+            self.assertIn(words[0], self.fails(2, *out, *words))
+        self.assertFalse(self.path("x.png").exists())
+        self.make_volute()
+        self.assertIn("--slice", self.fails(2, "render", self.path("in.volute"), "-o", self.path("x.png"), "--slice", "z=0"))
+
+
 if __name__ == "__main__":
     support.main()

@@ -25,7 +25,8 @@ struct Development {
 struct PictureText {
   ImageNotes notes{};                 ///< in the file
   std::vector<std::string> legend{};  ///< drawn into .png and films; empty: nothing
-  std::optional<ColorScale> scale{};  ///< of something in the picture, in the legend
+  std::optional<ColorScale>
+      scale{};  ///< of a picture that comes in its colours, or of a part of one
 };
 
 /// Where pictures go, in order; nothing appears before it is whole.

@@ -15,6 +15,7 @@
 #include "volute/scene/fog_layer.hpp"
 #include "volute/scene/scene_geometry.hpp"
 #include "volute/scene/scene_signs.hpp"
+#include "volute/scene/smoke_contour.hpp"
 #include "volute/scene/smoke_picture.hpp"
 #include "volute/scene/smoke_walls.hpp"
 #include "volute/scene/volume_layer.hpp"
@@ -59,6 +60,7 @@ struct RenderJob {
   std::vector<FdsLayer> fdsCases{};
   std::optional<TriangleScene> fixedGeometry{};  ///< the scene's own, once there are buildings
   std::vector<std::uint64_t> buildings{};        ///< FdsLayer::surfacesAt() of those in `geometry`
+  std::optional<SmokeContour> contour{};         ///< drawn instead of the smoke
   bool legend = false;                           ///< drawn into visible pictures
   bool measuresLight = false;                    ///< shares of white light: 1 is white
 

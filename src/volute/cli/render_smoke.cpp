@@ -60,6 +60,32 @@ class Surfaces {
   Image color_;
 };
 
+/// Of a picture of a contour.
+PictureText textOfContour(const SmokeContour& contour, bool legend, double time) {
+  const bool surface = contour.kind == SmokeContour::Kind::kSurface;
+  const bool visibility = contour.shows == SmokeContour::Shows::kVisibility;
+  const std::string what =
+      surface ? fmt::format("isosurface: local visibility S = C/K = {:g} m, C = {:g}",
+                            contour.visibility, contour.c)
+      : visibility
+          ? fmt::format("slice: local visibility S = C/K [m], C = {:g}, the last colour and more",
+                        contour.c)
+          : std::string("slice: extinction K [1/m], natural logarithm");
+  const std::string place =
+      surface ? "" : fmt::format("at {} = {:g} m", "xyz"[contour.axis], contour.place);
+  PictureText text;
+  text.notes = {{"volute.shows", surface ? what : what + ", " + place},
+                {"volute.time", fmt::format("{:g} s", time)}};
+  if (!legend)
+    return text;
+  text.legend = {what, fmt::format("t = {:.2f} s", time)};
+  if (!surface) {
+    text.legend.insert(text.legend.begin() + 1, place);
+    text.scale = ColorScale{ColorMap::kViridis, contour.most};
+  }
+  return text;
+}
+
 std::string shown(const RenderOptions& options) {
   if (options.aov == Aov::kOpticalDepth)
     return "optical depth (natural logarithm)";
@@ -78,6 +104,8 @@ Result<Image> RenderJob::pictureWithSmoke(double time, std::span<const AnyMedium
       states.push_back(std::move(state));
     }
   }
+  if (contour)
+    return lookAtContour(camera, states, *contour);
   Surfaces surfaces(camera, options.background);
   if (!geometry.empty()) {
     glSubject.smokes = states;
@@ -147,6 +175,8 @@ Result<Image> RenderJob::depthOf(const SmokeScene& scene, Progress& progress, Re
 }
 
 PictureText RenderJob::textOf(const Moment& moment) const {
+  if (contour)
+    return textOfContour(*contour, legend, moment.time);
   PictureText text;
   const bool threshold = law.mode == PictureMode::kThreshold;
   const std::string mode(nameOf(law.mode));

@@ -157,7 +157,7 @@ Result<RenderSubject> openScene(const std::string& path, const Arguments& argume
                            "soot-yield",    "material",    "burning",
                            "density-field", "albedo",      "clamp",
                            "fire",          "fire-cutoff", "fire-temperature",
-                           "devices",       "slice",       "slice-range"}) {
+                           "devices",       "fds-slice",   "fds-slice-range"}) {
     if (!arguments.given(name))
       continue;
     return fail(ErrorCode::kInvalidArgument, "--{} is for a single file; write it into the scene",

@@ -88,11 +88,11 @@ std::vector<Option> smokeOptions() {
        .least = 500,
        .most = 20000},
       {.name = "devices", .help = "mark the devices of an FDS case"},
-      {.name = "slice",
+      {.name = "fds-slice",
        .kind = kText,
        .value = "QUANTITY",
        .help = "also show the FDS case's 2D slices of this quantity (TEMPERATURE)"},
-      {.name = "slice-range",
+      {.name = "fds-slice-range",
        .kind = kText,
        .value = "A,B",
        .help = "of its colours; else all its values"},
@@ -104,7 +104,7 @@ namespace {
 /// What only FDS cases have.
 Status takeLook(const Arguments& arguments, SmokeDescription& smoke) {
   for (const char* name :
-       {"fire", "fire-cutoff", "fire-temperature", "devices", "slice", "slice-range"}) {
+       {"fire", "fire-cutoff", "fire-temperature", "devices", "fds-slice", "fds-slice-range"}) {
     if (arguments.given(name) && !isSmvPath(smoke.file))
       return fail(ErrorCode::kInvalidArgument, "--{} is for FDS cases (.smv)", name);
   }
@@ -114,8 +114,8 @@ Status takeLook(const Arguments& arguments, SmokeDescription& smoke) {
       arguments.find<double>("fire-temperature").value_or(look.flame.temperature);
   look.cutoff = arguments.find<double>("fire-cutoff");
   look.devices = arguments.flag("devices");
-  look.slice = arguments.find<std::string>("slice").value_or("");
-  const auto range = arguments.find<std::string>("slice-range");
+  look.slice = arguments.find<std::string>("fds-slice").value_or("");
+  const auto range = arguments.find<std::string>("fds-slice-range");
   if (!range)
     return {};
   const std::size_t comma = std::min(range->find(','), range->size() - 1);
@@ -123,7 +123,7 @@ Status takeLook(const Arguments& arguments, SmokeDescription& smoke) {
   const auto most = parseNumber(range->substr(comma + 1));
   if (!least || !most || !(*least < *most) || look.slice.empty()) {
     return fail(ErrorCode::kInvalidArgument,
-                "--slice-range: '{}': expected A,B with A < B, and --slice", *range);
+                "--fds-slice-range: '{}': expected A,B with A < B, and --fds-slice", *range);
   }
   look.sliceRange = std::array{*least, *most};
   return {};

@@ -95,6 +95,45 @@ Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments,
   return gl ? std::move(*gl) : nullptr;
 }
 
+/// --slice and --isosurface; nothing when neither is given.
+Result<std::optional<SmokeContour>> contourOf(const Arguments& arguments, const RenderJob& job) {
+  const auto slice = arguments.find<std::string>("slice");
+  const auto surface = arguments.find<double>("isosurface");
+  if (!slice && !surface)
+    return std::nullopt;
+  const char* option = slice ? "--slice" : "--isosurface";
+  if (job.smokes.empty())
+    return fail(ErrorCode::kInvalidArgument, "{} is for smoke on a mesh; there is none", option);
+  SmokeContour contour;
+  if (slice) {
+    VOLUTE_ASSIGN(contour, parseSlice(*slice));
+  }
+  if (surface) {
+    contour.kind = SmokeContour::Kind::kSurface;
+    contour.visibility = *surface;
+  }
+  if (job.law.mode == PictureMode::kThreshold)
+    contour.c = job.law.c;
+  if (arguments.get<std::string>("slice-shows") == "extinction")
+    contour.shows = SmokeContour::Shows::kExtinction;
+  return contour;
+}
+
+/// The scale of a slice's extinction, from all that will be shown.
+Status scaleContour(RenderJob& job) {
+  if (!job.contour || job.contour->shows == SmokeContour::Shows::kVisibility)
+    return {};
+  double most = 0;
+  for (const Moment& moment : job.moments) {
+    for (SmokeLayer& smoke : job.smokes) {
+      VOLUTE_ASSIGN(const SmokeState state, smoke.at(moment.time));
+      most = std::max(most, mostExtinctionOn(*job.contour, {&state, 1}));
+    }
+  }
+  job.contour->most = most > 0 ? most : 1;
+  return {};
+}
+
 Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target, Context& context) {
   const std::string& path = arguments.positional(0);
   RenderTotals totals;
@@ -128,6 +167,8 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   job.fdsCases = std::move(subject.fdsCases);
   job.legend = arguments.flag("legend");
   job.measuresLight = stepsLead && !subject.scene;
+  VOLUTE_ASSIGN(job.contour, contourOf(arguments, job));
+  VOLUTE_TRY(scaleContour(job));
   return job;
 }
 
@@ -199,7 +240,8 @@ Status renderAll(RenderJob& job, const std::string& target, Development& develop
   CancelOnly steps(progress);
   Progress& each = count > 1 ? static_cast<Progress&>(steps) : progress;
   std::optional<Image> tried;
-  const bool fixed = job.options.aov == Aov::kTransmittance || extensionOf(target) == ".exr" ||
+  const bool fixed = job.contour || job.options.aov == Aov::kTransmittance ||
+                     extensionOf(target) == ".exr" ||
                      (job.measuresLight && job.options.aov == Aov::kNone);
   if (development.exposure == 0 && fixed) {
     development.exposure = 1;
@@ -313,6 +355,22 @@ std::vector<Option> renderOptionTable() {
        .value = "NAME",
        .help = "one measured channel instead of a picture",
        .choices = {"optical-depth", "transmittance"}},
+      {.name = "slice",
+       .kind = kText,
+       .value = "AXIS=M",
+       .help = "instead of the smoke, a plane through it with its local values in colours, as "
+               "z=1.8 [m]; for smoke on a mesh"},
+      {.name = "slice-shows",
+       .kind = kChoice,
+       .value = "NAME",
+       .help = "on the plane: the local visibility S = C / K up to 30 m, or the extinction K",
+       .initial = "visibility",
+       .choices = {"visibility", "extinction"}},
+      {.name = "isosurface",
+       .kind = kNumber,
+       .value = "S",
+       .help = "instead of the smoke, the surface on which the local visibility C / K is S [m]",
+       .positive = true},
       {.name = "emission",
        .kind = kNumber,
        .value = "S",
@@ -398,7 +456,9 @@ Command renderCommand() {
                                    "(.vtu, .pvd, .case, .e, "
                                    ".foam), an FDS case (.smv) or a scene (.json)"}},
           .options = renderOptionTable(),
-          .oneOf = {{{"time", "frames"}, false}, {{"fov", "ortho"}, false}},
+          .oneOf = {{{"time", "frames"}, false},
+                    {{"fov", "ortho"}, false},
+                    {{"slice", "isosurface", "aov"}, false}},
           .run = run};
 }
 

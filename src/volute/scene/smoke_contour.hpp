@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "volute/camera/camera.hpp"
+#include "volute/image/image.hpp"
+#include "volute/scene/smoke_layer.hpp"
+
+namespace volute {
+
+/// What programs for CFD draw instead of smoke (Staubli et al. 2005, figure 2): a plane with the
+/// local values on it, or the surface on which they reach a bound.
+struct SmokeContour {
+  enum class Kind { kSlice, kSurface };
+  enum class Shows { kExtinction, kVisibility };
+
+  Kind kind = Kind::kSlice;
+  int axis = 2;                      ///< of a slice: across it, 0 x, 1 y, 2 z
+  double place = 1.8;                ///< of a slice, along the axis [m]
+  Shows shows = Shows::kVisibility;  ///< on a slice
+  double visibility = 10;            ///< of a surface [m]: within it one sees less far
+  double c = 3;                      ///< of the visibility S = C / K
+  double most = 30;  ///< what the last colour of a slice stands for [m] or [1/m]; and above
+};
+
+/// "z=1.8": axis and place of a slice.
+[[nodiscard]] Result<SmokeContour> parseSlice(std::string_view text);
+
+/// The contour in viridis colours (a slice) or shaded (a surface), in a building whose inner walls
+/// are grey. Linear RGB.
+[[nodiscard]] Result<Image> lookAtContour(const Camera& camera, std::span<const SmokeState> smokes,
+                                          const SmokeContour& contour);
+
+/// The largest extinction [1/m] on a slice.
+double mostExtinctionOn(const SmokeContour& slice, std::span<const SmokeState> smokes);
+
+}  // namespace volute

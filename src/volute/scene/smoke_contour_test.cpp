@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/scene/smoke_contour.hpp"
+
+#include <gtest/gtest.h>
+
+#include "volute/image/colormap.hpp"
+#include "volute/image/srgb.hpp"
+#include "volute/tetmesh/made_meshes.hpp"
+
+namespace volute {
+namespace {
+
+/// A box of 8 m whose extinction is 0.05 x [1/m].
+SmokeState rampOfSmoke() {
+  const auto mesh = boxMesh({Vec3::Zero(), Vec3(8, 8, 8)}, {8, 8, 8}, 0.2, 1);
+  SmokeState smoke;
+  smoke.locator = std::make_shared<TetLocator>(mesh);
+  for (const Vec3& v : mesh->vertices())
+    smoke.extinction.push_back(static_cast<float>(0.05 * v.x()));
+  return smoke;
+}
+
+Rgb at(const Image& image, int x, int y) {
+  return Rgb(image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2));
+}
+
+/// From above, a pixel a metre.
+Camera above() {
+  return Camera::orthographic({Vec3(4, 4, 12), Vec3(4, 4, 0), Vec3::UnitY()}, 8, 8, 8);
+}
+
+TEST(SmokeContour, SlicesShowLocalValues) {
+  const SmokeState smoke = rampOfSmoke();
+  SmokeContour slice = *parseSlice("z=3.3");
+  slice.shows = SmokeContour::Shows::kExtinction;
+  slice.most = mostExtinctionOn(slice, {&smoke, 1});
+  EXPECT_NEAR(slice.most, 0.4, 1e-6);
+  auto image = lookAtContour(above(), {&smoke, 1}, slice);
+  ASSERT_TRUE(image);
+  for (int x = 0; x < 8; ++x) {
+    const Rgb expected = displayColor(ColorMap::kViridis, (x + 0.5) / 8).unaryExpr(&srgbDecode);
+    EXPECT_TRUE(at(*image, x, 3).isApprox(expected, 1e-4)) << x;
+  }
+  slice.shows = SmokeContour::Shows::kVisibility;
+  slice.most = 30;
+  image = lookAtContour(above(), {&smoke, 1}, slice);
+  ASSERT_TRUE(image);
+  for (int x = 0; x < 8; ++x) {
+    const double visibility = 3 / (0.05 * (x + 0.5));
+    const Rgb expected = displayColor(ColorMap::kViridis, visibility / 30).unaryExpr(&srgbDecode);
+    EXPECT_TRUE(at(*image, x, 3).isApprox(expected, 1e-4)) << x;
+  }
+}
+
+TEST(SmokeContour, SurfacesStandWhereTheVisibilityIsTheirs) {
+  const SmokeState smoke = rampOfSmoke();
+  SmokeContour surface;
+  surface.kind = SmokeContour::Kind::kSurface;
+  surface.visibility = 10;  // K = 0.3, x = 6
+  const Camera along =
+      Camera::orthographic({Vec3(7.9, 4, 4), Vec3(0, 4, 4), Vec3::UnitZ()}, 8, 8, 8);
+  auto image = lookAtContour(along, {&smoke, 1}, surface);
+  ASSERT_TRUE(image);
+  EXPECT_NEAR(at(*image, 3, 3)[0], 0.55, 1e-3);  // face on
+  surface.visibility = 5;                        // K = 0.6: nowhere
+  image = lookAtContour(along, {&smoke, 1}, surface);
+  ASSERT_TRUE(image);
+  EXPECT_NEAR(at(*image, 3, 3)[0], 0.12, 1e-3);  // the wall
+}
+
+TEST(SmokeContour, RefusesWhatIsNoPlane) {
+  for (const char* text : {"", "z", "z=", "w=1", "z=1.8m", "z=inf", "1.8"})
+    EXPECT_FALSE(parseSlice(text)) << text;
+  EXPECT_EQ(parseSlice("y=-2.5")->axis, 1);
+  EXPECT_EQ(parseSlice("y=-2.5")->place, -2.5);
+}
+
+}  // namespace
+}  // namespace volute
