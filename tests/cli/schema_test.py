@@ -27,7 +27,7 @@ class Schema(support.TestCase):
     def test_it_names_the_members_that_the_reader_names(self):
         read = set()
         for source in SOURCES:
-            text = (schema.ROOT / f"src/volute/cli/{source}.cpp").read_text()
+            text = (schema.ROOT / f"src/volute/scene/{source}.cpp").read_text()
             for names in re.findall(r"kNames\[\] = \{(.*?)\};", text, re.S):
                 read.add(frozenset(re.findall(r'"(\w+)"', names)))
         written = dict(objects(schema.SCENE))
@@ -35,7 +35,7 @@ class Schema(support.TestCase):
         self.assertEqual({tuple(sorted(names)) for names in read}, {tuple(sorted(names)) for names in written.values()})
 
     def test_members_of_the_camera_are_those_that_are_read(self):
-        text = (schema.ROOT / "src/volute/cli/camera_file.cpp").read_text()
+        text = (schema.ROOT / "src/volute/scene/camera_file.cpp").read_text()
         read = set(re.findall(r'json\["(\w+)"\]', text)) - {"camera"}
         self.assertEqual(read, set(schema.SCENE["$defs"]["camera"]["properties"]))
 

@@ -2,19 +2,16 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string_view>
 
-#include "volute/base/progress.hpp"
 #include "volute/cli/report.hpp"
+#include "volute/scene/reading.hpp"
 
 namespace volute::cli {
 
 /// What a command works with besides its arguments.
-struct Context {
-  Progress& progress;
-  std::uint64_t maxMemory = 0;  ///< [bytes]
+struct Context : Reading {
   bool json = false;
   bool verbose = false;
   bool resultsToStderr = false;  ///< set when the data themselves go to standard output

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "volute/cli/arguments.hpp"
-#include "volute/cli/fog_file.hpp"
+#include "volute/scene/fog_file.hpp"
 
 namespace volute::cli {
 

@@ -9,11 +9,11 @@
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
 #include "volute/camera/camera.hpp"
-#include "volute/cli/fog_layer.hpp"
 #include "volute/cli/report.hpp"
-#include "volute/cli/smoke_layer.hpp"
-#include "volute/cli/volume_layer.hpp"
 #include "volute/render/render.hpp"
+#include "volute/scene/fog_layer.hpp"
+#include "volute/scene/smoke_layer.hpp"
+#include "volute/scene/volume_layer.hpp"
 
 namespace volute::cli {
 

@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "volute/cli/suggest.hpp"
+#include "volute/base/suggest.hpp"
 
 namespace volute::cli {
 namespace {

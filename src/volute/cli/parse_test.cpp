@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "volute/cli/suggest.hpp"
+#include "volute/base/suggest.hpp"
 
 namespace volute::cli {
 namespace {

@@ -5,11 +5,11 @@
 #include <utility>
 
 #include "volute/cli/legend.hpp"
-#include "volute/cli/volume_input.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/film.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/scene/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

@@ -12,12 +12,12 @@
 #include <new>
 
 #include "volute/base/parallel.hpp"
+#include "volute/base/suggest.hpp"
 #include "volute/cli/command.hpp"
 #include "volute/cli/console.hpp"
 #include "volute/cli/help.hpp"
 #include "volute/cli/interrupt.hpp"
 #include "volute/cli/parse.hpp"
-#include "volute/cli/suggest.hpp"
 #include "volute/cli/version.hpp"
 
 namespace volute::cli {
@@ -69,10 +69,9 @@ Status runGuarded(const Command& command, const Arguments& arguments, Context& c
 int runCommand(const Command& command, const Arguments& arguments) {
   const ThreadLimit threads(arguments.find<int>("threads").value_or(0));
   Console console(std::string(command.name), volumeOf(arguments));
-  Context context{.progress = console,
-                  .maxMemory = arguments.get<Bytes>("max-memory").count,
-                  .json = arguments.flag("json"),
-                  .verbose = arguments.flag("verbose")};
+  Context context{{console, arguments.get<Bytes>("max-memory").count}};
+  context.json = arguments.flag("json");
+  context.verbose = arguments.flag("verbose");
   Status status = runGuarded(command, arguments, context);
   if (status)
     status = flushResults();

@@ -14,11 +14,6 @@
 namespace volute::cli {
 namespace {
 
-double now() {
-  const auto time = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration<double, std::milli>(time).count();
-}
-
 /// The most memory that this program has held. getrusage() would count what its parent held before
 /// it started us.
 std::uint64_t peakMemoryBytes() {
@@ -49,12 +44,6 @@ nlohmann::ordered_json smokeStats(const std::vector<SmokeLayer>& smokes) {
 }
 
 }  // namespace
-
-Stopwatch::Stopwatch(double& total) : total_(total), begin_(now()) {}
-
-Stopwatch::~Stopwatch() {
-  total_ += now() - begin_;
-}
 
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
   glSubject = {layers, moment.positions, fogs, moment.time, {}, law.factor()};

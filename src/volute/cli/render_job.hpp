@@ -6,17 +6,18 @@
 #include <optional>
 #include <vector>
 
+#include "volute/base/stopwatch.hpp"
 #include "volute/camera/camera.hpp"
-#include "volute/cli/fds_layer.hpp"
-#include "volute/cli/fog_layer.hpp"
 #include "volute/cli/gl_pictures.hpp"
 #include "volute/cli/picture_writer.hpp"
-#include "volute/cli/scene_geometry.hpp"
-#include "volute/cli/scene_signs.hpp"
-#include "volute/cli/smoke_picture.hpp"
-#include "volute/cli/smoke_walls.hpp"
-#include "volute/cli/volume_layer.hpp"
 #include "volute/render/render.hpp"
+#include "volute/scene/fds_layer.hpp"
+#include "volute/scene/fog_layer.hpp"
+#include "volute/scene/scene_geometry.hpp"
+#include "volute/scene/scene_signs.hpp"
+#include "volute/scene/smoke_picture.hpp"
+#include "volute/scene/smoke_walls.hpp"
+#include "volute/scene/volume_layer.hpp"
 
 namespace volute::cli {
 
@@ -95,19 +96,6 @@ struct RenderJob {
   /// The billboards as media, drawn for this camera.
   [[nodiscard]] Status addBillboards(double time, std::vector<AnyMedium>& media,
                                      Progress& progress);
-};
-
-/// Adds the milliseconds of its life to a total.
-class Stopwatch {
- public:
-  explicit Stopwatch(double& total);
-  ~Stopwatch();
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  double& total_;
-  double begin_;
 };
 
 }  // namespace volute::cli

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "volute/cli/render_job.hpp"
-#include "volute/cli/smoke_walls.hpp"
+#include "volute/scene/smoke_walls.hpp"
 
 // The part of a RenderJob that smoke, surfaces and signs have.
 

@@ -2,7 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/render_subject.hpp"
 
-#include "volute/cli/scene_file.hpp"
+#include "volute/cli/smoke_arguments.hpp"
+#include "volute/scene/scene_file.hpp"
 
 namespace volute::cli {
 namespace {

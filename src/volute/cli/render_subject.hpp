@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "volute/cli/arguments.hpp"
-#include "volute/cli/camera_file.hpp"
+#include "volute/cli/context.hpp"
 #include "volute/cli/render_job.hpp"
+#include "volute/scene/camera_file.hpp"
 
 namespace volute::cli {
 

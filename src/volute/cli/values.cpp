@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "volute/cli/suggest.hpp"
+#include "volute/base/suggest.hpp"
 
 namespace volute::cli {
 namespace {

@@ -12,6 +12,7 @@
 #include "volute/cli/option.hpp"
 #include "volute/grid/region.hpp"
 #include "volute/grid/select_frames.hpp"
+#include "volute/image/pixels.hpp"
 #include "volute/math/box.hpp"
 
 namespace volute::cli {
@@ -20,13 +21,6 @@ namespace volute::cli {
 struct Bytes {
   std::uint64_t count = 0;
   bool operator==(const Bytes&) const = default;
-};
-
-/// The size of a picture in pixels (kPixels).
-struct Pixels {
-  int width = 0;
-  int height = 0;
-  bool operator==(const Pixels&) const = default;
 };
 
 /// A parsed value: bool for kFlag, std::string for kText, kFile and kChoice, double for kNumber,

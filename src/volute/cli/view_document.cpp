@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volute/cli/fog_layer.hpp"
-#include "volute/cli/scene_file.hpp"
-#include "volute/cli/smoke_layer.hpp"
-#include "volute/cli/volume_layer.hpp"
+#include "volute/scene/fog_layer.hpp"
+#include "volute/scene/scene_file.hpp"
+#include "volute/scene/smoke_layer.hpp"
+#include "volute/scene/volume_layer.hpp"
 
 namespace volute::cli {
 namespace {
@@ -50,9 +50,7 @@ class ViewDocument final : public Document {
   Status openFogMap(Progress& progress);
 
  private:
-  Context context(Progress& progress) const {
-    return {.progress = progress, .maxMemory = maxMemory_};
-  }
+  Reading reading(Progress& progress) const { return {progress, maxMemory_}; }
 
   Status addVolume(const std::string& file, const Appearance& appearance, Progress& progress);
   Status addFog(const FogDescription& description, const std::vector<FogSun>& suns,
@@ -93,7 +91,7 @@ void ViewDocument::include(const Box3& bounds) {
 
 Status ViewDocument::addVolume(const std::string& file, const Appearance& appearance,
                                Progress& progress) {
-  Context inner = context(progress);
+  Reading inner = reading(progress);
   VOLUTE_ASSIGN(auto layer, VolumeLayer::open(file, {.partial = true}, appearance, inner));
   include(layer.info().bounds);
   std::error_code ignored;
@@ -106,7 +104,7 @@ Status ViewDocument::addVolume(const std::string& file, const Appearance& appear
 
 Status ViewDocument::addFog(const FogDescription& description, const std::vector<FogSun>& suns,
                             Progress& progress) {
-  Context inner = context(progress);
+  Reading inner = reading(progress);
   VOLUTE_ASSIGN(auto fog, FogLayer::open(description, suns, inner));
   include(fog.fogAt(0).bounds());
   if (fog.sunlit())
@@ -122,7 +120,7 @@ Status ViewDocument::addFog(const FogDescription& description, const std::vector
 
 /// Smoke is lit by the lamps through itself; the scene's surfaces are not in their way.
 Status ViewDocument::addSmokes(const SceneDescription& scene, Progress& progress) {
-  Context inner = context(progress);
+  Reading inner = reading(progress);
   auto lighting = std::make_shared<SmokeLighting>();
   lighting->lights = scene.lights;
   for (const SmokeDescription& description : scene.smokes) {

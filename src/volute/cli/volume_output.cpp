@@ -9,9 +9,9 @@
 #include <cerrno>
 #include <cstring>
 
-#include "volute/cli/volume_input.hpp"
 #include "volute/io/npy.hpp"
 #include "volute/io/volume_sink.hpp"
+#include "volute/scene/volume_input.hpp"
 
 namespace volute::cli {
 

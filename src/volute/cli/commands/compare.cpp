@@ -3,9 +3,9 @@
 #include "volute/grid/compare.hpp"
 
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/volume_input.hpp"
 #include "volute/image/compare.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/scene/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

@@ -2,9 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/extract_source.hpp"
-#include "volute/cli/fds_input.hpp"
-#include "volute/cli/volume_input.hpp"
 #include "volute/cli/volume_output.hpp"
+#include "volute/scene/fds_input.hpp"
+#include "volute/scene/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

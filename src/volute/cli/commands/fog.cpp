@@ -2,17 +2,17 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <cmath>
 
-#include "volute/cli/camera_file.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/fog_arguments.hpp"
 #include "volute/cli/fog_export.hpp"
-#include "volute/cli/fog_layer.hpp"
 #include "volute/cli/picture_writer.hpp"
 #include "volute/cli/render_job.hpp"
-#include "volute/cli/scene_geometry.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/scene/camera_file.hpp"
+#include "volute/scene/fog_layer.hpp"
+#include "volute/scene/scene_geometry.hpp"
 
 namespace volute::cli {
 namespace {

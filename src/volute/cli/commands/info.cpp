@@ -4,10 +4,10 @@
 #include <map>
 
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/fds_input.hpp"
+#include "volute/cli/fds_report.hpp"
 #include "volute/cli/gl_pictures.hpp"
-#include "volute/cli/volume_input.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/scene/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

@@ -9,9 +9,9 @@
 #include "volute/capture/image_name.hpp"
 #include "volute/cli/capture_input.hpp"
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/volume_input.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/scene/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

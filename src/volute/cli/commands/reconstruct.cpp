@@ -14,9 +14,9 @@
 #include "volute/cli/reconstruction/reconstruction_report.hpp"
 #include "volute/cli/reconstruction/run_key.hpp"
 #include "volute/cli/version.hpp"
-#include "volute/cli/volume_input.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/codec/compress.hpp"
+#include "volute/scene/volume_input.hpp"
 #include "volute/tomography/diagnostics.hpp"
 
 namespace volute::cli {

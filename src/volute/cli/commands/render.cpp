@@ -6,13 +6,15 @@
 #include <cmath>
 
 #include "volute/base/output_file.hpp"
-#include "volute/cli/camera_file.hpp"
+#include "volute/cli/camera_arguments.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/picture_writer.hpp"
 #include "volute/cli/render_moments.hpp"
+#include "volute/cli/smoke_arguments.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/frame_pattern.hpp"
+#include "volute/scene/camera_file.hpp"
 
 namespace volute::cli {
 namespace {

@@ -3,9 +3,9 @@
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/hall_files.hpp"
 #include "volute/cli/valley_files.hpp"
-#include "volute/cli/volume_input.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/codec/compress.hpp"
+#include "volute/scene/volume_input.hpp"
 #include "volute/synth/synth.hpp"
 
 namespace volute::cli {

@@ -3,9 +3,9 @@
 #include "volute/base/output_file.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/view_document.hpp"
-#include "volute/cli/volume_input.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/scene/volume_input.hpp"
 #include "volute/viewer/headless_viewer.hpp"
 #include "volute/viewer/window.hpp"
 

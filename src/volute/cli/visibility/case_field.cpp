@@ -2,10 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/visibility/case_field.hpp"
 
-#include "volute/cli/scene_smoke.hpp"
+#include "volute/cli/smoke_arguments.hpp"
 #include "volute/cli/visibility/fds_sight.hpp"
 #include "volute/cli/visibility/mesh_sight.hpp"
 #include "volute/optics/visibility.hpp"
+#include "volute/scene/scene_smoke.hpp"
 
 namespace volute::cli {
 namespace {

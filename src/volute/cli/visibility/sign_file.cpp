@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "volute/cli/json_file.hpp"
-#include "volute/cli/suggest.hpp"
+#include "volute/base/suggest.hpp"
+#include "volute/io/json_values.hpp"
 
 namespace volute::cli {
 namespace {

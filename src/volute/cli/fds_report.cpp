@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/fds_report.hpp"
+
+#include <map>
+
+namespace volute::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string vectorText(const Vec3& v) {
+  return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
+}
+
+Json boundsJson(const Box3& b) {
+  return {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()};
+}
+
+std::string boundsText(const Box3& b) {
+  return fmt::format("{}  to  {} m", vectorText(b.min), vectorText(b.max));
+}
+
+void addMeshes(Report& report, const SmvIndex& index) {
+  constexpr std::size_t kShown = 20;
+  Json list = Json::array();
+  std::string text;
+  std::uint64_t cells = 0;
+  Box3 bounds;
+  for (std::size_t i = 0; i < index.meshes.size(); ++i) {
+    const FdsMesh& mesh = index.meshes[i];
+    const Box3 box = mesh.bounds();
+    bounds.extend(box.min);
+    bounds.extend(box.max);
+    cells += mesh.cellCount();
+    list.push_back({{"name", mesh.name},
+                    {"cells", {mesh.cells(0), mesh.cells(1), mesh.cells(2)}},
+                    {"bounds", boundsJson(box)},
+                    {"obstructions", mesh.obstructions.size()}});
+    if (i < kShown)
+      text += fmt::format("\n  {:>4}  {} x {} x {} cells, {}", i + 1, mesh.cells(0), mesh.cells(1),
+                          mesh.cells(2), boundsText(box));
+    if (i == kShown)
+      text += "\n  ...";
+  }
+  report
+      .add("meshes", list, fmt::format("{}, {} cells together{}", index.meshes.size(), cells, text))
+      .add("cells", cells, "")
+      .add("bounds", boundsJson(bounds), boundsText(bounds));
+}
+
+void addContents(Report& report, const SmvIndex& index) {
+  std::size_t obstructions = 0;
+  std::size_t vents = 0;
+  for (const FdsMesh& mesh : index.meshes) {
+    obstructions += mesh.obstructions.size();
+    vents += mesh.vents.size();
+  }
+  const auto events = obstructionEvents(index);
+  report.add(
+      "obstructions", obstructions,
+      fmt::format("{}{}", obstructions,
+                  events.empty() ? ""
+                                 : fmt::format(", some come and go at {} times from {} to {} s",
+                                               events.size(), events.front(), events.back())));
+  report.add("obstruction_events", Json(events), "");
+  report.add("vents", vents, fmt::format("{}", vents));
+  report.add("devices", index.devices.size(), fmt::format("{}", index.devices.size()));
+  std::map<std::string, int> quantities;
+  for (const auto& slice : index.slices) ++quantities["slices of " + slice.labels.quantity];
+  for (const auto& smoke : index.smoke) ++quantities["smoke3d of " + smoke.labels.quantity];
+  if (!index.plots.empty())
+    quantities["PLOT3D files"] = static_cast<int>(index.plots.size());
+  Json files;
+  std::string text;
+  for (const auto& [name, count] : quantities) {
+    files[name] = count;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name);
+  }
+  report.add("files", files, text);
+}
+
+void addSources(Report& report, const FdsCase& opened) {
+  Json list = Json::array();
+  std::string others;
+  for (const FdsSource& source : opened.sources()) {
+    list.push_back({{"name", source.name},
+                    {"description", source.description},
+                    {"fills_meshes", source.volume},
+                    {"files", source.parts.size()}});
+    if (source.name != opened.source().name)
+      others += (others.empty() ? "" : ", ") + source.name;
+  }
+  const auto times = opened.times();
+  report
+      .add("source", opened.source().name,
+           fmt::format("{}: {}{}", opened.source().name, opened.source().description,
+                       others.empty() ? "" : "; others: " + others))
+      .add("sources", list, "")
+      .add("source_bounds", boundsJson(opened.bounds()), boundsText(opened.bounds()))
+      .add("frames", times.size(), fmt::format("{}", times.size()))
+      .add("times", {times.front(), times.back()},
+           fmt::format("{:.6g} to {:.6g} s", times.front(), times.back()));
+}
+
+Status addValues(Report& report, FdsCase& opened, Context& context) {
+  double most = 0;
+  double mostTime = 0;
+  const auto times = opened.times();
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (context.progress.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped: reading frame {}", i);
+    VOLUTE_ASSIGN(const FdsField field, opened.field(times[i]));
+    for (std::size_t lattice = 0; lattice < field.grid().lattices().size(); ++lattice) {
+      for (const float value : field.values(lattice).value) {
+        if (value > most)
+          most = value, mostTime = times[i];
+      }
+    }
+    context.progress.report("reading", static_cast<double>(i + 1),
+                            static_cast<double>(times.size()));
+  }
+  report.add("most_extinction", jsonNumber(most),
+             fmt::format("{:.4g} 1/m at {:.6g} s (visibility {:.3g} m with C = 3)", most, mostTime,
+                         3 / most));
+  return {};
+}
+
+}  // namespace
+
+Result<Report> describeFdsCase(const std::string& path, const std::string& source, bool values,
+                               Context& context) {
+  VOLUTE_ASSIGN(const SmvIndex index, SmvIndex::read(path));
+  Report report;
+  report.add("file", path)
+      .add("kind", "fds")
+      .add("version", index.version)
+      .add("title", index.title);
+  report.add("ended", index.ended, index.ended ? "yes" : "no: running, or stopped early");
+  addMeshes(report, index);
+  addContents(report, index);
+  FdsOptions options;
+  options.source = source;
+  options.maxMemory = context.maxMemory;
+  auto opened = FdsCase::open(path, options);
+  if (!opened && opened.error().code == ErrorCode::kNotFound && source.empty()) {
+    report.add("source", nullptr, "none: " + opened.error().message);
+    return report;
+  }
+  if (!opened)
+    return tl::unexpected<Error>(opened.error());
+  addSources(report, *opened);
+  std::string text;
+  for (const std::string& remark : opened->remarks()) text += "\n  " + remark;
+  report.add("remarks",
+             Json(std::vector<std::string>(opened->remarks().begin(), opened->remarks().end())),
+             text.empty() ? "none: all files are whole" : text);
+  if (values)
+    VOLUTE_TRY(addValues(report, *opened, context));
+  return report;
+}
+
+}  // namespace volute::cli

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "volute/camera/camera.hpp"
+#include "volute/fog/fog_sequence.hpp"
+#include "volute/medium/any_medium.hpp"
+#include "volute/scene/fog_file.hpp"
+#include "volute/scene/reading.hpp"
+
+namespace volute {
+
+/// Fog whose maps are in memory: gives the medium at any time.
+class FogLayer {
+ public:
+  /// Reads the maps. Errors begin with FogDescription::where or with the name of a map.
+  [[nodiscard]] static Result<FogLayer> open(const FogDescription& description,
+                                             std::vector<FogSun> suns, Reading& reading);
+
+  /// At a time of the scene [s]: the maps at its clock's time, blown by the wind.
+  FogMedium fogAt(double time) const;
+
+  /// The same, lit by the suns, for pictures of a camera.
+  [[nodiscard]] Result<AnyMedium> mediumAt(double time, const Camera& camera) const;
+
+  /// Whether suns light it.
+  bool sunlit() const { return !suns_.empty(); }
+
+  /// How many maps there are.
+  int frames() const { return static_cast<int>(times_.size()); }
+
+  /// When a map is shown as it is, in the scene's time [s].
+  double timeOf(int position) const;
+
+ private:
+  FogLayer() = default;
+
+  FogDescription description_;
+  std::vector<FogSun> suns_;
+  std::vector<double> times_;
+  std::shared_ptr<const FogSequence> sequence_;
+  std::shared_ptr<const FogMedium> still_;  ///< instead, where there is a top
+};
+
+}  // namespace volute

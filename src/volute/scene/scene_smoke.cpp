@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/scene/scene_smoke.hpp"
+
+#include <fstream>
+
+#include "volute/fds/smv_index.hpp"
+#include "volute/io/json_members.hpp"
+#include "volute/io/mesh_source.hpp"
+#include "volute/optics/smoke_potential.hpp"
+#include "volute/scene/fog_file.hpp"
+#include "volute/scene/volume_input.hpp"
+
+namespace volute {
+namespace {
+
+using Json = nlohmann::json;
+
+tl::unexpected<SmokeObjection> object(const char* about, std::string message) {
+  return tl::unexpected<SmokeObjection>(SmokeObjection{about, std::move(message)});
+}
+
+template <class T>
+tl::expected<void, SmokeObjection> take(T& value, Result<T> found, const char* about) {
+  if (!found)
+    return object(about, found.error().message);
+  value = std::move(*found);
+  return {};
+}
+
+tl::expected<void, SmokeObjection> takeMaterial(SmokeModel& model, const SmokeWords& words) {
+  Burning how = Burning::kFlaming;
+  if (!words.burning.empty()) {
+    if (auto taken = take(how, burning(words.burning), "burning"); !taken)
+      return taken;
+  }
+  if (words.material.empty()) {
+    return words.burning.empty() ? tl::expected<void, SmokeObjection>()
+                                 : object("burning", "is for a material");
+  }
+  if (model.quantity != SmokeQuantity::kProductsDensity) {
+    return object("material",
+                  fmt::format("is for the quantity products-density, not for {}: a material's "
+                              "smoke potential tells how much of what burns becomes soot",
+                              nameOf(model.quantity)));
+  }
+  SmokePotential potential{};
+  if (auto taken = take(potential, smokePotentialOf(words.material), "material"); !taken)
+    return taken;
+  model.smokePotential = potential.value(how);
+  return {};
+}
+
+/// Texts, and C as a number as well.
+Status textOf(const Members& members, const char* key, std::string& value) {
+  if (!members.has(key))
+    return {};
+  if (std::string_view(key) == "C" && members.at(key).is_number()) {
+    value = fmt::format("{}", members.at(key).get<double>());
+    return {};
+  }
+  return members.text(key, value, "a name");
+}
+
+Status parseWalls(const Members& members, const std::string& file, SmokeDescription& smoke) {
+  if (!members.has("walls"))
+    return {};
+  if (members.at("walls").is_boolean()) {
+    if (members.at("walls").get<bool>())
+      smoke.walls = Rgb::Constant(0.7);
+    return {};
+  }
+  if (!members.at("walls").is_array())
+    return fail(ErrorCode::kInvalidData, "{}: {}: expected true, false or the walls' colour", file,
+                members.where("walls"));
+  Rgb color = Rgb::Zero();
+  VOLUTE_TRY(members.color("walls", color, 1));
+  smoke.walls = color;
+  return {};
+}
+
+Status parseNegatives(const Members& members, const std::string& file, SmokeDescription& smoke) {
+  if (!members.has("negatives"))
+    return {};
+  const Json& given = members.at("negatives");
+  if (given != "refuse" && given != "clamp")
+    return fail(ErrorCode::kInvalidData, "{}: {}: expected refuse or clamp", file,
+                members.where("negatives"));
+  smoke.negatives = given == "clamp" ? Negatives::kClamp : Negatives::kRefuse;
+  return {};
+}
+
+}  // namespace
+
+tl::expected<void, SmokeObjection> takeWords(SmokeDescription& smoke, const SmokeWords& words) {
+  const auto missing = words.quantity.empty();
+  const bool saysItself = missing && isSmvPath(smoke.file);
+  if (auto taken = saysItself
+                       ? tl::expected<void, SmokeObjection>()
+                       : take(smoke.model.quantity, smokeQuantity(words.quantity), "quantity");
+      !taken) {
+    return missing ? object("quantity",
+                            "is missing; say what the field holds: soot-density, "
+                            "products-density, mass-fraction, extinction, optical-density, "
+                            "optical-density-db or visibility")
+                   : taken;
+  }
+  if (!words.unit.empty()) {
+    if (auto taken = take(smoke.model.unit, densityUnit(words.unit), "unit"); !taken)
+      return taken;
+  }
+  if (auto taken = takeMaterial(smoke.model, words); !taken)
+    return taken;
+  if (!words.mode.empty()) {
+    if (auto taken = take(smoke.law.mode, pictureMode(words.mode), "mode"); !taken)
+      return taken;
+  }
+  if (!words.c.empty()) {
+    VisibilityLaw law;
+    if (auto taken = take(law, visibilityLaw(words.c), "C"); !taken)
+      return taken;
+    smoke.model.c = smoke.law.c = law.c;
+  }
+  if (smoke.model.quantity == SmokeQuantity::kMassFraction && smoke.densityField.empty()) {
+    return object("density_field",
+                  "is missing; mass-fraction needs the field of the gas's density [kg/m3]");
+  }
+  if (const auto good = smoke.model.check(); !good)
+    return object("quantity", good.error().message);
+  return {};
+}
+
+Result<SmokeDescription> parseSmoke(const Json& json, const std::string& file,
+                                    const std::string& path) {
+  constexpr std::string_view kNames[] = {
+      "kind",  "case",     "field",   "density_field", "quantity", "unit",
+      "scale", "material", "burning", "soot_yield",    "C",        "mass_extinction",
+      "mode",  "albedo",   "time",    "negatives",     "walls"};
+  const Members members(json, file, path);
+  VOLUTE_TRY(members.check(kNames));
+  SmokeDescription smoke;
+  smoke.where = fmt::format("{}: {}", file, path);
+  VOLUTE_TRY(members.text("case", smoke.file, "the name of a .vtu file, a .pvd series or a case"));
+  smoke.file = besides(file, smoke.file);
+  VOLUTE_TRY(textOf(members, "field", smoke.field));
+  VOLUTE_TRY(textOf(members, "density_field", smoke.densityField));
+  VOLUTE_TRY(members.number("scale", smoke.model.scale));
+  VOLUTE_TRY(members.number("mass_extinction", smoke.model.massExtinction));
+  VOLUTE_TRY(members.number("soot_yield", smoke.model.sootYield));
+  VOLUTE_TRY(members.color("albedo", smoke.albedo, 1));
+  VOLUTE_TRY(parseNegatives(members, file, smoke));
+  VOLUTE_TRY(parseWalls(members, file, smoke));
+  if (members.has("time")) {
+    VOLUTE_ASSIGN(smoke.clock, parseClock(members.at("time"), file, members.where("time")));
+  }
+  SmokeWords words;
+  const std::pair<const char*, std::string*> texts[] = {
+      {"quantity", &words.quantity}, {"unit", &words.unit}, {"material", &words.material},
+      {"burning", &words.burning},   {"mode", &words.mode}, {"C", &words.c}};
+  for (const auto& [key, text] : texts) VOLUTE_TRY(textOf(members, key, *text));
+  if (const auto taken = takeWords(smoke, words); !taken) {
+    return fail(ErrorCode::kInvalidData, "{}: {}: {}", file, members.where(taken.error().about),
+                taken.error().message);
+  }
+  return smoke;
+}
+
+bool isSmokeCase(const std::string& path) {
+  const std::string extension = extensionOf(path);
+  if (extension == ".vtu" || isMeshCase(path))
+    return true;
+  if (extension != ".pvd")
+    return false;
+  // A collection of meshes or of images: the first names decide.
+  std::ifstream file(path);
+  std::string text(64 << 10, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  const auto mesh = text.find(".vtu"), image = text.find(".vti");
+  return mesh < image;
+}
+
+}  // namespace volute

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/scene/volume_layer.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "volute/medium/turned_medium.hpp"
+
+namespace volute {
+namespace {
+
+Status checkFinite(std::span<const float> frame, const VolumeInfo& info, const std::string& path,
+                   int position) {
+  for (std::size_t i = 0; i < frame.size(); ++i) {
+    if (std::isfinite(frame[i]))
+      continue;
+    const std::size_t voxel = i / info.channels;
+    return fail(ErrorCode::kInvalidData,
+                "{}: frame {}: voxel x {}, y {}, z {} is {}; expected finite values", path,
+                info.frameNumbers[position], voxel % info.x, voxel / info.x % info.y,
+                voxel / info.x / info.y, frame[i]);
+  }
+  return {};
+}
+
+}  // namespace
+
+VolumeLayer::VolumeLayer(VolumeInput input, const Appearance& appearance)
+    : input_(std::move(input)), appearance_(appearance), info_(input_.source->info()) {
+  const Placement& placement = appearance_.placement;
+  const Vec3 offset = placement.turns() ? Vec3(Vec3::Zero()) : placement.offset;
+  info_.bounds.min = placement.scale.cwiseProduct(info_.bounds.min) + offset;
+  info_.bounds.max = placement.scale.cwiseProduct(info_.bounds.max) + offset;
+  if (appearance_.basis)
+    info_.basis = *appearance_.basis;
+}
+
+Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOptions& options,
+                                      const Appearance& appearance, Reading& reading) {
+  VOLUTE_ASSIGN(auto input, openVolume(path, options, reading));
+  const std::uint64_t bytes = 8ull * input.source->info().frameValues();  // dense and as bricks
+  if (bytes > reading.maxMemory) {
+    return fail(
+        ErrorCode::kTooLarge,
+        "{}: a frame needs {} MiB of memory, more than the {} MiB allowed; raise --max-memory",
+        path, (bytes >> 20) + 1, reading.maxMemory >> 20);
+  }
+  VolumeLayer layer(std::move(input), appearance);
+  layer.path_ = path;
+  layer.progress_ = &reading.progress;
+  return layer;
+}
+
+Result<BrickSlice> VolumeLayer::sliceFromTree(int position) {
+  if (!tree_ || position < treeBegin_ || position >= treeBegin_ + kTreeFrames) {
+    tree_.reset();
+    treeBegin_ = position / kTreeFrames * kTreeFrames;
+    VOLUTE_ASSIGN(
+        auto tree,
+        Tree4d::load(*input_.reader,
+                     {.firstFrame = treeBegin_, .endFrame = treeBegin_ + kTreeFrames}, *progress_));
+    tree_ = std::make_unique<const Tree4d>(std::move(tree));
+    counts_.nodes = std::max<std::uint64_t>(counts_.nodes, tree_->nodeCount());
+    counts_.treeBytes = std::max<std::uint64_t>(counts_.treeBytes, tree_->memoryBytes());
+  }
+  BrickSlice slice = tree_->extractSlice(position, &counts_.nodesVisited);
+  slice.setBasis(info_.basis);
+  return slice;
+}
+
+Result<BrickSlice> VolumeLayer::sliceFromFrame(int position) {
+  frame_.resize(info_.frameValues());
+  VOLUTE_TRY(input_.source->readFrame(position, frame_));
+  VOLUTE_TRY(checkFinite(frame_, info_, path_, position));
+  return BrickSlice::fromDense(info_, frame_);
+}
+
+Result<std::shared_ptr<const BrickSlice>> VolumeLayer::sliceAt(int position) {
+  if (position == position_)
+    return slice_;
+  VOLUTE_ASSIGN(auto slice, input_.reader ? sliceFromTree(position) : sliceFromFrame(position));
+  slice_ = std::make_shared<const BrickSlice>(std::move(slice));
+  position_ = position;
+  return slice_;
+}
+
+int VolumeLayer::positionAt(double time) const {
+  const Clock& clock = appearance_.clock;
+  double local = clock.offset + clock.rate * time;
+  if (clock.loop && info_.frames > 1) {
+    const double first = info_.times.front();
+    const double lastFrame = info_.times.back() - info_.times[info_.frames - 2];
+    const double period = info_.times.back() + lastFrame - first;
+    local -= period * std::floor((local - first) / period);
+  }
+  return info_.frameAt(local);
+}
+
+double VolumeLayer::timeOf(int position) const {
+  return (info_.times[position] - appearance_.clock.offset) / appearance_.clock.rate;
+}
+
+Result<VoxelMedium> VolumeLayer::mediumAt(int position, double extinctionFactor) {
+  VOLUTE_ASSIGN(auto slice, sliceAt(position));
+  return VoxelMedium(std::move(slice), appearance_.emission,
+                     extinctionFactor * appearance_.extinction);
+}
+
+AnyMedium VolumeLayer::placed(const VoxelMedium& medium) const {
+  const Placement& placement = appearance_.placement;
+  if (!placement.turns())
+    return AnyMedium(medium);
+  return AnyMedium(TurnedMedium(AnyMedium(medium), placement.turn, placement.offset));
+}
+
+}  // namespace volute

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "volute/grid/brick_slice.hpp"
+#include "volute/grid/voxel_medium.hpp"
+#include "volute/medium/any_medium.hpp"
+#include "volute/scene/volume_input.hpp"
+#include "volute/tree4d/tree4d.hpp"
+
+namespace volute {
+
+/// Where a volume stands in a scene: every point is scaled along the axes, then turned about the
+/// origin, then moved.
+struct Placement {
+  Vec3 scale = Vec3::Ones();  ///< > 0
+  Vec3 offset = Vec3::Zero();
+  Mat3 turn = Mat3::Identity();  ///< orthogonal; may mirror
+
+  bool turns() const { return turn != Mat3::Identity(); }
+};
+
+/// A volume's own time: offset + rate * the scene's time [s].
+struct Clock {
+  double offset = 0;
+  double rate = 1;    ///< > 0
+  bool loop = false;  ///< begins again after its last frame, which lasts as long as the one before
+};
+
+/// How a volume looks, and where and when.
+struct Appearance {
+  double emission = 1;         ///< radiance per metre per unit
+  double extinction = 0;       ///< 1/m per unit
+  std::optional<Basis> basis;  ///< instead of the file's
+  Placement placement;
+  Clock clock;
+};
+
+/// How much of the hexadeca-tree a rendering has looked at.
+struct TreeCounts {
+  std::uint64_t nodes = 0;         ///< of the largest tree that was in memory at a time
+  std::uint64_t treeBytes = 0;     ///< of that tree
+  std::uint64_t nodesVisited = 0;  ///< summed over all frames
+};
+
+/// A volume file that is shown: gives the medium of any of its frames.
+class VolumeLayer {
+ public:
+  [[nodiscard]] static Result<VolumeLayer> open(const std::string& path,
+                                                const InputOptions& options,
+                                                const Appearance& appearance, Reading& reading);
+
+  /// Its bounds are those in the scene, but for what turns the volume.
+  const VolumeInfo& info() const { return info_; }
+
+  /// The frame at a position as bricks. The last one is kept.
+  [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> sliceAt(int position);
+
+  /// `extinctionFactor` multiplies the appearance's extinction.
+  [[nodiscard]] Result<VoxelMedium> mediumAt(int position, double extinctionFactor = 1);
+
+  /// Whether its transform turns or mirrors it.
+  bool turned() const { return appearance_.placement.turns(); }
+
+  /// A medium of this layer as it stands in the scene.
+  AnyMedium placed(const VoxelMedium& medium) const;
+
+  /// What was read of trees so far; zeros for inputs without one.
+  const TreeCounts& treeCounts() const { return counts_; }
+
+  /// The position of the frame that is shown at a time of the scene [s].
+  int positionAt(double time) const;
+
+  /// When a frame begins in the scene's time [s].
+  double timeOf(int position) const;
+
+  /// Who hears of later reads, instead of the reading that it was opened in.
+  void setProgress(Progress& progress) { progress_ = &progress; }
+
+  const Appearance& appearance() const { return appearance_; }
+
+  /// Null unless it is a .volute file.
+  const VoluteReader* reader() const { return input_.reader.get(); }
+
+ private:
+  VolumeLayer(VolumeInput input, const Appearance& appearance);
+
+  [[nodiscard]] Result<BrickSlice> sliceFromTree(int position);
+  [[nodiscard]] Result<BrickSlice> sliceFromFrame(int position);
+
+  /// A tree holds one row of blocks: a still reads no more, and a film of any length needs its
+  /// memory.
+  static constexpr int kTreeFrames = BlockGrid::kSide;
+
+  std::string path_;
+  VolumeInput input_;
+  Appearance appearance_;
+  VolumeInfo info_;
+  std::vector<float> frame_;
+  std::unique_ptr<const Tree4d> tree_;
+  int treeBegin_ = 0;
+  TreeCounts counts_;
+  Progress* progress_ = nullptr;
+  int position_ = -1;
+  std::shared_ptr<const BrickSlice> slice_;
+};
+
+}  // namespace volute
