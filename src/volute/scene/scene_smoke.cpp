@@ -135,7 +135,7 @@ Result<SmokeDescription> parseSmoke(const Json& json, const std::string& file,
   constexpr std::string_view kNames[] = {
       "kind",  "case",     "field",   "density_field", "quantity", "unit",
       "scale", "material", "burning", "soot_yield",    "C",        "mass_extinction",
-      "mode",  "albedo",   "time",    "negatives",     "walls"};
+      "mode",  "albedo",   "time",    "negatives",     "walls",    "smoke_potential"};
   const Members members(json, file, path);
   VOLUTE_TRY(members.check(kNames));
   SmokeDescription smoke;
@@ -147,9 +147,17 @@ Result<SmokeDescription> parseSmoke(const Json& json, const std::string& file,
   VOLUTE_TRY(members.number("scale", smoke.model.scale));
   VOLUTE_TRY(members.number("mass_extinction", smoke.model.massExtinction));
   VOLUTE_TRY(members.number("soot_yield", smoke.model.sootYield));
+  if (members.has("smoke_potential")) {
+    smoke.model.smokePotential = 0;
+    VOLUTE_TRY(members.number("smoke_potential", *smoke.model.smokePotential));
+  }
   VOLUTE_TRY(members.color("albedo", smoke.albedo, 1));
   VOLUTE_TRY(parseNegatives(members, file, smoke));
   VOLUTE_TRY(parseWalls(members, file, smoke));
+  if (members.has("smoke_potential") && members.has("material")) {
+    return fail(ErrorCode::kInvalidData, "{}: {}: the material has one already; leave one out",
+                file, members.where("smoke_potential"));
+  }
   if (members.has("time")) {
     VOLUTE_ASSIGN(smoke.clock, parseClock(members.at("time"), file, members.where("time")));
   }

@@ -11,7 +11,9 @@
 
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
+#include "volute/fog/fog_medium.hpp"
 #include "volute/math/box.hpp"
+#include "volute/scene/scene_look.hpp"
 #include "volute/viewer/parameter.hpp"
 #include "volute/viewer/view_scene.hpp"
 
@@ -25,25 +27,17 @@ struct StartView {
   double fov = 40;  ///< vertical [degrees]
 };
 
-/// How a person looks at a document; a scene file keeps it as its "view".
-struct ViewLook {
-  double stops = 0;     ///< exposure = automatic exposure * 2^stops
-  int colors = 0;       ///< 0 grey, 1 viridis, 2 inferno: of what has one channel
-  int quality = 0;      ///< 0 automatic, 1 full, 2 half, 3 quarter
-  bool walks = false;   ///< else orbits
-  double speed = 1;     ///< of the timeline
-  int renderer = 0;     ///< 0 automatic, 1 OpenGL, 2 processor
-  std::optional<double> time{};  ///< [s]
-
-  bool operator==(const ViewLook&) const = default;
-};
+/// How a person looks at a document.
+using ViewLook = SceneLook;
 
 /// A fog whose map can be painted.
 struct FogCanvas {
   std::string name;  ///< of the map's file
   std::string file;  ///< the map's
-  int fog = 0;       ///< its place in GlScene::fogs
   double most = 1;   ///< [1/m], the extinction of a pixel of value 1
+  std::optional<FogMedium> fog{};  ///< as it is at 0 s, painted or not
+  Vec3 wind = Vec3::Zero();        ///< [m/s]
+  bool unsaved = false;            ///< it was painted, and no file has it yet
 };
 
 /// A camera of a capture.
@@ -62,6 +56,9 @@ class Document {
   virtual Box3 bounds() const = 0;                ///< finite [m]
   virtual std::vector<double> times() const = 0;  ///< [s] when frames begin; one at least
   virtual bool grey() const = 0;                  ///< one channel: colour maps apply
+
+  /// What is seen is as bright as it says: no exposure is looked for.
+  virtual bool measured() const { return false; }
 
   virtual std::optional<StartView> startView() const { return std::nullopt; }
 

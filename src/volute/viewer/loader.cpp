@@ -151,7 +151,7 @@ std::vector<Loader::Watched> Loader::look(const std::vector<std::filesystem::pat
 
 DocumentInfo Loader::describe() const {
   return {document_->title(),      document_->bounds(),   document_->times(),
-          document_->grey(),       document_->startView(), document_->background(),
+          document_->grey(),       document_->measured(), document_->startView(), document_->background(),
           document_->remarks(),    document_->look(),     document_->parameters(),
           document_->canvases(),   document_->stations(), document_->sceneName(),
           openedCount_};

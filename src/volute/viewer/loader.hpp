@@ -36,7 +36,7 @@ struct DocumentInfo {
   std::string title;
   Box3 bounds;
   std::vector<double> times;
-  bool grey = false;
+  bool grey = false, measured = false;
   std::optional<StartView> startView;
   Rgb background = Rgb::Zero();
   std::vector<std::string> remarks;

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/base/output_file.hpp"
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/view_document.hpp"
+#include "volute/viewer/open_document.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/scene/volume_input.hpp"
