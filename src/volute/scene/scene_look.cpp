@@ -39,7 +39,7 @@ Status choice(const Members& members, const char* key, std::span<const std::stri
 Result<SceneLook> parseLook(const nlohmann::json& json, const std::string& file,
                             const std::string& path) {
   constexpr std::string_view kNames[] = {"stops",  "colors", "quality", "renderer",
-                                         "camera", "speed",  "time"};
+                                         "camera", "speed",  "time",    "surfaces"};
   const Members members(json, file, path);
   VOLUTE_TRY(members.check(kNames));
   SceneLook look;
@@ -50,6 +50,12 @@ Result<SceneLook> parseLook(const nlohmann::json& json, const std::string& file,
   int walks = 0;
   VOLUTE_TRY(choice(members, "camera", kCameras, walks));
   look.walks = walks == 1;
+  if (members.has("surfaces")) {
+    if (!members.at("surfaces").is_boolean())
+      return tl::unexpected<Error>(
+          members.objection("surfaces", {ErrorCode::kInvalidData, "expected true or false"}).error());
+    look.surfaces = members.at("surfaces").get<bool>();
+  }
   VOLUTE_TRY(members.number("speed", look.speed, 0.01, 100));
   if (members.has("time")) {
     look.time = 0;
@@ -63,6 +69,7 @@ nlohmann::ordered_json toJson(const SceneLook& look) {
                                  {"colors", kColors[look.colors]},
                                  {"quality", kQualities[look.quality]},
                                  {"renderer", kRenderers[look.renderer]},
+                                 {"surfaces", look.surfaces},
                                  {"camera", kCameras[look.walks ? 1 : 0]},
                                  {"speed", look.speed}};
   if (look.time)

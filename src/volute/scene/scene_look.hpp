@@ -17,7 +17,8 @@ struct SceneLook {
   int colors = 0;       ///< grey, viridis, inferno: of what has one channel
   int quality = 0;      ///< automatic, full, half, quarter
   int renderer = 0;     ///< automatic, OpenGL, processor
-  bool walks = false;   ///< else orbits
+  bool surfaces = true;  ///< opaque things are shown
+  bool walks = false;    ///< else orbits
   double speed = 1;     ///< of the timeline
   std::optional<double> time{};  ///< [s]
 
@@ -25,7 +26,8 @@ struct SceneLook {
 };
 
 /// {"stops", "colors": "grey" | "viridis" | "inferno", "quality": "automatic" | "full" | "half" |
-/// "quarter", "renderer": "automatic" | "gl" | "cpu", "camera": "orbit" | "walk", "speed", "time"}.
+/// "quarter", "renderer": "automatic" | "gl" | "cpu", "surfaces": true, "camera": "orbit" | "walk",
+/// "speed", "time"}.
 /// Errors name the file and the path inside it.
 [[nodiscard]] Result<SceneLook> parseLook(const nlohmann::json& json, const std::string& file,
                                           const std::string& path);

@@ -15,6 +15,7 @@ RC_GTEST_PROP(SceneLook, IsReadAsItIsWritten, ()) {
   look.colors = *rc::gen::inRange(0, 3);
   look.quality = *rc::gen::inRange(0, 4);
   look.renderer = *rc::gen::inRange(0, 3);
+  look.surfaces = *rc::gen::arbitrary<bool>();
   look.walks = *rc::gen::arbitrary<bool>();
   look.speed = 0.1 * *rc::gen::inRange(1, 50);
   if (*rc::gen::arbitrary<bool>())

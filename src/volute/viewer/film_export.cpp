@@ -24,14 +24,14 @@ double FilmOrder::timeOf(int frame) const {
   return std::min(begin + frame * speed / rate, end);
 }
 
-Result<std::unique_ptr<FilmExport>> FilmExport::begin(const FilmOrder& order) {
+Result<std::unique_ptr<FilmExport>> FilmExport::begin(const FilmOrder& order, bool hardware) {
   const bool good = order.width >= 16 && order.height >= 16 && order.width <= kLargestSide &&
                     order.height <= kLargestSide && order.rate > 0 && order.speed > 0 &&
                     order.end >= order.begin && (order.end - order.begin) / order.speed * order.rate < 1e6;
   if (!good)
     return fail(ErrorCode::kInvalidArgument, "{}: a film of {} x {} pixels from {:g} to {:g} s cannot be made",
                 order.target, order.width, order.height, order.begin, order.end);
-  VOLUTE_ASSIGN(auto picture, ViewPicture::create());
+  VOLUTE_ASSIGN(auto picture, ViewPicture::create(hardware));
   return std::unique_ptr<FilmExport>(new FilmExport(order, std::move(picture)));
 }
 
@@ -85,7 +85,7 @@ Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene, DisplayLo
       return {};
   }
   const PictureWish wish{order_.camera, order_.width,   order_.height,
-                         Quality::kFull, order_.renderer, false};
+                         Quality::kFull, order_.renderer, order_.surfaces, false};
   if (!drawing_)
     picture_.setScene(scene);
   drawing_ = true;

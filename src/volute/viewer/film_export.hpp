@@ -23,6 +23,7 @@ struct FilmOrder {
   double speed = 1;             ///< document seconds a film second
   ViewCamera camera;
   ViewRenderer renderer = ViewRenderer::kAuto;
+  bool surfaces = true;
 
   int frames() const;
   double timeOf(int frame) const;  ///< [s] of the document
@@ -32,7 +33,8 @@ struct FilmOrder {
 /// scenes of its times arrive, another one encodes. Needs the context that it was made in.
 class FilmExport {
  public:
-  [[nodiscard]] static Result<std::unique_ptr<FilmExport>> begin(const FilmOrder& order);
+  [[nodiscard]] static Result<std::unique_ptr<FilmExport>> begin(const FilmOrder& order,
+                                                                 bool hardware);
 
   /// Unless finished() said so, no file appears.
   ~FilmExport();

@@ -44,12 +44,14 @@ Result<bool> isCapture(const std::string& path) {
 
 }  // namespace
 
-OpenDocument documentOpener(std::uint64_t maxMemory) {
-  return [maxMemory](const std::string& path,
+OpenDocument documentOpener(std::uint64_t maxMemory, nlohmann::ordered_json smoke) {
+  if (smoke.is_null())
+    smoke = nlohmann::ordered_json::object();
+  return [maxMemory, smoke](const std::string& path,
                      Progress& progress) -> Result<std::unique_ptr<Document>> {
     VOLUTE_ASSIGN(const bool capture, isCapture(path));
     return capture ? CaptureDocument::open(path, maxMemory, progress)
-                   : SceneDocument::open(path, maxMemory, progress);
+                   : SceneDocument::open(path, smoke, maxMemory, progress);
   };
 }
 

@@ -53,6 +53,11 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   if (sliderDouble("view", fov, 10, 120, "%.0f degrees"))
     app.camera().setFov(fov);
   app.mark("view");
+  if (app.picture().scene() && app.picture().scene()->bare) {
+    ImGui::Checkbox("surfaces", &look.surfaces);
+    app.mark("surfaces");
+    hint("walls, ground and whatever else is opaque, signs apart");
+  }
   int mode = static_cast<int>(app.camera().mode());
   combo(app, "camera", mode, "orbit\0walk\0");
   app.camera().setMode(static_cast<ViewCamera::Mode>(mode));
@@ -80,11 +85,11 @@ void stationPart(ViewerApp& app) {
     if (ImGui::Button(station.name.c_str()))
       app.lookFrom(station.view);
     app.mark("look from " + station.name);
+    const bool last = &station == &app.document()->stations.back();
     ImGui::SameLine();
-    if (ImGui::GetCursorPosX() + 60 > right)
+    if (last || ImGui::GetCursorPosX() + 60 > right)
       ImGui::NewLine();
   }
-  ImGui::NewLine();
 }
 
 void savePart(ViewerApp& app) {
@@ -103,12 +108,12 @@ void timesPart(const ViewerApp& app) {
   if (times.history.empty())
     return;
   ImGui::Separator();
-  const std::string now =
-      fmt::format("{:.1f} ms, {} x {}", times.milliseconds, times.width, times.height);
   const float most = *std::ranges::max_element(times.history);
-  ImGui::PlotLines("##times", times.history.data(), static_cast<int>(times.history.size()), 0,
-                   now.c_str(), 0, 1.1F * most, {-1, 44});
-  wrappedText(times.processor ? "the processor" : app.device().renderer, true);
+  ImGui::PlotHistogram("##times", times.history.data(), static_cast<int>(times.history.size()), 0,
+                       nullptr, 0, 1.1F * most, {-1, 36});
+  wrappedText(fmt::format("{:.1f} ms for {} x {} pixels, {:.0f} ms at most", times.milliseconds,
+                          times.width, times.height, most));
+  wrappedText(times.processor ? "by the processor" : "by " + app.device().renderer, true);
 }
 
 }  // namespace

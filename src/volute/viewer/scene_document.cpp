@@ -97,18 +97,21 @@ Json vectorOf(const Vec3& v) {
 
 }  // namespace
 
-Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
+Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path, const Json& smoke,
                                                       std::uint64_t maxMemory,
                                                       Progress& progress) {
   std::unique_ptr<SceneDocument> document(new SceneDocument(path, maxMemory));
-  VOLUTE_TRY(document->readJsonOfScene(progress));
+  VOLUTE_TRY(document->readJsonOfScene(smoke, progress));
   return std::unique_ptr<Document>(std::move(document));
 }
 
-Status SceneDocument::readJsonOfScene(Progress& progress) {
+Status SceneDocument::readJsonOfScene(const Json& smoke, Progress& progress) {
   if (extensionOf(path_) != ".json") {
     file_ = path_ + ".json";
-    VOLUTE_TRY(load(sceneOfFile(progress), progress));
+    Json json = sceneOfFile(smoke);
+    const Json& medium = json["media"][0];
+    const bool search = medium["kind"] == "smoke" && !isSmvPath(path_) && !medium.contains("field");
+    VOLUTE_TRY(search ? loadMesh(std::move(json), progress) : load(std::move(json), progress));
     start_.reset();
     return {};
   }
@@ -118,8 +121,21 @@ Status SceneDocument::readJsonOfScene(Progress& progress) {
   return load(Json::parse(stream, nullptr, false), progress);
 }
 
+/// Of several fields the one with a usual name.
+Status SceneDocument::loadMesh(Json json, Progress& progress) {
+  const Status only = load(json, progress);
+  if (only || only.error().code == ErrorCode::kCancelled)
+    return only;
+  for (const char* name : {"smoke", "soot", "SOOT DENSITY", "soot_density", "extinction"}) {
+    json["media"][0]["field"] = name;
+    if (load(json, progress))
+      return {};
+  }
+  return only;
+}
+
 /// The scene that a single file stands for.
-Json SceneDocument::sceneOfFile(Progress& progress) {
+Json SceneDocument::sceneOfFile(const Json& smoke) {
   Json scene = {{"format", "volute-scene-1"},
                 {"camera", {{"eye", {0, -1, 0}}, {"target", {0, 0, 0}}, {"fov", 40}}}};
   const std::string name = std::filesystem::path(path_).filename().string();
@@ -128,7 +144,9 @@ Json SceneDocument::sceneOfFile(Progress& progress) {
     medium = {{"kind", "fog"},    {"map", name},      {"convert", "luma"},
               {"cell", 1.0},      {"sigma_max", 0.05}, {"degree", 2},
               {"profile", {{"kind", "slab"}, {"bottom", 0.0}, {"top", 10.0}}}};
-    progress.remark("cells of 1 m, 10 m high, 0.05 /m at most, unless you say otherwise");
+    guess_ = "cells of 1 m, 10 m high, 0.05 /m at most, unless you say otherwise";
+    // Against a dim sky fog is seen from all sides.
+    scene["background"] = {0.02, 0.03, 0.05};
   } else if (isSmvPath(path_) || isSmokeCase(path_)) {
     // Black or lit smoke before white: the picture is what passes of the light.
     scene["background"] = {1, 1, 1};
@@ -139,8 +157,10 @@ Json SceneDocument::sceneOfFile(Progress& progress) {
       medium["quantity"] = "soot-density";
       medium["unit"] = "kg/m3";
       medium["negatives"] = "clamp";
-      progress.remark("the field is taken for soot in kg/m3, unless you say otherwise");
+      if (!smoke.contains("quantity"))
+        guess_ = "the field is taken for soot in kg/m3, unless you say otherwise";
     }
+    medium.update(smoke);
   } else {
     medium = {{"kind", "volume"}, {"file", name}};
   }
@@ -252,6 +272,8 @@ Status SceneDocument::load(Json json, Progress& progress) {
   remarks_ = std::move(heard.said);
   for (const Medium& medium : media_)
     remarks_.insert(remarks_.end(), medium.remarks.begin(), medium.remarks.end());
+  if (!guess_.empty())
+    remarks_.push_back(guess_);
   if (scene_.camera.ortho)
     remarks_.push_back("the scene's parallel camera is shown as a pinhole");
   findExtent();

@@ -20,7 +20,9 @@ namespace volute {
 class SceneDocument final : public Document {
  public:
   /// @param maxMemory  [bytes]
+  /// @param smoke  members of a scene's smoke ("field", "quantity", "unit"), for a case alone
   [[nodiscard]] static Result<std::unique_ptr<Document>> open(const std::string& path,
+                                                              const nlohmann::ordered_json& smoke,
                                                               std::uint64_t maxMemory,
                                                               Progress& progress);
 
@@ -69,8 +71,9 @@ class SceneDocument final : public Document {
   SceneDocument(std::string path, std::uint64_t maxMemory)
       : path_(std::move(path)), maxMemory_(maxMemory) {}
 
-  Status readJsonOfScene(Progress& progress);
-  nlohmann::ordered_json sceneOfFile(Progress& progress);
+  Status readJsonOfScene(const nlohmann::ordered_json& smoke, Progress& progress);
+  nlohmann::ordered_json sceneOfFile(const nlohmann::ordered_json& smoke);
+  Status loadMesh(nlohmann::ordered_json json, Progress& progress);
   Status load(nlohmann::ordered_json json, Progress& progress);
   Result<std::vector<Medium>> mediaOf(const nlohmann::ordered_json& json,
                                       const SceneDescription& scene, bool lightsChanged,
@@ -110,6 +113,7 @@ class SceneDocument final : public Document {
   std::vector<double> times_{0.0};
   std::optional<StartView> start_;
   std::vector<std::string> remarks_;
+  std::string guess_;  ///< what a file alone was taken for
   std::shared_ptr<const ViewSurfaces> surfaces_;  ///< while nothing that lights them changes
 };
 

@@ -202,6 +202,13 @@ Result<ViewScene> SceneDocument::sceneAt(double time, bool coarse, Progress& pro
   scene.processor = [still](const Camera& camera, Progress& inner) {
     return still->picture(camera, inner);
   };
+  if (!still->geometry.empty()) {
+    auto bare = std::make_shared<Still>(*still);
+    bare->geometry = {};
+    scene.bare = [bare](const Camera& camera, Progress& inner) {
+      return bare->picture(camera, inner);
+    };
+  }
   return scene;
 }
 

@@ -139,8 +139,9 @@ void SurfaceDrawer::drawQuads(const std::vector<ViewQuad>& quads) {
   std::erase_if(kept_, [](const auto& entry) { return !entry.second.used; });
 }
 
-bool SurfaceDrawer::draw(const Camera& camera, const ViewScene& scene) {
-  const bool any = scene.surfaces || !scene.quads.empty();
+bool SurfaceDrawer::draw(const Camera& camera, const ViewScene& scene, bool surfaces) {
+  const bool triangles = surfaces && scene.surfaces;
+  const bool any = triangles || !scene.quads.empty();
   upload(scene.surfaces);
   if (!any)
     return false;
@@ -159,7 +160,7 @@ bool SurfaceDrawer::draw(const Camera& camera, const ViewScene& scene) {
   glClearNamedFramebufferfv(frame_.name(), GL_COLOR, 0, kNothing);
   glClearNamedFramebufferfv(frame_.name(), GL_COLOR, 1, kFar);
   glClearNamedFramebufferfv(frame_.name(), GL_DEPTH, 0, &kDepth);
-  if (scene.surfaces) {
+  if (triangles) {
     look(triangles_, camera);
     glBindVertexArray(corners_.name());
     glEnable(GL_CULL_FACE);

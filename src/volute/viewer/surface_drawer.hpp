@@ -19,7 +19,8 @@ class SurfaceDrawer {
   [[nodiscard]] static Result<SurfaceDrawer> create();
 
   /// Before a pinhole camera without a lens. True if the scene has anything opaque.
-  bool draw(const Camera& camera, const ViewScene& scene);
+  /// @param surfaces  false: its quads alone
+  bool draw(const Camera& camera, const ViewScene& scene, bool surfaces = true);
 
   /// Linear radiance and, in the fourth channel, ViewQuad::power; 0 where nothing is. Row 0 is the
   /// top. Of the last draw().

@@ -31,7 +31,8 @@ int pixels(double scale, int side) {
 }
 
 bool sameView(const PictureWish& a, const PictureWish& b) {
-  return a.camera == b.camera && a.width == b.width && a.height == b.height;
+  return a.camera == b.camera && a.width == b.width && a.height == b.height &&
+         a.surfaces == b.surfaces;
 }
 
 }  // namespace
@@ -46,11 +47,13 @@ ViewPicture::ViewPicture(GlRenderer renderer, SurfaceDrawer surfaces, Display di
   glTextureSubImage2D(blank_.name(), 0, 0, 0, 1, 1, GL_RGBA, GL_FLOAT, kNothing);
 }
 
-Result<ViewPicture> ViewPicture::create() {
+Result<ViewPicture> ViewPicture::create(bool hardware) {
   VOLUTE_ASSIGN(auto renderer, GlRenderer::create());
   VOLUTE_ASSIGN(auto surfaces, SurfaceDrawer::create());
   VOLUTE_ASSIGN(auto display, Display::create());
-  return ViewPicture(std::move(renderer), std::move(surfaces), std::move(display));
+  ViewPicture picture(std::move(renderer), std::move(surfaces), std::move(display));
+  picture.hardware_ = hardware;
+  return picture;
 }
 
 void ViewPicture::setScene(std::shared_ptr<const ViewScene> scene) {
@@ -62,7 +65,7 @@ void ViewPicture::setScene(std::shared_ptr<const ViewScene> scene) {
 bool ViewPicture::byProcessor(const PictureWish& wish) const {
   if (!scene_->processor || wish.renderer == ViewRenderer::kGl)
     return false;
-  return wish.renderer == ViewRenderer::kProcessor || !scene_->onlyProcessor.empty() ||
+  return wish.renderer == ViewRenderer::kProcessor || !hardware_ || !scene_->onlyProcessor.empty() ||
          !refused_.empty();
 }
 
@@ -88,7 +91,7 @@ Status ViewPicture::drawByGl(const PictureWish& wish, double scale) {
   const int width = pixels(scale, wish.width), height = pixels(scale, wish.height);
   const Camera camera = wish.camera.camera(width, height);
   const auto begun = std::chrono::steady_clock::now();
-  opaque_ = surfaces_.draw(camera, *scene_);
+  opaque_ = surfaces_.draw(camera, *scene_, wish.surfaces);
   Progress quiet;
   if (scene_->media.media() > 0) {
     const auto depth = opaque_ ? surfaces_.depth() : std::span<const float>();
@@ -158,7 +161,7 @@ Status ViewPicture::drawByProcessor(const PictureWish& wish) {
   }
   const Camera camera =
       wish.camera.camera(pixels(askedScale_, wish.width), pixels(askedScale_, wish.height));
-  processor_->request({scene_->processor, camera, asked_, askedScale_});
+  processor_->request({wish.surfaces || !scene_->bare ? scene_->processor : scene_->bare, camera, asked_, askedScale_});
   return {};
 }
 

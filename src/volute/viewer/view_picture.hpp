@@ -19,7 +19,7 @@ enum class Quality { kAuto, kFull, kHalf, kQuarter };
 
 /// Who draws it.
 enum class ViewRenderer {
-  kAuto,       ///< OpenGL where it can
+  kAuto,       ///< OpenGL on a graphics card, where it can; else the processor
   kGl,         ///< what it can, and nothing else
   kProcessor,  ///< as `volute render --renderer cpu`
 };
@@ -30,7 +30,8 @@ struct PictureWish {
   int width = 0, height = 0;  ///< [pixels] of the window
   Quality quality = Quality::kAuto;
   ViewRenderer renderer = ViewRenderer::kAuto;
-  bool moving = false;  ///< it changes soon: quick is better than fine
+  bool surfaces = true;  ///< opaque things are shown, signs and screens in any case
+  bool moving = false;   ///< it changes soon: quick is better than fine
 };
 
 /// What the last pictures took.
@@ -45,7 +46,8 @@ struct FrameTimes {
 /// own, coarse first. Needs the context that it was made in.
 class ViewPicture {
  public:
-  [[nodiscard]] static Result<ViewPicture> create();
+  /// @param hardware  OpenGL is a graphics card, not a rasteriser on the processor
+  [[nodiscard]] static Result<ViewPicture> create(bool hardware);
 
   void setScene(std::shared_ptr<const ViewScene> scene);
 
@@ -96,6 +98,7 @@ class ViewPicture {
   double scale_ = 0;       ///< of the window's pixels a side, of the picture that is shown; 0: none
   PictureWish drawn_;      ///< that the picture answers
   bool changed_ = true;    ///< another scene since
+  bool hardware_ = true;
   bool opaque_ = false;    ///< OpenGL's picture has surfaces
   bool processed_ = false;  ///< the processor took it
   int asked_ = 0;           ///< number of the wish that the processor works on

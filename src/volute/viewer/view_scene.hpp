@@ -48,6 +48,7 @@ struct ViewScene {
   std::vector<ViewQuad> quads{};
   std::vector<ViewLine> lines{};
   ProcessorPicture processor{};  ///< empty: there is none
+  ProcessorPicture bare{};       ///< the same without surfaces; empty: there are none
   /// What OpenGL cannot draw, as a sentence; empty: it draws all.
   std::string onlyProcessor{};
 };

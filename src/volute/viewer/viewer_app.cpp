@@ -46,7 +46,7 @@ ViewerApp::~ViewerApp() {
 
 Result<std::unique_ptr<ViewerApp>> ViewerApp::create(OpenDocument open) {
   VOLUTE_ASSIGN(auto device, currentGlDevice());
-  VOLUTE_ASSIGN(auto picture, ViewPicture::create());
+  VOLUTE_ASSIGN(auto picture, ViewPicture::create(device.hardware));
   return std::unique_ptr<ViewerApp>(
       new ViewerApp(std::move(open), std::move(device), std::move(picture)));
 }
@@ -232,8 +232,9 @@ void ViewerApp::beginFilm(const ViewerInput& input) {
   order.speed = timeline_.speed();
   order.camera = camera_;
   order.renderer = static_cast<ViewRenderer>(settings_.look.renderer);
+  order.surfaces = settings_.look.surfaces;
   timeline_.play(false);
-  auto film = FilmExport::begin(order);
+  auto film = FilmExport::begin(order, device_.hardware);
   if (film)
     film_ = std::move(*film);
   else
@@ -267,6 +268,7 @@ PictureWish ViewerApp::wish(const ViewerInput& input) const {
           input.height,
           static_cast<Quality>(settings_.look.quality),
           static_cast<ViewRenderer>(settings_.look.renderer),
+          settings_.look.surfaces,
           moving_};
 }
 
