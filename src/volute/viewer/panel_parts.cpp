@@ -61,6 +61,25 @@ bool nameBox(const char* label, std::string& name) {
   return true;
 }
 
+bool choiceBox(ViewerApp& app, const char* label, const std::string& mark,
+               std::span<const std::string> choices, int& chosen) {
+  const bool open = ImGui::BeginCombo(label, choices[static_cast<std::size_t>(chosen)].c_str());
+  app.mark(mark);
+  if (!open)
+    return false;
+  bool moved = false;
+  for (int i = 0; i < static_cast<int>(choices.size()); ++i) {
+    const std::string& choice = choices[static_cast<std::size_t>(i)];
+    if (ImGui::Selectable(choice.c_str(), i == chosen)) {
+      moved = i != chosen;
+      chosen = i;
+    }
+    app.mark(mark + " = " + choice);
+  }
+  ImGui::EndCombo();
+  return moved;
+}
+
 void hint(const std::string& text) {
   if (!text.empty() && ImGui::IsItemHovered() && !ImGui::IsItemActive())
     ImGui::SetTooltip("%s", text.c_str());

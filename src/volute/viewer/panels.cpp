@@ -36,9 +36,9 @@ void documentPart(const ViewerApp& app) {
   }
 }
 
-void combo(ViewerApp& app, const char* name, int& value, const char* choices) {
-  ImGui::Combo(name, &value, choices);
-  app.mark(name);
+void combo(ViewerApp& app, const char* name, int& value,
+           std::initializer_list<std::string> choices) {
+  choiceBox(app, name, name, std::span(choices.begin(), choices.size()), value);
 }
 
 void picturePart(ViewerApp& app, const ViewerInput& input) {
@@ -46,9 +46,9 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   sliderDouble("exposure", look.stops, -8, 8, "%+.1f stops");
   app.mark("exposure");
   if (app.document() && app.document()->grey)
-    combo(app, "colours", look.colors, "grey\0viridis\0inferno\0");
-  combo(app, "quality", look.quality, "automatic\0full\0half\0quarter\0");
-  combo(app, "renderer", look.renderer, "automatic\0OpenGL\0processor\0");
+    combo(app, "colours", look.colors, {"grey", "viridis", "inferno"});
+  combo(app, "quality", look.quality, {"automatic", "full", "half", "quarter"});
+  combo(app, "renderer", look.renderer, {"automatic", "OpenGL", "processor"});
   double fov = app.camera().fov();
   if (sliderDouble("view", fov, 10, 120, "%.0f degrees"))
     app.camera().setFov(fov);
@@ -59,7 +59,7 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
     hint("walls, ground and whatever else is opaque, signs apart");
   }
   int mode = static_cast<int>(app.camera().mode());
-  combo(app, "camera", mode, "orbit\0walk\0");
+  combo(app, "camera", mode, {"orbit", "walk"});
   app.camera().setMode(static_cast<ViewCamera::Mode>(mode));
   if (ImGui::Button("Whole view"))
     app.resetView(input.width, input.height);

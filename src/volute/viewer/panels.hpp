@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "volute/viewer/viewer_app.hpp"
@@ -33,6 +34,11 @@ bool sliderDouble(const char* label, double& value, double least, double most, c
 
 /// A name that can be edited. True when it was changed.
 bool nameBox(const char* label, std::string& name);
+
+/// A list of which one is chosen; each is marked as "MARK = CHOICE" while the list is open. True
+/// when another one was.
+bool choiceBox(ViewerApp& app, const char* label, const std::string& mark,
+               std::span<const std::string> choices, int& chosen);
 
 /// A remark that appears over the control that was drawn last.
 void hint(const std::string& text);

@@ -52,21 +52,6 @@ bool colorControl(ViewerApp& app, const Parameter& parameter, std::vector<double
   return moved;
 }
 
-bool choiceControl(const Parameter& parameter, std::vector<double>& value) {
-  const auto held = static_cast<std::size_t>(value.front());
-  bool moved = false;
-  if (!ImGui::BeginCombo(parameter.name.c_str(), parameter.choices[held].c_str()))
-    return false;
-  for (std::size_t i = 0; i < parameter.choices.size(); ++i) {
-    if (ImGui::Selectable(parameter.choices[i].c_str(), i == held)) {
-      value.front() = static_cast<double>(i);
-      moved = i != held;
-    }
-  }
-  ImGui::EndCombo();
-  return moved;
-}
-
 std::string formatOf(const Parameter& parameter) {
   const std::string digits = parameter.most >= 1000 ? "%.0f" : "%.3g";
   std::string unit = parameter.unit.empty() ? "" : " " + parameter.unit;
@@ -98,9 +83,12 @@ bool control(ViewerApp& app, const Parameter& parameter, std::vector<double>& va
       value.front() = on ? 1 : 0;
       break;
     }
-    case Parameter::Kind::kChoice:
-      moved = choiceControl(parameter, value);
-      break;
+    case Parameter::Kind::kChoice: {
+      int chosen = static_cast<int>(value.front());
+      moved = choiceBox(app, name, parameter.path, parameter.choices, chosen);
+      value.front() = chosen;
+      return moved;
+    }
     case Parameter::Kind::kPoint:
       moved = ImGui::DragScalarN(name, ImGuiDataType_Double, value.data(), 3, 0.02F, nullptr,
                                  nullptr, "%.2f");

@@ -157,7 +157,7 @@ Json SceneDocument::sceneOfFile(const Json& smoke) {
       medium["quantity"] = "soot-density";
       medium["unit"] = "kg/m3";
       medium["negatives"] = "clamp";
-      if (!smoke.contains("quantity"))
+      if (!smoke.contains("quantity") && !smoke.contains("unit"))
         guess_ = "the field is taken for soot in kg/m3, unless you say otherwise";
     }
     medium.update(smoke);

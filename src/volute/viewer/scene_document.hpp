@@ -92,7 +92,7 @@ class SceneDocument final : public Document {
                                                         Progress& progress) const;
   Status addVolume(Medium& medium, double time, bool coarse, Progress& progress, ViewScene& scene,
                    Still& still);
-  void addFog(const Medium& medium, double time, ViewScene& scene, Still& still) const;
+  Status addFog(const Medium& medium, double time, ViewScene& scene, Still& still) const;
   Status addSmoke(Medium& medium, double time, Progress& progress, ViewScene& scene, Still& still);
   Status addFds(const Medium& medium, double time, ViewScene& scene, Still& still,
                 TriangleMesh& buildings) const;

@@ -93,8 +93,8 @@ Status SceneDocument::addVolume(Medium& medium, double time, bool coarse, Progre
   return {};
 }
 
-void SceneDocument::addFog(const Medium& medium, double time, ViewScene& scene,
-                           Still& still) const {
+Status SceneDocument::addFog(const Medium& medium, double time, ViewScene& scene,
+                             Still& still) const {
   const FogLayer layer = medium.painted ? medium.fog->withMap(*medium.painted) : *medium.fog;
   FogMedium fog = layer.fogAt(time);
   if (layer.sunlit())
@@ -110,10 +110,16 @@ void SceneDocument::addFog(const Medium& medium, double time, ViewScene& scene,
     fog = fog.withCoefficients(coefficients);
   }
   scene.media.fogs.push_back(std::move(fog));
+  if (layer.sunlit()) {  // the same for all cameras, and slow to make
+    VOLUTE_ASSIGN(auto lit, layer.mediumAt(time, Camera::framing(bounds_, 8, 8)));
+    still.media.push_back(seenBy(still.law, std::move(lit)));
+    return {};
+  }
   still.viewed.push_back([layer, time, law = still.law](const Camera& camera) -> Result<AnyMedium> {
     VOLUTE_ASSIGN(auto medium, layer.mediumAt(time, camera));
     return seenBy(law, std::move(medium));
   });
+  return {};
 }
 
 Status SceneDocument::addSmoke(Medium& medium, double time, Progress& progress, ViewScene& scene,
@@ -186,7 +192,7 @@ Result<ViewScene> SceneDocument::sceneAt(double time, bool coarse, Progress& pro
     if (medium.volume)
       VOLUTE_TRY(addVolume(medium, time, coarse, progress, scene, *still));
     if (medium.fog)
-      addFog(medium, time, scene, *still);
+      VOLUTE_TRY(addFog(medium, time, scene, *still));
     if (medium.smoke)
       VOLUTE_TRY(addSmoke(medium, time, progress, scene, *still));
     if (medium.fds)

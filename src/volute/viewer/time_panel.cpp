@@ -30,9 +30,8 @@ void filmPart(ViewerApp& app, const ViewerInput& input) {
   hint("a .mp4 or .webm of the whole time, from where you look, at this speed");
   ImGui::SameLine();
   ImGui::SetNextItemWidth(110);
-  ImGui::Combo("##size", &app.settings().filmSize,
-               "640 x 360\0001280 x 720\0001920 x 1080\0window\0");
-  app.mark("film size");
+  static const std::string kSizes[] = {"640 x 360", "1280 x 720", "1920 x 1080", "window"};
+  choiceBox(app, "##size", "film size", kSizes, app.settings().filmSize);
 }
 
 }  // namespace
