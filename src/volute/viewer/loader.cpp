@@ -163,8 +163,13 @@ bool Loader::openNow(const std::string& path) {
   reporter.report("opening", 0, 0);
   std::vector<Watched> watched = look({path});
   auto document = open_(path, reporter);
-  if (document)
+  std::optional<DocumentInfo> info;
+  if (document) {
     watched = look((*document)->files());
+    document_ = std::move(*document);
+    ++openedCount_;
+    info = describe();  // before the lock: the window never waits for it
+  }
   const std::lock_guard lock(mutex_);
   path_ = path;
   watched_ = std::move(watched);
@@ -173,10 +178,8 @@ bool Loader::openNow(const std::string& path) {
       state_.error = document.error().message;
     return false;
   }
-  document_ = std::move(*document);
   state_.error.clear();
-  ++openedCount_;
-  opened_ = describe();
+  opened_ = std::move(info);
   loaded_.reset();
   return true;
 }
@@ -187,9 +190,10 @@ void Loader::changeNow(const DocumentChange& what) {
   Reporter reporter(*this);
   auto done = what(*document_, reporter);
   auto watched = look(document_->files());  // what it wrote itself is no news
+  DocumentInfo info = describe();
   const std::lock_guard lock(mutex_);
   watched_ = std::move(watched);
-  opened_ = describe();
+  opened_ = std::move(info);
   if (!done) {
     state_.error = done.error().message;
     return;
