@@ -8,7 +8,7 @@ import re
 import schema
 import support
 
-SOURCES = ("scene_file", "scene_lights", "scene_geometry", "scene_smoke", "fds_look", "scene_signs", "fog_file")
+SOURCES = ("scene_file", "scene_lights", "scene_look", "scene_geometry", "scene_smoke", "fds_look", "scene_signs", "fog_file")
 
 
 def objects(node, name="scene"):

@@ -1,64 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "volute/cli/render_job.hpp"
 #include "volute/scene/smoke_walls.hpp"
+#include "volute/scene/surface_stack.hpp"
 
 // The part of a RenderJob that smoke, surfaces and signs have.
 
 namespace volute::cli {
 namespace {
-
-/// All that is opaque, the nearest in each pixel; empty: nothing is.
-class Surfaces {
- public:
-  Surfaces(const Camera& camera, const Rgb& background)
-      : camera_(camera), background_(background) {}
-
-  void add(const SurfaceView& view) {
-    begin();
-    for (std::size_t i = 0; i < depth_.size(); ++i) {
-      if (view.depth[i] < depth_[i])
-        set(i, view.depth[i], &view.color.pixels[3 * i]);
-    }
-  }
-
-  /// Signs are opaque, but seen through a law of their own: what they send is not added here.
-  void add(std::span<const SignPixel> signs) {
-    constexpr float kDark[3] = {};
-    if (!signs.empty())
-      begin();
-    for (const SignPixel& sign : signs)
-      set(static_cast<std::size_t>(sign.pixel), sign.distance, kDark);
-  }
-
-  std::span<const float> depth() const { return depth_; }
-
-  const Image* color() const { return depth_.empty() ? nullptr : &color_; }
-
- private:
-  void begin() {
-    if (!depth_.empty())
-      return;
-    color_ = Image(camera_.width(), camera_.height(), 3);
-    depth_.assign(color_.pixels.size() / 3, std::numeric_limits<float>::infinity());
-    for (std::size_t i = 0; i < color_.pixels.size(); ++i)
-      color_.pixels[i] = static_cast<float>(background_[static_cast<Eigen::Index>(i % 3)]);
-  }
-
-  void set(std::size_t pixel, float depth, const float* color) {
-    depth_[pixel] = depth;
-    std::copy_n(color, 3, &color_.pixels[3 * pixel]);
-  }
-
-  const Camera& camera_;
-  Rgb background_;
-  std::vector<float> depth_;
-  Image color_;
-};
 
 /// Of a picture of a contour.
 PictureText textOfContour(const SmokeContour& contour, bool legend, double time) {
@@ -106,7 +57,7 @@ Result<Image> RenderJob::pictureWithSmoke(double time, std::span<const AnyMedium
   }
   if (contour)
     return lookAtContour(camera, states, *contour);
-  Surfaces surfaces(camera, options.background);
+  SurfaceStack surfaces(camera, options.background);
   if (!geometry.empty()) {
     glSubject.smokes = states;
     VOLUTE_ASSIGN(const auto view, viewOfGeometry(others, states, progress));

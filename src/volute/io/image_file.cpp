@@ -82,4 +82,14 @@ Status writeImage(const std::filesystem::path& path, const Image& image, const I
               "{}: cannot write this kind of picture; expected .png or .exr", path.string());
 }
 
+Status writeMap(const std::filesystem::path& path, const Image& map) {
+  VOLUTE_TRY(checkImageSize(path, map.width, map.height, map.channels, ~std::uint64_t{0}));
+  if (path.extension() == ".png")
+    return writePngMap(path, map);
+  if (path.extension() == ".exr")
+    return writeExr(path, map, {});
+  return fail(ErrorCode::kUnsupported, "{}: cannot write this kind of map; expected .png or .exr",
+              path.string());
+}
+
 }  // namespace volute

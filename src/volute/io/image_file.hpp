@@ -44,4 +44,8 @@ using ImageNotes = std::vector<std::pair<std::string, std::string>>;
 [[nodiscard]] Status writeImage(const std::filesystem::path& path, const Image& image,
                                 const ImageNotes& notes = {});
 
+/// Writes values 0..1 as they stand, as readImage() with `raw` reads them: a .png (16 bits, linear,
+/// clamped to 0..1) or a .exr (float32).
+[[nodiscard]] Status writeMap(const std::filesystem::path& path, const Image& map);
+
 }  // namespace volute

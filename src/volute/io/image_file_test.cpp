@@ -41,6 +41,20 @@ RC_GTEST_PROP(Png, ReadsWhatItWritesTo8Bits, ()) {
   RC_ASSERT(toSrgb8(*read) == toSrgb8(written));
 }
 
+TEST(Png, MapsKeep16Bits) {
+  const TempFolder folder;
+  Image map(7, 5, 1);
+  for (std::size_t i = 0; i < map.pixels.size(); ++i)
+    map.pixels[i] = static_cast<float>(i * i) / 1157.0F;
+  ASSERT_TRUE(writeMap(folder / "map.png", map).has_value());
+  const auto read = readImage(folder / "map.png", {.raw = true});
+  ASSERT_TRUE(read.has_value());
+  ASSERT_EQ(read->channels, 1);
+  for (std::size_t i = 0; i < map.pixels.size(); ++i)
+    EXPECT_NEAR(read->pixels[i], map.pixels[i], 0.5 / 65535 + 1e-7);
+  EXPECT_FALSE(writeMap(folder / "map.jpg", map).has_value());
+}
+
 TEST(Png, RawValuesAreNotDecoded) {
   const TempFolder folder;
   Image image(2, 1, 1);

@@ -13,6 +13,7 @@ namespace volute {
                                                         const ImageReadOptions& options);
 [[nodiscard]] Status writePng(const std::filesystem::path& path, const Image& image,
                               const ImageNotes& notes);
+[[nodiscard]] Status writePngMap(const std::filesystem::path& path, const Image& map);
 [[nodiscard]] Result<ImageNotes> readPngNotes(const std::filesystem::path& path);
 [[nodiscard]] Result<Image> readExr(const std::filesystem::path& path,
                                     const ImageReadOptions& options);

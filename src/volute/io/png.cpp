@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <png.h>
 
+#include <algorithm>
+#include <cmath>
 #include <csetjmp>
 #include <cstring>
 #include <string>
@@ -123,18 +125,22 @@ Image toImage(const PngState& state, bool raw) {
   return image;
 }
 
-bool encodePng(png_structp png, png_infop info, const Image& image, std::vector<png_text>& texts,
-               PngState& state) {
+/// 16 bits are taken for linear values.
+bool encodePng(png_structp png, png_infop info, std::vector<png_text>& texts, PngState& state) {
   if (setjmp(png_jmpbuf(png)))
     return false;
   png_set_write_fn(png, &state, onWrite, nullptr);
-  png_set_IHDR(png, info, state.width, state.height, 8,
-               image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+  png_set_IHDR(png, info, state.width, state.height, state.bits,
+               state.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  if (state.bits == 8)
+    png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  else
+    png_set_gAMA(png, info, 1.0);
   if (!texts.empty())
     png_set_text(png, info, texts.data(), static_cast<int>(texts.size()));
   png_write_info(png, info);
+  png_set_swap(png);  // 16 bits in our byte order
   png_write_image(png, state.rows.data());
   png_write_end(png, info);
   return true;
@@ -204,12 +210,10 @@ Result<ImageNotes> readPngNotes(const std::filesystem::path& path) {
   return std::move(state.notes);
 }
 
-Status writePng(const std::filesystem::path& path, const Image& image, const ImageNotes& notes) {
-  PngState state;
-  state.width = static_cast<png_uint_32>(image.width);
-  state.height = static_cast<png_uint_32>(image.height);
-  state.pixels = toSrgb8(image);
-  layOutRows(state, std::size_t{state.width} * image.channels);
+namespace {
+
+/// Writes what is laid out in `state`.
+Status writePngState(const std::filesystem::path& path, PngState& state, const ImageNotes& notes) {
   // libpng takes names and texts that it promises not to change.
   std::vector<png_text> texts;
   for (const auto& [name, text] : notes) {
@@ -221,13 +225,44 @@ Status writePng(const std::filesystem::path& path, const Image& image, const Ima
   }
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &state, onError, onWarning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
-  const bool encoded = info && encodePng(png, info, image, texts, state);
+  const bool encoded = info && encodePng(png, info, texts, state);
   png_destroy_write_struct(&png, &info);
   if (!encoded)
     return fail(ErrorCode::kIo, "{}: cannot encode the picture: {}", path.string(), state.message);
   VOLUTE_ASSIGN(auto file, OutputFile::create(path));
   VOLUTE_TRY(file.write(state.written));
   return file.commit();
+}
+
+PngState stateOf(const Image& image, int bits) {
+  PngState state;
+  state.width = static_cast<png_uint_32>(image.width);
+  state.height = static_cast<png_uint_32>(image.height);
+  state.channels = image.channels;
+  state.bits = bits;
+  return state;
+}
+
+}  // namespace
+
+Status writePng(const std::filesystem::path& path, const Image& image, const ImageNotes& notes) {
+  PngState state = stateOf(image, 8);
+  state.pixels = toSrgb8(image);
+  layOutRows(state, std::size_t{state.width} * image.channels);
+  return writePngState(path, state, notes);
+}
+
+Status writePngMap(const std::filesystem::path& path, const Image& map) {
+  constexpr double kLargest = 65535;
+  PngState state = stateOf(map, 16);
+  state.pixels.resize(2 * map.pixels.size());
+  for (std::size_t i = 0; i < map.pixels.size(); ++i) {
+    const auto value = static_cast<std::uint16_t>(
+        std::lround(kLargest * std::clamp<double>(map.pixels[i], 0, 1)));
+    std::memcpy(&state.pixels[2 * i], &value, sizeof value);
+  }
+  layOutRows(state, 2 * std::size_t{state.width} * map.channels);
+  return writePngState(path, state, {});
 }
 
 }  // namespace volute

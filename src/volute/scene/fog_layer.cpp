@@ -151,6 +151,13 @@ double FogLayer::timeOf(int position) const {
   return (times_[position] - description_.clock.offset) / description_.clock.rate;
 }
 
+FogLayer FogLayer::withMap(std::span<const double> coefficients) const {
+  FogLayer layer = *this;
+  layer.still_ = std::make_shared<const FogMedium>(
+      (still_ ? *still_ : sequence_->at(times_.front())).withCoefficients(coefficients));
+  return layer;
+}
+
 FogMedium FogLayer::fogAt(double time) const {
   // The wind is the scene's: it blows on where a loop begins again.
   const Vec3 blown = time * description_.wind;

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "volute/camera/camera.hpp"
@@ -37,6 +38,9 @@ class FogLayer {
 
   /// Whether suns light it.
   bool sunlit() const { return !suns_.empty(); }
+
+  /// The same with another map of the same size [1/m], at all times.
+  FogLayer withMap(std::span<const double> coefficients) const;
 
   /// How many maps there are.
   int frames() const { return static_cast<int>(times_.size()); }

@@ -66,11 +66,15 @@ Status checkOneLaw(const std::vector<SmokeDescription>& others, const SmokeDescr
 
 Result<SceneDescription> readScene(const std::string& file) {
   VOLUTE_ASSIGN(const auto json, readJson(file));
+  return parseScene(json, file);
+}
+
+Result<SceneDescription> parseScene(const Json& json, const std::string& file) {
   if (!json.is_object() || !json.contains("format") || json["format"] != "volute-scene-1") {
     return fail(ErrorCode::kInvalidData, "{}: /format: expected \"volute-scene-1\"", file);
   }
-  constexpr std::string_view kNames[] = {"format",   "camera", "background", "lights",
-                                         "geometry", "media",  "signs",      "billboards"};
+  constexpr std::string_view kNames[] = {"format", "camera", "background", "lights", "geometry",
+                                         "media",  "signs",  "billboards", "view"};
   VOLUTE_TRY(Members(json, file, "").check(kNames));
   if (!json.contains("camera"))
     return fail(ErrorCode::kInvalidData, "{}: /camera is missing", file);
@@ -88,6 +92,9 @@ Result<SceneDescription> readScene(const std::string& file) {
   }
   if (json.contains("billboards")) {
     VOLUTE_ASSIGN(scene.billboards, parseBillboards(json["billboards"], file, "/billboards"));
+  }
+  if (json.contains("view")) {
+    VOLUTE_ASSIGN(scene.look, parseLook(json["view"], file, "/view"));
   }
   if (json.contains("signs")) {
     VOLUTE_ASSIGN(scene.signs, parseSigns(json["signs"], file, "/signs"));

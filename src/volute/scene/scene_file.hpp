@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +11,7 @@
 #include "volute/scene/fog_file.hpp"
 #include "volute/scene/scene_geometry.hpp"
 #include "volute/scene/scene_lights.hpp"
+#include "volute/scene/scene_look.hpp"
 #include "volute/scene/scene_signs.hpp"
 #include "volute/scene/scene_smoke.hpp"
 #include "volute/scene/volume_layer.hpp"
@@ -33,10 +36,15 @@ struct SceneDescription {
   std::vector<Sign> signs;
   std::vector<SceneGeometry> geometry;
   std::vector<SceneBillboard> billboards;
+  std::optional<SceneLook> look;  ///< for the viewer
 };
 
 /// Errors name the file and the path inside it, names that are unknown included. kUnsupported for
 /// transforms that shear a volume.
 [[nodiscard]] Result<SceneDescription> readScene(const std::string& file);
+
+/// The same from what such a file holds, or would hold.
+[[nodiscard]] Result<SceneDescription> parseScene(const nlohmann::json& json,
+                                                  const std::string& file);
 
 }  // namespace volute

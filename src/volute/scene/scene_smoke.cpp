@@ -133,10 +133,10 @@ tl::expected<void, SmokeObjection> takeWords(SmokeDescription& smoke, const Smok
 Result<SmokeDescription> parseSmoke(const Json& json, const std::string& file,
                                     const std::string& path) {
   constexpr std::string_view kNames[] = {
-      "kind",    "case",     "field",      "density_field", "quantity", "unit",
-      "scale",   "material", "burning",    "soot_yield",    "C",        "mass_extinction",
-      "mode",    "albedo",   "time",       "negatives",     "walls",    "fire",
-      "devices", "slice",    "slice_range"};
+      "kind",    "case",     "field",       "density_field",  "quantity", "unit",
+      "scale",   "material", "burning",     "soot_yield",     "C",        "mass_extinction",
+      "mode",    "albedo",   "time",        "negatives",      "walls",    "fire",
+      "devices", "slice",    "slice_range", "smoke_potential"};
   const Members members(json, file, path);
   VOLUTE_TRY(members.check(kNames));
   SmokeDescription smoke;
@@ -148,6 +148,10 @@ Result<SmokeDescription> parseSmoke(const Json& json, const std::string& file,
   VOLUTE_TRY(members.number("scale", smoke.model.scale));
   VOLUTE_TRY(members.number("mass_extinction", smoke.model.massExtinction));
   VOLUTE_TRY(members.number("soot_yield", smoke.model.sootYield));
+  if (members.has("smoke_potential")) {
+    smoke.model.smokePotential = 0;
+    VOLUTE_TRY(members.number("smoke_potential", *smoke.model.smokePotential));
+  }
   VOLUTE_TRY(members.color("albedo", smoke.albedo, 1));
   VOLUTE_TRY(parseNegatives(members, file, smoke));
   VOLUTE_TRY(parseWalls(members, file, smoke));
@@ -157,6 +161,10 @@ Result<SmokeDescription> parseSmoke(const Json& json, const std::string& file,
                   members.where(name));
   }
   VOLUTE_ASSIGN(smoke.fds, parseFdsLook(json, file, path));
+  if (members.has("smoke_potential") && members.has("material")) {
+    return fail(ErrorCode::kInvalidData, "{}: {}: the material has one already; leave one out",
+                file, members.where("smoke_potential"));
+  }
   if (members.has("time")) {
     VOLUTE_ASSIGN(smoke.clock, parseClock(members.at("time"), file, members.where("time")));
   }

@@ -14,7 +14,7 @@ extern const char* const kDisplay;
 namespace {
 
 constexpr int kColors = 256;
-constexpr int kPictureUnit = 0, kColorsUnit = 1;
+constexpr int kPictureUnit = 0, kColorsUnit = 1, kSurfacesUnit = 2;
 
 void fillColors(GLuint texture, ColorMap map) {
   std::vector<float> texels;
@@ -58,6 +58,9 @@ void Display::draw(GLuint picture, const DisplayLook& look, int width, int heigh
   program_.set("background", Vec3(look.background));
   program_.set("exposure", static_cast<float>(look.exposure));
   program_.set("mapped", look.map ? 1 : 0);
+  program_.set("surfaces", kSurfacesUnit);
+  program_.set("opaque", look.surfaces ? 1 : 0);
+  glBindTextureUnit(kSurfacesUnit, look.surfaces);  // not smoothed: its power has edges
   glBindTextureUnit(kPictureUnit, picture);
   glBindTextureUnit(kColorsUnit, colors_.name());
   glBindSampler(kPictureUnit, smooth_.name());

@@ -14,9 +14,10 @@ struct DisplayLook {
   double exposure = 1;
   std::optional<ColorMap> map;  ///< of the first channel, 0..1 after the exposure
   Rgb background = Rgb::Zero();
+  GLuint surfaces = 0;  ///< SurfaceDrawer's; 0: there are none
 };
 
-/// Draws a GlRenderer's texture into the framebuffer that is bound.
+/// Draws a GlRenderer's texture, and the surfaces behind it, into the framebuffer that is bound.
 class Display {
  public:
   [[nodiscard]] static Result<Display> create();

@@ -11,8 +11,11 @@
 
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
-#include "volute/gl/gl_scene.hpp"
+#include "volute/fog/fog_medium.hpp"
 #include "volute/math/box.hpp"
+#include "volute/scene/scene_look.hpp"
+#include "volute/viewer/parameter.hpp"
+#include "volute/viewer/view_scene.hpp"
 
 namespace volute {
 
@@ -24,8 +27,27 @@ struct StartView {
   double fov = 40;  ///< vertical [degrees]
 };
 
+/// How a person looks at a document.
+using ViewLook = SceneLook;
+
+/// A fog whose map can be painted.
+struct FogCanvas {
+  std::string name;  ///< of the map's file
+  std::string file;  ///< the map's
+  double most = 1;   ///< [1/m], the extinction of a pixel of value 1
+  std::optional<FogMedium> fog{};  ///< as it is at 0 s, painted or not
+  Vec3 wind = Vec3::Zero();        ///< [m/s]
+  bool unsaved = false;            ///< it was painted, and no file has it yet
+};
+
+/// A camera of a capture.
+struct ViewStation {
+  std::string name;
+  StartView view;
+};
+
 /// A file that the viewer shows. Only the loader's thread calls it, one call at a time, once it is
-/// open; what it says of itself does not change.
+/// open; what it says of itself changes with set() alone.
 class Document {
  public:
   virtual ~Document() = default;
@@ -35,13 +57,27 @@ class Document {
   virtual std::vector<double> times() const = 0;  ///< [s] when frames begin; one at least
   virtual bool grey() const = 0;                  ///< one channel: colour maps apply
 
+  /// What is seen is as bright as it says: no exposure is looked for.
+  virtual bool measured() const { return false; }
+
   virtual std::optional<StartView> startView() const { return std::nullopt; }
+
+  virtual std::optional<ViewLook> look() const { return std::nullopt; }
 
   virtual Rgb background() const { return Rgb::Zero(); }
 
   virtual std::vector<std::string> remarks() const { return {}; }  ///< what is not shown
 
   virtual std::vector<std::filesystem::path> files() const = 0;  ///< to be watched
+
+  virtual std::vector<Parameter> parameters() const { return {}; }
+
+  virtual std::vector<FogCanvas> canvases() const { return {}; }
+
+  virtual std::vector<ViewStation> stations() const { return {}; }
+
+  /// Where save() would go unless a person says otherwise.
+  virtual std::string sceneName() const { return ""; }
 
   /// Whether a coarse scene at this time is there much sooner than the fine one.
   virtual bool coarseHelps(double time) const {
@@ -50,7 +86,34 @@ class Document {
   }
 
   /// The media at a time [s].
-  [[nodiscard]] virtual Result<GlScene> sceneAt(double time, bool coarse, Progress& progress) = 0;
+  [[nodiscard]] virtual Result<ViewScene> sceneAt(double time, bool coarse, Progress& progress) = 0;
+
+  /// Changes one of parameters(). An error leaves all as it was.
+  [[nodiscard]] virtual Status set(const std::string& path, const std::vector<double>& value,
+                                   Progress& progress) {
+    (void)value, (void)progress;
+    return fail(ErrorCode::kUnsupported, "{} cannot be changed", path);
+  }
+
+  /// Replaces the map of one of canvases() until it is saved or the document closed [1/m].
+  [[nodiscard]] virtual Status setFogMap(std::size_t canvas, std::vector<double> coefficients) {
+    (void)canvas, (void)coefficients;
+    return fail(ErrorCode::kUnsupported, "there is no map of fog");
+  }
+
+  /// Writes a scene file that shows this document as it is now.
+  [[nodiscard]] virtual Status save(const std::string& target, const StartView& view,
+                                    const ViewLook& look) {
+    (void)view, (void)look;
+    return fail(ErrorCode::kUnsupported, "{}: this document cannot be saved", target);
+  }
+
+  /// Writes the map of a canvas: a picture of 0..1.
+  [[nodiscard]] virtual Status saveFogMap(std::size_t canvas, const std::string& target,
+                                          const Image& map) {
+    (void)canvas, (void)map;
+    return fail(ErrorCode::kUnsupported, "{}: there is no map of fog", target);
+  }
 };
 
 using OpenDocument =

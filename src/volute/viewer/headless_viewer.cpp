@@ -5,6 +5,8 @@
 #include <chrono>
 #include <thread>
 
+#include "volute/viewer/shown_picture.hpp"
+
 namespace volute {
 
 Result<std::unique_ptr<HeadlessViewer>> HeadlessViewer::create(OpenDocument open) {
@@ -38,6 +40,8 @@ Status HeadlessViewer::settle(ViewerInput input, Progress& progress) {
       return fail(ErrorCode::kCancelled, "stopped while loading");
     VOLUTE_TRY(frame(input));
     input.pressed.clear();
+    input.typed.clear();
+    input.dropped.clear();
     if (app_->settled()) {
       --more;
       continue;
@@ -51,7 +55,7 @@ Status HeadlessViewer::settle(ViewerInput input, Progress& progress) {
 
 Image HeadlessViewer::picture() const {
   glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
-  return ViewerApp::shownPicture(width_, height_);
+  return shownPicture(width_, height_);
 }
 
 Result<Image> viewerScreenshot(OpenDocument open, const std::string& path, double time, int width,

@@ -80,6 +80,15 @@ void Loader::watch() {
   }
 }
 
+void Loader::change(const std::string& key, DocumentChange what) {
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(wantedChanges_, [&](const auto& waiting) { return waiting.first == key; });
+    wantedChanges_.emplace_back(key, std::move(what));
+  }
+  wake_.notify_all();
+}
+
 LoaderState Loader::state() const {
   const std::lock_guard lock(mutex_);
   return state_;
@@ -87,7 +96,7 @@ LoaderState Loader::state() const {
 
 bool Loader::idle() const {
   const std::lock_guard lock(mutex_);
-  return !working_ && !wantedPath_ && !wantedTime_;
+  return !working_ && !wantedPath_ && !wantedTime_ && wantedChanges_.empty();
 }
 
 std::optional<DocumentInfo> Loader::takeDocument() {
@@ -110,32 +119,56 @@ bool Loader::overtaken() const {
 void Loader::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    wake_.wait(lock, [&] { return ends_ || wantedPath_ || wantedTime_; });
+    wake_.wait(lock,
+               [&] { return ends_ || wantedPath_ || wantedTime_ || !wantedChanges_.empty(); });
     if (ends_)
       return;
     const auto path = std::exchange(wantedPath_, std::nullopt);
-    const auto time = std::exchange(wantedTime_, std::nullopt);
+    auto time = std::exchange(wantedTime_, std::nullopt);
+    if (path)
+      wantedChanges_.clear();  // they were meant for what was open
+    const auto changes = std::exchange(wantedChanges_, {});
+    if (!changes.empty() && !time)
+      time = time_;
     working_ = true;
     state_.busy = true;
     lock.unlock();
     const bool opened = !path || openNow(*path);
+    for (const auto& [key, what] : changes) changeNow(what);
     if (opened && time && document_ && !overtaken())
       loadNow(*time);
     lock.lock();
     working_ = false;
-    state_.busy = wantedPath_ || wantedTime_;
+    state_.busy = wantedPath_ || wantedTime_ || !wantedChanges_.empty();
   }
+}
+
+std::vector<Loader::Watched> Loader::look(const std::vector<std::filesystem::path>& files) {
+  std::vector<Watched> watched;
+  for (const auto& file : files) watched.push_back({file, changedAt(file)});
+  return watched;
+}
+
+DocumentInfo Loader::describe() const {
+  return {document_->title(),      document_->bounds(),   document_->times(),
+          document_->grey(),       document_->measured(), document_->startView(), document_->background(),
+          document_->remarks(),    document_->look(),     document_->parameters(),
+          document_->canvases(),   document_->stations(), document_->sceneName(),
+          openedCount_};
 }
 
 /// False, with the error noted, when it stays with what was open.
 bool Loader::openNow(const std::string& path) {
   Reporter reporter(*this);
   reporter.report("opening", 0, 0);
-  std::vector<Watched> watched{{path, changedAt(path)}};
+  std::vector<Watched> watched = look({path});
   auto document = open_(path, reporter);
+  std::optional<DocumentInfo> info;
   if (document) {
-    watched.clear();
-    for (const auto& file : (*document)->files()) watched.push_back({file, changedAt(file)});
+    watched = look((*document)->files());
+    document_ = std::move(*document);
+    ++openedCount_;
+    info = describe();  // before the lock: the window never waits for it
   }
   const std::lock_guard lock(mutex_);
   path_ = path;
@@ -145,13 +178,29 @@ bool Loader::openNow(const std::string& path) {
       state_.error = document.error().message;
     return false;
   }
-  document_ = std::move(*document);
   state_.error.clear();
-  opened_ = DocumentInfo{document_->title(),  document_->bounds(),    document_->times(),
-                         document_->grey(),   document_->startView(), document_->background(),
-                         document_->remarks()};
+  opened_ = std::move(info);
   loaded_.reset();
   return true;
+}
+
+void Loader::changeNow(const DocumentChange& what) {
+  if (!document_)
+    return;
+  Reporter reporter(*this);
+  auto done = what(*document_, reporter);
+  auto watched = look(document_->files());  // what it wrote itself is no news
+  DocumentInfo info = describe();
+  const std::lock_guard lock(mutex_);
+  watched_ = std::move(watched);
+  opened_ = std::move(info);
+  if (!done) {
+    state_.error = done.error().message;
+    return;
+  }
+  state_.error.clear();
+  if (!done->empty())
+    state_.message = std::move(*done);
 }
 
 void Loader::loadNow(double time) {
@@ -166,13 +215,15 @@ void Loader::loadNow(double time) {
     deliver(document_->sceneAt(time, false, reporter), time, false);
 }
 
-void Loader::deliver(Result<GlScene> scene, double time, bool coarse) {
+void Loader::deliver(Result<ViewScene> scene, double time, bool coarse) {
   const std::lock_guard lock(mutex_);
   if (scene) {
-    loaded_ = LoadedScene{std::move(*scene), time, coarse};
-    state_.error.clear();
+    loaded_ = LoadedScene{std::make_shared<const ViewScene>(std::move(*scene)), time, coarse};
+    if (std::exchange(errorIsOfScene_, false))
+      state_.error.clear();
   } else if (scene.error().code != ErrorCode::kCancelled) {
     state_.error = scene.error().message;
+    errorIsOfScene_ = true;
   }
 }
 

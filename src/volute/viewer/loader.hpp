@@ -8,6 +8,8 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "volute/viewer/document.hpp"
 
@@ -18,12 +20,13 @@ struct LoaderState {
   bool busy = false;
   std::string stage;  ///< what it does
   double share = 0;   ///< 0..1; negative when nobody knows
-  std::string error;  ///< the last one, until something succeeds
+  std::string error;    ///< the last one, until something succeeds
+  std::string message;  ///< what was done last
 };
 
 /// What it has loaded.
 struct LoadedScene {
-  GlScene scene;
+  std::shared_ptr<const ViewScene> scene;
   double time = 0;
   bool coarse = false;
 };
@@ -33,11 +36,21 @@ struct DocumentInfo {
   std::string title;
   Box3 bounds;
   std::vector<double> times;
-  bool grey = false;
+  bool grey = false, measured = false;
   std::optional<StartView> startView;
   Rgb background = Rgb::Zero();
   std::vector<std::string> remarks;
+  std::optional<ViewLook> look;
+  std::vector<Parameter> parameters;
+  std::vector<FogCanvas> canvases;
+  std::vector<ViewStation> stations;
+  std::string sceneName;
+  int opened = 0;  ///< how many documents were opened before; the same after a change
 };
+
+/// Something to be done with the document that is open. Says in a sentence what was done, or
+/// nothing.
+using DocumentChange = std::function<Result<std::string>(Document&, Progress&)>;
 
 /// Opens documents and their instants in a thread of its own, so that the picture never waits.
 /// Requests that are overtaken by newer ones are dropped, the one that runs is cancelled.
@@ -57,6 +70,10 @@ class Loader {
 
   /// Loads another instant; the newest request counts.
   void request(double time);
+
+  /// Does this with the document, then loads its instant again. Changes run in order; one that has
+  /// not begun is replaced by a newer one of the same key.
+  void change(const std::string& key, DocumentChange what);
 
   LoaderState state() const;
 
@@ -80,7 +97,10 @@ class Loader {
   void work();
   bool openNow(const std::string& path);
   void loadNow(double time);
-  void deliver(Result<GlScene> scene, double time, bool coarse);
+  void changeNow(const DocumentChange& what);
+  DocumentInfo describe() const;
+  static std::vector<Watched> look(const std::vector<std::filesystem::path>& files);
+  void deliver(Result<ViewScene> scene, double time, bool coarse);
   bool overtaken() const;
 
   OpenDocument open_;
@@ -91,8 +111,11 @@ class Loader {
   bool ends_ = false;
   std::optional<std::string> wantedPath_;
   std::optional<double> wantedTime_;
+  std::vector<std::pair<std::string, DocumentChange>> wantedChanges_;
+  int openedCount_ = 0;
   bool working_ = false;
   LoaderState state_;
+  bool errorIsOfScene_ = false;  ///< it goes when the next instant is there
   std::optional<DocumentInfo> opened_;
   std::optional<LoadedScene> loaded_;
   std::string path_;

@@ -1,154 +1,180 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include "volute/viewer/panels.hpp"
+
 #include <imgui.h>
 
 #include <algorithm>
-#include <filesystem>
-
-#include "volute/viewer/viewer_app.hpp"
 
 namespace volute {
 namespace {
 
-constexpr float kMargin = 10;
 constexpr float kWidth = 300;
-
-void text(const std::string& line) {
-  ImGui::TextUnformatted(line.c_str());
-}
+constexpr float kLabels = 96;  ///< [pixels] that are left for names
 
 void documentPart(const ViewerApp& app) {
-  if (const DocumentInfo* document = app.document()) {
-    ImGui::PushTextWrapPos(0);
-    text(document->title);
-    for (const std::string& remark : document->remarks) ImGui::TextDisabled("%s", remark.c_str());
-    ImGui::PopTextWrapPos();
-  }
+  if (const DocumentInfo* document = app.document())
+    wrappedText(document->title);
+  else if (!app.loading().busy)
+    wrappedText("Drop a file here to open it.", true);
   if (app.loading().busy) {
     const double share = app.loading().share;
     ImGui::ProgressBar(share < 0 ? 0.0F : static_cast<float>(share), {-1, 0},
-                       share < 0 ? app.loading().stage.c_str() : nullptr);
+                       app.loading().stage.c_str());
   }
   if (!app.error().empty()) {
-    ImGui::PushTextWrapPos(0);
-    ImGui::TextColored({1, 0.5F, 0.4F, 1}, "%s", app.error().c_str());
-    ImGui::PopTextWrapPos();
+    ImGui::PushStyleColor(ImGuiCol_Text, {1, 0.5F, 0.4F, 1});
+    wrappedText(app.error());
+    ImGui::PopStyleColor();
   }
   if (!app.message().empty())
-    text(app.message());
+    wrappedText(app.message());
+  if (!app.picture().remark().empty())
+    wrappedText(app.picture().remark(), true);
+  if (const DocumentInfo* document = app.document()) {
+    for (const std::string& remark : document->remarks) wrappedText(remark, true);
+  }
+}
+
+void combo(ViewerApp& app, const char* name, int& value,
+           std::initializer_list<std::string> choices) {
+  choiceBox(app, name, name, std::span(choices.begin(), choices.size()), value);
 }
 
 void picturePart(ViewerApp& app, const ViewerInput& input) {
-  ViewerSettings& settings = app.settings();
-  auto stops = static_cast<float>(settings.stops);
-  if (ImGui::SliderFloat("exposure", &stops, -8, 8, "%+.1f stops"))
-    settings.stops = stops;
+  ViewLook& look = app.settings().look;
+  sliderDouble("exposure", look.stops, -8, 8, "%+.1f stops");
+  app.mark("exposure");
   if (app.document() && app.document()->grey)
-    ImGui::Combo("colours", &settings.map, "grey\0viridis\0inferno\0");
-  int quality = static_cast<int>(settings.quality);
-  if (ImGui::Combo("quality", &quality, "automatic\0full\0half\0quarter\0"))
-    settings.quality = static_cast<Quality>(quality);
-  auto fov = static_cast<float>(app.camera().fov());
-  if (ImGui::SliderFloat("view", &fov, 10, 120, "%.0f degrees"))
+    combo(app, "colours", look.colors, {"grey", "viridis", "inferno"});
+  combo(app, "quality", look.quality, {"automatic", "full", "half", "quarter"});
+  combo(app, "renderer", look.renderer, {"automatic", "OpenGL", "processor"});
+  double fov = app.camera().fov();
+  if (sliderDouble("view", fov, 10, 120, "%.0f degrees"))
     app.camera().setFov(fov);
+  app.mark("view");
+  if (app.picture().scene() && app.picture().scene()->bare) {
+    ImGui::Checkbox("surfaces", &look.surfaces);
+    app.mark("surfaces");
+    hint("walls, ground and whatever else is opaque, signs apart");
+  }
   int mode = static_cast<int>(app.camera().mode());
-  if (ImGui::Combo("camera", &mode, "orbit\0walk\0"))
-    app.camera().setMode(static_cast<ViewCamera::Mode>(mode));
+  combo(app, "camera", mode, {"orbit", "walk"});
+  app.camera().setMode(static_cast<ViewCamera::Mode>(mode));
   if (ImGui::Button("Whole view"))
     app.resetView(input.width, input.height);
+  app.mark("Whole view");
+  ImGui::SameLine();
+  if (ImGui::Button("Screenshot"))
+    app.wishScreenshot();
+  app.mark("Screenshot");
+  ImGui::SameLine();
+  if (ImGui::Button("Help"))
+    app.settings().help = !app.settings().help;
+  app.mark("Help");
+}
+
+/// The cameras of a capture.
+void stationPart(ViewerApp& app) {
+  if (!app.document() || app.document()->stations.empty())
+    return;
+  ImGui::Separator();
+  ImGui::TextUnformatted("look from");
+  const float right = ImGui::GetContentRegionMax().x;
+  for (const ViewStation& station : app.document()->stations) {
+    if (ImGui::Button(station.name.c_str()))
+      app.lookFrom(station.view);
+    app.mark("look from " + station.name);
+    const bool last = &station == &app.document()->stations.back();
+    ImGui::SameLine();
+    if (last || ImGui::GetCursorPosX() + 60 > right)
+      ImGui::NewLine();
+  }
+}
+
+void savePart(ViewerApp& app) {
+  if (!app.document() || app.document()->sceneName.empty())
+    return;
+  ImGui::Separator();
+  nameBox("scene", app.settings().sceneName);
+  app.mark("scene");
+  if (ImGui::Button("Save scene"))
+    app.saveScene();
+  app.mark("Save scene");
 }
 
 void timesPart(const ViewerApp& app) {
   const FrameTimes& times = app.times();
   if (times.history.empty())
     return;
-  const std::string now =
-      fmt::format("{:.1f} ms, {} x {}", times.milliseconds, times.width, times.height);
+  ImGui::Separator();
   const float most = *std::ranges::max_element(times.history);
-  ImGui::PlotLines("##times", times.history.data(), static_cast<int>(times.history.size()), 0,
-                   now.c_str(), 0, 1.1F * most, {-1, 48});
-  ImGui::TextDisabled("%s", app.device().renderer.c_str());
+  ImGui::PlotHistogram("##times", times.history.data(), static_cast<int>(times.history.size()), 0,
+                       nullptr, 0, 1.1F * most, {-1, 36});
+  wrappedText(fmt::format("{:.1f} ms for {} x {} pixels, {:.0f} ms at most", times.milliseconds,
+                          times.width, times.height, most));
+  wrappedText(times.processor ? "by the processor" : "by " + app.device().renderer, true);
 }
 
-void timelinePanel(ViewerApp& app, const ViewerInput& input) {
-  Timeline& timeline = app.timeline();
-  if (!timeline.moves())
-    return;
-  const float height = 66;
-  ImGui::SetNextWindowPos({kMargin, static_cast<float>(input.height) - height - kMargin});
-  ImGui::SetNextWindowSize({static_cast<float>(input.width) - 2 * kMargin, height});
-  ImGui::Begin("Time", nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
-  if (ImGui::Button(timeline.playing() ? "Pause" : "Play", {60, 0}))
-    timeline.play(!timeline.playing());
-  ImGui::SameLine();
-  if (ImGui::Button("<"))
-    timeline.step(-1);
-  ImGui::SameLine();
-  if (ImGui::Button(">"))
-    timeline.step(1);
-  ImGui::SameLine();
-  ImGui::SetNextItemWidth(150);
-  auto speed = static_cast<float>(timeline.speed());
-  if (ImGui::SliderFloat("##speed", &speed, 0.1F, 4, "%.2f x speed", ImGuiSliderFlags_Logarithmic))
-    timeline.setSpeed(speed);
-  ImGui::SameLine();
-  text(fmt::format("frame {} of {}", timeline.frame() + 1, timeline.frames()));
-  auto time = static_cast<float>(timeline.time());
-  ImGui::SetNextItemWidth(-1);
-  if (ImGui::SliderFloat("##time", &time, static_cast<float>(timeline.first()),
-                         static_cast<float>(timeline.last()), "%.2f s"))
-    timeline.seek(time);
-  ImGui::End();
-}
+}  // namespace
 
-void helpPanel(ViewerApp& app, const ViewerInput& input) {
+void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
   if (!app.settings().help)
     return;
   ImGui::SetNextWindowPos(
       {0.5F * static_cast<float>(input.width), 0.45F * static_cast<float>(input.height)}, 0,
       {0.5F, 0.5F});
   ImGui::Begin("Help", &app.settings().help,
-               ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
-  constexpr const char* kLines[][2] = {{"left mouse", "turn"},
-                                       {"right mouse, Shift", "move across"},
+               ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
+                   ImGuiWindowFlags_NoSavedSettings);
+  constexpr const char* kLines[][2] = {{"left mouse", "turn; paint, where fog is painted"},
+                                       {"right mouse", "move across; turn, while painting"},
+                                       {"middle, Shift", "move across"},
                                        {"wheel", "nearer, farther"},
                                        {"M", "orbit or walk"},
-                                       {"W A S D, Q E", "walk, down and up"},
+                                       {"W A S D, Q E", "walk, down and up; Shift: faster"},
                                        {"F", "see all"},
                                        {"Space", "play"},
                                        {"Left, Right", "one frame"},
                                        {"Home, End", "first, last frame"},
                                        {"+  -", "exposure"},
+                                       {"Ctrl Z, Ctrl Y", "undo and redo what was painted"},
+                                       {"Ctrl S", "save the scene"},
+                                       {"Ctrl click", "write a slider's number"},
                                        {"F12", "screenshot"},
                                        {"H", "hide the panels"},
+                                       {"Escape", "no painting, no help"},
                                        {"F1", "this"},
                                        {"drop a file", "open it"}};
   for (const auto& [keys, meaning] : kLines) {
     ImGui::TextDisabled("%s", keys);
-    ImGui::SameLine(170);
+    ImGui::SameLine(150);
     ImGui::TextUnformatted(meaning);
   }
   ImGui::End();
 }
 
-}  // namespace
-
 void drawPanels(ViewerApp& app, const ViewerInput& input) {
-  helpPanel(app, input);
+  drawOverlay(app, input);
+  drawHelpPanel(app, input);
   if (!app.settings().panels)
     return;
-  ImGui::SetNextWindowPos({kMargin, kMargin}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({kWidth, 0});
+  ImGui::SetNextWindowPos({kPanelMargin, kPanelMargin}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSizeConstraints({kWidth, 0},
+                                      {kWidth, static_cast<float>(input.height) - 96});
   ImGui::Begin("Volute", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  ImGui::PushItemWidth(-kLabels);
   documentPart(app);
   ImGui::Separator();
   picturePart(app, input);
-  ImGui::Separator();
+  stationPart(app);
+  savePart(app);
   timesPart(app);
-  ImGui::TextDisabled("F1: help");
+  ImGui::PopItemWidth();
   ImGui::End();
-  timelinePanel(app, input);
+  drawParameterPanel(app, input);
+  drawPaintPanel(app, input);
+  drawTimePanel(app, input);
 }
 
 }  // namespace volute

@@ -35,6 +35,8 @@ class ViewCamera {
 
   Camera camera(int width, int height) const;
 
+  StartView view() const { return {eye_, target(), Vec3::UnitZ(), fov_}; }
+
   bool operator==(const ViewCamera&) const = default;
 
   Vec3 eye() const { return eye_; }

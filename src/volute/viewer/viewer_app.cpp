@@ -6,51 +6,36 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
+#include "volute/viewer/panels.hpp"
 
 namespace volute {
 namespace {
 
-constexpr double kQuick = 0.04;        ///< [s] that a picture may take while something moves
-constexpr double kCoarsest = 1.0 / 8;  ///< of the window's pixels a side
-constexpr std::size_t kHistory = 90;
 constexpr double kHeldTime = 1e-9;
 
-/// Hands the input to Dear ImGui.
-void feed(const ViewerInput& input) {
-  ImGuiIO& io = ImGui::GetIO();
-  io.DisplaySize = {static_cast<float>(input.width), static_cast<float>(input.height)};
-  io.DeltaTime = static_cast<float>(std::max(input.seconds, 1e-4));
-  io.MousePos = {static_cast<float>(input.mouseX), static_cast<float>(input.mouseY)};
-  for (int i = 0; i < 3; ++i) io.MouseDown[i] = input.buttons[i];
-  io.MouseWheel = static_cast<float>(input.wheel);
-  io.KeyShift = input.shift;
-}
-
-double scaleOf(Quality quality) {
-  switch (quality) {
-    case Quality::kHalf:
-      return 0.5;
-    case Quality::kQuarter:
-      return 0.25;
-    default:
-      return 1;
-  }
-}
+/// Keys that ImGui edits text with.
+constexpr std::pair<Key, ImGuiKey_> kTextKeys[] = {
+    {Key::kLeft, ImGuiKey_LeftArrow}, {Key::kRight, ImGuiKey_RightArrow},
+    {Key::kHome, ImGuiKey_Home},      {Key::kEnd, ImGuiKey_End},
+    {Key::kDelete, ImGuiKey_Delete},  {Key::kBackspace, ImGuiKey_Backspace},
+    {Key::kEnter, ImGuiKey_Enter},    {Key::kEscape, ImGuiKey_Escape},
+    {Key::kA, ImGuiKey_A}};
 
 }  // namespace
 
-ViewerApp::ViewerApp(OpenDocument open, GlDevice device, GlRenderer renderer, Display display)
-    : device_(std::move(device)),
-      renderer_(std::move(renderer)),
-      display_(std::move(display)),
-      loader_(std::move(open)) {
+ViewerApp::ViewerApp(OpenDocument open, GlDevice device, ViewPicture picture)
+    : device_(std::move(device)), picture_(std::move(picture)), loader_(std::move(open)) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
-  ImGui::GetIO().IniFilename = nullptr;
-  ImGui::StyleColorsDark();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;
+  for (const auto& [key, theirs] : kTextKeys) io.KeyMap[theirs] = static_cast<int>(key);
+  styleControls();
   ImGui_ImplOpenGL3_Init("#version 450");
 }
 
@@ -61,17 +46,25 @@ ViewerApp::~ViewerApp() {
 
 Result<std::unique_ptr<ViewerApp>> ViewerApp::create(OpenDocument open) {
   VOLUTE_ASSIGN(auto device, currentGlDevice());
-  VOLUTE_ASSIGN(auto renderer, GlRenderer::create());
-  VOLUTE_ASSIGN(auto display, Display::create());
+  VOLUTE_ASSIGN(auto picture, ViewPicture::create(device.hardware));
   return std::unique_ptr<ViewerApp>(
-      new ViewerApp(std::move(open), std::move(device), std::move(renderer), std::move(display)));
+      new ViewerApp(std::move(open), std::move(device), std::move(picture)));
 }
 
 void ViewerApp::open(const std::string& path, double time) {
   viewSet_ = exposureFound_ = false;
+  film_.reset();
+  paint_.drop();
+  settings_.painting = false;
   timeline_.setTimes({time});
+  timeline_.seek(time);
   requested_ = time;
+  message_.clear();
   loader_.open(path, time);
+}
+
+void ViewerApp::lookFrom(const StartView& view) {
+  camera_.set(view);
 }
 
 void ViewerApp::resetView(int width, int height) {
@@ -81,227 +74,264 @@ void ViewerApp::resetView(int width, int height) {
     camera_.set(*document_->startView);
   else
     camera_.frame(document_->bounds, width, height);
-  changed_ = true;
+}
+
+void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
+  const bool another = !document_ || document_->opened != opened.opened;
+  document_ = std::move(opened);
+  for (Parameter& parameter : document_->parameters) {
+    if (const auto waiting = pending_.find(parameter.path); waiting != pending_.end())
+      parameter.value = waiting->second;
+  }
+  if (document_->canvases.empty()) {
+    paint_.drop();
+    settings_.painting = false;
+  } else {
+    const std::size_t number = std::min(paint_.number(), document_->canvases.size() - 1);
+    paint_.take(document_->canvases[number], number, document_->opened);
+    planStale_ = true;
+    if (settings_.mapName.empty() || another)
+      settings_.mapName = paint_.canvas().file;
+    if (paint_.takeUnsent())
+      sendMap();
+  }
+  if (!another)
+    return;
+  const double time = timeline_.time();
+  timeline_.setTimes(document_->times);
+  timeline_.seek(std::max(time, requested_));
+  settings_.sceneName = document_->sceneName;
+  if (viewSet_)
+    return;
+  resetView(input.width, input.height);
+  viewSet_ = true;
+  if (!document_->look)
+    return;
+  settings_.look = *document_->look;
+  camera_.setMode(settings_.look.walks ? ViewCamera::Mode::kWalk : ViewCamera::Mode::kOrbit);
+  timeline_.setSpeed(settings_.look.speed);
+  if (requested_ == 0 && settings_.look.time)
+    timeline_.seek(*settings_.look.time);
 }
 
 void ViewerApp::takeLoaded(const ViewerInput& input) {
   loader_.watch();
   loading_ = loader_.state();
   error_ = loading_.error;
-  if (auto opened = loader_.takeDocument()) {
-    document_ = std::move(*opened);
-    const double time = timeline_.time();
-    timeline_.setTimes(document_->times);
-    timeline_.seek(std::max(time, requested_));
-    if (!viewSet_)
-      resetView(input.width, input.height);
-    viewSet_ = true;
-  }
+  if (loading_.message != lastMessage_)
+    message_ = lastMessage_ = loading_.message;
+  if (loader_.idle())
+    pending_.clear();
+  if (auto opened = loader_.takeDocument())
+    takeDocument(std::move(*opened), input);
   if (auto loaded = loader_.takeScene()) {
     scene_ = std::move(*loaded);
-    changed_ = true;
+    picture_.setScene(scene_->scene);
   }
 }
 
-void ViewerApp::keys(const ViewerInput& input) {
-  for (const Key key : input.pressed) {
-    switch (key) {
-      case Key::kSpace:
-        timeline_.play(!timeline_.playing());
-        break;
-      case Key::kLeft:
-        timeline_.step(-1);
-        break;
-      case Key::kRight:
-        timeline_.step(1);
-        break;
-      case Key::kHome:
-        timeline_.seek(timeline_.first());
-        break;
-      case Key::kEnd:
-        timeline_.seek(timeline_.last());
-        break;
-      case Key::kPlus:
-        settings_.stops += 0.5;
-        break;
-      case Key::kMinus:
-        settings_.stops -= 0.5;
-        break;
-      case Key::kF1:
-        settings_.help = !settings_.help;
-        break;
-      case Key::kF12:
-        screenshotWish_ = true;
-        break;
-      case Key::kH:
-        settings_.panels = !settings_.panels;
-        break;
-      case Key::kF:
-        resetView(input.width, input.height);
-        break;
-      case Key::kEscape:
-        settings_.help = false;
-        break;
-      case Key::kM:
-        camera_.setMode(camera_.mode() == ViewCamera::Mode::kOrbit ? ViewCamera::Mode::kWalk
-                                                                   : ViewCamera::Mode::kOrbit);
-        break;
-      default:
-        break;
-    }
+void ViewerApp::setParameter(const Parameter& parameter, const std::vector<double>& value) {
+  pending_[parameter.path] = value;
+  for (Parameter& held : document_->parameters) {
+    if (held.path == parameter.path)
+      held.value = value;
   }
+  loader_.change("set " + parameter.path,
+                 [path = parameter.path, value](Document& document,
+                                                Progress& progress) -> Result<std::string> {
+                   VOLUTE_TRY(document.set(path, value, progress));
+                   return "";
+                 });
 }
 
-/// The camera follows the mouse where no panel does, and the keys when it walks.
-void ViewerApp::control(const ViewerInput& input) {
-  const double dx = input.mouseX - lastX_, dy = input.mouseY - lastY_;
-  lastX_ = input.mouseX, lastY_ = input.mouseY;
-  const bool held = input.buttons[0] || input.buttons[1] || input.buttons[2];
-  const bool ours = !ImGui::GetIO().WantCaptureMouse;
-  if (held && dragging_ && (dx != 0 || dy != 0)) {
-    if (input.buttons[0] && !input.shift)
-      camera_.drag(dx, dy);
-    else
-      camera_.pan(dx, dy, input.height);
-    changed_ = moving_ = true;
-  }
-  dragging_ = held && (dragging_ || ours);
-  if (input.wheel != 0 && ours) {
-    camera_.zoom(input.wheel);
-    changed_ = moving_ = true;
-  }
-  if (camera_.mode() != ViewCamera::Mode::kWalk)
+StartView ViewerApp::startView() const {
+  return camera_.view();
+}
+
+void ViewerApp::saveScene() {
+  ViewLook look = settings_.look;
+  look.speed = timeline_.speed();
+  look.walks = camera_.mode() == ViewCamera::Mode::kWalk;
+  look.time = timeline_.time();
+  loader_.change("save scene",
+                 [target = settings_.sceneName, view = startView(), look](
+                     Document& document, Progress&) -> Result<std::string> {
+                   VOLUTE_TRY(document.save(target, view, look));
+                   return target + " is written";
+                 });
+}
+
+void ViewerApp::saveMap() {
+  if (!paint_.has())
     return;
-  const auto axis = [&](Key forth, Key back) {
-    return double(input.held.count(forth)) - double(input.held.count(back));
-  };
-  const double pace = input.seconds * (input.shift ? 1.0 : 0.25) * camera_.distance();
-  const double ahead = axis(Key::kW, Key::kS), aside = axis(Key::kD, Key::kA),
-               up = axis(Key::kE, Key::kQ);
-  if (ahead != 0 || aside != 0 || up != 0) {
-    camera_.walk(pace * ahead, pace * aside, pace * up);
-    changed_ = moving_ = true;
-  }
+  sendMap();
+  paint_.painter().markSaved();
+  loader_.change("save map",
+                 [target = settings_.mapName, number = paint_.number(),
+                  map = paint_.painter().picture()](Document& document,
+                                                    Progress&) -> Result<std::string> {
+                   VOLUTE_TRY(document.saveFogMap(number, target, map));
+                   return target + " is written";
+                 });
 }
 
-/// While something moves, as fine as is quick; then as fine as it gets.
-double ViewerApp::wantedScale(const ViewerInput& input) const {
-  const double finest = scaleOf(settings_.quality);
-  if (!moving_ || settings_.quality == Quality::kFull)
-    return finest;
-  const double pixels = static_cast<double>(input.width) * input.height;
-  return std::clamp(std::sqrt(kQuick / (secondsAPixel_ * pixels)), kCoarsest, finest);
+void ViewerApp::sendMap() {
+  planStale_ = true;
+  loader_.change(fmt::format("map {}", paint_.number()),
+                 [number = paint_.number(), map = paint_.painter().coefficients().c](
+                     Document& document, Progress&) -> Result<std::string> {
+                   VOLUTE_TRY(document.setFogMap(number, map));
+                   return "";
+                 });
+}
+
+void ViewerApp::undoPainting() {
+  if (paint_.has() && paint_.painter().undo())
+    sendMap();
+}
+
+void ViewerApp::redoPainting() {
+  if (paint_.has() && paint_.painter().redo())
+    sendMap();
+}
+
+GLuint ViewerApp::planTexture() {
+  if (!planStale_)
+    return plan_.name();
+  planStale_ = false;
+  const Image map = paint_.painter().picture();
+  if (map.width != planWidth_ || map.height != planHeight_)
+    plan_ = makeTexture2d(GL_RGBA8, map.width, map.height);
+  planWidth_ = map.width, planHeight_ = map.height;
+  constexpr int kColors = 256;
+  std::array<std::array<std::uint8_t, 4>, kColors> colors{};
+  for (int i = 0; i < kColors; ++i) {
+    const Rgb color = displayColor(ColorMap::kViridis, i / (kColors - 1.0));
+    for (int c = 0; c < 3; ++c)
+      colors[i][c] = static_cast<std::uint8_t>(std::lround(255 * color[c]));
+    colors[i][3] = 255;
+  }
+  std::vector<std::uint8_t> texels;
+  for (const float value : map.pixels) {
+    const auto& color = colors[std::lround((kColors - 1) * std::clamp(value, 0.0F, 1.0F))];
+    texels.insert(texels.end(), color.begin(), color.end());
+  }
+  glTextureSubImage2D(plan_.name(), 0, 0, 0, map.width, map.height, GL_RGBA, GL_UNSIGNED_BYTE,
+                      texels.data());
+  return plan_.name();
+}
+
+void ViewerApp::beginFilm(const ViewerInput& input) {
+  constexpr int kSizes[][2] = {{640, 360}, {1280, 720}, {1920, 1080}};
+  FilmOrder order;
+  order.target = settings_.filmName;
+  order.width = input.width, order.height = input.height;
+  if (settings_.filmSize < 3)
+    order.width = kSizes[settings_.filmSize][0], order.height = kSizes[settings_.filmSize][1];
+  order.begin = timeline_.first(), order.end = timeline_.last();
+  order.speed = timeline_.speed();
+  order.camera = camera_;
+  order.renderer = static_cast<ViewRenderer>(settings_.look.renderer);
+  order.surfaces = settings_.look.surfaces;
+  timeline_.play(false);
+  auto film = FilmExport::begin(order, device_.hardware);
+  if (film)
+    film_ = std::move(*film);
+  else
+    message_ = film.error().message;
+}
+
+/// The film's time is the timeline's while it is made.
+void ViewerApp::goOnWithFilm() {
+  if (!film_)
+    return;
+  if (film_->finished()) {
+    message_ = film_->order().target + " is written";
+    film_.reset();
+    return;
+  }
+  const auto wanted = film_->wantedTime();
+  if (wanted)
+    timeline_.seek(*wanted);
+  const bool there = wanted && scene_ && !scene_->coarse &&
+                     std::abs(scene_->time - *wanted) < kHeldTime;
+  const Status done = film_->step(there ? scene_->scene : nullptr, displayLook());
+  if (done)
+    return;
+  message_ = done.error().message;
+  film_.reset();
+}
+
+PictureWish ViewerApp::wish(const ViewerInput& input) const {
+  return {camera_,
+          input.width,
+          input.height,
+          static_cast<Quality>(settings_.look.quality),
+          static_cast<ViewRenderer>(settings_.look.renderer),
+          settings_.look.surfaces,
+          moving_};
+}
+
+DisplayLook ViewerApp::displayLook() const {
+  DisplayLook look;
+  look.exposure = exposure_ * std::exp2(settings_.look.stops);
+  look.background = document_ ? document_->background : Rgb(Rgb::Zero());
+  if (document_ && document_->grey && settings_.look.colors > 0)
+    look.map = settings_.look.colors == 1 ? ColorMap::kViridis : ColorMap::kInferno;
+  return look;
 }
 
 Status ViewerApp::drawPicture(const ViewerInput& input) {
-  const double scale = wantedScale(input);
-  const bool resized = input.width != drawnWidth_ || input.height != drawnHeight_;
-  const bool turned = !(camera_ == drawnFrom_);
-  if (!scene_ || (!changed_ && !turned && !resized && drawnScale_ == scale))
-    return {};
-  const int width = std::max(8, static_cast<int>(std::lround(scale * input.width)));
-  const int height = std::max(8, static_cast<int>(std::lround(scale * input.height)));
-  Progress quiet;
-  const Status drawn =
-      renderer_.draw(camera_.camera(width, height), scene_->scene, GlQuantity::kLight, quiet);
-  changed_ = false;
-  drawnFrom_ = camera_;
-  drawnScale_ = scale;
-  drawnWidth_ = input.width, drawnHeight_ = input.height;
+  const Status drawn = picture_.update(wish(input));
   if (!drawn) {
     error_ = drawn.error().message;
     scene_.reset();
-    return {};
   }
-  for (const GlPassTime& pass : renderer_.takePasses()) {
-    if (pass.name != "march")
-      continue;
-    times_.milliseconds = pass.milliseconds;
-    secondsAPixel_ = 1e-3 * pass.milliseconds / (static_cast<double>(width) * height);
+  if (!exposureFound_ && document_ && scene_ && !scene_->coarse && picture_.settled(wish(input))) {
+    exposure_ = document_->measured ? 1 : suggestExposure(picture_.light(document_->background));
+    exposureFound_ = true;
   }
-  times_.width = width, times_.height = height;
-  times_.history.push_back(static_cast<float>(times_.milliseconds));
-  if (times_.history.size() > kHistory)
-    times_.history.erase(times_.history.begin());
-  if (!exposureFound_ && !scene_->coarse)
-    findExposure();
   return {};
 }
 
-void ViewerApp::findExposure() {
-  GLint width = 0, height = 0;
-  glGetTextureLevelParameteriv(renderer_.texture(), 0, GL_TEXTURE_WIDTH, &width);
-  glGetTextureLevelParameteriv(renderer_.texture(), 0, GL_TEXTURE_HEIGHT, &height);
-  std::vector<float> texels(4 * static_cast<std::size_t>(width) * height);
-  glGetTextureImage(renderer_.texture(), 0, GL_RGBA, GL_FLOAT,
-                    static_cast<GLsizei>(texels.size() * sizeof(float)), texels.data());
-  Image image(width, height);
-  const Rgb background = document_ ? document_->background : Rgb(Rgb::Zero());
-  for (std::size_t i = 0; i < texels.size() / 4; ++i) {
-    for (int c = 0; c < 3; ++c)
-      image.pixels[3 * i + c] =
-          static_cast<float>(texels[4 * i + c] + std::exp(-texels[4 * i + 3]) * background[c]);
-  }
-  exposure_ = suggestExposure(image);
-  exposureFound_ = true;
-}
-
 Status ViewerApp::frame(const ViewerInput& input) {
+  GLint target = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
+  seen_ = input;
   if (!input.dropped.empty())
     open(input.dropped);
   takeLoaded(input);
   feed(input);
+  controls_.clear();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::NewFrame();
   moving_ = timeline_.playing();
   keys(input);
   control(input);
-  timeline_.advance(input.seconds);
+  if (!film_)
+    timeline_.advance(input.seconds);
   drawPanels(*this, input);
   ImGui::Render();
+  goOnWithFilm();
   if (document_ && std::abs(timeline_.time() - requested_) > kHeldTime) {
     requested_ = timeline_.time();
     loader_.request(requested_);
   }
-  GLint target = 0;
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
   VOLUTE_TRY(drawPicture(input));
   glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target));
   glViewport(0, 0, input.width, input.height);
   glClearColor(0.05F, 0.05F, 0.06F, 1);
   glClear(GL_COLOR_BUFFER_BIT);
-  if (scene_ && drawnScale_ > 0) {
-    DisplayLook look;
-    look.exposure = exposure_ * std::exp2(settings_.stops);
-    look.background = document_ ? document_->background : Rgb(Rgb::Zero());
-    if (document_ && document_->grey && settings_.map > 0)
-      look.map = settings_.map == 1 ? ColorMap::kViridis : ColorMap::kInferno;
-    display_.draw(renderer_.texture(), look, input.width, input.height);
-  }
+  if (picture_.shown())
+    picture_.show(displayLook(), input.width, input.height);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   return {};
 }
 
 bool ViewerApp::settled() const {
-  const bool shown = !scene_ || (!changed_ && camera_ == drawnFrom_ && !scene_->coarse &&
-                                 drawnScale_ == scaleOf(settings_.quality));
-  return loader_.idle() && !loading_.busy && !moving_ && shown && (document_ || !error_.empty()) &&
+  return loader_.idle() && !loading_.busy && !film_ && pending_.empty() &&
+         picture_.settled(wish(seen_)) && (document_ || !error_.empty()) &&
          (scene_ || !error_.empty());
-}
-
-Image ViewerApp::shownPicture(int width, int height) {
-  std::vector<std::uint8_t> bytes(3 * static_cast<std::size_t>(width) * height);
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, bytes.data());
-  Image image(width, height);
-  for (int y = 0; y < height; ++y) {
-    const std::uint8_t* row = &bytes[3 * static_cast<std::size_t>(height - 1 - y) * width];
-    for (int i = 0; i < 3 * width; ++i) {
-      image.pixels[3 * static_cast<std::size_t>(y) * width + i] =
-          static_cast<float>(srgbDecode(row[i] / 255.0));
-    }
-  }
-  return image;
 }
 
 }  // namespace volute

@@ -2,36 +2,37 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "volute/gl/gl_device.hpp"
-#include "volute/gl/gl_renderer.hpp"
-#include "volute/viewer/display.hpp"
+#include "volute/viewer/film_export.hpp"
 #include "volute/viewer/loader.hpp"
+#include "volute/viewer/paint_tool.hpp"
 #include "volute/viewer/timeline.hpp"
 #include "volute/viewer/view_camera.hpp"
+#include "volute/viewer/view_picture.hpp"
 #include "volute/viewer/viewer_input.hpp"
 
 namespace volute {
 
-/// How finely the picture is drawn.
-enum class Quality { kAuto, kFull, kHalf, kQuarter };
-
-/// What the panels show and change.
+/// What the panels show and change, and what is written into the boxes.
 struct ViewerSettings {
-  double stops = 0;  ///< exposure = automatic exposure * 2^stops
-  int map = 0;       ///< 0 grey, 1 viridis, 2 inferno
-  Quality quality = Quality::kAuto;
+  ViewLook look{};
   bool panels = true;
   bool help = false;
+  bool painting = false;    ///< the left button paints fog
+  std::string sceneName{};  ///< where the scene would be saved
+  std::string mapName{};    ///< and the map of fog
+  std::string filmName = "film.mp4";
+  int filmSize = 1;  ///< 640 x 360, 1280 x 720, 1920 x 1080, the window's
 };
 
-/// What the last frames took.
-struct FrameTimes {
-  double milliseconds = 0;       ///< the last picture, on the device
-  int width = 0, height = 0;     ///< that it had [pixels]
-  std::vector<float> history{};  ///< the last pictures [ms]
+/// Where a control was drawn in the last frame [pixels]. Scripts find the controls by their names.
+struct ControlPlace {
+  float left = 0, top = 0, right = 0, bottom = 0;
 };
 
 /// The viewer without its window: given what a person did, draws a frame into the framebuffer that
@@ -49,11 +50,10 @@ class ViewerApp {
   /// Whether all is loaded and the picture is drawn as finely as it will be.
   bool settled() const;
 
-  /// The framebuffer that is bound, as a linear picture whose bytes in a .png are those shown.
-  static Image shownPicture(int width, int height);
-
   /// True once after a person asked for a screenshot.
   bool takeScreenshotWish() { return std::exchange(screenshotWish_, false); }
+
+  void wishScreenshot() { screenshotWish_ = true; }
 
   void say(std::string message) { message_ = std::move(message); }
 
@@ -63,11 +63,15 @@ class ViewerApp {
 
   ViewCamera& camera() { return camera_; }
 
+  PaintTool& paint() { return paint_; }
+
   const DocumentInfo* document() const { return document_ ? &*document_ : nullptr; }
 
   const std::string& error() const { return error_; }
 
-  const FrameTimes& times() const { return times_; }
+  const FrameTimes& times() const { return picture_.times(); }
+
+  const ViewPicture& picture() const { return picture_; }
 
   const GlDevice& device() const { return device_; }
 
@@ -75,46 +79,77 @@ class ViewerApp {
 
   const std::string& message() const { return message_; }
 
+  const std::map<std::string, ControlPlace>& controls() const { return controls_; }
+
+  /// The item that ImGui drew last is the control of this name.
+  void mark(const std::string& name);
+  void markPlace(const std::string& name, const ControlPlace& place) { controls_[name] = place; }
+
   void resetView(int width, int height);
+  void lookFrom(const StartView& view);
+
+  /// Changes a parameter of the document, as soon as the loader comes to it.
+  void setParameter(const Parameter& parameter, const std::vector<double>& value);
+
+  void saveScene();
+  void saveMap();
+  void undoPainting();
+  void redoPainting();
+
+  /// Hands what was painted to the document.
+  void sendMap();
+
+  void beginFilm(const ViewerInput& input);
+  void cancelFilm() { film_.reset(); }
+
+  const FilmExport* film() const { return film_.get(); }
+
+  /// The map of fog from above, in colours, as a texture: row 0 at the largest y.
+  GLuint planTexture();
 
  private:
-  ViewerApp(OpenDocument open, GlDevice device, GlRenderer renderer, Display display);
+  ViewerApp(OpenDocument open, GlDevice device, ViewPicture picture);
 
+  void feed(const ViewerInput& input);
   void takeLoaded(const ViewerInput& input);
+  void takeDocument(DocumentInfo opened, const ViewerInput& input);
   void control(const ViewerInput& input);
+  void walk(const ViewerInput& input);
   void keys(const ViewerInput& input);
+  void press(Key key, const ViewerInput& input);
+  void paintInView(const ViewerInput& input);
+  void goOnWithFilm();
   Status drawPicture(const ViewerInput& input);
-  double wantedScale(const ViewerInput& input) const;
-  void findExposure();
+  PictureWish wish(const ViewerInput& input) const;
+  DisplayLook displayLook() const;
+  StartView startView() const;
 
   GlDevice device_;
-  GlRenderer renderer_;
-  Display display_;
+  ViewPicture picture_;
   Loader loader_;
   LoaderState loading_;
   Timeline timeline_;
   ViewCamera camera_;
   ViewerSettings settings_;
-  FrameTimes times_;
+  PaintTool paint_;
+  GlTexture plan_;
+  int planWidth_ = 0, planHeight_ = 0;
+  bool planStale_ = true;
+  std::unique_ptr<FilmExport> film_;
   std::optional<DocumentInfo> document_;
   std::optional<LoadedScene> scene_;
-  std::string error_, message_;
+  std::map<std::string, std::vector<double>> pending_;  ///< parameters on their way
+  std::map<std::string, ControlPlace> controls_;
+  std::string error_, message_, lastMessage_;
   double requested_ = 0;  ///< the time that the loader was asked for
   double exposure_ = 1;   ///< that fits the first picture
   bool exposureFound_ = false;
   bool viewSet_ = false;
-  bool changed_ = true;    ///< the picture is not that of the scene and the camera any more
-  bool moving_ = false;    ///< a person is turning it, or it plays
-  ViewCamera drawnFrom_;   ///< the camera of the picture that is shown
-  double drawnScale_ = 0;  ///< of the picture that is shown; 0: none
-  int drawnWidth_ = 0, drawnHeight_ = 0;
-  double secondsAPixel_ = 2e-8;  ///< what pictures have cost
+  bool moving_ = false;  ///< a person is turning it, or it plays
+  ViewerInput seen_;     ///< the last
   double lastX_ = 0, lastY_ = 0;
-  bool dragging_ = false;
+  bool dragging_ = false, strokes_ = false;
   bool screenshotWish_ = false;
 };
-
-/// The panels of one frame, between ImGui's NewFrame and Render.
-void drawPanels(ViewerApp& app, const ViewerInput& input);
 
 }  // namespace volute

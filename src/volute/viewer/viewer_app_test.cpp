@@ -45,11 +45,11 @@ class Blobs final : public Document {
 
   bool coarseHelps(double) const override { return true; }
 
-  Result<GlScene> sceneAt(double time, bool coarse, Progress& progress) override {
+  Result<ViewScene> sceneAt(double time, bool coarse, Progress& progress) override {
     while (!coarse && held && !progress.cancelled())
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ++scenes;
-    return GlScene{.volumes = {{blob(time < 0.5 ? 3 : 9), 1, 0}}};
+    return ViewScene{.media = {.volumes = {{blob(time < 0.5 ? 3 : 9), 1, 0}}}};
   }
 
   std::filesystem::path path;
@@ -77,7 +77,7 @@ class ViewerTest : public testing::Test {
     path_ = testing::TempDir() + "blobs.txt";
     std::ofstream(path_) << "1";
     input_.width = kWidth, input_.height = kHeight;
-    viewer_->app().settings().quality = Quality::kQuarter;
+    viewer_->app().settings().look.quality = 3;
   }
 
   void settle() {

@@ -31,6 +31,11 @@ enum class Key {
   kQ,
   kS,
   kW,
+  kY,
+  kZ,
+  kBackspace,
+  kDelete,
+  kEnter,
 };
 
 /// What a person did between two frames. The window fills it from its events, tests by hand.
@@ -42,7 +47,8 @@ struct ViewerInput {
   double wheel = 0;                 ///< clicks, away from the person is positive
   std::vector<Key> pressed{};       ///< went down since the last frame
   std::set<Key> held{};
-  bool shift = false;
+  bool shift = false, control = false;
+  std::string typed{};    ///< text, UTF-8
   std::string dropped{};  ///< a file that was dropped on the window; empty: none
 };
 

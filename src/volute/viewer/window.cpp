@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "volute/io/image_file.hpp"
+#include "volute/viewer/shown_picture.hpp"
 #include "volute/viewer/viewer_app.hpp"
 
 namespace volute {
@@ -60,8 +61,33 @@ std::optional<Key> keyOf(int key) {
       return Key::kS;
     case GLFW_KEY_W:
       return Key::kW;
+    case GLFW_KEY_Y:
+      return Key::kY;
+    case GLFW_KEY_Z:
+      return Key::kZ;
+    case GLFW_KEY_BACKSPACE:
+      return Key::kBackspace;
+    case GLFW_KEY_DELETE:
+      return Key::kDelete;
+    case GLFW_KEY_ENTER:
+    case GLFW_KEY_KP_ENTER:
+      return Key::kEnter;
     default:
       return std::nullopt;
+  }
+}
+
+void appendUtf8(std::string& text, unsigned code) {
+  const auto add = [&](unsigned byte) { text += static_cast<char>(byte); };
+  if (code < 0x80) {
+    add(code);
+  } else if (code < 0x800) {
+    add(0xC0 | code >> 6), add(0x80 | (code & 0x3F));
+  } else if (code < 0x10000) {
+    add(0xE0 | code >> 12), add(0x80 | (code >> 6 & 0x3F)), add(0x80 | (code & 0x3F));
+  } else {
+    add(0xF0 | code >> 18), add(0x80 | (code >> 12 & 0x3F)), add(0x80 | (code >> 6 & 0x3F));
+    add(0x80 | (code & 0x3F));
   }
 }
 
@@ -105,6 +131,7 @@ class Window {
   ViewerInput input() {
     heard_.pressed.clear();
     heard_.dropped.clear();
+    heard_.typed.clear();
     heard_.wheel = 0;
     glfwPollEvents();
     glfwGetFramebufferSize(window_, &heard_.width, &heard_.height);
@@ -134,6 +161,7 @@ class Window {
     glfwSetKeyCallback(window_, [](GLFWwindow* window, int code, int, int action, int mods) {
       ViewerInput& heard = heardBy(window);
       heard.shift = mods & GLFW_MOD_SHIFT;
+      heard.control = mods & GLFW_MOD_CONTROL;
       const auto key = keyOf(code);
       if (!key)
         return;
@@ -143,6 +171,9 @@ class Window {
       }
       heard.held.insert(*key);
       heard.pressed.push_back(*key);
+    });
+    glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned code) {
+      appendUtf8(heardBy(window).typed, code);
     });
     glfwSetScrollCallback(window_,
                           [](GLFWwindow* window, double, double y) { heardBy(window).wheel += y; });
@@ -182,7 +213,7 @@ Status runViewerWindow(OpenDocument open, const std::string& path, double time, 
     VOLUTE_TRY(app->frame(input));
     if (app->takeScreenshotWish()) {
       const std::string name = screenshotName();
-      const Status written = writeImage(name, ViewerApp::shownPicture(input.width, input.height));
+      const Status written = writeImage(name, shownPicture(input.width, input.height));
       app->say(written ? name + " is written" : written.error().message);
     }
     window->show();

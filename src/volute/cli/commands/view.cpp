@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/base/output_file.hpp"
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/view_document.hpp"
+#include "volute/viewer/open_document.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/scene/volume_input.hpp"
@@ -16,7 +16,12 @@ Status run(const Arguments& arguments, Context& context) {
   const std::string& path = arguments.positional(0);
   const double time = arguments.find<double>("time").value_or(0);
   const Pixels size = arguments.get<Pixels>("size");
-  const auto open = documentOpener(context.maxMemory);
+  nlohmann::ordered_json smoke = nlohmann::ordered_json::object();
+  for (const char* name : {"field", "quantity", "unit"}) {
+    if (const auto value = arguments.find<std::string>(name))
+      smoke[name] = *value;
+  }
+  const auto open = documentOpener(context.maxMemory, smoke);
   const auto target = arguments.find<std::string>("screenshot");
   if (!target)
     return runViewerWindow(open, path, time, size.width, size.height, context.progress);
@@ -35,17 +40,22 @@ Command viewCommand() {
   using enum ValueKind;
   return {
       .name = "view",
-      .summary = "Shows a volume, fog or a scene in a window",
+      .summary = "Shows volumes, smoke, fog, captures and scenes in a window",
       .examples = {"volute view fire.volute", "volute view scene.json --time 0.8",
                    "volute view fire.volute --screenshot fire.png"},
       .description =
           "Turn with the left mouse button, move across with the right one, F1 shows the rest. "
           "Files are read in the background, coarse levels first, and read again when they change "
-          "on disk. Draws with OpenGL 4.5. A .png is taken for a map of fog.\n\n"
+          "on disk; another one can be dropped on the window. Panels change what the medium has: "
+          "exposure, smoke potential, Km and C, mu and levels, lights, signs. Fog is painted with a "
+          "brush, on the ground or on a plan. What was changed is saved as a scene or as a map; "
+          "films are made beside. Draws with OpenGL 4.5, and what that cannot draw by the "
+          "processor. A .png is taken for a map of fog, a mesh's field for soot in kg/m3.\n\n"
           "--screenshot draws the same frame without a display, once all is loaded.",
       .positionals = {{.name = "FILE",
-                       .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), a map of fog (.png) or "
-                               "a scene (.json)"}},
+                       .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh (.vtu, "
+                               ".pvd, .case, .e, .foam), an FDS case (.smv), a map of fog (.png, "
+                               ".exr), a capture or a scene (.json)"}},
       .options = {{.name = "screenshot",
                    .kind = kFile,
                    .value = "OUT.png",
@@ -56,6 +66,11 @@ Command viewCommand() {
                    .value = "WxH",
                    .help = "of the window or the screenshot [pixels]",
                    .initial = "1280x800"},
+                  {.name = "field", .kind = kText, .value = "NAME", .help = "of a mesh, or an FDS case's source"},
+                  {.name = "quantity", .kind = kText,
+                   .value = "NAME",
+                   .help = "what a mesh's field holds, as in a scene [default soot-density]"},
+                  {.name = "unit", .kind = kText, .value = "UNIT", .help = "of a mesh's density: kg/m3, g/m3, mg/m3"},
                   {.name = "no-panels", .help = "a screenshot of the picture alone"}},
       .run = run};
 }

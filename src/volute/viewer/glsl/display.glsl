@@ -6,6 +6,8 @@ in vec2 place;
 out vec4 shown;
 
 uniform sampler2D picture;  // light, optical depth
+uniform sampler2D surfaces;  // light of opaque things, the power of their transmittance or 0
+uniform int opaque;          // whether there are any
 uniform sampler2D colors;   // of the map, as display values, dark to light
 uniform vec3 background;
 uniform float exposure;
@@ -18,7 +20,10 @@ vec3 encoded(vec3 linear) {
 
 void main() {
   vec4 light = texture(picture, place);
-  vec3 seen = exposure * (light.rgb + exp(-light.a) * background);
+  vec3 seen = light.rgb;
+  vec4 surface = opaque == 0 ? vec4(0.0) : texture(surfaces, place);
+  seen += surface.a > 0.0 ? exp(-surface.a * light.a) * surface.rgb : exp(-light.a) * background;
+  seen *= exposure;
   if (mapped == 0) {
     shown = vec4(encoded(seen), 1.0);
   } else {

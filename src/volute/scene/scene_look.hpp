@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "volute/base/result.hpp"
+
+namespace volute {
+
+/// How a person looks at a scene in the viewer: the "view" of a scene file, which pictures do not
+/// depend on.
+struct SceneLook {
+  double stops = 0;     ///< exposure = automatic exposure * 2^stops
+  int colors = 0;       ///< grey, viridis, inferno: of what has one channel
+  int quality = 0;      ///< automatic, full, half, quarter
+  int renderer = 0;     ///< automatic, OpenGL, processor
+  bool surfaces = true;  ///< opaque things are shown
+  bool walks = false;    ///< else orbits
+  double speed = 1;     ///< of the timeline
+  std::optional<double> time{};  ///< [s]
+
+  bool operator==(const SceneLook&) const = default;
+};
+
+/// {"stops", "colors": "grey" | "viridis" | "inferno", "quality": "automatic" | "full" | "half" |
+/// "quarter", "renderer": "automatic" | "gl" | "cpu", "surfaces": true, "camera": "orbit" | "walk",
+/// "speed", "time"}.
+/// Errors name the file and the path inside it.
+[[nodiscard]] Result<SceneLook> parseLook(const nlohmann::json& json, const std::string& file,
+                                          const std::string& path);
+
+/// The same, as it is written.
+nlohmann::ordered_json toJson(const SceneLook& look);
+
+}  // namespace volute

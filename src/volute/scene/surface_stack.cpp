@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/scene/surface_stack.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace volute {
+
+void SurfaceStack::add(const SurfaceView& view) {
+  begin();
+  for (std::size_t i = 0; i < depth_.size(); ++i) {
+    if (view.depth[i] < depth_[i])
+      set(i, view.depth[i], &view.color.pixels[3 * i]);
+  }
+}
+
+void SurfaceStack::add(std::span<const SignPixel> signs) {
+  constexpr float kDark[3] = {};
+  if (!signs.empty())
+    begin();
+  for (const SignPixel& sign : signs)
+    set(static_cast<std::size_t>(sign.pixel), sign.distance, kDark);
+}
+
+void SurfaceStack::begin() {
+  if (!depth_.empty())
+    return;
+  color_ = Image(width_, height_, 3);
+  depth_.assign(color_.pixels.size() / 3, std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < color_.pixels.size(); ++i)
+    color_.pixels[i] = static_cast<float>(background_[static_cast<Eigen::Index>(i % 3)]);
+}
+
+void SurfaceStack::set(std::size_t pixel, float depth, const float* color) {
+  depth_[pixel] = depth;
+  std::copy_n(color, 3, &color_.pixels[3 * pixel]);
+}
+
+}  // namespace volute

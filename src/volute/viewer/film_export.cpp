@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/viewer/film_export.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volute/io/film.hpp"
+#include "volute/viewer/shown_picture.hpp"
+
+namespace volute {
+namespace {
+
+constexpr std::size_t kMostWaiting = 3;  ///< pictures that the encoder has not come to
+constexpr int kLargestSide = 8192;
+
+}  // namespace
+
+int FilmOrder::frames() const {
+  return 1 + static_cast<int>(std::floor((end - begin) / speed * rate + 1e-9));
+}
+
+double FilmOrder::timeOf(int frame) const {
+  return std::min(begin + frame * speed / rate, end);
+}
+
+Result<std::unique_ptr<FilmExport>> FilmExport::begin(const FilmOrder& order, bool hardware) {
+  const bool good = order.width >= 16 && order.height >= 16 && order.width <= kLargestSide &&
+                    order.height <= kLargestSide && order.rate > 0 && order.speed > 0 &&
+                    order.end >= order.begin && (order.end - order.begin) / order.speed * order.rate < 1e6;
+  if (!good)
+    return fail(ErrorCode::kInvalidArgument, "{}: a film of {} x {} pixels from {:g} to {:g} s cannot be made",
+                order.target, order.width, order.height, order.begin, order.end);
+  VOLUTE_ASSIGN(auto picture, ViewPicture::create(hardware));
+  return std::unique_ptr<FilmExport>(new FilmExport(order, std::move(picture)));
+}
+
+FilmExport::FilmExport(const FilmOrder& order, ViewPicture picture)
+    : order_(order), picture_(std::move(picture)) {
+  colors_ = makeTexture2d(GL_RGBA8, order.width, order.height);
+  GLuint name = 0;
+  glCreateFramebuffers(1, &name);
+  frame_ = GlFramebuffer(name);
+  glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, colors_.name(), 0);
+  thread_ = std::thread([this] { encode(); });
+}
+
+FilmExport::~FilmExport() {
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+std::optional<double> FilmExport::wantedTime() const {
+  if (next_ >= order_.frames())
+    return std::nullopt;
+  return order_.timeOf(next_);
+}
+
+Status FilmExport::failure() const {
+  const std::lock_guard lock(mutex_);
+  return error_ ? Status(tl::unexpected<Error>(*error_)) : Status();
+}
+
+bool FilmExport::finished() const {
+  const std::lock_guard lock(mutex_);
+  return finished_;
+}
+
+double FilmExport::share() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<double>(encoded_) / order_.frames();
+}
+
+Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene, DisplayLook look) {
+  VOLUTE_TRY(failure());
+  if (!scene || next_ >= order_.frames())
+    return {};
+  {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.size() >= kMostWaiting)
+      return {};
+  }
+  const PictureWish wish{order_.camera, order_.width,   order_.height,
+                         Quality::kFull, order_.renderer, order_.surfaces, false};
+  if (!drawing_)
+    picture_.setScene(scene);
+  drawing_ = true;
+  VOLUTE_TRY(picture_.update(wish));
+  if (!picture_.settled(wish))
+    return {};  // the processor is at it
+  drawing_ = false;
+  glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
+  picture_.show(look, order_.width, order_.height);
+  Image image = shownPicture(order_.width, order_.height);
+  ++next_;
+  {
+    const std::lock_guard lock(mutex_);
+    waiting_.push_back(std::move(image));
+    all_ = next_ >= order_.frames();
+  }
+  wake_.notify_all();
+  return {};
+}
+
+/// In a thread of its own.
+void FilmExport::encode() {
+  const auto stop = [&](const Error& error) {
+    const std::lock_guard lock(mutex_);
+    error_ = error;
+  };
+  auto writer = FilmWriter::create(order_.target, order_.width, order_.height, order_.rate);
+  if (!writer)
+    return stop(writer.error());
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    wake_.wait(lock, [&] { return ends_ || all_ || !waiting_.empty(); });
+    if (ends_)
+      return;
+    if (waiting_.empty())
+      break;
+    const Image image = std::move(waiting_.front());
+    waiting_.pop_front();
+    lock.unlock();
+    if (const auto added = (*writer)->addFrame(image); !added)
+      return stop(added.error());
+    lock.lock();
+    ++encoded_;
+  }
+  lock.unlock();
+  if (const auto written = (*writer)->finish(); !written)
+    return stop(written.error());
+  lock.lock();
+  finished_ = true;
+}
+
+}  // namespace volute

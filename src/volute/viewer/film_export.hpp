@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "volute/viewer/view_picture.hpp"
+
+namespace volute {
+
+/// A film that a person asked for.
+struct FilmOrder {
+  std::string target;  ///< .mp4 or .webm
+  int width = 1280, height = 720;
+  double rate = 25;             ///< pictures a second
+  double begin = 0, end = 0;    ///< [s] of the document
+  double speed = 1;             ///< document seconds a film second
+  ViewCamera camera;
+  ViewRenderer renderer = ViewRenderer::kAuto;
+  bool surfaces = true;
+
+  int frames() const;
+  double timeOf(int frame) const;  ///< [s] of the document
+};
+
+/// Makes a film while the window goes on: the window's thread draws a picture at a time, as the
+/// scenes of its times arrive, another one encodes. Needs the context that it was made in.
+class FilmExport {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<FilmExport>> begin(const FilmOrder& order,
+                                                                 bool hardware);
+
+  /// Unless finished() said so, no file appears.
+  ~FilmExport();
+  FilmExport(const FilmExport&) = delete;
+  FilmExport& operator=(const FilmExport&) = delete;
+
+  /// The scene of which time [s] it waits for; nothing once all pictures are drawn.
+  std::optional<double> wantedTime() const;
+
+  /// Goes on as far as it can without waiting. `scene` is that of wantedTime(), or null; `look` as
+  /// in the window.
+  [[nodiscard]] Status step(const std::shared_ptr<const ViewScene>& scene, DisplayLook look);
+
+  /// Whether the file is there.
+  bool finished() const;
+
+  double share() const;  ///< 0..1
+
+  const FilmOrder& order() const { return order_; }
+
+ private:
+  FilmExport(const FilmOrder& order, ViewPicture picture);
+
+  void encode();
+  Status failure() const;
+
+  FilmOrder order_;
+  ViewPicture picture_;
+  GlTexture colors_;
+  GlFramebuffer frame_;
+  int next_ = 0;
+  bool drawing_ = false;
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<Image> waiting_;
+  bool all_ = false, ends_ = false, finished_ = false;
+  int encoded_ = 0;
+  std::optional<Error> error_;
+  std::thread thread_;  // last: it uses the others
+};
+
+}  // namespace volute

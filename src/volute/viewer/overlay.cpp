@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// Lines over the picture: what a scene wants drawn, and the painter's hand.
+#include <imgui.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "volute/viewer/panels.hpp"
+
+namespace volute {
+namespace {
+
+constexpr int kRing = 64;
+
+class Lines {
+ public:
+  explicit Lines(const Camera& camera)
+      : camera_(camera), list_(ImGui::GetBackgroundDrawList()) {}
+
+  /// What is behind the eye is cut off.
+  void line(Vec3 from, Vec3 to, ImU32 color, float width = 1) const {
+    const auto depth = [&](const Vec3& p) { return (p - camera_.eye()).dot(camera_.forward()); };
+    const double nearest = 1e-3, a = depth(from), b = depth(to);
+    if (a < nearest && b < nearest)
+      return;
+    if (a < nearest)
+      from = from + (to - from) * (nearest - a) / (b - a);
+    if (b < nearest)
+      to = to + (from - to) * (nearest - b) / (a - b);
+    const auto first = camera_.project(from), second = camera_.project(to);
+    if (first && second)
+      list_->AddLine(at(*first), at(*second), color, width);
+  }
+
+  void dot(const Vec3& place, float radius, ImU32 color) const {
+    if (const auto on = camera_.project(place))
+      list_->AddCircleFilled(at(*on), radius, color);
+  }
+
+  void ring(const Vec3& middle, double radius, ImU32 color) const {
+    const auto point = [&](int i) {
+      const double angle = 2 * std::numbers::pi * i / kRing;
+      return Vec3(middle + radius * Vec3(std::cos(angle), std::sin(angle), 0));
+    };
+    for (int i = 0; i < kRing; ++i) line(point(i), point(i + 1), color, 1.5F);
+  }
+
+ private:
+  static ImVec2 at(const Vec2& place) {
+    return {static_cast<float>(place.x()), static_cast<float>(place.y())};
+  }
+
+  const Camera& camera_;
+  ImDrawList* list_;
+};
+
+Vec3 onGround(const PaintTool& paint, const Vec2& at) {
+  return {at.x(), at.y(), paint.ground()};
+}
+
+/// Coefficients near the hand as stems, as high as they are large; the one that is held stands out.
+void drawStems(const PaintTool& paint, const Lines& lines) {
+  constexpr int kAround = 5;
+  const FogPainter& painter = paint.painter();
+  const auto held = paint.held();
+  if (!held)
+    return;
+  for (int dj = -kAround; dj <= kAround; ++dj) {
+    for (int di = -kAround; di <= kAround; ++di) {
+      const FogPlace place{held->column + di, held->row + dj};
+      if (place.column < 0 || place.row < 0 || place.column >= painter.coefficients().columns ||
+          place.row >= painter.coefficients().rows)
+        continue;
+      const bool own = di == 0 && dj == 0;
+      const Vec3 foot = onGround(paint, painter.peakOf(place));
+      const double height = paint.stem() * painter.valueOf(place) / painter.most();
+      const Vec3 top = foot + height * Vec3::UnitZ();
+      const ImU32 color = own ? IM_COL32(253, 231, 37, 255) : IM_COL32(94, 201, 178, 130);
+      lines.line(foot, top, color, own ? 3.0F : 1.5F);
+      lines.dot(top, own ? 5.0F : 2.5F, color);
+    }
+  }
+}
+
+}  // namespace
+
+void drawOverlay(ViewerApp& app, const ViewerInput& input) {
+  const Camera camera = app.camera().camera(input.width, input.height);
+  const Lines lines(camera);
+  if (const ViewScene* scene = app.picture().scene()) {
+    for (const ViewLine& line : scene->lines) {
+      const auto byte = [&](int c) { return static_cast<int>(std::lround(255 * line.color[c])); };
+      lines.line(line.from, line.to, IM_COL32(byte(0), byte(1), byte(2), 255));
+    }
+  }
+  PaintTool& paint = app.paint();
+  if (!app.settings().painting || !paint.has() || !paint.at())
+    return;
+  if (paint.kind == PaintTool::Kind::kCoefficient)
+    drawStems(paint, lines);
+  else
+    lines.ring(onGround(paint, *paint.at()), paint.brush.radius, IM_COL32(255, 255, 255, 220));
+}
+
+}  // namespace volute

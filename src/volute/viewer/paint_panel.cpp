@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "volute/viewer/panels.hpp"
+
+namespace volute {
+namespace {
+
+constexpr float kWidth = 300;
+constexpr float kLabels = 96;
+
+void toolPart(ViewerApp& app) {
+  PaintTool& paint = app.paint();
+  int kind = static_cast<int>(paint.kind);
+  constexpr std::pair<const char*, const char*> kTools[] = {
+      {"add", "more fog under the brush"},
+      {"remove", "less fog under the brush"},
+      {"smooth", "each coefficient moves towards the mean around it"},
+      {"coefficient", "drag one coefficient up and down"}};
+  for (int i = 0; i < 4; ++i) {
+    if (i > 0)
+      ImGui::SameLine();
+    ImGui::RadioButton(kTools[i].first, &kind, i);
+    app.mark(std::string("tool ") + kTools[i].first);
+    hint(kTools[i].second);
+  }
+  paint.kind = static_cast<PaintTool::Kind>(kind);
+  const double size = paint.painter().size().maxCoeff();
+  sliderDouble("size", paint.brush.radius, 0.5 * paint.painter().cell(), 0.5 * size, "%.3g m",
+               true);
+  app.mark("brush size");
+  sliderDouble("strength", paint.brush.strength, 0.01, 4, "%.2f /s", true);
+  app.mark("brush strength");
+  hint("share of the densest fog, or of the way to the mean, in a second");
+  sliderDouble("softness", paint.brush.softness, 0, 1, "%.2f");
+  app.mark("brush softness");
+  hint("0: as strong up to the rim");
+}
+
+void historyPart(ViewerApp& app) {
+  FogPainter& painter = app.paint().painter();
+  const auto button = [&](const char* name, bool can) {
+    ImGui::BeginDisabled(!can);
+    const bool pressed = ImGui::Button(name);
+    ImGui::EndDisabled();
+    app.mark(name);
+    return pressed;
+  };
+  if (button("Undo", painter.canUndo()))
+    app.undoPainting();
+  ImGui::SameLine();
+  if (button("Redo", painter.canRedo()))
+    app.redoPainting();
+  ImGui::SameLine();
+  if (button("Clear", true) && painter.fill(0))
+    app.sendMap();
+}
+
+/// The map from above, to be painted on.
+void planPart(ViewerApp& app, const ViewerInput& input) {
+  PaintTool& paint = app.paint();
+  const FogPainter& painter = paint.painter();
+  const Vec2 size = painter.size();
+  const float width = ImGui::GetContentRegionAvail().x;
+  const float scale = std::min(width / static_cast<float>(size.x()),
+                               width / static_cast<float>(size.y()));
+  const ImVec2 from = ImGui::GetCursorScreenPos();
+  const ImVec2 to{from.x + scale * static_cast<float>(size.x()),
+                  from.y + scale * static_cast<float>(size.y())};
+  ImGui::InvisibleButton("plan", {to.x - from.x, to.y - from.y});
+  app.mark("plan");
+  const Vec2 origin = painter.origin();
+  const auto onScreen = [&](const Vec2& at) {
+    const Vec2 local = at - origin;
+    return ImVec2(from.x + scale * static_cast<float>(local.x()),
+                  to.y - scale * static_cast<float>(local.y()));
+  };
+  // Texel (i, j) is centred on the peak of its coefficient.
+  const int columns = painter.coefficients().columns, rows = painter.coefficients().rows;
+  const Vec2 half = Vec2::Constant(0.5 * painter.cell());
+  const ImVec2 low = onScreen(painter.peakOf({0, 0}) - half);
+  const ImVec2 high = onScreen(painter.peakOf({columns - 1, rows - 1}) + half);
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddRectFilled(from, to, IM_COL32(68, 1, 84, 255));
+  const auto texture = static_cast<std::intptr_t>(app.planTexture());
+  list->AddImage(reinterpret_cast<ImTextureID>(texture), {low.x, high.y}, {high.x, low.y});
+  list->AddRect(from, to, IM_COL32(255, 255, 255, 60));
+  if (ImGui::IsItemHovered() || ImGui::IsItemActive()) {
+    const ImVec2 mouse = ImGui::GetIO().MousePos;
+    PaintHand hand;
+    hand.at = origin + Vec2((mouse.x - from.x) / scale, (to.y - mouse.y) / scale);
+    hand.pressed = ImGui::IsItemActive();
+    hand.seconds = input.seconds;
+    hand.up = -ImGui::GetIO().MouseDelta.y;
+    if (paint.hold(hand))
+      app.sendMap();
+    const ImU32 color = IM_COL32(255, 255, 255, 220);
+    if (paint.kind != PaintTool::Kind::kCoefficient)
+      list->AddCircle(onScreen(*hand.at), scale * static_cast<float>(paint.brush.radius), color);
+    else if (const auto held = paint.held())
+      list->AddCircle(onScreen(painter.peakOf(*held)), 5, color, 0, 2);
+  } else if (!app.settings().painting && ImGui::IsMouseReleased(0)) {
+    paint.hold({});
+  }
+}
+
+/// What the brush is over.
+void valuePart(const ViewerApp& app, const PaintTool& paint) {
+  const FogPainter& painter = paint.painter();
+  const auto place = paint.held()     ? paint.held()
+                     : paint.at() ? painter.nearest(*paint.at())
+                                  : std::nullopt;
+  if (place) {
+    ImGui::TextDisabled("column %d, row %d: %.4f /m", place->column, place->row,
+                        painter.valueOf(*place));
+  } else {
+    ImGui::TextDisabled("%d x %d coefficients, 0 to %.3g /m", painter.coefficients().columns,
+                        painter.coefficients().rows, painter.most());
+  }
+  (void)app;
+}
+
+}  // namespace
+
+void drawPaintPanel(ViewerApp& app, const ViewerInput& input) {
+  if (!app.paint().has())
+    return;
+  const float height = static_cast<float>(input.height);
+  ImGui::SetNextWindowPos({kPanelMargin + 310, kPanelMargin}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, height - 96});
+  ImGui::SetNextWindowCollapsed(true, ImGuiCond_FirstUseEver);
+  const bool open = ImGui::Begin("Paint fog", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  const ImVec2 corner = ImGui::GetWindowPos();
+  if (open) {
+    ImGui::PushItemWidth(-kLabels);
+    ImGui::Checkbox("paint in the view", &app.settings().painting);
+    app.mark("paint in the view");
+    hint("the left button paints on the ground, the right one turns");
+    toolPart(app);
+    planPart(app, input);
+    valuePart(app, app.paint());
+    historyPart(app);
+    ImGui::Separator();
+    nameBox("map", app.settings().mapName);
+    app.mark("map");
+    const bool unsaved = app.paint().canvas().unsaved || app.paint().painter().changed();
+    if (ImGui::Button("Save map"))
+      app.saveMap();
+    app.mark("Save map");
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s", unsaved ? "not saved yet" : "as in the file");
+    ImGui::PopItemWidth();
+  }
+  ImGui::End();
+  app.markPlace("Paint fog", {corner.x, corner.y, corner.x + kWidth, corner.y + 20});
+}
+
+}  // namespace volute

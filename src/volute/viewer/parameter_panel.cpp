@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "volute/viewer/panels.hpp"
+
+namespace volute {
+namespace {
+
+constexpr float kWidth = 310;
+constexpr float kLabels = 110;  ///< [pixels] that are left for names
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// Where a light's rays come from, or where a sign looks, as two angles. The light stays above the
+/// ground.
+bool directionControl(ViewerApp& app, const Parameter& parameter, std::vector<double>& value) {
+  const bool light = parameter.path.starts_with("/lights/");
+  const double sign = light ? -1 : 1;
+  const Vec3 v = sign * Vec3(value[0], value[1], value[2]);
+  const double length = std::max(v.norm(), 1e-9);
+  double azimuth = std::atan2(v.y(), v.x()) / kDegree;
+  double height = std::asin(std::clamp(v.z() / length, -1.0, 1.0)) / kDegree;
+  bool moved = sliderDouble(light ? "comes from" : "looks to", azimuth, -180, 180, "%.0f degrees");
+  app.mark(parameter.path);
+  hint("from +x towards +y");
+  moved |= sliderDouble("height", height, light ? 1 : -90, 90, "%.0f degrees");
+  app.mark(parameter.path + " height");
+  if (!moved)
+    return false;
+  const double level = std::cos(height * kDegree) * length;
+  value = {sign * level * std::cos(azimuth * kDegree), sign * level * std::sin(azimuth * kDegree),
+           sign * length * std::sin(height * kDegree)};
+  return true;
+}
+
+bool colorControl(ViewerApp& app, const Parameter& parameter, std::vector<double>& value) {
+  float shown[] = {static_cast<float>(value[0]), static_cast<float>(value[1]),
+                   static_cast<float>(value[2])};
+  const bool moved = ImGui::ColorEdit3(parameter.name.c_str(), shown,
+                                       ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR |
+                                           ImGuiColorEditFlags_NoLabel);
+  app.mark(parameter.path);
+  ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
+  ImGui::TextUnformatted(parameter.name.c_str());
+  if (moved) {
+    for (int c = 0; c < 3; ++c) value[c] = std::max(0.0, static_cast<double>(shown[c]));
+  }
+  return moved;
+}
+
+std::string formatOf(const Parameter& parameter) {
+  const std::string digits = parameter.most >= 1000 ? "%.0f" : "%.3g";
+  std::string unit = parameter.unit.empty() ? "" : " " + parameter.unit;
+  for (std::size_t at = 0; (at = unit.find('%', at)) != std::string::npos; at += 2)
+    unit.insert(at, 1, '%');
+  return digits + unit;
+}
+
+/// True when a person changed the value.
+bool control(ViewerApp& app, const Parameter& parameter, std::vector<double>& value) {
+  const char* name = parameter.name.c_str();
+  bool moved = false;
+  switch (parameter.kind) {
+    case Parameter::Kind::kNumber:
+      moved = sliderDouble(name, value.front(), parameter.least, parameter.most,
+                           formatOf(parameter).c_str(), parameter.logarithmic);
+      break;
+    case Parameter::Kind::kInteger: {
+      int number = static_cast<int>(value.front());
+      moved = ImGui::SliderInt(name, &number, static_cast<int>(parameter.least),
+                               static_cast<int>(parameter.most), "%d",
+                               ImGuiSliderFlags_AlwaysClamp);
+      value.front() = number;
+      break;
+    }
+    case Parameter::Kind::kFlag: {
+      bool on = value.front() != 0;
+      moved = ImGui::Checkbox(name, &on);
+      value.front() = on ? 1 : 0;
+      break;
+    }
+    case Parameter::Kind::kChoice: {
+      int chosen = static_cast<int>(value.front());
+      moved = choiceBox(app, name, parameter.path, parameter.choices, chosen);
+      value.front() = chosen;
+      return moved;
+    }
+    case Parameter::Kind::kPoint:
+      moved = ImGui::DragScalarN(name, ImGuiDataType_Double, value.data(), 3, 0.02F, nullptr,
+                                 nullptr, "%.2f");
+      break;
+    case Parameter::Kind::kColor:
+      return colorControl(app, parameter, value);
+    case Parameter::Kind::kDirection:
+      return directionControl(app, parameter, value);
+  }
+  app.mark(parameter.path);
+  return moved;
+}
+
+}  // namespace
+
+void drawParameterPanel(ViewerApp& app, const ViewerInput& input) {
+  if (!app.document() || app.document()->parameters.empty())
+    return;
+  const float width = static_cast<float>(input.width);
+  ImGui::SetNextWindowPos({width - kPanelMargin, kPanelMargin}, ImGuiCond_Always, {1, 0});
+  ImGui::SetNextWindowSizeConstraints({kWidth, 0},
+                                      {kWidth, static_cast<float>(input.height) - 96});
+  ImGui::Begin("Scene", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  ImGui::PushItemWidth(-kLabels);
+  const auto parameters = app.document()->parameters;  // changes below
+  std::string group;
+  bool open = false;
+  for (const Parameter& parameter : parameters) {
+    if (parameter.group != group || group.empty()) {
+      group = parameter.group;
+      open = ImGui::CollapsingHeader(group.c_str(), ImGuiTreeNodeFlags_DefaultOpen);
+      app.mark("group " + group);
+    }
+    if (!open)
+      continue;
+    ImGui::PushID(parameter.path.c_str());
+    std::vector<double> value = parameter.value;
+    if (control(app, parameter, value))
+      app.setParameter(parameter, value);
+    hint(parameter.help);
+    ImGui::PopID();
+  }
+  ImGui::PopItemWidth();
+  ImGui::End();
+}
+
+}  // namespace volute

@@ -1,0 +1,493 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/viewer/scene_document.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "volute/base/output_file.hpp"
+#include "volute/fds/smv_index.hpp"
+#include "volute/io/frame_pattern.hpp"
+#include "volute/io/image_file.hpp"
+#include "volute/scene/volume_input.hpp"
+#include "volute/viewer/scene_parameters.hpp"
+
+namespace volute {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kRate = 25;      ///< frames a second of what has no times of its own
+constexpr double kHighest = 1e6;  ///< [m] that counts as an end
+
+/// Keeps the remarks of a long call for the panel.
+class Remarks final : public Progress {
+ public:
+  explicit Remarks(Progress& inner) : inner_(inner) {}
+
+  void report(std::string_view stage, double done, double total) override {
+    inner_.report(stage, done, total);
+  }
+
+  void detail(std::string_view text) override { inner_.detail(text); }
+
+  void remark(std::string_view message) override { said.emplace_back(message); }
+
+  bool cancelled() const override { return inner_.cancelled(); }
+
+  std::vector<std::string> said;
+
+ private:
+  Progress& inner_;
+};
+
+std::string absolute(const std::string& path) {
+  std::error_code ignored;
+  const auto found = std::filesystem::absolute(path, ignored);
+  return ignored ? path : found.lexically_normal().string();
+}
+
+/// The member of a medium that names its file.
+const char* fileKey(const Json& medium) {
+  const std::string kind = medium.value("kind", "");
+  return kind == "volume" ? "file" : kind == "fog" ? "map" : "case";
+}
+
+/// A file's name as a scene at `target` would say it.
+std::string nameFrom(const std::string& scene, const std::string& target, const std::string& name) {
+  const std::filesystem::path file =
+      absolute((std::filesystem::path(scene).parent_path() / name).string());
+  const auto folder = std::filesystem::path(absolute(target)).parent_path();
+  const auto near = file.lexically_relative(folder);
+  const bool below = !near.empty() && *near.begin() != "..";
+  return below ? near.string() : file.string();
+}
+
+void moveNames(Json& names, const std::string& from, const std::string& to) {
+  if (names.is_string()) {
+    names = nameFrom(from, to, names.get<std::string>());
+  } else if (names.is_array()) {
+    for (Json& name : names) moveNames(name, from, to);
+  }
+}
+
+/// Names in the JSON of a scene at `from`, as one at `to` says them.
+void moveAllNames(Json& json, const std::string& from, const std::string& to) {
+  const auto each = [&](const char* list, auto key) {
+    if (!json.contains(list))
+      return;
+    for (Json& entry : json[list]) {
+      const char* name = key(entry);
+      if (entry.contains(name))
+        moveNames(entry[name], from, to);
+      if (entry.contains("top"))
+        moveNames(entry["top"]["map"], from, to);
+    }
+  };
+  each("media", fileKey);
+  each("geometry", [](const Json&) { return "file"; });
+  each("signs", [](const Json&) { return "picture"; });
+  each("billboards", [](const Json&) { return "volume"; });
+}
+
+Json vectorOf(const Vec3& v) {
+  return Json::array({v.x(), v.y(), v.z()});
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path, const Json& smoke,
+                                                      std::uint64_t maxMemory, Progress& progress) {
+  std::unique_ptr<SceneDocument> document(new SceneDocument(path, maxMemory));
+  VOLUTE_TRY(document->readJsonOfScene(smoke, progress));
+  return std::unique_ptr<Document>(std::move(document));
+}
+
+Status SceneDocument::readJsonOfScene(const Json& smoke, Progress& progress) {
+  if (extensionOf(path_) != ".json") {
+    file_ = path_ + ".json";
+    Json json = sceneOfFile(smoke);
+    const Json& medium = json["media"][0];
+    const bool search = medium["kind"] == "smoke" && !isSmvPath(path_) && !medium.contains("field");
+    VOLUTE_TRY(search ? loadMesh(std::move(json), progress) : load(std::move(json), progress));
+    start_.reset();
+    return {};
+  }
+  file_ = path_;
+  VOLUTE_TRY(readScene(path_));  // whatever is wrong with it is said there
+  std::ifstream stream(path_);
+  return load(Json::parse(stream, nullptr, false), progress);
+}
+
+/// Of several fields the one with a usual name.
+Status SceneDocument::loadMesh(Json json, Progress& progress) {
+  const Status only = load(json, progress);
+  if (only || only.error().code == ErrorCode::kCancelled)
+    return only;
+  for (const char* name : {"smoke", "soot", "SOOT DENSITY", "soot_density", "extinction"}) {
+    json["media"][0]["field"] = name;
+    if (load(json, progress))
+      return {};
+  }
+  return only;
+}
+
+/// The scene that a single file stands for.
+Json SceneDocument::sceneOfFile(const Json& smoke) {
+  Json scene = {{"format", "volute-scene-1"},
+                {"camera", {{"eye", {0, -1, 0}}, {"target", {0, 0, 0}}, {"fov", 40}}}};
+  const std::string name = std::filesystem::path(path_).filename().string();
+  Json medium;
+  if (isPicturePath(path_)) {
+    medium = {{"kind", "fog"},
+              {"map", name},
+              {"convert", "luma"},
+              {"cell", 1.0},
+              {"sigma_max", 0.05},
+              {"degree", 2},
+              {"profile", {{"kind", "slab"}, {"bottom", 0.0}, {"top", 10.0}}}};
+    guess_ = "cells of 1 m, 10 m high, 0.05 /m at most, unless you say otherwise";
+    // Against a dim sky fog is seen from all sides.
+    scene["background"] = {0.02, 0.03, 0.05};
+  } else if (isSmvPath(path_) || isSmokeCase(path_)) {
+    // Black or lit smoke before white: the picture is what passes of the light.
+    scene["background"] = {1, 1, 1};
+    medium = {{"kind", "smoke"}, {"case", name}};
+    if (isSmvPath(path_)) {
+      scene["lights"] = Json::array({{{"kind", "ambient"}, {"radiance", {1, 1, 1}}}});
+    } else {
+      medium["quantity"] = "soot-density";
+      medium["unit"] = "kg/m3";
+      medium["negatives"] = "clamp";
+      if (!smoke.contains("quantity") && !smoke.contains("unit"))
+        guess_ = "the field is taken for soot in kg/m3, unless you say otherwise";
+    }
+    medium.update(smoke);
+  } else {
+    medium = {{"kind", "volume"}, {"file", name}};
+  }
+  scene["media"] = Json::array({std::move(medium)});
+  return scene;
+}
+
+Status SceneDocument::openMedium(Medium& medium, const SceneDescription& scene, std::size_t place,
+                                 Progress& progress) const {
+  Remarks heard(progress);
+  Reading reading{heard, maxMemory_};
+  const std::string kind = medium.json.value("kind", "");
+  if (kind == "volume") {
+    const SceneVolume& volume = scene.volumes[place];
+    medium.look = volume.appearance;
+    VOLUTE_ASSIGN(medium.volume,
+                  VolumeLayer::open(volume.file, {{}, {}, true}, volume.appearance, reading));
+  } else if (kind == "fog") {
+    medium.fogWords = scene.fogs[place];
+    medium.fogWords.scattering.shadows = fogShadows(geometry_, scene.lights.suns);
+    VOLUTE_ASSIGN(medium.fog, FogLayer::open(medium.fogWords, scene.lights.suns, reading));
+  } else if (isSmvPath(scene.smokes[place].file)) {
+    VOLUTE_ASSIGN(medium.fds,
+                  FdsLayer::open(scene.smokes[place], scene.lights, blocksOf(geometry_), reading));
+  } else {
+    auto lighting = std::make_shared<SmokeLighting>();
+    lighting->lights = scene.lights;
+    lighting->blocks = blocksOf(geometry_);
+    VOLUTE_ASSIGN(medium.smoke, SmokeLayer::open(scene.smokes[place], lighting, reading));
+  }
+  medium.remarks = std::move(heard.said);
+  return {};
+}
+
+/// Whether what was read of a medium serves other words about it.
+bool SceneDocument::serves(const Medium& old, Json wanted, bool lightsChanged) {
+  if (!old.volume)
+    return !lightsChanged && old.json == wanted;
+  Json before = old.json;
+  for (const char* key : {"emission", "extinction"}) before.erase(key), wanted.erase(key);
+  return before == wanted;
+}
+
+/// What was painted are shares of the map's largest value.
+void SceneDocument::keepPainted(const Medium& old, Medium& medium) {
+  const double factor = medium.fogWords.placement.sigmaMax / old.fogWords.placement.sigmaMax;
+  const FogLevels& levels = medium.fog->fogAt(0).levels();
+  if (old.painted->size() != static_cast<std::size_t>(levels.columns()) * levels.rows())
+    return;
+  medium.painted = old.painted;
+  for (double& value : *medium.painted) value *= factor;
+  medium.unsaved = old.unsaved;
+}
+
+Result<std::vector<SceneDocument::Medium>> SceneDocument::mediaOf(const Json& json,
+                                                                  const SceneDescription& scene,
+                                                                  bool lightsChanged,
+                                                                  Progress& progress) {
+  std::vector<Medium> media;
+  std::vector<std::size_t> places;
+  std::size_t counts[3] = {};
+  for (const Json& entry : json.value("media", Json::array())) {
+    const std::string kind = entry.value("kind", "");
+    places.push_back(counts[kind == "volume" ? 0 : kind == "fog" ? 1 : 2]++);
+    media.push_back({entry});
+  }
+  const bool same = media.size() == media_.size();
+  std::vector<bool> kept(media.size(), false);
+  // First what has to be read, so that an error leaves everything as it was.
+  for (std::size_t i = 0; i < media.size(); ++i) {
+    kept[i] = same && serves(media_[i], media[i].json, lightsChanged);
+    if (kept[i])
+      continue;
+    VOLUTE_TRY(openMedium(media[i], scene, places[i], progress));
+    if (same && media_[i].fog && media[i].fog && media_[i].painted)
+      keepPainted(media_[i], media[i]);
+  }
+  for (std::size_t i = 0; i < media.size(); ++i) {
+    if (!kept[i])
+      continue;
+    Json words = std::move(media[i].json);
+    media[i] = std::move(media_[i]);
+    media[i].json = std::move(words);
+    if (media[i].volume)
+      media[i].look = scene.volumes[places[i]].appearance;
+  }
+  return media;
+}
+
+Status SceneDocument::load(Json json, Progress& progress) {
+  const bool first = json_.is_null();
+  const nlohmann::json plain = json;
+  VOLUTE_ASSIGN(auto scene, parseScene(plain, file_));
+  Remarks heard(progress);
+  Reading reading{heard, maxMemory_};
+  const bool lightsChanged =
+      !first && json.value("lights", Json()) != json_.value("lights", Json());
+  if (first) {
+    VOLUTE_ASSIGN(geometry_, loadGeometry(scene.geometry, reading));
+    for (const SceneBillboard& board : scene.billboards) {
+      VOLUTE_ASSIGN(auto volume, VolumeLayer::open(board.file, {}, board.appearance, reading));
+      boards_.push_back({std::move(volume), board.options});
+    }
+  }
+  VOLUTE_ASSIGN(media_, mediaOf(json, scene, lightsChanged, progress));
+  json_ = std::move(json);
+  scene_ = std::move(scene);
+  surfaces_.reset();
+  remarks_ = std::move(heard.said);
+  for (const Medium& medium : media_)
+    remarks_.insert(remarks_.end(), medium.remarks.begin(), medium.remarks.end());
+  if (!guess_.empty())
+    remarks_.push_back(guess_);
+  if (scene_.camera.ortho)
+    remarks_.push_back("the scene's parallel camera is shown as a pinhole");
+  findExtent();
+  findTimes();
+  const CameraDescription& camera = scene_.camera;
+  start_ = StartView{camera.view.eye, camera.view.target, camera.view.up, camera.fov.value_or(40)};
+  return {};
+}
+
+/// What is infinite ends a little above the ground.
+void SceneDocument::include(const Box3& bounds) {
+  Box3 finite = bounds;
+  const double width = bounds.size().head<2>().maxCoeff();
+  if (!(finite.max.z() < kHighest))
+    finite.max.z() =
+        std::max(finite.min.z() > -kHighest ? finite.min.z() : 0.0, 0.0) + 0.25 * width;
+  if (!(finite.min.z() > -kHighest))
+    finite.min.z() = finite.max.z() - 0.25 * width;
+  bounds_.extend(finite.min);
+  bounds_.extend(finite.max);
+}
+
+void SceneDocument::findExtent() {
+  bounds_ = Box3();
+  for (const Medium& medium : media_) {
+    if (medium.volume)
+      include(medium.volume->info().bounds);
+    if (medium.fog)
+      include(medium.fog->fogAt(0).bounds());
+    if (medium.smoke)
+      include(medium.smoke->bounds());
+    if (medium.fds)
+      include(medium.fds->bounds());
+  }
+  if (!geometry_.empty()) {
+    bounds_.extend(geometry_.bounds().min);
+    bounds_.extend(geometry_.bounds().max);
+  }
+  const Vec3& target = scene_.camera.view.target;
+  if (bounds_.empty())
+    bounds_ = {target - Vec3::Ones(), target + Vec3::Ones()};
+}
+
+/// A single medium has its own frames; a scene 25 a second.
+void SceneDocument::findTimes() {
+  times_ = {0.0};
+  std::vector<double> own;
+  double last = 0;
+  const auto take = [&](int count, const auto& timeOf) {
+    own.clear();
+    for (int i = 0; i < count; ++i) own.push_back(timeOf(i));
+    last = std::max(last, own.back());
+  };
+  for (const Medium& medium : media_) {
+    if (medium.volume)
+      take(medium.volume->info().frames, [&](int i) { return medium.volume->timeOf(i); });
+    if (medium.fog)
+      take(medium.fog->frames(), [&](int i) { return medium.fog->timeOf(i); });
+    if (medium.smoke)
+      take(medium.smoke->steps(), [&](int i) { return medium.smoke->timeOf(i); });
+    if (medium.fds)
+      take(medium.fds->steps(), [&](int i) { return medium.fds->timeOf(i); });
+  }
+  if (media_.size() == 1) {
+    times_ = own;
+    return;
+  }
+  const double frames = std::min(std::round(last * kRate), 1e6);
+  for (int frame = 1; frame <= static_cast<int>(frames); ++frame) times_.push_back(frame / kRate);
+}
+
+std::string SceneDocument::title() const {
+  const std::string name = std::filesystem::path(path_).filename().string();
+  if (media_.size() == 1 && media_.front().volume) {
+    const VolumeInfo& info = media_.front().volume->info();
+    return fmt::format("{}: {} x {} x {} voxels, {} frames", name, info.x, info.y, info.z,
+                       info.frames);
+  }
+  if (extensionOf(path_) != ".json") {
+    return fmt::format("{}: {}", name,
+                       media_.front().fog   ? "a map of fog"
+                       : media_.front().fds ? "an FDS case"
+                                            : "smoke on a mesh");
+  }
+  const auto count = [&](const auto& is) { return std::ranges::count_if(media_, is); };
+  return fmt::format("{}: {} volumes, {} fogs, {} smokes, {} signs", name,
+                     count([](const Medium& m) { return m.volume.has_value(); }),
+                     count([](const Medium& m) { return m.fog.has_value(); }),
+                     count([](const Medium& m) { return m.smoke || m.fds; }), scene_.signs.size());
+}
+
+bool SceneDocument::grey() const {
+  return !media_.empty() && geometry_.empty() && scene_.signs.empty() &&
+         std::ranges::all_of(media_, [](const Medium& medium) {
+           return medium.volume && medium.volume->info().channels == 1;
+         });
+}
+
+/// Smoke and fog are seen as they are; fire of unknown brightness gets an exposure.
+bool SceneDocument::measured() const {
+  return std::ranges::none_of(media_,
+                              [](const Medium& medium) { return medium.volume.has_value(); });
+}
+
+std::vector<std::filesystem::path> SceneDocument::files() const {
+  std::vector<std::string> names{path_};
+  for (const SceneVolume& volume : scene_.volumes) names.push_back(volume.file);
+  for (const FogDescription& fog : scene_.fogs)
+    names.insert(names.end(), fog.maps.begin(), fog.maps.end());
+  for (const SmokeDescription& smoke : scene_.smokes) names.push_back(smoke.file);
+  for (const SceneGeometry& geometry : scene_.geometry) names.push_back(geometry.file);
+  std::vector<std::filesystem::path> files;
+  std::error_code ignored;
+  for (const std::string& name : names) {
+    if (std::filesystem::exists(name, ignored))
+      files.emplace_back(name);
+  }
+  return files;
+}
+
+std::vector<Parameter> SceneDocument::parameters() const {
+  return sceneParameters(json_, scene_);
+}
+
+Status SceneDocument::set(const std::string& path, const std::vector<double>& value,
+                          Progress& progress) {
+  Json changed = json_;
+  VOLUTE_TRY(setParameter(changed, scene_, path, value));
+  const auto start = start_;
+  VOLUTE_TRY(load(std::move(changed), progress));
+  start_ = start;
+  return {};
+}
+
+/// A map that is one picture for all times.
+bool SceneDocument::paintable(const Medium& medium) {
+  if (!medium.fog)
+    return false;
+  const FogDescription& words = medium.fogWords;
+  return words.maps.size() == 1 && isPicturePath(words.maps.front()) &&
+         !FramePattern::isPattern(words.maps.front()) && words.placement.sigmaMax > 0;
+}
+
+Result<SceneDocument::Medium*> SceneDocument::canvasMedium(std::size_t canvas) {
+  std::size_t count = 0;
+  for (Medium& medium : media_) {
+    if (paintable(medium) && count++ == canvas)
+      return &medium;
+  }
+  return fail(ErrorCode::kNotFound, "{}: there is no map of fog to paint on any more", path_);
+}
+
+std::vector<FogCanvas> SceneDocument::canvases() const {
+  std::vector<FogCanvas> canvases;
+  for (const Medium& medium : media_) {
+    if (!paintable(medium))
+      continue;
+    const FogDescription& words = medium.fogWords;
+    const std::string& file = words.maps.front();
+    const FogLayer layer = medium.painted ? medium.fog->withMap(*medium.painted) : *medium.fog;
+    canvases.push_back({std::filesystem::path(file).filename().string(), file,
+                        words.placement.sigmaMax, layer.fogAt(0), words.wind, medium.unsaved});
+  }
+  return canvases;
+}
+
+Status SceneDocument::setFogMap(std::size_t canvas, std::vector<double> coefficients) {
+  VOLUTE_ASSIGN(Medium* const found, canvasMedium(canvas));
+  Medium& medium = *found;
+  const FogLevels& levels = medium.fog->fogAt(0).levels();
+  if (static_cast<std::size_t>(levels.columns()) * levels.rows() != coefficients.size())
+    return fail(ErrorCode::kInvalidArgument, "the map of fog has another size by now");
+  medium.painted = std::move(coefficients);
+  medium.unsaved = true;
+  return {};
+}
+
+Status SceneDocument::saveFogMap(std::size_t canvas, const std::string& target, const Image& map) {
+  const float most = *std::ranges::max_element(map.pixels);
+  if (most > 1 && extensionOf(target) == ".png") {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: the map is up to {:.3g} times its largest value, which a .png cannot hold; "
+                "save an .exr",
+                target, most);
+  }
+  VOLUTE_ASSIGN(Medium* const found, canvasMedium(canvas));
+  VOLUTE_TRY(writeMap(target, map));
+  Medium& medium = *found;
+  medium.unsaved = false;
+  medium.json["map"] = nameFrom(target, file_, std::filesystem::path(target).filename().string());
+  json_["media"][static_cast<std::size_t>(&medium - media_.data())] = medium.json;
+  medium.fogWords.maps = {target};
+  const nlohmann::json plain = json_;
+  VOLUTE_ASSIGN(scene_, parseScene(plain, file_));
+  return {};
+}
+
+Status SceneDocument::save(const std::string& target, const StartView& view, const ViewLook& look) {
+  Json json = json_;
+  Json& camera = json["camera"];
+  camera["eye"] = vectorOf(view.eye);
+  camera["target"] = vectorOf(view.target);
+  camera.erase("ortho");
+  camera["up"] = vectorOf(view.up);
+  camera["fov"] = view.fov;
+  json["view"] = toJson(look);
+  moveAllNames(json, file_, target);
+  VOLUTE_ASSIGN(auto file, OutputFile::create(target));
+  const std::string text = json.dump(2) + "\n";
+  VOLUTE_TRY(file.write(std::as_bytes(std::span(text))));
+  return file.commit();
+}
+
+}  // namespace volute

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "volute/scene/fds_layer.hpp"
+#include "volute/scene/fog_layer.hpp"
+#include "volute/scene/scene_file.hpp"
+#include "volute/scene/smoke_layer.hpp"
+#include "volute/scene/still.hpp"
+#include "volute/viewer/document.hpp"
+
+namespace volute {
+
+/// A scene; or a volume, a map of fog or a case of smoke, as a scene that holds nothing else. The
+/// scene's JSON is what it is: changes go into it and are read back, and saving writes it.
+class SceneDocument final : public Document {
+ public:
+  /// @param maxMemory  [bytes]
+  /// @param smoke  members of a scene's smoke ("field", "quantity", "unit"), for a case alone
+  [[nodiscard]] static Result<std::unique_ptr<Document>> open(const std::string& path,
+                                                              const nlohmann::ordered_json& smoke,
+                                                              std::uint64_t maxMemory,
+                                                              Progress& progress);
+
+  std::string title() const override;
+  Box3 bounds() const override { return bounds_; }
+  std::vector<double> times() const override { return times_; }
+  bool grey() const override;
+  bool measured() const override;
+  std::optional<StartView> startView() const override { return start_; }
+  std::optional<ViewLook> look() const override { return scene_.look; }
+  Rgb background() const override { return scene_.background; }
+  std::vector<std::string> remarks() const override { return remarks_; }
+  std::vector<std::filesystem::path> files() const override;
+  std::vector<Parameter> parameters() const override;
+  std::vector<FogCanvas> canvases() const override;
+  std::string sceneName() const override { return file_; }
+  bool coarseHelps(double time) const override;
+  Result<ViewScene> sceneAt(double time, bool coarse, Progress& progress) override;
+  Status set(const std::string& path, const std::vector<double>& value,
+             Progress& progress) override;
+  Status setFogMap(std::size_t canvas, std::vector<double> coefficients) override;
+  Status save(const std::string& target, const StartView& view, const ViewLook& look) override;
+  Status saveFogMap(std::size_t canvas, const std::string& target, const Image& map) override;
+
+ private:
+  /// One of the scene's media, with what has been read of it. Exactly one layer is there.
+  struct Medium {
+    nlohmann::ordered_json json;
+    Appearance look{};  ///< of a volume
+    std::optional<VolumeLayer> volume{};
+    int block = -1;  ///< of the frames of a .volute that are in memory
+    std::optional<FogLayer> fog{};
+    FogDescription fogWords{};
+    std::optional<std::vector<double>> painted{};  ///< the fog's map [1/m], instead of the file's
+    bool unsaved = false;  ///< the painted map is in no file
+    std::optional<SmokeLayer> smoke{};
+    std::optional<FdsLayer> fds{};
+    std::vector<std::string> remarks{};  ///< that opening it gave
+  };
+
+  struct Board {
+    VolumeLayer volume;
+    BillboardOptions options;
+  };
+
+  SceneDocument(std::string path, std::uint64_t maxMemory)
+      : path_(std::move(path)), maxMemory_(maxMemory) {}
+
+  Status readJsonOfScene(const nlohmann::ordered_json& smoke, Progress& progress);
+  nlohmann::ordered_json sceneOfFile(const nlohmann::ordered_json& smoke);
+  Status loadMesh(nlohmann::ordered_json json, Progress& progress);
+  Status load(nlohmann::ordered_json json, Progress& progress);
+  Result<std::vector<Medium>> mediaOf(const nlohmann::ordered_json& json,
+                                      const SceneDescription& scene, bool lightsChanged,
+                                      Progress& progress);
+  Status openMedium(Medium& medium, const SceneDescription& scene, std::size_t place,
+                    Progress& progress) const;
+  static bool serves(const Medium& old, nlohmann::ordered_json wanted, bool lightsChanged);
+  static bool paintable(const Medium& medium);
+  static void keepPainted(const Medium& old, Medium& medium);
+  [[nodiscard]] Result<Medium*> canvasMedium(std::size_t canvas);
+  void findExtent();
+  void findTimes();
+  void include(const Box3& bounds);
+
+  Result<std::shared_ptr<const BrickSlice>> coarseSlice(const VolumeLayer& layer, int position,
+                                                        Progress& progress) const;
+  Status addVolume(Medium& medium, double time, bool coarse, Progress& progress, ViewScene& scene,
+                   Still& still);
+  Status addFog(const Medium& medium, double time, ViewScene& scene, Still& still) const;
+  Status addSmoke(Medium& medium, double time, Progress& progress, ViewScene& scene, Still& still);
+  Status addFds(const Medium& medium, double time, ViewScene& scene, Still& still,
+                TriangleMesh& buildings) const;
+  Status addBoards(double time, Progress& progress, ViewScene& scene, Still& still);
+  void addSurfaces(ViewScene& scene, const Still& still);
+  Result<TriangleScene> withBuildings(TriangleMesh buildings) const;
+  PictureLaw law() const;
+
+  std::string path_;  ///< as it was opened
+  std::string file_;  ///< of the scene: path_, or where it would be saved
+  std::uint64_t maxMemory_;
+  nlohmann::ordered_json json_;
+  SceneDescription scene_;
+  std::vector<Medium> media_;
+  TriangleScene geometry_;
+  std::vector<Board> boards_;
+  Box3 bounds_;
+  std::vector<double> times_{0.0};
+  std::optional<StartView> start_;
+  std::vector<std::string> remarks_;
+  std::string guess_;  ///< what a file alone was taken for
+  std::shared_ptr<const ViewSurfaces> surfaces_;  ///< while nothing that lights them changes
+};
+
+}  // namespace volute

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// The part of a SceneDocument that is one instant of it.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "volute/render/scaled_medium.hpp"
+#include "volute/render/surfaces.hpp"
+#include "volute/tetmesh/tet_medium.hpp"
+#include "volute/viewer/scene_document.hpp"
+#include "volute/viewer/surface_corners.hpp"
+
+namespace volute {
+namespace {
+
+constexpr int kCoarseLevels = 2;  ///< of a block's, the coarsest first
+
+AnyMedium seenBy(const PictureLaw& law, AnyMedium medium) {
+  const double factor = law.factor();
+  return factor == 1 ? std::move(medium) : AnyMedium(ScaledMedium(std::move(medium), factor));
+}
+
+std::vector<float> scaled(std::vector<float> values, double factor) {
+  if (factor != 1) {
+    for (float& value : values) value = static_cast<float>(factor * value);
+  }
+  return values;
+}
+
+void need(ViewScene& scene, const char* what) {
+  if (scene.onlyProcessor.empty())
+    scene.onlyProcessor = what;
+}
+
+/// The power of the picture's transmittance through which a sign is seen: see seenTransmittance().
+double powerOf(const PictureLaw& law, double c) {
+  return law.mode == PictureMode::kPhotometric ? 1 : std::numbers::ln10 / c / law.factor();
+}
+
+ViewQuad quadOf(const Sign& sign, const PictureLaw& law) {
+  const Vec3 right = sign.width * sign.right(), down = sign.height * sign.down();
+  constexpr double kOnWall = 1e-3;  // [m] before it
+  return {sign.position - 0.5 * (right + down) + kOnWall * sign.normal.normalized(),
+          right,
+          down,
+          std::make_shared<const Image>(sign.picture),
+          powerOf(law, sign.c),
+          false};
+}
+
+}  // namespace
+
+PictureLaw SceneDocument::law() const {
+  return scene_.smokes.empty() ? PictureLaw{} : scene_.smokes.front().law;
+}
+
+/// A .volute's block of frames that is not in memory takes its time.
+bool SceneDocument::coarseHelps(double time) const {
+  return std::ranges::any_of(media_, [&](const Medium& medium) {
+    return medium.volume && medium.volume->reader() &&
+           medium.volume->positionAt(time) / BlockGrid::kSide != medium.block;
+  });
+}
+
+Result<std::shared_ptr<const BrickSlice>> SceneDocument::coarseSlice(const VolumeLayer& layer,
+                                                                     int position,
+                                                                     Progress& progress) const {
+  VOLUTE_ASSIGN(
+      const Tree4d tree,
+      Tree4d::load(*layer.reader(),
+                   {.levels = kCoarseLevels, .firstFrame = position, .endFrame = position + 1},
+                   progress));
+  BrickSlice slice = tree.extractSlice(position);
+  slice.setBasis(layer.info().basis);
+  return std::make_shared<const BrickSlice>(std::move(slice));
+}
+
+Status SceneDocument::addVolume(Medium& medium, double time, bool coarse, Progress& progress,
+                                ViewScene& scene, Still& still) {
+  VolumeLayer& layer = *medium.volume;
+  const int position = layer.positionAt(time);
+  const int block = position / BlockGrid::kSide;
+  const bool rough = coarse && layer.reader() && block != medium.block;
+  layer.setProgress(progress);
+  VOLUTE_ASSIGN(auto slice,
+                rough ? coarseSlice(layer, position, progress) : layer.sliceAt(position));
+  if (!rough)
+    medium.block = block;
+  const double extinction = still.law.factor() * medium.look.extinction;
+  still.media.push_back(layer.placed(VoxelMedium(slice, medium.look.emission, extinction)));
+  GlVolume volume{std::move(slice), medium.look.emission, extinction};
+  const Placement& placement = medium.look.placement;
+  if (placement.turns())  // else its place is in the slice's bounds
+    volume.turn = placement.turn, volume.offset = placement.offset;
+  scene.media.volumes.push_back(std::move(volume));
+  return {};
+}
+
+Status SceneDocument::addFog(const Medium& medium, double time, ViewScene& scene,
+                             Still& still) const {
+  const FogLayer layer = medium.painted ? medium.fog->withMap(*medium.painted) : *medium.fog;
+  FogMedium fog = layer.fogAt(time);
+  if (layer.sunlit())
+    need(scene, "the suns' light in fog");
+  if (fog.hasTop())
+    need(scene, "fog with a top");
+  if (medium.fogWords.options.detail.cellAngle > 0)
+    need(scene, "fog with levels by cell angle");
+  const double factor = still.law.factor();
+  if (factor != 1) {
+    auto coefficients = fog.coefficients();
+    for (double& value : coefficients) value *= factor;
+    fog = fog.withCoefficients(coefficients);
+  }
+  scene.media.fogs.push_back(std::move(fog));
+  if (layer.sunlit()) {  // the same for all cameras, and slow to make
+    VOLUTE_ASSIGN(auto lit, layer.mediumAt(time, Camera::framing(bounds_, 8, 8)));
+    still.media.push_back(seenBy(still.law, std::move(lit)));
+    return {};
+  }
+  still.viewed.push_back([layer, time, law = still.law](const Camera& camera) -> Result<AnyMedium> {
+    VOLUTE_ASSIGN(auto medium, layer.mediumAt(time, camera));
+    return seenBy(law, std::move(medium));
+  });
+  return {};
+}
+
+Status SceneDocument::addSmoke(Medium& medium, double time, Progress& progress, ViewScene& scene,
+                               Still& still) {
+  medium.smoke->setProgress(progress);
+  VOLUTE_ASSIGN(auto state, medium.smoke->at(time));
+  const auto& walls = medium.smoke->description().walls;
+  if (walls)
+    need(scene, "the walls of a mesh");
+  scene.media.smokes.push_back(
+      {state.locator, scaled(state.extinction, still.law.factor()), state.source});
+  still.smokes.push_back(std::move(state));
+  still.walls.push_back(walls);
+  return {};
+}
+
+Status SceneDocument::addFds(const Medium& medium, double time, ViewScene& scene, Still& still,
+                             TriangleMesh& buildings) const {
+  VOLUTE_ASSIGN(auto smoke, medium.fds->mediumAt(time));
+  need(scene, "the smoke of an FDS case");
+  still.media.push_back(seenBy(still.law, std::move(smoke)));
+  VOLUTE_ASSIGN(auto flame, medium.fds->flameAt(time));
+  if (flame)
+    still.media.push_back(std::move(*flame));
+  return medium.fds->addSurfaces(time, buildings);
+}
+
+Status SceneDocument::addBoards(double time, Progress& progress, ViewScene& scene, Still& still) {
+  for (Board& board : boards_) {
+    need(scene, "billboards");
+    board.volume.setProgress(progress);
+    VOLUTE_ASSIGN(const auto volume,
+                  board.volume.mediumAt(board.volume.positionAt(time), still.law.factor()));
+    BillboardOptions options = board.options;
+    options.shown = board.volume.info().bounds;
+    still.viewed.push_back(
+        [medium = AnyMedium(volume), options](const Camera& camera) -> Result<AnyMedium> {
+          Progress quiet;
+          VOLUTE_ASSIGN(auto drawn, Billboard::draw(medium, camera, options, quiet));
+          return AnyMedium(std::move(drawn));
+        });
+  }
+  return {};
+}
+
+/// Light at the corners is found anew where it may have changed: lamps shine through smoke.
+void SceneDocument::addSurfaces(ViewScene& scene, const Still& still) {
+  if (still.geometry.empty() || !scene.onlyProcessor.empty())
+    return;
+  if (!surfaces_ || !scene_.lights.lamps.empty()) {
+    std::vector<AnyMedium> media;
+    const double factor = still.law.factor();
+    for (const AnyMedium& medium : still.media)
+      media.push_back(factor == 1 ? medium : AnyMedium(ScaledMedium(medium, 1 / factor)));
+    for (const SmokeState& smoke : still.smokes)
+      media.emplace_back(TetMedium(smoke.locator, smoke.extinction));
+    surfaces_ = std::make_shared<const ViewSurfaces>(
+        surfaceCorners({still.geometry, scene_.lights.lamps, scene_.lights.ambient, media}));
+  }
+  scene.surfaces = surfaces_;
+}
+
+Result<ViewScene> SceneDocument::sceneAt(double time, bool coarse, Progress& progress) {
+  ViewScene scene;
+  auto still = std::make_shared<Still>();
+  still->law = law();
+  still->lights = scene_.lights;
+  still->signs = scene_.signs;
+  still->background = scene_.background;
+  TriangleMesh buildings;
+  for (Medium& medium : media_) {
+    if (medium.volume)
+      VOLUTE_TRY(addVolume(medium, time, coarse, progress, scene, *still));
+    if (medium.fog)
+      VOLUTE_TRY(addFog(medium, time, scene, *still));
+    if (medium.smoke)
+      VOLUTE_TRY(addSmoke(medium, time, progress, scene, *still));
+    if (medium.fds)
+      VOLUTE_TRY(addFds(medium, time, scene, *still, buildings));
+  }
+  VOLUTE_TRY(addBoards(time, progress, scene, *still));
+  still->geometry = geometry_;
+  if (!buildings.triangles.empty()) {
+    VOLUTE_ASSIGN(still->geometry, withBuildings(std::move(buildings)));
+  }
+  addSurfaces(scene, *still);
+  for (const Sign& sign : scene_.signs) scene.quads.push_back(quadOf(sign, still->law));
+  scene.processor = [still](const Camera& camera, Progress& inner) {
+    return still->picture(camera, inner);
+  };
+  if (!still->geometry.empty()) {
+    auto bare = std::make_shared<Still>(*still);
+    bare->geometry = {};
+    scene.bare = [bare](const Camera& camera, Progress& inner) {
+      return bare->picture(camera, inner);
+    };
+  }
+  return scene;
+}
+
+Result<TriangleScene> SceneDocument::withBuildings(TriangleMesh buildings) const {
+  const auto first = static_cast<std::uint32_t>(buildings.materials.size());
+  const auto materials = geometry_.materials();
+  buildings.materials.insert(buildings.materials.end(), materials.begin(), materials.end());
+  for (Triangle triangle : geometry_.triangles()) {
+    triangle.material += first;
+    buildings.triangles.push_back(triangle);
+  }
+  return TriangleScene::build(std::move(buildings.triangles), std::move(buildings.materials));
+}
+
+}  // namespace volute

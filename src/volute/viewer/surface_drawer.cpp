@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/viewer/surface_drawer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+
+namespace volute {
+
+namespace viewerGlsl {
+extern const char* const kSurfaceVertex;
+extern const char* const kSurfaceFragment;
+}  // namespace viewerGlsl
+
+namespace {
+
+constexpr float kNearest = 0.01F;  ///< [m]
+
+Result<GlProgram> linkProgram(bool pictures) {
+  const ShaderPart define{"define", pictures ? "#define PICTURE\n" : ""};
+  const ShaderStage stages[] = {
+      {GL_VERTEX_SHADER, {define, {"surface_vertex.glsl", viewerGlsl::kSurfaceVertex}}},
+      {GL_FRAGMENT_SHADER, {define, {"surface_fragment.glsl", viewerGlsl::kSurfaceFragment}}}};
+  return GlProgram::link(stages);
+}
+
+/// A picture with smaller ones of itself.
+GlTexture pictureTexture(const Image& picture) {
+  const int larger = std::max(picture.width, picture.height);
+  GLuint name = 0;
+  glCreateTextures(GL_TEXTURE_2D, 1, &name);
+  glTextureStorage2D(name, std::bit_width(static_cast<unsigned>(larger)), GL_RGBA16F,
+                     picture.width, picture.height);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTextureSubImage2D(name, 0, 0, 0, picture.width, picture.height, GL_RGB, GL_FLOAT,
+                      picture.pixels.data());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glGenerateTextureMipmap(name);
+  return GlTexture(name);
+}
+
+}  // namespace
+
+Result<SurfaceDrawer> SurfaceDrawer::create() {
+  VOLUTE_ASSIGN(auto triangles, linkProgram(false));
+  VOLUTE_ASSIGN(auto pictures, linkProgram(true));
+  SurfaceDrawer drawer(std::move(triangles), std::move(pictures));
+  GLuint names[2] = {};
+  glCreateVertexArrays(2, names);
+  drawer.corners_ = GlVertexArray(names[0]);
+  drawer.nothing_ = GlVertexArray(names[1]);
+  for (const GLuint place : {0U, 1U}) {
+    glEnableVertexArrayAttrib(names[0], place);
+    glVertexArrayAttribFormat(names[0], place, 3, GL_FLOAT, GL_FALSE, 0);
+    glVertexArrayAttribBinding(names[0], place, place);
+  }
+  GLuint sampler = 0;
+  glCreateSamplers(1, &sampler);
+  glSamplerParameteri(sampler, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glSamplerParameteri(sampler, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glSamplerParameteri(sampler, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glSamplerParameteri(sampler, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  drawer.smooth_ = GlObject<detail::destroySampler>(sampler);
+  return drawer;
+}
+
+void SurfaceDrawer::resize(int width, int height) {
+  if (width == width_ && height == height_)
+    return;
+  width_ = width, height_ = height;
+  colors_ = makeTexture2d(GL_RGBA32F, width, height);
+  distances_ = makeTexture2d(GL_R32F, width, height);
+  nearest_ = makeTexture2d(GL_DEPTH_COMPONENT32F, width, height);
+  GLuint name = 0;
+  glCreateFramebuffers(1, &name);
+  frame_ = GlFramebuffer(name);
+  glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, colors_.name(), 0);
+  glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT1, distances_.name(), 0);
+  glNamedFramebufferTexture(name, GL_DEPTH_ATTACHMENT, nearest_.name(), 0);
+  constexpr GLenum kTargets[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  glNamedFramebufferDrawBuffers(name, 2, kTargets);
+}
+
+void SurfaceDrawer::upload(const std::shared_ptr<const ViewSurfaces>& surfaces) {
+  if (surfaces == uploaded_)
+    return;
+  uploaded_ = surfaces;
+  if (!surfaces)
+    return;
+  positions_ = makeBuffer(std::span(surfaces->corners));
+  lights_ = makeBuffer(std::span(surfaces->colors));
+  constexpr GLsizei kStride = 3 * sizeof(float);
+  glVertexArrayVertexBuffer(corners_.name(), 0, positions_.name(), 0, kStride);
+  glVertexArrayVertexBuffer(corners_.name(), 1, lights_.name(), 0, kStride);
+}
+
+GLuint SurfaceDrawer::textureOf(const std::shared_ptr<const Image>& picture) {
+  auto found = kept_.find(picture.get());
+  if (found == kept_.end())
+    found = kept_.emplace(picture.get(), Kept{picture, pictureTexture(*picture)}).first;
+  found->second.used = true;
+  return found->second.texture.name();
+}
+
+void SurfaceDrawer::look(const GlProgram& program, const Camera& camera) {
+  program.use();
+  program.set("eye", camera.eye());
+  program.set("right", camera.right());
+  program.set("down", camera.down());
+  program.set("forward", camera.forward());
+  const double halfWidth = 0.5 * camera.width() * camera.pixelWidth();
+  const double halfHeight = 0.5 * camera.height() * camera.pixelSize();
+  program.set("lens", Vec3(halfWidth, halfHeight, kNearest));
+  const Vec2& principal = camera.principalPoint();
+  program.set("middle", Vec3(2 * principal.x() / camera.width() - 1,
+                             2 * principal.y() / camera.height() - 1, 0));
+  program.set("power", 1.0F);
+}
+
+void SurfaceDrawer::drawQuads(const std::vector<ViewQuad>& quads) {
+  glBindVertexArray(nothing_.name());
+  glBindSampler(0, smooth_.name());
+  pictures_.set("picture", 0);
+  for (auto& [image, kept] : kept_) kept.used = false;
+  for (const ViewQuad& quad : quads) {
+    if (!quad.picture || quad.picture->channels != 3)
+      continue;
+    glBindTextureUnit(0, textureOf(quad.picture));
+    pictures_.set("corner", quad.corner);
+    pictures_.set("alongRight", quad.right);
+    pictures_.set("alongDown", quad.down);
+    pictures_.set("power", static_cast<float>(quad.power));
+    (quad.bothSides ? glDisable : glEnable)(GL_CULL_FACE);
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  }
+  glBindSampler(0, 0);
+  std::erase_if(kept_, [](const auto& entry) { return !entry.second.used; });
+}
+
+bool SurfaceDrawer::draw(const Camera& camera, const ViewScene& scene, bool surfaces) {
+  const bool triangles = surfaces && scene.surfaces;
+  const bool any = triangles || !scene.quads.empty();
+  upload(scene.surfaces);
+  if (!any)
+    return false;
+  resize(camera.width(), camera.height());
+  glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
+  glViewport(0, 0, width_, height_);
+  glDisable(GL_BLEND);
+  glDisable(GL_SCISSOR_TEST);
+  glEnable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glDepthFunc(GL_GREATER);
+  glFrontFace(GL_CW);  // rows go down
+  constexpr float kNothing[4] = {}, kFar[4] = {std::numeric_limits<float>::infinity()};
+  constexpr float kDepth = 0;
+  glClearNamedFramebufferfv(frame_.name(), GL_COLOR, 0, kNothing);
+  glClearNamedFramebufferfv(frame_.name(), GL_COLOR, 1, kFar);
+  glClearNamedFramebufferfv(frame_.name(), GL_DEPTH, 0, &kDepth);
+  if (triangles) {
+    look(triangles_, camera);
+    glBindVertexArray(corners_.name());
+    glEnable(GL_CULL_FACE);
+    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(scene.surfaces->corners.size() / 3));
+  }
+  look(pictures_, camera);
+  drawQuads(scene.quads);
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_DEPTH_TEST);
+  glFrontFace(GL_CCW);
+  glDepthFunc(GL_LESS);
+  glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+  depth_.resize(static_cast<std::size_t>(width_) * height_);
+  glGetTextureImage(distances_.name(), 0, GL_RED, GL_FLOAT,
+                    static_cast<GLsizei>(depth_.size() * sizeof(float)), depth_.data());
+  return true;
+}
+
+}  // namespace volute

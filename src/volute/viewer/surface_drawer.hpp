@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "volute/camera/camera.hpp"
+#include "volute/gl/gl_program.hpp"
+#include "volute/viewer/view_scene.hpp"
+
+namespace volute {
+
+/// Draws what is opaque in a ViewScene by rasterisation.
+class SurfaceDrawer {
+ public:
+  [[nodiscard]] static Result<SurfaceDrawer> create();
+
+  /// Before a pinhole camera without a lens. True if the scene has anything opaque.
+  /// @param surfaces  false: its quads alone
+  bool draw(const Camera& camera, const ViewScene& scene, bool surfaces = true);
+
+  /// Linear radiance and, in the fourth channel, ViewQuad::power; 0 where nothing is. Row 0 is the
+  /// top. Of the last draw().
+  GLuint texture() const { return colors_.name(); }
+
+  /// Along each pixel's ray [m], infinite where nothing is; shape (height, width).
+  std::span<const float> depth() const { return depth_; }
+
+ private:
+  SurfaceDrawer(GlProgram triangles, GlProgram pictures)
+      : triangles_(std::move(triangles)), pictures_(std::move(pictures)) {}
+
+  struct Kept {
+    std::shared_ptr<const Image> picture;
+    GlTexture texture;
+    bool used = true;
+  };
+
+  void resize(int width, int height);
+  void upload(const std::shared_ptr<const ViewSurfaces>& surfaces);
+  GLuint textureOf(const std::shared_ptr<const Image>& picture);
+  static void look(const GlProgram& program, const Camera& camera);
+  void drawQuads(const std::vector<ViewQuad>& quads);
+
+  GlProgram triangles_, pictures_;
+  GlTexture colors_, distances_, nearest_;
+  GlFramebuffer frame_;
+  GlVertexArray corners_, nothing_;
+  GlBuffer positions_, lights_;
+  GlObject<detail::destroySampler> smooth_;
+  std::shared_ptr<const ViewSurfaces> uploaded_;
+  std::map<const Image*, Kept> kept_;
+  std::vector<float> depth_;
+  int width_ = 0, height_ = 0;
+};
+
+}  // namespace volute

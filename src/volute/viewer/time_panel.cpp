@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <imgui.h>
+
+#include "volute/viewer/panels.hpp"
+
+namespace volute {
+namespace {
+
+void filmPart(ViewerApp& app, const ViewerInput& input) {
+  if (const FilmExport* film = app.film()) {
+    if (ImGui::Button("Cancel film")) {
+      app.cancelFilm();
+      app.mark("Cancel film");
+      return;
+    }
+    app.mark("Cancel film");
+    ImGui::SameLine();
+    ImGui::ProgressBar(static_cast<float>(film->share()), {-1, 0},
+                       fmt::format("{}: {:.0f} %", film->order().target, 100 * film->share()).c_str());
+    return;
+  }
+  if (ImGui::Button("Make film"))
+    app.beginFilm(input);
+  app.mark("Make film");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(150);
+  nameBox("##film", app.settings().filmName);
+  app.mark("film");
+  hint("a .mp4 or .webm of the whole time, from where you look, at this speed");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(110);
+  static const std::string kSizes[] = {"640 x 360", "1280 x 720", "1920 x 1080", "window"};
+  choiceBox(app, "##size", "film size", kSizes, app.settings().filmSize);
+}
+
+}  // namespace
+
+void drawTimePanel(ViewerApp& app, const ViewerInput& input) {
+  Timeline& timeline = app.timeline();
+  if (!timeline.moves())
+    return;
+  const float height = 72;
+  ImGui::SetNextWindowPos(
+      {kPanelMargin, static_cast<float>(input.height) - height - kPanelMargin});
+  ImGui::SetNextWindowSize({static_cast<float>(input.width) - 2 * kPanelMargin, height});
+  ImGui::Begin("Time", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoScrollbar);
+  if (ImGui::Button(timeline.playing() ? "Pause###play" : "Play###play", {60, 0}))
+    timeline.play(!timeline.playing());
+  app.mark("Play");
+  ImGui::SameLine();
+  if (ImGui::Button("<"))
+    timeline.step(-1);
+  app.mark("<");
+  ImGui::SameLine();
+  if (ImGui::Button(">"))
+    timeline.step(1);
+  app.mark(">");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(130);
+  double speed = timeline.speed();
+  if (sliderDouble("##speed", speed, 0.1, 10, "%.2f x speed", true))
+    timeline.setSpeed(speed);
+  app.mark("speed");
+  ImGui::SameLine();
+  ImGui::Text("frame %d of %d", timeline.frame() + 1, timeline.frames());
+  ImGui::SameLine(0, 30);
+  filmPart(app, input);
+  double time = timeline.time();
+  ImGui::SetNextItemWidth(-1);
+  if (sliderDouble("##time", time, timeline.first(), timeline.last(), "%.2f s"))
+    timeline.seek(time);
+  app.mark("time");
+  ImGui::End();
+}
+
+}  // namespace volute

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/viewer/view_picture.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace volute {
+namespace {
+
+constexpr double kQuick = 0.04;           ///< [s] that OpenGL may take while something moves
+constexpr double kProcessorQuick = 0.15;  ///< [s], and the processor
+constexpr double kCoarsest = 1.0 / 8;     ///< of the window's pixels a side
+constexpr std::size_t kHistory = 90;
+constexpr float kOpaque = 1e30F;  ///< an optical depth that nothing is seen through
+
+double scaleOf(Quality quality) {
+  switch (quality) {
+    case Quality::kHalf:
+      return 0.5;
+    case Quality::kQuarter:
+      return 0.25;
+    default:
+      return 1;
+  }
+}
+
+int pixels(double scale, int side) {
+  return std::max(8, static_cast<int>(std::lround(scale * side)));
+}
+
+bool sameView(const PictureWish& a, const PictureWish& b) {
+  return a.camera == b.camera && a.width == b.width && a.height == b.height &&
+         a.surfaces == b.surfaces;
+}
+
+}  // namespace
+
+ViewPicture::ViewPicture(GlRenderer renderer, SurfaceDrawer surfaces, Display display)
+    : renderer_(std::move(renderer)),
+      surfaces_(std::move(surfaces)),
+      display_(std::move(display)),
+      processor_(std::make_unique<ProcessorThread>()) {
+  constexpr float kNothing[4] = {};
+  blank_ = makeTexture2d(GL_RGBA32F, 1, 1);
+  glTextureSubImage2D(blank_.name(), 0, 0, 0, 1, 1, GL_RGBA, GL_FLOAT, kNothing);
+}
+
+Result<ViewPicture> ViewPicture::create(bool hardware) {
+  VOLUTE_ASSIGN(auto renderer, GlRenderer::create());
+  VOLUTE_ASSIGN(auto surfaces, SurfaceDrawer::create());
+  VOLUTE_ASSIGN(auto display, Display::create());
+  ViewPicture picture(std::move(renderer), std::move(surfaces), std::move(display));
+  picture.hardware_ = hardware;
+  return picture;
+}
+
+void ViewPicture::setScene(std::shared_ptr<const ViewScene> scene) {
+  scene_ = std::move(scene);
+  changed_ = true;
+  refused_.clear();
+}
+
+bool ViewPicture::byProcessor(const PictureWish& wish) const {
+  if (!scene_->processor || wish.renderer == ViewRenderer::kGl)
+    return false;
+  return wish.renderer == ViewRenderer::kProcessor || !hardware_ || !scene_->onlyProcessor.empty() ||
+         !refused_.empty();
+}
+
+double ViewPicture::quickScale(const PictureWish& wish, double seconds) const {
+  const double count = static_cast<double>(wish.width) * wish.height;
+  const bool processor = byProcessor(wish);
+  const double cost = (processor ? processorAPixel_ : secondsAPixel_) * count;
+  return std::clamp(std::sqrt(seconds / cost), kCoarsest, scaleOf(wish.quality));
+}
+
+void ViewPicture::noteTime(double seconds, int width, int height, bool processor) {
+  times_.milliseconds = 1e3 * seconds;
+  times_.width = width, times_.height = height;
+  times_.processor = processor;
+  times_.history.push_back(static_cast<float>(times_.milliseconds));
+  if (times_.history.size() > kHistory)
+    times_.history.erase(times_.history.begin());
+  (processor ? processorAPixel_ : secondsAPixel_) =
+      seconds / (static_cast<double>(width) * height);
+}
+
+Status ViewPicture::drawByGl(const PictureWish& wish, double scale) {
+  const int width = pixels(scale, wish.width), height = pixels(scale, wish.height);
+  const Camera camera = wish.camera.camera(width, height);
+  const auto begun = std::chrono::steady_clock::now();
+  opaque_ = surfaces_.draw(camera, *scene_, wish.surfaces);
+  Progress quiet;
+  if (scene_->media.media() > 0) {
+    const auto depth = opaque_ ? surfaces_.depth() : std::span<const float>();
+    VOLUTE_TRY(renderer_.draw(camera, scene_->media, GlQuantity::kLight, quiet, depth));
+  }
+  const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
+  double seconds = spent.count();
+  for (const GlPassTime& pass : renderer_.takePasses()) {
+    if (pass.name == "march")
+      seconds = 1e-3 * pass.milliseconds;
+  }
+  noteTime(seconds, width, height, false);
+  scale_ = scale;
+  processed_ = false;
+  return {};
+}
+
+Status ViewPicture::takeFinished() {
+  auto done = processor_->take();
+  if (!done || done->number != asked_)
+    return {};
+  if (!done->image) {
+    if (done->image.error().code == ErrorCode::kCancelled)
+      return {};
+    return tl::unexpected<Error>(done->image.error());
+  }
+  const Image& image = *done->image;
+  std::vector<float> texels;
+  texels.reserve(image.pixels.size() / 3 * 4);
+  for (std::size_t i = 0; i < image.pixels.size(); i += 3) {
+    texels.insert(texels.end(), &image.pixels[i], &image.pixels[i] + 3);
+    texels.push_back(kOpaque);
+  }
+  if (image.width != pictureWidth_ || image.height != pictureHeight_)
+    picture_ = makeTexture2d(GL_RGBA32F, image.width, image.height);
+  pictureWidth_ = image.width, pictureHeight_ = image.height;
+  glTextureSubImage2D(picture_.name(), 0, 0, 0, image.width, image.height, GL_RGBA, GL_FLOAT,
+                      texels.data());
+  noteTime(done->seconds, image.width, image.height, true);
+  scale_ = finishedScale_ = done->scale;
+  processed_ = true;
+  return {};
+}
+
+/// First quickly, then, if nothing changes meanwhile, as fine as it gets. What is fine is given up
+/// for what is new; what is quick is finished, or a film would never show a frame.
+Status ViewPicture::drawByProcessor(const PictureWish& wish) {
+  VOLUTE_TRY(takeFinished());
+  const double finest = scaleOf(wish.quality);
+  const bool another = changed_ || !sameView(wish, drawn_) || (drawn_.renderer != wish.renderer) ||
+                       drawn_.quality != wish.quality;
+  if (another) {
+    if (processor_->busy() && askedQuickly_)
+      return {};
+    ++asked_;
+    processor_->stopUnless(asked_);
+    finishedScale_ = 0;
+    askedScale_ = quickScale(wish, kProcessorQuick);
+    askedQuickly_ = true;
+    drawn_ = wish;
+    changed_ = false;
+  } else if (finishedScale_ > 0 && finishedScale_ < finest && askedScale_ < finest && !wish.moving) {
+    askedScale_ = finest;
+    askedQuickly_ = false;
+  } else {
+    return {};
+  }
+  const Camera camera =
+      wish.camera.camera(pixels(askedScale_, wish.width), pixels(askedScale_, wish.height));
+  processor_->request({wish.surfaces || !scene_->bare ? scene_->processor : scene_->bare, camera, asked_, askedScale_});
+  return {};
+}
+
+Status ViewPicture::update(const PictureWish& wish) {
+  if (!scene_)
+    return {};
+  remark_ = scene_->onlyProcessor.empty()               ? refused_
+            : wish.renderer == ViewRenderer::kGl ? "not drawn: " + scene_->onlyProcessor
+                                                        : "by the processor: " +
+                                                       scene_->onlyProcessor;
+  if (byProcessor(wish)) {
+    const Status drawn = drawByProcessor(wish);
+    if (!drawn)
+      scene_.reset();
+    return drawn;
+  }
+  const double scale = wish.moving && wish.quality != Quality::kFull ? quickScale(wish, kQuick)
+                                                                     : scaleOf(wish.quality);
+  if (!changed_ && sameView(wish, drawn_) && scale_ == scale && !processed_)
+    return {};
+  const Status drawn = drawByGl(wish, scale);
+  changed_ = false;
+  drawn_ = wish;
+  if (drawn)
+    return {};
+  if (drawn.error().code == ErrorCode::kUnsupported && scene_->processor) {
+    refused_ = drawn.error().message;
+    changed_ = true;
+    return {};
+  }
+  scene_.reset();
+  return drawn;
+}
+
+bool ViewPicture::settled(const PictureWish& wish) const {
+  if (!scene_)
+    return true;
+  const double finest = scaleOf(wish.quality);
+  const bool same = !changed_ && sameView(wish, drawn_) && scale_ == finest && !wish.moving;
+  if (byProcessor(wish))
+    return same && processed_ && finishedScale_ == finest && drawn_.renderer == wish.renderer;
+  return same && !processed_;
+}
+
+GLuint ViewPicture::texture() const {
+  if (processed_)
+    return picture_.name();
+  return scene_ && scene_->media.media() == 0 ? blank_.name() : renderer_.texture();
+}
+
+void ViewPicture::show(DisplayLook look, int width, int height) {
+  look.surfaces = opaque_ && !processed_ ? surfaces_.texture() : 0;
+  display_.draw(texture(), look, width, height);
+}
+
+Image ViewPicture::light(const Rgb& background) const {
+  GLint width = 0, height = 0;
+  glGetTextureLevelParameteriv(texture(), 0, GL_TEXTURE_WIDTH, &width);
+  glGetTextureLevelParameteriv(texture(), 0, GL_TEXTURE_HEIGHT, &height);
+  std::vector<float> texels(4 * static_cast<std::size_t>(width) * height);
+  glGetTextureImage(texture(), 0, GL_RGBA, GL_FLOAT,
+                    static_cast<GLsizei>(texels.size() * sizeof(float)), texels.data());
+  Image image(width, height);
+  for (std::size_t i = 0; i < texels.size() / 4; ++i) {
+    for (int c = 0; c < 3; ++c)
+      image.pixels[3 * i + c] =
+          static_cast<float>(texels[4 * i + c] + std::exp(-texels[4 * i + 3]) * background[c]);
+  }
+  return image;
+}
+
+}  // namespace volute

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "volute/gl/gl_renderer.hpp"
+#include "volute/viewer/display.hpp"
+#include "volute/viewer/processor_thread.hpp"
+#include "volute/viewer/surface_drawer.hpp"
+#include "volute/viewer/view_camera.hpp"
+
+namespace volute {
+
+/// How finely a picture is drawn.
+enum class Quality { kAuto, kFull, kHalf, kQuarter };
+
+/// Who draws it.
+enum class ViewRenderer {
+  kAuto,       ///< OpenGL on a graphics card, where it can; else the processor
+  kGl,         ///< what it can, and nothing else
+  kProcessor,  ///< as `volute render --renderer cpu`
+};
+
+/// What a picture is to be.
+struct PictureWish {
+  ViewCamera camera;
+  int width = 0, height = 0;  ///< [pixels] of the window
+  Quality quality = Quality::kAuto;
+  ViewRenderer renderer = ViewRenderer::kAuto;
+  bool surfaces = true;  ///< opaque things are shown, signs and screens in any case
+  bool moving = false;   ///< it changes soon: quick is better than fine
+};
+
+/// What the last pictures took.
+struct FrameTimes {
+  double milliseconds = 0;       ///< the last picture, on the device or the processor
+  int width = 0, height = 0;     ///< that it had [pixels]
+  bool processor = false;        ///< who drew it
+  std::vector<float> history{};  ///< the last pictures [ms]
+};
+
+/// The picture of a scene, kept up to date: by OpenGL at once, by the processor in a thread of its
+/// own, coarse first. Needs the context that it was made in.
+class ViewPicture {
+ public:
+  /// @param hardware  OpenGL is a graphics card, not a rasteriser on the processor
+  [[nodiscard]] static Result<ViewPicture> create(bool hardware);
+
+  void setScene(std::shared_ptr<const ViewScene> scene);
+
+  const ViewScene* scene() const { return scene_.get(); }
+
+  /// Draws what has to be drawn, or takes what the processor has finished. An error is that of the
+  /// scene, which then is no longer shown.
+  [[nodiscard]] Status update(const PictureWish& wish);
+
+  /// Whether it is as fine as it will be.
+  bool settled(const PictureWish& wish) const;
+
+  bool shown() const { return scale_ > 0; }
+
+  /// Into the framebuffer that is bound; `look.surfaces` is its own.
+  void show(DisplayLook look, int width, int height);
+
+  /// The light that is shown, before the exposure. Slow.
+  Image light(const Rgb& background) const;
+
+  const FrameTimes& times() const { return times_; }
+
+  /// Why the processor draws, or what is not drawn; empty: nothing to be said.
+  const std::string& remark() const { return remark_; }
+
+ private:
+  ViewPicture(GlRenderer renderer, SurfaceDrawer surfaces, Display display);
+
+  bool byProcessor(const PictureWish& wish) const;
+  double quickScale(const PictureWish& wish, double seconds) const;
+  Status drawByGl(const PictureWish& wish, double scale);
+  Status drawByProcessor(const PictureWish& wish);
+  Status takeFinished();
+  void noteTime(double seconds, int width, int height, bool processor);
+  GLuint texture() const;
+
+  GlRenderer renderer_;
+  SurfaceDrawer surfaces_;
+  Display display_;
+  GlTexture blank_;   ///< no light, nothing in the way
+  GlTexture picture_;  ///< the processor's
+  int pictureWidth_ = 0, pictureHeight_ = 0;
+  std::unique_ptr<ProcessorThread> processor_;
+  std::shared_ptr<const ViewScene> scene_;
+  FrameTimes times_;
+  std::string remark_;
+  std::string refused_;    ///< why OpenGL would not draw this scene
+  double scale_ = 0;       ///< of the window's pixels a side, of the picture that is shown; 0: none
+  PictureWish drawn_;      ///< that the picture answers
+  bool changed_ = true;    ///< another scene since
+  bool hardware_ = true;
+  bool opaque_ = false;    ///< OpenGL's picture has surfaces
+  bool processed_ = false;  ///< the processor took it
+  int asked_ = 0;           ///< number of the wish that the processor works on
+  double askedScale_ = 0, finishedScale_ = 0;
+  bool askedQuickly_ = false;
+  double secondsAPixel_ = 2e-8, processorAPixel_ = 1e-6;  ///< what pictures have cost
+};
+
+}  // namespace volute

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "volute/base/progress.hpp"
+#include "volute/base/result.hpp"
+#include "volute/camera/camera.hpp"
+#include "volute/gl/gl_scene.hpp"
+#include "volute/image/image.hpp"
+
+namespace volute {
+
+/// Opaque triangles with the light that they send back already found at their corners.
+struct ViewSurfaces {
+  std::vector<float> corners;  ///< [m], 9 numbers a triangle
+  std::vector<float> colors;   ///< linear RGB radiance, 9 numbers a triangle
+};
+
+/// A flat picture in space: a sign, or what a camera of a capture saw.
+struct ViewQuad {
+  Vec3 corner = Vec3::Zero();          ///< its top left [m]
+  Vec3 right = Vec3::UnitX();          ///< along its rows, as long as they are [m]
+  Vec3 down = -Vec3::UnitZ();          ///< along its columns [m]
+  std::shared_ptr<const Image> picture;  ///< linear RGB
+  /// It is seen through the picture's transmittance to this power.
+  double power = 1;
+  bool bothSides = false;  ///< else only by who sees `right` go to the right
+};
+
+/// A line that is drawn over the picture.
+struct ViewLine {
+  Vec3 from = Vec3::Zero(), to = Vec3::Zero();
+  Rgb color = Rgb::Ones();  ///< as displays take it, 0..1
+};
+
+/// The same instant by the processor: linear RGB with surfaces and background in it. Thread-safe.
+using ProcessorPicture = std::function<Result<Image>(const Camera& camera, Progress& progress)>;
+
+/// One instant of a document, ready to be drawn.
+struct ViewScene {
+  GlScene media{};
+  std::shared_ptr<const ViewSurfaces> surfaces{};
+  std::vector<ViewQuad> quads{};
+  std::vector<ViewLine> lines{};
+  ProcessorPicture processor{};  ///< empty: there is none
+  ProcessorPicture bare{};       ///< the same without surfaces; empty: there are none
+  /// What OpenGL cannot draw, as a sentence; empty: it draws all.
+  std::string onlyProcessor{};
+};
+
+}  // namespace volute

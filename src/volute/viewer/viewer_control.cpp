@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// The part of a ViewerApp that listens to keys and the mouse.
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "volute/viewer/viewer_app.hpp"
+
+namespace volute {
+
+/// Hands the input to Dear ImGui.
+void ViewerApp::feed(const ViewerInput& input) {
+  ImGuiIO& io = ImGui::GetIO();
+  io.DisplaySize = {static_cast<float>(input.width), static_cast<float>(input.height)};
+  io.DeltaTime = static_cast<float>(std::max(input.seconds, 1e-4));
+  io.MousePos = {static_cast<float>(input.mouseX), static_cast<float>(input.mouseY)};
+  for (int i = 0; i < 3; ++i) io.MouseDown[i] = input.buttons[i];
+  io.MouseWheel = static_cast<float>(input.wheel);
+  io.KeyShift = input.shift;
+  io.KeyCtrl = input.control;
+  std::ranges::fill(io.KeysDown, false);
+  for (const Key key : input.held) io.KeysDown[static_cast<int>(key)] = true;
+  for (const Key key : input.pressed) io.KeysDown[static_cast<int>(key)] = true;
+  if (!input.typed.empty() && !input.control)
+    io.AddInputCharactersUTF8(input.typed.c_str());
+}
+
+void ViewerApp::mark(const std::string& name) {
+  const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
+  controls_[name] = {from.x, from.y, to.x, to.y};
+}
+
+void ViewerApp::press(Key key, const ViewerInput& input) {
+  switch (key) {
+    case Key::kSpace:
+      timeline_.play(!timeline_.playing());
+      break;
+    case Key::kLeft:
+      timeline_.step(-1);
+      break;
+    case Key::kRight:
+      timeline_.step(1);
+      break;
+    case Key::kHome:
+      timeline_.seek(timeline_.first());
+      break;
+    case Key::kEnd:
+      timeline_.seek(timeline_.last());
+      break;
+    case Key::kPlus:
+      settings_.look.stops += 0.5;
+      break;
+    case Key::kMinus:
+      settings_.look.stops -= 0.5;
+      break;
+    case Key::kF1:
+      settings_.help = !settings_.help;
+      break;
+    case Key::kF12:
+      screenshotWish_ = true;
+      break;
+    case Key::kH:
+      settings_.panels = !settings_.panels;
+      break;
+    case Key::kF:
+      resetView(input.width, input.height);
+      break;
+    case Key::kEscape:
+      settings_.help = settings_.painting = false;
+      break;
+    case Key::kM:
+      camera_.setMode(camera_.mode() == ViewCamera::Mode::kOrbit ? ViewCamera::Mode::kWalk
+                                                                 : ViewCamera::Mode::kOrbit);
+      break;
+    default:
+      break;
+  }
+}
+
+void ViewerApp::keys(const ViewerInput& input) {
+  if (ImGui::GetIO().WantTextInput)
+    return;
+  for (const Key key : input.pressed) {
+    if (!input.control)
+      press(key, input);
+    else if (key == Key::kZ)
+      input.shift ? redoPainting() : undoPainting();
+    else if (key == Key::kY)
+      redoPainting();
+    else if (key == Key::kS)
+      saveScene();
+  }
+}
+
+/// The left button paints where the pointer meets the ground.
+void ViewerApp::paintInView(const ViewerInput& input) {
+  const bool ours = !ImGui::GetIO().WantCaptureMouse;
+  PaintHand hand;
+  hand.seconds = input.seconds;
+  hand.up = lastY_ - input.mouseY;
+  strokes_ = input.buttons[0] && (strokes_ || (ours && !dragging_));
+  hand.pressed = strokes_;
+  const Camera camera = camera_.camera(input.width, input.height);
+  if (ours || strokes_)
+    hand.at = paint_.onGround(camera.ray(input.mouseX, input.mouseY));
+  paint_.setTime(timeline_.time());
+  if (paint_.hold(hand))
+    sendMap();
+}
+
+/// The camera follows the mouse where no panel does, and the keys when it walks. While the left
+/// button paints, the right one turns.
+void ViewerApp::control(const ViewerInput& input) {
+  const double dx = input.mouseX - lastX_, dy = input.mouseY - lastY_;
+  const bool paints = settings_.painting && paint_.has();
+  if (paints)
+    paintInView(input);
+  lastX_ = input.mouseX, lastY_ = input.mouseY;
+  const bool turns = paints ? input.buttons[1] : input.buttons[0];
+  const bool moves = input.buttons[2] || (!paints && input.buttons[1]);
+  const bool held = turns || moves;
+  const bool ours = !ImGui::GetIO().WantCaptureMouse;
+  if (held && dragging_ && (dx != 0 || dy != 0)) {
+    if (turns && !input.shift)
+      camera_.drag(dx, dy);
+    else
+      camera_.pan(dx, dy, input.height);
+    moving_ = true;
+  }
+  dragging_ = held && (dragging_ || ours);
+  if (input.wheel != 0 && ours) {
+    camera_.zoom(input.wheel);
+    moving_ = true;
+  }
+  walk(input);
+}
+
+void ViewerApp::walk(const ViewerInput& input) {
+  if (camera_.mode() != ViewCamera::Mode::kWalk || input.control ||
+      ImGui::GetIO().WantTextInput)
+    return;
+  const auto axis = [&](Key forth, Key back) {
+    return double(input.held.count(forth)) - double(input.held.count(back));
+  };
+  const double pace = input.seconds * (input.shift ? 1.0 : 0.25) * camera_.distance();
+  const double ahead = axis(Key::kW, Key::kS), aside = axis(Key::kD, Key::kA),
+               up = axis(Key::kE, Key::kQ);
+  if (ahead == 0 && aside == 0 && up == 0)
+    return;
+  camera_.walk(pace * ahead, pace * aside, pace * up);
+  moving_ = true;
+}
+
+}  // namespace volute

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Small files for ./dev soak: a film of voxels as .volute, and a scene of painted fog."""
+import argparse
+import array
+import json
+import math
+import pathlib
+import struct
+import subprocess
+import zlib
+
+
+def write_npy(path, shape, values):
+    header = repr({"descr": "<f4", "fortran_order": False, "shape": shape}).encode()
+    header += b" " * (-(len(header) + 11) % 64) + b"\n"
+    path.write_bytes(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header + array.array("f", values).tobytes())
+
+
+def write_png(path, width, height, value):
+    rows = b"".join(b"\0" + bytes(int(value(x, y)) for x in range(width)) for y in range(height))
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def blob(t, z, y, x, size):
+    square = (x - (0.3 + 0.01 * t) * size) ** 2 + (y - 0.5 * size) ** 2 + (z - 0.5 * size) ** 2
+    return max(0.0, 1 - square / (0.08 * size * size))
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--bin", required=True)
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    arguments = parser.parse_args()
+    frames, size = 32, 24
+    values = [blob(t, z, y, x, size) for t in range(frames) for z in range(size) for y in range(size) for x in range(size)]
+    write_npy(arguments.out / "film.npy", (frames, size, size, size), values)
+    subprocess.run([arguments.bin, "compress", arguments.out / "film.npy", "-o", arguments.out / "film.volute", "--rms", "0.003", "--quiet"],
+                   check=True)
+    write_png(arguments.out / "map.png", 48, 32, lambda x, y: 200 * math.exp(-((x - 20) ** 2 + (y - 16) ** 2) / 60))
+    scene = {"format": "volute-scene-1", "camera": {"eye": [-25, -30, 30], "target": [24, 16, 0], "fov": 45},
+             "background": [0.15, 0.25, 0.4],
+             "media": [{"kind": "fog", "map": "map.png", "sigma_max": 0.2, "degree": 2, "levels": 2, "mu": 0.9,
+                        "profile": {"kind": "slab", "bottom": 0, "top": 6}}]}
+    (arguments.out / "fog.json").write_text(json.dumps(scene))
+
+
+if __name__ == "__main__":
+    main()
