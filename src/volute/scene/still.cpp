@@ -5,6 +5,7 @@
 #include "volute/render/render.hpp"
 #include "volute/render/scaled_medium.hpp"
 #include "volute/render/surfaces.hpp"
+#include "volute/scene/scene_geometry.hpp"
 #include "volute/scene/smoke_picture.hpp"
 #include "volute/scene/surface_stack.hpp"
 #include "volute/tetmesh/tet_medium.hpp"
@@ -41,7 +42,7 @@ Result<Image> Still::picture(const Camera& camera, Progress& progress) const {
   for (std::size_t i = 0; i < smokes.size(); ++i) {
     if (!walls[i])
       continue;
-    VOLUTE_ASSIGN(const auto seen, lookAtWalls(camera, smokes[i], lights, *walls[i]));
+    VOLUTE_ASSIGN(const auto seen, lookAtWalls(camera, smokes[i], lights, *walls[i], blocksOf(geometry)));
     surfaces.add(seen);
   }
   const auto onSigns = signPixels(camera, signs, surfaces.depth());

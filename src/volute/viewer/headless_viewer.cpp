@@ -30,7 +30,9 @@ void HeadlessViewer::resize(int width, int height) {
 Status HeadlessViewer::frame(const ViewerInput& input) {
   resize(input.width, input.height);
   glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
-  return app_->frame(input);
+  VOLUTE_TRY(app_->frame(input));
+  glFinish();  // as a window's swap does: else what is deleted stays until the queue is full
+  return {};
 }
 
 Status HeadlessViewer::settle(ViewerInput input, Progress& progress) {

@@ -24,6 +24,7 @@ using namespace volute;
 
 constexpr double kLongest = 0.1;      ///< [s] a frame may take while a file loads
 constexpr double kMostGrowth = 0.10;  ///< of memory after the warm-up
+constexpr int kTold = 5;              ///< rounds between two lines on memory
 constexpr int kWidth = 640, kHeight = 900;
 
 double now() {
@@ -47,7 +48,10 @@ struct Report {
 class Round {
  public:
   Round(HeadlessViewer& viewer, const std::string& folder, std::mt19937& random, Report& report)
-      : viewer_(viewer), script_(viewer, kWidth, kHeight), folder_(folder), random_(random),
+      : viewer_(viewer),
+        script_(viewer, kWidth, kHeight),
+        folder_(folder),
+        random_(random),
         report_(report) {
     script_.watch = [this](double seconds) { note(seconds); };
   }
@@ -64,7 +68,8 @@ class Round {
     script_.press(Key::kSpace);
     changeSomething();
     paint();
-    for (const Key key : {Key::kF1, Key::kEscape, Key::kH, Key::kH, Key::kRight, Key::kPlus, Key::kMinus, Key::kF})
+    for (const Key key :
+         {Key::kF1, Key::kEscape, Key::kH, Key::kH, Key::kRight, Key::kPlus, Key::kMinus, Key::kF})
       script_.press(key);
     viewer_.app().settings().sceneName = folder_ + "/saved.json";
     script_.press(Key::kS, true);
@@ -140,6 +145,8 @@ int main(int count, char** words) {
   const double begun = now();
   for (int round = 0; now() - begun < seconds; ++round) {
     Round(**viewer, folder, random, report).use(words[2 + round % (count - 2)]);
+    if (round % kTold == 0)
+      fmt::print(stderr, "{:6.0f} s: {:.0f} MiB\n", now() - begun, residentMiB());
     if (now() - begun < 0.2 * seconds)
       warm = std::max(warm, residentMiB());
     else
@@ -148,12 +155,13 @@ int main(int count, char** words) {
   std::filesystem::remove_all(folder);
   const double growth = warm > 0 && most > 0 ? most / warm - 1 : 0;
   fmt::print("{:.0f} s, {} frames, {} files opened\n", now() - begun, report.frames, report.opened);
-  fmt::print("memory: {:.0f} MiB at most in the first fifth, {:.0f} MiB later: {:+.1f} %\n", warm, most,
-             100 * growth);
+  fmt::print("memory: {:.0f} MiB at most in the first fifth, {:.0f} MiB later: {:+.1f} %\n", warm,
+             most, 100 * growth);
   fmt::print("OpenGL errors: {}\n", report.glErrors);
   fmt::print("longest frame: {:.1f} ms while loading ({}), {:.1f} ms at all\n",
              1e3 * report.longestLoading, report.slowest, 1e3 * report.longest);
-  const bool good = growth <= kMostGrowth && report.glErrors == 0 && report.longestLoading <= kLongest;
+  const bool good =
+      growth <= kMostGrowth && report.glErrors == 0 && report.longestLoading <= kLongest;
   fmt::print("{}\n", good ? "good" : "NOT GOOD");
   return good ? 0 : 1;
 }
