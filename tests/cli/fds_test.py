@@ -75,6 +75,7 @@ class Fds(support.TestCase):
 
     def test_extract_gives_voxels_of_the_finest_cells(self):
         self.works("extract", self.case, "-o", self.path("out.npy"))
+        self.assertIn("volute compress", self.fails(2, "extract", self.case, "-o", self.path("out.volute")))
         shape, values = read_npy(self.path("out.npy").read_bytes())
         self.assertEqual(shape, (2, 4, 4, 8))
         row = lambda t, z, y: list(values[((t * 4 + z) * 4 + y) * 8:][:8])

@@ -54,8 +54,8 @@ Result<std::unique_ptr<FrameSink>> openSink(const std::string& target, const Vol
   if (std::ranges::find(kKnown, extensionOf(target)) == kKnown.end()) {
     return fail(
         ErrorCode::kInvalidArgument,
-        "--output: '{}' is of no known format; expected .npy, %04d.vdb, %04d.vti, .pvd or -",
-        target);
+        "--output: '{}' is of no known format; expected .npy, %04d.vdb, %04d.vti, .pvd or -{}",
+        target, isVolutePath(target) ? "; volute compress writes .volute files" : "");
   }
   return createSink(target, info);
 }
