@@ -6,7 +6,6 @@
 #include "volute/render/scaled_medium.hpp"
 #include "volute/render/surfaces.hpp"
 #include "volute/scene/scene_geometry.hpp"
-#include "volute/scene/smoke_picture.hpp"
 #include "volute/scene/surface_stack.hpp"
 #include "volute/tetmesh/tet_medium.hpp"
 
@@ -26,7 +25,8 @@ std::vector<AnyMedium> physical(const Still& still, std::span<const AnyMedium> o
 
 }  // namespace
 
-Result<Image> Still::picture(const Camera& camera, Progress& progress) const {
+Result<Image> Still::picture(const Camera& camera, SmokePictures& drawers,
+                             Progress& progress) const {
   std::vector<AnyMedium> others = media;
   for (const MediumForCamera& make : viewed) {
     VOLUTE_ASSIGN(auto medium, make(camera));
@@ -42,19 +42,19 @@ Result<Image> Still::picture(const Camera& camera, Progress& progress) const {
   for (std::size_t i = 0; i < smokes.size(); ++i) {
     if (!walls[i])
       continue;
-    VOLUTE_ASSIGN(const auto seen, lookAtWalls(camera, smokes[i], lights, *walls[i], blocksOf(geometry)));
+    VOLUTE_ASSIGN(const auto seen,
+                  lookAtWalls(camera, smokes[i], lights, *walls[i], blocksOf(geometry)));
     surfaces.add(seen);
   }
   const auto onSigns = signPixels(camera, signs, surfaces.depth());
   surfaces.add(onSigns);
   const SmokeScene scene{smokes, others, law, surfaces.depth()};
-  SmokePictures pictures;
   RenderOptions options{.background = background, .behind = surfaces.color()};
   RenderStats stats;
-  VOLUTE_ASSIGN(auto image, pictures.color(camera, scene, options, progress, stats));
+  VOLUTE_ASSIGN(auto image, drawers.color(camera, scene, options, progress, stats));
   if (onSigns.empty())
     return image;
-  VOLUTE_ASSIGN(const auto depth, pictures.opticalDepth(camera, scene, {}, progress, stats));
+  VOLUTE_ASSIGN(const auto depth, drawers.opticalDepth(camera, scene, {}, progress, stats));
   addSigns(onSigns, signs, depth, law, image);
   return image;
 }

@@ -13,6 +13,7 @@
 #include "volute/scene/scene_lights.hpp"
 #include "volute/scene/scene_signs.hpp"
 #include "volute/scene/smoke_layer.hpp"
+#include "volute/scene/smoke_picture.hpp"
 
 namespace volute {
 
@@ -22,8 +23,8 @@ using MediumForCamera = std::function<Result<AnyMedium>(const Camera& camera)>;
 /// One instant of a scene with all that pictures of it need. Nothing in it changes, so that threads
 /// may take pictures while others go on to the next instant.
 struct Still {
-  std::vector<AnyMedium> media;          ///< as the law sees them; smoke on meshes is not in it
-  std::vector<MediumForCamera> viewed;   ///< likewise, for each camera anew
+  std::vector<AnyMedium> media;         ///< as the law sees them; smoke on meshes is not in it
+  std::vector<MediumForCamera> viewed;  ///< likewise, for each camera anew
   std::vector<SmokeState> smokes;
   std::vector<std::optional<Rgb>> walls;  ///< of each smoke's mesh; nothing: not shown
   PictureLaw law;
@@ -33,7 +34,9 @@ struct Still {
   Rgb background = Rgb::Zero();
 
   /// What `volute render` shows on the processor: linear RGB. kCancelled when `progress` said so.
-  [[nodiscard]] Result<Image> picture(const Camera& camera, Progress& progress) const;
+  /// `drawers` keep what serves the next picture of the same mesh.
+  [[nodiscard]] Result<Image> picture(const Camera& camera, SmokePictures& drawers,
+                                      Progress& progress) const;
 };
 
 }  // namespace volute

@@ -10,8 +10,8 @@
 
 #include <hwy/highway.h>
 
+#include "volute/math/float_lanes-inl.hpp"
 #include "volute/math/quadrature.hpp"
-#include "volute/tetmesh/tet_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 

@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volute/tetmesh/tet_lanes-inl.hpp"
+#include "volute/math/float_lanes-inl.hpp"
 #include "volute/tetmesh/tet_raster.hpp"
 
 HWY_BEFORE_NAMESPACE();

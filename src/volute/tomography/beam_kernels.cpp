@@ -22,23 +22,17 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "volute/math/float_lanes-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 
 namespace volute {
 namespace HWY_NAMESPACE {
 namespace {
-namespace hn = hwy::HWY_NAMESPACE;
-
 using D4 = hn::FixedTag<float, 4>;
 using V4 = hn::Vec<D4>;
 constexpr D4 d4;
 
-using DF = hn::CappedTag<float, 16>;
-using DI = hn::RebindToSigned<DF>;
-using VF = hn::Vec<DF>;
-using VI = hn::Vec<DI>;
-constexpr DF df;
-constexpr DI di;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(df));
 
 constexpr int kSide = kBeamNodes;

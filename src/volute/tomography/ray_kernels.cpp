@@ -21,24 +21,17 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "volute/math/float_lanes-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 
 namespace volute {
 namespace HWY_NAMESPACE {
 namespace {
-namespace hn = hwy::HWY_NAMESPACE;
-
 using D4 = hn::FixedTag<float, 4>;
 using V4 = hn::Vec<D4>;
 constexpr D4 d4;
 
-using DF = hn::CappedTag<float, 16>;
-using DI = hn::RebindToSigned<DF>;
-using VF = hn::Vec<DF>;
-using VI = hn::Vec<DI>;
-using MF = hn::Mask<DF>;
-constexpr DF df;
-constexpr DI di;
 constexpr std::size_t kLanes = hn::MaxLanes(df);
 
 constexpr float kNever = 1e30F;
@@ -63,7 +56,7 @@ struct Vec3F {
   VF x, y, z;
 };
 
-HWY_INLINE VI Select(MF mask, VI yes, VI no) {
+HWY_INLINE VI Select(Mask mask, VI yes, VI no) {
   return hn::IfThenElse(hn::RebindMask(di, mask), yes, no);
 }
 
@@ -104,7 +97,7 @@ class Group {
     VI steps = hn::Zero(di);
     for (int k = 0; k < kSteps; ++k) {
       // One step more after the end takes the last cell's other face.
-      const MF valid = hn::Gt(before_, hn::Zero(df));
+      const Mask valid = hn::Gt(before_, hn::Zero(df));
       steps = hn::Add(steps, hn::IfThenElseZero(hn::RebindMask(di, valid), hn::Set(di, 1)));
       step(passed, k);
     }
@@ -113,7 +106,7 @@ class Group {
 
  private:
   HWY_INLINE static VF inverseOf(VF speed) {
-    const MF moves = hn::Gt(speed, hn::Set(df, 1e-20F));
+    const Mask moves = hn::Gt(speed, hn::Set(df, 1e-20F));
     const VF one = hn::Set(df, 1.0F);
     return hn::IfThenElse(moves, hn::Div(one, hn::IfThenElse(moves, speed, one)),
                           hn::Set(df, kNever));
@@ -131,8 +124,8 @@ class Group {
     const Vec3F end{hn::MulAdd(speed_.x, piece, place_.x), hn::MulAdd(speed_.y, piece, place_.y),
                     hn::MulAdd(speed_.z, piece, place_.z)};
     // One face at a time. At its end a ray leaves by x, so that all its weight comes out.
-    const MF x = hn::Or(hn::Le(toX, piece), hn::Le(left_, hn::Zero(df)));
-    const MF y = hn::AndNot(x, hn::Le(toY, piece));
+    const Mask x = hn::Or(hn::Le(toX, piece), hn::Le(left_, hn::Zero(df)));
+    const Mask y = hn::AndNot(x, hn::Le(toY, piece));
     if constexpr (kBasis == Basis::kBox) {
       hn::Store(node_, di, passed.node[k][0]);
       hn::Store(piece, df, passed.weight[k][0]);
@@ -178,9 +171,9 @@ class Group {
 
   /// Writes down the corners behind the ray, and makes those ahead of it the ones behind. Corner
   /// 1 x + 2 y + 4 z has 1 for ahead.
-  HWY_INLINE void leaveFace(MF x, MF y, Passed<kBasis>& passed, int k) {
+  HWY_INLINE void leaveFace(Mask x, Mask y, Passed<kBasis>& passed, int k) {
     VF* c = corner_;
-    const MF z = hn::Not(hn::Or(x, y));
+    const Mask z = hn::Not(hn::Or(x, y));
     const VI first = hn::Add(node_, Select(x, stride_[1], stride_[0]));
     const VI second = Select(z, stride_[1], stride_[2]);
     hn::Store(node_, di, passed.node[k][0]);

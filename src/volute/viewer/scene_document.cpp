@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "volute/base/output_file.hpp"
+#include "volute/base/remark_log.hpp"
 #include "volute/fds/smv_index.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
@@ -20,27 +21,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kRate = 25;      ///< frames a second of what has no times of its own
 constexpr double kHighest = 1e6;  ///< [m] that counts as an end
-
-/// Keeps the remarks of a long call for the panel.
-class Remarks final : public Progress {
- public:
-  explicit Remarks(Progress& inner) : inner_(inner) {}
-
-  void report(std::string_view stage, double done, double total) override {
-    inner_.report(stage, done, total);
-  }
-
-  void detail(std::string_view text) override { inner_.detail(text); }
-
-  void remark(std::string_view message) override { said.emplace_back(message); }
-
-  bool cancelled() const override { return inner_.cancelled(); }
-
-  std::vector<std::string> said;
-
- private:
-  Progress& inner_;
-};
 
 std::string absolute(const std::string& path) {
   std::error_code ignored;
@@ -173,7 +153,7 @@ Json SceneDocument::sceneOfFile(const Json& smoke) {
 
 Status SceneDocument::openMedium(Medium& medium, const SceneDescription& scene, std::size_t place,
                                  Progress& progress) const {
-  Remarks heard(progress);
+  RemarkLog heard(progress);
   Reading reading{heard, maxMemory_};
   const std::string kind = medium.json.value("kind", "");
   if (kind == "volume") {
@@ -194,7 +174,7 @@ Status SceneDocument::openMedium(Medium& medium, const SceneDescription& scene, 
     lighting->blocks = blocksOf(geometry_);
     VOLUTE_ASSIGN(medium.smoke, SmokeLayer::open(scene.smokes[place], lighting, reading));
   }
-  medium.remarks = std::move(heard.said);
+  medium.remarks = heard.remarks();
   return {};
 }
 
@@ -257,7 +237,7 @@ Status SceneDocument::load(Json json, Progress& progress) {
   const bool first = json_.is_null();
   const nlohmann::json plain = json;
   VOLUTE_ASSIGN(auto scene, parseScene(plain, file_));
-  Remarks heard(progress);
+  RemarkLog heard(progress);
   Reading reading{heard, maxMemory_};
   const bool lightsChanged =
       !first && json.value("lights", Json()) != json_.value("lights", Json());
@@ -272,7 +252,7 @@ Status SceneDocument::load(Json json, Progress& progress) {
   json_ = std::move(json);
   scene_ = std::move(scene);
   surfaces_.reset();
-  remarks_ = std::move(heard.said);
+  remarks_ = heard.remarks();
   for (const Medium& medium : media_)
     remarks_.insert(remarks_.end(), medium.remarks.begin(), medium.remarks.end());
   if (!guess_.empty())

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -27,18 +29,28 @@ class SceneDocument final : public Document {
                                                               Progress& progress);
 
   std::string title() const override;
+
   Box3 bounds() const override { return bounds_; }
+
   std::vector<double> times() const override { return times_; }
+
   bool grey() const override;
   bool measured() const override;
+
   std::optional<StartView> startView() const override { return start_; }
+
   std::optional<ViewLook> look() const override { return scene_.look; }
+
   Rgb background() const override { return scene_.background; }
+
   std::vector<std::string> remarks() const override { return remarks_; }
+
   std::vector<std::filesystem::path> files() const override;
   std::vector<Parameter> parameters() const override;
   std::vector<FogCanvas> canvases() const override;
+
   std::string sceneName() const override { return file_; }
+
   bool coarseHelps(double time) const override;
   Result<ViewScene> sceneAt(double time, bool coarse, Progress& progress) override;
   Status set(const std::string& path, const std::vector<double>& value,
@@ -57,7 +69,7 @@ class SceneDocument final : public Document {
     std::optional<FogLayer> fog{};
     FogDescription fogWords{};
     std::optional<std::vector<double>> painted{};  ///< the fog's map [1/m], instead of the file's
-    bool unsaved = false;  ///< the painted map is in no file
+    bool unsaved = false;                          ///< the painted map is in no file
     std::optional<SmokeLayer> smoke{};
     std::optional<FdsLayer> fds{};
     std::vector<std::string> remarks{};  ///< that opening it gave
@@ -66,6 +78,12 @@ class SceneDocument final : public Document {
   struct Board {
     VolumeLayer volume;
     BillboardOptions options;
+  };
+
+  /// What is prepared for a mesh, for one picture at a time: moments come and go, it stays.
+  struct Drawers {
+    std::mutex mutex;
+    SmokePictures smoke;
   };
 
   SceneDocument(std::string path, std::uint64_t maxMemory)
@@ -99,11 +117,13 @@ class SceneDocument final : public Document {
   Status addBoards(double time, Progress& progress, ViewScene& scene, Still& still);
   void addSurfaces(ViewScene& scene, const Still& still);
   Result<TriangleScene> withBuildings(TriangleMesh buildings) const;
+  ProcessorPicture byDrawers(std::shared_ptr<const Still> still) const;
   PictureLaw law() const;
 
   std::string path_;  ///< as it was opened
   std::string file_;  ///< of the scene: path_, or where it would be saved
   std::uint64_t maxMemory_;
+  std::shared_ptr<Drawers> drawers_ = std::make_shared<Drawers>();
   nlohmann::ordered_json json_;
   SceneDescription scene_;
   std::vector<Medium> media_;
@@ -113,7 +133,7 @@ class SceneDocument final : public Document {
   std::vector<double> times_{0.0};
   std::optional<StartView> start_;
   std::vector<std::string> remarks_;
-  std::string guess_;  ///< what a file alone was taken for
+  std::string guess_;                             ///< what a file alone was taken for
   std::shared_ptr<const ViewSurfaces> surfaces_;  ///< while nothing that lights them changes
 };
 

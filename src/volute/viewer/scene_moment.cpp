@@ -186,6 +186,13 @@ void SceneDocument::addSurfaces(ViewScene& scene, const Still& still) {
   scene.surfaces = surfaces_;
 }
 
+ProcessorPicture SceneDocument::byDrawers(std::shared_ptr<const Still> still) const {
+  return [still = std::move(still), drawers = drawers_](const Camera& camera, Progress& progress) {
+    const std::lock_guard lock(drawers->mutex);
+    return still->picture(camera, drawers->smoke, progress);
+  };
+}
+
 Result<ViewScene> SceneDocument::sceneAt(double time, bool coarse, Progress& progress) {
   ViewScene scene;
   auto still = std::make_shared<Still>();
@@ -211,15 +218,11 @@ Result<ViewScene> SceneDocument::sceneAt(double time, bool coarse, Progress& pro
   }
   addSurfaces(scene, *still);
   for (const Sign& sign : scene_.signs) scene.quads.push_back(quadOf(sign, still->law));
-  scene.processor = [still](const Camera& camera, Progress& inner) {
-    return still->picture(camera, inner);
-  };
+  scene.processor = byDrawers(still);
   if (!still->geometry.empty()) {
     auto bare = std::make_shared<Still>(*still);
     bare->geometry = {};
-    scene.bare = [bare](const Camera& camera, Progress& inner) {
-      return bare->picture(camera, inner);
-    };
+    scene.bare = byDrawers(bare);
   }
   return scene;
 }

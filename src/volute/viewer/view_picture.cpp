@@ -65,8 +65,8 @@ void ViewPicture::setScene(std::shared_ptr<const ViewScene> scene) {
 bool ViewPicture::byProcessor(const PictureWish& wish) const {
   if (!scene_->processor || wish.renderer == ViewRenderer::kGl)
     return false;
-  return wish.renderer == ViewRenderer::kProcessor || !hardware_ || !scene_->onlyProcessor.empty() ||
-         !refused_.empty();
+  return wish.renderer == ViewRenderer::kProcessor || !hardware_ ||
+         !scene_->onlyProcessor.empty() || !refused_.empty();
 }
 
 double ViewPicture::quickScale(const PictureWish& wish, double seconds) const {
@@ -83,8 +83,7 @@ void ViewPicture::noteTime(double seconds, int width, int height, bool processor
   times_.history.push_back(static_cast<float>(times_.milliseconds));
   if (times_.history.size() > kHistory)
     times_.history.erase(times_.history.begin());
-  (processor ? processorAPixel_ : secondsAPixel_) =
-      seconds / (static_cast<double>(width) * height);
+  (processor ? processorAPixel_ : secondsAPixel_) = seconds / (static_cast<double>(width) * height);
 }
 
 Status ViewPicture::drawByGl(const PictureWish& wish, double scale) {
@@ -98,12 +97,9 @@ Status ViewPicture::drawByGl(const PictureWish& wish, double scale) {
     VOLUTE_TRY(renderer_.draw(camera, scene_->media, GlQuantity::kLight, quiet, depth));
   }
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
-  double seconds = spent.count();
-  for (const GlPassTime& pass : renderer_.takePasses()) {
-    if (pass.name == "march")
-      seconds = 1e-3 * pass.milliseconds;
-  }
-  noteTime(seconds, width, height, false);
+  double onDevice = 0;
+  for (const GlPassTime& pass : renderer_.takePasses()) onDevice += 1e-3 * pass.milliseconds;
+  noteTime(onDevice > 0 ? onDevice : spent.count(), width, height, false);
   scale_ = scale;
   processed_ = false;
   return {};
@@ -153,7 +149,8 @@ Status ViewPicture::drawByProcessor(const PictureWish& wish) {
     askedQuickly_ = true;
     drawn_ = wish;
     changed_ = false;
-  } else if (finishedScale_ > 0 && finishedScale_ < finest && askedScale_ < finest && !wish.moving) {
+  } else if (finishedScale_ > 0 && finishedScale_ < finest && askedScale_ < finest &&
+             !wish.moving) {
     askedScale_ = finest;
     askedQuickly_ = false;
   } else {
@@ -161,17 +158,17 @@ Status ViewPicture::drawByProcessor(const PictureWish& wish) {
   }
   const Camera camera =
       wish.camera.camera(pixels(askedScale_, wish.width), pixels(askedScale_, wish.height));
-  processor_->request({wish.surfaces || !scene_->bare ? scene_->processor : scene_->bare, camera, asked_, askedScale_});
+  processor_->request({wish.surfaces || !scene_->bare ? scene_->processor : scene_->bare, camera,
+                       asked_, askedScale_});
   return {};
 }
 
 Status ViewPicture::update(const PictureWish& wish) {
   if (!scene_)
     return {};
-  remark_ = scene_->onlyProcessor.empty()               ? refused_
+  remark_ = scene_->onlyProcessor.empty()        ? refused_
             : wish.renderer == ViewRenderer::kGl ? "not drawn: " + scene_->onlyProcessor
-                                                        : "by the processor: " +
-                                                       scene_->onlyProcessor;
+                                                 : "by the processor: " + scene_->onlyProcessor;
   if (byProcessor(wish)) {
     const Status drawn = drawByProcessor(wish);
     if (!drawn)

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "volute/base/output_folder.hpp"
+#include "volute/base/remark_log.hpp"
 #include "volute/cli/report.hpp"
 #include "volute/cli/visibility/sight_csv.hpp"
 #include "volute/cli/visibility/survey_page.hpp"
@@ -14,31 +15,6 @@ namespace {
 
 constexpr const char* kMark = "visibility.json";
 constexpr std::uint64_t kMostLines = std::uint64_t{512} << 20;  // bytes of worked-out sight lines
-
-/// Passes everything on, and keeps the remarks for the report.
-class RemarkLog final : public Progress {
- public:
-  explicit RemarkLog(Progress& next) : next_(next) {}
-
-  void report(std::string_view stage, double done, double total) override {
-    next_.report(stage, done, total);
-  }
-
-  void detail(std::string_view text) override { next_.detail(text); }
-
-  void remark(std::string_view message) override {
-    remarks_.emplace_back(message);
-    next_.remark(message);
-  }
-
-  bool cancelled() const override { return next_.cancelled(); }
-
-  const std::vector<std::string>& remarks() const { return remarks_; }
-
- private:
-  Progress& next_;
-  std::vector<std::string> remarks_;
-};
 
 Result<std::vector<SignSet>> setsOf(const SurveyRequest& request) {
   std::vector<SignSet> sets{{"all signs", {}}};
