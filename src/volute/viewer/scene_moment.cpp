@@ -170,8 +170,8 @@ Status SceneDocument::addBoards(double time, Progress& progress, ViewScene& scen
 }
 
 /// Light at the corners is found anew where it may have changed: lamps shine through smoke.
-void SceneDocument::addSurfaces(ViewScene& scene, const Still& still) {
-  if (still.geometry.empty() || !scene.onlyProcessor.empty())
+void SceneDocument::addSurfaces(const SceneWish& wish, const Still& still, ViewScene& scene) {
+  if (still.geometry.empty() || !wish.openGl || !scene.onlyProcessor.empty())
     return;
   if (!surfaces_ || !scene_.lights.lamps.empty()) {
     std::vector<AnyMedium> media;
@@ -193,7 +193,8 @@ ProcessorPicture SceneDocument::byDrawers(std::shared_ptr<const Still> still) co
   };
 }
 
-Result<ViewScene> SceneDocument::sceneAt(double time, bool coarse, Progress& progress) {
+Result<ViewScene> SceneDocument::sceneAt(const SceneWish& wish, Progress& progress) {
+  const double time = wish.time;
   ViewScene scene;
   auto still = std::make_shared<Still>();
   still->law = law();
@@ -203,7 +204,7 @@ Result<ViewScene> SceneDocument::sceneAt(double time, bool coarse, Progress& pro
   TriangleMesh buildings;
   for (Medium& medium : media_) {
     if (medium.volume)
-      VOLUTE_TRY(addVolume(medium, time, coarse, progress, scene, *still));
+      VOLUTE_TRY(addVolume(medium, time, wish.coarse, progress, scene, *still));
     if (medium.fog)
       VOLUTE_TRY(addFog(medium, time, scene, *still));
     if (medium.smoke)
@@ -216,7 +217,7 @@ Result<ViewScene> SceneDocument::sceneAt(double time, bool coarse, Progress& pro
   if (!buildings.triangles.empty()) {
     VOLUTE_ASSIGN(still->geometry, withBuildings(std::move(buildings)));
   }
-  addSurfaces(scene, *still);
+  addSurfaces(wish, *still, scene);
   for (const Sign& sign : scene_.signs) scene.quads.push_back(quadOf(sign, still->law));
   scene.processor = byDrawers(still);
   if (!still->geometry.empty()) {

@@ -19,12 +19,15 @@ namespace {
 constexpr double kHeldTime = 1e-9;
 
 /// Keys that ImGui edits text with.
-constexpr std::pair<Key, ImGuiKey_> kTextKeys[] = {
-    {Key::kLeft, ImGuiKey_LeftArrow}, {Key::kRight, ImGuiKey_RightArrow},
-    {Key::kHome, ImGuiKey_Home},      {Key::kEnd, ImGuiKey_End},
-    {Key::kDelete, ImGuiKey_Delete},  {Key::kBackspace, ImGuiKey_Backspace},
-    {Key::kEnter, ImGuiKey_Enter},    {Key::kEscape, ImGuiKey_Escape},
-    {Key::kA, ImGuiKey_A}};
+constexpr std::pair<Key, ImGuiKey_> kTextKeys[] = {{Key::kLeft, ImGuiKey_LeftArrow},
+                                                   {Key::kRight, ImGuiKey_RightArrow},
+                                                   {Key::kHome, ImGuiKey_Home},
+                                                   {Key::kEnd, ImGuiKey_End},
+                                                   {Key::kDelete, ImGuiKey_Delete},
+                                                   {Key::kBackspace, ImGuiKey_Backspace},
+                                                   {Key::kEnter, ImGuiKey_Enter},
+                                                   {Key::kEscape, ImGuiKey_Escape},
+                                                   {Key::kA, ImGuiKey_A}};
 
 }  // namespace
 
@@ -36,6 +39,7 @@ ViewerApp::ViewerApp(OpenDocument open, GlDevice device, ViewPicture picture)
   io.IniFilename = nullptr;
   for (const auto& [key, theirs] : kTextKeys) io.KeyMap[theirs] = static_cast<int>(key);
   styleControls();
+  loader_.setOpenGl(picture_.mayUseGl(ViewRenderer::kAuto));
   ImGui_ImplOpenGL3_Init("#version 450");
 }
 
@@ -166,13 +170,13 @@ void ViewerApp::saveMap() {
     return;
   sendMap();
   paint_.painter().markSaved();
-  loader_.change("save map",
-                 [target = settings_.mapName, number = paint_.number(),
-                  map = paint_.painter().picture()](Document& document,
-                                                    Progress&) -> Result<std::string> {
-                   VOLUTE_TRY(document.saveFogMap(number, target, map));
-                   return target + " is written";
-                 });
+  loader_.change(
+      "save map",
+      [target = settings_.mapName, number = paint_.number(), map = paint_.painter().picture()](
+          Document& document, Progress&) -> Result<std::string> {
+        VOLUTE_TRY(document.saveFogMap(number, target, map));
+        return target + " is written";
+      });
 }
 
 void ViewerApp::sendMap() {
@@ -253,8 +257,8 @@ void ViewerApp::goOnWithFilm() {
   const auto wanted = film_->wantedTime();
   if (wanted)
     timeline_.seek(*wanted);
-  const bool there = wanted && scene_ && !scene_->coarse &&
-                     std::abs(scene_->time - *wanted) < kHeldTime;
+  const bool there =
+      wanted && scene_ && !scene_->coarse && std::abs(scene_->time - *wanted) < kHeldTime;
   const Status done = film_->step(there ? scene_->scene : nullptr, displayLook());
   if (done)
     return;
@@ -282,6 +286,7 @@ DisplayLook ViewerApp::displayLook() const {
 }
 
 Status ViewerApp::drawPicture(const ViewerInput& input) {
+  loader_.setOpenGl(picture_.mayUseGl(wish(input).renderer));
   const Status drawn = picture_.update(wish(input));
   if (!drawn) {
     error_ = drawn.error().message;

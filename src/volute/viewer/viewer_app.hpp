@@ -83,6 +83,7 @@ class ViewerApp {
 
   /// The item that ImGui drew last is the control of this name.
   void mark(const std::string& name);
+
   void markPlace(const std::string& name, const ControlPlace& place) { controls_[name] = place; }
 
   void resetView(int width, int height);
@@ -100,6 +101,7 @@ class ViewerApp {
   void sendMap();
 
   void beginFilm(const ViewerInput& input);
+
   void cancelFilm() { film_.reset(); }
 
   const FilmExport* film() const { return film_.get(); }
