@@ -80,10 +80,10 @@ class SceneDocument final : public Document {
     BillboardOptions options;
   };
 
-  /// What is prepared for a mesh, for one picture at a time: moments come and go, it stays.
-  struct Drawers {
+  /// Takes one picture at a time: moments come and go, what it prepared for a mesh stays.
+  struct Drawer {
     std::mutex mutex;
-    SmokePictures smoke;
+    ProcessorDrawer drawer;
   };
 
   SceneDocument(std::string path, const DocumentOptions& options)
@@ -119,14 +119,14 @@ class SceneDocument final : public Document {
   Status addBoards(double time, Progress& progress, ViewScene& scene, Still& still);
   void addSurfaces(const SceneWish& wish, const Still& still, ViewScene& scene);
   Result<TriangleScene> withBuildings(TriangleMesh buildings) const;
-  ProcessorPicture byDrawers(std::shared_ptr<const Still> still) const;
+  ProcessorPicture byProcessor(std::shared_ptr<const Still> still) const;
   PictureLaw law() const;
 
   std::string path_;  ///< as it was opened
   std::string file_;  ///< of the scene: path_, or where it would be saved
   DocumentOptions options_;
   std::shared_ptr<LightMemory> light_ = std::make_shared<LightMemory>(kLightBytes);
-  std::shared_ptr<Drawers> drawers_ = std::make_shared<Drawers>();
+  std::shared_ptr<Drawer> drawer_ = std::make_shared<Drawer>();
   nlohmann::ordered_json json_;
   SceneDescription scene_;
   std::vector<Medium> media_;

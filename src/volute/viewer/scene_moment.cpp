@@ -16,11 +16,6 @@ namespace {
 
 constexpr int kCoarseLevels = 2;  ///< of a block's, the coarsest first
 
-AnyMedium seenBy(const PictureLaw& law, AnyMedium medium) {
-  const double factor = law.factor();
-  return factor == 1 ? std::move(medium) : AnyMedium(ScaledMedium(std::move(medium), factor));
-}
-
 std::vector<float> scaled(std::vector<float> values, double factor) {
   if (factor != 1) {
     for (float& value : values) value = static_cast<float>(factor * value);
@@ -186,10 +181,12 @@ void SceneDocument::addSurfaces(const SceneWish& wish, const Still& still, ViewS
   scene.surfaces = surfaces_;
 }
 
-ProcessorPicture SceneDocument::byDrawers(std::shared_ptr<const Still> still) const {
-  return [still = std::move(still), drawers = drawers_](const Camera& camera, Progress& progress) {
-    const std::lock_guard lock(drawers->mutex);
-    return still->picture(camera, drawers->smoke, progress);
+ProcessorPicture SceneDocument::byProcessor(std::shared_ptr<const Still> still) const {
+  const RenderOptions options{.background = scene_.background};
+  return [still = std::move(still), options, held = drawer_](const Camera& camera,
+                                                             Progress& progress) {
+    const std::lock_guard lock(held->mutex);
+    return still->picture(camera, options, held->drawer, progress);
   };
 }
 
@@ -200,7 +197,6 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneWish& wish, Progress& progre
   still->law = law();
   still->lights = scene_.lights;
   still->signs = scene_.signs;
-  still->background = scene_.background;
   TriangleMesh buildings;
   for (Medium& medium : media_) {
     if (medium.volume)
@@ -219,11 +215,11 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneWish& wish, Progress& progre
   }
   addSurfaces(wish, *still, scene);
   for (const Sign& sign : scene_.signs) scene.quads.push_back(quadOf(sign, still->law));
-  scene.processor = byDrawers(still);
+  scene.processor = byProcessor(still);
   if (!still->geometry.empty()) {
     auto bare = std::make_shared<Still>(*still);
     bare->geometry = {};
-    scene.bare = byDrawers(bare);
+    scene.bare = byProcessor(bare);
   }
   return scene;
 }
