@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 
+#include "volute/base/stopwatch.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/viewer/panels.hpp"
@@ -119,6 +120,7 @@ void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
 }
 
 void ViewerApp::takeLoaded(const ViewerInput& input) {
+  const Stopwatch watch(costs_.loaded);
   loader_.watch();
   loading_ = loader_.state();
   error_ = loading_.error;
@@ -286,6 +288,7 @@ DisplayLook ViewerApp::displayLook() const {
 }
 
 Status ViewerApp::drawPicture(const ViewerInput& input) {
+  const Stopwatch watch(costs_.picture);
   loader_.setOpenGl(picture_.mayUseGl(wish(input).renderer));
   const Status drawn = picture_.update(wish(input));
   if (!drawn) {
@@ -299,13 +302,8 @@ Status ViewerApp::drawPicture(const ViewerInput& input) {
   return {};
 }
 
-Status ViewerApp::frame(const ViewerInput& input) {
-  GLint target = 0;
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
-  seen_ = input;
-  if (!input.dropped.empty())
-    open(input.dropped);
-  takeLoaded(input);
+void ViewerApp::usePanels(const ViewerInput& input) {
+  const Stopwatch watch(costs_.panels);
   feed(input);
   controls_.clear();
   ImGui_ImplOpenGL3_NewFrame();
@@ -322,15 +320,38 @@ Status ViewerApp::frame(const ViewerInput& input) {
     requested_ = timeline_.time();
     loader_.request(requested_);
   }
-  VOLUTE_TRY(drawPicture(input));
-  glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target));
+}
+
+void ViewerApp::show(const ViewerInput& input) {
+  const Stopwatch watch(costs_.shown);
   glViewport(0, 0, input.width, input.height);
   glClearColor(0.05F, 0.05F, 0.06F, 1);
   glClear(GL_COLOR_BUFFER_BIT);
   if (picture_.shown())
     picture_.show(displayLook(), input.width, input.height);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+Status ViewerApp::frame(const ViewerInput& input) {
+  GLint target = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
+  seen_ = input;
+  costs_ = {};
+  if (!input.dropped.empty())
+    open(input.dropped);
+  takeLoaded(input);
+  usePanels(input);
+  VOLUTE_TRY(drawPicture(input));
+  glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target));
+  show(input);
   return {};
+}
+
+double ViewerApp::patience() const {
+  constexpr double kMoves = 1.0 / 60, kWaits = 1.0 / 30, kRests = 0.25;
+  if (moving_ || film_)
+    return kMoves;
+  return settled() ? kRests : kWaits;
 }
 
 bool ViewerApp::settled() const {
