@@ -75,7 +75,8 @@ class Document {
 
   virtual std::vector<std::string> remarks() const { return {}; }  ///< what is not shown
 
-  virtual std::vector<std::filesystem::path> files() const = 0;  ///< to be watched
+  /// To be watched, whether they are there or not.
+  virtual std::vector<std::filesystem::path> files() const = 0;
 
   virtual std::vector<Parameter> parameters() const { return {}; }
 

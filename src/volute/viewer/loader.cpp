@@ -169,7 +169,11 @@ DocumentInfo Loader::describe() const {
 bool Loader::openNow(const std::string& path) {
   Reporter reporter(*this);
   reporter.report("opening", 0, 0);
-  std::vector<Watched> watched = look({path});
+  // Whatever is wrong with a file that was open, it is tried again when one of its parts changes.
+  std::vector<std::filesystem::path> files{path};
+  if (document_ && path == path_)
+    files = document_->files();
+  std::vector<Watched> watched = look(files);
   auto document = open_(path, reporter);
   std::optional<DocumentInfo> info;
   if (document) {

@@ -384,13 +384,7 @@ std::vector<std::filesystem::path> SceneDocument::files() const {
     names.insert(names.end(), fog.maps.begin(), fog.maps.end());
   for (const SmokeDescription& smoke : scene_.smokes) names.push_back(smoke.file);
   for (const SceneGeometry& geometry : scene_.geometry) names.push_back(geometry.file);
-  std::vector<std::filesystem::path> files;
-  std::error_code ignored;
-  for (const std::string& name : names) {
-    if (std::filesystem::exists(name, ignored))
-      files.emplace_back(name);
-  }
-  return files;
+  return {names.begin(), names.end()};
 }
 
 std::vector<Parameter> SceneDocument::parameters() const {

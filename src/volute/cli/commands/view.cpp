@@ -14,7 +14,7 @@ namespace volute::cli {
 namespace {
 
 Status run(const Arguments& arguments, Context& context) {
-  const std::string& path = arguments.positional(0);
+  const std::string path = arguments.positionals().empty() ? "" : arguments.positional(0);
   const double time = arguments.find<double>("time").value_or(0);
   const Pixels size = arguments.get<Pixels>("size");
   nlohmann::ordered_json smoke = nlohmann::ordered_json::object();
@@ -27,6 +27,8 @@ Status run(const Arguments& arguments, Context& context) {
   const auto target = arguments.find<std::string>("screenshot");
   if (!target)
     return runViewerWindow(open, path, time, size.width, size.height, context.progress);
+  if (path.empty())
+    return fail(ErrorCode::kInvalidArgument, "--screenshot: expected a FILE to be shown on it");
   if (extensionOf(*target) != ".png")
     return fail(ErrorCode::kInvalidArgument, "--screenshot: '{}' is no .png", *target);
   VOLUTE_TRY(checkTarget(*target));
@@ -86,10 +88,12 @@ Command viewCommand() {
           "films are made beside. Draws with OpenGL 4.5, and what that cannot draw by the "
           "processor. A .png is taken for a map of fog, a mesh's field for soot in kg/m3.\n\n"
           "--screenshot draws the same frame without a display, once all is loaded.",
-      .positionals = {{.name = "FILE",
-                       .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh (.vtu, "
-                               ".pvd, .case, .e, .foam), an FDS case (.smv), a map of fog (.png, "
-                               ".exr), a capture or a scene (.json)"}},
+      .positionals =
+          {{.name = "FILE",
+            .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh (.vtu, "
+                    ".pvd, .case, .e, .foam), an FDS case (.smv), a map of fog (.png, "
+                    ".exr), a capture or a scene (.json); without one, drop it on the window",
+            .optional = true}},
       .options = viewOptions(),
       .run = run};
 }
