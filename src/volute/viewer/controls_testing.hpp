@@ -78,7 +78,7 @@ class SceneFolder {
   void writeVolume() const {
     VolumeInfo info;
     info.frames = 2, info.x = info.y = info.z = 10;
-    info.bounds = {Vec3(0, 0, 0), Vec3(1, 1, 1)};
+    info.fillDefaults();
     auto sink = NpySink::create(path("blob.npy"), info);
     ASSERT_TRUE(sink);
     for (const double middle : {3.0, 6.0}) {

@@ -144,7 +144,9 @@ void addSmoke(Group group, const SmokeDescription& smoke) {
     group.choice("as of flaming", "material", std::move(materials), of);
   } else if (fds || soot || model.quantity == SmokeQuantity::kMassFraction) {
     group.range("Km", "mass_extinction", model.massExtinction, 1000, 15000, "m2/kg").help =
-        "extinction of 1 kg/m3 of soot, natural logarithm";
+        fds ? "extinction of 1 kg/m3 of soot; where the case holds opacity or extinction it says "
+              "nothing"
+            : "extinction of 1 kg/m3 of soot, natural logarithm";
   }
   group.choice("mode", "mode", {"photometric", "threshold"}, nameOf(smoke.law.mode)).help =
       "threshold: what has faded to a tenth is no longer seen";
