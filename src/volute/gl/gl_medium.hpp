@@ -64,6 +64,9 @@ std::unique_ptr<GlMedium> makeGlSmoke(const GlSmoke& smoke, std::shared_ptr<cons
 [[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const FogMedium& fog, double factor = 1);
 [[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const SunlitFog& fog, double factor = 1);
 
+/// kTooLarge where it does not fit into one of the device's buffers.
+[[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFds(const GlFds& fds);
+
 /// Puts a medium's own prefix into a part's text.
 std::string withPrefix(const std::string& text, const std::string& prefix);
 

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/gl/gl_renderer.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -102,6 +103,8 @@ std::string mediaNames(const GlScene& scene) {
   add("tree", !scene.trees.empty());
   add("fog", !scene.fogs.empty() || !scene.sunlitFogs.empty());
   add("smoke", !scene.smokes.empty());
+  add("FDS smoke", std::ranges::any_of(scene.fds, [](const GlFds& fds) { return !fds.glow; }));
+  add("fire", std::ranges::any_of(scene.fds, [](const GlFds& fds) { return fds.glow.has_value(); }));
   add("billboard", !scene.billboards.empty());
   return name;
 }
@@ -205,6 +208,10 @@ Result<GlRenderer::State::Media> GlRenderer::State::mediaOf(const GlScene& scene
     VOLUTE_ASSIGN(auto mesh,
                   meshes.get(smoke.locator, [&] { return makeGlMesh(smoke.locator->mesh()); }));
     media.push_back(makeGlSmoke(smoke, std::move(mesh)));
+  }
+  for (const GlFds& fds : scene.fds) {
+    VOLUTE_ASSIGN(auto medium, makeGlFds(fds));
+    media.push_back(std::move(medium));
   }
   for (const GlBillboard& board : scene.billboards) {
     VOLUTE_ASSIGN(auto medium, mediumOf(board, camera, progress));

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "volute/fds/fds_field.hpp"
 #include "volute/fog/polar_table.hpp"
 #include "volute/fog/sunlit_fog.hpp"
 #include "volute/grid/brick_slice.hpp"
@@ -51,6 +52,13 @@ enum class GlSmokeMethod {
   kProject,  ///< TetProjector, for drivers whose compute shaders are slow
 };
 
+/// FdsField's twin, or that of an FdsFlame's heat.
+struct GlFds {
+  FdsField field;
+  double scale = 1;            ///< of the extinction and of what it scatters
+  std::optional<Rgb> glow{};   ///< of fire: radiance per metre of a unit; it hides nothing
+};
+
 /// Billboard's twin: a volume's picture on a rectangle that faces the camera.
 struct GlBillboard {
   GlVolume volume;
@@ -65,6 +73,7 @@ struct GlScene {
   std::vector<GlSmoke> smokes{};
   std::vector<SunlitFog> sunlitFogs{};
   std::vector<GlBillboard> billboards{};
+  std::vector<GlFds> fds{};
   double fogFactor = 1;  ///< of all fogs' extinction, as ScaledMedium has it
   /// A fog that is alone in its picture is drawn by a polar table where one serves.
   std::optional<PolarOptions> polarFog{};
@@ -72,7 +81,7 @@ struct GlScene {
 
   std::size_t media() const {
     return volumes.size() + trees.size() + fogs.size() + smokes.size() + sunlitFogs.size() +
-           billboards.size();
+           billboards.size() + fds.size();
   }
 };
 

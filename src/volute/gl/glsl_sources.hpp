@@ -12,6 +12,7 @@ extern const char* const kVolume;
 extern const char* const kVolumeAtlas;
 extern const char* const kVolumeTree;
 extern const char* const kFogCells;
+extern const char* const kFds;
 extern const char* const kSmoke;
 extern const char* const kSplatVertex;
 extern const char* const kSplatFragment;
