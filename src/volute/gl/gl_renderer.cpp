@@ -141,6 +141,9 @@ struct GlRenderer::State {
   Status march(const Camera& camera, std::span<const std::unique_ptr<GlMedium>> media,
                GlQuantity quantity, const GlRays& rays, const GlTexture& target,
                const std::string& names, Progress& progress);
+  /// A texture with the optical depths of media along rays in its fourth channel.
+  Result<GLuint> depthOf(const Camera& camera, const GlScene& scene, const Media& media,
+                         const GlRays& rays, Progress& progress);
   Status dispatch(const GlProgram& program, const Camera& camera, const GlTexture& target,
                   const std::string& media, Progress& progress);
   Status drawAlone(const Camera& camera, const GlScene& scene, GlSmokeMethod method,
@@ -277,6 +280,16 @@ Status GlRenderer::State::march(const Camera& camera,
   return dispatch(*program, camera, target, names, progress);
 }
 
+Result<GLuint> GlRenderer::State::depthOf(const Camera& camera, const GlScene& scene,
+                                          const Media& media, const GlRays& rays,
+                                          Progress& progress) {
+  if (!passed)
+    passed = makeTexture2d(GL_RGBA32F, width, height);
+  VOLUTE_TRY(march(camera, media, GlQuantity::kOpticalDepth, rays, passed, mediaNames(scene),
+                   progress));
+  return passed.name();
+}
+
 Status GlRenderer::State::dispatch(const GlProgram& program, const Camera& camera,
                                    const GlTexture& target, const std::string& media,
                                    Progress& progress) {
@@ -358,15 +371,24 @@ Result<SurfacePicture> GlRenderer::surfaces(const Camera& camera, const SurfaceS
   SurfacePasses::Attenuate attenuate;
   if (media.media() > 0 && !scene.lamps.empty()) {
     VOLUTE_ASSIGN(made, state.mediaOf(media, camera, progress));
-    if (!state.passed)
-      state.passed = makeTexture2d(GL_RGBA32F, state.width, state.height);
-    attenuate = [&](const GlRays& rays) -> Result<GLuint> {
-      VOLUTE_TRY(state.march(camera, made, GlQuantity::kOpticalDepth, rays, state.passed,
-                             mediaNames(media), progress));
-      return state.passed.name();
-    };
+    attenuate = [&](const GlRays& rays) { return state.depthOf(camera, media, made, rays, progress); };
   }
   return state.surfacePasses.draw(camera, scene, background, attenuate, state.passes);
+}
+
+Result<SurfacePicture> GlRenderer::walls(const Camera& camera, const GlWalls& walls,
+                                         Progress& progress) {
+  State& state = *state_;
+  VOLUTE_TRY(state.resize(camera));
+  const GlScene smoke{.smokes = {walls.smoke}};
+  State::Media made;
+  if (!walls.lamps.empty()) {
+    VOLUTE_ASSIGN(made, state.mediaOf(smoke, camera, progress));
+  }
+  const auto attenuate = [&](const GlRays& rays) {
+    return state.depthOf(camera, smoke, made, rays, progress);
+  };
+  return state.surfacePasses.drawWalls(camera, walls, attenuate, state.passes);
 }
 
 Result<std::vector<SignPixel>> GlRenderer::findSigns(const Camera& camera,

@@ -45,6 +45,10 @@ class GlRenderer {
                                                 const GlScene& media, const Rgb& background,
                                                 Progress& progress);
 
+  /// The walls of a mesh, as lookAtWalls() sees them; black where there are none.
+  [[nodiscard]] Result<SurfacePicture> walls(const Camera& camera, const GlWalls& walls,
+                                             Progress& progress);
+
   /// As signPixels(). No signs: no pixels.
   [[nodiscard]] Result<std::vector<SignPixel>> findSigns(const Camera& camera,
                                                          std::span<const Sign> signs,

@@ -4,12 +4,15 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "volute/fds/fds_field.hpp"
 #include "volute/fog/polar_table.hpp"
 #include "volute/fog/sunlit_fog.hpp"
+#include "volute/geometry/triangle_scene.hpp"
 #include "volute/grid/brick_slice.hpp"
+#include "volute/lighting/lamp.hpp"
 #include "volute/render/billboard.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
 #include "volute/tree4d/tree4d.hpp"
@@ -41,6 +44,17 @@ struct GlSmoke {
   std::shared_ptr<const TetLocator> locator;
   std::vector<float> extinction{};  ///< [1/m], one for each vertex, finite and >= 0
   std::vector<float> source{};  ///< radiance of infinitely thick smoke, RGB a vertex; empty: black
+};
+
+/// The boundary of a smoke's mesh as walls that reflect the light of lamps, seen from inside alone
+/// (lookAtWalls() in scene/smoke_walls).
+struct GlWalls {
+  GlSmoke smoke;                                    ///< its extinction as light meets it
+  std::span<const Lamp> lamps{};
+  std::span<const std::vector<float>> shares{};     ///< of each lamp's light, at each vertex
+  Rgb color = Rgb::Ones();
+  Rgb ambient = Rgb::Zero();
+  TriangleScene blocks{};                           ///< other things that stand in the light
 };
 
 /// How a smoke is drawn that is alone in its picture. One among other media is marched with them,

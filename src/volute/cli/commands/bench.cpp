@@ -116,7 +116,7 @@ Command benchCommand() {
                        .kind = ValueKind::kFile,
                        .value = "VOLUME",
                        .help = "measure with this volume instead of made-up ones; tomography: a "
-                               "capture"},
+                               "capture; smoke and gl: a mesh with smoke"},
                       {.name = "truth",
                        .kind = ValueKind::kFile,
                        .value = "VOLUME",
@@ -126,7 +126,8 @@ Command benchCommand() {
                        .value = "NAME",
                        .help = "tomography: which grid of the truth's files"},
                       {.name = "quick",
-                       .help = "fewer measurements: `smoke` draws 800 x 600 alone, without a sign"},
+                       .help = "fewer measurements: `smoke` draws 800 x 600 alone, without a sign, `gl` "
+                               "less of everything in a minute"},
                       {.name = "list", .help = "list the benchmarks"}},
           .run = run};
 }
