@@ -52,8 +52,7 @@ class GlPictures {
 
   virtual ~GlPictures() = default;
 
-  /// As volute::render(). kUnsupported for fog with a top, with levels by cell angle, or that a sun
-  /// lights among surfaces.
+  /// As volute::render(). kUnsupported for fog that a sun lights among surfaces.
   [[nodiscard]] virtual Result<Image> picture(const Camera& camera, const GlSubject& subject,
                                               const RenderOptions& options, Progress& progress,
                                               RenderStats& stats,

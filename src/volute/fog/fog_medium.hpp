@@ -93,6 +93,9 @@ class FogMedium {
 
   bool hasTop() const { return top_ != nullptr; }
 
+  /// Where the fog ends upwards: heights [m] above the map's origin as a linear spline, 0 outside.
+  std::optional<FogMap> top() const;
+
   /// A part of a segment that is in one zone of the profile and one level of detail.
   struct Stretch {
     int level = 0;

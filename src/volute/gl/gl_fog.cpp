@@ -51,20 +51,46 @@ std::string sunFunctions(std::size_t suns) {
   return text + "  return sum;\n}\n";
 }
 
+/// The fog's top on the device.
+struct TopOnDevice {
+  GlTexture map;
+  Vec3 corner = Vec3::Zero();  ///< of the cell before the first node
+  double cell = 1;
+
+  explicit TopOnDevice(const FogMap& top)
+      : map(makeTexture2d(GL_R32F, top.coefficients.columns, top.coefficients.rows)),
+        corner(top.origin),
+        cell(top.cell) {
+    const std::vector<float> heights(top.coefficients.c.begin(), top.coefficients.c.end());
+    glTextureSubImage2D(map.name(), 0, 0, 0, top.coefficients.columns, top.coefficients.rows,
+                        GL_RED, GL_FLOAT, heights.data());
+  }
+};
+
 class FogOnDevice final : public GlMedium {
  public:
   FogOnDevice(FogShader shader, const FogMedium& fog, double factor, std::vector<SunOnDevice> suns)
-      : shader_(std::move(shader)), color_(fog.options().color), suns_(std::move(suns)) {
+      : shader_(std::move(shader)),
+        color_(fog.options().color),
+        cellAngle_(fog.options().detail.cellAngle),
+        suns_(std::move(suns)) {
+    if (const auto top = fog.top())
+      top_.emplace(*top);
     for (float& texel : shader_.texels) texel = static_cast<float>(factor * texel);
     map_ = makeTexture2d(GL_R32F, shader_.width, shader_.height);
     glTextureSubImage2D(map_.name(), 0, 0, 0, shader_.width, shader_.height, GL_RED, GL_FLOAT,
                         shader_.texels.data());
   }
 
-  std::string key() const override { return fmt::format("fog {} {}", suns_.size(), shader_.walk); }
+  std::string key() const override {
+    return fmt::format("fog {} {} {} {}", suns_.size(), cellAngle_ > 0, top_.has_value(),
+                       shader_.walk);
+  }
 
   std::vector<ShaderPart> parts() const override {
-    return {{"fog_walk.glsl", shader_.walk},
+    return {{"fog settings", fmt::format("#define M_BY_ANGLE {}\n#define M_TOP {}\n",
+                                         cellAngle_ > 0 ? 1 : 0, top_ ? 1 : 0)},
+            {"fog_walk.glsl", shader_.walk},
             {"fog_sun.glsl", sunFunctions(suns_.size())},
             {"fog_cells.glsl", glsl::kFogCells}};
   }
@@ -84,6 +110,18 @@ class FogOnDevice final : public GlMedium {
     program.set((prefix + "fogColor").c_str(), Vec3(color_));
     program.set((prefix + "fogMap").c_str(), bindings.texture);
     glBindTextureUnit(static_cast<GLuint>(bindings.texture++), map_.name());
+    if (cellAngle_ > 0) {
+      program.set((prefix + "levelMetres").c_str(),
+                  static_cast<float>(2 * shader_.cell / cellAngle_));
+    }
+    if (top_) {
+      program.set((prefix + "topCorner").c_str(),
+                  std::array{static_cast<float>(top_->corner.x() - eye.x()),
+                             static_cast<float>(top_->corner.y() - eye.y())});
+      program.set((prefix + "topCell").c_str(), static_cast<float>(top_->cell));
+      program.set((prefix + "topMap").c_str(), bindings.texture);
+      glBindTextureUnit(static_cast<GLuint>(bindings.texture++), top_->map.name());
+    }
     for (std::size_t i = 0; i < suns_.size(); ++i) {
       const SunOnDevice& sun = suns_[i];
       const auto set = [&](const char* name, const auto& value) {
@@ -102,15 +140,16 @@ class FogOnDevice final : public GlMedium {
  private:
   FogShader shader_;
   Rgb color_;
+  double cellAngle_ = 0;
   std::vector<SunOnDevice> suns_;
+  std::optional<TopOnDevice> top_;
   GlTexture map_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<GlMedium>> makeGlFog(const FogMedium& fog, double factor) {
-  VOLUTE_ASSIGN(auto shader, fogShader(fog));
-  return std::make_unique<FogOnDevice>(std::move(shader), fog, factor, std::vector<SunOnDevice>());
+std::unique_ptr<GlMedium> makeGlFog(const FogMedium& fog, double factor) {
+  return std::make_unique<FogOnDevice>(fogCells(fog), fog, factor, std::vector<SunOnDevice>());
 }
 
 Result<std::unique_ptr<GlMedium>> makeGlFog(const SunlitFog& fog, double factor) {
@@ -118,8 +157,7 @@ Result<std::unique_ptr<GlMedium>> makeGlFog(const SunlitFog& fog, double factor)
     return fail(ErrorCode::kUnsupported,
                 "fog in the shadows of surfaces is not rendered by OpenGL; use --renderer cpu");
   }
-  VOLUTE_ASSIGN(auto shader, fogShader(fog.fog()));
-  return std::make_unique<FogOnDevice>(std::move(shader), fog.fog(), factor, sunsOf(fog));
+  return std::make_unique<FogOnDevice>(fogCells(fog.fog()), fog.fog(), factor, sunsOf(fog));
 }
 
 }  // namespace volute

@@ -59,9 +59,9 @@ std::unique_ptr<GlMedium> makeGlVolume(const GlVolume& volume,
 [[nodiscard]] Result<std::shared_ptr<const GlMesh>> makeGlMesh(const TetMesh& mesh);
 
 std::unique_ptr<GlMedium> makeGlSmoke(const GlSmoke& smoke, std::shared_ptr<const GlMesh> mesh);
-/// `factor`: of its extinction. kUnsupported for fog with a top, with levels chosen by
-/// FogDetail::cellAngle, or that surfaces shadow.
-[[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const FogMedium& fog, double factor = 1);
+/// `factor`: of its extinction.
+std::unique_ptr<GlMedium> makeGlFog(const FogMedium& fog, double factor = 1);
+/// kUnsupported where surfaces shadow it.
 [[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const SunlitFog& fog, double factor = 1);
 
 /// kTooLarge where it does not fit into one of the device's buffers.

@@ -199,10 +199,7 @@ Result<GlRenderer::State::Media> GlRenderer::State::mediaOf(const GlScene& scene
     VOLUTE_ASSIGN(auto medium, makeGlTreeVolume(volume, std::move(tree), device.hardware));
     media.push_back(std::move(medium));
   }
-  for (const FogMedium& fog : scene.fogs) {
-    VOLUTE_ASSIGN(auto medium, makeGlFog(fog, scene.fogFactor));
-    media.push_back(std::move(medium));
-  }
+  for (const FogMedium& fog : scene.fogs) media.push_back(makeGlFog(fog, scene.fogFactor));
   for (const SunlitFog& fog : scene.sunlitFogs) {
     VOLUTE_ASSIGN(auto medium, makeGlFog(fog, scene.fogFactor));
     media.push_back(std::move(medium));

@@ -244,6 +244,30 @@ TEST_F(GlSceneTest, FogAloneByAPolarTable) {
   EXPECT_LE(errorOf(camera, {.fogs = {other}, .polarFog = PolarOptions{}}, {&walked, 1}, {}), kBar);
 }
 
+TEST_F(GlSceneTest, FogWithATopAndFogWithLevelsByAngle) {
+  SplineGrid scaled = fogtest::map(12, 11);
+  for (double& value : scaled.c) value *= 0.3;
+  const FogMap map = *FogMap::fromCoefficients(scaled, {.origin = Vec3(-3, 2, 0.5), .cell = 1.3});
+  FogMap top = *FogMap::fromCoefficients(fogtest::map(6, 6, 4, 1),
+                                         {.origin = Vec3(-2.4, 2.7, 0), .cell = 2.1});
+  for (double& height : top.coefficients.c) height = 1 + 4 * height;
+  const Vec3 eyes[] = {Vec3(-6, -3, 5), Vec3(3.1, 5.2, 1.7)};
+  for (const auto& [name, profile] : fogtest::profiles()) {
+    const FogMedium topped = *FogMedium::make(map, profile, {.degree = 2}, top);
+    const FogMedium coarse =
+        *FogMedium::make(map, profile, {.degree = 1, .levels = 3, .detail = {.cellAngle = 0.3}});
+    for (const FogMedium& fog : {topped, coarse}) {
+      const AnyMedium medium(fog);
+      for (const Vec3& eye : eyes) {
+        const Camera camera = Camera::pinhole({eye, Vec3(4, 8, 1.5)}, 70, kWidth, kHeight);
+        EXPECT_LE(errorOf(camera, {.fogs = {fog}}, {&medium, 1}, {.background = Rgb(0.2, 0.1, 0.4)}),
+                  kBar)
+            << name << (fog.hasTop() ? ", top" : ", levels") << ", eye " << eye.transpose();
+      }
+    }
+  }
+}
+
 TEST_F(GlSceneTest, FogByAFactor) {
   const FogMedium fog =
       fogtest::fog(fogtest::map(9, 8), fogtest::profiles()[1].profile, {.degree = 1});

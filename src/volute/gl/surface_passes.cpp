@@ -177,13 +177,15 @@ void SurfacePasses::shade(const Camera& camera, const Lamp& lamp,
 }
 
 Status SurfacePasses::light(const Camera& camera, const Lamp& lamp, const GlProgram& light,
-                            const Attenuate& attenuate, GlPasses& passes, const char* what) {
+                            const Attenuate& attenuate, const std::function<void()>& bind,
+                            GlPasses& passes, const char* what) {
   GLuint passed = 0;
   if (attenuate) {
     VOLUTE_ASSIGN(passed,
                   attenuate({targets_.ends.name(), targets_.ways.name(), targets_.points.name()}));
   }
   passes.run("light", what, [&] {
+    bind();
     bindLamp(light, lamp, camera.eye());
     bindTexture(light, "normals", 0, targets_.normals.name());
     bindTexture(light, "points", 1, targets_.points.name());
@@ -228,8 +230,10 @@ Result<SurfacePicture> SurfacePasses::draw(const Camera& camera, const SurfaceSc
   const Occluders occluders[] = {{surfaces_->triangles, Sides::kBoth}};
   for (const Lamp& lamp : scene.lamps) {
     shade(camera, lamp, occluders, passes, kGeometry);
-    ofSurfaces_->light.bindStorage("Materials", 2, surfaces_->materials);
-    VOLUTE_TRY(light(camera, lamp, ofSurfaces_->light, attenuate, passes, kGeometry));
+    const auto bind = [&] {
+      ofSurfaces_->light.bindStorage("Materials", 2, surfaces_->materials);
+    };
+    VOLUTE_TRY(light(camera, lamp, ofSurfaces_->light, attenuate, bind, passes, kGeometry));
   }
   SurfacePicture picture;
   passes.run("read back", [&] { picture = readBack(background); });
@@ -256,14 +260,11 @@ Result<SurfacePicture> SurfacePasses::drawWalls(const Camera& camera, const GlWa
     for (const auto& [a, b, c] : walls_->vertices)
       shares.push_back({walls.shares[l][a], walls.shares[l][b], walls.shares[l][c], 0});
     const GlBuffer corners = makeBuffer(std::span<const Texel>(shares));
-    // The march between binds buffers of its own.
-    const Attenuate march = [&](const GlRays& rays) -> Result<GLuint> {
-      VOLUTE_ASSIGN(const GLuint passed, attenuate(rays));
+    const auto bind = [&] {
       walls_->triangles.bind(shine, camera.eye());
       shine.bindStorage("Shares", 2, corners);
-      return passed;
     };
-    VOLUTE_TRY(light(camera, walls.lamps[l], shine, march, passes, kWalls));
+    VOLUTE_TRY(light(camera, walls.lamps[l], shine, attenuate, bind, passes, kWalls));
   }
   SurfacePicture picture;
   passes.run("read back", [&] { picture = readBack(Rgb::Zero()); });

@@ -70,8 +70,10 @@ class SurfacePasses {
             GlTriangles::Sides sides, const Rgb& ambient, GlPasses& passes, const char* what);
   void shade(const Camera& camera, const Lamp& lamp, std::span<const Occluders> occluders,
              GlPasses& passes, const char* what);
+  /// `bind` gives the program its buffers, after the march has used the bindings.
   Status light(const Camera& camera, const Lamp& lamp, const GlProgram& light,
-               const Attenuate& attenuate, GlPasses& passes, const char* what);
+               const Attenuate& attenuate, const std::function<void()>& bind, GlPasses& passes,
+               const char* what);
   SurfacePicture readBack(const Rgb& background) const;
 
   std::optional<Surfaces> surfaces_;
