@@ -39,6 +39,7 @@ Result<GlScene> sceneOf(const GlSubject& subject, const Camera& camera,
                         std::vector<FdsInstant>& cases) {
   GlScene scene;
   scene.smokeMethod = subject.smokeMethod;
+  scene.shade = subject.geometry;
   for (std::size_t i = 0; i < subject.layers.size(); ++i) {
     VOLUTE_ASSIGN(auto volume, volumeOf(subject.layers[i], subject.positions[i], subject.factor));
     scene.volumes.push_back(std::move(volume));

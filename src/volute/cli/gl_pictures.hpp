@@ -41,6 +41,7 @@ struct GlSubject {
   double factor = 1;  ///< of all extinctions, as the picture's law has it
   std::span<BillboardLayer> billboards{};
   std::span<const FdsLayer> fdsCases{};
+  TriangleScene geometry{};  ///< what throws shadows into fog that suns light
   GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
 };
 
@@ -52,7 +53,7 @@ class GlPictures {
 
   virtual ~GlPictures() = default;
 
-  /// As volute::render(). kUnsupported for fog that a sun lights among surfaces.
+  /// As volute::render().
   [[nodiscard]] virtual Result<Image> picture(const Camera& camera, const GlSubject& subject,
                                               const RenderOptions& options, Progress& progress,
                                               RenderStats& stats,

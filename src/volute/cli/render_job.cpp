@@ -54,7 +54,14 @@ Status RenderJob::processorMayDraw(const char* what) {
 }
 
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
-  glSubject = {layers, moment.positions, fogs, moment.time, {}, law.factor(), billboards};
+  glSubject = {.layers = layers,
+               .positions = moment.positions,
+               .fogs = fogs,
+               .time = moment.time,
+               .factor = law.factor(),
+               .billboards = billboards,
+               .fdsCases = fdsCases,
+               .smokeMethod = smokeMethod};
   std::vector<VoxelMedium> volumes;
   std::vector<AnyMedium> media;
   const double factor = law.factor();
@@ -68,6 +75,8 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
     if (!gl)
       VOLUTE_TRY(addBillboards(moment.time, media, progress));
     for (const FdsLayer& fds : fdsCases) {
+      if (gl)
+        break;  // it has its own
       VOLUTE_ASSIGN(auto medium, fds.mediumAt(moment.time));
       media.push_back(factor == 1 ? std::move(medium)
                                   : AnyMedium(ScaledMedium(std::move(medium), factor)));
@@ -76,6 +85,7 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
         media.push_back(std::move(*flame));
     }
     VOLUTE_TRY(placeBuildings(moment.time));
+    glSubject.geometry = fixedGeometry ? *fixedGeometry : geometry;  // fog knows no buildings
     for (const FogLayer& fog : fogs) {
       if (gl)
         break;  // it has its own

@@ -49,7 +49,8 @@ struct RenderJob {
   double framesPerSecond = 25;  ///< of a film
   RenderTotals totals;
   std::shared_ptr<GlPictures> gl{};  ///< takes the pictures when it is not null
-  GlSubject glSubject{};             ///< of the picture that is being taken
+  GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
+  GlSubject glSubject{};  ///< of the picture that is being taken
   std::vector<SmokeLayer> smokes{};
   std::vector<Sign> signs{};
   PictureLaw law{};

@@ -66,10 +66,14 @@ Result<Image> RenderJob::pictureWithSmoke(double time, std::span<const AnyMedium
   for (std::size_t i = 0; i < smokes.size(); ++i) {
     if (!smokes[i].description().walls)
       continue;
-    VOLUTE_TRY(processorMayDraw("the wall of smoke"));
+    const Rgb& color = *smokes[i].description().walls;
+    if (gl) {
+      VOLUTE_ASSIGN(auto seen, gl->walls(camera, states[i], lights, color, geometry, progress));
+      surfaces.add(SurfaceView{std::move(seen.depth), std::move(seen.color)});
+      continue;
+    }
     VOLUTE_ASSIGN(const auto walls,
-                  lookAtWalls(camera, states[i], smokes[i].lights(), *smokes[i].description().walls,
-                              smokes[i].blocks()));
+                  lookAtWalls(camera, states[i], smokes[i].lights(), color, smokes[i].blocks()));
     surfaces.add(walls);
   }
   VOLUTE_ASSIGN(const auto seen, findSigns(surfaces.depth()));

@@ -51,8 +51,9 @@ class FogMedium {
   /// One piece for each cell, profile zone and level that is not all zero.
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
-  /// The fast path, in float and SIMD: transmittances within 2e-6 of the reference. Each ray's result depends on nothing but the
-  /// ray. Jumps over empty parts of the map. With a `top` map it is the reference.
+  /// The fast path, in float and SIMD: transmittances within 2e-6 of the reference. Each ray's
+  /// result depends on nothing but the ray. Jumps over empty parts of the map. With a `top` map it
+  /// is the reference.
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
   /// The map, shape (rows, columns), row 0 at the smallest y.

@@ -47,6 +47,7 @@ class GlMedium {
 class GlVolumeAtlas;
 class GlTreeData;
 class GlMesh;
+struct GlTriangles;
 
 [[nodiscard]] Result<std::shared_ptr<const GlVolumeAtlas>> makeVolumeAtlas(const BrickSlice& slice);
 [[nodiscard]] Result<std::shared_ptr<const GlTreeData>> makeTreeData(const Tree4d& tree);
@@ -61,8 +62,9 @@ std::unique_ptr<GlMedium> makeGlVolume(const GlVolume& volume,
 std::unique_ptr<GlMedium> makeGlSmoke(const GlSmoke& smoke, std::shared_ptr<const GlMesh> mesh);
 /// `factor`: of its extinction.
 std::unique_ptr<GlMedium> makeGlFog(const FogMedium& fog, double factor = 1);
-/// kUnsupported where surfaces shadow it.
-[[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const SunlitFog& fog, double factor = 1);
+/// @param shade  the surfaces that shadow it. kUnsupported where it is shadowed by others.
+[[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const SunlitFog& fog, double factor,
+                                                          std::shared_ptr<const GlTriangles> shade);
 
 /// kTooLarge where it does not fit into one of the device's buffers.
 [[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFds(const GlFds& fds);

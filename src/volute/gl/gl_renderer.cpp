@@ -104,7 +104,8 @@ std::string mediaNames(const GlScene& scene) {
   add("fog", !scene.fogs.empty() || !scene.sunlitFogs.empty());
   add("smoke", !scene.smokes.empty());
   add("FDS smoke", std::ranges::any_of(scene.fds, [](const GlFds& fds) { return !fds.glow; }));
-  add("fire", std::ranges::any_of(scene.fds, [](const GlFds& fds) { return fds.glow.has_value(); }));
+  add("fire",
+      std::ranges::any_of(scene.fds, [](const GlFds& fds) { return fds.glow.has_value(); }));
   add("billboard", !scene.billboards.empty());
   return name;
 }
@@ -126,6 +127,13 @@ struct GlRenderer::State {
   SignPasses signPasses;
   int width = 0, height = 0;
 
+  /// The last surfaces in a sun's light.
+  struct {
+    TriangleScene scene;
+    std::shared_ptr<const GlTriangles> triangles;
+  } shade;
+
+  Status prepareShade(const TriangleScene& scene);
   Result<const GlProgram*> programFor(std::span<const std::unique_ptr<GlMedium>> media,
                                       GlQuantity quantity);
   using Media = std::vector<std::unique_ptr<GlMedium>>;
@@ -159,6 +167,18 @@ Result<const GlProgram*> GlRenderer::State::programFor(
   const ShaderStage stage{GL_COMPUTE_SHADER, sceneShader(media, quantity)};
   VOLUTE_ASSIGN(auto program, GlProgram::link({&stage, 1}));
   return &programs.emplace(std::move(key), std::move(program)).first->second;
+}
+
+Status GlRenderer::State::prepareShade(const TriangleScene& scene) {
+  if (scene.empty()) {
+    shade = {};
+    return {};
+  }
+  if (shade.triangles && shade.scene.triangles().data() == scene.triangles().data())
+    return {};
+  VOLUTE_ASSIGN(auto made, GlTriangles::make(scene.triangles()));
+  shade = {scene, std::make_shared<const GlTriangles>(std::move(made))};
+  return {};
 }
 
 Result<std::unique_ptr<GlMedium>> GlRenderer::State::mediumOf(const GlVolume& volume) {
@@ -200,8 +220,10 @@ Result<GlRenderer::State::Media> GlRenderer::State::mediaOf(const GlScene& scene
     media.push_back(std::move(medium));
   }
   for (const FogMedium& fog : scene.fogs) media.push_back(makeGlFog(fog, scene.fogFactor));
+  if (!scene.sunlitFogs.empty())
+    VOLUTE_TRY(prepareShade(scene.shade));
   for (const SunlitFog& fog : scene.sunlitFogs) {
-    VOLUTE_ASSIGN(auto medium, makeGlFog(fog, scene.fogFactor));
+    VOLUTE_ASSIGN(auto medium, makeGlFog(fog, scene.fogFactor, shade.triangles));
     media.push_back(std::move(medium));
   }
   for (const GlSmoke& smoke : scene.smokes) {
@@ -282,8 +304,8 @@ Result<GLuint> GlRenderer::State::depthOf(const Camera& camera, const GlScene& s
                                           Progress& progress) {
   if (!passed)
     passed = makeTexture2d(GL_RGBA32F, width, height);
-  VOLUTE_TRY(march(camera, media, GlQuantity::kOpticalDepth, rays, passed, mediaNames(scene),
-                   progress));
+  VOLUTE_TRY(
+      march(camera, media, GlQuantity::kOpticalDepth, rays, passed, mediaNames(scene), progress));
   return passed.name();
 }
 
@@ -368,7 +390,9 @@ Result<SurfacePicture> GlRenderer::surfaces(const Camera& camera, const SurfaceS
   SurfacePasses::Attenuate attenuate;
   if (media.media() > 0 && !scene.lamps.empty()) {
     VOLUTE_ASSIGN(made, state.mediaOf(media, camera, progress));
-    attenuate = [&](const GlRays& rays) { return state.depthOf(camera, media, made, rays, progress); };
+    attenuate = [&](const GlRays& rays) {
+      return state.depthOf(camera, media, made, rays, progress);
+    };
   }
   return state.surfacePasses.draw(camera, scene, background, attenuate, state.passes);
 }

@@ -28,8 +28,8 @@ class GlRenderer {
   GlRenderer& operator=(GlRenderer&&) noexcept;
   ~GlRenderer();
 
-  /// As volute::render(); `options.renderer` has no meaning. kUnsupported for fog that a sun
-  /// lights among surfaces, kTooLarge for what does not fit on the device.
+  /// As volute::render(); `options.renderer` has no meaning. kTooLarge for what does not fit on
+  /// the device, kUnsupported for fog in the shadows of surfaces that are not the scene's `shade`.
   [[nodiscard]] Result<Image> render(const Camera& camera, const GlScene& scene,
                                      const RenderOptions& options, Progress& progress,
                                      RenderStats* stats = nullptr,

@@ -49,12 +49,12 @@ struct GlSmoke {
 /// The boundary of a smoke's mesh as walls that reflect the light of lamps, seen from inside alone
 /// (lookAtWalls() in scene/smoke_walls).
 struct GlWalls {
-  GlSmoke smoke;                                    ///< its extinction as light meets it
+  GlSmoke smoke;  ///< its extinction as light meets it
   std::span<const Lamp> lamps{};
-  std::span<const std::vector<float>> shares{};     ///< of each lamp's light, at each vertex
+  std::span<const std::vector<float>> shares{};  ///< of each lamp's light, at each vertex
   Rgb color = Rgb::Ones();
   Rgb ambient = Rgb::Zero();
-  TriangleScene blocks{};                           ///< other things that stand in the light
+  TriangleScene blocks{};  ///< other things that stand in the light
 };
 
 /// How a smoke is drawn that is alone in its picture. One among other media is marched with them,
@@ -69,8 +69,8 @@ enum class GlSmokeMethod {
 /// FdsField's twin, or that of an FdsFlame's heat.
 struct GlFds {
   FdsField field;
-  double scale = 1;            ///< of the extinction and of what it scatters
-  std::optional<Rgb> glow{};   ///< of fire: radiance per metre of a unit; it hides nothing
+  double scale = 1;           ///< of the extinction and of what it scatters
+  std::optional<Rgb> glow{};  ///< of fire: radiance per metre of a unit; it hides nothing
 };
 
 /// Billboard's twin: a volume's picture on a rectangle that faces the camera.
@@ -88,6 +88,8 @@ struct GlScene {
   std::vector<SunlitFog> sunlitFogs{};
   std::vector<GlBillboard> billboards{};
   std::vector<GlFds> fds{};
+  TriangleScene
+      shade{};  ///< surfaces that keep the suns from fog which SunScattering::shadows knows
   double fogFactor = 1;  ///< of all fogs' extinction, as ScaledMedium has it
   /// A fog that is alone in its picture is drawn by a polar table where one serves.
   std::optional<PolarOptions> polarFog{};

@@ -112,8 +112,7 @@ Status SurfacePasses::prepareSurfaces(const TriangleScene& scene) {
     materials.push_back(texel(material.baseColor));
     materials.push_back(texel(material.emission));
   }
-  surfaces_ =
-      Surfaces{scene, std::move(triangles), makeBuffer(std::span<const Texel>(materials))};
+  surfaces_ = Surfaces{scene, std::move(triangles), makeBuffer(std::span<const Texel>(materials))};
   return {};
 }
 
@@ -230,9 +229,7 @@ Result<SurfacePicture> SurfacePasses::draw(const Camera& camera, const SurfaceSc
   const Occluders occluders[] = {{surfaces_->triangles, Sides::kBoth}};
   for (const Lamp& lamp : scene.lamps) {
     shade(camera, lamp, occluders, passes, kGeometry);
-    const auto bind = [&] {
-      ofSurfaces_->light.bindStorage("Materials", 2, surfaces_->materials);
-    };
+    const auto bind = [&] { ofSurfaces_->light.bindStorage("Materials", 2, surfaces_->materials); };
     VOLUTE_TRY(light(camera, lamp, ofSurfaces_->light, attenuate, bind, passes, kGeometry));
   }
   SurfacePicture picture;

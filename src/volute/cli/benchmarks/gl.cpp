@@ -160,18 +160,21 @@ class GlBench {
 };
 
 std::vector<GlGroup> groupsOf(const BenchInput& input) {
-  return {{0.3,
-           [quick = input.quick](std::vector<GlCase>& cases, Progress&) -> Status {
-             addHall(quick, cases);
-             return {};
-           }},
-          {0.25, [&input](std::vector<GlCase>& cases,
-                          Progress&) -> Status { return addMall(input, cases); }},
-          {0.25, [quick = input.quick](std::vector<GlCase>& cases,
-                                       Progress&) -> Status { return addFogTables(quick, cases); }},
-          {0.2, [&input](std::vector<GlCase>& cases, Progress& progress) -> Status {
-             return addTrees(input, progress, cases);
-           }}};
+  return {
+      {0.3,
+       [quick = input.quick](std::vector<GlCase>& cases, Progress&) -> Status {
+         addHall(quick, cases);
+         return {};
+       }},
+      {0.25,
+       [&input](std::vector<GlCase>& cases, Progress&) -> Status { return addMall(input, cases); }},
+      {0.25,
+       [quick = input.quick](std::vector<GlCase>& cases, Progress&) -> Status {
+         return addFogTables(quick, cases);
+       }},
+      {0.2, [&input](std::vector<GlCase>& cases, Progress& progress) -> Status {
+         return addTrees(input, progress, cases);
+       }}};
 }
 
 }  // namespace

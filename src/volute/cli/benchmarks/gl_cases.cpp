@@ -128,11 +128,10 @@ Status addTrees(const BenchInput& input, Progress& progress, std::vector<GlCase>
     const auto slice = std::make_shared<const BrickSlice>(
         BrickSlice::fromDense(shown, sequence.frame(info.frames / 2)));
     const AnyMedium medium(VoxelMedium(slice, 1, extinction));
-    cases.push_back(
-        stillCase(fmt::format("{}, {} x {} x {} voxels, {}", name, info.x, info.y, info.z,
-                              basis == Basis::kBox ? "box" : "trilinear"),
-                  kFullWidth, kFullHeight, view, {.volumes = {{slice, 1, extinction}}},
-                  [=](const Camera& camera) { return byRender(camera, medium); }));
+    cases.push_back(stillCase(fmt::format("{}, {} x {} x {} voxels, {}", name, info.x, info.y,
+                                          info.z, basis == Basis::kBox ? "box" : "trilinear"),
+                              kFullWidth, kFullHeight, view, {.volumes = {{slice, 1, extinction}}},
+                              [=](const Camera& camera) { return byRender(camera, medium); }));
   }
   return {};
 }
@@ -166,8 +165,8 @@ Status addFogTables(bool quick, std::vector<GlCase>& cases) {
                      side, {.degree = degree, .levels = levels}));
     }
   }
-  VOLUTE_ASSIGN(auto walked, fogCase("fog, linear 64 x 64, walked", 64, {.degree = 1}, kFullWidth,
-                                     kFullHeight));
+  VOLUTE_ASSIGN(auto walked,
+                fogCase("fog, linear 64 x 64, walked", 64, {.degree = 1}, kFullWidth, kFullHeight));
   cases.push_back(std::move(walked));
   VOLUTE_ASSIGN(auto polar, polarCase("fog, linear 64 x 64, by a polar table"));
   cases.push_back(std::move(polar));

@@ -165,11 +165,13 @@ Status addMall(const BenchInput& input, std::vector<GlCase>& cases) {
   const auto at = [&](double x, double y, double z) {
     return Vec3(box.min + box.size().cwiseProduct(Vec3(x, y, z)));
   };
+
   struct Eye {
     const char* name;
     Vec3 eye, target;
     double fov;
   };
+
   // As `volute bench smoke` has them.
   const Eye eyes[] = {{"outside", at(-0.32, -1.2, 2.3), at(0.5, 0.5, 0.33), 36},
                       {"inside", at(0.08, 0.57, 0.28), at(0.86, 0.5, 0.4), 60}};
@@ -184,10 +186,9 @@ Status addMall(const BenchInput& input, std::vector<GlCase>& cases) {
     for (const Way& way : kWays) {
       if (input.quick && way.method == GlSmokeMethod::kProject)
         continue;
-      GlCase one = smokeCase(
-          fmt::format("{}, {} tets, {}: {}, animated smoke and camera", name,
-                      smoke->locator->mesh().tets().size(), eye.name, way.name),
-          smoke, way, {true, true}, view);
+      GlCase one = smokeCase(fmt::format("{}, {} tets, {}: {}, animated smoke and camera", name,
+                                         smoke->locator->mesh().tets().size(), eye.name, way.name),
+                             smoke, way, {true, true}, view);
       one.width = 1920, one.height = 1080;
       cases.push_back(std::move(one));
     }

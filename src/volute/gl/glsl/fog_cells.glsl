@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // Fog, cell by cell along a ray that meets other media too; M_ stands for the medium's own prefix. Follows fog_walk.glsl,
-// whose functions it uses; M_sunlight(place) is what suns add to the fog's own light. Levels of detail follow each other
+// whose functions it uses; M_sunlight(place, s) is what suns add to the fog's own light, M_findShadows() and M_nextShadow()
+// know of the shadows that surfaces throw. Levels of detail follow each other
 // along the ray, in each the zones of the height profile, in each the cells; M_TOP: what is above the fog's top is cut.
 
 uniform vec3 M_fogColor;  // radiance of infinitely thick fog
@@ -89,6 +90,7 @@ void M_enter(float s) {
 #if M_TOP
   M_cutAtTop(s);
 #endif
+  M_end = M_nextShadow(s, M_end);
   fogCoefficients(M_cell, M_inLevel, M_c);
 }
 
@@ -127,6 +129,7 @@ void M_seek(float s) {
 }
 
 void M_begin() {
+  M_findShadows();
   M_height = rayOrigin.z - fogCorner.z;
   M_rise = rayDirection.z;
   vec3 local = rayOrigin - fogCorner;
@@ -172,5 +175,5 @@ void M_sample(float s, inout float k, inout vec3 e) {
   vec2 place = clamp(M_o + M_d * s - vec2(M_cell), 0.0, 1.0);
   float here = fogSpline(M_c, place) * fogProfile(fogZones[M_inZone], M_height + M_rise * s);
   k += here;
-  e += here * (M_fogColor + M_sunlight(rayOrigin + s * rayDirection));
+  e += here * (M_fogColor + M_sunlight(rayOrigin + s * rayDirection, s));
 }
