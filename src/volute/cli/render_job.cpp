@@ -61,6 +61,8 @@ Result<Still> RenderJob::stillAt(const Moment& moment, std::vector<VoxelMedium>&
     still.viewed.push_back(std::move(medium));
   }
   for (const FdsLayer& fds : fdsCases) {
+    if (gl)
+      break;  // it has its own
     VOLUTE_ASSIGN(auto medium, fds.mediumAt(moment.time));
     still.media.push_back(seenBy(law, std::move(medium)));
     VOLUTE_ASSIGN(auto flame, fds.flameAt(moment.time));
@@ -86,11 +88,21 @@ Result<Still> RenderJob::stillAt(const Moment& moment, std::vector<VoxelMedium>&
 
 Result<Image> RenderJob::pictureOf(const Still& still, const Moment& moment, Progress& progress,
                                    StillCounts& counts) {
-  if (contour)
+  if (contour) {
+    VOLUTE_TRY(processorMayDraw("a slice or an isosurface"));
     return lookAtContour(camera, still.smokes, *contour);
+  }
   if (gl) {
-    GlDrawer drawer(
-        *gl, {layers, moment.positions, fogs, moment.time, still.smokes, law.factor(), billboards});
+    GlDrawer drawer(*gl, {.layers = layers,
+                          .positions = moment.positions,
+                          .fogs = fogs,
+                          .time = moment.time,
+                          .smokes = still.smokes,
+                          .factor = law.factor(),
+                          .billboards = billboards,
+                          .fdsCases = fdsCases,
+                          .geometry = fixedGeometry ? *fixedGeometry : geometry,
+                          .smokeMethod = smokeMethod});
     return still.picture(camera, options, drawer, progress, &counts);
   }
   VOLUTE_TRY(processorMayDraw("this picture"));

@@ -48,6 +48,7 @@ struct RenderJob {
   double framesPerSecond = 25;  ///< of a film
   RenderTotals totals;
   std::shared_ptr<GlPictures> gl{};  ///< takes the pictures when it is not null
+  GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
   std::vector<SmokeLayer> smokes{};
   std::vector<Sign> signs{};
   PictureLaw law{};

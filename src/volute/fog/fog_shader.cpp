@@ -109,10 +109,15 @@ Result<FogShader> fogShader(const FogMedium& fog) {
     return fail(ErrorCode::kUnsupported,
                 "the shader serves fog without a top, and levels chosen by mu only");
   }
-  FogShader shader;
-  shader.walk = constants(fog) + detail::kFogWalkGlsl;
+  FogShader shader = fogCells(fog);
   if (fog.options().detail.finestOnly() && !exponential(fog))
     shader.polar = detail::kFogPolarGlsl;
+  return shader;
+}
+
+FogShader fogCells(const FogMedium& fog) {
+  FogShader shader;
+  shader.walk = constants(fog) + detail::kFogWalkGlsl;
   fillTexels(fog, shader);
   shader.corner = fog.domainCorner();
   shader.cell = fog.cell();

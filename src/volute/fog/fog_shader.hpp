@@ -29,4 +29,8 @@ struct FogShader {
 /// kUnsupported for fog with a top or with levels chosen by FogDetail::cellAngle.
 [[nodiscard]] Result<FogShader> fogShader(const FogMedium& fog);
 
+/// The same of any fog, for shaders that go from cell to cell by themselves: the functions of a
+/// cell in `walk` hold, fogOpticalDepth() does only where fogShader() gives it. No `polar`.
+FogShader fogCells(const FogMedium& fog);
+
 }  // namespace volute

@@ -47,6 +47,7 @@ class GlMedium {
 class GlVolumeAtlas;
 class GlTreeData;
 class GlMesh;
+struct GlTriangles;
 
 [[nodiscard]] Result<std::shared_ptr<const GlVolumeAtlas>> makeVolumeAtlas(const BrickSlice& slice);
 [[nodiscard]] Result<std::shared_ptr<const GlTreeData>> makeTreeData(const Tree4d& tree);
@@ -59,10 +60,14 @@ std::unique_ptr<GlMedium> makeGlVolume(const GlVolume& volume,
 [[nodiscard]] Result<std::shared_ptr<const GlMesh>> makeGlMesh(const TetMesh& mesh);
 
 std::unique_ptr<GlMedium> makeGlSmoke(const GlSmoke& smoke, std::shared_ptr<const GlMesh> mesh);
-/// `factor`: of its extinction. kUnsupported for fog with a top, with levels chosen by
-/// FogDetail::cellAngle, or that surfaces shadow.
-[[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const FogMedium& fog, double factor = 1);
-[[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const SunlitFog& fog, double factor = 1);
+/// `factor`: of its extinction.
+std::unique_ptr<GlMedium> makeGlFog(const FogMedium& fog, double factor = 1);
+/// @param shade  the surfaces that shadow it. kUnsupported where it is shadowed by others.
+[[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFog(const SunlitFog& fog, double factor,
+                                                          std::shared_ptr<const GlTriangles> shade);
+
+/// kTooLarge where it does not fit into one of the device's buffers.
+[[nodiscard]] Result<std::unique_ptr<GlMedium>> makeGlFds(const GlFds& fds);
 
 /// Puts a medium's own prefix into a part's text.
 std::string withPrefix(const std::string& text, const std::string& prefix);

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/gl/gl_renderer.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -102,6 +103,9 @@ std::string mediaNames(const GlScene& scene) {
   add("tree", !scene.trees.empty());
   add("fog", !scene.fogs.empty() || !scene.sunlitFogs.empty());
   add("smoke", !scene.smokes.empty());
+  add("FDS smoke", std::ranges::any_of(scene.fds, [](const GlFds& fds) { return !fds.glow; }));
+  add("fire",
+      std::ranges::any_of(scene.fds, [](const GlFds& fds) { return fds.glow.has_value(); }));
   add("billboard", !scene.billboards.empty());
   return name;
 }
@@ -123,6 +127,13 @@ struct GlRenderer::State {
   SignPasses signPasses;
   int width = 0, height = 0;
 
+  /// The last surfaces in a sun's light.
+  struct {
+    TriangleScene scene;
+    std::shared_ptr<const GlTriangles> triangles;
+  } shade;
+
+  Status prepareShade(const TriangleScene& scene);
   Result<const GlProgram*> programFor(std::span<const std::unique_ptr<GlMedium>> media,
                                       GlQuantity quantity);
   using Media = std::vector<std::unique_ptr<GlMedium>>;
@@ -138,6 +149,9 @@ struct GlRenderer::State {
   Status march(const Camera& camera, std::span<const std::unique_ptr<GlMedium>> media,
                GlQuantity quantity, const GlRays& rays, const GlTexture& target,
                const std::string& names, Progress& progress);
+  /// A texture with the optical depths of media along rays in its fourth channel.
+  Result<GLuint> depthOf(const Camera& camera, const GlScene& scene, const Media& media,
+                         const GlRays& rays, Progress& progress);
   Status dispatch(const GlProgram& program, const Camera& camera, const GlTexture& target,
                   const std::string& media, Progress& progress);
   Status drawAlone(const Camera& camera, const GlScene& scene, GlSmokeMethod method,
@@ -153,6 +167,18 @@ Result<const GlProgram*> GlRenderer::State::programFor(
   const ShaderStage stage{GL_COMPUTE_SHADER, sceneShader(media, quantity)};
   VOLUTE_ASSIGN(auto program, GlProgram::link({&stage, 1}));
   return &programs.emplace(std::move(key), std::move(program)).first->second;
+}
+
+Status GlRenderer::State::prepareShade(const TriangleScene& scene) {
+  if (scene.empty()) {
+    shade = {};
+    return {};
+  }
+  if (shade.triangles && shade.scene.triangles().data() == scene.triangles().data())
+    return {};
+  VOLUTE_ASSIGN(auto made, GlTriangles::make(scene.triangles()));
+  shade = {scene, std::make_shared<const GlTriangles>(std::move(made))};
+  return {};
 }
 
 Result<std::unique_ptr<GlMedium>> GlRenderer::State::mediumOf(const GlVolume& volume) {
@@ -193,18 +219,21 @@ Result<GlRenderer::State::Media> GlRenderer::State::mediaOf(const GlScene& scene
     VOLUTE_ASSIGN(auto medium, makeGlTreeVolume(volume, std::move(tree), device.hardware));
     media.push_back(std::move(medium));
   }
-  for (const FogMedium& fog : scene.fogs) {
-    VOLUTE_ASSIGN(auto medium, makeGlFog(fog, scene.fogFactor));
-    media.push_back(std::move(medium));
-  }
+  for (const FogMedium& fog : scene.fogs) media.push_back(makeGlFog(fog, scene.fogFactor));
+  if (!scene.sunlitFogs.empty())
+    VOLUTE_TRY(prepareShade(scene.shade));
   for (const SunlitFog& fog : scene.sunlitFogs) {
-    VOLUTE_ASSIGN(auto medium, makeGlFog(fog, scene.fogFactor));
+    VOLUTE_ASSIGN(auto medium, makeGlFog(fog, scene.fogFactor, shade.triangles));
     media.push_back(std::move(medium));
   }
   for (const GlSmoke& smoke : scene.smokes) {
     VOLUTE_ASSIGN(auto mesh,
                   meshes.get(smoke.locator, [&] { return makeGlMesh(smoke.locator->mesh()); }));
     media.push_back(makeGlSmoke(smoke, std::move(mesh)));
+  }
+  for (const GlFds& fds : scene.fds) {
+    VOLUTE_ASSIGN(auto medium, makeGlFds(fds));
+    media.push_back(std::move(medium));
   }
   for (const GlBillboard& board : scene.billboards) {
     VOLUTE_ASSIGN(auto medium, mediumOf(board, camera, progress));
@@ -268,6 +297,16 @@ Status GlRenderer::State::march(const Camera& camera,
   for (std::size_t i = 0; i < media.size(); ++i)
     media[i]->bind(*program, mediumPrefix(i), camera.eye(), inside, bindings);
   return dispatch(*program, camera, target, names, progress);
+}
+
+Result<GLuint> GlRenderer::State::depthOf(const Camera& camera, const GlScene& scene,
+                                          const Media& media, const GlRays& rays,
+                                          Progress& progress) {
+  if (!passed)
+    passed = makeTexture2d(GL_RGBA32F, width, height);
+  VOLUTE_TRY(
+      march(camera, media, GlQuantity::kOpticalDepth, rays, passed, mediaNames(scene), progress));
+  return passed.name();
 }
 
 Status GlRenderer::State::dispatch(const GlProgram& program, const Camera& camera,
@@ -351,15 +390,26 @@ Result<SurfacePicture> GlRenderer::surfaces(const Camera& camera, const SurfaceS
   SurfacePasses::Attenuate attenuate;
   if (media.media() > 0 && !scene.lamps.empty()) {
     VOLUTE_ASSIGN(made, state.mediaOf(media, camera, progress));
-    if (!state.passed)
-      state.passed = makeTexture2d(GL_RGBA32F, state.width, state.height);
-    attenuate = [&](const GlRays& rays) -> Result<GLuint> {
-      VOLUTE_TRY(state.march(camera, made, GlQuantity::kOpticalDepth, rays, state.passed,
-                             mediaNames(media), progress));
-      return state.passed.name();
+    attenuate = [&](const GlRays& rays) {
+      return state.depthOf(camera, media, made, rays, progress);
     };
   }
   return state.surfacePasses.draw(camera, scene, background, attenuate, state.passes);
+}
+
+Result<SurfacePicture> GlRenderer::walls(const Camera& camera, const GlWalls& walls,
+                                         Progress& progress) {
+  State& state = *state_;
+  VOLUTE_TRY(state.resize(camera));
+  const GlScene smoke{.smokes = {walls.smoke}};
+  State::Media made;
+  if (!walls.lamps.empty()) {
+    VOLUTE_ASSIGN(made, state.mediaOf(smoke, camera, progress));
+  }
+  const auto attenuate = [&](const GlRays& rays) {
+    return state.depthOf(camera, smoke, made, rays, progress);
+  };
+  return state.surfacePasses.drawWalls(camera, walls, attenuate, state.passes);
 }
 
 Result<std::vector<SignPixel>> GlRenderer::findSigns(const Camera& camera,

@@ -28,8 +28,8 @@ class GlRenderer {
   GlRenderer& operator=(GlRenderer&&) noexcept;
   ~GlRenderer();
 
-  /// As volute::render(); `options.renderer` has no meaning. kUnsupported for fog with a top or
-  /// with levels by cell angle, kTooLarge for what does not fit on the device.
+  /// As volute::render(); `options.renderer` has no meaning. kTooLarge for what does not fit on
+  /// the device, kUnsupported for fog in the shadows of surfaces that are not the scene's `shade`.
   [[nodiscard]] Result<Image> render(const Camera& camera, const GlScene& scene,
                                      const RenderOptions& options, Progress& progress,
                                      RenderStats* stats = nullptr,
@@ -44,6 +44,10 @@ class GlRenderer {
   [[nodiscard]] Result<SurfacePicture> surfaces(const Camera& camera, const SurfaceScene& scene,
                                                 const GlScene& media, const Rgb& background,
                                                 Progress& progress);
+
+  /// The walls of a mesh, as lookAtWalls() sees them; black where there are none.
+  [[nodiscard]] Result<SurfacePicture> walls(const Camera& camera, const GlWalls& walls,
+                                             Progress& progress);
 
   /// As signPixels(). No signs: no pixels.
   [[nodiscard]] Result<std::vector<SignPixel>> findSigns(const Camera& camera,

@@ -240,10 +240,14 @@ TEST_F(GlRendererTest, SmokeVolumeAndFogOverlap) {
 }
 
 TEST_F(GlRendererTest, RefusesWhatItCannotRender) {
-  const FogMedium fog = fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[0].profile,
-                                     {.levels = 2, .detail = {.cellAngle = 0.01}});
+  const FogMedium fog = fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[0].profile, {});
+  const FogSun sun;
+  const SunlitFog among =
+      SunlitFog::make(fog, {&sun, 1},
+                      {.shadows = [](const Segment&, std::size_t, std::vector<Interval>&) {}})
+          .value();
   const Camera camera = Camera::framing({Vec3(0, 0, 0), Vec3(1, 1, 1)}, 16, 16);
-  const auto image = renderer_->render(camera, {.fogs = {fog}}, {}, quiet_);
+  const auto image = renderer_->render(camera, {.sunlitFogs = {among}}, {}, quiet_);
   ASSERT_FALSE(image);
   EXPECT_EQ(image.error().code, ErrorCode::kUnsupported);
   const std::vector<float> wrong(5, 1.0F);

@@ -107,9 +107,14 @@ double FdsLayer::caseTime(double time) const {
   return local;
 }
 
-Result<AnyMedium> FdsLayer::mediumAt(double time) const {
+Result<FdsField> FdsLayer::fieldAt(double time) const {
   VOLUTE_ASSIGN(const auto field, case_->field(caseTime(time)));
-  AnyMedium medium(inLight(field, time));
+  return inLight(field, time);
+}
+
+Result<AnyMedium> FdsLayer::mediumAt(double time) const {
+  VOLUTE_ASSIGN(auto field, fieldAt(time));
+  AnyMedium medium(std::move(field));
   if (description_.model.scale == 1)
     return medium;
   return AnyMedium(ScaledMedium(std::move(medium), description_.model.scale));
@@ -151,11 +156,16 @@ Status FdsLayer::openFire(Reading& reading) {
 }
 
 Result<std::optional<AnyMedium>> FdsLayer::flameAt(double time) const {
+  VOLUTE_ASSIGN(auto fire, fireAt(time));
+  return fire ? std::optional(AnyMedium(std::move(*fire))) : std::nullopt;
+}
+
+Result<std::optional<FdsFlame>> FdsLayer::fireAt(double time) const {
   if (!heat_)
     return std::nullopt;
   VOLUTE_ASSIGN(const auto heat, heat_->field(caseTime(time)));
   FdsFlame flame(heat, flame_);
-  return flame.burns() ? std::optional(AnyMedium(std::move(flame))) : std::nullopt;
+  return flame.burns() ? std::optional(std::move(flame)) : std::nullopt;
 }
 
 std::uint64_t FdsLayer::surfacesAt(double time) const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "volute/fds/fds_case.hpp"
+#include "volute/fds/fds_flame.hpp"
 #include "volute/geometry/triangle_scene.hpp"
 #include "volute/medium/any_medium.hpp"
 #include "volute/scene/fds_slice.hpp"
@@ -52,9 +53,15 @@ class FdsLayer {
   /// The smoke at a time of the scene [s], linear between stored frames.
   [[nodiscard]] Result<AnyMedium> mediumAt(double time) const;
 
+  /// The same in its light, still without the description's scale. Slow with lamps.
+  [[nodiscard]] Result<FdsField> fieldAt(double time) const;
+
   /// The fire at a time of the scene [s], which shines and hides nothing; nothing where the case
-  /// has no heat release, or it is not shown.
+  /// has no heat release, or it is not shown, or nothing burns.
   [[nodiscard]] Result<std::optional<AnyMedium>> flameAt(double time) const;
+
+  /// The same, not yet any medium.
+  [[nodiscard]] Result<std::optional<FdsFlame>> fireAt(double time) const;
 
   /// A number for what addSurfaces() adds: while it stays, so do they.
   std::uint64_t surfacesAt(double time) const;

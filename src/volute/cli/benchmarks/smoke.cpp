@@ -50,10 +50,6 @@ Result<SmokeCase> caseOf(const BenchInput& input) {
   return read;
 }
 
-bool isMesh(const std::string& file) {
-  return file.ends_with(".vtu") || file.ends_with(".pvd") || isMeshCase(file);
-}
-
 struct Eye {
   const char* name;
   Vec3 eye, target;
@@ -292,7 +288,7 @@ class Table {
 
 Status benchSmoke(const BenchInput& input, BenchRows& rows, Progress& progress) {
   std::vector<SmokeCase> cases;
-  if (isMesh(input.volume)) {
+  if (isMeshInput(input)) {
     VOLUTE_ASSIGN(cases.emplace_back(), caseOf(input));
   } else {
     cases.push_back(madeCase("made hall", 0.42));
