@@ -1,7 +1,7 @@
 # Everything is a Debian 12 package; find_package only. The heavy ones are optional (VOLUTE_WITH_*).
 # VTK comes first: it brings its own HDF5 targets.
 if(VOLUTE_WITH_VTK)
-  set(vtkParts CommonCore CommonDataModel CommonExecutionModel FiltersCore IOEnSight IOExodus IOGeometry IOXML IOXMLParser)
+  set(vtkParts CommonCore CommonDataModel CommonExecutionModel FiltersCore IOEnSight IOExodus IOGeometry IOLegacy IOXML IOXMLParser)
   if(VOLUTE_BENCH AND VOLUTE_WITH_GL)
     list(APPEND vtkParts RenderingCore RenderingOpenGL2 RenderingVolume RenderingVolumeOpenGL2)
   endif()

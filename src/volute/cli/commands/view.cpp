@@ -54,7 +54,7 @@ Command viewCommand() {
           "--screenshot draws the same frame without a display, once all is loaded.",
       .positionals = {{.name = "FILE",
                        .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh (.vtu, "
-                               ".pvd, .case, .e, .foam), an FDS case (.smv), a map of fog (.png, "
+                               ".vtk, .pvd, .case, .e, .foam), an FDS case (.smv), a map of fog (.png, "
                                ".exr), a capture or a scene (.json)"}},
       .options = {{.name = "screenshot",
                    .kind = kFile,
