@@ -22,6 +22,9 @@ constexpr std::size_t kGrain = 4096;
 /// Smoke that cannot reach this optical depth across the whole mesh is left out.
 constexpr float kNegligible = 1e-8F;
 
+/// [m]; what is opaque beyond is not seen.
+constexpr float kFarAway = 1e30F;
+
 /// Calls use(place in the tile, x, y) for the tile's pixels.
 template <class Tile, class Use>
 void forEachPixel(const ScreenView& view, const Tile& tile, const Use& use) {
@@ -31,12 +34,26 @@ void forEachPixel(const ScreenView& view, const Tile& tile, const Use& use) {
   }
 }
 
-/// Where the rays of a tile end, calls set(place in the tile, inverse depth).
+/// Whether a ray of the tile ends at something opaque.
+template <class Tile>
+bool meetsOpaque(const ScreenView& view, OpaqueDepth opaque, const Tile& tile) {
+  bool any = false;
+  if (!opaque.empty()) {
+    const int columns = std::min(Tile::kSide, view.width - tile.x0);
+    for (int y = tile.y0; y < std::min(tile.y0 + Tile::kSide, view.height); ++y) {
+      const float* row = &opaque[static_cast<std::size_t>(y) * view.width + tile.x0];
+      any |= std::any_of(row, row + columns, [](float end) { return end < kFarAway; });
+    }
+  }
+  return any;
+}
+
+/// Where the rays of a tile end: calls set(place in the tile, inverse depth).
 template <class Tile, class Set>
 void bound(const ScreenView& view, OpaqueDepth opaque, const Tile& tile, const Set& set) {
   forEachPixel(view, tile, [&](int at, int x, int y) {
     const float end = opaque[static_cast<std::size_t>(y) * view.width + x];
-    const double z = std::min(end / view.rayScale(x, y), 1e30);
+    const double z = std::min(end / view.rayScale(x, y), double{kFarAway});
     set(at, static_cast<float>(view.orthographic ? -z : 1 / std::max(z, 1e-30)));
   });
 }
@@ -145,7 +162,7 @@ void TetSplat::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span<
     tile.x0 = static_cast<int>(i) % bins.across() * TetTile::kSide;
     tile.y0 = static_cast<int>(i) / bins.across() * TetTile::kSide;
     std::ranges::fill(tile.sum, 0.0F);
-    tile.bounded = !opaque.empty();
+    tile.bounded = meetsOpaque(view, opaque, tile);
     if (tile.bounded) {
       std::ranges::fill(tile.end, 0.0F);
       bound(view, opaque, tile, [&](int at, float end) { tile.end[at] = end; });
@@ -199,7 +216,7 @@ void TetSplat::litColor(const Camera& camera, OpaqueDepth opaque, std::span<floa
     forEachPixel(view, tile, [&](int at, int x, int y) {
       *tile.at(LitTile::kScale, at) = static_cast<float>(view.rayScale(x, y));
     });
-    tile.bounded = !opaque.empty();
+    tile.bounded = meetsOpaque(view, opaque, tile);
     if (tile.bounded)
       bound(view, opaque, tile, [&](int at, float end) { *tile.at(LitTile::kEnd, at) = end; });
     bins.forEach(i,

@@ -92,7 +92,7 @@ Status benchSmoke(const BenchInput& input, BenchRows& rows, Progress& progress) 
     rows.add({fmt::format("{}: tetrahedra", smoke.name),
               static_cast<double>(smoke.mesh->tets().size()), "", std::nullopt});
     if (input.whole)
-      VOLUTE_TRY(judgeWholePictures(smoke, locator, rows, targets, progress));
+      VOLUTE_TRY(judgeWholePictures(smoke, locator, input.quick, rows, targets, progress));
     else
       VOLUTE_TRY(measureAll(smoke, locator, input.quick, rows, targets, progress));
   }

@@ -135,7 +135,7 @@ void SmokeTable::judge(BenchRows& rows, SmokeTargets& targets) {
 }
 
 std::vector<SmokeTable::Timing> SmokeTable::draw(const SmokeMode& mode) {
-  constexpr int kLeast = 2, kMost = 4;
+  constexpr int kLeast = 2, kMost = 6;
   constexpr double kPatience = 1.5;  // seconds, after the least number of frames
   std::vector<Timing> timings(drawers_.size());
   std::vector<float> opacity(setting_.pixels());

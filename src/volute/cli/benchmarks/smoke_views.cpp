@@ -5,9 +5,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
-#include "volute/base/parallel.hpp"
 #include "volute/tetmesh/tet_reference.hpp"
 
 namespace volute::cli {
@@ -38,21 +39,29 @@ std::vector<float> opaqueDepth(const SmokeView& view) {
   std::vector<float> depth(width * view.height, std::numeric_limits<float>::infinity());
   const Vec3 across = view.sign[1] - view.sign[0], down = view.sign[3] - view.sign[0];
   const Vec3 normal = across.cross(down);
-  parallelRanges(
-      static_cast<std::size_t>(view.height), 16, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t y = begin; y < end; ++y) {
-          for (int x = 0; x < view.width; ++x) {
-            const Segment ray = pixelRay(camera, x, static_cast<int>(y), {});
-            const double distance =
-                normal.dot(view.sign[0] - ray.origin) / normal.dot(ray.direction);
-            const Vec3 at = ray.origin + distance * ray.direction - view.sign[0];
-            const double u = at.dot(across) / across.squaredNorm(),
-                         v = at.dot(down) / down.squaredNorm();
-            if (distance > 0 && u >= 0 && u <= 1 && v >= 0 && v <= 1)
-              depth[y * width + static_cast<std::size_t>(x)] = static_cast<float>(distance);
-          }
-        }
-      });
+  // The sign stands before the eye: its corners' pixels are its box.
+  Box3 box;
+  for (const Vec3& corner : view.sign) {
+    const Vec3 from = (corner - camera.eye()) / camera.pixelSize();
+    box.extend(Vec3(from.dot(camera.right()), from.dot(camera.down()), 0) /
+               ((corner - camera.eye()).dot(camera.forward())));
+  }
+  const int x0 = std::max(0, static_cast<int>(std::floor(box.min.x() + 0.5 * view.width)));
+  const int x1 = std::min(view.width, static_cast<int>(std::ceil(box.max.x() + 0.5 * view.width)));
+  const int y0 = std::max(0, static_cast<int>(std::floor(box.min.y() + 0.5 * view.height)));
+  const int y1 =
+      std::min(view.height, static_cast<int>(std::ceil(box.max.y() + 0.5 * view.height)));
+  for (int y = y0; y < y1; ++y) {
+    for (int x = x0; x < x1; ++x) {
+      const Segment ray = pixelRay(camera, x, y, {});
+      const double distance = normal.dot(view.sign[0] - ray.origin) / normal.dot(ray.direction);
+      const Vec3 at = ray.origin + distance * ray.direction - view.sign[0];
+      const double u = at.dot(across) / across.squaredNorm(), v = at.dot(down) / down.squaredNorm();
+      if (distance > 0 && u >= 0 && u <= 1 && v >= 0 && v <= 1)
+        depth[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)] =
+            static_cast<float>(distance);
+    }
+  }
   return depth;
 }
 

@@ -59,12 +59,12 @@ class Judge {
     const double begin = processorSeconds();
     referenceDepth(medium_, camera, opaque, depth);
     referenceColor(medium_, camera, opaque, color);
-    BenchRow reference;
-    reference.name = fmt::format("{}: reference, double", setting.name());
-    reference.value = processorSeconds() - begin;
-    reference.unit = "s";
-    reference.note = "of processor time: the whole picture's optical depth and lit colour";
-    rows.add(std::move(reference));
+    rows.add({fmt::format("{}: reference, double", setting.name()),
+              processorSeconds() - begin,
+              "s",
+              std::nullopt,
+              {},
+              "of processor time: the whole picture's optical depth and lit colour"});
     for (double& d : depth) d = -std::expm1(-d);
     std::vector<float> drawn(setting.pixels()), lit(4 * setting.pixels());
     const auto add = [&](const char* what, SmokeRole role, const Worst& worst, std::string note) {
@@ -128,16 +128,16 @@ BenchRow judgeLight(const SmokeCase& smoke, const std::shared_ptr<const TetLocat
 }  // namespace
 
 Status judgeWholePictures(const SmokeCase& smoke, const std::shared_ptr<const TetLocator>& locator,
-                          BenchRows& rows, SmokeTargets& targets, Progress& progress) {
+                          bool quick, BenchRows& rows, SmokeTargets& targets, Progress& progress) {
   Judge judge(smoke, locator);
   const auto eyes = smokeEyes(smoke.mesh->bounds());
   std::vector<SmokeSetting> settings;
   for (const SmokeEye& eye : eyes) {
-    settings.push_back({smoke, eye, 800, 600, false});
-    settings.push_back({smoke, eye, 320, 240, true});
+    settings.push_back({smoke, eye, quick ? 320 : 800, quick ? 240 : 600, false});
+    settings.push_back({smoke, eye, 200, 150, true});
   }
   for (const SmokeEye& eye : eyesOnMesh(*locator, eyes.back()))
-    settings.push_back({smoke, eye, 320, 240, false});
+    settings.push_back({smoke, eye, 200, 150, false});
   for (const SmokeSetting& setting : settings) {
     if (progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped in {}", setting.name());

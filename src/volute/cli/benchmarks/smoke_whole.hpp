@@ -9,9 +9,11 @@ namespace volute::cli {
 
 /// Holds every pixel of whole pictures against the reference in double: optical depth and lit
 /// colour, by splat and by marching, from outside and inside, up to an exit sign, and with the eye
-/// on a vertex, an edge and a face of the mesh; and a lamp's light at every vertex. Takes minutes.
+/// on a vertex, an edge and a face of the mesh; and a lamp's light at every vertex. Takes minutes;
+/// `quick` pictures are small.
 [[nodiscard]] Status judgeWholePictures(const SmokeCase& smoke,
                                         const std::shared_ptr<const TetLocator>& locator,
-                                        BenchRows& rows, SmokeTargets& targets, Progress& progress);
+                                        bool quick, BenchRows& rows, SmokeTargets& targets,
+                                        Progress& progress);
 
 }  // namespace volute::cli
