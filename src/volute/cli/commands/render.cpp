@@ -458,7 +458,7 @@ Command renderCommand() {
               "frames, a single still the first, or of a scene what it shows at 0 s.",
           .positionals = {{.name = "FILE",
                            .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh "
-                                   "(.vtu, .pvd, .case, .e, "
+                                   "(.vtu, .vtk, .pvd, .case, .e, "
                                    ".foam), an FDS case (.smv) or a scene (.json)"}},
           .options = renderOptionTable(),
           .oneOf = {{{"time", "frames"}, false},
