@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -27,13 +28,33 @@ struct BenchRow {
   std::string note = {};  ///< a remark; why there is no value (NaN), say
 };
 
+/// The figures of a benchmark, in order. Each is shown as soon as it is measured, for a run that is
+/// stopped loses none.
+class BenchRows {
+ public:
+  using Show = std::function<void(const BenchRow&)>;
+
+  explicit BenchRows(Show show) : show_(std::move(show)) {}
+
+  void add(BenchRow row) {
+    show_(row);
+    rows_.push_back(std::move(row));
+  }
+
+  const std::vector<BenchRow>& all() const { return rows_; }
+
+ private:
+  Show show_;
+  std::vector<BenchRow> rows_;
+};
+
 /// What a benchmark measures with.
 struct BenchInput {
   std::string volume;  ///< a volume sequence, or a capture for tomography; empty: made-up ones
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
   std::string truth{};  ///< the volumes that a capture shows
   std::string grid{};   ///< of the truth's files; empty: the only one
-  bool quick = false;  ///< fewer measurements, where there are many
+  bool quick = false;   ///< fewer measurements, where there are many
 };
 
 /// A set of measurements that belong together. Figures of one run are compared with each other,
@@ -41,7 +62,7 @@ struct BenchInput {
 struct Benchmark {
   std::string_view name;
   std::string_view description;
-  Result<std::vector<BenchRow>> (*run)(const BenchInput& input, Progress& progress);
+  Status (*run)(const BenchInput& input, BenchRows& rows, Progress& progress);
 };
 
 /// All benchmarks. A new one is one entry in bench.cpp.

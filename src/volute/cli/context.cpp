@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "volute/cli/console.hpp"
 #include "volute/cli/interrupt.hpp"
 
 namespace volute::cli {
@@ -14,6 +15,8 @@ void Context::print(const Report& report) const {
 
 // fwrite, not fmt: a failure is kept by the stream and reported once, at the end.
 void Context::print(std::string_view text) const {
+  if (console)
+    console->clear();
   std::fwrite(text.data(), 1, text.size(), resultsToStderr ? stderr : stdout);
 }
 

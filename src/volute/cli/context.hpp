@@ -10,8 +10,11 @@
 
 namespace volute::cli {
 
+class Console;
+
 /// What a command works with besides its arguments.
 struct Context : Reading {
+  Console* console = nullptr;  ///< whose bar ends before results are shown
   bool json = false;
   bool verbose = false;
   bool resultsToStderr = false;  ///< set when the data themselves go to standard output

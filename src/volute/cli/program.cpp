@@ -69,7 +69,7 @@ Status runGuarded(const Command& command, const Arguments& arguments, Context& c
 int runCommand(const Command& command, const Arguments& arguments) {
   const ThreadLimit threads(arguments.find<int>("threads").value_or(0));
   Console console(std::string(command.name), volumeOf(arguments));
-  Context context{{console, arguments.get<Bytes>("max-memory").count}};
+  Context context{{console, arguments.get<Bytes>("max-memory").count}, &console};
   context.json = arguments.flag("json");
   context.verbose = arguments.flag("verbose");
   Status status = runGuarded(command, arguments, context);

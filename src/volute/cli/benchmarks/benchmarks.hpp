@@ -7,20 +7,17 @@
 
 namespace volute::cli {
 
-[[nodiscard]] Result<std::vector<BenchRow>> benchCodec(const BenchInput& input, Progress& progress);
-[[nodiscard]] Result<std::vector<BenchRow>> benchFds(const BenchInput& input, Progress& progress);
-[[nodiscard]] Result<std::vector<BenchRow>> benchFog(const BenchInput& input, Progress& progress);
+[[nodiscard]] Status benchCodec(const BenchInput& input, BenchRows& rows, Progress& progress);
+[[nodiscard]] Status benchFds(const BenchInput& input, BenchRows& rows, Progress& progress);
+[[nodiscard]] Status benchFog(const BenchInput& input, BenchRows& rows, Progress& progress);
 /// In builds with OpenGL.
-[[nodiscard]] Result<std::vector<BenchRow>> benchGl(const BenchInput& input, Progress& progress);
-[[nodiscard]] Result<std::vector<BenchRow>> benchRender(const BenchInput& input,
-                                                        Progress& progress);
-[[nodiscard]] Result<std::vector<BenchRow>> benchTomography(const BenchInput& input,
-                                                            Progress& progress);
-[[nodiscard]] Result<std::vector<BenchRow>> benchSmoke(const BenchInput& input, Progress& progress);
-[[nodiscard]] Result<std::vector<BenchRow>> benchTree(const BenchInput& input, Progress& progress);
+[[nodiscard]] Status benchGl(const BenchInput& input, BenchRows& rows, Progress& progress);
+[[nodiscard]] Status benchRender(const BenchInput& input, BenchRows& rows, Progress& progress);
+[[nodiscard]] Status benchTomography(const BenchInput& input, BenchRows& rows, Progress& progress);
+[[nodiscard]] Status benchSmoke(const BenchInput& input, BenchRows& rows, Progress& progress);
+[[nodiscard]] Status benchTree(const BenchInput& input, BenchRows& rows, Progress& progress);
 
-[[nodiscard]] Result<std::vector<BenchRow>> benchVisibility(const BenchInput& input,
-                                                            Progress& progress);
+[[nodiscard]] Status benchVisibility(const BenchInput& input, BenchRows& rows, Progress& progress);
 
 /// What to measure with: the named input, or a fire and a smoke of size^3 voxels and 32 frames,
 /// scalar.

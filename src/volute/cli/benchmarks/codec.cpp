@@ -39,32 +39,33 @@ bool shownAt(double target, const Rival& rival) {
 /// The rows of one sequence.
 class Table {
  public:
-  Table(std::string data, std::vector<BenchRow>& rows) : data_(std::move(data)), rows_(rows) {}
+  Table(std::string data, BenchRows& rows) : data_(std::move(data)), rows_(rows) {}
 
-  BenchRow& add(std::string_view figure, double target, std::string_view codec, double value,
-                std::string_view unit, std::optional<double> ratio = std::nullopt) {
+  void add(std::string_view figure, double target, std::string_view codec, double value,
+           std::string_view unit, std::optional<double> ratio = std::nullopt,
+           std::string note = {}) {
     BenchRow row{fmt::format("{}: {} at {}, {}", data_, figure, target, codec), value,
                  std::string(unit), ratio};
     row.labels = {{"data", data_},
                   {"figure", std::string(figure)},
                   {"target", fmt::format("{}", target)},
                   {"codec", std::string(codec)}};
-    rows_.push_back(std::move(row));
-    return rows_.back();
+    row.note = std::move(note);
+    rows_.add(std::move(row));
   }
 
   void addMissing(std::string_view codec, const Error& reason) {
     BenchRow row{fmt::format("{}: {}", data_, codec), std::numeric_limits<double>::quiet_NaN(), ""};
     row.labels = {{"data", data_}, {"figure", "missing"}, {"codec", std::string(codec)}};
     row.note = "not measured: " + reason.message;
-    rows_.push_back(std::move(row));
+    rows_.add(std::move(row));
   }
 
   const std::string& data() const { return data_; }
 
  private:
   std::string data_;
-  std::vector<BenchRow>& rows_;
+  BenchRows& rows_;
 };
 
 std::vector<Rival> rivals(Table& table) {
@@ -106,11 +107,10 @@ void addSizes(Table& table, std::span<const Rival> list, double target, double r
   for (const Rival& rival : list) {
     if (!shownAt(target, rival))
       continue;
-    BenchRow& row = table.add("relative RMS", target, rival.name(), rival.files.relativeRms, "");
-    if (rival.files.relativeRms > target)
-      row.note = "above the target";
-    else if (!rival.hasTarget())
-      row.note = "at every target";
+    table.add("relative RMS", target, rival.name(), rival.files.relativeRms, "", std::nullopt,
+              rival.files.relativeRms > target ? "above the target"
+              : !rival.hasTarget()             ? "at every target"
+                                               : "");
   }
 }
 
@@ -166,7 +166,7 @@ Status timeEncoding(Table& table, std::span<Rival> list, const Sequence& sequenc
   return {};
 }
 
-Status benchOne(const NamedSequence& named, Progress& progress, std::vector<BenchRow>& rows) {
+Status benchOne(const NamedSequence& named, Progress& progress, BenchRows& rows) {
   const Sequence& sequence = named.sequence;
   const auto [low, high] = std::ranges::minmax(sequence.values);
   if (!(high > low)) {
@@ -189,11 +189,10 @@ Status benchOne(const NamedSequence& named, Progress& progress, std::vector<Benc
 
 }  // namespace
 
-Result<std::vector<BenchRow>> benchCodec(const BenchInput& input, Progress& progress) {
-  std::vector<BenchRow> rows;
+Status benchCodec(const BenchInput& input, BenchRows& rows, Progress& progress) {
   VOLUTE_ASSIGN(const auto sequences, benchSequences(input, progress, kSize));
   for (const NamedSequence& named : sequences) VOLUTE_TRY(benchOne(named, progress, rows));
-  return rows;
+  return {};
 }
 
 }  // namespace volute::cli

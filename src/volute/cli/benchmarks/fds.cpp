@@ -157,7 +157,7 @@ double peakMegabytes() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-void addRays(std::vector<BenchRow>& rows, const FdsField& field) {
+void addRays(BenchRows& rows, const FdsField& field) {
   const auto lines = sightLines(field.bounds(), 20000);
   const std::span<const Segment> some(lines.data(), 500);
   std::vector<double> plain(some.size());
@@ -180,30 +180,29 @@ void addRays(std::vector<BenchRow>& rows, const FdsField& field) {
   for (std::size_t i = 0; i < some.size(); ++i)
     worst = std::max(worst, std::abs(depths[i] - plain[i]) / (1 + plain[i]));
   const auto rate = [&](double seconds) { return static_cast<double>(lines.size()) / seconds; };
-  rows.push_back({"rays, plain loop, one core", plainRate, "rays/s", 1.0, {}, "the baseline"});
-  rows.push_back({"rays, one core, one at a time",
-                  rate(oneByOne),
-                  "rays/s",
-                  rate(oneByOne) / plainRate,
-                  {},
-                  {}});
-  rows.push_back({"rays, one core", rate(oneCore), "rays/s", rate(oneCore) / plainRate, {}, {}});
-  rows.push_back({"rays, all cores", rate(allCores), "rays/s", rate(allCores) / plainRate, {}, {}});
-  rows.push_back({"rays with bounds and cover, all cores",
-                  rate(banded),
-                  "rays/s",
-                  rate(banded) / plainRate,
-                  {},
-                  {}});
-  rows.push_back({"largest relative difference", worst, "", std::nullopt, {}, {}});
+  rows.add({"rays, plain loop, one core", plainRate, "rays/s", 1.0, {}, "the baseline"});
+  rows.add({"rays, one core, one at a time",
+            rate(oneByOne),
+            "rays/s",
+            rate(oneByOne) / plainRate,
+            {},
+            {}});
+  rows.add({"rays, one core", rate(oneCore), "rays/s", rate(oneCore) / plainRate, {}, {}});
+  rows.add({"rays, all cores", rate(allCores), "rays/s", rate(allCores) / plainRate, {}, {}});
+  rows.add({"rays with bounds and cover, all cores",
+            rate(banded),
+            "rays/s",
+            rate(banded) / plainRate,
+            {},
+            {}});
+  rows.add({"largest relative difference", worst, "", std::nullopt, {}, {}});
 }
 
 }  // namespace
 
-Result<std::vector<BenchRow>> benchFds(const BenchInput& input, Progress& progress) {
+Status benchFds(const BenchInput& input, BenchRows& rows, Progress& progress) {
   const ScratchFolder folder;
   std::filesystem::path path = input.volume;
-  std::vector<BenchRow> rows;
   const bool made = path.extension() != ".smv";
   if (made) {
     progress.report("writing the case", 0, 1);
@@ -220,17 +219,17 @@ Result<std::vector<BenchRow>> benchFds(const BenchInput& input, Progress& progre
   std::uint64_t cells = 0;
   for (const FdsMesh& mesh : opened.index().meshes) cells += mesh.cellCount();
   const auto seconds = [](auto a, auto b) { return std::chrono::duration<double>(b - a).count(); };
-  rows.push_back({"open",
-                  seconds(begin, indexed),
-                  "s",
-                  std::nullopt,
-                  {},
-                  fmt::format("{} meshes, {} cells", opened.index().meshes.size(), cells)});
-  rows.push_back({"first frame", seconds(indexed, read), "s", std::nullopt, {}, {}});
-  rows.push_back({"peak memory", peakMegabytes(), "MiB", std::nullopt, {}, "of the whole program"});
+  rows.add({"open",
+            seconds(begin, indexed),
+            "s",
+            std::nullopt,
+            {},
+            fmt::format("{} meshes, {} cells", opened.index().meshes.size(), cells)});
+  rows.add({"first frame", seconds(indexed, read), "s", std::nullopt, {}, {}});
+  rows.add({"peak memory", peakMegabytes(), "MiB", std::nullopt, {}, "of the whole program"});
   if (made)
     addRays(rows, field);
-  return rows;
+  return {};
 }
 
 }  // namespace volute::cli

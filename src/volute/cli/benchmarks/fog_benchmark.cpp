@@ -133,14 +133,14 @@ double worstError(const FogMedium& fog, const Valley& valley,
 
 /// What the parts of the benchmark share.
 struct Run {
-  Valley valley;
+  BenchRows& rows;
+  Valley valley{};
   FogProfile slab = *FogProfile::slab(-50, 50);
   std::vector<double> depths = std::vector<double>(valley.segments.size());
-  std::vector<BenchRow> rows;
 
   void add(std::string name, double value, std::string unit,
            std::optional<double> ratio = std::nullopt) {
-    rows.push_back({std::move(name), value, std::move(unit), ratio});
+    rows.add({std::move(name), value, std::move(unit), ratio});
   }
 
   std::function<void()> walk(const FogMedium& fog) {
@@ -418,9 +418,9 @@ void benchPaths(Run& run) {
 
 }  // namespace
 
-Result<std::vector<BenchRow>> benchFog(const BenchInput&, Progress& progress) {
+Status benchFog(const BenchInput&, BenchRows& rows, Progress& progress) {
   const ThreadLimit one(1);
-  Run run;
+  Run run{rows};
   constexpr int kParts = 9;
   int done = 0;
   const auto finished = [&]() -> Status {
@@ -437,7 +437,7 @@ Result<std::vector<BenchRow>> benchFog(const BenchInput&, Progress& progress) {
     part(run);
     VOLUTE_TRY(finished());
   }
-  return run.rows;
+  return {};
 }
 
 }  // namespace volute::cli

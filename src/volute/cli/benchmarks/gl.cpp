@@ -29,19 +29,19 @@ bool isBlack(const GlScene& scene) {
 }
 
 Status measure(const GlCase& one, GlRenderer& renderer, const std::string& device,
-               std::vector<BenchRow>& rows) {
+               BenchRows& rows) {
   Progress quiet;
   RenderOptions options;
   if (isBlack(one.scene(0)))
     options.background = Rgb::Ones();
   const auto image = renderer.render(one.camera(0), one.scene(0), options, quiet);
   if (!image) {
-    rows.push_back({one.name + ": gl",
-                    std::numeric_limits<double>::quiet_NaN(),
-                    "frames/s",
-                    std::nullopt,
-                    {{"device", device}},
-                    image.error().message});
+    rows.add({one.name + ": gl",
+              std::numeric_limits<double>::quiet_NaN(),
+              "frames/s",
+              std::nullopt,
+              {{"device", device}},
+              image.error().message});
     return {};
   }
   const double difference = largestDifference(*image, one.byProcessor(0));
@@ -57,30 +57,29 @@ Status measure(const GlCase& one, GlRenderer& renderer, const std::string& devic
     (void)renderer.takePasses();  // waits for the device
   });
   VOLUTE_TRY(std::move(drawn));
-  rows.push_back({one.name + ": cpu", 1 / cpu, "frames/s", 1.0});
-  rows.push_back({one.name + ": gl", 1 / gl, "frames/s", cpu / gl, {{"device", device}}, device});
-  rows.push_back({one.name + ": |gl - cpu| / maximum", difference, ""});
+  rows.add({one.name + ": cpu", 1 / cpu, "frames/s", 1.0});
+  rows.add({one.name + ": gl", 1 / gl, "frames/s", cpu / gl, {{"device", device}}, device});
+  rows.add({one.name + ": |gl - cpu| / maximum", difference, ""});
   return {};
 }
 
 }  // namespace
 
-Result<std::vector<BenchRow>> benchGl(const BenchInput& input, Progress& progress) {
+Status benchGl(const BenchInput& input, BenchRows& rows, Progress& progress) {
   VOLUTE_ASSIGN(const auto gl, HeadlessGl::create());
   VOLUTE_ASSIGN(auto renderer, GlRenderer::create());
   std::vector<GlCase> cases;
   addHall(input.quick, cases);
   VOLUTE_TRY(addFogTables(input.quick, cases));
   VOLUTE_TRY(addTrees(input, progress, cases));
-  std::vector<BenchRow> rows;
+  std::size_t done = 0;
   for (const GlCase& one : cases) {
-    progress.report("measuring", static_cast<double>(rows.size()) / 3,
-                    static_cast<double>(cases.size()));
+    progress.report("measuring", static_cast<double>(done++), static_cast<double>(cases.size()));
     if (progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped before {}", one.name);
     VOLUTE_TRY(measure(one, renderer, gl.device().renderer, rows));
   }
-  return rows;
+  return {};
 }
 
 }  // namespace volute::cli

@@ -34,7 +34,7 @@ Result<Image> picture(const Tree4d& tree, int frame, const Camera& camera, const
 }
 
 Status benchOne(const std::string& name, const Sequence& sequence, Progress& progress,
-                std::vector<BenchRow>& rows) {
+                BenchRows& rows) {
   SequenceSource source(sequence);
   VOLUTE_ASSIGN(const Tree4d tree, Tree4d::build(source, {.relativeRms = 3e-3}, progress));
   const VolumeInfo& info = tree.info();
@@ -59,24 +59,21 @@ Status benchOne(const std::string& name, const Sequence& sequence, Progress& pro
     int frame = 0;
     const double fast = medianSeconds(
         [&] { (void)picture(tree, frame++ % info.frames, camera, look, Renderer::kCpu); }, 1.0);
-    rows.push_back(
-        {fmt::format("{}: {}, reference", name, look.name), 1 / reference, "frames/s", 1.0});
-    rows.push_back(
-        {fmt::format("{}: {}, cpu", name, look.name), 1 / fast, "frames/s", reference / fast});
-    rows.push_back({fmt::format("{}: {}, |cpu - reference| / maximum", name, look.name),
-                    brightest > 0 ? difference / brightest : 0.0, "", std::nullopt});
+    rows.add({fmt::format("{}: {}, reference", name, look.name), 1 / reference, "frames/s", 1.0});
+    rows.add({fmt::format("{}: {}, cpu", name, look.name), 1 / fast, "frames/s", reference / fast});
+    rows.add({fmt::format("{}: {}, |cpu - reference| / maximum", name, look.name),
+              brightest > 0 ? difference / brightest : 0.0, "", std::nullopt});
   }
   return {};
 }
 
 }  // namespace
 
-Result<std::vector<BenchRow>> benchRender(const BenchInput& input, Progress& progress) {
-  std::vector<BenchRow> rows;
+Status benchRender(const BenchInput& input, BenchRows& rows, Progress& progress) {
   VOLUTE_ASSIGN(const auto sequences, benchSequences(input, progress));
   for (const auto& [name, sequence] : sequences)
     VOLUTE_TRY(benchOne(name, sequence, progress, rows));
-  return rows;
+  return {};
 }
 
 }  // namespace volute::cli

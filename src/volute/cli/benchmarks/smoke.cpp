@@ -180,7 +180,7 @@ class Table {
         stopped_(stopped),
         judgement_(TetMedium(locator, setting.smoke.extinction[0]), setting.view(0, 0, 0)) {}
 
-  Status measure(std::vector<BenchRow>& rows, Progress& progress) {
+  Status measure(BenchRows& rows, Progress& progress) {
     VOLUTE_TRY(judge(rows));
     for (const Mode& mode : kModes) {
       if (progress.cancelled())
@@ -199,7 +199,7 @@ class Table {
           row.note +=
               fmt::format("{}{:.0f} ms of processor time, {} frames", row.note.empty() ? "" : "; ",
                           1e3 * timings[i].processor, timings[i].frames);
-        rows.push_back(std::move(row));
+        rows.add(std::move(row));
       }
     }
     return {};
@@ -219,14 +219,14 @@ class Table {
   }
 
   /// One frame of each, the first: their errors. Drawers that fail or are too slow stop here.
-  Status judge(std::vector<BenchRow>& rows) {
+  Status judge(BenchRows& rows) {
     const double reference = judgement_.secondsPerPixel * setting_.width * setting_.height;
-    rows.push_back({fmt::format("{}: reference, double", setting_.name()),
-                    1e3 * reference,
-                    "ms",
-                    std::nullopt,
-                    {},
-                    fmt::format("of processor time, from {} pixels", Judgement::kPixels)});
+    rows.add({fmt::format("{}: reference, double", setting_.name()),
+              1e3 * reference,
+              "ms",
+              std::nullopt,
+              {},
+              fmt::format("of processor time, from {} pixels", Judgement::kPixels)});
     for (std::size_t i = 0; i < drawers_.size(); ++i) {
       if (!stopped_[i].empty())
         continue;
@@ -248,7 +248,7 @@ class Table {
         if (wall > 4 * kPatience)
           stopped_[i] = fmt::format("one frame took {:.1f} s; no more were drawn", times->wall);
       }
-      rows.push_back(std::move(row));
+      rows.add(std::move(row));
     }
     return {};
   }
@@ -290,7 +290,7 @@ class Table {
 
 }  // namespace
 
-Result<std::vector<BenchRow>> benchSmoke(const BenchInput& input, Progress& progress) {
+Status benchSmoke(const BenchInput& input, BenchRows& rows, Progress& progress) {
   std::vector<SmokeCase> cases;
   if (isMesh(input.volume)) {
     VOLUTE_ASSIGN(cases.emplace_back(), caseOf(input));
@@ -299,14 +299,13 @@ Result<std::vector<BenchRow>> benchSmoke(const BenchInput& input, Progress& prog
     if (!input.quick)
       cases.push_back(madeCase("made hall, fine", 0.18));
   }
-  std::vector<BenchRow> rows;
   for (SmokeCase& smoke : cases) {
     for (auto& field : smoke.extinction) {
       for (float& value : field) value *= kPerGram;
     }
     const auto locator = std::make_shared<const TetLocator>(smoke.mesh);
-    rows.push_back({fmt::format("{}: tetrahedra", smoke.name),
-                    static_cast<double>(smoke.mesh->tets().size()), "", std::nullopt});
+    rows.add({fmt::format("{}: tetrahedra", smoke.name),
+              static_cast<double>(smoke.mesh->tets().size()), "", std::nullopt});
     const auto drawers = smokeDrawers(smoke, locator, input.quick);
     for (const Eye& eye : eyesOf(smoke.mesh->bounds())) {
       std::vector<std::string> stopped(drawers.size());
@@ -320,7 +319,7 @@ Result<std::vector<BenchRow>> benchSmoke(const BenchInput& input, Progress& prog
       }
     }
   }
-  return rows;
+  return {};
 }
 
 }  // namespace volute::cli

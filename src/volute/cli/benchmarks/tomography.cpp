@@ -83,7 +83,7 @@ std::string noteOf(double yardstick) {
 }
 
 Status addQuality(const FilmedScene& scene, const std::string& prefix, const Method& method,
-                  const Yardstick& yardstick, Progress& progress, std::vector<BenchRow>& rows) {
+                  const Yardstick& yardstick, Progress& progress, BenchRows& rows) {
   progress.report(fmt::format("{}: {}", prefix, method.name), 0, 0);
   const auto begin = std::chrono::steady_clock::now();
   VOLUTE_ASSIGN(const Reconstruction done,
@@ -92,21 +92,21 @@ Status addQuality(const FilmedScene& scene, const std::string& prefix, const Met
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const SceneQuality quality = qualityOf(scene, done.volume, method.options.basis);
   const std::string name = fmt::format("{}: {}", prefix, method.name);
-  auto add = [&](std::string_view what, double value, std::string_view unit, double wanted) {
-    rows.push_back({fmt::format("{}, {}", name, what), value, std::string(unit)});
-    rows.back().note = noteOf(wanted);
+  auto add = [&](std::string_view what, double value, std::string_view unit, std::string note) {
+    rows.add({.name = fmt::format("{}, {}", name, what),
+              .value = value,
+              .unit = std::string(unit),
+              .note = std::move(note)});
   };
-  add("other views", quality.psnr, "dB", yardstick.psnr);
-  add("other views", quality.relative, "relative L2", yardstick.relative);
-  add("volume", quality.volume, "relative L2", yardstick.volume);
-  add("time", time, "s", NAN);
-  rows.back().note = fmt::format("({} iterations)", done.iterations);
+  add("other views", quality.psnr, "dB", noteOf(yardstick.psnr));
+  add("other views", quality.relative, "relative L2", noteOf(yardstick.relative));
+  add("volume", quality.volume, "relative L2", noteOf(yardstick.volume));
+  add("time", time, "s", fmt::format("({} iterations)", done.iterations));
   return {};
 }
 
 /// Every method on the pictures as they are.
-Status addMethods(const FilmedScene& scene, bool smoke, Progress& progress,
-                  std::vector<BenchRow>& rows) {
+Status addMethods(const FilmedScene& scene, bool smoke, Progress& progress, BenchRows& rows) {
   for (const Method& method : methods()) {
     const Yardstick& yardstick = smoke ? method.smoke : method.fire;
     VOLUTE_TRY(addQuality(scene, scene.name, method, yardstick, progress, rows));
@@ -116,7 +116,7 @@ Status addMethods(const FilmedScene& scene, bool smoke, Progress& progress,
 
 /// The best of those without a prior and `auto` on the same pictures, spoilt.
 Status addSpoilt(const FilmedScene& scene, const std::string& how, const Yardstick& plain,
-                 const Yardstick& best, Progress& progress, std::vector<BenchRow>& rows) {
+                 const Yardstick& best, Progress& progress, BenchRows& rows) {
   for (const Method& method : methods()) {
     if (isAutomatic(method) || method.name == "APG trilinear, 200, 2x2 rays")
       VOLUTE_TRY(addQuality(scene, fmt::format("{}, {}", scene.name, how), method,
@@ -126,7 +126,7 @@ Status addSpoilt(const FilmedScene& scene, const std::string& how, const Yardsti
 }
 
 Status addNoiseAnd8Bit(const FilmedScene& scene, double sigma, Progress& progress,
-                       std::vector<BenchRow>& rows) {
+                       BenchRows& rows) {
   constexpr double kSaturated = 0.034;
   FilmedScene noisy = scene;
   noisy.addNoise(sigma);
@@ -137,15 +137,14 @@ Status addNoiseAnd8Bit(const FilmedScene& scene, double sigma, Progress& progres
   return addSpoilt(stored, "8-bit sRGB, 3.4 % saturated", {}, {58.3}, progress, rows);
 }
 
-Result<std::vector<BenchRow>> benchMadeUp(Progress& progress) {
-  std::vector<BenchRow> rows;
+Status benchMadeUp(BenchRows& rows, Progress& progress) {
   VOLUTE_ASSIGN(const FilmedScene fire, filmMadeUp(SynthKind::kFire, progress));
   for (int rays : {1, 4}) addProjectorSpeed(fire, rays, rows);
   VOLUTE_TRY(addMethods(fire, false, progress, rows));
   VOLUTE_TRY(addNoiseAnd8Bit(fire, 0.02 * fire.brightest(), progress, rows));
   VOLUTE_ASSIGN(const FilmedScene smoke, filmMadeUp(SynthKind::kSmoke, progress));
   VOLUTE_TRY(addMethods(smoke, true, progress, rows));
-  return rows;
+  return {};
 }
 
 /// Means of `side` x `side` pixels; what is left over at the borders is left out.
@@ -160,7 +159,7 @@ Image blocksOf(const Image& image, int side) {
 
 /// How far the given pictures are from the truth's line integrals. Noise falls with the side of the
 /// blocks; a wrong model of the camera or of the volume does not.
-void addPictures(const FilmedScene& scene, std::vector<BenchRow>& rows) {
+void addPictures(const FilmedScene& scene, BenchRows& rows) {
   std::vector<Image> projected;
   for (const TomographyView& view : scene.views)
     projected.push_back(
@@ -176,16 +175,15 @@ void addPictures(const FilmedScene& scene, std::vector<BenchRow>& rows) {
         light += static_cast<double>(given.pixels[i]) * given.pixels[i];
       }
     }
-    rows.push_back({fmt::format("{}: truth projected, to the pictures in blocks of {} x {}",
-                                scene.name, side, side),
-                    std::sqrt(error / light), "relative L2"});
+    rows.add({fmt::format("{}: truth projected, to the pictures in blocks of {} x {}", scene.name,
+                          side, side),
+              std::sqrt(error / light), "relative L2"});
   }
 }
 
 /// All methods on the first frame, `auto` on the others.
-Result<std::vector<BenchRow>> benchCapture(const BenchInput& input, Progress& progress) {
+Status benchCapture(const BenchInput& input, BenchRows& rows, Progress& progress) {
   constexpr double kNoise = 0.02;
-  std::vector<BenchRow> rows;
   VOLUTE_ASSIGN(const Capture capture, openCapture(input.volume, {}));
   for (const int frame : capture.frames) {
     VOLUTE_ASSIGN(const FilmedScene scene,
@@ -200,20 +198,20 @@ Result<std::vector<BenchRow>> benchCapture(const BenchInput& input, Progress& pr
       VOLUTE_TRY(addQuality(scene, scene.name, method, method.fire, progress, rows));
     }
   }
-  return rows;
+  return {};
 }
 
 }  // namespace
 
-Result<std::vector<BenchRow>> benchTomography(const BenchInput& input, Progress& progress) {
+Status benchTomography(const BenchInput& input, BenchRows& rows, Progress& progress) {
   if (input.volume.empty())
-    return benchMadeUp(progress);
+    return benchMadeUp(rows, progress);
   if (input.truth.empty())
     return fail(ErrorCode::kInvalidArgument,
                 "{}: reconstructions of a capture are compared with its true volume; name it with "
                 "--truth VOLUME",
                 input.volume);
-  return benchCapture(input, progress);
+  return benchCapture(input, rows, progress);
 }
 
 }  // namespace volute::cli

@@ -149,7 +149,7 @@ Timing timeSparse(const Projector& projector, std::span<const TomographyView> vi
 
 }  // namespace
 
-void addProjectorSpeed(const FilmedScene& filmed, int rays, std::vector<BenchRow>& rows) {
+void addProjectorSpeed(const FilmedScene& filmed, int rays, BenchRows& rows) {
   std::vector<std::vector<std::uint8_t>> silhouettes;
   for (const TomographyView& view : filmed.views)
     silhouettes.push_back(dilatedSilhouette(view, {}));
@@ -165,10 +165,10 @@ void addProjectorSpeed(const FilmedScene& filmed, int rays, std::vector<BenchRow
   const std::string prefix =
       fmt::format("speed, {}, {} gradients", rays == 1 ? "1 ray" : "2x2 rays", kIterations);
   auto add = [&](std::string_view what, const Timing& timing) {
-    rows.push_back({fmt::format("{}: {}, set-up", prefix, what), timing.setUp, "s",
-                    timing.setUp / sparse.setUp});
-    rows.push_back({fmt::format("{}: {}, with set-up", prefix, what), timing.total(), "s",
-                    timing.total() / sparse.total()});
+    rows.add({fmt::format("{}: {}, set-up", prefix, what), timing.setUp, "s",
+              timing.setUp / sparse.setUp});
+    rows.add({fmt::format("{}: {}, with set-up", prefix, what), timing.total(), "s",
+              timing.total() / sparse.total()});
   };
   add("sparse matrix (Eigen)", sparse);
   add("weights written down", written);

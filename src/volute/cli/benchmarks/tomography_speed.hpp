@@ -11,6 +11,6 @@ namespace volute::cli {
 
 /// Seconds of 200 products with the projection matrix and its transpose, with all that comes before
 /// them, beside an explicit sparse matrix (Eigen) of the same rows, unknowns and weights.
-void addProjectorSpeed(const FilmedScene& scene, int raysPerPixel, std::vector<BenchRow>& rows);
+void addProjectorSpeed(const FilmedScene& scene, int raysPerPixel, BenchRows& rows);
 
 }  // namespace volute::cli

@@ -143,8 +143,8 @@ struct Names {
   }
 };
 
-Result<std::vector<BenchRow>> measure(const std::string& prefix, const Sequence& sequence,
-                                      Progress& progress) {
+Status measure(const std::string& prefix, const Sequence& sequence, BenchRows& rows,
+               Progress& progress) {
   const VolumeInfo& info = sequence.info;
   const Names name{prefix};
   const auto raw = static_cast<double>(info.rawBytes());
@@ -163,9 +163,8 @@ Result<std::vector<BenchRow>> measure(const std::string& prefix, const Sequence&
   });
   const NanoFrames nano = NanoFrames::make(sequence, nanoTolerance);
 
-  std::vector<BenchRow> rows;
   auto add = [&](std::string row, double value, std::string unit, std::optional<double> ratio) {
-    rows.push_back({std::move(row), value, std::move(unit), ratio});
+    rows.add({std::move(row), value, std::move(unit), ratio});
   };
   const double treeSize = static_cast<double>(tree.memoryBytes()) / raw;
   auto size = [&](std::string_view whose, double bytes) {
@@ -245,7 +244,7 @@ Result<std::vector<BenchRow>> measure(const std::string& prefix, const Sequence&
                         for (int x = 0; x < info.x; ++x) frame[i++] = zfp(Voxel{t, z, y, x});
                   }),
        copying);
-  return rows;
+  return {};
 }
 
 /// The brightest channel of RGB: the peers hold scalars.
@@ -263,14 +262,11 @@ Sequence scalar(Sequence sequence) {
 
 }  // namespace
 
-Result<std::vector<BenchRow>> benchTree(const BenchInput& input, Progress& progress) {
-  std::vector<BenchRow> rows;
+Status benchTree(const BenchInput& input, BenchRows& rows, Progress& progress) {
   VOLUTE_ASSIGN(auto sequences, benchSequences(input, progress));
-  for (auto& [name, sequence] : sequences) {
-    VOLUTE_ASSIGN(auto more, measure(name, scalar(std::move(sequence)), progress));
-    rows.insert(rows.end(), more.begin(), more.end());
-  }
-  return rows;
+  for (auto& [name, sequence] : sequences)
+    VOLUTE_TRY(measure(name, scalar(std::move(sequence)), rows, progress));
+  return {};
 }
 
 }  // namespace volute::cli

@@ -178,7 +178,7 @@ Result<double> agreement(const Scratch& scratch, int times, std::span<const Sigh
 
 }  // namespace
 
-Result<std::vector<BenchRow>> benchVisibility(const BenchInput&, Progress& progress) {
+Status benchVisibility(const BenchInput&, BenchRows& rows, Progress& progress) {
   const Floor floor = makeFloor();
   VOLUTE_ASSIGN(const auto instants, instantsOf(floor));
   const auto signs = threeSigns();
@@ -203,22 +203,23 @@ Result<std::vector<BenchRow>> benchVisibility(const BenchInput&, Progress& progr
   VOLUTE_TRY(
       writeScratch(scratch.path / "loop.py", std::as_bytes(std::span(std::string_view(kNumPy)))));
   const auto plain = runNumPy(scratch, kTimes);
-  std::vector<BenchRow> rows;
-  rows.push_back({fmt::format("{} maps of {} x {} points, 3 signs", kTimes, kNx, kNy), seconds, "s",
-                  plain ? std::optional(*plain / seconds) : std::nullopt});
-  rows.push_back({"the same, along each line anew each time", direct, "s",
-                  plain ? std::optional(*plain / direct) : std::nullopt});
-  rows.push_back(
+  rows.add({fmt::format("{} maps of {} x {} points, 3 signs", kTimes, kNx, kNy), seconds, "s",
+            plain ? std::optional(*plain / seconds) : std::nullopt});
+  rows.add({"the same, along each line anew each time", direct, "s",
+            plain ? std::optional(*plain / direct) : std::nullopt});
+  rows.add(
       {"sight lines, exact through every cell", 1e-6 * lines / seconds, "million/s", std::nullopt});
   if (!plain) {
-    rows.push_back({"the same in NumPy, a loop over rays", std::nan(""), "s", std::nullopt});
-    rows.back().note = "no python3 with numpy here";
-    return rows;
+    rows.add({.name = "the same in NumPy, a loop over rays",
+              .value = std::nan(""),
+              .unit = "s",
+              .note = "no python3 with numpy here"});
+    return {};
   }
-  rows.push_back({"the same in NumPy, a loop over rays", *plain, "s", 1.0});
+  rows.add({"the same in NumPy, a loop over rays", *plain, "s", 1.0});
   VOLUTE_ASSIGN(const double same, agreement(scratch, kTimes, sightings));
-  rows.push_back({"points on which both agree, last map", 100 * same, "%", std::nullopt});
-  return rows;
+  rows.add({"points on which both agree, last map", 100 * same, "%", std::nullopt});
+  return {};
 }
 
 }  // namespace volute::cli

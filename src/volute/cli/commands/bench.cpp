@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "volute/base/parallel.hpp"
 #include "volute/cli/commands/commands.hpp"
@@ -21,24 +22,20 @@ std::string listText() {
   return text;
 }
 
-std::string tableText(const Benchmark& benchmark, const std::vector<BenchRow>& rows) {
-  std::size_t width = 0;
-  for (const BenchRow& row : rows) width = std::max(width, row.name.size());
-  std::string text = fmt::format("{}: {}\n", benchmark.name, benchmark.description);
-  for (const BenchRow& row : rows) {
-    std::string line =
-        fmt::format("  {:<{}}  {:>12} {:<9}{:<8}  {}", row.name, width,
-                    std::isnan(row.value) ? std::string("-") : fmt::format("{:.5g}", row.value),
-                    row.unit, row.ratio ? fmt::format("  {:.3g}x", *row.ratio) : "", row.note);
-    line.erase(line.find_last_not_of(' ') + 1);
-    text += line + '\n';
-  }
-  return text;
+/// A line of the table; names longer than the column push the others aside.
+std::string rowText(const BenchRow& row) {
+  constexpr int kNameWidth = 76;
+  std::string line =
+      fmt::format("  {:<{}}  {:>12} {:<9}{:<8}  {}", row.name, kNameWidth,
+                  std::isnan(row.value) ? std::string("-") : fmt::format("{:.5g}", row.value),
+                  row.unit, row.ratio ? fmt::format("  {:.3g}x", *row.ratio) : "", row.note);
+  line.erase(line.find_last_not_of(' ') + 1);
+  return line + '\n';
 }
 
-nlohmann::ordered_json tableJson(const Benchmark& benchmark, const std::vector<BenchRow>& rows) {
+nlohmann::ordered_json tableJson(const Benchmark& benchmark, const BenchRows& rows) {
   auto list = nlohmann::ordered_json::array();
-  for (const BenchRow& row : rows) {
+  for (const BenchRow& row : rows.all()) {
     list.push_back({{"name", row.name}, {"value", jsonNumber(row.value)}, {"unit", row.unit}});
     list.back()["ratio"] = row.ratio ? jsonNumber(*row.ratio) : nlohmann::ordered_json();
     for (const auto& [key, value] : row.labels) list.back()["labels"][key] = value;
@@ -82,9 +79,15 @@ Status run(const Arguments& arguments, Context& context) {
   for (const Benchmark* benchmark : list) {
     if (context.progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped before {}", benchmark->name);
-    VOLUTE_ASSIGN(const auto rows, benchmark->run(input, context.progress));
     if (!context.json)
-      context.print(tableText(*benchmark, rows));
+      context.print(fmt::format("{}: {}\n", benchmark->name, benchmark->description));
+    BenchRows rows([&](const BenchRow& row) {
+      if (!context.json) {
+        context.print(rowText(row));
+        std::fflush(stdout);
+      }
+    });
+    VOLUTE_TRY(benchmark->run(input, rows, context.progress));
     json["benchmarks"].push_back(tableJson(*benchmark, rows));
   }
   if (context.json)
