@@ -43,28 +43,10 @@ Result<SmokeCase> caseOf(const BenchInput& input) {
   return read;
 }
 
-<<<<<<< HEAD
-
-struct Eye {
-  const char* name;
-  Vec3 eye, target;
-  double fov;
-};
-
-std::vector<Eye> eyesOf(const Box3& box) {
-  const auto at = [&](double x, double y, double z) {
-    return Vec3(box.min + box.size().cwiseProduct(Vec3(x, y, z)));
-=======
-
-bool isMesh(const std::string& file) {
-  return file.ends_with(".vtu") || file.ends_with(".pvd") || isMeshCase(file);
-}
-
 Status measureAll(const SmokeCase& smoke, const std::shared_ptr<const TetLocator>& locator,
                   bool quick, BenchRows& rows, SmokeTargets& targets, Progress& progress) {
   struct Size {
     int width, height;
->>>>>>> smoke
   };
 
   const std::vector<Size> sizes =
