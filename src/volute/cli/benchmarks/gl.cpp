@@ -126,8 +126,12 @@ class GlBench {
                            Size& size) {
     const Size full = size;
     constexpr int kSmallest = 8;
+    constexpr double kCompiling = 6;  // [s], at most
     size = {full.width / kSmallest, full.height / kSmallest};
-    VOLUTE_TRY(draw(one, size, options));  // compiles the shaders
+    const auto first = std::chrono::steady_clock::now();
+    VOLUTE_ASSIGN(auto compiled, draw(one, size, options));
+    if (secondsSince(first) > kCompiling + 2 * seconds)  // not by its pixels
+      return compiled;
     for (int part = kSmallest;; part /= 2) {
       size = {full.width / part, full.height / part};
       const auto begin = std::chrono::steady_clock::now();
