@@ -54,6 +54,17 @@ Status RenderJob::processorMayDraw(const char* what) {
 }
 
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
+  auto image = pictureBy(moment, progress);
+  if (image || !gl || !glIsWish || image.error().code == ErrorCode::kCancelled)
+    return image;
+  progress.remark(
+      fmt::format("the processor draws, since OpenGL does not: {}", image.error().message));
+  gl.reset();
+  smokeMethod = GlSmokeMethod::kAuto;
+  return pictureBy(moment, progress);
+}
+
+Result<Image> RenderJob::pictureBy(const Moment& moment, Progress& progress) {
   glSubject = {.layers = layers,
                .positions = moment.positions,
                .fogs = fogs,

@@ -7,12 +7,14 @@ flat in vec4 across[4];
 flat in vec4 extinctionPerMetre;
 flat in vec4 sharePerMetre;
 flat in int seconds;
+flat in int boundaries;
 
 uniform vec3 rayCorner;    // the ray of image point (0, 0): its direction, or (orthographic) its origin from the eye [m]
 uniform vec3 rayRight;     // and one pixel further
 uniform vec3 rayDown;
 uniform vec3 forward;
 uniform int orthographic;
+uniform float grazing;     // [m]
 uniform int opaqueGiven;
 uniform sampler2D opaque;  // [m] along the ray
 
@@ -30,6 +32,8 @@ void main() {
     precise float from = orthographic != 0 ? across[i].w + dot(across[i].xyz, place) : across[i].w;
     away[i] = from;
     along[i] = rise;
+    // In a plane of the boundary, up to rounding: there is no other tet that could have the ray.
+    if (abs(rise) < 1e-6 && abs(from) < grazing && (boundaries >> i & 1) != 0) continue;
     if (rise > 0.0) begin = max(begin, -from / rise);
     if (rise < 0.0) end = min(end, -from / rise);
     if (rise == 0.0 && (from < 0.0 || (from == 0.0 && (seconds >> i & 1) != 0))) discard;
