@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-#include "volute/render/scaled_medium.hpp"
+#include "volute/cli/gl_drawer.hpp"
 
 namespace volute::cli {
 namespace {
@@ -45,12 +45,68 @@ nlohmann::ordered_json smokeStats(const std::vector<SmokeLayer>& smokes) {
 
 }  // namespace
 
-Status RenderJob::processorMayDraw(const char* what) {
-  const char* cpu = std::getenv("VOLUTE_CPU_RENDERER");
-  if (!cpu || std::string_view(cpu) != "off")
-    return {};
-  return fail(ErrorCode::kUnsupported,
-              "{} is drawn by the processor, which VOLUTE_CPU_RENDERER=off forbids", what);
+Result<Still> RenderJob::stillAt(const Moment& moment, std::vector<VoxelMedium>& volumes) {
+  const double factor = law.factor();
+  Still still;
+  still.law = law;
+  still.lights = lights;
+  still.signs = signs;
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    VOLUTE_ASSIGN(auto volume, layers[i].mediumAt(moment.positions[i], factor));
+    still.media.push_back(layers[i].placed(volume));
+    volumes.push_back(std::move(volume));
+  }
+  for (BillboardLayer& board : billboards) {
+    VOLUTE_ASSIGN(auto medium, mediumOf(board, moment.time));
+    still.viewed.push_back(std::move(medium));
+  }
+  for (const FdsLayer& fds : fdsCases) {
+    if (gl)
+      break;  // it has its own
+    VOLUTE_ASSIGN(auto medium, fds.mediumAt(moment.time));
+    still.media.push_back(seenBy(law, std::move(medium)));
+    VOLUTE_ASSIGN(auto flame, fds.flameAt(moment.time));
+    if (flame)
+      still.media.push_back(std::move(*flame));
+  }
+  VOLUTE_TRY(placeBuildings(moment.time));
+  still.geometry = geometry;
+  for (const FogLayer& fog : fogs) {
+    still.viewed.push_back(
+        [&fog, time = moment.time, this](const Camera& eye) -> Result<AnyMedium> {
+          VOLUTE_ASSIGN(auto medium, fog.mediumAt(time, eye));
+          return seenBy(law, std::move(medium));
+        });
+  }
+  for (SmokeLayer& smoke : smokes) {
+    VOLUTE_ASSIGN(auto state, smoke.at(moment.time));
+    still.smokes.push_back(std::move(state));
+    still.walls.push_back(smoke.description().walls);
+  }
+  return still;
+}
+
+Result<Image> RenderJob::pictureOf(const Still& still, const Moment& moment, Progress& progress,
+                                   StillCounts& counts) {
+  if (contour) {
+    VOLUTE_TRY(processorMayDraw("a slice or an isosurface"));
+    return lookAtContour(camera, still.smokes, *contour);
+  }
+  if (gl) {
+    GlDrawer drawer(*gl, {.layers = layers,
+                          .positions = moment.positions,
+                          .fogs = fogs,
+                          .time = moment.time,
+                          .smokes = still.smokes,
+                          .factor = law.factor(),
+                          .billboards = billboards,
+                          .fdsCases = fdsCases,
+                          .geometry = fixedGeometry ? *fixedGeometry : geometry,
+                          .smokeMethod = smokeMethod});
+    return still.picture(camera, options, drawer, progress, &counts);
+  }
+  VOLUTE_TRY(processorMayDraw("this picture"));
+  return still.picture(camera, options, drawer, progress, &counts);
 }
 
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
@@ -65,63 +121,24 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
 }
 
 Result<Image> RenderJob::pictureBy(const Moment& moment, Progress& progress) {
-  glSubject = {.layers = layers,
-               .positions = moment.positions,
-               .fogs = fogs,
-               .time = moment.time,
-               .factor = law.factor(),
-               .billboards = billboards,
-               .fdsCases = fdsCases,
-               .smokeMethod = smokeMethod};
   std::vector<VoxelMedium> volumes;
-  std::vector<AnyMedium> media;
-  const double factor = law.factor();
-  {
+  Result<Still> still = [&] {
     const Stopwatch watch(totals.slices);
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-      VOLUTE_ASSIGN(auto volume, layers[i].mediumAt(moment.positions[i], factor));
-      media.push_back(layers[i].placed(volume));
-      volumes.push_back(std::move(volume));
-    }
-    if (!gl)
-      VOLUTE_TRY(addBillboards(moment.time, media, progress));
-    for (const FdsLayer& fds : fdsCases) {
-      if (gl)
-        break;  // it has its own
-      VOLUTE_ASSIGN(auto medium, fds.mediumAt(moment.time));
-      media.push_back(factor == 1 ? std::move(medium)
-                                  : AnyMedium(ScaledMedium(std::move(medium), factor)));
-      VOLUTE_ASSIGN(auto flame, fds.flameAt(moment.time));
-      if (flame)
-        media.push_back(std::move(*flame));
-    }
-    VOLUTE_TRY(placeBuildings(moment.time));
-    glSubject.geometry = fixedGeometry ? *fixedGeometry : geometry;  // fog knows no buildings
-    for (const FogLayer& fog : fogs) {
-      if (gl)
-        break;  // it has its own
-      VOLUTE_ASSIGN(auto medium, fog.mediumAt(moment.time, camera));
-      media.push_back(factor == 1 ? std::move(medium)
-                                  : AnyMedium(ScaledMedium(std::move(medium), factor)));
-    }
-  }
-  RenderStats found;
-  const bool plain = smokes.empty() && signs.empty() && geometry.empty();
-  const double begun = totals.slices;
-  Result<Image> image = [&]() -> Result<Image> {
+    return stillAt(moment, volumes);
+  }();
+  VOLUTE_TRY(still);
+  StillCounts counts;
+  Result<Image> image = [&] {
     const Stopwatch watch(totals.render);
-    if (plain && gl)
-      return gl->picture(camera, glSubject, options, progress, found);
-    if (!gl)
-      VOLUTE_TRY(processorMayDraw("this picture"));
-    return plain ? render(camera, media, options, progress, &found)
-                 : pictureWithSmoke(moment.time, media, progress, found);
+    return pictureOf(*still, moment, progress, counts);
   }();
   VOLUTE_TRY(image);
-  totals.render -= totals.slices - begun;  // steps are read meanwhile
-  totals.rays += found.rays;
-  totals.segments += found.segments;
-  totals.pieces += found.pieces;
+  totals.surfaces += counts.surfaceMilliseconds;
+  totals.surfacePixels += counts.surfacePixels;
+  totals.shadowRays += counts.shadowRays;
+  totals.rays += counts.render.rays;
+  totals.segments += counts.render.segments;
+  totals.pieces += counts.render.pieces;
   for (const VoxelMedium& volume : volumes) {
     const MarchCounts counts = volume.counts();
     totals.voxels += counts.voxels;

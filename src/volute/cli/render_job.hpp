@@ -16,8 +16,7 @@
 #include "volute/scene/scene_geometry.hpp"
 #include "volute/scene/scene_signs.hpp"
 #include "volute/scene/smoke_contour.hpp"
-#include "volute/scene/smoke_picture.hpp"
-#include "volute/scene/smoke_walls.hpp"
+#include "volute/scene/still.hpp"
 #include "volute/scene/volume_layer.hpp"
 
 namespace volute::cli {
@@ -51,11 +50,10 @@ struct RenderJob {
   std::shared_ptr<GlPictures> gl{};  ///< takes the pictures when it is not null
   bool glIsWish = false;             ///< the processor takes them, with a remark, where `gl` cannot
   GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
-  GlSubject glSubject{};  ///< of the picture that is being taken
   std::vector<SmokeLayer> smokes{};
   std::vector<Sign> signs{};
   PictureLaw law{};
-  SmokePictures smokePictures{};
+  ProcessorDrawer drawer{};
   SceneLights lights{};
   TriangleScene geometry{};
   std::vector<BillboardLayer> billboards{};
@@ -78,34 +76,17 @@ struct RenderJob {
   /// What --stats writes.
   nlohmann::ordered_json stats() const;
 
-  /// With smoke, surfaces or signs; `others` are media as the law sees them.
-  [[nodiscard]] Result<Image> pictureWithSmoke(double time, std::span<const AnyMedium> others,
-                                               Progress& progress, RenderStats& found);
+  /// All that pictures of a moment need; `volumes` are those of `layers` in it.
+  [[nodiscard]] Result<Still> stillAt(const Moment& moment, std::vector<VoxelMedium>& volumes);
 
-  /// The integral of all extinctions up to the surfaces, natural logarithm, whatever the law.
-  [[nodiscard]] Result<Image> depthOf(const SmokeScene& scene, Progress& progress,
-                                      RenderStats& found);
-
-  /// kUnsupported where VOLUTE_CPU_RENDERER=off forbids the processor to draw: tests set it to see
-  /// that all was drawn by OpenGL.
-  [[nodiscard]] static Status processorMayDraw(const char* what);
-
-  /// The pixels of signs, and what is seen of them added to the picture.
-  [[nodiscard]] Result<std::vector<SignPixel>> findSigns(std::span<const float> opaqueDepth);
-  [[nodiscard]] Status showSigns(std::span<const SignPixel> seen, const SmokeScene& scene,
-                                 Progress& progress, Image& image);
+  [[nodiscard]] Result<Image> pictureOf(const Still& still, const Moment& moment,
+                                        Progress& progress, StillCounts& counts);
 
   /// `geometry` becomes the scene's and all that is opaque in the FDS cases at a time.
   [[nodiscard]] Status placeBuildings(double time);
 
-  /// The geometry, lit through the media; `others` as above.
-  [[nodiscard]] Result<SurfaceView> viewOfGeometry(std::span<const AnyMedium> others,
-                                                   std::span<const SmokeState> states,
-                                                   Progress& progress);
-
-  /// The billboards as media, drawn for this camera.
-  [[nodiscard]] Status addBillboards(double time, std::vector<AnyMedium>& media,
-                                     Progress& progress);
+  /// A billboard, to be drawn for each camera.
+  [[nodiscard]] Result<MediumForCamera> mediumOf(BillboardLayer& board, double time) const;
 };
 
 }  // namespace volute::cli

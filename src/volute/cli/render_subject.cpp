@@ -35,25 +35,6 @@ Result<RenderSubject> openVolumeSubject(const std::string& path, const Arguments
   return subject;
 }
 
-/// Where light that was computed is kept; nothing when it is not to be, or cannot.
-Result<std::optional<LightCache>> lightCache(const Arguments& arguments, Context& context) {
-  const auto limit = arguments.get<Bytes>("cache-size").count;
-  const auto folder = arguments.find<std::string>("cache");
-  if (limit == 0 || folder == "none")
-    return std::nullopt;
-  if (folder) {
-    VOLUTE_ASSIGN(auto cache, LightCache::open(*folder, limit));
-    return cache;
-  }
-  if (LightCache::usualFolder().empty())
-    return std::nullopt;
-  auto cache = LightCache::open(LightCache::usualFolder(), limit);
-  if (cache)
-    return std::optional(std::move(*cache));
-  context.progress.remark("light is not kept: " + cache.error().message);
-  return std::nullopt;
-}
-
 Result<std::shared_ptr<const SmokeLighting>> smokeLighting(const SceneLights& lights,
                                                            const TriangleScene& geometry,
                                                            const Arguments& arguments,

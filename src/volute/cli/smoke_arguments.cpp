@@ -161,4 +161,36 @@ Result<SmokeDescription> smokeOf(const std::string& file, const Arguments& argum
   return fail(ErrorCode::kInvalidArgument, "--{}: {}", option, taken.error().message);
 }
 
+std::vector<Option> lightCacheOptions() {
+  using enum ValueKind;
+  return {{.name = "cache",
+           .kind = kFile,
+           .value = "DIR",
+           .help = "where the light of lamps in smoke is kept, or none; else volute/light in the "
+                   "user's cache folder"},
+          {.name = "cache-size",
+           .kind = kBytes,
+           .value = "BYTES",
+           .help = "what it may take there",
+           .initial = "1G"}};
+}
+
+Result<std::optional<LightCache>> lightCache(const Arguments& arguments, Context& context) {
+  const auto limit = arguments.get<Bytes>("cache-size").count;
+  const auto folder = arguments.find<std::string>("cache");
+  if (limit == 0 || folder == "none")
+    return std::nullopt;
+  if (folder) {
+    VOLUTE_ASSIGN(auto cache, LightCache::open(*folder, limit));
+    return cache;
+  }
+  if (LightCache::usualFolder().empty())
+    return std::nullopt;
+  auto cache = LightCache::open(LightCache::usualFolder(), limit);
+  if (cache)
+    return std::optional(std::move(*cache));
+  context.progress.remark("light is not kept: " + cache.error().message);
+  return std::nullopt;
+}
+
 }  // namespace volute::cli

@@ -11,12 +11,12 @@ using namespace gltest;
 
 namespace {
 
-/// The plane x = 0.2 - 0.35 (y - 3) up to z = 1.8, cut off where y > 3.6.
+/// The plane x = 0.5 - 0.35 (y - 3) up to z = 2.6, cut off where y > 3.6.
 double wallAlong(const Segment& ray) {
   const Vec3 normal(1, 0.35, 0);
-  const double s = (0.2 + 0.35 * 3 - normal.dot(ray.origin)) / normal.dot(ray.direction);
+  const double s = (0.5 + 0.35 * 3 - normal.dot(ray.origin)) / normal.dot(ray.direction);
   const Vec3 at = ray.at(s);
-  const bool met = s > 0 && at.z() < 1.8 && at.y() < 3.6;
+  const bool met = s > 0 && at.z() < 2.6 && at.y() < 3.6;
   return met ? s : std::numeric_limits<double>::infinity();
 }
 
@@ -78,11 +78,11 @@ bool within(const Box3& inner, const Box3& outer) {
 
 /// Four from outside of everything, four among the media: in the fire, the fog, the smoke alone,
 /// and close to the wall.
-const Vec3 kEyes[] = {{-8, -3, 3},      {9, 1, 4},      {0, 14, 6},      {1, -6, 0.4},
-                      {0.05, 2.9, 1.9}, {-2, 3.4, 1.5}, {3.1, 7.2, 4.4}, {0.35, 2.6, 1.2}};
+const Vec3 kEyes[] = {{-8, -3, 3},        {9, 1, 4},      {0, 14, 6},      {1, -6, 0.4},
+                      {-0.45, 2.85, 1.2}, {-2, 3.4, 1.5}, {3.1, 7.2, 4.4}, {0.55, 2.6, 1.2}};
 
 Camera from(const Vec3& eye) {
-  const Vec3 target = (eye - Vec3(0, 3, 1.5)).norm() > 0.8 ? Vec3(0, 3, 1.5) : Vec3(-1, 4, 1);
+  const Vec3 target = (eye - Vec3(0, 3, 1.5)).norm() > 0.8 ? Vec3(0, 3, 1.5) : Vec3(0.6, 3, 2);
   return Camera::pinhole({eye, target}, 55, kWidth, kHeight);
 }
 
@@ -106,7 +106,7 @@ TEST_F(GlOverlapTest, TheSceneIsWhatItsNameSays) {
       for (int k = 0; k < 3 && s < 1e9; ++k) met[k] += all[k].extinction(ray.at(s)) > 0;
     }
   }
-  for (const int pixels : met) EXPECT_GT(pixels, 100);
+  for (const int pixels : met) EXPECT_GT(pixels, 50);
   const auto [darkest, brightest] = std::ranges::minmax(smoke_.source);
   EXPECT_GT(brightest, 2 * darkest) << "the lamp does not show";
 }

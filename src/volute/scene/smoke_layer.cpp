@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/base/assert.hpp"
 #include "volute/base/stopwatch.hpp"
 
 namespace volute {
@@ -26,31 +27,49 @@ Result<SmokeLayer> SmokeLayer::open(const SmokeDescription& description,
                                     Reading& reading) {
   MeshOptions options{description.field, description.negatives, reading.maxMemory};
   VOLUTE_ASSIGN(auto source, MeshSource::open(description.file, options));
-  SmokeLayer layer(description, std::move(source));
+  auto files = std::make_shared<Files>(Files{std::move(source)});
   if (!description.densityField.empty()) {
     options.field = description.densityField;
-    VOLUTE_ASSIGN(layer.densitySource_, MeshSource::open(description.file, options));
+    VOLUTE_ASSIGN(files->densitySource, MeshSource::open(description.file, options));
   }
+  SmokeLayer layer(description, std::move(files));
   layer.lighting_ = std::move(lighting);
   layer.progress_ = &reading.progress;
   VOLUTE_ASSIGN(const auto first, layer.step(0));
-  layer.bounds_ = first->mesh->bounds();
+  layer.bounds_ = first->stored->frame.mesh->bounds();
+  return layer;
+}
+
+bool SmokeLayer::readsTheSame(const SmokeDescription& a, const SmokeDescription& b) {
+  return a.file == b.file && a.field == b.field && a.densityField == b.densityField &&
+         a.negatives == b.negatives;
+}
+
+Result<SmokeLayer> SmokeLayer::with(const SmokeDescription& description,
+                                    std::shared_ptr<const SmokeLighting> lighting,
+                                    Reading& reading) const {
+  VOLUTE_ASSERT(readsTheSame(description_, description));
+  SmokeLayer layer(description, files_);
+  layer.lighting_ = std::move(lighting);
+  layer.progress_ = &reading.progress;
+  layer.bounds_ = bounds_;
+  layer.fillsCache_ = false;
+  for (const auto& stored : files_->steps) {
+    VOLUTE_ASSIGN(const auto extinction, layer.extinctionOf(*stored));
+    layer.remarkOn(*stored, extinction);
+  }
   return layer;
 }
 
 double SmokeLayer::timeOf(int step) const {
   const Clock& clock = description_.clock;
-  return (source_.times()[static_cast<std::size_t>(step)] - clock.offset) / clock.rate;
+  return (files_->source.times()[static_cast<std::size_t>(step)] - clock.offset) / clock.rate;
 }
 
-Result<std::vector<float>> SmokeLayer::extinctionOf(const MeshFrame& frame, std::size_t index) {
-  std::vector<float> gas;
-  if (densitySource_) {
-    VOLUTE_ASSIGN(auto density, densitySource_->read(index));
-    gas = std::move(density.values);
-  }
+Result<std::vector<float>> SmokeLayer::extinctionOf(const Stored& stored) const {
+  const MeshFrame& frame = stored.frame;
   std::vector<float> extinction(frame.values.size());
-  description_.model.extinction(frame.values, gas, extinction);
+  description_.model.extinction(frame.values, stored.gas, extinction);
   const auto endless = std::ranges::find_if(extinction, [](float k) { return !std::isfinite(k); });
   if (endless == extinction.end())
     return extinction;
@@ -64,7 +83,7 @@ Result<std::vector<float>> SmokeLayer::extinctionOf(const MeshFrame& frame, std:
 }
 
 /// What the choice of quantity and unit comes to, at the first step with smoke.
-void SmokeLayer::remarkOn(const MeshFrame& frame, std::span<const float> extinction) {
+void SmokeLayer::remarkOn(const Stored& stored, std::span<const float> extinction) {
   const double most = *std::ranges::max_element(extinction);
   if (remarked_ || !(most > 0))
     return;
@@ -74,8 +93,8 @@ void SmokeLayer::remarkOn(const MeshFrame& frame, std::span<const float> extinct
   progress_->remark(fmt::format(
       "{}: field '{}' as {}: extinction up to {:.3g}/m, visibility from {:.3g} m (C = {:g}), soot "
       "up to {:.2g} kg/m3",
-      description_.file, frame.field, nameOf(model.quantity), most, description_.law.c / most,
-      description_.law.c, soot));
+      description_.file, stored.frame.field, nameOf(model.quantity), most,
+      description_.law.c / most, description_.law.c, soot));
   if (soot > kMuchSoot) {
     progress_->remark(fmt::format(
         "that is much for soot (fires in rooms: 1e-6 to 1e-3 kg/m3); check the quantity and the "
@@ -83,76 +102,100 @@ void SmokeLayer::remarkOn(const MeshFrame& frame, std::span<const float> extinct
   }
 }
 
-Result<SmokeLayer::Step> SmokeLayer::readStep(std::size_t index) {
-  VOLUTE_ASSIGN(const auto frame, source_.read(index));
-  Step step;
-  step.index = index;
-  step.mesh = frame.mesh;
-  VOLUTE_ASSIGN(step.extinction, extinctionOf(frame, index));
-  for (const auto& kept : steps_) {
-    if (kept->mesh == frame.mesh)
-      step.paths = kept->paths;
+Result<std::shared_ptr<const SmokeLayer::Stored>> SmokeLayer::readStep(std::size_t index) {
+  std::vector<std::shared_ptr<const Stored>>& held = files_->steps;
+  for (const auto& stored : held) {
+    if (stored->index == index)
+      return stored;
   }
-  if (!step.paths)
-    step.paths = std::make_shared<const LampPaths>(std::make_shared<const TetLocator>(frame.mesh));
-  remarkOn(frame, step.extinction);
+  auto stored = std::make_shared<Stored>();
+  stored->index = index;
+  VOLUTE_ASSIGN(stored->frame, files_->source.read(index));
+  const MeshFrame& frame = stored->frame;
+  if (files_->densitySource) {
+    VOLUTE_ASSIGN(auto density, files_->densitySource->read(index));
+    stored->gas = std::move(density.values);
+  }
+  for (const auto& other : held) {
+    if (other->frame.mesh == frame.mesh)
+      stored->paths = other->paths, stored->meshHash = other->meshHash;
+  }
+  if (!stored->paths) {
+    stored->paths =
+        std::make_shared<const LampPaths>(std::make_shared<const TetLocator>(frame.mesh));
+    constexpr double kVersion = 1;  // of LampPaths: another one, other light
+    stored->meshHash.add(kVersion);
+    static_assert(sizeof(Vec3) == 3 * sizeof(double));
+    stored->meshHash.add(frame.mesh->vertices());
+    stored->meshHash.add(frame.mesh->tets());
+  }
   if (frame.clamped > 0) {
     progress_->remark(fmt::format("{}: step {}: {} negative values taken as 0", description_.file,
                                   index, frame.clamped));
   }
   counts_.clamped += frame.clamped;
   ++counts_.stepsRead;
-  light(step);
-  return step;
+  if (held.size() == 2)
+    held.erase(held.begin());
+  held.push_back(stored);
+  return stored;
 }
 
 std::string SmokeLayer::lightKey(const Step& step, const Lamp& lamp) const {
-  constexpr double kVersion = 1;  // of LampPaths: another one, other light
-  ContentHash hash;
-  hash.add(kVersion);
-  static_assert(sizeof(Vec3) == 3 * sizeof(double));
-  hash.add(step.mesh->vertices());
-  hash.add(step.mesh->tets());
+  ContentHash hash = step.stored->meshHash;
   hash.add(std::span<const float>(step.extinction));
   lamp.addTo(hash);
   hash.add(std::span<const char>(lighting_->blocksKey));
   return hash.digits();
 }
 
+std::vector<float> SmokeLayer::lightOf(const Step& step, const Lamp& lamp) {
+  const std::optional<LightCache>& cache = lighting_->cache;
+  LightMemory* const memory = lighting_->memory.get();
+  const std::string key = cache || memory ? lightKey(step, lamp) : "";
+  std::optional<std::vector<float>> kept;
+  if (memory)
+    kept = memory->find(key);
+  if (!kept && cache)
+    kept = cache->find(key, step.extinction.size());
+  if (kept) {
+    ++counts_.lightsReused;
+  } else {
+    kept = step.stored->paths->shares(step.extinction, lamp, lighting_->blocks);
+    ++counts_.lightsComputed;
+    if (cache && fillsCache_) {
+      if (const auto stored = cache->store(key, *kept); !stored)
+        progress_->remark("light is not kept: " + stored.error().message);
+    }
+  }
+  if (memory)
+    memory->store(key, *kept);
+  return std::move(*kept);
+}
+
 void SmokeLayer::light(Step& step) {
   const Stopwatch watch(counts_.lightMilliseconds);
-  for (const Lamp& lamp : lighting_->lights.lamps) {
-    const std::string key = lighting_->cache ? lightKey(step, lamp) : "";
-    if (lighting_->cache) {
-      if (auto kept = lighting_->cache->find(key, step.extinction.size())) {
-        ++counts_.lightsReused;
-        step.lampShares.push_back(std::move(*kept));
-        continue;
-      }
-    }
-    step.lampShares.push_back(step.paths->shares(step.extinction, lamp, lighting_->blocks));
-    ++counts_.lightsComputed;
-    if (!lighting_->cache)
-      continue;
-    if (const auto stored = lighting_->cache->store(key, step.lampShares.back()); !stored)
-      progress_->remark("light is not kept: " + stored.error().message);
-  }
+  for (const Lamp& lamp : lighting_->lights.lamps) step.lampShares.push_back(lightOf(step, lamp));
 }
 
 Result<std::shared_ptr<const SmokeLayer::Step>> SmokeLayer::step(std::size_t index) {
   for (const auto& kept : steps_) {
-    if (kept->index == index)
+    if (kept->stored->index == index)
       return kept;
   }
-  VOLUTE_ASSIGN(auto read, readStep(index));
+  Step made;
+  VOLUTE_ASSIGN(made.stored, readStep(index));
+  VOLUTE_ASSIGN(made.extinction, extinctionOf(*made.stored));
+  remarkOn(*made.stored, made.extinction);
+  light(made);
   if (steps_.size() == 2)
     steps_.erase(steps_.begin());
-  steps_.push_back(std::make_shared<const Step>(std::move(read)));
+  steps_.push_back(std::make_shared<const Step>(std::move(made)));
   return steps_.back();
 }
 
 Result<SmokeState> SmokeLayer::at(double time) {
-  const auto times = source_.times();
+  const auto times = files_->source.times();
   const Clock& clock = description_.clock;
   double local = clock.offset + clock.rate * time;
   if (clock.loop && times.size() > 1) {
@@ -163,10 +206,10 @@ Result<SmokeState> SmokeLayer::at(double time) {
   const std::size_t after = static_cast<std::size_t>(next - times.begin());
   const std::size_t before = after == 0 ? 0 : after - 1;
   VOLUTE_ASSIGN(const auto from, step(before));
-  SmokeState state{from->paths->locator(), from->extinction, {}, from->lampShares};
+  SmokeState state{from->stored->paths->locator(), from->extinction, {}, from->lampShares};
   if (after > 0 && after < times.size() && local > times[before]) {
     VOLUTE_ASSIGN(const auto to, step(after));
-    if (to->mesh == from->mesh) {
+    if (to->stored->frame.mesh == from->stored->frame.mesh) {
       const double share = (local - times[before]) / (times[after] - times[before]);
       state.extinction = between(from->extinction, to->extinction, share);
       for (std::size_t l = 0; l < state.lampShares.size(); ++l)

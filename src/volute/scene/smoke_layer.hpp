@@ -9,6 +9,7 @@
 
 #include "volute/io/mesh_source.hpp"
 #include "volute/lighting/light_cache.hpp"
+#include "volute/lighting/light_memory.hpp"
 #include "volute/lighting/vertex_light.hpp"
 #include "volute/scene/reading.hpp"
 #include "volute/scene/scene_lights.hpp"
@@ -28,8 +29,9 @@ struct SmokeState {
 struct SmokeLighting {
   SceneLights lights;
   std::optional<LightCache> cache;
-  Blocks blocks;          ///< other opaque things; may be empty
-  std::string blocksKey;  ///< stands for them in the cache
+  Blocks blocks;                          ///< other opaque things; may be empty
+  std::string blocksKey;                  ///< stands for them in the cache
+  std::shared_ptr<LightMemory> memory{};  ///< asked before the cache; may be null
 };
 
 /// What was done, summed over all pictures.
@@ -41,13 +43,24 @@ struct SmokeCounts {
   double lightMilliseconds = 0;
 };
 
-/// A case of smoke that is shown: gives the smoke at any time. Holds two steps of it at most.
+/// A case of smoke that is shown: gives the smoke at any time. Holds two steps of it at most, what
+/// its files say of them and what a description and lamps make of that.
 class SmokeLayer {
  public:
   /// Reads the first step.
   [[nodiscard]] static Result<SmokeLayer> open(const SmokeDescription& description,
                                                std::shared_ptr<const SmokeLighting> lighting,
                                                Reading& reading);
+
+  /// Whether the same is read from the same files under both descriptions.
+  static bool readsTheSame(const SmokeDescription& a, const SmokeDescription& b);
+
+  /// This case under another description, which readsTheSame(), and another light: what was read is
+  /// shared, so that only one of the two may be used from then on. Its light is looked for in the
+  /// cache but not added to it: a person who tries values leaves too many behind.
+  [[nodiscard]] Result<SmokeLayer> with(const SmokeDescription& description,
+                                        std::shared_ptr<const SmokeLighting> lighting,
+                                        Reading& reading) const;
 
   const SmokeDescription& description() const { return description_; }
 
@@ -58,7 +71,7 @@ class SmokeLayer {
 
   const Box3& bounds() const { return bounds_; }
 
-  int steps() const { return static_cast<int>(source_.times().size()); }
+  int steps() const { return static_cast<int>(files_->source.times().size()); }
 
   /// When a step is shown as it is, in the scene's time [s].
   double timeOf(int step) const;
@@ -74,33 +87,49 @@ class SmokeLayer {
   const SmokeCounts& counts() const { return counts_; }
 
  private:
-  struct Step {
+  /// What the files say of a step.
+  struct Stored {
     std::size_t index = 0;
     std::shared_ptr<const LampPaths> paths;
-    std::shared_ptr<const TetMesh> mesh;
+    ContentHash meshHash;  ///< of what the light's key begins with
+    MeshFrame frame;
+    std::vector<float> gas;  ///< its density; empty: not asked for
+  };
+
+  /// The files, and the last two steps of them.
+  struct Files {
+    MeshSource source;
+    std::optional<MeshSource> densitySource{};
+    std::vector<std::shared_ptr<const Stored>> steps{};
+  };
+
+  /// What is made of a step that was read.
+  struct Step {
+    std::shared_ptr<const Stored> stored;
     std::vector<float> extinction;
     std::vector<std::vector<float>> lampShares;
   };
 
-  SmokeLayer(SmokeDescription description, MeshSource source)
-      : description_(std::move(description)), source_(std::move(source)) {}
+  SmokeLayer(SmokeDescription description, std::shared_ptr<Files> files)
+      : description_(std::move(description)), files_(std::move(files)) {}
 
   [[nodiscard]] Result<std::shared_ptr<const Step>> step(std::size_t index);
-  [[nodiscard]] Result<Step> readStep(std::size_t index);
-  [[nodiscard]] Result<std::vector<float>> extinctionOf(const MeshFrame& frame, std::size_t index);
+  [[nodiscard]] Result<std::shared_ptr<const Stored>> readStep(std::size_t index);
+  [[nodiscard]] Result<std::vector<float>> extinctionOf(const Stored& stored) const;
   void light(Step& step);
+  std::vector<float> lightOf(const Step& step, const Lamp& lamp);
   std::string lightKey(const Step& step, const Lamp& lamp) const;
-  void remarkOn(const MeshFrame& frame, std::span<const float> extinction);
+  void remarkOn(const Stored& stored, std::span<const float> extinction);
 
   SmokeDescription description_;
-  MeshSource source_;
-  std::optional<MeshSource> densitySource_;
+  std::shared_ptr<Files> files_;
   std::shared_ptr<const SmokeLighting> lighting_;
   Box3 bounds_;
   Progress* progress_ = nullptr;
   std::vector<std::shared_ptr<const Step>> steps_;  ///< the last two
   SmokeCounts counts_;
   bool remarked_ = false;
+  bool fillsCache_ = true;
 };
 
 }  // namespace volute

@@ -11,7 +11,7 @@
 namespace volute {
 namespace {
 
-constexpr double kRate = 25;  ///< frames a second
+constexpr double kRate = 25;           ///< frames a second
 constexpr double kScreenShare = 0.12;  ///< of the distance from the cameras to the volume
 constexpr int kMostPixels = 512;       ///< across a screen; larger pictures are thinned out
 
@@ -25,8 +25,8 @@ std::shared_ptr<const Image> thinned(const Image& picture) {
   for (int y = 0; y < small->height; ++y) {
     for (int x = 0; x < small->width; ++x) {
       for (int c = 0; c < 3; ++c)
-        small->at(x, y, c) = std::max(
-            0.0F, picture.at(x * step, y * step, std::min(c, picture.channels - 1)));
+        small->at(x, y, c) =
+            std::max(0.0F, picture.at(x * step, y * step, std::min(c, picture.channels - 1)));
     }
   }
   return small;
@@ -35,9 +35,9 @@ std::shared_ptr<const Image> thinned(const Image& picture) {
 /// Where a camera's corner ray is at this depth; the lens is left out.
 Vec3 cornerAt(const Camera& camera, double x, double y, double depth) {
   const Vec2& middle = camera.principalPoint();
-  return camera.eye() + depth * (camera.forward() +
-                                 (x - middle.x()) * camera.pixelWidth() * camera.right() +
-                                 (y - middle.y()) * camera.pixelSize() * camera.down());
+  return camera.eye() +
+         depth * (camera.forward() + (x - middle.x()) * camera.pixelWidth() * camera.right() +
+                  (y - middle.y()) * camera.pixelSize() * camera.down());
 }
 
 }  // namespace
@@ -93,9 +93,9 @@ std::vector<ViewStation> CaptureDocument::stations() const {
     const double fov = 2 * std::atan(1.02 * half) * 180 / std::numbers::pi;
     const Vec3 centre = capture_.volume.bounds.centre();
     const double distance = std::max((centre - camera.eye()).dot(camera.forward()), 2 * screen_);
-    stations.push_back({held.name,
-                        {camera.eye(), camera.eye() + distance * camera.forward(),
-                         Vec3::UnitZ(), fov}});
+    stations.push_back(
+        {held.name,
+         {camera.eye(), camera.eye() + distance * camera.forward(), Vec3::UnitZ(), fov}});
   }
   return stations;
 }
@@ -130,7 +130,7 @@ void CaptureDocument::addFrustum(const CaptureCamera& held, std::vector<ViewLine
   }
 }
 
-Result<ViewScene> CaptureDocument::sceneAt(double time, bool, Progress& progress) {
+Result<ViewScene> CaptureDocument::sceneAt(const SceneWish& wish, Progress& progress) {
   ViewScene scene;
   const Box3& box = capture_.volume.bounds;
   for (int i = 0; i < 8; ++i) {
@@ -144,7 +144,7 @@ Result<ViewScene> CaptureDocument::sceneAt(double time, bool, Progress& progress
       scene.lines.push_back({corner(i), corner(i | 1 << axis), kBoxColor});
     }
   }
-  const int frame = frameAt(time);
+  const int frame = frameAt(wish.time);
   for (std::size_t c = 0; c < capture_.cameras.size(); ++c) {
     progress.report("reading pictures", static_cast<double>(c),
                     static_cast<double>(capture_.cameras.size()));

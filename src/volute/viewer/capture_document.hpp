@@ -20,13 +20,18 @@ class CaptureDocument final : public Document {
                                                               Progress& progress);
 
   std::string title() const override;
+
   Box3 bounds() const override { return bounds_; }
+
   std::vector<double> times() const override;
+
   bool grey() const override { return false; }
+
   std::vector<std::string> remarks() const override { return capture_.remarks; }
+
   std::vector<std::filesystem::path> files() const override;
   std::vector<ViewStation> stations() const override;
-  Result<ViewScene> sceneAt(double time, bool coarse, Progress& progress) override;
+  Result<ViewScene> sceneAt(const SceneWish& wish, Progress& progress) override;
 
  private:
   explicit CaptureDocument(std::string path) : path_(std::move(path)) {}

@@ -99,7 +99,7 @@ double difference(const Image& a, const Image& b) {
 class Controls : public testing::Test {
  protected:
   void SetUp() override {
-    auto made = HeadlessViewer::create(documentOpener(kMemory));
+    auto made = HeadlessViewer::create(documentOpener({.maxMemory = kMemory}));
     if (!made)
       GTEST_SKIP() << made.error().message;
     viewer_ = std::move(*made);

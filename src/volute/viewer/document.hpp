@@ -32,9 +32,9 @@ using ViewLook = SceneLook;
 
 /// A fog whose map can be painted.
 struct FogCanvas {
-  std::string name;  ///< of the map's file
-  std::string file;  ///< the map's
-  double most = 1;   ///< [1/m], the extinction of a pixel of value 1
+  std::string name;                ///< of the map's file
+  std::string file;                ///< the map's
+  double most = 1;                 ///< [1/m], the extinction of a pixel of value 1
   std::optional<FogMedium> fog{};  ///< as it is at 0 s, painted or not
   Vec3 wind = Vec3::Zero();        ///< [m/s]
   bool unsaved = false;            ///< it was painted, and no file has it yet
@@ -44,6 +44,13 @@ struct FogCanvas {
 struct ViewStation {
   std::string name;
   StartView view;
+};
+
+/// An instant of a document that is to be shown.
+struct SceneWish {
+  double time = 0;  ///< [s]
+  bool coarse = false;
+  bool openGl = true;  ///< OpenGL will draw it: without, what only that needs may be left out
 };
 
 /// A file that the viewer shows. Only the loader's thread calls it, one call at a time, once it is
@@ -68,7 +75,8 @@ class Document {
 
   virtual std::vector<std::string> remarks() const { return {}; }  ///< what is not shown
 
-  virtual std::vector<std::filesystem::path> files() const = 0;  ///< to be watched
+  /// To be watched, whether they are there or not.
+  virtual std::vector<std::filesystem::path> files() const = 0;
 
   virtual std::vector<Parameter> parameters() const { return {}; }
 
@@ -85,8 +93,7 @@ class Document {
     return false;
   }
 
-  /// The media at a time [s].
-  [[nodiscard]] virtual Result<ViewScene> sceneAt(double time, bool coarse, Progress& progress) = 0;
+  [[nodiscard]] virtual Result<ViewScene> sceneAt(const SceneWish& wish, Progress& progress) = 0;
 
   /// Changes one of parameters(). An error leaves all as it was.
   [[nodiscard]] virtual Status set(const std::string& path, const std::vector<double>& value,

@@ -27,10 +27,12 @@ double FilmOrder::timeOf(int frame) const {
 Result<std::unique_ptr<FilmExport>> FilmExport::begin(const FilmOrder& order, bool hardware) {
   const bool good = order.width >= 16 && order.height >= 16 && order.width <= kLargestSide &&
                     order.height <= kLargestSide && order.rate > 0 && order.speed > 0 &&
-                    order.end >= order.begin && (order.end - order.begin) / order.speed * order.rate < 1e6;
+                    order.end >= order.begin &&
+                    (order.end - order.begin) / order.speed * order.rate < 1e6;
   if (!good)
-    return fail(ErrorCode::kInvalidArgument, "{}: a film of {} x {} pixels from {:g} to {:g} s cannot be made",
-                order.target, order.width, order.height, order.begin, order.end);
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: a film of {} x {} pixels from {:g} to {:g} s cannot be made", order.target,
+                order.width, order.height, order.begin, order.end);
   VOLUTE_ASSIGN(auto picture, ViewPicture::create(hardware));
   return std::unique_ptr<FilmExport>(new FilmExport(order, std::move(picture)));
 }
@@ -84,8 +86,8 @@ Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene, DisplayLo
     if (waiting_.size() >= kMostWaiting)
       return {};
   }
-  const PictureWish wish{order_.camera, order_.width,   order_.height,
-                         Quality::kFull, order_.renderer, order_.surfaces, false};
+  const PictureWish wish{order_.camera,   order_.width,    order_.height, Quality::kFull,
+                         order_.renderer, order_.surfaces, false};
   if (!drawing_)
     picture_.setScene(scene);
   drawing_ = true;

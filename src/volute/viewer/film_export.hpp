@@ -18,9 +18,9 @@ namespace volute {
 struct FilmOrder {
   std::string target;  ///< .mp4 or .webm
   int width = 1280, height = 720;
-  double rate = 25;             ///< pictures a second
-  double begin = 0, end = 0;    ///< [s] of the document
-  double speed = 1;             ///< document seconds a film second
+  double rate = 25;           ///< pictures a second
+  double begin = 0, end = 0;  ///< [s] of the document
+  double speed = 1;           ///< document seconds a film second
   ViewCamera camera;
   ViewRenderer renderer = ViewRenderer::kAuto;
   bool surfaces = true;

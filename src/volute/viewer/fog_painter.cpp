@@ -32,11 +32,7 @@ double FogBrush::weight(double distance) const {
 
 FogPainter::FogPainter(SplineGrid coefficients, const Vec2& origin, double cell, int degree,
                        double most)
-    : grid_(std::move(coefficients)),
-      origin_(origin),
-      cell_(cell),
-      degree_(degree),
-      most_(most) {
+    : grid_(std::move(coefficients)), origin_(origin), cell_(cell), degree_(degree), most_(most) {
   VOLUTE_ASSERT(cell > 0 && most > 0);
 }
 
@@ -107,7 +103,8 @@ void FogPainter::end() {
 void FogPainter::apply(const Step& step, const std::vector<double>& values) {
   for (int j = 0; j < step.rows; ++j) {
     for (int i = 0; i < step.columns; ++i)
-      grid_.at(step.column + i, step.row + j) = values[static_cast<std::size_t>(j) * step.columns + i];
+      grid_.at(step.column + i, step.row + j) =
+          values[static_cast<std::size_t>(j) * step.columns + i];
   }
 }
 
@@ -168,8 +165,7 @@ bool FogPainter::dab(const FogBrush& brush, const Vec2& at, double seconds) {
   std::vector<double> values;
   for (int j = rect.begin[1]; j < rect.end[1]; ++j) {
     for (int i = rect.begin[0]; i < rect.end[0]; ++i) {
-      const double share =
-          brush.strength * seconds * brush.weight((peakOf({i, j}) - at).norm());
+      const double share = brush.strength * seconds * brush.weight((peakOf({i, j}) - at).norm());
       const double old = grid_.at(i, j);
       const double change = brush.kind == FogBrush::Kind::kSmooth
                                 ? std::min(share, 1.0) * (meanAround(i, j) - old)

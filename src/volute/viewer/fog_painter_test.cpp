@@ -117,7 +117,8 @@ TEST(FogPainter, StandsWhereTheFogStands) {
   grid.at(4, 3) = 0.02;
   for (int levels = 0; levels <= 2; ++levels) {
     const auto map = FogMap::fromCoefficients(grid, {Vec3(10, 20, 0), 3, kMost});
-    const auto fog = FogMedium::make(*map, *FogProfile::slab(0, 5), {.degree = 2, .levels = levels});
+    const auto fog =
+        FogMedium::make(*map, *FogProfile::slab(0, 5), {.degree = 2, .levels = levels});
     const FogPainter painter(fog->shifted(Vec3(1, 2, 0)), kMost);
     EXPECT_LT((painter.origin() - Vec2(11, 22)).norm(), 1e-9);
     EXPECT_EQ(painter.coefficients().c, grid.c);
@@ -127,16 +128,18 @@ TEST(FogPainter, StandsWhereTheFogStands) {
 }
 
 RC_GTEST_PROP(FogPainterProperty, UndoAndRedoWalkTheSameWay, ()) {
-  FogPainter painter = painterOf(*rc::gen::inRange(1, 30), *rc::gen::inRange(1, 30),
-                                 *rc::gen::inRange(0, 4));
+  FogPainter painter =
+      painterOf(*rc::gen::inRange(1, 30), *rc::gen::inRange(1, 30), *rc::gen::inRange(0, 4));
   std::vector<std::vector<double>> states{painter.coefficients().c};
   const int strokes = *rc::gen::inRange(1, 12);
   for (int s = 0; s < strokes; ++s) {
-    const auto somewhere = [&] { return Vec2(*rc::gen::inRange(-10, 60), *rc::gen::inRange(0, 50)); };
-    const FogBrush brush{*rc::gen::element(FogBrush::Kind::kAdd, FogBrush::Kind::kRemove,
-                                           FogBrush::Kind::kSmooth),
-                         0.5 + *rc::gen::inRange(0, 20), 0.1 * *rc::gen::inRange(1, 20),
-                         0.1 * *rc::gen::inRange(0, 11)};
+    const auto somewhere = [&] {
+      return Vec2(*rc::gen::inRange(-10, 60), *rc::gen::inRange(0, 50));
+    };
+    const FogBrush brush{
+        *rc::gen::element(FogBrush::Kind::kAdd, FogBrush::Kind::kRemove, FogBrush::Kind::kSmooth),
+        0.5 + *rc::gen::inRange(0, 20), 0.1 * *rc::gen::inRange(1, 20),
+        0.1 * *rc::gen::inRange(0, 11)};
     painter.paint(brush, somewhere(), somewhere(), 0.3);
     for (const double value : painter.coefficients().c) RC_ASSERT(value >= 0 && value <= kMost);
     if (painter.coefficients().c != states.back())

@@ -65,6 +65,14 @@ void Loader::request(double time) {
   wake_.notify_all();
 }
 
+void Loader::setOpenGl(bool draws) {
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(openGl_, draws) == draws || !draws || path_.empty() || wantedTime_)
+    return;
+  wantedTime_ = time_;
+  wake_.notify_all();
+}
+
 void Loader::watch() {
   const std::lock_guard lock(mutex_);
   if (working_ || wantedPath_ || seconds() - lastLook_ < kLookEvery)
@@ -151,17 +159,21 @@ std::vector<Loader::Watched> Loader::look(const std::vector<std::filesystem::pat
 
 DocumentInfo Loader::describe() const {
   return {document_->title(),      document_->bounds(),   document_->times(),
-          document_->grey(),       document_->measured(), document_->startView(), document_->background(),
-          document_->remarks(),    document_->look(),     document_->parameters(),
-          document_->canvases(),   document_->stations(), document_->sceneName(),
-          openedCount_};
+          document_->grey(),       document_->measured(), document_->startView(),
+          document_->background(), document_->remarks(),  document_->look(),
+          document_->parameters(), document_->canvases(), document_->stations(),
+          document_->sceneName(),  openedCount_};
 }
 
 /// False, with the error noted, when it stays with what was open.
 bool Loader::openNow(const std::string& path) {
   Reporter reporter(*this);
   reporter.report("opening", 0, 0);
-  std::vector<Watched> watched = look({path});
+  // Whatever is wrong with a file that was open, it is tried again when one of its parts changes.
+  std::vector<std::filesystem::path> files{path};
+  if (document_ && path == path_)
+    files = document_->files();
+  std::vector<Watched> watched = look(files);
   auto document = open_(path, reporter);
   std::optional<DocumentInfo> info;
   if (document) {
@@ -205,14 +217,17 @@ void Loader::changeNow(const DocumentChange& what) {
 
 void Loader::loadNow(double time) {
   Reporter reporter(*this);
+  SceneWish wish{.time = time, .coarse = true};
   {
     const std::lock_guard lock(mutex_);
     time_ = time;
+    wish.openGl = openGl_;
   }
   if (document_->coarseHelps(time))
-    deliver(document_->sceneAt(time, true, reporter), time, true);
+    deliver(document_->sceneAt(wish, reporter), time, true);
+  wish.coarse = false;
   if (!overtaken())
-    deliver(document_->sceneAt(time, false, reporter), time, false);
+    deliver(document_->sceneAt(wish, reporter), time, false);
 }
 
 void Loader::deliver(Result<ViewScene> scene, double time, bool coarse) {

@@ -18,8 +18,8 @@ namespace volute {
 /// What the loader has to say, at one moment.
 struct LoaderState {
   bool busy = false;
-  std::string stage;  ///< what it does
-  double share = 0;   ///< 0..1; negative when nobody knows
+  std::string stage;    ///< what it does
+  double share = 0;     ///< 0..1; negative when nobody knows
   std::string error;    ///< the last one, until something succeeds
   std::string message;  ///< what was done last
 };
@@ -71,6 +71,10 @@ class Loader {
   /// Loads another instant; the newest request counts.
   void request(double time);
 
+  /// Says who draws, of which SceneWish tells documents. Loads the instant again if OpenGL draws
+  /// from now on.
+  void setOpenGl(bool draws);
+
   /// Does this with the document, then loads its instant again. Changes run in order; one that has
   /// not begun is replaced by a newer one of the same key.
   void change(const std::string& key, DocumentChange what);
@@ -109,6 +113,7 @@ class Loader {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   bool ends_ = false;
+  bool openGl_ = true;
   std::optional<std::string> wantedPath_;
   std::optional<double> wantedTime_;
   std::vector<std::pair<std::string, DocumentChange>> wantedChanges_;

@@ -44,14 +44,12 @@ Result<bool> isCapture(const std::string& path) {
 
 }  // namespace
 
-OpenDocument documentOpener(std::uint64_t maxMemory, nlohmann::ordered_json smoke) {
-  if (smoke.is_null())
-    smoke = nlohmann::ordered_json::object();
-  return [maxMemory, smoke](const std::string& path,
-                     Progress& progress) -> Result<std::unique_ptr<Document>> {
+OpenDocument documentOpener(DocumentOptions options) {
+  return [options = std::move(options)](const std::string& path,
+                                        Progress& progress) -> Result<std::unique_ptr<Document>> {
     VOLUTE_ASSIGN(const bool capture, isCapture(path));
-    return capture ? CaptureDocument::open(path, maxMemory, progress)
-                   : SceneDocument::open(path, smoke, maxMemory, progress);
+    return capture ? CaptureDocument::open(path, options.maxMemory, progress)
+                   : SceneDocument::open(path, options, progress);
   };
 }
 

@@ -4,15 +4,23 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "volute/lighting/light_cache.hpp"
 #include "volute/viewer/document.hpp"
 
 namespace volute {
 
+/// How documents are opened.
+struct DocumentOptions {
+  std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes]
+  /// Members of a scene's smoke ("field", "quantity", "unit"), for cases alone.
+  nlohmann::ordered_json smoke = nlohmann::ordered_json::object();
+  std::optional<LightCache> lightCache{};  ///< where light of lamps in smoke is looked for and kept
+};
+
 /// Opens whatever the viewer shows: a scene, a volume, a map of fog, smoke on a mesh, an FDS case,
 /// a capture of any kind.
-/// @param maxMemory  [bytes]
-/// @param smoke  members of a scene's smoke ("field", "quantity", "unit"), for cases alone
-OpenDocument documentOpener(std::uint64_t maxMemory, nlohmann::ordered_json smoke = {});
+OpenDocument documentOpener(DocumentOptions options);
 
 }  // namespace volute

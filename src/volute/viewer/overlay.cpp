@@ -15,8 +15,7 @@ constexpr int kRing = 64;
 
 class Lines {
  public:
-  explicit Lines(const Camera& camera)
-      : camera_(camera), list_(ImGui::GetBackgroundDrawList()) {}
+  explicit Lines(const Camera& camera) : camera_(camera), list_(ImGui::GetBackgroundDrawList()) {}
 
   /// What is behind the eye is cut off.
   void line(Vec3 from, Vec3 to, ImU32 color, float width = 1) const {

@@ -66,8 +66,8 @@ void planPart(ViewerApp& app, const ViewerInput& input) {
   const FogPainter& painter = paint.painter();
   const Vec2 size = painter.size();
   const float width = ImGui::GetContentRegionAvail().x;
-  const float scale = std::min(width / static_cast<float>(size.x()),
-                               width / static_cast<float>(size.y()));
+  const float scale =
+      std::min(width / static_cast<float>(size.x()), width / static_cast<float>(size.y()));
   const ImVec2 from = ImGui::GetCursorScreenPos();
   const ImVec2 to{from.x + scale * static_cast<float>(size.x()),
                   from.y + scale * static_cast<float>(size.y())};
@@ -111,7 +111,7 @@ void planPart(ViewerApp& app, const ViewerInput& input) {
 /// What the brush is over.
 void valuePart(const ViewerApp& app, const PaintTool& paint) {
   const FogPainter& painter = paint.painter();
-  const auto place = paint.held()     ? paint.held()
+  const auto place = paint.held() ? paint.held()
                      : paint.at() ? painter.nearest(*paint.at())
                                   : std::nullopt;
   if (place) {

@@ -8,8 +8,8 @@
 namespace volute {
 namespace {
 
-constexpr double kFarDown = -1e6;        ///< [m] that counts as no lower end
-constexpr double kPixelsForAll = 200;    ///< that a coefficient is dragged from 0 to the largest
+constexpr double kFarDown = -1e6;      ///< [m] that counts as no lower end
+constexpr double kPixelsForAll = 200;  ///< that a coefficient is dragged from 0 to the largest
 
 FogBrush::Kind brushKind(PaintTool::Kind kind) {
   return kind == PaintTool::Kind::kSmooth   ? FogBrush::Kind::kSmooth
@@ -45,8 +45,8 @@ void PaintTool::take(const FogCanvas& canvas, std::size_t number, int opened) {
   const double base = canvas.fog->domainCorner().z();
   const double low = heights.begin > kFarDown ? heights.begin : 0;
   ground_ = base + low;
-  stem_ = std::clamp(heights.end - low, 0.05 * fresh.size().minCoeff(),
-                     0.25 * fresh.size().minCoeff());
+  stem_ =
+      std::clamp(heights.end - low, 0.05 * fresh.size().minCoeff(), 0.25 * fresh.size().minCoeff());
 }
 
 void PaintTool::setTime(double time) {

@@ -160,8 +160,7 @@ void drawPanels(ViewerApp& app, const ViewerInput& input) {
   if (!app.settings().panels)
     return;
   ImGui::SetNextWindowPos({kPanelMargin, kPanelMargin}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSizeConstraints({kWidth, 0},
-                                      {kWidth, static_cast<float>(input.height) - 96});
+  ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, static_cast<float>(input.height) - 96});
   ImGui::Begin("Volute", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::PushItemWidth(-kLabels);
   documentPart(app);

@@ -40,9 +40,9 @@ bool directionControl(ViewerApp& app, const Parameter& parameter, std::vector<do
 bool colorControl(ViewerApp& app, const Parameter& parameter, std::vector<double>& value) {
   float shown[] = {static_cast<float>(value[0]), static_cast<float>(value[1]),
                    static_cast<float>(value[2])};
-  const bool moved = ImGui::ColorEdit3(parameter.name.c_str(), shown,
-                                       ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR |
-                                           ImGuiColorEditFlags_NoLabel);
+  const bool moved = ImGui::ColorEdit3(
+      parameter.name.c_str(), shown,
+      ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR | ImGuiColorEditFlags_NoLabel);
   app.mark(parameter.path);
   ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
   ImGui::TextUnformatted(parameter.name.c_str());
@@ -71,9 +71,9 @@ bool control(ViewerApp& app, const Parameter& parameter, std::vector<double>& va
       break;
     case Parameter::Kind::kInteger: {
       int number = static_cast<int>(value.front());
-      moved = ImGui::SliderInt(name, &number, static_cast<int>(parameter.least),
-                               static_cast<int>(parameter.most), "%d",
-                               ImGuiSliderFlags_AlwaysClamp);
+      moved =
+          ImGui::SliderInt(name, &number, static_cast<int>(parameter.least),
+                           static_cast<int>(parameter.most), "%d", ImGuiSliderFlags_AlwaysClamp);
       value.front() = number;
       break;
     }
@@ -109,8 +109,7 @@ void drawParameterPanel(ViewerApp& app, const ViewerInput& input) {
     return;
   const float width = static_cast<float>(input.width);
   ImGui::SetNextWindowPos({width - kPanelMargin, kPanelMargin}, ImGuiCond_Always, {1, 0});
-  ImGui::SetNextWindowSizeConstraints({kWidth, 0},
-                                      {kWidth, static_cast<float>(input.height) - 96});
+  ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, static_cast<float>(input.height) - 96});
   ImGui::Begin("Scene", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::PushItemWidth(-kLabels);
   const auto parameters = app.document()->parameters;  // changes below

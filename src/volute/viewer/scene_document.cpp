@@ -77,17 +77,18 @@ Json vectorOf(const Vec3& v) {
 
 }  // namespace
 
-Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path, const Json& smoke,
-                                                      std::uint64_t maxMemory, Progress& progress) {
-  std::unique_ptr<SceneDocument> document(new SceneDocument(path, maxMemory));
-  VOLUTE_TRY(document->readJsonOfScene(smoke, progress));
+Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
+                                                      const DocumentOptions& options,
+                                                      Progress& progress) {
+  std::unique_ptr<SceneDocument> document(new SceneDocument(path, options));
+  VOLUTE_TRY(document->readJsonOfScene(progress));
   return std::unique_ptr<Document>(std::move(document));
 }
 
-Status SceneDocument::readJsonOfScene(const Json& smoke, Progress& progress) {
+Status SceneDocument::readJsonOfScene(Progress& progress) {
   if (extensionOf(path_) != ".json") {
     file_ = path_ + ".json";
-    Json json = sceneOfFile(smoke);
+    Json json = sceneOfFile();
     const Json& medium = json["media"][0];
     const bool search = medium["kind"] == "smoke" && !isSmvPath(path_) && !medium.contains("field");
     VOLUTE_TRY(search ? loadMesh(std::move(json), progress) : load(std::move(json), progress));
@@ -114,7 +115,8 @@ Status SceneDocument::loadMesh(Json json, Progress& progress) {
 }
 
 /// The scene that a single file stands for.
-Json SceneDocument::sceneOfFile(const Json& smoke) {
+Json SceneDocument::sceneOfFile() {
+  const Json& smoke = options_.smoke;
   Json scene = {{"format", "volute-scene-1"},
                 {"camera", {{"eye", {0, -1, 0}}, {"target", {0, 0, 0}}, {"fov", 40}}}};
   const std::string name = std::filesystem::path(path_).filename().string();
@@ -151,10 +153,27 @@ Json SceneDocument::sceneOfFile(const Json& smoke) {
   return scene;
 }
 
-Status SceneDocument::openMedium(Medium& medium, const SceneDescription& scene, std::size_t place,
+/// What was read of the files serves as long as the same is read from them.
+Result<SmokeLayer> SceneDocument::openSmoke(const SmokeDescription& smoke, const Medium* before,
+                                            const SceneLights& lights, Reading& reading) const {
+  auto lighting = std::make_shared<SmokeLighting>();
+  lighting->lights = lights;
+  if (!lights.lamps.empty())
+    lighting->cache = options_.lightCache;
+  lighting->blocks = blocksOf(geometry_);
+  lighting->blocksKey = keyOf(geometry_);
+  lighting->memory = light_;
+  if (before && before->smoke && SmokeLayer::readsTheSame(before->smoke->description(), smoke))
+    return before->smoke->with(smoke, lighting, reading);
+  return SmokeLayer::open(smoke, lighting, reading);
+}
+
+/// @param before  what was read of the medium in its place; may be null
+Status SceneDocument::openMedium(Medium& medium, const Medium* before,
+                                 const SceneDescription& scene, std::size_t place,
                                  Progress& progress) const {
   RemarkLog heard(progress);
-  Reading reading{heard, maxMemory_};
+  Reading reading{heard, options_.maxMemory};
   const std::string kind = medium.json.value("kind", "");
   if (kind == "volume") {
     const SceneVolume& volume = scene.volumes[place];
@@ -169,10 +188,7 @@ Status SceneDocument::openMedium(Medium& medium, const SceneDescription& scene, 
     VOLUTE_ASSIGN(medium.fds,
                   FdsLayer::open(scene.smokes[place], scene.lights, blocksOf(geometry_), reading));
   } else {
-    auto lighting = std::make_shared<SmokeLighting>();
-    lighting->lights = scene.lights;
-    lighting->blocks = blocksOf(geometry_);
-    VOLUTE_ASSIGN(medium.smoke, SmokeLayer::open(scene.smokes[place], lighting, reading));
+    VOLUTE_ASSIGN(medium.smoke, openSmoke(scene.smokes[place], before, scene.lights, reading));
   }
   medium.remarks = heard.remarks();
   return {};
@@ -217,7 +233,7 @@ Result<std::vector<SceneDocument::Medium>> SceneDocument::mediaOf(const Json& js
     kept[i] = same && serves(media_[i], media[i].json, lightsChanged);
     if (kept[i])
       continue;
-    VOLUTE_TRY(openMedium(media[i], scene, places[i], progress));
+    VOLUTE_TRY(openMedium(media[i], same ? &media_[i] : nullptr, scene, places[i], progress));
     if (same && media_[i].fog && media[i].fog && media_[i].painted)
       keepPainted(media_[i], media[i]);
   }
@@ -238,7 +254,7 @@ Status SceneDocument::load(Json json, Progress& progress) {
   const nlohmann::json plain = json;
   VOLUTE_ASSIGN(auto scene, parseScene(plain, file_));
   RemarkLog heard(progress);
-  Reading reading{heard, maxMemory_};
+  Reading reading{heard, options_.maxMemory};
   const bool lightsChanged =
       !first && json.value("lights", Json()) != json_.value("lights", Json());
   if (first) {
@@ -368,13 +384,7 @@ std::vector<std::filesystem::path> SceneDocument::files() const {
     names.insert(names.end(), fog.maps.begin(), fog.maps.end());
   for (const SmokeDescription& smoke : scene_.smokes) names.push_back(smoke.file);
   for (const SceneGeometry& geometry : scene_.geometry) names.push_back(geometry.file);
-  std::vector<std::filesystem::path> files;
-  std::error_code ignored;
-  for (const std::string& name : names) {
-    if (std::filesystem::exists(name, ignored))
-      files.emplace_back(name);
-  }
-  return files;
+  return {names.begin(), names.end()};
 }
 
 std::vector<Parameter> SceneDocument::parameters() const {

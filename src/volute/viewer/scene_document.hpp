@@ -14,6 +14,7 @@
 #include "volute/scene/smoke_layer.hpp"
 #include "volute/scene/still.hpp"
 #include "volute/viewer/document.hpp"
+#include "volute/viewer/open_document.hpp"
 
 namespace volute {
 
@@ -21,11 +22,8 @@ namespace volute {
 /// scene's JSON is what it is: changes go into it and are read back, and saving writes it.
 class SceneDocument final : public Document {
  public:
-  /// @param maxMemory  [bytes]
-  /// @param smoke  members of a scene's smoke ("field", "quantity", "unit"), for a case alone
   [[nodiscard]] static Result<std::unique_ptr<Document>> open(const std::string& path,
-                                                              const nlohmann::ordered_json& smoke,
-                                                              std::uint64_t maxMemory,
+                                                              const DocumentOptions& options,
                                                               Progress& progress);
 
   std::string title() const override;
@@ -52,7 +50,7 @@ class SceneDocument final : public Document {
   std::string sceneName() const override { return file_; }
 
   bool coarseHelps(double time) const override;
-  Result<ViewScene> sceneAt(double time, bool coarse, Progress& progress) override;
+  Result<ViewScene> sceneAt(const SceneWish& wish, Progress& progress) override;
   Status set(const std::string& path, const std::vector<double>& value,
              Progress& progress) override;
   Status setFogMap(std::size_t canvas, std::vector<double> coefficients) override;
@@ -60,6 +58,8 @@ class SceneDocument final : public Document {
   Status saveFogMap(std::size_t canvas, const std::string& target, const Image& map) override;
 
  private:
+  static constexpr std::uint64_t kLightBytes = 128 << 20;  ///< of lamps in smoke, in memory
+
   /// One of the scene's media, with what has been read of it. Exactly one layer is there.
   struct Medium {
     nlohmann::ordered_json json;
@@ -80,24 +80,26 @@ class SceneDocument final : public Document {
     BillboardOptions options;
   };
 
-  /// What is prepared for a mesh, for one picture at a time: moments come and go, it stays.
-  struct Drawers {
+  /// Takes one picture at a time: moments come and go, what it prepared for a mesh stays.
+  struct Drawer {
     std::mutex mutex;
-    SmokePictures smoke;
+    ProcessorDrawer drawer;
   };
 
-  SceneDocument(std::string path, std::uint64_t maxMemory)
-      : path_(std::move(path)), maxMemory_(maxMemory) {}
+  SceneDocument(std::string path, const DocumentOptions& options)
+      : path_(std::move(path)), options_(options) {}
 
-  Status readJsonOfScene(const nlohmann::ordered_json& smoke, Progress& progress);
-  nlohmann::ordered_json sceneOfFile(const nlohmann::ordered_json& smoke);
+  Status readJsonOfScene(Progress& progress);
+  nlohmann::ordered_json sceneOfFile();
   Status loadMesh(nlohmann::ordered_json json, Progress& progress);
   Status load(nlohmann::ordered_json json, Progress& progress);
   Result<std::vector<Medium>> mediaOf(const nlohmann::ordered_json& json,
                                       const SceneDescription& scene, bool lightsChanged,
                                       Progress& progress);
-  Status openMedium(Medium& medium, const SceneDescription& scene, std::size_t place,
-                    Progress& progress) const;
+  Status openMedium(Medium& medium, const Medium* before, const SceneDescription& scene,
+                    std::size_t place, Progress& progress) const;
+  [[nodiscard]] Result<SmokeLayer> openSmoke(const SmokeDescription& smoke, const Medium* before,
+                                             const SceneLights& lights, Reading& reading) const;
   static bool serves(const Medium& old, nlohmann::ordered_json wanted, bool lightsChanged);
   static bool paintable(const Medium& medium);
   static void keepPainted(const Medium& old, Medium& medium);
@@ -115,15 +117,16 @@ class SceneDocument final : public Document {
   Status addFds(const Medium& medium, double time, ViewScene& scene, Still& still,
                 TriangleMesh& buildings) const;
   Status addBoards(double time, Progress& progress, ViewScene& scene, Still& still);
-  void addSurfaces(ViewScene& scene, const Still& still);
+  void addSurfaces(const SceneWish& wish, const Still& still, ViewScene& scene);
   Result<TriangleScene> withBuildings(TriangleMesh buildings) const;
-  ProcessorPicture byDrawers(std::shared_ptr<const Still> still) const;
+  ProcessorPicture byProcessor(std::shared_ptr<const Still> still) const;
   PictureLaw law() const;
 
   std::string path_;  ///< as it was opened
   std::string file_;  ///< of the scene: path_, or where it would be saved
-  std::uint64_t maxMemory_;
-  std::shared_ptr<Drawers> drawers_ = std::make_shared<Drawers>();
+  DocumentOptions options_;
+  std::shared_ptr<LightMemory> light_ = std::make_shared<LightMemory>(kLightBytes);
+  std::shared_ptr<Drawer> drawer_ = std::make_shared<Drawer>();
   nlohmann::ordered_json json_;
   SceneDescription scene_;
   std::vector<Medium> media_;

@@ -16,11 +16,6 @@ namespace {
 
 constexpr int kCoarseLevels = 2;  ///< of a block's, the coarsest first
 
-AnyMedium seenBy(const PictureLaw& law, AnyMedium medium) {
-  const double factor = law.factor();
-  return factor == 1 ? std::move(medium) : AnyMedium(ScaledMedium(std::move(medium), factor));
-}
-
 std::vector<float> scaled(std::vector<float> values, double factor) {
   if (factor != 1) {
     for (float& value : values) value = static_cast<float>(factor * value);
@@ -170,8 +165,8 @@ Status SceneDocument::addBoards(double time, Progress& progress, ViewScene& scen
 }
 
 /// Light at the corners is found anew where it may have changed: lamps shine through smoke.
-void SceneDocument::addSurfaces(ViewScene& scene, const Still& still) {
-  if (still.geometry.empty() || !scene.onlyProcessor.empty())
+void SceneDocument::addSurfaces(const SceneWish& wish, const Still& still, ViewScene& scene) {
+  if (still.geometry.empty() || !wish.openGl || !scene.onlyProcessor.empty())
     return;
   if (!surfaces_ || !scene_.lights.lamps.empty()) {
     std::vector<AnyMedium> media;
@@ -186,24 +181,26 @@ void SceneDocument::addSurfaces(ViewScene& scene, const Still& still) {
   scene.surfaces = surfaces_;
 }
 
-ProcessorPicture SceneDocument::byDrawers(std::shared_ptr<const Still> still) const {
-  return [still = std::move(still), drawers = drawers_](const Camera& camera, Progress& progress) {
-    const std::lock_guard lock(drawers->mutex);
-    return still->picture(camera, drawers->smoke, progress);
+ProcessorPicture SceneDocument::byProcessor(std::shared_ptr<const Still> still) const {
+  const RenderOptions options{.background = scene_.background};
+  return [still = std::move(still), options, held = drawer_](const Camera& camera,
+                                                             Progress& progress) {
+    const std::lock_guard lock(held->mutex);
+    return still->picture(camera, options, held->drawer, progress);
   };
 }
 
-Result<ViewScene> SceneDocument::sceneAt(double time, bool coarse, Progress& progress) {
+Result<ViewScene> SceneDocument::sceneAt(const SceneWish& wish, Progress& progress) {
+  const double time = wish.time;
   ViewScene scene;
   auto still = std::make_shared<Still>();
   still->law = law();
   still->lights = scene_.lights;
   still->signs = scene_.signs;
-  still->background = scene_.background;
   TriangleMesh buildings;
   for (Medium& medium : media_) {
     if (medium.volume)
-      VOLUTE_TRY(addVolume(medium, time, coarse, progress, scene, *still));
+      VOLUTE_TRY(addVolume(medium, time, wish.coarse, progress, scene, *still));
     if (medium.fog)
       VOLUTE_TRY(addFog(medium, time, scene, *still));
     if (medium.smoke)
@@ -216,13 +213,13 @@ Result<ViewScene> SceneDocument::sceneAt(double time, bool coarse, Progress& pro
   if (!buildings.triangles.empty()) {
     VOLUTE_ASSIGN(still->geometry, withBuildings(std::move(buildings)));
   }
-  addSurfaces(scene, *still);
+  addSurfaces(wish, *still, scene);
   for (const Sign& sign : scene_.signs) scene.quads.push_back(quadOf(sign, still->law));
-  scene.processor = byDrawers(still);
+  scene.processor = byProcessor(still);
   if (!still->geometry.empty()) {
     auto bare = std::make_shared<Still>(*still);
     bare->geometry = {};
-    scene.bare = byDrawers(bare);
+    scene.bare = byProcessor(bare);
   }
   return scene;
 }

@@ -124,12 +124,14 @@ void addSmoke(Group group, const SmokeDescription& smoke) {
   const bool products = model.quantity == SmokeQuantity::kProductsDensity;
   if (!fds && (soot || products)) {
     group.choice("unit", "unit", {"kg/m3", "g/m3", "mg/m3"},
-                 model.unit == 1e-3 ? "g/m3" : model.unit == 1e-6 ? "mg/m3" : "kg/m3");
+                 model.unit == 1e-3   ? "g/m3"
+                 : model.unit == 1e-6 ? "mg/m3"
+                                      : "kg/m3");
   }
   group.amount("scale", "scale", model.scale, 10, "x").help = "multiplies the field first";
   if (products) {
-    const double potential = model.smokePotential.value_or(
-        smokePotential(model.massExtinction, model.sootYield));
+    const double potential =
+        model.smokePotential.value_or(smokePotential(model.massExtinction, model.sootYield));
     group.amount("smoke potential", "smoke_potential", potential, 10, "dB m2/g").help =
         "of what burns; the list has that of materials";
     std::vector<std::string> materials{"-"};
@@ -228,8 +230,8 @@ Json jsonOf(const Parameter& parameter, const std::vector<double>& value) {
     case Kind::kInteger:
       return static_cast<int>(std::lround(value.front()));
     case Kind::kChoice:
-      return parameter.choices.at(static_cast<std::size_t>(
-          std::clamp(std::round(value.front()), 0.0, parameter.most)));
+      return parameter.choices.at(
+          static_cast<std::size_t>(std::clamp(std::round(value.front()), 0.0, parameter.most)));
     case Kind::kNumber:
       return value.front();
     default:

@@ -31,8 +31,8 @@ GlTexture pictureTexture(const Image& picture) {
   const int larger = std::max(picture.width, picture.height);
   GLuint name = 0;
   glCreateTextures(GL_TEXTURE_2D, 1, &name);
-  glTextureStorage2D(name, std::bit_width(static_cast<unsigned>(larger)), GL_RGBA16F,
-                     picture.width, picture.height);
+  glTextureStorage2D(name, std::bit_width(static_cast<unsigned>(larger)), GL_RGBA16F, picture.width,
+                     picture.height);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTextureSubImage2D(name, 0, 0, 0, picture.width, picture.height, GL_RGB, GL_FLOAT,
                       picture.pixels.data());

@@ -16,8 +16,9 @@ void filmPart(ViewerApp& app, const ViewerInput& input) {
     }
     app.mark("Cancel film");
     ImGui::SameLine();
-    ImGui::ProgressBar(static_cast<float>(film->share()), {-1, 0},
-                       fmt::format("{}: {:.0f} %", film->order().target, 100 * film->share()).c_str());
+    ImGui::ProgressBar(
+        static_cast<float>(film->share()), {-1, 0},
+        fmt::format("{}: {:.0f} %", film->order().target, 100 * film->share()).c_str());
     return;
   }
   if (ImGui::Button("Make film"))
@@ -41,8 +42,7 @@ void drawTimePanel(ViewerApp& app, const ViewerInput& input) {
   if (!timeline.moves())
     return;
   const float height = 72;
-  ImGui::SetNextWindowPos(
-      {kPanelMargin, static_cast<float>(input.height) - height - kPanelMargin});
+  ImGui::SetNextWindowPos({kPanelMargin, static_cast<float>(input.height) - height - kPanelMargin});
   ImGui::SetNextWindowSize({static_cast<float>(input.width) - 2 * kPanelMargin, height});
   ImGui::Begin("Time", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |

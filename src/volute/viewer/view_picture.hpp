@@ -57,6 +57,11 @@ class ViewPicture {
   /// scene, which then is no longer shown.
   [[nodiscard]] Status update(const PictureWish& wish);
 
+  /// Whether OpenGL may draw what is wished for.
+  bool mayUseGl(ViewRenderer renderer) const {
+    return renderer == ViewRenderer::kGl || (renderer == ViewRenderer::kAuto && hardware_);
+  }
+
   /// Whether it is as fine as it will be.
   bool settled(const PictureWish& wish) const;
 
@@ -87,19 +92,19 @@ class ViewPicture {
   GlRenderer renderer_;
   SurfaceDrawer surfaces_;
   Display display_;
-  GlTexture blank_;   ///< no light, nothing in the way
+  GlTexture blank_;    ///< no light, nothing in the way
   GlTexture picture_;  ///< the processor's
   int pictureWidth_ = 0, pictureHeight_ = 0;
   std::unique_ptr<ProcessorThread> processor_;
   std::shared_ptr<const ViewScene> scene_;
   FrameTimes times_;
   std::string remark_;
-  std::string refused_;    ///< why OpenGL would not draw this scene
-  double scale_ = 0;       ///< of the window's pixels a side, of the picture that is shown; 0: none
-  PictureWish drawn_;      ///< that the picture answers
-  bool changed_ = true;    ///< another scene since
+  std::string refused_;  ///< why OpenGL would not draw this scene
+  double scale_ = 0;     ///< of the window's pixels a side, of the picture that is shown; 0: none
+  PictureWish drawn_;    ///< that the picture answers
+  bool changed_ = true;  ///< another scene since
   bool hardware_ = true;
-  bool opaque_ = false;    ///< OpenGL's picture has surfaces
+  bool opaque_ = false;     ///< OpenGL's picture has surfaces
   bool processed_ = false;  ///< the processor took it
   int asked_ = 0;           ///< number of the wish that the processor works on
   double askedScale_ = 0, finishedScale_ = 0;

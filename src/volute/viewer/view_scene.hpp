@@ -23,9 +23,9 @@ struct ViewSurfaces {
 
 /// A flat picture in space: a sign, or what a camera of a capture saw.
 struct ViewQuad {
-  Vec3 corner = Vec3::Zero();          ///< its top left [m]
-  Vec3 right = Vec3::UnitX();          ///< along its rows, as long as they are [m]
-  Vec3 down = -Vec3::UnitZ();          ///< along its columns [m]
+  Vec3 corner = Vec3::Zero();            ///< its top left [m]
+  Vec3 right = Vec3::UnitX();            ///< along its rows, as long as they are [m]
+  Vec3 down = -Vec3::UnitZ();            ///< along its columns [m]
   std::shared_ptr<const Image> picture;  ///< linear RGB
   /// It is seen through the picture's transmittance to this power.
   double power = 1;

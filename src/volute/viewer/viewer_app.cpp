@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 
+#include "volute/base/stopwatch.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/viewer/panels.hpp"
@@ -19,12 +20,15 @@ namespace {
 constexpr double kHeldTime = 1e-9;
 
 /// Keys that ImGui edits text with.
-constexpr std::pair<Key, ImGuiKey_> kTextKeys[] = {
-    {Key::kLeft, ImGuiKey_LeftArrow}, {Key::kRight, ImGuiKey_RightArrow},
-    {Key::kHome, ImGuiKey_Home},      {Key::kEnd, ImGuiKey_End},
-    {Key::kDelete, ImGuiKey_Delete},  {Key::kBackspace, ImGuiKey_Backspace},
-    {Key::kEnter, ImGuiKey_Enter},    {Key::kEscape, ImGuiKey_Escape},
-    {Key::kA, ImGuiKey_A}};
+constexpr std::pair<Key, ImGuiKey_> kTextKeys[] = {{Key::kLeft, ImGuiKey_LeftArrow},
+                                                   {Key::kRight, ImGuiKey_RightArrow},
+                                                   {Key::kHome, ImGuiKey_Home},
+                                                   {Key::kEnd, ImGuiKey_End},
+                                                   {Key::kDelete, ImGuiKey_Delete},
+                                                   {Key::kBackspace, ImGuiKey_Backspace},
+                                                   {Key::kEnter, ImGuiKey_Enter},
+                                                   {Key::kEscape, ImGuiKey_Escape},
+                                                   {Key::kA, ImGuiKey_A}};
 
 }  // namespace
 
@@ -36,6 +40,7 @@ ViewerApp::ViewerApp(OpenDocument open, GlDevice device, ViewPicture picture)
   io.IniFilename = nullptr;
   for (const auto& [key, theirs] : kTextKeys) io.KeyMap[theirs] = static_cast<int>(key);
   styleControls();
+  loader_.setOpenGl(picture_.mayUseGl(ViewRenderer::kAuto));
   ImGui_ImplOpenGL3_Init("#version 450");
 }
 
@@ -115,6 +120,7 @@ void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
 }
 
 void ViewerApp::takeLoaded(const ViewerInput& input) {
+  const Stopwatch watch(costs_.loaded);
   loader_.watch();
   loading_ = loader_.state();
   error_ = loading_.error;
@@ -166,13 +172,13 @@ void ViewerApp::saveMap() {
     return;
   sendMap();
   paint_.painter().markSaved();
-  loader_.change("save map",
-                 [target = settings_.mapName, number = paint_.number(),
-                  map = paint_.painter().picture()](Document& document,
-                                                    Progress&) -> Result<std::string> {
-                   VOLUTE_TRY(document.saveFogMap(number, target, map));
-                   return target + " is written";
-                 });
+  loader_.change(
+      "save map",
+      [target = settings_.mapName, number = paint_.number(), map = paint_.painter().picture()](
+          Document& document, Progress&) -> Result<std::string> {
+        VOLUTE_TRY(document.saveFogMap(number, target, map));
+        return target + " is written";
+      });
 }
 
 void ViewerApp::sendMap() {
@@ -253,8 +259,8 @@ void ViewerApp::goOnWithFilm() {
   const auto wanted = film_->wantedTime();
   if (wanted)
     timeline_.seek(*wanted);
-  const bool there = wanted && scene_ && !scene_->coarse &&
-                     std::abs(scene_->time - *wanted) < kHeldTime;
+  const bool there =
+      wanted && scene_ && !scene_->coarse && std::abs(scene_->time - *wanted) < kHeldTime;
   const Status done = film_->step(there ? scene_->scene : nullptr, displayLook());
   if (done)
     return;
@@ -282,6 +288,8 @@ DisplayLook ViewerApp::displayLook() const {
 }
 
 Status ViewerApp::drawPicture(const ViewerInput& input) {
+  const Stopwatch watch(costs_.picture);
+  loader_.setOpenGl(picture_.mayUseGl(wish(input).renderer));
   const Status drawn = picture_.update(wish(input));
   if (!drawn) {
     error_ = drawn.error().message;
@@ -294,13 +302,8 @@ Status ViewerApp::drawPicture(const ViewerInput& input) {
   return {};
 }
 
-Status ViewerApp::frame(const ViewerInput& input) {
-  GLint target = 0;
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
-  seen_ = input;
-  if (!input.dropped.empty())
-    open(input.dropped);
-  takeLoaded(input);
+void ViewerApp::usePanels(const ViewerInput& input) {
+  const Stopwatch watch(costs_.panels);
   feed(input);
   controls_.clear();
   ImGui_ImplOpenGL3_NewFrame();
@@ -317,15 +320,38 @@ Status ViewerApp::frame(const ViewerInput& input) {
     requested_ = timeline_.time();
     loader_.request(requested_);
   }
-  VOLUTE_TRY(drawPicture(input));
-  glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target));
+}
+
+void ViewerApp::show(const ViewerInput& input) {
+  const Stopwatch watch(costs_.shown);
   glViewport(0, 0, input.width, input.height);
   glClearColor(0.05F, 0.05F, 0.06F, 1);
   glClear(GL_COLOR_BUFFER_BIT);
   if (picture_.shown())
     picture_.show(displayLook(), input.width, input.height);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+Status ViewerApp::frame(const ViewerInput& input) {
+  GLint target = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
+  seen_ = input;
+  costs_ = {};
+  if (!input.dropped.empty())
+    open(input.dropped);
+  takeLoaded(input);
+  usePanels(input);
+  VOLUTE_TRY(drawPicture(input));
+  glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target));
+  show(input);
   return {};
+}
+
+double ViewerApp::patience() const {
+  constexpr double kMoves = 1.0 / 60, kWaits = 1.0 / 30, kRests = 0.25;
+  if (moving_ || film_)
+    return kMoves;
+  return settled() ? kRests : kWaits;
 }
 
 bool ViewerApp::settled() const {

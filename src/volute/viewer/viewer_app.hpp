@@ -30,6 +30,14 @@ struct ViewerSettings {
   int filmSize = 1;  ///< 640 x 360, 1280 x 720, 1920 x 1080, the window's
 };
 
+/// What parts of the last frame took [ms].
+struct FrameCosts {
+  double loaded = 0;   ///< to take over what the loader has
+  double panels = 0;   ///< input and panels
+  double picture = 0;  ///< OpenGL's picture, or asking the processor for one
+  double shown = 0;    ///< picture and panels into the window
+};
+
 /// Where a control was drawn in the last frame [pixels]. Scripts find the controls by their names.
 struct ControlPlace {
   float left = 0, top = 0, right = 0, bottom = 0;
@@ -50,6 +58,9 @@ class ViewerApp {
   /// Whether all is loaded and the picture is drawn as finely as it will be.
   bool settled() const;
 
+  /// How soon another frame is worth its while if nobody does anything [s].
+  double patience() const;
+
   /// True once after a person asked for a screenshot.
   bool takeScreenshotWish() { return std::exchange(screenshotWish_, false); }
 
@@ -69,6 +80,8 @@ class ViewerApp {
 
   const std::string& error() const { return error_; }
 
+  const FrameCosts& costs() const { return costs_; }
+
   const FrameTimes& times() const { return picture_.times(); }
 
   const ViewPicture& picture() const { return picture_; }
@@ -83,6 +96,7 @@ class ViewerApp {
 
   /// The item that ImGui drew last is the control of this name.
   void mark(const std::string& name);
+
   void markPlace(const std::string& name, const ControlPlace& place) { controls_[name] = place; }
 
   void resetView(int width, int height);
@@ -100,6 +114,7 @@ class ViewerApp {
   void sendMap();
 
   void beginFilm(const ViewerInput& input);
+
   void cancelFilm() { film_.reset(); }
 
   const FilmExport* film() const { return film_.get(); }
@@ -119,7 +134,9 @@ class ViewerApp {
   void press(Key key, const ViewerInput& input);
   void paintInView(const ViewerInput& input);
   void goOnWithFilm();
+  void usePanels(const ViewerInput& input);
   Status drawPicture(const ViewerInput& input);
+  void show(const ViewerInput& input);
   PictureWish wish(const ViewerInput& input) const;
   DisplayLook displayLook() const;
   StartView startView() const;
@@ -140,6 +157,7 @@ class ViewerApp {
   std::optional<LoadedScene> scene_;
   std::map<std::string, std::vector<double>> pending_;  ///< parameters on their way
   std::map<std::string, ControlPlace> controls_;
+  FrameCosts costs_;
   std::string error_, message_, lastMessage_;
   double requested_ = 0;  ///< the time that the loader was asked for
   double exposure_ = 1;   ///< that fits the first picture

@@ -45,11 +45,11 @@ class Blobs final : public Document {
 
   bool coarseHelps(double) const override { return true; }
 
-  Result<ViewScene> sceneAt(double time, bool coarse, Progress& progress) override {
-    while (!coarse && held && !progress.cancelled())
+  Result<ViewScene> sceneAt(const SceneWish& wish, Progress& progress) override {
+    while (!wish.coarse && held && !progress.cancelled())
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ++scenes;
-    return ViewScene{.media = {.volumes = {{blob(time < 0.5 ? 3 : 9), 1, 0}}}};
+    return ViewScene{.media = {.volumes = {{blob(wish.time < 0.5 ? 3 : 9), 1, 0}}}};
   }
 
   std::filesystem::path path;

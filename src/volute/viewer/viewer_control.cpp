@@ -137,8 +137,7 @@ void ViewerApp::control(const ViewerInput& input) {
 }
 
 void ViewerApp::walk(const ViewerInput& input) {
-  if (camera_.mode() != ViewCamera::Mode::kWalk || input.control ||
-      ImGui::GetIO().WantTextInput)
+  if (camera_.mode() != ViewCamera::Mode::kWalk || input.control || ImGui::GetIO().WantTextInput)
     return;
   const auto axis = [&](Key forth, Key back) {
     return double(input.held.count(forth)) - double(input.held.count(back));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // Scripted use of the viewer for a long time: `viewer_soak SECONDS FILE...`. It opens the files
-// again and again, plays, turns, changes parameters, paints, saves and hides panels, and says at
-// the end how much memory grew from the second and third fifth of the time to the last two, which
-// OpenGL errors there were, and how long the longest frame took while a file loaded. Exit 1 where
-// one of them is too much.
+// again and again, plays, turns, changes parameters, paints, saves and hides panels. Each minute it
+// says how much memory is held, how many OpenGL errors there were, and which frames took longest
+// and why; at the end how much memory grew from the second and third fifth of the time to the last
+// two. Exit 1 where one of them is too much.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -25,7 +25,7 @@ using namespace volute;
 
 constexpr double kLongest = 0.1;      ///< [s] a frame may take while a file loads
 constexpr double kMostGrowth = 0.05;  ///< of memory, on average
-constexpr int kTold = 5;              ///< rounds between two lines on memory
+constexpr double kTellEvery = 60;     ///< [s] between two lines
 constexpr int kWidth = 640, kHeight = 900;
 
 double now() {
@@ -39,10 +39,43 @@ double residentMiB() {
   return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / (1 << 20);
 }
 
+/// The frame that took longest, and what it did.
+struct Longest {
+  double seconds = 0;
+  std::string what{};
+
+  void see(double took, const std::string& doing, const FrameCosts& costs) {
+    if (took <= seconds)
+      return;
+    seconds = took;
+    what = fmt::format("{} (taking over {:.0f}, panels {:.0f}, picture {:.0f}, showing {:.0f} ms)",
+                       doing, costs.loaded, costs.panels, costs.picture, costs.shown);
+  }
+
+  void see(const Longest& other) {
+    if (other.seconds > seconds)
+      *this = other;
+  }
+};
+
 struct Report {
-  double longestLoading = 0, longest = 0;
-  std::string slowest{};
-  int frames = 0, glErrors = 0, opened = 0;
+  Longest loading{}, other{};
+  int frames = 0, slow = 0, glErrors = 0, opened = 0;  ///< slow: above kLongest while loading
+
+  void add(const Report& part) {
+    loading.see(part.loading);
+    other.see(part.other);
+    frames += part.frames, slow += part.slow, glErrors += part.glErrors, opened += part.opened;
+  }
+
+  void tell(double seconds) const {
+    fmt::print(
+        "{:5.0f} s: {:.0f} MiB, {} OpenGL errors, {} files opened, {} frames, {} above {:.0f} ms "
+        "while loading; longest {:.0f} ms while loading: {}; {:.0f} ms else: {}\n",
+        seconds, residentMiB(), glErrors, opened, frames, slow, 1e3 * kLongest,
+        1e3 * loading.seconds, loading.what, 1e3 * other.seconds, other.what);
+    std::fflush(stdout);
+  }
 };
 
 /// How much was held; the first fifth of the time is for warming up.
@@ -109,11 +142,10 @@ class Round {
 
   void note(double seconds) {
     ++report_.frames;
-    report_.longest = std::max(report_.longest, seconds);
-    if (viewer_.app().loading().busy && seconds > report_.longestLoading) {
-      report_.longestLoading = seconds;
-      report_.slowest = what_;
-    }
+    const bool loads = viewer_.app().loading().busy;
+    (loads ? report_.loading : report_.other).see(seconds, what_, viewer_.app().costs());
+    if (loads && seconds > kLongest)
+      ++report_.slow;
     for (GLenum error = glGetError(); error != GL_NO_ERROR; error = glGetError()) {
       fmt::print(stderr, "OpenGL error {:#x} while {}\n", error, what_);
       ++report_.glErrors;
@@ -156,7 +188,7 @@ int main(int count, char** words) {
     return 2;
   }
   const double seconds = std::atof(words[1]);
-  auto viewer = HeadlessViewer::create(documentOpener(std::uint64_t{2} << 30));
+  auto viewer = HeadlessViewer::create(documentOpener({.maxMemory = std::uint64_t{2} << 30}));
   if (!viewer) {
     fmt::print(stderr, "viewer_soak: {}\n", viewer.error().message);
     return 1;
@@ -165,26 +197,27 @@ int main(int count, char** words) {
   if (!::mkdtemp(folder.data()))
     return 1;
   std::mt19937 random(1);
-  Report report;
+  Report all, minute;
   Memory memory;
   const double begun = now();
+  double told = begun;
   for (int round = 0; now() - begun < seconds; ++round) {
-    Round(**viewer, folder, random, report).use(words[2 + round % (count - 2)]);
-    if (round % kTold == 0)
-      fmt::print(stderr, "{:6.0f} s: {:.0f} MiB\n", now() - begun, residentMiB());
+    Round(**viewer, folder, random, minute).use(words[2 + round % (count - 2)]);
     memory.note((now() - begun) / seconds, residentMiB());
+    if (now() - told < kTellEvery && now() - begun < seconds)
+      continue;
+    told = now();
+    minute.tell(told - begun);
+    all.add(std::exchange(minute, {}));
   }
   std::filesystem::remove_all(folder);
   const double growth = memory.growth();
-  fmt::print("{:.0f} s, {} frames, {} files opened\n", now() - begun, report.frames, report.opened);
   fmt::print(
       "memory: {:.0f} MiB in the second and third fifth, {:.0f} MiB in the last two: {:+.1f} %\n",
       memory.before.mean(), memory.after.mean(), 100 * growth);
-  fmt::print("OpenGL errors: {}\n", report.glErrors);
-  fmt::print("longest frame: {:.1f} ms while loading ({}), {:.1f} ms at all\n",
-             1e3 * report.longestLoading, report.slowest, 1e3 * report.longest);
-  const bool good =
-      growth <= kMostGrowth && report.glErrors == 0 && report.longestLoading <= kLongest;
+  fmt::print("all of it: ");
+  all.tell(now() - begun);
+  const bool good = growth <= kMostGrowth && all.glErrors == 0 && all.loading.seconds <= kLongest;
   fmt::print("{}\n", good ? "good" : "NOT GOOD");
   return good ? 0 : 1;
 }

@@ -5,6 +5,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 
@@ -127,13 +128,20 @@ class Window {
 
   void show() { glfwSwapBuffers(window_); }
 
-  /// What happened since the last call.
-  ViewerInput input() {
+  /// What happened since the last call. If that is nothing, waits so long for something [s]: a
+  /// frame that shows nothing new takes time from those who load and draw.
+  ViewerInput input(double patience) {
     heard_.pressed.clear();
     heard_.dropped.clear();
     heard_.typed.clear();
     heard_.wheel = 0;
-    glfwPollEvents();
+    const ViewerInput before = heard_;
+    constexpr double kFrame = 1.0 / 60;
+    const double wait = last_ + (busy() ? kFrame : patience) - glfwGetTime();
+    if (wait > 0)
+      glfwWaitEventsTimeout(wait);
+    else
+      glfwPollEvents();
     glfwGetFramebufferSize(window_, &heard_.width, &heard_.height);
     int width = 1, height = 1;
     glfwGetWindowSize(window_, &width, &height);
@@ -144,8 +152,10 @@ class Window {
                                 GLFW_MOUSE_BUTTON_MIDDLE};
     for (int i = 0; i < 3; ++i)
       heard_.buttons[i] = glfwGetMouseButton(window_, kButtons[i]) == GLFW_PRESS;
+    constexpr int kFramesAfter = 6;  // panels answer an event in the frames after it
+    lively_ = same(before, heard_) ? std::max(lively_ - 1, 0) : kFramesAfter;
     const double now = glfwGetTime();
-    heard_.seconds = now - last_;
+    heard_.seconds = wait > kFrame ? kFrame : now - last_;  // nothing moved while it rested
     last_ = now;
     return heard_;
   }
@@ -183,8 +193,22 @@ class Window {
     });
   }
 
+  /// Whether nothing happened from one to the other.
+  static bool same(const ViewerInput& a, const ViewerInput& b) {
+    return b.pressed.empty() && b.typed.empty() && b.dropped.empty() && b.wheel == 0 &&
+           a.mouseX == b.mouseX && a.mouseY == b.mouseY && a.width == b.width &&
+           a.height == b.height && std::ranges::equal(a.buttons, b.buttons);
+  }
+
+  /// Whether a person holds something, or has just done something.
+  bool busy() const {
+    return lively_ > 0 || !heard_.held.empty() || heard_.buttons[0] || heard_.buttons[1] ||
+           heard_.buttons[2];
+  }
+
   bool started_ = false;
   GLFWwindow* window_ = nullptr;
+  int lively_ = 0;  ///< frames that follow soon
   ViewerInput heard_;
   double last_ = 0;
 };
@@ -204,9 +228,10 @@ Status runViewerWindow(OpenDocument open, const std::string& path, double time, 
                        int height, Progress& progress) {
   VOLUTE_ASSIGN(const auto window, Window::create(width, height));
   VOLUTE_ASSIGN(const auto app, ViewerApp::create(std::move(open)));
-  app->open(path, time);
+  if (!path.empty())
+    app->open(path, time);
   while (!window->closes() && !progress.cancelled()) {
-    const ViewerInput input = window->input();
+    const ViewerInput input = window->input(app->patience());
     if (input.width <= 0 || input.height <= 0)
       continue;  // minimised
     glBindFramebuffer(GL_FRAMEBUFFER, 0);

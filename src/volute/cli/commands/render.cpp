@@ -436,23 +436,13 @@ std::vector<Option> renderOptionTable() {
        .initial = "1",
        .positive = true},
       {.name = "legend", .help = "draw mode, mass extinction, C and time into .png and films"},
-      {.name = "cache",
-       .kind = kFile,
-       .value = "DIR",
-       .help = "where the light of lamps in smoke is kept, or none; else volute/light in the "
-               "user's cache folder"},
-      {.name = "cache-size",
-       .kind = kBytes,
-       .value = "BYTES",
-       .help = "what it may take there",
-       .initial = "1G"},
       {.name = "stats",
        .kind = kFile,
        .value = "FILE.json",
        .help = "write what was visited, the time of each stage and the peak memory"},
       {.name = "partial", .help = "use what is intact of a damaged .volute"}};
-  const std::vector<Option> smoke = smokeOptions();
-  options.insert(options.end(), smoke.begin(), smoke.end());
+  for (const auto& more : {lightCacheOptions(), smokeOptions()})
+    options.insert(options.end(), more.begin(), more.end());
   return options;
 }
 
