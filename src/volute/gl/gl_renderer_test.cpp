@@ -281,7 +281,7 @@ TEST_F(GlRendererTest, TheSplatFromInsideDrawsLittleMoreThanItsTetrahedra) {
   glGetQueryObjecti64v(name, GL_QUERY_RESULT, &drawn);
   ASSERT_GT(crossing, 100);
   EXPECT_GT(drawn, kWidth * kHeight);
-  EXPECT_LT(drawn, crossing * kWidth * kHeight / 4);
+  EXPECT_LT(drawn, 3 * crossing * kWidth * kHeight / 2);  // 2.4 of them otherwise, 1.1 so
 }
 
 TEST_F(GlRendererTest, SmokeVolumeAndFogOverlap) {
