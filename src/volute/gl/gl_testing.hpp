@@ -21,7 +21,7 @@
 
 namespace volute::gltest {
 
-inline constexpr int kWidth = 26, kHeight = 22;
+inline constexpr int kWidth = 36, kHeight = 30;
 
 /// One context for all tests of this file: making one costs more than a picture.
 class GlRendererTest : public testing::Test {
@@ -110,7 +110,7 @@ inline std::vector<Camera> cameras(const Box3& bounds) {
   const Vec3 centre = bounds.centre();
   Calibration lens;
   lens.width = kWidth, lens.height = kHeight;
-  lens.K << 23, 1.5, 12, 0, 22, 11.5, 0, 0, 1;
+  lens.K << 32, 1.5, 17, 0, 30, 16, 0, 0, 1;
   lens.R << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   lens.t = -lens.R * (centre + Vec3(0.1, -4, 0.2));
   lens.distortion.k1 = -0.1;

@@ -17,6 +17,8 @@ namespace {
 
 /// What a run may take without a graphics card [s]. With one all pictures have their size.
 constexpr double kAllSeconds = 420, kQuickSeconds = 60;
+/// And a case of it, when the time is over: small pictures are drawn all the same.
+constexpr double kLeastSeconds = 0.6;
 
 double secondsSince(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -124,8 +126,12 @@ class GlBench {
                            Size& size) {
     const Size full = size;
     constexpr int kSmallest = 8;
+    constexpr double kCompiling = 6;  // [s], at most
     size = {full.width / kSmallest, full.height / kSmallest};
-    VOLUTE_TRY(draw(one, size, options));  // compiles the shaders
+    const auto first = std::chrono::steady_clock::now();
+    VOLUTE_ASSIGN(auto compiled, draw(one, size, options));
+    if (secondsSince(first) > kCompiling + 2 * seconds)  // not by its pixels
+      return compiled;
     for (int part = kSmallest;; part /= 2) {
       size = {full.width / part, full.height / part};
       const auto begin = std::chrono::steady_clock::now();
@@ -183,20 +189,21 @@ Status benchGl(const BenchInput& input, BenchRows& rows, Progress& progress) {
   VOLUTE_ASSIGN(const auto gl, HeadlessGl::create());
   VOLUTE_ASSIGN(auto renderer, GlRenderer::create());
   GlBench bench(gl.device(), renderer, rows);
-  double done = 0;
+  const auto begin = std::chrono::steady_clock::now();
+  const double all = input.quick ? kQuickSeconds : kAllSeconds;
+  double share = 0;
   for (const GlGroup& group : groupsOf(input)) {
-    const auto begin = std::chrono::steady_clock::now();
-    const double seconds = group.share * (input.quick ? kQuickSeconds : kAllSeconds);
+    share += group.share;
     std::vector<GlCase> cases;
     VOLUTE_TRY(group.make(cases, progress));
     for (std::size_t i = 0; i < cases.size(); ++i) {
-      progress.report("measuring", done + group.share * i / cases.size(), 1);
+      const double spent = secondsSince(begin);
+      progress.report("measuring", std::min(spent, all), all);
       if (progress.cancelled())
         return fail(ErrorCode::kCancelled, "stopped before {}", cases[i].name);
-      const double left = std::max(0.0, seconds - secondsSince(begin));
-      VOLUTE_TRY(bench.measure(cases[i], left / static_cast<double>(cases.size() - i)));
+      const double mine = (share * all - spent) / static_cast<double>(cases.size() - i);
+      VOLUTE_TRY(bench.measure(cases[i], std::max(mine, kLeastSeconds)));
     }
-    done += group.share;
   }
   return {};
 }
