@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 
+#include "volute/base/assert.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/render/scaled_medium.hpp"
 #include "volute/scene/fds_light.hpp"
@@ -67,6 +68,26 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Scene
     VOLUTE_ASSIGN(layer.slice_, FdsSliceSheet::open(layer.case_->index(), description.fds.slice,
                                                     description.fds.sliceRange, reading));
   }
+  return layer;
+}
+
+bool FdsLayer::readsTheSame(const SmokeDescription& a, const SmokeDescription& b) {
+  const auto sameFire = [](const FdsLook& x, const FdsLook& y) {
+    return x.fire == y.fire && x.flame.temperature == y.flame.temperature &&
+           x.flame.emission == y.flame.emission && x.flame.cutoff == y.flame.cutoff &&
+           x.cutoff == y.cutoff;
+  };
+  return a.file == b.file && a.field == b.field &&
+         a.model.massExtinction == b.model.massExtinction && a.model.c == b.model.c &&
+         sameFire(a.fds, b.fds) && a.fds.devices == b.fds.devices && a.fds.slice == b.fds.slice &&
+         a.fds.sliceRange == b.fds.sliceRange;
+}
+
+FdsLayer FdsLayer::with(const SmokeDescription& description, const SceneLights& lights) const {
+  VOLUTE_ASSERT(readsTheSame(description_, description));
+  FdsLayer layer = *this;
+  layer.description_ = description;
+  layer.lights_ = lights;
   return layer;
 }
 

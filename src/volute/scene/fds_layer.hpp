@@ -31,6 +31,13 @@ class FdsLayer {
                                              const SceneLights& lights, Blocks blocks,
                                              Reading& reading);
 
+  /// Whether the same is read from the same files under both descriptions.
+  static bool readsTheSame(const SmokeDescription& a, const SmokeDescription& b);
+
+  /// This case under another description, which readsTheSame(), and in another light; what was read
+  /// is shared, so that only one of the two may be used from then on.
+  FdsLayer with(const SmokeDescription& description, const SceneLights& lights) const;
+
   const SmokeDescription& description() const { return description_; }
 
   /// What the extinction is read from, in words.

@@ -58,6 +58,7 @@ Result<std::unique_ptr<ViewerApp>> ViewerApp::create(OpenDocument open) {
 
 void ViewerApp::open(const std::string& path, double time) {
   viewSet_ = exposureFound_ = false;
+  settings_.look.exposure.reset();
   film_.reset();
   paint_.drop();
   settings_.painting = false;
@@ -78,6 +79,11 @@ void ViewerApp::resetView(int width, int height) {
   if (document_->startView)
     camera_.set(*document_->startView);
   else
+    wholeView(width, height);
+}
+
+void ViewerApp::wholeView(int width, int height) {
+  if (document_)
     camera_.frame(document_->bounds, width, height);
 }
 
@@ -113,6 +119,10 @@ void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
   if (!document_->look)
     return;
   settings_.look = *document_->look;
+  if (settings_.look.exposure) {
+    exposure_ = *settings_.look.exposure;
+    exposureFound_ = true;
+  }
   camera_.setMode(settings_.look.walks ? ViewCamera::Mode::kWalk : ViewCamera::Mode::kOrbit);
   timeline_.setSpeed(settings_.look.speed);
   if (requested_ == 0 && settings_.look.time)
@@ -159,6 +169,8 @@ void ViewerApp::saveScene() {
   look.speed = timeline_.speed();
   look.walks = camera_.mode() == ViewCamera::Mode::kWalk;
   look.time = timeline_.time();
+  if (exposureFound_)
+    look.exposure = exposure_;
   loader_.change("save scene",
                  [target = settings_.sceneName, view = startView(), look](
                      Document& document, Progress&) -> Result<std::string> {
@@ -355,8 +367,7 @@ double ViewerApp::patience() const {
 }
 
 bool ViewerApp::settled() const {
-  return loader_.idle() && !loading_.busy && !film_ && pending_.empty() &&
-         picture_.settled(wish(seen_)) && (document_ || !error_.empty()) &&
+  return idle() && !film_ && picture_.settled(wish(seen_)) && (document_ || !error_.empty()) &&
          (scene_ || !error_.empty());
 }
 

@@ -55,6 +55,9 @@ class ViewerApp {
   /// One frame. Errors of documents are shown, not returned; what is returned ends the viewer.
   [[nodiscard]] Status frame(const ViewerInput& input);
 
+  /// Whether all that was asked of documents is done.
+  bool idle() const { return loader_.idle() && !loading_.busy && pending_.empty(); }
+
   /// Whether all is loaded and the picture is drawn as finely as it will be.
   bool settled() const;
 
@@ -71,6 +74,8 @@ class ViewerApp {
   ViewerSettings& settings() { return settings_; }
 
   Timeline& timeline() { return timeline_; }
+
+  const Timeline& timeline() const { return timeline_; }
 
   ViewCamera& camera() { return camera_; }
 
@@ -99,7 +104,8 @@ class ViewerApp {
 
   void markPlace(const std::string& name, const ControlPlace& place) { controls_[name] = place; }
 
-  void resetView(int width, int height);
+  void resetView(int width, int height);  ///< the document's own, else wholeView()
+  void wholeView(int width, int height);
   void lookFrom(const StartView& view);
 
   /// Changes a parameter of the document, as soon as the loader comes to it.
