@@ -175,14 +175,17 @@ class Consistency {
     return false;
   }
 
+  double medianMisfit() const {
+    std::vector<double> misfits;
+    for (const std::size_t v : believed_) misfits.push_back(matches_[v].misfit);
+    return median(std::move(misfits));
+  }
+
   /// The median misfit of the believed, where it is more than their pictures explain.
   std::optional<double> unexplained(double& explained) const {
-    std::vector<double> misfits, unresolved;
-    for (const std::size_t v : believed_) {
-      misfits.push_back(matches_[v].misfit);
-      unresolved.push_back(matches_[v].unresolved);
-    }
-    const double misfit = median(std::move(misfits));
+    std::vector<double> unresolved;
+    for (const std::size_t v : believed_) unresolved.push_back(matches_[v].unresolved);
+    const double misfit = medianMisfit();
     explained = median(std::move(unresolved));
     if (misfit > std::max(kLeastMisfit, kMisfits * explained))
       return misfit;
@@ -223,6 +226,8 @@ class Consistency {
   /// The few without which the others agree; none when that is not so. They are believed no more.
   Result<std::vector<std::size_t>> culpritsOf(const TomographyOptions& plain) {
     constexpr std::size_t kLeast = 5;  // fewer agree on nearly everything
+    constexpr double kBetter = 0.5;
+    const double before = medianMisfit();
     std::vector<std::size_t> culprits;
     for (std::size_t most = views_.size() / 4; most > 0 && believed_.size() > kLeast; --most) {
       culprits.push_back(*std::ranges::max_element(
@@ -231,7 +236,7 @@ class Consistency {
       VOLUTE_ASSIGN(volume_, refitted(plain));
       matches_ = matches(volume_);
       double explained = 0;
-      if (!unexplained(explained))
+      if (!unexplained(explained) && medianMisfit() < kBetter * before)
         return culprits;
     }
     return std::vector<std::size_t>{};

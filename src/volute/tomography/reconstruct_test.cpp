@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "volute/base/parallel.hpp"
-#include "volute/tomography/diagnostics.hpp"
 #include "volute/tomography/testing.hpp"
 
 namespace volute {
@@ -114,6 +113,17 @@ TEST(Reconstruct, StopsByHeldOutPixelsWhenTheNoiseIsUnknown) {
   EXPECT_EQ(stopped.stoppedBy, "held-out pixels");
   options.iterations = 300;
   EXPECT_LT(scene.error(stopped.volume), scene.error(solved(scene, options).volume));
+}
+
+TEST(Reconstruct, SaysWhenItStoppedForNothingBetter) {
+  const TestScene scene(3);
+  TomographyOptions options;
+  options.regularization = kNone;
+  options.raysPerPixel = 1;
+  options.noiseSigma = 1e-9;  // never reached
+  EXPECT_EQ(solved(scene, options).stoppedBy, "limit");
+  options.iterations = 2;
+  EXPECT_EQ(solved(scene, options).stoppedBy, "iterations");
 }
 
 TEST(Reconstruct, WarmStartNeedsFewerIterations) {
@@ -254,6 +264,14 @@ TEST(Reconstruct, RefusesWhatMakesNoSense) {
   options.maxMemory = 1 << 20;
   EXPECT_THAT(failure(scene.views, scene.geometry, options, ErrorCode::kTooLarge),
               HasSubstr("allow more memory"));
+
+  options.maxMemory = 300 << 10;  // 20^3 voxels, 40 bytes each
+  EXPECT_THAT(failure(scene.views, scene.geometry, options, ErrorCode::kTooLarge),
+              HasSubstr("A volume of 20 x 20 x 20 voxels needs"));
+  EXPECT_EQ(checkVolumeSize({scene.geometry.bounds, {512, 512, 512}}, 500 << 20).error().code,
+            ErrorCode::kTooLarge);
+  EXPECT_THAT(checkVolumeSize({scene.geometry.bounds, {1500, 8, 8}}, 1 << 30).error().message,
+              HasSubstr("1 to 1024 voxels"));
 
   auto views = scene.views;
   views[2].radiance = Image(44, 48);

@@ -219,6 +219,8 @@ Status run(const Arguments& arguments, Context& context) {
   const auto heldOut =
       arguments.find<std::vector<std::string>>("hold-out").value_or(std::vector<std::string>{});
   const auto settings = settingsOf(arguments, capture, context);
+  const VolumeGeometry geometry{capture.volume.bounds, capture.volume.resolution};
+  VOLUTE_TRY(checkVolumeSize(geometry, context.maxMemory));
   VOLUTE_TRY(checkCapture(capture, heldOut, settings.force, context.progress));
   remarkOnLayout(capture, context);
   VOLUTE_ASSIGN(auto frames, openFrames(capture, settings, heldOut, target, context));
@@ -251,7 +253,7 @@ std::vector<Option> solverOptions() {
       {.name = "iterations",
        .kind = kInteger,
        .value = "N",
-       .help = "exactly N; else it stops by the noise, or by held-out pixels",
+       .help = "exactly N; else until the volume settles (none: by noise or held-out pixels)",
        .least = 1,
        .most = 100000},
       {.name = "regularization",

@@ -284,10 +284,11 @@ Status ReconstructedFrames::solve(int index) {
       checkPictures(views, geometry(), settings_.tomography.noiseSigma, settings_.limits);
   VOLUTE_ASSIGN(auto warnings, examine(views, findings));
   Reconstruction result;
-  result.volume.assign(colourValues(), 0);
-  result.hullShare = 0;
-  result.stoppedBy = "dark";
-  if (!findings.dark) {
+  if (findings.dark) {
+    result.volume.assign(colourValues(), 0);
+    result.hullShare = 0;
+    result.stoppedBy = "dark";
+  } else {
     VOLUTE_ASSIGN(result, fit(index, views));
   }
   auto cameras = measured(views, result);
@@ -300,6 +301,7 @@ Status ReconstructedFrames::solve(int index) {
   const nlohmann::ordered_json record = {
       {"frame", number},
       {"iterations", result.iterations},
+      {"search_iterations", result.searchIterations},
       {"stopped_by", result.stoppedBy},
       {"regularization", regularizationName(result.regularization)},
       {"lambda", jsonNumber(result.lambda)},
