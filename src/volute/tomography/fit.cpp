@@ -252,6 +252,7 @@ Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
   constexpr int kSearchIterations = 40, kFinalIterations = 600;
   constexpr std::size_t kLeastViews = 4;
   const LeastSquares& data = setup.problem.data;
+  int searched = 0;
   const auto heldOut = setup.views.size() >= kLeastViews
                            ? heldOutView(setup.problem, setup.views)
                            : heldOutRows(data.rows(), setup.options.seed);
@@ -267,7 +268,7 @@ Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
                                   {kSearchIterations, 0, {}, 2 * kSettled, before, all}));
     before += kSearchIterations;
     fit.heldOutError = heldOutError(data, heldOut, fit.projected);
-    if (!search.add(share, fit.heldOutError))
+    if (searched += fit.iterations; !search.add(share, fit.heldOutError))
       break;
     error = fit.heldOutError;
     start = std::move(fit.unknowns);
@@ -276,6 +277,7 @@ Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
   VOLUTE_ASSIGN(Fit fit, runFit(setup, data, Regularization::kTv, search.chosen() * setup.typical,
                                 std::move(start), stop));
   fit.heldOutError = error;
+  fit.searchIterations = searched;
   return fit;
 }
 

@@ -17,6 +17,7 @@ struct Fit {
   Regularization regularization = Regularization::kNone;
   double lambda = 0;  ///< times the largest eigenvalue
   int iterations = 0;
+  int searchIterations = 0;  ///< of the fits that chose the strength, or when to stop
   std::string_view stoppedBy = "iterations";
   std::vector<float> unknowns;
   std::vector<float> projected;  ///< S a

@@ -62,7 +62,9 @@ Result<Fit> fixedFit(const FitSetup& setup, std::vector<float> start) {
   const int best = std::max(1, search.iterations - (search.stoppedBy == "iterations" ? 0 : 12));
   VOLUTE_ASSIGN(Fit fit, runFit(setup, data, regularization, lambda, std::move(start),
                                 {best, 0, {}, 0, kMost, kMost + best}));
-  fit.stoppedBy = "held-out pixels";
+  if (search.stoppedBy == "held-out pixels")
+    fit.stoppedBy = search.stoppedBy;
+  fit.searchIterations = search.iterations;
   fit.heldOutError = search.heldOutError;
   return fit;
 }
@@ -180,9 +182,10 @@ Result<Reconstruction> reconstruct(std::span<const TomographyView> views,
   Reconstruction result;
   result.volume = toVolume(*problem.support, fit.unknowns);
   result.iterations = fit.iterations;
+  result.searchIterations = fit.searchIterations;
   result.regularization = fit.regularization;
   result.lambda = fit.lambda;
-  result.stoppedBy = fit.stoppedBy;
+  result.stoppedBy = fit.stoppedBy == "iterations" && !options.iterations ? "limit" : fit.stoppedBy;
   result.largestEigenvalue = largest;
   result.hullShare = problem.hullShare;
   result.pixels = problem.projector->rows();
