@@ -53,8 +53,8 @@ Status measureAll(const SmokeCase& smoke, const std::shared_ptr<const TetLocator
       quick ? std::vector<Size>{{800, 600}} : std::vector<Size>{{800, 600}, {1920, 1080}};
   const std::vector<bool> signs = quick ? std::vector{false} : std::vector{false, true};
   const auto drawers = smokeDrawers(smoke, locator, quick);
-  for (const SmokeEye& eye : smokeEyes(smoke.mesh->bounds())) {
-    std::vector<std::string> stopped(drawers.size());
+  std::vector<std::string> stopped(drawers.size());
+  for (const SmokeEye& eye : smokeEyes(*locator)) {
     bool first = true;
     for (const Size& size : sizes) {
       for (const bool sign : signs) {

@@ -126,7 +126,7 @@ void SmokeTable::judge(BenchRows& rows, SmokeTargets& targets) {
       targets.addError(role, setting_, worst);
       const std::string taken = fmt::format("a picture takes {:.1f} s", times->wall);
       if (role == SmokeRole::kOther && times->wall > kVerySlow)
-        stopped_[i] = taken + "; no more were drawn from this eye";
+        stopped_[i] = taken + "; no more were drawn";
       else if (!alwaysDraws(role) && times->wall > kSlow && !first_)
         resting_[i] = taken + "; the modes were drawn in the eye's first table alone";
     }
@@ -135,8 +135,9 @@ void SmokeTable::judge(BenchRows& rows, SmokeTargets& targets) {
 }
 
 std::vector<SmokeTable::Timing> SmokeTable::draw(const SmokeMode& mode) {
-  constexpr int kLeast = 2, kMost = 6;
+  constexpr int kMost = 6;
   constexpr double kPatience = 1.5;  // seconds, after the least number of frames
+  const auto least = [&](std::size_t i) { return alwaysDraws(drawers_[i]->role()) ? 2 : 1; };
   std::vector<Timing> timings(drawers_.size());
   std::vector<float> opacity(setting_.pixels());
   for (int frame = 1; frame <= kMost; ++frame) {
@@ -144,7 +145,7 @@ std::vector<SmokeTable::Timing> SmokeTable::draw(const SmokeMode& mode) {
     const SmokeView view =
         setting_.view(mode.newSmoke ? frame % fields : 0, frame, mode.moving ? frame : 0);
     for (std::size_t i = 0; i < drawers_.size(); ++i) {
-      const bool enough = frame > kLeast && timings[i].spent > kPatience;
+      const bool enough = frame > least(i) && timings[i].spent > kPatience;
       if (enough || !stopped_[i].empty() || !resting_[i].empty())
         continue;
       const auto times = drawers_[i]->draw(view, opacity);

@@ -14,11 +14,11 @@ namespace volute::cli {
 
 /// The four modes of one setting, by all drawers in turn, so that what else the machine does meets
 /// all of them. Time is bounded: the baseline and what is held against it draw at least two
-/// pictures of each mode, however slow; other slow drawers do that in the first setting of an eye
-/// alone, and the slowest draw no more than one picture, which says so.
+/// pictures of each mode, however slow; other slow drawers draw one, and in the first setting of an
+/// eye alone; the slowest draw no more than one picture in all. Rows say so.
 class SmokeTable {
  public:
-  /// `stopped`: for each drawer why it draws no more from this eye, or empty; is added to.
+  /// `stopped`: for each drawer why it draws no more, or empty; is added to.
   SmokeTable(const SmokeSetting& setting, const std::shared_ptr<const TetLocator>& locator,
              std::span<const std::unique_ptr<SmokeDrawer>> drawers, bool first,
              std::vector<std::string>& stopped);

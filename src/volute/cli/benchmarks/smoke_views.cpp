@@ -12,20 +12,38 @@
 #include "volute/tetmesh/tet_reference.hpp"
 
 namespace volute::cli {
+namespace {
 
-std::vector<SmokeEye> smokeEyes(const Box3& bounds) {
-  const auto at = [&](double x, double y, double z) {
-    return Vec3(bounds.min + bounds.size().cwiseProduct(Vec3(x, y, z)));
-  };
-  return {{"outside", at(-0.32, -1.2, 2.3), at(0.5, 0.5, 0.33), 36},
-          {"inside", at(0.08, 0.57, 0.28), at(0.86, 0.5, 0.4), 60}};
+Vec3 centreOf(const TetMesh& mesh, const Tet& tet) {
+  Vec3 centre = Vec3::Zero();
+  for (const std::int32_t v : tet) centre += 0.25 * mesh.vertices()[v];
+  return centre;
 }
 
-std::vector<SmokeEye> eyesOnMesh(const TetLocator& locator, const SmokeEye& inside) {
-  const Tet& tet = locator.mesh().tets()[locator.find(inside.eye)];
-  const auto vertex = [&](int k) { return locator.mesh().vertices()[tet[k]]; };
+const Tet& nearestTet(const TetMesh& mesh, const Vec3& point) {
+  return *std::ranges::min_element(
+      mesh.tets(), {}, [&](const Tet& tet) { return (centreOf(mesh, tet) - point).squaredNorm(); });
+}
+
+}  // namespace
+
+std::vector<SmokeEye> smokeEyes(const TetLocator& locator) {
+  const TetMesh& mesh = locator.mesh();
+  const auto at = [&](double x, double y, double z) {
+    return Vec3(mesh.bounds().min + mesh.bounds().size().cwiseProduct(Vec3(x, y, z)));
+  };
+  Vec3 inside = at(0.08, 0.57, 0.28);
+  if (locator.find(inside) < 0)
+    inside = centreOf(mesh, nearestTet(mesh, inside));
+  return {{"outside", at(-0.32, -1.2, 2.3), at(0.5, 0.5, 0.33), 36},
+          {"inside", inside, at(0.86, 0.5, 0.4), 60}};
+}
+
+std::vector<SmokeEye> eyesOnMesh(const TetMesh& mesh, const SmokeEye& near) {
+  const Tet& tet = nearestTet(mesh, near.eye);
+  const auto vertex = [&](int k) { return mesh.vertices()[tet[k]]; };
   const auto eye = [&](const char* name, const Vec3& at) {
-    return SmokeEye{name, at, inside.target, inside.fov};
+    return SmokeEye{name, at, near.target, near.fov};
   };
   return {eye("on a vertex", vertex(0)), eye("on an edge", 0.5 * (vertex(0) + vertex(1))),
           eye("on a face", (vertex(0) + vertex(1) + vertex(2)) / 3)};

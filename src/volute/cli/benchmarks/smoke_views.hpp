@@ -41,11 +41,11 @@ struct SmokeEye {
   double fov;  ///< vertical [degrees]
 };
 
-/// From outside and from inside, in a building's place in its bounds.
-std::vector<SmokeEye> smokeEyes(const Box3& bounds);
+/// From outside, and from a tet inside, by a building's place in its bounds.
+std::vector<SmokeEye> smokeEyes(const TetLocator& locator);
 
-/// On a vertex, an edge and a face of the tet in which `inside` is; it must be in one.
-std::vector<SmokeEye> eyesOnMesh(const TetLocator& locator, const SmokeEye& inside);
+/// On a vertex, an edge and a face of the tet that is nearest to another eye.
+std::vector<SmokeEye> eyesOnMesh(const TetMesh& mesh, const SmokeEye& near);
 
 /// Staubli et al. 2005, table 3. A "fixed" eye turns, as there.
 struct SmokeMode {

@@ -130,14 +130,14 @@ BenchRow judgeLight(const SmokeCase& smoke, const std::shared_ptr<const TetLocat
 Status judgeWholePictures(const SmokeCase& smoke, const std::shared_ptr<const TetLocator>& locator,
                           bool quick, BenchRows& rows, SmokeTargets& targets, Progress& progress) {
   Judge judge(smoke, locator);
-  const auto eyes = smokeEyes(smoke.mesh->bounds());
+  const auto eyes = smokeEyes(*locator);
   std::vector<SmokeSetting> settings;
   for (const SmokeEye& eye : eyes) {
     settings.push_back({smoke, eye, quick ? 320 : 800, quick ? 240 : 600, false});
     settings.push_back({smoke, eye, 200, 150, true});
   }
-  for (const SmokeEye& eye : eyesOnMesh(*locator, eyes.back()))
-    settings.push_back({smoke, eye, 200, 150, false});
+  const auto onMesh = eyesOnMesh(*smoke.mesh, eyes.back());
+  for (const SmokeEye& eye : onMesh) settings.push_back({smoke, eye, 200, 150, false});
   for (const SmokeSetting& setting : settings) {
     if (progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped in {}", setting.name());
