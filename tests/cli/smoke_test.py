@@ -126,11 +126,15 @@ class Quantities(SmokeCase):
     def test_what_is_missing_or_wrong(self):
         self.slab(0.3, other=1)
         smoke_files.write_vtu(self.path("negative.vtu"), smoke_files.box((0, 0, 0), (1, 1, 1), (1, 1, 1)), {"smoke": [0.5] * 7 + [-0.25]})
+        smoke_files.write_vtu(self.path("nan.vtu"), smoke_files.box((0, 0, 0), (1, 1, 1), (1, 1, 1)), {"smoke": [0.5] * 3 + [math.nan] * 5})
         view = ("--eye=-3,0,0", "--target", "5,0,0", "--ortho", "0.2", "--size", "8x8")
         out = ("-o", self.path("x.png"))
         for code, words, said in (
                 (2, ("slab.vtu", "--field", "smoke"), "--quantity: is missing"),
                 (1, ("slab.vtu", "--field", "soot", "--quantity", "extinction"), "'soot'"),
+                (1, ("slab.vtu", "--field", "soot", "--quantity", "extinction"), "smoke"),
+                (1, ("slab.vtu", "--field", "soot", "--quantity", "extinction"), "other"),
+                (1, ("nan.vtu", "--quantity", "extinction"), "nan.vtu: "),
                 (2, ("slab.vtu", "--quantity", "extinction"), "choose one with --field"),
                 (2, ("slab.vtu", "--field", "smoke", "--quantity", "products-density"), "soot yield"),
                 (2, ("slab.vtu", "--field", "smoke", "--quantity", "mass-fraction"), "--density-field"),
@@ -152,6 +156,7 @@ class Quantities(SmokeCase):
                 ("flat", [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1, 2, 3)], "no volume"),
                 ("loose", points[:5], [(0, 1, 2, 3)], "no tet"),
                 ("three", points, [(0, 1, 2, 3), (1, 2, 3, 4), (1, 2, 3, 5)], "face"),
+                ("inverted", points[:5], [(0, 1, 2, 3), (0, 1, 2, 4)], "one is inverted; mend the mesh"),
                 ("outside", points[:4], [(0, 1, 2, 9)], "vert")):
             smoke_files.write_vtu(self.path(f"{name}.vtu"), (used, tets), {"smoke": [0.5] * len(used)})
             message = self.fails(1, "render", self.path(f"{name}.vtu"), "--quantity", "extinction", "-o", self.path("x.png"))
@@ -289,10 +294,12 @@ class Lights(SmokeCase):
 
     def test_signs_on_walls_and_behind(self):
         pictures.write_planes(self.path("grey.exr"), 1, 1, {"Y": [0.8]})
-        sign = {"position": [0.3, 0.4, 0], "normal": [0, 0, 1], "size": [0.2, 0.2], "picture": "grey.exr", "emitting": True}
-        self.assertAlmostEqual(self.value(self.room("threshold", signs=[sign]), channel="B"), 0.8 * 10 ** (-0.2 / 8), delta=1e-4)
-        sign["position"][2] = -0.05
-        self.assertEqual(self.value(self.room("threshold", signs=[sign]), channel="B"), 0)
+        for mode, c, share in (("threshold", 8, 10 ** (-0.2 / 8)), ("threshold", 3, 10 ** (-0.2 / 3)),
+                               ("photometric", 8, math.exp(-0.2)), ("photometric", 3, math.exp(-0.2))):
+            sign = {"position": [0.3, 0.4, 0], "normal": [0, 0, 1], "size": [0.2, 0.2], "picture": "grey.exr", "C": c}
+            self.assertAlmostEqual(self.value(self.room(mode, signs=[sign]), channel="B"), 0.8 * share, delta=1e-4)
+            sign["position"][2] = -0.05  # behind the floor
+            self.assertEqual(self.value(self.room(mode, signs=[sign]), channel="B"), 0)
 
     def test_light_is_computed_once(self):
         self.slab(0.3, name="a.vtu")
@@ -336,6 +343,19 @@ class Time(SmokeCase):
             self.assertAlmostEqual(self.value(scene, "--time", time), math.exp(-depth), delta=1e-5)
         scene = self.scene([-3, 0, 0], [5, 0, 0], case="case.pvd", smoke={"time": {"offset": 2, "rate": 2}}, **WHITE)
         self.assertAlmostEqual(self.value(scene, "--time", 0.5), math.exp(-2), delta=1e-5)
+
+    def test_a_new_mesh_brings_its_own_light(self):
+        lamp = {"kind": "spot", "position": [5, 0, 0.5], "target": [5, 0, 0], "angle": 120, "intensity": [3, 3, 3]}
+        scene = self.scene([-3, 0, 0], [5, 0, 0], case="case.pvd", lights=[lamp])
+
+        def counts(time):
+            self.works("render", scene, "-o", self.path("x.exr"), "--cache", self.path("kept"), "--time", time, "--stats", self.path("s.json"))
+            found = json.loads(self.path("s.json").read_text())["smoke"]
+            return found["lights_computed"], found["lights_reused"]
+
+        self.assertEqual(counts(4), (2, 0))  # the first step, and the one that is shown
+        self.assertEqual(counts(8), (1, 1))  # the same smoke on another mesh
+        self.assertEqual(counts(8), (0, 2))
 
     def test_stills_are_steps_and_films_run_through_time(self):
         view = ("--eye=-3,0,0", "--target", "5,0,0", "--ortho", "0.2", "--size", "16x16", "--quantity", "extinction")

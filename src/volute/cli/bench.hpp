@@ -55,6 +55,7 @@ struct BenchInput {
   std::string truth{};  ///< the volumes that a capture shows
   std::string grid{};   ///< of the truth's files; empty: the only one
   bool quick = false;   ///< fewer measurements, where there are many
+  bool whole = false;   ///< smoke: errors of every pixel instead of times
 };
 
 /// A set of measurements that belong together. Figures of one run are compared with each other,

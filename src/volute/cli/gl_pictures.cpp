@@ -150,8 +150,14 @@ class Pictures final : public GlPictures {
                         {"times", pass.times},
                         {"milliseconds", pass.milliseconds}});
     }
-    return {
+    nlohmann::ordered_json json = {
         {"device", gl_.device().renderer}, {"hardware", gl_.device().hardware}, {"passes", passes}};
+    if (const auto tets = renderer_.projectedTets()) {
+      json["projected_tetrahedra"] = {{"sorts", tets->sorts},       {"uploads", tets->uploads},
+                                      {"pictures", tets->pictures}, {"triangles", tets->triangles},
+                                      {"cycles", tets->cycles},     {"parts", tets->parts}};
+    }
+    return json;
   }
 
  private:

@@ -110,6 +110,17 @@ Result<Image> RenderJob::pictureOf(const Still& still, const Moment& moment, Pro
 }
 
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
+  auto image = pictureBy(moment, progress);
+  if (image || !gl || !glIsWish || image.error().code == ErrorCode::kCancelled)
+    return image;
+  progress.remark(
+      fmt::format("the processor draws, since OpenGL does not: {}", image.error().message));
+  gl.reset();
+  smokeMethod = GlSmokeMethod::kAuto;
+  return pictureBy(moment, progress);
+}
+
+Result<Image> RenderJob::pictureBy(const Moment& moment, Progress& progress) {
   std::vector<VoxelMedium> volumes;
   Result<Still> still = [&] {
     const Stopwatch watch(totals.slices);

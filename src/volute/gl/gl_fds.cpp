@@ -63,34 +63,79 @@ std::size_t wordsOf(const FdsField& field) {
   return words;
 }
 
-class FdsOnDevice final : public GlMedium {
+/// What a field's arrays are known by.
+std::vector<const void*> identityOf(const FdsField& field) {
+  std::vector<const void*> identity{&field.grid()};
+  for (std::size_t i = 0; i < field.grid().lattices().size(); ++i) {
+    identity.push_back(&field.values(i));
+    identity.push_back(&field.cells(i));
+    identity.push_back(field.light(i));
+  }
+  return identity;
+}
+
+}  // namespace
+
+/// A field's arrays, one after the other.
+class GlFdsData {
  public:
-  explicit FdsOnDevice(const GlFds& fds)
-      : fds_(fds), middle_(fds.field.bounds().centre()), lit_(!fds.glow && fds.field.light(0)) {
-    const FdsGrid& grid = fds.field.grid();
-    Words words;
+  explicit GlFdsData(const FdsField& of)
+      : field(of), middle(of.bounds().centre()), lit(of.light(0) != nullptr) {
+    const FdsGrid& grid = field.grid();
+    Words all;
     for (int axis = 0; axis < 3; ++axis) {
-      partCount_[axis] = static_cast<int>(grid.partPlanes()[axis].size()) - 1;
-      partPlanes_[axis] = words.addPlanes(grid.partPlanes()[axis], middle_[axis]);
+      partCount[axis] = static_cast<int>(grid.partPlanes()[axis].size()) - 1;
+      partPlanes[axis] = all.addPlanes(grid.partPlanes()[axis], middle[axis]);
     }
-    table_ = words.size();
-    for (const std::int32_t lattice : grid.parts()) words.add(lattice);
+    table = all.size();
+    for (const std::int32_t lattice : grid.parts()) all.add(lattice);
     Words records;
     for (std::size_t i = 0; i < grid.lattices().size(); ++i) {
       const FdsLattice& lattice = grid.lattices()[i];
       for (int axis = 0; axis < 3; ++axis)
-        records.add(words.addPlanes(lattice.planes[axis], middle_[axis]));
+        records.add(all.addPlanes(lattice.planes[axis], middle[axis]));
       for (int axis = 0; axis < 3; ++axis) records.add(lattice.cells(axis));
-      records.add(words.add(fds.field.values(i).value));
-      records.add(words.addGas(fds.field.cells(i)));
-      records.add(lit_ ? words.add(*fds.field.light(i)) : 0);
+      records.add(all.add(field.values(i).value));
+      records.add(all.addGas(field.cells(i)));
+      records.add(lit ? all.add(*field.light(i)) : 0);
       records.add(lattice.nodal ? 1 : 0);
-      nodal_ = nodal_ || lattice.nodal;
+      nodal = nodal || lattice.nodal;
     }
-    lattices_ = words.size();
-    for (const std::uint32_t word : records.words()) words.add(std::bit_cast<std::int32_t>(word));
-    words_ = makeBuffer(words.words());
+    lattices = all.size();
+    for (const std::uint32_t word : records.words()) all.add(std::bit_cast<std::int32_t>(word));
+    words = makeBuffer(all.words());
   }
+
+  FdsField field;  ///< so that no other one's arrays get its addresses
+  Vec3 middle;
+  bool lit;
+  bool nodal = false;
+  std::array<int, 3> partCount{}, partPlanes{};
+  int table = 0, lattices = 0;
+  GlBuffer words;
+};
+
+namespace {
+
+constexpr double kRoundsPerCell = 12;
+
+/// That one ray may pass: as if the narrowest were everywhere.
+double mostCells(const FdsField& field) {
+  Vec3 narrowest = field.bounds().size();
+  for (const FdsLattice& lattice : field.grid().lattices()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::vector<double>& planes = lattice.planes[axis];
+      for (std::size_t i = 1; i < planes.size(); ++i)
+        narrowest[axis] = std::min(narrowest[axis], planes[i] - planes[i - 1]);
+    }
+  }
+  return field.bounds().size().cwiseQuotient(narrowest).sum();
+}
+
+class FdsOnDevice final : public GlMedium {
+ public:
+  FdsOnDevice(const GlFds& fds, std::shared_ptr<const GlFdsData> data)
+      : fds_(fds), data_(std::move(data)), lit_(!fds.glow && data_->lit) {}
 
   std::string key() const override { return lit_ ? "fds lit" : "fds"; }
 
@@ -101,12 +146,16 @@ class FdsOnDevice final : public GlMedium {
 
   GlNature nature() const override {
     GlNature nature;
-    nature.constant = !nodal_ && !lit_;
+    nature.constant = !data_->nodal && !lit_;
     nature.absorbs = !fds_.glow;
-    nature.points = lit_ ? 4 : nodal_ ? 2 : 1;
+    nature.points = lit_ ? 4 : data_->nodal ? 2 : 1;
     if (!lit_ && !fds_.glow)
       nature.color = fds_.field.source();
     return nature;
+  }
+
+  GlNeeds needs() const override {
+    return {.storage = 1, .cells = mostCells(data_->field), .roundsPerCell = kRoundsPerCell};
   }
 
   void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
@@ -115,29 +164,25 @@ class FdsOnDevice final : public GlMedium {
     const Rgb sent = fds_.glow ? *fds_.glow
                      : lit_    ? Rgb(Rgb::Constant(fds_.scale))
                                : Rgb(fds_.scale * fds_.field.source());
-    program.set(name("eye").c_str(), Vec3(eye - middle_));
-    program.set(name("partCount").c_str(), partCount_);
-    program.set(name("partPlanes").c_str(), partPlanes_);
-    program.set(name("table").c_str(), table_);
-    program.set(name("lattices").c_str(), lattices_);
+    program.set(name("eye").c_str(), Vec3(eye - data_->middle));
+    program.set(name("partCount").c_str(), data_->partCount);
+    program.set(name("partPlanes").c_str(), data_->partPlanes);
+    program.set(name("table").c_str(), data_->table);
+    program.set(name("lattices").c_str(), data_->lattices);
     program.set(name("extinction").c_str(), fds_.glow ? 0.0F : static_cast<float>(fds_.scale));
     program.set(name("source").c_str(), Vec3(sent));
-    program.bindStorage(name("Words").c_str(), bindings.storage++, words_);
+    program.bindStorage(name("Words").c_str(), bindings.storage++, data_->words);
   }
 
  private:
   GlFds fds_;
-  Vec3 middle_;
+  std::shared_ptr<const GlFdsData> data_;
   bool lit_;
-  bool nodal_ = false;
-  std::array<int, 3> partCount_{}, partPlanes_{};
-  int table_ = 0, lattices_ = 0;
-  GlBuffer words_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<GlMedium>> makeGlFds(const GlFds& fds) {
+Result<std::shared_ptr<const GlFdsData>> makeGlFdsData(const GlFds& fds) {
   GLint64 most = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
   const std::size_t bytes = 4 * wordsOf(fds.field);
@@ -147,7 +192,15 @@ Result<std::unique_ptr<GlMedium>> makeGlFds(const GlFds& fds) {
                 "render with --renderer cpu",
                 bytes >> 20, most >> 20);
   }
-  return std::make_unique<FdsOnDevice>(fds);
+  return std::make_shared<const GlFdsData>(fds.field);
+}
+
+bool holds(const GlFdsData& data, const GlFds& fds) {
+  return identityOf(data.field) == identityOf(fds.field);
+}
+
+std::unique_ptr<GlMedium> makeGlFds(const GlFds& fds, std::shared_ptr<const GlFdsData> data) {
+  return std::make_unique<FdsOnDevice>(fds, std::move(data));
 }
 
 }  // namespace volute

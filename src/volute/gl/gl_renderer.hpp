@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "volute/gl/gl_passes.hpp"
 #include "volute/gl/gl_scene.hpp"
 #include "volute/gl/scene_shader.hpp"
+#include "volute/gl/tet_projector.hpp"
 #include "volute/render/render.hpp"
 #include "volute/render/sign.hpp"
 #include "volute/render/surfaces.hpp"
@@ -59,6 +61,9 @@ class GlRenderer {
   [[nodiscard]] Result<Image> signLight(std::span<const float> powers);
 
   GLuint texture() const;
+
+  /// What projecting tetrahedra took, where the last mesh was drawn so.
+  std::optional<TetProjectorCounts> projectedTets() const;
 
   /// What the device did since the last call, and how long it took.
   std::vector<GlPassTime> takePasses();

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <functional>
 
@@ -117,6 +119,34 @@ void writeFoam(const std::filesystem::path& folder) {
   }
 }
 
+template <class T>
+void putBigEndian(std::string& out, T value) {
+  char bytes[sizeof value];
+  std::memcpy(bytes, &value, sizeof value);
+  if constexpr (std::endian::native == std::endian::little)
+    std::ranges::reverse(bytes);
+  out.append(bytes, sizeof value);
+}
+
+/// VTK's legacy format in binary; it has one instant.
+void writeLegacy(const std::filesystem::path& folder) {
+  std::string all =
+      "# vtk DataFile Version 3.0\nbox\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 12 float\n";
+  for (const Vec3& point : boxPoints()) {
+    for (int k = 0; k < 3; ++k) putBigEndian(all, static_cast<float>(point[k]));
+  }
+  all += "\nCELLS 2 18\n";
+  for (const int first : {0, 1}) {
+    putBigEndian(all, 8);
+    for (const int id : hexahedron(first)) putBigEndian(all, id);
+  }
+  all += "\nCELL_TYPES 2\n";
+  for (int i = 0; i < 2; ++i) putBigEndian(all, 12);
+  all += "\nPOINT_DATA 12\nSCALARS smoke float 1\nLOOKUP_TABLE default\n";
+  for (const Vec3& point : boxPoints()) putBigEndian(all, static_cast<float>(smokeAt(point, 0)));
+  writeBytes(folder / "box.vtk", all + "\n");
+}
+
 void writeExodus(const std::filesystem::path& folder) {
   ASSERT_EQ(
       std::system(fmt::format("{} {}", VOLUTE_EXODUS_MAKER, (folder / "box.e").string()).c_str()),
@@ -162,6 +192,17 @@ TEST(MeshCases, ReadsExodus) {
   }
 }
 
+TEST(MeshCases, ReadsLegacyVtk) {
+  const TempFolder folder;
+  writeLegacy(folder.path());
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "box.vtk", {.field = "smoke"}));
+  EXPECT_THAT(source.times(), ElementsAre(0));
+  ASSERT_VALUE(const auto frame, source.read(0));
+  expectSmoke(frame, 0);
+  ASSERT_VALUE(auto other, MeshSource::open(folder / "box.vtk", {.field = "soot"}));
+  EXPECT_THAT(other.read(0).error().message, HasSubstr("smoke"));
+}
+
 TEST(MeshCases, ReadsOpenFoam) {
   const TempFolder folder;
   writeFoam(folder.path());
@@ -197,6 +238,12 @@ struct Damage {
   }
 };
 
+/// How many bits of each file are flipped: VOLUTE_TEST_FLIPS, else few.
+std::size_t flipCount() {
+  const char* wanted = std::getenv("VOLUTE_TEST_FLIPS");
+  return wanted ? static_cast<std::size_t>(std::atoi(wanted)) : 6;
+}
+
 /// Cuts `file` of the case at a few places, then flips bits in it.
 void damage(const std::filesystem::path& caseFile, const std::filesystem::path& file,
             const std::string& field, bool cutsMustFail) {
@@ -209,7 +256,7 @@ void damage(const std::filesystem::path& caseFile, const std::filesystem::path& 
   if (cutsMustFail) {
     EXPECT_EQ(cuts.read, 0) << file;
   }
-  for (std::size_t i = 0; i < 6; ++i) {
+  for (std::size_t i = 0; i < flipCount(); ++i) {
     std::string flipped = whole;
     flipped[(i * 2654435761u + 97) % flipped.size()] ^= static_cast<char>(1 << (i % 8));
     writeBytes(file, flipped);
@@ -225,6 +272,8 @@ TEST(MeshCases, SurviveDamage) {
   damage(folder / "box.case", folder / "box.geo", "smoke", true);
   writeExodus(folder.path());
   damage(folder / "box.e", folder / "box.e", "smoke", false);
+  writeLegacy(folder.path());
+  damage(folder / "box.vtk", folder / "box.vtk", "smoke", true);
   writeFoam(folder.path());
   damage(folder / "box.foam", folder / "20" / "soot", "soot", false);
   damage(folder / "box.foam", folder / "constant" / "polyMesh" / "faces", "soot", true);

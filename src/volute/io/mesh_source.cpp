@@ -139,8 +139,8 @@ Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t instant
 }  // namespace
 
 bool isMeshCase(const std::filesystem::path& path) {
-  static constexpr std::string_view kExtensions[] = {".case", ".e",    ".ex2",
-                                                     ".exo",  ".exii", ".foam"};
+  static constexpr std::string_view kExtensions[] = {".case", ".e",    ".ex2", ".exo",
+                                                     ".exii", ".foam", ".vtk"};
   return std::ranges::find(kExtensions, path.extension().string()) != std::end(kExtensions);
 }
 
@@ -161,11 +161,10 @@ Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const Mes
     return source;
   }
   if (path.extension() != ".pvd") {
-    return fail(
-        ErrorCode::kUnsupported,
-        "{}: not a mesh; expected a .vtu file, a .pvd series, or a case of EnSight (.case), "
-        "Exodus (.e, .ex2, .exo, .exii) or OpenFOAM (.foam)",
-        path.string());
+    return fail(ErrorCode::kUnsupported,
+                "{}: not a mesh; expected a .vtu or .vtk file, a .pvd series, or a case of EnSight "
+                "(.case), Exodus (.e, .ex2, .exo, .exii) or OpenFOAM (.foam)",
+                path.string());
   }
   VOLUTE_ASSIGN(auto files, readCollection(path, loadVtkPlugin));
   std::ranges::stable_sort(files, {}, &TimedFile::time);

@@ -31,13 +31,13 @@ struct MeshOptions {
 };
 
 /// Whether a file's name is that of a case which MeshSource reads beside .vtu and .pvd: EnSight,
-/// Exodus or OpenFOAM.
+/// Exodus, OpenFOAM or VTK's legacy format.
 bool isMeshCase(const std::filesystem::path& path);
 
-/// Smoke on a mesh over time: a .vtu file, a .pvd series of them, or a case of EnSight Gold
-/// (.case), Exodus (.e, .ex2, .exo, .exii) or OpenFOAM (.foam). Cells are split into tets, values
-/// of cells become values of points; blocks of a case are joined where their points are the same.
-/// Files are read in a child process.
+/// Smoke on a mesh over time: a .vtu or legacy .vtk file, a .pvd series of .vtu, or a case of
+/// EnSight Gold (.case), Exodus (.e, .ex2, .exo, .exii) or OpenFOAM (.foam). Cells are split into
+/// tets, values of cells become values of points; blocks of a case are joined where their points
+/// are the same. Files are read in a child process.
 class MeshSource {
  public:
   [[nodiscard]] static Result<MeshSource> open(const std::filesystem::path& path,

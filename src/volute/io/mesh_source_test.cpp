@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/io/mesh_source.hpp"
 
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -111,14 +112,175 @@ TEST(MeshSource, ReadsSeries) {
   EXPECT_EQ(second.values[0], 1);
 }
 
-TEST(MeshSource, SaysWhatIsWrong) {
+/// Five unit cubes in a row along x: a hexahedron, a polyhedron, two wedges, six pyramids round a
+/// middle, a voxel. Smoke is 1 + 2 x + 3 y + 5 z.
+std::string mixedCells() {
+  std::vector<Vec3> points;
+  for (int x = 0; x <= 5; ++x) {
+    for (int i = 0; i < 4; ++i) points.emplace_back(x, i % 2, i / 2);
+  }
+  points.emplace_back(3.5, 0.5, 0.5);
+  std::string connectivity, offsets, types, faces, faceOffsets;
+  int end = 0, facesEnd = 0;
+  const auto add = [&](int type, const std::vector<int>& cell,
+                       const std::vector<std::vector<int>>& sides = {}) {
+    for (const int v : cell) connectivity += fmt::format("{} ", v);
+    offsets += fmt::format("{} ", end += static_cast<int>(cell.size()));
+    types += fmt::format("{} ", type);
+    if (!sides.empty()) {
+      faces += fmt::format("{} ", sides.size());
+      ++facesEnd;
+      for (const auto& side : sides) {
+        faces += fmt::format("{} {} ", side.size(), fmt::join(side, " "));
+        facesEnd += 1 + static_cast<int>(side.size());
+      }
+    }
+    faceOffsets += fmt::format("{} ", sides.empty() ? -1 : facesEnd);
+  };
+  // The corners of cube i in the order of a hexahedron, and its quads.
+  const auto corners = [](int i) {
+    const int a = 4 * i, b = a + 4;
+    return std::vector<int>{a, b, b + 1, a + 1, a + 2, b + 2, b + 3, a + 3};
+  };
+  const auto quads = [&](int i) {
+    const auto c = corners(i);
+    return std::vector<std::vector<int>>{{c[0], c[1], c[2], c[3]}, {c[4], c[5], c[6], c[7]},
+                                         {c[0], c[1], c[5], c[4]}, {c[1], c[2], c[6], c[5]},
+                                         {c[2], c[3], c[7], c[6]}, {c[3], c[0], c[4], c[7]}};
+  };
+  add(12, corners(0));
+  add(42, corners(1), quads(1));
+  const auto c = corners(2);
+  add(13, {c[0], c[1], c[2], c[4], c[5], c[6]});
+  add(13, {c[0], c[2], c[3], c[4], c[6], c[7]});
+  for (std::vector<int> quad : quads(3)) {
+    quad.push_back(24);
+    add(14, quad);
+  }
+  const auto v = corners(4);
+  add(11, {v[0], v[1], v[3], v[2], v[4], v[5], v[7], v[6]});
+  std::string coordinates, smoke;
+  for (const Vec3& p : points) {
+    coordinates += fmt::format("{} {} {} ", p.x(), p.y(), p.z());
+    smoke += fmt::format("{} ", 1 + 2 * p.x() + 3 * p.y() + 5 * p.z());
+  }
+  const auto array = [](const char* type, const char* name, const std::string& numbers) {
+    return fmt::format(R"(<DataArray type="{}" Name="{}" format="ascii">{}</DataArray>)", type,
+                       name, numbers);
+  };
+  return R"(<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian">
+<UnstructuredGrid><Piece NumberOfPoints="25" NumberOfCells="11"><PointData>)" +
+         array("Float64", "smoke", smoke) +
+         R"(</PointData><Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">)" +
+         coordinates + "</DataArray></Points><Cells>" +
+         array("Int64", "connectivity", connectivity) + array("Int64", "offsets", offsets) +
+         array("UInt8", "types", types) + array("Int64", "faces", faces) +
+         array("Int64", "faceoffsets", faceOffsets) +
+         "</Cells></Piece></UnstructuredGrid></VTKFile>\n";
+}
+
+TEST(MeshSource, SplitsEveryShapeSoThatNeighboursMeet) {
   const TempFolder folder;
-  write(folder / "a.vtu", vtu("0 1 -2 3 4 5"));
-  EXPECT_THAT(readOne(folder / "a.vtu").error().message, HasSubstr("value 2 is -2"));
-  ASSERT_VALUE(const auto clamped, readOne(folder / "a.vtu", {.negatives = Negatives::kClamp}));
-  EXPECT_EQ(clamped.clamped, 1u);
-  write(folder / "b.vtu", vtu("0 1 nan 3 4 5"));
-  EXPECT_FALSE(readOne(folder / "b.vtu").has_value());
+  write(folder / "mixed.vtu", mixedCells());
+  ASSERT_VALUE(const auto frame, readOne(folder / "mixed.vtu"));
+  double volume = 0;
+  for (std::size_t t = 0; t < frame.mesh->tets().size(); ++t)
+    volume += frame.mesh->volume(static_cast<std::int32_t>(t));
+  EXPECT_NEAR(volume, 5, 1e-12);
+  // A quad that was cut differently from its two sides would show as a boundary inside.
+  EXPECT_EQ(frame.mesh->boundary().size(), 2u * (5 * 4 + 2));
+  for (std::size_t i = 0; i < frame.values.size(); ++i)
+    EXPECT_NEAR(frame.values[i], 1 + frame.mesh->vertices()[i].dot(Vec3(2, 3, 5)), 1e-6);
+}
+
+TEST(MeshSource, SeriesMayChangeTheirMesh) {
+  const TempFolder folder;
+  write(folder / "a.vtu", vtu("0 1 2 3 4 5"));
+  write(folder / "b.vtu", mixedCells());
+  write(folder / "s.pvd", R"(<VTKFile type="Collection"><Collection>
+<DataSet timestep="1" part="0" file="a.vtu"/><DataSet timestep="2" part="0" file="b.vtu"/>
+<DataSet timestep="3" part="0" file="a.vtu"/></Collection></VTKFile>
+)");
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "s.pvd"));
+  for (const std::size_t i : {0, 1, 2, 1}) {
+    ASSERT_VALUE(const auto frame, source.read(i));
+    EXPECT_EQ(frame.mesh->vertices().size(), i == 1 ? 25u : 6u);
+    EXPECT_EQ(frame.values.size(), frame.mesh->vertices().size());
+  }
+}
+
+/// Tets alone, with smoke of 1 at each point.
+std::string tets(const std::string& points, int pointCount, const std::string& cells,
+                 int cellCount) {
+  std::string ones, offsets, types;
+  for (int i = 0; i < pointCount; ++i) ones += "1 ";
+  for (int i = 1; i <= cellCount; ++i) offsets += fmt::format("{} ", 4 * i), types += "10 ";
+  return fmt::format(
+      R"(<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian"><UnstructuredGrid>
+<Piece NumberOfPoints="{}" NumberOfCells="{}">
+<PointData><DataArray type="Float32" Name="smoke" format="ascii">{}</DataArray></PointData>
+<Points><DataArray type="Float32" NumberOfComponents="3" format="ascii">{}</DataArray></Points>
+<Cells><DataArray type="Int32" Name="connectivity" format="ascii">{}</DataArray>
+<DataArray type="Int32" Name="offsets" format="ascii">{}</DataArray>
+<DataArray type="UInt8" Name="types" format="ascii">{}</DataArray></Cells>
+</Piece></UnstructuredGrid></VTKFile>
+)",
+      pointCount, cellCount, ones, points, cells, offsets, types);
+}
+
+TEST(MeshSource, SaysWhatIsWrongWithAField) {
+  const TempFolder folder;
+  const std::string file = (folder / "a.vtu").string();
+  write(file, vtu("0 1 -2 3 -4 5"));
+  EXPECT_EQ(readOne(file).error().message,
+            file +
+                ": field 'smoke': value 2 is -2; concentrations are not negative; ask for them "
+                "to be clamped to 0 if they are the solver's noise");
+  ASSERT_VALUE(const auto clamped, readOne(file, {.negatives = Negatives::kClamp}));
+  EXPECT_EQ(clamped.clamped, 2u);
+  EXPECT_THAT(clamped.values, ::testing::Contains(0).Times(3));
+  EXPECT_THAT(clamped.values, ::testing::Each(::testing::Ge(0)));
+  write(file, vtu("0 1 nan 3 4 5"));
+  for (const Negatives negatives : {Negatives::kRefuse, Negatives::kClamp}) {
+    EXPECT_EQ(readOne(file, {.negatives = negatives}).error().message,
+              file + ": field 'smoke': value 2 is nan; expected finite numbers");
+  }
+  const auto none = readOne(file, {.field = "soot"});
+  EXPECT_THAT(none.error().message, ::testing::StartsWith(file));
+  for (const char* said : {"'soot'", "smoke", "U", "3 components"})
+    EXPECT_THAT(none.error().message, HasSubstr(said));
+}
+
+TEST(MeshSource, SaysWhatIsWrongWithAMesh) {
+  const TempFolder folder;
+  const std::string file = (folder / "a.vtu").string();
+  const auto said = [&](const std::string& points, int pointCount, const std::string& cells,
+                        int cellCount) {
+    write(file, tets(points, pointCount, cells, cellCount));
+    const auto frame = readOne(file);
+    if (frame)
+      return std::string("nothing");
+    EXPECT_THAT(frame.error().message, ::testing::StartsWith(file + ": "));
+    return frame.error().message.substr(file.size() + 2);
+  };
+  const std::string corners = "0 0 0 1 0 0 0 1 0 0 0 1 ";
+  EXPECT_EQ(said(corners, 4, "0 1 2 3", 1), "nothing");
+  EXPECT_EQ(said(corners, 4, "1 0 2 3", 1), "nothing");  // numbered in the other sense
+  EXPECT_THAT(said(corners + "1 1 1", 5, "0 1 2 3 0 1 2 4", 2),
+              ::testing::AllOf(HasSubstr("tets"), HasSubstr("one is inverted; mend the mesh")));
+  EXPECT_THAT(said("0 0 0 1 0 0 0 1 0 1 1 0", 4, "0 1 2 3", 1),
+              ::testing::AllOf(HasSubstr("tet 0"), HasSubstr("has no volume; mend the mesh")));
+  EXPECT_THAT(said(corners, 4, "0 1 1 3", 1), HasSubstr("has no volume"));
+  EXPECT_THAT(said(corners + "7 7 7", 5, "0 1 2 3", 1),
+              ::testing::AllOf(HasSubstr("1 vertices belong to no tet, vertex "),
+                               HasSubstr("; remove them and their values")));
+  EXPECT_THAT(said(corners + "1 1 1 -1 -1 -1", 6, "0 1 2 3 1 2 3 4 1 2 3 5", 3),
+              ::testing::AllOf(HasSubstr("belongs to 3 tets"), HasSubstr("a face has one or two")));
+  EXPECT_THAT(said(corners, 4, "0 1 2 9", 1), HasSubstr("vert"));
+}
+
+TEST(MeshSource, SaysWhatIsWrongWithAFile) {
+  const TempFolder folder;
   write(folder / "c.vtu", vtu("0 1 2 3 4 5").substr(0, 700));
   EXPECT_THAT(readOne(folder / "c.vtu").error().message, HasSubstr("truncated"));
   EXPECT_THAT(MeshSource::open(folder / "d.vtu").error().message, HasSubstr("no such file"));

@@ -13,6 +13,7 @@
 #include <vtkOpenFOAMReader.h>
 #include <vtkPointData.h>
 #include <vtkStreamingDemandDrivenPipeline.h>
+#include <vtkUnstructuredGridReader.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
 #include <algorithm>
@@ -48,6 +49,13 @@ vtkSmartPointer<vtkAlgorithm> readerOf(const std::filesystem::path& path) {
   if (kind == ".vtu") {
     auto reader = vtkSmartPointer<vtkXMLUnstructuredGridReader>::New();
     reader->SetFileName(path.c_str());
+    return reader;
+  }
+  if (kind == ".vtk") {
+    auto reader = vtkSmartPointer<vtkUnstructuredGridReader>::New();
+    reader->SetFileName(path.c_str());
+    reader->ReadAllScalarsOn();
+    reader->ReadAllFieldsOn();
     return reader;
   }
   auto reader = vtkSmartPointer<vtkExodusIIReader>::New();

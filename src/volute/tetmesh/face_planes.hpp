@@ -26,18 +26,4 @@ struct FacePlanes {
   std::vector<std::array<std::int32_t, 4>> sides;
 };
 
-/// A way of looking: from an eye, or along a direction.
-struct ViewOrigin {
-  Vec3 eye = Vec3::Zero(), forward = Vec3::UnitX();
-  bool orthographic = false;
-
-  bool operator==(const ViewOrigin&) const = default;
-};
-
-/// All tets from front to back: each after those before it whose faces it shares. Where a mesh is
-/// not convex, and where tets lie around each other in a circle, no such order need be right for
-/// all rays: the nearest are first. Staubli et al. 2005, section 4.1, by buckets of distance.
-std::vector<std::int32_t> visibilityOrder(const TetMesh& mesh, const FacePlanes& faces,
-                                          const ViewOrigin& view);
-
 }  // namespace volute

@@ -61,17 +61,27 @@ ScreenView::ScreenView(const Camera& camera, const TetLocator& locator)
 }
 
 ScreenVertex ScreenView::project(const Vec3& point) const {
+  ScreenRest rest;
+  return project(point, rest);
+}
+
+ScreenVertex ScreenView::project(const Vec3& point, ScreenRest& rest) const {
   const Vec3 from = point - eye;
   const double z = from.dot(forward);
   const double w = orthographic ? 1 : z;
-  return {static_cast<float>(from.dot(right) * perPixel - (originX - 0.5 * width) * w),
-          static_cast<float>(from.dot(down) * perPixel - (originY - 0.5 * height) * w),
-          static_cast<float>(w),
-          0,
-          static_cast<float>(z),
-          0,
-          0,
-          0};
+  const double x = from.dot(right) * perPixel - (originX - 0.5 * width) * w;
+  const double y = from.dot(down) * perPixel - (originY - 0.5 * height) * w;
+  const ScreenVertex vertex{static_cast<float>(x),
+                            static_cast<float>(y),
+                            static_cast<float>(w),
+                            0,
+                            static_cast<float>(z),
+                            0,
+                            0,
+                            0};
+  rest = {static_cast<float>(x - vertex.x), static_cast<float>(y - vertex.y),
+          static_cast<float>(w - vertex.w), 0};
+  return vertex;
 }
 
 double ScreenView::rayScale(int x, int y) const {

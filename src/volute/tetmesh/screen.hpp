@@ -22,6 +22,12 @@ struct ScreenVertex {
   float r, g, b;  ///< source
 };
 
+/// What a ScreenVertex's x, y and w leave of the exact ones: near a pixel, where x - px w all but
+/// cancels, they tell on which side of an edge a ray is and how far it runs in a thin tet.
+struct ScreenRest {
+  float x = 0, y = 0, w = 0, unused = 0;
+};
+
 /// A camera whose eye stands inside a tet, not on a face, edge or vertex of it: moved by a
 /// millionth of the tet where it does.
 struct ScreenView {
@@ -29,6 +35,8 @@ struct ScreenView {
 
   /// x and y count from the origin, which is the picture's centre unless moved.
   ScreenVertex project(const Vec3& point) const;
+
+  ScreenVertex project(const Vec3& point, ScreenRest& rest) const;
 
   /// A pixel's centre from the origin.
   double pixelX(int x) const { return x + 0.5 - originX; }

@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 
 #include "volute/math/float_lanes-inl.hpp"
 #include "volute/tetmesh/tet_raster.hpp"
@@ -20,6 +22,8 @@ HWY_BEFORE_NAMESPACE();
 
 namespace volute::HWY_NAMESPACE {
 namespace {
+
+static_assert(offsetof(FacePlane, offset) == 3 * sizeof(double));
 
 constexpr int kBlock = TetTile::kBlock;
 constexpr int kPixels = kBlock * kBlock;
@@ -85,26 +89,61 @@ HWY_INLINE void Multiply(const double* by, const RowMatrix& matrix, double* out)
   }
 }
 
+/// The order of a tet's faces with those of a set of bits first.
+struct BitsFirst {
+  std::uint8_t order[16][4], count[16];
+
+  constexpr BitsFirst() : order(), count() {
+    for (int bits = 0; bits < 16; ++bits) {
+      int first = 0, last = 4;
+      for (std::uint8_t k = 0; k < 4; ++k) order[bits][bits >> k & 1 ? first++ : --last] = k;
+      count[bits] = static_cast<std::uint8_t>(first);
+    }
+  }
+};
+
 /// Both tets at a face find the same bound, bit by bit: what one of them is too long the other is
-/// too short.
+/// too short. The four faces go side by side.
 HWY_INLINE void SetBounds(const TileRays& rays, const SplatMesh& mesh, std::int32_t tet,
                           TetBounds& out) {
+  constexpr hn::CappedTag<double, 4> dd;
+  constexpr hn::Rebind<float, decltype(dd)> narrow;
   constexpr double kLeast = 1e-12;  // an eye in a face's plane
-  int lows = 0, highs = 4;
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(dd));
+  static constexpr BitsFirst kBitsFirst;
+  alignas(32) double planes[4][4];
+  unsigned second = 0;
   for (int k = 0; k < 4; ++k) {
     const std::int32_t face = mesh.faces[4 * static_cast<std::int64_t>(tet) + k];
-    alignas(32) double all[4];
-    Multiply(mesh.planes[face >> 1].normal.data(), rays.plane, all);
-    const bool before = all[3] > 0;
-    const bool low = before == ((face & 1) == 0);
-    const double by = 1 / (before ? std::max(all[3], kLeast) : std::min(all[3], -kLeast));
-    highs -= !low;
-    out.bound[low ? lows : highs] = {static_cast<float>(all[0] * by),
-                                     static_cast<float>(all[1] * by),
-                                     static_cast<float>(all[2] * by)};
-    lows += low;
+    std::copy_n(mesh.planes[face >> 1].normal.data(), 4, planes[k]);  // and the offset behind it
+    second |= static_cast<unsigned>(face & 1) << k;
   }
-  out.lows = lows;
+  alignas(16) float at[3][4];
+  unsigned before = 0;
+  for (int k = 0; k < 4; k += kLanes) {
+    hn::Vec<decltype(dd)> plane[4];
+    hn::LoadInterleaved4(dd, planes[k], plane[0], plane[1], plane[2], plane[3]);
+    const auto times = [&](int column) HWY_ATTR {
+      auto sum = hn::Mul(plane[0], hn::Set(dd, rays.plane.rows[0][column]));
+      for (int row = 1; row < 4; ++row)
+        sum = hn::MulAdd(plane[row], hn::Set(dd, rays.plane.rows[row][column]), sum);
+      return sum;
+    };
+    const auto divisor = times(3), least = hn::Set(dd, kLeast);
+    const auto ahead = hn::Gt(divisor, hn::Zero(dd));
+    const auto safe =
+        hn::IfThenElse(ahead, hn::Max(divisor, least), hn::Min(divisor, hn::Neg(least)));
+    const auto by = hn::Div(hn::Set(dd, 1), safe);
+    for (int column = 0; column < 3; ++column)
+      hn::Store(hn::DemoteTo(narrow, hn::Mul(times(column), by)), narrow, at[column] + k);
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(dd, ahead, bits);
+    before |= static_cast<unsigned>(bits[0]) << k;
+  }
+  const unsigned low = (before ^ second) & 15;
+  const std::uint8_t* order = kBitsFirst.order[low];
+  for (int k = 0; k < 4; ++k) out.bound[k] = {at[0][order[k]], at[1][order[k]], at[2][order[k]]};
+  out.lows = kBitsFirst.count[low];
 }
 
 /// Between which inverse depths a tet's vertices are.

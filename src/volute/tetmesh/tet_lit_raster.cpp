@@ -56,28 +56,23 @@ struct Tolerance {
 /// A ray's way through a tet. Lanes that are not inside have no length.
 struct Way {
   Mask inside;
-  VF low, high, begin, end, length;  ///< begin and end from z0 on; length in depth
+  VF low, high, middle, length;  ///< middle from z0 on; length in depth
 };
 
 template <bool kOrthographic>
 HWY_INLINE Way WayOf(VF low, VF high, VF z0) {
-  Way way;
-  way.low = low, way.high = high;
-  const VF width = hn::Sub(high, low);
-  way.inside = hn::Gt(width, hn::Zero(df));
-  VF begin, end, length;
+  const VF width = hn::Sub(high, low), twice = hn::Add(high, low);
+  Way way{hn::Gt(width, hn::Zero(df)), low, high, {}, {}};
+  VF length;
   if constexpr (kOrthographic) {
-    begin = hn::Neg(hn::Add(high, z0));
-    end = hn::Neg(hn::Add(low, z0));
+    way.middle = hn::MulSub(Constant(-0.5F), twice, z0);
     length = width;
   } else {
     const VF per = Reciprocal(hn::Mul(high, low));
-    begin = hn::MulSub(low, per, z0);
-    end = hn::MulSub(high, per, z0);
+    way.middle = hn::MulSub(Constant(0.5F), hn::Mul(twice, per), z0);
     length = hn::Mul(width, per);
   }
-  way.begin = hn::IfThenElseZero(way.inside, begin);
-  way.end = hn::IfThenElseZero(way.inside, end);
+  way.middle = hn::IfThenElseZero(way.inside, way.middle);
   way.length = hn::IfThenElseZero(way.inside, length);
   return way;
 }
@@ -85,31 +80,31 @@ HWY_INLINE Way WayOf(VF low, VF high, VF z0) {
 /// Adds what a vector of pixels sees of a tet.
 HWY_INLINE void AddLight(const Way& way, const RampRow& tau, const RampRow (&source)[3], VF dx,
                          Tolerance tolerance, int at, LitTile& tile) {
-  const VF last = hn::Load(df, tile.last + at);
+  const VF last = hn::Load(df, tile.at(LitTile::kLast, at));
   const Mask wrong = hn::And(
       way.inside,
       hn::Gt(way.high, hn::MulAdd(last, Constant(tolerance.scale), Constant(tolerance.plus))));
   if (!hn::AllFalse(df, wrong))
-    hn::Store(hn::IfThenElse(wrong, Constant(1), hn::Load(df, tile.wrong + at)), df,
-              tile.wrong + at);
-  hn::Store(hn::IfThenElse(way.inside, way.low, last), df, tile.last + at);
-  const VF length = hn::Mul(way.length, hn::Load(df, tile.scale + at));
-  const VF value = tau.value.at(dx), slope = tau.slope.at(dx);
-  const VF d0 = hn::Max(hn::Mul(hn::MulAdd(way.begin, slope, value), length), hn::Zero(df));
-  const VF d1 = hn::Max(hn::Mul(hn::MulAdd(way.end, slope, value), length), hn::Zero(df));
-  VF w0, w1;
-  const VF lost = Weights(d0, d1, w0, w1);
-  const VF passed = hn::Load(df, tile.passed + at);
-  w0 = hn::Mul(w0, passed);
-  w1 = hn::Mul(w1, passed);
-  const VF near = hn::MulAdd(w0, way.begin, hn::Mul(w1, way.end)), both = hn::Add(w0, w1);
+    hn::Store(hn::IfThenElse(wrong, Constant(1), hn::Load(df, tile.at(LitTile::kWrong, at))), df,
+              tile.at(LitTile::kWrong, at));
+  hn::Store(hn::IfThenElse(way.inside, way.low, last), df, tile.at(LitTile::kLast, at));
+  const VF length = hn::Mul(way.length, hn::Load(df, tile.at(LitTile::kScale, at)));
+  const VF slope = tau.slope.at(dx);
+  const VF mean = hn::MulAdd(way.middle, slope, tau.value.at(dx));
+  const VF whole = hn::Max(hn::Mul(mean, length), hn::Zero(df));
+  const VF rise = hn::Mul(hn::Mul(way.length, Constant(0.5F)), hn::Mul(slope, length));
+  VF lean;
+  const VF lost = LostAndLean(whole, rise, lean);
+  const VF passed = hn::Load(df, tile.at(LitTile::kPassed, at));
+  const VF both = hn::Mul(lost, passed);
+  const VF along = hn::MulAdd(way.middle, both, hn::Mul(hn::Mul(way.length, passed), lean));
   for (int c = 0; c < 3; ++c) {
-    float* light = tile.light[c] + at;
-    const VF sent = hn::MulAdd(near, source[c].slope.at(dx),
+    float* light = tile.at(LitTile::kLight + c, at);
+    const VF sent = hn::MulAdd(along, source[c].slope.at(dx),
                                hn::MulAdd(both, source[c].value.at(dx), hn::Load(df, light)));
     hn::Store(sent, df, light);
   }
-  hn::Store(hn::NegMulAdd(passed, lost, passed), df, tile.passed + at);
+  hn::Store(hn::Sub(passed, both), df, tile.at(LitTile::kPassed, at));
 }
 
 template <int kLows, bool kOrthographic>
@@ -128,11 +123,11 @@ HWY_INLINE void LightTet(const TetBounds& tet, const LitRamps& ramps, const Binn
           {ramps.source[0], dy}, {ramps.source[1], dy}, {ramps.source[2], dy}};
       for (int x = spans.first[y]; x <= spans.last[y]; ++x) {
         const VF dx = hn::Load(df, pixels.columns + x * kPixels + part);
-        const int at = (y * LitTile::kBlocks + x) * kPixels + part;
+        const int at = LitTile::kFields * kPixels * (y * LitTile::kBlocks + x) + part;
         VF low, high;
         bounds.at(dx, low, high);
         if (tile.bounded)
-          low = hn::Max(low, hn::Load(df, tile.end + at));
+          low = hn::Max(low, hn::Load(df, tile.at(LitTile::kEnd, at)));
         const Way way = WayOf<kOrthographic>(low, high, z0);
         if (!hn::AllFalse(df, way.inside))
           AddLight(way, tau, source, dx, tolerance, at, tile);
@@ -196,6 +191,15 @@ void LightTets(const ScreenView& view, const LitMesh& mesh, std::span<const Binn
     LightAll<false>(rays, mesh, list, {1 + kRounding, 0}, tile);
 }
 
+/// Of kWidest pieces.
+void PieceLosses(const float* d, const float* c, float* lost, float* lean) {
+  for (std::size_t i = 0; i < kWidest; i += hn::Lanes(df)) {
+    VF more;
+    hn::StoreU(LostAndLean(hn::LoadU(df, d + i), hn::LoadU(df, c + i), more), df, lost + i);
+    hn::StoreU(more, df, lean + i);
+  }
+}
+
 }  // namespace
 }  // namespace volute::HWY_NAMESPACE
 
@@ -206,6 +210,9 @@ namespace volute {
 namespace {
 
 HWY_EXPORT(LightTets);
+HWY_EXPORT(PieceLosses);
+
+constexpr std::size_t kMostLanes = 16;
 
 }  // namespace
 
@@ -213,6 +220,19 @@ void lightTets(const ScreenView& view, const LitMesh& mesh, std::span<const Binn
                float size, LitTile& tile) {
   if (!list.empty())
     HWY_DYNAMIC_DISPATCH(LightTets)(view, mesh, list, size, tile);
+}
+
+void pieceLosses(std::span<const float> d, std::span<const float> c, std::span<float> lost,
+                 std::span<float> lean) {
+  for (std::size_t i = 0; i < d.size(); i += kMostLanes) {
+    float in[2][kMostLanes] = {}, out[2][kMostLanes];
+    const std::size_t count = std::min(kMostLanes, d.size() - i);
+    std::copy_n(&d[i], count, in[0]);
+    std::copy_n(&c[i], count, in[1]);
+    HWY_DYNAMIC_DISPATCH(PieceLosses)(in[0], in[1], out[0], out[1]);
+    std::copy_n(out[0], count, &lost[i]);
+    std::copy_n(out[1], count, &lean[i]);
+  }
 }
 
 }  // namespace volute

@@ -34,6 +34,13 @@ HWY_INLINE VF Edge(VF px, VF py, VF qx, VF qy) {
   return hn::Sub(hn::Mul(px, qy), hn::Mul(py, qx));
 }
 
+/// A vertex's x or y as a ray sees it: x - px w. `rest` and `restW` are what x and w leave.
+template <class D>
+HWY_INLINE hn::Vec<D> Seen(D, hn::Vec<D> pixel, hn::Vec<D> x, hn::Vec<D> w, hn::Vec<D> rest,
+                           hn::Vec<D> restW) {
+  return hn::Add(hn::NegMulAdd(pixel, w, x), hn::NegMulAdd(pixel, restW, rest));
+}
+
 /// A corner of the face that a ray stands on.
 struct Corner {
   VF x, y, z, tau, r, g, b;
@@ -117,13 +124,15 @@ HWY_INLINE FaceAtRay Look(const MarchMesh& mesh, std::int32_t half, const MarchR
   const int across = half & 3;
   for (int i = 0; i < 3; ++i) {
     places[i] = i + (i >= across);
-    const ScreenVertex& v = mesh.vertices[mesh.tets[(half & ~3) + places[i]]];
+    const std::int32_t vertex = mesh.tets[(half & ~3) + places[i]];
+    const ScreenVertex& v = mesh.vertices[vertex];
+    const ScreenRest& rest = mesh.rests[vertex];
     // By vectors: the same rounding as in the march, whatever the compiler makes of scalars.
     const hn::CappedTag<float, 1> one;
-    face.x[i] =
-        hn::GetLane(hn::NegMulAdd(hn::Set(one, ray.px), hn::Set(one, v.w), hn::Set(one, v.x)));
-    face.y[i] =
-        hn::GetLane(hn::NegMulAdd(hn::Set(one, ray.py), hn::Set(one, v.w), hn::Set(one, v.y)));
+    face.x[i] = hn::GetLane(Seen(one, hn::Set(one, ray.px), hn::Set(one, v.x), hn::Set(one, v.w),
+                                 hn::Set(one, rest.x), hn::Set(one, rest.w)));
+    face.y[i] = hn::GetLane(Seen(one, hn::Set(one, ray.py), hn::Set(one, v.y), hn::Set(one, v.w),
+                                 hn::Set(one, rest.y), hn::Set(one, rest.w)));
   }
   for (int i = 0; i < 3; ++i) {
     const int p = (i + 1) % 3, q = (i + 2) % 3;
@@ -307,6 +316,7 @@ class Pack {
     const VF px = hn::Load(df, lanes_.px), py = hn::Load(df, lanes_.py);
     const VF scale = hn::Load(df, lanes_.scale), zEnd = hn::Load(df, lanes_.zEnd);
     const auto* vertices = reinterpret_cast<const float*>(mesh_.vertices);
+    const auto* rests = reinterpret_cast<const float*>(mesh_.rests);
     // Lanes that are done wait until a quarter of them are: refilling has its price.
     const std::size_t enough = std::min(running_, std::max<std::size_t>(1, running_ / 4));
     const std::size_t least = running_ - enough;
@@ -316,13 +326,16 @@ class Pack {
           hn::GatherIndex(di, mesh_.tets, hn::IfThenElseZero(hn::RebindMask(di, active), half)));
       alignas(64) std::int32_t records[kWidest];
       hn::Store(at, di, records);
-      VF place[4], glow[4];
+      VF place[4], rest[4], glow[4];
       LoadFour(vertices, records, place);
+      alignas(64) std::int32_t restRecords[kWidest];
+      hn::Store(hn::ShiftRight<1>(at), di, restRecords);
+      LoadFour(rests, restRecords, rest);
       if (kLit || mesh_.orthographic)
         LoadFour(vertices + 4, records, glow);
       Corner d;
-      d.x = hn::NegMulAdd(px, place[2], place[0]);
-      d.y = hn::NegMulAdd(py, place[2], place[1]);
+      d.x = Seen(df, px, place[0], place[2], rest[0], rest[2]);
+      d.y = Seen(df, py, place[1], place[2], rest[1], rest[2]);
       d.z = mesh_.orthographic ? glow[0] : place[2];
       d.tau = place[3];
       if constexpr (kLit)
@@ -433,8 +446,8 @@ std::uint64_t MarchRays(const MarchMesh& mesh, std::span<const MarchRay> rays,
                   : Pack<false>(mesh, rays, entries, results).run();
 }
 
-void RasterEntries(const ScreenView& view, const ScreenVertex* vertices, const EntryFace& face,
-                   const PixelBox& tile, std::vector<MarchEntry>& entries,
+void RasterEntries(const ScreenView& view, const ScreenVertex* vertices, const ScreenRest* rests,
+                   const EntryFace& face, const PixelBox& tile, std::vector<MarchEntry>& entries,
                    std::span<char> doubtful) {
   const PixelBox box{std::max(face.box.x0, tile.x0), std::max(face.box.y0, tile.y0),
                      std::min(face.box.x1, tile.x1), std::min(face.box.y1, tile.y1)};
@@ -442,7 +455,11 @@ void RasterEntries(const ScreenView& view, const ScreenVertex* vertices, const E
   const VF sign = Constant(face.positive ? 1.0F : -1.0F);
   const VF zero = hn::Zero(df);
   const ScreenVertex* v[3];
-  for (int i = 0; i < 3; ++i) v[i] = &vertices[face.vertices[i]];
+  const ScreenRest* rest[3];
+  for (int i = 0; i < 3; ++i) {
+    v[i] = &vertices[face.vertices[i]];
+    rest[i] = &rests[face.vertices[i]];
+  }
   alignas(64) float depths[kWidest];
   alignas(64) float kinds[kWidest];
   for (int y = box.y0; y <= box.y1; ++y) {
@@ -452,8 +469,9 @@ void RasterEntries(const ScreenView& view, const ScreenVertex* vertices, const E
           hn::Add(Constant(static_cast<float>(view.pixelX(x))), hn::ConvertTo(df, hn::Iota(di, 0)));
       VF rx[3], ry[3], e[3];
       for (int i = 0; i < 3; ++i) {
-        rx[i] = hn::NegMulAdd(px, Constant(v[i]->w), Constant(v[i]->x));
-        ry[i] = hn::NegMulAdd(py, Constant(v[i]->w), Constant(v[i]->y));
+        const VF w = Constant(v[i]->w), restW = Constant(rest[i]->w);
+        rx[i] = Seen(df, px, Constant(v[i]->x), w, Constant(rest[i]->x), restW);
+        ry[i] = Seen(df, py, Constant(v[i]->y), w, Constant(rest[i]->y), restW);
       }
       for (int i = 0; i < 3; ++i) {
         const int p = (i + 1) % 3, q = (i + 2) % 3;
@@ -496,10 +514,10 @@ HWY_EXPORT(RasterEntries);
 
 }  // namespace
 
-void rasterEntries(const ScreenView& view, const ScreenVertex* vertices, const EntryFace& face,
-                   const PixelBox& tile, std::vector<MarchEntry>& entries,
+void rasterEntries(const ScreenView& view, const ScreenVertex* vertices, const ScreenRest* rests,
+                   const EntryFace& face, const PixelBox& tile, std::vector<MarchEntry>& entries,
                    std::span<char> doubtful) {
-  HWY_DYNAMIC_DISPATCH(RasterEntries)(view, vertices, face, tile, entries, doubtful);
+  HWY_DYNAMIC_DISPATCH(RasterEntries)(view, vertices, rests, face, tile, entries, doubtful);
 }
 
 std::uint64_t marchRays(const MarchMesh& mesh, std::span<const MarchRay> rays,

@@ -37,6 +37,7 @@ struct MarchResult {
 /// The mesh as the march sees it.
 struct MarchMesh {
   const ScreenVertex* vertices = nullptr;
+  const ScreenRest* rests = nullptr;       ///< of the vertices
   const std::int32_t* tets = nullptr;      ///< four vertices each
   const std::int32_t* opposite = nullptr;  ///< of each half-face, or -1
   bool orthographic = false;
@@ -57,8 +58,8 @@ struct EntryFace {
 
 /// Adds an entry for each pixel of the box that the ray enters through the face, pixels numbered
 /// (y - y0) * width + x - x0; sets `doubtful` for those whose ray meets its border.
-void rasterEntries(const ScreenView& view, const ScreenVertex* vertices, const EntryFace& face,
-                   const PixelBox& tile, std::vector<MarchEntry>& entries,
+void rasterEntries(const ScreenView& view, const ScreenVertex* vertices, const ScreenRest* rests,
+                   const EntryFace& face, const PixelBox& tile, std::vector<MarchEntry>& entries,
                    std::span<char> doubtful);
 
 /// Takes all rays through the mesh.

@@ -69,6 +69,7 @@ struct TetMarcher::State {
   std::vector<float> extinction, source;
   std::vector<EntryFace> faces;  // of the boundary; boxes are those of the last view
   std::vector<ScreenVertex> vertices;
+  std::vector<ScreenRest> rests;
   std::vector<std::vector<std::int32_t>> tiles;  // faces
   std::span<const std::uint8_t> only;            // pixels to draw; empty: all
   std::atomic<std::uint64_t> steps{0}, entered{0}, doubtful{0};
@@ -108,10 +109,11 @@ bool TetMarcher::State::drawn(int width, const PixelBox& part) const {
 
 void TetMarcher::State::project(const ScreenView& view, bool lit) {
   vertices.resize(mesh().vertices().size());
+  rests.resize(vertices.size());
   parallelRanges(vertices.size(), 8192, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       ScreenVertex& v = vertices[i];
-      v = view.project(mesh().vertices()[i]);
+      v = view.project(mesh().vertices()[i], rests[i]);
       v.tau = extinction[i];
       if (lit)
         v.r = source[3 * i], v.g = source[3 * i + 1], v.b = source[3 * i + 2];
@@ -146,6 +148,7 @@ void TetMarcher::State::bin(const ScreenView& view) {
 MarchMesh TetMarcher::State::marchMesh(const ScreenView& view, bool lit) const {
   MarchMesh march;
   march.vertices = vertices.data();
+  march.rests = rests.data();
   march.tets = mesh().tets().data()->data();
   march.opposite = mesh().opposites().data();
   march.orthographic = view.orthographic;
@@ -177,7 +180,8 @@ void TetMarcher::State::gather(const ScreenView& view, OpaqueDepth opaque, const
       work.entries.push_back({static_cast<std::int32_t>(i), 4 * view.eyeTet, 0});
   }
   for (const std::int32_t face : faceList)
-    rasterEntries(view, vertices.data(), faces[face], tile, work.entries, work.doubtful);
+    rasterEntries(view, vertices.data(), rests.data(), faces[face], tile, work.entries,
+                  work.doubtful);
   const std::vector<std::int32_t> begin = sortByPixel(work.entries, count);
   work.results.assign(count, {});
   for (int by = 0; by < height; by += kBlock) {

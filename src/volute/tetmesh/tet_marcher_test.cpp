@@ -11,11 +11,12 @@
 #include <vector>
 
 #include "volute/base/parallel.hpp"
-#include "volute/tetmesh/face_planes.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
 #include "volute/tetmesh/segment_weights.hpp"
+#include "volute/tetmesh/tet_lit_raster.hpp"
 #include "volute/tetmesh/tet_march.hpp"
 #include "volute/tetmesh/tet_splat.hpp"
+#include "volute/tetmesh/visibility_order.hpp"
 
 namespace volute {
 namespace {
@@ -237,6 +238,30 @@ TEST(VisibilityOrder, PutsNeighboursBehindEachOther) {
   }
 }
 
+TEST(VisibilityOrder, HasTheNearFirstAndDependsOnNoThreads) {
+  const TetMesh& mesh = *hall().mesh;
+  const FacePlanes faces(mesh);
+  const ViewOrigin views[] = {{Vec3(2.3, 6.8, 1.7), Vec3::UnitX(), false},
+                              {Vec3(40, 6, 3), Vec3::UnitX(), false},
+                              {Vec3::Zero(), Vec3(1, 0.3, -0.2).normalized(), true}};
+  for (const ViewOrigin& view : views) {
+    const auto order = visibilityOrder(mesh, faces, view);
+    std::vector<char> seen(mesh.tets().size(), 0);
+    double near = 0, far = 0;  // mean distances of both halves
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      seen[order[i]] = 1;
+      const Vec3 from = mesh.vertices()[mesh.tets()[order[i]][0]] - view.eye;
+      (i < order.size() / 2 ? near : far) +=
+          view.orthographic ? from.dot(view.forward) : from.norm();
+    }
+    EXPECT_EQ(order.size(), mesh.tets().size());
+    EXPECT_THAT(seen, ::testing::Each(1));
+    EXPECT_LT(1.3 * near, far);
+    const ThreadLimit limit(1);
+    EXPECT_EQ(visibilityOrder(mesh, faces, view), order);
+  }
+}
+
 TEST(TetMarcher, DependsOnNoThreads) {
   TetMarcher marcher(hall().locator);
   marcher.setExtinction(hall().extinction);
@@ -329,6 +354,26 @@ TEST(MarchWeights, AreTheSegmentWeights) {
       EXPECT_NEAR(w1[i], exact.w1, 1e-6) << d0[i] << " " << d1[i];
     }
     marchWeights(d0, d1, w0, w1);
+  }
+}
+
+TEST(PieceLosses, AreTheSegmentWeights) {
+  std::vector<float> d, c;
+  for (const float mean : {0.0F, 1e-9F, 1e-4F, 0.01F, 0.03F, 0.0499F, 0.051F, 0.3F, 2.0F, 30.0F}) {
+    for (int i = -8; i <= 8; ++i) d.push_back(mean), c.push_back(mean * static_cast<float>(i) / 8);
+  }
+  std::vector<float> lost(d.size()), lean(d.size());
+  // Alone, and beside others that call for finer rules.
+  for (std::size_t i = 0; i < d.size(); ++i)
+    pieceLosses({&d[i], 1}, {&c[i], 1}, {&lost[i], 1}, {&lean[i], 1});
+  for (int pass = 0; pass < 2; ++pass) {
+    for (std::size_t i = 0; i < d.size(); ++i) {
+      const double mean = d[i], rise = c[i];
+      const SegmentWeights exact = segmentWeights(mean - rise, mean + rise);
+      EXPECT_NEAR(lost[i], exact.w0 + exact.w1, 5e-7) << mean << " " << rise;
+      EXPECT_NEAR(lean[i], 0.5 * (exact.w1 - exact.w0), 1e-6) << mean << " " << rise;
+    }
+    pieceLosses(d, c, lost, lean);
   }
 }
 

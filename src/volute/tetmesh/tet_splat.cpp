@@ -8,11 +8,11 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
-#include "volute/tetmesh/face_planes.hpp"
 #include "volute/tetmesh/tet_bins.hpp"
 #include "volute/tetmesh/tet_lit_raster.hpp"
 #include "volute/tetmesh/tet_marcher.hpp"
 #include "volute/tetmesh/tet_raster.hpp"
+#include "volute/tetmesh/visibility_order.hpp"
 
 namespace volute {
 namespace {
@@ -21,6 +21,9 @@ constexpr std::size_t kGrain = 4096;
 
 /// Smoke that cannot reach this optical depth across the whole mesh is left out.
 constexpr float kNegligible = 1e-8F;
+
+/// [m]; what is opaque beyond is not seen.
+constexpr float kFarAway = 1e30F;
 
 /// Calls use(place in the tile, x, y) for the tile's pixels.
 template <class Tile, class Use>
@@ -31,17 +34,27 @@ void forEachPixel(const ScreenView& view, const Tile& tile, const Use& use) {
   }
 }
 
-/// Where the tile's rays end.
+/// Whether a ray of the tile ends at something opaque.
 template <class Tile>
-void bound(const ScreenView& view, OpaqueDepth opaque, Tile& tile) {
-  tile.bounded = !opaque.empty();
-  if (!tile.bounded)
-    return;
-  std::ranges::fill(tile.end, 0.0F);
+bool meetsOpaque(const ScreenView& view, OpaqueDepth opaque, const Tile& tile) {
+  bool any = false;
+  if (!opaque.empty()) {
+    const int columns = std::min(Tile::kSide, view.width - tile.x0);
+    for (int y = tile.y0; y < std::min(tile.y0 + Tile::kSide, view.height); ++y) {
+      const float* row = &opaque[static_cast<std::size_t>(y) * view.width + tile.x0];
+      any |= std::any_of(row, row + columns, [](float end) { return end < kFarAway; });
+    }
+  }
+  return any;
+}
+
+/// Where the rays of a tile end: calls set(place in the tile, inverse depth).
+template <class Tile, class Set>
+void bound(const ScreenView& view, OpaqueDepth opaque, const Tile& tile, const Set& set) {
   forEachPixel(view, tile, [&](int at, int x, int y) {
     const float end = opaque[static_cast<std::size_t>(y) * view.width + x];
-    const double z = std::min(end / view.rayScale(x, y), 1e30);
-    tile.end[at] = static_cast<float>(view.orthographic ? -z : 1 / std::max(z, 1e-30));
+    const double z = std::min(end / view.rayScale(x, y), double{kFarAway});
+    set(at, static_cast<float>(view.orthographic ? -z : 1 / std::max(z, 1e-30)));
   });
 }
 
@@ -149,7 +162,11 @@ void TetSplat::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span<
     tile.x0 = static_cast<int>(i) % bins.across() * TetTile::kSide;
     tile.y0 = static_cast<int>(i) / bins.across() * TetTile::kSide;
     std::ranges::fill(tile.sum, 0.0F);
-    bound(view, opaque, tile);
+    tile.bounded = meetsOpaque(view, opaque, tile);
+    if (tile.bounded) {
+      std::ranges::fill(tile.end, 0.0F);
+      bound(view, opaque, tile, [&](int at, float end) { tile.end[at] = end; });
+    }
     bins.forEach(i, [&](std::span<const BinnedTet> tets) { splatTets(view, mesh, tets, tile); });
     readTile(view, tile, depth.data());
   });
@@ -193,21 +210,22 @@ void TetSplat::litColor(const Camera& camera, OpaqueDepth opaque, std::span<floa
     LitTile tile;
     tile.x0 = static_cast<int>(i) % bins.across() * LitTile::kSide;
     tile.y0 = static_cast<int>(i) / bins.across() * LitTile::kSide;
-    for (float* clear : {tile.scale, tile.light[0], tile.light[1], tile.light[2], tile.wrong})
-      std::fill_n(clear, LitTile::kPixels, 0.0F);
-    std::ranges::fill(tile.last, 1e37F);
-    std::ranges::fill(tile.passed, 1.0F);
+    std::ranges::fill(tile.numbers, 0.0F);
+    tile.fill(LitTile::kLast, 1e37F);
+    tile.fill(LitTile::kPassed, 1);
     forEachPixel(view, tile, [&](int at, int x, int y) {
-      tile.scale[at] = static_cast<float>(view.rayScale(x, y));
+      *tile.at(LitTile::kScale, at) = static_cast<float>(view.rayScale(x, y));
     });
-    bound(view, opaque, tile);
+    tile.bounded = meetsOpaque(view, opaque, tile);
+    if (tile.bounded)
+      bound(view, opaque, tile, [&](int at, float end) { *tile.at(LitTile::kEnd, at) = end; });
     bins.forEach(i,
                  [&](std::span<const BinnedTet> tets) { lightTets(view, mesh, tets, size, tile); });
     forEachPixel(view, tile, [&](int at, int x, int y) {
       const std::size_t pixel = static_cast<std::size_t>(y) * view.width + x;
-      for (std::size_t c = 0; c < 3; ++c) rgbt[4 * pixel + c] = tile.light[c][at];
-      rgbt[4 * pixel + 3] = tile.passed[at];
-      wrong[pixel] = tile.wrong[at] != 0;
+      for (int c = 0; c < 3; ++c) rgbt[4 * pixel + c] = *tile.at(LitTile::kLight + c, at);
+      rgbt[4 * pixel + 3] = *tile.at(LitTile::kPassed, at);
+      wrong[pixel] = *tile.at(LitTile::kWrong, at) != 0;
     });
   });
   state.march(camera, opaque, wrong, rgbt);

@@ -58,6 +58,8 @@ struct StopRule {
   double squaredResidual = 0;               ///< of the data: stops at or below
   std::span<const std::uint8_t> heldOut{};  ///< stops when their error rises; empty: none
   double settled = 0;  ///< stops when ten iterations change the volume by no more, relative L2
+  // Of several fits, for the progress: the most iterations of those before, and of all.
+  int before = 0, all = 0;
 };
 
 inline constexpr double kSettled = 1e-3;  ///< what counts as settled

@@ -77,7 +77,7 @@ std::uint64_t bytesNeeded(std::span<const std::vector<std::uint8_t>> masks, cons
   constexpr std::uint64_t kColour = 16, kPixelVectors = 8, kUnknownVectors = 10;
   // The rays of a pixel that walk together do so through two lattices.
   const std::uint64_t lattices = raysPerPixel == kBeamRays ? 2 : 1;
-  const std::uint64_t gradients = (32 + 1) * lattices;
+  const std::uint64_t gradients = 32 + lattices;
   std::uint64_t pixels = 0;
   for (const auto& mask : masks)
     pixels += mask.size() - static_cast<std::uint64_t>(std::ranges::count(mask, 0));

@@ -191,10 +191,30 @@ TEST_F(Controls, FilesOpenByDropping) {
   script_->drop(folder_.path("smoke.vtu"));
   load();
   EXPECT_THAT(app().document()->title, ::testing::HasSubstr("smoke on a mesh"));
+  script_->drop(folder_.path("smoke.pvd"));
+  load();
+  ASSERT_TRUE(app().timeline().moves());
+  script_->click("time", 0.6);
+  load();
+  const double time = app().timeline().time();
   script_->drop(folder_.path("ground.obj"));
   load();
+  EXPECT_TRUE(app().timeline().moves());
+  EXPECT_EQ(app().timeline().time(), time);
   EXPECT_NE(app().error(), "");
   EXPECT_THAT(app().document()->title, ::testing::HasSubstr("smoke on a mesh")) << "it stays";
+}
+
+TEST_F(Controls, ADroppedFileIsExposedAsIfItWasOpened) {
+  open("blob.npy");
+  const Image alone = picture();
+  script_->drop(folder_.path("fog.json"));
+  load();
+  const Image fog = picture();
+  script_->drop(folder_.path("blob.npy"));
+  load();
+  EXPECT_LT(difference(alone, picture()), 0.001);
+  EXPECT_GT(difference(alone, fog), 0.01);
 }
 
 TEST_F(Controls, OneLooksFromTheCamerasOfACapture) {

@@ -134,6 +134,7 @@ class ViewerApp {
   void feed(const ViewerInput& input);
   void takeLoaded(const ViewerInput& input);
   void takeDocument(DocumentInfo opened, const ViewerInput& input);
+  void beginWith(double time);
   void control(const ViewerInput& input);
   void walk(const ViewerInput& input);
   void keys(const ViewerInput& input);
@@ -165,8 +166,9 @@ class ViewerApp {
   std::map<std::string, ControlPlace> controls_;
   FrameCosts costs_;
   std::string error_, message_, lastMessage_;
-  double requested_ = 0;  ///< the time that the loader was asked for
-  double exposure_ = 1;   ///< that fits the first picture
+  double requested_ = 0;           ///< the time that the loader was asked for
+  std::optional<double> opening_;  ///< at which time another file is being opened
+  double exposure_ = 1;            ///< that fits the first picture
   bool exposureFound_ = false;
   bool viewSet_ = false;
   bool moving_ = false;  ///< a person is turning it, or it plays

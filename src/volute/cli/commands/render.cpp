@@ -93,8 +93,12 @@ Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments) {
     return fail(ErrorCode::kUnsupported,
                 "--renderer gl does not draw --{} yet; choose cpu or leave it out", beyond);
   }
-  if (renderer == "gl")
-    return GlPictures::open(false);
+  if (renderer == "gl") {
+    auto gl = GlPictures::open(false);
+    if (!gl)
+      gl.error().message += "; or choose --renderer cpu";
+    return gl;
+  }
   if (renderer != "auto" || !beyond.empty() || !glIsLikely())
     return nullptr;
   auto gl = GlPictures::open(true);
@@ -164,6 +168,7 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
                 rate,
                 totals};
   job.gl = std::move(gl);
+  job.glIsWish = arguments.get<std::string>("renderer") == "auto";
   VOLUTE_ASSIGN(job.smokeMethod, smokeMethodOf(arguments, job.gl.get()));
   job.smokes = std::move(subject.smokes);
   job.signs = std::move(subject.signs);
@@ -228,15 +233,17 @@ Result<std::unique_ptr<PictureWriter>> writerFor(const std::string& target, cons
                     job.framesPerSecond, comment);
 }
 
-/// A single picture reports its own progress; of several each is one step.
+/// A single picture reports its own progress; of several each is one step, with its remarks.
 class CancelOnly final : public Progress {
  public:
-  explicit CancelOnly(const Progress& outer) : outer_(outer) {}
+  explicit CancelOnly(Progress& outer) : outer_(outer) {}
+
+  void remark(std::string_view message) override { outer_.remark(message); }
 
   bool cancelled() const override { return outer_.cancelled(); }
 
  private:
-  const Progress& outer_;
+  Progress& outer_;
 };
 
 /// Renders and writes every moment; settles the exposure first when it is to be found.
@@ -458,7 +465,7 @@ Command renderCommand() {
               "frames, a single still the first, or of a scene what it shows at 0 s.",
           .positionals = {{.name = "FILE",
                            .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh "
-                                   "(.vtu, .pvd, .case, .e, "
+                                   "(.vtu, .vtk, .pvd, .case, .e, "
                                    ".foam), an FDS case (.smv) or a scene (.json)"}},
           .options = renderOptionTable(),
           .oneOf = {{{"time", "frames"}, false},

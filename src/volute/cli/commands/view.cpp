@@ -91,7 +91,7 @@ Command viewCommand() {
       .positionals =
           {{.name = "FILE",
             .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh (.vtu, "
-                    ".pvd, .case, .e, .foam), an FDS case (.smv), a map of fog (.png, "
+                    ".vtk, .pvd, .case, .e, .foam), an FDS case (.smv), a map of fog (.png, "
                     ".exr), a capture or a scene (.json); without one, drop it on the window",
             .optional = true}},
       .options = viewOptions(),

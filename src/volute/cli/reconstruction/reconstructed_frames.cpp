@@ -28,8 +28,9 @@ class FrameProgress final : public Progress {
     whole_.detail(iterates ? fmt::format("frame {}, iteration {:.0f}, {}", number_, done, detail_)
                            : fmt::format("frame {}, {}", number_, stage));
     // The solver may stop before its last iteration, so a frame never looks finished here.
-    const double share = total > 0 ? std::min(0.99, done / total) : 0;
-    whole_.report("reconstructing", before_ + share, total_);
+    if (iterates && total > 0)
+      share_ = std::clamp(done / total, share_, 0.99);
+    whole_.report("reconstructing", before_ + share_, total_);
   }
 
   void detail(std::string_view text) override { detail_ = text; }
@@ -45,6 +46,7 @@ class FrameProgress final : public Progress {
   std::string detail_;  // of the solver
   int number_;
   double before_, total_;
+  double share_ = 0;  // of this frame
 };
 
 /// Its own progress is of no interest.

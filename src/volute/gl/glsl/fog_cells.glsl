@@ -5,7 +5,8 @@
 // know of the shadows that surfaces throw. Levels of detail follow each other
 // along the ray, in each the zones of the height profile, in each the cells; M_TOP: what is above the fog's top is cut.
 
-uniform vec3 M_fogColor;  // radiance of infinitely thick fog
+uniform vec3 M_fogColor;    // radiance of infinitely thick fog
+uniform float M_fogFactor;  // of the extinction, for which suns' shadows do not ask
 
 vec2 M_o, M_d;            // the ray seen from above, in cells of the level
 float M_height, M_rise;   // above the map's origin
@@ -173,7 +174,7 @@ void M_sample(float s, inout float k, inout vec3 e) {
   if (!M_below) return;
 #endif
   vec2 place = clamp(M_o + M_d * s - vec2(M_cell), 0.0, 1.0);
-  float here = fogSpline(M_c, place) * fogProfile(fogZones[M_inZone], M_height + M_rise * s);
+  float here = M_fogFactor * fogSpline(M_c, place) * fogProfile(fogZones[M_inZone], M_height + M_rise * s);
   k += here;
   e += here * (M_fogColor + M_sunlight(rayOrigin + s * rayDirection, s));
 }
