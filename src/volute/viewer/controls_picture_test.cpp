@@ -206,13 +206,16 @@ TEST_F(Controls, FilesOpenByDropping) {
 }
 
 TEST_F(Controls, ADroppedFileIsExposedAsIfItWasOpened) {
+  // The light that is exposed for is that of the window's picture.
   open("blob.npy");
+  script_->settle();
   const Image alone = picture();
   script_->drop(folder_.path("fog.json"));
   load();
   const Image fog = picture();
   script_->drop(folder_.path("blob.npy"));
   load();
+  script_->settle();
   EXPECT_LT(difference(alone, picture()), 0.001);
   EXPECT_GT(difference(alone, fog), 0.01);
 }
