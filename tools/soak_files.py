@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""Small files for ./dev soak: a film of voxels as .volute, and a scene of painted fog."""
+"""Small files for ./dev soak: a film of voxels as .volute, whole and cut off, scenes of painted fog and of lit smoke."""
 import argparse
 import array
 import json
@@ -48,6 +48,16 @@ def main():
              "media": [{"kind": "fog", "map": "map.png", "sigma_max": 0.2, "degree": 2, "levels": 2, "mu": 0.9,
                         "profile": {"kind": "slab", "bottom": 0, "top": 6}}]}
     (arguments.out / "fog.json").write_text(json.dumps(scene))
+    film = (arguments.out / "film.volute").read_bytes()
+    (arguments.out / "torn.volute").write_bytes(film[:2 * len(film) // 3])
+    subprocess.run([arguments.bin, "synthesize", "hall", "-o", arguments.out / "hall.pvd", "--cell", "1.5", "--frames", "4", "--quiet"],
+                   check=True)
+    scene = {"format": "volute-scene-1", "camera": {"eye": [2, 6, 1.7], "target": [20, 6, 2], "fov": 60}, "background": [0.1, 0.1, 0.12],
+             "lights": [{"kind": "ambient", "radiance": [0.2, 0.2, 0.2]},
+                        {"kind": "spot", "position": [10, 6, 5], "target": [12, 6, 0], "angle": 110, "intensity": [30, 28, 25]}],
+             "media": [{"kind": "smoke", "case": "hall.pvd", "quantity": "soot-density", "unit": "g/m3", "walls": True}],
+             "signs": [{"name": "exit", "position": [27.9, 6, 2.5], "normal": [-1, 0, 0], "size": [1.2, 0.6], "emitting": True}]}
+    (arguments.out / "smoke.json").write_text(json.dumps(scene))
 
 
 if __name__ == "__main__":

@@ -188,7 +188,8 @@ class Geometry(ring.TestCase):
         self.write_capture()
         self.works("project", self.path("truth.npy"), self.path("capture.json"), "-o", self.path("new_{camera}_%04d.exr"))
         result = self.reconstruct("--frames", "10", "--images", self.path("new_{camera}_%04d.exr"))
-        self.assertRegex(result.message, r"north and south \(0\.0\) degrees modulo 180; an odd number")
+        self.assertRegex(result.message, r"degrees between lines of sight.*: north-south 0, ")
+        self.assertRegex(result.message, r"north and south \(0\) degrees modulo 180; an odd number")
 
 
 class Pictures(ring.TestCase):
@@ -345,6 +346,8 @@ class Pictures(ring.TestCase):
 
     def test_clean_captures_warn_of_nothing(self):
         self.assertNotIn("warning", self.reconstruct().message)
+        for options in (["--resolution", "10"], ["--resolution", "32"]):
+            self.assertNotIn("warning", self.reconstruct("--frames", "10", *options).message, options)
 
 
 class Step(ring.TestCase):
@@ -356,13 +359,44 @@ class Step(ring.TestCase):
         message = self.reconstruct("--frames", "12", "--resolution", "32").message
         self.assertRegex(message, r"camera c2, frame 12: its picture of frame 13 fits .*: it seems to run 1 frame late")
 
-    def test_a_camera_that_is_too_bright_is_told_by_its_gain(self):
-        self.json["cameras"][2]["gain"] = 1.25
+    def warnings(self, resolution, iterations):
         self.write_capture()
-        self.reconstruct("--frames", "10", "--report", self.path("r.json"), )
-        cameras = json.loads(self.path("r.json").read_text())["frames"][0]["cameras"]
-        gains = {camera["name"]: camera["gain"] for camera in cameras}
-        self.assertEqual(min(gains, key=gains.get), "c2")
+        message = self.works("reconstruct", self.path("capture.json"), "-o", self.path("out.npy"), "--frames", "12",
+                             "--regularization", "none", "--resolution", resolution, "--iterations", iterations).message
+        return [line.split("warning: ")[1] for line in message.splitlines() if "warning: " in line]
+
+    def test_a_camera_that_is_too_bright_is_told_by_its_gain(self):
+        self.camera("c2")["gain"] = 1.1
+        (said,) = self.warnings(32, 100)
+        self.assertRegex(said, r"camera c2, frame 12: (9|1[01]) % too bright: its radiance times 0\.\d+ fits")
+
+    def test_a_camera_with_another_principal_point_is_named(self):
+        self.camera("c2")["K"][0][2] += 1
+        (said,) = self.warnings(16, 25)
+        self.assertIn("camera c2, frame 12: does not fit the others", said)
+
+    def test_a_camera_with_another_lens_is_named(self):
+        self.camera("c3")["distortion"] = [8, 0, 0, 0, 0]
+        (said,) = self.warnings(24, 25)
+        self.assertIn("camera c3, frame 12: does not fit the others", said)
+
+    def test_exchanged_pictures_are_told_of_all(self):
+        first, second = self.camera("north"), self.camera("c2")
+        first["image"], second["image"] = second["image"], first["image"]
+        (said,) = self.warnings(32, 25)
+        self.assertRegex(said, r"frame 12: the cameras disagree: .* of 5 of them than \d.*pixel centres are \(0 or 0\.5\)")
+
+
+class Memory(ring.TestCase):
+    def test_volumes_too_large_are_refused_before_any_work(self):
+        before = self.files()
+        for resolution, limit, words in (("512", "500M", "A volume of 512 x 512 x 512 voxels needs 5.4 GB"),
+                                         ("1500", "1G", "1 to 1024 voxels an axis")):
+            result = support.volute("reconstruct", self.path("capture.json"), "-o", self.path("x.npy"), "--resolution",
+                                    resolution, "--max-memory", limit)
+            self.assertNotEqual(result.code, 0)
+            self.assertIn(words, result.message)
+        self.assertEqual(self.files(), before)
 
 
 if __name__ == "__main__":

@@ -25,28 +25,43 @@ def planes(axis, values):
     return f"TRN{axis}\n 0\n" + "".join(f" {i} {value:.5f}\n" for i, value in enumerate(values))
 
 
-class Fds(support.TestCase):
+def write_case(path):
     """Two meshes side by side, cells of 0.5 and 0.25 m; extinction 1 and 2, doubled at 10 s; a wall in the first."""
+    text = "FDSVERSION\nFDS6.9.1\n\nNMESHES\n 2\n\n"
+    files = ""
+    for mesh, (begin, cell, count) in enumerate(((0, 0.5, 2), (1, 0.25, 4)), start=1):
+        text += f"GRID  mesh{mesh}\n {count} {count} {count} 0\n\n"
+        text += planes("X", [begin + cell * i for i in range(count + 1)])
+        for axis in "YZ":
+            text += planes(axis, [cell * i for i in range(count + 1)])
+        wall = "OBST\n 1\n 0 0 0 0 0 0 1 0 0 0 0 0 0\n 0 1 0 1 0 2 -1 -1\n"
+        text += (wall if mesh == 1 else "OBST\n 0\n") + "\nVENT\n 0 0\n\n"
+        indices = (0, count, 0, count, 0, count)
+        values = [float(mesh)] * (count + 1) ** 3
+        path(f"case_{mesh}.sf").write_bytes(
+            slice_file(indices, [(0, values), (10, [2 * value for value in values])]))
+        files += f"SLCC {mesh} # STRUCTURED & {' '.join(map(str, indices))}\n case_{mesh}.sf\n"
+        files += " SOOT EXTINCTION COEFFICIENT\n ext\n 1/m\n"
+    path("case.smv").write_text(text + files + "HIDE_OBST 1\n 1 5.0\n")
+    return path("case.smv")
+
+
+def add_slice(path, case, mesh, indices, value, labels, keyword="SLCC"):
+    i1, i2, j1, j2, k1, k2 = indices
+    count = (i2 - i1 + 1) * (j2 - j1 + 1) * (k2 - k1 + 1)
+    name = f"{labels[1]}_{mesh}.sf"
+    path(name).write_bytes(slice_file(indices, [(t, [value] * count) for t in (0, 10)], labels))
+    with case.open("a") as file:
+        file.write(f"{keyword} {mesh} # STRUCTURED & {' '.join(map(str, indices))}\n {name}\n"
+                   + "".join(f" {label}\n" for label in labels))
+
+
+class Fds(support.TestCase):
+    """Of write_case()."""
 
     def setUp(self):
         super().setUp()
-        text = "FDSVERSION\nFDS6.9.1\n\nNMESHES\n 2\n\n"
-        files = ""
-        for mesh, (begin, cell, count) in enumerate(((0, 0.5, 2), (1, 0.25, 4)), start=1):
-            text += f"GRID  mesh{mesh}\n {count} {count} {count} 0\n\n"
-            text += planes("X", [begin + cell * i for i in range(count + 1)])
-            for axis in "YZ":
-                text += planes(axis, [cell * i for i in range(count + 1)])
-            wall = "OBST\n 1\n 0 0 0 0 0 0 1 0 0 0 0 0 0\n 0 1 0 1 0 2 -1 -1\n"
-            text += (wall if mesh == 1 else "OBST\n 0\n") + "\nVENT\n 0 0\n\n"
-            indices = (0, count, 0, count, 0, count)
-            values = [float(mesh)] * (count + 1) ** 3
-            self.path(f"case_{mesh}.sf").write_bytes(
-                slice_file(indices, [(0, values), (10, [2 * value for value in values])]))
-            files += f"SLCC {mesh} # STRUCTURED & {' '.join(map(str, indices))}\n case_{mesh}.sf\n"
-            files += " SOOT EXTINCTION COEFFICIENT\n ext\n 1/m\n"
-        self.case = self.path("case.smv")
-        self.case.write_text(text + files + "HIDE_OBST 1\n 1 5.0\n")
+        self.case = write_case(self.path)
 
     def test_info_says_what_is_read(self):
         said = self.works("info", self.case, "--values", "--json").json
@@ -123,14 +138,8 @@ class Fds(support.TestCase):
         info = self.works("info", self.path("x.exr"), "--json").json
         self.assertAlmostEqual(info["maximum"], math.exp(-2) + 0.5 * (1 - math.exp(-2)), delta=1e-6)
 
-    def add_slice(self, mesh, indices, value, labels, keyword="SLCC"):
-        i1, i2, j1, j2, k1, k2 = indices
-        count = (i2 - i1 + 1) * (j2 - j1 + 1) * (k2 - k1 + 1)
-        name = f"{labels[1]}_{mesh}.sf"
-        self.path(name).write_bytes(slice_file(indices, [(t, [value] * count) for t in (0, 10)], labels))
-        with self.case.open("a") as file:
-            file.write(f"{keyword} {mesh} # STRUCTURED & {' '.join(map(str, indices))}\n {name}\n"
-                       + "".join(f" {label}\n" for label in labels))
+    def add_slice(self, *more, **named):
+        add_slice(self.path, self.case, *more, **named)
 
     def test_fire_shines_through_the_smoke(self):
         self.add_slice(2, (0, 4) * 3, 500.0, ("HRRPUV", "hrrpuv", "kW/m3"))

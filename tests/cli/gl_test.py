@@ -4,6 +4,7 @@
 import json
 import os
 
+import fds_test
 import smoke_files
 import support
 from geometry_test import floor, obj
@@ -83,11 +84,12 @@ class Gl(support.TestCase):
                        {"kind": "ambient", "radiance": [0.1, 0.1, 0.1]}],
             "signs": [{"name": "exit", "position": [0, 2.9, 1], "normal": [0, -1, 0], "size": [1.5, 0.8], "emitting": True}]}
 
-    def difference(self, scene, *more):
-        """Of gl, with the processor's renderer off, from the reference, as a share of the brightest; and the statistics."""
+    def difference(self, scene, *more, ways=()):
+        """Of gl, with the processor's renderer off, from the reference, as a share of the brightest; and the statistics.
+        `ways`: what is said to gl alone."""
         self.works("render", scene, "--renderer", "reference", "-o", self.path("reference.exr"), "--cache", "none", *more)
         self.works("render", scene, "--renderer", "gl", "-o", self.path("gl.exr"), "--stats", self.path("s.json"),
-                   "--cache", "none", *more, env=ONLY_GL)
+                   "--cache", "none", *more, *ways, env=ONLY_GL)
         found = self.works("compare", self.path("reference.exr"), self.path("gl.exr"), "--json").json
         brightest = max(read_exr(self.path("reference.exr")).values)
         return found["max_error"] / brightest, json.loads(self.path("s.json").read_text())
@@ -108,6 +110,43 @@ class Gl(support.TestCase):
             self.assertLess(error, 2e-3, mode)
             names = {p["name"] for p in stats["gl"]["passes"]}
             self.assertTrue(names >= {"surfaces", "shadows", "light", "signs", "signs deferred", "march"}, names)
+
+    def test_walls_of_smoke_with_the_shadows_of_lamps(self):
+        scene = json.loads(self.scene(media=["smoke"], **self.HALL).read_text())
+        scene["media"][0]["walls"] = [0.7, 0.6, 0.5]
+        scene["lights"].append({"kind": "sun", "direction": [0.3, 0.5, -0.6], "radiance": [1, 1, 2]})
+        for eye in ([-2.5, -0.5, 1.5], [-1, -9, 3]):  # inside and outside
+            scene["camera"]["eye"] = eye
+            self.path("scene.json").write_text(json.dumps(scene))
+            error, stats = self.difference(self.path("scene.json"))
+            self.assertLess(error, 2e-3, eye)
+            drawn = {(p["name"], p["media"]) for p in stats["gl"]["passes"]}
+            self.assertTrue(drawn >= {("surfaces", "walls"), ("shadows", "walls"), ("light", "walls"), ("march", "smoke")}, drawn)
+
+    def test_fds_cases_with_fire_among_other_media(self):
+        case = fds_test.write_case(self.path)
+        fds_test.add_slice(self.path, case, 2, (0, 4) * 3, 500.0, ("HRRPUV", "hrrpuv", "kW/m3"))
+        error, stats = self.difference(case, "--size", "40x30", "--time", "3")
+        self.assertLess(error, 2e-3)
+        lamp = {"kind": "spot", "position": [1, -1, 2], "target": [1, 0.5, 0.3], "angle": 70, "intensity": [20, 16, 12]}
+        self.path("scene.json").write_text(json.dumps({
+            "format": "volute-scene-1", "background": [0.2, 0.3, 0.5], "lights": [lamp],
+            "camera": {"eye": [-0.6, -2, 1.6], "target": [1, 0.5, 0.4], "fov": 50, "size": [40, 32]},
+            "media": [{"kind": "smoke", "case": "case.smv", "albedo": [0.8, 0.8, 0.8], "mode": "threshold"},
+                      {"kind": "volume", "file": str(self.volume()), "extinction": 0.5, "emission": 0.2}]}))
+        error, stats = self.difference(self.path("scene.json"), "--time", "2")
+        self.assertLess(error, 2e-3)
+        drawn = {medium for p in stats["gl"]["passes"] for medium in p["media"].split(" + ")}
+        self.assertTrue(drawn >= {"FDS smoke", "fire", "volume", "geometry"}, drawn)
+
+    def test_ways_to_draw_smoke(self):
+        scene = self.scene(media=["smoke"])
+        for method, drawn in (("march", "march"), ("splat", "splat"), ("projected", "draw tetrahedra")):
+            error, stats = self.difference(scene, ways=("--smoke-method", method))
+            self.assertLess(error, 2e-3, method)
+            self.assertIn(drawn, {p["name"] for p in stats["gl"]["passes"]})
+        self.assertIn("--renderer gl", self.fails(2, "render", scene, "-o", self.path("x.png"), "--renderer", "cpu",
+                                                  "--smoke-method", "projected"))
 
     def test_billboards_and_suns(self):
         board = {"volume": str(self.volume()), "position": [0, 1, 1], "size": [3, 3], "emission": 0.05}

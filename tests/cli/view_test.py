@@ -46,6 +46,17 @@ class View(support.TestCase):
             "background": [0.2, 0.2, 0.4], "media": [{"kind": "volume", "file": "v.npy", "extinction": 2}]}))
         self.frame(self.path("scene.json"))
 
+    def test_a_damaged_file_is_shown_as_far_as_it_is_intact(self):
+        whole = self.make_volute(frames=4)
+        data = whole.read_bytes()
+        self.path("cut.volute").write_bytes(data[:len(data) * 3 // 4])
+        self.assertNotEqual(self.frame(self.path("cut.volute")), self.frame(whole))
+        self.path("stub.volute").write_bytes(data[:20])
+        self.assertIn("ends at byte 20", self.fails(1, "view", self.path("stub.volute"), "--screenshot", self.path("s.png")))
+
+    def test_a_screenshot_needs_a_file(self):
+        self.fails(2, "view", "--screenshot", self.path("s.png"))
+
     def test_errors_are_sentences(self):
         self.assertIn("missing.npy", self.fails(1, "view", self.path("missing.npy"), "--screenshot", self.path("s.png")))
         self.fails(2, "view", self.volume(), "--screenshot", self.path("s.jpg"))

@@ -19,8 +19,11 @@ Result<SurfacePicture> GlDrawer::surfaces(const StillView& view, Progress& progr
 }
 
 Result<SurfaceView> GlDrawer::walls(const StillView& view, std::size_t smoke) {
-  VOLUTE_TRY(processorMayDraw("the wall of smoke"));
-  return processor_.walls(view, smoke);
+  const Still& still = view.still;
+  Progress quiet;
+  VOLUTE_ASSIGN(auto seen, gl_.walls(view.camera, still.smokes[smoke], still.lights,
+                                     *still.walls[smoke], still.geometry, quiet));
+  return SurfaceView{std::move(seen.depth), std::move(seen.color)};
 }
 
 Result<std::vector<SignPixel>> GlDrawer::findSigns(const StillView& view) {

@@ -31,7 +31,6 @@ class GlDrawer final : public StillDrawer {
  private:
   GlPictures& gl_;
   GlSubject subject_;
-  ProcessorDrawer processor_;  ///< draws what OpenGL does not
 };
 
 }  // namespace volute::cli

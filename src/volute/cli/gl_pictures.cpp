@@ -21,8 +21,25 @@ Result<GlVolume> volumeOf(VolumeLayer& layer, int position, double factor) {
   return volume;
 }
 
-Result<GlScene> sceneOf(const GlSubject& subject, const Camera& camera) {
+/// A case at one time: its light takes long, and a picture with surfaces and signs asks thrice.
+struct FdsInstant {
+  const FdsLayer* layer = nullptr;
+  double time = 0;
+  FdsField smoke;
+  std::optional<FdsFlame> fire;
+};
+
+Result<FdsInstant> instantOf(const FdsLayer& layer, double time) {
+  VOLUTE_ASSIGN(auto smoke, layer.fieldAt(time));
+  VOLUTE_ASSIGN(auto fire, layer.fireAt(time));
+  return FdsInstant{&layer, time, std::move(smoke), std::move(fire)};
+}
+
+Result<GlScene> sceneOf(const GlSubject& subject, const Camera& camera,
+                        std::vector<FdsInstant>& cases) {
   GlScene scene;
+  scene.smokeMethod = subject.smokeMethod;
+  scene.shade = subject.geometry;
   for (std::size_t i = 0; i < subject.layers.size(); ++i) {
     VOLUTE_ASSIGN(auto volume, volumeOf(subject.layers[i], subject.positions[i], subject.factor));
     scene.volumes.push_back(std::move(volume));
@@ -42,6 +59,17 @@ Result<GlScene> sceneOf(const GlSubject& subject, const Camera& camera) {
     for (float& value : shown.extinction) value = static_cast<float>(subject.factor * value);
     scene.smokes.push_back(std::move(shown));
   }
+  std::erase_if(cases, [&](const FdsInstant& one) { return one.time != subject.time; });
+  for (const FdsLayer& layer : subject.fdsCases) {
+    auto found = std::ranges::find(cases, &layer, &FdsInstant::layer);
+    if (found == cases.end()) {
+      VOLUTE_ASSIGN(auto made, instantOf(layer, subject.time));
+      found = cases.insert(cases.end(), std::move(made));
+    }
+    scene.fds.push_back({found->smoke, subject.factor * layer.description().model.scale});
+    if (found->fire)
+      scene.fds.push_back({found->fire->heat(), 1, found->fire->colour()});
+  }
   for (BillboardLayer& board : subject.billboards) {
     const int position = board.volume.positionAt(subject.time);
     VOLUTE_ASSIGN(auto volume, volumeOf(board.volume, position, subject.factor));
@@ -58,7 +86,7 @@ class Pictures final : public GlPictures {
   Result<Image> picture(const Camera& camera, const GlSubject& subject,
                         const RenderOptions& options, Progress& progress, RenderStats& stats,
                         std::span<const float> opaqueDepth) override {
-    VOLUTE_ASSIGN(const GlScene scene, sceneOf(subject, camera));
+    VOLUTE_ASSIGN(const GlScene scene, sceneOf(subject, camera, cases_));
     return renderer_.render(camera, scene, options, progress, &stats, opaqueDepth);
   }
 
@@ -69,10 +97,22 @@ class Pictures final : public GlPictures {
     natural.factor = 1;  // lamps' light is always attenuated physically
     GlScene media;
     if (!lights.lamps.empty()) {
-      VOLUTE_ASSIGN(media, sceneOf(natural, camera));
+      VOLUTE_ASSIGN(media, sceneOf(natural, camera, cases_));
     }
     return renderer_.surfaces(camera, {geometry, lights.lamps, lights.ambient}, media, Rgb::Zero(),
                               progress);
+  }
+
+  Result<SurfacePicture> walls(const Camera& camera, const SmokeState& smoke,
+                               const SceneLights& lights, const Rgb& color,
+                               const TriangleScene& blocks, Progress& progress) override {
+    const GlWalls walls{{smoke.locator, smoke.extinction, {}},
+                        lights.lamps,
+                        smoke.lampShares,
+                        color,
+                        lights.ambient,
+                        blocks};
+    return renderer_.walls(camera, walls, progress);
   }
 
   Result<std::vector<SignPixel>> findSigns(const Camera& camera, std::span<const Sign> signs,
@@ -85,7 +125,7 @@ class Pictures final : public GlPictures {
                           std::span<const float> opaqueDepth) override {
     GlSubject natural = subject;
     natural.factor = 1;
-    VOLUTE_ASSIGN(const GlScene scene, sceneOf(natural, camera));
+    VOLUTE_ASSIGN(const GlScene scene, sceneOf(natural, camera, cases_));
     VOLUTE_TRY(renderer_.draw(camera, scene, GlQuantity::kOpticalDepth, progress, opaqueDepth));
     std::vector<float> powers;  // of e, of the depth
     for (const Sign& sign : signs)
@@ -110,14 +150,21 @@ class Pictures final : public GlPictures {
                         {"times", pass.times},
                         {"milliseconds", pass.milliseconds}});
     }
-    return {
+    nlohmann::ordered_json json = {
         {"device", gl_.device().renderer}, {"hardware", gl_.device().hardware}, {"passes", passes}};
+    if (const auto tets = renderer_.projectedTets()) {
+      json["projected_tetrahedra"] = {{"sorts", tets->sorts},       {"uploads", tets->uploads},
+                                      {"pictures", tets->pictures}, {"triangles", tets->triangles},
+                                      {"cycles", tets->cycles},     {"parts", tets->parts}};
+    }
+    return json;
   }
 
  private:
   HeadlessGl gl_;  // first, so that it ends last
   GlRenderer renderer_;
   std::vector<GlPassTime> passes_;
+  std::vector<FdsInstant> cases_;
 };
 
 }  // namespace

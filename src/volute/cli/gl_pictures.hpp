@@ -11,11 +11,13 @@
 #include "volute/camera/camera.hpp"
 #include "volute/cli/report.hpp"
 #include "volute/geometry/triangle_scene.hpp"
+#include "volute/gl/gl_scene.hpp"
 #include "volute/optics/visibility.hpp"
 #include "volute/render/billboard.hpp"
 #include "volute/render/render.hpp"
 #include "volute/render/sign.hpp"
 #include "volute/render/surfaces.hpp"
+#include "volute/scene/fds_layer.hpp"
 #include "volute/scene/fog_layer.hpp"
 #include "volute/scene/scene_lights.hpp"
 #include "volute/scene/smoke_layer.hpp"
@@ -38,6 +40,9 @@ struct GlSubject {
   std::span<const SmokeState> smokes{};
   double factor = 1;  ///< of all extinctions, as the picture's law has it
   std::span<BillboardLayer> billboards{};
+  std::span<const FdsLayer> fdsCases{};
+  TriangleScene geometry{};  ///< what throws shadows into fog that suns light
+  GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
 };
 
 /// Takes pictures by OpenGL, without a display. In builds without OpenGL there is none.
@@ -48,8 +53,7 @@ class GlPictures {
 
   virtual ~GlPictures() = default;
 
-  /// As volute::render(). kUnsupported for fog with a top, with levels by cell angle, or that a sun
-  /// lights among surfaces.
+  /// As volute::render().
   [[nodiscard]] virtual Result<Image> picture(const Camera& camera, const GlSubject& subject,
                                               const RenderOptions& options, Progress& progress,
                                               RenderStats& stats,
@@ -61,6 +65,12 @@ class GlPictures {
                                                         const TriangleScene& geometry,
                                                         const SceneLights& lights,
                                                         Progress& progress) = 0;
+
+  /// As lookAtWalls(), with what else stands in the light.
+  [[nodiscard]] virtual Result<SurfacePicture> walls(const Camera& camera, const SmokeState& smoke,
+                                                     const SceneLights& lights, const Rgb& color,
+                                                     const TriangleScene& blocks,
+                                                     Progress& progress) = 0;
 
   /// As signPixels().
   [[nodiscard]] virtual Result<std::vector<SignPixel>> findSigns(

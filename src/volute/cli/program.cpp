@@ -60,7 +60,7 @@ Status runGuarded(const Command& command, const Arguments& arguments, Context& c
     return command.run(arguments, context);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::kTooLarge,
-                "there is not enough memory; give less with --frames or --region");
+                "there is not enough memory; take fewer frames, a lower resolution or a smaller region");
   } catch (const std::exception& error) {
     return fail(ErrorCode::kIo, "{}", error.what());
   }

@@ -61,6 +61,8 @@ Result<Still> RenderJob::stillAt(const Moment& moment, std::vector<VoxelMedium>&
     still.viewed.push_back(std::move(medium));
   }
   for (const FdsLayer& fds : fdsCases) {
+    if (gl)
+      break;  // it has its own
     VOLUTE_ASSIGN(auto medium, fds.mediumAt(moment.time));
     still.media.push_back(seenBy(law, std::move(medium)));
     VOLUTE_ASSIGN(auto flame, fds.flameAt(moment.time));
@@ -86,11 +88,21 @@ Result<Still> RenderJob::stillAt(const Moment& moment, std::vector<VoxelMedium>&
 
 Result<Image> RenderJob::pictureOf(const Still& still, const Moment& moment, Progress& progress,
                                    StillCounts& counts) {
-  if (contour)
+  if (contour) {
+    VOLUTE_TRY(processorMayDraw("a slice or an isosurface"));
     return lookAtContour(camera, still.smokes, *contour);
+  }
   if (gl) {
-    GlDrawer drawer(
-        *gl, {layers, moment.positions, fogs, moment.time, still.smokes, law.factor(), billboards});
+    GlDrawer drawer(*gl, {.layers = layers,
+                          .positions = moment.positions,
+                          .fogs = fogs,
+                          .time = moment.time,
+                          .smokes = still.smokes,
+                          .factor = law.factor(),
+                          .billboards = billboards,
+                          .fdsCases = fdsCases,
+                          .geometry = fixedGeometry ? *fixedGeometry : geometry,
+                          .smokeMethod = smokeMethod});
     return still.picture(camera, options, drawer, progress, &counts);
   }
   VOLUTE_TRY(processorMayDraw("this picture"));
@@ -98,6 +110,17 @@ Result<Image> RenderJob::pictureOf(const Still& still, const Moment& moment, Pro
 }
 
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
+  auto image = pictureBy(moment, progress);
+  if (image || !gl || !glIsWish || image.error().code == ErrorCode::kCancelled)
+    return image;
+  progress.remark(
+      fmt::format("the processor draws, since OpenGL does not: {}", image.error().message));
+  gl.reset();
+  smokeMethod = GlSmokeMethod::kAuto;
+  return pictureBy(moment, progress);
+}
+
+Result<Image> RenderJob::pictureBy(const Moment& moment, Progress& progress) {
   std::vector<VoxelMedium> volumes;
   Result<Still> still = [&] {
     const Stopwatch watch(totals.slices);

@@ -48,6 +48,8 @@ struct RenderJob {
   double framesPerSecond = 25;  ///< of a film
   RenderTotals totals;
   std::shared_ptr<GlPictures> gl{};  ///< takes the pictures when it is not null
+  bool glIsWish = false;             ///< the processor takes them, with a remark, where `gl` cannot
+  GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
   std::vector<SmokeLayer> smokes{};
   std::vector<Sign> signs{};
   PictureLaw law{};
@@ -64,6 +66,9 @@ struct RenderJob {
 
   /// The linear picture of a moment.
   [[nodiscard]] Result<Image> picture(const Moment& moment, Progress& progress);
+
+  /// The same by the renderer that is chosen, or its error.
+  [[nodiscard]] Result<Image> pictureBy(const Moment& moment, Progress& progress);
 
   /// What the picture of a moment says about itself; the legend only where it is asked for.
   PictureText textOf(const Moment& moment) const;

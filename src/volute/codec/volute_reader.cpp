@@ -231,6 +231,11 @@ Result<std::string> VoluteReader::describeBlock(std::size_t block) const {
 }
 
 Integrity VoluteReader::verify() const {
+  Progress quiet;
+  return *verify(quiet);
+}
+
+Result<Integrity> VoluteReader::verify(Progress& progress) const {
   const Impl& impl = *impl_;
   Integrity integrity;
   integrity.expectedBytes = impl.head.fileBytes;
@@ -238,9 +243,12 @@ Integrity VoluteReader::verify() const {
   std::vector<std::byte> bytes;
   for (std::size_t tier = 0; tier < impl.tiers(); ++tier) {
     bool whole = true;
+    progress.report("checking", static_cast<double>(tier), static_cast<double>(impl.tiers()));
     for (std::size_t block = 0; block < impl.grid.count(); ++block) {
       if (impl.segment(tier, block).size == 0)
         continue;
+      if (progress.cancelled())
+        return fail(ErrorCode::kCancelled, "stopped");
       ++integrity.segments;
       if (const Status status = impl.readSegment(block, tier, bytes); status) {
         ++integrity.intactSegments;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "volute/base/input_file.hpp"
+#include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
 #include "volute/codec/block_grid.hpp"
 #include "volute/grid/frame_source.hpp"
@@ -69,6 +70,9 @@ class VoluteReader {
 
   /// Checks every segment of the file.
   Integrity verify() const;
+
+  /// The same; kCancelled when `progress` said so.
+  [[nodiscard]] Result<Integrity> verify(Progress& progress) const;
 
   /// Fills `values` with block `block` at full resolution, shape = blocks().extents(block) x
   /// channels, (t, z, y, x, c) in C order. `levels` < blocks().levels(block) decodes only that many

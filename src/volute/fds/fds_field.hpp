@@ -70,6 +70,14 @@ class FdsField {
 
   const std::vector<FdsCell>& cells(std::size_t lattice) const { return *cells_[lattice]; }
 
+  /// The light that is the same everywhere; zero where light is given at the nodes.
+  const Rgb& source() const { return source_; }
+
+  /// Null in even light.
+  const FdsLight* light(std::size_t lattice) const {
+    return light_.empty() ? nullptr : light_[lattice].get();
+  }
+
   Box3 bounds() const { return grid_->bounds(); }
 
   /// What stands at a point; nothing outside of what the source covers.

@@ -31,6 +31,11 @@ class FdsFlame {
   /// Of the cells that burn; without any, of the case.
   Box3 bounds() const { return bounds_; }
 
+  /// Heat above the cutoff [kW/m3] in place of an extinction, and the radiance per metre of 1 kW/m3.
+  const FdsField& heat() const { return light_; }
+
+  const Rgb& colour() const { return colour_; }
+
   double extinction(const Vec3&) const { return 0; }
 
   Rgb emission(const Vec3& point) const { return colour_ * light_.extinction(point); }

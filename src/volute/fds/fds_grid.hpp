@@ -123,6 +123,11 @@ class FdsGrid {
 
   const Box3& bounds() const { return bounds_; }
 
+  /// The coarse table: its planes, and the lattice of each part between them or -1, x fastest.
+  const FdsPlanes& partPlanes() const { return planes_; }
+
+  std::span<const std::int32_t> parts() const { return table_; }
+
   /// Which lattice a point lies in, or -1.
   int latticeAt(const Vec3& point) const;
 

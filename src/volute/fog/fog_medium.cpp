@@ -114,6 +114,12 @@ Vec3 FogMedium::domainCorner() const {
   return origin_ - cell_ * Vec3(map.x0, map.y0, 0);
 }
 
+std::optional<FogMap> FogMedium::top() const {
+  if (!top_)
+    return std::nullopt;
+  return FogMap{top_->heights, origin_ + Vec3(top_->offsetX, top_->offsetY, 0), top_->cell};
+}
+
 Box3 FogMedium::bounds() const {
   const bool padded = !options_.detail.finestOnly();
   const FogLevels::Level& finest = levels_->level(0);

@@ -51,8 +51,9 @@ class FogMedium {
   /// One piece for each cell, profile zone and level that is not all zero.
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
-  /// The fast path, in float and SIMD: transmittances within 2e-6 of the reference. Each ray's result depends on nothing but the
-  /// ray. Jumps over empty parts of the map. With a `top` map it is the reference.
+  /// The fast path, in float and SIMD: transmittances within 2e-6 of the reference. Each ray's
+  /// result depends on nothing but the ray. Jumps over empty parts of the map. With a `top` map it
+  /// is the reference.
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
   /// The map, shape (rows, columns), row 0 at the smallest y.
@@ -92,6 +93,9 @@ class FogMedium {
   double cell() const { return cell_; }
 
   bool hasTop() const { return top_ != nullptr; }
+
+  /// Where the fog ends upwards: heights [m] above the map's origin as a linear spline, 0 outside.
+  std::optional<FogMap> top() const;
 
   /// A part of a segment that is in one zone of the profile and one level of detail.
   struct Stretch {

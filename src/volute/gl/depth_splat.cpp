@@ -17,6 +17,10 @@ using Texel = std::array<float, 4>;
 /// Smoke that cannot reach this optical depth across the whole mesh is left out, as in TetSplat.
 constexpr double kNegligible = 1e-8;
 
+/// Rays so near to a plane of the boundary are in it, as a share of the mesh's size: float's
+/// rounding.
+constexpr double kGrazing = 1e-6;
+
 Texel texel(const Vec3& value, double last = 0) {
   return {static_cast<float>(value.x()), static_cast<float>(value.y()),
           static_cast<float>(value.z()), static_cast<float>(last)};
@@ -34,13 +38,16 @@ Texel planeOf(const TetMesh& mesh, const TetFace& face, const Vec3& middle) {
   return texel(normal, normal.dot(corner));
 }
 
+/// Four times the face across each vertex, + 1 for the face's second tet, + 2 on the boundary.
 std::vector<Tet> facesOfTets(const TetMesh& mesh) {
   std::vector<Tet> across(mesh.tets().size());
   for (std::size_t f = 0; f < mesh.faces().size(); ++f) {
     const TetFace& face = mesh.faces()[f];
-    across[face.first / 4][face.first % 4] = static_cast<std::int32_t>(2 * f);
-    if (face.second != TetMesh::kBoundary)
-      across[face.second / 4][face.second % 4] = static_cast<std::int32_t>(2 * f + 1);
+    const bool boundary = face.second == TetMesh::kBoundary;
+    const auto number = static_cast<std::int32_t>(4 * f);
+    across[face.first / 4][face.first % 4] = number + (boundary ? 2 : 0);
+    if (!boundary)
+      across[face.second / 4][face.second % 4] = number + 1;
   }
   return across;
 }
@@ -52,6 +59,7 @@ DepthSplat::DepthSplat(std::shared_ptr<const TetMesh> mesh, GlProgram program)
       program_(std::move(program)),
       middle_(mesh_->bounds().centre()),
       negligible_(static_cast<float>(kNegligible / mesh_->bounds().size().norm())),
+      grazing_(static_cast<float>(kGrazing * mesh_->bounds().size().norm())),
       tets_(makeBuffer(mesh_->tets())),
       extinctions_(makeEmptyBuffer(mesh_->vertices().size() * sizeof(float))),
       framebuffer_(makeFramebuffer()),
@@ -83,6 +91,7 @@ Result<DepthSplat> DepthSplat::create(std::shared_ptr<const TetMesh> mesh) {
 }
 
 void DepthSplat::setExtinction(std::span<const float> extinction) {
+  extinction_.assign(extinction.begin(), extinction.end());
   glNamedBufferSubData(extinctions_.name(), 0, static_cast<GLsizeiptr>(extinction.size_bytes()),
                        extinction.data());
 }
@@ -96,6 +105,7 @@ Status DepthSplat::add(const Camera& camera, GLuint opaque, GLuint picture) {
   program_.set("eye", Vec3(camera.eye() - middle_));
   program_.set("forward", camera.forward());
   program_.set("negligible", negligible_);
+  program_.set("grazing", grazing_);
   program_.set("opaqueGiven", opaque != 0 ? 1 : 0);
   program_.set("opaque", 0);
   glBindTextureUnit(0, opaque);

@@ -2,8 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "volute/base/result.hpp"
 #include "volute/camera/camera.hpp"
@@ -24,6 +26,11 @@ class DepthSplat {
   /// [1/m], one for each vertex.
   void setExtinction(std::span<const float> extinction);
 
+  /// Whether this was set last.
+  bool holds(std::span<const float> extinction) const {
+    return std::ranges::equal(extinction_, extinction);
+  }
+
   /// Adds the depths to the fourth channel of an RGBA32F texture of the camera's size, up to the
   /// distances along the rays [m] in the texture `opaque`, R32F, where it is not 0. kUnsupported
   /// for cameras with a lens.
@@ -36,6 +43,8 @@ class DepthSplat {
   GlProgram program_;
   Vec3 middle_ = Vec3::Zero();
   float negligible_ = 0;
+  float grazing_ = 0;  ///< [m]
+  std::vector<float> extinction_;
   GlBuffer places_, tets_, planes_, tetFaces_, extinctions_;
   GlFramebuffer framebuffer_;
   GlVertexArray arrays_;

@@ -22,6 +22,8 @@ class SheetOnDevice final : public GlMedium {
 
   GlNature nature() const override { return {.constant = true, .points = 1}; }
 
+  GlNeeds needs() const override { return {.textures = 1, .cells = 2, .roundsPerCell = 4}; }
+
   void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
             GlBindings& bindings) const override {
     program.set((prefix + "middle").c_str(), Vec3(middle_ - eye));

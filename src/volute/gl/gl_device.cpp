@@ -6,8 +6,14 @@
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
+#include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <filesystem>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <optional>
 #include <string_view>
 
 namespace volute {
@@ -42,7 +48,7 @@ Status findLibraries() {
     return fail(
         ErrorCode::kUnsupported,
         "there is no OpenGL here: {} is missing; install libegl1, libgl1 and libgl1-mesa-dri "
-        "or the graphics card's driver, or render with --renderer cpu",
+        "or the graphics card's driver",
         name);
   }
   return {};
@@ -78,10 +84,19 @@ std::vector<EGLDisplay> displays(HeadlessGl::Wanted wanted) {
   return hardware;
 }
 
+/// EGL has one state for each display, whoever asked for it: it ends with the last of its users.
+void countUsers(EGLDisplay display, int change) {
+  static std::mutex mutex;
+  static std::map<EGLDisplay, int> users;
+  const std::scoped_lock lock(mutex);
+  users[display] += change;
+  if (users[display] <= 0)
+    eglTerminate(display);
+}
+
 /// EGL_NO_CONTEXT where the display has no OpenGL 4.5 core.
 EGLContext contextOn(EGLDisplay display) {
-  if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr) ||
-      !eglBindAPI(EGL_OPENGL_API))
+  if (!eglInitialize(display, nullptr, nullptr) || !eglBindAPI(EGL_OPENGL_API))
     return EGL_NO_CONTEXT;
   const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
                            EGL_NONE};
@@ -117,6 +132,11 @@ std::vector<std::pair<std::string, std::int64_t>> GlDevice::limits() const {
           {"max_compute_shared_memory_size", sharedMemory}};
 }
 
+double GlDevice::loopRounds() const {
+  constexpr double kSoftwareRounds = 65535;  // llvmpipe's LP_MAX_TGSI_LOOP_ITERATIONS
+  return hardware ? std::numeric_limits<double>::infinity() : kSoftwareRounds;
+}
+
 bool graphicsHardwarePresent() {
   std::error_code ignored;
   for (const char* node : {"/dev/nvidia0", "/dev/dxg"}) {
@@ -132,10 +152,8 @@ bool graphicsHardwarePresent() {
 
 Result<GlDevice> currentGlDevice() {
   if (epoxy_gl_version() < 45 || !epoxy_is_desktop_gl()) {
-    return fail(
-        ErrorCode::kUnsupported,
-        "OpenGL 4.5 is needed, this driver has {}; update it, or render with --renderer cpu",
-        text(GL_VERSION));
+    return fail(ErrorCode::kUnsupported, "OpenGL 4.5 is needed, this driver has {}; update it",
+                text(GL_VERSION));
   }
   GlDevice device;
   device.renderer = text(GL_RENDERER);
@@ -153,26 +171,51 @@ Result<GlDevice> currentGlDevice() {
   return device;
 }
 
+Status checkTextureSize(std::string_view what, std::int64_t width, std::int64_t height,
+                        std::int64_t depth) {
+  const std::int64_t most = limit(depth ? GL_MAX_3D_TEXTURE_SIZE : GL_MAX_TEXTURE_SIZE);
+  if (std::max({width, height, depth}) <= most)
+    return {};
+  return fail(ErrorCode::kTooLarge,
+              "{} of {} x {}{} texels is larger than the {} a side that the graphics device has; "
+              "render with --renderer cpu",
+              what, width, height, depth ? fmt::format(" x {}", depth) : "", most);
+}
+
 Result<HeadlessGl> HeadlessGl::create(Wanted wanted) {
   VOLUTE_TRY(findLibraries());
+  ::setenv("EGL_LOG_LEVEL", "fatal", 0);  // what drivers say of displays that do not matter
+  std::optional<Error> refused;
   for (const EGLDisplay display : displays(wanted)) {
-    const EGLContext context = contextOn(display);
-    if (context == EGL_NO_CONTEXT)
+    if (display == EGL_NO_DISPLAY)
       continue;
+    countUsers(display, 1);
+    const EGLContext context = contextOn(display);
+    if (context == EGL_NO_CONTEXT) {
+      countUsers(display, -1);
+      continue;
+    }
     HeadlessGl gl;
     gl.display_ = display;
     gl.context_ = context;
-    VOLUTE_ASSIGN(gl.device_, currentGlDevice());
+    auto device = currentGlDevice();
+    if (!device) {
+      refused = device.error();
+      continue;
+    }
+    gl.device_ = std::move(*device);
     if (wanted == Wanted::kAny || gl.device_.hardware)
       return gl;
   }
+  if (refused)
+    return tl::unexpected(std::move(*refused));
   if (wanted == Wanted::kHardware)
     return fail(ErrorCode::kUnsupported,
                 "no graphics hardware here has OpenGL 4.5 without a display");
   return fail(
       ErrorCode::kUnsupported,
-      "no driver here has OpenGL 4.5 without a display; update the graphics driver, install "
-      "libgl1-mesa-dri, or render with --renderer cpu");
+      "no driver here has OpenGL 4.5 without a display; update the graphics driver or install "
+      "libgl1-mesa-dri");
 }
 
 HeadlessGl::HeadlessGl(HeadlessGl&& other) noexcept
@@ -185,6 +228,7 @@ HeadlessGl::~HeadlessGl() {
     return;
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(display_, context_);
+  countUsers(display_, -1);
 }
 
 }  // namespace volute

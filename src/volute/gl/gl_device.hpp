@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,10 @@ struct GlDevice {
   std::int64_t textureUnits = 0;         ///< of a compute shader
   std::int64_t groupInvocations = 0;     ///< of a compute work group
   std::int64_t sharedMemory = 0;         ///< [bytes] of a compute work group
+
+  /// Software rasterisers end a shader's loops, without a word, after so many rounds of all of them
+  /// together; no limit on hardware.
+  double loopRounds() const;
 
   /// The limits with the names that OpenGL gives them.
   std::vector<std::pair<std::string, std::int64_t>> limits() const;
@@ -62,5 +67,11 @@ class HeadlessGl {
 /// Of the context that is current in this thread, whoever made it. kUnsupported when it is older
 /// than OpenGL 4.5.
 [[nodiscard]] Result<GlDevice> currentGlDevice();
+
+/// kTooLarge, "a fog map of 17000 x 10 texels ...", where the current device's textures are
+/// smaller.
+/// @param depth  of a texture with three dimensions, else 0
+[[nodiscard]] Status checkTextureSize(std::string_view what, std::int64_t width,
+                                      std::int64_t height, std::int64_t depth = 0);
 
 }  // namespace volute

@@ -2,8 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <cmath>
 
-#include "volute/fog/fog_shader.hpp"
+#include "volute/gl/gl_device.hpp"
 #include "volute/gl/gl_medium.hpp"
+#include "volute/gl/gl_triangles.hpp"
 #include "volute/gl/glsl_sources.hpp"
 
 namespace volute {
@@ -18,11 +19,12 @@ struct SunOnDevice {
   double asymmetry = 0;
 };
 
-std::vector<SunOnDevice> sunsOf(const SunlitFog& fog) {
+Result<std::vector<SunOnDevice>> sunsOf(const SunlitFog& fog) {
   std::vector<SunOnDevice> suns;
   for (std::size_t i = 0; i < fog.suns().size(); ++i) {
     SunOnDevice sun;
     sun.shape = fog.shadows()[i].maps();
+    VOLUTE_TRY(checkTextureSize("a sun's map of a fog", sun.shape.columns, sun.shape.rows));
     sun.maps = makeTexture2d(GL_RGBA32F, sun.shape.columns, sun.shape.rows);
     glTextureSubImage2D(sun.maps.name(), 0, 0, 0, sun.shape.columns, sun.shape.rows, GL_RGBA,
                         GL_FLOAT, sun.shape.texels.data());
@@ -35,37 +37,78 @@ std::vector<SunOnDevice> sunsOf(const SunlitFog& fog) {
   return suns;
 }
 
-/// The functions of each sun, and their sum.
-std::string sunFunctions(std::size_t suns) {
+/// A line for each sun, with its number for @.
+std::string forSuns(std::size_t suns, std::string_view line) {
   std::string text;
   for (std::size_t i = 0; i < suns; ++i) {
-    for (const char* c = glsl::kFogSun; *c; ++c) {
-      if (*c == '@')
-        text += std::to_string(i);
-      else
-        text += *c;
-    }
+    for (const char c : line) text += c == '@' ? std::to_string(i) : std::string(1, c);
   }
-  text += "vec3 M_sunlight(vec3 place) {\n  vec3 sum = vec3(0.0);\n";
-  for (std::size_t i = 0; i < suns; ++i) text += fmt::format("  sum += M_sun{}(place);\n", i);
-  return text + "  return sum;\n}\n";
+  return text;
 }
+
+/// The functions of each sun, and their sum; nothing shades where only depths are asked for.
+std::string sunFunctions(std::size_t suns, bool shaded) {
+  std::string text = forSuns(suns, glsl::kFogSun);
+  if (shaded) {
+    text +=
+        "layout(std430) readonly buffer M_ShadeNodes { vec4 M_shadeNodes[]; };\n"
+        "layout(std430) readonly buffer M_ShadeCorners { dvec4 M_shadeCorners[]; };\n"
+        "uniform dvec3 M_shadeEye;\n" +
+        forSuns(suns, glsl::kFogShade);
+  }
+  const auto calls = [&](std::string_view line) { return shaded ? forSuns(suns, line) : ""; };
+  text += "vec3 M_sunlight(vec3 place, float s) {\n  vec3 sum = vec3(0.0);\n";
+  text += forSuns(
+      suns, shaded ? "  if (!M_isDark@(s)) sum += M_sun@(place);\n" : "  sum += M_sun@(place);\n");
+  text += "  return sum;\n}\nvoid M_findShadows() {\n#if !MEASURE\n" + calls("  M_findDark@();\n");
+  text += "#endif\n}\nfloat M_nextShadow(float s, float before) {\n#if !MEASURE\n";
+  text += calls("  before = M_nextEdge@(s, before);\n");
+  return text + "#endif\n  return before;\n}\n";
+}
+
+constexpr double kRoundsPerCell = 11.1, kRoundsPerSun = 11;
+
+/// The fog's top on the device.
+struct TopOnDevice {
+  GlTexture map;
+  Vec3 corner = Vec3::Zero();  ///< of the cell before the first node
+  double cell = 1;
+
+  explicit TopOnDevice(const FogMap& top)
+      : map(makeTexture2d(GL_R32F, top.coefficients.columns, top.coefficients.rows)),
+        corner(top.origin),
+        cell(top.cell) {
+    const std::vector<float> heights(top.coefficients.c.begin(), top.coefficients.c.end());
+    glTextureSubImage2D(map.name(), 0, 0, 0, top.coefficients.columns, top.coefficients.rows,
+                        GL_RED, GL_FLOAT, heights.data());
+  }
+};
 
 class FogOnDevice final : public GlMedium {
  public:
-  FogOnDevice(FogShader shader, const FogMedium& fog, double factor, std::vector<SunOnDevice> suns)
-      : shader_(std::move(shader)), color_(fog.options().color), suns_(std::move(suns)) {
-    for (float& texel : shader_.texels) texel = static_cast<float>(factor * texel);
-    map_ = makeTexture2d(GL_R32F, shader_.width, shader_.height);
-    glTextureSubImage2D(map_.name(), 0, 0, 0, shader_.width, shader_.height, GL_RED, GL_FLOAT,
-                        shader_.texels.data());
+  FogOnDevice(const FogMedium& fog, double factor, std::shared_ptr<const GlFogMap> map,
+              std::vector<SunOnDevice> suns, std::shared_ptr<const GlTriangles> shade)
+      : shader_(fogCells(fog)),
+        factor_(factor),
+        color_(fog.options().color),
+        cellAngle_(fog.options().detail.cellAngle),
+        suns_(std::move(suns)),
+        shade_(std::move(shade)),
+        map_(std::move(map)) {
+    if (const auto top = fog.top())
+      top_.emplace(*top);
   }
 
-  std::string key() const override { return fmt::format("fog {} {}", suns_.size(), shader_.walk); }
+  std::string key() const override {
+    return fmt::format("fog {} {} {} {} {}", suns_.size(), shade_ != nullptr, cellAngle_ > 0,
+                       top_.has_value(), shader_.structure);
+  }
 
   std::vector<ShaderPart> parts() const override {
-    return {{"fog_walk.glsl", shader_.walk},
-            {"fog_sun.glsl", sunFunctions(suns_.size())},
+    return {{"fog settings", fmt::format("#define M_BY_ANGLE {}\n#define M_TOP {}\n",
+                                         cellAngle_ > 0 ? 1 : 0, top_ ? 1 : 0)},
+            {"fog_walk.glsl", shader_.walk},
+            {"fog_sun.glsl", sunFunctions(suns_.size(), shade_ != nullptr)},
             {"fog_cells.glsl", glsl::kFogCells}};
   }
 
@@ -76,14 +119,37 @@ class FogOnDevice final : public GlMedium {
     return nature;
   }
 
+  GlNeeds needs() const override {
+    const GlNeeds walk = fogNeeds(shader_);
+    return {.textures = 1 + (top_ ? 1 : 0) + static_cast<int>(suns_.size()),
+            .storage = shade_ ? 2 : 0,
+            .cells = walk.cells,
+            .roundsPerCell = walk.roundsPerCell +
+                             kRoundsPerSun * double(suns_.size()) * double(shader_.zones.size())};
+  }
+
   void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
             GlBindings& bindings) const override {
-    program.set((prefix + "fogCorner").c_str(), Vec3(shader_.corner - eye));
-    program.set((prefix + "fogCell").c_str(), static_cast<float>(shader_.cell));
-    program.set((prefix + "fogMu").c_str(), static_cast<float>(shader_.mu));
+    bindFog(program, prefix, shader_, eye, bindings.texture++, *map_);
+    program.set((prefix + "fogFactor").c_str(), static_cast<float>(factor_));
     program.set((prefix + "fogColor").c_str(), Vec3(color_));
-    program.set((prefix + "fogMap").c_str(), bindings.texture);
-    glBindTextureUnit(static_cast<GLuint>(bindings.texture++), map_.name());
+    if (cellAngle_ > 0) {
+      program.set((prefix + "levelMetres").c_str(),
+                  static_cast<float>(2 * shader_.cell / cellAngle_));
+    }
+    if (top_) {
+      program.set((prefix + "topCorner").c_str(),
+                  std::array{static_cast<float>(top_->corner.x() - eye.x()),
+                             static_cast<float>(top_->corner.y() - eye.y())});
+      program.set((prefix + "topCell").c_str(), static_cast<float>(top_->cell));
+      program.set((prefix + "topMap").c_str(), bindings.texture);
+      glBindTextureUnit(static_cast<GLuint>(bindings.texture++), top_->map.name());
+    }
+    if (shade_) {
+      program.bindStorage((prefix + "ShadeNodes").c_str(), bindings.storage++, shade_->nodes);
+      program.bindStorage((prefix + "ShadeCorners").c_str(), bindings.storage++, shade_->corners);
+      program.setExactly((prefix + "shadeEye").c_str(), Vec3(eye - shade_->middle));
+    }
     for (std::size_t i = 0; i < suns_.size(); ++i) {
       const SunOnDevice& sun = suns_[i];
       const auto set = [&](const char* name, const auto& value) {
@@ -101,25 +167,65 @@ class FogOnDevice final : public GlMedium {
 
  private:
   FogShader shader_;
+  double factor_ = 1;
   Rgb color_;
+  double cellAngle_ = 0;
   std::vector<SunOnDevice> suns_;
-  GlTexture map_;
+  std::shared_ptr<const GlTriangles> shade_;
+  std::optional<TopOnDevice> top_;
+  std::shared_ptr<const GlFogMap> map_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<GlMedium>> makeGlFog(const FogMedium& fog, double factor) {
-  VOLUTE_ASSIGN(auto shader, fogShader(fog));
-  return std::make_unique<FogOnDevice>(std::move(shader), fog, factor, std::vector<SunOnDevice>());
+GlNeeds fogNeeds(const FogShader& shader) {
+  const int cells = shader.levels[0][0] + shader.levels[0][1];  // coarser ones are fewer
+  return {.textures = 1, .cells = static_cast<double>(cells), .roundsPerCell = kRoundsPerCell};
 }
 
-Result<std::unique_ptr<GlMedium>> makeGlFog(const SunlitFog& fog, double factor) {
-  if (fog.scattering().shadows) {
+void bindFog(const GlProgram& program, const std::string& prefix, const FogShader& shader,
+             const Vec3& eye, int unit, const GlFogMap& map) {
+  const auto set = [&](const char* name, const auto& value) {
+    program.set((prefix + name).c_str(), value);
+  };
+  set("fogCorner", Vec3(shader.corner - eye));
+  set("fogCell", static_cast<float>(shader.cell));
+  set("fogMu", static_cast<float>(shader.mu));
+  set("fogMapCells", shader.mapCells);
+  set("fogLevels", std::span(shader.levels));
+  set("fogZoneHeights", std::span(shader.zoneHeights));
+  set("fogZones", std::span(shader.zones));
+  set("fogMap", unit);
+  glBindTextureUnit(static_cast<GLuint>(unit), map.texture.name());
+}
+
+Result<std::shared_ptr<const GlFogMap>> makeGlFogMap(const FogMedium& fog) {
+  const FogShader shader = fogCells(fog);
+  VOLUTE_TRY(checkTextureSize("a fog map", shader.width, shader.height));
+  const std::vector<float> texels = fogTexels(fog);
+  auto map = std::make_shared<GlFogMap>();
+  map->texture = makeTexture2d(GL_R32F, shader.width, shader.height);
+  glTextureSubImage2D(map->texture.name(), 0, 0, 0, shader.width, shader.height, GL_RED, GL_FLOAT,
+                      texels.data());
+  return map;
+}
+
+std::unique_ptr<GlMedium> makeGlFog(const FogMedium& fog, double factor,
+                                    std::shared_ptr<const GlFogMap> map) {
+  return std::make_unique<FogOnDevice>(fog, factor, std::move(map), std::vector<SunOnDevice>(),
+                                       nullptr);
+}
+
+Result<std::unique_ptr<GlMedium>> makeGlFog(const SunlitFog& fog, double factor,
+                                            std::shared_ptr<const GlFogMap> map,
+                                            std::shared_ptr<const GlTriangles> shade) {
+  if (fog.scattering().shadows && !shade) {
     return fail(ErrorCode::kUnsupported,
-                "fog in the shadows of surfaces is not rendered by OpenGL; use --renderer cpu");
+                "fog in the shadows of surfaces that OpenGL does not know; use --renderer cpu");
   }
-  VOLUTE_ASSIGN(auto shader, fogShader(fog.fog()));
-  return std::make_unique<FogOnDevice>(std::move(shader), fog.fog(), factor, sunsOf(fog));
+  VOLUTE_ASSIGN(auto suns, sunsOf(fog));
+  return std::make_unique<FogOnDevice>(fog.fog(), factor, std::move(map), std::move(suns),
+                                       fog.scattering().shadows ? std::move(shade) : nullptr);
 }
 
 }  // namespace volute

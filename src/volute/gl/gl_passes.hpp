@@ -21,18 +21,16 @@ struct GlPassTime {
 /// Times passes by pairs of GL_TIMESTAMP (GL_TIME_ELAPSED is nonsense on llvmpipe).
 class GlPasses {
  public:
-  /// Does `work` and notes when the device began and ended it.
+  /// Does `work`, notes when the device began and ended it, and gives what it gives.
   template <class Work>
-  void run(std::string name, Work&& work) {
-    run(std::move(name), {}, std::forward<Work>(work));
+  decltype(auto) run(std::string name, Work&& work) {
+    return run(std::move(name), {}, std::forward<Work>(work));
   }
 
   template <class Work>
-  void run(std::string name, std::string media, Work&& work) {
-    Pair pair{std::move(name), std::move(media), stamp(), {}};
-    work();
-    pair.end = stamp();
-    open_.push_back(std::move(pair));
+  decltype(auto) run(std::string name, std::string media, Work&& work) {
+    const Running running(*this, std::move(name), std::move(media));
+    return work();
   }
 
   /// Adds what has been run since the last call to the sums; waits for the device.
@@ -50,6 +48,25 @@ class GlPasses {
   struct Pair {
     std::string name, media;
     GlQuery begin, end;
+  };
+
+  /// Notes the end when it ends.
+  class Running {
+   public:
+    Running(GlPasses& passes, std::string name, std::string media)
+        : passes_(passes), pair_{std::move(name), std::move(media), stamp(), {}} {}
+
+    Running(const Running&) = delete;
+    Running& operator=(const Running&) = delete;
+
+    ~Running() {
+      pair_.end = stamp();
+      passes_.open_.push_back(std::move(pair_));
+    }
+
+   private:
+    GlPasses& passes_;
+    Pair pair_;
   };
 
   static GlQuery stamp();

@@ -157,4 +157,19 @@ void GlProgram::set(const char* name, const Mat3& value) const {
   glProgramUniformMatrix3fv(object_.name(), place(name), 1, GL_FALSE, columns.data());
 }
 
+void GlProgram::set(const char* name, std::span<const std::array<int, 4>> values) const {
+  glProgramUniform4iv(object_.name(), place(name), static_cast<GLsizei>(values.size()),
+                      values.front().data());
+}
+
+void GlProgram::set(const char* name, std::span<const std::array<float, 2>> values) const {
+  glProgramUniform2fv(object_.name(), place(name), static_cast<GLsizei>(values.size()),
+                      values.front().data());
+}
+
+void GlProgram::set(const char* name, std::span<const std::array<float, 4>> values) const {
+  glProgramUniform4fv(object_.name(), place(name), static_cast<GLsizei>(values.size()),
+                      values.front().data());
+}
+
 }  // namespace volute

@@ -47,6 +47,11 @@ class GlProgram {
   void set(const char* name, const Vec3& value) const;
   void set(const char* name, const Mat3& value) const;
 
+  /// Arrays.
+  void set(const char* name, std::span<const std::array<int, 4>> values) const;
+  void set(const char* name, std::span<const std::array<float, 2>> values) const;
+  void set(const char* name, std::span<const std::array<float, 4>> values) const;
+
   /// In double.
   void setExactly(const char* name, const Vec3& value) const;
   void setExactly(const char* name, const Eigen::Vector2d& value) const;

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/gl/gl_renderer.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -9,6 +10,7 @@
 #include "volute/gl/gl_billboard.hpp"
 #include "volute/gl/gl_device.hpp"
 #include "volute/gl/gl_medium.hpp"
+#include "volute/gl/gl_programs.hpp"
 #include "volute/gl/gl_rays.hpp"
 #include "volute/gl/polar_pass.hpp"
 #include "volute/gl/sign_passes.hpp"
@@ -29,9 +31,16 @@ class Kept {
   template <class Make>
   Result<std::shared_ptr<const Made>> get(const std::shared_ptr<const Source>& source,
                                           Make&& make) {
+    return get(source, make, [](const Made&) { return true; });
+  }
+
+  /// @param holds  whether what was made is still of what the source is now
+  template <class Make, class Holds>
+  Result<std::shared_ptr<const Made>> get(const std::shared_ptr<const Source>& source, Make&& make,
+                                          Holds&& holds) {
     Entry& entry = entries_[source.get()];
     entry.used = true;
-    if (!entry.made) {
+    if (!entry.made || !holds(*entry.made)) {
       VOLUTE_ASSIGN(entry.made, make());
       entry.source = source;
     }
@@ -102,6 +111,9 @@ std::string mediaNames(const GlScene& scene) {
   add("tree", !scene.trees.empty());
   add("fog", !scene.fogs.empty() || !scene.sunlitFogs.empty());
   add("smoke", !scene.smokes.empty());
+  add("FDS smoke", std::ranges::any_of(scene.fds, [](const GlFds& fds) { return !fds.glow; }));
+  add("fire",
+      std::ranges::any_of(scene.fds, [](const GlFds& fds) { return fds.glow.has_value(); }));
   add("billboard", !scene.billboards.empty());
   return name;
 }
@@ -111,10 +123,13 @@ std::string mediaNames(const GlScene& scene) {
 struct GlRenderer::State {
   GlDevice device;
   GlPasses passes;
-  std::map<std::string, GlProgram> programs;
+  GlPrograms programs;
   Kept<BrickSlice, GlVolumeAtlas> atlases;
   Kept<Tree4d, GlTreeData> trees;
   Kept<TetLocator, GlMesh> meshes;
+  Kept<TetLocator, GlSmokeFields> smokeFields;
+  Kept<FogLevels, GlFogMap> fogMaps;
+  Kept<FdsValues, GlFdsData> fdsData;
   GlTexture picture, opaque, lens, passed;
   SmokePasses smokePasses;
   PolarPass polarPass;
@@ -123,13 +138,22 @@ struct GlRenderer::State {
   SignPasses signPasses;
   int width = 0, height = 0;
 
-  Result<const GlProgram*> programFor(std::span<const std::unique_ptr<GlMedium>> media,
-                                      GlQuantity quantity);
+  /// The last surfaces in a sun's light.
+  struct {
+    TriangleScene scene;
+    std::shared_ptr<const GlTriangles> triangles;
+  } shade;
+
+  Status prepareShade(const TriangleScene& scene);
   using Media = std::vector<std::unique_ptr<GlMedium>>;
   Result<Media> mediaOf(const GlScene& scene, const Camera& camera, Progress& progress);
+  Result<std::shared_ptr<const GlFogMap>> mapOf(const FogMedium& fog);
   Result<std::unique_ptr<GlMedium>> mediumOf(const GlVolume& volume);
+  Result<std::unique_ptr<GlMedium>> mediumOf(const GlFds& fds);
   Result<std::unique_ptr<GlMedium>> mediumOf(const GlBillboard& board, const Camera& camera,
                                              Progress& progress);
+  bool mayWalk(const FogMedium& fog) const;
+  Status checkNeeds(std::span<const std::unique_ptr<GlMedium>> media) const;
   Status checkSize(const Camera& camera) const;
   Status resize(const Camera& camera);
   void setOpaque(std::span<const float> opaqueDepth);
@@ -138,27 +162,52 @@ struct GlRenderer::State {
   Status march(const Camera& camera, std::span<const std::unique_ptr<GlMedium>> media,
                GlQuantity quantity, const GlRays& rays, const GlTexture& target,
                const std::string& names, Progress& progress);
+  /// A texture with the optical depths of media along rays in its fourth channel.
+  Result<GLuint> depthOf(const Camera& camera, const GlScene& scene, const Media& media,
+                         const GlRays& rays, Progress& progress);
   Status dispatch(const GlProgram& program, const Camera& camera, const GlTexture& target,
                   const std::string& media, Progress& progress);
   Status drawAlone(const Camera& camera, const GlScene& scene, GlSmokeMethod method,
-                   std::span<const float> opaqueDepth, const GlRays& rays);
+                   std::span<const float> opaqueDepth, const GlRays& rays, Progress& progress);
 };
 
-Result<const GlProgram*> GlRenderer::State::programFor(
-    std::span<const std::unique_ptr<GlMedium>> media, GlQuantity quantity) {
-  std::string key = sceneShaderKey(media, quantity);
-  const auto found = programs.find(key);
-  if (found != programs.end())
-    return &found->second;
-  const ShaderStage stage{GL_COMPUTE_SHADER, sceneShader(media, quantity)};
-  VOLUTE_ASSIGN(auto program, GlProgram::link({&stage, 1}));
-  return &programs.emplace(std::move(key), std::move(program)).first->second;
+/// FogMedium does not give its levels away, but a copy holds them.
+Result<std::shared_ptr<const GlFogMap>> GlRenderer::State::mapOf(const FogMedium& fog) {
+  const auto held = std::make_shared<const FogMedium>(fog);
+  return fogMaps.get({held, &held->levels()}, [&] {
+    return passes.run("upload", "fog", [&] { return makeGlFogMap(fog); });
+  });
+}
+
+Status GlRenderer::State::prepareShade(const TriangleScene& scene) {
+  if (scene.empty()) {
+    shade = {};
+    return {};
+  }
+  if (shade.triangles && shade.scene.triangles().data() == scene.triangles().data())
+    return {};
+  VOLUTE_ASSIGN(auto made, GlTriangles::make(scene.triangles()));
+  shade = {scene, std::make_shared<const GlTriangles>(std::move(made))};
+  return {};
 }
 
 Result<std::unique_ptr<GlMedium>> GlRenderer::State::mediumOf(const GlVolume& volume) {
-  VOLUTE_ASSIGN(auto atlas,
-                atlases.get(volume.slice, [&] { return makeVolumeAtlas(*volume.slice); }));
+  VOLUTE_ASSIGN(auto atlas, atlases.get(volume.slice, [&] {
+    return passes.run("upload", "volume", [&] { return makeVolumeAtlas(*volume.slice); });
+  }));
   return makeGlVolume(volume, std::move(atlas));
+}
+
+Result<std::unique_ptr<GlMedium>> GlRenderer::State::mediumOf(const GlFds& fds) {
+  const auto held = std::make_shared<const FdsField>(fds.field);
+  VOLUTE_ASSIGN(auto data, fdsData.get(
+                               {held, &held->values(0)},
+                               [&] {
+                                 return passes.run("upload", fds.glow ? "fire" : "FDS smoke",
+                                                   [&] { return makeGlFdsData(fds); });
+                               },
+                               [&](const GlFdsData& made) { return holds(made, fds); }));
+  return makeGlFds(fds, std::move(data));
 }
 
 Result<std::unique_ptr<GlMedium>> GlRenderer::State::mediumOf(const GlBillboard& board,
@@ -189,22 +238,40 @@ Result<GlRenderer::State::Media> GlRenderer::State::mediaOf(const GlScene& scene
     media.push_back(std::move(medium));
   }
   for (const GlTreeVolume& volume : scene.trees) {
-    VOLUTE_ASSIGN(auto tree, trees.get(volume.tree, [&] { return makeTreeData(*volume.tree); }));
-    VOLUTE_ASSIGN(auto medium, makeGlTreeVolume(volume, std::move(tree), device.hardware));
-    media.push_back(std::move(medium));
+    VOLUTE_ASSIGN(auto tree, trees.get(volume.tree, [&] {
+      return passes.run("upload", "tree", [&] { return makeTreeData(*volume.tree); });
+    }));
+    media.push_back(makeGlTreeVolume(volume, std::move(tree)));
   }
   for (const FogMedium& fog : scene.fogs) {
-    VOLUTE_ASSIGN(auto medium, makeGlFog(fog, scene.fogFactor));
-    media.push_back(std::move(medium));
+    VOLUTE_ASSIGN(auto map, mapOf(fog));
+    media.push_back(makeGlFog(fog, scene.fogFactor, std::move(map)));
   }
+  if (!scene.sunlitFogs.empty())
+    VOLUTE_TRY(prepareShade(scene.shade));
   for (const SunlitFog& fog : scene.sunlitFogs) {
-    VOLUTE_ASSIGN(auto medium, makeGlFog(fog, scene.fogFactor));
+    VOLUTE_ASSIGN(auto map, mapOf(fog.fog()));
+    VOLUTE_ASSIGN(auto medium, passes.run("upload", "fog", [&] {
+      return makeGlFog(fog, scene.fogFactor, std::move(map), shade.triangles);
+    }));
     media.push_back(std::move(medium));
   }
   for (const GlSmoke& smoke : scene.smokes) {
-    VOLUTE_ASSIGN(auto mesh,
-                  meshes.get(smoke.locator, [&] { return makeGlMesh(smoke.locator->mesh()); }));
-    media.push_back(makeGlSmoke(smoke, std::move(mesh)));
+    VOLUTE_ASSIGN(auto mesh, meshes.get(smoke.locator, [&] {
+      return passes.run("upload", "smoke", [&] { return makeGlMesh(smoke.locator->mesh()); });
+    }));
+    VOLUTE_ASSIGN(auto fields, smokeFields.get(
+                                   smoke.locator,
+                                   [&]() -> Result<std::shared_ptr<const GlSmokeFields>> {
+                                     return passes.run("upload", "smoke",
+                                                       [&] { return makeGlSmokeFields(smoke); });
+                                   },
+                                   [&](const GlSmokeFields& made) { return holds(made, smoke); }));
+    media.push_back(makeGlSmoke(smoke, std::move(mesh), std::move(fields)));
+  }
+  for (const GlFds& fds : scene.fds) {
+    VOLUTE_ASSIGN(auto medium, mediumOf(fds));
+    media.push_back(std::move(medium));
   }
   for (const GlBillboard& board : scene.billboards) {
     VOLUTE_ASSIGN(auto medium, mediumOf(board, camera, progress));
@@ -213,7 +280,46 @@ Result<GlRenderer::State::Media> GlRenderer::State::mediaOf(const GlScene& scene
   meshes.sweep();
   atlases.sweep();
   trees.sweep();
+  smokeFields.sweep();
+  fogMaps.sweep();
+  fdsData.sweep();
   return media;
+}
+
+bool GlRenderer::State::mayWalk(const FogMedium& fog) const {
+  const GlNeeds needs = fogNeeds(fogCells(fog));
+  return needs.cells * needs.roundsPerCell <= device.loopRounds();
+}
+
+/// Beforehand, since drivers' own words are of no help, and one of them draws a wrong picture.
+Status GlRenderer::State::checkNeeds(std::span<const std::unique_ptr<GlMedium>> media) const {
+  constexpr std::int64_t kRayTextures = GlBindings{}.texture;
+  constexpr double kRoundsOfMixtures = 6;
+  GlNeeds all;
+  double rounds = 0;
+  for (const auto& medium : media) {
+    const GlNeeds needs = medium->needs();
+    all.textures += needs.textures;
+    all.storage += needs.storage;
+    all.cells += needs.cells;
+    rounds += needs.cells * (needs.roundsPerCell + (media.size() > 1 ? kRoundsOfMixtures : 0));
+  }
+  if (kRayTextures + all.textures > device.textureUnits || all.storage > device.storageBindings) {
+    return fail(
+        ErrorCode::kTooLarge,
+        "{} media need {} textures and {} buffers at a time, the graphics device has {} and "
+        "{}; render fewer, or with --renderer cpu",
+        media.size(), kRayTextures + all.textures, all.storage, device.textureUnits,
+        device.storageBindings);
+  }
+  if (rounds > device.loopRounds()) {
+    return fail(
+        ErrorCode::kTooLarge,
+        "rays pass up to {:.0f} cells of these media, more than the software rasteriser '{}' "
+        "can go through; render with --renderer cpu",
+        all.cells, device.renderer);
+  }
+  return {};
 }
 
 Status GlRenderer::State::checkSize(const Camera& camera) const {
@@ -261,13 +367,27 @@ Status GlRenderer::State::march(const Camera& camera,
                                 std::span<const std::unique_ptr<GlMedium>> media,
                                 GlQuantity quantity, const GlRays& rays, const GlTexture& target,
                                 const std::string& names, Progress& progress) {
-  VOLUTE_ASSIGN(const GlProgram* program, programFor(media, quantity));
+  VOLUTE_TRY(checkNeeds(media));
+  VOLUTE_ASSIGN(const GlProgram* program,
+                programs.get(sceneShaderKey(media, quantity), names, passes,
+                             [&] { return sceneShader(media, quantity); }));
   bindRays(*program, camera, rays);
+  program->set("marchColor", Vec3(marchColor(media)));
   GlBindings bindings;
   const bool inside = !camera.isOrthographic() && rays.origins == 0;
   for (std::size_t i = 0; i < media.size(); ++i)
     media[i]->bind(*program, mediumPrefix(i), camera.eye(), inside, bindings);
   return dispatch(*program, camera, target, names, progress);
+}
+
+Result<GLuint> GlRenderer::State::depthOf(const Camera& camera, const GlScene& scene,
+                                          const Media& media, const GlRays& rays,
+                                          Progress& progress) {
+  if (!passed)
+    passed = makeTexture2d(GL_RGBA32F, width, height);
+  VOLUTE_TRY(
+      march(camera, media, GlQuantity::kOpticalDepth, rays, passed, mediaNames(scene), progress));
+  return passed.name();
 }
 
 Status GlRenderer::State::dispatch(const GlProgram& program, const Camera& camera,
@@ -296,13 +416,14 @@ Status GlRenderer::State::dispatch(const GlProgram& program, const Camera& camer
 /// What is alone in its picture and has a way of its own; kUnsupported where that does not serve.
 Status GlRenderer::State::drawAlone(const Camera& camera, const GlScene& scene,
                                     GlSmokeMethod method, std::span<const float> opaqueDepth,
-                                    const GlRays& rays) {
+                                    const GlRays& rays, Progress& progress) {
   if (method != GlSmokeMethod::kMarch)
     return smokePasses.draw(camera, scene.smokes[0], method, opaqueDepth, rays.opaque,
                             picture.name(), passes);
-  if (scene.polarFog && scene.fogs.size() == 1 && scene.media() == 1)
-    return polarPass.draw(scene.fogs[0], scene.fogFactor, *scene.polarFog, camera, rays,
-                          picture.name(), passes);
+  if (scene.polarFog && scene.fogs.size() == 1 && scene.media() == 1 && mayWalk(scene.fogs[0]))
+    return polarPass.draw(
+        scene.fogs[0], scene.fogFactor, *scene.polarFog, [&] { return mapOf(scene.fogs[0]); },
+        camera, rays, picture.name(), programs, passes, progress);
   return fail(ErrorCode::kUnsupported, "nothing is alone");
 }
 
@@ -323,23 +444,14 @@ Status GlRenderer::draw(const Camera& camera, const GlScene& scene, GlQuantity q
   State& state = *state_;
   VOLUTE_TRY(checkInput(camera, {}, opaqueDepth));
   VOLUTE_TRY(state.resize(camera));
+  state.programs.pictureDone();  // the one before
   const GlRays rays = state.raysOf(camera, opaqueDepth);
-  const auto alone =
-      state.drawAlone(camera, scene, smokeMethod(scene, camera, quantity), opaqueDepth, rays);
+  const auto alone = state.drawAlone(camera, scene, smokeMethod(scene, camera, quantity),
+                                     opaqueDepth, rays, progress);
   if (alone || alone.error().code != ErrorCode::kUnsupported)
     return alone;
-  State::Media media;
-  Status uploaded;
-  const std::string names = mediaNames(scene);
-  state.passes.run("upload", names, [&] {
-    auto made = state.mediaOf(scene, camera, progress);
-    if (made)
-      media = std::move(*made);
-    else
-      uploaded = tl::unexpected(std::move(made).error());
-  });
-  VOLUTE_TRY(std::move(uploaded));
-  return state.march(camera, media, quantity, rays, state.picture, names, progress);
+  VOLUTE_ASSIGN(const State::Media media, state.mediaOf(scene, camera, progress));
+  return state.march(camera, media, quantity, rays, state.picture, mediaNames(scene), progress);
 }
 
 Result<SurfacePicture> GlRenderer::surfaces(const Camera& camera, const SurfaceScene& scene,
@@ -351,15 +463,26 @@ Result<SurfacePicture> GlRenderer::surfaces(const Camera& camera, const SurfaceS
   SurfacePasses::Attenuate attenuate;
   if (media.media() > 0 && !scene.lamps.empty()) {
     VOLUTE_ASSIGN(made, state.mediaOf(media, camera, progress));
-    if (!state.passed)
-      state.passed = makeTexture2d(GL_RGBA32F, state.width, state.height);
-    attenuate = [&](const GlRays& rays) -> Result<GLuint> {
-      VOLUTE_TRY(state.march(camera, made, GlQuantity::kOpticalDepth, rays, state.passed,
-                             mediaNames(media), progress));
-      return state.passed.name();
+    attenuate = [&](const GlRays& rays) {
+      return state.depthOf(camera, media, made, rays, progress);
     };
   }
   return state.surfacePasses.draw(camera, scene, background, attenuate, state.passes);
+}
+
+Result<SurfacePicture> GlRenderer::walls(const Camera& camera, const GlWalls& walls,
+                                         Progress& progress) {
+  State& state = *state_;
+  VOLUTE_TRY(state.resize(camera));
+  const GlScene smoke{.smokes = {walls.smoke}};
+  State::Media made;
+  if (!walls.lamps.empty()) {
+    VOLUTE_ASSIGN(made, state.mediaOf(smoke, camera, progress));
+  }
+  const auto attenuate = [&](const GlRays& rays) {
+    return state.depthOf(camera, smoke, made, rays, progress);
+  };
+  return state.surfacePasses.drawWalls(camera, walls, attenuate, state.passes);
 }
 
 Result<std::vector<SignPixel>> GlRenderer::findSigns(const Camera& camera,
@@ -412,6 +535,10 @@ Result<Image> GlRenderer::render(const Camera& camera, const GlScene& scene,
 
 GLuint GlRenderer::texture() const {
   return state_->picture.name();
+}
+
+std::optional<TetProjectorCounts> GlRenderer::projectedTets() const {
+  return state_->smokePasses.projected();
 }
 
 std::vector<GlPassTime> GlRenderer::takePasses() {

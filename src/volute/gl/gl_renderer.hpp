@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "volute/gl/gl_passes.hpp"
 #include "volute/gl/gl_scene.hpp"
 #include "volute/gl/scene_shader.hpp"
+#include "volute/gl/tet_projector.hpp"
 #include "volute/render/render.hpp"
 #include "volute/render/sign.hpp"
 #include "volute/render/surfaces.hpp"
@@ -28,8 +30,8 @@ class GlRenderer {
   GlRenderer& operator=(GlRenderer&&) noexcept;
   ~GlRenderer();
 
-  /// As volute::render(); `options.renderer` has no meaning. kUnsupported for fog with a top or
-  /// with levels by cell angle, kTooLarge for what does not fit on the device.
+  /// As volute::render(); `options.renderer` has no meaning. kTooLarge for what does not fit on
+  /// the device, kUnsupported for fog in the shadows of surfaces that are not the scene's `shade`.
   [[nodiscard]] Result<Image> render(const Camera& camera, const GlScene& scene,
                                      const RenderOptions& options, Progress& progress,
                                      RenderStats* stats = nullptr,
@@ -45,6 +47,10 @@ class GlRenderer {
                                                 const GlScene& media, const Rgb& background,
                                                 Progress& progress);
 
+  /// The walls of a mesh, as lookAtWalls() sees them; black where there are none.
+  [[nodiscard]] Result<SurfacePicture> walls(const Camera& camera, const GlWalls& walls,
+                                             Progress& progress);
+
   /// As signPixels(). No signs: no pixels.
   [[nodiscard]] Result<std::vector<SignPixel>> findSigns(const Camera& camera,
                                                          std::span<const Sign> signs,
@@ -55,6 +61,9 @@ class GlRenderer {
   [[nodiscard]] Result<Image> signLight(std::span<const float> powers);
 
   GLuint texture() const;
+
+  /// What projecting tetrahedra took, where the last mesh was drawn so.
+  std::optional<TetProjectorCounts> projectedTets() const;
 
   /// What the device did since the last call, and how long it took.
   std::vector<GlPassTime> takePasses();

@@ -225,6 +225,65 @@ TEST_F(GlRendererTest, SmokeInAHallThatRaysLeaveAndReEnter) {
   EXPECT_LE(errorOf(inside, {.smokes = {smoke.onDevice()}}, {&medium, 1}, {}, wall), kBar);
 }
 
+/// Rays that lie in planes of the mesh's boundary and in those between its cells.
+TEST_F(GlRendererTest, TheSplatKnowsRaysInPlanesOfTheMesh) {
+  const auto box = boxMesh({Vec3(0, 0, 0), Vec3(2, 1, 1)}, {6, 4, 4}, 0, 5);
+  Smoke smoke(box, false, 0);
+  std::ranges::fill(smoke.extinction, 0.9F);
+  const AnyMedium medium = smoke.medium();
+  const GlScene scene{.smokes = {smoke.onDevice()}, .smokeMethod = GlSmokeMethod::kSplat};
+  constexpr int kSide = 33;  // pixels, the outermost ones' rays in the boundary
+  const RenderOptions depths{.aov = Aov::kOpticalDepth};
+  for (const int axis : {0, 1, 2}) {
+    const Vec3 centre = medium.bounds().centre(), along = Vec3::Unit(axis);
+    const Camera camera =
+        Camera::orthographic({centre - 3 * along, centre}, kSide / 32.0, kSide, kSide);
+    const Image image = renderer_->render(camera, scene, depths, quiet_).value();
+    const Image expected =
+        render(camera, {&medium, 1}, {.renderer = Renderer::kReference, .aov = Aov::kOpticalDepth},
+               quiet_)
+            .value();
+    int different = 0, seen = 0;
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+      seen += expected.pixels[i] > 0.5F;
+      different += std::abs(image.pixels[i] - expected.pixels[i]) > 1e-4;
+    }
+    EXPECT_EQ(different, 0) << "axis " << axis;
+    EXPECT_GT(seen, kSide * kSide / 2);
+  }
+}
+
+/// From inside, tets that cross the eye's plane are not drawn all over the picture.
+TEST_F(GlRendererTest, TheSplatFromInsideDrawsLittleMoreThanItsTetrahedra) {
+  if (!epoxy_has_gl_extension("GL_ARB_pipeline_statistics_query"))
+    GTEST_SKIP() << "this driver does not count fragments";
+  const Smoke smoke(hallMesh(1.2, 3), false, 0.1);
+  const TetMesh& mesh = smoke.locator->mesh();
+  const Box3 hall = smoke.medium().bounds();
+  const Camera camera = Camera::pinhole({hall.min + Vec3(2.3, 6.1, 1.7), hall.max - Vec3(1, 4, 3)},
+                                        60, kWidth, kHeight);
+  std::int64_t crossing = 0;
+  for (const Tet& tet : mesh.tets()) {
+    int before = 0;
+    for (const std::int32_t v : tet)
+      before += (mesh.vertices()[v] - camera.eye()).dot(camera.forward()) > 0;
+    crossing += before > 0 && before < 4;
+  }
+  GLuint name = 0;
+  glGenQueries(1, &name);
+  const GlQuery query(name);
+  glBeginQuery(GL_FRAGMENT_SHADER_INVOCATIONS_ARB, name);
+  EXPECT_LE(errorOf(camera, {.smokes = {smoke.onDevice()}, .smokeMethod = GlSmokeMethod::kSplat},
+                    std::vector{smoke.medium()}, {.aov = Aov::kOpticalDepth}),
+            kBar);
+  glEndQuery(GL_FRAGMENT_SHADER_INVOCATIONS_ARB);
+  GLint64 drawn = 0;
+  glGetQueryObjecti64v(name, GL_QUERY_RESULT, &drawn);
+  ASSERT_GT(crossing, 100);
+  EXPECT_GT(drawn, kWidth * kHeight);
+  EXPECT_LT(drawn, 3 * crossing * kWidth * kHeight / 2);  // 2.4 of them otherwise, 1.1 so
+}
+
 TEST_F(GlRendererTest, SmokeVolumeAndFogOverlap) {
   const Smoke smoke(boxMesh({Vec3(-0.8, 2.2, 0.6), Vec3(1, 3.5, 2.9)}, {4, 4, 5}, 0.2, 2), true,
                     1.5);
@@ -240,10 +299,14 @@ TEST_F(GlRendererTest, SmokeVolumeAndFogOverlap) {
 }
 
 TEST_F(GlRendererTest, RefusesWhatItCannotRender) {
-  const FogMedium fog = fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[0].profile,
-                                     {.levels = 2, .detail = {.cellAngle = 0.01}});
+  const FogMedium fog = fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[0].profile, {});
+  const FogSun sun;
+  const SunlitFog among =
+      SunlitFog::make(fog, {&sun, 1},
+                      {.shadows = [](const Segment&, std::size_t, std::vector<Interval>&) {}})
+          .value();
   const Camera camera = Camera::framing({Vec3(0, 0, 0), Vec3(1, 1, 1)}, 16, 16);
-  const auto image = renderer_->render(camera, {.fogs = {fog}}, {}, quiet_);
+  const auto image = renderer_->render(camera, {.sunlitFogs = {among}}, {}, quiet_);
   ASSERT_FALSE(image);
   EXPECT_EQ(image.error().code, ErrorCode::kUnsupported);
   const std::vector<float> wrong(5, 1.0F);

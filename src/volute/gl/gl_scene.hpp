@@ -4,11 +4,15 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "volute/fds/fds_field.hpp"
 #include "volute/fog/polar_table.hpp"
 #include "volute/fog/sunlit_fog.hpp"
+#include "volute/geometry/triangle_scene.hpp"
 #include "volute/grid/brick_slice.hpp"
+#include "volute/lighting/lamp.hpp"
 #include "volute/render/billboard.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
 #include "volute/tree4d/tree4d.hpp"
@@ -42,6 +46,17 @@ struct GlSmoke {
   std::vector<float> source{};  ///< radiance of infinitely thick smoke, RGB a vertex; empty: black
 };
 
+/// The boundary of a smoke's mesh as walls that reflect the light of lamps, seen from inside alone
+/// (lookAtWalls() in scene/smoke_walls).
+struct GlWalls {
+  GlSmoke smoke;  ///< its extinction as light meets it
+  std::span<const Lamp> lamps{};
+  std::span<const std::vector<float>> shares{};  ///< of each lamp's light, at each vertex
+  Rgb color = Rgb::Ones();
+  Rgb ambient = Rgb::Zero();
+  TriangleScene blocks{};  ///< other things that stand in the light
+};
+
 /// How a smoke is drawn that is alone in its picture. One among other media is marched with them,
 /// and so is any under a camera with a lens.
 enum class GlSmokeMethod {
@@ -49,6 +64,13 @@ enum class GlSmokeMethod {
   kMarch,    ///< from face to face, in a compute shader
   kSplat,    ///< DepthSplat: transmittance alone; light is marched
   kProject,  ///< TetProjector, for drivers whose compute shaders are slow
+};
+
+/// FdsField's twin, or that of an FdsFlame's heat.
+struct GlFds {
+  FdsField field;
+  double scale = 1;           ///< of the extinction and of what it scatters
+  std::optional<Rgb> glow{};  ///< of fire: radiance per metre of a unit; it hides nothing
 };
 
 /// Billboard's twin: a volume's picture on a rectangle that faces the camera.
@@ -65,6 +87,9 @@ struct GlScene {
   std::vector<GlSmoke> smokes{};
   std::vector<SunlitFog> sunlitFogs{};
   std::vector<GlBillboard> billboards{};
+  std::vector<GlFds> fds{};
+  TriangleScene
+      shade{};  ///< surfaces that keep the suns from fog which SunScattering::shadows knows
   double fogFactor = 1;  ///< of all fogs' extinction, as ScaledMedium has it
   /// A fog that is alone in its picture is drawn by a polar table where one serves.
   std::optional<PolarOptions> polarFog{};
@@ -72,7 +97,7 @@ struct GlScene {
 
   std::size_t media() const {
     return volumes.size() + trees.size() + fogs.size() + smokes.size() + sunlitFogs.size() +
-           billboards.size();
+           billboards.size() + fds.size();
   }
 };
 

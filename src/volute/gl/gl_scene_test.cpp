@@ -218,6 +218,32 @@ TEST_F(GlSceneTest, SunsLightFog) {
   }
 }
 
+TEST_F(GlSceneTest, SurfacesThrowShadowsIntoSunlitFog) {
+  const FogSun suns[] = {{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)},
+                         {Vec3(-0.2, 0.1, 1), Rgb(0.4, 0.5, 0.9)}};
+  const TriangleScene geometry = room();
+  const auto shadows = [&](const Segment& segment, std::size_t sun, std::vector<Interval>& dark) {
+    geometry.shadows(segment, {suns[sun].towards}, dark);
+  };
+  const FogMedium fog = fogtest::fog(fogtest::map(9, 8, 1, 1), fogtest::profiles()[0].profile,
+                                     {.degree = 2, .color = Rgb(0.1, 0.1, 0.2)}, 0.3, 0.8);
+  const SunlitFog lit =
+      SunlitFog::make(fog, suns,
+                      {.albedo = Rgb(0.9, 0.8, 0.7), .asymmetry = 0.5, .shadows = shadows})
+          .value();
+  const AnyMedium medium(lit);
+  const Vec3 target(0.1, 3, 1);
+  for (const Camera& camera :
+       {Camera::pinhole({Vec3(-3.1, -2.2, 4.1), target}, 45, kWidth, kHeight),
+        Camera::pinhole({Vec3(0.4, 3.1, 1.2), Vec3(-2, 5, 1.5)}, 70, kWidth, kHeight),
+        Camera::orthographic({Vec3(3.2, -1.3, 2.9), target}, 6.1, kWidth, kHeight)}) {
+    const auto seen = renderSurfaces(camera, {geometry}, Rgb::Zero(), quiet_).value();
+    EXPECT_LE(
+        errorOf(camera, {.sunlitFogs = {lit}, .shade = geometry}, {&medium, 1}, {}, seen.depth),
+        kScene);
+  }
+}
+
 TEST_F(GlSceneTest, FogAloneByAPolarTable) {
   const FogMedium fog = fogtest::fog(fogtest::map(19, 16), fogtest::profiles()[1].profile,
                                      {.degree = 2, .color = Rgb(0.8, 0.9, 1)});
@@ -242,6 +268,31 @@ TEST_F(GlSceneTest, FogAloneByAPolarTable) {
       fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[2].profile, {.degree = 2});
   const AnyMedium walked(other);
   EXPECT_LE(errorOf(camera, {.fogs = {other}, .polarFog = PolarOptions{}}, {&walked, 1}, {}), kBar);
+}
+
+TEST_F(GlSceneTest, FogWithATopAndFogWithLevelsByAngle) {
+  SplineGrid scaled = fogtest::map(12, 11);
+  for (double& value : scaled.c) value *= 0.3;
+  const FogMap map = *FogMap::fromCoefficients(scaled, {.origin = Vec3(-3, 2, 0.5), .cell = 1.3});
+  FogMap top = *FogMap::fromCoefficients(fogtest::map(6, 6, 4, 1),
+                                         {.origin = Vec3(-2.4, 2.7, 0), .cell = 2.1});
+  for (double& height : top.coefficients.c) height = 1 + 4 * height;
+  const Vec3 eyes[] = {Vec3(-6, -3, 5), Vec3(3.1, 5.2, 1.7)};
+  for (const auto& [name, profile] : fogtest::profiles()) {
+    const FogMedium topped = *FogMedium::make(map, profile, {.degree = 2}, top);
+    const FogMedium coarse =
+        *FogMedium::make(map, profile, {.degree = 1, .levels = 3, .detail = {.cellAngle = 0.3}});
+    for (const FogMedium& fog : {topped, coarse}) {
+      const AnyMedium medium(fog);
+      for (const Vec3& eye : eyes) {
+        const Camera camera = Camera::pinhole({eye, Vec3(4, 8, 1.5)}, 70, kWidth, kHeight);
+        EXPECT_LE(
+            errorOf(camera, {.fogs = {fog}}, {&medium, 1}, {.background = Rgb(0.2, 0.1, 0.4)}),
+            kBar)
+            << name << (fog.hasTop() ? ", top" : ", levels") << ", eye " << eye.transpose();
+      }
+    }
+  }
 }
 
 TEST_F(GlSceneTest, FogByAFactor) {

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <algorithm>
+#include <cmath>
+
 #include "volute/gl/face_tree.hpp"
 #include "volute/gl/gl_medium.hpp"
 #include "volute/gl/glsl_sources.hpp"
@@ -13,6 +16,12 @@ class GlMesh {
   GlBuffer places, tets, opposites, nodes, faces;
 };
 
+class GlSmokeFields {
+ public:
+  GlBuffer fields;
+  std::vector<float> extinction, source;  ///< what they were made of
+};
+
 namespace {
 
 template <class T>
@@ -20,19 +29,19 @@ std::span<const T> spanOf(const std::vector<T>& values) {
   return values;
 }
 
+/// What a ray through tets of about equal size takes at most.
+double mostCells(const TetMesh& mesh) {
+  return 4 * std::cbrt(static_cast<double>(mesh.tets().size()));
+}
+
 class SmokeOnDevice final : public GlMedium {
  public:
-  SmokeOnDevice(const GlSmoke& smoke, std::shared_ptr<const GlMesh> mesh)
-      : locator_(smoke.locator), mesh_(std::move(mesh)), black_(smoke.source.empty()) {
-    std::vector<std::array<float, 4>> fields;
-    for (std::size_t i = 0; i < smoke.extinction.size(); ++i) {
-      std::array<float, 4> field{smoke.extinction[i], 0, 0, 0};
-      if (!black_)
-        std::copy_n(&smoke.source[3 * i], 3, field.begin() + 1);
-      fields.push_back(field);
-    }
-    fields_ = makeBuffer(spanOf(fields));
-  }
+  SmokeOnDevice(const GlSmoke& smoke, std::shared_ptr<const GlMesh> mesh,
+                std::shared_ptr<const GlSmokeFields> fields)
+      : locator_(smoke.locator),
+        mesh_(std::move(mesh)),
+        fields_(std::move(fields)),
+        black_(smoke.source.empty()) {}
 
   std::string key() const override { return "smoke"; }
 
@@ -45,13 +54,17 @@ class SmokeOnDevice final : public GlMedium {
     return nature;
   }
 
+  GlNeeds needs() const override {
+    return {.storage = 6, .cells = mostCells(locator_->mesh()), .roundsPerCell = 12};
+  }
+
   void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool inside,
             GlBindings& bindings) const override {
     program.set((prefix + "eye").c_str(), Vec3(eye - mesh_->middle));
     program.set((prefix + "eyeTet").c_str(), inside ? locator_->find(eye) : -1);
     const std::pair<const char*, const GlBuffer*> blocks[] = {
-        {"Vertices", &mesh_->places},     {"Fields", &fields_},     {"Tets", &mesh_->tets},
-        {"Opposites", &mesh_->opposites}, {"Nodes", &mesh_->nodes}, {"Faces", &mesh_->faces}};
+        {"Vertices", &mesh_->places},     {"Fields", &fields_->fields}, {"Tets", &mesh_->tets},
+        {"Opposites", &mesh_->opposites}, {"Nodes", &mesh_->nodes},     {"Faces", &mesh_->faces}};
     for (const auto& [block, buffer] : blocks)
       program.bindStorage((prefix + block).c_str(), bindings.storage++, *buffer);
   }
@@ -59,8 +72,8 @@ class SmokeOnDevice final : public GlMedium {
  private:
   std::shared_ptr<const TetLocator> locator_;
   std::shared_ptr<const GlMesh> mesh_;
+  std::shared_ptr<const GlSmokeFields> fields_;
   bool black_;
-  GlBuffer fields_;
 };
 
 }  // namespace
@@ -92,8 +105,27 @@ Result<std::shared_ptr<const GlMesh>> makeGlMesh(const TetMesh& mesh) {
   return made;
 }
 
-std::unique_ptr<GlMedium> makeGlSmoke(const GlSmoke& smoke, std::shared_ptr<const GlMesh> mesh) {
-  return std::make_unique<SmokeOnDevice>(smoke, std::move(mesh));
+std::shared_ptr<const GlSmokeFields> makeGlSmokeFields(const GlSmoke& smoke) {
+  auto made = std::make_shared<GlSmokeFields>();
+  made->extinction = smoke.extinction;
+  made->source = smoke.source;
+  std::vector<std::array<float, 4>> fields(smoke.extinction.size());
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    fields[i] = {smoke.extinction[i], 0, 0, 0};
+    if (!smoke.source.empty())
+      std::copy_n(&smoke.source[3 * i], 3, fields[i].begin() + 1);
+  }
+  made->fields = makeBuffer(spanOf(fields));
+  return made;
+}
+
+bool holds(const GlSmokeFields& fields, const GlSmoke& smoke) {
+  return fields.extinction == smoke.extinction && fields.source == smoke.source;
+}
+
+std::unique_ptr<GlMedium> makeGlSmoke(const GlSmoke& smoke, std::shared_ptr<const GlMesh> mesh,
+                                      std::shared_ptr<const GlSmokeFields> fields) {
+  return std::make_unique<SmokeOnDevice>(smoke, std::move(mesh), std::move(fields));
 }
 
 }  // namespace volute

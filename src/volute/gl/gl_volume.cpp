@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "volute/gl/gl_device.hpp"
 #include "volute/gl/gl_medium.hpp"
 #include "volute/gl/glsl_sources.hpp"
 #include "volute/grid/voxel_march.hpp"
@@ -154,6 +155,7 @@ Result<std::shared_ptr<const GlVolumeAtlas>> makeVolumeAtlas(const BrickSlice& s
   VOLUTE_ASSIGN(made->atlasBricks, arrange(stored, side, made->channels));
   const auto [columns, rows, layers] = made->atlasBricks;
   const int height = side * made->channels;
+  VOLUTE_TRY(checkTextureSize("a volume's table of bricks", count[0], count[1], count[2]));
   made->bricks = makeTexture3d(GL_R32I, count[0], count[1], count[2]);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   glTextureSubImage3D(made->bricks.name(), 0, 0, 0, 0, count[0], count[1], count[2], GL_RED_INTEGER,
@@ -190,6 +192,14 @@ class AtlasMedium final : public GlMedium {
 
   GlNature nature() const override {
     return natureOf(atlas_->channels, atlas_->basis, volume_.emission, volume_.extinction);
+  }
+
+  GlNeeds needs() const override {
+    double cells = 3;
+    for (int axis = 0; axis < 3; ++axis)
+      cells += atlas_->range.end[axis] - atlas_->range.begin[axis];
+    return {
+        .textures = 2, .cells = cells, .roundsPerCell = atlas_->basis == Basis::kBox ? 5.0 : 12.1};
   }
 
   void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
@@ -327,6 +337,14 @@ class TreeMedium final : public GlMedium {
     return natureOf(tree_->data->channels, volume_.basis, volume_.emission, volume_.extinction);
   }
 
+  /// The walks take 15 coefficients a node, a node a level.
+  GlNeeds needs() const override {
+    const TreeData& data = *tree_->data;
+    const double cells = 3.0 + data.extents[1] + data.extents[2] + data.extents[3];
+    const int corners = volume_.basis == Basis::kTrilinear ? 8 : 1;
+    return {.storage = 1, .cells = cells, .roundsPerCell = 16.0 * corners * data.entryLevels};
+  }
+
   void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
             GlBindings& bindings) const override {
     const TreeData& data = *tree_->data;
@@ -351,28 +369,10 @@ class TreeMedium final : public GlMedium {
   std::shared_ptr<const GlTreeData> tree_;
 };
 
-/// llvmpipe ends a shader's loops, without a word, after so many rounds of all of them together.
-constexpr std::int64_t kSoftwareRounds = 65535;
-
-/// The rounds that the walks of one ray may take: 15 coefficients a node, a node a level.
-std::int64_t mostRounds(const GlTreeVolume& volume) {
-  const TreeData& data = volume.tree->data();
-  const std::int64_t cells = std::int64_t{3} + data.extents[1] + data.extents[2] + data.extents[3];
-  const int corners = volume.basis == Basis::kTrilinear ? 8 : 1;
-  return cells * corners * data.entryLevels * 16;
-}
-
 }  // namespace
 
-Result<std::unique_ptr<GlMedium>> makeGlTreeVolume(const GlTreeVolume& volume,
-                                                   std::shared_ptr<const GlTreeData> tree,
-                                                   bool hardware) {
-  if (!hardware && mostRounds(volume) > kSoftwareRounds) {
-    return fail(ErrorCode::kUnsupported,
-                "a tree of {} x {} x {} voxels takes more loops than the software rasteriser does; "
-                "extract its slices instead",
-                volume.tree->info().x, volume.tree->info().y, volume.tree->info().z);
-  }
+std::unique_ptr<GlMedium> makeGlTreeVolume(const GlTreeVolume& volume,
+                                           std::shared_ptr<const GlTreeData> tree) {
   return std::make_unique<TreeMedium>(volume, std::move(tree));
 }
 

@@ -2,42 +2,39 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/gl/polar_pass.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "volute/gl/gl_device.hpp"
 #include "volute/gl/glsl_sources.hpp"
 
 namespace volute {
 namespace {
 
 constexpr int kMapUnit = 3, kTableUnit = 4;  // after those of the rays
+constexpr int kGroup = 8;
+// Between parts of so much work, and of so many rows, the caller may stop.
+constexpr std::int64_t kStepsOfPart = 1 << 24;  // through cells
+constexpr int kBandRows = 64;
 
-Result<GlProgram> linked(std::vector<ShaderPart> parts) {
-  const ShaderStage stage{GL_COMPUTE_SHADER, std::move(parts)};
-  return GlProgram::link({&stage, 1});
+std::vector<ShaderPart> tableParts(const FogShader& shader) {
+  return {{"fog_walk.glsl", shader.walk},
+          {"fog_polar.glsl", shader.polar},
+          {"fog_polar_table.glsl", glsl::kFogPolarTable}};
+}
+
+std::vector<ShaderPart> pictureParts(const FogShader& shader) {
+  return {{"ray.glsl", glsl::kRay},
+          {"fog_walk.glsl", shader.walk},
+          {"fog_polar.glsl", shader.polar},
+          {"fog_polar_picture.glsl", glsl::kFogPolarPicture}};
 }
 
 }  // namespace
 
-Result<const PolarPass::Programs*> PolarPass::programsFor(const FogShader& shader) {
-  const auto found = programs_.find(shader.walk);
-  if (found != programs_.end())
-    return &found->second;
-  const ShaderPart walk{"fog_walk.glsl", shader.walk}, polar{"fog_polar.glsl", shader.polar};
-  VOLUTE_ASSIGN(auto table, linked({walk, polar, {"fog_polar_table.glsl", glsl::kFogPolarTable}}));
-  VOLUTE_ASSIGN(auto picture, linked({{"ray.glsl", glsl::kRay},
-                                      walk,
-                                      polar,
-                                      {"fog_polar_picture.glsl", glsl::kFogPolarPicture}}));
-  Programs programs{std::move(table), std::move(picture)};
-  return &programs_.emplace(shader.walk, std::move(programs)).first->second;
-}
-
-void PolarPass::bindFog(const GlProgram& program, const FogShader& shader,
-                        const PolarLayout& layout, const Vec3& eye) const {
-  program.set("fogCorner", Vec3(shader.corner - eye));
-  program.set("fogCell", static_cast<float>(shader.cell));
-  program.set("fogMu", static_cast<float>(shader.mu));
-  program.set("fogMap", kMapUnit);
+void PolarPass::bind(const GlProgram& program, const FogShader& shader, const PolarLayout& layout,
+                     const Vec3& eye) const {
+  bindFog(program, "", shader, eye, kMapUnit, *map_);
   program.set("fogPolar", kTableUnit);
   program.set("fogPolarYaw", std::array{static_cast<float>(std::cos(layout.yaw)),
                                         static_cast<float>(std::sin(layout.yaw))});
@@ -45,48 +42,85 @@ void PolarPass::bindFog(const GlProgram& program, const FogShader& shader,
   program.set("fogPolarSectors", layout.sectors);
   program.set("fogPolarRadii",
               std::array{static_cast<float>(layout.from), static_cast<float>(layout.step)});
-  glBindTextureUnit(kMapUnit, map_.name());
+}
+
+Status PolarPass::fillTable(const FogShader& shader, const PolarLayout& layout, const Vec3& eye,
+                            GlPrograms& programs, GlPasses& passes, Progress& progress) {
+  const int columns = layout.radii, rows = layout.sectors * layout.azimuths;
+  const Vec3 from = shader.corner - eye;
+  const std::string wanted =
+      fmt::format("{} {} {} {} {} {} {} {} {} {}", from.x(), from.y(), shader.cell, layout.yaw,
+                  layout.tangent, layout.sectors, layout.from, layout.step, columns, rows);
+  if (wanted == filled_)
+    return {};
+  if (!checkTextureSize("", columns, rows))
+    return fail(ErrorCode::kUnsupported, "the polar table is larger than the device's textures");
+  VOLUTE_ASSIGN(const GlProgram* program, programs.get("polar table\n" + shader.structure, "fog",
+                                                       passes, [&] { return tableParts(shader); }));
+  filled_.clear();
+  if (columns_ != columns || rows_ != rows)
+    table_ = makeTexture2d(GL_RGBA32F, columns, rows);
+  columns_ = columns, rows_ = rows;
+  bind(*program, shader, layout, eye);
+  glBindTextureUnit(kTableUnit, 0);
+  glBindImageTexture(0, table_.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  const std::int64_t texels = kStepsOfPart / columns;  // each a walk through at most all radii
+  const auto width = static_cast<int>(std::clamp<std::int64_t>(texels / kGroup, kGroup, columns));
+  const auto height = static_cast<int>(std::clamp<std::int64_t>(texels / width, kGroup, rows));
+  const auto fill = [&]() -> Status {
+    for (int row = 0; row < rows; row += height) {
+      for (int column = 0; column < columns; column += width) {
+        if (progress.cancelled()) {
+          return fail(ErrorCode::kCancelled, "stopped: {} of {} azimuths were looked along", row,
+                      rows);
+        }
+        program->set("first", std::array{column, row});
+        runOver(*program, width, height);
+        glFlush();
+      }
+      progress.report("looking along azimuths", std::min(row + height, rows), rows);
+    }
+    return {};
+  };
+  VOLUTE_TRY(passes.run("polar table", "fog", fill));
+  filled_ = wanted;
+  return {};
 }
 
 Status PolarPass::draw(const FogMedium& fog, double factor, const PolarOptions& options,
-                       const Camera& camera, const GlRays& rays, GLuint picture, GlPasses& passes) {
+                       const std::function<Result<std::shared_ptr<const GlFogMap>>()>& map,
+                       const Camera& camera, const GlRays& rays, GLuint picture,
+                       GlPrograms& programs, GlPasses& passes, Progress& progress) {
   VOLUTE_ASSIGN(const auto layout, PolarLayout::of(fog, camera.eye(), options));
-  VOLUTE_ASSIGN(auto shader, fogShader(fog));
+  const FogShader shader = fogCells(fog);
   if (shader.polar.empty() || camera.isOrthographic())
     return fail(ErrorCode::kUnsupported, "no polar table serves this fog from this camera");
-  VOLUTE_ASSIGN(const Programs* programs, programsFor(shader));
-  for (float& texel : shader.texels) texel = static_cast<float>(factor * texel);
-  const int columns = layout.radii, rows = layout.sectors * layout.azimuths;
-  const Vec3 from = shader.corner - camera.eye();
-  const std::string wanted =
-      fmt::format("{} {} {} {} {} {} {} {} {}", from.x(), from.y(), layout.yaw, layout.tangent,
-                  layout.sectors, layout.from, layout.step, columns, rows) +
-      shader.walk;
-  if (!map_ || wanted != filled_ || mapTexels_ != shader.texels) {
-    passes.run("polar table", "fog", [&] {
-      map_ = makeTexture2d(GL_R32F, shader.width, shader.height);
-      glTextureSubImage2D(map_.name(), 0, 0, 0, shader.width, shader.height, GL_RED, GL_FLOAT,
-                          shader.texels.data());
-      if (columns_ != columns || rows_ != rows)
-        table_ = makeTexture2d(GL_RGBA32F, columns, rows);
-      columns_ = columns, rows_ = rows;
-      bindFog(programs->table, shader, layout, camera.eye());
-      glBindTextureUnit(kTableUnit, 0);
-      glBindImageTexture(0, table_.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-      runOver(programs->table, columns, rows);
-    });
-    filled_ = wanted;
-    mapTexels_ = shader.texels;
-  }
-  passes.run("polar", "fog", [&] {
-    bindRays(programs->picture, camera, rays);
-    bindFog(programs->picture, shader, layout, camera.eye());
-    programs->picture.set("color", Vec3(fog.options().color));
-    glBindTextureUnit(kTableUnit, table_.name());
-    glBindImageTexture(0, picture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-    runOver(programs->picture, camera.width(), camera.height());
+  VOLUTE_ASSIGN(auto wanted, map());
+  if (map_ != wanted)
+    filled_.clear();
+  map_ = std::move(wanted);
+  VOLUTE_TRY(fillTable(shader, layout, camera.eye(), programs, passes, progress));
+  VOLUTE_ASSIGN(const GlProgram* program,
+                programs.get("polar picture\n" + shader.structure, "fog", passes,
+                             [&] { return pictureParts(shader); }));
+  bindRays(*program, camera, rays);
+  bind(*program, shader, layout, camera.eye());
+  program->set("color", Vec3(fog.options().color));
+  program->set("factor", static_cast<float>(factor));
+  glBindTextureUnit(kTableUnit, table_.name());
+  glBindImageTexture(0, picture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  return passes.run("polar", "fog", [&]() -> Status {
+    for (int row = 0; row < camera.height(); row += kBandRows) {
+      if (progress.cancelled()) {
+        return fail(ErrorCode::kCancelled, "stopped: {} of {} rows were rendered", row,
+                    camera.height());
+      }
+      program->set("firstRow", row);
+      runOver(*program, camera.width(), std::min(kBandRows, camera.height() - row));
+      glFlush();
+    }
+    return {};
   });
-  return {};
 }
 
 }  // namespace volute

@@ -2,15 +2,14 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <map>
-#include <optional>
+#include <functional>
+#include <memory>
 #include <string>
-#include <vector>
 
-#include "volute/fog/fog_shader.hpp"
+#include "volute/base/progress.hpp"
 #include "volute/fog/polar_table.hpp"
-#include "volute/gl/gl_passes.hpp"
-#include "volute/gl/gl_program.hpp"
+#include "volute/gl/gl_medium.hpp"
+#include "volute/gl/gl_programs.hpp"
 #include "volute/gl/gl_rays.hpp"
 
 namespace volute {
@@ -20,25 +19,23 @@ namespace volute {
 class PolarPass {
  public:
   /// Light and optical depth into an RGBA32F texture of the camera's size. kUnsupported, before
-  /// anything is drawn, where no table serves: PolarTable::make.
+  /// anything is drawn, where no table serves: PolarTable::make. kCancelled between parts.
+  /// @param map  gives the fog's map
   [[nodiscard]] Status draw(const FogMedium& fog, double factor, const PolarOptions& options,
+                            const std::function<Result<std::shared_ptr<const GlFogMap>>()>& map,
                             const Camera& camera, const GlRays& rays, GLuint picture,
-                            GlPasses& passes);
+                            GlPrograms& programs, GlPasses& passes, Progress& progress);
 
  private:
-  struct Programs {
-    GlProgram table, picture;
-  };
+  Status fillTable(const FogShader& shader, const PolarLayout& layout, const Vec3& eye,
+                   GlPrograms& programs, GlPasses& passes, Progress& progress);
+  void bind(const GlProgram& program, const FogShader& shader, const PolarLayout& layout,
+            const Vec3& eye) const;
 
-  Result<const Programs*> programsFor(const FogShader& shader);
-  void bindFog(const GlProgram& program, const FogShader& shader, const PolarLayout& layout,
-               const Vec3& eye) const;
-
-  std::map<std::string, Programs> programs_;
-  GlTexture map_, table_;
-  int columns_ = 0, rows_ = 0;    ///< of the table
-  std::string filled_;            ///< what the table was filled for
-  std::vector<float> mapTexels_;  ///< what map_ holds
+  std::shared_ptr<const GlFogMap> map_;
+  GlTexture table_;
+  int columns_ = 0, rows_ = 0;  ///< of the table
+  std::string filled_;          ///< what the table was filled for, besides the map
 };
 
 }  // namespace volute

@@ -22,7 +22,6 @@ const char* name(March march) {
 struct Plan {
   March march = March::kGeneral;
   int points = 4;
-  Rgb color = Rgb::Zero();
 };
 
 /// Only a fog among other media needs all of Gauss' points at once; what is cubic needs two.
@@ -37,11 +36,11 @@ Plan planFor(std::span<const std::unique_ptr<GlMedium>> media) {
     points = std::max(points, nature.points);
   }
   if (constant)
-    return {March::kConstant, 1, Rgb::Zero()};
+    return {March::kConstant, 1};
   if (!absorbs)
-    return {March::kThin, points, Rgb::Zero()};
+    return {March::kThin, points};
   if (media.size() == 1 && media[0]->nature().color)
-    return {March::kProportional, points, *media[0]->nature().color};
+    return {March::kProportional, points};
   return plan;
 }
 
@@ -84,10 +83,7 @@ std::string settings(const Plan& plan, GlQuantity quantity) {
     text += fmt::format("#define {} {}\n", name(march), static_cast<int>(march));
   text += fmt::format("#define MARCH {}\n#define POINTS {}\n#define MEASURE {}\n", name(plan.march),
                       plan.points, quantity == GlQuantity::kOpticalDepth ? 1 : 0);
-  return text +
-         fmt::format("const vec3 marchColor = vec3({}, {}, {});\n", number(plan.color[0]),
-                     number(plan.color[1]), number(plan.color[2])) +
-         rule(plan.points);
+  return text + "uniform vec3 marchColor;\n" + rule(plan.points);
 }
 
 /// A line for each medium, with @ for its prefix.
@@ -168,9 +164,16 @@ std::string mediumPrefix(std::size_t index) {
 }
 
 std::string sceneShaderKey(std::span<const std::unique_ptr<GlMedium>> media, GlQuantity quantity) {
-  std::string key = settings(planFor(media), quantity);
+  const Plan plan = planFor(media);
+  std::string key =
+      fmt::format("{} {} {}\n", name(plan.march), plan.points, static_cast<int>(quantity));
   for (const auto& medium : media) key += medium->key() + '\n';
   return key;
+}
+
+Rgb marchColor(std::span<const std::unique_ptr<GlMedium>> media) {
+  const std::optional<Rgb> color = media.size() == 1 ? media[0]->nature().color : std::nullopt;
+  return color.value_or(Rgb::Zero());
 }
 
 std::vector<ShaderPart> sceneShader(std::span<const std::unique_ptr<GlMedium>> media,

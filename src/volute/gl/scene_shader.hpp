@@ -11,19 +11,18 @@
 
 namespace volute {
 
-/// The compute shader that takes each pixel's ray through all these media together.
-struct SceneShader {
-  std::string key;  ///< shaders with the same key are the same
-  std::vector<ShaderPart> parts;
-};
-
 /// What a scene's shader is for.
 enum class GlQuantity { kLight, kOpticalDepth };
 
+/// Shaders with the same key are the same: it has the media's structure and none of their values.
 std::string sceneShaderKey(std::span<const std::unique_ptr<GlMedium>> media, GlQuantity quantity);
 
+/// The compute shader that takes each pixel's ray through all these media together.
 std::vector<ShaderPart> sceneShader(std::span<const std::unique_ptr<GlMedium>> media,
                                     GlQuantity quantity);
+
+/// Its uniform marchColor: emission / extinction, where that is one colour everywhere.
+Rgb marchColor(std::span<const std::unique_ptr<GlMedium>> media);
 
 /// The prefix of a scene's medium.
 std::string mediumPrefix(std::size_t index);

@@ -39,9 +39,11 @@ Status SmokePasses::draw(const Camera& camera, const GlSmoke& smoke, GlSmokeMeth
 Status SmokePasses::splat(const Camera& camera, const GlSmoke& smoke, GLuint opaque, GLuint picture,
                           GlPasses& passes) {
   if (!splat_) {
-    VOLUTE_ASSIGN(splat_, DepthSplat::create(meshOf(smoke)));
+    VOLUTE_ASSIGN(splat_,
+                  passes.run("upload", "smoke", [&] { return DepthSplat::create(meshOf(smoke)); }));
   }
-  passes.run("upload", "smoke", [&] { splat_->setExtinction(smoke.extinction); });
+  if (!splat_->holds(smoke.extinction))
+    passes.run("upload", "smoke", [&] { splat_->setExtinction(smoke.extinction); });
   Status drawn;
   passes.run("splat", "smoke", [&] {
     const float nothing[4] = {};
@@ -54,7 +56,8 @@ Status SmokePasses::splat(const Camera& camera, const GlSmoke& smoke, GLuint opa
 Status SmokePasses::project(const Camera& camera, const GlSmoke& smoke,
                             std::span<const float> opaqueDepth, GLuint picture, GlPasses& passes) {
   if (!projector_) {
-    VOLUTE_ASSIGN(projector_, TetProjector::create(meshOf(smoke)));
+    VOLUTE_ASSIGN(projector_, passes.run("upload", "smoke",
+                                         [&] { return TetProjector::create(meshOf(smoke)); }));
   }
   if (!resolve_) {
     const ShaderStage stage{GL_COMPUTE_SHADER, {{"resolve.glsl", glsl::kResolve}}};

@@ -26,6 +26,11 @@ class SmokePasses {
                             std::span<const float> opaqueDepth, GLuint opaque, GLuint picture,
                             GlPasses& passes);
 
+  /// Of the mesh that was drawn last by kProject.
+  std::optional<TetProjectorCounts> projected() const {
+    return projector_ ? std::optional(projector_->counts()) : std::nullopt;
+  }
+
  private:
   Status splat(const Camera& camera, const GlSmoke& smoke, GLuint opaque, GLuint picture,
                GlPasses& passes);

@@ -5,16 +5,19 @@
 #include <cmath>
 #include <limits>
 
-#include "volute/gl/box_tree.hpp"
 #include "volute/gl/glsl_sources.hpp"
 
 namespace volute {
 namespace {
 
 using Texel = std::array<float, 4>;
+using Sides = GlTriangles::Sides;
 
 constexpr float kNowhere = 3e38F;
-constexpr float kLift = 2e-6F;  ///< of a shadow's ray, as surfaces_shadow.glsl has it
+constexpr float kLift = 2e-6F;   ///< of a shadow's ray, as surfaces_shadow.glsl has it
+constexpr float kAlike = 0.01F;  ///< shares of a lamp's light are, as scene/smoke_walls.cpp has it
+constexpr const char* kGeometry = "geometry";
+constexpr const char* kWalls = "walls";
 
 Texel texel(const Vec3& value, float last = 0) {
   return {static_cast<float>(value.x()), static_cast<float>(value.y()),
@@ -24,6 +27,13 @@ Texel texel(const Vec3& value, float last = 0) {
 Result<GlProgram> computeProgram(std::vector<ShaderPart> parts) {
   const ShaderStage stage{GL_COMPUTE_SHADER, std::move(parts)};
   return GlProgram::link({&stage, 1});
+}
+
+Result<GlProgram> hitProgram(bool walls) {
+  return computeProgram({{"settings", fmt::format("#define WALLS {}\n", walls ? 1 : 0)},
+                         {"ray.glsl", glsl::kRay},
+                         {"triangles.glsl", glsl::kTriangles},
+                         {"surfaces_hit.glsl", glsl::kSurfacesHit}});
 }
 
 void bindLamp(const GlProgram& program, const Lamp& lamp, const Vec3& eye) {
@@ -45,127 +55,144 @@ void bindTexture(const GlProgram& program, const char* name, GLuint unit, GLuint
   glBindTextureUnit(unit, texture);
 }
 
+/// The boundary of a mesh, with fronts inwards, and the vertices of each triangle.
+std::vector<Triangle> wallsOf(const TetMesh& mesh,
+                              std::vector<std::array<std::int32_t, 3>>& vertices) {
+  std::vector<Triangle> walls;
+  const auto points = mesh.vertices();
+  for (const std::int32_t f : mesh.boundary()) {
+    const TetFace& face = mesh.faces()[f];
+    auto [a, b, c] = face.vertices;
+    Triangle wall{{points[a], points[b], points[c]}};
+    const Vec3& inner = points[mesh.tets()[face.first / 4][face.first % 4]];
+    if (wall.normal().dot(inner - points[a]) < 0) {
+      std::swap(b, c);
+      std::swap(wall.corners[1], wall.corners[2]);
+    }
+    walls.push_back(wall);
+    vertices.push_back({a, b, c});
+  }
+  return walls;
+}
+
 }  // namespace
 
-Status SurfacePasses::prepare(const Camera& camera, const TriangleScene& geometry) {
-  if (!hit_) {
-    VOLUTE_ASSIGN(hit_, computeProgram({{"ray.glsl", glsl::kRay},
-                                        {"triangles.glsl", glsl::kTriangles},
-                                        {"surfaces_hit.glsl", glsl::kSurfacesHit}}));
+Status SurfacePasses::prepare(const Camera& camera) {
+  if (!shadow_) {
     VOLUTE_ASSIGN(shadow_, computeProgram({{"triangles.glsl", glsl::kTriangles},
                                            {"lamp.glsl", glsl::kLamp},
                                            {"surfaces_shadow.glsl", glsl::kSurfacesShadow}}));
-    VOLUTE_ASSIGN(light_, computeProgram({{"surfaces_light.glsl", "const float NOWHERE = 3e38;"},
-                                          {"lamp.glsl", glsl::kLamp},
-                                          {"surfaces_light.glsl", glsl::kSurfacesLight}}));
   }
-  if (targets_.width != camera.width() || targets_.height != camera.height()) {
-    targets_ = {camera.width(), camera.height()};
-    for (GlTexture* texture :
-         {&targets_.color, &targets_.normals, &targets_.points, &targets_.ways})
-      *texture = makeTexture2d(GL_RGBA32F, targets_.width, targets_.height);
-    for (GlTexture* texture : {&targets_.distances, &targets_.ends})
-      *texture = makeTexture2d(GL_R32F, targets_.width, targets_.height);
-  }
-  // Scenes share their triangles: the same ones are at the same place.
-  if (triangles_ && geometry_.triangles().data() == geometry.triangles().data())
+  if (targets_.width == camera.width() && targets_.height == camera.height())
     return {};
-  Triangles made;
-  made.middle = geometry.bounds().centre();
-  std::vector<Box3> boxes;
-  for (const Triangle& triangle : geometry.triangles()) {
-    Box3 box;
-    for (const Vec3& corner : triangle.corners) {
-      box.extend(corner - made.middle);
-      made.reach = std::max(made.reach, (corner - made.middle).norm());
-    }
-    boxes.push_back(box);
-  }
-  const BoxTree tree(boxes);
-  std::vector<std::array<double, 4>> corners;
-  std::vector<Texel> materials;
-  for (const std::int32_t item : tree.items) {
-    const Triangle& triangle = geometry.triangles()[item];
-    for (const Vec3& corner : triangle.corners) {
-      const Vec3 at = corner - made.middle;
-      corners.push_back({at.x(), at.y(), at.z(), static_cast<double>(triangle.material)});
-    }
-  }
-  for (const Material& material : geometry.materials()) {
-    materials.push_back(texel(material.baseColor));
-    materials.push_back(texel(material.emission));
-  }
-  GLint64 most = 0;
-  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-  if (static_cast<std::int64_t>(corners.size() * sizeof(corners[0])) > most) {
-    return fail(ErrorCode::kTooLarge,
-                "{} triangles do not fit in the graphics device's buffers of {} MiB; render with "
-                "--renderer cpu",
-                boxes.size(), most >> 20);
-  }
-  made.nodes = makeBuffer(std::span<const BoxTree::Node>(tree.nodes));
-  made.corners = makeBuffer(std::span<const std::array<double, 4>>(corners));
-  made.materials = makeBuffer(std::span<const Texel>(materials));
-  triangles_ = std::move(made);
-  geometry_ = geometry;
+  targets_ = {camera.width(), camera.height()};
+  for (GlTexture* texture : {&targets_.color, &targets_.normals, &targets_.points, &targets_.ways})
+    *texture = makeTexture2d(GL_RGBA32F, targets_.width, targets_.height);
+  for (GlTexture* texture : {&targets_.distances, &targets_.ends})
+    *texture = makeTexture2d(GL_R32F, targets_.width, targets_.height);
   return {};
 }
 
-void SurfacePasses::bindTriangles(const GlProgram& program, const Camera& camera) const {
-  program.bindStorage("Nodes", 0, triangles_->nodes);
-  program.bindStorage("Corners", 1, triangles_->corners);
-  program.bindStorage("Materials", 2, triangles_->materials);
-  program.setExactly("eyeInGeometry", Vec3(camera.eye() - triangles_->middle));
+Status SurfacePasses::prepareSurfaces(const TriangleScene& scene) {
+  if (!ofSurfaces_) {
+    VOLUTE_ASSIGN(auto hit, hitProgram(false));
+    VOLUTE_ASSIGN(auto light,
+                  computeProgram({{"surfaces_light.glsl", "const float NOWHERE = 3e38;"},
+                                  {"lamp.glsl", glsl::kLamp},
+                                  {"surfaces_light.glsl", glsl::kSurfacesLight}}));
+    ofSurfaces_ = Programs{std::move(hit), std::move(light)};
+  }
+  // Scenes share their triangles: the same ones are at the same place.
+  if (surfaces_ && surfaces_->scene.triangles().data() == scene.triangles().data())
+    return {};
+  surfaces_.reset();
+  VOLUTE_ASSIGN(auto triangles, GlTriangles::make(scene.triangles()));
+  std::vector<Texel> materials;
+  for (const Material& material : scene.materials()) {
+    materials.push_back(texel(material.baseColor));
+    materials.push_back(texel(material.emission));
+  }
+  surfaces_ = Surfaces{scene, std::move(triangles), makeBuffer(std::span<const Texel>(materials))};
+  return {};
 }
 
-void SurfacePasses::look(const Camera& camera, const SurfaceScene& scene, GlPasses& passes) {
-  passes.run("surfaces", "geometry", [&] {
+Status SurfacePasses::prepareWalls(const std::shared_ptr<const TetLocator>& locator) {
+  if (!ofWalls_) {
+    VOLUTE_ASSIGN(auto hit, hitProgram(true));
+    VOLUTE_ASSIGN(auto light, computeProgram({{"triangles.glsl", glsl::kTriangles},
+                                              {"lamp.glsl", glsl::kLamp},
+                                              {"walls_light.glsl", glsl::kWallsLight}}));
+    ofWalls_ = Programs{std::move(hit), std::move(light)};
+  }
+  if (walls_ && walls_->locator == locator)
+    return {};
+  walls_.reset();
+  std::vector<std::array<std::int32_t, 3>> vertices, ordered;
+  VOLUTE_ASSIGN(auto triangles, GlTriangles::make(wallsOf(locator->mesh(), vertices)));
+  for (const std::int32_t item : triangles.order)
+    ordered.push_back(vertices[static_cast<std::size_t>(item)]);
+  walls_ = Walls{locator, std::move(triangles), std::move(ordered)};
+  return {};
+}
+
+void SurfacePasses::look(const Camera& camera, const GlProgram& hit, const GlTriangles& triangles,
+                         Sides sides, const Rgb& ambient, GlPasses& passes, const char* what) {
+  passes.run("surfaces", what, [&] {
     GlTexture lens;
     if (!camera.distortion().none())
       lens = lensDirections(camera);
-    bindRays(*hit_, camera, {.lens = lens.name()});
-    bindTriangles(*hit_, camera);
-    hit_->setExactly("exactForward", camera.forward());
-    hit_->setExactly("exactRight", Vec3(camera.right() * camera.pixelWidth()));
-    hit_->setExactly("exactDown", rowStep(camera));
-    hit_->setExactly("exactPrincipal", camera.principalPoint());
-    hit_->set("reach", static_cast<float>(triangles_->reach));
-    hit_->set("ambient", Vec3(scene.ambient));
+    bindRays(hit, camera, {.lens = lens.name()});
+    triangles.bind(hit, camera.eye(), sides);
+    hit.setExactly("exactForward", camera.forward());
+    hit.setExactly("exactRight", Vec3(camera.right() * camera.pixelWidth()));
+    hit.setExactly("exactDown", rowStep(camera));
+    hit.setExactly("exactPrincipal", camera.principalPoint());
+    hit.set("reach", static_cast<float>(triangles.reach));
+    hit.set("ambient", Vec3(ambient));
     bindImage(0, targets_.color, GL_WRITE_ONLY, GL_RGBA32F);
     bindImage(1, targets_.distances, GL_WRITE_ONLY, GL_R32F);
     bindImage(2, targets_.normals, GL_WRITE_ONLY, GL_RGBA32F);
     bindImage(3, targets_.points, GL_WRITE_ONLY, GL_RGBA32F);
-    runOver(*hit_, targets_.width, targets_.height);
+    runOver(hit, targets_.width, targets_.height);
   });
 }
 
-Status SurfacePasses::light(const Camera& camera, const Lamp& lamp, const Attenuate& attenuate,
-                            GlPasses& passes) {
-  passes.run("shadows", "geometry", [&] {
-    bindTriangles(*shadow_, camera);
+void SurfacePasses::shade(const Camera& camera, const Lamp& lamp,
+                          std::span<const Occluders> occluders, GlPasses& passes,
+                          const char* what) {
+  passes.run("shadows", what, [&] {
     bindLamp(*shadow_, lamp, camera.eye());
     shadow_->set("lift", kLift);
     bindTexture(*shadow_, "normals", 0, targets_.normals.name());
     bindTexture(*shadow_, "points", 1, targets_.points.name());
-    bindImage(0, targets_.ways, GL_WRITE_ONLY, GL_RGBA32F);
+    bindImage(0, targets_.ways, GL_READ_WRITE, GL_RGBA32F);
     bindImage(1, targets_.ends, GL_WRITE_ONLY, GL_R32F);
-    runOver(*shadow_, targets_.width, targets_.height);
+    for (const Occluders& some : occluders) {
+      shadow_->set("again", &some == occluders.data() ? 0 : 1);
+      some.triangles.bind(*shadow_, camera.eye(), some.sides);
+      runOver(*shadow_, targets_.width, targets_.height);
+    }
   });
+}
+
+Status SurfacePasses::light(const Camera& camera, const Lamp& lamp, const GlProgram& light,
+                            const Attenuate& attenuate, const std::function<void()>& bind,
+                            GlPasses& passes, const char* what) {
   GLuint passed = 0;
   if (attenuate) {
     VOLUTE_ASSIGN(passed,
                   attenuate({targets_.ends.name(), targets_.ways.name(), targets_.points.name()}));
   }
-  passes.run("light", "geometry", [&] {
-    bindLamp(*light_, lamp, camera.eye());
-    light_->bindStorage("Materials", 2, triangles_->materials);
-    bindTexture(*light_, "normals", 0, targets_.normals.name());
-    bindTexture(*light_, "points", 1, targets_.points.name());
-    bindTexture(*light_, "ways", 2, targets_.ways.name());
-    bindTexture(*light_, "passed", 3, passed);
-    light_->set("passedGiven", passed ? 1 : 0);
+  passes.run("light", what, [&] {
+    bind();
+    bindLamp(light, lamp, camera.eye());
+    bindTexture(light, "normals", 0, targets_.normals.name());
+    bindTexture(light, "points", 1, targets_.points.name());
+    bindTexture(light, "ways", 2, targets_.ways.name());
+    bindTexture(light, "passed", 3, passed);
+    light.set("passedGiven", passed ? 1 : 0);
     bindImage(0, targets_.color, GL_READ_WRITE, GL_RGBA32F);
-    runOver(*light_, targets_.width, targets_.height);
+    runOver(light, targets_.width, targets_.height);
   });
   return {};
 }
@@ -194,11 +221,50 @@ SurfacePicture SurfacePasses::readBack(const Rgb& background) const {
 Result<SurfacePicture> SurfacePasses::draw(const Camera& camera, const SurfaceScene& scene,
                                            const Rgb& background, const Attenuate& attenuate,
                                            GlPasses& passes) {
-  VOLUTE_TRY(prepare(camera, scene.geometry));
-  look(camera, scene, passes);
-  for (const Lamp& lamp : scene.lamps) VOLUTE_TRY(light(camera, lamp, attenuate, passes));
+  VOLUTE_TRY(prepare(camera));
+  VOLUTE_TRY(prepareSurfaces(scene.geometry));
+  ofSurfaces_->hit.bindStorage("Materials", 2, surfaces_->materials);
+  look(camera, ofSurfaces_->hit, surfaces_->triangles, Sides::kBoth, scene.ambient, passes,
+       kGeometry);
+  const Occluders occluders[] = {{surfaces_->triangles, Sides::kBoth}};
+  for (const Lamp& lamp : scene.lamps) {
+    shade(camera, lamp, occluders, passes, kGeometry);
+    const auto bind = [&] { ofSurfaces_->light.bindStorage("Materials", 2, surfaces_->materials); };
+    VOLUTE_TRY(light(camera, lamp, ofSurfaces_->light, attenuate, bind, passes, kGeometry));
+  }
   SurfacePicture picture;
   passes.run("read back", [&] { picture = readBack(background); });
+  return picture;
+}
+
+Result<SurfacePicture> SurfacePasses::drawWalls(const Camera& camera, const GlWalls& walls,
+                                                const Attenuate& attenuate, GlPasses& passes) {
+  VOLUTE_TRY(prepare(camera));
+  VOLUTE_TRY(prepareWalls(walls.smoke.locator));
+  std::vector<Occluders> occluders{{walls_->triangles, Sides::kBack}};
+  if (!walls.blocks.empty()) {
+    VOLUTE_TRY(prepareSurfaces(walls.blocks));
+    occluders.push_back({surfaces_->triangles, Sides::kBoth});
+  }
+  ofWalls_->hit.set("color", Vec3(walls.color));
+  look(camera, ofWalls_->hit, walls_->triangles, Sides::kFront, walls.ambient, passes, kWalls);
+  const GlProgram& shine = ofWalls_->light;
+  shine.set("color", Vec3(walls.color));
+  shine.set("alike", kAlike);
+  for (std::size_t l = 0; l < walls.lamps.size(); ++l) {
+    shade(camera, walls.lamps[l], occluders, passes, kWalls);
+    std::vector<Texel> shares;
+    for (const auto& [a, b, c] : walls_->vertices)
+      shares.push_back({walls.shares[l][a], walls.shares[l][b], walls.shares[l][c], 0});
+    const GlBuffer corners = makeBuffer(std::span<const Texel>(shares));
+    const auto bind = [&] {
+      walls_->triangles.bind(shine, camera.eye());
+      shine.bindStorage("Shares", 2, corners);
+    };
+    VOLUTE_TRY(light(camera, walls.lamps[l], shine, attenuate, bind, passes, kWalls));
+  }
+  SurfacePicture picture;
+  passes.run("read back", [&] { picture = readBack(Rgb::Zero()); });
   return picture;
 }
 

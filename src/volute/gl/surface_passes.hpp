@@ -6,17 +6,19 @@
 #include <optional>
 #include <span>
 
-#include "volute/geometry/triangle_scene.hpp"
 #include "volute/gl/gl_passes.hpp"
 #include "volute/gl/gl_program.hpp"
 #include "volute/gl/gl_rays.hpp"
+#include "volute/gl/gl_scene.hpp"
+#include "volute/gl/gl_triangles.hpp"
 #include "volute/lighting/lamp.hpp"
 #include "volute/render/surfaces.hpp"
 
 namespace volute {
 
 /// renderSurfaces()' twin: the nearest triangle on each pixel's ray by a tree of boxes, and what
-/// lamps' light, attenuated by media and kept off by other triangles, sends back from there.
+/// lamps' light, attenuated by media and kept off by other triangles, sends back from there. And
+/// the same for the walls of a mesh.
 class SurfacePasses {
  public:
   /// Marches the media along these rays: their optical depths are in the fourth channel of the
@@ -28,12 +30,26 @@ class SurfacePasses {
                                             const Rgb& background, const Attenuate& attenuate,
                                             GlPasses& passes);
 
+  /// `attenuate` marches the walls' own smoke.
+  [[nodiscard]] Result<SurfacePicture> drawWalls(const Camera& camera, const GlWalls& walls,
+                                                 const Attenuate& attenuate, GlPasses& passes);
+
  private:
   /// What does not change with the camera.
-  struct Triangles {
-    Vec3 middle = Vec3::Zero();
-    double reach = 0;  ///< [m] from the middle to the farthest corner
-    GlBuffer nodes, corners, materials;
+  struct Surfaces {
+    TriangleScene scene;
+    GlTriangles triangles;
+    GlBuffer materials;
+  };
+
+  struct Walls {
+    std::shared_ptr<const TetLocator> locator;
+    GlTriangles triangles;
+    std::vector<std::array<std::int32_t, 3>> vertices;  ///< in the order of the triangles
+  };
+
+  struct Programs {
+    GlProgram hit, light;
   };
 
   struct Targets {
@@ -41,17 +57,30 @@ class SurfacePasses {
     GlTexture color{}, distances{}, normals{}, points{}, ways{}, ends{};
   };
 
-  Status prepare(const Camera& camera, const TriangleScene& geometry);
-  void look(const Camera& camera, const SurfaceScene& scene, GlPasses& passes);
-  Status light(const Camera& camera, const Lamp& lamp, const Attenuate& attenuate,
-               GlPasses& passes);
-  void bindTriangles(const GlProgram& program, const Camera& camera) const;
+  /// Those that may be in a lamp's way.
+  struct Occluders {
+    const GlTriangles& triangles;
+    GlTriangles::Sides sides;
+  };
+
+  Status prepare(const Camera& camera);
+  Status prepareSurfaces(const TriangleScene& scene);
+  Status prepareWalls(const std::shared_ptr<const TetLocator>& locator);
+  void look(const Camera& camera, const GlProgram& hit, const GlTriangles& triangles,
+            GlTriangles::Sides sides, const Rgb& ambient, GlPasses& passes, const char* what);
+  void shade(const Camera& camera, const Lamp& lamp, std::span<const Occluders> occluders,
+             GlPasses& passes, const char* what);
+  /// `bind` gives the program its buffers, after the march has used the bindings.
+  Status light(const Camera& camera, const Lamp& lamp, const GlProgram& light,
+               const Attenuate& attenuate, const std::function<void()>& bind, GlPasses& passes,
+               const char* what);
   SurfacePicture readBack(const Rgb& background) const;
 
-  TriangleScene geometry_;
-  std::optional<Triangles> triangles_;
+  std::optional<Surfaces> surfaces_;
+  std::optional<Walls> walls_;
   Targets targets_;
-  std::optional<GlProgram> hit_, shadow_, light_;
+  std::optional<GlProgram> shadow_;
+  std::optional<Programs> ofSurfaces_, ofWalls_;
 };
 
 }  // namespace volute

@@ -155,6 +155,7 @@ void TetProjector::State::project(const TetEye& from) {
     }
   });
   upload(places, points);
+  ++counts.uploads;
   fieldsNew = indicesNew = true;
 }
 
@@ -182,6 +183,7 @@ void TetProjector::State::fillFields() {
     }
   });
   upload(fields, values);
+  ++counts.uploads;
   fieldsNew = false;
 }
 
@@ -213,6 +215,7 @@ void TetProjector::State::fillIndices(TetBlend wanted) {
   plainIndices = drawn.size();
   for (const std::int32_t t : aroundTets) add(t);
   upload(indices, drawn);
+  ++counts.uploads;
   indicesNew = false;
 }
 
@@ -312,12 +315,15 @@ Result<TetProjector> TetProjector::create(std::shared_ptr<const TetMesh> mesh) {
 
 void TetProjector::setSmoke(std::span<const float> extinction, std::span<const float> source) {
   State& state = *state_;
-  state.smoke.resize(extinction.size());
+  std::vector<Texel> smoke(extinction.size());
   for (std::size_t i = 0; i < extinction.size(); ++i) {
-    state.smoke[i] = {extinction[i], 0, 0, 0};
+    smoke[i] = {extinction[i], 0, 0, 0};
     if (!source.empty())
-      std::copy_n(&source[3 * i], 3, state.smoke[i].begin() + 1);
+      std::copy_n(&source[3 * i], 3, smoke[i].begin() + 1);
   }
+  if (smoke == state.smoke)
+    return;
+  state.smoke = std::move(smoke);
   std::vector<char> dark(state.mesh->tets().size());
   for (std::size_t t = 0; t < dark.size(); ++t) {
     dark[t] = std::ranges::all_of(state.mesh->tets()[t],

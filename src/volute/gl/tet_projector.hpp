@@ -32,7 +32,8 @@ struct TetProjectorOptions {
 
 /// What a TetProjector has done, and what its last sort said.
 struct TetProjectorCounts {
-  std::int64_t sorts = 0;  ///< and projections; none while the eye stays
+  std::int64_t sorts = 0;    ///< and projections; none while the eye stays
+  std::int64_t uploads = 0;  ///< of vertices, their smoke, and indices
   std::int64_t pictures = 0;
   std::int64_t triangles = 0;  ///< of the last picture
   std::int64_t cycles = 0;     ///< TetOrder::cycles

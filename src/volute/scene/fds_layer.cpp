@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 
+#include "volute/base/assert.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/render/scaled_medium.hpp"
 #include "volute/scene/fds_light.hpp"
@@ -70,6 +71,26 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Scene
   return layer;
 }
 
+bool FdsLayer::readsTheSame(const SmokeDescription& a, const SmokeDescription& b) {
+  const auto sameFire = [](const FdsLook& x, const FdsLook& y) {
+    return x.fire == y.fire && x.flame.temperature == y.flame.temperature &&
+           x.flame.emission == y.flame.emission && x.flame.cutoff == y.flame.cutoff &&
+           x.cutoff == y.cutoff;
+  };
+  return a.file == b.file && a.field == b.field &&
+         a.model.massExtinction == b.model.massExtinction && a.model.c == b.model.c &&
+         sameFire(a.fds, b.fds) && a.fds.devices == b.fds.devices && a.fds.slice == b.fds.slice &&
+         a.fds.sliceRange == b.fds.sliceRange;
+}
+
+FdsLayer FdsLayer::with(const SmokeDescription& description, const SceneLights& lights) const {
+  VOLUTE_ASSERT(readsTheSame(description_, description));
+  FdsLayer layer = *this;
+  layer.description_ = description;
+  layer.lights_ = lights;
+  return layer;
+}
+
 double FdsLayer::timeOf(int step) const {
   const Clock& clock = description_.clock;
   return (case_->times()[static_cast<std::size_t>(step)] - clock.offset) / clock.rate;
@@ -86,9 +107,14 @@ double FdsLayer::caseTime(double time) const {
   return local;
 }
 
-Result<AnyMedium> FdsLayer::mediumAt(double time) const {
+Result<FdsField> FdsLayer::fieldAt(double time) const {
   VOLUTE_ASSIGN(const auto field, case_->field(caseTime(time)));
-  AnyMedium medium(inLight(field, time));
+  return inLight(field, time);
+}
+
+Result<AnyMedium> FdsLayer::mediumAt(double time) const {
+  VOLUTE_ASSIGN(auto field, fieldAt(time));
+  AnyMedium medium(std::move(field));
   if (description_.model.scale == 1)
     return medium;
   return AnyMedium(ScaledMedium(std::move(medium), description_.model.scale));
@@ -130,11 +156,16 @@ Status FdsLayer::openFire(Reading& reading) {
 }
 
 Result<std::optional<AnyMedium>> FdsLayer::flameAt(double time) const {
+  VOLUTE_ASSIGN(auto fire, fireAt(time));
+  return fire ? std::optional(AnyMedium(std::move(*fire))) : std::nullopt;
+}
+
+Result<std::optional<FdsFlame>> FdsLayer::fireAt(double time) const {
   if (!heat_)
     return std::nullopt;
   VOLUTE_ASSIGN(const auto heat, heat_->field(caseTime(time)));
   FdsFlame flame(heat, flame_);
-  return flame.burns() ? std::optional(AnyMedium(std::move(flame))) : std::nullopt;
+  return flame.burns() ? std::optional(std::move(flame)) : std::nullopt;
 }
 
 std::uint64_t FdsLayer::surfacesAt(double time) const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "volute/fds/fds_case.hpp"
+#include "volute/fds/fds_flame.hpp"
 #include "volute/geometry/triangle_scene.hpp"
 #include "volute/medium/any_medium.hpp"
 #include "volute/scene/fds_slice.hpp"
@@ -30,6 +31,13 @@ class FdsLayer {
                                              const SceneLights& lights, Blocks blocks,
                                              Reading& reading);
 
+  /// Whether the same is read from the same files under both descriptions.
+  static bool readsTheSame(const SmokeDescription& a, const SmokeDescription& b);
+
+  /// This case under another description, which readsTheSame(), and in another light; what was read
+  /// is shared, so that only one of the two may be used from then on.
+  FdsLayer with(const SmokeDescription& description, const SceneLights& lights) const;
+
   const SmokeDescription& description() const { return description_; }
 
   /// What the extinction is read from, in words.
@@ -45,9 +53,15 @@ class FdsLayer {
   /// The smoke at a time of the scene [s], linear between stored frames.
   [[nodiscard]] Result<AnyMedium> mediumAt(double time) const;
 
+  /// The same in its light, still without the description's scale. Slow with lamps.
+  [[nodiscard]] Result<FdsField> fieldAt(double time) const;
+
   /// The fire at a time of the scene [s], which shines and hides nothing; nothing where the case
-  /// has no heat release, or it is not shown.
+  /// has no heat release, or it is not shown, or nothing burns.
   [[nodiscard]] Result<std::optional<AnyMedium>> flameAt(double time) const;
+
+  /// The same, not yet any medium.
+  [[nodiscard]] Result<std::optional<FdsFlame>> fireAt(double time) const;
 
   /// A number for what addSurfaces() adds: while it stays, so do they.
   std::uint64_t surfacesAt(double time) const;

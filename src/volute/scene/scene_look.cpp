@@ -38,12 +38,16 @@ Status choice(const Members& members, const char* key, std::span<const std::stri
 
 Result<SceneLook> parseLook(const nlohmann::json& json, const std::string& file,
                             const std::string& path) {
-  constexpr std::string_view kNames[] = {"stops",  "colors", "quality", "renderer",
-                                         "camera", "speed",  "time",    "surfaces"};
+  constexpr std::string_view kNames[] = {"stops",  "exposure", "colors", "quality", "renderer",
+                                         "camera", "speed",    "time",   "surfaces"};
   const Members members(json, file, path);
   VOLUTE_TRY(members.check(kNames));
   SceneLook look;
   VOLUTE_TRY(members.number("stops", look.stops, -20, 20));
+  if (members.has("exposure")) {
+    look.exposure = 1;
+    VOLUTE_TRY(members.number("exposure", *look.exposure, 1e-30, 1e30));
+  }
   VOLUTE_TRY(choice(members, "colors", kColors, look.colors));
   VOLUTE_TRY(choice(members, "quality", kQualities, look.quality));
   VOLUTE_TRY(choice(members, "renderer", kRenderers, look.renderer));
@@ -73,6 +77,8 @@ nlohmann::ordered_json toJson(const SceneLook& look) {
                                  {"surfaces", look.surfaces},
                                  {"camera", kCameras[look.walks ? 1 : 0]},
                                  {"speed", look.speed}};
+  if (look.exposure)
+    json["exposure"] = *look.exposure;
   if (look.time)
     json["time"] = *look.time;
   return json;

@@ -13,7 +13,9 @@ namespace volute {
 /// How a person looks at a scene in the viewer: the "view" of a scene file, which pictures do not
 /// depend on.
 struct SceneLook {
-  double stops = 0;     ///< exposure = automatic exposure * 2^stops
+  double stops = 0;  ///< light is multiplied by the exposure times 2^stops
+  /// [1 / radiance]; nothing: one that suits the first picture.
+  std::optional<double> exposure{};
   int colors = 0;       ///< grey, viridis, inferno: of what has one channel
   int quality = 0;      ///< automatic, full, half, quarter
   int renderer = 0;     ///< automatic, OpenGL, processor
@@ -25,7 +27,7 @@ struct SceneLook {
   bool operator==(const SceneLook&) const = default;
 };
 
-/// {"stops", "colors": "grey" | "viridis" | "inferno", "quality": "automatic" | "full" | "half" |
+/// {"stops", "exposure", "colors": "grey" | "viridis" | "inferno", "quality": "automatic" | "full" | "half" |
 /// "quarter", "renderer": "automatic" | "gl" | "cpu", "surfaces": true, "camera": "orbit" | "walk",
 /// "speed", "time"}.
 /// Errors name the file and the path inside it.

@@ -12,6 +12,8 @@ namespace {
 RC_GTEST_PROP(SceneLook, IsReadAsItIsWritten, ()) {
   SceneLook look;
   look.stops = 0.5 * *rc::gen::inRange(-40, 41);
+  if (*rc::gen::arbitrary<bool>())
+    look.exposure = *rc::gen::inRange(1, 1000) / 7.0;
   look.colors = *rc::gen::inRange(0, 3);
   look.quality = *rc::gen::inRange(0, 4);
   look.renderer = *rc::gen::inRange(0, 3);

@@ -53,13 +53,13 @@ std::string integrityText(const Integrity& integrity, const VoluteReader& reader
 }
 
 Result<std::shared_ptr<const VoluteReader>> openVolute(const std::string& path, bool partial,
-                                                       Reading& reading) {
+                                                       Reading& reading, bool verify) {
   VoluteReader::Options options;
   options.partial = partial;
   options.maxMemory = reading.maxMemory;
   VOLUTE_ASSIGN(auto opened, VoluteReader::open(path, options));
   auto reader = std::make_shared<const VoluteReader>(std::move(opened));
-  if (partial) {
+  if (partial && verify) {
     const Integrity integrity = reader->verify();
     if (!integrity.complete())
       reading.progress.remark(fmt::format("{}: {}", path, integrityText(integrity, *reader)));
@@ -71,7 +71,7 @@ Result<VolumeInput> openVolume(const std::string& path, const InputOptions& opti
                                Reading& reading) {
   VolumeInput input;
   if (isVolutePath(path)) {
-    VOLUTE_ASSIGN(input.reader, openVolute(path, options.partial, reading));
+    VOLUTE_ASSIGN(input.reader, openVolute(path, options.partial, reading, options.verify));
     VOLUTE_TRY(refuseVolumeOptions(path, options, input.reader->info()));
     input.source = frameSource(input.reader);
     return input;

@@ -17,7 +17,8 @@ namespace volute {
 struct InputOptions {
   std::string grid;            ///< of a file with several; empty: the only one
   std::optional<Box3> bounds;  ///< stated, or cropped and padded to, on the voxel grid
-  bool partial = false;        ///< a damaged .volute is read as far as it is intact, with a remark
+  bool partial = false;        ///< a damaged .volute is read as far as it is intact
+  bool verify = true;          ///< with `partial`: looks through it first, and remarks on damage
 };
 
 /// An open volume of any format.
@@ -29,10 +30,10 @@ struct VolumeInput {
 [[nodiscard]] Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,
                                              Reading& reading);
 
-/// A .volute file alone. Says in a remark what is missing of it.
+/// A .volute file alone. With `partial` and `verify` says in a remark what is missing of it.
 [[nodiscard]] Result<std::shared_ptr<const VoluteReader>> openVolute(const std::string& path,
-                                                                     bool partial,
-                                                                     Reading& reading);
+                                                                     bool partial, Reading& reading,
+                                                                     bool verify = true);
 
 /// "complete", or what is wrong and how much is there.
 std::string integrityText(const Integrity& integrity, const VoluteReader& reader);

@@ -12,8 +12,11 @@ namespace {
 // Rounding in the kernels' floats must not carry a ray beyond the last node.
 constexpr double kMostSpread = kBeamNodes - 2 - 1e-3;
 
+// Nodes on the whole way that a ray may go down, as rounding has it for those along a plane.
+constexpr double kLevel = 1e-7;
+
 /// A ray in nodes of the lattice, along the three axes of its beam: two in the plane, and the one
-/// along which it advances, made to be ascending.
+/// along which it advances.
 struct NodeRay {
   Vec3 origin, direction;  ///< origin + s direction, s in metres
 
@@ -24,7 +27,7 @@ struct NodeRay {
 struct BeamAxes {
   std::array<int, 3> axis{};
   std::array<int, 3> nodes{};
-  bool down = false;  ///< the last one is descended
+  std::array<bool, 3> down{};  ///< those that are descended
 };
 
 BeamAxes axesOf(const Support& support, const Vec3& direction) {
@@ -33,8 +36,10 @@ BeamAxes axesOf(const Support& support, const Vec3& direction) {
   int along = 0;
   steps.cwiseAbs().maxCoeff(&along);
   axes.axis = {along == 0 ? 1 : 0, along == 2 ? 1 : 2, along};
-  for (int a = 0; a < 3; ++a) axes.nodes[a] = support.boxSize()[axes.axis[a]] + 2;
-  axes.down = steps[along] < 0;
+  for (int a = 0; a < 3; ++a) {
+    axes.nodes[a] = support.boxSize()[axes.axis[a]] + 2;
+    axes.down[a] = steps[axes.axis[a]] < 0;
+  }
   return axes;
 }
 
@@ -46,10 +51,10 @@ NodeRay nodeRay(const Support& support, const BeamAxes& axes, const Segment& seg
     const double first = cells.plane(axis, support.range().begin[axis]);
     ray.origin[a] = (segment.origin[axis] - first) / cells.cell[axis];
     ray.direction[a] = segment.direction[axis] / cells.cell[axis];
-  }
-  if (axes.down) {
-    ray.origin[2] = axes.nodes[2] - 1 - ray.origin[2];
-    ray.direction[2] = -ray.direction[2];
+    if (axes.down[a]) {
+      ray.origin[a] = axes.nodes[a] - 1 - ray.origin[a];
+      ray.direction[a] = -ray.direction[a];
+    }
   }
   return ray;
 }
@@ -58,18 +63,18 @@ NodeRay nodeRay(const Support& support, const BeamAxes& axes, const Segment& seg
 
 bool makeBeam(const Support& support, std::span<const Segment> segments,
               std::span<const TouchedPart> touched, Beam& beam, std::span<BeamRay> rays) {
+  if (segments.size() != kBeamRays)
+    return false;
   Vec3 direction = Vec3::Zero();
   for (const Segment& segment : segments) direction += segment.direction;
   const BeamAxes axes = axesOf(support, direction);
-  if (segments.size() != kBeamRays || std::ranges::min(axes.nodes) < kBeamNodes)
-    return false;
   std::array<NodeRay, kBeamRays> ray;
   double low = axes.nodes[2], high = 0;
   for (std::size_t i = 0; i < segments.size(); ++i) {
     ray[i] = nodeRay(support, axes, segments[i]);
     const Vec3& step = ray[i].direction;
     // No ray may advance faster in the plane than across it.
-    if (!(step[2] > 0 && step[2] >= std::abs(step[0]) && step[2] >= std::abs(step[1])))
+    if (!(step[2] > 0 && step[2] >= step[0] && step[2] >= step[1]))
       return false;
     if (touched[i].empty())
       continue;
@@ -79,14 +84,17 @@ bool makeBeam(const Support& support, std::span<const Segment> segments,
   const int first = std::clamp(static_cast<int>(std::floor(low)), 0, axes.nodes[2] - 2);
   const int last = std::clamp(static_cast<int>(std::ceil(high)), first + 1, axes.nodes[2] - 1);
   beam.slabs = last - first;
-  const int row = axes.down ? axes.nodes[2] - 1 - first : first;
   beam.turned = axes.axis[2] == 0 ? 1 : 0;
   const auto stride = beam.turned != 0 ? support.turnedStride() : support.stride();
-  beam.node = support.nodeOf(support.range().begin) + row * stride[axes.axis[2]];
-  beam.stride[2] = axes.down ? -stride[axes.axis[2]] : stride[axes.axis[2]];
+  beam.node = support.nodeOf(support.range().begin);
+  for (int a = 0; a < 3; ++a) {
+    const std::int32_t along = stride[axes.axis[a]];
+    beam.stride[a] = axes.down[a] ? -along : along;
+    if (axes.down[a])
+      beam.node += (axes.nodes[a] - 1) * along;
+  }
+  beam.node += first * beam.stride[2];
   for (int a = 0; a < 2; ++a) {
-    beam.stride[a] = stride[axes.axis[a]];
-    beam.lastAnchor[a] = axes.nodes[a] - kBeamNodes;
     std::array<double, kBeamRays> place{};
     double least = axes.nodes[a], spread[2]{}, steepest = 0;
     for (std::size_t i = 0; i < segments.size(); ++i) {
@@ -95,23 +103,28 @@ bool makeBeam(const Support& support, std::span<const Segment> segments,
       if (s < segments[i].begin || s + beam.slabs * perSlab > segments[i].end)
         return false;
       place[i] = r.at(a, s);
-      rays[i].slope[a] = static_cast<float>(r.direction[a] * perSlab);
+      const double slope = r.direction[a] * perSlab, end = place[i] + beam.slabs * slope;
+      // All rays must ascend. One node beside the lattice is still one of the zeros around it, the
+      // next may be any.
+      if (end < place[i] - kLevel || place[i] < -1 || end > axes.nodes[a])
+        return false;
+      rays[i].slope[a] = static_cast<float>(std::max(slope, 0.0));
       rays[i].length = static_cast<float>(perSlab);
       least = std::min(least, place[i]);
-      steepest = std::max(steepest, std::abs(r.direction[a] * perSlab));
+      steepest = std::max(steepest, slope);
       for (std::size_t j = 0; j < i; ++j) {
         const double apart = place[i] - place[j];
-        const double turn = r.direction[a] * perSlab - ray[j].direction[a] / ray[j].direction[2];
+        const double turn = slope - ray[j].direction[a] / ray[j].direction[2];
         spread[0] = std::max(spread[0], std::abs(apart));
         spread[1] = std::max(spread[1], std::abs(apart + beam.slabs * turn));
       }
     }
     if (std::max(spread[0], spread[1]) + steepest > kMostSpread)
       return false;
-    beam.anchor[a] = std::clamp(static_cast<int>(std::floor(least)), 0, beam.lastAnchor[a]);
-    beam.node += beam.anchor[a] * beam.stride[a];
+    const int anchor = static_cast<int>(std::floor(least));
+    beam.node += anchor * beam.stride[a];
     for (std::size_t i = 0; i < segments.size(); ++i)
-      rays[i].place[a] = static_cast<float>(place[i] - beam.anchor[a]);
+      rays[i].place[a] = static_cast<float>(place[i] - anchor);
   }
   return true;
 }

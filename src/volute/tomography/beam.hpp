@@ -11,9 +11,9 @@ namespace volute {
 
 /// Makes the rays of a pixel one beam through a trilinear support.
 /// @param touched  touchedPart of each; not all empty.
-/// @return Whether it could: not when they are no four, not where the rays are too far apart or
-/// advance along different axes,
-///   where one starts inside the lattice, and in lattices that are too thin.
+/// @return Whether it could: not when they are no four, not where the rays are too far apart,
+///   advance along different axes or ascend and descend along the same, and not where one starts
+///   inside the lattice or leaves it far from the others.
 bool makeBeam(const Support& support, std::span<const Segment> segments,
               std::span<const TouchedPart> touched, Beam& beam, std::span<BeamRay> rays);
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 
-// Beams walk side by side, one in each lane, slab by slab. In a slab, the weights of the nodes of
-// both planes are summed up over all rays of the beam; so nodes that several rays share are read
-// and written once. Then the weights of one beam after the other meet the values, four nodes in a
-// row.
+// Beams walk side by side, one in each lane, slab by slab, and write down the weights of the nodes
+// that they meet, summed up over the rays of a beam: so nodes that several rays share are read and
+// written once, and those of a plane once for the slabs on both its sides. Then the weights of one
+// beam after the other meet the values, from plane to plane: beams side by side write to
+// overlapping stretches of memory, and a vector that was just stored a node further left has to
+// reach the cache before it can be loaded.
 
 #include "volute/tomography/beam_kernels.hpp"
 
@@ -37,98 +39,284 @@ constexpr int kLanes = static_cast<int>(hn::MaxLanes(df));
 
 constexpr int kSide = kBeamNodes;
 constexpr int kRays = kBeamRays;
-constexpr int kPieces = 3;  // of a ray in a slab: it crosses one line of nodes on each axis at most
-constexpr int kPoints =
-    2;  // of Gauss' rule on a piece: a product of three linear functions is a cubic
 constexpr float kNever = 1e30F;
-constexpr int kNodesAVector = kLanes / 4;  // colours in a vector
+constexpr int kNodesAVector = kLanes / 4;                // colours in a vector
+constexpr int kVectors = kSide * kSide / kNodesAVector;  // of colours in a window
+constexpr int kRowVectors = kSide / kNodesAVector;       // of those in a row
+constexpr int kWeightVectors = kSide * kSide / kLanes;   // of weights in a window
 
-/// The weights of a slab. A row is kSide nodes along the first axis of the plane; those of one beam
-/// stand together.
-struct SlabWeights {
-  int rows;                               ///< that any beam reaches, from the anchor on
-  alignas(64) std::int32_t node[kLanes];  ///< the anchor in the near plane
-  alignas(64) float weight[2][kSide][4 * kLanes];
+/// The weights of kSide x kSide nodes of a plane, row by row. A row goes along the first axis.
+struct alignas(64) Window {
+  float weight[kSide * kSide];
+};
 
-  /// Of a beam in the near (0) or far (1) plane.
-  HWY_INLINE const float* row(int plane, int row, int beam) const {
-    return &weight[plane][row][4 * ((beam % 4) * (kLanes / 4) + beam / 4)];
+/// What the beams of a group meet, one after the other: windows of the planes that they pass.
+class Trace {
+ public:
+  /// Forgets all, and makes room for beams that cross so many slabs.
+  HWY_INLINE void start(int slabs) {
+    most_ = 2 * slabs + 1;  // a plane may take two
+    if (windows_.size() < static_cast<std::size_t>(kLanes * most_)) {
+      windows_.resize(static_cast<std::size_t>(kLanes * most_));
+      nodes_.resize(static_cast<std::size_t>(most_));
+    }
+    size_ = 0;
+    next_ = windows_.data();
+  }
+
+  /// Writes a window of each beam, a row after the other.
+  class Put {
+   public:
+    HWY_INLINE explicit Put(Trace& trace) : trace_(trace) {}
+
+    HWY_INLINE void row(int row, const VF (&weight)[kSide]) {
+      transposeBlocks(weight, block_[row]);
+    }
+
+    HWY_INLINE void end() {
+      for (int i = 0; i < 4; ++i)
+        trace_.putWindows(block_[0][i], block_[1][i], block_[2][i], block_[3][i], i);
+      ++trace_.size_;
+      ++trace_.next_;
+    }
+
+   private:
+    Trace& trace_;
+    VF block_[kSide][4];  // block_[row][i]: the rows of beams i, i + 4, ...
+  };
+
+  /// @param fourRows  Whether the last row has weights.
+  HWY_INLINE Put add(VI node, bool fourRows) {
+    hn::Store(node, di, nodes_[size_].of);
+    nodes_[size_].fourRows = fourRows;
+    return Put(*this);
+  }
+
+  HWY_INLINE int size() const { return size_; }
+
+  HWY_INLINE void setEnd(int beam, int windows) { end_[beam] = windows; }
+
+  /// The windows of a beam.
+  HWY_INLINE int windowsOf(int beam) const { return end_[beam]; }
+
+  HWY_INLINE const float* weights(int beam, int i) const {
+    return windows_[static_cast<std::size_t>(beam * most_ + i)].weight;
+  }
+
+  HWY_INLINE std::ptrdiff_t node(int beam, int i) const { return nodes_[i].of[beam]; }
+
+  HWY_INLINE bool hasFourRows(int i) const { return nodes_[i].fourRows; }
+
+ private:
+  struct alignas(64) Nodes {
+    std::int32_t of[kLanes];
+    bool fourRows;
+  };
+
+  /// In each block of four lanes, out[i] has the four weights of lane i.
+  HWY_INLINE static void transposeBlocks(const VF (&w)[kSide], VF (&out)[4]) {
+    const VF a = hn::InterleaveLower(df, w[0], w[2]), b = hn::InterleaveLower(df, w[1], w[3]);
+    const VF c = hn::InterleaveUpper(df, w[0], w[2]), d = hn::InterleaveUpper(df, w[1], w[3]);
+    out[0] = hn::InterleaveLower(df, a, b);
+    out[1] = hn::InterleaveUpper(df, a, b);
+    out[2] = hn::InterleaveLower(df, c, d);
+    out[3] = hn::InterleaveUpper(df, c, d);
+  }
+
+  HWY_INLINE float* target(int beam) { return next_[beam * most_].weight; }
+
+  /// The rows of beams i, i + 4, ..., a block each.
+  HWY_INLINE void putWindows(VF row0, VF row1, VF row2, VF row3, int i) {
+    if constexpr (kLanes == 16) {
+      const VF a = hn::ConcatLowerLower(df, row2, row0), b = hn::ConcatLowerLower(df, row3, row1);
+      const VF c = hn::ConcatUpperUpper(df, row2, row0), d = hn::ConcatUpperUpper(df, row3, row1);
+      hn::Store(hn::OddEvenBlocks(hn::SwapAdjacentBlocks(b), a), df, target(i));
+      hn::Store(hn::OddEvenBlocks(b, hn::SwapAdjacentBlocks(a)), df, target(i + 4));
+      hn::Store(hn::OddEvenBlocks(hn::SwapAdjacentBlocks(d), c), df, target(i + 8));
+      hn::Store(hn::OddEvenBlocks(d, hn::SwapAdjacentBlocks(c)), df, target(i + 12));
+    } else if constexpr (kLanes == 8) {
+      hn::Store(hn::ConcatLowerLower(df, row1, row0), df, target(i));
+      hn::Store(hn::ConcatLowerLower(df, row3, row2), df, target(i) + 8);
+      hn::Store(hn::ConcatUpperUpper(df, row1, row0), df, target(i + 4));
+      hn::Store(hn::ConcatUpperUpper(df, row3, row2), df, target(i + 4) + 8);
+    } else {
+      hn::Store(row0, df, target(i));
+      hn::Store(row1, df, target(i) + 4);
+      hn::Store(row2, df, target(i) + 8);
+      hn::Store(row3, df, target(i) + 12);
+    }
+  }
+
+  std::vector<Window> windows_;  // most_ of each beam
+  std::vector<Nodes> nodes_;
+  Window* next_ = nullptr;  // of the first beam
+  std::ptrdiff_t most_ = 0;
+  int size_ = 0;
+  int end_[kLanes] = {};
+};
+
+/// A ray in its plane axes, with what its integrals take from memory.
+struct Ray {
+  VF place[2], slope[2], inverse[2];
+  VF halfSlope[2], thirdSlope[2];
+  VF length, perSlope[2];            ///< the length times 1 and each slope
+  VF perHalfSlope[2];                ///< and half of it
+  VF halfPerSlopes, thirdPerSlopes;  ///< and both
+};
+
+/// Sums of those over the rays of a beam.
+struct RaySums {
+  VF length, slope[2], thirdSlopes;
+
+  // Compilers give no target to members' initialisers.
+  HWY_INLINE RaySums() { length = slope[0] = slope[1] = thirdSlopes = hn::Zero(df); }
+
+  HWY_INLINE void add(const Ray& ray) {
+    length = hn::Add(length, ray.length);
+    for (int a = 0; a < 2; ++a) slope[a] = hn::Add(slope[a], ray.perSlope[a]);
+    thirdSlopes = hn::Add(thirdSlopes, ray.thirdPerSlopes);
   }
 };
 
-/// Hat functions of the first kNodes nodes at a place 0..kNodes-1, and beyond those of the outer
-/// ones.
-template <int kNodes>
-HWY_INLINE void HatsAt(VF place, VF* hat) {
-  const VF zero = hn::Zero(df), one = hn::Set(df, 1.0F);
-  VF x = hn::Min(hn::Max(place, zero), hn::Set(df, static_cast<float>(kNodes - 1)));
-  // How far each cell is passed: 1 for those before the place, 0 for those after it.
-  VF before = one;
-  for (int i = 0; i < kNodes - 1; ++i) {
-    const VF passed = i == kNodes - 2 ? hn::Max(x, zero) : hn::Min(hn::Max(x, zero), one);
-    hat[i] = hn::Sub(before, passed);
-    before = passed;
-    x = hn::Sub(x, one);
+/// The integral of a function along the rays of a beam, and that of it times u.
+struct Moments {
+  VF whole, near;
+
+  HWY_INLINE static Moments none() { return {hn::Zero(df), hn::Zero(df)}; }
+};
+
+/// Of a ray in a slab, by its end: r(u) = max(end - slope u, 0), where u goes back from the far
+/// plane (0) to the near one (1).
+struct Ramp {
+  VF end, extent;           ///< positive for u < extent <= 1
+  VF whole, first, second;  ///< 2, 6 and 12 times the integrals of r, r u and r u^2
+
+  HWY_INLINE Ramp(VF at, const Ray& ray, int axis) {
+    end = hn::Max(at, hn::Zero(df));
+    extent = hn::Min(hn::Mul(end, ray.inverse[axis]), hn::Set(df, 1.0F));
+    const VF least = hn::NegMulAdd(ray.slope[axis], extent, end);
+    const VF once = hn::Add(end, least), twice = hn::Add(once, least);
+    const VF power1 = hn::Mul(ray.length, extent), power2 = hn::Mul(power1, extent);
+    whole = hn::Mul(power1, once);
+    first = hn::Mul(power2, twice);
+    second = hn::Mul(hn::Mul(power2, extent), hn::Add(twice, least));
   }
-  hat[kNodes - 1] = before;
+};
+
+/// Sums over rays of a ramp's integrals with 1 and with the place on the other axis.
+class RampSums {
+ public:
+  HWY_INLINE RampSums() : one_(Moments::none()), place_(Moments::none()) {}
+
+  HWY_INLINE void add(const Ramp& r, const Ray& ray, int other, VF otherEnd) {
+    one_.whole = hn::Add(one_.whole, r.whole);
+    one_.near = hn::Add(one_.near, r.first);
+    place_.whole =
+        hn::NegMulAdd(ray.thirdSlope[other], r.first, hn::MulAdd(otherEnd, r.whole, place_.whole));
+    place_.near =
+        hn::NegMulAdd(ray.halfSlope[other], r.second, hn::MulAdd(otherEnd, r.first, place_.near));
+  }
+
+  HWY_INLINE Moments withOne() const { return scaled(one_); }
+
+  HWY_INLINE Moments withPlace() const { return scaled(place_); }
+
+ private:
+  HWY_INLINE static Moments scaled(const Moments& m) {
+    return {hn::Mul(m.whole, hn::Set(df, 1 / 2.0F)), hn::Mul(m.near, hn::Set(df, 1 / 6.0F))};
+  }
+
+  Moments one_, place_;
+};
+
+/// Sums over rays of the integrals of two ramps' product, a - b u + c u^2 for u < e.
+class ProductSums {
+ public:
+  HWY_INLINE ProductSums() : sum_(Moments::none()) {}
+
+  HWY_INLINE void add(const Ramp& x, const Ramp& y, const Ray& ray) {
+    const VF weighted = hn::Mul(ray.length, x.end);
+    const VF a = hn::Mul(weighted, y.end);
+    const VF halfB = hn::MulAdd(weighted, ray.halfSlope[1], hn::Mul(y.end, ray.perHalfSlope[0]));
+    const VF e = hn::Min(x.extent, y.extent);
+    const VF whole = hn::NegMulAdd(e, hn::NegMulAdd(e, ray.thirdPerSlopes, halfB), a);
+    sum_.whole = hn::MulAdd(e, whole, sum_.whole);
+    const VF middle = hn::NegMulAdd(e, ray.halfPerSlopes, hn::Mul(halfB, hn::Set(df, 4 / 3.0F)));
+    sum_.near = hn::MulAdd(hn::Mul(e, e), hn::NegMulAdd(e, middle, a), sum_.near);
+  }
+
+  HWY_INLINE Moments moments() const {
+    return {sum_.whole, hn::Mul(sum_.near, hn::Set(df, 1 / 2.0F))};
+  }
+
+ private:
+  Moments sum_;
+};
+
+/// Turns integrals with 1, x, max(x - 1, 0), max(x - 2, 0) into those with the hat functions of
+/// nodes 0, 1, ...
+template <int kNodes>
+HWY_INLINE void ToHats(VF (&f)[kNodes]) {
+  for (int i = 1; i < kNodes - 1; ++i) f[i] = hn::Sub(f[i], f[i + 1]);  // how far cells are passed
+  for (int i = 0; i < kNodes - 1; ++i) f[i] = hn::Sub(f[i], f[i + 1]);
 }
 
 /// Beams side by side, from slab to slab.
 class Group {
  public:
-  HWY_INLINE Group(const Beam* beams, const BeamRay* rays, int count) {
-    alignas(64) std::int32_t node[kLanes] = {}, next[kLanes] = {};
-    alignas(64) std::int32_t stride[2][kLanes] = {}, anchor[2][kLanes] = {}, last[2][kLanes] = {};
+  HWY_INLINE Group(const Beam* beams, const BeamRay* rays, int count) : count_(count) {
+    alignas(64) std::int32_t node[kLanes] = {}, stride[3][kLanes] = {};
+    for (int i = 0; i < kLanes; ++i) slabs_[i] = 0;
     for (int i = 0; i < count; ++i) {
       node[i] = beams[i].node;
-      next[i] = beams[i].stride[2];
-      for (int a = 0; a < 2; ++a) {
-        stride[a][i] = beams[i].stride[a];
-        anchor[a][i] = beams[i].anchor[a];
-        last[a][i] = beams[i].lastAnchor[a];
-      }
+      slabs_[i] = beams[i].slabs;
+      for (int a = 0; a < 3; ++a) stride[a][i] = beams[i].stride[a];
     }
     node_ = hn::Load(di, node);
-    next_ = hn::Load(di, next);
-    for (int a = 0; a < 2; ++a) {
-      stride_[a] = hn::Load(di, stride[a]);
-      anchor_[a] = hn::Load(di, anchor[a]);
-      last_[a] = hn::Load(di, last[a]);
-    }
-    for (int r = 0; r < kRays; ++r) loadRay(rays + r, count, ray_[r]);
+    for (int a = 0; a < 3; ++a) stride_[a] = hn::Load(di, stride[a]);
+    for (int r = 0; r < kRays; ++r) loadRay(rays + r, ray_[r]);
   }
 
-  /// The weights of the next slab.
-  HWY_INLINE void walk(SlabWeights& out) {
-    const VF across = moveAnchor(0), down = moveAnchor(1);
-    hn::Store(node_, di, out.node);
-    const VF two = hn::Set(df, 2.0F);
-    const bool narrow = hn::AllTrue(df, hn::Le(across, two));
-    const bool low = hn::AllTrue(df, hn::Le(down, two));
-    if (narrow && low)
-      addWeights<3, 3>(out);
-    else if (low)
-      addWeights<4, 3>(out);
-    else
-      addWeights<4, 4>(out);
-    for (Ray& ray : ray_)
-      for (int a = 0; a < 2; ++a) ray.place[a] = hn::Add(ray.place[a], ray.slope[a]);
-    node_ = hn::Add(node_, next_);
+  /// Writes down all that the beams meet.
+  void walk(Trace& trace) {
+    const auto [least, most] = std::minmax_element(slabs_, slabs_ + count_);
+    trace.start(*most);
+    const VF one = hn::Set(df, 1.0F), two = hn::Set(df, 2.0F);
+    for (int k = 0; k < *most; ++k) {
+      Mask moves[2] = {moveAnchor(0), moveAnchor(1)};
+      const VF lowest = farthest(1);
+      const Mask wide = hn::Gt(farthest(0), two), tall = hn::Gt(lowest, two);
+      const Mask outgrown = hn::Or(hn::And(moves[0], wide), hn::And(moves[1], tall));
+      if (k > 0 && !hn::AllFalse(df, outgrown))
+        closeWindow(trace);
+      if (k == 0 || !hn::AllFalse(df, outgrown)) {
+        openWindow();
+        moves[0] = moves[1] = hn::Lt(two, two);
+      }
+      if (k >= *least)
+        dropEnded(k);
+      if (!hn::AllFalse(df, tall) || !hn::AllFalse(df, hn::And(moves[1], hn::Gt(lowest, one))))
+        fourRows_ = true;
+      if (!hn::AllFalse(df, tall))
+        step<4, 4>(moves, trace);
+      else if (!hn::AllFalse(df, wide))
+        step<4, 3>(moves, trace);
+      else
+        step<3, 3>(moves, trace);
+      if (k + 1 >= *least) {
+        for (int i = 0; i < count_; ++i) {
+          if (slabs_[i] == k + 1)
+            trace.setEnd(i, trace.size() + 1);
+        }
+      }
+    }
+    closeWindow(trace);
   }
 
  private:
-  struct Ray {
-    VF place[2], slope[2], inverse[2], length;
-  };
-
-  /// At one point of one ray: the weight of a node is across * down of the near or the far plane.
-  struct Factor {
-    VF across[kSide], down[2][kSide];
-  };
-
-  HWY_INLINE static void loadRay(const BeamRay* rays, int count, Ray& ray) {
+  HWY_INLINE void loadRay(const BeamRay* rays, Ray& ray) {
     alignas(64) float place[2][kLanes] = {}, slope[2][kLanes] = {}, length[kLanes] = {};
-    for (int i = 0; i < count; ++i) {
+    for (int i = 0; i < count_; ++i) {
       const BeamRay& from = rays[i * kRays];
       for (int a = 0; a < 2; ++a) {
         place[a][i] = from.place[a];
@@ -141,351 +329,391 @@ class Group {
     for (int a = 0; a < 2; ++a) {
       ray.place[a] = hn::Load(df, place[a]);
       ray.slope[a] = hn::Load(df, slope[a]);
-      const VF steep = hn::Abs(ray.slope[a]);
-      const auto moves = hn::Gt(steep, hn::Set(df, 1e-20F));
-      ray.inverse[a] = hn::IfThenElse(moves, hn::Div(one, hn::IfThenElse(moves, steep, one)),
+      const auto moves = hn::Gt(ray.slope[a], hn::Set(df, 1e-20F));
+      ray.inverse[a] = hn::IfThenElse(moves, hn::Div(one, hn::IfThenElse(moves, ray.slope[a], one)),
                                       hn::Set(df, kNever));
     }
+    weighRay(ray);
+    sum_.add(ray);
   }
 
-  /// To the lowest place that any ray has in the slab, as far as the lattice goes. Returns the
-  /// highest, from there.
-  HWY_INLINE VF moveAnchor(int a) {
-    VF least = ray_[0].place[a], most = least;
+  /// What depends on the ray's length.
+  HWY_INLINE static void weighRay(Ray& ray) {
+    const VF half = hn::Set(df, 1 / 2.0F), third = hn::Set(df, 1 / 3.0F);
+    for (int a = 0; a < 2; ++a) {
+      ray.halfSlope[a] = hn::Mul(ray.slope[a], half);
+      ray.thirdSlope[a] = hn::Mul(ray.slope[a], third);
+      ray.perSlope[a] = hn::Mul(ray.length, ray.slope[a]);
+      ray.perHalfSlope[a] = hn::Mul(ray.length, ray.halfSlope[a]);
+    }
+    ray.halfPerSlopes = hn::Mul(ray.perSlope[0], ray.halfSlope[1]);
+    ray.thirdPerSlopes = hn::Mul(ray.perSlope[0], ray.thirdSlope[1]);
+  }
+
+  /// Where all rays have left the first line of nodes behind, the window moves on by one.
+  HWY_INLINE Mask moveAnchor(int a) {
+    VF least = ray_[0].place[a];
+    for (const Ray& ray : ray_) least = hn::Min(least, ray.place[a]);
+    const VF one = hn::Set(df, 1.0F);
+    const Mask moves = hn::Ge(least, one);
+    const VF by = hn::IfThenElseZero(moves, one);
+    for (Ray& ray : ray_) ray.place[a] = hn::Sub(ray.place[a], by);
+    node_ = hn::Add(node_, hn::IfThenElseZero(hn::RebindMask(di, moves), stride_[a]));
+    return moves;
+  }
+
+  /// The highest place at the end of the slab.
+  HWY_INLINE VF farthest(int a) const {
+    VF most = hn::Add(ray_[0].place[a], ray_[0].slope[a]);
+    for (const Ray& ray : ray_) most = hn::Max(most, hn::Add(ray.place[a], ray.slope[a]));
+    return most;
+  }
+
+  /// No weights yet, from the anchor on.
+  HWY_INLINE void openWindow() {
+    window_ = node_;
+    fourRows_ = false;
+    for (auto& row : open_)
+      for (VF& weight : row) weight = hn::Zero(df);
+  }
+
+  HWY_INLINE void closeWindow(Trace& trace) const {
+    Trace::Put put = trace.add(window_, fourRows_);
+    for (int row = 0; row < kSide; ++row) put.row(row, open_[row]);
+    put.end();
+  }
+
+  /// Beams that have passed their slabs before slab `k` have no weights any more.
+  HWY_INLINE void dropEnded(int k) {
+    alignas(64) float goesOn[kLanes];
+    for (int i = 0; i < kLanes; ++i) goesOn[i] = slabs_[i] > k ? 1.0F : 0.0F;
+    const VF share = hn::Load(df, goesOn);
+    sum_ = RaySums();
+    for (Ray& ray : ray_) {
+      ray.length = hn::Mul(ray.length, share);
+      weighRay(ray);
+      sum_.add(ray);
+    }
+  }
+
+  /// A slab: ends the window of its near plane, which stands a line of nodes before the anchor
+  /// where `moves`, and opens that of the far plane.
+  template <int kColumns, int kRows>
+  HWY_INLINE void step(const Mask (&moves)[2], Trace& trace) {
+    Moments m[kRows][kColumns];
+    integrate<kColumns, kRows>(m);
+    VF near[kRows][kColumns];
+    hats<kColumns, kRows>(m, false, near);
+    addNear<kColumns, kRows>(near, moves);
+    closeWindow(trace);
+    hats<kColumns, kRows>(m, true, open_);
+    fourRows_ = kRows == kSide;
+    for (int row = 0; row < kSide; ++row)
+      for (int i = 0; i < kSide; ++i) {
+        if (row >= kRows || i >= kColumns)
+          open_[row][i] = hn::Zero(df);
+      }
+    node_ = window_ = hn::Add(node_, stride_[2]);
+    for (Ray& ray : ray_)
+      for (int a = 0; a < 2; ++a) ray.place[a] = hn::Add(ray.place[a], ray.slope[a]);
+  }
+
+  /// Integrals over the slab, from the anchor on. Along a ray, the hat functions in a plane's axis
+  /// are sums of 1, of the place x and of ramps max(x - i, 0), those across the slab are u and
+  /// 1 - u. All products of these have closed integrals, which are summed up over the rays.
+  template <int kColumns, int kRows>
+  HWY_INLINE void integrate(Moments (&m)[kRows][kColumns]) const {
+    VF x = hn::Zero(df), y = x, xy = x, slopes = x;
+    RampSums rampX[kColumns - 2], rampY[kRows - 2];
+    ProductSums ramps[kRows - 2][kColumns - 2];
     for (const Ray& ray : ray_) {
-      const VF end = hn::Add(ray.place[a], ray.slope[a]);
-      least = hn::Min(least, hn::Min(ray.place[a], end));
-      most = hn::Max(most, hn::Max(ray.place[a], end));
-    }
-    const VI wanted = hn::Add(anchor_[a], hn::ConvertTo(di, hn::Floor(least)));
-    const VI to = hn::Min(hn::Max(wanted, hn::Zero(di)), last_[a]);
-    const VI by = hn::Sub(to, anchor_[a]);
-    anchor_[a] = to;
-    node_ = hn::Add(node_, hn::Mul(by, stride_[a]));
-    const VF shift = hn::ConvertTo(df, by);
-    for (Ray& ray : ray_) ray.place[a] = hn::Sub(ray.place[a], shift);
-    return hn::Sub(most, shift);
-  }
-
-  /// Where, 0..1, a ray crosses the next line of nodes; 1 when it does not.
-  HWY_INLINE static VF crossing(const Ray& ray, int a) {
-    const VF low = hn::Floor(ray.place[a]), one = hn::Set(df, 1.0F);
-    const VF above = hn::Sub(ray.place[a], low);
-    const VF way = hn::IfThenElse(hn::Lt(ray.slope[a], hn::Zero(df)), above, hn::Sub(one, above));
-    return hn::Min(hn::Mul(way, ray.inverse[a]), one);
-  }
-
-  /// The weights of all nodes that any beam reaches in a slab.
-  template <int kColumns, int kRows>
-  HWY_INLINE void addWeights(SlabWeights& out) const {
-    out.rows = kRows;
-    Factor factors[kRays * kPieces * kPoints];
-    Factor* end = factors;
-    for (const Ray& ray : ray_) end = addRay<kColumns, kRows>(ray, end);
-    for (int row = 0; row < kRows; ++row) sumRow<kColumns>(factors, end, row, out);
-  }
-
-  /// The points on the pieces of a ray that are not empty in all lanes.
-  template <int kColumns, int kRows>
-  HWY_INLINE static Factor* addRay(const Ray& ray, Factor* out) {
-    const VF x = crossing(ray, 0), y = crossing(ray, 1), one = hn::Set(df, 1.0F);
-    const VF cut[kPieces + 1] = {hn::Zero(df), hn::Min(x, y), hn::Max(x, y), one};
-    for (int piece = 0; piece < kPieces; ++piece) {
-      if (piece > 0 && hn::AllTrue(df, hn::Ge(cut[piece], one)))
-        break;
-      const VF extent = hn::Sub(cut[piece + 1], cut[piece]);
-      const VF weight = hn::Mul(hn::Mul(extent, hn::Set(df, 0.5F)), ray.length);
-      for (float share : {0.21132487F, 0.78867513F})
-        addPoint<kColumns, kRows>(ray, hn::MulAdd(extent, hn::Set(df, share), cut[piece]), weight,
-                                  *out++);
-    }
-    return out;
-  }
-
-  template <int kColumns, int kRows>
-  HWY_INLINE static void addPoint(const Ray& ray, VF at, VF weight, Factor& out) {
-    HatsAt<kColumns>(hn::MulAdd(ray.slope[0], at, ray.place[0]), out.across);
-    VF down[kSide];
-    HatsAt<kRows>(hn::MulAdd(ray.slope[1], at, ray.place[1]), down);
-    const VF far = hn::Mul(weight, at), near = hn::Sub(weight, far);
-    for (int i = 0; i < kRows; ++i) {
-      out.down[0][i] = hn::Mul(near, down[i]);
-      out.down[1][i] = hn::Mul(far, down[i]);
-    }
-  }
-
-  template <int kColumns>
-  HWY_INLINE static void sumRow(const Factor* f, const Factor* end, int row, SlabWeights& out) {
-    VF near[kSide], far[kSide];
-    for (int i = 0; i < kSide; ++i) near[i] = far[i] = hn::Zero(df);
-    for (; f != end; ++f) {
-      for (int i = 0; i < kColumns; ++i) {
-        near[i] = hn::MulAdd(f->across[i], f->down[0][row], near[i]);
-        far[i] = hn::MulAdd(f->across[i], f->down[1][row], far[i]);
+      const VF endX = hn::Add(ray.place[0], ray.slope[0]);
+      const VF endY = hn::Add(ray.place[1], ray.slope[1]);
+      const VF lengthX = hn::Mul(ray.length, endX);
+      x = hn::Add(x, lengthX);
+      y = hn::MulAdd(ray.length, endY, y);
+      xy = hn::MulAdd(lengthX, endY, xy);
+      slopes = hn::MulAdd(endX, ray.perSlope[1], hn::MulAdd(endY, ray.perSlope[0], slopes));
+      for (int i = 0; i < kColumns - 2; ++i) {
+        const Ramp across(hn::Sub(endX, hn::Set(df, static_cast<float>(i + 1))), ray, 0);
+        rampX[i].add(across, ray, 1, endY);
+        for (int j = 0; j < kRows - 2; ++j) {
+          const Ramp down(hn::Sub(endY, hn::Set(df, static_cast<float>(j + 1))), ray, 1);
+          if (i == 0)
+            rampY[j].add(down, ray, 0, endX);
+          ramps[j][i].add(across, down, ray);
+        }
       }
     }
-    storeByBeam(near, out.weight[0][row]);
-    storeByBeam(far, out.weight[1][row]);
+    const VF half = hn::Set(df, 1 / 2.0F), third = hn::Set(df, 1 / 3.0F);
+    m[0][0] = {sum_.length, hn::Mul(sum_.length, half)};
+    m[0][1] = {hn::NegMulAdd(sum_.slope[0], half, x),
+               hn::NegMulAdd(sum_.slope[0], third, hn::Mul(x, half))};
+    m[1][0] = {hn::NegMulAdd(sum_.slope[1], half, y),
+               hn::NegMulAdd(sum_.slope[1], third, hn::Mul(y, half))};
+    m[1][1] = {
+        hn::NegMulAdd(slopes, half, hn::Add(sum_.thirdSlopes, xy)),
+        hn::NegMulAdd(slopes, third,
+                      hn::MulAdd(sum_.thirdSlopes, hn::Set(df, 3 / 4.0F), hn::Mul(xy, half)))};
+    for (int i = 2; i < kColumns; ++i) {
+      m[0][i] = rampX[i - 2].withOne();
+      m[1][i] = rampX[i - 2].withPlace();
+      for (int j = 2; j < kRows; ++j) m[j][i] = ramps[j - 2][i - 2].moments();
+    }
+    for (int j = 2; j < kRows; ++j) {
+      m[j][0] = rampY[j - 2].withOne();
+      m[j][1] = rampY[j - 2].withPlace();
+    }
   }
 
-  /// Transposes in each block of four beams.
-  HWY_INLINE static void storeByBeam(const VF w[kSide], float* out) {
-    const VF a = hn::InterleaveLower(df, w[0], w[2]), b = hn::InterleaveLower(df, w[1], w[3]);
-    const VF c = hn::InterleaveUpper(df, w[0], w[2]), d = hn::InterleaveUpper(df, w[1], w[3]);
-    hn::Store(hn::InterleaveLower(df, a, b), df, out);
-    hn::Store(hn::InterleaveUpper(df, a, b), df, out + kLanes);
-    hn::Store(hn::InterleaveLower(df, c, d), df, out + 2 * kLanes);
-    hn::Store(hn::InterleaveUpper(df, c, d), df, out + 3 * kLanes);
+  /// The weights of the near or the far plane's nodes.
+  template <int kColumns, int kRows, std::size_t kWidth, std::size_t kHeight>
+  HWY_INLINE static void hats(const Moments (&m)[kRows][kColumns], bool isFar,
+                              VF (&out)[kHeight][kWidth]) {
+    VF byColumn[kColumns][kRows];
+    for (int j = 0; j < kRows; ++j) {
+      VF row[kColumns];
+      for (int i = 0; i < kColumns; ++i)
+        row[i] = isFar ? hn::Sub(m[j][i].whole, m[j][i].near) : m[j][i].near;
+      ToHats(row);
+      for (int i = 0; i < kColumns; ++i) byColumn[i][j] = row[i];
+    }
+    for (int i = 0; i < kColumns; ++i) {
+      ToHats(byColumn[i]);
+      for (int j = 0; j < kRows; ++j) out[j][i] = byColumn[i][j];
+    }
   }
 
-  VI node_, next_, stride_[2], anchor_[2], last_[2];
+  /// Adds weights that stand a line of nodes further than the open window where `moves`.
+  template <int kColumns, int kRows>
+  HWY_INLINE void addNear(const VF (&near)[kRows][kColumns], const Mask (&moves)[2]) {
+    const bool down = !hn::AllFalse(df, moves[1]);
+    for (int row = 0; row < kRows; ++row) {
+      VF across[kSide];
+      across[0] = hn::IfThenZeroElse(moves[0], near[row][0]);
+      for (int i = 1; i < kColumns; ++i)
+        across[i] = hn::IfThenElse(moves[0], near[row][i - 1], near[row][i]);
+      if (kColumns < kSide)
+        across[kSide - 1] = hn::IfThenElseZero(moves[0], near[row][kColumns - 1]);
+      if (!down) {
+        for (int i = 0; i < kSide; ++i) open_[row][i] = hn::Add(open_[row][i], across[i]);
+        continue;
+      }
+      for (int i = 0; i < kSide; ++i) {
+        open_[row][i] = hn::Add(open_[row][i], hn::IfThenZeroElse(moves[1], across[i]));
+        // Of four rows, none moves.
+        if (row + 1 < kSide)
+          open_[row + 1][i] = hn::Add(open_[row + 1][i], hn::IfThenElseZero(moves[1], across[i]));
+      }
+    }
+  }
+
+  int count_;
+  std::int32_t slabs_[kLanes];
+  VI node_, stride_[3];
+  bool fourRows_ = false;  // whether the open window has weights in its last row
+  VI window_;              // where the open window stands
+  VF open_[kSide][kSide];  // the weights of the near plane so far
   Ray ray_[kRays];
+
+  RaySums sum_;
 };
 
-/// Four weights as factors of the colours of four nodes in a row.
+/// The weights of a window as factors of the colours of its nodes, as these follow each other in
+/// memory: a row from the anchor on, or backwards for beams that descend along it.
 class Spread {
  public:
-  HWY_INLINE Spread() {
-    alignas(64) std::int32_t lane[kLanes];
-    for (int part = 0; part < kSide / kNodesAVector; ++part) {
-      for (int i = 0; i < kLanes; ++i) lane[i] = part * kNodesAVector + i / 4;
-      index_[part] = hn::Load(di, lane);
+  HWY_INLINE explicit Spread(bool backwards) {
+    for (int v = 0; v < kVectors; ++v) {
+      alignas(64) std::int32_t lane[kLanes];
+      for (int i = 0; i < kLanes; ++i) {
+        const int place = v * kNodesAVector + i / 4, column = place % kSide;
+        lane[i] = (place - column + (backwards ? kSide - 1 - column : column)) % kLanes;
+      }
+      index_[v] = hn::Load(di, lane);
     }
   }
 
-  HWY_INLINE VF operator()(const float* weights, int part) const {
-    return hn::TableLookupLanes(hn::LoadDup128(df, weights), hn::IndicesFromVec(df, index_[part]));
+  HWY_INLINE VF operator()(const VF* weights, int v) const {
+    return hn::TableLookupLanes(weights[v * kNodesAVector / kLanes],
+                                hn::IndicesFromVec(df, index_[v]));
   }
 
  private:
-  VI index_[kSide / kNodesAVector];
+  VI index_[kVectors];
 };
 
-/// From row to row and from plane to plane of a beam, in floats.
-struct Rows {
-  std::ptrdiff_t down, next;
-
-  HWY_INLINE explicit Rows(const Beam& beam)
-      : down(4 * static_cast<std::ptrdiff_t>(beam.stride[1])),
-        next(4 * static_cast<std::ptrdiff_t>(beam.stride[2])) {}
-};
-
-// What is done with the weights of a slab. Classes, as compilers do not inline lambdas of another
-// target.
-
-/// Sums up the values that each beam meets.
-class Gather {
+/// The windows of one beam: visit(weights, where the colours of its vectors are from the first).
+class BeamWindows {
  public:
-  HWY_INLINE explicit Gather(const float* values) : values_(values) {}
+  HWY_INLINE BeamWindows(const Trace& trace, const Beam& beam, int i)
+      : trace_(trace),
+        beam_(i),
+        down_(4 * static_cast<std::ptrdiff_t>(beam.stride[1])),
+        first_(beam.stride[0] < 0 ? -4 * (kSide - 1) : 0) {}
 
-  HWY_INLINE void take(const Rows& rows, int beam, const SlabWeights& slab) {
-    const float* from = values_ + 4 * static_cast<std::ptrdiff_t>(slab.node[beam]);
-    VF total[2] = {hn::Load(df, sum_[beam]), hn::Zero(df)};
-    for (int row = 0; row < slab.rows; ++row, from += rows.down)
-      for (int plane = 0; plane < 2; ++plane)
-        for (int part = 0; part < kSide / kNodesAVector; ++part)
-          total[plane] =
-              hn::MulAdd(spread_(slab.row(plane, row, beam), part),
-                         hn::LoadU(df, from + plane * rows.next + part * kLanes), total[plane]);
-    hn::Store(hn::Add(total[0], total[1]), df, sum_[beam]);
+  HWY_INLINE int size() const { return trace_.windowsOf(beam_); }
+
+  HWY_INLINE void load(int i, VF* weights) const {
+    const float* from = trace_.weights(beam_, i);
+    for (int k = 0; k < kWeightVectors; ++k) weights[k] = hn::Load(df, from + k * kLanes);
   }
 
-  HWY_INLINE V4 sum(int beam) const {
-    V4 total = hn::Load(d4, sum_[beam]);
-    for (int i = 4; i < kLanes; i += 4) total = hn::Add(total, hn::Load(d4, sum_[beam] + i));
-    return total;
+  /// Whether the last row has weights.
+  HWY_INLINE bool hasFourRows(int i) const { return trace_.hasFourRows(i); }
+
+  /// Of vector 0 of a window, in floats.
+  HWY_INLINE std::ptrdiff_t place(int i) const { return first_ + 4 * trace_.node(beam_, i); }
+
+  HWY_INLINE std::ptrdiff_t offset(int v) const {
+    return v / kRowVectors * down_ + v % kRowVectors * kLanes;
   }
 
  private:
-  const float* values_;
-  Spread spread_;
-  alignas(64) float sum_[kLanes][kLanes] = {};
+  const Trace& trace_;
+  int beam_;
+  std::ptrdiff_t down_, first_;
 };
 
-/// Adds a value of each beam to the nodes that it meets.
-class Scatter {
- public:
-  HWY_INLINE explicit Scatter(float* gradient) : gradient_(gradient) {}
-
-  HWY_INLINE void set(int beam, V4 value) { hn::Store(value, d4, value_[beam]); }
-
-  HWY_INLINE void take(const Rows& rows, int beam, const SlabWeights& slab) const {
-    float* to = gradient_ + 4 * static_cast<std::ptrdiff_t>(slab.node[beam]);
-    const VF value = hn::LoadDup128(df, value_[beam]);
-    for (int row = 0; row < slab.rows; ++row, to += rows.down)
-      for (int plane = 0; plane < 2; ++plane)
-        for (int part = 0; part < kSide / kNodesAVector; ++part) {
-          float* at = to + plane * rows.next + part * kLanes;
-          hn::StoreU(
-              hn::MulAdd(spread_(slab.row(plane, row, beam), part), value, hn::LoadU(df, at)), df,
-              at);
-        }
+/// The sum of the values that a beam meets.
+HWY_INLINE V4 GatherBeam(const BeamWindows& windows, const Spread spread, const float* values) {
+  VF sum[kVectors];
+  for (VF& part : sum) part = hn::Zero(df);
+  const int size = windows.size();
+  for (int i = 0; i < size; ++i) {
+    VF weights[kWeightVectors];
+    windows.load(i, weights);
+    const float* from = values + windows.place(i);
+    for (int v = 0; v < kVectors; ++v) {
+      if (v == kVectors - kRowVectors && !windows.hasFourRows(i))
+        break;
+      sum[v] = hn::MulAdd(spread(weights, v), hn::LoadU(df, from + windows.offset(v)), sum[v]);
+    }
   }
+  VF all = sum[0];
+  for (int v = 1; v < kVectors; ++v) all = hn::Add(all, sum[v]);
+  alignas(64) float lanes[kLanes];
+  hn::Store(all, df, lanes);
+  V4 total = hn::Load(d4, lanes);
+  for (int i = 4; i < kLanes; i += 4) total = hn::Add(total, hn::Load(d4, lanes + i));
+  return total;
+}
 
- private:
-  float* gradient_;
-  Spread spread_;
-  alignas(64) float value_[kLanes][4];
-};
+/// Adds `value` to the nodes that a beam meets.
+HWY_INLINE void ScatterBeam(const BeamWindows& windows, const Spread spread, const float* value,
+                            float* gradient) {
+  const VF colour = hn::LoadDup128(df, value);
+  const int size = windows.size();
+  for (int i = 0; i < size; ++i) {
+    VF weights[kWeightVectors];
+    windows.load(i, weights);
+    float* to = gradient + windows.place(i);
+    for (int v = 0; v < kVectors; ++v) {
+      if (v == kVectors - kRowVectors && !windows.hasFourRows(i))
+        break;
+      float* at = to + windows.offset(v);
+      hn::StoreU(hn::MulAdd(spread(weights, v), colour, hn::LoadU(df, at)), df, at);
+    }
+  }
+}
 
-/// Appends the weights to the list of each beam.
-class Append {
- public:
-  HWY_INLINE Append(std::vector<NodeWeight>* out, float share) : out_(out), share_(share) {}
-
-  HWY_INLINE void take(const Rows& rows, int beam, const SlabWeights& slab) const {
-    const auto down = static_cast<std::int32_t>(rows.down / 4),
-               next = static_cast<std::int32_t>(rows.next / 4);
-    for (int plane = 0; plane < 2; ++plane)
-      for (int row = 0; row < slab.rows; ++row) {
-        const float* weight = slab.row(plane, row, beam);
-        const std::int32_t first = slab.node[beam] + plane * next + row * down;
-        for (int i = 0; i < kSide; ++i) {
-          if (weight[i] != 0)
-            out_[beam].push_back({first + i, share_ * weight[i]});
-        }
+/// Appends a beam's weights that are not 0 to `out`.
+void AppendBeam(const Trace& trace, const Beam& beam, int i, std::vector<NodeWeight>& out) {
+  constexpr float kShare = 1.0F / kRays;
+  for (int k = 0; k < trace.windowsOf(i); ++k) {
+    const float* weight = trace.weights(i, k);
+    for (int row = 0; row < kSide; ++row)
+      for (int column = 0; column < kSide; ++column, ++weight) {
+        if (*weight != 0)
+          out.push_back({static_cast<std::int32_t>(trace.node(i, k)) + row * beam.stride[1] +
+                             column * beam.stride[0],
+                         kShare * *weight});
       }
   }
+}
+
+/// Beams of a product, in groups that walk side by side.
+class Walker {
+ public:
+  Walker(const Beam* beams, const BeamRay* rays, std::size_t count)
+      : beams_(beams), rays_(rays), count_(count), spread_{Spread(false), Spread(true)} {}
+
+  /// Walks the group from beam `first` on; the number of its beams.
+  HWY_INLINE int walk(std::size_t first) {
+    const int count = static_cast<int>(std::min<std::size_t>(kLanes, count_ - first));
+    Group(beams_ + first, rays_ + first * kRays, count).walk(trace_);
+    return count;
+  }
+
+  // Of beam i of the group.
+
+  HWY_INLINE void gather(std::size_t first, int i, const float* values, float* sum) const {
+    const Beam& beam = beams_[first + i];
+    hn::StoreU(
+        hn::Mul(GatherBeam({trace_, beam, i}, spreadOf(beam), values), hn::Set(d4, 1.0F / kRays)),
+        d4, sum);
+  }
+
+  HWY_INLINE void scatter(std::size_t first, int i, const float* value, float* gradient) const {
+    const Beam& beam = beams_[first + i];
+    alignas(16) float share[4];
+    hn::Store(hn::Mul(hn::LoadU(d4, value), hn::Set(d4, 1.0F / kRays)), d4, share);
+    ScatterBeam({trace_, beam, i}, spreadOf(beam), share, gradient);
+  }
+
+  HWY_INLINE void append(std::size_t first, int i, std::vector<NodeWeight>& out) const {
+    AppendBeam(trace_, beams_[first + i], i, out);
+  }
 
  private:
-  std::vector<NodeWeight>* out_;
-  float share_;
-};
-
-int MostSlabs(const Beam* beams, int count) {
-  int most = 0;
-  for (int i = 0; i < count; ++i) most = std::max(most, static_cast<int>(beams[i].slabs));
-  return most;
-}
-
-/// Shows slab `k` of each beam of a group to `visit`. Not one after the other: beams side by side
-/// write to overlapping stretches of memory, and a vector that was just stored a node further left
-/// has to reach the cache before it can be loaded.
-template <class Visit>
-HWY_INLINE void VisitSlab(const Beam* beams, int count, int k, const SlabWeights& slab,
-                          Visit& visit) {
-  constexpr int kApart = 5;  // prime to the number of lanes
-  for (int step = 0; step < kLanes; ++step) {
-    const int i = step * kApart % kLanes;
-    if (i < count && k < beams[i].slabs)
-      visit.take(Rows(beams[i]), i, slab);
+  HWY_INLINE const Spread& spreadOf(const Beam& beam) const {
+    return spread_[beam.stride[0] < 0 ? 1 : 0];
   }
-}
 
-template <class Visit>
-HWY_INLINE void WalkGroup(const Beam* beams, const BeamRay* rays, int count, Visit& visit) {
-  SlabWeights slab;
-  Group group(beams, rays, count);
-  const int most = MostSlabs(beams, count);
-  for (int k = 0; k < most; ++k) {
-    group.walk(slab);
-    VisitSlab(beams, count, k, slab, visit);
-  }
-}
-
-/// body(first, count) for groups of beams.
-template <class Body>
-HWY_INLINE void ForGroups(std::size_t beams, Body& body) {
-  for (std::size_t first = 0; first < beams; first += kLanes)
-    body.group(first, static_cast<int>(std::min<std::size_t>(kLanes, beams - first)));
-}
-
-struct Beams {
-  const Beam* beams;
-  const BeamRay* rays;
-};
-
-struct ForwardBody {
-  Beams from;
-  const float* values;
-  float* sums;
-
-  HWY_INLINE void group(std::size_t first, int count) {
-    Gather gather(values);
-    WalkGroup(from.beams + first, from.rays + first * kRays, count, gather);
-    for (int i = 0; i < count; ++i)
-      hn::StoreU(hn::Mul(gather.sum(i), hn::Set(d4, 1.0F / kRays)), d4, sums + 4 * (first + i));
-  }
-};
-
-struct AdjointBody {
-  Beams from;
-  const float* beamValues;
-  float* gradient;
-
-  HWY_INLINE void group(std::size_t first, int count) {
-    Scatter scatter(gradient);
-    for (int i = 0; i < count; ++i)
-      scatter.set(i,
-                  hn::Mul(hn::LoadU(d4, beamValues + 4 * (first + i)), hn::Set(d4, 1.0F / kRays)));
-    WalkGroup(from.beams + first, from.rays + first * kRays, count, scatter);
-  }
-};
-
-struct WeightsBody {
-  Beams from;
-  std::vector<NodeWeight>* out;
-
-  HWY_INLINE void group(std::size_t first, int count) {
-    Append append(out + first, 1.0F / kRays);
-    WalkGroup(from.beams + first, from.rays + first * kRays, count, append);
-  }
-};
-
-struct ThereAndBackBody {
-  Beams from;
-  const float* values;
-  BeamTurn turn;
-  const void* context;
-  float* sums;
-  float* gradient;
-  std::vector<SlabWeights>& slabs;
-
-  HWY_INLINE void group(std::size_t first, int count) {
-    const Beam* beams = from.beams + first;
-    Gather gather(values);
-    Group walk(beams, from.rays + first * kRays, count);
-    const int most = MostSlabs(beams, count);
-    if (slabs.size() < static_cast<std::size_t>(most))
-      slabs.resize(most);
-    for (int k = 0; k < most; ++k) {
-      walk.walk(slabs[k]);
-      VisitSlab(beams, count, k, slabs[k], gather);
-    }
-    alignas(64) float back[kLanes][4];
-    for (int i = 0; i < count; ++i)
-      hn::StoreU(hn::Mul(gather.sum(i), hn::Set(d4, 1.0F / kRays)), d4, sums + 4 * (first + i));
-    turn(context, first, count, sums + 4 * first, back[0]);
-    Scatter scatter(gradient);
-    for (int i = 0; i < count; ++i)
-      scatter.set(i, hn::Mul(hn::Load(d4, back[i]), hn::Set(d4, 1.0F / kRays)));
-    for (int k = 0; k < most; ++k) VisitSlab(beams, count, k, slabs[k], scatter);
-  }
+  const Beam* beams_;
+  const BeamRay* rays_;
+  std::size_t count_;
+  Spread spread_[2];
+  Trace trace_;
 };
 
 void Forward(const Beam* beams, const BeamRay* rays, std::size_t count, const float* values,
              float* sums) {
-  ForwardBody body{{beams, rays}, values, sums};
-  ForGroups(count, body);
+  Walker walker(beams, rays, count);
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    const int n = walker.walk(first);
+    for (int i = 0; i < n; ++i) walker.gather(first, i, values, sums + 4 * (first + i));
+  }
 }
 
 void Adjoint(const Beam* beams, const BeamRay* rays, std::size_t count, const float* beamValues,
              float* gradient) {
-  AdjointBody body{{beams, rays}, beamValues, gradient};
-  ForGroups(count, body);
+  Walker walker(beams, rays, count);
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    const int n = walker.walk(first);
+    for (int i = 0; i < n; ++i) walker.scatter(first, i, beamValues + 4 * (first + i), gradient);
+  }
 }
 
 void Weights(const Beam* beams, const BeamRay* rays, std::size_t count,
              std::vector<NodeWeight>* out) {
-  WeightsBody body{{beams, rays}, out};
-  ForGroups(count, body);
+  Walker walker(beams, rays, count);
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    const int n = walker.walk(first);
+    for (int i = 0; i < n; ++i) walker.append(first, i, out[first + i]);
+  }
 }
 
 void ThereAndBack(const Beam* beams, const BeamRay* rays, std::size_t count, const float* values,
                   BeamTurn turn, const void* context, float* sums, float* gradient) {
-  std::vector<SlabWeights> slabs;
-  ThereAndBackBody body{{beams, rays}, values, turn, context, sums, gradient, slabs};
-  ForGroups(count, body);
+  Walker walker(beams, rays, count);
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    const int n = walker.walk(first);
+    for (int i = 0; i < n; ++i) walker.gather(first, i, values, sums + 4 * (first + i));
+    float back[4 * kLanes];
+    turn(context, first, n, sums + 4 * first, back);
+    for (int i = 0; i < n; ++i) walker.scatter(first, i, back + 4 * i, gradient);
+  }
 }
 
 }  // namespace

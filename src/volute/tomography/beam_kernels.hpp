@@ -19,22 +19,20 @@ inline constexpr int kBeamNodes = 4;
 inline constexpr int kBeamRays = 4;
 
 /// The four rays of one pixel, which walk together from plane to plane of the lattice across the
-/// axis along which they advance most. Between two planes, a slab, they reach kBeamNodes x
-/// kBeamNodes nodes of each, from an anchor on.
+/// axis along which they advance most. Each axis is taken in the direction in which they ascend.
+/// Between two planes, a slab, they reach kBeamNodes x kBeamNodes nodes of each, from an anchor on.
 struct Beam {
   std::int32_t node;       ///< the anchor in the first plane
-  std::int32_t stride[3];  ///< in nodes, along the two axes in the plane, 1 for the first, and to
+  std::int32_t stride[3];  ///< in nodes, along the two axes in the plane, +-1 for the first, and to
                            ///< the next plane
-  std::int32_t anchor[2];  ///< its place in the plane at the first slab
-  std::int32_t lastAnchor[2];  ///< the largest place that an anchor may have
   std::int32_t slabs;
   std::int32_t turned;  ///< 1: nodes and strides are of the lattice with x and y exchanged
 };
 
 /// One of its rays.
 struct BeamRay {
-  float place[2];  ///< in the first plane, from the anchor [nodes]
-  float slope[2];  ///< nodes a slab, -1..1
+  float place[2];  ///< in the first plane, from the anchor [nodes], 0 or more
+  float slope[2];  ///< nodes a slab, 0..1
   float length;    ///< [m] a slab
 };
 

@@ -5,18 +5,19 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
-#include "volute/tomography/hull.hpp"
+#include "volute/tomography/match.hpp"
 #include "volute/tomography/project.hpp"
 
 namespace volute {
 namespace {
 
-constexpr double kStandsOut = 2;         // times the median residual of the others
-constexpr double kLeastResidual = 0.02;  // below, nobody stands out
-constexpr double kGainShare = 0.3;       // of the squared residual that a gain must explain
-constexpr double kMostBorder = 0.01;
-constexpr double kMostOutside = 0.02;
+constexpr double kStandsOut = 2;            // times the median misfit of the others
+constexpr double kLeastOutstanding = 0.02;  // below, nobody stands out
+constexpr double kGainShare = 0.3;          // of the squared residual that a gain must explain
+constexpr double kLeastMisfit = 0.04;       // below, nobody misfits
+constexpr double kMisfits = 1.5;            // times what the size of the voxels explains
 constexpr double kFullHull = 0.9;
 constexpr double kNarrow = 15;  // [degrees]
 
@@ -26,157 +27,230 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-double medianOfOthers(std::span<const CameraDiagnosis> cameras, std::size_t without,
-                      double CameraDiagnosis::* field) {
-  std::vector<double> values;
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    if (i != without)
-      values.push_back(cameras[i].*field);
+/// The views that are still believed, and how they match the volume that was fitted to them.
+class Consistency {
+ public:
+  Consistency(std::span<const TomographyView> views, const VolumeGeometry& geometry,
+              const TomographyOptions& options, const Reconstruction& reconstruction,
+              Progress& progress)
+      : views_(views.begin(), views.end()),
+        geometry_(geometry),
+        options_(options),
+        volume_(reconstruction.volume),
+        progress_(progress),
+        believed_(views.size()),
+        judged_(views.size()) {
+    std::iota(believed_.begin(), believed_.end(), 0);
+    options_.regularization = reconstruction.regularization;
+    options_.lambda = reconstruction.lambda;
+    options_.iterations = kIterations;
+    options_.coarseToFine = false;
+    matches_ = matches(volume_);
   }
-  return values.empty() ? cameras[without].*field : median(std::move(values));
-}
 
-/// How a view and a picture of the volume go together, over the pixels that count.
-struct Match {
-  double residual = 0;  ///< relative, without the share of the noise
-  double gain = 1;      ///< on what was measured
-
-  Match(const TomographyView& view, const Image& projected, std::optional<double> noiseSigma) {
-    double difference = 0, light = 0, both = 0, shown = 0;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < projected.pixels.size(); ++i) {
-      if (!view.weight.empty() && view.weight[i / 3] == 0)
-        continue;
-      const double p = projected.pixels[i], m = view.radiance.pixels[i];
-      difference += (p - m) * (p - m);
-      light += m * m;
-      both += p * m;
-      shown += p * p;
-      ++count;
+  Result<TomographyDiagnosis> diagnosis() {
+    TomographyDiagnosis found;
+    found.cameras.resize(views_.size());
+    for (std::size_t v = 0; v < views_.size(); ++v)
+      found.cameras[v].residual = matches_[v].residual;
+    while (const auto worst = mostOutstanding()) {
+      compare(*worst, found.cameras[*worst]);
+      VOLUTE_TRY(judge(*worst, found.cameras[*worst]));
     }
-    const double sigma = noiseSigma.value_or(noiseOf(view));
-    const double noise = sigma * sigma * static_cast<double>(count);
-    const double signal = std::max(light - noise, 1e-6 * light);
-    if (light > 0)
-      residual = std::sqrt(std::max(difference - noise, 0.0) / signal);
-    if (both > 0)
-      gain = shown / both;
-  }
-};
-
-/// The share of the image's border that is brighter than a hundredth of the brightest pixel, and
-/// than noise.
-double litBorder(const TomographyView& view, double threshold) {
-  const Image& image = view.radiance;
-  std::size_t lit = 0, all = 0;
-  for (int y = 0; y < image.height; ++y) {
-    const bool edge = y == 0 || y == image.height - 1;
-    for (int x = 0; x < image.width; x += edge ? 1 : std::max(image.width - 1, 1)) {
-      const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
-      const bool counts = view.weight.empty() || view.weight[pixel] != 0;
-      const float value = std::max({image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)});
-      lit += counts && value > threshold ? 1 : 0;
-      ++all;
+    for (const std::size_t v : believed_) {
+      if (found.cameras[v].warning.empty())
+        compare(v, found.cameras[v]);
     }
+    VOLUTE_ASSIGN(const auto warning, misfitOfAll(found.cameras));
+    if (warning)
+      found.warnings.push_back(*warning);
+    return found;
   }
-  return static_cast<double>(lit) / static_cast<double>(all);
-}
 
-/// The share of the light above `threshold` on pixels whose rays miss the volume.
-double lightOutside(const TomographyView& view, const Box3& bounds, double threshold) {
-  const Image& image = view.radiance;
-  double outside = 0, all = 0;
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
-      const double value = image.at(x, y, 0) + image.at(x, y, 1) + image.at(x, y, 2);
-      if (value <= 3 * threshold || (!view.weight.empty() && view.weight[pixel] == 0))
-        continue;
-      const Segment ray = view.camera.ray(x + 0.5, y + 0.5);
-      const bool misses =
-          bounds.intersect(ray.origin, ray.direction).intersect({ray.begin, ray.end}).empty();
-      outside += misses ? value : 0;
-      all += value;
+ private:
+  static constexpr int kIterations = 60;
+
+  /// One a view, believed or not.
+  std::vector<ViewMatch> matches(std::span<const float> volume) const {
+    std::vector<ViewMatch> all;
+    for (const TomographyView& view : views_) {
+      const Image seen =
+          projectVolume(volume, geometry_, options_.basis, view.camera, options_.raysPerPixel);
+      all.push_back(matchOf(view, seen, geometry_, options_.noiseSigma));
     }
+    return all;
   }
-  return all > 0 ? outside / all : 0;
-}
 
-/// A camera's match with a volume that was fitted without it.
-Result<Match> matchWithout(std::span<const TomographyView> views, std::size_t camera,
-                           const VolumeGeometry& geometry, const TomographyOptions& options,
-                           const Reconstruction& reconstruction, Progress& progress) {
-  constexpr int kIterations = 60;
-  std::vector<TomographyView> others(views.begin(), views.end());
-  others.erase(others.begin() + static_cast<std::ptrdiff_t>(camera));
-  TomographyOptions same = options;
-  same.regularization = reconstruction.regularization;
-  same.lambda = reconstruction.lambda;
-  same.iterations = kIterations;
-  same.coarseToFine = false;
-  VOLUTE_ASSIGN(const Reconstruction fit,
-                reconstruct(others, geometry, same, reconstruction.volume, progress));
-  return Match(views[camera],
-               projectVolume(fit.volume, geometry, options.basis, views[camera].camera,
-                             options.raysPerPixel),
-               options.noiseSigma);
-}
+  /// The median over the believed views but one, or that one's own where it is alone.
+  double others(std::size_t without, double ViewMatch::* field) const {
+    std::vector<double> values;
+    for (const std::size_t v : believed_) {
+      if (v != without)
+        values.push_back(matches_[v].*field);
+    }
+    return values.empty() ? matches_[without].*field : median(std::move(values));
+  }
 
-void warnOf(const TomographyView& view, const CameraDiagnosis& camera,
-            std::vector<std::string>& warnings) {
-  if (camera.gainDrift)
-    warnings.push_back(fmt::format(
-        "Camera {} is {:.0f} % too {}: its radiance times {:.3f} fits the others; set its gain in "
-        "the capture",
-        view.name, 100 * std::abs(1 / camera.gain - 1), camera.gain < 1 ? "bright" : "dark",
-        camera.gain));
-  if (camera.outOfStep)
-    warnings.push_back(fmt::format(
-        "Camera {} does not fit the others: its residual of {:.3f} is {:.1f} times theirs; check "
-        "that it shows the same instant, its calibration and its background",
-        view.name, camera.residual, camera.residualRatio));
-  if (camera.borderLight > kMostBorder)
-    warnings.push_back(fmt::format(
-        "Camera {} sees light on {:.0f} % of its image's border: what lies beyond is missing; "
-        "mask it, or film from further away",
-        view.name, 100 * camera.borderLight));
-  if (camera.lightOutside > kMostOutside)
-    warnings.push_back(fmt::format(
-        "Camera {}: {:.0f} % of its light comes from beside the volume; enlarge the volume, or "
-        "check the background and the calibration",
-        view.name, 100 * camera.lightOutside));
-}
+  double ratio(std::size_t v) const {
+    return matches_[v].misfit / std::max(others(v, &ViewMatch::misfit), 1e-3);
+  }
 
-/// What one view says on its own.
-CameraDiagnosis measured(const TomographyView& view, const VolumeGeometry& geometry,
-                         const TomographyOptions& options, const Reconstruction& reconstruction) {
-  const Image projected = projectVolume(reconstruction.volume, geometry, options.basis, view.camera,
-                                        options.raysPerPixel);
-  const Match match(view, projected, options.noiseSigma);
-  const double threshold = silhouetteThreshold(view, options.noiseSigma);
-  CameraDiagnosis camera;
-  camera.residual = match.residual;
-  camera.gain = match.gain;
-  camera.borderLight = litBorder(view, 5 * threshold);
-  camera.lightOutside = lightOutside(view, geometry.bounds, threshold);
-  return camera;
-}
+  bool standsOut(std::size_t v) const {
+    return matches_[v].misfit > kLeastOutstanding && ratio(v) > kStandsOut;
+  }
 
-/// What the view says beside the others. `raw` is as measured() has it.
-CameraDiagnosis compared(std::span<const CameraDiagnosis> raw, std::size_t v) {
-  CameraDiagnosis camera = raw[v];
-  const double others = medianOfOthers(raw, v, &CameraDiagnosis::residual);
-  camera.residualRatio = camera.residual / std::max(others, 1e-3);
-  camera.gain = raw[v].gain / medianOfOthers(raw, v, &CameraDiagnosis::gain);
-  const bool standsOut = camera.residual > kLeastResidual && camera.residualRatio > kStandsOut;
-  if (standsOut && raw.size() > 2) {
-    // With the gain g a residual of about |1 - g| would be left of a perfect fit.
-    const double explained = std::abs(1 - camera.gain) / camera.residual;
-    camera.gainDrift = explained * explained > kGainShare;
+  /// Of the believed that were not judged yet, while most are believed and there are others to
+  /// compare with.
+  std::optional<std::size_t> mostOutstanding() const {
+    if (believed_.size() < 3 || 2 * believed_.size() <= views_.size())
+      return {};
+    const auto worst = std::ranges::max_element(
+        believed_, {}, [&](std::size_t v) { return standsOut(v) && !judged_[v] ? ratio(v) : 0; });
+    if (!standsOut(*worst) || judged_[*worst])
+      return {};
+    return *worst;
+  }
+
+  void compare(std::size_t v, CameraDiagnosis& camera) const {
+    camera.residualRatio = ratio(v);
+    camera.gain = matches_[v].gain / others(v, &ViewMatch::gain);
+  }
+
+  /// A fit to the believed views that goes on from the last one.
+  Result<std::vector<float>> refitted(const TomographyOptions& options) const {
+    std::vector<TomographyView> chosen;
+    for (const std::size_t v : believed_) chosen.push_back(views_[v]);
+    VOLUTE_ASSIGN(Reconstruction fit, reconstruct(chosen, geometry_, options, volume_, progress_));
+    return std::move(fit.volume);
+  }
+
+  static std::string misfitOf(const CameraDiagnosis& camera) {
+    return fmt::format(
+        "does not fit the others: its residual of {:.3f} is {:.1f} times theirs in what is two "
+        "voxels wide and more: another instant, moved, or miscalibrated?",
+        camera.residual, camera.residualRatio);
+  }
+
+  /// Leaves the camera out, and says why: with another gain it fits as the others do, or not.
+  Status judge(std::size_t worst, CameraDiagnosis& camera) {
+    // With the gain g a misfit of about |1 - g| would be left of a perfect fit.
+    const double explained = std::abs(1 - camera.gain) / matches_[worst].misfit;
+    judged_[worst] = 1;
+    std::erase(believed_, worst);
+    VOLUTE_ASSIGN(volume_, refitted(options_));
+    matches_ = matches(volume_);
+    camera.gain = matches_[worst].gain;
+    if (explained * explained > kGainShare) {
+      VOLUTE_ASSIGN(camera.gainDrift, fitsWithGain(worst, camera.gain));
+    }
     camera.outOfStep = !camera.gainDrift;
+    camera.warning =
+        camera.gainDrift
+            ? fmt::format(
+                  "{:.0f} % too {}: its radiance times {:.3f} fits what the other cameras "
+                  "saw; set its gain in the capture",
+                  100 * std::abs(1 / camera.gain - 1), camera.gain < 1 ? "bright" : "dark",
+                  camera.gain)
+            : misfitOf(camera);
+    return {};
   }
-  return camera;
-}
+
+  /// Whether the camera stands out no more when its pictures are multiplied by `gain`; then it is
+  /// believed again, with that gain, and `gain` is made better.
+  Result<bool> fitsWithGain(std::size_t camera, double& gain) {
+    const TomographyView before = views_[camera];
+    const auto without = believed_;
+    for (float& value : views_[camera].radiance.pixels) value *= static_cast<float>(gain);
+    believed_.insert(std::ranges::lower_bound(believed_, camera), camera);
+    VOLUTE_ASSIGN(auto volume, refitted(options_));
+    auto last = std::exchange(matches_, matches(volume));
+    if (!standsOut(camera)) {
+      gain *= matches_[camera].gain / others(camera, &ViewMatch::gain);
+      volume_ = std::move(volume);
+      return true;
+    }
+    views_[camera] = before;
+    believed_ = without;
+    matches_ = std::move(last);
+    return false;
+  }
+
+  double medianMisfit() const {
+    std::vector<double> misfits;
+    for (const std::size_t v : believed_) misfits.push_back(matches_[v].misfit);
+    return median(std::move(misfits));
+  }
+
+  /// The median misfit of the believed, where it is more than their pictures explain.
+  std::optional<double> unexplained(double& explained) const {
+    std::vector<double> unresolved;
+    for (const std::size_t v : believed_) unresolved.push_back(matches_[v].unresolved);
+    const double misfit = medianMisfit();
+    explained = median(std::move(unresolved));
+    if (misfit > std::max(kLeastMisfit, kMisfits * explained))
+      return misfit;
+    return {};
+  }
+
+  /// A sentence on all believed cameras when they disagree and it is not for a few of them, which
+  /// are then named.
+  Result<std::optional<std::string>> misfitOfAll(std::span<CameraDiagnosis> cameras) {
+    double explained = 0;
+    if (!unexplained(explained))
+      return std::nullopt;
+    // A prior, or too few iterations, keep a volume from fitting as well.
+    TomographyOptions plain = options_;
+    plain.solver = TomographySolver::kApg;
+    plain.regularization = Regularization::kNone;
+    plain.lambda.reset();
+    VOLUTE_ASSIGN(volume_, refitted(plain));
+    matches_ = matches(volume_);
+    const auto misfit = unexplained(explained);
+    if (!misfit)
+      return std::nullopt;
+    const std::string sentence = fmt::format(
+        "the cameras disagree: no volume comes nearer to the pictures of {} of them than {:.1f} % "
+        "(relative L2, median) in what is two voxels wide and more, and voxels of this size "
+        "explain {:.1f} %; check where pixel centres are (0 or 0.5), principal points, the lens, "
+        "poses, and that each picture is its camera's",
+        believed_.size(), 100 * *misfit, 100 * explained);
+    VOLUTE_ASSIGN(const auto culprits, culpritsOf(plain));
+    for (const std::size_t v : culprits) {
+      compare(v, cameras[v]);
+      cameras[v].outOfStep = true;
+      cameras[v].warning = misfitOf(cameras[v]);
+    }
+    return culprits.empty() ? std::optional(sentence) : std::nullopt;
+  }
+
+  /// The few without which the others agree; none when that is not so. They are believed no more.
+  Result<std::vector<std::size_t>> culpritsOf(const TomographyOptions& plain) {
+    constexpr std::size_t kLeast = 5;  // fewer agree on nearly everything
+    constexpr double kBetter = 0.5;
+    const double before = medianMisfit();
+    std::vector<std::size_t> culprits;
+    for (std::size_t most = views_.size() / 4; most > 0 && believed_.size() > kLeast; --most) {
+      culprits.push_back(*std::ranges::max_element(
+          believed_, {}, [&](std::size_t v) { return matches_[v].misfit; }));
+      std::erase(believed_, culprits.back());
+      VOLUTE_ASSIGN(volume_, refitted(plain));
+      matches_ = matches(volume_);
+      double explained = 0;
+      if (!unexplained(explained) && medianMisfit() < kBetter * before)
+        return culprits;
+    }
+    return std::vector<std::size_t>{};
+  }
+
+  std::vector<TomographyView> views_;  // with the gains that were found
+  const VolumeGeometry& geometry_;
+  TomographyOptions options_;  // of a fit that goes on
+  std::vector<float> volume_;  // fitted to the believed
+  Progress& progress_;
+  std::vector<std::size_t> believed_;  // ascending
+  std::vector<char> judged_;           // one a view
+  std::vector<ViewMatch> matches_;     // one a view
+};
 
 }  // namespace
 
@@ -188,58 +262,43 @@ double angleBetween(const Camera& a, const Camera& b, const Vec3& centre) {
   return std::acos(cosine) * 180 / std::numbers::pi;
 }
 
-std::vector<std::string> layoutAdvice(std::span<const TomographyView> views, const Vec3& centre) {
-  std::vector<std::string> advice;
-  if (views.size() < 3)
-    advice.push_back(
-        fmt::format("{} cameras leave the volume all but open: take 3 at least, better 6 or more",
-                    views.size()));
-  std::string pairs;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    for (std::size_t j = i + 1; j < views.size(); ++j) {
-      const double angle = angleBetween(views[i].camera, views[j].camera, centre);
-      if (angle < kNarrow)
-        pairs += fmt::format("{}{} and {} ({:.0f} degrees)", pairs.empty() ? "" : ", ",
-                             views[i].name, views[j].name, angle);
-    }
+std::vector<SightAngle> sightAngles(std::span<const Camera> cameras, const Vec3& centre) {
+  std::vector<SightAngle> angles;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    for (std::size_t k = i + 1; k < cameras.size(); ++k)
+      angles.push_back({i, k, angleBetween(cameras[i], cameras[k], centre)});
   }
-  if (!pairs.empty())
-    advice.push_back(
-        fmt::format("These cameras look along nearly the same line, to or fro, and tell nearly the "
-                    "same: {}; an odd number in a ring, a half arc, or staggered heights tell more",
-                    pairs));
-  return advice;
+  return angles;
+}
+
+std::optional<std::string> layoutAdvice(std::span<const std::string> names,
+                                        std::span<const SightAngle> angles) {
+  std::string pairs;
+  for (const SightAngle& pair : angles) {
+    if (pair.degrees < kNarrow)
+      pairs += fmt::format("{}{} and {} ({:.0f})", pairs.empty() ? "" : ", ", names[pair.a],
+                           names[pair.b], pair.degrees);
+  }
+  if (pairs.empty())
+    return {};
+  return fmt::format(
+      "cameras that look along nearly one line, from the same or from opposite sides, tell nearly "
+      "the same: {} degrees modulo 180; an odd number on a ring, a half ring, or staggered heights "
+      "tell more",
+      pairs);
 }
 
 Result<TomographyDiagnosis> diagnose(std::span<const TomographyView> views,
                                      const VolumeGeometry& geometry,
                                      const TomographyOptions& options,
                                      const Reconstruction& reconstruction, Progress& progress) {
-  TomographyDiagnosis diagnosis;
-  std::vector<CameraDiagnosis> raw;
-  for (const TomographyView& view : views)
-    raw.push_back(measured(view, geometry, options, reconstruction));
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    CameraDiagnosis camera = compared(raw, v);
-    if (camera.gainDrift) {
-      VOLUTE_ASSIGN(const Match alone,
-                    matchWithout(views, v, geometry, options, reconstruction, progress));
-      camera.gain = alone.gain;
-    }
-    warnOf(views[v], camera, diagnosis.warnings);
-    diagnosis.cameras.push_back(camera);
-  }
+  VOLUTE_ASSIGN(auto diagnosis,
+                Consistency(views, geometry, options, reconstruction, progress).diagnosis());
   if (options.hull && reconstruction.hullShare > kFullHull)
     diagnosis.warnings.push_back(fmt::format(
-        "The visual hull fills {:.0f} % of the volume: enlarge the volume, or check backgrounds "
-        "and silhouettes",
+        "the visual hull fills {:.0f} % of the volume, so silhouettes tell nothing: are there "
+        "backgrounds to subtract, or is noise_sigma too small?",
         100 * reconstruction.hullShare));
-  const Vec3 centre = geometry.bounds.centre();
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    for (std::size_t j = i + 1; j < views.size(); ++j)
-      diagnosis.angles.push_back(angleBetween(views[i].camera, views[j].camera, centre));
-  }
-  diagnosis.advice = layoutAdvice(views, centre);
   return diagnosis;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,25 +14,26 @@ namespace volute {
 /// What the consistency of the views says about one camera.
 struct CameraDiagnosis {
   double residual = 0;       ///< relative L2 of S a - (p - b), without what noise explains
-  double residualRatio = 1;  ///< to the median of the other cameras
+  double residualRatio = 1;  ///< of its misfit, ViewMatch, to the median of the other cameras,
+                             ///< after worse ones were left out
   double gain = 1;  ///< the factor on its measured radiance that fits best, next to the median of
                     ///< the others; from a fit without this camera where it stands out
-  bool outOfStep = false;   ///< its residual stands out: another instant, moved, or miscalibrated
-  bool gainDrift = false;   ///< its residual stands out, and its gain explains much of it
-  double borderLight = 0;   ///< share of the image's border that shows the medium
-  double lightOutside = 0;  ///< share of its silhouettes' light on rays that miss the volume
+  bool outOfStep = false;  ///< it stands out: another instant, moved, or miscalibrated
+  bool gainDrift = false;  ///< it stands out, and with another gain it fits as others do
+  std::string warning;     ///< for people, to follow the camera's name; empty: none
 };
 
 struct TomographyDiagnosis {
   std::vector<CameraDiagnosis> cameras;
-  std::vector<double> angles;         ///< [degrees] between viewing directions modulo 180, 0..90:
-                                      ///< pairs (0,1), (0,2), .., (1,2), ..
-  std::vector<std::string> warnings;  ///< sentences for people; none for consistent data
-  std::vector<std::string> advice;    ///< on the layout of the cameras
+  std::vector<std::string> warnings;  ///< sentences for people on all cameras together
 };
 
-/// Looks for what goes wrong in captures: a camera out of step or with a drifted gain, light
-/// outside the volume, a hull that fills the domain, cameras opposite to each other.
+/// Looks for what goes wrong in captures: a camera out of step or with a drifted gain, cameras that
+/// all disagree, a hull that fills the domain. Says nothing about consistent data.
+///
+/// The camera that stands out most is named first, and the others are judged by a fit without it.
+/// All together misfit when the median of their misfits, ViewMatch, is above what voxels of this
+/// size and noise explain, and a fit without a prior changes nothing about it.
 /// @param options  those of the reconstruction.
 [[nodiscard]] Result<TomographyDiagnosis> diagnose(std::span<const TomographyView> views,
                                                    const VolumeGeometry& geometry,
@@ -42,7 +44,18 @@ struct TomographyDiagnosis {
 /// Degrees between the lines of sight of two cameras through `centre`, modulo 180: 0..90.
 double angleBetween(const Camera& a, const Camera& b, const Vec3& centre);
 
-/// Whether a number of cameras around a volume, and what their angles are, could be better.
-std::vector<std::string> layoutAdvice(std::span<const TomographyView> views, const Vec3& centre);
+/// The angle between the lines of sight of a pair of cameras.
+struct SightAngle {
+  std::size_t a = 0, b = 0;  ///< indices of the cameras, a < b
+  double degrees = 0;        ///< modulo 180: 0..90
+};
+
+/// Of all pairs, (0, 1), (0, 2), .., (1, 2), ..
+std::vector<SightAngle> sightAngles(std::span<const Camera> cameras, const Vec3& centre);
+
+/// Names the pairs of cameras that look along nearly the same line, from the same or from opposite
+/// sides, and says what to do about it; nothing for other layouts.
+std::optional<std::string> layoutAdvice(std::span<const std::string> names,
+                                        std::span<const SightAngle> angles);
 
 }  // namespace volute

@@ -49,7 +49,8 @@ class Watcher {
                   std::span<const float> projected) {
     const double residual = std::sqrt(data_.squaredResidual(projected) / std::max(light_, 1e-300));
     setup_.progress.detail(fmt::format("residual {:.3f}", residual));
-    setup_.progress.report("solving", iteration, stop_.iterations);
+    setup_.progress.report("solving", stop_.before + iteration,
+                           std::max(stop_.all, stop_.before + stop_.iterations));
     if (setup_.progress.cancelled())
       return false;
     fit_.projected.assign(projected.begin(), projected.end());
@@ -247,30 +248,36 @@ std::vector<std::uint8_t> heldOutView(const FrameProblem& problem,
 
 Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
   constexpr double kStrongest = 1e-2, kWeakest = 1e-6, kFactor = 0.31622776601683794;
+  constexpr int kSearches = 9;  // from the strongest to the weakest
   constexpr int kSearchIterations = 40, kFinalIterations = 600;
   constexpr std::size_t kLeastViews = 4;
   const LeastSquares& data = setup.problem.data;
+  int searched = 0;
   const auto heldOut = setup.views.size() >= kLeastViews
                            ? heldOutView(setup.problem, setup.views)
                            : heldOutRows(data.rows(), setup.options.seed);
   const LeastSquares rest = withoutRows(data, heldOut);
+  const std::optional<int>& wanted = setup.options.iterations;
+  const int most = wanted.value_or(kFinalIterations);
+  const int all = kSearches * kSearchIterations + most;
   StrengthSearch search;
   double error = 0;
+  int before = 0;
   for (double share = kStrongest; share >= 0.99 * kWeakest; share *= kFactor) {
     VOLUTE_ASSIGN(Fit fit, runFit(setup, rest, Regularization::kTv, share * setup.typical, start,
-                                  {kSearchIterations, 0, {}, 2 * kSettled}));
+                                  {kSearchIterations, 0, {}, 2 * kSettled, before, all}));
+    before += kSearchIterations;
     fit.heldOutError = heldOutError(data, heldOut, fit.projected);
-    if (!search.add(share, fit.heldOutError))
+    if (searched += fit.iterations; !search.add(share, fit.heldOutError))
       break;
     error = fit.heldOutError;
     start = std::move(fit.unknowns);
   }
-  const std::optional<int>& wanted = setup.options.iterations;
-  const StopRule stop =
-      wanted ? StopRule{*wanted, 0, {}, 0} : StopRule{kFinalIterations, 0, {}, kSettled};
+  const StopRule stop{most, 0, {}, wanted ? 0 : kSettled, kSearches * kSearchIterations, all};
   VOLUTE_ASSIGN(Fit fit, runFit(setup, data, Regularization::kTv, search.chosen() * setup.typical,
                                 std::move(start), stop));
   fit.heldOutError = error;
+  fit.searchIterations = searched;
   return fit;
 }
 

@@ -17,6 +17,7 @@ struct Fit {
   Regularization regularization = Regularization::kNone;
   double lambda = 0;  ///< times the largest eigenvalue
   int iterations = 0;
+  int searchIterations = 0;  ///< of the fits that chose the strength, or when to stop
   std::string_view stoppedBy = "iterations";
   std::vector<float> unknowns;
   std::vector<float> projected;  ///< S a
@@ -58,6 +59,8 @@ struct StopRule {
   double squaredResidual = 0;               ///< of the data: stops at or below
   std::span<const std::uint8_t> heldOut{};  ///< stops when their error rises; empty: none
   double settled = 0;  ///< stops when ten iterations change the volume by no more, relative L2
+  // Of several fits, for the progress: the most iterations of those before, and of all.
+  int before = 0, all = 0;
 };
 
 inline constexpr double kSettled = 1e-3;  ///< what counts as settled

@@ -70,6 +70,23 @@ Status emptyHull(std::span<const TomographyView> views) {
               views.size());
 }
 
+/// Bytes of what has a value for each voxel of the volume: the frame, the one before and the one
+/// that diagnoses go on from, in three floats; and which voxels each camera sees.
+std::uint64_t volumeBytes(const VolumeGeometry& geometry) {
+  constexpr std::uint64_t kVoxel = 3 * 12 + 4;
+  std::uint64_t voxels = 1;
+  for (const int n : geometry.resolution) voxels *= static_cast<std::uint64_t>(n);
+  return voxels * kVoxel;
+}
+
+/// Bytes of the pictures, of copies without what does not count, and of silhouettes.
+std::uint64_t pictureBytes(std::span<const TomographyView> views) {
+  constexpr std::uint64_t kPixel = 2 * (12 + 4) + 4;
+  std::uint64_t pixels = 0;
+  for (const TomographyView& view : views) pixels += view.radiance.pixels.size() / 3;
+  return pixels * kPixel;
+}
+
 /// Bytes that a frame needs at most without a table: rays, vectors of pixels and of unknowns, and a
 /// gradient for each chunk of rows.
 std::uint64_t bytesNeeded(std::span<const std::vector<std::uint8_t>> masks, const Support& support,
@@ -77,7 +94,7 @@ std::uint64_t bytesNeeded(std::span<const std::vector<std::uint8_t>> masks, cons
   constexpr std::uint64_t kColour = 16, kPixelVectors = 8, kUnknownVectors = 10;
   // The rays of a pixel that walk together do so through two lattices.
   const std::uint64_t lattices = raysPerPixel == kBeamRays ? 2 : 1;
-  const std::uint64_t gradients = (32 + 1) * lattices;
+  const std::uint64_t gradients = 32 + lattices;
   std::uint64_t pixels = 0;
   for (const auto& mask : masks)
     pixels += mask.size() - static_cast<std::uint64_t>(std::ranges::count(mask, 0));
@@ -130,10 +147,7 @@ void fillRows(std::span<const TomographyView> views, const TomographyOptions& op
 
 }  // namespace
 
-Status checkReconstruction(std::span<const TomographyView> views, const VolumeGeometry& geometry,
-                           const TomographyOptions& options) {
-  if (views.empty())
-    return fail(ErrorCode::kInvalidArgument, "There is no view to reconstruct from");
+Status checkVolumeSize(const VolumeGeometry& geometry, std::uint64_t maxMemory) {
   const auto& n = geometry.resolution;
   if (geometry.bounds.empty() || !geometry.bounds.min.allFinite() ||
       !geometry.bounds.max.allFinite())
@@ -143,6 +157,20 @@ Status checkReconstruction(std::span<const TomographyView> views, const VolumeGe
     return fail(ErrorCode::kInvalidArgument,
                 "The volume's resolution {} x {} x {} is out of range: 1 to 1024 voxels an axis",
                 n[0], n[1], n[2]);
+  if (const std::uint64_t needed = volumeBytes(geometry); needed > maxMemory)
+    return fail(ErrorCode::kTooLarge,
+                "A volume of {} x {} x {} voxels needs {:.1f} GB at least, more than the {:.1f} GB "
+                "that are allowed; take a lower resolution, or allow more memory",
+                n[0], n[1], n[2], static_cast<double>(needed) * 1e-9,
+                static_cast<double>(maxMemory) * 1e-9);
+  return {};
+}
+
+Status checkReconstruction(std::span<const TomographyView> views, const VolumeGeometry& geometry,
+                           const TomographyOptions& options) {
+  if (views.empty())
+    return fail(ErrorCode::kInvalidArgument, "There is no view to reconstruct from");
+  VOLUTE_TRY(checkVolumeSize(geometry, options.maxMemory));
   if (options.raysPerPixel != 1 && options.raysPerPixel != 4)
     return fail(ErrorCode::kInvalidArgument, "{} rays a pixel: it can be 1 or 4",
                 options.raysPerPixel);
@@ -188,7 +216,8 @@ Result<FrameProblem> makeFrameProblem(std::span<const TomographyView> views,
   std::vector<std::vector<std::uint8_t>> masks;
   std::vector<ProjectorView> seen;
   for (std::size_t v = 0; v < views.size(); ++v) masks.push_back(rowMask(clean[v], silhouettes[v]));
-  const std::uint64_t needed = bytesNeeded(masks, *problem.support, options.raysPerPixel);
+  const std::uint64_t needed = bytesNeeded(masks, *problem.support, options.raysPerPixel) +
+                               volumeBytes(geometry) + pictureBytes(views);
   if (needed > options.maxMemory)
     return fail(
         ErrorCode::kTooLarge,

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "volute/base/parallel.hpp"
+#include "volute/tomography/box_blur.hpp"
 
 namespace volute {
 namespace {
@@ -77,24 +78,6 @@ std::vector<std::uint8_t> dilated(std::span<const std::uint8_t> mask, int width,
   return out;
 }
 
-/// The mean of the 5 x 5 pixels around each, those at the border counted again beyond it.
-Image blurred(const Image& image) {
-  constexpr int kReach = 2;
-  constexpr float kShare = 1.0F / (2 * kReach + 1);
-  Image wide(image.width, image.height, image.channels), out = wide;
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      for (int c = 0; c < image.channels; ++c)
-        for (int d = -kReach; d <= kReach; ++d)
-          wide.at(x, y, c) += kShare * image.at(std::clamp(x + d, 0, image.width - 1), y, c);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      for (int c = 0; c < image.channels; ++c)
-        for (int d = -kReach; d <= kReach; ++d)
-          out.at(x, y, c) += kShare * wide.at(x, std::clamp(y + d, 0, image.height - 1), c);
-  return out;
-}
-
 /// Light below this share of the brightest is no part of a silhouette.
 constexpr double kDarkest = 0.002;
 
@@ -110,13 +93,13 @@ double brightestOf(const TomographyView& view) {
 /// Pixels that show the medium. Where noise decides, the means of 25 pixels are looked at: their
 /// noise is a fifth.
 std::vector<std::uint8_t> litPixels(const TomographyView& view, std::optional<double> noiseSigma) {
-  constexpr double kFifths = 5;
+  constexpr double kFifths = 5;  // a box so wide leaves a fifth of the noise
   const double darkest = kDarkest * brightestOf(view);
   double threshold = silhouetteThreshold(view, noiseSigma);
   const bool noisy = threshold > darkest;
   if (noisy)
     threshold = std::max(threshold / kFifths, darkest);
-  const Image image = noisy ? blurred(view.radiance) : view.radiance;
+  const Image image = noisy ? boxBlurred(view.radiance, kFifths) : view.radiance;
   std::vector<std::uint8_t> mask(image.pixels.size() / image.channels);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     if (std::abs(image.pixels[i]) > threshold)

@@ -15,8 +15,10 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kChunks = 32;
-constexpr std::size_t kLeastRows = 256;
+constexpr std::size_t kChunkRows = 2048;
+constexpr std::size_t kMostChunks = 32;
+constexpr std::size_t kTableParts = 32;
+constexpr std::size_t kPartRows = 256;
 constexpr std::size_t kMostRays = 4;
 
 /// Image points of a pixel's rays, from its upper left corner.
@@ -88,26 +90,21 @@ struct NodeRange {
   }
 };
 
-/// The nodes between the corners that a beam's anchor has in its first and last slab.
+/// The nodes between the corners of the windows that a beam has in its first and last plane.
 void addReach(const Beam& beam, std::span<const BeamRay> rays, NodeRange& range) {
-  std::int32_t low = beam.node, high = beam.node;
-  const std::int32_t way = beam.slabs * beam.stride[2];
-  low += std::min(way, 0);
-  high += std::max(way, 0);
+  std::array<std::int32_t, 3> most{0, 0, beam.slabs};
   for (int a = 0; a < 2; ++a) {
-    float least = rays[0].place[a], most = least;
-    for (const BeamRay& ray : rays) {
-      const float end = ray.place[a] + static_cast<float>(beam.slabs) * ray.slope[a];
-      least = std::min({least, ray.place[a], end});
-      most = std::max({most, ray.place[a], end});
-    }
-    // One node more at both ends, as rounding may have it.
-    auto anchorAt = [&](float place) {
-      return std::clamp(beam.anchor[a] + static_cast<std::int32_t>(std::floor(place)), 0,
-                        beam.lastAnchor[a]);
-    };
-    low += (anchorAt(least - 1) - beam.anchor[a]) * beam.stride[a];
-    high += (anchorAt(most + 1) - beam.anchor[a] + kBeamNodes - 1) * beam.stride[a];
+    float end = 0;
+    for (const BeamRay& ray : rays)
+      end = std::max(end, ray.place[a] + static_cast<float>(beam.slabs) * ray.slope[a]);
+    // One node more, as rounding may have it.
+    most[a] = static_cast<std::int32_t>(end) + kBeamNodes;
+  }
+  std::int32_t low = beam.node, high = beam.node;
+  for (int a = 0; a < 3; ++a) {
+    const std::int32_t way = most[a] * beam.stride[a];
+    low += std::min(way, 0);
+    high += std::max(way, 0);
   }
   range.add(low, high);
 }
@@ -233,19 +230,31 @@ std::vector<std::int32_t> Projector::rowPlanes() const {
 }
 
 /// Cuts depend on the rows alone. Each chunk has a gradient of its own, so that there are fewer
-/// where the volume is large and the rows are few; rows that pass near to each other go together,
-/// so that each reaches few nodes.
+/// where rows are few; rows that pass near to each other go together, so that each reaches few
+/// nodes.
 void Projector::cutChunks() {
-  const std::size_t count = std::clamp<std::size_t>(rows() / kLeastRows, 1, kChunks);
   const std::vector<std::int32_t> plane = rowPlanes();
-  const auto order = sortedBy(rows(), [&](std::uint32_t row) { return plane[row]; });
-  std::vector<std::uint8_t> chunkOf(rows());
-  for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t k = rows() * i / count; k < rows() * (i + 1) / count; ++k)
-      chunkOf[order[k]] = static_cast<std::uint8_t>(i);
+  std::vector<std::uint8_t> chunkOf(rows()), isTurned(rows());
+  for (std::size_t i = 0; i < beams_.size(); ++i)
+    isTurned[beamRows_[i]] = static_cast<std::uint8_t>(beams_[i].turned);
+  for (const std::uint8_t turned : {0, 1}) {
+    std::vector<std::uint32_t> order;
+    for (std::size_t row = 0; row < rows(); ++row) {
+      if (isTurned[row] == turned)
+        order.push_back(static_cast<std::uint32_t>(row));
+    }
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t row) { return plane[row]; });
+    const std::size_t first = chunks_.size();
+    const std::size_t most = std::max<std::size_t>(kMostChunks * order.size() / rows(), 1);
+    const std::size_t count =
+        order.empty() ? 0 : std::clamp<std::size_t>(order.size() / kChunkRows, 1, most);
+    for (std::size_t k = 0; k < order.size(); ++k)
+      chunkOf[order[k]] = static_cast<std::uint8_t>(first + k * count / order.size());
+    chunks_.resize(first + count, {.turned = turned != 0});
+  }
 
-  const auto beamOrder = sortedBy(
-      beams_.size(), [&](std::uint32_t i) { return 2 * chunkOf[beamRows_[i]] + beams_[i].turned; });
+  const auto beamOrder =
+      sortedBy(beams_.size(), [&](std::uint32_t i) { return chunkOf[beamRows_[i]]; });
   beams_ = taken<Beam>(beams_, beamOrder, 1);
   beamRays_ = taken<BeamRay>(beamRays_, beamOrder, raysPerPixel_);
   beamRows_ = taken<std::uint32_t>(beamRows_, beamOrder, 1);
@@ -254,22 +263,18 @@ void Projector::cutChunks() {
   looseRays_ = taken<WalkRay>(looseRays_, looseOrder, raysPerPixel_);
   looseRows_ = taken<std::uint32_t>(looseRows_, looseOrder, 1);
 
-  chunks_.resize(count);
   std::size_t beam = 0, loose = 0;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < chunks_.size(); ++i) {
     Chunk& chunk = chunks_[i];
-    for (int turned = 0; turned < 2; ++turned) {
-      chunk.beams[turned].first = beam;
-      while (beam < beams_.size() && chunkOf[beamRows_[beam]] == i && beams_[beam].turned == turned)
-        ++beam;
-      chunk.beams[turned].last = beam;
-    }
+    chunk.firstBeam = beam;
+    while (beam < beams_.size() && chunkOf[beamRows_[beam]] == i) ++beam;
+    chunk.lastBeam = beam;
     chunk.firstLoose = loose;
     while (loose < looseRows_.size() && chunkOf[looseRows_[loose]] == i) ++loose;
     chunk.lastLoose = loose;
   }
-  parallelFor(count, [&](std::size_t i) { reach(chunks_[i]); });
-  if (std::ranges::any_of(beams_, [](const Beam& b) { return b.turned != 0; })) {
+  parallelFor(chunks_.size(), [&](std::size_t i) { reach(chunks_[i]); });
+  if (std::ranges::any_of(chunks_, &Chunk::turned)) {
     for (const std::int32_t node : support_->nodes())
       turnedNodes_.push_back(support_->turned(node));
   }
@@ -279,17 +284,28 @@ void Projector::cutChunks() {
 void Projector::reach(Chunk& chunk) const {
   const auto rays = static_cast<std::size_t>(raysPerPixel_);
   const auto size = static_cast<std::int32_t>(support_->latticeSize());
-  for (BeamSpan& span : chunk.beams) {
-    NodeRange range;
-    for (std::size_t i = span.first; i < span.last; ++i)
-      addReach(beams_[i], std::span(beamRays_).subspan(i * rays, rays), range);
-    if (&span == &chunk.beams[0]) {
-      for (std::size_t i = chunk.firstLoose * rays; i < chunk.lastLoose * rays; ++i)
-        addReach(looseRays_[i], lattice_, range);
-    }
-    span.firstNode = std::clamp<std::int32_t>(range.first, 0, size);
-    span.lastNode = std::clamp<std::int32_t>(range.last, span.firstNode, size);
-  }
+  NodeRange range;
+  for (std::size_t i = chunk.firstBeam; i < chunk.lastBeam; ++i)
+    addReach(beams_[i], std::span(beamRays_).subspan(i * rays, rays), range);
+  for (std::size_t i = chunk.firstLoose * rays; i < chunk.lastLoose * rays; ++i)
+    addReach(looseRays_[i], lattice_, range);
+  if (range.first >= range.last)
+    return;
+  // Whole planes, which hold the same unknowns in both lattices.
+  const std::int32_t begin = support_->nodeOf(support_->range().begin), plane = lattice_.stride[2];
+  auto planeAt = [&](std::int32_t node, int more) {
+    return begin + plane * (more + static_cast<std::int32_t>(
+                                       std::floor(static_cast<double>(node - begin) / plane)));
+  };
+  const std::int32_t first = planeAt(range.first, 0), last = planeAt(range.last, 1);
+  auto unknownAt = [&](std::int32_t node) {
+    return static_cast<std::size_t>(std::ranges::lower_bound(support_->nodes(), node) -
+                                    support_->nodes().begin());
+  };
+  chunk.firstUnknown = unknownAt(first);
+  chunk.lastUnknown = unknownAt(last);
+  chunk.firstNode = std::clamp(first, 0, size);
+  chunk.lastNode = std::clamp(last, chunk.firstNode, size);
 }
 
 bool Projector::writeTables(std::uint64_t bytes) {
@@ -298,7 +314,7 @@ bool Projector::writeTables(std::uint64_t bytes) {
   std::vector<std::int32_t> unknownAt(support_->latticeSize(), -1);
   for (std::size_t i = 0; i < unknowns(); ++i)
     unknownAt[support_->nodes()[i]] = static_cast<std::int32_t>(i);
-  const std::size_t count = std::clamp<std::size_t>(rows() / kLeastRows, 1, kChunks);
+  const std::size_t count = std::clamp<std::size_t>(rows() / kPartRows, 1, kTableParts);
   std::vector<Table> tables(count);
   // Twice, by row and by unknown, and once more while the parts are put together.
   const std::uint64_t most = bytes / (3 * sizeof(NodeWeight));
@@ -431,12 +447,12 @@ void Projector::forward(std::span<const float> unknowns, std::span<float> pixels
   }
   const ScratchUse scratch(*this);
   toLattices(unknowns, *scratch);
-  parallelFor(2 * chunks_.size(), [&](std::size_t i) {
-    const BeamSpan& span = chunks_[i / 2].beams[i % 2];
-    std::vector<float> sums(4 * span.size());
-    beamForward(beams_.data() + span.first, beamRays_.data() + span.first * raysPerPixel_,
-                span.size(), scratch->lattice[i % 2].data(), sums.data());
-    putRows(span, sums, pixels);
+  parallelFor(chunks_.size(), [&](std::size_t i) {
+    const Chunk& chunk = chunks_[i];
+    std::vector<float> sums(4 * chunk.beams());
+    beamForward(beams_.data() + chunk.firstBeam, beamRays_.data() + chunk.firstBeam * raysPerPixel_,
+                chunk.beams(), scratch->lattice[chunk.turned].data(), sums.data());
+    putRows(chunk, sums, pixels);
   });
   parallelRanges(looseRows_.size(), 64, [&](std::size_t begin, std::size_t end) {
     forwardLoose(begin, end, scratch->lattice[0].data(), pixels);
@@ -444,10 +460,10 @@ void Projector::forward(std::span<const float> unknowns, std::span<float> pixels
 }
 
 /// Puts sums of beams where their rows are.
-void Projector::putRows(const BeamSpan& span, std::span<const float> sums,
+void Projector::putRows(const Chunk& chunk, std::span<const float> sums,
                         std::span<float> pixels) const {
-  for (std::size_t i = 0; i < span.size(); ++i)
-    std::copy_n(&sums[4 * i], 4, &pixels[4 * std::size_t{beamRows_[span.first + i]}]);
+  for (std::size_t i = 0; i < chunk.beams(); ++i)
+    std::copy_n(&sums[4 * i], 4, &pixels[4 * std::size_t{beamRows_[chunk.firstBeam + i]}]);
 }
 
 /// Values of the rows `rowOf`, one after the other.
@@ -467,21 +483,15 @@ void Projector::adjointLoose(const Chunk& chunk, std::span<const float> pixels,
               raysPerPixel_, gradient);
 }
 
-/// work(chunk, its gradients in both lattices) for all chunks; then their sum.
+/// work(chunk, its gradient) for all chunks; then their sum.
 template <class Work>
 void Projector::sumChunks(std::vector<std::vector<float>>& parts, std::span<float> unknowns,
                           Work&& work) const {
-  parts.resize(2 * chunks_.size());
+  parts.resize(chunks_.size());
   parallelFor(chunks_.size(), [&](std::size_t i) {
     const Chunk& chunk = chunks_[i];
-    std::array<float*, 2> gradient{};
-    for (std::size_t turned = 0; turned < 2; ++turned) {
-      const BeamSpan& span = chunk.beams[turned];
-      std::vector<float>& part = parts[2 * i + turned];
-      part.assign(4 * static_cast<std::size_t>(span.lastNode - span.firstNode), 0.0F);
-      gradient[turned] = part.data() - 4 * static_cast<std::ptrdiff_t>(span.firstNode);
-    }
-    work(chunk, gradient);
+    parts[i].assign(4 * static_cast<std::size_t>(chunk.lastNode - chunk.firstNode), 0.0F);
+    work(chunk, parts[i].data() - 4 * static_cast<std::ptrdiff_t>(chunk.firstNode));
   });
   addParts(parts, unknowns);
 }
@@ -493,14 +503,12 @@ void Projector::adjoint(std::span<const float> pixels, std::span<float> unknowns
     return;
   }
   const ScratchUse scratch(*this);
-  sumChunks(scratch->parts, unknowns, [&](const Chunk& chunk, std::array<float*, 2> gradient) {
-    for (std::size_t turned = 0; turned < 2; ++turned) {
-      const BeamSpan& span = chunk.beams[turned];
-      const auto values = valuesOf(std::span(beamRows_).subspan(span.first, span.size()), pixels);
-      beamAdjoint(beams_.data() + span.first, beamRays_.data() + span.first * raysPerPixel_,
-                  span.size(), values.data(), gradient[turned]);
-    }
-    adjointLoose(chunk, pixels, gradient[0]);
+  sumChunks(scratch->parts, unknowns, [&](const Chunk& chunk, float* gradient) {
+    const auto values =
+        valuesOf(std::span(beamRows_).subspan(chunk.firstBeam, chunk.beams()), pixels);
+    beamAdjoint(beams_.data() + chunk.firstBeam, beamRays_.data() + chunk.firstBeam * raysPerPixel_,
+                chunk.beams(), values.data(), gradient);
+    adjointLoose(chunk, pixels, gradient);
   });
 }
 
@@ -532,17 +540,15 @@ void Projector::thereAndBack(std::span<const float> unknowns, const Turn& turn,
   }
   const ScratchUse scratch(*this);
   toLattices(unknowns, *scratch);
-  sumChunks(scratch->parts, result, [&](const Chunk& chunk, std::array<float*, 2> gradient) {
-    for (std::size_t turned = 0; turned < 2; ++turned) {
-      const BeamSpan& span = chunk.beams[turned];
-      const TurnContext context{turn, std::span(beamRows_).subspan(span.first, span.size())};
-      std::vector<float> sums(4 * span.size());
-      beamThereAndBack(beams_.data() + span.first, beamRays_.data() + span.first * raysPerPixel_,
-                       span.size(), scratch->lattice[turned].data(), TurnContext::call, &context,
-                       sums.data(), gradient[turned]);
-      putRows(span, sums, pixels);
-    }
-    turnLoose(chunk, turn, scratch->lattice[0].data(), pixels, gradient[0]);
+  sumChunks(scratch->parts, result, [&](const Chunk& chunk, float* gradient) {
+    const TurnContext context{turn, std::span(beamRows_).subspan(chunk.firstBeam, chunk.beams())};
+    std::vector<float> sums(4 * chunk.beams());
+    beamThereAndBack(beams_.data() + chunk.firstBeam,
+                     beamRays_.data() + chunk.firstBeam * raysPerPixel_, chunk.beams(),
+                     scratch->lattice[chunk.turned].data(), TurnContext::call, &context,
+                     sums.data(), gradient);
+    putRows(chunk, sums, pixels);
+    turnLoose(chunk, turn, scratch->lattice[0].data(), pixels, gradient);
   });
 }
 
@@ -565,18 +571,14 @@ void Projector::addParts(std::span<const std::vector<float>> parts,
   parallelRanges(this->unknowns(), 1024, [&](std::size_t begin, std::size_t end) {
     std::fill(unknowns.begin() + 4 * begin, unknowns.begin() + 4 * end, 0.0F);
     for (std::size_t c = 0; c < parts.size(); ++c) {
-      const BeamSpan& span = chunks_[c / 2].beams[c % 2];
-      if (span.firstNode == span.lastNode)
-        continue;
+      const Chunk& chunk = chunks_[c];
       const auto nodes =
-          c % 2 != 0 ? std::span<const std::int32_t>(turnedNodes_) : support_->nodes();
-      const float* part = parts[c].data() - 4 * static_cast<std::ptrdiff_t>(span.firstNode);
-      for (std::size_t i = begin; i < end; ++i) {
-        if (nodes[i] < span.firstNode || nodes[i] >= span.lastNode)
-          continue;
+          chunk.turned ? std::span<const std::int32_t>(turnedNodes_) : support_->nodes();
+      const float* part = parts[c].data() - 4 * static_cast<std::ptrdiff_t>(chunk.firstNode);
+      const std::size_t last = std::min(end, chunk.lastUnknown);
+      for (std::size_t i = std::max(begin, chunk.firstUnknown); i < last; ++i)
         for (std::size_t k = 0; k < 4; ++k)
           unknowns[4 * i + k] += part[4 * static_cast<std::ptrdiff_t>(nodes[i]) + k];
-      }
     }
   });
 }

@@ -74,20 +74,17 @@ class Projector {
                     std::span<float> result) const;
 
  private:
-  /// Rows of a chunk that go through one of the two lattices: that of the support, and the same
-  /// with x and y exchanged.
-  struct BeamSpan {
-    std::size_t first = 0, last = 0;           ///< in beams_
-    std::int32_t firstNode = 0, lastNode = 0;  ///< what they reach, with the loose rows
-
-    std::size_t size() const { return last - first; }
-  };
-
   /// Rows that are summed up on their own. They are added in order, so that the threads do not
-  /// matter.
+  /// matter. All go through the same of the two lattices: that of the support, or the same with x
+  /// and y exchanged.
   struct Chunk {
-    std::array<BeamSpan, 2> beams;              ///< those that are turned are the second
-    std::size_t firstLoose = 0, lastLoose = 0;  ///< in looseRows_
+    bool turned = false;
+    std::size_t firstBeam = 0, lastBeam = 0;
+    std::size_t firstLoose = 0, lastLoose = 0;      ///< in looseRows_; none when turned
+    std::int32_t firstNode = 0, lastNode = 0;       ///< what they reach
+    std::size_t firstUnknown = 0, lastUnknown = 0;  ///< of the planes that they reach
+
+    std::size_t beams() const { return lastBeam - firstBeam; }
   };
 
   /// A sparse matrix: row i has the weights [begin[i], begin[i+1]).
@@ -99,7 +96,7 @@ class Projector {
   /// Working memory of products: taking it anew each time costs as much as a walk.
   struct Scratch {
     std::array<std::vector<float>, 2> lattice;  ///< the unknowns with zeros around, and turned
-    std::vector<std::vector<float>> parts;      ///< each chunk's gradients, two of them
+    std::vector<std::vector<float>> parts;      ///< each chunk's gradient
   };
 
   class ScratchUse;
@@ -119,7 +116,7 @@ class Projector {
                   std::span<std::vector<NodeWeight>> raw) const;
   static std::vector<float> valuesOf(std::span<const std::uint32_t> rowOf,
                                      std::span<const float> pixels);
-  void putRows(const BeamSpan& span, std::span<const float> sums, std::span<float> pixels) const;
+  void putRows(const Chunk& chunk, std::span<const float> sums, std::span<float> pixels) const;
   void forwardLoose(std::size_t first, std::size_t last, const float* lattice,
                     std::span<float> pixels) const;
   void adjointLoose(const Chunk& chunk, std::span<const float> pixels, float* gradient) const;

@@ -3,6 +3,7 @@
 #include "volute/tomography/projector.hpp"
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <cmath>
 #include <random>
@@ -304,21 +305,58 @@ TEST(Projector, RoundingDoesNotAddUpOnLongWays) {
   std::vector<double> volume(geometry.voxels());
   for (std::size_t i = 0; i < x.size() / 4; ++i) volume[i] = x[4 * i];
   const ReferenceProjector reference(geometry, Basis::kTrilinear);
+  std::size_t rows = 0, beams = 0;
   // Along each axis both ways, along diagonals of faces and of the cube, and askew.
   for (const Vec3& from :
        {Vec3(4, 0, 0), Vec3(-4, 0, 0), Vec3(0, 4, 0.01), Vec3(0, -4, 0), Vec3(0.01, 0, 4),
         Vec3(0, 0.01, -4), Vec3(3, 3, 0), Vec3(-3, 3, 3), Vec3(0.4, -3, 3.1), Vec3(2, -1, 0.5)}) {
-    const Camera camera = Camera::pinhole({from, Vec3(0.02, -0.01, 0.03)}, 28, 41, 31);
+    const Camera camera = Camera::pinhole({from, Vec3(0.02, -0.01, 0.03)}, 20, 53, 41);
     const ProjectorView view{&camera, {}};
     const Projector projector({&view, 1}, support, 4, 0);
+    rows += projector.rows();
+    beams += projector.beams();
     std::vector<float> sx(4 * projector.rows());
     projector.forward(x, sx);
-    for (std::size_t row = 0; row < projector.rows(); row += 7) {
+    for (std::size_t row = 0; row < projector.rows(); row += 11) {
       double sum = 0;
       for (const Segment& ray : raysOf(camera, projector.pixels()[row].pixel, 4))
         sum += 0.25 * reference.forward(volume, ray);
       EXPECT_NEAR(sx[4 * row], sum, 2e-6) << from.transpose() << ", row " << row;
     }
+    const auto y = randomColours(projector.rows(), 22);
+    std::vector<float> sy(x.size());
+    projector.adjoint(y, sy);
+    EXPECT_NEAR(dot(sx, y), dot(x, sy), 1e-6 * norm(sx) * norm(y));
+  }
+  EXPECT_GT(beams, rows / 2);
+}
+
+TEST(Projector, EveryTargetGivesTheSame) {
+  const Scene scene;
+  const auto hull = scene.someHull();
+  const auto support = std::make_shared<const Support>(scene.geometry, Basis::kTrilinear, hull);
+  const auto views = scene.views();
+  for (const int rays : {1, 4}) {
+    const Projector projector(views, support, rays, 0);
+    const auto x = randomColours(projector.unknowns(), 31), y = randomColours(projector.rows(), 32);
+    std::vector<float> first, firstBack;
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      hwy::SetSupportedTargetsForTest(target);
+      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+      std::vector<float> sx(y.size()), sy(x.size());
+      projector.forward(x, sx);
+      projector.adjoint(y, sy);
+      if (first.empty()) {
+        first = sx;
+        firstBack = sy;
+      }
+      for (std::size_t i = 0; i < sx.size(); ++i)
+        ASSERT_NEAR(sx[i], first[i], 2e-6) << hwy::TargetName(target);
+      for (std::size_t i = 0; i < sy.size(); ++i)
+        ASSERT_NEAR(sy[i], firstBack[i], 2e-6 * norm(y)) << hwy::TargetName(target);
+    }
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
   }
 }
 

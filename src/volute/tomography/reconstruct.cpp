@@ -58,11 +58,13 @@ Result<Fit> fixedFit(const FitSetup& setup, std::vector<float> start) {
   // The held-out pixels tell how long to go on; the last run has them too.
   const auto heldOut = heldOutRows(data.rows(), options.seed);
   VOLUTE_ASSIGN(Fit search, runFit(setup, withoutRows(data, heldOut), regularization, lambda, start,
-                                   {kMost, 0, heldOut, 0}));
+                                   {kMost, 0, heldOut, 0, 0, 2 * kMost}));
   const int best = std::max(1, search.iterations - (search.stoppedBy == "iterations" ? 0 : 12));
-  VOLUTE_ASSIGN(Fit fit,
-                runFit(setup, data, regularization, lambda, std::move(start), {best, 0, {}, 0}));
-  fit.stoppedBy = "held-out pixels";
+  VOLUTE_ASSIGN(Fit fit, runFit(setup, data, regularization, lambda, std::move(start),
+                                {best, 0, {}, 0, kMost, kMost + best}));
+  if (search.stoppedBy == "held-out pixels")
+    fit.stoppedBy = search.stoppedBy;
+  fit.searchIterations = search.iterations;
   fit.heldOutError = search.heldOutError;
   return fit;
 }
@@ -73,6 +75,21 @@ bool choosesStrength(const TomographyOptions& options) {
   return options.regularization == Regularization::kAuto ||
          options.regularization == Regularization::kTv;
 }
+
+/// A coarse volume before that which is asked for: how far it is would be told twice.
+class CoarseProgress final : public Progress {
+ public:
+  explicit CoarseProgress(Progress& whole) : whole_(whole) {}
+
+  void report(std::string_view, double, double) override { whole_.report("coarse volume", 0, 0); }
+
+  void remark(std::string_view message) override { whole_.remark(message); }
+
+  bool cancelled() const override { return whole_.cancelled(); }
+
+ private:
+  Progress& whole_;
+};
 
 /// The half of a resolution.
 VolumeGeometry halved(VolumeGeometry geometry) {
@@ -147,8 +164,9 @@ Result<Reconstruction> reconstruct(std::span<const TomographyView> views,
   if (options.coarseToFine && first.empty() && std::ranges::min(geometry.resolution) >= 8) {
     TomographyOptions coarse = options;
     coarse.coarseToFine = false;
+    CoarseProgress quietly(progress);
     VOLUTE_ASSIGN(const Reconstruction start,
-                  reconstruct(views, halved(geometry), coarse, {}, progress));
+                  reconstruct(views, halved(geometry), coarse, {}, quietly));
     first = upsampled(start.volume, halved(geometry), geometry);
   }
   VOLUTE_ASSIGN(const FrameProblem problem, makeFrameProblem(views, geometry, options, progress));
@@ -164,9 +182,10 @@ Result<Reconstruction> reconstruct(std::span<const TomographyView> views,
   Reconstruction result;
   result.volume = toVolume(*problem.support, fit.unknowns);
   result.iterations = fit.iterations;
+  result.searchIterations = fit.searchIterations;
   result.regularization = fit.regularization;
   result.lambda = fit.lambda;
-  result.stoppedBy = fit.stoppedBy;
+  result.stoppedBy = fit.stoppedBy == "iterations" && !options.iterations ? "limit" : fit.stoppedBy;
   result.largestEigenvalue = largest;
   result.hullShare = problem.hullShare;
   result.pixels = problem.projector->rows();

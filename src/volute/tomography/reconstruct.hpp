@@ -42,16 +42,17 @@ struct TomographyOptions {
   Basis basis = Basis::kTrilinear;
   TomographySolver solver = TomographySolver::kApg;
   Regularization regularization = Regularization::kAuto;
-  std::optional<double> lambda;   ///< strength, times the largest eigenvalue of S'S; none: chosen,
-                                  ///< or 1e-5 with kSmooth and kWavelet
-  double sparsity = 2.5;          ///< with total variation: how much a dark voxel pays for light,
-                                  ///< times lambda; 0: plain total variation
-  std::optional<int> iterations;  ///< exactly so many, after the choice of the strength if that is
-                                  ///< automatic; none: until the volume settles, or without
-                                  ///< regularization until the residual is down to noiseSigma, or
-                                  ///< the error of held-out pixels rises
-  int raysPerPixel = 4;           ///< 1 or 4
-  bool hull = true;               ///< unknowns only where every camera sees the medium
+  std::optional<double> lambda;  ///< strength, times the largest eigenvalue of S'S; none: chosen,
+                                 ///< or 1e-5 with kSmooth and kWavelet
+  double sparsity = 2.5;         ///< with total variation: how much a dark voxel pays for light,
+                                 ///< times lambda; 0: plain total variation
+  /// Exactly so many, after the choice of the strength if that is automatic. None, and with
+  /// regularization: until the volume settles; without: until the residual is down to noiseSigma
+  /// or, where that is unknown, the error of held-out pixels rises. Then there is a limit: 600 when
+  /// the strength is chosen, else 400.
+  std::optional<int> iterations;
+  int raysPerPixel = 4;  ///< 1 or 4
+  bool hull = true;      ///< unknowns only where every camera sees the medium
   bool nonNegative = true;
   bool coarseToFine = false;         ///< first at half the resolution
   std::optional<double> noiseSigma;  ///< of one pixel's channel, as radiance
@@ -63,16 +64,23 @@ struct TomographyOptions {
 /// A solved frame.
 struct Reconstruction {
   std::vector<float> volume;  ///< (z, y, x, 3), radiance per metre
-  int iterations = 0;         ///< without those of the choice of the strength
+  int iterations = 0;         ///< of the last fit
+  int searchIterations = 0;   ///< of the fits before it, that chose the strength or when to stop
   Regularization regularization = Regularization::kNone;  ///< the one used
   double lambda = 0;                                      ///< used, times the largest eigenvalue
-  std::string_view stoppedBy;    ///< "iterations", "discrepancy", "held-out pixels", "converged"
+  std::string_view stoppedBy;    ///< "iterations": those asked for; "discrepancy", "held-out
+                                 ///< pixels", "converged", or "limit": none of these came
   double largestEigenvalue = 0;  ///< of S'S [m^2]
   double hullShare = 1;          ///< unknown voxels / all voxels
   std::size_t pixels = 0;        ///< that took part, over all views
   std::vector<double> residual;  ///< for each view, relative L2 of S a - (p - b) over its pixels
   double heldOutError = 0;       ///< relative L2 over the held-out pixels; 0 when none were
 };
+
+/// Whether a volume can be reconstructed at all, before any picture is read: kInvalidArgument for a
+/// resolution out of range or empty bounds, kTooLarge where its values alone need more than
+/// `maxMemory` [bytes].
+[[nodiscard]] Status checkVolumeSize(const VolumeGeometry& geometry, std::uint64_t maxMemory);
 
 /// Reconstructs one frame: min 1/2 |W (S a - (p - b))|^2 + lambda R(a), a >= 0, a = 0 outside the
 /// visual hull (Ahrenberg et al. 2005, section 3). The same result for any number of threads.

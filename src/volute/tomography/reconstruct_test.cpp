@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "volute/base/parallel.hpp"
-#include "volute/tomography/diagnostics.hpp"
 #include "volute/tomography/testing.hpp"
 
 namespace volute {
@@ -114,6 +113,17 @@ TEST(Reconstruct, StopsByHeldOutPixelsWhenTheNoiseIsUnknown) {
   EXPECT_EQ(stopped.stoppedBy, "held-out pixels");
   options.iterations = 300;
   EXPECT_LT(scene.error(stopped.volume), scene.error(solved(scene, options).volume));
+}
+
+TEST(Reconstruct, SaysWhenItStoppedForNothingBetter) {
+  const TestScene scene(3);
+  TomographyOptions options;
+  options.regularization = kNone;
+  options.raysPerPixel = 1;
+  options.noiseSigma = 1e-9;  // never reached
+  EXPECT_EQ(solved(scene, options).stoppedBy, "limit");
+  options.iterations = 2;
+  EXPECT_EQ(solved(scene, options).stoppedBy, "iterations");
 }
 
 TEST(Reconstruct, WarmStartNeedsFewerIterations) {
@@ -255,6 +265,14 @@ TEST(Reconstruct, RefusesWhatMakesNoSense) {
   EXPECT_THAT(failure(scene.views, scene.geometry, options, ErrorCode::kTooLarge),
               HasSubstr("allow more memory"));
 
+  options.maxMemory = 300 << 10;  // 20^3 voxels, 40 bytes each
+  EXPECT_THAT(failure(scene.views, scene.geometry, options, ErrorCode::kTooLarge),
+              HasSubstr("A volume of 20 x 20 x 20 voxels needs"));
+  EXPECT_EQ(checkVolumeSize({scene.geometry.bounds, {512, 512, 512}}, 500 << 20).error().code,
+            ErrorCode::kTooLarge);
+  EXPECT_THAT(checkVolumeSize({scene.geometry.bounds, {1500, 8, 8}}, 1 << 30).error().message,
+              HasSubstr("1 to 1024 voxels"));
+
   auto views = scene.views;
   views[2].radiance = Image(44, 48);
   EXPECT_THAT(failure(views, scene.geometry, {}, invalid), HasSubstr("Camera c2"));
@@ -288,109 +306,6 @@ TEST(Names, RoundTrip) {
     EXPECT_EQ(regularizationName(*regularizationByName(name)), name);
   EXPECT_FALSE(tomographySolverByName("art"));
   EXPECT_FALSE(regularizationByName(""));
-}
-
-TomographyDiagnosis diagnosed(const TestScene& scene) {
-  Progress progress;
-  const Reconstruction result = solved(scene, {});
-  const auto diagnosis = diagnose(scene.views, scene.geometry, {}, result, progress);
-  EXPECT_TRUE(diagnosis);
-  return diagnosis ? *diagnosis : TomographyDiagnosis{};
-}
-
-TEST(Diagnose, ConsistentDataWarnOfNothing) {
-  for (double noise : {0.0, 0.02}) {
-    const TomographyDiagnosis diagnosis = diagnosed(TestScene(7, noise));
-    EXPECT_THAT(diagnosis.warnings, testing::IsEmpty());
-    EXPECT_THAT(diagnosis.advice, testing::IsEmpty());
-    EXPECT_EQ(diagnosis.angles.size(), 21U);
-  }
-}
-
-TEST(Diagnose, NamesTheCameraOutOfStep) {
-  TestScene scene(7);
-  scene.views[4].radiance = TestScene(7, 0, 0.4).views[4].radiance;
-  const TomographyDiagnosis diagnosis = diagnosed(scene);
-  for (std::size_t v = 0; v < 7; ++v) {
-    EXPECT_EQ(diagnosis.cameras[v].outOfStep, v == 4);
-    EXPECT_FALSE(diagnosis.cameras[v].gainDrift);
-  }
-  ASSERT_EQ(diagnosis.warnings.size(), 1U);
-  EXPECT_THAT(diagnosis.warnings[0], HasSubstr("Camera c4"));
-}
-
-TEST(Diagnose, NamesTheCameraWithADriftedGain) {
-  TestScene scene(7);
-  for (float& value : scene.views[2].radiance.pixels) value *= 1.1F;
-  const TomographyDiagnosis diagnosis = diagnosed(scene);
-  for (std::size_t v = 0; v < 7; ++v) {
-    EXPECT_EQ(diagnosis.cameras[v].gainDrift, v == 2);
-    EXPECT_FALSE(diagnosis.cameras[v].outOfStep);
-  }
-  EXPECT_NEAR(diagnosis.cameras[2].gain, 1 / 1.1, 0.02);
-  ASSERT_EQ(diagnosis.warnings.size(), 1U);
-  EXPECT_THAT(diagnosis.warnings[0], HasSubstr("Camera c2"));
-}
-
-/// The camera with its principal point moved and another lens.
-Camera recalibrated(const Camera& camera, const Vec2& moved, const Distortion& lens) {
-  Mat3 k = camera.intrinsics();
-  k.topRightCorner<2, 1>() += moved;
-  const auto made = Camera::calibrated({camera.width(), camera.height(), k, camera.rotation(),
-                                        -camera.rotation() * camera.eye(), lens, 0.5});
-  EXPECT_TRUE(made);
-  return *made;
-}
-
-TEST(Diagnose, NamesTheCameraWhosePrincipalPointIsWrong) {
-  TestScene scene(7);
-  scene.views[3].camera = recalibrated(scene.views[3].camera, Vec2(2.5, -1.5), {});
-  const TomographyDiagnosis diagnosis = diagnosed(scene);
-  for (std::size_t v = 0; v < 7; ++v) EXPECT_EQ(diagnosis.cameras[v].outOfStep, v == 3) << v;
-  ASSERT_EQ(diagnosis.warnings.size(), 1U);
-  EXPECT_THAT(diagnosis.warnings[0], HasSubstr("Camera c3"));
-}
-
-TEST(Diagnose, NamesTheCameraWhoseLensIsLeftOut) {
-  TestScene scene(7);
-  const VolumeGeometry fine{scene.geometry.bounds, {40, 40, 40}};
-  const Camera bent = recalibrated(scene.views[5].camera, Vec2::Zero(), {.k1 = 5});
-  scene.views[5].radiance = projectVolume(TestScene::blobs(fine, 0), fine, Basis::kBox, bent, 4);
-  const TomographyDiagnosis diagnosis = diagnosed(scene);
-  for (std::size_t v = 0; v < 7; ++v) EXPECT_EQ(diagnosis.cameras[v].outOfStep, v == 5) << v;
-  ASSERT_EQ(diagnosis.warnings.size(), 1U);
-  EXPECT_THAT(diagnosis.warnings[0], HasSubstr("Camera c5"));
-}
-
-TEST(Diagnose, SeesLightBesideTheVolumeAndOnTheBorder) {
-  TestScene scene(5);
-  Image& image = scene.views[1].radiance;
-  for (int y = 0; y < 6; ++y)
-    for (int x = 0; x < 12; ++x)
-      for (int c = 0; c < 3; ++c) image.at(x, y, c) = 0.8F;
-  scene.geometry.bounds = {Vec3::Constant(-0.8), Vec3::Constant(0.8)};
-  const TomographyDiagnosis diagnosis = diagnosed(scene);
-  EXPECT_GT(diagnosis.cameras[1].borderLight, 0.05);
-  EXPECT_GT(diagnosis.cameras[1].lightOutside, 0.05);
-  EXPECT_EQ(diagnosis.cameras[0].borderLight, 0);
-}
-
-TEST(Diagnose, AdvisesAgainstOppositeCameras) {
-  std::vector<TomographyView> views;
-  for (int i = 0; i < 4; ++i) {
-    const double angle = std::numbers::pi / 2 * i;
-    views.push_back(
-        {"c" + std::to_string(i),
-         Camera::pinhole({Vec3(5 * std::cos(angle), 5 * std::sin(angle), 0), Vec3::Zero()}, 30, 8,
-                         8),
-         Image(8, 8)});
-  }
-  EXPECT_NEAR(angleBetween(views[0].camera, views[1].camera, Vec3::Zero()), 90, 1e-9);
-  EXPECT_NEAR(angleBetween(views[0].camera, views[2].camera, Vec3::Zero()), 0, 1e-5);
-  const auto advice = layoutAdvice(views, Vec3::Zero());
-  ASSERT_EQ(advice.size(), 1U);
-  EXPECT_THAT(advice[0], HasSubstr("c0 and c2 (0 degrees), c1 and c3 (0 degrees)"));
-  EXPECT_EQ(layoutAdvice(std::span(views).first(2), Vec3::Zero()).size(), 1U);
 }
 
 }  // namespace

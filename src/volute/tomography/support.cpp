@@ -80,7 +80,7 @@ Support::Support(const VolumeGeometry& geometry, Basis basis, std::span<const st
     nodes *= box_[a] + 2;
   }
   const std::int32_t diagonal = stride_[0] + stride_[1] + stride_[2];
-  const std::int32_t margin = 2 * diagonal;
+  const std::int32_t margin = 3 * diagonal;  // as far as beams look beyond the lattice
   latticeSize_ = static_cast<std::size_t>(nodes) + 2 * margin;
   firstVoxel_ = margin + diagonal;
   first_ = trilinear ? margin : firstVoxel_;

@@ -34,7 +34,7 @@ struct TestScene {
       const Camera camera = Camera::pinhole({eye, Vec3::Zero()}, 30, 48, 44);
       Image image = projectVolume(volume, fine, Basis::kBox, camera, 4);
       for (float& value : image.pixels) value += static_cast<float>(noise) * normal(random);
-      views.push_back({"c" + std::to_string(i), camera, std::move(image)});
+      views.push_back({fmt::format("c{}", i), camera, std::move(image)});
     }
   }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "volute/capture/open_capture.hpp"
+#include "volute/viewer/view_lines.hpp"
 
 namespace volute {
 namespace {
@@ -67,9 +68,11 @@ Result<std::unique_ptr<Document>> CaptureDocument::open(const std::string& path,
 }
 
 std::string CaptureDocument::title() const {
-  return fmt::format("{}: {}, {} cameras, {} frames",
-                     std::filesystem::path(path_).filename().string(), capture_.kind,
-                     capture_.cameras.size(), capture_.frames.size());
+  const std::string name = std::filesystem::path(path_).filename().string();
+  return fmt::format("{}: {}{} cameras, {} frame{}", name,
+                     capture_.kind == "capture.json" ? "" : capture_.kind + ", ",
+                     capture_.cameras.size(), capture_.frames.size(),
+                     capture_.frames.size() == 1 ? "" : "s");
 }
 
 std::vector<double> CaptureDocument::times() const {
@@ -132,18 +135,7 @@ void CaptureDocument::addFrustum(const CaptureCamera& held, std::vector<ViewLine
 
 Result<ViewScene> CaptureDocument::sceneAt(const SceneWish& wish, Progress& progress) {
   ViewScene scene;
-  const Box3& box = capture_.volume.bounds;
-  for (int i = 0; i < 8; ++i) {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (i >> axis & 1)
-        continue;
-      const auto corner = [&](int bits) {
-        return Vec3(bits & 1 ? box.max.x() : box.min.x(), bits & 2 ? box.max.y() : box.min.y(),
-                    bits & 4 ? box.max.z() : box.min.z());
-      };
-      scene.lines.push_back({corner(i), corner(i | 1 << axis), kBoxColor});
-    }
-  }
+  addBox(capture_.volume.bounds, kBoxColor, scene.lines);
   const int frame = frameAt(wish.time);
   for (std::size_t c = 0; c < capture_.cameras.size(); ++c) {
     progress.report("reading pictures", static_cast<double>(c),

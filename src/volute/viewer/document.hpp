@@ -78,6 +78,13 @@ class Document {
   /// To be watched, whether they are there or not.
   virtual std::vector<std::filesystem::path> files() const = 0;
 
+  /// Whether check() has nothing to look for.
+  virtual bool checked() const { return true; }
+
+  /// Looks for damage that only reading whole files finds; it then is in the title and the remarks.
+  /// Nothing waits for it: where `progress` cancels it, it is asked again when there is time.
+  virtual void check(Progress& progress) { (void)progress; }
+
   virtual std::vector<Parameter> parameters() const { return {}; }
 
   virtual std::vector<FogCanvas> canvases() const { return {}; }

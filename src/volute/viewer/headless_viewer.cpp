@@ -49,7 +49,8 @@ Status HeadlessViewer::settle(ViewerInput input, Progress& progress) {
       continue;
     }
     const LoaderState& loading = app_->loading();
-    progress.report(loading.stage, std::max(loading.share, 0.0), loading.share < 0 ? 0 : 1);
+    if (loading.busy && !loading.stage.empty())
+      progress.report(loading.stage, std::max(loading.share, 0.0), loading.share < 0 ? 0 : 1);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   return {};

@@ -23,7 +23,8 @@ std::filesystem::file_time_type changedAt(const std::filesystem::path& path) {
 /// Tells the viewer how far the thread is, and the thread when to stop.
 class Loader::Reporter final : public Progress {
  public:
-  explicit Reporter(Loader& loader) : loader_(loader) {}
+  /// @param yields  stops for whatever is wanted, not for another file alone
+  explicit Reporter(Loader& loader, bool yields = false) : loader_(loader), yields_(yields) {}
 
   void report(std::string_view stage, double done, double total) override {
     const std::lock_guard lock(loader_.mutex_);
@@ -31,10 +32,16 @@ class Loader::Reporter final : public Progress {
     loader_.state_.share = total > 0 ? done / total : -1;
   }
 
-  bool cancelled() const override { return loader_.overtaken(); }
+  bool cancelled() const override {
+    if (!yields_)
+      return loader_.overtaken();
+    const std::lock_guard lock(loader_.mutex_);
+    return loader_.ends_ || loader_.wanted();
+  }
 
  private:
   Loader& loader_;
+  bool yields_;
 };
 
 Loader::Loader(OpenDocument open) : open_(std::move(open)), thread_([this] { work(); }) {}
@@ -104,7 +111,7 @@ LoaderState Loader::state() const {
 
 bool Loader::idle() const {
   const std::lock_guard lock(mutex_);
-  return !working_ && !wantedPath_ && !wantedTime_ && wantedChanges_.empty();
+  return !working_ && !wanted() && !unchecked_;
 }
 
 std::optional<DocumentInfo> Loader::takeDocument() {
@@ -124,13 +131,26 @@ bool Loader::overtaken() const {
   return ends_ || wantedPath_.has_value();
 }
 
+/// With the lock held.
+bool Loader::wanted() const {
+  return wantedPath_ || wantedTime_ || !wantedChanges_.empty();
+}
+
+/// What is wanted comes first; a document is looked through for damage when there is time.
 void Loader::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    wake_.wait(lock,
-               [&] { return ends_ || wantedPath_ || wantedTime_ || !wantedChanges_.empty(); });
+    wake_.wait(lock, [&] { return ends_ || wanted() || unchecked_; });
     if (ends_)
       return;
+    if (!wanted()) {
+      working_ = true;
+      lock.unlock();
+      checkNow();
+      lock.lock();
+      working_ = false;
+      continue;
+    }
     const auto path = std::exchange(wantedPath_, std::nullopt);
     auto time = std::exchange(wantedTime_, std::nullopt);
     if (path)
@@ -145,9 +165,11 @@ void Loader::work() {
     for (const auto& [key, what] : changes) changeNow(what);
     if (opened && time && document_ && !overtaken())
       loadNow(*time);
+    const bool checked = !document_ || document_->checked();
     lock.lock();
     working_ = false;
-    state_.busy = wantedPath_ || wantedTime_ || !wantedChanges_.empty();
+    unchecked_ = !checked;
+    state_.busy = wanted();
   }
 }
 
@@ -213,6 +235,17 @@ void Loader::changeNow(const DocumentChange& what) {
   state_.error.clear();
   if (!done->empty())
     state_.message = std::move(*done);
+}
+
+void Loader::checkNow() {
+  Reporter reporter(*this, true);
+  document_->check(reporter);
+  const bool checked = document_->checked();
+  DocumentInfo info = describe();
+  const std::lock_guard lock(mutex_);
+  unchecked_ = !checked;
+  if (checked)
+    opened_ = std::move(info);
 }
 
 void Loader::loadNow(double time) {

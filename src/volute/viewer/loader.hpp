@@ -102,10 +102,12 @@ class Loader {
   bool openNow(const std::string& path);
   void loadNow(double time);
   void changeNow(const DocumentChange& what);
+  void checkNow();
   DocumentInfo describe() const;
   static std::vector<Watched> look(const std::vector<std::filesystem::path>& files);
   void deliver(Result<ViewScene> scene, double time, bool coarse);
   bool overtaken() const;
+  bool wanted() const;
 
   OpenDocument open_;
   std::unique_ptr<Document> document_;  // the thread's
@@ -114,6 +116,7 @@ class Loader {
   std::condition_variable wake_;
   bool ends_ = false;
   bool openGl_ = true;
+  bool unchecked_ = false;  ///< the document has still to look for damage
   std::optional<std::string> wantedPath_;
   std::optional<double> wantedTime_;
   std::vector<std::pair<std::string, DocumentChange>> wantedChanges_;

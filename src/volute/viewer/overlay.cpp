@@ -3,6 +3,7 @@
 // Lines over the picture: what a scene wants drawn, and the painter's hand.
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -88,10 +89,13 @@ void drawOverlay(ViewerApp& app, const ViewerInput& input) {
   const Camera camera = app.camera().camera(input.width, input.height);
   const Lines lines(camera);
   if (const ViewScene* scene = app.picture().scene()) {
-    for (const ViewLine& line : scene->lines) {
+    const auto draw = [&](const ViewLine& line) {
       const auto byte = [&](int c) { return static_cast<int>(std::lround(255 * line.color[c])); };
       lines.line(line.from, line.to, IM_COL32(byte(0), byte(1), byte(2), 255));
-    }
+    };
+    std::ranges::for_each(scene->lines, draw);
+    if (app.settings().panels)
+      std::ranges::for_each(scene->aids, draw);
   }
   PaintTool& paint = app.paint();
   if (!app.settings().painting || !paint.has() || !paint.at())

@@ -129,9 +129,8 @@ void valuePart(const ViewerApp& app, const PaintTool& paint) {
 void drawPaintPanel(ViewerApp& app, const ViewerInput& input) {
   if (!app.paint().has())
     return;
-  const float height = static_cast<float>(input.height);
   ImGui::SetNextWindowPos({kPanelMargin + 310, kPanelMargin}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, height - 96});
+  ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, panelHeight(app, input)});
   ImGui::SetNextWindowCollapsed(true, ImGuiCond_FirstUseEver);
   const bool open = ImGui::Begin("Paint fog", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
   const ImVec2 corner = ImGui::GetWindowPos();
@@ -147,6 +146,7 @@ void drawPaintPanel(ViewerApp& app, const ViewerInput& input) {
     ImGui::Separator();
     nameBox("map", app.settings().mapName);
     app.mark("map");
+    hint(app.settings().mapName);
     const bool unsaved = app.paint().canvas().unsaved || app.paint().painter().changed();
     if (ImGui::Button("Save map"))
       app.saveMap();

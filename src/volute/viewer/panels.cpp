@@ -62,8 +62,9 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   combo(app, "camera", mode, {"orbit", "walk"});
   app.camera().setMode(static_cast<ViewCamera::Mode>(mode));
   if (ImGui::Button("Whole view"))
-    app.resetView(input.width, input.height);
+    app.wholeView(input.width, input.height);
   app.mark("Whole view");
+  hint("all that there is, from outside");
   ImGui::SameLine();
   if (ImGui::Button("Screenshot"))
     app.wishScreenshot();
@@ -72,6 +73,12 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   if (ImGui::Button("Help"))
     app.settings().help = !app.settings().help;
   app.mark("Help");
+  if (!app.document() || !app.document()->startView)
+    return;
+  if (ImGui::Button("Scene's view"))
+    app.resetView(input.width, input.height);
+  app.mark("Scene's view");
+  hint("from where the scene's file looks");
 }
 
 /// The cameras of a capture.
@@ -97,6 +104,7 @@ void savePart(ViewerApp& app) {
     return;
   ImGui::Separator();
   nameBox("scene", app.settings().sceneName);
+  hint(app.settings().sceneName);
   app.mark("scene");
   if (ImGui::Button("Save scene"))
     app.saveScene();
@@ -111,6 +119,7 @@ void timesPart(const ViewerApp& app) {
   const float most = *std::ranges::max_element(times.history);
   ImGui::PlotHistogram("##times", times.history.data(), static_cast<int>(times.history.size()), 0,
                        nullptr, 0, 1.1F * most, {-1, 36});
+  hint("how long the last pictures took");
   wrappedText(fmt::format("{:.1f} ms for {} x {} pixels, {:.0f} ms at most", times.milliseconds,
                           times.width, times.height, most));
   wrappedText(times.processor ? "by the processor" : "by " + app.device().renderer, true);
@@ -160,7 +169,7 @@ void drawPanels(ViewerApp& app, const ViewerInput& input) {
   if (!app.settings().panels)
     return;
   ImGui::SetNextWindowPos({kPanelMargin, kPanelMargin}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, static_cast<float>(input.height) - 96});
+  ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, panelHeight(app, input)});
   ImGui::Begin("Volute", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::PushItemWidth(-kLabels);
   documentPart(app);

@@ -25,6 +25,15 @@ void drawOverlay(ViewerApp& app, const ViewerInput& input);
 /// Between panels and the window's border [pixels].
 inline constexpr float kPanelMargin = 10;
 
+/// Of the panel of time [pixels]: two rows, three in a narrow window, none for what does not move.
+float timePanelHeight(const ViewerApp& app, const ViewerInput& input);
+
+/// That the others may have, above it [pixels].
+inline float panelHeight(const ViewerApp& app, const ViewerInput& input) {
+  const float time = timePanelHeight(app, input);
+  return static_cast<float>(input.height) - 2 * kPanelMargin - (time > 0 ? time + 4 : 0);
+}
+
 /// A line of text that breaks where the panel ends.
 void wrappedText(const std::string& text, bool faint = false);
 

@@ -90,8 +90,9 @@ bool control(ViewerApp& app, const Parameter& parameter, std::vector<double>& va
       return moved;
     }
     case Parameter::Kind::kPoint:
-      moved = ImGui::DragScalarN(name, ImGuiDataType_Double, value.data(), 3, 0.02F, nullptr,
-                                 nullptr, "%.2f");
+      moved = ImGui::DragScalarN((parameter.name + " [" + parameter.unit + "]").c_str(),
+                                 ImGuiDataType_Double, value.data(), 3, 0.02F, nullptr, nullptr,
+                                 "%.2f");
       break;
     case Parameter::Kind::kColor:
       return colorControl(app, parameter, value);
@@ -109,7 +110,7 @@ void drawParameterPanel(ViewerApp& app, const ViewerInput& input) {
     return;
   const float width = static_cast<float>(input.width);
   ImGui::SetNextWindowPos({width - kPanelMargin, kPanelMargin}, ImGuiCond_Always, {1, 0});
-  ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, static_cast<float>(input.height) - 96});
+  ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, panelHeight(app, input)});
   ImGui::Begin("Scene", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::PushItemWidth(-kLabels);
   const auto parameters = app.document()->parameters;  // changes below

@@ -71,6 +71,11 @@ void moveAllNames(Json& json, const std::string& from, const std::string& to) {
   each("billboards", [](const Json&) { return "volume"; });
 }
 
+/// "3 frames", "1 frame".
+std::string countOf(std::ptrdiff_t number, const char* one) {
+  return fmt::format("{} {}{}", number, one, number == 1 ? "" : "s");
+}
+
 Json vectorOf(const Vec3& v) {
   return Json::array({v.x(), v.y(), v.z()});
 }
@@ -178,15 +183,20 @@ Status SceneDocument::openMedium(Medium& medium, const Medium* before,
   if (kind == "volume") {
     const SceneVolume& volume = scene.volumes[place];
     medium.look = volume.appearance;
-    VOLUTE_ASSIGN(medium.volume,
-                  VolumeLayer::open(volume.file, {{}, {}, true}, volume.appearance, reading));
+    VOLUTE_ASSIGN(medium.volume, VolumeLayer::open(volume.file, {.partial = true, .verify = false},
+                                                   volume.appearance, reading));
   } else if (kind == "fog") {
     medium.fogWords = scene.fogs[place];
     medium.fogWords.scattering.shadows = fogShadows(geometry_, scene.lights.suns);
     VOLUTE_ASSIGN(medium.fog, FogLayer::open(medium.fogWords, scene.lights.suns, reading));
   } else if (isSmvPath(scene.smokes[place].file)) {
-    VOLUTE_ASSIGN(medium.fds,
-                  FdsLayer::open(scene.smokes[place], scene.lights, blocksOf(geometry_), reading));
+    const SmokeDescription& smoke = scene.smokes[place];
+    if (before && before->fds && FdsLayer::readsTheSame(before->fds->description(), smoke)) {
+      medium.fds = before->fds->with(smoke, scene.lights);
+      medium.remarks = before->remarks;
+      return {};
+    }
+    VOLUTE_ASSIGN(medium.fds, FdsLayer::open(smoke, scene.lights, blocksOf(geometry_), reading));
   } else {
     VOLUTE_ASSIGN(medium.smoke, openSmoke(scene.smokes[place], before, scene.lights, reading));
   }
@@ -268,18 +278,49 @@ Status SceneDocument::load(Json json, Progress& progress) {
   json_ = std::move(json);
   scene_ = std::move(scene);
   surfaces_.reset();
-  remarks_ = heard.remarks();
+  if (first)
+    sceneRemarks_ = heard.remarks();
+  gatherRemarks();
+  findExtent();
+  findTimes();
+  const CameraDescription& camera = scene_.camera;
+  start_ = StartView{camera.view.eye, camera.view.target, camera.view.up, camera.fov.value_or(40)};
+  return {};
+}
+
+void SceneDocument::gatherRemarks() {
+  remarks_ = sceneRemarks_;
   for (const Medium& medium : media_)
     remarks_.insert(remarks_.end(), medium.remarks.begin(), medium.remarks.end());
   if (!guess_.empty())
     remarks_.push_back(guess_);
   if (scene_.camera.ortho)
     remarks_.push_back("the scene's parallel camera is shown as a pinhole");
-  findExtent();
-  findTimes();
-  const CameraDescription& camera = scene_.camera;
-  start_ = StartView{camera.view.eye, camera.view.target, camera.view.up, camera.fov.value_or(40)};
-  return {};
+}
+
+bool SceneDocument::checked() const {
+  return std::ranges::none_of(media_, [](const Medium& medium) {
+    return medium.volume && medium.volume->reader() && !medium.checked;
+  });
+}
+
+void SceneDocument::check(Progress& progress) {
+  for (Medium& medium : media_) {
+    if (medium.checked || !medium.volume || !medium.volume->reader())
+      continue;
+    const auto integrity = medium.volume->reader()->verify(progress);
+    if (!integrity)
+      return;  // stopped
+    medium.checked = true;
+    medium.damaged = !integrity->complete();
+    if (!medium.damaged)
+      continue;
+    const std::string& fault = integrity->firstFault;
+    medium.remarks.push_back(fmt::format("{}; {} of {} parts are whole and shown",
+                                         fault.substr(0, fault.find("; --partial")),
+                                         integrity->intactSegments, integrity->segments));
+  }
+  gatherRemarks();
 }
 
 /// What is infinite ends a little above the ground.
@@ -346,10 +387,11 @@ void SceneDocument::findTimes() {
 
 std::string SceneDocument::title() const {
   const std::string name = std::filesystem::path(path_).filename().string();
+  const bool damaged = std::ranges::any_of(media_, &Medium::damaged);
   if (media_.size() == 1 && media_.front().volume) {
     const VolumeInfo& info = media_.front().volume->info();
-    return fmt::format("{}: {} x {} x {} voxels, {} frames", name, info.x, info.y, info.z,
-                       info.frames);
+    return fmt::format("{}: {} x {} x {} voxels, {}{}", name, info.x, info.y, info.z,
+                       countOf(info.frames, "frame"), damaged ? ", DAMAGED" : "");
   }
   if (extensionOf(path_) != ".json") {
     return fmt::format("{}: {}", name,
@@ -358,10 +400,21 @@ std::string SceneDocument::title() const {
                                             : "smoke on a mesh");
   }
   const auto count = [&](const auto& is) { return std::ranges::count_if(media_, is); };
-  return fmt::format("{}: {} volumes, {} fogs, {} smokes, {} signs", name,
-                     count([](const Medium& m) { return m.volume.has_value(); }),
-                     count([](const Medium& m) { return m.fog.has_value(); }),
-                     count([](const Medium& m) { return m.smoke || m.fds; }), scene_.signs.size());
+  std::vector<std::string> parts;
+  const auto add = [&](std::ptrdiff_t number, const char* one) {
+    if (number > 0)
+      parts.push_back(countOf(number, one));
+  };
+  add(count([](const Medium& m) { return m.volume.has_value(); }), "volume");
+  add(count([](const Medium& m) { return m.fog.has_value(); }), "fog");
+  add(count([](const Medium& m) { return m.smoke || m.fds; }), "smoke");
+  add(std::ssize(scene_.lights.lamps), "light");
+  add(std::ssize(scene_.signs), "sign");
+  add(std::ssize(geometry_.triangles()), "triangle");
+  add(std::ssize(boards_), "billboard");
+  return fmt::format("{}: {}{}", name,
+                     parts.empty() ? "an empty scene" : fmt::to_string(fmt::join(parts, ", ")),
+                     damaged ? ", DAMAGED" : "");
 }
 
 bool SceneDocument::grey() const {

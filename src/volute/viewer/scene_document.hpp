@@ -44,6 +44,8 @@ class SceneDocument final : public Document {
   std::vector<std::string> remarks() const override { return remarks_; }
 
   std::vector<std::filesystem::path> files() const override;
+  bool checked() const override;
+  void check(Progress& progress) override;
   std::vector<Parameter> parameters() const override;
   std::vector<FogCanvas> canvases() const override;
 
@@ -65,6 +67,8 @@ class SceneDocument final : public Document {
     nlohmann::ordered_json json;
     Appearance look{};  ///< of a volume
     std::optional<VolumeLayer> volume{};
+    bool checked = false;  ///< it was looked through for damage
+    bool damaged = false;
     int block = -1;  ///< of the frames of a .volute that are in memory
     std::optional<FogLayer> fog{};
     FogDescription fogWords{};
@@ -104,6 +108,7 @@ class SceneDocument final : public Document {
   static bool paintable(const Medium& medium);
   static void keepPainted(const Medium& old, Medium& medium);
   [[nodiscard]] Result<Medium*> canvasMedium(std::size_t canvas);
+  void gatherRemarks();
   void findExtent();
   void findTimes();
   void include(const Box3& bounds);
@@ -135,9 +140,9 @@ class SceneDocument final : public Document {
   Box3 bounds_;
   std::vector<double> times_{0.0};
   std::optional<StartView> start_;
-  std::vector<std::string> remarks_;
-  std::string guess_;                             ///< what a file alone was taken for
-  std::shared_ptr<const ViewSurfaces> surfaces_;  ///< while nothing that lights them changes
+  std::vector<std::string> remarks_, sceneRemarks_;  ///< all; those that no medium gave
+  std::string guess_;                                ///< what a file alone was taken for
+  std::shared_ptr<const ViewSurfaces> surfaces_;     ///< while nothing that lights them changes
 };
 
 }  // namespace volute

@@ -10,10 +10,12 @@
 #include "volute/tetmesh/tet_medium.hpp"
 #include "volute/viewer/scene_document.hpp"
 #include "volute/viewer/surface_corners.hpp"
+#include "volute/viewer/view_lines.hpp"
 
 namespace volute {
 namespace {
 
+const Rgb kOutline(0.45, 0.5, 0.55);
 constexpr int kCoarseLevels = 2;  ///< of a block's, the coarsest first
 
 std::vector<float> scaled(std::vector<float> values, double factor) {
@@ -215,6 +217,8 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneWish& wish, Progress& progre
   }
   addSurfaces(wish, *still, scene);
   for (const Sign& sign : scene_.signs) scene.quads.push_back(quadOf(sign, still->law));
+  if (media_.size() == 1 && (media_[0].smoke || media_[0].fds) && extensionOf(path_) != ".json")
+    addBox(bounds_, kOutline, scene.aids);
   scene.processor = byProcessor(still);
   if (!still->geometry.empty()) {
     auto bare = std::make_shared<Still>(*still);

@@ -144,9 +144,11 @@ void addSmoke(Group group, const SmokeDescription& smoke) {
     group.choice("as of flaming", "material", std::move(materials), of);
   } else if (fds || soot || model.quantity == SmokeQuantity::kMassFraction) {
     group.range("Km", "mass_extinction", model.massExtinction, 1000, 15000, "m2/kg").help =
-        "extinction of 1 kg/m3 of soot, natural logarithm";
+        fds ? "extinction of 1 kg/m3 of soot; where the case holds opacity or extinction it says "
+              "nothing"
+            : "extinction of 1 kg/m3 of soot, natural logarithm";
   }
-  group.choice("picture", "mode", {"photometric", "threshold"}, nameOf(smoke.law.mode)).help =
+  group.choice("mode", "mode", {"photometric", "threshold"}, nameOf(smoke.law.mode)).help =
       "threshold: what has faded to a tenth is no longer seen";
   group.range("C", "C", smoke.law.c, 1, 10).help = "visibility = C / K: 3 reflecting, 8 emitting";
   group.add("albedo", "albedo", Kind::kColor, numbers(smoke.albedo));
@@ -182,14 +184,17 @@ void addLights(std::vector<Parameter>& out, const Json& lights) {
     };
     if (kind == "sun") {
       group.add("direction", "direction", Kind::kDirection, vector("direction", {0, 0, -1}));
-      group.add("light", "radiance", Kind::kColor, vector("radiance", {1, 1, 1}));
+      group.add("light", "radiance", Kind::kColor, vector("radiance", {1, 1, 1})).help =
+          "what arrives on a surface that faces the sun";
     } else if (kind == "ambient") {
-      group.add("light", "radiance", Kind::kColor, vector("radiance", {0, 0, 0}));
+      group.add("light", "radiance", Kind::kColor, vector("radiance", {0, 0, 0})).help =
+          "radiance from everywhere";
     } else {
       group.add("position", "position", Kind::kPoint, vector("position", {0, 0, 0})).unit = "m";
       group.add("target", "target", Kind::kPoint, vector("target", {0, 0, 0})).unit = "m";
       group.range("cone", "angle", lights[i].value("angle", 60.0), 1, 179, "degrees");
-      group.add("light", "intensity", Kind::kColor, vector("intensity", {1, 1, 1}));
+      group.add("light", "intensity", Kind::kColor, vector("intensity", {1, 1, 1})).help =
+          "power per solid angle";
     }
   }
 }
@@ -247,7 +252,8 @@ std::vector<Parameter> sceneParameters(const Json& json, const SceneDescription&
   addLights(out, json.value("lights", Json::array()));
   addSigns(out, json.value("signs", Json::array()), scene);
   Group group(out, "background", "");
-  group.add("light", "background", Kind::kColor, numbers(scene.background));
+  group.add("light", "background", Kind::kColor, numbers(scene.background)).help =
+      "radiance behind everything";
   return out;
 }
 

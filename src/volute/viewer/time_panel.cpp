@@ -7,6 +7,11 @@
 namespace volute {
 namespace {
 
+/// Whether the film's controls stand beside the time's.
+bool isWide(const ViewerInput& input) {
+  return input.width >= 800;
+}
+
 void filmPart(ViewerApp& app, const ViewerInput& input) {
   if (const FilmExport* film = app.film()) {
     if (ImGui::Button("Cancel film")) {
@@ -37,11 +42,17 @@ void filmPart(ViewerApp& app, const ViewerInput& input) {
 
 }  // namespace
 
+float timePanelHeight(const ViewerApp& app, const ViewerInput& input) {
+  if (!app.timeline().moves())
+    return 0;
+  return isWide(input) ? 72 : 97;
+}
+
 void drawTimePanel(ViewerApp& app, const ViewerInput& input) {
   Timeline& timeline = app.timeline();
   if (!timeline.moves())
     return;
-  const float height = 72;
+  const float height = timePanelHeight(app, input);
   ImGui::SetNextWindowPos({kPanelMargin, static_cast<float>(input.height) - height - kPanelMargin});
   ImGui::SetNextWindowSize({static_cast<float>(input.width) - 2 * kPanelMargin, height});
   ImGui::Begin("Time", nullptr,
@@ -66,7 +77,8 @@ void drawTimePanel(ViewerApp& app, const ViewerInput& input) {
   app.mark("speed");
   ImGui::SameLine();
   ImGui::Text("frame %d of %d", timeline.frame() + 1, timeline.frames());
-  ImGui::SameLine(0, 30);
+  if (isWide(input))
+    ImGui::SameLine(0, 30);
   filmPart(app, input);
   double time = timeline.time();
   ImGui::SetNextItemWidth(-1);

@@ -184,7 +184,7 @@ Status ViewPicture::update(const PictureWish& wish) {
   drawn_ = wish;
   if (drawn)
     return {};
-  if (drawn.error().code == ErrorCode::kUnsupported && scene_->processor) {
+  if (drawn.error().code != ErrorCode::kCancelled && scene_->processor) {
     refused_ = drawn.error().message;
     changed_ = true;
     return {};

@@ -47,6 +47,7 @@ struct ViewScene {
   std::shared_ptr<const ViewSurfaces> surfaces{};
   std::vector<ViewQuad> quads{};
   std::vector<ViewLine> lines{};
+  std::vector<ViewLine> aids{};  ///< likewise, but not on pictures without panels
   ProcessorPicture processor{};  ///< empty: there is none
   ProcessorPicture bare{};       ///< the same without surfaces; empty: there are none
   /// What OpenGL cannot draw, as a sentence; empty: it draws all.

@@ -56,16 +56,24 @@ Result<std::unique_ptr<ViewerApp>> ViewerApp::create(OpenDocument open) {
       new ViewerApp(std::move(open), std::move(device), std::move(picture)));
 }
 
+/// Until the file is open, what is shown stays as it is.
 void ViewerApp::open(const std::string& path, double time) {
-  viewSet_ = exposureFound_ = false;
+  opening_ = time;
   film_.reset();
+  message_.clear();
+  loader_.open(path, time);
+}
+
+/// Another file is open: nothing stays of the one before.
+void ViewerApp::beginWith(double time) {
+  opening_.reset();
+  viewSet_ = exposureFound_ = false;
+  settings_.look.exposure.reset();
   paint_.drop();
   settings_.painting = false;
   timeline_.setTimes({time});
   timeline_.seek(time);
   requested_ = time;
-  message_.clear();
-  loader_.open(path, time);
 }
 
 void ViewerApp::lookFrom(const StartView& view) {
@@ -78,12 +86,22 @@ void ViewerApp::resetView(int width, int height) {
   if (document_->startView)
     camera_.set(*document_->startView);
   else
+    wholeView(width, height);
+}
+
+void ViewerApp::wholeView(int width, int height) {
+  if (document_)
     camera_.frame(document_->bounds, width, height);
 }
 
 void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
   const bool another = !document_ || document_->opened != opened.opened;
   document_ = std::move(opened);
+  if (another) {
+    scene_.reset();  // it is the last document's
+    if (opening_)
+      beginWith(*opening_);
+  }
   for (Parameter& parameter : document_->parameters) {
     if (const auto waiting = pending_.find(parameter.path); waiting != pending_.end())
       parameter.value = waiting->second;
@@ -113,6 +131,10 @@ void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
   if (!document_->look)
     return;
   settings_.look = *document_->look;
+  if (settings_.look.exposure) {
+    exposure_ = *settings_.look.exposure;
+    exposureFound_ = true;
+  }
   camera_.setMode(settings_.look.walks ? ViewCamera::Mode::kWalk : ViewCamera::Mode::kOrbit);
   timeline_.setSpeed(settings_.look.speed);
   if (requested_ == 0 && settings_.look.time)
@@ -126,10 +148,13 @@ void ViewerApp::takeLoaded(const ViewerInput& input) {
   error_ = loading_.error;
   if (loading_.message != lastMessage_)
     message_ = lastMessage_ = loading_.message;
-  if (loader_.idle())
+  const bool idle = loader_.idle();  // then all that was asked for is there to be taken
+  if (idle)
     pending_.clear();
   if (auto opened = loader_.takeDocument())
     takeDocument(std::move(*opened), input);
+  if (idle)
+    opening_.reset();  // it cannot be opened
   if (auto loaded = loader_.takeScene()) {
     scene_ = std::move(*loaded);
     picture_.setScene(scene_->scene);
@@ -159,6 +184,8 @@ void ViewerApp::saveScene() {
   look.speed = timeline_.speed();
   look.walks = camera_.mode() == ViewCamera::Mode::kWalk;
   look.time = timeline_.time();
+  if (exposureFound_)
+    look.exposure = exposure_;
   loader_.change("save scene",
                  [target = settings_.sceneName, view = startView(), look](
                      Document& document, Progress&) -> Result<std::string> {
@@ -316,7 +343,7 @@ void ViewerApp::usePanels(const ViewerInput& input) {
   drawPanels(*this, input);
   ImGui::Render();
   goOnWithFilm();
-  if (document_ && std::abs(timeline_.time() - requested_) > kHeldTime) {
+  if (document_ && !opening_ && std::abs(timeline_.time() - requested_) > kHeldTime) {
     requested_ = timeline_.time();
     loader_.request(requested_);
   }
@@ -355,8 +382,7 @@ double ViewerApp::patience() const {
 }
 
 bool ViewerApp::settled() const {
-  return loader_.idle() && !loading_.busy && !film_ && pending_.empty() &&
-         picture_.settled(wish(seen_)) && (document_ || !error_.empty()) &&
+  return idle() && !film_ && picture_.settled(wish(seen_)) && (document_ || !error_.empty()) &&
          (scene_ || !error_.empty());
 }
 

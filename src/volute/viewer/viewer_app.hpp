@@ -55,6 +55,9 @@ class ViewerApp {
   /// One frame. Errors of documents are shown, not returned; what is returned ends the viewer.
   [[nodiscard]] Status frame(const ViewerInput& input);
 
+  /// Whether all that was asked of documents is done.
+  bool idle() const { return loader_.idle() && !loading_.busy && pending_.empty(); }
+
   /// Whether all is loaded and the picture is drawn as finely as it will be.
   bool settled() const;
 
@@ -71,6 +74,8 @@ class ViewerApp {
   ViewerSettings& settings() { return settings_; }
 
   Timeline& timeline() { return timeline_; }
+
+  const Timeline& timeline() const { return timeline_; }
 
   ViewCamera& camera() { return camera_; }
 
@@ -99,7 +104,8 @@ class ViewerApp {
 
   void markPlace(const std::string& name, const ControlPlace& place) { controls_[name] = place; }
 
-  void resetView(int width, int height);
+  void resetView(int width, int height);  ///< the document's own, else wholeView()
+  void wholeView(int width, int height);
   void lookFrom(const StartView& view);
 
   /// Changes a parameter of the document, as soon as the loader comes to it.
@@ -128,6 +134,7 @@ class ViewerApp {
   void feed(const ViewerInput& input);
   void takeLoaded(const ViewerInput& input);
   void takeDocument(DocumentInfo opened, const ViewerInput& input);
+  void beginWith(double time);
   void control(const ViewerInput& input);
   void walk(const ViewerInput& input);
   void keys(const ViewerInput& input);
@@ -159,8 +166,9 @@ class ViewerApp {
   std::map<std::string, ControlPlace> controls_;
   FrameCosts costs_;
   std::string error_, message_, lastMessage_;
-  double requested_ = 0;  ///< the time that the loader was asked for
-  double exposure_ = 1;   ///< that fits the first picture
+  double requested_ = 0;           ///< the time that the loader was asked for
+  std::optional<double> opening_;  ///< at which time another file is being opened
+  double exposure_ = 1;            ///< that fits the first picture
   bool exposureFound_ = false;
   bool viewSet_ = false;
   bool moving_ = false;  ///< a person is turning it, or it plays

@@ -64,7 +64,7 @@ void ViewerApp::press(Key key, const ViewerInput& input) {
       settings_.panels = !settings_.panels;
       break;
     case Key::kF:
-      resetView(input.width, input.height);
+      wholeView(input.width, input.height);
       break;
     case Key::kEscape:
       settings_.help = settings_.painting = false;

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -32,6 +33,19 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+/// [s] that this thread has computed: a frame that waited for others took longer than that.
+double ownSeconds() {
+  timespec time{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// Programs that want to run, on average over the last minute.
+double load() {
+  double average = 0;
+  return ::getloadavg(&average, 1) == 1 ? average : 0;
+}
+
 double residentMiB() {
   std::ifstream status("/proc/self/statm");
   double total = 0, resident = 0;
@@ -44,12 +58,14 @@ struct Longest {
   double seconds = 0;
   std::string what{};
 
-  void see(double took, const std::string& doing, const FrameCosts& costs) {
+  void see(double took, double own, const std::string& doing, const FrameCosts& costs) {
     if (took <= seconds)
       return;
     seconds = took;
-    what = fmt::format("{} (taking over {:.0f}, panels {:.0f}, picture {:.0f}, showing {:.0f} ms)",
-                       doing, costs.loaded, costs.panels, costs.picture, costs.shown);
+    what = fmt::format(
+        "{} (taking over {:.0f}, panels {:.0f}, picture {:.0f}, showing {:.0f} ms; the thread "
+        "itself {:.0f} ms)",
+        doing, costs.loaded, costs.panels, costs.picture, costs.shown, 1e3 * own);
   }
 
   void see(const Longest& other) {
@@ -70,9 +86,10 @@ struct Report {
 
   void tell(double seconds) const {
     fmt::print(
-        "{:5.0f} s: {:.0f} MiB, {} OpenGL errors, {} files opened, {} frames, {} above {:.0f} ms "
+        "{:5.0f} s, load {:.1f}: {:.0f} MiB, {} OpenGL errors, {} files opened, {} frames, {} "
+        "above {:.0f} ms "
         "while loading; longest {:.0f} ms while loading: {}; {:.0f} ms else: {}\n",
-        seconds, residentMiB(), glErrors, opened, frames, slow, 1e3 * kLongest,
+        seconds, load(), residentMiB(), glErrors, opened, frames, slow, 1e3 * kLongest,
         1e3 * loading.seconds, loading.what, 1e3 * other.seconds, other.what);
     std::fflush(stdout);
   }
@@ -143,7 +160,10 @@ class Round {
   void note(double seconds) {
     ++report_.frames;
     const bool loads = viewer_.app().loading().busy;
-    (loads ? report_.loading : report_.other).see(seconds, what_, viewer_.app().costs());
+    const double own = ownSeconds();
+    (loads ? report_.loading : report_.other)
+        .see(seconds, own - own_, what_, viewer_.app().costs());
+    own_ = own;
     if (loads && seconds > kLongest)
       ++report_.slow;
     for (GLenum error = glGetError(); error != GL_NO_ERROR; error = glGetError()) {
@@ -176,6 +196,7 @@ class Round {
   HeadlessViewer& viewer_;
   ViewerScript script_;
   std::string folder_, what_;
+  double own_ = ownSeconds();
   std::mt19937& random_;
   Report& report_;
 };

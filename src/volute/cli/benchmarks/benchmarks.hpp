@@ -19,6 +19,9 @@ namespace volute::cli {
 
 [[nodiscard]] Status benchVisibility(const BenchInput& input, BenchRows& rows, Progress& progress);
 
+/// Whether the input is a mesh with smoke, not voxels.
+bool isMeshInput(const BenchInput& input);
+
 /// What to measure with: the named input, or a fire and a smoke of size^3 voxels and 32 frames,
 /// scalar.
 struct NamedSequence {

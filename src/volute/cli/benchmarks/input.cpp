@@ -4,10 +4,16 @@
 
 #include "volute/cli/benchmarks/benchmarks.hpp"
 #include "volute/codec/volute_reader.hpp"
+#include "volute/io/mesh_source.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/synth/synth.hpp"
 
 namespace volute::cli {
+
+bool isMeshInput(const BenchInput& input) {
+  const std::string& file = input.volume;
+  return file.ends_with(".vtu") || file.ends_with(".pvd") || isMeshCase(file);
+}
 
 Result<std::vector<NamedSequence>> benchSequences(const BenchInput& input, Progress& progress,
                                                   int size) {

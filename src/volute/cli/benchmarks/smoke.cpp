@@ -43,10 +43,6 @@ Result<SmokeCase> caseOf(const BenchInput& input) {
   return read;
 }
 
-bool isMesh(const std::string& file) {
-  return file.ends_with(".vtu") || file.ends_with(".pvd") || isMeshCase(file);
-}
-
 Status measureAll(const SmokeCase& smoke, const std::shared_ptr<const TetLocator>& locator,
                   bool quick, BenchRows& rows, SmokeTargets& targets, Progress& progress) {
   struct Size {
@@ -76,7 +72,7 @@ Status measureAll(const SmokeCase& smoke, const std::shared_ptr<const TetLocator
 
 Status benchSmoke(const BenchInput& input, BenchRows& rows, Progress& progress) {
   std::vector<SmokeCase> cases;
-  if (isMesh(input.volume)) {
+  if (isMeshInput(input)) {
     VOLUTE_ASSIGN(cases.emplace_back(), caseOf(input));
   } else {
     cases.push_back(madeCase("made hall", 0.42));

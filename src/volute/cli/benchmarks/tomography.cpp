@@ -40,6 +40,8 @@ struct Method {
   Yardstick fire{}, smoke{};
 };
 
+constexpr std::string_view kPlain = "APG trilinear, 200, 2x2 rays";
+
 std::vector<Method> methods() {
   using enum TomographySolver;
   using R = Regularization;
@@ -62,7 +64,7 @@ std::vector<Method> methods() {
            options(kApg, hat, 1, R::kNone, 0, 200),
            {60.5, .030, .184},
            {44.5, .077}},
-          {"APG trilinear, 200, 2x2 rays",
+          {std::string(kPlain),
            options(kApg, hat, 4, R::kNone, 0, 200),
            {61.6, .026, .168},
            {44.7, .075}},
@@ -76,6 +78,11 @@ std::vector<Method> methods() {
 
 bool isAutomatic(const Method& method) {
   return method.name == "auto";
+}
+
+/// The best without a prior, and what is taken by default.
+bool isBest(const Method& method) {
+  return isAutomatic(method) || method.name == kPlain;
 }
 
 std::string noteOf(double yardstick) {
@@ -105,20 +112,23 @@ Status addQuality(const FilmedScene& scene, const std::string& prefix, const Met
   return {};
 }
 
-/// Every method on the pictures as they are.
-Status addMethods(const FilmedScene& scene, bool smoke, Progress& progress, BenchRows& rows) {
+/// Every method on the pictures as they are; of quick runs the best.
+Status addMethods(const FilmedScene& scene, bool smoke, bool quick, Progress& progress,
+                  BenchRows& rows) {
   for (const Method& method : methods()) {
+    if (quick && !isBest(method))
+      continue;
     const Yardstick& yardstick = smoke ? method.smoke : method.fire;
     VOLUTE_TRY(addQuality(scene, scene.name, method, yardstick, progress, rows));
   }
   return {};
 }
 
-/// The best of those without a prior and `auto` on the same pictures, spoilt.
+/// The best methods on the same pictures, spoilt.
 Status addSpoilt(const FilmedScene& scene, const std::string& how, const Yardstick& plain,
                  const Yardstick& best, Progress& progress, BenchRows& rows) {
   for (const Method& method : methods()) {
-    if (isAutomatic(method) || method.name == "APG trilinear, 200, 2x2 rays")
+    if (isBest(method))
       VOLUTE_TRY(addQuality(scene, fmt::format("{}, {}", scene.name, how), method,
                             isAutomatic(method) ? best : plain, progress, rows));
   }
@@ -137,13 +147,13 @@ Status addNoiseAnd8Bit(const FilmedScene& scene, double sigma, Progress& progres
   return addSpoilt(stored, "8-bit sRGB, 3.4 % saturated", {}, {58.3}, progress, rows);
 }
 
-Status benchMadeUp(BenchRows& rows, Progress& progress) {
+Status benchMadeUp(bool quick, BenchRows& rows, Progress& progress) {
   VOLUTE_ASSIGN(const FilmedScene fire, filmMadeUp(SynthKind::kFire, progress));
   for (int rays : {1, 4}) addProjectorSpeed(fire, rays, rows);
-  VOLUTE_TRY(addMethods(fire, false, progress, rows));
+  VOLUTE_TRY(addMethods(fire, false, quick, progress, rows));
   VOLUTE_TRY(addNoiseAnd8Bit(fire, 0.02 * fire.brightest(), progress, rows));
   VOLUTE_ASSIGN(const FilmedScene smoke, filmMadeUp(SynthKind::kSmoke, progress));
-  VOLUTE_TRY(addMethods(smoke, true, progress, rows));
+  VOLUTE_TRY(addMethods(smoke, true, quick, progress, rows));
   return {};
 }
 
@@ -191,7 +201,7 @@ Status benchCapture(const BenchInput& input, BenchRows& rows, Progress& progress
     addPictures(scene, rows);
     if (frame == capture.frames.front()) {
       for (int rays : {1, 4}) addProjectorSpeed(scene, rays, rows);
-      VOLUTE_TRY(addMethods(scene, false, progress, rows));
+      VOLUTE_TRY(addMethods(scene, false, input.quick, progress, rows));
       VOLUTE_TRY(addNoiseAnd8Bit(scene, kNoise, progress, rows));
     } else {
       const Method method = methods().back();
@@ -205,7 +215,7 @@ Status benchCapture(const BenchInput& input, BenchRows& rows, Progress& progress
 
 Status benchTomography(const BenchInput& input, BenchRows& rows, Progress& progress) {
   if (input.volume.empty())
-    return benchMadeUp(rows, progress);
+    return benchMadeUp(input.quick, rows, progress);
   if (input.truth.empty())
     return fail(ErrorCode::kInvalidArgument,
                 "{}: reconstructions of a capture are compared with its true volume; name it with "

@@ -9,6 +9,7 @@
 #include "volute/capture/geometry_check.hpp"
 #include "volute/cli/capture_input.hpp"
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/reconstruction/layout.hpp"
 #include "volute/cli/reconstruction/reconstructed_frames.hpp"
 #include "volute/cli/reconstruction/reconstruction_page.hpp"
 #include "volute/cli/reconstruction/reconstruction_report.hpp"
@@ -17,7 +18,6 @@
 #include "volute/cli/volume_output.hpp"
 #include "volute/codec/compress.hpp"
 #include "volute/scene/volume_input.hpp"
-#include "volute/tomography/diagnostics.hpp"
 
 namespace volute::cli {
 namespace {
@@ -70,20 +70,20 @@ Status checkCapture(const Capture& capture, const std::vector<std::string>& held
 }
 
 void remarkOnLayout(const Capture& capture, Context& context) {
-  std::vector<std::string> angles;
-  const Vec3 centre = capture.volume.bounds.centre();
-  for (std::size_t i = 0; i + 1 < capture.cameras.size(); ++i) {
-    for (std::size_t k = i + 1; k < capture.cameras.size(); ++k) {
-      angles.push_back(
-          fmt::format("{}-{} {:.0f}", capture.cameras[i].name, capture.cameras[k].name,
-                      angleBetween(capture.cameras[i].camera, capture.cameras[k].camera, centre)));
-    }
-  }
-  if (context.verbose && !angles.empty()) {
+  constexpr std::size_t kNarrowest = 5;
+  const Layout layout(capture);
+  const std::size_t pairs = layout.angles.size();
+  if (context.verbose || pairs <= kNarrowest) {
+    if (pairs > 0)
+      context.progress.remark(
+          fmt::format("degrees between lines of sight, modulo 180: {}", layout.narrowest(pairs)));
+  } else {
     context.progress.remark(
-        fmt::format("degrees between lines of sight, modulo 180: {}", fmt::join(angles, ", ")));
+        fmt::format("degrees between lines of sight, modulo 180, the {} narrowest of {} pairs "
+                    "(--verbose: all): {}",
+                    kNarrowest, pairs, layout.narrowest(kNarrowest)));
   }
-  if (const auto advice = adviseLayout(capture))
+  if (const auto advice = layout.advice())
     context.progress.remark(*advice);
 }
 
@@ -219,6 +219,8 @@ Status run(const Arguments& arguments, Context& context) {
   const auto heldOut =
       arguments.find<std::vector<std::string>>("hold-out").value_or(std::vector<std::string>{});
   const auto settings = settingsOf(arguments, capture, context);
+  const VolumeGeometry geometry{capture.volume.bounds, capture.volume.resolution};
+  VOLUTE_TRY(checkVolumeSize(geometry, context.maxMemory));
   VOLUTE_TRY(checkCapture(capture, heldOut, settings.force, context.progress));
   remarkOnLayout(capture, context);
   VOLUTE_ASSIGN(auto frames, openFrames(capture, settings, heldOut, target, context));
@@ -251,7 +253,7 @@ std::vector<Option> solverOptions() {
       {.name = "iterations",
        .kind = kInteger,
        .value = "N",
-       .help = "exactly N; else it stops by the noise, or by held-out pixels",
+       .help = "exactly N; else until the volume settles (none: by noise or held-out pixels)",
        .least = 1,
        .most = 100000},
       {.name = "regularization",

@@ -62,33 +62,43 @@ RenderOptions renderOptions(const Arguments& arguments, const RenderSubject& sub
   return options;
 }
 
-/// What OpenGL does not draw, in the plural; empty when it draws all.
-std::string_view beyondGl(const RenderSubject& subject) {
-  if (!subject.fdsCases.empty())
-    return "FDS cases";
-  for (const FogLayer& layer : subject.fogs) {
-    if (layer.sunlit() && !subject.geometry.empty())
-      return "fog that suns light among surfaces";
-    const FogMedium fog = layer.fogAt(0);
-    if (fog.hasTop())
-      return "fogs with a top";
-    if (fog.options().detail.cellAngle > 0)
-      return "fogs with levels by cell angle";
+/// What OpenGL does not draw; empty when it draws all.
+std::string_view beyondGl(const Arguments& arguments) {
+  for (const char* option : {"slice", "isosurface"}) {
+    if (arguments.given(option))
+      return option;
   }
   return "";
 }
 
+/// --smoke-method, which is about OpenGL alone.
+Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments, const GlPictures* gl) {
+  const auto name = arguments.get<std::string>("smoke-method");
+  if (name == "auto")
+    return GlSmokeMethod::kAuto;
+  if (gl == nullptr) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--smoke-method: {} is a way to draw smoke with OpenGL; add --renderer gl", name);
+  }
+  return name == "march"   ? GlSmokeMethod::kMarch
+         : name == "splat" ? GlSmokeMethod::kSplat
+                           : GlSmokeMethod::kProject;
+}
+
 /// Null for the processor. `auto` takes OpenGL where hardware draws all that the subject has.
-Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments,
-                                             const RenderSubject& subject) {
+Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments) {
   const auto renderer = arguments.get<std::string>("renderer");
-  const auto beyond = beyondGl(subject);
+  const auto beyond = beyondGl(arguments);
   if (renderer == "gl" && !beyond.empty()) {
     return fail(ErrorCode::kUnsupported,
-                "--renderer gl does not draw {} yet; choose cpu or leave it out", beyond);
+                "--renderer gl does not draw --{} yet; choose cpu or leave it out", beyond);
   }
-  if (renderer == "gl")
-    return GlPictures::open(false);
+  if (renderer == "gl") {
+    auto gl = GlPictures::open(false);
+    if (!gl)
+      gl.error().message += "; or choose --renderer cpu";
+    return gl;
+  }
   if (renderer != "auto" || !beyond.empty() || !glIsLikely())
     return nullptr;
   auto gl = GlPictures::open(true);
@@ -149,7 +159,7 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   const bool stepsLead = smokeLeads || (subject.layers.empty() && !subject.fdsCases.empty());
   const double rate = stepsLead ? kUsualRate : framesPerSecond(moments);
   const RenderOptions options = renderOptions(arguments, subject);
-  VOLUTE_ASSIGN(auto gl, chooseGl(arguments, subject));
+  VOLUTE_ASSIGN(auto gl, chooseGl(arguments));
   RenderJob job{std::move(subject.layers),
                 std::move(subject.fogs),
                 camera,
@@ -158,6 +168,8 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
                 rate,
                 totals};
   job.gl = std::move(gl);
+  job.glIsWish = arguments.get<std::string>("renderer") == "auto";
+  VOLUTE_ASSIGN(job.smokeMethod, smokeMethodOf(arguments, job.gl.get()));
   job.smokes = std::move(subject.smokes);
   job.signs = std::move(subject.signs);
   job.law = subject.law;
@@ -221,15 +233,17 @@ Result<std::unique_ptr<PictureWriter>> writerFor(const std::string& target, cons
                     job.framesPerSecond, comment);
 }
 
-/// A single picture reports its own progress; of several each is one step.
+/// A single picture reports its own progress; of several each is one step, with its remarks.
 class CancelOnly final : public Progress {
  public:
-  explicit CancelOnly(const Progress& outer) : outer_(outer) {}
+  explicit CancelOnly(Progress& outer) : outer_(outer) {}
+
+  void remark(std::string_view message) override { outer_.remark(message); }
 
   bool cancelled() const override { return outer_.cancelled(); }
 
  private:
-  const Progress& outer_;
+  Progress& outer_;
 };
 
 /// Renders and writes every moment; settles the exposure first when it is to be found.
@@ -328,6 +342,14 @@ std::vector<Option> renderOptionTable() {
        .help = "who renders; auto is gl with a graphics card that can, else cpu",
        .initial = "auto",
        .choices = {"auto", "cpu", "gl", "reference"}},
+      {.name = "smoke-method",
+       .kind = kChoice,
+       .value = "NAME",
+       .help = "how OpenGL draws smoke on a mesh that is the only medium: from face to face, the "
+               "sum over all tetrahedra (light is marched all the same), or by projected "
+               "tetrahedra; auto takes the sum where no light is asked for, else the march",
+       .initial = "auto",
+       .choices = {"auto", "march", "splat", "projected"}},
       {.name = "camera",
        .kind = kFile,
        .value = "FILE.json",

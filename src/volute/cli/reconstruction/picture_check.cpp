@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volute/tomography/diagnostics.hpp"
 #include "volute/tomography/hull.hpp"
 
 namespace volute::cli {
@@ -200,27 +199,6 @@ std::string explainEmptyHull(const FrameViews& views, const VolumeGeometry& geom
       "{}; without camera {} it would hold {:.2f} % of them: check that camera's pose, "
       "frames and background",
       text, culprit, 100 * most);
-}
-
-std::optional<std::string> adviseLayout(const Capture& capture) {
-  constexpr double kAlike = 5;
-  const Vec3 centre = capture.volume.bounds.centre();
-  std::vector<std::string> pairs;
-  const auto& cameras = capture.cameras;
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    for (std::size_t k = i + 1; k < cameras.size(); ++k) {
-      const double angle = angleBetween(cameras[i].camera, cameras[k].camera, centre);
-      if (angle < kAlike)
-        pairs.push_back(fmt::format("{} and {} ({:.1f})", cameras[i].name, cameras[k].name, angle));
-    }
-  }
-  if (pairs.empty())
-    return std::nullopt;
-  return fmt::format(
-      "cameras that look along one line, from the same or from opposite sides, nearly duplicate "
-      "each other: {} degrees modulo 180; an odd number on a ring, a half ring, or staggered "
-      "heights see more",
-      fmt::join(pairs, ", "));
 }
 
 }  // namespace volute::cli

@@ -33,8 +33,4 @@ PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geo
 std::string explainEmptyHull(const FrameViews& views, const VolumeGeometry& geometry,
                              std::optional<double> noiseSigma);
 
-/// Pairs of cameras that nearly duplicate each other because they look along one line, and what to
-/// do about it; nothing for other layouts.
-std::optional<std::string> adviseLayout(const Capture& capture);
-
 }  // namespace volute::cli

@@ -28,8 +28,9 @@ class FrameProgress final : public Progress {
     whole_.detail(iterates ? fmt::format("frame {}, iteration {:.0f}, {}", number_, done, detail_)
                            : fmt::format("frame {}, {}", number_, stage));
     // The solver may stop before its last iteration, so a frame never looks finished here.
-    const double share = total > 0 ? std::min(0.99, done / total) : 0;
-    whole_.report("reconstructing", before_ + share, total_);
+    if (iterates && total > 0)
+      share_ = std::clamp(done / total, share_, 0.99);
+    whole_.report("reconstructing", before_ + share_, total_);
   }
 
   void detail(std::string_view text) override { detail_ = text; }
@@ -45,6 +46,7 @@ class FrameProgress final : public Progress {
   std::string detail_;  // of the solver
   int number_;
   double before_, total_;
+  double share_ = 0;  // of this frame
 };
 
 /// Its own progress is of no interest.
@@ -214,47 +216,32 @@ std::optional<std::string> ReconstructedFrames::outOfStep(std::size_t camera,
       std::abs(shift) == 1 ? "" : "s", shift > 0 ? "late" : "early");
 }
 
-std::vector<std::string> ReconstructedFrames::explained(std::size_t camera,
-                                                        const CameraDiagnosis& found,
-                                                        const FrameViews& views,
-                                                        const Reconstruction& result) {
-  std::vector<std::string> warnings;
-  const auto name = fmt::format("camera {}, frame {}", views.views[camera].name, views.frame);
-  if (found.gainDrift) {
-    warnings.push_back(fmt::format(
-        "{}: {:.0f} % too {}: its radiance times {:.3f} fits what the other cameras saw; set its "
-        "gain in the capture",
-        name, 100 * std::abs(1 / found.gain - 1), found.gain < 1 ? "bright" : "dark", found.gain));
-  }
+/// A camera's warning; for one that does not fit, its clock's if its picture of another frame does.
+std::optional<std::string> ReconstructedFrames::explained(std::size_t camera,
+                                                          const CameraDiagnosis& found,
+                                                          const FrameViews& views,
+                                                          const Reconstruction& result) {
   // Another frame that fits better is evidence enough for a camera that stands out a little.
   constexpr double kSuspicious = 1.5;
-  if (!found.outOfStep && !(found.residualRatio > kSuspicious))
-    return warnings;
-  if (const auto text = outOfStep(camera, views, result)) {
-    warnings.push_back(*text);
-  } else if (found.outOfStep) {
-    warnings.push_back(fmt::format(
-        "{}: does not fit the others: its residual of {:.3f} is {:.1f} times theirs: another "
-        "instant, moved, or miscalibrated?",
-        name, found.residual, found.residualRatio));
+  if (found.outOfStep || (!found.gainDrift && found.residualRatio > kSuspicious)) {
+    if (auto text = outOfStep(camera, views, result))
+      return text;
   }
-  return warnings;
+  if (found.warning.empty())
+    return std::nullopt;
+  return fmt::format("camera {}, frame {}: {}", views.views[camera].name, views.frame,
+                     found.warning);
 }
 
 Result<std::vector<std::string>> ReconstructedFrames::diagnosed(const FrameViews& views,
                                                                 const Reconstruction& result,
                                                                 nlohmann::ordered_json& cameras) {
-  constexpr double kFullHull = 0.9;
-  std::vector<std::string> warnings;
-  if (settings_.tomography.hull && result.hullShare > kFullHull) {
-    warnings.push_back(fmt::format(
-        "frame {}: the visual hull fills {:.0f} % of the volume, so silhouettes tell nothing: are "
-        "there backgrounds to subtract, or is noise_sigma too small?",
-        views.frame, 100 * result.hullShare));
-  }
   Quietly quiet(progress_);
   VOLUTE_ASSIGN(const auto diagnosis,
                 diagnose(views.fitted(), geometry(), settings_.tomography, result, quiet));
+  std::vector<std::string> warnings;
+  for (const std::string& warning : diagnosis.warnings)
+    warnings.push_back(fmt::format("frame {}: {}", views.frame, warning));
   std::size_t next = 0;
   for (std::size_t camera = 0; camera < views.views.size(); ++camera) {
     if (views.heldOut[camera])
@@ -262,8 +249,8 @@ Result<std::vector<std::string>> ReconstructedFrames::diagnosed(const FrameViews
     const CameraDiagnosis& found = diagnosis.cameras[next++];
     cameras[camera]["gain"] = jsonNumber(found.gain);
     cameras[camera]["residual_ratio"] = jsonNumber(found.residualRatio);
-    const auto more = explained(camera, found, views, result);
-    warnings.insert(warnings.end(), more.begin(), more.end());
+    if (const auto warning = explained(camera, found, views, result))
+      warnings.push_back(*warning);
   }
   return warnings;
 }
@@ -299,10 +286,11 @@ Status ReconstructedFrames::solve(int index) {
       checkPictures(views, geometry(), settings_.tomography.noiseSigma, settings_.limits);
   VOLUTE_ASSIGN(auto warnings, examine(views, findings));
   Reconstruction result;
-  result.volume.assign(colourValues(), 0);
-  result.hullShare = 0;
-  result.stoppedBy = "dark";
-  if (!findings.dark) {
+  if (findings.dark) {
+    result.volume.assign(colourValues(), 0);
+    result.hullShare = 0;
+    result.stoppedBy = "dark";
+  } else {
     VOLUTE_ASSIGN(result, fit(index, views));
   }
   auto cameras = measured(views, result);
@@ -315,6 +303,7 @@ Status ReconstructedFrames::solve(int index) {
   const nlohmann::ordered_json record = {
       {"frame", number},
       {"iterations", result.iterations},
+      {"search_iterations", result.searchIterations},
       {"stopped_by", result.stoppedBy},
       {"regularization", regularizationName(result.regularization)},
       {"lambda", jsonNumber(result.lambda)},

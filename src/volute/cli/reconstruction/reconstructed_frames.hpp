@@ -86,8 +86,8 @@ class ReconstructedFrames final : public FrameSource {
   [[nodiscard]] Result<std::vector<std::string>> diagnosed(const FrameViews& views,
                                                            const Reconstruction& result,
                                                            nlohmann::ordered_json& cameras);
-  std::vector<std::string> explained(std::size_t camera, const CameraDiagnosis& found,
-                                     const FrameViews& views, const Reconstruction& result);
+  std::optional<std::string> explained(std::size_t camera, const CameraDiagnosis& found,
+                                       const FrameViews& views, const Reconstruction& result);
   std::optional<std::string> outOfStep(std::size_t camera, const FrameViews& views,
                                        const Reconstruction& result);
   void warn(const std::string& text);

@@ -44,6 +44,11 @@ std::string textOf(const Json& json, const char* format = "{:.4g}") {
   return escapedHtml(json.is_string() ? json.get<std::string>() : json.dump());
 }
 
+/// ", PSNR 41.2 dB"; nothing where there is none.
+std::string psnrText(const Json& psnr) {
+  return psnr.is_number() ? ", PSNR " + textOf(psnr, "{:.2f}") + " dB" : "";
+}
+
 /// The picture as part of the page; written as a file first, in the folder of the finished frames.
 Result<std::string> inlinePng(const Image& image, const std::filesystem::path& folder) {
   const auto path = folder / "frame_picture.png";
@@ -88,8 +93,8 @@ Result<std::string> pictureRow(const TomographyView& view, const Image& projecte
              folder));
   VOLUTE_ASSIGN(const auto seen,
                 figure(exposed(projected, exposure),
-                       fmt::format("projected; residual {}, PSNR {} dB", textOf(camera["residual"]),
-                                   textOf(camera["psnr"])),
+                       fmt::format("projected; residual {}{}", textOf(camera["residual"]),
+                                   psnrText(camera["psnr"])),
                        folder));
   VOLUTE_ASSIGN(
       const auto off,
@@ -178,18 +183,23 @@ std::string angleTable(const Json& report) {
 
 std::string summary(const Json& report) {
   const Json& volume = report["volume"];
+  const Json& psnr = report["held_out_psnr"];
+  const std::string heldOut =
+      psnr.is_number() ? fmt::format("<tr><td>PSNR of held-out cameras</td><td>{} dB</td></tr>",
+                                     textOf(psnr, "{:.2f}"))
+                       : "";
   std::string html = fmt::format(
       "<h1>Reconstruction</h1>\n<p>{} ({}, pixel centres at {}), {} frames, {} voxels.</p>\n"
       "<table>"
       "<tr><td>residual of the fitted cameras (relative L2)</td><td>{}</td></tr>"
-      "<tr><td>PSNR of held-out cameras</td><td>{} dB</td></tr>"
+      "{}"
       "<tr><td>iterations a frame</td><td>{}</td></tr>"
       "<tr><td>unknown voxels</td><td>{} of the volume</td></tr>"
       "<tr><td>time a frame</td><td>{} s</td></tr></table>\n",
       textOf(report["capture"]), textOf(report["calibration"]), textOf(report["pixel_centre"]),
       report["frames"].size(), escapedHtml(volume["resolution"].dump()), textOf(report["residual"]),
-      textOf(report["held_out_psnr"], "{:.2f}"), textOf(report["iterations"], "{:.1f}"),
-      textOf(report["hull_share"]), textOf(report["seconds_per_frame"], "{:.2f}"));
+      heldOut, textOf(report["iterations"], "{:.1f}"), textOf(report["hull_share"]),
+      textOf(report["seconds_per_frame"], "{:.2f}"));
   for (const Json& warning : report["warnings"])
     html += "<div class='warning'>" + textOf(warning) + "</div>\n";
   return html;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "volute/cli/reconstruction/layout.hpp"
 #include "volute/cli/report.hpp"
-#include "volute/tomography/diagnostics.hpp"
 
 namespace volute::cli {
 namespace {
@@ -53,16 +53,11 @@ Json camerasJson(const Capture& capture, const Json& frames) {
   return cameras;
 }
 
-Json anglesJson(const Capture& capture) {
+Json anglesJson(const Layout& layout) {
   Json angles = Json::array();
-  const auto& cameras = capture.cameras;
-  const Vec3 centre = capture.volume.bounds.centre();
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    for (std::size_t k = i + 1; k < cameras.size(); ++k) {
-      angles.push_back({{"cameras", {cameras[i].name, cameras[k].name}},
-                        {"degrees", angleBetween(cameras[i].camera, cameras[k].camera, centre)}});
-    }
-  }
+  for (const SightAngle& pair : layout.angles)
+    angles.push_back(
+        {{"cameras", {layout.names[pair.a], layout.names[pair.b]}}, {"degrees", pair.degrees}});
   return angles;
 }
 
@@ -109,8 +104,8 @@ Result<Json> reconstructionReport(const Capture& capture, const ReconstructionSe
                                   const ReconstructedFrames& frames) {
   Json records = Json::array(), warnings = Json::array();
   std::vector<Json> iterations, seconds, hulls;
-  if (const auto advice = adviseLayout(capture))
-    warnings.push_back(*advice);
+  const Layout layout(capture);
+  const auto advice = layout.advice();
   for (int i = 0; i < frames.info().frames; ++i) {
     VOLUTE_ASSIGN(auto record, frames.record(i));
     for (const Json& warning : record["warnings"]) warnings.push_back(warning);
@@ -136,7 +131,8 @@ Result<Json> reconstructionReport(const Capture& capture, const ReconstructionSe
               {"hull_share", meanOf(hulls)},
               {"seconds_per_frame", meanOf(seconds)},
               {"cameras", cameras},
-              {"angles", anglesJson(capture)},
+              {"angles", anglesJson(layout)},
+              {"advice", advice ? Json(*advice) : Json()},
               {"warnings", warnings},
               {"frames", records}};
 }

@@ -72,7 +72,11 @@ bool fogClip(float o, float d, float lo, float hi, inout float begin, inout floa
 float fogProfile(vec4 profile, float height) {
   float h = height - profile.w;
   float g = profile.x + profile.y * h;
+#if FOG_EXPONENTIAL
   return profile.z == 0.0 ? g : g * exp(-profile.z * h);
+#else
+  return g;
+#endif
 }
 
 // Where a ray passes the plane ahead of cell `cell`.

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // Fog, cell by cell along a ray that meets other media too; M_ stands for the medium's own prefix. Follows fog_walk.glsl,
-// whose functions it uses; M_sunlight(place) is what suns add to the fog's own light. Levels of detail follow each other along the ray, in each the zones of the height profile, in
-// each the cells.
+// whose functions it uses; M_sunlight(place, s) is what suns add to the fog's own light, M_findShadows() and M_nextShadow()
+// know of the shadows that surfaces throw. Levels of detail follow each other
+// along the ray, in each the zones of the height profile, in each the cells; M_TOP: what is above the fog's top is cut.
 
-uniform vec3 M_fogColor;  // radiance of infinitely thick fog
+uniform vec3 M_fogColor;    // radiance of infinitely thick fog
+uniform float M_fogFactor;  // of the extinction, for which suns' shadows do not ask
 
 vec2 M_o, M_d;            // the ray seen from above, in cells of the level
 float M_height, M_rise;   // above the map's origin
@@ -20,8 +22,60 @@ float M_stretchBegin, M_stretchEnd;
 bool M_on;
 bool M_waits;             // before the stretch
 float M_c[FOG_SIDE * FOG_SIDE];
+#if M_BY_ANGLE
+uniform float M_levelMetres;  // where the finest level ends
+#endif
+#if M_TOP
+uniform sampler2D M_topMap;   // [m] above the map's origin, linear between nodes, 0 outside
+uniform vec2 M_topCorner;     // of the cell before the first node, from the eye [m]
+uniform float M_topCell;      // [m]
+bool M_below;
+
+float M_topAt(ivec2 node) {
+  bool there = all(greaterThanEqual(node, ivec2(0))) && all(lessThan(node, textureSize(M_topMap, 0)));
+  return there ? texelFetch(M_topMap, node, 0).r : 0.0;
+}
+
+// Cuts s..M_end where the ray leaves a cell of the top or passes the top itself, and says on which side of it it is.
+void M_cutAtTop(float s) {
+  vec2 o = (rayOrigin.xy - M_topCorner) / M_topCell;
+  vec2 d = rayDirection.xy / M_topCell;
+  ivec2 cell = ivec2(floor(o + d * s));
+  for (int axis = 0; axis < 2; ++axis) {
+    float plane = fogNextPlane(cell[axis], o[axis], d[axis]);
+    for (int k = 0; k < 3 && plane <= s; ++k) {
+      cell[axis] += d[axis] > 0.0 ? 1 : -1;
+      plane = fogNextPlane(cell[axis], o[axis], d[axis]);
+    }
+    if (plane > s) M_end = min(M_end, plane);
+  }
+  float a = M_topAt(cell - 1);
+  float b = M_topAt(cell - ivec2(0, 1)) - a;
+  float c = M_topAt(cell - ivec2(1, 0)) - a;
+  float e = M_topAt(cell) - a - b - c;
+  vec2 p = o + d * s - vec2(cell);
+  // The top above the ray, c0 + c1 t + c2 t^2 from s on.
+  float c0 = a + b * p.x + c * p.y + e * p.x * p.y - (M_height + M_rise * s);
+  float c1 = b * d.x + c * d.y + e * (p.x * d.y + p.y * d.x) - M_rise;
+  float c2 = e * d.x * d.y;
+  float discriminant = c1 * c1 - 4.0 * c2 * c0;
+  if (discriminant >= 0.0) {
+    float q = -0.5 * (c1 + (c1 < 0.0 ? -1.0 : 1.0) * sqrt(discriminant));
+    float least = 1e-6 * (1.0 + abs(s));  // nearer ones are where it has just passed
+    float first = c2 != 0.0 ? q / c2 : -1.0;
+    float second = q != 0.0 ? c0 / q : -1.0;
+    if (first > least) M_end = min(M_end, s + first);
+    if (second > least) M_end = min(M_end, s + second);
+  }
+  float t = 0.5 * (M_end - s);
+  M_below = c0 + t * (c1 + t * c2) > 0.0;
+}
+#endif
 
 float M_levelEnd(int level) {
+#if M_BY_ANGLE
+  return level == FOG_LEVELS - 1 ? rayEnd : min(M_levelMetres * exp2(float(level)), rayEnd);
+#endif
   if (level == FOG_LEVELS - 1 || fogMu >= 1.0) return rayEnd;
   float share = 1.0;
   for (int k = level; k < FOG_LEVELS - 1; ++k) share *= fogMu;
@@ -34,6 +88,10 @@ void M_enter(float s) {
   float decay = fogZones[M_inZone].z * abs(M_rise);
   if (decay > 1e-20) M_end = min(M_end, s + 1.0 / decay);
   M_end = max(M_end, s);
+#if M_TOP
+  M_cutAtTop(s);
+#endif
+  M_end = M_nextShadow(s, M_end);
   fogCoefficients(M_cell, M_inLevel, M_c);
 }
 
@@ -72,6 +130,7 @@ void M_seek(float s) {
 }
 
 void M_begin() {
+  M_findShadows();
   M_height = rayOrigin.z - fogCorner.z;
   M_rise = rayDirection.z;
   vec3 local = rayOrigin - fogCorner;
@@ -96,7 +155,7 @@ void M_next() {
     return;
   }
   float plane = min(M_planes.x, M_planes.y);
-  if (plane > s) {  // a long way through one cell of an exponential profile
+  if (plane > s) {  // a long way through one cell of an exponential profile, or the top is met
     M_enter(s);
     return;
   }
@@ -111,8 +170,11 @@ void M_next() {
 
 void M_sample(float s, inout float k, inout vec3 e) {
   if (!M_on) return;
+#if M_TOP
+  if (!M_below) return;
+#endif
   vec2 place = clamp(M_o + M_d * s - vec2(M_cell), 0.0, 1.0);
-  float here = fogSpline(M_c, place) * fogProfile(fogZones[M_inZone], M_height + M_rise * s);
+  float here = M_fogFactor * fogSpline(M_c, place) * fogProfile(fogZones[M_inZone], M_height + M_rise * s);
   k += here;
-  e += here * (M_fogColor + M_sunlight(rayOrigin + s * rayDirection));
+  e += here * (M_fogColor + M_sunlight(rayOrigin + s * rayDirection, s));
 }

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// What each pixel's ray meets first: how far, the normal towards the eye, and the material; follows ray.glsl and
-// triangles.glsl.
+// What each pixel's ray meets first: how far, the normal towards the eye, and the material, or of WALLS the triangle;
+// follows ray.glsl and triangles.glsl.
 
 layout(r32f, binding = 1) writeonly uniform image2D distances;  // [m] along the ray; NOWHERE where nothing is met
-layout(rgba32f, binding = 2) writeonly uniform image2D normals; // w: the material, or -1
+layout(rgba32f, binding = 2) writeonly uniform image2D normals; // w: the material or triangle, or -1
 layout(rgba32f, binding = 3) writeonly uniform image2D points;  // from the eye [m]
 
+#if WALLS
+uniform vec3 color;  // of all walls
+#else
 layout(std430) readonly buffer Materials { vec4 materials[]; }; // two each: base color, emission
+#endif
 
 uniform dvec3 eyeInGeometry;  // the camera's eye, from the geometry's middle [m]
 uniform dvec3 exactForward;   // as ray.glsl has them, in double
@@ -44,8 +48,13 @@ void main() {
   dvec4 a = corners[3 * hit.triangle];
   vec3 normal = vec3(normalize(cross(corners[3 * hit.triangle + 1].xyz - a.xyz, corners[3 * hit.triangle + 2].xyz - a.xyz)));
   if (dot(normal, vec3(d)) > 0.0) normal = -normal;
+#if WALLS
+  imageStore(normals, pixel, vec4(normal, float(hit.triangle)));
+  imageStore(picture, pixel, vec4(color * ambient, 1.0));
+#else
   int material = int(a.w);
   imageStore(normals, pixel, vec4(normal, float(material)));
-  imageStore(points, pixel, vec4(vec3(o + hit.s * d), 0.0));
   imageStore(picture, pixel, vec4(materials[2 * material + 1].rgb + materials[2 * material].rgb * ambient, 1.0));
+#endif
+  imageStore(points, pixel, vec4(vec3(o + hit.s * d), 0.0));
 }

@@ -4,12 +4,13 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(rgba32f, binding = 0) writeonly uniform image2D ways;    // direction; w = 0 where no light arrives
+layout(rgba32f, binding = 0) uniform image2D ways;  // direction; w = 0 where no light arrives
 layout(r32f, binding = 1) writeonly uniform image2D distances;  // [m] to the lamp
 
 uniform sampler2D normals;
 uniform sampler2D points;
 uniform dvec3 eyeInGeometry;
+uniform int again;   // others were in the way before
 uniform float lift;  // of a shadow's ray from its surface, times 1 + its place: more than rounding moves it
 
 void main() {
@@ -19,6 +20,7 @@ void main() {
   vec3 point = texelFetch(points, pixel, 0).xyz;
   vec4 way = towardsLamp(point);
   bool lit = normal.w >= 0.0 && way.w > 0.0 && dot(normal.xyz, way.xyz) > 0.0 && irradianceAt(point) != vec3(0.0);
+  if (again != 0) lit = imageLoad(ways, pixel).w != 0.0;
   if (lit) {
     dvec3 at = eyeInGeometry + dvec3(point);
     at += lift * (1.0 + float(max(max(abs(at.x), abs(at.y)), abs(at.z)))) * normal.xyz;

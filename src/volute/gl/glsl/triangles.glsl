@@ -10,6 +10,8 @@ layout(std430) readonly buffer Corners { dvec4 corners[]; };  // three a triangl
 // w of a node's corners, as bits: first child (the second stands beside it) or first triangle; number of triangles, 0
 // for an inner node.
 
+uniform int sides;  // which triangles stop a ray: 0 all, 1 those whose front it comes to, -1 those whose back
+
 const float NOWHERE = 3e38;
 
 struct Hit {
@@ -71,6 +73,8 @@ Hit meetTriangles(dvec3 o, dvec3 d, double most, bool any) {
       if ((u < 0.0LF || v < 0.0LF || w < 0.0LF) && (u > 0.0LF || v > 0.0LF || w > 0.0LF)) continue;
       double area = u + v + w;
       if (area == 0.0LF) continue;
+      bool front = (area > 0.0LF) == (d[z] > 0.0LF);
+      if (sides != 0 && front != (sides > 0)) continue;
       double s = (u * p[0].z + v * p[1].z + w * p[2].z) / area;
       if (!(s > 0.0LF && s < hit.s)) continue;
       hit = Hit(s, t);

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <algorithm>
+#include <bit>
+
+#include "volute/gl/gl_medium.hpp"
+#include "volute/gl/glsl_sources.hpp"
+
+namespace volute {
+namespace {
+
+/// What fds.glsl reads, one array after the other.
+class Words {
+ public:
+  int size() const { return static_cast<int>(words_.size()); }
+
+  void add(std::int32_t value) { words_.push_back(std::bit_cast<std::uint32_t>(value)); }
+
+  void add(float value) { words_.push_back(std::bit_cast<std::uint32_t>(value)); }
+
+  /// Where they begin.
+  int add(std::span<const float> values) {
+    const int begin = size();
+    for (const float value : values) add(value);
+    return begin;
+  }
+
+  /// Places on an axis, from `middle` [m].
+  int addPlanes(const std::vector<double>& planes, double middle) {
+    const int begin = size();
+    for (const double plane : planes) add(static_cast<float>(plane - middle));
+    return begin;
+  }
+
+  /// A bit for each cell: it is gas.
+  int addGas(const std::vector<FdsCell>& cells) {
+    const int begin = size();
+    words_.resize(words_.size() + (cells.size() + 31) / 32);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (cells[i] == FdsCell::kGas)
+        words_[begin + i / 32] |= std::uint32_t{1} << (i % 32);
+    }
+    return begin;
+  }
+
+  std::span<const std::uint32_t> words() const { return words_; }
+
+ private:
+  std::vector<std::uint32_t> words_;
+};
+
+/// An upper bound of the words of a field.
+std::size_t wordsOf(const FdsField& field) {
+  std::size_t words = field.grid().parts().size();
+  for (const auto& planes : field.grid().partPlanes()) words += planes.size();
+  for (std::size_t i = 0; i < field.grid().lattices().size(); ++i) {
+    const FdsLattice& lattice = field.grid().lattices()[i];
+    for (const auto& planes : lattice.planes) words += planes.size();
+    words += 10 + lattice.valueCount() + lattice.cellCount() / 32 + 1;
+    if (field.light(i))
+      words += field.light(i)->size();
+  }
+  return words;
+}
+
+/// What a field's arrays are known by.
+std::vector<const void*> identityOf(const FdsField& field) {
+  std::vector<const void*> identity{&field.grid()};
+  for (std::size_t i = 0; i < field.grid().lattices().size(); ++i) {
+    identity.push_back(&field.values(i));
+    identity.push_back(&field.cells(i));
+    identity.push_back(field.light(i));
+  }
+  return identity;
+}
+
+}  // namespace
+
+/// A field's arrays, one after the other.
+class GlFdsData {
+ public:
+  explicit GlFdsData(const FdsField& of)
+      : field(of), middle(of.bounds().centre()), lit(of.light(0) != nullptr) {
+    const FdsGrid& grid = field.grid();
+    Words all;
+    for (int axis = 0; axis < 3; ++axis) {
+      partCount[axis] = static_cast<int>(grid.partPlanes()[axis].size()) - 1;
+      partPlanes[axis] = all.addPlanes(grid.partPlanes()[axis], middle[axis]);
+    }
+    table = all.size();
+    for (const std::int32_t lattice : grid.parts()) all.add(lattice);
+    Words records;
+    for (std::size_t i = 0; i < grid.lattices().size(); ++i) {
+      const FdsLattice& lattice = grid.lattices()[i];
+      for (int axis = 0; axis < 3; ++axis)
+        records.add(all.addPlanes(lattice.planes[axis], middle[axis]));
+      for (int axis = 0; axis < 3; ++axis) records.add(lattice.cells(axis));
+      records.add(all.add(field.values(i).value));
+      records.add(all.addGas(field.cells(i)));
+      records.add(lit ? all.add(*field.light(i)) : 0);
+      records.add(lattice.nodal ? 1 : 0);
+      nodal = nodal || lattice.nodal;
+    }
+    lattices = all.size();
+    for (const std::uint32_t word : records.words()) all.add(std::bit_cast<std::int32_t>(word));
+    words = makeBuffer(all.words());
+  }
+
+  FdsField field;  ///< so that no other one's arrays get its addresses
+  Vec3 middle;
+  bool lit;
+  bool nodal = false;
+  std::array<int, 3> partCount{}, partPlanes{};
+  int table = 0, lattices = 0;
+  GlBuffer words;
+};
+
+namespace {
+
+constexpr double kRoundsPerCell = 12;
+
+/// That one ray may pass: as if the narrowest were everywhere.
+double mostCells(const FdsField& field) {
+  Vec3 narrowest = field.bounds().size();
+  for (const FdsLattice& lattice : field.grid().lattices()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::vector<double>& planes = lattice.planes[axis];
+      for (std::size_t i = 1; i < planes.size(); ++i)
+        narrowest[axis] = std::min(narrowest[axis], planes[i] - planes[i - 1]);
+    }
+  }
+  return field.bounds().size().cwiseQuotient(narrowest).sum();
+}
+
+class FdsOnDevice final : public GlMedium {
+ public:
+  FdsOnDevice(const GlFds& fds, std::shared_ptr<const GlFdsData> data)
+      : fds_(fds), data_(std::move(data)), lit_(!fds.glow && data_->lit) {}
+
+  std::string key() const override { return lit_ ? "fds lit" : "fds"; }
+
+  std::vector<ShaderPart> parts() const override {
+    return {{"fds settings", fmt::format("#define M_LIT {}\n", lit_ ? 1 : 0)},
+            {"fds.glsl", glsl::kFds}};
+  }
+
+  GlNature nature() const override {
+    GlNature nature;
+    nature.constant = !data_->nodal && !lit_;
+    nature.absorbs = !fds_.glow;
+    nature.points = lit_ ? 4 : data_->nodal ? 2 : 1;
+    if (!lit_ && !fds_.glow)
+      nature.color = fds_.field.source();
+    return nature;
+  }
+
+  GlNeeds needs() const override {
+    return {.storage = 1, .cells = mostCells(data_->field), .roundsPerCell = kRoundsPerCell};
+  }
+
+  void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
+            GlBindings& bindings) const override {
+    const auto name = [&](const char* rest) { return prefix + rest; };
+    const Rgb sent = fds_.glow ? *fds_.glow
+                     : lit_    ? Rgb(Rgb::Constant(fds_.scale))
+                               : Rgb(fds_.scale * fds_.field.source());
+    program.set(name("eye").c_str(), Vec3(eye - data_->middle));
+    program.set(name("partCount").c_str(), data_->partCount);
+    program.set(name("partPlanes").c_str(), data_->partPlanes);
+    program.set(name("table").c_str(), data_->table);
+    program.set(name("lattices").c_str(), data_->lattices);
+    program.set(name("extinction").c_str(), fds_.glow ? 0.0F : static_cast<float>(fds_.scale));
+    program.set(name("source").c_str(), Vec3(sent));
+    program.bindStorage(name("Words").c_str(), bindings.storage++, data_->words);
+  }
+
+ private:
+  GlFds fds_;
+  std::shared_ptr<const GlFdsData> data_;
+  bool lit_;
+};
+
+}  // namespace
+
+Result<std::shared_ptr<const GlFdsData>> makeGlFdsData(const GlFds& fds) {
+  GLint64 most = 0;
+  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+  const std::size_t bytes = 4 * wordsOf(fds.field);
+  if (std::cmp_greater(bytes, most)) {
+    return fail(ErrorCode::kTooLarge,
+                "an FDS case of {} MiB does not fit in the graphics device's buffers of {} MiB; "
+                "render with --renderer cpu",
+                bytes >> 20, most >> 20);
+  }
+  return std::make_shared<const GlFdsData>(fds.field);
+}
+
+bool holds(const GlFdsData& data, const GlFds& fds) {
+  return identityOf(data.field) == identityOf(fds.field);
+}
+
+std::unique_ptr<GlMedium> makeGlFds(const GlFds& fds, std::shared_ptr<const GlFdsData> data) {
+  return std::make_unique<FdsOnDevice>(fds, std::move(data));
+}
+
+}  // namespace volute

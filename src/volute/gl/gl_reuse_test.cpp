@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <gtest/gtest.h>
+
+#include "volute/gl/gl_programs.hpp"
+#include "volute/gl/gl_testing.hpp"
+
+// What a picture need not do again that the one before it has done.
+
+namespace volute {
+using namespace gltest;
+
+namespace {
+
+int timesOf(const std::vector<GlPassTime>& passes, std::string_view name) {
+  int times = 0;
+  for (const GlPassTime& pass : passes) times += pass.name == name ? pass.times : 0;
+  return times;
+}
+
+class GlReuseTest : public GlRendererTest {
+ protected:
+  /// How often a pass was run for this picture.
+  int timesFor(const GlScene& scene, std::string_view pass, const RenderOptions& options = {}) {
+    (void)renderer_->takePasses();
+    EXPECT_TRUE(renderer_->render(camera_, scene, options, quiet_));
+    return timesOf(renderer_->takePasses(), pass);
+  }
+
+  Camera camera_ = Camera::pinhole({Vec3(-4, -3, 3), Vec3(8, 9, 1.5)}, 70, 8, 8);
+};
+
+TEST_F(GlReuseTest, SlidersOfFogLinkAndUploadOnce) {
+  const FogMedium fog = fogtest::fog(fogtest::map(9, 8), fogtest::profiles()[0].profile, {});
+  for (const bool polar : {false, true}) {
+    int links = 0, uploads = 0;
+    for (int step = 0; step < 50; ++step) {
+      const FogProfile::Knot knots[] = {{0.01 * step, 1}, {2 + 0.1 * step, 1 - 0.01 * step}};
+      const FogProfile profile = FogProfile::linear(knots).value();
+      GlScene scene{.fogs = {fog.withProfile(profile).shifted(Vec3(0.02 * step, 0, 0))},
+                    .fogFactor = 1 - 0.01 * step};
+      if (polar)
+        scene.polarFog = PolarOptions{};
+      (void)renderer_->takePasses();
+      ASSERT_TRUE(renderer_->render(camera_, scene, {}, quiet_));
+      const auto passes = renderer_->takePasses();
+      links += timesOf(passes, "link");
+      uploads += timesOf(passes, "upload");
+      EXPECT_EQ(timesOf(passes, "polar"), polar ? 1 : 0);
+    }
+    EXPECT_LE(links, polar ? 2 : 1);
+    EXPECT_LE(uploads, 1);
+  }
+}
+
+TEST_F(GlReuseTest, SlidersOfColorsAndOfVolumesLinkOnce) {
+  const auto slice = sliceOf(1, Basis::kTrilinear);
+  int links[2] = {};
+  for (int step = 0; step < 50; ++step) {
+    const FogMedium fog = fogtest::fog(fogtest::map(5, 4), fogtest::profiles()[2].profile,
+                                       {.degree = 2, .color = Rgb(0.02 * step, 1, 1)});
+    links[0] += timesFor({.fogs = {fog}}, "link");
+    links[1] += timesFor({.volumes = {{slice, 1 + 0.1 * step, 2 + 0.03 * step}}}, "link");
+  }
+  EXPECT_LE(links[0], 1);
+  EXPECT_LE(links[1], 1);
+}
+
+/// Each medium twice; what is the same is not uploaded again, what has changed is, and shows.
+TEST_F(GlReuseTest, WhatHasNotChangedStaysOnTheDevice) {
+  const Smoke smoke(boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {4, 3, 3}, 0.2, 1), true, 2);
+  GlSmoke thicker = smoke.onDevice();
+  for (float& value : thicker.extinction) value *= 2;
+  const Camera camera = Camera::framing(smoke.medium().bounds(), kWidth, kHeight);
+  for (const auto method :
+       {GlSmokeMethod::kMarch, GlSmokeMethod::kSplat, GlSmokeMethod::kProject}) {
+    const RenderOptions depths{.aov = Aov::kOpticalDepth};
+    const GlScene scene{.smokes = {smoke.onDevice()}, .smokeMethod = method};
+    const GlScene changed{.smokes = {thicker}, .smokeMethod = method};
+    const Image before = renderer_->render(camera, scene, depths, quiet_).value();
+    (void)renderer_->takePasses();
+    const auto counts = renderer_->projectedTets();
+    EXPECT_EQ(renderer_->render(camera, scene, depths, quiet_).value().pixels, before.pixels);
+    EXPECT_EQ(timesOf(renderer_->takePasses(), "upload"), 0) << int(method);
+    const Image after = renderer_->render(camera, changed, depths, quiet_).value();
+    double brightest = 0, worst = 0;
+    for (std::size_t i = 0; i < after.pixels.size(); ++i) {
+      brightest = std::max<double>(brightest, after.pixels[i]);
+      worst = std::max<double>(worst, std::abs(after.pixels[i] - 2 * before.pixels[i]));
+    }
+    EXPECT_LE(worst, 2e-3 * brightest) << int(method);
+    EXPECT_GT(brightest, 0.1);
+    if (method != GlSmokeMethod::kProject) {
+      EXPECT_EQ(timesOf(renderer_->takePasses(), "upload"), 1) << int(method);
+      continue;
+    }
+    const auto later = renderer_->projectedTets();
+    EXPECT_EQ(later->sorts, counts->sorts);
+    EXPECT_EQ(later->pictures, counts->pictures + 2);
+    EXPECT_EQ(later->uploads, counts->uploads + 1);  // the fields
+  }
+}
+
+TEST_F(GlReuseTest, ProgramsOfLongAgoAreEnded) {
+  GlPrograms programs;
+  GlPasses passes;
+  const auto use = [&](const char* key) {
+    EXPECT_TRUE(programs.get(key, "", passes, [] {
+      return std::vector<ShaderPart>{{"empty", "layout(local_size_x = 1) in;\nvoid main() {}\n"}};
+    }));
+  };
+  use("once");
+  for (int picture = 0; picture < GlPrograms::kKeptPictures; ++picture) {
+    use("always");
+    programs.pictureDone();
+  }
+  EXPECT_EQ(programs.size(), 2U);
+  programs.pictureDone();
+  EXPECT_EQ(programs.size(), 1U);
+  use("always");
+  EXPECT_EQ(timesOf(passes.take(), "link"), 2);
+}
+
+/// The message of what does not fit.
+class GlLimitsTest : public GlRendererTest {
+ protected:
+  std::string refusal(const GlScene& scene) {
+    const Camera camera = Camera::framing({Vec3(0, 0, 0), Vec3(1, 1, 1)}, 8, 8);
+    const auto image = renderer_->render(camera, scene, {}, quiet_);
+    EXPECT_FALSE(image);
+    if (image)
+      return {};
+    EXPECT_EQ(image.error().code, ErrorCode::kTooLarge) << image.error().message;
+    return image.error().message;
+  }
+};
+
+TEST_F(GlLimitsTest, TooManyMediaAreRefusedByCounting) {
+  const Smoke smoke(boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {2, 2, 2}, 0.2, 1), true, 2);
+  GlScene smokes, volumes;
+  for (std::int64_t i = 0; i <= gl_->device().storageBindings / 6; ++i)
+    smokes.smokes.push_back(smoke.onDevice());
+  const auto slice = sliceOf(1, Basis::kBox);
+  for (std::int64_t i = 0; i <= gl_->device().textureUnits / 2; ++i)
+    volumes.volumes.push_back({slice, 1, 1});
+  EXPECT_NE(refusal(smokes).find("buffers at a time"), std::string::npos);
+  EXPECT_NE(refusal(volumes).find("textures"), std::string::npos);
+}
+
+TEST_F(GlLimitsTest, WhatIsLongerThanTexturesIsRefused) {
+  const int side = static_cast<int>(gl_->device().largestTexture) + 8;
+  const FogMedium fog = fogtest::fog(SplineGrid(side, 2), fogtest::profiles()[0].profile, {});
+  EXPECT_NE(refusal({.fogs = {fog}}).find("a fog map of"), std::string::npos);
+  VolumeInfo info = infoOf(1, Basis::kBox);
+  info.x = static_cast<int>(8 * (gl_->device().largestTexture3d + 1)), info.y = info.z = 1;
+  const auto slice = std::make_shared<const BrickSlice>(
+      BrickSlice::fromDense(info, std::vector<float>(info.x, 1.0F)));
+  EXPECT_NE(refusal({.volumes = {{slice, 1, 1}}}).find("table of bricks"), std::string::npos);
+}
+
+/// Just below what is refused for its length, pictures are right: software rasterisers end loops.
+TEST_F(GlLimitsTest, LongWaysAreDrawnRightOrRefused) {
+  int refused = 0;
+  for (const int length : {3000, 5000, 9000, 12000}) {
+    VolumeInfo info = infoOf(1, Basis::kTrilinear);
+    info.x = length, info.y = info.z = 1;
+    info.bounds = {Vec3(0, 0, 0), Vec3(0.01 * length, 1, 1)};
+    const auto slice = std::make_shared<const BrickSlice>(
+        BrickSlice::fromDense(info, std::vector<float>(length, 1.0F)));
+    SplineGrid even(length, 3);
+    std::ranges::fill(even.c, 1);
+    const FogMedium fog =
+        fogtest::fog(even, fogtest::profiles()[0].profile, {.degree = 3}, 0.01, 0.05);
+    for (const bool ofFog : {false, true}) {
+      const AnyMedium medium = ofFog ? AnyMedium(fog) : AnyMedium(VoxelMedium(slice, 1, 0.1));
+      const GlScene scene = ofFog ? GlScene{.fogs = {fog}} : GlScene{.volumes = {{slice, 1, 0.1}}};
+      Vec3 from = medium.bounds().centre();
+      if (ofFog)
+        from.z() = 2;
+      const Vec3 to = from + Vec3(1, 0, 0);
+      from.x() = medium.bounds().min.x() - 1;
+      const Camera camera = Camera::orthographic({from, to}, 0.02, 8, 8);
+      const RenderOptions depths{.aov = Aov::kOpticalDepth};
+      const auto image = renderer_->render(camera, scene, depths, quiet_);
+      if (!image) {
+        EXPECT_EQ(image.error().code, ErrorCode::kTooLarge) << image.error().message;
+        EXPECT_FALSE(gl_->device().hardware);
+        ++refused;
+        continue;
+      }
+      const Image expected = render(camera, {&medium, 1}, depths, quiet_).value();
+      EXPECT_NEAR(image->pixels[36], expected.pixels[36], 1e-3 * expected.pixels[36])
+          << length << (ofFog ? " fog" : " volume");
+    }
+  }
+  EXPECT_TRUE(refused > 0 || gl_->device().hardware);
+}
+
+TEST_F(GlLimitsTest, APolarTableCanBeStopped) {
+  struct StopsLater final : Progress {
+    bool cancelled() const override { return ++asked > 3; }
+
+    mutable int asked = 0;
+  } progress;
+
+  const FogMedium fog =
+      fogtest::fog(fogtest::map(2000, 300), fogtest::profiles()[0].profile, {.degree = 1});
+  const GlScene scene{.fogs = {fog}, .polarFog = PolarOptions{}};
+  const Camera camera = Camera::pinhole({Vec3(-4, -3, 3), Vec3(8, 9, 1.5)}, 70, 8, 8);
+  const auto image = renderer_->render(camera, scene, {}, progress);
+  ASSERT_FALSE(image);
+  EXPECT_EQ(image.error().code, ErrorCode::kCancelled);
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/gl/gl_triangles.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "volute/gl/box_tree.hpp"
+
+namespace volute {
+
+Result<GlTriangles> GlTriangles::make(std::span<const Triangle> triangles) {
+  using Corner = std::array<double, 4>;
+  GLint64 most = 0;
+  glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+  if (std::cmp_greater(3 * triangles.size() * sizeof(Corner), most)) {
+    return fail(ErrorCode::kTooLarge,
+                "{} triangles do not fit in the graphics device's buffers of {} MiB; render with "
+                "--renderer cpu",
+                triangles.size(), most >> 20);
+  }
+  GlTriangles made;
+  Box3 bounds;
+  for (const Triangle& triangle : triangles) {
+    for (const Vec3& corner : triangle.corners) bounds.extend(corner);
+  }
+  if (!bounds.empty())
+    made.middle = bounds.centre();
+  std::vector<Box3> boxes;
+  for (const Triangle& triangle : triangles) {
+    Box3 box;
+    for (const Vec3& corner : triangle.corners) {
+      box.extend(corner - made.middle);
+      made.reach = std::max(made.reach, (corner - made.middle).norm());
+    }
+    boxes.push_back(box);
+  }
+  BoxTree tree(boxes);
+  std::vector<Corner> corners;
+  for (const std::int32_t item : tree.items) {
+    const Triangle& triangle = triangles[static_cast<std::size_t>(item)];
+    for (const Vec3& corner : triangle.corners) {
+      const Vec3 at = corner - made.middle;
+      corners.push_back({at.x(), at.y(), at.z(), static_cast<double>(triangle.material)});
+    }
+  }
+  made.nodes = makeBuffer(std::span<const BoxTree::Node>(tree.nodes));
+  made.corners = makeBuffer(std::span<const Corner>(corners));
+  made.order = std::move(tree.items);
+  return made;
+}
+
+void GlTriangles::bind(const GlProgram& program, const Vec3& eye, Sides sides) const {
+  program.bindStorage("Nodes", 0, nodes);
+  program.bindStorage("Corners", 1, corners);
+  program.setExactly("eyeInGeometry", Vec3(eye - middle));
+  program.set("sides", static_cast<int>(sides));
+}
+
+}  // namespace volute

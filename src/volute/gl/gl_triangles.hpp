@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "volute/geometry/triangle_scene.hpp"
+#include "volute/gl/gl_program.hpp"
+
+namespace volute {
+
+/// Opaque triangles on the device, in a tree of boxes, as triangles.glsl reads them.
+struct GlTriangles {
+  /// Which triangles stop a ray: all, or those whose front or whose back it comes to.
+  enum class Sides { kBoth = 0, kFront = 1, kBack = -1 };
+
+  Vec3 middle = Vec3::Zero();       ///< of their bounds [m]
+  double reach = 0;                 ///< [m] from the middle to the farthest corner
+  std::vector<std::int32_t> order;  ///< places in the list, in the order that shaders have them in
+  GlBuffer nodes, corners;
+
+  /// kTooLarge where they do not fit into one of the device's buffers.
+  [[nodiscard]] static Result<GlTriangles> make(std::span<const Triangle> triangles);
+
+  /// For rays whose places are relative to `eye`.
+  void bind(const GlProgram& program, const Vec3& eye, Sides sides = Sides::kBoth) const;
+};
+
+}  // namespace volute

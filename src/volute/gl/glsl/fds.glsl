@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// The smoke or the fire of an FDS case: lattices with planes at any distance, side by side; M_ stands for the medium's own
+// prefix. Values are constant in each cell or trilinear between nodes; obstructions and what no lattice covers are empty.
+// A coarse table of parts says which lattice is where (FdsGrid). All is in one buffer; gl_fds.cpp writes it.
+
+layout(std430) readonly buffer M_Words { uint M_words[]; };
+
+uniform vec3 M_eye;         // [m] from the middle of all
+uniform ivec3 M_partCount;  // of the table, along each axis
+uniform ivec3 M_partPlanes; // where the planes of each axis begin [words]
+uniform int M_table;
+uniform int M_lattices;     // ten words each: planes, cells, values, bits of gas, light, nodal
+uniform float M_extinction; // of a unit of the values [1/m]
+uniform vec3 M_source;      // light that a unit of the values sends [1/m]; with M_LIT what given light is multiplied by
+
+vec3 M_o;           // the ray's origin from the middle
+ivec3 M_ahead;      // -1 or 1 on each axis
+ivec3 M_part;
+vec3 M_partLeaves;  // where the ray leaves the part on each axis
+float M_partEnd;
+int M_lattice;      // its words, or -1
+ivec3 M_planesAt, M_cells;
+ivec3 M_cell;
+vec3 M_leaves;      // where the ray leaves the cell on each axis
+vec3 M_low, M_perCell;
+float M_c[8];       // values of the cell's corners
+#if M_LIT
+vec3 M_light[8];
+#endif
+float M_end;        // the ray is in this cell, or in a part without a lattice, up to here
+float M_stop;
+bool M_on;          // in gas
+bool M_waits;       // still before the case
+
+float M_real(int at) { return uintBitsToFloat(M_words[at]); }
+
+float M_crossing(int axis, int at) {
+  return rayDirection[axis] == 0.0 ? FARTHEST : (M_real(at) - M_o[axis]) / rayDirection[axis];
+}
+
+void M_finish() {
+  M_on = false;
+  M_waits = false;
+  M_end = FARTHEST;
+  M_stop = -FARTHEST;
+}
+
+// Which of `count` gaps between the planes from `at` on holds a place; one on a plane belongs to the upper gap.
+int M_gap(int at, int count, float place) {
+  int low = 0;
+  int high = count;
+  while (high - low > 1) {
+    int middle = (low + high) / 2;
+    if (M_real(at + middle) <= place) low = middle;
+    else high = middle;
+  }
+  return low;
+}
+
+int M_leastOf(vec3 v) { return v.x <= v.y ? (v.x <= v.z ? 0 : 2) : (v.y <= v.z ? 1 : 2); }
+
+// What is in M_cell, and how far it goes.
+void M_enterCell() {
+  for (int axis = 0; axis < 3; ++axis) {
+    int plane = M_planesAt[axis] + M_cell[axis];
+    M_low[axis] = M_real(plane);
+    M_perCell[axis] = 1.0 / (M_real(plane + 1) - M_low[axis]);
+    M_leaves[axis] = M_crossing(axis, plane + (M_ahead[axis] > 0 ? 1 : 0));
+  }
+  M_end = min(min(min(M_leaves.x, M_leaves.y), min(M_leaves.z, M_partEnd)), M_stop);
+  int place = (M_cell.z * M_cells.y + M_cell.y) * M_cells.x + M_cell.x;
+  M_on = (M_words[int(M_words[M_lattice + 7]) + (place >> 5)] >> (place & 31) & 1u) != 0u;
+  if (!M_on) return;
+  bool nodal = M_words[M_lattice + 9] != 0u;
+  int values = int(M_words[M_lattice + 6]);
+  int node = (M_cell.z * (M_cells.y + 1) + M_cell.y) * (M_cells.x + 1) + M_cell.x;
+  ivec3 stride = ivec3(1, M_cells.x + 1, (M_cells.x + 1) * (M_cells.y + 1));
+#if M_LIT
+  int light = int(M_words[M_lattice + 8]);
+#endif
+  for (int i = 0; i < 8; ++i) {
+    int corner = node + (i & 1) * stride.x + (i >> 1 & 1) * stride.y + (i >> 2) * stride.z;
+    M_c[i] = M_real(values + (nodal ? corner : place));
+#if M_LIT
+    M_light[i] = vec3(M_real(light + 3 * corner), M_real(light + 3 * corner + 1), M_real(light + 3 * corner + 2));
+#endif
+  }
+}
+
+// Into M_part, at s.
+void M_enterPart(float s) {
+  int part = (M_part.z * M_partCount.y + M_part.y) * M_partCount.x + M_part.x;
+  for (int axis = 0; axis < 3; ++axis)
+    M_partLeaves[axis] = M_crossing(axis, M_partPlanes[axis] + M_part[axis] + (M_ahead[axis] > 0 ? 1 : 0));
+  M_partEnd = min(M_partLeaves.x, min(M_partLeaves.y, M_partLeaves.z));
+  int lattice = int(M_words[M_table + part]);
+  M_on = false;
+  M_end = min(M_partEnd, M_stop);
+  M_lattice = lattice < 0 ? -1 : M_lattices + 10 * lattice;
+  if (lattice < 0) return;
+  vec3 place = M_o + s * rayDirection;
+  for (int axis = 0; axis < 3; ++axis) {
+    M_planesAt[axis] = int(M_words[M_lattice + axis]);
+    M_cells[axis] = int(M_words[M_lattice + 3 + axis]);
+    M_cell[axis] = M_gap(M_planesAt[axis], M_cells[axis], place[axis]);
+  }
+  M_enterCell();
+}
+
+void M_begin() {
+  M_o = M_eye + rayOrigin;
+  float begin = rayBegin;
+  float end = rayEnd;
+  bool met = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    M_ahead[axis] = rayDirection[axis] < 0.0 ? -1 : 1;
+    float low = M_real(M_partPlanes[axis]);
+    float high = M_real(M_partPlanes[axis] + M_partCount[axis]);
+    met = met && clipAxis(M_o[axis], rayDirection[axis], low, high, begin, end);
+  }
+  if (!met || begin >= end) {
+    M_finish();
+    return;
+  }
+  M_stop = end;
+  M_on = false;
+  M_waits = true;
+  M_end = begin;
+}
+
+// Into what comes after M_end.
+void M_next() {
+  if (M_end >= M_stop) {
+    M_finish();
+    return;
+  }
+  float s = M_end;
+  if (M_waits) {
+    M_waits = false;
+    vec3 place = M_o + s * rayDirection;
+    for (int axis = 0; axis < 3; ++axis) M_part[axis] = M_gap(M_partPlanes[axis], M_partCount[axis], place[axis]);
+    M_enterPart(s);
+    return;
+  }
+  if (M_lattice >= 0 && s < M_partEnd) {
+    int axis = M_leastOf(M_leaves);
+    M_cell[axis] += M_ahead[axis];
+    if (M_cell[axis] >= 0 && M_cell[axis] < M_cells[axis]) {
+      M_enterCell();
+      return;
+    }
+    M_on = false;  // rounding: the part ends here too
+    M_lattice = -1;
+    M_end = min(M_partEnd, M_stop);
+    return;
+  }
+  int axis = M_leastOf(M_partLeaves);
+  M_part[axis] += M_ahead[axis];
+  if (M_part[axis] < 0 || M_part[axis] >= M_partCount[axis]) {
+    M_finish();
+    return;
+  }
+  M_enterPart(s);
+}
+
+// Adds the medium at s, which is in the cell.
+void M_sample(float s, inout float k, inout vec3 e) {
+  if (!M_on) return;
+  vec3 p = clamp((M_o + s * rayDirection - M_low) * M_perCell, 0.0, 1.0);
+  vec4 across = vec4((1.0 - p.x) * (1.0 - p.y), p.x * (1.0 - p.y), (1.0 - p.x) * p.y, p.x * p.y);
+  float v = (1.0 - p.z) * dot(across, vec4(M_c[0], M_c[1], M_c[2], M_c[3])) +
+            p.z * dot(across, vec4(M_c[4], M_c[5], M_c[6], M_c[7]));
+  k += M_extinction * v;
+#if M_LIT
+  vec3 light = vec3(0.0);
+  for (int i = 0; i < 4; ++i) light += across[i] * ((1.0 - p.z) * M_light[i] + p.z * M_light[i + 4]);
+  e += v * light * M_source;
+#else
+  e += v * M_source;
+#endif
+}
