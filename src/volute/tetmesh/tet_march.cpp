@@ -169,7 +169,10 @@ bool Enter(const MarchMesh& mesh, const MarchRay& ray, std::int32_t half, std::s
     }
   }
   lanes.half[lane] = half;
-  lanes.z[lane] = value[0] / total;
+  const float first = lanes.corner[0][2][lane];
+  lanes.z[lane] = first + (lanes.weight[1][lane] * (lanes.corner[1][2][lane] - first) +
+                           lanes.weight[2][lane] * (lanes.corner[2][2][lane] - first)) /
+                              total;
   lanes.tau[lane] = value[1] / total;
   for (int c = 0; c < 3; ++c) lanes.rgb[c][lane] = value[2 + c] / total;
   return true;
@@ -362,7 +365,9 @@ class Pack {
       const auto here = [&](VF va, VF vb, VF vc) {
         return hn::Mul(hn::MulAdd(wa, va, hn::MulAdd(wb, vb, hn::Mul(wc, vc))), per);
       };
-      VF z1 = hn::Max(here(a.z, b.z, c.z), z);
+      // From one corner on: far from the eye the depths themselves are coarse.
+      const VF rise = hn::MulAdd(wb, hn::Sub(b.z, a.z), hn::Mul(wc, hn::Sub(c.z, a.z)));
+      VF z1 = hn::Max(hn::MulAdd(rise, per, a.z), z);
       VF tau1 = here(a.tau, b.tau, c.tau);
       const Mask past = hn::Ge(z1, zEnd);
       const VF share = Choose(past, hn::Div(hn::Sub(zEnd, z), hn::Sub(z1, z)), Constant(1));
