@@ -183,8 +183,10 @@ Status SceneDocument::openMedium(Medium& medium, const Medium* before,
   if (kind == "volume") {
     const SceneVolume& volume = scene.volumes[place];
     medium.look = volume.appearance;
-    VOLUTE_ASSIGN(medium.volume, VolumeLayer::open(volume.file, {.partial = true, .verify = false},
-                                                   volume.appearance, reading));
+    VOLUTE_ASSIGN(
+        medium.volume,
+        VolumeLayer::open(volume.file, {.grid = {}, .bounds = {}, .partial = true, .verify = false},
+                          volume.appearance, reading));
   } else if (kind == "fog") {
     medium.fogWords = scene.fogs[place];
     medium.fogWords.scattering.shadows = fogShadows(geometry_, scene.lights.suns);

@@ -135,8 +135,9 @@ TEST(Damage, NoFlippedBitGivesAPlaceThatIsNone) {
     if (!points)
       return;
     for (const NamedPoint& point : *points) ASSERT_TRUE(point.position.allFinite());
-    if (const auto routes = routesOf(*points, "d.csv"))
+    if (const auto routes = routesOf(*points, "d.csv")) {
       ASSERT_GT((*routes)[0].length(), 0);
+    }
   });
   forEachDamage("#framerate: 8.00\n#ID frame x/m y/m z/m\n1 0 1.5 2 0\n1 8 3 4 0\n",
                 [&](const std::string& text) {

@@ -106,8 +106,9 @@ TEST(Lookout, WorkedOutLinesGiveTheSameAtEachTime) {
       for (std::size_t i = 0; i < eyes.size(); ++i) {
         ASSERT_EQ(found[i].blocked, expected[i].blocked);
         ASSERT_EQ(found[i].covered, expected[i].covered);
-        if (expected[i].covered)
+        if (expected[i].covered) {
           ASSERT_NEAR(found[i].depth, expected[i].depth, 1e-6 * (1e-3 + expected[i].depth));
+        }
       }
     }
   }
