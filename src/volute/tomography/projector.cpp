@@ -245,7 +245,8 @@ void Projector::cutChunks() {
     }
     std::ranges::stable_sort(order, {}, [&](std::uint32_t row) { return plane[row]; });
     const std::size_t first = chunks_.size();
-    const std::size_t most = std::max<std::size_t>(kMostChunks * order.size() / rows(), 1);
+    const std::size_t most =
+        std::max<std::size_t>(kMostChunks * order.size() / std::max<std::size_t>(rows(), 1), 1);
     const std::size_t count =
         order.empty() ? 0 : std::clamp<std::size_t>(order.size() / kChunkRows, 1, most);
     for (std::size_t k = 0; k < order.size(); ++k)
