@@ -75,7 +75,7 @@ def make(demo, say):
     still("ball_unlit", "smoke_ball_unlit.png", 0)
     depth = still("hall", "smoke_depth.png", MOMENTS[3], "--aov", "optical-depth", "--colormap", "viridis", "--legend", exposure=1 / 8)
     say("smoke: the film")
-    film = demo.run("volute", "render", "smoke_hall.json", "-o", "smoke.mp4", "--size", f"{FILM[0]}x{FILM[1]}", "--speed", SPEED, "--exposure", 1, "--cache", "light",
+    film = demo.run("volute", "render", "smoke_hall.json", "-o", "hall.mp4", "--size", f"{FILM[0]}x{FILM[1]}", "--speed", SPEED, "--exposure", 1, "--cache", "light",
                     "--legend", "--json")
     return {"film": film, "depth": depth}
 
@@ -93,7 +93,7 @@ def sections(result):
              "facts": [{"value": f"{milliseconds:.0f}{NBSP}ms", "label": f"a picture of the film, {FILM[0]} × {FILM[1]}, walls and signs included"},
                        {"value": f"{film['smoke']['lights_reused']} of {film['smoke']['lights_computed'] + film['smoke']['lights_reused']}",
                         "label": "lamps and steps whose light was kept from pictures before"}],
-             "figures": [{"file": "smoke.mp4", "poster": "smoke_70.png", "label": "From ignition to 160 s",
+             "figures": [{"file": "hall.mp4", "poster": "smoke_70.png", "label": "From ignition to 160 s",
                           "caption": f"{SPEED} seconds of fire in a second of film; photometric"},
                          {"file": "smoke_depth.png", "label": "Optical depth up to the walls",
                           "caption": f"After {MOMENTS[3]}{NBSP}s; natural logarithm, viridis"}], "columns": 2}
