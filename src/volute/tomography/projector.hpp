@@ -56,9 +56,6 @@ class Projector {
   /// Rows whose rays walk together; 0 with a table.
   std::size_t beams() const { return beams_.size(); }
 
-  /// Weights in the table; 0 without one.
-  std::size_t tableSize() const { return byRow_.weights.size(); }
-
   /// pixels = S unknowns.
   void forward(std::span<const float> unknowns, std::span<float> pixels) const;
 

@@ -2,20 +2,16 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "volute/cli/benchmarks/benchmarks.hpp"
 #include "volute/cli/benchmarks/gl_cases.hpp"
-#include "volute/io/mesh_source.hpp"
-#include "volute/tetmesh/made_meshes.hpp"
+#include "volute/cli/benchmarks/smoke_views.hpp"
 #include "volute/tetmesh/tet_splat.hpp"
 
 namespace volute::cli {
 namespace {
 
 constexpr int kFrames = 4;
-/// Extinction of 1 g/m3 of soot [1/m], as `volute bench smoke` has it.
-constexpr float kPerGram = 0.15F;
 
 /// Some instants of smoke, and what the processor draws of them.
 struct AnimatedSmoke {
@@ -25,14 +21,11 @@ struct AnimatedSmoke {
   TetSplat splat;
   int set = -1;  // the time that the splat holds
 
-  AnimatedSmoke(const std::shared_ptr<const TetMesh>& mesh, std::vector<std::vector<float>> grams)
-      : locator(std::make_shared<const TetLocator>(mesh)),
-        extinctions(std::move(grams)),
-        source(3 * mesh->vertices().size(), 0.8F),
+  explicit AnimatedSmoke(SmokeCase smoke)
+      : locator(std::make_shared<const TetLocator>(smoke.mesh)),
+        extinctions(std::move(smoke.extinction)),
+        source(3 * smoke.mesh->vertices().size(), 0.8F),
         splat(locator) {
-    for (auto& extinction : extinctions) {
-      for (float& value : extinction) value *= kPerGram;
-    }
     splat.setSource(source);
   }
 
@@ -106,31 +99,12 @@ GlCase smokeCase(std::string name, const std::shared_ptr<AnimatedSmoke>& smoke, 
   return one;
 }
 
-/// The last instant of a mesh, and shares of it as the others.
-Result<std::shared_ptr<AnimatedSmoke>> readSmoke(const std::string& file) {
-  VOLUTE_ASSIGN(auto source,
-                MeshSource::open(file, {.field = "smoke", .negatives = Negatives::kClamp}));
-  VOLUTE_ASSIGN(auto frame, source.read(source.times().size() - 1));
-  std::vector<std::vector<float>> grams{std::move(frame.values)};
-  for (const float share : {0.97F, 0.94F, 0.91F}) {
-    auto& thinner = grams.emplace_back(grams.front());
-    for (float& value : thinner) value *= share;
-  }
-  return std::make_shared<AnimatedSmoke>(frame.mesh, std::move(grams));
-}
-
-std::shared_ptr<AnimatedSmoke> makeSmoke(double cell) {
-  const auto mesh = hallMesh(cell, 1);
-  std::vector<std::vector<float>> grams;
-  for (int t = 0; t < kFrames; ++t) grams.push_back(plume(*mesh, 0.4 * t, 1));
-  return std::make_shared<AnimatedSmoke>(mesh, std::move(grams));
-}
-
 }  // namespace
 
 void addHall(bool quick, std::vector<GlCase>& cases) {
   // About as many tets as the paper's hall, 120,925.
-  const auto smoke = makeSmoke(quick ? 1.2 : 0.46);
+  const auto smoke =
+      std::make_shared<AnimatedSmoke>(madeSmokeCase("made hall", quick ? 1.2 : 0.46));
   const TetMesh& mesh = smoke->locator->mesh();
   const Vec3 middle = mesh.bounds().centre();
   const Vec3 eye = mesh.bounds().min + mesh.bounds().size().cwiseProduct(Vec3(0.1, 0.2, 0.6));
@@ -152,30 +126,15 @@ void addHall(bool quick, std::vector<GlCase>& cases) {
 }
 
 Status addMall(const BenchInput& input, std::vector<GlCase>& cases) {
-  std::shared_ptr<AnimatedSmoke> smoke;
-  std::string name;
+  SmokeCase mall;
   if (isMeshInput(input)) {
-    VOLUTE_ASSIGN(smoke, readSmoke(input.volume));
-    name = std::filesystem::path(input.volume).filename().string();
-  } else {
-    smoke = makeSmoke(input.quick ? 1.2 : 0.19);  // as many tets as the paper's Mall, 1,724,811
-    name = "made mall";
+    VOLUTE_ASSIGN(mall, readSmokeCase(input));
+  } else {  // as many tets as the paper's Mall, 1,724,811
+    mall = madeSmokeCase("made mall", input.quick ? 1.2 : 0.19);
   }
-  const Box3 box = smoke->locator->mesh().bounds();
-  const auto at = [&](double x, double y, double z) {
-    return Vec3(box.min + box.size().cwiseProduct(Vec3(x, y, z)));
-  };
-
-  struct Eye {
-    const char* name;
-    Vec3 eye, target;
-    double fov;
-  };
-
-  // As `volute bench smoke` has them.
-  const Eye eyes[] = {{"outside", at(-0.32, -1.2, 2.3), at(0.5, 0.5, 0.33), 36},
-                      {"inside", at(0.08, 0.57, 0.28), at(0.86, 0.5, 0.4), 60}};
-  for (const Eye& eye : eyes) {
+  const std::string name = mall.name;
+  const auto smoke = std::make_shared<AnimatedSmoke>(std::move(mall));
+  for (const SmokeEye& eye : smokeEyes(*smoke->locator)) {
     const Vec3 towards = eye.target - eye.eye;
     const Vec3 across = towards.cross(Vec3::UnitZ()).normalized();
     const View view = [=](int frame, bool, int width, int height) {

@@ -7,8 +7,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
+#include "volute/io/mesh_source.hpp"
+#include "volute/tetmesh/made_meshes.hpp"
 #include "volute/tetmesh/tet_reference.hpp"
 
 namespace volute::cli {
@@ -20,12 +23,47 @@ Vec3 centreOf(const TetMesh& mesh, const Tet& tet) {
   return centre;
 }
 
+SmokeCase inMetres(SmokeCase smoke) {
+  constexpr float kPerGram = 0.15F;  // extinction of 1 g/m3 of the field [1/m]
+  for (auto& field : smoke.extinction) {
+    for (float& value : field) value *= kPerGram;
+  }
+  return smoke;
+}
+
 const Tet& nearestTet(const TetMesh& mesh, const Vec3& point) {
   return *std::ranges::min_element(
       mesh.tets(), {}, [&](const Tet& tet) { return (centreOf(mesh, tet) - point).squaredNorm(); });
 }
 
 }  // namespace
+
+SmokeCase madeSmokeCase(std::string name, double cell) {
+  SmokeCase made{std::move(name), hallMesh(cell, 1), {}};
+  for (int i = 0; i < 4; ++i) made.extinction.push_back(plume(*made.mesh, i, 1));
+  return inMetres(std::move(made));
+}
+
+Result<SmokeCase> readSmokeCase(const BenchInput& input) {
+  const MeshOptions options{.field = "smoke", .negatives = Negatives::kClamp};
+  VOLUTE_ASSIGN(auto source, MeshSource::open(input.volume, options));
+  SmokeCase read{std::filesystem::path(input.volume).filename().string(), nullptr, {}};
+  const std::size_t count = source.times().size();
+  for (std::size_t i = count - std::min<std::size_t>(count, 4); i < count; ++i) {
+    VOLUTE_ASSIGN(auto frame, source.read(i));
+    if (frame.mesh != read.mesh)
+      read.extinction.clear();
+    read.mesh = frame.mesh;
+    read.extinction.push_back(std::move(frame.values));
+  }
+  for (const float share : {0.97F, 0.94F, 0.91F}) {
+    if (read.extinction.size() >= 4)
+      break;
+    auto& thinner = read.extinction.emplace_back(read.extinction.front());
+    for (float& value : thinner) value *= share;
+  }
+  return inMetres(std::move(read));
+}
 
 std::vector<SmokeEye> smokeEyes(const TetLocator& locator) {
   const TetMesh& mesh = locator.mesh();

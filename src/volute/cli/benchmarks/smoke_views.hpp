@@ -6,10 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/result.hpp"
 #include "volute/camera/camera.hpp"
+#include "volute/cli/bench.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
 
-// What `volute bench smoke` draws: cases, eyes, the four modes of a moving picture.
+// What `volute bench smoke` draws, and `bench gl` of it: cases, eyes, the four modes of a moving
+// picture.
 
 namespace volute::cli {
 
@@ -19,6 +22,13 @@ struct SmokeCase {
   std::shared_ptr<const TetMesh> mesh;
   std::vector<std::vector<float>> extinction;  ///< [1/m]
 };
+
+/// A hall of cells that are `cell` metres wide, which a plume fills.
+SmokeCase madeSmokeCase(std::string name, double cell);
+
+/// The last instants of a case that have the same mesh as the last; of a single one, shares of it.
+/// Its field is taken as g/m3 of soot.
+[[nodiscard]] Result<SmokeCase> readSmokeCase(const BenchInput& input);
 
 struct SmokeView {
   Vec3 eye, target;
