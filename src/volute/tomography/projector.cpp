@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
@@ -122,6 +123,13 @@ void addReach(const WalkRay& ray, const WalkLattice& lattice, NodeRange& range) 
     to += static_cast<std::int32_t>(std::max(std::floor(ends) + 3, 1.0)) * lattice.stride[a];
   }
   range.add(from, to);
+}
+
+/// How many cells a ray enters, about.
+int cellsOf(const WalkRay& ray) {
+  float speed = 0;
+  for (const float v : ray.velocity) speed += std::abs(v);
+  return static_cast<int>(ray.length * speed);
 }
 
 /// What stands at `from`, in groups of `size`.
@@ -254,13 +262,17 @@ void Projector::cutChunks() {
     chunks_.resize(first + count, {.turned = turned != 0});
   }
 
-  const auto beamOrder =
-      sortedBy(beams_.size(), [&](std::uint32_t i) { return chunkOf[beamRows_[i]]; });
+  // Beams and rays walk in groups, until the last of a group has arrived: those that go equally far
+  // go together.
+  const auto beamOrder = sortedBy(beams_.size(), [&](std::uint32_t i) {
+    return std::pair(chunkOf[beamRows_[i]], beams_[i].slabs);
+  });
   beams_ = taken<Beam>(beams_, beamOrder, 1);
   beamRays_ = taken<BeamRay>(beamRays_, beamOrder, raysPerPixel_);
   beamRows_ = taken<std::uint32_t>(beamRows_, beamOrder, 1);
-  const auto looseOrder =
-      sortedBy(looseRows_.size(), [&](std::uint32_t i) { return chunkOf[looseRows_[i]]; });
+  const auto looseOrder = sortedBy(looseRows_.size(), [&](std::uint32_t i) {
+    return std::pair(chunkOf[looseRows_[i]], cellsOf(looseRays_[i * raysPerPixel_]));
+  });
   looseRays_ = taken<WalkRay>(looseRays_, looseOrder, raysPerPixel_);
   looseRows_ = taken<std::uint32_t>(looseRows_, looseOrder, 1);
 
