@@ -44,7 +44,13 @@ class ErrorWindow final : public vtkOutputWindow {
     all.erase(all.find_last_not_of(" \n") + 1);
     const auto colon = all.rfind("): ");
     first = colon == std::string::npos ? all : all.substr(colon + 3);
+    if (first.starts_with("Generic Warning: In ") && first.find('\n') != std::string::npos)
+      first.erase(0, first.find('\n') + 1);
     std::ranges::replace(first, '\n', ' ');
+    if (all.find("returned failure for request") != std::string::npos)
+      first = "its numbers do not fit together";
+    else if (first.ends_with("may be too short."))
+      first += " Or it has what is no finite number.";
   }
 };
 
