@@ -3,6 +3,7 @@
 #include "volute/cli/mesh_report.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "volute/io/mesh_source.hpp"
 #include "volute/scene/volume_input.hpp"

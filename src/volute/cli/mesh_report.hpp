@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "volute/base/result.hpp"
 #include "volute/cli/context.hpp"
 #include "volute/cli/report.hpp"
 

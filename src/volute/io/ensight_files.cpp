@@ -404,8 +404,9 @@ Result<Geometry> readGeometry(const std::filesystem::path& path) {
     if (!out.whole)
       return out;
   }
-  const auto bare = std::ranges::find_if(
-      out.parts, [](const auto& part) { return part.second.elements.empty(); });
+  const auto bare = std::ranges::find_if(out.parts, [](const auto& part) {
+    return part.second.nodes > 0 && part.second.elements.empty();
+  });
   if (bare != out.parts.end()) {
     return fail(ErrorCode::kTruncated,
                 "{}: part {} has {} nodes and no elements; expected a mesh; the end may be missing",
