@@ -121,7 +121,10 @@ class VtkMeshReader final : public MeshReader {
     std::vector<Field> fields;
     listFields(grid->GetPointData(), false, names, fields);
     listFields(grid->GetCellData(), true, names, fields);
-    VOLUTE_ASSIGN(const std::size_t chosen, chooseGrid(names, wanted, file, "field"));
+    const auto choice = chooseGrid(names, wanted, file, "field");
+    if (!choice)  // VTK may have left it out because its file is cut off
+      VOLUTE_TRY(checkVtkCase(path, wanted, volume.time));
+    VOLUTE_ASSIGN(const std::size_t chosen, choice);
     data_ = {};
     data_.field = names[chosen].name;
     data_.ofCells = fields[chosen].ofCells;
