@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include "volute/io/mesh_source.hpp"
 #include "volute/scene/volume_input.hpp"
@@ -18,6 +19,16 @@ constexpr const char* kShapes[] = {"tetrahedra", "pyramids", "wedges", "hexahedr
 
 std::string vectorText(const Vec3& v) {
   return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
+}
+
+/// Of a file or a series; cases are spread over files that only their reader knows.
+std::optional<std::uint64_t> bytesOf(const std::string& path, const MeshSource& source) {
+  if (path.ends_with(".case") || path.ends_with(".foam") || path.ends_with(".pvtu"))
+    return std::nullopt;
+  auto bytes = bytesOnDisk(path);
+  for (std::size_t i = 0; bytes && i < source.times().size() && source.file(i) != path; ++i)
+    *bytes += bytesOnDisk(source.file(i).string()).value_or(0);
+  return bytes;
 }
 
 void addTimes(Report& report, const MeshSource& source) {
@@ -134,7 +145,7 @@ Result<Report> describeMeshCase(const std::string& path, bool values, Context& c
   VOLUTE_ASSIGN(const auto source, MeshSource::open(path, options));
   Report report;
   report.add("file", path).add("kind", "mesh");
-  if (const auto bytes = bytesOnDisk(path))
+  if (const auto bytes = bytesOf(path, source))
     report.add("bytes", *bytes, bytesText(*bytes));
   addTimes(report, source);
   addMissing(report, source, damaged);

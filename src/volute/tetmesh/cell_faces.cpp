@@ -58,6 +58,9 @@ struct Edge {
 
 std::vector<Edge> edgesOf(const std::vector<Polygon>& faces) {
   std::vector<Edge> edges;
+  std::size_t count = 0;
+  for (const Polygon& face : faces) count += face.size();
+  edges.reserve(count);
   for (std::size_t f = 0; f < faces.size(); ++f) {
     for (std::size_t i = 0; i < faces[f].size(); ++i) {
       const std::int64_t from = faces[f][i], to = faces[f][(i + 1) % faces[f].size()];
@@ -100,13 +103,6 @@ std::vector<Polygon> cellFaces(CellShape shape, std::span<const std::int64_t> ce
 
 Status alignFaces(std::vector<Polygon>& faces) {
   const std::vector<Edge> edges = edgesOf(faces);
-
-  struct Neighbour {
-    std::size_t face;
-    bool turned;  ///< points the other way
-  };
-
-  std::vector<std::vector<Neighbour>> neighbours(faces.size());
   for (std::size_t i = 0; i < edges.size();) {
     const Edge& edge = edges[i];
     std::size_t next = i + 1;
@@ -118,33 +114,37 @@ Status alignFaces(std::vector<Polygon>& faces) {
                   "expected 2; mend the mesh",
                   edge.low, edge.high, next - i);
     }
-    const Edge& other = edges[i + 1];
-    neighbours[edge.face].push_back({other.face, edge.upwards == other.upwards});
-    neighbours[other.face].push_back({edge.face, edge.upwards == other.upwards});
     i = next;
   }
   enum class Sense : char { kUnknown, kAsItIs, kTurned };
   std::vector<Sense> senses(faces.size(), Sense::kUnknown);
-  std::vector<std::size_t> reached{0};
   senses[0] = Sense::kAsItIs;
-  for (std::size_t at = 0; at < reached.size(); ++at) {
-    for (const Neighbour& neighbour : neighbours[reached[at]]) {
-      const bool turned = (senses[reached[at]] == Sense::kTurned) != neighbour.turned;
+  std::size_t reached = 1;
+  // From each face that is known to those beside it, until nothing is new.
+  for (bool goesOn = true; goesOn;) {
+    goesOn = false;
+    for (std::size_t i = 0; i < edges.size(); i += 2) {
+      Sense *from = &senses[edges[i].face], *to = &senses[edges[i + 1].face];
+      if (*from == Sense::kUnknown)
+        std::swap(from, to);
+      if (*from == Sense::kUnknown)
+        continue;
+      const bool turned = (*from == Sense::kTurned) != (edges[i].upwards == edges[i + 1].upwards);
       const Sense sense = turned ? Sense::kTurned : Sense::kAsItIs;
-      Sense& known = senses[neighbour.face];
-      if (known == Sense::kUnknown) {
-        known = sense;
-        reached.push_back(neighbour.face);
-      } else if (known != sense) {
+      if (*to == Sense::kUnknown) {
+        *to = sense;
+        ++reached;
+        goesOn = true;
+      } else if (*to != sense) {
         return fail(ErrorCode::kInvalidData,
                     "has no inside: its faces cannot all be turned outwards; mend the mesh");
       }
     }
   }
-  if (reached.size() != faces.size()) {
+  if (reached != faces.size()) {
     return fail(ErrorCode::kInvalidData,
                 "has {} faces of which {} hang together; expected one body; mend the mesh",
-                faces.size(), reached.size());
+                faces.size(), reached);
   }
   for (std::size_t f = 0; f < faces.size(); ++f) {
     if (senses[f] == Sense::kTurned)
