@@ -23,6 +23,7 @@ struct TimeSet {
   std::vector<double> values;
   std::vector<int> numbers;
   int start = 0, increment = 1;
+  double steps = 0;  ///< as the case says
 
   /// The number in the name of the file shown at a time: of the last step that is not later.
   int numberAt(double time) const {
@@ -113,6 +114,8 @@ Result<Case> readCase(const std::filesystem::path& path) {
       out.scalars[words[words.size() - 2]] = namedFile(words, 2);
     } else if (key == "time set") {
       set = &out.times[static_cast<int>(numberOf(words[0]).value_or(0))];
+    } else if (set && key == "number of steps") {
+      set->steps = numberOf(words[0]).value_or(0);
     } else if (set && key == "filename start number") {
       set->start = static_cast<int>(numberOf(words[0]).value_or(0));
     } else if (set && key == "filename increment") {
@@ -244,6 +247,7 @@ class Cursor {
       const auto end = text_.find('\n', at_);
       if (end == std::string::npos)
         return tooShort();
+      VOLUTE_TRY(checkRow(std::string_view(text_).substr(at_, end - at_), perRow));
       at_ = end + 1;
     }
     return {};
@@ -265,6 +269,27 @@ class Cursor {
     VOLUTE_TRY(file_.read(at_, bytes));
     at_ += bytes.size();
     return {};
+  }
+
+  /// VTK takes what is no number for 0. Several integers may stand without space between them.
+  Status checkRow(std::string_view row, std::int64_t perRow) const {
+    const auto first = row.find_first_not_of(" \t+");
+    const auto last = row.find_last_not_of(" \t\r");
+    bool good = first != std::string_view::npos && first <= last;
+    if (good) {
+      row = row.substr(first, last + 1 - first);
+      double value = 0;
+      const auto [end, error] = std::from_chars(row.data(), row.data() + row.size(), value);
+      good = perRow == 1 ? end == row.data() + row.size()
+                         : row.find_first_not_of("0123456789 \t+-.eE") == std::string_view::npos;
+      if (perRow == 1 && error == std::errc::invalid_argument)
+        good = false;
+    }
+    if (good)
+      return {};
+    return fail(ErrorCode::kInvalidData, "{}: the line at byte {} is '{}'; expected {}",
+                path().string(), at_, row.substr(0, 40),
+                perRow == 1 ? "a number" : fmt::format("{} numbers", perRow));
   }
 
   tl::unexpected<Error> tooShort() const {
@@ -332,7 +357,8 @@ Status skipElements(Cursor& cursor, const std::string& kind, std::int64_t count)
   }
   if (cursor.isBinary())
     return cursor.skip(sumOf(counts));
-  return cursor.skip(static_cast<std::int64_t>(counts.size()));
+  constexpr int kSeveral = 3;  // or more
+  return cursor.skip(static_cast<std::int64_t>(counts.size()), kSeveral);
 }
 
 /// From the line after "part" to the next part or the end; `line` is what follows.
@@ -394,7 +420,7 @@ Result<Geometry> readGeometry(const std::filesystem::path& path) {
   VOLUTE_ASSIGN(line, cursor.line());
   if (line == "extents") {
     constexpr int kExtents = 6;
-    VOLUTE_TRY(cursor.skip(cursor.isBinary() ? kExtents : kExtents / 2));
+    VOLUTE_TRY(cursor.isBinary() ? cursor.skip(kExtents) : cursor.skip(kExtents / 2, 2));
     VOLUTE_ASSIGN(line, cursor.line());
   }
   while (line == "part") {
@@ -495,10 +521,29 @@ Status checkField(const std::filesystem::path& path, const Geometry& geometry) {
   return {};
 }
 
+/// What VTK allocates for or leaves out without a word.
+Status checkTimes(const Case& opened, const std::string& name) {
+  for (const auto& [number, set] : opened.times) {
+    if (!set.values.empty() && set.steps != static_cast<double>(set.values.size())) {
+      return fail(ErrorCode::kInvalidData, "{}: time set {} has {} steps and {} time values", name,
+                  number, set.steps, set.values.size());
+    }
+    for (std::size_t i = 1; i < set.values.size(); ++i) {
+      if (!(set.values[i] > set.values[i - 1])) {
+        return fail(ErrorCode::kInvalidData,
+                    "{}: step {} of time set {} is at {} s, after {} s; expected ascending times",
+                    name, i, number, set.values[i], set.values[i - 1]);
+      }
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Status checkEnsight(const std::filesystem::path& casePath, const std::string& field, double time) {
   VOLUTE_ASSIGN(const Case opened, readCase(casePath));
+  VOLUTE_TRY(checkTimes(opened, casePath.string()));
   if (!opened.gold || opened.geometry.pattern.empty())
     return {};
   const auto folder = casePath.parent_path();
@@ -516,6 +561,11 @@ Status checkEnsight(const std::filesystem::path& casePath, const std::string& fi
       scalar->second.ofSets)
     return {};
   return checkField(pathOf(opened, scalar->second, folder, time), geometry);
+}
+
+Status checkEnsightCase(const std::filesystem::path& casePath) {
+  VOLUTE_ASSIGN(const Case opened, readCase(casePath));
+  return checkTimes(opened, casePath.string());
 }
 
 }  // namespace volute

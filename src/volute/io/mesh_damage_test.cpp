@@ -53,6 +53,33 @@ TEST(MeshDamage, NoCutOfEnsightIsWhole) {
   cutEverywhere(folder / "two_soot.01", binary("soot"));
 }
 
+TEST(MeshDamage, LinesOfEnsightThatAreNoNumbers) {
+  const TempFolder folder;
+  const auto said = [&](const char* name, const std::string& from, const std::string& to) {
+    writeEnsight(folder.path());
+    std::string text = readBytes(folder / name);
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    writeBytes(folder / name, text.replace(at, from.size(), to));
+    const Status checked = checkEnsight(folder / "box.case", "smoke", 20);
+    return checked ? std::string() : checked.error().message;
+  };
+  EXPECT_THAT(said("box_smoke.01", " 3.00000e+00", "     garbage"),
+              HasSubstr("'garbage'; expected a number"));
+  EXPECT_THAT(said("box_smoke.01", " 3.00000e+00\n", "\n"), HasSubstr("expected a number"));
+  EXPECT_THAT(said("box_smoke.01", " 3.00000e+00", " 3.000e+00 4"), HasSubstr("expected a number"));
+  EXPECT_THAT(said("box.geo", " 0.00000e+00", "     garbage"), HasSubstr("expected a number"));
+  EXPECT_THAT(said("box.geo", "hexa8\n         2", "hexa8\n 900000000"),
+              HasSubstr("the end is missing"));
+  EXPECT_THAT(said("box.geo", "         2         5", "         x         5"),
+              HasSubstr("8 numbers"));
+  EXPECT_THAT(said("box_smoke.01", "         1\n", "         2\n"), HasSubstr("part 2"));
+  EXPECT_THAT(said("box.case", "10 20", "20 10"), HasSubstr("expected ascending times"));
+  EXPECT_THAT(said("box.case", "10 20", "10 10"), HasSubstr("expected ascending times"));
+  EXPECT_THAT(said("box.case", "steps: 2", "steps: 2000000000"), HasSubstr("2 time values"));
+  EXPECT_EQ(said("box_smoke.01", " 3.00000e+00", " +3.0000E+00"), "");
+}
+
 TEST(MeshDamage, NumbersOfEnsightFilesFollowTheTimeSet) {
   const TempFolder folder;
   writeEnsight(folder.path());

@@ -223,6 +223,8 @@ Status checkLastLine(const std::filesystem::path& path) {
 Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path) {
   if (path.extension() == ".pvtu")
     return std::vector<double>{0};
+  if (path.extension() == ".case")
+    VOLUTE_TRY(checkEnsightCase(path));
   const ErrorWatch watch;
   const auto reader = readerOf(path);
   auto times = timesOf(*reader);
@@ -230,7 +232,8 @@ Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path) {
   return times;
 }
 
-Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t instant) {
+Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t instant,
+                                const std::string& field) {
   const std::string file = path.string();
   const std::string kind = path.extension().string();
   if (kind == ".pvtu")
@@ -252,6 +255,7 @@ Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t i
                 times.size(), instant);
   }
   volume.time = times[instant];
+  VOLUTE_TRY(checkVtkCase(path, field, volume.time));
   reader->UpdateTimeStep(volume.time);
   VOLUTE_TRY(watch.status(file));
   VOLUTE_TRY(refuseStructured(reader->GetOutputDataObject(0), file));

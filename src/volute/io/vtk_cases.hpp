@@ -25,8 +25,9 @@ struct VtkVolume {
   int blocks = 1;                             ///< with volumes
 };
 
+/// `field` is what will be taken of it, empty where that is not known yet.
 [[nodiscard]] Result<VtkVolume> readVtkVolume(const std::filesystem::path& path,
-                                              std::size_t instant);
+                                              std::size_t instant, const std::string& field);
 
 /// What VTK does not see: the end missing from files of an EnSight or OpenFOAM case, those of the
 /// mesh and, when `field` is not empty, those of a field at a time [s].

@@ -115,33 +115,30 @@ class VtkMeshReader final : public MeshReader {
   Result<MeshSize> load(const std::filesystem::path& path, std::size_t instant,
                         const std::string& wanted) override {
     const std::string file = path.string();
-    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, instant));
+    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, instant, wanted));
     vtkUnstructuredGrid* grid = volume.grid;
     std::vector<GridEntry> names;
     std::vector<Field> fields;
     listFields(grid->GetPointData(), false, names, fields);
     listFields(grid->GetCellData(), true, names, fields);
-    const auto choice = chooseGrid(names, wanted, file, "field");
-    if (!choice)  // VTK may have left it out because its file is cut off
-      VOLUTE_TRY(checkVtkCase(path, wanted, volume.time));
-    VOLUTE_ASSIGN(const std::size_t chosen, choice);
+    VOLUTE_ASSIGN(const std::size_t chosen, chooseGrid(names, wanted, file, "field"));
     data_ = {};
     data_.field = names[chosen].name;
     data_.ofCells = fields[chosen].ofCells;
-    VOLUTE_TRY(checkVtkCase(path, data_.field, volume.time));
+    if (wanted.empty())
+      VOLUTE_TRY(checkVtkCase(path, data_.field, volume.time));
     VOLUTE_TRY(copyCells(grid, fields[chosen], file));
     return sizeOfData();
   }
 
   Result<std::pair<MeshContents, std::vector<MeshFieldSummary>>> describe(
       const std::filesystem::path& path, std::size_t instant) override {
-    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, instant));
+    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, instant, ""));
     vtkUnstructuredGrid* grid = volume.grid;
     std::vector<GridEntry> names;
     std::vector<Field> fields;
     listFields(grid->GetPointData(), false, names, fields);
     listFields(grid->GetCellData(), true, names, fields);
-    VOLUTE_TRY(checkVtkCase(path, "", volume.time));
     data_ = {};
     VOLUTE_TRY(copyCells(grid, {}, path.string()));
     MeshContents contents;
