@@ -23,7 +23,8 @@ struct TimeSet {
   std::vector<double> values;
   std::vector<int> numbers;
   int start = 0, increment = 1;
-  double steps = 0;  ///< as the case says
+  double steps = 0;        ///< as the case says
+  bool elsewhere = false;  ///< the numbers are in a file of their own
 
   /// The number in the name of the file shown at a time: of the last step that is not later.
   int numberAt(double time) const {
@@ -116,6 +117,8 @@ Result<Case> readCase(const std::filesystem::path& path) {
       set = &out.times[static_cast<int>(numberOf(words[0]).value_or(0))];
     } else if (set && key == "number of steps") {
       set->steps = numberOf(words[0]).value_or(0);
+    } else if (set && key == "filename numbers file") {
+      set->elsewhere = true;
     } else if (set && key == "filename start number") {
       set->start = static_cast<int>(numberOf(words[0]).value_or(0));
     } else if (set && key == "filename increment") {
@@ -133,19 +136,20 @@ Result<Case> readCase(const std::filesystem::path& path) {
   return out;
 }
 
-/// The name with the number of the step in place of its `*`.
-std::filesystem::path pathOf(const Case& opened, const NamedFile& file,
-                             const std::filesystem::path& folder, double time) {
+/// The name with the number of the step in place of its `*`; nothing where files that are not
+/// looked at say the number.
+std::optional<std::filesystem::path> pathOf(const Case& opened, const NamedFile& file,
+                                            const std::filesystem::path& folder, double time) {
   std::string name = file.pattern;
   const auto stars = static_cast<std::size_t>(std::ranges::count(name, '*'));
-  const auto first = name.find('*');
-  if (stars > 0) {
-    const auto set = opened.times.find(file.timeSet);
-    const auto& times = set != opened.times.end() ? set->second
-                        : opened.times.empty()    ? TimeSet{}
-                                                  : opened.times.begin()->second;
-    name.replace(first, stars, fmt::format("{:0{}}", times.numberAt(time), stars));
-  }
+  if (stars == 0)
+    return folder / name;
+  auto set = opened.times.find(file.timeSet);
+  if (set == opened.times.end())
+    set = opened.times.begin();
+  if (set == opened.times.end() || set->second.values.empty() || set->second.elsewhere)
+    return std::nullopt;
+  name.replace(name.find('*'), stars, fmt::format("{:0{}}", set->second.numberAt(time), stars));
   return folder / name;
 }
 
@@ -547,20 +551,23 @@ Status checkEnsight(const std::filesystem::path& casePath, const std::string& fi
   if (!opened.gold || opened.geometry.pattern.empty())
     return {};
   const auto folder = casePath.parent_path();
-  VOLUTE_ASSIGN(const Geometry geometry,
-                readGeometry(pathOf(opened, opened.geometry, folder, time)));
-  if (geometry.whole && std::ranges::none_of(geometry.parts, [](const auto& part) {
-        return part.second.hasVolumes;
-      })) {
+  const auto geometryPath = pathOf(opened, opened.geometry, folder, time);
+  if (!geometryPath)
+    return {};
+  VOLUTE_ASSIGN(const Geometry geometry, readGeometry(*geometryPath));
+  if (!geometry.whole)
+    return {};
+  if (std::ranges::none_of(geometry.parts,
+                           [](const auto& part) { return part.second.hasVolumes; })) {
     return fail(ErrorCode::kInvalidData,
                 "{}: has no elements with a volume; expected a mesh of them",
-                pathOf(opened, opened.geometry, folder, time).string());
+                geometryPath->string());
   }
   const auto scalar = opened.scalars.find(field);
-  if (!geometry.whole || opened.geometry.ofSets || scalar == opened.scalars.end() ||
-      scalar->second.ofSets)
+  if (opened.geometry.ofSets || scalar == opened.scalars.end() || scalar->second.ofSets)
     return {};
-  return checkField(pathOf(opened, scalar->second, folder, time), geometry);
+  const auto fieldPath = pathOf(opened, scalar->second, folder, time);
+  return fieldPath ? checkField(*fieldPath, geometry) : Status();
 }
 
 Status checkEnsightCase(const std::filesystem::path& casePath) {
