@@ -3,9 +3,11 @@
 #include "volute/tetmesh/split_cells.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "volute/tetmesh/cell_cutter.hpp"
 #include "volute/tetmesh/cell_faces.hpp"
+#include "volute/tetmesh/hanging_vertices.hpp"
 
 namespace volute {
 namespace {
@@ -30,12 +32,33 @@ Status checkCorners(const CellSoup& soup, std::size_t cell, const std::vector<Po
   return {};
 }
 
+std::span<const std::int64_t> cellOf(const CellSoup& soup, std::size_t i) {
+  return std::span(soup.connectivity)
+      .subspan(static_cast<std::size_t>(soup.offsets[i]),
+               static_cast<std::size_t>(soup.offsets[i + 1] - soup.offsets[i]));
+}
+
 bool hasFourCorners(std::span<const std::int64_t> cell) {
   for (std::size_t i = 0; i < cell.size(); ++i) {
     if (std::ranges::count(cell, cell[i]) > 1)
       return false;
   }
   return cell.size() == 4;
+}
+
+/// The faces of a cell, its corners checked.
+Result<std::vector<Polygon>> facesOf(const CellSoup& soup, std::size_t i, std::string_view name) {
+  const auto end = static_cast<std::int64_t>(soup.connectivity.size());
+  const std::int64_t from = soup.offsets[i], to = soup.offsets[i + 1];
+  if (from < 0 || to < from || to > end)
+    return fail(ErrorCode::kInvalidData, "{}: cell {} lies at {} to {} of {} indices", name, i,
+                from, to, end);
+  auto faces = cellFaces(soup.shapes[i], cellOf(soup, i));
+  if (faces.empty())
+    return fail(ErrorCode::kInvalidData, "{}: cell {} does not have the vertices of its shape",
+                name, i);
+  VOLUTE_TRY(checkCorners(soup, i, faces, name));
+  return faces;
 }
 
 }  // namespace
@@ -62,28 +85,24 @@ std::vector<Vec3> SplitCells::vertices(const CellSoup& soup) const {
 }
 
 Result<SplitCells> splitCells(const CellSoup& soup, std::string_view name) {
-  SplitCells out;
-  CellCutter cutter(soup, out);
-  const auto end = static_cast<std::int64_t>(soup.connectivity.size());
   if (soup.offsets.size() != soup.shapes.size() + 1)
     return fail(ErrorCode::kInvalidData, "{}: {} cells but {} offsets", name, soup.shapes.size(),
                 soup.offsets.size());
+  HangingVertices hanging;
   for (std::size_t i = 0; i < soup.shapes.size(); ++i) {
-    const std::int64_t from = soup.offsets[i], to = soup.offsets[i + 1];
-    if (from < 0 || to < from || to > end)
-      return fail(ErrorCode::kInvalidData, "{}: cell {} lies at {} to {} of {} indices", name, i,
-                  from, to, end);
-    const auto cell =
-        std::span(soup.connectivity)
-            .subspan(static_cast<std::size_t>(from), static_cast<std::size_t>(to - from));
-    auto faces = cellFaces(soup.shapes[i], cell);
-    if (faces.empty())
-      return fail(ErrorCode::kInvalidData, "{}: cell {} does not have the vertices of its shape",
-                  name, i);
-    VOLUTE_TRY(checkCorners(soup, i, faces, name));
-    if (soup.shapes[i] == CellShape::kTet && hasFourCorners(cell)) {
+    if (soup.shapes[i] != CellShape::kPolyhedron)
+      continue;
+    VOLUTE_ASSIGN(const auto faces, facesOf(soup, i, name));
+    hanging.look(faces, soup.vertices);
+  }
+  SplitCells out;
+  CellCutter cutter(soup, out);
+  for (std::size_t i = 0; i < soup.shapes.size(); ++i) {
+    VOLUTE_ASSIGN(auto faces, facesOf(soup, i, name));
+    const bool changed = !hanging.empty() && hanging.insert(faces);
+    if (!changed && soup.shapes[i] == CellShape::kTet && hasFourCorners(cellOf(soup, i))) {
       Tet& tet = out.tets.emplace_back();
-      std::ranges::transform(cell, tet.begin(),
+      std::ranges::transform(cellOf(soup, i), tet.begin(),
                              [](auto v) { return static_cast<std::int32_t>(v); });
       out.cellOf.push_back(static_cast<std::int32_t>(i));
       continue;

@@ -56,6 +56,9 @@ struct SplitCells {
 /// else from the mean of its corners or another place that sees all its faces from within. Flat is
 /// what has less than a hundredth of its fair share; where there is nothing better, 1e-9 of it.
 ///
+/// Vertices on an edge that some faces of a polyhedron name and others leave out are put into all
+/// faces that have the edge.
+///
 /// Fails, with `name` first, for cells without volume, cells that their faces do not close, and
 /// those that are seen from no place inside.
 [[nodiscard]] Result<SplitCells> splitCells(const CellSoup& soup, std::string_view name);
