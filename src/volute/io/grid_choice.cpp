@@ -3,7 +3,9 @@
 #include "volute/io/grid_choice.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
+#include <string_view>
 #include <vector>
 
 namespace volute {
@@ -55,6 +57,10 @@ Result<std::size_t> chooseGrid(std::span<const GridEntry> entries, const std::st
     const auto usable = std::ranges::count_if(entries, &GridEntry::usable);
     if (usable == 1)
       return std::ranges::find(entries, true, &GridEntry::usable) - entries.begin();
+    if (usable == 0 && noun == std::string_view("field")) {
+      return fail(ErrorCode::kUnsupported, "{}: has no scalar field; it has {}", file,
+                  listed(entries));
+    }
     if (usable == 0) {
       return fail(ErrorCode::kUnsupported, "{}: no {} with a scalar or RGB volume; it has {}", file,
                   noun, listed(entries));
@@ -67,6 +73,13 @@ Result<std::size_t> chooseGrid(std::span<const GridEntry> entries, const std::st
   if (named == entries.end()) {
     return fail(ErrorCode::kNotFound, "{}: no {} named '{}'{} it has {}", file, noun, wanted,
                 nearestHint(entries, wanted), listed(entries));
+  }
+  if (!named->usable && noun == std::string_view("field")) {
+    std::vector<GridEntry> scalars;
+    std::ranges::copy_if(entries, std::back_inserter(scalars), &GridEntry::usable);
+    return fail(ErrorCode::kUnsupported,
+                "{}: field '{}' is a vector or tensor ({}); expected a scalar; the file has {}",
+                file, named->name, named->type, scalars.empty() ? "none" : listed(scalars));
   }
   if (!named->usable) {
     return fail(ErrorCode::kUnsupported,

@@ -2,10 +2,13 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "volute/base/result.hpp"
 #include "volute/tetmesh/split_cells.hpp"
@@ -21,8 +24,26 @@ struct MeshSize {
   std::uint64_t points = 0;
   std::uint64_t cells = 0;  ///< those with a volume
   std::uint64_t indices = 0;
+  bool bare = false;  ///< without a field
 
-  std::uint64_t values() const { return ofCells ? cells : points; }
+  std::uint64_t values() const { return bare ? 0 : ofCells ? cells : points; }
+};
+
+/// A field that a file has. Trivially copyable.
+struct MeshFieldSummary {
+  char name[MeshSize::kMaxName + 1] = {};
+  bool ofCells = false;
+  std::int32_t components = 1;
+  double least = 0, most = 0;   ///< of its finite values; of a vector its length
+  std::uint64_t notFinite = 0;  ///< how many values are
+};
+
+/// What a file has at one instant. Trivially copyable.
+struct MeshContents {
+  MeshSize size;
+  std::array<std::uint64_t, 5> shapes{};  ///< how many cells of each CellShape
+  std::uint64_t surfaces = 0;             ///< cells without a volume, which are left out
+  std::int32_t blocks = 1;                ///< joined to one mesh
 };
 
 /// Cells and one field of a file.
@@ -47,7 +68,11 @@ class MeshReader {
   [[nodiscard]] virtual Result<MeshSize> load(const std::filesystem::path& file,
                                               std::size_t instant, const std::string& field) = 0;
 
-  /// What was loaded.
+  /// Reads one instant without values; take() gives its cells.
+  [[nodiscard]] virtual Result<std::pair<MeshContents, std::vector<MeshFieldSummary>>> describe(
+      const std::filesystem::path& file, std::size_t instant) = 0;
+
+  /// What was loaded or described.
   [[nodiscard]] virtual Result<MeshData> take() = 0;
 };
 

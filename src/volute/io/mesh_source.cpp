@@ -12,6 +12,7 @@
 #include "volute/base/assert.hpp"
 #include "volute/io/lattice_source.hpp"
 #include "volute/io/mesh.hpp"
+#include "volute/io/netcdf_length.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/io/reader_process.hpp"
 
@@ -43,10 +44,11 @@ std::size_t floatsFor(const MeshSize& size) {
   return (bytes + sizeof(float) - 1) / sizeof(float);
 }
 
-constexpr std::string_view kTimes = "times", kTake = "take";  // requests; others are instants
+// Requests; others are instants, to be described where they begin with kDescribe.
+constexpr std::string_view kTimes = "times", kTake = "take", kDescribe = "describe";
 
-/// The child's side: it is asked for the instants, or for one of them: how much it is, then the
-/// thing itself.
+/// The child's side: it is asked for the instants, or for one of them: how much it is or what it
+/// has, then the thing itself.
 ReaderProcess::Serve makeServe(const std::filesystem::path& file, const std::string& field) {
   return [file, field, reader = std::shared_ptr<MeshReader>()](
              std::string_view request, std::span<float> values) mutable -> Result<std::string> {
@@ -58,6 +60,18 @@ ReaderProcess::Serve makeServe(const std::filesystem::path& file, const std::str
       VOLUTE_ASSIGN(const std::vector<double> times, reader->times(file));
       return std::string(reinterpret_cast<const char*>(times.data()),
                          times.size() * sizeof(double));
+    }
+    if (request.starts_with(kDescribe)) {
+      request.remove_prefix(kDescribe.size());
+      std::size_t instant = 0;
+      std::from_chars(request.data(), request.data() + request.size(), instant);
+      VOLUTE_ASSIGN(const auto described, reader->describe(file, instant));
+      std::string reply = toMessage(described.first);
+      for (const MeshFieldSummary& summary : described.second) {
+        if (reply.size() + sizeof summary < ReaderProcess::kMaxMessage)
+          reply += toMessage(summary);
+      }
+      return reply;
     }
     if (request != kTake) {
       std::size_t instant = 0;
@@ -90,10 +104,19 @@ Result<std::uint64_t> sizeOf(const std::filesystem::path& path) {
   return size;
 }
 
+/// What VTK's reader of Exodus does not see.
+Status checkLength(const std::filesystem::path& path) {
+  static constexpr std::string_view kExodus[] = {".e", ".ex2", ".exo", ".exii"};
+  if (std::ranges::find(kExodus, path.extension().string()) == std::end(kExodus))
+    return {};
+  return checkNetcdfLength(path);
+}
+
 Result<std::vector<double>> readTimes(const std::filesystem::path& path,
                                       const MeshOptions& options) {
   const std::string file = path.string();
   VOLUTE_ASSIGN(const std::uint64_t fileSize, sizeOf(path));
+  VOLUTE_TRY(checkLength(path));
   ReaderProcess process(makeServe(path, options.field));
   const ReaderProcess::Limits limits{options.maxMemory, secondsFor(path, fileSize)};
   VOLUTE_ASSIGN(const std::string reply, process.call(file, kTimes, 0, limits));
@@ -114,14 +137,9 @@ Result<std::vector<double>> readTimes(const std::filesystem::path& path,
   return times;
 }
 
-Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t instant,
-                          const MeshOptions& options) {
-  const std::string file = path.string();
-  VOLUTE_ASSIGN(const std::uint64_t fileSize, sizeOf(path));
-  ReaderProcess process(makeServe(path, options.field));
-  const ReaderProcess::Limits limits{options.maxMemory, secondsFor(path, fileSize)};
-  VOLUTE_ASSIGN(const std::string reply, process.call(file, fmt::format("{}", instant), 0, limits));
-  VOLUTE_ASSIGN(const auto size, fromMessage<MeshSize>(reply));
+/// What the child has loaded.
+Result<MeshData> takeMesh(ReaderProcess& process, const MeshSize& size, const std::string& file,
+                          const ReaderProcess::Limits& limits) {
   VOLUTE_TRY(process.call(file, kTake, floatsFor(size), limits));
   MeshData data;
   data.ofCells = size.ofCells;
@@ -136,11 +154,33 @@ Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t instant
   return data;
 }
 
+Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t instant,
+                          const MeshOptions& options) {
+  const std::string file = path.string();
+  VOLUTE_ASSIGN(const std::uint64_t fileSize, sizeOf(path));
+  VOLUTE_TRY(checkLength(path));
+  ReaderProcess process(makeServe(path, options.field));
+  const ReaderProcess::Limits limits{options.maxMemory, secondsFor(path, fileSize)};
+  VOLUTE_ASSIGN(const std::string reply, process.call(file, fmt::format("{}", instant), 0, limits));
+  VOLUTE_ASSIGN(const auto size, fromMessage<MeshSize>(reply));
+  return takeMesh(process, size, file, limits);
+}
+
+/// Errors count vertices and tets as they come out of the file.
+Result<std::shared_ptr<const TetMesh>> buildInSpace(const CellSoup& soup, const SplitCells& split,
+                                                    MeshOrder& order, const std::string& file) {
+  std::vector<Vec3> vertices = split.vertices(soup);
+  std::vector<Tet> tets = split.tets;
+  order = reorderInSpace(vertices, tets);
+  auto mesh = TetMesh::build(std::move(vertices), std::move(tets), file);
+  return mesh ? mesh : TetMesh::build(split.vertices(soup), split.tets, file);
+}
+
 }  // namespace
 
 bool isMeshCase(const std::filesystem::path& path) {
   static constexpr std::string_view kExtensions[] = {".case", ".e",    ".ex2", ".exo",
-                                                     ".exii", ".foam", ".vtk"};
+                                                     ".exii", ".foam", ".vtk", ".pvtu"};
   return std::ranges::find(kExtensions, path.extension().string()) != std::end(kExtensions);
 }
 
@@ -150,6 +190,10 @@ Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const Mes
   std::error_code error;
   if (!std::filesystem::exists(path, error))
     return fail(ErrorCode::kNotFound, "{}: no such file", path.string());
+  if (std::filesystem::is_directory(path, error)) {
+    return fail(ErrorCode::kInvalidArgument, "{}: is a folder; expected the file of a mesh in it",
+                path.string());
+  }
   if (path.extension() == ".vtu") {
     source.instants_ = {{path, 0}};
     source.times_ = {0};
@@ -161,14 +205,33 @@ Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const Mes
     return source;
   }
   if (path.extension() != ".pvd") {
-    return fail(ErrorCode::kUnsupported,
-                "{}: not a mesh; expected a .vtu or .vtk file, a .pvd series, or a case of EnSight "
-                "(.case), Exodus (.e, .ex2, .exo, .exii) or OpenFOAM (.foam)",
-                path.string());
+    return fail(
+        ErrorCode::kUnsupported,
+        "{}: not a mesh; expected a .vtu, .pvtu or .vtk file, a .pvd series, or a case of EnSight "
+        "(.case), Exodus (.e, .ex2, .exo, .exii) or OpenFOAM (.foam)",
+        path.string());
   }
   VOLUTE_ASSIGN(auto files, readCollection(path, loadVtkPlugin));
+  for (const TimedFile& file : files) {
+    const std::string kind = file.path.extension().string();
+    if (kind != ".vtu" && kind != ".pvtu") {
+      return fail(ErrorCode::kUnsupported, "{}: names {}; expected a series of .vtu or .pvtu files",
+                  path.string(), file.path.string());
+    }
+    if (!std::isfinite(file.time)) {
+      return fail(ErrorCode::kInvalidData, "{}: {} is at {} s; expected a time", path.string(),
+                  file.path.string(), file.time);
+    }
+  }
   std::ranges::stable_sort(files, {}, &TimedFile::time);
   for (const TimedFile& file : files) {
+    if (!source.times_.empty() && source.times_.back() == file.time) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: {} and {} are both at {} s; expected one file for each time (a .pvtu names "
+                  "several pieces)",
+                  path.string(), source.instants_.back().file.filename().string(),
+                  file.path.string(), file.time);
+    }
     source.instants_.push_back({path.parent_path() / file.path, 0});
     source.times_.push_back(file.time);
   }
@@ -188,10 +251,7 @@ Result<MeshFrame> MeshSource::read(std::size_t frame) {
                                         fmt::format("{}: field '{}'", file, data.field)));
   VOLUTE_ASSIGN(const SplitCells split, splitCells(data.soup, file));
   if (!mesh_ || vertices_ != data.soup.vertices || tets_ != split.tets) {
-    std::vector<Vec3> vertices = data.soup.vertices;
-    std::vector<Tet> tets = split.tets;
-    order_ = reorderInSpace(vertices, tets);
-    VOLUTE_ASSIGN(mesh_, TetMesh::build(std::move(vertices), std::move(tets), file));
+    VOLUTE_ASSIGN(mesh_, buildInSpace(data.soup, split, order_, file));
     vertices_ = std::move(data.soup.vertices);
     tets_ = split.tets;
   }
@@ -202,10 +262,42 @@ Result<MeshFrame> MeshSource::read(std::size_t frame) {
       cellOf.push_back(split.cellOf[static_cast<std::size_t>(from)]);
     out.values = cellToPoint(*mesh_, data.values, cellOf);
   } else {
+    const std::vector<float> values = split.added.follow(std::move(data.values));
     for (const std::int32_t from : order_.vertexFrom)
-      out.values.push_back(data.values[static_cast<std::size_t>(from)]);
+      out.values.push_back(values[static_cast<std::size_t>(from)]);
   }
   return out;
+}
+
+Result<MeshDescription> MeshSource::describe(std::size_t frame) const {
+  VOLUTE_ASSERT(frame < instants_.size());
+  const Instant& instant = instants_[frame];
+  const std::string file = instant.file.string();
+  VOLUTE_ASSIGN(const std::uint64_t fileSize, sizeOf(instant.file));
+  VOLUTE_TRY(checkLength(instant.file));
+  ReaderProcess process(makeServe(instant.file, ""));
+  const ReaderProcess::Limits limits{options_.maxMemory, secondsFor(instant.file, fileSize)};
+  VOLUTE_ASSIGN(const std::string reply,
+                process.call(file, fmt::format("{}{}", kDescribe, instant.index), 0, limits));
+  const std::string_view text = reply;
+  VOLUTE_ASSIGN(const auto contents,
+                fromMessage<MeshContents>(text.substr(0, sizeof(MeshContents))));
+  std::vector<MeshFieldSummary> fields;
+  for (std::size_t at = sizeof(MeshContents); at < text.size(); at += sizeof(MeshFieldSummary)) {
+    VOLUTE_ASSIGN(auto summary,
+                  fromMessage<MeshFieldSummary>(text.substr(at, sizeof(MeshFieldSummary))));
+    summary.name[MeshSize::kMaxName] = '\0';
+    fields.push_back(summary);
+  }
+  VOLUTE_ASSIGN(const MeshData data, takeMesh(process, contents.size, file, limits));
+  MeshDescription description{contents, std::move(fields), nullptr};
+  if (const auto split = splitCells(data.soup, file)) {
+    MeshOrder order;
+    description.mesh = buildInSpace(data.soup, *split, order, file);
+  } else {
+    description.mesh = tl::unexpected<Error>(split.error());
+  }
+  return description;
 }
 
 }  // namespace volute

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/io/mesh.hpp"
 #include "volute/tetmesh/spatial_order.hpp"
 #include "volute/tetmesh/tet_field.hpp"
 #include "volute/tetmesh/tet_mesh.hpp"
@@ -30,14 +31,21 @@ struct MeshOptions {
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< bytes, for reading one file
 };
 
+/// What a case has at one instant, whatever its fields are.
+struct MeshDescription {
+  MeshContents contents;
+  std::vector<MeshFieldSummary> fields;
+  Result<std::shared_ptr<const TetMesh>> mesh;  ///< or why its cells cannot be used
+};
+
 /// Whether a file's name is that of a case which MeshSource reads beside .vtu and .pvd: EnSight,
-/// Exodus, OpenFOAM or VTK's legacy format.
+/// Exodus, OpenFOAM, VTK's legacy format or its parallel one.
 bool isMeshCase(const std::filesystem::path& path);
 
-/// Smoke on a mesh over time: a .vtu or legacy .vtk file, a .pvd series of .vtu, or a case of
-/// EnSight Gold (.case), Exodus (.e, .ex2, .exo, .exii) or OpenFOAM (.foam). Cells are split into
-/// tets, values of cells become values of points; blocks of a case are joined where their points
-/// are the same. Files are read in a child process.
+/// Smoke on a mesh over time: a .vtu, .pvtu or legacy .vtk file, a .pvd series of .vtu or .pvtu, or
+/// a case of EnSight Gold (.case), Exodus (.e, .ex2, .exo, .exii) or OpenFOAM (.foam). Cells are
+/// split into tets, values of cells become values of points; blocks of a case and pieces of a .pvtu
+/// are joined where their points are the same. Files are read in a child process.
 class MeshSource {
  public:
   [[nodiscard]] static Result<MeshSource> open(const std::filesystem::path& path,
@@ -48,6 +56,13 @@ class MeshSource {
 
   /// Reads one instant. Frames whose cells are the same share a mesh.
   [[nodiscard]] Result<MeshFrame> read(std::size_t frame);
+
+  /// What there is at one instant. Fails where the file cannot be read; a mesh that cannot be used
+  /// is part of the description.
+  [[nodiscard]] Result<MeshDescription> describe(std::size_t frame) const;
+
+  /// The file of an instant.
+  const std::filesystem::path& file(std::size_t frame) const { return instants_[frame].file; }
 
  private:
   /// Where an instant is: a file, and the place in it.

@@ -47,7 +47,7 @@ Result<std::vector<LatticeFile>> listCollection(const std::filesystem::path& pat
                   path.string(), entry.time, *files.back().time);
     }
     if (entry.path.extension() != ".vti") {
-      return fail(ErrorCode::kUnsupported, "{}: names {}; expected a collection of .vti files",
+      return fail(ErrorCode::kUnsupported, "{}: names {}; expected a collection of .vti files, or of .vtu or .pvtu files",
                   path.string(), entry.path.string());
     }
     const auto number = frameNumberOf(entry.path);

@@ -3,23 +3,26 @@
 #include "volute/io/vtk_cases.hpp"
 
 #include <vtkAppendFilter.h>
-#include <vtkCellData.h>
 #include <vtkCompositeDataIterator.h>
 #include <vtkCompositeDataSet.h>
+#include <vtkDataSet.h>
 #include <vtkExodusIIReader.h>
 #include <vtkGenericEnSightReader.h>
 #include <vtkInformation.h>
 #include <vtkNew.h>
 #include <vtkOpenFOAMReader.h>
-#include <vtkPointData.h>
 #include <vtkStreamingDemandDrivenPipeline.h>
 #include <vtkUnstructuredGridReader.h>
+#include <vtkXMLDataElement.h>
+#include <vtkXMLDataParser.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
 #include <algorithm>
-#include <fstream>
+#include <span>
 #include <sstream>
 
+#include "volute/io/ensight_files.hpp"
+#include "volute/io/foam_files.hpp"
 #include "volute/io/vtk_errors.hpp"
 
 namespace volute {
@@ -44,11 +47,6 @@ vtkSmartPointer<vtkAlgorithm> readerOf(const std::filesystem::path& path) {
     reader->SetPatchArrayStatus("internalMesh", 1);
     reader->EnableAllCellArrays();
     reader->EnableAllPointArrays();
-    return reader;
-  }
-  if (kind == ".vtu") {
-    auto reader = vtkSmartPointer<vtkXMLUnstructuredGridReader>::New();
-    reader->SetFileName(path.c_str());
     return reader;
   }
   if (kind == ".vtk") {
@@ -108,63 +106,125 @@ std::vector<vtkUnstructuredGrid*> volumesOf(vtkDataObject* data) {
   return grids;
 }
 
-/// The files that an EnSight case keeps a variable in, `*` for digits; empty when it names none.
-std::string patternOf(const std::filesystem::path& casePath, const std::string& field) {
-  std::ifstream stream(casePath);
-  for (std::string line; std::getline(stream, line);) {
-    const auto colon = line.find(':');
-    if (colon == std::string::npos || line.find(" per ") > colon)
-      continue;
-    std::istringstream words(line.substr(colon + 1));
-    std::vector<std::string> all;
-    for (std::string word; words >> word;) all.push_back(word);
-    if (all.size() >= 2 && all[all.size() - 2] == field)
-      return all.back();
+/// Structured parts are not read; without them there would be clear air in their place.
+Status refuseStructured(vtkDataObject* data, const std::string& file) {
+  bool found = false;
+  forEachBlock(data, [&](vtkDataObject* block) {
+    auto* set = vtkDataSet::SafeDownCast(block);
+    found =
+        found || (set && !vtkUnstructuredGrid::SafeDownCast(set) && set->GetNumberOfCells() > 0 &&
+                  (set->GetCellType(0) == VTK_HEXAHEDRON || set->GetCellType(0) == VTK_VOXEL));
+  });
+  if (!found)
+    return {};
+  return fail(
+      ErrorCode::kUnsupported,
+      "{}: has a part on a structured grid (an EnSight block); expected unstructured cells; "
+      "convert it",
+      file);
+}
+
+/// The grids as one, points at the same place as one; ghost cells and their points left out.
+Result<vtkSmartPointer<vtkUnstructuredGrid>> joined(const std::vector<vtkUnstructuredGrid*>& grids,
+                                                    const std::string& file,
+                                                    const ErrorWatch& watch) {
+  if (grids.empty()) {
+    return fail(ErrorCode::kInvalidData, "{}: has no cells with a volume; expected a mesh of them",
+                file);
   }
-  return {};
+  for (vtkUnstructuredGrid* grid : grids) grid->RemoveGhostCells();
+  if (grids.size() == 1)
+    return vtkSmartPointer<vtkUnstructuredGrid>(grids[0]);
+  vtkNew<vtkAppendFilter> append;
+  append->MergePointsOn();
+  append->SetTolerance(0);
+  for (vtkUnstructuredGrid* grid : grids) append->AddInputData(grid);
+  append->Update();
+  VOLUTE_TRY(watch.status(file));
+  return vtkSmartPointer<vtkUnstructuredGrid>(append->GetOutput());
 }
 
-bool matches(const std::string& name, const std::string& pattern) {
-  return name.size() == pattern.size() &&
-         std::equal(name.begin(), name.end(), pattern.begin(),
-                    [](char c, char p) { return p == '*' ? c >= '0' && c <= '9' : c == p; });
+Result<vtkSmartPointer<vtkUnstructuredGrid>> readVtu(const std::filesystem::path& path,
+                                                     const ErrorWatch& watch) {
+  VOLUTE_TRY(checkEnd(path));
+  vtkNew<vtkXMLUnstructuredGridReader> reader;
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  VOLUTE_TRY(watch.status(path.string()));
+  return vtkSmartPointer<vtkUnstructuredGrid>(reader->GetOutput());
 }
 
-/// Reading past the end, VTK repeats the last line.
-Status checkLines(const std::filesystem::path& path, std::uint64_t expected) {
+/// The .vtu files that a .pvtu names.
+Result<std::vector<std::filesystem::path>> piecesOf(const std::filesystem::path& path,
+                                                    const ErrorWatch& watch) {
+  VOLUTE_TRY(checkEnd(path));
+  vtkNew<vtkXMLDataParser> parser;
+  parser->SetFileName(path.c_str());
+  const bool parsed = parser->Parse() != 0;
+  VOLUTE_TRY(watch.status(path.string()));
+  vtkXMLDataElement* root = parsed ? parser->GetRootElement() : nullptr;
+  vtkXMLDataElement* grid = root ? root->FindNestedElementWithName("PUnstructuredGrid") : nullptr;
+  std::vector<std::filesystem::path> pieces;
+  for (int i = 0; grid && i < grid->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement* element = grid->GetNestedElement(i);
+    const char* source = element->GetAttribute("Source");
+    if (element->GetName() == std::string_view("Piece") && source)
+      pieces.push_back(path.parent_path() / source);
+  }
+  if (pieces.empty()) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: names no pieces; expected VTKFile, PUnstructuredGrid, Piece with a Source",
+                path.string());
+  }
+  return pieces;
+}
+
+/// Pieces without cells with a volume are left out.
+Result<VtkVolume> readPvtu(const std::filesystem::path& path) {
+  const ErrorWatch watch;
+  VOLUTE_ASSIGN(const auto pieces, piecesOf(path, watch));
+  std::vector<vtkSmartPointer<vtkUnstructuredGrid>> held;
+  std::vector<vtkUnstructuredGrid*> grids;
+  for (const auto& piece : pieces) {
+    VOLUTE_ASSIGN(auto grid, readVtu(piece, watch));
+    if (hasVolume(*grid)) {
+      grids.push_back(grid);
+      held.push_back(std::move(grid));
+    }
+  }
+  VtkVolume volume;
+  volume.blocks = static_cast<int>(grids.size());
+  VOLUTE_ASSIGN(volume.grid, joined(grids, path.string(), watch));
+  return volume;
+}
+
+/// VTK takes what stands there for the last number.
+Status checkLastLine(const std::filesystem::path& path) {
   VOLUTE_ASSIGN(const auto file, InputFile::open(path));
-  std::string text(file.size(), ' ');
-  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
-  if (text.substr(0, 256).find('\0') != std::string::npos)
-    return {};  // binary: VTK counts
-  const auto lines = static_cast<std::uint64_t>(std::ranges::count(text, '\n'));
-  if (text.ends_with('\n') && lines >= expected)
+  std::string head(std::min<std::uint64_t>(file.size(), 512), ' ');
+  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(head))));
+  std::istringstream lines(head);
+  std::string line;
+  for (int i = 0; i < 3; ++i) std::getline(lines, line);
+  char last = '\n';
+  if (file.size() > 0)
+    VOLUTE_TRY(file.read(file.size() - 1, std::as_writable_bytes(std::span(&last, 1))));
+  if (!line.starts_with("ASCII") ||
+      std::string_view(" \t\r\n").find(last) != std::string_view::npos)
     return {};
   return fail(ErrorCode::kTruncated,
-              "{}: has {} whole lines; expected {} and an end of line after the last; the file is "
-              "truncated",
-              path.string(), lines, expected);
-}
-
-/// The lines of an EnSight field in ASCII.
-std::uint64_t linesOf(vtkDataObject* whole, const std::string& field) {
-  std::uint64_t lines = 1;            // the description
-  constexpr std::uint64_t kHead = 3;  // part, its number, coordinates or the kind of cells
-  forEachBlock(whole, [&](vtkDataObject* block) {
-    auto* data = vtkDataSet::SafeDownCast(block);
-    if (!data)
-      return;
-    if (data->GetPointData()->HasArray(field.c_str()))
-      lines += kHead + static_cast<std::uint64_t>(data->GetNumberOfPoints());
-    else if (data->GetCellData()->HasArray(field.c_str()))
-      lines += kHead + static_cast<std::uint64_t>(data->GetNumberOfCells());
-  });
-  return lines;
+              "{}: does not end in an end of line: its last number may be cut off; copy the file "
+              "again, or end it with a line",
+              path.string());
 }
 
 }  // namespace
 
 Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path) {
+  if (path.extension() == ".pvtu")
+    return std::vector<double>{0};
+  if (path.extension() == ".case")
+    VOLUTE_TRY(checkEnsightCase(path));
   const ErrorWatch watch;
   const auto reader = readerOf(path);
   auto times = timesOf(*reader);
@@ -172,59 +232,44 @@ Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path) {
   return times;
 }
 
-Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t instant) {
+Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t instant,
+                                const std::string& field) {
   const std::string file = path.string();
-  const bool single = path.extension() == ".vtu";
-  if (single)
-    VOLUTE_TRY(checkEnd(path));
+  const std::string kind = path.extension().string();
+  if (kind == ".pvtu")
+    return readPvtu(path);
+  if (kind == ".vtk")
+    VOLUTE_TRY(checkLastLine(path));
   const ErrorWatch watch;
-  const auto reader = readerOf(path);
-  if (single) {
-    reader->Update();
-  } else {
-    const auto times = timesOf(*reader);
-    VOLUTE_TRY(watch.status(file));
-    if (instant >= times.size()) {
-      return fail(ErrorCode::kInvalidData, "{}: has {} instants now; expected more than {}", file,
-                  times.size(), instant);
-    }
-    reader->UpdateTimeStep(times[instant]);
-  }
-  VOLUTE_TRY(watch.status(file));
   VtkVolume volume;
-  volume.whole = reader->GetOutputDataObject(0);
-  const auto grids = volumesOf(volume.whole);
-  if (grids.empty()) {
-    return fail(ErrorCode::kInvalidData, "{}: has no cells with a volume; expected a mesh of them",
-                file);
+  if (kind == ".vtu") {
+    VOLUTE_ASSIGN(const auto grid, readVtu(path, watch));
+    VOLUTE_ASSIGN(volume.grid, joined(volumesOf(grid), file, watch));
+    return volume;
   }
-  volume.grid = grids[0];
-  if (grids.size() > 1) {
-    vtkNew<vtkAppendFilter> append;
-    append->MergePointsOn();
-    append->SetTolerance(0);
-    for (vtkUnstructuredGrid* grid : grids) append->AddInputData(grid);
-    append->Update();
-    VOLUTE_TRY(watch.status(file));
-    volume.grid = append->GetOutput();
+  const auto reader = readerOf(path);
+  const auto times = timesOf(*reader);
+  VOLUTE_TRY(watch.status(file));
+  if (instant >= times.size()) {
+    return fail(ErrorCode::kInvalidData, "{}: has {} instants now; expected more than {}", file,
+                times.size(), instant);
   }
+  volume.time = times[instant];
+  VOLUTE_TRY(checkVtkCase(path, field, volume.time));
+  reader->UpdateTimeStep(volume.time);
+  VOLUTE_TRY(watch.status(file));
+  VOLUTE_TRY(refuseStructured(reader->GetOutputDataObject(0), file));
+  const auto grids = volumesOf(reader->GetOutputDataObject(0));
+  volume.blocks = static_cast<int>(grids.size());
+  VOLUTE_ASSIGN(volume.grid, joined(grids, file, watch));
   return volume;
 }
 
-Status checkVtkCase(const std::filesystem::path& path, const std::string& field,
-                    vtkDataObject* whole) {
-  if (path.extension() != ".case")
-    return {};
-  const std::filesystem::path pattern = patternOf(path, field);
-  if (pattern.empty())
-    return {};
-  const std::uint64_t lines = linesOf(whole, field);
-  std::error_code error;
-  for (const auto& entry :
-       std::filesystem::directory_iterator((path.parent_path() / pattern).parent_path(), error)) {
-    if (matches(entry.path().filename().string(), pattern.filename().string()))
-      VOLUTE_TRY(checkLines(entry.path(), lines));
-  }
+Status checkVtkCase(const std::filesystem::path& path, const std::string& field, double time) {
+  if (path.extension() == ".case")
+    return checkEnsight(path, field, time);
+  if (path.extension() == ".foam")
+    return checkFoam(path, field, time);
   return {};
 }
 

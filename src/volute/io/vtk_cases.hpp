@@ -20,15 +20,18 @@ namespace volute {
 
 /// What a file has at one instant.
 struct VtkVolume {
-  vtkSmartPointer<vtkUnstructuredGrid> grid;  ///< all blocks with volumes as one
-  vtkSmartPointer<vtkDataObject> whole;       ///< as VTK read it
+  vtkSmartPointer<vtkUnstructuredGrid> grid;  ///< all blocks as one
+  double time = 0;                            ///< [s]
+  int blocks = 1;                             ///< with volumes
 };
 
+/// `field` is what will be taken of it, empty where that is not known yet.
 [[nodiscard]] Result<VtkVolume> readVtkVolume(const std::filesystem::path& path,
-                                              std::size_t instant);
+                                              std::size_t instant, const std::string& field);
 
-/// What VTK does not see: the end missing from an EnSight field in ASCII.
+/// What VTK does not see: the end missing from files of an EnSight or OpenFOAM case, those of the
+/// mesh and, when `field` is not empty, those of a field at a time [s].
 [[nodiscard]] Status checkVtkCase(const std::filesystem::path& path, const std::string& field,
-                                  vtkDataObject* whole);
+                                  double time);
 
 }  // namespace volute

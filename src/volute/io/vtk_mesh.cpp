@@ -8,7 +8,10 @@
 #include <vtkSmartPointer.h>
 #include <vtkUnstructuredGrid.h>
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
+#include <string_view>
 
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/mesh.hpp"
@@ -27,7 +30,8 @@ void listFields(vtkDataSetAttributes* data, bool ofCells, std::vector<GridEntry>
                 std::vector<Field>& fields) {
   for (int i = 0; i < data->GetNumberOfArrays(); ++i) {
     vtkDataArray* array = data->GetArray(i);
-    if (!array || !array->GetName())
+    // What ParaView adds.
+    if (!array || !array->GetName() || std::string_view(array->GetName()).starts_with("vtkGhost"))
       continue;
     const int components = array->GetNumberOfComponents();
     const char* where = ofCells ? "cells" : "points";
@@ -79,6 +83,29 @@ void appendCell(vtkUnstructuredGrid* grid, vtkIdType cell, vtkIdList* ids,
   }
 }
 
+MeshFieldSummary summaryOf(const Field& field) {
+  MeshFieldSummary summary;
+  std::string(field.array->GetName()).copy(summary.name, MeshSize::kMaxName);
+  summary.ofCells = field.ofCells;
+  summary.components = field.array->GetNumberOfComponents();
+  bool any = false;
+  for (vtkIdType i = 0; i < field.array->GetNumberOfTuples(); ++i) {
+    double value = field.array->GetComponent(i, 0);
+    for (int c = 1; c < summary.components; ++c)
+      value = std::hypot(value, field.array->GetComponent(i, c));
+    if (summary.components > 1)
+      value = std::abs(value);
+    if (!std::isfinite(value)) {
+      ++summary.notFinite;
+      continue;
+    }
+    summary.least = any ? std::min(summary.least, value) : value;
+    summary.most = any ? std::max(summary.most, value) : value;
+    any = true;
+  }
+  return summary;
+}
+
 class VtkMeshReader final : public MeshReader {
  public:
   Result<std::vector<double>> times(const std::filesystem::path& path) override {
@@ -88,7 +115,7 @@ class VtkMeshReader final : public MeshReader {
   Result<MeshSize> load(const std::filesystem::path& path, std::size_t instant,
                         const std::string& wanted) override {
     const std::string file = path.string();
-    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, instant));
+    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, instant, wanted));
     vtkUnstructuredGrid* grid = volume.grid;
     std::vector<GridEntry> names;
     std::vector<Field> fields;
@@ -98,8 +125,38 @@ class VtkMeshReader final : public MeshReader {
     data_ = {};
     data_.field = names[chosen].name;
     data_.ofCells = fields[chosen].ofCells;
-    VOLUTE_TRY(checkVtkCase(path, data_.field, volume.whole));
+    if (wanted.empty())
+      VOLUTE_TRY(checkVtkCase(path, data_.field, volume.time));
     VOLUTE_TRY(copyCells(grid, fields[chosen], file));
+    return sizeOfData();
+  }
+
+  Result<std::pair<MeshContents, std::vector<MeshFieldSummary>>> describe(
+      const std::filesystem::path& path, std::size_t instant) override {
+    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, instant, ""));
+    vtkUnstructuredGrid* grid = volume.grid;
+    std::vector<GridEntry> names;
+    std::vector<Field> fields;
+    listFields(grid->GetPointData(), false, names, fields);
+    listFields(grid->GetCellData(), true, names, fields);
+    data_ = {};
+    VOLUTE_TRY(copyCells(grid, {}, path.string()));
+    MeshContents contents;
+    contents.size = sizeOfData();
+    contents.size.bare = true;
+    for (const CellShape shape : data_.soup.shapes)
+      ++contents.shapes[static_cast<std::size_t>(shape)];
+    contents.surfaces = static_cast<std::uint64_t>(grid->GetNumberOfCells()) - contents.size.cells;
+    contents.blocks = volume.blocks;
+    std::vector<MeshFieldSummary> summaries;
+    for (const Field& field : fields) summaries.push_back(summaryOf(field));
+    return std::pair(contents, std::move(summaries));
+  }
+
+  Result<MeshData> take() override { return std::move(data_); }
+
+ private:
+  MeshSize sizeOfData() const {
     MeshSize size;
     data_.field.copy(size.field, MeshSize::kMaxName);
     size.ofCells = data_.ofCells;
@@ -109,12 +166,10 @@ class VtkMeshReader final : public MeshReader {
     return size;
   }
 
-  Result<MeshData> take() override { return std::move(data_); }
-
- private:
+  /// `field` may have no array.
   Status copyCells(vtkUnstructuredGrid* grid, const Field& field, const std::string& file) {
     const vtkIdType expected = field.ofCells ? grid->GetNumberOfCells() : grid->GetNumberOfPoints();
-    if (field.array->GetNumberOfTuples() != expected) {
+    if (field.array && field.array->GetNumberOfTuples() != expected) {
       return fail(ErrorCode::kInvalidData, "{}: field '{}' has {} values; expected {}", file,
                   data_.field, field.array->GetNumberOfTuples(), expected);
     }
@@ -130,10 +185,10 @@ class VtkMeshReader final : public MeshReader {
       appendCell(grid, i, ids, data_.soup.connectivity);
       data_.soup.shapes.push_back(*shape);
       data_.soup.offsets.push_back(static_cast<std::int64_t>(data_.soup.connectivity.size()));
-      if (field.ofCells)
+      if (field.array && field.ofCells)
         data_.values.push_back(static_cast<float>(field.array->GetComponent(i, 0)));
     }
-    for (vtkIdType i = 0; i < grid->GetNumberOfPoints() && !field.ofCells; ++i)
+    for (vtkIdType i = 0; field.array && !field.ofCells && i < expected; ++i)
       data_.values.push_back(static_cast<float>(field.array->GetComponent(i, 0)));
     return {};
   }

@@ -246,7 +246,11 @@ Result<std::vector<TimedFile>> readPvd(const std::filesystem::path& path) {
     }
     TimedFile& timed = files.emplace_back();
     timed.path = file;
-    element->GetScalarAttribute("timestep", timed.time);
+    const char* time = element->GetAttribute("timestep");
+    if (time && !element->GetScalarAttribute("timestep", timed.time)) {
+      return fail(ErrorCode::kInvalidData, "{}: {} is at '{}'; expected a time in seconds",
+                  path.string(), file, time);
+    }
   }
   return files;
 }

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/scene_smoke.hpp"
 
+#include <algorithm>
 #include <fstream>
 
 #include "volute/fds/smv_index.hpp"
@@ -191,7 +192,7 @@ bool isSmokeCase(const std::string& path) {
   std::string text(64 << 10, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
-  const auto mesh = text.find(".vtu"), image = text.find(".vti");
+  const auto mesh = std::min(text.find(".vtu"), text.find(".pvtu")), image = text.find(".vti");
   return mesh < image;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -25,15 +26,41 @@ struct CellSoup {
   std::vector<std::int64_t> connectivity;
 };
 
-/// Tets out of cells, on the same vertices.
+/// Vertices in the middle of faces and cells, where these could not be cut from their corners.
+struct AddedVertices {
+  std::vector<Vec3> places;             ///< [m]
+  std::vector<std::size_t> offsets{0};  ///< vertex i is made of offsets[i] .. offsets[i + 1]
+  std::vector<std::int32_t> from{};     ///< the soup's vertices that it is made of
+  std::vector<double> shares{};         ///< of each of them; they sum to 1 for each vertex
+
+  /// Values at the soup's vertices, followed by those at the added ones: the same shares of the
+  /// values as of the places, so that a linear field stays exact, and never beyond them.
+  std::vector<float> follow(std::vector<float> values) const;
+};
+
+/// Tets out of cells. Vertices are those of the soup, then the added ones.
 struct SplitCells {
   std::vector<Tet> tets;
   std::vector<std::int32_t> cellOf;  ///< the cell of each tet
+  AddedVertices added;
+
+  /// The vertices of the tets.
+  std::vector<Vec3> vertices(const CellSoup& soup) const;
 };
 
-/// Splits convex cells into tets so that neighbours meet: each face is cut into a fan from its
-/// vertex of least index, on both of its sides, and each cell into the pyramids from its own such
-/// vertex over the pieces of the faces that do not have it.
+/// Splits cells into tets so that neighbours meet. A face is cut the same way from both of its
+/// sides: into a fan from its vertex of least index, from the next one where a triangle of that
+/// fan would be flat (a vertex in the middle of an edge: what refinement leaves) or folded, else
+/// from the mean of its corners. A cell is cut into the pyramids over the pieces of its faces from
+/// its vertex of least index, from the next one where a tet of those would be flat or inverted,
+/// else from the mean of its corners or another place that sees all its faces from within. Flat is
+/// what has less than a hundredth of its fair share; where there is nothing better, 1e-9 of it.
+///
+/// Vertices on an edge that some faces of a polyhedron name and others leave out are put into all
+/// faces that have the edge.
+///
+/// Fails, with `name` first, for cells without volume, cells that their faces do not close, and
+/// those that are seen from no place inside.
 [[nodiscard]] Result<SplitCells> splitCells(const CellSoup& soup, std::string_view name);
 
 }  // namespace volute

@@ -6,7 +6,9 @@
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/fds_report.hpp"
 #include "volute/cli/gl_pictures.hpp"
+#include "volute/cli/mesh_report.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/scene/scene_smoke.hpp"
 #include "volute/scene/volume_input.hpp"
 
 namespace volute::cli {
@@ -220,7 +222,8 @@ Status run(const Arguments& arguments, Context& context) {
         : isPicturePath(path) ? describePicture(path)
         : isSmvPath(path) ? describeFdsCase(path, arguments.find<std::string>("grid").value_or(""),
                                             arguments.flag("values"), context)
-                          : describeVolume(path, arguments, context);
+        : isSmokeCase(path) ? describeMeshCase(path, arguments.flag("values"), context, damaged)
+                            : describeVolume(path, arguments, context);
     VOLUTE_TRY(report);
     files.push_back(report->json());
     if (!context.json)
@@ -230,7 +233,8 @@ Status run(const Arguments& arguments, Context& context) {
     context.print(
         dumpJson(paths.size() == 1 ? files[0] : nlohmann::ordered_json{{"files", files}}));
   if (damaged)
-    return fail(ErrorCode::kInvalidData, "not everything is intact; what is was shown");
+    return fail(ErrorCode::kInvalidData,
+                "not everything is intact or can be used; what is was shown");
   return {};
 }
 
@@ -242,16 +246,19 @@ Command infoCommand() {
       .name = "info",
       .summary = "Says what is in a file and whether it is whole",
       .examples = {"volute info fire.volute", "volute info smoke.npy --values --json",
-                   "volute info case.smv", "volute info --gl"},
+                   "volute info case.smv", "volute info hall.pvd", "volute info --gl"},
       .description =
           "Sizes, frames, times and bounds of a volume; of a .volute also what error was asked "
           "for and reached, and whether every "
           "byte is intact. Pictures (.png, .exr) show their size and range. A damaged .volute "
           "is described as far as it is intact, "
           "and the exit code is 1. An FDS case (.smv) shows its meshes, obstructions and files, "
-          "which of them says how thick the smoke is, at which times, and what is cut off.",
+          "which of them says how thick the smoke is, at which times, and what is cut off. Smoke "
+          "on "
+          "a mesh (.vtu, .pvtu, .vtk, .pvd, .case, .e, .foam) shows its times, cells, the "
+          "tetrahedra that they are split into, and its fields with their ranges.",
       .positionals = {{.name = "FILE",
-                       .help = "a volume, a picture or an FDS case",
+                       .help = "a volume, a picture, smoke on a mesh or an FDS case",
                        .several = true,
                        .optional = true}},
       .options = {{.name = "grid",

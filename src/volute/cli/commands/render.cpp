@@ -117,6 +117,17 @@ Result<std::optional<SmokeContour>> contourOf(const Arguments& arguments, const 
   SmokeContour contour;
   if (slice) {
     VOLUTE_ASSIGN(contour, parseSlice(*slice));
+    Box3 bounds;
+    for (const SmokeLayer& smoke : job.smokes) {
+      bounds.extend(smoke.bounds().min);
+      bounds.extend(smoke.bounds().max);
+    }
+    const double low = bounds.min[contour.axis], high = bounds.max[contour.axis];
+    if (!(contour.place >= low && contour.place < high)) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "--slice: {} misses the mesh, which reaches from {:.6g} to {:.6g} m along {}",
+                  *slice, low, high, "xyz"[contour.axis]);
+    }
   }
   if (surface) {
     contour.kind = SmokeContour::Kind::kSurface;

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "volute/base/result.hpp"
+
+namespace volute {
+
+/// Whether the files of an OpenFOAM case that hold the mesh, and a field when `field` is not
+/// empty, at a time [s] are whole, in text or binary, packed by gzip (`.gz`) or not.
+[[nodiscard]] Status checkFoam(const std::filesystem::path& casePath, const std::string& field,
+                               double time);
+
+/// The same of the bytes of one file, unpacked; `kind` is what must be in it: "internalField", or
+/// a list for anything else. Half a sentence says what is missing.
+[[nodiscard]] Status checkFoamText(std::string_view bytes, std::string_view kind);
+
+}  // namespace volute

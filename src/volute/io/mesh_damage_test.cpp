@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// Files of meshes that are cut off or say what cannot be.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "volute/io/ensight_files.hpp"
+#include "volute/io/foam_files.hpp"
+#include "volute/io/mesh_case_files.hpp"
+#include "volute/io/mesh_source.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::HasSubstr;
+using namespace testing;
+
+/// Cuts a file of a case at every length; none may pass `check` whose bytes are not the whole but
+/// for white space.
+void cutEverywhere(const std::filesystem::path& file, const std::function<Status()>& check) {
+  const std::string whole = readBytes(file);
+  const Status before = check();
+  ASSERT_TRUE(before) << before.error().message;
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    writeBytes(file, whole.substr(0, length));
+    const Status checked = check();
+    ASSERT_FALSE(checked) << file << " cut at " << length << " of " << whole.size();
+    EXPECT_THAT(checked.error().message, HasSubstr(file.parent_path().string()));
+  }
+  writeBytes(file, whole);
+}
+
+TEST(MeshDamage, NoCutOfEnsightIsWhole) {
+  const TempFolder folder;
+  writeEnsight(folder.path());
+  const auto ascii = [&](const char* field) {
+    return [&folder, field] { return checkEnsight(folder / "box.case", field, 20); };
+  };
+  cutEverywhere(folder / "box.geo", ascii("smoke"));
+  cutEverywhere(folder / "box_smoke.01", ascii("smoke"));
+  cutEverywhere(folder / "box_soot.01", ascii("soot"));
+  EXPECT_TRUE(checkEnsight(folder / "box.case", "smoke", 10));
+  writeBinaryEnsight(folder.path());
+  const auto binary = [&](const char* field) {
+    return [&folder, field] { return checkEnsight(folder / "two.case", field, 20); };
+  };
+  cutEverywhere(folder / "two.geo", binary("smoke"));
+  cutEverywhere(folder / "two_smoke.01", binary("smoke"));
+  cutEverywhere(folder / "two_soot.01", binary("soot"));
+}
+
+TEST(MeshDamage, LinesOfEnsightThatAreNoNumbers) {
+  const TempFolder folder;
+  const auto said = [&](const char* name, const std::string& from, const std::string& to) {
+    writeEnsight(folder.path());
+    std::string text = readBytes(folder / name);
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    writeBytes(folder / name, text.replace(at, from.size(), to));
+    const Status checked = checkEnsight(folder / "box.case", "smoke", 20);
+    return checked ? std::string() : checked.error().message;
+  };
+  EXPECT_THAT(said("box_smoke.01", " 3.00000e+00", "     garbage"),
+              HasSubstr("'garbage'; expected a number"));
+  EXPECT_THAT(said("box_smoke.01", " 3.00000e+00\n", "\n"), HasSubstr("expected a number"));
+  EXPECT_THAT(said("box_smoke.01", " 3.00000e+00", " 3.000e+00 4"), HasSubstr("expected a number"));
+  EXPECT_THAT(said("box.geo", " 0.00000e+00", "     garbage"), HasSubstr("expected a number"));
+  EXPECT_THAT(said("box.geo", "hexa8\n         2", "hexa8\n 900000000"),
+              HasSubstr("the end is missing"));
+  EXPECT_THAT(said("box.geo", "         2         5", "         x         5"),
+              HasSubstr("8 numbers"));
+  EXPECT_THAT(said("box_smoke.01", "         1\n", "         2\n"), HasSubstr("part 2"));
+  EXPECT_THAT(said("box.case", "10 20", "20 10"), HasSubstr("expected ascending times"));
+  EXPECT_THAT(said("box.case", "10 20", "10 10"), HasSubstr("expected ascending times"));
+  EXPECT_THAT(said("box.case", "steps: 2", "steps: 2000000000"), HasSubstr("2 time values"));
+  EXPECT_EQ(said("box_smoke.01", " 3.00000e+00", " +3.0000E+00"), "");
+}
+
+TEST(MeshDamage, NumbersOfEnsightFilesFollowTheTimeSet) {
+  const TempFolder folder;
+  writeEnsight(folder.path());
+  writeBytes(folder / "box_smoke.00", "smoke\n");
+  EXPECT_TRUE(checkEnsight(folder / "box.case", "smoke", 20));
+  EXPECT_THAT(checkEnsight(folder / "box.case", "smoke", 10).error().message,
+              HasSubstr("box_smoke.00"));
+}
+
+std::string foamFile(const char* format, const char* type, const std::string& body) {
+  return fmt::format(
+      "/* a banner */\nFoamFile\n{{\n version 2.0;\n format {};\n arch "
+      "\"LSB;label=32;scalar=64\";\n "
+      "class {};\n object x;\n}}\n// * * * //\n\n{}",
+      format, type, body);
+}
+
+template <class T>
+std::string raw(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+TEST(MeshDamage, NoCutOfOpenFoamIsWhole) {
+  const std::vector<double> points{0, 1, 2, 0.1, 1e300, -3, 41, 40, 123};  // 41 is a bracket
+  const std::string soot =
+      "dimensions [1 -3 0 0 0 0 0];\n\ninternalField nonuniform List<scalar>\n3\n(";
+  const std::string walls = ")\n;\n\nboundaryField\n{\n walls\n {\n  type zeroGradient;\n }\n}\n";
+
+  struct Case {
+    std::string bytes, kind;
+    std::size_t least;  ///< what is cut behind this says all the same
+  };
+
+  std::vector<Case> cases;
+  const auto add = [&](const std::string& bytes, const std::string& kind,
+                       const std::string& lastOfData) {
+    cases.push_back({bytes + "\n// end\n", kind, bytes.rfind(lastOfData) + lastOfData.size()});
+  };
+  add(foamFile("ascii", "vectorField", "2\n(\n(0 1 2)\n(3 4 5)\n)\n"), "points", ")");
+  add(foamFile("binary", "vectorField", "3\n(" + raw(points) + ")\n"), "points", ")");
+  add(foamFile("binary", "labelList", "2\n(" + raw(std::vector<int>{40, 125}) + ")\n"), "owner",
+      ")");
+  add(foamFile("binary", "faceCompactList",
+               "2\n(" + raw(std::vector<int>{0, 3}) + ")\n\n3\n(" +
+                   raw(std::vector<int>{0, 59, 123}) + ")\n"),
+      "faces", ")");
+  add(foamFile("binary", "polyBoundaryMesh", "1\n(\nwalls\n{\n type wall;\n nFaces 10;\n}\n)\n"),
+      "boundary", ")");
+  add(foamFile("ascii", "volScalarField", soot + "1\n2\n3\n" + walls), "internalField", "3\n)\n;");
+  add(foamFile("binary", "volScalarField", soot + raw(std::vector<double>{1, 2, 3}) + walls),
+      "internalField", ")\n;");
+  add(foamFile("ascii", "volScalarField", "internalField uniform 0.25;\n"), "internalField", ";");
+  for (const Case& c : cases) {
+    const Status whole = checkFoamText(c.bytes, c.kind);
+    ASSERT_TRUE(whole) << c.bytes << whole.error().message;
+    std::size_t refused = 0;
+    for (std::size_t length = 0; length < c.bytes.size(); ++length) {
+      const bool good =
+          checkFoamText(std::string_view(c.bytes).substr(0, length), c.kind).has_value();
+      refused += !good;
+      ASSERT_TRUE(!good || length + 2 >= c.least) << c.bytes.substr(0, length);
+    }
+    EXPECT_GE(refused + 2, c.least);
+  }
+}
+
+#if VOLUTE_HAS_VTK
+
+TEST(MeshDamage, ReadsBinaryEnsight) {
+  const TempFolder folder;
+  writeBinaryEnsight(folder.path());
+  for (std::size_t instant = 0; instant < 2; ++instant) {
+    ASSERT_VALUE(auto source, MeshSource::open(folder / "two.case", {.field = "smoke"}));
+    ASSERT_VALUE(const auto frame, source.read(instant));
+    ASSERT_EQ(frame.mesh->vertices().size(), 12u);
+    for (std::size_t i = 0; i < 12; ++i)
+      EXPECT_NEAR(frame.values[i], smokeAt(frame.mesh->vertices()[i], static_cast<int>(instant)),
+                  1e-6);
+  }
+  const std::string whole = readBytes(folder / "two.geo");
+  writeBytes(folder / "two.geo", whole.substr(0, whole.size() / 2 + 160));  // one of two parts
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "two.case", {.field = "smoke"}));
+  EXPECT_FALSE(source.read(0));
+}
+
+std::string saidOf(const std::filesystem::path& path, const std::string& field = "") {
+  auto source = MeshSource::open(path, {.field = field, .maxMemory = 256 << 20});
+  for (std::size_t i = 0; source && i < source->times().size(); ++i) {
+    const auto frame = source->read(i);
+    if (!frame)
+      return frame.error().message;
+  }
+  return source ? "" : source.error().message;
+}
+
+TEST(MeshDamage, PackedOpenFoamCutAnywhere) {
+  const TempFolder folder;
+  writeFoam(folder.path());
+  const auto file = folder / "20" / "soot";
+  const std::string text = readBytes(file);
+  std::filesystem::remove(file);
+  const std::filesystem::path packed = file.string() + ".gz";
+  const gzFile out = ::gzopen(packed.c_str(), "wb");
+  ::gzwrite(out, text.data(), static_cast<unsigned>(text.size()));
+  ::gzclose(out);
+  EXPECT_EQ(saidOf(folder / "box.foam", "soot"), "");
+  cutEverywhere(packed, [&] { return checkFoam(folder / "box.foam", "soot", 20); });
+  const std::string whole = readBytes(packed);
+  writeBytes(packed, whole.substr(0, whole.size() - 9));
+  EXPECT_NE(saidOf(folder / "box.foam", "soot"), "");
+}
+
+struct Vtu {
+  std::string points = "0 0 0 1 0 0 0 1 0 0 0 1";
+  std::string pointCount = "4", cellCount = "1";
+  std::string connectivity = "0 1 2 3", offsets = "4", types = "10";
+  std::string smoke = "1 2 3 4";
+  std::string more = "";
+
+  void write(const std::filesystem::path& path) const {
+    const auto array = [](const char* type, const char* name, int components,
+                          const std::string& numbers) {
+      return fmt::format(
+          R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="ascii">{}</DataArray>)",
+          type, name, components, numbers);
+    };
+    writeBytes(path, R"(<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian">)"
+                     "<UnstructuredGrid>\n" +
+                         fmt::format(R"(<Piece NumberOfPoints="{}" NumberOfCells="{}">)",
+                                     pointCount, cellCount) +
+                         "<PointData>" + array("Float32", "smoke", 1, smoke) +
+                         "</PointData><Points>" + array("Float64", "p", 3, points) +
+                         "</Points><Cells>" + array("Int64", "connectivity", 1, connectivity) +
+                         array("Int64", "offsets", 1, offsets) + array("UInt8", "types", 1, types) +
+                         more + "</Cells></Piece></UnstructuredGrid></VTKFile>\n");
+  }
+};
+
+TEST(MeshDamage, VtuThatSayWhatCannotBe) {
+  const TempFolder folder;
+  const std::filesystem::path file = folder / "a.vtu";
+  const auto said = [&](const std::function<void(Vtu&)>& change) {
+    Vtu vtu;
+    change(vtu);
+    vtu.write(file);
+    const std::string message = saidOf(file);
+    if (!message.empty()) {
+      EXPECT_TRUE(message.starts_with(file.string())) << message;
+    }
+    return message;
+  };
+  EXPECT_EQ(said([](Vtu&) {}), "");
+  for (const char* wrong : {"0 1 2 4", "0 1 2 -1", "0 1 2 4000000000000", "0 1 2"})
+    EXPECT_NE(said([&](Vtu& vtu) { vtu.connectivity = wrong; }), "") << wrong;
+  for (const char* wrong : {"5", "0", "-4", "4000000000000", "3"})
+    EXPECT_NE(said([&](Vtu& vtu) { vtu.offsets = wrong; }), "") << wrong;
+  for (const char* wrong : {"12", "42", "24", "1", "255", "0"})
+    EXPECT_NE(said([&](Vtu& vtu) { vtu.types = wrong; }), "") << wrong;
+  for (const char* wrong : {"0 0 0 1 0 0 0 1 0 0 0 nan", "0 0 0 1 0 0 0 1 0 0 0 inf",
+                            "0 0 0 1 0 0 0 1 0 0 0 1e308", "0 0 0 1 0 0 0 1 0 0 0"})
+    EXPECT_NE(said([&](Vtu& vtu) { vtu.points = wrong; }), "") << wrong;
+  for (const char* wrong : {"1 2 3 nan", "1 2 3 inf", "1 2 3 1e39", "1 2 3", "1 2 3 x", ""})
+    EXPECT_NE(said([&](Vtu& vtu) { vtu.smoke = wrong; }), "") << wrong;
+  for (const char* wrong : {"0", "1000000000000", "-1", "5", "3"})
+    EXPECT_NE(said([&](Vtu& vtu) { vtu.pointCount = wrong; }), "") << wrong;
+  for (const char* wrong : {"0", "1000000000000", "-1", "2"})
+    EXPECT_NE(said([&](Vtu& vtu) { vtu.cellCount = wrong; }), "") << wrong;
+  // A polyhedron whose stream of faces is short, and one that names a point that is not there.
+  for (const char* wrong : {"4 3 0 1 2 3 0 1 3 3 0 2 3 3 1 2", "4 3 0 1 2 3 0 1 3 3 0 2 3 3 1 2 9",
+                            "4000000000 3 0 1 2", "4 300000000 0 1 2", ""}) {
+    EXPECT_NE(said([&](Vtu& vtu) {
+                vtu.types = "42";
+                vtu.more = fmt::format(
+                    R"(<DataArray type="Int64" Name="faces" format="ascii">{}</DataArray>
+<DataArray type="Int64" Name="faceoffsets" format="ascii">17</DataArray>)",
+                    wrong);
+              }),
+              "")
+        << wrong;
+  }
+}
+
+TEST(MeshDamage, SeriesThatSayWhatCannotBe) {
+  const TempFolder folder;
+  Vtu{}.write(folder / "a.vtu");
+  Vtu{}.write(folder / "b.vtu");
+  const auto said = [&](const std::string& sets) {
+    writeBytes(folder / "s.pvd",
+               "<VTKFile type=\"Collection\"><Collection>" + sets + "</Collection></VTKFile>\n");
+    return saidOf(folder / "s.pvd");
+  };
+  EXPECT_EQ(said(R"(<DataSet timestep="1" file="a.vtu"/><DataSet timestep="2" file="b.vtu"/>)"),
+            "");
+  EXPECT_THAT(said(R"(<DataSet timestep="1" file="a.vtu"/><DataSet timestep="1" file="b.vtu"/>)"),
+              HasSubstr("a.vtu and b.vtu are both at 1 s"));
+  EXPECT_THAT(said(R"(<DataSet timestep="1" file="a.vtu"/><DataSet timestep="2" file="c.vtu"/>)"),
+              HasSubstr("c.vtu"));
+  EXPECT_THAT(said(R"(<DataSet timestep="1" file="a.vtu"/><DataSet timestep="2" file="c.vtm"/>)"),
+              HasSubstr("c.vtm; expected a series of .vtu or .pvtu files"));
+  EXPECT_NE(said(R"(<DataSet timestep="nan" file="a.vtu"/>)"), "");
+  EXPECT_NE(said(""), "");
+  std::filesystem::create_directory(folder / "d.vtu");
+  EXPECT_THAT(saidOf(folder / "d.vtu"), HasSubstr("is a folder"));
+  EXPECT_THAT(said(R"(<DataSet timestep="1" file="d.vtu"/>)"), HasSubstr("d.vtu"));
+  for (const char* name : {"e.vtu", "e.pvtu", "e.pvd", "e.vtk", "e.case", "e.e", "e.foam"}) {
+    writeBytes(folder / name, "");
+    EXPECT_THAT(saidOf(folder / name), ::testing::StartsWith((folder / name).string())) << name;
+  }
+}
+
+/// Two cubes, of one piece each, that meet at a face whose points both name; the second piece also
+/// has the first one's cube as a ghost.
+TEST(MeshDamage, PiecesOfParallelFiles) {
+  const TempFolder folder;
+  const auto cube = [](int x) {
+    std::string points;
+    for (int i = 0; i < 8; ++i) points += fmt::format("{} {} {} ", x + i % 2, i / 2 % 2, i / 4);
+    return points;
+  };
+  const auto write = [&](const char* name, const std::string& points, const std::string& ghosts,
+                         int cells) {
+    std::string ids, offsets, types, smoke;
+    for (int c = 0; c < cells; ++c) {
+      for (const int id : {0, 1, 3, 2, 4, 5, 7, 6}) ids += fmt::format("{} ", 8 * c + id);
+      offsets += fmt::format("{} ", 8 * (c + 1));
+      types += "12 ";
+      smoke += "1 2 1 2 1 2 1 2 ";
+    }
+    writeBytes(folder / name,
+               fmt::format(
+                   R"(<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian">
+<UnstructuredGrid><Piece NumberOfPoints="{}" NumberOfCells="{}">
+<PointData><DataArray type="Float32" Name="smoke" format="ascii">{}</DataArray></PointData>
+<CellData><DataArray type="UInt8" Name="vtkGhostType" format="ascii">{}</DataArray></CellData>
+<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">{}</DataArray></Points><Cells>
+<DataArray type="Int64" Name="connectivity" format="ascii">{}</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">{}</DataArray>
+<DataArray type="UInt8" Name="types" format="ascii">{}</DataArray></Cells></Piece>
+</UnstructuredGrid></VTKFile>
+)",
+                   8 * cells, cells, smoke, ghosts, points, ids, offsets, types));
+  };
+  write("p0.vtu", cube(0), "0", 1);
+  write("p1.vtu", cube(1) + cube(0), "0 1", 2);
+  writeBytes(folder / "p.pvtu",
+             R"(<VTKFile type="PUnstructuredGrid" version="0.1" byte_order="LittleEndian">
+<PUnstructuredGrid GhostLevel="1"><Piece Source="p0.vtu"/><Piece Source="p1.vtu"/></PUnstructuredGrid>
+</VTKFile>
+)");
+  writeBytes(folder / "s.pvd",
+             "<VTKFile type=\"Collection\"><Collection><DataSet timestep=\"3\" "
+             "file=\"p.pvtu\"/></Collection></VTKFile>\n");
+  for (const char* name : {"p.pvtu", "s.pvd"}) {
+    ASSERT_VALUE(auto source, MeshSource::open(folder / name));
+    ASSERT_VALUE(const auto frame, source.read(0));
+    EXPECT_EQ(frame.mesh->vertices().size(), 12u);
+    EXPECT_EQ(frame.mesh->boundary().size(), 20u);
+    double volume = 0;
+    for (std::size_t t = 0; t < frame.mesh->tets().size(); ++t)
+      volume += frame.mesh->volume(static_cast<std::int32_t>(t));
+    EXPECT_NEAR(volume, 2, 1e-12);
+  }
+  std::filesystem::remove(folder / "p1.vtu");
+  EXPECT_THAT(saidOf(folder / "p.pvtu"), HasSubstr("p1.vtu"));
+}
+
+TEST(MeshDamage, VectorsAreNamedAsSuch) {
+  const TempFolder folder;
+  Vtu vtu;
+  vtu.write(folder / "a.vtu");
+  std::string text = readBytes(folder / "a.vtu");
+  text.insert(text.find("</PointData>"),
+              R"(<DataArray type="Float32" Name="U" NumberOfComponents="3" format="ascii">
+0 0 0 0 0 0 0 0 0 3 4 0</DataArray>)");
+  writeBytes(folder / "a.vtu", text);
+  EXPECT_THAT(saidOf(folder / "a.vtu", "U"),
+              HasSubstr("field 'U' is a vector or tensor (3 components of points); expected a "
+                        "scalar; the file has smoke (scalars of points)"));
+  ASSERT_VALUE(const auto source, MeshSource::open(folder / "a.vtu"));
+  ASSERT_VALUE(const auto described, source.describe(0));
+  ASSERT_EQ(described.fields.size(), 2u);
+  EXPECT_STREQ(described.fields[1].name, "U");
+  EXPECT_EQ(described.fields[1].most, 5);
+  EXPECT_EQ(described.contents.size.cells, 1u);
+  ASSERT_TRUE(described.mesh);
+  EXPECT_EQ((*described.mesh)->tets().size(), 1u);
+}
+
+#endif
+
+}  // namespace
+}  // namespace volute
