@@ -38,8 +38,8 @@ BALL = {
                "albedo": [0.9, 0.9, 0.9], "walls": [0.72, 0.70, 0.66]}]}
 
 
-# Before the open side wall, from where both the column and the hall's depth are seen.
-OUTSIDE = {"eye": [-4, -14, 11], "target": [14.5, 6, 2.2], "fov": 34, "size": [560, 400]}
+# Walls are seen from inside alone: from here one looks over the whole building.
+OUTSIDE = {"eye": [-3, -22, 15], "target": [13, 5.5, 0.2], "fov": 34, "size": [560, 340]}
 PLANE, CONTOUR = ("y", 6), 10  # through the fire, and the visibility of the isosurface [m]
 
 
