@@ -129,7 +129,7 @@ def sections(result):
                 "figures": [{"file": "smoke_by_volume.png", "label": "The smoke itself",
                              "caption": f"After {MOMENTS[3]}{NBSP}s; photometric, under the lamps"},
                             {"file": "smoke_by_concentration.png", "label": "Slice of the concentration",
-                             "caption": f"Soot in g/m³ at {PLANE[0]} = {PLANE[1]}{NBSP}m; inferno, the last colour is the plane's most"},
+                             "caption": f"Soot in g/m³ at {PLANE[0]} = {PLANE[1]}{NBSP}m; plasma, the last colour is the plane's most"},
                             {"file": "smoke_by_visibility.png", "label": "Slice of the local visibility",
                              "caption": f"S = C/K in metres at {PLANE[0]} = {PLANE[1]}{NBSP}m, C = 3; viridis, the last colour is 30{NBSP}m and "
                                         "more"},

@@ -96,7 +96,7 @@ Rgb colorOf(const SmokeContour& contour, double value) {
 }  // namespace
 
 ColorMap colorMapOf(const SmokeContour& slice) {
-  return slice.shows == SmokeContour::Shows::kConcentration ? ColorMap::kInferno
+  return slice.shows == SmokeContour::Shows::kConcentration ? ColorMap::kPlasma
                                                             : ColorMap::kViridis;
 }
 

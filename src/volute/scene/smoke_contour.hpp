@@ -32,7 +32,7 @@ struct SmokeContour {
 /// "z=1.8": axis and place of a slice.
 [[nodiscard]] Result<SmokeContour> parseSlice(std::string_view text);
 
-/// The colours of a slice: viridis, whose last is clear air of a visibility; inferno for a
+/// The colours of a slice: viridis, whose last is clear air of a visibility; plasma for a
 /// concentration, so that nobody takes the one for the other.
 ColorMap colorMapOf(const SmokeContour& slice);
 

@@ -66,7 +66,7 @@ TEST(SmokeContour, SlicesShowConcentrationsInTheUnitOfTheField) {
   for (int x = 0; x < 8; ++x) {
     const double concentration = 0.05 * (x + 0.5) / 8.7;
     const Rgb expected =
-        displayColor(ColorMap::kInferno, concentration / 0.1).unaryExpr(&srgbDecode);
+        displayColor(ColorMap::kPlasma, concentration / 0.1).unaryExpr(&srgbDecode);
     EXPECT_TRUE(at(*image, x, 3).isApprox(expected, 1e-4)) << x;
   }
 }
