@@ -111,9 +111,10 @@ void SmokeLayer::remarkOn(const Stored& stored, std::span<const float> extinctio
 /// A unit that is too small makes a whole fire look like clear air.
 void SmokeLayer::remarkOnThinSmoke(const Stored& stored, double most) {
   const double depth = most * stored.frame.mesh->bounds().size().norm();
-  if (depth > kThinDepth)
-    return;
   const SmokeModel& model = description_.model;
+  const bool clear = depth <= kThinDepth;
+  if (!clear && (!holdsMass(model.quantity) || model.sootDensity(most) >= kLittleSoot))
+    return;
   std::string slip =
       fmt::format("check that the field holds {}, and the scale", nameOf(model.quantity));
   if (model.quantity == SmokeQuantity::kSootDensity ||
@@ -129,10 +130,12 @@ void SmokeLayer::remarkOnThinSmoke(const Stored& stored, double most) {
     }
   }
   progress_->remark(fmt::format(
-      "{}: step {}: this looks like clear air: no ray through the whole case meets an optical "
+      "{}: step {}: {}: no ray through the whole case meets an optical "
       "depth above {:.2g}, which takes {:.2g} % of the light (soot in rooms on fire: 1e-6 to "
       "1e-3 kg/m3); {}",
-      description_.file, stored.index, depth, -100 * std::expm1(-depth), slip));
+      description_.file, stored.index,
+      clear ? "this looks like clear air" : "this is little for a fire", depth,
+      -100 * std::expm1(-depth), slip));
 }
 
 Result<std::shared_ptr<const SmokeLayer::Stored>> SmokeLayer::readStep(std::size_t index) {

@@ -106,11 +106,12 @@ TEST_F(SmokeLayerTest, SaysThatSmokeLooksLikeClearAirAndWhichUnitItMayHave) {
     std::string heard;
   };
 
-  const auto heard = [this](double unit) {
+  const auto heard = [this](double unit, double scale = 1) {
     Remarks remarks;
     Reading reading{remarks, std::uint64_t{1} << 30};
     SmokeDescription smoke = smoke_;
     smoke.model.unit = unit;
+    smoke.model.scale = scale;
     EXPECT_TRUE(SmokeLayer::open(smoke, std::make_shared<const SmokeLighting>(), reading));
     return remarks.heard;
   };
@@ -123,6 +124,11 @@ TEST_F(SmokeLayerTest, SaysThatSmokeLooksLikeClearAirAndWhichUnitItMayHave) {
             std::string::npos)
       << milligrammes;
   EXPECT_NE(heard(1e-3).find("read as kg/m3 instead of g/m3"), std::string::npos);
+  // 7.5e-7 kg/m3, of which 6 % of the light can be missed.
+  const std::string little = heard(1e-3, 12.5);
+  EXPECT_NE(little.find("this is little for a fire"), std::string::npos) << little;
+  EXPECT_NE(little.find("read as kg/m3 instead of g/m3 it would be 0.00075"), std::string::npos)
+      << little;
 }
 
 TEST_F(SmokeLayerTest, KnowsTheFieldAndWhatAUnitOfItIs) {
