@@ -38,6 +38,11 @@ BALL = {
                "albedo": [0.9, 0.9, 0.9], "walls": [0.72, 0.70, 0.66]}]}
 
 
+# Walls are seen from inside alone: from here one looks over the whole building.
+OUTSIDE = {"eye": [-3, -22, 15], "target": [13, 5.5, 0.2], "fov": 34, "size": [560, 340]}
+PLANE, CONTOUR = ("y", 6), 10  # through the fire, and the visibility of the isosurface [m]
+
+
 def changed(scene, mode=None, lights=None, camera=None):
     scene = copy.deepcopy(scene)
     if mode:
@@ -55,7 +60,7 @@ def make(demo, say):
     demo.run("volute", "synthesize", "ball", "-o", "ball.vtu")
     close = {"eye": [8.9, 6, 1.7], "target": [20, 6, 3.1], "fov": 8, "size": [480, 200]}
     scenes = {"hall": SCENE, "threshold": changed(SCENE, "threshold"), "signs": changed(SCENE, "threshold", camera=close),
-              "unlit": changed(SCENE, lights=[{"kind": "ambient", "radiance": [0.35, 0.35, 0.35]}]),
+              "outside": changed(SCENE, camera=OUTSIDE), "unlit": changed(SCENE, lights=[{"kind": "ambient", "radiance": [0.35, 0.35, 0.35]}]),
               "ball": BALL, "ball_unlit": changed(BALL, lights=[{"kind": "ambient", "radiance": [0.35, 0.35, 0.35]}])}
     for name, scene in scenes.items():
         (demo.out / f"smoke_{name}.json").write_text(json.dumps(scene, indent=1))
@@ -73,6 +78,7 @@ def make(demo, say):
     still("unlit", "smoke_unlit.png", MOMENTS[3])
     still("ball", "smoke_ball.png", 0)
     still("ball_unlit", "smoke_ball_unlit.png", 0)
+    contours(still)
     depth = still("hall", "smoke_depth.png", MOMENTS[3], "--aov", "optical-depth", "--colormap", "viridis", "--legend", exposure=1 / 8)
     say("smoke: the film")
     film = demo.run("volute", "render", "smoke_hall.json", "-o", "hall.mp4", "--size", f"{FILM[0]}x{FILM[1]}", "--speed", SPEED, "--exposure", 1, "--cache", "light",
@@ -80,8 +86,16 @@ def make(demo, say):
     return {"film": film, "depth": depth}
 
 
+def contours(still):
+    """One moment from one place, by four means."""
+    plane = f"{PLANE[0]}={PLANE[1]}"
+    for name, words in (("volume", ()), ("concentration", ("--slice", plane, "--slice-shows", "concentration")),
+                        ("visibility", ("--slice", plane)), ("isosurface", ("--isosurface", CONTOUR))):
+        still("outside", f"smoke_by_{name}.png", MOMENTS[3], "--legend", *words)
+
+
 def sections(result):
-    """As Figures 1, 6 and 8 of Staubli et al. 2005."""
+    """As Figures 1, 2, 6 and 8 of Staubli et al. 2005."""
     film = result["film"]
     milliseconds = film["milliseconds"]["render"] / film["pictures"]
     look = f"perspective 58°, from 1.7{NBSP}m above the floor; linear light, exposure 1, shown as sRGB"
@@ -106,6 +120,22 @@ def sections(result):
                      "away. In threshold mode a thing has faded to 10 % where the rule S = C/K calls it no longer visible.",
              "figures": [{"file": f"smoke_signs_{t}.png", "label": f"{t}{NBSP}s", "caption": "Left C = 8, right C = 3; threshold"}
                          for t in SIGN_MOMENTS], "columns": 2}
+    contrast = {"title": "The same moment by contours",
+                "text": ["As Figure 2 of Staubli et al. 2005: what programs for CFD draw, and the smoke itself, at one moment and from one "
+                         "place. A slice has the values of one plane and nothing of what lies before and behind it; an isosurface has one "
+                         "value and hides the rest. Neither tells what a person sees, which is the sum along each line of sight.",
+                         f"The plane {PLANE[0]} = {PLANE[1]}{NBSP}m goes through the fire. Local visibility is S = C/K with C = 3 and the "
+                         "extinction K of that point alone."],
+                "figures": [{"file": "smoke_by_volume.png", "label": "The smoke itself",
+                             "caption": f"After {MOMENTS[3]}{NBSP}s; photometric, under the lamps"},
+                            {"file": "smoke_by_concentration.png", "label": "Slice of the concentration",
+                             "caption": f"Soot in g/m³ at {PLANE[0]} = {PLANE[1]}{NBSP}m; plasma, the last colour is the plane's most"},
+                            {"file": "smoke_by_visibility.png", "label": "Slice of the local visibility",
+                             "caption": f"S = C/K in metres at {PLANE[0]} = {PLANE[1]}{NBSP}m, C = 3; viridis, the last colour is 30{NBSP}m and "
+                                        "more"},
+                            {"file": "smoke_by_isosurface.png", "label": f"Isosurface of a visibility of {CONTOUR}{NBSP}m",
+                             "caption": f"Within it S = C/K is less than {CONTOUR}{NBSP}m, C = 3; lit from the eye"}],
+                "columns": 2}
     light = {"title": "Light in smoke",
              "text": "As Figure 6. Each corner of the mesh gets what reaches it of every lamp, exactly, through smoke and past walls; "
                      "smoke scatters it once.",
@@ -116,4 +146,4 @@ def sections(result):
                          {"file": "smoke_threshold.png", "label": "Threshold mode",
                           "caption": f"After {MOMENTS[3]}{NBSP}s; seen through 10^(-depth / 3), 23 % thinner than the light that passes"}],
              "columns": 2}
-    return [first, moments, signs, light]
+    return [first, moments, contrast, signs, light]

@@ -165,12 +165,44 @@ class Quantities(SmokeCase):
         self.path("cut.vtu").write_bytes(self.path("loose.vtu").read_bytes()[:900])
         self.assertIn("cut.vtu", self.fails(1, "render", self.path("cut.vtu"), "--quantity", "extinction", "-o", self.path("x.png")))
 
+    def test_words_that_would_change_nothing(self):
+        self.slab(0.3, rho=1.2)
+        case, out = ("render", self.path("slab.vtu"), "--field", "smoke"), ("-o", self.path("x.png"))
+        for words, said in (
+                (("--quantity", "soot-density", "--soot-yield", "0.1"), "--soot-yield: is for products-density, and soot-density is soot alone"),
+                (("--quantity", "extinction", "--unit", "g/m3"), "--unit: is for densities, and extinction is in 1/m"),
+                (("--quantity", "extinction", "--mass-extinction", "8700"), "--mass-extinction: is of soot"),
+                (("--quantity", "products-density", "--material", "chipboard", "--soot-yield", "0.1"), "--soot-yield: the material takes"),
+                (("--quantity", "extinction", "--density-field", "rho"), "--density-field: is for mass-fraction"),
+                (("--quantity", "extinction", "--C", "8"), "--C: plays no part in a photometric picture"),
+                (("--quantity", "extinction", "--mode", "photometric", "--C", "8"), "--C: plays no part"),
+                (("--quantity", "extinction", "--slice", "z=0", "--slice-shows", "extinction", "--C", "8"), "--C: plays no part")):
+            self.assertIn(said, self.fails(2, *case, *words, *out))
+        self.assertFalse(self.path("x.png").exists())
+        self.make_volute()
+        self.assertIn("--quantity is for smoke", self.fails(2, "render", self.path("in.volute"), "--quantity", "extinction", *out))
+        # What a command line may turn into something is a remark in a scene.
+        scene = self.scene([-3, 0, 0], [5, 0, 0], smoke={"C": 8})
+        self.assertIn("scene.json: /media/0/C: plays no part", self.works("render", scene, *out).message)
+        for words in (("--mode", "threshold"), ("--slice", "z=0"), ("--isosurface", "3")):
+            self.assertNotIn("plays no part", self.works("render", scene, *words, *out).message)
+
+    def test_clear_air_is_doubted(self):
+        self.slab(1e-4)
+        case = ("render", self.path("slab.vtu"), "--quantity", "soot-density", "-o", self.path("x.png"))
+        self.assertNotIn("clear air", self.works(*case).message)
+        message = self.works(*case, "--unit", "mg/m3").message
+        self.assertIn("optical depth above 9e-06", message)  # 8.7e-7/m over 10.4 m
+        self.assertIn("read as kg/m3 instead of mg/m3 it would be 0.0001 kg/m3 of soot", message)
+
     def test_scenes_name_the_place(self):
         self.slab(0.3)
         for smoke, where in (({"quantity": "soot"}, "/media/0/quantity"), ({"quantity": None}, "/media/0/quantity"),
                              ({"mode": "dark"}, "/media/0/mode"), ({"C": 0}, "/media/0/C"), ({"albedo": [2, 0, 0]}, "/media/0/albedo"),
                              ({"unit": "g"}, "/media/0/unit"), ({"burning": "flaming"}, "/media/0/burning"),
                              ({"walls": 3}, "/media/0/walls"), ({"negatives": 1}, "/media/0/negatives"),
+                             ({"unit": "g/m3"}, "/media/0/unit"), ({"mass_extinction": 8700}, "/media/0/mass_extinction"),
+                             ({"soot_yield": 0.1}, "/media/0/soot_yield"), ({"smoke_potential": 2}, "/media/0/smoke_potential"),
                              ({"emission": 3}, "/media/0/emission"), ({"case": 3}, "/media/0/case")):
             scene = self.scene([-3, 0, 0], [5, 0, 0], smoke=smoke)
             self.assertIn("scene.json: " + where, self.fails(1, "render", scene, "-o", self.path("x.png")))
@@ -430,10 +462,26 @@ class Metadata(SmokeCase):
             self.assertEqual(texts["volute.mode"], mode)
             self.assertEqual(texts.get("volute.C"), "3" if mode == "threshold" else None)
             self.assertEqual(texts["volute.time"], "3 s")
-            self.assertIn("Km = 8700 m2/kg", texts["volute.smoke"])
+            self.assertEqual(texts["volute.smoke"], "field 'smoke': extinction [1/m]")  # which has no Km
             self.assertEqual(json.loads(self.path("s.json").read_text())["mode"], mode)
             self.assertEqual(self.picture(scene)[3]["volute.mode"], mode)
             self.assertEqual(self.picture(scene, "--aov", "optical-depth")[3]["volute.shows"], "optical depth (natural logarithm)")
+
+    def test_smoke_says_what_plays_a_part(self):
+        self.slab(0.3, rho=1.2)
+        for smoke, words in (
+                ({"quantity": "soot-density", "unit": "g/m3"}, "soot-density [g/m3], Km = 8700 m2/kg"),
+                ({"quantity": "soot-density", "scale": 0.5, "mass_extinction": 7600}, "soot-density [kg/m3], scale 0.5, Km = 7600 m2/kg"),
+                ({"quantity": "products-density", "unit": "mg/m3", "soot_yield": 0.1},
+                 "products-density [mg/m3], Km = 8700 m2/kg, ys = 0.1"),
+                ({"quantity": "products-density", "unit": "g/m3", "smoke_potential": 2}, "products-density [g/m3], P = 2 dB m2/g"),
+                ({"quantity": "mass-fraction", "density_field": "rho"}, "mass-fraction [kg/kg], Km = 8700 m2/kg"),
+                ({"quantity": "optical-density-db"}, "optical-density-db [dB/m]"),
+                ({"quantity": "visibility", "C": 8}, "visibility [m], K = C / S, C = 8")):
+            scene = self.scene([-3, 0, 0], [5, 0, 0], smoke=smoke)
+            for more in ((), ("--slice", "z=0.1"), ("--isosurface", "10")):
+                self.works("render", scene, "-o", self.path("x.png"), *more)
+                self.assertEqual(smoke_files.png_texts(self.path("x.png"))["volute.smoke"], "field 'smoke': " + words)
 
     def test_the_legend_is_drawn_into_pictures(self):
         self.slab(0.0)
@@ -469,21 +517,69 @@ class Contours(SmokeCase):
         self.assertColor(self.middle(0.2, "--slice", "z=0.4", "--mode", "threshold", "--C", "6"), (0.993, 0.906, 0.144))
         self.assertColor(self.middle(0.2, "--slice", "z=0.4", "--slice-shows", "extinction"), (0.993, 0.906, 0.144))
 
+    def test_contours_take_c_in_every_mode(self):
+        clear = (0.993, 0.906, 0.144)
+        self.assertColor(self.middle(0.2, "--slice", "z=0.4", "--C", "6"), clear)  # 30 m
+        self.assertColor(self.middle(0.2, "--slice", "z=0.4", "--C", "3"), (0.128, 0.567, 0.551))
+        mesh = smoke_files.box((0, -1, -1), (10, 1, 1), (10, 2, 2))
+        smoke_files.write_vtu(self.path("ramp.vtu"), mesh, {"smoke": [0.1 * p[0] for p in mesh[0]]})
+        view = ("--eye", "9.9,0,0", "--target", "0,0,0", "--ortho", "1", "--size", "8x8")
+        for c, mode in ((3, ()), (8, ()), (8, ("--mode", "threshold"))):
+            # K = C / 10 m at x = C; seen from 9.9 - C m away either way, but where C = 12 there is none.
+            self.works("render", self.path("ramp.vtu"), "-o", self.path("x.png"), *view, *self.CASE, "--isosurface", 10, "--C", c, *mode)
+            texts = smoke_files.png_texts(self.path("x.png"))
+            self.assertEqual((texts["volute.C"], texts["volute.visibility"]), (str(c), "10 m"))
+        found = []
+        for c in (3, 12):
+            self.works("render", self.path("ramp.vtu"), "-o", self.path("x.exr"), *view, *self.CASE, "--isosurface", 10, "--C", c)
+            found.append(smoke_files.read_exr(self.path("x.exr"))[2]["G"][36])
+        self.assertAlmostEqual(found[0], 0.55, delta=1e-3)  # face on
+        self.assertAlmostEqual(found[1], 0.12, delta=1e-3)  # the wall
+
+    def test_a_slice_shows_the_concentration(self):
+        case = ("--field", "smoke", "--quantity", "soot-density", "--unit", "g/m3")
+        mesh = smoke_files.box((0, -1, -1), (10, 1, 1), (10, 2, 2))
+        smoke_files.write_vtu(self.path("ramp.vtu"), mesh, {"smoke": [0.02 * p[0] for p in mesh[0]]})
+        self.works("render", self.path("ramp.vtu"), "-o", self.path("x.exr"), *self.VIEW, *case, "--slice", "z=0.4",
+                   "--slice-shows", "concentration")
+        channels = smoke_files.read_exr(self.path("x.exr"))[2]
+        self.assertColor([channels[c][36] for c in "RGB"], (0.80, 0.28, 0.47))  # half of 0.2 g/m3: x = 5 m
+        self.works("render", self.path("ramp.vtu"), "-o", self.path("x.png"), *self.VIEW, *case, "--slice", "z=0.4",
+                   "--slice-shows", "concentration", "--legend")
+        texts = smoke_files.png_texts(self.path("x.png"))
+        self.assertEqual(texts["volute.mode"], "slice of concentration")
+        self.assertEqual(texts["volute.shows"], "slice: concentration of soot [g/m3], at z = 0.4 m")
+        self.assertNotIn("volute.C", texts)
+        self.slab(0.2)
+        for quantity in ("extinction", "visibility"):
+            self.assertIn(f"slab.vtu holds {quantity}, which tells no mass per volume",
+                          self.fails(2, "render", self.path("slab.vtu"), "-o", self.path("y.png"), "--quantity", quantity, "--slice",
+                                     "z=0.4", "--slice-shows", "concentration"))
+
     def test_pictures_say_what_they_show(self):
         self.slab(0.2)
         out = ("render", self.path("slab.vtu"), "-o", self.path("x.png"), *self.VIEW, *self.CASE, "--legend")
         self.works(*out, "--slice", "z=0.4")
-        self.assertEqual(smoke_files.png_texts(self.path("x.png"))["volute.shows"],
-                         "slice: local visibility S = C/K [m], C = 3, the last colour and more, at z = 0.4 m")
-        self.works(*out, "--isosurface", "10")
-        self.assertEqual(smoke_files.png_texts(self.path("x.png"))["volute.shows"],
-                         "isosurface: local visibility S = C/K = 10 m, C = 3")
+        common = {"volute.C": "3", "volute.smoke": "field 'smoke': extinction [1/m]", "volute.time": "0 s"}
+        self.assertLessEqual(common.items() | {
+            "volute.mode": "slice of local visibility",
+            "volute.shows": "slice: local visibility S = C/K [m], C = 3, the last colour and more, at z = 0.4 m"}.items(),
+            smoke_files.png_texts(self.path("x.png")).items())
+        self.works(*out, "--isosurface", "10", "--stats", self.path("s.json"))
+        self.assertLessEqual(common.items() | {
+            "volute.mode": "isosurface of local visibility", "volute.visibility": "10 m",
+            "volute.shows": "isosurface: local visibility S = C/K = 10 m, C = 3"}.items(),
+            smoke_files.png_texts(self.path("x.png")).items())
+        self.assertEqual(json.loads(self.path("s.json").read_text())["mode"], "isosurface of local visibility")
+        self.works(*out, "--slice", "z=0.4", "--slice-shows", "extinction")
+        texts = smoke_files.png_texts(self.path("x.png"))
+        self.assertEqual((texts["volute.mode"], texts.get("volute.C")), ("slice of extinction", None))
 
     def test_what_is_wrong(self):
         self.slab(0.2)
         out = ("render", self.path("slab.vtu"), "-o", self.path("x.png"), *self.CASE)
         for words in (("--slice", "1.8"), ("--slice", "w=1"), ("--slice", "z=1", "--isosurface", "10"),
-                      ("--slice", "z=1", "--aov", "transmittance"), ("--isosurface", "0")):
+                      ("--slice", "z=1", "--aov", "transmittance"), ("--isosurface", "0"), ("--slice-shows", "extinction")):
             self.assertIn(words[0], self.fails(2, *out, *words))
         self.assertFalse(self.path("x.png").exists())
         self.make_volute()

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include "volute/image/bitmap_text.hpp"
 #include "volute/image/srgb.hpp"
@@ -17,7 +18,8 @@ constexpr double kShade = 0.08;   // of the ground behind the text, linear
 constexpr double kInk = 0.9;
 
 /// In dots.
-constexpr int kMargin = 4, kLine = 10, kBarHeight = 6, kBarWidth = 120;
+constexpr int kMargin = 4, kLine = 10, kLetter = 6, kBarHeight = 6, kBarWidth = 120;
+constexpr int kBar = kBarHeight + 2 + kLine;  // with its numbers
 
 struct Place {
   int x = 0, y = 0, width = 0, height = 0;
@@ -45,29 +47,93 @@ void drawBar(Image& image, const ColorScale& scale, const Place& place) {
   }
 }
 
+std::string mostText(const ColorScale& scale) {
+  return fmt::format("{:.4g}{}{}", scale.most, scale.unit.empty() ? "" : " ", scale.unit);
+}
+
+std::string leastText(const ColorScale& scale) {
+  return fmt::format("{:.4g}", scale.least);
+}
+
+/// The ends of a scale, with a letter's gap between them, in letters.
+int scaleLetters(const ColorScale& scale) {
+  return static_cast<int>(leastText(scale).size() + 1 + mostText(scale).size());
+}
+
+/// A line in pieces of so many letters at most, broken between words where it can be.
+void wrap(std::string_view line, std::size_t letters, std::vector<std::string>& out) {
+  while (line.size() > letters) {
+    const std::size_t space = line.rfind(' ', letters);
+    const bool between = space != std::string_view::npos && space > 0;
+    out.emplace_back(line.substr(0, between ? space : letters));
+    line.remove_prefix(between ? space + 1 : letters);
+  }
+  out.emplace_back(line);
+}
+
+/// What one size of letters has room for.
+struct Room {
+  int letters, dots;  ///< across, in letters; down, in dots
+
+  Room(int width, int height, int dot)
+      : letters((width / dot - 4 * kMargin + 1) / kLetter), dots(height / dot - 4 * kMargin) {}
+};
+
 }  // namespace
+
+LegendLayout layOutLegend(int width, int height, const std::vector<std::string>& lines,
+                          const std::optional<ColorScale>& scale) {
+  int longest = scale ? std::max(kBarWidth / kLetter, scaleLetters(*scale)) : 0;
+  for (const std::string& line : lines) longest = std::max(longest, static_cast<int>(line.size()));
+  const int rows = static_cast<int>(lines.size()) * kLine + (scale ? kBar : 0);
+  LegendLayout layout;
+  layout.dot = std::max(1, height / kRowsOfDots);
+  while (layout.dot > 1 && (Room(width, height, layout.dot).letters < longest ||
+                            Room(width, height, layout.dot).dots < rows))
+    --layout.dot;
+  const Room room(width, height, layout.dot);
+  const bool bar = scale && room.dots >= kBar && room.letters >= scaleLetters(*scale);
+  const int left = room.dots - (bar ? kBar : 0);
+  if (room.letters > 0) {
+    for (const std::string& line : lines)
+      wrap(line, static_cast<std::size_t>(room.letters), layout.lines);
+  }
+  layout.lines.resize(std::min(layout.lines.size(), static_cast<std::size_t>(std::max(left, 0)) /
+                                                        static_cast<std::size_t>(kLine)));
+  if (!bar && layout.lines.empty())
+    return layout;
+  if (bar)
+    layout.barWidth = std::min(std::max(kBarWidth, kLetter * scaleLetters(*scale)),
+                               width / layout.dot - 4 * kMargin) *
+                      layout.dot;
+  int widest = layout.barWidth;
+  for (const std::string& line : layout.lines)
+    widest = std::max(widest, textSize(line, layout.dot).width);
+  const int down = static_cast<int>(layout.lines.size()) * kLine + (bar ? kBar : 0);
+  layout.width = widest + 2 * kMargin * layout.dot;
+  layout.height = (down + 2 * kMargin) * layout.dot;
+  layout.x = kMargin * layout.dot;
+  layout.y = height - (down + 3 * kMargin) * layout.dot;
+  return layout;
+}
 
 void drawLegend(Image& image, const std::vector<std::string>& lines,
                 const std::optional<ColorScale>& scale) {
-  const int dot = std::max(1, image.height / kRowsOfDots);
-  int width = scale ? kBarWidth * dot : 0;
-  for (const std::string& line : lines) width = std::max(width, textSize(line, dot).width);
-  const int rows = static_cast<int>(lines.size()) * kLine + (scale ? kBarHeight + kLine + 2 : 0);
-  const Place box{kMargin * dot, image.height - (rows + 3 * kMargin) * dot,
-                  width + 2 * kMargin * dot, (rows + 2 * kMargin) * dot};
-  shade(image, box);
+  const LegendLayout layout = layOutLegend(image.width, image.height, lines, scale);
+  const int dot = layout.dot;
+  shade(image, {layout.x, layout.y, layout.width, layout.height});
   const Rgb ink = Rgb::Constant(kInk);
-  const int x = box.x + kMargin * dot;
-  int y = box.y + kMargin * dot;
-  if (scale) {
-    drawBar(image, *scale, {x, y, kBarWidth * dot, kBarHeight * dot});
+  const int x = layout.x + kMargin * dot;
+  int y = layout.y + kMargin * dot;
+  if (layout.barWidth > 0) {
+    drawBar(image, *scale, {x, y, layout.barWidth, kBarHeight * dot});
     y += (kBarHeight + 2) * dot;
-    const std::string most = fmt::format("{:.4g}", scale->most);
-    drawText(image, fmt::format("{:.4g}", scale->least), x, y, dot, ink);
-    drawText(image, most, x + kBarWidth * dot - textSize(most, dot).width, y, dot, ink);
+    const std::string most = mostText(*scale);
+    drawText(image, leastText(*scale), x, y, dot, ink);
+    drawText(image, most, x + layout.barWidth - textSize(most, dot).width, y, dot, ink);
     y += kLine * dot;
   }
-  for (const std::string& line : lines) {
+  for (const std::string& line : layout.lines) {
     drawText(image, line, x, y, dot, ink);
     y += kLine * dot;
   }

@@ -187,8 +187,9 @@ nlohmann::ordered_json RenderJob::stats() const {
         {"surfaces", totals.surfaces},
         {"write", totals.write}}},
       {"peak_memory_bytes", peakMemoryBytes()}};
-  json["mode"] = nameOf(law.mode);
-  if (law.mode == PictureMode::kThreshold)
+  const bool threshold = law.mode == PictureMode::kThreshold;
+  json["mode"] = contour ? modeOf(*contour) : std::string(nameOf(law.mode));
+  if (contour ? contour->shows == SmokeContour::Shows::kVisibility : threshold)
     json["C"] = law.c;
   if (!geometry.empty()) {
     json["geometry"] = {{"triangles", geometry.triangles().size()},

@@ -28,6 +28,9 @@ struct Moment {
   double time = 0;               ///< [s], of the scene
 };
 
+/// What takes the place of a picture's mode where a contour is drawn.
+std::string modeOf(const SmokeContour& contour);
+
 /// Milliseconds of each stage, and what was looked at, over all pictures.
 struct RenderTotals {
   double open = 0, slices = 0, render = 0, write = 0;

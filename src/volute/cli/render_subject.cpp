@@ -21,8 +21,39 @@ std::optional<Basis> basisOf(const Arguments& arguments) {
   return *name == "box" ? Basis::kBox : Basis::kTrilinear;
 }
 
+/// Whether the command line asks for a contour of the visibility S = C / K.
+bool contoursVisibility(const Arguments& arguments) {
+  return arguments.given("isosurface") ||
+         (arguments.given("slice") && arguments.get<std::string>("slice-shows") == "visibility");
+}
+
+constexpr std::string_view kIdleC =
+    "plays no part in a photometric picture; choose the mode threshold, or leave it out";
+
+/// --C where nothing depends on it.
+Status checkC(const Arguments& arguments, const PictureLaw& law) {
+  if (!arguments.given("C") || law.mode == PictureMode::kThreshold || contoursVisibility(arguments))
+    return {};
+  return fail(ErrorCode::kInvalidArgument, "--C: {}", kIdleC);
+}
+
+/// The same of a scene's smoke: a remark, since a command line may choose the mode.
+void remarkOnC(const SmokeDescription& smoke, const Arguments& arguments, const PictureLaw& law,
+               Progress& progress) {
+  const bool counts = law.mode == PictureMode::kThreshold || contoursVisibility(arguments) ||
+                      smoke.model.quantity == SmokeQuantity::kVisibility || isSmvPath(smoke.file);
+  if (smoke.givesC && !counts)
+    progress.remark(fmt::format("{}/C: {}", smoke.where, kIdleC));
+}
+
 Result<RenderSubject> openVolumeSubject(const std::string& path, const Arguments& arguments,
                                         Context& context) {
+  for (const Option& option : smokeOptions()) {
+    if (arguments.given(option.name))
+      return fail(ErrorCode::kInvalidArgument,
+                  "--{} is for smoke on a mesh and FDS cases; {} is a volume of voxels",
+                  option.name, path);
+  }
   Appearance appearance;
   appearance.emission = arguments.get<double>("emission");
   // Fire does not absorb by default; an optical depth of nothing would say nothing.
@@ -55,6 +86,8 @@ Result<RenderSubject> openSmokeSubject(const std::string& path, const Arguments&
                   path);
   }
   VOLUTE_ASSIGN(const auto description, smokeOf(path, arguments));
+  if (description.model.quantity != SmokeQuantity::kVisibility)
+    VOLUTE_TRY(checkC(arguments, description.law));
   VOLUTE_ASSIGN(const auto lighting, smokeLighting({}, {}, arguments, context));
   RenderSubject subject;
   VOLUTE_ASSIGN(auto smoke, SmokeLayer::open(description, lighting, context));
@@ -96,6 +129,7 @@ Result<PictureLaw> lawOf(const SceneDescription& scene, const Arguments& argumen
     if (!found)
       return fail(ErrorCode::kInvalidArgument, "--C: {}", found.error().message);
     law.c = found->c;
+    VOLUTE_TRY(checkC(arguments, law));
   }
   return law;
 }
@@ -108,6 +142,7 @@ Status openSmokes(const SceneDescription& scene, const Arguments& arguments, Ren
   VOLUTE_ASSIGN(const auto lighting,
                 smokeLighting(scene.lights, subject.geometry, arguments, context));
   for (const SmokeDescription& description : scene.smokes) {
+    remarkOnC(description, arguments, subject.law, context.progress);
     if (isSmvPath(description.file)) {
       VOLUTE_ASSIGN(auto fds,
                     FdsLayer::open(description, scene.lights, blocksOf(subject.geometry), context));

@@ -151,8 +151,13 @@ Result<SmokeDescription> smokeOf(const std::string& file, const Arguments& argum
   if (arguments.flag("clamp"))
     smoke.negatives = Negatives::kClamp;
   VOLUTE_TRY(takeLook(arguments, smoke));
-  const SmokeWords words{text("quantity"), text("unit"), text("material"),
-                         text("burning"),  text("mode"), text("C")};
+  const SmokeWords words{text("quantity"),
+                         text("unit"),
+                         text("material"),
+                         text("burning"),
+                         text("mode"),
+                         text("C"),
+                         arguments.given("mass-extinction")};
   const auto taken = takeWords(smoke, words);
   if (taken)
     return smoke;

@@ -31,11 +31,31 @@ constexpr Polynomial kInfernoCoefficients{
      {-71.31942824499214, 32.62606426397723, 73.20951985803202},
      {25.13112622477341, -12.24266895238567, -23.07032500287172}}};
 
+constexpr Polynomial kPlasmaCoefficients{
+    {{0.05873234392399702, 0.02333670892565664, 0.5433401826748754},
+     {2.176514634195958, 0.2383834171260182, 0.7539604599784036},
+     {-2.689460476458034, -7.455851135738909, 3.110799939717086},
+     {6.130348345893603, 42.3461881477227, -28.51885465332158},
+     {-11.10743619062271, -82.66631109428045, 60.13984767418263},
+     {10.02306557647065, 71.41361770095349, -54.07218655560067},
+     {-3.658713842777788, -22.93153465461149, 18.19190778539828}}};
+
+const Polynomial& coefficientsOf(ColorMap map) {
+  switch (map) {
+    case ColorMap::kInferno:
+      return kInfernoCoefficients;
+    case ColorMap::kPlasma:
+      return kPlasmaCoefficients;
+    case ColorMap::kViridis:
+      break;
+  }
+  return kViridisCoefficients;
+}
+
 }  // namespace
 
 Rgb displayColor(ColorMap map, double t) {
-  const Polynomial& polynomial =
-      map == ColorMap::kViridis ? kViridisCoefficients : kInfernoCoefficients;
+  const Polynomial& polynomial = coefficientsOf(map);
   const double x = t > 0 ? std::min(t, 1.0) : 0;
   Rgb color = Rgb::Zero();
   for (std::size_t power = polynomial.size(); power-- > 0;) {

@@ -8,7 +8,7 @@
 namespace volute {
 
 /// Perceptually even maps of a quantity to colours, dark to light.
-enum class ColorMap { kViridis, kInferno };
+enum class ColorMap { kViridis, kInferno, kPlasma };
 
 /// The colour of t (clamped to 0..1, NaN gives 0) as display values 0..1, not linear: within 0.02
 /// of the tables of matplotlib, by degree 6 polynomials fitted to them (Zucker, public domain).

@@ -54,7 +54,10 @@ TEST(ColorMap, MatchesTheTablesAtSomePoints) {
         Known{ColorMap::kViridis, 127 / 255.0, Rgb(33, 144, 141)},
         Known{ColorMap::kViridis, 1, Rgb(253, 231, 37)}, Known{ColorMap::kInferno, 0, Rgb(0, 0, 4)},
         Known{ColorMap::kInferno, 127 / 255.0, Rgb(187, 55, 84)},
-        Known{ColorMap::kInferno, 1, Rgb(252, 255, 164)}}) {
+        Known{ColorMap::kInferno, 1, Rgb(252, 255, 164)},
+        Known{ColorMap::kPlasma, 0, Rgb(13, 8, 135)},
+        Known{ColorMap::kPlasma, 127 / 255.0, Rgb(203, 70, 121)},
+        Known{ColorMap::kPlasma, 1, Rgb(240, 249, 33)}}) {
     EXPECT_LT((displayColor(map, t) - color / 255).abs().maxCoeff(), 0.02) << t;
   }
   Image quantity(3, 1, 1);

@@ -10,6 +10,7 @@
 #include "volute/io/mesh_source.hpp"
 #include "volute/optics/smoke_potential.hpp"
 #include "volute/scene/fog_file.hpp"
+#include "volute/scene/smoke_words.hpp"
 #include "volute/scene/volume_input.hpp"
 
 namespace volute {
@@ -49,6 +50,38 @@ tl::expected<void, SmokeObjection> takeMaterial(SmokeModel& model, const SmokeWo
   if (auto taken = take(potential, smokePotentialOf(words.material), "material"); !taken)
     return taken;
   model.smokePotential = potential.value(how);
+  return {};
+}
+
+/// Words about a field that holds something else.
+tl::expected<void, SmokeObjection> checkIdleWords(const SmokeDescription& smoke,
+                                                  const SmokeWords& words) {
+  const SmokeModel& model = smoke.model;
+  const SmokeQuantity quantity = model.quantity;
+  const std::string_view name = nameOf(quantity);
+  const bool products = quantity == SmokeQuantity::kProductsDensity;
+  if (!words.unit.empty() && quantity != SmokeQuantity::kSootDensity && !products)
+    return object("unit", fmt::format("is for densities, and {} is in {}; leave it out", name,
+                                      unitOfField(model)));
+  if (words.massExtinction && !holdsMass(quantity))
+    return object("mass_extinction",
+                  fmt::format("is of soot, and {} is what smoke does to light already; leave it "
+                              "out, or say what mass the field holds",
+                              name));
+  if (model.sootYield != 0 && !products)
+    return object("soot_yield",
+                  fmt::format("is for products-density, and {}; leave it out",
+                              holdsMass(quantity)
+                                  ? fmt::format("{} is soot alone", name)
+                                  : fmt::format("{} is what smoke does to light already", name)));
+  if (model.smokePotential && !products)
+    return object("smoke_potential", fmt::format("is for products-density, not for {}", name));
+  const char* const potential = words.material.empty() ? "smoke potential" : "material";
+  if (model.smokePotential && (model.sootYield != 0 || words.massExtinction))
+    return object(model.sootYield != 0 ? "soot_yield" : "mass_extinction",
+                  fmt::format("the {} takes its place; leave one of them out", potential));
+  if (!smoke.densityField.empty() && quantity != SmokeQuantity::kMassFraction)
+    return object("density_field", fmt::format("is for mass-fraction, not for {}", name));
   return {};
 }
 
@@ -121,10 +154,15 @@ tl::expected<void, SmokeObjection> takeWords(SmokeDescription& smoke, const Smok
     if (auto taken = take(law, visibilityLaw(words.c), "C"); !taken)
       return taken;
     smoke.model.c = smoke.law.c = law.c;
+    smoke.givesC = true;
   }
   if (smoke.model.quantity == SmokeQuantity::kMassFraction && smoke.densityField.empty()) {
     return object("density_field",
                   "is missing; mass-fraction needs the field of the gas's density [kg/m3]");
+  }
+  if (!saysItself) {
+    if (auto idle = checkIdleWords(smoke, words); !idle)
+      return idle;
   }
   if (const auto good = smoke.model.check(); !good)
     return object("quantity", good.error().message);
@@ -174,6 +212,7 @@ Result<SmokeDescription> parseSmoke(const Json& json, const std::string& file,
       {"quantity", &words.quantity}, {"unit", &words.unit}, {"material", &words.material},
       {"burning", &words.burning},   {"mode", &words.mode}, {"C", &words.c}};
   for (const auto& [key, text] : texts) VOLUTE_TRY(textOf(members, key, *text));
+  words.massExtinction = members.has("mass_extinction");
   if (const auto taken = takeWords(smoke, words); !taken) {
     return fail(ErrorCode::kInvalidData, "{}: {}: {}", file, members.where(taken.error().about),
                 taken.error().message);

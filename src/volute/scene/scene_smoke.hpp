@@ -23,6 +23,7 @@ struct SmokeDescription {
   std::string densityField;  ///< of mass-fraction
   SmokeModel model;
   PictureLaw law;
+  bool givesC = false;              ///< `law.c` was said, not assumed
   Rgb albedo = Rgb::Constant(0.3);  ///< share of what is taken from light that is scattered
   Negatives negatives = Negatives::kRefuse;
   Clock clock;
@@ -38,6 +39,7 @@ struct SmokeDescription {
 /// What scenes and command lines both say by name; empty texts say nothing.
 struct SmokeWords {
   std::string quantity, unit, material, burning, mode, c;
+  bool massExtinction = false;  ///< it was said; the model holds it
 };
 
 /// An objection, and the member of a scene that it is about; an option has `-` for `_`.
@@ -46,7 +48,8 @@ struct SmokeObjection {
   std::string message;
 };
 
-/// Sets what the words say, and checks the whole.
+/// Sets what the words say, and checks the whole: what is missing, and what the quantity leaves
+/// nothing to say to, which would change no picture.
 [[nodiscard]] tl::expected<void, SmokeObjection> takeWords(SmokeDescription& smoke,
                                                            const SmokeWords& words);
 

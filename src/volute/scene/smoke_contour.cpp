@@ -7,9 +7,9 @@
 #include <charconv>
 #include <cmath>
 
+#include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/geometry/triangle_scene.hpp"
-#include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/tetmesh/tet_contour.hpp"
 
@@ -33,14 +33,18 @@ ContourSurface contourOf(const SmokeContour& contour, const SmokeState& smoke) {
 
 Pieces piecesOf(const SmokeContour& contour, std::span<const SmokeState> smokes) {
   Pieces pieces;
+  const bool slice = contour.kind == SmokeContour::Kind::kSlice;
+  const bool concentration = slice && contour.shows == SmokeContour::Shows::kConcentration;
   for (const SmokeState& smoke : smokes) {
     const ContourSurface found = contourOf(contour, smoke);
+    VOLUTE_ASSERT(!concentration || smoke.extinctionOfUnit > 0);
+    const double unit = concentration ? smoke.extinctionOfUnit : 1;
     for (const auto& corners : found.triangles) {
       Triangle& triangle = pieces.triangles.emplace_back();
       std::array<float, 3>& values = pieces.values.emplace_back();
       for (int k = 0; k < 3; ++k) {
         triangle.corners[k] = found.vertices[corners[k]];
-        values[k] = found.values.empty() ? 0 : found.values[corners[k]];
+        values[k] = found.values.empty() ? 0 : static_cast<float>(found.values[corners[k]] / unit);
       }
     }
   }
@@ -81,14 +85,20 @@ double shadeOf(const Triangle& triangle, const Vec3& direction) {
   return std::abs(triangle.normal().normalized().dot(direction));
 }
 
-Rgb colorOf(const SmokeContour& contour, double extinction) {
-  double shown = extinction / contour.most;
+/// Of the extinction, or of the concentration where that is shown.
+Rgb colorOf(const SmokeContour& contour, double value) {
+  double shown = value / contour.most;
   if (contour.shows == SmokeContour::Shows::kVisibility)
-    shown = extinction > 0 ? contour.c / extinction / contour.most : 1;
-  return displayColor(ColorMap::kViridis, shown).unaryExpr(&srgbDecode);
+    shown = value > 0 ? contour.c / value / contour.most : 1;
+  return displayColor(colorMapOf(contour), shown).unaryExpr(&srgbDecode);
 }
 
 }  // namespace
+
+ColorMap colorMapOf(const SmokeContour& slice) {
+  return slice.shows == SmokeContour::Shows::kConcentration ? ColorMap::kPlasma
+                                                            : ColorMap::kViridis;
+}
 
 Result<SmokeContour> parseSlice(std::string_view text) {
   SmokeContour slice;
@@ -108,7 +118,7 @@ Result<SmokeContour> parseSlice(std::string_view text) {
               text);
 }
 
-double mostExtinctionOn(const SmokeContour& slice, std::span<const SmokeState> smokes) {
+double mostOn(const SmokeContour& slice, std::span<const SmokeState> smokes) {
   double most = 0;
   for (const auto& values : piecesOf(slice, smokes).values)
     most = std::max<double>(most, *std::ranges::max_element(values));

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "volute/camera/camera.hpp"
+#include "volute/image/colormap.hpp"
 #include "volute/image/image.hpp"
 #include "volute/scene/smoke_layer.hpp"
 
@@ -15,7 +16,7 @@ namespace volute {
 /// local values on it, or the surface on which they reach a bound.
 struct SmokeContour {
   enum class Kind { kSlice, kSurface };
-  enum class Shows { kExtinction, kVisibility };
+  enum class Shows { kConcentration, kExtinction, kVisibility };
 
   Kind kind = Kind::kSlice;
   int axis = 2;                      ///< of a slice: across it, 0 x, 1 y, 2 z
@@ -23,18 +24,24 @@ struct SmokeContour {
   Shows shows = Shows::kVisibility;  ///< on a slice
   double visibility = 10;            ///< of a surface [m]: within it one sees less far
   double c = 3;                      ///< of the visibility S = C / K
-  double most = 30;  ///< what the last colour of a slice stands for [m] or [1/m]; and above
+  /// What the last colour of a slice stands for, and above it: [m], [1/m] or
+  /// unitOfConcentration().
+  double most = 30;
 };
 
 /// "z=1.8": axis and place of a slice.
 [[nodiscard]] Result<SmokeContour> parseSlice(std::string_view text);
 
-/// The contour in viridis colours (a slice) or shaded (a surface), in a building whose inner walls
-/// are grey. Linear RGB.
+/// The colours of a slice: viridis, whose last is clear air of a visibility; plasma for a
+/// concentration, so that nobody takes the one for the other.
+ColorMap colorMapOf(const SmokeContour& slice);
+
+/// The contour in colorMapOf() (a slice) or shaded (a surface), in a building whose inner walls are
+/// grey. Linear RGB. A concentration needs fields that hold mass (SmokeState::extinctionOfUnit).
 [[nodiscard]] Result<Image> lookAtContour(const Camera& camera, std::span<const SmokeState> smokes,
                                           const SmokeContour& contour);
 
-/// The largest extinction [1/m] on a slice.
-double mostExtinctionOn(const SmokeContour& slice, std::span<const SmokeState> smokes);
+/// The largest extinction [1/m] or concentration on a slice that shows it.
+double mostOn(const SmokeContour& slice, std::span<const SmokeState> smokes);
 
 }  // namespace volute

@@ -34,7 +34,7 @@ TEST(SmokeContour, SlicesShowLocalValues) {
   const SmokeState smoke = rampOfSmoke();
   SmokeContour slice = *parseSlice("z=3.3");
   slice.shows = SmokeContour::Shows::kExtinction;
-  slice.most = mostExtinctionOn(slice, {&smoke, 1});
+  slice.most = mostOn(slice, {&smoke, 1});
   EXPECT_NEAR(slice.most, 0.4, 1e-6);
   auto image = lookAtContour(above(), {&smoke, 1}, slice);
   ASSERT_TRUE(image);
@@ -49,6 +49,24 @@ TEST(SmokeContour, SlicesShowLocalValues) {
   for (int x = 0; x < 8; ++x) {
     const double visibility = 3 / (0.05 * (x + 0.5));
     const Rgb expected = displayColor(ColorMap::kViridis, visibility / 30).unaryExpr(&srgbDecode);
+    EXPECT_TRUE(at(*image, x, 3).isApprox(expected, 1e-4)) << x;
+  }
+}
+
+TEST(SmokeContour, SlicesShowConcentrationsInTheUnitOfTheField) {
+  SmokeState smoke = rampOfSmoke();
+  smoke.extinctionOfUnit = 8.7;  // g/m3 of soot
+  SmokeContour slice = *parseSlice("z=3.3");
+  slice.shows = SmokeContour::Shows::kConcentration;
+  slice.most = mostOn(slice, {&smoke, 1});
+  EXPECT_NEAR(slice.most, 0.4 / 8.7, 1e-6);
+  slice.most = 0.1;
+  const auto image = lookAtContour(above(), {&smoke, 1}, slice);
+  ASSERT_TRUE(image);
+  for (int x = 0; x < 8; ++x) {
+    const double concentration = 0.05 * (x + 0.5) / 8.7;
+    const Rgb expected =
+        displayColor(ColorMap::kPlasma, concentration / 0.1).unaryExpr(&srgbDecode);
     EXPECT_TRUE(at(*image, x, 3).isApprox(expected, 1e-4)) << x;
   }
 }

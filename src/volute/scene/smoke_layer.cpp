@@ -7,12 +7,16 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/stopwatch.hpp"
+#include "volute/scene/smoke_words.hpp"
 
 namespace volute {
 namespace {
 
 /// Room fires have 1e-6 to 1e-3 kg/m3 of soot.
-constexpr double kMuchSoot = 1e-2;
+constexpr double kMuchSoot = 1e-2, kLittleSoot = 1e-6;
+
+/// Smoke through which nobody sees a difference, across the whole case.
+constexpr double kThinDepth = 0.05;
 
 std::vector<float> between(const std::vector<float>& a, const std::vector<float>& b, double share) {
   std::vector<float> out(a.size());
@@ -37,6 +41,7 @@ Result<SmokeLayer> SmokeLayer::open(const SmokeDescription& description,
   layer.progress_ = &reading.progress;
   VOLUTE_ASSIGN(const auto first, layer.step(0));
   layer.bounds_ = first->stored->frame.mesh->bounds();
+  layer.files_->field = first->stored->frame.field;
   return layer;
 }
 
@@ -100,6 +105,37 @@ void SmokeLayer::remarkOn(const Stored& stored, std::span<const float> extinctio
         "that is much for soot (fires in rooms: 1e-6 to 1e-3 kg/m3); check the quantity and the "
         "unit"));
   }
+  remarkOnThinSmoke(stored, most);
+}
+
+/// A unit that is too small makes a whole fire look like clear air.
+void SmokeLayer::remarkOnThinSmoke(const Stored& stored, double most) {
+  const double depth = most * stored.frame.mesh->bounds().size().norm();
+  const SmokeModel& model = description_.model;
+  const bool clear = depth <= kThinDepth;
+  if (!clear && (!holdsMass(model.quantity) || model.sootDensity(most) >= kLittleSoot))
+    return;
+  std::string slip =
+      fmt::format("check that the field holds {}, and the scale", nameOf(model.quantity));
+  if (model.quantity == SmokeQuantity::kSootDensity ||
+      model.quantity == SmokeQuantity::kProductsDensity) {
+    // The first larger unit with which there is as much soot as in a fire.
+    for (const char* unit : {"g/m3", "kg/m3"}) {
+      const double soot = model.sootDensity(most) * *densityUnit(unit) / model.unit;
+      if (*densityUnit(unit) <= model.unit || soot < kLittleSoot || soot > kMuchSoot)
+        continue;
+      slip = fmt::format("read as {} instead of {} it would be {:.2g} kg/m3 of soot", unit,
+                         unitOfField(model), soot);
+      break;
+    }
+  }
+  progress_->remark(fmt::format(
+      "{}: step {}: {}: no ray through the whole case meets an optical "
+      "depth above {:.2g}, which takes {:.2g} % of the light (soot in rooms on fire: 1e-6 to "
+      "1e-3 kg/m3); {}",
+      description_.file, stored.index,
+      clear ? "this looks like clear air" : "this is little for a fire", depth,
+      -100 * std::expm1(-depth), slip));
 }
 
 Result<std::shared_ptr<const SmokeLayer::Stored>> SmokeLayer::readStep(std::size_t index) {
@@ -206,7 +242,11 @@ Result<SmokeState> SmokeLayer::at(double time) {
   const std::size_t after = static_cast<std::size_t>(next - times.begin());
   const std::size_t before = after == 0 ? 0 : after - 1;
   VOLUTE_ASSIGN(const auto from, step(before));
-  SmokeState state{from->stored->paths->locator(), from->extinction, {}, from->lampShares};
+  SmokeState state{from->stored->paths->locator(),
+                   from->extinction,
+                   {},
+                   from->lampShares,
+                   extinctionOfConcentration(description_.model)};
   if (after > 0 && after < times.size() && local > times[before]) {
     VOLUTE_ASSIGN(const auto to, step(after));
     if (to->stored->frame.mesh == from->stored->frame.mesh) {

@@ -23,6 +23,8 @@ struct SmokeState {
   std::vector<float> extinction;               ///< [1/m], natural logarithm, one for each vertex
   std::vector<float> source;                   ///< see TetMedium; empty: black
   std::vector<std::vector<float>> lampShares;  ///< of each lamp, at each vertex
+  /// Of one unit of concentration [1/m], unitOfConcentration(); 0: the field holds no mass.
+  double extinctionOfUnit = 0;
 };
 
 /// What lights smoke, and where computed light is kept.
@@ -64,6 +66,9 @@ class SmokeLayer {
 
   const SmokeDescription& description() const { return description_; }
 
+  /// Of the case, also where the description leaves it to the file.
+  const std::string& fieldName() const { return files_->field; }
+
   const SceneLights& lights() const { return lighting_->lights; }
 
   /// Opaque things beside the mesh's own walls.
@@ -100,6 +105,7 @@ class SmokeLayer {
   struct Files {
     MeshSource source;
     std::optional<MeshSource> densitySource{};
+    std::string field{};
     std::vector<std::shared_ptr<const Stored>> steps{};
   };
 
@@ -120,6 +126,7 @@ class SmokeLayer {
   std::vector<float> lightOf(const Step& step, const Lamp& lamp);
   std::string lightKey(const Step& step, const Lamp& lamp) const;
   void remarkOn(const Stored& stored, std::span<const float> extinction);
+  void remarkOnThinSmoke(const Stored& stored, double most);
 
   SmokeDescription description_;
   std::shared_ptr<Files> files_;

@@ -99,6 +99,48 @@ TEST_F(SmokeLayerTest, AnErrorLeavesTheLayerAsItWas) {
   expectTheSame(*layer, *anew);
 }
 
+TEST_F(SmokeLayerTest, SaysThatSmokeLooksLikeClearAirAndWhichUnitItMayHave) {
+  struct Remarks final : Progress {
+    void remark(std::string_view message) override { heard += message; }
+
+    std::string heard;
+  };
+
+  const auto heard = [this](double unit, double scale = 1) {
+    Remarks remarks;
+    Reading reading{remarks, std::uint64_t{1} << 30};
+    SmokeDescription smoke = smoke_;
+    smoke.model.unit = unit;
+    smoke.model.scale = scale;
+    EXPECT_TRUE(SmokeLayer::open(smoke, std::make_shared<const SmokeLighting>(), reading));
+    return remarks.heard;
+  };
+  EXPECT_EQ(heard(1).find("clear air"), std::string::npos);
+  // 6e-5 kg/m3 at most, read as milligrammes: 5.22e-7/m over a diagonal of 9 m.
+  const std::string milligrammes = heard(1e-6);
+  EXPECT_NE(milligrammes.find("step 0: this looks like clear air"), std::string::npos);
+  EXPECT_NE(milligrammes.find("above 4.7e-06"), std::string::npos) << milligrammes;
+  EXPECT_NE(milligrammes.find("read as kg/m3 instead of mg/m3 it would be 6e-05"),
+            std::string::npos)
+      << milligrammes;
+  EXPECT_NE(heard(1e-3).find("read as kg/m3 instead of g/m3"), std::string::npos);
+  // 7.5e-7 kg/m3, of which 6 % of the light can be missed.
+  const std::string little = heard(1e-3, 12.5);
+  EXPECT_NE(little.find("this is little for a fire"), std::string::npos) << little;
+  EXPECT_NE(little.find("read as kg/m3 instead of g/m3 it would be 0.00075"), std::string::npos)
+      << little;
+}
+
+TEST_F(SmokeLayerTest, KnowsTheFieldAndWhatAUnitOfItIs) {
+  smoke_.model.unit = 1e-3;
+  auto layer = opened(smoke_);
+  ASSERT_TRUE(layer);
+  EXPECT_EQ(layer->fieldName(), "smoke");
+  EXPECT_DOUBLE_EQ(layer->at(0)->extinctionOfUnit, 8.7);
+  EXPECT_EQ(layer->with(smoke_, std::make_shared<const SmokeLighting>(), reading_)->fieldName(),
+            "smoke");
+}
+
 TEST_F(SmokeLayerTest, AnotherFieldIsAnotherReading) {
   SmokeDescription other = smoke_;
   other.field = "T";

@@ -8,6 +8,7 @@
 #define VOLUTE_TETMESH_TET_BOUNDS_INL
 #endif
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <algorithm>
@@ -102,48 +103,127 @@ struct BitsFirst {
   }
 };
 
-/// Both tets at a face find the same bound, bit by bit: what one of them is too long the other is
-/// too short. The four faces go side by side.
-HWY_INLINE void SetBounds(const TileRays& rays, const SplatMesh& mesh, std::int32_t tet,
-                          TetBounds& out) {
-  constexpr hn::CappedTag<double, 4> dd;
-  constexpr hn::Rebind<float, decltype(dd)> narrow;
+using FourDoubles = hn::CappedTag<double, 4>;
+using Doubles = hn::Vec<FourDoubles>;
+
+/// One over what planes' functions are at the eye (orthographic: along the view).
+HWY_INLINE Doubles OverDivisor(Doubles divisor) {
+  constexpr FourDoubles dd;
   constexpr double kLeast = 1e-12;  // an eye in a face's plane
-  constexpr int kLanes = static_cast<int>(hn::MaxLanes(dd));
-  static constexpr BitsFirst kBitsFirst;
-  alignas(32) double planes[4][4];
+  const auto least = hn::Set(dd, kLeast);
+  const auto safe = hn::IfThenElse(hn::Gt(divisor, hn::Zero(dd)), hn::Max(divisor, least),
+                                   hn::Min(divisor, hn::Neg(least)));
+  return hn::Div(hn::Set(dd, 1), safe);
+}
+
+template <int kRows>
+HWY_INLINE Doubles Times(const Doubles (&plane)[4], const RowMatrix& matrix, int column) {
+  constexpr FourDoubles dd;
+  auto sum = hn::Mul(plane[0], hn::Set(dd, matrix.rows[0][column]));
+  for (int row = 1; row < kRows; ++row)
+    sum = hn::MulAdd(plane[row], hn::Set(dd, matrix.rows[row][column]), sum);
+  return sum;
+}
+
+/// A tet's planes one after the other; returns a bit for each whose second tet it is.
+HWY_INLINE unsigned PlanesOf(const SplatMesh& mesh, std::int32_t tet, double (&planes)[4][4]) {
   unsigned second = 0;
   for (int k = 0; k < 4; ++k) {
     const std::int32_t face = mesh.faces[4 * static_cast<std::int64_t>(tet) + k];
     std::copy_n(mesh.planes[face >> 1].normal.data(), 4, planes[k]);  // and the offset behind it
     second |= static_cast<unsigned>(face & 1) << k;
   }
+  return second;
+}
+
+/// The first `kRows` numbers of planes over what their functions are at the eye, side by side;
+/// returns a bit for each that is above 0 there.
+template <int kRows>
+HWY_INLINE unsigned OverEye(const RowMatrix& rays, const double* planes, Doubles (&over)[4]) {
+  constexpr FourDoubles dd;
+  Doubles plane[4];
+  hn::LoadInterleaved4(dd, planes, plane[0], plane[1], plane[2], plane[3]);
+  const auto by = OverDivisor(Times<4>(plane, rays, 3));
+  for (int row = 0; row < kRows; ++row) over[row] = hn::Mul(plane[row], by);
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(dd, hn::Gt(by, hn::Zero(dd)), bits);
+  return bits[0];
+}
+
+/// Both tets at a face find the same bound, bit by bit: what one of them is too long the other is
+/// too short. The four faces go side by side. `kKept`: the mesh has `eyeTets`.
+template <bool kOrthographic, bool kKept>
+HWY_INLINE void SetBounds(const TileRays& rays, const SplatMesh& mesh, std::int32_t tet,
+                          TetBounds& out) {
+  constexpr FourDoubles dd;
+  constexpr hn::Rebind<float, FourDoubles> narrow;
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(dd));
+  constexpr int kRows = kOrthographic ? 4 : 3;  // the offset counts at the eye, or all along
+  static constexpr BitsFirst kBitsFirst;
   alignas(16) float at[3][4];
+  if constexpr (kKept) {
+    const EyeTet& eyeTet = mesh.eyeTets[tet];
+    for (int k = 0; k < 4; k += kLanes) {
+      Doubles over[4];
+      for (int row = 0; row < 3; ++row) over[row] = hn::Load(dd, eyeTet.planes[row] + k);
+      for (int column = 0; column < 3; ++column)
+        hn::Store(hn::DemoteTo(narrow, Times<3>(over, rays.plane, column)), narrow, at[column] + k);
+    }
+    for (int k = 0; k < 4; ++k) out.bound[k] = {at[0][k], at[1][k], at[2][k]};
+    out.lows = mesh.lows[tet];
+  } else {
+    alignas(32) double planes[4][4];
+    const unsigned second = PlanesOf(mesh, tet, planes);
+    unsigned before = 0;
+    for (int k = 0; k < 4; k += kLanes) {
+      Doubles over[4];
+      before |= OverEye<kRows>(rays.plane, planes[k], over) << k;
+      for (int column = 0; column < 3; ++column) {
+        hn::Store(hn::DemoteTo(narrow, Times<kRows>(over, rays.plane, column)), narrow,
+                  at[column] + k);
+      }
+    }
+    const unsigned low = (before ^ second) & 15;
+    const std::uint8_t* order = kBitsFirst.order[low];
+    for (int k = 0; k < 4; ++k) out.bound[k] = {at[0][order[k]], at[1][order[k]], at[2][order[k]]};
+    out.lows = kBitsFirst.count[low];
+  }
+}
+
+/// What SetBounds() finds of a tet for all tiles of perspective pictures from an eye; returns how
+/// many bounds are lower ones.
+HWY_INLINE std::uint8_t SetEyeTet(const TileRays& rays, const SplatMesh& mesh, std::int32_t tet,
+                                  EyeTet& out) {
+  constexpr FourDoubles dd;
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(dd));
+  static constexpr BitsFirst kBitsFirst;
+  alignas(32) double planes[4][4], all[3][4];
+  const unsigned second = PlanesOf(mesh, tet, planes);
   unsigned before = 0;
   for (int k = 0; k < 4; k += kLanes) {
-    hn::Vec<decltype(dd)> plane[4];
-    hn::LoadInterleaved4(dd, planes[k], plane[0], plane[1], plane[2], plane[3]);
-    const auto times = [&](int column) HWY_ATTR {
-      auto sum = hn::Mul(plane[0], hn::Set(dd, rays.plane.rows[0][column]));
-      for (int row = 1; row < 4; ++row)
-        sum = hn::MulAdd(plane[row], hn::Set(dd, rays.plane.rows[row][column]), sum);
-      return sum;
-    };
-    const auto divisor = times(3), least = hn::Set(dd, kLeast);
-    const auto ahead = hn::Gt(divisor, hn::Zero(dd));
-    const auto safe =
-        hn::IfThenElse(ahead, hn::Max(divisor, least), hn::Min(divisor, hn::Neg(least)));
-    const auto by = hn::Div(hn::Set(dd, 1), safe);
-    for (int column = 0; column < 3; ++column)
-      hn::Store(hn::DemoteTo(narrow, hn::Mul(times(column), by)), narrow, at[column] + k);
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(dd, ahead, bits);
-    before |= static_cast<unsigned>(bits[0]) << k;
+    Doubles over[4];
+    before |= OverEye<3>(rays.plane, planes[k], over) << k;
+    for (int row = 0; row < 3; ++row) hn::Store(over[row], dd, all[row] + k);
   }
   const unsigned low = (before ^ second) & 15;
-  const std::uint8_t* order = kBitsFirst.order[low];
-  for (int k = 0; k < 4; ++k) out.bound[k] = {at[0][order[k]], at[1][order[k]], at[2][order[k]]};
-  out.lows = kBitsFirst.count[low];
+  for (int row = 0; row < 3; ++row) {
+    for (int k = 0; k < 4; ++k) out.planes[row][k] = all[row][kBitsFirst.order[low][k]];
+  }
+  return kBitsFirst.count[low];
+}
+
+/// Asks for the planes of a tet `soon`, and for what leads to those of one `later`.
+template <bool kKept>
+HWY_INLINE void PrefetchPlanes(const SplatMesh& mesh, std::int32_t soon, std::int32_t later) {
+  if constexpr (kKept) {
+    hwy::Prefetch(mesh.eyeTets[later].planes[0]);
+    hwy::Prefetch(mesh.eyeTets[later].planes[2] + 3);
+    hwy::Prefetch(mesh.lows + later);
+  } else {
+    hwy::Prefetch(mesh.faces + 4 * static_cast<std::int64_t>(later));
+    for (int k = 0; k < 4; ++k)
+      hwy::Prefetch(&mesh.planes[mesh.faces[4 * static_cast<std::int64_t>(soon) + k] >> 1]);
+  }
 }
 
 /// Between which inverse depths a tet's vertices are.

@@ -4,7 +4,6 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volute/tetmesh/tet_lit_raster.cpp"
-#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
@@ -137,29 +136,27 @@ HWY_INLINE void LightTet(const TetBounds& tet, const LitRamps& ramps, const Binn
 }
 
 /// What the tets after the next need: they lie anywhere in memory.
+template <bool kKept>
 HWY_INLINE void PrefetchLit(const LitMesh& mesh, std::span<const BinnedTet> list, std::size_t i) {
   constexpr std::size_t kSoon = 4, kLater = 8;
   if (i + kLater >= list.size())
     return;
   const auto later = static_cast<std::size_t>(list[i + kLater].tet);
-  hwy::Prefetch(mesh.splat.faces + 4 * later);
   hwy::Prefetch(mesh.splat.smoke + later);
   hwy::Prefetch(mesh.sources + later);
   hwy::Prefetch(mesh.tets + later);
-  const auto soon = static_cast<std::size_t>(list[i + kSoon].tet);
-  for (int k = 0; k < 4; ++k)
-    hwy::Prefetch(&mesh.splat.planes[mesh.splat.faces[4 * soon + k] >> 1]);
-  hwy::Prefetch(&mesh.vertices[mesh.tets[soon][0]]);
+  PrefetchPlanes<kKept>(mesh.splat, list[i + kSoon].tet, list[i + kLater].tet);
+  hwy::Prefetch(&mesh.vertices[mesh.tets[list[i + kSoon].tet][0]]);
 }
 
-template <bool kOrthographic>
+template <bool kOrthographic, bool kKept>
 void LightAll(const TileRays& rays, const LitMesh& mesh, std::span<const BinnedTet> list,
               Tolerance tolerance, LitTile& tile) {
   static const BlockPixels pixels;
   for (std::size_t i = 0; i < list.size(); ++i) {
-    PrefetchLit(mesh, list, i);
+    PrefetchLit<kKept>(mesh, list, i);
     TetBounds tet;
-    SetBounds(rays, mesh.splat, list[i].tet, tet);
+    SetBounds<kOrthographic, kKept>(rays, mesh.splat, list[i].tet, tet);
     SetRange<kOrthographic>(list[i], tet);
     const LitRamps ramps = RampsOf<kOrthographic>(rays, mesh, list[i]);
     switch (tet.lows) {
@@ -186,9 +183,11 @@ void LightTets(const ScreenView& view, const LitMesh& mesh, std::span<const Binn
   constexpr float kRounding = 3e-5F;
   const TileRays rays(view, tile.x0, tile.y0);
   if (view.orthographic)
-    LightAll<true>(rays, mesh, list, {1, kRounding * size}, tile);
+    LightAll<true, false>(rays, mesh, list, {1, kRounding * size}, tile);
+  else if (mesh.splat.eyeTets != nullptr)
+    LightAll<false, true>(rays, mesh, list, {1 + kRounding, 0}, tile);
   else
-    LightAll<false>(rays, mesh, list, {1 + kRounding, 0}, tile);
+    LightAll<false, false>(rays, mesh, list, {1 + kRounding, 0}, tile);
 }
 
 /// Of kWidest pieces.

@@ -183,6 +183,51 @@ TEST(TetSplat, LightsFromAnEyeThatTurnsAsFromAnother) {
   }
 }
 
+TEST(TetSplat, KeepsOfAnEyeWhatChangesNoPicture) {
+  const Vec3 eyes[] = {Vec3(2.3, 6.8, 1.7), Vec3(-9, -14, 14)};
+  const Vec3 targets[] = {Vec3(24, 6, 2.4), Vec3(20, 9, 2), Vec3(20, 9, 2), Vec3(14, 6, 3)};
+  const std::vector<float> thinner = [] {
+    std::vector<float> field = hall().extinction;
+    for (std::size_t i = 0; i < field.size(); ++i) field[i] = i % 3 ? 0.7F * field[i] : 0;
+    return field;
+  }();
+  std::vector<float> far(static_cast<std::size_t>(kWidth) * kHeight, 9);
+  TetSplat kept(hall().locator);
+  for (const Vec3& eye : eyes) {
+    for (const auto* field : {&hall().extinction, &thinner, &hall().extinction}) {
+      kept.setExtinction(*field);
+      kept.setSource(hall().source);
+      for (const Vec3& target : targets) {
+        for (const OpaqueDepth opaque : {OpaqueDepth(), OpaqueDepth(far)}) {
+          const Camera camera = cameraAt(eye, target);
+          TetSplat fresh(hall().locator);
+          fresh.setExtinction(*field);
+          fresh.setSource(hall().source);
+          std::vector<float> depth(far.size()), expected(far.size());
+          kept.opticalDepth(camera, opaque, depth);
+          fresh.opticalDepth(camera, opaque, expected);
+          EXPECT_EQ(depth, expected);
+          std::vector<float> lit(4 * far.size()), litExpected(4 * far.size());
+          kept.litColor(camera, opaque, lit);
+          fresh.litColor(camera, opaque, litExpected);
+          EXPECT_EQ(lit, litExpected);
+        }
+      }
+    }
+  }
+  // And parallel rays after it, of which nothing is kept.
+  const Camera parallel =
+      Camera::orthographic({Vec3(-9, -14, 14), Vec3(14, 6, 3), Vec3::UnitZ()}, 20, kWidth, kHeight);
+  TetSplat fresh(hall().locator);
+  fresh.setExtinction(hall().extinction);
+  for (int i = 0; i < 3; ++i) {
+    std::vector<float> depth(far.size()), expected(far.size());
+    kept.opticalDepth(parallel, {}, depth);
+    fresh.opticalDepth(parallel, {}, expected);
+    EXPECT_EQ(depth, expected);
+  }
+}
+
 TEST(TetSplat, LeavesToTheMarcherWhatComesTooLate) {
   // Two thin boxes, one behind the other, and a third that is nearer to the eye by its middle but
   // behind the first: its long tets reach past it.

@@ -4,7 +4,6 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volute/tetmesh/tet_raster.cpp"
-#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
 #include <hwy/highway.h>
 
@@ -59,27 +58,26 @@ HWY_INLINE void AddTet(const TetBounds& tet, const TetRamp& tau, const BinnedTet
 }
 
 /// What the tets after the next need: they lie anywhere in memory.
+template <bool kKept>
 HWY_INLINE void Prefetch(const SplatMesh& mesh, std::span<const BinnedTet> list, std::size_t i) {
   constexpr std::size_t kSoon = 4, kLater = 8;
   if (i + kLater >= list.size())
     return;
   const auto later = static_cast<std::int64_t>(list[i + kLater].tet);
-  hwy::Prefetch(mesh.faces + 4 * later);
   hwy::Prefetch(mesh.smoke + later);
-  const auto soon = static_cast<std::int64_t>(list[i + kSoon].tet);
-  for (int k = 0; k < 4; ++k) hwy::Prefetch(&mesh.planes[mesh.faces[4 * soon + k] >> 1]);
+  PrefetchPlanes<kKept>(mesh, list[i + kSoon].tet, list[i + kLater].tet);
 }
 
-template <bool kOrthographic>
+template <bool kOrthographic, bool kKept>
 void SplatAll(const TileRays& rays, const SplatMesh& mesh, std::span<const BinnedTet> list,
               TetTile& tile) {
   static const BlockPixels pixels;
   const float *columns = pixels.columns, *rows = pixels.rows;
   for (std::size_t i = 0; i < list.size(); ++i) {
-    Prefetch(mesh, list, i);
+    Prefetch<kKept>(mesh, list, i);
     const BinnedTet& binned = list[i];
     TetBounds tet;
-    SetBounds(rays, mesh, binned.tet, tet);
+    SetBounds<kOrthographic, kKept>(rays, mesh, binned.tet, tet);
     SetRange<kOrthographic>(binned, tet);
     const TetRamp tau = RampOf<kOrthographic>(rays, mesh.smoke[binned.tet], binned.nearest);
     switch (tet.lows) {
@@ -107,9 +105,18 @@ void SplatTets(const ScreenView& view, const SplatMesh& mesh, std::span<const Bi
     return;
   const TileRays rays(view, tile.x0, tile.y0);
   if (view.orthographic)
-    SplatAll<true>(rays, mesh, list, tile);
+    SplatAll<true, false>(rays, mesh, list, tile);
+  else if (mesh.eyeTets != nullptr)
+    SplatAll<false, true>(rays, mesh, list, tile);
   else
-    SplatAll<false>(rays, mesh, list, tile);
+    SplatAll<false, false>(rays, mesh, list, tile);
+}
+
+void FindEyeTets(const ScreenView& view, const SplatMesh& mesh, std::size_t first,
+                 std::span<EyeTet> eyeTets, std::span<std::uint8_t> lows) {
+  const TileRays rays(view, 0, 0);
+  for (std::size_t i = 0; i < eyeTets.size(); ++i)
+    lows[i] = SetEyeTet(rays, mesh, static_cast<std::int32_t>(first + i), eyeTets[i]);
 }
 
 void SpanTets(const ScreenView& view, const SplatVertex* vertices, std::span<const Tet> tets,
@@ -173,11 +180,17 @@ HWY_AFTER_NAMESPACE();
 namespace volute {
 namespace {
 
+HWY_EXPORT(FindEyeTets);
 HWY_EXPORT(ReadTile);
 HWY_EXPORT(SpanTets);
 HWY_EXPORT(SplatTets);
 
 }  // namespace
+
+void findEyeTets(const ScreenView& view, const SplatMesh& mesh, std::size_t first,
+                 std::span<EyeTet> eyeTets, std::span<std::uint8_t> lows) {
+  HWY_DYNAMIC_DISPATCH(FindEyeTets)(view, mesh, first, eyeTets, lows);
+}
 
 void spanTets(const ScreenView& view, const SplatVertex* vertices, std::span<const Tet> tets,
               TetSpan* spans) {

@@ -19,11 +19,20 @@ struct LinearField {
   double offset = 0;
 };
 
+/// What a perspective picture needs of the planes of a tet's faces, however it turns: the normals'
+/// x, y and z, each over what its plane's function (offset - normal . x) is at the eye. Lower
+/// bounds come first.
+struct alignas(32) EyeTet {
+  double planes[3][4];
+};
+
 /// The mesh and its smoke as the splat sees them.
 struct SplatMesh {
   const std::int32_t* faces = nullptr;  ///< FacePlanes::sides
   const FacePlane* planes = nullptr;
   const LinearField* smoke = nullptr;  ///< of each tet, the extinction [1/m]
+  const EyeTet* eyeTets = nullptr;     ///< of each tet, or null: found for each tile
+  const std::uint8_t* lows = nullptr;  ///< of each of `eyeTets`: how many bounds are lower ones
 };
 
 /// A vertex as boxes of tets want it: the largest of four of these, number by number, is what a tet
@@ -67,6 +76,11 @@ struct TetTile {
 /// are empty.
 void spanTets(const ScreenView& view, const SplatVertex* vertices, std::span<const Tet> tets,
               TetSpan* spans);
+
+/// Finds `eyeTets` and `lows` of the tets from `first` on, for the eye of a perspective view. With
+/// them pictures are the same, bit by bit.
+void findEyeTets(const ScreenView& view, const SplatMesh& mesh, std::size_t first,
+                 std::span<EyeTet> eyeTets, std::span<std::uint8_t> lows);
 
 /// The tile's optical depths, times the rays' scales, into a picture as wide as the view.
 void readTile(const ScreenView& view, const TetTile& tile, float* picture);

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
@@ -58,6 +59,40 @@ void bound(const ScreenView& view, OpaqueDepth opaque, const Tile& tile, const S
   });
 }
 
+/// Whether two views see every vertex in the same place.
+bool areAlike(const ScreenView& a, const ScreenView& b) {
+  return a.eye == b.eye && a.right == b.right && a.down == b.down && a.forward == b.forward &&
+         a.perPixel == b.perPixel && a.orthographic == b.orthographic && a.width == b.width &&
+         a.height == b.height;
+}
+
+/// The tets in each tile serve as long as nothing moves and the same tets have smoke.
+class KeptBins {
+ public:
+  /// `order` belongs to the eye.
+  const TetBins& of(const TetMesh& mesh, const ScreenView& view, int side,
+                    std::span<const char> dark, std::span<const std::int32_t> order = {}) {
+    if (kept_ && areAlike(kept_->view, view) && std::ranges::equal(kept_->dark, dark))
+      return kept_->bins;
+    kept_.reset();  // before the next ones take their memory
+    kept_.emplace(view, std::vector<char>(dark.begin(), dark.end()),
+                  TetBins(mesh, view, side, dark, order));
+    return kept_->bins;
+  }
+
+ private:
+  struct Kept {
+    Kept(const ScreenView& view, std::vector<char> dark, TetBins bins)
+        : view(view), dark(std::move(dark)), bins(std::move(bins)) {}
+
+    ScreenView view;
+    std::vector<char> dark;
+    TetBins bins;
+  };
+
+  std::optional<Kept> kept_;
+};
+
 }  // namespace
 
 struct TetSplat::State {
@@ -75,15 +110,22 @@ struct TetSplat::State {
   std::vector<std::int32_t> order;  // of the tets, front to back
   std::unique_ptr<TetMarcher> marcher;
   std::size_t marched = 0;
+  std::optional<Vec3> lastEye;  // of the picture before; nothing: orthographic, or none
+  std::vector<EyeTet> eyeTets;  // of it; empty: not found yet
+  std::vector<std::uint8_t> lows;
+  KeptBins depthBins, litBins;
 
   const TetMesh& mesh() const { return locator->mesh(); }
+
+  void lookFrom(const ScreenView& view);
 
   void sortFor(const ScreenView& view);
   void march(const Camera& camera, OpaqueDepth opaque, std::span<const std::uint8_t> wrong,
              std::span<float> rgbt);
 
   SplatMesh splatMesh() const {
-    return {faces.sides.data()->data(), faces.planes.data(), smoke.data()};
+    return {faces.sides.data()->data(), faces.planes.data(), smoke.data(),
+            eyeTets.empty() ? nullptr : eyeTets.data(), lows.data()};
   }
 };
 
@@ -152,10 +194,29 @@ void TetSplat::setSource(std::span<const float> source) {
   });
 }
 
+/// An eye that stays is worth it: one that moves pays nothing for what it would not use again.
+void TetSplat::State::lookFrom(const ScreenView& view) {
+  if (view.orthographic || lastEye != view.eye) {
+    lastEye = view.orthographic ? std::nullopt : std::optional(view.eye);
+    eyeTets.clear();
+    return;
+  }
+  if (!eyeTets.empty())
+    return;
+  const SplatMesh all = splatMesh();
+  eyeTets.resize(mesh().tets().size());
+  lows.resize(eyeTets.size());
+  parallelRanges(eyeTets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    findEyeTets(view, all, begin, std::span(eyeTets).subspan(begin, end - begin),
+                std::span(lows).subspan(begin, end - begin));
+  });
+}
+
 void TetSplat::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span<float> depth) {
-  const State& state = *state_;
+  State& state = *state_;
   const ScreenView view(camera, *state.locator);
-  const TetBins bins(state.mesh(), view, TetTile::kSide, state.dark);
+  state.lookFrom(view);
+  const TetBins& bins = state.depthBins.of(state.mesh(), view, TetTile::kSide, state.dark);
   const SplatMesh mesh = state.splatMesh();
   parallelFor(static_cast<std::size_t>(bins.across()) * bins.down(), [&](std::size_t i) {
     TetTile tile;
@@ -200,8 +261,10 @@ void TetSplat::litColor(const Camera& camera, OpaqueDepth opaque, std::span<floa
   if (state.sources.empty())
     setSource({});
   const ScreenView view(camera, *state.locator);
+  state.lookFrom(view);
   state.sortFor(view);
-  const TetBins bins(state.mesh(), view, LitTile::kSide, state.dark, state.order);
+  const TetBins& bins =
+      state.litBins.of(state.mesh(), view, LitTile::kSide, state.dark, state.order);
   const LitMesh mesh{state.splatMesh(), state.sources.data(), state.mesh().vertices().data(),
                      state.mesh().tets().data()};
   const auto size = static_cast<float>(state.mesh().bounds().size().norm());

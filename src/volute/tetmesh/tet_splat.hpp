@@ -19,6 +19,10 @@ namespace volute {
 /// once for an eye, however it turns, and each pixel knows up to where it has come. Where a tet
 /// comes too late for a pixel, as may be behind walls, the pixel is left to TetMarcher.
 ///
+/// While an eye stands still, however it turns, its distances from the planes of the faces are kept
+/// from its second picture on, and the order; while nothing moves, also where the tets are seen.
+/// The pictures are the same, bit by bit.
+///
 /// Float and SIMD, on all threads; |d alpha| <= 1e-5. The result does not depend on the number of
 /// threads.
 class TetSplat {

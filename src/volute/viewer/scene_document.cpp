@@ -145,7 +145,8 @@ Json SceneDocument::sceneOfFile() {
       scene["lights"] = Json::array({{{"kind", "ambient"}, {"radiance", {1, 1, 1}}}});
     } else {
       medium["quantity"] = "soot-density";
-      medium["unit"] = "kg/m3";
+      if (!smoke.contains("quantity"))
+        medium["unit"] = "kg/m3";
       medium["negatives"] = "clamp";
       if (!smoke.contains("quantity") && !smoke.contains("unit"))
         guess_ = "the field is taken for soot in kg/m3, unless you say otherwise";

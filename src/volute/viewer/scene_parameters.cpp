@@ -214,7 +214,12 @@ void addSigns(std::vector<Parameter>& out, const Json& signs, const SceneDescrip
 
 /// What a field's new meaning needs, and what it must not have.
 void takeQuantity(Json& smoke, const std::string& quantity) {
-  for (const char* key : {"material", "burning", "smoke_potential", "soot_yield"}) smoke.erase(key);
+  for (const char* key : {"material", "burning", "smoke_potential", "soot_yield", "density_field"})
+    smoke.erase(key);
+  if (quantity != "soot-density")
+    smoke.erase("mass_extinction");
+  if (quantity != "soot-density" && quantity != "products-density")
+    smoke.erase("unit");
   smoke["quantity"] = quantity;
   if (quantity == "products-density")
     smoke["smoke_potential"] = 1.0;
@@ -281,7 +286,8 @@ Status setParameter(Json& json, const SceneDescription& scene, const std::string
     return {};
   }
   if (smoke && (key == "smoke_potential" || key == "material")) {
-    for (const char* other : {"material", "burning", "soot_yield"}) object.erase(other);
+    for (const char* other : {"material", "burning", "soot_yield", "mass_extinction"})
+      object.erase(other);
     if (key == "smoke_potential")
       object[key] = put;
     else if (const auto entry = smokePotentialOf(put.get<std::string>()))

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 // `volute bench smoke`: smoke on tetrahedra, frame after frame (Staubli et al. 2005, table 3).
 #include "volute/cli/benchmarks/benchmarks.hpp"
+#include "volute/cli/benchmarks/smoke_accuracy.hpp"
 #include "volute/cli/benchmarks/smoke_table.hpp"
 #include "volute/cli/benchmarks/smoke_whole.hpp"
 
@@ -49,10 +50,12 @@ Status benchSmoke(const BenchInput& input, BenchRows& rows, Progress& progress) 
     const auto locator = std::make_shared<const TetLocator>(smoke.mesh);
     rows.add({fmt::format("{}: tetrahedra", smoke.name),
               static_cast<double>(smoke.mesh->tets().size()), "", std::nullopt});
-    if (input.whole)
+    if (input.whole) {
       VOLUTE_TRY(judgeWholePictures(smoke, locator, input.quick, rows, targets, progress));
-    else
-      VOLUTE_TRY(measureAll(smoke, locator, input.quick, rows, targets, progress));
+      continue;
+    }
+    VOLUTE_TRY(judgeSamples(smoke, locator, rows, targets, progress));
+    VOLUTE_TRY(measureAll(smoke, locator, input.quick, rows, targets, progress));
   }
   targets.report(rows);
   return {};

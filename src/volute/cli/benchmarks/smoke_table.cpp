@@ -5,8 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "volute/base/parallel.hpp"
-#include "volute/tetmesh/tet_reference.hpp"
+#include "volute/cli/benchmarks/smoke_accuracy.hpp"
 
 namespace volute::cli {
 namespace {
@@ -21,45 +20,7 @@ bool alwaysDraws(SmokeRole role) {
   return role == SmokeRole::kBaseline || role == SmokeRole::kDepth || role == SmokeRole::kLit;
 }
 
-/// Opacities of some pixels, by the reference: always the same ones of a picture.
-struct Judgement {
-  static constexpr std::size_t kPixels = 2000;
-
-  double secondsPerPixel = 0;
-  std::vector<std::size_t> pixels;
-  std::vector<double> alpha;
-
-  Judgement(const TetMedium& medium, const SmokeView& view) {
-    const Camera camera = view.camera();
-    const std::vector<float> opaque = opaqueDepth(view);
-    const auto all = static_cast<std::size_t>(view.width) * view.height;
-    std::vector<Segment> rays;
-    for (std::size_t i = 0; i < kPixels; ++i) {
-      pixels.push_back(i * 2654435761u % all);
-      rays.push_back(pixelRay(camera, static_cast<int>(pixels[i] % view.width),
-                              static_cast<int>(pixels[i] / view.width), opaque));
-    }
-    std::vector<double> depths(kPixels);
-    const double begin = processorSeconds();
-    parallelRanges(kPixels, 8, [&](std::size_t first, std::size_t last) {
-      medium.opticalDepth(std::span(rays).subspan(first, last - first),
-                          std::span(depths).subspan(first, last - first));
-    });
-    secondsPerPixel = (processorSeconds() - begin) / kPixels;
-    for (const double depth : depths) alpha.push_back(1 - std::exp(-depth));
-  }
-
-  /// The largest error, and how many pixels are off by more than one step of 8 bits.
-  std::pair<double, double> errors(std::span<const float> opacity) const {
-    double worst = 0, off = 0;
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-      const double error = std::abs(opacity[pixels[i]] - alpha[i]);
-      worst = std::max(worst, error);
-      off += error > 1.0 / 255;
-    }
-    return {worst, off / static_cast<double>(pixels.size())};
-  }
-};
+constexpr std::size_t kJudged = 2000;  // pixels
 
 }  // namespace
 
@@ -103,12 +64,12 @@ BenchRow SmokeTable::rowOf(const SmokeDrawer& drawer, const char* what) const {
 /// One picture of each, the first: their errors. What fails or is too slow stops here.
 void SmokeTable::judge(BenchRows& rows, SmokeTargets& targets) {
   const SmokeView view = setting_.view(0, 0, 0);
-  const Judgement judgement(TetMedium(locator_, setting_.smoke.extinction[0]), view);
+  const SampledOpacity judgement(TetMedium(locator_, setting_.smoke.extinction[0]), view, kJudged);
   BenchRow reference;
   reference.name = fmt::format("{}: reference, double", setting_.name());
-  reference.value = 1e3 * judgement.secondsPerPixel * static_cast<double>(setting_.pixels());
+  reference.value = 1e3 * judgement.secondsPerPixel() * static_cast<double>(setting_.pixels());
   reference.unit = "ms";
-  reference.note = fmt::format("of processor time, from {} pixels", Judgement::kPixels);
+  reference.note = fmt::format("of processor time, from {} pixels", judgement.pixels());
   rows.add(std::move(reference));
   std::vector<float> opacity(setting_.pixels());
   for (std::size_t i = 0; i < drawers_.size(); ++i) {

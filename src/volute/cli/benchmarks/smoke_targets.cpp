@@ -39,6 +39,10 @@ void SmokeTargets::addError(SmokeRole role, const SmokeSetting& setting, double 
     add("largest error of marching", "", 1e-5, false, error, where);
 }
 
+void SmokeTargets::addLight(double error, const std::string& where) {
+  add("largest error of light at vertices", "", 1e-4, false, error, where);
+}
+
 void SmokeTargets::addSeconds(SmokeRole role, const SmokeSetting& setting, double seconds) {
   if (role == SmokeRole::kDepth && setting.width >= 1920)
     add("transmittance, 1920x1080", "frames/s", 2, true, 1 / seconds, setting.name());

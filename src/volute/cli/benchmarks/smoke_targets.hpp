@@ -20,6 +20,9 @@ class SmokeTargets {
   /// The largest error of a picture's opacity, or of its lit colour.
   void addError(SmokeRole role, const SmokeSetting& setting, double error);
 
+  /// Of what reaches vertices of a lamp's light.
+  void addLight(double error, const std::string& where);
+
   void addSeconds(SmokeRole role, const SmokeSetting& setting, double seconds);
 
   void report(BenchRows& rows) const;

@@ -3,11 +3,9 @@
 #include "volute/cli/benchmarks/smoke_whole.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
-#include "volute/base/parallel.hpp"
-#include "volute/lighting/vertex_light.hpp"
+#include "volute/cli/benchmarks/smoke_accuracy.hpp"
 #include "volute/tetmesh/tet_marcher.hpp"
 #include "volute/tetmesh/tet_splat.hpp"
 
@@ -100,31 +98,6 @@ class Judge {
   TetMarcher marcher_;
 };
 
-/// What reaches each vertex of a lamp's light, shadows included.
-BenchRow judgeLight(const SmokeCase& smoke, const std::shared_ptr<const TetLocator>& locator,
-                    const Vec3& position) {
-  Lamp lamp;
-  lamp.position = position;
-  lamp.direction = -Vec3::UnitZ();
-  const LampPaths paths(locator);
-  const auto shares = paths.shares(smoke.extinction[0], lamp);
-  std::vector<double> errors(shares.size());
-  parallelRanges(shares.size(), 64, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Segment way = lamp.towards(smoke.mesh->vertices()[i]);
-      errors[i] = std::abs(shares[i] - lampShareReference(*locator, smoke.extinction[0], way));
-    }
-  });
-  BenchRow row;
-  row.name = fmt::format("{}: light at vertices", smoke.name);
-  row.value = *std::ranges::max_element(errors);
-  row.labels = {{"case", smoke.name}, {"what", "light at vertices"}};
-  row.note = fmt::format(
-      "largest error of {} vertices, {} of them in the dark, of a lamp at ({:.3g}, {:.3g}, {:.3g})",
-      shares.size(), std::ranges::count(shares, 0.0F), position.x(), position.y(), position.z());
-  return row;
-}
-
 }  // namespace
 
 Status judgeWholePictures(const SmokeCase& smoke, const std::shared_ptr<const TetLocator>& locator,
@@ -143,7 +116,7 @@ Status judgeWholePictures(const SmokeCase& smoke, const std::shared_ptr<const Te
       return fail(ErrorCode::kCancelled, "stopped in {}", setting.name());
     judge.judge(setting, rows, targets);
   }
-  rows.add(judgeLight(smoke, locator, eyes.back().eye));
+  judgeLight(smoke, locator, eyes.back().eye, smoke.mesh->vertices().size(), rows, targets);
   return {};
 }
 

@@ -15,6 +15,7 @@
 #include "volute/image/srgb.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/scene/camera_file.hpp"
+#include "volute/scene/smoke_words.hpp"
 
 namespace volute::cli {
 namespace {
@@ -105,10 +106,34 @@ Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments) {
   return gl ? std::move(*gl) : nullptr;
 }
 
+/// One plane has one scale of mass per volume.
+Status checkConcentrations(std::span<const SmokeLayer> smokes) {
+  const SmokeModel& first = smokes.front().description().model;
+  for (const SmokeLayer& smoke : smokes) {
+    const SmokeModel& model = smoke.description().model;
+    if (!holdsMass(model.quantity)) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "--slice-shows concentration: field '{}' of {} holds {}, which tells no mass per "
+                  "volume; choose visibility or extinction",
+                  smoke.fieldName(), smoke.description().file, nameOf(model.quantity));
+    }
+    if (model.quantity != first.quantity || unitOfField(model) != unitOfField(first)) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "--slice-shows concentration: {} holds {} [{}] and {} {} [{}], which have no "
+                  "scale in common; choose visibility or extinction",
+                  smokes.front().description().file, nameOf(first.quantity), unitOfField(first),
+                  smoke.description().file, nameOf(model.quantity), unitOfField(model));
+    }
+  }
+  return {};
+}
+
 /// --slice and --isosurface; nothing when neither is given.
 Result<std::optional<SmokeContour>> contourOf(const Arguments& arguments, const RenderJob& job) {
   const auto slice = arguments.find<std::string>("slice");
   const auto surface = arguments.find<double>("isosurface");
+  if (!slice && arguments.given("slice-shows"))
+    return fail(ErrorCode::kInvalidArgument, "--slice-shows is of a plane; add --slice, as z=1.8");
   if (!slice && !surface)
     return std::nullopt;
   const char* option = slice ? "--slice" : "--isosurface";
@@ -133,14 +158,20 @@ Result<std::optional<SmokeContour>> contourOf(const Arguments& arguments, const 
     contour.kind = SmokeContour::Kind::kSurface;
     contour.visibility = *surface;
   }
-  if (job.law.mode == PictureMode::kThreshold)
-    contour.c = job.law.c;
-  if (arguments.get<std::string>("slice-shows") == "extinction")
+  contour.c = job.law.c;
+  if (!slice)
+    return contour;
+  const auto shows = arguments.get<std::string>("slice-shows");
+  if (shows == "extinction")
     contour.shows = SmokeContour::Shows::kExtinction;
+  if (shows == "concentration") {
+    contour.shows = SmokeContour::Shows::kConcentration;
+    VOLUTE_TRY(checkConcentrations(job.smokes));
+  }
   return contour;
 }
 
-/// The scale of a slice's extinction, from all that will be shown.
+/// The scale of a slice's extinction or concentration, from all that will be shown.
 Status scaleContour(RenderJob& job) {
   if (!job.contour || job.contour->shows == SmokeContour::Shows::kVisibility)
     return {};
@@ -148,7 +179,7 @@ Status scaleContour(RenderJob& job) {
   for (const Moment& moment : job.moments) {
     for (SmokeLayer& smoke : job.smokes) {
       VOLUTE_ASSIGN(const SmokeState state, smoke.at(moment.time));
-      most = std::max(most, mostExtinctionOn(*job.contour, {&state, 1}));
+      most = std::max(most, mostOn(*job.contour, {&state, 1}));
     }
   }
   job.contour->most = most > 0 ? most : 1;
@@ -396,9 +427,10 @@ std::vector<Option> renderOptionTable() {
       {.name = "slice-shows",
        .kind = kChoice,
        .value = "NAME",
-       .help = "on the plane: the local visibility S = C / K up to 30 m, or the extinction K",
+       .help = "on the plane: the local visibility S = C / K up to 30 m, the extinction K, or the "
+               "concentration, mass per volume in the field's unit",
        .initial = "visibility",
-       .choices = {"visibility", "extinction"}},
+       .choices = {"visibility", "extinction", "concentration"}},
       {.name = "isosurface",
        .kind = kNumber,
        .value = "S",
@@ -446,7 +478,10 @@ std::vector<Option> renderOptionTable() {
        .help = "seconds of smoke in a second of its film",
        .initial = "1",
        .positive = true},
-      {.name = "legend", .help = "draw mode, mass extinction, C and time into .png and films"},
+      {.name = "legend",
+       .help =
+           "draw mode, what the smoke's field holds, C, time and the scale of colours into .png "
+           "and films"},
       {.name = "stats",
        .kind = kFile,
        .value = "FILE.json",

@@ -24,6 +24,11 @@ tl::unexpected<Error> objection(const char* option, const Error& error) {
 
 Result<SightCase> openMesh(const std::string& path, const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto smoke, smokeOf(path, arguments));
+  if (arguments.given("C") && smoke.model.quantity != SmokeQuantity::kVisibility) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--C is of a visibility field, and this holds {}; a sign's C stands with the sign",
+                nameOf(smoke.model.quantity));
+  }
   MeshOptions options;
   options.field = smoke.field;
   options.negatives = smoke.negatives;

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "volute/optics/extinction.hpp"
+
+// What pictures, remarks and errors say of a smoke model.
+
+namespace volute {
+
+/// The unit of a field's values: "g/m3", "kg/kg", "1/m", "dB/m" or "m".
+std::string unitOfField(const SmokeModel& model);
+
+/// Whether a field tells how much mass is in a volume; the others say what becomes of light.
+bool holdsMass(SmokeQuantity quantity);
+
+/// The unit in which the concentration, mass of what the field counts per volume of gas, is shown:
+/// the field's own of densities, kg/m3 of a mass fraction. Empty: the field holds no mass.
+std::string unitOfConcentration(const SmokeModel& model);
+
+/// Extinction of one such unit [1/m]; 0 where the field holds no mass.
+double extinctionOfConcentration(const SmokeModel& model);
+
+/// What the values are and how they become extinction, without what plays no part in it:
+/// "soot-density [g/m3]", "scale 2", "Km = 8700 m2/kg", "ys = 0.1".
+std::vector<std::string> wordsOf(const SmokeModel& model);
+
+}  // namespace volute
