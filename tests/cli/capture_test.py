@@ -299,6 +299,13 @@ class Pictures(ring.TestCase):
         result = self.reconstruct("--json")
         self.assertNotIn("warning", result.message)
         self.assertLess(result.json["residual"], 0.3)
+        darker = Picture(40, 32, 3)
+        glow(darker)
+        darker.values = [0.9 * value for value in darker.values]
+        write_exr(self.path("back_c3.exr"), darker)
+        message = self.reconstruct("--frames", "10").message
+        self.assertRegex(message, r"camera c3, frame 10: light all along the border of the picture: the background got brighter")
+        self.assertNotIn("silhouette touches", message)
         moved = Picture(40, 32, 3, [0.25 + 0.01 * (i % 7) + (0.3 if i % 120 < 30 else 0) for i in range(40 * 32 * 3)])
         write_exr(self.path("back_c3.exr"), moved)
         self.assertRegex(self.refused(), r"camera c3, frame 10: \d+\.\d % of the pixels are darker than the background by more "

@@ -53,6 +53,8 @@ Status checkFilm(const CaptureCamera& camera, int firstFrame, std::uint64_t maxM
 /// How many pictures each camera has, where they have different numbers of them.
 std::string countsText(const Capture& capture, std::span<const std::size_t> there) {
   constexpr std::size_t kMost = 6;
+  if (capture.frames.size() < 2)
+    return "";
   std::vector<std::string> fewer;
   for (std::size_t i = 0; i < there.size(); ++i) {
     if (!capture.cameras[i].pictures.image.empty() && there[i] < capture.frames.size())
