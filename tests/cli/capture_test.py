@@ -136,6 +136,27 @@ class Project(ring.TestCase):
         slope = math.hypot(0.5 / 40, 0.5 / 40)
         self.assertAlmostEqual(read_exr(self.path("one.exr")).at(20, 16), 4 * math.sqrt(1 + slope * slope), places=5)
 
+    def write_vti(self, **arrays):
+        data = "".join(f'<DataArray type="Float32" Name="{name}" format="ascii">{f"{value} " * 64}</DataArray>'
+                       for name, value in arrays.items())
+        self.path("two.vti").write_text(
+            '<VTKFile type="ImageData" version="0.1" byte_order="LittleEndian">'
+            '<ImageData WholeExtent="0 3 0 3 0 3" Origin="-0.75 -0.75 -0.75" Spacing="0.5 0.5 0.5">'
+            f'<Piece Extent="0 3 0 3 0 3"><PointData>{data}</PointData></Piece></ImageData></VTKFile>\n')
+        return [self.path("two.vti"), self.path("capture.json"), "-o", self.path("v_{camera}.exr")]
+
+    def test_projects_emission_of_several_grids_and_says_so(self):
+        command = ["project", *self.write_vti(density=5, emission=1)]
+        result = support.volute(*command, "--json")
+        if "this build has no VTK" in result.message:
+            self.skipTest(result.message)
+        self.assertEqual(result.json["grid"], "emission")
+        brightest = max(read_exr(self.path("v_c2.exr")).values)
+        self.assertEqual(self.works(*command, "--grid", "density", "--json").json["grid"], "density")
+        self.assertAlmostEqual(max(read_exr(self.path("v_c2.exr")).values), 5 * brightest, places=4)
+        message = self.fails(2, "project", *self.write_vti(density=5, temperature=300))
+        self.assertRegex(message, r"which grid\? It has density .*, temperature .*; choose one with --grid")
+
     def test_refuses_names_that_would_collide(self):
         source = [self.path("truth.npy"), self.path("capture.json"), "-o"]
         self.assertIn("{camera}", self.fails(2, "project", *source, self.path("p_%04d.exr")))
@@ -278,6 +299,13 @@ class Pictures(ring.TestCase):
         result = self.reconstruct("--json")
         self.assertNotIn("warning", result.message)
         self.assertLess(result.json["residual"], 0.3)
+        darker = Picture(40, 32, 3)
+        glow(darker)
+        darker.values = [0.9 * value for value in darker.values]
+        write_exr(self.path("back_c3.exr"), darker)
+        message = self.reconstruct("--frames", "10").message
+        self.assertRegex(message, r"camera c3, frame 10: light all along the border of the picture: the background got brighter")
+        self.assertNotIn("silhouette touches", message)
         moved = Picture(40, 32, 3, [0.25 + 0.01 * (i % 7) + (0.3 if i % 120 < 30 else 0) for i in range(40 * 32 * 3)])
         write_exr(self.path("back_c3.exr"), moved)
         self.assertRegex(self.refused(), r"camera c3, frame 10: \d+\.\d % of the pixels are darker than the background by more "
@@ -379,6 +407,14 @@ class Step(ring.TestCase):
         self.camera("c3")["distortion"] = [8, 0, 0, 0, 0]
         (said,) = self.warnings(24, 25)
         self.assertIn("camera c3, frame 12: does not fit the others", said)
+
+    def test_a_wrong_convention_of_pixel_centres_is_told_by_its_name(self):
+        self.json["pixel_centre"] = 0
+        for resolution in (12, 16):
+            (said,) = self.warnings(resolution, 25)
+            self.assertRegex(said, r"frame 12: one volume fits all pictures better where principal points are half a pixel further "
+                                   r"to the left and up \(relative L2 0\.\d+ instead of 0\.\d+, least at -0\.\d+ pixels\): is the "
+                                   r"centre of the first pixel at 0\.5, not at 0\?")
 
     def test_exchanged_pictures_are_told_of_all(self):
         first, second = self.camera("north"), self.camera("c2")

@@ -157,6 +157,32 @@ class Interrupted(ring.TestCase):
         self.assertIn("finished 1 of 4 frames", self.works(*self.command()).message)
 
 
+class Memory(ring.TestCase):
+    SIDE = 48  # 1.3 MB a frame
+
+    def peak(self, frames, output):
+        """The most memory that the program held [MB]."""
+        process = subprocess.Popen([support.PROGRAM, "reconstruct", self.path("capture.json"), "-o", self.path(output),
+                                    "--frames", f"10:{10 + frames}", "--resolution", str(self.SIDE), "--iterations", "5",
+                                    "--regularization", "none", "--threads", "1"],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        message = process.stderr.read().decode()
+        process.stderr.close()
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(process.returncode, 0, message)
+        return usage.ru_maxrss / 1024
+
+    def test_does_not_grow_with_the_sequence(self):
+        for frame in range(14, 23):
+            for name in ring.NAMES:
+                os.link(self.path(f"{name}_{10 + frame % 4:04d}.exr"), self.path(f"{name}_{frame:04d}.exr"))
+        self.json["frames"] = list(range(10, 23))
+        self.write_capture()
+        few, many = self.peak(3, "few.npy"), self.peak(13, "many.npy")
+        self.assertLess(many, few + 4 * 3 * self.SIDE ** 3 * 4 / 1e6, "less than four frames more")
+
+
 class Parts(ring.TestCase):
     def test_parts_of_a_sequence_join(self):
         for name, frames in (("a", "10:12"), ("b", "12:14"), ("whole", "10:14")):

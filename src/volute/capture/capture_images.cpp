@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "volute/capture/background.hpp"
 #include "volute/capture/image_name.hpp"
@@ -26,6 +27,43 @@ std::vector<float> lightTable(const Response& response, double factor) {
 double shareBelowOne(const Image& alpha) {
   const auto count = std::ranges::count_if(alpha.pixels, [](float a) { return a < 1; });
   return static_cast<double>(count) / static_cast<double>(alpha.pixels.size());
+}
+
+/// Whether the film can be read and does not begin after the first frame that is wanted. How long
+/// it is would be known only after decoding it.
+Status checkFilm(const CaptureCamera& camera, int firstFrame, std::uint64_t maxMemory) {
+  const PictureSource& pictures = camera.pictures;
+  const auto film = FilmReader::open(pictures.video, maxMemory);
+  if (!film)
+    return fail(film.error().code, "camera {}: {}", camera.name, film.error().message);
+  if (film->info().width != camera.camera.width() ||
+      film->info().height != camera.camera.height()) {
+    return fail(ErrorCode::kInvalidData,
+                "camera {}: the film {} has {} x {} pixels; the calibration is for {} x {}",
+                camera.name, pictures.video.string(), film->info().width, film->info().height,
+                camera.camera.width(), camera.camera.height());
+  }
+  if (firstFrame < pictures.videoStart) {
+    return fail(ErrorCode::kNotFound, "camera {}, frame {}: the film {} begins with frame {}",
+                camera.name, firstFrame, pictures.video.string(), pictures.videoStart);
+  }
+  return {};
+}
+
+/// How many pictures each camera has, where they have different numbers of them.
+std::string countsText(const Capture& capture, std::span<const std::size_t> there) {
+  constexpr std::size_t kMost = 6;
+  if (capture.frames.size() < 2)
+    return "";
+  std::vector<std::string> fewer;
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    if (!capture.cameras[i].pictures.image.empty() && there[i] < capture.frames.size())
+      fewer.push_back(fmt::format("{} has {}", capture.cameras[i].name, there[i]));
+  }
+  const std::size_t more = fewer.size() > kMost ? fewer.size() - kMost : 0;
+  fewer.resize(fewer.size() - more);
+  return fmt::format(": of {} frames {}{}", capture.frames.size(), fmt::join(fewer, ", "),
+                     more > 0 ? fmt::format(" and {} more cameras fewer too", more) : "");
 }
 
 /// One channel becomes three.
@@ -97,8 +135,10 @@ Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int 
   }
   auto film = films_.find(camera);
   if (film == films_.end()) {
-    VOLUTE_ASSIGN(auto opened, FilmFrames::open(pictures.video, maxMemory_));
-    film = films_.emplace(camera, std::move(opened)).first;
+    auto opened = FilmFrames::open(pictures.video, maxMemory_);
+    if (!opened)
+      return fail(opened.error().code, "{}: {}", name, opened.error().message);
+    film = films_.emplace(camera, std::move(*opened)).first;
   }
   const int position = frame - pictures.videoStart;
   if (position < 0) {
@@ -137,12 +177,15 @@ Status CaptureImages::openMask(std::size_t camera) {
   if (path.empty())
     return {};
   const std::string name = fmt::format("camera {}, mask", capture_->cameras[camera].name);
-  VOLUTE_ASSIGN(const auto image, readImage(path, {.raw = true, .maxMemory = maxMemory_}));
-  VOLUTE_TRY(checkSize(camera, image, name));
+  const auto image = readImage(path, {.raw = true, .maxMemory = maxMemory_});
+  if (!image)
+    return fail(image.error().code, "{}: {}", name, image.error().message);
+  VOLUTE_TRY(checkSize(camera, *image, name));
   auto& mask = masks_[camera];
-  mask.resize(image.pixels.size() / static_cast<std::size_t>(image.channels));
-  for (std::size_t i = 0; i < image.pixels.size(); ++i)
-    mask[i / static_cast<std::size_t>(image.channels)] |= image.pixels[i] > 0 ? 1 : 0;
+  const auto channels = static_cast<std::size_t>(image->channels);
+  mask.resize(image->pixels.size() / channels);
+  for (std::size_t i = 0; i < image->pixels.size(); ++i)
+    mask[i / channels] |= image->pixels[i] > 0 ? 1 : 0;
   if (std::ranges::none_of(mask, [](char m) { return m != 0; })) {
     return fail(ErrorCode::kInvalidData, "{}: {} is 0 everywhere, so no pixel counts", name,
                 path.string());
@@ -239,26 +282,41 @@ Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
   return picture;
 }
 
-Status checkPicturesThere(const Capture& capture) {
+Status checkPicturesThere(const Capture& capture, std::uint64_t maxMemory) {
+  std::error_code error;
+  for (const CaptureCamera& camera : capture.cameras) {
+    const PictureSource& pictures = camera.pictures;
+    if (!pictures.video.empty())
+      VOLUTE_TRY(checkFilm(camera, capture.frames.front(), maxMemory));
+    for (const auto& [file, what] :
+         {std::pair(&pictures.background, "background"), std::pair(&pictures.mask, "mask")}) {
+      if (!file->empty() && !std::filesystem::exists(*file, error)) {
+        return fail(ErrorCode::kNotFound, "camera {}, {}: there is no picture {}", camera.name,
+                    what, file->string());
+      }
+    }
+  }
   std::string first;
-  int missing = 0, all = 0;
+  std::size_t missing = 0, all = 0;
+  std::vector<std::size_t> there(capture.cameras.size());
   for (const int frame : capture.frames) {
-    for (const CaptureCamera& camera : capture.cameras) {
+    for (std::size_t i = 0; i < capture.cameras.size(); ++i) {
+      const CaptureCamera& camera = capture.cameras[i];
       if (camera.pictures.image.empty())
         continue;
       const auto path = frameFile(camera.pictures.image, frame);
-      std::error_code error;
       ++all;
       if (std::filesystem::exists(path, error))
-        continue;
-      if (++missing == 1)
+        ++there[i];
+      else if (++missing == 1)
         first =
             fmt::format("camera {}, frame {}: there is no picture {}", camera.name, frame, path);
     }
   }
   if (missing == 0)
     return {};
-  return fail(ErrorCode::kNotFound, "{}; {} of {} pictures are missing", first, missing, all);
+  return fail(ErrorCode::kNotFound, "{}; {} of {} pictures are missing{}", first, missing, all,
+              countsText(capture, there));
 }
 
 }  // namespace volute

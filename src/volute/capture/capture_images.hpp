@@ -15,14 +15,14 @@ namespace volute {
 
 /// One camera's picture of one frame as radiance.
 struct CameraPicture {
-  Image radiance;               ///< measured minus background, linear RGB; negative values are kept
-  std::vector<float> weight;    ///< (height, width), 0 = saturated or masked, else 1
+  Image radiance;             ///< measured minus background, linear RGB; negative values are kept
+  std::vector<float> weight;  ///< (height, width), 0 = saturated or masked, else 1
   std::vector<std::uint8_t> atLeast;  ///< (height, width), bit c: channel c is saturated
-  double brightest = 0;         ///< of the measured channels, background included
-  double saturatedShare = 0;    ///< of the pixels that are not masked
-  double maskedShare = 0;       ///< of all pixels
-  double transparentShare = 0;  ///< of all pixels of an .exr, those with alpha < 1
-  bool grey = false;            ///< one channel in the file
+  double brightest = 0;               ///< of the measured channels, background included
+  double saturatedShare = 0;          ///< of the pixels that are not masked
+  double maskedShare = 0;             ///< of all pixels
+  double transparentShare = 0;        ///< of all pixels of an .exr, those with alpha < 1
+  bool grey = false;                  ///< one channel in the file
 };
 
 /// Reads the pictures of a capture: makes them linear, applies gain and white, subtracts the
@@ -71,8 +71,11 @@ class CaptureImages {
   std::map<std::size_t, FilmFrames> films_;
 };
 
-/// kNotFound when a picture of a frame is missing: names the first, and how many there are. Films
-/// are not looked into.
-[[nodiscard]] Status checkPicturesThere(const Capture& capture);
+/// Before any picture is read: kNotFound when one of a frame, a mask or a background is missing;
+/// names the first, and how many the cameras have. Films are opened, for they may not be there, be
+/// of another size or begin later.
+/// @param maxMemory  [bytes] that decoding a film may take.
+[[nodiscard]] Status checkPicturesThere(const Capture& capture,
+                                        std::uint64_t maxMemory = std::uint64_t{4} << 30);
 
 }  // namespace volute

@@ -158,6 +158,44 @@ TEST_F(CaptureImagesTest, MissingViewsAreNamed) {
   EXPECT_TRUE(failsWith(readPicture(1, 5), "camera b, frame 5: there is no picture"));
 }
 
+TEST_F(CaptureImagesTest, OnePictureForSeveralFramesIsRefused) {
+  json["cameras"][1]["image"] = "f_0004_b.exr";
+  EXPECT_TRUE(failsWith(readPicture(1, 4), "cameras[1] (b): its picture"));
+  EXPECT_TRUE(failsWith(readPicture(1, 4), "has no frame number in its name, and there are 2"));
+  CaptureOptions one;
+  one.frames = {.begin = 5, .end = 6};
+  ASSERT_VALUE(const auto chosen, openCapture(folder / "capture.json", one));
+  EXPECT_NE(chosen.remarks.back().find("is taken for frame 5"), std::string::npos);
+  json["frames"] = {4};
+  ASSERT_VALUE(const auto read, readPicture(1, 4));
+  EXPECT_EQ(capture->remarks.size(), 1U) << "of one frame there is nothing to say";
+}
+
+TEST_F(CaptureImagesTest, WhatIsMissingIsToldBeforeAnyPictureIsRead) {
+  const auto check = [&]() -> Result<int> {
+    testing::writeText(folder / "capture.json", json.dump());
+    VOLUTE_ASSIGN(const auto opened, openCapture(folder / "capture.json", {}));
+    VOLUTE_TRY(checkPicturesThere(opened));
+    return 0;
+  };
+  EXPECT_TRUE(ok(check()));
+  json["cameras"][2]["mask"] = "none.png";
+  EXPECT_TRUE(failsWith(check(), "camera c, mask: there is no picture"));
+  EXPECT_TRUE(failsWith(readPicture(2, 4), "camera c, mask: "));
+  json["cameras"][2].erase("mask");
+  json["cameras"][1]["background"] = "none.exr";
+  EXPECT_TRUE(failsWith(check(), "camera b, background: there is no picture"));
+  json["cameras"][1].erase("background");
+  std::filesystem::remove(folder / "f_0005_b.exr");
+  EXPECT_TRUE(failsWith(check(), "camera b, frame 5: there is no picture"));
+  EXPECT_TRUE(failsWith(check(), "1 of 6 pictures are missing: of 2 frames b has 1"));
+  json["cameras"][1].erase("image");
+  json["cameras"][1]["video"] = "none.mp4";
+  EXPECT_TRUE(failsWith(check(), "camera b: "));
+  EXPECT_TRUE(failsWith(check(), "none.mp4: there is no such file"));
+  EXPECT_TRUE(failsWith(readPicture(1, 4), "camera b, frame 4: "));
+}
+
 TEST_F(CaptureImagesTest, TransparentPngsAreRefused) {
   // 24 x 16 RGBA, every pixel (255, 128, 0, 127), and the same opaque; from Python's zlib.
   constexpr const char* kTransparentPng =
@@ -174,6 +212,7 @@ TEST_F(CaptureImagesTest, TransparentPngsAreRefused) {
     return text;
   };
   json["cameras"][0]["image"] = "t.png";
+  json["frames"] = {4};
   testing::writeBytes(folder / "t.png", bytes(kTransparentPng));
   EXPECT_TRUE(failsWith(readPicture(0, 4), "camera a, frame 4: 100.0 % of the pixels of"));
   testing::writeBytes(folder / "t.png", bytes(kOpaquePng));
@@ -196,6 +235,15 @@ TEST_F(CaptureImagesTest, FilmsAreReadByFrame) {
   ASSERT_VALUE(const auto four, readPicture(0, 4));
   EXPECT_NEAR(four.radiance.at(5, 5, 1), 0.2, 0.01);
   EXPECT_TRUE(failsWith(readPicture(0, 1), "camera a, frame 1: the film"));
+  const auto check = [&]() -> Result<int> {
+    VOLUTE_TRY(checkPicturesThere(*capture));
+    return 0;
+  };
+  EXPECT_TRUE(ok(check()));
+  json["cameras"][0]["video_start"] = 5;
+  EXPECT_TRUE(failsWith(readPicture(0, 4), "begins with frame 5"));
+  EXPECT_TRUE(failsWith(check(), "camera a, frame 4: the film"));
+  json["cameras"][0]["video_start"] = 2;
   EXPECT_TRUE(failsWith(readPicture(0, 8), "camera a, frame 8: "));
   EXPECT_TRUE(failsWith(readPicture(0, 8), "the film has 6 frames; frame 6 was asked for"));
 }

@@ -38,7 +38,8 @@ Status readIntrinsics(const ColmapCamera& camera, const std::string& where,
   } else {
     return fail(ErrorCode::kUnsupported,
                 "{}: the camera model {} is not read; expected SIMPLE_PINHOLE, PINHOLE, "
-                "SIMPLE_RADIAL, RADIAL or OPENCV",
+                "SIMPLE_RADIAL, RADIAL or OPENCV: `colmap image_undistorter` makes pictures and a "
+                "model of PINHOLE cameras",
                 where, camera.model);
   }
   calibration.width = camera.width, calibration.height = camera.height;

@@ -19,7 +19,7 @@ struct Model {
   int parameters;
 };
 
-constexpr std::array<Model, 11> kModels{{{"SIMPLE_PINHOLE", 3},
+constexpr std::array<Model, 12> kModels{{{"SIMPLE_PINHOLE", 3},
                                          {"PINHOLE", 4},
                                          {"SIMPLE_RADIAL", 4},
                                          {"RADIAL", 5},
@@ -29,7 +29,8 @@ constexpr std::array<Model, 11> kModels{{{"SIMPLE_PINHOLE", 3},
                                          {"FOV", 5},
                                          {"SIMPLE_RADIAL_FISHEYE", 4},
                                          {"RADIAL_FISHEYE", 5},
-                                         {"THIN_PRISM_FISHEYE", 12}}};
+                                         {"THIN_PRISM_FISHEYE", 12},
+                                         {"RAD_TAN_THIN_PRISM_FISHEYE", 16}}};
 
 Result<std::string> readWhole(const std::filesystem::path& path) {
   constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
@@ -207,8 +208,14 @@ Status readCamerasBinary(const std::filesystem::path& path, ColmapModel& model) 
   for (std::uint64_t i = 0; i < count && bytes.ok(); ++i) {
     const auto id = bytes.take<std::uint32_t>();
     const auto number = bytes.take<std::int32_t>();
-    if (!bytes.ok() || number < 0 || number >= static_cast<int>(kModels.size()))
+    if (!bytes.ok())
       return damaged(path, bytes);
+    if (number < 0 || number >= static_cast<int>(kModels.size())) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: camera {}: its model has the number {}, which is not known (0 to {}); the "
+                  "file is damaged, or newer: `colmap model_converter` writes it as text",
+                  path.string(), id, number, kModels.size() - 1);
+    }
     ColmapCamera camera;
     camera.model = kModels[static_cast<std::size_t>(number)].name;
     const auto width = bytes.take<std::uint64_t>(), height = bytes.take<std::uint64_t>();
@@ -247,20 +254,35 @@ Status readImagesBinary(const std::filesystem::path& path, ColmapModel& model) {
 }  // namespace
 
 Result<ColmapModel> readColmapFiles(const std::filesystem::path& folder) {
-  std::error_code error;
+  const auto has = [&](const char* name) {
+    std::error_code error;
+    return std::filesystem::exists(folder / name, error);
+  };
   ColmapModel model;
-  if (std::filesystem::exists(folder / "cameras.txt", error)) {
+  if (has("cameras.txt") && has("images.txt")) {
     VOLUTE_TRY(readCamerasText(folder / "cameras.txt", model));
     VOLUTE_TRY(readImagesText(folder / "images.txt", model));
-  } else if (std::filesystem::exists(folder / "cameras.bin", error)) {
+    return model;
+  }
+  if (has("cameras.bin") && has("images.bin")) {
     VOLUTE_TRY(readCamerasBinary(folder / "cameras.bin", model));
     VOLUTE_TRY(readImagesBinary(folder / "images.bin", model));
-  } else {
+    return model;
+  }
+  std::vector<std::string> there;
+  for (const char* name : {"cameras.txt", "images.txt", "cameras.bin", "images.bin"}) {
+    if (has(name))
+      there.emplace_back(name);
+  }
+  if (there.empty()) {
     return fail(ErrorCode::kNotFound,
                 "{}: no COLMAP model in this folder; expected cameras.txt and images.txt, or .bin",
                 folder.string());
   }
-  return model;
+  return fail(ErrorCode::kNotFound,
+              "{}: half a COLMAP model: only {} {} there; expected cameras (the lenses) and images "
+              "(the poses), both as .txt or both as .bin",
+              folder.string(), fmt::join(there, " and "), there.size() > 1 ? "are" : "is");
 }
 
 }  // namespace volute

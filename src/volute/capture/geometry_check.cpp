@@ -62,10 +62,27 @@ std::optional<std::string> swappedSides(const Camera& camera) {
       point.x(), point.y(), camera.width(), camera.height(), camera.height(), camera.width());
 }
 
+/// A principal point in the middle of an image of the same shape, but larger or smaller.
+std::optional<std::string> otherResolution(const Camera& camera) {
+  constexpr double kSame = 0.06, kLarger = 1.4;
+  const double width = camera.width(), height = camera.height();
+  const double x = 2 * camera.principalPoint().x() / width;
+  const double y = 2 * camera.principalPoint().y() / height;
+  if (!(std::abs(x - y) < kSame * x && (x > kLarger || x < 1 / kLarger)))
+    return std::nullopt;
+  return fmt::format(
+      "the principal point ({:.1f}, {:.1f}) is the middle of about {:.0f} x {:.0f} pixels, and the "
+      "pictures have {} x {}: scale K with the pictures",
+      camera.principalPoint().x(), camera.principalPoint().y(), x * width, y * height,
+      camera.width(), camera.height());
+}
+
 std::optional<std::string> faultOf(const Camera& camera, const Box3& bounds) {
   constexpr double kTiny = 0.05;
   if (auto swapped = swappedSides(camera))
     return swapped;
+  if (auto other = otherResolution(camera))
+    return other;
   if (bounds.contains(camera.eye())) {
     return fmt::format(
         "the camera stands inside the volume, at ({:.4g}, {:.4g}, {:.4g}): are bounds and t in the "

@@ -54,6 +54,18 @@ TEST(GeometryCheck, CentimetresForMetres) {
             std::string::npos);
 }
 
+TEST(GeometryCheck, CalibrationsOfAnotherResolution) {
+  for (const auto& [factor, size] : {std::pair(2.0, "48 x 32"), std::pair(0.5, "12 x 8")}) {
+    expectFault(
+        [&](auto& json) {
+          auto& K = json["cameras"][0]["K"];
+          scale(K[0], factor);
+          scale(K[1], factor);
+        },
+        "a", fmt::format("is the middle of about {} pixels, and the pictures have 24 x 16", size));
+  }
+}
+
 TEST(GeometryCheck, VolumeBehindTheCamera) {
   expectFault(
       [](auto& json) {

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "volute/capture/testing.hpp"
@@ -14,6 +15,7 @@ namespace volute {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using testing::failsWith;
 using ::testing::HasSubstr;
 using testing::ok;
@@ -220,11 +222,65 @@ TEST_F(Importers, NerfFaults) {
   };
   EXPECT_TRUE(failsWith(with("/camera_model", "OPENCV_FISHEYE"),
                         "camera_model: the camera model OPENCV_FISHEYE is not read"));
+  EXPECT_TRUE(failsWith(with("/is_fisheye", true), "is_fisheye: lenses of this kind are not read"));
+  EXPECT_TRUE(failsWith(with("/frames/1/is_fisheye", 1), "frames[1].is_fisheye: lenses of this"));
+  EXPECT_TRUE(ok(with("/is_fisheye", false)));
+  EXPECT_TRUE(failsWith(with("/ftheta_p0", 0.1), "ftheta_p0: f-theta lenses"));
   EXPECT_TRUE(failsWith(with("/frames/1/transform_matrix/2", {1, 2}),
                         "frames[1].transform_matrix[2]: expected 4 numbers"));
   EXPECT_TRUE(failsWith(with("/frames/2/k4", 0.1), "frames[2]: k4 is 0.1"));
   EXPECT_TRUE(failsWith(with("/frames/2/fl_x", 0), "frames[2]: has no focal length"));
   EXPECT_TRUE(failsWith(with("/frames/2/file_path", "f_####_b.exr"), "a second camera 'b'"));
+}
+
+TEST_F(Importers, NerfKeysThatAreNotKnownAreRemarkedOn) {
+  writeNerf(folder, true);
+  auto json = readJson(folder / "transforms.json").value();
+  json["distortion"] = {0.1, 0, 0, 0};
+  for (auto& frame : json["frames"]) {
+    frame["sharpness"] = 30;
+    frame["mask_path"] = "mask.png";
+  }
+  writeText(folder / "transforms.json", json.dump());
+  ASSERT_VALUE(const auto capture, openCapture(folder / "transforms.json", options));
+  EXPECT_THAT(capture.remarks,
+              ElementsAre(HasSubstr("NeRF transforms"), "distortion is not known and ignored",
+                          "frames[0].mask_path is not known and ignored, as in 2 more entries"));
+}
+
+TEST_F(Importers, NerfAnglesOfBothSides) {
+  writeNerf(folder, true);
+  auto json = readJson(folder / "transforms.json").value();
+  json["camera_angle_x"] = 2 * std::atan(0.5 * testing::kWidth / 30);
+  json["camera_angle_y"] = 2 * std::atan(0.5 * testing::kHeight / 40);
+  for (auto& frame : json["frames"]) {
+    frame.erase("fl_x");
+    frame.erase("fl_y");
+  }
+  writeText(folder / "transforms.json", json.dump());
+  ASSERT_VALUE(const auto capture, openCapture(folder / "transforms.json", options));
+  EXPECT_NEAR(capture.cameras[1].camera.intrinsics()(0, 0), 30, 1e-9);
+  EXPECT_NEAR(capture.cameras[1].camera.intrinsics()(1, 1), 40, 1e-9);
+}
+
+TEST_F(Importers, ColmapModelsByHalves) {
+  writeColmapText(folder, "\n");
+  writeColmapBinary(folder);
+  const auto text = folder / "text", bin = folder / "bin";
+  std::filesystem::rename(text / "images.txt", folder / "images.txt");
+  EXPECT_TRUE(failsWith(openCapture(text, options), "only cameras.txt is there; expected cameras"));
+  std::filesystem::copy(bin / "images.bin", text / "images.bin");
+  EXPECT_TRUE(failsWith(openCapture(text, options), "only cameras.txt and images.bin are there"));
+  std::filesystem::copy(bin / "cameras.bin", text / "cameras.bin");
+  expectOurs(text, "COLMAP");
+  std::string cameras = testing::readBytes(bin / "cameras.bin");
+  cameras[12] = 40;
+  writeText(bin / "cameras.bin", cameras);
+  EXPECT_TRUE(failsWith(openCapture(bin, options), "camera 1: its model has the number 40"));
+  cameras[12] = 5;
+  cameras.insert(64, std::string(32, '\0'));  // four more parameters of the first camera
+  writeText(bin / "cameras.bin", cameras);
+  EXPECT_TRUE(failsWith(openCapture(bin, options), "the camera model OPENCV_FISHEYE is not read"));
 }
 
 TEST_F(Importers, ColmapModelsWithLenses) {
@@ -299,6 +355,16 @@ TEST_F(Importers, OpenCvFaults) {
   EXPECT_TRUE(failsWith(with("a: [1, 2\n"), "line 4: no valid YAML"));
   EXPECT_TRUE(failsWith(with(K + openCvMatrix("D_a", Eigen::MatrixXd::Ones(1, 8), false)),
                         "D_a has 8 coefficients"));
+  EXPECT_TRUE(failsWith(with("fisheye_model: 1\n" + K + R), "fisheye lenses are not read"));
+}
+
+TEST_F(Importers, OpenCvNamesThatNoCameraUsesAreRemarkedOn) {
+  auto entries = openCvEntries(false);
+  entries.push_back(openCvMatrix("D_aa", Eigen::MatrixXd::Ones(1, 5), false));
+  entries.push_back("image_width: 24\nimage_height: 16\nfisheye_model: 0\nerror: 0.25\n");
+  writeText(folder / "c.yml", fmt::format("%YAML:1.0\n---\n{}", fmt::join(entries, "")));
+  ASSERT_VALUE(const auto capture, openCapture(folder / "c.yml", options));
+  EXPECT_THAT(capture.remarks, ElementsAre(HasSubstr("OpenCV"), "no camera uses D_aa, error"));
 }
 
 TEST_F(Importers, OpenCvRotationVectors) {

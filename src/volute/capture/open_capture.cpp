@@ -165,14 +165,42 @@ Result<std::vector<int>> chooseFrames(const std::vector<int>& frames, const Fram
   return chosen;
 }
 
+/// One picture cannot be that of several frames; of one it may be, which is remarked on where the
+/// capture has more.
+Status checkNumbers(CaptureDraft& draft, const std::vector<int>& all,
+                    const std::vector<int>& chosen) {
+  for (const CameraDraft& camera : draft.cameras) {
+    const std::string& image = camera.pictures.image;
+    if (image.empty() || FramePattern::isPattern(image) || all.size() < 2)
+      continue;
+    if (chosen.size() > 1) {
+      return fail(
+          ErrorCode::kInvalidData,
+          "{} ({}): its picture {} has no frame number in its name, and there are {} frames; "
+          "expected %04d, %d or #### where the number stands, or --frames N for one frame",
+          camera.where, camera.name, image, chosen.size());
+    }
+    draft.remarks.push_back(
+        fmt::format("camera {}: {} has no frame number and is taken for frame {}", camera.name,
+                    image, chosen.front()));
+  }
+  return {};
+}
+
+tl::unexpected<Error> ofCamera(const CameraDraft& camera, const Error& error) {
+  return fail(error.code, "camera {}: {}", camera.name, error.message);
+}
+
 /// Calibrations that leave the size out mean that of the pictures.
 Status completeSize(CameraDraft& camera, std::uint64_t maxMemory) {
   Calibration& calibration = camera.calibration;
   if (calibration.width > 0 && calibration.height > 0)
     return {};
   if (!camera.pictures.video.empty()) {
-    VOLUTE_ASSIGN(const auto film, FilmReader::open(camera.pictures.video, maxMemory));
-    calibration.width = film.info().width, calibration.height = film.info().height;
+    const auto film = FilmReader::open(camera.pictures.video, maxMemory);
+    if (!film)
+      return ofCamera(camera, film.error());
+    calibration.width = film->info().width, calibration.height = film->info().height;
     return {};
   }
   const auto frames = framesThere(camera.pictures.image);
@@ -183,9 +211,11 @@ Status completeSize(CameraDraft& camera, std::uint64_t maxMemory) {
         "where they are",
         camera.where, camera.pictures.image.empty() ? "" : " " + camera.pictures.image);
   }
-  VOLUTE_ASSIGN(const auto image, readImage(frameFile(camera.pictures.image, frames.front()),
-                                            {.raw = true, .maxMemory = maxMemory}));
-  calibration.width = image.width, calibration.height = image.height;
+  const auto image = readImage(frameFile(camera.pictures.image, frames.front()),
+                               {.raw = true, .maxMemory = maxMemory});
+  if (!image)
+    return ofCamera(camera, image.error());
+  calibration.width = image->width, calibration.height = image->height;
   return {};
 }
 
@@ -217,9 +247,11 @@ Result<CaptureVolume> chooseVolume(const std::filesystem::path& file, const Capt
                 file.string());
   }
   if (!resolution) {
-    return fail(ErrorCode::kInvalidArgument,
-                "{}: does not say how fine the volume is; state its voxels with --resolution N",
-                file.string());
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "{}: does not say how fine the volume is; state its voxels with --resolution N: about "
+        "one for every two pixels that the volume is wide in a picture",
+        file.string());
   }
   if ((*resolution)[1] == 0)
     resolution = cubicResolution(*bounds, (*resolution)[0]);
@@ -291,6 +323,7 @@ Result<Capture> openCapture(const std::filesystem::path& file, const CaptureOpti
   }
   VOLUTE_ASSIGN(const auto all, findFrames(file, draft, options.frames));
   VOLUTE_ASSIGN(auto frames, chooseFrames(all, options.frames));
+  VOLUTE_TRY(checkNumbers(draft, all, frames));
   VOLUTE_ASSIGN(const auto volume, chooseVolume(file, draft, options));
   VOLUTE_ASSIGN(auto capture, makeCapture(file, draft, options));
   capture.frames = std::move(frames);

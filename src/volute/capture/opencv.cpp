@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <span>
 
@@ -41,6 +42,43 @@ std::optional<Entry> entryOf(const YAML::Node& node) {
   entry.columns = node["cols"].as<int>();
   for (const auto& value : node["data"]) entry.values.push_back(value.as<double>());
   return entry;
+}
+
+/// In which of our matrices' names a camera's name stands after what.
+constexpr std::array<std::string_view, 18> kPrefixes{"fisheye_model",
+                                                     "K_",
+                                                     "M_",
+                                                     "camera_matrix_",
+                                                     "D_",
+                                                     "distortion_coefficients_",
+                                                     "dist_coeffs_",
+                                                     "R_",
+                                                     "rvec_",
+                                                     "T_",
+                                                     "t_",
+                                                     "tvec_",
+                                                     "image_width_",
+                                                     "width_",
+                                                     "image_height_",
+                                                     "height_",
+                                                     "image_width",
+                                                     "image_height"};
+
+/// What no camera uses: another calibration's matrices, or a name with a slip in it.
+std::vector<std::string> unused(const Entries& entries, std::span<const CameraDraft> cameras) {
+  std::vector<std::string> names;
+  for (const auto& [name, entry] : entries) {
+    const bool used = std::ranges::any_of(kPrefixes, [&](std::string_view prefix) {
+      if (!name.starts_with(prefix))
+        return false;
+      const std::string rest = name.substr(prefix.size());
+      return (rest.empty() && prefix.back() != '_') ||
+             std::ranges::find(cameras, rest, &CameraDraft::name) != cameras.end();
+    });
+    if (!used)
+      names.push_back(name);
+  }
+  return names;
 }
 
 /// JSON is YAML too, so one reader does for both. yaml-cpp throws.
@@ -178,6 +216,13 @@ Result<CaptureDraft> readOpenCv(const std::filesystem::path& file) {
   CaptureDraft draft;
   draft.kind = "OpenCV";
   draft.pixelCentre = 0;
+  if (const Entry* fisheye = findEntry(entries, "fisheye_model");
+      fisheye && fisheye->values != std::vector<double>{0}) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: fisheye_model: fisheye lenses are not read; expected k1, k2, p1, p2, k3: "
+                "undistort the pictures (cv::fisheye::undistortImage)",
+                file.string());
+  }
   const CameraFinder finder(entries, file.string());
   for (const auto& [key, entry] : entries) {
     for (const std::string_view prefix : {"K_", "M_", "camera_matrix_"}) {
@@ -192,6 +237,8 @@ Result<CaptureDraft> readOpenCv(const std::filesystem::path& file) {
                 "{}: no cameras; expected matrices K_NAME, D_NAME, R_NAME and T_NAME for each",
                 file.string());
   }
+  if (const auto names = unused(entries, draft.cameras); !names.empty())
+    draft.remarks.push_back(fmt::format("no camera uses {}", fmt::join(names, ", ")));
   return draft;
 }
 

@@ -48,10 +48,11 @@ std::string nearestHint(std::span<const GridEntry> entries, const std::string& w
 }  // namespace
 
 Result<std::size_t> chooseGrid(std::span<const GridEntry> entries, const std::string& wanted,
-                               const std::string& file, const char* noun) {
+                               const std::string& file, const char* noun,
+                               const std::string& usual) {
   if (entries.empty())
     return fail(ErrorCode::kNotFound, "{}: holds no {}s", file, noun);
-  const std::string choice = wanted.empty() ? "density" : wanted;
+  const std::string choice = wanted.empty() ? usual : wanted;
   const auto named = std::ranges::find(entries, choice, &GridEntry::name);
   if (wanted.empty()) {
     const auto usable = std::ranges::count_if(entries, &GridEntry::usable);

@@ -17,10 +17,11 @@ struct GridEntry {
 };
 
 /// Which of `entries` is meant: the one named `wanted`; when that is empty the only usable one,
-/// else the one called "density". The error lists what there is, and for a wrong name suggests the
+/// else the one called `usual`. The error lists what there is, and for a wrong name suggests the
 /// nearest. `noun` is what people call an entry, and the option that names one.
 [[nodiscard]] Result<std::size_t> chooseGrid(std::span<const GridEntry> entries,
                                              const std::string& wanted, const std::string& file,
-                                             const char* noun = "grid");
+                                             const char* noun = "grid",
+                                             const std::string& usual = "density");
 
 }  // namespace volute

@@ -49,10 +49,11 @@ class LatticeReader {
  public:
   virtual ~LatticeReader() = default;
 
-  /// The grid named `grid`, or the one that chooseGrid finds when it is empty. Without `needBox`
-  /// the box may be left empty where it would cost reading the values.
+  /// The grid named `grid`, or the one that chooseGrid finds when it is empty, `usual` of several.
+  /// Without `needBox` the box may be left empty where it would cost reading the values.
   [[nodiscard]] virtual Result<LatticeFrame> describe(const std::filesystem::path& file,
-                                                      const std::string& grid, bool needBox) = 0;
+                                                      const std::string& grid,
+                                                      const std::string& usual, bool needBox) = 0;
 
   /// Fills `values`, shape (z, y, x, c) over `box`; voxels that the file does not have get its
   /// background value. Values outside the box are cut off when `crop` is true, else they are an

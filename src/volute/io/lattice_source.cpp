@@ -20,6 +20,7 @@ struct Request {
   std::int64_t file = 0;
   IndexBox box;
   char grid[LatticeFrame::kMaxName + 1] = {};
+  char usual[LatticeFrame::kMaxName + 1] = {};
 };
 
 /// The child's side.
@@ -27,7 +28,8 @@ Result<std::string> serve(LatticeReader& reader, const std::vector<LatticeFile>&
                           const Request& request, std::span<float> values) {
   const auto& path = files[request.file].path;
   if (request.describe) {
-    VOLUTE_ASSIGN(const LatticeFrame frame, reader.describe(path, request.grid, request.flag));
+    VOLUTE_ASSIGN(const LatticeFrame frame,
+                  reader.describe(path, request.grid, request.usual, request.flag));
     return toMessage(frame);
   }
   VOLUTE_TRY(reader.read(path, request.grid, request.box, request.flag, values));
@@ -235,6 +237,7 @@ class LatticeSource final : public FrameSource {
     request.flag = !options_.bounds;
     request.file = static_cast<std::int64_t>(index);
     grid.copy(request.grid, LatticeFrame::kMaxName);
+    options_.usualGrid.copy(request.usual, LatticeFrame::kMaxName);
     VOLUTE_ASSIGN(const std::string reply, process_.call(path.string(), toMessage(request), 0,
                                                          limitsFor(path, 0, options_.maxMemory)));
     return fromMessage<LatticeFrame>(reply);

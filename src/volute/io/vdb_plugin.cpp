@@ -140,12 +140,12 @@ GridEntry describeGrid(const std::string& name, const openvdb::GridBase& grid) {
 }
 
 Result<std::size_t> findGrid(const VdbFile& file, const std::string& wanted,
-                             const std::string& path) {
+                             const std::string& path, const std::string& usual = "density") {
   std::vector<GridEntry> entries;
   for (std::size_t i = 0; i < file.gridCount(); ++i) {
     entries.push_back(describeGrid(file.name(i), file.grid(i)));
   }
-  return chooseGrid(entries, wanted, path);
+  return chooseGrid(entries, wanted, path, "grid", usual);
 }
 
 /// Fills voxelSize and origin; only scaling and translation along the axes will do.
@@ -267,10 +267,10 @@ class VdbReader final : public LatticeReader {
   VdbReader() { openvdb::initialize(); }
 
   Result<LatticeFrame> describe(const std::filesystem::path& path, const std::string& wanted,
-                                bool needBox) override {
+                                const std::string& usual, bool needBox) override {
     return guarded(path, [&]() -> Result<LatticeFrame> {
       VdbFile file(path);
-      VOLUTE_ASSIGN(const std::size_t index, findGrid(file, wanted, path.string()));
+      VOLUTE_ASSIGN(const std::size_t index, findGrid(file, wanted, path.string(), usual));
       const openvdb::GridBase& grid = file.grid(index);
       LatticeFrame frame;
       const std::string name = file.name(index);

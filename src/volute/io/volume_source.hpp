@@ -15,10 +15,11 @@ namespace volute {
 
 /// How to read a volume.
 struct SourceOptions {
-  std::string grid;            ///< which grid or array; empty: the only one, else "density"
+  std::string grid;            ///< which grid or array; empty: the only one, else `usualGrid`
   std::optional<Box3> bounds;  ///< [m] outer voxel faces: states them (.npy), or crops and pads to
                                ///< them on the voxel grid
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes] that one frame may take
+  std::string usualGrid = "density";                 ///< which of several, when none is named
 };
 
 /// Opens a sequence of volumes by what `input` is: a .npy file; a .vdb file, pattern

@@ -59,7 +59,8 @@ void listArrays(vtkInformation* information, bool cells, Arrays& arrays) {
 
 /// Name, place and size of the wanted array.
 Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::string& wanted,
-                                   const std::string& file, ArrayEntry& entry) {
+                                   const std::string& file, ArrayEntry& entry,
+                                   const std::string& usual = "density") {
   vtkInformation* information = reader->GetOutputInformation(0);
   if (!information->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT())) {
     return fail(ErrorCode::kInvalidData, "{}: states no extent", file);
@@ -67,7 +68,7 @@ Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::str
   Arrays arrays;
   listArrays(information, true, arrays);
   listArrays(information, false, arrays);
-  VOLUTE_ASSIGN(const std::size_t index, chooseGrid(arrays.names, wanted, file));
+  VOLUTE_ASSIGN(const std::size_t index, chooseGrid(arrays.names, wanted, file, "grid", usual));
   entry = arrays.entries[index];
   LatticeFrame frame;
   arrays.names[index].name.copy(frame.grid, LatticeFrame::kMaxName);
@@ -140,7 +141,7 @@ void copyPart(vtkDataArray* array, const IndexBox& from, const IndexBox& to,
 class VtkReader final : public LatticeReader {
  public:
   Result<LatticeFrame> describe(const std::filesystem::path& path, const std::string& wanted,
-                                bool) override {
+                                const std::string& usual, bool) override {
     VOLUTE_TRY(checkEnd(path));
     const ErrorWatch watch;
     vtkNew<vtkXMLImageDataReader> reader;
@@ -148,7 +149,7 @@ class VtkReader final : public LatticeReader {
     reader->UpdateInformation();
     VOLUTE_TRY(watch.status(path.string()));
     ArrayEntry entry;
-    return describeImage(reader, wanted, path.string(), entry);
+    return describeImage(reader, wanted, path.string(), entry, usual);
   }
 
   Status read(const std::filesystem::path& path, const std::string& wanted, const IndexBox& box,

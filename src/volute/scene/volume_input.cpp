@@ -88,6 +88,7 @@ Result<VolumeInput> openVolume(const std::string& path, const InputOptions& opti
   }
   SourceOptions source;
   source.grid = options.grid;
+  source.usualGrid = options.usualGrid;
   source.bounds = options.bounds;
   source.maxMemory = reading.maxMemory;
   VOLUTE_ASSIGN(input.source, openSource(path, source));

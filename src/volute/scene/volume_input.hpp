@@ -15,10 +15,11 @@ namespace volute {
 
 /// How to read a volume that a command line names.
 struct InputOptions {
-  std::string grid;            ///< of a file with several; empty: the only one
+  std::string grid;            ///< of a file with several; empty: the only one, else `usualGrid`
   std::optional<Box3> bounds;  ///< stated, or cropped and padded to, on the voxel grid
   bool partial = false;        ///< a damaged .volute is read as far as it is intact
   bool verify = true;          ///< with `partial`: looks through it first, and remarks on damage
+  std::string usualGrid = "density";  ///< which of several, when none is named
 };
 
 /// An open volume of any format.

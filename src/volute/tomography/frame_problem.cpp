@@ -79,6 +79,13 @@ std::uint64_t volumeBytes(const VolumeGeometry& geometry) {
   return voxels * kVoxel;
 }
 
+/// The finest resolution of the same shape of which `room` holds what `bytes` are of `n`.
+std::string fitting(std::array<int, 3> n, double bytes, double room) {
+  const double shrink = std::cbrt(std::clamp(room / bytes, 0.0, 1.0));
+  for (int& side : n) side = std::max(1, static_cast<int>(shrink * side));
+  return fmt::format("{} x {} x {}", n[0], n[1], n[2]);
+}
+
 /// Bytes of the pictures, of copies without what does not count, and of silhouettes.
 std::uint64_t pictureBytes(std::span<const TomographyView> views) {
   constexpr std::uint64_t kPixel = 2 * (12 + 4) + 4;
@@ -87,19 +94,39 @@ std::uint64_t pictureBytes(std::span<const TomographyView> views) {
   return pixels * kPixel;
 }
 
-/// Bytes that a frame needs at most without a table: rays, vectors of pixels and of unknowns, and a
-/// gradient for each chunk of rows.
-std::uint64_t bytesNeeded(std::span<const std::vector<std::uint8_t>> masks, const Support& support,
-                          int raysPerPixel) {
-  constexpr std::uint64_t kColour = 16, kPixelVectors = 8, kUnknownVectors = 10;
-  // The rays of a pixel that walk together do so through two lattices.
-  const std::uint64_t lattices = raysPerPixel == kBeamRays ? 2 : 1;
-  const std::uint64_t gradients = 32 + lattices;
+/// Bytes of rays and vectors of pixels.
+std::uint64_t rowBytes(std::span<const std::vector<std::uint8_t>> masks, int raysPerPixel) {
+  constexpr std::uint64_t kColour = 16, kPixelVectors = 8;
   std::uint64_t pixels = 0;
   for (const auto& mask : masks)
     pixels += mask.size() - static_cast<std::uint64_t>(std::ranges::count(mask, 0));
-  return pixels * (raysPerPixel * sizeof(WalkRay) + kPixelVectors * kColour) +
-         support.size() * kUnknownVectors * kColour + support.latticeSize() * gradients * kColour;
+  return pixels * (raysPerPixel * sizeof(WalkRay) + kPixelVectors * kColour);
+}
+
+/// Bytes of vectors of unknowns.
+std::uint64_t unknownBytes(const Support& support) {
+  constexpr std::uint64_t kColour = 16, kUnknownVectors = 10;
+  return support.size() * kUnknownVectors * kColour;
+}
+
+/// @param fixed, growing  what is needed whatever the resolution, and what grows with it [bytes].
+Status checkMemory(const VolumeGeometry& geometry, std::uint64_t fixed, std::uint64_t growing,
+                   std::uint64_t maxMemory) {
+  if (fixed + growing <= maxMemory)
+    return {};
+  const auto& n = geometry.resolution;
+  const double room = static_cast<double>(maxMemory) - static_cast<double>(fixed);
+  const auto remedy = room > 0 ? fmt::format("take a lower resolution (about {} would fit)",
+                                             fitting(n, static_cast<double>(growing), room))
+                               : std::string("take smaller images");
+  return fail(
+      ErrorCode::kTooLarge,
+      "The reconstruction of {} x {} x {} voxels needs {:.1f} GB, {:.1f} GB of them for "
+      "pictures and rays, more than the {:.1f} GB that are allowed; {}, one ray a pixel, or "
+      "allow more (--max-memory {}G)",
+      n[0], n[1], n[2], static_cast<double>(fixed + growing) * 1e-9,
+      static_cast<double>(fixed) * 1e-9, static_cast<double>(maxMemory) * 1e-9, remedy,
+      ((fixed + growing) >> 30) + 1);
 }
 
 /// Rows of pixels that count for the projector.
@@ -157,12 +184,16 @@ Status checkVolumeSize(const VolumeGeometry& geometry, std::uint64_t maxMemory) 
     return fail(ErrorCode::kInvalidArgument,
                 "The volume's resolution {} x {} x {} is out of range: 1 to 1024 voxels an axis",
                 n[0], n[1], n[2]);
-  if (const std::uint64_t needed = volumeBytes(geometry); needed > maxMemory)
+  if (const std::uint64_t needed = volumeBytes(geometry); needed > maxMemory) {
     return fail(ErrorCode::kTooLarge,
                 "A volume of {} x {} x {} voxels needs {:.1f} GB at least, more than the {:.1f} GB "
-                "that are allowed; take a lower resolution, or allow more memory",
+                "that are allowed; take a lower resolution (the values of {} would fit), "
+                "or allow more (--max-memory {}G and what pictures and rays need)",
                 n[0], n[1], n[2], static_cast<double>(needed) * 1e-9,
-                static_cast<double>(maxMemory) * 1e-9);
+                static_cast<double>(maxMemory) * 1e-9,
+                fitting(n, static_cast<double>(needed), static_cast<double>(maxMemory)),
+                (needed >> 30) + 1);
+  }
   return {};
 }
 
@@ -216,17 +247,15 @@ Result<FrameProblem> makeFrameProblem(std::span<const TomographyView> views,
   std::vector<std::vector<std::uint8_t>> masks;
   std::vector<ProjectorView> seen;
   for (std::size_t v = 0; v < views.size(); ++v) masks.push_back(rowMask(clean[v], silhouettes[v]));
-  const std::uint64_t needed = bytesNeeded(masks, *problem.support, options.raysPerPixel) +
-                               volumeBytes(geometry) + pictureBytes(views);
-  if (needed > options.maxMemory)
-    return fail(
-        ErrorCode::kTooLarge,
-        "The reconstruction needs {:.1f} GB, more than the {:.1f} GB that are allowed; take "
-        "a lower resolution, one ray a pixel or smaller images, or allow more memory",
-        static_cast<double>(needed) * 1e-9, static_cast<double>(options.maxMemory) * 1e-9);
+  const std::uint64_t fixed = rowBytes(masks, options.raysPerPixel) + pictureBytes(views);
+  const std::uint64_t growing = volumeBytes(geometry) + unknownBytes(*problem.support);
+  VOLUTE_TRY(checkMemory(geometry, fixed, growing, options.maxMemory));
   for (std::size_t v = 0; v < views.size(); ++v) seen.push_back({&views[v].camera, masks[v]});
-  problem.projector = std::make_unique<const Projector>(seen, problem.support, options.raysPerPixel,
-                                                        options.maxMemory / 4);
+  const std::uint64_t table = std::min(options.maxMemory / 4, options.maxMemory - fixed - growing);
+  problem.projector =
+      std::make_unique<const Projector>(seen, problem.support, options.raysPerPixel, table);
+  VOLUTE_TRY(
+      checkMemory(geometry, fixed, growing + problem.projector->productBytes(), options.maxMemory));
   if (problem.projector->rows() == 0)
     return fail(ErrorCode::kInvalidArgument,
                 "No ray of any camera meets the volume; check its bounds and unit [m], and the "

@@ -321,6 +321,16 @@ void Projector::reach(Chunk& chunk) const {
   chunk.lastNode = std::clamp(last, chunk.firstNode, size);
 }
 
+std::uint64_t Projector::productBytes() const {
+  if (usesTable())
+    return 0;
+  constexpr std::uint64_t kColour = 4 * sizeof(float);
+  std::uint64_t nodes = support_->latticeSize() * (turnedNodes_.empty() ? 1 : 2);
+  for (const Chunk& chunk : chunks_)
+    nodes += static_cast<std::uint64_t>(chunk.lastNode - chunk.firstNode);
+  return nodes * kColour;
+}
+
 bool Projector::writeTables(std::uint64_t bytes) {
   if (bytes == 0)
     return false;

@@ -53,6 +53,10 @@ class Projector {
 
   bool usesTable() const { return !byRow_.begin.empty(); }
 
+  /// What one product holds besides its arguments [bytes]: copies of the unknowns with zeros around
+  /// and a gradient for each chunk of rows. 0 with a table.
+  std::uint64_t productBytes() const;
+
   /// Rows whose rays walk together; 0 with a table.
   std::size_t beams() const { return beams_.size(); }
 

@@ -13,6 +13,7 @@
 namespace volute {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 Reconstruction solved(const TestScene& scene, const TomographyOptions& options,
@@ -263,11 +264,12 @@ TEST(Reconstruct, RefusesWhatMakesNoSense) {
   options = {};
   options.maxMemory = 1 << 20;
   EXPECT_THAT(failure(scene.views, scene.geometry, options, ErrorCode::kTooLarge),
-              HasSubstr("allow more memory"));
+              AllOf(HasSubstr("would fit"), HasSubstr("allow more (--max-memory 1G)")));
 
   options.maxMemory = 300 << 10;  // 20^3 voxels, 40 bytes each
   EXPECT_THAT(failure(scene.views, scene.geometry, options, ErrorCode::kTooLarge),
-              HasSubstr("A volume of 20 x 20 x 20 voxels needs"));
+              AllOf(HasSubstr("A volume of 20 x 20 x 20 voxels needs"),
+                    HasSubstr("(the values of 19 x 19 x 19 would fit)")));
   EXPECT_EQ(checkVolumeSize({scene.geometry.bounds, {512, 512, 512}}, 500 << 20).error().code,
             ErrorCode::kTooLarge);
   EXPECT_THAT(checkVolumeSize({scene.geometry.bounds, {1500, 8, 8}}, 1 << 30).error().message,

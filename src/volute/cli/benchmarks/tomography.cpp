@@ -191,6 +191,32 @@ void addPictures(const FilmedScene& scene, BenchRows& rows) {
   }
 }
 
+/// A given picture that no method saw: of the camera in the middle of the list, or of the next one
+/// all of whose pixels count.
+Status addHeldOut(const FilmedScene& scene, Progress& progress, BenchRows& rows) {
+  std::size_t left = scene.views.size() / 2;
+  while (left < scene.views.size() && !scene.views[left].weight.empty()) ++left;
+  if (scene.views.size() < 4 || left == scene.views.size())
+    return {};
+  FilmedScene rest = scene;
+  rest.views.erase(rest.views.begin() + static_cast<std::ptrdiff_t>(left));
+  rest.others = {scene.views[left].camera};
+  rest.otherImages = {scene.views[left].radiance};
+  for (const Method& method : methods()) {
+    if (!isBest(method))
+      continue;
+    progress.report(fmt::format("{}: {} without a camera", scene.name, method.name), 0, 0);
+    VOLUTE_ASSIGN(const Reconstruction done,
+                  reconstruct(rest.views, rest.geometry, method.options, {}, progress));
+    const SceneQuality quality = qualityOf(rest, done.volume, method.options.basis);
+    const std::string name = fmt::format("{}: {}, given picture of {}, held out", scene.name,
+                                         method.name, scene.views[left].name);
+    rows.add({name, quality.psnr, "dB"});
+    rows.add({name, quality.relative, "relative L2"});
+  }
+  return {};
+}
+
 /// All methods on the first frame, `auto` on the others.
 Status benchCapture(const BenchInput& input, BenchRows& rows, Progress& progress) {
   constexpr double kNoise = 0.02;
@@ -202,6 +228,7 @@ Status benchCapture(const BenchInput& input, BenchRows& rows, Progress& progress
     if (frame == capture.frames.front()) {
       for (int rays : {1, 4}) addProjectorSpeed(scene, rays, rows);
       VOLUTE_TRY(addMethods(scene, false, input.quick, progress, rows));
+      VOLUTE_TRY(addHeldOut(scene, progress, rows));
       VOLUTE_TRY(addNoiseAnd8Bit(scene, kNoise, progress, rows));
     } else {
       const Method method = methods().back();

@@ -37,6 +37,7 @@ Result<Subject> openSubject(const std::string& path, const Arguments& arguments,
                             const Capture& capture, Context& context) {
   InputOptions input;
   input.grid = arguments.find<std::string>("grid").value_or("");
+  input.usualGrid = "emission";  // light is projected, never what weakens it
   input.bounds = arguments.find<Box3>("bounds");
   input.partial = arguments.flag("partial");
   if (extensionOf(path) == ".npy" && !input.bounds) {
@@ -156,8 +157,10 @@ Status run(const Arguments& arguments, Context& context) {
   const int rays = arguments.get<std::string>("rays-per-pixel") == "1" ? 1 : 4;
   VOLUTE_TRY(projectAll(subject, capture, name, rays, context.progress));
   Report report;
-  report.add("output", name.text())
-      .add("cameras", capture.cameras.size(), fmt::format("{}", capture.cameras.size()))
+  report.add("output", name.text());
+  if (extensionOf(arguments.positional(0)) != ".npy")
+    report.add("grid", info.name);
+  report.add("cameras", capture.cameras.size(), fmt::format("{}", capture.cameras.size()))
       .add("frames", subject.positions.size(), fmt::format("{}", subject.positions.size()))
       .add("basis", subject.basis == Basis::kBox ? "box" : "trilinear")
       .add("rays_per_pixel", rays, fmt::format("{}", rays));
@@ -192,7 +195,10 @@ Command projectCommand() {
        .help = "1 through the pixel's centre, or the mean of 4 at its quarters",
        .initial = "4",
        .choices = {"1", "4"}},
-      {.name = "grid", .kind = kText, .value = "NAME", .help = "which grid of a file with several"},
+      {.name = "grid",
+       .kind = kText,
+       .value = "NAME",
+       .help = "which grid of a file with several; else emission"},
       {.name = "partial", .help = "use what is intact of a damaged .volute"}};
   for (Option& option : captureOptionTable()) {
     if (option.name == "bounds")
@@ -216,7 +222,9 @@ Command projectCommand() {
           "values along each pixel's rays [value x metre], exact for the basis. This is what the "
           "cameras of a capture would see of the volume as light, without background. CAPTURE is a "
           "capture.json, a NeRF transforms.json, a COLMAP model's folder or OpenCV's .yml. A .npy "
-          "with as many frames as the capture states has their numbers.",
+          "with as many frames as the capture states has their numbers. Of a file with several "
+          "grids "
+          "it is `emission` unless --grid names another; without one of that name, say which.",
       .positionals = {{.name = "VOLUME",
                        .help = "a volume: .volute, .npy, .vdb, .vti, .pvd, a pattern or a folder"},
                       {.name = "CAPTURE", .help = "the cameras"}},

@@ -48,7 +48,7 @@ ReconstructionSettings settingsOf(const Arguments& arguments, const Capture& cap
 
 /// What is wrong before any picture is read.
 Status checkCapture(const Capture& capture, const std::vector<std::string>& heldOut, bool force,
-                    Progress& progress) {
+                    std::uint64_t maxMemory, Progress& progress) {
   constexpr int kFewest = 3;
   const auto fitted = std::ranges::count_if(capture.cameras, [&](const CaptureCamera& camera) {
     return std::ranges::find(heldOut, camera.name) == heldOut.end();
@@ -66,7 +66,7 @@ Status checkCapture(const Capture& capture, const std::vector<std::string>& held
   for (const auto& fault : faults) progress.remark("warning: " + fault);
   if (fitted == 0)
     return fail(ErrorCode::kInvalidArgument, "--hold-out: no camera is left to reconstruct from");
-  return checkPicturesThere(capture);
+  return checkPicturesThere(capture, maxMemory);
 }
 
 void remarkOnLayout(const Capture& capture, Context& context) {
@@ -221,7 +221,7 @@ Status run(const Arguments& arguments, Context& context) {
   const auto settings = settingsOf(arguments, capture, context);
   const VolumeGeometry geometry{capture.volume.bounds, capture.volume.resolution};
   VOLUTE_TRY(checkVolumeSize(geometry, context.maxMemory));
-  VOLUTE_TRY(checkCapture(capture, heldOut, settings.force, context.progress));
+  VOLUTE_TRY(checkCapture(capture, heldOut, settings.force, context.maxMemory, context.progress));
   remarkOnLayout(capture, context);
   VOLUTE_ASSIGN(auto frames, openFrames(capture, settings, heldOut, target, context));
   const Status status = runFrames(*frames, arguments, capture, settings, context);

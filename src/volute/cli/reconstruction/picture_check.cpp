@@ -102,6 +102,18 @@ void checkPlace(const TomographyView& view, const Counts& counts, const std::str
         "not belong to the medium, or check the pose",
         name, 100 * counts.lightOutside / counts.light));
   }
+  const auto whole = [&](std::size_t side) {
+    constexpr double kNearlyAll = 0.9;
+    const int length = side < 2 ? view.radiance.height : view.radiance.width;
+    return static_cast<double>(counts.border[side]) > kNearlyAll * length;
+  };
+  if (whole(0) && whole(1) && whole(2) && whole(3)) {
+    findings.warnings.push_back(fmt::format(
+        "{}: light all along the border of the picture: the background got brighter than it is "
+        "known, or there is none to subtract",
+        name));
+    return;
+  }
   for (std::size_t side = 0; side < counts.border.size(); ++side) {
     const int length = side < 2 ? view.radiance.height : view.radiance.width;
     if (static_cast<double>(counts.border[side]) <= std::max(3.0, kBorderShare * length))

@@ -9,6 +9,7 @@
 
 #include "volute/cli/reconstruction/residual.hpp"
 #include "volute/cli/report.hpp"
+#include "volute/tomography/common_shift.hpp"
 #include "volute/tomography/diagnostics.hpp"
 #include "volute/tomography/project.hpp"
 
@@ -112,6 +113,13 @@ void ReconstructedFrames::warn(const std::string& text) {
     progress_.remark("warning: it is so in more frames; --report writes them all");
     more_ = true;
   }
+}
+
+bool ReconstructedFrames::finished(int index) {
+  const auto i = static_cast<std::size_t>(index);
+  if (finished_[i] == 0)
+    finished_[i] = work_.has(numberOf(index), keys_[i]) ? 1 : 0;
+  return finished_[i] != 0;
 }
 
 Status ReconstructedFrames::solveAll() {
@@ -233,6 +241,32 @@ std::optional<std::string> ReconstructedFrames::explained(std::size_t camera,
                      found.warning);
 }
 
+/// All principal points half a pixel off, which most often is a wrong convention of pixel centres.
+/// Other faults gain from such a shift too, but not most of their residual.
+Result<std::optional<std::string>> ReconstructedFrames::commonShift(const FrameViews& views,
+                                                                    const Reconstruction& result,
+                                                                    bool othersWarn) {
+  constexpr double kLeast = 0.35;                 // pixels
+  const double better = othersWarn ? 0.7 : 0.97;  // times the residual
+  Quietly quiet(progress_);
+  VOLUTE_ASSIGN(const auto shift,
+                findCommonShift(views.fitted(), geometry(), settings_.tomography, result, quiet));
+  if (!shift || std::abs(shift->pixels) < kLeast || shift->nearest > better * shift->residual)
+    return std::nullopt;
+  const bool right = shift->pixels > 0;
+  const double centre = right ? 0 : 0.5;
+  const std::string cause =
+      centre != capture_.pixelCentre
+          ? fmt::format("is the centre of the first pixel at {}, not at {}?", centre,
+                        capture_.pixelCentre)
+          : "was the calibration made with other pictures, or are they cropped?";
+  return fmt::format(
+      "frame {}: one volume fits all pictures better where principal points are half a pixel "
+      "further to the {} (relative L2 {:.4f} instead of {:.4f}, least at {:+.2f} pixels): {}",
+      views.frame, right ? "right and down" : "left and up", shift->nearest, shift->residual,
+      shift->pixels, cause);
+}
+
 Result<std::vector<std::string>> ReconstructedFrames::diagnosed(const FrameViews& views,
                                                                 const Reconstruction& result,
                                                                 nlohmann::ordered_json& cameras) {
@@ -252,6 +286,12 @@ Result<std::vector<std::string>> ReconstructedFrames::diagnosed(const FrameViews
     if (const auto warning = explained(camera, found, views, result))
       warnings.push_back(*warning);
   }
+  if (!shiftJudged_) {
+    VOLUTE_ASSIGN(const auto warning, commonShift(views, result, !warnings.empty()));
+    if (warning)
+      warnings.insert(warnings.begin(), *warning);  // what else was said may come of it
+  }
+  shiftJudged_ = true;
   return warnings;
 }
 

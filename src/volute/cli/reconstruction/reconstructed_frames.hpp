@@ -68,13 +68,13 @@ class ReconstructedFrames final : public FrameSource {
         views_(std::move(views)),
         work_(std::move(work)),
         keys_(std::move(keys)),
+        finished_(keys_.size(), 0),
         progress_(progress) {}
 
   int numberOf(int index) const { return capture_.frames[static_cast<std::size_t>(index)]; }
 
-  bool finished(int index) const {
-    return work_.has(numberOf(index), keys_[static_cast<std::size_t>(index)]);
-  }
+  /// Looks into the work folder once for a frame: writers ask for all before each that they read.
+  bool finished(int index);
 
   std::size_t colourValues() const { return 3 * info_.voxels(); }
 
@@ -86,6 +86,9 @@ class ReconstructedFrames final : public FrameSource {
   [[nodiscard]] Result<std::vector<std::string>> diagnosed(const FrameViews& views,
                                                            const Reconstruction& result,
                                                            nlohmann::ordered_json& cameras);
+  [[nodiscard]] Result<std::optional<std::string>> commonShift(const FrameViews& views,
+                                                               const Reconstruction& result,
+                                                               bool othersWarn);
   std::optional<std::string> explained(std::size_t camera, const CameraDiagnosis& found,
                                        const FrameViews& views, const Reconstruction& result);
   std::optional<std::string> outOfStep(std::size_t camera, const FrameViews& views,
@@ -97,12 +100,14 @@ class ReconstructedFrames final : public FrameSource {
   ViewReader views_;
   WorkFolder work_;
   std::vector<std::string> keys_;  // one a frame
+  std::vector<char> finished_;     // one a frame: known to be
   Progress& progress_;
   VolumeInfo info_;
   int resumed_ = 0;
   std::set<std::string> shown_;  // kinds of warnings
   bool more_ = false;            // it was said that there are more
   bool grey_ = false;
+  bool shiftJudged_ = false;  // once a run: calibrations do not change
 };
 
 }  // namespace volute::cli

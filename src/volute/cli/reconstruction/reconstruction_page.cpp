@@ -29,6 +29,7 @@ th { border-bottom: 1px solid #888; } td:first-child, th:first-child { text-alig
 .row { display: flex; gap: .5em; margin-bottom: .8em; } figure { margin: 0; flex: 1; }
 img { width: 100%; image-rendering: pixelated; background: #000; } figcaption { font-size: 13px; }
 .warning { background: #fff3d0; padding: .4em .8em; margin: .3em 0; }
+.advice { background: #e3eef9; padding: .4em .8em; margin: .3em 0; }
 </style></head><body>
 )";
 
@@ -42,6 +43,11 @@ std::string textOf(const Json& json, const char* format = "{:.4g}") {
   if (json.is_null())
     return "&ndash;";
   return escapedHtml(json.is_string() ? json.get<std::string>() : json.dump());
+}
+
+/// A share as "3.4 %".
+std::string percentOf(const Json& share) {
+  return share.is_number() ? fmt::format("{:.3g} %", 100 * share.get<double>()) : textOf(share);
 }
 
 /// ", PSNR 41.2 dB"; nothing where there is none.
@@ -154,12 +160,13 @@ std::string plots(const Json& report) {
 std::string cameraTable(const Json& report) {
   std::string html =
       "<table><tr><th>camera</th><th>residual</th><th>PSNR [dB]</th><th>gain that fits the "
-      "others</th><th>held out</th></tr>\n";
+      "others</th><th>saturated pixels</th><th>held out</th></tr>\n";
   for (const Json& camera : report["cameras"]) {
-    html += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                        textOf(camera["name"]), textOf(camera["residual"]),
-                        textOf(camera["psnr"], "{:.2f}"), textOf(camera["gain"]),
-                        camera["held_out"] == true ? "yes" : "");
+    html +=
+        fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                    textOf(camera["name"]), textOf(camera["residual"]),
+                    textOf(camera["psnr"], "{:.2f}"), textOf(camera["gain"]),
+                    percentOf(camera["saturated_share"]), camera["held_out"] == true ? "yes" : "");
   }
   return html + "</table>\n";
 }
@@ -202,6 +209,8 @@ std::string summary(const Json& report) {
       textOf(report["seconds_per_frame"], "{:.2f}"));
   for (const Json& warning : report["warnings"])
     html += "<div class='warning'>" + textOf(warning) + "</div>\n";
+  if (report["advice"].is_string())
+    html += "<div class='advice'>" + textOf(report["advice"]) + "</div>\n";
   return html;
 }
 

@@ -32,11 +32,12 @@ Json meanOf(const std::vector<Json>& values) {
 Json camerasJson(const Capture& capture, const Json& frames) {
   Json cameras = Json::array();
   for (std::size_t i = 0; i < capture.cameras.size(); ++i) {
-    std::vector<Json> residuals, psnrs, gains;
+    std::vector<Json> residuals, psnrs, gains, saturated;
     for (const Json& frame : frames) {
       const Json& camera = frame["cameras"][i];
       residuals.push_back(camera["residual"]);
       psnrs.push_back(camera["psnr"]);
+      saturated.push_back(camera["saturated_share"]);
       if (camera.contains("gain"))
         gains.push_back(camera["gain"]);
     }
@@ -48,7 +49,8 @@ Json camerasJson(const Capture& capture, const Json& frames) {
                        {"held_out", frames.front()["cameras"][i]["held_out"]},
                        {"residual", meanOf(residuals)},
                        {"psnr", meanOf(psnrs)},
-                       {"gain", meanOf(gains)}});
+                       {"gain", meanOf(gains)},
+                       {"saturated_share", meanOf(saturated)}});
   }
   return cameras;
 }

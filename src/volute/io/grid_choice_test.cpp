@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/grid_choice.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace volute {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const std::vector<GridEntry> kFire{
+    {"density", "float", true}, {"emission", "vec3s", true}, {"index", "int32", false}};
+
+TEST(ChooseGrid, TakesTheUsualOneOfSeveral) {
+  EXPECT_EQ(chooseGrid(kFire, "", "f.vdb"), 0U);
+  EXPECT_EQ(chooseGrid(kFire, "", "f.vdb", "grid", "emission"), 1U);
+  EXPECT_EQ(chooseGrid(kFire, "density", "f.vdb", "grid", "emission"), 0U);
+}
+
+TEST(ChooseGrid, TakesTheOnlyOneWhateverItsName) {
+  const std::vector<GridEntry> one{kFire[2], {"flame", "float", true}};
+  EXPECT_EQ(chooseGrid(one, "", "f.vdb", "grid", "emission"), 1U);
+}
+
+TEST(ChooseGrid, AsksWhereTheUsualOneIsNotThere) {
+  const std::vector<GridEntry> smoke{kFire[0], {"temperature", "float", true}};
+  const auto chosen = chooseGrid(smoke, "", "f.vdb", "grid", "emission");
+  ASSERT_FALSE(chosen);
+  EXPECT_THAT(chosen.error().message,
+              AllOf(HasSubstr("which grid?"), HasSubstr("density (float), temperature (float)"),
+                    HasSubstr("--grid")));
+}
+
+}  // namespace
+}  // namespace volute
