@@ -43,20 +43,13 @@ void toolPart(ViewerApp& app) {
 
 void historyPart(ViewerApp& app) {
   FogPainter& painter = app.paint().painter();
-  const auto button = [&](const char* name, bool can) {
-    ImGui::BeginDisabled(!can);
-    const bool pressed = ImGui::Button(name);
-    ImGui::EndDisabled();
-    app.mark(name);
-    return pressed;
-  };
-  if (button("Undo", painter.canUndo()))
+  if (markedButton(app, "Undo", "Undo", painter.canUndo()))
     app.undoPainting();
   ImGui::SameLine();
-  if (button("Redo", painter.canRedo()))
+  if (markedButton(app, "Redo", "Redo", painter.canRedo()))
     app.redoPainting();
   ImGui::SameLine();
-  if (button("Clear", true) && painter.fill(0))
+  if (markedButton(app, "Clear", "Clear") && painter.fill(0))
     app.sendMap();
 }
 
@@ -147,7 +140,7 @@ void drawPaintPanel(ViewerApp& app, const ViewerInput& input) {
     nameBox("map", app.settings().mapName);
     app.mark("map");
     hint(app.settings().mapName);
-    const bool unsaved = app.paint().canvas().unsaved || app.paint().painter().changed();
+    const bool unsaved = app.unsavedMap();
     if (ImGui::Button("Save map"))
       app.saveMap();
     app.mark("Save map");

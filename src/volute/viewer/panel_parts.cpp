@@ -52,6 +52,14 @@ bool sliderDouble(const char* label, double& value, double least, double most, c
   return ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &least, &most, format, flags);
 }
 
+bool markedButton(ViewerApp& app, const char* label, const std::string& mark, bool enabled) {
+  ImGui::BeginDisabled(!enabled);
+  const bool pressed = ImGui::Button(label);
+  ImGui::EndDisabled();
+  app.mark(mark);
+  return pressed;
+}
+
 bool nameBox(const char* label, std::string& name) {
   std::array<char, 1024> text{};
   std::copy_n(name.begin(), std::min(name.size(), text.size() - 1), text.begin());
