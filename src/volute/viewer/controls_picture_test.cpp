@@ -250,6 +250,32 @@ TEST_F(Controls, AFilesPartsAreHiddenByTheirHeads) {
   EXPECT_TRUE(script_->has("/media/0/emission"));
 }
 
+TEST_F(Controls, LieInTheWindowAndNotOnEachOther) {
+  for (const auto& [width, height] : {std::pair{1280, 800}, {kNarrow, kHigh}}) {
+    SCOPED_TRACE(width);
+    script_->input().width = width, script_->input().height = height;
+    open("fog.json");
+    if (!script_->has("plan"))
+      script_->click("Paint fog", 0.02);
+    script_->frames(5);
+    ASSERT_TRUE(script_->has("plan"));
+    const auto& controls = app().controls();
+    for (const auto& [name, at] : controls) {
+      EXPECT_GE(at.left, 0) << name;
+      EXPECT_LE(at.right, width) << name;
+      EXPECT_LE(at.bottom, height) << name;
+      for (const auto& [other, there] : controls) {
+        if (other <= name || name == "Paint fog" || other == "Paint fog")
+          continue;
+        const float across = std::min(at.right, there.right) - std::max(at.left, there.left);
+        const float down = std::min(at.bottom, there.bottom) - std::max(at.top, there.top);
+        EXPECT_FALSE(across > 1 && down > 1) << name << " and " << other;
+      }
+    }
+    EXPECT_LE(controls.at("tool coefficient").right, controls.at("plan").right);
+  }
+}
+
 /// Whoever adds a control adds it to the tests above, and here.
 TEST_F(Controls, NoneIsLeftOut) {
   const std::set<std::string> driven = {"exposure",

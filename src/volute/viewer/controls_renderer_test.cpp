@@ -113,6 +113,21 @@ TEST_F(Renderers, DrawBeforeAParallelCameraThatIsNotUpright) {
   EXPECT_LT((app().camera().upwards() - Vec3::UnitY()).norm(), 1e-9);
 }
 
+TEST_F(Renderers, ShowSignsToThoseBeforeThem) {
+  for (const ViewRenderer renderer : {ViewRenderer::kGl, ViewRenderer::kProcessor}) {
+    open("smoke.json");
+    const Image sign = by(renderer);
+    const auto normal = parameterAt("/signs/0/normal");
+    app().setParameter(normal, {1, 0, 0});
+    load();
+    const Image back = by(renderer);
+    EXPECT_GT(difference(sign, back), 0.2);
+    app().edit({.kind = SceneEdit::Kind::kRemove, .path = "/signs/0"});
+    load();
+    EXPECT_LT(difference(back, by(renderer)), 0.002);
+  }
+}
+
 TEST_F(Renderers, SmokeIsDrawnByTheMethodThatWasAskedFor) {
   script_.reset();
   viewer_.reset();  // one at a time

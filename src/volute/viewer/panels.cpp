@@ -115,7 +115,8 @@ void savePart(ViewerApp& app) {
   if (!app.document() || app.document()->sceneName.empty())
     return;
   ImGui::Separator();
-  nameBox("scene", app.settings().sceneName);
+  ImGui::SetNextItemWidth(-1);  // names are long
+  nameBox("##scene", app.settings().sceneName);
   hint(app.settings().sceneName);
   app.mark("scene");
   if (ImGui::Button("Save scene"))
@@ -137,9 +138,7 @@ void whoDraws(ViewerApp& app) {
   if (scene && ((scene->surfaces && app.settings().look.surfaces) || !scene->quads.empty()))
     wrappedText("opaque things: rasterised", true);
   for (const GlPassTime& pass : times.passes) {
-    if (pass.milliseconds >= 0.05) {
-      wrappedText(fmt::format("{} {}: {:.1f} ms", pass.name, pass.media, pass.milliseconds), true);
-    }
+    wrappedText(fmt::format("{} {}: {:.1f} ms", pass.name, pass.media, pass.milliseconds), true);
   }
 }
 
@@ -165,6 +164,8 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
   ImGui::SetNextWindowPos(
       {0.5F * static_cast<float>(input.width), 0.45F * static_cast<float>(input.height)}, 0,
       {0.5F, 0.5F});
+  ImGui::SetNextWindowBgAlpha(1);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
   ImGui::Begin("Help", &app.settings().help,
                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoSavedSettings);
@@ -193,6 +194,7 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
     ImGui::TextUnformatted(meaning);
   }
   ImGui::End();
+  ImGui::PopStyleVar();
 }
 
 /// A question that has to be answered before anything else.
@@ -246,6 +248,7 @@ void drawPanels(ViewerApp& app, const ViewerInput& input) {
   ImGui::SetNextWindowPos({kPanelMargin, kPanelMargin}, ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, panelHeight(app, input)});
   ImGui::Begin("Volute", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
   ImGui::PushItemWidth(-kLabels);
   documentPart(app);
   ImGui::Separator();
@@ -256,7 +259,7 @@ void drawPanels(ViewerApp& app, const ViewerInput& input) {
   ImGui::PopItemWidth();
   ImGui::End();
   drawParameterPanel(app, input);
-  drawPaintPanel(app, input);
+  drawPaintPanel(app, input, bottom);
   drawTimePanel(app, input);
 }
 

@@ -17,7 +17,8 @@ void drawPanels(ViewerApp& app, const ViewerInput& input);
 
 // What drawPanels() is made of.
 void drawParameterPanel(ViewerApp& app, const ViewerInput& input);
-void drawPaintPanel(ViewerApp& app, const ViewerInput& input);
+/// @param below  [pixels] where the panel above it ends, in a window too narrow for all beside it
+void drawPaintPanel(ViewerApp& app, const ViewerInput& input, float below);
 void drawTimePanel(ViewerApp& app, const ViewerInput& input);
 void drawHelpPanel(ViewerApp& app, const ViewerInput& input);
 void drawLeavePanel(ViewerApp& app, const ViewerInput& input);

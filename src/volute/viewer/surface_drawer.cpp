@@ -187,10 +187,10 @@ bool SurfaceDrawer::draw(const Camera& camera, const ViewScene& scene, bool surf
     glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(scene.surfaces->corners.size() / 3));
   }
   look(pictures_, camera);
+  glFrontFace(GL_CCW);  // whoever reads a picture sees its corners go round the other way
   drawQuads(scene.quads);
   glDisable(GL_CULL_FACE);
   glDisable(GL_DEPTH_TEST);
-  glFrontFace(GL_CCW);
   glDepthFunc(GL_LESS);
   glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   depth_.resize(static_cast<std::size_t>(width_) * height_);
