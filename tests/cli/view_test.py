@@ -35,6 +35,28 @@ class View(support.TestCase):
         self.assertNotEqual(first, later)
         self.assertEqual(first, self.frame(self.volume(), "--no-panels"))
 
+    def test_time_0_is_taken_whatever_the_scene_says(self):
+        self.volume()
+        self.path("late.json").write_text(json.dumps({
+            "format": "volute-scene-1", "camera": {"eye": [0.5, -2, 0.5], "target": [0.5, 0.5, 0.5], "fov": 40},
+            "media": [{"kind": "volume", "file": "v.npy"}], "view": {"time": 0.04, "exposure": 1}}))
+        self.assertNotEqual(self.frame(self.path("late.json"), "--no-panels"),
+                            self.frame(self.path("late.json"), "--no-panels", "--time", "0"))
+        self.assertEqual(self.frame(self.path("late.json"), "--no-panels"),
+                         self.frame(self.path("late.json"), "--no-panels", "--time", "0.04"))
+
+    def test_who_draws_is_chosen(self):
+        off = os.environ | {"VOLUTE_CPU_RENDERER": "off"}
+        picture = ("--screenshot", self.path("s.png"), "--size", "160x100")
+        result = volute("view", self.volume(), "--renderer", "cpu", *picture, env=off)
+        self.assertEqual(result.code, 1)
+        self.assertIn("VOLUTE_CPU_RENDERER", result.message)
+        self.assertFalse(self.path("s.png").exists())
+        result = volute("view", self.volume(), "--renderer", "gl", *picture, env=off)
+        self.assertEqual(result.code, 0, result.message)
+        self.assertTrue(self.path("s.png").exists())
+        self.assertIn("--renderer gl", self.fails(2, "view", self.volume(), "--renderer", "cpu", "--smoke-method", "march", *picture))
+
     def test_panels_are_on_it(self):
         self.assertNotEqual(self.frame(self.volume()), self.frame(self.volume(), "--no-panels"))
 

@@ -259,7 +259,7 @@ void TetProjector::State::drawTets(const RasterView& view, bool opaqueGiven,
   tets.use();
   view.bind(tets);
   tets.set("opaque", 0);
-  tets.set("opaqueGiven", opaqueGiven ? 1 : 0);
+  tets.set("opaqueGiven", opaqueGiven && options.cutAtWalls ? 1 : 0);
   tets.set("weights", kWeightsUnit);
   tets.set("dither", options.target == TetTarget::kFixed8Dithered ? 1 : 0);
   glBindTextureUnit(0, opaque.name());

@@ -28,6 +28,9 @@ enum class TetBlend { kBackToFront, kFrontToBack };
 struct TetProjectorOptions {
   TetTarget target = TetTarget::kFloat32;
   TetBlend blend = TetBlend::kBackToFront;
+  /// Cells end at opaque depths that they reach; else only those behind them are left out, by the
+  /// depth test.
+  bool cutAtWalls = true;
 };
 
 /// What a TetProjector has done, and what its last sort said.

@@ -91,6 +91,31 @@ TEST_F(TetProjectorTest, WallsInAHallThatIsNotConvex) {
   EXPECT_EQ(projector.counts().parts, 1);
 }
 
+/// Without the shader's cut the depth test alone keeps smoke from being drawn over a wall.
+TEST_F(TetProjectorTest, CellsBehindWallsAreCulled) {
+  const Smoke smoke(boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {6, 5, 4}, 0.3, 5), true, 0.8);
+  TetProjector projector = projectorOf(smoke);
+  const Box3 box = smoke.medium().bounds();
+  const Vec3 eye(-3, 0.7, 0.5);
+  for (const Camera& camera : {Camera::pinhole({eye, box.centre()}, 30, kWidth, kHeight),
+                               Camera::orthographic({eye, box.centre()}, 1.2, kWidth, kHeight)}) {
+    /// The sum of what is let through, behind a wall that is so far away.
+    const auto passed = [&](double distance) {
+      const std::vector<float> wall(kWidth * kHeight, static_cast<float>(distance));
+      EXPECT_TRUE(projector.draw(camera, wall, {.cutAtWalls = false}, passes_));
+      const auto texels = projector.read();
+      double sum = 0;
+      for (std::size_t i = 3; i < texels.size(); i += 4) sum += texels[i];
+      return sum / (kWidth * kHeight);
+    };
+    EXPECT_EQ(passed(2.5), 1) << "all smoke is behind it";
+    const double all = passed(9), half = passed(4);
+    EXPECT_LT(all, 0.9);
+    EXPECT_GT(half, all + 0.02);
+    EXPECT_LT(half, 1);
+  }
+}
+
 TEST_F(TetProjectorTest, SortAndProjectionServeWhileTheEyeStays) {
   const Smoke smoke(boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {4, 3, 3}, 0.2, 1), true, 2);
   TetProjector projector = projectorOf(smoke);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // The viewer's controls that are no parameters of a document: picture, time, paint, film, files.
+#include <array>
+
 #include "volute/io/film.hpp"
 #include "volute/viewer/controls_testing.hpp"
 
@@ -248,6 +250,32 @@ TEST_F(Controls, AFilesPartsAreHiddenByTheirHeads) {
   EXPECT_TRUE(script_->has("/media/0/emission"));
 }
 
+TEST_F(Controls, LieInTheWindowAndNotOnEachOther) {
+  for (const auto& [width, height] : {std::pair{1280, 800}, {kNarrow, kHigh}}) {
+    SCOPED_TRACE(width);
+    script_->input().width = width, script_->input().height = height;
+    open("fog.json");
+    if (!script_->has("plan"))
+      script_->click("Paint fog", 0.02);
+    script_->frames(5);
+    ASSERT_TRUE(script_->has("plan"));
+    const auto& controls = app().controls();
+    for (const auto& [name, at] : controls) {
+      EXPECT_GE(at.left, 0) << name;
+      EXPECT_LE(at.right, width) << name;
+      EXPECT_LE(at.bottom, height) << name;
+      for (const auto& [other, there] : controls) {
+        if (other <= name || name == "Paint fog" || other == "Paint fog")
+          continue;
+        const float across = std::min(at.right, there.right) - std::max(at.left, there.left);
+        const float down = std::min(at.bottom, there.bottom) - std::max(at.top, there.top);
+        EXPECT_FALSE(across > 1 && down > 1) << name << " and " << other;
+      }
+    }
+    EXPECT_LE(controls.at("tool coefficient").right, controls.at("plan").right);
+  }
+}
+
 /// Whoever adds a control adds it to the tests above, and here.
 TEST_F(Controls, NoneIsLeftOut) {
   const std::set<std::string> driven = {"exposure",
@@ -288,7 +316,14 @@ TEST_F(Controls, NoneIsLeftOut) {
                                         "map",
                                         "Save map",
                                         "paint in the view",
-                                        "Paint fog"};
+                                        "Paint fog",
+                                        "who draws",
+                                        "add sign",
+                                        "add lamp",
+                                        "add sun",
+                                        "add ambient",
+                                        "Undo change",
+                                        "Redo change"};
   for (const char* name : {"fog.json", "smoke.json", "blob.npy", "capture.json", "room.smv"}) {
     SCOPED_TRACE(name);
     open(name);
@@ -297,8 +332,10 @@ TEST_F(Controls, NoneIsLeftOut) {
       script_->frames(3);
     }
     for (const auto& [control, place] : app().controls()) {
-      const bool parameter = control.starts_with("/") || control.starts_with("group ");
-      EXPECT_TRUE(parameter || driven.contains(control)) << control;
+      const bool each =
+          std::ranges::any_of(std::array{"/", "group ", "place /", "duplicate /", "remove /"},
+                              [&](const char* begin) { return control.starts_with(begin); });
+      EXPECT_TRUE(each || driven.contains(control)) << control;
     }
   }
 }

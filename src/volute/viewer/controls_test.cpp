@@ -37,7 +37,8 @@ TEST_F(Controls, EveryParameterOfSigns) {
   open("smoke.json");
   std::set<std::string> done;
   Image shown = picture();
-  for (const char* path : {"/signs/0/C", "/signs/0/emitting"}) {  // while it is well seen
+  for (const char* path : {"/signs/0/C", "/signs/0/emitting", "/signs/0/size/0",
+                           "/signs/0/size/1"}) {  // while it is well seen
     expectChange(parameterAt(path), shown);
     done.insert(path);
   }

@@ -25,7 +25,7 @@
 namespace volute {
 
 /// Of the window: room for all panels, and no more than that.
-constexpr int kNarrow = 660, kHigh = 900;
+constexpr int kNarrow = 660, kHigh = 1060;
 constexpr std::uint64_t kViewerMemory = std::uint64_t{1} << 30;
 
 /// A folder with a scene of everything: fog, smoke on a mesh, lights, signs, ground.

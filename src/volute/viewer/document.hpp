@@ -15,6 +15,7 @@
 #include "volute/math/box.hpp"
 #include "volute/scene/scene_look.hpp"
 #include "volute/viewer/parameter.hpp"
+#include "volute/viewer/scene_edits.hpp"
 #include "volute/viewer/view_scene.hpp"
 
 namespace volute {
@@ -24,7 +25,8 @@ struct StartView {
   Vec3 eye = Vec3(0, -1, 0);
   Vec3 target = Vec3::Zero();
   Vec3 up = Vec3::UnitZ();
-  double fov = 40;  ///< vertical [degrees]
+  double fov = 40;   ///< vertical [degrees]
+  double ortho = 0;  ///< [m] > 0: the height of the view volume of a parallel camera, without fov
 };
 
 /// How a person looks at a document.
@@ -37,7 +39,7 @@ struct FogCanvas {
   double most = 1;                 ///< [1/m], the extinction of a pixel of value 1
   std::optional<FogMedium> fog{};  ///< as it is at 0 s, painted or not
   Vec3 wind = Vec3::Zero();        ///< [m/s]
-  bool unsaved = false;            ///< it was painted, and no file has it yet
+  bool unsaved = false;            ///< it was painted, and no file has it
 };
 
 /// A camera of a capture.
@@ -109,9 +111,36 @@ class Document {
     return fail(ErrorCode::kUnsupported, "{} cannot be changed", path);
   }
 
+  /// Whether edit() works.
+  virtual bool editable() const { return false; }
+
+  /// Says in a sentence what was done. An error leaves all as it was.
+  [[nodiscard]] virtual Result<std::string> edit(const SceneEdit& edit, Progress& progress) {
+    (void)edit, (void)progress;
+    return fail(ErrorCode::kUnsupported, "this document has no signs and lights");
+  }
+
+  /// Whether a change by set() or edit() can be taken back, or done again.
+  virtual bool canUndo() const { return false; }
+
+  virtual bool canRedo() const { return false; }
+
+  /// Nothing where there is nothing to take back.
+  [[nodiscard]] virtual Status undo(Progress& progress) {
+    (void)progress;
+    return {};
+  }
+
+  [[nodiscard]] virtual Status redo(Progress& progress) {
+    (void)progress;
+    return {};
+  }
+
   /// Replaces the map of one of canvases() until it is saved or the document closed [1/m].
-  [[nodiscard]] virtual Status setFogMap(std::size_t canvas, std::vector<double> coefficients) {
-    (void)canvas, (void)coefficients;
+  /// @param unsaved  it is not what a file holds
+  [[nodiscard]] virtual Status setFogMap(std::size_t canvas, std::vector<double> coefficients,
+                                         bool unsaved) {
+    (void)canvas, (void)coefficients, (void)unsaved;
     return fail(ErrorCode::kUnsupported, "there is no map of fog");
   }
 

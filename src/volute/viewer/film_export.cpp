@@ -24,7 +24,8 @@ double FilmOrder::timeOf(int frame) const {
   return std::min(begin + frame * speed / rate, end);
 }
 
-Result<std::unique_ptr<FilmExport>> FilmExport::begin(const FilmOrder& order, bool hardware) {
+Result<std::unique_ptr<FilmExport>> FilmExport::begin(const FilmOrder& order,
+                                                      const PictureMakers& makers) {
   const bool good = order.width >= 16 && order.height >= 16 && order.width <= kLargestSide &&
                     order.height <= kLargestSide && order.rate > 0 && order.speed > 0 &&
                     order.end >= order.begin &&
@@ -33,7 +34,7 @@ Result<std::unique_ptr<FilmExport>> FilmExport::begin(const FilmOrder& order, bo
     return fail(ErrorCode::kInvalidArgument,
                 "{}: a film of {} x {} pixels from {:g} to {:g} s cannot be made", order.target,
                 order.width, order.height, order.begin, order.end);
-  VOLUTE_ASSIGN(auto picture, ViewPicture::create(hardware));
+  VOLUTE_ASSIGN(auto picture, ViewPicture::create(makers));
   return std::unique_ptr<FilmExport>(new FilmExport(order, std::move(picture)));
 }
 

@@ -34,7 +34,7 @@ struct FilmOrder {
 class FilmExport {
  public:
   [[nodiscard]] static Result<std::unique_ptr<FilmExport>> begin(const FilmOrder& order,
-                                                                 bool hardware);
+                                                                 const PictureMakers& makers);
 
   /// Unless finished() said so, no file appears.
   ~FilmExport();

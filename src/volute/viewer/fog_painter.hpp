@@ -97,10 +97,17 @@ class FogPainter {
   /// As a picture of fog maps: 0..1, row 0 at the largest y.
   Image picture() const;
 
-  /// Whether it differs from what was saved last, or from what it began with.
-  bool changed() const { return version_ != savedVersion_; }
+  /// Whether it differs from what was saved last, or from what it began with; so it does in the
+  /// middle of a stroke.
+  bool changed() const { return begun_.has_value() || version_ != savedVersion_; }
 
-  void markSaved() { savedVersion_ = version_; }
+  /// Of what it is now, and of nothing that is painted later.
+  std::size_t version() const { return version_; }
+
+  void markSaved(std::size_t version) { savedVersion_ = version; }
+
+  /// What it began with is in no file.
+  void markUnsaved() { savedVersion_ = kNever; }
 
  private:
   /// A rectangle of coefficients before and after.
@@ -109,6 +116,8 @@ class FogPainter {
     std::vector<double> before, after;
     std::size_t versionBefore = 0, versionAfter = 0;
   };
+
+  static constexpr std::size_t kNever = static_cast<std::size_t>(-1);
 
   struct Rect;
   Rect under(const Vec2& at, double radius) const;

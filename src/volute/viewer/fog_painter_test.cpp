@@ -90,7 +90,7 @@ TEST(FogPainter, AStrokeIsUndoneAsOne) {
 TEST(FogPainter, KnowsWhatIsSaved) {
   FogPainter painter = painterOf();
   painter.set({1, 1}, 0.01);
-  painter.markSaved();
+  painter.markSaved(painter.version());
   EXPECT_FALSE(painter.changed());
   painter.undo();
   EXPECT_TRUE(painter.changed());

@@ -9,10 +9,11 @@
 
 namespace volute {
 
-Result<std::unique_ptr<HeadlessViewer>> HeadlessViewer::create(OpenDocument open) {
+Result<std::unique_ptr<HeadlessViewer>> HeadlessViewer::create(OpenDocument open,
+                                                               const ViewerOptions& options) {
   VOLUTE_ASSIGN(auto gl, HeadlessGl::create());
   std::unique_ptr<HeadlessViewer> viewer(new HeadlessViewer(std::move(gl)));
-  VOLUTE_ASSIGN(viewer->app_, ViewerApp::create(std::move(open)));
+  VOLUTE_ASSIGN(viewer->app_, ViewerApp::create(std::move(open), options));
   return viewer;
 }
 
@@ -44,6 +45,7 @@ Status HeadlessViewer::settle(ViewerInput input, Progress& progress) {
     input.pressed.clear();
     input.typed.clear();
     input.dropped.clear();
+    input.closes = false;
     if (app_->settled()) {
       --more;
       continue;
@@ -61,14 +63,14 @@ Image HeadlessViewer::picture() const {
   return shownPicture(width_, height_);
 }
 
-Result<Image> viewerScreenshot(OpenDocument open, const std::string& path, double time, int width,
-                               int height, bool panels, Progress& progress) {
-  VOLUTE_ASSIGN(const auto viewer, HeadlessViewer::create(std::move(open)));
+Result<Image> viewerScreenshot(OpenDocument open, const ViewerStart& start, bool panels,
+                               Progress& progress) {
+  VOLUTE_ASSIGN(const auto viewer, HeadlessViewer::create(std::move(open), start.options));
   ViewerApp& app = viewer->app();
   app.settings().panels = panels;
-  app.open(path, time);
+  app.open(start.path, start.time);
   ViewerInput input;
-  input.width = width, input.height = height;
+  input.width = start.width, input.height = start.height;
   VOLUTE_TRY(viewer->settle(input, progress));
   if (!app.error().empty())
     return fail(ErrorCode::kInvalidData, "{}", app.error());

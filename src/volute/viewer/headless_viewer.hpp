@@ -13,7 +13,8 @@ namespace volute {
 /// The viewer without a display: its frames go to a framebuffer of their own.
 class HeadlessViewer {
  public:
-  [[nodiscard]] static Result<std::unique_ptr<HeadlessViewer>> create(OpenDocument open);
+  [[nodiscard]] static Result<std::unique_ptr<HeadlessViewer>> create(
+      OpenDocument open, const ViewerOptions& options = {});
 
   ViewerApp& app() { return *app_; }
 
@@ -39,9 +40,8 @@ class HeadlessViewer {
   std::unique_ptr<ViewerApp> app_;
 };
 
-/// What `volute view --screenshot` does: the viewer's frame of a file at a time [s], as a picture.
-[[nodiscard]] Result<Image> viewerScreenshot(OpenDocument open, const std::string& path,
-                                             double time, int width, int height, bool panels,
-                                             Progress& progress);
+/// What `volute view --screenshot` does: the viewer's frame once all is loaded, as a picture.
+[[nodiscard]] Result<Image> viewerScreenshot(OpenDocument open, const ViewerStart& start,
+                                             bool panels, Progress& progress);
 
 }  // namespace volute

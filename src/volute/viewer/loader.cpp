@@ -2,12 +2,14 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/loader.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 namespace volute {
 namespace {
 
-constexpr double kLookEvery = 0.5;  ///< [s]
+constexpr double kLookEvery = 0.5;     ///< [s]
+constexpr std::size_t kLookAt = 1000;  ///< files at a time: the window waits for it
 
 double seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -85,7 +87,9 @@ void Loader::watch() {
   if (working_ || wantedPath_ || seconds() - lastLook_ < kLookEvery)
     return;
   lastLook_ = seconds();
-  for (const Watched& watched : watched_) {
+  const std::size_t count = std::min(watched_.size(), kLookAt);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Watched& watched = watched_[nextLook_++ % watched_.size()];
     if (changedAt(watched.path) == watched.time)
       continue;
     wantedPath_ = path_;
@@ -184,7 +188,8 @@ DocumentInfo Loader::describe() const {
           document_->grey(),       document_->measured(), document_->startView(),
           document_->background(), document_->remarks(),  document_->look(),
           document_->parameters(), document_->canvases(), document_->stations(),
-          document_->sceneName(),  openedCount_};
+          document_->sceneName(),  openedCount_,          document_->editable(),
+          document_->canUndo(),    document_->canRedo()};
 }
 
 /// False, with the error noted, when it stays with what was open.

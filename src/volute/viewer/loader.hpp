@@ -46,6 +46,7 @@ struct DocumentInfo {
   std::vector<ViewStation> stations;
   std::string sceneName;
   int opened = 0;  ///< how many documents were opened before; the same after a change
+  bool editable = false, canUndo = false, canRedo = false;
 };
 
 /// Something to be done with the document that is open. Says in a sentence what was done, or
@@ -130,6 +131,7 @@ class Loader {
   double time_ = 0;
   std::vector<Watched> watched_;
   double lastLook_ = 0;
+  std::size_t nextLook_ = 0;  ///< at which of them
 
   std::thread thread_;  // last: it uses the others
 };

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "volute/gl/gl_scene.hpp"
 #include "volute/lighting/light_cache.hpp"
 #include "volute/viewer/document.hpp"
 
@@ -17,6 +18,7 @@ struct DocumentOptions {
   /// Members of a scene's smoke ("field", "quantity", "unit"), for cases alone.
   nlohmann::ordered_json smoke = nlohmann::ordered_json::object();
   std::optional<LightCache> lightCache{};  ///< where light of lamps in smoke is looked for and kept
+  GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
 };
 
 /// Opens whatever the viewer shows: a scene, a volume, a map of fog, smoke on a mesh, an FDS case,

@@ -3,6 +3,7 @@
 // Lines over the picture: what a scene wants drawn, and the painter's hand.
 #include <imgui.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,11 +23,12 @@ class Lines {
   void line(Vec3 from, Vec3 to, ImU32 color, float width = 1) const {
     const auto depth = [&](const Vec3& p) { return (p - camera_.eye()).dot(camera_.forward()); };
     const double nearest = 1e-3, a = depth(from), b = depth(to);
-    if (a < nearest && b < nearest)
+    const bool pinhole = !camera_.isOrthographic();
+    if (pinhole && a < nearest && b < nearest)
       return;
-    if (a < nearest)
+    if (pinhole && a < nearest)
       from = from + (to - from) * (nearest - a) / (b - a);
-    if (b < nearest)
+    if (pinhole && b < nearest)
       to = to + (from - to) * (nearest - b) / (a - b);
     const auto first = camera_.project(from), second = camera_.project(to);
     if (first && second)
@@ -83,6 +85,20 @@ void drawStems(const PaintTool& paint, const Lines& lines) {
   }
 }
 
+/// Where the next click would put a sign or a lamp: a cross on the wall, and a line away from it.
+void drawPlacing(const ViewerApp& app, const Camera& camera, const Lines& lines,
+                 const ViewerInput& input) {
+  if (app.placing().empty() || ImGui::GetIO().WantCaptureMouse)
+    return;
+  const WallPlace at = app.placeAlong(camera.ray(input.mouseX, input.mouseY));
+  const double size = 0.03 * (at.position - camera.eye()).norm();
+  const Vec3 aside = at.normal.unitOrthogonal(), along = at.normal.cross(aside);
+  constexpr ImU32 kColor = IM_COL32(253, 231, 37, 255);
+  lines.line(at.position - size * aside, at.position + size * aside, kColor, 2);
+  lines.line(at.position - size * along, at.position + size * along, kColor, 2);
+  lines.line(at.position, at.position + size * at.normal, kColor, 2);
+}
+
 }  // namespace
 
 void drawOverlay(ViewerApp& app, const ViewerInput& input) {
@@ -97,6 +113,7 @@ void drawOverlay(ViewerApp& app, const ViewerInput& input) {
     if (app.settings().panels)
       std::ranges::for_each(scene->aids, draw);
   }
+  drawPlacing(app, camera, lines, input);
   PaintTool& paint = app.paint();
   if (!app.settings().painting || !paint.has() || !paint.at())
     return;

@@ -12,6 +12,7 @@ namespace {
 
 constexpr float kWidth = 300;
 constexpr float kLabels = 96;
+constexpr float kLeast = 190;  ///< [pixels] that the panel has in any window
 
 void toolPart(ViewerApp& app) {
   PaintTool& paint = app.paint();
@@ -22,7 +23,7 @@ void toolPart(ViewerApp& app) {
       {"smooth", "each coefficient moves towards the mean around it"},
       {"coefficient", "drag one coefficient up and down"}};
   for (int i = 0; i < 4; ++i) {
-    if (i > 0)
+    if (i > 0 && i < 3)  // as many as the panel is wide
       ImGui::SameLine();
     ImGui::RadioButton(kTools[i].first, &kind, i);
     app.mark(std::string("tool ") + kTools[i].first);
@@ -43,20 +44,13 @@ void toolPart(ViewerApp& app) {
 
 void historyPart(ViewerApp& app) {
   FogPainter& painter = app.paint().painter();
-  const auto button = [&](const char* name, bool can) {
-    ImGui::BeginDisabled(!can);
-    const bool pressed = ImGui::Button(name);
-    ImGui::EndDisabled();
-    app.mark(name);
-    return pressed;
-  };
-  if (button("Undo", painter.canUndo()))
+  if (markedButton(app, "Undo", "Undo", painter.canUndo()))
     app.undoPainting();
   ImGui::SameLine();
-  if (button("Redo", painter.canRedo()))
+  if (markedButton(app, "Redo", "Redo", painter.canRedo()))
     app.redoPainting();
   ImGui::SameLine();
-  if (button("Clear", true) && painter.fill(0))
+  if (markedButton(app, "Clear", "Clear") && painter.fill(0))
     app.sendMap();
 }
 
@@ -126,11 +120,20 @@ void valuePart(const ViewerApp& app, const PaintTool& paint) {
 
 }  // namespace
 
-void drawPaintPanel(ViewerApp& app, const ViewerInput& input) {
+void drawPaintPanel(ViewerApp& app, const ViewerInput& input, float below) {
   if (!app.paint().has())
     return;
-  ImGui::SetNextWindowPos({kPanelMargin + 310, kPanelMargin}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, panelHeight(app, input)});
+  const bool narrow = static_cast<float>(input.width) < kPanelMargin + 310 + kWidth + 330;
+  float high = panelHeight(app, input);
+  if (narrow) {
+    const float end = kPanelMargin + high;
+    const float top = std::min(below + 4, std::max(end - kLeast, kPanelMargin));
+    ImGui::SetNextWindowPos({kPanelMargin, top});
+    high = end - top;
+  } else {
+    ImGui::SetNextWindowPos({kPanelMargin + 310, kPanelMargin}, ImGuiCond_FirstUseEver);
+  }
+  ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, high});
   ImGui::SetNextWindowCollapsed(true, ImGuiCond_FirstUseEver);
   const bool open = ImGui::Begin("Paint fog", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
   const ImVec2 corner = ImGui::GetWindowPos();
@@ -144,10 +147,11 @@ void drawPaintPanel(ViewerApp& app, const ViewerInput& input) {
     valuePart(app, app.paint());
     historyPart(app);
     ImGui::Separator();
-    nameBox("map", app.settings().mapName);
+    ImGui::SetNextItemWidth(-1);
+    nameBox("##map", app.settings().mapName);
     app.mark("map");
     hint(app.settings().mapName);
-    const bool unsaved = app.paint().canvas().unsaved || app.paint().painter().changed();
+    const bool unsaved = app.unsavedMap();
     if (ImGui::Button("Save map"))
       app.saveMap();
     app.mark("Save map");

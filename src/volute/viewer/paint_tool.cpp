@@ -21,7 +21,8 @@ FogBrush::Kind brushKind(PaintTool::Kind kind) {
 
 void PaintTool::take(const FogCanvas& canvas, std::size_t number, int opened) {
   const FogPainter fresh(*canvas.fog, canvas.most);
-  const bool sameMap = painter_ && canvas_.file == canvas.file && number_ == number &&
+  const bool sameFile = canvas_.file == canvas.file || savesAs_ == canvas.file;
+  const bool sameMap = painter_ && sameFile && number_ == number &&
                        painter_->cell() == fresh.cell() && painter_->most() == fresh.most() &&
                        painter_->coefficients().columns == fresh.coefficients().columns &&
                        painter_->coefficients().rows == fresh.coefficients().rows;
@@ -32,6 +33,8 @@ void PaintTool::take(const FogCanvas& canvas, std::size_t number, int opened) {
     } else {
       const bool anew = !sameMap;
       painter_ = fresh;
+      if (canvas.unsaved)
+        painter_->markUnsaved();
       if (anew)
         brush.radius = std::max(2 * fresh.cell(), 0.06 * fresh.size().minCoeff());
     }
@@ -55,7 +58,8 @@ void PaintTool::setTime(double time) {
 }
 
 std::optional<Vec2> PaintTool::onGround(const Segment& ray) const {
-  if (!(ray.direction.z() < 0) || !(ray.origin.z() > ground_))
+  const bool above = ray.origin.z() > ground_ || ray.begin < 0;  // a parallel ray begins anywhere
+  if (!(ray.direction.z() < 0) || !above)
     return std::nullopt;
   const Vec3 place = ray.at((ground_ - ray.origin.z()) / ray.direction.z());
   return Vec2(place.head<2>());

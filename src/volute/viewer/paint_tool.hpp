@@ -30,6 +30,9 @@ class PaintTool {
 
   void drop() { painter_.reset(); }
 
+  /// The map goes to this file: if the canvas has its name next, the strokes stay.
+  void savesAs(const std::string& file) { savesAs_ = file; }
+
   bool has() const { return painter_.has_value(); }
 
   FogPainter& painter() { return *painter_; }
@@ -67,6 +70,7 @@ class PaintTool {
 
  private:
   FogCanvas canvas_;
+  std::string savesAs_;
   std::size_t number_ = 0;
   int opened_ = -1;
   std::optional<FogPainter> painter_;

@@ -30,8 +30,9 @@ void styleControls() {
   colors[ImGuiCol_Button] = colors[ImGuiCol_HeaderHovered] = accent;
   colors[ImGuiCol_ButtonHovered] = colors[ImGuiCol_HeaderActive] = bright;
   colors[ImGuiCol_ButtonActive] = {0.25F, 0.68F, 0.65F, 1};
-  colors[ImGuiCol_SliderGrab] = colors[ImGuiCol_CheckMark] = {0.36F, 0.78F, 0.70F, 1};
-  colors[ImGuiCol_SliderGrabActive] = {0.99F, 0.91F, 0.15F, 1};
+  colors[ImGuiCol_CheckMark] = {0.36F, 0.78F, 0.70F, 1};
+  colors[ImGuiCol_SliderGrab] = {0.16F, 0.50F, 0.50F, 1};  // numbers are read on them
+  colors[ImGuiCol_SliderGrabActive] = {0.55F, 0.45F, 0.05F, 1};
   colors[ImGuiCol_PlotLines] = colors[ImGuiCol_PlotHistogram] = {0.36F, 0.78F, 0.70F, 1};
 }
 
@@ -50,6 +51,14 @@ bool sliderDouble(const char* label, double& value, double least, double most, c
   const ImGuiSliderFlags flags = (logarithmic ? ImGuiSliderFlags_Logarithmic : 0) |
                                  ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoRoundToFormat;
   return ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &least, &most, format, flags);
+}
+
+bool markedButton(ViewerApp& app, const char* label, const std::string& mark, bool enabled) {
+  ImGui::BeginDisabled(!enabled);
+  const bool pressed = ImGui::Button(label);
+  ImGui::EndDisabled();
+  app.mark(mark);
+  return pressed;
 }
 
 bool nameBox(const char* label, std::string& name) {

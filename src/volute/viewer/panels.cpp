@@ -41,6 +41,21 @@ void combo(ViewerApp& app, const char* name, int& value,
   choiceBox(app, name, name, std::span(choices.begin(), choices.size()), value);
 }
 
+/// How much of the scene is seen: an angle, or a parallel camera's height.
+void viewSlider(ViewerApp& app) {
+  ViewCamera& camera = app.camera();
+  double seen = camera.parallel() ? camera.ortho() : camera.fov();
+  if (camera.parallel()) {
+    const double size = app.document() ? app.document()->bounds.size().norm() : 1;
+    if (sliderDouble("view", seen, 0.01 * size, 3 * size, "%.3g m high", true))
+      camera.setOrtho(seen);
+    hint("the scene's camera is parallel");
+  } else if (sliderDouble("view", seen, 10, 120, "%.0f degrees")) {
+    camera.setFov(seen);
+  }
+  app.mark("view");
+}
+
 void picturePart(ViewerApp& app, const ViewerInput& input) {
   ViewLook& look = app.settings().look;
   sliderDouble("exposure", look.stops, -8, 8, "%+.1f stops");
@@ -49,10 +64,7 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
     combo(app, "colours", look.colors, {"grey", "viridis", "inferno"});
   combo(app, "quality", look.quality, {"automatic", "full", "half", "quarter"});
   combo(app, "renderer", look.renderer, {"automatic", "OpenGL", "processor"});
-  double fov = app.camera().fov();
-  if (sliderDouble("view", fov, 10, 120, "%.0f degrees"))
-    app.camera().setFov(fov);
-  app.mark("view");
+  viewSlider(app);
   if (app.picture().scene() && app.picture().scene()->bare) {
     ImGui::Checkbox("surfaces", &look.surfaces);
     app.mark("surfaces");
@@ -103,7 +115,8 @@ void savePart(ViewerApp& app) {
   if (!app.document() || app.document()->sceneName.empty())
     return;
   ImGui::Separator();
-  nameBox("scene", app.settings().sceneName);
+  ImGui::SetNextItemWidth(-1);  // names are long
+  nameBox("##scene", app.settings().sceneName);
   hint(app.settings().sceneName);
   app.mark("scene");
   if (ImGui::Button("Save scene"))
@@ -111,7 +124,25 @@ void savePart(ViewerApp& app) {
   app.mark("Save scene");
 }
 
-void timesPart(const ViewerApp& app) {
+/// As `--stats` of `volute render` lists it.
+void whoDraws(ViewerApp& app) {
+  const FrameTimes& times = app.times();
+  if (times.processor) {
+    wrappedText("by the processor: " + times.why, true);
+    app.mark("who draws");
+    return;
+  }
+  wrappedText("by " + app.device().renderer, true);
+  app.mark("who draws");
+  const ViewScene* scene = app.picture().scene();
+  if (scene && ((scene->surfaces && app.settings().look.surfaces) || !scene->quads.empty()))
+    wrappedText("opaque things: rasterised", true);
+  for (const GlPassTime& pass : times.passes) {
+    wrappedText(fmt::format("{} {}: {:.1f} ms", pass.name, pass.media, pass.milliseconds), true);
+  }
+}
+
+void timesPart(ViewerApp& app) {
   const FrameTimes& times = app.times();
   if (times.history.empty())
     return;
@@ -122,7 +153,7 @@ void timesPart(const ViewerApp& app) {
   hint("how long the last pictures took");
   wrappedText(fmt::format("{:.1f} ms for {} x {} pixels, {:.0f} ms at most", times.milliseconds,
                           times.width, times.height, most));
-  wrappedText(times.processor ? "by the processor" : "by " + app.device().renderer, true);
+  whoDraws(app);
 }
 
 }  // namespace
@@ -133,6 +164,8 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
   ImGui::SetNextWindowPos(
       {0.5F * static_cast<float>(input.width), 0.45F * static_cast<float>(input.height)}, 0,
       {0.5F, 0.5F});
+  ImGui::SetNextWindowBgAlpha(1);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
   ImGui::Begin("Help", &app.settings().help,
                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoSavedSettings);
@@ -147,12 +180,12 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
                                        {"Left, Right", "one frame"},
                                        {"Home, End", "first, last frame"},
                                        {"+  -", "exposure"},
-                                       {"Ctrl Z, Ctrl Y", "undo and redo what was painted"},
+                                       {"Ctrl Z, Ctrl Y", "undo and redo, strokes while painting"},
                                        {"Ctrl S", "save the scene"},
                                        {"Ctrl click", "write a slider's number"},
                                        {"F12", "screenshot"},
                                        {"H", "hide the panels"},
-                                       {"Escape", "no painting, no help"},
+                                       {"Escape", "no painting, no placing, no help"},
                                        {"F1", "this"},
                                        {"drop a file", "open it"}};
   for (const auto& [keys, meaning] : kLines) {
@@ -161,16 +194,61 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
     ImGui::TextUnformatted(meaning);
   }
   ImGui::End();
+  ImGui::PopStyleVar();
+}
+
+/// A question that has to be answered before anything else.
+void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
+  constexpr const char* kTitle = "Painted fog is in no file";
+  constexpr float kWide = 420;
+  if (app.leaving() && !ImGui::IsPopupOpen(kTitle))
+    ImGui::OpenPopup(kTitle);
+  ImGui::SetNextWindowPos(
+      {0.5F * static_cast<float>(input.width), 0.4F * static_cast<float>(input.height)}, 0,
+      {0.5F, 0.5F});
+  const float width = std::min(kWide, static_cast<float>(input.width) - 2 * kPanelMargin);
+  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, 1e4F});
+  if (!ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_AlwaysAutoResize))
+    return;
+  if (const ViewerApp::Leaving* leaving = app.leaving()) {
+    wrappedText(leaving->path.empty() ? "Before the viewer ends, save the map as"
+                                      : "Before " + leaving->path + " is opened, save the map as");
+    ImGui::SetNextItemWidth(-1);
+    nameBox("##map", app.settings().mapName);
+    app.mark("leave map");
+    if (!app.error().empty()) {
+      ImGui::PushStyleColor(ImGuiCol_Text, {1, 0.5F, 0.4F, 1});
+      wrappedText(app.error());
+      ImGui::PopStyleColor();
+    }
+    const bool waits = leaving->saving;
+    const bool saves = markedButton(app, waits ? "Saving" : "Save", "leave save", !waits);
+    ImGui::SameLine();
+    const bool discards = markedButton(app, "Discard", "leave discard", !waits);
+    ImGui::SameLine();
+    const bool stays = markedButton(app, "Cancel", "leave cancel");
+    if (saves)
+      app.leaveAndSave();
+    else if (discards)
+      app.leaveAndDiscard();
+    else if (stays)
+      app.stay();
+  }
+  if (!app.leaving())
+    ImGui::CloseCurrentPopup();
+  ImGui::EndPopup();
 }
 
 void drawPanels(ViewerApp& app, const ViewerInput& input) {
   drawOverlay(app, input);
   drawHelpPanel(app, input);
+  drawLeavePanel(app, input);
   if (!app.settings().panels)
     return;
   ImGui::SetNextWindowPos({kPanelMargin, kPanelMargin}, ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, panelHeight(app, input)});
   ImGui::Begin("Volute", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+  const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
   ImGui::PushItemWidth(-kLabels);
   documentPart(app);
   ImGui::Separator();
@@ -181,7 +259,7 @@ void drawPanels(ViewerApp& app, const ViewerInput& input) {
   ImGui::PopItemWidth();
   ImGui::End();
   drawParameterPanel(app, input);
-  drawPaintPanel(app, input);
+  drawPaintPanel(app, input, bottom);
   drawTimePanel(app, input);
 }
 

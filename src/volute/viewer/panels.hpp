@@ -17,9 +17,11 @@ void drawPanels(ViewerApp& app, const ViewerInput& input);
 
 // What drawPanels() is made of.
 void drawParameterPanel(ViewerApp& app, const ViewerInput& input);
-void drawPaintPanel(ViewerApp& app, const ViewerInput& input);
+/// @param below  [pixels] where the panel above it ends, in a window too narrow for all beside it
+void drawPaintPanel(ViewerApp& app, const ViewerInput& input, float below);
 void drawTimePanel(ViewerApp& app, const ViewerInput& input);
 void drawHelpPanel(ViewerApp& app, const ViewerInput& input);
+void drawLeavePanel(ViewerApp& app, const ViewerInput& input);
 void drawOverlay(ViewerApp& app, const ViewerInput& input);
 
 /// Between panels and the window's border [pixels].
@@ -40,6 +42,9 @@ void wrappedText(const std::string& text, bool faint = false);
 /// A slider of a double. True when it was moved.
 bool sliderDouble(const char* label, double& value, double least, double most, const char* format,
                   bool logarithmic = false);
+
+/// A button that is marked with its name, or with `mark`. True when it was pressed.
+bool markedButton(ViewerApp& app, const char* label, const std::string& mark, bool enabled = true);
 
 /// A name that can be edited. True when it was changed.
 bool nameBox(const char* label, std::string& name);

@@ -103,24 +103,90 @@ bool control(ViewerApp& app, const Parameter& parameter, std::vector<double>& va
   return moved;
 }
 
+/// What a parameter belongs to: "/signs/0", "/media/1"; empty: the scene itself.
+std::string ownerOf(const Parameter& parameter) {
+  const auto first = parameter.path.find('/', 1);
+  if (first == std::string::npos)
+    return "";
+  return parameter.path.substr(0, parameter.path.find('/', first + 1));
+}
+
+/// What can be done with a sign or a light as a whole.
+void ownerButtons(ViewerApp& app, const std::string& owner) {
+  const bool sign = owner.starts_with("/signs/");
+  if (!app.document()->editable || !(sign || owner.starts_with("/lights/")))
+    return;
+  ImGui::PushID(owner.c_str());
+  const auto& all = app.document()->parameters;
+  const bool somewhere = std::ranges::find(all, owner + "/position", &Parameter::path) != all.end();
+  if (somewhere) {
+    const bool placing = app.placing() == owner;
+    if (markedButton(app, placing ? "click a wall###place" : "Place###place", "place " + owner))
+      app.place(placing ? "" : owner);
+    hint("puts it where you click next in the picture");
+    ImGui::SameLine();
+  }
+  if (markedButton(app, "Duplicate", "duplicate " + owner))
+    app.edit({.kind = SceneEdit::Kind::kDuplicate, .path = owner});
+  ImGui::SameLine();
+  if (markedButton(app, "Remove", "remove " + owner))
+    app.edit({.kind = SceneEdit::Kind::kRemove, .path = owner});
+  ImGui::PopID();
+}
+
+/// What a scene can get, and what can be taken back.
+void editPart(ViewerApp& app) {
+  if (!app.document()->editable)
+    return;
+  using Kind = SceneEdit::Kind;
+
+  constexpr struct {
+    const char *label, *mark, *help;
+    Kind kind;
+  } kAdded[] = {
+      {"Sign", "add sign", "an exit sign on what the middle of the picture shows", Kind::kAddSign},
+      {"Lamp", "add lamp", "a lamp on what the middle of the picture shows", Kind::kAddSpot},
+      {"Sun", "add sun", "light from afar", Kind::kAddSun},
+      {"Ambient", "add ambient", "light from everywhere", Kind::kAddAmbient}};
+
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted("add");
+  for (const auto& added : kAdded) {
+    ImGui::SameLine();
+    if (markedButton(app, added.label, added.mark))
+      app.add(added.kind);
+    hint(added.help);
+  }
+  if (markedButton(app, "Undo", "Undo change", app.document()->canUndo))
+    app.undoChange();
+  ImGui::SameLine();
+  if (markedButton(app, "Redo", "Redo change", app.document()->canRedo))
+    app.redoChange();
+  hint("what was changed, added or removed here");
+}
+
 }  // namespace
 
 void drawParameterPanel(ViewerApp& app, const ViewerInput& input) {
-  if (!app.document() || app.document()->parameters.empty())
+  if (!app.document() || (app.document()->parameters.empty() && !app.document()->editable))
     return;
   const float width = static_cast<float>(input.width);
   ImGui::SetNextWindowPos({width - kPanelMargin, kPanelMargin}, ImGuiCond_Always, {1, 0});
   ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, panelHeight(app, input)});
   ImGui::Begin("Scene", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
   ImGui::PushItemWidth(-kLabels);
+  editPart(app);
   const auto parameters = app.document()->parameters;  // changes below
-  std::string group;
+  std::string owner = "none";
   bool open = false;
   for (const Parameter& parameter : parameters) {
-    if (parameter.group != group || group.empty()) {
-      group = parameter.group;
-      open = ImGui::CollapsingHeader(group.c_str(), ImGuiTreeNodeFlags_DefaultOpen);
-      app.mark("group " + group);
+    if (ownerOf(parameter) != owner) {  // two signs may have the same name
+      owner = ownerOf(parameter);
+      open = ImGui::CollapsingHeader((parameter.group + "###" + owner).c_str(),
+                                     ImGuiTreeNodeFlags_DefaultOpen);
+      app.mark("group " + parameter.group);
+      if (open)
+        ownerButtons(app, owner);
     }
     if (!open)
       continue;

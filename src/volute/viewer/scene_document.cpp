@@ -13,6 +13,7 @@
 #include "volute/io/image_file.hpp"
 #include "volute/scene/volume_input.hpp"
 #include "volute/viewer/scene_parameters.hpp"
+#include "volute/viewer/watched_files.hpp"
 
 namespace volute {
 namespace {
@@ -287,7 +288,8 @@ Status SceneDocument::load(Json json, Progress& progress) {
   findExtent();
   findTimes();
   const CameraDescription& camera = scene_.camera;
-  start_ = StartView{camera.view.eye, camera.view.target, camera.view.up, camera.fov.value_or(40)};
+  start_ = StartView{camera.view.eye, camera.view.target, camera.view.up, camera.fov.value_or(40),
+                     camera.ortho.value_or(0)};
   return {};
 }
 
@@ -297,8 +299,6 @@ void SceneDocument::gatherRemarks() {
     remarks_.insert(remarks_.end(), medium.remarks.begin(), medium.remarks.end());
   if (!guess_.empty())
     remarks_.push_back(guess_);
-  if (scene_.camera.ortho)
-    remarks_.push_back("the scene's parallel camera is shown as a pinhole");
 }
 
 bool SceneDocument::checked() const {
@@ -434,13 +434,9 @@ bool SceneDocument::measured() const {
 }
 
 std::vector<std::filesystem::path> SceneDocument::files() const {
-  std::vector<std::string> names{path_};
-  for (const SceneVolume& volume : scene_.volumes) names.push_back(volume.file);
-  for (const FogDescription& fog : scene_.fogs)
-    names.insert(names.end(), fog.maps.begin(), fog.maps.end());
-  for (const SmokeDescription& smoke : scene_.smokes) names.push_back(smoke.file);
-  for (const SceneGeometry& geometry : scene_.geometry) names.push_back(geometry.file);
-  return {names.begin(), names.end()};
+  auto files = filesOf(scene_, json_, file_);
+  files.insert(files.begin(), path_);
+  return files;
 }
 
 std::vector<Parameter> SceneDocument::parameters() const {
@@ -449,11 +445,44 @@ std::vector<Parameter> SceneDocument::parameters() const {
 
 Status SceneDocument::set(const std::string& path, const std::vector<double>& value,
                           Progress& progress) {
-  Json changed = json_;
+  Json before = json_, changed = json_;
   VOLUTE_TRY(setParameter(changed, scene_, path, value));
+  VOLUTE_TRY(changeTo(std::move(changed), progress));
+  history_.note(std::move(before), path);
+  return {};
+}
+
+/// From where it is looked at first stays.
+Status SceneDocument::changeTo(Json json, Progress& progress) {
   const auto start = start_;
-  VOLUTE_TRY(load(std::move(changed), progress));
+  VOLUTE_TRY(load(std::move(json), progress));
   start_ = start;
+  return {};
+}
+
+Result<std::string> SceneDocument::edit(const SceneEdit& edit, Progress& progress) {
+  Json before = json_, changed = json_;
+  VOLUTE_ASSIGN(auto done, applyEdit(changed, edit));
+  VOLUTE_TRY(changeTo(std::move(changed), progress));
+  history_.note(std::move(before), "");
+  return done;
+}
+
+Status SceneDocument::undo(Progress& progress) {
+  if (!history_.canUndo())
+    return {};
+  Json now = json_;
+  VOLUTE_TRY(changeTo(history_.before(), progress));
+  history_.undone(std::move(now));
+  return {};
+}
+
+Status SceneDocument::redo(Progress& progress) {
+  if (!history_.canRedo())
+    return {};
+  Json now = json_;
+  VOLUTE_TRY(changeTo(history_.after(), progress));
+  history_.redone(std::move(now));
   return {};
 }
 
@@ -489,14 +518,15 @@ std::vector<FogCanvas> SceneDocument::canvases() const {
   return canvases;
 }
 
-Status SceneDocument::setFogMap(std::size_t canvas, std::vector<double> coefficients) {
+Status SceneDocument::setFogMap(std::size_t canvas, std::vector<double> coefficients,
+                                bool unsaved) {
   VOLUTE_ASSIGN(Medium* const found, canvasMedium(canvas));
   Medium& medium = *found;
   const FogLevels& levels = medium.fog->fogAt(0).levels();
   if (static_cast<std::size_t>(levels.columns()) * levels.rows() != coefficients.size())
     return fail(ErrorCode::kInvalidArgument, "the map of fog has another size by now");
   medium.painted = std::move(coefficients);
-  medium.unsaved = true;
+  medium.unsaved = unsaved;
   return {};
 }
 
@@ -515,6 +545,7 @@ Status SceneDocument::saveFogMap(std::size_t canvas, const std::string& target, 
   medium.json["map"] = nameFrom(target, file_, std::filesystem::path(target).filename().string());
   json_["media"][static_cast<std::size_t>(&medium - media_.data())] = medium.json;
   medium.fogWords.maps = {target};
+  history_.clear();  // of a scene with another map
   const nlohmann::json plain = json_;
   VOLUTE_ASSIGN(scene_, parseScene(plain, file_));
   return {};
@@ -525,9 +556,12 @@ Status SceneDocument::save(const std::string& target, const StartView& view, con
   Json& camera = json["camera"];
   camera["eye"] = vectorOf(view.eye);
   camera["target"] = vectorOf(view.target);
-  camera.erase("ortho");
   camera["up"] = vectorOf(view.up);
-  camera["fov"] = view.fov;
+  camera.erase(view.ortho > 0 ? "fov" : "ortho");
+  if (view.ortho > 0)
+    camera["ortho"] = view.ortho;
+  else
+    camera["fov"] = view.fov;
   json["view"] = toJson(look);
   moveAllNames(json, file_, target);
   VOLUTE_ASSIGN(auto file, OutputFile::create(target));

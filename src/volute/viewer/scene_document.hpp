@@ -15,6 +15,7 @@
 #include "volute/scene/still.hpp"
 #include "volute/viewer/document.hpp"
 #include "volute/viewer/open_document.hpp"
+#include "volute/viewer/scene_history.hpp"
 
 namespace volute {
 
@@ -55,7 +56,18 @@ class SceneDocument final : public Document {
   Result<ViewScene> sceneAt(const SceneWish& wish, Progress& progress) override;
   Status set(const std::string& path, const std::vector<double>& value,
              Progress& progress) override;
-  Status setFogMap(std::size_t canvas, std::vector<double> coefficients) override;
+
+  bool editable() const override { return true; }
+
+  Result<std::string> edit(const SceneEdit& edit, Progress& progress) override;
+
+  bool canUndo() const override { return history_.canUndo(); }
+
+  bool canRedo() const override { return history_.canRedo(); }
+
+  Status undo(Progress& progress) override;
+  Status redo(Progress& progress) override;
+  Status setFogMap(std::size_t canvas, std::vector<double> coefficients, bool unsaved) override;
   Status save(const std::string& target, const StartView& view, const ViewLook& look) override;
   Status saveFogMap(std::size_t canvas, const std::string& target, const Image& map) override;
 
@@ -97,6 +109,7 @@ class SceneDocument final : public Document {
   nlohmann::ordered_json sceneOfFile();
   Status loadMesh(nlohmann::ordered_json json, Progress& progress);
   Status load(nlohmann::ordered_json json, Progress& progress);
+  Status changeTo(nlohmann::ordered_json json, Progress& progress);
   Result<std::vector<Medium>> mediaOf(const nlohmann::ordered_json& json,
                                       const SceneDescription& scene, bool lightsChanged,
                                       Progress& progress);
@@ -133,6 +146,7 @@ class SceneDocument final : public Document {
   std::shared_ptr<LightMemory> light_ = std::make_shared<LightMemory>(kLightBytes);
   std::shared_ptr<Drawer> drawer_ = std::make_shared<Drawer>();
   nlohmann::ordered_json json_;
+  SceneHistory history_;
   SceneDescription scene_;
   std::vector<Medium> media_;
   TriangleScene geometry_;

@@ -18,16 +18,20 @@ namespace {
 const Rgb kOutline(0.45, 0.5, 0.55);
 constexpr int kCoarseLevels = 2;  ///< of a block's, the coarsest first
 
+/// VolumeLayer::mediumAt() for OpenGL.
+GlVolume glVolumeOf(std::shared_ptr<const BrickSlice> slice, const Appearance& look,
+                    double factor) {
+  GlVolume volume{std::move(slice), look.emission, factor * look.extinction};
+  if (look.placement.turns())  // else its place is in the slice's bounds
+    volume.turn = look.placement.turn, volume.offset = look.placement.offset;
+  return volume;
+}
+
 std::vector<float> scaled(std::vector<float> values, double factor) {
   if (factor != 1) {
     for (float& value : values) value = static_cast<float>(factor * value);
   }
   return values;
-}
-
-void need(ViewScene& scene, const char* what) {
-  if (scene.onlyProcessor.empty())
-    scene.onlyProcessor = what;
 }
 
 /// The power of the picture's transmittance through which a sign is seen: see seenTransmittance().
@@ -84,38 +88,23 @@ Status SceneDocument::addVolume(Medium& medium, double time, bool coarse, Progre
                 rough ? coarseSlice(layer, position, progress) : layer.sliceAt(position));
   if (!rough)
     medium.block = block;
-  const double extinction = still.law.factor() * medium.look.extinction;
-  still.media.push_back(layer.placed(VoxelMedium(slice, medium.look.emission, extinction)));
-  GlVolume volume{std::move(slice), medium.look.emission, extinction};
-  const Placement& placement = medium.look.placement;
-  if (placement.turns())  // else its place is in the slice's bounds
-    volume.turn = placement.turn, volume.offset = placement.offset;
-  scene.media.volumes.push_back(std::move(volume));
+  const double factor = still.law.factor();
+  still.media.push_back(
+      layer.placed(VoxelMedium(slice, medium.look.emission, factor * medium.look.extinction)));
+  scene.media.volumes.push_back(glVolumeOf(std::move(slice), medium.look, factor));
   return {};
 }
 
 Status SceneDocument::addFog(const Medium& medium, double time, ViewScene& scene,
                              Still& still) const {
   const FogLayer layer = medium.painted ? medium.fog->withMap(*medium.painted) : *medium.fog;
-  FogMedium fog = layer.fogAt(time);
-  if (layer.sunlit())
-    need(scene, "the suns' light in fog");
-  if (fog.hasTop())
-    need(scene, "fog with a top");
-  if (medium.fogWords.options.detail.cellAngle > 0)
-    need(scene, "fog with levels by cell angle");
-  const double factor = still.law.factor();
-  if (factor != 1) {
-    auto coefficients = fog.coefficients();
-    for (double& value : coefficients) value *= factor;
-    fog = fog.withCoefficients(coefficients);
-  }
-  scene.media.fogs.push_back(std::move(fog));
   if (layer.sunlit()) {  // the same for all cameras, and slow to make
-    VOLUTE_ASSIGN(auto lit, layer.mediumAt(time, Camera::framing(bounds_, 8, 8)));
-    still.media.push_back(seenBy(still.law, std::move(lit)));
+    VOLUTE_ASSIGN(auto lit, layer.sunlitAt(time));
+    still.media.push_back(seenBy(still.law, AnyMedium(lit)));
+    scene.media.sunlitFogs.push_back(std::move(lit));
     return {};
   }
+  scene.media.fogs.push_back(layer.fogAt(time));
   still.viewed.push_back([layer, time, law = still.law](const Camera& camera) -> Result<AnyMedium> {
     VOLUTE_ASSIGN(auto medium, layer.mediumAt(time, camera));
     return seenBy(law, std::move(medium));
@@ -127,33 +116,37 @@ Status SceneDocument::addSmoke(Medium& medium, double time, Progress& progress, 
                                Still& still) {
   medium.smoke->setProgress(progress);
   VOLUTE_ASSIGN(auto state, medium.smoke->at(time));
-  const auto& walls = medium.smoke->description().walls;
-  if (walls)
-    need(scene, "the walls of a mesh");
   scene.media.smokes.push_back(
       {state.locator, scaled(state.extinction, still.law.factor()), state.source});
   still.smokes.push_back(std::move(state));
-  still.walls.push_back(walls);
+  still.walls.push_back(medium.smoke->description().walls);
   return {};
 }
 
 Status SceneDocument::addFds(const Medium& medium, double time, ViewScene& scene, Still& still,
                              TriangleMesh& buildings) const {
-  VOLUTE_ASSIGN(auto smoke, medium.fds->mediumAt(time));
-  need(scene, "the smoke of an FDS case");
-  still.media.push_back(seenBy(still.law, std::move(smoke)));
-  VOLUTE_ASSIGN(auto flame, medium.fds->flameAt(time));
-  if (flame)
-    still.media.push_back(std::move(*flame));
+  VOLUTE_ASSIGN(const auto smoke, medium.fds->fieldAt(time));  // once: lamps' light is slow
+  const double factor = still.law.factor() * medium.fds->description().model.scale;
+  still.media.push_back(factor == 1 ? AnyMedium(smoke)
+                                    : AnyMedium(ScaledMedium(AnyMedium(smoke), factor)));
+  scene.media.fds.push_back({smoke, factor});
+  VOLUTE_ASSIGN(auto fire, medium.fds->fireAt(time));
+  if (fire) {
+    scene.media.fds.push_back({fire->heat(), 1, fire->colour()});
+    still.media.push_back(AnyMedium(std::move(*fire)));
+  }
   return medium.fds->addSurfaces(time, buildings);
 }
 
 Status SceneDocument::addBoards(double time, Progress& progress, ViewScene& scene, Still& still) {
   for (Board& board : boards_) {
-    need(scene, "billboards");
     board.volume.setProgress(progress);
-    VOLUTE_ASSIGN(const auto volume,
-                  board.volume.mediumAt(board.volume.positionAt(time), still.law.factor()));
+    const int position = board.volume.positionAt(time);
+    const double factor = still.law.factor();
+    VOLUTE_ASSIGN(auto slice, board.volume.sliceAt(position));
+    scene.media.billboards.push_back(
+        {glVolumeOf(std::move(slice), board.volume.appearance(), factor), board.options});
+    VOLUTE_ASSIGN(const auto volume, board.volume.mediumAt(position, factor));
     BillboardOptions options = board.options;
     options.shown = board.volume.info().bounds;
     still.viewed.push_back(
@@ -168,7 +161,10 @@ Status SceneDocument::addBoards(double time, Progress& progress, ViewScene& scen
 
 /// Light at the corners is found anew where it may have changed: lamps shine through smoke.
 void SceneDocument::addSurfaces(const SceneWish& wish, const Still& still, ViewScene& scene) {
-  if (still.geometry.empty() || !wish.openGl || !scene.onlyProcessor.empty())
+  if (!wish.openGl)
+    return;
+  const bool walls = std::ranges::any_of(still.walls, [](const auto& wall) { return !!wall; });
+  if (still.geometry.empty() && !walls)
     return;
   if (!surfaces_ || !scene_.lights.lamps.empty()) {
     std::vector<AnyMedium> media;
@@ -180,7 +176,16 @@ void SceneDocument::addSurfaces(const SceneWish& wish, const Still& still, ViewS
     surfaces_ = std::make_shared<const ViewSurfaces>(
         surfaceCorners({still.geometry, scene_.lights.lamps, scene_.lights.ambient, media}));
   }
-  scene.surfaces = surfaces_;
+  if (!walls) {
+    scene.surfaces = surfaces_;
+    return;
+  }
+  auto all = std::make_shared<ViewSurfaces>(*surfaces_);
+  for (std::size_t i = 0; i < still.smokes.size(); ++i) {
+    if (still.walls[i])
+      all->add(wallCorners(still.smokes[i], still.lights, *still.walls[i]));
+  }
+  scene.surfaces = std::move(all);
 }
 
 ProcessorPicture SceneDocument::byProcessor(std::shared_ptr<const Still> still) const {
@@ -211,18 +216,24 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneWish& wish, Progress& progre
       VOLUTE_TRY(addFds(medium, time, scene, *still, buildings));
   }
   VOLUTE_TRY(addBoards(time, progress, scene, *still));
+  scene.media.fogFactor = still->law.factor();
+  scene.media.smokeMethod = options_.smokeMethod;
+  scene.media.shade = geometry_;  // fogShadows() of the same
   still->geometry = geometry_;
   if (!buildings.triangles.empty()) {
     VOLUTE_ASSIGN(still->geometry, withBuildings(std::move(buildings)));
   }
+  scene.geometry = still->geometry;
   addSurfaces(wish, *still, scene);
   for (const Sign& sign : scene_.signs) scene.quads.push_back(quadOf(sign, still->law));
   if (media_.size() == 1 && (media_[0].smoke || media_[0].fds) && extensionOf(path_) != ".json")
     addBox(bounds_, kOutline, scene.aids);
   scene.processor = byProcessor(still);
-  if (!still->geometry.empty()) {
+  const bool walls = std::ranges::any_of(still->walls, [](const auto& wall) { return !!wall; });
+  if (!still->geometry.empty() || walls) {
     auto bare = std::make_shared<Still>(*still);
     bare->geometry = {};
+    std::ranges::fill(bare->walls, std::nullopt);
     scene.bare = byProcessor(bare);
   }
   return scene;

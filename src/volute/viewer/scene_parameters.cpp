@@ -209,6 +209,8 @@ void addSigns(std::vector<Parameter>& out, const Json& signs, const SceneDescrip
     group.add("emits light", "emitting", Kind::kFlag,
               {signs[i].value("emitting", false) ? 1.0 : 0.0});
     group.range("C", "C", sign.c, 1, 10).help = "no longer seen at this optical depth";
+    group.range("width", "size/0", sign.width, 0.05, 3, "m");
+    group.range("height", "size/1", sign.height, 0.05, 3, "m");
   }
 }
 
@@ -272,6 +274,13 @@ Status setParameter(Json& json, const SceneDescription& scene, const std::string
   const Json put = jsonOf(*found, value);
   const Json::json_pointer pointer(path);
   const std::string key = pointer.back();
+  if (path.find("/size/") != std::string::npos) {
+    Json& size = json[pointer.parent_pointer()];
+    if (size.is_null())
+      size = {Sign{}.width, Sign{}.height};
+    size[key == "0" ? 0 : 1] = put;
+    return {};
+  }
   Json& object = json[pointer.parent_pointer()];
   const bool smoke = path.starts_with("/media/") && object.value("kind", "") == "smoke";
   if (smoke && (key == "mode" || key == "C")) {

@@ -30,6 +30,7 @@ class ViewerScript {
     input_.pressed.clear();
     input_.typed.clear();
     input_.dropped.clear();
+    input_.closes = false;
     input_.wheel = 0;
     return goes;
   }
@@ -59,6 +60,11 @@ class ViewerScript {
 
   void drop(const std::string& path) {
     input_.dropped = path;
+    frame();
+  }
+
+  void close() {
+    input_.closes = true;
     frame();
   }
 

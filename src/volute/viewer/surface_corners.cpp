@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <queue>
 
 namespace volute {
@@ -49,10 +50,53 @@ std::vector<Triangle> divided(std::span<const Triangle> triangles, std::size_t m
   return out;
 }
 
+/// The boundary's faces, anticlockwise from inside; materials are places in boundary().
+std::vector<Triangle> wallsOf(const TetMesh& mesh) {
+  std::vector<Triangle> walls;
+  const auto points = mesh.vertices();
+  for (std::size_t i = 0; i < mesh.boundary().size(); ++i) {
+    const TetFace& face = mesh.faces()[mesh.boundary()[i]];
+    Triangle wall{{}, static_cast<std::uint32_t>(i)};
+    for (int k = 0; k < 3; ++k) wall.corners[k] = points[face.vertices[k]];
+    const Vec3& inner = points[mesh.tets()[face.first / 4][face.first % 4]];
+    if (wall.normal().dot(inner - wall.corners[0]) < 0)
+      std::swap(wall.corners[1], wall.corners[2]);
+    walls.push_back(wall);
+  }
+  return walls;
+}
+
+/// How much of each vertex a point of a face has.
+Vec3 sharesIn(const TetFace& face, std::span<const Vec3> points, const Vec3& point) {
+  const Vec3& a = points[face.vertices[0]];
+  const Vec3 u = points[face.vertices[1]] - a, v = points[face.vertices[2]] - a, w = point - a;
+  const Vec3 normal = u.cross(v);
+  const double area = normal.squaredNorm();
+  const double second = w.cross(v).dot(normal) / area, third = u.cross(w).dot(normal) / area;
+  return Vec3(1 - second - third, second, third).cwiseMax(0).cwiseMin(1);
+}
+
+/// What reaches a point of a wall, as radiance if the wall reflects all of it.
+Rgb lightOn(const SmokeState& smoke, const SceneLights& lights, const TetFace& face,
+            const Vec3& normal, const Vec3& point) {
+  const Vec3 shares = sharesIn(face, smoke.locator->mesh().vertices(), point);
+  Rgb light = lights.ambient;
+  for (std::size_t l = 0; l < lights.lamps.size(); ++l) {
+    const double cosine = normal.dot(lights.lamps[l].towards(point).direction);
+    if (!(cosine > 0))
+      continue;
+    double share = 0;
+    for (int k = 0; k < 3; ++k) share += shares[k] * smoke.lampShares[l][face.vertices[k]];
+    light += share * cosine / std::numbers::pi * lights.lamps[l].irradiance(point);
+  }
+  return light;
+}
+
+constexpr double kPieces = 60;  ///< across the scene
+
 }  // namespace
 
 ViewSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most) {
-  constexpr double kPieces = 60;  // across the scene
   const double smallest = scene.geometry.bounds().size().norm() / kPieces;
   const auto triangles = divided(scene.geometry.triangles(), most, smallest);
   const double reach = 1e-4 * scene.geometry.bounds().size().norm();
@@ -76,6 +120,27 @@ ViewSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most) {
   }
   for (const SurfacePoint& point : lookAtSurfaces(scene, looks)) {
     for (int c = 0; c < 3; ++c) surfaces.colors.push_back(static_cast<float>(point.radiance[c]));
+  }
+  return surfaces;
+}
+
+ViewSurfaces wallCorners(const SmokeState& smoke, const SceneLights& lights, const Rgb& color,
+                         std::size_t most) {
+  const TetMesh& mesh = smoke.locator->mesh();
+  ViewSurfaces surfaces;
+  for (const Triangle& piece :
+       divided(wallsOf(mesh), most, mesh.bounds().size().norm() / kPieces)) {
+    const Vec3 across = piece.normal();
+    if (!(across.norm() > 0))
+      continue;
+    const TetFace& face = mesh.faces()[mesh.boundary()[piece.material]];
+    for (const Vec3& corner : piece.corners) {
+      const Rgb light = color * lightOn(smoke, lights, face, across.normalized(), corner);
+      for (int axis = 0; axis < 3; ++axis) {
+        surfaces.corners.push_back(static_cast<float>(corner[axis]));
+        surfaces.colors.push_back(static_cast<float>(light[axis]));
+      }
+    }
   }
   return surfaces;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "volute/render/surfaces.hpp"
+#include "volute/scene/smoke_layer.hpp"
 #include "volute/viewer/view_scene.hpp"
 
 namespace volute {
@@ -13,5 +14,11 @@ namespace volute {
 /// front first.
 /// @param most  how many triangles may come out, sides counted once; at least those that there are
 ViewSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most = 20000);
+
+/// The boundary of a smoke's mesh likewise, as walls that reflect `color` of the lamps' light, seen
+/// from inside alone: lookAtWalls(), but with the light at corners of pieces, between which it is
+/// linear, as is the share of it that comes through the smoke between the vertices of a face.
+ViewSurfaces wallCorners(const SmokeState& smoke, const SceneLights& lights, const Rgb& color,
+                         std::size_t most = 20000);
 
 }  // namespace volute

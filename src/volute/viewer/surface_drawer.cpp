@@ -41,6 +41,20 @@ GlTexture pictureTexture(const Image& picture) {
   return GlTexture(name);
 }
 
+/// How far from the eye, at most, anything is [m].
+double farthestOf(const Camera& camera, const Box3& bounds, const std::vector<ViewQuad>& quads) {
+  Box3 all = bounds;
+  for (const ViewQuad& quad : quads) {
+    for (const double across : {0.0, 1.0}) {
+      for (const double below : {0.0, 1.0})
+        all.extend(quad.corner + across * quad.right + below * quad.down);
+    }
+  }
+  const Vec3 least = (all.min - camera.eye()).cwiseAbs(),
+             most = (all.max - camera.eye()).cwiseAbs();
+  return 1.01 * std::max(least.cwiseMax(most).norm(), 1.0);
+}
+
 }  // namespace
 
 Result<SurfaceDrawer> SurfaceDrawer::create() {
@@ -89,6 +103,9 @@ void SurfaceDrawer::upload(const std::shared_ptr<const ViewSurfaces>& surfaces) 
   uploaded_ = surfaces;
   if (!surfaces)
     return;
+  bounds_ = Box3();
+  for (std::size_t i = 0; i < surfaces->corners.size(); i += 3)
+    bounds_.extend(Vec3(surfaces->corners[i], surfaces->corners[i + 1], surfaces->corners[i + 2]));
   positions_ = makeBuffer(std::span(surfaces->corners));
   lights_ = makeBuffer(std::span(surfaces->colors));
   constexpr GLsizei kStride = 3 * sizeof(float);
@@ -104,7 +121,7 @@ GLuint SurfaceDrawer::textureOf(const std::shared_ptr<const Image>& picture) {
   return found->second.texture.name();
 }
 
-void SurfaceDrawer::look(const GlProgram& program, const Camera& camera) {
+void SurfaceDrawer::look(const GlProgram& program, const Camera& camera) const {
   program.use();
   program.set("eye", camera.eye());
   program.set("right", camera.right());
@@ -112,7 +129,9 @@ void SurfaceDrawer::look(const GlProgram& program, const Camera& camera) {
   program.set("forward", camera.forward());
   const double halfWidth = 0.5 * camera.width() * camera.pixelWidth();
   const double halfHeight = 0.5 * camera.height() * camera.pixelSize();
-  program.set("lens", Vec3(halfWidth, halfHeight, kNearest));
+  const bool parallel = camera.isOrthographic();
+  program.set("lens", Vec3(halfWidth, halfHeight, parallel ? 1 / (4 * farthest_) : kNearest));
+  program.set("parallel", parallel ? 1 : 0);
   const Vec2& principal = camera.principalPoint();
   program.set("middle", Vec3(2 * principal.x() / camera.width() - 1,
                              2 * principal.y() / camera.height() - 1, 0));
@@ -146,6 +165,7 @@ bool SurfaceDrawer::draw(const Camera& camera, const ViewScene& scene, bool surf
   if (!any)
     return false;
   resize(camera.width(), camera.height());
+  farthest_ = farthestOf(camera, triangles ? bounds_ : Box3(), scene.quads);
   glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
   glViewport(0, 0, width_, height_);
   glDisable(GL_BLEND);
@@ -167,10 +187,10 @@ bool SurfaceDrawer::draw(const Camera& camera, const ViewScene& scene, bool surf
     glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(scene.surfaces->corners.size() / 3));
   }
   look(pictures_, camera);
+  glFrontFace(GL_CCW);  // whoever reads a picture sees its corners go round the other way
   drawQuads(scene.quads);
   glDisable(GL_CULL_FACE);
   glDisable(GL_DEPTH_TEST);
-  glFrontFace(GL_CCW);
   glDepthFunc(GL_LESS);
   glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   depth_.resize(static_cast<std::size_t>(width_) * height_);

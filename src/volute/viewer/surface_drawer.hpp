@@ -18,7 +18,7 @@ class SurfaceDrawer {
  public:
   [[nodiscard]] static Result<SurfaceDrawer> create();
 
-  /// Before a pinhole camera without a lens. True if the scene has anything opaque.
+  /// Before a camera without a lens. True if the scene has anything opaque.
   /// @param surfaces  false: its quads alone
   bool draw(const Camera& camera, const ViewScene& scene, bool surfaces = true);
 
@@ -42,16 +42,18 @@ class SurfaceDrawer {
   void resize(int width, int height);
   void upload(const std::shared_ptr<const ViewSurfaces>& surfaces);
   GLuint textureOf(const std::shared_ptr<const Image>& picture);
-  static void look(const GlProgram& program, const Camera& camera);
+  void look(const GlProgram& program, const Camera& camera) const;
   void drawQuads(const std::vector<ViewQuad>& quads);
 
   GlProgram triangles_, pictures_;
+  double farthest_ = 1;  ///< [m] along the view, that a parallel camera draws
   GlTexture colors_, distances_, nearest_;
   GlFramebuffer frame_;
   GlVertexArray corners_, nothing_;
   GlBuffer positions_, lights_;
   GlObject<detail::destroySampler> smooth_;
   std::shared_ptr<const ViewSurfaces> uploaded_;
+  Box3 bounds_;  ///< of what is uploaded
   std::map<const Image*, Kept> kept_;
   std::vector<float> depth_;
   int width_ = 0, height_ = 0;

@@ -7,12 +7,13 @@
 
 namespace volute {
 
-/// The viewer's camera: turns around a point, or walks from where it is. z is up.
+/// The viewer's camera: turns around a point, or walks from where it is; a pinhole or parallel. It
+/// stays upright, along what it was told is up.
 class ViewCamera {
  public:
   enum class Mode { kOrbit, kWalk };
 
-  /// Sees all of the bounds.
+  /// Sees all of the bounds, from the side that is up as it is.
   void frame(const Box3& bounds, int width, int height);
 
   void set(const StartView& view);
@@ -35,7 +36,7 @@ class ViewCamera {
 
   Camera camera(int width, int height) const;
 
-  StartView view() const { return {eye_, target(), Vec3::UnitZ(), fov_}; }
+  StartView view() const { return {eye_, target(), upwards(), fov_, ortho_}; }
 
   bool operator==(const ViewCamera&) const = default;
 
@@ -47,6 +48,15 @@ class ViewCamera {
 
   void setFov(double degrees);
 
+  bool parallel() const { return ortho_ > 0; }
+
+  double ortho() const { return ortho_; }  ///< [m], the height of its view volume; 0: a pinhole
+
+  void setOrtho(double height);  ///< of a parallel one [m], > 0
+
+  /// Towards the side that is up, of unit length.
+  Vec3 upwards() const { return frame_.col(2); }
+
  private:
   Vec3 forward() const;
   Vec3 right() const;
@@ -55,10 +65,12 @@ class ViewCamera {
 
   Mode mode_ = Mode::kOrbit;
   Vec3 eye_ = Vec3(0, -3, 0);
-  double yaw_ = 0;    ///< 0 looks along +y, grows to the left
-  double pitch_ = 0;  ///< up
+  Mat3 frame_ = Mat3::Identity();  ///< in columns: two directions that are level, and up
+  double yaw_ = 0;                 ///< 0 looks along the second of them, grows to the left
+  double pitch_ = 0;               ///< up
   double distance_ = 3;
   double fov_ = 40;
+  double ortho_ = 0;
 };
 
 }  // namespace volute

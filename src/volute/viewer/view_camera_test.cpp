@@ -75,5 +75,67 @@ TEST(ViewCamera, WalkingStaysAtTheHeightOfTheEye) {
   expectNear(camera.eye(), before);
 }
 
+TEST(ViewCamera, IsUprightAsItIsTold) {
+  for (const Vec3& up : {Vec3(0, 1, 0), Vec3(0, -2, 0), Vec3(0, 0, -1), Vec3(1, 1, 1),
+                         Vec3(0, 0, 0), Vec3(0.3, 2, -1)}) {
+    SCOPED_TRACE(up.transpose());
+    const View3 view{Vec3(1, -2, 0.5), Vec3(0, 3, 1), up};
+    ViewCamera camera;
+    camera.set({view.eye, view.target, up, 55});
+    expectNear(camera.camera(kWidth, kHeight).right(),
+               Camera::pinhole(view, 55, kWidth, kHeight).right());
+    expectNear(camera.camera(kWidth, kHeight).down(),
+               Camera::pinhole(view, 55, kWidth, kHeight).down());
+    ViewCamera again;
+    again.set(camera.view());
+    expectNear(again.camera(kWidth, kHeight).right(), camera.camera(kWidth, kHeight).right());
+    camera.drag(70, 20);  // turns around what is up
+    EXPECT_NEAR(camera.camera(kWidth, kHeight).right().dot(camera.upwards()), 0, 1e-12);
+    const Vec3 eye = camera.eye();
+    camera.walk(0, 0, 2);
+    expectNear(camera.eye(), eye + 2 * camera.upwards());
+  }
+}
+
+TEST(ViewCamera, LooksAlongUpAsCamerasDo) {
+  for (const Vec3& up : {Vec3(0, 0, 1), Vec3(0, 1, 0), Vec3(-1, 0, 0)}) {
+    for (const double sign : {1.0, -1.0}) {
+      const View3 view{sign * 4 * up, Vec3::Zero(), up};
+      ViewCamera camera;
+      camera.set({view.eye, view.target, up, 55});
+      const Camera taken = camera.camera(kWidth, kHeight);
+      const Camera expected = Camera::pinhole(view, 55, kWidth, kHeight);
+      expectNear(taken.forward(), expected.forward());
+      expectNear(taken.right(), expected.right());
+    }
+  }
+}
+
+TEST(ViewCamera, AParallelOneSeesItsHeight) {
+  ViewCamera camera;
+  camera.set({Vec3(1, -2, 0.5), Vec3(0, 3, 1), Vec3::UnitZ(), 55, 6});
+  const Camera taken = camera.camera(kWidth, kHeight);
+  ASSERT_TRUE(taken.isOrthographic());
+  EXPECT_NEAR(taken.pixelSize() * kHeight, 6, 1e-12);
+  const Vec3 target(0, 3, 1);
+  camera.pan(10, 6, kHeight);
+  const auto place = camera.camera(kWidth, kHeight).project(target);
+  ASSERT_TRUE(place);
+  EXPECT_NEAR(place->x(), 0.5 * kWidth + 10, 1e-6);
+  EXPECT_NEAR(place->y(), 0.5 * kHeight + 6, 1e-6);
+  camera.zoom(2);
+  EXPECT_LT(camera.ortho(), 6);
+  EXPECT_EQ(camera.view().ortho, camera.ortho());
+  const Box3 bounds{Vec3(-1, 0, 0), Vec3(2, 1, 4)};
+  camera.frame(bounds, kWidth, kHeight);
+  ASSERT_TRUE(camera.parallel());
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 corner(i & 1 ? -1 : 2, i & 2 ? 0 : 1, i & 4 ? 0 : 4);
+    const auto seen = camera.camera(kWidth, kHeight).project(corner);
+    ASSERT_TRUE(seen);
+    EXPECT_LT(std::abs(seen->y() - 0.5 * kHeight), 0.6 * kHeight);
+  }
+}
+
 }  // namespace
 }  // namespace volute

@@ -47,12 +47,12 @@ ViewPicture::ViewPicture(GlRenderer renderer, SurfaceDrawer surfaces, Display di
   glTextureSubImage2D(blank_.name(), 0, 0, 0, 1, 1, GL_RGBA, GL_FLOAT, kNothing);
 }
 
-Result<ViewPicture> ViewPicture::create(bool hardware) {
+Result<ViewPicture> ViewPicture::create(const PictureMakers& makers) {
   VOLUTE_ASSIGN(auto renderer, GlRenderer::create());
   VOLUTE_ASSIGN(auto surfaces, SurfaceDrawer::create());
   VOLUTE_ASSIGN(auto display, Display::create());
   ViewPicture picture(std::move(renderer), std::move(surfaces), std::move(display));
-  picture.hardware_ = hardware;
+  picture.makers_ = makers;
   return picture;
 }
 
@@ -65,8 +65,13 @@ void ViewPicture::setScene(std::shared_ptr<const ViewScene> scene) {
 bool ViewPicture::byProcessor(const PictureWish& wish) const {
   if (!scene_->processor || wish.renderer == ViewRenderer::kGl)
     return false;
-  return wish.renderer == ViewRenderer::kProcessor || !hardware_ ||
-         !scene_->onlyProcessor.empty() || !refused_.empty();
+  return wish.renderer == ViewRenderer::kProcessor || !makers_.hardware || !refused_.empty();
+}
+
+std::string ViewPicture::whyProcessor(const PictureWish& wish) const {
+  return wish.renderer == ViewRenderer::kProcessor ? "as you chose"
+         : !makers_.hardware                       ? "there is no graphics card"
+                                                   : refused_;
 }
 
 double ViewPicture::quickScale(const PictureWish& wish, double seconds) const {
@@ -86,20 +91,30 @@ void ViewPicture::noteTime(double seconds, int width, int height, bool processor
   (processor ? processorAPixel_ : secondsAPixel_) = seconds / (static_cast<double>(width) * height);
 }
 
+/// What is refused once is not tried again before the scene changes.
+Status ViewPicture::drawMedia(const PictureWish& wish, const Camera& camera) {
+  media_ = false;
+  if (scene_->media.media() == 0 || (wish.renderer == ViewRenderer::kGl && !refused_.empty()))
+    return {};
+  const auto depth = opaque_ ? surfaces_.depth() : std::span<const float>();
+  Progress quiet;
+  const Status drawn = renderer_.draw(camera, scene_->media, GlQuantity::kLight, quiet, depth);
+  media_ = drawn.has_value();
+  return drawn;
+}
+
 Status ViewPicture::drawByGl(const PictureWish& wish, double scale) {
   const int width = pixels(scale, wish.width), height = pixels(scale, wish.height);
   const Camera camera = wish.camera.camera(width, height);
   const auto begun = std::chrono::steady_clock::now();
   opaque_ = surfaces_.draw(camera, *scene_, wish.surfaces);
-  Progress quiet;
-  if (scene_->media.media() > 0) {
-    const auto depth = opaque_ ? surfaces_.depth() : std::span<const float>();
-    VOLUTE_TRY(renderer_.draw(camera, scene_->media, GlQuantity::kLight, quiet, depth));
-  }
+  VOLUTE_TRY(drawMedia(wish, camera));
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
   double onDevice = 0;
-  for (const GlPassTime& pass : renderer_.takePasses()) onDevice += 1e-3 * pass.milliseconds;
-  noteTime(onDevice > 0 ? onDevice : spent.count(), width, height, false);
+  times_.passes = renderer_.takePasses();
+  for (const GlPassTime& pass : times_.passes) onDevice += 1e-3 * pass.milliseconds;
+  // A rasteriser on the processor has computed before its clock looks.
+  noteTime(makers_.hardware && onDevice > 0 ? onDevice : spent.count(), width, height, false);
   scale_ = scale;
   processed_ = false;
   return {};
@@ -126,6 +141,7 @@ Status ViewPicture::takeFinished() {
   pictureWidth_ = image.width, pictureHeight_ = image.height;
   glTextureSubImage2D(picture_.name(), 0, 0, 0, image.width, image.height, GL_RGBA, GL_FLOAT,
                       texels.data());
+  times_.passes.clear();
   noteTime(done->seconds, image.width, image.height, true);
   scale_ = finishedScale_ = done->scale;
   processed_ = true;
@@ -166,11 +182,17 @@ Status ViewPicture::drawByProcessor(const PictureWish& wish) {
 Status ViewPicture::update(const PictureWish& wish) {
   if (!scene_)
     return {};
-  remark_ = scene_->onlyProcessor.empty()        ? refused_
-            : wish.renderer == ViewRenderer::kGl ? "not drawn: " + scene_->onlyProcessor
-                                                 : "by the processor: " + scene_->onlyProcessor;
+  remark_ = refused_.empty()                     ? ""
+            : wish.renderer == ViewRenderer::kGl ? "without the media: " + refused_
+                                                 : "by the processor: " + refused_;
   if (byProcessor(wish)) {
-    const Status drawn = drawByProcessor(wish);
+    times_.why = whyProcessor(wish);
+    const Status drawn =
+        makers_.processor
+            ? drawByProcessor(wish)
+            : fail(ErrorCode::kUnsupported,
+                   "the processor would draw this ({}), which VOLUTE_CPU_RENDERER=off forbids",
+                   times_.why);
     if (!drawn)
       scene_.reset();
     return drawn;
@@ -184,9 +206,9 @@ Status ViewPicture::update(const PictureWish& wish) {
   drawn_ = wish;
   if (drawn)
     return {};
-  if (drawn.error().code != ErrorCode::kCancelled && scene_->processor) {
+  if (scene_->processor) {
     refused_ = drawn.error().message;
-    changed_ = true;
+    changed_ = true;  // the next frame does without
     return {};
   }
   scene_.reset();
@@ -206,7 +228,7 @@ bool ViewPicture::settled(const PictureWish& wish) const {
 GLuint ViewPicture::texture() const {
   if (processed_)
     return picture_.name();
-  return scene_ && scene_->media.media() == 0 ? blank_.name() : renderer_.texture();
+  return media_ ? renderer_.texture() : blank_.name();
 }
 
 void ViewPicture::show(DisplayLook look, int width, int height) {

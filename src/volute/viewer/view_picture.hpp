@@ -17,6 +17,12 @@ namespace volute {
 /// How finely a picture is drawn.
 enum class Quality { kAuto, kFull, kHalf, kQuarter };
 
+/// Who may draw.
+struct PictureMakers {
+  bool hardware = false;  ///< OpenGL is a graphics card, not a rasteriser on the processor
+  bool processor = true;  ///< else what it would have drawn is an error
+};
+
 /// Who draws it.
 enum class ViewRenderer {
   kAuto,       ///< OpenGL on a graphics card, where it can; else the processor
@@ -36,9 +42,12 @@ struct PictureWish {
 
 /// What the last pictures took.
 struct FrameTimes {
-  double milliseconds = 0;       ///< the last picture, on the device or the processor
-  int width = 0, height = 0;     ///< that it had [pixels]
-  bool processor = false;        ///< who drew it
+  double milliseconds = 0;    ///< the last picture, on the device or the processor
+  int width = 0, height = 0;  ///< that it had [pixels]
+  bool processor = false;     ///< who drew it
+  std::string why{};          ///< it was the processor
+  /// What OpenGL did for it. Opaque things, which are rasterised, are not in it.
+  std::vector<GlPassTime> passes{};
   std::vector<float> history{};  ///< the last pictures [ms]
 };
 
@@ -46,8 +55,9 @@ struct FrameTimes {
 /// own, coarse first. Needs the context that it was made in.
 class ViewPicture {
  public:
-  /// @param hardware  OpenGL is a graphics card, not a rasteriser on the processor
-  [[nodiscard]] static Result<ViewPicture> create(bool hardware);
+  [[nodiscard]] static Result<ViewPicture> create(const PictureMakers& makers);
+
+  const PictureMakers& makers() const { return makers_; }
 
   void setScene(std::shared_ptr<const ViewScene> scene);
 
@@ -59,7 +69,7 @@ class ViewPicture {
 
   /// Whether OpenGL may draw what is wished for.
   bool mayUseGl(ViewRenderer renderer) const {
-    return renderer == ViewRenderer::kGl || (renderer == ViewRenderer::kAuto && hardware_);
+    return renderer == ViewRenderer::kGl || (renderer == ViewRenderer::kAuto && makers_.hardware);
   }
 
   /// Whether it is as fine as it will be.
@@ -75,13 +85,15 @@ class ViewPicture {
 
   const FrameTimes& times() const { return times_; }
 
-  /// Why the processor draws, or what is not drawn; empty: nothing to be said.
+  /// What OpenGL would not draw, and what became of it; empty: nothing to be said.
   const std::string& remark() const { return remark_; }
 
  private:
   ViewPicture(GlRenderer renderer, SurfaceDrawer surfaces, Display display);
 
   bool byProcessor(const PictureWish& wish) const;
+  std::string whyProcessor(const PictureWish& wish) const;
+  Status drawMedia(const PictureWish& wish, const Camera& camera);
   double quickScale(const PictureWish& wish, double seconds) const;
   Status drawByGl(const PictureWish& wish, double scale);
   Status drawByProcessor(const PictureWish& wish);
@@ -103,8 +115,9 @@ class ViewPicture {
   double scale_ = 0;     ///< of the window's pixels a side, of the picture that is shown; 0: none
   PictureWish drawn_;    ///< that the picture answers
   bool changed_ = true;  ///< another scene since
-  bool hardware_ = true;
+  PictureMakers makers_;
   bool opaque_ = false;     ///< OpenGL's picture has surfaces
+  bool media_ = false;      ///< and media
   bool processed_ = false;  ///< the processor took it
   int asked_ = 0;           ///< number of the wish that the processor works on
   double askedScale_ = 0, finishedScale_ = 0;

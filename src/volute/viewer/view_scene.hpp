@@ -10,15 +10,22 @@
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
 #include "volute/camera/camera.hpp"
+#include "volute/geometry/triangle_scene.hpp"
 #include "volute/gl/gl_scene.hpp"
 #include "volute/image/image.hpp"
 
 namespace volute {
 
-/// Opaque triangles with the light that they send back already found at their corners.
+/// Opaque triangles, seen where their corners go round anticlockwise, with the light that they send
+/// back already found at their corners.
 struct ViewSurfaces {
   std::vector<float> corners;  ///< [m], 9 numbers a triangle
   std::vector<float> colors;   ///< linear RGB radiance, 9 numbers a triangle
+
+  void add(const ViewSurfaces& more) {
+    corners.insert(corners.end(), more.corners.begin(), more.corners.end());
+    colors.insert(colors.end(), more.colors.begin(), more.colors.end());
+  }
 };
 
 /// A flat picture in space: a sign, or what a camera of a capture saw.
@@ -50,8 +57,8 @@ struct ViewScene {
   std::vector<ViewLine> aids{};  ///< likewise, but not on pictures without panels
   ProcessorPicture processor{};  ///< empty: there is none
   ProcessorPicture bare{};       ///< the same without surfaces; empty: there are none
-  /// What OpenGL cannot draw, as a sentence; empty: it draws all.
-  std::string onlyProcessor{};
+  /// What a pointer or a ray meets: all triangles of the scene, however they are drawn.
+  TriangleScene geometry{};
 };
 
 }  // namespace volute

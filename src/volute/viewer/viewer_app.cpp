@@ -32,15 +32,21 @@ constexpr std::pair<Key, ImGuiKey_> kTextKeys[] = {{Key::kLeft, ImGuiKey_LeftArr
 
 }  // namespace
 
-ViewerApp::ViewerApp(OpenDocument open, GlDevice device, ViewPicture picture)
-    : device_(std::move(device)), picture_(std::move(picture)), loader_(std::move(open)) {
+ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, GlDevice device,
+                     ViewPicture picture)
+    : options_(options),
+      device_(std::move(device)),
+      picture_(std::move(picture)),
+      loader_(std::move(open)) {
+  if (options_.renderer)
+    settings_.look.renderer = static_cast<int>(*options_.renderer);
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
   for (const auto& [key, theirs] : kTextKeys) io.KeyMap[theirs] = static_cast<int>(key);
   styleControls();
-  loader_.setOpenGl(picture_.mayUseGl(ViewRenderer::kAuto));
+  loader_.setOpenGl(picture_.mayUseGl(static_cast<ViewRenderer>(settings_.look.renderer)));
   ImGui_ImplOpenGL3_Init("#version 450");
 }
 
@@ -49,27 +55,63 @@ ViewerApp::~ViewerApp() {
   ImGui::DestroyContext();
 }
 
-Result<std::unique_ptr<ViewerApp>> ViewerApp::create(OpenDocument open) {
+Result<std::unique_ptr<ViewerApp>> ViewerApp::create(OpenDocument open,
+                                                     const ViewerOptions& options) {
   VOLUTE_ASSIGN(auto device, currentGlDevice());
-  VOLUTE_ASSIGN(auto picture, ViewPicture::create(device.hardware));
+  VOLUTE_ASSIGN(auto picture, ViewPicture::create({device.hardware, options.processor}));
   return std::unique_ptr<ViewerApp>(
-      new ViewerApp(std::move(open), std::move(device), std::move(picture)));
+      new ViewerApp(std::move(open), options, std::move(device), std::move(picture)));
 }
 
 /// Until the file is open, what is shown stays as it is.
-void ViewerApp::open(const std::string& path, double time) {
-  opening_ = time;
+void ViewerApp::open(const std::string& path, std::optional<double> time) {
+  opening_.emplace(time);
   film_.reset();
   message_.clear();
-  loader_.open(path, time);
+  loader_.open(path, time.value_or(0));
+}
+
+void ViewerApp::leaveFor(const std::string& path) {
+  if (unsavedMap())
+    leaving_ = Leaving{path};
+  else if (path.empty())
+    ends_ = true;
+  else
+    open(path);
+}
+
+void ViewerApp::leaveAndSave() {
+  leaving_->saving = true;
+  saveMap();
+}
+
+void ViewerApp::leaveAndDiscard() {
+  const std::string path = std::exchange(leaving_, std::nullopt)->path;
+  if (path.empty())
+    ends_ = true;
+  else
+    open(path);
+}
+
+/// Once the map is written; an error of that is shown, and nothing is left.
+void ViewerApp::goOnLeaving(bool idle) {
+  if (!leaving_ || !leaving_->saving || !idle)
+    return;
+  leaving_->saving = false;
+  if (!unsavedMap())
+    leaveAndDiscard();
 }
 
 /// Another file is open: nothing stays of the one before.
-void ViewerApp::beginWith(double time) {
+void ViewerApp::beginWith(std::optional<double> asked) {
+  const double time = asked.value_or(0);
   opening_.reset();
+  timeAsked_ = asked.has_value();
   viewSet_ = exposureFound_ = false;
   settings_.look.exposure.reset();
   paint_.drop();
+  savedVersion_.reset();
+  placing_.clear();
   settings_.painting = false;
   timeline_.setTimes({time});
   timeline_.seek(time);
@@ -100,7 +142,7 @@ void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
   if (another) {
     scene_.reset();  // it is the last document's
     if (opening_)
-      beginWith(*opening_);
+      beginWith(std::optional<double>(*opening_));
   }
   for (Parameter& parameter : document_->parameters) {
     if (const auto waiting = pending_.find(parameter.path); waiting != pending_.end())
@@ -112,6 +154,8 @@ void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
   } else {
     const std::size_t number = std::min(paint_.number(), document_->canvases.size() - 1);
     paint_.take(document_->canvases[number], number, document_->opened);
+    if (savedVersion_ && !document_->canvases[number].unsaved)
+      paint_.painter().markSaved(*std::exchange(savedVersion_, std::nullopt));
     planStale_ = true;
     if (settings_.mapName.empty() || another)
       settings_.mapName = paint_.canvas().file;
@@ -131,13 +175,15 @@ void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
   if (!document_->look)
     return;
   settings_.look = *document_->look;
+  if (options_.renderer)
+    settings_.look.renderer = static_cast<int>(*options_.renderer);
   if (settings_.look.exposure) {
     exposure_ = *settings_.look.exposure;
     exposureFound_ = true;
   }
   camera_.setMode(settings_.look.walks ? ViewCamera::Mode::kWalk : ViewCamera::Mode::kOrbit);
   timeline_.setSpeed(settings_.look.speed);
-  if (requested_ == 0 && settings_.look.time)
+  if (!timeAsked_ && settings_.look.time)
     timeline_.seek(*settings_.look.time);
 }
 
@@ -145,7 +191,7 @@ void ViewerApp::takeLoaded(const ViewerInput& input) {
   const Stopwatch watch(costs_.loaded);
   loader_.watch();
   loading_ = loader_.state();
-  error_ = loading_.error;
+  error_ = loading_.error.empty() ? pictureError_ : loading_.error;
   if (loading_.message != lastMessage_)
     message_ = lastMessage_ = loading_.message;
   const bool idle = loader_.idle();  // then all that was asked for is there to be taken
@@ -157,8 +203,12 @@ void ViewerApp::takeLoaded(const ViewerInput& input) {
     opening_.reset();  // it cannot be opened
   if (auto loaded = loader_.takeScene()) {
     scene_ = std::move(*loaded);
+    pictureError_.clear();
     picture_.setScene(scene_->scene);
   }
+  if (idle)
+    savedVersion_.reset();  // it could not be saved
+  goOnLeaving(idle);
 }
 
 void ViewerApp::setParameter(const Parameter& parameter, const std::vector<double>& value) {
@@ -171,6 +221,48 @@ void ViewerApp::setParameter(const Parameter& parameter, const std::vector<doubl
                  [path = parameter.path, value](Document& document,
                                                 Progress& progress) -> Result<std::string> {
                    VOLUTE_TRY(document.set(path, value, progress));
+                   return "";
+                 });
+}
+
+void ViewerApp::edit(const SceneEdit& edit) {
+  pending_.clear();  // their paths may be others' by then
+  loader_.change(fmt::format("edit {}", ++edits_), [edit](Document& document, Progress& progress) {
+    return document.edit(edit, progress);
+  });
+}
+
+WallPlace ViewerApp::placeAlong(const Segment& ray) const {
+  if (scene_) {
+    if (const auto wall = pickWall(*scene_->scene, ray))
+      return *wall;
+  }
+  return {ray.at(camera_.distance()), -ray.direction};
+}
+
+void ViewerApp::add(SceneEdit::Kind kind) {
+  const Camera camera = camera_.camera(seen_.width, seen_.height);
+  const WallPlace place = placeAlong(camera.ray(0.5 * seen_.width, 0.5 * seen_.height));
+  edit({.kind = kind,
+        .position = place.position,
+        .normal = place.normal,
+        .reach = 0.25 * document_->bounds.size().norm()});
+}
+
+void ViewerApp::undoChange() {
+  pending_.clear();
+  loader_.change(fmt::format("edit {}", ++edits_),
+                 [](Document& document, Progress& progress) -> Result<std::string> {
+                   VOLUTE_TRY(document.undo(progress));
+                   return "";
+                 });
+}
+
+void ViewerApp::redoChange() {
+  pending_.clear();
+  loader_.change(fmt::format("edit {}", ++edits_),
+                 [](Document& document, Progress& progress) -> Result<std::string> {
+                   VOLUTE_TRY(document.redo(progress));
                    return "";
                  });
 }
@@ -198,7 +290,8 @@ void ViewerApp::saveMap() {
   if (!paint_.has())
     return;
   sendMap();
-  paint_.painter().markSaved();
+  savedVersion_ = paint_.painter().version();
+  paint_.savesAs(settings_.mapName);
   loader_.change(
       "save map",
       [target = settings_.mapName, number = paint_.number(), map = paint_.painter().picture()](
@@ -210,12 +303,13 @@ void ViewerApp::saveMap() {
 
 void ViewerApp::sendMap() {
   planStale_ = true;
-  loader_.change(fmt::format("map {}", paint_.number()),
-                 [number = paint_.number(), map = paint_.painter().coefficients().c](
-                     Document& document, Progress&) -> Result<std::string> {
-                   VOLUTE_TRY(document.setFogMap(number, map));
-                   return "";
-                 });
+  loader_.change(
+      fmt::format("map {}", paint_.number()),
+      [number = paint_.number(), map = paint_.painter().coefficients().c,
+       unsaved = paint_.painter().changed()](Document& document, Progress&) -> Result<std::string> {
+        VOLUTE_TRY(document.setFogMap(number, map, unsaved));
+        return "";
+      });
 }
 
 void ViewerApp::undoPainting() {
@@ -267,7 +361,7 @@ void ViewerApp::beginFilm(const ViewerInput& input) {
   order.renderer = static_cast<ViewRenderer>(settings_.look.renderer);
   order.surfaces = settings_.look.surfaces;
   timeline_.play(false);
-  auto film = FilmExport::begin(order, device_.hardware);
+  auto film = FilmExport::begin(order, picture_.makers());
   if (film)
     film_ = std::move(*film);
   else
@@ -319,7 +413,7 @@ Status ViewerApp::drawPicture(const ViewerInput& input) {
   loader_.setOpenGl(picture_.mayUseGl(wish(input).renderer));
   const Status drawn = picture_.update(wish(input));
   if (!drawn) {
-    error_ = drawn.error().message;
+    error_ = pictureError_ = drawn.error().message;
     scene_.reset();
   }
   if (!exposureFound_ && document_ && scene_ && !scene_->coarse && picture_.settled(wish(input))) {
@@ -365,7 +459,9 @@ Status ViewerApp::frame(const ViewerInput& input) {
   seen_ = input;
   costs_ = {};
   if (!input.dropped.empty())
-    open(input.dropped);
+    leaveFor(input.dropped);
+  if (input.closes)
+    leaveFor("");
   takeLoaded(input);
   usePanels(input);
   VOLUTE_TRY(drawPicture(input));

@@ -11,6 +11,7 @@
 #include "volute/viewer/film_export.hpp"
 #include "volute/viewer/loader.hpp"
 #include "volute/viewer/paint_tool.hpp"
+#include "volute/viewer/pick_wall.hpp"
 #include "volute/viewer/timeline.hpp"
 #include "volute/viewer/view_camera.hpp"
 #include "volute/viewer/view_picture.hpp"
@@ -38,6 +39,21 @@ struct FrameCosts {
   double shown = 0;    ///< picture and panels into the window
 };
 
+/// What is settled before any file is open.
+struct ViewerOptions {
+  std::optional<ViewRenderer> renderer{};  ///< whatever scenes say
+  /// Else what only the processor could draw is an error: tests see so that OpenGL draws all.
+  bool processor = true;
+};
+
+/// How a viewer begins.
+struct ViewerStart {
+  std::string path{};              ///< empty: no file is open
+  std::optional<double> time{};    ///< [s]; nothing: where the file's own look says
+  int width = 1280, height = 800;  ///< [pixels]
+  ViewerOptions options{};
+};
+
 /// Where a control was drawn in the last frame [pixels]. Scripts find the controls by their names.
 struct ControlPlace {
   float left = 0, top = 0, right = 0, bottom = 0;
@@ -47,10 +63,37 @@ struct ControlPlace {
 /// is bound. Needs a current context of OpenGL 4.5; one at a time in a program (Dear ImGui's).
 class ViewerApp {
  public:
-  [[nodiscard]] static Result<std::unique_ptr<ViewerApp>> create(OpenDocument open);
+  [[nodiscard]] static Result<std::unique_ptr<ViewerApp>> create(OpenDocument open,
+                                                                 const ViewerOptions& options = {});
   ~ViewerApp();
 
-  void open(const std::string& path, double time = 0);
+  /// @param time  [s] to begin at; nothing: where the document's look says, else at 0
+  /// What is unsaved of the document before is lost.
+  void open(const std::string& path, std::optional<double> time = std::nullopt);
+
+  /// Opens a file, or ends the viewer (an empty name); first asks a person what to do with fog that
+  /// was painted and is in no file.
+  void leaveFor(const std::string& path);
+
+  /// Whether a person wants the viewer to end, and nothing has still to be saved.
+  bool ends() const { return ends_; }
+
+  /// Where to a person wants to leave, while there is painted fog to be asked about.
+  struct Leaving {
+    std::string path;     ///< empty: ends
+    bool saving = false;  ///< the map is being written
+  };
+
+  const Leaving* leaving() const { return leaving_ ? &*leaving_ : nullptr; }
+
+  /// The answers.
+  void leaveAndSave();
+  void leaveAndDiscard();
+
+  void stay() { leaving_.reset(); }
+
+  /// Whether fog was painted that no file has.
+  bool unsavedMap() const { return paint_.has() && paint_.painter().changed(); }
 
   /// One frame. Errors of documents are shown, not returned; what is returned ends the viewer.
   [[nodiscard]] Status frame(const ViewerInput& input);
@@ -111,6 +154,24 @@ class ViewerApp {
   /// Changes a parameter of the document, as soon as the loader comes to it.
   void setParameter(const Parameter& parameter, const std::vector<double>& value);
 
+  /// Changes the document's signs and lights, as soon as the loader comes to it.
+  void edit(const SceneEdit& edit);
+
+  /// Adds a sign or a light where the middle of the picture looks at.
+  void add(SceneEdit::Kind kind);
+
+  /// The next click puts the sign or the lamp of this path there; empty: none.
+  void place(const std::string& path) { placing_ = path; }
+
+  const std::string& placing() const { return placing_; }
+
+  /// What a ray meets, or, where that is nothing, a place as far away as the camera's target,
+  /// facing the eye.
+  WallPlace placeAlong(const Segment& ray) const;
+
+  void undoChange();
+  void redoChange();
+
   void saveScene();
   void saveMap();
   void undoPainting();
@@ -129,17 +190,21 @@ class ViewerApp {
   GLuint planTexture();
 
  private:
-  ViewerApp(OpenDocument open, GlDevice device, ViewPicture picture);
+  ViewerApp(OpenDocument open, const ViewerOptions& options, GlDevice device, ViewPicture picture);
 
   void feed(const ViewerInput& input);
   void takeLoaded(const ViewerInput& input);
   void takeDocument(DocumentInfo opened, const ViewerInput& input);
-  void beginWith(double time);
+  void beginWith(std::optional<double> time);
   void control(const ViewerInput& input);
   void walk(const ViewerInput& input);
   void keys(const ViewerInput& input);
   void press(Key key, const ViewerInput& input);
   void paintInView(const ViewerInput& input);
+  bool placeInView(const ViewerInput& input);
+  void undo();
+  void redo();
+  void goOnLeaving(bool idle);
   void goOnWithFilm();
   void usePanels(const ViewerInput& input);
   Status drawPicture(const ViewerInput& input);
@@ -148,6 +213,7 @@ class ViewerApp {
   DisplayLook displayLook() const;
   StartView startView() const;
 
+  ViewerOptions options_;
   GlDevice device_;
   ViewPicture picture_;
   Loader loader_;
@@ -163,18 +229,28 @@ class ViewerApp {
   std::optional<DocumentInfo> document_;
   std::optional<LoadedScene> scene_;
   std::map<std::string, std::vector<double>> pending_;  ///< parameters on their way
+  int edits_ = 0;                                       ///< that were asked for
+  std::string placing_;
+  std::optional<Leaving> leaving_;
+  bool ends_ = false;
+  std::optional<std::size_t> savedVersion_;  ///< of the painted map, on its way to a file
   std::map<std::string, ControlPlace> controls_;
   FrameCosts costs_;
   std::string error_, message_, lastMessage_;
-  double requested_ = 0;           ///< the time that the loader was asked for
-  std::optional<double> opening_;  ///< at which time another file is being opened
-  double exposure_ = 1;            ///< that fits the first picture
+  std::string pictureError_;  ///< why the scene that was loaded last cannot be shown
+  double requested_ = 0;      ///< the time that the loader was asked for
+  /// Another file is being opened: at this time, if a person said so.
+  std::optional<std::optional<double>> opening_;
+  bool timeAsked_ = false;  ///< a person said at which time to begin
+  double exposure_ = 1;     ///< that fits the first picture
   bool exposureFound_ = false;
   bool viewSet_ = false;
   bool moving_ = false;  ///< a person is turning it, or it plays
   ViewerInput seen_;     ///< the last
   double lastX_ = 0, lastY_ = 0;
   bool dragging_ = false, strokes_ = false;
+  bool leftHeld_ = false;  ///< the left button, in the last frame
+  bool placed_ = false;    ///< and it put something somewhere
   bool screenshotWish_ = false;
 };
 

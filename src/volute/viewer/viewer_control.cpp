@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "volute/viewer/viewer_app.hpp"
 
@@ -68,6 +69,7 @@ void ViewerApp::press(Key key, const ViewerInput& input) {
       break;
     case Key::kEscape:
       settings_.help = settings_.painting = false;
+      placing_.clear();
       break;
     case Key::kM:
       camera_.setMode(camera_.mode() == ViewCamera::Mode::kOrbit ? ViewCamera::Mode::kWalk
@@ -78,16 +80,40 @@ void ViewerApp::press(Key key, const ViewerInput& input) {
   }
 }
 
+/// A stroke while fog is being painted, else what was changed of the scene, else a stroke.
+void ViewerApp::undo() {
+  const bool strokes = paint_.has() && paint_.painter().canUndo();
+  const bool changes = document_ && document_->canUndo;
+  if (strokes && (settings_.painting || !changes))
+    undoPainting();
+  else if (changes)
+    undoChange();
+}
+
+void ViewerApp::redo() {
+  const bool strokes = paint_.has() && paint_.painter().canRedo();
+  const bool changes = document_ && document_->canRedo;
+  if (strokes && (settings_.painting || !changes))
+    redoPainting();
+  else if (changes)
+    redoChange();
+}
+
 void ViewerApp::keys(const ViewerInput& input) {
+  if (leaving_) {
+    if (std::ranges::count(input.pressed, Key::kEscape) > 0)
+      stay();
+    return;
+  }
   if (ImGui::GetIO().WantTextInput)
     return;
   for (const Key key : input.pressed) {
     if (!input.control)
       press(key, input);
     else if (key == Key::kZ)
-      input.shift ? redoPainting() : undoPainting();
+      input.shift ? redo() : undo();
     else if (key == Key::kY)
-      redoPainting();
+      redo();
     else if (key == Key::kS)
       saveScene();
   }
@@ -109,15 +135,32 @@ void ViewerApp::paintInView(const ViewerInput& input) {
     sendMap();
 }
 
+/// The left button puts a sign or a lamp where the pointer is. True while it is held for that.
+bool ViewerApp::placeInView(const ViewerInput& input) {
+  const bool presses = input.buttons[0] && !leftHeld_;
+  leftHeld_ = input.buttons[0];
+  placed_ = placed_ && leftHeld_;
+  if (placing_.empty() || !presses || ImGui::GetIO().WantCaptureMouse)
+    return placed_;
+  const Camera camera = camera_.camera(input.width, input.height);
+  const WallPlace at = placeAlong(camera.ray(input.mouseX, input.mouseY));
+  edit({.kind = SceneEdit::Kind::kPlace,
+        .path = std::exchange(placing_, ""),
+        .position = at.position,
+        .normal = at.normal});
+  return placed_ = true;
+}
+
 /// The camera follows the mouse where no panel does, and the keys when it walks. While the left
 /// button paints, the right one turns.
 void ViewerApp::control(const ViewerInput& input) {
   const double dx = input.mouseX - lastX_, dy = input.mouseY - lastY_;
-  const bool paints = settings_.painting && paint_.has();
+  const bool places = placeInView(input);
+  const bool paints = settings_.painting && paint_.has() && !places && placing_.empty();
   if (paints)
     paintInView(input);
   lastX_ = input.mouseX, lastY_ = input.mouseY;
-  const bool turns = paints ? input.buttons[1] : input.buttons[0];
+  const bool turns = paints ? input.buttons[1] : input.buttons[0] && !places;
   const bool moves = input.buttons[2] || (!paints && input.buttons[1]);
   const bool held = turns || moves;
   const bool ours = !ImGui::GetIO().WantCaptureMouse;

@@ -50,6 +50,7 @@ struct ViewerInput {
   bool shift = false, control = false;
   std::string typed{};    ///< text, UTF-8
   std::string dropped{};  ///< a file that was dropped on the window; empty: none
+  bool closes = false;    ///< the window is asked to close
 };
 
 }  // namespace volute

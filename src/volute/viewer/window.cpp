@@ -124,9 +124,13 @@ class Window {
       glfwTerminate();
   }
 
-  bool closes() const { return glfwWindowShouldClose(window_); }
-
   void show() { glfwSwapBuffers(window_); }
+
+  /// Not minimised.
+  void raise() {
+    if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED))
+      glfwRestoreWindow(window_);
+  }
 
   /// What happened since the last call. If that is nothing, waits so long for something [s]: a
   /// frame that shows nothing new takes time from those who load and draw.
@@ -134,6 +138,7 @@ class Window {
     heard_.pressed.clear();
     heard_.dropped.clear();
     heard_.typed.clear();
+    heard_.closes = false;
     heard_.wheel = 0;
     const ViewerInput before = heard_;
     constexpr double kFrame = 1.0 / 60;
@@ -154,6 +159,8 @@ class Window {
       heard_.buttons[i] = glfwGetMouseButton(window_, kButtons[i]) == GLFW_PRESS;
     constexpr int kFramesAfter = 6;  // panels answer an event in the frames after it
     lively_ = same(before, heard_) ? std::max(lively_ - 1, 0) : kFramesAfter;
+    heard_.closes = glfwWindowShouldClose(window_);
+    glfwSetWindowShouldClose(window_, GLFW_FALSE);  // the viewer may have to ask
     const double now = glfwGetTime();
     heard_.seconds = wait > kFrame ? kFrame : now - last_;  // nothing moved while it rested
     last_ = now;
@@ -224,16 +231,20 @@ std::string screenshotName() {
 
 }  // namespace
 
-Status runViewerWindow(OpenDocument open, const std::string& path, double time, int width,
-                       int height, Progress& progress) {
-  VOLUTE_ASSIGN(const auto window, Window::create(width, height));
-  VOLUTE_ASSIGN(const auto app, ViewerApp::create(std::move(open)));
-  if (!path.empty())
-    app->open(path, time);
-  while (!window->closes() && !progress.cancelled()) {
+Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& progress) {
+  VOLUTE_ASSIGN(const auto window, Window::create(start.width, start.height));
+  VOLUTE_ASSIGN(const auto app, ViewerApp::create(std::move(open), start.options));
+  if (!start.path.empty())
+    app->open(start.path, start.time);
+  while (!app->ends() && !progress.cancelled()) {
     const ViewerInput input = window->input(app->patience());
-    if (input.width <= 0 || input.height <= 0)
+    if (input.closes)
+      window->raise();  // a question is seen
+    if (input.width <= 0 || input.height <= 0) {
+      if (input.closes)
+        app->leaveFor("");
       continue;  // minimised
+    }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     VOLUTE_TRY(app->frame(input));
     if (app->takeScreenshotWish()) {

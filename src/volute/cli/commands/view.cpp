@@ -2,8 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/base/output_file.hpp"
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/gl_drawer.hpp"
 #include "volute/cli/smoke_arguments.hpp"
 #include "volute/cli/volume_output.hpp"
+#include "volute/gl/gl_device.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/scene/volume_input.hpp"
 #include "volute/viewer/headless_viewer.hpp"
@@ -13,28 +15,61 @@
 namespace volute::cli {
 namespace {
 
+/// Who draws; nothing: whoever the scene's own look says.
+std::optional<ViewRenderer> rendererOf(const Arguments& arguments) {
+  const auto name = arguments.find<std::string>("renderer");
+  if (!name)
+    return std::nullopt;
+  return *name == "gl"    ? ViewRenderer::kGl
+         : *name == "cpu" ? ViewRenderer::kProcessor
+                          : ViewRenderer::kAuto;
+}
+
+/// --smoke-method, which is about OpenGL alone.
+Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments,
+                                    std::optional<ViewRenderer> renderer) {
+  const auto name = arguments.get<std::string>("smoke-method");
+  if (name == "auto")
+    return GlSmokeMethod::kAuto;
+  const bool gl = renderer == ViewRenderer::kGl ||
+                  (renderer != ViewRenderer::kProcessor && graphicsHardwarePresent());
+  if (!gl) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--smoke-method: {} is a way to draw smoke with OpenGL; add --renderer gl", name);
+  }
+  return name == "march"   ? GlSmokeMethod::kMarch
+         : name == "splat" ? GlSmokeMethod::kSplat
+                           : GlSmokeMethod::kProject;
+}
+
 Status run(const Arguments& arguments, Context& context) {
   const std::string path = arguments.positionals().empty() ? "" : arguments.positional(0);
-  const double time = arguments.find<double>("time").value_or(0);
   const Pixels size = arguments.get<Pixels>("size");
+  const auto renderer = rendererOf(arguments);
+  const ViewerStart start{
+      path,
+      arguments.find<double>("time"),
+      size.width,
+      size.height,
+      {.renderer = renderer, .processor = processorMayDraw("a picture").has_value()}};
+  VOLUTE_ASSIGN(const auto method, smokeMethodOf(arguments, renderer));
   nlohmann::ordered_json smoke = nlohmann::ordered_json::object();
   for (const char* name : {"field", "quantity", "unit"}) {
     if (const auto value = arguments.find<std::string>(name))
       smoke[name] = *value;
   }
   VOLUTE_ASSIGN(auto cache, lightCache(arguments, context));
-  const auto open = documentOpener({context.maxMemory, std::move(smoke), std::move(cache)});
+  const auto open = documentOpener({context.maxMemory, std::move(smoke), std::move(cache), method});
   const auto target = arguments.find<std::string>("screenshot");
   if (!target)
-    return runViewerWindow(open, path, time, size.width, size.height, context.progress);
+    return runViewerWindow(open, start, context.progress);
   if (path.empty())
     return fail(ErrorCode::kInvalidArgument, "--screenshot: expected a FILE to be shown on it");
   if (extensionOf(*target) != ".png")
     return fail(ErrorCode::kInvalidArgument, "--screenshot: '{}' is no .png", *target);
   VOLUTE_TRY(checkTarget(*target));
   VOLUTE_ASSIGN(const Image image,
-                viewerScreenshot(open, path, time, size.width, size.height,
-                                 !arguments.flag("no-panels"), context.progress));
+                viewerScreenshot(open, start, !arguments.flag("no-panels"), context.progress));
   return writeImage(*target, image);
 }
 
@@ -45,12 +80,27 @@ std::vector<Option> viewOptions() {
        .kind = kFile,
        .value = "OUT.png",
        .help = "write the viewer's frame instead of opening a window"},
-      {.name = "time", .kind = kNumber, .value = "T", .help = "begin at T [s]"},
+      {.name = "time",
+       .kind = kNumber,
+       .value = "T",
+       .help = "begin at T [s], whatever the scene's view says"},
       {.name = "size",
        .kind = kPixels,
        .value = "WxH",
        .help = "of the window or the screenshot [pixels]",
        .initial = "1280x800"},
+      {.name = "renderer",
+       .kind = kChoice,
+       .value = "NAME",
+       .help = "who draws, whatever the scene's view says: auto is OpenGL on a graphics card, else "
+               "the processor",
+       .choices = {"auto", "gl", "cpu"}},
+      {.name = "smoke-method",
+       .kind = kChoice,
+       .value = "NAME",
+       .help = "how OpenGL draws smoke on a mesh that is the only medium, as for render",
+       .initial = "auto",
+       .choices = {"auto", "march", "splat", "projected"}},
       {.name = "field",
        .kind = kText,
        .value = "NAME",
@@ -82,11 +132,12 @@ Command viewCommand() {
           "Turn with the left mouse button, move across with the right one, F1 shows the rest. "
           "Files are read in the background, coarse levels first, and read again when they change "
           "on disk; another one can be dropped on the window. Panels change what the medium has: "
-          "exposure, smoke potential, Km and C, mu and levels, lights, signs. Fog is painted with "
-          "a "
-          "brush, on the ground or on a plan. What was changed is saved as a scene or as a map; "
-          "films are made beside. Draws with OpenGL 4.5, and what that cannot draw by the "
-          "processor. A .png is taken for a map of fog, a mesh's field for soot in kg/m3.\n\n"
+          "exposure, smoke potential, Km and C, mu and levels, lights, signs. Signs and lights are "
+          "added to the wall that one looks at, put elsewhere by a click, removed; Ctrl Z takes it "
+          "back. Fog is painted with a brush, on the ground or on a plan, and not lost unasked. "
+          "What was changed is saved as a scene or as a map; films are made beside. OpenGL 4.5 "
+          "draws on a graphics card, else the processor, as it does what a card refuses. A .png is "
+          "taken for a map of fog, a mesh's field for soot in kg/m3.\n\n"
           "--screenshot draws the same frame without a display, once all is loaded.",
       .positionals =
           {{.name = "FILE",

@@ -3,6 +3,7 @@
 // What opaque things send, through which power of the transmittance it is seen, and how far it is.
 
 in vec3 fromEye;
+in float ahead;
 #ifdef PICTURE
 in vec2 place;
 uniform sampler2D picture;
@@ -13,6 +14,7 @@ layout(location = 0) out vec4 sent;  // linear radiance, power; a power of 0: no
 layout(location = 1) out float howFar;
 
 uniform float power;
+uniform int parallel;
 
 void main() {
 #ifdef PICTURE
@@ -20,5 +22,5 @@ void main() {
 #else
   sent = vec4(light, power);
 #endif
-  howFar = length(fromEye);
+  howFar = parallel != 0 ? ahead : length(fromEye);  // rays of a parallel camera begin beside the eye
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// Corners of opaque things, before a pinhole camera; row 0 of the picture is its top.
+// Corners of opaque things, before a pinhole or a parallel camera; row 0 of the picture is its top.
 
 #ifdef PICTURE
 out vec2 place;  // of the picture, from its top left
@@ -11,9 +11,13 @@ layout(location = 1) in vec3 cornerLight;
 out vec3 light;
 #endif
 out vec3 fromEye;
+out float ahead;  // [m] along the view
 
 uniform vec3 eye, right, down, forward;
-uniform vec3 lens;  // half the picture's width and height at distance 1, the nearest that is drawn [m]
+// Half the picture's width and height at distance 1, the nearest that is drawn [m]; of a parallel
+// camera in the world [m], 1 / (4 the farthest).
+uniform vec3 lens;
+uniform int parallel;
 uniform vec3 middle;  // where `forward` is in the picture, -1..1
 
 void main() {
@@ -25,7 +29,8 @@ void main() {
   light = cornerLight;
 #endif
   fromEye = at - eye;
-  float z = dot(fromEye, forward);
+  ahead = dot(fromEye, forward);
   vec2 across = vec2(dot(fromEye, right), dot(fromEye, down)) / lens.xy;
-  gl_Position = vec4(across + middle.xy * z, lens.z, z);  // depth: nearest / z
+  gl_Position = parallel != 0 ? vec4(across + middle.xy, 0.5 - ahead * lens.z, 1.0)
+                              : vec4(across + middle.xy * ahead, lens.z, ahead);  // nearest / ahead
 }

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// Signs and lights that come and go, and painted fog that is not lost: driven by the input layer.
+#include "volute/viewer/controls_testing.hpp"
+
+namespace volute {
+namespace {
+
+class SceneControls : public Controls {
+ protected:
+  /// So that the middle of the picture is beside the panels, and they show all that they have.
+  static constexpr int kWide = 900, kTall = 1500;
+
+  void SetUp() override {
+    Controls::SetUp();
+    if (!script_)
+      return;
+    script_->input().width = kWide, script_->input().height = kTall;
+  }
+
+  bool hasParameter(const std::string& path) {
+    return std::ranges::find(app().document()->parameters, path, &Parameter::path) !=
+           app().document()->parameters.end();
+  }
+
+  void press(const std::string& control) {
+    ASSERT_TRUE(script_->click(control)) << control;
+    load();
+    EXPECT_EQ(app().error(), "");
+  }
+
+  /// `act` changes the picture.
+  template <class Act>
+  void expectSeen(const char* what, Act&& act) {
+    SCOPED_TRACE(what);
+    const Image before = picture();
+    act();
+    EXPECT_GT(difference(before, picture()), 0.0005);
+  }
+
+  Vec3 pointOf(const std::string& path) {
+    const auto value = valueOf(path);
+    return value.size() == 3 ? Vec3(value[0], value[1], value[2]) : Vec3::Constant(1e9);
+  }
+};
+
+TEST_F(SceneControls, SignsComeAndGo) {
+  open("smoke.json");
+  const Image one = picture();
+  expectSeen("add", [&] { press("add sign"); });
+  ASSERT_TRUE(hasParameter("/signs/1/position"));
+  const Vec3 at = pointOf("/signs/1/position");
+  EXPECT_NEAR(at.x(), 6 - 0.02, 1e-6) << "the mesh ends at x = 6";
+  EXPECT_LT((pointOf("/signs/1/normal") + Vec3::UnitX()).norm(), 1e-9);
+  const auto middle = app().camera().camera(kWide, kTall).project(Vec3(6, at.y(), at.z()));
+  ASSERT_TRUE(middle);
+  EXPECT_LT((*middle - Vec2(0.5 * kWide, 0.5 * kTall)).norm(), 1e-6);
+  expectSeen("duplicate", [&] { press("duplicate /signs/1"); });
+  ASSERT_TRUE(hasParameter("/signs/2/position"));
+  EXPECT_NEAR((pointOf("/signs/2/position") - at).norm(), 0.8, 1e-9);
+  saveAs("signs.json");
+  expectTheSameAfter("signs.json");
+  ASSERT_TRUE(hasParameter("/signs/2/position"));
+  press("remove /signs/2");
+  press("remove /signs/1");
+  EXPECT_FALSE(hasParameter("/signs/1/position"));
+  EXPECT_LT(difference(one, picture()), 1e-6);
+}
+
+TEST_F(SceneControls, SignsOfTheSameNameHaveTheirOwnControls) {
+  open("smoke.json");
+  press("add sign");
+  const auto names = [&] {
+    std::set<std::string> groups;
+    for (const Parameter& parameter : app().document()->parameters) {
+      if (parameter.path.starts_with("/signs/"))
+        groups.insert(parameter.group);
+    }
+    return groups;
+  };
+  EXPECT_EQ(names(), (std::set<std::string>{"sign: exit", "sign: exit 2"}));
+  press("duplicate /signs/1");
+  EXPECT_TRUE(names().contains("sign: exit 3"));
+}
+
+TEST_F(SceneControls, ASignIsPutWhereTheMouseClicks) {
+  open("smoke.json");
+  const Camera camera = app().camera().camera(kWide, kTall);
+  const Vec3 onFloor(2, 3, 0);
+  const auto pixel = camera.project(onFloor);
+  ASSERT_TRUE(pixel);
+  ASSERT_TRUE(script_->click("place /signs/0"));
+  EXPECT_EQ(app().placing(), "/signs/0");
+  const Vec3 eye = app().camera().eye();
+  expectSeen("place", [&] {
+    script_->clickAt(pixel->x(), pixel->y());
+    load();
+  });
+  EXPECT_EQ(app().placing(), "");
+  EXPECT_LT((pointOf("/signs/0/position") - onFloor - 0.02 * Vec3::UnitZ()).norm(), 1e-6);
+  EXPECT_LT((pointOf("/signs/0/normal") - Vec3::UnitZ()).norm(), 1e-9);
+  EXPECT_EQ(app().camera().eye(), eye) << "the click was not the camera's";
+  saveAs("placed.json");
+  expectTheSameAfter("placed.json");
+  ASSERT_TRUE(script_->click("place /signs/0"));
+  script_->press(Key::kEscape);
+  EXPECT_EQ(app().placing(), "");
+}
+
+TEST_F(SceneControls, WhatHangsInTheAirFacesTheEye) {
+  open("blob.npy");  // nothing to be met
+  press("add sign");
+  const Vec3 eye = app().camera().eye(), at = pointOf("/signs/0/position");
+  EXPECT_NEAR((at - eye).norm(), app().camera().distance() - 0.02, 1e-9);
+  EXPECT_LT((pointOf("/signs/0/normal") - (eye - at).normalized()).norm(), 1e-9);
+}
+
+TEST_F(SceneControls, LightsComeAndGo) {
+  open("smoke.json");
+  const Image begun = picture();
+  expectSeen("lamp", [&] { press("add lamp"); });
+  ASSERT_TRUE(hasParameter("/lights/2/target"));
+  EXPECT_NEAR(pointOf("/lights/2/position").x(), 5.9, 1e-6);
+  expectSeen("sun", [&] { press("add sun"); });
+  ASSERT_TRUE(hasParameter("/lights/3/direction"));
+  expectSeen("ambient", [&] { press("add ambient"); });
+  ASSERT_TRUE(hasParameter("/lights/4/radiance"));
+  expectSeen("duplicate", [&] { press("duplicate /lights/2"); });
+  EXPECT_TRUE(hasParameter("/lights/3/target"));
+  EXPECT_TRUE(hasParameter("/lights/5/radiance"));
+  saveAs("lights.json");
+  expectTheSameAfter("lights.json");
+  for (const char* light : {"5", "4", "3", "2"}) press(std::string("remove /lights/") + light);
+  EXPECT_FALSE(hasParameter("/lights/2/radiance"));
+  EXPECT_LT(difference(begun, picture()), 1e-6);
+}
+
+TEST_F(SceneControls, ChangesAreTakenBackAndDoneAgain) {
+  open("smoke.json");
+  const Image begun = picture();
+  const auto potential = valueOf("/media/0/smoke_potential");
+  press("add sign");
+  script_->click("/media/0/smoke_potential", 0.3);
+  script_->click("/media/0/smoke_potential", 0.4);
+  load();
+  const auto moved = valueOf("/media/0/smoke_potential");
+  EXPECT_NE(moved, potential);
+  press("remove /signs/0");
+  const Image changed = picture();
+  press("Undo change");
+  EXPECT_TRUE(hasParameter("/signs/1/position"));
+  script_->press(Key::kZ, true);
+  load();
+  EXPECT_EQ(valueOf("/media/0/smoke_potential"), potential) << "both clicks were one change";
+  script_->press(Key::kZ, true);
+  load();
+  EXPECT_FALSE(hasParameter("/signs/1/position"));
+  EXPECT_FALSE(app().document()->canUndo);
+  EXPECT_LT(difference(begun, picture()), 1e-6);
+  press("Redo change");
+  EXPECT_TRUE(hasParameter("/signs/1/position"));
+  script_->press(Key::kY, true);
+  load();
+  EXPECT_EQ(valueOf("/media/0/smoke_potential"), moved);
+  script_->press(Key::kY, true);
+  load();
+  EXPECT_FALSE(app().document()->canRedo);
+  EXPECT_LT(difference(changed, picture()), 1e-6);
+}
+
+TEST(SceneEdits, PathsOfNothingAreErrors) {
+  nlohmann::ordered_json json = {{"lights", {{{"kind", "sun"}}}}};
+  const auto message = [&](const SceneEdit& edit) {
+    const auto done = applyEdit(json, edit);
+    return done ? "" : done.error().message;
+  };
+  for (const char* path : {"/signs/0", "/lights/1", "/lights/", "/lights/x", "/media/0", ""}) {
+    EXPECT_NE(message({.kind = SceneEdit::Kind::kRemove, .path = path}), "") << path;
+    EXPECT_NE(message({.kind = SceneEdit::Kind::kDuplicate, .path = path}), "") << path;
+  }
+  EXPECT_THAT(message({.kind = SceneEdit::Kind::kPlace, .path = "/lights/0"}),
+              ::testing::HasSubstr("from afar"));
+  EXPECT_EQ(json["lights"].size(), 1U);
+}
+
+class PaintedFog : public SceneControls {
+ protected:
+  /// A stroke, of which no file knows.
+  void paint() {
+    if (!script_->has("plan")) {
+      script_->clickAt(app().controls().at("Paint fog").left + 10,
+                       app().controls().at("Paint fog").top + 10);
+      script_->frames(3);
+    }
+    double x = 0, y = 0;
+    ASSERT_TRUE(script_->pointOf("plan", 0.75, 0.7, x, y));
+    script_->drag(x, y, x + 20, y, 0, 12);
+    load();
+    ASSERT_TRUE(app().unsavedMap());
+  }
+
+  const std::string& title() { return app().document()->title; }
+};
+
+TEST_F(PaintedFog, AnotherFileOpensAfterTheQuestion) {
+  open("fog.json");
+  paint();
+  const auto painted = app().paint().painter().coefficients().c;
+  script_->drop(folder_.path("smoke.json"));
+  load();
+  ASSERT_TRUE(app().leaving());
+  EXPECT_THAT(title(), ::testing::HasSubstr("fog.json")) << "it waits for the answer";
+  script_->press(Key::kZ, true);
+  EXPECT_EQ(app().paint().painter().coefficients().c, painted) << "so does all else";
+  press("leave cancel");
+  EXPECT_FALSE(app().leaving());
+  EXPECT_THAT(title(), ::testing::HasSubstr("fog.json"));
+  EXPECT_EQ(app().paint().painter().coefficients().c, painted);
+  script_->drop(folder_.path("smoke.json"));
+  script_->frames(2);
+  ASSERT_TRUE(script_->write("leave map", folder_.path("nowhere/map.png")));
+  ASSERT_TRUE(script_->click("leave save"));
+  load();
+  ASSERT_TRUE(app().leaving()) << "it could not be saved";
+  EXPECT_THAT(app().error(), ::testing::HasSubstr("nowhere"));
+  ASSERT_TRUE(script_->write("leave map", folder_.path("kept.exr")));
+  ASSERT_TRUE(script_->click("leave save"));
+  load();
+  load();
+  EXPECT_FALSE(app().leaving());
+  EXPECT_THAT(title(), ::testing::HasSubstr("smoke.json"));
+  const auto kept = readImage(folder_.path("kept.exr"));
+  ASSERT_TRUE(kept) << kept.error().message;
+  ASSERT_EQ(kept->pixels.size(), painted.size());
+  EXPECT_NEAR(kept->at(3, 9), painted[3] / 0.4, 1e-6) << "row 0 is at the largest y";
+}
+
+TEST_F(PaintedFog, TheWindowClosesAfterTheQuestion) {
+  open("fog.json");
+  paint();
+  script_->close();
+  script_->frames(2);
+  ASSERT_TRUE(app().leaving());
+  EXPECT_FALSE(app().ends());
+  script_->press(Key::kEscape);
+  script_->frames(2);
+  EXPECT_FALSE(app().leaving());
+  EXPECT_FALSE(script_->has("leave cancel"));
+  app().settings().panels = false;
+  script_->close();
+  script_->frames(2);
+  ASSERT_TRUE(script_->click("leave discard")) << "it is asked without panels too";
+  EXPECT_TRUE(app().ends());
+}
+
+TEST_F(PaintedFog, NothingIsAskedWhereNothingIsLost) {
+  open("fog.json");
+  paint();
+  script_->press(Key::kZ, true);
+  load();
+  script_->drop(folder_.path("dull.json"));
+  load();
+  EXPECT_FALSE(app().leaving());
+  EXPECT_THAT(title(), ::testing::HasSubstr("dull.json"));
+  paint();
+  Parameter densest = parameterAt("/media/0/sigma_max");
+  app().setParameter(densest, {0.3});
+  load();
+  EXPECT_TRUE(app().unsavedMap()) << "what was painted is in no file still";
+  script_->close();
+  script_->frames(2);
+  EXPECT_FALSE(app().ends());
+  ASSERT_TRUE(script_->click("leave save"));
+  load();
+  load();
+  EXPECT_TRUE(app().ends());
+}
+
+}  // namespace
+}  // namespace volute

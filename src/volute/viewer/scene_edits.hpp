@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "volute/base/result.hpp"
+#include "volute/math/vec.hpp"
+
+namespace volute {
+
+/// A sign or a light of a scene comes, goes or moves.
+struct SceneEdit {
+  enum class Kind {
+    kAddSign,
+    kAddSpot,  ///< a lamp that shines along `normal`
+    kAddSun,
+    kAddAmbient,
+    kDuplicate,  ///< of `path`, a little beside it
+    kRemove,     ///< what is at `path`
+    kPlace,      ///< a sign or a spot at `path` goes to `position` and `normal`
+  };
+
+  Kind kind = Kind::kAddSign;
+  std::string path{};            ///< "/signs/0", "/lights/1"
+  Vec3 position = Vec3::Zero();  ///< of what is added or placed [m]
+  Vec3 normal = Vec3::UnitX();   ///< away from the wall that it is on
+  double reach = 10;             ///< [m] that a spot is to light
+};
+
+/// Does it in a scene's JSON. Says in a sentence what was done; kInvalidArgument for a path that
+/// has no sign or light, and for a light without a place that is to be placed.
+[[nodiscard]] Result<std::string> applyEdit(nlohmann::ordered_json& json, const SceneEdit& edit);
+
+}  // namespace volute

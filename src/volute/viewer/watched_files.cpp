@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/viewer/watched_files.hpp"
+
+#include <fstream>
+#include <iterator>
+#include <string_view>
+#include <utility>
+
+#include "volute/io/frame_pattern.hpp"
+#include "volute/scene/volume_input.hpp"
+
+namespace volute {
+namespace {
+
+constexpr std::uintmax_t kLargestCollection = 64 << 20;  ///< [bytes]
+
+std::string unescaped(std::string text) {
+  constexpr std::pair<std::string_view, char> kNames[] = {
+      {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}, {"&amp;", '&'}};
+  for (const auto& [name, letter] : kNames) {
+    for (std::size_t at = 0; (at = text.find(name, at)) != std::string::npos; ++at)
+      text.replace(at, name.size(), 1, letter);
+  }
+  return text;
+}
+
+/// What a collection's DataSets call their files. Whatever else is wrong with it is said by those
+/// who read it.
+std::vector<std::string> namesIn(const std::filesystem::path& collection) {
+  std::error_code failed;
+  const auto size = std::filesystem::file_size(collection, failed);
+  if (failed || size > kLargestCollection)
+    return {};
+  std::ifstream stream(collection, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  std::vector<std::string> names;
+  constexpr std::string_view kKey = " file=";
+  for (std::size_t at = 0; (at = text.find(kKey, at)) != std::string::npos;) {
+    at += kKey.size();
+    const char quote = at < text.size() ? text[at] : '\0';
+    const std::size_t end = quote == '"' || quote == '\'' ? text.find(quote, at + 1) : at;
+    if (end == std::string::npos)
+      break;
+    if (end > at + 1)
+      names.push_back(unescaped(text.substr(at + 1, end - at - 1)));
+  }
+  return names;
+}
+
+std::filesystem::path besideOf(const std::filesystem::path& file, const std::string& name) {
+  return file.parent_path() / name;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> filesOf(const std::string& name) {
+  std::vector<std::filesystem::path> files;
+  if (FramePattern::isPattern(name)) {
+    const auto pattern = FramePattern::parse(name);
+    const auto there = pattern ? pattern->list() : Result<std::vector<NumberedFile>>();
+    if (!pattern || !there || there->empty())
+      return {name};
+    for (const NumberedFile& file : *there) files.push_back(file.path);
+    files.push_back(pattern->format(there->back().number + 1));
+    return files;
+  }
+  files.emplace_back(name);
+  if (extensionOf(name) == ".pvd") {
+    for (const std::string& part : namesIn(name)) files.push_back(besideOf(name, part));
+  }
+  return files;
+}
+
+std::vector<std::filesystem::path> filesOf(const SceneDescription& scene,
+                                           const nlohmann::ordered_json& json,
+                                           const std::string& file) {
+  std::vector<std::filesystem::path> files;
+  const auto add = [&](const std::string& name) {
+    const auto some = filesOf(name);
+    files.insert(files.end(), some.begin(), some.end());
+  };
+  for (const SceneVolume& volume : scene.volumes) add(volume.file);
+  for (const FogDescription& fog : scene.fogs) {
+    for (const std::string& map : fog.maps) add(map);
+    if (fog.top)
+      add(fog.top->file);
+  }
+  for (const SmokeDescription& smoke : scene.smokes) add(smoke.file);
+  for (const SceneGeometry& geometry : scene.geometry) add(geometry.file);
+  for (const SceneBillboard& board : scene.billboards) add(board.file);
+  const auto signs = json.find("signs");
+  if (signs != json.end() && signs->is_array()) {
+    for (const auto& sign : *signs) {
+      if (const std::string picture = sign.value("picture", ""); !picture.empty())
+        files.push_back(besideOf(file, picture));
+    }
+  }
+  return files;
+}
+
+}  // namespace volute
