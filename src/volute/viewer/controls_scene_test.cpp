@@ -187,6 +187,7 @@ class PaintedFog : public SceneControls {
  protected:
   /// A stroke, of which no file knows.
   void paint() {
+    script_->frames(3);  // a panel that appears finds its size first
     if (!script_->has("plan")) {
       script_->clickAt(app().controls().at("Paint fog").left + 10,
                        app().controls().at("Paint fog").top + 10);
