@@ -112,13 +112,19 @@ Status checkLength(const std::filesystem::path& path) {
   return checkNetcdfLength(path);
 }
 
+/// What reading a file that looks whole may take.
+Result<ReaderProcess::Limits> limitsFor(const std::filesystem::path& path,
+                                        std::uint64_t maxMemory) {
+  VOLUTE_ASSIGN(const std::uint64_t fileSize, sizeOf(path));
+  VOLUTE_TRY(checkLength(path));
+  return ReaderProcess::Limits{maxMemory, secondsFor(path, fileSize)};
+}
+
 Result<std::vector<double>> readTimes(const std::filesystem::path& path,
                                       const MeshOptions& options) {
   const std::string file = path.string();
-  VOLUTE_ASSIGN(const std::uint64_t fileSize, sizeOf(path));
-  VOLUTE_TRY(checkLength(path));
+  VOLUTE_ASSIGN(const ReaderProcess::Limits limits, limitsFor(path, options.maxMemory));
   ReaderProcess process(makeServe(path, options.field));
-  const ReaderProcess::Limits limits{options.maxMemory, secondsFor(path, fileSize)};
   VOLUTE_ASSIGN(const std::string reply, process.call(file, kTimes, 0, limits));
   if (reply.size() >= ReaderProcess::kMaxMessage) {
     return fail(ErrorCode::kTooLarge, "{}: has {} instants or more; expected fewer: split the case",
@@ -157,10 +163,8 @@ Result<MeshData> takeMesh(ReaderProcess& process, const MeshSize& size, const st
 Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t instant,
                           const MeshOptions& options) {
   const std::string file = path.string();
-  VOLUTE_ASSIGN(const std::uint64_t fileSize, sizeOf(path));
-  VOLUTE_TRY(checkLength(path));
+  VOLUTE_ASSIGN(const ReaderProcess::Limits limits, limitsFor(path, options.maxMemory));
   ReaderProcess process(makeServe(path, options.field));
-  const ReaderProcess::Limits limits{options.maxMemory, secondsFor(path, fileSize)};
   VOLUTE_ASSIGN(const std::string reply, process.call(file, fmt::format("{}", instant), 0, limits));
   VOLUTE_ASSIGN(const auto size, fromMessage<MeshSize>(reply));
   return takeMesh(process, size, file, limits);
@@ -273,10 +277,8 @@ Result<MeshDescription> MeshSource::describe(std::size_t frame) const {
   VOLUTE_ASSERT(frame < instants_.size());
   const Instant& instant = instants_[frame];
   const std::string file = instant.file.string();
-  VOLUTE_ASSIGN(const std::uint64_t fileSize, sizeOf(instant.file));
-  VOLUTE_TRY(checkLength(instant.file));
+  VOLUTE_ASSIGN(const ReaderProcess::Limits limits, limitsFor(instant.file, options_.maxMemory));
   ReaderProcess process(makeServe(instant.file, ""));
-  const ReaderProcess::Limits limits{options_.maxMemory, secondsFor(instant.file, fileSize)};
   VOLUTE_ASSIGN(const std::string reply,
                 process.call(file, fmt::format("{}{}", kDescribe, instant.index), 0, limits));
   const std::string_view text = reply;

@@ -42,16 +42,6 @@ std::vector<WallFace> wallsFacing(const Camera& camera, const TetMesh& mesh) {
   return walls;
 }
 
-/// The corners' shares of a point in a triangle.
-Vec3 sharesIn(const WallFace& wall, std::span<const Vec3> points, const Vec3& point) {
-  const Vec3& a = points[wall.vertices[0]];
-  const Vec3 u = points[wall.vertices[1]] - a, v = points[wall.vertices[2]] - a, w = point - a;
-  const Vec3 normal = u.cross(v);
-  const double area = normal.squaredNorm();
-  const double second = w.cross(v).dot(normal) / area, third = u.cross(w).dot(normal) / area;
-  return Vec3(1 - second - third, second, third).cwiseMax(0);
-}
-
 /// The lamps before the walls of a mesh.
 class WallLight {
  public:
@@ -63,7 +53,7 @@ class WallLight {
 
   /// What a point of a wall reflects if it reflects all.
   Rgb on(const WallFace& wall, const Vec3& point) const {
-    const Vec3 shares = sharesIn(wall, smoke_.locator->mesh().vertices(), point);
+    const Vec3 shares = cornerShares(wall.vertices, smoke_.locator->mesh().vertices(), point);
     Rgb light = lights_.ambient;
     for (std::size_t l = 0; l < lights_.lamps.size(); ++l) {
       const Segment way = lights_.lamps[l].towards(point);
@@ -107,6 +97,16 @@ Result<TriangleScene> sceneOf(std::span<const WallFace> walls, std::span<const V
 }
 
 }  // namespace
+
+Vec3 cornerShares(const std::array<std::int32_t, 3>& corners, std::span<const Vec3> points,
+                  const Vec3& point) {
+  const Vec3& a = points[corners[0]];
+  const Vec3 u = points[corners[1]] - a, v = points[corners[2]] - a, w = point - a;
+  const Vec3 normal = u.cross(v);
+  const double area = normal.squaredNorm();
+  const double second = w.cross(v).dot(normal) / area, third = u.cross(w).dot(normal) / area;
+  return Vec3(1 - second - third, second, third).cwiseMax(0);
+}
 
 Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
                                 const SceneLights& lights, const Rgb& color, const Blocks& blocks) {

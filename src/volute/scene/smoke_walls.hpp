@@ -2,6 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "volute/camera/camera.hpp"
@@ -16,6 +19,11 @@ struct SurfaceView {
   std::vector<float> depth;  ///< of each pixel, along its ray; infinite where there is none
   Image color;               ///< linear RGB radiance, black where there is none
 };
+
+/// What share each corner of a triangle has in a point of it, 0 or more: linear functions there are
+/// the sum of the corners' values times these.
+Vec3 cornerShares(const std::array<std::int32_t, 3>& corners, std::span<const Vec3> points,
+                  const Vec3& point);
 
 /// The boundary of a mesh as walls that reflect `color` of the light in all directions, seen from
 /// their inside alone: from outside one looks into the building. Lamps' light comes through the

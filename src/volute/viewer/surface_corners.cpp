@@ -7,6 +7,8 @@
 #include <numbers>
 #include <queue>
 
+#include "volute/scene/smoke_walls.hpp"
+
 namespace volute {
 namespace {
 
@@ -66,20 +68,10 @@ std::vector<Triangle> wallsOf(const TetMesh& mesh) {
   return walls;
 }
 
-/// How much of each vertex a point of a face has.
-Vec3 sharesIn(const TetFace& face, std::span<const Vec3> points, const Vec3& point) {
-  const Vec3& a = points[face.vertices[0]];
-  const Vec3 u = points[face.vertices[1]] - a, v = points[face.vertices[2]] - a, w = point - a;
-  const Vec3 normal = u.cross(v);
-  const double area = normal.squaredNorm();
-  const double second = w.cross(v).dot(normal) / area, third = u.cross(w).dot(normal) / area;
-  return Vec3(1 - second - third, second, third).cwiseMax(0).cwiseMin(1);
-}
-
 /// What reaches a point of a wall, as radiance if the wall reflects all of it.
 Rgb lightOn(const SmokeState& smoke, const SceneLights& lights, const TetFace& face,
             const Vec3& normal, const Vec3& point) {
-  const Vec3 shares = sharesIn(face, smoke.locator->mesh().vertices(), point);
+  const Vec3 shares = cornerShares(face.vertices, smoke.locator->mesh().vertices(), point);
   Rgb light = lights.ambient;
   for (std::size_t l = 0; l < lights.lamps.size(); ++l) {
     const double cosine = normal.dot(lights.lamps[l].towards(point).direction);
