@@ -3,9 +3,7 @@
 #include "volute/io/grid_choice.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <numeric>
-#include <string_view>
 #include <vector>
 
 namespace volute {
@@ -48,23 +46,19 @@ std::string nearestHint(std::span<const GridEntry> entries, const std::string& w
 }  // namespace
 
 Result<std::size_t> chooseGrid(std::span<const GridEntry> entries, const std::string& wanted,
-                               const std::string& file, const char* noun,
-                               const std::string& usual) {
+                               const std::string& file, const GridWords& words) {
+  const char* const noun = words.noun;
   if (entries.empty())
     return fail(ErrorCode::kNotFound, "{}: holds no {}s", file, noun);
-  const std::string choice = wanted.empty() ? usual : wanted;
+  const std::string choice = wanted.empty() ? words.usual : wanted;
   const auto named = std::ranges::find(entries, choice, &GridEntry::name);
   if (wanted.empty()) {
     const auto usable = std::ranges::count_if(entries, &GridEntry::usable);
     if (usable == 1)
       return std::ranges::find(entries, true, &GridEntry::usable) - entries.begin();
-    if (usable == 0 && noun == std::string_view("field")) {
-      return fail(ErrorCode::kUnsupported, "{}: has no scalar field; it has {}", file,
-                  listed(entries));
-    }
     if (usable == 0) {
-      return fail(ErrorCode::kUnsupported, "{}: no {} with a scalar or RGB volume; it has {}", file,
-                  noun, listed(entries));
+      return fail(ErrorCode::kUnsupported, "{}: no {} is {}; it has {}", file, noun, words.expected,
+                  listed(entries));
     }
     if (named == entries.end() || !named->usable) {
       return fail(ErrorCode::kInvalidArgument, "{}: which {}? It has {}; choose one with --{}",
@@ -75,17 +69,9 @@ Result<std::size_t> chooseGrid(std::span<const GridEntry> entries, const std::st
     return fail(ErrorCode::kNotFound, "{}: no {} named '{}'{} it has {}", file, noun, wanted,
                 nearestHint(entries, wanted), listed(entries));
   }
-  if (!named->usable && noun == std::string_view("field")) {
-    std::vector<GridEntry> scalars;
-    std::ranges::copy_if(entries, std::back_inserter(scalars), &GridEntry::usable);
-    return fail(ErrorCode::kUnsupported,
-                "{}: field '{}' is a vector or tensor ({}); expected a scalar; the file has {}",
-                file, named->name, named->type, scalars.empty() ? "none" : listed(scalars));
-  }
   if (!named->usable) {
-    return fail(ErrorCode::kUnsupported,
-                "{}: {} '{}' is of type {}; expected a scalar or RGB volume; it has {}", file, noun,
-                named->name, named->type, listed(entries));
+    return fail(ErrorCode::kUnsupported, "{}: {} '{}' is of type {}; expected {}; it has {}", file,
+                noun, named->name, named->type, words.expected, listed(entries));
   }
   return named - entries.begin();
 }

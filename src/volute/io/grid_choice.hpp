@@ -13,15 +13,20 @@ namespace volute {
 struct GridEntry {
   std::string name;
   std::string type;     ///< for people: "float", "vec3s", "level set", ...
-  bool usable = false;  ///< a scalar or RGB volume
+  bool usable = false;  ///< what GridWords::expected says
+};
+
+/// What people call the entries of a file.
+struct GridWords {
+  const char* noun = "grid";                        ///< one, and the option that names it
+  std::string usual = "density";                    ///< which one is meant unless it is said
+  const char* expected = "a scalar or RGB volume";  ///< what one must be
 };
 
 /// Which of `entries` is meant: the one named `wanted`; when that is empty the only usable one,
-/// else the one called `usual`. The error lists what there is, and for a wrong name suggests the
-/// nearest. `noun` is what people call an entry, and the option that names one.
+/// else the usual one. The error lists what there is, and for a wrong name suggests the nearest.
 [[nodiscard]] Result<std::size_t> chooseGrid(std::span<const GridEntry> entries,
                                              const std::string& wanted, const std::string& file,
-                                             const char* noun = "grid",
-                                             const std::string& usual = "density");
+                                             const GridWords& words = {});
 
 }  // namespace volute

@@ -16,18 +16,18 @@ const std::vector<GridEntry> kFire{
 
 TEST(ChooseGrid, TakesTheUsualOneOfSeveral) {
   EXPECT_EQ(chooseGrid(kFire, "", "f.vdb"), 0U);
-  EXPECT_EQ(chooseGrid(kFire, "", "f.vdb", "grid", "emission"), 1U);
-  EXPECT_EQ(chooseGrid(kFire, "density", "f.vdb", "grid", "emission"), 0U);
+  EXPECT_EQ(chooseGrid(kFire, "", "f.vdb", {.usual = "emission"}), 1U);
+  EXPECT_EQ(chooseGrid(kFire, "density", "f.vdb", {.usual = "emission"}), 0U);
 }
 
 TEST(ChooseGrid, TakesTheOnlyOneWhateverItsName) {
   const std::vector<GridEntry> one{kFire[2], {"flame", "float", true}};
-  EXPECT_EQ(chooseGrid(one, "", "f.vdb", "grid", "emission"), 1U);
+  EXPECT_EQ(chooseGrid(one, "", "f.vdb", {.usual = "emission"}), 1U);
 }
 
 TEST(ChooseGrid, AsksWhereTheUsualOneIsNotThere) {
   const std::vector<GridEntry> smoke{kFire[0], {"temperature", "float", true}};
-  const auto chosen = chooseGrid(smoke, "", "f.vdb", "grid", "emission");
+  const auto chosen = chooseGrid(smoke, "", "f.vdb", {.usual = "emission"});
   ASSERT_FALSE(chosen);
   EXPECT_THAT(chosen.error().message,
               AllOf(HasSubstr("which grid?"), HasSubstr("density (float), temperature (float)"),

@@ -356,8 +356,8 @@ TEST(MeshDamage, VectorsAreNamedAsSuch) {
 0 0 0 0 0 0 0 0 0 3 4 0</DataArray>)");
   writeBytes(folder / "a.vtu", text);
   EXPECT_THAT(saidOf(folder / "a.vtu", "U"),
-              HasSubstr("field 'U' is a vector or tensor (3 components of points); expected a "
-                        "scalar; the file has smoke (scalars of points)"));
+              HasSubstr("field 'U' is of type vector of 3, of points; expected a scalar; it has "
+                        "smoke (scalar, of points), U (vector of 3, of points)"));
   ASSERT_VALUE(const auto source, MeshSource::open(folder / "a.vtu"));
   ASSERT_VALUE(const auto described, source.describe(0));
   ASSERT_EQ(described.fields.size(), 2u);

@@ -145,7 +145,7 @@ Result<std::size_t> findGrid(const VdbFile& file, const std::string& wanted,
   for (std::size_t i = 0; i < file.gridCount(); ++i) {
     entries.push_back(describeGrid(file.name(i), file.grid(i)));
   }
-  return chooseGrid(entries, wanted, path, "grid", usual);
+  return chooseGrid(entries, wanted, path, {.usual = usual});
 }
 
 /// Fills voxelSize and origin; only scaling and translation along the axes will do.

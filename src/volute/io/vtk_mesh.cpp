@@ -34,12 +34,9 @@ void listFields(vtkDataSetAttributes* data, bool ofCells, std::vector<GridEntry>
     if (!array || !array->GetName() || std::string_view(array->GetName()).starts_with("vtkGhost"))
       continue;
     const int components = array->GetNumberOfComponents();
-    const char* where = ofCells ? "cells" : "points";
-    names.push_back(
-        {array->GetName(),
-         fmt::format("{} of {}",
-                     components == 1 ? "scalars" : fmt::format("{} components", components), where),
-         components == 1});
+    const auto what = components == 1 ? "scalar" : fmt::format("vector of {}", components);
+    names.push_back({array->GetName(), fmt::format("{}, of {}", what, ofCells ? "cells" : "points"),
+                     components == 1});
     fields.push_back({array, ofCells});
   }
 }
@@ -121,7 +118,8 @@ class VtkMeshReader final : public MeshReader {
     std::vector<Field> fields;
     listFields(grid->GetPointData(), false, names, fields);
     listFields(grid->GetCellData(), true, names, fields);
-    VOLUTE_ASSIGN(const std::size_t chosen, chooseGrid(names, wanted, file, "field"));
+    VOLUTE_ASSIGN(const std::size_t chosen,
+                  chooseGrid(names, wanted, file, {.noun = "field", .expected = "a scalar"}));
     data_ = {};
     data_.field = names[chosen].name;
     data_.ofCells = fields[chosen].ofCells;

@@ -47,12 +47,9 @@ void listArrays(vtkInformation* information, bool cells, Arrays& arrays) {
     const int components = field->Get(vtkDataObject::FIELD_NUMBER_OF_COMPONENTS());
     if (!name)
       continue;
-    const char* where = cells ? "cells" : "points";
-    arrays.names.push_back(
-        {name,
-         fmt::format("{} of {}",
-                     components == 1 ? "scalars" : fmt::format("{} components", components), where),
-         components == 1 || components == 3});
+    const auto what = components == 1 ? "scalar" : fmt::format("vector of {}", components);
+    arrays.names.push_back({name, fmt::format("{}, of {}", what, cells ? "cells" : "points"),
+                            components == 1 || components == 3});
     arrays.entries.push_back({cells, components});
   }
 }
@@ -68,7 +65,7 @@ Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::str
   Arrays arrays;
   listArrays(information, true, arrays);
   listArrays(information, false, arrays);
-  VOLUTE_ASSIGN(const std::size_t index, chooseGrid(arrays.names, wanted, file, "grid", usual));
+  VOLUTE_ASSIGN(const std::size_t index, chooseGrid(arrays.names, wanted, file, {.usual = usual}));
   entry = arrays.entries[index];
   LatticeFrame frame;
   arrays.names[index].name.copy(frame.grid, LatticeFrame::kMaxName);

@@ -108,7 +108,7 @@ TEST(Vtk, CellsAreVoxelsAndArraysAreChosenByName) {
   const TempFolder folder;
   writeBytes(folder / "c.vti", asciiFile("", kPoints, kCells));
   EXPECT_THAT(openSource(folder / "c.vti", {}).error().message,
-              HasSubstr("k (scalars of cells), t (scalars of points)"));
+              HasSubstr("k (scalar, of cells), t (scalar, of points)"));
   SourceOptions options;
   options.grid = "k";
   ASSERT_VALUE(const auto read, readSequence(folder / "c.vti", options));
