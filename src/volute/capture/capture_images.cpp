@@ -29,11 +29,11 @@ double shareBelowOne(const Image& alpha) {
   return static_cast<double>(count) / static_cast<double>(alpha.pixels.size());
 }
 
-/// Whether the film can be read and does not begin after the first frame that is wanted. How long
-/// it is would be known only after decoding it.
-Status checkFilm(const CaptureCamera& camera, int firstFrame, std::uint64_t maxMemory) {
+/// Whether the film can be read and has the first and the last frame that are wanted.
+Status checkFilm(const CaptureCamera& camera, int firstFrame, int lastFrame,
+                 std::uint64_t maxMemory) {
   const PictureSource& pictures = camera.pictures;
-  const auto film = FilmReader::open(pictures.video, maxMemory);
+  auto film = FilmReader::open(pictures.video, maxMemory);
   if (!film)
     return fail(film.error().code, "camera {}: {}", camera.name, film.error().message);
   if (film->info().width != camera.camera.width() ||
@@ -46,6 +46,17 @@ Status checkFilm(const CaptureCamera& camera, int firstFrame, std::uint64_t maxM
   if (firstFrame < pictures.videoStart) {
     return fail(ErrorCode::kNotFound, "camera {}, frame {}: the film {} begins with frame {}",
                 camera.name, firstFrame, pictures.video.string(), pictures.videoStart);
+  }
+  const int wanted = lastFrame - pictures.videoStart + 1;
+  const auto there = film->countRest(wanted);
+  if (!there)
+    return fail(there.error().code, "camera {}: {}", camera.name, there.error().message);
+  if (*there < wanted) {
+    return fail(ErrorCode::kNotFound,
+                "camera {}, frame {}: the film {} has {} frames, so that it ends with frame {}; "
+                "choose with --frames those that all cameras have",
+                camera.name, lastFrame, pictures.video.string(), *there,
+                pictures.videoStart + *there - 1);
   }
   return {};
 }
@@ -287,7 +298,7 @@ Status checkPicturesThere(const Capture& capture, std::uint64_t maxMemory) {
   for (const CaptureCamera& camera : capture.cameras) {
     const PictureSource& pictures = camera.pictures;
     if (!pictures.video.empty())
-      VOLUTE_TRY(checkFilm(camera, capture.frames.front(), maxMemory));
+      VOLUTE_TRY(checkFilm(camera, capture.frames.front(), capture.frames.back(), maxMemory));
     for (const auto& [file, what] :
          {std::pair(&pictures.background, "background"), std::pair(&pictures.mask, "mask")}) {
       if (!file->empty() && !std::filesystem::exists(*file, error)) {

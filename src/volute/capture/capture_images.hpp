@@ -73,7 +73,7 @@ class CaptureImages {
 
 /// Before any picture is read: kNotFound when one of a frame, a mask or a background is missing;
 /// names the first, and how many the cameras have. Films are opened, for they may not be there, be
-/// of another size or begin later.
+/// of another size, begin later or end earlier; their frames are counted and not decoded.
 /// @param maxMemory  [bytes] that decoding a film may take.
 [[nodiscard]] Status checkPicturesThere(const Capture& capture,
                                         std::uint64_t maxMemory = std::uint64_t{4} << 30);

@@ -240,6 +240,10 @@ TEST_F(CaptureImagesTest, FilmsAreReadByFrame) {
     return 0;
   };
   EXPECT_TRUE(ok(check()));
+  json["cameras"][0]["video_start"] = -1;  // frames -1 to 4
+  EXPECT_TRUE(failsWith(readPicture(0, 5), "frame 6 was asked for"));
+  EXPECT_TRUE(failsWith(check(), "camera a, frame 5: the film"));
+  EXPECT_TRUE(failsWith(check(), "has 6 frames, so that it ends with frame 4"));
   json["cameras"][0]["video_start"] = 5;
   EXPECT_TRUE(failsWith(readPicture(0, 4), "begins with frame 5"));
   EXPECT_TRUE(failsWith(check(), "camera a, frame 4: the film"));

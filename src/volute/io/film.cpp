@@ -30,7 +30,11 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::pa
   return plugin->makeWriter(path, width, height, framesPerSecond, comment);
 }
 
-/// The child answers "open" with a FilmInfo, and each "next" with "frame" or "end".
+/// Few enough to be passed over within the time that a call may take.
+constexpr int kSkippedAtOnce = 1024;
+
+/// The child answers "open" with a FilmInfo, each "next" with "frame" or "end", and "skip" with how
+/// many it passed over.
 struct FilmReader::Impl {
   explicit Impl(const std::filesystem::path& file, std::uint64_t memory)
       : path(file),
@@ -46,6 +50,10 @@ struct FilmReader::Impl {
           }
           if (!decoder)
             return fail(ErrorCode::kInvalidData, "{}: decoding it failed before", file.string());
+          if (request == "skip") {
+            VOLUTE_ASSIGN(const int skipped, decoder->skip(kSkippedAtOnce));
+            return std::to_string(skipped);
+          }
           VOLUTE_ASSIGN(const bool more, decoder->next(pixels));
           return std::string(more ? "frame" : "end");
         }) {}
@@ -94,6 +102,16 @@ Result<std::optional<Image>> FilmReader::next() {
   Image image(film.width, film.height);
   std::ranges::copy(impl_->process.values(), image.pixels.begin());
   return std::optional<Image>(std::move(image));
+}
+
+Result<int> FilmReader::countRest(int enough) {
+  for (int count = 0;;) {
+    VOLUTE_ASSIGN(const std::string reply, impl_->call("skip", 0));
+    const int skipped = std::stoi(reply);
+    count += skipped;
+    if (count >= enough || skipped < kSkippedAtOnce)
+      return std::min(count, enough);
+  }
 }
 
 }  // namespace volute

@@ -50,6 +50,8 @@ class FilmDecoder {
   [[nodiscard]] virtual Result<FilmInfo> open(const std::filesystem::path& path) = 0;
   /// Linear RGB, shape (height, width, 3); false after the last frame.
   [[nodiscard]] virtual Result<bool> next(std::span<float> pixels) = 0;
+  /// Passes over at most `count` coded pictures; the number of those that there were.
+  [[nodiscard]] virtual Result<int> skip(int count) = 0;
 };
 
 /// Reads a film frame by frame, each as linear RGB. The decoder runs in a child process with
@@ -68,6 +70,10 @@ class FilmReader {
 
   /// The next frame; nothing after the last.
   [[nodiscard]] Result<std::optional<Image>> next();
+
+  /// How many frames follow, at most `enough`, without decoding them: what the file says of its
+  /// coded pictures is counted, so that a damaged one counts too. Nothing can be read after it.
+  [[nodiscard]] Result<int> countRest(int enough);
 
  private:
   struct Impl;

@@ -294,6 +294,16 @@ class AvFilmDecoder final : public FilmDecoder {
     }
   }
 
+  Result<int> skip(int count) override {
+    for (int skipped = 0; skipped < count; ++skipped) {
+      VOLUTE_ASSIGN(const bool more, nextPacket());
+      if (!more)
+        return skipped;
+      av_packet_unref(packet_.get());
+    }
+    return count;
+  }
+
  private:
   Status check(int code) const {
     if (code >= 0)
@@ -301,21 +311,25 @@ class AvFilmDecoder final : public FilmDecoder {
     return fail(ErrorCode::kInvalidData, "{}: cannot decode the film: {}", name_, reason(code));
   }
 
-  /// The next packet of the film's stream goes to the decoder; after the last one it is told to
-  /// flush.
-  Status feed() {
+  /// packet_ becomes the next one of the film's stream; false after the last.
+  Result<bool> nextPacket() {
     for (;;) {
       const int read = av_read_frame(input_.get(), packet_.get());
       if (read == AVERROR_EOF)
-        return check(avcodec_send_packet(codec_.get(), nullptr));
+        return false;
       VOLUTE_TRY(check(read));
-      const bool ours = packet_->stream_index == stream_;
-      const int sent = ours ? avcodec_send_packet(codec_.get(), packet_.get()) : 0;
+      if (packet_->stream_index == stream_)
+        return true;
       av_packet_unref(packet_.get());
-      VOLUTE_TRY(check(sent));
-      if (ours)
-        return {};
     }
+  }
+
+  /// The next packet goes to the decoder; after the last one it is told to flush.
+  Status feed() {
+    VOLUTE_ASSIGN(const bool more, nextPacket());
+    const int sent = avcodec_send_packet(codec_.get(), more ? packet_.get() : nullptr);
+    av_packet_unref(packet_.get());
+    return check(sent);
   }
 
   Status convert(std::span<float> pixels) {
