@@ -148,6 +148,24 @@ class Gl(support.TestCase):
         self.assertIn("--renderer gl", self.fails(2, "render", scene, "-o", self.path("x.png"), "--renderer", "cpu",
                                                   "--smoke-method", "projected"))
 
+    def test_the_tree_is_walked_in_place(self):
+        packed = self.path("packed.volute")
+        self.works("compress", self.volume(), "-o", packed, "--rms", "0.01")
+        turned = [0.8, -0.6, 0, 0.5, 0.6, 0.8, 0, 0, 0, 0, 1, 0.2, 0, 0, 0, 1]
+        for more in ({}, {"transform": turned}):
+            scene = self.scene(media=[])
+            value = json.loads(scene.read_text())
+            value["media"] = [{"kind": "volume", "file": str(packed), "emission": 0.3, "extinction": 0.5, **more}]
+            scene.write_text(json.dumps(value))
+            error, stats = self.difference(scene, ways=("--volume-method", "tree"))
+            self.assertLess(error, 2e-3)
+            self.assertIn(("upload", "tree"), {(p["name"], p["media"]) for p in stats["gl"]["passes"]})
+            self.assertEqual(stats["nodes_visited"], 0, "no instant was extracted")
+        said = self.fails(2, "render", packed, "-o", self.path("x.png"), "--renderer", "cpu", "--volume-method", "tree")
+        self.assertIn("--renderer gl", said)
+        said = self.fails(2, "render", self.volume(), "-o", self.path("x.png"), "--renderer", "gl", "--volume-method", "tree")
+        self.assertIn("volute compress", said)
+
     def test_billboards_and_suns(self):
         board = {"volume": str(self.volume()), "position": [0, 1, 1], "size": [3, 3], "emission": 0.05}
         error, stats = self.difference(self.scene(media=["fog"], billboards=[board],

@@ -21,6 +21,17 @@ Result<GlVolume> volumeOf(VolumeLayer& layer, int position, double factor) {
   return volume;
 }
 
+Result<GlTreeVolume> treeVolumeOf(VolumeLayer& layer, int position, double factor) {
+  VOLUTE_ASSIGN(auto tree, layer.treeAt(position));
+  const Appearance& look = layer.appearance();
+  const VolumeInfo& info = layer.info();
+  GlTreeVolume volume{std::move(tree), position,      info.basis,
+                      info.bounds,     look.emission, factor * look.extinction};
+  if (look.placement.turns())
+    volume.turn = look.placement.turn, volume.offset = look.placement.offset;
+  return volume;
+}
+
 /// A case at one time: its light takes long, and a picture with surfaces and signs asks thrice.
 struct FdsInstant {
   const FdsLayer* layer = nullptr;
@@ -41,6 +52,12 @@ Result<GlScene> sceneOf(const GlSubject& subject, const Camera& camera,
   scene.smokeMethod = subject.smokeMethod;
   scene.shade = subject.geometry;
   for (std::size_t i = 0; i < subject.layers.size(); ++i) {
+    if (subject.volumeMethod == GlVolumeMethod::kTree) {
+      VOLUTE_ASSIGN(auto volume,
+                    treeVolumeOf(subject.layers[i], subject.positions[i], subject.factor));
+      scene.trees.push_back(std::move(volume));
+      continue;
+    }
     VOLUTE_ASSIGN(auto volume, volumeOf(subject.layers[i], subject.positions[i], subject.factor));
     scene.volumes.push_back(std::move(volume));
   }

@@ -43,6 +43,7 @@ struct GlSubject {
   std::span<const FdsLayer> fdsCases{};
   TriangleScene geometry{};  ///< what throws shadows into fog that suns light
   GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
+  GlVolumeMethod volumeMethod = GlVolumeMethod::kBricks;  ///< billboards show bricks all the same
 };
 
 /// Takes pictures by OpenGL, without a display. In builds without OpenGL there is none.

@@ -52,6 +52,8 @@ Result<Still> RenderJob::stillAt(const Moment& moment, std::vector<VoxelMedium>&
   still.lights = lights;
   still.signs = signs;
   for (std::size_t i = 0; i < layers.size(); ++i) {
+    if (gl && volumeMethod == GlVolumeMethod::kTree)
+      break;  // no instant of it is needed
     VOLUTE_ASSIGN(auto volume, layers[i].mediumAt(moment.positions[i], factor));
     still.media.push_back(layers[i].placed(volume));
     volumes.push_back(std::move(volume));
@@ -102,7 +104,8 @@ Result<Image> RenderJob::pictureOf(const Still& still, const Moment& moment, Pro
                           .billboards = billboards,
                           .fdsCases = fdsCases,
                           .geometry = fixedGeometry ? *fixedGeometry : geometry,
-                          .smokeMethod = smokeMethod});
+                          .smokeMethod = smokeMethod,
+                          .volumeMethod = volumeMethod});
     return still.picture(camera, options, drawer, progress, &counts);
   }
   VOLUTE_TRY(processorMayDraw("this picture"));
@@ -117,6 +120,7 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
       fmt::format("the processor draws, since OpenGL does not: {}", image.error().message));
   gl.reset();
   smokeMethod = GlSmokeMethod::kAuto;
+  volumeMethod = GlVolumeMethod::kBricks;
   return pictureBy(moment, progress);
 }
 

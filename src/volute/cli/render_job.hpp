@@ -53,6 +53,7 @@ struct RenderJob {
   std::shared_ptr<GlPictures> gl{};  ///< takes the pictures when it is not null
   bool glIsWish = false;             ///< the processor takes them, with a remark, where `gl` cannot
   GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
+  GlVolumeMethod volumeMethod = GlVolumeMethod::kBricks;
   std::vector<SmokeLayer> smokes{};
   std::vector<Sign> signs{};
   PictureLaw law{};

@@ -37,6 +37,14 @@ struct GlTreeVolume {
   Box3 bounds;  ///< outer voxel faces [m]
   double emission = 1;
   double extinction = 0;
+  Mat3 turn = Mat3::Identity();  ///< as GlVolume's
+  Vec3 offset = Vec3::Zero();    ///< [m]
+};
+
+/// How a .volute is drawn.
+enum class GlVolumeMethod {
+  kBricks,  ///< GlVolume: each instant's bricks are extracted and uploaded
+  kTree,    ///< GlTreeVolume
 };
 
 /// TetMarcher's twin: one instant of smoke on a mesh.

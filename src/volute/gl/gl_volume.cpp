@@ -352,7 +352,8 @@ class TreeMedium final : public GlMedium {
     const CellGrid cells =
         cellsOf(volume_.bounds, {extents[3], extents[2], extents[1]}, volume_.basis);
     const CellRange range = occupiedCells(data, volume_.frame, cells, volume_.basis);
-    bindCells(program, prefix, eye, cells, range, volume_.emission, volume_.extinction);
+    bindCells(program, prefix, eye, cells, range, volume_.emission, volume_.extinction,
+              volume_.turn, volume_.offset);
     const auto name = [&](const char* rest) { return prefix + rest; };
     program.set(name("extents").c_str(), extents);
     program.set(name("frame").c_str(), volume_.frame);

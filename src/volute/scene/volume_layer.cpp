@@ -52,7 +52,11 @@ Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOption
   return layer;
 }
 
-Result<BrickSlice> VolumeLayer::sliceFromTree(int position) {
+Result<std::shared_ptr<const Tree4d>> VolumeLayer::treeAt(int position) {
+  if (!input_.reader) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{} holds no tree; expected a .volute: volute compress makes one", path_);
+  }
   if (!tree_ || position < treeBegin_ || position >= treeBegin_ + kTreeFrames) {
     tree_.reset();
     treeBegin_ = position / kTreeFrames * kTreeFrames;
@@ -60,11 +64,16 @@ Result<BrickSlice> VolumeLayer::sliceFromTree(int position) {
         auto tree,
         Tree4d::load(*input_.reader,
                      {.firstFrame = treeBegin_, .endFrame = treeBegin_ + kTreeFrames}, *progress_));
-    tree_ = std::make_unique<const Tree4d>(std::move(tree));
+    tree_ = std::make_shared<const Tree4d>(std::move(tree));
     counts_.nodes = std::max<std::uint64_t>(counts_.nodes, tree_->nodeCount());
     counts_.treeBytes = std::max<std::uint64_t>(counts_.treeBytes, tree_->memoryBytes());
   }
-  BrickSlice slice = tree_->extractSlice(position, &counts_.nodesVisited);
+  return tree_;
+}
+
+Result<BrickSlice> VolumeLayer::sliceFromTree(int position) {
+  VOLUTE_ASSIGN(const auto tree, treeAt(position));
+  BrickSlice slice = tree->extractSlice(position, &counts_.nodesVisited);
   slice.setBasis(info_.basis);
   return slice;
 }

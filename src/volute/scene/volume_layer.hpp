@@ -59,6 +59,10 @@ class VolumeLayer {
   /// The frame at a position as bricks. The last one is kept.
   [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> sliceAt(int position);
 
+  /// The hexadeca-tree that holds the frame at a position, and others of its blocks. The last one
+  /// is kept. kInvalidArgument for what is no .volute.
+  [[nodiscard]] Result<std::shared_ptr<const Tree4d>> treeAt(int position);
+
   /// `extinctionFactor` multiplies the appearance's extinction.
   [[nodiscard]] Result<VoxelMedium> mediumAt(int position, double extinctionFactor = 1);
 
@@ -100,7 +104,7 @@ class VolumeLayer {
   Appearance appearance_;
   VolumeInfo info_;
   std::vector<float> frame_;
-  std::unique_ptr<const Tree4d> tree_;
+  std::shared_ptr<const Tree4d> tree_;
   int treeBegin_ = 0;
   TreeCounts counts_;
   Progress* progress_ = nullptr;

@@ -86,6 +86,19 @@ Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments, const GlPictures
                            : GlSmokeMethod::kProject;
 }
 
+/// --volume-method, which is about OpenGL alone.
+Result<GlVolumeMethod> volumeMethodOf(const Arguments& arguments, const GlPictures* gl) {
+  const auto name = arguments.get<std::string>("volume-method");
+  if (name == "bricks")
+    return GlVolumeMethod::kBricks;
+  if (gl == nullptr) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--volume-method: {} is a way to draw volumes with OpenGL; add --renderer gl",
+                name);
+  }
+  return GlVolumeMethod::kTree;
+}
+
 /// Null for the processor. `auto` takes OpenGL where hardware draws all that the subject has.
 Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments) {
   const auto renderer = arguments.get<std::string>("renderer");
@@ -212,6 +225,7 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   job.gl = std::move(gl);
   job.glIsWish = arguments.get<std::string>("renderer") == "auto";
   VOLUTE_ASSIGN(job.smokeMethod, smokeMethodOf(arguments, job.gl.get()));
+  VOLUTE_ASSIGN(job.volumeMethod, volumeMethodOf(arguments, job.gl.get()));
   job.smokes = std::move(subject.smokes);
   job.signs = std::move(subject.signs);
   job.law = subject.law;
@@ -392,6 +406,13 @@ std::vector<Option> renderOptionTable() {
                "tetrahedra; auto takes the sum where no light is asked for, else the march",
        .initial = "auto",
        .choices = {"auto", "march", "splat", "projected"}},
+      {.name = "volume-method",
+       .kind = kChoice,
+       .value = "NAME",
+       .help = "how OpenGL draws a .volute: the bricks of each instant are made and uploaded, or "
+               "the tree of 16 frames is, and each voxel is a walk in it",
+       .initial = "bricks",
+       .choices = {"bricks", "tree"}},
       {.name = "camera",
        .kind = kFile,
        .value = "FILE.json",
