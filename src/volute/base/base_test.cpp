@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -10,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <numeric>
+#include <thread>
 #include <vector>
 
 #include "volute/base/checksum.hpp"
@@ -17,6 +19,7 @@
 #include "volute/base/input_file.hpp"
 #include "volute/base/output_file.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/base/thread_priority.hpp"
 #include "volute/base/view.hpp"
 
 namespace volute {
@@ -148,6 +151,20 @@ TEST(InputFile, MissingFileIsNotFound) {
   auto file = InputFile::open("/nonexistent");
   ASSERT_FALSE(file);
   EXPECT_EQ(file.error().code, ErrorCode::kNotFound);
+}
+
+TEST(ThreadPriority, AThreadAndThoseThatItStartsLetOthersFirst) {
+  const auto niceness = [] { return ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid())); };
+  const int ours = niceness();
+  int its = ours, itsOwn = ours;
+  std::thread([&] {
+    letOthersFirst();
+    its = niceness();
+    std::thread([&] { itsOwn = niceness(); }).join();
+  }).join();
+  EXPECT_EQ(its, std::max(ours, 5));
+  EXPECT_EQ(itsOwn, its);
+  EXPECT_EQ(niceness(), ours) << "other threads are as before";
 }
 
 }  // namespace

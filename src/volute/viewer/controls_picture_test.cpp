@@ -93,9 +93,7 @@ TEST_F(Controls, FogIsPaintedOnThePlanAndOnTheGround) {
   constexpr int kWidth = 1000, kHeight = 1100;  // so that the ground is seen beside the panel
   script_->input().width = kWidth, script_->input().height = kHeight;
   open("fog.json");
-  script_->clickAt(app().controls().at("Paint fog").left + 10,
-                   app().controls().at("Paint fog").top + 10);
-  script_->frames(3);
+  ASSERT_NO_FATAL_FAILURE(openPaintPanel());
   for (const char* control : {"tool add", "brush size", "brush strength", "brush softness", "plan",
                               "Undo", "Redo", "Clear", "map", "Save map", "paint in the view"})
     EXPECT_TRUE(script_->has(control)) << control;
@@ -255,10 +253,7 @@ TEST_F(Controls, LieInTheWindowAndNotOnEachOther) {
     SCOPED_TRACE(width);
     script_->input().width = width, script_->input().height = height;
     open("fog.json");
-    if (!script_->has("plan"))
-      script_->click("Paint fog", 0.02);
-    script_->frames(5);
-    ASSERT_TRUE(script_->has("plan"));
+    ASSERT_NO_FATAL_FAILURE(openPaintPanel());
     const auto& controls = app().controls();
     for (const auto& [name, at] : controls) {
       EXPECT_GE(at.left, 0) << name;

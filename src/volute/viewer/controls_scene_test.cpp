@@ -187,12 +187,7 @@ class PaintedFog : public SceneControls {
  protected:
   /// A stroke, of which no file knows.
   void paint() {
-    script_->frames(3);  // a panel that appears finds its size first
-    if (!script_->has("plan")) {
-      script_->clickAt(app().controls().at("Paint fog").left + 10,
-                       app().controls().at("Paint fog").top + 10);
-      script_->frames(3);
-    }
+    ASSERT_NO_FATAL_FAILURE(openPaintPanel());
     double x = 0, y = 0;
     ASSERT_TRUE(script_->pointOf("plan", 0.75, 0.7, x, y));
     script_->drag(x, y, x + 20, y, 0, 12);

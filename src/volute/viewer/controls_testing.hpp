@@ -170,6 +170,16 @@ class Controls : public ::testing::Test {
     app().settings().look.quality = 3;
   }
 
+  /// By the arrow on its title, once the first picture's times are above it.
+  void openPaintPanel() {
+    ASSERT_TRUE(script_->settle());
+    script_->frames(3);  // a panel that appears finds its size first
+    if (!script_->has("plan"))
+      script_->click("Paint fog", 0.03);
+    script_->frames(5);
+    ASSERT_TRUE(script_->has("plan"));
+  }
+
   /// The scene without panels.
   Image picture() {
     ViewerInput& input = script_->input();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/base/thread_priority.hpp"
 #include "volute/io/film.hpp"
 #include "volute/viewer/shown_picture.hpp"
 
@@ -111,6 +112,7 @@ Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene, DisplayLo
 
 /// In a thread of its own.
 void FilmExport::encode() {
+  letOthersFirst();
   const auto stop = [&](const Error& error) {
     const std::lock_guard lock(mutex_);
     error_ = error;

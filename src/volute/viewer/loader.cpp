@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "volute/base/thread_priority.hpp"
+
 namespace volute {
 namespace {
 
@@ -142,6 +144,7 @@ bool Loader::wanted() const {
 
 /// What is wanted comes first; a document is looked through for damage when there is time.
 void Loader::work() {
+  letOthersFirst();
   std::unique_lock lock(mutex_);
   for (;;) {
     wake_.wait(lock, [&] { return ends_ || wanted() || unchecked_; });

@@ -2,10 +2,32 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/processor_thread.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
+#include "volute/base/thread_priority.hpp"
+
 namespace volute {
+namespace {
+
+/// Here, since a window waits for no copy of a picture.
+Result<PictureTexels> texelsOf(const Result<Image>& image) {
+  if (!image)
+    return tl::unexpected<Error>(image.error());
+  constexpr float kOpaque = 1e30F;
+  const std::size_t count = image->pixels.size() / 3;
+  PictureTexels texels{image->width, image->height, std::vector<float>(4 * count)};
+  const float* from = image->pixels.data();
+  float* to = texels.rgba.data();
+  for (std::size_t i = 0; i < count; ++i, from += 3, to += 4) {
+    std::copy_n(from, 3, to);
+    to[3] = kOpaque;
+  }
+  return texels;
+}
+
+}  // namespace
 
 class ProcessorThread::Stop final : public Progress {
  public:
@@ -58,6 +80,7 @@ std::optional<ProcessorResult> ProcessorThread::take() {
 }
 
 void ProcessorThread::work() {
+  letOthersFirst();
   std::unique_lock lock(mutex_);
   for (;;) {
     wake_.wait(lock, [&] { return ends_ || waiting_; });
@@ -69,13 +92,13 @@ void ProcessorThread::work() {
     lock.unlock();
     Stop stop(*this);
     const auto begun = std::chrono::steady_clock::now();
-    Result<Image> image = job.take(job.camera, stop);
+    auto picture = texelsOf(job.take(job.camera, stop));
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
     job.take = nullptr;
     lock.lock();
     running_.reset();
     if (!stops_)
-      done_ = ProcessorResult{std::move(image), job.number, job.scale, spent.count()};
+      done_ = ProcessorResult{std::move(picture), job.number, job.scale, spent.count()};
   }
 }
 

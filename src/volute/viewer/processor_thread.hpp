@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "volute/viewer/view_scene.hpp"
 
@@ -19,8 +20,14 @@ struct ProcessorJob {
   double scale = 1;  ///< likewise
 };
 
+/// A picture as a texture holds it.
+struct PictureTexels {
+  int width = 0, height = 0;
+  std::vector<float> rgba{};  ///< light, and an optical depth that nothing is seen through
+};
+
 struct ProcessorResult {
-  Result<Image> image;
+  Result<PictureTexels> picture;
   int number = 0;
   double scale = 1;
   double seconds = 0;  ///< that it took

@@ -111,10 +111,19 @@ class ViewerScript {
     return true;
   }
 
+  /// Where it is by then: a line that comes above it while the mouse moves pushes it down.
   bool click(const std::string& control, double across = 0.5, double down = 0.5) {
     double x = 0, y = 0;
     if (!pointOf(control, across, down, x, y))
       return false;
+    constexpr int kTries = 5;
+    for (int i = 0; i < kTries; ++i) {
+      move(x, y);
+      if (!pointOf(control, across, down, x, y))
+        return false;
+      if (x == input_.mouseX && y == input_.mouseY)
+        break;
+    }
     clickAt(x, y);
     return true;
   }

@@ -13,7 +13,7 @@ constexpr double kQuick = 0.04;           ///< [s] that OpenGL may take while so
 constexpr double kProcessorQuick = 0.15;  ///< [s], and the processor
 constexpr double kCoarsest = 1.0 / 8;     ///< of the window's pixels a side
 constexpr std::size_t kHistory = 90;
-constexpr float kOpaque = 1e30F;  ///< an optical depth that nothing is seen through
+constexpr double kSamples = 65536;  ///< of the light that is shown
 
 double scaleOf(Quality quality) {
   switch (quality) {
@@ -124,25 +124,18 @@ Status ViewPicture::takeFinished() {
   auto done = processor_->take();
   if (!done || done->number != asked_)
     return {};
-  if (!done->image) {
-    if (done->image.error().code == ErrorCode::kCancelled)
+  if (!done->picture) {
+    if (done->picture.error().code == ErrorCode::kCancelled)
       return {};
-    return tl::unexpected<Error>(done->image.error());
+    return tl::unexpected<Error>(done->picture.error());
   }
-  const Image& image = *done->image;
-  std::vector<float> texels;
-  texels.reserve(image.pixels.size() / 3 * 4);
-  for (std::size_t i = 0; i < image.pixels.size(); i += 3) {
-    texels.insert(texels.end(), &image.pixels[i], &image.pixels[i] + 3);
-    texels.push_back(kOpaque);
-  }
-  if (image.width != pictureWidth_ || image.height != pictureHeight_)
-    picture_ = makeTexture2d(GL_RGBA32F, image.width, image.height);
-  pictureWidth_ = image.width, pictureHeight_ = image.height;
-  glTextureSubImage2D(picture_.name(), 0, 0, 0, image.width, image.height, GL_RGBA, GL_FLOAT,
-                      texels.data());
+  const auto& [width, height, rgba] = *done->picture;
+  if (width != pictureWidth_ || height != pictureHeight_)
+    picture_ = makeTexture2d(GL_RGBA32F, width, height);
+  pictureWidth_ = width, pictureHeight_ = height;
+  glTextureSubImage2D(picture_.name(), 0, 0, 0, width, height, GL_RGBA, GL_FLOAT, rgba.data());
   times_.passes.clear();
-  noteTime(done->seconds, image.width, image.height, true);
+  noteTime(done->seconds, width, height, true);
   scale_ = finishedScale_ = done->scale;
   processed_ = true;
   return {};
@@ -236,18 +229,23 @@ void ViewPicture::show(DisplayLook look, int width, int height) {
   display_.draw(texture(), look, width, height);
 }
 
-Image ViewPicture::light(const Rgb& background) const {
+Image ViewPicture::sampledLight(const Rgb& background) const {
   GLint width = 0, height = 0;
   glGetTextureLevelParameteriv(texture(), 0, GL_TEXTURE_WIDTH, &width);
   glGetTextureLevelParameteriv(texture(), 0, GL_TEXTURE_HEIGHT, &height);
   std::vector<float> texels(4 * static_cast<std::size_t>(width) * height);
   glGetTextureImage(texture(), 0, GL_RGBA, GL_FLOAT,
                     static_cast<GLsizei>(texels.size() * sizeof(float)), texels.data());
-  Image image(width, height);
-  for (std::size_t i = 0; i < texels.size() / 4; ++i) {
-    for (int c = 0; c < 3; ++c)
-      image.pixels[3 * i + c] =
-          static_cast<float>(texels[4 * i + c] + std::exp(-texels[4 * i + 3]) * background[c]);
+  const double pixels = static_cast<double>(width) * height;
+  const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kSamples))));
+  Image image((width + step - 1) / step, (height + step - 1) / step);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const float* texel = &texels[4 * (static_cast<std::size_t>(y) * step * width + x * step)];
+      const float behind = std::exp(-texel[3]);
+      for (int c = 0; c < 3; ++c)
+        image.at(x, y, c) = texel[c] + behind * static_cast<float>(background[c]);
+    }
   }
   return image;
 }

@@ -80,8 +80,9 @@ class ViewPicture {
   /// Into the framebuffer that is bound; `look.surfaces` is its own.
   void show(DisplayLook look, int width, int height);
 
-  /// The light that is shown, before the exposure. Slow.
-  Image light(const Rgb& background) const;
+  /// The light that is shown, before the exposure, at every n-th pixel of every n-th row: as many
+  /// as an exposure can be told from.
+  Image sampledLight(const Rgb& background) const;
 
   const FrameTimes& times() const { return times_; }
 

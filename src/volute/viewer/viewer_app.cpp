@@ -417,7 +417,8 @@ Status ViewerApp::drawPicture(const ViewerInput& input) {
     scene_.reset();
   }
   if (!exposureFound_ && document_ && scene_ && !scene_->coarse && picture_.settled(wish(input))) {
-    exposure_ = document_->measured ? 1 : suggestExposure(picture_.light(document_->background));
+    exposure_ =
+        document_->measured ? 1 : suggestExposure(picture_.sampledLight(document_->background));
     exposureFound_ = true;
   }
   return {};
