@@ -82,7 +82,8 @@ class Demo:
             {"format": "volute-capture-1", "color": "linear", "pixel_centre": 0.5, "frames": [frame],
              "volume": {"min": [-1, -1, 0], "max": [1, 1, 2], "resolution": [size] * 3},
              "cameras": [camera for camera, _ in rig]}))
-        (self.out / "views").mkdir(exist_ok=True)
+        shutil.rmtree(self.out / "views", ignore_errors=True)  # of an earlier run
+        (self.out / "views").mkdir()
         bounds = "--bounds=-1,-1,0,1,1,2"
         self.run("volute", "project", "fire.npy", "capture.json", "-o", "views/{camera}_%04d.exr", "--frames",
                  f"{frame}:{frame + 1}", "--basis", "box", bounds, "--json")

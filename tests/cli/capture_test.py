@@ -89,6 +89,9 @@ class Formats(ring.TestCase):
             text += matrix("T_" + name, [[x] for x in camera["t"]])
         self.path("cameras.yml").write_text(text)
         self.same("cameras.yml", "OpenCV: 5 cameras, pixel centres at 0")
+        self.path("cameras.yml").write_text(text.replace(matrix("D_c1", [[0] * 5]), matrix("D_c1", [[0, 0, 0]])))
+        self.assertIn("D_c1 has 3 coefficients; expected k1, k2, p1, p2",
+                      self.fails(1, "reconstruct", self.path("cameras.yml"), "-o", self.path("o.npy"), *self.options))
 
     def test_half_a_pixel_raises_the_residual(self):
         self.write_capture()
@@ -163,6 +166,18 @@ class Project(ring.TestCase):
         self.assertIn("%04d", self.fails(2, "project", *source, self.path("p_{camera}.exr")))
         self.assertIn(".exr", self.fails(2, "project", *source, self.path("{camera}_%04d.png")))
 
+    def test_a_capture_is_not_replaced_by_what_is_made_of_it(self):
+        source = ["project", self.path("truth.npy"), self.path("capture.json"), "-o"]
+        kept = {name: self.path(name).read_bytes() for name in ("capture.json", "c1_0010.exr", "truth.npy")}
+        self.assertRegex(self.fails(2, *source, self.path("{camera}_%04d.exr")),
+                         r"north_0010.exr is a picture of the capture \(camera north\) and would be replaced")
+        self.assertIn("is read and would be replaced", self.fails(2, "reconstruct", self.path("capture.json"), "-o",
+                                                                  self.path("out.npy"), "--report", self.path("./capture.json")))
+        self.path("same.npy").symlink_to(self.path("truth.npy"))
+        self.assertIn("is read and would be replaced", self.fails(2, "extract", self.path("truth.npy"), "-o", self.path("same.npy")))
+        for name, content in kept.items():
+            self.assertEqual(self.path(name).read_bytes(), content, name)
+
 
 class Geometry(ring.TestCase):
     def test_mirrored_rotation(self):
@@ -195,6 +210,17 @@ class Geometry(ring.TestCase):
         camera["width"], camera["height"] = camera["height"], camera["width"]
         self.assertRegex(self.refused(), r"camera c3.*40 x 32|camera c3.*swapped")
 
+    def test_focal_lengths_beyond_any_lens(self):
+        self.camera("c1")["K"][0][0] = 1e30
+        self.assertRegex(self.refused(), r"\(c1\): the focal lengths are 1e\+30 and 43 pixels for pictures of 40 x 32")
+
+    def test_names_that_are_no_part_of_a_file_name(self):
+        for name, said in (("../c2", "has a slash at place 3"), ("c\u00002", "has the control character 0x00 at place 2"),
+                           ("", r"cameras\[2\].*name")):
+            self.json = ring.capture()
+            self.camera("c2")["name"] = name
+            self.assertRegex(self.refused(), said)
+
     def test_too_few_views(self):
         self.json["cameras"] = self.json["cameras"][:2]
         self.assertRegex(self.refused(), r"2 views are too few.*expected at least 3.*--force")
@@ -223,6 +249,13 @@ class Pictures(ring.TestCase):
     def test_values_that_are_not_finite(self):
         self.change("c1", 12, lambda picture: picture.set(7, 9, math.nan))
         self.assertRegex(self.refused(), r"camera c1, frame 12: the value at pixel \(7, 9\) is not finite")
+
+    def test_hot_pixels(self):
+        self.change("c1", 12, lambda picture: picture.set(3, 4, 50))
+        self.change("c1", 12, lambda picture: picture.set(35, 4, 20))
+        result = self.reconstruct("--frames", "12")
+        self.assertRegex(result.message, r"warning: camera c1, frame 12: pixel \(3, 4\) reads 50 and those around it at most "
+                                         r"\S+, and 1 more stand out like that: hot pixels")
 
     def test_sizes_that_differ(self):
         self.change("c3", 10, lambda picture: Picture(32, 40, 3))

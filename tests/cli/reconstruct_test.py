@@ -214,6 +214,9 @@ class Parts(ring.TestCase):
     def test_refuses_what_does_not_fit(self):
         a, b = self.make_volute("a.volute", frames=2), self.make_volute("b.volute", frames=2, size=8)
         self.assertIn("do not fit together", self.fails(1, "join", a, b, "-o", self.path("c.volute")))
+        before = a.read_bytes()
+        self.assertIn("is read and would be replaced", self.fails(2, "join", a, b, "-o", a))
+        self.assertEqual(a.read_bytes(), before)
         self.assertIn("do not overlap", self.fails(1, "join", a, a, "-o", self.path("c.volute")))
         self.assertIn(".volute", self.fails(2, "join", a, self.path("truth.npy"), "-o", self.path("c.volute")))
 

@@ -64,6 +64,13 @@ Status checkIntrinsics(const Calibration& calibration) {
     return fail(ErrorCode::kInvalidArgument,
                 "the focal lengths are {} and {} pixels; expected positive ones", K(0, 0), K(1, 1));
   }
+  constexpr double kNarrowest = 1e4;  // widths; a field of view of 0.006 degrees
+  if (K(0, 0) > kNarrowest * calibration.width || K(1, 1) > kNarrowest * calibration.height) {
+    return fail(ErrorCode::kInvalidArgument,
+                "the focal lengths are {} and {} pixels for pictures of {} x {}; expected at most "
+                "{} times as much as these",
+                K(0, 0), K(1, 1), calibration.width, calibration.height, kNarrowest);
+  }
   if (K(1, 0) != 0 || K(2, 0) != 0 || K(2, 1) != 0 || K(2, 2) != 1) {
     return fail(ErrorCode::kInvalidArgument,
                 "K has entries that a pinhole has not; expected [[fx, skew, cx], [0, fy, cy], [0, "

@@ -61,7 +61,7 @@ Result<int> JsonValue::integer() const {
     if (value == std::floor(value) && std::abs(value) <= kMost)
       return static_cast<int>(value);
   }
-  return fault("expected a whole number");
+  return fault("expected a whole number of at most 2147483647");
 }
 
 Result<std::string> JsonValue::text() const {

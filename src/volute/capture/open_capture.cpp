@@ -101,6 +101,27 @@ Status nameCameras(CaptureDraft& draft, const std::optional<ImageName>& images) 
   return {};
 }
 
+/// Names become parts of files' names.
+Status checkNames(const CaptureDraft& draft) {
+  for (const CameraDraft& camera : draft.cameras) {
+    if (camera.name.empty())
+      return fail(ErrorCode::kInvalidData, "{}: has an empty name", camera.where);
+    const auto wrong = std::ranges::find_if(camera.name, [](char letter) {
+      return letter == '/' || static_cast<unsigned char>(letter) < ' ' || letter == '\x7f';
+    });
+    if (wrong == camera.name.end())
+      continue;
+    return fail(ErrorCode::kInvalidData,
+                "{}: the camera's name has {} at place {}; expected one that may be part of a "
+                "file's name",
+                camera.where,
+                *wrong == '/' ? std::string("a slash")
+                              : fmt::format("the control character {:#04x}", *wrong),
+                wrong - camera.name.begin() + 1);
+  }
+  return {};
+}
+
 Status placePictures(CaptureDraft& draft, const std::optional<ImageName>& images) {
   if (!images)
     return {};
@@ -276,6 +297,7 @@ Result<CaptureDraft> openDraft(const std::filesystem::path& file, const CaptureO
   if (draft.cameras.empty())
     return fail(ErrorCode::kInvalidData, "{}: has no cameras", file.string());
   VOLUTE_TRY(nameCameras(draft, images));
+  VOLUTE_TRY(checkNames(draft));
   VOLUTE_TRY(placePictures(draft, images));
   return draft;
 }

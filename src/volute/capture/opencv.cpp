@@ -175,6 +175,11 @@ class CameraFinder {
                     name, k.size());
       }
     }
+    if (!k.empty() && k.size() < 4) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: D_{} has {} coefficients; expected k1, k2, p1, p2 and perhaps k3", file_,
+                  name, k.size());
+    }
     k.resize(5, 0);
     return Distortion{k[0], k[1], k[2], k[3], k[4]};
   }

@@ -53,7 +53,7 @@ std::string zshArgument(const Option& option) {
   text += fmt::format(":{}:", zshText(option.value));
   if (!option.choices.empty())
     text += fmt::format("({})", fmt::join(option.choices, " "));
-  if (option.kind == ValueKind::kFile)
+  if (option.kind == ValueKind::kFile || option.kind == ValueKind::kOutput)
     text += "_files";
   return text;
 }
@@ -146,7 +146,7 @@ std::string fishCompletion() {
       out += fmt::format("{} -l {}", inside, option->name);
       if (option->letter != 0)
         out += fmt::format(" -s {}", option->letter);
-      if (option->kind == ValueKind::kFile) {
+      if (option->kind == ValueKind::kFile || option->kind == ValueKind::kOutput) {
         out += " -r -F";
       } else if (option->kind != ValueKind::kFlag) {
         out += " -x";

@@ -14,6 +14,7 @@ enum class ValueKind {
   kFlag,     ///< no value
   kText,     ///< anything
   kFile,     ///< a path; shells complete file names
+  kOutput,   ///< the same, of what is written: none that is read
   kChoice,   ///< one of Option::choices
   kNumber,   ///< a finite number within the option's limits
   kInteger,  ///< a whole number within the option's limits

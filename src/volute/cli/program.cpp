@@ -17,6 +17,7 @@
 #include "volute/cli/console.hpp"
 #include "volute/cli/help.hpp"
 #include "volute/cli/interrupt.hpp"
+#include "volute/cli/overwriting.hpp"
 #include "volute/cli/parse.hpp"
 #include "volute/cli/version.hpp"
 
@@ -57,10 +58,12 @@ Status flushResults() {
 /// Exceptions that a library let through end the command, not the program without a word.
 Status runGuarded(const Command& command, const Arguments& arguments, Context& context) {
   try {
+    VOLUTE_TRY(checkNothingOverwritten(command, arguments));
     return command.run(arguments, context);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kTooLarge,
-                "there is not enough memory; take fewer frames, a lower resolution or a smaller region");
+    return fail(
+        ErrorCode::kTooLarge,
+        "there is not enough memory; take fewer frames, a lower resolution or a smaller region");
   } catch (const std::exception& error) {
     return fail(ErrorCode::kIo, "{}", error.what());
   }

@@ -207,6 +207,7 @@ Result<Value> parseValue(const Option& option, std::string_view text) {
       return true;
     case ValueKind::kText:
     case ValueKind::kFile:
+    case ValueKind::kOutput:
       if (text.empty())
         return fail(ErrorCode::kInvalidArgument, "the value is empty; expected {}", option.value);
       return std::string(text);

@@ -23,8 +23,9 @@ struct Bytes {
   bool operator==(const Bytes&) const = default;
 };
 
-/// A parsed value: bool for kFlag, std::string for kText, kFile and kChoice, double for kNumber,
-/// int for kInteger, and the type of the same name for the others; several texts are a vector.
+/// A parsed value: bool for kFlag, std::string for kText, kFile, kOutput and kChoice, double for
+/// kNumber, int for kInteger, and the type of the same name for the others; several texts are a
+/// vector.
 using Value = std::variant<bool, std::string, double, int, Bytes, FrameRange, Region, Box3, Vec3,
                            Pixels, std::vector<std::string>>;
 

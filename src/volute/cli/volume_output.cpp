@@ -45,7 +45,8 @@ Status checkTarget(const std::string& target, bool standardOutput) {
   return {};
 }
 
-Result<std::unique_ptr<FrameSink>> openSink(const std::string& target, const VolumeInfo& info) {
+Result<std::unique_ptr<FrameSink>> openSink(const std::string& target, const VolumeInfo& info,
+                                            bool voluteToo) {
   if (target == "-") {
     VOLUTE_ASSIGN(auto sink, NpySink::create(target, info));
     return sink;
@@ -54,8 +55,9 @@ Result<std::unique_ptr<FrameSink>> openSink(const std::string& target, const Vol
   if (std::ranges::find(kKnown, extensionOf(target)) == kKnown.end()) {
     return fail(
         ErrorCode::kInvalidArgument,
-        "--output: '{}' is of no known format; expected .npy, %04d.vdb, %04d.vti, .pvd or -{}",
-        target, isVolutePath(target) ? "; volute compress writes .volute files" : "");
+        "--output: '{}' is of no known format; expected {}.npy, %04d.vdb, %04d.vti, .pvd or -{}",
+        target, voluteToo ? ".volute, " : "",
+        isVolutePath(target) ? "; volute compress writes .volute files" : "");
   }
   return createSink(target, info);
 }

@@ -16,8 +16,10 @@ namespace volute::cli {
 
 /// A place for volumes by the target's name, as createSink has it; "-" is a .npy on standard
 /// output. A name of no known format is wrong usage.
+/// @param voluteToo  a .volute was no wrong choice either; its caller writes it.
 [[nodiscard]] Result<std::unique_ptr<FrameSink>> openSink(const std::string& target,
-                                                          const VolumeInfo& info);
+                                                          const VolumeInfo& info,
+                                                          bool voluteToo = false);
 
 /// Copies all frames, reporting and asking whether to go on; then finishes the sink.
 [[nodiscard]] Status copyFrames(FrameSource& source, FrameSink& sink, const std::string& stage,

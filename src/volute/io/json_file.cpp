@@ -3,12 +3,28 @@
 #include "volute/io/json_file.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <span>
 #include <string>
 
 #include "volute/base/input_file.hpp"
 
 namespace volute {
+
+namespace {
+
+/// The letters around the byte before `end`.
+std::string wordAt(const std::string& text, std::size_t end) {
+  const auto letter = [&](std::size_t i) {
+    return std::isalpha(static_cast<unsigned char>(text[i])) != 0;
+  };
+  std::size_t first = end, last = end;
+  while (first > 0 && letter(first - 1)) --first;
+  while (last < text.size() && letter(last)) ++last;
+  return text.substr(first, last - first);
+}
+
+}  // namespace
 
 Result<nlohmann::json> readJson(const std::filesystem::path& path) {
   constexpr std::uint64_t kMostBytes = 16 << 20;
@@ -21,14 +37,19 @@ Result<nlohmann::json> readJson(const std::filesystem::path& path) {
   }
   std::string text(input.size(), '\0');
   VOLUTE_TRY(input.read(0, std::as_writable_bytes(std::span(text))));
+  if (text.empty())
+    return fail(ErrorCode::kInvalidData, "{}: is empty; expected JSON", file);
   try {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
     const std::size_t end = std::min(error.byte, text.size());
     const auto line =
         1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n');
-    return fail(ErrorCode::kInvalidData, "{}: line {} is no valid JSON (byte {})", file, line,
-                error.byte);
+    const std::string word = wordAt(text, end);
+    const bool number = word == "NaN" || word == "Infinity";
+    return fail(ErrorCode::kInvalidData, "{}: line {} is no valid JSON (byte {}){}", file, line,
+                error.byte,
+                number ? fmt::format(": it has no {}; expected a finite number", word) : "");
   } catch (const nlohmann::json::exception& error) {  // a number beyond double
     return fail(ErrorCode::kInvalidData, "{}: {}", file, error.what());
   }

@@ -116,7 +116,7 @@ Command compressCommand() {
                        .help = "a volume: .npy, .vdb, .vti, .pvd, .volute, a pattern or a folder"}},
       .options = {{.name = "output",
                    .letter = 'o',
-                   .kind = kFile,
+                   .kind = kOutput,
                    .value = "OUT.volute",
                    .help = "the file to write",
                    .required = true},

@@ -139,7 +139,7 @@ Command extractCommand() {
       .positionals = {{.name = "IN", .help = "a .volute file, or the .smv of an FDS case"}},
       .options = {{.name = "output",
                    .letter = 'o',
-                   .kind = kFile,
+                   .kind = kOutput,
                    .value = "OUT",
                    .help = ".npy, a pattern %04d.vdb or %04d.vti with the frame's number, or - for "
                            "a .npy on standard output",

@@ -235,7 +235,7 @@ std::vector<Option> optionTable() {
        .help = "a scene's camera object that the frame was taken with"},
       {.name = "output",
        .letter = 'o',
-       .kind = kFile,
+       .kind = kOutput,
        .value = "OUT",
        .help = ".exr (linear), .png (sRGB), .mp4 or .webm; several stills need %04d"},
       {.name = "depth-kind",

@@ -64,7 +64,7 @@ Command joinCommand() {
       .positionals = {{.name = "PART", .help = ".volute files", .several = true}},
       .options = {{.name = "output",
                    .letter = 'o',
-                   .kind = kFile,
+                   .kind = kOutput,
                    .value = "OUT.volute",
                    .help = "the file to write",
                    .required = true},

@@ -9,6 +9,7 @@
 #include "volute/capture/image_name.hpp"
 #include "volute/cli/capture_input.hpp"
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/overwriting.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/scene/volume_input.hpp"
@@ -131,11 +132,24 @@ Status projectAll(Subject& subject, const Capture& capture, const ImageName& nam
   return {};
 }
 
+/// Also none of the capture's own pictures that are there, which cannot be taken again.
 Status checkTargets(const Subject& subject, const Capture& capture, const ImageName& name) {
   for (const CaptureCamera& camera : capture.cameras) {
-    for (const int position : subject.positions)
-      VOLUTE_TRY(
-          checkTarget(name.file(camera.name, subject.numbers[static_cast<std::size_t>(position)])));
+    const PictureSource& own = camera.pictures;
+    for (const int position : subject.positions) {
+      const int number = subject.numbers[static_cast<std::size_t>(position)];
+      const std::string target = name.file(camera.name, number);
+      VOLUTE_TRY(checkTarget(target));
+      const std::string picture = own.image.empty() ? "" : frameFile(own.image, number);
+      for (const std::string& kept : {picture, own.background.string(), own.mask.string()}) {
+        if (!kept.empty() && std::filesystem::exists(target) && isSameFile(target, kept)) {
+          return fail(ErrorCode::kInvalidArgument,
+                      "--output: {} is a picture of the capture (camera {}) and would be replaced; "
+                      "give another name, or remove it first",
+                      target, camera.name);
+        }
+      }
+    }
   }
   return {};
 }
@@ -175,7 +189,7 @@ Command projectCommand() {
   std::vector<Option> options = {
       {.name = "output",
        .letter = 'o',
-       .kind = kFile,
+       .kind = kOutput,
        .value = "PATTERN.exr",
        .help = "the pictures: {camera} is the camera's name, %04d the frame",
        .required = true},

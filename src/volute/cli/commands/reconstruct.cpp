@@ -178,7 +178,7 @@ Status runFrames(ReconstructedFrames& frames, const Arguments& arguments, const 
   // A target that cannot be written is told before the long work.
   std::unique_ptr<FrameSink> sink;
   if (!isVolutePath(target)) {
-    VOLUTE_ASSIGN(sink, openSink(target, frames.info()));
+    VOLUTE_ASSIGN(sink, openSink(target, frames.info(), true));
   }
   VOLUTE_TRY(frames.solveAll());
   VOLUTE_ASSIGN(const auto json, reconstructionReport(capture, settings, frames));
@@ -295,7 +295,7 @@ std::vector<Option> optionTable() {
   std::vector<Option> options = {
       {.name = "output",
        .letter = 'o',
-       .kind = kFile,
+       .kind = kOutput,
        .value = "OUT",
        .help = ".volute, .npy (float32, t,z,y,x[,c]), %04d.vdb, %04d.vti, .pvd, or - for a .npy",
        .required = true},
@@ -319,7 +319,7 @@ std::vector<Option> optionTable() {
        .help = "a camera to compare with, not to reconstruct from",
        .several = true},
       {.name = "report",
-       .kind = kFile,
+       .kind = kOutput,
        .value = "FILE.json",
        .help = "write all that was measured, and FILE.html with plots and pictures"},
       {.name = "max-saturated",

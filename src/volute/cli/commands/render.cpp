@@ -378,7 +378,7 @@ std::vector<Option> renderOptionTable() {
   std::vector<Option> options = {
       {.name = "output",
        .letter = 'o',
-       .kind = kFile,
+       .kind = kOutput,
        .value = "OUT",
        .help = ".png, .exr (linear values), .mp4 or .webm; several stills need %04d for the "
                "frame's number",
@@ -504,7 +504,7 @@ std::vector<Option> renderOptionTable() {
            "draw mode, what the smoke's field holds, C, time and the scale of colours into .png "
            "and films"},
       {.name = "stats",
-       .kind = kFile,
+       .kind = kOutput,
        .value = "FILE.json",
        .help = "write what was visited, the time of each stage and the peak memory"},
       {.name = "partial", .help = "use what is intact of a damaged .volute"}};

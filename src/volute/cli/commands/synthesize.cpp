@@ -33,7 +33,7 @@ Result<SynthOptions> optionsOf(const Arguments& arguments) {
 Status write(FrameSource& source, const std::string& target, const Arguments& arguments,
              Context& context) {
   if (!isVolutePath(target)) {
-    VOLUTE_ASSIGN(auto sink, openSink(target, source.info()));
+    VOLUTE_ASSIGN(auto sink, openSink(target, source.info(), true));
     return copyFrames(source, *sink, "synthesizing", context.progress);
   }
   CompressOptions options;

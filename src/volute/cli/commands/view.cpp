@@ -77,7 +77,7 @@ std::vector<Option> viewOptions() {
   using enum ValueKind;
   std::vector<Option> options = {
       {.name = "screenshot",
-       .kind = kFile,
+       .kind = kOutput,
        .value = "OUT.png",
        .help = "write the viewer's frame instead of opening a window"},
       {.name = "time",

@@ -125,6 +125,65 @@ void checkPlace(const TomographyView& view, const Counts& counts, const std::str
   }
 }
 
+/// A pixel by itself.
+struct Outlier {
+  int x = 0, y = 0;
+  float value = 0, around = 0;  ///< its largest channel, and its neighbours' largest
+};
+
+/// Pixels that shine alone: ten times as bright as their neighbours and as the threshold.
+std::vector<Outlier> lonelyPixels(const TomographyView& view, double threshold) {
+  constexpr float kAlone = 10;
+  const Image& image = view.radiance;
+  const auto valueAt = [&](int x, int y) {
+    const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
+    if (!view.weight.empty() && view.weight[pixel] == 0)
+      return 0.0F;
+    const float* light = &image.pixels[3 * pixel];
+    return std::max({light[0], light[1], light[2]});
+  };
+  std::vector<Outlier> lonely;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const float value = valueAt(x, y);
+      if (!(value > kAlone * 2 * threshold))
+        continue;
+      float around = 0;
+      for (int v = std::max(0, y - 1); v <= std::min(image.height - 1, y + 1); ++v) {
+        for (int u = std::max(0, x - 1); u <= std::min(image.width - 1, x + 1); ++u) {
+          if (u != x || v != y)
+            around = std::max(around, valueAt(u, v));
+        }
+      }
+      if (value > kAlone * around)
+        lonely.push_back({x, y, value, around});
+    }
+  }
+  return lonely;
+}
+
+/// Hot pixels of a sensor, which a fit takes for light: those that are not faint beside the rest.
+void checkHotPixels(const TomographyView& view, const Counts& counts, const std::string& name,
+                    PictureFindings& findings) {
+  constexpr float kFaint = 0.2F;
+  auto lonely = lonelyPixels(view, counts.threshold);
+  if (lonely.empty())
+    return;
+  Image rest = view.radiance;
+  for (const Outlier& one : lonely) std::fill_n(&rest.at(one.x, one.y, 0), 3, 0.0F);
+  const float brightest = *std::ranges::max_element(rest.pixels);
+  std::erase_if(lonely, [&](const Outlier& one) { return one.value < kFaint * brightest; });
+  if (lonely.empty())
+    return;
+  const auto worst = std::ranges::max_element(lonely, {}, &Outlier::value);
+  findings.warnings.push_back(fmt::format(
+      "{}: pixel ({}, {}) reads {:.3g} and those around it at most {:.3g}{}: hot pixels of the "
+      "sensor? Mask them (0 = ignore)",
+      name, worst->x, worst->y, worst->value, worst->around,
+      lonely.size() > 1 ? fmt::format(", and {} more stand out like that", lonely.size() - 1)
+                        : std::string()));
+}
+
 /// The hull of all views but one, as a share of the volume.
 double hullWithout(std::span<const TomographyView> views,
                    std::span<const std::vector<std::uint8_t>> silhouettes, std::size_t left,
@@ -161,6 +220,7 @@ PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geo
   const bool mostSee = 2 * static_cast<std::size_t>(seeing) > counts.size();
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const std::string name = fmt::format("camera {}, frame {}", views.views[i].name, views.frame);
+    checkHotPixels(views.views[i], counts[i], name, findings);
     if (counts[i].lit == 0 && mostSee) {
       findings.faults.push_back(fmt::format(
           "{}: {}, while camera {} has {} lit pixels: a covered lens, a wrong file, or another "

@@ -23,8 +23,8 @@ struct PictureLimits {
 };
 
 /// Looks for pictures that are black while others are not, for saturation, for backgrounds that
-/// moved (light cannot be negative), for silhouettes that touch the border of their picture and for
-/// light outside of the volume. Silent about clean pictures.
+/// moved (light cannot be negative), for hot pixels, for silhouettes that touch the border of their
+/// picture and for light outside of the volume. Silent about clean pictures.
 PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geometry,
                               std::optional<double> noiseSigma, const PictureLimits& limits);
 

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include "volute/cli/arguments.hpp"
+#include "volute/cli/command.hpp"
+
+namespace volute::cli {
+
+/// kInvalidArgument where an output is one of the files that are read, under whatever name: a
+/// positional, an option's file, or what a positional .json names (a scene's maps, a capture's
+/// masks). Patterns count when they are the same; project checks each of its pictures besides.
+[[nodiscard]] Status checkNothingOverwritten(const Command& command, const Arguments& arguments);
+
+/// True when both are there and the same file, or the same path when they are not.
+bool isSameFile(const std::string& a, const std::string& b);
+
+}  // namespace volute::cli
