@@ -4,12 +4,9 @@
 // equations 6 to 13). Which faces the ray meets is decided by edges alone, the lower vertex first, the same in all their
 // tets: each place of the ray is in one of two neighbours, not in both or neither. Extinction and source are linear.
 
-flat in int tetNumber;
+flat in vec3 seen[4];   // the vertices, ascending, along the view's axes [m]
+flat in vec4 field[4];  // extinction [1/m], source
 
-uniform samplerBuffer places;   // of vertices, from the eye [m]
-uniform isamplerBuffer tets;    // vertices, ascending
-uniform samplerBuffer fields;   // of vertices: extinction [1/m], source
-uniform mat3 toView;            // right, down and forward in rows
 uniform mat3 toRay;             // from a pixel, homogeneous: 1 m along the view, or (orthographic) from the eye [m]
 uniform int orthographic;
 uniform int opaqueGiven;
@@ -19,11 +16,10 @@ uniform int dither;             // of alpha, for targets of 8 bits
 
 layout(location = 0) out vec4 result;
 
-vec2 at[4];    // the vertices, seen along the ray
-vec4 distances; // along the view [m]
+vec2 at[4];  // the vertices, seen along the ray
 
-// Twice the areas that the ray and the edges 01, 02, 03, 12, 13, 23 span.
-float edges[6];
+// Twice the areas that the ray spans with the edges between the vertices.
+float e01, e02, e03, e12, e13, e23;
 
 float areaOf(vec2 a, vec2 b) {
   precise float first = a.x * b.y;
@@ -35,34 +31,50 @@ float areaOf(vec2 a, vec2 b) {
 // On which side of an edge the ray passes, for the ray moved by an infinitely small step across itself: so that one
 // through an edge or a vertex has one answer for all faces.
 bool sideOf(float area, vec2 a, vec2 b) {
-  if (area != 0.0) return area > 0.0;
-  return a.y != b.y ? a.y > b.y : b.x > a.x;
+  return (area != 0.0 ? area : a.y != b.y ? a.y - b.y : b.x - a.x) > 0.0;
 }
 
-// Which faces the ray meets, by the vertices across, from the sides of the edges.
-bvec4 metBy(bool s[6]) {
-  return bvec4(s[3] == s[5] && s[3] != s[4], s[1] == s[5] && s[1] != s[2], s[0] == s[4] && s[0] != s[2],
-               s[0] == s[3] && s[0] != s[1]);
+// The sides of the edges 01, 02, 03 and of 12, 13, 23.
+bvec3 fromFirst, others;
+
+// Which faces the ray meets, by the vertices across.
+bvec4 metFaces() {
+  return bvec4(others.x == others.z && others.x != others.y, fromFirst.y == others.z && fromFirst.y != fromFirst.z,
+               fromFirst.x == others.y && fromFirst.x != fromFirst.z,
+               fromFirst.x == others.x && fromFirst.x != fromFirst.y);
 }
 
 // One face alone is met where rounding makes the edges disagree: the ray passes the nearest of the edges from the vertex
 // across on the other side.
-bvec4 metBesides(bvec4 met, bool s[6]) {
-  ivec3 from = met.x ? ivec3(0, 1, 2) : met.y ? ivec3(0, 3, 4) : met.z ? ivec3(1, 3, 5) : ivec3(2, 4, 5);
-  vec3 near = abs(vec3(edges[from.x], edges[from.y], edges[from.z]));
-  int least = near.x <= near.y && near.x <= near.z ? from.x : near.y <= near.z ? from.y : from.z;
-  s[least] = !s[least];
-  return metBy(s);
+bvec4 metBesides(bvec4 met) {
+  vec3 near = abs(met.x ? vec3(e01, e02, e03) : met.y ? vec3(e01, e12, e13) : met.z ? vec3(e02, e12, e23)
+                                                                                    : vec3(e03, e13, e23));
+  bool first = near.x <= near.y && near.x <= near.z;
+  bool second = !first && near.y <= near.z;
+  bool third = !first && !second;
+  if (met.x) fromFirst = bvec3(fromFirst.x != first, fromFirst.y != second, fromFirst.z != third);
+  else if (met.y) {
+    fromFirst.x = fromFirst.x != first;
+    others.xy = bvec2(others.x != second, others.y != third);
+  } else if (met.z) {
+    fromFirst.y = fromFirst.y != first;
+    others.xz = bvec2(others.x != second, others.z != third);
+  } else {
+    fromFirst.z = fromFirst.z != first;
+    others.yz = bvec2(others.y != second, others.z != third);
+  }
+  return metFaces();
 }
 
 // The shares of the vertices where the ray meets the face across one.
 vec4 sharesOn(int across) {
-  vec4 w = across == 0 ? vec4(0.0, edges[5], -edges[4], edges[3])
-           : across == 1 ? vec4(edges[5], 0.0, -edges[2], edges[1])
-           : across == 2 ? vec4(edges[4], -edges[2], 0.0, edges[0])
-                         : vec4(edges[3], -edges[1], edges[0], 0.0);
+  vec4 w = across == 0 ? vec4(0.0, e23, -e13, e12)
+           : across == 1 ? vec4(e23, 0.0, -e03, e02)
+           : across == 2 ? vec4(e13, -e03, 0.0, e01)
+                         : vec4(e12, -e02, e01, 0.0);
   float sum = w.x + w.y + w.z + w.w;
-  w = sum != 0.0 ? clamp(w / sum, 0.0, 1.0) : vec4(notEqual(ivec4(across), ivec4(0, 1, 2, 3)));
+  if (sum == 0.0) return vec4(notEqual(ivec4(across), ivec4(0, 1, 2, 3))) / 3.0;
+  w = clamp(w / sum, 0.0, 1.0);
   return w / (w.x + w.y + w.z + w.w);
 }
 
@@ -80,32 +92,26 @@ vec2 thinWeights(float d0, float d1, float passed) {
 vec2 tableWeights(float d0, float d1) {
   vec2 d = vec2(d0, d1);
   float side = float(textureSize(weights, 0).x);
-  return texture(weights, (d / (1.0 + d) * (side - 1.0) + 0.5) / side).rg;
+  return textureLod(weights, (d / (1.0 + d) * (side - 1.0) + 0.5) / side, 0.0).rg;
 }
 
 void main() {
   vec3 ray = toRay * vec3(gl_FragCoord.xy, 1.0);
-  ivec4 tet = texelFetch(tets, tetNumber);
-  for (int i = 0; i < 4; ++i) {
-    vec3 place = toView * texelFetch(places, tet[i]).xyz;
-    at[i] = place.xy - (orthographic != 0 ? 1.0 : place.z) * ray.xy;
-    distances[i] = place.z;
-  }
-  bool sides[6];
-  int edge = 0;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = i + 1; j < 4; ++j) {
-      edges[edge] = areaOf(at[i], at[j]);
-      sides[edge] = sideOf(edges[edge], at[i], at[j]);
-      ++edge;
-    }
-  }
-  bvec4 met = metBy(sides);
-  int count = int(met.x) + int(met.y) + int(met.z) + int(met.w);
-  if (count == 0) discard;
-  if (count == 1) met = metBesides(met, sides);
+  for (int i = 0; i < 4; ++i) at[i] = seen[i].xy - (orthographic != 0 ? 1.0 : seen[i].z) * ray.xy;
+  e01 = areaOf(at[0], at[1]);
+  e02 = areaOf(at[0], at[2]);
+  e03 = areaOf(at[0], at[3]);
+  e12 = areaOf(at[1], at[2]);
+  e13 = areaOf(at[1], at[3]);
+  e23 = areaOf(at[2], at[3]);
+  fromFirst = bvec3(sideOf(e01, at[0], at[1]), sideOf(e02, at[0], at[2]), sideOf(e03, at[0], at[3]));
+  others = bvec3(sideOf(e12, at[1], at[2]), sideOf(e13, at[1], at[3]), sideOf(e23, at[2], at[3]));
+  bvec4 met = metFaces();
+  if (!any(met)) discard;
+  if (int(met.x) + int(met.y) + int(met.z) + int(met.w) == 1) met = metBesides(met);
   vec4 w0 = sharesOn(met.x ? 0 : met.y ? 1 : 2);
   vec4 w1 = sharesOn(met.w ? 3 : met.z ? 2 : 1);
+  vec4 distances = vec4(seen[0].z, seen[1].z, seen[2].z, seen[3].z);  // along the view
   float from = dot(w0, distances);
   float to = dot(w1, distances);
   if (from > to) {
@@ -136,10 +142,9 @@ void main() {
       way = room;
     }
   }
-  mat4 field = mat4(texelFetch(fields, tet.x), texelFetch(fields, tet.y), texelFetch(fields, tet.z),
-                    texelFetch(fields, tet.w));
-  vec4 f0 = field * w0;
-  vec4 f1 = field * w1;
+  mat4 corners = mat4(field[0], field[1], field[2], field[3]);
+  vec4 f0 = corners * w0;
+  vec4 f1 = corners * w1;
   float d0 = max(f0.x, 0.0) * way;
   float d1 = max(f1.x, 0.0) * way;
   float passed = exp(-0.5 * (d0 + d1));

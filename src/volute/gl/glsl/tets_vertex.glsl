@@ -7,8 +7,9 @@
 
 uniform samplerBuffer places;      // of vertices, from the eye [m]
 uniform isamplerBuffer tets;       // vertices, ascending
-uniform usamplerBuffer outlines;   // bits: two for each of the tet's vertices in turn, then how many the outline has;
+uniform usamplerBuffer outlines;   // bits: two for each of the tet's vertices in turn, then how many are the outline's,
                                    // 0 where the eye is inside
+uniform samplerBuffer fields;      // of vertices: extinction [1/m], source
 
 uniform mat3 toView;      // right, down and forward in rows
 uniform mat3 toImage;     // from there to the picture's pixels, homogeneous
@@ -18,13 +19,14 @@ uniform int orthographic;
 uniform float farthest;   // [m] from the eye's plane, where orthographic
 uniform float margin;     // [pixels], more than the rasteriser's grid and rounding
 
-flat out int tetNumber;
+flat out vec3 seen[4];    // the vertices, ascending, along the view's axes [m]
+flat out vec4 field[4];   // extinction [1/m], source
 
 const float NEEDLE = 0.1;   // sine of the least angle of an outline that is widened side by side
 const float SHORT = 0.0625; // [pixels] shortest side of one
 
-vec3 seen[4];   // along the view's axes [m]: the outline's vertices in turn, then what is left
-vec2 pixels[4];
+vec2 pixels[4];   // of the vertices
+vec2 ordered[4];  // of the outline's in turn, then what is left
 
 // The corner of an outline each of whose sides is moved outwards; false for needles and what rounding has bent.
 bool sharpCorner(int sides, int corner, out vec2 place) {
@@ -33,7 +35,7 @@ bool sharpCorner(int sides, int corner, out vec2 place) {
   vec2 along[4];
   float shortest = 3e38;
   for (int i = 0; i < 4; ++i) {
-    vec2 side = (i == 2 && three ? pixels[0] : pixels[(i + 1) & 3]) - pixels[i];
+    vec2 side = (i == 2 && three ? ordered[0] : ordered[(i + 1) & 3]) - ordered[i];
     float size = length(side);
     if (i < 3 || !three) shortest = min(shortest, size);
     along[i] = side / size;
@@ -47,7 +49,7 @@ bool sharpCorner(int sides, int corner, out vec2 place) {
       least = min(least, turn);
       most = max(most, turn);
     }
-    if (i == mine) place = pixels[i] + margin / abs(turn) * (before - along[i]);
+    if (i == mine) place = ordered[i] + margin / abs(turn) * (before - along[i]);
   }
   return shortest >= SHORT && (least > NEEDLE || most < -NEEDLE);
 }
@@ -102,20 +104,25 @@ vec2 boxCorner(int corner) {
 }
 
 void main() {
-  tetNumber = gl_VertexID >> 2;
+  int tet = gl_VertexID >> 2;
   int corner = gl_VertexID & 3;
-  ivec4 vertices = texelFetch(tets, tetNumber);
-  uint outline = texelFetch(outlines, tetNumber).r;
+  ivec4 vertices = texelFetch(tets, tet);
+  uint outline = texelFetch(outlines, tet).r;
   int sides = int(outline >> 8);
   float front = 3e38;
   float farAside = 0.0;  // in halves of the picture
   for (int i = 0; i < 4; ++i) {
-    seen[i] = toView * texelFetch(places, vertices[int(outline >> 2 * i & 3u)]).xyz;
+    seen[i] = toView * texelFetch(places, vertices[i]).xyz;
+    field[i] = texelFetch(fields, vertices[i]);
     vec3 pixel = toImage * (orthographic != 0 ? vec3(seen[i].xy, 1.0) : seen[i]);
     pixels[i] = pixel.xy / pixel.z;
     front = min(front, seen[i].z);
     vec2 aside = abs(pixels[i] / halfSize - 1.0);
     farAside = max(farAside, max(aside.x, aside.y));
+  }
+  for (int i = 0; i < 4; ++i) {
+    uint which = outline >> 2 * i & 3u;
+    ordered[i] = which < 2u ? (which == 0u ? pixels[0] : pixels[1]) : which == 2u ? pixels[2] : pixels[3];
   }
   vec2 place = vec2(0.0);
   if (sides == 0 || !(farAside < 8.0) || (orthographic == 0 && front < nearest)) place = boxCorner(corner);
