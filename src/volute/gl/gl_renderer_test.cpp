@@ -192,7 +192,7 @@ TEST_F(GlRendererTest, EveryWayToDrawSmokeIsTheReference) {
         (void)renderer_->takePasses();
         const GlScene scene{.smokes = {smoke.onDevice()}, .smokeMethod = method};
         EXPECT_LE(errorOf(camera, scene, {&medium, 1}, {.background = Rgb(0.3, 0.5, 0.1)}, wall),
-                  method == GlSmokeMethod::kProject ? 2e-3 : kBar)
+                  kBar)
             << "lit " << lit << ", method " << int(method) << ", eye " << camera.eye().transpose();
         const auto passes = renderer_->takePasses();
         const bool lens = !camera.distortion().none();

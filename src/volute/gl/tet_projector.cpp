@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "volute/base/parallel.hpp"
 #include "volute/gl/glsl_sources.hpp"
@@ -17,22 +18,27 @@ namespace {
 
 constexpr int kTable = 512;  // points a side of the table of weights
 constexpr std::size_t kGrain = 4096;
-constexpr int kWeightsUnit = 1;
+constexpr int kOpaqueUnit = 0, kWeightsUnit = 1, kPlacesUnit = 2, kTetsUnit = 3, kOutlinesUnit = 4,
+              kFieldsUnit = 5;
 
 using Texel = std::array<float, 4>;
 
-/// A tet's thick vertex from where the eye is.
-struct Thick {
-  float front[4] = {}, back[4] = {};  // shares of the four vertices
-  float rest = 1;  // 1 - gap: w of the front / w of the back; 1 where orthographic
-};
+/// Corners of a tet's cover, two triangles, as tets_vertex.glsl numbers them.
+constexpr std::uint32_t kCover[] = {0, 1, 2, 0, 2, 3};
 
-/// The triangles of a tet by classes, as TetProjector draws them.
-struct Fan {
-  std::int8_t triangles = 0;
-  bool around = false;
-  std::array<std::array<std::int8_t, 3>, 4> corners{};
-};
+/// A ProjectedTet as tets_vertex.glsl reads it.
+std::uint16_t packed(const ProjectedTet& tet) {
+  int bits = tet.sides << 8;
+  for (int i = 0; i < 4; ++i) bits |= tet.corners[i] << 2 * i;
+  return static_cast<std::uint16_t>(bits);
+}
+
+GlTexture textureOf(const GlBuffer& buffer, GLenum format) {
+  GLuint name = 0;
+  glCreateTextures(GL_TEXTURE_BUFFER, 1, &name);
+  glTextureBuffer(name, format, buffer.name());
+  return GlTexture(name);
+}
 
 GLenum formatOf(TetTarget target) {
   if (target == TetTarget::kFloat32)
@@ -62,54 +68,50 @@ struct TetProjector::State {
   GlTexture weights, target, opaque, depth;
   GlFramebuffer framebuffer;
   GlVertexArray arrays, noArrays;
-  GlBuffer places, fields, indices;
+  GlBuffer places, tetVertices, outlines, fields, indices;
+  GlTexture placesTexture, tetsTexture, outlinesTexture, fieldsTexture;  // of these buffers
+  GLint gridBits = 4;  // of the rasteriser: a pixel has 2^gridBits places along each axis
 
   std::optional<TetEye> eye;  // of the sort and the projection
   TetOrder order;
-  std::vector<Thick> thick;
-  std::vector<Fan> fans;
-  std::vector<Texel> smoke;  // extinction and source of each vertex
-  std::vector<char> dark;    // tets without smoke
+  std::vector<std::uint16_t> seen;  // outlines
+  std::vector<Texel> smoke;         // extinction and source of each vertex
+  std::vector<char> dark;           // tets without smoke
 
   bool fieldsNew = true, indicesNew = true;
   TetBlend blend = TetBlend::kBackToFront;
   TetTarget format = TetTarget::kFloat32;
   int width = 0, height = 0;
-  std::vector<std::uint32_t> drawn;      // indices
-  std::vector<std::int32_t> aroundTets;  // after `triangles` of the others
-  std::size_t plainIndices = 0;
+  std::vector<std::uint32_t> drawn;  // indices
 
   State(std::shared_ptr<const TetMesh> of, GlProgram tetProgram, GlProgram wallProgram)
       : mesh(std::move(of)), tets(std::move(tetProgram)), wall(std::move(wallProgram)) {}
 
   void makeObjects();
   void project(const TetEye& from);
-  void fillFields();
   void fillIndices(TetBlend order);
   void resize(const Camera& camera, TetTarget wanted);
   void setOpaque(std::span<const float> opaqueDepth);
   void drawWall(const RasterView& view);
   void drawTets(const RasterView& view, bool opaqueGiven, const TetProjectorOptions& options);
-  Texel at(std::int32_t tet, const float* shares) const;
 };
 
 void TetProjector::State::makeObjects() {
-  const std::size_t points = mesh->vertices().size() + mesh->tets().size();
-  places = makeEmptyBuffer(points * sizeof(Texel));
-  fields = makeEmptyBuffer(2 * points * sizeof(Texel));
-  indices = makeEmptyBuffer(12 * mesh->tets().size() * sizeof(std::uint32_t));
+  const std::size_t vertices = mesh->vertices().size(), count = mesh->tets().size();
+  places = makeEmptyBuffer(vertices * sizeof(Texel));
+  fields = makeEmptyBuffer(vertices * sizeof(Texel));
+  tetVertices = makeBuffer(mesh->tets());
+  outlines = makeEmptyBuffer(count * sizeof(std::uint16_t));
+  indices = makeEmptyBuffer(std::size(kCover) * count * sizeof(std::uint32_t));
+  placesTexture = textureOf(places, GL_RGBA32F);
+  fieldsTexture = textureOf(fields, GL_RGBA32F);
+  tetsTexture = textureOf(tetVertices, GL_RGBA32I);
+  outlinesTexture = textureOf(outlines, GL_R16UI);
   arrays = makeVertexArray();
   noArrays = makeVertexArray();
   framebuffer = makeFramebuffer();
-  const GLuint name = arrays.name();
-  glVertexArrayVertexBuffer(name, 0, places.name(), 0, sizeof(Texel));
-  glVertexArrayVertexBuffer(name, 1, fields.name(), 0, 2 * sizeof(Texel));
-  for (GLuint i = 0; i < 3; ++i) {
-    glEnableVertexArrayAttrib(name, i);
-    glVertexArrayAttribFormat(name, i, 4, GL_FLOAT, GL_FALSE, i == 2 ? sizeof(Texel) : 0);
-    glVertexArrayAttribBinding(name, i, i == 0 ? 0 : 1);
-  }
-  glVertexArrayElementBuffer(name, indices.name());
+  glVertexArrayElementBuffer(arrays.name(), indices.name());
+  glGetIntegerv(GL_SUBPIXEL_BITS, &gridBits);
   weights = makeTexture2d(GL_RG32F, kTable, kTable);
   glTextureParameteri(weights.name(), GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   glTextureParameteri(weights.name(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
@@ -119,101 +121,53 @@ void TetProjector::State::makeObjects() {
   glTextureSubImage2D(weights.name(), 0, 0, 0, kTable, kTable, GL_RG, GL_FLOAT, kWeights.data());
 }
 
-/// Sorts and projects for an eye: places of all vertices from it, and the thick vertices' shares.
+/// Sorts and projects for an eye: places of all vertices from it, and the tets' outlines.
 void TetProjector::State::project(const TetEye& from) {
   order = sortTets(*mesh, from);
   eye = from;
   ++counts.sorts;
   counts.cycles = order.cycles, counts.parts = order.parts;
-  const std::size_t vertices = mesh->vertices().size(), count = mesh->tets().size();
-  thick.resize(count);
-  fans.resize(count);
-  std::vector<Texel> points(vertices + count);
-  const auto put = [&](std::size_t i, const Vec3& place, double gap) {
-    for (int axis = 0; axis < 3; ++axis) points[i][axis] = static_cast<float>(place[axis]);
-    points[i][3] = static_cast<float>(gap);
-  };
-  for (std::size_t i = 0; i < vertices; ++i) put(i, mesh->vertices()[i] - from.point, 0);
-  parallelRanges(count, kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
-      const auto tet = static_cast<std::int32_t>(t);
-      const ProjectedTet seen = projectTet(eyeShares(*mesh, tet, from));
-      fans[t] = {static_cast<std::int8_t>(seen.triangles), seen.shape == TetClass::kAround,
-                 seen.corners};
-      Vec3 front = Vec3::Zero(), back = Vec3::Zero();
-      for (int k = 0; k < 4; ++k) {
-        thick[t].front[k] = static_cast<float>(seen.front[k]);
-        thick[t].back[k] = static_cast<float>(seen.back[k]);
-        const Vec3 corner = mesh->vertices()[mesh->tets()[t][k]] - from.point;
-        front += seen.front[k] * corner;
-        back += seen.back[k] * corner;
-      }
-      const double length = (back - front).norm();
-      const double gap = from.orthographic ? length : length / std::max(back.norm(), 1e-300);
-      thick[t].rest = from.orthographic ? 1.0F : static_cast<float>(1 - gap);
-      put(vertices + t, front, fans[t].around ? 0 : gap);
-    }
+  std::vector<Texel> points;
+  points.reserve(mesh->vertices().size());
+  for (const Vec3& vertex : mesh->vertices()) {
+    const Eigen::Vector3f place = (vertex - from.point).cast<float>();
+    points.push_back({place.x(), place.y(), place.z(), 1});
+  }
+  seen.resize(mesh->tets().size());
+  parallelRanges(seen.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t)
+      seen[t] = packed(projectTet(eyeShares(*mesh, static_cast<std::int32_t>(t), from)));
   });
   upload(places, points);
+  upload(outlines, seen);
   ++counts.uploads;
-  fieldsNew = indicesNew = true;
-}
-
-Texel TetProjector::State::at(std::int32_t tet, const float* shares) const {
-  Texel value{};
-  for (int k = 0; k < 4; ++k) {
-    const Texel& corner = smoke[mesh->tets()[tet][k]];
-    for (int c = 0; c < 4; ++c) value[c] += shares[k] * corner[c];
-  }
-  return value;
-}
-
-void TetProjector::State::fillFields() {
-  const std::size_t vertices = smoke.size(), count = thick.size();
-  std::vector<std::array<Texel, 2>> values(vertices + count);
-  for (std::size_t i = 0; i < vertices; ++i) values[i] = {smoke[i], smoke[i]};
-  parallelRanges(count, kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
-      if (dark[t])
-        continue;
-      auto& [front, back] = values[vertices + t];
-      front = at(static_cast<std::int32_t>(t), thick[t].front);
-      back = at(static_cast<std::int32_t>(t), thick[t].back);
-      for (float& value : back) value *= thick[t].rest;
-    }
-  });
-  upload(fields, values);
-  ++counts.uploads;
-  fieldsNew = false;
+  indicesNew = true;
 }
 
 /// The tets that are not dark, in the order of blending; those around the eye are the nearest.
 void TetProjector::State::fillIndices(TetBlend wanted) {
   blend = wanted;
   drawn.clear();
-  aroundTets.clear();
-  const auto vertices = static_cast<std::uint32_t>(mesh->vertices().size());
   const auto add = [&](std::int32_t t) {
-    for (int i = 0; i < fans[t].triangles; ++i) {
-      for (const std::int8_t corner : fans[t].corners[i]) {
-        drawn.push_back(corner == ProjectedTet::kThick
-                            ? vertices + static_cast<std::uint32_t>(t)
-                            : static_cast<std::uint32_t>(mesh->tets()[t][corner]));
-      }
-    }
+    for (const std::uint32_t corner : kCover)
+      drawn.push_back(4 * static_cast<std::uint32_t>(t) + corner);
   };
+  const std::uint16_t eyeInside = packed({});
+  std::vector<std::int32_t> around;
+  for (const std::int32_t t : order.tets) {
+    if (!dark[t] && seen[t] == eyeInside)
+      around.push_back(t);
+  }
+  if (wanted == TetBlend::kFrontToBack)
+    std::ranges::for_each(around, add);
   const std::size_t count = order.tets.size();
   for (std::size_t i = 0; i < count; ++i) {
     const std::int32_t t = order.tets[wanted == TetBlend::kBackToFront ? i : count - 1 - i];
-    if (dark[t])
-      continue;
-    if (fans[t].around)
-      aroundTets.push_back(t);
-    else
+    if (!dark[t] && seen[t] != eyeInside)
       add(t);
   }
-  plainIndices = drawn.size();
-  for (const std::int32_t t : aroundTets) add(t);
+  if (wanted == TetBlend::kBackToFront)
+    std::ranges::for_each(around, add);
   upload(indices, drawn);
   ++counts.uploads;
   indicesNew = false;
@@ -258,12 +212,21 @@ void TetProjector::State::drawTets(const RasterView& view, bool opaqueGiven,
                                    const TetProjectorOptions& options) {
   tets.use();
   view.bind(tets);
-  tets.set("opaque", 0);
+  tets.set("toRay", Mat3(view.toImage.inverse()));
+  // Where a corner may be: on the grid beside, or off by float's rounding.
+  tets.set("margin", static_cast<float>(std::ldexp(4, -gridBits) + 1e-6 * std::max(width, height)));
   tets.set("opaqueGiven", opaqueGiven && options.cutAtWalls ? 1 : 0);
-  tets.set("weights", kWeightsUnit);
   tets.set("dither", options.target == TetTarget::kFixed8Dithered ? 1 : 0);
-  glBindTextureUnit(0, opaque.name());
-  glBindTextureUnit(kWeightsUnit, weights.name());
+  for (const auto& [name, unit, texture] :
+       {std::tuple<const char*, int, const GlTexture*>{"opaque", kOpaqueUnit, &opaque},
+        {"weights", kWeightsUnit, &weights},
+        {"places", kPlacesUnit, &placesTexture},
+        {"tets", kTetsUnit, &tetsTexture},
+        {"outlines", kOutlinesUnit, &outlinesTexture},
+        {"fields", kFieldsUnit, &fieldsTexture}}) {
+    tets.set(name, unit);
+    glBindTextureUnit(static_cast<GLuint>(unit), texture->name());
+  }
   glBindVertexArray(arrays.name());
   glDepthMask(GL_FALSE);
   glEnable(GL_BLEND);
@@ -272,26 +235,8 @@ void TetProjector::State::drawTets(const RasterView& view, bool opaqueGiven,
     glBlendFuncSeparate(GL_ONE, GL_SRC_ALPHA, GL_ZERO, GL_SRC_ALPHA);
   else
     glBlendFuncSeparate(GL_DST_ALPHA, GL_ONE, GL_ZERO, GL_SRC_ALPHA);
-  const auto drawOthers = [&] {
-    tets.set("around", 0);
-    glDepthFunc(opaqueGiven ? GL_GREATER : GL_ALWAYS);
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(plainIndices), GL_UNSIGNED_INT, nullptr);
-  };
-  const auto drawAround = [&] {
-    tets.set("around", 1);
-    glDepthFunc(GL_ALWAYS);
-    for (std::size_t i = 0; i < aroundTets.size(); ++i) {
-      tets.set("eyeField", at(aroundTets[i], thick[aroundTets[i]].front));
-      const std::size_t first = plainIndices + 12 * i;
-      glDrawElements(GL_TRIANGLES, 12, GL_UNSIGNED_INT,
-                     reinterpret_cast<const void*>(first * sizeof(std::uint32_t)));
-    }
-  };
-  if (options.blend == TetBlend::kFrontToBack)
-    drawAround();
-  drawOthers();
-  if (options.blend == TetBlend::kBackToFront)
-    drawAround();
+  glDepthFunc(opaqueGiven ? GL_GEQUAL : GL_ALWAYS);
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(drawn.size()), GL_UNSIGNED_INT, nullptr);
 }
 
 TetProjector::TetProjector(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -301,6 +246,14 @@ TetProjector& TetProjector::operator=(TetProjector&&) noexcept = default;
 TetProjector::~TetProjector() = default;
 
 Result<TetProjector> TetProjector::create(std::shared_ptr<const TetMesh> mesh) {
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+  if (std::max(mesh->tets().size(), mesh->vertices().size()) > static_cast<std::size_t>(most)) {
+    return fail(ErrorCode::kTooLarge,
+                "a mesh of {} tetrahedra is not projected on a graphics device whose textures of "
+                "buffers have {} texels; march it",
+                mesh->tets().size(), most);
+  }
   VOLUTE_ASSIGN(auto tets, linked("tets_vertex.glsl", glsl::kTetsVertex, "tets_fragment.glsl",
                                   glsl::kTetsFragment));
   VOLUTE_ASSIGN(auto wall, linked("tets_wall_vertex.glsl", glsl::kTetsWallVertex,
@@ -343,8 +296,11 @@ Status TetProjector::draw(const Camera& camera, std::span<const float> opaqueDep
   passes.run("sort and project", "smoke", [&] {
     if (!state.eye || !(*state.eye == eye))
       state.project(eye);
-    if (state.fieldsNew)
-      state.fillFields();
+    if (state.fieldsNew) {
+      upload(state.fields, state.smoke);
+      ++state.counts.uploads;
+      state.fieldsNew = false;
+    }
     if (state.indicesNew || state.blend != options.blend)
       state.fillIndices(options.blend);
     if (!opaqueDepth.empty())

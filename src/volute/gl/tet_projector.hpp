@@ -28,8 +28,8 @@ enum class TetBlend { kBackToFront, kFrontToBack };
 struct TetProjectorOptions {
   TetTarget target = TetTarget::kFloat32;
   TetBlend blend = TetBlend::kBackToFront;
-  /// Cells end at opaque depths that they reach; else only those behind them are left out, by the
-  /// depth test.
+  /// Cells end at opaque depths that they reach; else only those whose nearest vertex is behind
+  /// them are left out, by the depth test.
   bool cutAtWalls = true;
 };
 
@@ -44,11 +44,15 @@ struct TetProjectorCounts {
 };
 
 /// Smoke by the paper's projected tetrahedra (Staubli et al. 2005, section 4): vertex and fragment
-/// shaders and blending alone, which OpenGL 3.3 has. Sorted and projected on the processor, once
-/// for each eye; turning and zooming costs nothing but the drawing, new smoke the thick vertices'
-/// values. Needs the same current context all its life.
+/// shaders, blending and textures of buffers, which OpenGL 3.3 has. Sorted and projected on the
+/// processor, once for each eye; turning and zooming costs nothing but the drawing, new smoke the
+/// vertices' values. Where the paper interpolates a tet's front and back over its triangles, each
+/// pixel finds where its ray passes: triangles cover what the rasteriser's grid makes of them, and
+/// thick cells in which it is a little off would count twice or not at all. Needs the same current
+/// context all its life.
 class TetProjector {
  public:
+  /// kTooLarge for a mesh that the device's textures of buffers do not hold.
   [[nodiscard]] static Result<TetProjector> create(std::shared_ptr<const TetMesh> mesh);
 
   TetProjector(TetProjector&&) noexcept;

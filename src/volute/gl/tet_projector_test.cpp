@@ -51,7 +51,7 @@ class TetProjectorTest : public GlRendererTest {
   GlPasses passes_;
 };
 
-constexpr double kProjected = 2e-3;
+constexpr double kProjected = 1e-4;  // the contract says 2e-3; most of it is the table of weights
 
 TEST_F(TetProjectorTest, FloatTargetsMeetTheReference) {
   const auto box = boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {6, 5, 4}, 0.3, 5);
@@ -65,6 +65,57 @@ TEST_F(TetProjectorTest, FloatTargetsMeetTheReference) {
         const Error error = compare(projector, smoke, camera, {.blend = blend});
         EXPECT_LE(error.worst, kProjected)
             << "thick " << thick << ", eye " << camera.eye().transpose();
+      }
+    }
+  }
+}
+
+/// Cells that let little pass, so that one too many or too few is seen: at many sizes, for how a
+/// pixel's centre lies to the cells' edges differs in each.
+TEST_F(TetProjectorTest, ThickCellsAreSeenOnceAtAnySize) {
+  const Smoke smoke(boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {6, 5, 4}, 0.3, 5), true, 25);
+  TetProjector projector = projectorOf(smoke);
+  const Vec3 centre = smoke.medium().bounds().centre();
+  const auto views = [&](int width, int height) {
+    return std::vector{
+        Camera::framing(smoke.medium().bounds(), width, height),
+        Camera::pinhole({Vec3(-1.3, -0.9, 1.7), centre}, 45, width, height),
+        Camera::pinhole({centre + Vec3(0.05, 0.02, -0.3), centre + Vec3(1, 2, 0.5)}, 70, width,
+                        height),
+        Camera::orthographic({centre + Vec3(1, -1, 0.7), centre}, 2.4, width, height)};
+  };
+  for (int size = 24; size <= 76; size += 4) {
+    const int width = size + size / 3, height = size;
+    std::vector<float> wall(static_cast<std::size_t>(width) * height);
+    for (const Camera& camera : views(width, height)) {
+      const double middle = camera.isOrthographic() ? 1.6 : (centre - camera.eye()).norm();
+      for (std::size_t i = 0; i < wall.size(); ++i)
+        wall[i] = static_cast<float>(middle * (0.8 + 0.4 * double(i % width) / width));
+      for (const std::span<const float> opaque :
+           {std::span<const float>(), std::span<const float>(wall)}) {
+        if (!opaque.empty() && size % 8 == 0)
+          continue;
+        const Error error = compare(projector, smoke, camera, {}, opaque);
+        EXPECT_LE(error.worst, kProjected) << width << " x " << height << ", eye "
+                                       << camera.eye().transpose() << ", wall " << opaque.size();
+      }
+    }
+  }
+}
+
+/// Eyes in the planes of faces, on edges and on vertices, rays along them.
+TEST_F(TetProjectorTest, EyesInThePlanesOfFaces) {
+  const Smoke smoke(boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {4, 3, 4}, 0, 5), true, 25);
+  TetProjector projector = projectorOf(smoke);
+  for (const Vec3& eye : {Vec3(-2, 0.5, 0.5), Vec3(0.5, 0.5, 0.5), Vec3(1, 0.5, 0.3),
+                          Vec3(1, 0.6, 0.25), Vec3(-2, 0.75, 0.5)}) {
+    for (const int size : {31, 45}) {
+      for (const Camera& camera :
+           {Camera::pinhole({eye, eye + Vec3(1, 0, 0)}, 60, size, size),
+            Camera::orthographic({eye, eye + Vec3(1, 0, 0)}, 1.2, size, size)}) {
+        const Error error = compare(projector, smoke, camera);
+        EXPECT_LE(error.worst, kProjected) << size << ", eye " << eye.transpose()
+                                       << (camera.isOrthographic() ? ", orthographic" : "");
       }
     }
   }

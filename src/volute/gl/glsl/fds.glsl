@@ -112,14 +112,13 @@ void M_begin() {
   M_o = M_eye + rayOrigin;
   float begin = rayBegin;
   float end = rayEnd;
-  bool met = true;
+  vec3 low, high;
   for (int axis = 0; axis < 3; ++axis) {
     M_ahead[axis] = rayDirection[axis] < 0.0 ? -1 : 1;
-    float low = M_real(M_partPlanes[axis]);
-    float high = M_real(M_partPlanes[axis] + M_partCount[axis]);
-    met = met && clipAxis(M_o[axis], rayDirection[axis], low, high, begin, end);
+    low[axis] = M_real(M_partPlanes[axis]);
+    high[axis] = M_real(M_partPlanes[axis] + M_partCount[axis]);
   }
-  if (!met || begin >= end) {
+  if (!clipBox(M_o, rayDirection, low, high, begin, end)) {
     M_finish();
     return;
   }

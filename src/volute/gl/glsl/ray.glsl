@@ -67,3 +67,9 @@ bool clipAxis(float o, float d, float lo, float hi, inout float begin, inout flo
   end = min(end, max(a, b));
   return begin < end;
 }
+
+// The same for all axes of a box.
+bool clipBox(vec3 o, vec3 d, vec3 lo, vec3 hi, inout float begin, inout float end) {
+  return clipAxis(o.x, d.x, lo.x, hi.x, begin, end) && clipAxis(o.y, d.y, lo.y, hi.y, begin, end) &&
+         clipAxis(o.z, d.z, lo.z, hi.z, begin, end);
+}

@@ -79,10 +79,7 @@ void M_begin() {
   M_waits = false;
   float begin = rayBegin;
   float end = rayEnd;
-  bool met = all(lessThan(M_lo, M_hi));
-  for (int axis = 0; axis < 3; ++axis)
-    met = met && clipAxis(M_o[axis], M_d[axis], float(M_lo[axis]), float(M_hi[axis]), begin, end);
-  if (!met || begin >= end) {
+  if (any(greaterThanEqual(M_lo, M_hi)) || !clipBox(M_o, M_d, vec3(M_lo), vec3(M_hi), begin, end)) {
     M_finish();
     return;
   }
