@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "volute/capture/geometry_check.hpp"
 #include "volute/capture/open_capture.hpp"
 #include "volute/viewer/view_lines.hpp"
 
@@ -50,6 +51,7 @@ Result<std::unique_ptr<Document>> CaptureDocument::open(const std::string& path,
   CaptureOptions options;
   options.maxMemory = maxMemory;
   VOLUTE_ASSIGN(document->capture_, openCapture(path, options));
+  document->remarkOnFaults(maxMemory);
   const Capture& capture = document->capture_;
   VOLUTE_ASSIGN(auto images, CaptureImages::open(capture, maxMemory, progress));
   document->images_ = std::make_unique<CaptureImages>(std::move(images));
@@ -65,6 +67,14 @@ Result<std::unique_ptr<Document>> CaptureDocument::open(const std::string& path,
   bounds.extend(volume.max);
   document->screen_ = kScreenShare * std::max(distance, 1e-3);
   return std::unique_ptr<Document>(std::move(document));
+}
+
+/// What reconstruct refuses, for here one sees why.
+void CaptureDocument::remarkOnFaults(std::uint64_t maxMemory) {
+  auto& remarks = capture_.remarks;
+  for (const GeometryFault& fault : checkGeometry(capture_)) remarks.push_back(fault.message);
+  if (const Status there = checkPicturesThere(capture_, maxMemory); !there)
+    remarks.push_back(there.error().message);
 }
 
 std::string CaptureDocument::title() const {

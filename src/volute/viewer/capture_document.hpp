@@ -36,6 +36,7 @@ class CaptureDocument final : public Document {
  private:
   explicit CaptureDocument(std::string path) : path_(std::move(path)) {}
 
+  void remarkOnFaults(std::uint64_t maxMemory);
   int frameAt(double time) const;
   Result<ViewQuad> screenOf(std::size_t camera, int frame);
   void addFrustum(const CaptureCamera& camera, std::vector<ViewLine>& lines) const;

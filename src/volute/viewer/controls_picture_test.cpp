@@ -237,6 +237,19 @@ TEST_F(Controls, OneLooksFromTheCamerasOfACapture) {
   EXPECT_GT(difference(shown, picture()), 0.01) << "the next frame";
 }
 
+TEST_F(Controls, ACapturesFaultsAreToldAndItsOtherPicturesShown) {
+  std::filesystem::remove(folder_.path("f_0005_b.exr"));
+  auto json = testing::ringJson();
+  json["cameras"][2]["t"][2] = -4;
+  testing::writeText(folder_.path("faulty.json"), json.dump());
+  open("faulty.json");
+  EXPECT_THAT(app().document()->remarks,
+              ::testing::IsSupersetOf({::testing::HasSubstr("camera b, frame 5: there is no"),
+                                       ::testing::HasSubstr("camera c: the volume lies behind")}));
+  const auto image = picture().pixels;
+  EXPECT_GT(*std::ranges::max_element(image), 0.05);
+}
+
 TEST_F(Controls, AFilesPartsAreHiddenByTheirHeads) {
   open("blob.npy");
   ASSERT_TRUE(script_->has("/media/0/emission"));
