@@ -198,8 +198,10 @@ Projector::Projector(std::span<const ProjectorView> views, std::shared_ptr<const
   for (std::size_t v = 0; v < views.size(); ++v) addView(static_cast<int>(v), views[v]);
   if (tableBytes > 0)
     beamFields_ = BeamFields(beams_, beamRays_);
-  if (writeTables(tableBytes)) {
-    beamFields_ = {}, beamRows_ = {}, looseRays_ = {}, looseRows_ = {};
+  const bool written = writeTables(tableBytes);
+  beamFields_ = {};
+  if (written) {
+    beamRows_ = {}, looseRays_ = {}, looseRows_ = {};
   } else {
     cutChunks();
     beamFields_ = BeamFields(beams_, beamRays_);
