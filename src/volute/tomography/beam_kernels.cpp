@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 // The fallback needs vectors of four. The compiler's bug that makes Highway avoid them (GCC 106322)
@@ -45,6 +46,7 @@ constexpr int kNodesAVector = kLanes / 4;                // colours in a vector
 constexpr int kVectors = kSide * kSide / kNodesAVector;  // of colours in a window
 constexpr int kRowVectors = kSide / kNodesAVector;       // of those in a row
 constexpr int kWeightVectors = kSide * kSide / kLanes;   // of weights in a window
+constexpr int kUsualVectors = kVectors - kRowVectors;    // of colours in all rows but the last
 
 /// The weights of kSide x kSide nodes of a plane, row by row. A row goes along the first axis.
 struct alignas(64) Window {
@@ -60,8 +62,9 @@ class Trace {
     if (windows_.size() < static_cast<std::size_t>(kLanes * most_)) {
       windows_.resize(static_cast<std::size_t>(kLanes * most_));
       nodes_.resize(static_cast<std::size_t>(most_));
+      tall_.resize(static_cast<std::size_t>(most_));
     }
-    size_ = 0;
+    size_ = tallSize_ = 0;
     next_ = windows_.data();
   }
 
@@ -89,7 +92,8 @@ class Trace {
   /// @param fourRows  Whether the last row has weights.
   HWY_INLINE Put add(VI node, bool fourRows) {
     hn::Store(node, di, nodes_[size_].of);
-    nodes_[size_].fourRows = fourRows;
+    tall_[tallSize_] = size_;
+    tallSize_ += fourRows ? 1 : 0;
     return Put(*this);
   }
 
@@ -106,12 +110,12 @@ class Trace {
 
   HWY_INLINE std::ptrdiff_t node(int beam, int i) const { return nodes_[i].of[beam]; }
 
-  HWY_INLINE bool hasFourRows(int i) const { return nodes_[i].fourRows; }
+  /// The windows whose last row has weights, ascending.
+  HWY_INLINE std::span<const int> tall() const { return {tall_.data(), tallSize_}; }
 
  private:
   struct alignas(64) Nodes {
     std::int32_t of[kLanes];
-    bool fourRows;
   };
 
   /// In each block of four lanes, out[i] has the four weights of lane i.
@@ -150,6 +154,8 @@ class Trace {
 
   std::vector<Window> windows_;  // most_ of each beam
   std::vector<Nodes> nodes_;
+  std::vector<int> tall_;
+  std::size_t tallSize_ = 0;
   Window* next_ = nullptr;  // of the first beam
   std::ptrdiff_t most_ = 0;
   int size_ = 0;
@@ -159,17 +165,12 @@ class Trace {
 /// Beams side by side, from slab to slab.
 class Group {
  public:
-  HWY_INLINE Group(const Beam* beams, const BeamRay* rays, int count) : count_(count) {
-    alignas(64) std::int32_t node[kLanes] = {}, stride[3][kLanes] = {};
-    for (int i = 0; i < kLanes; ++i) slabs_[i] = 0;
-    for (int i = 0; i < count; ++i) {
-      node[i] = beams[i].node;
-      slabs_[i] = beams[i].slabs;
-      for (int a = 0; a < 3; ++a) stride[a][i] = beams[i].stride[a];
-    }
-    node_ = hn::Load(di, node);
-    for (int a = 0; a < 3; ++a) stride_[a] = hn::Load(di, stride[a]);
-    for (int r = 0; r < kRays; ++r) loadRay(rays + r, ray_[r]);
+  /// @param count  Of the beams from `first` on; lanes beyond walk along and are not looked at.
+  HWY_INLINE Group(const BeamFields& beams, std::size_t first, int count) : count_(count) {
+    for (int i = 0; i < kLanes; ++i) slabs_[i] = i < count ? beams.slabs[first + i] : 0;
+    node_ = hn::LoadU(di, &beams.node[first]);
+    for (int a = 0; a < 3; ++a) stride_[a] = hn::LoadU(di, &beams.stride[a][first]);
+    for (int r = 0; r < kRays; ++r) loadRay(beams.ray[r], first, ray_[r]);
   }
 
   /// Writes down all that the beams meet.
@@ -209,25 +210,16 @@ class Group {
   }
 
  private:
-  HWY_INLINE void loadRay(const BeamRay* rays, Ray& ray) {
-    alignas(64) float place[2][kLanes] = {}, slope[2][kLanes] = {}, length[kLanes] = {};
-    for (int i = 0; i < count_; ++i) {
-      const BeamRay& from = rays[i * kRays];
-      for (int a = 0; a < 2; ++a) {
-        place[a][i] = from.place[a];
-        slope[a][i] = from.slope[a];
-      }
-      length[i] = from.length;
-    }
-    ray.length = hn::Load(df, length);
+  HWY_INLINE void loadRay(const BeamFields::Ray& from, std::size_t first, Ray& ray) {
     const VF one = hn::Set(df, 1.0F);
     for (int a = 0; a < 2; ++a) {
-      ray.place[a] = hn::Load(df, place[a]);
-      ray.slope[a] = hn::Load(df, slope[a]);
+      ray.place[a] = hn::LoadU(df, &from.place[a][first]);
+      ray.slope[a] = hn::LoadU(df, &from.slope[a][first]);
       const auto moves = hn::Gt(ray.slope[a], hn::Set(df, 1e-20F));
       ray.inverse[a] = hn::IfThenElse(moves, hn::Div(one, hn::IfThenElse(moves, ray.slope[a], one)),
                                       hn::Set(df, kNever));
     }
+    ray.length = hn::LoadU(df, &from.length[first]);
     weighRay(ray);
     sum_.add(ray);
   }
@@ -329,13 +321,13 @@ class Group {
       y = hn::MulAdd(ray.length, endY, y);
       xy = hn::MulAdd(lengthX, endY, xy);
       slopes = hn::MulAdd(endX, ray.perSlope[1], hn::MulAdd(endY, ray.perSlope[0], slopes));
-      for (int i = 0; i < kColumns - 2; ++i) {
-        const Ramp across(hn::Sub(endX, hn::Set(df, static_cast<float>(i + 1))), ray, 0);
-        rampX[i].add(across, ray, 1, endY);
-        for (int j = 0; j < kRows - 2; ++j) {
-          const Ramp down(hn::Sub(endY, hn::Set(df, static_cast<float>(j + 1))), ray, 1);
-          if (i == 0)
-            rampY[j].add(down, ray, 0, endX);
+      for (int j = 0; j < kRows - 2; ++j) {
+        const Ramp down(hn::Sub(endY, hn::Set(df, static_cast<float>(j + 1))), ray, 1);
+        rampY[j].add(down, ray, 0, endX);
+        for (int i = 0; i < kColumns - 2; ++i) {
+          const Ramp across(hn::Sub(endX, hn::Set(df, static_cast<float>(i + 1))), ray, 0);
+          if (j == 0)
+            rampX[i].add(across, ray, 1, endY);
           ramps[j][i].add(across, down, ray);
         }
       }
@@ -441,11 +433,12 @@ class Spread {
 /// The windows of one beam: visit(weights, where the colours of its vectors are from the first).
 class BeamWindows {
  public:
-  HWY_INLINE BeamWindows(const Trace& trace, const Beam& beam, int i)
+  /// @param across, down  The beam's strides in the plane.
+  HWY_INLINE BeamWindows(const Trace& trace, int beam, std::int32_t across, std::int32_t down)
       : trace_(trace),
-        beam_(i),
-        down_(4 * static_cast<std::ptrdiff_t>(beam.stride[1])),
-        first_(beam.stride[0] < 0 ? -4 * (kSide - 1) : 0) {}
+        beam_(beam),
+        down_(4 * static_cast<std::ptrdiff_t>(down)),
+        first_(across < 0 ? -4 * (kSide - 1) : 0) {}
 
   HWY_INLINE int size() const { return trace_.windowsOf(beam_); }
 
@@ -454,8 +447,8 @@ class BeamWindows {
     for (int k = 0; k < kWeightVectors; ++k) weights[k] = hn::Load(df, from + k * kLanes);
   }
 
-  /// Whether the last row has weights.
-  HWY_INLINE bool hasFourRows(int i) const { return trace_.hasFourRows(i); }
+  /// Those whose last row has weights; beams of a group share them, so some may lie behind the end.
+  HWY_INLINE std::span<const int> tall() const { return trace_.tall(); }
 
   /// Of vector 0 of a window, in floats.
   HWY_INLINE std::ptrdiff_t place(int i) const { return first_ + 4 * trace_.node(beam_, i); }
@@ -470,20 +463,28 @@ class BeamWindows {
   std::ptrdiff_t down_, first_;
 };
 
+// The last row, which few windows have, goes on its own: a branch in each window would be guessed
+// wrong too often.
+
 /// The sum of the values that a beam meets.
 HWY_INLINE V4 GatherBeam(const BeamWindows& windows, const Spread spread, const float* values) {
   VF sum[kVectors];
   for (VF& part : sum) part = hn::Zero(df);
   const int size = windows.size();
+  VF weights[kWeightVectors];
   for (int i = 0; i < size; ++i) {
-    VF weights[kWeightVectors];
     windows.load(i, weights);
     const float* from = values + windows.place(i);
-    for (int v = 0; v < kVectors; ++v) {
-      if (v == kVectors - kRowVectors && !windows.hasFourRows(i))
-        break;
+    for (int v = 0; v < kUsualVectors; ++v)
       sum[v] = hn::MulAdd(spread(weights, v), hn::LoadU(df, from + windows.offset(v)), sum[v]);
-    }
+  }
+  for (const int i : windows.tall()) {
+    if (i >= size)
+      break;
+    windows.load(i, weights);
+    const float* from = values + windows.place(i);
+    for (int v = kUsualVectors; v < kVectors; ++v)
+      sum[v] = hn::MulAdd(spread(weights, v), hn::LoadU(df, from + windows.offset(v)), sum[v]);
   }
   VF all = sum[0];
   for (int v = 1; v < kVectors; ++v) all = hn::Add(all, sum[v]);
@@ -499,13 +500,21 @@ HWY_INLINE void ScatterBeam(const BeamWindows& windows, const Spread spread, con
                             float* gradient) {
   const VF colour = hn::LoadDup128(df, value);
   const int size = windows.size();
+  VF weights[kWeightVectors];
   for (int i = 0; i < size; ++i) {
-    VF weights[kWeightVectors];
     windows.load(i, weights);
     float* to = gradient + windows.place(i);
-    for (int v = 0; v < kVectors; ++v) {
-      if (v == kVectors - kRowVectors && !windows.hasFourRows(i))
-        break;
+    for (int v = 0; v < kUsualVectors; ++v) {
+      float* at = to + windows.offset(v);
+      hn::StoreU(hn::MulAdd(spread(weights, v), colour, hn::LoadU(df, at)), df, at);
+    }
+  }
+  for (const int i : windows.tall()) {
+    if (i >= size)
+      break;
+    windows.load(i, weights);
+    float* to = gradient + windows.place(i);
+    for (int v = kUsualVectors; v < kVectors; ++v) {
       float* at = to + windows.offset(v);
       hn::StoreU(hn::MulAdd(spread(weights, v), colour, hn::LoadU(df, at)), df, at);
     }
@@ -513,15 +522,15 @@ HWY_INLINE void ScatterBeam(const BeamWindows& windows, const Spread spread, con
 }
 
 /// Appends a beam's weights that are not 0 to `out`.
-void AppendBeam(const Trace& trace, const Beam& beam, int i, std::vector<NodeWeight>& out) {
+void AppendBeam(const Trace& trace, int i, std::int32_t across, std::int32_t down,
+                std::vector<NodeWeight>& out) {
   constexpr float kShare = 1.0F / kRays;
   for (int k = 0; k < trace.windowsOf(i); ++k) {
     const float* weight = trace.weights(i, k);
     for (int row = 0; row < kSide; ++row)
       for (int column = 0; column < kSide; ++column, ++weight) {
         if (*weight != 0)
-          out.push_back({static_cast<std::int32_t>(trace.node(i, k)) + row * beam.stride[1] +
-                             column * beam.stride[0],
+          out.push_back({static_cast<std::int32_t>(trace.node(i, k)) + row * down + column * across,
                          kShare * *weight});
       }
   }
@@ -530,84 +539,86 @@ void AppendBeam(const Trace& trace, const Beam& beam, int i, std::vector<NodeWei
 /// Beams of a product, in groups that walk side by side.
 class Walker {
  public:
-  Walker(const Beam* beams, const BeamRay* rays, std::size_t count)
-      : beams_(beams), rays_(rays), count_(count), spread_{Spread(false), Spread(true)} {}
+  explicit Walker(const BeamRange& range)
+      : beams_(range.beams),
+        next_(range.first),
+        end_(range.first + range.count),
+        spread_{Spread(false), Spread(true)} {}
 
-  /// Walks the group from beam `first` on; the number of its beams.
-  HWY_INLINE int walk(std::size_t first) {
-    const int count = static_cast<int>(std::min<std::size_t>(kLanes, count_ - first));
-    Group(beams_ + first, rays_ + first * kRays, count).walk(trace_);
+  /// Walks the next group; the number of its beams, 0 at the end.
+  HWY_INLINE int walk() {
+    first_ = next_;
+    const int count = static_cast<int>(std::min<std::size_t>(kLanes, end_ - first_));
+    if (count > 0)
+      Group(beams_, first_, count).walk(trace_);
+    next_ += count;
     return count;
   }
 
   // Of beam i of the group.
 
-  HWY_INLINE void gather(std::size_t first, int i, const float* values, float* sum) const {
-    const Beam& beam = beams_[first + i];
-    hn::StoreU(
-        hn::Mul(GatherBeam({trace_, beam, i}, spreadOf(beam), values), hn::Set(d4, 1.0F / kRays)),
-        d4, sum);
+  HWY_INLINE void gather(int i, const float* values, float* sum) const {
+    hn::StoreU(hn::Mul(GatherBeam(windowsOf(i), spreadOf(i), values), hn::Set(d4, 1.0F / kRays)),
+               d4, sum);
   }
 
-  HWY_INLINE void scatter(std::size_t first, int i, const float* value, float* gradient) const {
-    const Beam& beam = beams_[first + i];
+  HWY_INLINE void scatter(int i, const float* value, float* gradient) const {
     alignas(16) float share[4];
     hn::Store(hn::Mul(hn::LoadU(d4, value), hn::Set(d4, 1.0F / kRays)), d4, share);
-    ScatterBeam({trace_, beam, i}, spreadOf(beam), share, gradient);
+    ScatterBeam(windowsOf(i), spreadOf(i), share, gradient);
   }
 
-  HWY_INLINE void append(std::size_t first, int i, std::vector<NodeWeight>& out) const {
-    AppendBeam(trace_, beams_[first + i], i, out);
+  HWY_INLINE void append(int i, std::vector<NodeWeight>& out) const {
+    AppendBeam(trace_, i, across(i), down(i), out);
   }
 
  private:
-  HWY_INLINE const Spread& spreadOf(const Beam& beam) const {
-    return spread_[beam.stride[0] < 0 ? 1 : 0];
-  }
+  HWY_INLINE std::int32_t across(int i) const { return beams_.stride[0][first_ + i]; }
 
-  const Beam* beams_;
-  const BeamRay* rays_;
-  std::size_t count_;
+  HWY_INLINE std::int32_t down(int i) const { return beams_.stride[1][first_ + i]; }
+
+  HWY_INLINE BeamWindows windowsOf(int i) const { return {trace_, i, across(i), down(i)}; }
+
+  HWY_INLINE const Spread& spreadOf(int i) const { return spread_[across(i) < 0 ? 1 : 0]; }
+
+  const BeamFields& beams_;
+  std::size_t next_, end_;
+  std::size_t first_ = 0;  // of the group
   Spread spread_[2];
   Trace trace_;
 };
 
-void Forward(const Beam* beams, const BeamRay* rays, std::size_t count, const float* values,
-             float* sums) {
-  Walker walker(beams, rays, count);
-  for (std::size_t first = 0; first < count; first += kLanes) {
-    const int n = walker.walk(first);
-    for (int i = 0; i < n; ++i) walker.gather(first, i, values, sums + 4 * (first + i));
+void Forward(const BeamRange& beams, const float* values, float* sums) {
+  Walker walker(beams);
+  while (const int n = walker.walk()) {
+    for (int i = 0; i < n; ++i, sums += 4) walker.gather(i, values, sums);
   }
 }
 
-void Adjoint(const Beam* beams, const BeamRay* rays, std::size_t count, const float* beamValues,
-             float* gradient) {
-  Walker walker(beams, rays, count);
-  for (std::size_t first = 0; first < count; first += kLanes) {
-    const int n = walker.walk(first);
-    for (int i = 0; i < n; ++i) walker.scatter(first, i, beamValues + 4 * (first + i), gradient);
+void Adjoint(const BeamRange& beams, const float* beamValues, float* gradient) {
+  Walker walker(beams);
+  while (const int n = walker.walk()) {
+    for (int i = 0; i < n; ++i, beamValues += 4) walker.scatter(i, beamValues, gradient);
   }
 }
 
-void Weights(const Beam* beams, const BeamRay* rays, std::size_t count,
-             std::vector<NodeWeight>* out) {
-  Walker walker(beams, rays, count);
-  for (std::size_t first = 0; first < count; first += kLanes) {
-    const int n = walker.walk(first);
-    for (int i = 0; i < n; ++i) walker.append(first, i, out[first + i]);
+void Weights(const BeamRange& beams, std::vector<NodeWeight>* out) {
+  Walker walker(beams);
+  while (const int n = walker.walk()) {
+    for (int i = 0; i < n; ++i, ++out) walker.append(i, *out);
   }
 }
 
-void ThereAndBack(const Beam* beams, const BeamRay* rays, std::size_t count, const float* values,
-                  BeamTurn turn, const void* context, float* sums, float* gradient) {
-  Walker walker(beams, rays, count);
-  for (std::size_t first = 0; first < count; first += kLanes) {
-    const int n = walker.walk(first);
-    for (int i = 0; i < n; ++i) walker.gather(first, i, values, sums + 4 * (first + i));
+void ThereAndBack(const BeamRange& beams, const float* values, BeamTurn turn, const void* context,
+                  float* sums, float* gradient) {
+  Walker walker(beams);
+  std::size_t first = 0;
+  while (const int n = walker.walk()) {
+    for (int i = 0; i < n; ++i) walker.gather(i, values, sums + 4 * (first + i));
     float back[4 * kLanes];
     turn(context, first, n, sums + 4 * first, back);
-    for (int i = 0; i < n; ++i) walker.scatter(first, i, back + 4 * i, gradient);
+    for (int i = 0; i < n; ++i) walker.scatter(i, back + 4 * i, gradient);
+    first += n;
   }
 }
 
@@ -625,26 +636,43 @@ HWY_EXPORT(Adjoint);
 HWY_EXPORT(ThereAndBack);
 HWY_EXPORT(Weights);
 
-void beamForward(const Beam* beams, const BeamRay* rays, std::size_t count, const float* values,
-                 float* sums) {
-  HWY_DYNAMIC_DISPATCH(Forward)(beams, rays, count, values, sums);
+BeamFields::BeamFields(std::span<const Beam> beams, std::span<const BeamRay> rays)
+    : slabs(beams.size() + kPadding), node(slabs.size()) {
+  for (auto& field : stride) field.resize(slabs.size());
+  for (Ray& of : ray) {
+    for (auto* field : {&of.place[0], &of.place[1], &of.slope[0], &of.slope[1], &of.length})
+      field->resize(slabs.size());
+  }
+  for (std::size_t i = 0; i < beams.size(); ++i) {
+    slabs[i] = beams[i].slabs;
+    node[i] = beams[i].node;
+    for (int a = 0; a < 3; ++a) stride[a][i] = beams[i].stride[a];
+    for (int r = 0; r < kBeamRays; ++r) {
+      const BeamRay& from = rays[i * kBeamRays + r];
+      for (int a = 0; a < 2; ++a) {
+        ray[r].place[a][i] = from.place[a];
+        ray[r].slope[a][i] = from.slope[a];
+      }
+      ray[r].length[i] = from.length;
+    }
+  }
 }
 
-void beamAdjoint(const Beam* beams, const BeamRay* rays, std::size_t count, const float* beamValues,
-                 float* gradient) {
-  HWY_DYNAMIC_DISPATCH(Adjoint)(beams, rays, count, beamValues, gradient);
+void beamForward(const BeamRange& beams, const float* values, float* sums) {
+  HWY_DYNAMIC_DISPATCH(Forward)(beams, values, sums);
 }
 
-void beamThereAndBack(const Beam* beams, const BeamRay* rays, std::size_t count,
-                      const float* values, BeamTurn turn, const void* context, float* sums,
-                      float* gradient) {
-  HWY_DYNAMIC_DISPATCH(ThereAndBack)
-  (beams, rays, count, values, turn, context, sums, gradient);
+void beamAdjoint(const BeamRange& beams, const float* beamValues, float* gradient) {
+  HWY_DYNAMIC_DISPATCH(Adjoint)(beams, beamValues, gradient);
 }
 
-void beamWeights(const Beam* beams, const BeamRay* rays, std::size_t count,
-                 std::vector<NodeWeight>* out) {
-  HWY_DYNAMIC_DISPATCH(Weights)(beams, rays, count, out);
+void beamThereAndBack(const BeamRange& beams, const float* values, BeamTurn turn,
+                      const void* context, float* sums, float* gradient) {
+  HWY_DYNAMIC_DISPATCH(ThereAndBack)(beams, values, turn, context, sums, gradient);
+}
+
+void beamWeights(const BeamRange& beams, std::vector<NodeWeight>* out) {
+  HWY_DYNAMIC_DISPATCH(Weights)(beams, out);
 }
 
 }  // namespace volute

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "volute/tomography/ray_kernels.hpp"
@@ -36,28 +37,49 @@ struct BeamRay {
   float length;    ///< [m] a slab
 };
 
+/// Beams as the kernels read them: each field of all beams in a row, so that beams side by side are
+/// loaded at once.
+struct BeamFields {
+  struct Ray {
+    std::vector<float> place[2], slope[2], length;
+  };
+
+  BeamFields() = default;
+
+  /// @param rays  kBeamRays for each beam.
+  BeamFields(std::span<const Beam> beams, std::span<const BeamRay> rays);
+
+  /// Entries behind the last beam, as many as any processor loads at once.
+  static constexpr std::size_t kPadding = 16;
+
+  std::vector<std::int32_t> slabs, node, stride[3];
+  Ray ray[kBeamRays];
+};
+
+/// Some of them that follow each other.
+struct BeamRange {
+  const BeamFields& beams;
+  std::size_t first, count;
+};
+
 /// sums[0..3] of each beam: the mean over its rays of the line integrals through `values`.
-/// @param rays  kBeamRays for each beam.
-void beamForward(const Beam* beams, const BeamRay* rays, std::size_t count, const float* values,
-                 float* sums);
+void beamForward(const BeamRange& beams, const float* values, float* sums);
 
 /// The transpose: adds each beam's four values, spread along its rays, to `gradient`.
-void beamAdjoint(const Beam* beams, const BeamRay* rays, std::size_t count, const float* beamValues,
-                 float* gradient);
+void beamAdjoint(const BeamRange& beams, const float* beamValues, float* gradient);
 
-/// Makes of the sums of `count` beams from `first` on what is spread along them.
+/// Makes of the sums of `count` beams, `first` counted from the range's own, what is spread along
+/// them.
 using BeamTurn = void (*)(const void* context, std::size_t first, std::size_t count,
                           const float* sums, float* beamValues);
 
 /// Both in one walk: beamForward through `values`, then `turn`, then beamAdjoint.
 /// @param sums  as of beamForward.
-void beamThereAndBack(const Beam* beams, const BeamRay* rays, std::size_t count,
-                      const float* values, BeamTurn turn, const void* context, float* sums,
-                      float* gradient);
+void beamThereAndBack(const BeamRange& beams, const float* values, BeamTurn turn,
+                      const void* context, float* sums, float* gradient);
 
-/// Appends the weights of each beam to out[beam]: several for a node that it reaches in two slabs,
-/// none of 0.
-void beamWeights(const Beam* beams, const BeamRay* rays, std::size_t count,
-                 std::vector<NodeWeight>* out);
+/// Appends the weights of each beam to its list in `out`: several for a node that it reaches in two
+/// slabs, none of 0.
+void beamWeights(const BeamRange& beams, std::vector<NodeWeight>* out);
 
 }  // namespace volute

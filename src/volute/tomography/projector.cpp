@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tomography/projector.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -21,6 +22,8 @@ constexpr std::size_t kMostChunks = 32;
 constexpr std::size_t kTableParts = 32;
 constexpr std::size_t kPartRows = 256;
 constexpr std::size_t kMostRays = 4;
+
+using Colour = Eigen::Array4f;
 
 /// Image points of a pixel's rays, from its upper left corner.
 std::array<double, 2> rayOffset(int raysPerPixel, int ray) {
@@ -193,11 +196,17 @@ Projector::Projector(std::span<const ProjectorView> views, std::shared_ptr<const
   lattice_.basis = support_->basis();
   std::ranges::copy(support_->stride(), lattice_.stride);
   for (std::size_t v = 0; v < views.size(); ++v) addView(static_cast<int>(v), views[v]);
-  if (writeTables(tableBytes)) {
-    beams_ = {}, beamRays_ = {}, beamRows_ = {}, looseRays_ = {}, looseRows_ = {};
+  if (tableBytes > 0)
+    beamFields_ = BeamFields(beams_, beamRays_);
+  const bool written = writeTables(tableBytes);
+  beamFields_ = {};
+  if (written) {
+    beamRows_ = {}, looseRays_ = {}, looseRows_ = {};
   } else {
     cutChunks();
+    beamFields_ = BeamFields(beams_, beamRays_);
   }
+  beams_ = {}, beamRays_ = {};
 }
 
 void Projector::addView(int view, const ProjectorView& what) {
@@ -375,7 +384,7 @@ void Projector::rawWeights(std::size_t first, std::size_t count,
   for (auto& row : raw) row.clear();
   auto begin = std::ranges::lower_bound(beamRows_, first) - beamRows_.begin();
   auto end = std::ranges::lower_bound(beamRows_, last) - beamRows_.begin();
-  beamWeights(beams_.data() + begin, beamRays_.data() + begin * raysPerPixel_, end - begin,
+  beamWeights({beamFields_, static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin)},
               own.data());
   for (auto i = begin; i < end; ++i) {
     if (beams_[i].turned != 0)
@@ -442,8 +451,7 @@ void Projector::multiply(const Table& table, std::span<const float> values,
 
 void Projector::toLattices(std::span<const float> unknowns, Scratch& scratch) const {
   for (int turned = 0; turned < (turnedNodes_.empty() ? 1 : 2); ++turned) {
-    const auto nodes =
-        turned != 0 ? std::span<const std::int32_t>(turnedNodes_) : support_->nodes();
+    const auto nodes = latticeNodes(turned != 0);
     std::vector<float>& lattice = scratch.lattice[turned];
     lattice.resize(4 * support_->latticeSize());  // what is no unknown stays 0
     parallelRanges(nodes.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -473,8 +481,7 @@ void Projector::forward(std::span<const float> unknowns, std::span<float> pixels
   parallelFor(chunks_.size(), [&](std::size_t i) {
     const Chunk& chunk = chunks_[i];
     std::vector<float> sums(4 * chunk.beams());
-    beamForward(beams_.data() + chunk.firstBeam, beamRays_.data() + chunk.firstBeam * raysPerPixel_,
-                chunk.beams(), scratch->lattice[chunk.turned].data(), sums.data());
+    beamForward(beamsOf(chunk), scratch->lattice[chunk.turned].data(), sums.data());
     putRows(chunk, sums, pixels);
   });
   parallelRanges(looseRows_.size(), 64, [&](std::size_t begin, std::size_t end) {
@@ -513,8 +520,14 @@ void Projector::sumChunks(std::vector<std::vector<float>>& parts, std::span<floa
   parts.resize(chunks_.size());
   parallelFor(chunks_.size(), [&](std::size_t i) {
     const Chunk& chunk = chunks_[i];
-    parts[i].assign(4 * static_cast<std::size_t>(chunk.lastNode - chunk.firstNode), 0.0F);
-    work(chunk, parts[i].data() - 4 * static_cast<std::ptrdiff_t>(chunk.firstNode));
+    parts[i].resize(4 * static_cast<std::size_t>(chunk.lastNode - chunk.firstNode));
+    float* gradient = parts[i].data() - 4 * static_cast<std::ptrdiff_t>(chunk.firstNode);
+    // What is no unknown is never read.
+    for (const std::int32_t node :
+         latticeNodes(chunk.turned)
+             .subspan(chunk.firstUnknown, chunk.lastUnknown - chunk.firstUnknown))
+      std::fill_n(gradient + 4 * static_cast<std::ptrdiff_t>(node), 4, 0.0F);
+    work(chunk, gradient);
   });
   addParts(parts, unknowns);
 }
@@ -529,8 +542,7 @@ void Projector::adjoint(std::span<const float> pixels, std::span<float> unknowns
   sumChunks(scratch->parts, unknowns, [&](const Chunk& chunk, float* gradient) {
     const auto values =
         valuesOf(std::span(beamRows_).subspan(chunk.firstBeam, chunk.beams()), pixels);
-    beamAdjoint(beams_.data() + chunk.firstBeam, beamRays_.data() + chunk.firstBeam * raysPerPixel_,
-                chunk.beams(), values.data(), gradient);
+    beamAdjoint(beamsOf(chunk), values.data(), gradient);
     adjointLoose(chunk, pixels, gradient);
   });
 }
@@ -566,10 +578,8 @@ void Projector::thereAndBack(std::span<const float> unknowns, const Turn& turn,
   sumChunks(scratch->parts, result, [&](const Chunk& chunk, float* gradient) {
     const TurnContext context{turn, std::span(beamRows_).subspan(chunk.firstBeam, chunk.beams())};
     std::vector<float> sums(4 * chunk.beams());
-    beamThereAndBack(beams_.data() + chunk.firstBeam,
-                     beamRays_.data() + chunk.firstBeam * raysPerPixel_, chunk.beams(),
-                     scratch->lattice[chunk.turned].data(), TurnContext::call, &context,
-                     sums.data(), gradient);
+    beamThereAndBack(beamsOf(chunk), scratch->lattice[chunk.turned].data(), TurnContext::call,
+                     &context, sums.data(), gradient);
     putRows(chunk, sums, pixels);
     turnLoose(chunk, turn, scratch->lattice[0].data(), pixels, gradient);
   });
@@ -588,6 +598,11 @@ void Projector::turnLoose(const Chunk& chunk, const Turn& turn, const float* lat
               raysPerPixel_, gradient);
 }
 
+/// The unknowns' nodes in one of the lattices.
+std::span<const std::int32_t> Projector::latticeNodes(bool turned) const {
+  return turned ? std::span<const std::int32_t>(turnedNodes_) : support_->nodes();
+}
+
 /// In the order of the chunks.
 void Projector::addParts(std::span<const std::vector<float>> parts,
                          std::span<float> unknowns) const {
@@ -595,13 +610,12 @@ void Projector::addParts(std::span<const std::vector<float>> parts,
     std::fill(unknowns.begin() + 4 * begin, unknowns.begin() + 4 * end, 0.0F);
     for (std::size_t c = 0; c < parts.size(); ++c) {
       const Chunk& chunk = chunks_[c];
-      const auto nodes =
-          chunk.turned ? std::span<const std::int32_t>(turnedNodes_) : support_->nodes();
+      const auto nodes = latticeNodes(chunk.turned);
       const float* part = parts[c].data() - 4 * static_cast<std::ptrdiff_t>(chunk.firstNode);
       const std::size_t last = std::min(end, chunk.lastUnknown);
       for (std::size_t i = std::max(begin, chunk.firstUnknown); i < last; ++i)
-        for (std::size_t k = 0; k < 4; ++k)
-          unknowns[4 * i + k] += part[4 * static_cast<std::ptrdiff_t>(nodes[i]) + k];
+        Colour::Map(&unknowns[4 * i]) +=
+            Colour::Map(part + 4 * static_cast<std::ptrdiff_t>(nodes[i]));
     }
   });
 }

@@ -58,7 +58,7 @@ class Projector {
   std::uint64_t productBytes() const;
 
   /// Rows whose rays walk together; 0 with a table.
-  std::size_t beams() const { return beams_.size(); }
+  std::size_t beams() const { return beamRows_.size(); }
 
   /// pixels = S unknowns.
   void forward(std::span<const float> unknowns, std::span<float> pixels) const;
@@ -103,6 +103,10 @@ class Projector {
   class ScratchUse;
   struct TurnContext;
 
+  BeamRange beamsOf(const Chunk& chunk) const {
+    return {beamFields_, chunk.firstBeam, chunk.beams()};
+  }
+
   void addView(int view, const ProjectorView& what);
   std::vector<std::int32_t> rowPlanes() const;
   void cutChunks();
@@ -126,6 +130,7 @@ class Projector {
   template <class Work>
   void sumChunks(std::vector<std::vector<float>>& parts, std::span<float> unknowns,
                  Work&& work) const;
+  std::span<const std::int32_t> latticeNodes(bool turned) const;
   void addParts(std::span<const std::vector<float>> parts, std::span<float> unknowns) const;
 
   std::shared_ptr<const Support> support_;
@@ -134,10 +139,11 @@ class Projector {
   std::vector<std::int32_t> turnedNodes_;  ///< of the unknowns; empty when no beam is turned
   std::vector<PixelRow> rows_;
   // Of each row either a beam or loose rays; in the order of the chunks once those are cut.
-  std::vector<Beam> beams_;
-  std::vector<BeamRay> beamRays_;        ///< raysPerPixel for each beam
   std::vector<std::uint32_t> beamRows_;  ///< of each beam
-  std::vector<WalkRay> looseRays_;       ///< raysPerPixel for each loose row
+  BeamFields beamFields_;
+  std::vector<Beam> beams_;         ///< while chunks or tables are made, as all beams may be needed
+  std::vector<BeamRay> beamRays_;   ///< raysPerPixel for each of these
+  std::vector<WalkRay> looseRays_;  ///< raysPerPixel for each loose row
   std::vector<std::uint32_t> looseRows_;
   std::vector<Chunk> chunks_;
   Table byRow_, byUnknown_;  ///< empty without a table

@@ -297,6 +297,42 @@ TEST(ReferenceProjector, LinearFieldAlongAnAxisOfBoxesIsTheSumOfItsCentres) {
   }
 }
 
+TEST(TouchedPart, IsFromTheFirstToTheLastCellThatIsTouched) {
+  const Scene scene;
+  std::mt19937 random(13);
+  std::vector<std::uint8_t> hull(scene.geometry.voxels());
+  for (auto& voxel : hull) voxel = random() % 40 == 0;  // gaps on most ways
+  for (const Basis basis : {Basis::kBox, Basis::kTrilinear}) {
+    const Support support(scene.geometry, basis, hull);
+    int touched = 0;
+    for (const Camera& camera : scene.cameras) {
+      for (int pixel = 0; pixel < camera.width() * camera.height(); ++pixel) {
+        const Segment ray = raysOf(camera, pixel, 1)[0];
+        TouchedPart expected;
+        traverseCells(support.cells(), support.range(), ray,
+                      [&](const std::array<int, 3>& cell, double begin, double end) {
+                        if (!support.touches(cell))
+                          return;
+                        if (expected.empty()) {
+                          expected.part.begin = begin;
+                          expected.firstCell = cell;
+                        }
+                        expected.part.end = end;
+                      });
+        const TouchedPart part = touchedPart(support, ray);
+        ASSERT_EQ(part.empty(), expected.empty());
+        if (expected.empty())
+          continue;
+        ++touched;
+        EXPECT_EQ(part.firstCell, expected.firstCell);
+        EXPECT_DOUBLE_EQ(part.part.begin, expected.part.begin);
+        EXPECT_DOUBLE_EQ(part.part.end, expected.part.end);
+      }
+    }
+    EXPECT_GT(touched, 100);
+  }
+}
+
 TEST(Projector, RoundingDoesNotAddUpOnLongWays) {
   const VolumeGeometry geometry{{Vec3(-1, -1, -1), Vec3(1, 1, 1)}, {70, 60, 80}};
   const auto support =

@@ -3,6 +3,7 @@
 #include "volute/tomography/support.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace volute {
 namespace {
@@ -30,6 +31,38 @@ CellRange boxAround(const VolumeGeometry& geometry, std::span<const std::uint8_t
   return box.empty() ? CellRange{{0, 0, 0}, {1, 1, 1}} : box;
 }
 
+/// A cell on a segment's way, and where it passes it [m].
+struct PassedCell {
+  std::array<int, 3> cell;
+  double begin, end;
+};
+
+/// The first cell that any unknown reaches into, as traverseCells would come to it.
+std::optional<PassedCell> firstTouched(const Support& support, const Segment& segment) {
+  const CellGrid& grid = support.cells();
+  const CellRange& range = support.range();
+  CellEntry entry;
+  if (!enterCells(grid, range, segment, entry))
+    return {};
+  while (entry.begin < entry.end) {
+    int axis = entry.crossing[1] < entry.crossing[0] ? 1 : 0;
+    if (entry.crossing[2] < entry.crossing[axis])
+      axis = 2;
+    const double end = std::min(entry.crossing[axis], entry.end);
+    if (end > entry.begin) {
+      if (support.touches(entry.cell))
+        return PassedCell{entry.cell, entry.begin, end};
+      entry.begin = end;
+    }
+    int& index = entry.cell[axis];
+    index += entry.step[axis];
+    if (index < range.begin[axis] || index >= range.end[axis])
+      return {};
+    entry.crossing[axis] = CellEntry::leaves(grid, segment, axis, index);
+  }
+  return {};
+}
+
 }  // namespace
 
 CellGrid basisCells(const VolumeGeometry& geometry, Basis basis) {
@@ -53,16 +86,14 @@ std::int32_t Support::turnedBack(std::int32_t node) const {
 
 TouchedPart touchedPart(const Support& support, const Segment& segment) {
   TouchedPart touched;
-  traverseCells(support.cells(), support.range(), segment,
-                [&](const std::array<int, 3>& cell, double begin, double end) {
-                  if (!support.touches(cell))
-                    return;
-                  if (touched.empty()) {
-                    touched.part.begin = begin;
-                    touched.firstCell = cell;
-                  }
-                  touched.part.end = end;
-                });
+  const auto first = firstTouched(support, segment);
+  if (!first)
+    return touched;
+  // Backwards for the last one: what lies between does not matter.
+  const auto last =
+      firstTouched(support, {segment.origin, -segment.direction, -segment.end, -segment.begin});
+  touched.part = {first->begin, last ? -last->begin : first->end};
+  touched.firstCell = first->cell;
   return touched;
 }
 
