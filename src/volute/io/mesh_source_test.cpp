@@ -247,7 +247,7 @@ TEST(MeshSource, SaysWhatIsWrongWithAField) {
   }
   const auto none = readOne(file, {.field = "soot"});
   EXPECT_THAT(none.error().message, ::testing::StartsWith(file));
-  for (const char* said : {"'soot'", "smoke", "U", "3 components"})
+  for (const char* said : {"'soot'", "smoke", "U", "vector of 3"})
     EXPECT_THAT(none.error().message, HasSubstr(said));
 }
 
