@@ -256,6 +256,9 @@ class Pictures(ring.TestCase):
         result = self.reconstruct("--frames", "12")
         self.assertRegex(result.message, r"warning: camera c1, frame 12: pixel \(3, 4\) reads 50 and those around it at most "
                                          r"\S+, and 1 more stand out like that: hot pixels")
+        self.change("c1", 12, lambda picture: picture.set(3, 4, 1e30))
+        message = self.refused("--frames", "12")
+        self.assertRegex(message, r"(?s)c1, frame 12: pixel \(3, 4\) reads 1e\+30.*the visual hull is empty")
 
     def test_sizes_that_differ(self):
         self.change("c3", 10, lambda picture: Picture(32, 40, 3))

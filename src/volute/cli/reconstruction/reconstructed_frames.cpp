@@ -331,7 +331,12 @@ Status ReconstructedFrames::solve(int index) {
     result.hullShare = 0;
     result.stoppedBy = "dark";
   } else {
-    VOLUTE_ASSIGN(result, fit(index, views));
+    auto fitted = fit(index, views);
+    if (!fitted) {  // what was seen in the pictures may be why
+      for (const std::string& warning : warnings) warn(warning);
+      return tl::unexpected<Error>(fitted.error());
+    }
+    result = std::move(*fitted);
   }
   auto cameras = measured(views, result);
   if (!findings.dark) {
