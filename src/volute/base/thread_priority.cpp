@@ -13,7 +13,8 @@ namespace volute {
 
 void letOthersFirst() {
 #ifdef __linux__
-  constexpr int kNice = 5;  // a third of the time beside a busy thread; each thread's own on Linux
+  constexpr int kNice =
+      5;  // a third of what a busy thread beside it gets; each thread's own on Linux
   const auto thread = static_cast<id_t>(::gettid());
   ::setpriority(PRIO_PROCESS, thread, std::max(kNice, ::getpriority(PRIO_PROCESS, thread)));
 #endif

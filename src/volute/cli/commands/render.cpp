@@ -72,31 +72,27 @@ std::string_view beyondGl(const Arguments& arguments) {
   return "";
 }
 
-/// --smoke-method, which is about OpenGL alone.
+/// An option that is about OpenGL alone, unless it is as it is by itself.
+Status checkGlMethod(std::string_view option, const std::string& name, const GlPictures* gl) {
+  if (gl != nullptr || name == "auto" || name == "bricks")
+    return {};
+  return fail(ErrorCode::kInvalidArgument,
+              "--{}: {} is a way to draw with OpenGL; add --renderer gl", option, name);
+}
+
 Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments, const GlPictures* gl) {
   const auto name = arguments.get<std::string>("smoke-method");
-  if (name == "auto")
-    return GlSmokeMethod::kAuto;
-  if (gl == nullptr) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--smoke-method: {} is a way to draw smoke with OpenGL; add --renderer gl", name);
-  }
-  return name == "march"   ? GlSmokeMethod::kMarch
+  VOLUTE_TRY(checkGlMethod("smoke-method", name, gl));
+  return name == "auto"    ? GlSmokeMethod::kAuto
+         : name == "march" ? GlSmokeMethod::kMarch
          : name == "splat" ? GlSmokeMethod::kSplat
                            : GlSmokeMethod::kProject;
 }
 
-/// --volume-method, which is about OpenGL alone.
 Result<GlVolumeMethod> volumeMethodOf(const Arguments& arguments, const GlPictures* gl) {
   const auto name = arguments.get<std::string>("volume-method");
-  if (name == "bricks")
-    return GlVolumeMethod::kBricks;
-  if (gl == nullptr) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--volume-method: {} is a way to draw volumes with OpenGL; add --renderer gl",
-                name);
-  }
-  return GlVolumeMethod::kTree;
+  VOLUTE_TRY(checkGlMethod("volume-method", name, gl));
+  return name == "tree" ? GlVolumeMethod::kTree : GlVolumeMethod::kBricks;
 }
 
 /// Null for the processor. `auto` takes OpenGL where hardware draws all that the subject has.

@@ -131,7 +131,7 @@ struct Outlier {
   float value = 0, around = 0;  ///< its largest channel, and its neighbours' largest
 };
 
-/// Pixels that shine alone: ten times as bright as their neighbours and as the threshold.
+/// Pixels that shine alone: ten times as bright as their neighbours and as what counts as lit.
 std::vector<Outlier> lonelyPixels(const TomographyView& view, double threshold) {
   constexpr float kAlone = 10;
   const Image& image = view.radiance;
