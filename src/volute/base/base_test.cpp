@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
-#include <fcntl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <mutex>
 #include <numeric>
 #include <thread>
 #include <vector>
@@ -26,13 +29,16 @@ namespace volute {
 namespace {
 
 std::filesystem::path freshFolder(const std::string& name) {
-  auto folder = std::filesystem::temp_directory_path() / fmt::format("volute-base-{}-{}", ::getpid(), name);
+  auto folder =
+      std::filesystem::temp_directory_path() / fmt::format("volute-base-{}-{}", ::getpid(), name);
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;
 }
 
-std::span<const std::byte> bytesOf(std::string_view text) { return std::as_bytes(std::span(text)); }
+std::span<const std::byte> bytesOf(std::string_view text) {
+  return std::as_bytes(std::span(text));
+}
 
 TEST(View, SubViewSharesTheDataAtItsOrigin) {
   std::vector<int> data(2 * 3 * 4);
@@ -45,7 +51,9 @@ TEST(View, SubViewSharesTheDataAtItsOrigin) {
   EXPECT_EQ(data[23], -1);
 }
 
-TEST(Crc32, AgreesWithThePublishedCheckValue) { EXPECT_EQ(crc32(bytesOf("123456789")), 0xCBF43926u); }
+TEST(Crc32, AgreesWithThePublishedCheckValue) {
+  EXPECT_EQ(crc32(bytesOf("123456789")), 0xCBF43926u);
+}
 
 TEST(Half, EveryFiniteHalfMatchesItsDefinition) {
   for (unsigned bits = 0; bits < 0x10000; ++bits) {
@@ -59,7 +67,8 @@ TEST(Half, EveryFiniteHalfMatchesItsDefinition) {
         EXPECT_EQ(value, static_cast<float>(sign * INFINITY));
       }
     } else {
-      const double expected = exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25);
+      const double expected =
+          exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25);
       EXPECT_EQ(value, static_cast<float>(sign * expected)) << bits;
     }
   }
@@ -120,7 +129,8 @@ TEST(OutputFile, MissingFolderNamesTheTarget) {
 }
 
 TEST(OutputFile, FullDiskIsAnErrorOfTheWrite) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP();
+  if (!std::filesystem::exists("/dev/full"))
+    GTEST_SKIP();
   const int descriptor = ::open("/dev/full", O_WRONLY);
   const int saved = ::dup(STDOUT_FILENO);
   ::dup2(descriptor, STDOUT_FILENO);
@@ -165,6 +175,27 @@ TEST(ThreadPriority, AThreadAndThoseThatItStartsLetOthersFirst) {
   EXPECT_EQ(its, std::max(ours, 5));
   EXPECT_EQ(itsOwn, its);
   EXPECT_EQ(niceness(), ours) << "other threads are as before";
+}
+
+TEST(ThreadPriority, WorkersLetOthersFirstAndTheLoopsCallerDoesNot) {
+  const auto niceness = [] { return ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid())); };
+  const int ours = niceness();
+  letOthersBeforeWorkers();
+  std::mutex mutex;
+  std::map<std::thread::id, int> found;
+  parallelFor(64, [&](std::size_t) {
+    parallelFor(4, [&](std::size_t) {
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+      const std::lock_guard lock(mutex);
+      found[std::this_thread::get_id()] = niceness();
+    });
+  });
+  for (const auto& [thread, its] : found)
+    EXPECT_EQ(its, thread == std::this_thread::get_id() ? ours : std::max(ours, 5));
+  if (threadCount() > 1) {
+    EXPECT_GT(found.size(), 1u);
+  }
+  EXPECT_EQ(niceness(), ours);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/base/thread_priority.hpp"
 
+#include <atomic>
+
 #ifdef __linux__
 #include <sys/resource.h>
 #include <unistd.h>
@@ -10,6 +12,11 @@
 #endif
 
 namespace volute {
+namespace {
+
+std::atomic<bool> workersWait = false;
+
+}  // namespace
 
 void letOthersFirst() {
 #ifdef __linux__
@@ -18,6 +25,18 @@ void letOthersFirst() {
   const auto thread = static_cast<id_t>(::gettid());
   ::setpriority(PRIO_PROCESS, thread, std::max(kNice, ::getpriority(PRIO_PROCESS, thread)));
 #endif
+}
+
+void letOthersBeforeWorkers() {
+  workersWait.store(true, std::memory_order_relaxed);
+}
+
+void detail::beginAsWorker() {
+  thread_local bool waits = false;
+  if (waits || !workersWait.load(std::memory_order_relaxed))
+    return;
+  letOthersFirst();
+  waits = true;
 }
 
 }  // namespace volute

@@ -9,4 +9,14 @@ namespace volute {
 /// priorities of threads.
 void letOthersFirst();
 
+/// The same for the workers of all parallel loops (base/parallel.hpp), whoever begins these: a
+/// worker that a window's thread has started would have its priority. For the whole program, and
+/// not to be taken back.
+void letOthersBeforeWorkers();
+
+namespace detail {
+/// For a worker that begins a part of a parallel loop.
+void beginAsWorker();
+}  // namespace detail
+
 }  // namespace volute

@@ -47,7 +47,36 @@ Result<Display> Display::create() {
   return display;
 }
 
-void Display::draw(GLuint picture, const DisplayLook& look, int width, int height) {
+bool Display::isKept(GLuint picture, int version, const DisplayLook& look, int width,
+                     int height) const {
+  return picture_ == picture && version_ == version && width_ == width && height_ == height &&
+         look_.exposure == look.exposure && look_.map == look.map &&
+         look_.surfaces == look.surfaces && (look_.background == look.background).all();
+}
+
+void Display::draw(GLuint picture, int version, const DisplayLook& look, int width, int height) {
+  GLint target = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
+  glDisable(GL_SCISSOR_TEST);  // copies mind it, too
+  if (width != width_ || height != height_) {
+    kept_ = makeTexture2d(GL_RGBA8, width, height);
+    GLuint name = 0;
+    glCreateFramebuffers(1, &name);
+    frame_ = GlFramebuffer(name);
+    glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, kept_.name(), 0);
+  }
+  if (!isKept(picture, version, look, width, height)) {
+    picture_ = picture, version_ = version, look_ = look, width_ = width, height_ = height;
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, frame_.name());
+    keep(picture, look);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(target));
+  }
+  glBlitNamedFramebuffer(frame_.name(), static_cast<GLuint>(target), 0, 0, width, height, 0, 0,
+                         width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+/// Into the framebuffer that is bound, all of it.
+void Display::keep(GLuint picture, const DisplayLook& look) {
   if (look.map && look.map != map_) {
     fillColors(colors_.name(), *look.map);
     map_ = look.map;
@@ -68,8 +97,7 @@ void Display::draw(GLuint picture, const DisplayLook& look, int width, int heigh
   glBindVertexArray(nothing_.name());
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
-  glDisable(GL_SCISSOR_TEST);
-  glViewport(0, 0, width, height);
+  glViewport(0, 0, width_, height_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glBindSampler(kPictureUnit, 0);
   glBindSampler(kColorsUnit, 0);

@@ -10,12 +10,10 @@
 namespace volute {
 namespace {
 
-constexpr double kLookEvery = 0.5;     ///< [s]
-constexpr std::size_t kLookAt = 1000;  ///< files at a time: the window waits for it
+using Clock = std::chrono::steady_clock;
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+constexpr auto kLookEvery = std::chrono::milliseconds(500);
+constexpr std::size_t kLookAt = 1000;  ///< files at a time: wishes wait for it
 
 std::filesystem::file_time_type changedAt(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -36,12 +34,7 @@ class Loader::Reporter final : public Progress {
     loader_.state_.share = total > 0 ? done / total : -1;
   }
 
-  bool cancelled() const override {
-    if (!yields_)
-      return loader_.overtaken();
-    const std::lock_guard lock(loader_.mutex_);
-    return loader_.ends_ || loader_.wanted();
-  }
+  bool cancelled() const override { return yields_ ? loader_.disturbed_ : loader_.overtaken_; }
 
  private:
   Loader& loader_;
@@ -54,87 +47,72 @@ Loader::~Loader() {
   {
     const std::lock_guard lock(mutex_);
     ends_ = true;
+    noteWishes();
   }
-  wake_.notify_all();
   thread_.join();
 }
 
-void Loader::open(std::string path, double time) {
-  {
-    const std::lock_guard lock(mutex_);
-    wantedPath_ = std::move(path);
-    wantedTime_ = time;
-  }
+/// With the lock held, after what is wished for has changed.
+void Loader::noteWishes() {
+  overtaken_ = ends_ || wantedPath_;
+  disturbed_ = ends_ || wanted();
   wake_.notify_all();
+}
+
+void Loader::open(std::string path, double time) {
+  const std::lock_guard lock(mutex_);
+  wantedPath_ = std::move(path);
+  wantedTime_ = time;
+  noteWishes();
 }
 
 void Loader::request(double time) {
-  {
-    const std::lock_guard lock(mutex_);
-    wantedTime_ = time;
-  }
-  wake_.notify_all();
+  const std::lock_guard lock(mutex_);
+  wantedTime_ = time;
+  noteWishes();
 }
 
 void Loader::setOpenGl(bool draws) {
+  if (openGl_.exchange(draws) == draws || !draws)
+    return;
   const std::lock_guard lock(mutex_);
-  if (std::exchange(openGl_, draws) == draws || !draws || path_.empty() || wantedTime_)
+  if (path_.empty() || wantedTime_)
     return;
   wantedTime_ = time_;
-  wake_.notify_all();
-}
-
-void Loader::watch() {
-  const std::lock_guard lock(mutex_);
-  if (working_ || wantedPath_ || seconds() - lastLook_ < kLookEvery)
-    return;
-  lastLook_ = seconds();
-  const std::size_t count = std::min(watched_.size(), kLookAt);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Watched& watched = watched_[nextLook_++ % watched_.size()];
-    if (changedAt(watched.path) == watched.time)
-      continue;
-    wantedPath_ = path_;
-    wantedTime_ = time_;
-    wake_.notify_all();
-    return;
-  }
+  noteWishes();
 }
 
 void Loader::change(const std::string& key, DocumentChange what) {
-  {
-    const std::lock_guard lock(mutex_);
-    std::erase_if(wantedChanges_, [&](const auto& waiting) { return waiting.first == key; });
-    wantedChanges_.emplace_back(key, std::move(what));
-  }
-  wake_.notify_all();
+  const std::lock_guard lock(mutex_);
+  std::erase_if(wantedChanges_, [&](const auto& waiting) { return waiting.first == key; });
+  wantedChanges_.emplace_back(key, std::move(what));
+  noteWishes();
 }
 
-LoaderState Loader::state() const {
-  const std::lock_guard lock(mutex_);
-  return state_;
+std::optional<LoaderNews> Loader::news() {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock)
+    return std::nullopt;
+  return LoaderNews{state_, idleNow(), std::exchange(opened_, std::nullopt),
+                    std::exchange(loaded_, std::nullopt)};
 }
 
 bool Loader::idle() const {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  return lock && idleNow();
+}
+
+void Loader::discard(std::shared_ptr<const ViewScene> scene) {
+  if (!scene)
+    return;
   const std::lock_guard lock(mutex_);
+  discarded_.push_back(std::move(scene));
+  wake_.notify_all();
+}
+
+/// With the lock held.
+bool Loader::idleNow() const {
   return !working_ && !wanted() && !unchecked_;
-}
-
-std::optional<DocumentInfo> Loader::takeDocument() {
-  const std::lock_guard lock(mutex_);
-  return std::exchange(opened_, std::nullopt);
-}
-
-std::optional<LoadedScene> Loader::takeScene() {
-  const std::lock_guard lock(mutex_);
-  return std::exchange(loaded_, std::nullopt);
-}
-
-/// A newer path ends whatever runs; a newer time does not, or a film that is read slower than it
-/// plays would never show a frame.
-bool Loader::overtaken() const {
-  const std::lock_guard lock(mutex_);
-  return ends_ || wantedPath_.has_value();
 }
 
 /// With the lock held.
@@ -145,39 +123,72 @@ bool Loader::wanted() const {
 /// What is wanted comes first; a document is looked through for damage when there is time.
 void Loader::work() {
   letOthersFirst();
+  auto nextLook = Clock::now() + kLookEvery;
   std::unique_lock lock(mutex_);
   for (;;) {
-    wake_.wait(lock, [&] { return ends_ || wanted() || unchecked_; });
+    wake_.wait_until(lock, nextLook,
+                     [&] { return ends_ || wanted() || unchecked_ || !discarded_.empty(); });
     if (ends_)
       return;
-    if (!wanted()) {
-      working_ = true;
-      lock.unlock();
-      checkNow();
-      lock.lock();
-      working_ = false;
+    if (!discarded_.empty())
+      freeDiscarded(lock);
+    if (wanted())
+      serve(lock);
+    else if (unchecked_)
+      checkNow(lock);
+    if (Clock::now() < nextLook)
       continue;
-    }
-    const auto path = std::exchange(wantedPath_, std::nullopt);
-    auto time = std::exchange(wantedTime_, std::nullopt);
-    if (path)
-      wantedChanges_.clear();  // they were meant for what was open
-    const auto changes = std::exchange(wantedChanges_, {});
-    if (!changes.empty() && !time)
-      time = time_;
-    working_ = true;
-    state_.busy = true;
     lock.unlock();
-    const bool opened = !path || openNow(*path);
-    for (const auto& [key, what] : changes) changeNow(what);
-    if (opened && time && document_ && !overtaken())
-      loadNow(*time);
-    const bool checked = !document_ || document_->checked();
+    const bool changed = changedOnDisk();
     lock.lock();
-    working_ = false;
-    unchecked_ = !checked;
-    state_.busy = wanted();
+    nextLook = Clock::now() + kLookEvery;
+    if (!changed || wantedPath_)
+      continue;
+    wantedPath_ = path_;
+    wantedTime_ = wantedTime_.value_or(time_);
+    noteWishes();
   }
+}
+
+/// Does what is wanted; the lock is held before and after.
+void Loader::serve(std::unique_lock<std::mutex>& lock) {
+  const auto path = std::exchange(wantedPath_, std::nullopt);
+  auto time = std::exchange(wantedTime_, std::nullopt);
+  if (path)
+    wantedChanges_.clear();  // they were meant for what was open
+  const auto changes = std::exchange(wantedChanges_, {});
+  if (!changes.empty() && !time)
+    time = time_;
+  noteWishes();
+  working_ = true;
+  state_.busy = true;
+  lock.unlock();
+  const bool opened = !path || openNow(*path);
+  for (const auto& [key, what] : changes) changeNow(what);
+  if (opened && time && document_ && !overtaken_)
+    loadNow(*time);
+  const bool checked = !document_ || document_->checked();
+  lock.lock();
+  working_ = false;
+  unchecked_ = !checked;
+  state_.busy = wanted();
+}
+
+void Loader::freeDiscarded(std::unique_lock<std::mutex>& lock) {
+  auto discarded = std::exchange(discarded_, {});
+  lock.unlock();
+  discarded.clear();
+  lock.lock();
+}
+
+bool Loader::changedOnDisk() {
+  const std::size_t count = std::min(watched_.size(), kLookAt);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Watched& watched = watched_[nextLook_++ % watched_.size()];
+    if (changedAt(watched.path) != watched.time)
+      return true;
+  }
+  return false;
 }
 
 std::vector<Loader::Watched> Loader::look(const std::vector<std::filesystem::path>& files) {
@@ -212,17 +223,18 @@ bool Loader::openNow(const std::string& path) {
     ++openedCount_;
     info = describe();  // before the lock: the window never waits for it
   }
+  watched_ = std::move(watched);
+  std::optional<LoadedScene> before;  // freed without the lock
   const std::lock_guard lock(mutex_);
   path_ = path;
-  watched_ = std::move(watched);
   if (!document) {
     if (document.error().code != ErrorCode::kCancelled)
       state_.error = document.error().message;
     return false;
   }
   state_.error.clear();
-  opened_ = std::move(info);
-  loaded_.reset();
+  opened_.swap(info);
+  loaded_.swap(before);
   return true;
 }
 
@@ -231,11 +243,10 @@ void Loader::changeNow(const DocumentChange& what) {
     return;
   Reporter reporter(*this);
   auto done = what(*document_, reporter);
-  auto watched = look(document_->files());  // what it wrote itself is no news
-  DocumentInfo info = describe();
+  watched_ = look(document_->files());  // what it wrote itself is no news
+  std::optional<DocumentInfo> info = describe();
   const std::lock_guard lock(mutex_);
-  watched_ = std::move(watched);
-  opened_ = std::move(info);
+  opened_.swap(info);
   if (!done) {
     state_.error = done.error().message;
     return;
@@ -245,36 +256,41 @@ void Loader::changeNow(const DocumentChange& what) {
     state_.message = std::move(*done);
 }
 
-void Loader::checkNow() {
+void Loader::checkNow(std::unique_lock<std::mutex>& lock) {
+  working_ = true;
+  lock.unlock();
   Reporter reporter(*this, true);
   document_->check(reporter);
   const bool checked = document_->checked();
-  DocumentInfo info = describe();
-  const std::lock_guard lock(mutex_);
+  std::optional<DocumentInfo> info = describe();
+  lock.lock();
+  working_ = false;
   unchecked_ = !checked;
   if (checked)
-    opened_ = std::move(info);
+    opened_.swap(info);
 }
 
 void Loader::loadNow(double time) {
   Reporter reporter(*this);
-  SceneWish wish{.time = time, .coarse = true};
+  SceneWish wish{.time = time, .coarse = true, .openGl = openGl_};
   {
     const std::lock_guard lock(mutex_);
     time_ = time;
-    wish.openGl = openGl_;
   }
   if (document_->coarseHelps(time))
     deliver(document_->sceneAt(wish, reporter), time, true);
   wish.coarse = false;
-  if (!overtaken())
+  if (!overtaken_)
     deliver(document_->sceneAt(wish, reporter), time, false);
 }
 
 void Loader::deliver(Result<ViewScene> scene, double time, bool coarse) {
+  std::optional<LoadedScene> loaded;  // what was there before is freed without the lock
+  if (scene)
+    loaded = LoadedScene{std::make_shared<const ViewScene>(std::move(*scene)), time, coarse};
   const std::lock_guard lock(mutex_);
-  if (scene) {
-    loaded_ = LoadedScene{std::make_shared<const ViewScene>(std::move(*scene)), time, coarse};
+  if (loaded) {
+    loaded_.swap(loaded);
     if (std::exchange(errorIsOfScene_, false))
       state_.error.clear();
   } else if (scene.error().code != ErrorCode::kCancelled) {

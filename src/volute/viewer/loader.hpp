@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -49,12 +50,22 @@ struct DocumentInfo {
   bool editable = false, canUndo = false, canRedo = false;
 };
 
+/// What has come since the viewer last looked.
+struct LoaderNews {
+  LoaderState state;
+  bool idle = false;  ///< nothing is left to be done: `opened` and `loaded` are the last for now
+  std::optional<DocumentInfo> opened{};  ///< a document, or one that has changed
+  std::optional<LoadedScene> loaded{};
+};
+
 /// Something to be done with the document that is open. Says in a sentence what was done, or
 /// nothing.
 using DocumentChange = std::function<Result<std::string>(Document&, Progress&)>;
 
 /// Opens documents and their instants in a thread of its own, so that the picture never waits.
-/// Requests that are overtaken by newer ones are dropped, the one that runs is cancelled.
+/// Requests that are overtaken by newer ones are dropped, the one that runs is cancelled. Opens the
+/// same file again if one of its files changes on disk; looks every half second, between two
+/// requests.
 class Loader {
  public:
   explicit Loader(OpenDocument open);
@@ -64,10 +75,6 @@ class Loader {
 
   /// Opens a file instead of what is open, and loads its first picture at `time`.
   void open(std::string path, double time);
-
-  /// Opens the same file again if one of its files has changed on disk since; looks at most every
-  /// half second.
-  void watch();
 
   /// Loads another instant; the newest request counts.
   void request(double time);
@@ -80,16 +87,15 @@ class Loader {
   /// not begun is replaced by a newer one of the same key.
   void change(const std::string& key, DocumentChange what);
 
-  LoaderState state() const;
+  /// Nothing where the thread is just writing its own down: the window does not wait for a thread
+  /// that lets others first (base/thread_priority.hpp), but asks again in its next frame.
+  std::optional<LoaderNews> news();
 
   /// Whether there is nothing that it still has to do.
   bool idle() const;
 
-  /// What has been opened since the last call.
-  std::optional<DocumentInfo> takeDocument();
-
-  /// What has been loaded since the last call.
-  std::optional<LoadedScene> takeScene();
+  /// Gives back what is no longer shown: freeing a large scene takes longer than a frame may.
+  void discard(std::shared_ptr<const ViewScene> scene);
 
  private:
   class Reporter;
@@ -100,23 +106,31 @@ class Loader {
   };
 
   void work();
+  void serve(std::unique_lock<std::mutex>& lock);
   bool openNow(const std::string& path);
   void loadNow(double time);
   void changeNow(const DocumentChange& what);
-  void checkNow();
+  void checkNow(std::unique_lock<std::mutex>& lock);
   DocumentInfo describe() const;
   static std::vector<Watched> look(const std::vector<std::filesystem::path>& files);
   void deliver(Result<ViewScene> scene, double time, bool coarse);
-  bool overtaken() const;
+  bool changedOnDisk();
+  void freeDiscarded(std::unique_lock<std::mutex>& lock);
   bool wanted() const;
+  bool idleNow() const;
+  void noteWishes();
 
   OpenDocument open_;
-  std::unique_ptr<Document> document_;  // the thread's
+  std::unique_ptr<Document> document_;  // the thread's, as the next two
+  std::vector<Watched> watched_;
+  std::size_t nextLook_ = 0;  ///< at which of them
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   bool ends_ = false;
-  bool openGl_ = true;
+  std::atomic<bool> overtaken_ = false;  ///< ends_, or another path is wanted: what runs stops
+  std::atomic<bool> disturbed_ = false;  ///< overtaken_, or anything else is wanted
+  std::atomic<bool> openGl_ = true;
   bool unchecked_ = false;  ///< the document has still to look for damage
   std::optional<std::string> wantedPath_;
   std::optional<double> wantedTime_;
@@ -129,9 +143,7 @@ class Loader {
   std::optional<LoadedScene> loaded_;
   std::string path_;
   double time_ = 0;
-  std::vector<Watched> watched_;
-  double lastLook_ = 0;
-  std::size_t nextLook_ = 0;  ///< at which of them
+  std::vector<std::shared_ptr<const ViewScene>> discarded_;
 
   std::thread thread_;  // last: it uses the others
 };

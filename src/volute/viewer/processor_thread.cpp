@@ -33,10 +33,7 @@ class ProcessorThread::Stop final : public Progress {
  public:
   explicit Stop(ProcessorThread& owner) : owner_(owner) {}
 
-  bool cancelled() const override {
-    const std::lock_guard lock(owner_.mutex_);
-    return owner_.ends_ || owner_.stops_;
-  }
+  bool cancelled() const override { return owner_.ends_ || owner_.stops_; }
 
  private:
   ProcessorThread& owner_;

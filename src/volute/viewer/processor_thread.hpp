@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
@@ -59,7 +60,7 @@ class ProcessorThread {
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  bool ends_ = false, stops_ = false;
+  std::atomic<bool> ends_ = false, stops_ = false;  ///< changed with the lock
   std::optional<ProcessorJob> waiting_;
   std::optional<int> running_;
   std::optional<ProcessorResult> done_;

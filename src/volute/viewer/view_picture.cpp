@@ -56,10 +56,10 @@ Result<ViewPicture> ViewPicture::create(const PictureMakers& makers) {
   return picture;
 }
 
-void ViewPicture::setScene(std::shared_ptr<const ViewScene> scene) {
-  scene_ = std::move(scene);
+std::shared_ptr<const ViewScene> ViewPicture::setScene(std::shared_ptr<const ViewScene> scene) {
   changed_ = true;
   refused_.clear();
+  return std::exchange(scene_, std::move(scene));
 }
 
 bool ViewPicture::byProcessor(const PictureWish& wish) const {
@@ -107,6 +107,7 @@ Status ViewPicture::drawByGl(const PictureWish& wish, double scale) {
   const int width = pixels(scale, wish.width), height = pixels(scale, wish.height);
   const Camera camera = wish.camera.camera(width, height);
   const auto begun = std::chrono::steady_clock::now();
+  ++version_;
   opaque_ = surfaces_.draw(camera, *scene_, wish.surfaces);
   VOLUTE_TRY(drawMedia(wish, camera));
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
@@ -138,6 +139,7 @@ Status ViewPicture::takeFinished() {
   noteTime(done->seconds, width, height, true);
   scale_ = finishedScale_ = done->scale;
   processed_ = true;
+  ++version_;
   return {};
 }
 
@@ -226,7 +228,7 @@ GLuint ViewPicture::texture() const {
 
 void ViewPicture::show(DisplayLook look, int width, int height) {
   look.surfaces = opaque_ && !processed_ ? surfaces_.texture() : 0;
-  display_.draw(texture(), look, width, height);
+  display_.draw(texture(), version_, look, width, height);
 }
 
 Image ViewPicture::sampledLight(const Rgb& background) const {

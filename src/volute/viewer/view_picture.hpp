@@ -59,7 +59,8 @@ class ViewPicture {
 
   const PictureMakers& makers() const { return makers_; }
 
-  void setScene(std::shared_ptr<const ViewScene> scene);
+  /// @returns what was shown before: to free it may take longer than a frame
+  std::shared_ptr<const ViewScene> setScene(std::shared_ptr<const ViewScene> scene);
 
   const ViewScene* scene() const { return scene_.get(); }
 
@@ -120,6 +121,7 @@ class ViewPicture {
   bool opaque_ = false;     ///< OpenGL's picture has surfaces
   bool media_ = false;      ///< and media
   bool processed_ = false;  ///< the processor took it
+  int version_ = 0;         ///< of the picture that is shown
   int asked_ = 0;           ///< number of the wish that the processor works on
   double askedScale_ = 0, finishedScale_ = 0;
   bool askedQuickly_ = false;

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "volute/base/stopwatch.hpp"
+#include "volute/base/thread_priority.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/viewer/panels.hpp"
@@ -38,6 +39,7 @@ ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, GlDevice d
       device_(std::move(device)),
       picture_(std::move(picture)),
       loader_(std::move(open)) {
+  letOthersBeforeWorkers();
   if (options_.renderer)
     settings_.look.renderer = static_cast<int>(*options_.renderer);
   IMGUI_CHECKVERSION();
@@ -189,22 +191,26 @@ void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
 
 void ViewerApp::takeLoaded(const ViewerInput& input) {
   const Stopwatch watch(costs_.loaded);
-  loader_.watch();
-  loading_ = loader_.state();
+  auto news = loader_.news();
+  if (!news)
+    return;  // then in the next frame
+  loading_ = std::move(news->state);
   error_ = loading_.error.empty() ? pictureError_ : loading_.error;
   if (loading_.message != lastMessage_)
     message_ = lastMessage_ = loading_.message;
-  const bool idle = loader_.idle();  // then all that was asked for is there to be taken
+  const bool idle = news->idle;
   if (idle)
     pending_.clear();
-  if (auto opened = loader_.takeDocument())
-    takeDocument(std::move(*opened), input);
+  if (news->opened)
+    takeDocument(std::move(*news->opened), input);
   if (idle)
     opening_.reset();  // it cannot be opened
-  if (auto loaded = loader_.takeScene()) {
-    scene_ = std::move(*loaded);
+  if (news->loaded) {
+    if (scene_)
+      loader_.discard(std::move(scene_->scene));
+    scene_ = std::move(*news->loaded);
     pictureError_.clear();
-    picture_.setScene(scene_->scene);
+    loader_.discard(picture_.setScene(scene_->scene));
   }
   if (idle)
     savedVersion_.reset();  // it could not be saved
