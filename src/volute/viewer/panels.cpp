@@ -11,6 +11,8 @@ namespace {
 
 constexpr float kLabels = 70;  ///< [pixels] that are left for names
 
+constexpr std::size_t kFewTimes = 8;  ///< of pictures, below which a histogram says nothing
+
 /// Whether there is something that nobody should miss.
 bool hasNotices(const ViewerApp& app) {
   return !app.document() || app.loading().busy || !app.error().empty() || !app.message().empty();
@@ -166,7 +168,7 @@ void timesPart(ViewerApp& app) {
   ImGui::Separator();
   std::string words =
       fmt::format("{:.1f} ms for {} x {} pixels", times.milliseconds, times.width, times.height);
-  if (times.history.size() > 1) {
+  if (times.history.size() >= kFewTimes) {
     const float most = *std::ranges::max_element(times.history);
     ImGui::PlotHistogram("##times", times.history.data(), static_cast<int>(times.history.size()), 0,
                          nullptr, 0, 1.1F * most, {-1, 36});
