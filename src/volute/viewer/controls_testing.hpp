@@ -220,7 +220,7 @@ class Controls : public ::testing::Test {
       case Parameter::Kind::kInteger: {
         const double share =
             (parameter.value[0] - parameter.least) / (parameter.most - parameter.least);
-        script_->click(parameter.path, parameter.logarithmic || share < 0.5 ? 0.64 : 0.12);
+        script_->click(parameter.path, parameter.logarithmic || share < 0.5 ? 0.55 : 0.12);
         break;
       }
       case Parameter::Kind::kFlag:
@@ -262,12 +262,12 @@ class Controls : public ::testing::Test {
     return found == all.end() ? Parameter{} : *found;
   }
 
-  /// The height of a direction, which has a slider of its own.
-  void expectHeight(const std::string& path) {
+  /// The elevation of a direction, which has a slider of its own.
+  void expectElevation(const std::string& path) {
     SCOPED_TRACE(path);
     const auto before = valueOf(path);
     const Image shown = picture();
-    ASSERT_TRUE(script_->click(path + " height", 0.2));
+    ASSERT_TRUE(script_->click(path + " elevation", 0.2));
     load();
     EXPECT_NE(valueOf(path), before);
     EXPECT_GT(difference(shown, picture()), 0.0005);
