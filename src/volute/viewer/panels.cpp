@@ -153,11 +153,10 @@ void whoDraws(ViewerApp& app) {
   }
   wrappedText("by " + app.device().renderer, true);
   app.mark("who draws");
-  const ViewScene* scene = app.picture().scene();
-  if (scene && ((scene->surfaces && app.settings().look.surfaces) || !scene->quads.empty()))
-    wrappedText("opaque things: rasterised", true);
+  const bool tells = app.device().hardware;  // a rasteriser's clock looks when it has computed
   for (const GlPassTime& pass : times.passes) {
-    wrappedText(fmt::format("{} {}: {:.1f} ms", pass.name, pass.media, pass.milliseconds), true);
+    const std::string time = tells ? fmt::format(": {:.1f} ms", pass.milliseconds) : "";
+    wrappedText(fmt::format("{} {}{}", pass.name, pass.media, time), true);
   }
 }
 
