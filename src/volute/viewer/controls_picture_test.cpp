@@ -289,6 +289,25 @@ TEST_F(Controls, AnFdsCaseIsSeenFromWithinItsRoom) {
   EXPECT_FALSE(app().document()->bounds.contains(app().camera().eye()));
 }
 
+/// What was told of a long call.
+class Stages final : public Progress {
+ public:
+  void report(std::string_view stage, double, double) override { seen.emplace(stage); }
+
+  std::set<std::string> seen;
+};
+
+TEST_F(Controls, ProgressIsToldUntilThePictureIsDrawn) {
+  Stages stages;
+  app().open(folder_.path("smoke.json"));
+  app().settings().look.quality = 3;
+  ViewerInput input = script_->input();
+  ASSERT_TRUE(viewer_->settle(input, stages));
+  ASSERT_TRUE(app().times().processor);
+  EXPECT_TRUE(stages.seen.contains("opening"));
+  EXPECT_TRUE(stages.seen.contains("drawing"));
+}
+
 TEST_F(Controls, RemarksRepeatNoFolder) {
   open("room.smv");
   EXPECT_THAT(app().document()->remarks,

@@ -51,7 +51,9 @@ Status HeadlessViewer::settle(ViewerInput input, Progress& progress) {
       continue;
     }
     const LoaderState& loading = app_->loading();
-    if (loading.busy && !loading.stage.empty())
+    if (app_->idle())
+      progress.report("drawing", 0, 0);
+    else if (!loading.stage.empty())
       progress.report(loading.stage, std::max(loading.share, 0.0), loading.share < 0 ? 0 : 1);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }

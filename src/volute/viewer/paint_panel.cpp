@@ -110,7 +110,7 @@ void valuePart(const ViewerApp& app, const PaintTool& paint) {
     ImGui::TextDisabled("column %d, row %d: %.4f /m", place->column, place->row,
                         painter.valueOf(*place));
   } else {
-    ImGui::TextDisabled("%d x %d coefficients, 0 to %.3g /m", painter.coefficients().columns,
+    ImGui::TextDisabled("%d x %d values, 0 to %.3g /m", painter.coefficients().columns,
                         painter.coefficients().rows, painter.most());
   }
   (void)app;

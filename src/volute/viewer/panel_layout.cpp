@@ -7,7 +7,6 @@
 namespace volute {
 namespace {
 
-constexpr float kTitle = 19;  ///< of a closed one
 constexpr float kWide = 860;  ///< from here on a third of the width is free between both sides
 constexpr float kTall = 850;  ///< from here on there is enough of the picture below them
 constexpr float kLeast[] = {250, 250, 280};  ///< width, with all that is written in it

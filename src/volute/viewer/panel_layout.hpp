@@ -42,6 +42,8 @@ class PanelLayout {
   float most(SidePanel panel) const;
 
  private:
+  static constexpr float kTitle = 19;  ///< of a closed one
+
   struct Of {
     bool open = false;
     float height = 0;
@@ -55,8 +57,8 @@ class PanelLayout {
 
   std::optional<bool> roomy_;
   float width_ = 0, free_ = 0;  ///< the window's; from the upper margin to what is below
-  std::array<Of, 3> panels_;
-  SidePanel last_ = SidePanel::kPicture;  ///< that was opened
+  std::array<Of, 3> panels_{Of{.height = kTitle}};  ///< the first is always there
+  SidePanel last_ = SidePanel::kPicture;            ///< that was opened
 };
 
 }  // namespace volute

@@ -66,6 +66,13 @@ TEST(PanelLayout, OnTheLeftWhatDoesNotFitCloses) {
   EXPECT_FALSE(layout.isOpen(kPicture)) << "it has become too high for both";
 }
 
+TEST(PanelLayout, AClosedOneHasItsTitleBeforeItWasEverOpen) {
+  PanelLayout layout;
+  layout.fit(640, 400, 0);
+  layout.set(kPaint, true);
+  EXPECT_EQ(layout.most(kPaint), 400 - 20 - 4 - 19);
+}
+
 TEST(PanelLayout, WhatIsNotThereTakesNothing) {
   PanelLayout layout;
   layout.measure(kPaint, 0);
