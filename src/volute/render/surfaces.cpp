@@ -13,7 +13,10 @@
 namespace volute {
 namespace {
 
-constexpr double kLift = 1e-7;  ///< of a shadow's ray from its surface: more than rounding moves it
+/// How far a shadow's ray begins from its surface: more than rounding moves it, also where
+/// coordinates are large.
+constexpr double kLift = 1e-6;       ///< [m]
+constexpr double kRounding = 1e-14;  ///< of the coordinates
 
 /// A lamp's rays from the points that face it.
 struct ShadowRays {
@@ -41,7 +44,7 @@ ShadowRays shadowRaysTo(const Lamp& lamp, const TriangleScene& geometry,
         facing(geometry.triangles()[hit.triangle], segments[i].direction).dot(way.direction);
     if (way.empty() || !(cosine > 0) || (lamp.irradiance(place) == 0).all())
       continue;
-    way.begin = kLift * (1 + place.cwiseAbs().maxCoeff());
+    way.begin = kLift + kRounding * place.cwiseAbs().maxCoeff();
     rays.point.push_back(i);
     rays.cosine.push_back(cosine);
     rays.segments.push_back(way);
