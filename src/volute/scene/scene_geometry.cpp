@@ -15,8 +15,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Vertices of smoke lie on the walls that the geometry shows, but for the rounding of two files.
+/// Vertices of smoke lie on the walls that the geometry shows, but for the rounding of two files:
+/// of the geometry's size, and of coordinates as float.
 constexpr double kLift = 1e-5;
+constexpr double kRounding = 2.5e-7;
 constexpr double kRight = 1e-6;  ///< how far from 90 degrees a volume's axes may be, as a cosine
 
 /// +y of the file becomes +z, as in glTF's own convention: (x, y, z) -> (x, -z, y).
@@ -187,9 +189,10 @@ Blocks blocksOf(const TriangleScene& geometry) {
   if (geometry.empty())
     return {};
   return [geometry](std::span<const Segment> segments, std::span<std::uint8_t> blocked) {
+    const double lift = kLift * (1 + geometry.bounds().size().maxCoeff());
     std::vector<Segment> lifted(segments.begin(), segments.end());
     for (Segment& segment : lifted)
-      segment.begin += kLift * (1 + segment.origin.cwiseAbs().maxCoeff());
+      segment.begin += lift + kRounding * segment.origin.cwiseAbs().maxCoeff();
     geometry.occluded(lifted, blocked);
   };
 }
