@@ -1,14 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""Small files for ./dev soak: a film of voxels as .volute, whole and cut off, scenes of painted fog and of lit smoke."""
+"""Small files for ./dev soak: a film of voxels as .volute, whole and cut off, scenes of painted fog and of lit smoke, a
+capture of five cameras and an FDS case of two meshes."""
 import argparse
 import array
 import json
 import math
+import os
 import pathlib
+import shutil
 import struct
 import subprocess
+import sys
 import zlib
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "tests" / "cli"))
 
 
 def write_npy(path, shape, values):
@@ -30,6 +36,20 @@ def write_png(path, width, height, value):
 def blob(t, z, y, x, size):
     square = (x - (0.3 + 0.01 * t) * size) ** 2 + (y - 0.5 * size) ** 2 + (z - 0.5 * size) ** 2
     return max(0.0, 1 - square / (0.08 * size * size))
+
+
+def write_examples(arguments):
+    """What the tests of the command make for themselves."""
+    os.environ["VOLUTE"] = str(arguments.bin)
+    import fds_test
+    import ring
+
+    case = fds_test.write_case(lambda name: arguments.out / name)
+    fds_test.add_slice(lambda name: arguments.out / name, case, 2, (0, 4) * 3, 500.0, ("HRRPUV", "hrrpuv", "kW/m3"))
+    folder = ring.made()
+    for path in folder.iterdir():
+        shutil.copy(path, arguments.out / path.name)
+    ring.clean_up()
 
 
 def main():
@@ -58,6 +78,7 @@ def main():
              "media": [{"kind": "smoke", "case": "hall.pvd", "quantity": "soot-density", "unit": "g/m3", "walls": True}],
              "signs": [{"name": "exit", "position": [27.9, 6, 2.5], "normal": [-1, 0, 0], "size": [1.2, 0.6], "emitting": True}]}
     (arguments.out / "smoke.json").write_text(json.dumps(scene))
+    write_examples(arguments)
 
 
 if __name__ == "__main__":

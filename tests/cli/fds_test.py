@@ -194,6 +194,17 @@ class Fds(support.TestCase):
                       self.fails(1, "render", self.case, "-o", self.path("x.png"), "--fds-slice", "HEAT"))
         self.fails(2, "render", self.case, "-o", self.path("x.png"), "--fds-slice", "TEMPERATURE", "--fds-slice-range", "5,2")
 
+    def test_a_case_with_a_roof_is_seen_from_inside(self):
+        text = self.case.read_text()
+        roof = "OBST\n 1\n 1 0 2 0 1 0.75 1 0 0 0 0 0 0\n 0 4 0 4 3 4 -1 -1\n"
+        self.assertIn("OBST\n 0\n", text)
+        self.case.write_text(text.replace("OBST\n 0\n", roof, 1))  # over the second mesh
+        self.works("render", self.case, "-o", self.path("a.exr"), "--size", "16x12")
+        # 0.75 m high: eyes at 0.7 of that, a tenth of the length from the end.
+        self.works("render", self.case, "-o", self.path("b.exr"), "--size", "16x12", "--eye", "1.1,0.5,0.525",
+                   "--target", "1.5,0.5,0.525", "--fov", "60")
+        self.assertEqual(self.path("a.exr").read_bytes(), self.path("b.exr").read_bytes())
+
     def test_what_is_not_there_is_said(self):
         self.assertIn("no source 's3d'; the case has slice3d-extinction-cells",
                       self.fails(1, "info", self.case, "--grid", "s3d"))

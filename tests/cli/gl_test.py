@@ -7,7 +7,7 @@ import os
 import fds_test
 import smoke_files
 import support
-from geometry_test import floor, obj
+from geometry_test import floor, glb, obj
 from pictures import Picture, read_exr, write_png
 from support import volute, write_npy
 
@@ -39,6 +39,20 @@ class Gl(support.TestCase):
         device = self.works("info", "--gl", "--json").json
         self.assertTrue(device["device"])
         self.assertGreaterEqual(device["max_texture_size"], 16384)
+
+    def test_an_old_driver_and_a_missing_one_are_told_apart(self):
+        if self.works("info", "--gl", "--json").json["hardware"]:
+            self.skipTest("only Mesa can be asked to be older or to be without drivers")
+        old = volute("info", "--gl", env=os.environ | {"MESA_GL_VERSION_OVERRIDE": "3.3"})
+        self.assertEqual(old.code, 1)
+        for part in ("OpenGL 4.5 is needed", "llvmpipe", "has 3.3", "update"):
+            self.assertIn(part, old.message)
+        none = volute("info", "--gl", env=os.environ | {"LIBGL_DRIVERS_PATH": "/nonexistent"})
+        self.assertEqual(none.code, 1)
+        self.assertIn("install", none.message)
+        for result in (old, none):
+            self.assertEqual(len(result.message.strip().splitlines()), 1, result.message)
+            self.assertIn("--renderer cpu", result.message)
 
     def test_info_wants_a_file_or_the_device(self):
         self.fails(2, "info")
@@ -101,6 +115,21 @@ class Gl(support.TestCase):
             drawn = {medium for p in stats["gl"]["passes"] for medium in p["media"].split(" + ")}
             self.assertTrue(drawn >= set(media), (media, drawn))
 
+    def test_fire_in_fog_in_smoke_with_a_wall_through_all_three(self):
+        self.path("wall.glb").write_bytes(glb([(-2, 0.5, -0.7), (2, 0.5, -0.7), (0.3, 0.5, 1.8)]))  # glows
+        scene = json.loads(self.scene(**self.HALL).read_text())
+        scene["geometry"].append({"file": "wall.glb"})
+        scene["media"][0] |= {"extinction": 1.5, "emission": 1, "transform": [2, 0, 0, -1, 0, 2, 0, -0.3, 0, 0, 2, -0.5, 0, 0, 0, 1]}
+        outside = ([-1, -9, 3], [8, 5, 1], [0.3, 9, 4], [-7, -4, -0.5])
+        inside = ([0.2, -0.2, 0.3], [0, 0.9, 0.2], [-2.5, 0.3, 0.7], [1.2, 2.5, 1.5])
+        for eye in outside + inside:
+            scene["camera"] = {"eye": eye, "target": [0.1, 0.6, 0.4], "fov": 60, "size": [36, 28]}
+            self.path("scene.json").write_text(json.dumps(scene))
+            error, stats = self.difference(self.path("scene.json"))
+            self.assertLess(error, 2e-3, eye)
+            drawn = {medium for p in stats["gl"]["passes"] for medium in p["media"].split(" + ")}
+            self.assertTrue(drawn >= {"volume", "fog", "smoke", "geometry"}, drawn)
+
     def test_what_stands_in_scenes_is_drawn_too(self):
         for mode in ("photometric", "threshold"):
             scene = json.loads(self.scene(**self.HALL).read_text())
@@ -152,7 +181,8 @@ class Gl(support.TestCase):
         packed = self.path("packed.volute")
         self.works("compress", self.volume(), "-o", packed, "--rms", "0.01")
         turned = [0.8, -0.6, 0, 0.5, 0.6, 0.8, 0, 0, 0, 0, 1, 0.2, 0, 0, 0, 1]
-        for more in ({}, {"transform": turned}):
+        scaled = [3, 0, 0, -4, 0, 2, 0, -2, 0, 0, 3, -1, 0, 0, 0, 1]
+        for more in ({}, {"transform": turned}, {"transform": scaled}):
             scene = self.scene(media=[])
             value = json.loads(scene.read_text())
             value["media"] = [{"kind": "volume", "file": str(packed), "emission": 0.3, "extinction": 0.5, **more}]

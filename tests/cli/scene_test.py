@@ -40,6 +40,25 @@ class Scene(support.TestCase):
         self.scene["media"][0]["transform"][3] = 7
         self.assertEqual(self.radiance(), 0)
 
+    def test_a_compressed_volume_is_where_its_frames_are(self):
+        write_npy(self.path("steps.npy"), (1, 4, 5, 6), [x + 2 * y * (z > 1) for z in range(4) for y in range(5) for x in range(6)])
+        self.works("compress", self.path("steps.npy"), "-o", self.path("steps.volute"), "--rms", "1e-6")
+        self.scene["camera"] |= {"target": [0.5, 0.5, 0.5], "ortho": 6, "size": [24, 20]}
+        for name, transform in {
+                "moved": [1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, -1, 0, 0, 0, 1],
+                "scaled": [3, 0, 0, -1, 0, 2, 0, 0, 0, 0, 4, -1, 0, 0, 0, 1],
+                "turned, mirrored and scaled": [0, -3, 0, 1, 2, 0, 0, 0, 0, 0, -4, 1, 0, 0, 0, 1]}.items():
+            for renderer in ("reference", "cpu"):
+                pictures = []
+                for file in ("steps.npy", "steps.volute"):
+                    self.scene["media"][0] |= {"file": file, "transform": transform}
+                    pictures.append(self.path(file + ".exr"))
+                    self.works("render", self.write(), "-o", pictures[-1], "--renderer", renderer)
+                found = self.works("compare", *pictures, "--json").json
+                brightest = self.works("info", pictures[0], "--json").json["maximum"]
+                self.assertGreater(brightest, 1)
+                self.assertLess(found["max_error"], 1e-3 * brightest, (name, renderer))
+
     def test_clocks(self):
         self.scene["media"][0]["time"] = {"offset": 0.04}
         self.assertAlmostEqual(self.radiance(), 0.75, places=6)

@@ -308,7 +308,7 @@ Status checkPicturesThere(const Capture& capture, std::uint64_t maxMemory) {
     }
   }
   std::string first;
-  std::size_t missing = 0, all = 0;
+  std::size_t missing = 0, empty = 0, all = 0;
   std::vector<std::size_t> there(capture.cameras.size());
   for (const int frame : capture.frames) {
     for (std::size_t i = 0; i < capture.cameras.size(); ++i) {
@@ -317,17 +317,24 @@ Status checkPicturesThere(const Capture& capture, std::uint64_t maxMemory) {
         continue;
       const auto path = frameFile(camera.pictures.image, frame);
       ++all;
-      if (std::filesystem::exists(path, error))
+      const bool exists = std::filesystem::exists(path, error);
+      if (exists && std::filesystem::file_size(path, error) != 0) {
         ++there[i];
-      else if (++missing == 1)
-        first =
-            fmt::format("camera {}, frame {}: there is no picture {}", camera.name, frame, path);
+        continue;
+      }
+      ++(exists ? empty : missing);
+      if (first.empty()) {
+        first = fmt::format("camera {}, frame {}: {}", camera.name, frame,
+                            exists ? fmt::format("the picture {} is empty, 0 bytes", path)
+                                   : fmt::format("there is no picture {}", path));
+      }
     }
   }
-  if (missing == 0)
+  if (missing + empty == 0)
     return {};
-  return fail(ErrorCode::kNotFound, "{}; {} of {} pictures are missing{}", first, missing, all,
-              countsText(capture, there));
+  const char* what = empty == 0 ? "missing" : missing == 0 ? "empty" : "missing or empty";
+  return fail(ErrorCode::kNotFound, "{}; {} of {} pictures are {}{}", first, missing + empty, all,
+              what, countsText(capture, there));
 }
 
 }  // namespace volute

@@ -71,7 +71,8 @@ class CaptureImages {
   std::map<std::size_t, FilmFrames> films_;
 };
 
-/// Before any picture is read: kNotFound when one of a frame, a mask or a background is missing;
+/// Before any picture is read: kNotFound when one of a frame, a mask or a background is missing, or
+/// a frame's has 0 bytes;
 /// names the first, and how many the cameras have. Films are opened, for they may not be there, be
 /// of another size, begin later or end earlier; their frames are counted and not decoded.
 /// @param maxMemory  [bytes] that decoding a film may take.

@@ -189,6 +189,11 @@ TEST_F(CaptureImagesTest, WhatIsMissingIsToldBeforeAnyPictureIsRead) {
   std::filesystem::remove(folder / "f_0005_b.exr");
   EXPECT_TRUE(failsWith(check(), "camera b, frame 5: there is no picture"));
   EXPECT_TRUE(failsWith(check(), "1 of 6 pictures are missing: of 2 frames b has 1"));
+  testing::writeText(folder / "f_0004_c.exr", "");
+  EXPECT_TRUE(failsWith(check(), "camera c, frame 4: the picture "));
+  EXPECT_TRUE(failsWith(check(),
+                        "f_0004_c.exr is empty, 0 bytes; 2 of 6 pictures are missing or "
+                        "empty: of 2 frames b has 1, c has 1"));
   json["cameras"][1].erase("image");
   json["cameras"][1]["video"] = "none.mp4";
   EXPECT_TRUE(failsWith(check(), "camera b: "));

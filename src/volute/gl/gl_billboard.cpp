@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/gl/gl_billboard.hpp"
 
+#include <cmath>
+
 #include "volute/gl/glsl_sources.hpp"
 
 namespace volute {
@@ -24,9 +26,14 @@ class SheetOnDevice final : public GlMedium {
 
   GlNeeds needs() const override { return {.textures = 1, .cells = 2, .roundsPerCell = 4}; }
 
-  void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
+  Box3 bounds() const override {
+    const Vec3 half = Vec3::Constant(0.5 * std::hypot(1 / across_.norm(), 1 / down_.norm()));
+    return {middle_ - half, middle_ + half};
+  }
+
+  void bind(const GlProgram& program, const std::string& prefix, const GlView& view,
             GlBindings& bindings) const override {
-    program.set((prefix + "middle").c_str(), Vec3(middle_ - eye));
+    program.set((prefix + "middle").c_str(), Vec3(middle_ - view.origin));
     program.set((prefix + "across").c_str(), across_);
     program.set((prefix + "down").c_str(), down_);
     program.set((prefix + "forward").c_str(), forward_);

@@ -48,7 +48,7 @@ Status findLibraries() {
     return fail(
         ErrorCode::kUnsupported,
         "there is no OpenGL here: {} is missing; install libegl1, libgl1 and libgl1-mesa-dri "
-        "or the graphics card's driver",
+        "or the graphics card's driver (volute render --renderer cpu does without)",
         name);
   }
   return {};
@@ -94,8 +94,17 @@ void countUsers(EGLDisplay display, int change) {
     eglTerminate(display);
 }
 
-/// EGL_NO_CONTEXT where the display has no OpenGL 4.5 core.
-EGLContext contextOn(EGLDisplay display) {
+constexpr EGLint kWanted[] = {EGL_CONTEXT_MAJOR_VERSION,
+                              4,
+                              EGL_CONTEXT_MINOR_VERSION,
+                              5,
+                              EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                              EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                              EGL_NONE};
+constexpr EGLint kAnyVersion[] = {EGL_NONE};
+
+/// A context that is current, or EGL_NO_CONTEXT where the display has no such version.
+EGLContext contextOn(EGLDisplay display, const EGLint* version) {
   if (!eglInitialize(display, nullptr, nullptr) || !eglBindAPI(EGL_OPENGL_API))
     return EGL_NO_CONTEXT;
   const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
@@ -104,13 +113,6 @@ EGLContext contextOn(EGLDisplay display) {
   EGLint count = 0;
   if (!eglChooseConfig(display, wanted, &config, 1, &count) || count == 0)
     config = EGL_NO_CONFIG_KHR;
-  const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION,
-                            4,
-                            EGL_CONTEXT_MINOR_VERSION,
-                            5,
-                            EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                            EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                            EGL_NONE};
   const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, version);
   if (context == EGL_NO_CONTEXT)
     return EGL_NO_CONTEXT;
@@ -118,6 +120,24 @@ EGLContext contextOn(EGLDisplay display) {
     return context;
   eglDestroyContext(display, context);
   return EGL_NO_CONTEXT;
+}
+
+Error tooOld(const std::string& version, const std::string& renderer) {
+  return Error{ErrorCode::kUnsupported,
+               fmt::format("OpenGL 4.5 is needed, and {} has {}; update the graphics driver "
+                           "(volute render --renderer cpu does without)",
+                           renderer.empty() ? "this driver" : renderer, version)};
+}
+
+/// What an old driver has, where there is one.
+std::optional<Error> olderThanWanted(EGLDisplay display) {
+  const EGLContext context = contextOn(display, kAnyVersion);
+  if (context == EGL_NO_CONTEXT)
+    return std::nullopt;
+  const Error error = tooOld(text(GL_VERSION), text(GL_RENDERER));
+  eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  eglDestroyContext(display, context);
+  return error;
 }
 
 }  // namespace
@@ -151,10 +171,8 @@ bool graphicsHardwarePresent() {
 }
 
 Result<GlDevice> currentGlDevice() {
-  if (epoxy_gl_version() < 45 || !epoxy_is_desktop_gl()) {
-    return fail(ErrorCode::kUnsupported, "OpenGL 4.5 is needed, this driver has {}; update it",
-                text(GL_VERSION));
-  }
+  if (epoxy_gl_version() < 45 || !epoxy_is_desktop_gl())
+    return tl::unexpected(tooOld(text(GL_VERSION), text(GL_RENDERER)));
   GlDevice device;
   device.renderer = text(GL_RENDERER);
   device.vendor = text(GL_VENDOR);
@@ -190,8 +208,10 @@ Result<HeadlessGl> HeadlessGl::create(Wanted wanted) {
     if (display == EGL_NO_DISPLAY)
       continue;
     countUsers(display, 1);
-    const EGLContext context = contextOn(display);
+    const EGLContext context = contextOn(display, kWanted);
     if (context == EGL_NO_CONTEXT) {
+      if (!refused)
+        refused = olderThanWanted(display);
       countUsers(display, -1);
       continue;
     }
@@ -214,8 +234,8 @@ Result<HeadlessGl> HeadlessGl::create(Wanted wanted) {
                 "no graphics hardware here has OpenGL 4.5 without a display");
   return fail(
       ErrorCode::kUnsupported,
-      "no driver here has OpenGL 4.5 without a display; update the graphics driver or install "
-      "libgl1-mesa-dri");
+      "no driver here has OpenGL without a display; install libgl1-mesa-dri or the graphics card's "
+      "driver (volute render --renderer cpu does without)");
 }
 
 HeadlessGl::HeadlessGl(HeadlessGl&& other) noexcept

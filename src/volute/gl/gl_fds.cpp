@@ -158,13 +158,15 @@ class FdsOnDevice final : public GlMedium {
     return {.storage = 1, .cells = mostCells(data_->field), .roundsPerCell = kRoundsPerCell};
   }
 
-  void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
+  Box3 bounds() const override { return data_->field.bounds(); }
+
+  void bind(const GlProgram& program, const std::string& prefix, const GlView& view,
             GlBindings& bindings) const override {
     const auto name = [&](const char* rest) { return prefix + rest; };
     const Rgb sent = fds_.glow ? *fds_.glow
                      : lit_    ? Rgb(Rgb::Constant(fds_.scale))
                                : Rgb(fds_.scale * fds_.field.source());
-    program.set(name("eye").c_str(), Vec3(eye - data_->middle));
+    program.set(name("origin").c_str(), Vec3(view.origin - data_->middle));
     program.set(name("partCount").c_str(), data_->partCount);
     program.set(name("partPlanes").c_str(), data_->partPlanes);
     program.set(name("table").c_str(), data_->table);

@@ -53,7 +53,7 @@ std::string sunFunctions(std::size_t suns, bool shaded) {
     text +=
         "layout(std430) readonly buffer M_ShadeNodes { vec4 M_shadeNodes[]; };\n"
         "layout(std430) readonly buffer M_ShadeCorners { dvec4 M_shadeCorners[]; };\n"
-        "uniform dvec3 M_shadeEye;\n" +
+        "uniform dvec3 M_shadeOrigin;\n" +
         forSuns(suns, glsl::kFogShade);
   }
   const auto calls = [&](std::string_view line) { return shaded ? forSuns(suns, line) : ""; };
@@ -89,6 +89,7 @@ class FogOnDevice final : public GlMedium {
   FogOnDevice(const FogMedium& fog, double factor, std::shared_ptr<const GlFogMap> map,
               std::vector<SunOnDevice> suns, std::shared_ptr<const GlTriangles> shade)
       : shader_(fogCells(fog)),
+        bounds_(fog.bounds()),
         factor_(factor),
         color_(fog.options().color),
         cellAngle_(fog.options().detail.cellAngle),
@@ -128,9 +129,12 @@ class FogOnDevice final : public GlMedium {
                              kRoundsPerSun * double(suns_.size()) * double(shader_.zones.size())};
   }
 
-  void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
+  Box3 bounds() const override { return bounds_; }
+
+  void bind(const GlProgram& program, const std::string& prefix, const GlView& view,
             GlBindings& bindings) const override {
-    bindFog(program, prefix, shader_, eye, bindings.texture++, *map_);
+    const Vec3& origin = view.origin;
+    bindFog(program, prefix, shader_, origin, bindings.texture++, *map_);
     program.set((prefix + "fogFactor").c_str(), static_cast<float>(factor_));
     program.set((prefix + "fogColor").c_str(), Vec3(color_));
     if (cellAngle_ > 0) {
@@ -139,8 +143,8 @@ class FogOnDevice final : public GlMedium {
     }
     if (top_) {
       program.set((prefix + "topCorner").c_str(),
-                  std::array{static_cast<float>(top_->corner.x() - eye.x()),
-                             static_cast<float>(top_->corner.y() - eye.y())});
+                  std::array{static_cast<float>(top_->corner.x() - origin.x()),
+                             static_cast<float>(top_->corner.y() - origin.y())});
       program.set((prefix + "topCell").c_str(), static_cast<float>(top_->cell));
       program.set((prefix + "topMap").c_str(), bindings.texture);
       glBindTextureUnit(static_cast<GLuint>(bindings.texture++), top_->map.name());
@@ -148,7 +152,7 @@ class FogOnDevice final : public GlMedium {
     if (shade_) {
       program.bindStorage((prefix + "ShadeNodes").c_str(), bindings.storage++, shade_->nodes);
       program.bindStorage((prefix + "ShadeCorners").c_str(), bindings.storage++, shade_->corners);
-      program.setExactly((prefix + "shadeEye").c_str(), Vec3(eye - shade_->middle));
+      program.setExactly((prefix + "shadeOrigin").c_str(), Vec3(origin - shade_->middle));
     }
     for (std::size_t i = 0; i < suns_.size(); ++i) {
       const SunOnDevice& sun = suns_[i];
@@ -158,7 +162,7 @@ class FogOnDevice final : public GlMedium {
       set("Maps", bindings.texture);
       glBindTextureUnit(static_cast<GLuint>(bindings.texture++), sun.maps.name());
       set("Way", sun.way);
-      set("Corner", Vec3(sun.shape.x0 - eye.x(), sun.shape.y0 - eye.y(), sun.shape.step));
+      set("Corner", Vec3(sun.shape.x0 - origin.x(), sun.shape.y0 - origin.y(), sun.shape.step));
       set("Decay", static_cast<float>(sun.shape.decay));
       set("Light", Vec3(sun.light));
       set("Asymmetry", static_cast<float>(sun.asymmetry));
@@ -167,6 +171,7 @@ class FogOnDevice final : public GlMedium {
 
  private:
   FogShader shader_;
+  Box3 bounds_;
   double factor_ = 1;
   Rgb color_;
   double cellAngle_ = 0;
@@ -184,11 +189,11 @@ GlNeeds fogNeeds(const FogShader& shader) {
 }
 
 void bindFog(const GlProgram& program, const std::string& prefix, const FogShader& shader,
-             const Vec3& eye, int unit, const GlFogMap& map) {
+             const Vec3& origin, int unit, const GlFogMap& map) {
   const auto set = [&](const char* name, const auto& value) {
     program.set((prefix + name).c_str(), value);
   };
-  set("fogCorner", Vec3(shader.corner - eye));
+  set("fogCorner", Vec3(shader.corner - origin));
   set("fogCell", static_cast<float>(shader.cell));
   set("fogMu", static_cast<float>(shader.mu));
   set("fogMapCells", shader.mapCells);

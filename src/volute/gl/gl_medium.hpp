@@ -36,6 +36,12 @@ struct GlNeeds {
   double roundsPerCell = 0;  ///< of loops, as llvmpipe counts them: measured, for it alone
 };
 
+/// From where a picture's rays are seen.
+struct GlView {
+  Vec3 origin = Vec3::Zero();  ///< what the rays' places are relative to [m]
+  std::optional<Vec3> eye{};   ///< where all rays begin, if they do [m]
+};
+
 /// A medium on the device: functions for a shader that goes along a ray, and what they read. In its
 /// parts M_ stands for a prefix that makes names unique, and so does a leading fog or FOG_.
 class GlMedium {
@@ -47,10 +53,11 @@ class GlMedium {
   virtual std::vector<ShaderPart> parts() const = 0;
   virtual GlNature nature() const = 0;
   virtual GlNeeds needs() const = 0;
+  virtual Box3 bounds() const = 0;  ///< [m]
 
-  /// Before a picture from `eye`; `inside`: rays begin there, not behind it.
-  virtual void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye,
-                    bool inside, GlBindings& bindings) const = 0;
+  /// Before a picture.
+  virtual void bind(const GlProgram& program, const std::string& prefix, const GlView& view,
+                    GlBindings& bindings) const = 0;
 };
 
 /// What stays on the device between pictures.
@@ -86,7 +93,7 @@ std::unique_ptr<GlMedium> makeGlSmoke(const GlSmoke& smoke, std::shared_ptr<cons
 GlNeeds fogNeeds(const FogShader& shader);
 /// Gives a program the uniforms of fog/glsl/fog_walk.glsl, and the map at a texture unit.
 void bindFog(const GlProgram& program, const std::string& prefix, const FogShader& shader,
-             const Vec3& eye, int unit, const GlFogMap& map);
+             const Vec3& origin, int unit, const GlFogMap& map);
 /// `factor`: of its extinction.
 std::unique_ptr<GlMedium> makeGlFog(const FogMedium& fog, double factor,
                                     std::shared_ptr<const GlFogMap> map);

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/gl/gl_rays.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <vector>
 
 namespace volute {
@@ -19,14 +21,37 @@ Vec3 rowStep(const Camera& camera) {
   return down - camera.right() * (skew * camera.pixelWidth());
 }
 
-void bindRays(const GlProgram& program, const Camera& camera, const GlRays& rays) {
+Vec3 pictureOrigin(const Camera& camera, std::span<const Box3> bounds) {
+  const auto nearest = [](const Box3& box, const Vec3& point) {
+    return Vec3(point.cwiseMax(box.min).cwiseMin(box.max));
+  };
+  Vec3 best = camera.eye();
+  double least = std::numeric_limits<double>::infinity();
+  for (const Box3& one : bounds) {
+    const Vec3 point = nearest(one, camera.eye());
+    double worst = 0;
+    for (const Box3& other : bounds) {
+      const double size = other.size().norm();
+      if (size > 0)  // and not infinite
+        worst = std::max(worst, (nearest(other, point) - point).norm() / size);
+    }
+    if (point.allFinite() && worst < least) {
+      least = worst;
+      best = point;
+    }
+  }
+  return best;
+}
+
+void bindRays(const GlProgram& program, const Camera& camera, const Vec3& origin,
+              const GlRays& rays) {
   program.set("size", std::array{camera.width(), camera.height()});
   program.set("firstRow", 0);
-  program.set("forward", camera.forward());
-  program.set("right", Vec3(camera.right() * camera.pixelWidth()));
-  program.set("down", rowStep(camera));
-  program.set("principal", std::array{static_cast<float>(camera.principalPoint().x()),
-                                      static_cast<float>(camera.principalPoint().y())});
+  program.setExactly("eyeFromOrigin", Vec3(camera.eye() - origin));
+  program.setExactly("forward", camera.forward());
+  program.setExactly("right", Vec3(camera.right() * camera.pixelWidth()));
+  program.setExactly("down", rowStep(camera));
+  program.setExactly("principal", camera.principalPoint());
   program.set("orthographic", camera.isOrthographic() ? 1 : 0);
   program.set("opaque", kOpaqueUnit);
   program.set("lens", kLensUnit);
@@ -36,24 +61,31 @@ void bindRays(const GlProgram& program, const Camera& camera, const GlRays& rays
   program.set("originsGiven", rays.origins ? 1 : 0);
   glBindTextureUnit(kOpaqueUnit, rays.opaque);
   glBindTextureUnit(kLensUnit, rays.lens);
-  glBindTextureUnit(kOriginsUnit, rays.origins);
+  glBindTextureUnit(kOriginsUnit, rays.origins ? rays.origins : rays.rest);
 }
 
-GlTexture lensDirections(const Camera& camera) {
-  std::vector<float> texels;
-  texels.reserve(4 * static_cast<std::size_t>(camera.width()) * camera.height());
+GlLens lensDirections(const Camera& camera) {
+  std::vector<float> directions, rest;
+  const std::size_t values = 4 * static_cast<std::size_t>(camera.width()) * camera.height();
+  directions.reserve(values), rest.reserve(values);
   for (int y = 0; y < camera.height(); ++y) {
     for (int x = 0; x < camera.width(); ++x) {
       const Segment ray = camera.ray(x + 0.5, y + 0.5);
-      for (int axis = 0; axis < 3; ++axis)
-        texels.push_back(static_cast<float>(ray.direction[axis]));
-      texels.push_back(ray.empty() ? 0.0F : 1.0F);
+      for (int axis = 0; axis < 3; ++axis) {
+        directions.push_back(static_cast<float>(ray.direction[axis]));
+        rest.push_back(static_cast<float>(ray.direction[axis] - double{directions.back()}));
+      }
+      directions.push_back(ray.empty() ? 0.0F : 1.0F);
+      rest.push_back(0);
     }
   }
-  GlTexture lens = makeTexture2d(GL_RGBA32F, camera.width(), camera.height());
-  glTextureSubImage2D(lens.name(), 0, 0, 0, camera.width(), camera.height(), GL_RGBA, GL_FLOAT,
-                      texels.data());
-  return lens;
+  const auto textureOf = [&](const std::vector<float>& texels) {
+    GlTexture texture = makeTexture2d(GL_RGBA32F, camera.width(), camera.height());
+    glTextureSubImage2D(texture.name(), 0, 0, 0, camera.width(), camera.height(), GL_RGBA, GL_FLOAT,
+                        texels.data());
+    return texture;
+  };
+  return {textureOf(directions), textureOf(rest)};
 }
 
 void runOver(const GlProgram& program, int width, int height) {

@@ -100,6 +100,18 @@ Box3 boundsOf(const BrickSlice& slice) {
   return bounds;
 }
 
+GlView viewOf(const Camera& camera, std::span<const std::unique_ptr<GlMedium>> media,
+              const GlRays& rays) {
+  if (rays.origins != 0)
+    return {rays.from, std::nullopt};
+  std::vector<Box3> bounds;
+  for (const auto& medium : media) bounds.push_back(medium->bounds());
+  GlView view{pictureOrigin(camera, bounds), std::nullopt};
+  if (!camera.isOrthographic())
+    view.eye = camera.eye();
+  return view;
+}
+
 /// "volume + fog".
 std::string mediaNames(const GlScene& scene) {
   std::string name;
@@ -130,7 +142,8 @@ struct GlRenderer::State {
   Kept<TetLocator, GlSmokeFields> smokeFields;
   Kept<FogLevels, GlFogMap> fogMaps;
   Kept<FdsValues, GlFdsData> fdsData;
-  GlTexture picture, opaque, lens, passed;
+  GlTexture picture, opaque, passed;
+  GlLens lens;
   SmokePasses smokePasses;
   PolarPass polarPass;
   BillboardPass billboardPass;
@@ -358,7 +371,8 @@ GlRays GlRenderer::State::raysOf(const Camera& camera, std::span<const float> op
   }
   if (!camera.distortion().none()) {
     lens = lensDirections(camera);
-    rays.lens = lens.name();
+    rays.lens = lens.directions.name();
+    rays.rest = lens.rest.name();
   }
   return rays;
 }
@@ -371,12 +385,12 @@ Status GlRenderer::State::march(const Camera& camera,
   VOLUTE_ASSIGN(const GlProgram* program,
                 programs.get(sceneShaderKey(media, quantity), names, passes,
                              [&] { return sceneShader(media, quantity); }));
-  bindRays(*program, camera, rays);
+  const GlView view = viewOf(camera, media, rays);
+  bindRays(*program, camera, view.origin, rays);
   program->set("marchColor", Vec3(marchColor(media)));
   GlBindings bindings;
-  const bool inside = !camera.isOrthographic() && rays.origins == 0;
   for (std::size_t i = 0; i < media.size(); ++i)
-    media[i]->bind(*program, mediumPrefix(i), camera.eye(), inside, bindings);
+    media[i]->bind(*program, mediumPrefix(i), view, bindings);
   return dispatch(*program, camera, target, names, progress);
 }
 

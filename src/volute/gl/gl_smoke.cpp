@@ -58,10 +58,12 @@ class SmokeOnDevice final : public GlMedium {
     return {.storage = 6, .cells = mostCells(locator_->mesh()), .roundsPerCell = 12};
   }
 
-  void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool inside,
+  Box3 bounds() const override { return locator_->mesh().bounds(); }
+
+  void bind(const GlProgram& program, const std::string& prefix, const GlView& view,
             GlBindings& bindings) const override {
-    program.set((prefix + "eye").c_str(), Vec3(eye - mesh_->middle));
-    program.set((prefix + "eyeTet").c_str(), inside ? locator_->find(eye) : -1);
+    program.set((prefix + "origin").c_str(), Vec3(view.origin - mesh_->middle));
+    program.set((prefix + "eyeTet").c_str(), view.eye ? locator_->find(*view.eye) : -1);
     const std::pair<const char*, const GlBuffer*> blocks[] = {
         {"Vertices", &mesh_->places},     {"Fields", &fields_->fields}, {"Tets", &mesh_->tets},
         {"Opposites", &mesh_->opposites}, {"Nodes", &mesh_->nodes},     {"Faces", &mesh_->faces}};

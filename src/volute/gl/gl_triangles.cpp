@@ -24,7 +24,8 @@ Result<GlTriangles> GlTriangles::make(std::span<const Triangle> triangles) {
   for (const Triangle& triangle : triangles) {
     for (const Vec3& corner : triangle.corners) bounds.extend(corner);
   }
-  if (!bounds.empty())
+  made.bounds = bounds;
+  if (!triangles.empty())
     made.middle = bounds.centre();
   std::vector<Box3> boxes;
   for (const Triangle& triangle : triangles) {
@@ -50,10 +51,10 @@ Result<GlTriangles> GlTriangles::make(std::span<const Triangle> triangles) {
   return made;
 }
 
-void GlTriangles::bind(const GlProgram& program, const Vec3& eye, Sides sides) const {
+void GlTriangles::bind(const GlProgram& program, const Vec3& origin, Sides sides) const {
   program.bindStorage("Nodes", 0, nodes);
   program.bindStorage("Corners", 1, corners);
-  program.setExactly("eyeInGeometry", Vec3(eye - middle));
+  program.setExactly("originInGeometry", Vec3(origin - middle));
   program.set("sides", static_cast<int>(sides));
 }
 

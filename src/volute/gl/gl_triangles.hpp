@@ -16,6 +16,7 @@ struct GlTriangles {
   enum class Sides { kBoth = 0, kFront = 1, kBack = -1 };
 
   Vec3 middle = Vec3::Zero();       ///< of their bounds [m]
+  Box3 bounds{};                    ///< [m]
   double reach = 0;                 ///< [m] from the middle to the farthest corner
   std::vector<std::int32_t> order;  ///< places in the list, in the order that shaders have them in
   GlBuffer nodes, corners;
@@ -23,8 +24,8 @@ struct GlTriangles {
   /// kTooLarge where they do not fit into one of the device's buffers.
   [[nodiscard]] static Result<GlTriangles> make(std::span<const Triangle> triangles);
 
-  /// For rays whose places are relative to `eye`.
-  void bind(const GlProgram& program, const Vec3& eye, Sides sides = Sides::kBoth) const;
+  /// For rays whose places are relative to `origin`.
+  void bind(const GlProgram& program, const Vec3& origin, Sides sides = Sides::kBoth) const;
 };
 
 }  // namespace volute

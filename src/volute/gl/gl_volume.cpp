@@ -24,19 +24,30 @@ CellGrid cellsOf(const Box3& bounds, const std::array<int, 3>& voxels, Basis bas
 }
 
 /// What both kinds of volume tell the shader.
-void bindCells(const GlProgram& program, const std::string& prefix, const Vec3& eye,
+void bindCells(const GlProgram& program, const std::string& prefix, const Vec3& origin,
                const CellGrid& cells, const CellRange& range, double emission, double extinction,
                const Mat3& turn = Mat3::Identity(), const Vec3& offset = Vec3::Zero()) {
   const auto name = [&](const char* rest) { return prefix + rest; };
-  const Vec3 unturned = turn.transpose() * (eye - offset);
+  const Vec3 unturned = turn.transpose() * (origin - offset);
   const Vec3 inCells = (unturned - cells.origin).cwiseQuotient(cells.cell);
-  program.set(name("eye").c_str(), inCells);
+  program.set(name("origin").c_str(), inCells);
   program.set(name("turn").c_str(), Mat3(turn.transpose()));
   program.set(name("perMetre").c_str(), Vec3(cells.cell.cwiseInverse()));
   program.set(name("lo").c_str(), range.begin);
   program.set(name("hi").c_str(), range.end);
   program.set(name("emission").c_str(), static_cast<float>(emission));
   program.set(name("extinction").c_str(), static_cast<float>(extinction));
+}
+
+/// Of cells that are turned, then moved.
+Box3 turnedBounds(const CellGrid& cells, const Mat3& turn, const Vec3& offset) {
+  const Vec3 size = cells.cell.cwiseProduct(Vec3(cells.count[0], cells.count[1], cells.count[2]));
+  Box3 box;
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 share(i & 1, i >> 1 & 1, i >> 2);
+    box.extend(turn * (cells.origin + size.cwiseProduct(share)) + offset);
+  }
+  return box;
 }
 
 ShaderPart settings(int channels, Basis basis) {
@@ -202,9 +213,11 @@ class AtlasMedium final : public GlMedium {
         .textures = 2, .cells = cells, .roundsPerCell = atlas_->basis == Basis::kBox ? 5.0 : 12.1};
   }
 
-  void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
+  Box3 bounds() const override { return turnedBounds(atlas_->cells, volume_.turn, volume_.offset); }
+
+  void bind(const GlProgram& program, const std::string& prefix, const GlView& view,
             GlBindings& bindings) const override {
-    bindCells(program, prefix, eye, atlas_->cells, atlas_->range, volume_.emission,
+    bindCells(program, prefix, view.origin, atlas_->cells, atlas_->range, volume_.emission,
               volume_.extinction, volume_.turn, volume_.offset);
     program.set((prefix + "atlasBricks").c_str(), atlas_->atlasBricks);
     program.set((prefix + "bricks").c_str(), bindings.texture);
@@ -345,17 +358,16 @@ class TreeMedium final : public GlMedium {
     return {.storage = 1, .cells = cells, .roundsPerCell = 16.0 * corners * data.entryLevels};
   }
 
-  void bind(const GlProgram& program, const std::string& prefix, const Vec3& eye, bool,
+  Box3 bounds() const override { return turnedBounds(cells(), volume_.turn, volume_.offset); }
+
+  void bind(const GlProgram& program, const std::string& prefix, const GlView& view,
             GlBindings& bindings) const override {
     const TreeData& data = *tree_->data;
-    const auto& extents = data.extents;
-    const CellGrid cells =
-        cellsOf(volume_.bounds, {extents[3], extents[2], extents[1]}, volume_.basis);
-    const CellRange range = occupiedCells(data, volume_.frame, cells, volume_.basis);
-    bindCells(program, prefix, eye, cells, range, volume_.emission, volume_.extinction,
+    const CellRange range = occupiedCells(data, volume_.frame, cells(), volume_.basis);
+    bindCells(program, prefix, view.origin, cells(), range, volume_.emission, volume_.extinction,
               volume_.turn, volume_.offset);
     const auto name = [&](const char* rest) { return prefix + rest; };
-    program.set(name("extents").c_str(), extents);
+    program.set(name("extents").c_str(), data.extents);
     program.set(name("frame").c_str(), volume_.frame);
     program.set(name("entryLevels").c_str(), data.entryLevels);
     program.set(name("entryCounts").c_str(), data.entryCounts);
@@ -366,6 +378,11 @@ class TreeMedium final : public GlMedium {
   }
 
  private:
+  CellGrid cells() const {
+    const auto& extents = tree_->data->extents;
+    return cellsOf(volume_.bounds, {extents[3], extents[2], extents[1]}, volume_.basis);
+  }
+
   GlTreeVolume volume_;
   std::shared_ptr<const GlTreeData> tree_;
 };

@@ -17,6 +17,14 @@ constexpr int kGroup = 8;
 constexpr std::int64_t kStepsOfPart = 1 << 24;  // through cells
 constexpr int kBandRows = 64;
 
+/// In sizes of the fog: its azimuths are too narrow a part of the table for farther eyes.
+constexpr double kFarthest = 2;
+
+bool isFar(const Box3& fog, const Vec3& eye) {
+  const Vec3 nearest = eye.cwiseMax(fog.min).cwiseMin(fog.max);
+  return (eye - nearest).norm() > kFarthest * fog.size().norm();
+}
+
 std::vector<ShaderPart> tableParts(const FogShader& shader) {
   return {{"fog_walk.glsl", shader.walk},
           {"fog_polar.glsl", shader.polar},
@@ -93,7 +101,7 @@ Status PolarPass::draw(const FogMedium& fog, double factor, const PolarOptions& 
                        GlPrograms& programs, GlPasses& passes, Progress& progress) {
   VOLUTE_ASSIGN(const auto layout, PolarLayout::of(fog, camera.eye(), options));
   const FogShader shader = fogCells(fog);
-  if (shader.polar.empty() || camera.isOrthographic())
+  if (shader.polar.empty() || camera.isOrthographic() || isFar(fog.bounds(), camera.eye()))
     return fail(ErrorCode::kUnsupported, "no polar table serves this fog from this camera");
   VOLUTE_ASSIGN(auto wanted, map());
   if (map_ != wanted)
@@ -103,7 +111,7 @@ Status PolarPass::draw(const FogMedium& fog, double factor, const PolarOptions& 
   VOLUTE_ASSIGN(const GlProgram* program,
                 programs.get("polar picture\n" + shader.structure, "fog", passes,
                              [&] { return pictureParts(shader); }));
-  bindRays(*program, camera, rays);
+  bindRays(*program, camera, camera.eye(), rays);
   bind(*program, shader, layout, camera.eye());
   program->set("color", Vec3(fog.options().color));
   program->set("factor", static_cast<float>(factor));

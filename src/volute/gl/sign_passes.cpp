@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "volute/gl/glsl_sources.hpp"
 
@@ -19,11 +20,20 @@ Texel texel(const Vec3& value, double last = 0) {
           static_cast<float>(value.z()), static_cast<float>(last)};
 }
 
+std::vector<Box3> boundsOf(std::span<const Sign> signs) {
+  std::vector<Box3> boxes;
+  for (const Sign& sign : signs) {
+    const Vec3 half = Vec3::Constant(0.5 * std::hypot(sign.width, sign.height));
+    boxes.push_back({sign.position - half, sign.position + half});
+  }
+  return boxes;
+}
+
 /// As signs.glsl has them: what stands where, and the pictures one after the other.
-void pack(std::span<const Sign> signs, const Vec3& eye, std::vector<Texel>& places,
+void pack(std::span<const Sign> signs, const Vec3& origin, std::vector<Texel>& places,
           std::vector<Texel>& texels) {
   for (const Sign& sign : signs) {
-    places.push_back(texel(sign.position - eye, sign.width));
+    places.push_back(texel(sign.position - origin, sign.width));
     places.push_back(texel(sign.normal.normalized(), sign.height));
     places.push_back(texel(sign.right()));
     places.push_back(texel(sign.down()));
@@ -68,7 +78,7 @@ Result<std::vector<SignPixel>> SignPasses::find(const Camera& camera, std::span<
   std::vector<Texel> seen(pixels);
   std::vector<std::int32_t> numbers(pixels);
   passes.run("signs", "signs", [&] {
-    GlTexture lens;
+    GlLens lens;
     if (!camera.distortion().none())
       lens = lensDirections(camera);
     if (!opaqueDepth.empty()) {
@@ -77,11 +87,14 @@ Result<std::vector<SignPixel>> SignPasses::find(const Camera& camera, std::span<
       glTextureSubImage2D(opaque_.name(), 0, 0, 0, width_, height_, GL_RED, GL_FLOAT, ends.data());
     }
     std::vector<Texel> places, texels;
-    pack(signs, camera.eye(), places, texels);
+    const Vec3 origin = pictureOrigin(camera, boundsOf(signs));
+    pack(signs, origin, places, texels);
     const GlBuffer placeBuffer = makeBuffer(std::span<const Texel>(places));
     const GlBuffer texelBuffer = makeBuffer(std::span<const Texel>(texels));
-    bindRays(*find_, camera,
-             {.opaque = opaqueDepth.empty() ? 0 : opaque_.name(), .lens = lens.name()});
+    bindRays(*find_, camera, origin,
+             {.opaque = opaqueDepth.empty() ? 0 : opaque_.name(),
+              .lens = lens.directions.name(),
+              .rest = lens.rest.name()});
     find_->bindStorage("Signs", 0, placeBuffer);
     find_->bindStorage("Texels", 1, texelBuffer);
     find_->set("count", static_cast<int>(signs.size()));

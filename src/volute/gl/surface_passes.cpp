@@ -36,9 +36,9 @@ Result<GlProgram> hitProgram(bool walls) {
                          {"surfaces_hit.glsl", glsl::kSurfacesHit}});
 }
 
-void bindLamp(const GlProgram& program, const Lamp& lamp, const Vec3& eye) {
+void bindLamp(const GlProgram& program, const Lamp& lamp, const Vec3& origin) {
   program.set("lampIsSun", lamp.kind == Lamp::Kind::kSun ? 1 : 0);
-  program.set("lampPlace", Vec3(lamp.position - eye));
+  program.set("lampPlace", Vec3(lamp.position - origin));
   program.set("lampDirection", lamp.direction);
   program.set("lampCosine", static_cast<float>(lamp.coneCosine));
   program.set("lampEdge", static_cast<float>(lamp.edge));
@@ -138,15 +138,12 @@ Status SurfacePasses::prepareWalls(const std::shared_ptr<const TetLocator>& loca
 void SurfacePasses::look(const Camera& camera, const GlProgram& hit, const GlTriangles& triangles,
                          Sides sides, const Rgb& ambient, GlPasses& passes, const char* what) {
   passes.run("surfaces", what, [&] {
-    GlTexture lens;
+    GlLens lens;
     if (!camera.distortion().none())
       lens = lensDirections(camera);
-    bindRays(hit, camera, {.lens = lens.name()});
-    triangles.bind(hit, camera.eye(), sides);
-    hit.setExactly("exactForward", camera.forward());
-    hit.setExactly("exactRight", Vec3(camera.right() * camera.pixelWidth()));
-    hit.setExactly("exactDown", rowStep(camera));
-    hit.setExactly("exactPrincipal", camera.principalPoint());
+    origin_ = pictureOrigin(camera, {&triangles.bounds, 1});
+    bindRays(hit, camera, origin_, {.lens = lens.directions.name(), .rest = lens.rest.name()});
+    triangles.bind(hit, origin_, sides);
     hit.set("reach", static_cast<float>(triangles.reach));
     hit.set("ambient", Vec3(ambient));
     bindImage(0, targets_.color, GL_WRITE_ONLY, GL_RGBA32F);
@@ -157,11 +154,10 @@ void SurfacePasses::look(const Camera& camera, const GlProgram& hit, const GlTri
   });
 }
 
-void SurfacePasses::shade(const Camera& camera, const Lamp& lamp,
-                          std::span<const Occluders> occluders, GlPasses& passes,
+void SurfacePasses::shade(const Lamp& lamp, std::span<const Occluders> occluders, GlPasses& passes,
                           const char* what) {
   passes.run("shadows", what, [&] {
-    bindLamp(*shadow_, lamp, camera.eye());
+    bindLamp(*shadow_, lamp, origin_);
     shadow_->set("lift", kLift);
     bindTexture(*shadow_, "normals", 0, targets_.normals.name());
     bindTexture(*shadow_, "points", 1, targets_.points.name());
@@ -169,23 +165,24 @@ void SurfacePasses::shade(const Camera& camera, const Lamp& lamp,
     bindImage(1, targets_.ends, GL_WRITE_ONLY, GL_R32F);
     for (const Occluders& some : occluders) {
       shadow_->set("again", &some == occluders.data() ? 0 : 1);
-      some.triangles.bind(*shadow_, camera.eye(), some.sides);
+      some.triangles.bind(*shadow_, origin_, some.sides);
       runOver(*shadow_, targets_.width, targets_.height);
     }
   });
 }
 
-Status SurfacePasses::light(const Camera& camera, const Lamp& lamp, const GlProgram& light,
-                            const Attenuate& attenuate, const std::function<void()>& bind,
-                            GlPasses& passes, const char* what) {
+Status SurfacePasses::light(const Lamp& lamp, const GlProgram& light, const Attenuate& attenuate,
+                            const std::function<void()>& bind, GlPasses& passes, const char* what) {
   GLuint passed = 0;
   if (attenuate) {
-    VOLUTE_ASSIGN(passed,
-                  attenuate({targets_.ends.name(), targets_.ways.name(), targets_.points.name()}));
+    VOLUTE_ASSIGN(passed, attenuate({.opaque = targets_.ends.name(),
+                                     .lens = targets_.ways.name(),
+                                     .origins = targets_.points.name(),
+                                     .from = origin_}));
   }
   passes.run("light", what, [&] {
     bind();
-    bindLamp(light, lamp, camera.eye());
+    bindLamp(light, lamp, origin_);
     bindTexture(light, "normals", 0, targets_.normals.name());
     bindTexture(light, "points", 1, targets_.points.name());
     bindTexture(light, "ways", 2, targets_.ways.name());
@@ -228,9 +225,9 @@ Result<SurfacePicture> SurfacePasses::draw(const Camera& camera, const SurfaceSc
        kGeometry);
   const Occluders occluders[] = {{surfaces_->triangles, Sides::kBoth}};
   for (const Lamp& lamp : scene.lamps) {
-    shade(camera, lamp, occluders, passes, kGeometry);
+    shade(lamp, occluders, passes, kGeometry);
     const auto bind = [&] { ofSurfaces_->light.bindStorage("Materials", 2, surfaces_->materials); };
-    VOLUTE_TRY(light(camera, lamp, ofSurfaces_->light, attenuate, bind, passes, kGeometry));
+    VOLUTE_TRY(light(lamp, ofSurfaces_->light, attenuate, bind, passes, kGeometry));
   }
   SurfacePicture picture;
   passes.run("read back", [&] { picture = readBack(background); });
@@ -252,16 +249,16 @@ Result<SurfacePicture> SurfacePasses::drawWalls(const Camera& camera, const GlWa
   shine.set("color", Vec3(walls.color));
   shine.set("alike", kAlike);
   for (std::size_t l = 0; l < walls.lamps.size(); ++l) {
-    shade(camera, walls.lamps[l], occluders, passes, kWalls);
+    shade(walls.lamps[l], occluders, passes, kWalls);
     std::vector<Texel> shares;
     for (const auto& [a, b, c] : walls_->vertices)
       shares.push_back({walls.shares[l][a], walls.shares[l][b], walls.shares[l][c], 0});
     const GlBuffer corners = makeBuffer(std::span<const Texel>(shares));
     const auto bind = [&] {
-      walls_->triangles.bind(shine, camera.eye());
+      walls_->triangles.bind(shine, origin_);
       shine.bindStorage("Shares", 2, corners);
     };
-    VOLUTE_TRY(light(camera, walls.lamps[l], shine, attenuate, bind, passes, kWalls));
+    VOLUTE_TRY(light(walls.lamps[l], shine, attenuate, bind, passes, kWalls));
   }
   SurfacePicture picture;
   passes.run("read back", [&] { picture = readBack(Rgb::Zero()); });

@@ -68,12 +68,11 @@ class SurfacePasses {
   Status prepareWalls(const std::shared_ptr<const TetLocator>& locator);
   void look(const Camera& camera, const GlProgram& hit, const GlTriangles& triangles,
             GlTriangles::Sides sides, const Rgb& ambient, GlPasses& passes, const char* what);
-  void shade(const Camera& camera, const Lamp& lamp, std::span<const Occluders> occluders,
-             GlPasses& passes, const char* what);
+  void shade(const Lamp& lamp, std::span<const Occluders> occluders, GlPasses& passes,
+             const char* what);
   /// `bind` gives the program its buffers, after the march has used the bindings.
-  Status light(const Camera& camera, const Lamp& lamp, const GlProgram& light,
-               const Attenuate& attenuate, const std::function<void()>& bind, GlPasses& passes,
-               const char* what);
+  Status light(const Lamp& lamp, const GlProgram& light, const Attenuate& attenuate,
+               const std::function<void()>& bind, GlPasses& passes, const char* what);
   SurfacePicture readBack(const Rgb& background) const;
 
   std::optional<Surfaces> surfaces_;
@@ -81,6 +80,7 @@ class SurfacePasses {
   Targets targets_;
   std::optional<GlProgram> shadow_;
   std::optional<Programs> ofSurfaces_, ofWalls_;
+  Vec3 origin_ = Vec3::Zero();  ///< what the points are relative to [m]
 };
 
 }  // namespace volute

@@ -34,6 +34,9 @@ class BrickSlice {
   void setBasis(Basis basis) { basis_ = basis; }
   const Box3& bounds() const { return bounds_; }  ///< outer voxel faces [m]
 
+  /// The same values elsewhere.
+  void setBounds(const Box3& bounds) { bounds_ = bounds; }
+
   int bricksX() const { return bricks_[0]; }
   int bricksY() const { return bricks_[1]; }
   int bricksZ() const { return bricks_[2]; }

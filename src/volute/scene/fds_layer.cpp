@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "volute/base/assert.hpp"
+#include "volute/fds/fds_room.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/render/scaled_medium.hpp"
 #include "volute/scene/fds_light.hpp"
@@ -15,6 +16,10 @@ namespace volute {
 namespace {
 
 constexpr double kDeviceSize = 0.12;  // [m], from the middle of a mark to its corners
+constexpr double kEyeHeight = 1.7;    // [m] above the floor
+constexpr double kEyeShare = 0.7;     // of a low room's height, at most
+constexpr double kFromWall = 0.5;     // [m]
+constexpr double kIndoorFov = 60;     // [degrees]
 const Rgb kIdleDevice(0.02, 0.1, 0.8);
 const Rgb kActiveDevice(0.9, 0.02, 0.5);
 
@@ -217,6 +222,19 @@ std::vector<std::string> FdsLayer::words() const {
                                 slice_->range()[0], slice_->range()[1], slice_->unit()));
   }
   return words;
+}
+
+std::optional<CameraDescription> FdsLayer::firstCamera() const {
+  const auto room = largestRoom(case_->index(), caseTime(0));
+  if (!room)
+    return std::nullopt;
+  const Vec3 size = room->size();
+  const int along = size.x() >= size.y() ? 0 : 1;
+  const double standing = std::min(kEyeHeight, kEyeShare * size.z());
+  Vec3 eye = room->centre(), target = room->centre();
+  eye.z() = target.z() = room->min.z() + standing;
+  eye[along] = room->min[along] + std::min(kFromWall, 0.1 * size[along]);
+  return CameraDescription{{eye, target, Vec3::UnitZ()}, kIndoorFov, std::nullopt, std::nullopt};
 }
 
 void FdsLayer::addBuilding(double time, TriangleMesh& to) const {

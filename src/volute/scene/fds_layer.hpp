@@ -12,6 +12,7 @@
 #include "volute/fds/fds_flame.hpp"
 #include "volute/geometry/triangle_scene.hpp"
 #include "volute/medium/any_medium.hpp"
+#include "volute/scene/camera_file.hpp"
 #include "volute/scene/fds_slice.hpp"
 #include "volute/scene/reading.hpp"
 #include "volute/scene/scene_lights.hpp"
@@ -72,6 +73,11 @@ class FdsLayer {
   /// Adds the obstructions and vents of that time, coloured as the case says; ambient light alone
   /// would show no edges, so faces along x reflect 0.7 and along y 0.85 of their colour.
   void addBuilding(double time, TriangleMesh& to) const;
+
+  /// From where the case is seen where nobody says: at the height of a standing person's eyes, from
+  /// one end of the building's largest room at 0 s to the other. Nothing where no obstructions
+  /// close one off, so that all is seen from outside.
+  std::optional<CameraDescription> firstCamera() const;
 
   /// What a picture says about what it shows, and by which laws.
   std::vector<std::string> words() const;

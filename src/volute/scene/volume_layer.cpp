@@ -73,8 +73,12 @@ Result<std::shared_ptr<const Tree4d>> VolumeLayer::treeAt(int position) {
 
 Result<BrickSlice> VolumeLayer::sliceFromTree(int position) {
   VOLUTE_ASSIGN(const auto tree, treeAt(position));
-  BrickSlice slice = tree->extractSlice(position, &counts_.nodesVisited);
+  return asItLooks(tree->extractSlice(position, &counts_.nodesVisited));
+}
+
+BrickSlice VolumeLayer::asItLooks(BrickSlice slice) const {
   slice.setBasis(info_.basis);
+  slice.setBounds(info_.bounds);
   return slice;
 }
 

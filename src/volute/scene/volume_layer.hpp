@@ -56,6 +56,9 @@ class VolumeLayer {
   /// Its bounds are those in the scene, but for what turns the volume.
   const VolumeInfo& info() const { return info_; }
 
+  /// What a tree gave, over this layer's basis and at its place in the scene.
+  BrickSlice asItLooks(BrickSlice slice) const;
+
   /// The frame at a position as bricks. The last one is kept.
   [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> sliceAt(int position);
 

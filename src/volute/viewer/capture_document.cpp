@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kRate = 25;           ///< frames a second
 constexpr double kScreenShare = 0.12;  ///< of the distance from the cameras to the volume
-constexpr int kMostPixels = 512;       ///< across a screen; larger pictures are thinned out
+constexpr std::size_t kMostRemarks = 4;
+constexpr int kMostPixels = 512;  ///< across a screen; larger pictures are thinned out
 
 const Rgb kBoxColor(0.37, 0.79, 0.70), kCameraColor(0.99, 0.91, 0.15);
 
@@ -157,7 +158,12 @@ Result<ViewScene> CaptureDocument::sceneAt(const SceneWish& wish, Progress& prog
     if (screen)
       scene.quads.push_back(std::move(*screen));
     else if (screen.error().code != ErrorCode::kNotFound)  // a camera may have missed a frame
-      return tl::unexpected<Error>(screen.error());
+      scene.remarks.push_back(screen.error().message);
+  }
+  if (scene.remarks.size() > kMostRemarks) {
+    const std::size_t more = scene.remarks.size() - kMostRemarks;
+    scene.remarks.resize(kMostRemarks);
+    scene.remarks.push_back(fmt::format("and {} more pictures cannot be read", more));
   }
   return scene;
 }

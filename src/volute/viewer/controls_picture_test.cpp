@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 // The viewer's controls that are no parameters of a document: picture, files.
 #include "volute/viewer/controls_testing.hpp"
+#include "volute/viewer/panels.hpp"
 
 namespace volute {
 namespace {
@@ -13,7 +14,7 @@ TEST_F(Controls, ThePicturesOwn) {
   app().settings().look.stops = 0;  // or all is white
   expectSeen("view", [&] { script_->click("view", 0.6); });
   expectSeen("Whole view", [&] { EXPECT_TRUE(script_->click("Whole view")); });
-  expectSeen("Scene's view", [&] { EXPECT_TRUE(script_->click("Scene's view")); });
+  expectSeen("First view", [&] { EXPECT_TRUE(script_->click("First view")); });
   expectSeen("surfaces", [&] { script_->click("surfaces", 0.1); });
   EXPECT_FALSE(app().settings().look.surfaces);
   expectSeen("quality", [&] { script_->choose("quality", "half"); });
@@ -33,6 +34,7 @@ TEST_F(Controls, ThePicturesOwn) {
   EXPECT_TRUE(app().settings().help);
   EXPECT_GT(difference(bare, viewer_->picture()), 0.1);
   app().settings().help = false;
+  ASSERT_NO_FATAL_FAILURE(openMore());
   ASSERT_TRUE(script_->click("speed", 0.7));
   const double speed = app().timeline().speed();
   EXPECT_GT(speed, 1.5);
@@ -185,27 +187,179 @@ TEST_F(Controls, AFilesPartsAreHiddenByTheirHeads) {
   EXPECT_TRUE(script_->has("/media/0/emission"));
 }
 
-TEST_F(Controls, LieInTheWindowAndNotOnEachOther) {
-  for (const auto& [width, height] : {std::pair{1280, 800}, {kNarrow, kHigh}}) {
-    SCOPED_TRACE(width);
+TEST_F(Controls, AnFdsCaseIsSeenFromWithinItsRoom) {
+  fdswriter::Planes planes;
+  for (int i = 0; i <= 24; ++i) planes[0].push_back(0.5 * i);
+  for (int i = 0; i <= 12; ++i) planes[1].push_back(0.5 * i);
+  for (int i = 0; i <= 6; ++i) planes[2].push_back(0.5 * i);
+  fdswriter::Index index;
+  index.meshes.push_back({planes, {{0, 24, 0, 12, 5, 6}}, {}});  // a roof
+  index.smoke(1, "hall_1.s3d", 8700);
+  index.save(folder_.path("hall.smv"));
+  const std::vector<std::uint8_t> clear(25 * 13 * 7, 0);
+  fdswriter::smokeFile({24, 12, 6}, {{0, clear}}).save(folder_.path("hall_1.s3d"));
+  open("hall.smv");
+  EXPECT_LT((app().camera().eye() - Vec3(0.5, 3, 1.7)).norm(), 0.1);
+  EXPECT_GT((app().camera().view().target - app().camera().eye()).normalized().x(), 0.999);
+  EXPECT_EQ(app().camera().mode(), ViewCamera::Mode::kWalk);
+  ASSERT_TRUE(script_->click("Whole view"));
+  EXPECT_EQ(app().camera().mode(), ViewCamera::Mode::kOrbit);
+  EXPECT_FALSE(app().document()->bounds.contains(app().camera().eye()));
+  ASSERT_TRUE(script_->click("First view"));
+  EXPECT_LT((app().camera().eye() - Vec3(0.5, 3, 1.7)).norm(), 0.1);
+  open("room.smv");  // without a roof
+  EXPECT_EQ(app().camera().mode(), ViewCamera::Mode::kOrbit);
+  EXPECT_FALSE(app().document()->bounds.contains(app().camera().eye()));
+}
+
+TEST_F(Controls, RemarksRepeatNoFolder) {
+  open("room.smv");
+  EXPECT_THAT(app().document()->remarks,
+              ::testing::Contains(::testing::StartsWith("extinction from s3d")));
+  for (const std::string& remark : app().document()->remarks)
+    EXPECT_THAT(remark, ::testing::Not(::testing::HasSubstr(folder_.path("")))) << remark;
+}
+
+TEST_F(Controls, ACapturesDamagedPictureIsToldAndTheOthersShown) {
+  using ::testing::AllOf;
+  using ::testing::Contains;
+  using ::testing::HasSubstr;
+  testing::writeText(folder_.path("f_0004_b.exr"), "");
+  testing::writeText(folder_.path("f_0004_c.exr"), "no picture");
+  open("capture.json");
+  EXPECT_EQ(app().error(), "");
+  EXPECT_THAT(app().document()->remarks,
+              Contains(AllOf(HasSubstr("camera b, frame 4"), HasSubstr("is empty"),
+                             HasSubstr("1 of 6 pictures"))));
+  ASSERT_TRUE(app().picture().scene());
+  EXPECT_EQ(app().picture().scene()->quads.size(), 1U);
+  EXPECT_THAT(
+      app().picture().scene()->remarks,
+      ::testing::ElementsAre(HasSubstr("camera b, frame 4"), HasSubstr("camera c, frame 4")));
+  ASSERT_TRUE(script_->click(">"));
+  load();
+  EXPECT_EQ(app().picture().scene()->quads.size(), 3U);
+  EXPECT_TRUE(app().picture().scene()->remarks.empty());
+}
+
+class LayoutControls : public Controls {
+ protected:
+  void resize(int width, int height) {
     script_->input().width = width, script_->input().height = height;
-    open("fog.json");
-    ASSERT_NO_FATAL_FAILURE(openPaintPanel());
+  }
+
+  void expectApart(int width, int height) {
     const auto& controls = app().controls();
     for (const auto& [name, at] : controls) {
       EXPECT_GE(at.left, 0) << name;
       EXPECT_LE(at.right, width) << name;
       EXPECT_LE(at.bottom, height) << name;
       for (const auto& [other, there] : controls) {
-        if (other <= name || name == "Paint fog" || other == "Paint fog")
+        if (other <= name)
           continue;
         const float across = std::min(at.right, there.right) - std::max(at.left, there.left);
         const float down = std::min(at.bottom, there.bottom) - std::max(at.top, there.top);
         EXPECT_FALSE(across > 1 && down > 1) << name << " and " << other;
       }
     }
-    EXPECT_LE(controls.at("tool coefficient").right, controls.at("plan").right);
   }
+
+  /// How much of a part of the window is another with panels than without, 0..1.
+  double covered(double left, double top, double right, double bottom) {
+    EXPECT_TRUE(script_->settle());
+    const Image with = viewer_->picture();
+    app().settings().panels = false;
+    EXPECT_TRUE(script_->settle());
+    const Image without = viewer_->picture();
+    app().settings().panels = true;
+    script_->frames(3);
+    int all = 0, other = 0;
+    for (int y = int(top * with.height); y < int(bottom * with.height); ++y) {
+      for (int x = int(left * with.width); x < int(right * with.width); ++x) {
+        ++all;
+        other += std::abs(with.at(x, y, 1) - without.at(x, y, 1)) > 0.01;
+      }
+    }
+    return static_cast<double>(other) / all;
+  }
+};
+
+TEST_F(LayoutControls, ControlsLieInTheWindowAndNotOnEachOther) {
+  for (const auto& [width, height] : {std::pair{1920, 1080}, {kNarrow, kHigh}}) {
+    SCOPED_TRACE(width);
+    resize(width, height);
+    open("fog.json");
+    ASSERT_NO_FATAL_FAILURE(openPaintPanel());
+    expectApart(width, height);
+    EXPECT_LE(app().controls().at("tool coefficient").right, app().controls().at("plan").right);
+  }
+}
+
+TEST_F(LayoutControls, TheMiddleOfThePictureIsFree) {
+  for (const auto& [width, height] :
+       {std::pair{640, 400}, {1024, 640}, {1280, 720}, {1920, 1080}}) {
+    SCOPED_TRACE(width);
+    resize(width, height);
+    for (const char* file : {"smoke.json", "fog.json"}) {
+      SCOPED_TRACE(file);
+      open(file);
+      EXPECT_EQ(covered(0.33, 0.15, 0.67, 0.8), 0);
+      EXPECT_LT(covered(0, 0, 1, 1), width < 800 ? 0.2 : 0.6);
+    }
+  }
+}
+
+TEST_F(LayoutControls, InASmallWindowPanelsAreOpenedOneAfterTheOther) {
+  constexpr int kWide = 640, kTall = 400;
+  resize(kWide, kTall);
+  open("fog.json");
+  EXPECT_FALSE(script_->has("exposure") || script_->has("add sign") || script_->has("plan"));
+  const std::pair<const char*, const char*> panels[] = {
+      {"Scene", "add sign"}, {"Volute", "exposure"}, {"Paint fog", "plan"}};
+  for (const auto& [title, control] : panels) {
+    SCOPED_TRACE(title);
+    ASSERT_TRUE(script_->click(title, 0.03));
+    script_->frames(4);
+    for (const auto& [other, its] : panels) EXPECT_EQ(script_->has(its), its == control) << its;
+    expectApart(kWide, kTall);
+    EXPECT_EQ(covered(0.48, 0.4, 0.52, 0.6), 0);
+  }
+  ASSERT_TRUE(script_->click("Paint fog", 0.03));
+  script_->frames(4);
+  EXPECT_FALSE(script_->has("plan"));
+}
+
+TEST_F(LayoutControls, AnErrorIsSeenWhileItsPanelIsClosed) {
+  resize(640, 400);
+  open("smoke.json");
+  const double before = covered(0, 0, 0.4, 0.3);
+  script_->drop(folder_.path("nowhere.json"));
+  load();
+  ASSERT_NE(app().error(), "");
+  EXPECT_FALSE(script_->has("exposure"));
+  EXPECT_GT(covered(0, 0, 0.4, 0.3), before + 0.1);
+}
+
+TEST_F(LayoutControls, TheHelpFitsIntoASmallWindow) {
+  resize(640, 400);
+  open("blob.npy");
+  script_->press(Key::kF1);
+  script_->frames(4);
+  const Image image = viewer_->picture();
+  for (int x = 0; x < image.width; ++x) {
+    EXPECT_EQ(image.at(x, 3, 0), image.at(0, 3, 0)) << x;
+    EXPECT_EQ(image.at(x, image.height - 4, 0), image.at(0, image.height - 4, 0)) << x;
+  }
+}
+
+/// A name is cut in front, where it says least.
+TEST(Shortened, KeepsTheEndOfAName) {
+  EXPECT_EQ(shortened("/home/me/case.smv.json", 30), "/home/me/case.smv.json");
+  EXPECT_EQ(shortened("/home/me/case.smv.json", 20), ".../me/case.smv.json");
+  EXPECT_EQ(shortened("/home/me/case.smv.json", 19), ".../case.smv.json");
+  EXPECT_EQ(shortened("/home/me/case.smv.json", 14), "...se.smv.json");
+  EXPECT_EQ(shortened("/h/\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4", 6), "...\xC3\xA4\xC3\xA4\xC3\xA4");
+  EXPECT_EQ(shortened("/h/\xC3\xA4\xC3\xA4", 5), "/h/\xC3\xA4\xC3\xA4") << "letters, not bytes";
 }
 
 TEST_F(Controls, ADamagedFileLeavesTheOldPictureUntilItIsMended) {

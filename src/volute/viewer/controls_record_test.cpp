@@ -16,7 +16,7 @@ TEST_F(Controls, AreCountedByKind) {
   EXPECT_EQ(kind("exposure"), "exposure");
   EXPECT_EQ(kind("quality = half"), "quality");
   EXPECT_EQ(kind("/media/0/C"), "smoke /media/N/C");
-  EXPECT_EQ(kind("/signs/0/normal height"), "sign /signs/N/normal height");
+  EXPECT_EQ(kind("/signs/0/normal elevation"), "sign /signs/N/normal elevation");
   EXPECT_EQ(kind("/signs/0/size/1"), "sign /signs/N/size/1");
   EXPECT_EQ(kind("/lights/1/angle"), "spot /lights/N/angle");
   EXPECT_EQ(kind("remove /lights/12"), "remove /lights/N");

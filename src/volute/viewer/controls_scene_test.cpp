@@ -149,6 +149,26 @@ TEST_F(SceneControls, ChangesAreTakenBackAndDoneAgain) {
   EXPECT_LT(difference(changed, picture()), 1e-6);
 }
 
+/// Of each object: nothing is called alike, and all that has a dimension says its unit.
+TEST_F(SceneControls, ParametersHaveNamesAndUnits) {
+  const std::set<std::string> plain = {"mu", "C", "asymmetry"};
+  for (const char* file : {"fog.json", "dull.json", "smoke.json", "blob.npy", "room.smv"}) {
+    open(file);
+    std::set<std::string> names;
+    for (const Parameter& parameter : app().document()->parameters) {
+      SCOPED_TRACE(parameter.path);
+      EXPECT_TRUE(names.insert(parameter.group + ": " + parameter.name).second);
+      if (parameter.kind == Parameter::Kind::kDirection) {
+        EXPECT_TRUE(names.insert(parameter.group + ": azimuth").second);
+        EXPECT_TRUE(names.insert(parameter.group + ": elevation").second);
+      }
+      if (parameter.kind == Parameter::Kind::kNumber) {
+        EXPECT_EQ(parameter.unit.empty(), plain.contains(parameter.name));
+      }
+    }
+  }
+}
+
 TEST(SceneEdits, PathsOfNothingAreErrors) {
   nlohmann::ordered_json json = {{"lights", {{{"kind", "sun"}}}}};
   const auto message = [&](const SceneEdit& edit) {

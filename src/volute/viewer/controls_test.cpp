@@ -10,7 +10,7 @@ namespace {
 TEST_F(Controls, EveryParameterOfFogAndItsSun) {
   open("fog.json");
   changeAll({"/media/0/mu", "/media/0/levels"});  // sunlit fog keeps its details
-  expectHeight("/lights/0/direction");
+  expectElevation("/lights/0/direction");
   ASSERT_TRUE(script_->click("exposure", 0.6));
   saveAs("fog2.json");
   expectTheSameAfter("fog2.json");
@@ -44,7 +44,7 @@ TEST_F(Controls, EveryParameterOfSigns) {
     expectChange(parameterAt(path), shown);
     done.insert(path);
   }
-  expectHeight("/signs/0/normal");
+  expectElevation("/signs/0/normal");
   changeAll(done, "/signs");
   saveAs("signs2.json");
   expectTheSameAfter("signs2.json");

@@ -212,6 +212,14 @@ class Controls : public ::testing::Test {
     return image;
   }
 
+  /// The speed and the film's controls, which "More" hides where the window is narrow.
+  void openMore() {
+    if (!script_->has("speed"))
+      script_->click("More");
+    script_->frames(3);
+    ASSERT_TRUE(script_->has("speed"));
+  }
+
   std::vector<double> valueOf(const std::string& path) {
     for (const Parameter& parameter : app().document()->parameters) {
       if (parameter.path == path)
@@ -238,7 +246,7 @@ class Controls : public ::testing::Test {
       case Parameter::Kind::kInteger: {
         const double share =
             (parameter.value[0] - parameter.least) / (parameter.most - parameter.least);
-        const double right = parameter.name.size() > 12 ? 0.5 : 0.64;  // of it is the name
+        const double right = parameter.name.size() > 12 ? 0.45 : 0.55;  // of it is the name
         script_->click(parameter.path, parameter.logarithmic || share < 0.5 ? right : 0.12);
         break;
       }
@@ -308,12 +316,12 @@ class Controls : public ::testing::Test {
     return found == all.end() ? Parameter{} : *found;
   }
 
-  /// The height of a direction, which has a slider of its own.
-  void expectHeight(const std::string& path) {
+  /// The elevation of a direction, which has a slider of its own.
+  void expectElevation(const std::string& path) {
     SCOPED_TRACE(path);
     const auto before = valueOf(path);
     const Image shown = picture();
-    ASSERT_TRUE(script_->click(path + " height", 0.2));
+    ASSERT_TRUE(script_->click(path + " elevation", 0.2));
     load();
     EXPECT_NE(valueOf(path), before);
     EXPECT_GT(difference(shown, picture()), 0.0005);

@@ -99,6 +99,7 @@ TEST_F(TimeControls, ThePictureChangesWhileItPlays) {
 TEST_F(TimeControls, AtTwiceTheSpeedItComesTwiceAsFar) {
   constexpr int kFrames = 30;
   open("room.smv");
+  ASSERT_NO_FATAL_FAILURE(openMore());
   ASSERT_NO_FATAL_FAILURE(writeNumber("speed", "1"));
   EXPECT_NEAR(played(kFrames), kFrames / 60.0, 1e-9);
   ASSERT_NO_FATAL_FAILURE(writeNumber("speed", "2"));
@@ -108,6 +109,7 @@ TEST_F(TimeControls, AtTwiceTheSpeedItComesTwiceAsFar) {
 
 TEST_F(TimeControls, AFilmIsMadeBesideTheWindowOrNotAtAll) {
   open("smoke.pvd");
+  ASSERT_NO_FATAL_FAILURE(openMore());
   ASSERT_TRUE(script_->choose("film size", "640 x 360"));
   ASSERT_TRUE(script_->write("film", folder_.path("film.mp4")));
   ASSERT_TRUE(script_->click("Make film"));
@@ -128,6 +130,7 @@ TEST_F(TimeControls, AFilmIsMadeBesideTheWindowOrNotAtAll) {
 
 TEST_F(TimeControls, AFilmHasItsSizeAndSpeed) {
   open("smoke.pvd");
+  ASSERT_NO_FATAL_FAILURE(openMore());
 
   const struct {
     const char *size, *speed;

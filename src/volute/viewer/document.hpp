@@ -25,8 +25,9 @@ struct StartView {
   Vec3 eye = Vec3(0, -1, 0);
   Vec3 target = Vec3::Zero();
   Vec3 up = Vec3::UnitZ();
-  double fov = 40;   ///< vertical [degrees]
-  double ortho = 0;  ///< [m] > 0: the height of the view volume of a parallel camera, without fov
+  double fov = 40;     ///< vertical [degrees]
+  double ortho = 0;    ///< [m] > 0: the height of the view volume of a parallel camera, without fov
+  bool walks = false;  ///< one is inside: the mouse turns the head
 };
 
 /// How a person looks at a document.

@@ -10,9 +10,7 @@
 namespace volute {
 namespace {
 
-constexpr float kWidth = 300;
-constexpr float kLabels = 96;
-constexpr float kLeast = 190;  ///< [pixels] that the panel has in any window
+constexpr float kLabels = 70;
 
 void toolPart(ViewerApp& app) {
   PaintTool& paint = app.paint();
@@ -118,26 +116,29 @@ void valuePart(const ViewerApp& app, const PaintTool& paint) {
   (void)app;
 }
 
+void savePart(ViewerApp& app) {
+  ImGui::SetNextItemWidth(-1);
+  nameBox("##map", app.settings().mapName);
+  app.mark("map");
+  const bool unsaved = app.unsavedMap();
+  if (ImGui::Button("Save map"))
+    app.saveMap();
+  app.mark("Save map");
+  ImGui::SameLine();
+  ImGui::TextDisabled("%s", unsaved ? "not saved yet" : "as in the file");
+}
+
 }  // namespace
 
 void drawPaintPanel(ViewerApp& app, const ViewerInput& input, float below) {
-  if (!app.paint().has())
+  PanelLayout& layout = app.settings().layout;
+  if (!app.paint().has()) {
+    layout.measure(SidePanel::kPaint, 0);
     return;
-  const bool narrow = static_cast<float>(input.width) < kPanelMargin + 310 + kWidth + 330;
-  float high = panelHeight(app, input);
-  if (narrow) {
-    const float end = kPanelMargin + high;
-    const float top = std::min(below + 4, std::max(end - kLeast, kPanelMargin));
-    ImGui::SetNextWindowPos({kPanelMargin, top});
-    high = end - top;
-  } else {
-    ImGui::SetNextWindowPos({kPanelMargin + 310, kPanelMargin}, ImGuiCond_FirstUseEver);
   }
-  ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, high});
-  ImGui::SetNextWindowCollapsed(true, ImGuiCond_FirstUseEver);
-  const bool open = ImGui::Begin("Paint fog", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
-  const ImVec2 corner = ImGui::GetWindowPos();
-  if (open) {
+  if (!layout.isOpen(SidePanel::kPaint))
+    layout.measure(SidePanel::kPaint, ImGui::GetFrameHeight());
+  if (beginSidePanel(app, SidePanel::kPaint, "Paint fog", kPanelMargin, below)) {
     ImGui::PushItemWidth(-kLabels);
     ImGui::Checkbox("paint in the view", &app.settings().painting);
     app.mark("paint in the view");
@@ -147,20 +148,10 @@ void drawPaintPanel(ViewerApp& app, const ViewerInput& input, float below) {
     valuePart(app, app.paint());
     historyPart(app);
     ImGui::Separator();
-    ImGui::SetNextItemWidth(-1);
-    nameBox("##map", app.settings().mapName);
-    app.mark("map");
-    hint(app.settings().mapName);
-    const bool unsaved = app.unsavedMap();
-    if (ImGui::Button("Save map"))
-      app.saveMap();
-    app.mark("Save map");
-    ImGui::SameLine();
-    ImGui::TextDisabled("%s", unsaved ? "not saved yet" : "as in the file");
+    savePart(app);
     ImGui::PopItemWidth();
   }
-  ImGui::End();
-  app.markPlace("Paint fog", {corner.x, corner.y, corner.x + kWidth, corner.y + 20});
+  endSidePanel(app, SidePanel::kPaint);
 }
 
 }  // namespace volute

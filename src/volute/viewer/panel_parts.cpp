@@ -61,10 +61,48 @@ bool markedButton(ViewerApp& app, const char* label, const std::string& mark, bo
   return pressed;
 }
 
+namespace {
+
+/// Over a box that was drawn last, and whose text is longer than it: the text's end.
+void showEnd(const std::string& text) {
+  const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const std::string end = shortened(text, lettersIn(to.x - from.x - 2 * style.FramePadding.x));
+  if (end == text)
+    return;
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddRectFilled(from, to, ImGui::GetColorU32(ImGuiCol_FrameBg), style.FrameRounding);
+  list->AddText({from.x + style.FramePadding.x, from.y + style.FramePadding.y},
+                ImGui::GetColorU32(ImGuiCol_Text), end.c_str());
+}
+
+}  // namespace
+
+std::string shortened(const std::string& path, std::size_t letters) {
+  constexpr std::size_t kDots = 3;
+  const auto begins = [](char byte) { return (byte & 0xC0) != 0x80; };  // a letter of UTF-8
+  if (static_cast<std::size_t>(std::ranges::count_if(path, begins)) <= letters)
+    return path;
+  std::size_t at = path.size();
+  for (std::size_t kept = 0; kept + kDots < letters && at > 0;) kept += begins(path[--at]);
+  const std::size_t folder = path.find('/', at);
+  const bool whole = folder != std::string::npos && folder + 1 < path.size();
+  return "..." + path.substr(whole ? folder : at);
+}
+
+std::size_t lettersIn(float width) {
+  return static_cast<std::size_t>(std::max(width, 0.0F) / ImGui::CalcTextSize("M").x);
+}
+
 bool nameBox(const char* label, std::string& name) {
   std::array<char, 1024> text{};
   std::copy_n(name.begin(), std::min(name.size(), text.size() - 1), text.begin());
-  if (!ImGui::InputText(label, text.data(), text.size(), ImGuiInputTextFlags_AutoSelectAll))
+  const bool edited =
+      ImGui::InputText(label, text.data(), text.size(), ImGuiInputTextFlags_AutoSelectAll);
+  if (!ImGui::IsItemActive())
+    showEnd(name);
+  hint(name);
+  if (!edited)
     return false;
   name = text.data();
   return true;
@@ -72,7 +110,8 @@ bool nameBox(const char* label, std::string& name) {
 
 bool choiceBox(ViewerApp& app, const char* label, const std::string& mark,
                std::span<const std::string> choices, int& chosen) {
-  const bool open = ImGui::BeginCombo(label, choices[static_cast<std::size_t>(chosen)].c_str());
+  const std::string& shown = choices[static_cast<std::size_t>(chosen)];
+  const bool open = ImGui::BeginCombo(label, shown.c_str());
   app.mark(mark);
   if (!open)
     return false;

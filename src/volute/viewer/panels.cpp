@@ -9,13 +9,17 @@
 namespace volute {
 namespace {
 
-constexpr float kWidth = 300;
-constexpr float kLabels = 96;  ///< [pixels] that are left for names
+constexpr float kLabels = 70;  ///< [pixels] that are left for names
 
-void documentPart(const ViewerApp& app) {
-  if (const DocumentInfo* document = app.document())
-    wrappedText(document->title);
-  else if (!app.loading().busy)
+constexpr std::size_t kFewTimes = 8;  ///< of pictures, below which a histogram says nothing
+
+/// Whether there is something that nobody should miss.
+bool hasNotices(const ViewerApp& app) {
+  return !app.document() || app.loading().busy || !app.error().empty() || !app.message().empty();
+}
+
+void noticePart(const ViewerApp& app) {
+  if (!app.document() && !app.loading().busy)
     wrappedText("Drop a file here to open it.", true);
   if (app.loading().busy) {
     const double share = app.loading().share;
@@ -29,10 +33,19 @@ void documentPart(const ViewerApp& app) {
   }
   if (!app.message().empty())
     wrappedText(app.message());
+}
+
+void documentPart(const ViewerApp& app) {
+  if (const DocumentInfo* document = app.document())
+    wrappedText(document->title);
+  noticePart(app);
   if (!app.picture().remark().empty())
     wrappedText(app.picture().remark(), true);
   if (const DocumentInfo* document = app.document()) {
     for (const std::string& remark : document->remarks) wrappedText(remark, true);
+  }
+  if (const ViewScene* scene = app.picture().scene()) {
+    for (const std::string& remark : scene->remarks) wrappedText(remark, true);
   }
 }
 
@@ -50,8 +63,10 @@ void viewSlider(ViewerApp& app) {
     if (sliderDouble("view", seen, 0.01 * size, 3 * size, "%.3g m high", true))
       camera.setOrtho(seen);
     hint("the scene's camera is parallel");
-  } else if (sliderDouble("view", seen, 10, 120, "%.0f degrees")) {
-    camera.setFov(seen);
+  } else {
+    if (sliderDouble("view", seen, 10, 120, "%.0f degrees"))
+      camera.setFov(seen);
+    hint("how much is seen from bottom to top");
   }
   app.mark("view");
 }
@@ -87,10 +102,10 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   app.mark("Help");
   if (!app.document() || !app.document()->startView)
     return;
-  if (ImGui::Button("Scene's view"))
+  if (ImGui::Button("First view"))
     app.resetView(input.width, input.height);
-  app.mark("Scene's view");
-  hint("from where the scene's file looks");
+  app.mark("First view");
+  hint("from where it was seen first");
 }
 
 /// The cameras of a capture.
@@ -101,13 +116,18 @@ void stationPart(ViewerApp& app) {
   ImGui::TextUnformatted("look from");
   const float right = ImGui::GetContentRegionMax().x;
   for (const ViewStation& station : app.document()->stations) {
-    if (ImGui::Button(station.name.c_str()))
+    const std::string shown =
+        shortened(station.name, lettersIn(right - ImGui::GetStyle().WindowPadding.x) - 1);
+    const float width = ImGui::CalcTextSize(shown.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x;
+    if (&station != &app.document()->stations.front()) {
+      ImGui::SameLine();
+      if (ImGui::GetCursorPosX() + width > right)
+        ImGui::NewLine();
+    }
+    if (ImGui::Button((shown + "###" + station.name).c_str()))
       app.lookFrom(station.view);
+    hint(shown == station.name ? "" : station.name);
     app.mark("look from " + station.name);
-    const bool last = &station == &app.document()->stations.back();
-    ImGui::SameLine();
-    if (last || ImGui::GetCursorPosX() + 60 > right)
-      ImGui::NewLine();
   }
 }
 
@@ -117,7 +137,6 @@ void savePart(ViewerApp& app) {
   ImGui::Separator();
   ImGui::SetNextItemWidth(-1);  // names are long
   nameBox("##scene", app.settings().sceneName);
-  hint(app.settings().sceneName);
   app.mark("scene");
   if (ImGui::Button("Save scene"))
     app.saveScene();
@@ -134,11 +153,10 @@ void whoDraws(ViewerApp& app) {
   }
   wrappedText("by " + app.device().renderer, true);
   app.mark("who draws");
-  const ViewScene* scene = app.picture().scene();
-  if (scene && ((scene->surfaces && app.settings().look.surfaces) || !scene->quads.empty()))
-    wrappedText("opaque things: rasterised", true);
+  const bool tells = app.device().hardware;  // a rasteriser's clock looks when it has computed
   for (const GlPassTime& pass : times.passes) {
-    wrappedText(fmt::format("{} {}: {:.1f} ms", pass.name, pass.media, pass.milliseconds), true);
+    const std::string time = tells ? fmt::format(": {:.1f} ms", pass.milliseconds) : "";
+    wrappedText(fmt::format("{} {}{}", pass.name, pass.media, time), true);
   }
 }
 
@@ -147,54 +165,105 @@ void timesPart(ViewerApp& app) {
   if (times.history.empty())
     return;
   ImGui::Separator();
-  const float most = *std::ranges::max_element(times.history);
-  ImGui::PlotHistogram("##times", times.history.data(), static_cast<int>(times.history.size()), 0,
-                       nullptr, 0, 1.1F * most, {-1, 36});
-  hint("how long the last pictures took");
-  wrappedText(fmt::format("{:.1f} ms for {} x {} pixels, {:.0f} ms at most", times.milliseconds,
-                          times.width, times.height, most));
+  std::string words =
+      fmt::format("{:.1f} ms for {} x {} pixels", times.milliseconds, times.width, times.height);
+  if (times.history.size() >= kFewTimes) {
+    const float most = *std::ranges::max_element(times.history);
+    ImGui::PlotHistogram("##times", times.history.data(), static_cast<int>(times.history.size()), 0,
+                         nullptr, 0, 1.1F * most, {-1, 36});
+    hint("how long the last pictures took");
+    words += fmt::format(", {:.0f} ms at most", most);
+  }
+  wrappedText(words);
   whoDraws(app);
+}
+
+/// What nobody should miss while the panel that says it is closed: below the titles on the left, or
+/// beside the panel that is open there.
+void drawNotices(ViewerApp& app) {
+  const PanelLayout& layout = app.settings().layout;
+  if (layout.isOpen(SidePanel::kPicture) || !hasNotices(app))
+    return;
+  const float title = ImGui::GetFrameHeight() + kPanelGap;
+  const bool beside = app.paint().has() && layout.isOpen(SidePanel::kPaint);
+  const float left = beside ? layout.width(SidePanel::kPaint) + kPanelGap : 0;
+  const float top = beside ? 0 : app.paint().has() ? 2 * title : title;
+  const float width = layout.width(SidePanel::kPicture);
+  ImGui::SetNextWindowPos({kPanelMargin + left, kPanelMargin + top});
+  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, 1e4F});
+  ImGui::Begin("Notices", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
+  noticePart(app);
+  ImGui::End();
 }
 
 }  // namespace
 
+bool beginSidePanel(ViewerApp& app, SidePanel panel, const char* title, float left, float top) {
+  PanelLayout& layout = app.settings().layout;
+  const float width = layout.width(panel);
+  ImGui::SetNextWindowPos({left, top});
+  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, layout.most(panel)});
+  ImGui::SetNextWindowCollapsed(!layout.isOpen(panel));
+  const bool drawn =
+      ImGui::Begin(title, nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
+  const bool open = !ImGui::IsWindowCollapsed();
+  if (open != layout.isOpen(panel))
+    layout.set(panel, open);
+  app.markPlace(title, {left, top, left + width, top + ImGui::GetFrameHeight()});
+  return drawn;
+}
+
+void endSidePanel(ViewerApp& app, SidePanel panel) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  if (app.settings().layout.isOpen(panel))
+    app.settings().layout.measure(
+        panel, ImGui::GetCursorPosY() - style.ItemSpacing.y + style.WindowPadding.y);
+  ImGui::End();
+}
+
 void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
   if (!app.settings().help)
     return;
-  ImGui::SetNextWindowPos(
-      {0.5F * static_cast<float>(input.width), 0.45F * static_cast<float>(input.height)}, 0,
-      {0.5F, 0.5F});
+  const ImVec2 window{static_cast<float>(input.width), static_cast<float>(input.height)};
+  ImGui::SetNextWindowPos({0.5F * window.x, 0.5F * window.y}, 0, {0.5F, 0.5F});
+  ImGui::SetNextWindowSizeConstraints({0, 0},
+                                      {window.x - 2 * kPanelMargin, window.y - 2 * kPanelMargin});
   ImGui::SetNextWindowBgAlpha(1);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {8, 2});
   ImGui::Begin("Help", &app.settings().help,
                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
-                   ImGuiWindowFlags_NoSavedSettings);
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove);
   constexpr const char* kLines[][2] = {{"left mouse", "turn; paint, where fog is painted"},
                                        {"right mouse", "move across; turn, while painting"},
-                                       {"middle, Shift", "move across"},
-                                       {"wheel", "nearer, farther"},
-                                       {"M", "orbit or walk"},
-                                       {"W A S D, Q E", "walk, down and up; Shift: faster"},
-                                       {"F", "see all"},
-                                       {"Space", "play"},
-                                       {"Left, Right", "one frame"},
+                                       {"middle, Shift left", "move across"},
+                                       {"wheel", "nearer, farther; walking: forward"},
+                                       {"M", "orbit (turn around things) or walk (turn the head)"},
+                                       {"W A S D, Q E", "walk; down and up; with Shift faster"},
+                                       {"F", "the whole view, from outside"},
+                                       {"Space", "play, pause"},
+                                       {"Left, Right", "one frame back, one on"},
                                        {"Home, End", "first, last frame"},
-                                       {"+  -", "exposure"},
-                                       {"Ctrl Z, Ctrl Y", "undo and redo, strokes while painting"},
+                                       {"+  -", "brighter, darker by half a stop"},
+                                       {"Ctrl Z", "undo a change, or a stroke while painting"},
+                                       {"Ctrl Y, Ctrl Shift Z", "redo"},
                                        {"Ctrl S", "save the scene"},
-                                       {"Ctrl click", "write a slider's number"},
-                                       {"F12", "screenshot"},
-                                       {"H", "hide the panels"},
-                                       {"Escape", "no painting, no placing, no help"},
-                                       {"F1", "this"},
+                                       {"Ctrl click", "type a slider's number"},
+                                       {"a panel's title", "opens and closes it by its arrow"},
+                                       {"H", "hide the panels, show them again"},
+                                       {"F12", "screenshot: volute_0001.png and so on"},
+                                       {"Escape", "end painting and placing, close this"},
+                                       {"F1", "open and close this"},
                                        {"drop a file", "open it"}};
   for (const auto& [keys, meaning] : kLines) {
     ImGui::TextDisabled("%s", keys);
-    ImGui::SameLine(150);
+    ImGui::SameLine(165);
     ImGui::TextUnformatted(meaning);
   }
   ImGui::End();
-  ImGui::PopStyleVar();
+  ImGui::PopStyleVar(2);
 }
 
 /// A question that has to be answered before anything else.
@@ -245,21 +314,24 @@ void drawPanels(ViewerApp& app, const ViewerInput& input) {
   drawLeavePanel(app, input);
   if (!app.settings().panels)
     return;
-  ImGui::SetNextWindowPos({kPanelMargin, kPanelMargin}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, panelHeight(app, input)});
-  ImGui::Begin("Volute", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
-  const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
-  ImGui::PushItemWidth(-kLabels);
-  documentPart(app);
-  ImGui::Separator();
-  picturePart(app, input);
-  stationPart(app);
-  savePart(app);
-  timesPart(app);
-  ImGui::PopItemWidth();
-  ImGui::End();
+  const float time = timePanelHeight(app, input);
+  app.settings().layout.fit(static_cast<float>(input.width), static_cast<float>(input.height),
+                            time > 0 ? time + kPanelGap : 0);
+  if (beginSidePanel(app, SidePanel::kPicture, "Volute", kPanelMargin, kPanelMargin)) {
+    ImGui::PushItemWidth(-kLabels);
+    documentPart(app);
+    ImGui::Separator();
+    picturePart(app, input);
+    stationPart(app);
+    savePart(app);
+    timesPart(app);
+    ImGui::PopItemWidth();
+  }
+  const float below = ImGui::GetWindowPos().y + ImGui::GetWindowHeight() + kPanelGap;
+  endSidePanel(app, SidePanel::kPicture);
   drawParameterPanel(app, input);
-  drawPaintPanel(app, input, bottom);
+  drawPaintPanel(app, input, below);
+  drawNotices(app);
   drawTimePanel(app, input);
 }
 

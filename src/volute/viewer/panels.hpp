@@ -17,24 +17,27 @@ void drawPanels(ViewerApp& app, const ViewerInput& input);
 
 // What drawPanels() is made of.
 void drawParameterPanel(ViewerApp& app, const ViewerInput& input);
-/// @param below  [pixels] where the panel above it ends, in a window too narrow for all beside it
+/// @param below  [pixels] where the panel above it ends
 void drawPaintPanel(ViewerApp& app, const ViewerInput& input, float below);
 void drawTimePanel(ViewerApp& app, const ViewerInput& input);
 void drawHelpPanel(ViewerApp& app, const ViewerInput& input);
 void drawLeavePanel(ViewerApp& app, const ViewerInput& input);
 void drawOverlay(ViewerApp& app, const ViewerInput& input);
 
-/// Between panels and the window's border [pixels].
-inline constexpr float kPanelMargin = 10;
+/// Of the panel of time [pixels]: none for what does not move.
+float timePanelHeight(ViewerApp& app, const ViewerInput& input);
 
-/// Of the panel of time [pixels]: two rows, three in a narrow window, none for what does not move.
-float timePanelHeight(const ViewerApp& app, const ViewerInput& input);
+/// Begins one of the panels at the window's sides, with its top left corner at (left, top)
+/// [pixels], as high as it needs and the layout allows; endSidePanel() has to follow. False where
+/// it is closed. Its title is marked with its name.
+bool beginSidePanel(ViewerApp& app, SidePanel panel, const char* title, float left, float top);
+void endSidePanel(ViewerApp& app, SidePanel panel);
 
-/// That the others may have, above it [pixels].
-inline float panelHeight(const ViewerApp& app, const ViewerInput& input) {
-  const float time = timePanelHeight(app, input);
-  return static_cast<float>(input.height) - 2 * kPanelMargin - (time > 0 ? time + 4 : 0);
-}
+/// As much of a file's name as fits into so many letters: the end of it says most.
+std::string shortened(const std::string& path, std::size_t letters);
+
+/// How many letters fit beside each other [pixels].
+std::size_t lettersIn(float width);
 
 /// A line of text that breaks where the panel ends.
 void wrappedText(const std::string& text, bool faint = false);

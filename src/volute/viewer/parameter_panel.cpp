@@ -11,7 +11,6 @@
 namespace volute {
 namespace {
 
-constexpr float kWidth = 310;
 constexpr float kLabels = 110;  ///< [pixels] that are left for names
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -23,32 +22,59 @@ bool directionControl(ViewerApp& app, const Parameter& parameter, std::vector<do
   const Vec3 v = sign * Vec3(value[0], value[1], value[2]);
   const double length = std::max(v.norm(), 1e-9);
   double azimuth = std::atan2(v.y(), v.x()) / kDegree;
-  double height = std::asin(std::clamp(v.z() / length, -1.0, 1.0)) / kDegree;
-  bool moved = sliderDouble(light ? "comes from" : "looks to", azimuth, -180, 180, "%.0f degrees");
+  double elevation = std::asin(std::clamp(v.z() / length, -1.0, 1.0)) / kDegree;
+  bool moved = sliderDouble("azimuth", azimuth, -180, 180, "%.0f degrees");
   app.mark(parameter.path);
-  hint("from +x towards +y");
-  moved |= sliderDouble("height", height, light ? 1 : -90, 90, "%.0f degrees");
-  app.mark(parameter.path + " height");
+  hint(light ? "where the light comes from, from +x towards +y"
+             : "where the sign faces, from +x towards +y");
+  moved |= sliderDouble("elevation", elevation, light ? 1 : -90, 90, "%.0f degrees");
+  app.mark(parameter.path + " elevation");
+  hint(light ? "of where the light comes from, above the horizon"
+             : "of where the sign faces, above the horizon");
   if (!moved)
     return false;
-  const double level = std::cos(height * kDegree) * length;
+  const double level = std::cos(elevation * kDegree) * length;
   value = {sign * level * std::cos(azimuth * kDegree), sign * level * std::sin(azimuth * kDegree),
-           sign * length * std::sin(height * kDegree)};
+           sign * length * std::sin(elevation * kDegree)};
   return true;
 }
 
+/// So many digits that three numbers fit beside each other.
+const char* formatOfThree(const std::vector<double>& value) {
+  double most = 0;
+  for (const double v : value) most = std::max(most, std::abs(v));
+  return most < 0.1 ? "%.3f" : most < 9.99 ? "%.2f" : most < 99.9 ? "%.1f" : "%.0f";
+}
+
+/// To the centimetre while that fits.
+const char* formatOfPoint(const std::vector<double>& value) {
+  const auto [least, most] = std::ranges::minmax(value);
+  return most < 999.9 && least > -99.9 ? "%.2f" : most < 1e4 && least > -999.9 ? "%.1f" : "%.0f";
+}
+
+/// Linear light: three numbers that may be dragged, and a patch that opens a picker.
 bool colorControl(ViewerApp& app, const Parameter& parameter, std::vector<double>& value) {
+  constexpr double kNone = 0;
+  const float patch = ImGui::GetFrameHeight(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  const double most = *std::ranges::max_element(value);
+  const auto step = static_cast<float>(std::max(1.0 / 255, 0.01 * most));
+  ImGui::SetNextItemWidth(ImGui::CalcItemWidth() - patch - gap);
+  ImGui::BeginGroup();
+  bool moved = ImGui::DragScalarN("##numbers", ImGuiDataType_Double, value.data(), 3, step, &kNone,
+                                  nullptr, formatOfThree(value), ImGuiSliderFlags_NoRoundToFormat);
+  ImGui::SameLine(0, gap);
   float shown[] = {static_cast<float>(value[0]), static_cast<float>(value[1]),
                    static_cast<float>(value[2])};
-  const bool moved = ImGui::ColorEdit3(
-      parameter.name.c_str(), shown,
-      ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR | ImGuiColorEditFlags_NoLabel);
-  app.mark(parameter.path);
-  ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
-  ImGui::TextUnformatted(parameter.name.c_str());
-  if (moved) {
-    for (int c = 0; c < 3; ++c) value[c] = std::max(0.0, static_cast<double>(shown[c]));
+  constexpr ImGuiColorEditFlags kLight = ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR;
+  if (ImGui::ColorEdit3("##patch", shown, kLight | ImGuiColorEditFlags_NoInputs)) {
+    moved = true;
+    value.assign(shown, shown + 3);
   }
+  ImGui::SameLine(0, gap);
+  ImGui::TextUnformatted(parameter.name.c_str());
+  ImGui::EndGroup();
+  app.mark(parameter.path);
+  for (double& v : value) v = std::max(0.0, v);
   return moved;
 }
 
@@ -92,7 +118,7 @@ bool control(ViewerApp& app, const Parameter& parameter, std::vector<double>& va
     case Parameter::Kind::kPoint:
       moved = ImGui::DragScalarN((parameter.name + " [" + parameter.unit + "]").c_str(),
                                  ImGuiDataType_Double, value.data(), 3, 0.02F, nullptr, nullptr,
-                                 "%.2f");
+                                 formatOfPoint(value), ImGuiSliderFlags_NoRoundToFormat);
       break;
     case Parameter::Kind::kColor:
       return colorControl(app, parameter, value);
@@ -165,26 +191,29 @@ void editPart(ViewerApp& app) {
   hint("what was changed, added or removed here");
 }
 
-}  // namespace
+/// "smoke: hall.pvd" in so many letters; the kind stays.
+std::string headingOf(const std::string& group, std::size_t letters) {
+  const std::size_t kind = group.find(": ");
+  const std::size_t kept = kind == std::string::npos ? 0 : kind + 2;
+  return group.substr(0, kept) + shortened(group.substr(kept), letters - std::min(letters, kept));
+}
 
-void drawParameterPanel(ViewerApp& app, const ViewerInput& input) {
-  if (!app.document() || (app.document()->parameters.empty() && !app.document()->editable))
-    return;
-  const float width = static_cast<float>(input.width);
-  ImGui::SetNextWindowPos({width - kPanelMargin, kPanelMargin}, ImGuiCond_Always, {1, 0});
-  ImGui::SetNextWindowSizeConstraints({kWidth, 0}, {kWidth, panelHeight(app, input)});
-  ImGui::Begin("Scene", nullptr, ImGuiWindowFlags_AlwaysAutoResize);
+/// All that can be changed, by what it belongs to.
+void parametersPart(ViewerApp& app) {
   ImGui::PushItemWidth(-kLabels);
   editPart(app);
+  const float arrow = ImGui::GetTreeNodeToLabelSpacing();
+  const std::size_t letters = lettersIn(ImGui::GetContentRegionAvail().x - arrow);
   const auto parameters = app.document()->parameters;  // changes below
   std::string owner = "none";
   bool open = false;
   for (const Parameter& parameter : parameters) {
     if (ownerOf(parameter) != owner) {  // two signs may have the same name
       owner = ownerOf(parameter);
-      open = ImGui::CollapsingHeader((parameter.group + "###" + owner).c_str(),
+      open = ImGui::CollapsingHeader((headingOf(parameter.group, letters) + "###" + owner).c_str(),
                                      ImGuiTreeNodeFlags_DefaultOpen);
       app.mark("group " + parameter.group);
+      hint(parameter.group.size() > letters ? parameter.group : "");
       if (open)
         ownerButtons(app, owner);
     }
@@ -198,7 +227,18 @@ void drawParameterPanel(ViewerApp& app, const ViewerInput& input) {
     ImGui::PopID();
   }
   ImGui::PopItemWidth();
-  ImGui::End();
+}
+
+}  // namespace
+
+void drawParameterPanel(ViewerApp& app, const ViewerInput& input) {
+  if (!app.document() || (app.document()->parameters.empty() && !app.document()->editable))
+    return;
+  const float right = static_cast<float>(input.width) - kPanelMargin;
+  const float left = right - app.settings().layout.width(SidePanel::kScene);
+  if (beginSidePanel(app, SidePanel::kScene, "Scene", left, kPanelMargin))
+    parametersPart(app);
+  endSidePanel(app, SidePanel::kScene);
 }
 
 }  // namespace volute

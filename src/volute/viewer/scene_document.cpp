@@ -72,6 +72,16 @@ void moveAllNames(Json& json, const std::string& from, const std::string& to) {
   each("billboards", [](const Json&) { return "volume"; });
 }
 
+/// A remark without the name of the file that it is about, which the title has, or without that
+/// file's folder before the name of one beside it.
+std::string withoutPlace(std::string remark, const std::string& path) {
+  const std::string own = path + ": ";
+  if (remark.starts_with(own))
+    return remark.substr(own.size());
+  const std::string folder = (std::filesystem::path(path).parent_path() / "").string();
+  return remark.starts_with(folder) ? remark.substr(folder.size()) : remark;
+}
+
 /// "3 frames", "1 frame".
 std::string countOf(std::ptrdiff_t number, const char* one) {
   return fmt::format("{} {}{}", number, one, number == 1 ? "" : "s");
@@ -99,12 +109,24 @@ Status SceneDocument::readJsonOfScene(Progress& progress) {
     const bool search = medium["kind"] == "smoke" && !isSmvPath(path_) && !medium.contains("field");
     VOLUTE_TRY(search ? loadMesh(std::move(json), progress) : load(std::move(json), progress));
     start_.reset();
+    if (media_.front().fds)
+      lookInside(*media_.front().fds);
     return {};
   }
   file_ = path_;
   VOLUTE_TRY(readScene(path_));  // whatever is wrong with it is said there
   std::ifstream stream(path_);
   return load(Json::parse(stream, nullptr, false), progress);
+}
+
+/// A closed building shows nothing from outside.
+void SceneDocument::lookInside(const FdsLayer& fds) {
+  if (const auto inside = fds.firstCamera())
+    start_ = StartView{.eye = inside->view.eye,
+                       .target = inside->view.target,
+                       .up = inside->view.up,
+                       .fov = *inside->fov,
+                       .walks = true};
 }
 
 /// Of several fields the one with a usual name.
@@ -299,6 +321,7 @@ void SceneDocument::gatherRemarks() {
     remarks_.insert(remarks_.end(), medium.remarks.begin(), medium.remarks.end());
   if (!guess_.empty())
     remarks_.push_back(guess_);
+  for (std::string& remark : remarks_) remark = withoutPlace(std::move(remark), path_);
 }
 
 bool SceneDocument::checked() const {

@@ -106,6 +106,7 @@ class SceneDocument final : public Document {
       : path_(std::move(path)), options_(options) {}
 
   Status readJsonOfScene(Progress& progress);
+  void lookInside(const FdsLayer& fds);
   nlohmann::ordered_json sceneOfFile();
   Status loadMesh(nlohmann::ordered_json json, Progress& progress);
   Status load(nlohmann::ordered_json json, Progress& progress);

@@ -72,9 +72,7 @@ Result<std::shared_ptr<const BrickSlice>> SceneDocument::coarseSlice(const Volum
       Tree4d::load(*layer.reader(),
                    {.levels = kCoarseLevels, .firstFrame = position, .endFrame = position + 1},
                    progress));
-  BrickSlice slice = tree.extractSlice(position);
-  slice.setBasis(layer.info().basis);
-  return std::make_shared<const BrickSlice>(std::move(slice));
+  return std::make_shared<const BrickSlice>(layer.asItLooks(tree.extractSlice(position)));
 }
 
 Status SceneDocument::addVolume(Medium& medium, double time, bool coarse, Progress& progress,

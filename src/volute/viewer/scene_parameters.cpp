@@ -15,6 +15,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Kind = Parameter::Kind;
 
+constexpr const char* kAlbedoHelp = "share of the extinction that scatters light; the rest absorbs";
+
 std::vector<double> numbers(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }
@@ -80,10 +82,10 @@ std::string nameOfFile(const std::string& file) {
 }
 
 void addVolume(Group group, const SceneVolume& volume) {
-  group.amount("emission", "emission", volume.appearance.emission, 100, "").help =
-      "radiance per metre per unit";
+  group.amount("emission", "emission", volume.appearance.emission, 100, "/m").help =
+      "radiance per metre where the volume's value is 1";
   group.amount("extinction", "extinction", volume.appearance.extinction, 100, "/m").help =
-      "per unit";
+      "where the volume's value is 1";
 }
 
 void addFog(Group group, const Json& json, const FogDescription& fog, bool suns) {
@@ -99,10 +101,12 @@ void addFog(Group group, const Json& json, const FogDescription& fog, bool suns)
   integer("levels", "levels", fog.options.levels, std::max(6, fog.options.levels)).help =
       "how often the map is halved";
   integer("degree", "degree", fog.options.degree, kMostSplineDegree).help = "of the splines";
-  group.add("colour", "color", Kind::kColor, numbers(fog.options.color));
+  group.add("colour", "color", Kind::kColor, numbers(fog.options.color)).help =
+      "radiance of fog that one cannot see through";
   if (suns) {
-    group.add("albedo", "albedo", Kind::kColor, numbers(fog.scattering.albedo));
-    group.range("asymmetry", "asymmetry", fog.scattering.asymmetry, -0.9, 0.9);
+    group.add("albedo", "albedo", Kind::kColor, numbers(fog.scattering.albedo)).help = kAlbedoHelp;
+    group.range("asymmetry", "asymmetry", fog.scattering.asymmetry, -0.9, 0.9).help =
+        "mean cosine of the angle that light is scattered by: above 0 forward";
   }
   const Json profile = json.value("profile", Json::object());
   const std::string kind = profile.value("kind", "");
@@ -128,7 +132,8 @@ void addSmoke(Group group, const SmokeDescription& smoke) {
                  : model.unit == 1e-6 ? "mg/m3"
                                       : "kg/m3");
   }
-  group.amount("scale", "scale", model.scale, 10, "x").help = "multiplies the field first";
+  group.amount("scale", "scale", model.scale, 10, "x").help =
+      "the field is multiplied by this before anything else";
   if (products) {
     const double potential =
         model.smokePotential.value_or(smokePotential(model.massExtinction, model.sootYield));
@@ -141,7 +146,8 @@ void addSmoke(Group group, const SmokeDescription& smoke) {
       if (entry.flaming == potential)
         of = entry.material;
     }
-    group.choice("as of flaming", "material", std::move(materials), of);
+    group.choice("material", "material", std::move(materials), of).help =
+        "takes its smoke potential when flaming";
   } else if (fds || soot || model.quantity == SmokeQuantity::kMassFraction) {
     group.range("Km", "mass_extinction", model.massExtinction, 1000, 15000, "m2/kg").help =
         fds ? "extinction of 1 kg/m3 of soot; where the case holds opacity or extinction it says "
@@ -151,7 +157,7 @@ void addSmoke(Group group, const SmokeDescription& smoke) {
   group.choice("mode", "mode", {"photometric", "threshold"}, nameOf(smoke.law.mode)).help =
       "threshold: what has faded to a tenth is no longer seen";
   group.range("C", "C", smoke.law.c, 1, 10).help = "visibility = C / K: 3 reflecting, 8 emitting";
-  group.add("albedo", "albedo", Kind::kColor, numbers(smoke.albedo));
+  group.add("albedo", "albedo", Kind::kColor, numbers(smoke.albedo)).help = kAlbedoHelp;
 }
 
 void addMedia(std::vector<Parameter>& out, const Json& json, const SceneDescription& scene) {
@@ -184,16 +190,17 @@ void addLights(std::vector<Parameter>& out, const Json& lights) {
     };
     if (kind == "sun") {
       group.add("direction", "direction", Kind::kDirection, vector("direction", {0, 0, -1}));
-      group.add("light", "radiance", Kind::kColor, vector("radiance", {1, 1, 1})).help =
+      group.add("irradiance", "radiance", Kind::kColor, vector("radiance", {1, 1, 1})).help =
           "what arrives on a surface that faces the sun";
     } else if (kind == "ambient") {
-      group.add("light", "radiance", Kind::kColor, vector("radiance", {0, 0, 0})).help =
-          "radiance from everywhere";
+      group.add("radiance", "radiance", Kind::kColor, vector("radiance", {0, 0, 0})).help =
+          "from everywhere";
     } else {
       group.add("position", "position", Kind::kPoint, vector("position", {0, 0, 0})).unit = "m";
       group.add("target", "target", Kind::kPoint, vector("target", {0, 0, 0})).unit = "m";
-      group.range("cone", "angle", lights[i].value("angle", 60.0), 1, 179, "degrees");
-      group.add("light", "intensity", Kind::kColor, vector("intensity", {1, 1, 1})).help =
+      group.range("cone", "angle", lights[i].value("angle", 60.0), 1, 179, "degrees").help =
+          "from side to side";
+      group.add("intensity", "intensity", Kind::kColor, vector("intensity", {1, 1, 1})).help =
           "power per solid angle";
     }
   }
@@ -259,8 +266,8 @@ std::vector<Parameter> sceneParameters(const Json& json, const SceneDescription&
   addLights(out, json.value("lights", Json::array()));
   addSigns(out, json.value("signs", Json::array()), scene);
   Group group(out, "background", "");
-  group.add("light", "background", Kind::kColor, numbers(scene.background)).help =
-      "radiance behind everything";
+  group.add("radiance", "background", Kind::kColor, numbers(scene.background)).help =
+      "behind everything";
   return out;
 }
 

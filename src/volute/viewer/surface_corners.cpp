@@ -3,7 +3,9 @@
 #include "volute/viewer/surface_corners.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <queue>
 
@@ -32,6 +34,15 @@ Piece pieceOf(const Triangle& triangle) {
   return piece;
 }
 
+/// Two, at the middle of its longest edge.
+std::array<Triangle, 2> halved(const Piece& piece) {
+  const int a = piece.edge, b = (a + 1) % 3;
+  const Vec3 middle = 0.5 * (piece.triangle.corners[a] + piece.triangle.corners[b]);
+  std::array halves{piece.triangle, piece.triangle};
+  halves[0].corners[b] = middle, halves[1].corners[a] = middle;
+  return halves;
+}
+
 /// The longest edge is halved first, until there are so many.
 std::vector<Triangle> divided(std::span<const Triangle> triangles, std::size_t most,
                               double smallest) {
@@ -40,12 +51,7 @@ std::vector<Triangle> divided(std::span<const Triangle> triangles, std::size_t m
   while (!pieces.empty() && pieces.size() < most && pieces.top().longest > smallest) {
     const Piece piece = pieces.top();
     pieces.pop();
-    const int a = piece.edge, b = (a + 1) % 3;
-    const Vec3 middle = 0.5 * (piece.triangle.corners[a] + piece.triangle.corners[b]);
-    Triangle first = piece.triangle, second = piece.triangle;
-    first.corners[b] = middle, second.corners[a] = middle;
-    pieces.push(pieceOf(first));
-    pieces.push(pieceOf(second));
+    for (const Triangle& half : halved(piece)) pieces.push(pieceOf(half));
   }
   std::vector<Triangle> out;
   for (; !pieces.empty(); pieces.pop()) out.push_back(pieces.top().triangle);
@@ -84,34 +90,101 @@ Rgb lightOn(const SmokeState& smoke, const SceneLights& lights, const TetFace& f
   return light;
 }
 
-constexpr double kPieces = 60;  ///< across the scene
+constexpr double kPieces = 60;    ///< across the scene
+constexpr int kHalvings = 6;      ///< more, where light is uneven: edges of shadows and cones
+constexpr double kUneven = 0.04;  ///< between corners, of the brightest
 
-}  // namespace
+/// A triangle with the light that its corners send back, of the front and of the back.
+struct LitPiece {
+  Piece piece;
+  std::array<Rgb, 3> light[2];
 
-ViewSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most) {
-  const double smallest = scene.geometry.bounds().size().norm() / kPieces;
-  const auto triangles = divided(scene.geometry.triangles(), most, smallest);
+  double unevenness() const {
+    double most = 0;
+    for (const auto& side : light) {
+      for (int i = 0; i < 3; ++i)
+        most = std::max(most, (side[i] - side[(i + 1) % 3]).abs().maxCoeff());
+    }
+    return most;
+  }
+};
+
+std::vector<LitPiece> lit(const SurfaceScene& scene, std::span<const Triangle> triangles) {
   const double reach = 1e-4 * scene.geometry.bounds().size().norm();
+  std::vector<LitPiece> pieces;
   std::vector<Segment> looks;
-  ViewSurfaces surfaces;
   for (const Triangle& triangle : triangles) {
     const Vec3 across = triangle.normal();
     if (!(across.norm() > 0))
       continue;
+    pieces.push_back({pieceOf(triangle), {}});
     const Vec3 middle = (triangle.corners[0] + triangle.corners[1] + triangle.corners[2]) / 3;
     for (const double side : {1.0, -1.0}) {
       const Vec3 normal = side * across.normalized();
-      for (int i = 0; i < 3; ++i) {
-        const Vec3& corner = triangle.corners[side > 0 ? i : 2 - i];
-        for (int axis = 0; axis < 3; ++axis)
-          surfaces.corners.push_back(static_cast<float>(corner[axis]));
+      for (const Vec3& corner : triangle.corners) {
         const Vec3 at = corner + kInwards * (middle - corner);
         looks.push_back({at + reach * normal, -normal, 0, 2 * reach});
       }
     }
   }
-  for (const SurfacePoint& point : lookAtSurfaces(scene, looks)) {
-    for (int c = 0; c < 3; ++c) surfaces.colors.push_back(static_cast<float>(point.radiance[c]));
+  auto point = lookAtSurfaces(scene, looks);
+  auto next = point.begin();
+  for (LitPiece& piece : pieces) {
+    for (auto& side : piece.light) {
+      for (Rgb& corner : side) corner = (next++)->radiance;
+    }
+  }
+  return pieces;
+}
+
+/// Those whose corners differ much are halved, the most uneven ones first, while there may be more.
+/// False if there were none.
+bool refine(const SurfaceScene& scene, std::vector<LitPiece>& pieces, std::size_t most) {
+  double brightest = 0;
+  for (const LitPiece& piece : pieces) {
+    for (const auto& side : piece.light) {
+      for (const Rgb& light : side) brightest = std::max(brightest, light.maxCoeff());
+    }
+  }
+  auto uneven = std::partition(pieces.begin(), pieces.end(), [&](const LitPiece& piece) {
+    return !(piece.unevenness() > kUneven * brightest);
+  });
+  const auto may = static_cast<std::ptrdiff_t>(most > pieces.size() ? most - pieces.size() : 0);
+  if (pieces.end() - uneven > may) {
+    std::nth_element(uneven, pieces.end() - may, pieces.end(),
+                     [](const LitPiece& a, const LitPiece& b) {
+                       return a.unevenness() * a.piece.longest < b.unevenness() * b.piece.longest;
+                     });
+    uneven = pieces.end() - may;
+  }
+  std::vector<Triangle> halves;
+  for (auto piece = uneven; piece != pieces.end(); ++piece) {
+    for (const Triangle& half : halved(piece->piece)) halves.push_back(half);
+  }
+  pieces.erase(uneven, pieces.end());
+  std::ranges::move(lit(scene, halves), std::back_inserter(pieces));
+  return !halves.empty();
+}
+
+}  // namespace
+
+ViewSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most) {
+  const double smallest = scene.geometry.bounds().size().norm() / kPieces;
+  auto pieces = lit(scene, divided(scene.geometry.triangles(), most, smallest));
+  const std::size_t atMost = std::max(2 * most, pieces.size() + most);
+  for (int i = 0; i < kHalvings && refine(scene, pieces, atMost); ++i) {
+  }
+  ViewSurfaces surfaces;
+  for (const LitPiece& piece : pieces) {
+    for (int side = 0; side < 2; ++side) {
+      for (int i = 0; i < 3; ++i) {
+        const int corner = side == 0 ? i : 2 - i;
+        for (int k = 0; k < 3; ++k) {
+          surfaces.corners.push_back(static_cast<float>(piece.piece.triangle.corners[corner][k]));
+          surfaces.colors.push_back(static_cast<float>(piece.light[side][corner][k]));
+        }
+      }
+    }
   }
   return surfaces;
 }

@@ -10,9 +10,11 @@ namespace volute {
 
 /// Surfaces for a picture that must be quick: large triangles are divided, and the light that each
 /// corner sends back is found once, shadows and smoke on its way included (lookAtSurfaces()); in
-/// between it is linear. Each side has its own light, so that there are two triangles for one, the
-/// front first.
-/// @param most  how many triangles may come out, sides counted once; at least those that there are
+/// between it is linear. Where the light of a triangle's corners differs much, at the edges of
+/// shadows and of cones of light, it is divided further, down to an eighth. Each side has its own
+/// light, so that there are two triangles for one, the front first.
+/// @param most  how many triangles may come out of the first division, sides counted once, at least
+///     those that there are; and again as many of the second
 ViewSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most = 20000);
 
 /// The boundary of a smoke's mesh likewise, as walls that reflect `color` of the lamps' light, seen

@@ -7,9 +7,13 @@
 namespace volute {
 namespace {
 
-/// Whether the film's controls stand beside the time's.
+/// Whether the film's controls stand beside the time's; else they appear when they are asked for.
 bool isWide(const ViewerInput& input) {
   return input.width >= 800;
+}
+
+bool isWhole(ViewerApp& app, const ViewerInput& input) {
+  return isWide(input) || app.settings().timeOpen || app.film();
 }
 
 void filmPart(ViewerApp& app, const ViewerInput& input) {
@@ -40,12 +44,53 @@ void filmPart(ViewerApp& app, const ViewerInput& input) {
   choiceBox(app, "##size", "film size", kSizes, app.settings().filmSize);
 }
 
+void stepPart(ViewerApp& app) {
+  Timeline& timeline = app.timeline();
+  if (ImGui::Button(timeline.playing() ? "Pause###play" : "Play###play", {60, 0}))
+    timeline.play(!timeline.playing());
+  app.mark("Play");
+  ImGui::SameLine();
+  if (ImGui::Button("<"))
+    timeline.step(-1);
+  app.mark("<");
+  hint("one frame back");
+  ImGui::SameLine();
+  if (ImGui::Button(">"))
+    timeline.step(1);
+  app.mark(">");
+  hint("one frame on");
+}
+
+void speedPart(ViewerApp& app) {
+  Timeline& timeline = app.timeline();
+  ImGui::SetNextItemWidth(130);
+  double speed = timeline.speed();
+  if (sliderDouble("##speed", speed, 0.1, 10, "%.2f x speed", true))
+    timeline.setSpeed(speed);
+  app.mark("speed");
+  ImGui::SameLine();
+  ImGui::AlignTextToFramePadding();
+  ImGui::Text("frame %d of %d", timeline.frame() + 1, timeline.frames());
+}
+
+void timeSlider(ViewerApp& app, float width) {
+  Timeline& timeline = app.timeline();
+  double time = timeline.time();
+  ImGui::SetNextItemWidth(width);
+  if (sliderDouble("##time", time, timeline.first(), timeline.last(), "%.2f s"))
+    timeline.seek(time);
+  app.mark("time");
+}
+
 }  // namespace
 
-float timePanelHeight(const ViewerApp& app, const ViewerInput& input) {
+float timePanelHeight(ViewerApp& app, const ViewerInput& input) {
   if (!app.timeline().moves())
     return 0;
-  return isWide(input) ? 72 : 97;
+  const int rows = isWide(input) ? 2 : isWhole(app, input) ? 3 : 1;
+  const ImGuiStyle& style = ImGui::GetStyle();
+  return static_cast<float>(rows) * (ImGui::GetFrameHeight() + style.ItemSpacing.y) -
+         style.ItemSpacing.y + 2 * style.WindowPadding.y;
 }
 
 void drawTimePanel(ViewerApp& app, const ViewerInput& input) {
@@ -58,33 +103,28 @@ void drawTimePanel(ViewerApp& app, const ViewerInput& input) {
   ImGui::Begin("Time", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoScrollbar);
-  if (ImGui::Button(timeline.playing() ? "Pause###play" : "Play###play", {60, 0}))
-    timeline.play(!timeline.playing());
-  app.mark("Play");
-  ImGui::SameLine();
-  if (ImGui::Button("<"))
-    timeline.step(-1);
-  app.mark("<");
-  ImGui::SameLine();
-  if (ImGui::Button(">"))
-    timeline.step(1);
-  app.mark(">");
-  ImGui::SameLine();
-  ImGui::SetNextItemWidth(130);
-  double speed = timeline.speed();
-  if (sliderDouble("##speed", speed, 0.1, 10, "%.2f x speed", true))
-    timeline.setSpeed(speed);
-  app.mark("speed");
-  ImGui::SameLine();
-  ImGui::Text("frame %d of %d", timeline.frame() + 1, timeline.frames());
-  if (isWide(input))
-    ImGui::SameLine(0, 30);
-  filmPart(app, input);
-  double time = timeline.time();
-  ImGui::SetNextItemWidth(-1);
-  if (sliderDouble("##time", time, timeline.first(), timeline.last(), "%.2f s"))
-    timeline.seek(time);
-  app.mark("time");
+  const bool wide = isWide(input), whole = isWhole(app, input);
+  stepPart(app);
+  if (!wide) {
+    ImGui::SameLine();
+    const float more = ImGui::CalcTextSize("More").x + 2 * ImGui::GetStyle().FramePadding.x;
+    timeSlider(app, -more - ImGui::GetStyle().ItemSpacing.x);
+    ImGui::SameLine();
+    if (ImGui::Button(whole ? "Less###more" : "More###more"))
+      app.settings().timeOpen = !whole;
+    app.mark("More");
+    hint("speed, and films");
+  }
+  if (whole) {
+    if (wide)
+      ImGui::SameLine();
+    speedPart(app);
+    if (wide)
+      ImGui::SameLine(0, 30);
+    filmPart(app, input);
+  }
+  if (wide)
+    timeSlider(app, -1);
   ImGui::End();
 }
 

@@ -109,10 +109,13 @@ Status ViewPicture::drawByGl(const PictureWish& wish, double scale) {
   const auto begun = std::chrono::steady_clock::now();
   ++version_;
   opaque_ = surfaces_.draw(camera, *scene_, wish.surfaces);
+  const std::chrono::duration<double> rasterised = std::chrono::steady_clock::now() - begun;
   VOLUTE_TRY(drawMedia(wish, camera));
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
   double onDevice = 0;
   times_.passes = renderer_.takePasses();
+  if (opaque_)  // until their depths were read back
+    times_.passes.push_back({"rasterise", "opaque things", 1, 1e3 * rasterised.count()});
   for (const GlPassTime& pass : times_.passes) onDevice += 1e-3 * pass.milliseconds;
   // A rasteriser on the processor has computed before its clock looks.
   noteTime(makers_.hardware && onDevice > 0 ? onDevice : spent.count(), width, height, false);

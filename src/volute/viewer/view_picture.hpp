@@ -46,7 +46,7 @@ struct FrameTimes {
   int width = 0, height = 0;  ///< that it had [pixels]
   bool processor = false;     ///< who drew it
   std::string why{};          ///< it was the processor
-  /// What OpenGL did for it. Opaque things, which are rasterised, are not in it.
+  /// What OpenGL did for it.
   std::vector<GlPassTime> passes{};
   std::vector<float> history{};  ///< the last pictures [ms]
 };

@@ -59,6 +59,7 @@ struct ViewScene {
   ProcessorPicture bare{};       ///< the same without surfaces; empty: there are none
   /// What a pointer or a ray meets: all triangles of the scene, however they are drawn.
   TriangleScene geometry{};
+  std::vector<std::string> remarks{};  ///< what this instant lacks, in sentences
 };
 
 }  // namespace volute

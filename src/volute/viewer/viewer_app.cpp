@@ -127,15 +127,21 @@ void ViewerApp::lookFrom(const StartView& view) {
 void ViewerApp::resetView(int width, int height) {
   if (!document_)
     return;
-  if (document_->startView)
-    camera_.set(*document_->startView);
-  else
+  const auto& start = document_->startView;
+  if (!start) {
     wholeView(width, height);
+    return;
+  }
+  camera_.set(*start);
+  if (start->walks)
+    camera_.setMode(ViewCamera::Mode::kWalk);
 }
 
 void ViewerApp::wholeView(int width, int height) {
-  if (document_)
-    camera_.frame(document_->bounds, width, height);
+  if (!document_)
+    return;
+  camera_.setMode(ViewCamera::Mode::kOrbit);
+  camera_.frame(document_->bounds, width, height);
 }
 
 void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
@@ -172,6 +178,7 @@ void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
   settings_.sceneName = document_->sceneName;
   if (viewSet_)
     return;
+  camera_.setMode(ViewCamera::Mode::kOrbit);
   resetView(input.width, input.height);
   viewSet_ = true;
   if (!document_->look)

@@ -11,6 +11,7 @@
 #include "volute/viewer/film_export.hpp"
 #include "volute/viewer/loader.hpp"
 #include "volute/viewer/paint_tool.hpp"
+#include "volute/viewer/panel_layout.hpp"
 #include "volute/viewer/pick_wall.hpp"
 #include "volute/viewer/timeline.hpp"
 #include "volute/viewer/view_camera.hpp"
@@ -24,6 +25,8 @@ struct ViewerSettings {
   ViewLook look{};
   bool panels = true;
   bool help = false;
+  PanelLayout layout{};
+  bool timeOpen = false;    ///< a small window's panel of time shows speed and film too
   bool painting = false;    ///< the left button paints fog
   std::string sceneName{};  ///< where the scene would be saved
   std::string mapName{};    ///< and the map of fog

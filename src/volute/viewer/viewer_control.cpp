@@ -27,9 +27,15 @@ void ViewerApp::feed(const ViewerInput& input) {
     io.AddInputCharactersUTF8(input.typed.c_str());
 }
 
+/// Of what a panel's border cuts off, nothing can be clicked.
 void ViewerApp::mark(const std::string& name) {
   const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
-  controls_[name] = {from.x, from.y, to.x, to.y};
+  const ImDrawList* list = ImGui::GetWindowDrawList();
+  const ImVec2 low = list->GetClipRectMin(), high = list->GetClipRectMax();
+  const ControlPlace seen{std::max(from.x, low.x), std::max(from.y, low.y), std::min(to.x, high.x),
+                          std::min(to.y, high.y)};
+  if (seen.left < seen.right && seen.top < seen.bottom)
+    controls_[name] = seen;
 }
 
 void ViewerApp::press(Key key, const ViewerInput& input) {

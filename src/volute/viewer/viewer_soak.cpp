@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // Scripted use of the viewer for a long time: `viewer_soak SECONDS FILE...`. It opens the files
-// again and again, plays, turns, changes parameters, adds, removes and takes back, paints, saves
-// and hides panels. Every third file, each of them in turn, is drawn by OpenGL whatever there is,
-// at a quarter of the size, so that its errors and its growth show on machines without a graphics
-// card too; how long such frames take says nothing there. Each minute it says how much memory is
-// held, how many OpenGL errors there were, and which frames took longest and why; at the end how
-// much what is allocated grew from the second and third fifth of the time to the last two, after
-// the same files. Exit 1 where one of them is too much, or where nothing was drawn by OpenGL.
+// again and again, plays, turns, walks, changes parameters, adds, removes and takes back, paints,
+// makes films and gives them up, saves, hides panels, and touches the file so that it is read
+// again. Every third file, each of them in turn, is drawn by OpenGL whatever there is, at a quarter
+// of the size, so that its errors and its growth show on machines without a graphics card too; how
+// long such frames take says nothing there. Each minute it says how much memory is held, how many
+// OpenGL errors there were, and which frames took longest and why; at the end how much what is
+// allocated grew from the second and third fifth of the time to the last two, after the same files.
+// Exit 1 where one of them is too much, or where nothing was drawn by OpenGL.
 #include <fmt/format.h>
 #include <malloc.h>
 #include <unistd.h>
@@ -196,12 +197,15 @@ class Round {
     changeSomething();
     addAndRemove();
     paint();
+    walk();
+    film();
     for (const Key key :
          {Key::kF1, Key::kEscape, Key::kH, Key::kH, Key::kRight, Key::kPlus, Key::kMinus, Key::kF})
       script_.press(key);
     viewer_.app().settings().sceneName = folder_ + "/saved.json";
     script_.press(Key::kS, true);
     pause(20);
+    readAgain(file);
   }
 
  private:
@@ -275,6 +279,47 @@ class Round {
     script_.drag(250, 600, 380, 640, 0, 12);
     script_.press(Key::kZ, true);
     viewer_.app().settings().painting = false;
+  }
+
+  void walk() {
+    script_.press(Key::kM);
+    script_.input().held = {Key::kW, Key::kD};
+    script_.frames(counts() ? 10 : 2);
+    script_.input().held.clear();
+    script_.press(Key::kM);
+    for (const double clicks : {2.0, -2.0}) {
+      script_.input().wheel = clicks;
+      script_.frame();
+    }
+  }
+
+  /// Every second one is given up.
+  void film() {
+    viewer_.app().settings().filmName = folder_ + "/film.mp4";
+    viewer_.app().settings().filmSize = 0;
+    if (!script_.click("Make film"))
+      return;
+    what_ += ", making a film";
+    pause(20);
+    const bool givesUp = report_.opened % 2 == 1 || !counts();
+    for (int i = 0; i < 300 && viewer_.app().film(); ++i) {
+      if (givesUp && script_.click("Cancel film"))
+        break;
+      pause();
+    }
+    script_.click("Cancel film");
+  }
+
+  void readAgain(const std::string& file) {
+    what_ = "reading again " + file;
+    std::error_code ignored;
+    std::filesystem::last_write_time(file, std::filesystem::file_time_type::clock::now(), ignored);
+    constexpr double kSeconds = 1;  // it is looked for every half second
+    for (const double begun = now(); now() - begun < kSeconds || viewer_.app().loading().busy;) {
+      pause();
+      if (now() - begun > 20 * kSeconds)
+        break;
+    }
   }
 
   HeadlessViewer& viewer_;

@@ -26,6 +26,8 @@ Result<Camera> chooseCamera(const Arguments& arguments, const RenderSubject& sub
   VOLUTE_ASSIGN(auto description, cameraOf(arguments));
   if (!description)
     description = subject.camera;
+  if (!description && subject.layers.empty() && subject.smokes.empty())
+    description = subject.fdsCases.front().firstCamera();
   Pixels size = arguments.find<Pixels>("size").value_or(kUsualSize);
   if (!description) {
     const Box3 bounds = !subject.layers.empty()   ? subject.layers.front().info().bounds
@@ -512,29 +514,31 @@ std::vector<Option> renderOptionTable() {
 }  // namespace
 
 Command renderCommand() {
-  return {.name = "render",
-          .summary = "Takes pictures or a film of a volume",
-          .examples = {"volute render fire.volute -o fire.png --size 640x480 --time 0.8",
-                       "volute render fire.volute -o fire.mp4 --frames 0:48",
-                       "volute render smoke.volute -o depth.exr --aov optical-depth --eye 0,-4,1 "
-                       "--target 0,0,1 --fov 40"},
-          .description =
-              "Integrates emission and absorption along each pixel's ray, exactly for the volume's "
-              "basis. Without a camera one is "
-              "chosen that frames the bounds. .exr files hold linear values; .png and films are "
-              "exposed and sRGB. --exposure auto takes "
-              "one factor for all pictures, from the middle one, and says it. Without --time and "
-              "--frames a film or a pattern shows all "
-              "frames, a single still the first, or of a scene what it shows at 0 s.",
-          .positionals = {{.name = "FILE",
-                           .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh "
-                                   "(.vtu, .vtk, .pvd, .case, .e, "
-                                   ".foam), an FDS case (.smv) or a scene (.json)"}},
-          .options = renderOptionTable(),
-          .oneOf = {{{"time", "frames"}, false},
-                    {{"fov", "ortho"}, false},
-                    {{"slice", "isosurface", "aov"}, false}},
-          .run = run};
+  return {
+      .name = "render",
+      .summary = "Takes pictures or a film of a volume",
+      .examples = {"volute render fire.volute -o fire.png --size 640x480 --time 0.8",
+                   "volute render fire.volute -o fire.mp4 --frames 0:48",
+                   "volute render smoke.volute -o depth.exr --aov optical-depth --eye 0,-4,1 "
+                   "--target 0,0,1 --fov 40"},
+      .description =
+          "Integrates emission and absorption along each pixel's ray, exactly for the volume's "
+          "basis. Without a camera one is "
+          "chosen that frames the bounds; an FDS case with a roof is seen from within its largest "
+          "room, at the height of the eyes. .exr files hold linear values; .png and films are "
+          "exposed and sRGB. --exposure auto takes "
+          "one factor for all pictures, from the middle one, and says it. Without --time and "
+          "--frames a film or a pattern shows all "
+          "frames, a single still the first, or of a scene what it shows at 0 s.",
+      .positionals = {{.name = "FILE",
+                       .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh "
+                               "(.vtu, .vtk, .pvd, .case, .e, "
+                               ".foam), an FDS case (.smv) or a scene (.json)"}},
+      .options = renderOptionTable(),
+      .oneOf = {{{"time", "frames"}, false},
+                {{"fov", "ortho"}, false},
+                {{"slice", "isosurface", "aov"}, false}},
+      .run = run};
 }
 
 }  // namespace volute::cli

@@ -6,7 +6,7 @@
 
 layout(std430) readonly buffer M_Words { uint M_words[]; };
 
-uniform vec3 M_eye;         // [m] from the middle of all
+uniform vec3 M_origin;      // the picture's, from the middle of all [m]
 uniform ivec3 M_partCount;  // of the table, along each axis
 uniform ivec3 M_partPlanes; // where the planes of each axis begin [words]
 uniform int M_table;
@@ -109,7 +109,7 @@ void M_enterPart(float s) {
 }
 
 void M_begin() {
-  M_o = M_eye + rayOrigin;
+  M_o = M_origin + rayOrigin;
   float begin = rayBegin;
   float end = rayEnd;
   vec3 low, high;

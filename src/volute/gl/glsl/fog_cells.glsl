@@ -10,7 +10,7 @@ uniform float M_fogFactor;  // of the extinction, for which suns' shadows do not
 
 vec2 M_o, M_d;            // the ray seen from above, in cells of the level
 float M_height, M_rise;   // above the map's origin
-float M_farthest;
+float M_farthest;         // [m] from the eye
 int M_level, M_zone;      // those after the stretch that the ray is in
 int M_inLevel, M_inZone;
 float M_from;             // where the level begins
@@ -27,7 +27,7 @@ uniform float M_levelMetres;  // where the finest level ends
 #endif
 #if M_TOP
 uniform sampler2D M_topMap;   // [m] above the map's origin, linear between nodes, 0 outside
-uniform vec2 M_topCorner;     // of the cell before the first node, from the eye [m]
+uniform vec2 M_topCorner;     // of the cell before the first node, from the picture's origin [m]
 uniform float M_topCell;      // [m]
 bool M_below;
 
@@ -72,14 +72,26 @@ void M_cutAtTop(float s) {
 }
 #endif
 
+// Where the ray leaves the padded map and the heights of the profile [m from the eye].
+float M_exit() {
+  vec3 local = rayOrigin - fogCorner;
+  vec2 size = vec2(fogLevels[0].xy) * fogCell;
+  float begin = -rayAhead;
+  float end = 1e30;
+  bool met = fogClip(local.x, rayDirection.x, 0.0, size.x, begin, end) &&
+             fogClip(local.y, rayDirection.y, 0.0, size.y, begin, end) &&
+             fogClip(local.z, rayDirection.z, fogZoneHeights[0].x, fogZoneHeights[FOG_ZONES - 1].y, begin, end);
+  return met ? end + rayAhead : 0.0;
+}
+
 float M_levelEnd(int level) {
 #if M_BY_ANGLE
-  return level == FOG_LEVELS - 1 ? rayEnd : min(M_levelMetres * exp2(float(level)), rayEnd);
+  return level == FOG_LEVELS - 1 ? rayEnd : min(M_levelMetres * exp2(float(level)) - rayAhead, rayEnd);
 #endif
   if (level == FOG_LEVELS - 1 || fogMu >= 1.0) return rayEnd;
   float share = 1.0;
   for (int k = level; k < FOG_LEVELS - 1; ++k) share *= fogMu;
-  return min(share * M_farthest, rayEnd);
+  return min(share * M_farthest - rayAhead, rayEnd);
 }
 
 void M_enter(float s) {
@@ -133,8 +145,7 @@ void M_begin() {
   M_findShadows();
   M_height = rayOrigin.z - fogCorner.z;
   M_rise = rayDirection.z;
-  vec3 local = rayOrigin - fogCorner;
-  M_farthest = rayEnd < 1e30 ? rayEnd : fogExit(local, rayDirection);
+  M_farthest = rayEnd < 1e30 ? rayEnd + rayAhead : M_exit();
   M_level = 0;
   M_zone = 0;
   M_from = rayBegin;

@@ -66,7 +66,7 @@ void M_findDark@() {
   vec3 across = cross(normal, rayDirection) / square;
   normal *= inversesqrt(square);
   float from = max(rayBegin, rayFrom);
-  vec3 origin = vec3(M_shadeEye) + rayOrigin;
+  vec3 origin = vec3(M_shadeOrigin) + rayOrigin;
   int stack[48];
   int top = 0;
   stack[0] = 0;
@@ -90,7 +90,7 @@ void M_findDark@() {
       vec3 corner[3];
       float height[3];
       for (int i = 0; i < 3; ++i) {
-        corner[i] = vec3(M_shadeCorners[3 * t + i].xyz - M_shadeEye) - rayOrigin;
+        corner[i] = vec3(M_shadeCorners[3 * t + i].xyz - M_shadeOrigin) - rayOrigin;
         height[i] = dot(normal, corner[i]);
       }
       vec3 cut[2];

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // How much fog lies between a place and a sun, as fog/sun_shadow.cpp has it; M_ stands for the medium's own prefix, and
-// @ for the sun's number. Follows fog_walk.glsl. Places are from the eye [m].
+// @ for the sun's number. Follows fog_walk.glsl. Places are from the picture's origin [m].
 
 uniform sampler2D M_sunMaps@;    // (rho, I_0, I_1, S), read by texelFetch
 uniform vec3 M_sunWay@;          // to the sun, unit length
-uniform vec3 M_sunCorner@;       // of the maps, from the eye [m]; z: the step from one texel to the next
+uniform vec3 M_sunCorner@;       // of the maps, from the picture's origin [m]; z: the step from one texel to the next
 uniform float M_sunDecay@;       // [1/m]
 uniform vec3 M_sunLight@;        // albedo times irradiance
 uniform float M_sunAsymmetry@;   // of the phase function

@@ -4,7 +4,7 @@
 // takes is added where the ray comes to it.
 
 uniform sampler2D M_texture;  // light and transmittance, row 0 at the top
-uniform vec3 M_middle;        // from the eye [m]
+uniform vec3 M_middle;        // from the picture's origin [m]
 uniform vec3 M_across;        // to the right, over the width [1/m]
 uniform vec3 M_down;          // down, over the height
 uniform vec3 M_forward;       // unit length

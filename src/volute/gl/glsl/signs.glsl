@@ -6,7 +6,7 @@
 layout(rgba32f, binding = 1) writeonly uniform image2D seen;  // radiance; w: [m] along the ray, NOWHERE where no sign is
 layout(r32i, binding = 2) writeonly uniform iimage2D numbers; // which sign, or -1
 
-// Five a sign: middle from the eye [m] and width; normal, unit length, and height; right; down; the picture's first
+// Five a sign: middle from the picture's origin [m] and width; normal, unit length, and height; right; down; the picture's first
 // texel, columns and rows as bits.
 layout(std430) readonly buffer Signs { vec4 signs[]; };
 layout(std430) readonly buffer Texels { vec4 texels[]; };
@@ -48,9 +48,11 @@ void main() {
   int number = -1;
   vec4 nearest = vec4(0.0, 0.0, NOWHERE, 0.0);
   float wall = NOWHERE;
+  double ahead = 0.0LF;
   if (castRay(pixel)) {
     wall = rayEnd;
-    float end = wall < NOWHERE ? wall * (1.0 + 1e-5) + ON_WALL : NOWHERE;
+    float end = wall < NOWHERE ? wall + 1e-5 * (wall + rayAhead) + ON_WALL : NOWHERE;
+    ahead = exactAhead;
     for (int i = 0; i < count; ++i) {
       vec4 place = meetSign(i, rayOrigin, rayDirection);
       if (place.w == 0.0 || !(place.z < min(end, nearest.z))) continue;
@@ -73,5 +75,5 @@ void main() {
     ++hits;
   }
   vec3 color = hits > 0 ? sum / float(hits) : pictureAt(number, nearest.xy);
-  imageStore(seen, pixel, vec4(color, min(nearest.z, wall)));
+  imageStore(seen, pixel, vec4(color, float(double(min(nearest.z, wall)) + ahead)));
 }

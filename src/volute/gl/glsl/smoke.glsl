@@ -15,8 +15,8 @@ layout(std430) readonly buffer M_Faces { int M_faces[]; };        // 2 * half-fa
 // w of a node's corners, as bits: first child (the second stands beside it) or first face; number of faces, 0 for an
 // inner node.
 
-uniform vec3 M_eye;    // from the mesh's middle
-uniform int M_eyeTet;  // -1: outside
+uniform vec3 M_origin; // the picture's, from the mesh's middle
+uniform int M_eyeTet;  // -1: rays begin outside
 
 vec3 M_o;              // the ray's origin from the mesh's middle
 vec3 M_u, M_v;         // with the ray's direction a right-handed frame
@@ -55,12 +55,30 @@ bool M_side(M_Corner a, M_Corner b) {
   return a.at.y != b.at.y ? a.at.y > b.at.y : b.at.x > a.at.x;
 }
 
-// Where the ray meets the face a, b, c (ascending), by its edges' areas.
+// Where the ray meets the face a, b, c (ascending): between two places of its outline, which its longest side, as seen,
+// has ahead of the ray and behind. So the place is on the ray for faces too that are seen edge on, whose areas are but
+// rounding.
 void M_meet(M_Corner a, M_Corner b, M_Corner c, out float s, out vec4 field) {
-  vec3 w = vec3(M_edge(b, c), -M_edge(a, c), M_edge(a, b));
-  float sum = w.x + w.y + w.z;
-  w = sum != 0.0 ? clamp(w / sum, 0.0, 1.0) : vec3(1.0 / 3.0);
-  w /= w.x + w.y + w.z;
+  M_Corner corner[3] = M_Corner[](a, b, c);
+  vec3 lengths = vec3(dot(b.at - a.at, b.at - a.at), dot(c.at - b.at, c.at - b.at), dot(a.at - c.at, a.at - c.at));
+  int p = lengths.x >= lengths.y && lengths.x >= lengths.z ? 0 : lengths.y >= lengths.z ? 1 : 2;
+  int q = (p + 1) % 3, r = (p + 2) % 3;
+  vec2 along = corner[q].at - corner[p].at;
+  vec3 far, aside;
+  for (int i = 0; i < 3; ++i) {
+    far[i] = dot(corner[i].at, along);
+    aside[i] = along.x * corner[i].at.y - along.y * corner[i].at.x;
+  }
+  int x = (far[r] < 0.0) == (far[p] < 0.0) ? q : p;  // across the ray from r
+  float onSide = far[p] != far[q] ? clamp(far[p] / (far[p] - far[q]), 0.0, 1.0) : 0.5;
+  float onOther = far[r] != far[x] ? clamp(far[r] / (far[r] - far[x]), 0.0, 1.0) : 0.0;
+  float from = mix(aside[p], aside[q], onSide), to = mix(aside[r], aside[x], onOther);
+  float between = from != to ? clamp(from / (from - to), 0.0, 1.0) : 0.5;
+  vec3 w = vec3(0.0);
+  w[p] += (1.0 - between) * (1.0 - onSide);
+  w[q] += (1.0 - between) * onSide;
+  w[r] += between * (1.0 - onOther);
+  w[x] += between * onOther;
   s = w.x * a.s + w.y * b.s + w.z * c.s;
   field = w.x * M_fields[a.vertex] + w.y * M_fields[b.vertex] + w.z * M_fields[c.vertex];
 }
@@ -124,13 +142,21 @@ void M_enterEyeTet() {
   }
 }
 
+// Boxes of faces across an axis are next to flat: rounding must not lose them.
 bool M_boxMet(vec3 low, vec3 high, float before) {
   float begin = M_lastEntry;
   float end = before;
   for (int axis = 0; axis < 3; ++axis) {
-    if (!clipAxis(M_o[axis], rayDirection[axis], low[axis], high[axis], begin, end)) return false;
+    if (rayDirection[axis] == 0.0) {
+      if (M_o[axis] < low[axis] || M_o[axis] > high[axis]) return false;
+      continue;
+    }
+    float a = (low[axis] - M_o[axis]) / rayDirection[axis];
+    float b = (high[axis] - M_o[axis]) / rayDirection[axis];
+    begin = max(begin, min(a, b));
+    end = min(end, max(a, b));
   }
-  return begin <= end;
+  return begin <= end + 1e-6 * (abs(begin) + abs(end));
 }
 
 // To the first face after M_lastEntry by which the ray enters the mesh.
@@ -180,7 +206,7 @@ void M_seek() {
 }
 
 void M_begin() {
-  M_o = M_eye + rayOrigin;
+  M_o = M_origin + rayOrigin;
   vec3 axis = abs(rayDirection.x) < 0.6 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0);
   M_u = normalize(cross(axis, rayDirection));
   M_v = cross(rayDirection, M_u);

@@ -9,7 +9,7 @@ layout(r32f, binding = 1) writeonly uniform image2D distances;  // [m] to the la
 
 uniform sampler2D normals;
 uniform sampler2D points;
-uniform dvec3 eyeInGeometry;
+uniform dvec3 originInGeometry;
 uniform int again;   // others were in the way before
 uniform float lift;  // of a shadow's ray from its surface, times 1 + its place: more than rounding moves it
 
@@ -22,7 +22,7 @@ void main() {
   bool lit = normal.w >= 0.0 && way.w > 0.0 && dot(normal.xyz, way.xyz) > 0.0 && irradianceAt(point) != vec3(0.0);
   if (again != 0) lit = imageLoad(ways, pixel).w != 0.0;
   if (lit) {
-    dvec3 at = eyeInGeometry + dvec3(point);
+    dvec3 at = originInGeometry + dvec3(point);
     at += lift * (1.0 + float(max(max(abs(at.x), abs(at.y)), abs(at.z)))) * normal.xyz;
     lit = meetTriangles(at, dvec3(way.xyz), double(way.w), true).triangle < 0;
   }

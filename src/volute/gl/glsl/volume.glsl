@@ -4,7 +4,7 @@
 // lie between eight voxel centres (trilinear: cell i is between voxels i - 1 and i). Bricks of 8^3 cells that are empty
 // are stepped over. M_open(brick) and M_voxel(voxel) come from volume_atlas.glsl or volume_tree.glsl.
 
-uniform vec3 M_eye;       // [cells] the camera's eye
+uniform vec3 M_origin;    // [cells] the picture's
 uniform vec3 M_perMetre;  // [cells/m]
 uniform mat3 M_turn;       // from the world's axes to the volume's
 uniform ivec3 M_lo;       // the cells M_lo <= i < M_hi are not all empty
@@ -74,7 +74,7 @@ ivec3 M_cellAt(float s) {
 }
 
 void M_begin() {
-  M_o = M_eye + M_turn * rayOrigin * M_perMetre;
+  M_o = M_origin + M_turn * rayOrigin * M_perMetre;
   M_d = M_turn * rayDirection * M_perMetre;
   M_waits = false;
   float begin = rayBegin;

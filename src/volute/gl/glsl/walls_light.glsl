@@ -14,7 +14,7 @@ uniform sampler2D normals;  // w: the triangle
 uniform sampler2D points;
 uniform sampler2D ways;     // w: 0 where something is in the way
 uniform sampler2D passed;   // w: the smoke's optical depth on the way
-uniform dvec3 eyeInGeometry;
+uniform dvec3 originInGeometry;
 uniform vec3 color;
 uniform float alike;        // shares are, within this
 
@@ -35,7 +35,7 @@ void main() {
     dvec3 a = corners[3 * triangle].xyz;
     dvec3 u = corners[3 * triangle + 1].xyz - a;
     dvec3 v = corners[3 * triangle + 2].xyz - a;
-    dvec3 w = eyeInGeometry + dvec3(point) - a;
+    dvec3 w = originInGeometry + dvec3(point) - a;
     dvec3 across = cross(u, v);
     double area = dot(across, across);
     double second = dot(cross(w, v), across) / area;
