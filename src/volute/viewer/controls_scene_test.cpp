@@ -88,6 +88,26 @@ TEST_F(SceneControls, ASignIsPutWhereTheMouseClicks) {
   EXPECT_EQ(app().placing(), "");
 }
 
+TEST_F(SceneControls, ALampIsPutWhereTheMouseClicks) {
+  open("smoke.json");
+  const Vec3 onFloor(2, 3, 0), before = pointOf("/lights/1/position");
+  const auto pixel = app().camera().camera(kWide, kTall).project(onFloor);
+  ASSERT_TRUE(pixel);
+  ASSERT_TRUE(script_->click("place /lights/1"));
+  EXPECT_EQ(app().placing(), "/lights/1");
+  expectSeen("place", [&] {
+    script_->clickAt(pixel->x(), pixel->y());
+    load();
+  });
+  EXPECT_EQ(app().placing(), "");
+  const Vec3 at = pointOf("/lights/1/position");
+  EXPECT_GT((at - before).norm(), 1);
+  EXPECT_LT((at - onFloor).norm(), 0.2);
+  EXPECT_GT(at.z(), 0);
+  saveAs("lamp.json");
+  expectTheSameAfter("lamp.json");
+}
+
 TEST_F(SceneControls, WhatHangsInTheAirFacesTheEye) {
   open("blob.npy");  // nothing to be met
   press("add sign");
