@@ -1,8 +1,9 @@
 # volute_module(NAME HEADERS .. SOURCES .. [DEPENDS modules] [LIBS public libraries] [PRIVATE_LIBS ..]
-#               [TESTS x_test.cpp ..] [TEST_DEPENDS modules] [TEST_LIBS ..])
-# One static library volute::NAME from src/volute/NAME, and one test program NAME_test beside it.
+#               [TESTS x_test.cpp ..] [TEST_DEPENDS modules] [TEST_LIBS ..] [TOGETHER filter])
+# One static library volute::NAME from src/volute/NAME, and one test program NAME_test beside it. Its
+# tests run one by one, those of the filter TOGETHER (as of --gtest_filter) in one process.
 function(volute_module name)
-  cmake_parse_arguments(M "" "" "HEADERS;SOURCES;DEPENDS;LIBS;PRIVATE_LIBS;TESTS;TEST_DEPENDS;TEST_LIBS" ${ARGN})
+  cmake_parse_arguments(M "" "TOGETHER" "HEADERS;SOURCES;DEPENDS;LIBS;PRIVATE_LIBS;TESTS;TEST_DEPENDS;TEST_LIBS" ${ARGN})
   list(TRANSFORM M_DEPENDS PREPEND volute::)
   if(M_SOURCES)
     add_library(volute_${name} STATIC ${M_SOURCES})
@@ -28,6 +29,12 @@ function(volute_module name)
     target_link_libraries(${name}_test PRIVATE volute::${name} ${M_TEST_DEPENDS} ${M_TEST_LIBS}
       GTest::gtest GTest::gmock GTest::gtest_main rapidcheck rapidcheck_gtest)
     volute_precompile(${name}_test math_test <gtest/gtest.h>)
-    gtest_discover_tests(${name}_test TEST_PREFIX ${name}. PROPERTIES LABELS unit DISCOVERY_TIMEOUT 60)
+    set(alone)
+    if(M_TOGETHER)
+      set(alone TEST_FILTER "-${M_TOGETHER}")
+      add_test(NAME ${name}.Together COMMAND ${name}_test "--gtest_filter=${M_TOGETHER}")
+      set_tests_properties(${name}.Together PROPERTIES LABELS unit)
+    endif()
+    gtest_discover_tests(${name}_test TEST_PREFIX ${name}. ${alone} PROPERTIES LABELS unit DISCOVERY_TIMEOUT 60)
   endif()
 endfunction()

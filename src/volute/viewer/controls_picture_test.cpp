@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// The viewer's controls that are no parameters of a document: picture, time, paint, film, files.
-#include <array>
-
-#include "volute/io/film.hpp"
+// The viewer's controls that are no parameters of a document: picture, files.
 #include "volute/viewer/controls_testing.hpp"
 #include "volute/viewer/panels.hpp"
 
@@ -12,51 +9,35 @@ namespace {
 
 TEST_F(Controls, ThePicturesOwn) {
   open("smoke.json");
-  const auto changes = [&](const std::string& what, const auto& act) {
-    SCOPED_TRACE(what);
-    const Image before = picture();
-    act();
-    load();
-    EXPECT_GT(difference(before, picture()), 0.001);
-  };
-  changes("exposure", [&] { EXPECT_TRUE(script_->click("exposure", 0.5)); });
+  expectSeen("exposure", [&] { EXPECT_TRUE(script_->click("exposure", 0.5)); });
   EXPECT_GT(app().settings().look.stops, 2);
   app().settings().look.stops = 0;  // or all is white
-  changes("view", [&] { script_->click("view", 0.6); });
-  changes("turning", [&] { script_->drag(100, 620, 200, 660); });
-  changes("Whole view", [&] { EXPECT_TRUE(script_->click("Whole view")); });
-  changes("First view", [&] { EXPECT_TRUE(script_->click("First view")); });
-  changes("surfaces", [&] { script_->click("surfaces", 0.1); });
+  expectSeen("view", [&] { script_->click("view", 0.6); });
+  expectSeen("Whole view", [&] { EXPECT_TRUE(script_->click("Whole view")); });
+  expectSeen("First view", [&] { EXPECT_TRUE(script_->click("First view")); });
+  expectSeen("surfaces", [&] { script_->click("surfaces", 0.1); });
   EXPECT_FALSE(app().settings().look.surfaces);
-  changes("quality", [&] { script_->choose("quality", "half"); });
+  expectSeen("quality", [&] { script_->choose("quality", "half"); });
   EXPECT_EQ(app().settings().look.quality, 2);
   script_->choose("quality", "quarter");
-  script_->choose("camera", "walk");
-  EXPECT_EQ(app().camera().mode(), ViewCamera::Mode::kWalk);
-  changes("time", [&] { script_->click("time", 0.99); });
+  expectSeen("time", [&] { script_->click("time", 0.99); });
   EXPECT_GT(app().timeline().time(), 0.15);
-  changes("<", [&] { script_->click("<"); });
+  expectSeen("<", [&] { script_->click("<"); });
   EXPECT_EQ(app().timeline().time(), 0);
-  changes(">", [&] { script_->click(">"); });
-  EXPECT_TRUE(script_->click("More"));
-  script_->click("speed", 0.2);
-  EXPECT_LT(app().timeline().speed(), 0.5);
-  script_->click("Play");
-  EXPECT_TRUE(app().timeline().playing());
-  script_->click("Play");
-  EXPECT_FALSE(app().timeline().playing());
-  script_->choose("renderer", "OpenGL");
-  picture();
-  EXPECT_FALSE(app().times().processor);
-  script_->choose("renderer", "processor");
-  picture();
-  EXPECT_TRUE(app().times().processor);
+  expectSeen(">", [&] { script_->click(">"); });
+  ASSERT_TRUE(script_->choose("camera", "walk"));
+  ASSERT_TRUE(script_->choose("renderer", "processor"));
   script_->click("Screenshot");
   EXPECT_TRUE(app().takeScreenshotWish());
+  const Image bare = viewer_->picture();
   script_->click("Help");
   EXPECT_TRUE(app().settings().help);
+  EXPECT_GT(difference(bare, viewer_->picture()), 0.1);
   app().settings().help = false;
-  app().timeline().setSpeed(2);
+  ASSERT_NO_FATAL_FAILURE(openMore());
+  ASSERT_TRUE(script_->click("speed", 0.7));
+  const double speed = app().timeline().speed();
+  EXPECT_GT(speed, 1.5);
   ASSERT_TRUE(script_->click("exposure", 0.45));
   ASSERT_TRUE(script_->click("view", 0.6));
   const double stops = app().settings().look.stops, fov = app().camera().fov();
@@ -73,8 +54,44 @@ TEST_F(Controls, ThePicturesOwn) {
   EXPECT_FALSE(app().settings().look.surfaces);
   EXPECT_EQ(app().settings().look.renderer, 2);
   EXPECT_EQ(app().settings().look.quality, 3);
-  EXPECT_EQ(app().timeline().speed(), 2);
+  EXPECT_EQ(app().timeline().speed(), speed);
   EXPECT_EQ(app().camera().mode(), ViewCamera::Mode::kWalk);
+}
+
+using PictureControls = WideControls;
+
+TEST_F(PictureControls, TheCamerasModeSaysWhatADragDoes) {
+  open("smoke.json");
+  const StartView begun = app().camera().view();
+  const auto turned = [&](const char* mode) {
+    app().camera().set(begun);
+    EXPECT_TRUE(script_->choose("camera", mode));
+    expectSeen(mode, [&] { script_->drag(kWide / 2, 300, kWide / 2 + 60, 330); });
+    return picture();
+  };
+  const Image orbit = turned("orbit");
+  EXPECT_GT((app().camera().eye() - begun.eye).norm(), 0.5);
+  EXPECT_LT((app().camera().view().target - begun.target).norm(), 1e-9);
+  const Image walk = turned("walk");
+  EXPECT_EQ(app().camera().eye(), begun.eye);
+  EXPECT_GT(difference(orbit, walk), 0.01);
+}
+
+TEST_F(PictureControls, WhoDrewIsSaid) {
+  constexpr int kLetters = 120, kLine = 13;
+  open("smoke.json");
+  const auto said = [&](const char* renderer) {
+    EXPECT_TRUE(script_->choose("renderer", renderer));
+    EXPECT_TRUE(script_->settle());
+    script_->frames(3);
+    return shownAt("who draws", kLetters, kLine);
+  };
+  const Image gl = said("OpenGL");
+  EXPECT_FALSE(app().times().processor);
+  const Image processor = said("processor");
+  EXPECT_TRUE(app().times().processor);
+  EXPECT_GT(difference(gl, processor), 0.1);
+  EXPECT_LT(difference(gl, said("OpenGL")), 0.05) << "else it is the background's change";
 }
 
 TEST_F(Controls, OpenGlAndTheProcessorAgree) {
@@ -89,100 +106,6 @@ TEST_F(Controls, OpenGlAndTheProcessorAgree) {
     sum += std::abs(gl.pixels[i] - processor.pixels[i]);
   // Light at corners is between them linear, edges are a pixel off.
   EXPECT_LT(sum / static_cast<double>(gl.pixels.size()), 0.01);
-}
-
-TEST_F(Controls, FogIsPaintedOnThePlanAndOnTheGround) {
-  constexpr int kWidth = 1000, kHeight = 1100;  // so that the ground is seen beside the panel
-  script_->input().width = kWidth, script_->input().height = kHeight;
-  open("fog.json");
-  ASSERT_NO_FATAL_FAILURE(openPaintPanel());
-  for (const char* control : {"tool add", "brush size", "brush strength", "brush softness", "plan",
-                              "Undo", "Redo", "Clear", "map", "Save map", "paint in the view"})
-    EXPECT_TRUE(script_->has(control)) << control;
-  const FogPainter& painter = app().paint().painter();
-  const auto begun = painter.coefficients().c;
-  ASSERT_TRUE(script_->click("brush size", 0.6));
-  EXPECT_GT(app().paint().brush.radius, 1.5);
-  ASSERT_TRUE(script_->click("brush strength", 0.6));
-  EXPECT_GT(app().paint().brush.strength, 1);
-  ASSERT_TRUE(script_->click("brush softness", 0.3));
-  EXPECT_LT(app().paint().brush.softness, 0.5);
-  const Image before = picture();
-  double x = 0, y = 0;
-  ASSERT_TRUE(script_->pointOf("plan", 0.75, 0.7, x, y));
-  script_->drag(x, y, x + 20, y, 0, 12);
-  load();
-  const auto painted = painter.coefficients().c;
-  EXPECT_NE(painted, begun);
-  EXPECT_GT(difference(before, picture()), 0.01);
-  ASSERT_TRUE(script_->click("Undo"));
-  EXPECT_EQ(painter.coefficients().c, begun);
-  load();
-  EXPECT_LT(difference(before, picture()), 0.001);
-  ASSERT_TRUE(script_->click("Redo"));
-  EXPECT_EQ(painter.coefficients().c, painted);
-  ASSERT_TRUE(script_->click("paint in the view", 0.05));
-  ASSERT_TRUE(app().settings().painting);
-  // On the ground, in the middle of the 3D view.
-  const auto ground = app().camera().camera(kWidth, kHeight).project(Vec3(8, 6, 0));
-  ASSERT_TRUE(ground);
-  ASSERT_TRUE(script_->click("tool coefficient", 0.1));
-  const auto place = painter.nearest(Vec2(8, 6));
-  const double low = painter.valueOf(*place);
-  script_->drag(ground->x(), ground->y(), ground->x(), ground->y() - 60);
-  EXPECT_NEAR(painter.valueOf(*place), std::min(low + 60.0 / 200 * painter.most(), painter.most()),
-              0.05 * painter.most());
-  ASSERT_TRUE(script_->click("tool remove", 0.1));
-  script_->drag(ground->x() - 20, ground->y(), ground->x() + 20, ground->y(), 0, 12);
-  EXPECT_LT(painter.valueOf(*place), low + 0.3 * painter.most());
-  ASSERT_TRUE(script_->click("tool smooth", 0.1));
-  script_->drag(ground->x() - 20, ground->y(), ground->x() + 20, ground->y(), 0, 12);
-  const auto last = painter.coefficients().c;
-  script_->press(Key::kZ, true);
-  EXPECT_NE(painter.coefficients().c, last);
-  script_->press(Key::kY, true);
-  EXPECT_EQ(painter.coefficients().c, last);
-  ASSERT_TRUE(script_->write("map", folder_.path("painted.png")));
-  ASSERT_TRUE(script_->click("Save map"));
-  load();
-  EXPECT_EQ(app().error(), "");
-  EXPECT_FALSE(app().paint().canvas().unsaved);
-  saveAs("painted.json");
-  app().open(folder_.path("painted.json"));
-  load();
-  ASSERT_TRUE(app().paint().has());
-  const auto& read = app().paint().painter().coefficients().c;
-  ASSERT_EQ(read.size(), last.size());
-  for (std::size_t i = 0; i < last.size(); ++i)
-    EXPECT_NEAR(read[i], last[i], 0.4 * 0.51 / 65535) << i;
-  ASSERT_TRUE(script_->click("Clear"));
-  EXPECT_TRUE(std::ranges::all_of(app().paint().painter().coefficients().c,
-                                  [](double v) { return v == 0; }));
-}
-
-TEST_F(Controls, AFilmIsMadeBesideTheWindowOrNotAtAll) {
-  open("smoke.pvd");
-  ASSERT_TRUE(script_->click("More"));
-  ASSERT_TRUE(script_->choose("film size", "640 x 360"));
-  ASSERT_TRUE(script_->write("film", folder_.path("film.mp4")));
-  ASSERT_TRUE(script_->click("Make film"));
-  if (!app().film() && !app().message().empty())
-    GTEST_SKIP() << app().message();
-  script_->frames(3);
-  ASSERT_TRUE(app().film());
-  ASSERT_TRUE(script_->click("Cancel film"));
-  script_->frames(2);
-  EXPECT_FALSE(app().film());
-  EXPECT_FALSE(std::filesystem::exists(folder_.path("film.mp4")));
-  ASSERT_TRUE(script_->click("Make film"));
-  while (app().film()) load();
-  EXPECT_THAT(app().message(), ::testing::HasSubstr("is written"));
-  auto reader = FilmReader::open(folder_.path("film.mp4"));
-  ASSERT_TRUE(reader) << reader.error().message;
-  EXPECT_EQ(reader->info().width, 640);
-  int frames = 0;
-  for (auto next = reader->next(); next && *next; next = reader->next()) ++frames;
-  EXPECT_EQ(frames, 6) << "0 to 0.2 s, 25 a second";
 }
 
 TEST_F(Controls, FilesOpenByDropping) {
@@ -338,7 +261,7 @@ TEST_F(Controls, ACapturesDamagedPictureIsToldAndTheOthersShown) {
   EXPECT_TRUE(app().picture().scene()->remarks.empty());
 }
 
-class Layout : public Controls {
+class LayoutControls : public Controls {
  protected:
   void resize(int width, int height) {
     script_->input().width = width, script_->input().height = height;
@@ -380,7 +303,7 @@ class Layout : public Controls {
   }
 };
 
-TEST_F(Layout, ControlsLieInTheWindowAndNotOnEachOther) {
+TEST_F(LayoutControls, ControlsLieInTheWindowAndNotOnEachOther) {
   for (const auto& [width, height] : {std::pair{1920, 1080}, {kNarrow, kHigh}}) {
     SCOPED_TRACE(width);
     resize(width, height);
@@ -391,7 +314,7 @@ TEST_F(Layout, ControlsLieInTheWindowAndNotOnEachOther) {
   }
 }
 
-TEST_F(Layout, TheMiddleOfThePictureIsFree) {
+TEST_F(LayoutControls, TheMiddleOfThePictureIsFree) {
   for (const auto& [width, height] :
        {std::pair{640, 400}, {1024, 640}, {1280, 720}, {1920, 1080}}) {
     SCOPED_TRACE(width);
@@ -405,7 +328,7 @@ TEST_F(Layout, TheMiddleOfThePictureIsFree) {
   }
 }
 
-TEST_F(Layout, InASmallWindowPanelsAreOpenedOneAfterTheOther) {
+TEST_F(LayoutControls, InASmallWindowPanelsAreOpenedOneAfterTheOther) {
   constexpr int kWide = 640, kTall = 400;
   resize(kWide, kTall);
   open("fog.json");
@@ -425,7 +348,7 @@ TEST_F(Layout, InASmallWindowPanelsAreOpenedOneAfterTheOther) {
   EXPECT_FALSE(script_->has("plan"));
 }
 
-TEST_F(Layout, AnErrorIsSeenWhileItsPanelIsClosed) {
+TEST_F(LayoutControls, AnErrorIsSeenWhileItsPanelIsClosed) {
   resize(640, 400);
   open("smoke.json");
   const double before = covered(0, 0, 0.4, 0.3);
@@ -436,7 +359,7 @@ TEST_F(Layout, AnErrorIsSeenWhileItsPanelIsClosed) {
   EXPECT_GT(covered(0, 0, 0.4, 0.3), before + 0.1);
 }
 
-TEST_F(Layout, TheHelpFitsIntoASmallWindow) {
+TEST_F(LayoutControls, TheHelpFitsIntoASmallWindow) {
   resize(640, 400);
   open("blob.npy");
   script_->press(Key::kF1);
@@ -456,73 +379,6 @@ TEST(Shortened, KeepsTheEndOfAName) {
   EXPECT_EQ(shortened("/home/me/case.smv.json", 14), "...se.smv.json");
   EXPECT_EQ(shortened("/h/\xC3\xA4\xC3\xA4\xC3\xA4\xC3\xA4", 6), "...\xC3\xA4\xC3\xA4\xC3\xA4");
   EXPECT_EQ(shortened("/h/\xC3\xA4\xC3\xA4", 5), "/h/\xC3\xA4\xC3\xA4") << "letters, not bytes";
-}
-
-/// Whoever adds a control adds it to the tests above, and here.
-TEST_F(Controls, NoneIsLeftOut) {
-  const std::set<std::string> driven = {"exposure",
-                                        "colours",
-                                        "quality",
-                                        "renderer",
-                                        "view",
-                                        "surfaces",
-                                        "camera",
-                                        "Whole view",
-                                        "First view",
-                                        "Screenshot",
-                                        "Help",
-                                        "look from a",
-                                        "look from b",
-                                        "look from c",
-                                        "scene",
-                                        "Save scene",
-                                        "Play",
-                                        "<",
-                                        ">",
-                                        "speed",
-                                        "time",
-                                        "film",
-                                        "film size",
-                                        "Make film",
-                                        "tool add",
-                                        "tool remove",
-                                        "tool smooth",
-                                        "tool coefficient",
-                                        "brush size",
-                                        "brush strength",
-                                        "brush softness",
-                                        "plan",
-                                        "Undo",
-                                        "Redo",
-                                        "Clear",
-                                        "map",
-                                        "Save map",
-                                        "paint in the view",
-                                        "Paint fog",
-                                        "Volute",
-                                        "Scene",
-                                        "More",
-                                        "who draws",
-                                        "add sign",
-                                        "add lamp",
-                                        "add sun",
-                                        "add ambient",
-                                        "Undo change",
-                                        "Redo change"};
-  for (const char* name : {"fog.json", "smoke.json", "blob.npy", "capture.json", "room.smv"}) {
-    SCOPED_TRACE(name);
-    open(name);
-    if (script_->has("Paint fog")) {
-      script_->click("Paint fog", 0.02);
-      script_->frames(3);
-    }
-    for (const auto& [control, place] : app().controls()) {
-      const bool each =
-          std::ranges::any_of(std::array{"/", "group ", "place /", "duplicate /", "remove /"},
-                              [&](const char* begin) { return control.starts_with(begin); });
-      EXPECT_TRUE(each || driven.contains(control)) << control;
-    }
-  }
 }
 
 TEST_F(Controls, ADamagedFileLeavesTheOldPictureUntilItIsMended) {

@@ -154,7 +154,7 @@ TEST_F(Renderers, SmokeIsDrawnByTheMethodThatWasAskedFor) {
       documentOpener({.maxMemory = kViewerMemory, .smokeMethod = GlSmokeMethod::kProject}));
   ASSERT_TRUE(made);
   viewer_ = std::move(*made);
-  script_ = std::make_unique<ViewerScript>(*viewer_, 160, 120);
+  begin(160, 120);
   open("smoke.vtu");
   by(ViewRenderer::kGl);
   const auto& passes = app().times().passes;

@@ -6,18 +6,8 @@
 namespace volute {
 namespace {
 
-class SceneControls : public Controls {
+class SceneControls : public WideControls {
  protected:
-  /// So that the middle of the picture is beside the panels, and they show all that they have.
-  static constexpr int kWide = 900, kTall = 1500;
-
-  void SetUp() override {
-    Controls::SetUp();
-    if (!script_)
-      return;
-    script_->input().width = kWide, script_->input().height = kTall;
-  }
-
   bool hasParameter(const std::string& path) {
     return std::ranges::find(app().document()->parameters, path, &Parameter::path) !=
            app().document()->parameters.end();
@@ -27,15 +17,6 @@ class SceneControls : public Controls {
     ASSERT_TRUE(script_->click(control)) << control;
     load();
     EXPECT_EQ(app().error(), "");
-  }
-
-  /// `act` changes the picture.
-  template <class Act>
-  void expectSeen(const char* what, Act&& act) {
-    SCOPED_TRACE(what);
-    const Image before = picture();
-    act();
-    EXPECT_GT(difference(before, picture()), 0.0005);
   }
 
   Vec3 pointOf(const std::string& path) {
@@ -105,6 +86,26 @@ TEST_F(SceneControls, ASignIsPutWhereTheMouseClicks) {
   ASSERT_TRUE(script_->click("place /signs/0"));
   script_->press(Key::kEscape);
   EXPECT_EQ(app().placing(), "");
+}
+
+TEST_F(SceneControls, ALampIsPutWhereTheMouseClicks) {
+  open("smoke.json");
+  const Vec3 onFloor(2, 3, 0), before = pointOf("/lights/1/position");
+  const auto pixel = app().camera().camera(kWide, kTall).project(onFloor);
+  ASSERT_TRUE(pixel);
+  ASSERT_TRUE(script_->click("place /lights/1"));
+  EXPECT_EQ(app().placing(), "/lights/1");
+  expectSeen("place", [&] {
+    script_->clickAt(pixel->x(), pixel->y());
+    load();
+  });
+  EXPECT_EQ(app().placing(), "");
+  const Vec3 at = pointOf("/lights/1/position");
+  EXPECT_GT((at - before).norm(), 1);
+  EXPECT_LT((at - onFloor).norm(), 0.2);
+  EXPECT_GT(at.z(), 0);
+  saveAs("lamp.json");
+  expectTheSameAfter("lamp.json");
 }
 
 TEST_F(SceneControls, WhatHangsInTheAirFacesTheEye) {
@@ -203,14 +204,12 @@ TEST(SceneEdits, PathsOfNothingAreErrors) {
   EXPECT_EQ(json["lights"].size(), 1U);
 }
 
-class PaintedFog : public SceneControls {
+class UnsavedControls : public SceneControls {
  protected:
   /// A stroke, of which no file knows.
   void paint() {
     ASSERT_NO_FATAL_FAILURE(openPaintPanel());
-    double x = 0, y = 0;
-    ASSERT_TRUE(script_->pointOf("plan", 0.75, 0.7, x, y));
-    script_->drag(x, y, x + 20, y, 0, 12);
+    ASSERT_TRUE(script_->dragFrom("plan", 0.75, 0.7, 20, 0, 12));
     load();
     ASSERT_TRUE(app().unsavedMap());
   }
@@ -218,7 +217,7 @@ class PaintedFog : public SceneControls {
   const std::string& title() { return app().document()->title; }
 };
 
-TEST_F(PaintedFog, AnotherFileOpensAfterTheQuestion) {
+TEST_F(UnsavedControls, AnotherFileOpensAfterTheQuestion) {
   open("fog.json");
   paint();
   const auto painted = app().paint().painter().coefficients().c;
@@ -251,7 +250,7 @@ TEST_F(PaintedFog, AnotherFileOpensAfterTheQuestion) {
   EXPECT_NEAR(kept->at(3, 9), painted[3] / 0.4, 1e-6) << "row 0 is at the largest y";
 }
 
-TEST_F(PaintedFog, TheWindowClosesAfterTheQuestion) {
+TEST_F(UnsavedControls, TheWindowClosesAfterTheQuestion) {
   open("fog.json");
   paint();
   script_->close();
@@ -269,7 +268,7 @@ TEST_F(PaintedFog, TheWindowClosesAfterTheQuestion) {
   EXPECT_TRUE(app().ends());
 }
 
-TEST_F(PaintedFog, NothingIsAskedWhereNothingIsLost) {
+TEST_F(UnsavedControls, NothingIsAskedWhereNothingIsLost) {
   open("fog.json");
   paint();
   script_->press(Key::kZ, true);

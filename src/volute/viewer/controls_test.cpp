@@ -19,6 +19,8 @@ TEST_F(Controls, EveryParameterOfFogAndItsSun) {
 TEST_F(Controls, FogWithoutASunDropsDetails) {
   open("dull.json");
   changeAll();
+  saveAs("dull2.json");
+  expectTheSameAfter("dull2.json");
 }
 
 TEST_F(Controls, EveryParameterOfSmokeAndLamps) {
@@ -83,7 +85,22 @@ TEST_F(Controls, AMaterialHasItsSmokePotential) {
   load();
   EXPECT_EQ(find().value[0], 3);
   EXPECT_NE(valueOf("/media/0/smoke_potential")[0], 2.0);
-  EXPECT_GT(difference(before, picture()), 0.001);
+  Image shown = picture();
+  EXPECT_GT(difference(before, shown), 0.001);
+  saveAs("material.json");
+  expectTheSameAfter("material.json");
+  EXPECT_EQ(find().value[0], 3);
+  expectChange(parameterAt("/media/0/smoke_potential"), shown);
+  saveAs("potential.json");
+  expectTheSameAfter("potential.json");
+}
+
+TEST_F(Controls, KmSaysWhatTheSootOfAnFdsCaseAbsorbs) {
+  open("soot.smv");
+  Image shown = picture();
+  expectChange(parameterAt("/media/0/mass_extinction"), shown);
+  saveAs("soot2.json");
+  expectTheSameAfter("soot2.json");
 }
 
 }  // namespace

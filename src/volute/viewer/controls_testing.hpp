@@ -119,6 +119,14 @@ class SceneFolder {
       more.push_back(static_cast<std::uint8_t>(40 * k));
     }
     fdswriter::smokeFile(cellsOf(kFirst), {{0, some}, {5, more}}).save(path("room_1.s3d"));
+    fdswriter::Index soot;
+    soot.meshes.push_back({kFirst, {{1, 3, 1, 3, 0, 1}}, {}});
+    const fdswriter::Slice slice{whole(kFirst), "SOOT DENSITY", "rho", "kg/m3"};
+    const auto density = [](double x, double y, double z) { return 1e-4 * linear(x, y, z); };
+    fdswriter::sliceFile(slice, {{0, fdswriter::atNodes(kFirst, slice.at, density)}})
+        .save(path("soot.sf"));
+    soot.slice(1, slice, "soot.sf", false);
+    soot.save(path("soot.smv"));
   }
 
   static constexpr const char* kFog = R"({"format": "volute-scene-1",
@@ -143,6 +151,12 @@ class SceneFolder {
   std::filesystem::path path_;
 };
 
+/// Of all tests of this program.
+inline ControlRecord& controlRecord() {
+  static ControlRecord record;
+  return record;
+}
+
 inline double difference(const Image& a, const Image& b) {
   double largest = 0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i)
@@ -157,7 +171,12 @@ class Controls : public ::testing::Test {
     if (!made)
       GTEST_SKIP() << made.error().message;
     viewer_ = std::move(*made);
-    script_ = std::make_unique<ViewerScript>(*viewer_, kNarrow, kHigh);
+    begin(kNarrow, kHigh);
+  }
+
+  void begin(int width, int height) {
+    script_ = std::make_unique<ViewerScript>(*viewer_, width, height);
+    script_->record = &controlRecord();
   }
 
   ViewerApp& app() { return viewer_->app(); }
@@ -193,6 +212,14 @@ class Controls : public ::testing::Test {
     return image;
   }
 
+  /// The speed and the film's controls, which "More" hides where the window is narrow.
+  void openMore() {
+    if (!script_->has("speed"))
+      script_->click("More");
+    script_->frames(3);
+    ASSERT_TRUE(script_->has("speed"));
+  }
+
   std::vector<double> valueOf(const std::string& path) {
     for (const Parameter& parameter : app().document()->parameters) {
       if (parameter.path == path)
@@ -213,18 +240,18 @@ class Controls : public ::testing::Test {
 
   /// As a person would.
   void change(const Parameter& parameter) {
-    double x = 0, y = 0;
-    ASSERT_TRUE(script_->pointOf(parameter.path, 0, 0.5, x, y)) << parameter.path;
+    ASSERT_TRUE(script_->has(parameter.path)) << parameter.path;
     switch (parameter.kind) {
       case Parameter::Kind::kNumber:
       case Parameter::Kind::kInteger: {
         const double share =
             (parameter.value[0] - parameter.least) / (parameter.most - parameter.least);
-        script_->click(parameter.path, parameter.logarithmic || share < 0.5 ? 0.55 : 0.12);
+        const double right = parameter.name.size() > 12 ? 0.45 : 0.55;  // of it is the name
+        script_->click(parameter.path, parameter.logarithmic || share < 0.5 ? right : 0.12);
         break;
       }
       case Parameter::Kind::kFlag:
-        script_->clickAt(x + 8, y);
+        script_->click(parameter.path, 0.1);
         break;
       case Parameter::Kind::kChoice: {
         const auto held = static_cast<std::size_t>(parameter.value[0]);
@@ -232,15 +259,42 @@ class Controls : public ::testing::Test {
         break;
       }
       case Parameter::Kind::kColor:
-        script_->drag(x + 10, y, x + 10 + (parameter.value[0] > 0.5 ? -90 : 90), y);
+        script_->dragFrom(parameter.path, 0.1, 0.5, parameter.value[0] > 0.5 ? -90 : 90, 0);
         break;
       case Parameter::Kind::kPoint:
-        script_->drag(x + 10, y, x - 60, y);
+        script_->dragFrom(parameter.path, 0.1, 0.5, -70, 0);
         break;
       case Parameter::Kind::kDirection:
         script_->click(parameter.path, 0.2);
         break;
     }
+  }
+
+  /// `act` changes the picture.
+  template <class Act>
+  void expectSeen(const std::string& what, Act&& act) {
+    SCOPED_TRACE(what);
+    const Image before = picture();
+    act();
+    load();
+    EXPECT_GT(difference(before, picture()), 0.0005);
+  }
+
+  /// What the window shows at a control: its upper left part, of this size [pixels].
+  Image shownAt(const std::string& control, int width, int height) {
+    double x = 0, y = 0;
+    EXPECT_TRUE(script_->pointOf(control, 0, 0, x, y)) << control;
+    const Image all = viewer_->picture();
+    Image part(width, height);
+    for (int j = 0; j < height; ++j) {
+      for (int i = 0; i < width; ++i) {
+        for (int c = 0; c < 3; ++c) {
+          part.at(i, j, c) = all.at(std::min(static_cast<int>(x) + i, all.width - 1),
+                                    std::min(static_cast<int>(y) + j, all.height - 1), c);
+        }
+      }
+    }
+    return part;
   }
 
   /// Of the value, and of the picture, which was `shown` and then is what came of it.
@@ -325,6 +379,19 @@ class Controls : public ::testing::Test {
   std::chrono::seconds clock_{2};  ///< by which the next file that is replaced is younger
   std::unique_ptr<HeadlessViewer> viewer_;
   std::unique_ptr<ViewerScript> script_;
+};
+
+/// In a window whose middle is beside the panels, which show all that they have.
+class WideControls : public Controls {
+ protected:
+  static constexpr int kWide = 900, kTall = 1500;
+
+  void SetUp() override {
+    Controls::SetUp();
+    if (!script_)
+      return;
+    script_->input().width = kWide, script_->input().height = kTall;
+  }
 };
 
 }  // namespace volute

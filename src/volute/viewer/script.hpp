@@ -2,13 +2,44 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
+#include <set>
 #include <string>
 
 #include "volute/viewer/headless_viewer.hpp"
 
 namespace volute {
+
+/// Which controls the panels had while scripts ran, and which of them the scripts used. They are
+/// counted by kind: "fog /media/N/mu", "remove /lights/N", "group", "look from".
+struct ControlRecord {
+  std::set<std::string> offered, used;
+
+  /// Of a control of this name, as ViewerApp::controls() has it, while this document is shown. What
+  /// is in an open list counts as the list.
+  static std::string kindOf(const std::string& control, const DocumentInfo* document) {
+    for (const std::string many : {"group", "look from"}) {
+      if (control.starts_with(many + " "))
+        return many;
+    }
+    std::string kind = control.substr(0, control.find(" = "));
+    if (document && kind.starts_with("/")) {
+      const auto& all = document->parameters;
+      const auto of = std::ranges::find_if(
+          all, [&](const Parameter& parameter) { return kind.starts_with(parameter.path); });
+      if (of != all.end())
+        kind = fmt::format("{} {}", of->group.substr(0, of->group.find_first_of(": ")), kind);
+    }
+    const auto number = kind.find_first_of("0123456789", std::min(kind.find('/'), kind.size()));
+    if (number == std::string::npos)
+      return kind;
+    const auto rest = kind.find_first_not_of("0123456789", number);
+    return fmt::format("{}N{}", kind.substr(0, number),
+                       rest == std::string::npos ? "" : kind.substr(rest));
+  }
+};
 
 /// A hand that drives a viewer without a display: clicks, drags and keys through its input layer.
 class ViewerScript {
@@ -19,6 +50,9 @@ class ViewerScript {
 
   /// Called after every frame, with the seconds that it took.
   std::function<void(double)> watch{};
+
+  /// Is added to by all that the script does, if it is there.
+  ControlRecord* record = nullptr;
 
   /// False if the viewer ended.
   bool frame() {
@@ -32,6 +66,10 @@ class ViewerScript {
     input_.dropped.clear();
     input_.closes = false;
     input_.wheel = 0;
+    if (record) {
+      for (const auto& [control, place] : viewer_.app().controls())
+        record->offered.insert(ControlRecord::kindOf(control, viewer_.app().document()));
+    }
     return goes;
   }
 
@@ -65,6 +103,20 @@ class ViewerScript {
 
   void close() {
     input_.closes = true;
+    frame();
+  }
+
+  /// Turns the wheel where the mouse is.
+  void wheel(double clicks) {
+    input_.wheel = clicks;
+    frame();
+  }
+
+  /// Keeps keys down for so many frames.
+  void holdKeys(std::set<Key> keys, int count) {
+    input_.held = std::move(keys);
+    frames(count);
+    input_.held.clear();
     frame();
   }
 
@@ -111,6 +163,17 @@ class ViewerScript {
     return true;
   }
 
+  /// Drags by so many pixels from a point of a control, 0..1 from its left and its top.
+  bool dragFrom(const std::string& control, double across, double down, double right, double below,
+                int steps = 6) {
+    double x = 0, y = 0;
+    if (!pointOf(control, across, down, x, y))
+      return false;
+    use(control);
+    drag(x, y, x + right, y + below, 0, steps);
+    return true;
+  }
+
   /// Where it is by then: a line that comes above it while the mouse moves pushes it down.
   bool click(const std::string& control, double across = 0.5, double down = 0.5) {
     double x = 0, y = 0;
@@ -124,6 +187,7 @@ class ViewerScript {
       if (x == input_.mouseX && y == input_.mouseY)
         break;
     }
+    use(control);
     clickAt(x, y);
     return true;
   }
@@ -148,6 +212,11 @@ class ViewerScript {
   ViewerInput& input() { return input_; }
 
  private:
+  void use(const std::string& control) {
+    if (record)
+      record->used.insert(ControlRecord::kindOf(control, viewer_.app().document()));
+  }
+
   HeadlessViewer& viewer_;
   ViewerInput input_;
 };

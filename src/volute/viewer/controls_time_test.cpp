@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// The viewer's clock and its films.
+#include "volute/io/film.hpp"
+#include "volute/viewer/controls_testing.hpp"
+
+namespace volute {
+namespace {
+
+class TimeControls : public Controls {
+ protected:
+  /// From the beginning, by so many frames of a sixtieth of a second: how far it comes [s].
+  double played(int count) {
+    app().timeline().seek(0);
+    EXPECT_TRUE(script_->click("Play"));
+    EXPECT_TRUE(app().timeline().playing());
+    const double begun = app().timeline().time();
+    script_->frames(count);
+    const double time = app().timeline().time() - begun;
+    EXPECT_TRUE(script_->click("Play"));
+    EXPECT_FALSE(app().timeline().playing());
+    return time;
+  }
+
+  /// Writes a slider's number.
+  void writeNumber(const std::string& control, const std::string& number) {
+    script_->input().control = true;
+    ASSERT_TRUE(script_->click(control));
+    script_->input().control = false;
+    script_->press(Key::kA, true);
+    script_->type(number);
+    script_->press(Key::kEnter);
+  }
+
+  struct Film {
+    int width = 0, height = 0, frames = 0;
+    Image last{};
+    bool changes = false;  ///< its pictures are not all the same
+  };
+
+  Film filmOf(const std::string& name) {
+    auto reader = FilmReader::open(folder_.path(name));
+    EXPECT_TRUE(reader) << reader.error().message;
+    if (!reader)
+      return {};
+    Film film{reader->info().width, reader->info().height};
+    EXPECT_NEAR(reader->info().framesPerSecond, 25, 1e-6);
+    for (auto next = reader->next(); next && *next; next = reader->next()) {
+      film.changes = film.changes || (film.frames > 0 && difference(film.last, **next) > 0.01);
+      film.last = std::move(**next);
+      ++film.frames;
+    }
+    return film;
+  }
+
+  void waitForFilm() {
+    while (app().film()) load();
+    EXPECT_THAT(app().message(), ::testing::HasSubstr("is written"));
+  }
+};
+
+TEST_F(TimeControls, ThePictureChangesWhileItPlays) {
+  open("room.smv");  // of 5 s
+  ASSERT_TRUE(script_->settle());
+  script_->input().seconds = 0;
+  ASSERT_TRUE(script_->click("Play"));
+  ASSERT_TRUE(app().timeline().playing());
+  app().settings().panels = false;
+  // What moves is drawn as fast as it can be, and differs from what rests.
+  const auto until = [&](const auto& holds) {
+    for (int i = 0; i < 1000 && !holds(); ++i) {
+      script_->frame();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return holds();
+  };
+  int drawn = 0;
+  Image shown;
+  ASSERT_TRUE(until([&] {
+    const Image now = viewer_->picture();
+    drawn = drawn > 0 && difference(now, shown) == 0 ? drawn + 1 : 1;
+    shown = now;
+    return drawn > 100;
+  })) << "it stays while no time passes";
+  script_->input().seconds = 0.5;
+  while (app().timeline().time() < 5) script_->frame();
+  script_->input().seconds = 0;
+  EXPECT_TRUE(until([&] { return difference(shown, viewer_->picture()) > 0.02; }));
+  ASSERT_TRUE(app().timeline().playing());
+  app().settings().panels = true;
+  script_->frames(3);
+  ASSERT_TRUE(script_->click("Play"));
+  script_->input().seconds = 1;
+  const double time = app().timeline().time();
+  script_->frames(3);
+  EXPECT_EQ(app().timeline().time(), time) << "it is paused";
+}
+
+TEST_F(TimeControls, AtTwiceTheSpeedItComesTwiceAsFar) {
+  constexpr int kFrames = 30;
+  open("room.smv");
+  ASSERT_NO_FATAL_FAILURE(openMore());
+  ASSERT_NO_FATAL_FAILURE(writeNumber("speed", "1"));
+  EXPECT_NEAR(played(kFrames), kFrames / 60.0, 1e-9);
+  ASSERT_NO_FATAL_FAILURE(writeNumber("speed", "2"));
+  EXPECT_EQ(app().timeline().speed(), 2);
+  EXPECT_NEAR(played(kFrames), 2 * kFrames / 60.0, 1e-9);
+}
+
+TEST_F(TimeControls, AFilmIsMadeBesideTheWindowOrNotAtAll) {
+  open("smoke.pvd");
+  ASSERT_NO_FATAL_FAILURE(openMore());
+  ASSERT_TRUE(script_->choose("film size", "640 x 360"));
+  ASSERT_TRUE(script_->write("film", folder_.path("film.mp4")));
+  ASSERT_TRUE(script_->click("Make film"));
+  if (!app().film() && !app().message().empty())
+    GTEST_SKIP() << app().message();
+  script_->frames(3);
+  ASSERT_TRUE(app().film());
+  ASSERT_TRUE(script_->click("Cancel film"));
+  script_->frames(2);
+  EXPECT_FALSE(app().film());
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("film.mp4")));
+  ASSERT_TRUE(script_->click("Make film"));
+  waitForFilm();
+  const Film film = filmOf("film.mp4");
+  EXPECT_EQ(film.frames, 6) << "0 to 0.2 s, 25 a second";
+  EXPECT_TRUE(film.changes);
+}
+
+TEST_F(TimeControls, AFilmHasItsSizeAndSpeed) {
+  open("smoke.pvd");
+  ASSERT_NO_FATAL_FAILURE(openMore());
+
+  const struct {
+    const char *size, *speed;
+    int width, height, frames;
+  } kFilms[] = {{"640 x 360", "1", 640, 360, 6},
+                {"1280 x 720", "2", 1280, 720, 3},
+                {"1920 x 1080", "10", 1920, 1080, 1},
+                {"window", "10", kNarrow, kHigh, 1}};
+
+  for (const auto& [size, speed, width, height, frames] : kFilms) {
+    SCOPED_TRACE(size);
+    const std::string name = std::string(size).substr(0, 4) + ".mp4";
+    ASSERT_TRUE(script_->choose("film size", size));
+    ASSERT_NO_FATAL_FAILURE(writeNumber("speed", speed));
+    ASSERT_TRUE(script_->write("film", folder_.path(name)));
+    ASSERT_TRUE(script_->click("Make film"));
+    if (!app().film() && !app().message().empty())
+      GTEST_SKIP() << app().message();
+    waitForFilm();
+    const Film film = filmOf(name);
+    EXPECT_EQ(film.width, width);
+    EXPECT_EQ(film.height, height);
+    EXPECT_EQ(film.frames, frames) << "0.2 s at this speed, 25 pictures a second";
+    EXPECT_EQ(film.last.width, width);
+  }
+}
+
+}  // namespace
+}  // namespace volute
