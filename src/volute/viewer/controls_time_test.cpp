@@ -55,6 +55,7 @@ class TimeControls : public Controls {
 
   void waitForFilm() {
     while (app().film()) load();
+    script_->frame();  // the film's controls are back
     EXPECT_THAT(app().message(), ::testing::HasSubstr("is written"));
   }
 };
