@@ -89,7 +89,9 @@ void Display::keep(GLuint picture, const DisplayLook& look) {
   program_.set("mapped", look.map ? 1 : 0);
   program_.set("surfaces", kSurfacesUnit);
   program_.set("opaque", look.surfaces ? 1 : 0);
-  glBindTextureUnit(kSurfacesUnit, look.surfaces);  // not smoothed: its power has edges
+  // Not smoothed: its power has edges. Some texture in any case, or a rasteriser on the processor
+  // compiles the program twice.
+  glBindTextureUnit(kSurfacesUnit, look.surfaces ? look.surfaces : picture);
   glBindTextureUnit(kPictureUnit, picture);
   glBindTextureUnit(kColorsUnit, colors_.name());
   glBindSampler(kPictureUnit, smooth_.name());
