@@ -154,6 +154,25 @@ TEST_F(PaintControls, EachToolChangesTheMapInItsWay) {
   expectReadAgain("clear.png");
 }
 
+TEST_F(PaintControls, NothingMovesUnderTheHand) {
+  ASSERT_NO_FATAL_FAILURE(unfold("dull.json"));
+  take("coefficient");  // which a hand that is still does not change
+  const auto top = [&] { return app().controls().at("plan").top; };
+  const double begun = top();
+  double x = 0, y = 0;
+  ASSERT_TRUE(script_->pointOf("plan", 0.5, 0.5, x, y));
+  script_->move(x, y);
+  script_->hold(0, true);
+  app().open(folder_.path("nowhere.json"));
+  load();
+  ASSERT_NE(app().error(), "");
+  EXPECT_EQ(top(), begun) << "a sentence above it waits for the stroke's end";
+  script_->hold(0, false);
+  EXPECT_EQ(top(), begun);
+  script_->frames(4);
+  EXPECT_GT(top(), begun + 10);
+}
+
 TEST_F(PaintControls, FogIsPaintedOnTheGround) {
   ASSERT_NO_FATAL_FAILURE(unfold("fog.json"));
   const Map begun = map();

@@ -15,8 +15,13 @@ constexpr float kShare[] = {0.235F, 0.235F, 0.245F};  ///< of the window
 
 }  // namespace
 
-void PanelLayout::fit(float width, float height, float below) {
-  width_ = width;
+void PanelLayout::fit(float width, float height, float below, bool held) {
+  const bool same = roomy_ && width == width_ && height == height_;
+  still_ = same && (held || held_);
+  held_ = held;
+  if (still_)
+    return;
+  width_ = width, height_ = height;
   free_ = height - 2 * kPanelMargin - below;
   const bool roomy = width >= kWide || height >= kTall;
   if (roomy_ != roomy) {
@@ -48,6 +53,17 @@ void PanelLayout::closeWhatDoesNotFit() {
   if (!upper.open || !lower.open || upper.height + kPanelGap + lower.height <= free_)
     return;
   (last_ == SidePanel::kPaint ? upper : lower).open = false;
+}
+
+void PanelLayout::measure(SidePanel panel, float height) {
+  if (!still_)
+    of(panel).height = height;
+}
+
+float PanelLayout::lowerTop(float above) {
+  if (!still_)
+    lowerTop_ = above + kPanelGap;
+  return lowerTop_;
 }
 
 float PanelLayout::width(SidePanel panel) const {

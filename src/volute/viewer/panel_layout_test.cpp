@@ -66,6 +66,29 @@ TEST(PanelLayout, OnTheLeftWhatDoesNotFitCloses) {
   EXPECT_FALSE(layout.isOpen(kPicture)) << "it has become too high for both";
 }
 
+TEST(PanelLayout, NothingMovesWhileAButtonIsHeld) {
+  PanelLayout layout;
+  layout.measure(kPicture, 400);
+  layout.measure(kPaint, 300);
+  layout.fit(1280, 900, 0);
+  layout.set(kPaint, true);
+  EXPECT_EQ(layout.lowerTop(410), 414);
+  layout.fit(1280, 900, 0, true);
+  layout.measure(kPicture, 700);
+  EXPECT_EQ(layout.lowerTop(710), 414);
+  EXPECT_TRUE(layout.isOpen(kPicture));
+  layout.fit(1280, 900, 0, false);
+  layout.measure(kPicture, 700);
+  EXPECT_TRUE(layout.still() && layout.isOpen(kPicture)) << "the button has just gone up";
+  layout.fit(1280, 900, 0, false);
+  layout.measure(kPicture, 700);
+  EXPECT_EQ(layout.lowerTop(710), 714);
+  layout.fit(1280, 900, 0, false);
+  EXPECT_FALSE(layout.isOpen(kPicture)) << "both do not fit any more";
+  layout.fit(1280, 800, 0, true);
+  EXPECT_FALSE(layout.still()) << "another window";
+}
+
 TEST(PanelLayout, AClosedOneHasItsTitleBeforeItWasEverOpen) {
   PanelLayout layout;
   layout.fit(640, 400, 0);

@@ -11,41 +11,56 @@ namespace {
 
 constexpr float kLabels = 70;  ///< [pixels] that are left for names
 
-constexpr std::size_t kFewTimes = 8;  ///< of pictures, below which a histogram says nothing
+constexpr std::size_t kFewTimes = 8;  ///< of pictures: the least that a histogram shows
 
-/// Whether there is something that nobody should miss.
-bool hasNotices(const ViewerApp& app) {
-  return !app.document() || app.loading().busy || !app.error().empty() || !app.message().empty();
-}
-
-void noticePart(const ViewerApp& app) {
-  if (!app.document() && !app.loading().busy)
-    wrappedText("Drop a file here to open it.", true);
-  if (app.loading().busy) {
-    const double share = app.loading().share;
-    ImGui::ProgressBar(share < 0 ? 0.0F : static_cast<float>(share), {-1, 0},
-                       app.loading().stage.c_str());
-  }
-  if (!app.error().empty()) {
-    ImGui::PushStyleColor(ImGuiCol_Text, {1, 0.5F, 0.4F, 1});
-    wrappedText(app.error());
-    ImGui::PopStyleColor();
-  }
+/// What there is to say, from the file's name down.
+std::vector<PanelNotice> noticesOf(const ViewerApp& app) {
+  using enum PanelNotice::Kind;
+  std::vector<PanelNotice> all;
+  const DocumentInfo* document = app.document();
+  const LoaderState& loading = app.loading();
+  if (document)
+    all.push_back({kText, document->title, false});
+  if (!document && !loading.busy)
+    all.push_back({kFaint, "Drop a file here to open it."});
+  if (loading.busy)
+    all.push_back({kProgress, loading.stage, true, std::max(loading.share, 0.0)});
+  if (!app.error().empty())
+    all.push_back({kError, app.error()});
   if (!app.message().empty())
-    wrappedText(app.message());
+    all.push_back({kText, app.message()});
+  const auto remark = [&](const std::string& text) { all.push_back({kFaint, text, false}); };
+  if (!app.picture().remark().empty())
+    remark(app.picture().remark());
+  if (document)
+    std::ranges::for_each(document->remarks, remark);
+  if (const ViewScene* scene = app.picture().scene())
+    std::ranges::for_each(scene->remarks, remark);
+  return all;
 }
 
-void documentPart(const ViewerApp& app) {
-  if (const DocumentInfo* document = app.document())
-    wrappedText(document->title);
-  noticePart(app);
-  if (!app.picture().remark().empty())
-    wrappedText(app.picture().remark(), true);
-  if (const DocumentInfo* document = app.document()) {
-    for (const std::string& remark : document->remarks) wrappedText(remark, true);
-  }
-  if (const ViewScene* scene = app.picture().scene()) {
-    for (const std::string& remark : scene->remarks) wrappedText(remark, true);
+/// Whether one is as high as the other: but for how far progress has come.
+bool asHigh(const std::vector<PanelNotice>& a, const std::vector<PanelNotice>& b) {
+  return std::ranges::equal(a, b, [](const PanelNotice& one, const PanelNotice& other) {
+    return one == other || (one.kind == PanelNotice::Kind::kProgress && one.kind == other.kind);
+  });
+}
+
+void drawNotice(const PanelNotice& notice) {
+  using enum PanelNotice::Kind;
+  switch (notice.kind) {
+    case kText:
+    case kFaint:
+      wrappedText(notice.text, notice.kind == kFaint);
+      break;
+    case kError:
+      ImGui::PushStyleColor(ImGuiCol_Text, {1, 0.5F, 0.4F, 1});
+      wrappedText(notice.text);
+      ImGui::PopStyleColor();
+      break;
+    case kProgress:
+      ImGui::ProgressBar(static_cast<float>(notice.share), {-1, 0}, notice.text.c_str());
+      break;
   }
 }
 
@@ -165,16 +180,16 @@ void timesPart(ViewerApp& app) {
   if (times.history.empty())
     return;
   ImGui::Separator();
-  std::string words =
-      fmt::format("{:.1f} ms for {} x {} pixels", times.milliseconds, times.width, times.height);
-  if (times.history.size() >= kFewTimes) {
-    const float most = *std::ranges::max_element(times.history);
-    ImGui::PlotHistogram("##times", times.history.data(), static_cast<int>(times.history.size()), 0,
-                         nullptr, 0, 1.1F * most, {-1, 36});
-    hint("how long the last pictures took");
-    words += fmt::format(", {:.0f} ms at most", most);
-  }
-  wrappedText(words);
+  // As high with one picture as with many.
+  std::vector<float> shown(kFewTimes - std::min(kFewTimes, times.history.size()), 0.0F);
+  shown.insert(shown.end(), times.history.begin(), times.history.end());
+  const float most = *std::ranges::max_element(shown);
+  ImGui::PlotHistogram("##times", shown.data(), static_cast<int>(shown.size()), 0, nullptr, 0,
+                       1.1F * most, {-1, 36});
+  hint("how long the last pictures took");
+  wrappedText(
+      fmt::format("{:.1f} ms for {} x {} pixels", times.milliseconds, times.width, times.height));
+  wrappedText(fmt::format("{:.0f} ms at most", most));
   whoDraws(app);
 }
 
@@ -182,7 +197,8 @@ void timesPart(ViewerApp& app) {
 /// beside the panel that is open there.
 void drawNotices(ViewerApp& app) {
   const PanelLayout& layout = app.settings().layout;
-  if (layout.isOpen(SidePanel::kPicture) || !hasNotices(app))
+  const auto& notices = app.settings().notices;
+  if (layout.isOpen(SidePanel::kPicture) || std::ranges::none_of(notices, &PanelNotice::missed))
     return;
   const float title = ImGui::GetFrameHeight() + kPanelGap;
   const bool beside = app.paint().has() && layout.isOpen(SidePanel::kPaint);
@@ -194,7 +210,10 @@ void drawNotices(ViewerApp& app) {
   ImGui::Begin("Notices", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
-  noticePart(app);
+  for (const PanelNotice& notice : notices) {
+    if (notice.missed)
+      drawNotice(notice);
+  }
   ImGui::End();
 }
 
@@ -315,11 +334,15 @@ void drawPanels(ViewerApp& app, const ViewerInput& input) {
   if (!app.settings().panels)
     return;
   const float time = timePanelHeight(app, input);
-  app.settings().layout.fit(static_cast<float>(input.width), static_cast<float>(input.height),
-                            time > 0 ? time + kPanelGap : 0);
+  PanelLayout& layout = app.settings().layout;
+  layout.fit(static_cast<float>(input.width), static_cast<float>(input.height),
+             time > 0 ? time + kPanelGap : 0, std::ranges::count(input.buttons, true) > 0);
+  auto notices = noticesOf(app);
+  if (!layout.still() || asHigh(notices, app.settings().notices))
+    app.settings().notices = std::move(notices);
   if (beginSidePanel(app, SidePanel::kPicture, "Volute", kPanelMargin, kPanelMargin)) {
     ImGui::PushItemWidth(-kLabels);
-    documentPart(app);
+    std::ranges::for_each(app.settings().notices, drawNotice);
     ImGui::Separator();
     picturePart(app, input);
     stationPart(app);
@@ -327,7 +350,7 @@ void drawPanels(ViewerApp& app, const ViewerInput& input) {
     timesPart(app);
     ImGui::PopItemWidth();
   }
-  const float below = ImGui::GetWindowPos().y + ImGui::GetWindowHeight() + kPanelGap;
+  const float below = layout.lowerTop(ImGui::GetWindowPos().y + ImGui::GetWindowHeight());
   endSidePanel(app, SidePanel::kPicture);
   drawParameterPanel(app, input);
   drawPaintPanel(app, input, below);

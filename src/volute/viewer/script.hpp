@@ -132,22 +132,13 @@ class ViewerScript {
 
   void clickAt(double x, double y, int button = 0) {
     move(x, y);
-    hold(button, true);
-    hold(button, false);
-    frame();
+    clickHere(button);
   }
 
   /// Steadily, with the button held.
   void drag(double x0, double y0, double x1, double y1, int button = 0, int steps = 6) {
     move(x0, y0);
-    hold(button, true);
-    for (int i = 1; i <= steps; ++i) {
-      input_.mouseX = x0 + (x1 - x0) * i / steps;
-      input_.mouseY = y0 + (y1 - y0) * i / steps;
-      frame();
-    }
-    hold(button, false);
-    frame();
+    dragTo(x1, y1, button, steps);
   }
 
   bool has(const std::string& control) const { return viewer_.app().controls().contains(control); }
@@ -166,29 +157,18 @@ class ViewerScript {
   /// Drags by so many pixels from a point of a control, 0..1 from its left and its top.
   bool dragFrom(const std::string& control, double across, double down, double right, double below,
                 int steps = 6) {
-    double x = 0, y = 0;
-    if (!pointOf(control, across, down, x, y))
+    if (!moveTo(control, across, down))
       return false;
     use(control);
-    drag(x, y, x + right, y + below, 0, steps);
+    dragTo(input_.mouseX + right, input_.mouseY + below, 0, steps);
     return true;
   }
 
-  /// Where it is by then: a line that comes above it while the mouse moves pushes it down.
   bool click(const std::string& control, double across = 0.5, double down = 0.5) {
-    double x = 0, y = 0;
-    if (!pointOf(control, across, down, x, y))
+    if (!moveTo(control, across, down))
       return false;
-    constexpr int kTries = 5;
-    for (int i = 0; i < kTries; ++i) {
-      move(x, y);
-      if (!pointOf(control, across, down, x, y))
-        return false;
-      if (x == input_.mouseX && y == input_.mouseY)
-        break;
-    }
     use(control);
-    clickAt(x, y);
+    clickHere();
     return true;
   }
 
@@ -212,6 +192,39 @@ class ViewerScript {
   ViewerInput& input() { return input_; }
 
  private:
+  /// Onto a point of a control, where it is by then: a line that comes above it while the mouse
+  /// moves pushes it down. Once a button is down nothing moves it.
+  bool moveTo(const std::string& control, double across, double down) {
+    constexpr int kTries = 8;
+    double x = 0, y = 0;
+    for (int i = 0; i < kTries; ++i) {
+      if (!pointOf(control, across, down, x, y))
+        return false;
+      if (i > 0 && x == input_.mouseX && y == input_.mouseY)
+        return true;
+      move(x, y);
+    }
+    return has(control);
+  }
+
+  void clickHere(int button = 0) {
+    hold(button, true);
+    hold(button, false);
+    frame();
+  }
+
+  void dragTo(double x1, double y1, int button, int steps) {
+    const double x0 = input_.mouseX, y0 = input_.mouseY;
+    hold(button, true);
+    for (int i = 1; i <= steps; ++i) {
+      input_.mouseX = x0 + (x1 - x0) * i / steps;
+      input_.mouseY = y0 + (y1 - y0) * i / steps;
+      frame();
+    }
+    hold(button, false);
+    frame();
+  }
+
   void use(const std::string& control) {
     if (record)
       record->used.insert(ControlRecord::kindOf(control, viewer_.app().document()));

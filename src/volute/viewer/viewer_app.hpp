@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "volute/gl/gl_device.hpp"
 #include "volute/viewer/film_export.hpp"
@@ -20,16 +21,29 @@
 
 namespace volute {
 
+/// What a panel says about a file and about what is being done.
+struct PanelNotice {
+  enum class Kind { kText, kFaint, kError, kProgress };
+
+  Kind kind = Kind::kText;
+  std::string text{};
+  bool missed = true;  ///< is seen wherever no panel says it
+  double share = 0;    ///< of kProgress, 0..1
+
+  bool operator==(const PanelNotice&) const = default;
+};
+
 /// What the panels show and change, and what is written into the boxes.
 struct ViewerSettings {
   ViewLook look{};
   bool panels = true;
   bool help = false;
   PanelLayout layout{};
-  bool timeOpen = false;    ///< a small window's panel of time shows speed and film too
-  bool painting = false;    ///< the left button paints fog
-  std::string sceneName{};  ///< where the scene would be saved
-  std::string mapName{};    ///< and the map of fog
+  std::vector<PanelNotice> notices{};  ///< as they are shown
+  bool timeOpen = false;               ///< a small window's panel of time shows speed and film too
+  bool painting = false;               ///< the left button paints fog
+  std::string sceneName{};             ///< where the scene would be saved
+  std::string mapName{};               ///< and the map of fog
   std::string filmName = "film.mp4";
   int filmSize = 1;  ///< 640 x 360, 1280 x 720, 1920 x 1080, the window's
 };
