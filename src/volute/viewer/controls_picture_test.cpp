@@ -77,6 +77,22 @@ TEST_F(PictureControls, TheCamerasModeSaysWhatADragDoes) {
   EXPECT_GT(difference(orbit, walk), 0.01);
 }
 
+TEST_F(PictureControls, TheLastPicturesTimesAreBars) {
+  open("smoke.json");
+  ASSERT_TRUE(script_->settle());
+  double x = 0, y = 0, right = 0, bottom = 0;
+  ASSERT_TRUE(script_->pointOf("times", 0, 0, x, y));
+  ASSERT_TRUE(script_->pointOf("times", 1, 1, right, bottom));
+  const Image shown = shownAt("times", int(right - x), int(bottom - y));
+  EXPECT_GT(shown.width, 200);
+  int bright = 0;
+  for (int i = 0; i < shown.width; ++i) {
+    const auto green = shown.at(i, shown.height - 6, 1), red = shown.at(i, shown.height - 6, 0);
+    bright += green > 0.4 && green > 1.5 * red;
+  }
+  EXPECT_GT(bright, shown.width / 20) << "a bar for the first picture";
+}
+
 TEST_F(PictureControls, WhoDrewIsSaid) {
   constexpr int kLetters = 120, kLine = 13;
   open("smoke.json");

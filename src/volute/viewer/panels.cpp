@@ -185,7 +185,8 @@ void timesPart(ViewerApp& app) {
   shown.insert(shown.end(), times.history.begin(), times.history.end());
   const float most = *std::ranges::max_element(shown);
   ImGui::PlotHistogram("##times", shown.data(), static_cast<int>(shown.size()), 0, nullptr, 0,
-                       1.1F * most, {-1, 36});
+                       1.1F * most, {ImGui::GetContentRegionAvail().x, 36});
+  app.mark("times");
   hint("how long the last pictures took");
   wrappedText(
       fmt::format("{:.1f} ms for {} x {} pixels", times.milliseconds, times.width, times.height));
