@@ -175,6 +175,12 @@ void whoDraws(ViewerApp& app) {
   }
 }
 
+/// Of milliseconds: a line of times is never too long for the panel.
+std::string shortTime(double milliseconds) {
+  return milliseconds < 1000 ? fmt::format("{:.1f} ms", milliseconds)
+                             : fmt::format("{:.1f} s", milliseconds / 1000);
+}
+
 void timesPart(ViewerApp& app) {
   const FrameTimes& times = app.times();
   if (times.history.empty())
@@ -189,8 +195,8 @@ void timesPart(ViewerApp& app) {
   app.mark("times");
   hint("how long the last pictures took");
   wrappedText(
-      fmt::format("{:.1f} ms for {} x {} pixels", times.milliseconds, times.width, times.height));
-  wrappedText(fmt::format("{:.0f} ms at most", most));
+      fmt::format("{}, {} x {} pixels", shortTime(times.milliseconds), times.width, times.height));
+  wrappedText(shortTime(most) + " at most");
   whoDraws(app);
 }
 
