@@ -44,8 +44,8 @@ struct Renderers : Controls {
     return picture();
   }
 
-  /// OpenGL draws all of it, nearly as the processor does: of opaque things it knows the light at
-  /// corners alone, and edges may be a pixel off.
+  /// OpenGL draws all of it, nearly as the processor does: signs are rasterised, and their edges
+  /// may be a pixel off.
   void expectBoth(const std::string& name, double mean) {
     SCOPED_TRACE(name);
     open(name);
