@@ -149,7 +149,8 @@ struct GlRenderer::State {
   BillboardPass billboardPass;
   SurfacePasses surfacePasses;
   SignPasses signPasses;
-  int width = 0, height = 0;
+  int width = 0, height = 0;  ///< of `picture` and `opaque`
+  int passedWidth = 0, passedHeight = 0;
 
   /// The last surfaces in a sun's light.
   struct {
@@ -158,6 +159,8 @@ struct GlRenderer::State {
   } shade;
 
   Status prepareShade(const TriangleScene& scene);
+  /// Drops what no picture has needed since the last call, nor surfaces and walls before it.
+  void sweep();
   using Media = std::vector<std::unique_ptr<GlMedium>>;
   Result<Media> mediaOf(const GlScene& scene, const Camera& camera, Progress& progress);
   Result<std::shared_ptr<const GlFogMap>> mapOf(const FogMedium& fog);
@@ -290,13 +293,16 @@ Result<GlRenderer::State::Media> GlRenderer::State::mediaOf(const GlScene& scene
     VOLUTE_ASSIGN(auto medium, mediumOf(board, camera, progress));
     media.push_back(std::move(medium));
   }
+  return media;
+}
+
+void GlRenderer::State::sweep() {
   meshes.sweep();
   atlases.sweep();
   trees.sweep();
   smokeFields.sweep();
   fogMaps.sweep();
   fdsData.sweep();
-  return media;
 }
 
 bool GlRenderer::State::mayWalk(const FogMedium& fog) const {
@@ -350,7 +356,6 @@ Status GlRenderer::State::resize(const Camera& camera) {
   VOLUTE_TRY(checkSize(camera));
   width = camera.width(), height = camera.height();
   picture = makeTexture2d(GL_RGBA32F, width, height);
-  passed = {};
   opaque = {};
   return {};
 }
@@ -397,8 +402,10 @@ Status GlRenderer::State::march(const Camera& camera,
 Result<GLuint> GlRenderer::State::depthOf(const Camera& camera, const GlScene& scene,
                                           const Media& media, const GlRays& rays,
                                           Progress& progress) {
-  if (!passed)
-    passed = makeTexture2d(GL_RGBA32F, width, height);
+  if (passedWidth < camera.width() || passedHeight < camera.height()) {
+    passedWidth = camera.width(), passedHeight = camera.height();
+    passed = makeTexture2d(GL_RGBA32F, passedWidth, passedHeight);
+  }
   VOLUTE_TRY(
       march(camera, media, GlQuantity::kOpticalDepth, rays, passed, mediaNames(scene), progress));
   return passed.name();
@@ -462,9 +469,12 @@ Status GlRenderer::draw(const Camera& camera, const GlScene& scene, GlQuantity q
   const GlRays rays = state.raysOf(camera, opaqueDepth);
   const auto alone = state.drawAlone(camera, scene, smokeMethod(scene, camera, quantity),
                                      opaqueDepth, rays, progress);
-  if (alone || alone.error().code != ErrorCode::kUnsupported)
+  if (alone || alone.error().code != ErrorCode::kUnsupported) {
+    state.sweep();
     return alone;
+  }
   VOLUTE_ASSIGN(const State::Media media, state.mediaOf(scene, camera, progress));
+  state.sweep();
   return state.march(camera, media, quantity, rays, state.picture, mediaNames(scene), progress);
 }
 
@@ -472,7 +482,7 @@ Result<SurfacePicture> GlRenderer::surfaces(const Camera& camera, const SurfaceS
                                             const GlScene& media, const Rgb& background,
                                             Progress& progress) {
   State& state = *state_;
-  VOLUTE_TRY(state.resize(camera));
+  VOLUTE_TRY(state.checkSize(camera));
   State::Media made;
   SurfacePasses::Attenuate attenuate;
   if (media.media() > 0 && !scene.lamps.empty()) {
@@ -487,7 +497,7 @@ Result<SurfacePicture> GlRenderer::surfaces(const Camera& camera, const SurfaceS
 Result<SurfacePicture> GlRenderer::walls(const Camera& camera, const GlWalls& walls,
                                          Progress& progress) {
   State& state = *state_;
-  VOLUTE_TRY(state.resize(camera));
+  VOLUTE_TRY(state.checkSize(camera));
   const GlScene smoke{.smokes = {walls.smoke}};
   State::Media made;
   if (!walls.lamps.empty()) {

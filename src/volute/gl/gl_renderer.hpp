@@ -42,12 +42,13 @@ class GlRenderer {
   [[nodiscard]] Status draw(const Camera& camera, const GlScene& scene, GlQuantity quantity,
                             Progress& progress, std::span<const float> opaqueDepth = {});
 
-  /// As renderSurfaces(), with these media in the place of the scene's.
+  /// As renderSurfaces(), with these media in the place of the scene's. texture() stays, of
+  /// whatever size the camera's picture is.
   [[nodiscard]] Result<SurfacePicture> surfaces(const Camera& camera, const SurfaceScene& scene,
                                                 const GlScene& media, const Rgb& background,
                                                 Progress& progress);
 
-  /// The walls of a mesh, as lookAtWalls() sees them; black where there are none.
+  /// The walls of a mesh, as lookAtWalls() sees them; black where there are none. texture() stays.
   [[nodiscard]] Result<SurfacePicture> walls(const Camera& camera, const GlWalls& walls,
                                              Progress& progress);
 

@@ -101,6 +101,35 @@ TEST_F(GlReuseTest, WhatHasNotChangedStaysOnTheDevice) {
   }
 }
 
+/// Parts of the surfaces between two pictures of what lights come through.
+TEST_F(GlReuseTest, SurfacesLeaveThePictureAndWhatMediaHold) {
+  const Smoke smoke(boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {4, 3, 3}, 0.2, 1), true, 2);
+  const GlScene scene{.volumes = {{sliceOf(1, Basis::kTrilinear), 1, 2}},
+                      .smokes = {smoke.onDevice()}};
+  const auto floor =
+      TriangleScene::build({{{Vec3(-3, -3, 0), Vec3(3, -3, 0), Vec3(0, 5, 0)}, 0}}, {Material{}});
+  ASSERT_TRUE(floor);
+  Lamp lamp;
+  lamp.kind = Lamp::Kind::kSun;
+  lamp.direction = Vec3(0, 0.6, -0.8);
+  lamp.intensity = Rgb(1, 1, 1);
+  const Camera camera = Camera::framing(smoke.medium().bounds(), kWidth, kHeight);
+  const Image before = renderer_->render(camera, scene, {}, quiet_).value();
+  (void)renderer_->takePasses();
+  const GLuint shown = renderer_->texture();
+  const GlWalls walls{smoke.onDevice(), {}, {}, Rgb::Ones(), Rgb::Ones(), {}};
+  for (const int size : {8, 24, 16}) {
+    const Camera part = Camera::framing(smoke.medium().bounds(), size, size);
+    const auto seen = renderer_->surfaces(part, {*floor, {&lamp, 1}}, scene, Rgb::Zero(), quiet_);
+    ASSERT_TRUE(seen);
+    EXPECT_GT(seen->surfacePixels, 0);
+    EXPECT_TRUE(renderer_->walls(part, walls, quiet_));
+    EXPECT_EQ(renderer_->texture(), shown);
+  }
+  EXPECT_EQ(renderer_->render(camera, scene, {}, quiet_).value().pixels, before.pixels);
+  EXPECT_EQ(timesOf(renderer_->takePasses(), "upload"), 0);
+}
+
 TEST_F(GlReuseTest, ProgramsOfLongAgoAreEnded) {
   GlPrograms programs;
   GlPasses passes;

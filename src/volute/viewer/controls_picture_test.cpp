@@ -120,7 +120,7 @@ TEST_F(Controls, OpenGlAndTheProcessorAgree) {
   double sum = 0;
   for (std::size_t i = 0; i < gl.pixels.size(); ++i)
     sum += std::abs(gl.pixels[i] - processor.pixels[i]);
-  // Light at corners is between them linear, edges are a pixel off.
+  // A sign is rasterised: its edges are a pixel off.
   EXPECT_LT(sum / static_cast<double>(gl.pixels.size()), 0.01);
 }
 

@@ -44,8 +44,8 @@ struct Renderers : Controls {
     return picture();
   }
 
-  /// OpenGL draws all of it, nearly as the processor does: of opaque things it knows the light at
-  /// corners alone, and edges may be a pixel off.
+  /// OpenGL draws all of it, nearly as the processor does: signs are rasterised, and their edges
+  /// may be a pixel off.
   void expectBoth(const std::string& name, double mean) {
     SCOPED_TRACE(name);
     open(name);
@@ -63,6 +63,87 @@ struct Renderers : Controls {
     EXPECT_GT(most - least, 0.05) << "something is to be seen";
   }
 };
+
+/// Shadows' edges, of a block on the ground under a lamp.
+struct Edges : Renderers {
+  void SetUp() override {
+    Renderers::SetUp();
+    std::ofstream(folder_.path("block.obj"))
+        << "v 2 2 0\nv 3 2 0\nv 3 3 0\nv 2 3 0\nv 2 2 1.1\nv 3 2 1.1\nv 3 3 1.1\nv 2 3 1.1\n"
+           "f 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  }
+
+  static constexpr const char* kThings =
+      R"(, "geometry": [{"file": "ground.obj"}, {"file": "block.obj"}])";
+
+  /// Before the exposure and in floats, of a small window that has come to rest.
+  Image lightBy(ViewRenderer renderer) {
+    by(renderer);
+    resize(120, 90);
+    EXPECT_TRUE(script_->settle());
+    return app().picture().sampledLight(app().document()->background);
+  }
+
+  /// Of the brightest.
+  static double off(const Image& light, const Image& reference) {
+    EXPECT_EQ(light.pixels.size(), reference.pixels.size());
+    return difference(light, reference) / *std::ranges::max_element(reference.pixels);
+  }
+
+  void expectExact(const std::string& name) {
+    SCOPED_TRACE(name);
+    open(name);
+    const Image gl = lightBy(ViewRenderer::kGl);
+    EXPECT_EQ(app().picture().remark(), "");
+    EXPECT_FALSE(app().times().processor);
+    EXPECT_LT(off(gl, lightBy(ViewRenderer::kProcessor)), 2e-3);
+    EXPECT_TRUE(app().times().processor);
+  }
+};
+
+TEST_F(Edges, AreExactAtRest) {
+  const std::string before = std::string(kCamera) + "," + kLamps + kThings;
+  write("block.json", before);
+  expectExact("block.json");
+  write("parallel.json", std::string(kParallel) + "," + kLamps + kThings);
+  expectExact("parallel.json");
+  write("smoke.json", before + R"(, "media": [{"kind": "smoke", "case": "smoke.pvd",
+      "quantity": "products-density", "unit": "kg/m3", "smoke_potential": 2.0, "mode": "threshold", "C": 3}])");
+  expectExact("smoke.json");
+  write("walls.json",
+        std::string(kRoom) + "," + kLamps + kThings + R"(, "media": [)" + kWalls + "]");
+  expectExact("walls.json");
+}
+
+TEST_F(Edges, AreRoughAtOnceAndExactOnceTheCameraRests) {
+  write("block.json", std::string(kCamera) + "," + kLamps + kThings);
+  open("block.json");
+  lightBy(ViewRenderer::kGl);
+  const std::size_t pictures = app().times().history.size();
+  const Image before = viewer_->picture();
+  app().camera().drag(4, 2);
+  script_->frame();
+  EXPECT_FALSE(app().settled());
+  EXPECT_EQ(app().times().history.size(), pictures + 1) << "drawn at once";
+  EXPECT_GT(difference(viewer_->picture(), before), 0.05);
+  const auto background = app().document()->background;
+  const Image rough = app().picture().sampledLight(background);
+  ASSERT_TRUE(script_->settle());
+  EXPECT_EQ(app().times().history.size(), pictures + 1);
+  const Image exact = app().picture().sampledLight(background);
+  EXPECT_GT(off(exact, rough), 0.03) << "edges of shadows";
+  EXPECT_LT(off(exact, lightBy(ViewRenderer::kProcessor)), 2e-3);
+}
+
+TEST_F(Edges, AreBehindSigns) {
+  write("sign.json", std::string(kCamera) + "," + kLamps + kThings + R"(, "signs": [
+      {"position": [1.2, 1, 0.6], "normal": [-1, -1, 0.4], "size": [1.6, 0.8], "emitting": true}])");
+  open("sign.json");
+  const Image gl = by(ViewRenderer::kGl);
+  app().edit({.kind = SceneEdit::Kind::kRemove, .path = "/signs/0"});
+  load();
+  EXPECT_GT(difference(gl, by(ViewRenderer::kGl)), 0.1) << "the sign is before surfaces";
+}
 
 TEST_F(Renderers, DrawFogInTheSunAndUnderATop) {
   expectBoth("fog.json", 0.002);

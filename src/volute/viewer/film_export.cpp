@@ -89,13 +89,13 @@ Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene, DisplayLo
       return {};
   }
   const PictureWish wish{order_.camera,   order_.width,    order_.height, Quality::kFull,
-                         order_.renderer, order_.surfaces, false};
+                         order_.renderer, order_.surfaces, false,         0};
   if (!drawing_)
     picture_.setScene(scene);
   drawing_ = true;
   VOLUTE_TRY(picture_.update(wish));
-  if (!picture_.settled(wish))
-    return {};  // the processor is at it
+  if (!picture_.settled(wish) || !picture_.exact(wish))
+    return {};  // the processor is at it, or surfaces
   drawing_ = false;
   glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
   picture_.show(look, order_.width, order_.height);

@@ -42,6 +42,10 @@ Status HeadlessViewer::settle(ViewerInput input, Progress& progress) {
     if (progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped while loading");
     VOLUTE_TRY(frame(input));
+    if (app_->timeline().playing())
+      return fail(
+          ErrorCode::kInvalidArgument,
+          "nothing comes to rest while time passes; stop it first (timeline().play(false))");
     input.pressed.clear();
     input.typed.clear();
     input.dropped.clear();

@@ -22,7 +22,8 @@ class HeadlessViewer {
 
   [[nodiscard]] Status frame(const ViewerInput& input);
 
-  /// Frames of this input until all is loaded and drawn; kCancelled when `progress` says so.
+  /// Frames of this input until all is loaded and drawn; kCancelled when `progress` says so,
+  /// kInvalidArgument while the timeline plays: then nothing ever comes to rest.
   [[nodiscard]] Status settle(ViewerInput input, Progress& progress);
 
   /// What the last frame showed.

@@ -223,6 +223,8 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneWish& wish, Progress& progre
   }
   scene.geometry = still->geometry;
   addSurfaces(wish, *still, scene);
+  if (scene.surfaces)
+    scene.still = still;
   for (const Sign& sign : scene_.signs) scene.quads.push_back(quadOf(sign, still->law));
   if (media_.size() == 1 && (media_[0].smoke || media_[0].fds) && extensionOf(path_) != ".json")
     addBox(bounds_, kOutline, scene.aids);

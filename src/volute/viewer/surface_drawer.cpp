@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <limits>
 
 namespace volute {
@@ -12,11 +13,14 @@ namespace volute {
 namespace viewerGlsl {
 extern const char* const kSurfaceVertex;
 extern const char* const kSurfaceFragment;
+extern const char* const kScreen;
+extern const char* const kExactFragment;
 }  // namespace viewerGlsl
 
 namespace {
 
-constexpr float kNearest = 0.01F;  ///< [m]
+constexpr float kNearest = 0.01F;    ///< [m]
+constexpr float kElsewhere = 1e-3F;  ///< of their distance, that surfaces are off
 
 Result<GlProgram> linkProgram(bool pictures) {
   const ShaderPart define{"define", pictures ? "#define PICTURE\n" : ""};
@@ -60,7 +64,11 @@ double farthestOf(const Camera& camera, const Box3& bounds, const std::vector<Vi
 Result<SurfaceDrawer> SurfaceDrawer::create() {
   VOLUTE_ASSIGN(auto triangles, linkProgram(false));
   VOLUTE_ASSIGN(auto pictures, linkProgram(true));
-  SurfaceDrawer drawer(std::move(triangles), std::move(pictures));
+  const ShaderStage stages[] = {
+      {GL_VERTEX_SHADER, {{"screen.glsl", viewerGlsl::kScreen}}},
+      {GL_FRAGMENT_SHADER, {{"exact_fragment.glsl", viewerGlsl::kExactFragment}}}};
+  VOLUTE_ASSIGN(auto known, GlProgram::link(stages));
+  SurfaceDrawer drawer(std::move(triangles), std::move(pictures), std::move(known));
   GLuint names[2] = {};
   glCreateVertexArrays(2, names);
   drawer.corners_ = GlVertexArray(names[0]);
@@ -158,14 +166,10 @@ void SurfaceDrawer::drawQuads(const std::vector<ViewQuad>& quads) {
   std::erase_if(kept_, [](const auto& entry) { return !entry.second.used; });
 }
 
-bool SurfaceDrawer::draw(const Camera& camera, const ViewScene& scene, bool surfaces) {
-  const bool triangles = surfaces && scene.surfaces;
-  const bool any = triangles || !scene.quads.empty();
-  upload(scene.surfaces);
-  if (!any)
-    return false;
+/// @param bounds  of what will be drawn besides the scene's quads
+void SurfaceDrawer::begin(const Camera& camera, const Box3& bounds, const ViewScene& scene) {
   resize(camera.width(), camera.height());
-  farthest_ = farthestOf(camera, triangles ? bounds_ : Box3(), scene.quads);
+  farthest_ = farthestOf(camera, bounds, scene.quads);
   glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
   glViewport(0, 0, width_, height_);
   glDisable(GL_BLEND);
@@ -180,12 +184,9 @@ bool SurfaceDrawer::draw(const Camera& camera, const ViewScene& scene, bool surf
   glClearNamedFramebufferfv(frame_.name(), GL_COLOR, 0, kNothing);
   glClearNamedFramebufferfv(frame_.name(), GL_COLOR, 1, kFar);
   glClearNamedFramebufferfv(frame_.name(), GL_DEPTH, 0, &kDepth);
-  if (triangles) {
-    look(triangles_, camera);
-    glBindVertexArray(corners_.name());
-    glEnable(GL_CULL_FACE);
-    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(scene.surfaces->corners.size() / 3));
-  }
+}
+
+void SurfaceDrawer::end(const Camera& camera, const ViewScene& scene) {
   look(pictures_, camera);
   glFrontFace(GL_CCW);  // whoever reads a picture sees its corners go round the other way
   drawQuads(scene.quads);
@@ -196,7 +197,47 @@ bool SurfaceDrawer::draw(const Camera& camera, const ViewScene& scene, bool surf
   depth_.resize(static_cast<std::size_t>(width_) * height_);
   glGetTextureImage(distances_.name(), 0, GL_RED, GL_FLOAT,
                     static_cast<GLsizei>(depth_.size() * sizeof(float)), depth_.data());
+}
+
+bool SurfaceDrawer::draw(const Camera& camera, const ViewScene& scene, bool surfaces) {
+  const bool triangles = surfaces && scene.surfaces;
+  const bool any = triangles || !scene.quads.empty();
+  upload(scene.surfaces);
+  if (!any)
+    return false;
+  begin(camera, triangles ? bounds_ : Box3(), scene);
+  if (triangles) {
+    look(triangles_, camera);
+    glBindVertexArray(corners_.name());
+    glEnable(GL_CULL_FACE);
+    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(scene.surfaces->corners.size() / 3));
+  }
+  end(camera, scene);
   return true;
+}
+
+bool SurfaceDrawer::drawKnown(const Camera& camera, const ViewScene& scene,
+                              std::span<const float> known) {
+  const GlTexture texels = makeTexture2d(GL_RGBA32F, camera.width(), camera.height());
+  glTextureSubImage2D(texels.name(), 0, 0, 0, camera.width(), camera.height(), GL_RGBA, GL_FLOAT,
+                      known.data());
+  const std::vector<float> before = depth_;
+  begin(camera, bounds_, scene);
+  look(known_, camera);
+  known_.set("known", 0);
+  glBindTextureUnit(0, texels.name());
+  glBindVertexArray(nothing_.name());
+  glDisable(GL_CULL_FACE);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  end(camera, scene);
+  if (before.size() != depth_.size())
+    return true;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const float near = std::min(before[i], depth_[i]), far = std::max(before[i], depth_[i]);
+    if (far > (1 + kElsewhere) * near)
+      return true;
+  }
+  return false;
 }
 
 }  // namespace volute

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kQuick = 0.04;           ///< [s] that OpenGL may take while something moves
 constexpr double kProcessorQuick = 0.15;  ///< [s], and the processor
+constexpr double kRefine = 0.012;         ///< [s] of an update that surfaces get, about
 constexpr double kCoarsest = 1.0 / 8;     ///< of the window's pixels a side
 constexpr std::size_t kHistory = 90;
 constexpr double kSamples = 65536;  ///< of the light that is shown
@@ -28,6 +29,25 @@ double scaleOf(Quality quality) {
 
 int pixels(double scale, int side) {
   return std::max(8, static_cast<int>(std::lround(scale * side)));
+}
+
+struct Texels {
+  int width = 0, height = 0;
+  std::vector<float> rgba{};
+
+  const float* at(int x, int y) const {
+    return &rgba[4 * (static_cast<std::size_t>(y) * width + x)];
+  }
+};
+
+Texels texelsOf(GLuint texture) {
+  Texels texels;
+  glGetTextureLevelParameteriv(texture, 0, GL_TEXTURE_WIDTH, &texels.width);
+  glGetTextureLevelParameteriv(texture, 0, GL_TEXTURE_HEIGHT, &texels.height);
+  texels.rgba.resize(4 * static_cast<std::size_t>(texels.width) * texels.height);
+  glGetTextureImage(texture, 0, GL_RGBA, GL_FLOAT,
+                    static_cast<GLsizei>(texels.rgba.size() * sizeof(float)), texels.rgba.data());
+  return texels;
 }
 
 bool sameView(const PictureWish& a, const PictureWish& b) {
@@ -59,6 +79,7 @@ Result<ViewPicture> ViewPicture::create(const PictureMakers& makers) {
 std::shared_ptr<const ViewScene> ViewPicture::setScene(std::shared_ptr<const ViewScene> scene) {
   changed_ = true;
   refused_.clear();
+  refusedExact_.clear();
   return std::exchange(scene_, std::move(scene));
 }
 
@@ -106,6 +127,8 @@ Status ViewPicture::drawMedia(const PictureWish& wish, const Camera& camera) {
 Status ViewPicture::drawByGl(const PictureWish& wish, double scale) {
   const int width = pixels(scale, wish.width), height = pixels(scale, wish.height);
   const Camera camera = wish.camera.camera(width, height);
+  dropExact();
+  isExact_ = false;
   const auto begun = std::chrono::steady_clock::now();
   ++version_;
   opaque_ = surfaces_.draw(camera, *scene_, wish.surfaces);
@@ -114,6 +137,7 @@ Status ViewPicture::drawByGl(const PictureWish& wish, double scale) {
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
   double onDevice = 0;
   times_.passes = renderer_.takePasses();
+  drawnAt_ = std::chrono::steady_clock::now();
   if (opaque_)  // until their depths were read back
     times_.passes.push_back({"rasterise", "opaque things", 1, 1e3 * rasterised.count()});
   for (const GlPassTime& pass : times_.passes) onDevice += 1e-3 * pass.milliseconds;
@@ -122,6 +146,46 @@ Status ViewPicture::drawByGl(const PictureWish& wish, double scale) {
   scale_ = scale;
   processed_ = false;
   return {};
+}
+
+bool ViewPicture::mayBeExact(const PictureWish& wish) const {
+  return scene_ && scene_->still && wish.surfaces && !wish.moving && refusedExact_.empty() &&
+         !byProcessor(wish);
+}
+
+void ViewPicture::dropExact() {
+  if (!exact_.begun())
+    return;
+  exact_.drop();
+  renderer_.takePasses();  // they are no picture's
+}
+
+/// Some tiles of the exact surfaces. Once all are there they are shown; the media before them are
+/// drawn again only if surfaces were elsewhere. What is refused stays as it is.
+Status ViewPicture::refine(const PictureWish& wish) {
+  const std::chrono::duration<double> rested = std::chrono::steady_clock::now() - drawnAt_;
+  if (isExact_ || !mayBeExact(wish) || !(rested.count() >= wish.exactAfter))
+    return {};
+  if (!exact_.begun()) {
+    const Camera camera =
+        wish.camera.camera(pixels(scale_, wish.width), pixels(scale_, wish.height));
+    exact_.begin(scene_->still, scene_->media, camera);
+  }
+  if (const Status drawn = exact_.step(renderer_, kRefine); !drawn) {
+    refusedExact_ = drawn.error().message;
+    dropExact();
+    return {};
+  }
+  if (!exact_.complete())
+    return {};
+  ++version_;
+  isExact_ = true;
+  const Camera camera = exact_.camera();
+  const bool elsewhere = surfaces_.drawKnown(camera, *scene_, exact_.texels());
+  exact_.drop();
+  const Status media = elsewhere ? drawMedia(wish, camera) : Status();
+  for (GlPassTime& pass : renderer_.takePasses()) times_.passes.push_back(std::move(pass));
+  return media;
 }
 
 Status ViewPicture::takeFinished() {
@@ -183,7 +247,10 @@ Status ViewPicture::update(const PictureWish& wish) {
   remark_ = refused_.empty()                     ? ""
             : wish.renderer == ViewRenderer::kGl ? "without the media: " + refused_
                                                  : "by the processor: " + refused_;
+  if (remark_.empty() && !refusedExact_.empty())
+    remark_ = "surfaces with their light at corners alone: " + refusedExact_;
   if (byProcessor(wish)) {
+    dropExact();
     times_.why = whyProcessor(wish);
     const Status drawn =
         makers_.processor
@@ -197,9 +264,8 @@ Status ViewPicture::update(const PictureWish& wish) {
   }
   const double scale = wish.moving && wish.quality != Quality::kFull ? quickScale(wish, kQuick)
                                                                      : scaleOf(wish.quality);
-  if (!changed_ && sameView(wish, drawn_) && scale_ == scale && !processed_)
-    return {};
-  const Status drawn = drawByGl(wish, scale);
+  const bool same = !changed_ && sameView(wish, drawn_) && scale_ == scale && !processed_;
+  const Status drawn = same ? refine(wish) : drawByGl(wish, scale);
   changed_ = false;
   drawn_ = wish;
   if (drawn)
@@ -223,6 +289,10 @@ bool ViewPicture::settled(const PictureWish& wish) const {
   return same && !processed_;
 }
 
+bool ViewPicture::exact(const PictureWish& wish) const {
+  return isExact_ || !mayBeExact(wish);
+}
+
 GLuint ViewPicture::texture() const {
   if (processed_)
     return picture_.name();
@@ -235,21 +305,23 @@ void ViewPicture::show(DisplayLook look, int width, int height) {
 }
 
 Image ViewPicture::sampledLight(const Rgb& background) const {
-  GLint width = 0, height = 0;
-  glGetTextureLevelParameteriv(texture(), 0, GL_TEXTURE_WIDTH, &width);
-  glGetTextureLevelParameteriv(texture(), 0, GL_TEXTURE_HEIGHT, &height);
-  std::vector<float> texels(4 * static_cast<std::size_t>(width) * height);
-  glGetTextureImage(texture(), 0, GL_RGBA, GL_FLOAT,
-                    static_cast<GLsizei>(texels.size() * sizeof(float)), texels.data());
-  const double pixels = static_cast<double>(width) * height;
+  const Texels light = texelsOf(texture());  // one for all pixels where there are no media
+  const bool opaque = opaque_ && !processed_ && scene_ && scene_->processor;
+  const Texels behind = opaque ? texelsOf(surfaces_.texture()) : Texels{light.width, light.height};
+  const double pixels = static_cast<double>(behind.width) * behind.height;
   const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kSamples))));
-  Image image((width + step - 1) / step, (height + step - 1) / step);
+  Image image((behind.width + step - 1) / step, (behind.height + step - 1) / step);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
-      const float* texel = &texels[4 * (static_cast<std::size_t>(y) * step * width + x * step)];
-      const float behind = std::exp(-texel[3]);
-      for (int c = 0; c < 3; ++c)
-        image.at(x, y, c) = texel[c] + behind * static_cast<float>(background[c]);
+      const float* before = light.at(std::min(x * step, light.width - 1),  //
+                                     std::min(y * step, light.height - 1));
+      const float* surface = opaque ? behind.at(x * step, y * step) : nullptr;
+      const bool met = surface && surface[3] > 0;
+      const float passed = std::exp(met ? -surface[3] * before[3] : -before[3]);
+      for (int c = 0; c < 3; ++c) {
+        const float sent = met ? surface[c] : static_cast<float>(background[c]);
+        image.at(x, y, c) = before[c] + passed * sent;
+      }
     }
   }
   return image;

@@ -2,12 +2,15 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <chrono>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "volute/gl/gl_renderer.hpp"
 #include "volute/viewer/display.hpp"
+#include "volute/viewer/exact_surfaces.hpp"
 #include "volute/viewer/processor_thread.hpp"
 #include "volute/viewer/surface_drawer.hpp"
 #include "volute/viewer/view_camera.hpp"
@@ -38,6 +41,8 @@ struct PictureWish {
   ViewRenderer renderer = ViewRenderer::kAuto;
   bool surfaces = true;  ///< opaque things are shown, signs and screens in any case
   bool moving = false;   ///< it changes soon: quick is better than fine
+  /// After how much rest OpenGL begins to draw surfaces pixel by pixel [s].
+  double exactAfter = std::numeric_limits<double>::infinity();
 };
 
 /// What the last pictures took.
@@ -51,8 +56,9 @@ struct FrameTimes {
   std::vector<float> history{};  ///< the last pictures [ms]
 };
 
-/// The picture of a scene, kept up to date: by OpenGL at once, by the processor in a thread of its
-/// own, coarse first. Needs the context that it was made in.
+/// The picture of a scene, kept up to date: by OpenGL at once, and once it rests with surfaces and
+/// walls that are exact, which take several updates; by the processor in a thread of its own,
+/// coarse first. Needs the context that it was made in.
 class ViewPicture {
  public:
   [[nodiscard]] static Result<ViewPicture> create(const PictureMakers& makers);
@@ -73,8 +79,14 @@ class ViewPicture {
     return renderer == ViewRenderer::kGl || (renderer == ViewRenderer::kAuto && makers_.hardware);
   }
 
-  /// Whether it is as fine as it will be.
+  /// Whether it is as fine as it will be, but that surfaces may become exact.
   bool settled(const PictureWish& wish) const;
+
+  /// Whether these are, or will not be.
+  bool exact(const PictureWish& wish) const;
+
+  /// Whether the next update() goes on with that.
+  bool refining() const { return exact_.begun(); }
 
   bool shown() const { return scale_ > 0; }
 
@@ -82,7 +94,8 @@ class ViewPicture {
   void show(DisplayLook look, int width, int height);
 
   /// The light that is shown, before the exposure, at every n-th pixel of every n-th row: as many
-  /// as an exposure can be told from.
+  /// as an exposure can be told from. A document without a picture by the processor (a capture)
+  /// shows its screens as they are: they do not count.
   Image sampledLight(const Rgb& background) const;
 
   const FrameTimes& times() const { return times_; }
@@ -98,6 +111,9 @@ class ViewPicture {
   Status drawMedia(const PictureWish& wish, const Camera& camera);
   double quickScale(const PictureWish& wish, double seconds) const;
   Status drawByGl(const PictureWish& wish, double scale);
+  bool mayBeExact(const PictureWish& wish) const;
+  Status refine(const PictureWish& wish);
+  void dropExact();
   Status drawByProcessor(const PictureWish& wish);
   Status takeFinished();
   void noteTime(double seconds, int width, int height, bool processor);
@@ -105,6 +121,7 @@ class ViewPicture {
 
   GlRenderer renderer_;
   SurfaceDrawer surfaces_;
+  ExactSurfaces exact_;  ///< while they are being drawn
   Display display_;
   GlTexture blank_;    ///< no light, nothing in the way
   GlTexture picture_;  ///< the processor's
@@ -113,7 +130,10 @@ class ViewPicture {
   std::shared_ptr<const ViewScene> scene_;
   FrameTimes times_;
   std::string remark_;
-  std::string refused_;  ///< why OpenGL would not draw this scene
+  std::string refused_;                            ///< why OpenGL would not draw this scene
+  std::string refusedExact_;                       ///< and why not its surfaces
+  std::chrono::steady_clock::time_point drawnAt_;  ///< OpenGL's picture
+  bool isExact_ = false;
   double scale_ = 0;     ///< of the window's pixels a side, of the picture that is shown; 0: none
   PictureWish drawn_;    ///< that the picture answers
   bool changed_ = true;  ///< another scene since

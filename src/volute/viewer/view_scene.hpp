@@ -16,6 +16,8 @@
 
 namespace volute {
 
+struct Still;
+
 /// Opaque triangles, seen where their corners go round anticlockwise, with the light that they send
 /// back already found at their corners.
 struct ViewSurfaces {
@@ -60,6 +62,8 @@ struct ViewScene {
   /// What a pointer or a ray meets: all triangles of the scene, however they are drawn.
   TriangleScene geometry{};
   std::vector<std::string> remarks{};  ///< what this instant lacks, in sentences
+  /// Of which `surfaces` are an approximation; null: there is nothing finer.
+  std::shared_ptr<const Still> still{};
 };
 
 }  // namespace volute

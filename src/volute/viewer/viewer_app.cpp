@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "volute/base/stopwatch.hpp"
 #include "volute/base/thread_priority.hpp"
@@ -19,6 +20,7 @@ namespace volute {
 namespace {
 
 constexpr double kHeldTime = 1e-9;
+constexpr double kRest = 0.25;  ///< [s] until surfaces are drawn exactly
 
 /// Keys that ImGui edits text with.
 constexpr std::pair<Key, ImGuiKey_> kTextKeys[] = {{Key::kLeft, ImGuiKey_LeftArrow},
@@ -403,13 +405,15 @@ void ViewerApp::goOnWithFilm() {
 }
 
 PictureWish ViewerApp::wish(const ViewerInput& input) const {
+  const bool changes = loading_.busy || !pending_.empty() || film_;
   return {camera_,
           input.width,
           input.height,
           static_cast<Quality>(settings_.look.quality),
           static_cast<ViewRenderer>(settings_.look.renderer),
           settings_.look.surfaces,
-          moving_};
+          moving_,
+          changes ? std::numeric_limits<double>::infinity() : kRest};
 }
 
 DisplayLook ViewerApp::displayLook() const {
@@ -486,14 +490,15 @@ Status ViewerApp::frame(const ViewerInput& input) {
 
 double ViewerApp::patience() const {
   constexpr double kMoves = 1.0 / 60, kWaits = 1.0 / 30, kRests = 0.25;
-  if (moving_ || film_)
+  if (moving_ || film_ || picture_.refining())
     return kMoves;
   return settled() ? kRests : kWaits;
 }
 
 bool ViewerApp::settled() const {
-  return idle() && !film_ && picture_.settled(wish(seen_)) && (document_ || !error_.empty()) &&
-         (scene_ || !error_.empty());
+  const PictureWish wished = wish(seen_);
+  return idle() && !film_ && picture_.settled(wished) && picture_.exact(wished) &&
+         (document_ || !error_.empty()) && (scene_ || !error_.empty());
 }
 
 }  // namespace volute

@@ -205,6 +205,18 @@ TEST_F(ViewerTest, ReloadsAFileThatChanged) {
   EXPECT_GT(Blobs::scenes, before);
 }
 
+TEST_F(ViewerTest, NothingComesToRestWhileTimePasses) {
+  app().open(path_);
+  settle();
+  app().timeline().play(true);
+  Progress quiet;
+  const Status playing = viewer_->settle(input_, quiet);
+  ASSERT_FALSE(playing);
+  EXPECT_EQ(playing.error().code, ErrorCode::kInvalidArgument);
+  app().timeline().play(false);
+  settle();
+}
+
 TEST_F(ViewerTest, AnErrorIsShownAndTheOldPictureStays) {
   app().open(path_);
   settle();
