@@ -17,7 +17,7 @@ namespace volute::cli {
 namespace {
 
 /// What a run may take without a graphics card [s]. With one all pictures have their size.
-constexpr double kAllSeconds = 430, kQuickSeconds = 60;
+constexpr double kAllSeconds = 420, kQuickSeconds = 60;
 /// And a case of it, when the time is over: small pictures are drawn all the same.
 constexpr double kLeastSeconds = 0.6;
 
@@ -65,8 +65,12 @@ class GlBench {
   /// @param seconds  what this case may take on a device that is no graphics card
   Status measure(const GlCase& one, double seconds) {
     Size size{one.width, one.height};
-    const auto image = device_.hardware ? drawer_.picture(one, size.width, size.height)
-                                        : drawWithin(one, seconds / kFramesACase, size);
+    if (!device_.hardware && one.asLargeAsLast)
+      size = last_;
+    const auto image = device_.hardware || one.asLargeAsLast
+                           ? drawer_.picture(one, size.width, size.height)
+                           : drawWithin(one, seconds / kFramesACase, size);
+    last_ = size;
     std::string name = one.name;
     if (one.width != 800 || size.width != one.width)
       name += fmt::format(", {} x {}", size.width, size.height);
@@ -108,7 +112,7 @@ class GlBench {
 
  private:
   struct Size {
-    int width, height;
+    int width = 0, height = 0;
   };
 
   /// Frames that a case takes at most, together with those of the processor and the smaller ones
@@ -155,6 +159,7 @@ class GlBench {
 
   const GlDevice& device_;
   GlCaseDrawer drawer_;
+  Size last_{};
   BenchRows& rows_;
 };
 

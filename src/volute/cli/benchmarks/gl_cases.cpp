@@ -111,6 +111,7 @@ Status addTree(const std::string& name, const Sequence& sequence, double error, 
     walked.skip = skip;
     cases.push_back(stillCase(fmt::format("{}, {}", rate, words), pixels, pixels, view,
                               {.trees = {walked}}, fromTree));
+    cases.back().asLargeAsLast = skip != GlTreeSkip::kNothing;
   }
   cases.push_back(stillCase(rate + ", bricks that are not empty", pixels, pixels, view,
                             {.volumes = {{slice, 1, extinction}}},
@@ -194,10 +195,12 @@ Status addFogTables(bool quick, std::vector<GlCase>& cases) {
           fmt::format("{} {} x {}, {} levels", kDegrees[degree], side, side, levels);
       for (const bool after : {false, true}) {
         VOLUTE_ASSIGN(auto one, paperCase(name, degree, side, levels, after));
+        one.asLargeAsLast = after;
         cases.push_back(std::move(one));
       }
       VOLUTE_TRY(add("paper B, table 3 (levels merged): " + name, side,
                      {.degree = degree, .levels = levels}));
+      cases.back().asLargeAsLast = true;
     }
   }
   if (quick)

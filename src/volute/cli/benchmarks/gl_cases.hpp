@@ -31,6 +31,8 @@ struct GlCase {
   std::function<const GlScene&(int frame)> scene;
   std::function<Image(const Camera& camera, int frame)> byProcessor;
   Rgb background = Rgb::Zero();
+  bool asLargeAsLast =
+      false;  ///< without a graphics card: of the case before's size, to be compared
   std::shared_ptr<GlPaperFog> paperFog{};  ///< where set, it is drawn in the place of the scene
   std::vector<Sign> signs{};               ///< opaque, and seen through the media; emit light
 };
