@@ -28,7 +28,6 @@ class PaperFog {
   /// One walk over the sums of the bands that are active at each distance.
   double merged(const PlaneRay& ray, double distance, double mu) const;
 
- private:
   /// A grid at one level, and the cells where it is not zero.
   struct Band {
     SplineGrid grid;
@@ -41,6 +40,22 @@ class PaperFog {
     CellRect cells;                     ///< of the finer level
   };
 
+  int degree() const { return degree_; }
+
+  int levels() const { return levels_; }
+
+  /// Cells of the finest level around the map.
+  double margin() const { return margin_; }
+
+  /// The sum of all bands from the coarsest to a level.
+  const Band& approximation(int level) const { return merged_[level]; }
+
+  /// What a level adds to the next coarser one, in its own splines and in wavelets.
+  const Band& detail(int level) const { return details_[level]; }
+
+  const Wavelets& wavelets(int level) const { return wavelets_[level]; }
+
+ private:
   double bandIntegral(const Band& band, int level, const PlaneRay& ray, double begin,
                       double end) const;
   double waveletIntegral(const Wavelets& wavelets, int level, const PlaneRay& ray,

@@ -86,10 +86,16 @@ TEST_F(GlRendererTest, TheTreeIsWalkedInPlace) {
         slice.setBasis(basis);
         const AnyMedium medium(
             VoxelMedium(std::make_shared<const BrickSlice>(std::move(slice)), 1, 1.5));
-        const GlScene scene{.trees = {{tree, frame, basis, info.bounds, 1, 1.5}}};
-        EXPECT_LE(errorOf(Camera::framing(info.bounds, kWidth, kHeight), scene, {&medium, 1}, {}),
-                  kBar)
-            << "channels " << channels << ", basis " << int(basis) << ", frame " << frame;
+        GlTreeVolume volume{tree, frame, basis, info.bounds, 1, 1.5};
+        for (const GlTreeSkip skip :
+             {GlTreeSkip::kBricks, GlTreeSkip::kBox, GlTreeSkip::kNothing}) {
+          volume.skip = skip;
+          EXPECT_LE(errorOf(Camera::framing(info.bounds, kWidth, kHeight), {.trees = {volume}},
+                            {&medium, 1}, {}),
+                    kBar)
+              << "channels " << channels << ", basis " << int(basis) << ", frame " << frame
+              << ", skip " << int(skip);
+        }
       }
     }
   }

@@ -28,6 +28,13 @@ struct GlVolume {
   Vec3 offset = Vec3::Zero();    ///< [m]
 };
 
+/// What rays through a tree step over, so that no voxel of it is walked for.
+enum class GlTreeSkip {
+  kNothing,  ///< no voxel
+  kBox,      ///< what is outside the box of the instant's bricks that are not empty
+  kBricks,   ///< that, and the bricks in it that are empty
+};
+
 /// The same, but the hexadeca-tree itself is on the device and each voxel is a walk in it
 /// (Ahrenberg et al. 2005, Figures 5 and 6): no time is spent on the instant, more on each ray.
 struct GlTreeVolume {
@@ -37,8 +44,9 @@ struct GlTreeVolume {
   Box3 bounds;  ///< outer voxel faces [m]
   double emission = 1;
   double extinction = 0;
-  Mat3 turn = Mat3::Identity();  ///< as GlVolume's
-  Vec3 offset = Vec3::Zero();    ///< [m]
+  Mat3 turn = Mat3::Identity();           ///< as GlVolume's
+  Vec3 offset = Vec3::Zero();             ///< [m]
+  GlTreeSkip skip = GlTreeSkip::kBricks;  ///< the picture is the same
 };
 
 /// How a .volute is drawn.

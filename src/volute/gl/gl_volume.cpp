@@ -363,10 +363,13 @@ class TreeMedium final : public GlMedium {
   void bind(const GlProgram& program, const std::string& prefix, const GlView& view,
             GlBindings& bindings) const override {
     const TreeData& data = *tree_->data;
-    const CellRange range = occupiedCells(data, volume_.frame, cells(), volume_.basis);
+    const CellRange range = volume_.skip == GlTreeSkip::kNothing
+                                ? CellRange{{0, 0, 0}, cells().count}
+                                : occupiedCells(data, volume_.frame, cells(), volume_.basis);
     bindCells(program, prefix, view.origin, cells(), range, volume_.emission, volume_.extinction,
               volume_.turn, volume_.offset);
     const auto name = [&](const char* rest) { return prefix + rest; };
+    program.set(name("skips").c_str(), volume_.skip == GlTreeSkip::kBricks ? 1 : 0);
     program.set(name("extents").c_str(), data.extents);
     program.set(name("frame").c_str(), volume_.frame);
     program.set(name("entryLevels").c_str(), data.entryLevels);

@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kPaperWidth = 800, kPaperHeight = 600;
 constexpr int kFullWidth = 1920, kFullHeight = 1080;
+constexpr double kMapMetres = 128, kFogTop = 12;  // of the fog's map and slab
 
 Image byRender(const Camera& camera, const AnyMedium& medium) {
   Progress quiet;
@@ -41,8 +42,9 @@ Camera walkersView(int width, int height) {
 }
 
 Result<FogMedium> cloudFog(int side, const FogOptions& options) {
-  VOLUTE_ASSIGN(const auto map, FogMap::fromCoefficients(clouds(side), {.cell = 128.0 / side}));
-  VOLUTE_ASSIGN(const auto profile, FogProfile::slab(0, 12));
+  VOLUTE_ASSIGN(const auto map,
+                FogMap::fromCoefficients(clouds(side), {.cell = kMapMetres / side}));
+  VOLUTE_ASSIGN(const auto profile, FogProfile::slab(0, kFogTop));
   return FogMedium::make(map, profile, options);
 }
 
@@ -52,6 +54,20 @@ Result<GlCase> fogCase(std::string name, int side, const FogOptions& options,
   const AnyMedium medium(fog);
   return stillCase(std::move(name), width, height, walkersView, {.fogs = {fog}},
                    [=](const Camera& camera) { return byRender(camera, medium); });
+}
+
+/// Table 3: its fog as the paper walks it.
+Result<GlCase> paperCase(const std::string& name, int degree, int side, int levels, bool after) {
+  const PaperPicture picture{std::make_shared<const PaperFog>(clouds(side), degree, levels),
+                             kMapMetres / side, 0, kFogTop, after};
+  VOLUTE_ASSIGN(auto drawn, GlPaperFog::make(picture));
+  GlCase one =
+      stillCase(fmt::format("paper B, table 3 ({}): {}",
+                            after ? "after, bands in splines" : "before, four bases", name),
+                kPaperWidth, kPaperHeight, walkersView, {},
+                [=](const Camera& camera) { return byProcessor(picture, camera); });
+  one.paperFog = std::make_shared<GlPaperFog>(std::move(drawn));
+  return one;
 }
 
 /// By a table for the eye, which is filled in every frame.
@@ -77,16 +93,29 @@ Status addTree(const std::string& name, const Sequence& sequence, double error, 
   const auto view = [bounds = info.bounds](int width, int height) {
     return Camera::framing(bounds, width, height);
   };
-  const auto byProcessor = [=](const Camera& camera) { return byRender(camera, medium); };
+  // From the tree to the picture, as OpenGL does.
+  const auto fromTree = [=](const Camera& camera) {
+    const auto extracted = std::make_shared<const BrickSlice>(tree->extractSlice(frame));
+    return byRender(camera, AnyMedium(VoxelMedium(extracted, 1, extinction)));
+  };
   const double bits = 8.0 * static_cast<double>(tree->memoryBytes()) /
                       (static_cast<double>(info.frameValues()) * info.frames);
   const std::string rate =
       fmt::format("paper A: {}, {:.3g} bits a value (RMS {:g})", name, bits, error);
-  cases.push_back(stillCase(rate + ", tree walked in place", pixels, pixels, view,
-                            {.trees = {{tree, frame, Basis::kBox, info.bounds, 1, extinction}}},
-                            byProcessor));
+  constexpr std::pair<GlTreeSkip, const char*> kSkips[] = {
+      {GlTreeSkip::kNothing, "tree, without bounding boxes"},
+      {GlTreeSkip::kBox, "tree, with bounding boxes"},
+      {GlTreeSkip::kBricks, "tree, empty bricks stepped over"}};
+  for (const auto& [skip, words] : kSkips) {
+    GlTreeVolume walked{tree, frame, Basis::kBox, info.bounds, 1, extinction};
+    walked.skip = skip;
+    cases.push_back(stillCase(fmt::format("{}, {}", rate, words), pixels, pixels, view,
+                              {.trees = {walked}}, fromTree));
+    cases.back().asLargeAsLast = skip != GlTreeSkip::kNothing;
+  }
   cases.push_back(stillCase(rate + ", bricks that are not empty", pixels, pixels, view,
-                            {.volumes = {{slice, 1, extinction}}}, byProcessor));
+                            {.volumes = {{slice, 1, extinction}}},
+                            [=](const Camera& camera) { return byRender(camera, medium); }));
   return {};
 }
 
@@ -142,6 +171,10 @@ Status addFogTables(bool quick, std::vector<GlCase>& cases) {
     cases.push_back(std::move(one));
     return {};
   };
+  using DegreeAndSide = std::pair<int, int>;
+  const std::vector<DegreeAndSide> table3 =
+      quick ? std::vector<DegreeAndSide>{{1, 16}}
+            : std::vector<DegreeAndSide>{{1, 16}, {1, 32}, {2, 32}};
   constexpr const char* kDegrees[] = {"Haar", "linear", "quadratic"};
   for (const int side : quick ? std::vector{32} : std::vector{16, 32, 64}) {
     for (int degree = 0; degree <= 2; ++degree) {
@@ -156,15 +189,22 @@ Status addFogTables(bool quick, std::vector<GlCase>& cases) {
                      {.degree = 1, .levels = levels, .detail = {.mu = mu}}));
     }
   }
-  if (quick)
-    return {};
-  for (const auto& [degree, side] : {std::pair{1, 16}, {1, 32}, {2, 32}}) {
-    for (int levels = 1; levels <= 3; ++levels) {
-      VOLUTE_TRY(add(fmt::format("paper B, table 3 (after): {} {} x {}, {} levels",
-                                 kDegrees[degree], side, side, levels),
-                     side, {.degree = degree, .levels = levels}));
+  for (const auto& [degree, side] : table3) {
+    for (int levels = quick ? 3 : 1; levels <= 3; ++levels) {
+      const std::string name =
+          fmt::format("{} {} x {}, {} levels", kDegrees[degree], side, side, levels);
+      for (const bool after : {false, true}) {
+        VOLUTE_ASSIGN(auto one, paperCase(name, degree, side, levels, after));
+        one.asLargeAsLast = after;
+        cases.push_back(std::move(one));
+      }
+      VOLUTE_TRY(add("paper B, table 3 (levels merged): " + name, side,
+                     {.degree = degree, .levels = levels}));
+      cases.back().asLargeAsLast = true;
     }
   }
+  if (quick)
+    return {};
   VOLUTE_ASSIGN(auto walked,
                 fogCase("fog, linear 64 x 64, walked", 64, {.degree = 1}, kFullWidth, kFullHeight));
   cases.push_back(std::move(walked));

@@ -16,6 +16,7 @@ struct M_Level {
 
 uniform ivec4 M_extents;       // t, z, y, x
 uniform int M_frame;
+uniform int M_skips;           // 0: every voxel of M_lo..M_hi is walked for, in empty bricks too
 uniform int M_entryLevels;     // levels below an entry
 uniform ivec4 M_entryCounts;   // t, z, y, x
 uniform ivec3 M_brickCounts;   // z, y, x
@@ -91,8 +92,9 @@ bool M_isOccupied(ivec3 brick) {  // x, y, z
 }
 
 M_VALUE M_voxel(ivec3 voxel) {
-  if (any(lessThan(voxel, ivec3(0))) || any(greaterThanEqual(voxel, M_extents.wzy)) || !M_isOccupied(voxel >> 3))
-    return M_VALUE(0.0);
+  if (any(lessThan(voxel, ivec3(0))) || any(greaterThanEqual(voxel, M_extents.wzy))) return M_VALUE(0.0);
+  bool occupied = M_isOccupied(voxel >> 3);
+  if (!occupied && M_skips != 0) return M_VALUE(0.0);
   ivec4 v = ivec4(M_frame, voxel.zyx);
   ivec4 block = v >> M_entryLevels;
   int entry = M_entries + 4 * (((block.x * M_entryCounts.y + block.y) * M_entryCounts.z + block.z) * M_entryCounts.w + block.w);
@@ -115,10 +117,12 @@ M_VALUE M_voxel(ivec3 voxel) {
     if ((children >> o & 1u) != 0u)
       node = M_words[M_childBases + int(before.y)] + uint(bitCount(children & ((1u << o) - 1u)));
   }
-  return clamp(value, M_range.x, M_range.y);
+  // What a pruned tree leaves in bricks that were empty does not count, whoever walks for it.
+  return occupied ? clamp(value, M_range.x, M_range.y) : M_VALUE(0.0);
 }
 
 bool M_open(ivec3 brick) {
+  if (M_skips == 0) return true;
   bool any = M_isOccupied(brick);
 #if M_TRILINEAR
   for (int i = 1; i < 8; ++i) any = any || M_isOccupied(brick - ivec3(i & 1, i >> 1 & 1, i >> 2));
