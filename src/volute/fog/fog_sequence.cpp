@@ -37,6 +37,12 @@ Result<FogSequence> FogSequence::make(std::vector<Frame> frames, const FogProfil
   return sequence;
 }
 
+FogSequence FogSequence::withProfile(const FogProfile& profile) const {
+  FogSequence sequence = *this;
+  for (FogMedium& fog : sequence.fogs_) fog = fog.withProfile(profile);
+  return sequence;
+}
+
 FogMedium FogSequence::at(double time) const {
   const Vec3 blown = time * wind_;
   const auto next = std::ranges::upper_bound(times_, time);

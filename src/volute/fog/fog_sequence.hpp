@@ -29,6 +29,9 @@ class FogSequence {
   /// The fog at one instant [s].
   FogMedium at(double time) const;
 
+  /// The same maps under another profile.
+  FogSequence withProfile(const FogProfile& profile) const;
+
  private:
   FogSequence() = default;
 

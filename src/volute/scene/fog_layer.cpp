@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/base/assert.hpp"
 #include "volute/fog/polar_fog.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
@@ -118,6 +119,7 @@ Result<FogLayer> FogLayer::open(const FogDescription& description, std::vector<F
   FogLayer layer;
   layer.description_ = description;
   layer.suns_ = std::move(suns);
+  layer.readAt_ = description.placement.origin;
   VOLUTE_ASSIGN(auto maps, readMaps(description, reading));
   if (!description.times.empty() && description.times.size() != maps.maps.size()) {
     return fail(ErrorCode::kInvalidData, "{}/times: {} times for {} maps; expected one for each",
@@ -147,6 +149,40 @@ Result<FogLayer> FogLayer::open(const FogDescription& description, std::vector<F
   return layer;
 }
 
+bool FogLayer::readsTheSame(const FogDescription& a, const FogDescription& b) {
+  const auto placed = [](const FogPlacement& p, const FogPlacement& q) {
+    return p.cell == q.cell && p.sigmaMax == q.sigmaMax;
+  };
+  if (a.top.has_value() != b.top.has_value())
+    return false;
+  if (a.top) {
+    const bool same = a.top->file == b.top->file && placed(a.top->placement, b.top->placement) &&
+                      a.top->placement.origin == b.top->placement.origin &&
+                      a.placement.origin == b.placement.origin;
+    if (!same)
+      return false;
+  }
+  return a.maps == b.maps && a.times == b.times && placed(a.placement, b.placement) &&
+         a.colour == b.colour && a.options.degree == b.options.degree &&
+         a.options.levels == b.options.levels && a.options.detail.mu == b.options.detail.mu &&
+         a.options.detail.cellAngle == b.options.detail.cellAngle &&
+         (a.options.color == b.options.color).all();
+}
+
+FogLayer FogLayer::with(const FogDescription& description, std::vector<FogSun> suns) const {
+  VOLUTE_ASSERT(readsTheSame(description_, description));
+  FogLayer layer = *this;
+  layer.description_ = description;
+  layer.suns_ = std::move(suns);
+  if (still_)
+    layer.still_ = std::make_shared<const FogMedium>(still_->withProfile(description.profile));
+  if (sequence_) {
+    layer.sequence_ =
+        std::make_shared<const FogSequence>(sequence_->withProfile(description.profile));
+  }
+  return layer;
+}
+
 double FogLayer::timeOf(int position) const {
   return (times_[position] - description_.clock.offset) / description_.clock.rate;
 }
@@ -160,7 +196,7 @@ FogLayer FogLayer::withMap(std::span<const double> coefficients) const {
 
 FogMedium FogLayer::fogAt(double time) const {
   // The wind is the scene's: it blows on where a loop begins again.
-  const Vec3 blown = time * description_.wind;
+  const Vec3 blown = time * description_.wind + (description_.placement.origin - readAt_);
   if (still_)
     return still_->shifted(blown);
   double local = description_.clock.offset + description_.clock.rate * time;

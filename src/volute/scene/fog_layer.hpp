@@ -24,6 +24,15 @@ class FogLayer {
   [[nodiscard]] static Result<FogLayer> open(const FogDescription& description,
                                              std::vector<FogSun> suns, Reading& reading);
 
+  /// Whether with() serves: both differ at most in profile, wind, clock, scattering, path and, for
+  /// fog without a top, in the origin.
+  static bool readsTheSame(const FogDescription& a, const FogDescription& b);
+
+  /// This fog under a description, which readsTheSame(), and other suns: no map is read again.
+  FogLayer with(const FogDescription& description, std::vector<FogSun> suns) const;
+
+  const FogDescription& description() const { return description_; }
+
   /// At a time of the scene [s]: the maps at its clock's time, blown by the wind.
   FogMedium fogAt(double time) const;
 
@@ -52,6 +61,7 @@ class FogLayer {
   FogLayer() = default;
 
   FogDescription description_;
+  Vec3 readAt_ = Vec3::Zero();  ///< the origin of the maps as they are held [m]
   std::vector<FogSun> suns_;
   std::vector<double> times_;
   std::shared_ptr<const FogSequence> sequence_;

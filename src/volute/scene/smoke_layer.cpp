@@ -12,9 +12,6 @@
 namespace volute {
 namespace {
 
-/// Room fires have 1e-6 to 1e-3 kg/m3 of soot.
-constexpr double kMuchSoot = 1e-2, kLittleSoot = 1e-6;
-
 /// Smoke through which nobody sees a difference, across the whole case.
 constexpr double kThinDepth = 0.05;
 
@@ -93,6 +90,7 @@ void SmokeLayer::remarkOn(const Stored& stored, std::span<const float> extinctio
   if (remarked_ || !(most > 0))
     return;
   remarked_ = true;
+  largest_ = most;
   const SmokeModel& model = description_.model;
   const double soot = model.sootDensity(most);
   progress_->remark(fmt::format(

@@ -76,6 +76,12 @@ class SmokeLayer {
 
   const Box3& bounds() const { return bounds_; }
 
+  /// What rooms on fire hold [kg/m3]: 1e-6 to 1e-3. Outside of these a unit is doubted.
+  static constexpr double kMuchSoot = 1e-2, kLittleSoot = 1e-6;
+
+  /// Of the first step with smoke [1/m]; 0 before one was read.
+  double largestExtinction() const { return largest_; }
+
   int steps() const { return static_cast<int>(files_->source.times().size()); }
 
   /// When a step is shown as it is, in the scene's time [s].
@@ -136,6 +142,7 @@ class SmokeLayer {
   std::vector<std::shared_ptr<const Step>> steps_;  ///< the last two
   SmokeCounts counts_;
   bool remarked_ = false;
+  double largest_ = 0;
   bool fillsCache_ = true;
 };
 

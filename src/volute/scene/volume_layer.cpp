@@ -10,6 +10,8 @@
 namespace volute {
 namespace {
 
+constexpr double kRounding = 1e-12;
+
 Status checkFinite(std::span<const float> frame, const VolumeInfo& info, const std::string& path,
                    int position) {
   for (std::size_t i = 0; i < frame.size(); ++i) {
@@ -24,16 +26,51 @@ Status checkFinite(std::span<const float> frame, const VolumeInfo& info, const s
   return {};
 }
 
+Box3 scaled(const Box3& box, const Vec3& scale, const Vec3& offset) {
+  return {scale.cwiseProduct(box.min) + offset, scale.cwiseProduct(box.max) + offset};
+}
+
 }  // namespace
 
 VolumeLayer::VolumeLayer(VolumeInput input, const Appearance& appearance)
     : input_(std::move(input)), appearance_(appearance), info_(input_.source->info()) {
   const Placement& placement = appearance_.placement;
+  if (placement.turns())
+    placement_ = {Vec3::Ones(), placement.offset, placement.turn};
   const Vec3 offset = placement.turns() ? Vec3(Vec3::Zero()) : placement.offset;
-  info_.bounds.min = placement.scale.cwiseProduct(info_.bounds.min) + offset;
-  info_.bounds.max = placement.scale.cwiseProduct(info_.bounds.max) + offset;
+  info_.bounds = scaled(info_.bounds, placement.scale, offset);
   if (appearance_.basis)
     info_.basis = *appearance_.basis;
+}
+
+void VolumeLayer::setAppearance(const Appearance& appearance) {
+  const Placement before = std::exchange(appearance_, appearance).placement;
+  const Placement& now = appearance_.placement;
+  if (now.scale == before.scale && now.offset == before.offset && now.turn == before.turn)
+    return;
+  placement_ = {Vec3::Ones(), now.offset, now.turn};
+  const Box3 bounds = scaled(fileBounds(), now.scale, Vec3::Zero());
+  const double rounding = kRounding * bounds.size().norm();  // of a scale that a matrix gave
+  if ((bounds.min - info_.bounds.min).norm() <= rounding &&
+      (bounds.max - info_.bounds.max).norm() <= rounding)
+    return;
+  info_.bounds = bounds;
+  if (!slice_)
+    return;
+  BrickSlice elsewhere = *slice_;
+  elsewhere.setBounds(info_.bounds);
+  slice_ = std::make_shared<const BrickSlice>(std::move(elsewhere));
+}
+
+Box3 VolumeLayer::boundsInScene() const {
+  const Box3& box = info_.bounds;
+  Box3 turned;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 at((corner & 1 ? box.max : box.min).x(), (corner & 2 ? box.max : box.min).y(),
+                  (corner & 4 ? box.max : box.min).z());
+    turned.extend(placement_.turn * at + placement_.offset);
+  }
+  return turned;
 }
 
 Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOptions& options,
@@ -121,10 +158,9 @@ Result<VoxelMedium> VolumeLayer::mediumAt(int position, double extinctionFactor)
 }
 
 AnyMedium VolumeLayer::placed(const VoxelMedium& medium) const {
-  const Placement& placement = appearance_.placement;
-  if (!placement.turns())
+  if (!placement_.turns() && placement_.offset == Vec3::Zero())
     return AnyMedium(medium);
-  return AnyMedium(TurnedMedium(AnyMedium(medium), placement.turn, placement.offset));
+  return AnyMedium(TurnedMedium(AnyMedium(medium), placement_.turn, placement_.offset));
 }
 
 }  // namespace volute

@@ -53,8 +53,22 @@ class VolumeLayer {
                                                 const InputOptions& options,
                                                 const Appearance& appearance, Reading& reading);
 
-  /// Its bounds are those in the scene, but for what turns the volume.
+  /// Its bounds are those in the scene, but for what placement() does besides.
   const VolumeInfo& info() const { return info_; }
+
+  /// As the file was named when it was opened.
+  const std::string& path() const { return path_; }
+
+  /// The file's, before the appearance's placement [m].
+  const Box3& fileBounds() const { return input_.source->info().bounds; }
+
+  /// What it takes in the scene [m].
+  Box3 boundsInScene() const;
+
+  /// It looks otherwise from now on, or is elsewhere, or at another time: nothing is read again for
+  /// that. A frame that is held is made again only where the scale is another; else bounds stay
+  /// what they are, and placement() moves.
+  void setAppearance(const Appearance& appearance);
 
   /// What a tree gave, over this layer's basis and at its place in the scene.
   BrickSlice asItLooks(BrickSlice slice) const;
@@ -69,8 +83,9 @@ class VolumeLayer {
   /// `extinctionFactor` multiplies the appearance's extinction.
   [[nodiscard]] Result<VoxelMedium> mediumAt(int position, double extinctionFactor = 1);
 
-  /// Whether its transform turns or mirrors it.
-  bool turned() const { return appearance_.placement.turns(); }
+  /// What is to be done to points within info().bounds: turn and offset, no scale. Nothing for a
+  /// volume that is not turned, and was not moved since it was opened: its bounds say where it is.
+  const Placement& placement() const { return placement_; }
 
   /// A medium of this layer as it stands in the scene.
   AnyMedium placed(const VoxelMedium& medium) const;
@@ -105,6 +120,7 @@ class VolumeLayer {
   std::string path_;
   VolumeInput input_;
   Appearance appearance_;
+  Placement placement_;  ///< what info_.bounds leave to do
   VolumeInfo info_;
   std::vector<float> frame_;
   std::shared_ptr<const Tree4d> tree_;

@@ -9,7 +9,8 @@ namespace {
 
 TEST_F(Controls, EveryParameterOfFogAndItsSun) {
   open("fog.json");
-  changeAll({"/media/0/mu", "/media/0/levels"});  // sunlit fog keeps its details
+  // Sunlit fog keeps its details; wind moves nothing at 0 s; a profile's kind takes its heights.
+  changeAll({"/media/0/mu", "/media/0/levels", "/media/0/wind", "/media/0/profile/kind"});
   expectElevation("/lights/0/direction");
   ASSERT_TRUE(script_->click("exposure", 0.6));
   saveAs("fog2.json");
@@ -18,14 +19,16 @@ TEST_F(Controls, EveryParameterOfFogAndItsSun) {
 
 TEST_F(Controls, FogWithoutASunDropsDetails) {
   open("dull.json");
-  changeAll();
+  changeAll({"/media/0/wind", "/media/0/profile/kind"});
   saveAs("dull2.json");
   expectTheSameAfter("dull2.json");
 }
 
 TEST_F(Controls, EveryParameterOfSmokeAndLamps) {
   open("smoke.json");
-  changeAll({"/media/0/mode"}, "/media");  // last: C is the threshold's alone
+  // The mode comes last: C is the threshold's alone; time has a test of its own.
+  changeAll({"/media/0/mode", "/media/0/time/offset", "/media/0/time/rate", "/media/0/time/loop"},
+            "/media");
   const Image threshold = picture();
   ASSERT_TRUE(script_->choose("/media/0/mode", "photometric"));
   load();
@@ -52,7 +55,7 @@ TEST_F(Controls, EveryParameterOfSigns) {
 
 TEST_F(Controls, EveryParameterOfVolumes) {
   open("blob.npy");
-  changeAll({"/background"});
+  changeAll({"/background", "/media/0/time/offset", "/media/0/time/rate", "/media/0/time/loop"});
   Image shown = picture();
   expectChange(parameterAt("/background"), shown);
   for (const char* colors : {"viridis", "inferno", "grey", "viridis"}) {
@@ -68,7 +71,10 @@ TEST_F(Controls, EveryParameterOfVolumes) {
 
 TEST_F(Controls, EveryParameterOfFdsCases) {
   open("room.smv");
-  changeAll({"/media/0/mass_extinction"}, "/media");  // which says nothing about opacities
+  // Which says nothing about opacities; at its first step its clock says nothing either.
+  changeAll({"/media/0/mass_extinction", "/media/0/time/offset", "/media/0/time/rate",
+             "/media/0/time/loop"},
+            "/media");
   changeAll({}, "/lights");
   changeAll({}, "/background");
   saveAs("room2.json");

@@ -15,7 +15,7 @@ struct Parameter {
     kFlag,       ///< 0 or 1
     kChoice,     ///< its place in `choices`
     kColor,      ///< linear RGB
-    kPoint,      ///< x, y, z [m]
+    kPoint,      ///< two or three numbers that are drawn: x, y, z [m], angles, a knot
     kDirection,  ///< x, y, z, of any length
   };
 
@@ -29,6 +29,12 @@ struct Parameter {
   std::string unit{};
   std::vector<std::string> choices{};
   std::string help{};
+  std::string section{};      ///< of the group, with a heading of its own; empty: none
+  double step = 0.02;         ///< of a kPoint, for each pixel that the mouse goes
+  bool entry = false;         ///< of a list: SceneEdit::kDuplicate works on its path
+  bool removable = false;     ///< likewise SceneEdit::kRemove
+  std::string doubt{};        ///< why the value may be wrong
+  std::vector<int> offers{};  ///< choices that would be plausible then
 };
 
 }  // namespace volute

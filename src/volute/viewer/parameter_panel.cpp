@@ -46,9 +46,13 @@ const char* formatOfThree(const std::vector<double>& value) {
   return most < 0.1 ? "%.3f" : most < 9.99 ? "%.2f" : most < 99.9 ? "%.1f" : "%.0f";
 }
 
-/// To the centimetre while that fits.
-const char* formatOfPoint(const std::vector<double>& value) {
+/// To the centimetre while that fits; finer where it is drawn in finer steps.
+const char* formatOfPoint(const std::vector<double>& value, double step) {
   const auto [least, most] = std::ranges::minmax(value);
+  if (step < 0.005 && most < 9.99 && least > -9.99)
+    return "%.3f";
+  if (step >= 0.1)
+    return most < 9999 && least > -999 ? "%.1f" : "%.0f";
   return most < 999.9 && least > -99.9 ? "%.2f" : most < 1e4 && least > -999.9 ? "%.1f" : "%.0f";
 }
 
@@ -115,11 +119,14 @@ bool control(ViewerApp& app, const Parameter& parameter, std::vector<double>& va
       value.front() = chosen;
       return moved;
     }
-    case Parameter::Kind::kPoint:
-      moved = ImGui::DragScalarN((parameter.name + " [" + parameter.unit + "]").c_str(),
-                                 ImGuiDataType_Double, value.data(), 3, 0.02F, nullptr, nullptr,
-                                 formatOfPoint(value), ImGuiSliderFlags_NoRoundToFormat);
+    case Parameter::Kind::kPoint: {
+      const std::string unit = parameter.unit.empty() ? "" : " [" + parameter.unit + "]";
+      moved = ImGui::DragScalarN(
+          (parameter.name + unit).c_str(), ImGuiDataType_Double, value.data(),
+          static_cast<int>(value.size()), static_cast<float>(parameter.step), nullptr, nullptr,
+          formatOfPoint(value, parameter.step), ImGuiSliderFlags_NoRoundToFormat);
       break;
+    }
     case Parameter::Kind::kColor:
       return colorControl(app, parameter, value);
     case Parameter::Kind::kDirection:
@@ -135,6 +142,23 @@ std::string ownerOf(const Parameter& parameter) {
   if (first == std::string::npos)
     return "";
   return parameter.path.substr(0, parameter.path.find('/', first + 1));
+}
+
+/// A volume can be looked at as a billboard, and back.
+void billboardButton(ViewerApp& app, const std::string& owner, const std::string& group) {
+  if (!app.document()->editable)
+    return;
+  const bool volume = group.starts_with("volume:"), board = group.starts_with("billboard:");
+  if (!volume && !board)
+    return;
+  if (markedButton(app, volume ? "Show as billboard" : "Show as volume",
+                   (volume ? "billboard " : "volume ") + owner)) {
+    app.edit(
+        {.kind = volume ? SceneEdit::Kind::kBillboard : SceneEdit::Kind::kVolume, .path = owner});
+  }
+  hint(volume ? "a flat picture of it that faces you, cheap where it is small or far: it cannot be "
+                "turned or mirrored"
+              : "with its depth");
 }
 
 /// What can be done with a sign or a light as a whole.
@@ -198,6 +222,58 @@ std::string headingOf(const std::string& group, std::size_t letters) {
   return group.substr(0, kept) + shortened(group.substr(kept), letters - std::min(letters, kept));
 }
 
+/// An entry of a list: one more beside it, or it goes.
+void entryButtons(ViewerApp& app, const Parameter& parameter) {
+  if (!parameter.entry)
+    return;
+  const std::size_t last = parameter.path.find_last_of('/');
+  const std::string list = parameter.path.substr(0, last), place = parameter.path.substr(last + 1);
+  const auto button = [&](const char* label, const char* what, SceneEdit::Kind kind) {
+    ImGui::SameLine(0, ImGui::GetStyle().ItemInnerSpacing.x);
+    if (ImGui::SmallButton(label))
+      app.edit({.kind = kind, .path = parameter.path});
+    app.mark(fmt::format("{} {} = {}", what, list, place));
+  };
+  button("+", "add", SceneEdit::Kind::kDuplicate);
+  hint("one more after it");
+  if (!parameter.removable)
+    return;
+  button("x", "remove", SceneEdit::Kind::kRemove);
+  hint("remove it");
+}
+
+/// What a value that may be wrong was probably meant to be: a click away.
+void doubtPart(ViewerApp& app, const Parameter& parameter) {
+  if (parameter.offers.empty())
+    return;
+  wrappedText(parameter.doubt, true);
+  for (const int offer : parameter.offers) {
+    const std::string& choice = parameter.choices[static_cast<std::size_t>(offer)];
+    if (offer != parameter.offers.front())
+      ImGui::SameLine();
+    if (markedButton(app, (choice + "?").c_str(), "mend " + parameter.path + " = " + choice))
+      app.setParameter(parameter, {static_cast<double>(offer)});
+    hint("takes the values as " + choice);
+  }
+}
+
+/// Whether the rows that follow are shown. A long list waits until it is asked for.
+bool sectionPart(ViewerApp& app, const std::vector<Parameter>& all, const Parameter& first) {
+  if (first.section.empty())
+    return true;
+  constexpr std::ptrdiff_t kLong = 7;  // rows
+  const std::string owner = ownerOf(first);
+  const auto rows = std::ranges::count_if(all, [&](const Parameter& parameter) {
+    return parameter.section == first.section && ownerOf(parameter) == owner;
+  });
+  ImGui::SetNextItemOpen(rows < kLong, ImGuiCond_Once);
+  const bool open =
+      ImGui::TreeNodeEx((first.section + "###" + owner + " " + first.section).c_str(),
+                        ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_SpanAvailWidth);
+  app.mark("group " + first.section + " of " + owner);
+  return open;
+}
+
 /// All that can be changed, by what it belongs to.
 void parametersPart(ViewerApp& app) {
   ImGui::PushItemWidth(-kLabels);
@@ -205,8 +281,8 @@ void parametersPart(ViewerApp& app) {
   const float arrow = ImGui::GetTreeNodeToLabelSpacing();
   const std::size_t letters = lettersIn(ImGui::GetContentRegionAvail().x - arrow);
   const auto parameters = app.document()->parameters;  // changes below
-  std::string owner = "none";
-  bool open = false;
+  std::string owner = "none", section;
+  bool open = false, shown = false;
   for (const Parameter& parameter : parameters) {
     if (ownerOf(parameter) != owner) {  // two signs may have the same name
       owner = ownerOf(parameter);
@@ -214,16 +290,28 @@ void parametersPart(ViewerApp& app) {
                                      ImGuiTreeNodeFlags_DefaultOpen);
       app.mark("group " + parameter.group);
       hint(parameter.group.size() > letters ? parameter.group : "");
-      if (open)
+      if (open) {
+        billboardButton(app, owner, parameter.group);
         ownerButtons(app, owner);
+      }
+      section.clear();
+      shown = true;
     }
     if (!open)
+      continue;
+    if (parameter.section != section) {
+      section = parameter.section;
+      shown = sectionPart(app, parameters, parameter);
+    }
+    if (!shown)
       continue;
     ImGui::PushID(parameter.path.c_str());
     std::vector<double> value = parameter.value;
     if (control(app, parameter, value))
       app.setParameter(parameter, value);
     hint(parameter.help);
+    entryButtons(app, parameter);
+    doubtPart(app, parameter);
     ImGui::PopID();
   }
   ImGui::PopItemWidth();

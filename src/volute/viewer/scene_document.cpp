@@ -21,6 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kRate = 25;      ///< frames a second of what has no times of its own
+constexpr double kBlown = 10;     ///< [s] for which wind is shown at least
 constexpr double kHighest = 1e6;  ///< [m] that counts as an end
 
 std::string absolute(const std::string& path) {
@@ -197,6 +198,52 @@ Result<SmokeLayer> SceneDocument::openSmoke(const SmokeDescription& smoke, const
   return SmokeLayer::open(smoke, lighting, reading);
 }
 
+/// The volumes that were read, whether as media or as billboards: they serve any other words about
+/// the same file. What is not taken goes.
+class SceneDocument::Volumes {
+ public:
+  Volumes(std::vector<Medium>& media, std::vector<Board>& boards) {
+    for (std::size_t i = 0; i < media.size(); ++i) {
+      if (media[i].volume)
+        held_.push_back({&*media[i].volume, &media[i], i});
+    }
+    for (std::size_t i = 0; i < boards.size(); ++i)
+      held_.push_back({&boards[i].volume, nullptr, i});
+  }
+
+  struct Held {
+    VolumeLayer* layer = nullptr;
+    Medium* medium = nullptr;  ///< null: it is a billboard's
+    std::size_t place = 0;     ///< among the media or the billboards
+    bool taken = false;
+  };
+
+  /// One of this file that was not taken yet, if there is one: rather that in the same place.
+  Held* take(const std::string& file, bool medium, std::size_t place) {
+    Held* found = nullptr;
+    for (Held& held : held_) {
+      if (held.taken || held.layer->path() != file)
+        continue;
+      if (!found || ((held.medium != nullptr) == medium && held.place == place))
+        found = &held;
+    }
+    if (found)
+      found->taken = true;
+    return found;
+  }
+
+ private:
+  std::vector<Held> held_;
+};
+
+Result<VolumeLayer> SceneDocument::openVolumeFile(const std::string& file,
+                                                  Progress& progress) const {
+  Reading reading{progress, options_.maxMemory};
+  return VolumeLayer::open(file, {.grid = {}, .bounds = {}, .partial = true, .verify = false}, {},
+                           reading);
+}
+
+/// Anything but a volume.
 /// @param before  what was read of the medium in its place; may be null
 Status SceneDocument::openMedium(Medium& medium, const Medium* before,
                                  const SceneDescription& scene, std::size_t place,
@@ -204,16 +251,14 @@ Status SceneDocument::openMedium(Medium& medium, const Medium* before,
   RemarkLog heard(progress);
   Reading reading{heard, options_.maxMemory};
   const std::string kind = medium.json.value("kind", "");
-  if (kind == "volume") {
-    const SceneVolume& volume = scene.volumes[place];
-    medium.look = volume.appearance;
-    VOLUTE_ASSIGN(
-        medium.volume,
-        VolumeLayer::open(volume.file, {.grid = {}, .bounds = {}, .partial = true, .verify = false},
-                          volume.appearance, reading));
-  } else if (kind == "fog") {
+  if (kind == "fog") {
     medium.fogWords = scene.fogs[place];
     medium.fogWords.scattering.shadows = fogShadows(geometry_, scene.lights.suns);
+    if (before && before->fog && FogLayer::readsTheSame(before->fogWords, medium.fogWords)) {
+      medium.fog = before->fog->with(medium.fogWords, scene.lights.suns);
+      medium.remarks = before->remarks;
+      return {};
+    }
     VOLUTE_ASSIGN(medium.fog, FogLayer::open(medium.fogWords, scene.lights.suns, reading));
   } else if (isSmvPath(scene.smokes[place].file)) {
     const SmokeDescription& smoke = scene.smokes[place];
@@ -230,13 +275,9 @@ Status SceneDocument::openMedium(Medium& medium, const Medium* before,
   return {};
 }
 
-/// Whether what was read of a medium serves other words about it.
-bool SceneDocument::serves(const Medium& old, Json wanted, bool lightsChanged) {
-  if (!old.volume)
-    return !lightsChanged && old.json == wanted;
-  Json before = old.json;
-  for (const char* key : {"emission", "extinction"}) before.erase(key), wanted.erase(key);
-  return before == wanted;
+/// Whether what was read of a medium serves these words about it. Of volumes see Volumes.
+bool SceneDocument::serves(const Medium& old, const Json& wanted, bool lightsChanged) {
+  return !old.volume && !lightsChanged && old.json == wanted;
 }
 
 /// What was painted are shares of the map's largest value.
@@ -250,9 +291,11 @@ void SceneDocument::keepPainted(const Medium& old, Medium& medium) {
   medium.unsaved = old.unsaved;
 }
 
+/// First what has to be read, so that an error leaves everything as it was.
 Result<std::vector<SceneDocument::Medium>> SceneDocument::mediaOf(const Json& json,
                                                                   const SceneDescription& scene,
                                                                   bool lightsChanged,
+                                                                  Volumes& volumes,
                                                                   Progress& progress) {
   std::vector<Medium> media;
   std::vector<std::size_t> places;
@@ -263,24 +306,46 @@ Result<std::vector<SceneDocument::Medium>> SceneDocument::mediaOf(const Json& js
     media.push_back({entry});
   }
   const bool same = media.size() == media_.size();
-  std::vector<bool> kept(media.size(), false);
-  // First what has to be read, so that an error leaves everything as it was.
+  std::vector<Medium*> kept(media.size(), nullptr);  // what was read of it
+  std::vector<Volumes::Held*> held(media.size(), nullptr);
+  const auto find = [&](std::size_t i) -> Medium* {
+    if (same)
+      return serves(media_[i], media[i].json, lightsChanged) ? &media_[i] : nullptr;
+    for (Medium& old : media_) {  // one came or went
+      if (serves(old, media[i].json, lightsChanged) && std::ranges::find(kept, &old) == kept.end())
+        return &old;
+    }
+    return nullptr;
+  };
   for (std::size_t i = 0; i < media.size(); ++i) {
-    kept[i] = same && serves(media_[i], media[i].json, lightsChanged);
+    Medium& medium = media[i];
+    if (medium.json.value("kind", "") == "volume") {
+      const std::string& file = scene.volumes[places[i]].file;
+      held[i] = volumes.take(file, true, i);
+      if (!held[i]) {
+        RemarkLog heard(progress);
+        VOLUTE_ASSIGN(medium.volume, openVolumeFile(file, heard));
+        medium.remarks = heard.remarks();
+      }
+      continue;
+    }
+    kept[i] = find(i);
     if (kept[i])
       continue;
-    VOLUTE_TRY(openMedium(media[i], same ? &media_[i] : nullptr, scene, places[i], progress));
-    if (same && media_[i].fog && media[i].fog && media_[i].painted)
-      keepPainted(media_[i], media[i]);
+    VOLUTE_TRY(openMedium(medium, same ? &media_[i] : nullptr, scene, places[i], progress));
+    if (same && media_[i].fog && medium.fog && media_[i].painted)
+      keepPainted(media_[i], medium);
   }
   for (std::size_t i = 0; i < media.size(); ++i) {
-    if (!kept[i])
-      continue;
+    Medium* const old = held[i] ? held[i]->medium : kept[i];
     Json words = std::move(media[i].json);
-    media[i] = std::move(media_[i]);
+    if (old)
+      media[i] = std::move(*old);
+    else if (held[i])
+      media[i].volume = std::move(*held[i]->layer);
     media[i].json = std::move(words);
     if (media[i].volume)
-      media[i].look = scene.volumes[places[i]].appearance;
+      media[i].volume->setAppearance(scene.volumes[places[i]].appearance);
   }
   return media;
 }
@@ -295,15 +360,31 @@ Status SceneDocument::load(Json json, Progress& progress) {
       !first && json.value("lights", Json()) != json_.value("lights", Json());
   if (first) {
     VOLUTE_ASSIGN(geometry_, loadGeometry(scene.geometry, reading));
-    for (const SceneBillboard& board : scene.billboards) {
-      VOLUTE_ASSIGN(auto volume, VolumeLayer::open(board.file, {}, board.appearance, reading));
-      boards_.push_back({std::move(volume), board.options});
+  }
+  Volumes volumes(media_, boards_);
+  std::vector<Volumes::Held*> held;
+  std::vector<std::optional<VolumeLayer>> opened(scene.billboards.size());
+  for (std::size_t i = 0; i < scene.billboards.size(); ++i) {
+    held.push_back(volumes.take(scene.billboards[i].file, false, i));
+    if (!held.back()) {
+      VOLUTE_ASSIGN(opened[i], VolumeLayer::open(scene.billboards[i].file, {}, {}, reading));
     }
   }
-  VOLUTE_ASSIGN(media_, mediaOf(json, scene, lightsChanged, progress));
+  VOLUTE_ASSIGN(auto media, mediaOf(json, scene, lightsChanged, volumes, progress));
+  std::vector<Board> boards;
+  for (std::size_t i = 0; i < scene.billboards.size(); ++i) {
+    VolumeLayer layer = held[i] ? std::move(*held[i]->layer) : std::move(*opened[i]);
+    layer.setAppearance(scene.billboards[i].appearance);
+    boards.push_back({std::move(layer), scene.billboards[i].options});
+  }
+  boards_ = std::move(boards);
+  media_ = std::move(media);
   json_ = std::move(json);
   scene_ = std::move(scene);
-  surfaces_.reset();
+  const bool changing =
+      std::ranges::any_of(media_, [](const Medium& m) { return m.fds || m.smoke; });
+  if (lightsChanged || changing)
+    surfaces_.reset();
   if (first)
     sceneRemarks_ = heard.remarks();
   gatherRemarks();
@@ -313,6 +394,37 @@ Status SceneDocument::load(Json json, Progress& progress) {
   start_ = StartView{camera.view.eye, camera.view.target, camera.view.up, camera.fov.value_or(40),
                      camera.ortho.value_or(0)};
   return {};
+}
+
+SceneFacts SceneDocument::facts() const {
+  SceneFacts facts;
+  const auto span = [](const auto& layer, int frames) {
+    return frames > 1 ? std::abs(layer.timeOf(frames - 1) - layer.timeOf(0)) : 0.0;
+  };
+  const auto ofVolume = [&](const VolumeLayer& layer) {
+    const VolumeInfo& info = layer.info();
+    return MediumFacts{info.frames, span(layer, info.frames) * layer.appearance().clock.rate,
+                       layer.fileBounds()};
+  };
+  for (const Medium& medium : media_) {
+    MediumFacts& of = facts.media.emplace_back();
+    if (medium.volume)
+      of = ofVolume(*medium.volume);
+    if (medium.fog)
+      of = {medium.fog->frames(),
+            span(*medium.fog, medium.fog->frames()) * medium.fogWords.clock.rate,
+            medium.fog->fogAt(0).bounds()};
+    if (medium.smoke)
+      of = {medium.smoke->steps(),
+            span(*medium.smoke, medium.smoke->steps()) * medium.smoke->description().clock.rate,
+            medium.smoke->bounds(), medium.smoke->largestExtinction()};
+    if (medium.fds)
+      of = {medium.fds->steps(),
+            span(*medium.fds, medium.fds->steps()) * medium.fds->description().clock.rate,
+            medium.fds->bounds()};
+  }
+  for (const Board& board : boards_) facts.billboards.push_back(ofVolume(board.volume));
+  return facts;
 }
 
 void SceneDocument::gatherRemarks() {
@@ -366,13 +478,17 @@ void SceneDocument::findExtent() {
   bounds_ = Box3();
   for (const Medium& medium : media_) {
     if (medium.volume)
-      include(medium.volume->info().bounds);
+      include(medium.volume->boundsInScene());
     if (medium.fog)
       include(medium.fog->fogAt(0).bounds());
     if (medium.smoke)
       include(medium.smoke->bounds());
     if (medium.fds)
       include(medium.fds->bounds());
+  }
+  for (const Board& board : boards_) {
+    const Vec3 reach = Vec3::Constant(0.5 * std::hypot(board.options.width, board.options.height));
+    include({board.options.position - reach, board.options.position + reach});
   }
   if (!geometry_.empty()) {
     bounds_.extend(geometry_.bounds().min);
@@ -383,7 +499,7 @@ void SceneDocument::findExtent() {
     bounds_ = {target - Vec3::Ones(), target + Vec3::Ones()};
 }
 
-/// A single medium has its own frames; a scene 25 a second.
+/// A single medium has its own frames; a scene 25 a second, and so has fog that the wind blows.
 void SceneDocument::findTimes() {
   times_ = {0.0};
   std::vector<double> own;
@@ -403,10 +519,16 @@ void SceneDocument::findTimes() {
     if (medium.fds)
       take(medium.fds->steps(), [&](int i) { return medium.fds->timeOf(i); });
   }
-  if (media_.size() == 1) {
+  for (const Board& board : boards_)
+    take(board.volume.info().frames, [&](int i) { return board.volume.timeOf(i); });
+  const bool blown =
+      std::ranges::any_of(scene_.fogs, [](const auto& fog) { return fog.wind != Vec3::Zero(); });
+  if (media_.size() + boards_.size() == 1 && (own.size() > 1 || !blown)) {
     times_ = own;
     return;
   }
+  if (blown)
+    last = std::max(last, kBlown);
   const double frames = std::min(std::round(last * kRate), 1e6);
   for (int frame = 1; frame <= static_cast<int>(frames); ++frame) times_.push_back(frame / kRate);
 }
@@ -421,7 +543,8 @@ std::string SceneDocument::title() const {
   }
   if (extensionOf(path_) != ".json") {
     return fmt::format("{}: {}", name,
-                       media_.front().fog   ? "a map of fog"
+                       media_.empty()       ? "a billboard"
+                       : media_.front().fog ? "a map of fog"
                        : media_.front().fds ? "an FDS case"
                                             : "smoke on a mesh");
   }
@@ -452,8 +575,9 @@ bool SceneDocument::grey() const {
 
 /// Smoke and fog are seen as they are; fire of unknown brightness gets an exposure.
 bool SceneDocument::measured() const {
-  return std::ranges::none_of(media_,
-                              [](const Medium& medium) { return medium.volume.has_value(); });
+  return boards_.empty() && std::ranges::none_of(media_, [](const Medium& medium) {
+           return medium.volume.has_value();
+         });
 }
 
 std::vector<std::filesystem::path> SceneDocument::files() const {
@@ -463,13 +587,13 @@ std::vector<std::filesystem::path> SceneDocument::files() const {
 }
 
 std::vector<Parameter> SceneDocument::parameters() const {
-  return sceneParameters(json_, scene_);
+  return sceneParameters(json_, scene_, facts());
 }
 
 Status SceneDocument::set(const std::string& path, const std::vector<double>& value,
                           Progress& progress) {
   Json before = json_, changed = json_;
-  VOLUTE_TRY(setParameter(changed, scene_, path, value));
+  VOLUTE_TRY(setParameter(changed, scene_, facts(), path, value));
   VOLUTE_TRY(changeTo(std::move(changed), progress));
   history_.note(std::move(before), path);
   return {};
@@ -483,9 +607,22 @@ Status SceneDocument::changeTo(Json json, Progress& progress) {
   return {};
 }
 
+/// With what only the files know.
+SceneEdit SceneDocument::withBounds(SceneEdit edit) const {
+  for (std::size_t i = 0; i < media_.size(); ++i) {
+    if (media_[i].volume && edit.path == fmt::format("/media/{}", i))
+      edit.bounds = media_[i].volume->fileBounds();
+  }
+  for (std::size_t i = 0; i < boards_.size(); ++i) {
+    if (edit.path == fmt::format("/billboards/{}", i))
+      edit.bounds = boards_[i].volume.fileBounds();
+  }
+  return edit;
+}
+
 Result<std::string> SceneDocument::edit(const SceneEdit& edit, Progress& progress) {
   Json before = json_, changed = json_;
-  VOLUTE_ASSIGN(auto done, applyEdit(changed, edit));
+  VOLUTE_ASSIGN(auto done, applyEdit(changed, withBounds(edit)));
   VOLUTE_TRY(changeTo(std::move(changed), progress));
   history_.note(std::move(before), "");
   return done;

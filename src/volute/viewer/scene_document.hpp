@@ -15,6 +15,7 @@
 #include "volute/scene/still.hpp"
 #include "volute/viewer/document.hpp"
 #include "volute/viewer/open_document.hpp"
+#include "volute/viewer/scene_facts.hpp"
 #include "volute/viewer/scene_history.hpp"
 
 namespace volute {
@@ -77,7 +78,6 @@ class SceneDocument final : public Document {
   /// One of the scene's media, with what has been read of it. Exactly one layer is there.
   struct Medium {
     nlohmann::ordered_json json;
-    Appearance look{};  ///< of a volume
     std::optional<VolumeLayer> volume{};
     bool checked = false;  ///< it was looked through for damage
     bool damaged = false;
@@ -96,6 +96,9 @@ class SceneDocument final : public Document {
     BillboardOptions options;
   };
 
+  /// What is to become of the volumes that were read.
+  class Volumes;
+
   /// Takes one picture at a time: moments come and go, what it prepared for a mesh stays.
   struct Drawer {
     std::mutex mutex;
@@ -113,12 +116,16 @@ class SceneDocument final : public Document {
   Status changeTo(nlohmann::ordered_json json, Progress& progress);
   Result<std::vector<Medium>> mediaOf(const nlohmann::ordered_json& json,
                                       const SceneDescription& scene, bool lightsChanged,
-                                      Progress& progress);
+                                      Volumes& volumes, Progress& progress);
+  [[nodiscard]] Result<VolumeLayer> openVolumeFile(const std::string& file,
+                                                   Progress& progress) const;
   Status openMedium(Medium& medium, const Medium* before, const SceneDescription& scene,
                     std::size_t place, Progress& progress) const;
   [[nodiscard]] Result<SmokeLayer> openSmoke(const SmokeDescription& smoke, const Medium* before,
                                              const SceneLights& lights, Reading& reading) const;
-  static bool serves(const Medium& old, nlohmann::ordered_json wanted, bool lightsChanged);
+  static bool serves(const Medium& old, const nlohmann::ordered_json& wanted, bool lightsChanged);
+  SceneFacts facts() const;
+  SceneEdit withBounds(SceneEdit edit) const;
   static bool paintable(const Medium& medium);
   static void keepPainted(const Medium& old, Medium& medium);
   [[nodiscard]] Result<Medium*> canvasMedium(std::size_t canvas);

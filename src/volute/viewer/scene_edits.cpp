@@ -7,6 +7,10 @@
 #include <cctype>
 #include <cmath>
 
+#include "volute/scene/scene_geometry.hpp"
+#include "volute/viewer/fog_parameters.hpp"
+#include "volute/viewer/placement_parameters.hpp"
+
 namespace volute {
 namespace {
 
@@ -156,6 +160,98 @@ Result<std::string> placeAt(Json& json, const SceneEdit& edit) {
   return std::string();
 }
 
+/// An entry of the profile of a fog.
+struct ProfilePlace {
+  Json* fog = nullptr;
+  std::string key;  ///< "profile/knots/1"
+};
+
+std::optional<ProfilePlace> profilePlaceOf(Json& json, const std::string& path) {
+  const std::size_t at = path.find("/profile/");
+  if (!path.starts_with("/media/") || at == std::string::npos)
+    return std::nullopt;
+  const Json::json_pointer entry(path);
+  if (!json.contains(entry) || !json[entry].is_array() || !json[entry.parent_pointer()].is_array())
+    return std::nullopt;
+  return ProfilePlace{&json[Json::json_pointer(path.substr(0, at))], path.substr(at + 1)};
+}
+
+Result<std::string> changeProfile(const ProfilePlace& place, bool more) {
+  const Json& list = (*place.fog)[Json::json_pointer("/" + place.key).parent_pointer()];
+  const bool knots = place.key.find("/knots/") != std::string::npos;
+  if (more) {
+    duplicateInProfile(*place.fog, place.key);
+  } else if (list.size() > (knots ? 2 : 1)) {
+    removeFromProfile(*place.fog, place.key);
+  } else {
+    return fail(ErrorCode::kInvalidArgument, "{}: a profile needs {}", place.key,
+                knots ? "two knots" : "a layer");
+  }
+  return fmt::format("{} {}", knots ? "a knot" : "a layer", more ? "is added" : "is removed");
+}
+
+/// What both kinds have in common.
+void copyLook(const Json& from, Json& to, double brighter) {
+  const double emission = brighter * from.value("emission", 1.0);
+  if (emission != 1)
+    to["emission"] = emission;
+  if (const double extinction = from.value("extinction", 0.0); extinction != 0)
+    to["extinction"] = brighter * extinction;
+  if (from.contains("time"))
+    to["time"] = from["time"];
+}
+
+/// The entry of a list, which is taken out of it; null where there is none of this kind.
+Json taken(Json& json, const char* list, const std::string& path, const char* kind) {
+  const std::string begin = fmt::format("/{}/", list);
+  for (std::size_t i = 0; json.contains(list) && i < json[list].size(); ++i) {
+    if (path != begin + std::to_string(i))
+      continue;
+    Json entry = json[list][i];
+    if (kind && entry.value("kind", "") != kind)
+      return {};
+    json[list].erase(i);
+    return entry;
+  }
+  return {};
+}
+
+/// The volume's light is that of the file's own size, so what was scaled becomes as bright.
+Result<std::string> makeBillboard(Json& json, const SceneEdit& edit) {
+  const Json volume = taken(json, "media", edit.path, "volume");
+  if (volume.is_null() || edit.bounds.empty())
+    return fail(ErrorCode::kInvalidArgument, "{}: the scene has no such volume", edit.path);
+  Placement placement;
+  if (volume.contains("transform")) {
+    const nlohmann::json numbers = volume["transform"];
+    VOLUTE_ASSIGN(placement, parsePlacement(numbers, "scene", edit.path));
+  }
+  const PlacementWords words = wordsOf(placement, edit.bounds);
+  const Vec3 size = words.scale.cwiseProduct(edit.bounds.size());
+  Json board = {{"volume", volume.at("file")}};
+  board["position"] = jsonOf(words.middle);
+  board["size"] = {size.head<2>().norm(), size.z()};  // as wide as it is from any side
+  copyLook(volume, board, words.scale.z());
+  listOf(json, "billboards").push_back(std::move(board));
+  return std::string("the volume is a billboard");
+}
+
+Result<std::string> makeVolume(Json& json, const SceneEdit& edit) {
+  const Json board = taken(json, "billboards", edit.path, nullptr);
+  if (board.is_null() || edit.bounds.empty())
+    return fail(ErrorCode::kInvalidArgument, "{}: the scene has no such billboard", edit.path);
+  const double scale = board.at("size").at(1).get<double>() / edit.bounds.size().z();
+  Json volume = {{"kind", "volume"}, {"file", board.at("volume")}};
+  copyLook(board, volume, 1 / scale);
+  const Vec3 position = vectorIn(board, "position", Vec3::Zero());
+  setPlacement(volume, {Vec3::Constant(scale), position - scale * edit.bounds.centre()},
+               edit.bounds, "middle", {position.x(), position.y(), position.z()});
+  listOf(json, "media").push_back(std::move(volume));
+  if (json["billboards"].empty())
+    json.erase("billboards");
+  return std::string("the billboard is a volume");
+}
+
 }  // namespace
 
 Result<std::string> applyEdit(Json& json, const SceneEdit& edit) {
@@ -172,9 +268,16 @@ Result<std::string> applyEdit(Json& json, const SceneEdit& edit) {
       return addLight(json, {{"kind", "ambient"}, {"radiance", {0.2, 0.2, 0.2}}},
                       "light from everywhere is added");
     case Kind::kDuplicate:
-      return duplicate(json, edit.path);
-    case Kind::kRemove:
-      return removeAt(json, edit.path);
+    case Kind::kRemove: {
+      const bool more = edit.kind == Kind::kDuplicate;
+      if (const auto place = profilePlaceOf(json, edit.path))
+        return changeProfile(*place, more);
+      return more ? duplicate(json, edit.path) : removeAt(json, edit.path);
+    }
+    case Kind::kBillboard:
+      return makeBillboard(json, edit);
+    case Kind::kVolume:
+      return makeVolume(json, edit);
     case Kind::kPlace:
       return placeAt(json, edit);
   }

@@ -6,11 +6,13 @@
 #include <string>
 
 #include "volute/base/result.hpp"
+#include "volute/math/box.hpp"
 #include "volute/math/vec.hpp"
 
 namespace volute {
 
-/// A sign or a light of a scene comes, goes or moves.
+/// A sign or a light of a scene comes, goes or moves, or so does a knot or a layer of a fog's
+/// profile; a volume becomes a billboard, or a billboard a volume.
 struct SceneEdit {
   enum class Kind {
     kAddSign,
@@ -20,17 +22,20 @@ struct SceneEdit {
     kDuplicate,  ///< of `path`, a little beside it
     kRemove,     ///< what is at `path`
     kPlace,      ///< a sign or a spot at `path` goes to `position` and `normal`
+    kBillboard,  ///< the volume at `path` is shown as a billboard of the same size and brightness
+    kVolume,     ///< the billboard at `path` is shown as a volume, likewise
   };
 
   Kind kind = Kind::kAddSign;
-  std::string path{};            ///< "/signs/0", "/lights/1"
+  std::string path{};            ///< "/signs/0", "/lights/1", "/media/0/profile/knots/2"
   Vec3 position = Vec3::Zero();  ///< of what is added or placed [m]
   Vec3 normal = Vec3::UnitX();   ///< away from the wall that it is on
   double reach = 10;             ///< [m] that a spot is to light
+  Box3 bounds{};                 ///< the file's, of what becomes a billboard or a volume [m]
 };
 
 /// Does it in a scene's JSON. Says in a sentence what was done; kInvalidArgument for a path that
-/// has no sign or light, and for a light without a place that is to be placed.
+/// has nothing of the kind, and for a light without a place that is to be placed.
 [[nodiscard]] Result<std::string> applyEdit(nlohmann::ordered_json& json, const SceneEdit& edit);
 
 }  // namespace volute

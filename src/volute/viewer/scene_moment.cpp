@@ -19,12 +19,11 @@ const Rgb kOutline(0.45, 0.5, 0.55);
 constexpr int kCoarseLevels = 2;  ///< of a block's, the coarsest first
 
 /// VolumeLayer::mediumAt() for OpenGL.
-GlVolume glVolumeOf(std::shared_ptr<const BrickSlice> slice, const Appearance& look,
+GlVolume glVolumeOf(std::shared_ptr<const BrickSlice> slice, const VolumeLayer& layer,
                     double factor) {
-  GlVolume volume{std::move(slice), look.emission, factor * look.extinction};
-  if (look.placement.turns())  // else its place is in the slice's bounds
-    volume.turn = look.placement.turn, volume.offset = look.placement.offset;
-  return volume;
+  const Appearance& look = layer.appearance();
+  return {std::move(slice), look.emission, factor * look.extinction, layer.placement().turn,
+          layer.placement().offset};
 }
 
 std::vector<float> scaled(std::vector<float> values, double factor) {
@@ -87,9 +86,9 @@ Status SceneDocument::addVolume(Medium& medium, double time, bool coarse, Progre
   if (!rough)
     medium.block = block;
   const double factor = still.law.factor();
-  still.media.push_back(
-      layer.placed(VoxelMedium(slice, medium.look.emission, factor * medium.look.extinction)));
-  scene.media.volumes.push_back(glVolumeOf(std::move(slice), medium.look, factor));
+  const Appearance& look = layer.appearance();
+  still.media.push_back(layer.placed(VoxelMedium(slice, look.emission, factor * look.extinction)));
+  scene.media.volumes.push_back(glVolumeOf(std::move(slice), layer, factor));
   return {};
 }
 
@@ -143,7 +142,7 @@ Status SceneDocument::addBoards(double time, Progress& progress, ViewScene& scen
     const double factor = still.law.factor();
     VOLUTE_ASSIGN(auto slice, board.volume.sliceAt(position));
     scene.media.billboards.push_back(
-        {glVolumeOf(std::move(slice), board.volume.appearance(), factor), board.options});
+        {glVolumeOf(std::move(slice), board.volume, factor), board.options});
     VOLUTE_ASSIGN(const auto volume, board.volume.mediumAt(position, factor));
     BillboardOptions options = board.options;
     options.shown = board.volume.info().bounds;

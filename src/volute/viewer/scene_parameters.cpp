@@ -8,12 +8,16 @@
 
 #include "volute/fds/smv_index.hpp"
 #include "volute/optics/smoke_potential.hpp"
+#include "volute/scene/smoke_layer.hpp"
+#include "volute/viewer/fog_parameters.hpp"
+#include "volute/viewer/placement_parameters.hpp"
 
 namespace volute {
 namespace {
 
 using Json = nlohmann::ordered_json;
 using Kind = Parameter::Kind;
+using Group = ParameterGroup;
 
 constexpr const char* kAlbedoHelp = "share of the extinction that scatters light; the rest absorbs";
 
@@ -25,112 +29,111 @@ std::vector<double> numbers(const Rgb& c) {
   return {c[0], c[1], c[2]};
 }
 
+constexpr int kExtinction = 2;  ///< its place
+
 std::vector<std::string> smokeQuantities() {
   return {"soot-density",    "products-density",   "extinction",
           "optical-density", "optical-density-db", "visibility"};
 }
 
-double placeIn(const std::vector<std::string>& names, std::string_view name) {
-  const auto found = std::ranges::find(names, name);
-  return found == names.end() ? 0 : static_cast<double>(found - names.begin());
-}
-
-/// Collects the parameters of one object.
-class Group {
- public:
-  Group(std::vector<Parameter>& out, std::string name, std::string path)
-      : out_(out), name_(std::move(name)), path_(std::move(path)) {}
-
-  Parameter& add(const char* name, const char* key, Kind kind, std::vector<double> value) {
-    out_.push_back({name_, name, path_ + "/" + key, kind, std::move(value)});
-    return out_.back();
-  }
-
-  /// From 0, the more finely the nearer to it.
-  Parameter& amount(const char* name, const char* key, double value, double most,
-                    const char* unit) {
-    Parameter& made = add(name, key, Kind::kNumber, {value});
-    made.most = std::max(most, 2 * value);
-    made.logarithmic = true;
-    made.unit = unit;
-    return made;
-  }
-
-  Parameter& range(const char* name, const char* key, double value, double least, double most,
-                   const char* unit = "") {
-    Parameter& made = add(name, key, Kind::kNumber, {value});
-    made.least = std::min(least, value), made.most = std::max(most, value);
-    made.unit = unit;
-    return made;
-  }
-
-  Parameter& choice(const char* name, const char* key, std::vector<std::string> choices,
-                    std::string_view value) {
-    Parameter& made = add(name, key, Kind::kChoice, {placeIn(choices, value)});
-    made.most = static_cast<double>(choices.size()) - 1;
-    made.choices = std::move(choices);
-    return made;
-  }
-
- private:
-  std::vector<Parameter>& out_;
-  std::string name_, path_;
-};
-
 std::string nameOfFile(const std::string& file) {
   return std::filesystem::path(file).filename().string();
 }
 
-void addVolume(Group group, const SceneVolume& volume) {
-  group.amount("emission", "emission", volume.appearance.emission, 100, "/m").help =
+/// Of media and boards in the order of a list; nothing is known of what is not there.
+MediumFacts factsAt(const std::vector<MediumFacts>& all, std::size_t i) {
+  return i < all.size() ? all[i] : MediumFacts{};
+}
+
+void addEmission(Group& group, const Appearance& look) {
+  group.amount("emission", "emission", look.emission, 100, "/m").help =
       "radiance per metre where the volume's value is 1";
-  group.amount("extinction", "extinction", volume.appearance.extinction, 100, "/m").help =
+  group.amount("extinction", "extinction", look.extinction, 100, "/m").help =
       "where the volume's value is 1";
 }
 
-void addFog(Group group, const Json& json, const FogDescription& fog, bool suns) {
-  group.amount("densest", "sigma_max", fog.placement.sigmaMax, 1, "/m").help =
-      "extinction of a white pixel of the map";
-  group.range("mu", "mu", fog.options.detail.mu, 0, 1).help =
-      "each coarser level is used from this share of the distance on; 1 keeps all details";
-  const auto integer = [&](const char* name, const char* key, int value, int most) -> Parameter& {
-    Parameter& made = group.add(name, key, Kind::kInteger, {static_cast<double>(value)});
-    made.most = most;
-    return made;
-  };
-  integer("levels", "levels", fog.options.levels, std::max(6, fog.options.levels)).help =
-      "how often the map is halved";
-  integer("degree", "degree", fog.options.degree, kMostSplineDegree).help = "of the splines";
-  group.add("colour", "color", Kind::kColor, numbers(fog.options.color)).help =
-      "radiance of fog that one cannot see through";
-  if (suns) {
-    group.add("albedo", "albedo", Kind::kColor, numbers(fog.scattering.albedo)).help = kAlbedoHelp;
-    group.range("asymmetry", "asymmetry", fog.scattering.asymmetry, -0.9, 0.9).help =
-        "mean cosine of the angle that light is scattered by: above 0 forward";
-  }
-  const Json profile = json.value("profile", Json::object());
-  const std::string kind = profile.value("kind", "");
-  if (kind == "slab") {
-    group.range("bottom", "profile/bottom", profile.value("bottom", 0.0), -20, 20, "m");
-    group.range("top", "profile/top", profile.value("top", 10.0), 0, 100, "m");
-  } else if (kind == "exponential") {
-    group.range("bottom", "profile/bottom", profile.value("bottom", 0.0), -20, 20, "m");
-    group.range("scale height", "profile/height", profile.value("height", 20.0), 1, 200, "m");
-  }
+void addVolume(Group group, const SceneVolume& volume, const MediumFacts& facts) {
+  addEmission(group, volume.appearance);
+  addPlacement(group, volume.appearance.placement, facts.bounds);
+  group.clock(volume.appearance.clock, facts);
 }
 
-void addSmoke(Group group, const SmokeDescription& smoke) {
+/// A volume as a picture of itself that turns to the eye.
+void addBillboard(Group group, const SceneBillboard& board, const MediumFacts& facts) {
+  addEmission(group, board.appearance);
+  const BillboardOptions& options = board.options;
+  group
+      .choice("hides", "alpha", {"transmittance", "intensity"},
+              options.alpha == BillboardAlpha::kIntensity ? "intensity" : "transmittance")
+      .help =
+      "what is behind it: by what the volume lets through, or, for fire that does not "
+      "absorb, by how bright it is";
+  group.integer("rows", "rows", options.rows, 16, 512).help = "of its texture";
+  group.section("placement");
+  const double size = std::hypot(options.width, options.height);
+  group.point("middle", "position", options.position, "m", size / 500).help = "of the rectangle";
+  group.range("width", "size/0", options.width, 0.05, 10, "m").logarithmic = true;
+  Parameter& height = group.range("height", "size/1", options.height, 0.05, 10, "m");
+  height.logarithmic = true;
+  height.help = "the volume's own height fills it";
+  group.section("");
+  group.clock(board.appearance.clock, facts);
+}
+
+/// What a field means is doubted where no fire has as much soot, or as little; the meanings that
+/// make sense are offered.
+struct Doubt {
+  std::string text{};
+  std::vector<int> units{};  ///< places in kUnits
+  bool extinction = false;   ///< its values make sense as 1/m
+};
+
+constexpr const char* kUnits[] = {"kg/m3", "g/m3", "mg/m3"};
+constexpr double kUnitKilograms[] = {1, 1e-3, 1e-6};
+
+Doubt doubtOf(const SmokeModel& model, const MediumFacts& facts) {
+  constexpr double kFaint = 0.01, kThick = 50;  // [1/m] that smoke may have
+  const double soot = facts.largestExtinction > 0 ? model.sootDensity(facts.largestExtinction) : 0;
+  const auto usual = [](double density) {
+    return density >= SmokeLayer::kLittleSoot && density <= SmokeLayer::kMuchSoot;
+  };
+  if (!(soot > 0) || usual(soot))
+    return {};
+  Doubt doubt{.text = fmt::format("up to {:.2g} kg/m3 of soot, {} for a fire", soot,
+                                  soot > SmokeLayer::kMuchSoot ? "much" : "little")};
+  for (int i = 0; i < 3; ++i) {
+    if (kUnitKilograms[i] != model.unit && usual(soot * kUnitKilograms[i] / model.unit))
+      doubt.units.push_back(i);
+  }
+  const double largest = soot / model.unit;  // of soot, times its scale
+  doubt.extinction =
+      model.quantity == SmokeQuantity::kSootDensity && largest >= kFaint && largest <= kThick;
+  return doubt;
+}
+
+void addSmoke(Group group, const SmokeDescription& smoke, const MediumFacts& facts) {
   const SmokeModel& model = smoke.model;
   const bool fds = isSmvPath(smoke.file);
-  if (!fds && model.quantity != SmokeQuantity::kMassFraction)
-    group.choice("field holds", "quantity", smokeQuantities(), nameOf(model.quantity));
+  const Doubt doubt = doubtOf(model, facts);
+  if (!fds && model.quantity != SmokeQuantity::kMassFraction) {
+    Parameter& quantity =
+        group.choice("field holds", "quantity", smokeQuantities(), nameOf(model.quantity));
+    quantity.help = "what its values mean; of concentrations also the unit below";
+    if (doubt.extinction) {
+      quantity.doubt = doubt.text + ": does the field hold";
+      quantity.offers = {kExtinction};
+    }
+  }
   const bool soot = model.quantity == SmokeQuantity::kSootDensity;
   const bool products = model.quantity == SmokeQuantity::kProductsDensity;
   if (!fds && (soot || products)) {
-    group.choice("unit", "unit", {"kg/m3", "g/m3", "mg/m3"},
-                 model.unit == 1e-3   ? "g/m3"
-                 : model.unit == 1e-6 ? "mg/m3"
-                                      : "kg/m3");
+    const auto held = std::ranges::find(kUnitKilograms, model.unit) - kUnitKilograms;
+    Parameter& unit = group.choice("unit", "unit", {std::begin(kUnits), std::end(kUnits)},
+                                   kUnits[held == std::ssize(kUnits) ? 0 : held]);
+    if (!doubt.units.empty()) {
+      unit.doubt = doubt.extinction ? "or is its unit" : doubt.text + ": is its unit";
+      unit.offers = doubt.units;
+    }
   }
   group.amount("scale", "scale", model.scale, 10, "x").help =
       "the field is multiplied by this before anything else";
@@ -158,9 +161,11 @@ void addSmoke(Group group, const SmokeDescription& smoke) {
       "threshold: what has faded to a tenth is no longer seen";
   group.range("C", "C", smoke.law.c, 1, 10).help = "visibility = C / K: 3 reflecting, 8 emitting";
   group.add("albedo", "albedo", Kind::kColor, numbers(smoke.albedo)).help = kAlbedoHelp;
+  group.clock(smoke.clock, facts);
 }
 
-void addMedia(std::vector<Parameter>& out, const Json& json, const SceneDescription& scene) {
+void addMedia(std::vector<Parameter>& out, const Json& json, const SceneDescription& scene,
+              const SceneFacts& facts) {
   std::size_t volumes = 0, fogs = 0, smokes = 0;
   const Json media = json.value("media", Json::array());
   for (std::size_t i = 0; i < media.size(); ++i) {
@@ -168,15 +173,20 @@ void addMedia(std::vector<Parameter>& out, const Json& json, const SceneDescript
     const std::string kind = media[i].at("kind");
     if (kind == "volume") {
       const SceneVolume& volume = scene.volumes[volumes++];
-      addVolume({out, "volume: " + nameOfFile(volume.file), path}, volume);
+      addVolume({out, "volume: " + nameOfFile(volume.file), path}, volume, factsAt(facts.media, i));
     } else if (kind == "fog") {
       const FogDescription& fog = scene.fogs[fogs++];
       addFog({out, "fog: " + nameOfFile(fog.maps.front()), path}, media[i], fog,
-             !scene.lights.suns.empty());
+             !scene.lights.suns.empty(), factsAt(facts.media, i));
     } else {
       const SmokeDescription& smoke = scene.smokes[smokes++];
-      addSmoke({out, "smoke: " + nameOfFile(smoke.file), path}, smoke);
+      addSmoke({out, "smoke: " + nameOfFile(smoke.file), path}, smoke, factsAt(facts.media, i));
     }
+  }
+  for (std::size_t i = 0; i < scene.billboards.size(); ++i) {
+    const SceneBillboard& board = scene.billboards[i];
+    addBillboard({out, "billboard: " + nameOfFile(board.file), fmt::format("/billboards/{}", i)},
+                 board, factsAt(facts.billboards, i));
   }
 }
 
@@ -258,11 +268,38 @@ Json jsonOf(const Parameter& parameter, const std::vector<double>& value) {
   }
 }
 
+/// How many media of its kind come before one: its place in the scene's list of them.
+std::size_t placeAmongItsKind(const Json& media, std::size_t i) {
+  const std::string kind = media[i].at("kind");
+  return static_cast<std::size_t>(
+      std::count_if(media.begin(), media.begin() + static_cast<std::ptrdiff_t>(i),
+                    [&](const Json& medium) { return medium.at("kind") == kind; }));
+}
+
+/// Values that more than one number of the file stands for. False, with nothing done, for others.
+bool setInMedium(Json& json, const SceneDescription& scene, const SceneFacts& facts,
+                 const std::string& path, const std::vector<double>& value) {
+  const std::size_t begin = std::string_view("/media/").size();
+  const std::size_t end = path.find('/', begin);
+  const std::size_t i = std::stoul(path.substr(begin, end - begin));
+  const std::string key = path.substr(end + 1);
+  Json& medium = json["media"][i];
+  const std::size_t place = placeAmongItsKind(json["media"], i);
+  if (medium["kind"] == "fog")
+    return setFog(medium, scene.fogs[place], key, value);
+  if (!key.starts_with("transform/"))
+    return false;
+  setPlacement(medium, scene.volumes[place].appearance.placement, factsAt(facts.media, i).bounds,
+               key.substr(key.find('/') + 1), value);
+  return true;
+}
+
 }  // namespace
 
-std::vector<Parameter> sceneParameters(const Json& json, const SceneDescription& scene) {
+std::vector<Parameter> sceneParameters(const Json& json, const SceneDescription& scene,
+                                       const SceneFacts& facts) {
   std::vector<Parameter> out;
-  addMedia(out, json, scene);
+  addMedia(out, json, scene, facts);
   addLights(out, json.value("lights", Json::array()));
   addSigns(out, json.value("signs", Json::array()), scene);
   Group group(out, "background", "");
@@ -271,13 +308,15 @@ std::vector<Parameter> sceneParameters(const Json& json, const SceneDescription&
   return out;
 }
 
-Status setParameter(Json& json, const SceneDescription& scene, const std::string& path,
-                    const std::vector<double>& value) {
-  const auto all = sceneParameters(json, scene);
+Status setParameter(Json& json, const SceneDescription& scene, const SceneFacts& facts,
+                    const std::string& path, const std::vector<double>& value) {
+  const auto all = sceneParameters(json, scene, facts);
   const auto found = std::ranges::find(all, path, &Parameter::path);
   if (found == all.end())
     return fail(ErrorCode::kInvalidArgument, "{}: the scene has no such parameter", path);
   VOLUTE_TRY(checkValue(*found, value));
+  if (path.starts_with("/media/") && setInMedium(json, scene, facts, path, value))
+    return {};
   const Json put = jsonOf(*found, value);
   const Json::json_pointer pointer(path);
   const std::string key = pointer.back();
@@ -289,7 +328,8 @@ Status setParameter(Json& json, const SceneDescription& scene, const std::string
     return {};
   }
   Json& object = json[pointer.parent_pointer()];
-  const bool smoke = path.starts_with("/media/") && object.value("kind", "") == "smoke";
+  const bool smoke =
+      path.starts_with("/media/") && object.is_object() && object.value("kind", "") == "smoke";
   if (smoke && (key == "mode" || key == "C")) {
     for (Json& medium : json["media"]) {
       if (medium.value("kind", "") == "smoke")
@@ -312,7 +352,7 @@ Status setParameter(Json& json, const SceneDescription& scene, const std::string
   }
   if (path.starts_with("/signs/") && key == "emitting")
     object.erase("C");
-  object[key] = put;
+  json[pointer] = put;
   return {};
 }
 

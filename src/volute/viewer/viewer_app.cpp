@@ -148,6 +148,7 @@ void ViewerApp::wholeView(int width, int height) {
 
 void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
   const bool another = !document_ || document_->opened != opened.opened;
+  const bool otherTimes = document_ && document_->times != opened.times;
   document_ = std::move(opened);
   if (another) {
     scene_.reset();  // it is the last document's
@@ -172,8 +173,11 @@ void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
     if (paint_.takeUnsent())
       sendMap();
   }
-  if (!another)
+  if (!another) {
+    if (otherTimes)
+      timeline_.setTimes(document_->times);
     return;
+  }
   const double time = timeline_.time();
   timeline_.setTimes(document_->times);
   timeline_.seek(std::max(time, requested_));

@@ -1,0 +1,435 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// Where media are, when, and how fog thins with height; volumes as billboards; units that were
+// taken wrongly. Driven by the input layer.
+#include "volute/viewer/controls_testing.hpp"
+#include "volute/viewer/scene_document.hpp"
+
+namespace volute {
+namespace {
+
+constexpr const char* kVolume = R"({"format": "volute-scene-1",
+  "camera": {"eye": [0.4, -2.6, 0.9], "target": [0.5, 0.5, 0.5], "fov": 40},
+  "media": [{"kind": "volume", "file": "blob.npy", "emission": 3, "extinction": 2}]})";
+constexpr const char* kBlown = R"({"format": "volute-scene-1",
+  "camera": {"eye": [-9, -12, 11], "target": [7, 5, 0], "fov": 45}, "background": [0.2, 0.1, 0.05],
+  "media": [{"kind": "fog", "map": "map.png", "cell": 1, "sigma_max": 0.4, "wind": [1, 0],
+             "profile": {"kind": "slab", "bottom": 0, "top": 4}},
+            {"kind": "volume", "file": "blob.npy", "emission": 3, "time": {"loop": true},
+             "transform": [8, 0, 0, 3, 0, 8, 0, 0, 0, 0, 8, 2, 0, 0, 0, 1]}]})";
+constexpr const char* kTop = R"({"format": "volute-scene-1",
+  "camera": {"eye": [-9, -12, 11], "target": [7, 5, 0], "fov": 45}, "background": [0.2, 0.1, 0.05],
+  "media": [{"kind": "fog", "map": "map.png", "cell": 1, "sigma_max": 0.4,
+             "top": {"map": "map.png", "height": 6}}]})";
+
+class MediaControls : public WideControls {
+ protected:
+  void write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_.path(name)) << text;
+  }
+
+  nlohmann::json saved(const std::string& name) {
+    std::ifstream stream(folder_.path(name));
+    return nlohmann::json::parse(stream);
+  }
+
+  bool hasParameter(const std::string& path) {
+    const auto& all = app().document()->parameters;
+    return std::ranges::find(all, path, &Parameter::path) != all.end();
+  }
+
+  Image byProcessor() {
+    app().settings().look.renderer = static_cast<int>(ViewRenderer::kProcessor);
+    Image image = picture();
+    app().settings().look.renderer = static_cast<int>(ViewRenderer::kGl);
+    return image;
+  }
+
+  /// Of the value and of both pictures; and it is taken back and done again.
+  void expectWholly(const std::string& path) {
+    SCOPED_TRACE(path);
+    app().settings().look.renderer = static_cast<int>(ViewRenderer::kGl);
+    const auto begun = valueOf(path);
+    const Image before = picture(), beforeByProcessor = byProcessor();
+    Image shown = before;
+    expectChange(parameterAt(path), shown);
+    EXPECT_GT(difference(beforeByProcessor, byProcessor()), 0.0005);
+    const auto changed = valueOf(path);
+    script_->press(Key::kZ, true);
+    load();
+    EXPECT_EQ(valueOf(path), begun);
+    EXPECT_LT(difference(before, picture()), 1e-4);
+    script_->press(Key::kY, true);
+    load();
+    EXPECT_EQ(valueOf(path), changed);
+    EXPECT_LT(difference(shown, picture()), 1e-4);
+  }
+
+  void press(const std::string& control) {
+    ASSERT_TRUE(script_->click(control)) << control;
+    load();
+    EXPECT_EQ(app().error(), "");
+  }
+
+  void seek(double time) {
+    app().timeline().seek(time);
+    EXPECT_NEAR(app().timeline().time(), time, 1e-9);
+    load();
+  }
+
+  void chooseProfile(const std::string& kind) {
+    expectSeen(kind, [&] { ASSERT_TRUE(script_->choose("/media/0/profile/kind", kind)); });
+    EXPECT_EQ(app().error(), "");
+  }
+};
+
+TEST_F(MediaControls, VolumesAreMovedTurnedAndScaled) {
+  write("volume.json", kVolume);
+  open("volume.json");
+  EXPECT_EQ(valueOf("/media/0/transform/middle"), (std::vector<double>{0.5, 0.5, 0.5}));
+  EXPECT_EQ(valueOf("/media/0/transform/turn"), (std::vector<double>{0, 0, 0}));
+  for (const char* key : {"middle", "turn", "size", "scale", "mirror"})
+    expectWholly(std::string("/media/0/transform/") + key);
+  saveAs("volume2.json");
+  expectTheSameAfter("volume2.json");
+  EXPECT_EQ(saved("volume2.json")["media"][0]["transform"].size(), 16U);
+}
+
+TEST_F(MediaControls, VolumesTurnAboutTheirMiddle) {
+  write("volume.json", kVolume);
+  open("volume.json");
+  app().setParameter(parameterAt("/media/0/transform/middle"), {2, 1, 0.25});
+  load();
+  app().setParameter(parameterAt("/media/0/transform/turn"), {0, 0, 90});
+  app().setParameter(parameterAt("/media/0/transform/scale"), {2, 1, 0.5});
+  load();
+  saveAs("turned.json");
+  // x' = 0.25 .. : (x, y, z) -> (2 - (y - 0.5), 1 + 2 (x - 0.5), 0.25 + 0.5 (z - 0.5))
+  const std::vector<double> expected = {0, -1, 0, 2.5, 2, 0, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1};
+  const auto numbers = saved("turned.json")["media"][0]["transform"];
+  ASSERT_EQ(numbers.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_NEAR(numbers[i].get<double>(), expected[i], 1e-12) << i;
+  const Box3 bounds = app().document()->bounds;
+  EXPECT_LT((bounds.min - Vec3(1.5, 0, 0)).norm() + (bounds.max - Vec3(2.5, 2, 0.5)).norm(), 1e-9);
+  app().setParameter(parameterAt("/media/0/transform/middle"), {0.5, 0.5, 0.5});
+  app().setParameter(parameterAt("/media/0/transform/turn"), {0, 0, 0});
+  app().setParameter(parameterAt("/media/0/transform/scale"), {1, 1, 1});
+  load();
+  saveAs("turned.json");
+  EXPECT_FALSE(saved("turned.json")["media"][0].contains("transform")) << "which does nothing";
+}
+
+TEST_F(MediaControls, MediaHaveATimeOfTheirOwn) {
+  write("blown.json", kBlown);
+  open("blown.json");
+  ASSERT_GT(app().timeline().last(), 9.9) << "the wind blows";
+  seek(0.1);
+  expectWholly("/media/1/time/loop");
+  Image shown = picture();
+  expectChange(parameterAt("/media/1/time/loop"), shown);
+  seek(0.05);
+  shown = picture();
+  app().setParameter(parameterAt("/media/1/time/rate"), {0.5});
+  load();
+  EXPECT_GT(difference(shown, picture()), 0.0005) << "it is at its first frame still";
+  script_->press(Key::kZ, true);
+  load();
+  EXPECT_LT(difference(shown, picture()), 1e-4);
+  expectWholly("/media/1/time/offset");
+  script_->press(Key::kZ, true);
+  load();
+  ASSERT_TRUE(script_->click("/media/1/time/rate", 0.1));
+  load();
+  EXPECT_LT(valueOf("/media/1/time/rate")[0], 0.8);
+  EXPECT_GT(difference(shown, picture()), 0.0005);
+  saveAs("blown2.json");
+  expectTheSameAfter("blown2.json");
+}
+
+TEST_F(MediaControls, StepsOfSmokeHaveATimeOfTheirOwn) {
+  auto scene = saved("smoke.json");
+  for (const char* slow : {"lights", "geometry", "signs"}) scene.erase(slow);
+  scene["media"].push_back({{"kind", "volume"}, {"file", "blob.npy"}, {"time", {{"rate", 0.05}}}});
+  write("steps.json", scene.dump());
+  open("steps.json");
+  seek(0.5);
+  Image shown = picture();
+  expectChange(parameterAt("/media/0/time/loop"), shown);
+  seek(0.1);
+  expectWholly("/media/0/time/offset");
+  shown = picture();
+  expectChange(parameterAt("/media/0/time/rate"), shown);
+  saveAs("late.json");
+  expectTheSameAfter("late.json");
+}
+
+TEST_F(MediaControls, WindBlowsFog) {
+  open("dull.json");
+  EXPECT_EQ(valueOf("/media/0/wind"), (std::vector<double>{0, 0, 0}));
+  EXPECT_FALSE(app().timeline().moves());
+  const Image calm = picture();
+  ASSERT_NO_FATAL_FAILURE(change(parameterAt("/media/0/wind")));
+  load();
+  EXPECT_LT(valueOf("/media/0/wind")[0], -1);
+  ASSERT_TRUE(app().timeline().moves()) << "there is something to be seen over time";
+  EXPECT_LT(difference(calm, picture()), 1e-6) << "at 0 s it is where it was";
+  const Image still = byProcessor();
+  seek(2);
+  const Image blown = picture();
+  EXPECT_GT(difference(calm, blown), 0.01);
+  EXPECT_GT(difference(still, byProcessor()), 0.01);
+  script_->press(Key::kZ, true);
+  load();
+  EXPECT_EQ(valueOf("/media/0/wind"), (std::vector<double>{0, 0, 0}));
+  EXPECT_FALSE(app().timeline().moves());
+  script_->press(Key::kY, true);
+  load();
+  seek(2);
+  EXPECT_LT(difference(blown, picture()), 1e-4);
+  saveAs("windy.json");
+  EXPECT_EQ(saved("windy.json")["media"][0]["wind"].size(), 2U) << "it does not rise";
+  expectTheSameAfter("windy.json");
+  EXPECT_EQ(app().timeline().time(), 2);
+}
+
+TEST_F(MediaControls, MapsOfFogAreMoved) {
+  open("dull.json");
+  expectWholly("/media/0/origin");
+  expectWholly("/media/0/cell");
+  saveAs("moved.json");
+  expectTheSameAfter("moved.json");
+}
+
+TEST_F(MediaControls, FogEndsAboveItsTop) {
+  write("top.json", kTop);
+  open("top.json");
+  expectWholly("/media/0/top/height");
+  Image shown = picture();
+  for (const char* key : {"origin", "cell"})
+    expectChange(parameterAt(std::string("/media/0/top/") + key), shown);
+  saveAs("top2.json");
+  expectTheSameAfter("top2.json");
+}
+
+TEST_F(MediaControls, FogHasAProfileOfEachKind) {
+  open("dull.json");
+  chooseProfile("slab");
+  Image shown = picture();
+  expectChange(parameterAt("/media/0/profile/bottom"), shown);
+  expectChange(parameterAt("/media/0/profile/top"), shown);
+  app().setParameter(parameterAt("/media/0/profile/top"), {-50});
+  load();
+  EXPECT_EQ(app().error(), "");
+  EXPECT_GT(valueOf("/media/0/profile/top")[0], valueOf("/media/0/profile/bottom")[0]);
+  app().setParameter(parameterAt("/media/0/profile/top"), {6});
+  load();
+  for (const char* kind : {"exponential", "linear", "layers", "any height"}) {
+    SCOPED_TRACE(kind);
+    chooseProfile(kind);
+    saveAs("profile.json");
+    expectTheSameAfter("profile.json");
+  }
+}
+
+TEST_F(MediaControls, KnotsOfAProfileComeGoAndMove) {
+  open("dull.json");
+  chooseProfile("linear");
+  Image shown = picture();
+  expectChange(parameterAt("/media/0/profile/knots/0"), shown);
+  expectWholly("/media/0/profile/knots/1");
+  app().setParameter(parameterAt("/media/0/profile/knots/1"), {90, 2});
+  load();
+  EXPECT_EQ(app().error(), "");
+  const auto next = valueOf("/media/0/profile/knots/2");
+  EXPECT_EQ(valueOf("/media/0/profile/knots/1"), (std::vector<double>{next[0], 1}));
+  script_->press(Key::kZ, true);
+  load();
+  press("add /media/0/profile/knots = 0");
+  ASSERT_TRUE(hasParameter("/media/0/profile/knots/3"));
+  shown = picture();
+  expectChange(parameterAt("/media/0/profile/knots/1"), shown);
+  expectChange(parameterAt("/media/0/profile/knots/2"), shown);
+  app().setParameter(parameterAt("/media/0/profile/knots/3"), {9, 0.5});
+  load();
+  shown = picture();
+  expectChange(parameterAt("/media/0/profile/knots/3"), shown);
+  saveAs("knots.json");
+  expectTheSameAfter("knots.json");
+  EXPECT_EQ(saved("knots.json")["media"][0]["profile"]["knots"].size(), 4U);
+  expectSeen("remove", [&] { press("remove /media/0/profile/knots = 2"); });
+  press("remove /media/0/profile/knots = 0");
+  EXPECT_FALSE(hasParameter("/media/0/profile/knots/2"));
+  EXPECT_FALSE(script_->has("remove /media/0/profile/knots = 0")) << "two have to be there";
+  script_->press(Key::kZ, true);
+  load();
+  EXPECT_TRUE(hasParameter("/media/0/profile/knots/2"));
+}
+
+TEST_F(MediaControls, LayersOfAProfileComeGoAndMove) {
+  open("dull.json");
+  chooseProfile("layers");
+  Image shown = picture();
+  expectChange(parameterAt("/media/0/profile/layers/0"), shown);
+  expectWholly("/media/0/profile/layers/1");
+  expectSeen("add", [&] { press("add /media/0/profile/layers = 1"); });
+  ASSERT_TRUE(hasParameter("/media/0/profile/layers/2"));
+  shown = picture();
+  expectChange(parameterAt("/media/0/profile/layers/2"), shown);
+  saveAs("layers.json");
+  expectTheSameAfter("layers.json");
+  expectSeen("remove", [&] { press("remove /media/0/profile/layers = 0"); });
+  press("remove /media/0/profile/layers = 0");
+  EXPECT_FALSE(hasParameter("/media/0/profile/layers/1"));
+  EXPECT_FALSE(script_->has("remove /media/0/profile/layers = 0")) << "one has to be there";
+}
+
+TEST_F(MediaControls, ALongProfileWaitsUntilItIsAskedFor) {
+  write("long.json", [] {
+    auto scene = nlohmann::json::parse(kTop);
+    scene["media"][0].erase("top");
+    auto& profile = scene["media"][0]["profile"] = {{"kind", "linear"}};
+    for (int i = 0; i < 9; ++i)
+      profile["knots"].push_back(nlohmann::json::array({i * 0.5, 1 - 0.1 * i}));
+    return scene.dump();
+  }());
+  open("long.json");
+  script_->frames(3);
+  EXPECT_FALSE(script_->has("/media/0/profile/kind"));
+  EXPECT_TRUE(script_->has("/media/0/cell"));
+  ASSERT_TRUE(script_->click("group profile of /media/0", 0.3));
+  script_->frames(2);
+  EXPECT_TRUE(script_->has("/media/0/profile/kind"));
+  for (int i = 0; i < 9; ++i)
+    ASSERT_NO_FATAL_FAILURE(change(parameterAt(fmt::format("/media/0/profile/knots/{}", i))));
+  load();
+  EXPECT_EQ(app().error(), "");
+  EXPECT_TRUE(script_->has("/media/0/profile/kind")) << "it stays open";
+}
+
+TEST_F(MediaControls, AVolumeIsABillboardAndBack) {
+  write("volume.json", kVolume);
+  open("volume.json");
+  app().setParameter(parameterAt("/media/0/transform/size"), {1.5});
+  load();
+  const Image volume = picture();
+  const double brightest = *std::ranges::max_element(volume.pixels);
+  press("billboard /media/0");
+  ASSERT_TRUE(hasParameter("/billboards/0/rows"));
+  EXPECT_FALSE(hasParameter("/media/0/emission"));
+  const Image board = picture();
+  double sum = 0;
+  for (std::size_t i = 0; i < board.pixels.size(); ++i)
+    sum += std::abs(board.pixels[i] - volume.pixels[i]);
+  EXPECT_GT(difference(board, volume), 0.0005);
+  EXPECT_LT(sum / static_cast<double>(board.pixels.size()), 0.05 * brightest)
+      << "as large and as bright";
+  saveAs("board.json");
+  EXPECT_TRUE(saved("board.json")["media"].empty());
+  expectTheSameAfter("board.json");
+  press("volume /billboards/0");
+  ASSERT_TRUE(hasParameter("/media/0/transform/size"));
+  EXPECT_FALSE(hasParameter("/billboards/0/rows"));
+  EXPECT_NEAR(valueOf("/media/0/transform/size")[0], 1.5, 1e-8);
+  EXPECT_LT(difference(volume, picture()), 1e-3);
+  script_->press(Key::kZ, true);
+  load();
+  EXPECT_TRUE(hasParameter("/billboards/0/rows"));
+  EXPECT_LT(difference(board, picture()), 1e-4);
+  script_->press(Key::kY, true);
+  load();
+  saveAs("again.json");
+  EXPECT_FALSE(saved("again.json").contains("billboards"));
+  expectTheSameAfter("again.json");
+}
+
+TEST_F(MediaControls, EveryParameterOfBillboards) {
+  auto scene = nlohmann::json::parse(kBlown);
+  scene["background"] = {0.5, 0.4, 0.3};
+  scene["media"].erase(1);
+  scene["billboards"] = nlohmann::json::array({{{"volume", "blob.npy"},
+                                                {"position", {5, 4, 3}},
+                                                {"size", {6, 6}},
+                                                {"emission", 2},
+                                                {"rows", 64},
+                                                {"time", {{"loop", true}}}}});
+  write("board.json", scene.dump());
+  open("board.json");
+  seek(0.1);
+  Image shown = picture();
+  for (const char* key : {"alpha", "emission", "extinction", "size/0", "size/1", "time/loop"})
+    expectChange(parameterAt(std::string("/billboards/0/") + key), shown);
+  for (const char* key : {"rows", "position"}) expectWholly(std::string("/billboards/0/") + key);
+  seek(0.05);
+  shown = picture();
+  expectWholly("/billboards/0/time/offset");
+  script_->press(Key::kZ, true);
+  load();
+  ASSERT_TRUE(script_->click("/billboards/0/time/rate", 0.1));
+  load();
+  EXPECT_GT(difference(shown, picture()), 0.0005);
+  saveAs("board2.json");
+  expectTheSameAfter("board2.json");
+}
+
+TEST_F(MediaControls, AUnitThatMakesSmokeBlackIsMendedByAClick) {
+  const auto mesh = boxMesh({Vec3(0, 0, 0), Vec3(6, 6, 3)}, {4, 4, 3}, 0.1, 1);
+  std::vector<float> values;
+  for (const Vec3& p : mesh->vertices()) values.push_back(static_cast<float>(0.3 * p.z()));
+  ASSERT_TRUE(writeVtu(folder_.path("black.vtu"), *mesh, "smoke", values));
+  open("black.vtu");
+  EXPECT_THAT(app().document()->remarks,
+              ::testing::Contains(::testing::HasSubstr("much for soot")));
+  script_->frames(3);
+  EXPECT_FALSE(script_->has("mend /media/0/unit = mg/m3")) << "0.9 mg of soot are little";
+  expectSeen("g/m3", [&] { press("mend /media/0/unit = g/m3"); });
+  EXPECT_EQ(parameterAt("/media/0/unit").choices[1], "g/m3");
+  EXPECT_EQ(valueOf("/media/0/unit")[0], 1);
+  EXPECT_FALSE(script_->has("mend /media/0/unit = g/m3")) << "nothing is doubted any more";
+  saveAs("mended.json");
+  expectTheSameAfter("mended.json");
+  open("black.vtu");
+  expectSeen("extinction", [&] { press("mend /media/0/quantity = extinction"); });
+  EXPECT_FALSE(hasParameter("/media/0/unit"));
+  EXPECT_FALSE(script_->has("mend /media/0/quantity = extinction"));
+  saveAs("mended2.json");
+  expectTheSameAfter("mended2.json");
+  EXPECT_EQ(saved("mended2.json")["media"][0]["quantity"], "extinction");
+}
+
+/// What is moved, turned or blown is not read again: the files may be gone.
+TEST(SceneDocument, NothingIsReadAgainForWhereThingsAre) {
+  SceneFolder folder;
+  std::ofstream(folder.path("blown.json")) << kBlown;
+  Progress quiet;
+  auto document = SceneDocument::open(folder.path("blown.json"), {}, quiet);
+  ASSERT_TRUE(document) << document.error().message;
+  const auto begun = (*document)->sceneAt({.time = 0.01, .openGl = false}, quiet);
+  ASSERT_TRUE(begun) << begun.error().message;
+  for (const char* name : {"map.png", "blob.npy"}) std::filesystem::remove(folder.path(name));
+  const auto set = [&](const char* path, const std::vector<double>& value) {
+    const auto done = (*document)->set(path, value, quiet);
+    EXPECT_TRUE(done) << path << ": " << done.error().message;
+    auto scene = (*document)->sceneAt({.time = 0.01, .openGl = false}, quiet);
+    EXPECT_TRUE(scene) << path << ": " << scene.error().message;
+    return scene ? scene->media.volumes.at(0).slice : nullptr;
+  };
+  const auto slice = set("/media/1/transform/middle", {1, 2, 3});
+  EXPECT_EQ(set("/media/1/transform/middle", {4, 2, 3}), slice) << "the device has it already";
+  EXPECT_EQ(set("/media/1/transform/turn", {10, 20, 30}), slice);
+  EXPECT_EQ(set("/media/1/transform/turn", {-70, 20, 30}), slice);
+  EXPECT_EQ(set("/media/1/emission", {5}), slice);
+  EXPECT_EQ(set("/media/0/wind", {2, 1, 0}), slice);
+  EXPECT_EQ(set("/media/0/origin", {2, 1, 0}), slice);
+  EXPECT_EQ(set("/media/0/profile/top", {3}), slice);
+  EXPECT_NE(set("/media/1/transform/size", {2}), slice) << "its voxels are larger";
+  const auto board =
+      (*document)->edit({.kind = SceneEdit::Kind::kBillboard, .path = "/media/1"}, quiet);
+  EXPECT_TRUE(board) << board.error().message;
+  EXPECT_TRUE((*document)->sceneAt({.time = 0.01, .openGl = false}, quiet));
+  EXPECT_TRUE((*document)->undo(quiet));
+  EXPECT_TRUE((*document)->sceneAt({.time = 0.01, .openGl = false}, quiet));
+}
+
+}  // namespace
+}  // namespace volute
