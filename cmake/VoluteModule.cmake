@@ -33,7 +33,7 @@ function(volute_module name)
     if(M_TOGETHER)
       set(alone TEST_FILTER "-${M_TOGETHER}")
       add_test(NAME ${name}.Together COMMAND ${name}_test "--gtest_filter=${M_TOGETHER}")
-      set_tests_properties(${name}.Together PROPERTIES LABELS unit)
+      set_tests_properties(${name}.Together PROPERTIES LABELS unit COST 1000)  # begins first: it is the longest
     endif()
     gtest_discover_tests(${name}_test TEST_PREFIX ${name}. ${alone} PROPERTIES LABELS unit DISCOVERY_TIMEOUT 60)
   endif()
