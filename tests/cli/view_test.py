@@ -73,6 +73,13 @@ class View(support.TestCase):
         data = whole.read_bytes()
         self.path("cut.volute").write_bytes(data[:len(data) * 3 // 4])
         self.assertNotEqual(self.frame(self.path("cut.volute")), self.frame(whole))
+        for name, words in {
+                "media": {"media": [{"kind": "volume", "file": "cut.volute"}]},
+                "board": {"billboards": [{"volume": "cut.volute", "position": [0.5, 0.5, 0.5], "size": [1, 1]}]}}.items():
+            camera = {"eye": [0.5, -2, 0.5], "target": [0.5, 0.5, 0.5], "fov": 40}
+            scene = {"format": "volute-scene-1", "camera": camera, **words}
+            self.path(name + ".json").write_text(json.dumps(scene))
+            self.frame(self.path(name + ".json"))
         self.path("stub.volute").write_bytes(data[:20])
         self.assertIn("ends at byte 20", self.fails(1, "view", self.path("stub.volute"), "--screenshot", self.path("s.png")))
 

@@ -154,6 +154,8 @@ TEST(FogProfile, Values) {
   EXPECT_DOUBLE_EQ(stacked(1), 0.5);
   EXPECT_DOUBLE_EQ(stacked(2.5), 0.75);
   EXPECT_DOUBLE_EQ(stacked(4), 0.25);
+  const FogProfile::Layer beyond[] = {{2e7, 3e7, 1}};
+  EXPECT_TRUE(FogProfile::layers(beyond)->heights().empty()) << "higher than any fog";
 }
 
 }  // namespace

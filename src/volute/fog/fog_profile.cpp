@@ -91,10 +91,10 @@ Result<FogProfile> FogProfile::layers(std::span<const Layer> layers) {
       if (layer.bottom <= borders[i] && borders[i + 1] <= layer.top)
         share += layer.share;
     }
-    if (share > 0)
-      zones.push_back({.bottom = std::max(borders[i], -kFarthest),
-                       .top = std::min(borders[i + 1], kFarthest),
-                       .value = share});
+    const double bottom = std::max(borders[i], -kFarthest);
+    const double top = std::min(borders[i + 1], kFarthest);
+    if (share > 0 && bottom < top)
+      zones.push_back({.bottom = bottom, .top = top, .value = share});
   }
   return FogProfile(std::move(zones));
 }

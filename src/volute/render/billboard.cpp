@@ -11,6 +11,7 @@
 namespace volute {
 namespace {
 
+constexpr int kMostColumns = 4096;            ///< of a texture
 constexpr double kThickness = 1e-4;           ///< of the height
 constexpr double kLeastTransmittance = 1e-7;  ///< so that the extinction stays finite
 
@@ -36,11 +37,14 @@ Camera billboardView(const Box3& volume, const Camera& camera, const BillboardOp
   const bool faces = !camera.isOrthographic() && way.norm() > 0;
   const Vec3 forward = faces ? Vec3(way.normalized()) : camera.forward();
   const Box3& bounds = options.shown.empty() ? volume : options.shown;
-  const int columns =
-      std::max(1, static_cast<int>(std::lround(options.rows * options.width / options.height)));
+  const double shape = options.width / options.height;
+  const int rows = std::clamp(static_cast<int>(std::lround(std::min(kMostColumns / shape, 1e9))), 1,
+                              std::max(options.rows, 1));
+  const int columns = std::max(
+      1, static_cast<int>(std::lround(std::min(rows * shape, static_cast<double>(kMostColumns)))));
   const Vec3 middle = bounds.centre();
   return Camera::orthographic({middle - bounds.size().norm() * forward, middle, -camera.down()},
-                              bounds.size().z(), columns, options.rows);
+                              bounds.size().z(), columns, rows);
 }
 
 Result<Billboard> Billboard::draw(const AnyMedium& volume, const Camera& camera,

@@ -26,7 +26,8 @@ struct BillboardOptions {
   Vec3 position = Vec3::Zero();  ///< of its middle [m]
   double width = 1;              ///< [m]
   double height = 1;             ///< [m]
-  int rows = 256;                ///< of the texture; its columns follow from the shape
+  /// Of the texture; its columns follow from the shape. Fewer where these would be more than 4096.
+  int rows = 256;
   BillboardAlpha alpha = BillboardAlpha::kTransmittance;
   Box3 shown{};  ///< of the volume; its height becomes the billboard's. Empty: the volume's bounds
 };

@@ -65,6 +65,21 @@ TEST(Billboard, ForParallelRaysIsThePictureOfTheVolume) {
   EXPECT_LT(worst, 2e-6 * brightest);
 }
 
+TEST(Billboard, AFlatOneHasNoEndlessRows) {
+  const Camera camera =
+      Camera::orthographic({Vec3(-3, -9, 0), Vec3(0, 0, 0), Vec3::UnitZ()}, 3, 64, 48);
+  const Box3 volume{Vec3(0, 0, 0), Vec3(100, 100, 1)};
+  const Camera usual = billboardView(volume, camera, {.width = 8, .height = 1, .rows = 256});
+  EXPECT_EQ(usual.width(), 2048);
+  EXPECT_EQ(usual.height(), 256);
+  const Camera flat = billboardView(volume, camera, {.width = 128, .height = 1, .rows = 256});
+  EXPECT_EQ(flat.width(), 4096);
+  EXPECT_EQ(flat.height(), 32);
+  const Camera line = billboardView(volume, camera, {.width = 1e9, .height = 1, .rows = 256});
+  EXPECT_EQ(line.width(), 4096);
+  EXPECT_EQ(line.height(), 1);
+}
+
 TEST(Billboard, FacesTheEyeWhereverItStands) {
   const AnyMedium volume(blob(1, 0));
   for (const Vec3& eye : {Vec3(30, 0, 1), Vec3(-5, 40, 6), Vec3(1, 2, 50)}) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volute/base/assert.hpp"
 #include "volute/fog/polar_fog.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
@@ -170,7 +169,6 @@ bool FogLayer::readsTheSame(const FogDescription& a, const FogDescription& b) {
 }
 
 FogLayer FogLayer::with(const FogDescription& description, std::vector<FogSun> suns) const {
-  VOLUTE_ASSERT(readsTheSame(description_, description));
   FogLayer layer = *this;
   layer.description_ = description;
   layer.suns_ = std::move(suns);

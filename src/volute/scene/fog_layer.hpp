@@ -28,7 +28,8 @@ class FogLayer {
   /// fog without a top, in the origin.
   static bool readsTheSame(const FogDescription& a, const FogDescription& b);
 
-  /// This fog under a description, which readsTheSame(), and other suns: no map is read again.
+  /// This fog under a description, which readsTheSame() as its own, but for what its map was saved
+  /// as since, and other suns: no map is read again.
   FogLayer with(const FogDescription& description, std::vector<FogSun> suns) const;
 
   const FogDescription& description() const { return description_; }

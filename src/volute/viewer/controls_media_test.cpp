@@ -431,5 +431,91 @@ TEST(SceneDocument, NothingIsReadAgainForWhereThingsAre) {
   EXPECT_TRUE((*document)->sceneAt({.time = 0.01, .openGl = false}, quiet));
 }
 
+/// Of a parameter, as the document has it now.
+std::vector<double> valueIn(const Document& document, const std::string& path) {
+  for (const Parameter& parameter : document.parameters()) {
+    if (parameter.path == path)
+      return parameter.value;
+  }
+  return {};
+}
+
+TEST(SceneDocument, WhatWasPaintedOutlastsFogOfNoDensity) {
+  SceneFolder folder;
+  std::ofstream(folder.path("blown.json")) << kBlown;
+  Progress quiet;
+  auto document = SceneDocument::open(folder.path("blown.json"), {}, quiet);
+  ASSERT_TRUE(document) << document.error().message;
+  const auto map = [&] {
+    const auto canvases = (*document)->canvases();
+    return canvases.empty() ? std::vector<double>() : canvases[0].fog->levels().map().c;
+  };
+  std::vector<double> painted = map();
+  ASSERT_FALSE(painted.empty());
+  for (double& value : painted) value = 0.5 * value + 0.1;
+  ASSERT_TRUE((*document)->setFogMap(0, painted, true));
+  ASSERT_TRUE((*document)->set("/media/0/sigma_max", {0}, quiet));
+  ASSERT_TRUE((*document)->set("/media/0/sigma_max", {0.8}, quiet));
+  const auto now = map();
+  ASSERT_EQ(now.size(), painted.size());
+  for (std::size_t i = 0; i < now.size(); ++i) EXPECT_NEAR(now[i], 2 * painted[i], 1e-12) << i;
+  EXPECT_TRUE((*document)->canvases()[0].unsaved);
+}
+
+TEST(SceneDocument, ASavedMapIsHeldAsTheFogThatBlows) {
+  SceneFolder folder;
+  std::ofstream(folder.path("blown.json")) << kBlown;
+  Progress quiet;
+  auto document = SceneDocument::open(folder.path("blown.json"), {}, quiet);
+  ASSERT_TRUE(document) << document.error().message;
+  auto painted = (*document)->canvases()[0].fog->levels().map().c;
+  for (double& value : painted) value *= 0.5;
+  ASSERT_TRUE((*document)->setFogMap(0, painted, true));
+  Image map(14, 10, 1);
+  ASSERT_TRUE((*document)->saveFogMap(0, folder.path("other.png"), map));
+  ASSERT_TRUE((*document)->set("/media/0/wind", {3, 1, 0}, quiet));
+  EXPECT_EQ((*document)->canvases()[0].fog->levels().map().c, painted);
+  EXPECT_EQ((*document)->canvases()[0].file, folder.path("other.png"));
+}
+
+TEST(SceneDocument, AVolumeThatIsMovedKeepsItsSize) {
+  SceneFolder folder;
+  auto scene = nlohmann::json::parse(kVolume);
+  const double tiny = 1e-4;
+  scene["media"][0]["transform"] = {tiny, 0, 0, 1, 0, tiny, 0, 2, 0, 0, tiny, 3, 0, 0, 0, 1};
+  std::ofstream(folder.path("tiny.json")) << scene.dump();
+  Progress quiet;
+  auto document = SceneDocument::open(folder.path("tiny.json"), {}, quiet);
+  ASSERT_TRUE(document) << document.error().message;
+  ASSERT_TRUE((*document)->set("/media/0/transform/middle", {5, 6, 7}, quiet));
+  const auto scale = valueIn(**document, "/media/0/transform/scale");
+  ASSERT_EQ(scale.size(), 3U);
+  for (const double value : scale) EXPECT_NEAR(value, tiny, 1e-9 * tiny);
+  EXPECT_NEAR(valueIn(**document, "/media/0/transform/middle")[1], 6, 1e-9);
+}
+
+TEST(SceneDocument, DoorsOfAnFdsCaseOpenInTheirTime) {
+  SceneFolder folder;
+  fdswriter::Index index;
+  index.meshes.push_back({kFirst, {{1, 3, 1, 3, 0, 1}, {0, 1, 0, 1, 1, 2}}, {}});
+  index.smoke(1, "room_1.s3d", 8700);
+  index.event("HIDE_OBST", 1, 1, 3);
+  index.save(folder.path("door.smv"));
+  Progress quiet;
+  auto document = SceneDocument::open(folder.path("door.smv"), {}, quiet);
+  ASSERT_TRUE(document) << document.error().message;
+  const auto corners = [&](double time) {
+    const auto scene = (*document)->sceneAt({.time = time}, quiet);
+    EXPECT_TRUE(scene) << scene.error().message;
+    return scene && scene->surfaces ? scene->surfaces->corners : std::vector<float>();
+  };
+  const auto closed = corners(0);
+  EXPECT_FALSE(closed.empty());
+  const auto open = corners(5);
+  EXPECT_FALSE(open.empty());
+  EXPECT_TRUE(open != closed);
+  EXPECT_TRUE(corners(0) == closed);
+}
+
 }  // namespace
 }  // namespace volute

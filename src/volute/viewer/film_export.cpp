@@ -97,6 +97,8 @@ Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene, DisplayLo
   if (!picture_.settled(wish) || !picture_.exact(wish))
     return {};  // the processor is at it, or surfaces
   drawing_ = false;
+  if (!picture_.remark().empty())
+    remark_ = picture_.remark();
   glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
   picture_.show(look, order_.width, order_.height);
   Image image = shownPicture(order_.width, order_.height);

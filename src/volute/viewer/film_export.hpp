@@ -53,6 +53,9 @@ class FilmExport {
 
   double share() const;  ///< 0..1
 
+  /// What a picture lacked, if one did.
+  const std::string& remark() const { return remark_; }
+
   const FilmOrder& order() const { return order_; }
 
  private:
@@ -66,6 +69,7 @@ class FilmExport {
   GlTexture colors_;
   GlFramebuffer frame_;
   int next_ = 0;
+  std::string remark_;
   bool drawing_ = false;
 
   mutable std::mutex mutex_;

@@ -12,6 +12,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kProfiles[] = {"any height", "slab", "exponential", "linear", "layers"};
 constexpr double kThin = 0.01;      ///< [m], the least height of a slab or a layer
 constexpr double kStrongest = 200;  ///< [m/s] of wind
+constexpr double kThinnest = 1e-4;  ///< [1/m]
 constexpr double kPixels = 500;     ///< that draw a fog by its own size
 constexpr double kEndless = 1e6;    ///< [m]
 
@@ -157,8 +158,9 @@ Json* listOf(Json& fog, const std::string& key) {
 
 void addFog(ParameterGroup group, const Json& json, const FogDescription& fog, bool suns,
             const MediumFacts& facts) {
-  group.amount("densest", "sigma_max", fog.placement.sigmaMax, 1, "/m").help =
-      "extinction of a white pixel of the map";
+  Parameter& densest = group.amount("densest", "sigma_max", fog.placement.sigmaMax, 1, "/m");
+  densest.least = std::min(kThinnest, fog.placement.sigmaMax);
+  densest.help = "extinction of a white pixel of the map";
   group.range("mu", "mu", fog.options.detail.mu, 0, 1).help =
       "each coarser level is used from this share of the distance on; 1 keeps all details";
   group.integer("levels", "levels", fog.options.levels, 0, 6).help = "how often the map is halved";
@@ -199,7 +201,8 @@ bool setFog(Json& json, const FogDescription& fog, const std::string& key,
     return true;
   }
   if (key == "profile/kind") {
-    takeProfile(json, fog.profile, kProfiles[std::lround(value[0])]);
+    const long kind = std::lround(std::clamp(value[0], 0.0, std::size(kProfiles) - 1.0));
+    takeProfile(json, fog.profile, kProfiles[kind]);
     return true;
   }
   if (Json* list = listOf(json, key)) {

@@ -242,8 +242,19 @@ void Loader::changeNow(const DocumentChange& what) {
   if (!document_)
     return;
   Reporter reporter(*this);
+  const auto before = watched_;
+  std::vector<std::filesystem::path> news;  // that others wrote, to be read again after this
+  for (const Watched& file : before) {
+    if (changedAt(file.path) != file.time)
+      news.push_back(file.path);
+  }
   auto done = what(*document_, reporter);
   watched_ = look(document_->files());  // what it wrote itself is no news
+  for (Watched& file : watched_) {
+    const auto known = std::ranges::find(before, file.path, &Watched::path);
+    if (known != before.end() && std::ranges::find(news, file.path) != news.end())
+      file.time = known->time;
+  }
   std::optional<DocumentInfo> info = describe();
   const std::lock_guard lock(mutex_);
   opened_.swap(info);

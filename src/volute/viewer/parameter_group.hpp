@@ -39,7 +39,7 @@ class ParameterGroup {
     Parameter& made = add(name, key, Kind::kNumber, {value});
     made.most = std::max(most, 2 * value);
     made.logarithmic = true;
-    made.unit = unit;
+    made.unit = std::string(unit);  // GCC 12 warns of the plain assignment
     return made;
   }
 
@@ -47,7 +47,7 @@ class ParameterGroup {
                    const char* unit = "") {
     Parameter& made = add(name, key, Kind::kNumber, {value});
     made.least = std::min(least, value), made.most = std::max(most, value);
-    made.unit = unit;
+    made.unit = std::string(unit);  // GCC 12 warns of the plain assignment
     return made;
   }
 

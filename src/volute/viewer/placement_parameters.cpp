@@ -27,6 +27,10 @@ Vec3 rounded(const Vec3& v) {
   return (v / kRounding).array().round().matrix() * kRounding + Vec3::Zero();
 }
 
+Vec3 inRange(const Vec3& scale) {
+  return scale.cwiseMax(kLeastScale).cwiseMin(kMostScale);
+}
+
 Mat3 turnBy(const Vec3& degrees) {
   const Vec3 angles = kDegree * degrees;
   return (Eigen::AngleAxisd(angles.z(), Vec3::UnitZ()) *
@@ -52,7 +56,8 @@ PlacementWords wordsOf(const Placement& placement, const Box3& fileBounds) {
   if (words.mirrored)
     turn.col(0) *= -1;
   words.turn = rounded(degreesOf(turn));
-  words.scale = rounded(placement.scale);
+  const double largest = placement.scale.maxCoeff();
+  words.scale = largest * rounded(placement.scale / largest);
   words.middle = rounded(placement.turn * placement.scale.cwiseProduct(middleOf(fileBounds)) +
                          placement.offset);
   return words;
@@ -102,12 +107,11 @@ void setPlacement(Json& volume, const Placement& placement, const Box3& fileBoun
   else if (key == "turn")
     words.turn = vector(), words.turn.y() = std::clamp(words.turn.y(), -kSteep, kSteep);
   else if (key == "size")
-    words.scale *= value[0] / std::cbrt(words.scale.prod());
+    words.scale = inRange(words.scale * (value[0] / std::cbrt(words.scale.prod())));
   else if (key == "scale")
-    words.scale = vector();
+    words.scale = inRange(vector());
   else
     words.mirrored = value[0] != 0;
-  words.scale = words.scale.cwiseMax(kLeastScale).cwiseMin(kMostScale);
   const Vec3 middle = middleOf(fileBounds);
   const bool moved = (words.middle - middle).norm() > kRounding * (1 + middle.norm());
   const bool nothing = !moved && !words.mirrored && words.turn == Vec3::Zero() &&

@@ -205,15 +205,25 @@ class SceneDocument::Volumes {
   Volumes(std::vector<Medium>& media, std::vector<Board>& boards) {
     for (std::size_t i = 0; i < media.size(); ++i) {
       if (media[i].volume)
-        held_.push_back({&*media[i].volume, &media[i], i});
+        held_.push_back({&*media[i].volume, &media[i], nullptr, i});
     }
     for (std::size_t i = 0; i < boards.size(); ++i)
-      held_.push_back({&boards[i].volume, nullptr, i});
+      held_.push_back({&boards[i].volume, nullptr, &boards[i], i});
   }
 
   struct Held {
+    /// What is known of its file.
+    template <class To>
+    void tell(To& to) const {
+      const auto take = [&](const auto& from) {
+        to.checked = from.checked, to.damaged = from.damaged, to.remarks = from.remarks;
+      };
+      medium ? take(*medium) : take(*board);
+    }
+
     VolumeLayer* layer = nullptr;
     Medium* medium = nullptr;  ///< null: it is a billboard's
+    Board* board = nullptr;    ///< null: it is a medium's
     std::size_t place = 0;     ///< among the media or the billboards
     bool taken = false;
   };
@@ -280,15 +290,21 @@ bool SceneDocument::serves(const Medium& old, const Json& wanted, bool lightsCha
   return !old.volume && !lightsChanged && old.json == wanted;
 }
 
-/// What was painted are shares of the map's largest value.
 void SceneDocument::keepPainted(const Medium& old, Medium& medium) {
-  const double factor = medium.fogWords.placement.sigmaMax / old.fogWords.placement.sigmaMax;
   const FogLevels& levels = medium.fog->fogAt(0).levels();
   if (old.painted->size() != static_cast<std::size_t>(levels.columns()) * levels.rows())
     return;
-  medium.painted = old.painted;
-  for (double& value : *medium.painted) value *= factor;
+  medium.painted = old.painted, medium.paintedMost = old.paintedMost;
   medium.unsaved = old.unsaved;
+}
+
+/// What was painted are shares of the map's largest value.
+FogLayer SceneDocument::shownFog(const Medium& medium) {
+  if (!medium.painted)
+    return *medium.fog;
+  std::vector<double> map = *medium.painted;
+  for (double& value : map) value *= medium.fogWords.placement.sigmaMax / medium.paintedMost;
+  return medium.fog->withMap(map);
 }
 
 /// First what has to be read, so that an error leaves everything as it was.
@@ -342,7 +358,7 @@ Result<std::vector<SceneDocument::Medium>> SceneDocument::mediaOf(const Json& js
     if (old)
       media[i] = std::move(*old);
     else if (held[i])
-      media[i].volume = std::move(*held[i]->layer);
+      held[i]->tell(media[i]), media[i].volume = std::move(*held[i]->layer);
     media[i].json = std::move(words);
     if (media[i].volume)
       media[i].volume->setAppearance(scene.volumes[places[i]].appearance);
@@ -363,19 +379,27 @@ Status SceneDocument::load(Json json, Progress& progress) {
   }
   Volumes volumes(media_, boards_);
   std::vector<Volumes::Held*> held;
-  std::vector<std::optional<VolumeLayer>> opened(scene.billboards.size());
+  std::vector<std::optional<Board>> opened(scene.billboards.size());
   for (std::size_t i = 0; i < scene.billboards.size(); ++i) {
-    held.push_back(volumes.take(scene.billboards[i].file, false, i));
+    const std::string& file = scene.billboards[i].file;
+    held.push_back(volumes.take(file, false, i));
     if (!held.back()) {
-      VOLUTE_ASSIGN(opened[i], VolumeLayer::open(scene.billboards[i].file, {}, {}, reading));
+      RemarkLog said(progress);
+      VOLUTE_ASSIGN(auto layer, openVolumeFile(file, said));
+      opened[i] = Board{std::move(layer), {}, false, false, said.remarks()};
     }
   }
   VOLUTE_ASSIGN(auto media, mediaOf(json, scene, lightsChanged, volumes, progress));
   std::vector<Board> boards;
   for (std::size_t i = 0; i < scene.billboards.size(); ++i) {
-    VolumeLayer layer = held[i] ? std::move(*held[i]->layer) : std::move(*opened[i]);
-    layer.setAppearance(scene.billboards[i].appearance);
-    boards.push_back({std::move(layer), scene.billboards[i].options});
+    if (held[i]) {
+      Board board{std::move(*held[i]->layer), {}};
+      held[i]->tell(board);
+      opened[i] = std::move(board);
+    }
+    opened[i]->volume.setAppearance(scene.billboards[i].appearance);
+    opened[i]->options = scene.billboards[i].options;
+    boards.push_back(std::move(*opened[i]));
   }
   boards_ = std::move(boards);
   media_ = std::move(media);
@@ -431,32 +455,47 @@ void SceneDocument::gatherRemarks() {
   remarks_ = sceneRemarks_;
   for (const Medium& medium : media_)
     remarks_.insert(remarks_.end(), medium.remarks.begin(), medium.remarks.end());
+  for (const Board& board : boards_)
+    remarks_.insert(remarks_.end(), board.remarks.begin(), board.remarks.end());
   if (!guess_.empty())
     remarks_.push_back(guess_);
   for (std::string& remark : remarks_) remark = withoutPlace(std::move(remark), path_);
 }
 
 bool SceneDocument::checked() const {
-  return std::ranges::none_of(media_, [](const Medium& medium) {
-    return medium.volume && medium.volume->reader() && !medium.checked;
-  });
+  const auto waits = [](const VolumeLayer& volume, bool seen) { return volume.reader() && !seen; };
+  return std::ranges::none_of(media_,
+                              [&](const Medium& medium) {
+                                return medium.volume && waits(*medium.volume, medium.checked);
+                              }) &&
+         std::ranges::none_of(
+             boards_, [&](const Board& board) { return waits(board.volume, board.checked); });
 }
 
 void SceneDocument::check(Progress& progress) {
-  for (Medium& medium : media_) {
-    if (medium.checked || !medium.volume || !medium.volume->reader())
-      continue;
-    const auto integrity = medium.volume->reader()->verify(progress);
+  const auto look = [&](const VolumeLayer& volume, auto& of) {
+    if (of.checked || !volume.reader())
+      return true;
+    const auto integrity = volume.reader()->verify(progress);
     if (!integrity)
-      return;  // stopped
-    medium.checked = true;
-    medium.damaged = !integrity->complete();
-    if (!medium.damaged)
-      continue;
-    const std::string& fault = integrity->firstFault;
-    medium.remarks.push_back(fmt::format("{}; {} of {} parts are whole and shown",
-                                         fault.substr(0, fault.find("; --partial")),
-                                         integrity->intactSegments, integrity->segments));
+      return false;  // stopped
+    of.checked = true;
+    of.damaged = !integrity->complete();
+    if (of.damaged) {
+      const std::string& fault = integrity->firstFault;
+      of.remarks.push_back(fmt::format("{}; {} of {} parts are whole and shown",
+                                       fault.substr(0, fault.find("; --partial")),
+                                       integrity->intactSegments, integrity->segments));
+    }
+    return true;
+  };
+  for (Medium& medium : media_) {
+    if (medium.volume && !look(*medium.volume, medium))
+      return;
+  }
+  for (Board& board : boards_) {
+    if (!look(board.volume, board))
+      return;
   }
   gatherRemarks();
 }
@@ -671,7 +710,7 @@ std::vector<FogCanvas> SceneDocument::canvases() const {
       continue;
     const FogDescription& words = medium.fogWords;
     const std::string& file = words.maps.front();
-    const FogLayer layer = medium.painted ? medium.fog->withMap(*medium.painted) : *medium.fog;
+    const FogLayer layer = shownFog(medium);
     canvases.push_back({std::filesystem::path(file).filename().string(), file,
                         words.placement.sigmaMax, layer.fogAt(0), words.wind, medium.unsaved});
   }
@@ -686,6 +725,7 @@ Status SceneDocument::setFogMap(std::size_t canvas, std::vector<double> coeffici
   if (static_cast<std::size_t>(levels.columns()) * levels.rows() != coefficients.size())
     return fail(ErrorCode::kInvalidArgument, "the map of fog has another size by now");
   medium.painted = std::move(coefficients);
+  medium.paintedMost = medium.fogWords.placement.sigmaMax;
   medium.unsaved = unsaved;
   return {};
 }

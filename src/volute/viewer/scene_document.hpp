@@ -84,7 +84,8 @@ class SceneDocument final : public Document {
     int block = -1;  ///< of the frames of a .volute that are in memory
     std::optional<FogLayer> fog{};
     FogDescription fogWords{};
-    std::optional<std::vector<double>> painted{};  ///< the fog's map [1/m], instead of the file's
+    std::optional<std::vector<double>> painted{};  ///< the fog's map [1/m], instead of the file's,
+    double paintedMost = 0;                        ///< while its densest was this [1/m]
     bool unsaved = false;                          ///< the painted map is in no file
     std::optional<SmokeLayer> smoke{};
     std::optional<FdsLayer> fds{};
@@ -94,6 +95,9 @@ class SceneDocument final : public Document {
   struct Board {
     VolumeLayer volume;
     BillboardOptions options;
+    bool checked = false;  ///< as of media
+    bool damaged = false;
+    std::vector<std::string> remarks{};
   };
 
   /// What is to become of the volumes that were read.
@@ -128,6 +132,7 @@ class SceneDocument final : public Document {
   SceneEdit withBounds(SceneEdit edit) const;
   static bool paintable(const Medium& medium);
   static void keepPainted(const Medium& old, Medium& medium);
+  static FogLayer shownFog(const Medium& medium);
   [[nodiscard]] Result<Medium*> canvasMedium(std::size_t canvas);
   void gatherRemarks();
   void findExtent();
@@ -143,7 +148,7 @@ class SceneDocument final : public Document {
   Status addFds(const Medium& medium, double time, ViewScene& scene, Still& still,
                 TriangleMesh& buildings) const;
   Status addBoards(double time, Progress& progress, ViewScene& scene, Still& still);
-  void addSurfaces(const SceneWish& wish, const Still& still, ViewScene& scene);
+  void addSurfaces(const SceneWish& wish, const Still& still, bool ofInstant, ViewScene& scene);
   Result<TriangleScene> withBuildings(TriangleMesh buildings) const;
   ProcessorPicture byProcessor(std::shared_ptr<const Still> still) const;
   PictureLaw law() const;

@@ -94,7 +94,7 @@ Status SceneDocument::addVolume(Medium& medium, double time, bool coarse, Progre
 
 Status SceneDocument::addFog(const Medium& medium, double time, ViewScene& scene,
                              Still& still) const {
-  const FogLayer layer = medium.painted ? medium.fog->withMap(*medium.painted) : *medium.fog;
+  const FogLayer layer = shownFog(medium);
   if (layer.sunlit()) {  // the same for all cameras, and slow to make
     VOLUTE_ASSIGN(auto lit, layer.sunlitAt(time));
     still.media.push_back(seenBy(still.law, AnyMedium(lit)));
@@ -156,14 +156,16 @@ Status SceneDocument::addBoards(double time, Progress& progress, ViewScene& scen
   return {};
 }
 
-/// Light at the corners is found anew where it may have changed: lamps shine through smoke.
-void SceneDocument::addSurfaces(const SceneWish& wish, const Still& still, ViewScene& scene) {
+/// Light at the corners is found anew where it may have changed: lamps shine through smoke, and
+/// what cases of FDS show (doors, devices, slices) is of each instant.
+void SceneDocument::addSurfaces(const SceneWish& wish, const Still& still, bool ofInstant,
+                                ViewScene& scene) {
   if (!wish.openGl)
     return;
   const bool walls = std::ranges::any_of(still.walls, [](const auto& wall) { return !!wall; });
   if (still.geometry.empty() && !walls)
     return;
-  if (!surfaces_ || !scene_.lights.lamps.empty()) {
+  if (!surfaces_ || ofInstant || !scene_.lights.lamps.empty()) {
     std::vector<AnyMedium> media;
     const double factor = still.law.factor();
     for (const AnyMedium& medium : still.media)
@@ -217,11 +219,12 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneWish& wish, Progress& progre
   scene.media.smokeMethod = options_.smokeMethod;
   scene.media.shade = geometry_;  // fogShadows() of the same
   still->geometry = geometry_;
-  if (!buildings.triangles.empty()) {
+  const bool ofInstant = !buildings.triangles.empty();
+  if (ofInstant) {
     VOLUTE_ASSIGN(still->geometry, withBuildings(std::move(buildings)));
   }
   scene.geometry = still->geometry;
-  addSurfaces(wish, *still, scene);
+  addSurfaces(wish, *still, ofInstant, scene);
   if (scene.surfaces)
     scene.still = still;
   for (const Sign& sign : scene_.signs) scene.quads.push_back(quadOf(sign, still->law));

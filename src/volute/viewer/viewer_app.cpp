@@ -393,6 +393,8 @@ void ViewerApp::goOnWithFilm() {
     return;
   if (film_->finished()) {
     message_ = film_->order().target + " is written";
+    if (!film_->remark().empty())
+      message_ += "; " + film_->remark();
     film_.reset();
     return;
   }
