@@ -431,6 +431,25 @@ TEST(SceneDocument, NothingIsReadAgainForWhereThingsAre) {
   EXPECT_TRUE((*document)->sceneAt({.time = 0.01, .openGl = false}, quiet));
 }
 
+TEST_F(MediaControls, AMapThatOthersWriteDuringAChangeIsRead) {
+  open("fog.json");
+  const Image shown = picture();
+  Image empty(14, 10, 1);
+  ASSERT_TRUE(writeMap(folder_.path("map.png"), empty));
+  std::filesystem::last_write_time(
+      folder_.path("map.png"),
+      std::filesystem::last_write_time(folder_.path("map.png")) + clock_++);
+  app().setParameter(parameterAt("/media/0/wind"), {0, 0.1, 0});
+  load();
+  bool other = false;
+  for (int i = 0; i < 200 && !other; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    load();
+    other = difference(shown, picture()) > 0.01;
+  }
+  EXPECT_TRUE(other) << "there is no fog any more";
+}
+
 /// Of a parameter, as the document has it now.
 std::vector<double> valueIn(const Document& document, const std::string& path) {
   for (const Parameter& parameter : document.parameters()) {
@@ -515,6 +534,10 @@ TEST(SceneDocument, DoorsOfAnFdsCaseOpenInTheirTime) {
   EXPECT_FALSE(open.empty());
   EXPECT_TRUE(open != closed);
   EXPECT_TRUE(corners(0) == closed);
+  const auto held = [&](double time) {
+    return (*document)->sceneAt({.time = time}, quiet).value().surfaces;
+  };
+  EXPECT_EQ(held(0), held(1)) << "no door moves in between: nothing is lit or uploaded again";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 
 #include "volute/base/thread_priority.hpp"
 
@@ -242,18 +243,15 @@ void Loader::changeNow(const DocumentChange& what) {
   if (!document_)
     return;
   Reporter reporter(*this);
-  const auto before = watched_;
-  std::vector<std::filesystem::path> news;  // that others wrote, to be read again after this
-  for (const Watched& file : before) {
-    if (changedAt(file.path) != file.time)
-      news.push_back(file.path);
-  }
+  std::vector<Watched> news;  // that others wrote, to be read again after this
+  std::ranges::copy_if(watched_, std::back_inserter(news),
+                       [](const Watched& file) { return changedAt(file.path) != file.time; });
   auto done = what(*document_, reporter);
   watched_ = look(document_->files());  // what it wrote itself is no news
-  for (Watched& file : watched_) {
-    const auto known = std::ranges::find(before, file.path, &Watched::path);
-    if (known != before.end() && std::ranges::find(news, file.path) != news.end())
-      file.time = known->time;
+  for (const Watched& old : news) {
+    const auto file = std::ranges::find(watched_, old.path, &Watched::path);
+    if (file != watched_.end())
+      file->time = old.time;
   }
   std::optional<DocumentInfo> info = describe();
   const std::lock_guard lock(mutex_);

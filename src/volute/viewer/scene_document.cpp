@@ -405,9 +405,7 @@ Status SceneDocument::load(Json json, Progress& progress) {
   media_ = std::move(media);
   json_ = std::move(json);
   scene_ = std::move(scene);
-  const bool changing =
-      std::ranges::any_of(media_, [](const Medium& m) { return m.fds || m.smoke; });
-  if (lightsChanged || changing)
+  if (lightsChanged)
     surfaces_.reset();
   if (first)
     sceneRemarks_ = heard.remarks();

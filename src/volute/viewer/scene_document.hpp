@@ -148,7 +148,7 @@ class SceneDocument final : public Document {
   Status addFds(const Medium& medium, double time, ViewScene& scene, Still& still,
                 TriangleMesh& buildings) const;
   Status addBoards(double time, Progress& progress, ViewScene& scene, Still& still);
-  void addSurfaces(const SceneWish& wish, const Still& still, bool ofInstant, ViewScene& scene);
+  void addSurfaces(const SceneWish& wish, const Still& still, ViewScene& scene);
   Result<TriangleScene> withBuildings(TriangleMesh buildings) const;
   ProcessorPicture byProcessor(std::shared_ptr<const Still> still) const;
   PictureLaw law() const;
@@ -169,7 +169,8 @@ class SceneDocument final : public Document {
   std::optional<StartView> start_;
   std::vector<std::string> remarks_, sceneRemarks_;  ///< all; those that no medium gave
   std::string guess_;                                ///< what a file alone was taken for
-  std::shared_ptr<const ViewSurfaces> surfaces_;     ///< while nothing that lights them changes
+  std::shared_ptr<const ViewSurfaces> surfaces_;     ///< while nothing that lights them changes,
+  TriangleScene surfacesOf_;                         ///< of this geometry
 };
 
 }  // namespace volute

@@ -18,6 +18,18 @@ namespace {
 const Rgb kOutline(0.45, 0.5, 0.55);
 constexpr int kCoarseLevels = 2;  ///< of a block's, the coarsest first
 
+/// Whether the same triangles look the same.
+bool alike(const TriangleScene& a, const TriangleScene& b) {
+  const auto sameTriangle = [](const Triangle& one, const Triangle& other) {
+    return one.material == other.material && std::ranges::equal(one.corners, other.corners);
+  };
+  const auto sameMaterial = [](const Material& one, const Material& other) {
+    return (one.baseColor == other.baseColor).all() && (one.emission == other.emission).all();
+  };
+  return std::ranges::equal(a.triangles(), b.triangles(), sameTriangle) &&
+         std::ranges::equal(a.materials(), b.materials(), sameMaterial);
+}
+
 /// VolumeLayer::mediumAt() for OpenGL.
 GlVolume glVolumeOf(std::shared_ptr<const BrickSlice> slice, const VolumeLayer& layer,
                     double factor) {
@@ -157,15 +169,14 @@ Status SceneDocument::addBoards(double time, Progress& progress, ViewScene& scen
 }
 
 /// Light at the corners is found anew where it may have changed: lamps shine through smoke, and
-/// what cases of FDS show (doors, devices, slices) is of each instant.
-void SceneDocument::addSurfaces(const SceneWish& wish, const Still& still, bool ofInstant,
-                                ViewScene& scene) {
+/// cases of FDS show other doors, devices and slices from instant to instant.
+void SceneDocument::addSurfaces(const SceneWish& wish, const Still& still, ViewScene& scene) {
   if (!wish.openGl)
     return;
   const bool walls = std::ranges::any_of(still.walls, [](const auto& wall) { return !!wall; });
   if (still.geometry.empty() && !walls)
     return;
-  if (!surfaces_ || ofInstant || !scene_.lights.lamps.empty()) {
+  if (!surfaces_ || !scene_.lights.lamps.empty() || !alike(surfacesOf_, still.geometry)) {
     std::vector<AnyMedium> media;
     const double factor = still.law.factor();
     for (const AnyMedium& medium : still.media)
@@ -174,6 +185,7 @@ void SceneDocument::addSurfaces(const SceneWish& wish, const Still& still, bool 
       media.emplace_back(TetMedium(smoke.locator, smoke.extinction));
     surfaces_ = std::make_shared<const ViewSurfaces>(
         surfaceCorners({still.geometry, scene_.lights.lamps, scene_.lights.ambient, media}));
+    surfacesOf_ = still.geometry;
   }
   if (!walls) {
     scene.surfaces = surfaces_;
@@ -219,12 +231,11 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneWish& wish, Progress& progre
   scene.media.smokeMethod = options_.smokeMethod;
   scene.media.shade = geometry_;  // fogShadows() of the same
   still->geometry = geometry_;
-  const bool ofInstant = !buildings.triangles.empty();
-  if (ofInstant) {
+  if (!buildings.triangles.empty()) {
     VOLUTE_ASSIGN(still->geometry, withBuildings(std::move(buildings)));
   }
   scene.geometry = still->geometry;
-  addSurfaces(wish, *still, ofInstant, scene);
+  addSurfaces(wish, *still, scene);
   if (scene.surfaces)
     scene.still = still;
   for (const Sign& sign : scene_.signs) scene.quads.push_back(quadOf(sign, still->law));

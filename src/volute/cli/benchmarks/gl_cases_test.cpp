@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "volute/cli/benchmarks/gl_case_drawer.hpp"
-#include "volute/gl/gl_device.hpp"
+#include "volute/gl/gl_testing.hpp"
 
 namespace volute::cli {
 namespace {
@@ -17,28 +17,8 @@ constexpr int kWidth = 48, kHeight = 36;
 constexpr double kBar = 5e-4;  // of the brightest
 
 /// The rows of `volute bench gl`, small.
-class GlCasesTest : public testing::Test {
+class GlCasesTest : public gltest::GlRendererTest {
  protected:
-  static void SetUpTestSuite() {
-    auto made = HeadlessGl::create();
-    if (made) {
-      gl_ = std::make_unique<HeadlessGl>(std::move(*made));
-      renderer_ = std::make_unique<GlRenderer>(GlRenderer::create().value());
-    } else {
-      missing_ = made.error().message;
-    }
-  }
-
-  static void TearDownTestSuite() {
-    renderer_.reset();
-    gl_.reset();
-  }
-
-  void SetUp() override {
-    if (!gl_)
-      GTEST_SKIP() << missing_;
-  }
-
   static std::size_t named(const std::vector<GlCase>& cases, std::string_view part) {
     return static_cast<std::size_t>(std::ranges::count_if(
         cases, [&](const GlCase& one) { return one.name.find(part) != std::string::npos; }));
@@ -60,11 +40,6 @@ class GlCasesTest : public testing::Test {
     EXPECT_TRUE(drawer.frame(one, one.camera(1, kWidth, kHeight), 1)) << one.name;
     EXPECT_FALSE(drawer.takePasses().empty()) << one.name;
   }
-
-  static inline std::unique_ptr<HeadlessGl> gl_;
-  static inline std::unique_ptr<GlRenderer> renderer_;
-  static inline std::string missing_;
-  Progress quiet_;
 };
 
 TEST_F(GlCasesTest, TheHallIsShownWithAndWithoutExitSigns) {
