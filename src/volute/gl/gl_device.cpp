@@ -157,6 +157,11 @@ double GlDevice::loopRounds() const {
   return hardware ? std::numeric_limits<double>::infinity() : kSoftwareRounds;
 }
 
+int GlDevice::rowsAtOnce(int width) const {
+  constexpr int kLeast = 64, kPixels = 1 << 19;  // a large card has 2^18 threads at a time
+  return hardware ? std::max(kLeast, kPixels / std::max(width, 1) / 8 * 8) : kLeast;
+}
+
 bool graphicsHardwarePresent() {
   std::error_code ignored;
   for (const char* node : {"/dev/nvidia0", "/dev/dxg"}) {

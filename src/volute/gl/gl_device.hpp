@@ -32,6 +32,10 @@ struct GlDevice {
   /// together; no limit on hardware.
   double loopRounds() const;
 
+  /// Of a picture of this width, so many that they fill the device and that a caller who may stop
+  /// it between them has not long to wait.
+  int rowsAtOnce(int width) const;
+
   /// The limits with the names that OpenGL gives them.
   std::vector<std::pair<std::string, std::int64_t>> limits() const;
 };

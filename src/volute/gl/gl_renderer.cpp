@@ -7,12 +7,12 @@
 #include <cmath>
 #include <map>
 
+#include "volute/gl/fog_passes.hpp"
 #include "volute/gl/gl_billboard.hpp"
 #include "volute/gl/gl_device.hpp"
 #include "volute/gl/gl_medium.hpp"
 #include "volute/gl/gl_programs.hpp"
 #include "volute/gl/gl_rays.hpp"
-#include "volute/gl/polar_pass.hpp"
 #include "volute/gl/sign_passes.hpp"
 #include "volute/gl/smoke_passes.hpp"
 #include "volute/gl/surface_passes.hpp"
@@ -21,8 +21,7 @@ namespace volute {
 namespace {
 
 constexpr float kFarthest = 3e38F;
-constexpr int kGroup = 8;      // pixels a side of a work group
-constexpr int kBandRows = 64;  // of one dispatch, between which the caller may stop
+constexpr int kGroup = 8;  // pixels a side of a work group
 
 /// What is on the device as long as pictures need it.
 template <class Source, class Made>
@@ -145,7 +144,7 @@ struct GlRenderer::State {
   GlTexture picture, opaque, passed;
   GlLens lens;
   SmokePasses smokePasses;
-  PolarPass polarPass;
+  FogPasses fogPasses;
   BillboardPass billboardPass;
   SurfacePasses surfacePasses;
   SignPasses signPasses;
@@ -183,7 +182,7 @@ struct GlRenderer::State {
                          const GlRays& rays, Progress& progress);
   Status dispatch(const GlProgram& program, const Camera& camera, const GlTexture& target,
                   const std::string& media, Progress& progress);
-  Status drawAlone(const Camera& camera, const GlScene& scene, GlSmokeMethod method,
+  Status drawAlone(const Camera& camera, const GlScene& scene, GlQuantity quantity,
                    std::span<const float> opaqueDepth, const GlRays& rays, Progress& progress);
 };
 
@@ -416,13 +415,14 @@ Status GlRenderer::State::dispatch(const GlProgram& program, const Camera& camer
                                    Progress& progress) {
   program.use();
   glBindImageTexture(0, target.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  for (int row = 0; row < camera.height(); row += kBandRows) {
+  const int band = device.rowsAtOnce(camera.width());
+  for (int row = 0; row < camera.height(); row += band) {
     if (progress.cancelled()) {
       return fail(ErrorCode::kCancelled, "stopped: {} of {} rows were rendered", row,
                   camera.height());
     }
     program.set("firstRow", row);
-    const int rows = std::min(kBandRows, camera.height() - row);
+    const int rows = std::min(band, camera.height() - row);
     passes.run("march", media, [&] {
       glDispatchCompute(static_cast<GLuint>((camera.width() + kGroup - 1) / kGroup),
                         static_cast<GLuint>((rows + kGroup - 1) / kGroup), 1);
@@ -436,15 +436,17 @@ Status GlRenderer::State::dispatch(const GlProgram& program, const Camera& camer
 
 /// What is alone in its picture and has a way of its own; kUnsupported where that does not serve.
 Status GlRenderer::State::drawAlone(const Camera& camera, const GlScene& scene,
-                                    GlSmokeMethod method, std::span<const float> opaqueDepth,
+                                    GlQuantity quantity, std::span<const float> opaqueDepth,
                                     const GlRays& rays, Progress& progress) {
+  const GlSmokeMethod method = smokeMethod(scene, camera, quantity);
   if (method != GlSmokeMethod::kMarch)
     return smokePasses.draw(camera, scene.smokes[0], method, opaqueDepth, rays.opaque,
                             picture.name(), passes);
-  if (scene.polarFog && scene.fogs.size() == 1 && scene.media() == 1 && mayWalk(scene.fogs[0]))
-    return polarPass.draw(
-        scene.fogs[0], scene.fogFactor, *scene.polarFog, [&] { return mapOf(scene.fogs[0]); },
-        camera, rays, picture.name(), programs, passes, progress);
+  if (scene.fogs.size() == 1 && scene.media() == 1 && mayWalk(scene.fogs[0]))
+    return fogPasses.draw(
+        scene.fogs[0], scene.fogFactor, scene.polarFog, quantity,
+        [&] { return mapOf(scene.fogs[0]); }, camera, rays, picture.name(),
+        device.rowsAtOnce(camera.width()), programs, passes, progress);
   return fail(ErrorCode::kUnsupported, "nothing is alone");
 }
 
@@ -467,8 +469,7 @@ Status GlRenderer::draw(const Camera& camera, const GlScene& scene, GlQuantity q
   VOLUTE_TRY(state.resize(camera));
   state.programs.pictureDone();  // the one before
   const GlRays rays = state.raysOf(camera, opaqueDepth);
-  const auto alone = state.drawAlone(camera, scene, smokeMethod(scene, camera, quantity),
-                                     opaqueDepth, rays, progress);
+  const auto alone = state.drawAlone(camera, scene, quantity, opaqueDepth, rays, progress);
   if (alone || alone.error().code != ErrorCode::kUnsupported) {
     state.sweep();
     return alone;

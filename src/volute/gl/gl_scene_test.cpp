@@ -270,6 +270,45 @@ TEST_F(GlSceneTest, FogAloneByAPolarTable) {
   EXPECT_LE(errorOf(camera, {.fogs = {other}, .polarFog = PolarOptions{}}, {&walked, 1}, {}), kBar);
 }
 
+/// Any profile, degree and number of levels; what is behind thick fog counts where depths are asked
+/// for, and where a factor thins it.
+TEST_F(GlSceneTest, FogAloneIsWalked) {
+  const Camera near = Camera::pinhole({Vec3(-4, -3, 3), Vec3(8, 9, 1.5)}, 60, kWidth, kHeight);
+  const Camera within = Camera::pinhole({Vec3(4, 6, 1), Vec3(8, 9, 1.5)}, 80, kWidth, kHeight);
+  std::vector<float> wall(kWidth * kHeight, INFINITY);
+  for (std::size_t i = 0; i < wall.size(); i += 3) wall[i] = 0.3F + 0.02F * float(i);
+  (void)renderer_->takePasses();
+  int pictures = 0;
+  for (const auto& [name, profile] : fogtest::profiles()) {
+    for (const int degree : {0, 2, 3}) {
+      const FogOptions options{.degree = degree, .levels = 2, .detail = {.mu = 0.6}, .color = Rgb(0.8, 0.9, 1)};
+      const FogMedium thin = fogtest::fog(fogtest::map(19, 16), profile, options);
+      const FogMedium thick = fogtest::fog(fogtest::map(19, 16), profile, options, 60);
+      for (const Camera& camera : {near, within}) {
+        const AnyMedium exact(thin);
+        EXPECT_LE(errorOf(camera, {.fogs = {thin}}, {&exact, 1},
+                          {.background = Rgb(0.2, 0.1, 0.4)}, wall),
+                  kBar)
+            << name << degree;
+        const AnyMedium scaled(ScaledMedium(AnyMedium(thick), 0.02));
+        EXPECT_LE(errorOf(camera, {.fogs = {thick}, .fogFactor = 0.02}, {&scaled, 1}, {}), kBar)
+            << name << degree;
+        const AnyMedium depths(thick);
+        EXPECT_LE(errorOf(camera, {.fogs = {thick}}, {&depths, 1}, {.aov = Aov::kOpticalDepth}),
+                  kBar)
+            << name << degree;
+        pictures += 3;
+      }
+    }
+  }
+  int walks = 0;
+  for (const GlPassTime& pass : renderer_->takePasses()) {
+    walks += pass.name == "walk" ? pass.times : 0;
+    EXPECT_NE(pass.name, "march");
+  }
+  EXPECT_EQ(walks, pictures);
+}
+
 TEST_F(GlSceneTest, FogWithATopAndFogWithLevelsByAngle) {
   SplineGrid scaled = fogtest::map(12, 11);
   for (double& value : scaled.c) value *= 0.3;

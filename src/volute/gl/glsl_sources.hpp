@@ -30,7 +30,7 @@ extern const char* const kSheet;
 extern const char* const kFogSun;
 extern const char* const kFogShade;
 extern const char* const kFogPolarTable;
-extern const char* const kFogPolarPicture;
+extern const char* const kFogPicture;
 extern const char* const kTetsVertex;
 extern const char* const kTetsFragment;
 extern const char* const kTetsWallVertex;

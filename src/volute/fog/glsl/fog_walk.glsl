@@ -133,6 +133,10 @@ ivec4 fogRect(int level) {
   return level == 0 ? fogMapCells : ivec4(0, 0, fogLevels[level].xy);
 }
 
+#ifndef FOG_OPAQUE
+#define FOG_OPAQUE 40.0  // optical depth behind which nothing is looked for
+#endif
+
 // Where a ray leaves the padded map and the heights of the profile.
 float fogExit(vec3 local, vec3 direction) {
   float begin = 0.0;
@@ -161,7 +165,7 @@ float fogOpticalDepth(vec3 eye, vec3 direction, float distance) {
       float end = to;
       if (!fogClip(local.z, direction.z, fogZoneHeights[zone].x, fogZoneHeights[zone].y, begin, end)) continue;
       sum += fogStretch(local.xy * perCell, direction.xy * perCell, local.z, direction.z, begin, end, level,
-                        fogRect(level), fogZones[zone], 40.0);
+                        fogRect(level), fogZones[zone], FOG_OPAQUE);
     }
     from = max(from, to);
   }

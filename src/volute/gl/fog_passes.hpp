@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "volute/base/progress.hpp"
@@ -11,26 +12,32 @@
 #include "volute/gl/gl_medium.hpp"
 #include "volute/gl/gl_programs.hpp"
 #include "volute/gl/gl_rays.hpp"
+#include "volute/gl/scene_shader.hpp"
 
 namespace volute {
 
-/// PolarFog's twin: pictures of fog alone by two look-ups a pixel. The table is filled on the
-/// device, anew for each eye and each map.
-class PolarPass {
+/// Pictures of fog alone that no sun lights, with nothing of what a march through any media carries
+/// along: walked as fog_walk.glsl has it, or by two look-ups a pixel as PolarFog has it.
+class FogPasses {
  public:
   /// Light and optical depth into an RGBA32F texture of the camera's size. kUnsupported, before
-  /// anything is drawn, where no table serves: PolarTable::make. kCancelled between parts.
-  /// @param map  gives the fog's map
-  [[nodiscard]] Status draw(const FogMedium& fog, double factor, const PolarOptions& options,
+  /// anything is drawn, where fog has to be marched: with a top, with levels by angle, from an eye
+  /// far away or none. kCancelled between parts.
+  /// @param polar  a table, filled on the device, anew for each eye and each map, where one serves
+  ///               (PolarTable::make)
+  /// @param map    gives the fog's map
+  /// @param rowsAtOnce  of the picture, between which the caller may stop
+  [[nodiscard]] Status draw(const FogMedium& fog, double factor,
+                            const std::optional<PolarOptions>& polar, GlQuantity quantity,
                             const std::function<Result<std::shared_ptr<const GlFogMap>>()>& map,
                             const Camera& camera, const GlRays& rays, GLuint picture,
-                            GlPrograms& programs, GlPasses& passes, Progress& progress);
+                            int rowsAtOnce, GlPrograms& programs, GlPasses& passes,
+                            Progress& progress);
 
  private:
   Status fillTable(const FogShader& shader, const PolarLayout& layout, const Vec3& eye,
                    GlPrograms& programs, GlPasses& passes, Progress& progress);
-  void bind(const GlProgram& program, const FogShader& shader, const PolarLayout& layout,
-            const Vec3& eye) const;
+  void bindTable(const GlProgram& program, const PolarLayout& layout) const;
 
   std::shared_ptr<const GlFogMap> map_;
   GlTexture table_;
