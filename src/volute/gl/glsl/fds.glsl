@@ -88,8 +88,8 @@ void M_enterCell() {
   }
 }
 
-// Into M_part, at s.
-void M_enterPart(float s) {
+// Into M_part, at s; true where a lattice is there, whose cell is to be entered.
+bool M_enterPart(float s) {
   int part = (M_part.z * M_partCount.y + M_part.y) * M_partCount.x + M_part.x;
   for (int axis = 0; axis < 3; ++axis)
     M_partLeaves[axis] = M_crossing(axis, M_partPlanes[axis] + M_part[axis] + (M_ahead[axis] > 0 ? 1 : 0));
@@ -98,14 +98,14 @@ void M_enterPart(float s) {
   M_on = false;
   M_end = min(M_partEnd, M_stop);
   M_lattice = lattice < 0 ? -1 : M_lattices + 10 * lattice;
-  if (lattice < 0) return;
+  if (lattice < 0) return false;
   vec3 place = M_o + s * rayDirection;
   for (int axis = 0; axis < 3; ++axis) {
     M_planesAt[axis] = int(M_words[M_lattice + axis]);
     M_cells[axis] = int(M_words[M_lattice + 3 + axis]);
     M_cell[axis] = M_gap(M_planesAt[axis], M_cells[axis], place[axis]);
   }
-  M_enterCell();
+  return true;
 }
 
 void M_begin() {
@@ -128,39 +128,36 @@ void M_begin() {
   M_end = begin;
 }
 
-// Into what comes after M_end.
+// Into what comes after M_end. One call of each function: what is called in two branches is there twice, and a device may
+// run both.
 void M_next() {
-  if (M_end >= M_stop) {
-    M_finish();
-    return;
-  }
   float s = M_end;
+  bool inside = s < M_stop;
+  bool ofPart = true;  // into another part, else into the part's next cell
   if (M_waits) {
     M_waits = false;
     vec3 place = M_o + s * rayDirection;
     for (int axis = 0; axis < 3; ++axis) M_part[axis] = M_gap(M_partPlanes[axis], M_partCount[axis], place[axis]);
-    M_enterPart(s);
-    return;
-  }
-  if (M_lattice >= 0 && s < M_partEnd) {
+  } else if (inside && M_lattice >= 0 && s < M_partEnd) {
     int axis = M_leastOf(M_leaves);
     M_cell[axis] += M_ahead[axis];
-    if (M_cell[axis] >= 0 && M_cell[axis] < M_cells[axis]) {
-      M_enterCell();
+    ofPart = false;
+    if (M_cell[axis] < 0 || M_cell[axis] >= M_cells[axis]) {
+      M_on = false;  // rounding: the part ends here too
+      M_lattice = -1;
+      M_end = min(M_partEnd, M_stop);
       return;
     }
-    M_on = false;  // rounding: the part ends here too
-    M_lattice = -1;
-    M_end = min(M_partEnd, M_stop);
-    return;
+  } else if (inside) {
+    int axis = M_leastOf(M_partLeaves);
+    M_part[axis] += M_ahead[axis];
+    inside = M_part[axis] >= 0 && M_part[axis] < M_partCount[axis];
   }
-  int axis = M_leastOf(M_partLeaves);
-  M_part[axis] += M_ahead[axis];
-  if (M_part[axis] < 0 || M_part[axis] >= M_partCount[axis]) {
+  if (!inside) {
     M_finish();
     return;
   }
-  M_enterPart(s);
+  if (!ofPart || M_enterPart(s)) M_enterCell();
 }
 
 // Adds the medium at s, which is in the cell.

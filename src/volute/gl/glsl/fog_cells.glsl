@@ -152,31 +152,23 @@ void M_begin() {
   M_seek(rayBegin);
 }
 
+// One call of M_enter() and one of M_seek(): what is called in two branches is there twice, and a device may run both.
 void M_next() {
   float s = M_end;
+  bool seek = false;
   if (M_waits) {
     M_waits = false;
     M_on = true;
     M_cell = clamp(ivec2(floor(M_o + M_d * s + 1e-4 * sign(M_d))), M_rect.xy, M_rect.zw - 1);
-    M_enter(s);
-    return;
+  } else if (s >= M_stretchEnd) {
+    seek = true;
+  } else if (min(M_planes.x, M_planes.y) <= s) {  // else a long way through an exponential profile, or the top is met
+    int axis = M_planes.x <= M_planes.y ? 0 : 1;
+    M_cell[axis] += M_d[axis] > 0.0 ? 1 : -1;
+    seek = M_cell[axis] < M_rect[axis] || M_cell[axis] >= M_rect[axis + 2];
   }
-  if (s >= M_stretchEnd) {
-    M_seek(s);
-    return;
-  }
-  float plane = min(M_planes.x, M_planes.y);
-  if (plane > s) {  // a long way through one cell of an exponential profile, or the top is met
-    M_enter(s);
-    return;
-  }
-  int axis = M_planes.x <= M_planes.y ? 0 : 1;
-  M_cell[axis] += M_d[axis] > 0.0 ? 1 : -1;
-  if (M_cell[axis] < M_rect[axis] || M_cell[axis] >= M_rect[axis + 2]) {
-    M_seek(s);
-    return;
-  }
-  M_enter(s);
+  if (seek) M_seek(s);
+  else M_enter(s);
 }
 
 void M_sample(float s, inout float k, inout vec3 e) {

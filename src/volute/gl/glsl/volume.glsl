@@ -89,34 +89,29 @@ void M_begin() {
   M_end = begin;
 }
 
-// Into what comes after M_end.
+// Into what comes after M_end. One call of M_enter(): what is called in two branches is there twice, and a device may
+// run both.
 void M_next() {
-  if (M_end >= M_stop) {
-    M_finish();
-    return;
-  }
+  bool inside = M_end < M_stop;
   if (M_waits) {
     M_waits = false;
     M_cell = M_cellAt(M_end);
-    M_enter();
-    return;
+  } else if (inside) {
+    int axis = M_planes.x <= M_planes.y ? 0 : 1;
+    if (M_planes.z < M_planes[axis]) axis = 2;
+    int ahead = M_d[axis] > 0.0 ? 1 : -1;
+    if (M_leaps) {
+      ivec3 brick = (M_cell >> 3) * 8;
+      M_cell = clamp(M_cellAt(M_end), brick, brick + 7);
+      M_cell[axis] = ahead > 0 ? brick[axis] + 8 : brick[axis] - 1;
+    } else {
+      M_cell[axis] += ahead;
+    }
+    inside = M_cell[axis] >= M_lo[axis] && M_cell[axis] < M_hi[axis];
+    M_cell = clamp(M_cell, M_lo, M_hi - 1);
   }
-  int axis = M_planes.x <= M_planes.y ? 0 : 1;
-  if (M_planes.z < M_planes[axis]) axis = 2;
-  int ahead = M_d[axis] > 0.0 ? 1 : -1;
-  if (M_leaps) {
-    ivec3 brick = (M_cell >> 3) * 8;
-    M_cell = clamp(M_cellAt(M_end), brick, brick + 7);
-    M_cell[axis] = ahead > 0 ? brick[axis] + 8 : brick[axis] - 1;
-  } else {
-    M_cell[axis] += ahead;
-  }
-  if (M_cell[axis] < M_lo[axis] || M_cell[axis] >= M_hi[axis]) {
-    M_finish();
-    return;
-  }
-  M_cell = clamp(M_cell, M_lo, M_hi - 1);
-  M_enter();
+  if (inside) M_enter();
+  else M_finish();
 }
 
 // Adds the medium at s, which is in the cell.
