@@ -435,9 +435,9 @@ Status GlRenderer::State::dispatch(const GlProgram& program, const Camera& camer
 }
 
 /// What is alone in its picture and has a way of its own; kUnsupported where that does not serve.
-Status GlRenderer::State::drawAlone(const Camera& camera, const GlScene& scene,
-                                    GlQuantity quantity, std::span<const float> opaqueDepth,
-                                    const GlRays& rays, Progress& progress) {
+Status GlRenderer::State::drawAlone(const Camera& camera, const GlScene& scene, GlQuantity quantity,
+                                    std::span<const float> opaqueDepth, const GlRays& rays,
+                                    Progress& progress) {
   const GlSmokeMethod method = smokeMethod(scene, camera, quantity);
   if (method != GlSmokeMethod::kMarch)
     return smokePasses.draw(camera, scene.smokes[0], method, opaqueDepth, rays.opaque,

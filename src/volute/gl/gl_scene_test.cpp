@@ -281,13 +281,14 @@ TEST_F(GlSceneTest, FogAloneIsWalked) {
   int pictures = 0;
   for (const auto& [name, profile] : fogtest::profiles()) {
     for (const int degree : {0, 2, 3}) {
-      const FogOptions options{.degree = degree, .levels = 2, .detail = {.mu = 0.6}, .color = Rgb(0.8, 0.9, 1)};
+      const FogOptions options{
+          .degree = degree, .levels = 2, .detail = {.mu = 0.6}, .color = Rgb(0.8, 0.9, 1)};
       const FogMedium thin = fogtest::fog(fogtest::map(19, 16), profile, options);
       const FogMedium thick = fogtest::fog(fogtest::map(19, 16), profile, options, 60);
       for (const Camera& camera : {near, within}) {
         const AnyMedium exact(thin);
-        EXPECT_LE(errorOf(camera, {.fogs = {thin}}, {&exact, 1},
-                          {.background = Rgb(0.2, 0.1, 0.4)}, wall),
+        EXPECT_LE(errorOf(camera, {.fogs = {thin}}, {&exact, 1}, {.background = Rgb(0.2, 0.1, 0.4)},
+                          wall),
                   kBar)
             << name << degree;
         const AnyMedium scaled(ScaledMedium(AnyMedium(thick), 0.02));
