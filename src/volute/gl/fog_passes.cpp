@@ -13,23 +13,35 @@ namespace {
 
 constexpr int kMapUnit = 3, kTableUnit = 4;  // after those of the rays
 constexpr int kGroup = 8;
-// Between parts of so much work, and of so many rows, the caller may stop.
-constexpr std::int64_t kStepsOfPart = 1 << 24;  // through cells
+constexpr std::int64_t kStepsOfPart = 1 << 24;  // through cells, between which the caller may stop
 
-/// In sizes of the fog: for farther eyes its azimuths are too narrow a part of the table, and
-/// floats are too coarse for ways from the eye.
+/// In widths of the fog's map: for farther eyes its azimuths are too narrow a part of the table,
+/// and floats are too coarse for ways from the eye.
 constexpr double kFarthest = 2;
 
 constexpr double kOpaqueDepth = 20;  // what is behind is less than 1e-8 of the light
 
-bool isFar(const Box3& fog, const Vec3& eye) {
-  const Vec3 nearest = eye.cwiseMax(fog.min).cwiseMin(fog.max);
-  return (eye - nearest).norm() > kFarthest * fog.size().norm();
+/// Heights without an end do not make it wider, nor nearer than where its profile changes.
+bool isFar(const FogMedium& fog, const FogShader& shader, const Vec3& eye) {
+  const Box3 map = fog.bounds();
+  const double width = map.size().head<2>().norm();
+  double low = INFINITY, high = -INFINITY;
+  for (const auto& heights : shader.zoneHeights) {
+    for (const double height : heights) {
+      if (std::abs(height) < FogProfile::kFarthest)
+        low = std::min(low, height), high = std::max(high, height);
+    }
+  }
+  Vec3 nearest = eye.cwiseMax(map.min).cwiseMin(map.max);
+  nearest.z() =
+      low > high ? eye.z() : std::clamp(eye.z(), shader.corner.z() + low, shader.corner.z() + high);
+  return !((eye - nearest).norm() <= kFarthest * width);
 }
 
-/// What a walk through fog may end at is known where `factor` is.
-const ShaderPart kOpaque{"fog settings",
-                         "uniform float fogOpaque;\n#define FOG_OPAQUE fogOpaque\n"};
+/// Until where the fog is walked depends on its factor.
+ShaderPart opaqueSetting() {
+  return {"fog settings", "uniform float fogOpaque;\n#define FOG_OPAQUE fogOpaque\n"};
+}
 
 std::vector<ShaderPart> tableParts(const FogShader& shader) {
   return {{"fog_walk.glsl", shader.walk},
@@ -38,7 +50,8 @@ std::vector<ShaderPart> tableParts(const FogShader& shader) {
 }
 
 std::vector<ShaderPart> pictureParts(const FogShader& shader, bool polar) {
-  std::vector<ShaderPart> parts{{"ray.glsl", glsl::kRay}, kOpaque, {"fog_walk.glsl", shader.walk}};
+  std::vector<ShaderPart> parts{
+      {"ray.glsl", glsl::kRay}, opaqueSetting(), {"fog_walk.glsl", shader.walk}};
   if (polar)
     parts.push_back({"fog_polar.glsl", shader.polar});
   parts.push_back({"fog settings", fmt::format("#define FOG_BY_TABLE {}\n", polar ? 1 : 0)});
@@ -102,26 +115,48 @@ Status FogPasses::fillTable(const FogShader& shader, const PolarLayout& layout, 
   return {};
 }
 
+Result<PolarLayout> FogPasses::tableFor(const FogMedium& fog, const FogShader& shader,
+                                        const Vec3& eye, const PolarOptions& options,
+                                        GlPrograms& programs, GlPasses& passes,
+                                        Progress& progress) {
+  VOLUTE_ASSIGN(const auto layout, PolarLayout::of(fog, eye, options));
+  VOLUTE_TRY(fillTable(shader, layout, eye, programs, passes, progress));
+  return layout;
+}
+
+void FogPasses::sweep() {
+  if (!used_) {
+    map_.reset();
+    table_ = {};
+    columns_ = rows_ = 0;
+    filled_.clear();
+  }
+  used_ = false;
+}
+
 Status FogPasses::draw(const FogMedium& fog, double factor,
                        const std::optional<PolarOptions>& polar, GlQuantity quantity,
                        const std::function<Result<std::shared_ptr<const GlFogMap>>()>& map,
                        const Camera& camera, const GlRays& rays, GLuint picture, int rowsAtOnce,
                        GlPrograms& programs, GlPasses& passes, Progress& progress) {
   const FogShader shader = fogCells(fog);
-  if (camera.isOrthographic() || isFar(fog.bounds(), camera.eye()))
-    return fail(ErrorCode::kUnsupported, "this fog is not walked from this camera's eye");
-  std::optional<PolarLayout> layout;
-  if (polar && !shader.polar.empty()) {
-    VOLUTE_ASSIGN(layout, PolarLayout::of(fog, camera.eye(), *polar));
-  }
-  if (!layout && (fog.hasTop() || fog.options().detail.cellAngle > 0))
+  if (camera.isOrthographic() || isFar(fog, shader, camera.eye()))
+    return fail(ErrorCode::kUnsupported, "fog is not walked from this camera's eye");
+  if (fog.hasTop() || fog.options().detail.cellAngle > 0)
     return fail(ErrorCode::kUnsupported, "fog_walk.glsl does not know this fog");
   VOLUTE_ASSIGN(auto wanted, map());
   if (map_ != wanted)
     filled_.clear();
   map_ = std::move(wanted);
-  if (layout)
-    VOLUTE_TRY(fillTable(shader, *layout, camera.eye(), programs, passes, progress));
+  used_ = true;
+  std::optional<PolarLayout> layout;
+  if (polar && !shader.polar.empty()) {
+    auto filled = tableFor(fog, shader, camera.eye(), *polar, programs, passes, progress);
+    if (!filled && filled.error().code != ErrorCode::kUnsupported)
+      return tl::unexpected(filled.error());
+    if (filled)
+      layout = *filled;
+  }
   const char* const pass = layout ? "polar" : "walk";
   VOLUTE_ASSIGN(const GlProgram* program,
                 programs.get(fmt::format("{} picture\n{}", pass, shader.structure), "fog", passes,
@@ -145,8 +180,10 @@ Status FogPasses::draw(const FogMedium& fog, double factor,
                     camera.height());
       }
       program->set("firstRow", row);
-      runOver(*program, camera.width(), std::min(rowsAtOnce, camera.height() - row));
+      const int rows = std::min(rowsAtOnce, camera.height() - row);
+      runOver(*program, camera.width(), rows);
       glFlush();
+      progress.report("rendering", row + rows, camera.height());
     }
     return {};
   });

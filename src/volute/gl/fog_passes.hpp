@@ -24,7 +24,7 @@ class FogPasses {
   /// anything is drawn, where fog has to be marched: with a top, with levels by angle, from an eye
   /// far away or none. kCancelled between parts.
   /// @param polar  a table, filled on the device, anew for each eye and each map, where one serves
-  ///               (PolarTable::make)
+  ///               (PolarTable::make); else the fog is walked
   /// @param map    gives the fog's map
   /// @param rowsAtOnce  of the picture, between which the caller may stop
   [[nodiscard]] Status draw(const FogMedium& fog, double factor,
@@ -34,7 +34,14 @@ class FogPasses {
                             int rowsAtOnce, GlPrograms& programs, GlPasses& passes,
                             Progress& progress);
 
+  /// Drops map and table unless they have been drawn with since the last call.
+  void sweep();
+
  private:
+  [[nodiscard]] Result<PolarLayout> tableFor(const FogMedium& fog, const FogShader& shader,
+                                             const Vec3& eye, const PolarOptions& options,
+                                             GlPrograms& programs, GlPasses& passes,
+                                             Progress& progress);
   Status fillTable(const FogShader& shader, const PolarLayout& layout, const Vec3& eye,
                    GlPrograms& programs, GlPasses& passes, Progress& progress);
   void bindTable(const GlProgram& program, const PolarLayout& layout) const;
@@ -43,6 +50,7 @@ class FogPasses {
   GlTexture table_;
   int columns_ = 0, rows_ = 0;  ///< of the table
   std::string filled_;          ///< what the table was filled for, besides the map
+  bool used_ = false;
 };
 
 }  // namespace volute

@@ -158,7 +158,7 @@ double GlDevice::loopRounds() const {
 }
 
 int GlDevice::rowsAtOnce(int width) const {
-  constexpr int kLeast = 64, kPixels = 1 << 19;  // a large card has 2^18 threads at a time
+  constexpr int kLeast = 64, kPixels = 1 << 18;  // as many threads as a large card has
   return hardware ? std::max(kLeast, kPixels / std::max(width, 1) / 8 * 8) : kLeast;
 }
 

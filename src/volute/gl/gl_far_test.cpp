@@ -322,6 +322,28 @@ TEST_F(GlFarTest, LevelsOfDetailAndLenses) {
   }
 }
 
+/// Its bounds have no end; the map and what changes in its profile are small.
+TEST_F(GlFarTest, FogWithoutAnEndAbove) {
+  SplineGrid scaled = fogtest::map(9, 8, 1, 1);
+  for (double& value : scaled.c) value *= 0.3;
+  for (const Vec3& offset : {Vec3(0, 0, 0), kFarOrigin}) {
+    const Vec3 corner = Vec3(-3, 2, 0.5) + offset;
+    const FogMap map = *FogMap::fromCoefficients(scaled, {.origin = corner, .cell = 1.3});
+    const FogMedium fog = *FogMedium::make(map, fogtest::profiles()[2].profile, {.degree = 2});
+    const AnyMedium medium(fog);
+    const Vec3 middle = corner + Vec3(5.5, 5, 2);
+    for (const double metres : {10.0, 40.0, 1e3, 1e5, 1e6}) {
+      const double fov = 2 * std::atan(6 / metres) * 180 / std::numbers::pi;
+      for (const Vec3& way : {Vec3(0.48, -0.6, 0.64), Vec3(0.6, -0.8, 0.01)}) {
+        const Camera camera =
+            Camera::pinhole({middle + metres * way, middle}, fov, kWidth, kHeight);
+        EXPECT_LE(errorOf(camera, {.fogs = {fog}}, {&medium, 1}, {}), kBar)
+            << metres << " m away, towards " << way.transpose() << " from " << offset.transpose();
+      }
+    }
+  }
+}
+
 /// Smoke of 6 m a kilometre from an eye inside of a fog that is far larger.
 TEST_F(GlFarTest, SmallThingsInLargeOnes) {
   SplineGrid scaled = fogtest::map(40, 40, 1, 1);

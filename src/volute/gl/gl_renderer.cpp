@@ -302,6 +302,7 @@ void GlRenderer::State::sweep() {
   smokeFields.sweep();
   fogMaps.sweep();
   fdsData.sweep();
+  fogPasses.sweep();
 }
 
 bool GlRenderer::State::mayWalk(const FogMedium& fog) const {

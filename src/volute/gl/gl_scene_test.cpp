@@ -270,6 +270,22 @@ TEST_F(GlSceneTest, FogAloneByAPolarTable) {
   EXPECT_LE(errorOf(camera, {.fogs = {other}, .polarFog = PolarOptions{}}, {&walked, 1}, {}), kBar);
 }
 
+/// One zone has level rays between two, whether they are walked or marched.
+TEST_F(GlSceneTest, FogIsSeenAlongABorderOfItsProfile) {
+  for (const auto& [name, profile] : fogtest::profiles()) {
+    const FogMedium fog = fogtest::fog(fogtest::map(19, 16), profile, {.degree = 2});
+    const AnyMedium media[] = {AnyMedium(fog), AnyMedium(fog)};
+    for (const double height : {0.0, 2.0, 3.0, 4.0, 6.0}) {
+      const double z = 0.5 + height;
+      const Camera camera = Camera::pinhole({Vec3(-4, -3, z), Vec3(8, 9, z)}, 60, kWidth, 31);
+      for (const std::size_t count : {1, 2}) {
+        EXPECT_LE(errorOf(camera, {.fogs = std::vector(count, fog)}, {media, count}, {}), kBar)
+            << name << ", " << count << " at " << height;
+      }
+    }
+  }
+}
+
 /// Any profile, degree and number of levels; what is behind thick fog counts where depths are asked
 /// for, and where a factor thins it.
 TEST_F(GlSceneTest, FogAloneIsWalked) {

@@ -20,6 +20,8 @@ constexpr int kCoarseLevels = 2;  ///< of a block's, the coarsest first
 
 /// Whether the same triangles look the same.
 bool alike(const TriangleScene& a, const TriangleScene& b) {
+  if (a.triangles().data() == b.triangles().data() && a.materials().data() == b.materials().data())
+    return true;  // they share them
   const auto sameTriangle = [](const Triangle& one, const Triangle& other) {
     return one.material == other.material && std::ranges::equal(one.corners, other.corners);
   };

@@ -79,7 +79,7 @@ float fogPolarOpticalDepth(vec3 eye, vec3 direction, float distance) {
   for (int zone = 0; zone < FOG_ZONES; ++zone) {
     float begin = 0.0;
     float end = distance;
-    if (!fogClip(height, direction.z, fogZoneHeights[zone].x, fogZoneHeights[zone].y, begin, end)) continue;
+    if (!fogClipZone(zone, height, direction.z, begin, end)) continue;
     vec2 moments = fogPolarLook(row, share, end * level);
     if (begin * level > fogPolarRadii.x) moments -= fogPolarLook(row, share, begin * level);
     sum += fogProfile(fogZones[zone], height) * moments.x + fogZones[zone].y * direction.z / level * moments.y;

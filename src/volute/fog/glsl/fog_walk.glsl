@@ -68,6 +68,12 @@ bool fogClip(float o, float d, float lo, float hi, inout float begin, inout floa
   return begin < end;
 }
 
+// The same for a zone of the profile and a ray at height + rise s; where it is level and on a border, the upper zone has it.
+bool fogClipZone(int zone, float height, float rise, inout float begin, inout float end) {
+  if (abs(rise) < 1e-12 && zone < FOG_ZONES - 1 && height >= fogZoneHeights[zone].y) return false;
+  return fogClip(height, rise, fogZoneHeights[zone].x, fogZoneHeights[zone].y, begin, end);
+}
+
 // g = (value + slope h) exp(-decay h), h the height above the reference; profile = (value, slope, decay, reference).
 float fogProfile(vec4 profile, float height) {
   float h = height - profile.w;
@@ -163,7 +169,7 @@ float fogOpticalDepth(vec3 eye, vec3 direction, float distance) {
     for (int zone = 0; zone < FOG_ZONES && to > from; ++zone) {
       float begin = from;
       float end = to;
-      if (!fogClip(local.z, direction.z, fogZoneHeights[zone].x, fogZoneHeights[zone].y, begin, end)) continue;
+      if (!fogClipZone(zone, local.z, direction.z, begin, end)) continue;
       sum += fogStretch(local.xy * perCell, direction.xy * perCell, local.z, direction.z, begin, end, level,
                         fogRect(level), fogZones[zone], FOG_OPAQUE);
     }

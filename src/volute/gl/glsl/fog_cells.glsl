@@ -128,7 +128,7 @@ void M_seek(float s) {
     M_o = (rayOrigin.xy - fogCorner.xy) * perCell;
     M_d = rayDirection.xy * perCell;
     M_rect = fogRect(M_inLevel);
-    if (begin < end && fogClip(M_height, M_rise, fogZoneHeights[M_inZone].x, fogZoneHeights[M_inZone].y, begin, end) &&
+    if (begin < end && fogClipZone(M_inZone, M_height, M_rise, begin, end) &&
         fogClip(M_o.x, M_d.x, float(M_rect.x), float(M_rect.z), begin, end) &&
         fogClip(M_o.y, M_d.y, float(M_rect.y), float(M_rect.w), begin, end) && begin < end) {
       M_stretchBegin = begin;
