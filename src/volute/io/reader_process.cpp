@@ -16,7 +16,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <new>
+#include <sstream>
 #include <stdexcept>
 #include <vector>
 
@@ -65,23 +67,75 @@ bool receiveMessage(int socket, Header& header, std::string& text) {
   return true;
 }
 
-/// True when a message came, or the other end closed, within the time.
-bool waitFor(int socket, double seconds) {
+/// The first line of a file of a process in /proc, empty where there is none.
+std::string lineOf(pid_t process, const char* name) {
+  std::ifstream file(fmt::format("/proc/{}/{}", process, name));
+  std::string line;
+  std::getline(file, line);
+  return line;
+}
+
+/// Finds a child that will never answer: a lock that another thread of the parent held at the fork
+/// stays locked in the child.
+class LockWatch {
+ public:
+  explicit LockWatch(pid_t child) : child_(child) {}
+
+  /// Whether none of the child's threads has run for a while and the first waits for a lock. False
+  /// where the system does not say.
+  bool waitsForever(double now) {
+    constexpr double kWhile = 3;  // [s]; what it waits for could only come from its own threads
+    const std::string used = processorTime();
+    if (used.empty() || used != used_ || !lineOf(child_, "wchan").starts_with("futex")) {
+      used_ = used;
+      since_ = now;
+    }
+    return now - since_ > kWhile;
+  }
+
+ private:
+  /// Fields 14 and 15 of proc(5)'s stat, which follow the name in brackets.
+  std::string processorTime() const {
+    const std::string line = lineOf(child_, "stat");
+    std::istringstream fields(line.substr(std::min(line.rfind(')'), line.size() - 1) + 1));
+    std::string field, user, system;
+    for (int i = 3; i < 14 && fields >> field; ++i) {
+    }
+    fields >> user >> system;
+    return system.empty() ? "" : user + ' ' + system;
+  }
+
+  pid_t child_;
+  std::string used_ = "unknown";
+  double since_ = 0;
+};
+
+double monotonicSeconds() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+enum class Wait { kMessage, kTooLong, kForever };
+
+/// For a message from the child, or until the other end closes.
+/// @param looks  for a child that will never answer
+Wait waitFor(int socket, pid_t child, double seconds, bool looks) {
+  constexpr double kLook = 0.5;  // [s]
   pollfd descriptor{socket, POLLIN, 0};
-  timespec begin{};
-  clock_gettime(CLOCK_MONOTONIC, &begin);
+  LockWatch watch(child);
+  const double begin = monotonicSeconds();
   for (;;) {
-    timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    const double left =
-        seconds - (now.tv_sec - begin.tv_sec) - 1e-9 * (now.tv_nsec - begin.tv_nsec);
+    const double now = monotonicSeconds(), left = begin + seconds - now;
     if (left <= 0)
-      return false;
-    const int ready = ::poll(&descriptor, 1, static_cast<int>(std::min(left * 1000 + 1, 1e6)));
+      return Wait::kTooLong;
+    const int ready = ::poll(&descriptor, 1, static_cast<int>(1000 * std::min(left, kLook) + 1));
     if (ready > 0)
-      return true;
+      return Wait::kMessage;
     if (ready < 0 && errno != EINTR)
-      return false;
+      return Wait::kTooLong;
+    if (looks && watch.waitsForever(now))
+      return Wait::kForever;
   }
 }
 
@@ -241,17 +295,23 @@ Error ReaderProcess::stop(const std::string& file) {
 Result<std::string> ReaderProcess::call(const std::string& file, std::string_view request,
                                         std::size_t valueCount, const Limits& limits) {
   VOLUTE_TRY(reserve(file, valueCount));
-  if (child_ < 0)
-    VOLUTE_TRY(start(file, limits.memory));
-  // The processor's clock does not run for a child that waits for a lock; this one does.
+  // The processor's clock does not run for a child that waits; this one does.
   constexpr double kWaitFactor = 20;
+  constexpr int kForks = 4;  // where one met a lock that was held, the next need not
   Header reply;
   std::string text;
-  const bool answered = sendMessage(socket_, {valueCount, limits.seconds, -1}, request) &&
-                        waitFor(socket_, kWaitFactor * limits.seconds) &&
-                        receiveMessage(socket_, reply, text);
-  if (!answered)
-    return tl::unexpected<Error>(stop(file));
+  for (int fork = 1;; ++fork) {
+    if (child_ < 0)
+      VOLUTE_TRY(start(file, limits.memory));
+    const bool sent = sendMessage(socket_, {valueCount, limits.seconds, -1}, request);
+    const Wait wait = sent ? waitFor(socket_, child_, kWaitFactor * limits.seconds, fork < kForks)
+                           : Wait::kTooLong;
+    if (wait == Wait::kMessage && receiveMessage(socket_, reply, text))
+      break;
+    const Error error = stop(file);
+    if (wait != Wait::kForever)
+      return tl::unexpected<Error>(error);
+  }
   if (reply.code < 0)
     return text;
   // What a library threw does not know the file.

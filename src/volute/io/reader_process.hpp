@@ -18,8 +18,9 @@ namespace volute {
 
 /// Reads untrusted files with a library that may crash on them: in a child process with limits on
 /// memory and time, so that a crash or a hang becomes an error. The child is forked at the first
-/// call and serves all that follow; after it died the next call forks another. Bulk values come
-/// back through shared memory. For one thread at a time.
+/// call and serves all that follow; after it died the next call forks another, and so does one
+/// whose child waits for a lock that another thread held at the fork. Bulk values come back through
+/// shared memory. For one thread at a time.
 class ReaderProcess {
  public:
   /// Runs in the child, once for each call: takes the request and returns the reply, and may fill

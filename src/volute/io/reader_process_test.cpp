@@ -7,6 +7,11 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <fstream>
+#include <future>
+#include <mutex>
+#include <thread>
 #include <vector>
 
 #include "volute/io/testing.hpp"
@@ -70,6 +75,29 @@ TEST(ReaderProcess, AHangEnds) {
   const auto reply = process.call("file", "hang", 0, {64 << 20, 0.05});
   ASSERT_FALSE(reply);
   EXPECT_THAT(reply.error().message, HasSubstr("too long"));
+}
+
+/// A lock that another thread holds at the fork stays locked in the child.
+TEST(ReaderProcess, AChildThatWaitsForALockIsForkedAgain) {
+  if (std::ifstream wait("/proc/self/wchan"); !wait)
+    GTEST_SKIP() << "the system does not say what a process waits for";
+  std::mutex lock;
+  ReaderProcess process([&](std::string_view, std::span<float>) -> Result<std::string> {
+    const std::lock_guard guard(lock);
+    return "read";
+  });
+  std::promise<void> held;
+  std::jthread other([&] {
+    const std::lock_guard guard(lock);
+    held.set_value();
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+  });
+  held.get_future().wait();
+  const auto begun = std::chrono::steady_clock::now();
+  const auto reply = process.call("a.vtu", "", 0, {64 << 20, 10});
+  ASSERT_TRUE(reply) << reply.error().message;
+  EXPECT_EQ(*reply, "read");
+  EXPECT_GT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(2)) << "it was not held";
 }
 
 TEST(ReaderProcess, ErrorsKeepTheirCodeAndNameTheFile) {
