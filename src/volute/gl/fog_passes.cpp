@@ -173,20 +173,8 @@ Status FogPasses::draw(const FogMedium& fog, double factor,
                                                    ? kOpaqueDepth / std::max(factor, 1e-30)
                                                    : 1e30));
   glBindImageTexture(0, picture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  return passes.run(pass, "fog", [&]() -> Status {
-    for (int row = 0; row < camera.height(); row += rowsAtOnce) {
-      if (progress.cancelled()) {
-        return fail(ErrorCode::kCancelled, "stopped: {} of {} rows were rendered", row,
-                    camera.height());
-      }
-      program->set("firstRow", row);
-      const int rows = std::min(rowsAtOnce, camera.height() - row);
-      runOver(*program, camera.width(), rows);
-      glFlush();
-      progress.report("rendering", row + rows, camera.height());
-    }
-    return {};
-  });
+  return passes.run(pass, "fog",
+                    [&] { return runInBands(*program, camera, rowsAtOnce, progress); });
 }
 
 }  // namespace volute

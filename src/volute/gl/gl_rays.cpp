@@ -96,4 +96,20 @@ void runOver(const GlProgram& program, int width, int height) {
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 
+Status runInBands(const GlProgram& program, const Camera& camera, int rowsAtOnce,
+                  Progress& progress) {
+  for (int row = 0; row < camera.height(); row += rowsAtOnce) {
+    if (progress.cancelled()) {
+      return fail(ErrorCode::kCancelled, "stopped: {} of {} rows were rendered", row,
+                  camera.height());
+    }
+    program.set("firstRow", row);
+    const int rows = std::min(rowsAtOnce, camera.height() - row);
+    runOver(program, camera.width(), rows);
+    glFlush();
+    progress.report("rendering", row + rows, camera.height());
+  }
+  return {};
+}
+
 }  // namespace volute

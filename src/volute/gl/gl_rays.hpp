@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "volute/base/progress.hpp"
 #include "volute/camera/camera.hpp"
 #include "volute/gl/gl_object.hpp"
 #include "volute/gl/gl_program.hpp"
@@ -44,5 +45,9 @@ GlLens lensDirections(const Camera& camera);
 
 /// Runs the program in groups of 8 x 8 for each pixel, and makes what it wrote visible.
 void runOver(const GlProgram& program, int width, int height);
+
+/// The same for a program with ray.glsl, so many rows after so many: kCancelled between them.
+[[nodiscard]] Status runInBands(const GlProgram& program, const Camera& camera, int rowsAtOnce,
+                                Progress& progress);
 
 }  // namespace volute

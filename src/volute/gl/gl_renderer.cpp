@@ -21,7 +21,6 @@ namespace volute {
 namespace {
 
 constexpr float kFarthest = 3e38F;
-constexpr int kGroup = 8;  // pixels a side of a work group
 
 /// What is on the device as long as pictures need it.
 template <class Source, class Made>
@@ -180,8 +179,6 @@ struct GlRenderer::State {
   /// A texture with the optical depths of media along rays in its fourth channel.
   Result<GLuint> depthOf(const Camera& camera, const GlScene& scene, const Media& media,
                          const GlRays& rays, Progress& progress);
-  Status dispatch(const GlProgram& program, const Camera& camera, const GlTexture& target,
-                  const std::string& media, Progress& progress);
   Status drawAlone(const Camera& camera, const GlScene& scene, GlQuantity quantity,
                    std::span<const float> opaqueDepth, const GlRays& rays, Progress& progress);
 };
@@ -396,7 +393,10 @@ Status GlRenderer::State::march(const Camera& camera,
   GlBindings bindings;
   for (std::size_t i = 0; i < media.size(); ++i)
     media[i]->bind(*program, mediumPrefix(i), view, bindings);
-  return dispatch(*program, camera, target, names, progress);
+  glBindImageTexture(0, target.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  return passes.run("march", names, [&] {
+    return runInBands(*program, camera, device.rowsAtOnce(camera.width()), progress);
+  });
 }
 
 Result<GLuint> GlRenderer::State::depthOf(const Camera& camera, const GlScene& scene,
@@ -409,30 +409,6 @@ Result<GLuint> GlRenderer::State::depthOf(const Camera& camera, const GlScene& s
   VOLUTE_TRY(
       march(camera, media, GlQuantity::kOpticalDepth, rays, passed, mediaNames(scene), progress));
   return passed.name();
-}
-
-Status GlRenderer::State::dispatch(const GlProgram& program, const Camera& camera,
-                                   const GlTexture& target, const std::string& media,
-                                   Progress& progress) {
-  program.use();
-  glBindImageTexture(0, target.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  const int band = device.rowsAtOnce(camera.width());
-  for (int row = 0; row < camera.height(); row += band) {
-    if (progress.cancelled()) {
-      return fail(ErrorCode::kCancelled, "stopped: {} of {} rows were rendered", row,
-                  camera.height());
-    }
-    program.set("firstRow", row);
-    const int rows = std::min(band, camera.height() - row);
-    passes.run("march", media, [&] {
-      glDispatchCompute(static_cast<GLuint>((camera.width() + kGroup - 1) / kGroup),
-                        static_cast<GLuint>((rows + kGroup - 1) / kGroup), 1);
-    });
-    glFlush();
-    progress.report("rendering", row + rows, camera.height());
-  }
-  glMemoryBarrier(GL_ALL_BARRIER_BITS);
-  return {};
 }
 
 /// What is alone in its picture and has a way of its own; kUnsupported where that does not serve.

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/gl/smoke_passes.hpp"
 
+#include "volute/gl/gl_rays.hpp"
 #include "volute/gl/glsl_sources.hpp"
 
 namespace volute {
@@ -76,15 +77,11 @@ Status SmokePasses::project(const Camera& camera, const GlSmoke& smoke,
   projector_->setSmoke(smoke.extinction, smoke.source);
   VOLUTE_TRY(projector_->draw(camera, opaqueDepth, {}, passes));
   passes.run("resolve", "smoke", [&] {
-    resolve_->use();
     resolve_->set("blended", 0);
     glBindTextureUnit(0, projector_->texture());
     glBindImageTexture(0, picture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-    constexpr GLuint kGroup = 8;
-    glDispatchCompute((static_cast<GLuint>(camera.width()) + kGroup - 1) / kGroup,
-                      (static_cast<GLuint>(camera.height()) + kGroup - 1) / kGroup, 1);
+    runOver(*resolve_, camera.width(), camera.height());
   });
-  glMemoryBarrier(GL_ALL_BARRIER_BITS);
   return {};
 }
 

@@ -397,20 +397,28 @@ TEST_F(MediaControls, AUnitThatMakesSmokeBlackIsMendedByAClick) {
   EXPECT_EQ(saved("mended2.json")["media"][0]["quantity"], "extinction");
 }
 
+std::unique_ptr<Document> documentOf(const SceneFolder& folder, const std::string& scene,
+                                     Progress& progress) {
+  const std::string path = folder.path("scene.json");
+  std::ofstream(path) << scene;
+  auto document = SceneDocument::open(path, {}, progress);
+  EXPECT_TRUE(document) << document.error().message;
+  return document ? std::move(*document) : nullptr;
+}
+
 /// What is moved, turned or blown is not read again: the files may be gone.
 TEST(SceneDocument, NothingIsReadAgainForWhereThingsAre) {
   SceneFolder folder;
-  std::ofstream(folder.path("blown.json")) << kBlown;
   Progress quiet;
-  auto document = SceneDocument::open(folder.path("blown.json"), {}, quiet);
-  ASSERT_TRUE(document) << document.error().message;
-  const auto begun = (*document)->sceneAt({.time = 0.01, .openGl = false}, quiet);
+  const auto document = documentOf(folder, kBlown, quiet);
+  ASSERT_TRUE(document);
+  const auto begun = document->sceneAt({.time = 0.01, .openGl = false}, quiet);
   ASSERT_TRUE(begun) << begun.error().message;
   for (const char* name : {"map.png", "blob.npy"}) std::filesystem::remove(folder.path(name));
   const auto set = [&](const char* path, const std::vector<double>& value) {
-    const auto done = (*document)->set(path, value, quiet);
+    const auto done = document->set(path, value, quiet);
     EXPECT_TRUE(done) << path << ": " << done.error().message;
-    auto scene = (*document)->sceneAt({.time = 0.01, .openGl = false}, quiet);
+    auto scene = document->sceneAt({.time = 0.01, .openGl = false}, quiet);
     EXPECT_TRUE(scene) << path << ": " << scene.error().message;
     return scene ? scene->media.volumes.at(0).slice : nullptr;
   };
@@ -424,11 +432,11 @@ TEST(SceneDocument, NothingIsReadAgainForWhereThingsAre) {
   EXPECT_EQ(set("/media/0/profile/top", {3}), slice);
   EXPECT_NE(set("/media/1/transform/size", {2}), slice) << "its voxels are larger";
   const auto board =
-      (*document)->edit({.kind = SceneEdit::Kind::kBillboard, .path = "/media/1"}, quiet);
+      document->edit({.kind = SceneEdit::Kind::kBillboard, .path = "/media/1"}, quiet);
   EXPECT_TRUE(board) << board.error().message;
-  EXPECT_TRUE((*document)->sceneAt({.time = 0.01, .openGl = false}, quiet));
-  EXPECT_TRUE((*document)->undo(quiet));
-  EXPECT_TRUE((*document)->sceneAt({.time = 0.01, .openGl = false}, quiet));
+  EXPECT_TRUE(document->sceneAt({.time = 0.01, .openGl = false}, quiet));
+  EXPECT_TRUE(document->undo(quiet));
+  EXPECT_TRUE(document->sceneAt({.time = 0.01, .openGl = false}, quiet));
 }
 
 TEST_F(MediaControls, AMapThatOthersWriteDuringAChangeIsRead) {
@@ -461,40 +469,38 @@ std::vector<double> valueIn(const Document& document, const std::string& path) {
 
 TEST(SceneDocument, WhatWasPaintedOutlastsFogOfNoDensity) {
   SceneFolder folder;
-  std::ofstream(folder.path("blown.json")) << kBlown;
   Progress quiet;
-  auto document = SceneDocument::open(folder.path("blown.json"), {}, quiet);
-  ASSERT_TRUE(document) << document.error().message;
+  const auto document = documentOf(folder, kBlown, quiet);
+  ASSERT_TRUE(document);
   const auto map = [&] {
-    const auto canvases = (*document)->canvases();
+    const auto canvases = document->canvases();
     return canvases.empty() ? std::vector<double>() : canvases[0].fog->levels().map().c;
   };
   std::vector<double> painted = map();
   ASSERT_FALSE(painted.empty());
   for (double& value : painted) value = 0.5 * value + 0.1;
-  ASSERT_TRUE((*document)->setFogMap(0, painted, true));
-  ASSERT_TRUE((*document)->set("/media/0/sigma_max", {0}, quiet));
-  ASSERT_TRUE((*document)->set("/media/0/sigma_max", {0.8}, quiet));
+  ASSERT_TRUE(document->setFogMap(0, painted, true));
+  ASSERT_TRUE(document->set("/media/0/sigma_max", {0}, quiet));
+  ASSERT_TRUE(document->set("/media/0/sigma_max", {0.8}, quiet));
   const auto now = map();
   ASSERT_EQ(now.size(), painted.size());
   for (std::size_t i = 0; i < now.size(); ++i) EXPECT_NEAR(now[i], 2 * painted[i], 1e-12) << i;
-  EXPECT_TRUE((*document)->canvases()[0].unsaved);
+  EXPECT_TRUE(document->canvases()[0].unsaved);
 }
 
 TEST(SceneDocument, ASavedMapIsHeldAsTheFogThatBlows) {
   SceneFolder folder;
-  std::ofstream(folder.path("blown.json")) << kBlown;
   Progress quiet;
-  auto document = SceneDocument::open(folder.path("blown.json"), {}, quiet);
-  ASSERT_TRUE(document) << document.error().message;
-  auto painted = (*document)->canvases()[0].fog->levels().map().c;
+  const auto document = documentOf(folder, kBlown, quiet);
+  ASSERT_TRUE(document);
+  auto painted = document->canvases()[0].fog->levels().map().c;
   for (double& value : painted) value *= 0.5;
-  ASSERT_TRUE((*document)->setFogMap(0, painted, true));
+  ASSERT_TRUE(document->setFogMap(0, painted, true));
   Image map(14, 10, 1);
-  ASSERT_TRUE((*document)->saveFogMap(0, folder.path("other.png"), map));
-  ASSERT_TRUE((*document)->set("/media/0/wind", {3, 1, 0}, quiet));
-  EXPECT_EQ((*document)->canvases()[0].fog->levels().map().c, painted);
-  EXPECT_EQ((*document)->canvases()[0].file, folder.path("other.png"));
+  ASSERT_TRUE(document->saveFogMap(0, folder.path("other.png"), map));
+  ASSERT_TRUE(document->set("/media/0/wind", {3, 1, 0}, quiet));
+  EXPECT_EQ(document->canvases()[0].fog->levels().map().c, painted);
+  EXPECT_EQ(document->canvases()[0].file, folder.path("other.png"));
 }
 
 TEST(SceneDocument, AVolumeThatIsMovedKeepsItsSize) {
@@ -502,15 +508,14 @@ TEST(SceneDocument, AVolumeThatIsMovedKeepsItsSize) {
   auto scene = nlohmann::json::parse(kVolume);
   const double tiny = 1e-4;
   scene["media"][0]["transform"] = {tiny, 0, 0, 1, 0, tiny, 0, 2, 0, 0, tiny, 3, 0, 0, 0, 1};
-  std::ofstream(folder.path("tiny.json")) << scene.dump();
   Progress quiet;
-  auto document = SceneDocument::open(folder.path("tiny.json"), {}, quiet);
-  ASSERT_TRUE(document) << document.error().message;
-  ASSERT_TRUE((*document)->set("/media/0/transform/middle", {5, 6, 7}, quiet));
-  const auto scale = valueIn(**document, "/media/0/transform/scale");
+  const auto document = documentOf(folder, scene.dump(), quiet);
+  ASSERT_TRUE(document);
+  ASSERT_TRUE(document->set("/media/0/transform/middle", {5, 6, 7}, quiet));
+  const auto scale = valueIn(*document, "/media/0/transform/scale");
   ASSERT_EQ(scale.size(), 3U);
   for (const double value : scale) EXPECT_NEAR(value, tiny, 1e-9 * tiny);
-  EXPECT_NEAR(valueIn(**document, "/media/0/transform/middle")[1], 6, 1e-9);
+  EXPECT_NEAR(valueIn(*document, "/media/0/transform/middle")[1], 6, 1e-9);
 }
 
 TEST(SceneDocument, DoorsOfAnFdsCaseOpenInTheirTime) {
