@@ -333,10 +333,29 @@ void BlockWriting::skip(std::size_t tier) {
   });
 }
 
-// Whether a mode does what a simpler one does.
-bool redundant(const BlockMode& mode, const BlockShape& shape, bool full) {
+// The simplest mode that codes a block as `mode` does: a full block has no shape, and time has no
+// more halvings than there are frames for.
+BlockMode simplest(BlockMode mode, const BlockShape& shape, bool full) {
   const int halvings = blockLevels(shape.extents, 4)[0];
-  return (mode.shaped && full) || (mode.timeLevels > halvings && halvings <= 2);
+  mode.shaped = mode.shaped && !full;
+  if (halvings <= 2)
+    mode.timeLevels = std::min(mode.timeLevels, halvings);
+  return mode;
+}
+
+// What differs among the candidates, never fewer than one: a candidate that equals a simpler mode
+// is replaced by it, not dropped.
+std::vector<BlockMode> distinct(std::span<const BlockMode> candidates, const BlockShape& shape,
+                                bool full) {
+  if (candidates.size() == 1)
+    return {candidates.front()};
+  std::vector<BlockMode> modes;
+  for (const BlockMode& candidate : candidates) {
+    const BlockMode mode = simplest(candidate, shape, full);
+    if (std::ranges::find(modes, mode) == modes.end())
+      modes.push_back(mode);
+  }
+  return modes;
 }
 
 // Original - shown, in steps of correction, where it is too much.
@@ -394,9 +413,7 @@ void Training::apply(WaveletParameters& parameters) const {
 std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
                                               const BlockShape& shape,
                                               std::span<const BlockMode> candidates) const {
-  const auto components = parameters_.color.split(values, shape.channels, parameters_.unit());
-  const auto support = supportOf(values, shape);
-  const bool full = std::ranges::find(support, 0) == support.end();
+  VOLUTE_ASSERT(!candidates.empty());
   // What leaving it out costs.
   const double nothing = std::min(stream_.valueMax, std::max(stream_.valueMin, 0.0f));
   double least = 0;
@@ -408,10 +425,13 @@ std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
   }
   if (parameters_.maxError > 0 && greatest > parameters_.maxError)
     least = std::numeric_limits<double>::infinity();
+  if (least == 0)
+    return std::nullopt;  // left out, the block is exact
+  const auto components = parameters_.color.split(values, shape.channels, parameters_.unit());
+  const auto support = supportOf(values, shape);
+  const bool full = std::ranges::find(support, 0) == support.end();
   std::optional<BlockMode> best;
-  for (const BlockMode& mode : candidates) {
-    if (redundant(mode, shape, full) && candidates.size() > 1)
-      continue;
+  for (const BlockMode& mode : distinct(candidates, shape, full)) {
     BlockWriting block(parameters_, components, support, shape, mode);
     PriceBits bits{block.contexts()};
     for (std::size_t tier = 0; tier < kWaveletTiers.size(); ++tier) {
@@ -421,7 +441,7 @@ std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
         block.skip(tier);
     }
     const double cost = block.squaredError() + kLambda / kUnit * static_cast<double>(bits.price);
-    if (cost < least || (!best && candidates.size() == 1 && least > 0)) {
+    if (cost < least || (!best && candidates.size() == 1)) {
       least = cost;
       best = mode;
     }

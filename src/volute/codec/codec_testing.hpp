@@ -86,9 +86,9 @@ inline Sequence plumes(int frames, int z, int y, int x, int channels = 1, float 
 }
 
 inline Result<CompressReport> compressTo(const std::filesystem::path& path,
-                                         const Sequence& sequence, ErrorTarget target) {
+                                         const Sequence& sequence, ErrorTarget target,
+                                         CompressOptions options = {}) {
   SequenceSource source(sequence);
-  CompressOptions options;
   options.target = target;
   Progress progress;
   return compress(source, path, options, progress);

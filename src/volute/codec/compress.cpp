@@ -28,6 +28,8 @@ constexpr std::size_t kBatch = 64;
 // Buffers of a batch, for each value of a block: a generous bound of what encode() and decode()
 // hold.
 constexpr std::uint64_t kBatchBytesAValue = 32;
+// A step this much finer than the one that modes were chosen for asks again about blocks left out.
+constexpr double kFinerStep = 0.75;
 
 using Kind = ErrorTarget::Kind;
 
@@ -155,6 +157,7 @@ class Compressor {
   WaveletParameters parameters_;
   Training training_;  // of the last way through
   std::vector<std::optional<BlockMode>> modes_;
+  double chosenStep_ = 0;  // at which modes_ were chosen
   QuantisationModel model_;
   std::vector<Spool> spools_;  // one a tier
   Outcome outcome_;
@@ -257,8 +260,13 @@ Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, Way way, Trainin
   const BlockEncoder encoder(parameters_, stream());
   if (way == Way::kChoose)
     modes_[block] = encoder.choose(values, shape, modesToTry(options_));
+  std::optional<BlockMode> mode = modes_[block];
+  // A block that was not worth its bits at the step its mode was chosen for may be at a finer one.
+  // What is chosen here depends on the step alone, so that a try can be had again.
+  if (way == Way::kEncode && !mode && parameters_.step < kFinerStep * chosenStep_)
+    mode = encoder.choose(values, shape, modesToTry(options_));
   EncodedBlock result;
-  result.tiers = encoder.encode(values, shape, modes_[block], training);
+  result.tiers = encoder.encode(values, shape, mode, training);
   VOLUTE_TRY(head_.decoder->decode(result.tiers, shape.levels(), shape, decoded));
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double error = std::abs(static_cast<double>(decoded[i]) - values[i]);
@@ -311,6 +319,8 @@ Status Compressor::encodeAll(double step, Way way) {
   // From the first try on the parameters stay, so that what a step gives can be had again.
   if (way == Way::kChoose || (way == Way::kEncode && tries_ == 0))
     training_.apply(parameters_);
+  if (way == Way::kChoose)
+    chosenStep_ = parameters_.step;
   training_ = {};
   head_.parameters = writeParameters(parameters_, info_.channels);
   VOLUTE_ASSIGN(head_.decoder, openWaveletDecoder(head_.parameters, stream()));

@@ -21,9 +21,10 @@ using testing::readBytes;
 using testing::ScratchFile;
 
 // Compresses, reads back and checks that the report tells the truth.
-CompressReport checkedRoundTrip(const Sequence& sequence, ErrorTarget target) {
+CompressReport checkedRoundTrip(const Sequence& sequence, ErrorTarget target,
+                                const CompressOptions& options = {}) {
   const ScratchFile file;
-  const auto report = compressTo(file.path(), sequence, target);
+  const auto report = compressTo(file.path(), sequence, target, options);
   EXPECT_TRUE(report) << report.error().message;
   if (!report)
     return {};
@@ -74,6 +75,48 @@ RC_GTEST_PROP(Compress, AnySizeOfVolumeComesBackWithinItsError, ()) {
   RC_ASSERT(decoded.has_value());
   RC_ASSERT(differenceOf(sequence, *decoded).relativeRms <= 5e-3);
   RC_ASSERT(decoded->info.x == sequence.info.x && decoded->info.frames == sequence.info.frames);
+}
+
+// Blocks without an exact zero whose last row of frames leaves few halvings: every choice of modes
+// has one for them.
+TEST(Compress, EveryChoiceOfModesKeepsBlocksOfFewFrames) {
+  for (const bool fast : {true, false}) {
+    for (const char* wavelet : {"auto", "haar", "cdf53", "cdf97"}) {
+      CompressOptions options;
+      options.fast = fast;
+      options.wavelet = wavelet;
+      for (const int frames : {1, 2, 3, 4, 5, 8, 17, 18, 19, 20, 33}) {
+        const Sequence sequence = plumes(frames, 8, 8, 8, 1, 1);
+        const auto report = checkedRoundTrip(sequence, {Kind::kRms, 1e-3}, options);
+        EXPECT_LE(report.relativeRms, 1e-3) << fast << wavelet << frames;
+        EXPECT_GT(report.relativeRms, 1e-5) << fast << wavelet << frames;
+      }
+    }
+  }
+}
+
+TEST(Compress, FastAtASizeLosesNoFrame) {
+  const Sequence sequence = plumes(17, 16, 16, 16, 1, 1);
+  CompressOptions fast;
+  fast.fast = true;
+  const auto all = checkedRoundTrip(sequence, {Kind::kRatio, 60});
+  const auto report = checkedRoundTrip(sequence, {Kind::kRatio, 60}, fast);
+  EXPECT_LE(report.relativeRms, 1.2 * all.relativeRms);
+  EXPECT_LE(report.maxError, 1.5 * all.maxError);
+}
+
+// The step of the first choice is far too coarse for the target: a faint block that was left out
+// then is written after all.
+TEST(Compress, BlocksLeftOutAtACoarseStepAreWrittenAtAFineOne) {
+  Sequence sequence = plumes(16, 16, 16, 48);
+  auto view = sequence.view();
+  for (int t = 0; t < 16; ++t)
+    for (int z = 0; z < 16; ++z)
+      for (int y = 0; y < 16; ++y)
+        for (int x = 32; x < 48; ++x)
+          view(t, z, y, x, 0) = 1e-4f * static_cast<float>((x * 7 + y * 13 + z * 29 + t * 31) % 17);
+  for (const double rms : {1e-4, 1e-5, 2e-6})
+    EXPECT_LE(checkedRoundTrip(sequence, {Kind::kRms, rms}).relativeRms, rms);
 }
 
 TEST(Compress, OddSizesOfManyBlocks) {
