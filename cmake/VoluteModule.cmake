@@ -1,3 +1,23 @@
+# volute_batches(TARGET): its sources are compiled a few at a time (VOLUTE_BATCH), so that headers are read once for all of
+# them: names of a module's sources must differ even in anonymous namespaces. Kernels that Highway compiles once for each
+# instruction set include themselves, so they stay alone.
+function(volute_batches target)
+  if(VOLUTE_BATCH LESS 2)
+    return()
+  endif()
+  get_target_property(sources ${target} SOURCES)
+  foreach(source IN LISTS sources)
+    get_filename_component(path ${source} ABSOLUTE)
+    if(EXISTS ${path} AND path MATCHES "cpp$")
+      file(STRINGS ${path} kernel REGEX "^#include <hwy/foreach_target.h>" LIMIT_COUNT 1)
+      if(kernel)
+        set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+      endif()
+    endif()
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${VOLUTE_BATCH})
+endfunction()
+
 # volute_module(NAME HEADERS .. SOURCES .. [DEPENDS modules] [LIBS public libraries] [PRIVATE_LIBS ..]
 #               [TESTS x_test.cpp ..] [TEST_DEPENDS modules] [TEST_LIBS ..] [TOGETHER filter])
 # One static library volute::NAME from src/volute/NAME, and one test program NAME_test beside it. Its
@@ -18,7 +38,7 @@ function(volute_module name)
     FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}/src FILES ${M_HEADERS})
   target_link_libraries(volute_${name} ${scope} ${M_DEPENDS} ${M_LIBS})
   if(M_SOURCES)
-    volute_precompile(volute_${name} volute_math)
+    volute_batches(volute_${name})
   endif()
   if(M_PRIVATE_LIBS)
     target_link_libraries(volute_${name} PRIVATE ${M_PRIVATE_LIBS})
@@ -28,7 +48,7 @@ function(volute_module name)
     add_executable(${name}_test ${M_TESTS})
     target_link_libraries(${name}_test PRIVATE volute::${name} ${M_TEST_DEPENDS} ${M_TEST_LIBS}
       GTest::gtest GTest::gmock GTest::gtest_main rapidcheck rapidcheck_gtest)
-    volute_precompile(${name}_test math_test <gtest/gtest.h>)
+    volute_batches(${name}_test)
     set(alone)
     if(M_TOGETHER)
       set(alone TEST_FILTER "-${M_TOGETHER}")

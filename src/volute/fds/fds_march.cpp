@@ -10,8 +10,6 @@
 #include <algorithm>
 #include <cstddef>
 
-// Scalable vectors cannot be members of a class.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volute/fds/fds_march.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep

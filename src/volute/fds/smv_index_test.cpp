@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "volute/fds/fds_writer.hpp"
+#include "volute/fds/fds_case_testing.hpp"
 #include "volute/fds/obstructions.hpp"
 
 namespace volute {
@@ -18,11 +18,11 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-const fdswriter::Planes kPlanes{{{0, 1, 3}, {0, 1, 2}, {0, 0.5, 1}}};
+const fdswriter::Planes kIndexPlanes{{{0, 1, 3}, {0, 1, 2}, {0, 0.5, 1}}};
 
 fdswriter::Index made() {
   fdswriter::Index index;
-  index.meshes.push_back({kPlanes, {{0, 1, 0, 2, 0, 1}, {1, 1, 0, 2, 0, 2}}, {{2, 2, 0, 2, 0, 2}}});
+  index.meshes.push_back({kIndexPlanes, {{0, 1, 0, 2, 0, 1}, {1, 1, 0, 2, 0, 2}}, {{2, 2, 0, 2, 0, 2}}});
   index.meshes.push_back({{{{3, 4}, {0, 1, 2}, {0, 0.5, 1}}}, {}, {}});
   index.slice(1, {{0, 2, 0, 2, 1, 1}}, "made_1_1.sf", false);
   index.slice(2, {{0, 1, 0, 2, 1, 1}}, "made_2_1.sf", true);
@@ -161,10 +161,6 @@ TEST(SmvIndex, errorsNameTheLine) {
   const auto none = readText(folder, "hello\n");
   ASSERT_FALSE(none);
   EXPECT_THAT(none.error().message, HasSubstr("has no GRID"));
-}
-
-Segment between(const Vec3& a, const Vec3& b) {
-  return {a, (b - a).normalized(), 0, (b - a).norm()};
 }
 
 TEST(Obstructions, hideWhatLiesBehindThem) {

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#define HWY_DISABLED_TARGETS \
-  (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volute/fog/fog_lanes.cpp"
 #include <hwy/foreach_target.h>

@@ -16,7 +16,7 @@
 namespace volute {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoEnd = std::numeric_limits<double>::infinity();
 
 /// A map that is smooth on the scale of its cells.
 FogMedium smoothFog(const FogProfile& profile, FogOptions options = {.degree = 2}) {
@@ -44,7 +44,7 @@ double worstShadow(const FogMedium& fog, const Vec3& towards, int samples) {
   for (int i = 0; i < 400; ++i) {
     Vec3 point = box.min + Vec3(uniform(random), uniform(random), 0).cwiseProduct(box.size());
     point.z() = 10 * uniform(random);
-    const Segment segment{point, towards.normalized(), 0, kInfinity};
+    const Segment segment{point, towards.normalized(), 0, kNoEnd};
     double depth = 0;
     fog.opticalDepth({&segment, 1}, {&depth, 1});
     worst = std::max(worst, std::abs(std::exp(-depth) - std::exp(-shadow.opticalDepth(point))));
@@ -69,7 +69,7 @@ TEST(SunShadow, AtSamplesAnExponentialIsExactAtEveryHeight) {
     for (int i = 3; i < 20; ++i) {
       const Vec3 point =
           fog.domainCorner() + Vec3(i * fog.cell(), (i % 7 + 4) * fog.cell(), height);
-      const Segment segment{point, towards, 0, kInfinity};
+      const Segment segment{point, towards, 0, kNoEnd};
       double depth = 0;
       fog.opticalDepth({&segment, 1}, {&depth, 1});
       EXPECT_NEAR(shadow.opticalDepth(point), depth, 2e-6);
@@ -180,7 +180,7 @@ double sunlightByRays(const FogMedium& fog, const TriangleScene& scene, const Ve
   for (int i = 0; i < steps; ++i) {
     const double from = inside.begin + i * length;
     const Segment step{segment.origin, segment.direction, from, from + length};
-    const Segment toSun{segment.at(from + 0.5 * length), sun, 0, kInfinity};
+    const Segment toSun{segment.at(from + 0.5 * length), sun, 0, kNoEnd};
     double depth = 0, above = 0;
     std::uint8_t blocked = 0;
     fog.opticalDepth({&step, 1}, {&depth, 1});

@@ -7,8 +7,6 @@
 #include "volute/base/assert.hpp"
 #include "volute/fog/fog_lanes.hpp"
 
-#define HWY_DISABLED_TARGETS \
-  (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volute/fog/uniform_steps.cpp"
 #include <hwy/foreach_target.h>

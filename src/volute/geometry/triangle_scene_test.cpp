@@ -13,10 +13,10 @@ namespace volute {
 namespace {
 
 using Execution = TriangleScene::Execution;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoEnd = std::numeric_limits<double>::infinity();
 
 /// Triangles of about `size` in the unit cube.
-std::vector<Triangle> soup(int count, double size, unsigned seed = 1) {
+std::vector<Triangle> triangleSoup(int count, double size, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0, 1);
   const auto point = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
@@ -64,7 +64,7 @@ std::vector<Triangle> sphere(double radius, int rows, int columns) {
 /// Every triangle by its plane and its three sides, one after the other: what the trees must find.
 Hit bruteForce(std::span<const Triangle> triangles, const Segment& segment, double* nearEdge) {
   Hit hit;
-  *nearEdge = kInfinity;
+  *nearEdge = kNoEnd;
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
     const Vec3 normal = triangles[i].normal();
     const auto& [a, b, c] = triangles[i].corners;
@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Every, Executions,
                          });
 
 TEST_P(Executions, FindsWhatBruteForceFinds) {
-  const auto triangles = soup(300, 0.4);
+  const auto triangles = triangleSoup(300, 0.4);
   const TriangleScene scene = build(triangles);
   const auto segments = randomSegments(2000);
   std::vector<Hit> hits(segments.size());
@@ -130,14 +130,14 @@ TEST_P(Executions, ClosedSurfacesLeakNowhere) {
   std::vector<Segment> segments;
   for (int i = 0; i < 20000; ++i) {
     const Vec3 d = Vec3(normal(random), normal(random), normal(random)).normalized();
-    segments.push_back({0.1 * d, d, 0, kInfinity});
+    segments.push_back({0.1 * d, d, 0, kNoEnd});
   }
   // Through the corners and along the edges, where two or more triangles meet.
   for (const Triangle& triangle : scene.triangles()) {
     for (int k = 0; k < 3; ++k) {
       const Vec3 &a = triangle.corners[k], &b = triangle.corners[(k + 1) % 3];
       for (double share : {0.0, 0.25, 0.5})
-        segments.push_back({Vec3::Zero(), (a + share * (b - a)).normalized(), 0, kInfinity});
+        segments.push_back({Vec3::Zero(), (a + share * (b - a)).normalized(), 0, kNoEnd});
     }
   }
   std::vector<std::uint8_t> blocked(segments.size());
@@ -160,7 +160,7 @@ TEST_P(Executions, EndsAreOpen) {
   EXPECT_TRUE(blocked(std::nextafter(2.0, 0), 5));
   EXPECT_TRUE(blocked(0, std::nextafter(2.0, 3)));
   EXPECT_FALSE(blocked(3, 3));
-  EXPECT_TRUE(blocked(-kInfinity, kInfinity));
+  EXPECT_TRUE(blocked(-kNoEnd, kNoEnd));
 }
 
 TEST_P(Executions, DistancesAreThoseOfDoubleFarFromTheOrigin) {
@@ -170,7 +170,7 @@ TEST_P(Executions, DistancesAreThoseOfDoubleFarFromTheOrigin) {
     return Triangle{{far + Vec3(x, -5, -5), far + Vec3(x, 5, -5), far + Vec3(x, 0, 8)}};
   };
   const TriangleScene scene = build({wall(0), wall(1)});
-  const Segment ray{far - 3 * Vec3::UnitX(), Vec3::UnitX(), 0, kInfinity};
+  const Segment ray{far - 3 * Vec3::UnitX(), Vec3::UnitX(), 0, kNoEnd};
   Hit hit;
   scene.nearest({&ray, 1}, {&hit, 1});
   EXPECT_EQ(hit.triangle, 0u);
@@ -179,7 +179,7 @@ TEST_P(Executions, DistancesAreThoseOfDoubleFarFromTheOrigin) {
 
 TEST_P(Executions, LineOfOrthographicCamerasBeginsNowhere) {
   const TriangleScene scene = build(sphere(1, 12, 24));
-  const Segment line{Vec3(0.01, 0.02, 50), Vec3(0, 0, -1), -kInfinity, kInfinity};
+  const Segment line{Vec3(0.01, 0.02, 50), Vec3(0, 0, -1), -kNoEnd, kNoEnd};
   Hit hit;
   scene.nearest({&line, 1}, {&hit, 1});
   ASSERT_TRUE(hit.found());

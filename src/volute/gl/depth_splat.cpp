@@ -8,11 +8,10 @@
 #include "volute/base/parallel.hpp"
 #include "volute/gl/glsl_sources.hpp"
 #include "volute/gl/raster_view.hpp"
+#include "volute/gl/texel.hpp"
 
 namespace volute {
 namespace {
-
-using Texel = std::array<float, 4>;
 
 /// Smoke that cannot reach this optical depth across the whole mesh is left out, as in TetSplat.
 constexpr double kNegligible = 1e-8;
@@ -20,11 +19,6 @@ constexpr double kNegligible = 1e-8;
 /// Rays so near to a plane of the boundary are in it, as a share of the mesh's size: float's
 /// rounding.
 constexpr double kGrazing = 1e-6;
-
-Texel texel(const Vec3& value, double last = 0) {
-  return {static_cast<float>(value.x()), static_cast<float>(value.y()),
-          static_cast<float>(value.z()), static_cast<float>(last)};
-}
 
 /// A face's normal into its first tet, and its distance from `middle`.
 Texel planeOf(const TetMesh& mesh, const TetFace& face, const Vec3& middle) {
@@ -70,8 +64,8 @@ DepthSplat::DepthSplat(std::shared_ptr<const TetMesh> mesh, GlProgram program)
     for (std::size_t f = begin; f < end; ++f)
       planes[f] = planeOf(*mesh_, mesh_->faces()[f], middle_);
   });
-  places_ = makeBuffer(std::span<const Texel>(places));
-  planes_ = makeBuffer(std::span<const Texel>(planes));
+  places_ = makeBuffer(places);
+  planes_ = makeBuffer(planes);
   tetFaces_ = makeBuffer(std::span<const Tet>(facesOfTets(*mesh_)));
 }
 

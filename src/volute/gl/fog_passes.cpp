@@ -17,7 +17,7 @@ constexpr std::int64_t kStepsOfPart = 1 << 24;  // through cells, between which 
 
 /// In widths of the fog's map: for farther eyes its azimuths are too narrow a part of the table,
 /// and floats are too coarse for ways from the eye.
-constexpr double kFarthest = 2;
+constexpr double kFarthestWidths = 2;
 
 constexpr double kOpaqueDepth = 20;  // what is behind is less than 1e-8 of the light
 
@@ -35,7 +35,7 @@ bool isFar(const FogMedium& fog, const FogShader& shader, const Vec3& eye) {
   Vec3 nearest = eye.cwiseMax(map.min).cwiseMin(map.max);
   nearest.z() =
       low > high ? eye.z() : std::clamp(eye.z(), shader.corner.z() + low, shader.corner.z() + high);
-  return !((eye - nearest).norm() <= kFarthest * width);
+  return !((eye - nearest).norm() <= kFarthestWidths * width);
 }
 
 /// Until where the fog is walked depends on its factor.

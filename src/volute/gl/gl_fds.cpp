@@ -10,7 +10,7 @@ namespace volute {
 namespace {
 
 /// What fds.glsl reads, one array after the other.
-class Words {
+class FdsWords {
  public:
   int size() const { return static_cast<int>(words_.size()); }
 
@@ -82,14 +82,14 @@ class GlFdsData {
   explicit GlFdsData(const FdsField& of)
       : field(of), middle(of.bounds().centre()), lit(of.light(0) != nullptr) {
     const FdsGrid& grid = field.grid();
-    Words all;
+    FdsWords all;
     for (int axis = 0; axis < 3; ++axis) {
       partCount[axis] = static_cast<int>(grid.partPlanes()[axis].size()) - 1;
       partPlanes[axis] = all.addPlanes(grid.partPlanes()[axis], middle[axis]);
     }
     table = all.size();
     for (const std::int32_t lattice : grid.parts()) all.add(lattice);
-    Words records;
+    FdsWords records;
     for (std::size_t i = 0; i < grid.lattices().size(); ++i) {
       const FdsLattice& lattice = grid.lattices()[i];
       for (int axis = 0; axis < 3; ++axis)
@@ -117,7 +117,7 @@ class GlFdsData {
 
 namespace {
 
-constexpr double kRoundsPerCell = 12;
+constexpr double kFdsRoundsPerCell = 12;
 
 /// That one ray may pass: as if the narrowest were everywhere.
 double mostCells(const FdsField& field) {
@@ -155,7 +155,7 @@ class FdsOnDevice final : public GlMedium {
   }
 
   GlNeeds needs() const override {
-    return {.storage = 1, .cells = mostCells(data_->field), .roundsPerCell = kRoundsPerCell};
+    return {.storage = 1, .cells = mostCells(data_->field), .roundsPerCell = kFdsRoundsPerCell};
   }
 
   Box3 bounds() const override { return data_->field.bounds(); }

@@ -66,7 +66,7 @@ std::string sunFunctions(std::size_t suns, bool shaded) {
   return text + "#endif\n  return before;\n}\n";
 }
 
-constexpr double kRoundsPerCell = 11.1, kRoundsPerSun = 11;
+constexpr double kFogRoundsPerCell = 11.1, kRoundsPerSun = 11;
 
 /// The fog's top on the device.
 struct TopOnDevice {
@@ -185,7 +185,7 @@ class FogOnDevice final : public GlMedium {
 
 GlNeeds fogNeeds(const FogShader& shader) {
   const int cells = shader.levels[0][0] + shader.levels[0][1];  // coarser ones are fewer
-  return {.textures = 1, .cells = static_cast<double>(cells), .roundsPerCell = kRoundsPerCell};
+  return {.textures = 1, .cells = static_cast<double>(cells), .roundsPerCell = kFogRoundsPerCell};
 }
 
 void bindFog(const GlProgram& program, const std::string& prefix, const FogShader& shader,

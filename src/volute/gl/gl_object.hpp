@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <span>
 #include <utility>
+#include <vector>
 
 // OpenGL's objects, owned. They must be made and ended while their context is current.
 
@@ -92,6 +93,11 @@ GlBuffer makeBuffer(std::span<const T> values) {
   if (bytes > 0 && bytes <= kLeast)
     glNamedBufferSubData(name, 0, bytes, values.data());
   return GlBuffer(name);
+}
+
+template <class T>
+GlBuffer makeBuffer(const std::vector<T>& values) {
+  return makeBuffer(std::span<const T>(values));
 }
 
 /// One to be filled later.

@@ -9,7 +9,7 @@
 namespace volute {
 namespace {
 
-constexpr int kOpaqueUnit = 0, kLensUnit = 1, kOriginsUnit = 2;
+constexpr int kRayOpaqueUnit = 0, kRayLensUnit = 1, kRayOriginsUnit = 2;
 
 }  // namespace
 
@@ -53,15 +53,15 @@ void bindRays(const GlProgram& program, const Camera& camera, const Vec3& origin
   program.setExactly("down", rowStep(camera));
   program.setExactly("principal", camera.principalPoint());
   program.set("orthographic", camera.isOrthographic() ? 1 : 0);
-  program.set("opaque", kOpaqueUnit);
-  program.set("lens", kLensUnit);
-  program.set("origins", kOriginsUnit);
+  program.set("opaque", kRayOpaqueUnit);
+  program.set("lens", kRayLensUnit);
+  program.set("origins", kRayOriginsUnit);
   program.set("opaqueGiven", rays.opaque ? 1 : 0);
   program.set("lensGiven", rays.lens ? 1 : 0);
   program.set("originsGiven", rays.origins ? 1 : 0);
-  glBindTextureUnit(kOpaqueUnit, rays.opaque);
-  glBindTextureUnit(kLensUnit, rays.lens);
-  glBindTextureUnit(kOriginsUnit, rays.origins ? rays.origins : rays.rest);
+  glBindTextureUnit(kRayOpaqueUnit, rays.opaque);
+  glBindTextureUnit(kRayLensUnit, rays.lens);
+  glBindTextureUnit(kRayOriginsUnit, rays.origins ? rays.origins : rays.rest);
 }
 
 GlLens lensDirections(const Camera& camera) {

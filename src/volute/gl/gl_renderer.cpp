@@ -20,7 +20,7 @@
 namespace volute {
 namespace {
 
-constexpr float kFarthest = 3e38F;
+constexpr float kFarthestDepth = 3e38F;
 
 /// What is on the device as long as pictures need it.
 template <class Source, class Made>
@@ -359,7 +359,7 @@ Status GlRenderer::State::resize(const Camera& camera) {
 
 void GlRenderer::State::setOpaque(std::span<const float> opaqueDepth) {
   std::vector<float> texels(opaqueDepth.begin(), opaqueDepth.end());
-  for (float& depth : texels) depth = depth < kFarthest ? depth : kFarthest;
+  for (float& depth : texels) depth = depth < kFarthestDepth ? depth : kFarthestDepth;
   if (!opaque)
     opaque = makeTexture2d(GL_R32F, width, height);
   glTextureSubImage2D(opaque.name(), 0, 0, 0, width, height, GL_RED, GL_FLOAT, texels.data());

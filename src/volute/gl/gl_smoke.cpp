@@ -24,11 +24,6 @@ class GlSmokeFields {
 
 namespace {
 
-template <class T>
-std::span<const T> spanOf(const std::vector<T>& values) {
-  return values;
-}
-
 /// What a ray through tets of about equal size takes at most.
 double mostCells(const TetMesh& mesh) {
   return 4 * std::cbrt(static_cast<double>(mesh.tets().size()));
@@ -97,13 +92,13 @@ Result<std::shared_ptr<const GlMesh>> makeGlMesh(const TetMesh& mesh) {
     places.push_back({static_cast<float>(place.x()), static_cast<float>(place.y()),
                       static_cast<float>(place.z()), 0});
   }
-  made->places = makeBuffer(spanOf(places));
+  made->places = makeBuffer(places);
   made->tets = makeBuffer(mesh.tets());
   made->opposites = makeBuffer(mesh.opposites());
   const FaceTree tree(mesh, made->middle);
   static_assert(sizeof(FaceTree::Node) == 32);
-  made->nodes = makeBuffer(spanOf(tree.nodes));
-  made->faces = makeBuffer(spanOf(tree.faces));
+  made->nodes = makeBuffer(tree.nodes);
+  made->faces = makeBuffer(tree.faces);
   return made;
 }
 
@@ -117,7 +112,7 @@ std::shared_ptr<const GlSmokeFields> makeGlSmokeFields(const GlSmoke& smoke) {
     if (!smoke.source.empty())
       std::copy_n(&smoke.source[3 * i], 3, fields[i].begin() + 1);
   }
-  made->fields = makeBuffer(spanOf(fields));
+  made->fields = makeBuffer(fields);
   return made;
 }
 

@@ -252,11 +252,11 @@ namespace {
 class Words {
  public:
   template <class T>
-  int add(std::span<const T> values) {
+  int add(const std::vector<T>& values) {
     const std::size_t begin = words_.size();
-    words_.resize(begin + (values.size_bytes() + 3) / 4);
+    words_.resize(begin + (values.size() * sizeof(T) + 3) / 4);
     if (!values.empty())
-      std::memcpy(words_.data() + begin, values.data(), values.size_bytes());
+      std::memcpy(words_.data() + begin, values.data(), values.size() * sizeof(T));
     return static_cast<int>(begin);
   }
 
@@ -265,11 +265,6 @@ class Words {
  private:
   std::vector<std::uint32_t> words_;
 };
-
-template <class T>
-std::span<const T> spanOf(const std::vector<T>& values) {
-  return values;
-}
 
 }  // namespace
 
@@ -291,20 +286,20 @@ Result<std::shared_ptr<const GlTreeData>> makeTreeData(const Tree4d& tree) {
   for (const TreeData::Level& level : data.levels) {
     levels.push_back(std::bit_cast<std::int32_t>(level.scale));
     levels.push_back(level.wide ? 1 : 0);
-    levels.push_back(level.wide ? words.add(spanOf(level.wide16))
-                                : words.add(spanOf(level.narrow8)));
-    levels.push_back(words.add(spanOf(level.escapeIndex)));
+    levels.push_back(level.wide ? words.add(level.wide16)
+                                : words.add(level.narrow8));
+    levels.push_back(words.add(level.escapeIndex));
     levels.push_back(static_cast<std::int32_t>(level.escapeIndex.size()));
-    words.add(spanOf(level.escapeValue));
+    words.add(level.escapeValue);
   }
-  made->arrays = {{"masks", words.add(spanOf(data.masks))},
-                  {"groups", words.add(spanOf(data.groups))},
-                  {"childMasks", words.add(spanOf(data.childMasks))},
-                  {"childBases", words.add(spanOf(data.childBases))},
-                  {"levels", words.add(spanOf(levels))},
-                  {"entries", words.add(spanOf(data.entries))},
-                  {"occupied", words.add(spanOf(data.occupied))}};
-  made->words = makeBuffer(spanOf(words.words()));
+  made->arrays = {{"masks", words.add(data.masks)},
+                  {"groups", words.add(data.groups)},
+                  {"childMasks", words.add(data.childMasks)},
+                  {"childBases", words.add(data.childBases)},
+                  {"levels", words.add(levels)},
+                  {"entries", words.add(data.entries)},
+                  {"occupied", words.add(data.occupied)}};
+  made->words = makeBuffer(words.words());
   return made;
 }
 

@@ -7,18 +7,12 @@
 #include <cmath>
 
 #include "volute/gl/glsl_sources.hpp"
+#include "volute/gl/texel.hpp"
 
 namespace volute {
 namespace {
 
-using Texel = std::array<float, 4>;
-
 constexpr float kNowhere = 3e38F;
-
-Texel texel(const Vec3& value, double last = 0) {
-  return {static_cast<float>(value.x()), static_cast<float>(value.y()),
-          static_cast<float>(value.z()), static_cast<float>(last)};
-}
 
 std::vector<Box3> boundsOf(std::span<const Sign> signs) {
   std::vector<Box3> boxes;
@@ -89,8 +83,8 @@ Result<std::vector<SignPixel>> SignPasses::find(const Camera& camera, std::span<
     std::vector<Texel> places, texels;
     const Vec3 origin = pictureOrigin(camera, boundsOf(signs));
     pack(signs, origin, places, texels);
-    const GlBuffer placeBuffer = makeBuffer(std::span<const Texel>(places));
-    const GlBuffer texelBuffer = makeBuffer(std::span<const Texel>(texels));
+    const GlBuffer placeBuffer = makeBuffer(places);
+    const GlBuffer texelBuffer = makeBuffer(texels);
     bindRays(*find_, camera, origin,
              {.opaque = opaqueDepth.empty() ? 0 : opaque_.name(),
               .lens = lens.directions.name(),

@@ -14,11 +14,11 @@ std::shared_ptr<const TetMesh> meshOf(const GlSmoke& smoke) {
 
 /// In sizes of the mesh: from farther eyes the rasterised ways, whose places are floats from the
 /// eye, are off by more than 5e-4 of the brightest, and smoke is marched.
-constexpr double kFarthest = 300;
+constexpr double kFarthestSizes = 300;
 
 bool isFar(const TetMesh& mesh, const Camera& camera) {
   const Box3 box = mesh.bounds();
-  return (camera.eye() - box.centre()).norm() > kFarthest * box.size().norm();
+  return (camera.eye() - box.centre()).norm() > kFarthestSizes * box.size().norm();
 }
 
 }  // namespace

@@ -6,23 +6,18 @@
 #include <limits>
 
 #include "volute/gl/glsl_sources.hpp"
+#include "volute/gl/texel.hpp"
 
 namespace volute {
 namespace {
 
-using Texel = std::array<float, 4>;
 using Sides = GlTriangles::Sides;
 
-constexpr float kNowhere = 3e38F;
+constexpr float kNoSurface = 3e38F;
 constexpr float kLift = 2e-6F;   ///< of a shadow's ray, as surfaces_shadow.glsl has it
 constexpr float kAlike = 0.01F;  ///< shares of a lamp's light are, as scene/smoke_walls.cpp has it
 constexpr const char* kGeometry = "geometry";
 constexpr const char* kWalls = "walls";
-
-Texel texel(const Vec3& value, float last = 0) {
-  return {static_cast<float>(value.x()), static_cast<float>(value.y()),
-          static_cast<float>(value.z()), last};
-}
 
 Result<GlProgram> computeProgram(std::vector<ShaderPart> parts) {
   const ShaderStage stage{GL_COMPUTE_SHADER, std::move(parts)};
@@ -112,7 +107,7 @@ Status SurfacePasses::prepareSurfaces(const TriangleScene& scene) {
     materials.push_back(texel(material.baseColor));
     materials.push_back(texel(material.emission));
   }
-  surfaces_ = Surfaces{scene, std::move(triangles), makeBuffer(std::span<const Texel>(materials))};
+  surfaces_ = Surfaces{scene, std::move(triangles), makeBuffer(materials)};
   return {};
 }
 
@@ -205,7 +200,7 @@ SurfacePicture SurfacePasses::readBack(const Rgb& background) const {
   glGetTextureImage(targets_.color.name(), 0, GL_RGBA, GL_FLOAT,
                     static_cast<GLsizei>(pixels * sizeof(Texel)), colors.data());
   for (std::size_t i = 0; i < pixels; ++i) {
-    const bool met = picture.depth[i] < kNowhere;
+    const bool met = picture.depth[i] < kNoSurface;
     picture.surfacePixels += met;
     if (!met)
       picture.depth[i] = std::numeric_limits<float>::infinity();
@@ -253,7 +248,7 @@ Result<SurfacePicture> SurfacePasses::drawWalls(const Camera& camera, const GlWa
     std::vector<Texel> shares;
     for (const auto& [a, b, c] : walls_->vertices)
       shares.push_back({walls.shares[l][a], walls.shares[l][b], walls.shares[l][c], 0});
-    const GlBuffer corners = makeBuffer(std::span<const Texel>(shares));
+    const GlBuffer corners = makeBuffer(shares);
     const auto bind = [&] {
       walls_->triangles.bind(shine, origin_);
       shine.bindStorage("Shares", 2, corners);

@@ -11,12 +11,12 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kSortGrain = 4096;
 
 /// How far the centroids are away: of the square where the eye is a point, for it sorts the same.
 std::vector<float> distances(const TetMesh& mesh, const TetEye& eye) {
   std::vector<float> distance(mesh.tets().size());
-  parallelRanges(distance.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(distance.size(), kSortGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       Vec3 centroid = Vec3::Zero();
       for (const std::int32_t vertex : mesh.tets()[t]) centroid += 0.25 * mesh.vertices()[vertex];
@@ -33,7 +33,7 @@ enum class Front : std::uint8_t { kFirst, kSecond, kNone };
 
 std::vector<Front> fronts(const TetMesh& mesh, const TetEye& eye) {
   std::vector<Front> front(mesh.faces().size(), Front::kNone);
-  parallelRanges(front.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(front.size(), kSortGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const TetFace& face = mesh.faces()[f];
       if (face.second == TetMesh::kBoundary)

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSide = BrickSlice::kSide;
 constexpr int kCornerSide = kSide + 1;
-constexpr int kCorners = kCornerSide * kCornerSide * kCornerSide;
+constexpr int kCornersOfBrick = kCornerSide * kCornerSide * kCornerSide;
 
 /// Whether any voxel around the cells of brick (bx, by, bz) is in a stored brick: its own, or the
 /// one before on any axis.
@@ -30,7 +30,7 @@ bool hasCorners(const BrickSlice& slice, int bx, int by, int bz) {
 /// zero.
 bool appendCorners(const BrickSlice& slice, int bx, int by, int bz, std::vector<float>& corners) {
   const std::size_t before = corners.size();
-  corners.resize(before + static_cast<std::size_t>(kCorners) * slice.channels());
+  corners.resize(before + static_cast<std::size_t>(kCornersOfBrick) * slice.channels());
   float* out = corners.data() + before;
   bool any = false;
   for (int c = 0; c < slice.channels(); ++c) {
@@ -73,7 +73,7 @@ std::shared_ptr<const MarchGrid> makeMarchGrid(const std::shared_ptr<const Brick
   grid->emissionScale = emissionScale;
   grid->extinctionScale = extinctionScale;
   const int side = grid->trilinear ? kCornerSide : kSide;
-  const std::int32_t brickValues = grid->trilinear ? kCorners : BrickSlice::kVoxels;
+  const std::int32_t brickValues = grid->trilinear ? kCornersOfBrick : BrickSlice::kVoxels;
   int bricks[3];
   for (int axis = 0; axis < 3; ++axis) {
     bricks[axis] = (cells.count[axis] + kSide - 1) / kSide;

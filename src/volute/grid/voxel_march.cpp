@@ -11,10 +11,6 @@
 #include <cmath>
 #include <cstddef>
 
-// SSSE3 and AVX3_DL bring nothing over their neighbours here; scalable vectors cannot be members of
-// a class.
-#define HWY_DISABLED_TARGETS \
-  (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volute/grid/voxel_march.cpp"
 #include <hwy/foreach_target.h>

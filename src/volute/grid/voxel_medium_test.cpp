@@ -15,7 +15,7 @@
 namespace volute {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoEnd = std::numeric_limits<double>::infinity();
 
 /// A flame-like blob in a volume of odd sizes and oblong voxels: most bricks empty, ragged edges,
 /// values 0..1.
@@ -63,8 +63,8 @@ std::vector<Segment> manySegments(const VoxelMedium& voxels, int count) {
   std::vector<Segment> segments;
   for (int i = 0; i < count; ++i) {
     const Vec3 from = point();
-    segments.push_back({from, (point() - from).normalized(), 0, kInfinity});
-    segments.push_back({from, (point() - from).normalized(), -kInfinity, kInfinity});
+    segments.push_back({from, (point() - from).normalized(), 0, kNoEnd});
+    segments.push_back({from, (point() - from).normalized(), -kNoEnd, kNoEnd});
     segments.push_back({from, (point() - from).normalized(), 0.4, 0.4 + uniform(random)});
     Vec3 onPlanes = from;  // a corner of voxels, or in half voxels; the ray runs in the planes
     for (int axis = 0; axis < 3; ++axis) {
@@ -72,10 +72,10 @@ std::vector<Segment> manySegments(const VoxelMedium& voxels, int count) {
           bounds.min[axis] +
           0.5 * voxel[axis] * std::floor((from[axis] - bounds.min[axis]) / voxel[axis]);
     }
-    segments.push_back({onPlanes, Vec3::Unit(i % 3), -kInfinity, kInfinity});
-    segments.push_back({onPlanes, -Vec3::Unit(i % 3), 0, kInfinity});
+    segments.push_back({onPlanes, Vec3::Unit(i % 3), -kNoEnd, kNoEnd});
+    segments.push_back({onPlanes, -Vec3::Unit(i % 3), 0, kNoEnd});
     segments.push_back(
-        {onPlanes, (Vec3::Unit(i % 3) + 1e-17 * Vec3::Unit((i + 1) % 3)), -kInfinity, kInfinity});
+        {onPlanes, (Vec3::Unit(i % 3) + 1e-17 * Vec3::Unit((i + 1) % 3)), -kNoEnd, kNoEnd});
   }
   return segments;
 }
@@ -105,7 +105,7 @@ double worstError(std::span<const Radiance> reference, std::span<const Radiance>
     const double passed = std::abs(reference[i].transmittance - other[i].transmittance);
     for (double error : {emitted, passed}) {
       if (!(error <= worst))
-        worst = std::isnan(error) ? kInfinity : error;
+        worst = std::isnan(error) ? kNoEnd : error;
     }
   }
   return worst;
@@ -187,7 +187,7 @@ TEST(VoxelMedium, OneVoxelIsAClosedForm) {
   info.x = info.y = info.z = 1;
   info.bounds = {Vec3(0, 0, 0), Vec3(2, 3, 4)};
   const std::vector<float> value{0.5F};
-  const Segment segment{Vec3(1, 1.5, -5), Vec3::UnitZ(), 0, kInfinity};
+  const Segment segment{Vec3(1, 1.5, -5), Vec3::UnitZ(), 0, kNoEnd};
   for (Basis basis : {Basis::kBox, Basis::kTrilinear}) {
     info.basis = basis;
     const VoxelMedium voxels = medium(BrickSlice::fromDense(info, value), 3, 0.25);
@@ -232,7 +232,7 @@ TEST(VoxelMedium, BrokenValuesNeitherHangNorSpread) {
   for (Basis basis : {Basis::kBox, Basis::kTrilinear}) {
     info.basis = basis;
     const VoxelMedium voxels = medium(BrickSlice::fromDense(info, values), 1, 1);
-    std::vector<Segment> segments(40, {Vec3(0.5, 0.5, -1), Vec3::UnitZ(), 0, kInfinity});
+    std::vector<Segment> segments(40, {Vec3(0.5, 0.5, -1), Vec3::UnitZ(), 0, kNoEnd});
     segments[5].origin = Vec3(0.01, 0.01, -1);
     std::vector<Radiance> light(segments.size());
     voxels.radiance(segments, light);

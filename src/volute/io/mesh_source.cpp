@@ -95,7 +95,7 @@ double secondsFor(const std::filesystem::path& path, std::uint64_t fileSize) {
   return (isMeshCase(path) ? 60 : 10) + 1e-6 * static_cast<double>(fileSize);
 }
 
-Result<std::uint64_t> sizeOf(const std::filesystem::path& path) {
+Result<std::uint64_t> readableSize(const std::filesystem::path& path) {
   std::error_code error;
   const auto size = std::filesystem::file_size(path, error);
   if (error) {
@@ -115,7 +115,7 @@ Status checkLength(const std::filesystem::path& path) {
 /// What reading a file that looks whole may take.
 Result<ReaderProcess::Limits> limitsFor(const std::filesystem::path& path,
                                         std::uint64_t maxMemory) {
-  VOLUTE_ASSIGN(const std::uint64_t fileSize, sizeOf(path));
+  VOLUTE_ASSIGN(const std::uint64_t fileSize, readableSize(path));
   VOLUTE_TRY(checkLength(path));
   return ReaderProcess::Limits{maxMemory, secondsFor(path, fileSize)};
 }

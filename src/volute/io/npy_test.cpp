@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "volute/io/npy_header.hpp"
+#include "volute/io/sequence_testing.hpp"
 #include "volute/io/testing.hpp"
 #include "volute/io/volume_sink.hpp"
 
@@ -20,20 +21,10 @@ namespace {
 using testing::makeBlob;
 using testing::ok;
 using testing::readBytes;
+using testing::readSequence;
 using testing::TempFolder;
+using testing::writeAll;
 using testing::writeBytes;
-
-Status writeAll(const std::filesystem::path& path, const Sequence& sequence) {
-  VOLUTE_ASSIGN(auto sink, createSink(path, sequence.info));
-  for (int i = 0; i < sequence.info.frames; ++i) VOLUTE_TRY(sink->writeFrame(sequence.frame(i)));
-  return sink->finish();
-}
-
-Result<Sequence> readSequence(const std::filesystem::path& path,
-                              const SourceOptions& options = {}) {
-  VOLUTE_ASSIGN(auto source, openSource(path, options));
-  return readAll(*source, 1 << 30);
-}
 
 /// A file of version 1 with this dictionary and `dataBytes` zeros.
 std::string npyFile(const std::string& dictionary, std::size_t dataBytes) {

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "volute/io/plugin.hpp"
+#include "volute/io/sequence_testing.hpp"
 #include "volute/io/testing.hpp"
 #include "volute/io/volume_sink.hpp"
 #include "volute/io/volume_source.hpp"
@@ -17,20 +18,10 @@ using ::testing::HasSubstr;
 using testing::makeBlob;
 using testing::ok;
 using testing::readBytes;
+using testing::readSequence;
 using testing::TempFolder;
+using testing::writeAll;
 using testing::writeBytes;
-
-Status writeAll(const std::filesystem::path& path, const Sequence& sequence) {
-  VOLUTE_ASSIGN(auto sink, createSink(path, sequence.info));
-  for (int i = 0; i < sequence.info.frames; ++i) VOLUTE_TRY(sink->writeFrame(sequence.frame(i)));
-  return sink->finish();
-}
-
-Result<Sequence> readSequence(const std::filesystem::path& path,
-                              const SourceOptions& options = {}) {
-  VOLUTE_ASSIGN(auto source, openSource(path, options));
-  return readAll(*source, 1 << 30);
-}
 
 #if VOLUTE_HAS_VTK
 

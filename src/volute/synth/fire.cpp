@@ -9,9 +9,9 @@
 namespace volute {
 namespace {
 
-constexpr int kStepsPerFrame = 2;
-constexpr float kStep = kFrameSeconds / kStepsPerFrame;
-constexpr int kWarmUpFrames = 45;
+constexpr int kFireStepsPerFrame = 2;
+constexpr float kFireStep = kFrameSeconds / kFireStepsPerFrame;
+constexpr int kFireWarmUpFrames = 45;
 
 constexpr float kBurnerRadius = 0.32f;  // [m]
 constexpr float kBurnerHeight = 0.07f;
@@ -19,13 +19,13 @@ constexpr float kBurnTime = 0.25f;   // [s], in which fuel turns to heat
 constexpr float kHeatOfFuel = 2.6f;  // temperatures are relative: 1 is a bright flame
 constexpr float kCooling = 1.7f;     // [1/s]
 constexpr float kRadiation = 2.5f;   // [1/s] at temperature 1, with its third power
-constexpr float kBuoyancy = 10.0f;   // [m/s^2] at temperature 1
-constexpr float kConfinement = 0.7f;
+constexpr float kFireBuoyancy = 10.0f;   // [m/s^2] at temperature 1
+constexpr float kFireConfinement = 0.7f;
 constexpr float kSwelling = 3.0f;  // volumes of hot gas more than of fuel
 constexpr float kGust = 6.0f;      // [m/s^2], eddies of the large noise in the flame
 constexpr float kCurl = 16.0f;     // and of the small one
 
-constexpr float kVisible = 0.3f;   // temperature below which nothing glows
+constexpr float kFireVisible = 0.3f;   // temperature below which nothing glows
 constexpr float kRadiance = 5.0f;  // [radiance/m] at temperature 1
 
 class Fire final : public Simulation {
@@ -36,10 +36,10 @@ class Fire final : public Simulation {
         curls_(mix(seed + 1), kExtent, 0.10f, 0.12f),
         inlet_(mix(seed + 2), kExtent, 0.12f, 0.16f) {}
 
-  int warmUpFrames() const override { return kWarmUpFrames; }
+  int warmUpFrames() const override { return kFireWarmUpFrames; }
 
   void advanceFrame() override {
-    for (int i = 0; i < kStepsPerFrame; ++i) step();
+    for (int i = 0; i < kFireStepsPerFrame; ++i) step();
   }
 
   void write(int channels, std::span<float> values) const override;
@@ -54,9 +54,9 @@ class Fire final : public Simulation {
 };
 
 void Fire::step() {
-  time_ += kStep;
+  time_ += kFireStep;
   for (VectorNoise* noise : {&gusts_, &curls_, &inlet_}) noise->setTime(time_);
-  fluid_.advect(kStep);
+  fluid_.advect(kFireStep);
   const int n = fluid_.size();
   parallelRanges(n, 4, [&](std::size_t begin, std::size_t end) {
     for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k) {
@@ -65,7 +65,7 @@ void Fire::step() {
       }
     }
   });
-  fluid_.addForces(kStep, kConfinement);
+  fluid_.addForces(kFireStep, kFireConfinement);
   fluid_.project();
 }
 
@@ -91,11 +91,11 @@ void Fire::react(int i, int j, int k) {
   expansion = 0;
   if (fuel == 0 && heat == 0)
     return;
-  const float burnt = fuel * (kStep / (kBurnTime + kStep));
+  const float burnt = fuel * (kFireStep / (kBurnTime + kFireStep));
   fuel -= burnt;
   heat += kHeatOfFuel * burnt;
-  expansion = kSwelling * burnt / kStep;
-  heat /= 1 + kStep * (kCooling + kRadiation * heat * heat * heat);
+  expansion = kSwelling * burnt / kFireStep;
+  heat /= 1 + kFireStep * (kCooling + kRadiation * heat * heat * heat);
   const float fade = fadeAtBorder(x, y, pz, 0.30f);
   fuel *= fade;
   heat *= fade;
@@ -108,13 +108,13 @@ void Fire::react(int i, int j, int k) {
   const float share = std::min(1.0f, 2 * heat);
   for (int c = 0; c < 3; ++c)
     fluid_.force()[c].at(i, j, k) = share * (kGust * gust[c] + kCurl * curl[c]);
-  fluid_.force()[2].at(i, j, k) += kBuoyancy * heat;
+  fluid_.force()[2].at(i, j, k) += kFireBuoyancy * heat;
 }
 
 void Fire::write(int channels, std::span<float> values) const {
   const auto& heat = fluid_.scalars()[1].values;
   for (std::size_t i = 0; i < heat.size(); ++i) {
-    const float t = std::max(0.0f, heat[i] - kVisible) / (1 - kVisible);
+    const float t = std::max(0.0f, heat[i] - kFireVisible) / (1 - kFireVisible);
     // Radiance climbs steeply with temperature; the colour goes from deep red through orange to a
     // pale yellow.
     const float strength = kRadiance * t * t;

@@ -9,13 +9,13 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kGrain = 4;
+constexpr std::size_t kFluidGrain = 4;
 constexpr int kCycles = 3;
 
 // Calls body(i, j, k) for all samples of a lattice, planes in parallel.
 template <class Body>
 void forEach(int x, int y, int z, const Body& body) {
-  parallelRanges(z, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(z, kFluidGrain, [&](std::size_t begin, std::size_t end) {
     for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k) {
       for (int j = 0; j < y; ++j) {
         for (int i = 0; i < x; ++i) body(i, j, k);

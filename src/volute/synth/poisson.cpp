@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kSmooth = 2;     // sweeps before and after a coarser level
 constexpr int kCoarsest = 40;  // sweeps on the coarsest, at most 15 cells wide
-constexpr std::size_t kGrain = 8;
+constexpr std::size_t kPoissonGrain = 8;
 
 // Beyond an open face lies minus the inner value (zero on the face), beyond the floor the same
 // value.
@@ -46,7 +46,7 @@ void relax(Field& p, const Field& right, int sweeps) {
   const int size = p.x - 2;
   for (int half = 0; half < 2 * sweeps; ++half) {
     fillGhosts(p);
-    parallelRanges(size, kGrain, [&](std::size_t begin, std::size_t end) {
+    parallelRanges(size, kPoissonGrain, [&](std::size_t begin, std::size_t end) {
       for (int k = static_cast<int>(begin) + 1; k <= static_cast<int>(end); ++k) {
         for (int j = 1; j <= size; ++j) {
           const int first = 1 + ((j + k + half) & 1);
@@ -63,7 +63,7 @@ void relax(Field& p, const Field& right, int sweeps) {
 
 void computeResidual(const Field& p, const Field& right, Field& residual) {
   const int size = p.x - 2;
-  parallelRanges(size, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(size, kPoissonGrain, [&](std::size_t begin, std::size_t end) {
     for (int k = static_cast<int>(begin) + 1; k <= static_cast<int>(end); ++k) {
       for (int j = 1; j <= size; ++j) {
         for (std::size_t at = p.index(1, j, k), stop = p.index(size, j, k); at <= stop; ++at) {
@@ -77,7 +77,7 @@ void computeResidual(const Field& p, const Field& right, Field& residual) {
 // The mean of eight residuals, times 4: the coarse laplacian is per coarse cell, twice as wide.
 void restrictTo(const Field& fine, Field& coarse) {
   const int size = coarse.x - 2;
-  parallelRanges(size, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(size, kPoissonGrain, [&](std::size_t begin, std::size_t end) {
     for (int k = static_cast<int>(begin) + 1; k <= static_cast<int>(end); ++k) {
       for (int j = 1; j <= size; ++j) {
         for (int i = 1; i <= size; ++i) {
@@ -96,7 +96,7 @@ void restrictTo(const Field& fine, Field& coarse) {
 // Trilinear between cell centres; the ghosts of `coarse` carry the border conditions.
 void addInterpolated(const Field& coarse, Field& fine) {
   const int size = fine.x - 2;
-  parallelRanges(size, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(size, kPoissonGrain, [&](std::size_t begin, std::size_t end) {
     for (int k = static_cast<int>(begin) + 1; k <= static_cast<int>(end); ++k) {
       for (int j = 1; j <= size; ++j) {
         for (int i = 1; i <= size; ++i) {

@@ -10,16 +10,16 @@
 namespace volute {
 namespace {
 
-constexpr float kStep = kFrameSeconds;
-constexpr int kWarmUpFrames = 150;
+constexpr float kSmokeStep = kFrameSeconds;
+constexpr int kSmokeWarmUpFrames = 150;
 
-constexpr float kBuoyancy = 0.80f;     // [m/s^2] at density 1
+constexpr float kSmokeBuoyancy = 0.80f;     // [m/s^2] at density 1
 constexpr float kJet = 1.6f;           // [m/s^2] in the nozzles
 constexpr float kDissipation = 0.22f;  // [1/s]
 constexpr float kThinning = 5;         // [1/s], more of it at the open faces
-constexpr float kConfinement = 0.5f;
+constexpr float kSmokeConfinement = 0.5f;
 constexpr float kStir = 1.4f;  // [m/s^2], eddies of the noise in the smoke
-constexpr float kVisible = 0.03f;
+constexpr float kSmokeVisible = 0.03f;
 constexpr float kExtinction = 4.0f;  // [1/m] at density 1
 
 // A soft ball that blows one colour of smoke.
@@ -43,7 +43,7 @@ class Smoke final : public Simulation {
         stir_(mix(seed), kExtent, 0.22f, 0.8f),
         flow_(mix(seed + 1), kExtent, 0.15f, 0.5f) {}
 
-  int warmUpFrames() const override { return kWarmUpFrames; }
+  int warmUpFrames() const override { return kSmokeWarmUpFrames; }
 
   void advanceFrame() override;
   void write(int channels, std::span<float> values) const override;
@@ -57,10 +57,10 @@ class Smoke final : public Simulation {
 };
 
 void Smoke::advanceFrame() {
-  time_ += kStep;
+  time_ += kSmokeStep;
   stir_.setTime(time_);
   flow_.setTime(time_);
-  fluid_.advect(kStep);
+  fluid_.advect(kSmokeStep);
   const int n = fluid_.size();
   parallelRanges(n, 4, [&](std::size_t begin, std::size_t end) {
     for (int k = static_cast<int>(begin); k < static_cast<int>(end); ++k) {
@@ -69,7 +69,7 @@ void Smoke::advanceFrame() {
       }
     }
   });
-  fluid_.addForces(kStep, kConfinement);
+  fluid_.addForces(kSmokeStep, kSmokeConfinement);
   fluid_.project();
 }
 
@@ -81,7 +81,7 @@ void Smoke::act(int i, int j, int k) {
                                   (static_cast<float>(k) + 0.5f) * h};
   const std::array<float, 3> world = {p[0] - kExtent / 2, p[1] - kExtent / 2, p[2]};
   const float border = 1 - fadeAtBorder(world[0], world[1], world[2], 0.45f);
-  const float keep = 1 / (1 + kStep * (kDissipation + kThinning * border));
+  const float keep = 1 / (1 + kSmokeStep * (kDissipation + kThinning * border));
   auto& force = fluid_.force();
   float density = 0;
   for (std::size_t s = 0; s < kNozzles.size(); ++s) {
@@ -109,7 +109,7 @@ void Smoke::act(int i, int j, int k) {
   const auto stir = stir_.at(p[0], p[1], p[2]);
   const float share = std::min(1.0f, 2 * density);
   for (int c = 0; c < 3; ++c) force[c].at(i, j, k) += share * kStir * stir[c];
-  force[2].at(i, j, k) += kBuoyancy * std::min(1.0f, density);
+  force[2].at(i, j, k) += kSmokeBuoyancy * std::min(1.0f, density);
 }
 
 void Smoke::write(int channels, std::span<float> values) const {
@@ -123,7 +123,7 @@ void Smoke::write(int channels, std::span<float> values) const {
       for (int c = 0; c < 3; ++c) rgb[c] += density * kNozzles[s].colour[c];
     }
     // Thin smoke is cut to exactly nothing, softly.
-    const float scale = kExtinction * smoothStep(kVisible, 3 * kVisible, total);
+    const float scale = kExtinction * smoothStep(kSmokeVisible, 3 * kSmokeVisible, total);
     if (channels == 1) {
       values[i] = scale * total;
     } else {

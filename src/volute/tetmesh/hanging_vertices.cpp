@@ -8,17 +8,17 @@
 namespace volute {
 namespace {
 
-using Edge = std::pair<std::int64_t, std::int64_t>;
+using OpenEdge = std::pair<std::int64_t, std::int64_t>;
 
 /// Edges that one face alone has.
-std::vector<Edge> openEdges(const std::vector<Polygon>& faces) {
-  std::vector<Edge> edges;
+std::vector<OpenEdge> openEdges(const std::vector<Polygon>& faces) {
+  std::vector<OpenEdge> edges;
   for (const Polygon& face : faces) {
     for (std::size_t i = 0; i < face.size(); ++i)
       edges.push_back(std::minmax({face[i], face[(i + 1) % face.size()]}));
   }
   std::ranges::sort(edges);
-  std::vector<Edge> open;
+  std::vector<OpenEdge> open;
   for (std::size_t i = 0; i < edges.size();) {
     std::size_t next = i + 1;
     while (next < edges.size() && edges[next] == edges[i]) ++next;
@@ -33,18 +33,18 @@ std::vector<Edge> openEdges(const std::vector<Polygon>& faces) {
 
 void HangingVertices::look(const std::vector<Polygon>& faces, std::span<const Vec3> places) {
   constexpr double kBeside = 1e-3;  // of the edge's length; what float coordinates leave
-  const std::vector<Edge> open = openEdges(faces);
+  const std::vector<OpenEdge> open = openEdges(faces);
   if (open.empty())
     return;
   std::vector<std::int64_t> ends;
-  for (const Edge& edge : open) {
+  for (const OpenEdge& edge : open) {
     ends.push_back(edge.first);
     ends.push_back(edge.second);
   }
   std::ranges::sort(ends);
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   const auto at = [&](std::int64_t v) { return places[static_cast<std::size_t>(v)]; };
-  for (const Edge& edge : open) {
+  for (const OpenEdge& edge : open) {
     const Vec3 along = at(edge.second) - at(edge.first);
     std::vector<std::pair<double, std::int64_t>> between;
     for (const std::int64_t v : ends) {

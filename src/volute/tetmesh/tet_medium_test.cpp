@@ -10,10 +10,10 @@
 namespace volute {
 namespace {
 
-const Box3 kBox{Vec3(-1, 0.5, 2), Vec3(1, 2, 3)};
+const Box3 kMediumBox{Vec3(-1, 0.5, 2), Vec3(1, 2, 3)};
 
 std::shared_ptr<const TetMesh> mesh() {
-  return boxMesh(kBox, {4, 3, 2}, 0.2, 1);
+  return boxMesh(kMediumBox, {4, 3, 2}, 0.2, 1);
 }
 
 TetMedium medium(bool lit) {

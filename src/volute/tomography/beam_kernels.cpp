@@ -18,8 +18,6 @@
 // The fallback needs vectors of four. The compiler's bug that makes Highway avoid them (GCC 106322)
 // concerns 16-bit integers.
 #define HWY_BROKEN_EMU128 0
-#define HWY_DISABLED_TARGETS \
-  (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volute/tomography/beam_kernels.cpp"
 #include <hwy/foreach_target.h>

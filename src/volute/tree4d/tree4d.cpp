@@ -15,7 +15,6 @@
 namespace volute {
 namespace {
 
-constexpr int kBrick = BrickSlice::kSide;
 constexpr int kMaxSide = BlockGrid::kSide;
 
 template <class T>
@@ -39,9 +38,9 @@ std::uint64_t forEachBlockOf(const TreeData& data, int t, Body&& body) {
       const int y = static_cast<int>(i / n[3] % n[2]) * side;
       const int x = static_cast<int>(i % n[3]) * side;
       bool any = false;
-      for (int bz = z; bz < std::min(z + side, data.extents[1]); bz += kBrick)
-        for (int by = y; by < std::min(y + side, data.extents[2]); by += kBrick)
-          for (int bx = x; bx < std::min(x + side, data.extents[3]); bx += kBrick)
+      for (int bz = z; bz < std::min(z + side, data.extents[1]); bz += BrickSlice::kSide)
+        for (int by = y; by < std::min(y + side, data.extents[2]); by += BrickSlice::kSide)
+          for (int bx = x; bx < std::min(x + side, data.extents[3]); bx += BrickSlice::kSide)
             any |= data.isOccupied(t, bz, by, bx);
       if (any)
         visited += readBlockSlice(data, data.entryAt(t, z, y, x), t, values);
@@ -77,9 +76,9 @@ void fillZero(const BoxCopy& brick) {
 
 template <class Visit>
 void forEachBrickIn(const TreeData& data, int side, int z, int y, int x, Visit&& visit) {
-  for (int bz = z; bz < std::min(z + side, data.extents[1]); bz += kBrick)
-    for (int by = y; by < std::min(y + side, data.extents[2]); by += kBrick)
-      for (int bx = x; bx < std::min(x + side, data.extents[3]); bx += kBrick) visit(bz, by, bx);
+  for (int bz = z; bz < std::min(z + side, data.extents[1]); bz += BrickSlice::kSide)
+    for (int by = y; by < std::min(y + side, data.extents[2]); by += BrickSlice::kSide)
+      for (int bx = x; bx < std::min(x + side, data.extents[3]); bx += BrickSlice::kSide) visit(bz, by, bx);
 }
 
 }  // namespace
@@ -130,7 +129,7 @@ void Tree4d::extractFrame(int t, std::span<float> values) const {
         continue;
       }
       forEachBrickIn(data_, side, z, y, x, [&](int bz, int by, int bx) {
-        const BoxCopy box = place(boxOf(data_, block, kBrick, bz, by, bx, c), bz, by, bx, c);
+        const BoxCopy box = place(boxOf(data_, block, BrickSlice::kSide, bz, by, bx, c), bz, by, bx, c);
         if (data_.isOccupied(t, bz, by, bx)) {
           copyValues(data_, box);
         } else {
@@ -150,7 +149,7 @@ BrickSlice Tree4d::extractSlice(int t, std::uint64_t* nodesVisited) const {
   for (int bz = 0; bz < data_.bricks[0]; ++bz)
     for (int by = 0; by < data_.bricks[1]; ++by)
       for (int bx = 0; bx < data_.bricks[2]; ++bx, ++i) {
-        if (data_.isOccupied(t, bz * kBrick, by * kBrick, bx * kBrick))
+        if (data_.isOccupied(t, bz * BrickSlice::kSide, by * BrickSlice::kSide, bx * BrickSlice::kSide))
           index[i] = stored++;
       }
   const std::size_t brickValues = static_cast<std::size_t>(BrickSlice::kVoxels) * data_.channels;
@@ -160,16 +159,16 @@ BrickSlice Tree4d::extractSlice(int t, std::uint64_t* nodesVisited) const {
       forEachBlockOf(data_, t, [&](int z, int y, int x, const float* block) {
         forEachBrickIn(data_, side, z, y, x, [&](int bz, int by, int bx) {
           const std::int32_t at =
-              index[(static_cast<std::size_t>(bz / kBrick) * data_.bricks[1] + by / kBrick) *
+              index[(static_cast<std::size_t>(bz / BrickSlice::kSide) * data_.bricks[1] + by / BrickSlice::kSide) *
                         data_.bricks[2] +
-                    bx / kBrick];
+                    bx / BrickSlice::kSide];
           if (at == BrickSlice::kEmpty)
             return;
           for (int c = 0; c < data_.channels; ++c) {
-            BoxCopy brick = boxOf(data_, block, kBrick, bz, by, bx, c);
+            BoxCopy brick = boxOf(data_, block, BrickSlice::kSide, bz, by, bx, c);
             brick.toStep = 1;
-            brick.toRow = kBrick;
-            brick.toPlane = kBrick * kBrick;
+            brick.toRow = BrickSlice::kSide;
+            brick.toPlane = BrickSlice::kSide * BrickSlice::kSide;
             brick.to =
                 &bricks[at * brickValues + static_cast<std::size_t>(c) * BrickSlice::kVoxels];
             copyValues(data_, brick);

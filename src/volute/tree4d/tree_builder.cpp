@@ -10,7 +10,6 @@
 namespace volute {
 namespace {
 
-constexpr int kBrick = BrickSlice::kSide;
 
 void extend(VoxelBox& box, const VoxelBox& other) {
   if (other.empty())
@@ -57,7 +56,7 @@ void TreeBuilder::addBlock(std::size_t block, std::span<const float> values) {
 void TreeBuilder::noteOccupied(std::size_t block, std::span<const float> values) {
   const auto e = grid_.extents(block);
   const auto origin = grid_.origin(block);
-  constexpr int kBricks = BlockGrid::kSide / kBrick;
+  constexpr int kBricks = BlockGrid::kSide / BrickSlice::kSide;
   auto& occupied = blockOccupied_[block];
   auto& boxes = blockBoxes_[block];
   occupied.assign(static_cast<std::size_t>(e[0]) * kBricks * kBricks * kBricks, 0);
@@ -71,7 +70,7 @@ void TreeBuilder::noteOccupied(std::size_t block, std::span<const float> values)
           for (int c = 0; c < info_.channels; ++c) zero &= values[i + c] == 0;
           if (zero)
             continue;
-          occupied[((t * kBricks + z / kBrick) * kBricks + y / kBrick) * kBricks + x / kBrick] = 1;
+          occupied[((t * kBricks + z / BrickSlice::kSide) * kBricks + y / BrickSlice::kSide) * kBricks + x / BrickSlice::kSide] = 1;
           const int vz = origin[1] + z, vy = origin[2] + y, vx = origin[3] + x;
           extend(boxes[t], {{vz, vy, vx}, {vz + 1, vy + 1, vx + 1}});
         }
@@ -133,22 +132,22 @@ Tree4d TreeBuilder::finish() {
                       data.entryCounts[2] * data.entryCounts[3]);
   enterBlocks(data);
 
-  data.bricks = {(info_.z + kBrick - 1) / kBrick, (info_.y + kBrick - 1) / kBrick,
-                 (info_.x + kBrick - 1) / kBrick};
+  data.bricks = {(info_.z + BrickSlice::kSide - 1) / BrickSlice::kSide, (info_.y + BrickSlice::kSide - 1) / BrickSlice::kSide,
+                 (info_.x + BrickSlice::kSide - 1) / BrickSlice::kSide};
   const std::size_t frameBricks =
       static_cast<std::size_t>(data.bricks[0]) * data.bricks[1] * data.bricks[2];
   data.occupied.assign((frameBricks * info_.frames + 63) / 64, 0);
   std::vector<VoxelBox> boxes(info_.frames);
-  constexpr int kBricks = BlockGrid::kSide / kBrick;
+  constexpr int kBricks = BlockGrid::kSide / BrickSlice::kSide;
   for (std::size_t block = 0; block < grid_.count(); ++block) {
     const auto origin = grid_.origin(block);
     for (std::size_t i = 0; i < blockOccupied_[block].size(); ++i) {
       if (!blockOccupied_[block][i])
         continue;
       const std::size_t t = origin[0] + i / (kBricks * kBricks * kBricks);
-      const std::size_t z = origin[1] / kBrick + i / (kBricks * kBricks) % kBricks;
-      const std::size_t y = origin[2] / kBrick + i / kBricks % kBricks;
-      const std::size_t x = origin[3] / kBrick + i % kBricks;
+      const std::size_t z = origin[1] / BrickSlice::kSide + i / (kBricks * kBricks) % kBricks;
+      const std::size_t y = origin[2] / BrickSlice::kSide + i / kBricks % kBricks;
+      const std::size_t x = origin[3] / BrickSlice::kSide + i % kBricks;
       const std::size_t bit = ((t * data.bricks[0] + z) * data.bricks[1] + y) * data.bricks[2] + x;
       data.occupied[bit >> 6] |= std::uint64_t{1} << (bit & 63);
     }

@@ -14,9 +14,9 @@
 namespace volute {
 namespace {
 
-constexpr Wavelet kAll[] = {Wavelet::kHaar, Wavelet::kCdf53, Wavelet::kCdf97};
+constexpr Wavelet kAllWavelets[] = {Wavelet::kHaar, Wavelet::kCdf53, Wavelet::kCdf97};
 
-std::vector<double> noise(std::size_t n, unsigned seed) {
+std::vector<double> noiseLine(std::size_t n, unsigned seed) {
   std::mt19937 random(seed);
   std::vector<double> values(n);
   for (double& v : values) v = static_cast<double>(random()) / 4294967296.0 - 0.5;
@@ -27,8 +27,8 @@ RC_GTEST_PROP(Lifting, InverseUndoesForwardOnAnyLength, ()) {
   const int n = *rc::gen::inRange(1, 40);
   const int stride = *rc::gen::inRange(1, 4);
   const Wavelet wavelet =
-      *rc::gen::elementOf(std::vector<Wavelet>(std::begin(kAll), std::end(kAll)));
-  const auto original = noise(static_cast<std::size_t>(n) * stride, n * 7 + stride);
+      *rc::gen::elementOf(std::vector<Wavelet>(std::begin(kAllWavelets), std::end(kAllWavelets)));
+  const auto original = noiseLine(static_cast<std::size_t>(n) * stride, n * 7 + stride);
   auto x = original;
   liftForward(x.data(), n, stride, wavelet);
   liftInverse(x.data(), n, stride, wavelet);
@@ -36,7 +36,7 @@ RC_GTEST_PROP(Lifting, InverseUndoesForwardOnAnyLength, ()) {
 }
 
 TEST(Lifting, ConstantsHaveNoHighAndLinesNoneInside) {
-  for (Wavelet wavelet : kAll) {
+  for (Wavelet wavelet : kAllWavelets) {
     for (int n : {2, 3, 8, 17}) {
       std::vector<double> x(n, 3.0);
       liftForward(x.data(), n, 1, wavelet);
@@ -53,14 +53,14 @@ TEST(Lifting, ConstantsHaveNoHighAndLinesNoneInside) {
 }
 
 TEST(Lifting, HaarIsOrthonormal) {
-  auto x = noise(64, 1);
+  auto x = noiseLine(64, 1);
   const double before = std::inner_product(x.begin(), x.end(), x.begin(), 0.0);
   liftForward(x.data(), 64, 1, Wavelet::kHaar);
   EXPECT_NEAR(std::inner_product(x.begin(), x.end(), x.begin(), 0.0), before, 1e-12);
 }
 
 TEST(Lifting, NamesGoBothWays) {
-  for (Wavelet wavelet : kAll) EXPECT_EQ(waveletByName(waveletName(wavelet)), wavelet);
+  for (Wavelet wavelet : kAllWavelets) EXPECT_EQ(waveletByName(waveletName(wavelet)), wavelet);
   EXPECT_FALSE(waveletByName("db4"));
 }
 
@@ -72,11 +72,11 @@ RC_GTEST_PROP(Transform4d, InverseUndoesForwardOnAnySize, ()) {
     count *= static_cast<std::size_t>(e);
   }
   const Wavelet wavelet =
-      *rc::gen::elementOf(std::vector<Wavelet>(std::begin(kAll), std::end(kAll)));
+      *rc::gen::elementOf(std::vector<Wavelet>(std::begin(kAllWavelets), std::end(kAllWavelets)));
   const int full = fullLevels(extents);
   std::array<int, 4> levels{};
   for (int& l : levels) l = *rc::gen::inRange(0, full + 1);
-  const auto original = noise(count, static_cast<unsigned>(count));
+  const auto original = noiseLine(count, static_cast<unsigned>(count));
   auto x = original;
   const View<double, 4> view(std::span<double>(x), extents);
   transformForward(view, wavelet, levels);
@@ -85,7 +85,7 @@ RC_GTEST_PROP(Transform4d, InverseUndoesForwardOnAnySize, ()) {
 }
 
 TEST(Transform4d, HaarScalingCoefficientIsTheScaledMean) {
-  auto x = noise(16 * 16 * 16 * 16, 2);
+  auto x = noiseLine(16 * 16 * 16 * 16, 2);
   const double mean = std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
   transformForward(View<double, 4>(std::span<double>(x), {16, 16, 16, 16}), Wavelet::kHaar,
                    {4, 4, 4, 4});
@@ -93,8 +93,8 @@ TEST(Transform4d, HaarScalingCoefficientIsTheScaledMean) {
 }
 
 TEST(Transform4d, FloatStaysCloseToDouble) {
-  const auto original = noise(5 * 9 * 6 * 12, 3);
-  for (Wavelet wavelet : kAll) {
+  const auto original = noiseLine(5 * 9 * 6 * 12, 3);
+  for (Wavelet wavelet : kAllWavelets) {
     auto exact = original;
     std::vector<float> fast(original.begin(), original.end());
     transformForward(View<double, 4>(std::span<double>(exact), {5, 9, 6, 12}), wavelet,
