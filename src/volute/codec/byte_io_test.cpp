@@ -4,11 +4,8 @@
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
-#include <limits>
 
-#include "volute/codec/block_codec.hpp"
 #include "volute/codec/byte_io.hpp"
-#include "volute/codec/haar_transform.hpp"
 #include "volute/codec/packing.hpp"
 #include "volute/codec/step_search.hpp"
 
@@ -60,56 +57,6 @@ RC_GTEST_PROP(Packing, ContentComesBack, ()) {
   RC_ASSERT(std::equal(a.begin(), a.end(), bytes) &&
             std::equal(b.begin(), b.end(), bytes + a.size()));
   RC_ASSERT(!unpack(packed, a.size() + b.size() - 1));
-}
-
-RC_GTEST_PROP(HaarTransform, ComesBackForAnyExtents, ()) {
-  BlockShape shape;
-  for (int& side : shape.extents) side = *rc::gen::inRange(1, 17);
-  std::vector<float> samples(shape.voxels());
-  for (float& value : samples) value = static_cast<float>(*rc::gen::inRange(-1000, 1000));
-  auto coefficients = samples;
-  haarForward(coefficients, shape.extents);
-  std::size_t counted = 1;
-  for (int j = 0; j < shape.levels() - 1; ++j) {
-    HaarCells(shape.extents, j).visit([&](std::ptrdiff_t, std::uint16_t existing, double) {
-      counted += static_cast<std::size_t>(std::popcount(existing));
-      return true;
-    });
-  }
-  RC_ASSERT(counted == samples.size());
-  haarInverse(coefficients, shape.extents);
-  for (std::size_t i = 0; i < samples.size(); ++i)
-    RC_ASSERT(std::abs(coefficients[i] - samples[i]) < 1e-2f);
-}
-
-TEST(HaarTransform, LevelZeroIsTheAverage) {
-  std::vector<float> samples{1, 2, 3, 4, 5, 6, 7, 8};
-  haarForward(samples, {2, 2, 1, 2});
-  EXPECT_EQ(samples[0], 4.5f);
-  EXPECT_EQ(samples[1], -0.5f);  // along x
-  EXPECT_EQ(samples[4], -2.0f);  // along t
-}
-
-TEST(HaarCodec, HostileBytesGiveErrorsOrFiniteValues) {
-  const BlockShape shape{{16, 16, 16, 16}, 1};
-  ByteWriter parameters;
-  parameters.f64(1e300);
-  const auto decoder = openHaarDecoder(parameters.view(), {1, -1, 1});
-  ASSERT_TRUE(decoder);
-  std::vector<float> values(shape.values());
-  std::uint32_t seed = 1;
-  for (int round = 0; round < 200; ++round) {
-    std::vector<std::vector<std::byte>> tiers(4);
-    for (auto& tier : tiers) {
-      tier.resize(1 + seed % 3000);
-      for (auto& byte : tier)
-        byte = static_cast<std::byte>((seed = seed * 1664525u + 1013904223u) >> 24);
-      tier[0] = std::byte{0};
-    }
-    if ((*decoder)->decode(tiers, 5, shape, values)) {
-      for (const float value : values) ASSERT_TRUE(std::isfinite(value));
-    }
-  }
 }
 
 TEST(StepSearch, FindsTheTargetOfAPowerLaw) {
