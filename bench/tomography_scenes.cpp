@@ -7,9 +7,9 @@
 #include <numbers>
 #include <random>
 
-#include "volute/cli/reconstruction/frame_views.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/volume_source.hpp"
+#include "volute/tomography/frame_views.hpp"
 #include "volute/tomography/project.hpp"
 
 namespace volute::bench {

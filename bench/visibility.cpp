@@ -11,7 +11,7 @@
 #include "bench/bench_timing.hpp"
 #include "bench/benchmark.hpp"
 #include "bench/scratch_file.hpp"
-#include "volute/cli/visibility/fds_sight.hpp"
+#include "volute/visibility/fds_sight.hpp"
 #include "volute/visibility/survey.hpp"
 
 namespace volute::bench {

@@ -19,7 +19,7 @@ struct Context : Reading {
   Console* console = nullptr;  ///< whose bar ends before results are shown
   bool json = false;
   bool verbose = false;
-  std::vector<std::string> words;  ///< as the user typed them, without the command's name
+  std::vector<std::string> words{};  ///< as the user typed them, without the command's name
   bool resultsToStderr = false;  ///< set when the data themselves go to standard output
 
   /// Shows results: one JSON object or lines of text, on standard output.

@@ -42,8 +42,8 @@ Command benchCommand() {
       .description =
           "Ratios compare figures of the same run with the baseline that the benchmark names; "
           "figures of different machines or runs are not comparable. Without a name all benchmarks "
-          "run. tools/codec_plot.py draws what `bench codec --json` prints.\n\nThe benchmarks are a "
-          "program of their own, volute-bench, beside volute; `./dev bench` builds and runs it.",
+          "run. tools/codec_plot.py draws what `bench codec --json` prints.\n\nThe benchmarks are "
+          "a program of their own, volute-bench, beside volute; `./dev bench` builds and runs it.",
       .positionals =
           {{.name = "NAME", .help = "which benchmarks to run", .several = true, .optional = true}},
       .options = {{.name = "input",
