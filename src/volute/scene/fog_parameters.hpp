@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/scene/fog_file.hpp"
-#include "volute/viewer/parameter_group.hpp"
+#include "volute/scene/parameter_group.hpp"
 
 namespace volute {
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "volute/math/vec.hpp"
+#include "volute/scene/parameter.hpp"
+#include "volute/scene/scene_facts.hpp"
 #include "volute/scene/volume_layer.hpp"
-#include "volute/viewer/parameter.hpp"
-#include "volute/viewer/scene_facts.hpp"
 
 namespace volute {
 

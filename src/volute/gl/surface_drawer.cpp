@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/viewer/surface_drawer.hpp"
+#include "volute/gl/surface_drawer.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,14 +8,9 @@
 #include <cmath>
 #include <limits>
 
-namespace volute {
+#include "volute/gl/glsl_sources.hpp"
 
-namespace viewerGlsl {
-extern const char* const kSurfaceVertex;
-extern const char* const kSurfaceFragment;
-extern const char* const kScreen;
-extern const char* const kExactFragment;
-}  // namespace viewerGlsl
+namespace volute {
 
 namespace {
 
@@ -25,8 +20,8 @@ constexpr float kElsewhere = 1e-3F;  ///< of their distance, that surfaces are o
 Result<GlProgram> linkProgram(bool pictures) {
   const ShaderPart define{"define", pictures ? "#define PICTURE\n" : ""};
   const ShaderStage stages[] = {
-      {GL_VERTEX_SHADER, {define, {"surface_vertex.glsl", viewerGlsl::kSurfaceVertex}}},
-      {GL_FRAGMENT_SHADER, {define, {"surface_fragment.glsl", viewerGlsl::kSurfaceFragment}}}};
+      {GL_VERTEX_SHADER, {define, {"surface_vertex.glsl", glsl::kSurfaceVertex}}},
+      {GL_FRAGMENT_SHADER, {define, {"surface_fragment.glsl", glsl::kSurfaceFragment}}}};
   return GlProgram::link(stages);
 }
 
@@ -46,9 +41,9 @@ GlTexture pictureTexture(const Image& picture) {
 }
 
 /// How far from the eye, at most, anything is [m].
-double farthestOf(const Camera& camera, const Box3& bounds, const std::vector<ViewQuad>& quads) {
+double farthestOf(const Camera& camera, const Box3& bounds, std::span<const GlQuad> quads) {
   Box3 all = bounds;
-  for (const ViewQuad& quad : quads) {
+  for (const GlQuad& quad : quads) {
     for (const double across : {0.0, 1.0}) {
       for (const double below : {0.0, 1.0})
         all.extend(quad.corner + across * quad.right + below * quad.down);
@@ -65,8 +60,8 @@ Result<SurfaceDrawer> SurfaceDrawer::create() {
   VOLUTE_ASSIGN(auto triangles, linkProgram(false));
   VOLUTE_ASSIGN(auto pictures, linkProgram(true));
   const ShaderStage stages[] = {
-      {GL_VERTEX_SHADER, {{"screen.glsl", viewerGlsl::kScreen}}},
-      {GL_FRAGMENT_SHADER, {{"exact_fragment.glsl", viewerGlsl::kExactFragment}}}};
+      {GL_VERTEX_SHADER, {{"screen.glsl", glsl::kScreen}}},
+      {GL_FRAGMENT_SHADER, {{"surface_known.glsl", glsl::kSurfaceKnown}}}};
   VOLUTE_ASSIGN(auto known, GlProgram::link(stages));
   SurfaceDrawer drawer(std::move(triangles), std::move(pictures), std::move(known));
   GLuint names[2] = {};
@@ -105,7 +100,7 @@ void SurfaceDrawer::resize(int width, int height) {
   glNamedFramebufferDrawBuffers(name, 2, kTargets);
 }
 
-void SurfaceDrawer::upload(const std::shared_ptr<const ViewSurfaces>& surfaces) {
+void SurfaceDrawer::upload(const std::shared_ptr<const GlSurfaces>& surfaces) {
   if (surfaces == uploaded_)
     return;
   uploaded_ = surfaces;
@@ -146,12 +141,12 @@ void SurfaceDrawer::look(const GlProgram& program, const Camera& camera) const {
   program.set("power", 1.0F);
 }
 
-void SurfaceDrawer::drawQuads(const std::vector<ViewQuad>& quads) {
+void SurfaceDrawer::drawQuads(std::span<const GlQuad> quads) {
   glBindVertexArray(nothing_.name());
   glBindSampler(0, smooth_.name());
   pictures_.set("picture", 0);
   for (auto& [image, kept] : kept_) kept.used = false;
-  for (const ViewQuad& quad : quads) {
+  for (const GlQuad& quad : quads) {
     if (!quad.picture || quad.picture->channels != 3)
       continue;
     glBindTextureUnit(0, textureOf(quad.picture));
@@ -166,10 +161,11 @@ void SurfaceDrawer::drawQuads(const std::vector<ViewQuad>& quads) {
   std::erase_if(kept_, [](const auto& entry) { return !entry.second.used; });
 }
 
-/// @param bounds  of what will be drawn besides the scene's quads
-void SurfaceDrawer::begin(const Camera& camera, const Box3& bounds, const ViewScene& scene) {
+/// @param bounds  of what will be drawn besides the quads
+void SurfaceDrawer::begin(const Camera& camera, const Box3& bounds,
+                          std::span<const GlQuad> quads) {
   resize(camera.width(), camera.height());
-  farthest_ = farthestOf(camera, bounds, scene.quads);
+  farthest_ = farthestOf(camera, bounds, quads);
   glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
   glViewport(0, 0, width_, height_);
   glDisable(GL_BLEND);
@@ -186,10 +182,10 @@ void SurfaceDrawer::begin(const Camera& camera, const Box3& bounds, const ViewSc
   glClearNamedFramebufferfv(frame_.name(), GL_DEPTH, 0, &kDepth);
 }
 
-void SurfaceDrawer::end(const Camera& camera, const ViewScene& scene) {
+void SurfaceDrawer::end(const Camera& camera, std::span<const GlQuad> quads) {
   look(pictures_, camera);
   glFrontFace(GL_CCW);  // whoever reads a picture sees its corners go round the other way
-  drawQuads(scene.quads);
+  drawQuads(quads);
   glDisable(GL_CULL_FACE);
   glDisable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
@@ -199,37 +195,38 @@ void SurfaceDrawer::end(const Camera& camera, const ViewScene& scene) {
                     static_cast<GLsizei>(depth_.size() * sizeof(float)), depth_.data());
 }
 
-bool SurfaceDrawer::draw(const Camera& camera, const ViewScene& scene, bool surfaces) {
-  const bool triangles = surfaces && scene.surfaces;
-  const bool any = triangles || !scene.quads.empty();
-  upload(scene.surfaces);
+bool SurfaceDrawer::draw(const Camera& camera, const std::shared_ptr<const GlSurfaces>& surfaces,
+                         std::span<const GlQuad> quads, bool visible) {
+  const bool triangles = visible && surfaces;
+  const bool any = triangles || !quads.empty();
+  upload(surfaces);
   if (!any)
     return false;
-  begin(camera, triangles ? bounds_ : Box3(), scene);
+  begin(camera, triangles ? bounds_ : Box3(), quads);
   if (triangles) {
     look(triangles_, camera);
     glBindVertexArray(corners_.name());
     glEnable(GL_CULL_FACE);
-    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(scene.surfaces->corners.size() / 3));
+    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(surfaces->corners.size() / 3));
   }
-  end(camera, scene);
+  end(camera, quads);
   return true;
 }
 
-bool SurfaceDrawer::drawKnown(const Camera& camera, const ViewScene& scene,
+bool SurfaceDrawer::drawKnown(const Camera& camera, std::span<const GlQuad> quads,
                               std::span<const float> known) {
   const GlTexture texels = makeTexture2d(GL_RGBA32F, camera.width(), camera.height());
   glTextureSubImage2D(texels.name(), 0, 0, 0, camera.width(), camera.height(), GL_RGBA, GL_FLOAT,
                       known.data());
   const std::vector<float> before = depth_;
-  begin(camera, bounds_, scene);
+  begin(camera, bounds_, quads);
   look(known_, camera);
   known_.set("known", 0);
   glBindTextureUnit(0, texels.name());
   glBindVertexArray(nothing_.name());
   glDisable(GL_CULL_FACE);
   glDrawArrays(GL_TRIANGLES, 0, 3);
-  end(camera, scene);
+  end(camera, quads);
   if (before.size() != depth_.size())
     return true;
   for (std::size_t i = 0; i < before.size(); ++i) {

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "volute/viewer/parameter_group.hpp"
+#include "volute/scene/parameter_group.hpp"
 
 namespace volute {
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/viewer/scene_edits.hpp"
+#include "volute/scene/scene_edits.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 
+#include "volute/scene/fog_parameters.hpp"
+#include "volute/scene/placement_parameters.hpp"
 #include "volute/scene/scene_geometry.hpp"
-#include "volute/viewer/fog_parameters.hpp"
-#include "volute/viewer/placement_parameters.hpp"
 
 namespace volute {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/viewer/placement_parameters.hpp"
+#include "volute/scene/placement_parameters.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/scene/parameter.hpp"
+#include "volute/scene/scene_facts.hpp"
 #include "volute/scene/scene_file.hpp"
-#include "volute/viewer/parameter.hpp"
-#include "volute/viewer/scene_facts.hpp"
 
 namespace volute {
 

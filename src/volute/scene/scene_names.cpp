@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/viewer/scene_names.hpp"
+#include "volute/scene/scene_names.hpp"
 
 #include <filesystem>
 

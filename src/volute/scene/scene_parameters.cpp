@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/viewer/scene_parameters.hpp"
+#include "volute/scene/scene_parameters.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 
 #include "volute/fds/smv_index.hpp"
 #include "volute/optics/smoke_potential.hpp"
+#include "volute/scene/fog_parameters.hpp"
+#include "volute/scene/placement_parameters.hpp"
 #include "volute/scene/smoke_layer.hpp"
-#include "volute/viewer/fog_parameters.hpp"
-#include "volute/viewer/placement_parameters.hpp"
 
 namespace volute {
 namespace {

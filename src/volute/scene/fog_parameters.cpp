@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/viewer/fog_parameters.hpp"
+#include "volute/scene/fog_parameters.hpp"
 
 #include <cmath>
 
