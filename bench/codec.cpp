@@ -8,6 +8,7 @@
 
 #include "bench/benchmark.hpp"
 #include "bench/codec_measurement.hpp"
+#include "bench/scratch.hpp"
 #include "volute/base/parallel.hpp"
 
 namespace volute::bench {

@@ -2,12 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "bench/codec_measurement.hpp"
 
-#include <stdlib.h>
 #include <time.h>
 
-#include <chrono>
 #include <limits>
 
+#include "bench/timing.hpp"
 #include "bench/tolerance_search.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/grid/compare.hpp"
@@ -16,7 +15,6 @@ namespace volute::bench {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 /// One thread is charged the time that it has the processor, so that a busy machine does not blur
 /// the ratios; several are charged what passes on the wall.
@@ -71,19 +69,6 @@ double range(const Sequence& sequence) {
 }
 
 }  // namespace
-
-Result<ScratchFolder> ScratchFolder::create() {
-  std::string name = (fs::temp_directory_path() / "volute-bench-XXXXXX").string();
-  if (!::mkdtemp(name.data()))
-    return fail(ErrorCode::kIo, "{}: cannot create a folder for the benchmark's files", name);
-  return ScratchFolder(name);
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  if (!path_.empty())
-    fs::remove_all(path_, ignored);
-}
 
 Result<CodedFiles> encodeWithin(const FileCodec& codec, const Sequence& sequence, double target,
                                 const fs::path& folder, int threads, const Progress& progress) {

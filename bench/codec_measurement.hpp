@@ -11,26 +11,6 @@
 
 namespace volute::bench {
 
-/// A folder for files of a benchmark, removed with what is in it.
-class ScratchFolder {
- public:
-  [[nodiscard]] static Result<ScratchFolder> create();
-  ~ScratchFolder();
-
-  ScratchFolder(ScratchFolder&& other) noexcept : path_(std::move(other.path_)) {
-    other.path_.clear();
-  }
-
-  ScratchFolder& operator=(ScratchFolder&&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
-
-  std::filesystem::path path_;
-};
-
 /// One codec's files of one sequence.
 struct CodedFiles {
   std::filesystem::path folder;

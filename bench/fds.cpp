@@ -2,15 +2,13 @@
 // SPDX-FileCopyrightText: The Volute authors
 // `volute bench fds`: opening a case of many meshes, and rays through it.
 #include <sys/resource.h>
-#include <unistd.h>
-
 #include <cmath>
 #include <filesystem>
 #include <random>
 
-#include "bench/bench_timing.hpp"
 #include "bench/benchmark.hpp"
-#include "bench/scratch_file.hpp"
+#include "bench/scratch.hpp"
+#include "bench/timing.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/fds/fds_case.hpp"
 
@@ -21,26 +19,6 @@ constexpr int kMeshesOnSide = 10;  // 10 x 10 meshes
 constexpr std::array<int, 3> kCells{50, 50, 20};
 constexpr double kCell = 0.1;  // [m]
 constexpr int kFrames = 3;
-
-/// A folder that goes away with the object.
-class ScratchFolder {
- public:
-  ScratchFolder()
-      : path_(std::filesystem::temp_directory_path() /
-              fmt::format("volute-bench-fds-{}", ::getpid())) {
-    std::filesystem::create_directories(path_);
-  }
-
-  ~ScratchFolder() {
-    std::error_code code;
-    std::filesystem::remove_all(path_, code);
-  }
-
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 double smokeAt(const Vec3& p, int frame) {
   return (0.2 + 0.1 * frame) *
@@ -201,7 +179,7 @@ void addRays(BenchRows& rows, const FdsField& field) {
 }  // namespace
 
 Status benchFds(const BenchInput& input, BenchRows& rows, Progress& progress) {
-  const ScratchFolder folder;
+  VOLUTE_ASSIGN(const auto folder, ScratchFolder::create());
   std::filesystem::path path = input.volume;
   const bool made = path.extension() != ".smv";
   if (made) {
@@ -210,7 +188,6 @@ Status benchFds(const BenchInput& input, BenchRows& rows, Progress& progress) {
   }
   FdsOptions options;
   options.maxMemory = input.maxMemory;
-  using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   VOLUTE_ASSIGN(auto opened, FdsCase::open(path, options));
   const auto indexed = Clock::now();

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "bench/codec_measurement.hpp"
+#include "bench/scratch.hpp"
 
 namespace volute::bench {
 namespace {

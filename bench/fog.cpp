@@ -4,7 +4,6 @@
 // polar tables and dropped details against the walk, and the figures of Giroud and Biri 2010 as
 // ratios of our three ways to walk their levels.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -14,6 +13,7 @@
 #include "bench/baselines/paper_walk.hpp"
 #include "bench/baselines/uniform_steps.hpp"
 #include "bench/benchmark.hpp"
+#include "bench/timing.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/camera/camera.hpp"
 #include "volute/fog/fog_march.hpp"
@@ -28,14 +28,10 @@ constexpr int kWidth = 800, kHeight = 600;
 
 /// The least of several runs of each, taken in turns, so that what else the machine does hits all.
 std::vector<double> leastSeconds(const std::vector<std::function<void()>>& works, int rounds = 7) {
-  using Clock = std::chrono::steady_clock;
   std::vector<double> least(works.size(), std::numeric_limits<double>::infinity());
   for (int round = 0; round < rounds; ++round) {
-    for (std::size_t i = 0; i < works.size(); ++i) {
-      const auto begin = Clock::now();
-      works[i]();
-      least[i] = std::min(least[i], std::chrono::duration<double>(Clock::now() - begin).count());
-    }
+    for (std::size_t i = 0; i < works.size(); ++i)
+      least[i] = std::min(least[i], secondsOf(works[i]));
   }
   return least;
 }

@@ -3,13 +3,13 @@
 // `volute bench gl`: the papers' tables of frame rates by OpenGL on the device there is, against
 // the processor's.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "bench/benchmark.hpp"
 #include "bench/gl_case_drawer.hpp"
 #include "bench/gl_cases.hpp"
+#include "bench/timing.hpp"
 #include "volute/gl/gl_device.hpp"
 #include "volute/gl/gl_renderer.hpp"
 
@@ -20,10 +20,6 @@ namespace {
 constexpr double kAllSeconds = 420, kQuickSeconds = 60;
 /// And a case of it, when the time is over: small pictures are drawn all the same.
 constexpr double kLeastSeconds = 0.6;
-
-double secondsSince(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 double largestDifference(const Image& a, const Image& b) {
   double largest = 0, brightest = 0;
@@ -45,11 +41,11 @@ double median(std::vector<double> values) {
 template <class Draw>
 Result<double> medianFrame(double seconds, std::size_t least, Draw&& draw) {
   std::vector<double> frames;
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = Clock::now();
   for (double spent = 0; frames.empty() || (spent < seconds && frames.size() < 200) ||
                          (frames.size() < least && spent < 3 * seconds);
        spent = secondsSince(begin)) {
-    const auto frame = std::chrono::steady_clock::now();
+    const auto frame = Clock::now();
     VOLUTE_TRY(draw(static_cast<int>(frames.size()) + 1));
     frames.push_back(secondsSince(frame));
   }
@@ -126,13 +122,13 @@ class GlBench {
     constexpr int kSmallest = 8;
     constexpr double kCompiling = 6;  // [s], at most
     size = {full.width / kSmallest, full.height / kSmallest};
-    const auto first = std::chrono::steady_clock::now();
+    const auto first = Clock::now();
     VOLUTE_ASSIGN(auto compiled, drawer_.picture(one, size.width, size.height));
     if (secondsSince(first) > kCompiling + 2 * seconds)  // not by its pixels
       return compiled;
     for (int part = kSmallest;; part /= 2) {
       size = {full.width / part, full.height / part};
-      const auto begin = std::chrono::steady_clock::now();
+      const auto begin = Clock::now();
       VOLUTE_ASSIGN(auto image, drawer_.picture(one, size.width, size.height));
       if (part == 1 || 4 * secondsSince(begin) > seconds)
         return image;
@@ -196,7 +192,7 @@ Status benchGl(const BenchInput& input, BenchRows& rows, Progress& progress) {
               {{"device", gl.device().renderer}},
               "left out, for there is no graphics card and a frame takes seconds"});
   }
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = Clock::now();
   const double all = input.quick ? kQuickSeconds : kAllSeconds;
   double share = 0;
   for (const GlGroup& group : groupsOf(input, {input.quick, gl.device().hardware})) {

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/bench_timing.hpp"
 #include "bench/benchmark.hpp"
+#include "bench/timing.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/grid/voxel_medium.hpp"
 #include "volute/tree4d/tree4d.hpp"

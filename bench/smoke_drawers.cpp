@@ -4,12 +4,12 @@
 
 #include <sys/resource.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <type_traits>
 
 #include "bench/smoke_peer.hpp"
+#include "bench/timing.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/io/reader_process.hpp"
 #include "volute/tetmesh/tet_marcher.hpp"
@@ -31,14 +31,14 @@ class OwnDrawer : public SmokeDrawer {
   SmokeRole role() const override { return role_; }
 
   Result<DrawTimes> draw(const SmokeView& view, std::span<float> opacity) override {
-    const auto begin = std::chrono::steady_clock::now();
+    const auto begin = Clock::now();
     const double processor = processorSeconds();
     if (view.field != field_)
       path_.setExtinction(smoke_.extinction[static_cast<std::size_t>(view.field)]);
     field_ = view.field;
     paint(view.camera(), opaqueDepth(view));
     DrawTimes times;
-    times.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    times.wall = secondsSince(begin);
     times.processor = processorSeconds() - processor;
     fill(opacity);
     return times;

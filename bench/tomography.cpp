@@ -3,10 +3,10 @@
 // `volute bench tomography`: what each method makes of 8 views of 180 x 144 of a made-up fire and
 // of smoke, or of a capture whose true volume is known, and how long the products with the
 // projection matrix take beside an explicit sparse one.
-#include <chrono>
 #include <cmath>
 
 #include "bench/benchmark.hpp"
+#include "bench/timing.hpp"
 #include "bench/tomography_scenes.hpp"
 #include "bench/tomography_speed.hpp"
 #include "volute/capture/open_capture.hpp"
@@ -92,11 +92,10 @@ std::string noteOf(double yardstick) {
 Status addQuality(const FilmedScene& scene, const std::string& prefix, const Method& method,
                   const Yardstick& yardstick, Progress& progress, BenchRows& rows) {
   progress.report(fmt::format("{}: {}", prefix, method.name), 0, 0);
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = Clock::now();
   VOLUTE_ASSIGN(const Reconstruction done,
                 reconstruct(scene.views, scene.geometry, method.options, {}, progress));
-  const double time =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const double time = secondsSince(begin);
   const SceneQuality quality = qualityOf(scene, done.volume, method.options.basis);
   const std::string name = fmt::format("{}: {}", prefix, method.name);
   auto add = [&](std::string_view what, double value, std::string_view unit, std::string note) {

@@ -3,8 +3,8 @@
 #include "bench/tomography_speed.hpp"
 
 #include <Eigen/SparseCore>
-#include <chrono>
 
+#include "bench/timing.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/tomography/hull.hpp"
 #include "volute/tomography/projector.hpp"
@@ -14,12 +14,6 @@ namespace {
 
 constexpr int kIterations = 200;
 constexpr float kMeasured = 0.3F;  // what the residuals are to, for the time that they take
-
-double seconds(auto&& work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 // The peer: what one writes with a library of sparse matrices.
 
@@ -118,12 +112,12 @@ Timing timeProjector(std::span<const ProjectorView> views, std::shared_ptr<const
                      int rays, std::uint64_t tableBytes, std::unique_ptr<Projector>& projector) {
   Timing timing;
   timing.setUp =
-      seconds([&] { projector = std::make_unique<Projector>(views, support, rays, tableBytes); });
+      secondsOf([&] { projector = std::make_unique<Projector>(views, support, rays, tableBytes); });
   std::vector<float> x(4 * projector->unknowns(), 0.5F), y(4 * projector->rows()), g(x.size());
   auto residual = [](std::size_t, const float* sum, float* back) {
     for (int c = 0; c < 4; ++c) back[c] = sum[c] - kMeasured;
   };
-  timing.iterations = seconds([&] {
+  timing.iterations = secondsOf([&] {
     for (int k = 0; k < kIterations; ++k) projector->thereAndBack(x, residual, y, g);
   });
   return timing;
@@ -132,12 +126,12 @@ Timing timeProjector(std::span<const ProjectorView> views, std::shared_ptr<const
 Timing timeSparse(const Projector& projector, std::span<const TomographyView> views, int rays) {
   Timing timing;
   Sparse matrix, transposed;
-  timing.setUp = seconds([&] {
+  timing.setUp = secondsOf([&] {
     matrix = assemble(projector, views, rays);
     transposed = matrix.transpose();
   });
   Colours x = Colours::Constant(matrix.cols(), 3, 0.5F), y(matrix.rows(), 3), g(x.rows(), 3);
-  timing.iterations = seconds([&] {
+  timing.iterations = secondsOf([&] {
     for (int k = 0; k < kIterations; ++k) {
       multiply(matrix, x, y);
       y.array() -= kMeasured;

@@ -10,8 +10,8 @@
 #include <zfp/constarray4.hpp>
 
 #include "bench/baselines/paper_tree.hpp"
-#include "bench/bench_timing.hpp"
 #include "bench/benchmark.hpp"
+#include "bench/timing.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/tree4d/tree4d.hpp"
 

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // `volute bench visibility`: maps of a plan, against a loop over rays in NumPy.
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 
-#include "bench/bench_timing.hpp"
 #include "bench/benchmark.hpp"
-#include "bench/scratch_file.hpp"
+#include "bench/scratch.hpp"
+#include "bench/timing.hpp"
 #include "volute/visibility/fds_sight.hpp"
 #include "volute/visibility/survey.hpp"
 
@@ -131,26 +129,13 @@ maps.tofile(folder + "/maps")
 print(seconds)
 )";
 
-/// A folder that is gone at the end.
-struct Scratch {
-  std::filesystem::path path =
-      std::filesystem::temp_directory_path() / fmt::format("volute-bench-{}", ::getpid());
-
-  Scratch() { std::filesystem::create_directories(path); }
-
-  ~Scratch() {
-    std::error_code error;
-    std::filesystem::remove_all(path, error);
-  }
-};
-
 /// Seconds that the loop takes, or nothing where there is no NumPy.
-std::optional<double> runNumPy(const Scratch& scratch, int times) {
+std::optional<double> runNumPy(const ScratchFolder& scratch, int times) {
   for (const char* python : {"python3", "/usr/bin/python3"}) {
     const std::string command = fmt::format(
         "{0} -c 'import numpy' 2>/dev/null && {0} '{1}/loop.py' "
         "'{1}' {2} {3} {4} {5}",
-        python, scratch.path.string(), kNx, kNy, times, kCell);
+        python, scratch.path().string(), kNx, kNy, times, kCell);
     std::FILE* pipe = ::popen(command.c_str(), "r");
     if (pipe == nullptr)
       continue;
@@ -163,8 +148,9 @@ std::optional<double> runNumPy(const Scratch& scratch, int times) {
 }
 
 /// How many of the points' answers are the same: seen or not.
-Result<double> agreement(const Scratch& scratch, int times, std::span<const Sighting> sightings) {
-  VOLUTE_ASSIGN(const auto bytes, readScratch(scratch.path / "maps"));
+Result<double> agreement(const ScratchFolder& scratch, int times,
+                         std::span<const Sighting> sightings) {
+  VOLUTE_ASSIGN(const auto bytes, readScratch(scratch.path() / "maps"));
   std::vector<float> maps(bytes.size() / sizeof(float));
   std::memcpy(maps.data(), bytes.data(), maps.size() * sizeof(float));
   const std::size_t count = std::size_t{3} * kNx * kNy;
@@ -194,14 +180,14 @@ Status benchVisibility(const BenchInput&, BenchRows& rows, Progress& progress) {
   if (progress.cancelled())
     return fail(ErrorCode::kCancelled, "stopped before the loop in NumPy");
   const double lines = static_cast<double>(sightings.size()) * kTimes;
-  const Scratch scratch;
+  VOLUTE_ASSIGN(const auto scratch, ScratchFolder::create());
   std::vector<float> smoke;
   for (const auto& values : floor.extinction)
     smoke.insert(smoke.end(), values.begin(), values.end());
-  VOLUTE_TRY(writeScratch(scratch.path / "smoke", std::as_bytes(std::span(smoke))));
-  VOLUTE_TRY(writeScratch(scratch.path / "solid", std::as_bytes(std::span(floor.solid))));
+  VOLUTE_TRY(writeScratch(scratch.path() / "smoke", std::as_bytes(std::span(smoke))));
+  VOLUTE_TRY(writeScratch(scratch.path() / "solid", std::as_bytes(std::span(floor.solid))));
   VOLUTE_TRY(
-      writeScratch(scratch.path / "loop.py", std::as_bytes(std::span(std::string_view(kNumPy)))));
+      writeScratch(scratch.path() / "loop.py", std::as_bytes(std::span(std::string_view(kNumPy)))));
   const auto plain = runNumPy(scratch, kTimes);
   rows.add({fmt::format("{} maps of {} x {} points, 3 signs", kTimes, kNx, kNy), seconds, "s",
             plain ? std::optional(*plain / seconds) : std::nullopt});

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "bench/file_codec.hpp"
-#include "bench/scratch_file.hpp"
+#include "bench/scratch.hpp"
 
 namespace volute::bench {
 namespace {

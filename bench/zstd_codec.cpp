@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "bench/file_codec.hpp"
-#include "bench/scratch_file.hpp"
+#include "bench/scratch.hpp"
 #include "volute/base/half.hpp"
 
 namespace volute::bench {

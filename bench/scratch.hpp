@@ -2,15 +2,46 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <stdlib.h>
+
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "volute/base/result.hpp"
 
 namespace volute::bench {
+
+/// A folder for files of a benchmark, removed with what is in it.
+class ScratchFolder {
+ public:
+  [[nodiscard]] static Result<ScratchFolder> create() {
+    std::string name = (std::filesystem::temp_directory_path() / "volute-bench-XXXXXX").string();
+    if (!::mkdtemp(name.data()))
+      return fail(ErrorCode::kIo, "{}: cannot create a folder for the benchmark's files", name);
+    return ScratchFolder(name);
+  }
+
+  ~ScratchFolder() {
+    std::error_code ignored;
+    if (!path_.empty())
+      std::filesystem::remove_all(path_, ignored);
+  }
+
+  ScratchFolder(ScratchFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  ScratchFolder& operator=(ScratchFolder&&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  explicit ScratchFolder(std::filesystem::path path) : path_(std::move(path)) {}
+
+  std::filesystem::path path_;
+};
 
 /// A scratch file of a benchmark, written at once. No fsync: what is timed is coding, not the disk.
 [[nodiscard]] inline Status writeScratch(const std::filesystem::path& path,
