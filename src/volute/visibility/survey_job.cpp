@@ -89,7 +89,7 @@ Json summaryOf(const SurveyTime& at, const Survey& survey) {
   for (std::size_t s = 0; s < survey.signs.size(); ++s)
     signs[survey.signs[s].sign.name] = unit * static_cast<double>(bySign[s]);
   return {{"time", at.time}, {"eyes", eyes},           {"any", unit * static_cast<double>(any)},
-          {"signs", signs},      {"uncertain", uncertain}, {"uncovered", uncovered}};
+          {"signs", signs},  {"uncertain", uncertain}, {"uncovered", uncovered}};
 }
 
 /// The survey as it goes through time.
