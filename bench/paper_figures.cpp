@@ -17,6 +17,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "bench/baselines/paper_tree.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/camera/camera.hpp"
 #include "volute/grid/sequence.hpp"
@@ -25,7 +26,6 @@
 #include "volute/io/image_file.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/render/render.hpp"
-#include "volute/tree4d/paper_tree.hpp"
 #include "volute/tree4d/tree4d.hpp"
 
 namespace {

@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: The Volute authors
 """Volumes through the program and back, measured here with code of our own."""
 import math
+import pathlib
 import shutil
 import subprocess
 
@@ -151,12 +152,17 @@ class Volumes(support.TestCase):
                 self.assertIn("this build has no", row["note"])
 
     def test_bench_says_which_peer_is_not_there(self):
-        # The program alone, without the plug-ins that lie beside it.
+        # The programs alone: first without that of the benchmarks, then without the plug-ins that lie beside them.
         alone = self.path("bin") / "volute"
         alone.parent.mkdir()
         shutil.copy(support.PROGRAM, alone)
-        done = subprocess.run([alone, "bench", "codec", "--input", self.make_npy(frames=1, size=8)],
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+        words = [alone, "bench", "codec", "--input", self.make_npy(frames=1, size=8)]
+        done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertEqual(done.stderr, f"volute bench: {alone}-bench is missing: "
+                                      "./dev bench builds and runs it from Volute's sources\n")
+        shutil.copy(pathlib.Path(support.PROGRAM).with_name("volute-bench"), alone.parent)
+        done = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
         self.assertEqual(done.returncode, 0, done.stderr)
         if "size at 0.01, OpenVDB" in done.stdout:
             self.skipTest("the plug-in is installed")

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "volute/cli/report.hpp"
 #include "volute/scene/reading.hpp"
@@ -17,6 +19,7 @@ struct Context : Reading {
   Console* console = nullptr;  ///< whose bar ends before results are shown
   bool json = false;
   bool verbose = false;
+  std::vector<std::string> words{};  ///< as the user typed them, without the command's name
   bool resultsToStderr = false;  ///< set when the data themselves go to standard output
 
   /// Shows results: one JSON object or lines of text, on standard output.

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "volute/base/output_file.hpp"
+#include "volute/base/write_file.hpp"
 #include "volute/cli/report.hpp"
 #include "volute/fog/fog_shader.hpp"
 
@@ -43,16 +43,6 @@ constexpr const char* kPolarReadme =
   ES 3.0 drawing to RGBA32F needs EXT_color_buffer_float.
 )";
 
-Status writeFile(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-  VOLUTE_ASSIGN(auto file, OutputFile::create(path));
-  VOLUTE_TRY(file.write(bytes));
-  return file.commit();
-}
-
-Status writeText(const std::filesystem::path& path, const std::string& text) {
-  return writeFile(path, std::as_bytes(std::span(text)));
-}
-
 std::string replaced(std::string text, const std::string& what, const std::string& by) {
   for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
     text.replace(at, what.size(), by);
@@ -81,14 +71,14 @@ Status exportFogShader(const FogMedium& fog, const std::filesystem::path& folder
   std::filesystem::create_directories(folder, error);
   if (!std::filesystem::is_directory(folder, error))
     return fail(ErrorCode::kIo, "--export-glsl: cannot make the folder '{}'", folder.string());
-  VOLUTE_TRY(writeText(folder / "fog.glsl", kLicense + shader.walk));
+  VOLUTE_TRY(writeFile(folder / "fog.glsl", kLicense + shader.walk));
   if (!shader.polar.empty())
-    VOLUTE_TRY(writeText(folder / "fog_polar.glsl", shader.polar));
+    VOLUTE_TRY(writeFile(folder / "fog_polar.glsl", shader.polar));
   VOLUTE_TRY(writeFile(folder / "fog_map.f32", std::as_bytes(std::span(shader.texels))));
-  VOLUTE_TRY(writeText(folder / "fog.json", dumpJson(uniforms(shader, fog.options().color))));
+  VOLUTE_TRY(writeFile(folder / "fog.json", dumpJson(uniforms(shader, fog.options().color))));
   std::string readme = replaced(kReadme, "{width}", fmt::format("{}", shader.width));
   readme = replaced(readme, "{height}", fmt::format("{}", shader.height));
-  return writeText(folder / "README.md",
+  return writeFile(folder / "README.md",
                    replaced(readme, "{polar}", shader.polar.empty() ? "" : kPolarReadme));
 }
 

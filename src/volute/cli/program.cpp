@@ -69,11 +69,21 @@ Status runGuarded(const Command& command, const Arguments& arguments, Context& c
   }
 }
 
-int runCommand(const Command& command, const Arguments& arguments) {
+int show(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  const Status status = flushResults();
+  if (!status)
+    fmt::print(stderr, "volute: {}\n", status.error().message);
+  return status ? kDone : kCouldNot;
+}
+
+int runCommand(const Command& command, const Arguments& arguments,
+               const std::vector<std::string>& words) {
   const ThreadLimit threads(arguments.find<int>("threads").value_or(0));
   Console console(std::string(command.name), volumeOf(arguments));
   Context context{{console, arguments.get<Bytes>("max-memory").count}, &console};
   context.json = arguments.flag("json");
+  context.words = words;
   context.verbose = arguments.flag("verbose");
   Status status = runGuarded(command, arguments, context);
   if (status)
@@ -86,20 +96,30 @@ int runCommand(const Command& command, const Arguments& arguments) {
   return status.error().code == ErrorCode::kInvalidArgument ? kWrongUsage : kCouldNot;
 }
 
-int show(const std::string& text) {
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  const Status status = flushResults();
-  if (!status)
-    fmt::print(stderr, "volute: {}\n", status.error().message);
-  return status ? kDone : kCouldNot;
+int parseAndRun(const Command& command, const std::vector<std::string>& words) {
+  const auto arguments = parseArguments(command, words);
+  if (!arguments) {
+    fmt::print(stderr, "volute {0}: {1}\n'volute help {0}' shows how it is used.\n", command.name,
+               arguments.error().message);
+    return kWrongUsage;
+  }
+  if (arguments->flag("help"))
+    return show(helpText(command));
+  if (arguments->flag("version"))
+    return show(fmt::format("volute {}\n", kVersion));
+  return runCommand(command, *arguments, words);
+}
+
+/// A closed pipe and a file beyond the user's limit become errors of write().
+void ignoreSignalsOfWriting() {
+  ::signal(SIGPIPE, SIG_IGN);
+  ::signal(SIGXFSZ, SIG_IGN);
 }
 
 }  // namespace
 
 int runProgram(int argc, char** argv) {
-  // A closed pipe and a file beyond the user's limit become errors of write().
-  ::signal(SIGPIPE, SIG_IGN);
-  ::signal(SIGXFSZ, SIG_IGN);
+  ignoreSignalsOfWriting();
   const Interrupt interrupt;
   std::vector<std::string> words(argv + 1, argv + argc);
   const auto place = findCommandWord(words);
@@ -114,17 +134,13 @@ int runProgram(int argc, char** argv) {
   if (!command)
     return unknownCommand(name);
   words.erase(words.begin() + static_cast<std::ptrdiff_t>(*place));
-  const auto arguments = parseArguments(*command, words);
-  if (!arguments) {
-    fmt::print(stderr, "volute {0}: {1}\n'volute help {0}' shows how it is used.\n", name,
-               arguments.error().message);
-    return kWrongUsage;
-  }
-  if (arguments->flag("help"))
-    return show(helpText(*command));
-  if (arguments->flag("version"))
-    return show(fmt::format("volute {}\n", kVersion));
-  return runCommand(*command, *arguments);
+  return parseAndRun(*command, words);
+}
+
+int runProgram(const Command& command, int argc, char** argv) {
+  ignoreSignalsOfWriting();
+  const Interrupt interrupt;
+  return parseAndRun(command, {argv + 1, argv + argc});
 }
 
 }  // namespace volute::cli

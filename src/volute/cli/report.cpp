@@ -5,11 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace volute::cli {
 
-Report& Report::add(std::string_view key, nlohmann::ordered_json value, std::string text) {
+Report& Report::add(std::string_view key, Json value, std::string text) {
   json_[std::string(key)] = std::move(value);
   if (text.empty())
     return *this;
@@ -33,14 +32,6 @@ std::string Report::text() const {
   std::string text;
   for (const Line& line : lines_) text += fmt::format("{:<{}}  {}\n", line.label, width, line.text);
   return text;
-}
-
-nlohmann::ordered_json jsonNumber(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
-}
-
-std::string dumpJson(const nlohmann::ordered_json& json) {
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string bytesText(std::uint64_t bytes) {

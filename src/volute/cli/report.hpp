@@ -2,10 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "volute/report/json.hpp"
 
 namespace volute::cli {
 
@@ -14,13 +15,13 @@ namespace volute::cli {
 class Report {
  public:
   /// `text` is what people read; an entry with an empty text is for programs alone.
-  Report& add(std::string_view key, nlohmann::ordered_json value, std::string text);
+  Report& add(std::string_view key, Json value, std::string text);
 
   /// Numbers and words that read the same in both. Infinities and NaN are null in JSON.
   Report& add(std::string_view key, double value);
   Report& add(std::string_view key, std::string_view value);
 
-  const nlohmann::ordered_json& json() const { return json_; }
+  const Json& json() const { return json_; }
 
   /// Lines "key  text", aligned; underscores of keys become spaces.
   std::string text() const;
@@ -31,16 +32,9 @@ class Report {
     std::string text;
   };
 
-  nlohmann::ordered_json json_ = nlohmann::ordered_json::object();
+  Json json_ = Json::object();
   std::vector<Line> lines_;
 };
-
-/// A number for JSON: null when it is not finite.
-nlohmann::ordered_json jsonNumber(double value);
-
-/// One JSON object on one or more lines; text that is no UTF-8 (a file name, say) is replaced,
-/// never an exception.
-std::string dumpJson(const nlohmann::ordered_json& json);
 
 /// "123 bytes", "1.4 MB" (powers of 1000).
 std::string bytesText(std::uint64_t bytes);

@@ -39,7 +39,7 @@ struct StreamInfo {
 using Tiers = std::span<const std::vector<std::byte>>;
 
 /// Reads the blocks of one stream. Thread-safe; each block is decoded for itself. A new codec is
-/// one such class with a number of its own, listed in openDecoder().
+/// one such class with a number of its own.
 class BlockDecoder {
  public:
   virtual ~BlockDecoder() = default;
@@ -59,24 +59,13 @@ class BlockDecoder {
   /// How the block is coded, in a few words: "empty", "shaped cdf53, 4 time levels".
   [[nodiscard]] virtual Result<std::string> describe(Tiers tiers,
                                                      const BlockShape& shape) const = 0;
-
-  /// The quantisation step of the orthonormal Haar coefficients; 0 in another basis.
-  virtual double haarStep() const { return 0; }
 };
 
-/// Codec 1, Haar and zstd (docs/format.md, section 7): read only.
-[[nodiscard]] Result<std::shared_ptr<const BlockDecoder>> openHaarDecoder(
-    std::span<const std::byte> parameters, const StreamInfo& stream);
+inline constexpr std::uint32_t kWaveletCodec = 2;  ///< its number in files; 1 was never released
 
-/// Codec 2, wavelets on a support and context modelling (docs/format.md, section 8).
+/// Wavelets on a support and context modelling (docs/format.md, section 8).
+/// @param parameters  as the file keeps them; impossible ones are kInvalidData.
 [[nodiscard]] Result<std::shared_ptr<const BlockDecoder>> openWaveletDecoder(
     std::span<const std::byte> parameters, const StreamInfo& stream);
-
-/// Whether this build knows a codec's number.
-bool knowsCodec(std::uint32_t id);
-
-/// @param parameters  as the file keeps them; impossible ones are kInvalidData.
-[[nodiscard]] Result<std::shared_ptr<const BlockDecoder>> openDecoder(
-    std::uint32_t id, std::span<const std::byte> parameters, const StreamInfo& stream);
 
 }  // namespace volute

@@ -110,7 +110,7 @@ class Compressor {
         info_(source.info()),
         row_(source) {
     head_.info = info_;
-    head_.header.codec = 2;
+    head_.header.codec = kWaveletCodec;
     head_.header.writtenBy = "volute " VOLUTE_VERSION;
     head_.header.provenance = options.provenance;
     head_.header.targetKind = nameOf(options.target.kind);
@@ -324,7 +324,7 @@ Status Compressor::encodeAll(double step, Way way) {
   training_ = {};
   head_.parameters = writeParameters(parameters_, info_.channels);
   VOLUTE_ASSIGN(head_.decoder, openWaveletDecoder(head_.parameters, stream()));
-  head_.segments.assign(row_.grid().count() * spools_.size(), Segment{});
+  head_.segments.assign(row_.grid().count() * spools_.size(), SegmentEntry{});
   outcome_ = {};
   for (Spool& spool : spools_) VOLUTE_TRY(spool.clear());
   const int rows = row_.rows();

@@ -93,7 +93,7 @@ std::vector<std::byte> writeInfoChunk(const FileHead& head) {
 std::vector<std::byte> writeIndexChunk(const FileHead& head) {
   ByteWriter sizes;
   ByteWriter checksums;
-  for (const Segment& segment : head.segments) {
+  for (const SegmentEntry& segment : head.segments) {
     sizes.varint(segment.size);
     if (segment.size != 0)
       checksums.u32(segment.crc);
@@ -147,7 +147,7 @@ Status readPrologue(const InputFile& file, FileHead& head) {
                 "{}: has format version {}.{}; this program reads {}.x, a newer one may read it",
                 path, head.header.versionMajor, head.header.versionMinor, kMajor);
   }
-  if (!knowsCodec(codec)) {
+  if (codec != kWaveletCodec) {
     return fail(ErrorCode::kUnsupported,
                 "{}: uses codec {}, which this program does not know; a newer one may read it",
                 path, codec);
@@ -303,9 +303,9 @@ Status readInfoChunk(std::span<const std::byte> content, const std::string& path
   if (!in.ok())
     return malformed("it ends early");
   head.parameters.assign(parameters.begin(), parameters.end());
-  auto decoder = openDecoder(static_cast<std::uint32_t>(header.codec), parameters,
-                             {head.info.channels, static_cast<float>(header.valueMin),
-                              static_cast<float>(header.valueMax)});
+  auto decoder = openWaveletDecoder(parameters, {head.info.channels,
+                                                 static_cast<float>(header.valueMin),
+                                                 static_cast<float>(header.valueMax)});
   if (!decoder)
     return malformed(decoder.error().message);
   head.decoder = std::move(*decoder);
@@ -313,7 +313,6 @@ Status readInfoChunk(std::span<const std::byte> content, const std::string& path
                           [](int levels) { return static_cast<std::uint64_t>(levels); })) {
     return malformed("tiers that the codec does not have");
   }
-  header.haarStep = head.decoder->haarStep();
   return {};
 }
 
@@ -326,7 +325,7 @@ Status readIndexChunk(std::span<const std::byte> content, const std::string& pat
   std::uint64_t offset = head.headBytes;
   for (std::size_t tier = 0; tier < tiers; ++tier) {
     for (std::size_t block = 0; block < blocks; ++block) {
-      Segment& segment = head.segments[tier * blocks + block];
+      SegmentEntry& segment = head.segments[tier * blocks + block];
       const std::uint64_t size = in.varint();
       if (!in.ok() || size > head.decoder->maxSegmentBytes(shapeOf(grid, block), tier)) {
         return fail(ErrorCode::kInvalidData,
@@ -337,7 +336,7 @@ Status readIndexChunk(std::span<const std::byte> content, const std::string& pat
       offset += size;
     }
   }
-  for (Segment& segment : head.segments) {
+  for (SegmentEntry& segment : head.segments) {
     if (segment.size != 0)
       segment.crc = in.u32();
   }
@@ -354,7 +353,7 @@ Result<std::uint64_t> countSegments(const FileHead& head, const std::string& pat
   const VolumeInfo& info = head.info;
   double blocks = static_cast<double>(head.decoder->tierLevels().size());
   for (const int side : {info.frames, info.z, info.y, info.x}) blocks *= (side + 15) / 16;
-  const double bytes = blocks * (sizeof(Segment) + 9);
+  const double bytes = blocks * (sizeof(SegmentEntry) + 9);
   if (bytes > static_cast<double>(budget) / 2) {
     return fail(
         ErrorCode::kTooLarge,
@@ -392,7 +391,7 @@ std::vector<std::byte> writeHead(FileHead& head) {
   const auto index = writeIndexChunk(head);
   head.headBytes = kPrologueBytes + 2 * kChunkFrameBytes + info.size() + index.size();
   head.fileBytes = head.headBytes;
-  for (Segment& segment : head.segments) {
+  for (SegmentEntry& segment : head.segments) {
     segment.offset = head.fileBytes;
     head.fileBytes += segment.size;
   }

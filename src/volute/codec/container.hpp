@@ -17,7 +17,7 @@
 namespace volute {
 
 /// Where one tier of one block lies in the file.
-struct Segment {
+struct SegmentEntry {
   std::uint64_t offset = 0;
   std::uint32_t size = 0;
   std::uint32_t crc = 0;
@@ -30,11 +30,11 @@ struct FileHead {
   std::vector<std::byte> parameters;  ///< of the codec
   std::shared_ptr<const BlockDecoder> decoder;
   /// Tier by tier, block by block, as in the file.
-  std::vector<Segment> segments;
+  std::vector<SegmentEntry> segments;
   std::uint64_t headBytes = 0;
   std::uint64_t fileBytes = 0;
 
-  const Segment& segment(std::size_t tier, std::size_t block, std::size_t blocks) const {
+  const SegmentEntry& segment(std::size_t tier, std::size_t block, std::size_t blocks) const {
     return segments[tier * blocks + block];
   }
 };

@@ -188,7 +188,7 @@ FileHead headOf(const std::vector<Part>& parts, const Errors& errors) {
   return head;
 }
 
-Status copySegment(const Part& part, const Segment& segment, OutputFile& out) {
+Status copySegment(const Part& part, const SegmentEntry& segment, OutputFile& out) {
   std::vector<std::byte> bytes(segment.size);
   VOLUTE_TRY(part.file.read(segment.offset, bytes));
   if (crc32(bytes) != segment.crc) {

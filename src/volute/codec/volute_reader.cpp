@@ -25,7 +25,7 @@ struct VoluteReader::Impl {
 
   std::size_t tiers() const { return head.decoder->tierLevels().size(); }
 
-  const Segment& segment(std::size_t tier, std::size_t block) const {
+  const SegmentEntry& segment(std::size_t tier, std::size_t block) const {
     return head.segment(tier, block, grid.count());
   }
 
@@ -53,7 +53,7 @@ tl::unexpected<Error> VoluteReader::Impl::blame(std::size_t block, std::uint64_t
 
 Status VoluteReader::Impl::readSegment(std::size_t block, std::size_t tier,
                                        std::vector<std::byte>& bytes) const {
-  const Segment& at = segment(tier, block);
+  const SegmentEntry& at = segment(tier, block);
   bytes.clear();
   if (at.size == 0)
     return {};

@@ -30,8 +30,6 @@ struct VoluteHeader {
   double reachedRms = 0;              ///< relative RMS over all values: RMS / (max - min)
   double reachedMaxError = 0;         ///< absolute
   double valueMin = 0, valueMax = 0;  ///< of the original
-  double haarStep = 0;  ///< quantisation step of the orthonormal Haar coefficients; 0 when the
-                        ///< codec has another basis
 };
 
 /// What of a file is there and whole.

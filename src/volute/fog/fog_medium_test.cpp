@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "bench/baselines/uniform_steps.hpp"
 #include "volute/fog/fog_testing.hpp"
-#include "volute/fog/uniform_steps.hpp"
 #include "volute/math/quadrature.hpp"
 
 namespace volute {

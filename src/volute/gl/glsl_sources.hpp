@@ -35,5 +35,9 @@ extern const char* const kTetsVertex;
 extern const char* const kTetsFragment;
 extern const char* const kTetsWallVertex;
 extern const char* const kTetsWallFragment;
+extern const char* const kScreen;
+extern const char* const kSurfaceVertex;
+extern const char* const kSurfaceFragment;
+extern const char* const kSurfaceKnown;
 
 }  // namespace volute::glsl

@@ -6,6 +6,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/output_file.hpp"
+#include "volute/base/write_file.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/xml_text.hpp"
 
@@ -51,9 +52,7 @@ class LatticeSink final : public FrameSink {
                           escapedXml(targets_[i].filename().string()));
     }
     text += "  </Collection>\n</VTKFile>\n";
-    VOLUTE_ASSIGN(auto file, OutputFile::create(collection_));
-    VOLUTE_TRY(file.write(std::as_bytes(std::span(text))));
-    return file.commit();
+    return writeFile(collection_, text);
   }
 
   std::vector<std::filesystem::path> targets_;

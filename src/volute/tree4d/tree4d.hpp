@@ -46,8 +46,8 @@ class Tree4d {
     int endFrame = 1 << 30;  ///< frames outside are not read from the file and hold zeros
   };
 
-  /// From a file, block by block. Files of quantised Haar coefficients keep their step, so nothing
-  /// is lost; others are quantised anew with a quarter of the file's error, which adds 3 % to it.
+  /// From a file, block by block, quantised anew with a quarter of the file's error, which adds 3 %
+  /// to it.
   [[nodiscard]] static Result<Tree4d> load(const VoluteReader& reader, const LoadOptions& options,
                                            Progress& progress);
 

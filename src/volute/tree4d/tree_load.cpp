@@ -16,9 +16,7 @@ Result<Tree4d> Tree4d::load(const VoluteReader& reader, const LoadOptions& optio
   const VolumeInfo& info = reader.info();
   const VoluteHeader& header = reader.header();
   const double range = header.valueMax - header.valueMin;
-  double step = header.haarStep;
-  if (!(step > 0))
-    step = 0.25 * header.reachedRms * range * std::sqrt(12.0);
+  double step = 0.25 * header.reachedRms * range * std::sqrt(12.0);
   if (!(step > 0))
     step = std::max(range, 1.0) * 1e-6;
   TreeBuilder builder(info, step, static_cast<float>(header.valueMin),

@@ -120,11 +120,11 @@ int CaptureDocument::frameAt(double time) const {
   return after == capture_.frames.begin() ? capture_.frames.front() : *(after - 1);
 }
 
-Result<ViewQuad> CaptureDocument::screenOf(std::size_t camera, int frame) {
+Result<GlQuad> CaptureDocument::screenOf(std::size_t camera, int frame) {
   VOLUTE_ASSIGN(const auto picture, images_->read(camera, frame));
   const Camera& from = capture_.cameras[camera].camera;
   const double w = from.width(), h = from.height();
-  ViewQuad quad;
+  GlQuad quad;
   quad.corner = cornerAt(from, 0, 0, screen_);
   quad.right = cornerAt(from, w, 0, screen_) - quad.corner;
   quad.down = cornerAt(from, 0, h, screen_) - quad.corner;

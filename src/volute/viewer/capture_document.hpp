@@ -38,7 +38,7 @@ class CaptureDocument final : public Document {
 
   void remarkOnFaults(std::uint64_t maxMemory);
   int frameAt(double time) const;
-  Result<ViewQuad> screenOf(std::size_t camera, int frame);
+  Result<GlQuad> screenOf(std::size_t camera, int frame);
   void addFrustum(const CaptureCamera& camera, std::vector<ViewLine>& lines) const;
 
   std::string path_;

@@ -4,10 +4,11 @@
 
 #include <vector>
 
+#include "volute/gl/glsl_sources.hpp"
+
 namespace volute {
 
 namespace viewerGlsl {
-extern const char* const kScreen;
 extern const char* const kDisplay;
 }  // namespace viewerGlsl
 
@@ -28,7 +29,7 @@ void fillColors(GLuint texture, ColorMap map) {
 }  // namespace
 
 Result<Display> Display::create() {
-  const ShaderStage stages[] = {{GL_VERTEX_SHADER, {{"screen.glsl", viewerGlsl::kScreen}}},
+  const ShaderStage stages[] = {{GL_VERTEX_SHADER, {{"screen.glsl", glsl::kScreen}}},
                                 {GL_FRAGMENT_SHADER, {{"display.glsl", viewerGlsl::kDisplay}}}};
   VOLUTE_ASSIGN(auto program, GlProgram::link(stages));
   Display display(std::move(program));

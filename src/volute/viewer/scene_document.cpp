@@ -6,13 +6,13 @@
 #include <cmath>
 #include <fstream>
 
-#include "volute/base/output_file.hpp"
+#include "volute/base/write_file.hpp"
 #include "volute/fds/smv_index.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/scene/scene_names.hpp"
+#include "volute/scene/scene_parameters.hpp"
 #include "volute/scene/volume_input.hpp"
-#include "volute/viewer/scene_names.hpp"
-#include "volute/viewer/scene_parameters.hpp"
 #include "volute/viewer/watched_files.hpp"
 
 namespace volute {
@@ -478,10 +478,7 @@ Status SceneDocument::save(const std::string& target, const StartView& view, con
     camera["fov"] = view.fov;
   json["view"] = toJson(look);
   moveAllNames(json, file_, target);
-  VOLUTE_ASSIGN(auto file, OutputFile::create(target));
-  const std::string text = json.dump(2) + "\n";
-  VOLUTE_TRY(file.write(std::as_bytes(std::span(text))));
-  return file.commit();
+  return writeFile(target, json.dump(2) + "\n");
 }
 
 }  // namespace volute

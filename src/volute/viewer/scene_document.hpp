@@ -10,13 +10,13 @@
 
 #include "volute/scene/fds_layer.hpp"
 #include "volute/scene/fog_layer.hpp"
+#include "volute/scene/scene_facts.hpp"
 #include "volute/scene/scene_file.hpp"
+#include "volute/scene/scene_history.hpp"
 #include "volute/scene/smoke_layer.hpp"
 #include "volute/scene/still.hpp"
 #include "volute/viewer/document.hpp"
 #include "volute/viewer/open_document.hpp"
-#include "volute/viewer/scene_facts.hpp"
-#include "volute/viewer/scene_history.hpp"
 
 namespace volute {
 
@@ -169,7 +169,7 @@ class SceneDocument final : public Document {
   std::optional<StartView> start_;
   std::vector<std::string> remarks_, sceneRemarks_;  ///< all; those that no medium gave
   std::string guess_;                                ///< what a file alone was taken for
-  std::shared_ptr<const ViewSurfaces> surfaces_;     ///< while nothing that lights them changes,
+  std::shared_ptr<const GlSurfaces> surfaces_;     ///< while nothing that lights them changes,
   TriangleScene surfacesOf_;                         ///< of this geometry
 };
 

@@ -52,7 +52,7 @@ double powerOf(const PictureLaw& law, double c) {
   return law.mode == PictureMode::kPhotometric ? 1 : std::numbers::ln10 / c / law.factor();
 }
 
-ViewQuad quadOf(const Sign& sign, const PictureLaw& law) {
+GlQuad quadOf(const Sign& sign, const PictureLaw& law) {
   const Vec3 right = sign.width * sign.right(), down = sign.height * sign.down();
   constexpr double kOnWall = 1e-3;  // [m] before it
   return {sign.position - 0.5 * (right + down) + kOnWall * sign.normal.normalized(),
@@ -185,7 +185,7 @@ void SceneDocument::addSurfaces(const SceneWish& wish, const Still& still, ViewS
       media.push_back(factor == 1 ? medium : AnyMedium(ScaledMedium(medium, 1 / factor)));
     for (const SmokeState& smoke : still.smokes)
       media.emplace_back(TetMedium(smoke.locator, smoke.extinction));
-    surfaces_ = std::make_shared<const ViewSurfaces>(
+    surfaces_ = std::make_shared<const GlSurfaces>(
         surfaceCorners({still.geometry, scene_.lights.lamps, scene_.lights.ambient, media}));
     surfacesOf_ = still.geometry;
   }
@@ -193,7 +193,7 @@ void SceneDocument::addSurfaces(const SceneWish& wish, const Still& still, ViewS
     scene.surfaces = surfaces_;
     return;
   }
-  auto all = std::make_shared<ViewSurfaces>(*surfaces_);
+  auto all = std::make_shared<GlSurfaces>(*surfaces_);
   for (std::size_t i = 0; i < still.smokes.size(); ++i) {
     if (still.walls[i])
       all->add(wallCorners(still.smokes[i], still.lights, *still.walls[i]));

@@ -168,13 +168,13 @@ bool refine(const SurfaceScene& scene, std::vector<LitPiece>& pieces, std::size_
 
 }  // namespace
 
-ViewSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most) {
+GlSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most) {
   const double smallest = scene.geometry.bounds().size().norm() / kPieces;
   auto pieces = lit(scene, divided(scene.geometry.triangles(), most, smallest));
   const std::size_t atMost = std::max(2 * most, pieces.size() + most);
   for (int i = 0; i < kHalvings && refine(scene, pieces, atMost); ++i) {
   }
-  ViewSurfaces surfaces;
+  GlSurfaces surfaces;
   for (const LitPiece& piece : pieces) {
     for (int side = 0; side < 2; ++side) {
       for (int i = 0; i < 3; ++i) {
@@ -189,10 +189,10 @@ ViewSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most) {
   return surfaces;
 }
 
-ViewSurfaces wallCorners(const SmokeState& smoke, const SceneLights& lights, const Rgb& color,
+GlSurfaces wallCorners(const SmokeState& smoke, const SceneLights& lights, const Rgb& color,
                          std::size_t most) {
   const TetMesh& mesh = smoke.locator->mesh();
-  ViewSurfaces surfaces;
+  GlSurfaces surfaces;
   for (const Triangle& piece :
        divided(wallsOf(mesh), most, mesh.bounds().size().norm() / kPieces)) {
     const Vec3 across = piece.normal();

@@ -15,12 +15,12 @@ namespace volute {
 /// light, so that there are two triangles for one, the front first.
 /// @param most  how many triangles may come out of the first division, sides counted once, at least
 ///     those that there are; and again as many of the second
-ViewSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most = 20000);
+GlSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most = 20000);
 
 /// The boundary of a smoke's mesh likewise, as walls that reflect `color` of the lamps' light, seen
 /// from inside alone: lookAtWalls(), but with the light at corners of pieces, between which it is
 /// linear, as is the share of it that comes through the smoke between the vertices of a face.
-ViewSurfaces wallCorners(const SmokeState& smoke, const SceneLights& lights, const Rgb& color,
+GlSurfaces wallCorners(const SmokeState& smoke, const SceneLights& lights, const Rgb& color,
                          std::size_t most = 20000);
 
 }  // namespace volute

@@ -17,7 +17,7 @@ void addSquare(std::vector<Triangle>& triangles, double side, double z) {
 }
 
 /// The light that `surfaces` has at a point of the floor, whose triangles it goes through.
-double shown(const ViewSurfaces& surfaces, double x, double y) {
+double shown(const GlSurfaces& surfaces, double x, double y) {
   for (std::size_t t = 0; t + 9 <= surfaces.corners.size(); t += 18) {  // fronts
     const float* p = &surfaces.corners[t];
     if (p[2] != 0 || p[5] != 0 || p[8] != 0)
@@ -46,7 +46,7 @@ TEST(SurfaceCorners, EdgesOfShadowsAndConesAreWhereTheyAre) {
   lamp.intensity = Rgb(30, 30, 30);
   const std::vector<Lamp> lamps{lamp};
   const SurfaceScene scene{*geometry, lamps, Rgb(0.02, 0.02, 0.02)};
-  const ViewSurfaces surfaces = surfaceCorners(scene);
+  const GlSurfaces surfaces = surfaceCorners(scene);
   EXPECT_LE(surfaces.corners.size(), 40000u * 18);
   double sum = 0, brightest = 0;
   int count = 0;

@@ -131,7 +131,7 @@ Status ViewPicture::drawByGl(const PictureWish& wish, double scale) {
   isExact_ = false;
   const auto begun = std::chrono::steady_clock::now();
   ++version_;
-  opaque_ = surfaces_.draw(camera, *scene_, wish.surfaces);
+  opaque_ = surfaces_.draw(camera, scene_->surfaces, scene_->quads, wish.surfaces);
   const std::chrono::duration<double> rasterised = std::chrono::steady_clock::now() - begun;
   VOLUTE_TRY(drawMedia(wish, camera));
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
@@ -181,7 +181,7 @@ Status ViewPicture::refine(const PictureWish& wish) {
   ++version_;
   isExact_ = true;
   const Camera camera = exact_.camera();
-  const bool elsewhere = surfaces_.drawKnown(camera, *scene_, exact_.texels());
+  const bool elsewhere = surfaces_.drawKnown(camera, scene_->quads, exact_.texels());
   exact_.drop();
   const Status media = elsewhere ? drawMedia(wish, camera) : Status();
   for (GlPassTime& pass : renderer_.takePasses()) times_.passes.push_back(std::move(pass));

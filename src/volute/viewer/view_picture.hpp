@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "volute/gl/gl_renderer.hpp"
+#include "volute/gl/surface_drawer.hpp"
 #include "volute/viewer/display.hpp"
 #include "volute/viewer/exact_surfaces.hpp"
 #include "volute/viewer/processor_thread.hpp"
-#include "volute/viewer/surface_drawer.hpp"
 #include "volute/viewer/view_camera.hpp"
 
 namespace volute {

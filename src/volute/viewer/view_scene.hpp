@@ -12,34 +12,12 @@
 #include "volute/camera/camera.hpp"
 #include "volute/geometry/triangle_scene.hpp"
 #include "volute/gl/gl_scene.hpp"
+#include "volute/gl/surface_drawer.hpp"
 #include "volute/image/image.hpp"
 
 namespace volute {
 
 struct Still;
-
-/// Opaque triangles, seen where their corners go round anticlockwise, with the light that they send
-/// back already found at their corners.
-struct ViewSurfaces {
-  std::vector<float> corners;  ///< [m], 9 numbers a triangle
-  std::vector<float> colors;   ///< linear RGB radiance, 9 numbers a triangle
-
-  void add(const ViewSurfaces& more) {
-    corners.insert(corners.end(), more.corners.begin(), more.corners.end());
-    colors.insert(colors.end(), more.colors.begin(), more.colors.end());
-  }
-};
-
-/// A flat picture in space: a sign, or what a camera of a capture saw.
-struct ViewQuad {
-  Vec3 corner = Vec3::Zero();            ///< its top left [m]
-  Vec3 right = Vec3::UnitX();            ///< along its rows, as long as they are [m]
-  Vec3 down = -Vec3::UnitZ();            ///< along its columns [m]
-  std::shared_ptr<const Image> picture;  ///< linear RGB
-  /// It is seen through the picture's transmittance to this power.
-  double power = 1;
-  bool bothSides = false;  ///< else only by who sees `right` go to the right
-};
 
 /// A line that is drawn over the picture.
 struct ViewLine {
@@ -53,8 +31,8 @@ using ProcessorPicture = std::function<Result<Image>(const Camera& camera, Progr
 /// One instant of a document, ready to be drawn.
 struct ViewScene {
   GlScene media{};
-  std::shared_ptr<const ViewSurfaces> surfaces{};
-  std::vector<ViewQuad> quads{};
+  std::shared_ptr<const GlSurfaces> surfaces{};
+  std::vector<GlQuad> quads{};
   std::vector<ViewLine> lines{};
   std::vector<ViewLine> aids{};  ///< likewise, but not on pictures without panels
   ProcessorPicture processor{};  ///< empty: there is none

@@ -1,101 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/bench.hpp"
+#include <unistd.h>
 
-#include <fmt/ranges.h>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
 
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-
-#include "volute/base/parallel.hpp"
 #include "volute/cli/commands/commands.hpp"
 
 namespace volute::cli {
 namespace {
 
-std::string listText() {
-  std::string text;
-  for (const Benchmark& benchmark : benchmarks()) {
-    text += fmt::format("{:<12}  {}\n", benchmark.name, benchmark.description);
-  }
-  return text;
-}
+/// The benchmarks, with what they are compared with, are a program of their own.
+constexpr const char* kProgram = "volute-bench";
 
-/// A line of the table; names longer than the column push the others aside.
-std::string rowText(const BenchRow& row) {
-  constexpr int kNameWidth = 76;
-  std::string line =
-      fmt::format("  {:<{}}  {:>12} {:<9}{:<8}  {}", row.name, kNameWidth,
-                  std::isnan(row.value) ? std::string("-") : fmt::format("{:.5g}", row.value),
-                  row.unit, row.ratio ? fmt::format("  {:.3g}x", *row.ratio) : "", row.note);
-  line.erase(line.find_last_not_of(' ') + 1);
-  return line + '\n';
-}
-
-nlohmann::ordered_json tableJson(const Benchmark& benchmark, const BenchRows& rows) {
-  auto list = nlohmann::ordered_json::array();
-  for (const BenchRow& row : rows.all()) {
-    list.push_back({{"name", row.name}, {"value", jsonNumber(row.value)}, {"unit", row.unit}});
-    list.back()["ratio"] = row.ratio ? jsonNumber(*row.ratio) : nlohmann::ordered_json();
-    for (const auto& [key, value] : row.labels) list.back()["labels"][key] = value;
-    if (!row.note.empty())
-      list.back()["note"] = row.note;
+/// Becomes that program, with the same words; returns only where it cannot.
+Status run(const Arguments& /*arguments*/, Context& context) {
+  std::error_code error;
+  const auto program =
+      std::filesystem::read_symlink("/proc/self/exe", error).replace_filename(kProgram);
+  std::vector<char*> words{const_cast<char*>(kProgram)};
+  for (std::string& word : context.words) words.push_back(word.data());
+  words.push_back(nullptr);
+  ::execv(program.c_str(), words.data());
+  if (errno == ENOENT) {
+    return fail(ErrorCode::kUnsupported,
+                "{} is missing: ./dev bench builds and runs it from Volute's sources",
+                program.string());
   }
-  return {
-      {"name", benchmark.name}, {"description", benchmark.description}, {"rows", std::move(list)}};
-}
-
-Result<std::vector<const Benchmark*>> chosen(const std::vector<std::string>& names) {
-  std::vector<const Benchmark*> list;
-  for (const Benchmark& benchmark : benchmarks()) {
-    if (names.empty())
-      list.push_back(&benchmark);
-  }
-  for (const auto& name : names) {
-    const auto found = std::ranges::find(benchmarks(), name, &Benchmark::name);
-    if (found == benchmarks().end()) {
-      std::vector<std::string_view> known;
-      for (const Benchmark& benchmark : benchmarks()) known.push_back(benchmark.name);
-      return fail(ErrorCode::kInvalidArgument, "there is no benchmark '{}'; expected one of {}",
-                  name, fmt::join(known, ", "));
-    }
-    list.push_back(&*found);
-  }
-  return list;
-}
-
-Status run(const Arguments& arguments, Context& context) {
-  if (arguments.flag("list")) {
-    context.print(listText());
-    return {};
-  }
-  VOLUTE_ASSIGN(const auto list, chosen(arguments.positionals()));
-  const BenchInput input{arguments.find<std::string>("input").value_or(""),
-                         context.maxMemory,
-                         arguments.find<std::string>("truth").value_or(""),
-                         arguments.find<std::string>("grid").value_or(""),
-                         arguments.flag("quick"),
-                         arguments.flag("whole-pictures")};
-  nlohmann::ordered_json json{{"threads", threadCount()},
-                              {"benchmarks", nlohmann::ordered_json::array()}};
-  for (const Benchmark* benchmark : list) {
-    if (context.progress.cancelled())
-      return fail(ErrorCode::kCancelled, "stopped before {}", benchmark->name);
-    if (!context.json)
-      context.print(fmt::format("{}: {}\n", benchmark->name, benchmark->description));
-    BenchRows rows([&](const BenchRow& row) {
-      if (!context.json) {
-        context.print(rowText(row));
-        std::fflush(stdout);
-      }
-    });
-    VOLUTE_TRY(benchmark->run(input, rows, context.progress));
-    json["benchmarks"].push_back(tableJson(*benchmark, rows));
-  }
-  if (context.json)
-    context.print(dumpJson(json));
-  return {};
+  return fail(ErrorCode::kIo, "{}: cannot run: {}", program.string(), std::strerror(errno));
 }
 
 }  // namespace
@@ -108,10 +41,9 @@ Command benchCommand() {
                    "volute bench tomography --input capture.json --truth 'truth/%04d.vdb'"},
       .description =
           "Ratios compare figures of the same run with the baseline that the benchmark names; "
-          "figures of different "
-          "machines or runs are not comparable. Without a name all benchmarks run. "
-          "tools/codec_plot.py draws what `bench codec --json` "
-          "prints.",
+          "figures of different machines or runs are not comparable. Without a name all benchmarks "
+          "run. tools/codec_plot.py draws what `bench codec --json` prints.\n\nThe benchmarks are "
+          "a program of their own, volute-bench, beside volute; `./dev bench` builds and runs it.",
       .positionals =
           {{.name = "NAME", .help = "which benchmarks to run", .several = true, .optional = true}},
       .options = {{.name = "input",

@@ -5,19 +5,19 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "volute/base/output_file.hpp"
+#include "volute/base/write_file.hpp"
 #include "volute/capture/geometry_check.hpp"
 #include "volute/cli/capture_input.hpp"
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/reconstruction/layout.hpp"
-#include "volute/cli/reconstruction/reconstructed_frames.hpp"
-#include "volute/cli/reconstruction/reconstruction_page.hpp"
-#include "volute/cli/reconstruction/reconstruction_report.hpp"
-#include "volute/cli/reconstruction/run_key.hpp"
 #include "volute/cli/version.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/codec/compress.hpp"
 #include "volute/scene/volume_input.hpp"
+#include "volute/tomography/layout.hpp"
+#include "volute/tomography/reconstructed_frames.hpp"
+#include "volute/tomography/reconstruction_page.hpp"
+#include "volute/tomography/reconstruction_report.hpp"
+#include "volute/tomography/run_key.hpp"
 
 namespace volute::cli {
 namespace {
@@ -71,7 +71,7 @@ Status checkCapture(const Capture& capture, const std::vector<std::string>& held
 
 void remarkOnLayout(const Capture& capture, Context& context) {
   constexpr std::size_t kNarrowest = 5;
-  const Layout layout(capture);
+  const CameraLayout layout(capture);
   const std::size_t pairs = layout.angles.size();
   if (context.verbose || pairs <= kNarrowest) {
     if (pairs > 0)
@@ -102,10 +102,7 @@ Result<CompressReport> writeVolute(ReconstructedFrames& frames, const Arguments&
 
 Status writeReport(const std::string& file, const nlohmann::ordered_json& json,
                    ReconstructedFrames& frames, Progress& progress) {
-  const std::string text = dumpJson(json) + "\n";
-  VOLUTE_ASSIGN(auto output, OutputFile::create(file));
-  VOLUTE_TRY(output.write(std::as_bytes(std::span(text))));
-  VOLUTE_TRY(output.commit());
+  VOLUTE_TRY(writeFile(file, dumpJson(json) + "\n"));
   auto page = std::filesystem::path(file);
   return writeReconstructionPage(page.replace_extension(".html"), json, frames, progress);
 }

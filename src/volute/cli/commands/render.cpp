@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volute/base/output_file.hpp"
+#include "volute/base/write_file.hpp"
 #include "volute/cli/camera_arguments.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/picture_writer.hpp"
@@ -337,10 +337,7 @@ Status renderAll(RenderJob& job, const std::string& target, Development& develop
 }
 
 Status writeStats(const RenderJob& job, const std::string& target) {
-  VOLUTE_ASSIGN(auto file, OutputFile::create(target));
-  const std::string text = dumpJson(job.stats());
-  VOLUTE_TRY(file.write(std::as_bytes(std::span(text))));
-  return file.commit();
+  return writeFile(target, dumpJson(job.stats()));
 }
 
 Status checkTargets(const Arguments& arguments, const std::string& target) {

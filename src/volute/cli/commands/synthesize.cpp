@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/hall_files.hpp"
-#include "volute/cli/valley_files.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/codec/compress.hpp"
 #include "volute/scene/volume_input.hpp"
+#include "volute/synth/hall_files.hpp"
 #include "volute/synth/synth.hpp"
+#include "volute/synth/valley_files.hpp"
 
 namespace volute::cli {
 namespace {

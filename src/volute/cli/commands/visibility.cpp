@@ -3,11 +3,12 @@
 #include <algorithm>
 
 #include "volute/base/input_file.hpp"
+#include "volute/cli/case_field.hpp"
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/visibility/case_field.hpp"
-#include "volute/cli/visibility/sign_file.hpp"
-#include "volute/cli/visibility/survey_job.hpp"
+#include "volute/cli/view_pictures.hpp"
 #include "volute/fds/smv_index.hpp"
+#include "volute/visibility/sign_file.hpp"
+#include "volute/visibility/survey_job.hpp"
 
 namespace volute::cli {
 namespace {
@@ -113,8 +114,22 @@ Status run(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(auto sightCase, openSightCase(request.casePath, arguments, context));
   if (const auto name = arguments.find<std::string>("sight-limit"))
     sightCase.remarks.push_back(limitRemark(*name, request.survey.extinctionLimit));
-  ViewPictures pictures(std::move(views), request.casePath, arguments);
-  return runSurvey(std::move(request), sightCase, *watch, pictures, context);
+  request.maxMemory = context.maxMemory;
+  ViewPictures pictures(std::move(views), request.casePath, arguments, context);
+  const std::string output = request.output;
+  VOLUTE_ASSIGN(const auto found, runSurvey(std::move(request), sightCase, *watch, pictures,
+                                            context.progress));
+  Report report;
+  report.add("output", output)
+      .add("times", found.times.size(), fmt::format("{}", found.times.size()))
+      .add("sight_lines", found.sightLines, fmt::format("{}", found.sightLines))
+      .add("seen_first", found.seenFirst,
+           fmt::format("{:.1f} % of the eyes see a sign at {:g} s", 100 * found.seenFirst,
+                       found.times.front()))
+      .add("seen_last", found.seenLast,
+           fmt::format("{:.1f} % at {:g} s", 100 * found.seenLast, found.times.back()));
+  context.print(report);
+  return {};
 }
 
 std::vector<std::string_view> limitNames() {

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "bench/benchmark.hpp"
+
+
+namespace volute::bench {
+
+std::span<const Benchmark> benchmarks() {
+  static const std::vector<Benchmark> table = {
+      {"codec",
+       "files at equal relative RMS: sizes against Volute's; speeds of one thread, per second of "
+       "processor time, against zfp 4D's (of all threads, per second, against one)",
+       benchCodec},
+      {"fds",
+       "an FDS case of 100 meshes and 5 million cells: opening, and sight lines against a plain "
+       "loop",
+       benchFds},
+      {"fog", "painted fog over a valley: exact walk, polar table, details, one thread", benchFog},
+      {"render", "pictures of 512 x 512 straight from the tree, against the reference",
+       benchRender},
+      {"tomography",
+       "reconstruction of a made-up fire from 8 views: quality of the methods, and speed against "
+       "a sparse matrix",
+       benchTomography},
+      {"smoke",
+       "smoke on tetrahedra, steady and new, eye fixed and turning or moving, with an exit sign "
+       "and without; least of several frames; ratios to VTK's projected tetrahedra",
+       benchSmoke},
+#ifdef VOLUTE_WITH_GL
+      {"gl",
+       "the papers' tables of frame rates by OpenGL on the device there is; ratios to the "
+       "processor",
+       benchGl},
+#endif
+      {"visibility",
+       "maps of where three signs are seen, on all threads; ratio to a loop over rays in NumPy",
+       benchVisibility},
+      {"tree",
+       "the compact tree in memory, against dense, the paper's layout, zfp and NanoVDB at "
+       "relative RMS 3e-3, one thread",
+       benchTree},
+  };
+  return table;
+}
+
+}  // namespace volute::bench

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "bench/codec_measurement.hpp"
+
+#include <time.h>
+
+#include <limits>
+
+#include "bench/timing.hpp"
+#include "bench/tolerance_search.hpp"
+#include "volute/base/parallel.hpp"
+#include "volute/grid/compare.hpp"
+
+namespace volute::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One thread is charged the time that it has the processor, so that a busy machine does not blur
+/// the ratios; several are charged what passes on the wall.
+class Stopwatch {
+ public:
+  explicit Stopwatch(int threads)
+      : clock_(threads == 1 ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC), begin_(now()) {}
+
+  double seconds() const { return now() - begin_; }
+
+ private:
+  double now() const {
+    timespec time{};
+    ::clock_gettime(clock_, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  }
+
+  clockid_t clock_;
+  double begin_;
+};
+
+std::uint64_t bytesIn(const fs::path& folder) {
+  std::uint64_t sum = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) sum += entry.file_size();
+  return sum;
+}
+
+/// Encodes into an emptied folder, decodes what lies there, and measures both.
+Result<CodedFiles> encodeAndMeasure(const FileCodec& codec, const Sequence& sequence,
+                                    double setting, const fs::path& folder, int threads) {
+  const ThreadLimit limit(threads);
+  std::error_code error;
+  fs::remove_all(folder, error);
+  if (!fs::create_directories(folder, error))
+    return fail(ErrorCode::kIo, "{}: cannot create: {}", folder.string(), error.message());
+  const Stopwatch watch(threads);
+  VOLUTE_ASSIGN(const float scale, codec.encode(sequence, setting, folder));
+  const double seconds = watch.seconds();
+  std::vector<float> decoded(sequence.values.size(), std::numeric_limits<float>::quiet_NaN());
+  VOLUTE_TRY(codec.decode(sequence.info, folder, decoded));
+  if (scale != 1) {
+    for (float& value : decoded) value *= scale;
+  }
+  Difference difference;
+  difference.add(sequence.values, decoded);
+  return CodedFiles{folder, setting, seconds, bytesIn(folder), difference.relativeRms()};
+}
+
+double range(const Sequence& sequence) {
+  const auto [low, high] = std::ranges::minmax(sequence.values);
+  return static_cast<double>(high) - low;
+}
+
+}  // namespace
+
+Result<CodedFiles> encodeWithin(const FileCodec& codec, const Sequence& sequence, double target,
+                                const fs::path& folder, int threads, const Progress& progress) {
+  if (codec.setting() != FileCodec::Setting::kTolerance)
+    return encodeAndMeasure(codec, sequence, target, folder, threads);
+  CodedFiles last;
+  auto measure = [&](double tolerance) -> Result<double> {
+    if (progress.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped while a tolerance was searched");
+    VOLUTE_ASSIGN(last, encodeAndMeasure(codec, sequence, tolerance, folder, threads));
+    return last.relativeRms;
+  };
+  VOLUTE_ASSIGN(const double tolerance,
+                searchTolerance(target, 4 * target * range(sequence), measure));
+  if (last.setting != tolerance)
+    VOLUTE_TRY(measure(tolerance));
+  return last;
+}
+
+Status raceDecoding(const VolumeInfo& info, std::span<Contestant> contestants,
+                    const Progress& progress) {
+  constexpr int kRounds = 5;
+  constexpr std::chrono::milliseconds kTurn{50};  // at least: small volumes are decoded repeatedly
+  std::vector<float> values(info.values());
+  for (Contestant& one : contestants) one.seconds = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < kRounds; ++round) {
+    for (Contestant& one : contestants) {
+      const ThreadLimit limit(one.threads);
+      const auto turn = Clock::now();
+      do {
+        if (progress.cancelled())
+          return fail(ErrorCode::kCancelled, "stopped while decoding was timed");
+        const Stopwatch watch(one.threads);
+        VOLUTE_TRY(one.codec->decode(info, one.folder, values));
+        one.seconds = std::min(one.seconds, watch.seconds());
+      } while (Clock::now() - turn < kTurn);
+    }
+  }
+  return {};
+}
+
+}  // namespace volute::bench

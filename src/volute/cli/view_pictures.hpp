@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include "volute/cli/arguments.hpp"
+#include "volute/cli/context.hpp"
+#include "volute/visibility/survey_job.hpp"
+
+namespace volute::cli {
+
+/// What people see who stand at a few places: pictures towards the nearest sign, in the middle of
+/// the times and at the last, photometric and threshold. Each place has a scene file that `volute
+/// render` takes; lamps hang below the ceiling over the eye, the sign and between them, or the
+/// light of an FDS case comes from everywhere.
+class ViewPictures final : public SurveyPictures {
+ public:
+  /// `casePath` and the smoke's options go into the scenes.
+  ViewPictures(std::vector<Vec3> eyes, const std::string& casePath, const Arguments& arguments,
+               Context& context);
+
+  /// Writes the scenes.
+  [[nodiscard]] Status begin(const Survey& survey, const SightInstant& first) override;
+
+  /// Renders; adds the pictures to the report and returns their part of the page.
+  [[nodiscard]] Result<std::string> finish(const Survey& survey, Json& report) override;
+
+ private:
+  struct View {
+    Vec3 eye = Vec3::Zero();
+    std::size_t sign = 0;
+    std::string scene;  ///< the file
+  };
+
+  std::vector<Vec3> eyes_;
+  Json smoke_;
+  bool lit_ = true;  ///< by lamps; else from everywhere
+  Context& context_;
+  std::vector<View> views_;
+};
+
+}  // namespace volute::cli

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/scene/scene_edits.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "volute/scene/fog_parameters.hpp"
+#include "volute/scene/placement_parameters.hpp"
+#include "volute/scene/scene_geometry.hpp"
+
+namespace volute {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Kind = SceneEdit::Kind;
+
+constexpr double kSignOffWall = 0.02;  ///< [m]: how thick signs are
+constexpr double kSpotOffWall = 0.1;   ///< [m]
+constexpr double kBeside = 0.8;        ///< [m] from what was duplicated
+
+Json jsonOf(const Vec3& v) {
+  return Json::array({v.x(), v.y(), v.z()});
+}
+
+/// Three numbers of an object; `usual` where they are not there.
+Vec3 vectorIn(const Json& object, const char* key, const Vec3& usual) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_array() || found->size() != 3)
+    return usual;
+  return {(*found)[0].get<double>(), (*found)[1].get<double>(), (*found)[2].get<double>()};
+}
+
+Json& listOf(Json& json, const char* name) {
+  Json& list = json[name];
+  if (!list.is_array())
+    list = Json::array();
+  return list;
+}
+
+/// "exit", "exit 2", "exit 3": one that no sign has yet.
+std::string freeName(const Json& signs, std::string name) {
+  const auto taken = [&](const std::string& wanted) {
+    return std::ranges::any_of(signs,
+                               [&](const Json& sign) { return sign.value("name", "") == wanted; });
+  };
+  const auto last = name.find_last_of(' ');
+  const bool numbered = last != std::string::npos && last + 1 < name.size() &&
+                        std::all_of(name.begin() + static_cast<std::ptrdiff_t>(last) + 1,
+                                    name.end(), [](unsigned char c) { return std::isdigit(c); });
+  if (numbered)
+    name.resize(last);
+  if (!taken(name))
+    return name;
+  int number = 2;
+  while (taken(fmt::format("{} {}", name, number))) ++number;
+  return fmt::format("{} {}", name, number);
+}
+
+void placeSpot(Json& light, const SceneEdit& edit) {
+  const Vec3 normal = edit.normal.normalized();
+  const Vec3 position = edit.position + kSpotOffWall * normal;
+  light["position"] = jsonOf(position);
+  light["target"] = jsonOf(position + normal);
+}
+
+void placeSign(Json& sign, const SceneEdit& edit) {
+  const Vec3 normal = edit.normal.normalized();
+  sign["position"] = jsonOf(edit.position + kSignOffWall * normal);
+  sign["normal"] = jsonOf(normal);
+}
+
+std::string addSign(Json& json, const SceneEdit& edit) {
+  Json& signs = listOf(json, "signs");
+  Json sign = {{"name", freeName(signs, "exit")}};
+  placeSign(sign, edit);
+  sign["size"] = {0.6, 0.3};
+  sign["emitting"] = true;
+  signs.push_back(sign);
+  return fmt::format("sign '{}' is added", sign["name"].get<std::string>());
+}
+
+/// At its reach 1 arrives on each area that faces it.
+std::string addSpot(Json& json, const SceneEdit& edit) {
+  Json spot = {{"kind", "spot"}};
+  placeSpot(spot, edit);
+  spot["angle"] = 100.0;
+  const double intensity = std::max(edit.reach * edit.reach, 1.0);
+  spot["intensity"] = {intensity, intensity, intensity};
+  listOf(json, "lights").push_back(std::move(spot));
+  return "a lamp is added";
+}
+
+std::string addLight(Json& json, Json light, const char* what) {
+  listOf(json, "lights").push_back(std::move(light));
+  return what;
+}
+
+/// The list that a path is of, and the place in it.
+struct Place {
+  Json* list = nullptr;
+  std::size_t index = 0;
+  bool sign = false;
+
+  Json& entry() const { return (*list)[index]; }
+};
+
+Result<Place> placeOf(Json& json, const std::string& path) {
+  for (const char* name : {"signs", "lights"}) {
+    const std::string begin = fmt::format("/{}/", name);
+    const std::string number = path.starts_with(begin) ? path.substr(begin.size()) : "";
+    const bool digits =
+        !number.empty() && number.size() < 9 &&
+        std::ranges::all_of(number, [](unsigned char c) { return std::isdigit(c); });
+    if (!digits || !json.contains(name))
+      continue;
+    const auto index = static_cast<std::size_t>(std::stoul(number));
+    if (index < json[name].size())
+      return Place{&json[name], index, std::string(name) == "signs"};
+  }
+  return fail(ErrorCode::kInvalidArgument, "{}: the scene has no such sign or light", path);
+}
+
+Result<std::string> duplicate(Json& json, const std::string& path) {
+  VOLUTE_ASSIGN(const Place place, placeOf(json, path));
+  Json copy = place.entry();
+  // Along a sign's own rows, so that it stays on its wall; a lamp goes along x.
+  Vec3 aside = Vec3::UnitX();
+  if (place.sign) {
+    const Vec3 level = Vec3::UnitZ().cross(vectorIn(copy, "normal", Vec3::UnitX()));
+    if (level.norm() > 0)
+      aside = level.normalized();
+    copy["name"] = freeName(*place.list, copy.value("name", "sign"));
+  }
+  for (const char* key : {"position", "target"}) {
+    if (copy.contains(key))
+      copy[key] = jsonOf(vectorIn(copy, key, Vec3::Zero()) + kBeside * aside);
+  }
+  place.list->insert(place.list->begin() + static_cast<std::ptrdiff_t>(place.index) + 1, copy);
+  return std::string(place.sign ? "the sign is there twice" : "the light is there twice");
+}
+
+Result<std::string> removeAt(Json& json, const std::string& path) {
+  VOLUTE_ASSIGN(const Place place, placeOf(json, path));
+  place.list->erase(place.index);
+  return std::string(place.sign ? "the sign is removed" : "the light is removed");
+}
+
+Result<std::string> placeAt(Json& json, const SceneEdit& edit) {
+  VOLUTE_ASSIGN(const Place place, placeOf(json, edit.path));
+  if (place.sign)
+    placeSign(place.entry(), edit);
+  else if (place.entry().value("kind", "") == "spot")
+    placeSpot(place.entry(), edit);
+  else
+    return fail(ErrorCode::kInvalidArgument, "{}: this light comes from everywhere or from afar",
+                edit.path);
+  return std::string();
+}
+
+/// An entry of the profile of a fog.
+struct ProfilePlace {
+  Json* fog = nullptr;
+  std::string key;  ///< "profile/knots/1"
+};
+
+std::optional<ProfilePlace> profilePlaceOf(Json& json, const std::string& path) {
+  const std::size_t at = path.find("/profile/");
+  if (!path.starts_with("/media/") || at == std::string::npos)
+    return std::nullopt;
+  const Json::json_pointer entry(path);
+  if (!json.contains(entry) || !json[entry].is_array() || !json[entry.parent_pointer()].is_array())
+    return std::nullopt;
+  return ProfilePlace{&json[Json::json_pointer(path.substr(0, at))], path.substr(at + 1)};
+}
+
+Result<std::string> changeProfile(const ProfilePlace& place, bool more) {
+  const Json& list = (*place.fog)[Json::json_pointer("/" + place.key).parent_pointer()];
+  const bool knots = place.key.find("/knots/") != std::string::npos;
+  if (more) {
+    duplicateInProfile(*place.fog, place.key);
+  } else if (list.size() > (knots ? 2 : 1)) {
+    removeFromProfile(*place.fog, place.key);
+  } else {
+    return fail(ErrorCode::kInvalidArgument, "{}: a profile needs {}", place.key,
+                knots ? "two knots" : "a layer");
+  }
+  return fmt::format("{} {}", knots ? "a knot" : "a layer", more ? "is added" : "is removed");
+}
+
+/// What both kinds have in common.
+void copyLook(const Json& from, Json& to, double brighter) {
+  const double emission = brighter * from.value("emission", 1.0);
+  if (emission != 1)
+    to["emission"] = emission;
+  if (const double extinction = from.value("extinction", 0.0); extinction != 0)
+    to["extinction"] = brighter * extinction;
+  if (from.contains("time"))
+    to["time"] = from["time"];
+}
+
+/// The entry of a list, which is taken out of it; null where there is none of this kind.
+Json taken(Json& json, const char* list, const std::string& path, const char* kind) {
+  const std::string begin = fmt::format("/{}/", list);
+  for (std::size_t i = 0; json.contains(list) && i < json[list].size(); ++i) {
+    if (path != begin + std::to_string(i))
+      continue;
+    Json entry = json[list][i];
+    if (kind && entry.value("kind", "") != kind)
+      return {};
+    json[list].erase(i);
+    return entry;
+  }
+  return {};
+}
+
+/// The volume's light is that of the file's own size, so what was scaled becomes as bright.
+Result<std::string> makeBillboard(Json& json, const SceneEdit& edit) {
+  const Json volume = taken(json, "media", edit.path, "volume");
+  if (volume.is_null() || edit.bounds.empty())
+    return fail(ErrorCode::kInvalidArgument, "{}: the scene has no such volume", edit.path);
+  Placement placement;
+  if (volume.contains("transform")) {
+    const nlohmann::json numbers = volume["transform"];
+    VOLUTE_ASSIGN(placement, parsePlacement(numbers, "scene", edit.path));
+  }
+  const PlacementWords words = wordsOf(placement, edit.bounds);
+  const Vec3 size = words.scale.cwiseProduct(edit.bounds.size());
+  Json board = {{"volume", volume.at("file")}};
+  board["position"] = jsonOf(words.middle);
+  board["size"] = {size.head<2>().norm(), size.z()};  // as wide as it is from any side
+  copyLook(volume, board, words.scale.z());
+  listOf(json, "billboards").push_back(std::move(board));
+  return std::string("the volume is a billboard");
+}
+
+Result<std::string> makeVolume(Json& json, const SceneEdit& edit) {
+  const Json board = taken(json, "billboards", edit.path, nullptr);
+  if (board.is_null() || edit.bounds.empty())
+    return fail(ErrorCode::kInvalidArgument, "{}: the scene has no such billboard", edit.path);
+  const double scale = board.at("size").at(1).get<double>() / edit.bounds.size().z();
+  Json volume = {{"kind", "volume"}, {"file", board.at("volume")}};
+  copyLook(board, volume, 1 / scale);
+  const Vec3 position = vectorIn(board, "position", Vec3::Zero());
+  setPlacement(volume, {Vec3::Constant(scale), position - scale * edit.bounds.centre()},
+               edit.bounds, "middle", {position.x(), position.y(), position.z()});
+  listOf(json, "media").push_back(std::move(volume));
+  if (json["billboards"].empty())
+    json.erase("billboards");
+  return std::string("the billboard is a volume");
+}
+
+}  // namespace
+
+Result<std::string> applyEdit(Json& json, const SceneEdit& edit) {
+  switch (edit.kind) {
+    case Kind::kAddSign:
+      return addSign(json, edit);
+    case Kind::kAddSpot:
+      return addSpot(json, edit);
+    case Kind::kAddSun:
+      return addLight(
+          json, {{"kind", "sun"}, {"direction", {0.4, 0.5, -0.6}}, {"radiance", {2, 1.9, 1.7}}},
+          "a sun is added");
+    case Kind::kAddAmbient:
+      return addLight(json, {{"kind", "ambient"}, {"radiance", {0.2, 0.2, 0.2}}},
+                      "light from everywhere is added");
+    case Kind::kDuplicate:
+    case Kind::kRemove: {
+      const bool more = edit.kind == Kind::kDuplicate;
+      if (const auto place = profilePlaceOf(json, edit.path))
+        return changeProfile(*place, more);
+      return more ? duplicate(json, edit.path) : removeAt(json, edit.path);
+    }
+    case Kind::kBillboard:
+      return makeBillboard(json, edit);
+    case Kind::kVolume:
+      return makeVolume(json, edit);
+    case Kind::kPlace:
+      return placeAt(json, edit);
+  }
+  return std::string();
+}
+
+}  // namespace volute

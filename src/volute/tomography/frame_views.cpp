@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/frame_views.hpp"
+
+#include <algorithm>
+
+namespace volute {
+
+std::vector<TomographyView> FrameViews::fittedWithout(std::size_t view) const {
+  std::vector<TomographyView> others;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!heldOut[i] && i != view)
+      others.push_back(views[i]);
+  }
+  return others;
+}
+
+bool FrameViews::grey() const {
+  return std::ranges::all_of(facts, [](const PictureFacts& fact) { return fact.grey; });
+}
+
+Result<ViewReader> ViewReader::open(const Capture& capture, const std::vector<std::string>& heldOut,
+                                    std::uint64_t maxMemory, Progress& progress) {
+  std::vector<char> marks(capture.cameras.size(), 0);
+  for (const std::string& name : heldOut) {
+    const auto camera = findCamera(capture, name);
+    if (!camera) {
+      std::vector<std::string> names;
+      for (const CaptureCamera& known : capture.cameras) names.push_back(known.name);
+      return fail(ErrorCode::kInvalidArgument,
+                  "--hold-out: there is no camera '{}'; the capture has {}", name,
+                  fmt::join(names, ", "));
+    }
+    marks[*camera] = 1;
+  }
+  VOLUTE_ASSIGN(auto images, CaptureImages::open(capture, maxMemory, progress));
+  return ViewReader(capture, std::move(images), std::move(marks));
+}
+
+Result<FrameViews> ViewReader::read(int frame) {
+  FrameViews result;
+  result.frame = frame;
+  result.heldOut = heldOut_;
+  for (std::size_t camera = 0; camera < capture_->cameras.size(); ++camera) {
+    VOLUTE_ASSIGN(auto picture, images_.read(camera, frame));
+    const bool allCount = std::ranges::all_of(picture.weight, [](float w) { return w == 1; });
+    const CaptureCamera& known = capture_->cameras[camera];
+    result.views.push_back({known.name, known.camera, std::move(picture.radiance),
+                            allCount ? std::vector<float>{} : std::move(picture.weight),
+                            allCount ? std::vector<std::uint8_t>{} : std::move(picture.atLeast)});
+    result.facts.push_back({picture.brightest, picture.saturatedShare, picture.maskedShare,
+                            picture.transparentShare, picture.grey});
+  }
+  if (std::ranges::find(heldOut_, 1) != heldOut_.end())
+    result.chosen = result.fittedWithout(result.views.size());
+  return result;
+}
+
+std::optional<Image> ViewReader::neighbour(std::size_t camera, int frame) {
+  if (frame < 0)
+    return std::nullopt;
+  auto picture = images_.read(camera, frame);
+  if (!picture)
+    return std::nullopt;
+  return std::move(picture->radiance);
+}
+
+}  // namespace volute

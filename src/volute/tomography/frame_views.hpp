@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/capture/capture_images.hpp"
+#include "volute/tomography/view.hpp"
+
+namespace volute {
+
+/// What a picture said besides its radiance.
+struct PictureFacts {
+  double brightest = 0;  ///< of the measured channels, background included
+  double saturatedShare = 0;
+  double maskedShare = 0;
+  double transparentShare = 0;
+  bool grey = false;
+};
+
+/// All cameras at one frame, in the order of the capture.
+struct FrameViews {
+  int frame = 0;
+  std::vector<TomographyView> views;
+  std::vector<PictureFacts> facts;  ///< one a view
+  std::vector<char> heldOut;        ///< one a view: only compared with, not fitted
+
+  std::vector<TomographyView> chosen;  ///< a copy of those to fit; empty when that is all of them
+
+  /// The views that are fitted.
+  std::span<const TomographyView> fitted() const { return chosen.empty() ? views : chosen; }
+
+  /// Those but one.
+  std::vector<TomographyView> fittedWithout(std::size_t view) const;
+
+  /// True when every picture has one channel.
+  bool grey() const;
+};
+
+/// Reads the frames of a capture as views for tomography.
+class ViewReader {
+ public:
+  /// `capture` must outlive it. kInvalidArgument when a held-out camera is none of the capture's.
+  [[nodiscard]] static Result<ViewReader> open(const Capture& capture,
+                                               const std::vector<std::string>& heldOut,
+                                               std::uint64_t maxMemory, Progress& progress);
+
+  [[nodiscard]] Result<FrameViews> read(int frame);
+
+  /// One camera's radiance at any frame, one of the capture or not; nothing when there is no such
+  /// picture.
+  std::optional<Image> neighbour(std::size_t camera, int frame);
+
+  /// One a camera.
+  const std::vector<char>& heldOut() const { return heldOut_; }
+
+ private:
+  ViewReader(const Capture& capture, CaptureImages images, std::vector<char> heldOut)
+      : capture_(&capture), images_(std::move(images)), heldOut_(std::move(heldOut)) {}
+
+  const Capture* capture_;
+  CaptureImages images_;
+  std::vector<char> heldOut_;
+};
+
+}  // namespace volute

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/picture_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volute/tomography/hull.hpp"
+
+namespace volute {
+namespace {
+
+/// One view's pixels, counted.
+struct Counts {
+  double threshold = 0;
+  std::size_t counted = 0;              ///< pixels that are not masked
+  std::size_t lit = 0;                  ///< brighter than the threshold, or saturated
+  std::size_t negative = 0;             ///< darker than the background by twice the threshold
+  std::size_t saturated = 0;            ///< and not masked
+  std::array<std::size_t, 4> border{};  ///< lit ones on the left, right, upper and lower border
+  double light = 0, lightOutside = 0;   ///< sums over lit pixels
+};
+
+constexpr std::array<const char*, 4> kBorders{"left", "right", "upper", "lower"};
+
+bool hits(const TomographyView& view, const Box3& bounds, int x, int y) {
+  const Segment ray = view.camera.ray(x + 0.5, y + 0.5);
+  return !bounds.intersect(ray.origin, ray.direction).intersect({ray.begin, ray.end}).empty();
+}
+
+Counts countPixels(const TomographyView& view, const PictureFacts& facts, const Box3& bounds,
+                   std::optional<double> noiseSigma) {
+  Counts counts;
+  counts.threshold = silhouetteThreshold(view, noiseSigma);
+  const Image& image = view.radiance;
+  const std::size_t pixels = static_cast<std::size_t>(image.width) * image.height;
+  counts.counted = pixels - static_cast<std::size_t>(std::lround(facts.maskedShare * pixels));
+  counts.saturated = static_cast<std::size_t>(
+      std::lround(facts.saturatedShare * static_cast<double>(counts.counted)));
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
+      if (!view.weight.empty() && view.weight[pixel] == 0)
+        continue;
+      const float* light = &image.pixels[3 * pixel];
+      const float most = std::max({light[0], light[1], light[2]});
+      const float least = std::min({light[0], light[1], light[2]});
+      counts.negative += least < -2 * counts.threshold ? 1 : 0;
+      if (!(most > 2 * counts.threshold))
+        continue;
+      ++counts.lit;
+      const std::array<bool, 4> at{x == 0, x + 1 == image.width, y == 0, y + 1 == image.height};
+      for (std::size_t side = 0; side < at.size(); ++side) counts.border[side] += at[side] ? 1 : 0;
+      counts.light += most;
+      if (!hits(view, bounds, x, y))
+        counts.lightOutside += most;
+    }
+  }
+  counts.lit += counts.saturated;
+  return counts;
+}
+
+double shareOf(std::size_t part, std::size_t whole) {
+  return static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(1, whole));
+}
+
+void checkSaturation(const Counts& counts, const std::string& name, const PictureLimits& limits,
+                     PictureFindings& findings) {
+  constexpr double kWorthAWord = 0.1;
+  const double share = shareOf(counts.saturated, counts.lit);
+  if (counts.saturated == 0 || share <= std::min(kWorthAWord, limits.saturated))
+    return;
+  const auto text = fmt::format("{}: {:.1f} % of the lit pixels are saturated and do not count",
+                                name, 100 * share);
+  if (share > limits.saturated) {
+    findings.faults.push_back(
+        fmt::format("{}, more than the {:.1f} % allowed (--max-saturated); expose less", text,
+                    100 * limits.saturated));
+  } else {
+    findings.warnings.push_back(text);
+  }
+}
+
+void checkBackground(const Counts& counts, const std::string& name, PictureFindings& findings) {
+  constexpr double kWorthAWord = 0.01, kMoved = 0.05;
+  const double share = shareOf(counts.negative, counts.counted);
+  if (share <= kWorthAWord)
+    return;
+  const auto text = fmt::format(
+      "{}: {:.1f} % of the pixels are darker than the background by more than {:.3g}: the "
+      "background moved or changed, for light is never negative",
+      name, 100 * share, 2 * counts.threshold);
+  (share > kMoved ? findings.faults : findings.warnings).push_back(text);
+}
+
+void checkPlace(const TomographyView& view, const Counts& counts, const std::string& name,
+                PictureFindings& findings) {
+  constexpr double kLightOutside = 0.02, kBorderShare = 0.02;
+  if (counts.lightOutside > kLightOutside * counts.light) {
+    findings.warnings.push_back(fmt::format(
+        "{}: {:.1f} % of the light lies outside the volume's bounds; enlarge them, mask what does "
+        "not belong to the medium, or check the pose",
+        name, 100 * counts.lightOutside / counts.light));
+  }
+  const auto whole = [&](std::size_t side) {
+    constexpr double kNearlyAll = 0.9;
+    const int length = side < 2 ? view.radiance.height : view.radiance.width;
+    return static_cast<double>(counts.border[side]) > kNearlyAll * length;
+  };
+  if (whole(0) && whole(1) && whole(2) && whole(3)) {
+    findings.warnings.push_back(fmt::format(
+        "{}: light all along the border of the picture: the background got brighter than it is "
+        "known, or there is none to subtract",
+        name));
+    return;
+  }
+  for (std::size_t side = 0; side < counts.border.size(); ++side) {
+    const int length = side < 2 ? view.radiance.height : view.radiance.width;
+    if (static_cast<double>(counts.border[side]) <= std::max(3.0, kBorderShare * length))
+      continue;
+    findings.warnings.push_back(
+        fmt::format("{}: the silhouette touches the {} border of the picture in {} of {} pixels: "
+                    "some of the light lies outside",
+                    name, kBorders[side], counts.border[side], length));
+  }
+}
+
+/// A pixel by itself.
+struct Outlier {
+  int x = 0, y = 0;
+  float value = 0, around = 0;  ///< its largest channel, and its neighbours' largest
+};
+
+/// Pixels that shine alone: ten times as bright as their neighbours and as what counts as lit.
+std::vector<Outlier> lonelyPixels(const TomographyView& view, double threshold) {
+  constexpr float kAlone = 10;
+  const Image& image = view.radiance;
+  const auto valueAt = [&](int x, int y) {
+    const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
+    if (!view.weight.empty() && view.weight[pixel] == 0)
+      return 0.0F;
+    const float* light = &image.pixels[3 * pixel];
+    return std::max({light[0], light[1], light[2]});
+  };
+  std::vector<Outlier> lonely;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const float value = valueAt(x, y);
+      if (!(value > kAlone * 2 * threshold))
+        continue;
+      float around = 0;
+      for (int v = std::max(0, y - 1); v <= std::min(image.height - 1, y + 1); ++v) {
+        for (int u = std::max(0, x - 1); u <= std::min(image.width - 1, x + 1); ++u) {
+          if (u != x || v != y)
+            around = std::max(around, valueAt(u, v));
+        }
+      }
+      if (value > kAlone * around)
+        lonely.push_back({x, y, value, around});
+    }
+  }
+  return lonely;
+}
+
+/// Hot pixels of a sensor, which a fit takes for light: those that are not faint beside the rest.
+void checkHotPixels(const TomographyView& view, const Counts& counts, const std::string& name,
+                    PictureFindings& findings) {
+  constexpr float kFaint = 0.2F;
+  auto lonely = lonelyPixels(view, counts.threshold);
+  if (lonely.empty())
+    return;
+  Image rest = view.radiance;
+  for (const Outlier& one : lonely) std::fill_n(&rest.at(one.x, one.y, 0), 3, 0.0F);
+  const float brightest = *std::ranges::max_element(rest.pixels);
+  std::erase_if(lonely, [&](const Outlier& one) { return one.value < kFaint * brightest; });
+  if (lonely.empty())
+    return;
+  const auto worst = std::ranges::max_element(lonely, {}, &Outlier::value);
+  findings.warnings.push_back(fmt::format(
+      "{}: pixel ({}, {}) reads {:.3g} and those around it at most {:.3g}{}: hot pixels of the "
+      "sensor? Mask them (0 = ignore)",
+      name, worst->x, worst->y, worst->value, worst->around,
+      lonely.size() > 1 ? fmt::format(", and {} more stand out like that", lonely.size() - 1)
+                        : std::string()));
+}
+
+/// The hull of all views but one, as a share of the volume.
+double hullWithout(std::span<const TomographyView> views,
+                   std::span<const std::vector<std::uint8_t>> silhouettes, std::size_t left,
+                   const VolumeGeometry& geometry) {
+  std::vector<TomographyView> others;
+  std::vector<std::vector<std::uint8_t>> theirs;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (i == left)
+      continue;
+    others.push_back(views[i]);
+    theirs.push_back(silhouettes[i]);
+  }
+  const auto hull = visualHull(others, theirs, geometry);
+  return shareOf(hull.size() - static_cast<std::size_t>(std::ranges::count(hull, 0)), hull.size());
+}
+
+}  // namespace
+
+PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geometry,
+                              std::optional<double> noiseSigma, const PictureLimits& limits) {
+  PictureFindings findings;
+  std::vector<Counts> counts;
+  std::size_t brightest = 0;
+  for (std::size_t i = 0; i < views.views.size(); ++i) {
+    counts.push_back(countPixels(views.views[i], views.facts[i], geometry.bounds, noiseSigma));
+    if (counts[i].lit > counts[brightest].lit)
+      brightest = i;
+  }
+  // One or two lit pixels are hot ones, or a spark that others need not see.
+  constexpr std::size_t kFew = 3;
+  const auto seeing =
+      std::ranges::count_if(counts, [](const Counts& count) { return count.lit >= kFew; });
+  findings.dark = seeing == 0;
+  const bool mostSee = 2 * static_cast<std::size_t>(seeing) > counts.size();
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const std::string name = fmt::format("camera {}, frame {}", views.views[i].name, views.frame);
+    checkHotPixels(views.views[i], counts[i], name, findings);
+    if (counts[i].lit == 0 && mostSee) {
+      findings.faults.push_back(fmt::format(
+          "{}: {}, while camera {} has {} lit pixels: a covered lens, a wrong file, or another "
+          "frame?",
+          name,
+          views.facts[i].brightest > 0
+              ? fmt::format("shows no light above {:.3g}", 2 * counts[i].threshold)
+              : std::string("the picture is all black"),
+          views.views[brightest].name, counts[brightest].lit));
+      continue;
+    }
+    checkSaturation(counts[i], name, limits, findings);
+    checkBackground(counts[i], name, findings);
+    checkPlace(views.views[i], counts[i], name, findings);
+    if (views.facts[i].transparentShare > 0) {
+      findings.warnings.push_back(fmt::format(
+          "{}: {:.1f} % of the pixels are transparent; their colours are taken as multiplied by "
+          "alpha, as OpenEXR has it, with black behind them",
+          name, 100 * views.facts[i].transparentShare));
+    }
+  }
+  return findings;
+}
+
+std::string explainEmptyHull(const FrameViews& views, const VolumeGeometry& geometry,
+                             std::optional<double> noiseSigma) {
+  const auto fitted = views.fitted();
+  std::vector<std::vector<std::uint8_t>> silhouettes;
+  for (const TomographyView& view : fitted)
+    silhouettes.push_back(dilatedSilhouette(view, noiseSigma));
+  double most = 0;
+  std::string culprit;
+  for (std::size_t i = 0; i < fitted.size(); ++i) {
+    const double share = hullWithout(fitted, silhouettes, i, geometry);
+    if (share > most) {
+      most = share;
+      culprit = fitted[i].name;
+    }
+  }
+  const auto text = fmt::format(
+      "frame {}: the visual hull is empty: no voxel of the volume lies in the silhouettes of all "
+      "{} "
+      "cameras",
+      views.frame, fitted.size());
+  if (culprit.empty())
+    return text + ", nor in those of all but one; check bounds, poses and backgrounds";
+  return fmt::format(
+      "{}; without camera {} it would hold {:.2f} % of them: check that camera's pose, "
+      "frames and background",
+      text, culprit, 100 * most);
+}
+
+}  // namespace volute

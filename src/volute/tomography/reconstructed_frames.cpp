@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/reconstructed_frames.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cmath>
+
+#include "volute/report/json.hpp"
+#include "volute/tomography/common_shift.hpp"
+#include "volute/tomography/diagnostics.hpp"
+#include "volute/tomography/project.hpp"
+#include "volute/tomography/residual.hpp"
+
+namespace volute {
+namespace {
+
+constexpr double kFramesPerSecond = 25;
+
+/// The solver's progress within one frame as progress of the whole sequence.
+class FrameProgress final : public Progress {
+ public:
+  FrameProgress(Progress& whole, int number, double before, double total)
+      : whole_(whole), number_(number), before_(before), total_(total) {}
+
+  void report(std::string_view stage, double done, double total) override {
+    const bool iterates = stage == "solving";
+    whole_.detail(iterates ? fmt::format("frame {}, iteration {:.0f}, {}", number_, done, detail_)
+                           : fmt::format("frame {}, {}", number_, stage));
+    // The solver may stop before its last iteration, so a frame never looks finished here.
+    if (iterates && total > 0)
+      share_ = std::clamp(done / total, share_, 0.99);
+    whole_.report("reconstructing", before_ + share_, total_);
+  }
+
+  void detail(std::string_view text) override { detail_ = text; }
+
+  void remark(std::string_view message) override {
+    whole_.remark(fmt::format("frame {}: {}", number_, message));
+  }
+
+  bool cancelled() const override { return whole_.cancelled(); }
+
+ private:
+  Progress& whole_;
+  std::string detail_;  // of the solver
+  int number_;
+  double before_, total_;
+  double share_ = 0;  // of this frame
+};
+
+/// Its own progress is of no interest.
+class Quietly final : public Progress {
+ public:
+  explicit Quietly(Progress& whole) : whole_(whole) {}
+
+  bool cancelled() const override { return whole_.cancelled(); }
+
+ private:
+  Progress& whole_;
+};
+
+VolumeInfo infoOf(const Capture& capture, Basis basis, bool grey) {
+  VolumeInfo info;
+  info.name = "emission";
+  info.unit = "radiance/m";
+  info.frames = static_cast<int>(capture.frames.size());
+  info.x = capture.volume.resolution[0];
+  info.y = capture.volume.resolution[1];
+  info.z = capture.volume.resolution[2];
+  info.channels = grey ? 1 : 3;
+  info.bounds = capture.volume.bounds;
+  info.basis = basis;
+  info.frameNumbers = capture.frames;
+  // From the first frame of the whole capture, so that parts of it join.
+  for (const int frame : capture.frames)
+    info.times.push_back((frame - capture.firstFrame) / kFramesPerSecond);
+  return info;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ReconstructedFrames>> ReconstructedFrames::open(
+    const Capture& capture, const ReconstructionSettings& settings, ViewReader views,
+    WorkFolder work, std::vector<std::string> keys, Progress& progress) {
+  std::unique_ptr<ReconstructedFrames> frames(new ReconstructedFrames(
+      capture, settings, std::move(views), std::move(work), std::move(keys), progress));
+  VOLUTE_ASSIGN(const FrameViews first, frames->views_.read(capture.frames.front()));
+  frames->grey_ = first.grey();
+  frames->info_ = infoOf(capture, settings.tomography.basis, frames->grey_);
+  VOLUTE_TRY(frames->info_.validate("the reconstruction"));
+  while (frames->resumed_ < frames->info_.frames && frames->finished(frames->resumed_))
+    ++frames->resumed_;
+  return frames;
+}
+
+VolumeGeometry ReconstructedFrames::geometry() const {
+  return {capture_.volume.bounds, capture_.volume.resolution};
+}
+
+/// A sentence that comes again with other numbers, for another frame, is shown once.
+void ReconstructedFrames::warn(const std::string& text) {
+  const auto frame = text.find(", frame ");
+  std::string kind = text.substr(0, frame == std::string::npos ? 0 : frame);
+  for (std::size_t i = kind.size(); i < text.size(); ++i) {
+    if (!std::isdigit(static_cast<unsigned char>(text[i])) && text[i] != '.')
+      kind += text[i];
+  }
+  if (shown_.insert(kind).second) {
+    progress_.remark("warning: " + text);
+  } else if (!more_) {
+    progress_.remark("warning: it is so in more frames; --report writes them all");
+    more_ = true;
+  }
+}
+
+bool ReconstructedFrames::finished(int index) {
+  const auto i = static_cast<std::size_t>(index);
+  if (finished_[i] == 0)
+    finished_[i] = work_.has(numberOf(index), keys_[i]) ? 1 : 0;
+  return finished_[i] != 0;
+}
+
+Status ReconstructedFrames::solveAll() {
+  for (int index = 0; index < info_.frames; ++index) {
+    if (!finished(index))
+      VOLUTE_TRY(solve(index));
+    progress_.report("reconstructing", index + 1 - resumed_, info_.frames - resumed_);
+  }
+  progress_.detail("");
+  return {};
+}
+
+Status ReconstructedFrames::readFrame(int index, std::span<float> values) {
+  for (int i = 0; i <= index; ++i) {
+    if (!finished(i))
+      VOLUTE_TRY(solve(i));
+  }
+  VOLUTE_ASSIGN(const auto colour, volume(index));
+  const std::size_t step = grey_ ? 3 : 1;
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = colour[step * i];
+  return {};
+}
+
+Result<std::vector<float>> ReconstructedFrames::volume(int index) const {
+  return work_.values(numberOf(index), colourValues());
+}
+
+Result<nlohmann::ordered_json> ReconstructedFrames::record(int index) const {
+  return work_.record(numberOf(index));
+}
+
+/// Faults end the run unless it is forced.
+Result<std::vector<std::string>> ReconstructedFrames::examine(const FrameViews& views,
+                                                              const PictureFindings& findings) {
+  std::vector<std::string> warnings = findings.warnings;
+  if (!findings.faults.empty() && !settings_.force)
+    return fail(ErrorCode::kInvalidData, "{} (--force goes on)", findings.faults.front());
+  warnings.insert(warnings.end(), findings.faults.begin(), findings.faults.end());
+  if (findings.dark)
+    warnings.push_back(
+        fmt::format("frame {}: no camera sees any light; the volume is 0", views.frame));
+  return warnings;
+}
+
+Result<Reconstruction> ReconstructedFrames::fit(int index, const FrameViews& views) {
+  std::vector<float> before;
+  if (settings_.warmStart && index > 0) {
+    VOLUTE_ASSIGN(before, volume(index - 1));
+    // A dark frame tells nothing, and multiplicative solvers never leave zero.
+    if (std::ranges::none_of(before, [](float value) { return value != 0; }))
+      before.clear();
+  }
+  const auto fitted = views.fitted();
+  FrameProgress progress(progress_, views.frame, index - resumed_, info_.frames - resumed_);
+  auto result = reconstruct(fitted, geometry(), settings_.tomography, before, progress);
+  if (result)
+    return result;
+  if (result.error().code == ErrorCode::kNotFound) {
+    return fail(ErrorCode::kInvalidData, "{}",
+                explainEmptyHull(views, geometry(), settings_.tomography.noiseSigma));
+  }
+  return fail(result.error().code, "frame {}: {}", views.frame, result.error().message);
+}
+
+/// A camera whose picture of a neighbouring frame fits what the others saw better than its own.
+std::optional<std::string> ReconstructedFrames::outOfStep(std::size_t camera,
+                                                          const FrameViews& views,
+                                                          const Reconstruction& result) {
+  constexpr int kIterations = 60;
+  constexpr double kClearly = 0.8;
+  TomographyOptions options = settings_.tomography;
+  options.iterations = kIterations;
+  Quietly quiet(progress_);
+  const auto fit =
+      reconstruct(views.fittedWithout(camera), geometry(), options, result.volume, quiet);
+  if (!fit)
+    return std::nullopt;
+  const Image seen = projectVolume(fit->volume, geometry(), options.basis,
+                                   views.views[camera].camera, options.raysPerPixel);
+  const double own = residualOf(views.views[camera], seen, options.noiseSigma).relative;
+  double best = own;
+  int shift = 0;
+  for (const int by : {-2, -1, 1, 2}) {
+    auto image = views_.neighbour(camera, views.frame + by);
+    if (!image)
+      continue;
+    TomographyView view = views.views[camera];
+    view.radiance = std::move(*image);
+    const double residual = residualOf(view, seen, options.noiseSigma).relative;
+    if (residual < best) {
+      best = residual;
+      shift = by;
+    }
+  }
+  if (!(best < kClearly * own))
+    return std::nullopt;
+  return fmt::format(
+      "camera {}, frame {}: its picture of frame {} fits what the other cameras saw better "
+      "(relative "
+      "L2 {:.3f}) than its own ({:.3f}): it seems to run {} frame{} {}",
+      views.views[camera].name, views.frame, views.frame + shift, best, own, std::abs(shift),
+      std::abs(shift) == 1 ? "" : "s", shift > 0 ? "late" : "early");
+}
+
+/// A camera's warning; for one that does not fit, its clock's if its picture of another frame does.
+std::optional<std::string> ReconstructedFrames::explained(std::size_t camera,
+                                                          const CameraDiagnosis& found,
+                                                          const FrameViews& views,
+                                                          const Reconstruction& result) {
+  // Another frame that fits better is evidence enough for a camera that stands out a little.
+  constexpr double kSuspicious = 1.5;
+  if (found.outOfStep || (!found.gainDrift && found.residualRatio > kSuspicious)) {
+    if (auto text = outOfStep(camera, views, result))
+      return text;
+  }
+  if (found.warning.empty())
+    return std::nullopt;
+  return fmt::format("camera {}, frame {}: {}", views.views[camera].name, views.frame,
+                     found.warning);
+}
+
+/// All principal points half a pixel off, which most often is a wrong convention of pixel centres.
+/// Other faults gain from such a shift too, but not most of their residual.
+Result<std::optional<std::string>> ReconstructedFrames::commonShift(const FrameViews& views,
+                                                                    const Reconstruction& result,
+                                                                    bool othersWarn) {
+  constexpr double kLeast = 0.35;                 // pixels
+  const double better = othersWarn ? 0.7 : 0.97;  // times the residual
+  Quietly quiet(progress_);
+  VOLUTE_ASSIGN(const auto shift,
+                findCommonShift(views.fitted(), geometry(), settings_.tomography, result, quiet));
+  if (!shift || std::abs(shift->pixels) < kLeast || shift->nearest > better * shift->residual)
+    return std::nullopt;
+  const bool right = shift->pixels > 0;
+  const double centre = right ? 0 : 0.5;
+  const std::string cause =
+      centre != capture_.pixelCentre
+          ? fmt::format("is the centre of the first pixel at {}, not at {}?", centre,
+                        capture_.pixelCentre)
+          : "was the calibration made with other pictures, or are they cropped?";
+  return fmt::format(
+      "frame {}: one volume fits all pictures better where principal points are half a pixel "
+      "further to the {} (relative L2 {:.4f} instead of {:.4f}, least at {:+.2f} pixels): {}",
+      views.frame, right ? "right and down" : "left and up", shift->nearest, shift->residual,
+      shift->pixels, cause);
+}
+
+Result<std::vector<std::string>> ReconstructedFrames::diagnosed(const FrameViews& views,
+                                                                const Reconstruction& result,
+                                                                nlohmann::ordered_json& cameras) {
+  Quietly quiet(progress_);
+  VOLUTE_ASSIGN(const auto diagnosis,
+                diagnose(views.fitted(), geometry(), settings_.tomography, result, quiet));
+  std::vector<std::string> warnings;
+  for (const std::string& warning : diagnosis.warnings)
+    warnings.push_back(fmt::format("frame {}: {}", views.frame, warning));
+  std::size_t next = 0;
+  for (std::size_t camera = 0; camera < views.views.size(); ++camera) {
+    if (views.heldOut[camera])
+      continue;
+    const CameraDiagnosis& found = diagnosis.cameras[next++];
+    cameras[camera]["gain"] = jsonNumber(found.gain);
+    cameras[camera]["residual_ratio"] = jsonNumber(found.residualRatio);
+    if (const auto warning = explained(camera, found, views, result))
+      warnings.push_back(*warning);
+  }
+  if (!shiftJudged_) {
+    VOLUTE_ASSIGN(const auto warning, commonShift(views, result, !warnings.empty()));
+    if (warning)
+      warnings.insert(warnings.begin(), *warning);  // what else was said may come of it
+  }
+  shiftJudged_ = true;
+  return warnings;
+}
+
+/// Each camera's residual, held-out ones too, and what its picture said.
+nlohmann::ordered_json ReconstructedFrames::measured(const FrameViews& views,
+                                                     const Reconstruction& result) const {
+  auto cameras = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < views.views.size(); ++i) {
+    const TomographyView& view = views.views[i];
+    const auto residual =
+        residualOf(view,
+                   projectVolume(result.volume, geometry(), settings_.tomography.basis, view.camera,
+                                 settings_.tomography.raysPerPixel),
+                   settings_.tomography.noiseSigma);
+    cameras.push_back({{"name", view.name},
+                       {"held_out", views.heldOut[i] != 0},
+                       {"residual", jsonNumber(residual.relative)},
+                       {"psnr", jsonNumber(residual.psnr)},
+                       {"saturated_share", views.facts[i].saturatedShare},
+                       {"masked_share", views.facts[i].maskedShare}});
+  }
+  return cameras;
+}
+
+Status ReconstructedFrames::solve(int index) {
+  const auto start = std::chrono::steady_clock::now();
+  const int number = numberOf(index);
+  if (progress_.cancelled())
+    return fail(ErrorCode::kCancelled, "stopped before frame {}", number);
+  VOLUTE_ASSIGN(const FrameViews views, views_.read(number));
+  const auto findings =
+      checkPictures(views, geometry(), settings_.tomography.noiseSigma, settings_.limits);
+  VOLUTE_ASSIGN(auto warnings, examine(views, findings));
+  Reconstruction result;
+  if (findings.dark) {
+    result.volume.assign(colourValues(), 0);
+    result.hullShare = 0;
+    result.stoppedBy = "dark";
+  } else {
+    auto fitted = fit(index, views);
+    if (!fitted) {  // what was seen in the pictures may be why
+      for (const std::string& warning : warnings) warn(warning);
+      return tl::unexpected<Error>(fitted.error());
+    }
+    result = std::move(*fitted);
+  }
+  auto cameras = measured(views, result);
+  if (!findings.dark) {
+    VOLUTE_ASSIGN(const auto more, diagnosed(views, result, cameras));
+    warnings.insert(warnings.end(), more.begin(), more.end());
+  }
+  for (const std::string& warning : warnings) warn(warning);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  const nlohmann::ordered_json record = {
+      {"frame", number},
+      {"iterations", result.iterations},
+      {"search_iterations", result.searchIterations},
+      {"stopped_by", result.stoppedBy},
+      {"regularization", regularizationName(result.regularization)},
+      {"lambda", jsonNumber(result.lambda)},
+      {"hull_share", jsonNumber(result.hullShare)},
+      {"pixels", result.pixels},
+      {"held_out_pixel_error", jsonNumber(result.heldOutError)},
+      {"seconds", jsonNumber(seconds.count())},
+      {"cameras", cameras},
+      {"warnings", warnings}};
+  return work_.store(number, keys_[static_cast<std::size_t>(index)], result.volume, record);
+}
+
+}  // namespace volute

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "volute/base/progress.hpp"
+#include "volute/grid/frame_source.hpp"
+#include "volute/tomography/diagnostics.hpp"
+#include "volute/tomography/frame_views.hpp"
+#include "volute/tomography/picture_check.hpp"
+#include "volute/tomography/reconstruct.hpp"
+#include "volute/tomography/work_folder.hpp"
+
+namespace volute {
+
+/// How each frame is reconstructed.
+struct ReconstructionSettings {
+  TomographyOptions tomography;
+  PictureLimits limits;
+  bool warmStart = true;  ///< from the frame before
+  bool force = false;     ///< go on in spite of faults, which become warnings
+};
+
+/// A capture as a sequence of volumes. Frames are reconstructed when they are first asked for, in
+/// order because each starts from the one before, and kept in a work folder: writers read them more
+/// than once, and an interrupted run goes on where it was.
+class ReconstructedFrames final : public FrameSource {
+ public:
+  /// Reads the first frame's pictures, to know whether they are grey. All but the moved arguments
+  /// must outlive the object. `keys`: what finished frames in the work folder must have, one a
+  /// frame.
+  [[nodiscard]] static Result<std::unique_ptr<ReconstructedFrames>> open(
+      const Capture& capture, const ReconstructionSettings& settings, ViewReader views,
+      WorkFolder work, std::vector<std::string> keys, Progress& progress);
+
+  const VolumeInfo& info() const override { return info_; }
+
+  [[nodiscard]] Status readFrame(int index, std::span<float> values) override;
+
+  /// Reconstructs what is missing, with the progress of the whole sequence.
+  [[nodiscard]] Status solveAll();
+
+  /// How many frames an earlier run had finished.
+  int resumed() const { return resumed_; }
+
+  /// What was measured on frame `index`, as the report has it.
+  [[nodiscard]] Result<nlohmann::ordered_json> record(int index) const;
+
+  /// The frame's volume, shape (z, y, x, 3), and its views; for pictures of the report.
+  [[nodiscard]] Result<std::vector<float>> volume(int index) const;
+
+  [[nodiscard]] Result<FrameViews> views(int index) { return views_.read(numberOf(index)); }
+
+  VolumeGeometry geometry() const;
+
+  const WorkFolder& work() const { return work_; }
+
+ private:
+  ReconstructedFrames(const Capture& capture, const ReconstructionSettings& settings,
+                      ViewReader views, WorkFolder work, std::vector<std::string> keys,
+                      Progress& progress)
+      : capture_(capture),
+        settings_(settings),
+        views_(std::move(views)),
+        work_(std::move(work)),
+        keys_(std::move(keys)),
+        finished_(keys_.size(), 0),
+        progress_(progress) {}
+
+  int numberOf(int index) const { return capture_.frames[static_cast<std::size_t>(index)]; }
+
+  /// Looks into the work folder once for a frame: writers ask for all before each that they read.
+  bool finished(int index);
+
+  std::size_t colourValues() const { return 3 * info_.voxels(); }
+
+  [[nodiscard]] Status solve(int index);
+  [[nodiscard]] Result<Reconstruction> fit(int index, const FrameViews& views);
+  nlohmann::ordered_json measured(const FrameViews& views, const Reconstruction& result) const;
+  [[nodiscard]] Result<std::vector<std::string>> examine(const FrameViews& views,
+                                                         const PictureFindings& findings);
+  [[nodiscard]] Result<std::vector<std::string>> diagnosed(const FrameViews& views,
+                                                           const Reconstruction& result,
+                                                           nlohmann::ordered_json& cameras);
+  [[nodiscard]] Result<std::optional<std::string>> commonShift(const FrameViews& views,
+                                                               const Reconstruction& result,
+                                                               bool othersWarn);
+  std::optional<std::string> explained(std::size_t camera, const CameraDiagnosis& found,
+                                       const FrameViews& views, const Reconstruction& result);
+  std::optional<std::string> outOfStep(std::size_t camera, const FrameViews& views,
+                                       const Reconstruction& result);
+  void warn(const std::string& text);
+
+  const Capture& capture_;
+  const ReconstructionSettings& settings_;
+  ViewReader views_;
+  WorkFolder work_;
+  std::vector<std::string> keys_;  // one a frame
+  std::vector<char> finished_;     // one a frame: known to be
+  Progress& progress_;
+  VolumeInfo info_;
+  int resumed_ = 0;
+  std::set<std::string> shown_;  // kinds of warnings
+  bool more_ = false;            // it was said that there are more
+  bool grey_ = false;
+  bool shiftJudged_ = false;  // once a run: calibrations do not change
+};
+
+}  // namespace volute

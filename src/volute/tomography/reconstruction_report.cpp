@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/reconstruction_report.hpp"
+
+#include <algorithm>
+
+#include "volute/report/json.hpp"
+#include "volute/tomography/layout.hpp"
+
+namespace volute {
+namespace {
+
+Json jsonOf(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+/// The mean of a number that frames or cameras have; those without it do not count.
+Json meanOf(const std::vector<Json>& values) {
+  double sum = 0;
+  int count = 0;
+  for (const Json& value : values) {
+    if (!value.is_number())
+      continue;
+    sum += value.get<double>();
+    ++count;
+  }
+  return count > 0 ? jsonNumber(sum / count) : Json();
+}
+
+Json camerasJson(const Capture& capture, const Json& frames) {
+  Json cameras = Json::array();
+  for (std::size_t i = 0; i < capture.cameras.size(); ++i) {
+    std::vector<Json> residuals, psnrs, gains, saturated;
+    for (const Json& frame : frames) {
+      const Json& camera = frame["cameras"][i];
+      residuals.push_back(camera["residual"]);
+      psnrs.push_back(camera["psnr"]);
+      saturated.push_back(camera["saturated_share"]);
+      if (camera.contains("gain"))
+        gains.push_back(camera["gain"]);
+    }
+    const CaptureCamera& known = capture.cameras[i];
+    cameras.push_back({{"name", known.name},
+                       {"width", known.camera.width()},
+                       {"height", known.camera.height()},
+                       {"eye", jsonOf(known.camera.eye())},
+                       {"held_out", frames.front()["cameras"][i]["held_out"]},
+                       {"residual", meanOf(residuals)},
+                       {"psnr", meanOf(psnrs)},
+                       {"gain", meanOf(gains)},
+                       {"saturated_share", meanOf(saturated)}});
+  }
+  return cameras;
+}
+
+Json anglesJson(const CameraLayout& layout) {
+  Json angles = Json::array();
+  for (const SightAngle& pair : layout.angles)
+    angles.push_back(
+        {{"cameras", {layout.names[pair.a], layout.names[pair.b]}}, {"degrees", pair.degrees}});
+  return angles;
+}
+
+/// Over the cameras that were held out.
+Json heldOutPsnr(const Json& cameras) {
+  std::vector<Json> values;
+  for (const Json& camera : cameras) {
+    if (camera["held_out"] == true)
+      values.push_back(camera["psnr"]);
+  }
+  return meanOf(values);
+}
+
+Json residualOfFitted(const Json& cameras) {
+  std::vector<Json> values;
+  for (const Json& camera : cameras) {
+    if (camera["held_out"] == false)
+      values.push_back(camera["residual"]);
+  }
+  return meanOf(values);
+}
+
+}  // namespace
+
+Json settingsJson(const ReconstructionSettings& settings) {
+  const TomographyOptions& options = settings.tomography;
+  const auto optional = [](const auto& value) { return value ? Json(*value) : Json(); };
+  return {{"basis", options.basis == Basis::kBox ? "box" : "trilinear"},
+          {"solver", tomographySolverName(options.solver)},
+          {"iterations", optional(options.iterations)},
+          {"regularization", regularizationName(options.regularization)},
+          {"lambda", optional(options.lambda)},
+          {"sparsity", options.sparsity},
+          {"rays_per_pixel", options.raysPerPixel},
+          {"hull", options.hull},
+          {"coarse_to_fine", options.coarseToFine},
+          {"warm_start", settings.warmStart},
+          {"noise_sigma", optional(options.noiseSigma)},
+          {"max_saturated", settings.limits.saturated},
+          {"force", settings.force}};
+}
+
+Result<Json> reconstructionReport(const Capture& capture, const ReconstructionSettings& settings,
+                                  const ReconstructedFrames& frames) {
+  Json records = Json::array(), warnings = Json::array();
+  std::vector<Json> iterations, seconds, hulls;
+  const CameraLayout layout(capture);
+  const auto advice = layout.advice();
+  for (int i = 0; i < frames.info().frames; ++i) {
+    VOLUTE_ASSIGN(auto record, frames.record(i));
+    for (const Json& warning : record["warnings"]) warnings.push_back(warning);
+    iterations.push_back(record["iterations"]);
+    seconds.push_back(record["seconds"]);
+    hulls.push_back(record["hull_share"]);
+    records.push_back(std::move(record));
+  }
+  const Json cameras = camerasJson(capture, records);
+  const CaptureVolume& volume = capture.volume;
+  return Json{{"format", "volute-reconstruction-report-1"},
+              {"capture", capture.file.string()},
+              {"calibration", capture.kind},
+              {"pixel_centre", capture.pixelCentre},
+              {"volume",
+               {{"min", jsonOf(volume.bounds.min)},
+                {"max", jsonOf(volume.bounds.max)},
+                {"resolution", volume.resolution}}},
+              {"options", settingsJson(settings)},
+              {"residual", residualOfFitted(cameras)},
+              {"held_out_psnr", heldOutPsnr(cameras)},
+              {"iterations", meanOf(iterations)},
+              {"hull_share", meanOf(hulls)},
+              {"seconds_per_frame", meanOf(seconds)},
+              {"cameras", cameras},
+              {"angles", anglesJson(layout)},
+              {"advice", advice ? Json(*advice) : Json()},
+              {"warnings", warnings},
+              {"frames", records}};
+}
+
+}  // namespace volute

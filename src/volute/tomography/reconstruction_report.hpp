@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "volute/tomography/reconstructed_frames.hpp"
+
+namespace volute {
+
+/// All that was measured on a reconstruction, for programs: the cameras with the angles between
+/// them, each frame with the residual of each camera, hull, saturation, iterations and time, the
+/// warnings, and means over the frames.
+[[nodiscard]] Result<nlohmann::ordered_json> reconstructionReport(
+    const Capture& capture, const ReconstructionSettings& settings,
+    const ReconstructedFrames& frames);
+
+/// Names of options for people and programs.
+nlohmann::ordered_json settingsJson(const ReconstructionSettings& settings);
+
+}  // namespace volute

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/run_key.hpp"
+
+#include <filesystem>
+
+#include "volute/capture/image_name.hpp"
+#include "volute/tomography/reconstruction_report.hpp"
+
+namespace volute {
+namespace {
+
+std::string stateOf(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  const auto time = std::filesystem::last_write_time(file, error).time_since_epoch().count();
+  return fmt::format("{} {} {}\n", file.string(), error ? 0 : size, time);
+}
+
+std::string digits(const auto& matrix) {
+  std::string text;
+  for (Eigen::Index i = 0; i < matrix.size(); ++i) text += fmt::format("{} ", *(matrix.data() + i));
+  return text;
+}
+
+std::string describe(const CaptureCamera& known) {
+  const Camera& camera = known.camera;
+  const PictureSource& pictures = known.pictures;
+  const Distortion& lens = camera.distortion();
+  std::string text =
+      fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {}\n", known.name, camera.width(),
+                  camera.height(), digits(camera.intrinsics()), digits(camera.rotation()),
+                  digits(camera.eye()), lens.k1, lens.k2, lens.p1, lens.p2, lens.k3, pictures.gain,
+                  pictures.videoStart, pictures.saturation.value_or(-1), pictures.response.name());
+  // A table's name does not tell its values.
+  for (int i = 0; i <= 64; ++i) text += fmt::format("{} ", pictures.response.linear(i / 64.0));
+  for (const auto& file : {pictures.background, pictures.mask, pictures.video}) {
+    if (!file.empty())
+      text += stateOf(file);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> frameKeys(const Capture& capture, const ReconstructionSettings& settings,
+                                   const std::vector<std::string>& heldOut) {
+  std::string text =
+      fmt::format("{} {} {} {} {} {}\n", VOLUTE_VERSION, settingsJson(settings).dump(),
+                  digits(capture.volume.bounds.min), digits(capture.volume.bounds.max),
+                  fmt::join(capture.volume.resolution, " "), capture.white);
+  text += fmt::format("{}\n", fmt::join(heldOut, "/"));
+  for (const CaptureCamera& camera : capture.cameras) {
+    text += describe(camera);
+    for (const int frame : capture.emptyFrames)
+      text += stateOf(frameFile(camera.pictures.image, frame));
+  }
+  const std::string common = digestOf(text);
+  std::vector<std::string> keys;
+  for (const int frame : capture.frames) {
+    std::string own = common + (settings.warmStart && !keys.empty() ? keys.back() : "");
+    for (const CaptureCamera& camera : capture.cameras)
+      own += stateOf(frameFile(camera.pictures.image, frame));
+    keys.push_back(digestOf(own));
+  }
+  return keys;
+}
+
+}  // namespace volute

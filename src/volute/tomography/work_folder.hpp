@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/base/result.hpp"
+
+namespace volute {
+
+/// Where finished frames of a long run wait until the output is written: a folder "OUT.work" beside
+/// it. An interrupted run that is started again finds them there. Each has a key, a digest of all
+/// that decides about it; frames with another key count as not there.
+class WorkFolder {
+ public:
+  /// Makes the folder, or takes the one that is there. For "-" it is one in the folder for
+  /// temporary files, of this process alone.
+  [[nodiscard]] static Result<WorkFolder> open(const std::filesystem::path& output);
+
+  const std::filesystem::path& path() const { return path_; }
+
+  bool has(int frame, const std::string& key) const;
+
+  /// True when any frame is there.
+  bool any() const;
+
+  /// Stores a finished frame; it is there whole or not at all.
+  [[nodiscard]] Status store(int frame, const std::string& key, std::span<const float> values,
+                             const nlohmann::ordered_json& record) const;
+
+  /// The values of a frame; kInvalidData when they are damaged or not `count`.
+  [[nodiscard]] Result<std::vector<float>> values(int frame, std::size_t count) const;
+
+  [[nodiscard]] Result<nlohmann::ordered_json> record(int frame) const;
+
+  /// Removes it all: the output is there.
+  void remove() const;
+
+ private:
+  explicit WorkFolder(std::filesystem::path path) : path_(std::move(path)) {}
+
+  std::filesystem::path path_;
+};
+
+/// A digest of a text: 16 hexadecimal digits (FNV-1a, 64 bits).
+std::string digestOf(std::string_view text);
+
+}  // namespace volute

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/work_folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include "volute/io/testing.hpp"
+
+namespace volute {
+namespace {
+
+using volute::testing::readBytes;
+using volute::testing::TempFolder;
+using volute::testing::writeBytes;
+
+TEST(WorkFolder, KeepsFramesUnderTheirKey) {
+  const TempFolder folder;
+  const std::vector<float> values{0, 0, 1.5f, -2, 0, 0};
+  {
+    ASSERT_VALUE(const auto work, WorkFolder::open(folder / "out.volute"));
+    EXPECT_FALSE(work.any());
+    ASSERT_TRUE(volute::testing::ok(work.store(7, "k1", values, {{"iterations", 12}})));
+  }
+  ASSERT_VALUE(const auto work, WorkFolder::open(folder / "out.volute"));
+  EXPECT_TRUE(work.any());
+  EXPECT_TRUE(work.has(7, "k1"));
+  EXPECT_FALSE(work.has(7, "k2"));
+  EXPECT_FALSE(work.has(8, "k1"));
+  EXPECT_EQ(work.values(7, 6).value(), values);
+  EXPECT_EQ(work.record(7).value()["iterations"], 12);
+  work.remove();
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.volute.work"));
+}
+
+TEST(WorkFolder, DamageIsFound) {
+  const TempFolder folder;
+  ASSERT_VALUE(const auto work, WorkFolder::open(folder / "x"));
+  ASSERT_TRUE(volute::testing::ok(work.store(1, "k", std::vector<float>(64, 0.25f), {})));
+  EXPECT_FALSE(work.values(1, 63)) << "another size";
+  const auto path = folder / "x.work" / "frame_000001.values";
+  std::string bytes = readBytes(path);
+  bytes[bytes.size() / 2] ^= 1;
+  writeBytes(path, bytes);
+  ASSERT_FALSE(work.values(1, 64));
+  EXPECT_NE(work.values(1, 64).error().message.find("is damaged; remove"), std::string::npos);
+}
+
+TEST(WorkFolder, FilesOfOthersStay) {
+  const TempFolder folder;
+  ASSERT_VALUE(const auto work, WorkFolder::open(folder / "x"));
+  writeBytes(folder / "x.work" / "notes.txt", "mine");
+  work.remove();
+  EXPECT_TRUE(std::filesystem::exists(folder / "x.work" / "notes.txt"));
+}
+
+TEST(WorkFolder, Digests) {
+  EXPECT_EQ(digestOf(""), "cbf29ce484222325");
+  EXPECT_EQ(digestOf("a"), "af63dc4c8601ec8c");  // from the authors of FNV
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "volute/visibility/sight_field.hpp"
+
+namespace volute {
+
+/// A quantity over a plan, shape (y, x).
+struct PlanArray {
+  std::string name;
+  std::vector<float> values;
+};
+
+/// Writes a plan as VTK image data, one cell for each point, all arrays in one .vti file.
+[[nodiscard]] Status writePlanVti(const std::filesystem::path& path, const FloorPlan& plan,
+                                  const std::vector<PlanArray>& arrays);
+
+/// Writes a .pvd: files beside it, with their times [s].
+[[nodiscard]] Status writePvd(const std::filesystem::path& path,
+                              const std::vector<std::pair<double, std::string>>& files);
+
+}  // namespace volute

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include "volute/grid/select_frames.hpp"
+#include "volute/visibility/sight_field.hpp"
+#include "volute/visibility/watch.hpp"
+
+namespace volute {
+
+/// The smoke of a case as sight lines ask for it.
+struct SightCase {
+  std::unique_ptr<SightField> field;
+  std::string smoke;                 ///< where the extinction comes from, for people
+  std::vector<std::string> remarks;  ///< what the case's reader has to say
+};
+
+struct SurveyRequest {
+  std::string casePath;
+  std::vector<SafetySign> signs;
+  std::vector<std::vector<std::string>> sets;  ///< names of signs
+  FrameRange frames;                           ///< positions of stored times
+  Survey survey;                               ///< the numbers of it
+  std::string output;
+  std::uint64_t maxMemory = std::uint64_t{4} << 30;
+};
+
+/// Pictures of what is seen, which go into the folder and the page.
+class SurveyPictures {
+ public:
+  virtual ~SurveyPictures() = default;
+
+  [[nodiscard]] virtual Status begin(const Survey& survey, const SightInstant& first) = 0;
+
+  /// Takes them; adds them to the report and returns their part of the page.
+  [[nodiscard]] virtual Result<std::string> finish(const Survey& survey, Json& report) = 0;
+};
+
+/// What a survey found, in short.
+struct SurveySummary {
+  std::uint64_t sightLines = 0;
+  std::vector<double> times;           ///< [s]
+  double seenFirst = 0, seenLast = 0;  ///< shares of the eyes that see a sign
+};
+
+/// Goes through the stored times of a case, one after the other, and writes the folder of results.
+[[nodiscard]] Result<SurveySummary> runSurvey(SurveyRequest request, SightCase& sightCase,
+                                              Watch& watch, SurveyPictures& pictures,
+                                              Progress& progress);
+
+}  // namespace volute

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/base/progress.hpp"
+#include "volute/report/json.hpp"
+#include "volute/visibility/eyes.hpp"
+#include "volute/visibility/survey.hpp"
+
+namespace volute {
+
+/// Some of the signs, by position; the map of when none of them is seen any more is made.
+struct SignSet {
+  std::string name;
+  std::vector<std::size_t> members;
+};
+
+/// What all of a survey's parts know.
+struct Survey {
+  std::filesystem::path folder;  ///< where results go
+  std::vector<SightTarget> signs;
+  std::vector<SignSet> sets;  ///< the first has all signs
+  std::vector<double> times;  ///< those that are looked at [s]
+  Box3 bounds;
+  double step = 0.25;          ///< between points of a plan or a route [m]
+  double height = 2;           ///< of a plan's points [m]
+  bool maps = true;            ///< a map for each sign and time
+  double extinctionLimit = 0;  ///< [1/m]; 0: none
+
+  /// The name as part of a file's name.
+  static std::string fileName(std::string_view name);
+};
+
+/// One time of a survey.
+struct SurveyTime {
+  double time = 0;  ///< [s]
+  const SightInstant& instant;
+  std::span<const Vec3> eyes;
+  std::span<const Sighting> sightings;  ///< shape (sign, eye)
+};
+
+/// Where eyes are, and what becomes of what they see. One kind for each way of choosing eyes.
+class Watch {
+ public:
+  virtual ~Watch() = default;
+
+  /// With the first time's smoke. Complains about eyes from which nobody can look.
+  [[nodiscard]] virtual Status begin(const Survey& survey, const SightInstant& first,
+                                     Progress& progress) = 0;
+
+  /// The eyes at a time.
+  virtual std::vector<Vec3> eyes(double time) const = 0;
+
+  /// Each time in ascending order.
+  [[nodiscard]] virtual Status take(const SurveyTime& at) = 0;
+
+  /// Adds its figures to the report, writes its files, and returns its part of the page.
+  [[nodiscard]] virtual Result<std::string> finish(Json& report) = 0;
+
+  /// True when a page is written.
+  virtual bool hasPage() const { return true; }
+};
+
+/// All points of a floor plan at a height: maps, and when signs are lost.
+std::unique_ptr<Watch> planWatch();
+/// Points along routes, and people who walk them: `speed` [m/s], from `start` on [s].
+std::unique_ptr<Watch> routeWatch(std::vector<Route> routes, double speed, double start);
+std::unique_ptr<Watch> pointWatch(std::vector<Vec3> points);
+std::unique_ptr<Watch> trajectoryWatch(Trajectories people);
+
+}  // namespace volute

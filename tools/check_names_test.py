@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of check_names.py: `python3 tools/check_names_test.py`."""
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import check_names
+
+
+class Names(unittest.TestCase):
+    def names(self, text):
+        return list(check_names.types_of(text))
+
+    def test_types_at_namespace_scope_have_qualified_names(self):
+        self.assertEqual(self.names("""
+            // struct Comment {};
+            namespace volute::cli {
+            struct A { struct Inner {}; enum class Kind { kOne }; };
+            class B final : public A { void f() { struct Local {}; } };
+            template <class T> class C {};
+            template <> class C<int> {};
+            enum class D : int { kOne };
+            struct Declared;
+            const char* kText = R"(struct Text {)";
+            namespace detail { union E { int a; }; }
+            namespace { struct Own {}; }
+            struct F {};
+            }"""), ["volute::cli::" + name for name in ("A", "B", "C", "D", "detail::E", "F")])
+
+    def test_the_same_name_twice_is_found(self):
+        with tempfile.TemporaryDirectory() as folder:
+            place = pathlib.Path(folder)
+            (place / "a.hpp").write_text("namespace n { struct S {}; }")
+            (place / "b.cpp").write_text("namespace n { struct S { int a; }; namespace { struct T {}; } }")
+            (place / "c.cpp").write_text("namespace n { namespace { struct T {}; } }")
+            (place / "d_test.cpp").write_text("namespace n { struct S {}; }")
+            self.assertEqual(check_names.doubles([folder]), {"n::S": {str(place / "a.hpp"), str(place / "b.cpp")}})
+
+
+if __name__ == "__main__":
+    unittest.main()
