@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/fds_report.hpp"
+#include "volute/cli/values.hpp"
 
 #include <map>
 
@@ -8,10 +9,6 @@ namespace volute::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string vectorText(const Vec3& v) {
-  return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
-}
 
 Json boundsJson(const Box3& b) {
   return {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()};

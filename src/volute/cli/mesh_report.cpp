@@ -9,6 +9,7 @@
 #include "volute/io/mesh_source.hpp"
 #include "volute/scene/volume_input.hpp"
 #include "volute/tetmesh/mesh_shape.hpp"
+#include "volute/cli/values.hpp"
 
 namespace volute::cli {
 namespace {
@@ -16,10 +17,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kShapes[] = {"tetrahedra", "pyramids", "wedges", "hexahedra", "polyhedra"};
-
-std::string vectorText(const Vec3& v) {
-  return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
-}
 
 /// Of a file or a series; cases are spread over files that only their reader knows.
 std::optional<std::uint64_t> bytesOf(const std::string& path, const MeshSource& source) {

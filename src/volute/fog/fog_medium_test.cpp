@@ -15,13 +15,9 @@
 namespace volute {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using fogtest::depthOf;
 
-double depthOf(const FogMedium& fog, const Segment& segment) {
-  double depth = 0;
-  fog.opticalDepth({&segment, 1}, {&depth, 1});
-  return depth;
-}
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Case {
   int degree;

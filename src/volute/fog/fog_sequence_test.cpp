@@ -10,11 +10,7 @@
 namespace volute {
 namespace {
 
-double depthOf(const FogMedium& fog, const Segment& segment) {
-  double depth = 0;
-  fog.opticalDepth({&segment, 1}, {&depth, 1});
-  return depth;
-}
+using fogtest::depthOf;
 
 FogMap map(unsigned seed) {
   return *FogMap::fromCoefficients(fogtest::map(20, 16, seed), {.cell = 1.5});

@@ -13,6 +13,12 @@
 
 namespace volute::fogtest {
 
+inline double depthOf(const FogMedium& fog, const Segment& segment) {
+  double depth = 0;
+  fog.opticalDepth({&segment, 1}, {&depth, 1});
+  return depth;
+}
+
 struct NamedProfile {
   std::string name;
   FogProfile profile;

@@ -84,7 +84,7 @@ Result<Maps> readVolume(const std::string& path, const FogDescription& fog, Read
   return maps;
 }
 
-Result<Maps> readMaps(const FogDescription& fog, Reading& reading) {
+Result<Maps> loadMaps(const FogDescription& fog, Reading& reading) {
   const std::string& first = fog.maps.front();
   if (fog.maps.size() == 1 && !isPicturePath(first))
     return readVolume(first, fog, reading);
@@ -119,7 +119,7 @@ Result<FogLayer> FogLayer::open(const FogDescription& description, std::vector<F
   layer.description_ = description;
   layer.suns_ = std::move(suns);
   layer.readAt_ = description.placement.origin;
-  VOLUTE_ASSIGN(auto maps, readMaps(description, reading));
+  VOLUTE_ASSIGN(auto maps, loadMaps(description, reading));
   if (!description.times.empty() && description.times.size() != maps.maps.size()) {
     return fail(ErrorCode::kInvalidData, "{}/times: {} times for {} maps; expected one for each",
                 description.where, description.times.size(), maps.maps.size());

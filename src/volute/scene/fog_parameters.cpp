@@ -7,7 +7,7 @@
 namespace volute {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* kProfiles[] = {"any height", "slab", "exponential", "linear", "layers"};
 constexpr double kThin = 0.01;      ///< [m], the least height of a slab or a layer
@@ -16,16 +16,16 @@ constexpr double kThinnest = 1e-4;  ///< [1/m]
 constexpr double kPixels = 500;     ///< that draw a fog by its own size
 constexpr double kEndless = 1e6;    ///< [m]
 
-Json profileOf(const Json& fog) {
-  return fog.value("profile", Json::object());
+OrderedJson profileOf(const OrderedJson& fog) {
+  return fog.value("profile", OrderedJson::object());
 }
 
 /// Of one entry of "knots" or "layers".
-double numberAt(const Json& list, std::size_t i, std::size_t column) {
+double numberAt(const OrderedJson& list, std::size_t i, std::size_t column) {
   return list.at(i).at(column).get<double>();
 }
 
-void addKnots(ParameterGroup& group, const Json& knots) {
+void addKnots(ParameterGroup& group, const OrderedJson& knots) {
   for (std::size_t i = 0; i < knots.size(); ++i) {
     Parameter& knot =
         group.add(fmt::format("knot {}", i + 1), fmt::format("profile/knots/{}", i),
@@ -36,7 +36,7 @@ void addKnots(ParameterGroup& group, const Json& knots) {
   }
 }
 
-void addLayers(ParameterGroup& group, const Json& layers) {
+void addLayers(ParameterGroup& group, const OrderedJson& layers) {
   for (std::size_t i = 0; i < layers.size(); ++i) {
     const Vec3 layer(numberAt(layers, i, 0), numberAt(layers, i, 1), numberAt(layers, i, 2));
     Parameter& made = group.point(fmt::format("layer {}", i + 1),
@@ -46,7 +46,7 @@ void addLayers(ParameterGroup& group, const Json& layers) {
   }
 }
 
-void addProfile(ParameterGroup& group, const Json& profile) {
+void addProfile(ParameterGroup& group, const OrderedJson& profile) {
   group.section("profile");
   const std::string kind = profile.value("kind", "");
   group.choice("fog at", "profile/kind", {std::begin(kProfiles), std::end(kProfiles)}, kind).help =
@@ -89,9 +89,9 @@ Interval heightsOf(const FogProfile& profile) {
 }
 
 /// `kind` about where the fog was.
-void takeProfile(Json& json, const FogProfile& before, const std::string& kind) {
+void takeProfile(OrderedJson& json, const FogProfile& before, const std::string& kind) {
   Interval at = heightsOf(before);
-  const Json old = profileOf(json);
+  const OrderedJson old = profileOf(json);
   if (old.value("kind", "") == "exponential")
     at = {old.value("bottom", 0.0), old.value("bottom", 0.0) + old.value("height", 20.0)};
   const double middle = 0.5 * (at.begin + at.end);
@@ -101,29 +101,29 @@ void takeProfile(Json& json, const FogProfile& before, const std::string& kind) 
     json["profile"] = {{"kind", kind}, {"bottom", at.begin}, {"height", at.length()}};
   } else if (kind == "linear") {
     json["profile"] = {{"kind", kind}};
-    json["profile"]["knots"] = Json::array(
-        {Json::array({at.begin, 1.0}), Json::array({middle, 0.7}), Json::array({at.end, 0.0})});
+    json["profile"]["knots"] = OrderedJson::array(
+        {OrderedJson::array({at.begin, 1.0}), OrderedJson::array({middle, 0.7}), OrderedJson::array({at.end, 0.0})});
   } else if (kind == "layers") {
     json["profile"] = {{"kind", kind}};
     json["profile"]["layers"] =
-        Json::array({Json::array({at.begin, middle, 1.0}), Json::array({middle, at.end, 0.5})});
+        OrderedJson::array({OrderedJson::array({at.begin, middle, 1.0}), OrderedJson::array({middle, at.end, 0.5})});
   } else {
     json.erase("profile");
   }
 }
 
 /// Heights do not fall from knot to knot.
-void setKnot(Json& knots, std::size_t i, const std::vector<double>& value) {
+void setKnot(OrderedJson& knots, std::size_t i, const std::vector<double>& value) {
   double height = value[0];
   if (i > 0)
     height = std::max(height, numberAt(knots, i - 1, 0));
   if (i + 1 < knots.size())
     height = std::min(height, numberAt(knots, i + 1, 0));
-  knots[i] = Json::array({height, std::clamp(value[1], 0.0, 1.0)});
+  knots[i] = OrderedJson::array({height, std::clamp(value[1], 0.0, 1.0)});
 }
 
 /// The end that was drawn stays beside the other.
-void setLayer(Json& layers, std::size_t i, const std::vector<double>& value) {
+void setLayer(OrderedJson& layers, std::size_t i, const std::vector<double>& value) {
   double bottom = value[0], top = value[1];
   if (top - bottom < kThin) {
     if (bottom != numberAt(layers, i, 0))
@@ -131,10 +131,10 @@ void setLayer(Json& layers, std::size_t i, const std::vector<double>& value) {
     else
       top = bottom + kThin;
   }
-  layers[i] = Json::array({bottom, top, std::max(value[2], 0.0)});
+  layers[i] = OrderedJson::array({bottom, top, std::max(value[2], 0.0)});
 }
 
-void setSlab(Json& profile, const std::string& key, double value) {
+void setSlab(OrderedJson& profile, const std::string& key, double value) {
   if (key == "bottom")
     profile["bottom"] = std::min(value, profile.value("top", 10.0) - kThin);
   else
@@ -146,7 +146,7 @@ std::size_t placeIn(const std::string& key) {
   return static_cast<std::size_t>(std::stoul(key.substr(key.find_last_of('/') + 1)));
 }
 
-Json* listOf(Json& fog, const std::string& key) {
+OrderedJson* listOf(OrderedJson& fog, const std::string& key) {
   for (const char* name : {"knots", "layers"}) {
     if (key.starts_with(std::string("profile/") + name + "/"))
       return &fog["profile"][name];
@@ -156,7 +156,7 @@ Json* listOf(Json& fog, const std::string& key) {
 
 }  // namespace
 
-void addFog(ParameterGroup group, const Json& json, const FogDescription& fog, bool suns,
+void addFog(ParameterGroup group, const OrderedJson& json, const FogDescription& fog, bool suns,
             const MediumFacts& facts) {
   Parameter& densest = group.amount("densest", "sigma_max", fog.placement.sigmaMax, 1, "/m");
   densest.least = std::min(kThinnest, fog.placement.sigmaMax);
@@ -190,10 +190,10 @@ void addFog(ParameterGroup group, const Json& json, const FogDescription& fog, b
   group.clock(fog.clock, facts);
 }
 
-bool setFog(Json& json, const FogDescription& fog, const std::string& key,
+bool setFog(OrderedJson& json, const FogDescription& fog, const std::string& key,
             const std::vector<double>& value) {
   if (key == "wind") {
-    Json wind = Json::array();
+    OrderedJson wind = OrderedJson::array();
     for (const double v : value) wind.push_back(std::clamp(v, -kStrongest, kStrongest));
     if (value[2] == 0)
       wind.erase(2);
@@ -205,14 +205,14 @@ bool setFog(Json& json, const FogDescription& fog, const std::string& key,
     takeProfile(json, fog.profile, kProfiles[kind]);
     return true;
   }
-  if (Json* list = listOf(json, key)) {
+  if (OrderedJson* list = listOf(json, key)) {
     if (key.starts_with("profile/knots/"))
       setKnot(*list, placeIn(key), value);
     else
       setLayer(*list, placeIn(key), value);
     return true;
   }
-  const bool slab = json.value("profile", Json::object()).value("kind", "") == "slab";
+  const bool slab = json.value("profile", OrderedJson::object()).value("kind", "") == "slab";
   if (slab && key.starts_with("profile/")) {
     setSlab(json["profile"], key.substr(key.find('/') + 1), value[0]);
     return true;
@@ -220,10 +220,10 @@ bool setFog(Json& json, const FogDescription& fog, const std::string& key,
   return false;
 }
 
-void duplicateInProfile(Json& fog, const std::string& key) {
-  Json& list = *listOf(fog, key);
+void duplicateInProfile(OrderedJson& fog, const std::string& key) {
+  OrderedJson& list = *listOf(fog, key);
   const std::size_t i = placeIn(key);
-  Json copy = list.at(i);
+  OrderedJson copy = list.at(i);
   const double own = numberAt(list, i, 0);
   if (key.starts_with("profile/knots/")) {
     // Halfway to the next; beyond the last as far as it is from the one before.
@@ -239,7 +239,7 @@ void duplicateInProfile(Json& fog, const std::string& key) {
   list.insert(list.begin() + static_cast<std::ptrdiff_t>(i) + 1, std::move(copy));
 }
 
-void removeFromProfile(Json& fog, const std::string& key) {
+void removeFromProfile(OrderedJson& fog, const std::string& key) {
   listOf(fog, key)->erase(placeIn(key));
 }
 

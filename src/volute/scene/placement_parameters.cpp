@@ -10,21 +10,21 @@
 namespace volute {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kLeastScale = 1e-3, kMostScale = 1e3;
 constexpr double kSteep = 89.99;    ///< [degrees] about y: at 90 x and z would be the same
-constexpr double kRounding = 1e-9;  ///< of what is shown
+constexpr double kPlacementRounding = 1e-9;  ///< of what is shown
 constexpr double kNothing = 1e-15;  ///< of a matrix, beside its largest number
-constexpr double kPixels = 500;     ///< that draw a volume by its own size
+constexpr double kPlacementPixels = 500;     ///< that draw a volume by its own size
 
 Vec3 middleOf(const Box3& box) {
   return box.empty() ? Vec3(Vec3::Zero()) : box.centre();
 }
 
 Vec3 rounded(const Vec3& v) {
-  return (v / kRounding).array().round().matrix() * kRounding + Vec3::Zero();
+  return (v / kPlacementRounding).array().round().matrix() * kPlacementRounding + Vec3::Zero();
 }
 
 Vec3 inRange(const Vec3& scale) {
@@ -63,7 +63,7 @@ PlacementWords wordsOf(const Placement& placement, const Box3& fileBounds) {
   return words;
 }
 
-Json transformOf(const PlacementWords& words, const Box3& fileBounds) {
+OrderedJson transformOf(const PlacementWords& words, const Box3& fileBounds) {
   Vec3 scale = words.scale;
   if (words.mirrored)
     scale.x() *= -1;
@@ -72,7 +72,7 @@ Json transformOf(const PlacementWords& words, const Box3& fileBounds) {
   matrix.topRightCorner<3, 1>() =
       words.middle - matrix.topLeftCorner<3, 3>() * middleOf(fileBounds);
   const double nothing = kNothing * matrix.cwiseAbs().maxCoeff();
-  Json numbers = Json::array();
+  OrderedJson numbers = OrderedJson::array();
   for (int i = 0; i < 16; ++i) {
     const double number = matrix(i / 4, i % 4);
     numbers.push_back(std::abs(number) <= nothing ? 0.0 : number);
@@ -84,7 +84,7 @@ void addPlacement(ParameterGroup& group, const Placement& placement, const Box3&
   const PlacementWords words = wordsOf(placement, fileBounds);
   const double size = fileBounds.empty() ? 1 : fileBounds.size().cwiseProduct(words.scale).norm();
   group.section("placement");
-  group.point("middle", "transform/middle", words.middle, "m", size / kPixels).help =
+  group.point("middle", "transform/middle", words.middle, "m", size / kPlacementPixels).help =
       "where the middle of the volume is";
   group.point("turned", "transform/turn", words.turn, "deg", 0.5).help =
       "about its middle: about x, then y, then z [degrees]";
@@ -98,7 +98,7 @@ void addPlacement(ParameterGroup& group, const Placement& placement, const Box3&
   group.section("");
 }
 
-void setPlacement(Json& volume, const Placement& placement, const Box3& fileBounds,
+void setPlacement(OrderedJson& volume, const Placement& placement, const Box3& fileBounds,
                   const std::string& key, const std::vector<double>& value) {
   PlacementWords words = wordsOf(placement, fileBounds);
   const auto vector = [&] { return Vec3(value[0], value[1], value[2]); };
@@ -113,9 +113,9 @@ void setPlacement(Json& volume, const Placement& placement, const Box3& fileBoun
   else
     words.mirrored = value[0] != 0;
   const Vec3 middle = middleOf(fileBounds);
-  const bool moved = (words.middle - middle).norm() > kRounding * (1 + middle.norm());
+  const bool moved = (words.middle - middle).norm() > kPlacementRounding * (1 + middle.norm());
   const bool nothing = !moved && !words.mirrored && words.turn == Vec3::Zero() &&
-                       (words.scale - Vec3::Ones()).norm() <= kRounding;
+                       (words.scale - Vec3::Ones()).norm() <= kPlacementRounding;
   if (nothing)
     volume.erase("transform");
   else

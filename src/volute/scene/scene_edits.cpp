@@ -14,37 +14,37 @@
 namespace volute {
 namespace {
 
-using Json = nlohmann::ordered_json;
-using Kind = SceneEdit::Kind;
+using OrderedJson = nlohmann::ordered_json;
+using EditKind = SceneEdit::Kind;
 
 constexpr double kSignOffWall = 0.02;  ///< [m]: how thick signs are
 constexpr double kSpotOffWall = 0.1;   ///< [m]
 constexpr double kBeside = 0.8;        ///< [m] from what was duplicated
 
-Json jsonOf(const Vec3& v) {
-  return Json::array({v.x(), v.y(), v.z()});
+OrderedJson jsonOf(const Vec3& v) {
+  return OrderedJson::array({v.x(), v.y(), v.z()});
 }
 
 /// Three numbers of an object; `usual` where they are not there.
-Vec3 vectorIn(const Json& object, const char* key, const Vec3& usual) {
+Vec3 vectorIn(const OrderedJson& object, const char* key, const Vec3& usual) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_array() || found->size() != 3)
     return usual;
   return {(*found)[0].get<double>(), (*found)[1].get<double>(), (*found)[2].get<double>()};
 }
 
-Json& listOf(Json& json, const char* name) {
-  Json& list = json[name];
+OrderedJson& listOf(OrderedJson& json, const char* name) {
+  OrderedJson& list = json[name];
   if (!list.is_array())
-    list = Json::array();
+    list = OrderedJson::array();
   return list;
 }
 
 /// "exit", "exit 2", "exit 3": one that no sign has yet.
-std::string freeName(const Json& signs, std::string name) {
+std::string freeName(const OrderedJson& signs, std::string name) {
   const auto taken = [&](const std::string& wanted) {
     return std::ranges::any_of(signs,
-                               [&](const Json& sign) { return sign.value("name", "") == wanted; });
+                               [&](const OrderedJson& sign) { return sign.value("name", "") == wanted; });
   };
   const auto last = name.find_last_of(' ');
   const bool numbered = last != std::string::npos && last + 1 < name.size() &&
@@ -59,22 +59,22 @@ std::string freeName(const Json& signs, std::string name) {
   return fmt::format("{} {}", name, number);
 }
 
-void placeSpot(Json& light, const SceneEdit& edit) {
+void placeSpot(OrderedJson& light, const SceneEdit& edit) {
   const Vec3 normal = edit.normal.normalized();
   const Vec3 position = edit.position + kSpotOffWall * normal;
   light["position"] = jsonOf(position);
   light["target"] = jsonOf(position + normal);
 }
 
-void placeSign(Json& sign, const SceneEdit& edit) {
+void placeSign(OrderedJson& sign, const SceneEdit& edit) {
   const Vec3 normal = edit.normal.normalized();
   sign["position"] = jsonOf(edit.position + kSignOffWall * normal);
   sign["normal"] = jsonOf(normal);
 }
 
-std::string addSign(Json& json, const SceneEdit& edit) {
-  Json& signs = listOf(json, "signs");
-  Json sign = {{"name", freeName(signs, "exit")}};
+std::string addSign(OrderedJson& json, const SceneEdit& edit) {
+  OrderedJson& signs = listOf(json, "signs");
+  OrderedJson sign = {{"name", freeName(signs, "exit")}};
   placeSign(sign, edit);
   sign["size"] = {0.6, 0.3};
   sign["emitting"] = true;
@@ -83,8 +83,8 @@ std::string addSign(Json& json, const SceneEdit& edit) {
 }
 
 /// At its reach 1 arrives on each area that faces it.
-std::string addSpot(Json& json, const SceneEdit& edit) {
-  Json spot = {{"kind", "spot"}};
+std::string addSpot(OrderedJson& json, const SceneEdit& edit) {
+  OrderedJson spot = {{"kind", "spot"}};
   placeSpot(spot, edit);
   spot["angle"] = 100.0;
   const double intensity = std::max(edit.reach * edit.reach, 1.0);
@@ -93,21 +93,21 @@ std::string addSpot(Json& json, const SceneEdit& edit) {
   return "a lamp is added";
 }
 
-std::string addLight(Json& json, Json light, const char* what) {
+std::string addLight(OrderedJson& json, OrderedJson light, const char* what) {
   listOf(json, "lights").push_back(std::move(light));
   return what;
 }
 
 /// The list that a path is of, and the place in it.
 struct Place {
-  Json* list = nullptr;
+  OrderedJson* list = nullptr;
   std::size_t index = 0;
   bool sign = false;
 
-  Json& entry() const { return (*list)[index]; }
+  OrderedJson& entry() const { return (*list)[index]; }
 };
 
-Result<Place> placeOf(Json& json, const std::string& path) {
+Result<Place> placeOf(OrderedJson& json, const std::string& path) {
   for (const char* name : {"signs", "lights"}) {
     const std::string begin = fmt::format("/{}/", name);
     const std::string number = path.starts_with(begin) ? path.substr(begin.size()) : "";
@@ -123,9 +123,9 @@ Result<Place> placeOf(Json& json, const std::string& path) {
   return fail(ErrorCode::kInvalidArgument, "{}: the scene has no such sign or light", path);
 }
 
-Result<std::string> duplicate(Json& json, const std::string& path) {
+Result<std::string> duplicate(OrderedJson& json, const std::string& path) {
   VOLUTE_ASSIGN(const Place place, placeOf(json, path));
-  Json copy = place.entry();
+  OrderedJson copy = place.entry();
   // Along a sign's own rows, so that it stays on its wall; a lamp goes along x.
   Vec3 aside = Vec3::UnitX();
   if (place.sign) {
@@ -142,13 +142,13 @@ Result<std::string> duplicate(Json& json, const std::string& path) {
   return std::string(place.sign ? "the sign is there twice" : "the light is there twice");
 }
 
-Result<std::string> removeAt(Json& json, const std::string& path) {
+Result<std::string> removeAt(OrderedJson& json, const std::string& path) {
   VOLUTE_ASSIGN(const Place place, placeOf(json, path));
   place.list->erase(place.index);
   return std::string(place.sign ? "the sign is removed" : "the light is removed");
 }
 
-Result<std::string> placeAt(Json& json, const SceneEdit& edit) {
+Result<std::string> placeAt(OrderedJson& json, const SceneEdit& edit) {
   VOLUTE_ASSIGN(const Place place, placeOf(json, edit.path));
   if (place.sign)
     placeSign(place.entry(), edit);
@@ -162,22 +162,22 @@ Result<std::string> placeAt(Json& json, const SceneEdit& edit) {
 
 /// An entry of the profile of a fog.
 struct ProfilePlace {
-  Json* fog = nullptr;
+  OrderedJson* fog = nullptr;
   std::string key;  ///< "profile/knots/1"
 };
 
-std::optional<ProfilePlace> profilePlaceOf(Json& json, const std::string& path) {
+std::optional<ProfilePlace> profilePlaceOf(OrderedJson& json, const std::string& path) {
   const std::size_t at = path.find("/profile/");
   if (!path.starts_with("/media/") || at == std::string::npos)
     return std::nullopt;
-  const Json::json_pointer entry(path);
+  const OrderedJson::json_pointer entry(path);
   if (!json.contains(entry) || !json[entry].is_array() || !json[entry.parent_pointer()].is_array())
     return std::nullopt;
-  return ProfilePlace{&json[Json::json_pointer(path.substr(0, at))], path.substr(at + 1)};
+  return ProfilePlace{&json[OrderedJson::json_pointer(path.substr(0, at))], path.substr(at + 1)};
 }
 
 Result<std::string> changeProfile(const ProfilePlace& place, bool more) {
-  const Json& list = (*place.fog)[Json::json_pointer("/" + place.key).parent_pointer()];
+  const OrderedJson& list = (*place.fog)[OrderedJson::json_pointer("/" + place.key).parent_pointer()];
   const bool knots = place.key.find("/knots/") != std::string::npos;
   if (more) {
     duplicateInProfile(*place.fog, place.key);
@@ -191,7 +191,7 @@ Result<std::string> changeProfile(const ProfilePlace& place, bool more) {
 }
 
 /// What both kinds have in common.
-void copyLook(const Json& from, Json& to, double brighter) {
+void copyLook(const OrderedJson& from, OrderedJson& to, double brighter) {
   const double emission = brighter * from.value("emission", 1.0);
   if (emission != 1)
     to["emission"] = emission;
@@ -202,12 +202,12 @@ void copyLook(const Json& from, Json& to, double brighter) {
 }
 
 /// The entry of a list, which is taken out of it; null where there is none of this kind.
-Json taken(Json& json, const char* list, const std::string& path, const char* kind) {
+OrderedJson taken(OrderedJson& json, const char* list, const std::string& path, const char* kind) {
   const std::string begin = fmt::format("/{}/", list);
   for (std::size_t i = 0; json.contains(list) && i < json[list].size(); ++i) {
     if (path != begin + std::to_string(i))
       continue;
-    Json entry = json[list][i];
+    OrderedJson entry = json[list][i];
     if (kind && entry.value("kind", "") != kind)
       return {};
     json[list].erase(i);
@@ -217,8 +217,8 @@ Json taken(Json& json, const char* list, const std::string& path, const char* ki
 }
 
 /// The volume's light is that of the file's own size, so what was scaled becomes as bright.
-Result<std::string> makeBillboard(Json& json, const SceneEdit& edit) {
-  const Json volume = taken(json, "media", edit.path, "volume");
+Result<std::string> makeBillboard(OrderedJson& json, const SceneEdit& edit) {
+  const OrderedJson volume = taken(json, "media", edit.path, "volume");
   if (volume.is_null() || edit.bounds.empty())
     return fail(ErrorCode::kInvalidArgument, "{}: the scene has no such volume", edit.path);
   Placement placement;
@@ -228,7 +228,7 @@ Result<std::string> makeBillboard(Json& json, const SceneEdit& edit) {
   }
   const PlacementWords words = wordsOf(placement, edit.bounds);
   const Vec3 size = words.scale.cwiseProduct(edit.bounds.size());
-  Json board = {{"volume", volume.at("file")}};
+  OrderedJson board = {{"volume", volume.at("file")}};
   board["position"] = jsonOf(words.middle);
   board["size"] = {size.head<2>().norm(), size.z()};  // as wide as it is from any side
   copyLook(volume, board, words.scale.z());
@@ -236,12 +236,12 @@ Result<std::string> makeBillboard(Json& json, const SceneEdit& edit) {
   return std::string("the volume is a billboard");
 }
 
-Result<std::string> makeVolume(Json& json, const SceneEdit& edit) {
-  const Json board = taken(json, "billboards", edit.path, nullptr);
+Result<std::string> makeVolume(OrderedJson& json, const SceneEdit& edit) {
+  const OrderedJson board = taken(json, "billboards", edit.path, nullptr);
   if (board.is_null() || edit.bounds.empty())
     return fail(ErrorCode::kInvalidArgument, "{}: the scene has no such billboard", edit.path);
   const double scale = board.at("size").at(1).get<double>() / edit.bounds.size().z();
-  Json volume = {{"kind", "volume"}, {"file", board.at("volume")}};
+  OrderedJson volume = {{"kind", "volume"}, {"file", board.at("volume")}};
   copyLook(board, volume, 1 / scale);
   const Vec3 position = vectorIn(board, "position", Vec3::Zero());
   setPlacement(volume, {Vec3::Constant(scale), position - scale * edit.bounds.centre()},
@@ -254,31 +254,31 @@ Result<std::string> makeVolume(Json& json, const SceneEdit& edit) {
 
 }  // namespace
 
-Result<std::string> applyEdit(Json& json, const SceneEdit& edit) {
+Result<std::string> applyEdit(OrderedJson& json, const SceneEdit& edit) {
   switch (edit.kind) {
-    case Kind::kAddSign:
+    case EditKind::kAddSign:
       return addSign(json, edit);
-    case Kind::kAddSpot:
+    case EditKind::kAddSpot:
       return addSpot(json, edit);
-    case Kind::kAddSun:
+    case EditKind::kAddSun:
       return addLight(
           json, {{"kind", "sun"}, {"direction", {0.4, 0.5, -0.6}}, {"radiance", {2, 1.9, 1.7}}},
           "a sun is added");
-    case Kind::kAddAmbient:
+    case EditKind::kAddAmbient:
       return addLight(json, {{"kind", "ambient"}, {"radiance", {0.2, 0.2, 0.2}}},
                       "light from everywhere is added");
-    case Kind::kDuplicate:
-    case Kind::kRemove: {
-      const bool more = edit.kind == Kind::kDuplicate;
+    case EditKind::kDuplicate:
+    case EditKind::kRemove: {
+      const bool more = edit.kind == EditKind::kDuplicate;
       if (const auto place = profilePlaceOf(json, edit.path))
         return changeProfile(*place, more);
       return more ? duplicate(json, edit.path) : removeAt(json, edit.path);
     }
-    case Kind::kBillboard:
+    case EditKind::kBillboard:
       return makeBillboard(json, edit);
-    case Kind::kVolume:
+    case EditKind::kVolume:
       return makeVolume(json, edit);
-    case Kind::kPlace:
+    case EditKind::kPlace:
       return placeAt(json, edit);
   }
   return std::string();

@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 /// Vertices of smoke lie on the walls that the geometry shows, but for the rounding of two files:
 /// of the geometry's size, and of coordinates as float.
 constexpr double kLift = 1e-5;
-constexpr double kRounding = 2.5e-7;
+constexpr double kTransformRounding = 2.5e-7;
 constexpr double kRight = 1e-6;  ///< how far from 90 degrees a volume's axes may be, as a cosine
 
 /// +y of the file becomes +z, as in glTF's own convention: (x, y, z) -> (x, -z, y).
@@ -57,7 +57,7 @@ Result<SceneGeometry> parseEntry(const Json& json, const std::string& file,
   return entry;
 }
 
-Status parseSize(const Members& members, const std::string& file, BillboardOptions& options) {
+Status parseBillboardSize(const Members& members, const std::string& file, BillboardOptions& options) {
   const Json size = members.has("size") ? members.at("size") : Json();
   if (!size.is_array() || size.size() != 2)
     return fail(ErrorCode::kInvalidData, "{}: {}: expected [width, height] [m]", file,
@@ -98,7 +98,7 @@ Result<SceneBillboard> parseBillboard(const Json& json, const std::string& file,
     return fail(ErrorCode::kInvalidData, "{}: {}: is missing; expected three numbers [m]", file,
                 members.where("position"));
   VOLUTE_TRY(members.vector("position", board.options.position));
-  VOLUTE_TRY(parseSize(members, file, board.options));
+  VOLUTE_TRY(parseBillboardSize(members, file, board.options));
   VOLUTE_TRY(parseAlpha(members, file, board.options));
   VOLUTE_TRY(members.number("emission", board.appearance.emission));
   VOLUTE_TRY(members.number("extinction", board.appearance.extinction));
@@ -192,7 +192,7 @@ Blocks blocksOf(const TriangleScene& geometry) {
     const double lift = kLift * (1 + geometry.bounds().size().maxCoeff());
     std::vector<Segment> lifted(segments.begin(), segments.end());
     for (Segment& segment : lifted)
-      segment.begin += lift + kRounding * segment.origin.cwiseAbs().maxCoeff();
+      segment.begin += lift + kTransformRounding * segment.origin.cwiseAbs().maxCoeff();
     geometry.occluded(lifted, blocked);
   };
 }

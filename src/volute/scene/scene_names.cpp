@@ -7,7 +7,7 @@
 namespace volute {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 std::string absolute(const std::string& path) {
   std::error_code ignored;
@@ -16,16 +16,16 @@ std::string absolute(const std::string& path) {
 }
 
 /// The member of a medium that names its file.
-const char* fileKey(const Json& medium) {
+const char* fileKey(const OrderedJson& medium) {
   const std::string kind = medium.value("kind", "");
   return kind == "volume" ? "file" : kind == "fog" ? "map" : "case";
 }
 
-void moveNames(Json& names, const std::string& from, const std::string& to) {
+void moveNames(OrderedJson& names, const std::string& from, const std::string& to) {
   if (names.is_string()) {
     names = nameFrom(from, to, names.get<std::string>());
   } else if (names.is_array()) {
-    for (Json& name : names) moveNames(name, from, to);
+    for (OrderedJson& name : names) moveNames(name, from, to);
   }
 }
 
@@ -40,11 +40,11 @@ std::string nameFrom(const std::string& scene, const std::string& target, const 
   return below ? near.string() : file.string();
 }
 
-void moveAllNames(Json& json, const std::string& from, const std::string& to) {
+void moveAllNames(OrderedJson& json, const std::string& from, const std::string& to) {
   const auto each = [&](const char* list, auto key) {
     if (!json.contains(list))
       return;
-    for (Json& entry : json[list]) {
+    for (OrderedJson& entry : json[list]) {
       const char* name = key(entry);
       if (entry.contains(name))
         moveNames(entry[name], from, to);
@@ -53,9 +53,9 @@ void moveAllNames(Json& json, const std::string& from, const std::string& to) {
     }
   };
   each("media", fileKey);
-  each("geometry", [](const Json&) { return "file"; });
-  each("signs", [](const Json&) { return "picture"; });
-  each("billboards", [](const Json&) { return "volume"; });
+  each("geometry", [](const OrderedJson&) { return "file"; });
+  each("signs", [](const OrderedJson&) { return "picture"; });
+  each("billboards", [](const OrderedJson&) { return "volume"; });
 }
 
 }  // namespace volute

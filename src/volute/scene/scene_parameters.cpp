@@ -15,8 +15,8 @@
 namespace volute {
 namespace {
 
-using Json = nlohmann::ordered_json;
-using Kind = Parameter::Kind;
+using OrderedJson = nlohmann::ordered_json;
+using ParameterKind = Parameter::Kind;
 using Group = ParameterGroup;
 
 constexpr const char* kAlbedoHelp = "share of the extinction that scatters light; the rest absorbs";
@@ -160,14 +160,14 @@ void addSmoke(Group group, const SmokeDescription& smoke, const MediumFacts& fac
   group.choice("mode", "mode", {"photometric", "threshold"}, nameOf(smoke.law.mode)).help =
       "threshold: what has faded to a tenth is no longer seen";
   group.range("C", "C", smoke.law.c, 1, 10).help = "visibility = C / K: 3 reflecting, 8 emitting";
-  group.add("albedo", "albedo", Kind::kColor, numbers(smoke.albedo)).help = kAlbedoHelp;
+  group.add("albedo", "albedo", ParameterKind::kColor, numbers(smoke.albedo)).help = kAlbedoHelp;
   group.clock(smoke.clock, facts);
 }
 
-void addMedia(std::vector<Parameter>& out, const Json& json, const SceneDescription& scene,
+void addMedia(std::vector<Parameter>& out, const OrderedJson& json, const SceneDescription& scene,
               const SceneFacts& facts) {
   std::size_t volumes = 0, fogs = 0, smokes = 0;
-  const Json media = json.value("media", Json::array());
+  const OrderedJson media = json.value("media", OrderedJson::array());
   for (std::size_t i = 0; i < media.size(); ++i) {
     const std::string path = fmt::format("/media/{}", i);
     const std::string kind = media[i].at("kind");
@@ -190,7 +190,7 @@ void addMedia(std::vector<Parameter>& out, const Json& json, const SceneDescript
   }
 }
 
-void addLights(std::vector<Parameter>& out, const Json& lights) {
+void addLights(std::vector<Parameter>& out, const OrderedJson& lights) {
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const std::string kind = lights[i].at("kind");
     Group group(out, lights.size() == 1 ? kind : fmt::format("{} {}", kind, i + 1),
@@ -199,31 +199,31 @@ void addLights(std::vector<Parameter>& out, const Json& lights) {
       return lights[i].value(key, std::move(usual));
     };
     if (kind == "sun") {
-      group.add("direction", "direction", Kind::kDirection, vector("direction", {0, 0, -1}));
-      group.add("irradiance", "radiance", Kind::kColor, vector("radiance", {1, 1, 1})).help =
+      group.add("direction", "direction", ParameterKind::kDirection, vector("direction", {0, 0, -1}));
+      group.add("irradiance", "radiance", ParameterKind::kColor, vector("radiance", {1, 1, 1})).help =
           "what arrives on a surface that faces the sun";
     } else if (kind == "ambient") {
-      group.add("radiance", "radiance", Kind::kColor, vector("radiance", {0, 0, 0})).help =
+      group.add("radiance", "radiance", ParameterKind::kColor, vector("radiance", {0, 0, 0})).help =
           "from everywhere";
     } else {
-      group.add("position", "position", Kind::kPoint, vector("position", {0, 0, 0})).unit = "m";
-      group.add("target", "target", Kind::kPoint, vector("target", {0, 0, 0})).unit = "m";
+      group.add("position", "position", ParameterKind::kPoint, vector("position", {0, 0, 0})).unit = "m";
+      group.add("target", "target", ParameterKind::kPoint, vector("target", {0, 0, 0})).unit = "m";
       group.range("cone", "angle", lights[i].value("angle", 60.0), 1, 179, "degrees").help =
           "from side to side";
-      group.add("intensity", "intensity", Kind::kColor, vector("intensity", {1, 1, 1})).help =
+      group.add("intensity", "intensity", ParameterKind::kColor, vector("intensity", {1, 1, 1})).help =
           "power per solid angle";
     }
   }
 }
 
-void addSigns(std::vector<Parameter>& out, const Json& signs, const SceneDescription& scene) {
+void addSigns(std::vector<Parameter>& out, const OrderedJson& signs, const SceneDescription& scene) {
   for (std::size_t i = 0; i < scene.signs.size(); ++i) {
     const Sign& sign = scene.signs[i];
     Group group(out, "sign: " + (sign.name.empty() ? fmt::format("{}", i + 1) : sign.name),
                 fmt::format("/signs/{}", i));
-    group.add("position", "position", Kind::kPoint, numbers(sign.position)).unit = "m";
-    group.add("normal", "normal", Kind::kDirection, numbers(sign.normal));
-    group.add("emits light", "emitting", Kind::kFlag,
+    group.add("position", "position", ParameterKind::kPoint, numbers(sign.position)).unit = "m";
+    group.add("normal", "normal", ParameterKind::kDirection, numbers(sign.normal));
+    group.add("emits light", "emitting", ParameterKind::kFlag,
               {signs[i].value("emitting", false) ? 1.0 : 0.0});
     group.range("C", "C", sign.c, 1, 10).help = "no longer seen at this optical depth";
     group.range("width", "size/0", sign.width, 0.05, 3, "m");
@@ -232,7 +232,7 @@ void addSigns(std::vector<Parameter>& out, const Json& signs, const SceneDescrip
 }
 
 /// What a field's new meaning needs, and what it must not have.
-void takeQuantity(Json& smoke, const std::string& quantity) {
+void takeQuantity(OrderedJson& smoke, const std::string& quantity) {
   for (const char* key : {"material", "burning", "smoke_potential", "soot_yield", "density_field"})
     smoke.erase(key);
   if (quantity != "soot-density")
@@ -252,16 +252,16 @@ Status checkValue(const Parameter& parameter, const std::vector<double>& value) 
               parameter.value.size());
 }
 
-Json jsonOf(const Parameter& parameter, const std::vector<double>& value) {
+OrderedJson jsonOf(const Parameter& parameter, const std::vector<double>& value) {
   switch (parameter.kind) {
-    case Kind::kFlag:
+    case ParameterKind::kFlag:
       return value.front() != 0;
-    case Kind::kInteger:
+    case ParameterKind::kInteger:
       return static_cast<int>(std::lround(value.front()));
-    case Kind::kChoice:
+    case ParameterKind::kChoice:
       return parameter.choices.at(
           static_cast<std::size_t>(std::clamp(std::round(value.front()), 0.0, parameter.most)));
-    case Kind::kNumber:
+    case ParameterKind::kNumber:
       return value.front();
     default:
       return value;
@@ -269,21 +269,21 @@ Json jsonOf(const Parameter& parameter, const std::vector<double>& value) {
 }
 
 /// How many media of its kind come before one: its place in the scene's list of them.
-std::size_t placeAmongItsKind(const Json& media, std::size_t i) {
+std::size_t placeAmongItsKind(const OrderedJson& media, std::size_t i) {
   const std::string kind = media[i].at("kind");
   return static_cast<std::size_t>(
       std::count_if(media.begin(), media.begin() + static_cast<std::ptrdiff_t>(i),
-                    [&](const Json& medium) { return medium.at("kind") == kind; }));
+                    [&](const OrderedJson& medium) { return medium.at("kind") == kind; }));
 }
 
 /// Values that more than one number of the file stands for. False, with nothing done, for others.
-bool setInMedium(Json& json, const SceneDescription& scene, const SceneFacts& facts,
+bool setInMedium(OrderedJson& json, const SceneDescription& scene, const SceneFacts& facts,
                  const std::string& path, const std::vector<double>& value) {
   const std::size_t begin = std::string_view("/media/").size();
   const std::size_t end = path.find('/', begin);
   const std::size_t i = std::stoul(path.substr(begin, end - begin));
   const std::string key = path.substr(end + 1);
-  Json& medium = json["media"][i];
+  OrderedJson& medium = json["media"][i];
   const std::size_t place = placeAmongItsKind(json["media"], i);
   if (medium["kind"] == "fog")
     return setFog(medium, scene.fogs[place], key, value);
@@ -296,19 +296,19 @@ bool setInMedium(Json& json, const SceneDescription& scene, const SceneFacts& fa
 
 }  // namespace
 
-std::vector<Parameter> sceneParameters(const Json& json, const SceneDescription& scene,
+std::vector<Parameter> sceneParameters(const OrderedJson& json, const SceneDescription& scene,
                                        const SceneFacts& facts) {
   std::vector<Parameter> out;
   addMedia(out, json, scene, facts);
-  addLights(out, json.value("lights", Json::array()));
-  addSigns(out, json.value("signs", Json::array()), scene);
+  addLights(out, json.value("lights", OrderedJson::array()));
+  addSigns(out, json.value("signs", OrderedJson::array()), scene);
   Group group(out, "background", "");
-  group.add("radiance", "background", Kind::kColor, numbers(scene.background)).help =
+  group.add("radiance", "background", ParameterKind::kColor, numbers(scene.background)).help =
       "behind everything";
   return out;
 }
 
-Status setParameter(Json& json, const SceneDescription& scene, const SceneFacts& facts,
+Status setParameter(OrderedJson& json, const SceneDescription& scene, const SceneFacts& facts,
                     const std::string& path, const std::vector<double>& value) {
   const auto all = sceneParameters(json, scene, facts);
   const auto found = std::ranges::find(all, path, &Parameter::path);
@@ -317,21 +317,21 @@ Status setParameter(Json& json, const SceneDescription& scene, const SceneFacts&
   VOLUTE_TRY(checkValue(*found, value));
   if (path.starts_with("/media/") && setInMedium(json, scene, facts, path, value))
     return {};
-  const Json put = jsonOf(*found, value);
-  const Json::json_pointer pointer(path);
+  const OrderedJson put = jsonOf(*found, value);
+  const OrderedJson::json_pointer pointer(path);
   const std::string key = pointer.back();
   if (path.find("/size/") != std::string::npos) {
-    Json& size = json[pointer.parent_pointer()];
+    OrderedJson& size = json[pointer.parent_pointer()];
     if (size.is_null())
       size = {Sign{}.width, Sign{}.height};
     size[key == "0" ? 0 : 1] = put;
     return {};
   }
-  Json& object = json[pointer.parent_pointer()];
+  OrderedJson& object = json[pointer.parent_pointer()];
   const bool smoke =
       path.starts_with("/media/") && object.is_object() && object.value("kind", "") == "smoke";
   if (smoke && (key == "mode" || key == "C")) {
-    for (Json& medium : json["media"]) {
+    for (OrderedJson& medium : json["media"]) {
       if (medium.value("kind", "") == "smoke")
         medium[key] = put;
     }

@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 
 constexpr double kEmitting = 8, kReflecting = 3;
 
-Status parseSize(const Members& members, const std::string& file, Sign& sign) {
+Status parseSignSize(const Members& members, const std::string& file, Sign& sign) {
   if (!members.has("size"))
     return {};
   const Json& size = members.at("size");
@@ -79,7 +79,7 @@ Result<Sign> parseSign(const Json& json, const std::string& file, const std::str
   if (!(sign.normal.norm() > 0))
     return fail(ErrorCode::kInvalidData, "{}: {}: is zero; expected a direction", file,
                 members.where("normal"));
-  VOLUTE_TRY(parseSize(members, file, sign));
+  VOLUTE_TRY(parseSignSize(members, file, sign));
   VOLUTE_TRY(parseC(members, file, sign));
   VOLUTE_TRY(parsePicture(members, file, sign));
   return sign;

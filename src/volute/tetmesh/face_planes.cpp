@@ -9,13 +9,13 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kPlaneGrain = 4096;
 
 }  // namespace
 
 FacePlanes::FacePlanes(const TetMesh& mesh)
     : planes(mesh.faces().size()), sides(mesh.tets().size()) {
-  parallelRanges(planes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(planes.size(), kPlaneGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const TetFace& face = mesh.faces()[f];
       const Vec3 v[3] = {mesh.vertices()[face.vertices[0]], mesh.vertices()[face.vertices[1]],

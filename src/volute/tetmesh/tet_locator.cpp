@@ -15,7 +15,7 @@ namespace {
 /// belongs to both sides, and what overlaps is cut off afterwards.
 constexpr double kTolerance = 1e-12;
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kLocatorGrain = 4096;
 
 struct CellRange3 {
   std::array<int, 3> begin, end;  // inclusive

@@ -17,7 +17,7 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kMeshGrain = 4096;
 
 /// A tet is flat below this share of its longest edge cubed; float coordinates leave 1e-7.
 constexpr double kFlat = 1e-13;
@@ -41,7 +41,7 @@ Status checkAll(std::size_t count, const std::function<Status(std::size_t)>& che
   std::mutex mutex;
   std::size_t worst = count;
   Status status;
-  parallelRanges(count, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(count, kMeshGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Status one = check(i);
       if (one)
@@ -122,7 +122,7 @@ struct HalfFaceLists {
         entries[next[tet[a]]++] = {tet[b], tet[c], static_cast<std::int32_t>(4 * t + k)};
       }
     }
-    parallelRanges(vertices, kGrain, [&](std::size_t from, std::size_t to) {
+    parallelRanges(vertices, kMeshGrain, [&](std::size_t from, std::size_t to) {
       for (std::size_t v = from; v < to; ++v) {
         std::sort(entries.begin() + begin[v], entries.begin() + begin[v + 1],
                   [](const HalfFace& x, const HalfFace& y) {

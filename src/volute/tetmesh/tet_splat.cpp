@@ -18,7 +18,7 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kSplatGrain = 4096;
 
 /// Smoke that cannot reach this optical depth across the whole mesh is left out.
 constexpr float kNegligible = 1e-8F;
@@ -137,7 +137,7 @@ TetSplat::TetSplat(std::shared_ptr<const TetLocator> locator)
   state.slopes.resize(tets);
   state.smoke.assign(tets, {Vec3::Zero(), 0});
   state.dark.assign(tets, 1);
-  parallelRanges(tets, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(tets, kSplatGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       const auto exact = state.mesh().slopes(static_cast<std::int32_t>(t));
       for (int k = 0; k < 3; ++k) state.slopes[t][k] = exact[k + 1].cast<float>();
@@ -155,7 +155,7 @@ void TetSplat::setExtinction(std::span<const float> extinction) {
   VOLUTE_ASSERT(extinction.size() == mesh.vertices().size());
   state.extinction.assign(extinction.begin(), extinction.end());
   const auto negligible = static_cast<float>(kNegligible / mesh.bounds().size().norm());
-  parallelRanges(mesh.tets().size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(mesh.tets().size(), kSplatGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       const Tet& tet = mesh.tets()[t];
       const float tau[4] = {extinction[tet[0]], extinction[tet[1]], extinction[tet[2]],
@@ -179,7 +179,7 @@ void TetSplat::setSource(std::span<const float> source) {
   state.sources.assign(mesh.tets().size(), {});
   if (source.empty())
     return;
-  parallelRanges(mesh.tets().size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(mesh.tets().size(), kSplatGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       const Tet& tet = mesh.tets()[t];
       TetSource& out = state.sources[t];
@@ -206,7 +206,7 @@ void TetSplat::State::lookFrom(const ScreenView& view) {
   const SplatMesh all = splatMesh();
   eyeTets.resize(mesh().tets().size());
   lows.resize(eyeTets.size());
-  parallelRanges(eyeTets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(eyeTets.size(), kSplatGrain, [&](std::size_t begin, std::size_t end) {
     findEyeTets(view, all, begin, std::span(eyeTets).subspan(begin, end - begin),
                 std::span(lows).subspan(begin, end - begin));
   });

@@ -13,30 +13,30 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
-constexpr std::int32_t kNone = -1;
+constexpr std::size_t kOrderGrain = 4096;
+constexpr std::int32_t kNoTet = -1;
 constexpr std::int32_t kBuckets = 1 << 14;
 
 /// Tets that may be next, by bucket.
 class Buckets {
  public:
   Buckets(std::size_t tets, std::int32_t buckets)
-      : head_(static_cast<std::size_t>(buckets), kNone), next_(tets) {}
+      : head_(static_cast<std::size_t>(buckets), kNoTet), next_(tets) {}
 
   void push(std::int32_t tet, std::int32_t bucket) {
     next_[tet] = std::exchange(head_[std::max(bucket, first_)], tet);
   }
 
-  /// One of the first bucket that has any, or kNone.
+  /// One of the first bucket that has any, or kNoTet.
   std::int32_t pop() {
     for (; first_ < static_cast<std::int32_t>(head_.size()); ++first_) {
       const std::int32_t tet = head_[first_];
-      if (tet == kNone)
+      if (tet == kNoTet)
         continue;
       head_[first_] = next_[tet];
       return tet;
     }
-    return kNone;
+    return kNoTet;
   }
 
  private:
@@ -100,14 +100,14 @@ class Sorter {
   /// Which neighbours are behind each tet: on the other side of a face from the eye.
   void lookAtFaces(const FacePlanes& faces, const ViewOrigin& view) {
     std::vector<char> onFirst(faces.planes.size());  // rays come through the face from its first
-    parallelRanges(onFirst.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    parallelRanges(onFirst.size(), kOrderGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) {
         const FacePlane& plane = faces.planes[f];
         onFirst[f] = view.orthographic ? plane.normal.dot(view.forward) > 0
                                        : plane.offset - plane.normal.dot(view.eye) > 0;
       }
     });
-    parallelRanges(places_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    parallelRanges(places_.size(), kOrderGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t t = begin; t < end; ++t) {
         int after = 0, inside = 0;
         for (int k = 0; k < 4; ++k) {
@@ -127,7 +127,7 @@ class Sorter {
   void setBuckets(const ViewOrigin& view) {
     const Range range(mesh_.bounds(), view);
     const double per = (kBuckets - 1) / std::max(range.most - range.least, 1e-300);
-    parallelRanges(places_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    parallelRanges(places_.size(), kOrderGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t t = begin; t < end; ++t) {
         Vec3 from = -view.eye;
         for (const std::int32_t v : mesh_.tets()[t]) from += 0.25 * mesh_.vertices()[v];
@@ -165,7 +165,7 @@ class Sorter {
     }
     std::vector<std::int32_t> order;
     order.reserve(places_.size() / 2);
-    for (std::int32_t tet = ready.pop(); tet != kNone; tet = ready.pop()) {
+    for (std::int32_t tet = ready.pop(); tet != kNoTet; tet = ready.pop()) {
       order.push_back(tet);
       taken_[tet] = 1;
       const int next = kFront ? places_[tet].after : places_[tet].before;

@@ -13,7 +13,7 @@
 namespace volute {
 namespace {
 
-constexpr double kRate = 25;           ///< frames a second
+constexpr double kCaptureRate = 25;           ///< frames a second
 constexpr double kScreenShare = 0.12;  ///< of the distance from the cameras to the volume
 constexpr std::size_t kMostRemarks = 4;
 constexpr int kMostPixels = 512;  ///< across a screen; larger pictures are thinned out
@@ -88,7 +88,7 @@ std::string CaptureDocument::title() const {
 
 std::vector<double> CaptureDocument::times() const {
   std::vector<double> times;
-  for (const int frame : capture_.frames) times.push_back((frame - capture_.firstFrame) / kRate);
+  for (const int frame : capture_.frames) times.push_back((frame - capture_.firstFrame) / kCaptureRate);
   if (times.empty())
     times = {0.0};
   return times;
@@ -115,7 +115,7 @@ std::vector<ViewStation> CaptureDocument::stations() const {
 }
 
 int CaptureDocument::frameAt(double time) const {
-  const double frame = capture_.firstFrame + time * kRate + 1e-6;
+  const double frame = capture_.firstFrame + time * kCaptureRate + 1e-6;
   const auto after = std::ranges::upper_bound(capture_.frames, frame);
   return after == capture_.frames.begin() ? capture_.frames.front() : *(after - 1);
 }

@@ -10,7 +10,7 @@
 namespace volute {
 namespace {
 
-constexpr float kLabels = 70;
+constexpr float kPaintLabels = 70;
 
 void toolPart(ViewerApp& app) {
   PaintTool& paint = app.paint();
@@ -116,7 +116,7 @@ void valuePart(const ViewerApp& app, const PaintTool& paint) {
   (void)app;
 }
 
-void savePart(ViewerApp& app) {
+void savePaintPart(ViewerApp& app) {
   ImGui::SetNextItemWidth(-1);
   nameBox("##map", app.settings().mapName);
   app.mark("map");
@@ -139,7 +139,7 @@ void drawPaintPanel(ViewerApp& app, const ViewerInput& input, float below) {
   if (!layout.isOpen(SidePanel::kPaint))
     layout.measure(SidePanel::kPaint, ImGui::GetFrameHeight());
   if (beginSidePanel(app, SidePanel::kPaint, "Paint fog", kPanelMargin, below)) {
-    ImGui::PushItemWidth(-kLabels);
+    ImGui::PushItemWidth(-kPaintLabels);
     ImGui::Checkbox("paint in the view", &app.settings().painting);
     app.mark("paint in the view");
     hint("the left button paints on the ground, the right one turns");
@@ -148,7 +148,7 @@ void drawPaintPanel(ViewerApp& app, const ViewerInput& input, float below) {
     valuePart(app, app.paint());
     historyPart(app);
     ImGui::Separator();
-    savePart(app);
+    savePaintPart(app);
     ImGui::PopItemWidth();
   }
   endSidePanel(app, SidePanel::kPaint);

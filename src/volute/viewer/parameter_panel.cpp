@@ -11,7 +11,7 @@
 namespace volute {
 namespace {
 
-constexpr float kLabels = 110;  ///< [pixels] that are left for names
+constexpr float kParameterLabels = 110;  ///< [pixels] that are left for names
 constexpr double kDegree = std::numbers::pi / 180;
 
 /// Where a light's rays come from, or where a sign looks, as two angles. The light stays above the
@@ -276,7 +276,7 @@ bool sectionPart(ViewerApp& app, const std::vector<Parameter>& all, const Parame
 
 /// All that can be changed, by what it belongs to.
 void parametersPart(ViewerApp& app) {
-  ImGui::PushItemWidth(-kLabels);
+  ImGui::PushItemWidth(-kParameterLabels);
   editPart(app);
   const float arrow = ImGui::GetTreeNodeToLabelSpacing();
   const std::size_t letters = lettersIn(ImGui::GetContentRegionAvail().x - arrow);

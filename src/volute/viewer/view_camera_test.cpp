@@ -10,7 +10,7 @@
 namespace volute {
 namespace {
 
-constexpr int kWidth = 64, kHeight = 48;
+constexpr int kViewWidth = 64, kViewHeight = 48;
 
 void expectNear(const Vec3& a, const Vec3& b) {
   EXPECT_LT((a - b).norm(), 1e-9) << a.transpose() << " and " << b.transpose();
@@ -20,19 +20,19 @@ TEST(ViewCamera, StartsWhereItIsTold) {
   ViewCamera camera;
   const StartView view{Vec3(1, -2, 0.5), Vec3(0, 3, 1), Vec3::UnitZ(), 55};
   camera.set(view);
-  const Camera taken = camera.camera(kWidth, kHeight);
+  const Camera taken = camera.camera(kViewWidth, kViewHeight);
   expectNear(taken.eye(), view.eye);
   expectNear(taken.forward(), (view.target - view.eye).normalized());
-  EXPECT_NEAR(taken.pixelSize(), 2 * std::tan(27.5 * std::numbers::pi / 180) / kHeight, 1e-12);
+  EXPECT_NEAR(taken.pixelSize(), 2 * std::tan(27.5 * std::numbers::pi / 180) / kViewHeight, 1e-12);
 }
 
 TEST(ViewCamera, FramesAsThePictureDoes) {
   const Box3 bounds{Vec3(-1, 0, 0), Vec3(2, 1, 4)};
   ViewCamera camera;
-  camera.frame(bounds, kWidth, kHeight);
-  const Camera expected = Camera::framing(bounds, kWidth, kHeight);
-  expectNear(camera.camera(kWidth, kHeight).eye(), expected.eye());
-  expectNear(camera.camera(kWidth, kHeight).forward(), expected.forward());
+  camera.frame(bounds, kViewWidth, kViewHeight);
+  const Camera expected = Camera::framing(bounds, kViewWidth, kViewHeight);
+  expectNear(camera.camera(kViewWidth, kViewHeight).eye(), expected.eye());
+  expectNear(camera.camera(kViewWidth, kViewHeight).forward(), expected.forward());
 }
 
 TEST(ViewCamera, OrbitKeepsItsTargetInTheMiddle) {
@@ -41,14 +41,14 @@ TEST(ViewCamera, OrbitKeepsItsTargetInTheMiddle) {
   camera.set({Vec3(1, -2, 0.5), target, Vec3::UnitZ(), 55});
   const double distance = camera.distance();
   camera.drag(120, -35);
-  const Camera turned = camera.camera(kWidth, kHeight);
+  const Camera turned = camera.camera(kViewWidth, kViewHeight);
   const auto place = turned.project(target);
   ASSERT_TRUE(place);
-  EXPECT_NEAR(place->x(), 0.5 * kWidth, 1e-6);
-  EXPECT_NEAR(place->y(), 0.5 * kHeight, 1e-6);
+  EXPECT_NEAR(place->x(), 0.5 * kViewWidth, 1e-6);
+  EXPECT_NEAR(place->y(), 0.5 * kViewHeight, 1e-6);
   EXPECT_NEAR((turned.eye() - target).norm(), distance, 1e-9);
   camera.drag(0, 1e6);
-  EXPECT_LT(camera.camera(kWidth, kHeight).forward().z(), 1) << "never upside down";
+  EXPECT_LT(camera.camera(kViewWidth, kViewHeight).forward().z(), 1) << "never upside down";
   camera.zoom(2);
   EXPECT_LT(camera.distance(), distance);
 }
@@ -57,11 +57,11 @@ TEST(ViewCamera, PanFollowsTheMouse) {
   ViewCamera camera;
   const Vec3 target(0, 3, 1);
   camera.set({Vec3(1, -2, 0.5), target, Vec3::UnitZ(), 55});
-  camera.pan(10, 6, kHeight);
-  const auto place = camera.camera(kWidth, kHeight).project(target);
+  camera.pan(10, 6, kViewHeight);
+  const auto place = camera.camera(kViewWidth, kViewHeight).project(target);
   ASSERT_TRUE(place);
-  EXPECT_NEAR(place->x(), 0.5 * kWidth + 10, 1e-6);
-  EXPECT_NEAR(place->y(), 0.5 * kHeight + 6, 1e-6);
+  EXPECT_NEAR(place->x(), 0.5 * kViewWidth + 10, 1e-6);
+  EXPECT_NEAR(place->y(), 0.5 * kViewHeight + 6, 1e-6);
 }
 
 TEST(ViewCamera, WalkingStaysAtTheHeightOfTheEye) {
@@ -82,15 +82,15 @@ TEST(ViewCamera, IsUprightAsItIsTold) {
     const View3 view{Vec3(1, -2, 0.5), Vec3(0, 3, 1), up};
     ViewCamera camera;
     camera.set({view.eye, view.target, up, 55});
-    expectNear(camera.camera(kWidth, kHeight).right(),
-               Camera::pinhole(view, 55, kWidth, kHeight).right());
-    expectNear(camera.camera(kWidth, kHeight).down(),
-               Camera::pinhole(view, 55, kWidth, kHeight).down());
+    expectNear(camera.camera(kViewWidth, kViewHeight).right(),
+               Camera::pinhole(view, 55, kViewWidth, kViewHeight).right());
+    expectNear(camera.camera(kViewWidth, kViewHeight).down(),
+               Camera::pinhole(view, 55, kViewWidth, kViewHeight).down());
     ViewCamera again;
     again.set(camera.view());
-    expectNear(again.camera(kWidth, kHeight).right(), camera.camera(kWidth, kHeight).right());
+    expectNear(again.camera(kViewWidth, kViewHeight).right(), camera.camera(kViewWidth, kViewHeight).right());
     camera.drag(70, 20);  // turns around what is up
-    EXPECT_NEAR(camera.camera(kWidth, kHeight).right().dot(camera.upwards()), 0, 1e-12);
+    EXPECT_NEAR(camera.camera(kViewWidth, kViewHeight).right().dot(camera.upwards()), 0, 1e-12);
     const Vec3 eye = camera.eye();
     camera.walk(0, 0, 2);
     expectNear(camera.eye(), eye + 2 * camera.upwards());
@@ -103,8 +103,8 @@ TEST(ViewCamera, LooksAlongUpAsCamerasDo) {
       const View3 view{sign * 4 * up, Vec3::Zero(), up};
       ViewCamera camera;
       camera.set({view.eye, view.target, up, 55});
-      const Camera taken = camera.camera(kWidth, kHeight);
-      const Camera expected = Camera::pinhole(view, 55, kWidth, kHeight);
+      const Camera taken = camera.camera(kViewWidth, kViewHeight);
+      const Camera expected = Camera::pinhole(view, 55, kViewWidth, kViewHeight);
       expectNear(taken.forward(), expected.forward());
       expectNear(taken.right(), expected.right());
     }
@@ -114,26 +114,26 @@ TEST(ViewCamera, LooksAlongUpAsCamerasDo) {
 TEST(ViewCamera, AParallelOneSeesItsHeight) {
   ViewCamera camera;
   camera.set({Vec3(1, -2, 0.5), Vec3(0, 3, 1), Vec3::UnitZ(), 55, 6});
-  const Camera taken = camera.camera(kWidth, kHeight);
+  const Camera taken = camera.camera(kViewWidth, kViewHeight);
   ASSERT_TRUE(taken.isOrthographic());
-  EXPECT_NEAR(taken.pixelSize() * kHeight, 6, 1e-12);
+  EXPECT_NEAR(taken.pixelSize() * kViewHeight, 6, 1e-12);
   const Vec3 target(0, 3, 1);
-  camera.pan(10, 6, kHeight);
-  const auto place = camera.camera(kWidth, kHeight).project(target);
+  camera.pan(10, 6, kViewHeight);
+  const auto place = camera.camera(kViewWidth, kViewHeight).project(target);
   ASSERT_TRUE(place);
-  EXPECT_NEAR(place->x(), 0.5 * kWidth + 10, 1e-6);
-  EXPECT_NEAR(place->y(), 0.5 * kHeight + 6, 1e-6);
+  EXPECT_NEAR(place->x(), 0.5 * kViewWidth + 10, 1e-6);
+  EXPECT_NEAR(place->y(), 0.5 * kViewHeight + 6, 1e-6);
   camera.zoom(2);
   EXPECT_LT(camera.ortho(), 6);
   EXPECT_EQ(camera.view().ortho, camera.ortho());
   const Box3 bounds{Vec3(-1, 0, 0), Vec3(2, 1, 4)};
-  camera.frame(bounds, kWidth, kHeight);
+  camera.frame(bounds, kViewWidth, kViewHeight);
   ASSERT_TRUE(camera.parallel());
   for (int i = 0; i < 8; ++i) {
     const Vec3 corner(i & 1 ? -1 : 2, i & 2 ? 0 : 1, i & 4 ? 0 : 4);
-    const auto seen = camera.camera(kWidth, kHeight).project(corner);
+    const auto seen = camera.camera(kViewWidth, kViewHeight).project(corner);
     ASSERT_TRUE(seen);
-    EXPECT_LT(std::abs(seen->y() - 0.5 * kHeight), 0.6 * kHeight);
+    EXPECT_LT(std::abs(seen->y() - 0.5 * kViewHeight), 0.6 * kViewHeight);
   }
 }
 

@@ -12,7 +12,7 @@ namespace volute {
 namespace {
 
 /// Gaps in the mesh shorter than this are rounding [m].
-constexpr double kTolerance = 1e-5;
+constexpr double kTetTolerance = 1e-5;
 /// So near to the target a face counts as behind it [m].
 constexpr double kRounding = 1e-8;
 
@@ -67,7 +67,7 @@ class TetRay {
   double share_[4], slope_[4];
 };
 
-Segment segmentOf(const SightLine& line) {
+Segment tetSegment(const SightLine& line) {
   const double length = line.length();
   const Vec3 direction = length > 0 ? Vec3((line.target - line.eye) / length) : Vec3::UnitX();
   return {line.eye, direction, 0, length};
@@ -98,7 +98,7 @@ void TetInstant::cross(const Segment& segment, Sight& sight, Visit&& visit) cons
   double last = 0;
   bool entered = false;
   for (const TetCrossing& crossing : crossings) {
-    if (crossing.begin - last > kTolerance) {
+    if (crossing.begin - last > kTetTolerance) {
       if (entered)
         sight.blocked = true;
       else
@@ -108,7 +108,7 @@ void TetInstant::cross(const Segment& segment, Sight& sight, Visit&& visit) cons
     last = std::max(last, crossing.end);
     visit(crossing.tet, crossing.begin, crossing.end);
   }
-  if (segment.end - last > kTolerance) {
+  if (segment.end - last > kTetTolerance) {
     sight.blocked |= entered;
     sight.covered &= entered;
   }
@@ -127,7 +127,7 @@ bool TetInstant::walk(const Segment& segment, Visit&& visit) const {
     if (exit.at >= segment.end - kRounding)
       return true;
     // Backwards by more than rounding: lost.
-    if (exit.across < 0 || exit.at < at - kTolerance)
+    if (exit.across < 0 || exit.at < at - kTetTolerance)
       return false;
     at = std::max(at, end);
     const std::int32_t next = mesh.opposite(4 * tet + exit.across);
@@ -137,7 +137,7 @@ bool TetInstant::walk(const Segment& segment, Visit&& visit) const {
 }
 
 Sight TetInstant::lookSlowly(const SightLine& line) const {
-  const Segment segment = segmentOf(line);
+  const Segment segment = tetSegment(line);
   Sight sight;
   double sum = 0;
   // Linear along the line: the middle is the mean.
@@ -150,7 +150,7 @@ Sight TetInstant::lookSlowly(const SightLine& line) const {
 
 void TetInstant::look(std::span<const SightLine> lines, std::span<Sight> sights) const {
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const Segment segment = segmentOf(lines[i]);
+    const Segment segment = tetSegment(lines[i]);
     double sum = 0;
     const bool arrived = walk(segment, [&](std::int32_t tet, double begin, double end) {
       sum += (end - begin) * valueAt(tet, segment.at(0.5 * (begin + end)));
@@ -161,7 +161,7 @@ void TetInstant::look(std::span<const SightLine> lines, std::span<Sight> sights)
 
 void TetInstant::weigh(const SightLine& line, std::vector<SightWeight>& weights,
                        Sight& sight) const {
-  const Segment segment = segmentOf(line);
+  const Segment segment = tetSegment(line);
   const TetMesh& mesh = locator_->mesh();
   const std::size_t first = weights.size();
   const auto add = [&](std::int32_t tet, double begin, double end) {

@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kProgram = "volute-bench";
 
 /// Becomes that program, with the same words; returns only where it cannot.
-Status run(const Arguments& /*arguments*/, Context& context) {
+Status runBench(const Arguments& /*arguments*/, Context& context) {
   std::error_code error;
   const auto program =
       std::filesystem::read_symlink("/proc/self/exe", error).replace_filename(kProgram);
@@ -67,7 +67,7 @@ Command benchCommand() {
                    .help = "`smoke`: hold every pixel against the reference in double, in "
                            "minutes, and measure no times"},
                   {.name = "list", .help = "list the benchmarks"}},
-      .run = run};
+      .run = runBench};
 }
 
 }  // namespace volute::cli

@@ -30,7 +30,7 @@ std::string bytesLine(const std::string& a, const std::string& b) {
   return fmt::format("{} and {}", text(a), text(b));
 }
 
-Report reportOf(const Figures& figures, const std::string& a, const std::string& b) {
+Report compareReport(const Figures& figures, const std::string& a, const std::string& b) {
   Report report;
   report.add("rms", figures.rms)
       .add("relative_rms", figures.relativeRms)
@@ -69,7 +69,7 @@ Result<Figures> compareVolumes(const std::string& a, const std::string& b,
                  difference.maxError};
 }
 
-Status run(const Arguments& arguments, Context& context) {
+Status runCompare(const Arguments& arguments, Context& context) {
   const std::string& a = arguments.positional(0);
   const std::string& b = arguments.positional(1);
   if (isPicturePath(a) != isPicturePath(b)) {
@@ -79,7 +79,7 @@ Status run(const Arguments& arguments, Context& context) {
   }
   VOLUTE_ASSIGN(const auto figures, isPicturePath(a) ? comparePictures(a, b)
                                                      : compareVolumes(a, b, arguments, context));
-  context.print(reportOf(figures, a, b));
+  context.print(compareReport(figures, a, b));
   return {};
 }
 
@@ -113,7 +113,7 @@ Command compareCommand() {
                    .value = "X0,Y0,Z0,X1,Y1,Z1",
                    .help = "as for compress [m]"},
                   {.name = "partial", .help = "use what is intact of a damaged .volute"}},
-      .run = run};
+      .run = runCompare};
 }
 
 }  // namespace volute::cli

@@ -7,7 +7,7 @@
 namespace volute::cli {
 namespace {
 
-Status run(const Arguments& arguments, Context& context) {
+Status runCompletion(const Arguments& arguments, Context& context) {
   const std::string& shell = arguments.positional(0);
   if (shell == "bash") {
     context.print(bashCompletion());
@@ -32,7 +32,7 @@ Command completionCommand() {
                    "volute completion fish > ~/.config/fish/completions/volute.fish"},
       .description = "The script is made from the same tables as the help.",
       .positionals = {{.name = "SHELL", .help = "bash, zsh or fish"}},
-      .run = run};
+      .run = runCompletion};
 }
 
 }  // namespace volute::cli

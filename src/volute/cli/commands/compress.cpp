@@ -32,7 +32,7 @@ std::vector<std::string_view> modeNames() {
   return {names.begin(), names.end()};
 }
 
-Report reportOf(const std::string& target, const VolumeInfo& info, const CompressReport& result) {
+Report compressReport(const std::string& target, const VolumeInfo& info, const CompressReport& result) {
   const double ratio = static_cast<double>(result.rawBytes) / static_cast<double>(result.fileBytes);
   const double speed = static_cast<double>(result.rawBytes) / 1e6 / std::max(result.seconds, 1e-9);
   Report report;
@@ -63,7 +63,7 @@ Result<CompressReport> compressTo(const std::string& target, FrameSource& source
   return result;
 }
 
-Status run(const Arguments& arguments, Context& context) {
+Status runCompress(const Arguments& arguments, Context& context) {
   const std::string& path = arguments.positional(0);
   const auto target = arguments.get<std::string>("output");
   if (!isVolutePath(target)) {
@@ -88,7 +88,7 @@ Status run(const Arguments& arguments, Context& context) {
   options.provenance = std::filesystem::path(path).filename().string();
   options.maxMemory = context.maxMemory;
   VOLUTE_ASSIGN(const auto result, compressTo(target, *source, options, context.progress));
-  context.print(reportOf(target, source->info(), result));
+  context.print(compressReport(target, source->info(), result));
   return {};
 }
 
@@ -174,7 +174,7 @@ Command compressCommand() {
                            "them on the voxel grid"},
                   {.name = "partial", .help = "use what is intact of a damaged .volute"}},
       .oneOf = {{{"rms", "psnr", "ratio", "size", "max-error"}, true}},
-      .run = run};
+      .run = runCompress};
 }
 
 }  // namespace volute::cli

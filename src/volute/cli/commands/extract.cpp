@@ -21,7 +21,7 @@ Result<Extraction> extractionOf(const Arguments& arguments, const VolumeInfo& in
   return extraction;
 }
 
-Report reportOf(const std::string& target, const VolumeInfo& info, const VoluteReader& reader) {
+Report extractReport(const std::string& target, const VolumeInfo& info, const VoluteReader& reader) {
   Report report;
   report.add("output", target)
       .add("frames", info.frames, fmt::format("{}", info.frames))
@@ -84,7 +84,7 @@ Status runFds(const std::string& path, const std::string& target, const Argument
   return {};
 }
 
-Status run(const Arguments& arguments, Context& context) {
+Status runExtract(const Arguments& arguments, Context& context) {
   const std::string& path = arguments.positional(0);
   const auto target = arguments.get<std::string>("output");
   if (context.json && target == "-") {
@@ -105,7 +105,7 @@ Status run(const Arguments& arguments, Context& context) {
                 ExtractSource::create(reader, std::move(extraction), context.progress));
   VOLUTE_ASSIGN(auto sink, openSink(target, source->info()));
   VOLUTE_TRY(copyFrames(*source, *sink, "extracting", context.progress));
-  context.print(reportOf(target, source->info(), *reader));
+  context.print(extractReport(target, source->info(), *reader));
   return {};
 }
 
@@ -164,7 +164,7 @@ Command extractCommand() {
                    .least = 0,
                    .most = 4},
                   {.name = "partial", .help = "use what is intact of a damaged file"}},
-      .run = run};
+      .run = runExtract};
 }
 
 }  // namespace volute::cli

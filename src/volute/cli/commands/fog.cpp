@@ -184,7 +184,7 @@ Status checkUse(const Arguments& arguments) {
   return checkTarget(target);
 }
 
-Status run(const Arguments& arguments, Context& context) {
+Status runFog(const Arguments& arguments, Context& context) {
   const auto folder = arguments.find<std::string>("export-glsl");
   const bool pictures = arguments.given("color") || arguments.given("output") || !folder;
   if (pictures)
@@ -218,7 +218,7 @@ Status run(const Arguments& arguments, Context& context) {
   return {};
 }
 
-std::vector<Option> optionTable() {
+std::vector<Option> fogOptionTable() {
   using enum ValueKind;
   std::vector<Option> options = {
       {.name = "color",
@@ -302,8 +302,8 @@ Command fogCommand() {
           "pictures or a volume one voxel high; pixel / maximum x sigma-max is the extinction, "
           "without sRGB decoding; its bottom row has the smallest y.",
       .positionals = {{.name = "MAP", .help = "the painted map of fog"}},
-      .options = optionTable(),
-      .run = run};
+      .options = fogOptionTable(),
+      .run = runFog};
 }
 
 }  // namespace volute::cli

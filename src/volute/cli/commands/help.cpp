@@ -7,7 +7,7 @@
 namespace volute::cli {
 namespace {
 
-Status run(const Arguments& arguments, Context& context) {
+Status runHelp(const Arguments& arguments, Context& context) {
   if (arguments.positionals().empty()) {
     context.print(overviewText());
     return {};
@@ -30,7 +30,7 @@ Command helpCommand() {
           .examples = {"volute help compress"},
           .description = "Without a name it lists the commands.",
           .positionals = {{.name = "COMMAND", .help = "the command to explain", .optional = true}},
-          .run = run};
+          .run = runHelp};
 }
 
 }  // namespace volute::cli

@@ -10,6 +10,7 @@
 #include "volute/io/image_file.hpp"
 #include "volute/scene/scene_smoke.hpp"
 #include "volute/scene/volume_input.hpp"
+#include "volute/cli/values.hpp"
 
 namespace volute::cli {
 namespace {
@@ -40,10 +41,6 @@ void addExtremes(Report& report, const Extremes& extremes, std::uint64_t values)
       .add("zero_share", jsonNumber(zeros), fmt::format("{:.1f} %", 100 * zeros))
       .add("not_finite", extremes.notFinite,
            extremes.notFinite ? fmt::format("{} values", extremes.notFinite) : "");
-}
-
-std::string vectorText(const Vec3& v) {
-  return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
 }
 
 std::string firstToLast(auto first, auto last) {
@@ -205,7 +202,7 @@ Status showGl(const Arguments& arguments, Context& context) {
   return {};
 }
 
-Status run(const Arguments& arguments, Context& context) {
+Status runInfo(const Arguments& arguments, Context& context) {
   if (arguments.positionals().empty() && !arguments.flag("gl"))
     return fail(ErrorCode::kInvalidArgument, "FILE is missing; give a file, or --gl");
   if (arguments.flag("gl")) {
@@ -272,7 +269,7 @@ Command infoCommand() {
                            "are not finite"},
                   {.name = "gl",
                    .help = "the graphics device that --renderer gl draws with, and its limits"}},
-      .run = run};
+      .run = runInfo};
 }
 
 }  // namespace volute::cli

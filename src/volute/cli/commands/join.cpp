@@ -9,7 +9,7 @@
 namespace volute::cli {
 namespace {
 
-Status run(const Arguments& arguments, Context& context) {
+Status runJoin(const Arguments& arguments, Context& context) {
   const auto target = arguments.get<std::string>("output");
   std::vector<std::filesystem::path> parts;
   for (const std::string& path : arguments.positionals()) {
@@ -74,7 +74,7 @@ Command joinCommand() {
                    .help = "relative RMS to the parts where they must be encoded again; else as "
                            "large as their own",
                    .positive = true}},
-      .run = run};
+      .run = runJoin};
 }
 
 }  // namespace volute::cli

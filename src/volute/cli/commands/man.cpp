@@ -6,7 +6,7 @@
 namespace volute::cli {
 namespace {
 
-Status run(const Arguments& arguments, Context& context) {
+Status runMan(const Arguments& arguments, Context& context) {
   const auto name = arguments.find<std::string>("markdown");
   if (!name) {
     context.print(manualPage());
@@ -32,7 +32,7 @@ Command manCommand() {
                        .kind = ValueKind::kText,
                        .value = "COMMAND",
                        .help = "print the page of one command as Markdown, as in docs/cli"}},
-          .run = run};
+          .run = runMan};
 }
 
 }  // namespace volute::cli

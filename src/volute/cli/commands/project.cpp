@@ -133,7 +133,7 @@ Status projectAll(Subject& subject, const Capture& capture, const ImageName& nam
 }
 
 /// Also none of the capture's own pictures that are there, which cannot be taken again.
-Status checkTargets(const Subject& subject, const Capture& capture, const ImageName& name) {
+Status checkProjectTargets(const Subject& subject, const Capture& capture, const ImageName& name) {
   for (const CaptureCamera& camera : capture.cameras) {
     const PictureSource& own = camera.pictures;
     for (const int position : subject.positions) {
@@ -154,7 +154,7 @@ Status checkTargets(const Subject& subject, const Capture& capture, const ImageN
   return {};
 }
 
-Status run(const Arguments& arguments, Context& context) {
+Status runProject(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto name, ImageName::parse(arguments.get<std::string>("output")));
   VOLUTE_ASSIGN(auto options, captureOptionsOf(arguments, context));
   options.frames = {};
@@ -162,7 +162,7 @@ Status run(const Arguments& arguments, Context& context) {
   remarkOn(capture, context);
   VOLUTE_ASSIGN(auto subject, openSubject(arguments.positional(0), arguments, capture, context));
   VOLUTE_TRY(checkPattern(name, capture.cameras.size(), subject.positions.size()));
-  VOLUTE_TRY(checkTargets(subject, capture, name));
+  VOLUTE_TRY(checkProjectTargets(subject, capture, name));
   const VolumeInfo& info = subject.source->info();
   VOLUTE_TRY(checkMemory(info, context));
   Capture placed = capture;
@@ -243,7 +243,7 @@ Command projectCommand() {
                        .help = "a volume: .volute, .npy, .vdb, .vti, .pvd, a pattern or a folder"},
                       {.name = "CAPTURE", .help = "the cameras"}},
       .options = std::move(options),
-      .run = run};
+      .run = runProject};
 }
 
 }  // namespace volute::cli

@@ -129,7 +129,7 @@ void addSummary(const nlohmann::ordered_json& json, Report& report) {
   report.add("warnings", json["warnings"], fmt::format("{}", json["warnings"].size()));
 }
 
-Status checkTargets(const Arguments& arguments, const std::string& target) {
+Status checkReconstructTargets(const Arguments& arguments, const std::string& target) {
   if (const auto report = arguments.find<std::string>("report")) {
     VOLUTE_TRY(checkTarget(*report));
     if (extensionOf(*report) != ".json") {
@@ -202,13 +202,13 @@ Status runFrames(ReconstructedFrames& frames, const Arguments& arguments, const 
   return {};
 }
 
-Status run(const Arguments& arguments, Context& context) {
+Status runReconstruct(const Arguments& arguments, Context& context) {
   const auto target = arguments.get<std::string>("output");
   if (context.json && target == "-") {
     return fail(ErrorCode::kInvalidArgument,
                 "--json and '--output -' both want standard output; leave one");
   }
-  VOLUTE_TRY(checkTargets(arguments, target));
+  VOLUTE_TRY(checkReconstructTargets(arguments, target));
   context.resultsToStderr = target == "-";
   VOLUTE_ASSIGN(const auto options, captureOptionsOf(arguments, context));
   VOLUTE_ASSIGN(const auto capture, openCapture(arguments.positional(0), options));
@@ -287,7 +287,7 @@ std::vector<Option> solverOptions() {
       {.name = "no-warm-start", .help = "start each frame from nothing"}};
 }
 
-std::vector<Option> optionTable() {
+std::vector<Option> reconstructOptionTable() {
   using enum ValueKind;
   std::vector<Option> options = {
       {.name = "output",
@@ -354,9 +354,9 @@ Command reconstructCommand() {
           "Finished frames are kept in OUT.work beside the output until it is whole; an "
           "interrupted run goes on from there when it is started again.",
       .positionals = {{.name = "CAPTURE", .help = "the cameras and their pictures"}},
-      .options = optionTable(),
+      .options = reconstructOptionTable(),
       .oneOf = {{{"warm-start", "no-warm-start"}, false}},
-      .run = run};
+      .run = runReconstruct};
 }
 
 }  // namespace volute::cli

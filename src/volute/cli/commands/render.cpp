@@ -340,7 +340,7 @@ Status writeStats(const RenderJob& job, const std::string& target) {
   return writeFile(target, dumpJson(job.stats()));
 }
 
-Status checkTargets(const Arguments& arguments, const std::string& target) {
+Status checkRenderTargets(const Arguments& arguments, const std::string& target) {
   if (!isPicturePath(target) && !isFilmPath(target)) {
     return fail(ErrorCode::kInvalidArgument,
                 "--output: '{}' is of no known format; expected .png, .exr, .mp4 or .webm", target);
@@ -350,9 +350,9 @@ Status checkTargets(const Arguments& arguments, const std::string& target) {
   return checkTarget(target);
 }
 
-Status run(const Arguments& arguments, Context& context) {
+Status runRender(const Arguments& arguments, Context& context) {
   const auto target = arguments.get<std::string>("output");
-  VOLUTE_TRY(checkTargets(arguments, target));
+  VOLUTE_TRY(checkRenderTargets(arguments, target));
   VOLUTE_ASSIGN(auto job, makeJob(arguments, target, context));
   VOLUTE_ASSIGN(auto development, developmentOf(arguments, job));
   VOLUTE_TRY(renderAll(job, target, development, context.progress));
@@ -535,7 +535,7 @@ Command renderCommand() {
       .oneOf = {{{"time", "frames"}, false},
                 {{"fov", "ortho"}, false},
                 {{"slice", "isosurface", "aov"}, false}},
-      .run = run};
+      .run = runRender};
 }
 
 }  // namespace volute::cli

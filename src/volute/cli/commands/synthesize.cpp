@@ -85,7 +85,7 @@ Status runHall(const Arguments& arguments, Context& context) {
   return {};
 }
 
-Status run(const Arguments& arguments, Context& context) {
+Status runSynthesize(const Arguments& arguments, Context& context) {
   if (arguments.positional(0) == "hall")
     return runHall(arguments, context);
   if (arguments.positional(0) == "ball")
@@ -196,7 +196,7 @@ Command synthesizeCommand() {
                    .help = "relative RMS error of a .volute",
                    .initial = "0.001",
                    .positive = true}},
-      .run = run};
+      .run = runSynthesize};
 }
 
 }  // namespace volute::cli

@@ -42,7 +42,7 @@ Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments,
                            : GlSmokeMethod::kProject;
 }
 
-Status run(const Arguments& arguments, Context& context) {
+Status runView(const Arguments& arguments, Context& context) {
   const std::string path = arguments.positionals().empty() ? "" : arguments.positional(0);
   const Pixels size = arguments.get<Pixels>("size");
   const auto renderer = rendererOf(arguments);
@@ -146,7 +146,7 @@ Command viewCommand() {
                     ".exr), a capture or a scene (.json); without one, drop it on the window",
             .optional = true}},
       .options = viewOptions(),
-      .run = run};
+      .run = runView};
 }
 
 }  // namespace volute::cli

@@ -95,7 +95,7 @@ std::string limitRemark(const std::string& name, double extinction) {
                                      "it");
 }
 
-Status run(const Arguments& arguments, Context& context) {
+Status runVisibility(const Arguments& arguments, Context& context) {
   SurveyRequest request;
   request.casePath = arguments.positional(0);
   request.output = arguments.get<std::string>("output");
@@ -138,7 +138,7 @@ std::vector<std::string_view> limitNames() {
   return names;
 }
 
-std::vector<Option> optionTable() {
+std::vector<Option> visibilityOptionTable() {
   using enum ValueKind;
   std::vector<Option> options = {
       {.name = "signs",
@@ -244,10 +244,10 @@ Command visibilityCommand() {
           "seen any more. docs/visibility.md says what is computed, and what the rules leave out.",
       .positionals = {{.name = "CASE",
                        .help = "smoke on a mesh (.vtu, .pvd) or an FDS case (.smv)"}},
-      .options = optionTable(),
+      .options = visibilityOptionTable(),
       .oneOf = {{.names = {"route", "eyes", "trajectories"}},
                 {.names = {"extinction-limit", "sight-limit"}}},
-      .run = run};
+      .run = runVisibility};
 }
 
 }  // namespace volute::cli

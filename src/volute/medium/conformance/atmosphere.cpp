@@ -8,7 +8,7 @@
 namespace volute::conformance {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoEnd = std::numeric_limits<double>::infinity();
 constexpr double kWidth = 20;  ///< [m], along x and y
 constexpr double kTop = 60;  ///< in scale heights: exp(-60) of the fog is above, too little to tell
 const Rgb kColour(0.9, 0.5, 0.2);
@@ -66,7 +66,7 @@ double integral(const Stretch& stretch) {
 }  // namespace
 
 Box3 Atmosphere::bounds() const {
-  return {Vec3(0, 0, 0), Vec3(kWidth, kWidth, kInfinity)};
+  return {Vec3(0, 0, 0), Vec3(kWidth, kWidth, kNoEnd)};
 }
 
 double Atmosphere::profile(const Vec3& point) const {

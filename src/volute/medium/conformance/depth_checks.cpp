@@ -9,7 +9,7 @@
 namespace volute::conformance {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 Failures boundsAreABox(const MediumUnderTest& tested) {
   if (tested.medium.bounds().empty())
@@ -67,7 +67,7 @@ Failures depthsAreFiniteAndNotNegative(const MediumUnderTest& tested) {
   for (const NamedSegment& named : segmentsOf(tested)) {
     const double depth = depthOf(tested.medium, named.segment);
     const bool mayBeInfinite = std::isinf(insideBounds(tested, named.segment).length());
-    const bool finite = std::isfinite(depth) || (mayBeInfinite && depth == kInfinity);
+    const bool finite = std::isfinite(depth) || (mayBeInfinite && depth == kEndless);
     if (!finite || !(depth >= -tested.traits.tolerance.closedForm * scale.depth)) {
       report.at(named, "optical depth {}", depth);
     }
@@ -191,7 +191,7 @@ Failures depthsAlongFacesAreThoseOfASide(const MediumUnderTest& tested) {
   for (const NamedSegment& named : segmentsOf(tested)) {
     if (named.sides.empty())
       continue;
-    double least = kInfinity, most = -kInfinity;
+    double least = kEndless, most = -kEndless;
     for (const Vec3& side : named.sides) {
       Segment beside = named.segment;
       beside.origin += kAside * scale.length * side;

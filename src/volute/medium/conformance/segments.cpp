@@ -9,7 +9,7 @@
 namespace volute::conformance {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr std::array kAxisNames{"x", "y", "z"};
 
 /// The first, the last and one in the middle.
@@ -53,10 +53,10 @@ class Generator {
     add("from inside", p, d, 0, far);
     add("to the inside", p - far * d, d, 0, far);
     add("inside", p, (q - p).normalized(), 0, (q - p).norm());
-    add("to infinity", p - far * d, d, 0, kInfinity);
-    add("from inside to infinity", p, d, 0, kInfinity);
-    add("from minus infinity to infinity", p, d, -kInfinity, kInfinity);
-    add("from minus infinity to the inside", p, d, -kInfinity, 0);
+    add("to infinity", p - far * d, d, 0, kUnbounded);
+    add("from inside to infinity", p, d, 0, kUnbounded);
+    add("from minus infinity to infinity", p, d, -kUnbounded, kUnbounded);
+    add("from minus infinity to the inside", p, d, -kUnbounded, 0);
     add("very short", p, d, 0, 1e-9 * diagonal_);
     add("from far away", p - 1000 * diagonal_ * d, d, 0, 2000 * diagonal_);
     add("anywhere", p + 2 * (q - p), random_.direction(), 0, far);
@@ -67,8 +67,8 @@ class Generator {
       const Vec3 d = sign * Vec3::Unit(axis);
       add(fmt::format("parallel to {}", kAxisNames[axis]), point(), d, -2 * diagonal_,
           2 * diagonal_);
-      add(fmt::format("parallel to {}, infinite", kAxisNames[axis]), point(), d, -kInfinity,
-          kInfinity);
+      add(fmt::format("parallel to {}, infinite", kAxisNames[axis]), point(), d, -kUnbounded,
+          kUnbounded);
     }
     Vec3 almost = Vec3::Constant(1e-13);
     almost[axis] = 1;
@@ -176,10 +176,10 @@ std::vector<NamedSegment> emptySegmentsOf(const MediumUnderTest& tested) {
     add(0, 0);
     add(1, 1);
     add(0.1 * tested.traits.region.size().norm(), 0);
-    add(kInfinity, kInfinity);
-    add(-kInfinity, -kInfinity);
-    add(kInfinity, -kInfinity);
-    add(0, -kInfinity);
+    add(kUnbounded, kUnbounded);
+    add(-kUnbounded, -kUnbounded);
+    add(kUnbounded, -kUnbounded);
+    add(0, -kUnbounded);
   }
   return out;
 }
@@ -198,11 +198,11 @@ std::vector<NamedSegment> missingSegmentsOf(const MediumUnderTest& tested) {
       p[axis] = face + outwards * 0.01 * length;
       Vec3 d = random.direction();
       d[axis] = 0;
-      out.push_back({"passes by", {p, d.normalized(), -kInfinity, kInfinity}});
+      out.push_back({"passes by", {p, d.normalized(), -kUnbounded, kUnbounded}});
       out.push_back(
           {"passes by, parallel to an axis", {p, Vec3::Unit((axis + 1) % 3), -length, length}});
       d[axis] = outwards;
-      out.push_back({"leads away", {p, d.normalized(), 0, kInfinity}});
+      out.push_back({"leads away", {p, d.normalized(), 0, kUnbounded}});
       out.push_back({"ends before", {p, -d.normalized(), -length, 0.005 * length}});
     }
   }

@@ -13,7 +13,7 @@ const Box3 TwoBoxes::kSecond{Vec3(2, 0.5, 0), Vec3(3.5, 2, 1)};
 
 namespace {
 
-const Rgb kColour(3, 1, 0.25);  ///< emission [radiance/m] per extinction [1/m] in the first box
+const Rgb kBoxColour(3, 1, 0.25);  ///< emission [radiance/m] per extinction [1/m] in the first box
 const Rgb kGlow(0.5, 0.1, 2);   ///< emission [radiance/m] of the second, even
 
 struct Inside {
@@ -72,7 +72,7 @@ double TwoBoxes::extinction(const Vec3& point) const {
 
 Rgb TwoBoxes::emission(const Vec3& point) const {
   if (kFirst.contains(point))
-    return kColour * c_[0];
+    return kBoxColour * c_[0];
   return kSecond.contains(point) ? kGlow : Rgb(Rgb::Zero());
 }
 
@@ -93,7 +93,7 @@ void TwoBoxes::pieces(std::span<const Segment> segments,
       const double start = c_[1] + (c_[2] - c_[1]) * across(segments[i].at(interval.begin).x());
       piece.extinction = box == 0 ? Cubic{{c_[0], 0, 0, 0}} : Cubic{{start, slope, 0, 0}};
       for (int channel = 0; channel < 3; ++channel) {
-        piece.emission[channel].c[0] = box == 0 ? kColour[channel] * c_[0] : kGlow[channel];
+        piece.emission[channel].c[0] = box == 0 ? kBoxColour[channel] * c_[0] : kGlow[channel];
       }
       pieces[i].push_back(piece);
     }
@@ -113,7 +113,7 @@ void TwoBoxes::radiance(std::span<const Segment> segments, std::span<Radiance> o
         return box == 0 ? c_[0] * u : u * (start + 0.5 * slope * u);
       };
       if (box == 0) {
-        out[i].emitted += out[i].transmittance * -std::expm1(-depth(length)) * kColour;
+        out[i].emitted += out[i].transmittance * -std::expm1(-depth(length)) * kBoxColour;
       } else {
         const double seen =
             gaussIntegral(8, 0.0, length, [&](double u) { return std::exp(-depth(u)); });
