@@ -118,20 +118,21 @@ class FoamWalk {
   }
 
   Status open(char bracket) {
-    const auto count = bracket == '(' ? numberOf<std::uint64_t>(last_) : std::nullopt;
+    const auto number = numberOf<std::uint64_t>(last_);
+    const std::uint64_t count = bracket == '(' && number ? *number : 0;
     const bool ofText = list_.empty() && (!open_.empty() || class_ == "polyBoundaryMesh");
     inHeader_ = bracket == '{' && open_.empty() && last_ == "FoamFile";
     ++at_;
-    if (binary_ && count && !ofText) {
+    if (binary_ && bracket == '(' && number && !ofText) {
       const std::size_t size = valueSize();
       if (size == 0) {
         unknown_ = true;
         return {};
       }
       const std::uint64_t left = bytes_.size() - at_;
-      if (*count > left / size)
-        return missing(fmt::format("a list of {} values at byte {} goes beyond it", *count, at_));
-      at_ += *count * size;
+      if (count > left / size)
+        return missing(fmt::format("a list of {} values at byte {} goes beyond it", count, at_));
+      at_ += count * size;
     }
     lists_ += open_.empty() && bracket == '(';
     open_.push_back(bracket);

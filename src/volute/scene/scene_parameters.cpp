@@ -29,7 +29,7 @@ std::vector<double> numbers(const Rgb& c) {
   return {c[0], c[1], c[2]};
 }
 
-constexpr int kExtinction = 2;  ///< its place
+constexpr int kExtinctionPlace = 2;  ///< its place
 
 std::vector<std::string> smokeQuantities() {
   return {"soot-density",    "products-density",   "extinction",
@@ -121,7 +121,7 @@ void addSmoke(Group group, const SmokeDescription& smoke, const MediumFacts& fac
     quantity.help = "what its values mean; of concentrations also the unit below";
     if (doubt.extinction) {
       quantity.doubt = doubt.text + ": does the field hold";
-      quantity.offers = {kExtinction};
+      quantity.offers = {kExtinctionPlace};
     }
   }
   const bool soot = model.quantity == SmokeQuantity::kSootDensity;

@@ -10,14 +10,14 @@ namespace {
 
 int countParts(const TetMesh& mesh) {
   const auto opposites = mesh.opposites();
-  std::vector<char> seen(mesh.tets().size(), 0);
+  std::vector<bool> seen(mesh.tets().size(), 0);
   std::vector<std::int32_t> todo;
   int parts = 0;
   for (std::size_t first = 0; first < seen.size(); ++first) {
     if (seen[first])
       continue;
     ++parts;
-    seen[first] = 1;
+    seen[first] = true;
     todo.push_back(static_cast<std::int32_t>(first));
     while (!todo.empty()) {
       const std::int32_t tet = todo.back();
@@ -26,7 +26,7 @@ int countParts(const TetMesh& mesh) {
         const std::int32_t other = opposites[static_cast<std::size_t>(4 * tet + k)];
         if (other == TetMesh::kBoundary || seen[static_cast<std::size_t>(other / 4)])
           continue;
-        seen[static_cast<std::size_t>(other / 4)] = 1;
+        seen[static_cast<std::size_t>(other / 4)] = true;
         todo.push_back(other / 4);
       }
     }

@@ -11,7 +11,7 @@
 namespace volute {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
 constexpr auto kLookEvery = std::chrono::milliseconds(500);
 constexpr std::size_t kLookAt = 1000;  ///< files at a time: wishes wait for it
@@ -124,7 +124,7 @@ bool Loader::wanted() const {
 /// What is wanted comes first; a document is looked through for damage when there is time.
 void Loader::work() {
   letOthersFirst();
-  auto nextLook = Clock::now() + kLookEvery;
+  auto nextLook = SteadyClock::now() + kLookEvery;
   std::unique_lock lock(mutex_);
   for (;;) {
     wake_.wait_until(lock, nextLook,
@@ -137,12 +137,12 @@ void Loader::work() {
       serve(lock);
     else if (unchecked_)
       checkNow(lock);
-    if (Clock::now() < nextLook)
+    if (SteadyClock::now() < nextLook)
       continue;
     lock.unlock();
     const bool changed = changedOnDisk();
     lock.lock();
-    nextLook = Clock::now() + kLookEvery;
+    nextLook = SteadyClock::now() + kLookEvery;
     if (!changed || wantedPath_)
       continue;
     wantedPath_ = path_;

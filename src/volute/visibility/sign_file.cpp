@@ -11,7 +11,6 @@
 namespace volute {
 namespace {
 
-using Json = nlohmann::json;
 
 /// What a sign may say; "picture" is for scenes.
 constexpr std::array<std::string_view, 8> kNames{"name",     "position", "normal",    "size",
@@ -19,7 +18,7 @@ constexpr std::array<std::string_view, 8> kNames{"name",     "position", "normal
 
 class SignReader {
  public:
-  SignReader(const Json& json, const std::string& file, std::string path)
+  SignReader(const nlohmann::json& json, const std::string& file, std::string path)
       : json_(json), file_(file), path_(std::move(path)) {}
 
   Result<SafetySign> read(std::size_t number) const {
@@ -73,7 +72,7 @@ class SignReader {
   Result<std::array<double, 2>> size() const {
     if (!json_.contains("size"))
       return std::array{0.0, 0.0};
-    const Json& size = json_["size"];
+    const nlohmann::json& size = json_["size"];
     if (!size.is_array() || size.size() != 2)
       return wrong("size", "expected [width, height] in metres");
     std::array<double, 2> out{};
@@ -90,7 +89,7 @@ class SignReader {
       return wrong("emitting", "expected true or false");
     if (!json_.contains("C"))
       return visibilityLaw(json_.value("emitting", false) ? "jin-emitting" : "jin-reflecting");
-    const Json& c = json_["C"];
+    const nlohmann::json& c = json_["C"];
     auto law = visibilityLaw(c.is_string() ? c.get<std::string>() : c.dump());
     if (!law)
       return wrong("C", law.error().message);
@@ -100,7 +99,7 @@ class SignReader {
   Result<AngleLaw> angle() const {
     if (!json_.contains("angle_law"))
       return AngleLaw{};
-    const Json& given = json_["angle_law"];
+    const nlohmann::json& given = json_["angle_law"];
     if (given.is_string()) {
       auto law = angleLaw(given.get<std::string>());
       if (!law)
@@ -116,7 +115,7 @@ class SignReader {
     return AngleLaw{AngleLaw::Kind::kLimit, limit};
   }
 
-  const Json& json_;
+  const nlohmann::json& json_;
   const std::string& file_;
   std::string path_;
 };
@@ -132,7 +131,7 @@ Result<std::vector<SafetySign>> readSigns(const std::string& file) {
                 file);
   }
   constexpr std::size_t kMost = 10000;
-  const Json& list = json["signs"];
+  const nlohmann::json& list = json["signs"];
   if (list.empty() || list.size() > kMost)
     return fail(ErrorCode::kInvalidData, "{}: /signs: {} signs; expected 1 to {}", file,
                 list.size(), kMost);

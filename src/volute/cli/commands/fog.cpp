@@ -218,7 +218,7 @@ Status runFog(const Arguments& arguments, Context& context) {
   return {};
 }
 
-std::vector<Option> fogOptionTable() {
+std::vector<Option> fogCommandOptions() {
   using enum ValueKind;
   std::vector<Option> options = {
       {.name = "color",
@@ -302,7 +302,7 @@ Command fogCommand() {
           "pictures or a volume one voxel high; pixel / maximum x sigma-max is the extinction, "
           "without sRGB decoding; its bottom row has the smallest y.",
       .positionals = {{.name = "MAP", .help = "the painted map of fog"}},
-      .options = fogOptionTable(),
+      .options = fogCommandOptions(),
       .run = runFog};
 }
 
