@@ -113,7 +113,7 @@ double centreOf(const Image& image) {
   return moment / sum;
 }
 
-double difference(const Image& a, const Image& b) {
+double greatestDifference(const Image& a, const Image& b) {
   double largest = 0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i)
     largest = std::max<double>(largest, std::abs(a.pixels[i] - b.pixels[i]));
@@ -155,15 +155,15 @@ TEST_F(ViewerTest, PanelsHelpAndKeys) {
   press(Key::kF1);
   settle();
   EXPECT_TRUE(app().settings().help);
-  EXPECT_GT(difference(panels, viewer_->picture()), 0.1);
+  EXPECT_GT(greatestDifference(panels, viewer_->picture()), 0.1);
   press(Key::kEscape);
   press(Key::kH);
   settle();
   const Image bare = viewer_->picture();
-  EXPECT_GT(difference(panels, bare), 0.1);
+  EXPECT_GT(greatestDifference(panels, bare), 0.1);
   press(Key::kPlus);
   settle();
-  EXPECT_GT(difference(bare, viewer_->picture()), 0.05) << "brighter";
+  EXPECT_GT(greatestDifference(bare, viewer_->picture()), 0.05) << "brighter";
   press(Key::kF12);
   EXPECT_TRUE(app().takeScreenshotWish());
   EXPECT_FALSE(app().takeScreenshotWish());
