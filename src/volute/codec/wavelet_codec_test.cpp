@@ -191,12 +191,14 @@ TEST(WaveletCodec, HostileBytesGiveErrorsOrFiniteValues) {
 }
 
 TEST(WaveletCodec, ImpossibleParametersAreRefused) {
-  for (const WaveletParameters& bad :
-       {WaveletParameters{.step = 0}, WaveletParameters{.step = NAN},
-        WaveletParameters{.exponent = 200}, WaveletParameters{.one = 0},
-        WaveletParameters{.maxError = -1}}) {
-    EXPECT_FALSE(readParameters(writeParameters(bad, 1), 1));
-  }
+  std::vector<WaveletParameters> bad(5);
+  bad[0].step = 0;
+  bad[1].step = NAN;
+  bad[2].exponent = 200;
+  bad[3].one = 0;
+  bad[4].maxError = -1;
+  for (const WaveletParameters& parameters : bad)
+    EXPECT_FALSE(readParameters(writeParameters(parameters, 1), 1));
   EXPECT_FALSE(readParameters({}, 1));
 }
 

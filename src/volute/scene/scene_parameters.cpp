@@ -225,7 +225,8 @@ void addSigns(std::vector<Parameter>& out, const OrderedJson& signs, const Scene
     group.add("normal", "normal", ParameterKind::kDirection, numbers(sign.normal));
     group.add("emits light", "emitting", ParameterKind::kFlag,
               {signs[i].value("emitting", false) ? 1.0 : 0.0});
-    group.range("C", "C", sign.c, 1, 10).help = "no longer seen at this optical depth";
+    // A string's assignment from a literal is what GCC 12 warns of in vain (bug 105651).
+    group.range("C", "C", sign.c, 1, 10).help = std::string("no longer seen at this optical depth");
     group.range("width", "size/0", sign.width, 0.05, 3, "m");
     group.range("height", "size/1", sign.height, 0.05, 3, "m");
   }

@@ -1,34 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/sibling_program.hpp"
 
 namespace volute::cli {
 namespace {
 
 /// The benchmarks, with what they are compared with, are a program of their own.
-constexpr const char* kProgram = "volute-bench";
-
-/// Becomes that program, with the same words; returns only where it cannot.
 Status runBench(const Arguments& /*arguments*/, Context& context) {
-  std::error_code error;
-  const auto program =
-      std::filesystem::read_symlink("/proc/self/exe", error).replace_filename(kProgram);
-  std::vector<char*> words{const_cast<char*>(kProgram)};
-  for (std::string& word : context.words) words.push_back(word.data());
-  words.push_back(nullptr);
-  ::execv(program.c_str(), words.data());
-  if (errno == ENOENT) {
-    return fail(ErrorCode::kUnsupported,
-                "{} is missing: ./dev bench builds and runs it from Volute's sources",
-                program.string());
-  }
-  return fail(ErrorCode::kIo, "{}: cannot run: {}", program.string(), std::strerror(errno));
+  return becomeSibling("volute-bench", "./dev bench builds and runs it from Volute's sources", context);
 }
 
 }  // namespace

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// What `volute view` runs; the command's options are declared in volute/cli/commands/view.cpp.
+#include "volute/base/output_file.hpp"
+#include "volute/cli/commands/commands.hpp"
+#include "volute/cli/gl_drawer.hpp"
+#include "volute/cli/program.hpp"
+#include "volute/cli/smoke_arguments.hpp"
+#include "volute/cli/volume_output.hpp"
+#include "volute/gl/gl_device.hpp"
+#include "volute/io/image_file.hpp"
+#include "volute/scene/volume_input.hpp"
+#include "volute/viewer/headless_viewer.hpp"
+#include "volute/viewer/open_document.hpp"
+#include "volute/viewer/window.hpp"
+
+namespace volute::cli {
+namespace {
+
+/// Who draws; nothing: whoever the scene's own look says.
+std::optional<ViewRenderer> rendererOf(const Arguments& arguments) {
+  const auto name = arguments.find<std::string>("renderer");
+  if (!name)
+    return std::nullopt;
+  return *name == "gl"    ? ViewRenderer::kGl
+         : *name == "cpu" ? ViewRenderer::kProcessor
+                          : ViewRenderer::kAuto;
+}
+
+/// --smoke-method, which is about OpenGL alone.
+Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments,
+                                    std::optional<ViewRenderer> renderer) {
+  const auto name = arguments.get<std::string>("smoke-method");
+  if (name == "auto")
+    return GlSmokeMethod::kAuto;
+  const bool gl = renderer == ViewRenderer::kGl ||
+                  (renderer != ViewRenderer::kProcessor && graphicsHardwarePresent());
+  if (!gl) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--smoke-method: {} is a way to draw smoke with OpenGL; add --renderer gl", name);
+  }
+  return name == "march"   ? GlSmokeMethod::kMarch
+         : name == "splat" ? GlSmokeMethod::kSplat
+                           : GlSmokeMethod::kProject;
+}
+
+Status run(const Arguments& arguments, Context& context) {
+  const std::string path = arguments.positionals().empty() ? "" : arguments.positional(0);
+  const Pixels size = arguments.get<Pixels>("size");
+  const auto renderer = rendererOf(arguments);
+  const ViewerStart start{
+      path,
+      arguments.find<double>("time"),
+      size.width,
+      size.height,
+      {.renderer = renderer, .processor = processorMayDraw("a picture").has_value()}};
+  VOLUTE_ASSIGN(const auto method, smokeMethodOf(arguments, renderer));
+  nlohmann::ordered_json smoke = nlohmann::ordered_json::object();
+  for (const char* name : {"field", "quantity", "unit"}) {
+    if (const auto value = arguments.find<std::string>(name))
+      smoke[name] = *value;
+  }
+  VOLUTE_ASSIGN(auto cache, lightCache(arguments, context));
+  const auto open = documentOpener({context.maxMemory, std::move(smoke), std::move(cache), method});
+  const auto target = arguments.find<std::string>("screenshot");
+  if (!target)
+    return runViewerWindow(open, start, context.progress);
+  if (path.empty())
+    return fail(ErrorCode::kInvalidArgument, "--screenshot: expected a FILE to be shown on it");
+  if (extensionOf(*target) != ".png")
+    return fail(ErrorCode::kInvalidArgument, "--screenshot: '{}' is no .png", *target);
+  VOLUTE_TRY(checkTarget(*target));
+  VOLUTE_ASSIGN(const Image image,
+                viewerScreenshot(open, start, !arguments.flag("no-panels"), context.progress));
+  return writeImage(*target, image);
+}
+
+}  // namespace
+}  // namespace volute::cli
+
+int main(int argc, char** argv) {
+  volute::cli::Command command = volute::cli::viewCommand();
+  command.run = volute::cli::run;
+  return volute::cli::runProgram(command, argc, argv);
+}
