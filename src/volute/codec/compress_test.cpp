@@ -120,9 +120,9 @@ TEST(Compress, BlocksLeftOutAtACoarseStepAreWrittenAtAFineOne) {
 }
 
 TEST(Compress, OddSizesOfManyBlocks) {
-  const auto report = checkedRoundTrip(plumes(50, 37, 61, 23), {Kind::kRms, 3e-3});
+  const auto report = checkedRoundTrip(plumes(34, 21, 35, 19), {Kind::kRms, 3e-3});
   EXPECT_LE(report.relativeRms, 3e-3);
-  EXPECT_EQ(report.blocks, 4u * 3 * 4 * 2);
+  EXPECT_EQ(report.blocks, 3u * 2 * 3 * 2);
 }
 
 TEST(Compress, TheSmallestVolumes) {
@@ -220,7 +220,7 @@ TEST(Compress, ValuesThatAreNotFiniteAreNamed) {
 }
 
 TEST(Compress, TheSameBytesForAnyNumberOfThreads) {
-  const Sequence sequence = plumes(33, 40, 33, 50);
+  const Sequence sequence = plumes(18, 20, 33, 35);  // 36 blocks
   std::vector<char> first;
   for (const int threads : {1, 2, 3}) {
     const ThreadLimit limit(threads);
@@ -327,6 +327,7 @@ long peakKilobytes() {
   return usage.ru_maxrss;
 }
 
+// In a process of its own: a peak of other cases would hide it.
 TEST(Compress, MemoryDoesNotGrowWithTheFrames) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "the sanitizer keeps freed memory";
@@ -342,7 +343,7 @@ TEST(Compress, MemoryDoesNotGrowWithTheFrames) {
     return peakKilobytes();
   };
   const long before = peakOf(32);
-  const long growth = peakOf(320) - before;  // 42 MB of frames
+  const long growth = peakOf(192) - before;  // 25 MB of frames
   EXPECT_LT(growth, 8 << 10);
 }
 

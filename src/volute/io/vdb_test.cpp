@@ -6,7 +6,6 @@
 #include <cmath>
 #include <random>
 
-#include "volute/io/plugin.hpp"
 #include "volute/io/sequence_testing.hpp"
 #include "volute/io/testing.hpp"
 #include "volute/io/volume_sink.hpp"
@@ -201,7 +200,6 @@ TEST(Vdb, AFullDiskLeavesNothing) {
 }
 
 TEST(Vdb, TruncationsAreRefused) {
-  ASSERT_TRUE(ok(loadVdbPlugin()));  // once, here: the many children then find it loaded
   const TempFolder folder;
   ASSERT_TRUE(ok(writeAll(folder / "a.vdb", makeFullBlob(1, 6, 6, 6))));
   const std::string bytes = readBytes(folder / "a.vdb");
@@ -215,7 +213,6 @@ TEST(Vdb, TruncationsAreRefused) {
 }
 
 TEST(Vdb, BitFlipsNeverCrash) {
-  ASSERT_TRUE(ok(loadVdbPlugin()));  // once, here: the many children then find it loaded
   const TempFolder folder;
   ASSERT_TRUE(ok(writeAll(folder / "a.vdb", makeFullBlob(1, 6, 6, 6))));
   const std::string bytes = readBytes(folder / "a.vdb");

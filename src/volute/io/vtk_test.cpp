@@ -5,7 +5,6 @@
 
 #include <random>
 
-#include "volute/io/plugin.hpp"
 #include "volute/io/sequence_testing.hpp"
 #include "volute/io/testing.hpp"
 #include "volute/io/volume_sink.hpp"
@@ -141,7 +140,6 @@ TEST(Vtk, MisspeltAttributesAreRefused) {
 }
 
 TEST(Vtk, DamagedFilesAreErrors) {
-  ASSERT_TRUE(ok(loadVtkPlugin()));  // once, here: the many children then find it loaded
   const TempFolder folder;
   auto written = makeBlob(1, 3, 4, 5);
   ASSERT_TRUE(ok(writeAll(folder / "a.vti", written)));
@@ -168,7 +166,6 @@ TEST(Vtk, DamagedFilesAreErrors) {
 }
 
 TEST(Vtk, DamagedCollectionsAreErrors) {
-  ASSERT_TRUE(ok(loadVtkPlugin()));  // once, here: the many children then find it loaded
   const TempFolder folder;
   ASSERT_TRUE(ok(writeAll(folder / "s.pvd", makeSeries(1))));
   const std::string bytes = readBytes(folder / "s.pvd");
