@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """Tests of the demo with programs that stand in for Volute's: `python3 tools/demo/demo_test.py`."""
+import contextlib
+import dataclasses
+import io
 import json
 import os
 import pathlib
@@ -13,6 +16,7 @@ import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
@@ -26,6 +30,8 @@ import safety
 import words
 from compile import Compiler
 from plan import Build, Chapter, Plan, Scale, Step
+from runner import Runner
+from state import State
 
 
 def plan(quick):
@@ -115,14 +121,13 @@ class Demo(unittest.TestCase):
         self.assertEqual({call.split()[0] for call in self.calls()}, {"volute-paper-figures"})
         self.assertEqual(len(self.calls()), 2)
 
-        self.log.unlink()
-        full = subprocess.run([sys.executable, str(HERE), "--bin", str(self.bin), "--out", str(self.out)], cwd=self.path, env=self.environment,
-                              capture_output=True, text=True, check=False)
-        self.assertEqual(full.returncode, 0, full.stderr)
-        calls = self.calls()
-        self.assertTrue(any("--size 64 --frames 64" in call for call in calls), calls)
-        self.assertFalse(any("synthesize ball" in call for call in calls), "the ball has one size")
-        self.assertEqual(links.dead(self.out), [])
+        quick, full = plan(True), plan(False)
+        self.assertTrue(all(State(self.out, quick, self.bin).done(step) for step in quick.maker.values()))
+        large = State(self.out, full, self.bin)
+        kept = {name for name, step in full.maker.items() if large.done(step)}
+        self.assertIn("papers/ball.vtu", kept)
+        for name in ("effects/fire/", "effects/fire.volute", "safety/plan/", "papers/by_volume.png"):
+            self.assertNotIn(name, kept)
 
     def wait_for(self, what, seconds=60):
         end = time.monotonic() + seconds
@@ -160,6 +165,8 @@ class Demo(unittest.TestCase):
         self.assertIn(slow, self.html())
 
     def test_a_failure_leaves_out_what_needs_it(self):
+        self.whole()
+        shutil.rmtree(self.out / "laboratory")
         self.assertEqual(self.run_demo(FAKE_FAIL="laboratory/fire.npy"), 1)
         html = self.html()
         self.assert_in_page("it cannot", html)
@@ -279,6 +286,46 @@ class Compiling(unittest.TestCase):
         cmake = self.program("cmake", 'if [ "$1" = --build ]; then echo "[1/3] a"; echo "a.cpp:1: error: no"; exit 1; fi\n')
         with self.assertRaisesRegex(Exception, "a.cpp:1: error: no"):
             Compiler(self.path, "release", 2, str(cmake)).build("volute", lambda done, of: None)
+
+
+class BuildingAndShowing(unittest.TestCase):
+    """What is needed first is built first, with a stand-in for cmake that makes the programs."""
+
+    def test_pictures_come_before_the_papers_program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder)
+            out, log = path / "demo", path / "builds"
+            cmake = path / "cmake"
+            cmake.write_text(f'''#!/bin/sh
+[ "$1" = --build ] || exit 0
+for target; do :; done
+echo "$target $(ls {out}/index.html | wc -l) $(find {out} -name '*.png' | wc -l) $(grep -c 'Compiling\\|compile' {out}/status.js)" >> {log}
+echo "[1/1] linking"
+mkdir -p {path}/build/release/bin
+cp {HERE}/fake_volute.py {path}/build/release/bin/$target
+chmod +x {path}/build/release/bin/$target
+''')
+            cmake.chmod(0o755)
+            environment = {"FAKE_LOG": str(path / "log"), "FAKE_PICTURES": str(HERE.parents[1] / "tests" / "cli")}
+            with unittest.mock.patch.dict(os.environ, environment), contextlib.redirect_stderr(io.StringIO()), \
+                    contextlib.redirect_stdout(io.StringIO()) as said:
+                compiler = Compiler(path, "release", 2, str(cmake))
+                small = Plan([effects.chapter(Scale(True)), dataclasses.replace(safety.chapter(Scale(True)), sections=()), *self.papers_program_alone()])
+                state = State(out, small, compiler.binaries)
+                self.assertTrue(state.lock())
+                self.assertTrue(Runner(small, state, compiler, progress.Forecast(1.0), True).run())
+            first, second = (line.split() for line in log.read_text().splitlines())
+            self.assertEqual(first, ["volute", "1", "0", "1"])
+            self.assertEqual(second[:2], ["volute-paper-figures", "1"])
+            self.assertGreater(int(second[2]), 10)
+            self.assertIn("The first picture: ", said.getvalue())
+
+    @staticmethod
+    def papers_program_alone():
+        """The chapter of the papers with its steps of trees alone."""
+        scale = Scale(True)
+        chapter = papers.chapter(scale)
+        return [dataclasses.replace(chapter, steps=tuple(papers.tree_steps(scale)), sections=papers.tree_sections(scale))]
 
 
 if __name__ == "__main__":

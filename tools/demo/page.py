@@ -73,8 +73,11 @@ def image_size(path):
 
 
 def copyable(command):
+    """Lines break between an option with its value and the next one, not within."""
+    groups = re.split(r" (?=-)", command)
+    shown = " ".join(f"<span>{html.escape(group, quote=False)}</span>" for group in groups)
     return (f'<div class="command"><button type="button" aria-label="Copy the command">Copy</button>'
-            f"<pre><code>{html.escape(command, quote=False)}</code></pre></div>")
+            f"<pre><code>{shown}</code></pre></div>")
 
 
 class Page:
@@ -221,7 +224,7 @@ class Page:
         if self.made(chapter.door):
             face = f'<img src="{attribute(urllib.parse.quote(chapter.door))}" alt="">'
         else:
-            face = '<div class="soon">its pictures are still to come</div>'
+            face = f'<div class="soon">{"its pictures are not made yet" if self.ending else "its pictures are still to come"}</div>'
         return f'<a class="door" href="#{chapter.name}">{face}<div><b>{text(chapter.title)}</b><span>{text(chapter.sentence)}</span></div></a>'
 
     def command(self):
