@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: The Volute authors
 """For those who make pictures: volumes compressed, looked at, filmed, and given back as .vdb; fog and fire in a valley."""
 import errors
+import fire_in_fog
 from plan import Build, Chapter, Choice, Command, Drawn, Fact, Picture, Section, Step, Wipe
 from words import NBSP, bytes_of, percent, ratio
 
@@ -147,6 +148,23 @@ def valley(scale):
         put_fog("effects/flight.mp4", "--wind 3,-1,0 --rate 20", folder="effects/flight", frames="_%04d", seconds=15)]
 
 
+def evening(scale):
+    """All media in one scene."""
+    scene, out = "effects/fire_in_fog.json", "effects/fire_in_fog.png"
+    time, pixels = scale.pick((1.28, (960, 540)), (0.48, (480, 270)))
+    return [
+        Step((scene,), work=fire_in_fog.write_scene, arguments=("effects/valley/", volute(RMS), scene, pixels, SIGMA), reads=("effects/valley/",)),
+        Step((out,), f"volute render {scene} -o {out} --time {time} --exposure 2", reads=(scene, "effects/valley/", volute(RMS)), seconds=10)]
+
+
+def evening_section():
+    return Section(
+        "Everything in one scene",
+        ("[fire_in_fog.json](effects/fire_in_fog.json) has the valley's surfaces, a weak sun, the painted fog, and the compressed fire standing in it, "
+         f"{fire_in_fog.FIRE_METRES}{NBSP}m high. `volute view effects/fire_in_fog.json` opens it in a window, where fog is painted with a brush.",),
+        (Picture("effects/fire_in_fog.png", "A bonfire in the fog at dusk", "Fire and fog add along each ray and end at surfaces; linear light, exposure 2, sRGB"),), columns=1)
+
+
 def valley_section(scale):
     frames = scale.pick(60, 20)
     look = "perspective 50°, linear light, shown as sRGB"
@@ -165,5 +183,5 @@ def valley_section(scale):
 def chapter(scale):
     return Chapter(
         "effects", "Effects", "A sequence of volumes compressed, looked at, filmed, and given back to Blender as .vdb; fog painted over a valley.",
-        (Build("volute", BUILD_SECONDS), *fire(scale), *valley(scale), *smoke(scale)),
-        (fire_section(scale), haze_section(), valley_section(scale), smoke_section(scale)), door="effects/fire.png")
+        (Build("volute", BUILD_SECONDS), *fire(scale), *valley(scale), *evening(scale), *smoke(scale)),
+        (fire_section(scale), haze_section(), valley_section(scale), evening_section(), smoke_section(scale)), door="effects/fire.png")

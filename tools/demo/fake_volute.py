@@ -93,8 +93,9 @@ def main(arguments):
         pathlib.Path(out).mkdir(exist_ok=True) if not pathlib.Path(out).suffix else None
         make(out, len(out))
         if arguments[1] == "valley":
-            for name in ("fogmap.png", "valley.glb"):
+            for name in ("fogmap.png", "valley.glb", "depth.exr"):
                 make(pathlib.Path(out) / name, 5)
+            (pathlib.Path(out) / "camera.json").write_text('{"eye": [0, 0, 2], "target": [0, 9, 2], "up": [0, 0, 1], "fov": 50}')
         if arguments[0] == "fog" and out.endswith(".mp4"):
             report["milliseconds"] = 120.0
         if "--report" in words:

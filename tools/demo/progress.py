@@ -5,7 +5,7 @@ import os
 import time
 
 # Processor seconds of `work_of_python` where the seconds of steps were measured.
-REFERENCE = 0.25
+REFERENCE = 0.065
 # Of a program's processor time, so many cores are busy at once: reading, writing and films are serial.
 SERIAL_SHARE = 0.15
 

@@ -120,7 +120,9 @@ class Runner:
         self.forecast.seen(step.seconds, time.monotonic() - begin)
 
     def blocked(self, step):
-        """A step whose input could not be made."""
+        """An input or a program that the step needs and that could not be made; None where all is there."""
+        if step.command and f"build of {step.words[0]}" in self.failed:
+            return step.words[0]
         return next((file for file in step.reads if self.plan.maker[file].name in self.failed), None)
 
     def run(self):
