@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""Tests of plots.py, codec_plot.py and demo_page.py: `python3 tools/plots_test.py`."""
+"""Tests of plots.py and codec_plot.py: `python3 tools/plots_test.py`."""
 import contextlib
 import io
 import json
@@ -15,7 +15,6 @@ import xml.etree.ElementTree as ElementTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import codec_plot
-import demo_page
 import plots
 
 
@@ -107,44 +106,6 @@ class CodecPlot(unittest.TestCase):
     def test_refuses_what_has_no_sizes(self):
         with self.assertRaisesRegex(SystemExit, "no sizes"):
             codec_plot.main(["nowhere"], io.StringIO('{"benchmarks": []}'))
-
-
-class Page(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.path = pathlib.Path(self.folder.name)
-        self.addCleanup(self.folder.cleanup)
-
-    def write(self, results):
-        (self.path / "results.json").write_text(json.dumps(results), encoding="utf-8")
-        with contextlib.redirect_stdout(io.StringIO()):
-            return demo_page.main([str(self.path)])
-
-    def test_page_holds_what_it_was_given(self):
-        (self.path / "a.png").write_bytes(b"")
-        (self.path / "a.mp4").write_bytes(b"")
-        results = {"title": "T & <T>", "sections": [{
-            "title": "S", "text": ["one <two>"], "facts": [{"value": "3 %", "label": "share"}],
-            "figures": [{"file": "a.png", "caption": "c"}, {"file": "a.mp4", "poster": "a.png", "caption": "d"}],
-            "tables": [{"columns": ["a", "b"], "rows": [["x<y", 1.25]]}],
-            "plots": [{"title": "p", "x_label": "x", "y_label": "y", "series": [{"name": "n", "x": [1], "y": [2]}]},
-                      {"kind": "bar", "title": "q", "x_label": "x", "labels": ["l"],
-                       "series": [{"name": "n", "values": [2]}]}]}]}
-        self.assertEqual(self.write(results), 0)
-        page = (self.path / "index.html").read_text(encoding="utf-8")
-        for part in ("T &amp; &lt;T&gt;", "one &lt;two&gt;", 'poster="a.png"', "x&lt;y", "<svg", 'loading="lazy"'):
-            self.assertIn(part, page)
-        self.assertNotIn("http://", page.replace("http://www.w3.org/2000/svg", ""))
-
-    def test_missing_parts_are_named(self):
-        for results, word in (({"sections": []}, "title"),
-                              ({"title": "t", "sections": [{"title": "s", "figures": [{"file": "no.png"}]}]}, "no.png"),
-                              ({"title": "t", "sections": [{"title": "s", "figures": [{"file": "../x.png"}]}]}, "../x.png"),
-                              ({"title": "t", "sections": [{}]}, "sections[0]")):
-            (self.path / "results.json").write_text(json.dumps(results), encoding="utf-8")
-            with self.assertRaisesRegex(demo_page.BadResults, word.replace("[", r"\[").replace("]", r"\]")):
-                demo_page.build(self.path)
-        self.assertFalse((self.path / "index.html").exists())
 
 
 if __name__ == "__main__":

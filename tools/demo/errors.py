@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""Relative L2 errors of views and volumes, and pictures of differences, with the standard library alone."""
+"""How far pictures and volumes are from each other, and pictures of differences, with the standard library alone."""
 import array
 import ast
+import json
 import math
 import pathlib
 import struct
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests" / "cli"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests" / "cli"))
 from pictures import Picture, read_exr, write_png
 
 # Viridis at eighths, sRGB.
@@ -27,16 +28,33 @@ def viridis(value):
     return [(a + (at - i) * (b - a)) / 255 for a, b in zip(VIRIDIS[i], VIRIDIS[i + 1])]
 
 
-def compare_views(truth_exr, other_exr, difference_png):
+def difference(folder, truth_exr, other_exr, difference_png):
     """Writes the length of the RGB difference of each pixel as viridis, the largest yellow. Returns the relative L2
     of the pictures, and the largest difference as a share of the truth's brightest channel."""
-    truth, other = read_exr(truth_exr), read_exr(other_exr)
+    truth, other = read_exr(folder / truth_exr), read_exr(folder / other_exr)
     a, b, n = truth.values, other.values, truth.channels
     lengths = [math.dist(a[i:i + n], b[i:i + n]) for i in range(0, len(a), n)]
     largest = max(lengths)
     colours = [c for length in lengths for c in viridis(length / largest if largest else 0)]
-    write_png(difference_png, Picture(truth.width, truth.height, 3, colours), encode=lambda stored: stored)
+    write_png(folder / difference_png, Picture(truth.width, truth.height, 3, colours), encode=lambda stored: stored)
     return {"relative_l2": relative_l2(a, b), "largest": largest / max(a)}
+
+
+def lit(truth, other, exposure):
+    """Share of the truth's black pixels that are not black in the other: black is what an 8-bit sRGB picture of this
+    exposure stores as 0 in all channels."""
+    limit = 0.5 / (255 * 12.92 * exposure)
+    n = truth.channels
+    black = [i for i in range(0, len(truth.values), n) if max(truth.values[i:i + n]) < limit]
+    return sum(max(other.values[i:i + n]) >= limit for i in black) / max(1, len(black))
+
+
+def haze(folder, truth_exr, others, exposure, out):
+    """{picture: share of black pixels that it lights}, as a file too."""
+    truth = read_exr(folder / truth_exr)
+    result = {"exposure": exposure, "lit": {other: lit(truth, read_exr(folder / other), exposure) for other in others}}
+    (folder / out).write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    return result
 
 
 def read_frame(path, frame):
@@ -62,10 +80,27 @@ def halved(shape, values):
     return out
 
 
-def volume_error(truth_npy, frame, other_npy):
+def volume_error(folder, truth_npy, other_npy, out):
     """Relative L2 of the other's first frame to the truth's means over the other's voxels, twice as wide."""
-    shape, truth = read_frame(truth_npy, frame)
-    half, other = read_frame(other_npy, 0)
+    shape, truth = read_frame(folder / truth_npy, 0)
+    half, other = read_frame(folder / other_npy, 0)
     if [2 * n for n in half[:3]] != list(shape[:3]):
         raise ValueError(f"{other_npy}: {half} voxels; expected half of {shape} on each side")
-    return relative_l2(halved(shape, truth), other)
+    result = {"relative_l2": relative_l2(halved(shape, truth), other)}
+    (folder / out).write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    return result
+
+
+def sheet(folder, exrs, columns, exposure, out):
+    """Pictures of one size side by side, in rows, as sRGB."""
+    pictures = [read_exr(folder / exr) for exr in exrs]
+    width, height, gap = pictures[0].width, pictures[0].height, 4
+    rows = -(-len(pictures) // columns)
+    whole = Picture(columns * width + (columns - 1) * gap, rows * height + (rows - 1) * gap, 3)
+    whole.values = [0.25] * len(whole.values)
+    for i, picture in enumerate(pictures):
+        x, y = i % columns * (width + gap), i // columns * (height + gap)
+        for line in range(height):
+            at = ((y + line) * whole.width + x) * 3
+            whole.values[at:at + 3 * width] = [exposure * v for v in picture.values[3 * line * width:3 * (line + 1) * width]]
+    write_png(folder / out, whole)

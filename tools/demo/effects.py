@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""For those who make pictures: volumes compressed, looked at, filmed, and given back as .vdb; fog and fire in a valley."""
+import errors
+import fire_in_fog
+from plan import Build, Chapter, Choice, Command, Drawn, Fact, Picture, Section, Step, Wipe
+from words import NBSP, bytes_of, percent, ratio
+
+BUILD_SECONDS = 600  # of processor time, with an empty cache
+# The haze of this error is invisible three stops up; the chapter measures that, and two coarser ones, in every run.
+RMS = "5e-4"
+COARSER = ("1e-3", "3e-3")
+EXPOSURE = 0.9
+LOOK = "--eye 0,-4.2,1.25 --target 0,0,1 --fov 30 --basis trilinear"
+FIRE, BACK = "effects/fire/fire_%04d.vdb", "effects/back/fire_%04d.vdb"
+SIGMA, PROFILE = 0.05, "exponential:2,9"
+
+
+def volute(rms):
+    return "effects/fire.volute" if rms == RMS else f"effects/fire_{rms}.volute"
+
+
+def bright(rms):
+    return f"effects/bright_{rms}.png"
+
+
+def fire(scale):
+    """The sequence and its way through Volute, one frame of it three stops up."""
+    voxels, frames, pixels = scale.pick((64, 64, 512), (48, 24, 384))
+    time = frames / 2 / 25
+    look = f"{LOOK} --size {pixels}x{pixels}"
+    at = f"{look} --time {time:g}"
+
+    def picture(volume, out, read, exposure=None):
+        shown = f" --exposure {exposure:g}" if exposure else ""
+        return Step((out,), f"volute render {volume} -o {out} {at}{shown}", reads=(read,), seconds=0.7)
+
+    steps = [
+        Step(("effects/fire/",), f"volute synthesize fire -o {FIRE} --size {voxels} --frames {frames}", seconds=6),
+        picture(FIRE, "effects/original.png", "effects/fire/", EXPOSURE),
+        Step((volute(RMS),), f"volute compress {FIRE} -o {volute(RMS)} --rms {RMS}", reads=("effects/fire/",), seconds=20),
+        picture(volute(RMS), "effects/fire.png", volute(RMS), EXPOSURE),
+        Step(("effects/fire.mp4",), f"volute render {volute(RMS)} -o effects/fire.mp4 {look} --exposure {EXPOSURE}",
+             reads=(volute(RMS),), seconds=10),
+        Step(("effects/back/",), f"volute extract {volute(RMS)} -o {BACK}", reads=(volute(RMS),), seconds=3),
+        picture(FIRE, "effects/original.exr", "effects/fire/"),
+        picture(BACK, "effects/back.exr", "effects/back/"),
+        Step(("effects/difference.png",), work=errors.difference, arguments=("effects/original.exr", "effects/back.exr", "effects/difference.png"),
+             reads=("effects/original.exr", "effects/back.exr"), seconds=1.5),
+        picture(FIRE, "effects/bright_original.png", "effects/fire/", 8 * EXPOSURE)]
+    for rms in COARSER:
+        steps.append(Step((volute(rms),), f"volute compress {FIRE} -o {volute(rms)} --rms {rms}", reads=("effects/fire/",), seconds=12))
+    exrs = []
+    for rms in (RMS, *COARSER):
+        exrs.append(f"effects/fire_{rms}.exr")
+        steps += [picture(volute(rms), bright(rms), volute(rms), 8 * EXPOSURE), picture(volute(rms), exrs[-1], volute(rms))]
+    steps.append(Step(("effects/haze.json",), work=errors.haze, arguments=("effects/original.exr", tuple(exrs), 8 * EXPOSURE, "effects/haze.json"),
+                      reads=("effects/original.exr", *exrs), seconds=1))
+    return steps
+
+
+def haze_table(results):
+    lit = results.report("effects/haze.json")["lit"]
+    rows = [[f"`--rms {rms}`", bytes_of(results.size(volute(rms))), ratio(results, "effects/fire/", volute(rms)),
+             percent(lit[f"effects/fire_{rms}.exr"])] for rms in (RMS, *COARSER)]
+    return {"caption": "Black: what the original's picture three stops up stores as 0 in all channels. Measured on this run's fire, one frame.",
+            "columns": ["setting", "file on disk", "the .vdb files to it", "black pixels lit"], "rows": rows}
+
+
+def fire_section(scale):
+    voxels, frames = scale.pick((64, 64), (48, 24))
+
+    def disk(results):
+        return (f"{bytes_of(results.size('effects/fire/'))} of .vdb files become {bytes_of(results.size(volute(RMS)))}; raw float32 "
+                f"would take {bytes_of(frames * voxels ** 3 * 3 * 4)}")
+
+    return Section(
+        "A fire, from .vdb to a film and back",
+        (f"{frames} frames of {voxels}³ voxels, RGB, 25 a second, as a simulation would leave them: one .vdb file a frame. `volute compress` makes "
+         "one .volute file of them that any moment can be taken from, and the film is rendered from that file.",
+         "In Blender: Add, Volume, Import OpenVDB, and choose all files of [effects/back](effects/back/); its grid is called `emission`."),
+        (Fact(lambda r: ratio(r, "effects/fire/", volute(RMS)), "the .vdb files on disk to the .volute", ("effects/fire/", volute(RMS))),
+         Fact(lambda r: percent(r.report("effects/difference.png")["relative_l2"]), "relative L2 error of a picture of what comes back",
+              ("effects/difference.png",)),
+         Wipe(("effects/original.png", ".vdb"), ("effects/fire.png", ".volute"), "Before and after", disk),
+         Picture("effects/fire.mp4", "The film", f"Emission only, trilinear between voxel centres; perspective 30°, exposure {EXPOSURE}, sRGB",
+                 poster="effects/fire.png"),
+         Command(volute(RMS), "The compressed file"),
+         Command("effects/back/", "Back to .vdb files, for Blender, Houdini or Nuke"),
+         Picture("effects/difference.png", "What differs in a picture of the files given back",
+                 lambda r: "Length of the RGB difference in linear light; viridis, violet is 0 and yellow "
+                           f"{percent(r.report('effects/difference.png')['largest'])} of the brightest channel")))
+
+
+def haze_section():
+    return Section(
+        "Which error to ask for",
+        ("Compositors raise exposure, and a codec's error then shows as haze where nothing burns. Here is one frame three stops up (eight times as "
+         f"bright), at three settings. This page uses `--rms {RMS}`.",),
+        (Choice((("effects/bright_original.png", "original"), *((bright(rms), f"--rms {rms}") for rms in (RMS, *COARSER))),
+                "Three stops up", "Move the slider and look at the black around the flame"),
+         Command("effects/haze.json", "The share of black pixels that are lit"),
+         Drawn("table", haze_table, ("effects/haze.json", *map(volute, (RMS, *COARSER))))), columns=2)
+
+
+def smoke(scale):
+    voxels, frames, pixels = scale.pick((64, 48, 384), (48, 16, 320))
+    look = f"{LOOK} --size {pixels}x{pixels} --extinction 1.5"
+    return [
+        Step(("effects/smoke/",), f"volute synthesize smoke -o effects/smoke/smoke_%04d.vdb --size {voxels} --frames {frames}", seconds=6),
+        Step(("effects/smoke.volute",), f"volute compress effects/smoke/smoke_%04d.vdb -o effects/smoke.volute --rms {RMS} --fast",
+             reads=("effects/smoke/",), seconds=10),
+        Step(("effects/smoke.png",), f"volute render effects/smoke.volute -o effects/smoke.png {look} --time {frames / 2 / 25:g}",
+             reads=("effects/smoke.volute",), seconds=1),
+        Step(("effects/smoke.mp4",), f"volute render effects/smoke.volute -o effects/smoke.mp4 {look}", reads=("effects/smoke.volute",), seconds=10)]
+
+
+def smoke_section(scale):
+    voxels, frames = scale.pick((64, 48), (48, 16))
+    return Section(
+        "Smoke",
+        (f"Calm and full, where the fire was fast and mostly empty: {frames} frames of {voxels}³ voxels, RGB. It emits and absorbs, 1.5{NBSP}/m per unit.",),
+        (Fact(lambda r: ratio(r, "effects/smoke/", "effects/smoke.volute"), "the .vdb files on disk to the .volute",
+              ("effects/smoke/", "effects/smoke.volute")),
+         Picture("effects/smoke.mp4", "The film", "Trilinear between voxel centres; perspective 30°, exposure set once, sRGB", poster="effects/smoke.png"),
+         Command("effects/smoke.volute", lambda r: f"The compressed file, {bytes_of(r.size('effects/smoke.volute'))}")))
+
+
+def put_fog(out, *more, folder="effects/valley", cell=8, degree=2, frames="", seconds=1.0, makes=None, reads=()):
+    """A step that puts a painted map's fog on frames of the valley; splines of every degree peak where the map's pixels are."""
+    origin = f"{-degree * cell / 2:g}"
+    words = (f"volute fog {folder}/fogmap.png --color {folder}/color{frames}.{'png' if frames else 'exr'} --depth {folder}/depth{frames}.exr "
+             f"--camera {folder}/camera{frames}.json -o {out} --degree {degree} --origin={origin},{origin},0 --cell {cell} --sigma-max {SIGMA} "
+             f"--profile {PROFILE}")
+    return Step((out,), " ".join((words, *more)), reads=(f"{folder}/", *reads), seconds=seconds)
+
+
+def valley(scale):
+    frames, pixels = scale.pick((60, "640x360"), (20, "320x180"))
+    return [
+        Step(("effects/valley/",), "volute synthesize valley -o effects/valley --pixels 640x360 --size 64 --geometry", seconds=2),
+        put_fog("effects/fog.png"),
+        put_fog("effects/fog_sun.png", "--sun=-0.45,-0.85,-0.42 --sun-radiance 3,2.3,1.5 --asymmetry 0.6 --fog-color 0.28,0.33,0.40",
+                "--geometry effects/valley/valley.glb", seconds=4),
+        Step(("effects/fog_none.png",), "volute fog effects/valley/fogmap.png --color effects/valley/color.exr --depth effects/valley/depth.exr "
+             "--camera effects/valley/camera.json -o effects/fog_none.png --sigma-max 0", reads=("effects/valley/",), seconds=0.5),
+        Step(("effects/flight/",), f"volute synthesize valley -o effects/flight --pixels {pixels} --size 64 --frames {frames}", seconds=8),
+        put_fog("effects/flight.mp4", "--wind 3,-1,0 --rate 20", folder="effects/flight", frames="_%04d", seconds=15)]
+
+
+def evening(scale):
+    """All media in one scene."""
+    scene, out = "effects/fire_in_fog.json", "effects/fire_in_fog.png"
+    time, pixels = scale.pick((1.28, (960, 540)), (0.48, (480, 270)))
+    return [
+        Step((scene,), work=fire_in_fog.write_scene, arguments=("effects/valley/", volute(RMS), scene, pixels, SIGMA), reads=("effects/valley/",)),
+        Step((out,), f"volute render {scene} -o {out} --time {time} --exposure 2", reads=(scene, "effects/valley/", volute(RMS)), seconds=10)]
+
+
+def evening_section():
+    return Section(
+        "Everything in one scene",
+        ("[fire_in_fog.json](effects/fire_in_fog.json) has the valley's surfaces, a weak sun, the painted fog, and the compressed fire standing in it, "
+         f"{fire_in_fog.FIRE_METRES}{NBSP}m high. `volute view effects/fire_in_fog.json` opens it in a window, where fog is painted with a brush.",),
+        (Picture("effects/fire_in_fog.png", "A bonfire in the fog at dusk", "Fire and fog add along each ray and end at surfaces; linear light, exposure 2, sRGB"),), columns=1)
+
+
+def valley_section(scale):
+    frames = scale.pick(60, 20)
+    look = "perspective 50°, linear light, shown as sRGB"
+    return Section(
+        "Fog over a valley",
+        ("Fog is painted: a map says how thick it is at each place, a profile how it thins with height. The valley is a picture with depths, as any renderer "
+         "gives it; `volute fog` integrates the fog from the eye to each pixel's depth, exactly in every cell of the map.",),
+        (Fact(lambda r: f"{r.report('effects/flight.mp4')['milliseconds'] / frames:.0f}{NBSP}ms", "a frame of the flight, reading and encoding included",
+              ("effects/flight.mp4",)),
+         Wipe(("effects/fog_none.png", "frame"), ("effects/fog_sun.png", "fog"), "A low sun in the fog",
+              f"Its light is scattered once, and shadowed by the fog itself and by hills, trees and houses; {look}"),
+         Picture("effects/fog.png", "Painted fog", f"The map's splines are of degree 2, its cells 8{NBSP}m wide; white is {SIGMA}{NBSP}/m. {look.capitalize()}"),
+         Picture("effects/flight.mp4", "A flight", f"{frames} frames, 20 a second; the fog's colour is constant, a wind of 3{NBSP}m/s", poster="effects/fog.png")))
+
+
+def chapter(scale):
+    return Chapter(
+        "effects", "Effects", "A sequence of volumes compressed, looked at, filmed, and given back to Blender as .vdb; fog painted over a valley.",
+        (Build("volute", BUILD_SECONDS), *fire(scale), *valley(scale), *evening(scale), *smoke(scale)),
+        (fire_section(scale), haze_section(), valley_section(scale), evening_section(), smoke_section(scale)), door="effects/fire.png")

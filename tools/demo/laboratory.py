@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""For those who measure: eight cameras around a fire, and the volume that explains what they saw."""
+import math
+
+import errors
+from plan import Chapter, Command, Fact, Picture, Section, Step, Wipe, json_file
+from words import NBSP, bytes_of, digits, percent
+
+COUNT, FOCAL, DISTANCE = 8, 300, 5.0
+BOUNDS = "--bounds=-1,-1,0,1,1,2"
+LOOK = "--eye 3.4,-3.4,2.6 --target 0,0,1 --fov 27 --size 384x384"
+EXPOSURE = 0.8
+TRUTH, CAPTURE, FOUND = "laboratory/fire.npy", "laboratory/capture.json", "laboratory/fire.volute"
+
+
+def ring_camera(i, pixels):
+    """One of the cameras on a half arc around the fire, at two heights; x right, y down, z forward."""
+    angle = math.radians(-180 + 180 * (i + 0.5) / COUNT)
+    eye = (DISTANCE * math.cos(angle), DISTANCE * math.sin(angle), 1.9 if i % 2 else 0.9)
+
+    def unit(vector):
+        length = math.sqrt(sum(v * v for v in vector))
+        return [v / length for v in vector]
+
+    forward = unit([t - e for t, e in zip((0, 0, 1), eye)])
+    right = unit([forward[1], -forward[0], 0])
+    down = [forward[1] * right[2] - forward[2] * right[1], forward[2] * right[0] - forward[0] * right[2],
+            forward[0] * right[1] - forward[1] * right[0]]
+    rotation = [right, down, forward]
+    focal = FOCAL * pixels / 144
+    return {"name": f"c{i}", "image": f"views/c{i}_%04d.exr", "width": pixels, "height": pixels,
+            "K": [[focal, 0, pixels / 2], [0, focal, pixels / 2], [0, 0, 1]], "R": rotation,
+            "t": [-sum(a * b for a, b in zip(row, eye)) for row in rotation]}
+
+
+def steps(voxels, pixels):
+    capture = {"format": "volute-capture-1", "color": "linear", "pixel_centre": 0.5, "frames": [0],
+               "volume": {"min": [-1, -1, 0], "max": [1, 1, 2], "resolution": [voxels // 2] * 3},
+               "cameras": [ring_camera(i, pixels) for i in range(COUNT)]}
+    views = tuple(f"laboratory/views/c{i}_0000.exr" for i in range(COUNT))
+
+    def picture(source, read, name, basis):
+        return [Step((f"laboratory/{name}.{kind}",), f"volute render {source} -o laboratory/{name}.{kind} {LOOK} --basis {basis}{shown}", reads=(read,),
+                     seconds=0.6) for kind, shown in (("png", f" --exposure {EXPOSURE}"), ("exr", ""))]
+
+    return (
+        Step((TRUTH,), f"volute synthesize fire -o {TRUTH} --size {voxels} --frames 1 --seed 3", seconds=0.3),
+        json_file(CAPTURE, capture),
+        Step(("laboratory/views/",), f"volute project {TRUTH} {CAPTURE} -o laboratory/views/{{camera}}_%04d.exr --basis box {BOUNDS}",
+             reads=(TRUTH, CAPTURE), seconds=1),
+        Step(("laboratory/views.png",), work=errors.sheet, arguments=(views, 4, EXPOSURE, "laboratory/views.png"),
+             reads=("laboratory/views/",), seconds=1),
+        Step((FOUND, "laboratory/report.json", "laboratory/report.html"),
+             f"volute reconstruct {CAPTURE} -o {FOUND} --rms 2e-4 --report laboratory/report.json", reads=(CAPTURE, "laboratory/views/"), seconds=20),
+        *picture(f"{TRUTH} {BOUNDS}", TRUTH, "truth", "box"),
+        *picture(FOUND, FOUND, "found", "trilinear"),
+        Step(("laboratory/difference.png",), work=errors.difference,
+             arguments=("laboratory/truth.exr", "laboratory/found.exr", "laboratory/difference.png"),
+             reads=("laboratory/truth.exr", "laboratory/found.exr"), seconds=1),
+        Step(("laboratory/found.npy",), f"volute extract {FOUND} -o laboratory/found.npy", reads=(FOUND,), seconds=0.2),
+        Step(("laboratory/volume_error.json",), work=errors.volume_error, arguments=(TRUTH, "laboratory/found.npy", "laboratory/volume_error.json"),
+             reads=(TRUTH, "laboratory/found.npy"), seconds=0.6))
+
+
+def chapter(scale):
+    voxels, pixels = scale.pick((64, 144), (48, 108))
+    look = f"perspective 27°, linear light, exposure {EXPOSURE}, sRGB"
+    seen = Section(
+        "What is measured",
+        (f"A synthetic fire of {voxels}³ voxels, boxes of constant light, stands on a table; {COUNT} calibrated cameras film it from a half arc, at two heights. "
+         f"[capture.json]({CAPTURE}) holds their calibration. With real cameras one begins here, with pictures of one's own.",),
+        (Picture("laboratory/views.png", f"The {COUNT} views", f"{pixels} × {pixels} pixels each, linear light, exposure {EXPOSURE}, sRGB"),), columns=1)
+    found = Section(
+        "The volume that explains it",
+        ("`volute reconstruct` looks for the emission whose line integrals are those pictures: at least zero everywhere, and zero where a camera sees nothing. "
+         f"It has half of the fire's resolution, {voxels // 2}³, and another basis, trilinear, so what it is compared with is nothing that it could copy.",
+         "Both are seen from a side where no camera stood. [The report](laboratory/report.html) has each camera's picture beside what the volume would show it."),
+        (Fact(lambda r: percent(r.report("laboratory/difference.png")["relative_l2"]), "relative L2 error of the new view", ("laboratory/difference.png",)),
+         Fact(lambda r: percent(r.report("laboratory/volume_error.json")["relative_l2"]), "relative L2 error of the volume, to means of 2³ of the fire's voxels",
+              ("laboratory/volume_error.json",)),
+         Fact(lambda r: f"{digits(r.report(FOUND)['seconds_per_frame'])}{NBSP}s", "to reconstruct the frame", (FOUND,)),
+         Fact(lambda r: percent(r.report(FOUND)["hull_share"]), "of the voxels are in the visual hull", (FOUND,)),
+         Wipe(("laboratory/truth.png", "fire"), ("laboratory/found.png", "reconstructed"), "From a new side", look),
+         Picture("laboratory/difference.png", "How far it is off",
+                 lambda r: "Length of the RGB difference in linear light; viridis, violet is 0 and yellow "
+                           f"{percent(r.report('laboratory/difference.png')['largest'])} of the fire's brightest channel"),
+         Command(FOUND, lambda r: f"The reconstruction, {bytes_of(r.size(FOUND))}")))
+    return Chapter("laboratory", "Laboratory", "Eight calibrated cameras film a fire; the volume that explains their pictures, and how far it is off.",
+                   steps(voxels, pixels), (seen, found), door="laboratory/views.png")

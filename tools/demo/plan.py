@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""What the demo makes, as data: steps with their inputs, outputs and commands, in chapters of sections of pictures.
+
+Running, going on, time left and the page are all derived from this.
+"""
+import dataclasses
+import json
+import shlex
+import typing
+
+
+@dataclasses.dataclass(frozen=True)
+class Step:
+    """Makes files, by a command that the page shows or by a function of the demo's own.
+
+    Paths are relative to the output folder; one that ends in "/" is a folder, made anew. `seconds` is processor time
+    as measured on two cores of 2024.
+    """
+    makes: tuple
+    command: str = ""
+    work: typing.Callable = None  # work(folder, *arguments), where there is no command
+    arguments: tuple = ()
+    reads: tuple = ()
+    seconds: float = 0.05
+
+    @property
+    def name(self):
+        return self.makes[0]
+
+    @property
+    def words(self):
+        return shlex.split(self.command)
+
+
+@dataclasses.dataclass(frozen=True)
+class Build:
+    """Compiles one target, with all that it needs."""
+    target: str
+    seconds: float  # processor time from nothing; less is left where parts are there
+
+    @property
+    def name(self):
+        return f"build of {self.target}"
+
+
+# What sections hold. A text may be a function of the results, called once its step is done.
+
+@dataclasses.dataclass(frozen=True)
+class Picture:
+    """A still or a film."""
+    file: str
+    label: str
+    caption: typing.Any
+    poster: str = ""
+
+
+@dataclasses.dataclass(frozen=True)
+class Choice:
+    """Pictures of one size at one place, and a slider that tells which of them is shown."""
+    files: tuple  # of (file, what the slider says)
+    label: str
+    caption: typing.Any
+    start: int = 0
+
+
+@dataclasses.dataclass(frozen=True)
+class Wipe:
+    """Two pictures of one size, one above the other, and a slider that moves the border between them."""
+    left: tuple  # (file, name)
+    right: tuple
+    label: str
+    caption: typing.Any
+
+
+@dataclasses.dataclass(frozen=True)
+class Fact:
+    value: typing.Any
+    label: str
+    needs: tuple
+
+
+@dataclasses.dataclass(frozen=True)
+class Drawn:
+    """A plot or a table of `draw(results)`: the arguments of plots.line_plot, or columns and rows."""
+    kind: str  # "plot" or "table"
+    draw: typing.Callable
+    needs: tuple
+
+
+@dataclasses.dataclass(frozen=True)
+class Command:
+    """The command that made a file that is no picture."""
+    file: str
+    caption: typing.Any
+
+
+@dataclasses.dataclass(frozen=True)
+class Section:
+    title: str
+    text: typing.Any
+    parts: tuple
+    columns: int = 2
+
+
+@dataclasses.dataclass(frozen=True)
+class Chapter:
+    name: str  # its anchor and its folder
+    title: str
+    sentence: str  # below the title and on its door
+    steps: tuple  # of Step and Build, in the order in which they are made
+    sections: tuple
+    door: str = ""  # the picture on its door; none for what is no door
+
+
+class Plan:
+    """All chapters. A file is made by one step, and read after it was made."""
+
+    def __init__(self, chapters):
+        self.chapters = tuple(chapters)
+        self.steps = [step for chapter in self.chapters for step in chapter.steps]
+        self.maker = {}
+        for step in self.steps:
+            if isinstance(step, Build):
+                continue
+            for file in step.reads:
+                if file not in self.maker:
+                    raise ValueError(f"{step.name} reads {file}, which no step before it makes")
+            for file in step.makes:
+                if file in self.maker:
+                    raise ValueError(f"{file} is made twice")
+                self.maker[file] = step
+
+    def step_of(self, file):
+        """The step that makes this file, or a folder that holds it."""
+        if file in self.maker:
+            return self.maker[file]
+        folder = file
+        while "/" in folder:
+            folder = folder[:folder.rindex("/")]
+            if folder + "/" in self.maker:
+                return self.maker[folder + "/"]
+        raise KeyError(f"no step makes {file}")
+
+
+def write_json(folder, path, value):
+    (folder / path).write_text(json.dumps(value, indent=1) + "\n", encoding="utf-8")
+
+
+def json_file(path, value):
+    """A step that writes a description for the programs: a scene, cameras, signs."""
+    return Step((path,), work=write_json, arguments=(path, value))
+
+
+def write_text(folder, path, value):
+    (folder / path).write_text(value, encoding="utf-8")
+
+
+def text_file(path, value):
+    return Step((path,), work=write_text, arguments=(path, value))
+
+
+class Scale:
+    """How large everything is."""
+
+    def __init__(self, quick):
+        self.quick = quick
+
+    def pick(self, whole, quick):
+        return quick if self.quick else whole

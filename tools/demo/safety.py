@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""For fire engineers: a burning building as FDS writes it, from where its exit signs are seen, and how long; a hall as a person in it sees it."""
+import heapq
+import json
+import math
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import fds_case
+from plan import Chapter, Choice, Command, Drawn, Fact, Picture, Section, Step, json_file, text_file
+from words import NBSP, percent
+
+# A hall with rooms, as FDS would write it
+SIZE, CELL, HEIGHT = (24.0, 10.0, 3.0), 0.25, 1.75
+WALLS = [(6, 6.25, 0, 3.5), (6, 6.25, 6.5, 10), (11, 11.25, 3, 7), (16, 16.25, 0, 4), (16, 16.25, 7, 10),
+         (18, 21, 4.5, 4.75)]  # boxes x0 x1 y0 y1
+FIRE = (20.5, 8.0)
+SIGNS = [{"name": "west exit", "position": [0, 5, 2.25], "normal": [1, 0, 0], "size": [0.6, 0.3], "emitting": True},
+         {"name": "north exit", "position": [13.5, 10, 2.25], "normal": [0, -1, 0], "size": [0.6, 0.3]}]
+ROUTE = "x,y\n22,2\n17.5,3\n15.5,5.5\n12.5,8\n8,8\n5,5\n0.5,5\n"
+CASE, SIGNS_FILE = "safety/building/building.smv", "safety/signs.json"
+BUILDING = "safety/building/"
+
+
+def spread(cell):
+    """Metres that smoke travels from the fire to each square of the plan, through doors: {(i, j): m}."""
+    nx, ny = (round(s / cell) for s in SIZE[:2])
+    solid = {(i, j) for i in range(nx) for j in range(ny)
+             if any(x0 < (i + .5) * cell < x1 and y0 < (j + .5) * cell < y1 for x0, x1, y0, y1 in WALLS)}
+    steps = [(di, dj, cell * math.hypot(di, dj)) for di in (-2, -1, 0, 1, 2) for dj in (-2, -1, 0, 1, 2)
+             if math.gcd(di, dj) == 1]
+    start = (int(FIRE[0] / cell), int(FIRE[1] / cell))
+    far, queue = {start: 0.0}, [(0.0, start)]
+    while queue:
+        distance, (i, j) = heapq.heappop(queue)
+        if distance > far[i, j]:
+            continue
+        for di, dj, length in steps:
+            place = (i + di, j + dj)
+            between = {(i + (di + s) // 2, j + (dj + s) // 2) for s in (0, 1)}
+            inside = 0 <= place[0] < nx and 0 <= place[1] < ny
+            if inside and place not in solid and not between & solid and distance + length < far.get(place, 1e9):
+                far[place] = distance + length
+                heapq.heappush(queue, (distance + length, place))
+    return far
+
+
+def make_building(folder, cell, times):
+    """Writes building.smv: smoke that spreads below the ceiling at 0.35 m/s and thickens and sinks behind its front."""
+    far = spread(cell)
+
+    def extinction(time, x, y, z):
+        distance = far.get((int(x / cell), int(y / cell)))
+        if distance is None:
+            return 0.0
+        age = time - distance / 0.35
+        if age <= 0:
+            return 0.0
+        layer = 3.0 - 2.2 * (1 - math.exp(-age / 90)) + 0.15 * math.sin(1.7 * x + 0.05 * time) * math.cos(1.3 * y)
+        thick = 0.9 * (1 - math.exp(-age / 120)) * (0.35 + math.exp(-distance / 12))
+        return thick / (1 + math.exp((layer - z) / 0.15))
+
+    mesh = fds_case.Mesh("building", [v for s in SIZE for v in (0, s)], [round(s / cell) for s in SIZE],
+                         [box + (0, SIZE[2]) for box in WALLS])
+    fds_case.FdsCase([mesh], times, extinction).write(folder / BUILDING, "building")
+
+
+# A hall of tetrahedra beside a room on fire
+
+HALL_SIZE = (640, 360)
+LAMPS = [{"kind": "spot", "position": [x, 6, 4.9], "target": [x, 6, 0], "angle": 360, "intensity": [28, 26, 23], "radius": 0.25}
+         for x in (3.5, 14.5)]
+FIRE_LIGHT = {"kind": "spot", "position": [24.3, 6, 0.7], "target": [24.3, 6, 6], "angle": 360, "intensity": [34, 14, 4], "radius": 0.5}
+AMBIENT = {"kind": "ambient", "radiance": [0.05, 0.05, 0.055]}
+
+
+def hall_sign(name, y, emitting):
+    return {"name": name, "position": [19.97, y, 3.1], "normal": [-1, 0, 0], "size": [1.0, 0.5], "emitting": emitting}
+
+
+HALL_SCENE = {
+    "format": "volute-scene-1",
+    "camera": {"eye": [2.3, 6.8, 1.7], "target": [20, 6, 2.5], "fov": 58, "size": list(HALL_SIZE)},
+    "lights": [*LAMPS, FIRE_LIGHT, AMBIENT],
+    "media": [{"kind": "smoke", "case": "hall/hall.pvd", "field": "soot", "quantity": "soot-density", "unit": "g/m3", "mode": "photometric",
+               "albedo": [0.5, 0.5, 0.5], "walls": [0.72, 0.70, 0.66]}],
+    "signs": [hall_sign("emitting", 6.65, True), hall_sign("reflecting", 5.35, False)]}
+HALL = "safety/hall/"
+MOMENTS, SHOWN = (10, 35, 50, 70, 100, 150), 70
+SIGN_MOMENTS = (60, 90, 110, 130)
+
+
+def changed(scene, **what):
+    """The scene with another mode, lights or camera."""
+    scene = json.loads(json.dumps(scene))
+    if "mode" in what:
+        scene["media"][0]["mode"] = what["mode"]
+    if "lights" in what:
+        scene["lights"] = what["lights"]
+    scene["camera"].update(what.get("camera", {}))
+    return scene
+
+
+def still(scene, out, time, *more, exposure=1, reads=(HALL,), seconds=2.5):
+    words = (f"volute render {scene} -o {out} --time {time} --exposure {exposure:g} --cache light", *more)
+    return Step((out,), " ".join(words), reads=(scene, *reads), seconds=seconds)
+
+
+CLOSE = {"eye": [8.9, 6, 1.7], "target": [20, 6, 3.1], "fov": 8, "size": [480, 200]}
+
+
+def hall_steps(scale):
+    steps, cell, film = scale.pick((33, 0.4, "480x270"), (17, 0.6, "320x180"))
+    interval = 160 / (steps - 1)
+    return [
+        Step((HALL,), f"volute synthesize hall -o safety/hall/hall.pvd --frames {steps} --interval {interval:g} --cell {cell} --seed 1", seconds=4),
+        json_file("safety/hall.json", HALL_SCENE),
+        json_file("safety/signs_close.json", changed(HALL_SCENE, mode="threshold", camera=CLOSE)),
+        *(still("safety/hall.json", f"safety/hall_{time}.png", time, "--legend") for time in MOMENTS),
+        *(still("safety/signs_close.json", f"safety/signs_{time}.png", time, "--legend", seconds=1.5) for time in SIGN_MOMENTS),
+        Step(("safety/hall.mp4",), f"volute render safety/hall.json -o safety/hall.mp4 --size {film} --speed {scale.pick(10, 20)} --exposure 1 --cache light --legend",
+             reads=("safety/hall.json", HALL), seconds=80)]
+
+
+def building_steps(scale):
+    cell, interval = scale.pick((0.25, 10.0), (0.25, 20.0))
+    times = tuple(interval * i for i in range(round(180 / interval) + 1))
+    return times, [
+        Step((BUILDING,), work=make_building, arguments=(cell, times), seconds=12),
+        json_file(SIGNS_FILE, {"signs": SIGNS}),
+        text_file("safety/route.csv", ROUTE),
+        Step(("safety/plan/",), f"volute visibility {CASE} --signs {SIGNS_FILE} --height {HEIGHT} --step {scale.pick(0.125, 0.25)} -o safety/plan",
+             reads=(BUILDING, SIGNS_FILE), seconds=10),
+        Step(("safety/route/",), f"volute visibility {CASE} --signs {SIGNS_FILE} --height {HEIGHT} --route safety/route.csv --step 0.25 --start 60 -o safety/route",
+             reads=(BUILDING, SIGNS_FILE, "safety/route.csv"), seconds=1),
+        *(Step((f"safety/inside_{time:.0f}.png",), f"volute render {CASE} -o safety/inside_{time:.0f}.png --eye 10,7,{HEIGHT} --target 0,5,1.9 --fov 60 "
+               f"--size 640x360 --time {time:.0f} --exposure 1", reads=(BUILDING,), seconds=1) for time in (60, 120))]
+
+
+def plan_results(results):
+    return json.loads((results.out / "safety/plan/visibility.json").read_text(encoding="utf-8"))
+
+
+def building_section(scale, times):
+    step = scale.pick(0.125, 0.25)
+    every = 20
+    at = f"seen from {HEIGHT}{NBSP}m above the floor; points {step}{NBSP}m apart"
+    shown = [t for t in times if t % every == 0 and t > 0]
+
+    def series(results):
+        summary = plan_results(results)["summary"]
+        lines = [{"name": "any sign", "x": list(times), "y": [moment["any"] for moment in summary]}]
+        lines += [{"name": sign["name"], "x": list(times), "y": [moment["signs"][sign["name"]] for moment in summary]} for sign in SIGNS]
+        return {"title": "Share of the plan from which a sign is seen", "series": lines, "x_label": "time [s]", "y_label": "share of the points"}
+
+    def kept(results):
+        plan = plan_results(results)
+        return percent(plan["aset"][0]["kept_to_the_end"] / plan["eyes"]["walkable"])
+
+    def way(results):
+        (route,) = json.loads((results.out / "safety/route/visibility.json").read_text(encoding="utf-8"))["routes"]
+        return percent(route["walk_share_with_a_sign"])
+
+    def maps(number, name):
+        return tuple((f"safety/plan/maps/{number}_{name}_{times.index(t):04d}.png", f"{t:.0f} s") for t in shown)
+
+    needs = ("safety/plan/",)
+    return Section(
+        "A burning building: from where are the signs seen, and how long?",
+        ("24 × 10 m with a fire in its east, in the files that the Fire Dynamics Simulator writes. `volute visibility` looks from every point of the plan to both "
+         "signs at every stored time: the optical depth of each sight line is integrated exactly through the cells, and a sign is seen while it is at most C, 8 for the "
+         "lit one in the west and 3 for the reflecting one in the north (Jin's rule; docs/visibility.md says what it leaves out).",
+         "[report.html](safety/plan/report.html) is what a fire engineer files: all maps, all times, both signs; "
+         "[sight.csv](safety/plan/sight.csv) has a row for each eye, sign and time."),
+        (Fact(kept, f"of the plan still sees a sign after {times[-1]:.0f} s", needs),
+         Fact(way, "of the way out has a sign in view, for one who leaves at 60 s", ("safety/route/",)),
+         Choice((("safety/inside_60.png", "60 s"), ("safety/inside_120.png", "120 s")), "Inside, on the way to the lit sign",
+                f"From {HEIGHT}{NBSP}m above the floor, as FDS's own walls and soot are: extinction integrated exactly in every cell", start=0),
+         Picture("safety/plan/aset.png", "When the last sign is lost (ASET)", f"First stored time at which no sign is seen [s]; {at}"),
+         Picture("safety/route/routes.png", "A way out", "From the east end to the west exit at 1.2 m/s, set out at 60 s"),
+         Choice(maps(1, "west_exit"), "The lit sign in the west", f"Visibility S = C / mean extinction [m], C = 8; grey where the sign is not seen; {at}",
+                start=len(shown) // 2),
+         Choice(maps(2, "north_exit"), "The reflecting sign in the north", "The same for C = 3", start=len(shown) // 2),
+         Drawn("plot", series, needs)))
+
+
+def hall_section(scale):
+    cells = scale.pick("about 190 000", "about 60 000")
+    return Section(
+        "What a person sees",
+        (f"A hall of 28 × 12 × 6 m beside a room on fire: soot on {cells} tetrahedra, made up from a seed. `volute render` integrates extinction and scattered light "
+         "exactly in each of them; lamps below the ceiling and the fire light the smoke, and the walls through it. Extinction is Km times the soot density, "
+         f"Km = 8700{NBSP}m²/kg.",),
+        (Fact(lambda r: f"{r.report('safety/hall.mp4')['milliseconds']['render'] / r.report('safety/hall.mp4')['pictures']:.0f}{NBSP}ms",
+              "a picture of the film, walls and signs included", ("safety/hall.mp4",)),
+         Picture("safety/hall.mp4", "160 s in 16" if not scale.quick else "160 s in 8", "Photometric: a thing is seen through exp(-optical depth); linear light, exposure 1, sRGB",
+                 poster=f"safety/hall_{SHOWN}.png"),
+         Choice(tuple((f"safety/hall_{time}.png", f"{time} s") for time in MOMENTS), "The same at six moments",
+                "The column, the layer, the flow through the door, and the hall", start=MOMENTS.index(SHOWN)),
+         Choice(tuple((f"safety/signs_{time}.png", f"{time} s") for time in SIGN_MOMENTS), "Two signs, 11 m away",
+                "The left one emits light (C = 8), the right one reflects it (C = 3). Threshold mode: a thing has faded to 10 % where S = C/K calls it no longer visible",
+                start=1)))
+
+
+def chapter(scale):
+    times, building = building_steps(scale)
+    return Chapter("safety", "Fire safety", "A burning building: from where are its exit signs seen, for how long, and what does a person in the smoke see?",
+                   (*building, *hall_steps(scale)), (building_section(scale, times), hall_section(scale)), door=f"safety/hall_{SHOWN}.png")
