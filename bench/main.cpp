@@ -15,7 +15,7 @@
 namespace volute::bench {
 namespace {
 
-using cli::Arguments, cli::Context, cli::dumpJson, cli::jsonNumber;
+using cli::Arguments, cli::Context;
 
 std::string listText() {
   std::string text;

@@ -257,7 +257,7 @@ Result<std::unique_ptr<SmokePeer>> makePeer(PeerMapper mapper, const PeerScene& 
 }  // namespace
 }  // namespace volute::bench
 
-extern "C" const volute::cli::SmokePeerPlugin* voluteSmokePeers() {
-  static constexpr volute::cli::SmokePeerPlugin kPlugin{volute::cli::makePeer};
+extern "C" const volute::bench::SmokePeerPlugin* voluteSmokePeers() {
+  static constexpr volute::bench::SmokePeerPlugin kPlugin{volute::bench::makePeer};
   return &kPlugin;
 }
