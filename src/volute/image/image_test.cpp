@@ -2,8 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "volute/image/bitmap_text.hpp"
 #include "volute/image/colormap.hpp"
@@ -22,6 +24,64 @@ TEST(Srgb, EveryByteComesBack) {
   const auto bytes = toSrgb8(image);
   for (int i = 0; i < 256; ++i) EXPECT_EQ(bytes[i], i);
   EXPECT_NEAR(srgbDecode(0.5), 0.21404114, 1e-8);
+}
+
+/// As IEC 61966-2-1 has it, one value after the other.
+std::uint8_t byteByFormula(float value) {
+  return static_cast<std::uint8_t>(std::lround(255 * srgbEncode(value)));
+}
+
+void expectFormula(const Image& image) {
+  const auto bytes = toSrgb8(image);
+  int wrong = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    if (bytes[i] == byteByFormula(image.pixels[i]))
+      continue;
+    EXPECT_EQ(bytes[i], byteByFormula(image.pixels[i]))
+        << std::hexfloat << image.pixels[i] << " at " << i;
+    if (++wrong == 5)
+      return;
+  }
+}
+
+TEST(Srgb, BytesAreThoseOfTheFormulaWhereTheyChange) {
+  constexpr int kAround = 2000;  // floats on each side of a change
+  Image image(255, 2 * kAround, 1);
+  for (int byte = 1; byte < 256; ++byte) {
+    auto value = static_cast<float>(srgbDecode((byte - 0.5) / 255));
+    for (int i = 0; i < kAround; ++i) value = std::nextafter(value, 0.0F);
+    EXPECT_EQ(byteByFormula(value), byte - 1);
+    for (int i = 0; i < 2 * kAround; ++i) {
+      image.at(byte - 1, i) = value;
+      value = std::nextafter(value, 1.0F);
+    }
+    EXPECT_EQ(byteByFormula(value), byte);
+  }
+  expectFormula(image);
+}
+
+TEST(Srgb, BytesAreThoseOfTheFormulaForAnyFloat) {
+  std::mt19937 random(1);
+  Image image(1024, 512, 1);
+  for (float& value : image.pixels) value = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
+  expectFormula(image);
+  std::uniform_real_distribution<float> shown(0, 1.001F);
+  for (float& value : image.pixels) value = shown(random);
+  expectFormula(image);
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Image ends(11, 1, 1);
+  ends.pixels = {0,
+                 -0.0F,
+                 -1,
+                 1,
+                 std::nextafter(1.0F, 0.0F),
+                 std::nextafter(1.0F, 2.0F),
+                 static_cast<float>(kNan),
+                 -static_cast<float>(kNan),
+                 kInfinity,
+                 -kInfinity,
+                 std::numeric_limits<float>::denorm_min()};
+  expectFormula(ends);
 }
 
 TEST(Srgb, ClampsWhatNoDisplayShows) {

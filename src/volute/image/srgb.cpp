@@ -3,7 +3,11 @@
 #include "volute/image/srgb.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+
+#include "volute/base/parallel.hpp"
 
 namespace volute {
 namespace {
@@ -12,6 +16,57 @@ namespace {
 double clampToUnit(double value) {
   return value > 0 ? std::min(value, 1.0) : 0;
 }
+
+/// The byte that shows a linear value.
+std::uint8_t srgbByte(double linear) {
+  return static_cast<std::uint8_t>(std::lround(255 * srgbEncode(linear)));
+}
+
+/// srgbByte() of floats, without its power. Positive floats are in the order of their bits, so each
+/// byte begins at one pattern of bits, and 2^7 parts of each octave are narrow enough that at most
+/// one byte begins within each.
+class SrgbTable {
+ public:
+  SrgbTable() {
+    // begins_[0] is never asked for, and [256] never reached.
+    begins_.front() = 0;
+    begins_.back() = ~std::uint32_t{0};
+    std::uint32_t low = kFirst;
+    for (unsigned byte = 1; byte < 256; ++byte) {
+      std::uint32_t high = kOne;  // shows `byte` or more; what is below `low` shows less
+      while (low < high) {
+        const std::uint32_t middle = low + (high - low) / 2;
+        if (srgbByte(std::bit_cast<float>(middle)) >= byte)
+          high = middle;
+        else
+          low = middle + 1;
+      }
+      begins_[byte] = low;
+    }
+    for (std::size_t part = 0; part < bytes_.size(); ++part) {
+      const auto bits = static_cast<std::uint32_t>(kFirst + (part << kPart));
+      bytes_[part] = srgbByte(std::bit_cast<float>(bits));
+    }
+  }
+
+  std::uint8_t operator()(float value) const {
+    // By comparisons that NaN fails; what is below the first part shows 0.
+    const float clamped = value > std::bit_cast<float>(kFirst)
+                              ? std::min(value, std::bit_cast<float>(kOne))
+                              : std::bit_cast<float>(kFirst);
+    const auto bits = std::bit_cast<std::uint32_t>(clamped);
+    const unsigned byte = bytes_[(bits - kFirst) >> kPart];
+    return static_cast<std::uint8_t>(byte + (bits >= begins_[byte + 1] ? 1 : 0));
+  }
+
+ private:
+  static constexpr int kPart = 16;  // bits of a float that a part is not told by
+  static constexpr auto kFirst = std::bit_cast<std::uint32_t>(0x1p-13F);
+  static constexpr auto kOne = std::bit_cast<std::uint32_t>(1.0F);
+
+  std::array<std::uint32_t, 257> begins_;
+  std::array<std::uint8_t, ((kOne - kFirst) >> kPart) + 1> bytes_;
+};
 
 }  // namespace
 
@@ -26,9 +81,15 @@ double srgbDecode(double display) {
 }
 
 std::vector<std::uint8_t> toSrgb8(const Image& image, double exposure) {
+  constexpr std::size_t kGrain = 1 << 16;
+  static const SrgbTable table;
   std::vector<std::uint8_t> bytes(image.pixels.size());
-  std::ranges::transform(image.pixels, bytes.begin(), [&](float value) {
-    return static_cast<std::uint8_t>(std::lround(255 * srgbEncode(exposure * value)));
+  parallelRanges(bytes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    if (exposure == 1) {
+      for (std::size_t i = begin; i < end; ++i) bytes[i] = table(image.pixels[i]);
+    } else {
+      for (std::size_t i = begin; i < end; ++i) bytes[i] = srgbByte(exposure * image.pixels[i]);
+    }
   });
   return bytes;
 }
