@@ -3,11 +3,14 @@
 #include "volute/codec/block_encoder.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "volute/base/assert.hpp"
 #include "volute/codec/block_syntax.hpp"
+#include "volute/codec/mode_search.hpp"
 
 namespace volute {
 namespace {
@@ -17,18 +20,29 @@ namespace {
 constexpr double kLambda = 0.16;
 constexpr double kUnit = 4096;  // of prices: parts of a bit
 
-/// -log2 of a probability in 1/4096.
-std::uint32_t priceOf(const AdaptiveBit& state, bool bit) {
-  static const std::vector<std::uint32_t> prices = [] {
-    std::vector<std::uint32_t> table(4097);
+/// -log2 of probabilities.
+class Prices {
+ public:
+  /// The only one there need be. To be asked for once a block: a static takes a guard.
+  static const Prices& get() {
+    static const Prices prices;
+    return prices;
+  }
+
+  std::uint32_t operator()(const AdaptiveBit& state, bool bit) const {
+    const int one = (state.one + 8) >> 4;
+    return of_[static_cast<std::size_t>(bit ? one : 4096 - one)];
+  }
+
+ private:
+  Prices() {
     for (int i = 0; i <= 4096; ++i)
-      table[i] =
+      of_[static_cast<std::size_t>(i)] =
           static_cast<std::uint32_t>(std::lround(-kUnit * std::log2(std::max(i, 1) / 4096.0)));
-    return table;
-  }();
-  const int one = (state.one + 8) >> 4;
-  return prices[bit ? one : 4096 - one];
-}
+  }
+
+  std::array<std::uint32_t, 4097> of_;  // of probabilities in 1/4096
+};
 
 /// The Bits of a writer.
 struct WriteBits {
@@ -51,10 +65,11 @@ struct WriteBits {
 /// Bits that are counted and not kept.
 struct PriceBits {
   Contexts& contexts;
+  const Prices& prices = Prices::get();
   std::uint64_t price = 0;
 
   bool bit(unsigned context, bool value) {
-    price += priceOf(contexts[context], value);
+    price += prices(contexts[context], value);
     contexts[context].learn(value);
     return value;
   }
@@ -68,10 +83,11 @@ struct PriceBits {
 /// Bits that teach nothing: what a magnitude would cost now.
 struct AskBits {
   const Contexts& contexts;
+  const Prices& prices;
   std::uint64_t price = 0;
 
   bool bit(unsigned context, bool value) {
-    price += priceOf(contexts[context], value);
+    price += prices(contexts[context], value);
     return value;
   }
 
@@ -90,8 +106,8 @@ class CellQuantiser {
   /// @param sizes  magnitudes in steps; `q`: rounded to the nearest on entry, chosen on return.
   void choose(const Contexts& contexts, const CellContext& c, std::uint16_t existing,
               const double sizes[16], std::int32_t q[16]) const {
-    double kept = kLambda / kUnit * priceOf(contexts[c.cell], true);
-    double dropped = kLambda / kUnit * priceOf(contexts[c.cell], false);
+    double kept = kLambda / kUnit * prices_(contexts[c.cell], true);
+    double dropped = kLambda / kUnit * prices_(contexts[c.cell], false);
     std::uint8_t m[16] = {};
     for (unsigned left = existing; left != 0; left &= left - 1) {
       const int k = std::countr_zero(left);
@@ -115,25 +131,46 @@ class CellQuantiser {
     const unsigned siblings = CellContext::siblingsOf(k, m);
     const unsigned zero = c.zero(k, siblings);
     const unsigned context = c.size(k, siblings);
-    const auto costOf = [&](std::int32_t candidate) {
-      AskBits ask{contexts};
-      ask.bit(zero, candidate != 0);
-      if (candidate != 0) {
-        (void)codeMagnitude(ask, context, candidate);
-        ask.even(false);
-      }
-      return squaredError(size, candidate) + kLambda / kUnit * static_cast<double>(ask.price);
+    const auto costOf = [&](std::int32_t candidate, std::uint64_t price) {
+      return squaredError(size, candidate) + kLambda / kUnit * static_cast<double>(price);
     };
-    const double cost = costOf(q[k]);
+    const std::uint64_t ofZero = prices_(contexts[zero], false);
     if (q[k] == 0)
-      return cost;
-    const double lower = costOf(q[k] - 1);
+      return costOf(0, ofZero);
+    const auto [price, ofLower] = pricesOf(contexts, zero, context, q[k]);
+    const double cost = costOf(q[k], price);
+    const double lower = costOf(q[k] - 1, q[k] == 1 ? ofZero : ofLower);
     if (lower >= cost)
       return cost;
     --q[k];
     return lower;
   }
 
+  // What a magnitude of at least 1 costs with its sign, and what one less does.
+  std::pair<std::uint64_t, std::uint64_t> pricesOf(const Contexts& contexts, unsigned zero,
+                                                   unsigned context, std::int32_t q) const {
+    const auto priceOf = [&](std::int32_t magnitude) {
+      AskBits ask{contexts, prices_};
+      ask.bit(zero, true);
+      (void)codeMagnitude(ask, context, magnitude);
+      ask.even(false);
+      return ask.price;
+    };
+    if (q == 1)
+      return {priceOf(1), 0};
+    if (q > 15)
+      return {priceOf(q), priceOf(q - 1)};
+    // In unary, they begin alike.
+    std::uint64_t common = prices_(contexts[zero], true) + static_cast<std::uint64_t>(kUnit);
+    const auto at = [&](std::int32_t bit) -> const AdaptiveBit& {
+      return contexts[context + static_cast<unsigned>(bit)];
+    };
+    for (std::int32_t bit = 1; bit < q - 1; ++bit) common += prices_(at(bit), true);
+    return {common + prices_(at(q - 1), true) + prices_(at(q), false),
+            common + prices_(at(q - 1), false)};
+  }
+
+  const Prices& prices_ = Prices::get();
   const WaveletParameters& parameters_;
 };
 
@@ -155,10 +192,12 @@ std::vector<std::uint8_t> supportOf(std::span<const float> values, const BlockSh
 /// A block in one mode: its coefficients, and the way they are put into bits.
 class BlockWriting {
  public:
+  /// @param keeps  whether planes() will be asked for what was quantised.
   BlockWriting(const WaveletParameters& parameters, std::span<const float> components,
                std::span<const std::uint8_t> support, const BlockShape& shape,
-               const BlockMode& mode)
+               const BlockMode& mode, bool keeps)
       : parameters_(parameters),
+        keeps_(keeps),
         quantiser_(parameters),
         shape_(shape),
         mode_(mode),
@@ -181,8 +220,7 @@ class BlockWriting {
   /// Whether a tier has a coefficient that may not be zero.
   bool hasAny(std::size_t tier);
 
-  /// Codes the head, if the tier has it, and the coefficients, and puts what they were quantised to
-  /// in their place.
+  /// Codes the head, if the tier has it, and the coefficients.
   template <class Bits>
   void code(Bits& bits, std::size_t tier, Training* training);
 
@@ -192,6 +230,7 @@ class BlockWriting {
   /// In squared steps, of what was coded so far.
   double squaredError() const { return squaredError_; }
 
+  /// What the coefficients so far were quantised to, if that is kept.
   std::span<float> planes() { return planes_; }
 
   std::span<const std::uint8_t> support() const { return support_; }
@@ -201,6 +240,8 @@ class BlockWriting {
     return std::span(planes_).subspan(c * shape_.voxels(), shape_.voxels());
   }
 
+  bool hasAny(const CellLevel& level, const float* plane) const;
+
   template <class Bits>
   void codeHead(Bits& bits);
   template <class Bits>
@@ -209,7 +250,19 @@ class BlockWriting {
                    Training* training);
   void settle(float& coefficient, double norm, double size, std::int32_t q, Training* training);
 
+  /// Of a level: what a coefficient is worth in steps.
+  const std::array<double, 16>& inSteps(const CellLevel& level) {
+    if (level.stride != inStepsOf_) {
+      for (std::size_t k = 0; k < 16; ++k) inSteps_[k] = level.norm[k] / parameters_.step;
+      inStepsOf_ = level.stride;
+    }
+    return inSteps_;
+  }
+
   const WaveletParameters& parameters_;
+  bool keeps_;
+  int inStepsOf_ = -1;
+  std::array<double, 16> inSteps_{};
   CellQuantiser quantiser_;
   BlockShape shape_;
   BlockMode mode_;
@@ -221,6 +274,31 @@ class BlockWriting {
   double squaredError_ = 0;
 };
 
+bool BlockWriting::hasAny(const CellLevel& level, const float* plane) const {
+  const double enough = 0.5 * parameters_.step;
+  BlockGrid::Index4 cell{};
+  for (cell[0] = 0; cell[0] < level.cells[0]; ++cell[0])
+    for (cell[1] = 0; cell[1] < level.cells[1]; ++cell[1])
+      for (cell[2] = 0; cell[2] < level.cells[2]; ++cell[2]) {
+        cell[3] = 0;
+        const std::uint16_t inRow = level.existingInRow(cell);
+        std::ptrdiff_t position = level.position(cell);
+        for (; cell[3] < level.cells[3]; ++cell[3], position += level.step[3]) {
+          std::uint16_t existing = inRow;
+          if (level.cut[3] && cell[3] == level.cells[3] - 1)
+            existing = static_cast<std::uint16_t>(existing & ~level.high[3]);
+          if (!support_.empty())
+            existing = level.within(support_.data() + position, existing);
+          for (unsigned left = existing; left != 0; left &= left - 1) {
+            const int k = std::countr_zero(left);
+            if (std::abs(plane[position + level.offset[k]]) * level.norm[k] >= enough)
+              return true;
+          }
+        }
+      }
+  return false;
+}
+
 bool BlockWriting::hasAny(std::size_t tier) {
   const TierStrides range = strides(tier);
   if (range.scaling)
@@ -230,37 +308,27 @@ bool BlockWriting::hasAny(std::size_t tier) {
     if (stride >= deepest(levels))
       continue;
     const CellLevel level(shape_.extents, levels, stride, mode_.wavelet);
-    bool any = false;
-    CellMemory memory;
     for (int c = 0; c < shape_.channels; ++c) {
-      codeLevel(level, support_, nullptr, nullptr, memory,
-                [&](std::ptrdiff_t position, std::uint16_t existing, const CellContext&,
-                    const auto&, const std::int32_t*) {
-                  for (unsigned left = existing; left != 0; left &= left - 1) {
-                    const int k = std::countr_zero(left);
-                    const float value = plane(c)[position + level.offset[k]];
-                    any = any || std::abs(value) * level.norm[k] >= 0.5 * parameters_.step;
-                  }
-                  return false;
-                });
+      if (hasAny(level, plane(c).data()))
+        return true;
     }
-    if (any)
-      return true;
   }
   return false;
 }
 
-void BlockWriting::settle(float& coefficient, double norm, double size, std::int32_t q,
+inline void BlockWriting::settle(float& coefficient, double norm, double size, std::int32_t q,
                           Training* training) {
   squaredError_ += quantiser_.squaredError(size, q);
-  const double shown = parameters_.shown(q) * (parameters_.step / norm);
   const std::int32_t m = std::abs(q);
   if (training != nullptr && m > 0) {
     const auto parts = static_cast<std::int64_t>(std::lround(65536 * (size - (m > 1 ? m : 0))));
     (m == 1 ? training->oneSum : training->moreSum) += parts;
     ++(m == 1 ? training->oneCount : training->moreCount);
   }
-  coefficient = static_cast<float>(q < 0 ? -shown : shown);
+  if (keeps_) {
+    const double shown = parameters_.shown(q) * (parameters_.step / norm);
+    coefficient = static_cast<float>(q < 0 ? -shown : shown);
+  }
 }
 
 template <class Bits>
@@ -282,14 +350,29 @@ bool BlockWriting::codeOneCell(Bits& bits, float* at, const CellLevel& level,
                                std::uint16_t existing, CellContext& context, const auto& neighbours,
                                std::int32_t* q, Training* training) {
   double sizes[16] = {};
-  bool any = false;
+  double greatest = 0;
+  const auto& inSteps = this->inSteps(level);
   for (unsigned left = existing; left != 0; left &= left - 1) {
     const int k = std::countr_zero(left);
-    sizes[k] = std::abs(at[level.offset[k]]) * (level.norm[k] / parameters_.step);
-    q[k] = rounded(sizes[k]);
-    any = any || q[k] != 0;
+    sizes[k] = std::abs(at[level.offset[k]]) * inSteps[static_cast<std::size_t>(k)];
+    greatest = std::max(greatest, sizes[k]);
+  }
+  bool any = rounded(greatest) != 0;
+  if (!any && !keeps_) {  // most cells
+    double sum = squaredError_;
+    for (unsigned left = existing; left != 0; left &= left - 1) {
+      const int k = std::countr_zero(left);
+      sum += sizes[k] * sizes[k];
+    }
+    squaredError_ = sum;
+    bits.bit(context.cell, false);
+    return false;
   }
   if (any) {
+    for (unsigned left = existing; left != 0; left &= left - 1) {
+      const int k = std::countr_zero(left);
+      q[k] = rounded(sizes[k]);
+    }
     neighbours();
     quantiser_.choose(contexts_, context, existing, sizes, q);
     any = std::any_of(q, q + 16, [](std::int32_t value) { return value != 0; });
@@ -324,9 +407,11 @@ void BlockWriting::skip(std::size_t tier) {
   walk_->cells(strides(tier), [&](int c, const CellLevel& level, std::ptrdiff_t position,
                                   std::uint16_t existing, const auto&, const auto&, const auto*) {
     float* at = plane(c).data() + position;
+    const auto& inSteps = this->inSteps(level);
     for (unsigned left = existing; left != 0; left &= left - 1) {
       const int k = std::countr_zero(left);
-      const double size = std::abs(at[level.offset[k]]) * (level.norm[k] / parameters_.step);
+      const double size =
+          std::abs(at[level.offset[k]]) * inSteps[static_cast<std::size_t>(k)];
       settle(at[level.offset[k]], level.norm[k], size, 0, nullptr);
     }
     return false;
@@ -341,21 +426,6 @@ BlockMode simplest(BlockMode mode, const BlockShape& shape, bool full) {
   if (halvings <= 2)
     mode.timeLevels = std::min(mode.timeLevels, halvings);
   return mode;
-}
-
-// What differs among the candidates, never fewer than one: a candidate that equals a simpler mode
-// is replaced by it, not dropped.
-std::vector<BlockMode> distinct(std::span<const BlockMode> candidates, const BlockShape& shape,
-                                bool full) {
-  if (candidates.size() == 1)
-    return {candidates.front()};
-  std::vector<BlockMode> modes;
-  for (const BlockMode& candidate : candidates) {
-    const BlockMode mode = simplest(candidate, shape, full);
-    if (std::ranges::find(modes, mode) == modes.end())
-      modes.push_back(mode);
-  }
-  return modes;
 }
 
 // Original - shown, in steps of correction, where it is too much.
@@ -412,27 +482,30 @@ void Training::apply(WaveletParameters& parameters) const {
 
 std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
                                               const BlockShape& shape,
-                                              std::span<const BlockMode> candidates) const {
+                                              std::span<const BlockMode> candidates,
+                                              std::span<const BlockMode> starts) const {
   VOLUTE_ASSERT(!candidates.empty());
   // What leaving it out costs.
   const double nothing = std::min(stream_.valueMax, std::max(stream_.valueMin, 0.0f));
-  double least = 0;
+  const double step = parameters_.step * parameters_.unit();
+  double leftOut = 0;
   double greatest = 0;
   for (float value : values) {
-    const double error = (value - nothing) / (parameters_.step * parameters_.unit());
-    least += error * error;
+    const double error = (value - nothing) / step;
+    leftOut += error * error;
     greatest = std::max(greatest, std::abs(value - nothing));
   }
   if (parameters_.maxError > 0 && greatest > parameters_.maxError)
-    least = std::numeric_limits<double>::infinity();
-  if (least == 0)
+    leftOut = std::numeric_limits<double>::infinity();
+  if (leftOut == 0)
     return std::nullopt;  // left out, the block is exact
+  if (candidates.size() == 1)
+    return candidates.front();
   const auto components = parameters_.color.split(values, shape.channels, parameters_.unit());
   const auto support = supportOf(values, shape);
   const bool full = std::ranges::find(support, 0) == support.end();
-  std::optional<BlockMode> best;
-  for (const BlockMode& mode : distinct(candidates, shape, full)) {
-    BlockWriting block(parameters_, components, support, shape, mode);
+  const auto costOf = [&](const BlockMode& mode) {
+    BlockWriting block(parameters_, components, support, shape, mode, false);
     PriceBits bits{block.contexts()};
     for (std::size_t tier = 0; tier < kWaveletTiers.size(); ++tier) {
       if (block.hasAny(tier))
@@ -440,13 +513,15 @@ std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
       else
         block.skip(tier);
     }
-    const double cost = block.squaredError() + kLambda / kUnit * static_cast<double>(bits.price);
-    if (cost < least || (!best && candidates.size() == 1)) {
-      least = cost;
-      best = mode;
-    }
-  }
-  return best;
+    return block.squaredError() + kLambda / kUnit * static_cast<double>(bits.price);
+  };
+  ModeSearch search(
+      candidates, [&](const BlockMode& mode) { return simplest(mode, shape, full); }, costOf);
+  for (const BlockMode& mode : starts) search.tryMode(mode);
+  if (starts.empty())
+    search.tryAll();
+  search.descend();
+  return search.leastCost() < leftOut ? search.best() : std::nullopt;
 }
 
 std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> values,
@@ -458,7 +533,8 @@ std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> 
   if (!mode)
     return tiers;
   const auto components = parameters_.color.split(values, shape.channels, parameters_.unit());
-  BlockWriting block(parameters_, components, supportOf(values, shape), shape, *mode);
+  BlockWriting block(parameters_, components, supportOf(values, shape), shape, *mode,
+                     parameters_.maxError > 0);
   for (std::size_t tier = 0; tier < tiers.size(); ++tier) {
     const bool last = tier + 1 == tiers.size();
     const bool corrects = last && parameters_.maxError > 0;

@@ -33,8 +33,11 @@ class BlockEncoder {
 
   /// The mode among `candidates` with the least squared error + lambda * bits, where lambda is what
   /// a bit is worth at this quantisation step; none when leaving the block out costs less still.
+  /// @param starts  the first ones to be tried; from the best of them on only what is beside it,
+  ///                as ModeSearch::descend() does. Without any, all candidates are.
   std::optional<BlockMode> choose(std::span<const float> values, const BlockShape& shape,
-                                  std::span<const BlockMode> candidates) const;
+                                  std::span<const BlockMode> candidates,
+                                  std::span<const BlockMode> starts = {}) const;
 
   /// The tiers of a block; all empty without a mode. Adds to `training` what is in them.
   std::vector<std::vector<std::byte>> encode(std::span<const float> values, const BlockShape& shape,

@@ -97,6 +97,24 @@ std::vector<BlockMode> modesToTry(const CompressOptions& options) {
   return modes;
 }
 
+// Where the search among many modes begins: none, where all of few are tried. `before`: the mode
+// that the block had at another step.
+std::vector<BlockMode> modesToBeginWith(const CompressOptions& options,
+                                        const std::optional<BlockMode>& before) {
+  if (options.mode || options.fast)
+    return {};
+  const auto only = waveletByName(options.wavelet);
+  const auto mode = [&](bool shaped, Wavelet wavelet, int timeLevels) {
+    return BlockMode{shaped, only.value_or(wavelet), timeLevels};
+  };
+  // With both, fine steps and coarse ones are served, that lead to other modes.
+  if (before)
+    return {*before, mode(true, Wavelet::kCdf97, 0)};
+  return {mode(false, Wavelet::kCdf53, 4), mode(false, Wavelet::kCdf53, 0),
+          mode(true, Wavelet::kCdf53, 0), mode(true, Wavelet::kCdf53, 4),
+          mode(false, Wavelet::kHaar, 0)};
+}
+
 /// One call of compress(). Goes through the blocks several times: to survey the values; to learn
 /// what quantised coefficients are like, from some of them; to choose the mode of each block; and
 /// to encode them all, until the step meets the target.
@@ -130,6 +148,8 @@ class Compressor {
   Status encodeAll(double step, Way way);
   Status encodeRow(int row, Way way);
   Status append(const EncodedBlock& block, std::size_t number);
+  std::optional<BlockMode> chooseMode(std::size_t block, std::span<const float> values,
+                                      const BlockEncoder& encoder, bool near) const;
   Result<EncodedBlock> encodeBlock(std::size_t block, Way way, Training& training);
   Status checkCancelled() const;
   Status searchStep(double first);
@@ -157,7 +177,8 @@ class Compressor {
   WaveletParameters parameters_;
   Training training_;  // of the last way through
   std::vector<std::optional<BlockMode>> modes_;
-  double chosenStep_ = 0;  // at which modes_ were chosen
+  bool chosenBefore_ = false;  // modes_ are those of another step, else a guess
+  double chosenStep_ = 0;      // at which modes_ were chosen
   QuantisationModel model_;
   std::vector<Spool> spools_;  // one a tier
   Outcome outcome_;
@@ -251,6 +272,13 @@ Status Compressor::survey() {
   return {};
 }
 
+// The mode of a block at this step; `near`: not far from the one that it has, if it has one.
+std::optional<BlockMode> Compressor::chooseMode(std::size_t block, std::span<const float> values,
+                                                const BlockEncoder& encoder, bool near) const {
+  const auto starts = modesToBeginWith(options_, near ? modes_[block] : std::nullopt);
+  return encoder.choose(values, shapeOf(row_.grid(), block), modesToTry(options_), starts);
+}
+
 // Encodes a block and decodes it as the reader will.
 Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, Way way, Training& training) {
   const BlockShape shape = shapeOf(row_.grid(), block);
@@ -259,12 +287,12 @@ Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, Way way, Trainin
   row_.cut(block, values);
   const BlockEncoder encoder(parameters_, stream());
   if (way == Way::kChoose)
-    modes_[block] = encoder.choose(values, shape, modesToTry(options_));
+    modes_[block] = chooseMode(block, values, encoder, chosenBefore_);
   std::optional<BlockMode> mode = modes_[block];
   // A block that was not worth its bits at the step its mode was chosen for may be at a finer one.
   // What is chosen here depends on the step alone, so that a try can be had again.
   if (way == Way::kEncode && !mode && parameters_.step < kFinerStep * chosenStep_)
-    mode = encoder.choose(values, shape, modesToTry(options_));
+    mode = chooseMode(block, values, encoder, false);
   EncodedBlock result;
   result.tiers = encoder.encode(values, shape, mode, training);
   VOLUTE_TRY(head_.decoder->decode(result.tiers, shape.levels(), shape, decoded));
@@ -342,6 +370,7 @@ Status Compressor::encodeAll(double step, Way way) {
     VOLUTE_TRY(encodeRow(row, way));
     progress_.report(stage, i + 1, count);
   }
+  chosenBefore_ = chosenBefore_ || way == Way::kChoose;
   const double range = head_.header.valueMax - head_.header.valueMin;
   const double rms = std::sqrt(outcome_.squaredError / static_cast<double>(info_.values()));
   relativeRms_ = range > 0 ? rms / range : rms;

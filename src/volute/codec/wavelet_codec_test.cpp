@@ -150,6 +150,13 @@ TEST(WaveletCodec, TheChosenModeIsNotWorseThanAny) {
   };
   const double least = costOf(*chosen);
   for (const BlockMode& mode : allBlockModes()) EXPECT_LT(least, 1.03 * costOf(mode));
+  // Nor is one that was found from another.
+  for (const BlockMode& start : allBlockModes()) {
+    const auto found =
+        encoder.choose(block.values, block.shape, allBlockModes(), std::span(&start, 1));
+    ASSERT_TRUE(found) << describe(start);
+    EXPECT_LT(costOf(*found), 1.03 * least) << describe(start);
+  }
 }
 
 TEST(WaveletCodec, WhatIsNotWorthABitIsLeftOut) {
