@@ -202,13 +202,18 @@ class AvFilmWriter final : public FilmWriter {
   /// 8-bit sRGB in the codec's even size: the last column and row are repeated.
   void fillRgb(const Image& linear) {
     const std::vector<std::uint8_t> bytes = toSrgb8(linear);
+    const auto channels = static_cast<std::size_t>(linear.channels);
+    const std::size_t rowBytes = static_cast<std::size_t>(width_) * channels;
     for (int y = 0; y < codec_->height; ++y) {
+      const std::uint8_t* from = &bytes[std::size_t(std::min(y, height_ - 1)) * rowBytes];
       std::uint8_t* to = rgb_->data[0] + std::ptrdiff_t{y} * rgb_->linesize[0];
-      for (int x = 0; x < codec_->width; ++x) {
-        const std::size_t pixel =
-            std::size_t(std::min(y, height_ - 1)) * width_ + std::min(x, width_ - 1);
-        for (int c = 0; c < 3; ++c) *to++ = bytes[pixel * linear.channels + c % linear.channels];
+      if (channels == 3) {
+        to = std::copy_n(from, rowBytes, to);
+      } else {
+        for (int x = 0; x < width_; ++x) to = std::fill_n(to, 3, from[std::size_t(x) * channels]);
       }
+      if (codec_->width > width_)
+        std::copy_n(to - 3, 3, to);
     }
   }
 

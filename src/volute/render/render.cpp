@@ -194,7 +194,9 @@ void renderTile(const Scene& scene, int left, int top, Image& image, RenderStats
   const std::vector<Pixel> pixels = pixelsOfTile(scene, left, top);
   std::vector<Segment> segments;
   segments.reserve(pixels.size());
-  for (const Pixel& pixel : pixels) segments.push_back(scene.ray(pixel));
+  // Without media nobody asks where a ray goes.
+  for (const Pixel& pixel : pixels)
+    segments.push_back(scene.media.empty() ? Segment{} : scene.ray(pixel));
   stats.rays = pixels.size();
   stats.segments = pixels.size() * scene.media.size();
   if (scene.options.aov == Aov::kNone) {

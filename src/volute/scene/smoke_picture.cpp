@@ -29,6 +29,8 @@ std::vector<AnyMedium> allMedia(const SmokeScene& scene) {
 /// 1 for each pixel whose ray meets another medium's bounds.
 std::vector<std::uint8_t> pixelsWithOthers(const Camera& camera, const SmokeScene& scene) {
   std::vector<std::uint8_t> mixed(static_cast<std::size_t>(camera.width()) * camera.height(), 0);
+  if (scene.others.empty())
+    return mixed;  // no rays for nothing
   parallelFor(static_cast<std::size_t>(camera.height()), [&](std::size_t y) {
     for (int x = 0; x < camera.width(); ++x) {
       const std::size_t pixel = y * static_cast<std::size_t>(camera.width()) + x;
