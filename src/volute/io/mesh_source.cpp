@@ -267,21 +267,25 @@ Result<MeshFrame> MeshSource::read(std::size_t frame) {
   out.others = data.others;
   VOLUTE_ASSIGN(out.clamped, checkField(data.values, options_.negatives,
                                         fmt::format("{}: field '{}'", file, data.field)));
-  VOLUTE_ASSIGN(const SplitCells split, splitCells(data.soup, file));
-  if (!mesh_ || vertices_ != data.soup.vertices || tets_ != split.tets) {
-    VOLUTE_ASSIGN(mesh_, buildInSpace(data.soup, split, order_, file));
-    vertices_ = std::move(data.soup.vertices);
-    tets_ = split.tets;
+  if (!mesh_ || soup_ != data.soup) {
+    VOLUTE_ASSIGN(SplitCells split, splitCells(data.soup, file));
+    MeshOrder order;
+    VOLUTE_ASSIGN(mesh_, buildInSpace(data.soup, split, order, file));
+    soup_ = std::move(data.soup);
+    added_ = std::move(split.added);
+    vertexFrom_ = std::move(order.vertexFrom);
+    cellOf_.clear();
+    cellOf_.reserve(order.tetFrom.size());
+    for (const std::int32_t from : order.tetFrom)
+      cellOf_.push_back(split.cellOf[static_cast<std::size_t>(from)]);
   }
   out.mesh = mesh_;
   if (data.ofCells) {
-    std::vector<std::int32_t> cellOf;
-    for (const std::int32_t from : order_.tetFrom)
-      cellOf.push_back(split.cellOf[static_cast<std::size_t>(from)]);
-    out.values = cellToPoint(*mesh_, data.values, cellOf);
+    out.values = cellToPoint(*mesh_, data.values, cellOf_);
   } else {
-    const std::vector<float> values = split.added.follow(std::move(data.values));
-    for (const std::int32_t from : order_.vertexFrom)
+    const std::vector<float> values = added_.follow(std::move(data.values));
+    out.values.reserve(vertexFrom_.size());
+    for (const std::int32_t from : vertexFrom_)
       out.values.push_back(values[static_cast<std::size_t>(from)]);
   }
   return out;

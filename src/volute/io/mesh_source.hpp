@@ -83,10 +83,11 @@ class MeshSource {
   std::vector<double> times_;
   std::vector<int> numbers_;
   MeshOptions options_;
-  std::shared_ptr<const TetMesh> mesh_;  // of the last frame, with what it was made of
-  std::vector<Vec3> vertices_;
-  std::vector<Tet> tets_;
-  MeshOrder order_;
+  std::shared_ptr<const TetMesh> mesh_;  // of the last frame, made of:
+  CellSoup soup_;
+  AddedVertices added_;
+  std::vector<std::int32_t> vertexFrom_;  // of each vertex: the soup's, then the added ones
+  std::vector<std::int32_t> cellOf_;      // of each tet
 };
 
 }  // namespace volute

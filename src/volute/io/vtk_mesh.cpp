@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkIdList.h>
@@ -202,6 +203,12 @@ class VtkMeshReader final : public MeshReader {
     for (vtkIdType i = 0; i < grid->GetNumberOfPoints(); ++i)
       grid->GetPoint(i, data_.soup.vertices[static_cast<std::size_t>(i)].data());
     vtkNew<vtkIdList> ids;
+    const auto cells = static_cast<std::size_t>(grid->GetNumberOfCells());
+    data_.soup.shapes.reserve(cells);
+    data_.soup.offsets.reserve(cells + 1);
+    data_.soup.connectivity.reserve(
+        static_cast<std::size_t>(grid->GetCells()->GetNumberOfConnectivityIds()));
+    data_.values.reserve(field.array ? static_cast<std::size_t>(expected) : 0);
     data_.soup.offsets.push_back(0);
     for (vtkIdType i = 0; i < grid->GetNumberOfCells(); ++i) {
       VOLUTE_ASSIGN(const auto shape, shapeOf(grid->GetCellType(i), file));

@@ -3,9 +3,30 @@
 #include "volute/tetmesh/spatial_order.hpp"
 
 #include <algorithm>
+#include <array>
+#include <numeric>
+#include <utility>
 
 namespace volute {
 namespace {
+
+using Key = std::pair<std::uint64_t, std::int32_t>;
+
+/// Sorts by the keys alone, digit by digit; equal ones stay in their order.
+void sortByKey(std::vector<Key>& keys, int keyBits) {
+  constexpr int kDigit = 10;  // bits
+  std::vector<Key> sorted(keys.size());
+  for (int shift = 0; shift < keyBits; shift += kDigit) {
+    std::array<std::size_t, 1 << kDigit> next{};
+    const auto digitOf = [shift](const Key& key) {
+      return static_cast<std::size_t>(key.first >> shift & ((1 << kDigit) - 1));
+    };
+    for (const Key& key : keys) ++next[digitOf(key)];
+    std::exclusive_scan(next.begin(), next.end(), next.begin(), std::size_t{0});
+    for (const Key& key : keys) sorted[next[digitOf(key)]++] = key;
+    keys.swap(sorted);
+  }
+}
 
 /// Every third bit of the result from the lowest 20 bits of `x`.
 std::uint64_t spread(std::uint64_t x) {
@@ -25,7 +46,7 @@ std::vector<std::int32_t> spatialOrder(std::span<const Vec3> points) {
       box.extend(point);
   }
   const double size = std::max(box.size().maxCoeff(), 1e-300);
-  std::vector<std::pair<std::uint64_t, std::int32_t>> keys;
+  std::vector<Key> keys;
   keys.reserve(points.size());
   for (const Vec3& point : points) {
     std::uint64_t key = 0;
@@ -35,7 +56,7 @@ std::vector<std::int32_t> spatialOrder(std::span<const Vec3> points) {
     }
     keys.emplace_back(key, static_cast<std::int32_t>(keys.size()));
   }
-  std::ranges::sort(keys);
+  sortByKey(keys, 3 * 20);
   std::vector<std::int32_t> order;
   order.reserve(keys.size());
   for (const auto& [key, index] : keys) order.push_back(index);
@@ -52,12 +73,14 @@ MeshOrder reorderInSpace(std::vector<Vec3>& vertices, std::vector<Tet>& tets) {
   }
   order.tetFrom = spatialOrder(centres);
   std::vector<Vec3> movedVertices;
+  movedVertices.reserve(vertices.size());
   std::vector<std::int32_t> to(vertices.size());
   for (const std::int32_t from : order.vertexFrom) {
     to[static_cast<std::size_t>(from)] = static_cast<std::int32_t>(movedVertices.size());
     movedVertices.push_back(vertices[static_cast<std::size_t>(from)]);
   }
   std::vector<Tet> movedTets;
+  movedTets.reserve(tets.size());
   for (const std::int32_t from : order.tetFrom) {
     Tet& tet = movedTets.emplace_back(tets[static_cast<std::size_t>(from)]);
     for (std::int32_t& v : tet) v = to[static_cast<std::size_t>(v)];

@@ -3,6 +3,7 @@
 #include "volute/tetmesh/split_cells.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <span>
 
 #include "volute/tetmesh/cell_cutter.hpp"
@@ -38,12 +39,21 @@ std::span<const std::int64_t> cellOf(const CellSoup& soup, std::size_t i) {
                static_cast<std::size_t>(soup.offsets[i + 1] - soup.offsets[i]));
 }
 
-bool hasFourCorners(std::span<const std::int64_t> cell) {
-  for (std::size_t i = 0; i < cell.size(); ++i) {
-    if (std::ranges::count(cell, cell[i]) > 1)
-      return false;
+/// The tet that a cell of that shape already is; nothing where a corner is missing or named twice.
+std::optional<Tet> plainTet(const CellSoup& soup, std::size_t i) {
+  const std::int64_t from = soup.offsets[i];
+  if (from < 0 || from > static_cast<std::int64_t>(soup.connectivity.size()) - 4 ||
+      soup.offsets[i + 1] != from + 4)
+    return std::nullopt;
+  const std::int64_t* cell = soup.connectivity.data() + from;
+  Tet tet;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (cell[k] < 0 || cell[k] >= static_cast<std::int64_t>(soup.vertices.size()) ||
+        std::find(cell, cell + k, cell[k]) != cell + k)
+      return std::nullopt;
+    tet[k] = static_cast<std::int32_t>(cell[k]);
   }
-  return cell.size() == 4;
+  return tet;
 }
 
 /// The faces of a cell, its corners checked.
@@ -96,14 +106,21 @@ Result<SplitCells> splitCells(const CellSoup& soup, std::string_view name) {
     hanging.look(faces, soup.vertices);
   }
   SplitCells out;
+  out.tets.reserve(soup.shapes.size());
+  out.cellOf.reserve(soup.shapes.size());
   CellCutter cutter(soup, out);
+  const bool inPlace =
+      std::ranges::all_of(soup.vertices, [](const Vec3& v) { return v.allFinite(); });
   for (std::size_t i = 0; i < soup.shapes.size(); ++i) {
-    VOLUTE_ASSIGN(auto faces, facesOf(soup, i, name));
+    // Most cells are tets, which nothing hangs on: their faces need not be made.
+    const auto tet = soup.shapes[i] == CellShape::kTet ? plainTet(soup, i) : std::nullopt;
+    std::vector<Polygon> faces;
+    if (!tet || !inPlace || !hanging.empty()) {
+      VOLUTE_ASSIGN(faces, facesOf(soup, i, name));
+    }
     const bool changed = !hanging.empty() && hanging.insert(faces);
-    if (!changed && soup.shapes[i] == CellShape::kTet && hasFourCorners(cellOf(soup, i))) {
-      Tet& tet = out.tets.emplace_back();
-      std::ranges::transform(cellOf(soup, i), tet.begin(),
-                             [](auto v) { return static_cast<std::int32_t>(v); });
+    if (tet && !changed) {
+      out.tets.push_back(*tet);
       out.cellOf.push_back(static_cast<std::int32_t>(i));
       continue;
     }

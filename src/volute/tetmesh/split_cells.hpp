@@ -24,6 +24,8 @@ struct CellSoup {
   std::vector<std::int64_t> offsets;  ///< cell i is connectivity[offsets[i]] .. [offsets[i + 1]]
   /// Vertices; of a polyhedron: the number of faces, then for each its number of vertices and they.
   std::vector<std::int64_t> connectivity;
+
+  bool operator==(const CellSoup&) const = default;
 };
 
 /// Vertices in the middle of faces and cells, where these could not be cut from their corners.

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <random>
 
@@ -94,6 +95,46 @@ TEST(SplitCells, SplitsWedgesAndPyramids) {
   ASSERT_TRUE(mesh.has_value()) << mesh.error().message;
   EXPECT_NEAR(volumeOf(**mesh), 1 + 1.0 / 3, 1e-12);
   EXPECT_EQ(split.cellOf.size(), 3u + 3 + 2);
+}
+
+TEST(SplitCells, TetsStayAsTheyAre) {
+  CellSoup soup;
+  soup.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)};
+  soup.shapes = {CellShape::kTet, CellShape::kTet};
+  soup.connectivity = {3, 1, 0, 2, 1, 2, 4, 0};
+  soup.offsets = {0, 4, 8};
+  const auto split = splitCells(soup, "two").value();
+  EXPECT_EQ(split.tets, (std::vector<Tet>{{3, 1, 0, 2}, {1, 2, 4, 0}}));
+  EXPECT_EQ(split.cellOf, (std::vector<std::int32_t>{0, 1}));
+  EXPECT_TRUE(split.added.places.empty());
+}
+
+TEST(SplitCells, SaysWhatIsWrongWithATet) {
+  CellSoup sound;
+  sound.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+  sound.shapes = {CellShape::kTet, CellShape::kTet};
+  sound.connectivity = {0, 1, 2, 3, 0, 1, 2, 3};
+  sound.offsets = {0, 4, 8};
+  const auto messageOf = [](const CellSoup& soup) { return splitCells(soup, "a").error().message; };
+  CellSoup soup = sound;
+  soup.connectivity[6] = 0;
+  EXPECT_THAT(messageOf(soup), HasSubstr("a: cell 1 "));
+  soup.connectivity[6] = -1;
+  EXPECT_THAT(messageOf(soup), HasSubstr("a: cell 1 has vertex -1; there are 4 vertices"));
+  soup.connectivity[6] = 4;
+  EXPECT_THAT(messageOf(soup), HasSubstr("a: cell 1 has vertex 4; there are 4 vertices"));
+  soup = sound;
+  soup.vertices[3].y() = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(messageOf(soup), HasSubstr("a: vertex 3 is at (0, inf, 1); expected finite metres"));
+  soup = sound;
+  soup.offsets = {0, 4, 7};
+  EXPECT_THAT(messageOf(soup), HasSubstr("a: cell 1 does not have the vertices of its shape"));
+  soup.offsets = {0, 4, 9};
+  EXPECT_THAT(messageOf(soup), HasSubstr("a: cell 1 lies at 4 to 9 of 8 indices"));
+  soup.offsets = {4, 0, 4};
+  EXPECT_THAT(messageOf(soup), HasSubstr("a: cell 0 lies at 4 to 0 of 8 indices"));
+  soup.offsets = {-4, 0, 4};
+  EXPECT_THAT(messageOf(soup), HasSubstr("a: cell 0 lies at -4 to 0 of 8 indices"));
 }
 
 TEST(SplitCells, SaysWhatIsWrong) {
