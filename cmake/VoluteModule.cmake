@@ -1,21 +1,44 @@
-# volute_batches(TARGET): its sources are compiled a few at a time (VOLUTE_BATCH), so that headers are read once for all of
-# them: names of a module's sources must differ even in anonymous namespaces. Kernels that Highway compiles once for each
-# instruction set include themselves, so they stay alone.
+# volute_batches(TARGET): its sources are compiled VOLUTE_BATCH at a time, so that headers are read once for all of them: names
+# of a module's sources must differ even in anonymous namespaces. Kernels that Highway compiles once for each instruction set
+# include themselves, and what is generated has another folder: these stay alone. Unlike those of CMake's UNITY_BUILD, a batch
+# names no folder of this machine, so ccache knows it in every clone.
 function(volute_batches target)
   if(VOLUTE_BATCH LESS 2)
     return()
   endif()
   get_target_property(sources ${target} SOURCES)
-  foreach(source IN LISTS sources)
+  set(alone)
+  set(batch)
+  set(number 0)
+  foreach(source IN LISTS sources ITEMS last)
     get_filename_component(path ${source} ABSOLUTE)
-    if(EXISTS ${path} AND path MATCHES "cpp$")
-      file(STRINGS ${path} kernel REGEX "^#include <hwy/foreach_target.h>" LIMIT_COUNT 1)
-      if(kernel)
-        set_source_files_properties(${source} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${path})
+    if(NOT source STREQUAL last)
+      if(name MATCHES "^\\.\\./|^build/" OR NOT name MATCHES "\\.cpp$")
+        list(APPEND alone ${source})
+        continue()
       endif()
+      file(STRINGS ${path} kernel REGEX "^#include <hwy/foreach_target.h>" LIMIT_COUNT 1)
+      get_source_file_property(definitions ${source} COMPILE_DEFINITIONS)
+      if(kernel OR definitions)
+        list(APPEND alone ${source})
+        continue()
+      endif()
+      string(REGEX REPLACE "^src/" "" name ${name})
+      list(APPEND batch "#include \"${name}\"\n")
+    endif()
+    list(LENGTH batch length)
+    if(length EQUAL VOLUTE_BATCH OR (source STREQUAL last AND length GREATER 0))
+      set(file ${CMAKE_CURRENT_BINARY_DIR}/${target}_batch${number}.cpp)
+      string(CONCAT content ${batch})
+      file(CONFIGURE OUTPUT ${file} CONTENT "${content}" @ONLY)
+      list(APPEND alone ${file})
+      set(batch)
+      math(EXPR number "${number} + 1")
     endif()
   endforeach()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${VOLUTE_BATCH})
+  set_target_properties(${target} PROPERTIES SOURCES "${alone}")
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src)
 endfunction()
 
 # volute_module(NAME HEADERS .. SOURCES .. [DEPENDS modules] [LIBS public libraries] [PRIVATE_LIBS ..]
