@@ -141,8 +141,10 @@ class Failures(support.TestCase):
         self.path("zero.npy").symlink_to("/dev/zero")
         self.path("zero.json").symlink_to("/dev/zero")
         out = ("-o", self.path("x.png"), "--size", "4x4")
+        meshes = ["a.vtu", "a.pvtu", "a.vtk", "a.case", "a.e", "s.vtu"]
         commands = [["info", self.path(name)] for name in names + ["s.vtu", "zero.npy"]]
-        commands += [["render", self.path(name), *out] for name in names + ["s.vtu", "zero.npy", "zero.json"]]
+        commands += [["render", self.path(name), *out, *(["--quantity", "extinction"] if name in meshes else [])]
+                     for name in names + ["s.vtu", "zero.npy", "zero.json"] if name not in ("a.png", "a.exr")]
         commands += [["info", foam / "hall.foam"]]
         commands += [["visibility", self.path(name), "--signs", self.path("a.json"), "-o", self.path("out")]
                      for name in ("a.smv", "a.vtu")]

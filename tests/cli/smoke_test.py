@@ -371,7 +371,7 @@ class Time(SmokeCase):
 
     def test_linear_between_steps(self):
         scene = self.scene([-3, 0, 0], [5, 0, 0], case="case.pvd", **WHITE)
-        for time, depth in ((0, 1), (2, 1), (2.5, 1.5), (3, 2), (4, 3), (6, 3), (8, 3), (99, 3)):
+        for time, depth in ((0, 1), (2, 1), (2.5, 1.5), (3, 2), (4, 3), (6, 3), (8, 3)):
             self.assertAlmostEqual(self.value(scene, "--time", time), math.exp(-depth), delta=1e-5)
         scene = self.scene([-3, 0, 0], [5, 0, 0], case="case.pvd", smoke={"time": {"offset": 2, "rate": 2}}, **WHITE)
         self.assertAlmostEqual(self.value(scene, "--time", 0.5), math.exp(-2), delta=1e-5)
@@ -401,10 +401,9 @@ class Time(SmokeCase):
         self.assertIn(b"volute.mode: photometric", self.path("f.mp4").read_bytes())
         self.assertIn("frames 0 to 2", self.fails(2, "render", self.path("case.pvd"), "-o", self.path("x.png"), *view, "--frames", "7:9"))
 
-
     def test_frames_have_the_numbers_of_their_files(self):
         for number, extinction in ((5, 1.0), (6, 2.0), (8, 4.0)):
-            self.slab(f"n_{number:04d}.vtu", extinction)
+            self.slab(extinction, name=f"n_{number:04d}.vtu")
         smoke_files.write_pvd(self.path("n.pvd"), {0: "n_0005.vtu", 1: "n_0006.vtu", 2: "n_0008.vtu"})
         view = ("--eye=-3,0,0", "--target", "5,0,0", "--ortho", "0.2", "--size", "4x4", "--quantity", "extinction")
         self.works("render", self.path("n.pvd"), "-o", self.path("s_%02d.png"), *view, "--frames", "6:9")

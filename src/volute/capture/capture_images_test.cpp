@@ -197,7 +197,7 @@ TEST_F(CaptureImagesTest, WhatIsMissingIsToldBeforeAnyPictureIsRead) {
   json["cameras"][1].erase("image");
   json["cameras"][1]["video"] = "none.mp4";
   EXPECT_TRUE(failsWith(check(), "camera b: "));
-  EXPECT_TRUE(failsWith(check(), "none.mp4: there is no such file"));
+  EXPECT_TRUE(failsWith(check(), "none.mp4: cannot open: No such file"));
   EXPECT_TRUE(failsWith(readPicture(1, 4), "camera b, frame 4: "));
 }
 

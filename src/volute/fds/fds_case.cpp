@@ -196,7 +196,7 @@ void FdsCase::noteDroppedTimes(std::span<const double> dropped) {
   const auto [shortest, longest] = std::ranges::minmax_element(parts_, fewer);
   const auto count = [](const std::shared_ptr<Part>& part) {
     const auto& times = part->file->frames().times;
-    return fmt::format("{} (mesh {}) has {} to {:g} s", part->path.filename().string(),
+    return fmt::format("{} (mesh {}) has {}, the last at {:g} s", part->path.filename().string(),
                        part->what.mesh + 1, times.size(), times.back());
   };
   remarks_.push_back(fmt::format(

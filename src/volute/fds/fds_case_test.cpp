@@ -319,7 +319,7 @@ TEST(FdsCase, aMeshThatEndsBetweenFramesIsNamedWhicheverItIs) {
     EXPECT_THAT(read.times(), ElementsAre(0));
     EXPECT_THAT(read.remarks(), Contains(HasSubstr("1 of 2 stored times are left out")));
     EXPECT_THAT(read.remarks(),
-                Contains(HasSubstr(fmt::format("made_{0}_1.sf (mesh {0}) has 1 to 0 s", mesh))));
+                Contains(HasSubstr(fmt::format("made_{0}_1.sf (mesh {0}) has 1, the last at 0 s", mesh))));
   }
 }
 

@@ -45,7 +45,7 @@ void note(FdsFileCheck& check, const Result<FdsFrameIndex>& frames) {
 }
 
 std::string spanOf(const std::vector<double>& times) {
-  return times.empty() ? "none" : fmt::format("{} to {:g} s", times.size(), times.back());
+  return times.empty() ? "none" : fmt::format("{}, the last at {:g} s", times.size(), times.back());
 }
 
 /// Which files have fewer frames than others of their kind.

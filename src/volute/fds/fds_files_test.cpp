@@ -91,7 +91,7 @@ TEST(FdsFiles, eachLossIsToldApart) {
   expect("made_4.s3d", FdsFileState::kTruncated, 2);
   expect("made_2.q", FdsFileState::kMissing, 0);
   EXPECT_THAT(find(checks, "made_1.sf").reason,
-              HasSubstr("has fewer frames (2 to 5 s) than made_4.sf (mesh 4: 3 to 10 s)"));
+              HasSubstr("has fewer frames (2, the last at 5 s) than made_4.sf (mesh 4: 3, the last at 10 s)"));
 }
 
 }  // namespace
