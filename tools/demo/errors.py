@@ -10,7 +10,7 @@ import struct
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests" / "cli"))
-from pictures import Picture, read_exr, write_png
+from pictures import Picture, encode_srgb, read_exr, write_png
 
 # Viridis at eighths, sRGB.
 VIRIDIS = ((68, 1, 84), (71, 45, 123), (59, 82, 139), (44, 114, 142), (33, 145, 140), (40, 174, 128), (94, 201, 98),
@@ -40,17 +40,23 @@ def difference(folder, truth_exr, other_exr, difference_png):
     return {"relative_l2": relative_l2(a, b), "largest": largest / max(a)}
 
 
+def level(value):
+    """What an 8-bit sRGB picture stores of a linear value."""
+    return round(255 * encode_srgb(value))
+
+
 def lit(truth, other, exposure):
-    """Share of the truth's black pixels that are not black in the other: black is what an 8-bit sRGB picture of this
-    exposure stores as 0 in all channels."""
+    """Of the truth's black pixels, which an 8-bit sRGB picture of this exposure stores as 0 in all channels: the share that
+    is not black in the other, and the brightest level among them."""
     limit = 0.5 / (255 * 12.92 * exposure)
     n = truth.channels
     black = [i for i in range(0, len(truth.values), n) if max(truth.values[i:i + n]) < limit]
-    return sum(max(other.values[i:i + n]) >= limit for i in black) / max(1, len(black))
+    seen = [max(other.values[i:i + n]) for i in black]
+    return {"share": sum(value >= limit for value in seen) / max(1, len(black)), "brightest": level(exposure * max(seen, default=0))}
 
 
 def haze(folder, truth_exr, others, exposure, out):
-    """{picture: share of black pixels that it lights}, as a file too."""
+    """{picture: share of black pixels that it lights, and how brightly}, as a file too."""
     truth = read_exr(folder / truth_exr)
     result = {"exposure": exposure, "lit": {other: lit(truth, read_exr(folder / other), exposure) for other in others}}
     (folder / out).write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")

@@ -165,7 +165,7 @@ class Page:
         if isinstance(part, Wipe) and self.made(part.left[0], part.right[0]):
             return self.wipe(part)
         if isinstance(part, Command) and self.made(part.file):
-            return f'<figure class="wide"><figcaption>{self.say(part.caption)}</figcaption>{self.provenance(part.file)}</figure>'
+            return f'<figure{" class=wide" if part.wide else ""}><figcaption>{self.say(part.caption)}</figcaption>{self.provenance(part.file)}</figure>'
         return ""
 
     # Plots and tables
@@ -221,8 +221,9 @@ class Page:
                 f'<nav aria-label="{attribute(chapter.title)}">{links}</nav>{"".join(body for _, body in sections)}{waiting}</section>')
 
     def door(self, chapter):
-        if self.made(chapter.door):
-            face = f'<img src="{attribute(urllib.parse.quote(chapter.door))}" alt="">'
+        picture = next(filter(self.made, chapter.door), None)
+        if picture:
+            face = f'<img src="{attribute(urllib.parse.quote(picture))}" alt="">'
         else:
             face = f'<div class="soon">{"its pictures are not made yet" if self.ending else "its pictures are still to come"}</div>'
         return f'<a class="door" href="#{chapter.name}">{face}<div><b>{text(chapter.title)}</b><span>{text(chapter.sentence)}</span></div></a>'

@@ -93,6 +93,7 @@ class Command:
     """The command that made a file that is no picture."""
     file: str
     caption: typing.Any
+    wide: bool = True
 
 
 @dataclasses.dataclass(frozen=True)
@@ -110,7 +111,7 @@ class Chapter:
     sentence: str  # below the title and on its door
     steps: tuple  # of Step and Build, in the order in which they are made
     sections: tuple
-    door: str = ""  # the picture on its door; none for what is no door
+    door: tuple = ()  # pictures for its door, the best first: the first that is made is shown; none for what is no door
 
 
 class Plan:

@@ -207,4 +207,4 @@ def hall_section(scale):
 def chapter(scale):
     times, building = building_steps(scale)
     return Chapter("safety", "Fire safety", "A burning building: from where are its exit signs seen, for how long, and what does a person in the smoke see?",
-                   (*building, *hall_steps(scale)), (building_section(scale, times), hall_section(scale)), door=f"safety/hall_{SHOWN}.png")
+                   (*building, *hall_steps(scale)), (building_section(scale, times), hall_section(scale)), door=(f"safety/hall_{SHOWN}.png", "safety/plan/aset.png"))
