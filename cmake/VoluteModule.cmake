@@ -41,12 +41,41 @@ function(volute_batches target)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src)
 endfunction()
 
+# volute_gtest(NAME PROGRAM [PARTS n] [CASES filter] [COST seconds] [LABELS ..] [ENVIRONMENT ..])
+# The cases of PROGRAM, or those of the filter (as of --gtest_filter), as the test NAME of ctest, in one process: most cases
+# take less than starting one. What takes so long that a core would wait for it at the end runs as n tests NAME.1 .. NAME.n
+# with every n-th case each. Dear ones begin first.
+function(volute_gtest name program)
+  cmake_parse_arguments(T "" "PARTS;CASES;COST" "LABELS;ENVIRONMENT" ${ARGN})
+  set(filter)
+  if(T_CASES)
+    set(filter "--gtest_filter=${T_CASES}")
+  endif()
+  if(NOT T_PARTS)
+    set(T_PARTS 1)
+  endif()
+  if(NOT T_COST)
+    set(T_COST 1)
+  endif()
+  foreach(part RANGE 1 ${T_PARTS})
+    set(test ${name})
+    set(environment ${T_ENVIRONMENT})
+    if(T_PARTS GREATER 1)
+      set(test ${name}.${part})
+      math(EXPR index "${part} - 1")
+      list(APPEND environment GTEST_TOTAL_SHARDS=${T_PARTS} GTEST_SHARD_INDEX=${index})
+    endif()
+    add_test(NAME ${test} COMMAND ${program} ${filter})
+    set_tests_properties(${test} PROPERTIES LABELS "${T_LABELS}" ENVIRONMENT "${environment}" COST ${T_COST})
+  endforeach()
+endfunction()
+
 # volute_module(NAME HEADERS .. SOURCES .. [DEPENDS modules] [LIBS public libraries] [PRIVATE_LIBS ..]
-#               [TESTS x_test.cpp ..] [TEST_DEPENDS modules] [TEST_LIBS ..] [TOGETHER filter])
-# One static library volute::NAME from src/volute/NAME, and one test program NAME_test beside it. Its
-# tests run one by one, those of the filter TOGETHER (as of --gtest_filter) in one process.
+#               [TESTS x_test.cpp ..] [TEST_DEPENDS modules] [TEST_LIBS ..] [TESTS_APART filter])
+# One static library volute::NAME from src/volute/NAME, and one test program NAME_test beside it, whose cases are the test
+# NAME with the label `fast`, but for those of TESTS_APART (as of --gtest_filter): the module adds them by volute_gtest.
 function(volute_module name)
-  cmake_parse_arguments(M "" "TOGETHER" "HEADERS;SOURCES;DEPENDS;LIBS;PRIVATE_LIBS;TESTS;TEST_DEPENDS;TEST_LIBS" ${ARGN})
+  cmake_parse_arguments(M "" "TESTS_APART" "HEADERS;SOURCES;DEPENDS;LIBS;PRIVATE_LIBS;TESTS;TEST_DEPENDS;TEST_LIBS" ${ARGN})
   list(TRANSFORM M_DEPENDS PREPEND volute::)
   if(M_SOURCES)
     add_library(volute_${name} STATIC ${M_SOURCES})
@@ -72,12 +101,10 @@ function(volute_module name)
     target_link_libraries(${name}_test PRIVATE volute::${name} ${M_TEST_DEPENDS} ${M_TEST_LIBS}
       GTest::gtest GTest::gmock GTest::gtest_main rapidcheck rapidcheck_gtest)
     volute_batches(${name}_test)
-    set(alone)
-    if(M_TOGETHER)
-      set(alone TEST_FILTER "-${M_TOGETHER}")
-      add_test(NAME ${name}.Together COMMAND ${name}_test "--gtest_filter=${M_TOGETHER}")
-      set_tests_properties(${name}.Together PROPERTIES LABELS unit COST 1000)  # begins first: it is the longest
+    if(M_TESTS_APART)
+      volute_gtest(${name} ${name}_test CASES "-${M_TESTS_APART}" LABELS unit fast)
+    else()
+      volute_gtest(${name} ${name}_test LABELS unit fast)
     endif()
-    gtest_discover_tests(${name}_test TEST_PREFIX ${name}. ${alone} PROPERTIES LABELS unit DISCOVERY_TIMEOUT 60)
   endif()
 endfunction()

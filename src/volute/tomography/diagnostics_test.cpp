@@ -29,8 +29,7 @@ TomographyDiagnosis diagnosed(const TestScene& scene, const TomographyOptions& o
 }
 
 /// Sentences on cameras, with their names, and on all.
-std::vector<std::string> warningsOf(const TestScene& scene, const TomographyOptions& options = {}) {
-  const TomographyDiagnosis found = diagnosed(scene, options);
+std::vector<std::string> warningsOf(const TestScene& scene, const TomographyDiagnosis& found) {
   std::vector<std::string> all = found.warnings;
   for (std::size_t v = 0; v < found.cameras.size(); ++v) {
     const CameraDiagnosis& camera = found.cameras[v];
@@ -39,6 +38,10 @@ std::vector<std::string> warningsOf(const TestScene& scene, const TomographyOpti
       all.push_back("camera " + scene.views[v].name + " " + camera.warning);
   }
   return all;
+}
+
+std::vector<std::string> warningsOf(const TestScene& scene, const TomographyOptions& options = {}) {
+  return warningsOf(scene, diagnosed(scene, options));
 }
 
 /// The camera with its principal point moved and another lens.
@@ -90,7 +93,7 @@ TEST(Diagnose, NamesTheCameraWithADriftedGain) {
   for (float& value : scene.views[2].radiance.pixels) value *= 1.1F;
   const TomographyDiagnosis diagnosis = diagnosed(scene);
   EXPECT_NEAR(diagnosis.cameras[2].gain, 1 / 1.1, 0.02);
-  EXPECT_THAT(warningsOf(scene),
+  EXPECT_THAT(warningsOf(scene, diagnosis),
               ElementsAre(MatchesRegex("camera c2 1[01] % too bright: its radiance times 0.9.*")));
 }
 

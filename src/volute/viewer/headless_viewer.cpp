@@ -17,20 +17,26 @@ Result<std::unique_ptr<HeadlessViewer>> HeadlessViewer::create(OpenDocument open
   return viewer;
 }
 
-void HeadlessViewer::resize(int width, int height) {
-  if (width == width_ && height == height_)
-    return;
-  width_ = width, height_ = height;
-  colors_ = makeTexture2d(GL_RGBA8, width, height);
+HeadlessViewer::Target::Target(int wide, int high)
+    : width(wide), height(high), colors(makeTexture2d(GL_RGBA8, wide, high)) {
   GLuint name = 0;
   glCreateFramebuffers(1, &name);
-  frame_ = GlFramebuffer(name);
-  glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, colors_.name(), 0);
+  framebuffer = GlFramebuffer(name);
+  glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, colors.name(), 0);
+}
+
+void HeadlessViewer::resize(int width, int height) {
+  if (width != frame_.width || height != frame_.height)
+    frame_ = Target(width, height);
 }
 
 Status HeadlessViewer::frame(const ViewerInput& input) {
-  resize(input.width, input.height);
-  glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
+  if (whole_)
+    resize(input.width, input.height);
+  else if (!pixel_.colors.name())
+    pixel_ = Target(1, 1);
+  drawn_ = whole_;
+  glBindFramebuffer(GL_FRAMEBUFFER, (whole_ ? frame_ : pixel_).framebuffer.name());
   VOLUTE_TRY(app_->frame(input));
   glFinish();  // as a window's swap does: else what is deleted stays until the queue is full
   return {};
@@ -64,9 +70,14 @@ Status HeadlessViewer::settle(ViewerInput input, Progress& progress) {
   return {};
 }
 
-Image HeadlessViewer::picture() const {
-  glBindFramebuffer(GL_FRAMEBUFFER, frame_.name());
-  return shownPicture(width_, height_);
+Image HeadlessViewer::picture() {
+  const auto [width, height] = app_->size();
+  resize(width, height);
+  glBindFramebuffer(GL_FRAMEBUFFER, frame_.framebuffer.name());
+  if (!drawn_)
+    app_->showAgain();
+  drawn_ = true;
+  return shownPicture(width, height);
 }
 
 Result<Image> viewerScreenshot(OpenDocument open, const ViewerStart& start, bool panels,

@@ -10,7 +10,8 @@
 
 namespace volute {
 
-/// The viewer without a display: its frames go to a framebuffer of their own.
+/// The viewer without a display: its frames go to a framebuffer of their own, those that nobody looks
+/// at into one of a single pixel. To fill a window takes longer than all else where a processor does.
 class HeadlessViewer {
  public:
   [[nodiscard]] static Result<std::unique_ptr<HeadlessViewer>> create(
@@ -27,17 +28,28 @@ class HeadlessViewer {
   [[nodiscard]] Status settle(ViewerInput input, Progress& progress);
 
   /// What the last frame showed.
-  Image picture() const;
+  Image picture();
+
+  /// Every frame is drawn into all pixels, as a window's is: what it takes is measured.
+  void drawWholeFrames() { whole_ = true; }
 
  private:
   explicit HeadlessViewer(HeadlessGl gl) : gl_(std::move(gl)) {}
 
+  struct Target {
+    Target() = default;
+    Target(int wide, int high);
+
+    int width = 0, height = 0;
+    GlTexture colors;
+    GlFramebuffer framebuffer;
+  };
+
   void resize(int width, int height);
 
   HeadlessGl gl_;  // first, so that it ends last
-  GlTexture colors_;
-  GlFramebuffer frame_;
-  int width_ = 0, height_ = 0;
+  Target frame_, pixel_;
+  bool whole_ = false, drawn_ = false;
   std::unique_ptr<ViewerApp> app_;
 };
 

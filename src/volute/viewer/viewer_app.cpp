@@ -467,13 +467,13 @@ void ViewerApp::usePanels(const ViewerInput& input) {
   }
 }
 
-void ViewerApp::show(const ViewerInput& input) {
+void ViewerApp::show(const DisplayLook& look) {
   const Stopwatch watch(costs_.shown);
-  glViewport(0, 0, input.width, input.height);
+  glViewport(0, 0, seen_.width, seen_.height);
   glClearColor(0.05F, 0.05F, 0.06F, 1);
   glClear(GL_COLOR_BUFFER_BIT);
   if (picture_.shown())
-    picture_.show(displayLook(), input.width, input.height);
+    picture_.show(look, seen_.width, seen_.height);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
@@ -490,7 +490,8 @@ Status ViewerApp::frame(const ViewerInput& input) {
   usePanels(input);
   VOLUTE_TRY(drawPicture(input));
   glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target));
-  show(input);
+  shownLook_ = displayLook();
+  show(shownLook_);
   return {};
 }
 

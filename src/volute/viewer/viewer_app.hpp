@@ -115,6 +115,12 @@ class ViewerApp {
   /// One frame. Errors of documents are shown, not returned; what is returned ends the viewer.
   [[nodiscard]] Status frame(const ViewerInput& input);
 
+  /// Draws what the last frame showed once more, into the framebuffer that is bound.
+  void showAgain() { show(shownLook_); }
+
+  /// Of the last frame [pixels].
+  std::pair<int, int> size() const { return {seen_.width, seen_.height}; }
+
   /// Whether all that was asked of documents is done.
   bool idle() const { return loader_.idle() && !loading_.busy && pending_.empty(); }
 
@@ -225,7 +231,7 @@ class ViewerApp {
   void goOnWithFilm();
   void usePanels(const ViewerInput& input);
   Status drawPicture(const ViewerInput& input);
-  void show(const ViewerInput& input);
+  void show(const DisplayLook& look);
   PictureWish wish(const ViewerInput& input) const;
   DisplayLook displayLook() const;
   StartView startView() const;
@@ -264,6 +270,7 @@ class ViewerApp {
   bool viewSet_ = false;
   bool moving_ = false;  ///< a person is turning it, or it plays
   ViewerInput seen_;     ///< the last
+  DisplayLook shownLook_;
   double lastX_ = 0, lastY_ = 0;
   bool dragging_ = false, strokes_ = false;
   bool leftHeld_ = false;  ///< the left button, in the last frame

@@ -344,6 +344,7 @@ int main(int count, char** words) {
     fmt::print(stderr, "viewer_soak: {}\n", viewer.error().message);
     return 1;
   }
+  (*viewer)->drawWholeFrames();
   std::string folder = (std::filesystem::temp_directory_path() / "volute-soak-XXXXXX").string();
   if (!::mkdtemp(folder.data()))
     return 1;
