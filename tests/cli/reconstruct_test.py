@@ -117,7 +117,7 @@ class Reconstruct(ring.TestCase):
 
 
 class Interrupted(ring.TestCase):
-    OPTIONS = ["--iterations", "4000", "--regularization", "none"]
+    OPTIONS = ["--iterations", "2000", "--regularization", "none"]
 
     def command(self, *more):
         return ["reconstruct", self.path("capture.json"), "-o", self.path("out.npy"), *self.OPTIONS, *more]

@@ -41,14 +41,14 @@ def volute(*arguments, **options):
     return Result(subprocess.run(command, **options))
 
 
-def write_npy(path, shape, values):
-    """float32 in C order."""
+def write_npy(path, shape, values, times=1):
+    """float32 in C order; the values so many times."""
     header = repr({"descr": "<f4", "fortran_order": False, "shape": tuple(shape)}).encode()
     header += b" " * (-(len(header) + 11) % 64) + b"\n"
     data = array.array("f", values)
     if sys.byteorder == "big":
         data.byteswap()
-    pathlib.Path(path).write_bytes(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header + data.tobytes())
+    pathlib.Path(path).write_bytes(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header + times * data.tobytes())
 
 
 def read_npy(data):
