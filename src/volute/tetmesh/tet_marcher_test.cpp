@@ -21,7 +21,7 @@
 namespace volute {
 namespace {
 
-constexpr int kWidth = 45, kHeight = 31;
+constexpr int kWidth = 76, kHeight = 51;
 
 struct Hall {
   std::shared_ptr<const TetMesh> mesh = hallMesh(0.7, 3);
