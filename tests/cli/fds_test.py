@@ -82,6 +82,31 @@ class Fds(support.TestCase):
         self.assertEqual(said["frames"], 1)
         self.assertIn("within frame 1", said["remarks"][0])
 
+    def test_a_mesh_cut_between_frames_is_told_by_every_command(self):
+        path = self.path("case_1.sf")
+        path.write_bytes(path.read_bytes()[:274])  # behind the first of two frames
+        said = self.works("info", self.case, "--json").json
+        self.assertEqual([(one["file"], one["mesh"], one["state"], one["frames"]) for one in said["data_files"]],
+                         [("case_1.sf", 1, "short", 1), ("case_2.sf", 2, "whole", 2)])
+        self.assertIn("1 of 2 stored times are left out (10 to 10 s)", said["remarks"][0])
+        self.assertIn("case_1.sf: has fewer frames (1 to 0 s) than case_2.sf (mesh 2: 2 to 10 s)",
+                      self.works("info", self.case).text)
+        eye = ("--eye", "1.5,-1,0.5", "--target", "1.5,0,0.5", "--size", "4x4")
+        self.path("signs.json").write_text(json.dumps(
+            {"signs": [{"name": "exit", "position": [1.9, 0.5, 0.5], "normal": [-1, 0, 0], "size": [0.3, 0.2]}]}))
+        for command in (("visibility", self.case, "--signs", self.path("signs.json"), "-o", self.path("out")),
+                        ("render", self.case, "-o", self.path("x.png"), *eye),
+                        ("compress", self.case, "-o", self.path("x.volute"))):
+            self.assertIn("1 of 2 stored times are left out", self.works(*command).message, command)
+
+    def test_missing_files_are_listed_and_refused(self):
+        self.path("case_2.sf").unlink()
+        said = self.works("info", self.case, "--json").json
+        self.assertEqual([one["state"] for one in said["data_files"]], ["whole", "missing"])
+        self.assertIsNone(said["source"])
+        self.assertIn("mesh 2: missing", self.works("info", self.case).text)
+        self.assertIn("case.smv names it for mesh 2", self.fails(1, "compress", self.case, "-o", self.path("x.volute")))
+
     def test_a_flipped_marker_is_refused_with_its_byte(self):
         data = bytearray(self.path("case_1.sf").read_bytes())
         data[146] ^= 4

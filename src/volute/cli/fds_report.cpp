@@ -3,7 +3,10 @@
 #include "volute/cli/fds_report.hpp"
 #include "volute/cli/values.hpp"
 
+#include <algorithm>
 #include <map>
+
+#include "volute/fds/fds_files.hpp"
 
 namespace volute::cli {
 namespace {
@@ -132,6 +135,58 @@ void addContents(Report& report, const SmvIndex& index) {
   report.add("files", files, text);
 }
 
+/// Each file's frames; for people those of each kind together, and each file that is not whole.
+void addFiles(Report& report, const SmvIndex& index) {
+  constexpr std::size_t kShown = 50;
+  struct Kind {
+    std::size_t files = 0, least = SIZE_MAX, most = 0;
+    std::vector<std::string> faults;
+  };
+  Json list = Json::array();
+  std::map<std::string, Kind> kinds;
+  std::size_t faults = 0;
+  const auto checks = checkFiles(index);
+  for (const FdsFileCheck& check : checks) {
+    Json one{{"file", check.path.filename().string()},
+             {"kind", check.kind},
+             {"mesh", check.mesh + 1},
+             {"state", nameOf(check.state)},
+             {"frames", check.times.size()}};
+    if (!check.times.empty())
+      one["times"] = {check.times.front(), check.times.back()};
+    if (!check.reason.empty())
+      one["reason"] = check.reason;
+    list.push_back(std::move(one));
+    Kind& kind = kinds[check.kind];
+    ++kind.files;
+    kind.least = std::min(kind.least, check.times.size());
+    kind.most = std::max(kind.most, check.times.size());
+    if (check.state == FdsFileState::kWhole)
+      continue;
+    ++faults;
+    kind.faults.push_back(fmt::format("mesh {}: {}: {}", check.mesh + 1, nameOf(check.state),
+                                      check.reason));
+  }
+  std::string text = faults == 0 ? fmt::format("all {} are there and whole", checks.size())
+                                 : fmt::format("{} of {} are not whole", faults, checks.size());
+  std::size_t shown = 0;
+  for (const auto& [name, kind] : kinds) {
+    if (kind.least == kind.most && kind.faults.empty() && name.starts_with("PLOT3D"))
+      continue;
+    text += fmt::format("\n  {}: {} files, {}{} frames", name, kind.files,
+                        kind.least == kind.most ? "" : fmt::format("{} to ", kind.least),
+                        kind.most);
+    for (const std::string& fault : kind.faults) {
+      if (++shown <= kShown)
+        text += "\n    " + fault;
+    }
+  }
+  if (shown > kShown)
+    text += fmt::format("\n    and {} more (--json lists all)", shown - kShown);
+  if (!checks.empty())
+    report.add("data_files", list, text);
+}
+
 void addSources(Report& report, const FdsCase& opened) {
   Json list = Json::array();
   std::string others;
@@ -191,6 +246,7 @@ Result<Report> describeFdsCase(const std::string& path, const std::string& sourc
   report.add("ended", index.ended, index.ended ? "yes" : "no: running, or stopped early");
   addMeshes(report, index);
   addContents(report, index);
+  addFiles(report, index);
   FdsOptions options;
   options.source = source;
   options.maxMemory = context.maxMemory;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <optional>
 
@@ -104,6 +105,13 @@ Status FdsCase::openParts() {
       remarks_.push_back(part.error().message + ": the file is left out");
       continue;
     }
+    if (!part && part.error().code == ErrorCode::kNotFound) {
+      const auto mesh = wanted[static_cast<std::size_t>(&part - opened.data())].mesh;
+      return fail(ErrorCode::kNotFound,
+                  "{}; {} names it for mesh {}: copy it beside that file (volute info lists what is "
+                  "missing)",
+                  part.error().message, index_.path.filename().string(), mesh + 1);
+    }
     VOLUTE_TRY(part);
     for (const std::string& remark : (*part)->file->frames().remarks) remarks_.push_back(remark);
     const bool empty = std::ranges::any_of((*part)->lattice.planes,
@@ -136,38 +144,67 @@ Status FdsCase::openParts() {
   return {};
 }
 
-/// The times that all files have.
+/// The times that all files have. What one file has and another has not is said with both names.
 Status FdsCase::findTimes() {
   std::vector<std::size_t> next(parts_.size(), 0);
   std::vector<std::vector<std::size_t>> frames(parts_.size());
-  std::size_t dropped = 0;
-  for (std::size_t first = 0; first < parts_[0]->file->frames().times.size(); ++first) {
-    const double time = parts_[0]->file->frames().times[first];
-    bool everywhere = true;
+  std::vector<double> dropped;
+  const auto timesOf = [&](std::size_t i) -> const std::vector<double>& {
+    return parts_[i]->file->frames().times;
+  };
+  for (;;) {
+    double time = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < parts_.size(); ++i) {
-      const auto& times = parts_[i]->file->frames().times;
-      while (next[i] < times.size() && times[next[i]] < time && !sameTime(times[next[i]], time))
-        ++next[i];
-      everywhere = everywhere && next[i] < times.size() && sameTime(times[next[i]], time);
+      if (next[i] < timesOf(i).size())
+        time = std::min(time, timesOf(i)[next[i]]);
     }
-    if (!everywhere) {
-      ++dropped;
-      continue;
+    if (!std::isfinite(time))
+      break;
+    const auto has = [&](std::size_t i) {
+      return next[i] < timesOf(i).size() && sameTime(timesOf(i)[next[i]], time);
+    };
+    bool everywhere = true;
+    for (std::size_t i = 0; i < parts_.size(); ++i) everywhere = everywhere && has(i);
+    if (everywhere) {
+      times_.push_back(timesOf(0)[next[0]]);
+    } else {
+      dropped.push_back(time);
     }
-    times_.push_back(time);
-    for (std::size_t i = 0; i < parts_.size(); ++i) frames[i].push_back(next[i]);
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (!has(i))
+        continue;
+      if (everywhere)
+        frames[i].push_back(next[i]);
+      ++next[i];
+    }
   }
   if (times_.empty()) {
     return fail(ErrorCode::kTruncated, "{}: the {} files of the source '{}' have no time in common",
                 index_.path.string(), parts_.size(), source().name);
   }
-  if (dropped > 0) {
-    remarks_.push_back(fmt::format(
-        "{}: {} of the frames of {} are left out: other files of the source do not have them (yet)",
-        index_.path.string(), dropped, parts_[0]->path.string()));
-  }
+  if (!dropped.empty())
+    noteDroppedTimes(dropped);
   for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i]->frameAt = std::move(frames[i]);
   return {};
+}
+
+void FdsCase::noteDroppedTimes(std::span<const double> dropped) {
+  const auto fewer = [](const auto& a, const auto& b) {
+    return a->file->frames().times.size() < b->file->frames().times.size();
+  };
+  const auto [shortest, longest] = std::ranges::minmax_element(parts_, fewer);
+  const auto count = [](const std::shared_ptr<Part>& part) {
+    const auto& times = part->file->frames().times;
+    return fmt::format("{} (mesh {}) has {} to {:g} s", part->path.filename().string(),
+                       part->what.mesh + 1, times.size(), times.back());
+  };
+  remarks_.push_back(fmt::format(
+      "{}: {} of {} stored times are left out ({:g} to {:g} s): not all files of the source '{}' "
+      "have them. {}, {}: {}",
+      index_.path.string(), dropped.size(), dropped.size() + times_.size(), dropped.front(),
+      dropped.back(), source().name, count(*longest), count(*shortest),
+      index_.ended ? "FDS has ended, so files were cut or are of another run: copy them again"
+                   : "the case may still be running; else copy the files again"));
 }
 
 Status FdsCase::buildGrid() {

@@ -82,6 +82,7 @@ class FdsCase {
   Status findRounding(const Part& part);
   Result<SmokeScale> scaleOf(const Part& part, std::size_t frame) const;
   Status findTimes();
+  void noteDroppedTimes(std::span<const double> dropped);
   Status buildGrid();
   void noteMissingMeshes();
   Result<std::shared_ptr<const Frame>> frame(std::size_t position);

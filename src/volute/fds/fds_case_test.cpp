@@ -305,7 +305,22 @@ TEST(FdsCase, aRunningCaseIsReadAsFarAsAllItsFilesGo) {
   const FdsCase read = opened(folder / "made.smv");
   EXPECT_THAT(read.times(), ElementsAre(0));
   EXPECT_THAT(read.remarks(), Contains(HasSubstr("within frame 1 that begins at byte")));
-  EXPECT_THAT(read.remarks(), Contains(HasSubstr("1 of the frames of")));
+  EXPECT_THAT(read.remarks(), Contains(HasSubstr("1 of 2 stored times are left out (10 to 10 s)")));
+}
+
+TEST(FdsCase, aMeshThatEndsBetweenFramesIsNamedWhicheverItIs) {
+  for (const int mesh : {1, 2}) {
+    const Folder folder;
+    saveSlices(folder, false, 2, linear);
+    const auto file = folder / fmt::format("made_{}_1.sf", mesh);
+    const auto header = 3 * (30 + 8) + (6 * 4 + 8);
+    std::filesystem::resize_file(file, header + (std::filesystem::file_size(file) - header) / 2);
+    const FdsCase read = opened(folder / "made.smv");
+    EXPECT_THAT(read.times(), ElementsAre(0));
+    EXPECT_THAT(read.remarks(), Contains(HasSubstr("1 of 2 stored times are left out")));
+    EXPECT_THAT(read.remarks(),
+                Contains(HasSubstr(fmt::format("made_{0}_1.sf (mesh {0}) has 1 to 0 s", mesh))));
+  }
 }
 
 TEST(FdsCase, aMeshWithoutAWholeFrameIsLeftOutAndNamed) {

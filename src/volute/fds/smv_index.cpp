@@ -3,6 +3,7 @@
 #include "volute/fds/smv_index.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "volute/fds/text_lines.hpp"
@@ -44,6 +45,8 @@ class SmvReader {
   Status readFireCutoff(std::string_view);
   Status readSurface(std::string_view);
   Status readGrid(std::string_view rest);
+  Status readExtent(std::string_view);
+  Status checkPlanes(int axis, const std::vector<double>& planes) const;
   Status readPlanes(int axis);
 
   Status readTrnx(std::string_view) { return readPlanes(0); }
@@ -82,6 +85,7 @@ class SmvReader {
   SmvIndex index_;
   std::optional<int> meshCount_;
   std::array<int, 3> cells_{};  // of the mesh that is being read
+  std::optional<std::array<double, 6>> extent_;  // of that mesh by PDIM [m]
   std::vector<int> blocks_;     // of each mesh: 1 with obstructions, 2 with vents
   int geometries_ = 0;          // blocks of triangles
   bool cutOff_ = false;         // the file ended within a block
@@ -214,9 +218,35 @@ Status SmvReader::readGrid(std::string_view rest) {
       return wrong("1 to 1000000 cells on each axis");
     cells_[axis] = static_cast<int>(values[axis]);
   }
+  extent_.reset();
   index_.meshes.push_back(std::move(mesh));
   blocks_.push_back(0);
   return {};
+}
+
+/// Where a mesh begins and ends on x, y, z; the same as its nodes say.
+Status SmvReader::readExtent(std::string_view) {
+  VOLUTE_TRY(lastMesh());
+  VOLUTE_ASSIGN(const auto values, numbers("the begin and end of a mesh on x, y, z", 6));
+  extent_.emplace();
+  std::copy_n(values.begin(), 6, extent_->begin());
+  return {};
+}
+
+/// FDS writes both with five digits after the point.
+Status SmvReader::checkPlanes(int axis, const std::vector<double>& planes) const {
+  if (!extent_)
+    return {};
+  const double begin = (*extent_)[2 * axis];
+  const double end = (*extent_)[2 * axis + 1];
+  const double slack = 2e-5 + 1e-6 * (planes.back() - planes.front());
+  if (std::abs(planes.front() - begin) <= slack && std::abs(planes.back() - end) <= slack)
+    return {};
+  return fail(ErrorCode::kInvalidData,
+              "{}: line {}: mesh {} goes from {} to {} m on {} by its nodes (TRN{}), and from {} to "
+              "{} m by its PDIM: one of them is damaged; copy the .smv file again",
+              lines_.path().string(), lines_.lineNumber(), index_.meshes.size(), planes.front(),
+              planes.back(), "xyz"[axis], "XYZ"[axis], begin, end);
 }
 
 Status SmvReader::readPlanes(int axis) {
@@ -232,6 +262,7 @@ Status SmvReader::readPlanes(int axis) {
       return wrong("the places of nodes to ascend");
     planes.push_back(values[1]);
   }
+  VOLUTE_TRY(checkPlanes(axis, planes));
   mesh->planes[axis] = std::move(planes);
   return {};
 }
@@ -441,6 +472,7 @@ Status SmvReader::handle(std::string_view line) {
       {"HRRPUVCUT", &SmvReader::readFireCutoff},
       {"SURFACE", &SmvReader::readSurface},
       {"GRID", &SmvReader::readGrid},
+      {"PDIM", &SmvReader::readExtent},
       {"TRNX", &SmvReader::readTrnx},
       {"TRNY", &SmvReader::readTrny},
       {"TRNZ", &SmvReader::readTrnz},

@@ -108,6 +108,16 @@ TEST(SmvIndex, wallsOfTrianglesAreNamedAsMissing) {
   EXPECT_THAT(index->remarks[0], HasSubstr("block no sight line"));
 }
 
+TEST(SmvIndex, nodesThatDoNotReachTheEndsOfTheMeshAreRefused) {
+  const Folder folder;
+  std::string text = made().text();
+  text.replace(text.find("0.00000 3.00000"), 15, "0.00000 3.50000");
+  const auto wrong = readText(folder, text);
+  ASSERT_FALSE(wrong);
+  EXPECT_THAT(wrong.error().message,
+              HasSubstr("mesh 1 goes from 0 to 3 m on x by its nodes (TRNX), and from 0 to 3.5 m"));
+}
+
 TEST(SmvIndex, everyTruncationIsAnErrorWithinTheMeshesAndARemarkAfterThem) {
   const Folder folder;
   const std::string text = made().text();

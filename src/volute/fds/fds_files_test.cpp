@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fds/fds_files.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "volute/fds/fds_writer.hpp"
+
+namespace volute {
+namespace {
+
+namespace fs = std::filesystem;
+using fdswriter::Folder;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+/// Four meshes in a row, each with a slice and a smoke file of three frames, and PLOT3D at 10 s.
+SmvIndex saveFour(const Folder& folder) {
+  fdswriter::Index index;
+  for (int mesh = 1; mesh <= 4; ++mesh) {
+    const double x = 2.0 * mesh;
+    const fdswriter::Planes planes{{{x, x + 1, x + 2}, {0, 1}, {0, 1}}};
+    index.meshes.push_back({planes, {}, {}});
+    const fdswriter::Slice slice{{0, 2, 0, 1, 0, 1}};
+    std::vector<std::pair<float, std::vector<float>>> frames;
+    std::vector<std::pair<float, std::vector<std::uint8_t>>> bytes;
+    for (const float time : {0.0F, 5.0F, 10.0F}) {
+      frames.emplace_back(time, std::vector<float>(12, time));
+      bytes.emplace_back(time, std::vector<std::uint8_t>(12, 7));
+    }
+    const std::string name = fmt::format("made_{}", mesh);
+    fdswriter::sliceFile(slice, frames).save(folder / (name + ".sf"));
+    fdswriter::smokeFile({2, 1, 1}, bytes).save(folder / (name + ".s3d"));
+    fdswriter::plotFile({2, 1, 1}, std::vector<float>(60, 1)).save(folder / (name + ".q"));
+    index.slice(mesh, slice, name + ".sf", false);
+    index.smoke(mesh, name + ".s3d", 8700);
+    index.plot(mesh, 10, name + ".q", "SOOT EXTINCTION COEFFICIENT");
+  }
+  index.save(folder / "made.smv");
+  return *SmvIndex::read(folder / "made.smv");
+}
+
+const FdsFileCheck& find(const std::vector<FdsFileCheck>& checks, const std::string& name) {
+  return *std::ranges::find_if(
+      checks, [&](const FdsFileCheck& check) { return check.path.filename() == name; });
+}
+
+TEST(FdsFiles, wholeOnesAreWhole) {
+  const Folder folder;
+  const auto checks = checkFiles(saveFour(folder));
+  ASSERT_THAT(checks, SizeIs(12));
+  for (const FdsFileCheck& check : checks) {
+    EXPECT_EQ(check.state, FdsFileState::kWhole) << check.path << check.reason;
+    EXPECT_EQ(check.times.size(), check.kind.starts_with("PLOT3D") ? 1 : 3) << check.path;
+    EXPECT_TRUE(check.reason.empty());
+  }
+}
+
+TEST(FdsFiles, eachLossIsToldApart) {
+  const Folder folder;
+  const SmvIndex index = saveFour(folder);
+  const auto cut = [&](const std::string& name, std::uintmax_t bytes) {
+    fs::resize_file(folder / name, bytes);
+  };
+  const auto size = fs::file_size(folder / "made_1.sf");
+  constexpr std::uintmax_t kFrame = (4 + 8) + (4 * 12 + 8);
+  cut("made_1.sf", size - kFrame);      // between frames
+  cut("made_2.sf", size - 2 * kFrame + 3);  // within one
+  cut("made_3.sf", 50);
+  fs::remove(folder / "made_3.s3d");
+  cut("made_4.s3d", fs::file_size(folder / "made_4.s3d") - 1);
+  fs::remove(folder / "made_2.q");
+  fdswriter::saveBytes(folder / "made_1.s3d", std::vector<std::uint8_t>(100, 9));
+  const auto checks = checkFiles(index);
+  const auto expect = [&](const std::string& name, FdsFileState state, std::size_t frames) {
+    const FdsFileCheck& check = find(checks, name);
+    EXPECT_EQ(check.state, state) << name << " is " << nameOf(check.state) << ": " << check.reason;
+    EXPECT_EQ(check.times.size(), frames) << name;
+    EXPECT_EQ(check.reason.empty(), state == FdsFileState::kWhole) << name;
+  };
+  expect("made_1.sf", FdsFileState::kShort, 2);
+  expect("made_2.sf", FdsFileState::kTruncated, 1);
+  expect("made_3.sf", FdsFileState::kEmpty, 0);
+  expect("made_4.sf", FdsFileState::kWhole, 3);
+  expect("made_1.s3d", FdsFileState::kDamaged, 0);
+  expect("made_2.s3d", FdsFileState::kWhole, 3);
+  expect("made_3.s3d", FdsFileState::kMissing, 0);
+  expect("made_4.s3d", FdsFileState::kTruncated, 2);
+  expect("made_2.q", FdsFileState::kMissing, 0);
+  EXPECT_THAT(find(checks, "made_1.sf").reason,
+              HasSubstr("has fewer frames (2 to 5 s) than made_4.sf (mesh 4: 3 to 10 s)"));
+}
+
+}  // namespace
+}  // namespace volute
