@@ -40,20 +40,26 @@ std::optional<double> numberOf(std::string_view text) {
   return value;
 }
 
-/// Fields between commas, or semicolons where a line has them; quotes around a field are dropped.
+/// Fields between commas, or semicolons where a line has them; quotes around a field are
+/// dropped.
 std::vector<std::string_view> fieldsOf(std::string_view line) {
   const char separator = line.find(';') != line.npos ? ';' : ',';
   std::vector<std::string_view> fields;
   for (std::size_t begin = 0;;) {
-    const std::size_t end = line.find(separator, begin);
+    bool quoted = false;
+    std::size_t end = begin;
+    for (; end < line.size() && (quoted || line[end] != separator); ++end)
+      quoted = quoted != (line[end] == '"');
+    end = end < line.size() ? end : line.npos;
     auto field = trimmed(line.substr(begin, end == line.npos ? line.npos : end - begin));
     if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
       field = field.substr(1, field.size() - 2);
     fields.push_back(field);
     if (end == line.npos)
-      return fields;
+      break;
     begin = end + 1;
   }
+  return fields;
 }
 
 std::vector<std::string_view> wordsOf(std::string_view line) {
@@ -84,10 +90,11 @@ Status forEachLine(std::string_view text, Visit&& visit) {
 /// Which field of a line is what; -1: none.
 struct Columns {
   int x = 0, y = 1, z = 2, name = -1;
+  std::size_t count = 0;  ///< of each line
 
   /// From a line of names; nothing when there are none.
   static std::optional<Columns> named(const std::vector<std::string_view>& fields) {
-    Columns columns{-1, -1, -1, -1};
+    Columns columns{-1, -1, -1, -1, fields.size()};
     for (int i = 0; i < static_cast<int>(fields.size()); ++i) {
       const std::string field = lowered(fields[static_cast<std::size_t>(i)]);
       const auto is = [&](std::string_view axis) {
@@ -250,16 +257,31 @@ Result<std::vector<NamedPoint>> parsePoints(std::string_view text, std::string_v
   const auto readLine = [&](std::string_view line, int number) -> Status {
     if (line.empty() || line.starts_with('#'))
       return {};
-    const auto fields = fieldsOf(line);
+    auto fields = fieldsOf(line);
     if (!columns) {
       columns = Columns::named(fields);
       if (columns)
         return {};
       columns = Columns{};
+      columns->count = fields.size();
       if (fields.size() < 3)
         columns->z = -1;
+      if (fields.size() > 3) {
+        return fail(ErrorCode::kInvalidData,
+                    "{}: line {}: {} columns without names; expected x,y,z or x,y, or a line above "
+                    "that names them (x, y, z, name or route; others are left out)",
+                    file, number, fields.size());
+      }
     }
+    // Spreadsheets end lines in empty fields.
+    while (fields.size() > columns->count && fields.back().empty()) fields.pop_back();
     VOLUTE_ASSIGN(auto point, pointOf(fields, *columns, file, number, height));
+    if (fields.size() != columns->count) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: line {}: {} columns; expected {} as in the first line: is a value missing, "
+                  "a comma too many, or the file cut off?",
+                  file, number, fields.size(), columns->count);
+    }
     points.push_back(std::move(point));
     return {};
   };
@@ -292,11 +314,20 @@ Result<Trajectories> Trajectories::parse(std::string_view text, std::string_view
                                          std::optional<double> height) {
   TrajectoryHead head;
   std::map<int, std::map<int, Vec3>> frames;
+  std::size_t columns = 0;
   const auto readLine = [&](std::string_view line, int number) -> Status {
     if (line.starts_with('#')) {
       head.read(line);
     } else if (!line.empty()) {
       VOLUTE_ASSIGN(const auto step, stepOf(line, file, number, !height));
+      const std::size_t count = wordsOf(line).size();
+      if (columns != 0 && count != columns) {
+        return fail(ErrorCode::kInvalidData,
+                    "{}: line {}: {} columns; expected {} as before: is a value missing, or the "
+                    "file cut off?",
+                    file, number, count, columns);
+      }
+      columns = count;
       const Vec3 place = head.unit * step.place;
       frames[step.id][step.frame] = Vec3(place[0], place[1], height.value_or(place[2]));
     }

@@ -37,14 +37,29 @@ TEST(Points, AreReadWithAndWithoutNames) {
   ASSERT_EQ(plain.size(), 2U);
   EXPECT_EQ(plain[1].position, Vec3(4, 5, 6));
   const auto named =
-      parsePoints("\xEF\xBB\xBFroute,z [m],x,y\n\"A, no\",3,1,2\nA,3,1,2\n", "e.csv", {});
-  EXPECT_FALSE(named.has_value()) << "a quoted comma is not understood";
+      parsePoints("\xEF\xBB\xBFroute,z [m],x,y\n\"A, no\",3,1,2\nA,3,1,2\n", "e.csv", {}).value();
+  EXPECT_EQ(named[0].name, "A, no");
+  EXPECT_EQ(named[0].position, Vec3(1, 2, 3));
   const auto columns = parsePoints("route;z [m];x;y\nA;3;1;2\n", "e.csv", {}).value();
   EXPECT_EQ(columns[0].position, Vec3(1, 2, 3));
   EXPECT_EQ(columns[0].name, "A");
   const auto flat = parsePoints("x,y\n1,2\n", "e.csv", 1.8).value();
   EXPECT_EQ(flat[0].position, Vec3(1, 2, 1.8));
   EXPECT_EQ(parsePoints("1,2\n", "e.csv", 1.8).value()[0].position, Vec3(1, 2, 1.8));
+}
+
+TEST(Points, ColumnsThatAreMissingOrTooManyAreNamed) {
+  const auto message = [](const char* text) {
+    const auto points = parsePoints(text, "eyes.csv", 1.8);
+    return points ? std::string() : points.error().message;
+  };
+  EXPECT_THAT(message("x,y,z,name\n1,2,3,a\n4,5,6\n"), HasSubstr("line 3: 3 columns; expected 4"));
+  EXPECT_THAT(message("x,y,z\n1,2,3\n4,5,6,7\n"), HasSubstr("line 3: 4 columns; expected 3"));
+  EXPECT_THAT(message("1,2,3,4\n"), HasSubstr("line 1: 4 columns without names"));
+  EXPECT_THAT(message("1,2\n1,2,3\n"), HasSubstr("line 2: 3 columns; expected 2"));
+  // Spreadsheets end lines in empty fields; named columns that mean nothing here are left out.
+  EXPECT_EQ(message("x,y,z\n1,2,3,,\n4,5,6\n"), "");
+  EXPECT_EQ(message("time,x,y,z,law\n0,1,2,3,\n0,4,5,6,Jin\n"), "");
 }
 
 TEST(Points, DamageIsNamedWithItsLine) {
@@ -111,6 +126,8 @@ TEST(Trajectories, DamageIsNamed) {
   EXPECT_THAT(message("#framerate: 8\n1 0 1\n"), HasSubstr("t.txt: line 2"));
   EXPECT_THAT(message("#framerate: 8\n1 0.5 1 1 0\n"), HasSubstr("line 2"));
   EXPECT_THAT(message("#framerate: 8\n"), HasSubstr("nobody"));
+  EXPECT_THAT(message("#framerate: 8\n1 0 1 1 0 0.2\n1 1 1 1 0\n"),
+              HasSubstr("line 3: 5 columns; expected 6"));
 }
 
 /// Calls check for a text with every bit flipped once, and for every beginning of it.
