@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -161,6 +164,27 @@ TEST(InputFile, MissingFileIsNotFound) {
   auto file = InputFile::open("/nonexistent");
   ASSERT_FALSE(file);
   EXPECT_EQ(file.error().code, ErrorCode::kNotFound);
+}
+
+TEST(InputFile, WhatIsNoFileIsRefusedWithoutWaiting) {
+  const auto folder = freshFolder("kinds");
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  const std::string at = folder / "socket";
+  ASSERT_LT(at.size(), sizeof name.sun_path);
+  std::copy(at.begin(), at.end(), name.sun_path);
+  ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&name), sizeof name), 0);
+  for (const auto& [path, what] : {std::pair(folder / "pipe", "a pipe"),
+                                   {folder / "socket", "a socket"},
+                                   {folder, "a folder"},
+                                   {std::filesystem::path("/dev/zero"), "a device"}}) {
+    const auto checked = InputFile::check(path);
+    ASSERT_FALSE(checked) << path;
+    EXPECT_NE(checked.error().message.find(what), std::string::npos) << checked.error().message;
+  }
+  ::close(socket);
 }
 
 TEST(ThreadPriority, AThreadAndThoseThatItStartsLetOthersFirst) {

@@ -12,18 +12,41 @@
 
 namespace volute {
 
+namespace {
+
+tl::unexpected<Error> notRegular(const std::filesystem::path& path, mode_t mode) {
+  const char* what = S_ISDIR(mode)    ? "a folder"
+                     : S_ISFIFO(mode) ? "a pipe"
+                     : S_ISSOCK(mode) ? "a socket"
+                     : S_ISCHR(mode) || S_ISBLK(mode) ? "a device"
+                                                      : "something else";
+  return fail(ErrorCode::kIo, "{}: not a regular file: it is {}; give a file that lies on a disk", path.string(), what);
+}
+
+}  // namespace
+
 Result<InputFile> InputFile::open(const std::filesystem::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) {
-    const ErrorCode code = errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
-    return fail(code, "{}: cannot open: {}", path.string(), std::strerror(errno));
-  }
+  // Without O_NONBLOCK a pipe that nobody writes to is waited for, and so are some devices. Regular files do not
+  // know it.
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  const int reason = errno;
   struct stat status {};
+  if (descriptor < 0) {
+    if (reason == ENXIO && ::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
+      return notRegular(path, status.st_mode);
+    const ErrorCode code = reason == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
+    return fail(code, "{}: cannot open: {}", path.string(), std::strerror(reason));
+  }
   if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
     ::close(descriptor);
-    return fail(ErrorCode::kIo, "{}: not a regular file", path.string());
+    return notRegular(path, status.st_mode);
   }
   return InputFile(descriptor, static_cast<std::uint64_t>(status.st_size), path);
+}
+
+Status InputFile::check(const std::filesystem::path& path) {
+  VOLUTE_TRY(open(path));
+  return {};
 }
 
 InputFile::~InputFile() {

@@ -16,12 +16,17 @@ namespace volute {
 /// A file open for reading at any place. Reads are thread-safe (pread) and never move a shared position.
 class InputFile {
  public:
-  /// Fails with kNotFound or kIo, naming the path and the system's reason.
+  /// Fails with kNotFound or kIo, naming the path and the system's reason. What is no regular file
+  /// (a folder, pipe, socket or device) is refused without waiting for whoever is at its other end.
+  /// All reading begins here; libraries that open files by name are given what this has opened once.
   [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path);
 
   ~InputFile();
   InputFile(InputFile&& other) noexcept;
   InputFile& operator=(InputFile&& other) noexcept;
+
+  /// Fails as open() does, for a file that somebody else will open.
+  [[nodiscard]] static Status check(const std::filesystem::path& path);
 
   std::uint64_t size() const { return size_; }
   const std::filesystem::path& path() const { return path_; }

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/input_file.hpp"
 #include "volute/io/image_formats.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/io/reader_process.hpp"
@@ -81,10 +82,7 @@ const FilmInfo& FilmReader::info() const {
 }
 
 Result<FilmReader> FilmReader::open(const std::filesystem::path& path, std::uint64_t maxMemory) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
-    return fail(ErrorCode::kNotFound, "{}: there is no such file", path.string());
-  }
+  VOLUTE_TRY(InputFile::check(path));
   auto impl = std::make_unique<Impl>(path, maxMemory);
   VOLUTE_ASSIGN(const std::string reply, impl->call("open", 0));
   VOLUTE_ASSERT(reply.size() == sizeof impl->info);

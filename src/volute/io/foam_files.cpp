@@ -197,6 +197,7 @@ Result<std::string> contentOf(const std::filesystem::path& path) {
     VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
     return text;
   }
+  VOLUTE_TRY(InputFile::check(path));
   const gzFile file = ::gzopen(path.c_str(), "rb");
   if (!file)
     return fail(ErrorCode::kNotFound, "{}: cannot be read", path.string());
@@ -247,7 +248,34 @@ Status checkMesh(const std::filesystem::path& folder) {
   return {};
 }
 
+/// Files of a folder, and of those so many levels below it.
+Status checkKinds(const std::filesystem::path& folder, int below) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (entry.is_directory(error)) {
+      if (below > 0)
+        VOLUTE_TRY(checkKinds(entry.path(), below - 1));
+    } else if (entry.is_other(error)) {
+      VOLUTE_TRY(InputFile::check(entry.path()));
+    }
+  }
+  return {};
+}
+
 }  // namespace
+
+Status checkFoamKinds(const std::filesystem::path& casePath) {
+  const auto folder = casePath.parent_path().empty() ? "." : casePath.parent_path();
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!entry.is_directory(error))
+      continue;
+    if (name == "constant" || name == "system" || numberOf<double>(name))
+      VOLUTE_TRY(checkKinds(entry.path(), 2));  // REGION/polyMesh
+  }
+  return {};
+}
 
 Status checkFoamText(std::string_view bytes, std::string_view kind) {
   return FoamWalk(bytes).run(kind);

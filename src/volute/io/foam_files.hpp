@@ -19,4 +19,8 @@ namespace volute {
 /// a list for anything else. Half a sentence says what is missing.
 [[nodiscard]] Status checkFoamText(std::string_view bytes, std::string_view kind);
 
+/// Refuses pipes, sockets and devices where files of the case are, before VTK waits for them: it
+/// opens all files of a time to learn what they hold.
+[[nodiscard]] Status checkFoamKinds(const std::filesystem::path& casePath);
+
 }  // namespace volute

@@ -8,6 +8,7 @@
 
 #include "volute/base/input_file.hpp"
 #include "volute/io/below_folder.hpp"
+#include "volute/io/json_depth.hpp"
 #include "volute/io/surface.hpp"
 
 namespace volute {
@@ -56,6 +57,17 @@ std::string oneLine(std::string text) {
   return text;
 }
 
+/// The JSON of a file: all of it, or the first chunk.
+std::string_view jsonOf(const std::vector<unsigned char>& bytes, bool binary) {
+  constexpr std::size_t kLengthAt = 12, kHeader = 20;
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (!binary || bytes.size() < kHeader)
+    return text;
+  std::uint32_t length = 0;
+  std::memcpy(&length, bytes.data() + kLengthAt, sizeof length);
+  return text.substr(kHeader, length);
+}
+
 Result<tinygltf::Model> loadModel(const std::filesystem::path& path) {
   const std::string name = path.string();
   VOLUTE_ASSIGN(const auto file, InputFile::open(path));
@@ -64,6 +76,7 @@ Result<tinygltf::Model> loadModel(const std::filesystem::path& path) {
   std::vector<unsigned char> bytes(file.size());
   VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(bytes))));
   const bool binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
+  VOLUTE_TRY(checkJsonDepth(jsonOf(bytes, binary), name));
   std::filesystem::path folder =
       path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
   tinygltf::TinyGLTF loader;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "volute/base/input_file.hpp"
+#include "volute/io/json_depth.hpp"
 
 namespace volute {
 
@@ -39,6 +40,7 @@ Result<nlohmann::json> readJson(const std::filesystem::path& path) {
   VOLUTE_TRY(input.read(0, std::as_writable_bytes(std::span(text))));
   if (text.empty())
     return fail(ErrorCode::kInvalidData, "{}: is empty; expected JSON", file);
+  VOLUTE_TRY(checkJsonDepth(text, file));
   try {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {

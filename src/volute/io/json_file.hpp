@@ -9,7 +9,8 @@
 
 namespace volute {
 
-/// A whole JSON file of at most 16 MiB; errors name the file and the line.
+/// A whole JSON file of at most 16 MiB and not too deep (json_depth.hpp); errors name the file and
+/// the line.
 [[nodiscard]] Result<nlohmann::json> readJson(const std::filesystem::path& file);
 
 }  // namespace volute

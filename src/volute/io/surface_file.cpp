@@ -7,6 +7,7 @@
 #include <string>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/input_file.hpp"
 #include "volute/io/obj.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/io/reader_process.hpp"
@@ -63,13 +64,10 @@ Status checkMemory(const std::string& file, std::uint64_t triangles, std::uint64
 
 Result<TriangleMesh> readInChild(const std::filesystem::path& path, std::uint64_t maxMemory) {
   const std::string file = path.string();
-  std::error_code error;
-  const auto fileSize = std::filesystem::file_size(path, error);
-  if (error)
-    return fail(ErrorCode::kNotFound, "{}: cannot be read: {}", file, error.message());
+  VOLUTE_ASSIGN(const auto opened, InputFile::open(path));
   ReaderProcess process(makeServe(path));
   const ReaderProcess::Limits limits{.memory = maxMemory,
-                                     .seconds = 10 + 1e-6 * static_cast<double>(fileSize)};
+                                     .seconds = 10 + 1e-6 * static_cast<double>(opened.size())};
   VOLUTE_ASSIGN(const std::string reply, process.call(file, {}, 0, limits));
   VOLUTE_ASSIGN(const auto size, fromMessage<SurfaceSize>(reply));
   VOLUTE_TRY(checkMemory(file, size.triangles, maxMemory));

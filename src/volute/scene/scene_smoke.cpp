@@ -3,8 +3,9 @@
 #include "volute/scene/scene_smoke.hpp"
 
 #include <algorithm>
-#include <fstream>
+#include <span>
 
+#include "volute/base/input_file.hpp"
 #include "volute/fds/smv_index.hpp"
 #include "volute/io/json_members.hpp"
 #include "volute/io/mesh_source.hpp"
@@ -227,10 +228,12 @@ bool isSmokeCase(const std::string& path) {
   if (extension != ".pvd")
     return false;
   // A collection of meshes or of images: the first names decide.
-  std::ifstream file(path);
-  std::string text(64 << 10, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(file.gcount()));
+  const auto file = InputFile::open(path);
+  if (!file)
+    return false;  // who reads it says so
+  std::string text(std::min<std::uint64_t>(file->size(), 64 << 10), '\0');
+  if (!file->read(0, std::as_writable_bytes(std::span(text))))
+    return false;
   const auto mesh = std::min(text.find(".vtu"), text.find(".pvtu")), image = text.find(".vti");
   return mesh < image;
 }

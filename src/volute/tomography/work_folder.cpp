@@ -10,6 +10,7 @@
 #include "volute/base/input_file.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/codec/packing.hpp"
+#include "volute/io/json_depth.hpp"
 #include "volute/io/json_file.hpp"
 
 namespace volute {
@@ -117,8 +118,9 @@ Result<std::vector<float>> WorkFolder::values(int frame, std::size_t count) cons
 Result<nlohmann::ordered_json> WorkFolder::record(int frame) const {
   const auto path = recordFile(path_, frame);
   VOLUTE_ASSIGN(const auto bytes, readFile(path));
-  const auto json = nlohmann::ordered_json::parse(
-      std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()), nullptr, false);
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  VOLUTE_TRY(checkJsonDepth(text, path.string()));
+  const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
   if (!json.is_object() || !json.contains("record")) {
     return fail(ErrorCode::kInvalidData,
                 "{}: this record of a finished frame is damaged; remove {}", path.string(),

@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
+#include "volute/base/input_file.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/fds/smv_index.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/io/json_depth.hpp"
 #include "volute/scene/scene_names.hpp"
 #include "volute/scene/scene_parameters.hpp"
 #include "volute/scene/volume_input.hpp"
@@ -67,8 +68,11 @@ Status SceneDocument::readJsonOfScene(Progress& progress) {
   }
   file_ = path_;
   VOLUTE_TRY(readScene(path_));  // whatever is wrong with it is said there
-  std::ifstream stream(path_);
-  return load(Json::parse(stream, nullptr, false), progress);
+  VOLUTE_ASSIGN(const auto file, InputFile::open(path_));
+  std::string text(file.size(), '\0');
+  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
+  VOLUTE_TRY(checkJsonDepth(text, path_));
+  return load(Json::parse(text, nullptr, false), progress);
 }
 
 /// A closed building shows nothing from outside.

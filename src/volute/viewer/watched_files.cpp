@@ -2,11 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/watched_files.hpp"
 
-#include <fstream>
-#include <iterator>
+#include <span>
 #include <string_view>
 #include <utility>
 
+#include "volute/base/input_file.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/scene/volume_input.hpp"
 
@@ -28,12 +28,12 @@ std::string unescaped(std::string text) {
 /// What a collection's DataSets call their files. Whatever else is wrong with it is said by those
 /// who read it.
 std::vector<std::string> namesIn(const std::filesystem::path& collection) {
-  std::error_code failed;
-  const auto size = std::filesystem::file_size(collection, failed);
-  if (failed || size > kLargestCollection)
+  const auto file = InputFile::open(collection);
+  if (!file || file->size() > kLargestCollection)
     return {};
-  std::ifstream stream(collection, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  std::string text(file->size(), '\0');
+  if (!file->read(0, std::as_writable_bytes(std::span(text))))
+    return {};
   std::vector<std::string> names;
   constexpr std::string_view kKey = " file=";
   for (std::size_t at = 0; (at = text.find(kKey, at)) != std::string::npos;) {
