@@ -2,6 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/camera_file.hpp"
 
+#include <string_view>
+
+#include "volute/io/json_members.hpp"
 #include "volute/io/json_values.hpp"
 
 namespace volute {
@@ -43,6 +46,8 @@ Result<CameraDescription> parseCamera(const nlohmann::json& json, const std::str
                                       const std::string& path) {
   if (!json.is_object())
     return fail(ErrorCode::kInvalidData, "{}: {}: expected a camera object", file, path);
+  static constexpr std::string_view kNames[] = {"eye", "target", "up", "fov", "ortho", "size"};
+  VOLUTE_TRY(Members(json, file, path).check(kNames));
   const auto within = [&](const char* key) { return path + "/" + key; };
   CameraDescription camera;
   for (const char* key : {"eye", "target"}) {

@@ -22,6 +22,18 @@ TEST(CameraFile, ReadsAScenesCamera) {
   EXPECT_EQ(*camera->size, (Pixels{64, 48}));
 }
 
+TEST(CameraFile, UnknownNamesAreRefusedWithTheNearest) {
+  EXPECT_EQ(parse(R"({"eye": [0, -4, 1], "target": [0, 0, 0], "fov": 40, "sizE": [9, 9]})")
+                .error()
+                .message,
+            "scene.json: /camera/sizE: this name is unknown; did you mean 'size'?");
+  EXPECT_EQ(parse(R"({"eye": [0, -4, 1], "targte": [0, 0, 0], "fov": 40})").error().message,
+            "scene.json: /camera/targte: this name is unknown; did you mean 'target'?");
+  EXPECT_EQ(
+      parse(R"({"eye": [0, -4, 1], "target": [0, 0, 0], "fov": 40, "lens": 3})").error().message,
+      "scene.json: /camera/lens: this name is unknown");
+}
+
 TEST(CameraFile, ErrorsNameThePlace) {
   EXPECT_EQ(parse("[]").error().message, "scene.json: /camera: expected a camera object");
   EXPECT_EQ(parse(R"({"eye": [0, -4], "target": [0, 0, 0], "fov": 40})").error().message,
