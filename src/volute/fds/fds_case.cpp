@@ -107,10 +107,11 @@ Status FdsCase::openParts() {
     }
     if (!part && part.error().code == ErrorCode::kNotFound) {
       const auto mesh = wanted[static_cast<std::size_t>(&part - opened.data())].mesh;
-      return fail(ErrorCode::kNotFound,
-                  "{}; {} names it for mesh {}: copy it beside that file (volute info lists what is "
-                  "missing)",
-                  part.error().message, index_.path.filename().string(), mesh + 1);
+      return fail(
+          ErrorCode::kNotFound,
+          "{}; {} names it for mesh {}: copy it beside that file (volute info lists what is "
+          "missing)",
+          part.error().message, index_.path.filename().string(), mesh + 1);
     }
     VOLUTE_TRY(part);
     for (const std::string& remark : (*part)->file->frames().remarks) remarks_.push_back(remark);

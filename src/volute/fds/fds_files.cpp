@@ -78,8 +78,8 @@ bool fillsMesh(const FdsSliceEntry& slice) {
 }  // namespace
 
 std::string_view nameOf(FdsFileState state) {
-  static constexpr std::array<std::string_view, 6> kNames = {"whole", "missing", "empty",
-                                                             "truncated", "short", "damaged"};
+  static constexpr std::array<std::string_view, 6> kNames = {"whole",     "missing", "empty",
+                                                             "truncated", "short",   "damaged"};
   return kNames[static_cast<std::size_t>(state)];
 }
 
@@ -100,17 +100,15 @@ std::vector<FdsFileCheck> checkFiles(const SmvIndex& index) {
     add(slice.file,
         fmt::format("{} slices of {}{}", fillsMesh(slice) ? "3D" : "2D", slice.labels.quantity,
                     slice.cellCentred ? ", of cells" : ""),
-        slice.mesh,
-        [&] { return framesOf(FdsSliceFile::open(slice, meshOf(slice.mesh))); });
+        slice.mesh, [&] { return framesOf(FdsSliceFile::open(slice, meshOf(slice.mesh))); });
   }
   for (const FdsSmokeEntry& smoke : index.smoke) {
     add(smoke.file, "smoke3d of " + smoke.labels.quantity, smoke.mesh,
         [&] { return framesOf(FdsSmokeFile::open(smoke.file, meshOf(smoke.mesh))); });
   }
   for (const FdsPlotEntry& plot : index.plots) {
-    add(plot.file, fmt::format("PLOT3D at {:g} s", plot.time), plot.mesh, [&] {
-      return framesOf(FdsPlotFiles::open({plot}, 0, meshOf(plot.mesh)));
-    });
+    add(plot.file, fmt::format("PLOT3D at {:g} s", plot.time), plot.mesh,
+        [&] { return framesOf(FdsPlotFiles::open({plot}, 0, meshOf(plot.mesh))); });
   }
   parallelFor(checks.size(), [&](std::size_t i) { note(checks[i], looks[i]()); });
   compare(checks);

@@ -67,7 +67,7 @@ TEST(FdsFiles, eachLossIsToldApart) {
   };
   const auto size = fs::file_size(folder / "made_1.sf");
   constexpr std::uintmax_t kFrame = (4 + 8) + (4 * 12 + 8);
-  cut("made_1.sf", size - kFrame);      // between frames
+  cut("made_1.sf", size - kFrame);          // between frames
   cut("made_2.sf", size - 2 * kFrame + 3);  // within one
   cut("made_3.sf", 50);
   fs::remove(folder / "made_3.s3d");

@@ -84,11 +84,11 @@ class SmvReader {
   TextLines lines_;
   SmvIndex index_;
   std::optional<int> meshCount_;
-  std::array<int, 3> cells_{};  // of the mesh that is being read
+  std::array<int, 3> cells_{};                   // of the mesh that is being read
   std::optional<std::array<double, 6>> extent_;  // of that mesh by PDIM [m]
-  std::vector<int> blocks_;     // of each mesh: 1 with obstructions, 2 with vents
-  int geometries_ = 0;          // blocks of triangles
-  bool cutOff_ = false;         // the file ended within a block
+  std::vector<int> blocks_;                      // of each mesh: 1 with obstructions, 2 with vents
+  int geometries_ = 0;                           // blocks of triangles
+  bool cutOff_ = false;                          // the file ended within a block
   std::map<std::string, int> skippedSlices_;
 };
 
@@ -242,11 +242,12 @@ Status SmvReader::checkPlanes(int axis, const std::vector<double>& planes) const
   const double slack = 2e-5 + 1e-6 * (planes.back() - planes.front());
   if (std::abs(planes.front() - begin) <= slack && std::abs(planes.back() - end) <= slack)
     return {};
-  return fail(ErrorCode::kInvalidData,
-              "{}: line {}: mesh {} goes from {} to {} m on {} by its nodes (TRN{}), and from {} to "
-              "{} m by its PDIM: one of them is damaged; copy the .smv file again",
-              lines_.path().string(), lines_.lineNumber(), index_.meshes.size(), planes.front(),
-              planes.back(), "xyz"[axis], "XYZ"[axis], begin, end);
+  return fail(
+      ErrorCode::kInvalidData,
+      "{}: line {}: mesh {} goes from {} to {} m on {} by its nodes (TRN{}), and from {} to "
+      "{} m by its PDIM: one of them is damaged; copy the .smv file again",
+      lines_.path().string(), lines_.lineNumber(), index_.meshes.size(), planes.front(),
+      planes.back(), "xyz"[axis], "XYZ"[axis], begin, end);
 }
 
 Status SmvReader::readPlanes(int axis) {

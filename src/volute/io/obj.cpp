@@ -2,14 +2,17 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/io/obj.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "volute/base/input_file.hpp"
+#include "volute/base/suggest.hpp"
 #include "volute/io/below_folder.hpp"
 
 namespace volute {
@@ -23,6 +26,14 @@ std::string_view nextWord(std::string_view& line) {
   const std::string_view word = line.substr(0, end);
   line.remove_prefix(end);
   return word;
+}
+
+/// The rest of a line: names of materials may have spaces in them.
+std::string trimmedName(std::string_view rest) {
+  constexpr std::string_view kSpace = " \t\r";
+  const auto begin = std::min(rest.find_first_not_of(kSpace), rest.size());
+  rest.remove_prefix(begin);
+  return std::string(rest.substr(0, rest.find_last_not_of(kSpace) + 1));
 }
 
 template <class T>
@@ -73,6 +84,40 @@ Result<std::string> readText(const std::filesystem::path& path, std::uint64_t ma
   return text;
 }
 
+/// All that Wavefront's format has, and what exporters add.
+constexpr std::string_view kObjWords[] = {
+    "v",        "vt",         "vn",        "vp",     "f",      "l",     "p",     "g",
+    "s",        "o",          "mg",        "usemtl", "mtllib", "bevel", "lod",   "c_interp",
+    "d_interp", "shadow_obj", "trace_obj", "usemap", "maplib", "ctech", "stech", "cstype",
+    "deg",      "bmat",       "step",      "curv",   "curv2",  "surf",  "parm",  "trim",
+    "hole",     "scrv",       "sp",        "end",    "con",    "bzp",   "bsp",   "cdc",
+    "cdp",      "res",        "call",      "csh",    "fo",     "vw",    "t"};
+
+/// What is read of materials, in lower case as some write it. Exporters add words of their own, so
+/// others are passed over, but for what may be one of these with a slip.
+constexpr std::string_view kMtlRead[] = {"newmtl", "kd", "ke"};
+constexpr std::string_view kMtlOther[] = {"ka", "ks", "km", "kt", "kr", "tf", "tr", "ns", "ni",
+                                          "ne", "nt", "d",  "pr", "pm", "ps", "pc", "ta", "pcr"};
+
+std::string lowered(std::string_view word) {
+  std::string lower(word);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
+}
+
+bool isOneOf(std::string_view word, std::span<const std::string_view> words) {
+  return std::ranges::find(words, word) != words.end();
+}
+
+std::string unknownWord(std::string_view word, std::span<const std::string_view> words) {
+  const auto near = nearest(word, words);
+  std::string shown(word.substr(0, 40));
+  std::ranges::replace_if(
+      shown, [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
+  return fmt::format("'{}' is no statement{}", shown,
+                     near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
+}
+
 class ObjReader {
  public:
   ObjReader(std::filesystem::path path, std::uint64_t maxMemory)
@@ -102,10 +147,10 @@ class ObjReader {
   Status statement(std::string_view keyword, std::string_view rest, int line) {
     if (keyword == "v")
       return addVertex(rest, line);
-    if (keyword == "f")
+    if (keyword == "f" || keyword == "fo")  // as the format's first version called it
       return addFace(rest, line);
     if (keyword == "usemtl") {
-      const auto found = named_.find(std::string(nextWord(rest)));
+      const auto found = named_.find(trimmedName(rest));
       material_ = found == named_.end() ? 0 : found->second;
     } else if (keyword == "mtllib") {
       while (!rest.empty()) {
@@ -113,6 +158,11 @@ class ObjReader {
         if (!name.empty())
           VOLUTE_TRY(addLibrary(std::string(name), line));
       }
+    } else if (keyword == "call" || keyword == "csh") {
+      return fault(line, "'{}': other files and programs are not run; export it as one file",
+                   keyword);
+    } else if (!isOneOf(keyword, kObjWords)) {
+      return fault(line, "{}", unknownWord(keyword, kObjWords));
     }
     return {};
   }
@@ -168,24 +218,32 @@ class ObjReader {
     std::uint32_t current = 0;
     return forEachLine(
         text, [&](std::string_view keyword, std::string_view rest, int at) -> Status {
-          if (keyword == "newmtl") {
+          const std::string word = lowered(keyword);
+          if (word == "newmtl") {
             current = static_cast<std::uint32_t>(mesh_.materials.size());
-            named_[std::string(nextWord(rest))] = current;
+            named_[trimmedName(rest)] = current;
             mesh_.materials.emplace_back();
             return {};
           }
-          if (current == 0 || (keyword != "Kd" && keyword != "Ke"))
+          const bool slip = !isOneOf(word, kMtlRead) && !isOneOf(word, kMtlOther) &&
+                            std::ranges::any_of(
+                                kMtlRead, [&](auto read) { return editDistance(word, read) < 2; });
+          if (slip) {
+            return fail(ErrorCode::kInvalidData, "{}: line {}: {}", file.string(), at,
+                        unknownWord(keyword, kMtlRead));
+          }
+          if (current == 0 || (word != "kd" && word != "ke"))
             return {};
           Rgb color;
           for (int c = 0; c < 3; ++c) {
-            const std::string_view word = nextWord(rest);
-            if (!parse(word, color[c]) || !(color[c] >= 0) || !std::isfinite(color[c])) {
+            const std::string_view share = nextWord(rest);
+            if (!parse(share, color[c]) || !(color[c] >= 0) || !std::isfinite(color[c])) {
               return fail(ErrorCode::kInvalidData, "{}: line {}: '{}' is no share of a color",
-                          file.string(), at, word);
+                          file.string(), at, share);
             }
           }
           Material& material = mesh_.materials[current];
-          (keyword == "Kd" ? material.baseColor : material.emission) = color;
+          (word == "kd" ? material.baseColor : material.emission) = color;
           return {};
         });
   }

@@ -38,6 +38,40 @@ TEST(Obj, ReadsPolygonsMaterialsAndNumbersFromTheEnd) {
   EXPECT_EQ(mesh.materials[mesh.triangles[2].material].emission[0], 3);
 }
 
+TEST(Obj, UnknownWordsAreRefused) {
+  const TempFolder folder;
+  const std::string faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const auto obj = [&](const std::string& more) {
+    writeBytes(folder / "b.obj", faces + more);
+    return messageOf(folder / "b.obj");
+  };
+  const auto mtl = [&](const std::string& text) {
+    writeBytes(folder / "b.mtl", text);
+    return obj("mtllib b.mtl\n");
+  };
+  EXPECT_EQ(obj("vt 0 0\nvn 0 0 1\no a\ng b\ns 1\nusemtl x\nl 1 2\np 1\n"), "");
+  EXPECT_THAT(obj("w 1 1 1\n"), HasSubstr("b.obj: line 5: 'w' is no statement"));
+  EXPECT_THAT(obj("usemtk red\n"), HasSubstr("'usemtk' is no statement; did you mean 'usemtl'?"));
+  EXPECT_THAT(obj("call other.obj\n"), HasSubstr("line 5: 'call'"));
+  EXPECT_EQ(mtl("newmtl a\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nKe 0 0 0\nNs 1\nNi 1\nd 1\nTr 0\n"
+                "Tf 1 1 1\nillum 2\nPr 1\nPm 0\nmap_Kd a.png\nmap_Bump b.png\nnorm c.png\n"
+                "interpolateMode NEAREST\n"),
+            "");
+  EXPECT_THAT(mtl("newmtl a\nKf 1 0 0\n"), HasSubstr("b.mtl: line 2: 'Kf' is no statement"));
+  EXPECT_THAT(mtl("newmtk a\nKd 1 0 0\n"), HasSubstr("did you mean 'newmtl'?"));
+}
+
+TEST(Obj, MaterialsMayHaveSpacesInTheirNames) {
+  const TempFolder folder;
+  writeBytes(folder / "a.mtl", "newmtl red wall\nKd 1 0 0\nnewmtl red floor\nkd 0 1 0\n");
+  writeBytes(folder / "a.obj",
+             "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red wall\nf 1 2 3\n"
+             "usemtl red floor\nf 1 2 3\n");
+  ASSERT_VALUE(const auto mesh, readSurfaces(folder / "a.obj"));
+  EXPECT_EQ(mesh.materials[mesh.triangles[0].material].baseColor[0], 1);
+  EXPECT_EQ(mesh.materials[mesh.triangles[1].material].baseColor[1], 1);
+}
+
 TEST(Obj, ErrorsNameTheLine) {
   const TempFolder folder;
   const auto message = [&](const std::string& text) {
