@@ -149,6 +149,46 @@ std::optional<int> frameNumberOf(const std::filesystem::path& file) {
   return toNumber(std::string_view(stem).substr(begin, last + 1 - begin));
 }
 
+std::vector<FrameGap> gapsOf(std::span<const int> numbers) {
+  std::int64_t step = 0;
+  for (std::size_t i = 1; i < numbers.size(); ++i) {
+    const auto gap = std::int64_t{numbers[i]} - numbers[i - 1];
+    step = i == 1 ? gap : std::min(step, gap);
+  }
+  std::vector<FrameGap> gaps;
+  for (std::size_t i = 1; step > 0 && i < numbers.size(); ++i) {
+    const auto gap = std::int64_t{numbers[i]} - numbers[i - 1];
+    if (gap % step != 0)
+      return {};
+    if (gap > step) {
+      gaps.push_back({static_cast<int>(numbers[i - 1] + step), static_cast<int>(numbers[i] - step),
+                      static_cast<int>(gap / step - 1)});
+    }
+  }
+  return gaps;
+}
+
+std::string missingNumbers(std::span<const int> numbers) {
+  constexpr std::size_t kShown = 8;
+  const auto gaps = gapsOf(numbers);
+  if (gaps.empty())
+    return {};
+  std::int64_t missing = 0;
+  std::string ranges;
+  for (std::size_t i = 0; i < gaps.size(); ++i) {
+    missing += gaps[i].count;
+    if (i >= kShown)
+      continue;
+    ranges += ranges.empty() ? "" : ", ";
+    ranges += gaps[i].count == 1 ? fmt::format("{}", gaps[i].first)
+                                 : fmt::format("{} to {}", gaps[i].first, gaps[i].last);
+  }
+  return fmt::format(
+      "{} of the frames {} to {} {} missing: {}{}", missing, numbers.front(), numbers.back(),
+      missing == 1 ? "is" : "are", ranges,
+      gaps.size() > kShown ? fmt::format(" and {} more gaps", gaps.size() - kShown) : "");
+}
+
 Result<std::vector<NumberedFile>> listNumberedFiles(const std::filesystem::path& folder,
                                                     std::string_view extension) {
   VOLUTE_ASSIGN(const auto files, filesOf(folder));

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +52,17 @@ class FramePattern {
 /// The number of a single file: the last group of digits in its stem; nothing when there is none or
 /// it is beyond 9 digits.
 std::optional<int> frameNumberOf(const std::filesystem::path& file);
+
+/// Frames that a sequence leaves out.
+struct FrameGap {
+  int first = 0, last = 0, count = 0;
+};
+
+/// The gaps in ascending numbers whose steps are multiples of the smallest; of others, none.
+std::vector<FrameGap> gapsOf(std::span<const int> numbers);
+
+/// The same for people: "3 of the frames 1 to 10 are missing: 5, 8 to 9"; empty when none is.
+std::string missingNumbers(std::span<const int> numbers);
 
 /// The numbered files with `extension` (".vdb") in a folder, by ascending number. An error when
 /// there are none or two have the same number.

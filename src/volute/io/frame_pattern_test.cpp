@@ -30,6 +30,27 @@ RC_GTEST_PROP(FramePattern, MatchesWhatItFormats, ()) {
   RC_ASSERT(pattern->match(pattern->format(number).filename().string()) == std::optional(number));
 }
 
+TEST(FramePattern, GapsAreNamed) {
+  const auto said = [](std::vector<int> numbers) { return missingNumbers(numbers); };
+  EXPECT_EQ(said({}), "");
+  EXPECT_EQ(said({7}), "");
+  EXPECT_EQ(said({1, 900}), "");
+  EXPECT_EQ(said({1, 2, 3}), "");
+  EXPECT_EQ(said({0, 10, 20, 30}), "");
+  EXPECT_EQ(said({0, 7, 20}), "");  // in no steps
+  EXPECT_EQ(said({1, 2, 4}), "1 of the frames 1 to 4 is missing: 3");
+  EXPECT_EQ(said({1, 2, 5, 7, 10}), "5 of the frames 1 to 10 are missing: 3 to 4, 6, 8 to 9");
+  EXPECT_EQ(said({0, 10, 40}), "2 of the frames 0 to 40 are missing: 20 to 30");
+  std::vector<int> many;
+  for (int i = 0; i < 10000; ++i) {
+    if (i % 1000 != 5)
+      many.push_back(i);
+  }
+  EXPECT_EQ(said(many),
+            "10 of the frames 0 to 9999 are missing: 5, 1005, 2005, 3005, 4005, 5005, 6005, 7005 "
+            "and 2 more gaps");
+}
+
 TEST(FramePattern, DoesNotMatchOtherNames) {
   ASSERT_VALUE(const auto pattern, FramePattern::parse("f_%03d.vdb"));
   for (const char* name : {"f_01.vdb", "f_0001.vdb", "f_abc.vdb", "f_.vdb", "f_-01.vdb", "f_001.vd",

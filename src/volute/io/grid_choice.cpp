@@ -76,4 +76,18 @@ Result<std::size_t> chooseGrid(std::span<const GridEntry> entries, const std::st
   return named - entries.begin();
 }
 
+std::string otherGrids(std::span<const GridEntry> entries, std::size_t chosen, std::size_t most) {
+  constexpr std::string_view kMore = " ...";
+  std::string text;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (i == chosen || !entries[i].usable)
+      continue;
+    const std::string name = (text.empty() ? "" : ", ") + entries[i].name;
+    if (text.size() + name.size() + kMore.size() > most)
+      return text + std::string(kMore);
+    text += name;
+  }
+  return text;
+}
+
 }  // namespace volute

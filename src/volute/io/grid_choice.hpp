@@ -29,4 +29,7 @@ struct GridWords {
                                              const std::string& wanted, const std::string& file,
                                              const GridWords& words = {});
 
+/// The names of the other entries that could have been meant, "flame, heat"; cut to `most` bytes.
+std::string otherGrids(std::span<const GridEntry> entries, std::size_t chosen, std::size_t most);
+
 }  // namespace volute

@@ -35,11 +35,12 @@ struct IndexBox {
 struct LatticeFrame {
   static constexpr std::size_t kMaxName = 255;
 
-  char grid[kMaxName + 1] = {};       ///< the name, ends in 0
-  int channels = 1;                   ///< 1 or 3
-  IndexBox box;                       ///< where the file has values; may be empty
-  std::array<double, 3> voxelSize{};  ///< [m]
-  std::array<double, 3> origin{};     ///< centre of the voxel with index 0 [m]
+  char grid[kMaxName + 1] = {};    ///< the name, ends in 0
+  char others[kMaxName + 1] = {};  ///< the names of grids that were not chosen, as people read them
+  int channels = 1;                ///< 1 or 3
+  IndexBox box;                    ///< where the file has values; may be empty
+  std::array<double, 3> voxelSize{};                       ///< [m]
+  std::array<double, 3> origin{};                          ///< centre of the voxel with index 0 [m]
   double time = std::numeric_limits<double>::quiet_NaN();  ///< [s]; NaN when not stated
 };
 

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/input_file.hpp"
 #include "volute/io/reader_process.hpp"
 
 namespace volute {
@@ -27,6 +28,7 @@ struct Request {
 Result<std::string> serve(LatticeReader& reader, const std::vector<LatticeFile>& files,
                           const Request& request, std::span<float> values) {
   const auto& path = files[request.file].path;
+  VOLUTE_TRY(InputFile::check(path));
   if (request.describe) {
     VOLUTE_ASSIGN(const LatticeFrame frame,
                   reader.describe(path, request.grid, request.usual, request.flag));
@@ -190,8 +192,15 @@ class LatticeSource final : public FrameSource {
     IndexBox box;
     for (std::size_t i = 0; i < files_.size(); ++i) {
       VOLUTE_ASSIGN(const LatticeFrame frame, describe(i, grid));
-      if (i == 0)
+      if (i == 0) {
+        if (grid.empty() && frame.others[0] != '\0' && options_.remark) {
+          options_.remark(fmt::format(
+              "{}: the grid '{}' is read; it also has {} (--grid chooses)", files_[0].path.string(),
+              frame.grid,
+              std::string_view(frame.others, ::strnlen(frame.others, LatticeFrame::kMaxName))));
+        }
         grid = frame.grid;
+      }
       frames.push_back(frame);
       VOLUTE_ASSIGN(const auto shift, latticeShift(frames.front(), frame, files_[i]));
       shifts_.push_back(shift);

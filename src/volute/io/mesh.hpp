@@ -20,7 +20,9 @@ struct MeshSize {
   static constexpr std::size_t kMaxName = 255;
 
   char field[kMaxName + 1] = {};  ///< the name, ends in 0
-  bool ofCells = false;           ///< a value for each cell, else for each point
+  char others[kMaxName + 1] =
+      {};                ///< the names of fields that were not chosen, as people read them
+  bool ofCells = false;  ///< a value for each cell, else for each point
   std::uint64_t points = 0;
   std::uint64_t cells = 0;  ///< those with a volume
   std::uint64_t indices = 0;
@@ -52,6 +54,7 @@ struct MeshData {
   std::vector<float> values;
   bool ofCells = false;
   std::string field;
+  std::string others;  ///< fields that were not chosen
 };
 
 /// What a library that knows a mesh format does with one file. Used inside a child process

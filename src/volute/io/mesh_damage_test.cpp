@@ -346,6 +346,75 @@ TEST(MeshDamage, PiecesOfParallelFiles) {
   EXPECT_THAT(saidOf(folder / "p.pvtu"), HasSubstr("p1.vtu"));
 }
 
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST(MeshDamage, MisspeltNamesOfVtkXml) {
+  const TempFolder folder;
+  Vtu{}.write(folder / "a.vtu");
+  Vtu other;
+  other.points = "3 0 0 4 0 0 3 1 0 3 0 1";
+  other.write(folder / "b.vtu");
+  const std::string parallel =
+      R"(<VTKFile type="PUnstructuredGrid" version="0.1" byte_order="LittleEndian">
+<PUnstructuredGrid GhostLevel="0"><PPointData><PDataArray type="Float32" Name="smoke"/></PPointData>
+<Piece Source="a.vtu"/><Piece Source="b.vtu"/></PUnstructuredGrid>
+</VTKFile>
+)";
+  const std::string series =
+      R"(<VTKFile type="Collection" version="0.1"><Collection>
+<DataSet timestep="1" group="" part="0" file="a.vtu"/><DataSet timestep="2.5" file="b.vtu"/>
+</Collection></VTKFile>
+)";
+  const auto said = [&](const std::string& kind, const std::string& from, const std::string& to) {
+    const std::string& whole = kind == "pvtu" ? parallel : series;
+    writeBytes(folder / ("x." + kind), from.empty() ? whole : replaced(whole, from, to));
+    return saidOf(folder / ("x." + kind));
+  };
+  EXPECT_EQ(said("pvtu", "", ""), "");
+  EXPECT_EQ(said("pvd", "", ""), "");
+  EXPECT_THAT(said("pvtu", "Source=\"b", "Sousce=\"b"), HasSubstr("did you mean 'Source'?"));
+  EXPECT_THAT(said("pvtu", "Source=\"b", "url=\"b"), HasSubstr("Piece: its Source is missing"));
+  EXPECT_THAT(said("pvtu", "<Piece Source=\"b", "<Piexe Source=\"b"),
+              HasSubstr("did you mean 'Piece'?"));
+  EXPECT_THAT(said("pvd", "timestep=\"2.5\"", "timesrep=\"2.5\""),
+              HasSubstr("did you mean 'timestep'?"));
+  EXPECT_THAT(said("pvd", "timestep=\"2.5\"", "time=\"2.5\""),
+              HasSubstr("did you mean 'timestep'?"));
+  EXPECT_THAT(said("pvd", "2.5", "2,5"), HasSubstr("timestep is '2,5'; expected 1 number"));
+  EXPECT_THAT(said("pvd", "2.5", "2 5"), HasSubstr("timestep is '2 5'; expected 1 number"));
+  EXPECT_THAT(said("pvd", "file=\"b", "fyle=\"b"), HasSubstr("did you mean 'file'?"));
+  EXPECT_THAT(said("pvd", "<DataSet timestep=\"2", "<DataXet timestep=\"2"),
+              HasSubstr("did you mean 'DataSet'?"));
+  // What other programs add is passed over.
+  EXPECT_EQ(said("pvd", "group=\"\"", "group=\"\" comment=\"by the solver\" units=\"s\""), "");
+  EXPECT_EQ(said("pvtu", "<PPointData>", "<Provenance by=\"us\"/><PPointData>"), "");
+}
+
+TEST(MeshDamage, CellsWithMoreOrFewerPointsThanTheirType) {
+  const TempFolder folder;
+  const auto said = [&](const char* type) {
+    Vtu vtu;
+    vtu.pointCount = "5";
+    vtu.points += " 1 1 1";
+    vtu.smoke += " 5";
+    vtu.cellCount = "2";
+    vtu.connectivity = "0 1 2 3 1 2 3 4";
+    vtu.offsets = "4 8";
+    vtu.types = fmt::format("10 {}", type);
+    vtu.write(folder / "a.vtu");
+    return saidOf(folder / "a.vtu");
+  };
+  EXPECT_EQ(said("10"), "");
+  // A triangle, a line, a hexahedron: the second tetrahedron had been left out, or was refused.
+  EXPECT_THAT(said("5"), HasSubstr("cell 1 is of VTK type 5 and has 4 points; expected 3"));
+  EXPECT_THAT(said("3"), HasSubstr("expected 2"));
+  EXPECT_THAT(said("12"), HasSubstr("expected 8"));
+}
+
 TEST(MeshDamage, VectorsAreNamedAsSuch) {
   const TempFolder folder;
   Vtu vtu;

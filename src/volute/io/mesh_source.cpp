@@ -10,6 +10,8 @@
 #include <cstring>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/input_file.hpp"
+#include "volute/io/frame_pattern.hpp"
 #include "volute/io/lattice_source.hpp"
 #include "volute/io/mesh.hpp"
 #include "volute/io/netcdf_length.hpp"
@@ -96,12 +98,8 @@ double secondsFor(const std::filesystem::path& path, std::uint64_t fileSize) {
 }
 
 Result<std::uint64_t> readableSize(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(path, error);
-  if (error) {
-    return fail(ErrorCode::kNotFound, "{}: cannot be read: {}", path.string(), error.message());
-  }
-  return size;
+  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
+  return file.size();
 }
 
 /// What VTK's reader of Exodus does not see.
@@ -150,6 +148,7 @@ Result<MeshData> takeMesh(ReaderProcess& process, const MeshSize& size, const st
   MeshData data;
   data.ofCells = size.ofCells;
   data.field = size.field;
+  data.others.assign(size.others, ::strnlen(size.others, MeshSize::kMaxName));
   // Copied out of memory that is shared read-write; nothing is written through it here.
   Bytes bytes{reinterpret_cast<std::byte*>(const_cast<float*>(process.values().data()))};
   bytes.get(data.soup.vertices, size.points);
@@ -189,6 +188,20 @@ bool isMeshCase(const std::filesystem::path& path) {
 }
 
 Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const MeshOptions& options) {
+  VOLUTE_ASSIGN(MeshSource source, list(path, options));
+  bool ascending = path.extension() == ".pvd";
+  for (const Instant& instant : source.instants_) {
+    const auto number = frameNumberOf(instant.file);
+    ascending =
+        ascending && number && (source.numbers_.empty() || *number > source.numbers_.back());
+    source.numbers_.push_back(number.value_or(0));
+  }
+  for (std::size_t i = 0; !ascending && i < source.numbers_.size(); ++i)
+    source.numbers_[i] = static_cast<int>(i);
+  return source;
+}
+
+Result<MeshSource> MeshSource::list(const std::filesystem::path& path, const MeshOptions& options) {
   MeshSource source;
   source.options_ = options;
   std::error_code error;
@@ -251,6 +264,7 @@ Result<MeshFrame> MeshSource::read(std::size_t frame) {
   VOLUTE_ASSIGN(MeshData data, readMesh(instant.file, instant.index, options_));
   MeshFrame out;
   out.field = data.field;
+  out.others = data.others;
   VOLUTE_ASSIGN(out.clamped, checkField(data.values, options_.negatives,
                                         fmt::format("{}: field '{}'", file, data.field)));
   VOLUTE_ASSIGN(const SplitCells split, splitCells(data.soup, file));

@@ -22,6 +22,7 @@ struct MeshFrame {
   std::shared_ptr<const TetMesh> mesh;
   std::vector<float> values;  ///< one for each vertex of the mesh, >= 0
   std::string field;
+  std::string others;       ///< fields that could have been chosen, as people read them
   std::size_t clamped = 0;  ///< negative values that were set to 0
 };
 
@@ -54,6 +55,10 @@ class MeshSource {
   /// [s], ascending; a single file is at 0.
   std::span<const double> times() const { return times_; }
 
+  /// What --frames calls an instant: the last number in its file's name where a .pvd names files in
+  /// ascending order of these, as for volumes; else its position.
+  int numberOf(std::size_t frame) const { return numbers_[frame]; }
+
   /// Reads one instant. Frames whose cells are the same share a mesh.
   [[nodiscard]] Result<MeshFrame> read(std::size_t frame);
 
@@ -65,6 +70,9 @@ class MeshSource {
   const std::filesystem::path& file(std::size_t frame) const { return instants_[frame].file; }
 
  private:
+  [[nodiscard]] static Result<MeshSource> list(const std::filesystem::path& path,
+                                               const MeshOptions& options);
+
   /// Where an instant is: a file, and the place in it.
   struct Instant {
     std::filesystem::path file;
@@ -73,6 +81,7 @@ class MeshSource {
 
   std::vector<Instant> instants_;
   std::vector<double> times_;
+  std::vector<int> numbers_;
   MeshOptions options_;
   std::shared_ptr<const TetMesh> mesh_;  // of the last frame, with what it was made of
   std::vector<Vec3> vertices_;

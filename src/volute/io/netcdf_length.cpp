@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,8 @@ class HeaderReader {
     return value;
   }
 
+  Count place() const { return at_; }
+
   /// A count: of 8 bytes in CDF-5.
   Result<Count> count() { return number(wide_ ? 8 : 4); }
 
@@ -61,6 +64,19 @@ class HeaderReader {
     VOLUTE_TRY(need(bytes));
     at_ += bytes;
     return {};
+  }
+
+  /// What is printed of it.
+  Result<std::string> name() {
+    constexpr Count kMost = 64;
+    VOLUTE_ASSIGN(const Count length, count());
+    VOLUTE_TRY(need(padded(length)));
+    std::string text(std::min(length, kMost), ' ');
+    VOLUTE_TRY(file_.read(at_, std::as_writable_bytes(std::span(text))));
+    at_ += padded(length);
+    std::ranges::replace_if(
+        text, [](unsigned char c) { return c < ' ' || c > '~'; }, '?');
+    return text;
   }
 
   Status skipName() {
@@ -117,10 +133,40 @@ class HeaderReader {
 };
 
 struct Variable {
+  std::string name;
   bool ofRecords = false;
   Count bytes = 0;  ///< of one record, or of all
   Count begin = 0;
 };
+
+/// Values lie behind the header, no two variables' at one place: first those that are there once,
+/// then a record of all the others after another.
+Status checkPlaces(std::vector<Variable> variables, Count headerEnd, const std::string& name) {
+  std::erase_if(variables, [](const Variable& variable) { return variable.bytes == 0; });
+  std::ranges::sort(variables, {}, &Variable::begin);
+  Count end = headerEnd;
+  bool records = false;
+  const Variable* before = nullptr;
+  for (const Variable& variable : variables) {
+    if (variable.begin < end) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: damaged header: the values of '{}' begin at byte {}, within {} that ends at "
+                  "byte {}; copy the file again",
+                  name, variable.name, variable.begin,
+                  before ? fmt::format("those of '{}'", before->name) : "the header", end);
+    }
+    if (records && !variable.ofRecords) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: damaged header: the values of '{}' begin at byte {}, behind '{}', which "
+                  "changes with time; copy the file again",
+                  name, variable.name, variable.begin, before->name);
+    }
+    records = variable.ofRecords;
+    end = plus(variable.begin, variable.bytes);
+    before = &variable;
+  }
+  return {};
+}
 
 Status checkClassic(const InputFile& file, int version) {
   constexpr Count kDimensions = 10, kVariables = 11;
@@ -145,7 +191,7 @@ Status checkClassic(const InputFile& file, int version) {
   std::vector<Variable> variables;
   for (Count i = 0; i < variableCount; ++i) {
     Variable& variable = variables.emplace_back();
-    VOLUTE_TRY(header.skipName());
+    VOLUTE_ASSIGN(variable.name, header.name());
     VOLUTE_ASSIGN(const Count rank, header.count());
     Count values = 1;
     for (Count k = 0; k < rank; ++k) {
@@ -166,6 +212,7 @@ Status checkClassic(const InputFile& file, int version) {
     VOLUTE_ASSIGN(variable.begin, header.number(version == 1 ? 4 : 8));
     variable.bytes = times(values, size);
   }
+  VOLUTE_TRY(checkPlaces(variables, header.place(), name));
   // A lone variable of records is not padded between them.
   const bool lone = std::ranges::count(variables, true, &Variable::ofRecords) == 1;
   Count record = 0;

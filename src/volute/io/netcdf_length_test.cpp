@@ -128,6 +128,40 @@ TEST(NetcdfLength, NoCutIsWhole) {
   }
 }
 
+TEST(NetcdfLength, PlacesWithinTheHeaderOrEachOtherAreRefused) {
+  const TempFolder folder;
+  const std::vector<Variable> variables{{false, 6, 5}, {false, 6, 4}, {true, 6, 3}, {true, 6, 2}};
+  const std::string whole = classic(1, 2, variables, true);
+  const auto begins = [&](int variable) {  // its last four bytes come before the next name
+    const auto next = whole.find("v" + std::to_string(variable + 1) + std::string(2, '\0'));
+    const std::size_t headerEnd = whole.find("xxx");
+    return (next == std::string::npos ? headerEnd : next - 4) - 4;
+  };
+  const auto numberAt = [&](std::size_t at) {
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      value = value << 8 | static_cast<unsigned char>(whole[at + i]);
+    return value;
+  };
+  const auto said = [&](int variable, std::int64_t moved) {
+    std::string text = whole;
+    const std::size_t at = begins(variable);
+    text.replace(at, 4, bigEndian(numberAt(at) + static_cast<std::uint64_t>(moved), 4));
+    writeBytes(folder / "a.e", text);
+    const auto checked = checkNetcdfLength(folder / "a.e");
+    return checked ? std::string() : checked.error().message;
+  };
+  EXPECT_EQ(said(0, 0), "");
+  EXPECT_THAT(said(0, -8), HasSubstr("'v0' begin at byte"));
+  EXPECT_THAT(said(0, -8), HasSubstr("within the header"));
+  EXPECT_THAT(said(1, -16), HasSubstr("'v1' begin at byte"));
+  EXPECT_THAT(said(1, -16), HasSubstr("within those of 'v0'"));
+  EXPECT_THAT(said(1, -40), HasSubstr("within those of"));
+  EXPECT_THAT(said(2, -8), HasSubstr("within those of 'v1'"));
+  EXPECT_THAT(said(3, -8), HasSubstr("within those of 'v2'"));
+  EXPECT_THAT(said(1, 64), HasSubstr("within those of"));
+}
+
 TEST(NetcdfLength, CountsBeyondAnyFile) {
   const TempFolder folder;
   const std::string whole = classic(5, 4, {{true, 6, 3}}, true);

@@ -139,13 +139,11 @@ GridEntry describeGrid(const std::string& name, const openvdb::GridBase& grid) {
           (scalar || colour) && !levelSet};
 }
 
-Result<std::size_t> findGrid(const VdbFile& file, const std::string& wanted,
-                             const std::string& path, const std::string& usual = "density") {
+std::vector<GridEntry> entriesOf(const VdbFile& file) {
   std::vector<GridEntry> entries;
-  for (std::size_t i = 0; i < file.gridCount(); ++i) {
+  for (std::size_t i = 0; i < file.gridCount(); ++i)
     entries.push_back(describeGrid(file.name(i), file.grid(i)));
-  }
-  return chooseGrid(entries, wanted, path, {.usual = usual});
+  return entries;
 }
 
 /// Fills voxelSize and origin; only scaling and translation along the axes will do.
@@ -270,11 +268,14 @@ class VdbReader final : public LatticeReader {
                                 const std::string& usual, bool needBox) override {
     return guarded(path, [&]() -> Result<LatticeFrame> {
       VdbFile file(path);
-      VOLUTE_ASSIGN(const std::size_t index, findGrid(file, wanted, path.string(), usual));
+      const auto entries = entriesOf(file);
+      VOLUTE_ASSIGN(const std::size_t index,
+                    chooseGrid(entries, wanted, path.string(), {.usual = usual}));
       const openvdb::GridBase& grid = file.grid(index);
       LatticeFrame frame;
       const std::string name = file.name(index);
       name.copy(frame.grid, LatticeFrame::kMaxName);
+      otherGrids(entries, index, LatticeFrame::kMaxName).copy(frame.others, LatticeFrame::kMaxName);
       frame.channels =
           grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>() ? 3 : 1;
       VOLUTE_TRY(readTransform(grid, fmt::format("{}, grid '{}'", path.string(), name), frame));
@@ -293,7 +294,7 @@ class VdbReader final : public LatticeReader {
               bool crop, std::span<float> values) override {
     return guarded(path, [&]() -> Status {
       VdbFile file(path);
-      VOLUTE_ASSIGN(const std::size_t index, findGrid(file, wanted, path.string()));
+      VOLUTE_ASSIGN(const std::size_t index, chooseGrid(entriesOf(file), wanted, path.string()));
       const auto grid = file.readTree(index);
       if (!crop && !box.contains(toIndexBox(grid->evalActiveVoxelBoundingBox()))) {
         return fail(ErrorCode::kInvalidData,

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,6 +21,7 @@ struct SourceOptions {
                                ///< them on the voxel grid
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes] that one frame may take
   std::string usualGrid = "density";                 ///< which of several, when none is named
+  std::function<void(const std::string&)> remark{};  ///< receives what was taken and what was left
 };
 
 /// Opens a sequence of volumes by what `input` is: a .npy file; a .vdb file, pattern

@@ -24,6 +24,7 @@
 #include "volute/io/ensight_files.hpp"
 #include "volute/io/foam_files.hpp"
 #include "volute/io/vtk_errors.hpp"
+#include "volute/io/vtk_xml.hpp"
 
 namespace volute {
 namespace {
@@ -146,7 +147,7 @@ Result<vtkSmartPointer<vtkUnstructuredGrid>> joined(const std::vector<vtkUnstruc
 
 Result<vtkSmartPointer<vtkUnstructuredGrid>> readVtu(const std::filesystem::path& path,
                                                      const ErrorWatch& watch) {
-  VOLUTE_TRY(checkEnd(path));
+  VOLUTE_TRY(checkVtkXml(path));
   vtkNew<vtkXMLUnstructuredGridReader> reader;
   reader->SetFileName(path.c_str());
   reader->Update();
@@ -157,7 +158,7 @@ Result<vtkSmartPointer<vtkUnstructuredGrid>> readVtu(const std::filesystem::path
 /// The .vtu files that a .pvtu names.
 Result<std::vector<std::filesystem::path>> piecesOf(const std::filesystem::path& path,
                                                     const ErrorWatch& watch) {
-  VOLUTE_TRY(checkEnd(path));
+  VOLUTE_TRY(checkVtkXml(path));
   vtkNew<vtkXMLDataParser> parser;
   parser->SetFileName(path.c_str());
   const bool parsed = parser->Parse() != 0;
@@ -225,6 +226,8 @@ Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path) {
     return std::vector<double>{0};
   if (path.extension() == ".case")
     VOLUTE_TRY(checkEnsightCase(path));
+  if (path.extension() == ".foam")
+    VOLUTE_TRY(checkFoamKinds(path));
   const ErrorWatch watch;
   const auto reader = readerOf(path);
   auto times = timesOf(*reader);

@@ -6,6 +6,7 @@
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
+#include <vtkSmartPointer.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -81,12 +82,12 @@ inline vtkStandardNewMacro(ErrorWindow)
     /// Catches VTK's errors while it lives.
     class ErrorWatch {
  public:
-  ErrorWatch() {
+  ErrorWatch() : before_(vtkOutputWindow::GetInstance()) {
     vtkOutputWindow::SetInstance(window_);
     vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // some errors are printed past it
   }
 
-  ~ErrorWatch() { vtkOutputWindow::SetInstance(nullptr); }
+  ~ErrorWatch() { vtkOutputWindow::SetInstance(before_); }
 
   ErrorWatch(const ErrorWatch&) = delete;
   ErrorWatch& operator=(const ErrorWatch&) = delete;
@@ -98,6 +99,7 @@ inline vtkStandardNewMacro(ErrorWindow)
   }
 
  private:
+  vtkSmartPointer<vtkOutputWindow> before_;  // another watch's, where one reader asks another
   vtkNew<ErrorWindow> window_;
 };
 

@@ -9,6 +9,7 @@
 #include <vtkUnstructuredGrid.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <string_view>
@@ -63,6 +64,30 @@ Result<std::optional<CellShape>> shapeOf(int type, const std::string& file) {
                   "voxels or polyhedra; make the mesh linear",
                   file, type);
   }
+}
+
+/// How many points the type of a cell says, and how many it has: VTK never compares them.
+Status checkPointCount(vtkUnstructuredGrid* grid, vtkIdType cell, const std::string& file) {
+  static constexpr std::array<std::pair<int, int>, 10> kCounts = {{{VTK_VERTEX, 1},
+                                                                   {VTK_LINE, 2},
+                                                                   {VTK_TRIANGLE, 3},
+                                                                   {VTK_PIXEL, 4},
+                                                                   {VTK_QUAD, 4},
+                                                                   {VTK_TETRA, 4},
+                                                                   {VTK_PYRAMID, 5},
+                                                                   {VTK_WEDGE, 6},
+                                                                   {VTK_HEXAHEDRON, 8},
+                                                                   {VTK_VOXEL, 8}}};
+  const int type = grid->GetCellType(cell);
+  const auto rule = std::ranges::find(kCounts, type, &std::pair<int, int>::first);
+  vtkIdType found = 0;
+  const vtkIdType* points = nullptr;
+  grid->GetCellPoints(cell, found, points);
+  if (rule == kCounts.end() || rule->second == found)
+    return {};
+  return fail(ErrorCode::kInvalidData,
+              "{}: cell {} is of VTK type {} and has {} points; expected {}: the file is damaged",
+              file, cell, type, found, rule->second);
 }
 
 void appendCell(vtkUnstructuredGrid* grid, vtkIdType cell, vtkIdList* ids,
@@ -122,6 +147,7 @@ class VtkMeshReader final : public MeshReader {
                   chooseGrid(names, wanted, file, {.noun = "field", .expected = "a scalar"}));
     data_ = {};
     data_.field = names[chosen].name;
+    data_.others = otherGrids(names, chosen, MeshSize::kMaxName);
     data_.ofCells = fields[chosen].ofCells;
     if (wanted.empty())
       VOLUTE_TRY(checkVtkCase(path, data_.field, volume.time));
@@ -157,6 +183,7 @@ class VtkMeshReader final : public MeshReader {
   MeshSize sizeOfData() const {
     MeshSize size;
     data_.field.copy(size.field, MeshSize::kMaxName);
+    data_.others.copy(size.others, MeshSize::kMaxName);
     size.ofCells = data_.ofCells;
     size.points = data_.soup.vertices.size();
     size.cells = data_.soup.shapes.size();
@@ -178,6 +205,7 @@ class VtkMeshReader final : public MeshReader {
     data_.soup.offsets.push_back(0);
     for (vtkIdType i = 0; i < grid->GetNumberOfCells(); ++i) {
       VOLUTE_ASSIGN(const auto shape, shapeOf(grid->GetCellType(i), file));
+      VOLUTE_TRY(checkPointCount(grid, i, file));
       if (!shape)
         continue;
       appendCell(grid, i, ids, data_.soup.connectivity);

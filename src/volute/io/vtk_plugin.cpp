@@ -22,6 +22,7 @@
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/lattice.hpp"
 #include "volute/io/vtk_errors.hpp"
+#include "volute/io/vtk_xml.hpp"
 #include "volute/io/xml_text.hpp"
 
 namespace volute {
@@ -69,6 +70,8 @@ Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::str
   entry = arrays.entries[index];
   LatticeFrame frame;
   arrays.names[index].name.copy(frame.grid, LatticeFrame::kMaxName);
+  otherGrids(arrays.names, index, LatticeFrame::kMaxName)
+      .copy(frame.others, LatticeFrame::kMaxName);
   frame.channels = entry.components;
   const int* extent = information->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT());
   const double* spacing = information->Get(vtkDataObject::SPACING());
@@ -139,7 +142,7 @@ class VtkReader final : public LatticeReader {
  public:
   Result<LatticeFrame> describe(const std::filesystem::path& path, const std::string& wanted,
                                 const std::string& usual, bool) override {
-    VOLUTE_TRY(checkEnd(path));
+    VOLUTE_TRY(checkVtkXml(path));
     const ErrorWatch watch;
     vtkNew<vtkXMLImageDataReader> reader;
     reader->SetFileName(path.c_str());
@@ -216,7 +219,7 @@ class VtkWriter final : public LatticeWriter {
 };
 
 Result<std::vector<TimedFile>> readPvd(const std::filesystem::path& path) {
-  VOLUTE_TRY(checkEnd(path));
+  VOLUTE_TRY(checkVtkXml(path));
   const ErrorWatch watch;
   vtkNew<vtkXMLDataParser> parser;
   parser->SetFileName(path.c_str());

@@ -10,6 +10,7 @@
 
 #include "volute/io/surface.hpp"
 #include "volute/io/vtk_errors.hpp"
+#include "volute/io/vtk_xml.hpp"
 
 namespace volute {
 namespace {
@@ -90,7 +91,7 @@ class SurfaceCopy {
 };
 
 Result<TriangleMesh> readVtp(const std::filesystem::path& path) {
-  VOLUTE_TRY(checkEnd(path));
+  VOLUTE_TRY(checkVtkXml(path));
   const ErrorWatch watch;
   vtkNew<vtkXMLPolyDataReader> reader;
   reader->SetFileName(path.c_str());

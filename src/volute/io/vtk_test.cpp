@@ -114,6 +114,32 @@ TEST(Vtk, TurnedGridsAreRefused) {
   EXPECT_THAT(openSource(folder / "d.vti", {}).error().message, HasSubstr("turned"));
 }
 
+TEST(Vtk, MisspeltAttributesAreRefused) {
+  const TempFolder folder;
+  const auto said = [&](const std::string& from, const std::string& to) {
+    std::string text = asciiFile("", kPoints, "");
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    writeBytes(folder / "p.vti", text.replace(at, from.size(), to));
+    const auto read = readSequence(folder / "p.vti");
+    return read ? std::string() : read.error().message;
+  };
+  EXPECT_EQ(said("Origin", "Origin"), "");
+  EXPECT_THAT(said("Spacing", "Spaci.g"),
+              HasSubstr("'Spaci.g' is unknown; did you mean 'Spacing'?"));
+  EXPECT_THAT(said("Origin", "Origan"), HasSubstr("did you mean 'Origin'?"));
+  EXPECT_THAT(said("Origin=\"10 0 0\"", "Origin=\"-1 -100\""),
+              HasSubstr("Origin is '-1 -100'; expected 3 numbers with spaces between them"));
+  EXPECT_THAT(said("0.5 1 1", "0,5 1 1"), HasSubstr("Spacing is '0,5 1 1'"));
+  EXPECT_THAT(said("WholeExtent=\"2 4 0 1 0 1\"", "WholeExtent=\"2 4 0 1 0 1 9\""),
+              HasSubstr("expected 6 whole numbers"));
+  EXPECT_THAT(said("byte_order=\"LittleEndian", "byte_order=\"LittleEndiqn"),
+              HasSubstr("byte_order"));
+  // Other programs add names of their own.
+  EXPECT_EQ(said("Origin=", "Author=\"us\" Origin="), "");
+  EXPECT_EQ(said("<DataArray ", "<DataArray unit=\"1/m\" "), "");
+}
+
 TEST(Vtk, DamagedFilesAreErrors) {
   ASSERT_TRUE(ok(loadVtkPlugin()));  // once, here: the many children then find it loaded
   const TempFolder folder;

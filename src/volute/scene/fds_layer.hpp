@@ -48,6 +48,9 @@ class FdsLayer {
 
   int steps() const { return static_cast<int>(case_->times().size()); }
 
+  /// What --frames calls a stored frame.
+  int numberOf(int step) const { return step; }
+
   /// When a stored frame is shown as it is, in the scene's time [s].
   double timeOf(int step) const;
 

@@ -38,7 +38,13 @@ Result<SmokeLayer> SmokeLayer::open(const SmokeDescription& description,
   layer.progress_ = &reading.progress;
   VOLUTE_ASSIGN(const auto first, layer.step(0));
   layer.bounds_ = first->stored->frame.mesh->bounds();
-  layer.files_->field = first->stored->frame.field;
+  const MeshFrame& frame = first->stored->frame;
+  layer.files_->field = frame.field;
+  if (description.field.empty() && !frame.others.empty()) {
+    reading.progress.remark(
+        fmt::format("{}: the field '{}' is read; it also has {} (--field chooses)",
+                    description.file, frame.field, frame.others));
+  }
   return layer;
 }
 

@@ -84,6 +84,9 @@ class SmokeLayer {
 
   int steps() const { return static_cast<int>(files_->source.times().size()); }
 
+  /// What --frames calls a step.
+  int numberOf(int step) const { return files_->source.numberOf(static_cast<std::size_t>(step)); }
+
   /// When a step is shown as it is, in the scene's time [s].
   double timeOf(int step) const;
 

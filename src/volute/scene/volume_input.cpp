@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "volute/io/frame_pattern.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/scene/fds_input.hpp"
 
@@ -91,7 +92,10 @@ Result<VolumeInput> openVolume(const std::string& path, const InputOptions& opti
   source.usualGrid = options.usualGrid;
   source.bounds = options.bounds;
   source.maxMemory = reading.maxMemory;
+  source.remark = [&](const std::string& text) { reading.progress.remark(text); };
   VOLUTE_ASSIGN(input.source, openSource(path, source));
+  if (const auto gaps = missingNumbers(input.source->info().frameNumbers); !gaps.empty())
+    reading.progress.remark(fmt::format("{}: {}; volumes between are interpolated", path, gaps));
   return input;
 }
 
