@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <span>
 
 #include "volute/capture/colmap_files.hpp"
 #include "volute/capture/importers.hpp"
@@ -73,6 +75,21 @@ Result<CaptureDraft> readColmap(const std::filesystem::path& folder) {
     camera.calibration.R = rotation.normalized().toRotationMatrix();
     camera.calibration.t = image.translation;
     draft.cameras.push_back(std::move(camera));
+  }
+  draft.remarks = model.remarks;
+  std::vector<std::uint32_t> idle;
+  for (const auto& [id, camera] : model.cameras) {
+    if (std::ranges::find(model.images, id, &ColmapImage::camera) == model.images.end())
+      idle.push_back(id);
+  }
+  if (!idle.empty()) {
+    constexpr std::size_t kShown = 8;
+    const std::span shown = std::span(idle).first(std::min(kShown, idle.size()));
+    draft.remarks.push_back(fmt::format(
+        "{} of the {} cameras have no image ({}{}): they were not registered, or the images file "
+        "is cut off",
+        idle.size(), model.cameras.size(), fmt::join(shown, ", "),
+        idle.size() > kShown ? ", ..." : ""));
   }
   return draft;
 }

@@ -6,6 +6,7 @@
 #include <bit>
 #include <charconv>
 #include <cstring>
+#include <optional>
 #include <sstream>
 
 #include "volute/base/input_file.hpp"
@@ -79,6 +80,47 @@ std::vector<Line> linesOf(const std::string& text) {
   return lines;
 }
 
+/// What COLMAP itself writes above: "# Number of images: 8, mean observations per image: 312.5".
+std::optional<std::size_t> statedCount(const std::string& text, std::string_view noun) {
+  const std::string key = fmt::format("Number of {}:", noun);
+  for (std::size_t at = 0; at < text.size() && text[at] == '#';) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string line = text.substr(at, end - at);
+    if (const auto found = line.find(key); found != std::string::npos) {
+      const auto words = wordsOf(line.substr(found + key.size()));
+      std::size_t count = 0;
+      const std::string number = words.empty() ? "" : words[0].substr(0, words[0].find(','));
+      if (toWhole(number, count))
+        return count;
+    }
+    at = end + 1;
+  }
+  return std::nullopt;
+}
+
+/// A text that was cut off between lines says less than it states; one cut within a line has no
+/// end of line.
+Status checkWhole(const std::filesystem::path& path, const std::string& text, std::string_view noun,
+                  std::size_t found, ColmapModel& model) {
+  const auto stated = statedCount(text, noun);
+  if (stated && *stated != found) {
+    return fail(ErrorCode::kTruncated,
+                "{}: has {} {}, and says at its begin that there are {}: lines are missing or too "
+                "many; copy the file again, or mend the line '# Number of {}'",
+                path.string(), found, noun, *stated, noun);
+  }
+  if (text.ends_with('\n'))
+    return {};
+  if (stated) {
+    return fail(ErrorCode::kTruncated,
+                "{}: does not end in an end of line: its last line is cut off; copy the file again",
+                path.string());
+  }
+  model.remarks.push_back(fmt::format(
+      "{}: does not end in an end of line: its last line may be cut off", path.string()));
+  return {};
+}
+
 Status readCamerasText(const std::filesystem::path& path, ColmapModel& model) {
   VOLUTE_ASSIGN(const std::string text, readWhole(path));
   for (const Line& line : linesOf(text)) {
@@ -99,7 +141,7 @@ Status readCamerasText(const std::filesystem::path& path, ColmapModel& model) {
     }
     model.cameras[id] = std::move(camera);
   }
-  return {};
+  return checkWhole(path, text, "cameras", model.cameras.size(), model);
 }
 
 bool parseImage(const Line& line, ColmapImage& image) {
@@ -144,7 +186,7 @@ Status readImagesText(const std::filesystem::path& path, ColmapModel& model) {
     }
     pointsMayFollow = false;
   }
-  return {};
+  return checkWhole(path, text, "images", model.images.size(), model);
 }
 
 /// Little-endian values one after another; after the end all are zero and ok() is false.

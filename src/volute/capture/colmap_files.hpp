@@ -33,6 +33,7 @@ struct ColmapImage {
 struct ColmapModel {
   std::map<std::uint32_t, ColmapCamera> cameras;
   std::vector<ColmapImage> images;  ///< in the order of the file
+  std::vector<std::string> remarks;
 };
 
 /// Reads cameras and images as text or, when there is no text, as binary files from a model's

@@ -358,6 +358,59 @@ TEST_F(Importers, OpenCvFaults) {
   EXPECT_TRUE(failsWith(with("fisheye_model: 1\n" + K + R), "fisheye lenses are not read"));
 }
 
+TEST_F(Importers, ColmapTextsThatAreCutBetweenLinesAreTold) {
+  writeColmapText(folder, "\n");
+  const auto path = folder / "text" / "images.txt";
+  const std::string whole = testing::readBytes(path);
+  const std::string two = whole.substr(0, whole.rfind("\n3 ") + 1);
+  writeText(path, two);
+  ASSERT_VALUE(const auto capture, openCapture(folder / "text", options));
+  EXPECT_THAT(capture.remarks,
+              ::testing::Contains(HasSubstr("1 of the 3 cameras have no image (3)")));
+  const std::string head = "# Image list\n# Number of images: 3, mean observations per image: 2\n";
+  writeText(path, head + two);
+  EXPECT_TRUE(failsWith(openCapture(folder / "text", options),
+                        "images.txt: has 2 images, and says at its begin that there are 3"));
+  writeText(path, head + whole);
+  EXPECT_TRUE(ok(openCapture(folder / "text", options)));
+  std::string open = whole;
+  while (open.ends_with('\n')) open.pop_back();
+  writeText(path, head + open);
+  EXPECT_TRUE(failsWith(openCapture(folder / "text", options), "does not end in an end of line"));
+}
+
+TEST_F(Importers, OpenCvCamerasNeverVanish) {
+  const auto entries = openCvEntries(false);
+  std::string whole = "%YAML:1.0\n---\n";
+  for (const auto& entry : entries) whole += entry;
+  writeText(folder / "c.yml", whole);
+  ASSERT_VALUE(const auto all, openCapture(folder / "c.yml", options));
+  const std::size_t least = all.cameras.size();
+  // Cut at each line: fewer cameras are read only where the file ends behind a whole one.
+  std::size_t fewer = 0;
+  for (std::size_t at = whole.find("---\n") + 4; at + 1 < whole.size();) {
+    at = whole.find('\n', at) + 1;
+    writeText(folder / "c.yml", whole.substr(0, at));
+    const auto capture = openCapture(folder / "c.yml", options);
+    fewer += capture && capture->cameras.size() < least;
+    if (capture && at < whole.size()) {
+      EXPECT_TRUE(whole.substr(at).starts_with("K_") || whole.substr(at).starts_with("D_") ||
+                  whole.substr(at).starts_with("image"))
+          << whole.substr(at, 20);
+    }
+  }
+  EXPECT_LT(fewer, least + 1);
+  std::string slip = whole;
+  slip.replace(slip.find("K_b"), 3, "L_b");
+  writeText(folder / "c.yml", slip);
+  EXPECT_TRUE(failsWith(openCapture(folder / "c.yml", options), "camera b has a pose (R_b)"));
+  std::string empty = whole;
+  const std::size_t rows = empty.find("rows", empty.find("K_c"));
+  empty.replace(rows, 4, "rowz");
+  writeText(folder / "c.yml", empty);
+  EXPECT_TRUE(failsWith(openCapture(folder / "c.yml", options), "K_c is no whole matrix"));
+}
+
 TEST_F(Importers, OpenCvNamesThatNoCameraUsesAreRemarkedOn) {
   auto entries = openCvEntries(false);
   entries.push_back(openCvMatrix("D_aa", Eigen::MatrixXd::Ones(1, 5), false));

@@ -10,6 +10,7 @@
 
 #include "volute/base/input_file.hpp"
 #include "volute/capture/importers.hpp"
+#include "volute/io/json_depth.hpp"
 
 namespace volute {
 namespace {
@@ -64,6 +65,34 @@ constexpr std::array<std::string_view, 18> kPrefixes{"fisheye_model",
                                                      "image_width",
                                                      "image_height"};
 
+/// Whether the name is that of a camera's matrix.
+bool isOurs(std::string_view name) {
+  return std::ranges::any_of(kPrefixes, [&](std::string_view prefix) {
+    return prefix.ends_with('_') && name.starts_with(prefix) && name.size() > prefix.size();
+  });
+}
+
+/// Cameras with a pose, and no lens: one of their names has a slip in it, or is cut off.
+Status checkPoses(const Entries& entries, const std::string& file) {
+  const auto has = [&](std::initializer_list<const char*> prefixes, const std::string& name) {
+    return std::ranges::any_of(
+        prefixes, [&](const char* prefix) { return findEntry(entries, prefix + name) != nullptr; });
+  };
+  for (const auto& [key, entry] : entries) {
+    for (const std::string_view prefix : {"R_", "rvec_"}) {
+      const std::string name = key.starts_with(prefix) ? key.substr(prefix.size()) : "";
+      if (name.empty() || !has({"T_", "t_", "tvec_"}, name) ||
+          has({"K_", "M_", "camera_matrix_"}, name))
+        continue;
+      return fail(ErrorCode::kInvalidData,
+                  "{}: camera {} has a pose ({}) and no matrix K_{}; expected both: is a name "
+                  "misspelt, or the file cut off?",
+                  file, name, key, name);
+    }
+  }
+  return {};
+}
+
 /// What no camera uses: another calibration's matrices, or a name with a slip in it.
 std::vector<std::string> unused(const Entries& entries, std::span<const CameraDraft> cameras) {
   std::vector<std::string> names;
@@ -91,6 +120,8 @@ Result<Entries> readEntries(const std::filesystem::path& file) {
   }
   std::string text(input.size(), '\0');
   VOLUTE_TRY(input.read(0, std::as_writable_bytes(std::span(text))));
+  if (file.extension() == ".json")
+    VOLUTE_TRY(checkJsonDepth(text, file.string()));
   // OpenCV's first line is no YAML directive as the standard has it, and old versions put no "---"
   // after it.
   if (text.starts_with("%YAML"))
@@ -102,8 +133,14 @@ Result<Entries> readEntries(const std::filesystem::path& file) {
                   "{}: holds no named matrices; expected OpenCV's FileStorage", file.string());
     Entries entries;
     for (const auto& item : root) {
+      const auto name = item.first.as<std::string>();
       if (auto entry = entryOf(item.second))
-        entries.emplace_back(item.first.as<std::string>(), std::move(*entry));
+        entries.emplace_back(name, std::move(*entry));
+      else if (item.second.Tag().ends_with("opencv-matrix") || isOurs(name))
+        return fail(ErrorCode::kInvalidData,
+                    "{}: line {}: {} is no whole matrix; expected rows, cols and data: the file is "
+                    "cut off or damaged",
+                    file.string(), item.first.Mark().line + 1, name);
     }
     return entries;
   } catch (const YAML::Exception& error) {
@@ -228,6 +265,7 @@ Result<CaptureDraft> readOpenCv(const std::filesystem::path& file) {
                 "undistort the pictures (cv::fisheye::undistortImage)",
                 file.string());
   }
+  VOLUTE_TRY(checkPoses(entries, file.string()));
   const CameraFinder finder(entries, file.string());
   for (const auto& [key, entry] : entries) {
     for (const std::string_view prefix : {"K_", "M_", "camera_matrix_"}) {
