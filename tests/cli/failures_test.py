@@ -5,6 +5,7 @@ import math
 import os
 import resource
 import signal
+import socket
 import unittest
 
 import support
@@ -123,6 +124,81 @@ class Failures(support.TestCase):
         write_npy(self.path("bad.npy"), (1, 1, 1, 1), [math.nan])
         self.compress_fails(self.path("bad.npy"))
         self.assertEqual(self.path("x.volute").read_bytes(), b"old")
+
+    def test_pipes_sockets_and_devices_are_refused_at_once(self):
+        foam = self.path("hall")
+        for folder in ("constant/polyMesh", "system", "0"):
+            (foam / folder).mkdir(parents=True)
+        (foam / "hall.foam").touch()
+        os.mkfifo(foam / "system/controlDict")
+        names = ["a.npy", "a.vdb", "a.vti", "a.pvd", "a.volute", "a.smv", "a.vtu", "a.pvtu", "a.vtk", "a.case", "a.e", "a.png",
+                 "a.exr", "a.json"]
+        for name in names:
+            os.mkfifo(self.path(name))
+        listening = socket.socket(socket.AF_UNIX)
+        self.addCleanup(listening.close)
+        listening.bind(str(self.path("s.vtu")))
+        self.path("zero.npy").symlink_to("/dev/zero")
+        self.path("zero.json").symlink_to("/dev/zero")
+        out = ("-o", self.path("x.png"), "--size", "4x4")
+        commands = [["info", self.path(name)] for name in names + ["s.vtu", "zero.npy"]]
+        commands += [["render", self.path(name), *out] for name in names + ["s.vtu", "zero.npy", "zero.json"]]
+        commands += [["info", foam / "hall.foam"]]
+        commands += [["visibility", self.path(name), "--signs", self.path("a.json"), "-o", self.path("out")]
+                     for name in ("a.smv", "a.vtu")]
+        commands += [["compress", self.path(name), "-o", self.path("x.volute"), "--rms", "0.1"]
+                     for name in ("a.npy", "a.vdb", "a.vti", "a.pvd", "a.volute", "zero.npy")]
+        commands += [["render", self.make_npy(), *out, "--camera", self.path("a.json")],
+                     ["compare", self.path("a.npy"), self.path("a.npy")], ["compare", self.path("a.png"), self.path("a.png")],
+                     ["reconstruct", self.path("a.json"), "-o", self.path("y.volute")]]
+        for words in commands:
+            with self.subTest(words=[str(word) for word in words]):
+                done = volute(*words, timeout=20)
+                self.assertIn(done.code, (1, 2), done.message)
+                self.assertRegex(done.message + done.text, "a pipe|a socket|a device|pipe; expected|no known|not a known")
+
+    def test_json_of_any_depth_is_refused(self):
+        for brackets in ("[" * 25000, "[" * 25000 + "]" * 25000, '{"a":' * 25000 + "1" + "}" * 25000):
+            self.path("deep.json").write_text('{"format": "volute-scene-1", "media": ' + brackets + "}")
+            for words in (["render", self.path("deep.json"), "-o", self.path("x.png")],
+                          ["reconstruct", self.path("deep.json"), "-o", self.path("x.npy")],
+                          ["render", self.make_npy(), "-o", self.path("x.png"), "--camera", self.path("deep.json")]):
+                self.assertIn("more than 64 deep", self.fails(1, *words))
+        for name, data in (("deep.gltf", b'{"asset": {"version": "2.0"}, "extras": ' + b"[" * 25000 + b"]" * 25000 + b"}"),):
+            self.path(name).write_bytes(data)
+            self.path("scene.json").write_text(
+                '{"format": "volute-scene-1", "camera": {"eye": [0, -3, 0], "target": [0, 0, 0], "fov": 40}, '
+                '"geometry": [{"file": "deep.gltf"}]}')
+            self.assertRegex(self.fails(1, "render", self.path("scene.json"), "-o", self.path("x.png")),
+                             "more than 64 deep|this build has no")
+
+    def write_vti(self, name, *arrays):
+        cells = "".join(f'<DataArray type="Float32" Name="{array}" format="ascii">1 2 3 4 5 6 7 8</DataArray>' for array in arrays)
+        self.path(name).write_text(
+            '<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian"><ImageData WholeExtent="0 2 0 2 0 2" '
+            'Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 2 0 2 0 2"><CellData>' + cells +
+            "</CellData></Piece></ImageData></VTKFile>\n")
+        made = volute("info", self.path(name))
+        if "this build has no" in made.message:
+            self.skipTest(made.message)
+        return self.path(name)
+
+    def test_gaps_in_numbered_frames_are_told(self):
+        for number in (0, 1, 2, 4, 5, 8, 9):
+            self.write_vti(f"s_{number:04d}.vti", "density")
+        words = "3 of the frames 0 to 9 are missing: 3, 6 to 7"
+        said = self.works("info", self.path("s_%04d.vti"), "--json").json
+        self.assertEqual(said["missing_frames"], [[3, 3], [6, 7]])
+        self.assertIn(words, self.works("info", self.path("s_%04d.vti")).text)
+        self.assertIn(words, self.works("compress", self.path("s_%04d.vti"), "-o", self.path("x.volute"), "--rms", "0.1").message)
+        self.assertIn(words, self.works("render", self.path("s_%04d.vti"), "-o", self.path("x.png"), "--size", "4x4").message)
+
+    def test_the_grid_that_is_taken_is_named(self):
+        source = self.write_vti("three.vti", "heat", "density", "fuel")
+        made = self.works("compress", source, "-o", self.path("x.volute"), "--rms", "0.1")
+        self.assertIn("the grid 'density' is read; it also has heat, fuel (--grid chooses)", made.message)
+        chosen = self.works("compress", source, "-o", self.path("x.volute"), "--rms", "0.1", "--grid", "heat")
+        self.assertNotIn("also has", chosen.message)
 
     def test_a_closed_pipe_is_no_crash(self):
         packed = self.make_volute()

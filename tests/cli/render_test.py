@@ -97,9 +97,24 @@ class Render(support.TestCase):
 
     def test_times_choose_the_frame_that_is_held(self):
         write_npy(self.path("t.npy"), (2, 1, 1, 1), [0.1, 0.9])
-        for time, value in (("0.039", 0.1), ("0.041", 0.9), ("-5", 0.1), ("99", 0.9)):
+        for time, value in (("0.039", 0.1), ("0.041", 0.9), ("-5", 0.1), ("0.079", 0.9)):
             self.works("render", self.path("t.npy"), "-o", self.path("x.exr"), "--time", time, *self.AHEAD)
             self.assertAlmostEqual(self.works("info", self.path("x.exr"), "--json").json["maximum"], value, places=6)
+
+    def test_times_past_the_end_are_refused(self):
+        write_npy(self.path("t.npy"), (2, 1, 1, 1), [0.1, 0.9])
+        words = ("render", self.path("t.npy"), "-o", self.path("x.exr"), *self.AHEAD, "--time")
+        self.assertIn("--time: 99 s is past the end", self.fails(2, *words, "99"))
+        self.assertIn("t.npy has 2 frames from 0 to 0.04 s", self.fails(2, *words, "0.09"))
+        write_npy(self.path("t.npy"), (1, 1, 1, 1), [0.1])  # a lone frame holds for ever
+        self.works(*words, "99")
+
+    def test_films_say_how_much_is_to_come(self):
+        result = self.works("render", self.block(), "-o", self.path("s_%03d.png"), "--size", "4x4")
+        self.assertIn("s_%03d.png: 3 pictures from 0 to 0.08 s", result.message)
+        result = volute("render", self.block(), "-o", self.path("x.mp4"), "--size", "32x32")
+        if "this build has no" not in result.message:
+            self.assertIn("3 pictures from 0 to 0.08 s, 25 a second: a film of 0.12 s", result.message)
 
     def test_camera_files(self):
         camera = {"eye": [0.5, -3, 0.5], "target": [0.5, 0.5, 0.5], "up": [0, 0, 1], "ortho": 0.5, "size": [6, 6]}
@@ -110,6 +125,9 @@ class Render(support.TestCase):
         self.path("camera.json").write_text(json.dumps(camera | {"eye": [0, "x", 0]}))
         self.assertIn("/eye[1]", self.fails(1, "render", self.block(), "-o", self.path("c.png"), "--camera",
                                             self.path("camera.json")))
+        self.path("camera.json").write_text(json.dumps(camera | {"sizE": [9, 9]}))
+        self.assertIn("sizE: this name is unknown; did you mean 'size'?",
+                      self.fails(1, "render", self.block(), "-o", self.path("c.png"), "--camera", self.path("camera.json")))
         self.path("camera.json").write_text('{"eye": [0,\n 0')
         self.assertIn("line 2", self.fails(1, "render", self.block(), "-o", self.path("c.png"), "--camera",
                                            self.path("camera.json")))

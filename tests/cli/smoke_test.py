@@ -399,7 +399,22 @@ class Time(SmokeCase):
         self.assertEqual(stats["pictures"], 76)  # 6 s at twice the speed
         self.assertEqual(stats["smoke"]["steps_read"], 3)
         self.assertIn(b"volute.mode: photometric", self.path("f.mp4").read_bytes())
-        self.assertIn("there is none", self.fails(2, "render", self.path("case.pvd"), "-o", self.path("x.png"), *view, "--frames", "7:9"))
+        self.assertIn("frames 0 to 2", self.fails(2, "render", self.path("case.pvd"), "-o", self.path("x.png"), *view, "--frames", "7:9"))
+
+
+    def test_frames_have_the_numbers_of_their_files(self):
+        for number, extinction in ((5, 1.0), (6, 2.0), (8, 4.0)):
+            self.slab(f"n_{number:04d}.vtu", extinction)
+        smoke_files.write_pvd(self.path("n.pvd"), {0: "n_0005.vtu", 1: "n_0006.vtu", 2: "n_0008.vtu"})
+        view = ("--eye=-3,0,0", "--target", "5,0,0", "--ortho", "0.2", "--size", "4x4", "--quantity", "extinction")
+        self.works("render", self.path("n.pvd"), "-o", self.path("s_%02d.png"), *view, "--frames", "6:9")
+        self.assertEqual([n for n in self.files() if n.startswith("s_")], ["s_06.png", "s_08.png"])
+        self.assertIn("the input has frames 5 to 8",
+                      self.fails(2, "render", self.path("n.pvd"), "-o", self.path("x.png"), *view, "--frames", "0:3"))
+        self.assertIn("whatever the step (2)",
+                      self.fails(2, "render", self.path("n.pvd"), "-o", self.path("x.mp4"), *view, "--frames", "5:9:2"))
+        self.assertIn("n.pvd has 3 frames from 0 to 2 s",
+                      self.fails(2, "render", self.path("n.pvd"), "-o", self.path("x.png"), *view, "--time", "3.5"))
 
 
 class Together(SmokeCase):

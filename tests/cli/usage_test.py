@@ -46,6 +46,8 @@ class Usage(support.TestCase):
                       ["compress", "a.npy", "-o", "b.volute", "--rms", "x"],
                       ["compress", "a.npy", "-o", "b.volute", "--rms", "-1"],
                       ["compress", "a.npy", "-o", "b.volute", "--rms"],
+                      ["compress", "a.npy", "-o", "b.volute", "--rms", "3"],
+                      ["join", "a.volute", "b.volute", "-o", "c.volute", "--rms", "1.5"],
                       ["compress", "a.npy", "-o", "b.txt", "--rms", "1"],
                       ["extract", "a.volute", "-o", "b.npy", "--region", "0:4,0:4"],
                       ["extract", "a.volute", "-o", "b.npy", "--frames", "4:2"],

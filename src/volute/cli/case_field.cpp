@@ -43,7 +43,12 @@ Result<SightCase> openMesh(const std::string& path, const Arguments& arguments, 
                 MeshSight::open(std::move(source), std::move(density), smoke.model, path));
   std::string words = fmt::format("{}: field '{}' as {} on tetrahedra", path, sight->fieldName(),
                                   nameOf(smoke.model.quantity));
-  return SightCase{std::move(sight), std::move(words), {}};
+  std::vector<std::string> remarks;
+  if (smoke.field.empty() && !sight->otherFields().empty()) {
+    remarks.push_back(fmt::format("{}: the field '{}' is read; it also has {} (--field chooses)",
+                                  path, sight->fieldName(), sight->otherFields()));
+  }
+  return SightCase{std::move(sight), std::move(words), std::move(remarks)};
 }
 
 /// The case's files say what they hold.

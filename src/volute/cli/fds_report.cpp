@@ -138,10 +138,12 @@ void addContents(Report& report, const SmvIndex& index) {
 /// Each file's frames; for people those of each kind together, and each file that is not whole.
 void addFiles(Report& report, const SmvIndex& index) {
   constexpr std::size_t kShown = 50;
+
   struct Kind {
     std::size_t files = 0, least = SIZE_MAX, most = 0;
     std::vector<std::string> faults;
   };
+
   Json list = Json::array();
   std::map<std::string, Kind> kinds;
   std::size_t faults = 0;
@@ -164,8 +166,8 @@ void addFiles(Report& report, const SmvIndex& index) {
     if (check.state == FdsFileState::kWhole)
       continue;
     ++faults;
-    kind.faults.push_back(fmt::format("mesh {}: {}: {}", check.mesh + 1, nameOf(check.state),
-                                      check.reason));
+    kind.faults.push_back(
+        fmt::format("mesh {}: {}: {}", check.mesh + 1, nameOf(check.state), check.reason));
   }
   std::string text = faults == 0 ? fmt::format("all {} are there and whole", checks.size())
                                  : fmt::format("{} of {} are not whole", faults, checks.size());
@@ -173,9 +175,9 @@ void addFiles(Report& report, const SmvIndex& index) {
   for (const auto& [name, kind] : kinds) {
     if (kind.least == kind.most && kind.faults.empty() && name.starts_with("PLOT3D"))
       continue;
-    text += fmt::format("\n  {}: {} files, {}{} frames", name, kind.files,
-                        kind.least == kind.most ? "" : fmt::format("{} to ", kind.least),
-                        kind.most);
+    text +=
+        fmt::format("\n  {}: {} files, {}{} frames", name, kind.files,
+                    kind.least == kind.most ? "" : fmt::format("{} to ", kind.least), kind.most);
     for (const std::string& fault : kind.faults) {
       if (++shown <= kShown)
         text += "\n    " + fault;

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "volute/cli/picture_writer.hpp"
+#include "volute/grid/select_frames.hpp"
 #include "volute/io/frame_pattern.hpp"
 
 namespace volute::cli {
@@ -70,22 +72,71 @@ Result<std::vector<Moment>> momentsOfFilm(double first, double last, double spee
   return moments;
 }
 
-/// The stored steps of a case of smoke.
-struct Steps {
+/// The stored frames of a volume or of a case of smoke.
+struct Stored {
   std::string file;
   std::vector<double> times;  ///< [s], of the scene
+  std::vector<int> numbers;
+  bool loops = false;
+
+  explicit Stored(const VolumeLayer& layer) : file(layer.path()) {
+    numbers = layer.info().frameNumbers;
+    for (int i = 0; i < layer.info().frames; ++i) times.push_back(layer.timeOf(i));
+    loops = layer.appearance().clock.loop;
+  }
 
   template <class Layer>
-  explicit Steps(const Layer& layer) : file(layer.description().file) {
-    for (int i = 0; i < layer.steps(); ++i) times.push_back(layer.timeOf(i));
+  explicit Stored(const Layer& layer) : file(layer.description().file) {
+    for (int i = 0; i < layer.steps(); ++i) {
+      times.push_back(layer.timeOf(i));
+      numbers.push_back(layer.numberOf(i));
+    }
+    loops = layer.description().clock.loop;
+  }
+
+  /// The last frame lasts as long as the one before. A lone one lasts for ever.
+  double end() const {
+    const std::size_t n = times.size();
+    return n < 2 || loops ? std::numeric_limits<double>::infinity()
+                          : 2 * times[n - 1] - times[n - 2];
+  }
+
+  Result<std::vector<int>> positions(const FrameRange& range) const {
+    VolumeInfo info;
+    info.frames = static_cast<int>(numbers.size());
+    info.frameNumbers = numbers;
+    auto chosen = selectPositions(info, range);
+    if (chosen)
+      return chosen;
+    return fail(ErrorCode::kInvalidArgument, "{}: {}", file, chosen.error().message);
   }
 };
 
+/// --time must lie before the end of one medium at least, where all of them end. Fog never does.
+Status checkTime(const RenderSubject& subject, double time) {
+  constexpr double kRounding = 1e-9;
+  std::vector<Stored> all;
+  for (const VolumeLayer& layer : subject.layers) all.emplace_back(layer);
+  for (const SmokeLayer& layer : subject.smokes) all.emplace_back(layer);
+  for (const FdsLayer& layer : subject.fdsCases) all.emplace_back(layer);
+  const Stored* longest = nullptr;
+  for (const Stored& stored : all) {
+    if (stored.times.size() > 1 && (!longest || stored.end() > longest->end()))
+      longest = &stored;
+  }
+  if (!longest || !subject.fogs.empty() ||
+      time <= longest->end() + kRounding * (1 + std::abs(longest->end())))
+    return {};
+  return fail(ErrorCode::kInvalidArgument,
+              "--time: {:g} s is past the end: {} has {} frames from {:g} to {:g} s", time,
+              longest->file, longest->times.size(), longest->times.front(), longest->times.back());
+}
+
 /// Frames are the steps of the case; films go through its time, 25 pictures a second.
-Result<std::vector<Moment>> momentsOfSmoke(const Steps& smoke, const Arguments& arguments,
+Result<std::vector<Moment>> momentsOfSmoke(const Stored& smoke, const Arguments& arguments,
                                            const RenderSubject& subject, const std::string& target,
                                            Progress& progress) {
-  const int steps = static_cast<int>(smoke.times.size());
+  const std::size_t steps = smoke.times.size();
   if (const auto time = arguments.find<double>("time"))
     return std::vector{Moment{.time = *time}};
   const bool film = isFilmPath(target), several = film || FramePattern::isPattern(target);
@@ -97,19 +148,20 @@ Result<std::vector<Moment>> momentsOfSmoke(const Steps& smoke, const Arguments& 
     return std::vector{Moment{.time = subject.scene ? 0 : smoke.times.front()}};
   }
   const FrameRange range = arguments.find<FrameRange>("frames").value_or(FrameRange{});
-  const int begin = std::max(range.begin.value_or(0), 0);
-  const int end = std::min(range.end.value_or(steps), steps);
-  if (begin >= end) {
+  VOLUTE_ASSIGN(const auto positions, smoke.positions(range));
+  if (film && range.step > 1) {
     return fail(ErrorCode::kInvalidArgument,
-                "--frames: {} has the steps 0 to {}; there is none from {} to {}", smoke.file,
-                steps - 1, begin, range.end.value_or(steps));
+                "--frames: a film of smoke has 25 pictures a second between the first and the last "
+                "chosen frame, whatever the step ({}); leave it out, or write stills",
+                range.step);
   }
   if (film) {
-    return momentsOfFilm(smoke.times[begin], smoke.times[end - 1], arguments.get<double>("speed"));
+    return momentsOfFilm(smoke.times[positions.front()], smoke.times[positions.back()],
+                         arguments.get<double>("speed"));
   }
   std::vector<Moment> moments;
-  for (int n = begin; n < end; n += range.step)
-    moments.push_back({.number = n, .time = smoke.times[n]});
+  for (const int position : positions)
+    moments.push_back({.number = smoke.numbers[position], .time = smoke.times[position]});
   if (moments.size() > 1 && !several) {
     return fail(ErrorCode::kInvalidArgument,
                 "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
@@ -123,10 +175,12 @@ Result<std::vector<Moment>> momentsOfSmoke(const Steps& smoke, const Arguments& 
 Result<std::vector<Moment>> momentsOf(const Arguments& arguments, const RenderSubject& subject,
                                       const std::string& target, Progress& progress) {
   const auto& layers = subject.layers;
+  if (const auto time = arguments.find<double>("time"))
+    VOLUTE_TRY(checkTime(subject, *time));
   if (layers.empty() && !subject.smokes.empty())
-    return momentsOfSmoke(Steps(subject.smokes.front()), arguments, subject, target, progress);
+    return momentsOfSmoke(Stored(subject.smokes.front()), arguments, subject, target, progress);
   if (layers.empty() && !subject.fdsCases.empty())
-    return momentsOfSmoke(Steps(subject.fdsCases.front()), arguments, subject, target, progress);
+    return momentsOfSmoke(Stored(subject.fdsCases.front()), arguments, subject, target, progress);
   if (layers.empty())
     return momentsOfFog(arguments, subject, target);
   if (const auto time = arguments.find<double>("time"))

@@ -11,8 +11,9 @@ namespace volute::cli {
 
 inline constexpr double kUsualRate = 25;  ///< frames a second
 
-/// The pictures that --time and --frames ask for. Frames are those of the first volume, else the
-/// steps of the first case of smoke, else of 25 a second.
+/// The pictures that --time and --frames ask for. A --time past the end of what ends is an error.
+/// Frames are those of the first volume, else the steps of the first case of smoke, else of 25 a
+/// second.
 [[nodiscard]] Result<std::vector<Moment>> momentsOf(const Arguments& arguments,
                                                     const RenderSubject& subject,
                                                     const std::string& target, Progress& progress);

@@ -25,6 +25,7 @@ Result<std::shared_ptr<const SightInstant>> MeshSight::read(std::size_t time) {
     return std::exchange(first_, nullptr);
   VOLUTE_ASSIGN(const auto frame, source_.read(time));
   fieldName_ = frame.field;
+  otherFields_ = frame.others;
   std::vector<float> density;
   if (density_) {
     VOLUTE_ASSIGN(auto gas, density_->read(time));

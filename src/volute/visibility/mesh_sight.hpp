@@ -22,11 +22,16 @@ class MeshSight final : public SightField {
 
   std::span<const double> times() const override { return source_.times(); }
 
+  int numberOf(std::size_t time) const override { return source_.numberOf(time); }
+
   Box3 bounds() const override { return bounds_; }
 
   [[nodiscard]] Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override;
 
   const std::string& fieldName() const { return fieldName_; }
+
+  /// Fields that could have been chosen.
+  const std::string& otherFields() const { return otherFields_; }
 
  private:
   MeshSight(MeshSource source, std::optional<MeshSource> density, const SmokeModel& model,
@@ -39,7 +44,7 @@ class MeshSight final : public SightField {
   MeshSource source_;
   std::optional<MeshSource> density_;
   SmokeModel model_;
-  std::string name_, fieldName_;
+  std::string name_, fieldName_, otherFields_;
   Box3 bounds_;
   std::shared_ptr<const TetLocator> locator_;  // of the last mesh
   std::uint64_t meshes_ = 0;                   // how many there were

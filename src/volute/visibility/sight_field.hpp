@@ -110,6 +110,9 @@ class SightField {
   /// When the smoke is stored [s], ascending.
   virtual std::span<const double> times() const = 0;
 
+  /// What a person calls a stored time.
+  virtual int numberOf(std::size_t time) const { return static_cast<int>(time); }
+
   /// All places of which the field may know something [m].
   virtual Box3 bounds() const = 0;
 

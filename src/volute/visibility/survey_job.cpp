@@ -36,17 +36,13 @@ Result<std::vector<SignSet>> setsOf(const SurveyRequest& request) {
   return sets;
 }
 
-Result<std::vector<std::size_t>> chosenTimes(const FrameRange& range, std::size_t count) {
-  std::vector<std::size_t> chosen;
-  const auto end = std::min<std::size_t>(count, range.end ? std::max(*range.end, 0) : count);
-  for (auto i = static_cast<std::size_t>(range.begin.value_or(0)); i < end;
-       i += static_cast<std::size_t>(range.step))
-    chosen.push_back(i);
-  if (chosen.empty()) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--frames: none of the {} stored times is chosen; they are numbered from 0", count);
-  }
-  return chosen;
+/// Places in the stored times, by their numbers.
+Result<std::vector<int>> chosenTimes(const FrameRange& range, const SightField& field) {
+  VolumeInfo info;
+  info.frames = static_cast<int>(field.times().size());
+  for (int i = 0; i < info.frames; ++i)
+    info.frameNumbers.push_back(field.numberOf(static_cast<std::size_t>(i)));
+  return selectPositions(info, range);
 }
 
 Json signJson(const SightTarget& target) {
@@ -107,8 +103,8 @@ class Job {
 
   Result<SurveySummary> run() {
     VOLUTE_ASSIGN(survey_.sets, setsOf(request_));
-    VOLUTE_ASSIGN(const auto chosen, chosenTimes(request_.frames, case_.field->times().size()));
-    for (const std::size_t i : chosen) survey_.times.push_back(case_.field->times()[i]);
+    VOLUTE_ASSIGN(const auto chosen, chosenTimes(request_.frames, *case_.field));
+    for (const int i : chosen) survey_.times.push_back(case_.field->times()[i]);
     survey_.bounds = case_.field->bounds();
     for (const std::string& remark : case_.remarks) log_.remark(remark);
     VOLUTE_ASSIGN(auto folder, PendingFolder::create(request_.output, kMark));
@@ -118,7 +114,7 @@ class Job {
       if (log_.cancelled())
         return fail(ErrorCode::kCancelled, "stopped at {} s; nothing was written",
                     survey_.times[i]);
-      VOLUTE_TRY(takeTime(chosen[i], survey_.times[i], csv));
+      VOLUTE_TRY(takeTime(static_cast<std::size_t>(chosen[i]), survey_.times[i], csv));
       log_.report("looking", static_cast<double>(i + 1), static_cast<double>(chosen.size()));
     }
     VOLUTE_TRY(csv.finish());

@@ -19,7 +19,7 @@ struct SurveyRequest {
   std::string casePath;
   std::vector<SafetySign> signs;
   std::vector<std::vector<std::string>> sets;  ///< names of signs
-  FrameRange frames;                           ///< positions of stored times
+  FrameRange frames;                           ///< of stored times, by their numbers
   Survey survey;                               ///< the numbers of it
   std::string output;
   std::uint64_t maxMemory = std::uint64_t{4} << 30;

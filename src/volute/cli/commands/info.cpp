@@ -7,6 +7,7 @@
 #include "volute/cli/fds_report.hpp"
 #include "volute/cli/gl_pictures.hpp"
 #include "volute/cli/mesh_report.hpp"
+#include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/scene/scene_smoke.hpp"
 #include "volute/scene/volume_input.hpp"
@@ -47,6 +48,13 @@ std::string firstToLast(auto first, auto last) {
   return first == last ? fmt::format("{}", first) : fmt::format("{} to {}", first, last);
 }
 
+/// [first, last] of each gap.
+nlohmann::ordered_json missingFrames(const VolumeInfo& info) {
+  auto gaps = nlohmann::ordered_json::array();
+  for (const FrameGap& gap : gapsOf(info.frameNumbers)) gaps.push_back({gap.first, gap.last});
+  return gaps;
+}
+
 void addVolume(Report& report, const VolumeInfo& info) {
   const Box3& b = info.bounds;
   report.add("grid", info.name)
@@ -58,6 +66,7 @@ void addVolume(Report& report, const VolumeInfo& info) {
       .add("frames", info.frames, fmt::format("{}", info.frames))
       .add("frame_numbers", {info.frameNumbers.front(), info.frameNumbers.back()},
            firstToLast(info.frameNumbers.front(), info.frameNumbers.back()))
+      .add("missing_frames", missingFrames(info), missingNumbers(info.frameNumbers))
       .add("times", {info.times.front(), info.times.back()},
            firstToLast(info.times.front(), info.times.back()) + " s")
       .add("bounds", {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()},

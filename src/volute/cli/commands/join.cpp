@@ -73,6 +73,7 @@ Command joinCommand() {
                    .value = "R",
                    .help = "relative RMS to the parts where they must be encoded again; else as "
                            "large as their own",
+                   .most = 1,
                    .positive = true}},
       .run = runJoin};
 }

@@ -309,6 +309,7 @@ std::vector<Option> reconstructOptionTable() {
        .value = "R",
        .help = "relative RMS error of the compressed .volute",
        .initial = "0.001",
+       .most = 1,
        .positive = true},
       {.name = "hold-out",
        .kind = kText,

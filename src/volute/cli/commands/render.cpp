@@ -3,7 +3,9 @@
 #include "volute/render/render.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "volute/base/write_file.hpp"
 #include "volute/cli/camera_arguments.hpp"
@@ -300,14 +302,45 @@ class CancelOnly final : public Progress {
   Progress& outer_;
 };
 
+/// How much is to come, before the first picture.
+void remarkOnPictures(const RenderJob& job, const std::string& target, Progress& progress) {
+  const std::size_t count = job.moments.size();
+  const double first = job.moments.front().time, last = job.moments.back().time;
+  std::string text = fmt::format("{}: {} pictures from {:g} to {:g} s", target, count, first, last);
+  if (isFilmPath(target)) {
+    text += fmt::format(", {:.3g} a second: a film of {:.3g} s", job.framesPerSecond,
+                        static_cast<double>(count) / job.framesPerSecond);
+  }
+  progress.remark(text);
+}
+
+/// How long all of it takes if each picture takes as long as one did; nothing of a short while.
+void remarkOnDuration(double seconds, std::size_t count, Progress& progress) {
+  constexpr double kWorthSaying = 10;
+  const double all = seconds * static_cast<double>(count);
+  if (all < kWorthSaying)
+    return;
+  progress.remark(fmt::format("one picture takes {:.2g} s, all {} about {}", seconds, count,
+                              all < 90     ? fmt::format("{:.0f} s", all)
+                              : all < 5400 ? fmt::format("{:.0f} min", all / 60)
+                                           : fmt::format("{:.1f} h", all / 3600)));
+}
+
 /// Renders and writes every moment; settles the exposure first when it is to be found.
 Status renderAll(RenderJob& job, const std::string& target, Development& development,
                  Progress& progress) {
   const std::size_t count = job.moments.size();
   const std::size_t middle = count / 2;
+  if (count > 1)
+    remarkOnPictures(job, target, progress);
   CancelOnly steps(progress);
   Progress& each = count > 1 ? static_cast<Progress&>(steps) : progress;
   std::optional<Image> tried;
+  const auto begun = std::chrono::steady_clock::now();
+  const auto seconds = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  };
+  bool measured = count == 1;
   const bool fixed = job.contour || job.options.aov == Aov::kTransmittance ||
                      extensionOf(target) == ".exr" ||
                      (job.measuresLight && job.options.aov == Aov::kNone);
@@ -315,6 +348,8 @@ Status renderAll(RenderJob& job, const std::string& target, Development& develop
     development.exposure = 1;
   } else if (development.exposure == 0) {
     VOLUTE_ASSIGN(tried, job.picture(job.moments[middle], each));
+    if (!std::exchange(measured, true))
+      remarkOnDuration(seconds(), count, progress);
     development.exposure = suggestExposure(*tried);
     progress.remark(fmt::format("exposure {:.4g}, from frame {}", development.exposure,
                                 job.moments[middle].number));
@@ -322,6 +357,8 @@ Status renderAll(RenderJob& job, const std::string& target, Development& develop
   VOLUTE_ASSIGN(const auto writer, writerFor(target, job, development));
   for (std::size_t i = 0; i < count; ++i) {
     const Moment& moment = job.moments[i];
+    if (i == 1 && !measured)
+      remarkOnDuration(seconds(), count, progress);
     if (progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped before frame {}", moment.number);
     auto image =

@@ -195,6 +195,7 @@ Command synthesizeCommand() {
                    .value = "R",
                    .help = "relative RMS error of a .volute",
                    .initial = "0.001",
+                   .most = 1,
                    .positive = true}},
       .run = runSynthesize};
 }
