@@ -174,15 +174,21 @@ class Failures(support.TestCase):
             self.assertRegex(self.fails(1, "render", self.path("scene.json"), "-o", self.path("x.png")),
                              "more than 64 deep|this build has no")
 
-    def test_gaps_in_numbered_frames_are_told(self):
-        made = volute("synthesize", "flame", "-o", self.path("s_%04d.vti"), "--size", "8", "--frames", "10")
-        if made.code != 0:
+    def write_vti(self, name, *arrays):
+        cells = "".join(f'<DataArray type="Float32" Name="{array}" format="ascii">1 2 3 4 5 6 7 8</DataArray>' for array in arrays)
+        self.path(name).write_text(
+            '<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian"><ImageData WholeExtent="0 2 0 2 0 2" '
+            'Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 2 0 2 0 2"><CellData>' + cells +
+            "</CellData></Piece></ImageData></VTKFile>\n")
+        made = volute("info", self.path(name))
+        if "this build has no" in made.message:
             self.skipTest(made.message)
-        for number in (3, 6, 7):
-            self.path(f"s_000{number}.vti").unlink()
+        return self.path(name)
+
+    def test_gaps_in_numbered_frames_are_told(self):
+        for number in (0, 1, 2, 4, 5, 8, 9):
+            self.write_vti(f"s_{number:04d}.vti", "density")
         words = "3 of the frames 0 to 9 are missing: 3, 6 to 7"
-        if not self.path("s_0000.vti").exists():
-            words = "are missing: 3, 6 to 7"
         said = self.works("info", self.path("s_%04d.vti"), "--json").json
         self.assertEqual(said["missing_frames"], [[3, 3], [6, 7]])
         self.assertIn(words, self.works("info", self.path("s_%04d.vti")).text)
@@ -190,17 +196,10 @@ class Failures(support.TestCase):
         self.assertIn(words, self.works("render", self.path("s_%04d.vti"), "-o", self.path("x.png"), "--size", "4x4").message)
 
     def test_the_grid_that_is_taken_is_named(self):
-        cells = "".join(f'<DataArray type="Float32" Name="{name}" format="ascii">1 2 3 4 5 6 7 8</DataArray>'
-                        for name in ("heat", "density", "fuel"))
-        self.path("three.vti").write_text(
-            '<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian"><ImageData WholeExtent="0 2 0 2 0 2" '
-            'Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 2 0 2 0 2"><CellData>' + cells +
-            "</CellData></Piece></ImageData></VTKFile>\n")
-        made = volute("compress", self.path("three.vti"), "-o", self.path("x.volute"), "--rms", "0.1")
-        if "this build has no" in made.message:
-            self.skipTest(made.message)
+        source = self.write_vti("three.vti", "heat", "density", "fuel")
+        made = self.works("compress", source, "-o", self.path("x.volute"), "--rms", "0.1")
         self.assertIn("the grid 'density' is read; it also has heat, fuel (--grid chooses)", made.message)
-        chosen = self.works("compress", self.path("three.vti"), "-o", self.path("x.volute"), "--rms", "0.1", "--grid", "heat")
+        chosen = self.works("compress", source, "-o", self.path("x.volute"), "--rms", "0.1", "--grid", "heat")
         self.assertNotIn("also has", chosen.message)
 
     def test_a_closed_pipe_is_no_crash(self):
