@@ -314,10 +314,12 @@ chmod +x {path}/build/release/bin/$target
                 state = State(out, small, compiler.binaries)
                 self.assertTrue(state.lock())
                 self.assertTrue(Runner(small, state, compiler, progress.Forecast(1.0), True).run())
-            first, second = (line.split() for line in log.read_text().splitlines())
-            self.assertEqual(first, ["volute", "1", "0", "1"])
-            self.assertEqual(second[:2], ["volute-paper-figures", "1"])
-            self.assertGreater(int(second[2]), 10)
+            command, vdb, readers, papers_program = (line.split() for line in log.read_text().splitlines())
+            self.assertEqual(command, ["volute", "1", "0", "1"])
+            self.assertEqual(vdb[:3], ["volute_io_vdb", "1", "0"])
+            self.assertEqual(readers[:3], ["volute-plugins", "1", "1"])  # the first picture is there
+            self.assertEqual(papers_program[:2], ["volute-paper-figures", "1"])
+            self.assertGreater(int(papers_program[2]), 10)
             self.assertIn("The first picture: ", said.getvalue())
 
     def test_a_compiler_that_fails_is_told_once(self):
@@ -329,7 +331,7 @@ chmod +x {path}/build/release/bin/$target
             with contextlib.redirect_stderr(io.StringIO()) as said:
                 state = State(path / "demo", plan(True), compiler.binaries)
                 self.assertFalse(Runner(plan(True), state, compiler, progress.Forecast(1.0), True).run())
-            self.assertEqual(said.getvalue().count("a.cpp:1: error: no"), 2)  # once for each program
+            self.assertEqual(said.getvalue().count("a.cpp:1: error: no"), 4)  # once for each target
             self.assertEqual(said.getvalue().count("effects/fire.png"), 0)
             self.assertIn("needs volute", (path / "demo/index.html").read_text())
             self.assertEqual(links.dead(path / "demo"), [])
