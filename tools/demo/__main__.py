@@ -6,6 +6,7 @@
     python3 tools/demo --bin FOLDER     # with programs that are there
 """
 import argparse
+import json
 import os
 import pathlib
 import shutil
@@ -31,7 +32,7 @@ DEMO_MEGABYTES = {False: 400, True: 100}
 
 def whole_plan(quick):
     scale = Scale(quick)
-    return Plan([effects.chapter(scale), laboratory.chapter(scale), safety.chapter(scale), papers.chapter(scale)])
+    return Plan([effects.chapter(scale), laboratory.chapter(scale), safety.chapter(scale), papers.chapter(scale)], scale.measured())
 
 
 def announce(runner, out):
@@ -41,7 +42,7 @@ def announce(runner, out):
         if isinstance(step, Build):
             builds.append(runner.forecast.compiling(runner.builds[step.name]))
         else:
-            steps += runner.forecast.wall(step.seconds)
+            steps += runner.forecast.wall(runner.plan.seconds(step))
     there = len([step for step in runner.plan.steps if not isinstance(step, Build)]) - sum(not isinstance(step, Build) for step in runner.todo())
     compiling = f"compiles Volute ({spoken(sum(builds))} if nothing of it is in a compiler cache), then " if sum(builds) > 5 else ""
     say(f"{compiling}makes the pictures, films and plots of four chapters ({spoken(steps)}): effects, laboratory, fire safety, the papers' figures.")
@@ -52,6 +53,17 @@ def announce(runner, out):
     say(f"It needs {megabytes} MB on this disk, which has {free / 1000:.0f} GB left. Ctrl-C stops it, and the next run goes on from there.")
     if free < megabytes:
         sys.exit(f"demo: {free:.0f} MB are left on the disk of {out}; expected {megabytes}. Make room, or name another folder by --out.")
+
+
+def keep_times(state, table):
+    times = state.seconds()
+    missing = [name for name in (step.name for step in state.plan.maker.values()) if name not in times]
+    if missing:
+        sys.exit(f"demo: {missing[0]} is not made; finish the demo first")
+    kept = {step.name: round(times[step.name], 2) for step in state.plan.maker.values()}
+    table.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+    print(f"{sum(kept.values()):.0f} s of processor time in {table}")
+    return 0
 
 
 def interrupted(*_):
@@ -65,6 +77,7 @@ def main():
     parser.add_argument("--bin", type=pathlib.Path, help="folder of built programs; nothing is compiled")
     parser.add_argument("--preset", default="release", help="CMake preset to compile [release]")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--measured", action="store_true", help="keep the processor times of a finished demo for the forecasts of later ones")
     options = parser.parse_args()
     signal.signal(signal.SIGTERM, interrupted)
     signal.signal(signal.SIGHUP, interrupted)
@@ -75,6 +88,8 @@ def main():
     state = State(out, plan, options.bin.resolve() if options.bin else compiler.binaries)
     if not state.lock():
         sys.exit(f"demo: another demo writes into {out}; wait for it, or name another folder by --out")
+    if options.measured:
+        return keep_times(state, Scale(options.quick).table())
     runner = Runner(plan, state, compiler, Forecast(), options.quick)
     runner.plan_builds()
     announce(runner, out)

@@ -36,7 +36,7 @@ from state import State
 
 def plan(quick):
     scale = Scale(quick)
-    return Plan([chapter.chapter(scale) for chapter in (effects, laboratory, safety, papers)])
+    return Plan([chapter.chapter(scale) for chapter in (effects, laboratory, safety, papers)], scale.measured())
 
 
 class Demo(unittest.TestCase):
@@ -219,6 +219,12 @@ class Plans(unittest.TestCase):
             for step in whole.steps:
                 if not isinstance(step, Build):
                     self.assertIn(step.name, shown | read)
+
+    def test_the_time_of_every_step_is_known(self):
+        for quick in (False, True):
+            scale = Scale(quick)
+            self.assertEqual(set(scale.measured()), {step.name for step in plan(quick).maker.values()},
+                             f"refresh {scale.table()}: run the demo, then again with --measured")
 
     def test_captions_do_not_repeat_titles(self):
         for chapter in plan(False).chapters:

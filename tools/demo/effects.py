@@ -33,29 +33,29 @@ def fire(scale):
 
     def picture(volume, out, read, exposure=None):
         shown = f" --exposure {exposure:g}" if exposure else ""
-        return Step((out,), f"volute render {volume} -o {out} {at}{shown}", reads=(read,), seconds=0.7)
+        return Step((out,), f"volute render {volume} -o {out} {at}{shown}", reads=(read,))
 
     steps = [
-        Step(("effects/fire/",), f"volute synthesize fire -o {FIRE} --size {voxels} --frames {frames}", seconds=6),
+        Step(("effects/fire/",), f"volute synthesize fire -o {FIRE} --size {voxels} --frames {frames}"),
         picture(FIRE, "effects/original.png", "effects/fire/", EXPOSURE),
-        Step((volute(RMS),), f"volute compress {FIRE} -o {volute(RMS)} --rms {RMS} --fast", reads=("effects/fire/",), seconds=8),
+        Step((volute(RMS),), f"volute compress {FIRE} -o {volute(RMS)} --rms {RMS} --fast", reads=("effects/fire/",)),
         picture(volute(RMS), "effects/fire.png", volute(RMS), EXPOSURE),
         Step(("effects/fire.mp4",), f"volute render {volute(RMS)} -o effects/fire.mp4 {look} --exposure {EXPOSURE}",
-             reads=(volute(RMS),), seconds=10),
-        Step(("effects/back/",), f"volute extract {volute(RMS)} -o {BACK}", reads=(volute(RMS),), seconds=3),
+             reads=(volute(RMS),)),
+        Step(("effects/back/",), f"volute extract {volute(RMS)} -o {BACK}", reads=(volute(RMS),)),
         picture(FIRE, "effects/original.exr", "effects/fire/"),
         picture(BACK, "effects/back.exr", "effects/back/"),
         Step(("effects/difference.png",), work=errors.difference, arguments=("effects/original.exr", "effects/back.exr", "effects/difference.png"),
-             reads=("effects/original.exr", "effects/back.exr"), seconds=1.5),
+             reads=("effects/original.exr", "effects/back.exr")),
         picture(FIRE, "effects/bright_original.png", "effects/fire/", 8 * EXPOSURE)]
     for rms in COARSER:
-        steps.append(Step((volute(rms),), f"volute compress {FIRE} -o {volute(rms)} --rms {rms} --fast", reads=("effects/fire/",), seconds=4))
+        steps.append(Step((volute(rms),), f"volute compress {FIRE} -o {volute(rms)} --rms {rms} --fast", reads=("effects/fire/",)))
     exrs = []
     for rms in (RMS, *COARSER):
         exrs.append(f"effects/fire_{rms}.exr")
         steps += [picture(volute(rms), bright(rms), volute(rms), 8 * EXPOSURE), picture(volute(rms), exrs[-1], volute(rms))]
     steps.append(Step(("effects/haze.json",), work=errors.haze, arguments=("effects/original.exr", tuple(exrs), 8 * EXPOSURE, "effects/haze.json"),
-                      reads=("effects/original.exr", *exrs), seconds=1))
+                      reads=("effects/original.exr", *exrs)))
     return steps
 
 
@@ -107,12 +107,12 @@ def smoke(scale):
     voxels, frames, pixels = scale.pick((64, 48, 384), (48, 16, 320))
     look = f"{LOOK} --size {pixels}x{pixels} --extinction 1.5"
     return [
-        Step(("effects/smoke/",), f"volute synthesize smoke -o effects/smoke/smoke_%04d.vdb --size {voxels} --frames {frames}", seconds=6),
+        Step(("effects/smoke/",), f"volute synthesize smoke -o effects/smoke/smoke_%04d.vdb --size {voxels} --frames {frames}"),
         Step(("effects/smoke.volute",), f"volute compress effects/smoke/smoke_%04d.vdb -o effects/smoke.volute --rms {RMS} --fast",
-             reads=("effects/smoke/",), seconds=10),
+             reads=("effects/smoke/",)),
         Step(("effects/smoke.png",), f"volute render effects/smoke.volute -o effects/smoke.png {look} --time {frames / 2 / 25:g}",
-             reads=("effects/smoke.volute",), seconds=1),
-        Step(("effects/smoke.mp4",), f"volute render effects/smoke.volute -o effects/smoke.mp4 {look}", reads=("effects/smoke.volute",), seconds=10)]
+             reads=("effects/smoke.volute",)),
+        Step(("effects/smoke.mp4",), f"volute render effects/smoke.volute -o effects/smoke.mp4 {look}", reads=("effects/smoke.volute",))]
 
 
 def smoke_section(scale):
@@ -126,26 +126,26 @@ def smoke_section(scale):
          Command("effects/smoke.volute", lambda r: f"The compressed file, {bytes_of(r.size('effects/smoke.volute'))}", wide=False)))
 
 
-def put_fog(out, *more, folder="effects/valley", cell=8, degree=2, frames="", seconds=1.0, makes=None, reads=()):
+def put_fog(out, *more, folder="effects/valley", cell=8, degree=2, frames="", makes=None, reads=()):
     """A step that puts a painted map's fog on frames of the valley; splines of every degree peak where the map's pixels are."""
     origin = f"{-degree * cell / 2:g}"
     words = (f"volute fog {folder}/fogmap.png --color {folder}/color{frames}.{'png' if frames else 'exr'} --depth {folder}/depth{frames}.exr "
              f"--camera {folder}/camera{frames}.json -o {out} --degree {degree} --origin={origin},{origin},0 --cell {cell} --sigma-max {SIGMA} "
              f"--profile {PROFILE}")
-    return Step((out,), " ".join((words, *more)), reads=(f"{folder}/", *reads), seconds=seconds)
+    return Step((out,), " ".join((words, *more)), reads=(f"{folder}/", *reads))
 
 
 def valley(scale):
     frames, pixels = scale.pick((40, "480x270"), (16, "240x136"))
     return [
-        Step(("effects/valley/",), "volute synthesize valley -o effects/valley --pixels 640x360 --size 64 --geometry", seconds=2),
+        Step(("effects/valley/",), "volute synthesize valley -o effects/valley --pixels 640x360 --size 64 --geometry"),
         put_fog("effects/fog.png"),
         put_fog("effects/fog_sun.png", "--sun=-0.45,-0.85,-0.42 --sun-radiance 3,2.3,1.5 --asymmetry 0.6 --fog-color 0.28,0.33,0.40",
-                "--geometry effects/valley/valley.glb", seconds=4),
+                "--geometry effects/valley/valley.glb"),
         Step(("effects/fog_none.png",), "volute fog effects/valley/fogmap.png --color effects/valley/color.exr --depth effects/valley/depth.exr "
-             "--camera effects/valley/camera.json -o effects/fog_none.png --sigma-max 0", reads=("effects/valley/",), seconds=0.5),
-        Step(("effects/flight/",), f"volute synthesize valley -o effects/flight --pixels {pixels} --size 64 --frames {frames}", seconds=8),
-        put_fog("effects/flight.mp4", "--wind 3,-1,0 --rate 16", folder="effects/flight", frames="_%04d", seconds=15)]
+             "--camera effects/valley/camera.json -o effects/fog_none.png --sigma-max 0", reads=("effects/valley/",)),
+        Step(("effects/flight/",), f"volute synthesize valley -o effects/flight --pixels {pixels} --size 64 --frames {frames}"),
+        put_fog("effects/flight.mp4", "--wind 3,-1,0 --rate 16", folder="effects/flight", frames="_%04d")]
 
 
 def evening(scale):
@@ -154,7 +154,7 @@ def evening(scale):
     time, pixels = scale.pick((1.28, (640, 360)), (0.48, (320, 180)))
     return [
         Step((scene,), work=fire_in_fog.write_scene, arguments=("effects/valley/", volute(RMS), scene, pixels, SIGMA), reads=("effects/valley/",)),
-        Step((out,), f"volute render {scene} -o {out} --time {time} --exposure 2", reads=(scene, "effects/valley/", volute(RMS)), seconds=10)]
+        Step((out,), f"volute render {scene} -o {out} --time {time} --exposure 2", reads=(scene, "effects/valley/", volute(RMS)))]
 
 
 def evening_section():

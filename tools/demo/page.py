@@ -251,7 +251,7 @@ class Page:
 
     def html(self, stamp):
         doors = "".join(self.door(chapter) for chapter in self.plan.chapters if chapter.door)
-        others = "".join(f'<p>Further down: <a href="#{chapter.name}">{text(chapter.title)}</a>. {text(chapter.sentence)}</p>'
+        others = "".join(f'<p class="further">Further down: <a href="#{chapter.name}">{text(chapter.title)}</a>. {text(chapter.sentence)}</p>'
                          for chapter in self.plan.chapters if not chapter.door)
         seconds = sum(self.state.seconds().get(name, 0) for name in self.done)
         size = "Sizes are the quick demo's; without --quick all is larger. " if self.quick else ""
@@ -264,8 +264,8 @@ class Page:
         return (f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, '
                 f'initial-scale=1"><title>{TITLE}</title>{refresh}<link rel="icon" href="data:,"><style>{style}</style></head>\n'
                 f'<body><header><h1>{TITLE}</h1><p class="subtitle">{SUBTITLE}</p>{self.status(stamp)}<div class="doors">{doors}</div>'
-                f'{self.shell()}</header>\n<main>' + "\n".join(self.chapter(chapter) for chapter in self.plan.chapters) +
-                f"</main>\n<footer>{others}<p>Everything on this page is made from seeds by <code>{self.command()}</code> on this machine, in "
+                f'{others}{self.shell()}</header>\n<main>' + "\n".join(self.chapter(chapter) for chapter in self.plan.chapters) +
+                f"</main>\n<footer><p>Everything on this page is made from seeds by <code>{self.command()}</code> on this machine, in "
                 f"{seconds:.0f}{NBSP}s of processor time without compiling. {size}{time.strftime('%Y-%m-%d')}.</p></footer>"
                 f"<script>{script}</script></body></html>\n")
 

@@ -36,15 +36,15 @@ def tree_steps(scale):
     steps = []
     for name, look in SEQUENCES.items():
         steps += [
-            Step((npy(name),), f"volute synthesize {name} -o {npy(name)} --size {voxels} --frames {frames}", seconds=3),
-            Step((crude(name),), f"volute compress {npy(name)} -o {crude(name)} --size {int(CRUDE * raw_bytes(scale))} --fast", reads=(npy(name),), seconds=10),
+            Step((npy(name),), f"volute synthesize {name} -o {npy(name)} --size {voxels} --frames {frames}"),
+            Step((crude(name),), f"volute compress {npy(name)} -o {crude(name)} --size {int(CRUDE * raw_bytes(scale))} --fast", reads=(npy(name),)),
             Step((f"papers/{name}_{CRUDE}.png",), f"volute render {crude(name)} -o papers/{name}_{CRUDE}.png --time {frames / 2 / 25:g} --ortho 1 "
-                 f"--eye 0.5,-1.5,0.5 --target 0.5,0.5,0.5 --size 384x384 --extinction {look['extinction']}", reads=(crude(name),), seconds=0.5)]
+                 f"--eye 0.5,-1.5,0.5 --target 0.5,0.5,0.5 --size 384x384 --extinction {look['extinction']}", reads=(crude(name),))]
     steps.append(Build("volute-paper-figures", 20))
     for name, look in SEQUENCES.items():
         rates = ",".join(map(str, look["rates"]))
         steps.append(Step((strip(name),), f"volute-paper-figures {npy(name)} --rates {rates} --strip {strip(name)}paper --extinction {look['extinction']}",
-                          reads=(npy(name),), seconds=60))
+                          reads=(npy(name),)))
     return steps
 
 
@@ -93,7 +93,7 @@ def strip_caption(name, scale):
         errors = ", ".join(f"{digits(row['rms'])} at {row['rate']:.3f}" for row in rows)
         ours = results.report(crude(name))
         return (f"These are the paper's rates and its Haar tree, not the product's: relative RMS {errors}. Volute's codec needs {bytes_of(results.size(crude(name)))} on disk, "
-                f"no more than the paper's tree takes at {CRUDE}, for a relative RMS of {digits(ours['relative_rms'])}. Orthographic, {SEQUENCES[name]['mode']}")
+                f"no more than the paper's tree takes at {CRUDE}, for a relative RMS of {digits(ours['relative_rms'])}. Orthographic, voxels drawn as boxes, {SEQUENCES[name]['mode']}")
     return say
 
 
@@ -124,7 +124,7 @@ MUS = (1, 0.7, 0.4, 0)
 
 def fog_steps():
     return [
-        Step(("papers/coarse/",), "volute synthesize valley -o papers/coarse --pixels 16x9 --size 32", seconds=0.3),
+        Step(("papers/coarse/",), "volute synthesize valley -o papers/coarse --pixels 16x9 --size 32"),
         *(coarse_fog(degree) for degree in KINDS),
         *(put_fog(f"papers/fog_level_{n}.png", f"--levels {n} --mu 0", degree=1) for n in range(4)),
         *(put_fog(f"papers/fog_mu_{mu}.png", f"--levels 3 --mu {mu}", degree=1) for mu in MUS)]
@@ -133,7 +133,7 @@ def fog_steps():
 def coarse_fog(degree):
     """The frame of the valley with a map of half its resolution, which lets splines be told apart."""
     step = put_fog(f"papers/fog_degree_{degree}.png", degree=degree, cell=16, reads=("papers/coarse/",))
-    return Step(step.makes, step.command.replace("effects/valley/fogmap.png", "papers/coarse/fogmap.png"), reads=step.reads, seconds=step.seconds)
+    return Step(step.makes, step.command.replace("effects/valley/fogmap.png", "papers/coarse/fogmap.png"), reads=step.reads)
 
 
 def fog_section():
@@ -174,14 +174,14 @@ def hall_scene(name, **what):
 
 def smoke_steps():
     return [
-        Step((BALL,), f"volute synthesize ball -o {BALL}", seconds=0.5),
+        Step((BALL,), f"volute synthesize ball -o {BALL}"),
         hall_scene("outside", camera=OUTSIDE), hall_scene("unlit", lights=UNLIT), hall_scene("threshold", mode="threshold"), hall_scene("lit"),
         json_file("papers/ball.json", BALL_SCENE), json_file("papers/ball_unlit.json", {**BALL_SCENE, "lights": UNLIT}),
         *(still("papers/hall_outside.json", f"papers/by_{name}.png", SHOWN, "--legend", *filter(None, (words,))) for name, _, words in MEANS),
         *(still("papers/hall_lit.json" if name == "lit" else f"papers/hall_{name}.json", f"papers/hall_{name}.png", SHOWN)
           for name in ("lit", "unlit", "threshold")),
         still("papers/hall_lit.json", "papers/depth.png", SHOWN, "--aov optical-depth --colormap viridis --legend", exposure=1 / 8),
-        *(still(f"papers/{name}.json", f"papers/{name}.png", 0, reads=(BALL,), seconds=1.5) for name in ("ball", "ball_unlit"))]
+        *(still(f"papers/{name}.json", f"papers/{name}.png", 0, reads=(BALL,)) for name in ("ball", "ball_unlit"))]
 
 
 def smoke_section():

@@ -6,23 +6,24 @@ Running, going on, time left and the page are all derived from this.
 """
 import dataclasses
 import json
+import pathlib
 import shlex
 import typing
+
+HERE = pathlib.Path(__file__).resolve().parent
 
 
 @dataclasses.dataclass(frozen=True)
 class Step:
     """Makes files, by a command that the page shows or by a function of the demo's own.
 
-    Paths are relative to the output folder; one that ends in "/" is a folder, made anew. `seconds` is processor time
-    as measured on two cores of 2024.
+    Paths are relative to the output folder; one that ends in "/" is a folder, made anew.
     """
     makes: tuple
     command: str = ""
     work: typing.Callable = None  # work(folder, *arguments), where there is no command
     arguments: tuple = ()
     reads: tuple = ()
-    seconds: float = 0.05
 
     @property
     def name(self):
@@ -117,8 +118,10 @@ class Chapter:
 class Plan:
     """All chapters. A file is made by one step, and read after it was made."""
 
-    def __init__(self, chapters):
+    def __init__(self, chapters, measured=None):
+        """`measured`: {step: processor seconds}, as Scale.measured reads them."""
         self.chapters = tuple(chapters)
+        self.measured = measured or {}
         self.steps = [step for chapter in self.chapters for step in chapter.steps]
         self.maker = {}
         for step in self.steps:
@@ -131,6 +134,10 @@ class Plan:
                 if file in self.maker:
                     raise ValueError(f"{file} is made twice")
                 self.maker[file] = step
+
+    def seconds(self, step):
+        """Processor time that a step takes on the machine of the table."""
+        return step.seconds if isinstance(step, Build) else self.measured.get(step.name, 1.0)
 
     def step_of(self, file):
         """The step that makes this file, or a folder that holds it."""
@@ -169,3 +176,10 @@ class Scale:
 
     def pick(self, whole, quick):
         return quick if self.quick else whole
+
+    def table(self):
+        """Where the seconds of this size are kept; `python3 tools/demo --measured` writes them after a whole run."""
+        return HERE / f"seconds_{'quick' if self.quick else 'whole'}.json"
+
+    def measured(self):
+        return json.loads(self.table().read_text(encoding="utf-8"))

@@ -49,7 +49,7 @@ class Runner:
 
     def left(self, without=None):
         """Wall seconds of what is left, `without` a step that is counted otherwise."""
-        return sum(self.forecast.compiling(self.builds[step.name]) if isinstance(step, Build) else self.forecast.wall(step.seconds)
+        return sum(self.forecast.compiling(self.builds[step.name]) if isinstance(step, Build) else self.forecast.wall(self.plan.seconds(step))
                    for step in self.todo() if step is not without and step.name not in self.failed)
 
     # What is told
@@ -97,10 +97,10 @@ class Runner:
     def make(self, step):
         steps = [one for one in self.plan.steps if not isinstance(one, Build)]
         rest = self.left(without=step)
-        expected = self.forecast.wall(step.seconds)
+        expected = self.forecast.wall(self.plan.seconds(step))
         begin, cpu = time.monotonic(), processor_seconds()
         text = f"Making {step.name}"
-        if step.seconds > 0.2:
+        if self.plan.seconds(step) > 0.2:
             say(f"[{steps.index(step) + 1}/{len(steps)}] {step.name}; {spoken(rest + expected)} left")
         self.status(text, rest + expected)
         self.state.prepare(step)
@@ -117,7 +117,7 @@ class Runner:
                 raise Failed(f"{step.work.__module__}.{step.work.__name__}: {error!r}") from error
         spent = processor_seconds() - cpu
         self.state.finish(step, spent, report)
-        self.forecast.seen(step.seconds, time.monotonic() - begin)
+        self.forecast.seen(self.plan.seconds(step), time.monotonic() - begin)
 
     def blocked(self, step):
         """An input or a program that the step needs and that could not be made; None where all is there."""
