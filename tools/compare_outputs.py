@@ -23,7 +23,7 @@ SIGNS = {"signs": [{"name": "far", "position": [20, 6, 2.5], "normal": [-1, 0, 0
 CORRIDOR_SIGNS = {"signs": [{"name": "exit", "position": [8, 1, 2], "normal": [-1, 0, 0], "angle_law": "any"}]}
 SMOKE = "--field soot --quantity soot-density --unit g/m3"
 
-# A line each; {VOLUTE} files of the default effort are named out*.volute and compared by size.
+# A line each; .volute files of the default effort are named out_*.volute and compared by size.
 INPUTS = f"""
 synthesize fire -o fire.npy --size 32 --frames 20
 synthesize flame -o flame.npy --size 32 --frames 18 --seed 3
@@ -224,7 +224,7 @@ def main():
         (first.folder / "data").symlink_to(arguments.data.resolve())
         for name, text in WITH_DATA.items():
             if (arguments.data / name).is_dir():
-                lines += [line for line in text.format(smoke=SMOKE).splitlines() if line]
+                lines += [line for line in text.format(smoke=SMOKE.replace("soot ", "smoke ", 1)).splitlines() if line]
         for name, packed in PACKED.items():
             source = arguments.data / "volumes" / f"{packed}.npy.zst"
             if source.is_file() and re.search(arguments.only, "compress"):
@@ -234,9 +234,11 @@ def main():
     comparison = Comparison([first, second], arguments.growth)
     lines = [line for line in lines if re.search(arguments.only, line)]
     for number, line in enumerate(lines):
-        print(f"\r{number + 1} of {len(lines)}: {line[:90]:<90}", end="", file=sys.stderr, flush=True)
+        if sys.stderr.isatty():
+            print(f"\r{number + 1} of {len(lines)}: {line[:90]:<90}", end="", file=sys.stderr, flush=True)
         comparison.run(line)
-    print("\r" + " " * 110 + "\r", end="", file=sys.stderr)
+    if sys.stderr.isatty():
+        print("\r" + " " * 110 + "\r", end="", file=sys.stderr)
     comparison.compare_files()
     comparison.read_each_others()
     if (second.folder / "out_threads.volute").exists() and (second.folder / "out_thread.volute").exists():
