@@ -88,7 +88,7 @@ class Page:
         self.done = {step.name for step in plan.steps if not isinstance(step, Build) and state.done(step)}
 
     def made(self, *files):
-        return all(self.plan.step_of(file).name in self.done for file in files)
+        return all(self.plan.step_of(file).name in self.done and (self.state.out / file).exists() for file in files)
 
     def say(self, value):
         """A text, or what a function makes of the results; nothing where they are still missing."""
