@@ -4,7 +4,8 @@
 import math
 
 import errors
-from plan import Chapter, Command, Fact, Picture, Section, Step, Wipe, json_file
+from descriptions import json_file
+from plan import Chapter, Command, Fact, Picture, Section, Step, Wipe
 from words import NBSP, bytes_of, digits, percent
 
 COUNT, FOCAL, DISTANCE = 8, 300, 5.0

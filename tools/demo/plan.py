@@ -151,23 +151,6 @@ class Plan:
         raise KeyError(f"no step makes {file}")
 
 
-def write_json(folder, path, value):
-    (folder / path).write_text(json.dumps(value, indent=1) + "\n", encoding="utf-8")
-
-
-def json_file(path, value):
-    """A step that writes a description for the programs: a scene, cameras, signs."""
-    return Step((path,), work=write_json, arguments=(path, value))
-
-
-def write_text(folder, path, value):
-    (folder / path).write_text(value, encoding="utf-8")
-
-
-def text_file(path, value):
-    return Step((path,), work=write_text, arguments=(path, value))
-
-
 class Scale:
     """How large everything is."""
 

@@ -1,28 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """For fire engineers: a burning building as FDS writes it, from where its exit signs are seen, and how long; a hall as a person in it sees it."""
-import heapq
 import json
-import math
-import pathlib
-import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-import fds_case
-from plan import Chapter, Choice, Command, Drawn, Fact, Picture, Section, Step, json_file, text_file
+import building
+from descriptions import json_file, text_file
+from plan import Chapter, Choice, Drawn, Fact, Picture, Section, Step
 from words import NBSP, percent
 
 # A hall with rooms, as FDS would write it
-SIZE, CELL, HEIGHT = (24.0, 10.0, 3.0), 0.25, 1.75
-WALLS = [(6, 6.25, 0, 3.5), (6, 6.25, 6.5, 10), (11, 11.25, 3, 7), (16, 16.25, 0, 4), (16, 16.25, 7, 10),
-         (18, 21, 4.5, 4.75)]  # boxes x0 x1 y0 y1
-FIRE = (20.5, 8.0)
+HEIGHT = 1.75  # of eyes above the floor [m]
 SIGNS = [{"name": "west exit", "position": [0, 5, 2.25], "normal": [1, 0, 0], "size": [0.6, 0.3], "emitting": True},
          {"name": "north exit", "position": [13.5, 10, 2.25], "normal": [0, -1, 0], "size": [0.6, 0.3]}]
 ROUTE = "x,y\n22,2\n17.5,3\n15.5,5.5\n12.5,8\n8,8\n5,5\n0.5,5\n"
 CASE, SIGNS_FILE = "safety/building/building.smv", "safety/signs.json"
 BUILDING = "safety/building/"
-
 
 # The same seen from above: FDS's walls and smoke, the signs, and a floor with the two far walls.
 SHELL, OVERVIEW, OVERVIEW_TIMES = "safety/shell.obj", "safety/overview.json", (20, 60, 120, 180)
@@ -51,49 +43,6 @@ OVERVIEW_SCENE = {
 
 def overview(time):
     return f"safety/overview_{time}.png"
-
-
-def spread(cell):
-    """Metres that smoke travels from the fire to each square of the plan, through doors: {(i, j): m}."""
-    nx, ny = (round(s / cell) for s in SIZE[:2])
-    solid = {(i, j) for i in range(nx) for j in range(ny)
-             if any(x0 < (i + .5) * cell < x1 and y0 < (j + .5) * cell < y1 for x0, x1, y0, y1 in WALLS)}
-    steps = [(di, dj, cell * math.hypot(di, dj)) for di in (-2, -1, 0, 1, 2) for dj in (-2, -1, 0, 1, 2)
-             if math.gcd(di, dj) == 1]
-    start = (int(FIRE[0] / cell), int(FIRE[1] / cell))
-    far, queue = {start: 0.0}, [(0.0, start)]
-    while queue:
-        distance, (i, j) = heapq.heappop(queue)
-        if distance > far[i, j]:
-            continue
-        for di, dj, length in steps:
-            place = (i + di, j + dj)
-            between = {(i + (di + s) // 2, j + (dj + s) // 2) for s in (0, 1)}
-            inside = 0 <= place[0] < nx and 0 <= place[1] < ny
-            if inside and place not in solid and not between & solid and distance + length < far.get(place, 1e9):
-                far[place] = distance + length
-                heapq.heappush(queue, (distance + length, place))
-    return far
-
-
-def make_building(folder, cell, times):
-    """Writes building.smv: smoke that spreads below the ceiling at 0.35 m/s and thickens and sinks behind its front."""
-    far = spread(cell)
-
-    def extinction(time, x, y, z):
-        distance = far.get((int(x / cell), int(y / cell)))
-        if distance is None:
-            return 0.0
-        age = time - distance / 0.35
-        if age <= 0:
-            return 0.0
-        layer = 3.0 - 2.2 * (1 - math.exp(-age / 90)) + 0.15 * math.sin(1.7 * x + 0.05 * time) * math.cos(1.3 * y)
-        thick = 0.9 * (1 - math.exp(-age / 120)) * (0.35 + math.exp(-distance / 12))
-        return thick / (1 + math.exp((layer - z) / 0.15))
-
-    mesh = fds_case.Mesh("building", [v for s in SIZE for v in (0, s)], [round(s / cell) for s in SIZE],
-                         [box + (0, SIZE[2]) for box in WALLS])
-    fds_case.FdsCase([mesh], times, extinction).write(folder / BUILDING, "building")
 
 
 # A hall of tetrahedra beside a room on fire
@@ -157,7 +106,7 @@ def building_steps(scale):
     cell, interval = scale.pick((0.25, 10.0), (0.25, 20.0))
     times = tuple(interval * i for i in range(round(180 / interval) + 1))
     return times, [
-        Step((BUILDING,), work=make_building, arguments=(cell, times)),
+        Step((BUILDING,), work=building.make, arguments=(BUILDING, cell, times)),
         json_file(SIGNS_FILE, {"signs": SIGNS}),
         text_file("safety/route.csv", ROUTE),
         Step(("safety/plan/",), f"volute visibility {CASE} --signs {SIGNS_FILE} --height {HEIGHT} --step {scale.pick(0.125, 0.25)} -o safety/plan",
@@ -235,6 +184,6 @@ def hall_section(scale):
 
 
 def chapter(scale):
-    times, building = building_steps(scale)
+    times, hall_with_rooms = building_steps(scale)
     return Chapter("safety", "Fire safety", "A burning building: from where are its exit signs seen, for how long, and what does a person in the smoke see?",
-                   (*building, *hall_steps(scale)), (building_section(scale, times), hall_section(scale)), door=(overview(120), "safety/plan/aset.png"))
+                   (*hall_with_rooms, *hall_steps(scale)), (building_section(scale, times), hall_section(scale)), door=(overview(120), "safety/plan/aset.png"))

@@ -78,7 +78,7 @@ class State:
         self.stamps.clear()
 
     def stamp(self, step):
-        """What a step's outputs depend on: its words, its program or function, and the same of what it reads."""
+        """What a step's outputs depend on: its words, its program or its function's whole module, and the same of what it reads."""
         if step.name not in self.stamps:
             if step.command:
                 own = (step.command, self.program(step.words[0]))
