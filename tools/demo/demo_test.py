@@ -101,7 +101,7 @@ class Demo(unittest.TestCase):
             for part in (part for section in chapter.sections for part in section.parts):
                 for file in page.files_of(part):
                     self.assert_in_page(f'"{file}"', html)
-        for part in ("MB on this disk", "four chapters (", "Ctrl-C stops it", "[2/"):
+        for part in ("MB on this disk", "four chapters (", "Ctrl-C stops it", "[1/"):
             self.assertIn(part, errors)
 
         self.assertEqual(self.run_demo(), 0, self.errors)

@@ -161,7 +161,7 @@ def evening_section():
     return Section(
         "Everything in one scene",
         ("[fire_in_fog.json](effects/fire_in_fog.json) has the valley's surfaces, a weak sun, the painted fog, and the compressed fire standing in it, "
-         f"{fire_in_fog.FIRE_METRES}{NBSP}m high. `volute view effects/fire_in_fog.json` opens it in a window, where fog is painted with a brush.",),
+         f"{fire_in_fog.FIRE_METRES}{NBSP}m high. `volute view effects/fire_in_fog.json` opens it in a window, where fog is painted with a brush; `./dev build` compiles that.",),
         (Picture("effects/fire_in_fog.png", "A bonfire in the fog at dusk", "Fire and fog add along each ray and end at surfaces; linear light, exposure 2, sRGB"),), columns=1)
 
 

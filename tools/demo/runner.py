@@ -70,9 +70,7 @@ class Runner:
     # What is done
 
     def compile(self, build):
-        if self.builds[build.name] == 0 and (self.state.programs / build.target).is_file():
-            say(f"{build.target} is built")
-        else:
+        if self.builds[build.name] > 5:
             say(f"compiling {build.target}: {spoken(self.forecast.compiling(self.builds[build.name]))}")
         begin, cpu = time.monotonic(), processor_seconds()
         last = [begin]
