@@ -96,7 +96,7 @@ compress fire64.npy -o fast_d_fire.volute --rms 3e-3 --frames 0:16 --fast
 render data/volumes/fire_flame_vdb -o d_flame.png --size 320x240 --frames 20:21
 """,
     "capture_fire": """
-reconstruct data/capture_fire/capture.json -o d_fire.volute --resolution 32 --frames 37:38
+reconstruct data/capture_fire/capture.json -o out_d_rebuilt.volute --resolution 32 --frames 37:38
 project fire.volute data/capture_fire/capture.json -o d_{{camera}}_%04d.exr --frames 0:1
 """,
     "fds": """
