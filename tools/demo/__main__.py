@@ -26,8 +26,8 @@ from runner import Runner, say
 from state import State
 
 # What is built and what is made take on disk.
-BUILD_MEGABYTES = 700
-DEMO_MEGABYTES = {False: 400, True: 100}
+BUILD_MEGABYTES = 150
+DEMO_MEGABYTES = {False: 540, True: 110}
 
 
 def whole_plan(quick):

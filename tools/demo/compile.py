@@ -28,9 +28,12 @@ class Compiler:
         """(commands left, commands in all) of a target, by ninja itself; None where that is not known before configuring."""
         if not (self.folder / "build.ninja").is_file():
             return None
-        def count(*words):
-            done = subprocess.run(["ninja", "-C", str(self.folder), "-n", *words, target], stdout=subprocess.PIPE,
+
+        def count():
+            done = subprocess.run(["ninja", "-C", str(self.folder), "-n", target], stdout=subprocess.PIPE,
                                   stderr=subprocess.DEVNULL, text=True)
+            if "Re-running CMake" in done.stdout:
+                raise OSError("what is left is known only after configuring")
             found = re.findall(r"^\[\d+/(\d+)\]", done.stdout, re.MULTILINE)
             return int(found[-1]) if found else 0
         try:
