@@ -63,7 +63,8 @@ def haze_table(results):
     lit = results.report("effects/haze.json")["lit"]
     rows = [[f"`--rms {rms}`", bytes_of(results.size(volute(rms))), ratio(results, "effects/fire/", volute(rms)),
              percent(lit[f"effects/fire_{rms}.exr"]["share"]), lit[f"effects/fire_{rms}.exr"]["brightest"]] for rms in (RMS, *COARSER)]
-    return {"caption": "Black: what the original's picture three stops up stores as 0 in all channels. One frame of this run's fire, all by `--fast`.",
+    return {"caption": "Black: what the original's picture three stops up stores as 0 in all channels. One frame of this run's fire, all by "
+                       "`--fast`.",
             "columns": ["setting", "file on disk", "the .vdb files to it", "black pixels lit", "brightest of them, of 255"], "rows": rows}
 
 
@@ -119,7 +120,8 @@ def smoke_section(scale):
     voxels, frames = scale.pick((64, 48), (48, 16))
     return Section(
         "Smoke",
-        (f"Calm and full, where the fire was fast and mostly empty: {frames} frames of {voxels}³ voxels, RGB. It emits and absorbs, 1.5{NBSP}/m per unit.",),
+        (f"Calm and full, where the fire was fast and mostly empty: {frames} frames of {voxels}³ voxels, RGB. It emits and absorbs, "
+         f"1.5{NBSP}/m per unit.",),
         (Fact(lambda r: ratio(r, "effects/smoke/", "effects/smoke.volute"), "the .vdb files on disk to the .volute",
               ("effects/smoke/", "effects/smoke.volute")),
          Picture("effects/smoke.mp4", "The film", "Trilinear between voxel centres; perspective 30°, exposure set once, sRGB", poster="effects/smoke.png"),
@@ -160,9 +162,12 @@ def evening(scale):
 def evening_section():
     return Section(
         "Everything in one scene",
-        ("[fire_in_fog.json](effects/fire_in_fog.json) has the valley's surfaces, a weak sun, the painted fog, and the compressed fire standing in it, "
-         f"{fire_in_fog.FIRE_METRES}{NBSP}m high. `volute view effects/fire_in_fog.json` opens it in a window, where fog is painted with a brush; `./dev build` compiles that.",),
-        (Picture("effects/fire_in_fog.png", "A bonfire in the fog at dusk", "Fire and fog add along each ray and end at surfaces; linear light, exposure 2, sRGB"),), columns=1)
+        ("[fire_in_fog.json](effects/fire_in_fog.json) has the valley's surfaces, a weak sun, the painted fog, and the compressed fire "
+         "standing in it, "
+         f"{fire_in_fog.FIRE_METRES}{NBSP}m high. `volute view effects/fire_in_fog.json` opens it in a window, where fog is painted with a "
+         "brush; `./dev build` compiles that.",),
+        (Picture("effects/fire_in_fog.png", "A bonfire in the fog at dusk", "Fire and fog add along each ray and end at surfaces; linear "
+                                                                            "light, exposure 2, sRGB"),), columns=1)
 
 
 def valley_section(scale):
@@ -170,9 +175,11 @@ def valley_section(scale):
     look = "perspective 50°, linear light, shown as sRGB"
     return Section(
         "Fog over a valley",
-        ("Fog is painted: a map says how thick it is at each place, a profile how it thins with height. The valley is a picture with depths, as any renderer "
+        ("Fog is painted: a map says how thick it is at each place, a profile how it thins with height. The valley is a picture with "
+         "depths, as any renderer "
          "gives it; `volute fog` integrates the fog from the eye to each pixel's depth, exactly in every cell of the map.",),
-        (Fact(lambda r: f"{r.report('effects/flight.mp4')['milliseconds'] / frames:.0f}{NBSP}ms", "a frame of the flight, reading and encoding included",
+        (Fact(lambda r: f"{r.report('effects/flight.mp4')['milliseconds'] / frames:.0f}{NBSP}ms", "a frame of the flight, reading and "
+                                                                                                  "encoding included",
               ("effects/flight.mp4",)),
          Wipe(("effects/fog_none.png", "frame"), ("effects/fog_sun.png", "fog"), "A low sun in the fog",
               f"Its light is scattered once, and shadowed by the fog itself and by hills, trees and houses; {look}"),
@@ -185,5 +192,7 @@ def chapter(scale):
     return Chapter(
         "effects", "Effects", "A sequence of volumes compressed, looked at, filmed, and given back to Blender as .vdb; fog painted over a valley.",
         # The first picture waits for the command and what reads .vdb; the other readers come behind it.
-        (Build("volute", BUILD_SECONDS), Build("volute_io_vdb", 35), *fire(scale)[:2], Build("volute-plugins", 55), *fire(scale)[2:], *valley(scale), *evening(scale), *smoke(scale)),
-        (fire_section(scale), haze_section(), valley_section(scale), evening_section(), smoke_section(scale)), door=("effects/fire_in_fog.png", "effects/fire.png", "effects/original.png"))
+        (Build("volute", BUILD_SECONDS), Build("volute_io_vdb", 35), *fire(scale)[:2], Build("volute-plugins", 55), *fire(scale)[2:],
+         *valley(scale), *evening(scale), *smoke(scale)),
+        (fire_section(scale), haze_section(), valley_section(scale), evening_section(), smoke_section(scale)),
+        door=("effects/fire_in_fog.png", "effects/fire.png", "effects/original.png"))

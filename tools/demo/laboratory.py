@@ -42,7 +42,8 @@ def steps(voxels, pixels):
     views = tuple(f"laboratory/views/c{i}_0000.exr" for i in range(COUNT))
 
     def picture(source, read, name, basis):
-        return [Step((f"laboratory/{name}.{kind}",), f"volute render {source} -o laboratory/{name}.{kind} {LOOK} --basis {basis}{shown}", reads=(read,)) for kind, shown in (("png", f" --exposure {EXPOSURE}"), ("exr", ""))]
+        return [Step((f"laboratory/{name}.{kind}",), f"volute render {source} -o laboratory/{name}.{kind} {LOOK} --basis {basis}{shown}",
+                     reads=(read,)) for kind, shown in (("png", f" --exposure {EXPOSURE}"), ("exr", ""))]
 
     return (
         Step((TRUTH,), f"volute synthesize fire -o {TRUTH} --size {voxels} --frames 1 --seed 3"),
@@ -74,11 +75,15 @@ def chapter(scale):
          Command("laboratory/views/", "What cameras would do; the pictures are linear EXR")), columns=1)
     found = Section(
         "The volume that explains it",
-        ("`volute reconstruct` looks for the emission whose line integrals are those pictures: at least zero everywhere, and zero where a camera sees nothing. "
-         f"It has half of the fire's resolution, {voxels // 2}³, and another basis, trilinear, so what it is compared with is nothing that it could copy.",
-         "Both are seen from a side where no camera stood. [The report](laboratory/report.html) has each camera's picture beside what the volume would show it."),
+        ("`volute reconstruct` looks for the emission whose line integrals are those pictures: at least zero everywhere, and zero where a "
+         "camera sees nothing. "
+         f"It has half of the fire's resolution, {voxels // 2}³, and another basis, trilinear, so what it is compared with is nothing that "
+         "it could copy.",
+         "Both are seen from a side where no camera stood. [The report](laboratory/report.html) has each camera's picture beside what the "
+         "volume would show it."),
         (Fact(lambda r: percent(r.report("laboratory/difference.png")["relative_l2"]), "relative L2 error of the new view", ("laboratory/difference.png",)),
-         Fact(lambda r: percent(r.report("laboratory/volume_error.json")["relative_l2"]), "relative L2 error of the volume, to means of 2³ of the fire's voxels",
+         Fact(lambda r: percent(r.report("laboratory/volume_error.json")["relative_l2"]), "relative L2 error of the volume, to means of 2³ "
+                                                                                          "of the fire's voxels",
               ("laboratory/volume_error.json",)),
          Fact(lambda r: f"{digits(r.report(FOUND)['seconds_per_frame'])}{NBSP}s", "to reconstruct the frame", (FOUND,)),
          Fact(lambda r: percent(r.report(FOUND)["hull_share"]), "of the voxels are in the visual hull", (FOUND,)),
@@ -87,5 +92,6 @@ def chapter(scale):
                  lambda r: "Length of the RGB difference in linear light; viridis, violet is 0 and yellow "
                            f"{percent(r.report('laboratory/difference.png')['largest'])} of the fire's brightest channel"),
          Command(FOUND, lambda r: f"The reconstruction, {bytes_of(r.size(FOUND))}")))
-    return Chapter("laboratory", "Laboratory", "Eight calibrated cameras film a fire; the volume that explains their pictures, and how far it is off.",
+    return Chapter("laboratory", "Laboratory", "Eight calibrated cameras film a fire; the volume that explains their pictures, and how far "
+                                               "it is off.",
                    steps(voxels, pixels), (seen, found), door=("laboratory/found.png", "laboratory/truth.png", "laboratory/views.png"))

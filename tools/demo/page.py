@@ -213,7 +213,8 @@ class Page:
             if broken and self.ending:
                 waiting = "Could not be made: " + "; ".join(f"{step.name} ({self.failed[step.name][:300]})" for step in broken) + "."
             elif self.ending:
-                waiting = f"{len(left)} of {sum(not isinstance(step, Build) for step in chapter.steps)} steps of this chapter are missing; `{self.command()}` makes them."
+                steps = sum(not isinstance(step, Build) for step in chapter.steps)
+                waiting = f"{len(left)} of {steps} steps of this chapter are missing; `{self.command()}` makes them."
             else:
                 waiting = "More of this chapter is still to come." if any(body for _, body in sections) else "Still to come."
             waiting = f'<p class="waiting">{text(waiting)}</p>'

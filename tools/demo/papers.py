@@ -44,7 +44,8 @@ def tree_steps(scale):
     steps.append(Build("volute-paper-figures", 20))
     for name, look in SEQUENCES.items():
         rates = ",".join(map(str, look["rates"]))
-        steps.append(Step((strip(name),), f"volute-paper-figures {npy(name)} --rates {rates} --strip {strip(name)}paper --extinction {look['extinction']}",
+        steps.append(Step((strip(name),), f"volute-paper-figures {npy(name)} --rates {rates} --strip {strip(name)}paper --extinction "
+                                          f"{look['extinction']}",
                           reads=(npy(name),)))
     return steps
 
@@ -93,8 +94,10 @@ def strip_caption(name, scale):
         rows = results.report(strip(name))["strip"][1:]
         errors = ", ".join(f"{digits(row['rms'])} at {row['rate']:.3f}" for row in rows)
         ours = results.report(crude(name))
-        return (f"These are the paper's rates and its Haar tree, not the product's: relative RMS {errors}. Volute's codec needs {bytes_of(results.size(crude(name)))} on disk, "
-                f"no more than the paper's tree takes at {CRUDE}, for a relative RMS of {digits(ours['relative_rms'])}. Orthographic, voxels drawn as boxes, {SEQUENCES[name]['mode']}")
+        return (f"These are the paper's rates and its Haar tree, not the product's: relative RMS {errors}. Volute's codec needs "
+                f"{bytes_of(results.size(crude(name)))} on disk, "
+                f"no more than the paper's tree takes at {CRUDE}, for a relative RMS of {digits(ours['relative_rms'])}. Orthographic, "
+                f"voxels drawn as boxes, {SEQUENCES[name]['mode']}")
     return say
 
 
@@ -107,11 +110,14 @@ def tree_sections(scale):
     both = tuple(strip(name) for name in SEQUENCES)
     return (
         Section("4D trees: pictures at given bit rates",
-                "Ahrenberg et al. 2005, Figure 9. A bit rate is the size of the tree in memory as a share of raw float32. At the lowest rate Haar's blocks show; the "
+                "Ahrenberg et al. 2005, Figure 9. A bit rate is the size of the tree in memory as a share of raw float32. At the lowest "
+                "rate Haar's blocks show; the "
                 "slider's last picture is from the product's codec at the same size.", tuple(strips)),
         Section("4D trees: error and speed against bit rate",
-                "Figures 7 and 8. Both trees hold the same Haar coefficients: the paper's nodes have positions, float coefficients and child offsets; the compact ones have "
-                "neither, and one byte a coefficient. Traversal is the paper's algorithm (Figure 6): each of 64³ voxels of the view volume walks the tree from its root. "
+                "Figures 7 and 8. Both trees hold the same Haar coefficients: the paper's nodes have positions, float coefficients and "
+                "child offsets; the compact ones have "
+                "neither, and one byte a coefficient. Traversal is the paper's algorithm (Figure 6): each of 64³ voxels of the view volume "
+                "walks the tree from its root. "
                 "Slices are how Volute renders: one instant is taken out of the compact tree and marched exactly. Pictures of 64 × 64 pixels.",
                 (Drawn("plot", rate_distortion, (*both, *map(crude, SEQUENCES))), *(Drawn("plot", frame_rate(name), (strip(name),)) for name in SEQUENCES),
                  Drawn("table", zlib_table, both))))
@@ -146,7 +152,8 @@ def fog_section():
          Choice(tuple((f"papers/fog_level_{n}.png", f"{n} removed, cells {8 * 2 ** n} m") for n in range(4)), "Levels of details removed",
                 "The coarsest level alone, linear. The mass of the fog stays, and no level becomes negative", start=3),
          Choice(tuple((f"papers/fog_mu_{mu}.png", f"mu = {mu}") for mu in MUS), "Details by distance",
-                "Three levels: level L from the finest ends at mu^(3 - L) of the distance to the surface. They are merged into one walk, so mu = 1 costs nothing",
+                "Three levels: level L from the finest ends at mu^(3 - L) of the distance to the surface. They are merged into one walk, so "
+                "mu = 1 costs nothing",
                 start=len(MUS) - 1)), columns=3)
 
 
@@ -189,19 +196,25 @@ def smoke_section():
     after = f"after {SHOWN}{NBSP}s"
     return Section(
         "Smoke on tetrahedra",
-        f"Staubli et al. 2005, Figures 2 and 6, in the hall of the chapter before, {after}; Figures 1 and 8 are that chapter's. A slice has the values of one plane and "
-        "nothing of what lies before and behind it; an isosurface has one value and hides the rest. Neither tells what a person sees, which is the sum along each line of sight.",
+        f"Staubli et al. 2005, Figures 2 and 6, in the hall of the chapter before, {after}; Figures 1 and 8 are that chapter's. A slice has "
+        "the values of one plane and "
+        "nothing of what lies before and behind it; an isosurface has one value and hides the rest. Neither tells what a person sees, which "
+        "is the sum along each line of sight.",
         (Choice(tuple((f"papers/by_{name}.png", words) for name, words, _ in MEANS), "One moment by four means",
-                f"Soot in g/m³ and visibility S = C/K in metres on the plane {PLANE[0]} = {PLANE[1]}{NBSP}m through the fire, C = 3 and K of that point alone; plasma and viridis"),
+                f"Soot in g/m³ and visibility S = C/K in metres on the plane {PLANE[0]} = {PLANE[1]}{NBSP}m through the fire, C = 3 and K "
+                "of that point alone; plasma and viridis"),
          Picture("papers/depth.png", "Optical depth up to the walls", "Natural logarithm, viridis"),
          Wipe(("papers/ball_unlit.png", "no lamp"), ("papers/ball.png", "lamp"), "A ball of smoke under a lamp",
-              "Each corner of the mesh gets what reaches it of every lamp, exactly, through smoke and past walls; smoke scatters it once. Without a lamp the same light "
+              "Each corner of the mesh gets what reaches it of every lamp, exactly, through smoke and past walls; smoke scatters it once. "
+              "Without a lamp the same light "
               "comes from everywhere"),
          Choice((("papers/hall_lit.png", "photometric"), ("papers/hall_threshold.png", "threshold mode"), ("papers/hall_unlit.png", "without lamps")), "The hall in other light",
-                "Photometric: seen through exp(-depth). Threshold: through 10^(-depth / 3), 23 % thinner, where 10 % is left when S = C/K ends. Without lamps: the same light "
+                "Photometric: seen through exp(-depth). Threshold: through 10^(-depth / 3), 23 % thinner, where 10 % is left when S = C/K "
+                "ends. Without lamps: the same light "
                 "from everywhere")))
 
 
 def chapter(scale):
-    return Chapter("papers", "The papers' figures", "Figures of Ahrenberg et al. 2005, Giroud and Biri 2010 and Staubli et al. 2005, made again on the data of this page.",
+    return Chapter("papers", "The papers' figures", "Figures of Ahrenberg et al. 2005, Giroud and Biri 2010 and Staubli et al. 2005, made "
+                                                    "again on the data of this page.",
                    (*fog_steps(), *smoke_steps(), *tree_steps(scale)), (*tree_sections(scale), fog_section(), smoke_section()))

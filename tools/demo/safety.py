@@ -98,7 +98,8 @@ def hall_steps(scale):
         json_file("safety/signs_close.json", changed(HALL_SCENE, mode="threshold", camera=CLOSE)),
         *(still("safety/hall.json", f"safety/hall_{time}.png", time, "--legend") for time in MOMENTS),
         *(still("safety/signs_close.json", f"safety/signs_{time}.png", time, "--legend") for time in SIGN_MOMENTS),
-        Step(("safety/hall.mp4",), f"volute render safety/hall.json -o safety/hall.mp4 --size {film} --speed {speed} --exposure 1 --cache light --legend",
+        Step(("safety/hall.mp4",), f"volute render safety/hall.json -o safety/hall.mp4 --size {film} --speed {speed} --exposure 1 --cache "
+                                   "light --legend",
              reads=("safety/hall.json", HALL))]
 
 
@@ -111,7 +112,8 @@ def building_steps(scale):
         text_file("safety/route.csv", ROUTE),
         Step(("safety/plan/",), f"volute visibility {CASE} --signs {SIGNS_FILE} --height {HEIGHT} --step {scale.pick(0.125, 0.25)} -o safety/plan",
              reads=(BUILDING, SIGNS_FILE)),
-        Step(("safety/route/",), f"volute visibility {CASE} --signs {SIGNS_FILE} --height {HEIGHT} --route safety/route.csv --step 0.25 --start 60 -o safety/route",
+        Step(("safety/route/",), f"volute visibility {CASE} --signs {SIGNS_FILE} --height {HEIGHT} --route safety/route.csv --step 0.25 "
+                                 "--start 60 -o safety/route",
              reads=(BUILDING, SIGNS_FILE, "safety/route.csv")),
         text_file(SHELL, SHELL_OBJ),
         json_file(OVERVIEW, OVERVIEW_SCENE),
@@ -149,8 +151,10 @@ def building_section(scale, times):
     needs = ("safety/plan/",)
     return Section(
         "A burning building: from where are the signs seen, and how long?",
-        ("24 × 10 m with a fire in its east, in the files that the Fire Dynamics Simulator writes. `volute visibility` looks from every point of the plan to both "
-         "signs at every stored time: the optical depth of each sight line is integrated exactly through the cells, and a sign is seen while it is at most C, 8 for the "
+        ("24 × 10 m with a fire in its east, in the files that the Fire Dynamics Simulator writes. `volute visibility` looks from every "
+         "point of the plan to both "
+         "signs at every stored time: the optical depth of each sight line is integrated exactly through the cells, and a sign is seen "
+         "while it is at most C, 8 for the "
          "lit one in the west and 3 for the reflecting one in the north (Jin's rule; docs/visibility.md says what it leaves out).",
          "[report.html](safety/plan/report.html) is what a fire engineer files: all maps, all times, both signs; "
          "[sight.csv](safety/plan/sight.csv) has a row for each eye, sign and time."),
@@ -166,24 +170,29 @@ def building_section(scale, times):
 
 
 def hall_section(scale):
-    cells = scale.pick("about 190 000", "about 60 000")
+    cells = scale.pick("about 180 000", "about 36 000")
     return Section(
         "What a person sees",
-        (f"A hall of 28 × 12 × 6 m beside a room on fire: soot on {cells} tetrahedra, made up from a seed. `volute render` integrates extinction and scattered light "
-         "exactly in each of them; lamps below the ceiling and the fire light the smoke, and the walls through it. Extinction is Km times the soot density, "
+        (f"A hall of 28 × 12 × 6 m beside a room on fire: soot on {cells} tetrahedra, made up from a seed. `volute render` integrates "
+         "extinction and scattered light "
+         "exactly in each of them; lamps below the ceiling and the fire light the smoke, and the walls through it. Extinction is Km times "
+         "the soot density, "
          f"Km = 8700{NBSP}m²/kg.",),
         (Fact(lambda r: f"{r.report('safety/hall.mp4')['milliseconds']['render'] / r.report('safety/hall.mp4')['pictures']:.0f}{NBSP}ms",
               "a picture of the film, walls and signs included", ("safety/hall.mp4",)),
-         Picture("safety/hall.mp4", f"160 s in {160 / scale.pick(25, 40):.0f}", "Photometric: a thing is seen through exp(-optical depth); linear light, exposure 1, sRGB",
+         Picture("safety/hall.mp4", f"160 s in {160 / scale.pick(25, 40):.0f}", "Photometric: a thing is seen through exp(-optical depth); "
+                                                                                "linear light, exposure 1, sRGB",
                  poster=f"safety/hall_{SHOWN}.png"),
          Choice(tuple((f"safety/hall_{time}.png", f"{time} s") for time in MOMENTS), "The same at six moments",
                 "The column, the layer, the flow through the door, and the hall", start=MOMENTS.index(SHOWN)),
          Choice(tuple((f"safety/signs_{time}.png", f"{time} s") for time in SIGN_MOMENTS), "Two signs, 11 m away",
-                "The left one emits light (C = 8), the right one reflects it (C = 3). Threshold mode: a thing has faded to 10 % where S = C/K calls it no longer visible",
+                "The left one emits light (C = 8), the right one reflects it (C = 3). Threshold mode: a thing has faded to 10 % where S = "
+                "C/K calls it no longer visible",
                 start=1)))
 
 
 def chapter(scale):
     times, hall_with_rooms = building_steps(scale)
-    return Chapter("safety", "Fire safety", "A burning building: from where are its exit signs seen, for how long, and what does a person in the smoke see?",
+    return Chapter("safety", "Fire safety", "A burning building: from where are its exit signs seen, for how long, and what does a person "
+                                            "in the smoke see?",
                    (*hall_with_rooms, *hall_steps(scale)), (building_section(scale, times), hall_section(scale)), door=(overview(120), "safety/plan/aset.png"))
