@@ -8,6 +8,8 @@
 #include "bench/benchmark.hpp"
 #include "volute/fog/fog_medium.hpp"
 #include "volute/fog/polar_fog.hpp"
+#include "volute/gl/gl_fog.hpp"
+#include "volute/gl/gl_volume.hpp"
 #include "volute/grid/sequence.hpp"
 #include "volute/grid/voxel_medium.hpp"
 #include "volute/render/render.hpp"
@@ -52,7 +54,7 @@ Result<GlCase> fogCase(std::string name, int side, const FogOptions& options,
                        int width = kPaperWidth, int height = kPaperHeight) {
   VOLUTE_ASSIGN(const auto fog, cloudFog(side, options));
   const AnyMedium medium(fog);
-  return stillCase(std::move(name), width, height, walkersView, {.fogs = {fog}},
+  return stillCase(std::move(name), width, height, walkersView, {{glPart(GlFog{fog})}},
                    [=](const Camera& camera) { return byRender(camera, medium); });
 }
 
@@ -74,7 +76,8 @@ Result<GlCase> paperCase(const std::string& name, int degree, int side, int leve
 Result<GlCase> polarCase(std::string name) {
   VOLUTE_ASSIGN(const auto fog, cloudFog(64, {.degree = 1}));
   return stillCase(std::move(name), kFullWidth, kFullHeight, walkersView,
-                   {.fogs = {fog}, .polarFog = PolarOptions{}}, [=](const Camera& camera) {
+                   {{glPart(GlFog{fog, 1, [](const Camera&) { return PolarOptions{}; }})}},
+                   [=](const Camera& camera) {
                      return byRender(camera, AnyMedium(*PolarFog::make(fog, camera.eye())));
                    });
 }
@@ -110,11 +113,11 @@ Status addTree(const std::string& name, const Sequence& sequence, double error, 
     GlTreeVolume walked{tree, frame, Basis::kBox, info.bounds, 1, extinction};
     walked.skip = skip;
     cases.push_back(stillCase(fmt::format("{}, {}", rate, words), pixels, pixels, view,
-                              {.trees = {walked}}, fromTree));
+                              {{glPart(walked)}}, fromTree));
     cases.back().asLargeAsLast = skip != GlTreeSkip::kNothing;
   }
   cases.push_back(stillCase(rate + ", bricks that are not empty", pixels, pixels, view,
-                            {.volumes = {{slice, 1, extinction}}},
+                            {{glPart(GlVolume{slice, 1, extinction})}},
                             [=](const Camera& camera) { return byRender(camera, medium); }));
   return {};
 }
@@ -159,7 +162,8 @@ Status addTrees(const BenchInput& input, Progress& progress, std::vector<GlCase>
     const AnyMedium medium(VoxelMedium(slice, 1, extinction));
     cases.push_back(stillCase(fmt::format("{}, {} x {} x {} voxels, {}", name, info.x, info.y,
                                           info.z, basis == Basis::kBox ? "box" : "trilinear"),
-                              kFullWidth, kFullHeight, view, {.volumes = {{slice, 1, extinction}}},
+                              kFullWidth, kFullHeight, view,
+                              {{glPart(GlVolume{slice, 1, extinction})}},
                               [=](const Camera& camera) { return byRender(camera, medium); }));
   }
   return {};

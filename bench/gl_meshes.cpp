@@ -7,6 +7,7 @@
 #include "bench/benchmark.hpp"
 #include "bench/gl_cases.hpp"
 #include "bench/smoke_views.hpp"
+#include "volute/gl/gl_smoke.hpp"
 #include "volute/tetmesh/tet_splat.hpp"
 
 namespace volute::bench {
@@ -92,10 +93,10 @@ using Scenes = std::shared_ptr<const std::vector<GlScene>>;
 Scenes scenesOf(const AnimatedSmoke& smoke, const Way& way) {
   std::vector<GlScene> scenes;
   for (const auto& extinction : smoke.extinctions) {
-    GlSmoke shown{smoke.locator, extinction, {}};
+    GlSmoke shown{smoke.locator, extinction, {}, way.method};
     if (way.lit)
       shown.source = smoke.source;
-    scenes.push_back({.smokes = {std::move(shown)}, .smokeMethod = way.method});
+    scenes.push_back({{glPart(std::move(shown))}});
   }
   return std::make_shared<const std::vector<GlScene>>(std::move(scenes));
 }

@@ -5,28 +5,31 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/gl/gl_billboard.hpp"
 #include "volute/gl/gl_device.hpp"
+#include "volute/gl/gl_fds.hpp"
+#include "volute/gl/gl_fog.hpp"
 #include "volute/gl/gl_renderer.hpp"
 
 namespace volute::cli {
 namespace {
 
-Result<GlVolume> volumeOf(VolumeLayer& layer, int position, double factor) {
+Result<GlVolume> volumeOf(VolumeLayer& layer, int position) {
   VOLUTE_ASSIGN(auto slice, layer.sliceAt(position));
   const Appearance& look = layer.appearance();
   const Placement& placement = look.placement;
-  GlVolume volume{std::move(slice), look.emission, factor * look.extinction};
+  GlVolume volume{std::move(slice), look.emission, look.extinction};
   if (placement.turns())  // else its place is in the slice's bounds
     volume.turn = placement.turn, volume.offset = placement.offset;
   return volume;
 }
 
-Result<GlTreeVolume> treeVolumeOf(VolumeLayer& layer, int position, double factor) {
+Result<GlTreeVolume> treeVolumeOf(VolumeLayer& layer, int position) {
   VOLUTE_ASSIGN(auto tree, layer.treeAt(position));
   const Appearance& look = layer.appearance();
   const VolumeInfo& info = layer.info();
   GlTreeVolume volume{std::move(tree), position,      info.basis,
-                      info.bounds,     look.emission, factor * look.extinction};
+                      info.bounds,     look.emission, look.extinction};
   if (look.placement.turns())
     volume.turn = look.placement.turn, volume.offset = look.placement.offset;
   return volume;
@@ -46,36 +49,30 @@ Result<FdsInstant> instantOf(const FdsLayer& layer, double time) {
   return FdsInstant{&layer, time, std::move(smoke), std::move(fire)};
 }
 
-Result<GlScene> sceneOf(const GlSubject& subject, const Camera& camera,
-                        std::vector<FdsInstant>& cases) {
-  GlScene scene;
-  scene.smokeMethod = subject.smokeMethod;
-  scene.shade = subject.geometry;
+/// As the subject's law sees it.
+Result<GlScene> sceneOf(const GlSubject& subject, std::vector<FdsInstant>& cases) {
+  GlScene scene{.shade = subject.geometry};
+  const auto add = [&](auto values) { scene.parts.push_back(glPart(std::move(values))); };
   for (std::size_t i = 0; i < subject.layers.size(); ++i) {
     if (subject.volumeMethod == GlVolumeMethod::kTree) {
-      VOLUTE_ASSIGN(auto volume,
-                    treeVolumeOf(subject.layers[i], subject.positions[i], subject.factor));
-      scene.trees.push_back(std::move(volume));
+      VOLUTE_ASSIGN(auto volume, treeVolumeOf(subject.layers[i], subject.positions[i]));
+      add(std::move(volume));
       continue;
     }
-    VOLUTE_ASSIGN(auto volume, volumeOf(subject.layers[i], subject.positions[i], subject.factor));
-    scene.volumes.push_back(std::move(volume));
+    VOLUTE_ASSIGN(auto volume, volumeOf(subject.layers[i], subject.positions[i]));
+    add(std::move(volume));
   }
-  scene.fogFactor = subject.factor;
   for (const FogLayer& fog : subject.fogs) {
     if (!fog.sunlit()) {
-      scene.fogs.push_back(fog.fogAt(subject.time));
-      scene.polarFog = fog.polarFor(camera);
+      add(GlFog{.fog = fog.fogAt(subject.time),
+                .polar = [fog](const Camera& camera) { return fog.polarFor(camera); }});
       continue;
     }
     VOLUTE_ASSIGN(auto lit, fog.sunlitAt(subject.time));
-    scene.sunlitFogs.push_back(std::move(lit));
+    add(GlSunlitFog{std::move(lit)});
   }
-  for (const SmokeState& smoke : subject.smokes) {
-    GlSmoke shown{smoke.locator, smoke.extinction, smoke.source};
-    for (float& value : shown.extinction) value = static_cast<float>(subject.factor * value);
-    scene.smokes.push_back(std::move(shown));
-  }
+  for (const SmokeState& smoke : subject.smokes)
+    add(GlSmoke{smoke.locator, smoke.extinction, smoke.source, subject.smokeMethod});
   std::erase_if(cases, [&](const FdsInstant& one) { return one.time != subject.time; });
   for (const FdsLayer& layer : subject.fdsCases) {
     auto found = std::ranges::find(cases, &layer, &FdsInstant::layer);
@@ -83,16 +80,16 @@ Result<GlScene> sceneOf(const GlSubject& subject, const Camera& camera,
       VOLUTE_ASSIGN(auto made, instantOf(layer, subject.time));
       found = cases.insert(cases.end(), std::move(made));
     }
-    scene.fds.push_back({found->smoke, subject.factor * layer.description().model.scale});
+    add(GlFds{found->smoke, layer.description().model.scale});
     if (found->fire)
-      scene.fds.push_back({found->fire->heat(), 1, found->fire->colour()});
+      add(GlFds{found->fire->heat(), 1, found->fire->colour()});
   }
   for (BillboardLayer& board : subject.billboards) {
     const int position = board.volume.positionAt(subject.time);
-    VOLUTE_ASSIGN(auto volume, volumeOf(board.volume, position, subject.factor));
-    scene.billboards.push_back({std::move(volume), board.options});
+    VOLUTE_ASSIGN(auto volume, volumeOf(board.volume, position));
+    add(GlBillboard{std::move(volume), board.options});
   }
-  return scene;
+  return scene.scaled(subject.factor);
 }
 
 class Pictures final : public GlPictures {
@@ -103,7 +100,7 @@ class Pictures final : public GlPictures {
   Result<Image> picture(const Camera& camera, const GlSubject& subject,
                         const RenderOptions& options, Progress& progress, RenderStats& stats,
                         std::span<const float> opaqueDepth) override {
-    VOLUTE_ASSIGN(const GlScene scene, sceneOf(subject, camera, cases_));
+    VOLUTE_ASSIGN(const GlScene scene, sceneOf(subject, cases_));
     return renderer_.render(camera, scene, options, progress, &stats, opaqueDepth);
   }
 
@@ -114,7 +111,7 @@ class Pictures final : public GlPictures {
     natural.factor = 1;  // lamps' light is always attenuated physically
     GlScene media;
     if (!lights.lamps.empty()) {
-      VOLUTE_ASSIGN(media, sceneOf(natural, camera, cases_));
+      VOLUTE_ASSIGN(media, sceneOf(natural, cases_));
     }
     return renderer_.surfaces(camera, {geometry, lights.lamps, lights.ambient}, media, Rgb::Zero(),
                               progress);
@@ -123,7 +120,8 @@ class Pictures final : public GlPictures {
   Result<SurfacePicture> walls(const Camera& camera, const SmokeState& smoke,
                                const SceneLights& lights, const Rgb& color,
                                const TriangleScene& blocks, Progress& progress) override {
-    const GlWalls walls{{smoke.locator, smoke.extinction, {}},
+    const GlWalls walls{{smoke.locator, &smoke.locator->mesh()},
+                        {{glPart(GlSmoke{smoke.locator, smoke.extinction})}},
                         lights.lamps,
                         smoke.lampShares,
                         color,
@@ -142,7 +140,7 @@ class Pictures final : public GlPictures {
                           std::span<const float> opaqueDepth) override {
     GlSubject natural = subject;
     natural.factor = 1;
-    VOLUTE_ASSIGN(const GlScene scene, sceneOf(natural, camera, cases_));
+    VOLUTE_ASSIGN(const GlScene scene, sceneOf(natural, cases_));
     VOLUTE_TRY(renderer_.draw(camera, scene, GlQuantity::kOpticalDepth, progress, opaqueDepth));
     std::vector<float> powers;  // of e, of the depth
     for (const Sign& sign : signs)
@@ -169,10 +167,8 @@ class Pictures final : public GlPictures {
     }
     nlohmann::ordered_json json = {
         {"device", gl_.device().renderer}, {"hardware", gl_.device().hardware}, {"passes", passes}};
-    if (const auto tets = renderer_.projectedTets()) {
-      json["projected_tetrahedra"] = {{"sorts", tets->sorts},       {"uploads", tets->uploads},
-                                      {"pictures", tets->pictures}, {"triangles", tets->triangles},
-                                      {"cycles", tets->cycles},     {"parts", tets->parts}};
+    for (const auto& [way, counts] : renderer_.counts()) {
+      for (const auto& [name, value] : counts) json[way][name] = value;
     }
     return json;
   }

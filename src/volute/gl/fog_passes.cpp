@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volute/gl/gl_device.hpp"
 #include "volute/gl/glsl_sources.hpp"
 
 namespace volute {
@@ -59,9 +58,20 @@ std::vector<ShaderPart> pictureParts(const FogShader& shader, bool polar) {
   return parts;
 }
 
-}  // namespace
+/// A polar table on the device.
+struct FogTable {
+  GlTexture texture;
+  int columns = 0, rows = 0;
+  std::string filled;  ///< what it was filled for, besides the map
+};
 
-void FogPasses::bindTable(const GlProgram& program, const PolarLayout& layout) const {
+/// FogMedium does not give its levels away, but a copy holds them.
+std::shared_ptr<const void> levelsOf(const FogMedium& fog) {
+  const auto held = std::make_shared<const FogMedium>(fog);
+  return {held, &held->levels()};
+}
+
+void bindTable(const GlProgram& program, const PolarLayout& layout) {
   program.set("fogPolar", kTableUnit);
   program.set("fogPolarYaw", std::array{static_cast<float>(std::cos(layout.yaw)),
                                         static_cast<float>(std::sin(layout.yaw))});
@@ -71,34 +81,37 @@ void FogPasses::bindTable(const GlProgram& program, const PolarLayout& layout) c
               std::array{static_cast<float>(layout.from), static_cast<float>(layout.step)});
 }
 
-Status FogPasses::fillTable(const FogShader& shader, const PolarLayout& layout, const Vec3& eye,
-                            GlPrograms& programs, GlPasses& passes, Progress& progress) {
+Status fillTable(FogTable& table, const FogShader& shader, const PolarLayout& layout,
+                 const GlFogMap& map, const GlPicture& picture) {
+  GlResources& resources = picture.resources;
   const int columns = layout.radii, rows = layout.sectors * layout.azimuths;
+  const Vec3 eye = picture.camera.eye();
   const Vec3 from = shader.corner - eye;
   const std::string wanted =
       fmt::format("{} {} {} {} {} {} {} {} {} {}", from.x(), from.y(), shader.cell, layout.yaw,
                   layout.tangent, layout.sectors, layout.from, layout.step, columns, rows);
-  if (wanted == filled_)
+  if (wanted == table.filled)
     return {};
   if (!checkTextureSize("", columns, rows))
     return fail(ErrorCode::kUnsupported, "the polar table is larger than the device's textures");
-  VOLUTE_ASSIGN(const GlProgram* program, programs.get("polar table\n" + shader.structure, "fog",
-                                                       passes, [&] { return tableParts(shader); }));
-  filled_.clear();
-  if (columns_ != columns || rows_ != rows)
-    table_ = makeTexture2d(GL_RGBA32F, columns, rows);
-  columns_ = columns, rows_ = rows;
-  bindFog(*program, "", shader, eye, kMapUnit, *map_);
+  VOLUTE_ASSIGN(const GlProgram* program,
+                resources.programs.get("polar table\n" + shader.structure, "fog", resources.passes,
+                                       [&] { return tableParts(shader); }));
+  table.filled.clear();
+  if (table.columns != columns || table.rows != rows)
+    table.texture = makeTexture2d(GL_RGBA32F, columns, rows);
+  table.columns = columns, table.rows = rows;
+  bindFog(*program, "", shader, eye, kMapUnit, map);
   bindTable(*program, layout);
   glBindTextureUnit(kTableUnit, 0);
-  glBindImageTexture(0, table_.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(0, table.texture.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   const std::int64_t texels = kStepsOfPart / columns;  // each a walk through at most all radii
   const auto width = static_cast<int>(std::clamp<std::int64_t>(texels / kGroup, kGroup, columns));
   const auto height = static_cast<int>(std::clamp<std::int64_t>(texels / width, kGroup, rows));
   const auto fill = [&]() -> Status {
     for (int row = 0; row < rows; row += height) {
       for (int column = 0; column < columns; column += width) {
-        if (progress.cancelled()) {
+        if (picture.progress.cancelled()) {
           return fail(ErrorCode::kCancelled, "stopped: {} of {} azimuths were looked along", row,
                       rows);
         }
@@ -106,75 +119,80 @@ Status FogPasses::fillTable(const FogShader& shader, const PolarLayout& layout, 
         runOver(*program, width, height);
         glFlush();
       }
-      progress.report("looking along azimuths", std::min(row + height, rows), rows);
+      picture.progress.report("looking along azimuths", std::min(row + height, rows), rows);
     }
     return {};
   };
-  VOLUTE_TRY(passes.run("polar table", "fog", fill));
-  filled_ = wanted;
+  VOLUTE_TRY(resources.passes.run("polar table", "fog", fill));
+  table.filled = wanted;
   return {};
 }
 
-Result<PolarLayout> FogPasses::tableFor(const FogMedium& fog, const FogShader& shader,
-                                        const Vec3& eye, const PolarOptions& options,
-                                        GlPrograms& programs, GlPasses& passes,
-                                        Progress& progress) {
-  VOLUTE_ASSIGN(const auto layout, PolarLayout::of(fog, eye, options));
-  VOLUTE_TRY(fillTable(shader, layout, eye, programs, passes, progress));
-  return layout;
+/// kUnsupported where no table serves.
+Result<PolarLayout> layoutFor(const GlFog& fog, const FogShader& shader, const Camera& camera) {
+  const auto options = fog.polar ? fog.polar(camera) : std::nullopt;
+  if (!options || shader.polar.empty())
+    return fail(ErrorCode::kUnsupported, "this fog has no polar table");
+  return PolarLayout::of(fog.fog, camera.eye(), *options);
 }
 
-void FogPasses::sweep() {
-  if (!used_) {
-    map_.reset();
-    table_ = {};
-    columns_ = rows_ = 0;
-    filled_.clear();
-  }
-  used_ = false;
+}  // namespace
+
+Result<std::shared_ptr<GlFogMap>> fogMapOf(const FogMedium& fog, GlResources& resources) {
+  return resources.upload<GlFogMap>(levelsOf(fog), "fog", [&]() -> Result<GlFogMap> {
+    const FogShader shader = fogCells(fog);
+    VOLUTE_TRY(checkTextureSize("a fog map", shader.width, shader.height));
+    const std::vector<float> texels = fogTexels(fog);
+    GlFogMap map{makeTexture2d(GL_R32F, shader.width, shader.height)};
+    glTextureSubImage2D(map.texture.name(), 0, 0, 0, shader.width, shader.height, GL_RED, GL_FLOAT,
+                        texels.data());
+    return map;
+  });
 }
 
-Status FogPasses::draw(const FogMedium& fog, double factor,
-                       const std::optional<PolarOptions>& polar, GlQuantity quantity,
-                       const std::function<Result<std::shared_ptr<const GlFogMap>>()>& map,
-                       const Camera& camera, const GlRays& rays, GLuint picture, int rowsAtOnce,
-                       GlPrograms& programs, GlPasses& passes, Progress& progress) {
-  const FogShader shader = fogCells(fog);
-  if (camera.isOrthographic() || isFar(fog, shader, camera.eye()))
+Status drawFogAlone(const GlFog& fog, const GlPicture& picture, const GlTarget& target) {
+  const Camera& camera = picture.camera;
+  GlResources& resources = picture.resources;
+  const FogShader shader = fogCells(fog.fog);
+  const GlNeeds needs = fogNeeds(shader);
+  if (needs.cells * needs.roundsPerCell > resources.device.loopRounds())
+    return fail(ErrorCode::kUnsupported, "the software rasteriser does not walk as far");
+  if (camera.isOrthographic() || isFar(fog.fog, shader, camera.eye()))
     return fail(ErrorCode::kUnsupported, "fog is not walked from this camera's eye");
-  if (fog.hasTop() || fog.options().detail.cellAngle > 0)
+  if (fog.fog.hasTop() || fog.fog.options().detail.cellAngle > 0)
     return fail(ErrorCode::kUnsupported, "fog_walk.glsl does not know this fog");
-  VOLUTE_ASSIGN(auto wanted, map());
-  if (map_ != wanted)
-    filled_.clear();
-  map_ = std::move(wanted);
-  used_ = true;
-  std::optional<PolarLayout> layout;
-  if (polar && !shader.polar.empty()) {
-    auto filled = tableFor(fog, shader, camera.eye(), *polar, programs, passes, progress);
-    if (!filled && filled.error().code != ErrorCode::kUnsupported)
-      return tl::unexpected(filled.error());
-    if (filled)
-      layout = *filled;
+  VOLUTE_ASSIGN(const auto map, fogMapOf(fog.fog, resources));
+  std::shared_ptr<FogTable> table;
+  auto layout = layoutFor(fog, shader, camera);
+  if (layout) {
+    VOLUTE_ASSIGN(
+        table, resources.store.get<FogTable>(levelsOf(fog.fog), [] { return Result<FogTable>(); }));
+    if (const Status filled = fillTable(*table, shader, *layout, *map, picture); !filled)
+      layout = tl::unexpected(filled.error());
   }
+  if (!layout && layout.error().code != ErrorCode::kUnsupported)
+    return tl::unexpected(layout.error());
   const char* const pass = layout ? "polar" : "walk";
   VOLUTE_ASSIGN(const GlProgram* program,
-                programs.get(fmt::format("{} picture\n{}", pass, shader.structure), "fog", passes,
-                             [&] { return pictureParts(shader, layout.has_value()); }));
-  bindRays(*program, camera, camera.eye(), rays);
-  bindFog(*program, "", shader, camera.eye(), kMapUnit, *map_);
+                resources.programs.get(fmt::format("{} picture\n{}", pass, shader.structure), "fog",
+                                       resources.passes,
+                                       [&] { return pictureParts(shader, layout.has_value()); }));
+  bindRays(*program, camera, camera.eye(), target.rays);
+  bindFog(*program, "", shader, camera.eye(), kMapUnit, *map);
   if (layout) {
     bindTable(*program, *layout);
-    glBindTextureUnit(kTableUnit, table_.name());
+    glBindTextureUnit(kTableUnit, table->texture.name());
   }
-  program->set("color", Vec3(fog.options().color));
-  program->set("factor", static_cast<float>(factor));
-  program->set("fogOpaque", static_cast<float>(quantity == GlQuantity::kLight
-                                                   ? kOpaqueDepth / std::max(factor, 1e-30)
+  program->set("color", Vec3(fog.fog.options().color));
+  program->set("factor", static_cast<float>(fog.factor));
+  program->set("fogOpaque", static_cast<float>(target.quantity == GlQuantity::kLight
+                                                   ? kOpaqueDepth / std::max(fog.factor, 1e-30)
                                                    : 1e30));
-  glBindImageTexture(0, picture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  return passes.run(pass, "fog",
-                    [&] { return runInBands(*program, camera, rowsAtOnce, progress); });
+  glBindImageTexture(0, target.picture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  return resources.passes.run(pass, "fog", [&] {
+    return runInBands(*program, camera, resources.device.rowsAtOnce(camera.width()),
+                      picture.progress);
+  });
 }
 
 }  // namespace volute

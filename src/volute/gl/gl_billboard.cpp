@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "volute/gl/gl_part.hpp"
 #include "volute/gl/glsl_sources.hpp"
 
 namespace volute {
@@ -22,7 +23,7 @@ class SheetOnDevice final : public GlMedium {
 
   std::vector<ShaderPart> parts() const override { return {{"sheet.glsl", glsl::kSheet}}; }
 
-  GlNature nature() const override { return {.constant = true, .points = 1}; }
+  GlMediumTraits traits() const override { return {.constant = true, .points = 1}; }
 
   GlNeeds needs() const override { return {.textures = 1, .cells = 2, .roundsPerCell = 4}; }
 
@@ -46,24 +47,65 @@ class SheetOnDevice final : public GlMedium {
   GlTexture texture_;
 };
 
+/// VoxelMedium::bounds(): between voxels there is something half a voxel further out.
+Box3 boundsOf(const BrickSlice& slice) {
+  Box3 bounds = slice.bounds();
+  if (slice.basis() == Basis::kBox)
+    return bounds;
+  const Vec3 half = 0.5 * bounds.size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()));
+  bounds.min -= half, bounds.max += half;
+  return bounds;
+}
+
+class BillboardPart final : public GlPart {
+ public:
+  explicit BillboardPart(GlBillboard board) : board_(std::move(board)) {}
+
+  std::string name() const override { return "billboard"; }
+
+  Result<std::unique_ptr<GlMedium>> medium(const GlPicture& picture) const override {
+    const BillboardOptions& options = board_.options;
+    if (!(options.width > 0) || !(options.height > 0) || options.rows < 1) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "a billboard of {} x {} m with {} rows; expected a size of more than 0",
+                  options.width, options.height, options.rows);
+    }
+    GlResources& resources = picture.resources;
+    std::unique_ptr<GlMedium> shown[1];
+    VOLUTE_ASSIGN(shown[0], glPart(board_.volume)->medium(picture));
+    const Camera view = billboardView(boundsOf(*board_.volume.slice), picture.camera, options);
+    VOLUTE_TRY(checkPictureSize(view, resources.device));
+    const GlTexture drawn = makeTexture2d(GL_RGBA32F, view.width(), view.height());
+    VOLUTE_TRY(march(view, shown, {.picture = drawn.name()}, name(), resources, picture.progress));
+    VOLUTE_ASSIGN(const GlProgram* program,
+                  resources.programs.get("billboard", name(), resources.passes, [] {
+                    return std::vector<ShaderPart>{{"billboard.glsl", glsl::kBillboard}};
+                  }));
+    GlTexture texture = makeTexture2d(GL_RGBA32F, view.width(), view.height());
+    resources.passes.run("billboard", name(), [&] {
+      program->set("drawn", 0);
+      program->set("byIntensity", options.alpha == BillboardAlpha::kIntensity ? 1 : 0);
+      glBindTextureUnit(0, drawn.name());
+      glBindImageTexture(0, texture.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+      runOver(*program, view.width(), view.height());
+    });
+    return std::make_unique<SheetOnDevice>(options, view, std::move(texture));
+  }
+
+  std::shared_ptr<const GlPart> scaled(double factor) const override {
+    GlBillboard board = board_;
+    board.volume.extinction *= factor;
+    return glPart(std::move(board));
+  }
+
+ private:
+  GlBillboard board_;
+};
+
 }  // namespace
 
-Result<std::unique_ptr<GlMedium>> BillboardPass::make(const BillboardOptions& options,
-                                                      const Camera& view, GLuint drawn,
-                                                      GlPasses& passes) {
-  if (!program_) {
-    const ShaderStage stage{GL_COMPUTE_SHADER, {{"billboard.glsl", glsl::kBillboard}}};
-    VOLUTE_ASSIGN(program_, GlProgram::link({&stage, 1}));
-  }
-  GlTexture texture = makeTexture2d(GL_RGBA32F, view.width(), view.height());
-  passes.run("billboard", "billboard", [&] {
-    program_->set("drawn", 0);
-    program_->set("byIntensity", options.alpha == BillboardAlpha::kIntensity ? 1 : 0);
-    glBindTextureUnit(0, drawn);
-    glBindImageTexture(0, texture.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-    runOver(*program_, view.width(), view.height());
-  });
-  return std::make_unique<SheetOnDevice>(options, view, std::move(texture));
+std::shared_ptr<const GlPart> glPart(GlBillboard board) {
+  return std::make_shared<BillboardPart>(std::move(board));
 }
 
 }  // namespace volute

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/fds/fds_field.hpp"
+#include "volute/gl/gl_fds.hpp"
 #include "volute/gl/gl_testing.hpp"
 #include "volute/medium/conformance/dummy_media.hpp"
 
@@ -54,7 +55,7 @@ class GlConformanceTest : public GlRendererTest {
     int views = 0;
     for (const Camera& camera : cameras(medium.bounds())) {
       for (const Aov aov : {Aov::kOpticalDepth, Aov::kTransmittance}) {
-        EXPECT_LE(errorOf(camera, {.fds = {{field}}}, {&medium, 1}, {.aov = aov}), kBar)
+        EXPECT_LE(errorOf(camera, {{glPart(GlFds{field})}}, {&medium, 1}, {.aov = aov}), kBar)
             << "view " << views << ", quantity " << static_cast<int>(aov);
       }
       ++views;
@@ -110,8 +111,9 @@ TEST_F(GlConformanceTest, Atmosphere) {
       ends.push_back(static_cast<float>(down > 0 ? std::min(down, 40.0) : 40.0));
     }
   }
-  EXPECT_LE(errorOf(camera, {.fogs = {fog}}, {&medium, 1}, {.aov = Aov::kOpticalDepth}, ends),
-            kBar);
+  EXPECT_LE(
+      errorOf(camera, {{glPart(GlFog{fog})}}, {&medium, 1}, {.aov = Aov::kOpticalDepth}, ends),
+      kBar);
 }
 
 }  // namespace

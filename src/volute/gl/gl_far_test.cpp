@@ -3,6 +3,8 @@
 #include <numbers>
 
 #include "volute/fds/fds_field.hpp"
+#include "volute/gl/gl_billboard.hpp"
+#include "volute/gl/gl_fds.hpp"
 #include "volute/gl/gl_testing.hpp"
 #include "volute/grid/sequence.hpp"
 #include "volute/render/billboard.hpp"
@@ -40,7 +42,7 @@ Thing volumeAt(const Vec3& offset, int channels, Basis basis) {
   const auto slice = sliceAt(channels, basis, offset);
   return {basis == Basis::kBox ? "volume, box" : "volume, trilinear",
           AnyMedium(VoxelMedium(slice, 1.3, 1.5)),
-          {.volumes = {{slice, 1.3, 1.5}}}};
+          {{glPart(GlVolume{slice, 1.3, 1.5})}}};
 }
 
 Thing treeAt(const Vec3& offset) {
@@ -56,7 +58,7 @@ Thing treeAt(const Vec3& offset) {
   slice.setBasis(info.basis);
   return {"tree",
           AnyMedium(VoxelMedium(std::make_shared<const BrickSlice>(std::move(slice)), 1, 1.5)),
-          {.trees = {{tree, 0, info.basis, info.bounds, 1, 1.5}}}};
+          {{glPart(GlTreeVolume{tree, 0, info.basis, info.bounds, 1, 1.5})}}};
 }
 
 /// A box of 6 m, whose boundary lies in planes across axes.
@@ -64,9 +66,7 @@ Thing smokeAt(const Vec3& offset, bool lit, GlSmokeMethod method) {
   const Box3 box{Vec3(-3, -3, -3) + offset, Vec3(3, 3, 3) + offset};
   const Smoke smoke(boxMesh(box, {5, 5, 5}, 0.2, 2), lit, 0.4);
   constexpr const char* kNames[] = {"smoke", "marched smoke", "splat", "projected smoke"};
-  return {kNames[static_cast<int>(method)],
-          smoke.medium(),
-          {.smokes = {smoke.onDevice()}, .smokeMethod = method}};
+  return {kNames[static_cast<int>(method)], smoke.medium(), {{smoke.onDevice(method)}}};
 }
 
 FogMedium fogAt(const Vec3& offset, int levels) {
@@ -80,12 +80,12 @@ FogMedium fogAt(const Vec3& offset, int levels) {
 
 Thing plainFogAt(const Vec3& offset) {
   const FogMedium fog = fogAt(offset, 1);
-  return {"fog", AnyMedium(fog), {.fogs = {fog}}};
+  return {"fog", AnyMedium(fog), {{glPart(GlFog{fog})}}};
 }
 
 Thing polarFogAt(const Vec3& offset) {
   const FogMedium fog = fogAt(offset, 1);
-  return {"fog by a polar table", AnyMedium(fog), {.fogs = {fog}, .polarFog = PolarOptions{}}};
+  return {"fog by a polar table", AnyMedium(fog), {{glPart(GlFog{fog, 1, anyPolar})}}};
 }
 
 Thing sunlitFogAt(const Vec3& offset) {
@@ -93,7 +93,7 @@ Thing sunlitFogAt(const Vec3& offset) {
   const SunlitFog lit =
       SunlitFog::make(fogAt(offset, 1), suns, {.albedo = Rgb(0.9, 0.8, 0.7), .asymmetry = 0.5})
           .value();
-  return {"fog in the sun", AnyMedium(lit), {.sunlitFogs = {lit}}};
+  return {"fog in the sun", AnyMedium(lit), {{glPart(GlSunlitFog{lit})}}};
 }
 
 Thing fdsAt(const Vec3& offset, bool nodal) {
@@ -120,7 +120,7 @@ Thing fdsAt(const Vec3& offset, bool nodal) {
   }
   const FdsField field =
       FdsField(grid, std::move(values), std::move(cells)).withSource(Rgb(0.5, 0.7, 0.9));
-  return {nodal ? "FDS, nodes" : "FDS, cells", AnyMedium(field), {.fds = {{field}}}};
+  return {nodal ? "FDS, nodes" : "FDS, cells", AnyMedium(field), {{glPart(GlFds{field})}}};
 }
 
 std::vector<Thing> thingsAt(const Vec3& offset) {
@@ -169,7 +169,7 @@ class GlFarTest : public GlRendererTest {
   void sweep(const Thing& thing, double bar = kBar) {
     for (const bool parallel : {false, true}) {
       for (const Vec3& way : {Vec3(0.48, -0.6, 0.64), Vec3(0, -1, 0)}) {
-        if (way.x() == 0 && thing.scene.smokes.empty())
+        if (way.x() == 0 && thing.scene.parts[0]->name() != "smoke")
           continue;  // along axes boundaries of meshes are seen edge on
         for (const double sizes : kDistances) {
           const Camera camera = cameraFrom(thing.medium.bounds(), way, sizes, parallel);
@@ -284,7 +284,7 @@ TEST_F(GlFarTest, Billboards) {
         const AnyMedium board(
             Billboard::draw(AnyMedium(VoxelMedium(slice, 0.4, 1.5)), camera, options, quiet_)
                 .value());
-        EXPECT_LE(errorOf(camera, {.billboards = {{{slice, 0.4, 1.5}, options}}}, {&board, 1},
+        EXPECT_LE(errorOf(camera, {{glPart(GlBillboard{{slice, 0.4, 1.5}, options})}}, {&board, 1},
                           {.background = Rgb(0.5, 0.4, 0.3)}),
                   2e-3)
             << (parallel ? "parallel, " : "pinhole, ") << sizes << " sizes away";
@@ -300,7 +300,7 @@ TEST_F(GlFarTest, LevelsOfDetailAndLenses) {
   for (const bool parallel : {false, true}) {
     for (const double sizes : kDistances) {
       const Camera camera = cameraFrom(medium.bounds(), Vec3(0.48, -0.6, 0.64), sizes, parallel);
-      EXPECT_LE(errorOf(camera, {.fogs = {fog}}, {&medium, 1}, {}), kBar)
+      EXPECT_LE(errorOf(camera, {{glPart(GlFog{fog})}}, {&medium, 1}, {}), kBar)
           << (parallel ? "parallel, " : "pinhole, ") << sizes << " sizes away";
     }
   }
@@ -337,7 +337,7 @@ TEST_F(GlFarTest, FogWithoutAnEndAbove) {
       for (const Vec3& way : {Vec3(0.48, -0.6, 0.64), Vec3(0.6, -0.8, 0.01)}) {
         const Camera camera =
             Camera::pinhole({middle + metres * way, middle}, fov, kWidth, kHeight);
-        EXPECT_LE(errorOf(camera, {.fogs = {fog}}, {&medium, 1}, {}), kBar)
+        EXPECT_LE(errorOf(camera, {{glPart(GlFog{fog})}}, {&medium, 1}, {}), kBar)
             << metres << " m away, towards " << way.transpose() << " from " << offset.transpose();
       }
     }
@@ -354,7 +354,7 @@ TEST_F(GlFarTest, SmallThingsInLargeOnes) {
       *FogMedium::make(map, *FogProfile::slab(0, 60), {.degree = 2, .color = Rgb(0.7, 0.8, 0.9)});
   const Thing smoke = smokeAt(Vec3(300, 200, 0), true, GlSmokeMethod::kAuto);
   GlScene scene = smoke.scene;
-  scene.fogs = {fog};
+  scene.parts.push_back(glPart(GlFog{fog}));
   const std::vector<AnyMedium> both{AnyMedium(fog), smoke.medium};
   for (const double sizes : {10.0, 100.0}) {
     const Camera camera = cameraFrom(smoke.medium.bounds(), Vec3(-0.6, -0.8, 0.01), sizes, false);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include "volute/gl/gl_fds.hpp"
+
 #include <algorithm>
 #include <bit>
 
-#include "volute/gl/gl_medium.hpp"
+#include "volute/gl/gl_part.hpp"
 #include "volute/gl/glsl_sources.hpp"
 
 namespace volute {
@@ -74,11 +76,8 @@ std::vector<const void*> identityOf(const FdsField& field) {
   return identity;
 }
 
-}  // namespace
-
 /// A field's arrays, one after the other.
-class GlFdsData {
- public:
+struct GlFdsData {
   explicit GlFdsData(const FdsField& of)
       : field(of), middle(of.bounds().centre()), lit(of.light(0) != nullptr) {
     const FdsGrid& grid = field.grid();
@@ -115,8 +114,6 @@ class GlFdsData {
   GlBuffer words;
 };
 
-namespace {
-
 constexpr double kFdsRoundsPerCell = 12;
 
 /// That one ray may pass: as if the narrowest were everywhere.
@@ -144,14 +141,14 @@ class FdsOnDevice final : public GlMedium {
             {"fds.glsl", glsl::kFds}};
   }
 
-  GlNature nature() const override {
-    GlNature nature;
-    nature.constant = !data_->nodal && !lit_;
-    nature.absorbs = !fds_.glow;
-    nature.points = lit_ ? 4 : data_->nodal ? 2 : 1;
+  GlMediumTraits traits() const override {
+    GlMediumTraits traits;
+    traits.constant = !data_->nodal && !lit_;
+    traits.absorbs = !fds_.glow;
+    traits.points = lit_ ? 4 : data_->nodal ? 2 : 1;
     if (!lit_ && !fds_.glow)
-      nature.color = fds_.field.source();
-    return nature;
+      traits.color = fds_.field.source();
+    return traits;
   }
 
   GlNeeds needs() const override {
@@ -182,27 +179,53 @@ class FdsOnDevice final : public GlMedium {
   bool lit_;
 };
 
-}  // namespace
-
-Result<std::shared_ptr<const GlFdsData>> makeGlFdsData(const GlFds& fds) {
+/// kTooLarge where it does not fit into one of the device's buffers.
+Result<GlFdsData> makeFdsData(const FdsField& field) {
   GLint64 most = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-  const std::size_t bytes = 4 * wordsOf(fds.field);
+  const std::size_t bytes = 4 * wordsOf(field);
   if (std::cmp_greater(bytes, most)) {
     return fail(ErrorCode::kTooLarge,
                 "an FDS case of {} MiB does not fit in the graphics device's buffers of {} MiB; "
                 "render with --renderer cpu",
                 bytes >> 20, most >> 20);
   }
-  return std::make_shared<const GlFdsData>(fds.field);
+  return GlFdsData(field);
 }
 
-bool holds(const GlFdsData& data, const GlFds& fds) {
-  return identityOf(data.field) == identityOf(fds.field);
-}
+class FdsPart final : public GlPart {
+ public:
+  explicit FdsPart(GlFds fds) : fds_(std::move(fds)) {}
 
-std::unique_ptr<GlMedium> makeGlFds(const GlFds& fds, std::shared_ptr<const GlFdsData> data) {
-  return std::make_unique<FdsOnDevice>(fds, std::move(data));
+  std::string name() const override { return fds_.glow ? "fire" : "FDS smoke"; }
+
+  Result<std::unique_ptr<GlMedium>> medium(const GlPicture& picture) const override {
+    const auto held = std::make_shared<const FdsField>(fds_.field);
+    const std::shared_ptr<const void> source(held, &held->values(0));
+    // The same lattices with the same values in the same light.
+    const auto holds = [&](const GlFdsData& made) {
+      return identityOf(made.field) == identityOf(fds_.field);
+    };
+    VOLUTE_ASSIGN(auto data, picture.resources.upload<GlFdsData>(
+                                 source, name(), [&] { return makeFdsData(fds_.field); }, holds));
+    return std::make_unique<FdsOnDevice>(fds_, std::move(data));
+  }
+
+  std::shared_ptr<const GlPart> scaled(double factor) const override {
+    GlFds fds = fds_;
+    if (!fds.glow)
+      fds.scale *= factor;
+    return glPart(std::move(fds));
+  }
+
+ private:
+  GlFds fds_;
+};
+
+}  // namespace
+
+std::shared_ptr<const GlPart> glPart(GlFds fds) {
+  return std::make_shared<FdsPart>(std::move(fds));
 }
 
 }  // namespace volute

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include "volute/gl/gl_fds.hpp"
+
 #include "volute/fds/fds_flame.hpp"
 #include "volute/gl/gl_testing.hpp"
 #include "volute/render/scaled_medium.hpp"
@@ -52,7 +54,7 @@ TEST_F(GlRendererTest, SmokeOfFdsCasesIsThatOfTheReference) {
     for (const bool lit : {false, true}) {
       const FdsField field = fieldOf(nodal, 2, lit);
       const AnyMedium medium(ScaledMedium(AnyMedium(field), 0.7));
-      const GlScene scene{.fds = {{field, 0.7}}};
+      const GlScene scene{{glPart(GlFds{field, 0.7})}};
       const auto views = cameras(field.bounds());
       for (const Camera& camera : views) {
         if (lit && !nodal && &camera != &views[0])
@@ -63,7 +65,7 @@ TEST_F(GlRendererTest, SmokeOfFdsCasesIsThatOfTheReference) {
     }
     const FdsField field = fieldOf(nodal, 2, false);
     const AnyMedium medium(field);
-    EXPECT_LE(errorOf(Camera::framing(field.bounds(), kWidth, kHeight), {.fds = {{field}}},
+    EXPECT_LE(errorOf(Camera::framing(field.bounds(), kWidth, kHeight), {{glPart(GlFds{field})}},
                       {&medium, 1}, {.aov = Aov::kOpticalDepth}),
               1e-4);
   }
@@ -75,8 +77,9 @@ TEST_F(GlRendererTest, FireOfFdsCasesShinesThroughItsSmokeAndFog) {
     const FdsFlame flame(fieldOf(nodal, 700, false, 8), {});
     const FogMedium fog =
         fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[1].profile, {.degree = 1}, 0.5, 0.6);
-    const GlScene fire{.fds = {{flame.heat(), 1, flame.colour()}}};
-    const GlScene all{.fogs = {fog}, .fds = {{smoke}, {flame.heat(), 1, flame.colour()}}};
+    const auto burning = glPart(GlFds{flame.heat(), 1, flame.colour()});
+    const GlScene fire{{burning}};
+    const GlScene all{{glPart(GlFog{fog}), glPart(GlFds{smoke}), burning}};
     const std::vector<AnyMedium> media{AnyMedium(fog), AnyMedium(smoke), AnyMedium(flame)};
     const Camera camera = cameras(smoke.bounds())[nodal ? 0 : 1];
     std::vector<float> wall(kWidth * kHeight, INFINITY);

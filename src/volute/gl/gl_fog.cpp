@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include <cmath>
+#include "volute/gl/gl_fog.hpp"
 
-#include "volute/gl/gl_device.hpp"
-#include "volute/gl/gl_medium.hpp"
+#include "volute/gl/fog_passes.hpp"
 #include "volute/gl/gl_triangles.hpp"
 #include "volute/gl/glsl_sources.hpp"
 
@@ -19,8 +18,10 @@ struct SunOnDevice {
   double asymmetry = 0;
 };
 
-Result<std::vector<SunOnDevice>> sunsOf(const SunlitFog& fog) {
-  std::vector<SunOnDevice> suns;
+using SunsOnDevice = std::vector<SunOnDevice>;
+
+Result<SunsOnDevice> sunsOf(const SunlitFog& fog) {
+  SunsOnDevice suns;
   for (std::size_t i = 0; i < fog.suns().size(); ++i) {
     SunOnDevice sun;
     sun.shape = fog.shadows()[i].maps();
@@ -87,7 +88,8 @@ struct TopOnDevice {
 class FogOnDevice final : public GlMedium {
  public:
   FogOnDevice(const FogMedium& fog, double factor, std::shared_ptr<const GlFogMap> map,
-              std::vector<SunOnDevice> suns, std::shared_ptr<const GlTriangles> shade)
+              std::shared_ptr<const SunsOnDevice> suns = std::make_shared<SunsOnDevice>(),
+              std::shared_ptr<const GlTriangles> shade = nullptr)
       : shader_(fogCells(fog)),
         bounds_(fog.bounds()),
         factor_(factor),
@@ -101,7 +103,7 @@ class FogOnDevice final : public GlMedium {
   }
 
   std::string key() const override {
-    return fmt::format("fog {} {} {} {} {}", suns_.size(), shade_ != nullptr, cellAngle_ > 0,
+    return fmt::format("fog {} {} {} {} {}", suns_->size(), shade_ != nullptr, cellAngle_ > 0,
                        top_.has_value(), shader_.structure);
   }
 
@@ -109,24 +111,24 @@ class FogOnDevice final : public GlMedium {
     return {{"fog settings", fmt::format("#define M_BY_ANGLE {}\n#define M_TOP {}\n",
                                          cellAngle_ > 0 ? 1 : 0, top_ ? 1 : 0)},
             {"fog_walk.glsl", shader_.walk},
-            {"fog_sun.glsl", sunFunctions(suns_.size(), shade_ != nullptr)},
+            {"fog_sun.glsl", sunFunctions(suns_->size(), shade_ != nullptr)},
             {"fog_cells.glsl", glsl::kFogCells}};
   }
 
-  GlNature nature() const override {
-    GlNature nature{.points = 4};
-    if (suns_.empty())
-      nature.color = color_;
-    return nature;
+  GlMediumTraits traits() const override {
+    GlMediumTraits traits{.points = 4};
+    if (suns_->empty())
+      traits.color = color_;
+    return traits;
   }
 
   GlNeeds needs() const override {
     const GlNeeds walk = fogNeeds(shader_);
-    return {.textures = 1 + (top_ ? 1 : 0) + static_cast<int>(suns_.size()),
+    return {.textures = 1 + (top_ ? 1 : 0) + static_cast<int>(suns_->size()),
             .storage = shade_ ? 2 : 0,
             .cells = walk.cells,
             .roundsPerCell = walk.roundsPerCell +
-                             kRoundsPerSun * double(suns_.size()) * double(shader_.zones.size())};
+                             kRoundsPerSun * double(suns_->size()) * double(shader_.zones.size())};
   }
 
   Box3 bounds() const override { return bounds_; }
@@ -154,8 +156,8 @@ class FogOnDevice final : public GlMedium {
       program.bindStorage((prefix + "ShadeCorners").c_str(), bindings.storage++, shade_->corners);
       program.setExactly((prefix + "shadeOrigin").c_str(), Vec3(origin - shade_->middle));
     }
-    for (std::size_t i = 0; i < suns_.size(); ++i) {
-      const SunOnDevice& sun = suns_[i];
+    for (std::size_t i = 0; i < suns_->size(); ++i) {
+      const SunOnDevice& sun = (*suns_)[i];
       const auto set = [&](const char* name, const auto& value) {
         program.set(fmt::format("{}sun{}{}", prefix, name, i).c_str(), value);
       };
@@ -175,10 +177,73 @@ class FogOnDevice final : public GlMedium {
   double factor_ = 1;
   Rgb color_;
   double cellAngle_ = 0;
-  std::vector<SunOnDevice> suns_;
+  std::shared_ptr<const SunsOnDevice> suns_;
   std::shared_ptr<const GlTriangles> shade_;
   std::optional<TopOnDevice> top_;
   std::shared_ptr<const GlFogMap> map_;
+};
+
+class FogPart final : public GlPart {
+ public:
+  explicit FogPart(GlFog fog) : fog_(std::move(fog)) {}
+
+  std::string name() const override { return "fog"; }
+
+  Result<std::unique_ptr<GlMedium>> medium(const GlPicture& picture) const override {
+    VOLUTE_ASSIGN(auto map, fogMapOf(fog_.fog, picture.resources));
+    return std::make_unique<FogOnDevice>(fog_.fog, fog_.factor, std::move(map));
+  }
+
+  Status drawAlone(const GlPicture& picture, const GlTarget& target) const override {
+    return drawFogAlone(fog_, picture, target);
+  }
+
+  std::shared_ptr<const GlPart> scaled(double factor) const override {
+    GlFog fog = fog_;
+    fog.factor *= factor;
+    return glPart(std::move(fog));
+  }
+
+ private:
+  GlFog fog_;
+};
+
+class SunlitFogPart final : public GlPart {
+ public:
+  SunlitFogPart(std::shared_ptr<const SunlitFog> fog, double factor)
+      : fog_(std::move(fog)), factor_(factor) {}
+
+  std::string name() const override { return "fog"; }
+
+  /// kUnsupported where it is shadowed by others than the picture's `shade`.
+  Result<std::unique_ptr<GlMedium>> medium(const GlPicture& picture) const override {
+    GlResources& resources = picture.resources;
+    std::shared_ptr<const GlTriangles> shade;
+    if (fog_->scattering().shadows) {
+      if (picture.shade.empty()) {
+        return fail(ErrorCode::kUnsupported,
+                    "fog in the shadows of surfaces that OpenGL does not know; use --renderer cpu");
+      }
+      // Scenes share their triangles: the same ones are at the same place.
+      const auto held = std::make_shared<const TriangleScene>(picture.shade);
+      VOLUTE_ASSIGN(shade, resources.upload<GlTriangles>(
+                               std::shared_ptr<const void>(held, held->triangles().data()), name(),
+                               [&] { return GlTriangles::make(held->triangles()); }));
+    }
+    VOLUTE_ASSIGN(auto map, fogMapOf(fog_->fog(), resources));
+    VOLUTE_ASSIGN(auto suns,
+                  resources.upload<SunsOnDevice>(fog_, name(), [&] { return sunsOf(*fog_); }));
+    return std::make_unique<FogOnDevice>(fog_->fog(), factor_, std::move(map), std::move(suns),
+                                         std::move(shade));
+  }
+
+  std::shared_ptr<const GlPart> scaled(double factor) const override {
+    return std::make_shared<SunlitFogPart>(fog_, factor * factor_);
+  }
+
+ private:
+  std::shared_ptr<const SunlitFog> fog_;
+  double factor_;
 };
 
 }  // namespace
@@ -204,33 +269,13 @@ void bindFog(const GlProgram& program, const std::string& prefix, const FogShade
   glBindTextureUnit(static_cast<GLuint>(unit), map.texture.name());
 }
 
-Result<std::shared_ptr<const GlFogMap>> makeGlFogMap(const FogMedium& fog) {
-  const FogShader shader = fogCells(fog);
-  VOLUTE_TRY(checkTextureSize("a fog map", shader.width, shader.height));
-  const std::vector<float> texels = fogTexels(fog);
-  auto map = std::make_shared<GlFogMap>();
-  map->texture = makeTexture2d(GL_R32F, shader.width, shader.height);
-  glTextureSubImage2D(map->texture.name(), 0, 0, 0, shader.width, shader.height, GL_RED, GL_FLOAT,
-                      texels.data());
-  return map;
+std::shared_ptr<const GlPart> glPart(GlFog fog) {
+  return std::make_shared<FogPart>(std::move(fog));
 }
 
-std::unique_ptr<GlMedium> makeGlFog(const FogMedium& fog, double factor,
-                                    std::shared_ptr<const GlFogMap> map) {
-  return std::make_unique<FogOnDevice>(fog, factor, std::move(map), std::vector<SunOnDevice>(),
-                                       nullptr);
-}
-
-Result<std::unique_ptr<GlMedium>> makeGlFog(const SunlitFog& fog, double factor,
-                                            std::shared_ptr<const GlFogMap> map,
-                                            std::shared_ptr<const GlTriangles> shade) {
-  if (fog.scattering().shadows && !shade) {
-    return fail(ErrorCode::kUnsupported,
-                "fog in the shadows of surfaces that OpenGL does not know; use --renderer cpu");
-  }
-  VOLUTE_ASSIGN(auto suns, sunsOf(fog));
-  return std::make_unique<FogOnDevice>(fog.fog(), factor, std::move(map), std::move(suns),
-                                       fog.scattering().shadows ? std::move(shade) : nullptr);
+std::shared_ptr<const GlPart> glPart(GlSunlitFog fog) {
+  return std::make_shared<SunlitFogPart>(std::make_shared<const SunlitFog>(std::move(fog.fog)),
+                                         fog.factor);
 }
 
 }  // namespace volute

@@ -50,11 +50,11 @@ class GlOverlapTest : public GlRendererTest {
   GlScene scene(bool fire, bool fog, bool smoke) const {
     GlScene scene;
     if (fire)
-      scene.volumes = {{fire_, 2, 3}};
+      scene.parts.push_back(glPart(GlVolume{fire_, 2, 3}));
     if (fog)
-      scene.fogs = {fog_};
+      scene.parts.push_back(glPart(GlFog{fog_}));
     if (smoke)
-      scene.smokes = {smoke_.onDevice()};
+      scene.parts.push_back(smoke_.onDevice());
     return scene;
   }
 

@@ -2,17 +2,13 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <map>
 #include <memory>
-#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
-#include "volute/base/progress.hpp"
-#include "volute/camera/camera.hpp"
-#include "volute/gl/gl_passes.hpp"
-#include "volute/gl/gl_scene.hpp"
-#include "volute/gl/scene_shader.hpp"
-#include "volute/gl/tet_projector.hpp"
+#include "volute/gl/gl_part.hpp"
 #include "volute/render/render.hpp"
 #include "volute/render/sign.hpp"
 #include "volute/render/surfaces.hpp"
@@ -31,7 +27,7 @@ class GlRenderer {
   ~GlRenderer();
 
   /// As volute::render(); `options.renderer` has no meaning. kTooLarge for what does not fit on
-  /// the device, kUnsupported for fog in the shadows of surfaces that are not the scene's `shade`.
+  /// the device, kUnsupported for what a part does not draw.
   [[nodiscard]] Result<Image> render(const Camera& camera, const GlScene& scene,
                                      const RenderOptions& options, Progress& progress,
                                      RenderStats* stats = nullptr,
@@ -63,8 +59,8 @@ class GlRenderer {
 
   GLuint texture() const;
 
-  /// What projecting tetrahedra took, where the last mesh was drawn so.
-  std::optional<TetProjectorCounts> projectedTets() const;
+  /// GlResources::counts, of ways of drawing that have been taken.
+  const std::map<std::string, GlCounts>& counts() const;
 
   /// What the device did since the last call, and how long it took.
   std::vector<GlPassTime> takePasses();

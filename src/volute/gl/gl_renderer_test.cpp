@@ -16,7 +16,7 @@ TEST_F(GlRendererTest, VolumesAreThoseOfTheReference) {
       for (const double extinction : {0.0, 1.5, 40.0}) {
         const auto slice = sliceOf(channels, basis);
         const AnyMedium medium(VoxelMedium(slice, 1.3, extinction));
-        const GlScene scene{.volumes = {{slice, 1.3, extinction}}};
+        const GlScene scene{{glPart(GlVolume{slice, 1.3, extinction})}};
         const auto views = cameras(medium.bounds());
         for (const Camera& camera : views) {
           if (++pictures % 3 != 0 && &camera != &views[0])
@@ -36,7 +36,8 @@ TEST_F(GlRendererTest, OpticalDepthsAreThoseOfTheReference) {
   const AnyMedium medium(VoxelMedium(slice, 1, 30));
   const Camera camera = Camera::framing(medium.bounds(), kWidth, kHeight);
   for (const Aov aov : {Aov::kOpticalDepth, Aov::kTransmittance})
-    EXPECT_LE(errorOf(camera, {.volumes = {{slice, 1, 30}}}, {&medium, 1}, {.aov = aov}), 1e-4);
+    EXPECT_LE(errorOf(camera, {{glPart(GlVolume{slice, 1, 30})}}, {&medium, 1}, {.aov = aov}),
+              1e-4);
 }
 
 TEST_F(GlRendererTest, VolumesMayBeTurnedAndMirrored) {
@@ -46,7 +47,8 @@ TEST_F(GlRendererTest, VolumesMayBeTurnedAndMirrored) {
   const Vec3 offset(0.3, 6, 1.5);
   const AnyMedium medium(TurnedMedium(AnyMedium(VoxelMedium(slice, 1, 2)), turn, offset));
   for (const Camera& camera : cameras(medium.bounds()))
-    EXPECT_LE(errorOf(camera, {.volumes = {{slice, 1, 2, turn, offset}}}, {&medium, 1}, {}), kBar);
+    EXPECT_LE(errorOf(camera, {{glPart(GlVolume{slice, 1, 2, turn, offset})}}, {&medium, 1}, {}),
+              kBar);
 }
 
 TEST_F(GlRendererTest, OpaqueSurfacesHideWhatIsBehindThem) {
@@ -60,11 +62,12 @@ TEST_F(GlRendererTest, OpaqueSurfacesHideWhatIsBehindThem) {
       depth[y * kWidth + x] = middle + 0.02F * float(y - kHeight / 2);
   }
   const RenderOptions options{.background = Rgb(0.5, 0.4, 0.3)};
-  EXPECT_LE(errorOf(camera, {.volumes = {{slice, 1, 2}}}, {&medium, 1}, options, depth), kBar);
+  EXPECT_LE(errorOf(camera, {{glPart(GlVolume{slice, 1, 2})}}, {&medium, 1}, options, depth), kBar);
   Image behind(kWidth, kHeight);
   for (std::size_t i = 0; i < behind.pixels.size(); ++i) behind.pixels[i] = 0.001F * float(i % 97);
-  EXPECT_LE(errorOf(camera, {.volumes = {{slice, 1, 2}}}, {&medium, 1}, {.behind = &behind}, depth),
-            kBar);
+  EXPECT_LE(
+      errorOf(camera, {{glPart(GlVolume{slice, 1, 2})}}, {&medium, 1}, {.behind = &behind}, depth),
+      kBar);
 }
 
 TEST_F(GlRendererTest, TheTreeIsWalkedInPlace) {
@@ -90,7 +93,7 @@ TEST_F(GlRendererTest, TheTreeIsWalkedInPlace) {
         for (const GlTreeSkip skip :
              {GlTreeSkip::kBricks, GlTreeSkip::kBox, GlTreeSkip::kNothing}) {
           volume.skip = skip;
-          EXPECT_LE(errorOf(Camera::framing(info.bounds, kWidth, kHeight), {.trees = {volume}},
+          EXPECT_LE(errorOf(Camera::framing(info.bounds, kWidth, kHeight), {{glPart(volume)}},
                             {&medium, 1}, {}),
                     kBar)
               << "channels " << channels << ", basis " << int(basis) << ", frame " << frame
@@ -118,9 +121,9 @@ TEST_F(GlRendererTest, FogIsThatOfTheReference) {
         const AnyMedium medium(fog);
         const Camera camera =
             Camera::pinhole({Vec3(-4, -3, 3), Vec3(8, 9, 1.5)}, 70, kWidth, kHeight);
-        EXPECT_LE(
-            errorOf(camera, {.fogs = {fog}}, {&medium, 1}, {.background = Rgb(0.2, 0.1, 0.4)}),
-            kBar)
+        EXPECT_LE(errorOf(camera, {{glPart(GlFog{fog})}}, {&medium, 1},
+                          {.background = Rgb(0.2, 0.1, 0.4)}),
+                  kBar)
             << "degree " << degree << ", " << name << ", mu " << mu;
       }
     }
@@ -132,7 +135,7 @@ TEST_F(GlRendererTest, FogFromParallelRays) {
       fogtest::fog(fogtest::map(15, 12), fogtest::profiles()[1].profile, {.degree = 2});
   const AnyMedium medium(fog);
   const Camera camera = Camera::orthographic({Vec3(6, 9, 3), Vec3(10, 14, 1)}, 12, kWidth, kHeight);
-  EXPECT_LE(errorOf(camera, {.fogs = {fog}}, {&medium, 1}, {}), kBar);
+  EXPECT_LE(errorOf(camera, {{glPart(GlFog{fog})}}, {&medium, 1}, {}), kBar);
 }
 
 /// Two volumes and two fogs that overlap, and a wall's depth through them.
@@ -149,7 +152,8 @@ TEST_F(GlRendererTest, MediaThatOverlapAreCompositedAsTheReferenceDoes) {
     const std::vector<AnyMedium> media{AnyMedium(VoxelMedium(fire, 2, 3)),
                                        AnyMedium(VoxelMedium(smoke, 0.2, 4)), AnyMedium(ground),
                                        AnyMedium(layer)};
-    const GlScene scene{.volumes = {{fire, 2, 3}, {smoke, 0.2, 4}}, .fogs = {ground, layer}};
+    const GlScene scene{{glPart(GlVolume{fire, 2, 3}), glPart(GlVolume{smoke, 0.2, 4}),
+                         glPart(GlFog{ground}), glPart(GlFog{layer})}};
     const Camera camera =
         Camera::pinhole({Vec3(0.2, -1, 2.6), Vec3(0.3, 3.2, 1.2)}, 50, kWidth, kHeight);
     std::vector<float> wall(kWidth * kHeight, INFINITY);
@@ -174,9 +178,9 @@ TEST_F(GlRendererTest, SmokeIsThatOfTheReference) {
       const Smoke smoke(box, lit, thick);
       const AnyMedium medium = smoke.medium();
       for (const Camera& camera : cameras(medium.bounds())) {
-        EXPECT_LE(errorOf(camera, {.smokes = {smoke.onDevice()}}, {&medium, 1},
-                          {.background = Rgb(0.3, 0.5, 0.1)}),
-                  kBar)
+        EXPECT_LE(
+            errorOf(camera, {{smoke.onDevice()}}, {&medium, 1}, {.background = Rgb(0.3, 0.5, 0.1)}),
+            kBar)
             << "lit " << lit << ", thick " << thick << ", eye " << camera.eye().transpose();
       }
     }
@@ -196,7 +200,7 @@ TEST_F(GlRendererTest, EveryWayToDrawSmokeIsTheReference) {
       for (const auto method :
            {GlSmokeMethod::kMarch, GlSmokeMethod::kSplat, GlSmokeMethod::kProject}) {
         (void)renderer_->takePasses();
-        const GlScene scene{.smokes = {smoke.onDevice()}, .smokeMethod = method};
+        const GlScene scene{{smoke.onDevice(method)}};
         EXPECT_LE(errorOf(camera, scene, {&medium, 1}, {.background = Rgb(0.3, 0.5, 0.1)}, wall),
                   kBar)
             << "lit " << lit << ", method " << int(method) << ", eye " << camera.eye().transpose();
@@ -223,12 +227,11 @@ TEST_F(GlRendererTest, SmokeInAHallThatRaysLeaveAndReEnter) {
                                         60, kWidth, kHeight);
   std::vector<float> wall(kWidth * kHeight, 9.0F);
   for (const Camera& camera : {outside, inside}) {
-    EXPECT_LE(errorOf(camera, {.smokes = {smoke.onDevice()}}, {&medium, 1}, {}), kBar);
-    EXPECT_LE(
-        errorOf(camera, {.smokes = {smoke.onDevice()}}, {&medium, 1}, {.aov = Aov::kOpticalDepth}),
-        kBar);
+    EXPECT_LE(errorOf(camera, {{smoke.onDevice()}}, {&medium, 1}, {}), kBar);
+    EXPECT_LE(errorOf(camera, {{smoke.onDevice()}}, {&medium, 1}, {.aov = Aov::kOpticalDepth}),
+              kBar);
   }
-  EXPECT_LE(errorOf(inside, {.smokes = {smoke.onDevice()}}, {&medium, 1}, {}, wall), kBar);
+  EXPECT_LE(errorOf(inside, {{smoke.onDevice()}}, {&medium, 1}, {}, wall), kBar);
 }
 
 /// Rays that lie in planes of the mesh's boundary and in those between its cells.
@@ -237,7 +240,7 @@ TEST_F(GlRendererTest, TheSplatKnowsRaysInPlanesOfTheMesh) {
   Smoke smoke(box, false, 0);
   std::ranges::fill(smoke.extinction, 0.9F);
   const AnyMedium medium = smoke.medium();
-  const GlScene scene{.smokes = {smoke.onDevice()}, .smokeMethod = GlSmokeMethod::kSplat};
+  const GlScene scene{{smoke.onDevice(GlSmokeMethod::kSplat)}};
   constexpr int kSide = 33;  // pixels, the outermost ones' rays in the boundary
   const RenderOptions depths{.aov = Aov::kOpticalDepth};
   for (const int axis : {0, 1, 2}) {
@@ -279,8 +282,8 @@ TEST_F(GlRendererTest, TheSplatFromInsideDrawsLittleMoreThanItsTetrahedra) {
   glGenQueries(1, &name);
   const GlQuery query(name);
   glBeginQuery(GL_FRAGMENT_SHADER_INVOCATIONS_ARB, name);
-  EXPECT_LE(errorOf(camera, {.smokes = {smoke.onDevice()}, .smokeMethod = GlSmokeMethod::kSplat},
-                    std::vector{smoke.medium()}, {.aov = Aov::kOpticalDepth}),
+  EXPECT_LE(errorOf(camera, {{smoke.onDevice(GlSmokeMethod::kSplat)}}, std::vector{smoke.medium()},
+                    {.aov = Aov::kOpticalDepth}),
             kBar);
   glEndQuery(GL_FRAGMENT_SHADER_INVOCATIONS_ARB);
   GLint64 drawn = 0;
@@ -298,7 +301,7 @@ TEST_F(GlRendererTest, SmokeVolumeAndFogOverlap) {
       fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[1].profile, {.degree = 1}, 0.9, 0.6);
   const std::vector<AnyMedium> media{AnyMedium(VoxelMedium(fire, 2, 3)), AnyMedium(fog),
                                      smoke.medium()};
-  const GlScene scene{.volumes = {{fire, 2, 3}}, .fogs = {fog}, .smokes = {smoke.onDevice()}};
+  const GlScene scene{{glPart(GlVolume{fire, 2, 3}), glPart(GlFog{fog}), smoke.onDevice()}};
   const Camera camera =
       Camera::pinhole({Vec3(0.2, -1, 2.6), Vec3(0.3, 3.2, 1.2)}, 50, kWidth, kHeight);
   EXPECT_LE(errorOf(camera, scene, media, {.background = Rgb(0.1, 0.2, 0.5)}), kBar);
@@ -312,7 +315,7 @@ TEST_F(GlRendererTest, RefusesWhatItCannotRender) {
                       {.shadows = [](const Segment&, std::size_t, std::vector<Interval>&) {}})
           .value();
   const Camera camera = Camera::framing({Vec3(0, 0, 0), Vec3(1, 1, 1)}, 16, 16);
-  const auto image = renderer_->render(camera, {.sunlitFogs = {among}}, {}, quiet_);
+  const auto image = renderer_->render(camera, {{glPart(GlSunlitFog{among})}}, {}, quiet_);
   ASSERT_FALSE(image);
   EXPECT_EQ(image.error().code, ErrorCode::kUnsupported);
   const std::vector<float> wrong(5, 1.0F);
@@ -324,7 +327,7 @@ TEST_F(GlRendererTest, AnEmptySceneIsItsBackground) {
   const VolumeInfo info = infoOf(1, Basis::kBox);
   const auto nothing = std::make_shared<const BrickSlice>(info);
   const Camera camera = Camera::framing(info.bounds, 16, 16);
-  for (const GlScene& scene : {GlScene{}, GlScene{.volumes = {{nothing, 1, 1}}}}) {
+  for (const GlScene& scene : {GlScene{}, GlScene{{glPart(GlVolume{nothing, 1, 1})}}}) {
     const Image image =
         renderer_->render(camera, scene, {.background = Rgb(0.25, 0.5, 1)}, quiet_).value();
     for (std::size_t i = 0; i < image.pixels.size(); i += 3) EXPECT_EQ(image.pixels[i], 0.25F);

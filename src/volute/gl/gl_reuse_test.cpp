@@ -27,6 +27,11 @@ class GlReuseTest : public GlRendererTest {
     return timesOf(renderer_->takePasses(), pass);
   }
 
+  static GlCounts countsOf(const std::string& way) {
+    const auto found = renderer_->counts().find(way);
+    return found == renderer_->counts().end() ? GlCounts() : found->second;
+  }
+
   Camera camera_ = Camera::pinhole({Vec3(-4, -3, 3), Vec3(8, 9, 1.5)}, 70, 8, 8);
 };
 
@@ -37,10 +42,10 @@ TEST_F(GlReuseTest, SlidersOfFogLinkAndUploadOnce) {
     for (int step = 0; step < 50; ++step) {
       const FogProfile::Knot knots[] = {{0.01 * step, 1}, {2 + 0.1 * step, 1 - 0.01 * step}};
       const FogProfile profile = FogProfile::linear(knots).value();
-      GlScene scene{.fogs = {fog.withProfile(profile).shifted(Vec3(0.02 * step, 0, 0))},
-                    .fogFactor = 1 - 0.01 * step};
+      GlFog shown{fog.withProfile(profile).shifted(Vec3(0.02 * step, 0, 0)), 1 - 0.01 * step};
       if (polar)
-        scene.polarFog = PolarOptions{};
+        shown.polar = anyPolar;
+      const GlScene scene{{glPart(shown)}};
       (void)renderer_->takePasses();
       ASSERT_TRUE(renderer_->render(camera_, scene, {}, quiet_));
       const auto passes = renderer_->takePasses();
@@ -59,8 +64,8 @@ TEST_F(GlReuseTest, SlidersOfColorsAndOfVolumesLinkOnce) {
   for (int step = 0; step < 50; ++step) {
     const FogMedium fog = fogtest::fog(fogtest::map(5, 4), fogtest::profiles()[2].profile,
                                        {.degree = 2, .color = Rgb(0.02 * step, 1, 1)});
-    links[0] += timesFor({.fogs = {fog}}, "link");
-    links[1] += timesFor({.volumes = {{slice, 1 + 0.1 * step, 2 + 0.03 * step}}}, "link");
+    links[0] += timesFor({{glPart(GlFog{fog})}}, "link");
+    links[1] += timesFor({{glPart(GlVolume{slice, 1 + 0.1 * step, 2 + 0.03 * step})}}, "link");
   }
   EXPECT_LE(links[0], 1);
   EXPECT_LE(links[1], 1);
@@ -69,17 +74,15 @@ TEST_F(GlReuseTest, SlidersOfColorsAndOfVolumesLinkOnce) {
 /// Each medium twice; what is the same is not uploaded again, what has changed is, and shows.
 TEST_F(GlReuseTest, WhatHasNotChangedStaysOnTheDevice) {
   const Smoke smoke(boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {4, 3, 3}, 0.2, 1), true, 2);
-  GlSmoke thicker = smoke.onDevice();
-  for (float& value : thicker.extinction) value *= 2;
   const Camera camera = Camera::framing(smoke.medium().bounds(), kWidth, kHeight);
   for (const auto method :
        {GlSmokeMethod::kMarch, GlSmokeMethod::kSplat, GlSmokeMethod::kProject}) {
     const RenderOptions depths{.aov = Aov::kOpticalDepth};
-    const GlScene scene{.smokes = {smoke.onDevice()}, .smokeMethod = method};
-    const GlScene changed{.smokes = {thicker}, .smokeMethod = method};
+    const GlScene scene{{smoke.onDevice(method)}};
+    const GlScene changed = scene.scaled(2);
     const Image before = renderer_->render(camera, scene, depths, quiet_).value();
     (void)renderer_->takePasses();
-    const auto counts = renderer_->projectedTets();
+    const GlCounts counts = countsOf("projected_tetrahedra");
     EXPECT_EQ(renderer_->render(camera, scene, depths, quiet_).value().pixels, before.pixels);
     EXPECT_EQ(timesOf(renderer_->takePasses(), "upload"), 0) << int(method);
     const Image after = renderer_->render(camera, changed, depths, quiet_).value();
@@ -94,18 +97,18 @@ TEST_F(GlReuseTest, WhatHasNotChangedStaysOnTheDevice) {
       EXPECT_EQ(timesOf(renderer_->takePasses(), "upload"), 1) << int(method);
       continue;
     }
-    const auto later = renderer_->projectedTets();
-    EXPECT_EQ(later->sorts, counts->sorts);
-    EXPECT_EQ(later->pictures, counts->pictures + 2);
-    EXPECT_EQ(later->uploads, counts->uploads + 1);  // the fields
+    const GlCounts later = countsOf("projected_tetrahedra");
+    ASSERT_EQ(later.size(), counts.size());
+    EXPECT_EQ(later[0], counts[0]) << "sorts";
+    EXPECT_EQ(later[1], GlCounts::value_type("uploads", counts[1].second + 1)) << "the fields";
+    EXPECT_EQ(later[2], GlCounts::value_type("pictures", counts[2].second + 2));
   }
 }
 
 /// Parts of the surfaces between two pictures of what lights come through.
 TEST_F(GlReuseTest, SurfacesLeaveThePictureAndWhatMediaHold) {
   const Smoke smoke(boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {4, 3, 3}, 0.2, 1), true, 2);
-  const GlScene scene{.volumes = {{sliceOf(1, Basis::kTrilinear), 1, 2}},
-                      .smokes = {smoke.onDevice()}};
+  const GlScene scene{{glPart(GlVolume{sliceOf(1, Basis::kTrilinear), 1, 2}), smoke.onDevice()}};
   const auto floor =
       TriangleScene::build({{{Vec3(-3, -3, 0), Vec3(3, -3, 0), Vec3(0, 5, 0)}, 0}}, {Material{}});
   ASSERT_TRUE(floor);
@@ -117,7 +120,9 @@ TEST_F(GlReuseTest, SurfacesLeaveThePictureAndWhatMediaHold) {
   const Image before = renderer_->render(camera, scene, {}, quiet_).value();
   (void)renderer_->takePasses();
   const GLuint shown = renderer_->texture();
-  const GlWalls walls{smoke.onDevice(), {}, {}, Rgb::Ones(), Rgb::Ones(), {}};
+  const GlWalls walls{.mesh = {smoke.locator, &smoke.locator->mesh()},
+                      .media = {{smoke.onDevice()}},
+                      .ambient = Rgb::Ones()};
   for (const int size : {8, 24, 16}) {
     const Camera part = Camera::framing(smoke.medium().bounds(), size, size);
     const auto seen = renderer_->surfaces(part, {*floor, {&lamp, 1}}, scene, Rgb::Zero(), quiet_);
@@ -168,10 +173,10 @@ TEST_F(GlLimitsTest, TooManyMediaAreRefusedByCounting) {
   const Smoke smoke(boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {2, 2, 2}, 0.2, 1), true, 2);
   GlScene smokes, volumes;
   for (std::int64_t i = 0; i <= gl_->device().storageBindings / 6; ++i)
-    smokes.smokes.push_back(smoke.onDevice());
+    smokes.parts.push_back(smoke.onDevice());
   const auto slice = sliceOf(1, Basis::kBox);
   for (std::int64_t i = 0; i <= gl_->device().textureUnits / 2; ++i)
-    volumes.volumes.push_back({slice, 1, 1});
+    volumes.parts.push_back(glPart(GlVolume{slice, 1, 1}));
   EXPECT_NE(refusal(smokes).find("buffers at a time"), std::string::npos);
   EXPECT_NE(refusal(volumes).find("textures"), std::string::npos);
 }
@@ -179,12 +184,12 @@ TEST_F(GlLimitsTest, TooManyMediaAreRefusedByCounting) {
 TEST_F(GlLimitsTest, WhatIsLongerThanTexturesIsRefused) {
   const int side = static_cast<int>(gl_->device().largestTexture) + 8;
   const FogMedium fog = fogtest::fog(SplineGrid(side, 2), fogtest::profiles()[0].profile, {});
-  EXPECT_NE(refusal({.fogs = {fog}}).find("a fog map of"), std::string::npos);
+  EXPECT_NE(refusal({{glPart(GlFog{fog})}}).find("a fog map of"), std::string::npos);
   VolumeInfo info = infoOf(1, Basis::kBox);
   info.x = static_cast<int>(8 * (gl_->device().largestTexture3d + 1)), info.y = info.z = 1;
   const auto slice = std::make_shared<const BrickSlice>(
       BrickSlice::fromDense(info, std::vector<float>(info.x, 1.0F)));
-  EXPECT_NE(refusal({.volumes = {{slice, 1, 1}}}).find("table of bricks"), std::string::npos);
+  EXPECT_NE(refusal({{glPart(GlVolume{slice, 1, 1})}}).find("table of bricks"), std::string::npos);
 }
 
 /// Just below what is refused for its length, pictures are right: software rasterisers end loops.
@@ -217,14 +222,14 @@ TEST_F(GlLimitsTest, LongWaysAreDrawnRightOrRefused) {
     const auto slice = std::make_shared<const BrickSlice>(
         BrickSlice::fromDense(info, std::vector<float>(length, 1.0F)));
     check(fmt::format("volume {}", length), AnyMedium(VoxelMedium(slice, 1, 0.1)),
-          {.volumes = {{slice, 1, 0.1}}}, 0.5, true);
+          {{glPart(GlVolume{slice, 1, 0.1})}}, 0.5, true);
     SplineGrid even(length, 3);
     std::ranges::fill(even.c, 1);
     for (const auto& [profileName, profile] : fogtest::profiles()) {
       for (const bool parallel : {true, false}) {
         const FogMedium fog = fogtest::fog(even, profile, {.degree = 3}, 0.01, 0.05);
         check(fmt::format("fog {} {} {}", length, profileName, parallel), AnyMedium(fog),
-              {.fogs = {fog}}, 2, parallel);
+              {{glPart(GlFog{fog})}}, 2, parallel);
       }
     }
   }
@@ -240,7 +245,7 @@ TEST_F(GlLimitsTest, APolarTableCanBeStopped) {
 
   const FogMedium fog =
       fogtest::fog(fogtest::map(2000, 300), fogtest::profiles()[0].profile, {.degree = 1});
-  const GlScene scene{.fogs = {fog}, .polarFog = PolarOptions{}};
+  const GlScene scene{{glPart(GlFog{fog, 1, anyPolar})}};
   const Camera camera = Camera::pinhole({Vec3(-4, -3, 3), Vec3(8, 9, 1.5)}, 70, 8, 8);
   const auto image = renderer_->render(camera, scene, {}, progress);
   ASSERT_FALSE(image);

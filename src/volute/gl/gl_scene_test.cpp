@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/fog/polar_fog.hpp"
+#include "volute/gl/gl_billboard.hpp"
 #include "volute/gl/gl_testing.hpp"
 #include "volute/render/billboard.hpp"
 #include "volute/render/scaled_medium.hpp"
@@ -89,7 +90,7 @@ TEST_F(GlSceneTest, SurfacesAreLitThroughMediaAsByTheProcessor) {
       fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[1].profile, {.degree = 2}, 0.5, 0.6);
   const std::vector<AnyMedium> media{AnyMedium(VoxelMedium(fire, 1, 2)), AnyMedium(fog),
                                      smoke.medium()};
-  const GlScene onDevice{.volumes = {{fire, 1, 2}}, .fogs = {fog}, .smokes = {smoke.onDevice()}};
+  const GlScene onDevice{{glPart(GlVolume{fire, 1, 2}), glPart(GlFog{fog}), smoke.onDevice()}};
   const Vec3 target(0.1, 3, 1);
   for (const Camera& camera : {Camera::pinhole({Vec3(-3.1, -2.2, 4.1), target}, 45, 70, 60),
                                Camera::orthographic({Vec3(3.2, -1.3, 2.9), target}, 6.1, 61, 50)}) {
@@ -147,8 +148,8 @@ TEST_F(GlSceneTest, SignsAreFoundAndShineThroughSmoke) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR((*found)[i].radiance[c], expected[i].radiance[c], 1e-4);
     ends[expected[i].pixel] = expected[i].distance;
   }
-  ASSERT_TRUE(renderer_->draw(camera, {.smokes = {smoke.onDevice()}}, GlQuantity::kOpticalDepth,
-                              quiet_, ends));
+  ASSERT_TRUE(
+      renderer_->draw(camera, {{smoke.onDevice()}}, GlQuantity::kOpticalDepth, quiet_, ends));
   const float powers[] = {0.2878F, 0.7675F, 1};
   const auto light = renderer_->signLight(powers);
   ASSERT_TRUE(light);
@@ -185,10 +186,10 @@ TEST_F(GlSceneTest, BillboardsAreThoseOfTheProcessor) {
       std::vector<float> wall(kWidth * kHeight, INFINITY);
       for (std::size_t i = 0; i < wall.size(); i += 5) wall[i] = 4.5F;
       const RenderOptions behind{.background = Rgb(0.5, 0.4, 0.3)};
-      EXPECT_LE(errorOf(camera, {.billboards = {onDevice}}, {&board, 1}, behind, wall), kScene)
+      EXPECT_LE(errorOf(camera, {{glPart(onDevice)}}, {&board, 1}, behind, wall), kScene)
           << "alpha " << int(alpha) << ", basis " << int(basis);
       const std::vector<AnyMedium> both{AnyMedium(fog), board};
-      EXPECT_LE(errorOf(camera, {.fogs = {fog}, .billboards = {onDevice}}, both, behind), kScene)
+      EXPECT_LE(errorOf(camera, {{glPart(GlFog{fog}), glPart(onDevice)}}, both, behind), kScene)
           << "in fog, alpha " << int(alpha) << ", basis " << int(basis);
     }
   }
@@ -210,9 +211,9 @@ TEST_F(GlSceneTest, SunsLightFog) {
       const AnyMedium medium(lit);
       const Camera camera =
           Camera::pinhole({Vec3(-4, -3, 3), Vec3(8, 9, 1.5)}, 70, kWidth, kHeight);
-      EXPECT_LE(
-          errorOf(camera, {.sunlitFogs = {lit}}, {&medium, 1}, {.background = Rgb(0.2, 0.1, 0.4)}),
-          kScene)
+      EXPECT_LE(errorOf(camera, {{glPart(GlSunlitFog{lit})}}, {&medium, 1},
+                        {.background = Rgb(0.2, 0.1, 0.4)}),
+                kScene)
           << name << ", suns " << count;
     }
   }
@@ -238,9 +239,8 @@ TEST_F(GlSceneTest, SurfacesThrowShadowsIntoSunlitFog) {
         Camera::pinhole({Vec3(0.4, 3.1, 1.2), Vec3(-2, 5, 1.5)}, 70, kWidth, kHeight),
         Camera::orthographic({Vec3(3.2, -1.3, 2.9), target}, 6.1, kWidth, kHeight)}) {
     const auto seen = renderSurfaces(camera, {geometry}, Rgb::Zero(), quiet_).value();
-    EXPECT_LE(
-        errorOf(camera, {.sunlitFogs = {lit}, .shade = geometry}, {&medium, 1}, {}, seen.depth),
-        kScene);
+    EXPECT_LE(errorOf(camera, {{glPart(GlSunlitFog{lit})}, geometry}, {&medium, 1}, {}, seen.depth),
+              kScene);
   }
 }
 
@@ -249,7 +249,7 @@ TEST_F(GlSceneTest, FogAloneByAPolarTable) {
                                      {.degree = 2, .color = Rgb(0.8, 0.9, 1)});
   const Camera camera = Camera::pinhole({Vec3(-4, -3, 3), Vec3(8, 9, 1.5)}, 60, kWidth, kHeight);
   const AnyMedium exact(fog);
-  const GlScene scene{.fogs = {fog}, .polarFog = PolarOptions{}};
+  const GlScene scene{{glPart(GlFog{fog, 1, anyPolar})}};
   (void)renderer_->takePasses();
   std::vector<float> wall(kWidth * kHeight, INFINITY);
   for (std::size_t i = 0; i < wall.size(); i += 3) wall[i] = 0.3F + 0.02F * float(i);
@@ -267,7 +267,7 @@ TEST_F(GlSceneTest, FogAloneByAPolarTable) {
   const FogMedium other =
       fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[2].profile, {.degree = 2});
   const AnyMedium walked(other);
-  EXPECT_LE(errorOf(camera, {.fogs = {other}, .polarFog = PolarOptions{}}, {&walked, 1}, {}), kBar);
+  EXPECT_LE(errorOf(camera, {{glPart(GlFog{other, 1, anyPolar})}}, {&walked, 1}, {}), kBar);
 }
 
 /// One zone has level rays between two, whether they are walked or marched.
@@ -279,7 +279,8 @@ TEST_F(GlSceneTest, FogIsSeenAlongABorderOfItsProfile) {
       const double z = 0.5 + height;
       const Camera camera = Camera::pinhole({Vec3(-4, -3, z), Vec3(8, 9, z)}, 60, kWidth, 31);
       for (const std::size_t count : {1, 2}) {
-        EXPECT_LE(errorOf(camera, {.fogs = std::vector(count, fog)}, {media, count}, {}), kBar)
+        EXPECT_LE(errorOf(camera, {std::vector(count, glPart(GlFog{fog}))}, {media, count}, {}),
+                  kBar)
             << name << ", " << count << " at " << height;
       }
     }
@@ -303,16 +304,17 @@ TEST_F(GlSceneTest, FogAloneIsWalked) {
       const FogMedium thick = fogtest::fog(fogtest::map(19, 16), profile, options, 60);
       for (const Camera& camera : {near, within}) {
         const AnyMedium exact(thin);
-        EXPECT_LE(errorOf(camera, {.fogs = {thin}}, {&exact, 1}, {.background = Rgb(0.2, 0.1, 0.4)},
-                          wall),
+        EXPECT_LE(errorOf(camera, {{glPart(GlFog{thin})}}, {&exact, 1},
+                          {.background = Rgb(0.2, 0.1, 0.4)}, wall),
                   kBar)
             << name << degree;
         const AnyMedium scaled(ScaledMedium(AnyMedium(thick), 0.02));
-        EXPECT_LE(errorOf(camera, {.fogs = {thick}, .fogFactor = 0.02}, {&scaled, 1}, {}), kBar)
+        EXPECT_LE(errorOf(camera, {{glPart(GlFog{thick, 0.02})}}, {&scaled, 1}, {}), kBar)
             << name << degree;
         const AnyMedium depths(thick);
-        EXPECT_LE(errorOf(camera, {.fogs = {thick}}, {&depths, 1}, {.aov = Aov::kOpticalDepth}),
-                  kBar)
+        EXPECT_LE(
+            errorOf(camera, {{glPart(GlFog{thick})}}, {&depths, 1}, {.aov = Aov::kOpticalDepth}),
+            kBar)
             << name << degree;
         pictures += 3;
       }
@@ -342,9 +344,9 @@ TEST_F(GlSceneTest, FogWithATopAndFogWithLevelsByAngle) {
       const AnyMedium medium(fog);
       for (const Vec3& eye : eyes) {
         const Camera camera = Camera::pinhole({eye, Vec3(4, 8, 1.5)}, 70, kWidth, kHeight);
-        EXPECT_LE(
-            errorOf(camera, {.fogs = {fog}}, {&medium, 1}, {.background = Rgb(0.2, 0.1, 0.4)}),
-            kBar)
+        EXPECT_LE(errorOf(camera, {{glPart(GlFog{fog})}}, {&medium, 1},
+                          {.background = Rgb(0.2, 0.1, 0.4)}),
+                  kBar)
             << name << (fog.hasTop() ? ", top" : ", levels") << ", eye " << eye.transpose();
       }
     }
@@ -356,7 +358,7 @@ TEST_F(GlSceneTest, FogByAFactor) {
       fogtest::fog(fogtest::map(9, 8), fogtest::profiles()[1].profile, {.degree = 1});
   const AnyMedium medium(ScaledMedium(AnyMedium(fog), 0.7675));
   const Camera camera = Camera::pinhole({Vec3(-4, -3, 3), Vec3(8, 9, 1.5)}, 70, kWidth, kHeight);
-  EXPECT_LE(errorOf(camera, {.fogs = {fog}, .fogFactor = 0.7675}, {&medium, 1}, {}), kBar);
+  EXPECT_LE(errorOf(camera, {{glPart(GlFog{fog, 0.7675})}}, {&medium, 1}, {}), kBar);
 }
 
 }  // namespace

@@ -1,28 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include "volute/gl/gl_smoke.hpp"
+
 #include <algorithm>
 #include <cmath>
 
+#include "volute/gl/depth_splat.hpp"
 #include "volute/gl/face_tree.hpp"
-#include "volute/gl/gl_medium.hpp"
+#include "volute/gl/gl_part.hpp"
 #include "volute/gl/glsl_sources.hpp"
+#include "volute/gl/tet_projector.hpp"
 
 namespace volute {
+namespace {
 
 /// A mesh without its fields.
-class GlMesh {
- public:
+struct GlMesh {
   Vec3 middle = Vec3::Zero();
   GlBuffer places, tets, opposites, nodes, faces;
 };
 
-class GlSmokeFields {
- public:
+struct GlSmokeFields {
   GlBuffer fields;
   std::vector<float> extinction, source;  ///< what they were made of
 };
-
-namespace {
 
 /// What a ray through tets of about equal size takes at most.
 double mostCells(const TetMesh& mesh) {
@@ -42,11 +43,11 @@ class SmokeOnDevice final : public GlMedium {
 
   std::vector<ShaderPart> parts() const override { return {{"smoke.glsl", glsl::kSmoke}}; }
 
-  GlNature nature() const override {
-    GlNature nature;
+  GlMediumTraits traits() const override {
+    GlMediumTraits traits;
     if (black_)
-      nature = {.color = Rgb(Rgb::Zero()), .points = 2};
-    return nature;
+      traits = {.color = Rgb(Rgb::Zero()), .points = 2};
+    return traits;
   }
 
   GlNeeds needs() const override {
@@ -73,9 +74,7 @@ class SmokeOnDevice final : public GlMedium {
   bool black_;
 };
 
-}  // namespace
-
-Result<std::shared_ptr<const GlMesh>> makeGlMesh(const TetMesh& mesh) {
+Result<GlMesh> makeMesh(const TetMesh& mesh) {
   GLint64 most = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
   if (static_cast<std::int64_t>(16 * mesh.tets().size()) > most) {
@@ -84,45 +83,145 @@ Result<std::shared_ptr<const GlMesh>> makeGlMesh(const TetMesh& mesh) {
                 "render with --renderer cpu",
                 mesh.tets().size(), most >> 20);
   }
-  auto made = std::make_shared<GlMesh>();
-  made->middle = mesh.bounds().centre();
+  GlMesh made;
+  made.middle = mesh.bounds().centre();
   std::vector<std::array<float, 4>> places;
   for (const Vec3& vertex : mesh.vertices()) {
-    const Vec3 place = vertex - made->middle;
+    const Vec3 place = vertex - made.middle;
     places.push_back({static_cast<float>(place.x()), static_cast<float>(place.y()),
                       static_cast<float>(place.z()), 0});
   }
-  made->places = makeBuffer(places);
-  made->tets = makeBuffer(mesh.tets());
-  made->opposites = makeBuffer(mesh.opposites());
-  const FaceTree tree(mesh, made->middle);
+  made.places = makeBuffer(places);
+  made.tets = makeBuffer(mesh.tets());
+  made.opposites = makeBuffer(mesh.opposites());
+  const FaceTree tree(mesh, made.middle);
   static_assert(sizeof(FaceTree::Node) == 32);
-  made->nodes = makeBuffer(tree.nodes);
-  made->faces = makeBuffer(tree.faces);
+  made.nodes = makeBuffer(tree.nodes);
+  made.faces = makeBuffer(tree.faces);
   return made;
 }
 
-std::shared_ptr<const GlSmokeFields> makeGlSmokeFields(const GlSmoke& smoke) {
-  auto made = std::make_shared<GlSmokeFields>();
-  made->extinction = smoke.extinction;
-  made->source = smoke.source;
+Result<GlSmokeFields> makeSmokeFields(const GlSmoke& smoke) {
+  GlSmokeFields made;
+  made.extinction = smoke.extinction;
+  made.source = smoke.source;
   std::vector<std::array<float, 4>> fields(smoke.extinction.size());
   for (std::size_t i = 0; i < fields.size(); ++i) {
     fields[i] = {smoke.extinction[i], 0, 0, 0};
     if (!smoke.source.empty())
       std::copy_n(&smoke.source[3 * i], 3, fields[i].begin() + 1);
   }
-  made->fields = makeBuffer(fields);
+  made.fields = makeBuffer(fields);
   return made;
 }
 
-bool holds(const GlSmokeFields& fields, const GlSmoke& smoke) {
-  return fields.extinction == smoke.extinction && fields.source == smoke.source;
+/// In sizes of the mesh: from farther eyes the rasterised ways, whose places are floats from the
+/// eye, are off by more than 5e-4 of the brightest, and smoke is marched.
+constexpr double kFarthestSizes = 300;
+
+bool isFar(const TetMesh& mesh, const Camera& camera) {
+  const Box3 box = mesh.bounds();
+  return (camera.eye() - box.centre()).norm() > kFarthestSizes * box.size().norm();
 }
 
-std::unique_ptr<GlMedium> makeGlSmoke(const GlSmoke& smoke, std::shared_ptr<const GlMesh> mesh,
-                                      std::shared_ptr<const GlSmokeFields> fields) {
-  return std::make_unique<SmokeOnDevice>(smoke, std::move(mesh), std::move(fields));
+/// How a smoke is drawn alone, once kAuto is decided.
+GlSmokeMethod methodFor(const GlSmoke& smoke, const Camera& camera, GlQuantity quantity) {
+  if (!camera.distortion().none() || isFar(smoke.locator->mesh(), camera))
+    return GlSmokeMethod::kMarch;
+  if (smoke.method == GlSmokeMethod::kProject)
+    return GlSmokeMethod::kProject;
+  const bool black = smoke.source.empty() || quantity == GlQuantity::kOpticalDepth;
+  return black && smoke.method != GlSmokeMethod::kMarch ? GlSmokeMethod::kSplat
+                                                        : GlSmokeMethod::kMarch;
+}
+
+class SmokePart final : public GlPart {
+ public:
+  explicit SmokePart(GlSmoke smoke) : smoke_(std::move(smoke)) {}
+
+  std::string name() const override { return "smoke"; }
+
+  Result<std::unique_ptr<GlMedium>> medium(const GlPicture& picture) const override {
+    VOLUTE_ASSIGN(auto mesh, picture.resources.upload<GlMesh>(smoke_.locator, name(), [&] {
+      return makeMesh(smoke_.locator->mesh());
+    }));
+    const auto holds = [&](const GlSmokeFields& made) {
+      return made.extinction == smoke_.extinction && made.source == smoke_.source;
+    };
+    VOLUTE_ASSIGN(auto fields,
+                  picture.resources.upload<GlSmokeFields>(
+                      smoke_.locator, name(), [&] { return makeSmokeFields(smoke_); }, holds));
+    return std::make_unique<SmokeOnDevice>(smoke_, std::move(mesh), std::move(fields));
+  }
+
+  Status drawAlone(const GlPicture& picture, const GlTarget& target) const override {
+    switch (methodFor(smoke_, picture.camera, target.quantity)) {
+      case GlSmokeMethod::kSplat:
+        return splat(picture, target);
+      case GlSmokeMethod::kProject:
+        return project(picture, target);
+      default:
+        return GlPart::drawAlone(picture, target);
+    }
+  }
+
+  std::shared_ptr<const GlPart> scaled(double factor) const override {
+    GlSmoke smoke = smoke_;
+    for (float& value : smoke.extinction) value = static_cast<float>(factor * value);
+    return glPart(std::move(smoke));
+  }
+
+ private:
+  std::shared_ptr<const TetMesh> mesh() const { return {smoke_.locator, &smoke_.locator->mesh()}; }
+
+  Status splat(const GlPicture& picture, const GlTarget& target) const;
+  Status project(const GlPicture& picture, const GlTarget& target) const;
+
+  GlSmoke smoke_;
+};
+
+Status SmokePart::splat(const GlPicture& picture, const GlTarget& target) const {
+  GlResources& resources = picture.resources;
+  VOLUTE_ASSIGN(const auto made, resources.upload<DepthSplat>(smoke_.locator, name(), [&] {
+    return DepthSplat::create(mesh());
+  }));
+  if (!made->holds(smoke_.extinction))
+    resources.passes.run("upload", name(), [&] { made->setExtinction(smoke_.extinction); });
+  return resources.passes.run("splat", name(), [&] {
+    const float nothing[4] = {};
+    glClearTexImage(target.picture, 0, GL_RGBA, GL_FLOAT, nothing);
+    return made->add(picture.camera, target.rays.opaque, target.picture);
+  });
+}
+
+Status SmokePart::project(const GlPicture& picture, const GlTarget& target) const {
+  GlResources& resources = picture.resources;
+  VOLUTE_ASSIGN(const auto made, resources.upload<TetProjector>(smoke_.locator, name(), [&] {
+    return TetProjector::create(mesh());
+  }));
+  VOLUTE_ASSIGN(const GlProgram* resolve,
+                resources.programs.get("resolve", name(), resources.passes, [] {
+                  return std::vector<ShaderPart>{{"resolve.glsl", glsl::kResolve}};
+                }));
+  made->setSmoke(smoke_.extinction, smoke_.source);
+  VOLUTE_TRY(made->draw(picture.camera, target.opaqueDepth, {}, resources.passes));
+  resources.passes.run("resolve", name(), [&] {
+    resolve->set("blended", 0);
+    glBindTextureUnit(0, made->texture());
+    glBindImageTexture(0, target.picture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    runOver(*resolve, picture.camera.width(), picture.camera.height());
+  });
+  const TetProjectorCounts& tets = made->counts();
+  resources.counts["projected_tetrahedra"] = {
+      {"sorts", tets.sorts},         {"uploads", tets.uploads}, {"pictures", tets.pictures},
+      {"triangles", tets.triangles}, {"cycles", tets.cycles},   {"parts", tets.parts}};
+  return {};
+}
+
+}  // namespace
+
+std::shared_ptr<const GlPart> glPart(GlSmoke smoke) {
+  return std::make_shared<SmokePart>(std::move(smoke));
 }
 
 }  // namespace volute

@@ -12,7 +12,10 @@
 
 #include "volute/fog/fog_testing.hpp"
 #include "volute/gl/gl_device.hpp"
+#include "volute/gl/gl_fog.hpp"
 #include "volute/gl/gl_renderer.hpp"
+#include "volute/gl/gl_smoke.hpp"
+#include "volute/gl/gl_volume.hpp"
 #include "volute/grid/voxel_medium.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
 #include "volute/tetmesh/tet_medium.hpp"
@@ -70,6 +73,11 @@ class GlRendererTest : public testing::Test {
     return worst / largest;
   }
 };
+
+/// GlFog::polar, of a table for any camera.
+inline std::optional<PolarOptions> anyPolar(const Camera&) {
+  return PolarOptions{};
+}
 
 inline constexpr double kBar = 5e-4;  // the contract says 2e-3
 
@@ -135,7 +143,9 @@ struct Smoke {
     }
   }
 
-  GlSmoke onDevice() const { return {locator, extinction, source}; }
+  std::shared_ptr<const GlPart> onDevice(GlSmokeMethod method = GlSmokeMethod::kAuto) const {
+    return glPart(GlSmoke{locator, extinction, source, method});
+  }
 
   AnyMedium medium() const { return AnyMedium(TetMedium(locator, extinction, source)); }
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include "volute/gl/gl_volume.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
 
-#include "volute/gl/gl_device.hpp"
-#include "volute/gl/gl_medium.hpp"
+#include "volute/gl/gl_part.hpp"
 #include "volute/gl/glsl_sources.hpp"
 #include "volute/grid/voxel_march.hpp"
 
@@ -64,21 +65,18 @@ std::vector<ShaderPart> volumeParts(int channels, Basis basis, ShaderPart voxels
           {"volume.glsl", glsl::kVolume}};
 }
 
-GlNature natureOf(int channels, Basis basis, double emission, double extinction) {
-  GlNature nature;
-  nature.constant = basis == Basis::kBox;
-  nature.absorbs = extinction != 0;
-  nature.points = nature.constant ? 1 : 2;
+GlMediumTraits traitsOf(int channels, Basis basis, double emission, double extinction) {
+  GlMediumTraits traits;
+  traits.constant = basis == Basis::kBox;
+  traits.absorbs = extinction != 0;
+  traits.points = traits.constant ? 1 : 2;
   if (channels == 1 && extinction != 0)
-    nature.color = Rgb::Constant(emission / extinction);
-  return nature;
+    traits.color = Rgb::Constant(emission / extinction);
+  return traits;
 }
 
-}  // namespace
-
 /// The bricks that are not empty, in one 3D texture.
-class GlVolumeAtlas {
- public:
+struct GlVolumeAtlas {
   GlTexture bricks, atlas;
   std::array<int, 3> atlasBricks{};
   CellGrid cells;
@@ -86,8 +84,6 @@ class GlVolumeAtlas {
   int channels = 1;
   Basis basis = Basis::kBox;
 };
-
-namespace {
 
 /// How many bricks fit side by side on each axis, for `count` of them.
 Result<std::array<int, 3>> arrange(std::int64_t count, int side, int channels) {
@@ -125,24 +121,22 @@ void fillLayer(const MarchGrid& grid, std::span<const std::int32_t> begins, int 
   }
 }
 
-}  // namespace
-
-Result<std::shared_ptr<const GlVolumeAtlas>> makeVolumeAtlas(const BrickSlice& slice) {
-  auto made = std::make_shared<GlVolumeAtlas>();
-  made->channels = slice.channels();
-  made->basis = slice.basis();
-  made->cells = cellsOf(slice.bounds(), {slice.x(), slice.y(), slice.z()}, slice.basis());
+Result<GlVolumeAtlas> makeVolumeAtlas(const BrickSlice& slice) {
+  GlVolumeAtlas made;
+  made.channels = slice.channels();
+  made.basis = slice.basis();
+  made.cells = cellsOf(slice.bounds(), {slice.x(), slice.y(), slice.z()}, slice.basis());
   // The march grid holds on to the slice only while the atlas is made of it.
   const std::shared_ptr<const BrickSlice> alias(std::shared_ptr<void>(), &slice);
-  const auto grid = makeMarchGrid(alias, made->cells, 0, 0);
+  const auto grid = makeMarchGrid(alias, made.cells, 0, 0);
   if (!grid->fits)
     return fail(
         ErrorCode::kTooLarge,
         "a volume of more than 8 GiB is not rendered by OpenGL; render with --renderer cpu");
   const int side = grid->trilinear ? kSide + 1 : kSide;
   std::array<int, 3> count{};
-  for (int axis = 0; axis < 3; ++axis) count[axis] = (made->cells.count[axis] + kSide - 1) / kSide;
-  made->range = {made->cells.count, {0, 0, 0}};
+  for (int axis = 0; axis < 3; ++axis) count[axis] = (made.cells.count[axis] + kSide - 1) / kSide;
+  made.range = {made.cells.count, {0, 0, 0}};
   std::vector<std::int32_t> numbers, begins;
   for (int z = 0; z < count[2]; ++z) {
     for (int y = 0; y < count[1]; ++y) {
@@ -155,23 +149,23 @@ Result<std::shared_ptr<const GlVolumeAtlas>> makeVolumeAtlas(const BrickSlice& s
         begins.push_back(begin);
         const std::array<int, 3> brick{x, y, z};
         for (int axis = 0; axis < 3; ++axis) {
-          made->range.begin[axis] = std::min(made->range.begin[axis], brick[axis] * kSide);
-          made->range.end[axis] = std::max(
-              made->range.end[axis], std::min((brick[axis] + 1) * kSide, made->cells.count[axis]));
+          made.range.begin[axis] = std::min(made.range.begin[axis], brick[axis] * kSide);
+          made.range.end[axis] = std::max(
+              made.range.end[axis], std::min((brick[axis] + 1) * kSide, made.cells.count[axis]));
         }
       }
     }
   }
   const auto stored = static_cast<std::int64_t>(begins.size());
-  VOLUTE_ASSIGN(made->atlasBricks, arrange(stored, side, made->channels));
-  const auto [columns, rows, layers] = made->atlasBricks;
-  const int height = side * made->channels;
+  VOLUTE_ASSIGN(made.atlasBricks, arrange(stored, side, made.channels));
+  const auto [columns, rows, layers] = made.atlasBricks;
+  const int height = side * made.channels;
   VOLUTE_TRY(checkTextureSize("a volume's table of bricks", count[0], count[1], count[2]));
-  made->bricks = makeTexture3d(GL_R32I, count[0], count[1], count[2]);
+  made.bricks = makeTexture3d(GL_R32I, count[0], count[1], count[2]);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-  glTextureSubImage3D(made->bricks.name(), 0, 0, 0, 0, count[0], count[1], count[2], GL_RED_INTEGER,
+  glTextureSubImage3D(made.bricks.name(), 0, 0, 0, 0, count[0], count[1], count[2], GL_RED_INTEGER,
                       GL_INT, numbers.data());
-  made->atlas = makeTexture3d(GL_R32F, columns * side, rows * side, layers * height);
+  made.atlas = makeTexture3d(GL_R32F, columns * side, rows * side, layers * height);
   std::vector<float> layer(static_cast<std::size_t>(columns) * side * rows * side * height);
   const std::int64_t perLayer = std::int64_t{columns} * rows;
   for (int z = 0; z < layers; ++z) {
@@ -180,13 +174,11 @@ Result<std::shared_ptr<const GlVolumeAtlas>> makeVolumeAtlas(const BrickSlice& s
     if (from >= to)
       break;
     fillLayer(*grid, std::span(begins).subspan(from, to - from), side, columns, rows, layer);
-    glTextureSubImage3D(made->atlas.name(), 0, 0, 0, z * height, columns * side, rows * side,
-                        height, GL_RED, GL_FLOAT, layer.data());
+    glTextureSubImage3D(made.atlas.name(), 0, 0, 0, z * height, columns * side, rows * side, height,
+                        GL_RED, GL_FLOAT, layer.data());
   }
   return made;
 }
-
-namespace {
 
 class AtlasMedium final : public GlMedium {
  public:
@@ -201,8 +193,8 @@ class AtlasMedium final : public GlMedium {
     return volumeParts(atlas_->channels, atlas_->basis, {"volume_atlas.glsl", glsl::kVolumeAtlas});
   }
 
-  GlNature nature() const override {
-    return natureOf(atlas_->channels, atlas_->basis, volume_.emission, volume_.extinction);
+  GlMediumTraits traits() const override {
+    return traitsOf(atlas_->channels, atlas_->basis, volume_.emission, volume_.extinction);
   }
 
   GlNeeds needs() const override {
@@ -231,22 +223,35 @@ class AtlasMedium final : public GlMedium {
   std::shared_ptr<const GlVolumeAtlas> atlas_;
 };
 
-}  // namespace
+class VolumePart final : public GlPart {
+ public:
+  explicit VolumePart(GlVolume volume) : volume_(std::move(volume)) {}
 
-std::unique_ptr<GlMedium> makeGlVolume(const GlVolume& volume,
-                                       std::shared_ptr<const GlVolumeAtlas> atlas) {
-  return std::make_unique<AtlasMedium>(volume, std::move(atlas));
-}
+  std::string name() const override { return "volume"; }
+
+  Result<std::unique_ptr<GlMedium>> medium(const GlPicture& picture) const override {
+    VOLUTE_ASSIGN(auto atlas, picture.resources.upload<GlVolumeAtlas>(volume_.slice, name(), [&] {
+      return makeVolumeAtlas(*volume_.slice);
+    }));
+    return std::make_unique<AtlasMedium>(volume_, std::move(atlas));
+  }
+
+  std::shared_ptr<const GlPart> scaled(double factor) const override {
+    GlVolume volume = volume_;
+    volume.extinction *= factor;
+    return glPart(std::move(volume));
+  }
+
+ private:
+  GlVolume volume_;
+};
 
 /// The arrays of TreeData, one after the other.
-class GlTreeData {
- public:
+struct GlTreeData {
   GlBuffer words;
   std::vector<std::pair<const char*, int>> arrays;  ///< where each begins [words]
   const TreeData* data = nullptr;  ///< for its small numbers; the medium holds the tree
 };
-
-namespace {
 
 /// Appends arrays as they are in memory, each from a whole word on.
 class Words {
@@ -266,9 +271,7 @@ class Words {
   std::vector<std::uint32_t> words_;
 };
 
-}  // namespace
-
-Result<std::shared_ptr<const GlTreeData>> makeTreeData(const Tree4d& tree) {
+Result<GlTreeData> makeTreeData(const Tree4d& tree) {
   const TreeData& data = tree.data();
   static_assert(sizeof(TreeData::Group) == 8 && sizeof(TreeData::Entry) == 16);
   GLint64 most = 0;
@@ -279,31 +282,28 @@ Result<std::shared_ptr<const GlTreeData>> makeTreeData(const Tree4d& tree) {
                 "fewer frames, or with --renderer cpu",
                 tree.memoryBytes() >> 20, most >> 20);
   }
-  auto made = std::make_shared<GlTreeData>();
-  made->data = &data;
+  GlTreeData made;
+  made.data = &data;
   Words words;
   std::vector<std::int32_t> levels;
   for (const TreeData::Level& level : data.levels) {
     levels.push_back(std::bit_cast<std::int32_t>(level.scale));
     levels.push_back(level.wide ? 1 : 0);
-    levels.push_back(level.wide ? words.add(level.wide16)
-                                : words.add(level.narrow8));
+    levels.push_back(level.wide ? words.add(level.wide16) : words.add(level.narrow8));
     levels.push_back(words.add(level.escapeIndex));
     levels.push_back(static_cast<std::int32_t>(level.escapeIndex.size()));
     words.add(level.escapeValue);
   }
-  made->arrays = {{"masks", words.add(data.masks)},
-                  {"groups", words.add(data.groups)},
-                  {"childMasks", words.add(data.childMasks)},
-                  {"childBases", words.add(data.childBases)},
-                  {"levels", words.add(levels)},
-                  {"entries", words.add(data.entries)},
-                  {"occupied", words.add(data.occupied)}};
-  made->words = makeBuffer(words.words());
+  made.arrays = {{"masks", words.add(data.masks)},
+                 {"groups", words.add(data.groups)},
+                 {"childMasks", words.add(data.childMasks)},
+                 {"childBases", words.add(data.childBases)},
+                 {"levels", words.add(levels)},
+                 {"entries", words.add(data.entries)},
+                 {"occupied", words.add(data.occupied)}};
+  made.words = makeBuffer(words.words());
   return made;
 }
-
-namespace {
 
 /// The cells that voxels of occupied bricks reach into. (Tree4d::occupiedBox is of the voxels
 /// before compression, which leaves small values around them.)
@@ -341,8 +341,8 @@ class TreeMedium final : public GlMedium {
                        {"volume_tree.glsl", glsl::kVolumeTree});
   }
 
-  GlNature nature() const override {
-    return natureOf(tree_->data->channels, volume_.basis, volume_.emission, volume_.extinction);
+  GlMediumTraits traits() const override {
+    return traitsOf(tree_->data->channels, volume_.basis, volume_.emission, volume_.extinction);
   }
 
   /// The walks take 15 coefficients a node, a node a level.
@@ -385,11 +385,37 @@ class TreeMedium final : public GlMedium {
   std::shared_ptr<const GlTreeData> tree_;
 };
 
+class TreePart final : public GlPart {
+ public:
+  explicit TreePart(GlTreeVolume volume) : volume_(std::move(volume)) {}
+
+  std::string name() const override { return "tree"; }
+
+  Result<std::unique_ptr<GlMedium>> medium(const GlPicture& picture) const override {
+    VOLUTE_ASSIGN(auto tree, picture.resources.upload<GlTreeData>(volume_.tree, name(), [&] {
+      return makeTreeData(*volume_.tree);
+    }));
+    return std::make_unique<TreeMedium>(volume_, std::move(tree));
+  }
+
+  std::shared_ptr<const GlPart> scaled(double factor) const override {
+    GlTreeVolume volume = volume_;
+    volume.extinction *= factor;
+    return glPart(std::move(volume));
+  }
+
+ private:
+  GlTreeVolume volume_;
+};
+
 }  // namespace
 
-std::unique_ptr<GlMedium> makeGlTreeVolume(const GlTreeVolume& volume,
-                                           std::shared_ptr<const GlTreeData> tree) {
-  return std::make_unique<TreeMedium>(volume, std::move(tree));
+std::shared_ptr<const GlPart> glPart(GlVolume volume) {
+  return std::make_shared<VolumePart>(std::move(volume));
+}
+
+std::shared_ptr<const GlPart> glPart(GlTreeVolume volume) {
+  return std::make_shared<TreePart>(std::move(volume));
 }
 
 }  // namespace volute

@@ -30,16 +30,16 @@ Plan planFor(std::span<const std::unique_ptr<GlMedium>> media) {
   bool constant = true, absorbs = false;
   int points = 1;
   for (const auto& medium : media) {
-    const GlNature nature = medium->nature();
-    constant = constant && nature.constant;
-    absorbs = absorbs || nature.absorbs;
-    points = std::max(points, nature.points);
+    const GlMediumTraits traits = medium->traits();
+    constant = constant && traits.constant;
+    absorbs = absorbs || traits.absorbs;
+    points = std::max(points, traits.points);
   }
   if (constant)
     return {March::kConstant, 1};
   if (!absorbs)
     return {March::kThin, points};
-  if (media.size() == 1 && media[0]->nature().color)
+  if (media.size() == 1 && media[0]->traits().color)
     return {March::kProportional, points};
   return plan;
 }
@@ -172,7 +172,7 @@ std::string sceneShaderKey(std::span<const std::unique_ptr<GlMedium>> media, GlQ
 }
 
 Rgb marchColor(std::span<const std::unique_ptr<GlMedium>> media) {
-  const std::optional<Rgb> color = media.size() == 1 ? media[0]->nature().color : std::nullopt;
+  const std::optional<Rgb> color = media.size() == 1 ? media[0]->traits().color : std::nullopt;
   return color.value_or(Rgb::Zero());
 }
 

@@ -14,7 +14,7 @@
 
 namespace volute {
 
-/// signPixels()' twin, and the deferred pass that shows signs through smoke. Under a lens a sign's
+/// signPixels()' twin, and the deferred pass that shows signs through media. Under a lens a sign's
 /// picture is not averaged over the pixel.
 class SignPasses {
  public:

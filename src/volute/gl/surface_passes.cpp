@@ -111,7 +111,7 @@ Status SurfacePasses::prepareSurfaces(const TriangleScene& scene) {
   return {};
 }
 
-Status SurfacePasses::prepareWalls(const std::shared_ptr<const TetLocator>& locator) {
+Status SurfacePasses::prepareWalls(const std::shared_ptr<const TetMesh>& mesh) {
   if (!ofWalls_) {
     VOLUTE_ASSIGN(auto hit, hitProgram(true));
     VOLUTE_ASSIGN(auto light, computeProgram({{"triangles.glsl", glsl::kTriangles},
@@ -119,14 +119,14 @@ Status SurfacePasses::prepareWalls(const std::shared_ptr<const TetLocator>& loca
                                               {"walls_light.glsl", glsl::kWallsLight}}));
     ofWalls_ = Programs{std::move(hit), std::move(light)};
   }
-  if (walls_ && walls_->locator == locator)
+  if (walls_ && walls_->mesh == mesh)
     return {};
   walls_.reset();
   std::vector<std::array<std::int32_t, 3>> vertices, ordered;
-  VOLUTE_ASSIGN(auto triangles, GlTriangles::make(wallsOf(locator->mesh(), vertices)));
+  VOLUTE_ASSIGN(auto triangles, GlTriangles::make(wallsOf(*mesh, vertices)));
   for (const std::int32_t item : triangles.order)
     ordered.push_back(vertices[static_cast<std::size_t>(item)]);
-  walls_ = Walls{locator, std::move(triangles), std::move(ordered)};
+  walls_ = Walls{mesh, std::move(triangles), std::move(ordered)};
   return {};
 }
 
@@ -232,7 +232,7 @@ Result<SurfacePicture> SurfacePasses::draw(const Camera& camera, const SurfaceSc
 Result<SurfacePicture> SurfacePasses::drawWalls(const Camera& camera, const GlWalls& walls,
                                                 const Attenuate& attenuate, GlPasses& passes) {
   VOLUTE_TRY(prepare(camera));
-  VOLUTE_TRY(prepareWalls(walls.smoke.locator));
+  VOLUTE_TRY(prepareWalls(walls.mesh));
   std::vector<Occluders> occluders{{walls_->triangles, Sides::kBack}};
   if (!walls.blocks.empty()) {
     VOLUTE_TRY(prepareSurfaces(walls.blocks));

@@ -30,7 +30,7 @@ class SurfacePasses {
                                             const Rgb& background, const Attenuate& attenuate,
                                             GlPasses& passes);
 
-  /// `attenuate` marches the walls' own smoke.
+  /// `attenuate` marches the walls' media.
   [[nodiscard]] Result<SurfacePicture> drawWalls(const Camera& camera, const GlWalls& walls,
                                                  const Attenuate& attenuate, GlPasses& passes);
 
@@ -43,7 +43,7 @@ class SurfacePasses {
   };
 
   struct Walls {
-    std::shared_ptr<const TetLocator> locator;
+    std::shared_ptr<const TetMesh> mesh;
     GlTriangles triangles;
     std::vector<std::array<std::int32_t, 3>> vertices;  ///< in the order of the triangles
   };
@@ -65,7 +65,7 @@ class SurfacePasses {
 
   Status prepare(const Camera& camera);
   Status prepareSurfaces(const TriangleScene& scene);
-  Status prepareWalls(const std::shared_ptr<const TetLocator>& locator);
+  Status prepareWalls(const std::shared_ptr<const TetMesh>& mesh);
   void look(const Camera& camera, const GlProgram& hit, const GlTriangles& triangles,
             GlTriangles::Sides sides, const Rgb& ambient, GlPasses& passes, const char* what);
   void shade(const Lamp& lamp, std::span<const Occluders> occluders, GlPasses& passes,

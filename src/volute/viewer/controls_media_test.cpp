@@ -406,8 +406,13 @@ std::unique_ptr<Document> documentOf(const SceneFolder& folder, const std::strin
   return document ? std::move(*document) : nullptr;
 }
 
-/// What is moved, turned or blown is not read again: the files may be gone.
+/// What is moved, turned or blown is not read again, for the files may be gone, nor uploaded again.
 TEST(SceneDocument, NothingIsReadAgainForWhereThingsAre) {
+  const auto gl = HeadlessGl::create();
+  if (!gl)
+    GTEST_SKIP() << gl.error().message;
+  auto renderer = GlRenderer::create();
+  ASSERT_TRUE(renderer);
   SceneFolder folder;
   Progress quiet;
   const auto document = documentOf(folder, kBlown, quiet);
@@ -415,22 +420,27 @@ TEST(SceneDocument, NothingIsReadAgainForWhereThingsAre) {
   const auto begun = document->sceneAt({.time = 0.01, .openGl = false}, quiet);
   ASSERT_TRUE(begun) << begun.error().message;
   for (const char* name : {"map.png", "blob.npy"}) std::filesystem::remove(folder.path(name));
-  const auto set = [&](const char* path, const std::vector<double>& value) {
+  const Camera camera = Camera::framing({Vec3(0, 0, 0), Vec3(1, 1, 1)}, 8, 8);
+  const auto uploadsOf = [&](const char* path, const std::vector<double>& value) {
     const auto done = document->set(path, value, quiet);
     EXPECT_TRUE(done) << path << ": " << done.error().message;
     auto scene = document->sceneAt({.time = 0.01, .openGl = false}, quiet);
     EXPECT_TRUE(scene) << path << ": " << scene.error().message;
-    return scene ? scene->media.volumes.at(0).slice : nullptr;
+    EXPECT_TRUE(scene && renderer->draw(camera, scene->media, GlQuantity::kLight, quiet)) << path;
+    int uploads = 0;
+    for (const GlPassTime& pass : renderer->takePasses())
+      uploads += pass.name == "upload" ? pass.times : 0;
+    return uploads;
   };
-  const auto slice = set("/media/1/transform/middle", {1, 2, 3});
-  EXPECT_EQ(set("/media/1/transform/middle", {4, 2, 3}), slice) << "the device has it already";
-  EXPECT_EQ(set("/media/1/transform/turn", {10, 20, 30}), slice);
-  EXPECT_EQ(set("/media/1/transform/turn", {-70, 20, 30}), slice);
-  EXPECT_EQ(set("/media/1/emission", {5}), slice);
-  EXPECT_EQ(set("/media/0/wind", {2, 1, 0}), slice);
-  EXPECT_EQ(set("/media/0/origin", {2, 1, 0}), slice);
-  EXPECT_EQ(set("/media/0/profile/top", {3}), slice);
-  EXPECT_NE(set("/media/1/transform/size", {2}), slice) << "its voxels are larger";
+  EXPECT_EQ(uploadsOf("/media/1/transform/middle", {1, 2, 3}), 2) << "the map and the volume";
+  EXPECT_EQ(uploadsOf("/media/1/transform/middle", {4, 2, 3}), 0);
+  EXPECT_EQ(uploadsOf("/media/1/transform/turn", {10, 20, 30}), 0);
+  EXPECT_EQ(uploadsOf("/media/1/transform/turn", {-70, 20, 30}), 0);
+  EXPECT_EQ(uploadsOf("/media/1/emission", {5}), 0);
+  EXPECT_EQ(uploadsOf("/media/0/wind", {2, 1, 0}), 0);
+  EXPECT_EQ(uploadsOf("/media/0/origin", {2, 1, 0}), 0);
+  EXPECT_EQ(uploadsOf("/media/0/profile/top", {3}), 0);
+  EXPECT_EQ(uploadsOf("/media/1/transform/size", {2}), 1) << "its voxels are larger";
   const auto board =
       document->edit({.kind = SceneEdit::Kind::kBillboard, .path = "/media/1"}, quiet);
   EXPECT_TRUE(board) << board.error().message;

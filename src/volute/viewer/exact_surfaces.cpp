@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "volute/gl/gl_smoke.hpp"
 #include "volute/scene/surface_stack.hpp"
 
 namespace volute {
@@ -12,32 +13,14 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr int kRows = 8;         ///< of the flattest tiles: a work group's
-constexpr double kTile = 0.01;   ///< [s] that one may take
-constexpr double kLeastTile = 512;   ///< pixels of a tile
-constexpr double kBlind = 8192;  ///< at most, after one where there was nothing to be lit
+constexpr int kRows = 8;            ///< of the flattest tiles: a work group's
+constexpr double kTile = 0.01;      ///< [s] that one may take
+constexpr double kLeastTile = 512;  ///< pixels of a tile
+constexpr double kBlind = 8192;     ///< at most, after one where there was nothing to be lit
 constexpr double kMostTile = 1 << 22;
 
 double secondsSince(SteadyClock::time_point begun) {
   return std::chrono::duration<double>(SteadyClock::now() - begun).count();
-}
-
-/// What a law's factor was put into, without it.
-GlScene natural(GlScene media, double factor) {
-  media.fogFactor /= factor;
-  if (factor == 1)
-    return media;
-  for (GlVolume& volume : media.volumes) volume.extinction /= factor;
-  for (GlTreeVolume& volume : media.trees) volume.extinction /= factor;
-  for (GlBillboard& board : media.billboards) board.volume.extinction /= factor;
-  for (GlSmoke& smoke : media.smokes) {
-    for (float& value : smoke.extinction) value = static_cast<float>(value / factor);
-  }
-  for (GlFds& fds : media.fds) {
-    if (!fds.glow)
-      fds.scale /= factor;
-  }
-  return media;
 }
 
 }  // namespace
@@ -61,18 +44,23 @@ Result<Camera> tileOf(const Camera& camera, int left, int top, int width, int he
   return Camera::calibrated(part);
 }
 
-void ExactSurfaces::begin(std::shared_ptr<const Still> still, const GlScene& media,
+void ExactSurfaces::begin(std::shared_ptr<const Still> still, const GlScene& natural,
                           const Camera& camera) {
   const std::size_t pixels = static_cast<std::size_t>(camera.width()) * camera.height();
-  GlScene lit = natural(media, still->law.factor());
-  work_.emplace(Work{std::move(still), std::move(lit), {}, camera, {}});
+  work_.emplace(Work{std::move(still), natural, {}, camera, {}});
   Work& work = *work_;
   work.texels.resize(4 * pixels);
   const SceneLights& lights = work.still->lights;
   for (std::size_t i = 0; i < work.still->smokes.size(); ++i) {
+    const SmokeState& smoke = work.still->smokes[i];
     if (work.still->walls[i])
-      work.walls.push_back({work.media.smokes[i], lights.lamps, work.still->smokes[i].lampShares,
-                            *work.still->walls[i], lights.ambient, work.still->geometry});
+      work.walls.push_back({{smoke.locator, &smoke.locator->mesh()},
+                            {{glPart(GlSmoke{smoke.locator, smoke.extinction, smoke.source})}},
+                            lights.lamps,
+                            smoke.lampShares,
+                            *work.still->walls[i],
+                            lights.ambient,
+                            work.still->geometry});
   }
 }
 

@@ -21,8 +21,8 @@ namespace volute {
 class ExactSurfaces {
  public:
   /// Another picture, from its first tile on.
-  /// @param media  as the still's law sees them: lamps shine through what they are by nature
-  void begin(std::shared_ptr<const Still> still, const GlScene& media, const Camera& camera);
+  /// @param natural  the still's media, whatever its law: what lamps shine through
+  void begin(std::shared_ptr<const Still> still, const GlScene& natural, const Camera& camera);
 
   void drop() { work_.reset(); }
 
@@ -42,7 +42,7 @@ class ExactSurfaces {
  private:
   struct Work {
     std::shared_ptr<const Still> still;
-    GlScene media;               ///< by nature
+    GlScene media;
     std::vector<GlWalls> walls;  ///< of what `still` holds
     Camera camera;
     std::vector<float> texels;

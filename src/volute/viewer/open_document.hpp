@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "volute/gl/gl_scene.hpp"
+#include "volute/gl/gl_smoke.hpp"
 #include "volute/lighting/light_cache.hpp"
 #include "volute/viewer/document.hpp"
 

@@ -64,12 +64,12 @@ std::optional<WallPlace> pickWall(const ViewScene& scene, const Segment& ray) {
     if (normal.dot(ray.direction) > 0)
       normal = -normal;
   }
-  for (const GlSmoke& smoke : scene.media.smokes) {
-    const Exit exit = exitOf(*smoke.locator, ray);
+  for (const auto& locator : scene.meshes) {
+    const Exit exit = exitOf(*locator, ray);
     if (exit.tet < 0 || !(exit.distance < nearest))
       continue;
     nearest = exit.distance, found = true;
-    normal = normalBehind(smoke.locator->mesh(), exit.tet, ray);
+    normal = normalBehind(locator->mesh(), exit.tet, ray);
   }
   if (!found)
     return std::nullopt;

@@ -5,6 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "volute/gl/gl_billboard.hpp"
+#include "volute/gl/gl_fds.hpp"
+#include "volute/gl/gl_fog.hpp"
+#include "volute/gl/gl_smoke.hpp"
 #include "volute/render/scaled_medium.hpp"
 #include "volute/render/surfaces.hpp"
 #include "volute/tetmesh/tet_medium.hpp"
@@ -33,18 +37,10 @@ bool alike(const TriangleScene& a, const TriangleScene& b) {
 }
 
 /// VolumeLayer::mediumAt() for OpenGL.
-GlVolume glVolumeOf(std::shared_ptr<const BrickSlice> slice, const VolumeLayer& layer,
-                    double factor) {
+GlVolume glVolumeOf(std::shared_ptr<const BrickSlice> slice, const VolumeLayer& layer) {
   const Appearance& look = layer.appearance();
-  return {std::move(slice), look.emission, factor * look.extinction, layer.placement().turn,
+  return {std::move(slice), look.emission, look.extinction, layer.placement().turn,
           layer.placement().offset};
-}
-
-std::vector<float> scaled(std::vector<float> values, double factor) {
-  if (factor != 1) {
-    for (float& value : values) value = static_cast<float>(factor * value);
-  }
-  return values;
 }
 
 /// The power of the picture's transmittance through which a sign is seen: see seenTransmittance().
@@ -102,7 +98,7 @@ Status SceneDocument::addVolume(Medium& medium, double time, bool coarse, Progre
   const double factor = still.law.factor();
   const Appearance& look = layer.appearance();
   still.media.push_back(layer.placed(VoxelMedium(slice, look.emission, factor * look.extinction)));
-  scene.media.volumes.push_back(glVolumeOf(std::move(slice), layer, factor));
+  scene.natural.parts.push_back(glPart(glVolumeOf(std::move(slice), layer)));
   return {};
 }
 
@@ -112,10 +108,10 @@ Status SceneDocument::addFog(const Medium& medium, double time, ViewScene& scene
   if (layer.sunlit()) {  // the same for all cameras, and slow to make
     VOLUTE_ASSIGN(auto lit, layer.sunlitAt(time));
     still.media.push_back(seenBy(still.law, AnyMedium(lit)));
-    scene.media.sunlitFogs.push_back(std::move(lit));
+    scene.natural.parts.push_back(glPart(GlSunlitFog{std::move(lit)}));
     return {};
   }
-  scene.media.fogs.push_back(layer.fogAt(time));
+  scene.natural.parts.push_back(glPart(GlFog{layer.fogAt(time)}));
   still.viewed.push_back([layer, time, law = still.law](const Camera& camera) -> Result<AnyMedium> {
     VOLUTE_ASSIGN(auto medium, layer.mediumAt(time, camera));
     return seenBy(law, std::move(medium));
@@ -127,8 +123,9 @@ Status SceneDocument::addSmoke(Medium& medium, double time, Progress& progress, 
                                Still& still) {
   medium.smoke->setProgress(progress);
   VOLUTE_ASSIGN(auto state, medium.smoke->at(time));
-  scene.media.smokes.push_back(
-      {state.locator, scaled(state.extinction, still.law.factor()), state.source});
+  scene.natural.parts.push_back(
+      glPart(GlSmoke{state.locator, state.extinction, state.source, options_.smokeMethod}));
+  scene.meshes.push_back(state.locator);
   still.smokes.push_back(std::move(state));
   still.walls.push_back(medium.smoke->description().walls);
   return {};
@@ -140,10 +137,10 @@ Status SceneDocument::addFds(const Medium& medium, double time, ViewScene& scene
   const double factor = still.law.factor() * medium.fds->description().model.scale;
   still.media.push_back(factor == 1 ? AnyMedium(smoke)
                                     : AnyMedium(ScaledMedium(AnyMedium(smoke), factor)));
-  scene.media.fds.push_back({smoke, factor});
+  scene.natural.parts.push_back(glPart(GlFds{smoke, medium.fds->description().model.scale}));
   VOLUTE_ASSIGN(auto fire, medium.fds->fireAt(time));
   if (fire) {
-    scene.media.fds.push_back({fire->heat(), 1, fire->colour()});
+    scene.natural.parts.push_back(glPart(GlFds{fire->heat(), 1, fire->colour()}));
     still.media.push_back(AnyMedium(std::move(*fire)));
   }
   return medium.fds->addSurfaces(time, buildings);
@@ -155,8 +152,8 @@ Status SceneDocument::addBoards(double time, Progress& progress, ViewScene& scen
     const int position = board.volume.positionAt(time);
     const double factor = still.law.factor();
     VOLUTE_ASSIGN(auto slice, board.volume.sliceAt(position));
-    scene.media.billboards.push_back(
-        {glVolumeOf(std::move(slice), board.volume, factor), board.options});
+    scene.natural.parts.push_back(
+        glPart(GlBillboard{glVolumeOf(std::move(slice), board.volume), board.options}));
     VOLUTE_ASSIGN(const auto volume, board.volume.mediumAt(position, factor));
     BillboardOptions options = board.options;
     options.shown = board.volume.info().bounds;
@@ -229,9 +226,8 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneWish& wish, Progress& progre
       VOLUTE_TRY(addFds(medium, time, scene, *still, buildings));
   }
   VOLUTE_TRY(addBoards(time, progress, scene, *still));
-  scene.media.fogFactor = still->law.factor();
-  scene.media.smokeMethod = options_.smokeMethod;
-  scene.media.shade = geometry_;  // fogShadows() of the same
+  scene.natural.shade = geometry_;  // fogShadows() of the same
+  scene.media = scene.natural.scaled(still->law.factor());
   still->geometry = geometry_;
   if (!buildings.triangles.empty()) {
     VOLUTE_ASSIGN(still->geometry, withBuildings(std::move(buildings)));

@@ -115,7 +115,7 @@ void ViewPicture::noteTime(double seconds, int width, int height, bool processor
 /// What is refused once is not tried again before the scene changes.
 Status ViewPicture::drawMedia(const PictureWish& wish, const Camera& camera) {
   media_ = false;
-  if (scene_->media.media() == 0 || (wish.renderer == ViewRenderer::kGl && !refused_.empty()))
+  if (scene_->media.parts.empty() || (wish.renderer == ViewRenderer::kGl && !refused_.empty()))
     return {};
   const auto depth = opaque_ ? surfaces_.depth() : std::span<const float>();
   Progress quiet;
@@ -169,7 +169,7 @@ Status ViewPicture::refine(const PictureWish& wish) {
   if (!exact_.begun()) {
     const Camera camera =
         wish.camera.camera(pixels(scale_, wish.width), pixels(scale_, wish.height));
-    exact_.begin(scene_->still, scene_->media, camera);
+    exact_.begin(scene_->still, scene_->natural, camera);
   }
   if (const Status drawn = exact_.step(renderer_, kRefine); !drawn) {
     refusedExact_ = drawn.error().message;

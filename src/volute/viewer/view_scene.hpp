@@ -14,6 +14,7 @@
 #include "volute/gl/gl_scene.hpp"
 #include "volute/gl/surface_drawer.hpp"
 #include "volute/image/image.hpp"
+#include "volute/tetmesh/tet_locator.hpp"
 
 namespace volute {
 
@@ -30,7 +31,10 @@ using ProcessorPicture = std::function<Result<Image>(const Camera& camera, Progr
 
 /// One instant of a document, ready to be drawn.
 struct ViewScene {
-  GlScene media{};
+  GlScene media{};    ///< as the law of the picture sees them
+  GlScene natural{};  ///< the same as lamps shine through them, whatever the law
+  /// Whose boundaries a pointer meets as walls.
+  std::vector<std::shared_ptr<const TetLocator>> meshes{};
   std::shared_ptr<const GlSurfaces> surfaces{};
   std::vector<GlQuad> quads{};
   std::vector<ViewLine> lines{};

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <thread>
 
+#include "volute/gl/gl_volume.hpp"
 #include "volute/viewer/headless_viewer.hpp"
 
 namespace volute {
@@ -49,7 +50,7 @@ class Blobs final : public Document {
     while (!wish.coarse && held && !progress.cancelled())
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ++scenes;
-    return ViewScene{.media = {.volumes = {{blob(wish.time < 0.5 ? 3 : 9), 1, 0}}}};
+    return ViewScene{.media = {{glPart(GlVolume{blob(wish.time < 0.5 ? 3 : 9), 1, 0})}}};
   }
 
   std::filesystem::path path;

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "volute/fds/fds_field.hpp"
+
+namespace volute {
+
+class GlPart;
+
+/// FdsField's twin, or that of an FdsFlame's heat.
+struct GlFds {
+  FdsField field;
+  double scale = 1;           ///< of the extinction and of what it scatters
+  std::optional<Rgb> glow{};  ///< of fire: radiance per metre of a unit; it hides nothing
+};
+
+std::shared_ptr<const GlPart> glPart(GlFds fds);
+
+}  // namespace volute

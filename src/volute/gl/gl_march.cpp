@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/gl/gl_march.hpp"
+
+namespace volute {
+namespace {
+
+GlView viewOf(const Camera& camera, std::span<const std::unique_ptr<GlMedium>> media,
+              const GlRays& rays) {
+  if (rays.origins != 0)
+    return {rays.from, std::nullopt};
+  std::vector<Box3> bounds;
+  for (const auto& medium : media) bounds.push_back(medium->bounds());
+  GlView view{pictureOrigin(camera, bounds), std::nullopt};
+  if (!camera.isOrthographic())
+    view.eye = camera.eye();
+  return view;
+}
+
+/// Beforehand, since drivers' own words are of no help, and one of them draws a wrong picture.
+Status checkNeeds(std::span<const std::unique_ptr<GlMedium>> media, const GlDevice& device) {
+  constexpr std::int64_t kRayTextures = GlBindings{}.texture;
+  constexpr double kRoundsOfMixtures = 6;
+  GlNeeds all;
+  double rounds = 0;
+  for (const auto& medium : media) {
+    const GlNeeds needs = medium->needs();
+    all.textures += needs.textures;
+    all.storage += needs.storage;
+    all.cells += needs.cells;
+    rounds += needs.cells * (needs.roundsPerCell + (media.size() > 1 ? kRoundsOfMixtures : 0));
+  }
+  if (kRayTextures + all.textures > device.textureUnits || all.storage > device.storageBindings) {
+    return fail(
+        ErrorCode::kTooLarge,
+        "{} media need {} textures and {} buffers at a time, the graphics device has {} and "
+        "{}; render fewer, or with --renderer cpu",
+        media.size(), kRayTextures + all.textures, all.storage, device.textureUnits,
+        device.storageBindings);
+  }
+  if (rounds > device.loopRounds()) {
+    return fail(
+        ErrorCode::kTooLarge,
+        "rays pass up to {:.0f} cells of these media, more than the software rasteriser '{}' "
+        "can go through; render with --renderer cpu",
+        all.cells, device.renderer);
+  }
+  return {};
+}
+
+}  // namespace
+
+Status checkPictureSize(const Camera& camera, const GlDevice& device) {
+  if (camera.width() <= device.largestTexture && camera.height() <= device.largestTexture)
+    return {};
+  return fail(ErrorCode::kTooLarge,
+              "a picture of {} x {} pixels is larger than the {} a side that the graphics device "
+              "has; use --renderer cpu",
+              camera.width(), camera.height(), device.largestTexture);
+}
+
+Status march(const Camera& camera, std::span<const std::unique_ptr<GlMedium>> media,
+             const GlTarget& target, const std::string& names, GlResources& resources,
+             Progress& progress) {
+  VOLUTE_TRY(checkNeeds(media, resources.device));
+  VOLUTE_ASSIGN(
+      const GlProgram* program,
+      resources.programs.get(sceneShaderKey(media, target.quantity), names, resources.passes,
+                             [&] { return sceneShader(media, target.quantity); }));
+  const GlView view = viewOf(camera, media, target.rays);
+  bindRays(*program, camera, view.origin, target.rays);
+  program->set("marchColor", Vec3(marchColor(media)));
+  GlBindings bindings;
+  for (std::size_t i = 0; i < media.size(); ++i)
+    media[i]->bind(*program, mediumPrefix(i), view, bindings);
+  glBindImageTexture(0, target.picture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  return resources.passes.run("march", names, [&] {
+    return runInBands(*program, camera, resources.device.rowsAtOnce(camera.width()), progress);
+  });
+}
+
+}  // namespace volute
