@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/gl/gl_fog.hpp"
 
+#include <regex>
+
 #include "volute/gl/fog_passes.hpp"
 #include "volute/gl/gl_triangles.hpp"
 #include "volute/gl/glsl_sources.hpp"
@@ -67,6 +69,11 @@ std::string sunFunctions(std::size_t suns, bool shaded) {
   return text + "#endif\n  return before;\n}\n";
 }
 
+/// fog_walk.glsl is given away too, where names begin with fog and FOG_ alone; the others call it.
+std::string withOwnNames(const std::string& text) {
+  return std::regex_replace(text, std::regex("\\b(FOG_|fog(?=[A-Z]))"), "M_$1");
+}
+
 constexpr double kFogRoundsPerCell = 11.1, kRoundsPerSun = 11;
 
 /// The fog's top on the device.
@@ -110,9 +117,9 @@ class FogOnDevice final : public GlMedium {
   std::vector<ShaderPart> parts() const override {
     return {{"fog settings", fmt::format("#define M_BY_ANGLE {}\n#define M_TOP {}\n",
                                          cellAngle_ > 0 ? 1 : 0, top_ ? 1 : 0)},
-            {"fog_walk.glsl", shader_.walk},
-            {"fog_sun.glsl", sunFunctions(suns_->size(), shade_ != nullptr)},
-            {"fog_cells.glsl", glsl::kFogCells}};
+            {"fog_walk.glsl", withOwnNames(shader_.walk)},
+            {"fog_sun.glsl", withOwnNames(sunFunctions(suns_->size(), shade_ != nullptr))},
+            {"fog_cells.glsl", withOwnNames(glsl::kFogCells)}};
   }
 
   GlMediumTraits traits() const override {

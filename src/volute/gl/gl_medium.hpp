@@ -40,7 +40,7 @@ struct GlView {
 };
 
 /// A medium on the device: functions for a shader that goes along a ray, and what they read. In its
-/// parts M_ stands for a prefix that makes names unique, and so does a leading fog or FOG_.
+/// parts M_ stands for a prefix that makes names unique.
 class GlMedium {
  public:
   virtual ~GlMedium() = default;

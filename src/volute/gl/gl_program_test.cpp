@@ -40,8 +40,8 @@ TEST(GlProgram, AFaultySourceIsAnErrorWithItsLine) {
 }
 
 TEST(GlProgram, PrefixesAreForNamesOfTheMediumOnly) {
-  EXPECT_EQ(withPrefix("M_end + fogMap[FOG_LEVELS] - fog.M_x(some_fogMap, foggy, MM_a)", "m3_"),
-            "m3_end + m3_fogMap[m3_FOG_LEVELS] - fog.m3_x(some_fogMap, foggy, MM_a)");
+  EXPECT_EQ(withPrefix("M_end + M_fogMap[M_FOG_LEVELS] - M.M_x(some_M_map, fogMap, MM_a)", "m3_"),
+            "m3_end + m3_fogMap[m3_FOG_LEVELS] - M.m3_x(some_M_map, fogMap, MM_a)");
 }
 
 }  // namespace

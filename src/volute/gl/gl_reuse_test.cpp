@@ -105,6 +105,25 @@ TEST_F(GlReuseTest, WhatHasNotChangedStaysOnTheDevice) {
   }
 }
 
+/// The light of smoke, by the march, and its depths up to signs, by the splat, again and again.
+TEST_F(GlReuseTest, WaysToDrawOneMediumLeaveEachOtherOnTheDevice) {
+  const Smoke smoke(boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {4, 3, 3}, 0.2, 1), true, 2);
+  const GlScene scene{{smoke.onDevice()}};
+  EXPECT_GT(timesFor(scene, "upload"), 0);
+  EXPECT_GT(timesFor(scene, "upload", {.aov = Aov::kOpticalDepth}), 0);
+  EXPECT_EQ(timesFor(scene, "upload"), 0);
+  EXPECT_EQ(timesFor(scene, "upload", {.aov = Aov::kOpticalDepth}), 0);
+}
+
+TEST_F(GlReuseTest, SunsAreUploadedOnce) {
+  const FogMedium fog = fogtest::fog(fogtest::map(9, 8), fogtest::profiles()[0].profile, {});
+  const FogSun sun{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)};
+  const GlScene scene{{glPart(GlSunlitFog{SunlitFog::make(fog, {&sun, 1}, {}).value()})}};
+  EXPECT_EQ(timesFor(scene, "upload"), 2) << "the map and the sun";
+  EXPECT_EQ(timesFor(scene, "upload"), 0);
+  EXPECT_EQ(timesFor(scene.scaled(0.5), "upload"), 0);
+}
+
 /// Parts of the surfaces between two pictures of what lights come through.
 TEST_F(GlReuseTest, SurfacesLeaveThePictureAndWhatMediaHold) {
   const Smoke smoke(boxMesh({Vec3(0, 0, 0), Vec3(2, 1.5, 1)}, {4, 3, 3}, 0.2, 1), true, 2);

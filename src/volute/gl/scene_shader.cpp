@@ -3,7 +3,7 @@
 #include "volute/gl/scene_shader.hpp"
 
 #include <algorithm>
-#include <cctype>
+#include <regex>
 
 #include "volute/gl/glsl_sources.hpp"
 #include "volute/math/quadrature.hpp"
@@ -24,7 +24,7 @@ struct Plan {
   int points = 4;
 };
 
-/// Only a fog among other media needs all of Gauss' points at once; what is cubic needs two.
+/// Media of several kinds need all of Gauss' points at once; what is cubic alone needs two.
 Plan planFor(std::span<const std::unique_ptr<GlMedium>> media) {
   Plan plan;
   bool constant = true, absorbs = false;
@@ -128,35 +128,10 @@ std::string mainFunction(std::size_t media) {
 )";
 }
 
-bool wordCharacter(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
-}
-
 }  // namespace
 
 std::string withPrefix(const std::string& text, const std::string& prefix) {
-  std::string result;
-  for (std::size_t i = 0; i < text.size();) {
-    if (!wordCharacter(text[i])) {
-      result += text[i++];
-      continue;
-    }
-    std::size_t end = i;
-    while (end < text.size() && wordCharacter(text[end])) ++end;
-    const std::string_view word(text.data() + i, end - i);
-    if (word.starts_with("M_")) {
-      result += prefix;
-      result += word.substr(2);
-    } else if (word.starts_with("FOG_") ||
-               (word.starts_with("fog") && word.size() > 3 && std::isupper(word[3]))) {
-      result += prefix;
-      result += word;
-    } else {
-      result += word;
-    }
-    i = end;
-  }
-  return result;
+  return std::regex_replace(text, std::regex("\\bM_"), prefix);
 }
 
 std::string mediumPrefix(std::size_t index) {
