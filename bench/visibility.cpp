@@ -9,7 +9,7 @@
 #include "bench/benchmark.hpp"
 #include "bench/scratch.hpp"
 #include "bench/timing.hpp"
-#include "volute/visibility/fds_sight.hpp"
+#include "volute/media/fds/fds_sight.hpp"
 #include "volute/visibility/survey.hpp"
 
 namespace volute::bench {

@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fails when a module includes one that it may not: `check_layers.py SRC_DIR LAYERS_FILE`.
 
-SRC_DIR holds one folder per module. LAYERS_FILE has lines `module: allowed allowed ...`: what a module
+SRC_DIR holds one folder per module; a folder in a module's may be a module of its own. LAYERS_FILE has lines `module: allowed allowed ...`: what a module
 may include directly. The lists together must have no cycle.
 """
 import pathlib
 import re
 import sys
 
-INCLUDE = re.compile(r'^\s*#\s*include\s*["<]volute/([^/">]+)/', re.M)
+INCLUDE = re.compile(r'^\s*#\s*include\s*["<]volute/([^">]+)/[^/">]+[">]', re.M)
 
 
 def read_rules(path):
@@ -40,6 +40,15 @@ def find_cycle(rules):
     return next(filter(None, (visit(module, []) for module in rules)), None)
 
 
+def module_of(folder, rules):
+    """The module that a folder, named from SRC_DIR, is of: the innermost one."""
+    while folder and folder not in rules:
+        folder, slash, _ = folder.rpartition("/")
+        if not slash:
+            break
+    return folder
+
+
 def check(source, layers):
     rules = read_rules(layers)
     cycle = find_cycle(rules)
@@ -50,13 +59,14 @@ def check(source, layers):
             if name not in rules:
                 yield f"{layers}: {module} may include {name}, which has no line of its own"
     for file in sorted(source.rglob("*.[ch]pp")):
-        module = file.relative_to(source).parts[0]
+        module = module_of(file.relative_to(source).parent.as_posix(), rules)
         if module not in rules:
             yield f"{file}: module '{module}' is not in {layers}"
             continue
         for match in INCLUDE.finditer(file.read_text()):
-            if match[1] != module and match[1] not in rules[module]:
-                yield f"{file}: {module} may not include {match[1]}"
+            included = module_of(match[1], rules)
+            if included != module and included not in rules[module]:
+                yield f"{file}: {module} may not include {included}"
 
 
 if __name__ == "__main__":

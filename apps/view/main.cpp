@@ -3,13 +3,13 @@
 // What `volute view` runs; the command's options are declared in volute/cli/commands/view.cpp.
 #include "volute/base/output_file.hpp"
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/gl_drawer.hpp"
+#include "volute/cli/render_job.hpp"
 #include "volute/cli/program.hpp"
-#include "volute/cli/smoke_arguments.hpp"
+#include "volute/cli/scene_arguments.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/gl/gl_device.hpp"
 #include "volute/io/image_file.hpp"
-#include "volute/scene/volume_input.hpp"
+#include "volute/media/volume/volume_input.hpp"
 #include "volute/viewer/headless_viewer.hpp"
 #include "volute/viewer/open_document.hpp"
 #include "volute/viewer/window.hpp"
@@ -53,7 +53,7 @@ Status run(const Arguments& arguments, Context& context) {
       arguments.find<double>("time"),
       size.width,
       size.height,
-      {.renderer = renderer, .processor = processorMayDraw("a picture").has_value()}};
+      {.renderer = renderer, .processor = cpuMayDraw("a picture").has_value()}};
   VOLUTE_ASSIGN(const auto method, smokeMethodOf(arguments, renderer));
   nlohmann::ordered_json smoke = nlohmann::ordered_json::object();
   for (const char* name : {"field", "quantity", "unit"}) {

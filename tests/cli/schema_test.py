@@ -8,7 +8,8 @@ import re
 import schema
 import support
 
-SOURCES = ("scene_file", "scene_lights", "scene_look", "scene_geometry", "scene_smoke", "fds_look", "scene_signs", "fog_file")
+SOURCES = ("scene_file", "scene_lights", "scene_look", "scene_geometry", "scene_smoke", "fds_look", "scene_signs", "fog_file", "clock",
+           "volume_kind", "billboard_file")
 
 
 def objects(node, name="scene"):
@@ -27,7 +28,7 @@ class Schema(support.TestCase):
     def test_it_names_the_members_that_the_reader_names(self):
         read = set()
         for source in SOURCES:
-            text = (schema.ROOT / f"src/volute/scene/{source}.cpp").read_text()
+            text = next((schema.ROOT / "src/volute").rglob(f"{source}.cpp")).read_text()
             for names in re.findall(r"kNames\[\] = \{(.*?)\};", text, re.S):
                 read.add(frozenset(re.findall(r'"(\w+)"', names)))
         written = dict(objects(schema.SCENE))
@@ -35,7 +36,7 @@ class Schema(support.TestCase):
         self.assertEqual({tuple(sorted(names)) for names in read}, {tuple(sorted(names)) for names in written.values()})
 
     def test_members_of_the_camera_are_those_that_are_read(self):
-        text = (schema.ROOT / "src/volute/scene/camera_file.cpp").read_text()
+        text = (schema.ROOT / "src/volute/media/camera_file.cpp").read_text()
         read = set(re.findall(r'json\["(\w+)"\]', text)) - {"camera"}
         self.assertEqual(read, set(schema.SCENE["$defs"]["camera"]["properties"]))
 

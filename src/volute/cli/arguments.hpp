@@ -41,6 +41,12 @@ class Arguments {
     return std::get<T>(found->second.value);
   }
 
+  /// The value of an option that was given, whatever its type.
+  const Value* value(std::string_view name) const {
+    const auto found = values_.find(name);
+    return found == values_.end() ? nullptr : &found->second.value;
+  }
+
   /// For options that are required or have a default.
   template <class T>
   T get(std::string_view name) const {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "volute/cli/arguments.hpp"
-#include "volute/scene/camera_file.hpp"
+#include "volute/media/camera_file.hpp"
 
 namespace volute::cli {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "volute/cli/report.hpp"
-#include "volute/scene/reading.hpp"
+#include "volute/media/reading.hpp"
 
 namespace volute::cli {
 

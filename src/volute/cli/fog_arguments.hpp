@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "volute/cli/arguments.hpp"
-#include "volute/scene/fog_file.hpp"
+#include "volute/media/fog/fog_file.hpp"
 
 namespace volute::cli {
 

@@ -15,7 +15,7 @@ tl::unexpected<Error> noOpenGl() {
 
 }  // namespace
 
-Result<std::shared_ptr<GlPictures>> GlPictures::open(bool) {
+Result<std::unique_ptr<SceneRenderer>> openGlRenderer(bool, GlSmokeMethod) {
   return noOpenGl();
 }
 

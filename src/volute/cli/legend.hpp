@@ -6,18 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "volute/image/colormap.hpp"
+#include "volute/image/color_scale.hpp"
 #include "volute/image/image.hpp"
 
 namespace volute::cli {
-
-/// The colours of a measured quantity, from `least` to `most`.
-struct ColorScale {
-  ColorMap map = ColorMap::kViridis;
-  double most = 1;
-  double least = 0;
-  std::string unit{};  ///< stands behind `most`: "g/m3", "m or more"
-};
 
 /// How a legend fits into a picture: in pixels.
 struct LegendLayout {

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "volute/io/mesh_source.hpp"
-#include "volute/scene/volume_input.hpp"
+#include "volute/media/volume/volume_input.hpp"
 #include "volute/tetmesh/mesh_shape.hpp"
 #include "volute/cli/values.hpp"
 

@@ -9,7 +9,7 @@
 #include "volute/io/film.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
-#include "volute/scene/volume_input.hpp"
+#include "volute/media/volume/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

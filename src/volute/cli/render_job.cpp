@@ -4,15 +4,14 @@
 
 #include <sys/resource.h>
 
-#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <string>
 
-#include "volute/cli/gl_drawer.hpp"
-
 namespace volute::cli {
 namespace {
+
+using OrderedJson = nlohmann::ordered_json;
 
 /// The most memory that this program has held. getrusage() would count what its parent held before
 /// it started us.
@@ -27,183 +26,92 @@ std::uint64_t peakMemoryBytes() {
   return 1024 * static_cast<std::uint64_t>(usage.ru_maxrss);
 }
 
-nlohmann::ordered_json smokeStats(const std::vector<SmokeLayer>& smokes) {
-  SmokeCounts sum;
-  for (const SmokeLayer& smoke : smokes) {
-    sum.stepsRead += smoke.counts().stepsRead;
-    sum.lightsComputed += smoke.counts().lightsComputed;
-    sum.lightsReused += smoke.counts().lightsReused;
-    sum.clamped += smoke.counts().clamped;
-    sum.lightMilliseconds += smoke.counts().lightMilliseconds;
-  }
-  return {{"steps_read", sum.stepsRead},
-          {"lights_computed", sum.lightsComputed},
-          {"lights_reused", sum.lightsReused},
-          {"negative_values_clamped", sum.clamped},
-          {"light_milliseconds", sum.lightMilliseconds}};
-}
-
 }  // namespace
 
-Result<Still> RenderJob::stillAt(const Moment& moment, std::vector<VoxelMedium>& volumes) {
-  const double factor = law.factor();
-  Still still;
-  still.law = law;
-  still.lights = lights;
-  still.signs = signs;
-  for (std::size_t i = 0; i < layers.size(); ++i) {
-    if (gl && volumeMethod == GlVolumeMethod::kTree)
-      break;  // no instant of it is needed
-    VOLUTE_ASSIGN(auto volume, layers[i].mediumAt(moment.positions[i], factor));
-    still.media.push_back(layers[i].placed(volume));
-    volumes.push_back(std::move(volume));
-  }
-  for (BillboardLayer& board : billboards) {
-    VOLUTE_ASSIGN(auto medium, mediumOf(board, moment.time));
-    still.viewed.push_back(std::move(medium));
-  }
-  for (const FdsLayer& fds : fdsCases) {
-    if (gl)
-      break;  // it has its own
-    VOLUTE_ASSIGN(auto medium, fds.mediumAt(moment.time));
-    still.media.push_back(seenBy(law, std::move(medium)));
-    VOLUTE_ASSIGN(auto flame, fds.flameAt(moment.time));
-    if (flame)
-      still.media.push_back(std::move(*flame));
-  }
-  VOLUTE_TRY(placeBuildings(moment.time));
-  still.geometry = geometry;
-  for (const FogLayer& fog : fogs) {
-    still.viewed.push_back(
-        [&fog, time = moment.time, this](const Camera& eye) -> Result<AnyMedium> {
-          VOLUTE_ASSIGN(auto medium, fog.mediumAt(time, eye));
-          return seenBy(law, std::move(medium));
-        });
-  }
-  for (SmokeLayer& smoke : smokes) {
-    VOLUTE_ASSIGN(auto state, smoke.at(moment.time));
-    still.smokes.push_back(std::move(state));
-    still.walls.push_back(smoke.description().walls);
-  }
-  return still;
+Status cpuMayDraw(const char* what) {
+  const char* cpu = std::getenv("VOLUTE_CPU_RENDERER");
+  if (!cpu || std::string_view(cpu) != "off")
+    return {};
+  return fail(ErrorCode::kUnsupported, "{} is drawn by the CPU, which VOLUTE_CPU_RENDERER=off forbids",
+              what);
 }
 
-Result<Image> RenderJob::pictureOf(const Still& still, const Moment& moment, Progress& progress,
-                                   StillCounts& counts) {
+Result<Image> RenderJob::pictureOf(const Snapshot& snapshot, Progress& progress,
+                                   PictureCounts& counts) {
   if (contour) {
-    VOLUTE_TRY(processorMayDraw("a slice or an isosurface"));
-    return lookAtContour(camera, still.smokes, *contour);
+    VOLUTE_TRY(cpuMayDraw("a slice or an isosurface"));
+    return lookAtContour(camera, snapshot.media, *contour);
   }
-  if (gl) {
-    GlDrawer drawer(*gl, {.layers = layers,
-                          .positions = moment.positions,
-                          .fogs = fogs,
-                          .time = moment.time,
-                          .smokes = still.smokes,
-                          .factor = law.factor(),
-                          .billboards = billboards,
-                          .fdsCases = fdsCases,
-                          .geometry = fixedGeometry ? *fixedGeometry : geometry,
-                          .smokeMethod = smokeMethod,
-                          .volumeMethod = volumeMethod});
-    return still.picture(camera, options, drawer, progress, &counts);
-  }
-  VOLUTE_TRY(processorMayDraw("this picture"));
-  return still.picture(camera, options, drawer, progress, &counts);
+  if (renderer->name() != "gl")
+    VOLUTE_TRY(cpuMayDraw("this picture"));
+  auto image = renderer->render(snapshot, camera, options, progress, &counts);
+  if (image || !mayFallBack || renderer->name() != "gl" ||
+      image.error().code == ErrorCode::kCancelled)
+    return image;
+  progress.remark(fmt::format("the CPU draws, since OpenGL does not: {}", image.error().message));
+  renderer = std::make_unique<CpuRenderer>();
+  VOLUTE_TRY(cpuMayDraw("this picture"));
+  return renderer->render(snapshot, camera, options, progress, &counts);
 }
 
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
-  auto image = pictureBy(moment, progress);
-  if (image || !gl || !glIsWish || image.error().code == ErrorCode::kCancelled)
-    return image;
-  progress.remark(
-      fmt::format("the processor draws, since OpenGL does not: {}", image.error().message));
-  gl.reset();
-  smokeMethod = GlSmokeMethod::kAuto;
-  volumeMethod = GlVolumeMethod::kBricks;
-  return pictureBy(moment, progress);
-}
-
-Result<Image> RenderJob::pictureBy(const Moment& moment, Progress& progress) {
-  std::vector<VoxelMedium> volumes;
-  Result<Still> still = [&] {
-    const Stopwatch watch(totals.slices);
-    return stillAt(moment, volumes);
+  Result<Snapshot> snapshot = [&] {
+    const Stopwatch watch(totals.snapshots);
+    return scene.at({.time = moment.time, .tree = tree}, progress);
   }();
-  VOLUTE_TRY(still);
-  StillCounts counts;
+  VOLUTE_TRY(snapshot);
+  snapshot->background = options.background;
+  PictureCounts counts;
   Result<Image> image = [&] {
     const Stopwatch watch(totals.render);
-    return pictureOf(*still, moment, progress, counts);
+    return pictureOf(*snapshot, progress, counts);
   }();
   VOLUTE_TRY(image);
-  totals.surfaces += counts.surfaceMilliseconds;
-  totals.surfacePixels += counts.surfacePixels;
-  totals.shadowRays += counts.shadowRays;
-  totals.rays += counts.render.rays;
-  totals.segments += counts.render.segments;
-  totals.pieces += counts.render.pieces;
-  for (const VoxelMedium& volume : volumes) {
-    const MarchCounts counts = volume.counts();
-    totals.voxels += counts.voxels;
-    totals.bricksVisited += counts.bricksVisited;
-    totals.bricksSkipped += counts.bricksSkipped;
-    totals.bricksStored += volume.slice().storedBricks();
-  }
+  PictureCounts& sum = totals.counts;
+  sum.surfaceMilliseconds += counts.surfaceMilliseconds;
+  sum.surfacePixels += counts.surfacePixels;
+  sum.shadowRays += counts.shadowRays;
+  sum.render.rays += counts.render.rays;
+  sum.render.segments += counts.render.segments;
+  sum.render.pieces += counts.render.pieces;
+  for (const auto& medium : snapshot->media) addCounts(totals.media, medium->counts());
   ++totals.pictures;
   return image;
 }
 
-nlohmann::ordered_json RenderJob::stats() const {
-  std::uint64_t bytesRead = 0, blocksDecoded = 0;
-  TreeCounts tree;
-  for (const VolumeLayer& layer : layers) {
-    if (!layer.reader())
-      continue;
-    bytesRead += layer.reader()->bytesRead();
-    blocksDecoded += layer.reader()->blocksDecoded();
-    tree.nodes += layer.treeCounts().nodes;
-    tree.treeBytes += layer.treeCounts().treeBytes;
-    tree.nodesVisited += layer.treeCounts().nodesVisited;
-  }
-  nlohmann::ordered_json json = {
-      {"renderer", gl                                         ? "gl"
-                   : options.renderer == Renderer::kReference ? "reference"
-                                                              : "cpu"},
-      {"size", {camera.width(), camera.height()}},
-      {"pictures", totals.pictures},
-      {"rays", totals.rays},
-      {"segments", totals.segments},
-      {"pieces", totals.pieces},
-      {"voxels_visited", totals.voxels},
-      {"bricks_visited", totals.bricksVisited},
-      {"bricks_skipped", totals.bricksSkipped},
-      {"bricks_stored", totals.bricksStored},
-      {"bytes_read", bytesRead},
-      {"blocks_decoded", blocksDecoded},
-      {"tree_nodes", tree.nodes},
-      {"tree_bytes", tree.treeBytes},
-      {"nodes_visited", tree.nodesVisited},
+OrderedJson RenderJob::stats() const {
+  OrderedJson json = {{"renderer", renderer->name()},
+                      {"size", {camera.width(), camera.height()}},
+                      {"pictures", totals.pictures},
+                      {"rays", totals.counts.render.rays},
+                      {"segments", totals.counts.render.segments},
+                      {"pieces", totals.counts.render.pieces}};
+  OrderedJson media = {{"voxels_visited", 0}, {"bricks_visited", 0}, {"bricks_skipped", 0},
+                       {"bricks_stored", 0},  {"bytes_read", 0},     {"blocks_decoded", 0},
+                       {"tree_nodes", 0},     {"tree_bytes", 0},     {"nodes_visited", 0}};
+  addCounts(media, totals.media);
+  for (const auto& medium : scene.media()) addCounts(media, medium->counts());
+  const OrderedJson last = {
       {"milliseconds",
        {{"open", totals.open},
-        {"slices", totals.slices},
+        {"slices", totals.snapshots},
         {"render", totals.render},
-        {"surfaces", totals.surfaces},
+        {"surfaces", totals.counts.surfaceMilliseconds},
         {"write", totals.write}}},
       {"peak_memory_bytes", peakMemoryBytes()}};
-  const bool threshold = law.mode == PictureMode::kThreshold;
+  json.update(media);
+  json.update(last);
+  const PictureLaw law = scene.law();
   json["mode"] = contour ? modeOf(*contour) : std::string(nameOf(law.mode));
-  if (contour ? contour->shows == SmokeContour::Shows::kVisibility : threshold)
+  if (contour ? contour->shows == Contour::Shows::kVisibility : law.mode == PictureMode::kThreshold)
     json["C"] = law.c;
-  if (!geometry.empty()) {
-    json["geometry"] = {{"triangles", geometry.triangles().size()},
-                        {"surface_pixels", totals.surfacePixels},
-                        {"shadow_rays", totals.shadowRays}};
+  if (!scene.geometry().empty() || totals.counts.surfacePixels > 0) {
+    json["geometry"] = {{"triangles", scene.surfaces().triangles().size()},
+                        {"surface_pixels", totals.counts.surfacePixels},
+                        {"shadow_rays", totals.counts.shadowRays}};
   }
-  if (gl)
-    json["gl"] = gl->stats();
-  if (!smokes.empty())
-    json["smoke"] = smokeStats(smokes);
+  if (auto own = renderer->stats(); !own.empty())
+    json[std::string(renderer->name())] = std::move(own);
   return json;
 }
 

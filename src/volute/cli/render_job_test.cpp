@@ -8,36 +8,33 @@ namespace volute::cli {
 namespace {
 
 /// A device for which everything is too large.
-class TooSmall final : public GlPictures {
+class TooSmall final : public SceneRenderer {
  public:
   explicit TooSmall(ErrorCode code) : code_(code) {}
 
-  Result<Image> picture(const Camera&, const GlSubject&, const RenderOptions&, Progress&,
-                        RenderStats&, std::span<const float>) override {
+  std::string_view name() const override { return "gl"; }
+
+ protected:
+  Status begin(const View&) override { return refusal(); }
+
+  Result<SurfacePicture> surfaces(const View&, Progress&) override { return refusal(); }
+
+  Result<SurfaceView> walls(const View&, std::size_t) override { return refusal(); }
+
+  Result<std::vector<SignPixel>> findSigns(const View&) override { return refusal(); }
+
+  Result<Image> color(const View&, const RenderOptions&, Progress&, RenderStats&) override {
     return refusal();
   }
 
-  Result<SurfacePicture> surfaces(const Camera&, const GlSubject&, const TriangleScene&,
-                                  const SceneLights&, Progress&) override {
+  Result<Image> opticalDepth(const View&, const RenderOptions&, Progress&, RenderStats&) override {
     return refusal();
   }
 
-  Result<SurfacePicture> walls(const Camera&, const SmokeState&, const SceneLights&, const Rgb&,
-                               const TriangleScene&, Progress&) override {
+  Status addSigns(const View&, std::span<const SignPixel>, const RenderOptions&, Progress&,
+                  Image&) override {
     return refusal();
   }
-
-  Result<std::vector<SignPixel>> findSigns(const Camera&, std::span<const Sign>,
-                                           std::span<const float>) override {
-    return refusal();
-  }
-
-  Result<Image> signLight(const Camera&, const GlSubject&, std::span<const Sign>, const PictureLaw&,
-                          Progress&, std::span<const float>) override {
-    return refusal();
-  }
-
-  nlohmann::ordered_json stats() override { return {}; }
 
  private:
   tl::unexpected<Error> refusal() const { return fail(code_, "the device is too small"); }
@@ -51,15 +48,16 @@ struct Remarks final : Progress {
   std::string heard;
 };
 
-RenderJob jobWith(ErrorCode code, bool wish) {
-  RenderJob job{{}, {}, Camera::framing({Vec3(0, 0, 0), Vec3(1, 1, 1)}, 4, 3), {}, {}, 25, {}};
+RenderJob jobWith(ErrorCode code, bool mayFallBack) {
+  Progress quiet;
+  auto scene = Scene::make({{"format", "volute-scene-1"}}, "scene.json", {}, quiet);
+  RenderJob job{std::move(*scene), Camera::framing({Vec3(0, 0, 0), Vec3(1, 1, 1)}, 4, 3), {},
+                std::make_unique<TooSmall>(code), mayFallBack, {}};
   job.options.background = Rgb(0.5, 0.25, 1);
-  job.gl = std::make_shared<TooSmall>(code);
-  job.glIsWish = wish;
   return job;
 }
 
-TEST(RenderJob, TheProcessorDrawsWhatOpenGlCannotWhereItIsAWish) {
+TEST(RenderJob, TheCpuDrawsWhatOpenGlCannotWhereItMay) {
   for (const ErrorCode code : {ErrorCode::kTooLarge, ErrorCode::kInvalidData}) {
     RenderJob job = jobWith(code, true);
     Remarks remarks;

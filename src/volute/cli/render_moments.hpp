@@ -5,20 +5,29 @@
 #include <string>
 #include <vector>
 
-#include "volute/cli/render_subject.hpp"
+#include "volute/cli/arguments.hpp"
+#include "volute/scene/scene.hpp"
 
 namespace volute::cli {
 
-inline constexpr double kUsualRate = 25;  ///< frames a second
+/// Frames a second of a film of what goes through time without frames of its own.
+inline constexpr double kUsualRate = 25;
 
-/// The pictures that --time and --frames ask for. A --time past the end of what ends is an error.
-/// Frames are those of the first volume, else the steps of the first case of smoke, else of 25 a
-/// second.
-[[nodiscard]] Result<std::vector<Moment>> momentsOf(const Arguments& arguments,
-                                                    const RenderSubject& subject,
+/// A picture to take.
+struct Moment {
+  int number = 0;   ///< of the frame, for names
+  double time = 0;  ///< [s], of the scene
+};
+
+/// The medium whose frames are counted: the first whose frames are shown as they are, else the
+/// first with times of its own. Null: there is none.
+const SceneMedium* leaderOf(const Scene& scene);
+
+/// What --time and --frames choose, or what is shown without them.
+[[nodiscard]] Result<std::vector<Moment>> momentsOf(const Arguments& arguments, const Scene& scene,
                                                     const std::string& target, Progress& progress);
 
-/// From the times of the first and the last picture; films of one picture have the usual rate.
-double framesPerSecond(const std::vector<Moment>& moments);
+/// Of a film of these.
+double framesPerSecond(const Scene& scene, const std::vector<Moment>& moments);
 
 }  // namespace volute::cli

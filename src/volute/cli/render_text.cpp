@@ -3,43 +3,30 @@
 // What the pictures of a RenderJob say about themselves.
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "volute/cli/render_job.hpp"
-#include "volute/scene/smoke_words.hpp"
 
 namespace volute::cli {
 namespace {
 
-using Shows = SmokeContour::Shows;
+using Shows = Contour::Shows;
+using Mass = MediumInfo::Mass;
 
-/// What the smokes of a picture hold and how that becomes extinction, one for each.
-std::vector<std::string> wordsOfSmokes(std::span<const SmokeLayer> smokes) {
-  std::vector<std::string> words;
-  for (const SmokeLayer& smoke : smokes) {
-    words.push_back(fmt::format("field '{}': {}", smoke.fieldName(),
-                                fmt::join(wordsOf(smoke.description().model), ", ")));
-  }
-  return words;
+bool isSurface(const Contour& contour) {
+  return contour.kind == Contour::Kind::kSurface;
 }
 
-bool isSurface(const SmokeContour& contour) {
-  return contour.kind == SmokeContour::Kind::kSurface;
-}
-
-bool showsVisibility(const SmokeContour& contour) {
+bool showsVisibility(const Contour& contour) {
   return isSurface(contour) || contour.shows == Shows::kVisibility;
 }
 
-/// Of a concentration: "of soot".
-std::string_view counted(const SmokeModel& model) {
-  return model.quantity == SmokeQuantity::kProductsDensity ? "of products" : "of soot";
-}
-
-std::string placeOf(const SmokeContour& slice) {
+std::string placeOf(const Contour& slice) {
   return fmt::format("at {} = {:g} m", "xyz"[slice.axis], slice.place);
 }
 
 /// What a contour shows, in one line.
-std::string lineOf(const SmokeContour& contour, const SmokeModel& model) {
+std::string lineOf(const Contour& contour, const Mass& mass) {
   if (isSurface(contour))
     return fmt::format("isosurface: local visibility S = C/K = {:g} m, C = {:g}",
                        contour.visibility, contour.c);
@@ -49,12 +36,12 @@ std::string lineOf(const SmokeContour& contour, const SmokeModel& model) {
         placeOf(contour));
   if (contour.shows == Shows::kExtinction)
     return "slice: extinction K [1/m], natural logarithm, " + placeOf(contour);
-  return fmt::format("slice: concentration {} [{}], {}", counted(model), unitOfConcentration(model),
+  return fmt::format("slice: concentration {} [{}], {}", mass.of, mass.unit,
                      placeOf(contour));
 }
 
 /// The same in short lines, for a legend.
-std::vector<std::string> legendOf(const SmokeContour& contour, const SmokeModel& model) {
+std::vector<std::string> legendOf(const Contour& contour, const Mass& mass) {
   if (isSurface(contour))
     return {"isosurface of visibility", fmt::format("S = C/K = {:g} m", contour.visibility),
             fmt::format("C = {:g}", contour.c)};
@@ -62,39 +49,50 @@ std::vector<std::string> legendOf(const SmokeContour& contour, const SmokeModel&
     return {"slice: visibility", fmt::format("S = C/K, C = {:g}", contour.c), placeOf(contour)};
   if (contour.shows == Shows::kExtinction)
     return {"slice: extinction K", placeOf(contour)};
-  return {"slice: concentration", std::string(counted(model)), placeOf(contour)};
+  return {"slice: concentration", mass.of, placeOf(contour)};
 }
 
-ColorScale scaleOf(const SmokeContour& slice, const SmokeModel& model) {
+ColorScale scaleOf(const Contour& slice, const Mass& mass) {
   return {colorMapOf(slice), slice.most, 0,
           slice.shows == Shows::kVisibility   ? "m or more"
           : slice.shows == Shows::kExtinction ? "1/m"
-                                              : unitOfConcentration(model)};
+                                              : mass.unit};
+}
+
+/// What all media say of themselves, one after the other.
+MediumText textOf(const Scene& scene) {
+  MediumText all;
+  for (const auto& medium : scene.media()) {
+    const MediumText text = medium->text();
+    all.notes.insert(all.notes.end(), text.notes.begin(), text.notes.end());
+    all.legend.insert(all.legend.end(), text.legend.begin(), text.legend.end());
+    if (text.scale)
+      all.scale = text.scale;
+  }
+  return all;
 }
 
 /// Of a picture of a contour.
-PictureText textOfContour(const SmokeContour& contour, std::span<const SmokeLayer> smokes,
-                          bool legend, double time) {
-  const SmokeModel& model = smokes.front().description().model;
+PictureText textOfContour(const Contour& contour, const Scene& scene, bool legend, double time) {
+  const auto holds = [](const auto& medium) { return medium->info().mass.has_value(); };
+  const auto found = std::ranges::find_if(scene.media(), holds);
+  const Mass mass = found == scene.media().end() ? Mass() : *(*found)->info().mass;
+  const MediumText media = textOf(scene);
   PictureText text;
-  text.notes = {{"volute.mode", modeOf(contour)}, {"volute.shows", lineOf(contour, model)}};
+  text.notes = {{"volute.mode", modeOf(contour)}, {"volute.shows", lineOf(contour, mass)}};
   if (showsVisibility(contour))
     text.notes.emplace_back("volute.C", fmt::format("{:g}", contour.c));
   if (isSurface(contour))
     text.notes.emplace_back("volute.visibility", fmt::format("{:g} m", contour.visibility));
-  text.notes.emplace_back("volute.smoke",
-                          fmt::format("{}", fmt::join(wordsOfSmokes(smokes), "; ")));
+  text.notes.emplace_back("volute.smoke", fmt::format("{}", fmt::join(media.notes, "; ")));
   text.notes.emplace_back("volute.time", fmt::format("{:g} s", time));
   if (!legend)
     return text;
-  text.legend = legendOf(contour, model);
-  for (const SmokeLayer& smoke : smokes) {
-    const auto words = wordsOf(smoke.description().model);
-    text.legend.insert(text.legend.end(), words.begin(), words.end());
-  }
+  text.legend = legendOf(contour, mass);
+  text.legend.insert(text.legend.end(), media.legend.begin(), media.legend.end());
   text.legend.push_back(fmt::format("t = {:.2f} s", time));
   if (!isSurface(contour))
-    text.scale = scaleOf(contour, model);
+    text.scale = scaleOf(contour, mass);
   return text;
 }
 
@@ -106,7 +104,7 @@ std::string shown(const RenderOptions& options) {
 
 }  // namespace
 
-std::string modeOf(const SmokeContour& contour) {
+std::string modeOf(const Contour& contour) {
   if (isSurface(contour))
     return "isosurface of local visibility";
   return fmt::format("slice of {}", contour.shows == Shows::kVisibility   ? "local visibility"
@@ -116,8 +114,9 @@ std::string modeOf(const SmokeContour& contour) {
 
 PictureText RenderJob::textOf(const Moment& moment) const {
   if (contour)
-    return textOfContour(*contour, smokes, legend, moment.time);
+    return textOfContour(*contour, scene, legend, moment.time);
   PictureText text;
+  const PictureLaw law = scene.law();
   const bool threshold = law.mode == PictureMode::kThreshold;
   const std::string mode(nameOf(law.mode));
   text.notes = {{"volute.mode", mode}, {"volute.shows", shown(options)}};
@@ -127,21 +126,12 @@ PictureText RenderJob::textOf(const Moment& moment) const {
   std::vector<std::string> lines{threshold ? fmt::format("{}, C = {:g}", mode, law.c) : mode};
   if (options.aov != Aov::kNone)
     lines.push_back(shown(options));
+  const MediumText media = volute::cli::textOf(scene);
   // All in one: a picture's notes have different names.
-  std::vector<std::string> held = wordsOfSmokes(smokes);
-  for (const SmokeLayer& smoke : smokes) {
-    const auto words = wordsOf(smoke.description().model);
-    lines.insert(lines.end(), words.begin(), words.end());
-  }
-  for (const FdsLayer& fds : fdsCases) {
-    const auto words = fds.words();
-    held.insert(held.end(), words.begin(), words.end());
-    lines.insert(lines.end(), words.begin(), words.end());
-    if (fds.slice() != nullptr)
-      text.scale = ColorScale{ColorMap::kViridis, fds.slice()->range()[1], fds.slice()->range()[0]};
-  }
-  if (!held.empty())
-    text.notes.emplace_back("volute.smoke", fmt::format("{}", fmt::join(held, "; ")));
+  if (!media.notes.empty())
+    text.notes.emplace_back("volute.smoke", fmt::format("{}", fmt::join(media.notes, "; ")));
+  text.scale = media.scale;
+  lines.insert(lines.end(), media.legend.begin(), media.legend.end());
   lines.push_back(fmt::format("t = {:.2f} s", moment.time));
   if (legend)
     text.legend = std::move(lines);

@@ -4,6 +4,7 @@
 
 #include <string_view>
 
+#include "volute/base/result.hpp"
 #include "volute/cli/context.hpp"
 
 namespace volute::cli {

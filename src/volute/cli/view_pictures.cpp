@@ -5,10 +5,11 @@
 #include <algorithm>
 
 #include "volute/base/write_file.hpp"
-#include "volute/cli/command.hpp"
-#include "volute/cli/parse.hpp"
+#include "volute/cli/picture_writer.hpp"
+#include "volute/cli/render_job.hpp"
 #include "volute/cli/report.hpp"
-#include "volute/fds/smv_index.hpp"
+#include "volute/cli/scene_arguments.hpp"
+#include "volute/image/srgb.hpp"
 #include "volute/report/page.hpp"
 
 namespace volute::cli {
@@ -27,31 +28,6 @@ class Quiet final : public Progress {
 
 Json vectorJson(const Vec3& v) {
   return {v[0], v[1], v[2]};
-}
-
-/// The smoke of a scene from the options of a command line.
-Json smokeJson(const std::string& casePath, const Arguments& arguments) {
-  Json smoke = {
-      {"kind", "smoke"}, {"case", std::filesystem::absolute(casePath).string()}, {"walls", true}};
-  for (const auto& [option, key] : {std::pair("field", "field"),
-                                    {"quantity", "quantity"},
-                                    {"unit", "unit"},
-                                    {"material", "material"},
-                                    {"burning", "burning"},
-                                    {"density-field", "density_field"},
-                                    {"C", "C"}}) {
-    if (const auto text = arguments.find<std::string>(option))
-      smoke[key] = *text;
-  }
-  for (const auto& [option, key] : {std::pair("scale", "scale"),
-                                    {"mass-extinction", "mass_extinction"},
-                                    {"soot-yield", "soot_yield"}}) {
-    if (const auto number = arguments.find<double>(option))
-      smoke[key] = *number;
-  }
-  if (arguments.flag("clamp"))
-    smoke["negatives"] = "clamp";
-  return smoke;
 }
 
 Json signsJson(const Survey& survey) {
@@ -106,26 +82,28 @@ Json evenLight() {
       {Json{{"kind", "ambient"}, {"radiance", {kEvenLight, kEvenLight, kEvenLight}}}});
 }
 
-Status render(const std::string& scene, const std::string& target, double time, const char* mode,
-              const std::string& exposure, Context& context) {
-  const Command* command = findCommand("render");
-  VOLUTE_ASSIGN(const auto arguments,
-                parseArguments(*command, {scene, "-o", target, "--time", fmt::format("{}", time),
-                                          "--mode", mode, "--legend", "--renderer", "cpu",
-                                          "--cache", "none", "--exposure", exposure}));
-  Quiet quiet(context.progress);
-  Context own{quiet, context.maxMemory};
-  return command->run(arguments, own);
-}
-
 }  // namespace
 
-ViewPictures::ViewPictures(std::vector<Vec3> eyes, const std::string& casePath,
-                           const Arguments& arguments, Context& context)
-    : eyes_(std::move(eyes)),
-      smoke_(smokeJson(casePath, arguments)),
-      lit_(!isSmvPath(casePath)),
-      context_(context) {}
+Result<ViewPictures> ViewPictures::make(std::vector<Vec3> eyes, const std::string& path,
+                                        const Arguments& arguments, Context& context) {
+  ViewPictures pictures(context);
+  pictures.eyes_ = std::move(eyes);
+  if (pictures.eyes_.empty())
+    return pictures;
+  if (path.ends_with(".json"))
+    return fail(ErrorCode::kUnsupported, "--picture is for a file alone; volute render shows a scene");
+  const MediumKind& kind = *mediumKindOf(path, false);
+  VOLUTE_ASSIGN(auto entry, entryOf(std::filesystem::absolute(path).string(), arguments));
+  for (const std::string_view member : kind.fileMembers())
+    entry[std::string(member)] = std::filesystem::absolute(path).string();
+  const auto members = kind.members();
+  if (std::ranges::find(members, "walls") != members.end())
+    entry["walls"] = true;
+  pictures.scene_ = kind.sceneOf("");
+  pictures.lit_ = !pictures.scene_.contains("lights");
+  pictures.scene_["media"] = nlohmann::ordered_json::array({std::move(entry)});
+  return pictures;
+}
 
 Status ViewPictures::begin(const Survey& survey, const SightInstant& first) {
   if (eyes_.empty())
@@ -145,13 +123,37 @@ Status ViewPictures::begin(const Survey& survey, const SightInstant& first) {
                           {"fov", 55},
                           {"size", {640, 400}}}},
                         {"lights", lamps},
-                        {"media", {smoke_}},
+                        {"media", scene_["media"]},
                         {"signs", signsJson(survey)}};
     const std::string name = fmt::format("views/view_{}.json", views_.size() + 1);
     VOLUTE_TRY(writeFile(survey.folder / name, dumpJson(scene) + "\n"));
     views_.push_back({eye, static_cast<std::size_t>(nearest - survey.signs.begin()), name});
   }
   return {};
+}
+
+Status ViewPictures::render(const View& view, const std::filesystem::path& target, double time,
+                            PictureMode mode) const {
+  Quiet quiet(context_->progress);
+  SceneOptions options;
+  options.maxMemory = context_->maxMemory;
+  VOLUTE_ASSIGN(auto scene, Scene::open(view.scene, options, quiet));
+  PictureLaw law = scene.law();
+  law.mode = mode;
+  scene.setLaw(law);
+  const CameraDescription description = *scene.camera();
+  RenderJob job{std::move(scene), makeCamera(description, *description.size), {},
+                std::make_unique<CpuRenderer>()};
+  job.options.background = job.scene.description().background;
+  job.legend = true;
+  const Moment moment{0, time};
+  VOLUTE_ASSIGN(const auto image, job.picture(moment, quiet));
+  // In even light, what is white is as bright as the light.
+  Development development;
+  development.exposure = lit_ ? suggestExposure(image) : 1 / kEvenLight;
+  VOLUTE_ASSIGN(const auto writer, stillWriter(target.string(), development));
+  VOLUTE_TRY(writer->write(image, 0, job.textOf(moment)));
+  return writer->finish();
 }
 
 Result<std::string> ViewPictures::finish(const Survey& survey, Json& report) {
@@ -161,29 +163,28 @@ Result<std::string> ViewPictures::finish(const Survey& survey, Json& report) {
       "<h2>What is seen</h2>\n<p>Photometric: the light that passes. Threshold: what has faded to "
       "10 % is what the law calls no longer visible. The light is made up.</p>\n";
   report["pictures"] = Json::array();
-  // In even light, what is white is as bright as the light.
-  const std::string exposure = lit_ ? "auto" : fmt::format("{}", 1 / kEvenLight);
   const std::size_t count = survey.times.size();
   std::vector<std::size_t> shown{count / 2, count - 1};
   shown.erase(std::ranges::unique(shown).begin(), shown.end());
   for (const View& view : views_) {
     for (const std::size_t t : shown) {
-      for (const char* mode : {"photometric", "threshold"}) {
+      for (const PictureMode mode : {PictureMode::kPhotometric, PictureMode::kThreshold}) {
         const std::string file =
-            fmt::format("{}_{:04d}_{}.png", view.scene.substr(0, view.scene.size() - 5), t, mode);
-        VOLUTE_TRY(render((survey.folder / view.scene).string(), (survey.folder / file).string(),
-                          survey.times[t], mode, exposure, context_));
+            fmt::format("{}_{:04d}_{}.png", view.scene.substr(0, view.scene.size() - 5), t,
+                        nameOf(mode));
+        VOLUTE_TRY(render({view.eye, view.sign, (survey.folder / view.scene).string()},
+                          survey.folder / file, survey.times[t], mode));
         report["pictures"].push_back({{"file", file},
                                       {"eye", vectorJson(view.eye)},
                                       {"sign", survey.signs[view.sign].sign.name},
                                       {"time", survey.times[t]},
-                                      {"mode", mode}});
+                                      {"mode", nameOf(mode)}});
         VOLUTE_ASSIGN(
             const auto figure,
             htmlFigure(survey.folder / file,
                      fmt::format("From {:g}, {:g}, {:g} m towards {}, {:g} s, {}", view.eye[0],
                                  view.eye[1], view.eye[2], survey.signs[view.sign].sign.name,
-                                 survey.times[t], mode)));
+                                 survey.times[t], nameOf(mode))));
         page += figure;
       }
     }

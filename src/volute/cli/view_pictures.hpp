@@ -4,6 +4,7 @@
 
 #include "volute/cli/arguments.hpp"
 #include "volute/cli/context.hpp"
+#include "volute/optics/visibility.hpp"
 #include "volute/visibility/survey_job.hpp"
 
 namespace volute::cli {
@@ -14,9 +15,10 @@ namespace volute::cli {
 /// light of an FDS case comes from everywhere.
 class ViewPictures final : public SurveyPictures {
  public:
-  /// `casePath` and the smoke's options go into the scenes.
-  ViewPictures(std::vector<Vec3> eyes, const std::string& casePath, const Arguments& arguments,
-               Context& context);
+  /// `path` and the options about it go into the scenes. kUnsupported for pictures of a scene, which
+  /// has a camera of its own.
+  [[nodiscard]] static Result<ViewPictures> make(std::vector<Vec3> eyes, const std::string& path,
+                                                 const Arguments& arguments, Context& context);
 
   /// Writes the scenes.
   [[nodiscard]] Status begin(const Survey& survey, const SightInstant& first) override;
@@ -28,13 +30,18 @@ class ViewPictures final : public SurveyPictures {
   struct View {
     Vec3 eye = Vec3::Zero();
     std::size_t sign = 0;
-    std::string scene;  ///< the file
+    std::string scene;  ///< the file, in the folder of results
   };
 
+  explicit ViewPictures(Context& context) : context_(&context) {}
+
+  [[nodiscard]] Status render(const View& view, const std::filesystem::path& target, double time,
+                              PictureMode mode) const;
+
   std::vector<Vec3> eyes_;
-  Json smoke_;
-  bool lit_ = true;  ///< by lamps; else from everywhere
-  Context& context_;
+  nlohmann::ordered_json scene_;  ///< of the file alone
+  bool lit_ = true;               ///< by lamps; else from everywhere
+  Context* context_;
   std::vector<View> views_;
 };
 

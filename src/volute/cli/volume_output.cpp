@@ -11,7 +11,7 @@
 
 #include "volute/io/npy.hpp"
 #include "volute/io/volume_sink.hpp"
-#include "volute/scene/volume_input.hpp"
+#include "volute/media/volume/volume_input.hpp"
 
 namespace volute::cli {
 

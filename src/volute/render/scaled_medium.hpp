@@ -43,4 +43,9 @@ class ScaledMedium {
   double factor_;
 };
 
+/// The medium itself where the factor is 1.
+inline AnyMedium scaledBy(double factor, AnyMedium medium) {
+  return factor == 1 ? std::move(medium) : AnyMedium(ScaledMedium(std::move(medium), factor));
+}
+
 }  // namespace volute

@@ -24,6 +24,12 @@ struct SurfaceScene {
   std::span<const AnyMedium> media = {};  ///< take from lamps' light on its way to a surface
 };
 
+/// What opaque surfaces look like from a camera, without the media before them.
+struct SurfaceView {
+  std::vector<float> depth;  ///< of each pixel, along its ray; infinite where there is none
+  Image color;               ///< linear RGB radiance, black where there is none
+};
+
 /// The nearest surface in each pixel, as render() takes it.
 struct SurfacePicture {
   Image color;               ///< linear RGB radiance; the background where there is no surface

@@ -7,9 +7,8 @@
 #include <cctype>
 #include <cmath>
 
-#include "volute/scene/fog_parameters.hpp"
-#include "volute/scene/placement_parameters.hpp"
-#include "volute/scene/scene_geometry.hpp"
+#include "volute/media/medium_kind.hpp"
+#include "volute/media/placement_parameters.hpp"
 
 namespace volute {
 namespace {
@@ -160,34 +159,22 @@ Result<std::string> placeAt(OrderedJson& json, const SceneEdit& edit) {
   return std::string();
 }
 
-/// An entry of the profile of a fog.
-struct ProfilePlace {
-  OrderedJson* fog = nullptr;
-  std::string key;  ///< "profile/knots/1"
-};
-
-std::optional<ProfilePlace> profilePlaceOf(OrderedJson& json, const std::string& path) {
-  const std::size_t at = path.find("/profile/");
-  if (!path.starts_with("/media/") || at == std::string::npos)
+/// An entry of a list that a medium has, such as "/media/0/profile/knots/1"; nothing where there is
+/// none.
+Result<std::optional<std::string>> editEntry(OrderedJson& json, const std::string& path,
+                                             bool more) {
+  const std::size_t list = path.find('/', 1);
+  const std::size_t key = list == std::string::npos ? list : path.find('/', list + 1);
+  if (key == std::string::npos)
     return std::nullopt;
-  const OrderedJson::json_pointer entry(path);
-  if (!json.contains(entry) || !json[entry].is_array() || !json[entry.parent_pointer()].is_array())
+  const OrderedJson::json_pointer entry(path.substr(0, key));
+  if (!json.contains(entry))
     return std::nullopt;
-  return ProfilePlace{&json[OrderedJson::json_pointer(path.substr(0, at))], path.substr(at + 1)};
-}
-
-Result<std::string> changeProfile(const ProfilePlace& place, bool more) {
-  const OrderedJson& list = (*place.fog)[OrderedJson::json_pointer("/" + place.key).parent_pointer()];
-  const bool knots = place.key.find("/knots/") != std::string::npos;
-  if (more) {
-    duplicateInProfile(*place.fog, place.key);
-  } else if (list.size() > (knots ? 2 : 1)) {
-    removeFromProfile(*place.fog, place.key);
-  } else {
-    return fail(ErrorCode::kInvalidArgument, "{}: a profile needs {}", place.key,
-                knots ? "two knots" : "a layer");
-  }
-  return fmt::format("{} {}", knots ? "a knot" : "a layer", more ? "is added" : "is removed");
+  const nlohmann::json plain = json[entry];
+  const auto kind = mediumKindOf(plain, path.substr(1, list - 1), "scene", path);
+  if (!kind)
+    return std::nullopt;
+  return (*kind)->editEntry(json[entry], path.substr(key + 1), more);
 }
 
 /// What both kinds have in common.
@@ -270,8 +257,9 @@ Result<std::string> applyEdit(OrderedJson& json, const SceneEdit& edit) {
     case EditKind::kDuplicate:
     case EditKind::kRemove: {
       const bool more = edit.kind == EditKind::kDuplicate;
-      if (const auto place = profilePlaceOf(json, edit.path))
-        return changeProfile(*place, more);
+      VOLUTE_ASSIGN(auto done, editEntry(json, edit.path, more));
+      if (done)
+        return std::move(*done);
       return more ? duplicate(json, edit.path) : removeAt(json, edit.path);
     }
     case EditKind::kBillboard:

@@ -7,43 +7,35 @@
 #include <string>
 #include <vector>
 
-#include "volute/scene/camera_file.hpp"
-#include "volute/scene/fog_file.hpp"
+#include "volute/media/camera_file.hpp"
+#include "volute/media/medium_kind.hpp"
+#include "volute/media/scene_lights.hpp"
 #include "volute/scene/scene_geometry.hpp"
-#include "volute/scene/scene_lights.hpp"
 #include "volute/scene/scene_look.hpp"
 #include "volute/scene/scene_signs.hpp"
-#include "volute/scene/scene_smoke.hpp"
-#include "volute/scene/volume_layer.hpp"
 
 namespace volute {
 
-/// A medium of kind "volume" in a scene.
-struct SceneVolume {
-  std::string file;  ///< found from the scene file's folder
-  Appearance appearance;
+/// An entry of one of a scene's lists of media.
+struct MediumEntry {
+  const MediumKind* kind = nullptr;
+  std::string path;     ///< in the scene: "/media/0"
+  nlohmann::json json;  ///< what is there
 };
 
-/// What is rendered of a volute-scene-1 file: the camera, the background, media,
-/// lights, geometry, signs and billboards.
+/// What a volute-scene-1 file says, but for what its media make of their entries.
 struct SceneDescription {
-  CameraDescription camera;
+  std::optional<CameraDescription> camera;
   Rgb background = Rgb::Zero();
-  std::vector<SceneVolume> volumes;
-  std::vector<FogDescription> fogs;
-  std::vector<SmokeDescription> smokes;
-  SceneLights lights;  ///< for fog, smoke and surfaces, not volumes
+  SceneLights lights;
+  std::vector<MediumEntry> media;  ///< of all lists, "media" first
   std::vector<Sign> signs;
   std::vector<SceneGeometry> geometry;
-  std::vector<SceneBillboard> billboards;
   std::optional<SceneLook> look;  ///< for the viewer
 };
 
-/// Errors name the file and the path inside it, names that are unknown included. kUnsupported for
-/// transforms that shear a volume.
-[[nodiscard]] Result<SceneDescription> readScene(const std::string& file);
-
-/// The same from what such a file holds, or would hold.
+/// From what such a file holds, or would hold. Errors name the file and the path inside it, names
+/// that are unknown included.
 [[nodiscard]] Result<SceneDescription> parseScene(const nlohmann::json& json,
                                                   const std::string& file);
 

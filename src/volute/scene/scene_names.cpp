@@ -4,6 +4,8 @@
 
 #include <filesystem>
 
+#include "volute/media/medium_kind.hpp"
+
 namespace volute {
 namespace {
 
@@ -13,12 +15,6 @@ std::string absolute(const std::string& path) {
   std::error_code ignored;
   const auto found = std::filesystem::absolute(path, ignored);
   return ignored ? path : found.lexically_normal().string();
-}
-
-/// The member of a medium that names its file.
-const char* fileKey(const OrderedJson& medium) {
-  const std::string kind = medium.value("kind", "");
-  return kind == "volume" ? "file" : kind == "fog" ? "map" : "case";
 }
 
 void moveNames(OrderedJson& names, const std::string& from, const std::string& to) {
@@ -41,21 +37,28 @@ std::string nameFrom(const std::string& scene, const std::string& target, const 
 }
 
 void moveAllNames(OrderedJson& json, const std::string& from, const std::string& to) {
-  const auto each = [&](const char* list, auto key) {
+  const auto move = [&](OrderedJson& entry, const std::string& key) {
+    const OrderedJson::json_pointer pointer("/" + key);
+    if (entry.contains(pointer))
+      moveNames(entry[pointer], from, to);
+  };
+  for (const char* list : {"media", "billboards"}) {
+    if (!json.contains(list))
+      continue;
+    for (OrderedJson& entry : json[list]) {
+      const nlohmann::json plain = entry;
+      const auto kind = mediumKindOf(plain, list, from, list);
+      for (const std::string_view key : kind ? (*kind)->fileMembers() : std::vector<std::string_view>())
+        move(entry, std::string(key));
+    }
+  }
+  const auto each = [&](const char* list, const char* key) {
     if (!json.contains(list))
       return;
-    for (OrderedJson& entry : json[list]) {
-      const char* name = key(entry);
-      if (entry.contains(name))
-        moveNames(entry[name], from, to);
-      if (entry.contains("top"))
-        moveNames(entry["top"]["map"], from, to);
-    }
+    for (OrderedJson& entry : json[list]) move(entry, key);
   };
-  each("media", fileKey);
-  each("geometry", [](const OrderedJson&) { return "file"; });
-  each("signs", [](const OrderedJson&) { return "picture"; });
-  each("billboards", [](const OrderedJson&) { return "volume"; });
+  each("geometry", "file");
+  each("signs", "picture");
 }
 
 }  // namespace volute

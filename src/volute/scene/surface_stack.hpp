@@ -8,7 +8,7 @@
 #include "volute/camera/camera.hpp"
 #include "volute/image/image.hpp"
 #include "volute/render/sign.hpp"
-#include "volute/scene/smoke_walls.hpp"
+#include "volute/render/surfaces.hpp"
 
 namespace volute {
 

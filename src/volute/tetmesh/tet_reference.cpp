@@ -21,13 +21,6 @@ void forEachRow(const Camera& camera, OpaqueDepth opaque, const Row& row) {
 
 }  // namespace
 
-Segment pixelRay(const Camera& camera, int x, int y, OpaqueDepth opaque) {
-  Segment ray = camera.ray(x + 0.5, y + 0.5);
-  if (!opaque.empty())
-    ray.end = opaque[static_cast<std::size_t>(y) * camera.width() + x];
-  return ray;
-}
-
 void referenceDepth(const TetMedium& medium, const Camera& camera, OpaqueDepth opaque,
                     std::span<double> depth) {
   forEachRow(camera, opaque, [&](std::size_t first, std::span<const Segment> rays) {

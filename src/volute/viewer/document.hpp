@@ -13,7 +13,7 @@
 #include "volute/base/result.hpp"
 #include "volute/fog/fog_medium.hpp"
 #include "volute/math/box.hpp"
-#include "volute/scene/parameter.hpp"
+#include "volute/media/parameter.hpp"
 #include "volute/scene/scene_edits.hpp"
 #include "volute/scene/scene_look.hpp"
 #include "volute/viewer/view_scene.hpp"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "volute/gl/gl_smoke.hpp"
 #include "volute/scene/surface_stack.hpp"
 
 namespace volute {
@@ -13,10 +12,10 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr int kRows = 8;            ///< of the flattest tiles: a work group's
-constexpr double kTile = 0.01;      ///< [s] that one may take
-constexpr double kLeastTile = 512;  ///< pixels of a tile
-constexpr double kBlind = 8192;     ///< at most, after one where there was nothing to be lit
+constexpr int kRows = 8;         ///< of the flattest tiles: a work group's
+constexpr double kTile = 0.01;   ///< [s] that one may take
+constexpr double kLeastTile = 512;   ///< pixels of a tile
+constexpr double kBlind = 8192;  ///< at most, after one where there was nothing to be lit
 constexpr double kMostTile = 1 << 22;
 
 double secondsSince(SteadyClock::time_point begun) {
@@ -44,24 +43,19 @@ Result<Camera> tileOf(const Camera& camera, int left, int top, int width, int he
   return Camera::calibrated(part);
 }
 
-void ExactSurfaces::begin(std::shared_ptr<const Still> still, const GlScene& natural,
-                          const Camera& camera) {
+Status ExactSurfaces::begin(std::shared_ptr<const Snapshot> snapshot, const Camera& camera) {
   const std::size_t pixels = static_cast<std::size_t>(camera.width()) * camera.height();
-  work_.emplace(Work{std::move(still), natural, {}, camera, {}});
-  Work& work = *work_;
-  work.texels.resize(4 * pixels);
-  const SceneLights& lights = work.still->lights;
-  for (std::size_t i = 0; i < work.still->smokes.size(); ++i) {
-    const SmokeState& smoke = work.still->smokes[i];
-    if (work.still->walls[i])
-      work.walls.push_back({{smoke.locator, &smoke.locator->mesh()},
-                            {{glPart(GlSmoke{smoke.locator, smoke.extinction, smoke.source})}},
-                            lights.lamps,
-                            smoke.lampShares,
-                            *work.still->walls[i],
-                            lights.ambient,
-                            work.still->geometry});
+  // Lamps shine through what media are by nature.
+  VOLUTE_ASSIGN(auto media, glSceneOf(*snapshot, {.natural = true}));
+  work_.emplace(Work{std::move(snapshot), std::move(media), {}, camera, {}});
+  work_->texels.resize(4 * pixels);
+  for (std::size_t i = 0; i < work_->snapshot->media.size(); ++i) {
+    if (!work_->snapshot->media[i]->hasWalls())
+      continue;
+    VOLUTE_ASSIGN(auto walls, glWallsOf(*work_->snapshot, i));
+    work_->walls.push_back(std::move(walls));
   }
+  return {};
 }
 
 Status ExactSurfaces::drawTile(GlRenderer& renderer) {
@@ -81,9 +75,9 @@ Status ExactSurfaces::drawTile(GlRenderer& renderer) {
     lit += seen.surfacePixels;
     all.add(SurfaceView{std::move(seen.depth), std::move(seen.color)});
   };
-  const Still& still = *work.still;
-  if (!still.geometry.empty()) {
-    const SurfaceScene surfaces{still.geometry, still.lights.lamps, still.lights.ambient};
+  const Snapshot& snapshot = *work.snapshot;
+  if (!snapshot.geometry.empty()) {
+    const SurfaceScene surfaces{snapshot.geometry, snapshot.lights.lamps, snapshot.lights.ambient};
     VOLUTE_ASSIGN(auto seen, renderer.surfaces(tile, surfaces, work.media, Rgb::Zero(), quiet));
     add(std::move(seen));
   }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "volute/gl/gl_renderer.hpp"
-#include "volute/scene/still.hpp"
+#include "volute/gl/gl_snapshot.hpp"
 
 namespace volute {
 
@@ -20,9 +20,8 @@ namespace volute {
 /// tiles at a time, so that a window's frames go on meanwhile.
 class ExactSurfaces {
  public:
-  /// Another picture, from its first tile on.
-  /// @param natural  the still's media, whatever its law: what lamps shine through
-  void begin(std::shared_ptr<const Still> still, const GlScene& natural, const Camera& camera);
+  /// Another picture, from its first tile on. kUnsupported for media that OpenGL does not draw.
+  [[nodiscard]] Status begin(std::shared_ptr<const Snapshot> snapshot, const Camera& camera);
 
   void drop() { work_.reset(); }
 
@@ -41,9 +40,9 @@ class ExactSurfaces {
 
  private:
   struct Work {
-    std::shared_ptr<const Still> still;
-    GlScene media;
-    std::vector<GlWalls> walls;  ///< of what `still` holds
+    std::shared_ptr<const Snapshot> snapshot;
+    GlScene media;               ///< by nature
+    std::vector<GlWalls> walls;  ///< of what `snapshot` holds
     Camera camera;
     std::vector<float> texels;
     int left = 0, top = 0;  ///< of the next tile

@@ -42,14 +42,14 @@ TEST(ExactSurfaces, TilesHaveTheRaysOfThePicture) {
 }
 
 /// A wall over some of the picture, which emits what it does.
-Still wall() {
-  Still still;
+Snapshot wall() {
+  Snapshot snapshot;
   const Vec3 corners[] = {Vec3(-1, 0, -1), Vec3(1, 0, -1), Vec3(1, 0, 1), Vec3(-1, 0, 1)};
   auto scene = TriangleScene::build(
       {{{corners[0], corners[1], corners[2]}, 0}, {{corners[0], corners[2], corners[3]}, 0}},
       {Material{.emission = Rgb(1, 2, 3)}});
-  still.geometry = *scene;
-  return still;
+  snapshot.geometry = *scene;
+  return snapshot;
 }
 
 TEST(ExactSurfaces, AreTheWholePictureInTiles) {
@@ -58,14 +58,14 @@ TEST(ExactSurfaces, AreTheWholePictureInTiles) {
     GTEST_SKIP() << gl.error().message;
   auto renderer = GlRenderer::create();
   ASSERT_TRUE(renderer);
-  const auto still = std::make_shared<const Still>(wall());
+  const auto snapshot = std::make_shared<const Snapshot>(wall());
   const Camera camera = Camera::pinhole(kView, 50, 150, 77);
   Progress quiet;
-  const auto whole = renderer->surfaces(camera, {still->geometry}, {}, Rgb::Zero(), quiet);
+  const auto whole = renderer->surfaces(camera, {snapshot->geometry}, {}, Rgb::Zero(), quiet);
   ASSERT_TRUE(whole);
   ASSERT_GT(whole->surfacePixels, 500);
   ExactSurfaces exact;
-  exact.begin(still, {}, camera);
+  ASSERT_TRUE(exact.begin(snapshot, camera));
   int steps = 0;
   for (; !exact.complete() && steps < 1000; ++steps) ASSERT_TRUE(exact.step(*renderer, 0));
   ASSERT_TRUE(exact.complete());

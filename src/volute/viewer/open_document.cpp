@@ -3,7 +3,7 @@
 #include "volute/viewer/open_document.hpp"
 
 #include "volute/io/json_file.hpp"
-#include "volute/scene/volume_input.hpp"
+#include "volute/media/volume/volume_input.hpp"
 #include "volute/viewer/capture_document.hpp"
 #include "volute/viewer/scene_document.hpp"
 

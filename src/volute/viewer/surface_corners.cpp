@@ -9,7 +9,8 @@
 #include <numbers>
 #include <queue>
 
-#include "volute/scene/smoke_walls.hpp"
+#include "volute/media/smoke/smoke_scene_medium.hpp"
+#include "volute/media/smoke/smoke_walls.hpp"
 
 namespace volute {
 namespace {
@@ -189,8 +190,11 @@ GlSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most) {
   return surfaces;
 }
 
-GlSurfaces wallCorners(const SmokeState& smoke, const SceneLights& lights, const Rgb& color,
-                         std::size_t most) {
+GlSurfaces wallCorners(const MediumAt& medium, std::size_t most) {
+  const auto& shown = dynamic_cast<const SmokeAt&>(medium);
+  const SmokeState& smoke = shown.state();
+  const SceneLights& lights = shown.lights();
+  const Rgb& color = *shown.walls();
   const TetMesh& mesh = smoke.locator->mesh();
   GlSurfaces surfaces;
   for (const Triangle& piece :

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "volute/render/surfaces.hpp"
-#include "volute/scene/smoke_layer.hpp"
+#include "volute/media/medium_at.hpp"
 #include "volute/viewer/view_scene.hpp"
 
 namespace volute {
@@ -17,10 +17,9 @@ namespace volute {
 ///     those that there are; and again as many of the second
 GlSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most = 20000);
 
-/// The boundary of a smoke's mesh likewise, as walls that reflect `color` of the lamps' light, seen
-/// from inside alone: lookAtWalls(), but with the light at corners of pieces, between which it is
-/// linear, as is the share of it that comes through the smoke between the vertices of a face.
-GlSurfaces wallCorners(const SmokeState& smoke, const SceneLights& lights, const Rgb& color,
-                         std::size_t most = 20000);
+/// The walls of a medium that has some likewise, seen from inside alone: MediumAt::lookAtWalls(),
+/// but with the light at corners of pieces, between which it is linear, as is the share of it that
+/// comes through the medium between the vertices of a face.
+GlSurfaces wallCorners(const MediumAt& medium, std::size_t most = 20000);
 
 }  // namespace volute

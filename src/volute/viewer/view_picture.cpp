@@ -115,6 +115,8 @@ void ViewPicture::noteTime(double seconds, int width, int height, bool processor
 /// What is refused once is not tried again before the scene changes.
 Status ViewPicture::drawMedia(const PictureWish& wish, const Camera& camera) {
   media_ = false;
+  if (!scene_->notByGl.empty() && wish.renderer != ViewRenderer::kGl)
+    return fail(ErrorCode::kUnsupported, "{}", scene_->notByGl);
   if (scene_->media.parts.empty() || (wish.renderer == ViewRenderer::kGl && !refused_.empty()))
     return {};
   const auto depth = opaque_ ? surfaces_.depth() : std::span<const float>();
@@ -149,7 +151,7 @@ Status ViewPicture::drawByGl(const PictureWish& wish, double scale) {
 }
 
 bool ViewPicture::mayBeExact(const PictureWish& wish) const {
-  return scene_ && scene_->still && wish.surfaces && !wish.moving && refusedExact_.empty() &&
+  return scene_ && scene_->snapshot && wish.surfaces && !wish.moving && refusedExact_.empty() &&
          !byProcessor(wish);
 }
 
@@ -169,7 +171,10 @@ Status ViewPicture::refine(const PictureWish& wish) {
   if (!exact_.begun()) {
     const Camera camera =
         wish.camera.camera(pixels(scale_, wish.width), pixels(scale_, wish.height));
-    exact_.begin(scene_->still, scene_->natural, camera);
+    if (const Status begun = exact_.begin(scene_->snapshot, camera); !begun) {
+      refusedExact_ = begun.error().message;
+      return {};
+    }
   }
   if (const Status drawn = exact_.step(renderer_, kRefine); !drawn) {
     refusedExact_ = drawn.error().message;

@@ -14,11 +14,11 @@
 #include "volute/gl/gl_scene.hpp"
 #include "volute/gl/surface_drawer.hpp"
 #include "volute/image/image.hpp"
-#include "volute/tetmesh/tet_locator.hpp"
+#include "volute/media/medium_at.hpp"
 
 namespace volute {
 
-struct Still;
+struct Snapshot;
 
 /// A line that is drawn over the picture.
 struct ViewLine {
@@ -32,9 +32,8 @@ using ProcessorPicture = std::function<Result<Image>(const Camera& camera, Progr
 /// One instant of a document, ready to be drawn.
 struct ViewScene {
   GlScene media{};    ///< as the law of the picture sees them
-  GlScene natural{};  ///< the same as lamps shine through them, whatever the law
   /// Whose boundaries a pointer meets as walls.
-  std::vector<std::shared_ptr<const TetLocator>> meshes{};
+  std::vector<std::shared_ptr<const MediumAt>> now{};
   std::shared_ptr<const GlSurfaces> surfaces{};
   std::vector<GlQuad> quads{};
   std::vector<ViewLine> lines{};
@@ -45,7 +44,8 @@ struct ViewScene {
   TriangleScene geometry{};
   std::vector<std::string> remarks{};  ///< what this instant lacks, in sentences
   /// Of which `surfaces` are an approximation; null: there is nothing finer.
-  std::shared_ptr<const Still> still{};
+  std::shared_ptr<const Snapshot> snapshot{};
+  std::string notByGl{};  ///< why OpenGL does not draw the media; empty: it may
 };
 
 }  // namespace volute

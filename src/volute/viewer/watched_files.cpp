@@ -8,7 +8,7 @@
 
 #include "volute/base/input_file.hpp"
 #include "volute/io/frame_pattern.hpp"
-#include "volute/scene/volume_input.hpp"
+#include "volute/media/volume/volume_input.hpp"
 
 namespace volute {
 namespace {
@@ -68,33 +68,6 @@ std::vector<std::filesystem::path> filesOf(const std::string& name) {
   files.emplace_back(name);
   if (extensionOf(name) == ".pvd") {
     for (const std::string& part : namesIn(name)) files.push_back(besideOf(name, part));
-  }
-  return files;
-}
-
-std::vector<std::filesystem::path> filesOf(const SceneDescription& scene,
-                                           const nlohmann::ordered_json& json,
-                                           const std::string& file) {
-  std::vector<std::filesystem::path> files;
-  const auto add = [&](const std::string& name) {
-    const auto some = filesOf(name);
-    files.insert(files.end(), some.begin(), some.end());
-  };
-  for (const SceneVolume& volume : scene.volumes) add(volume.file);
-  for (const FogDescription& fog : scene.fogs) {
-    for (const std::string& map : fog.maps) add(map);
-    if (fog.top)
-      add(fog.top->file);
-  }
-  for (const SmokeDescription& smoke : scene.smokes) add(smoke.file);
-  for (const SceneGeometry& geometry : scene.geometry) add(geometry.file);
-  for (const SceneBillboard& board : scene.billboards) add(board.file);
-  const auto signs = json.find("signs");
-  if (signs != json.end() && signs->is_array()) {
-    for (const auto& sign : *signs) {
-      if (const std::string picture = sign.value("picture", ""); !picture.empty())
-        files.push_back(besideOf(file, picture));
-    }
   }
   return files;
 }

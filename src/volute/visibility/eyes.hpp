@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "volute/visibility/sight_field.hpp"
+#include "volute/visibility/floor_plan.hpp"
 
 // Where people look from.
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "volute/visibility/sight_field.hpp"
+#include "volute/visibility/floor_plan.hpp"
 
 namespace volute {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "volute/optics/visibility.hpp"
-#include "volute/visibility/sight_field.hpp"
+#include "volute/media/sight.hpp"
 
 namespace volute {
 

@@ -91,10 +91,10 @@ Json summaryOf(const SurveyTime& at, const Survey& survey) {
 /// The survey as it goes through time.
 class Job {
  public:
-  Job(SurveyRequest request, SightCase& sightCase, Watch& watch, SurveyPictures& pictures,
+  Job(SurveyRequest request, SightField& field, Watch& watch, SurveyPictures& pictures,
       Progress& progress)
       : request_(std::move(request)),
-        case_(sightCase),
+        field_(field),
         watch_(watch),
         pictures_(pictures),
         log_(progress),
@@ -103,10 +103,11 @@ class Job {
 
   Result<SurveySummary> run() {
     VOLUTE_ASSIGN(survey_.sets, setsOf(request_));
-    VOLUTE_ASSIGN(const auto chosen, chosenTimes(request_.frames, *case_.field));
-    for (const int i : chosen) survey_.times.push_back(case_.field->times()[i]);
-    survey_.bounds = case_.field->bounds();
-    for (const std::string& remark : case_.remarks) log_.remark(remark);
+    VOLUTE_ASSIGN(const auto chosen, chosenTimes(request_.frames, field_));
+    for (const int i : chosen) survey_.times.push_back(field_.times()[i]);
+    survey_.bounds = field_.bounds();
+    for (const std::string& remark : field_.remarks()) log_.remark(remark);
+    for (const std::string& remark : request_.remarks) log_.remark(remark);
     VOLUTE_ASSIGN(auto folder, PendingFolder::create(request_.output, kMark));
     survey_.folder = folder.path();
     VOLUTE_ASSIGN(auto csv, SightCsv::create(folder.path() / "sight.csv"));
@@ -126,7 +127,7 @@ class Job {
 
  private:
   Status takeTime(std::size_t index, double time, SightCsv& csv) {
-    VOLUTE_ASSIGN(const auto instant, case_.field->read(index));
+    VOLUTE_ASSIGN(const auto instant, field_.read(index));
     if (survey_.signs.empty()) {
       VOLUTE_ASSIGN(survey_.signs, placeSigns(*instant, request_.signs, survey_.bounds, log_));
       VOLUTE_TRY(watch_.begin(survey_, *instant, log_));
@@ -166,7 +167,7 @@ class Job {
   Status finish(PendingFolder& folder) {
     json_ = {{"format", "volute-visibility-1"},
              {"case", request_.casePath},
-             {"smoke", case_.smoke},
+             {"smoke", field_.description()},
              {"criterion",
               "seen when nothing opaque stands between and the optical depth (integral "
               "of K ds, natural logarithm) is at most C times the angle law's factor"}};
@@ -185,7 +186,7 @@ class Job {
   }
 
   SurveyRequest request_;
-  SightCase& case_;
+  SightField& field_;
   Watch& watch_;
   SurveyPictures& pictures_;
   RemarkLog log_;
@@ -198,9 +199,9 @@ class Job {
 
 }  // namespace
 
-Result<SurveySummary> runSurvey(SurveyRequest request, SightCase& sightCase, Watch& watch,
+Result<SurveySummary> runSurvey(SurveyRequest request, SightField& field, Watch& watch,
                                 SurveyPictures& pictures, Progress& progress) {
-  return Job(std::move(request), sightCase, watch, pictures, progress).run();
+  return Job(std::move(request), field, watch, pictures, progress).run();
 }
 
 }  // namespace volute

@@ -3,17 +3,10 @@
 #pragma once
 
 #include "volute/grid/select_frames.hpp"
-#include "volute/visibility/sight_field.hpp"
+#include "volute/media/sight.hpp"
 #include "volute/visibility/watch.hpp"
 
 namespace volute {
-
-/// The smoke of a case as sight lines ask for it.
-struct SightCase {
-  std::unique_ptr<SightField> field;
-  std::string smoke;                 ///< where the extinction comes from, for people
-  std::vector<std::string> remarks;  ///< what the case's reader has to say
-};
 
 struct SurveyRequest {
   std::string casePath;
@@ -21,6 +14,7 @@ struct SurveyRequest {
   std::vector<std::vector<std::string>> sets;  ///< names of signs
   FrameRange frames;                           ///< of stored times, by their numbers
   Survey survey;                               ///< the numbers of it
+  std::vector<std::string> remarks{};  ///< that the results begin with
   std::string output;
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
 };
@@ -44,7 +38,7 @@ struct SurveySummary {
 };
 
 /// Goes through the stored times of a case, one after the other, and writes the folder of results.
-[[nodiscard]] Result<SurveySummary> runSurvey(SurveyRequest request, SightCase& sightCase,
+[[nodiscard]] Result<SurveySummary> runSurvey(SurveyRequest request, SightField& field,
                                               Watch& watch, SurveyPictures& pictures,
                                               Progress& progress);
 

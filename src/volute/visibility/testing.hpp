@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include "volute/visibility/sight_field.hpp"
+#include "volute/media/sight.hpp"
 
 namespace volute {
 

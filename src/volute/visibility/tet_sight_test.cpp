@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/visibility/tet_sight.hpp"
+#include "volute/media/smoke/tet_sight.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include "volute/cli/commands/commands.hpp"
 #include "volute/image/compare.hpp"
 #include "volute/io/image_file.hpp"
-#include "volute/scene/volume_input.hpp"
+#include "volute/media/volume/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

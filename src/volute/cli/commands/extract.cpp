@@ -3,8 +3,8 @@
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/extract_source.hpp"
 #include "volute/cli/volume_output.hpp"
-#include "volute/scene/fds_input.hpp"
-#include "volute/scene/volume_input.hpp"
+#include "volute/media/volume/fds_input.hpp"
+#include "volute/media/volume/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

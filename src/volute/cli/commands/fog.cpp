@@ -6,12 +6,13 @@
 #include "volute/cli/fog_arguments.hpp"
 #include "volute/cli/fog_export.hpp"
 #include "volute/cli/picture_writer.hpp"
-#include "volute/cli/render_job.hpp"
 #include "volute/cli/volume_output.hpp"
+#include "volute/base/stopwatch.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
-#include "volute/scene/camera_file.hpp"
-#include "volute/scene/fog_layer.hpp"
+#include "volute/media/camera_file.hpp"
+#include "volute/media/fog/fog_scene_medium.hpp"
+#include "volute/render/render.hpp"
 #include "volute/scene/scene_geometry.hpp"
 
 namespace volute::cli {
@@ -127,12 +128,14 @@ Result<Image> fogged(const Frame& frame, const FogLayer& layer, const Arguments&
   VOLUTE_ASSIGN(const auto depth, readDepth(frame.depth, camera, rule, context));
   const double time =
       arguments.find<double>("time").value_or(frame.number / arguments.get<double>("rate"));
-  VOLUTE_ASSIGN(const auto medium, layer.mediumAt(time, camera));
+  VOLUTE_ASSIGN(const auto now, FogSceneMedium(layer).at({.time = time}, context.progress));
+  std::vector<AnyMedium> medium;
+  VOLUTE_TRY(now->addMediaFor(camera, medium));
   RenderOptions options;
   options.behind = &color;
   if (arguments.get<std::string>("renderer") == "reference")
     options.renderer = Renderer::kReference;
-  return render(camera, std::span(&medium, 1), options, context.progress, nullptr, depth);
+  return render(camera, medium, options, context.progress, nullptr, depth);
 }
 
 Status fogPictures(const std::vector<Frame>& frames, const FogLayer& layer,

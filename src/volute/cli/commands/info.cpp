@@ -9,8 +9,8 @@
 #include "volute/cli/mesh_report.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
-#include "volute/scene/scene_smoke.hpp"
-#include "volute/scene/volume_input.hpp"
+#include "volute/media/smoke/scene_smoke.hpp"
+#include "volute/media/volume/volume_input.hpp"
 #include "volute/cli/values.hpp"
 
 namespace volute::cli {

@@ -12,7 +12,7 @@
 #include "volute/cli/overwriting.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/image_file.hpp"
-#include "volute/scene/volume_input.hpp"
+#include "volute/media/volume/volume_input.hpp"
 
 namespace volute::cli {
 namespace {

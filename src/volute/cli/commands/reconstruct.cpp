@@ -12,7 +12,7 @@
 #include "volute/cli/version.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/codec/compress.hpp"
-#include "volute/scene/volume_input.hpp"
+#include "volute/media/volume/volume_input.hpp"
 #include "volute/tomography/layout.hpp"
 #include "volute/tomography/reconstructed_frames.hpp"
 #include "volute/tomography/reconstruction_page.hpp"

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/render/render.hpp"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,32 +9,27 @@
 #include "volute/cli/camera_arguments.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/picture_writer.hpp"
-#include "volute/cli/render_moments.hpp"
-#include "volute/cli/smoke_arguments.hpp"
+#include "volute/cli/gl_pictures.hpp"
+#include "volute/cli/render_job.hpp"
+#include "volute/cli/scene_arguments.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/frame_pattern.hpp"
-#include "volute/scene/camera_file.hpp"
-#include "volute/scene/smoke_words.hpp"
+#include "volute/media/camera_file.hpp"
 
 namespace volute::cli {
 namespace {
 
 constexpr Pixels kUsualSize{800, 600};
 
-Result<Camera> chooseCamera(const Arguments& arguments, const RenderSubject& subject) {
+/// The command line's, the scene's, or one that frames what is shown.
+Result<Camera> chooseCamera(const Arguments& arguments, const Scene& scene) {
   VOLUTE_ASSIGN(auto description, cameraOf(arguments));
   if (!description)
-    description = subject.camera;
-  if (!description && subject.layers.empty() && subject.smokes.empty())
-    description = subject.fdsCases.front().firstCamera();
+    description = scene.camera();
   Pixels size = arguments.find<Pixels>("size").value_or(kUsualSize);
-  if (!description) {
-    const Box3 bounds = !subject.layers.empty()   ? subject.layers.front().info().bounds
-                        : !subject.smokes.empty() ? subject.smokes.front().bounds()
-                                                  : subject.fdsCases.front().bounds();
-    return Camera::framing(bounds, size.width, size.height);
-  }
+  if (!description)
+    return Camera::framing(scene.media().front()->info().bounds, size.width, size.height);
   if (!arguments.given("size"))
     size = description->size.value_or(kUsualSize);
   return makeCamera(*description, size);
@@ -54,17 +47,52 @@ Status checkPictureMemory(const Camera& camera, const Context& context) {
               camera.width(), camera.height(), (bytes >> 20) + 1, context.maxMemory >> 20);
 }
 
-RenderOptions renderOptions(const Arguments& arguments, const RenderSubject& subject) {
+RenderOptions renderOptions(const Arguments& arguments, const Scene& scene) {
   RenderOptions options;
-  const auto renderer = arguments.get<std::string>("renderer");
-  options.renderer = renderer == "reference" ? Renderer::kReference : Renderer::kCpu;
   options.background = arguments.given("background")
                            ? Rgb(arguments.get<Vec3>("background").array())
-                           : subject.background;
+                           : scene.description().background;
   if (const auto aov = arguments.find<std::string>("aov")) {
     options.aov = *aov == "transmittance" ? Aov::kTransmittance : Aov::kOpticalDepth;
   }
   return options;
+}
+
+/// Whether the command line asks for a contour of the visibility S = C / K.
+bool contoursVisibility(const Arguments& arguments) {
+  return arguments.given("isosurface") ||
+         (arguments.given("slice") && arguments.get<std::string>("slice-shows") == "visibility");
+}
+
+/// --mode and --C change the law of a scene. A C that changes nothing is refused on the command
+/// line, and remarked on in a scene.
+Status takeLaw(const Arguments& arguments, Scene& scene, Progress& progress) {
+  PictureLaw law = scene.law();
+  if (const auto mode = arguments.find<std::string>("mode")) {
+    VOLUTE_ASSIGN(law.mode, pictureMode(*mode));
+  }
+  if (const auto c = arguments.find<std::string>("C"); c && scene.isFile()) {
+    auto found = visibilityLaw(*c);
+    if (!found)
+      return fail(ErrorCode::kInvalidArgument, "--C: {}", found.error().message);
+    law.c = found->c;
+  }
+  scene.setLaw(law);
+  if (law.mode == PictureMode::kThreshold || contoursVisibility(arguments))
+    return {};
+  constexpr std::string_view kIdleC =
+      "plays no part in a photometric picture; choose the mode threshold, or leave it out";
+  if (arguments.given("C") && scene.isFile())
+    return fail(ErrorCode::kInvalidArgument, "--C: {}", kIdleC);
+  for (std::size_t i = 0; i < scene.media().size(); ++i) {
+    if (!scene.media()[i]->info().lawByC)
+      continue;
+    if (!scene.isFile())
+      return fail(ErrorCode::kInvalidArgument, "--C: {}", kIdleC);
+    progress.remark(fmt::format("{}: {}/C: {}", scene.path(), scene.description().media[i].path,
+                                kIdleC));
+  }
+  return {};
 }
 
 /// What OpenGL does not draw; empty when it draws all.
@@ -77,72 +105,72 @@ std::string_view beyondGl(const Arguments& arguments) {
 }
 
 /// An option that is about OpenGL alone, unless it is as it is by itself.
-Status checkGlMethod(std::string_view option, const std::string& name, const GlPictures* gl) {
-  if (gl != nullptr || name == "auto" || name == "bricks")
-    return {};
-  return fail(ErrorCode::kInvalidArgument,
-              "--{}: {} is a way to draw with OpenGL; add --renderer gl", option, name);
-}
-
-Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments, const GlPictures* gl) {
+Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments, bool gl) {
   const auto name = arguments.get<std::string>("smoke-method");
-  VOLUTE_TRY(checkGlMethod("smoke-method", name, gl));
+  if (!gl && name != "auto") {
+    return fail(ErrorCode::kInvalidArgument,
+                "--smoke-method: {} is a way to draw with OpenGL; add --renderer gl", name);
+  }
   return name == "auto"    ? GlSmokeMethod::kAuto
          : name == "march" ? GlSmokeMethod::kMarch
          : name == "splat" ? GlSmokeMethod::kSplat
                            : GlSmokeMethod::kProject;
 }
 
-Result<GlVolumeMethod> volumeMethodOf(const Arguments& arguments, const GlPictures* gl) {
-  const auto name = arguments.get<std::string>("volume-method");
-  VOLUTE_TRY(checkGlMethod("volume-method", name, gl));
-  return name == "tree" ? GlVolumeMethod::kTree : GlVolumeMethod::kBricks;
-}
-
-/// Null for the processor. `auto` takes OpenGL where hardware draws all that the subject has.
-Result<std::shared_ptr<GlPictures>> chooseGl(const Arguments& arguments) {
-  const auto renderer = arguments.get<std::string>("renderer");
+/// `auto` takes OpenGL where hardware draws all that is asked for.
+Result<std::unique_ptr<SceneRenderer>> rendererOf(const Arguments& arguments) {
+  const auto name = arguments.get<std::string>("renderer");
   const auto beyond = beyondGl(arguments);
-  if (renderer == "gl" && !beyond.empty()) {
+  if (name == "gl" && !beyond.empty()) {
     return fail(ErrorCode::kUnsupported,
                 "--renderer gl does not draw --{} yet; choose cpu or leave it out", beyond);
   }
-  if (renderer == "gl") {
-    auto gl = GlPictures::open(false);
-    if (!gl)
-      gl.error().message += "; or choose --renderer cpu";
-    return gl;
+  const bool gl = name == "gl" || (name == "auto" && beyond.empty() && glIsLikely());
+  if (gl) {
+    VOLUTE_ASSIGN(const auto method, smokeMethodOf(arguments, true));
+    auto renderer = openGlRenderer(name == "auto", method);
+    if (renderer || name == "gl") {
+      if (!renderer)
+        renderer.error().message += "; or choose --renderer cpu";
+      return renderer;
+    }
   }
-  if (renderer != "auto" || !beyond.empty() || !glIsLikely())
-    return nullptr;
-  auto gl = GlPictures::open(true);
-  return gl ? std::move(*gl) : nullptr;
+  VOLUTE_TRY(smokeMethodOf(arguments, false));
+  return std::make_unique<CpuRenderer>(name == "reference" ? Renderer::kReference : Renderer::kCpu);
+}
+
+/// Media that contours can be cut from.
+std::vector<const MediumInfo*> contoured(const Scene& scene) {
+  std::vector<const MediumInfo*> media;
+  for (const auto& medium : scene.media()) {
+    if (medium->info().mass || !medium->info().noMass.empty())
+      media.push_back(&medium->info());
+  }
+  return media;
 }
 
 /// One plane has one scale of mass per volume.
-Status checkConcentrations(std::span<const SmokeLayer> smokes) {
-  const SmokeModel& first = smokes.front().description().model;
-  for (const SmokeLayer& smoke : smokes) {
-    const SmokeModel& model = smoke.description().model;
-    if (!holdsMass(model.quantity)) {
+Status checkConcentrations(std::span<const MediumInfo* const> media) {
+  for (const MediumInfo* medium : media) {
+    if (!medium->mass) {
       return fail(ErrorCode::kInvalidArgument,
-                  "--slice-shows concentration: field '{}' of {} holds {}, which tells no mass per "
-                  "volume; choose visibility or extinction",
-                  smoke.fieldName(), smoke.description().file, nameOf(model.quantity));
+                  "--slice-shows concentration: {}, which tells no mass per volume; choose "
+                  "visibility or extinction",
+                  medium->noMass);
     }
-    if (model.quantity != first.quantity || unitOfField(model) != unitOfField(first)) {
+    if (medium->mass->field != media.front()->mass->field) {
       return fail(ErrorCode::kInvalidArgument,
-                  "--slice-shows concentration: {} holds {} [{}] and {} {} [{}], which have no "
-                  "scale in common; choose visibility or extinction",
-                  smokes.front().description().file, nameOf(first.quantity), unitOfField(first),
-                  smoke.description().file, nameOf(model.quantity), unitOfField(model));
+                  "--slice-shows concentration: {} holds {} and {} {}, which have no scale in "
+                  "common; choose visibility or extinction",
+                  media.front()->file, media.front()->mass->field, medium->file,
+                  medium->mass->field);
     }
   }
   return {};
 }
 
 /// --slice and --isosurface; nothing when neither is given.
-Result<std::optional<SmokeContour>> contourOf(const Arguments& arguments, const RenderJob& job) {
+Result<std::optional<Contour>> contourOf(const Arguments& arguments, const Scene& scene) {
   const auto slice = arguments.find<std::string>("slice");
   const auto surface = arguments.find<double>("isosurface");
   if (!slice && arguments.given("slice-shows"))
@@ -150,15 +178,16 @@ Result<std::optional<SmokeContour>> contourOf(const Arguments& arguments, const 
   if (!slice && !surface)
     return std::nullopt;
   const char* option = slice ? "--slice" : "--isosurface";
-  if (job.smokes.empty())
+  const auto media = contoured(scene);
+  if (media.empty())
     return fail(ErrorCode::kInvalidArgument, "{} is for smoke on a mesh; there is none", option);
-  SmokeContour contour;
+  Contour contour;
   if (slice) {
     VOLUTE_ASSIGN(contour, parseSlice(*slice));
     Box3 bounds;
-    for (const SmokeLayer& smoke : job.smokes) {
-      bounds.extend(smoke.bounds().min);
-      bounds.extend(smoke.bounds().max);
+    for (const MediumInfo* medium : media) {
+      bounds.extend(medium->bounds.min);
+      bounds.extend(medium->bounds.max);
     }
     const double low = bounds.min[contour.axis], high = bounds.max[contour.axis];
     if (!(contour.place >= low && contour.place < high)) {
@@ -168,75 +197,56 @@ Result<std::optional<SmokeContour>> contourOf(const Arguments& arguments, const 
     }
   }
   if (surface) {
-    contour.kind = SmokeContour::Kind::kSurface;
+    contour.kind = Contour::Kind::kSurface;
     contour.visibility = *surface;
   }
-  contour.c = job.law.c;
+  contour.c = scene.law().c;
   if (!slice)
     return contour;
   const auto shows = arguments.get<std::string>("slice-shows");
   if (shows == "extinction")
-    contour.shows = SmokeContour::Shows::kExtinction;
+    contour.shows = Contour::Shows::kExtinction;
   if (shows == "concentration") {
-    contour.shows = SmokeContour::Shows::kConcentration;
-    VOLUTE_TRY(checkConcentrations(job.smokes));
+    contour.shows = Contour::Shows::kConcentration;
+    VOLUTE_TRY(checkConcentrations(media));
   }
   return contour;
 }
 
 /// The scale of a slice's extinction or concentration, from all that will be shown.
-Status scaleContour(RenderJob& job) {
-  if (!job.contour || job.contour->shows == SmokeContour::Shows::kVisibility)
+Status scaleContour(RenderJob& job, Progress& progress) {
+  if (!job.contour || job.contour->shows == Contour::Shows::kVisibility)
     return {};
-  double most = 0;
+  double largest = 0;
   for (const Moment& moment : job.moments) {
-    for (SmokeLayer& smoke : job.smokes) {
-      VOLUTE_ASSIGN(const SmokeState state, smoke.at(moment.time));
-      most = std::max(most, mostOn(*job.contour, {&state, 1}));
-    }
+    VOLUTE_ASSIGN(const auto snapshot, job.scene.at({.time = moment.time}, progress));
+    largest = std::max(largest, largestOn(*job.contour, snapshot.media));
   }
-  job.contour->most = most > 0 ? most : 1;
+  job.contour->most = largest > 0 ? largest : 1;
   return {};
 }
 
 Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target, Context& context) {
-  const std::string& path = arguments.positional(0);
   RenderTotals totals;
-  RenderSubject subject;
-  {
+  auto opened = [&] {
     const Stopwatch watch(totals.open);
-    VOLUTE_ASSIGN(subject, openSubject(path, arguments, context));
-  }
-  VOLUTE_ASSIGN(auto moments, momentsOf(arguments, subject, target, context.progress));
-  VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, subject));
+    return openScene(arguments.positional(0), arguments, context);
+  }();
+  VOLUTE_TRY(opened);
+  Scene scene = std::move(*opened);
+  VOLUTE_TRY(takeLaw(arguments, scene, context.progress));
+  VOLUTE_ASSIGN(auto moments, momentsOf(arguments, scene, target, context.progress));
+  VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, scene));
   VOLUTE_TRY(checkPictureMemory(camera, context));
-  const bool smokeLeads = subject.layers.empty() && !subject.smokes.empty();
-  const bool stepsLead = smokeLeads || (subject.layers.empty() && !subject.fdsCases.empty());
-  const double rate = stepsLead ? kUsualRate : framesPerSecond(moments);
-  const RenderOptions options = renderOptions(arguments, subject);
-  VOLUTE_ASSIGN(auto gl, chooseGl(arguments));
-  RenderJob job{std::move(subject.layers),
-                std::move(subject.fogs),
-                camera,
-                options,
-                std::move(moments),
-                rate,
-                totals};
-  job.gl = std::move(gl);
-  job.glIsWish = arguments.get<std::string>("renderer") == "auto";
-  VOLUTE_ASSIGN(job.smokeMethod, smokeMethodOf(arguments, job.gl.get()));
-  VOLUTE_ASSIGN(job.volumeMethod, volumeMethodOf(arguments, job.gl.get()));
-  job.smokes = std::move(subject.smokes);
-  job.signs = std::move(subject.signs);
-  job.law = subject.law;
-  job.lights = std::move(subject.lights);
-  job.geometry = subject.geometry;
-  job.billboards = std::move(subject.billboards);
-  job.fdsCases = std::move(subject.fdsCases);
-  job.legend = arguments.flag("legend");
-  job.measuresLight = stepsLead && !subject.scene;
-  VOLUTE_ASSIGN(job.contour, contourOf(arguments, job));
-  VOLUTE_TRY(scaleContour(job));
+  VOLUTE_ASSIGN(auto renderer, rendererOf(arguments));
+  VOLUTE_ASSIGN(auto contour, contourOf(arguments, scene));
+  const RenderOptions options = renderOptions(arguments, scene);
+  const double rate = framesPerSecond(scene, moments);
+  RenderJob job{std::move(scene), camera, options, std::move(renderer),
+                arguments.get<std::string>("renderer") == "auto", std::move(moments), rate,
+                std::move(contour), arguments.get<std::string>("volume-method") == "tree",
+                arguments.flag("legend"), std::move(totals)};
+  VOLUTE_TRY(scaleContour(job, context.progress));
   return job;
 }
 
@@ -258,19 +268,17 @@ Result<Development> developmentOf(const Arguments& arguments, const RenderJob& j
   const auto map = arguments.get<std::string>("colormap");
   if (map == "grey")
     return development;
-  for (const VolumeLayer& layer : job.layers) {
-    if (layer.info().channels == 1 || job.options.aov != Aov::kNone)
-      continue;
-    return fail(ErrorCode::kInvalidArgument,
-                "--colormap is for volumes with one channel and for --aov; this one is RGB");
-  }
-  if ((!job.fogs.empty() || !job.smokes.empty() || !job.geometry.empty()) &&
-      job.options.aov == Aov::kNone) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--colormap is for volumes with one channel and for --aov; this shows {}",
-                !job.fogs.empty()     ? "fog"
-                : !job.smokes.empty() ? "smoke"
-                                      : "surfaces");
+  if (job.options.aov == Aov::kNone) {
+    for (const auto& medium : job.scene.media()) {
+      if (medium->info().channels == 1)
+        continue;
+      return fail(ErrorCode::kInvalidArgument,
+                  "--colormap is for volumes with one channel and for --aov; {}",
+                  medium->info().measured ? "this shows " + medium->info().kind : "this one is RGB");
+    }
+    if (!job.scene.geometry().empty())
+      return fail(ErrorCode::kInvalidArgument,
+                  "--colormap is for volumes with one channel and for --aov; this shows surfaces");
   }
   development.colorMap = map == "viridis" ? ColorMap::kViridis : ColorMap::kInferno;
   return development;
@@ -326,6 +334,11 @@ void remarkOnDuration(double seconds, std::size_t count, Progress& progress) {
                                            : fmt::format("{:.1f} h", all / 3600)));
 }
 
+/// Shares of white light: 1 is white.
+bool measuresLight(const Scene& scene) {
+  return !scene.isFile() && scene.media().front()->info().measured;
+}
+
 /// Renders and writes every moment; settles the exposure first when it is to be found.
 Status renderAll(RenderJob& job, const std::string& target, Development& development,
                  Progress& progress) {
@@ -343,7 +356,7 @@ Status renderAll(RenderJob& job, const std::string& target, Development& develop
   bool measured = count == 1;
   const bool fixed = job.contour || job.options.aov == Aov::kTransmittance ||
                      extensionOf(target) == ".exr" ||
-                     (job.measuresLight && job.options.aov == Aov::kNone);
+                     (measuresLight(job.scene) && job.options.aov == Aov::kNone);
   if (development.exposure == 0 && fixed) {
     development.exposure = 1;
   } else if (development.exposure == 0) {
@@ -441,8 +454,9 @@ std::vector<Option> renderOptionTable() {
       {.name = "volume-method",
        .kind = kChoice,
        .value = "NAME",
-       .help = "how OpenGL draws a .volute: the bricks of each instant are made and uploaded, or "
-               "the tree of 16 frames is, and each voxel is a walk in it",
+       .help = "how a .volute is drawn: from the file's own values, as bricks, or from the tree of 16 "
+               "frames in memory, which rounds them once more; OpenGL then walks in it for each "
+               "voxel",
        .initial = "bricks",
        .choices = {"bricks", "tree"}},
       {.name = "camera",
@@ -489,21 +503,6 @@ std::vector<Option> renderOptionTable() {
        .value = "S",
        .help = "instead of the smoke, the surface on which the local visibility C / K is S [m]",
        .positive = true},
-      {.name = "emission",
-       .kind = kNumber,
-       .value = "S",
-       .help = "radiance per metre that one unit of the values emits",
-       .initial = "1"},
-      {.name = "extinction",
-       .kind = kNumber,
-       .value = "S",
-       .help = "extinction of one unit of the values [1/m]; 0, with --aov 1",
-       .least = 0},
-      {.name = "basis",
-       .kind = kChoice,
-       .value = "NAME",
-       .help = "what the values mean between voxel centres, instead of the file's own",
-       .choices = {"box", "trilinear"}},
       {.name = "exposure",
        .kind = kText,
        .value = "S|auto",
@@ -520,11 +519,6 @@ std::vector<Option> renderOptionTable() {
        .help = "colours of volumes with one channel, in .png and films",
        .initial = "grey",
        .choices = {"grey", "viridis", "inferno"}},
-      {.name = "grid", .kind = kText, .value = "NAME", .help = "which grid of a file with several"},
-      {.name = "bounds",
-       .kind = kBounds,
-       .value = "X0,Y0,Z0,X1,Y1,Z1",
-       .help = "as for compress [m]"},
       {.name = "speed",
        .kind = kNumber,
        .value = "S",
@@ -540,7 +534,7 @@ std::vector<Option> renderOptionTable() {
        .value = "FILE.json",
        .help = "write what was visited, the time of each stage and the peak memory"},
       {.name = "partial", .help = "use what is intact of a damaged .volute"}};
-  for (const auto& more : {lightCacheOptions(), smokeOptions()})
+  for (const auto& more : {volumeOptions(), smokeOptions(), lightCacheOptions()})
     options.insert(options.end(), more.begin(), more.end());
   return options;
 }

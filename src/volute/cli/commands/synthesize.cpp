@@ -3,7 +3,7 @@
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/codec/compress.hpp"
-#include "volute/scene/volume_input.hpp"
+#include "volute/media/volume/volume_input.hpp"
 #include "volute/synth/hall_files.hpp"
 #include "volute/synth/synth.hpp"
 #include "volute/synth/valley_files.hpp"

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/sibling_program.hpp"
-#include "volute/cli/smoke_arguments.hpp"
+#include "volute/cli/scene_arguments.hpp"
 
 namespace volute::cli {
 namespace {

@@ -3,10 +3,9 @@
 #include <algorithm>
 
 #include "volute/base/input_file.hpp"
-#include "volute/cli/case_field.hpp"
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/scene_arguments.hpp"
 #include "volute/cli/view_pictures.hpp"
-#include "volute/fds/smv_index.hpp"
 #include "volute/visibility/sign_file.hpp"
 #include "volute/visibility/survey_job.hpp"
 
@@ -111,13 +110,13 @@ Status runVisibility(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto watch, watchOf(arguments, context));
   VOLUTE_ASSIGN(auto views, viewsOf(arguments));
   Context::watch(request.output);
-  VOLUTE_ASSIGN(auto sightCase, openSightCase(request.casePath, arguments, context));
+  VOLUTE_ASSIGN(const auto field, openSight(request.casePath, arguments, context));
   if (const auto name = arguments.find<std::string>("sight-limit"))
-    sightCase.remarks.push_back(limitRemark(*name, request.survey.extinctionLimit));
+    request.remarks.push_back(limitRemark(*name, request.survey.extinctionLimit));
   request.maxMemory = context.maxMemory;
-  ViewPictures pictures(std::move(views), request.casePath, arguments, context);
+  VOLUTE_ASSIGN(auto pictures, ViewPictures::make(std::move(views), request.casePath, arguments, context));
   const std::string output = request.output;
-  VOLUTE_ASSIGN(const auto found, runSurvey(std::move(request), sightCase, *watch, pictures,
+  VOLUTE_ASSIGN(const auto found, runSurvey(std::move(request), *field, *watch, pictures,
                                             context.progress));
   Report report;
   report.add("output", output)
@@ -217,7 +216,7 @@ std::vector<Option> visibilityOptionTable() {
        .value = "NAME",
        .help = "the same by a rule's name",
        .choices = limitNames()}};
-  const auto more = sightCaseOptions();
+  const auto more = sightOptions();
   options.insert(options.end(), more.begin(), more.end());
   return options;
 }
@@ -243,7 +242,7 @@ Command visibilityCommand() {
           "and for plans and routes report.html, maps (.png, .vti) and the map of when no sign is "
           "seen any more. docs/visibility.md says what is computed, and what the rules leave out.",
       .positionals = {{.name = "CASE",
-                       .help = "smoke on a mesh (.vtu, .pvd) or an FDS case (.smv)"}},
+                       .help = "smoke on a mesh (.vtu, .pvd), an FDS case (.smv), a scene (.json) or any other medium"}},
       .options = visibilityOptionTable(),
       .oneOf = {{.names = {"route", "eyes", "trajectories"}},
                 {.names = {"extinction-limit", "sight-limit"}}},

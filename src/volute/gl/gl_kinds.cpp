@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/gl/gl_kinds.hpp"
+
+#include <typeinfo>
+
+#include "volute/gl/gl_billboard.hpp"
+#include "volute/gl/gl_fds.hpp"
+#include "volute/gl/gl_fog.hpp"
+#include "volute/gl/gl_part.hpp"
+#include "volute/gl/gl_smoke.hpp"
+#include "volute/gl/gl_snapshot.hpp"
+#include "volute/gl/gl_volume.hpp"
+#include "volute/media/fds/fds_scene_medium.hpp"
+#include "volute/media/fog/fog_scene_medium.hpp"
+#include "volute/media/smoke/smoke_scene_medium.hpp"
+#include "volute/media/volume/volume_medium.hpp"
+
+namespace volute {
+namespace {
+
+GlVolume glVolumeOf(const VolumeAt& volume) {
+  return {volume.slice(), volume.emission(), volume.extinction(), volume.placement().turn,
+          volume.placement().offset};
+}
+
+GlParts partsOf(const VolumeAt& volume, const GlSnapshotOptions&) {
+  if (!volume.tree())
+    return {glPart(glVolumeOf(volume))};
+  const VolumeInfo& info = volume.info();
+  GlTreeVolume tree{volume.tree(), volume.position(), info.basis,
+                    info.bounds,   volume.emission(), volume.extinction()};
+  tree.turn = volume.placement().turn, tree.offset = volume.placement().offset;
+  return {glPart(std::move(tree))};
+}
+
+GlParts partsOf(const BillboardAt& board, const GlSnapshotOptions&) {
+  return {glPart(GlBillboard{glVolumeOf(board.volume()), board.options()})};
+}
+
+GlParts partsOf(const FogAt& fog, const GlSnapshotOptions& options) {
+  if (fog.sunlit())
+    return {glPart(GlSunlitFog{*fog.sunlit(), fog.factor()})};
+  GlFog part{fog.fog(), fog.factor()};
+  if (options.tables)
+    part.polar = [layer = fog.layer()](const Camera& camera) { return layer.polarFor(camera); };
+  return {glPart(std::move(part))};
+}
+
+GlParts partsOf(const SmokeAt& smoke, const GlSnapshotOptions& options) {
+  return {glPart(GlSmoke{smoke.state().locator, smoke.extinction(), smoke.state().source,
+                         options.smokeMethod})};
+}
+
+GlWalls wallsOf(const SmokeAt& smoke, const TriangleScene& others) {
+  const SmokeState& state = smoke.state();
+  return {{state.locator, &state.locator->mesh()},
+          {{glPart(GlSmoke{state.locator, state.extinction, state.source})}},
+          smoke.lights().lamps,
+          state.lampShares,
+          *smoke.walls(),
+          smoke.lights().ambient,
+          others};
+}
+
+GlParts partsOf(const FdsAt& fds, const GlSnapshotOptions&) {
+  GlParts parts{glPart(GlFds{fds.smoke(), fds.factor()})};
+  if (fds.fire())
+    parts.push_back(glPart(GlFds{fds.fire()->heat(), 1, fds.fire()->colour()}));
+  return parts;
+}
+
+template <class M>
+void addRow() {
+  glMedia().add<M>([](const M& medium, const GlSnapshotOptions& options) {
+    return Result<GlParts>(partsOf(medium, options));
+  });
+}
+
+bool registerAll() {
+  addRow<VolumeAt>();
+  addRow<BillboardAt>();
+  addRow<FogAt>();
+  addRow<FdsAt>();
+  addRow<SmokeAt>();
+  registerGlWalls(typeid(SmokeAt), [](const MediumAt& medium, const TriangleScene& others) {
+    return wallsOf(static_cast<const SmokeAt&>(medium), others);
+  });
+  return true;
+}
+
+}  // namespace
+
+void registerUsualGlMedia() {
+  static const bool once = registerAll();
+  (void)once;
+}
+
+}  // namespace volute

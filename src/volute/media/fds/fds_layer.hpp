@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "volute/fds/fds_case.hpp"
+#include "volute/fds/fds_flame.hpp"
+#include "volute/geometry/triangle_scene.hpp"
+#include "volute/medium/any_medium.hpp"
+#include "volute/media/camera_file.hpp"
+#include "volute/media/fds/fds_slice.hpp"
+#include "volute/media/reading.hpp"
+#include "volute/media/scene_lights.hpp"
+#include "volute/media/smoke/scene_smoke.hpp"
+
+namespace volute {
+
+/// An FDS case that is shown: its smoke, fire and building at any time, and devices and slices
+/// where they are asked for. Holds two stored frames of each.
+class FdsLayer {
+ public:
+  /// `description` says the case, the source (its field; empty: the best that fills meshes), a
+  /// scale, Km and the albedo; the case itself says what its files hold, so kInvalidArgument for
+  /// another quantity. Smoke scatters the light of the lamps that obstructions and `blocks` let
+  /// through, once, and the ambient one.
+  [[nodiscard]] static Result<FdsLayer> open(const SmokeDescription& description,
+                                             const SceneLights& lights, Blocks blocks,
+                                             Reading& reading);
+
+  /// Whether the same is read from the same files under both descriptions.
+  static bool readsTheSame(const SmokeDescription& a, const SmokeDescription& b);
+
+  /// This case under another description, which readsTheSame(), and in another light; what was read
+  /// is shared, so that only one of the two may be used from then on.
+  FdsLayer with(const SmokeDescription& description, const SceneLights& lights) const;
+
+  const SmokeDescription& description() const { return description_; }
+
+  /// What the extinction is read from, in words.
+  const std::string& source() const { return case_->source().description; }
+
+  const Box3& bounds() const { return case_->bounds(); }
+
+  int steps() const { return static_cast<int>(case_->times().size()); }
+
+  /// What --frames calls a stored frame.
+  int numberOf(int step) const { return step; }
+
+  /// When a stored frame is shown as it is, in the scene's time [s].
+  double timeOf(int step) const;
+
+  /// The smoke at a time of the scene [s], linear between stored frames, in its light, still without
+  /// the description's scale. Slow with lamps.
+  [[nodiscard]] Result<FdsField> fieldAt(double time) const;
+
+  /// The fire at a time of the scene [s], which shines and hides nothing; nothing where the case
+  /// has no heat release, or it is not shown, or nothing burns.
+  [[nodiscard]] Result<std::optional<FdsFlame>> fireAt(double time) const;
+
+  /// A number for what addSurfaces() adds: while it stays, so do they.
+  std::uint64_t surfacesAt(double time) const;
+
+  /// Adds all that is opaque: the building, the devices' marks and the slice.
+  [[nodiscard]] Status addSurfaces(double time, TriangleMesh& to) const;
+
+  /// Adds the obstructions and vents of that time, coloured as the case says; ambient light alone
+  /// would show no edges, so faces along x reflect 0.7 and along y 0.85 of their colour.
+  void addBuilding(double time, TriangleMesh& to) const;
+
+  /// From where the case is seen where nobody says: at the height of a standing person's eyes, from
+  /// one end of the building's largest room at 0 s to the other. Nothing where no obstructions
+  /// close one off, so that all is seen from outside.
+  std::optional<CameraDescription> firstCamera() const;
+
+  /// What a picture says about what it shows, and by which laws.
+  std::vector<std::string> words() const;
+
+  /// The slice that is shown, or null.
+  const FdsSliceSheet* slice() const { return slice_ ? &*slice_ : nullptr; }
+
+ private:
+  FdsLayer() = default;
+
+  double caseTime(double time) const;
+  Status openFire(Reading& reading);
+  FdsField inLight(const FdsField& field, double time) const;
+  void addDevices(double time, TriangleMesh& to) const;
+
+  SmokeDescription description_;
+  SceneLights lights_;
+  Blocks blocks_;
+  std::shared_ptr<FdsCase> case_;
+  std::shared_ptr<FdsCase> heat_;  // null: no fire
+  FlameLaw flame_;
+  std::optional<FdsSliceSheet> slice_;
+  std::vector<double> events_;  // of obstructions, and of devices where they are shown; ascending
+};
+
+}  // namespace volute

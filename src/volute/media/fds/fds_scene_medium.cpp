@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/fds/fds_scene_medium.hpp"
+
+#include "volute/base/remark_log.hpp"
+#include "volute/fds/smv_index.hpp"
+#include "volute/media/fds/fds_sight.hpp"
+#include "volute/media/light_blockers.hpp"
+#include "volute/media/smoke/smoke_scene_medium.hpp"
+#include "volute/render/scaled_medium.hpp"
+
+namespace volute {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+class FdsKind final : public MediumKind {
+ public:
+  /// A smoke of which the case says itself what it is.
+  std::string_view name() const override { return "smoke"; }
+
+  std::string_view plural() const override { return "FDS cases (.smv)"; }
+
+  std::string_view singular() const override { return "an FDS case"; }
+
+  std::vector<std::string_view> members() const override {
+    return {"field", "scale", "C",    "mass_extinction", "mode",  "albedo",
+            "source", "time",  "fire",  "devices", "slice",        "slice_range"};
+  }
+
+  std::vector<std::string_view> fileMembers() const override { return {"case"}; }
+
+  bool claims(const nlohmann::json& entry) const override {
+    const auto found = entry.find("case");
+    return found != entry.end() && found->is_string() && isSmvPath(found->get<std::string>());
+  }
+
+  Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
+                                            MediumContext& context) const override {
+    VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, context.file, context.path));
+    const auto before = context.take<FdsSceneMedium>([&](const FdsSceneMedium& other) {
+      return FdsLayer::readsTheSame(other.layer().description(), smoke);
+    });
+    if (before) {
+      auto medium =
+          std::make_shared<FdsSceneMedium>(before->layer().with(smoke, context.lights));
+      medium->remarks = before->remarks;
+      return std::shared_ptr<SceneMedium>(std::move(medium));
+    }
+    RemarkLog heard(context.reading.progress);
+    Reading reading{heard, context.reading.maxMemory};
+    VOLUTE_ASSIGN(auto layer,
+                  FdsLayer::open(smoke, context.lights, blocksOf(context.geometry), reading));
+    auto medium = std::make_shared<FdsSceneMedium>(std::move(layer));
+    medium->remarks = heard.remarks();
+    return std::shared_ptr<SceneMedium>(std::move(medium));
+  }
+
+  /// Of any of the case's sources, at its stored times, with what its bytes are rounded by.
+  Result<std::unique_ptr<SightField>> openSight(const nlohmann::json& entry,
+                                                MediumContext& context) const override {
+    VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, context.file, context.path));
+    if (smoke.model.scale != 1) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}/scale: is for meshes: the files of an FDS case say what they hold",
+                  smoke.where);
+    }
+    FdsOptions options;
+    options.source = smoke.field;
+    if (smoke.model.massExtinction != kFdsMassExtinction)
+      options.massExtinction = smoke.model.massExtinction;
+    options.maxMemory = context.reading.maxMemory;
+    options.visibilityFactor = smoke.model.c;
+    VOLUTE_ASSIGN(auto fds, FdsCase::open(smoke.file, options));
+    return std::make_unique<FdsSight>(std::move(fds), smoke.file);
+  }
+
+  bool opens(const std::string& path) const override { return isSmvPath(path); }
+
+  /// In even white light and before white.
+  OrderedJson sceneOf(const std::string& name) const override {
+    return {{"format", "volute-scene-1"},
+            {"background", {1, 1, 1}},
+            {"lights", OrderedJson::array({{{"kind", "ambient"}, {"radiance", {1, 1, 1}}}})},
+            {"media", OrderedJson::array({{{"kind", "smoke"}, {"case", name}}})}};
+  }
+
+  void addParameters(ParameterGroup group, const OrderedJson&, const SceneMedium& medium,
+                     bool) const override {
+    addSmokeParameters(std::move(group),
+                       dynamic_cast<const FdsSceneMedium&>(medium).layer().description(), true, 0,
+                       medium.info());
+  }
+
+  bool setParameter(OrderedJson& entry, const SceneMedium&, const std::string& key,
+                    const OrderedJson& value, const std::vector<double>&) const override {
+    return setSmokeParameter(entry, key, value);
+  }
+
+  bool shares(const std::string& key) const override { return key == "mode" || key == "C"; }
+};
+
+}  // namespace
+
+void FdsAt::addMedia(std::vector<AnyMedium>& media) const {
+  media.push_back(scaledBy(factor_, AnyMedium(smoke_)));
+  if (fire_)
+    media.emplace_back(*fire_);
+}
+
+FdsSceneMedium::FdsSceneMedium(FdsLayer layer) : layer_(std::move(layer)) {
+  const SmokeDescription& smoke = layer_.description();
+  info_.file = smoke.file;
+  info_.what = "an FDS case";
+  info_.kind = "smoke";
+  info_.bounds = info_.fileBounds = layer_.bounds();
+  info_.times.clear();
+  info_.numbers.clear();
+  for (int i = 0; i < layer_.steps(); ++i) {
+    info_.times.push_back(layer_.timeOf(i));
+    info_.numbers.push_back(layer_.numberOf(i));
+  }
+  info_.interpolates = true;
+  info_.loops = smoke.clock.loop;
+  info_.measured = true;
+  info_.law = smoke.law;
+}
+
+Result<std::shared_ptr<const MediumAt>> FdsSceneMedium::at(const InstantRequest& request,
+                                                           Progress&) {
+  VOLUTE_ASSIGN(auto smoke, layer_.fieldAt(request.time));
+  VOLUTE_ASSIGN(auto fire, layer_.fireAt(request.time));
+  const double factor = request.factor * layer_.description().model.scale;
+  return std::make_shared<const FdsAt>(std::move(smoke), factor, std::move(fire));
+}
+
+MediumText FdsSceneMedium::text() const {
+  MediumText text{layer_.words(), layer_.words()};
+  if (const FdsSliceSheet* slice = layer_.slice())
+    text.scale = ColorScale{ColorMap::kViridis, slice->range()[1], slice->range()[0]};
+  return text;
+}
+
+const MediumKind& fdsKind() {
+  static const FdsKind kind;
+  return kind;
+}
+
+}  // namespace volute

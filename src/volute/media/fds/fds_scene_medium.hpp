@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include "volute/media/fds/fds_layer.hpp"
+#include "volute/media/medium_kind.hpp"
+
+namespace volute {
+
+/// Smoke and fire of an FDS case at one instant.
+class FdsAt final : public MediumAt {
+ public:
+  /// @param factor  of the smoke's extinction and of what it scatters
+  FdsAt(FdsField smoke, double factor, std::optional<FdsFlame> fire)
+      : smoke_(std::move(smoke)), factor_(factor), fire_(std::move(fire)) {}
+
+  void addMedia(std::vector<AnyMedium>& media) const override;
+
+  const FdsField& smoke() const { return smoke_; }
+
+  double factor() const { return factor_; }
+
+  /// Which shines and hides nothing; nothing where there is none.
+  const std::optional<FdsFlame>& fire() const { return fire_; }
+
+ private:
+  FdsField smoke_;
+  double factor_;
+  std::optional<FdsFlame> fire_;
+};
+
+/// An FDS case in a scene: smoke, fire and the building.
+class FdsSceneMedium final : public SceneMedium {
+ public:
+  explicit FdsSceneMedium(FdsLayer layer);
+
+  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
+                                             Progress& progress) override;
+
+  /// All cases have a building, so never 0.
+  std::uint64_t surfacesKey(double time) const override { return 1 + layer_.surfacesAt(time); }
+
+  Status addSurfaces(double time, TriangleMesh& to) const override {
+    return layer_.addSurfaces(time, to);
+  }
+
+  MediumText text() const override;
+
+  std::optional<CameraDescription> firstCamera() const override { return layer_.firstCamera(); }
+
+  const FdsLayer& layer() const { return layer_; }
+
+ private:
+  FdsLayer layer_;
+};
+
+const MediumKind& fdsKind();
+
+}  // namespace volute

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/fds/fds_sight.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace volute {
+namespace {
+
+/// Lengths below this are rounding [m]: coordinates in .smv files have five decimals.
+constexpr double kTolerance = 2e-5;
+
+Segment segmentOf(const SightLine& line) {
+  const double length = line.length();
+  const Vec3 direction = length > 0 ? Vec3((line.target - line.eye) / length) : Vec3::UnitX();
+  return {line.eye, direction, 0, length};
+}
+
+/// The weights of a cell's corners in the integral of a trilinear function over a part of a line: a
+/// cubic, for which the Gauss rule with two points is exact.
+std::array<double, 8> cornerWeights(const FdsLattice& lattice, const std::array<int, 3>& cell,
+                                    const Segment& segment, double begin, double end) {
+  constexpr double kNode = 0.57735026918962576451;  // 1 / sqrt 3
+  std::array<double, 8> weights{};
+  const double middle = 0.5 * (begin + end), half = 0.5 * (end - begin);
+  for (const double s : {middle - kNode * half, middle + kNode * half}) {
+    const Vec3 point = segment.at(s);
+    double share[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto& planes = lattice.planes[axis];
+      const double from = planes[cell[axis]];
+      share[axis] = std::clamp((point[axis] - from) / (planes[cell[axis] + 1] - from), 0.0, 1.0);
+    }
+    for (int corner = 0; corner < 8; ++corner) {
+      double weight = half;
+      for (int axis = 0; axis < 3; ++axis)
+        weight *= (corner >> axis & 1) != 0 ? share[axis] : 1 - share[axis];
+      weights[corner] += weight;
+    }
+  }
+  return weights;
+}
+
+std::size_t cornerPlace(const FdsLattice& lattice, const std::array<int, 3>& cell, int corner) {
+  const std::size_t nx = lattice.planes[0].size(), ny = lattice.planes[1].size();
+  const auto at = [&](int axis) {
+    return static_cast<std::size_t>(cell[axis] + (corner >> axis & 1));
+  };
+  return (at(2) * ny + at(1)) * nx + at(0);
+}
+
+}  // namespace
+
+FdsInstant::FdsInstant(FdsField field, FdsObstructions obstructions, std::uint64_t geometry)
+    : field_(std::move(field)), obstructions_(std::move(obstructions)), geometry_(geometry) {
+  std::size_t count = 0;
+  for (const FdsLattice& lattice : field_.grid().lattices()) {
+    firsts_.push_back(static_cast<std::uint32_t>(count));
+    count += lattice.valueCount();
+  }
+  if (count > std::numeric_limits<std::uint32_t>::max())
+    geometry_ = 0;  // weights cannot number so many values
+  if (geometry_ != 0 && firsts_.size() > 1)
+    joinValues();
+}
+
+void FdsInstant::joinValues() {
+  bool banded = false;
+  for (std::size_t i = 0; i < firsts_.size(); ++i) banded |= !field_.values(i).low.empty();
+  for (std::size_t i = 0; i < firsts_.size(); ++i) {
+    const FdsValues& values = field_.values(i);
+    const auto append = [](std::vector<float>& to, const std::vector<float>& from) {
+      to.insert(to.end(), from.begin(), from.end());
+    };
+    append(value_, values.value);
+    if (banded) {
+      append(low_, values.low.empty() ? values.value : values.low);
+      append(high_, values.high.empty() ? values.value : values.high);
+    }
+  }
+}
+
+SightData FdsInstant::data() const {
+  if (firsts_.size() > 1)
+    return {value_, low_, high_};
+  const FdsValues& values = field_.values(0);
+  return {values.value, values.low, values.high};
+}
+
+void FdsInstant::weigh(const SightLine& line, std::vector<SightWeight>& weights,
+                       Sight& sight) const {
+  const Segment segment = segmentOf(line);
+  const std::size_t first = weights.size();
+  double known = 0;
+  field_.grid().traverse(segment, [&](int index, double begin, double end) {
+    const auto number = static_cast<std::size_t>(index);
+    const FdsLattice& lattice = field_.grid().lattices()[number];
+    const std::vector<FdsCell>& cells = field_.cells(number);
+    traversePlanes(lattice.planes, segment, begin, end,
+                   [&](const std::array<int, 3>& cell, double from, double to) {
+                     const std::size_t place = lattice.cellAt(cell);
+                     known += cells[place] == FdsCell::kUnknown ? 0 : to - from;
+                     if (cells[place] != FdsCell::kGas)
+                       return true;
+                     if (!lattice.nodal) {
+                       weights.push_back({static_cast<std::uint32_t>(firsts_[number] + place),
+                                          static_cast<float>(to - from)});
+                       return true;
+                     }
+                     const auto corners = cornerWeights(lattice, cell, segment, from, to);
+                     for (int corner = 0; corner < 8; ++corner) {
+                       addWeight(weights, first,
+                                 static_cast<std::uint32_t>(firsts_[number] +
+                                                            cornerPlace(lattice, cell, corner)),
+                                 corners[corner]);
+                     }
+                     return true;
+                   });
+  });
+  sight = {};
+  sight.covered = segment.end - known <= kTolerance;
+  sight.blocked = obstructions_.blocked(segment);
+}
+
+void FdsInstant::look(std::span<const SightLine> lines, std::span<Sight> sights) const {
+  std::vector<Segment> segments;
+  for (const SightLine& line : lines) segments.push_back(segmentOf(line));
+  std::vector<FdsDepth> depths(lines.size());
+  field_.depths(segments, depths);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const FdsDepth& depth = depths[i];
+    sights[i] = {depth.value, depth.low, depth.high, depth.uncovered <= kTolerance,
+                 obstructions_.blocked(segments[i])};
+  }
+}
+
+namespace {
+
+Place placeOf(std::optional<FdsCell> cell) {
+  if (!cell || *cell == FdsCell::kUnknown)
+    return Place::kOutside;
+  return *cell == FdsCell::kSolid ? Place::kSolid : Place::kGas;
+}
+
+}  // namespace
+
+void FdsInstant::places(std::span<const Vec3> points, std::span<Place> places) const {
+  for (std::size_t i = 0; i < points.size(); ++i) places[i] = placeOf(field_.cellAt(points[i]));
+}
+
+void FdsInstant::extinction(std::span<const Vec3> points, std::span<double> extinction) const {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    extinction[i] = field_.cellAt(points[i]) == FdsCell::kGas
+                        ? field_.extinction(points[i])
+                        : std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+/// Whether cells and obstructions are those of the last time.
+bool FdsSight::sameGeometry(const FdsField& field, double time) const {
+  if (!last_)
+    return false;
+  for (const double event : obstructionEvents(case_.index())) {
+    if (event > lastTime_ && event <= time)
+      return false;
+  }
+  for (std::size_t i = 0; i < field.grid().lattices().size(); ++i) {
+    if (field.cells(i) != last_->cells(i))
+      return false;
+  }
+  return true;
+}
+
+Result<std::shared_ptr<const SightInstant>> FdsSight::read(std::size_t time) {
+  const double when = times()[time];
+  VOLUTE_ASSIGN(auto field, case_.field(when));
+  if (!sameGeometry(field, when))
+    ++geometry_;
+  lastTime_ = when;
+  last_ = field;
+  return std::make_shared<const FdsInstant>(std::move(field), case_.obstructions(when), geometry_);
+}
+
+}  // namespace volute

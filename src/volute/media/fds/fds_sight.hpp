@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "volute/fds/fds_case.hpp"
+#include "volute/media/sight.hpp"
+
+namespace volute {
+
+/// One moment of an FDS case.
+class FdsInstant final : public SightInstant {
+ public:
+  /// `geometry` is a number for its cells and obstructions, or 0.
+  FdsInstant(FdsField field, FdsObstructions obstructions, std::uint64_t geometry);
+
+  void look(std::span<const SightLine> lines, std::span<Sight> sights) const override;
+  void places(std::span<const Vec3> points, std::span<Place> places) const override;
+  void extinction(std::span<const Vec3> points, std::span<double> extinction) const override;
+
+  std::uint64_t geometry() const override { return geometry_; }
+
+  void weigh(const SightLine& line, std::vector<SightWeight>& weights, Sight& sight) const override;
+  SightData data() const override;
+
+  const FdsField& field() const { return field_; }
+
+ private:
+  void joinValues();
+
+  FdsField field_;
+  FdsObstructions obstructions_;
+  std::uint64_t geometry_;
+  std::vector<std::uint32_t> firsts_;      // of each lattice's values among all
+  std::vector<float> value_, low_, high_;  // of several lattices, one after the other
+};
+
+/// An FDS case over time: obstructions come and go.
+class FdsSight final : public SightField {
+ public:
+  /// `name` is the case's, for people.
+  explicit FdsSight(FdsCase fds, std::string name = "")
+      : case_(std::move(fds)), name_(std::move(name)) {}
+
+  std::string description() const override {
+    return fmt::format("{}: {} ({})", name_, case_.source().name, case_.source().description);
+  }
+
+  std::vector<std::string> remarks() const override {
+    return {case_.remarks().begin(), case_.remarks().end()};
+  }
+
+  std::span<const double> times() const override { return case_.times(); }
+
+  Box3 bounds() const override { return case_.bounds(); }
+
+  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override;
+
+ private:
+  bool sameGeometry(const FdsField& field, double time) const;
+
+  FdsCase case_;
+  std::string name_;
+  std::uint64_t geometry_ = 0;
+  double lastTime_ = 0;
+  std::optional<FdsField> last_;
+};
+
+}  // namespace volute

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/fog/fog_layer.hpp"
+#include "volute/media/volume/volume_input.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volute/io/frame_pattern.hpp"
+#include "volute/io/image_file.hpp"
+
+namespace volute {
+namespace {
+
+constexpr double kFramesPerSecond = 25;
+
+struct Maps {
+  std::vector<FogMap> maps;
+  std::vector<double> times;
+};
+
+/// The library's objection, at a place.
+tl::unexpected<Error> at(const std::string& where, const Error& error) {
+  const bool wrong = error.code == ErrorCode::kInvalidArgument;
+  return fail(wrong ? ErrorCode::kInvalidData : error.code, "{}: {}", where, error.message);
+}
+
+Result<FogMap> readMap(const std::string& path, const FogPlacement& placement, FogColour colour,
+                       const Reading& reading) {
+  VOLUTE_ASSIGN(const auto image, readImage(path, {.raw = true, .maxMemory = reading.maxMemory}));
+  auto map = FogMap::fromImage(image, placement, colour);
+  if (!map)
+    return at(path, map.error());
+  return map;
+}
+
+Result<Maps> readPictures(const std::vector<std::string>& paths, const std::vector<int>& numbers,
+                          const FogDescription& fog, const Reading& reading) {
+  Maps maps;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    VOLUTE_ASSIGN(auto map, readMap(paths[i], fog.placement, fog.colour, reading));
+    maps.maps.push_back(std::move(map));
+    maps.times.push_back((numbers[i] - numbers.front()) / kFramesPerSecond);
+  }
+  return maps;
+}
+
+Result<Maps> readPattern(const std::string& path, const FogDescription& fog,
+                         const Reading& reading) {
+  VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(path));
+  VOLUTE_ASSIGN(const auto files, pattern.list());
+  std::vector<std::string> paths;
+  std::vector<int> numbers;
+  for (const NumberedFile& file : files) {
+    paths.push_back(file.path.string());
+    numbers.push_back(file.number);
+  }
+  return readPictures(paths, numbers, fog, reading);
+}
+
+/// A volume one voxel high; row 0 is that of the smallest y.
+Result<Maps> readVolume(const std::string& path, const FogDescription& fog, Reading& reading) {
+  VOLUTE_ASSIGN(const auto input, openVolume(path, {}, reading));
+  const VolumeInfo& info = input.source->info();
+  if (info.z != 1 || info.channels != 1) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: {} x {} x {} voxels of {} channels are no fog map; expected one voxel along z "
+                "and one channel",
+                path, info.x, info.y, info.z, info.channels);
+  }
+  Maps maps;
+  std::vector<float> frame(info.frameValues());
+  for (int i = 0; i < info.frames; ++i) {
+    VOLUTE_TRY(input.source->readFrame(i, frame));
+    SplineGrid grid(info.x, info.y);
+    std::ranges::transform(frame, grid.c.begin(),
+                           [&](float value) { return value * fog.placement.sigmaMax; });
+    auto map = FogMap::fromCoefficients(std::move(grid), fog.placement);
+    if (!map)
+      return at(fmt::format("{}: frame {}", path, info.frameNumbers[i]), map.error());
+    maps.maps.push_back(std::move(*map));
+    maps.times.push_back(info.times[i]);
+  }
+  return maps;
+}
+
+Result<Maps> loadMaps(const FogDescription& fog, Reading& reading) {
+  const std::string& first = fog.maps.front();
+  if (fog.maps.size() == 1 && !isPicturePath(first))
+    return readVolume(first, fog, reading);
+  if (fog.maps.size() == 1 && FramePattern::isPattern(first))
+    return readPattern(first, fog, reading);
+  std::vector<int> numbers(fog.maps.size());
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<int>(i);
+  return readPictures(fog.maps, numbers, fog, reading);
+}
+
+/// What the picture spans, by the rays at its border; nullopt: all around.
+std::optional<PolarSector> sectorOf(const Camera& camera) {
+  std::vector<float> x, y, z;
+  const auto add = [&](double px, double py) {
+    const Vec3 direction = camera.ray(px, py).direction;
+    x.push_back(static_cast<float>(direction.x()));
+    y.push_back(static_cast<float>(direction.y()));
+    z.push_back(static_cast<float>(direction.z()));
+  };
+  for (const double py : {0.0, static_cast<double>(camera.height())})
+    for (int px = 0; px <= camera.width(); ++px) add(px, py);
+  for (const double px : {0.0, static_cast<double>(camera.width())})
+    for (int py = 0; py <= camera.height(); ++py) add(px, py);
+  return PolarSector::of({camera.eye(), x, y, z, {}});
+}
+
+}  // namespace
+
+std::function<void(const Segment&, std::size_t, std::vector<Interval>&)> fogShadows(
+    const TriangleScene& geometry, const std::vector<FogSun>& suns) {
+  if (geometry.empty())
+    return {};
+  return [geometry, suns](const Segment& segment, std::size_t sun, std::vector<Interval>& dark) {
+    geometry.shadows(segment, {suns[sun].towards}, dark);
+  };
+}
+
+Result<FogLayer> FogLayer::open(const FogDescription& description, std::vector<FogSun> suns,
+                                Reading& reading) {
+  FogLayer layer;
+  layer.description_ = description;
+  layer.suns_ = std::move(suns);
+  layer.readAt_ = description.placement.origin;
+  VOLUTE_ASSIGN(auto maps, loadMaps(description, reading));
+  if (!description.times.empty() && description.times.size() != maps.maps.size()) {
+    return fail(ErrorCode::kInvalidData, "{}/times: {} times for {} maps; expected one for each",
+                description.where, description.times.size(), maps.maps.size());
+  }
+  layer.times_ = description.times.empty() ? maps.times : description.times;
+  if (description.top && maps.maps.size() > 1) {
+    return fail(ErrorCode::kUnsupported, "{}/top: fog with a top has one map, not a sequence of {}",
+                description.where, maps.maps.size());
+  }
+  if (description.top) {
+    VOLUTE_ASSIGN(const auto top, readMap(description.top->file, description.top->placement,
+                                          FogColour::kRefuse, reading));
+    auto fog = FogMedium::make(maps.maps.front(), description.profile, description.options, top);
+    if (!fog)
+      return at(description.where, fog.error());
+    layer.still_ = std::make_shared<const FogMedium>(std::move(*fog));
+    return layer;
+  }
+  std::vector<FogSequence::Frame> frames;
+  for (std::size_t i = 0; i < maps.maps.size(); ++i)
+    frames.push_back({layer.times_[i], std::move(maps.maps[i])});
+  auto sequence = FogSequence::make(std::move(frames), description.profile, description.options);
+  if (!sequence)
+    return at(description.where, sequence.error());
+  layer.sequence_ = std::make_shared<const FogSequence>(std::move(*sequence));
+  return layer;
+}
+
+bool FogLayer::readsTheSame(const FogDescription& a, const FogDescription& b) {
+  const auto placed = [](const FogPlacement& p, const FogPlacement& q) {
+    return p.cell == q.cell && p.sigmaMax == q.sigmaMax;
+  };
+  if (a.top.has_value() != b.top.has_value())
+    return false;
+  if (a.top) {
+    const bool same = a.top->file == b.top->file && placed(a.top->placement, b.top->placement) &&
+                      a.top->placement.origin == b.top->placement.origin &&
+                      a.placement.origin == b.placement.origin;
+    if (!same)
+      return false;
+  }
+  return a.maps == b.maps && a.times == b.times && placed(a.placement, b.placement) &&
+         a.colour == b.colour && a.options.degree == b.options.degree &&
+         a.options.levels == b.options.levels && a.options.detail.mu == b.options.detail.mu &&
+         a.options.detail.cellAngle == b.options.detail.cellAngle &&
+         (a.options.color == b.options.color).all();
+}
+
+FogLayer FogLayer::with(const FogDescription& description, std::vector<FogSun> suns) const {
+  FogLayer layer = *this;
+  layer.description_ = description;
+  layer.suns_ = std::move(suns);
+  if (still_)
+    layer.still_ = std::make_shared<const FogMedium>(still_->withProfile(description.profile));
+  if (sequence_) {
+    layer.sequence_ =
+        std::make_shared<const FogSequence>(sequence_->withProfile(description.profile));
+  }
+  return layer;
+}
+
+double FogLayer::timeOf(int position) const {
+  return description_.clock.sceneTime(times_[position]);
+}
+
+FogLayer FogLayer::withMap(std::span<const double> coefficients) const {
+  FogLayer layer = *this;
+  layer.still_ = std::make_shared<const FogMedium>(
+      (still_ ? *still_ : sequence_->at(times_.front())).withCoefficients(coefficients));
+  return layer;
+}
+
+FogMedium FogLayer::fogAt(double time) const {
+  // The wind is the scene's: it blows on where a loop begins again.
+  const Vec3 blown = time * description_.wind + (description_.placement.origin - readAt_);
+  if (still_)
+    return still_->shifted(blown);
+  return sequence_->at(description_.clock.at(time, times_)).shifted(blown);
+}
+
+Result<SunlitFog> FogLayer::sunlitAt(double time) const {
+  auto lit = SunlitFog::make(fogAt(time), suns_, description_.scattering);
+  if (!lit)
+    return at(description_.where, lit.error());
+  return lit;
+}
+
+std::optional<PolarOptions> FogLayer::polarFor(const Camera& camera) const {
+  const bool serves = suns_.empty() && description_.options.degree > 0 && !camera.isOrthographic();
+  if (!description_.polar || !serves)
+    return std::nullopt;
+  return PolarOptions{.sector = sectorOf(camera)};
+}
+
+}  // namespace volute

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "volute/camera/camera.hpp"
+#include "volute/fog/fog_sequence.hpp"
+#include "volute/fog/polar_table.hpp"
+#include "volute/fog/sunlit_fog.hpp"
+#include "volute/geometry/triangle_scene.hpp"
+#include "volute/medium/any_medium.hpp"
+#include "volute/media/fog/fog_file.hpp"
+#include "volute/media/reading.hpp"
+
+namespace volute {
+
+/// What SunScattering::shadows of fog under these suns is; empty where there is no geometry.
+std::function<void(const Segment&, std::size_t, std::vector<Interval>&)> fogShadows(
+    const TriangleScene& geometry, const std::vector<FogSun>& suns);
+
+/// Fog whose maps are in memory: gives the medium at any time.
+class FogLayer {
+ public:
+  /// Reads the maps. Errors begin with FogDescription::where or with the name of a map.
+  [[nodiscard]] static Result<FogLayer> open(const FogDescription& description,
+                                             std::vector<FogSun> suns, Reading& reading);
+
+  /// Whether with() serves: both differ at most in profile, wind, clock, scattering, path and, for
+  /// fog without a top, in the origin.
+  static bool readsTheSame(const FogDescription& a, const FogDescription& b);
+
+  /// This fog under a description, which readsTheSame() as its own, but for what its map was saved
+  /// as since, and other suns: no map is read again.
+  FogLayer with(const FogDescription& description, std::vector<FogSun> suns) const;
+
+  const FogDescription& description() const { return description_; }
+
+  /// At a time of the scene [s]: the maps at its clock's time, blown by the wind.
+  FogMedium fogAt(double time) const;
+
+  /// Fog that suns light, as it is seen by any camera.
+  [[nodiscard]] Result<SunlitFog> sunlitAt(double time) const;
+
+  /// How a polar table for a camera is to be made; nothing where the fog is to be walked.
+  std::optional<PolarOptions> polarFor(const Camera& camera) const;
+
+  /// Whether suns light it.
+  bool sunlit() const { return !suns_.empty(); }
+
+  /// The same with another map of the same size [1/m], at all times.
+  FogLayer withMap(std::span<const double> coefficients) const;
+
+  /// Its only map is in this file from now on.
+  void setMapName(const std::string& file) { description_.maps = {file}; }
+
+  /// How many maps there are.
+  int frames() const { return static_cast<int>(times_.size()); }
+
+  /// When a map is shown as it is, in the scene's time [s].
+  double timeOf(int position) const;
+
+ private:
+  FogLayer() = default;
+
+  FogDescription description_;
+  Vec3 readAt_ = Vec3::Zero();  ///< the origin of the maps as they are held [m]
+  std::vector<FogSun> suns_;
+  std::vector<double> times_;
+  std::shared_ptr<const FogSequence> sequence_;
+  std::shared_ptr<const FogMedium> still_;  ///< instead, where there is a top
+};
+
+}  // namespace volute

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "volute/media/fog/fog_file.hpp"
+#include "volute/media/parameter_group.hpp"
+
+namespace volute {
+
+/// What a person may change about a fog. `json` is what `fog` was read from.
+/// @param suns  whether any shine: how fog scatters them says something then
+void addFog(ParameterGroup group, const nlohmann::ordered_json& json, const FogDescription& fog,
+            bool suns, const MediumInfo& info);
+
+/// Puts a value that must go with others into a fog's JSON: the wind, the kind of a profile, a
+/// height of it, which stays on its side of its neighbours, the place of its top. False, with
+/// nothing done, for all else.
+/// @param key  below the fog: "profile/knots/1"
+bool setFog(nlohmann::ordered_json& json, const FogDescription& fog, const std::string& key,
+            const std::vector<double>& value);
+
+/// A knot or a layer of a profile is there twice, or no more. Says in a sentence what was done;
+/// nothing where `key`, as above, names none. kInvalidArgument where the profile needs it.
+[[nodiscard]] Result<std::optional<std::string>> editProfile(nlohmann::ordered_json& fog,
+                                                             const std::string& key, bool more);
+
+}  // namespace volute

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/fog/fog_scene_medium.hpp"
+
+#include "volute/base/remark_log.hpp"
+#include "volute/fog/polar_fog.hpp"
+#include "volute/io/frame_pattern.hpp"
+#include "volute/media/fog/fog_parameters.hpp"
+#include "volute/media/volume/volume_input.hpp"
+#include "volute/render/scaled_medium.hpp"
+
+namespace volute {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+std::size_t valuesOf(const FogLayer& layer) {
+  const FogLevels& levels = layer.fogAt(0).levels();
+  return static_cast<std::size_t>(levels.columns()) * levels.rows();
+}
+
+class FogKind final : public MediumKind {
+ public:
+  std::string_view name() const override { return "fog"; }
+
+  std::string_view plural() const override { return "maps of fog"; }
+
+  std::string_view singular() const override { return "a map of fog"; }
+
+  std::vector<std::string_view> members() const override { return {}; }
+
+  Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
+                                            MediumContext& context) const override {
+    VOLUTE_ASSIGN(auto fog, parseFog(entry, context.file, context.path));
+    const auto& suns = context.lights.suns;
+    fog.scattering.shadows = fogShadows(context.geometry, suns);
+    const auto before = context.take<FogSceneMedium>([&](const FogSceneMedium& other) {
+      return FogLayer::readsTheSame(other.description(), fog);
+    });
+    const auto last = std::dynamic_pointer_cast<FogSceneMedium>(context.before);
+    std::shared_ptr<FogSceneMedium> medium;
+    if (before) {
+      medium = std::make_shared<FogSceneMedium>(before->layer().with(fog, suns));
+      medium->remarks = before->remarks;
+    } else {
+      RemarkLog heard(context.reading.progress);
+      Reading reading{heard, context.reading.maxMemory};
+      VOLUTE_ASSIGN(auto layer, FogLayer::open(fog, suns, reading));
+      medium = std::make_shared<FogSceneMedium>(std::move(layer));
+      medium->remarks = heard.remarks();
+    }
+    if (before || last)
+      medium->keepPainted(before ? *before : *last);
+    return std::shared_ptr<SceneMedium>(std::move(medium));
+  }
+
+  bool opens(const std::string& path) const override { return isPicturePath(path); }
+
+  bool assumes() const override { return true; }
+
+  std::vector<std::string_view> fileMembers() const override { return {"map", "top/map"}; }
+
+  OrderedJson sceneOf(const std::string& name) const override {
+    return {{"format", "volute-scene-1"},
+            {"media", OrderedJson::array({{{"kind", "fog"}, {"map", name}, {"convert", "luma"}}})}};
+  }
+
+  std::string assume(OrderedJson& scene) const override {
+    OrderedJson& fog = scene["media"][0];
+    fog["cell"] = 1.0;
+    fog["sigma_max"] = 0.05;
+    fog["degree"] = 2;
+    fog["profile"] = {{"kind", "slab"}, {"bottom", 0.0}, {"top", 10.0}};
+    // Against a dim sky fog is seen from all sides.
+    scene["background"] = {0.02, 0.03, 0.05};
+    return "cells of 1 m, 10 m high, 0.05 /m at most, unless you say otherwise";
+  }
+
+  void addParameters(ParameterGroup group, const OrderedJson& entry, const SceneMedium& medium,
+                     bool sunlit) const override {
+    addFog(std::move(group), entry, dynamic_cast<const FogSceneMedium&>(medium).description(),
+           sunlit, medium.info());
+  }
+
+  bool setParameter(OrderedJson& entry, const SceneMedium& medium, const std::string& key,
+                    const OrderedJson&, const std::vector<double>& numbers) const override {
+    return setFog(entry, dynamic_cast<const FogSceneMedium&>(medium).description(), key, numbers);
+  }
+
+  Result<std::optional<std::string>> editEntry(OrderedJson& entry, const std::string& key,
+                                               bool more) const override {
+    return editProfile(entry, key, more);
+  }
+};
+
+}  // namespace
+
+FogAt::FogAt(FogLayer layer, double time, double factor, std::optional<SunlitFog> sunlit)
+    : layer_(std::move(layer)),
+      fog_(layer_.fogAt(time)),
+      factor_(factor),
+      sunlit_(std::move(sunlit)) {}
+
+void FogAt::addMedia(std::vector<AnyMedium>& media) const {
+  media.push_back(scaledBy(factor_, sunlit_ ? AnyMedium(*sunlit_) : AnyMedium(fog_)));
+}
+
+Status FogAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
+  const auto options = sunlit_ ? std::nullopt : layer_.polarFor(camera);
+  if (!options) {
+    addMedia(media);
+    return {};
+  }
+  auto polar = PolarFog::make(fog_, camera.eye(), *options);
+  if (polar)
+    media.push_back(scaledBy(factor_, AnyMedium(std::move(*polar))));
+  else if (polar.error().code == ErrorCode::kUnsupported)
+    addMedia(media);
+  else
+    return fail(polar.error().code, "{}: {}", layer_.description().where, polar.error().message);
+  return {};
+}
+
+FogSceneMedium::FogSceneMedium(FogLayer layer) : layer_(std::move(layer)) {
+  const FogDescription& fog = layer_.description();
+  info_.file = fog.maps.front();
+  info_.what = "a map of fog";
+  info_.kind = "fog";
+  info_.bounds = info_.fileBounds = layer_.fogAt(0).bounds();
+  info_.times.clear();
+  info_.numbers.clear();
+  for (int i = 0; i < layer_.frames(); ++i) {
+    info_.times.push_back(layer_.timeOf(i));
+    info_.numbers.push_back(i);
+  }
+  info_.loops = fog.clock.loop;
+  info_.endless = true;
+  info_.moves = fog.wind != Vec3::Zero();
+  info_.measured = true;
+}
+
+Result<std::shared_ptr<const MediumAt>> FogSceneMedium::at(const InstantRequest& request,
+                                                           Progress&) {
+  FogLayer layer = shown();
+  std::optional<SunlitFog> lit;
+  if (layer.sunlit()) {
+    VOLUTE_ASSIGN(lit, layer.sunlitAt(request.time));
+  }
+  return std::make_shared<const FogAt>(std::move(layer), request.time, request.factor,
+                                       std::move(lit));
+}
+
+std::vector<std::string> FogSceneMedium::files() const {
+  std::vector<std::string> files = description().maps;
+  if (description().top)
+    files.push_back(description().top->file);
+  return files;
+}
+
+/// What was painted are shares of the map's largest value.
+FogLayer FogSceneMedium::shown() const {
+  if (!painted_)
+    return layer_;
+  std::vector<double> map = *painted_;
+  for (double& value : map) value *= description().placement.sigmaMax / paintedMost_;
+  return layer_.withMap(map);
+}
+
+bool FogSceneMedium::paintable() const {
+  const FogDescription& fog = description();
+  return fog.maps.size() == 1 && isPicturePath(fog.maps.front()) &&
+         !FramePattern::isPattern(fog.maps.front()) && fog.placement.sigmaMax > 0;
+}
+
+Status FogSceneMedium::paint(std::vector<double> coefficients, bool unsaved) {
+  if (valuesOf(layer_) != coefficients.size())
+    return fail(ErrorCode::kInvalidArgument, "the map of fog has another size by now");
+  painted_ = std::move(coefficients);
+  paintedMost_ = description().placement.sigmaMax;
+  unsaved_ = unsaved;
+  return {};
+}
+
+void FogSceneMedium::savedAs(const std::string& map) {
+  unsaved_ = false;
+  layer_.setMapName(map);
+  info_.file = map;
+}
+
+void FogSceneMedium::keepPainted(const FogSceneMedium& other) {
+  if (!other.painted_ || other.painted_->size() != valuesOf(layer_))
+    return;
+  painted_ = other.painted_, paintedMost_ = other.paintedMost_;
+  unsaved_ = other.unsaved_;
+}
+
+const MediumKind& fogKind() {
+  static const FogKind kind;
+  return kind;
+}
+
+}  // namespace volute

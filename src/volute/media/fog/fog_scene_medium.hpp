@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include "volute/media/fog/fog_layer.hpp"
+#include "volute/media/medium_kind.hpp"
+
+namespace volute {
+
+/// Fog at one instant.
+class FogAt final : public MediumAt {
+ public:
+  /// @param sunlit  the same fog in the light of suns, where any shine
+  FogAt(FogLayer layer, double time, double factor, std::optional<SunlitFog> sunlit);
+
+  void addMedia(std::vector<AnyMedium>& media) const override;
+
+  /// By a polar table where the fog's description asks for one and it serves.
+  Status addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const override;
+
+  const FogMedium& fog() const { return fog_; }
+
+  const std::optional<SunlitFog>& sunlit() const { return sunlit_; }
+
+  double factor() const { return factor_; }
+
+  const FogLayer& layer() const { return layer_; }
+
+ private:
+  FogLayer layer_;
+  FogMedium fog_;
+  double factor_;
+  std::optional<SunlitFog> sunlit_;
+};
+
+/// A map of fog in a scene. Its map can be painted.
+class FogSceneMedium final : public SceneMedium {
+ public:
+  explicit FogSceneMedium(FogLayer layer);
+
+  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
+                                             Progress& progress) override;
+  std::vector<std::string> files() const override;
+
+  const FogDescription& description() const { return layer_.description(); }
+
+  const FogLayer& layer() const { return layer_; }
+
+  /// As it is shown, painted or not.
+  FogLayer shown() const;
+
+  /// Its map is one picture for all times.
+  bool paintable() const;
+
+  /// Replaces the map until it is saved [1/m]. kInvalidArgument for one of another size.
+  /// @param unsaved  it is not what a file holds
+  [[nodiscard]] Status paint(std::vector<double> coefficients, bool unsaved);
+
+  bool unsaved() const { return unsaved_; }
+
+  /// What was painted is in a file now.
+  void savedAs(const std::string& map);
+
+  /// What was painted on another one of the same size stays.
+  void keepPainted(const FogSceneMedium& other);
+
+ private:
+  FogLayer layer_;
+  std::optional<std::vector<double>> painted_;  ///< the map [1/m], instead of the file's,
+  double paintedMost_ = 0;                      ///< while its densest was this [1/m]
+  bool unsaved_ = false;                        ///< the painted map is in no file
+};
+
+const MediumKind& fogKind();
+
+}  // namespace volute

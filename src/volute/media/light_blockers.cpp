@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/light_blockers.hpp"
+
+#include "volute/base/content_hash.hpp"
+
+namespace volute {
+namespace {
+
+/// Vertices of a mesh lie on the walls that the geometry shows, but for the rounding of two files:
+/// of the geometry's size, and of coordinates as float.
+constexpr double kLift = 1e-5;
+constexpr double kTransformRounding = 2.5e-7;
+
+}  // namespace
+
+Blocks blocksOf(const TriangleScene& geometry) {
+  if (geometry.empty())
+    return {};
+  return [geometry](std::span<const Segment> segments, std::span<std::uint8_t> blocked) {
+    const double lift = kLift * (1 + geometry.bounds().size().maxCoeff());
+    std::vector<Segment> lifted(segments.begin(), segments.end());
+    for (Segment& segment : lifted)
+      segment.begin += lift + kTransformRounding * segment.origin.cwiseAbs().maxCoeff();
+    geometry.occluded(lifted, blocked);
+  };
+}
+
+std::string keyOf(const TriangleScene& geometry) {
+  ContentHash hash;
+  for (const Triangle& triangle : geometry.triangles()) {
+    for (const Vec3& corner : triangle.corners) hash.add(std::span<const double>(corner.data(), 3));
+  }
+  return hash.digits();
+}
+
+}  // namespace volute

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <string>
+
+#include "volute/geometry/triangle_scene.hpp"
+#include "volute/lighting/lamp.hpp"
+
+namespace volute {
+
+/// What stands between lamps and a medium; empty where there is no geometry.
+Blocks blocksOf(const TriangleScene& geometry);
+
+/// Stands for the triangles where computed light is kept.
+std::string keyOf(const TriangleScene& geometry);
+
+}  // namespace volute

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/medium_kind.hpp"
+
+#include <algorithm>
+
+#include "volute/media/ray_sight.hpp"
+
+namespace volute {
+
+using OrderedJson = nlohmann::ordered_json;
+
+void addCounts(OrderedJson& sum, const OrderedJson& more) {
+  for (const auto& [name, value] : more.items()) {
+    OrderedJson& to = sum[name];
+    if (value.is_object())
+      addCounts(to, value);
+    else if (value.is_number_float())
+      to = (to.is_null() ? 0.0 : to.get<double>()) + value.get<double>();
+    else
+      to = (to.is_null() ? 0 : to.get<std::uint64_t>()) + value.get<std::uint64_t>();
+  }
+}
+
+OrderedJson MediumKind::sceneOf(const std::string& name) const {
+  return {{"format", "volute-scene-1"},
+          {"media", OrderedJson::array({{{"kind", this->name()}, {"file", name}}})}};
+}
+
+Result<std::unique_ptr<SightField>> MediumKind::openSight(const nlohmann::json& entry,
+                                                          MediumContext& context) const {
+  VOLUTE_ASSIGN(auto medium, open(entry, context));
+  return std::make_unique<RaySight>(std::move(medium));
+}
+
+std::vector<const MediumKind*>& mediumKinds() {
+  static std::vector<const MediumKind*> kinds;
+  return kinds;
+}
+
+void registerMedium(const MediumKind& kind) {
+  mediumKinds().push_back(&kind);
+}
+
+Result<const MediumKind*> mediumKindOf(const nlohmann::json& entry, std::string_view list,
+                                       const std::string& file, const std::string& path) {
+  std::vector<std::string_view> names;
+  const MediumKind* only = nullptr;
+  for (const MediumKind* kind : mediumKinds()) {
+    if (kind->list() != list)
+      continue;
+    only = kind;
+    if (std::ranges::find(names, kind->name()) == names.end())
+      names.push_back(kind->name());
+  }
+  if (names.size() == 1 && list != "media")
+    return only;
+  std::string expected;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    expected += fmt::format("{}{}", i == 0 ? "" : i + 1 == names.size() ? " or " : ", ", names[i]);
+  }
+  if (!entry.is_object() || !entry.contains("kind") || !entry["kind"].is_string())
+    return fail(ErrorCode::kInvalidData, "{}: {}/kind: expected {}", file, path, expected);
+  const auto name = entry["kind"].get<std::string>();
+  for (const MediumKind* kind : mediumKinds()) {
+    if (kind->list() == list && kind->name() == name && kind->claims(entry))
+      return kind;
+  }
+  return fail(ErrorCode::kInvalidData, "{}: {}/kind: '{}' is unknown; expected {}", file, path,
+              name, expected);
+}
+
+const MediumKind* mediumKindOf(const std::string& path, bool assuming) {
+  for (const MediumKind* kind : mediumKinds()) {
+    if (kind->opens(path) && (assuming || !kind->assumes()))
+      return kind;
+  }
+  return nullptr;
+}
+
+}  // namespace volute

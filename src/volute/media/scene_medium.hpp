@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "volute/base/progress.hpp"
+#include "volute/image/color_scale.hpp"
+#include "volute/media/camera_file.hpp"
+#include "volute/media/medium_at.hpp"
+#include "volute/optics/visibility.hpp"
+
+namespace volute {
+
+/// What is known of a medium over all its time.
+struct MediumInfo {
+  std::string file;  ///< that it is in, as it was opened
+  std::string what;  ///< "a map of fog"; a title says it of a file that holds nothing else
+  std::string kind;  ///< "volume": what titles count
+  std::string size;  ///< "64 x 64 x 64 voxels, 48 frames"; empty: nothing to be said
+
+  Box3 bounds;      ///< in the scene, over all times; may be infinite [m]
+  Box3 fileBounds;  ///< before what the scene does with it [m]
+
+  /// When each stored frame is shown as it is, in the scene's time, ascending; one at least [s].
+  std::vector<double> times{0.0};
+  std::vector<int> numbers{0};  ///< what a person calls them
+  bool interpolates = false;    ///< between stored frames; else each holds until the next
+  bool loops = false;           ///< begins again after its last frame
+  bool endless = false;         ///< has no end in time, whatever is stored
+  bool moves = false;           ///< is never at rest, however little is stored: wind
+
+  int channels = 3;       ///< 1: its light is grey, and colour maps apply
+  bool measured = false;  ///< is seen as it is: no exposure is looked for
+  std::optional<PictureLaw> law{};  ///< that it wants to be seen through
+  bool lawByC = false;              ///< C was said, not assumed, and nothing but the law depends on it
+
+  /// What of its values is mass: "of soot", "g/m3". Nothing: they tell no mass, and `noMass` why.
+  struct Mass {
+    std::string of, unit;
+    std::string field;  ///< "soot-density [g/m3]": two media with the same have one scale
+  };
+  std::optional<Mass> mass{};
+  std::string noMass{};
+};
+
+/// What a picture says about a medium in it.
+struct MediumText {
+  std::vector<std::string> notes{};   ///< in the file of the picture
+  std::vector<std::string> legend{};  ///< short lines
+  std::optional<ColorScale> scale{};  ///< of a part of it that is in its colours
+};
+
+/// What an instant is for.
+struct InstantRequest {
+  double time = 0;      ///< [s], of the scene
+  double factor = 1;    ///< of all extinctions: PictureLaw::factor()
+  bool coarse = false;  ///< soon is better than fine
+  bool tree = false;    ///< of a .volute: the hexadeca-tree in memory, not the frame's bricks
+};
+
+/// A medium in time. One thread at a time calls it; what at() gives is free of it.
+class SceneMedium {
+ public:
+  virtual ~SceneMedium() = default;
+
+  const MediumInfo& info() const { return info_; }
+
+  /// The medium at a time of the scene: before its first and after its last frame it is theirs.
+  [[nodiscard]] virtual Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
+                                                                   Progress& progress) = 0;
+
+  /// Whether at() is there at once; else a coarse one is there much sooner.
+  virtual bool inMemory(double time) const {
+    (void)time;
+    return true;
+  }
+
+  /// A number for what addSurfaces() adds at a time: while it stays, so do they. 0: nothing.
+  virtual std::uint64_t surfacesKey(double time) const {
+    (void)time;
+    return 0;
+  }
+
+  /// Appends all of it that is opaque at a time of the scene.
+  [[nodiscard]] virtual Status addSurfaces(double time, TriangleMesh& to) const {
+    (void)time, (void)to;
+    return {};
+  }
+
+  virtual MediumText text() const { return {}; }
+
+  /// From where it is seen where nobody says; nothing: a camera that frames its bounds.
+  virtual std::optional<CameraDescription> firstCamera() const { return std::nullopt; }
+
+  /// All files that it is read from.
+  virtual std::vector<std::string> files() const { return {info_.file}; }
+
+  /// What was done since it was opened, by names of `render --stats`.
+  virtual nlohmann::ordered_json counts() const { return nlohmann::ordered_json::object(); }
+
+  /// Whether check() has nothing to look for.
+  virtual bool checked() const { return true; }
+
+  /// Looks for damage that only reading whole files finds; nothing: there is none.
+  [[nodiscard]] virtual Result<std::optional<std::string>> check(Progress& progress) {
+    (void)progress;
+    return std::nullopt;
+  }
+
+  virtual bool damaged() const { return false; }
+
+  /// What was said when its files were opened.
+  std::vector<std::string> remarks{};
+
+ protected:
+  MediumInfo info_;
+};
+
+}  // namespace volute

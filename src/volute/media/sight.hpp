@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/base/result.hpp"
+#include "volute/math/box.hpp"
+#include "volute/math/vec.hpp"
+
+// What the question "from where is the exit sign still seen?" asks of a medium, whatever it is made
+// of: cells, tetrahedra, a formula.
+
+namespace volute {
+
+/// From an eye to a point of a sign [m].
+struct SightLine {
+  Vec3 eye = Vec3::Zero();
+  Vec3 target = Vec3::UnitX();
+
+  double length() const { return (target - eye).norm(); }
+};
+
+/// What lies on a sight line.
+struct Sight {
+  /// Integral of the extinction K over the line (natural logarithm, dimensionless). Solids count as
+  /// clear, and so do stretches of which the field knows nothing.
+  double depth = 0;
+  /// What the true integral is within, as far as the field's data are rounded (bytes, say):
+  /// low <= depth <= high.
+  double low = 0, high = 0;
+  bool covered = true;   ///< the field knows the medium everywhere on the line, solids aside
+  bool blocked = false;  ///< something opaque stands between; what ends at the target does not
+};
+
+/// What stands at a point.
+enum class Place : unsigned char {
+  kGas,      ///< one can look from here
+  kSolid,    ///< inside something opaque
+  kOutside,  ///< the field does not reach here
+};
+
+/// One of a field's stored values, and how much it counts in an optical depth [m].
+struct SightWeight {
+  std::uint32_t value = 0;
+  float weight = 0;
+};
+
+/// Adds to a value's weight if it is among the last few, else appends it. `first` is where the
+/// line's weights begin. Neighbouring cells share corners.
+inline void addWeight(std::vector<SightWeight>& weights, std::size_t first, std::uint32_t value,
+                      double weight) {
+  constexpr std::size_t kRecent = 12;
+  if (weight == 0)
+    return;
+  const std::size_t from = std::max(first, weights.size() - std::min(weights.size(), kRecent));
+  for (std::size_t i = weights.size(); i-- > from;) {
+    if (weights[i].value == value) {
+      weights[i].weight += static_cast<float>(weight);
+      return;
+    }
+  }
+  weights.push_back({value, static_cast<float>(weight)});
+}
+
+/// The stored values [1/m]; `low` and `high` are empty when they are exact.
+struct SightData {
+  std::span<const float> value;
+  std::span<const float> low, high;
+};
+
+/// A medium and what is opaque in it at one stored time. All calls are const and thread-safe.
+class SightInstant {
+ public:
+  virtual ~SightInstant() = default;
+
+  /// Fills sights[i] for lines[i]. Called from many threads, each with a batch of its own.
+  virtual void look(std::span<const SightLine> lines, std::span<Sight> sights) const = 0;
+
+  /// What stands at each point.
+  virtual void places(std::span<const Vec3> points, std::span<Place> places) const = 0;
+
+  /// K at each point [1/m]; NaN where the field does not reach or something solid stands.
+  virtual void extinction(std::span<const Vec3> points, std::span<double> extinction) const = 0;
+
+  /// Optical depths are linear in the stored values. Instants of one field with the same geometry()
+  /// have the same weights: lines are worked out once and then summed at each time. 0: this field
+  /// has none.
+  virtual std::uint64_t geometry() const { return 0; }
+
+  /// Appends the weights of a line; sets `covered` and `blocked` of the sight.
+  virtual void weigh(const SightLine& line, std::vector<SightWeight>& weights, Sight& sight) const {
+    (void)line, (void)weights, (void)sight;
+  }
+
+  /// What the weights are of.
+  virtual SightData data() const { return {}; }
+};
+
+/// A medium over time, as sight lines ask for it.
+class SightField {
+ public:
+  virtual ~SightField() = default;
+
+  /// Where the extinction comes from, for people.
+  virtual std::string description() const = 0;
+
+  /// What its reader has to say.
+  virtual std::vector<std::string> remarks() const { return {}; }
+
+  /// When it is stored [s], ascending.
+  virtual std::span<const double> times() const = 0;
+
+  /// What a person calls a stored time.
+  virtual int numberOf(std::size_t time) const { return static_cast<int>(time); }
+
+  /// All places of which the field may know something [m].
+  virtual Box3 bounds() const = 0;
+
+  /// Reads one stored time, a position in times(). Asked in ascending order, each once; what was
+  /// given before need not stay cheap to make again.
+  [[nodiscard]] virtual Result<std::shared_ptr<const SightInstant>> read(std::size_t time) = 0;
+};
+
+}  // namespace volute

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/smoke/mesh_sight.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "volute/media/smoke/tet_sight.hpp"
+
+namespace volute {
+
+Result<std::unique_ptr<MeshSight>> MeshSight::open(MeshSource source,
+                                                   std::optional<MeshSource> density,
+                                                   const SmokeModel& model,
+                                                   const std::string& name) {
+  std::unique_ptr<MeshSight> sight(
+      new MeshSight(std::move(source), std::move(density), model, name));
+  VOLUTE_ASSIGN(sight->first_, sight->read(0));
+  sight->bounds_ = sight->locator_->mesh().bounds();
+  return sight;
+}
+
+void MeshSight::remarkOnOthers() {
+  if (!otherFields_.empty()) {
+    remarks_.push_back(fmt::format("{}: the field '{}' is read; it also has {} (--field chooses)",
+                                   name_, fieldName_, otherFields_));
+  }
+}
+
+Result<std::shared_ptr<const SightInstant>> MeshSight::read(std::size_t time) {
+  if (time == 0 && first_)
+    return std::exchange(first_, nullptr);
+  VOLUTE_ASSIGN(const auto frame, source_.read(time));
+  fieldName_ = frame.field;
+  otherFields_ = frame.others;
+  std::vector<float> density;
+  if (density_) {
+    VOLUTE_ASSIGN(auto gas, density_->read(time));
+    density = std::move(gas.values);
+  }
+  std::vector<float> extinction(frame.values.size());
+  model_.extinction(frame.values, density, extinction);
+  for (const float value : extinction) {
+    if (!std::isfinite(value)) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: field '{}' at {} s gives an extinction of {} 1/m; a visibility of 0 m has "
+                  "none: check --field and --quantity",
+                  name_, frame.field, times()[time], value);
+    }
+  }
+  if (!locator_ || &locator_->mesh() != frame.mesh.get()) {
+    locator_ = std::make_shared<const TetLocator>(frame.mesh);
+    ++meshes_;
+  }
+  return std::make_shared<const TetInstant>(locator_, std::move(extinction), meshes_);
+}
+
+}  // namespace volute

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/smoke/smoke_layer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volute/base/assert.hpp"
+#include "volute/base/stopwatch.hpp"
+#include "volute/media/smoke/smoke_words.hpp"
+
+namespace volute {
+namespace {
+
+/// Smoke through which nobody sees a difference, across the whole case.
+constexpr double kThinDepth = 0.05;
+
+std::vector<float> between(const std::vector<float>& a, const std::vector<float>& b, double share) {
+  std::vector<float> out(a.size());
+  interpolateFields(a, b, share, out);
+  return out;
+}
+
+}  // namespace
+
+Result<SmokeLayer> SmokeLayer::open(const SmokeDescription& description,
+                                    std::shared_ptr<const SmokeLighting> lighting,
+                                    Reading& reading) {
+  MeshOptions options{description.field, description.negatives, reading.maxMemory};
+  VOLUTE_ASSIGN(auto source, MeshSource::open(description.file, options));
+  auto files = std::make_shared<Files>(Files{std::move(source)});
+  if (!description.densityField.empty()) {
+    options.field = description.densityField;
+    VOLUTE_ASSIGN(files->densitySource, MeshSource::open(description.file, options));
+  }
+  SmokeLayer layer(description, std::move(files));
+  layer.lighting_ = std::move(lighting);
+  layer.progress_ = &reading.progress;
+  VOLUTE_ASSIGN(const auto first, layer.step(0));
+  layer.bounds_ = first->stored->frame.mesh->bounds();
+  const MeshFrame& frame = first->stored->frame;
+  layer.files_->field = frame.field;
+  if (description.field.empty() && !frame.others.empty()) {
+    reading.progress.remark(
+        fmt::format("{}: the field '{}' is read; it also has {} (--field chooses)",
+                    description.file, frame.field, frame.others));
+  }
+  return layer;
+}
+
+bool SmokeLayer::readsTheSame(const SmokeDescription& a, const SmokeDescription& b) {
+  return a.file == b.file && a.field == b.field && a.densityField == b.densityField &&
+         a.negatives == b.negatives;
+}
+
+Result<SmokeLayer> SmokeLayer::with(const SmokeDescription& description,
+                                    std::shared_ptr<const SmokeLighting> lighting,
+                                    Reading& reading) const {
+  VOLUTE_ASSERT(readsTheSame(description_, description));
+  SmokeLayer layer(description, files_);
+  layer.lighting_ = std::move(lighting);
+  layer.progress_ = &reading.progress;
+  layer.bounds_ = bounds_;
+  layer.fillsCache_ = false;
+  for (const auto& stored : files_->steps) {
+    VOLUTE_ASSIGN(const auto extinction, layer.extinctionOf(*stored));
+    layer.remarkOn(*stored, extinction);
+  }
+  return layer;
+}
+
+double SmokeLayer::timeOf(int step) const {
+  return description_.clock.sceneTime(files_->source.times()[static_cast<std::size_t>(step)]);
+}
+
+Result<std::vector<float>> SmokeLayer::extinctionOf(const Stored& stored) const {
+  const MeshFrame& frame = stored.frame;
+  std::vector<float> extinction(frame.values.size());
+  description_.model.extinction(frame.values, stored.gas, extinction);
+  const auto endless = std::ranges::find_if(extinction, [](float k) { return !std::isfinite(k); });
+  if (endless == extinction.end())
+    return extinction;
+  const auto vertex = endless - extinction.begin();
+  const Vec3& place = frame.mesh->vertices()[static_cast<std::size_t>(vertex)];
+  return fail(ErrorCode::kInvalidData,
+              "{}: field '{}' is {} at {:.4g}, {:.4g}, {:.4g} m, which as {} is no finite "
+              "extinction",
+              description_.file, frame.field, frame.values[static_cast<std::size_t>(vertex)],
+              place.x(), place.y(), place.z(), nameOf(description_.model.quantity));
+}
+
+/// What the choice of quantity and unit comes to, at the first step with smoke.
+void SmokeLayer::remarkOn(const Stored& stored, std::span<const float> extinction) {
+  const double most = *std::ranges::max_element(extinction);
+  if (remarked_ || !(most > 0))
+    return;
+  remarked_ = true;
+  largest_ = most;
+  const SmokeModel& model = description_.model;
+  const double soot = model.sootDensity(most);
+  progress_->remark(fmt::format(
+      "{}: field '{}' as {}: extinction up to {:.3g}/m, visibility from {:.3g} m (C = {:g}), soot "
+      "up to {:.2g} kg/m3",
+      description_.file, stored.frame.field, nameOf(model.quantity), most,
+      description_.law.c / most, description_.law.c, soot));
+  if (soot > kMuchSoot) {
+    progress_->remark(fmt::format(
+        "that is much for soot (fires in rooms: 1e-6 to 1e-3 kg/m3); check the quantity and the "
+        "unit"));
+  }
+  remarkOnThinSmoke(stored, most);
+}
+
+/// A unit that is too small makes a whole fire look like clear air.
+void SmokeLayer::remarkOnThinSmoke(const Stored& stored, double most) {
+  const double depth = most * stored.frame.mesh->bounds().size().norm();
+  const SmokeModel& model = description_.model;
+  const bool clear = depth <= kThinDepth;
+  if (!clear && (!holdsMass(model.quantity) || model.sootDensity(most) >= kLittleSoot))
+    return;
+  std::string slip =
+      fmt::format("check that the field holds {}, and the scale", nameOf(model.quantity));
+  if (model.quantity == SmokeQuantity::kSootDensity ||
+      model.quantity == SmokeQuantity::kProductsDensity) {
+    // The first larger unit with which there is as much soot as in a fire.
+    for (const char* unit : {"g/m3", "kg/m3"}) {
+      const double soot = model.sootDensity(most) * *densityUnit(unit) / model.unit;
+      if (*densityUnit(unit) <= model.unit || soot < kLittleSoot || soot > kMuchSoot)
+        continue;
+      slip = fmt::format("read as {} instead of {} it would be {:.2g} kg/m3 of soot", unit,
+                         unitOfField(model), soot);
+      break;
+    }
+  }
+  progress_->remark(fmt::format(
+      "{}: step {}: {}: no ray through the whole case meets an optical "
+      "depth above {:.2g}, which takes {:.2g} % of the light (soot in rooms on fire: 1e-6 to "
+      "1e-3 kg/m3); {}",
+      description_.file, stored.index,
+      clear ? "this looks like clear air" : "this is little for a fire", depth,
+      -100 * std::expm1(-depth), slip));
+}
+
+Result<std::shared_ptr<const SmokeLayer::Stored>> SmokeLayer::readStep(std::size_t index) {
+  std::vector<std::shared_ptr<const Stored>>& held = files_->steps;
+  for (const auto& stored : held) {
+    if (stored->index == index)
+      return stored;
+  }
+  auto stored = std::make_shared<Stored>();
+  stored->index = index;
+  VOLUTE_ASSIGN(stored->frame, files_->source.read(index));
+  const MeshFrame& frame = stored->frame;
+  if (files_->densitySource) {
+    VOLUTE_ASSIGN(auto density, files_->densitySource->read(index));
+    stored->gas = std::move(density.values);
+  }
+  for (const auto& other : held) {
+    if (other->frame.mesh == frame.mesh)
+      stored->paths = other->paths, stored->meshHash = other->meshHash;
+  }
+  if (!stored->paths) {
+    stored->paths =
+        std::make_shared<const LampPaths>(std::make_shared<const TetLocator>(frame.mesh));
+    constexpr double kVersion = 1;  // of LampPaths: another one, other light
+    stored->meshHash.add(kVersion);
+    static_assert(sizeof(Vec3) == 3 * sizeof(double));
+    stored->meshHash.add(frame.mesh->vertices());
+    stored->meshHash.add(frame.mesh->tets());
+  }
+  if (frame.clamped > 0) {
+    progress_->remark(fmt::format("{}: step {}: {} negative values taken as 0", description_.file,
+                                  index, frame.clamped));
+  }
+  counts_.clamped += frame.clamped;
+  ++counts_.stepsRead;
+  if (held.size() == 2)
+    held.erase(held.begin());
+  held.push_back(stored);
+  return stored;
+}
+
+std::string SmokeLayer::lightKey(const Step& step, const Lamp& lamp) const {
+  ContentHash hash = step.stored->meshHash;
+  hash.add(std::span<const float>(step.extinction));
+  lamp.addTo(hash);
+  hash.add(std::span<const char>(lighting_->blocksKey));
+  return hash.digits();
+}
+
+std::vector<float> SmokeLayer::lightOf(const Step& step, const Lamp& lamp) {
+  const std::optional<LightCache>& cache = lighting_->cache;
+  LightMemory* const memory = lighting_->memory.get();
+  const std::string key = cache || memory ? lightKey(step, lamp) : "";
+  std::optional<std::vector<float>> kept;
+  if (memory)
+    kept = memory->find(key);
+  if (!kept && cache)
+    kept = cache->find(key, step.extinction.size());
+  if (kept) {
+    ++counts_.lightsReused;
+  } else {
+    kept = step.stored->paths->shares(step.extinction, lamp, lighting_->blocks);
+    ++counts_.lightsComputed;
+    if (cache && fillsCache_) {
+      if (const auto stored = cache->store(key, *kept); !stored)
+        progress_->remark("light is not kept: " + stored.error().message);
+    }
+  }
+  if (memory)
+    memory->store(key, *kept);
+  return std::move(*kept);
+}
+
+void SmokeLayer::light(Step& step) {
+  const Stopwatch watch(counts_.lightMilliseconds);
+  for (const Lamp& lamp : lighting_->lights.lamps) step.lampShares.push_back(lightOf(step, lamp));
+}
+
+Result<std::shared_ptr<const SmokeLayer::Step>> SmokeLayer::step(std::size_t index) {
+  for (const auto& kept : steps_) {
+    if (kept->stored->index == index)
+      return kept;
+  }
+  Step made;
+  VOLUTE_ASSIGN(made.stored, readStep(index));
+  VOLUTE_ASSIGN(made.extinction, extinctionOf(*made.stored));
+  remarkOn(*made.stored, made.extinction);
+  light(made);
+  if (steps_.size() == 2)
+    steps_.erase(steps_.begin());
+  steps_.push_back(std::make_shared<const Step>(std::move(made)));
+  return steps_.back();
+}
+
+Result<SmokeState> SmokeLayer::at(double time) {
+  const auto times = files_->source.times();
+  const double local = description_.clock.at(time, times);
+  const auto next = std::ranges::upper_bound(times, local);
+  const std::size_t after = static_cast<std::size_t>(next - times.begin());
+  const std::size_t before = after == 0 ? 0 : after - 1;
+  VOLUTE_ASSIGN(const auto from, step(before));
+  SmokeState state{from->stored->paths->locator(),
+                   from->extinction,
+                   {},
+                   from->lampShares,
+                   extinctionOfConcentration(description_.model)};
+  if (after > 0 && after < times.size() && local > times[before]) {
+    VOLUTE_ASSIGN(const auto to, step(after));
+    if (to->stored->frame.mesh == from->stored->frame.mesh) {
+      const double share = (local - times[before]) / (times[after] - times[before]);
+      state.extinction = between(from->extinction, to->extinction, share);
+      for (std::size_t l = 0; l < state.lampShares.size(); ++l)
+        state.lampShares[l] = between(from->lampShares[l], to->lampShares[l], share);
+    }
+  }
+  const SceneLights& lights = lighting_->lights;
+  if (!lights.lamps.empty() || !lights.ambient.isZero(0)) {
+    state.source = scatteredLight(state.locator->mesh().vertices(), lights.lamps, state.lampShares,
+                                  description_.albedo, lights.ambient);
+  }
+  return state;
+}
+
+}  // namespace volute

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "volute/io/mesh_source.hpp"
+#include "volute/lighting/light_cache.hpp"
+#include "volute/lighting/light_memory.hpp"
+#include "volute/lighting/vertex_light.hpp"
+#include "volute/media/reading.hpp"
+#include "volute/media/scene_lights.hpp"
+#include "volute/media/smoke/scene_smoke.hpp"
+
+namespace volute {
+
+/// Smoke at one instant, on its mesh.
+struct SmokeState {
+  std::shared_ptr<const TetLocator> locator;
+  std::vector<float> extinction;               ///< [1/m], natural logarithm, one for each vertex
+  std::vector<float> source;                   ///< see TetMedium; empty: black
+  std::vector<std::vector<float>> lampShares;  ///< of each lamp, at each vertex
+  /// Of one unit of concentration [1/m], unitOfConcentration(); 0: the field holds no mass.
+  double extinctionOfUnit = 0;
+};
+
+/// What lights smoke, and where computed light is kept.
+struct SmokeLighting {
+  SceneLights lights;
+  std::optional<LightCache> cache;
+  Blocks blocks;                          ///< other opaque things; may be empty
+  std::string blocksKey;                  ///< stands for them in the cache
+  std::shared_ptr<LightMemory> memory{};  ///< asked before the cache; may be null
+};
+
+/// What was done, summed over all pictures.
+struct SmokeCounts {
+  std::uint64_t stepsRead = 0;
+  std::uint64_t lightsComputed = 0;  ///< one for each lamp and step
+  std::uint64_t lightsReused = 0;    ///< read from the cache
+  std::uint64_t clamped = 0;         ///< negative values taken as 0
+  double lightMilliseconds = 0;
+};
+
+/// A case of smoke that is shown: gives the smoke at any time. Holds two steps of it at most, what
+/// its files say of them and what a description and lamps make of that.
+class SmokeLayer {
+ public:
+  /// Reads the first step.
+  [[nodiscard]] static Result<SmokeLayer> open(const SmokeDescription& description,
+                                               std::shared_ptr<const SmokeLighting> lighting,
+                                               Reading& reading);
+
+  /// Whether the same is read from the same files under both descriptions.
+  static bool readsTheSame(const SmokeDescription& a, const SmokeDescription& b);
+
+  /// This case under another description, which readsTheSame(), and another light: what was read is
+  /// shared, so that only one of the two may be used from then on. Its light is looked for in the
+  /// cache but not added to it: a person who tries values leaves too many behind.
+  [[nodiscard]] Result<SmokeLayer> with(const SmokeDescription& description,
+                                        std::shared_ptr<const SmokeLighting> lighting,
+                                        Reading& reading) const;
+
+  const SmokeDescription& description() const { return description_; }
+
+  /// Of the case, also where the description leaves it to the file.
+  const std::string& fieldName() const { return files_->field; }
+
+  const SceneLights& lights() const { return lighting_->lights; }
+
+  /// Opaque things beside the mesh's own walls.
+  const Blocks& blocks() const { return lighting_->blocks; }
+
+  const Box3& bounds() const { return bounds_; }
+
+  /// What rooms on fire hold [kg/m3]: 1e-6 to 1e-3. Outside of these a unit is doubted.
+  static constexpr double kMuchSoot = 1e-2, kLittleSoot = 1e-6;
+
+  /// Of the first step with smoke [1/m]; 0 before one was read.
+  double largestExtinction() const { return largest_; }
+
+  int steps() const { return static_cast<int>(files_->source.times().size()); }
+
+  /// What --frames calls a step.
+  int numberOf(int step) const { return files_->source.numberOf(static_cast<std::size_t>(step)); }
+
+  /// When a step is shown as it is, in the scene's time [s].
+  double timeOf(int step) const;
+
+  /// At a time of the scene [s]. Between two steps extinction, and what reaches each vertex of a
+  /// lamp's light, is linear in time; meshes that differ are held until the next. Before the first
+  /// and after the last step it is theirs.
+  [[nodiscard]] Result<SmokeState> at(double time);
+
+  /// Who hears of later reads, instead of the reading that it was opened in.
+  void setProgress(Progress& progress) { progress_ = &progress; }
+
+  const SmokeCounts& counts() const { return counts_; }
+
+ private:
+  /// What the files say of a step.
+  struct Stored {
+    std::size_t index = 0;
+    std::shared_ptr<const LampPaths> paths;
+    ContentHash meshHash;  ///< of what the light's key begins with
+    MeshFrame frame;
+    std::vector<float> gas;  ///< its density; empty: not asked for
+  };
+
+  /// The files, and the last two steps of them.
+  struct Files {
+    MeshSource source;
+    std::optional<MeshSource> densitySource{};
+    std::string field{};
+    std::vector<std::shared_ptr<const Stored>> steps{};
+  };
+
+  /// What is made of a step that was read.
+  struct Step {
+    std::shared_ptr<const Stored> stored;
+    std::vector<float> extinction;
+    std::vector<std::vector<float>> lampShares;
+  };
+
+  SmokeLayer(SmokeDescription description, std::shared_ptr<Files> files)
+      : description_(std::move(description)), files_(std::move(files)) {}
+
+  [[nodiscard]] Result<std::shared_ptr<const Step>> step(std::size_t index);
+  [[nodiscard]] Result<std::shared_ptr<const Stored>> readStep(std::size_t index);
+  [[nodiscard]] Result<std::vector<float>> extinctionOf(const Stored& stored) const;
+  void light(Step& step);
+  std::vector<float> lightOf(const Step& step, const Lamp& lamp);
+  std::string lightKey(const Step& step, const Lamp& lamp) const;
+  void remarkOn(const Stored& stored, std::span<const float> extinction);
+  void remarkOnThinSmoke(const Stored& stored, double most);
+
+  SmokeDescription description_;
+  std::shared_ptr<Files> files_;
+  std::shared_ptr<const SmokeLighting> lighting_;
+  Box3 bounds_;
+  Progress* progress_ = nullptr;
+  std::vector<std::shared_ptr<const Step>> steps_;  ///< the last two
+  SmokeCounts counts_;
+  bool remarked_ = false;
+  double largest_ = 0;
+  bool fillsCache_ = true;
+};
+
+}  // namespace volute

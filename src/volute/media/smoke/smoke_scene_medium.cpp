@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/smoke/smoke_scene_medium.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "volute/base/remark_log.hpp"
+#include "volute/fds/smv_index.hpp"
+#include "volute/media/light_blockers.hpp"
+#include "volute/media/smoke/mesh_sight.hpp"
+#include "volute/media/smoke/smoke_contour.hpp"
+#include "volute/media/smoke/smoke_walls.hpp"
+#include "volute/media/smoke/smoke_words.hpp"
+#include "volute/tetmesh/tet_marcher.hpp"
+#include "volute/tetmesh/tet_medium.hpp"
+#include "volute/tetmesh/tet_splat.hpp"
+
+namespace volute {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+std::vector<float> scaledBy(double factor, std::vector<float> values) {
+  if (factor != 1) {
+    for (float& value : values) value = static_cast<float>(factor * value);
+  }
+  return values;
+}
+
+/// The marcher and the splat of one mesh.
+class MeshPicture final : public MediumPicture {
+ public:
+  explicit MeshPicture(const std::shared_ptr<const TetLocator>& mesh)
+      : locator_(mesh), marcher_(mesh), splat_(mesh) {}
+
+  const std::shared_ptr<const TetLocator>& locator() const { return locator_; }
+
+  void show(const SmokeAt& smoke) {
+    natural_ = smoke.state().extinction;
+    extinction_ = smoke.extinction();
+    source_ = smoke.state().source;
+  }
+
+  void opticalDepth(const Camera& camera, std::span<const float> opaqueDepth,
+                    std::span<float> depth) override {
+    marcher_.setExtinction(natural_);
+    marcher_.opticalDepth(camera, opaqueDepth, depth);
+  }
+
+  void light(const Camera& camera, std::span<const float> opaqueDepth,
+             std::span<float> rgbt) override {
+    splat_.setExtinction(extinction_);
+    if (!source_.empty()) {
+      splat_.setSource(source_);
+      splat_.litColor(camera, opaqueDepth, rgbt);
+      return;
+    }
+    std::vector<float> depth(rgbt.size() / 4);
+    splat_.opticalDepth(camera, opaqueDepth, depth);
+    std::ranges::fill(rgbt, 0.0F);
+    for (std::size_t i = 0; i < depth.size(); ++i) rgbt[4 * i + 3] = std::exp(-depth[i]);
+  }
+
+ private:
+  std::shared_ptr<const TetLocator> locator_;
+  TetMarcher marcher_;
+  TetSplat splat_;
+  std::vector<float> natural_, extinction_, source_;
+};
+
+std::shared_ptr<const SmokeLighting> lightingOf(const MediumContext& context) {
+  SmokeLighting lighting{context.lights, std::nullopt, blocksOf(context.geometry),
+                         keyOf(context.geometry), context.options.lightMemory};
+  if (!context.lights.lamps.empty())
+    lighting.cache = context.options.lightCache;
+  return std::make_shared<const SmokeLighting>(std::move(lighting));
+}
+
+class SmokeKind final : public MediumKind {
+ public:
+  std::string_view name() const override { return "smoke"; }
+
+  std::string_view plural() const override { return "smoke on a mesh"; }
+
+  std::string_view singular() const override { return "a mesh"; }
+
+  std::vector<std::string_view> members() const override {
+    return {"field",   "density_field", "quantity",        "unit", "scale", "material", "burning",
+            "soot_yield", "C",          "mass_extinction", "mode", "albedo", "time",    "negatives",
+            "walls",   "smoke_potential"};
+  }
+
+  std::vector<std::string_view> fileMembers() const override { return {"case"}; }
+
+  /// What no other kind of smoke claims.
+  Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
+                                            MediumContext& context) const override {
+    VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, context.file, context.path));
+    const auto lighting = lightingOf(context);
+    RemarkLog heard(context.reading.progress);
+    Reading reading{heard, context.reading.maxMemory};
+    const auto before = context.take<SmokeSceneMedium>([&](const SmokeSceneMedium& other) {
+      return SmokeLayer::readsTheSame(other.layer().description(), smoke);
+    });
+    auto layer = before ? before->layer().with(smoke, lighting, reading)
+                        : SmokeLayer::open(smoke, lighting, reading);
+    VOLUTE_TRY(layer);
+    auto medium = std::make_shared<SmokeSceneMedium>(std::move(*layer), lighting);
+    medium->remarks = heard.remarks();
+    return std::shared_ptr<SceneMedium>(std::move(medium));
+  }
+
+  Result<std::unique_ptr<SightField>> openSight(const nlohmann::json& entry,
+                                                MediumContext& context) const override {
+    VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, context.file, context.path));
+    if (smoke.givesC && smoke.model.quantity != SmokeQuantity::kVisibility) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}/C: is of a visibility field, and this holds {}; a sign's C stands with the "
+                  "sign",
+                  smoke.where, nameOf(smoke.model.quantity));
+    }
+    MeshOptions options{smoke.field, smoke.negatives, context.reading.maxMemory};
+    VOLUTE_ASSIGN(auto source, MeshSource::open(smoke.file, options));
+    std::optional<MeshSource> density;
+    if (smoke.model.quantity == SmokeQuantity::kMassFraction) {
+      options.field = smoke.densityField;
+      VOLUTE_ASSIGN(density, MeshSource::open(smoke.file, options));
+    }
+    VOLUTE_ASSIGN(auto sight, MeshSight::open(std::move(source), std::move(density), smoke.model,
+                                              smoke.file));
+    if (smoke.field.empty())
+      sight->remarkOnOthers();
+    return std::unique_ptr<SightField>(std::move(sight));
+  }
+
+  bool opens(const std::string& path) const override { return isSmokeCase(path); }
+
+  /// Black or lit before white: the picture is what passes of the light.
+  OrderedJson sceneOf(const std::string& name) const override {
+    return {{"format", "volute-scene-1"},
+            {"background", {1, 1, 1}},
+            {"media", OrderedJson::array({{{"kind", "smoke"}, {"case", name}}})}};
+  }
+
+  std::string assume(OrderedJson& scene) const override {
+    OrderedJson& smoke = scene["media"][0];
+    if (!smoke.contains("negatives"))
+      smoke["negatives"] = "clamp";
+    if (smoke.contains("quantity"))
+      return "";
+    smoke["quantity"] = "soot-density";
+    if (smoke.contains("unit"))
+      return "";
+    smoke["unit"] = "kg/m3";
+    return "the field is taken for soot in kg/m3, unless you say otherwise";
+  }
+
+  /// Of several fields the one with a usual name.
+  std::vector<OrderedJson> alternatives(const OrderedJson& entry) const override {
+    std::vector<OrderedJson> others;
+    if (entry.contains("field"))
+      return others;
+    for (const char* name : {"smoke", "soot", "SOOT DENSITY", "soot_density", "extinction"}) {
+      others.push_back(entry);
+      others.back()["field"] = name;
+    }
+    return others;
+  }
+
+  void addParameters(ParameterGroup group, const OrderedJson&, const SceneMedium& medium,
+                     bool) const override {
+    const SmokeLayer& layer = dynamic_cast<const SmokeSceneMedium&>(medium).layer();
+    addSmokeParameters(std::move(group), layer.description(), false, layer.largestExtinction(),
+                       medium.info());
+  }
+
+  bool setParameter(OrderedJson& entry, const SceneMedium&, const std::string& key,
+                    const OrderedJson& value, const std::vector<double>&) const override {
+    return setSmokeParameter(entry, key, value);
+  }
+
+  bool shares(const std::string& key) const override { return key == "mode" || key == "C"; }
+};
+
+}  // namespace
+
+std::vector<float> SmokeAt::extinction() const {
+  return scaledBy(factor_, state_.extinction);
+}
+
+void SmokeAt::addMedia(std::vector<AnyMedium>& media) const {
+  media.emplace_back(TetMedium(state_.locator, extinction(), state_.source));
+}
+
+std::shared_ptr<MediumPicture> SmokeAt::picture(std::shared_ptr<MediumPicture> earlier) const {
+  auto picture = std::dynamic_pointer_cast<MeshPicture>(earlier);
+  if (!picture || picture->locator() != state_.locator)
+    picture = std::make_shared<MeshPicture>(state_.locator);
+  picture->show(*this);
+  return picture;
+}
+
+std::optional<WallHit> SmokeAt::wallOn(const Segment& ray) const {
+  return wallLeft(*state_.locator, ray);
+}
+
+Result<SurfaceView> SmokeAt::lookAtWalls(const Camera& camera, const TriangleScene& others) const {
+  return volute::lookAtWalls(camera, state_, lighting_->lights, *walls_, blocksOf(others));
+}
+
+bool SmokeAt::addContour(const Contour& contour, const Camera& camera,
+                         ContourPieces& pieces) const {
+  contourPieces(contour, camera, state_, pieces);
+  return true;
+}
+
+SmokeSceneMedium::SmokeSceneMedium(SmokeLayer layer, std::shared_ptr<const SmokeLighting> lighting)
+    : layer_(std::move(layer)), lighting_(std::move(lighting)) {
+  const SmokeDescription& smoke = layer_.description();
+  const SmokeModel& model = smoke.model;
+  info_.file = smoke.file;
+  info_.what = "smoke on a mesh";
+  info_.kind = "smoke";
+  info_.bounds = info_.fileBounds = layer_.bounds();
+  info_.times.clear();
+  info_.numbers.clear();
+  for (int i = 0; i < layer_.steps(); ++i) {
+    info_.times.push_back(layer_.timeOf(i));
+    info_.numbers.push_back(layer_.numberOf(i));
+  }
+  info_.interpolates = true;
+  info_.loops = smoke.clock.loop;
+  info_.measured = true;
+  info_.law = smoke.law;
+  info_.lawByC = smoke.givesC && model.quantity != SmokeQuantity::kVisibility;
+  if (holdsMass(model.quantity)) {
+    info_.mass = {model.quantity == SmokeQuantity::kProductsDensity ? "of products" : "of soot",
+                  unitOfConcentration(model),
+                  fmt::format("{} [{}]", nameOf(model.quantity), unitOfField(model))};
+  } else {
+    info_.noMass = fmt::format("field '{}' of {} holds {}", layer_.fieldName(), smoke.file,
+                               nameOf(model.quantity));
+  }
+}
+
+Result<std::shared_ptr<const MediumAt>> SmokeSceneMedium::at(const InstantRequest& request,
+                                                             Progress& progress) {
+  layer_.setProgress(progress);
+  VOLUTE_ASSIGN(auto state, layer_.at(request.time));
+  return std::make_shared<const SmokeAt>(std::move(state), request.factor, lighting_,
+                                         layer_.description().walls);
+}
+
+MediumText SmokeSceneMedium::text() const {
+  auto words = wordsOf(layer_.description().model);
+  return {{fmt::format("field '{}': {}", layer_.fieldName(), fmt::join(words, ", "))},
+          std::move(words)};
+}
+
+OrderedJson SmokeSceneMedium::counts() const {
+  const SmokeCounts& counts = layer_.counts();
+  return {{"smoke",
+           {{"steps_read", counts.stepsRead},
+            {"lights_computed", counts.lightsComputed},
+            {"lights_reused", counts.lightsReused},
+            {"negative_values_clamped", counts.clamped},
+            {"light_milliseconds", counts.lightMilliseconds}}}};
+}
+
+const MediumKind& smokeKind() {
+  static const SmokeKind kind;
+  return kind;
+}
+
+}  // namespace volute

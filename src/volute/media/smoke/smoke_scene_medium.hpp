@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include "volute/media/medium_kind.hpp"
+#include "volute/media/smoke/smoke_layer.hpp"
+
+namespace volute {
+
+/// Smoke on tetrahedra at one instant.
+class SmokeAt final : public MediumAt {
+ public:
+  SmokeAt(SmokeState state, double factor, std::shared_ptr<const SmokeLighting> lighting,
+          std::optional<Rgb> walls)
+      : state_(std::move(state)),
+        factor_(factor),
+        lighting_(std::move(lighting)),
+        walls_(std::move(walls)) {}
+
+  void addMedia(std::vector<AnyMedium>& media) const override;
+  std::shared_ptr<MediumPicture> picture(std::shared_ptr<MediumPicture> earlier) const override;
+
+  bool hasWalls() const override { return walls_.has_value(); }
+
+  std::optional<WallHit> wallOn(const Segment& ray) const override;
+  Result<SurfaceView> lookAtWalls(const Camera& camera, const TriangleScene& others) const override;
+  bool addContour(const Contour& contour, const Camera& camera,
+                  ContourPieces& pieces) const override;
+
+  /// As the files have it, whatever the law.
+  const SmokeState& state() const { return state_; }
+
+  double factor() const { return factor_; }
+
+  /// [1/m], times the factor, one for each vertex.
+  std::vector<float> extinction() const;
+
+  const SceneLights& lights() const { return lighting_->lights; }
+
+  /// What the mesh's boundary reflects; nothing: it is not shown.
+  const std::optional<Rgb>& walls() const { return walls_; }
+
+ private:
+  SmokeState state_;
+  double factor_;
+  std::shared_ptr<const SmokeLighting> lighting_;
+  std::optional<Rgb> walls_;
+};
+
+/// A case of smoke on a mesh in a scene.
+class SmokeSceneMedium final : public SceneMedium {
+ public:
+  SmokeSceneMedium(SmokeLayer layer, std::shared_ptr<const SmokeLighting> lighting);
+
+  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
+                                             Progress& progress) override;
+  MediumText text() const override;
+  nlohmann::ordered_json counts() const override;
+
+  const SmokeLayer& layer() const { return layer_; }
+
+ private:
+  SmokeLayer layer_;
+  std::shared_ptr<const SmokeLighting> lighting_;
+};
+
+/// The pictures of smoke that a scene's smoke members tell of: of meshes, and of FDS cases.
+void addSmokeParameters(ParameterGroup group, const SmokeDescription& smoke, bool fds,
+                        double largestExtinction, const MediumInfo& info);
+
+/// See MediumKind::setParameter().
+bool setSmokeParameter(nlohmann::ordered_json& entry, const std::string& key,
+                       const nlohmann::ordered_json& value);
+
+const MediumKind& smokeKind();
+
+}  // namespace volute

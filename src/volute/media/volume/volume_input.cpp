@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/volume/volume_input.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "volute/io/frame_pattern.hpp"
+#include "volute/io/volume_source.hpp"
+#include "volute/media/volume/fds_input.hpp"
+
+namespace volute {
+namespace {
+
+Status refuseVolumeOptions(const std::string& path, const InputOptions& options,
+                           const VolumeInfo& info) {
+  if (options.bounds) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: a .volute file states its bounds; --bounds is for other inputs", path);
+  }
+  if (!options.grid.empty() && options.grid != info.name) {
+    return fail(ErrorCode::kNotFound, "{}: there is no grid '{}'; the file holds '{}'", path,
+                options.grid, info.name);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string extensionOf(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+bool isVolutePath(const std::string& path) {
+  return extensionOf(path) == ".volute";
+}
+
+bool isPicturePath(const std::string& path) {
+  return extensionOf(path) == ".png" || extensionOf(path) == ".exr";
+}
+
+std::string integrityText(const Integrity& integrity, const VoluteReader& reader) {
+  if (integrity.complete())
+    return "complete";
+  // The longest block has the most levels; a border block may have fewer.
+  const int levels = reader.blocks().levels(0);
+  return fmt::format(
+      "damaged: {}; {} of {} segments are intact, {} of {} levels whole in every block",
+      integrity.firstFault, integrity.intactSegments, integrity.segments, integrity.intactLevels,
+      levels);
+}
+
+Result<std::shared_ptr<const VoluteReader>> openVolute(const std::string& path, bool partial,
+                                                       Reading& reading, bool verify) {
+  VoluteReader::Options options;
+  options.partial = partial;
+  options.maxMemory = reading.maxMemory;
+  VOLUTE_ASSIGN(auto opened, VoluteReader::open(path, options));
+  auto reader = std::make_shared<const VoluteReader>(std::move(opened));
+  if (partial && verify) {
+    const Integrity integrity = reader->verify();
+    if (!integrity.complete())
+      reading.progress.remark(fmt::format("{}: {}", path, integrityText(integrity, *reader)));
+  }
+  return reader;
+}
+
+Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,
+                               Reading& reading) {
+  VolumeInput input;
+  if (isVolutePath(path)) {
+    VOLUTE_ASSIGN(input.reader, openVolute(path, options.partial, reading, options.verify));
+    VOLUTE_TRY(refuseVolumeOptions(path, options, input.reader->info()));
+    input.source = frameSource(input.reader);
+    return input;
+  }
+  if (isSmvPath(path)) {
+    VOLUTE_ASSIGN(input.source,
+                  openFdsVolume(path, options.grid, options.bounds, std::nullopt, reading));
+    return input;
+  }
+  if (isPicturePath(path)) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: this is a picture; expected a volume: .volute, .npy, .vdb, .vti, .pvd or .smv",
+                path);
+  }
+  SourceOptions source;
+  source.grid = options.grid;
+  source.usualGrid = options.usualGrid;
+  source.bounds = options.bounds;
+  source.maxMemory = reading.maxMemory;
+  source.remark = [&](const std::string& text) { reading.progress.remark(text); };
+  VOLUTE_ASSIGN(input.source, openSource(path, source));
+  if (const auto gaps = missingNumbers(input.source->info().frameNumbers); !gaps.empty())
+    reading.progress.remark(fmt::format("{}: {}; volumes between are interpolated", path, gaps));
+  return input;
+}
+
+std::optional<std::uint64_t> bytesOnDisk(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (fs::is_regular_file(path, error))
+    return fs::file_size(path, error);
+  if (!fs::is_directory(path, error))
+    return std::nullopt;
+  std::uint64_t bytes = 0;
+  for (const auto& entry : fs::directory_iterator(path, error)) {
+    if (entry.is_regular_file(error))
+      bytes += entry.file_size(error);
+  }
+  return bytes;
+}
+
+}  // namespace volute

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "volute/codec/volute_reader.hpp"
+#include "volute/grid/frame_source.hpp"
+#include "volute/media/reading.hpp"
+
+namespace volute {
+
+/// How to read a volume that a command line names.
+struct InputOptions {
+  std::string grid;            ///< of a file with several; empty: the only one, else `usualGrid`
+  std::optional<Box3> bounds;  ///< stated, or cropped and padded to, on the voxel grid
+  bool partial = false;        ///< a damaged .volute is read as far as it is intact
+  bool verify = true;          ///< with `partial`: looks through it first, and remarks on damage
+  std::string usualGrid = "density";  ///< which of several, when none is named
+};
+
+/// An open volume of any format.
+struct VolumeInput {
+  std::unique_ptr<FrameSource> source;
+  std::shared_ptr<const VoluteReader> reader;  ///< null unless it is a .volute file
+};
+
+[[nodiscard]] Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,
+                                             Reading& reading);
+
+/// A .volute file alone. With `partial` and `verify` says in a remark what is missing of it.
+[[nodiscard]] Result<std::shared_ptr<const VoluteReader>> openVolute(const std::string& path,
+                                                                     bool partial, Reading& reading,
+                                                                     bool verify = true);
+
+/// "complete", or what is wrong and how much is there.
+std::string integrityText(const Integrity& integrity, const VoluteReader& reader);
+
+/// By the name's end: .volute.
+bool isVolutePath(const std::string& path);
+
+/// By the name's end: .png or .exr.
+bool isPicturePath(const std::string& path);
+
+/// Size on disk of a file, or of a folder's files; nothing for patterns and what cannot be read.
+std::optional<std::uint64_t> bytesOnDisk(const std::string& path);
+
+/// A name's last extension in lower case, with the dot.
+std::string extensionOf(const std::string& path);
+
+}  // namespace volute

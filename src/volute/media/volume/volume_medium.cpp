@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/volume/volume_medium.hpp"
+
+#include "volute/medium/turned_medium.hpp"
+
+namespace volute {
+namespace {
+
+constexpr int kCoarseLevels = 2;  ///< of a block's, the coarsest first
+
+MediumInfo infoOf(const VolumeLayer& layer) {
+  const VolumeInfo& volume = layer.info();
+  MediumInfo info;
+  info.file = layer.path();
+  info.what = "a volume";
+  info.kind = "volume";
+  info.size = fmt::format("{} x {} x {} voxels, {} frame{}", volume.x, volume.y, volume.z,
+                          volume.frames, volume.frames == 1 ? "" : "s");
+  info.bounds = layer.boundsInScene();
+  info.fileBounds = layer.fileBounds();
+  info.times.clear();
+  for (int i = 0; i < volume.frames; ++i) info.times.push_back(layer.timeOf(i));
+  info.numbers = volume.frameNumbers;
+  info.loops = layer.appearance().clock.loop;
+  info.channels = volume.channels;
+  return info;
+}
+
+}  // namespace
+
+VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, double factor)
+    : layer_(layer), factor_(factor), slice_(std::move(slice)) {}
+
+VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const Tree4d> tree, int position,
+                   double factor)
+    : layer_(layer), factor_(factor), tree_(std::move(tree)), position_(position) {}
+
+const VoxelMedium& VolumeAt::medium() const {
+  std::call_once(made_, [&] {
+    if (!slice_) {
+      slice_ = std::make_shared<const BrickSlice>(
+          layer_.asItLooks(tree_->extractSlice(position_, &nodesVisited_)));
+    }
+    medium_.emplace(slice_, emission(), extinction());
+  });
+  return *medium_;
+}
+
+const std::shared_ptr<const BrickSlice>& VolumeAt::slice() const {
+  if (tree_)
+    medium();
+  return slice_;
+}
+
+void VolumeAt::addMedia(std::vector<AnyMedium>& media) const {
+  const Placement& place = placement();
+  AnyMedium medium(this->medium());
+  if (!place.turns() && place.offset == Vec3::Zero())
+    media.push_back(std::move(medium));
+  else
+    media.emplace_back(TurnedMedium(std::move(medium), place.turn, place.offset));
+}
+
+nlohmann::ordered_json VolumeAt::counts() const {
+  if (!medium_)
+    return nlohmann::ordered_json::object();
+  const MarchCounts counts = medium_->counts();
+  return {{"voxels_visited", counts.voxels},
+          {"bricks_visited", counts.bricksVisited},
+          {"bricks_skipped", counts.bricksSkipped},
+          {"bricks_stored", slice_->storedBricks()},
+          {"nodes_visited", nodesVisited_}};
+}
+
+VolumeMedium::VolumeMedium(VolumeLayer layer) : layer_(std::move(layer)) {
+  info_ = infoOf(layer_);
+}
+
+std::shared_ptr<VolumeMedium> VolumeMedium::with(const Appearance& appearance) const {
+  VolumeLayer layer = layer_;
+  layer.setAppearance(appearance);
+  auto other = std::make_shared<VolumeMedium>(std::move(layer));
+  other->knowAs(*this);
+  return other;
+}
+
+void VolumeMedium::knowAs(const VolumeMedium& other) {
+  checked_ = other.checked_, damaged_ = other.damaged_, block_ = other.block_;
+  remarks = other.remarks;
+}
+
+/// A .volute's block of frames that is not in memory takes its time.
+bool VolumeMedium::inMemory(double time) const {
+  return !layer_.reader() || layer_.positionAt(time) / BlockGrid::kSide == block_;
+}
+
+Result<std::shared_ptr<const BrickSlice>> VolumeMedium::coarseSlice(int position,
+                                                                    Progress& progress) const {
+  VOLUTE_ASSIGN(
+      const Tree4d tree,
+      Tree4d::load(*layer_.reader(),
+                   {.levels = kCoarseLevels, .firstFrame = position, .endFrame = position + 1},
+                   progress));
+  return std::make_shared<const BrickSlice>(layer_.asItLooks(tree.extractSlice(position)));
+}
+
+Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& request,
+                                                         Progress& progress) {
+  layer_.setProgress(progress);
+  const int position = layer_.positionAt(request.time);
+  if (request.coarse && !inMemory(request.time)) {
+    VOLUTE_ASSIGN(auto slice, coarseSlice(position, progress));
+    return std::make_shared<const VolumeAt>(layer_, std::move(slice), request.factor);
+  }
+  if (request.tree) {
+    VOLUTE_ASSIGN(auto tree, layer_.treeAt(position));
+    block_ = position / BlockGrid::kSide;
+    return std::make_shared<const VolumeAt>(layer_, std::move(tree), position, request.factor);
+  }
+  VOLUTE_ASSIGN(auto slice, layer_.sliceAt(position));
+  block_ = position / BlockGrid::kSide;
+  return std::make_shared<const VolumeAt>(layer_, std::move(slice), request.factor);
+}
+
+nlohmann::ordered_json VolumeMedium::counts() const {
+  if (!layer_.reader())
+    return nlohmann::ordered_json::object();
+  const TreeCounts& tree = layer_.treeCounts();
+  return {{"bytes_read", layer_.reader()->bytesRead()},
+          {"blocks_decoded", layer_.reader()->blocksDecoded()},
+          {"tree_nodes", tree.nodes},
+          {"tree_bytes", tree.treeBytes}};
+}
+
+bool VolumeMedium::checked() const {
+  return checked_ || !layer_.reader();
+}
+
+Result<std::optional<std::string>> VolumeMedium::check(Progress& progress) {
+  VOLUTE_ASSIGN(const auto integrity, layer_.reader()->verify(progress));
+  checked_ = true;
+  damaged_ = !integrity.complete();
+  if (!damaged_)
+    return std::nullopt;
+  const std::string& fault = integrity.firstFault;
+  return fmt::format("{}; {} of {} parts are whole and shown",
+                     fault.substr(0, fault.find("; --partial")), integrity.intactSegments,
+                     integrity.segments);
+}
+
+Status BillboardAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
+  Progress quiet;
+  VOLUTE_ASSIGN(auto drawn,
+                Billboard::draw(AnyMedium(volume_->medium()), camera, options_, quiet));
+  media.emplace_back(std::move(drawn));
+  return {};
+}
+
+BillboardMedium::BillboardMedium(const VolumeMedium& volume, const SceneBillboard& board)
+    : VolumeMedium(*volume.with(board.appearance)), options_(board.options) {
+  options_.shown = layer().info().bounds;
+  const Vec3 reach = Vec3::Constant(0.5 * std::hypot(options_.width, options_.height));
+  info_.bounds = {options_.position - reach, options_.position + reach};
+  info_.what = "a billboard";
+  info_.kind = "billboard";
+  info_.size.clear();
+}
+
+Result<std::shared_ptr<const MediumAt>> BillboardMedium::at(const InstantRequest& request,
+                                                            Progress& progress) {
+  InstantRequest whole = request;  // one draws bricks, of all levels
+  whole.coarse = whole.tree = false;
+  VOLUTE_ASSIGN(auto volume, VolumeMedium::at(whole, progress));
+  return std::make_shared<const BillboardAt>(std::static_pointer_cast<const VolumeAt>(volume),
+                                             options_);
+}
+
+}  // namespace volute

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <mutex>
+
+#include "volute/media/medium_kind.hpp"
+#include "volute/media/volume/billboard_file.hpp"
+#include "volute/media/volume/volume_layer.hpp"
+
+namespace volute {
+
+/// One frame of a volume, at its place in the scene.
+class VolumeAt final : public MediumAt {
+ public:
+  /// @param factor  of the appearance's extinction
+  VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, double factor);
+
+  /// The frame at a position of a tree. Its bricks are only made for who asks for them.
+  VolumeAt(const VolumeLayer& layer, std::shared_ptr<const Tree4d> tree, int position,
+           double factor);
+
+  void addMedia(std::vector<AnyMedium>& media) const override;
+  nlohmann::ordered_json counts() const override;
+
+  /// Not yet placed: points are to be turned and moved by placement().
+  const VoxelMedium& medium() const;
+
+  /// Null: it is of bricks.
+  const std::shared_ptr<const Tree4d>& tree() const { return tree_; }
+
+  int position() const { return position_; }
+
+  const VolumeInfo& info() const { return layer_.info(); }
+
+  double emission() const { return layer_.appearance().emission; }
+
+  double extinction() const { return factor_ * layer_.appearance().extinction; }
+
+  /// What its bounds leave to do; see VolumeLayer.
+  const Placement& placement() const { return layer_.placement(); }
+
+  const std::shared_ptr<const BrickSlice>& slice() const;
+
+ private:
+  VolumeLayer layer_;
+  double factor_;
+  std::shared_ptr<const Tree4d> tree_;
+  int position_ = 0;
+  mutable std::once_flag made_;
+  mutable std::shared_ptr<const BrickSlice> slice_;
+  mutable std::optional<VoxelMedium> medium_;
+  mutable std::uint64_t nodesVisited_ = 0;
+};
+
+/// A volume file in a scene.
+class VolumeMedium : public SceneMedium {
+ public:
+  explicit VolumeMedium(VolumeLayer layer);
+
+  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
+                                             Progress& progress) override;
+  bool inMemory(double time) const override;
+  nlohmann::ordered_json counts() const override;
+  bool checked() const override;
+  Result<std::optional<std::string>> check(Progress& progress) override;
+
+  bool damaged() const override { return damaged_; }
+
+  const VolumeLayer& layer() const { return layer_; }
+
+  /// One of the same file in another appearance; what was read serves.
+  std::shared_ptr<VolumeMedium> with(const Appearance& appearance) const;
+
+ protected:
+  /// What is known of its file, for another one of it.
+  void knowAs(const VolumeMedium& other);
+
+ private:
+  Result<std::shared_ptr<const BrickSlice>> coarseSlice(int position, Progress& progress) const;
+
+  VolumeLayer layer_;
+  bool checked_ = false;  ///< it was looked through for damage
+  bool damaged_ = false;
+  int block_ = -1;  ///< of the frames of a .volute that are in memory
+};
+
+/// A volume drawn on a rectangle that faces the camera, at one instant.
+class BillboardAt final : public MediumAt {
+ public:
+  BillboardAt(std::shared_ptr<const VolumeAt> volume, const BillboardOptions& options)
+      : volume_(std::move(volume)), options_(options) {}
+
+  /// Nothing: without a camera there is no rectangle.
+  void addMedia(std::vector<AnyMedium>&) const override {}
+
+  Status addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const override;
+
+  const VolumeAt& volume() const { return *volume_; }
+
+  const BillboardOptions& options() const { return options_; }
+
+ private:
+  std::shared_ptr<const VolumeAt> volume_;
+  BillboardOptions options_;
+};
+
+/// A billboard of a scene.
+class BillboardMedium final : public VolumeMedium {
+ public:
+  BillboardMedium(const VolumeMedium& volume, const SceneBillboard& board);
+
+  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
+                                             Progress& progress) override;
+
+  const BillboardOptions& options() const { return options_; }
+
+ private:
+  BillboardOptions options_;
+};
+
+/// A medium of kind "volume" in a scene.
+struct SceneVolume {
+  std::string file;  ///< found from the scene file's folder
+  InputOptions input;
+  Appearance appearance;
+};
+
+/// {"kind": "volume", "file", "field", "bounds", "basis", "emission", "extinction", "transform",
+/// "time"}. Errors name the file and the path inside it.
+[[nodiscard]] Result<SceneVolume> parseVolume(const nlohmann::json& json, const std::string& file,
+                                              const std::string& path);
+
+const MediumKind& volumeKind();
+const MediumKind& billboardKind();
+
+}  // namespace volute

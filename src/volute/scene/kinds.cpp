@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/scene/kinds.hpp"
+
+#include "volute/media/fds/fds_scene_medium.hpp"
+#include "volute/media/fog/fog_scene_medium.hpp"
+#include "volute/media/smoke/smoke_scene_medium.hpp"
+#include "volute/media/volume/volume_medium.hpp"
+
+namespace volute {
+
+void registerUsualMedia() {
+  static const bool once = [] {
+    registerMedium(fdsKind());
+    registerMedium(smokeKind());
+    registerMedium(fogKind());
+    registerMedium(volumeKind());  // takes every file that no other does
+    registerMedium(billboardKind());
+    return true;
+  }();
+  (void)once;
+}
+
+}  // namespace volute

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/scene/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "volute/base/input_file.hpp"
+#include "volute/base/remark_log.hpp"
+#include "volute/io/json_depth.hpp"
+#include "volute/io/json_file.hpp"
+#include "volute/scene/kinds.hpp"
+
+namespace volute {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+constexpr double kRate = 25;      ///< frames a second of what has no times of its own
+constexpr double kBlown = 10;     ///< [s] for which what moves is shown at least
+constexpr double kHighest = 1e6;  ///< [m] that counts as an end
+
+/// What is infinite ends a little above the ground.
+Box3 finite(Box3 box) {
+  const double width = box.size().head<2>().maxCoeff();
+  if (!(box.max.z() < kHighest))
+    box.max.z() = std::max(box.min.z() > -kHighest ? box.min.z() : 0.0, 0.0) + 0.25 * width;
+  if (!(box.min.z() > -kHighest))
+    box.min.z() = box.max.z() - 0.25 * width;
+  return box;
+}
+
+void extend(Box3& box, const Box3& by) {
+  box.extend(by.min);
+  box.extend(by.max);
+}
+
+/// As it is written, with its members in their order.
+Result<OrderedJson> readScene(const std::string& path) {
+  VOLUTE_TRY(readJson(path));  // whatever is wrong with it is said there
+  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
+  std::string text(file.size(), '\0');
+  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
+  VOLUTE_TRY(checkJsonDepth(text, path));
+  return OrderedJson::parse(text, nullptr, false);
+}
+
+bool isSceneFile(const std::string& path) {
+  return std::filesystem::path(path).extension() == ".json";
+}
+
+}  // namespace
+
+bool Snapshot::hasWalls() const {
+  return std::ranges::any_of(media, [](const auto& medium) { return medium->hasWalls(); });
+}
+
+Result<Scene> Scene::open(const std::string& path, const SceneOptions& options,
+                          Progress& progress) {
+  registerUsualMedia();
+  if (isSceneFile(path)) {
+    VOLUTE_ASSIGN(auto json, readScene(path));
+    VOLUTE_ASSIGN(auto scene, make(std::move(json), path, options, progress));
+    if (!scene.description_.camera)
+      return fail(ErrorCode::kInvalidData, "{}: /camera is missing", path);
+    return scene;
+  }
+  const MediumKind* kind = mediumKindOf(path, options.assume);
+  OrderedJson json = kind->sceneOf(std::filesystem::path(path).filename().string());
+  OrderedJson& entry = json["media"][0];
+  entry.update(options.members);
+  const std::string assumption = options.assume ? kind->assume(json) : "";
+  auto scene = make(json, path, options, progress);
+  if (!scene && scene.error().code != ErrorCode::kCancelled && options.assume) {
+    for (OrderedJson& other : kind->alternatives(json["media"][0])) {
+      json["media"][0] = std::move(other);
+      auto found = make(json, path, options, progress);
+      if (found) {
+        scene = std::move(found);
+        break;
+      }
+    }
+  }
+  VOLUTE_TRY(scene);
+  scene->isFile_ = false;
+  scene->assumption_ = assumption;
+  return scene;
+}
+
+Result<Scene> Scene::make(OrderedJson json, const std::string& file, const SceneOptions& options,
+                          Progress& progress) {
+  registerUsualMedia();
+  Scene scene;
+  scene.path_ = scene.file_ = file;
+  scene.options_ = options;
+  const nlohmann::json plain = json;
+  VOLUTE_ASSIGN(scene.description_, parseScene(plain, file));
+  Reading reading{progress, options.maxMemory};
+  VOLUTE_ASSIGN(scene.geometry_, loadGeometry(scene.description_.geometry, reading));
+  scene.surfaces_ = scene.geometry_;
+  VOLUTE_ASSIGN(scene.media_, scene.openMedia(scene.description_, progress));
+  VOLUTE_TRY(scene.checkLaws());
+  scene.json_ = std::move(json);
+  return scene;
+}
+
+/// What has to be read first, so that an error leaves everything as it was.
+Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
+    const SceneDescription& description, Progress& progress) {
+  std::vector<std::shared_ptr<SceneMedium>> earlier = media_, media;
+  const bool same = description.media.size() == media_.size();
+  for (std::size_t i = 0; i < description.media.size(); ++i) {
+    const MediumEntry& entry = description.media[i];
+    Reading reading{progress, options_.maxMemory};
+    nlohmann::json json = entry.json;
+    const auto members = entry.kind->members();
+    for (const auto& [name, value] : options_.overrides.items()) {
+      if (std::ranges::find(members, name) != members.end())
+        json[name] = value;
+    }
+    MediumContext context{reading, options_.files, description.lights, geometry_, file_, entry.path,
+                          same ? media_[i] : nullptr, &earlier};
+    VOLUTE_ASSIGN(auto medium, entry.kind->open(json, context));
+    media.push_back(std::move(medium));
+  }
+  return media;
+}
+
+/// One picture has one mode.
+Status Scene::checkLaws() const {
+  const MediumInfo* first = nullptr;
+  std::string where;
+  for (std::size_t i = 0; i < media_.size(); ++i) {
+    const MediumInfo& info = media_[i]->info();
+    if (!info.law)
+      continue;
+    const std::string here = fmt::format("{}: {}", file_, description_.media[i].path);
+    if (first && !(*first->law == *info.law)) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}/mode: {} with C = {:g}, but {} is {} with C = {:g}; one picture has one mode",
+                  here, nameOf(info.law->mode), info.law->c, where, nameOf(first->law->mode),
+                  first->law->c);
+    }
+    first = &info;
+    where = here;
+  }
+  return {};
+}
+
+Status Scene::change(OrderedJson json, Progress& progress) {
+  const nlohmann::json plain = json;
+  VOLUTE_ASSIGN(auto description, parseScene(plain, file_));
+  VOLUTE_ASSIGN(auto media, openMedia(description, progress));
+  std::swap(media_, media);
+  std::swap(description_, description);
+  if (auto laws = checkLaws(); !laws) {
+    std::swap(media_, media);
+    std::swap(description_, description);
+    return laws;
+  }
+  json_ = std::move(json);
+  surfacesOf_.clear();
+  surfaces_ = geometry_;
+  return {};
+}
+
+Box3 Scene::bounds() const {
+  Box3 bounds;
+  for (const auto& medium : media_) extend(bounds, finite(medium->info().bounds));
+  if (!geometry_.empty())
+    extend(bounds, geometry_.bounds());
+  if (!bounds.empty())
+    return bounds;
+  const Vec3 target = description_.camera ? description_.camera->view.target : Vec3(Vec3::Zero());
+  return {target - Vec3::Ones(), target + Vec3::Ones()};
+}
+
+std::vector<double> Scene::times() const {
+  const bool moves =
+      std::ranges::any_of(media_, [](const auto& medium) { return medium->info().moves; });
+  if (media_.size() == 1 && (media_[0]->info().times.size() > 1 || !moves))
+    return media_[0]->info().times;
+  double last = moves ? kBlown : 0;
+  for (const auto& medium : media_) last = std::max(last, medium->info().times.back());
+  std::vector<double> times{0.0};
+  const double frames = std::min(std::round(last * kRate), 1e6);
+  for (int frame = 1; frame <= static_cast<int>(frames); ++frame) times.push_back(frame / kRate);
+  return times;
+}
+
+PictureLaw Scene::law() const {
+  if (law_)
+    return *law_;
+  for (const auto& medium : media_) {
+    if (medium->info().law)
+      return *medium->info().law;
+  }
+  return {};
+}
+
+std::optional<CameraDescription> Scene::camera() const {
+  if (description_.camera || media_.size() != 1)
+    return description_.camera;
+  return media_[0]->firstCamera();
+}
+
+/// `surfaces_` becomes the scene's and all that is opaque in its media at a time.
+Status Scene::placeSurfaces(double time) {
+  std::vector<std::uint64_t> wanted;
+  for (const auto& medium : media_) wanted.push_back(medium->surfacesKey(time));
+  if (std::ranges::all_of(wanted, [](std::uint64_t key) { return key == 0; }) ||
+      wanted == surfacesOf_)
+    return {};
+  const auto triangles = geometry_.triangles();
+  const auto materials = geometry_.materials();
+  TriangleMesh all{{triangles.begin(), triangles.end()}, {materials.begin(), materials.end()}};
+  for (const auto& medium : media_) VOLUTE_TRY(medium->addSurfaces(time, all));
+  VOLUTE_ASSIGN(surfaces_, TriangleScene::build(std::move(all.triangles), std::move(all.materials)));
+  surfacesOf_ = std::move(wanted);
+  return {};
+}
+
+Result<Snapshot> Scene::at(const InstantRequest& request, Progress& progress) {
+  Snapshot snapshot;
+  snapshot.time = request.time;
+  snapshot.law = law();
+  InstantRequest seen = request;
+  seen.factor = snapshot.law.factor();
+  for (const auto& medium : media_) {
+    VOLUTE_ASSIGN(auto now, medium->at(seen, progress));
+    snapshot.media.push_back(std::move(now));
+  }
+  VOLUTE_TRY(placeSurfaces(request.time));
+  snapshot.geometry = surfaces_;
+  snapshot.fixedGeometry = geometry_;
+  snapshot.lights = description_.lights;
+  snapshot.signs = description_.signs;
+  snapshot.background = description_.background;
+  return snapshot;
+}
+
+std::vector<std::string> Scene::files() const {
+  std::vector<std::string> files{path_};
+  for (const auto& medium : media_) {
+    for (std::string& file : medium->files()) files.push_back(std::move(file));
+  }
+  for (const SceneGeometry& geometry : description_.geometry) files.push_back(geometry.file);
+  const auto signs = json_.find("signs");
+  if (signs == json_.end() || !signs->is_array())
+    return files;
+  for (const auto& sign : *signs) {
+    if (const std::string picture = sign.value("picture", ""); !picture.empty())
+      files.push_back((std::filesystem::path(file_).parent_path() / picture).string());
+  }
+  return files;
+}
+
+}  // namespace volute

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/scene/scene_renderer.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "volute/base/parallel.hpp"
+#include "volute/base/stopwatch.hpp"
+#include "volute/camera/pixel_ray.hpp"
+#include "volute/render/scaled_medium.hpp"
+#include "volute/scene/surface_stack.hpp"
+
+namespace volute {
+namespace {
+
+/// 1 for each pixel whose ray meets the bounds of one of the media.
+std::vector<std::uint8_t> pixelsThatMeet(const Camera& camera, std::span<const AnyMedium> media,
+                                         std::span<const float> opaqueDepth) {
+  std::vector<std::uint8_t> meets(static_cast<std::size_t>(camera.width()) * camera.height(), 0);
+  if (media.empty())
+    return meets;  // no rays for nothing
+  parallelFor(static_cast<std::size_t>(camera.height()), [&](std::size_t y) {
+    for (int x = 0; x < camera.width(); ++x) {
+      const std::size_t pixel = y * static_cast<std::size_t>(camera.width()) + x;
+      const Segment ray = pixelRay(camera, x, static_cast<int>(y), opaqueDepth);
+      meets[pixel] = std::ranges::any_of(media, [&](const AnyMedium& medium) {
+        return !medium.bounds()
+                    .intersect(ray.origin, ray.direction)
+                    .intersect({ray.begin, ray.end})
+                    .empty();
+      });
+    }
+  });
+  return meets;
+}
+
+/// Light of a medium, and its transmittance, over what is behind.
+Image over(std::span<const float> rgbt, const Camera& camera, std::span<const float> opaqueDepth,
+           const RenderOptions& options) {
+  Image image(camera.width(), camera.height(), 3);
+  for (std::size_t i = 0; i < rgbt.size() / 4; ++i) {
+    const bool opaque = !opaqueDepth.empty() && std::isfinite(opaqueDepth[i]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      double behind = opaque ? 0 : options.background[static_cast<Eigen::Index>(c)];
+      if (options.behind)
+        behind = options.behind->pixels[3 * i + c];
+      image.pixels[3 * i + c] = static_cast<float>(rgbt[4 * i + c] + rgbt[4 * i + 3] * behind);
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+/// All that is opaque from a camera, and what of signs is seen.
+class SceneRenderer::Opaque {
+ public:
+  static Result<Opaque> draw(SceneRenderer& renderer, View view, const Rgb& background,
+                             Progress& progress, PictureCounts& counts) {
+    const Snapshot& snapshot = view.snapshot;
+    Opaque opaque(SurfaceStack(view.camera, background));
+    if (view.surfaces && !snapshot.geometry.empty()) {
+      const Stopwatch watch(counts.surfaceMilliseconds);
+      VOLUTE_ASSIGN(auto seen, renderer.surfaces(view, progress));
+      counts.surfacePixels += seen.surfacePixels;
+      counts.shadowRays += seen.shadowRays;
+      opaque.stack.add(SurfaceView{std::move(seen.depth), std::move(seen.color)});
+    }
+    for (std::size_t i = 0; i < snapshot.media.size(); ++i) {
+      if (!view.surfaces || !snapshot.media[i]->hasWalls())
+        continue;
+      VOLUTE_ASSIGN(const auto seen, renderer.walls(view, i));
+      opaque.stack.add(seen);
+    }
+    if (!snapshot.signs.empty()) {
+      view.opaqueDepth = opaque.stack.depth();
+      VOLUTE_ASSIGN(opaque.signs, renderer.findSigns(view));
+      opaque.stack.add(opaque.signs);
+    }
+    return opaque;
+  }
+
+  SurfaceStack stack;
+  std::vector<SignPixel> signs;
+
+ private:
+  explicit Opaque(SurfaceStack surfaces) : stack(std::move(surfaces)) {}
+};
+
+Result<Image> SceneRenderer::render(const Snapshot& snapshot, const Camera& camera,
+                                    const RenderOptions& options, Progress& progress,
+                                    PictureCounts* counts) {
+  PictureCounts unheard;
+  return picture({snapshot, camera}, options, progress, counts ? *counts : unheard);
+}
+
+Result<Image> SceneRenderer::renderBare(const Snapshot& snapshot, const Camera& camera,
+                                        const RenderOptions& options, Progress& progress) {
+  PictureCounts unheard;
+  return picture({.snapshot = snapshot, .camera = camera, .surfaces = false}, options, progress,
+                 unheard);
+}
+
+Result<Image> SceneRenderer::picture(View view, const RenderOptions& options, Progress& progress,
+                                     PictureCounts& counted) {
+  const Snapshot& snapshot = view.snapshot;
+  VOLUTE_TRY(begin(view));
+  VOLUTE_ASSIGN(const auto opaque,
+                Opaque::draw(*this, view, options.background, progress, counted));
+  view.opaqueDepth = opaque.stack.depth();
+  if (options.aov != Aov::kNone) {
+    VOLUTE_ASSIGN(auto depth, opticalDepth(view, options, progress, counted.render));
+    for (float& value : depth.pixels) {
+      if (options.aov == Aov::kTransmittance)
+        value = static_cast<float>(std::exp(-snapshot.law.factor() * value));
+    }
+    return depth;
+  }
+  RenderOptions before = options;
+  before.behind = opaque.stack.color();
+  VOLUTE_ASSIGN(auto image, color(view, before, progress, counted.render));
+  if (!opaque.signs.empty())
+    VOLUTE_TRY(addSigns(view, opaque.signs, options, progress, image));
+  return image;
+}
+
+Status CpuRenderer::begin(const View& view) {
+  const Snapshot& snapshot = view.snapshot;
+  pictures_.resize(snapshot.media.size());
+  media_.clear();
+  others_.clear();
+  for (std::size_t i = 0; i < snapshot.media.size(); ++i) {
+    const std::size_t first = media_.size();
+    VOLUTE_TRY(snapshot.media[i]->addMediaFor(view.camera, media_));
+    if (method_ != Renderer::kReference)
+      pictures_[i] = snapshot.media[i]->picture(std::move(pictures_[i]));
+    if (!pictures_[i]) {
+      for (std::size_t m = first; m < media_.size(); ++m) others_.push_back(media_[m]);
+    }
+  }
+  return {};
+}
+
+Result<SurfacePicture> CpuRenderer::surfaces(const View& view, Progress& progress) {
+  const Snapshot& snapshot = view.snapshot;
+  // Lamps' light is always attenuated physically, whatever the picture's law.
+  std::vector<AnyMedium> media;
+  for (const AnyMedium& medium : media_)
+    media.push_back(scaledBy(1 / snapshot.law.factor(), medium));
+  const SurfaceScene scene{snapshot.geometry, snapshot.lights.lamps, snapshot.lights.ambient,
+                           media};
+  return renderSurfaces(view.camera, scene, Rgb::Zero(), progress);
+}
+
+Result<SurfaceView> CpuRenderer::walls(const View& view, std::size_t medium) {
+  return view.snapshot.media[medium]->lookAtWalls(view.camera, view.snapshot.geometry);
+}
+
+Result<std::vector<SignPixel>> CpuRenderer::findSigns(const View& view) {
+  return signPixels(view.camera, view.snapshot.signs, view.opaqueDepth);
+}
+
+Result<Image> CpuRenderer::color(const View& view, const RenderOptions& options,
+                                 Progress& progress, RenderStats& stats) {
+  RenderOptions own = options;
+  own.renderer = method_;
+  const auto whole = [](const auto& picture) { return picture != nullptr; };
+  if (std::ranges::count_if(pictures_, whole) != 1)
+    return volute::render(view.camera, media_, own, progress, &stats, view.opaqueDepth);
+  const auto begin = std::chrono::steady_clock::now();
+  const std::size_t pixels = static_cast<std::size_t>(view.camera.width()) * view.camera.height();
+  std::vector<float> rgbt(4 * pixels, 0);
+  (*std::ranges::find_if(pictures_, whole))->light(view.camera, view.opaqueDepth, rgbt);
+  Image image = over(rgbt, view.camera, view.opaqueDepth, own);
+  const auto mixed = pixelsThatMeet(view.camera, others_, view.opaqueDepth);
+  const auto others = static_cast<std::uint64_t>(std::ranges::count(mixed, 1));
+  stats.rays = mixed.size() - others;
+  stats.segments = stats.rays;
+  if (others > 0) {
+    own.only = mixed;
+    RenderStats more;
+    VOLUTE_ASSIGN(const auto rest, volute::render(view.camera, media_, own, progress, &more,
+                                                  view.opaqueDepth));
+    for (std::size_t i = 0; i < mixed.size(); ++i) {
+      if (mixed[i])
+        std::copy_n(&rest.pixels[3 * i], 3, &image.pixels[3 * i]);
+    }
+    stats.rays += more.rays, stats.segments += more.segments, stats.pieces += more.pieces;
+  }
+  stats.milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  return image;
+}
+
+Result<Image> CpuRenderer::opticalDepth(const View& view, const RenderOptions& options,
+                                        Progress& progress, RenderStats& stats) {
+  RenderOptions depths = options;
+  depths.renderer = method_;
+  depths.aov = Aov::kOpticalDepth;
+  VOLUTE_ASSIGN(auto sum, volute::render(view.camera, others_, depths, progress, &stats,
+                                         view.opaqueDepth));
+  const double factor = view.snapshot.law.factor();
+  for (float& depth : sum.pixels) depth = static_cast<float>(depth / factor);
+  std::vector<float> depth(sum.pixels.size());
+  for (const auto& picture : pictures_) {
+    if (!picture)
+      continue;
+    picture->opticalDepth(view.camera, view.opaqueDepth, depth);
+    for (std::size_t i = 0; i < depth.size(); ++i) sum.pixels[i] += depth[i];
+    stats.segments += depth.size();
+  }
+  return sum;
+}
+
+Status CpuRenderer::addSigns(const View& view, std::span<const SignPixel> seen,
+                             const RenderOptions& options, Progress& progress, Image& image) {
+  RenderStats ofSigns;
+  VOLUTE_ASSIGN(const auto depth, opticalDepth(view, options, progress, ofSigns));
+  volute::addSigns(seen, view.snapshot.signs, depth, view.snapshot.law, image);
+  return {};
+}
+
+}  // namespace volute

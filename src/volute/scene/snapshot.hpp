@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "volute/geometry/triangle_scene.hpp"
+#include "volute/media/medium_at.hpp"
+#include "volute/media/scene_lights.hpp"
+#include "volute/optics/visibility.hpp"
+#include "volute/render/sign.hpp"
+
+namespace volute {
+
+/// A scene at one instant, with all that pictures of it need. Nothing in it changes: threads may
+/// take pictures while others go on to the next instant. Cheap to copy.
+struct Snapshot {
+  double time = 0;  ///< [s], of the scene
+  PictureLaw law;   ///< that everything but signs is seen through
+  std::vector<std::shared_ptr<const MediumAt>> media;  ///< in the order of the scene
+  TriangleScene geometry;                              ///< all that is opaque, walls of media apart
+  TriangleScene fixedGeometry;  ///< the scene's own, which stands in the light of media
+  SceneLights lights;
+  std::vector<Sign> signs;
+  Rgb background = Rgb::Zero();
+
+  /// Whether a medium has walls of its own.
+  bool hasWalls() const;
+};
+
+}  // namespace volute

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// The maps of fog in a SceneDocument that a person paints.
+#include <algorithm>
+
+#include "volute/io/image_file.hpp"
+#include "volute/media/fog/fog_scene_medium.hpp"
+#include "volute/media/volume/volume_input.hpp"
+#include "volute/scene/scene_names.hpp"
+#include "volute/viewer/scene_document.hpp"
+
+namespace volute {
+namespace {
+
+/// A fog whose map can be painted, and its place in the scene.
+struct Canvas {
+  std::shared_ptr<FogSceneMedium> fog;
+  std::string path;  ///< "/media/0"
+};
+
+std::vector<Canvas> canvasesOf(const Scene& scene) {
+  std::vector<Canvas> canvases;
+  for (std::size_t i = 0; i < scene.media().size(); ++i) {
+    auto fog = std::dynamic_pointer_cast<FogSceneMedium>(scene.media()[i]);
+    if (fog && fog->paintable())
+      canvases.push_back({std::move(fog), scene.description().media[i].path});
+  }
+  return canvases;
+}
+
+Result<Canvas> canvasAt(const Scene& scene, std::size_t i) {
+  auto canvases = canvasesOf(scene);
+  if (i < canvases.size())
+    return std::move(canvases[i]);
+  return fail(ErrorCode::kNotFound, "{}: there is no map of fog to paint on any more",
+              scene.path());
+}
+
+}  // namespace
+
+std::vector<FogCanvas> SceneDocument::canvases() const {
+  std::vector<FogCanvas> canvases;
+  for (const Canvas& canvas : canvasesOf(scene_)) {
+    const FogDescription& fog = canvas.fog->description();
+    const std::string& file = fog.maps.front();
+    canvases.push_back({std::filesystem::path(file).filename().string(), file,
+                        fog.placement.sigmaMax, canvas.fog->shown().fogAt(0), fog.wind,
+                        canvas.fog->unsaved()});
+  }
+  return canvases;
+}
+
+Status SceneDocument::setFogMap(std::size_t canvas, std::vector<double> coefficients,
+                                bool unsaved) {
+  VOLUTE_ASSIGN(const Canvas found, canvasAt(scene_, canvas));
+  return found.fog->paint(std::move(coefficients), unsaved);
+}
+
+Status SceneDocument::saveFogMap(std::size_t canvas, const std::string& target, const Image& map) {
+  const float most = *std::ranges::max_element(map.pixels);
+  if (most > 1 && extensionOf(target) == ".png") {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: the map is up to {:.3g} times its largest value, which a .png cannot hold; "
+                "save an .exr",
+                target, most);
+  }
+  VOLUTE_ASSIGN(const Canvas found, canvasAt(scene_, canvas));
+  VOLUTE_TRY(writeMap(target, map));
+  nlohmann::ordered_json json = scene_.json();
+  json[nlohmann::ordered_json::json_pointer(found.path)]["map"] =
+      nameFrom(target, file_, std::filesystem::path(target).filename().string());
+  found.fog->savedAs(target);
+  scene_.note(std::move(json));
+  history_.clear();  // of a scene with another map
+  return {};
+}
+
+}  // namespace volute
