@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <cstdio>
 #include <mutex>
 #include <set>
@@ -19,6 +20,7 @@ std::atomic<bool> stopRequested{false};
 std::atomic<bool> finished{false};
 std::mutex foldersMutex;
 std::set<std::filesystem::path> folders;
+std::string commandName;  // after a blank
 
 sigset_t stopSignals() {
   sigset_t set;
@@ -44,22 +46,27 @@ void removePendingFiles() {
   }
 }
 
+[[noreturn]] void endNow() {
+  removePendingFiles();
+  std::string note;
+  {
+    const std::scoped_lock lock(foldersMutex);
+    note = fmt::format("{}volute{}: stopped\n", ::isatty(STDERR_FILENO) ? "\n" : "", commandName);
+  }
+  (void)!::write(STDERR_FILENO, note.data(), note.size());
+  ::_exit(1);
+}
+
 void waitForSignals() {
   const sigset_t set = stopSignals();
-  for (;;) {
-    int signal = 0;
-    if (sigwait(&set, &signal) != 0)
-      return;
-    if (finished)
-      return;
-    if (stopRequested.exchange(true)) {
-      removePendingFiles();
-      ::_exit(1);
-    }
-    constexpr std::string_view kNote = "\nvolute: stopping; once more ends it at once\n";
-    if (::isatty(STDERR_FILENO))
-      (void)!::write(STDERR_FILENO, kNote.data(), kNote.size());
-  }
+  int signal = 0;
+  if (sigwait(&set, &signal) != 0 || finished)
+    return;
+  stopRequested = true;
+  const timespec patience{0, std::chrono::nanoseconds(Interrupt::kPatience).count()};
+  const int second = sigtimedwait(&set, nullptr, &patience);
+  if (!finished && (second > 0 || errno == EAGAIN))
+    endNow();
 }
 
 }  // namespace
@@ -78,6 +85,11 @@ Interrupt::~Interrupt() {
 
 bool Interrupt::requested() {
   return stopRequested;
+}
+
+void Interrupt::name(std::string_view command) {
+  const std::scoped_lock lock(foldersMutex);
+  commandName = fmt::format(" {}", command);
 }
 
 void Interrupt::watch(const std::filesystem::path& target) {
