@@ -20,6 +20,7 @@
 #include "volute/cli/overwriting.hpp"
 #include "volute/cli/parse.hpp"
 #include "volute/cli/version.hpp"
+#include "volute/io/reader_helper.hpp"
 
 namespace volute::cli {
 namespace {
@@ -85,6 +86,7 @@ int runCommand(const Command& command, const Arguments& arguments,
   context.json = arguments.flag("json");
   context.words = words;
   context.verbose = arguments.flag("verbose");
+  Interrupt::name(command.name);
   Status status = runGuarded(command, arguments, context);
   if (status)
     status = flushResults();
@@ -120,6 +122,7 @@ void ignoreSignalsOfWriting() {
 
 int runProgram(int argc, char** argv) {
   ignoreSignalsOfWriting();
+  const ReaderHelper helper(Interrupt::requested);
   const Interrupt interrupt;
   std::vector<std::string> words(argv + 1, argv + argc);
   const auto place = findCommandWord(words);
@@ -139,6 +142,7 @@ int runProgram(int argc, char** argv) {
 
 int runProgram(const Command& command, int argc, char** argv) {
   ignoreSignalsOfWriting();
+  const ReaderHelper helper(Interrupt::requested);
   const Interrupt interrupt;
   return parseAndRun(command, {argv + 1, argv + argc});
 }
