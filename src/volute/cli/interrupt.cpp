@@ -39,7 +39,8 @@ void removePendingFiles() {
     for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
       const std::string name = entry.path().filename().string();
       const bool pending = name.starts_with('.') && name.find(ours) != std::string::npos &&
-                           name.find(".part") != std::string::npos;
+                           name.find(".part") != std::string::npos &&
+                           !name.ends_with(".old.part");  // somebody's results
       if (pending)
         std::filesystem::remove_all(entry.path(), error);
     }
@@ -95,6 +96,9 @@ void Interrupt::name(std::string_view command) {
 void Interrupt::watch(const std::filesystem::path& target) {
   const std::scoped_lock lock(foldersMutex);
   folders.insert(target.has_parent_path() ? target.parent_path() : std::filesystem::path("."));
+  std::error_code error;
+  if (std::filesystem::is_symlink(target, error))
+    folders.insert(std::filesystem::weakly_canonical(target, error).parent_path());
 }
 
 }  // namespace volute::cli

@@ -17,8 +17,10 @@
 #include "volute/cli/console.hpp"
 #include "volute/cli/help.hpp"
 #include "volute/cli/interrupt.hpp"
+#include "volute/cli/named_files.hpp"
 #include "volute/cli/overwriting.hpp"
 #include "volute/cli/parse.hpp"
+#include "volute/cli/printable.hpp"
 #include "volute/cli/version.hpp"
 #include "volute/io/reader_helper.hpp"
 
@@ -30,7 +32,7 @@ constexpr int kCouldNot = 1;
 constexpr int kWrongUsage = 2;
 
 int wrongUsage(const Error& error) {
-  fmt::print(stderr, "volute: {}\n'volute help' lists the commands.\n", error.message);
+  fmt::print(stderr, "volute: {}\n'volute help' lists the commands.\n", printableMessage(error.message));
   return kWrongUsage;
 }
 
@@ -60,6 +62,8 @@ Status flushResults() {
 Status runGuarded(const Command& command, const Arguments& arguments, Context& context) {
   try {
     VOLUTE_TRY(checkNothingOverwritten(command, arguments));
+    VOLUTE_TRY(checkNamedFiles(arguments, context));
+    remarkOnLeftovers(command, arguments, context);
     return command.run(arguments, context);
   } catch (const std::bad_alloc&) {
     return fail(
@@ -94,7 +98,7 @@ int runCommand(const Command& command, const Arguments& arguments,
   if (status)
     return kDone;
   std::fflush(stdout);
-  fmt::print(stderr, "volute {}: {}\n", command.name, status.error().message);
+  fmt::print(stderr, "volute {}: {}\n", command.name, printableMessage(status.error().message));
   return status.error().code == ErrorCode::kInvalidArgument ? kWrongUsage : kCouldNot;
 }
 
@@ -102,7 +106,7 @@ int parseAndRun(const Command& command, const std::vector<std::string>& words) {
   const auto arguments = parseArguments(command, words);
   if (!arguments) {
     fmt::print(stderr, "volute {0}: {1}\n'volute help {0}' shows how it is used.\n", command.name,
-               arguments.error().message);
+               printableMessage(arguments.error().message));
     return kWrongUsage;
   }
   if (arguments->flag("help"))
