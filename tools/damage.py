@@ -290,9 +290,14 @@ def try_format(volute, form, cuts, flips, seed, longest):
         return form, counts, peer_counts if peer else None, ""
 
 
-def row(label, counts, kind, place):
-    count = counts[kind, place]
-    return f"| {label} | {kind}, {place} | " + " | ".join(str(count[name]) for name in COUNTS) + " |"
+KINDS = (("cut", "header"), ("cut", "payload"), ("flip", "header"), ("flip", "payload"))
+
+
+def row(label, counts):
+    """A line of the table: four cells of "refused remarked same silent", then what must not be."""
+    cells = [" ".join(str(counts[key][name]) for name in COUNTS[:4]) if counts[key] else "" for key in KINDS]
+    faults = [f"{sum(counts[key][name] for key in KINDS)} {name}" for name in COUNTS[4:] if any(counts[key][name] for key in KINDS)]
+    return f"| {label} | " + " | ".join(cells) + f" | {', '.join(faults) or 0} |"
 
 
 def main():
@@ -307,18 +312,18 @@ def main():
     options = parser.parse_args()
     volute = str(pathlib.Path(options.bin).resolve())
     chosen = [form for form in formats(Samples(volute)) if not options.names or form.name in options.names]
-    print("| format | damage | " + " | ".join(COUNTS) + " |\n| --- | --- |" + " ---: |" * len(COUNTS))
+    print("| format | " + " | ".join(f"{kind}, {place}" for kind, place in KINDS)
+          + " | faults |\n| --- |" + " ---: |" * (len(KINDS) + 1))
     faults = 0
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         for form, ours, peer, why in pool.map(
                 lambda form: try_format(volute, form, options.cuts, options.flips, options.seed, options.longest), chosen):
             if why:
-                print(f"| {form.name} | not tried: {why} |" + " |" * len(COUNTS))
+                print(f"| {form.name} | not tried: {why} |" + " |" * len(KINDS))
                 continue
-            for label, counts in ((form.name, ours), (f"{form.name}, {form.peer[0]}" if peer else "", peer)):
-                for kind, place in (("cut", "header"), ("cut", "payload"), ("flip", "header"), ("flip", "payload")):
-                    if counts and counts[kind, place]:
-                        print(row(label, counts, kind, place), flush=True)
+            for label, counts in ((form.name, ours), (f"{form.name}, by {form.peer[0]}" if peer else "", peer)):
+                if counts:
+                    print(row(label, counts), flush=True)
             faults += sum(ours[key][name] for key in ours for name in ("crash", "hang", "left"))
     print(f"\n{faults} crashes, hangs and files left" if faults else "\nNo crash, no hang, no file left.")
     return 1 if faults else 0
