@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """Ctrl-C: the command stops, says so, and leaves nothing half-written."""
+import json
 import os
+import pathlib
+import random
 import signal
+import struct
 import subprocess
 import time
 
+import ring
+import sight_cases
 import support
 
 
@@ -66,6 +72,114 @@ class Interrupt(support.TestCase):
         time.sleep(0.5)
         self.assertIn("stopped", self.stopped(process, [signal.SIGINT]))
         self.assertEqual(self.files(), ["in.volute"])
+
+    def test_a_second_is_enough(self):
+        """What computes without asking ends too: the hall's 12 million tets are made in one step."""
+        begun = subprocess.Popen([support.PROGRAM, "synthesize", "hall", "-o", self.path("hall.pvd"), "--cell", "0.1"],
+                                 stderr=subprocess.PIPE)
+        time.sleep(0.4)
+        at = time.monotonic()
+        self.assertIn("stopped", self.stopped(begun, [signal.SIGINT]))
+        self.assertLess(time.monotonic() - at, LONGEST)
+        self.assertEqual(self.files(), [])
+
+
+LONGEST = 1.5  # [s] from the signal to the end of the program, which has one of them, on a machine with other work
+
+
+def sparse_npy(path, shape):
+    """Zeros, of any size, that take no place on the disk."""
+    header = repr({"descr": "<f4", "fortran_order": False, "shape": shape}).encode()
+    header += b" " * (-(len(header) + 11) % 64) + b"\n"
+    count = 4
+    for side in shape:
+        count *= side
+    with open(path, "wb") as file:
+        file.write(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header)
+        file.truncate(file.tell() + count)
+
+
+class EveryVerb(support.TestCase):
+    """SIGINT while it works: it ends within a second or so and leaves what was there, and `may`: what the next run goes on
+    from."""
+
+    def stops(self, *arguments, after=0.3, may=(), **options):
+        before = set(self.files())
+        process = subprocess.Popen([support.PROGRAM, *map(str, arguments)], stderr=subprocess.PIPE, **options)
+        time.sleep(after)
+        self.assertIsNone(process.poll(), "ended before it could be stopped")
+        at = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        process.wait(timeout=60)
+        took = time.monotonic() - at
+        message = process.stderr.read().decode()
+        process.stderr.close()
+        self.assertEqual(process.returncode, 1, message)
+        self.assertIn("stopped", message.lower())
+        self.assertLess(took, LONGEST)
+        self.assertEqual(set(self.files()) - set(may), before)
+
+    def reader_gone(self, file):
+        """No process has the file open."""
+        for entry in pathlib.Path("/proc").glob("[0-9]*/fd/*"):
+            try:
+                self.assertNotEqual(os.readlink(entry), str(file))
+            except OSError:
+                pass
+
+    def test_info_and_compare(self):
+        for name in ("a.npy", "b.npy"):
+            sparse_npy(self.path(name), (20000, 64, 64, 64))
+        self.stops("info", self.path("a.npy"), "--values")
+        self.stops("compare", self.path("a.npy"), self.path("b.npy"))
+
+    def test_into_a_pipe_that_nobody_reads(self):
+        self.make_volute("fire.volute", frames=20, size=16)
+        for command in (["extract", self.path("fire.volute")], ["synthesize", "fire"]):
+            end, begin = os.pipe()
+            self.stops(*command, "-o", "-", stdout=begin)
+            os.close(begin)
+            os.close(end)
+
+    def test_join(self):
+        values = random.Random(1)
+        support.write_npy(self.path("noise.npy"), (49, 32, 32, 32), [values.random() for _ in range(32 ** 3)], times=49)
+        for name, frames in (("a", "0:17"), ("b", "17:49")):
+            self.works("compress", self.path("noise.npy"), "-o", self.path(f"{name}.volute"), "--frames", frames, "--rms", "0.003",
+                       "--fast")
+        self.stops("join", self.path("a.volute"), self.path("b.volute"), "-o", self.path("c.volute"), "--threads", 1, after=0.2)
+
+    def test_fog(self):
+        self.works("synthesize", "valley", "-o", self.path("valley"), "--pixels", "320x200", "--size", "32")
+        valley = self.path("valley")
+        for i in range(400):
+            for name, kind in (("color", "exr"), ("depth", "exr"), ("camera", "json")):
+                os.link(valley / f"{name}.{kind}", valley / f"{name}_{i:04d}.{kind}")
+        self.stops("fog", valley / "fogmap.png", "--color", valley / "color_%04d.exr", "--depth", valley / "depth_%04d.exr",
+                   "--camera", valley / "camera_%04d.json", "-o", self.path("foggy.mp4"), "--threads", 1)
+
+    def test_visibility(self):
+        sight_cases.write_vtu(self.path("a.vtu"), (20, 20, 3), (24, 24, 6), lambda x, y, z: 0.1)
+        self.path("signs.json").write_text(json.dumps({"signs": [
+            {"name": str(i), "position": [0.1 * i, 0, 2], "normal": [0, 1, 0]} for i in range(20)]}))
+        self.stops("visibility", self.path("a.vtu"), "--quantity", "extinction", "--signs", self.path("signs.json"), "-o",
+                   self.path("out"), "--step", "0.02", after=0.8)
+        self.reader_gone(self.path("a.vtu"))
+
+
+class OfCaptures(ring.TestCase):
+    stops = EveryVerb.stops
+
+    def test_project(self):
+        for camera in self.json["cameras"]:
+            camera["width"], camera["height"] = 4000, 3200
+            camera["K"] = [[4200, 0, 2000], [0, 4200, 1600], [0, 0, 1]]
+        self.write_capture()
+        self.stops("project", self.path("truth.npy"), self.path("capture.json"), "-o", self.path("{camera}_new_%04d.exr"))
+
+    def test_reconstruct(self):
+        self.stops("reconstruct", self.path("capture.json"), "-o", self.path("out.npy"), "--resolution", 160, "--threads", 1,
+                   may=["out.npy.work"])
 
 
 if __name__ == "__main__":

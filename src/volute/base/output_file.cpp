@@ -3,6 +3,7 @@
 #include "volute/base/output_file.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -25,6 +26,30 @@ Status writeAll(int descriptor, std::span<const std::byte> bytes, std::int64_t o
   return {};
 }
 
+/// Where a target is: symbolic links lead there.
+Result<std::filesystem::path> placeOf(const std::filesystem::path& target) {
+  constexpr int kMostLinks = 40;
+  std::filesystem::path place = target;
+  std::error_code error;
+  for (int i = 0; std::filesystem::is_symlink(place, error); ++i) {
+    const auto next = std::filesystem::read_symlink(place, error);
+    if (error || i == kMostLinks)
+      return fail(ErrorCode::kIo, "{}: this symbolic link leads nowhere", target.string());
+    place = place.parent_path() / next;
+  }
+  return place;
+}
+
+Status checkReplaceable(const std::filesystem::path& place, mode_t mode, const std::string& name) {
+  if (!S_ISREG(mode))
+    return fail(ErrorCode::kIo, "{}: is there and is no regular file; give another name", name);
+  if (::access(place.c_str(), W_OK) != 0) {
+    return fail(ErrorCode::kIo, "{}: is there and is write-protected (mode {:04o}); give another name, or allow writing to it",
+                name, mode & 07777);
+  }
+  return {};
+}
+
 Status syncPath(const std::filesystem::path& path, const std::string& name) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
@@ -34,22 +59,45 @@ Status syncPath(const std::filesystem::path& path, const std::string& name) {
   return {};
 }
 
+/// So that the name is there after a power cut too. Some file systems sync no folders.
+Status syncFolderOf(const std::filesystem::path& path, const std::string& name) {
+  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0)
+    return {};  // may be written to, and not be read
+  const bool synced = ::fsync(descriptor) == 0 || errno == EINVAL || errno == EROFS;
+  const int reason = errno;
+  ::close(descriptor);
+  if (!synced) return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", name, std::strerror(reason));
+  return {};
+}
+
 }  // namespace
 
-PendingFile::PendingFile(std::filesystem::path temporary, std::filesystem::path target)
-    : temporary_(std::move(temporary)), target_(std::move(target)) {}
+PendingFile::PendingFile(std::filesystem::path temporary, std::filesystem::path target, std::filesystem::path place)
+    : temporary_(std::move(temporary)), target_(std::move(target)), place_(std::move(place)) {}
 
 Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
   static std::atomic<unsigned> counter{0};
-  auto temporary = target;
-  temporary.replace_filename(fmt::format(".{}.{}.{}.part{}", target.stem().string(), ::getpid(), counter++,
-                                         target.extension().string()));
+  VOLUTE_ASSIGN(const auto place, placeOf(target));
+  struct stat old {};
+  const bool replaces = ::stat(place.c_str(), &old) == 0;
+  if (replaces)
+    VOLUTE_TRY(checkReplaceable(place, old.st_mode, target.string()));
+  auto temporary = place;
+  temporary.replace_filename(fmt::format(".{}.{}.{}.part{}", place.stem().string(), ::getpid(), counter++,
+                                         place.extension().string()));
   const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) {
     return fail(ErrorCode::kIo, "{}: cannot write into its folder: {}", target.string(), std::strerror(errno));
   }
+  if (replaces) {
+    // Another owner is root's to give, and a change of owner takes bits of the mode away.
+    (void)!::fchown(descriptor, old.st_uid, old.st_gid);
+    (void)::fchmod(descriptor, old.st_mode & 07777);
+  }
   ::close(descriptor);
-  return PendingFile(std::move(temporary), target);
+  return PendingFile(std::move(temporary), target, place);
 }
 
 PendingFile::~PendingFile() {
@@ -57,21 +105,24 @@ PendingFile::~PendingFile() {
 }
 
 PendingFile::PendingFile(PendingFile&& other) noexcept
-    : temporary_(std::exchange(other.temporary_, {})), target_(std::move(other.target_)) {}
+    : temporary_(std::exchange(other.temporary_, {})),
+      target_(std::move(other.target_)),
+      place_(std::move(other.place_)) {}
 
 PendingFile& PendingFile::operator=(PendingFile&& other) noexcept {
   std::swap(temporary_, other.temporary_);
   std::swap(target_, other.target_);
+  std::swap(place_, other.place_);
   return *this;
 }
 
 Status PendingFile::commit() {
   VOLUTE_TRY(syncPath(temporary_, target_.string()));
-  if (::rename(temporary_.c_str(), target_.c_str()) != 0) {
+  if (::rename(temporary_.c_str(), place_.c_str()) != 0) {
     return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", target_.string(), std::strerror(errno));
   }
   temporary_.clear();
-  return {};
+  return syncFolderOf(place_, target_.string());
 }
 
 Result<OutputFile> OutputFile::create(const std::filesystem::path& target) {

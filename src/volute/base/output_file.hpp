@@ -15,10 +15,11 @@ namespace volute {
 
 /// A name beside `target` for an output in the making, so that the target appears whole or not at all:
 /// whoever writes goes to path(); commit() makes it durable and renames it; otherwise the destructor removes it.
+/// A file that is replaced hands on its mode and owner; of a symbolic link the file that it leads to is replaced.
 class PendingFile {
  public:
-  /// Creates the empty temporary file; kIo when the folder cannot be written. The temporary name keeps the
-  /// target's extension, which some libraries go by.
+  /// Creates the empty temporary file; kIo when the folder cannot be written, and for targets that are there and are
+  /// write-protected or no regular files. The temporary name keeps the target's extension, which some libraries go by.
   [[nodiscard]] static Result<PendingFile> create(const std::filesystem::path& target);
 
   ~PendingFile();
@@ -28,14 +29,15 @@ class PendingFile {
   const std::filesystem::path& path() const { return temporary_; }
   const std::filesystem::path& target() const { return target_; }
 
-  /// fsync, then rename over the target. Call it once.
+  /// fsync, then rename over the target, then fsync its folder. Call it once.
   [[nodiscard]] Status commit();
 
  private:
-  PendingFile(std::filesystem::path temporary, std::filesystem::path target);
+  PendingFile(std::filesystem::path temporary, std::filesystem::path target, std::filesystem::path place);
 
   std::filesystem::path temporary_;
-  std::filesystem::path target_;
+  std::filesystem::path target_;  // as it was named
+  std::filesystem::path place_;   // where it is, symbolic links followed
 };
 
 /// A PendingFile with a descriptor: bytes in order, then commit(). "-" as the target is standard output.

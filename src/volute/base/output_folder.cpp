@@ -3,9 +3,12 @@
 #include "volute/base/output_folder.hpp"
 
 #include <fcntl.h>
+#include <stdio.h>
 #include <unistd.h>
 
 #include <utility>
+
+#include "volute/base/leftovers.hpp"
 
 namespace volute {
 namespace {
@@ -27,11 +30,35 @@ Status sync(const fs::path& path) {
   return {};
 }
 
+Status syncParent(const fs::path& target) {
+  return sync(target.has_parent_path() ? target.parent_path() : fs::path("."));
+}
+
+/// What a folder is called while another takes its place.
+constexpr const char* kReplaced = ".old.part";
+
+/// A run that was killed after it moved the old folder away, and before the new one was there.
+void restoreReplaced(const fs::path& target) {
+  std::error_code error;
+  if (fs::exists(target, error))
+    return;
+  const auto parent = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  const std::string begin = fmt::format(".{}.", target.filename().string());
+  for (const fs::path& part : leftoversIn(parent)) {
+    const std::string name = part.filename().string();
+    if (name.starts_with(begin) && name.ends_with(kReplaced)) {
+      fs::rename(part, target, error);
+      return;
+    }
+  }
+}
+
 }  // namespace
 
 Result<PendingFolder> PendingFolder::create(const fs::path& wanted, std::string_view mark) {
   const fs::path target = withoutSlash(wanted);
   std::error_code error;
+  restoreReplaced(target);
   if (fs::exists(target, error)) {
     if (!fs::is_directory(target, error))
       return fail(ErrorCode::kIo, "{}: is there and is no folder; expected a new one",
@@ -65,10 +92,15 @@ PendingFolder::PendingFolder(PendingFolder&& other) noexcept
 Status PendingFolder::commit() {
   VOLUTE_TRY(sync(temporary_));
   std::error_code error;
+  // The old one and the new one change places at once, where the file system can.
+  if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) == 0) {
+    fs::remove_all(std::exchange(temporary_, {}), error);
+    return syncParent(target_);
+  }
   fs::path old;
   if (fs::exists(target_, error)) {
     old = temporary_;
-    old.replace_extension(".old.part");
+    old.replace_extension(kReplaced);
     fs::rename(target_, old, error);
   }
   if (!error)
@@ -82,7 +114,7 @@ Status PendingFolder::commit() {
   temporary_.clear();
   if (!old.empty())
     fs::remove_all(old, error);
-  return {};
+  return syncParent(target_);
 }
 
 }  // namespace volute

@@ -18,6 +18,8 @@ std::span<const Option> commonOptions() {
        .value = "BYTES",
        .help = "refuse what needs more memory than this (512M, 2G)",
        .initial = "4G"},
+      {.name = "untrusted",
+       .help = "refuse scenes and captures that name files outside of their own folder"},
       {.name = "json", .help = "print the results as one JSON object"},
       {.name = "quiet", .letter = 'q', .help = "no progress and no remarks"},
       {.name = "verbose", .letter = 'v', .help = "more remarks"},

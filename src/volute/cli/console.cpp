@@ -11,6 +11,7 @@
 #include <cstdlib>
 
 #include "volute/cli/interrupt.hpp"
+#include "volute/cli/printable.hpp"
 
 namespace volute::cli {
 namespace {
@@ -79,7 +80,7 @@ void Console::report(std::string_view stage, double done, double total) {
 }
 
 std::string Console::stageText() const {
-  return detail_.empty() ? stage_ : fmt::format("{}, {}", stage_, detail_);
+  return printableMessage(detail_.empty() ? stage_ : fmt::format("{}, {}", stage_, detail_));
 }
 
 void Console::drawBar(double done, double total, double elapsed) {
@@ -115,7 +116,7 @@ void Console::remark(std::string_view message) {
   if (volume_ == Volume::kQuiet)
     return;
   clear();
-  fmt::print(stderr, "volute {}: {}\n", command_, message);
+  fmt::print(stderr, "volute {}: {}\n", command_, printableMessage(message));
 }
 
 bool Console::cancelled() const {

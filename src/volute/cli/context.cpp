@@ -6,6 +6,7 @@
 
 #include "volute/cli/console.hpp"
 #include "volute/cli/interrupt.hpp"
+#include "volute/cli/printable.hpp"
 
 namespace volute::cli {
 
@@ -14,9 +15,10 @@ void Context::print(const Report& report) const {
 }
 
 // fwrite, not fmt: a failure is kept by the stream and reported once, at the end.
-void Context::print(std::string_view text) const {
+void Context::print(std::string_view unclean) const {
   if (console)
     console->clear();
+  const std::string text = printable(unclean);
   std::fwrite(text.data(), 1, text.size(), resultsToStderr ? stderr : stdout);
 }
 

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <cstdio>
 #include <mutex>
 #include <set>
@@ -19,6 +20,7 @@ std::atomic<bool> stopRequested{false};
 std::atomic<bool> finished{false};
 std::mutex foldersMutex;
 std::set<std::filesystem::path> folders;
+std::string commandName;  // after a blank
 
 sigset_t stopSignals() {
   sigset_t set;
@@ -37,29 +39,35 @@ void removePendingFiles() {
     for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
       const std::string name = entry.path().filename().string();
       const bool pending = name.starts_with('.') && name.find(ours) != std::string::npos &&
-                           name.find(".part") != std::string::npos;
+                           name.find(".part") != std::string::npos &&
+                           !name.ends_with(".old.part");  // somebody's results
       if (pending)
         std::filesystem::remove_all(entry.path(), error);
     }
   }
 }
 
+[[noreturn]] void endNow() {
+  removePendingFiles();
+  std::string note;
+  {
+    const std::scoped_lock lock(foldersMutex);
+    note = fmt::format("{}volute{}: stopped\n", ::isatty(STDERR_FILENO) ? "\n" : "", commandName);
+  }
+  (void)!::write(STDERR_FILENO, note.data(), note.size());
+  ::_exit(1);
+}
+
 void waitForSignals() {
   const sigset_t set = stopSignals();
-  for (;;) {
-    int signal = 0;
-    if (sigwait(&set, &signal) != 0)
-      return;
-    if (finished)
-      return;
-    if (stopRequested.exchange(true)) {
-      removePendingFiles();
-      ::_exit(1);
-    }
-    constexpr std::string_view kNote = "\nvolute: stopping; once more ends it at once\n";
-    if (::isatty(STDERR_FILENO))
-      (void)!::write(STDERR_FILENO, kNote.data(), kNote.size());
-  }
+  int signal = 0;
+  if (sigwait(&set, &signal) != 0 || finished)
+    return;
+  stopRequested = true;
+  const timespec patience{0, std::chrono::nanoseconds(Interrupt::kPatience).count()};
+  const int second = sigtimedwait(&set, nullptr, &patience);
+  if (!finished && (second > 0 || errno == EAGAIN))
+    endNow();
 }
 
 }  // namespace
@@ -80,9 +88,17 @@ bool Interrupt::requested() {
   return stopRequested;
 }
 
+void Interrupt::name(std::string_view command) {
+  const std::scoped_lock lock(foldersMutex);
+  commandName = fmt::format(" {}", command);
+}
+
 void Interrupt::watch(const std::filesystem::path& target) {
   const std::scoped_lock lock(foldersMutex);
   folders.insert(target.has_parent_path() ? target.parent_path() : std::filesystem::path("."));
+  std::error_code error;
+  if (std::filesystem::is_symlink(target, error))
+    folders.insert(std::filesystem::weakly_canonical(target, error).parent_path());
 }
 
 }  // namespace volute::cli

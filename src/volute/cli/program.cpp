@@ -17,9 +17,12 @@
 #include "volute/cli/console.hpp"
 #include "volute/cli/help.hpp"
 #include "volute/cli/interrupt.hpp"
+#include "volute/cli/named_files.hpp"
 #include "volute/cli/overwriting.hpp"
 #include "volute/cli/parse.hpp"
+#include "volute/cli/printable.hpp"
 #include "volute/cli/version.hpp"
+#include "volute/io/reader_helper.hpp"
 
 namespace volute::cli {
 namespace {
@@ -29,7 +32,7 @@ constexpr int kCouldNot = 1;
 constexpr int kWrongUsage = 2;
 
 int wrongUsage(const Error& error) {
-  fmt::print(stderr, "volute: {}\n'volute help' lists the commands.\n", error.message);
+  fmt::print(stderr, "volute: {}\n'volute help' lists the commands.\n", printableMessage(error.message));
   return kWrongUsage;
 }
 
@@ -59,6 +62,8 @@ Status flushResults() {
 Status runGuarded(const Command& command, const Arguments& arguments, Context& context) {
   try {
     VOLUTE_TRY(checkNothingOverwritten(command, arguments));
+    VOLUTE_TRY(checkNamedFiles(arguments, context));
+    remarkOnLeftovers(command, arguments, context);
     return command.run(arguments, context);
   } catch (const std::bad_alloc&) {
     return fail(
@@ -85,6 +90,7 @@ int runCommand(const Command& command, const Arguments& arguments,
   context.json = arguments.flag("json");
   context.words = words;
   context.verbose = arguments.flag("verbose");
+  Interrupt::name(command.name);
   Status status = runGuarded(command, arguments, context);
   if (status)
     status = flushResults();
@@ -92,7 +98,7 @@ int runCommand(const Command& command, const Arguments& arguments,
   if (status)
     return kDone;
   std::fflush(stdout);
-  fmt::print(stderr, "volute {}: {}\n", command.name, status.error().message);
+  fmt::print(stderr, "volute {}: {}\n", command.name, printableMessage(status.error().message));
   return status.error().code == ErrorCode::kInvalidArgument ? kWrongUsage : kCouldNot;
 }
 
@@ -100,7 +106,7 @@ int parseAndRun(const Command& command, const std::vector<std::string>& words) {
   const auto arguments = parseArguments(command, words);
   if (!arguments) {
     fmt::print(stderr, "volute {0}: {1}\n'volute help {0}' shows how it is used.\n", command.name,
-               arguments.error().message);
+               printableMessage(arguments.error().message));
     return kWrongUsage;
   }
   if (arguments->flag("help"))
@@ -120,6 +126,7 @@ void ignoreSignalsOfWriting() {
 
 int runProgram(int argc, char** argv) {
   ignoreSignalsOfWriting();
+  const ReaderHelper helper(Interrupt::requested);
   const Interrupt interrupt;
   std::vector<std::string> words(argv + 1, argv + argc);
   const auto place = findCommandWord(words);
@@ -139,6 +146,7 @@ int runProgram(int argc, char** argv) {
 
 int runProgram(const Command& command, int argc, char** argv) {
   ignoreSignalsOfWriting();
+  const ReaderHelper helper(Interrupt::requested);
   const Interrupt interrupt;
   return parseAndRun(command, {argv + 1, argv + argc});
 }

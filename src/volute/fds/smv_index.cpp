@@ -79,6 +79,7 @@ class SmvReader {
 
   Result<FdsMesh*> lastMesh();
   Result<FdsNodeBox> nodeBox(std::span<const double> indices);
+  Result<int> surface(double number);
   Status finish();
 
   TextLines lines_;
@@ -214,7 +215,7 @@ Status SmvReader::readGrid(std::string_view rest) {
   FdsMesh mesh;
   mesh.name = trimmed(rest);
   for (int axis = 0; axis < 3; ++axis) {
-    if (values[axis] < 1 || values[axis] > 1e6 || values[axis] != static_cast<int>(values[axis]))
+    if (!(values[axis] >= 1 && values[axis] <= 1e6) || values[axis] != std::floor(values[axis]))
       return wrong("1 to 1000000 cells on each axis");
     cells_[axis] = static_cast<int>(values[axis]);
   }
@@ -282,6 +283,13 @@ Result<FdsNodeBox> SmvReader::nodeBox(std::span<const double> indices) {
   return box;
 }
 
+Result<int> SmvReader::surface(double number) {
+  constexpr double kMost = 1e9;
+  if (!(std::abs(number) <= kMost))
+    return wrong(fmt::format("the number of a surface, not {:g}", number));
+  return static_cast<int>(number);
+}
+
 std::optional<FdsColour> colourOf(std::span<const double> values) {
   if (values.size() < 12)
     return std::nullopt;
@@ -297,8 +305,9 @@ Status SmvReader::readObstructions(std::string_view) {
   for (int i = 0; i < number; ++i) {
     VOLUTE_ASSIGN(const auto first, numbers("an obstruction's ends and surfaces", 6));
     FdsObstruction& one = obstructions.emplace_back();
-    for (std::size_t face = 0; face < 6 && 7 + face < first.size(); ++face)
-      one.surfaces[face] = static_cast<int>(first[7 + face]);
+    for (std::size_t face = 0; face < 6 && 7 + face < first.size(); ++face) {
+      VOLUTE_ASSIGN(one.surfaces[face], surface(first[7 + face]));
+    }
   }
   for (FdsObstruction& one : obstructions) {
     VOLUTE_ASSIGN(const auto second, numbers("an obstruction's node indices", 6));
@@ -318,7 +327,10 @@ Status SmvReader::readVents(std::string_view) {
   std::vector<FdsVent> vents;
   for (int i = 0; i < number; ++i) {
     VOLUTE_ASSIGN(const auto first, numbers("a vent's ends and surface", 6));
-    vents.emplace_back().surface = first.size() > 7 ? static_cast<int>(first[7]) : 0;
+    vents.emplace_back();
+    if (first.size() > 7) {
+      VOLUTE_ASSIGN(vents.back().surface, surface(first[7]));
+    }
   }
   for (FdsVent& vent : vents) {
     VOLUTE_ASSIGN(const auto second, numbers("a vent's node indices", 6));

@@ -160,6 +160,22 @@ TEST(SmvIndex, anyFlippedBitIsReadOrRefused) {
   }
 }
 
+/// A number that no int holds, where a surface is expected.
+TEST(SmvIndex, surfacesHaveNumbers) {
+  const Folder folder;
+  for (const char* section : {"OBST", "VENT"}) {
+    const std::string text = made().text();
+    std::size_t line = text.find(section);
+    ASSERT_NE(line, std::string::npos);
+    for (int i = 0; i < 2; ++i) line = text.find('\n', line) + 1;
+    const std::size_t end = text.find('\n', line);
+    const auto index = readText(
+        folder, text.substr(0, line) + " 0 1 0 2 0 1 1 1e72 0 0 0 0 0" + text.substr(end));
+    ASSERT_FALSE(index) << section;
+    EXPECT_THAT(index.error().message, HasSubstr("expected the number of a surface, not 1e+72"));
+  }
+}
+
 TEST(SmvIndex, errorsNameTheLine) {
   const Folder folder;
   std::string text = made().text();

@@ -84,6 +84,15 @@ Result<std::string> textOf(const std::filesystem::path& path) {
   return text;
 }
 
+/// A line without a colon or a number begins a part of the case, or is a remark. VTK's reader looks
+/// for a word it does not find for a minute.
+bool isSection(const std::vector<std::string>& words) {
+  static constexpr std::string_view kSections[] = {
+      "FORMAT", "GEOMETRY", "VARIABLE", "TIME", "FILE", "MATERIAL", "BLOCK_CONTINUATION",
+      "SCRIPTS"};
+  return words[0][0] == '#' || std::ranges::find(kSections, words[0]) != std::end(kSections);
+}
+
 Result<Case> readCase(const std::filesystem::path& path) {
   VOLUTE_ASSIGN(const std::string text, textOf(path));
   std::istringstream stream(text);
@@ -91,7 +100,9 @@ Result<Case> readCase(const std::filesystem::path& path) {
   TimeSet* set = nullptr;
   std::vector<std::string> numbersAfter;
   std::string key;
+  int number = 0;
   for (std::string line; std::getline(stream, line);) {
+    ++number;
     const auto colon = line.find(':');
     std::string rest = line;
     if (colon != std::string::npos) {
@@ -100,6 +111,11 @@ Result<Case> readCase(const std::filesystem::path& path) {
       for (const std::string& word : before) key += (key.empty() ? "" : " ") + word;
       rest = line.substr(colon + 1);
     } else if (const auto words = wordsOf(line); words.empty() || !numberOf(words[0])) {
+      if (!words.empty() && !isSection(words))
+        return fail(ErrorCode::kInvalidData,
+                    "{}: line {}: '{}' begins no part of a case; expected FORMAT, GEOMETRY, "
+                    "VARIABLE, TIME or another that EnSight knows",
+                    path.string(), number, words[0]);
       key.clear();
     }
     auto words = wordsOf(rest);

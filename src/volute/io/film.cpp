@@ -34,30 +34,38 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::pa
 /// Few enough to be passed over within the time that a call may take.
 constexpr int kSkippedAtOnce = 1024;
 
+namespace {
+
 /// The child answers "open" with a FilmInfo, each "next" with "frame" or "end", and "skip" with how
 /// many it passed over.
+Result<ReaderProcess::Serve> serveFilm(std::string_view parameters) {
+  VOLUTE_ASSIGN(const FilmPlugin* plugin, loadFilmPlugin());
+  return [plugin, file = std::filesystem::path(parameters),
+          decoder = std::shared_ptr<FilmDecoder>()](
+             std::string_view request, std::span<float> pixels) mutable -> Result<std::string> {
+    if (request == "open") {
+      decoder = plugin->makeDecoder();
+      VOLUTE_ASSIGN(const FilmInfo info, decoder->open(file));
+      return toMessage(info);
+    }
+    if (!decoder)
+      return fail(ErrorCode::kInvalidData, "{}: decoding it failed before", file.string());
+    if (request == "skip") {
+      VOLUTE_ASSIGN(const int skipped, decoder->skip(kSkippedAtOnce));
+      return toMessage(skipped);
+    }
+    VOLUTE_ASSIGN(const bool more, decoder->next(pixels));
+    return std::string(more ? "frame" : "end");
+  };
+}
+
+}  // namespace
+
 struct FilmReader::Impl {
   explicit Impl(const std::filesystem::path& file, std::uint64_t memory)
       : path(file),
         maxMemory(memory),
-        process([file, decoder = std::shared_ptr<FilmDecoder>()](
-                    std::string_view request,
-                    std::span<float> pixels) mutable -> Result<std::string> {
-          if (request == "open") {
-            VOLUTE_ASSIGN(const FilmPlugin* plugin, loadFilmPlugin());
-            decoder = plugin->makeDecoder();
-            VOLUTE_ASSIGN(const FilmInfo info, decoder->open(file));
-            return std::string(reinterpret_cast<const char*>(&info), sizeof info);
-          }
-          if (!decoder)
-            return fail(ErrorCode::kInvalidData, "{}: decoding it failed before", file.string());
-          if (request == "skip") {
-            VOLUTE_ASSIGN(const int skipped, decoder->skip(kSkippedAtOnce));
-            return std::to_string(skipped);
-          }
-          VOLUTE_ASSIGN(const bool more, decoder->next(pixels));
-          return std::string(more ? "frame" : "end");
-        }) {}
+        process(ReaderJob{serveFilm, file.string(), {file}}) {}
 
   Result<std::string> call(std::string_view request, std::size_t values) {
     constexpr std::uint64_t kLibraries = 256 << 20;
@@ -85,8 +93,7 @@ Result<FilmReader> FilmReader::open(const std::filesystem::path& path, std::uint
   VOLUTE_TRY(InputFile::check(path));
   auto impl = std::make_unique<Impl>(path, maxMemory);
   VOLUTE_ASSIGN(const std::string reply, impl->call("open", 0));
-  VOLUTE_ASSERT(reply.size() == sizeof impl->info);
-  std::memcpy(&impl->info, reply.data(), sizeof impl->info);
+  VOLUTE_ASSIGN(impl->info, fromMessage<FilmInfo>(reply));
   VOLUTE_TRY(checkImageSize(path, impl->info.width, impl->info.height, 3, maxMemory));
   return FilmReader(std::move(impl));
 }
@@ -105,8 +112,8 @@ Result<std::optional<Image>> FilmReader::next() {
 Result<int> FilmReader::countRest(int enough) {
   for (int count = 0;;) {
     VOLUTE_ASSIGN(const std::string reply, impl_->call("skip", 0));
-    const int skipped = std::stoi(reply);
-    count += skipped;
+    VOLUTE_ASSIGN(const int skipped, fromMessage<int>(reply));
+    count += std::clamp(skipped, 0, kSkippedAtOnce);
     if (count >= enough || skipped < kSkippedAtOnce)
       return std::min(count, enough);
   }

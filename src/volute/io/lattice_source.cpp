@@ -13,21 +13,19 @@
 namespace volute {
 namespace {
 
-/// Crosses to the child as bytes. The grid's name travels in it: it is chosen after the child was
-/// forked.
+/// Crosses to the child as bytes, the file's name after it. The grid's name travels in it: it is
+/// chosen after the child was forked.
 struct Request {
   bool describe = false;
   bool flag = false;  ///< needBox when describing, crop when reading
-  std::int64_t file = 0;
   IndexBox box;
   char grid[LatticeFrame::kMaxName + 1] = {};
   char usual[LatticeFrame::kMaxName + 1] = {};
 };
 
 /// The child's side.
-Result<std::string> serve(LatticeReader& reader, const std::vector<LatticeFile>& files,
+Result<std::string> serve(LatticeReader& reader, const std::filesystem::path& path,
                           const Request& request, std::span<float> values) {
-  const auto& path = files[request.file].path;
   VOLUTE_TRY(InputFile::check(path));
   if (request.describe) {
     VOLUTE_ASSIGN(const LatticeFrame frame,
@@ -38,17 +36,22 @@ Result<std::string> serve(LatticeReader& reader, const std::vector<LatticeFile>&
   return std::string();
 }
 
-ReaderProcess::Serve makeServe(const std::vector<LatticeFile>& files,
-                               Result<const LatticePlugin*> (*loadPlugin)()) {
-  return [files, loadPlugin, reader = std::shared_ptr<LatticeReader>()](
-             std::string_view bytes, std::span<float> values) mutable -> Result<std::string> {
-    if (!reader) {
-      VOLUTE_ASSIGN(const LatticePlugin* plugin, loadPlugin());
-      reader = plugin->makeReader();
-    }
-    VOLUTE_ASSIGN(const auto request, fromMessage<Request>(bytes));
-    return serve(*reader, files, request, values);
+using LoadLatticePlugin = Result<const LatticePlugin*> (*)();
+
+Result<ReaderProcess::Serve> makeServe(std::string_view parameters) {
+  VOLUTE_ASSIGN(const auto loadPlugin, fromMessage<LoadLatticePlugin>(parameters));
+  VOLUTE_ASSIGN(const LatticePlugin* plugin, loadPlugin());
+  return [reader = std::shared_ptr<LatticeReader>(plugin->makeReader())](
+             std::string_view bytes, std::span<float> values) -> Result<std::string> {
+    VOLUTE_ASSIGN(const auto request, fromMessage<Request>(bytes.substr(0, sizeof(Request))));
+    return serve(*reader, bytes.substr(sizeof(Request)), request, values);
   };
+}
+
+ReaderJob readerOf(const std::vector<LatticeFile>& files, LoadLatticePlugin loadPlugin) {
+  ReaderJob job{makeServe, toMessage(loadPlugin)};
+  for (const LatticeFile& file : files) job.readable.push_back(file.path);
+  return job;
 }
 
 std::uint64_t sizeOf(const std::filesystem::path& file) {
@@ -63,8 +66,24 @@ ReaderProcess::Limits limitsFor(const std::filesystem::path& file, std::size_t v
   ReaderProcess::Limits limits;
   limits.memory = std::max<std::uint64_t>(64 << 20, maxMemory) + kLibraries;
   limits.seconds =
-      5 + 1e-6 * static_cast<double>(sizeOf(file)) + 1e-7 * static_cast<double>(values);
+      3 + 1e-6 * static_cast<double>(sizeOf(file)) + 1e-7 * static_cast<double>(values);
   return limits;
+}
+
+/// What came from the process that reads the file, before anything is made of it.
+Status checkFrame(LatticeFrame& frame, const std::string& file) {
+  frame.grid[LatticeFrame::kMaxName] = '\0';
+  frame.others[LatticeFrame::kMaxName] = '\0';
+  bool sound = frame.channels == 1 || frame.channels == 3;
+  for (int axis = 0; axis < 3; ++axis) {
+    constexpr std::int64_t kFarthest = std::int64_t{1} << 40;
+    sound = sound && std::isfinite(frame.origin[axis]) && std::isfinite(frame.voxelSize[axis]) &&
+            frame.voxelSize[axis] > 0 && std::abs(frame.box.begin[axis]) < kFarthest &&
+            std::abs(frame.box.end[axis]) < kFarthest;
+  }
+  if (sound)
+    return {};
+  return fail(ErrorCode::kInvalidData, "{}: its reader describes a grid that cannot be", file);
 }
 
 std::string text(const std::array<double, 3>& v) {
@@ -183,7 +202,7 @@ class LatticeSource final : public FrameSource {
  public:
   LatticeSource(std::vector<LatticeFile> files, Result<const LatticePlugin*> (*loadPlugin)(),
                 const SourceOptions& options)
-      : files_(std::move(files)), process_(makeServe(files_, loadPlugin)), options_(options) {}
+      : files_(std::move(files)), process_(readerOf(files_, loadPlugin)), options_(options) {}
 
   /// Reads what the files say about themselves and settles the volume's place and size.
   Status open() {
@@ -228,11 +247,10 @@ class LatticeSource final : public FrameSource {
     const auto& shift = shifts_[index];
     Request request;
     request.flag = options_.bounds.has_value();
-    request.file = index;
     request.box = box_.shifted({-shift[0], -shift[1], -shift[2]});
     grid_.copy(request.grid, LatticeFrame::kMaxName);
     const auto& path = files_[index].path;
-    VOLUTE_TRY(process_.call(path.string(), toMessage(request), values.size(),
+    VOLUTE_TRY(process_.call(path.string(), toMessage(request) + path.string(), values.size(),
                              limitsFor(path, values.size(), options_.maxMemory)));
     std::ranges::copy(process_.values(), values.begin());
     return {};
@@ -244,12 +262,14 @@ class LatticeSource final : public FrameSource {
     Request request;
     request.describe = true;
     request.flag = !options_.bounds;
-    request.file = static_cast<std::int64_t>(index);
     grid.copy(request.grid, LatticeFrame::kMaxName);
     options_.usualGrid.copy(request.usual, LatticeFrame::kMaxName);
-    VOLUTE_ASSIGN(const std::string reply, process_.call(path.string(), toMessage(request), 0,
-                                                         limitsFor(path, 0, options_.maxMemory)));
-    return fromMessage<LatticeFrame>(reply);
+    VOLUTE_ASSIGN(const std::string reply,
+                  process_.call(path.string(), toMessage(request) + path.string(), 0,
+                                limitsFor(path, 0, options_.maxMemory)));
+    VOLUTE_ASSIGN(auto frame, fromMessage<LatticeFrame>(reply));
+    VOLUTE_TRY(checkFrame(frame, path.string()));
+    return frame;
   }
 
   void fillInfo(const std::vector<LatticeFrame>& frames) {
@@ -274,6 +294,20 @@ class LatticeSource final : public FrameSource {
   VolumeInfo info_;
 };
 
+/// Answers a collection's name with the files that it names.
+Result<ReaderProcess::Serve> serveCollection(std::string_view parameters) {
+  VOLUTE_ASSIGN(const auto loadPlugin, fromMessage<LoadLatticePlugin>(parameters));
+  VOLUTE_ASSIGN(const LatticePlugin* plugin, loadPlugin());
+  return [plugin](std::string_view name, std::span<float>) -> Result<std::string> {
+    VOLUTE_ASSIGN(const auto files, plugin->readCollection(name));
+    std::string text;
+    for (const auto& file : files) text += toMessage(file.time) + file.path.string() + '\0';
+    if (text.size() > ReaderProcess::kMaxMessage)
+      return fail(ErrorCode::kTooLarge, "{}: names too many files", name);
+    return text;
+  };
+}
+
 }  // namespace
 
 Result<std::unique_ptr<FrameSource>> openLatticeSource(std::vector<LatticeFile> files,
@@ -292,23 +326,16 @@ Result<std::unique_ptr<FrameSource>> openLatticeSource(std::vector<LatticeFile> 
 Result<std::vector<TimedFile>> readCollection(const std::filesystem::path& collection,
                                               Result<const LatticePlugin*> (*loadPlugin)()) {
   const std::string name = collection.string();
-  ReaderProcess process([&](std::string_view, std::span<float>) -> Result<std::string> {
-    VOLUTE_ASSIGN(const LatticePlugin* plugin, loadPlugin());
-    VOLUTE_ASSIGN(const auto files, plugin->readCollection(collection));
-    std::string text;
-    for (const auto& file : files) text += toMessage(file.time) + file.path.string() + '\0';
-    if (text.size() > ReaderProcess::kMaxMessage) {
-      return fail(ErrorCode::kTooLarge, "{}: names too many files", name);
-    }
-    return text;
-  });
-  VOLUTE_ASSIGN(const std::string reply, process.call(name, {}, 0, limitsFor(collection, 0, 0)));
+  VOLUTE_TRY(InputFile::check(collection));
+  ReaderProcess process(ReaderJob{serveCollection, toMessage(loadPlugin), {collection}});
+  VOLUTE_ASSIGN(const std::string reply,
+                process.call(name, name, 0, limitsFor(collection, 0, 0)));
   std::vector<TimedFile> files;
   for (std::size_t at = 0; at < reply.size();) {
     const auto end = reply.find('\0', at + sizeof(double));
     const std::string_view entry = std::string_view(reply).substr(at, end - at);
     VOLUTE_ASSIGN(const auto time, fromMessage<double>(entry.substr(0, sizeof(double))));
-    if (end == std::string::npos)
+    if (end == std::string::npos || entry.size() == sizeof(double))
       return fail(ErrorCode::kInvalidData, "{}: the list of its files is cut short", name);
     files.push_back({time, std::string(entry.substr(sizeof(double)))});
     at = end + 1;

@@ -29,6 +29,15 @@ struct MeshSize {
   bool bare = false;  ///< without a field
 
   std::uint64_t values() const { return bare ? 0 : ofCells ? cells : points; }
+
+  /// Makes it safe to use where it comes from another process: names that end, counts whose bytes
+  /// can be counted.
+  bool sound() {
+    field[kMaxName] = '\0';
+    others[kMaxName] = '\0';
+    constexpr std::uint64_t kMost = std::uint64_t{1} << 40;
+    return points < kMost && cells < kMost && indices < kMost;
+  }
 };
 
 /// A field that a file has. Trivially copyable.

@@ -69,6 +69,7 @@ TEST(MeshDamage, LinesOfEnsightThatAreNoNumbers) {
   EXPECT_THAT(said("box_smoke.01", " 3.00000e+00\n", "\n"), HasSubstr("expected a number"));
   EXPECT_THAT(said("box_smoke.01", " 3.00000e+00", " 3.000e+00 4"), HasSubstr("expected a number"));
   EXPECT_THAT(said("box.geo", " 0.00000e+00", "     garbage"), HasSubstr("expected a number"));
+  EXPECT_THAT(said("box.case", "VARIABLE", "VARIA@LE"), HasSubstr("line 7: 'VARIA@LE'"));
   EXPECT_THAT(said("box.geo", "hexa8\n         2", "hexa8\n 900000000"),
               HasSubstr("the end is missing"));
   EXPECT_THAT(said("box.geo", "         2         5", "         x         5"),

@@ -51,13 +51,14 @@ constexpr std::string_view kTimes = "times", kTake = "take", kDescribe = "descri
 
 /// The child's side: it is asked for the instants, or for one of them: how much it is or what it
 /// has, then the thing itself.
-ReaderProcess::Serve makeServe(const std::filesystem::path& file, const std::string& field) {
-  return [file, field, reader = std::shared_ptr<MeshReader>()](
-             std::string_view request, std::span<float> values) mutable -> Result<std::string> {
-    if (!reader) {
-      VOLUTE_ASSIGN(const MeshPlugin* plugin, loadVtkMeshPlugin());
-      reader = plugin->makeReader();
-    }
+/// The parameters are the file, a zero byte, the field.
+Result<ReaderProcess::Serve> serveMesh(std::string_view parameters) {
+  const std::size_t cut = parameters.find('\0');
+  const std::filesystem::path file(parameters.substr(0, cut));
+  const std::string field(parameters.substr(cut + 1));
+  VOLUTE_ASSIGN(const MeshPlugin* plugin, loadVtkMeshPlugin());
+  return [file, field, reader = std::shared_ptr<MeshReader>(plugin->makeReader())](
+             std::string_view request, std::span<float> values) -> Result<std::string> {
     if (request == kTimes) {
       VOLUTE_ASSIGN(const std::vector<double> times, reader->times(file));
       return std::string(reinterpret_cast<const char*>(times.data()),
@@ -92,9 +93,40 @@ ReaderProcess::Serve makeServe(const std::filesystem::path& file, const std::str
   };
 }
 
-/// A case may be spread over files that only its reader knows.
+/// Whether what belongs to a file lies in others below its folder, which only its reader knows.
+bool isSpread(const std::filesystem::path& path) {
+  static constexpr std::string_view kSpread[] = {".case", ".foam", ".pvtu"};
+  return std::ranges::find(kSpread, path.extension().string()) != std::end(kSpread);
+}
+
+std::filesystem::path folderOf(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+}
+
+ReaderJob meshReader(const std::filesystem::path& path, const std::string& field) {
+  return {serveMesh, path.string() + '\0' + field, {isSpread(path) ? folderOf(path) : path}};
+}
+
+/// Bytes of the files below a folder: of the first so many, where a folder has very many.
+std::uint64_t bytesBelow(const std::filesystem::path& folder) {
+  constexpr int kEnough = 20000;
+  std::uint64_t bytes = 0;
+  std::error_code error;
+  int seen = 0;
+  using Walk = std::filesystem::recursive_directory_iterator;
+  constexpr auto kSkip = std::filesystem::directory_options::skip_permission_denied;
+  for (Walk at(folder, kSkip, error); !error && at != Walk() && seen < kEnough;
+       at.increment(error), ++seen) {
+    std::error_code noSize;
+    if (const auto size = at->file_size(noSize); !noSize)
+      bytes += size;
+  }
+  return bytes;
+}
+
 double secondsFor(const std::filesystem::path& path, std::uint64_t fileSize) {
-  return (isMeshCase(path) ? 60 : 10) + 1e-6 * static_cast<double>(fileSize);
+  const std::uint64_t bytes = isSpread(path) ? bytesBelow(folderOf(path)) : fileSize;
+  return 3 + 1e-6 * static_cast<double>(bytes);
 }
 
 Result<std::uint64_t> readableSize(const std::filesystem::path& path) {
@@ -122,7 +154,7 @@ Result<std::vector<double>> readTimes(const std::filesystem::path& path,
                                       const MeshOptions& options) {
   const std::string file = path.string();
   VOLUTE_ASSIGN(const ReaderProcess::Limits limits, limitsFor(path, options.maxMemory));
-  ReaderProcess process(makeServe(path, options.field));
+  ReaderProcess process(meshReader(path, options.field));
   VOLUTE_ASSIGN(const std::string reply, process.call(file, kTimes, 0, limits));
   if (reply.size() >= ReaderProcess::kMaxMessage) {
     return fail(ErrorCode::kTooLarge, "{}: has {} instants or more; expected fewer: split the case",
@@ -141,9 +173,19 @@ Result<std::vector<double>> readTimes(const std::filesystem::path& path,
   return times;
 }
 
+tl::unexpected<Error> notSound(const std::string& file) {
+  return fail(ErrorCode::kInvalidData, "{}: its reader describes a mesh that cannot be", file);
+}
+
 /// What the child has loaded.
 Result<MeshData> takeMesh(ReaderProcess& process, const MeshSize& size, const std::string& file,
                           const ReaderProcess::Limits& limits) {
+  if (floatsFor(size) > limits.memory / sizeof(float)) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: a mesh of {} points and {} cells needs {} MiB, more than the {} MiB allowed; "
+                "raise --max-memory",
+                file, size.points, size.cells, floatsFor(size) >> 18, limits.memory >> 20);
+  }
   VOLUTE_TRY(process.call(file, kTake, floatsFor(size), limits));
   MeshData data;
   data.ofCells = size.ofCells;
@@ -156,6 +198,10 @@ Result<MeshData> takeMesh(ReaderProcess& process, const MeshSize& size, const st
   bytes.get(data.soup.connectivity, size.indices);
   bytes.get(data.values, size.values());
   bytes.get(data.soup.shapes, size.cells);
+  for (const CellShape shape : data.soup.shapes) {
+    if (shape > CellShape::kPolyhedron)
+      return fail(ErrorCode::kInvalidData, "{}: its reader made cells of an unknown shape", file);
+  }
   return data;
 }
 
@@ -163,9 +209,11 @@ Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t instant
                           const MeshOptions& options) {
   const std::string file = path.string();
   VOLUTE_ASSIGN(const ReaderProcess::Limits limits, limitsFor(path, options.maxMemory));
-  ReaderProcess process(makeServe(path, options.field));
+  ReaderProcess process(meshReader(path, options.field));
   VOLUTE_ASSIGN(const std::string reply, process.call(file, fmt::format("{}", instant), 0, limits));
-  VOLUTE_ASSIGN(const auto size, fromMessage<MeshSize>(reply));
+  VOLUTE_ASSIGN(auto size, fromMessage<MeshSize>(reply));
+  if (!size.sound())
+    return notSound(file);
   return takeMesh(process, size, file, limits);
 }
 
@@ -296,12 +344,13 @@ Result<MeshDescription> MeshSource::describe(std::size_t frame) const {
   const Instant& instant = instants_[frame];
   const std::string file = instant.file.string();
   VOLUTE_ASSIGN(const ReaderProcess::Limits limits, limitsFor(instant.file, options_.maxMemory));
-  ReaderProcess process(makeServe(instant.file, ""));
+  ReaderProcess process(meshReader(instant.file, ""));
   VOLUTE_ASSIGN(const std::string reply,
                 process.call(file, fmt::format("{}{}", kDescribe, instant.index), 0, limits));
   const std::string_view text = reply;
-  VOLUTE_ASSIGN(const auto contents,
-                fromMessage<MeshContents>(text.substr(0, sizeof(MeshContents))));
+  VOLUTE_ASSIGN(auto contents, fromMessage<MeshContents>(text.substr(0, sizeof(MeshContents))));
+  if (!contents.size.sound())
+    return notSound(file);
   std::vector<MeshFieldSummary> fields;
   for (std::size_t at = sizeof(MeshContents); at < text.size(); at += sizeof(MeshFieldSummary)) {
     VOLUTE_ASSIGN(auto summary,

@@ -6,27 +6,47 @@
 
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <functional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "volute/base/result.hpp"
 
 namespace volute {
 
-/// Reads untrusted files with a library that may crash on them: in a child process with limits on
-/// memory and time, so that a crash or a hang becomes an error. The child is forked at the first
-/// call and serves all that follow; after it died the next call forks another, and so does one
-/// whose child waits for a lock that another thread held at the fork. Bulk values come back through
-/// shared memory. For one thread at a time.
-class ReaderProcess {
- public:
+/// What a reader's process is for.
+struct ReaderJob {
   /// Runs in the child, once for each call: takes the request and returns the reply, and may fill
-  /// `values`. It sees the parent's memory as it was at the first call.
+  /// `values`.
   using Serve =
       std::function<Result<std::string>(std::string_view request, std::span<float> values)>;
+
+  /// Makes it from the parameters, in the child and before that gives up its rights: libraries are
+  /// loaded here. A function of the program, because the child may come from a process that was
+  /// forked before anything was known (ReaderHelper).
+  using Make = Result<Serve> (*)(std::string_view parameters);
+
+  Make make = nullptr;
+  std::string parameters{};
+  std::vector<std::filesystem::path> readable{};  ///< files, and folders with all below them
+};
+
+/// Reads untrusted files with a library that may crash on them, or be taken over by them: in a
+/// child process with limits on memory and time, so that a crash or a hang becomes an error. The
+/// child can read what its job names, use memory, and answer; all else is refused to it
+/// (confinement.hpp). It is forked at the first call and serves all that follow; after it died the
+/// next call forks another, and so does one whose child waits for a lock that another thread held
+/// at the fork. It ends when this process does. Bulk values come back through shared memory. For
+/// one thread at a time.
+///
+/// Replies and values are what a stranger's file makes of them: whoever calls checks them.
+class ReaderProcess {
+ public:
+  using Serve = ReaderJob::Serve;
 
   /// What a call may use.
   struct Limits {
@@ -35,7 +55,12 @@ class ReaderProcess {
     double seconds = 10;           ///< of processor time, for one call
   };
 
-  explicit ReaderProcess(Serve serve);
+  explicit ReaderProcess(ReaderJob job);
+
+  /// For libraries that crash or hang on what is ours: the child is forked from this process, sees
+  /// its memory as it was at the first call, and may do what this process may.
+  explicit ReaderProcess(Serve unconfined);
+
   ~ReaderProcess();
   ReaderProcess(const ReaderProcess&) = delete;
   ReaderProcess& operator=(const ReaderProcess&) = delete;
@@ -46,20 +71,24 @@ class ReaderProcess {
   [[nodiscard]] Result<std::string> call(const std::string& file, std::string_view request,
                                          std::size_t valueCount, const Limits& limits);
 
-  /// The values of the last call.
+  /// The values of the last call. The child may still write to them: copy, then check the copy.
   std::span<const float> values() const { return {values_, valueCount_}; }
+
+  /// The process that serves, 0 when there is none.
+  pid_t child() const { return child_ > 0 ? child_ : 0; }
 
   static constexpr std::size_t kMaxMessage = 128 << 10;
 
  private:
   Status start(const std::string& file, std::uint64_t memory);
   Status reserve(const std::string& file, std::size_t valueCount);
-  [[noreturn]] void serveForever(int socket);
-  Error stop(const std::string& file);
+  int stop();
 
-  Serve serve_;
+  ReaderJob job_;
+  Serve unconfined_;  // instead of the job
   pid_t child_ = -1;
   int socket_ = -1;
+  int lifeline_ = -1;
   int shared_ = -1;  // descriptor of the memory with the values
   float* values_ = nullptr;
   std::size_t valueCount_ = 0;

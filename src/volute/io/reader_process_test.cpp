@@ -7,13 +7,16 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <fstream>
 #include <future>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
+#include "volute/io/reader_helper.hpp"
 #include "volute/io/testing.hpp"
 
 namespace volute {
@@ -57,6 +60,68 @@ TEST(ReaderProcess, RepliesAndSharesValues) {
     ASSERT_EQ(process.values().size(), count);
     EXPECT_EQ(process.values()[count - 1], static_cast<float>(count - 1));
   }
+}
+
+/// As misbehave(); what it was made with comes back too.
+Result<ReaderProcess::Serve> makeMisbehaving(std::string_view parameters) {
+  if (parameters == "nothing")
+    return fail(ErrorCode::kUnsupported, "no library");
+  return [end = std::string(parameters)](std::string_view request,
+                                         std::span<float> values) -> Result<std::string> {
+    if (request == "wait") {
+      std::this_thread::sleep_for(std::chrono::hours(1));
+    }
+    VOLUTE_ASSIGN(const std::string reply, misbehave(request, values));
+    return reply + end;
+  };
+}
+
+TEST(ReaderProcess, AConfinedOneServesTheSame) {
+  for (const bool withHelper : {false, true}) {
+    std::optional<ReaderHelper> helper;
+    if (withHelper)
+      helper.emplace();
+    ReaderProcess process(ReaderJob{makeMisbehaving, std::string(300'000, '?')});
+    EXPECT_THAT(process.call("file", "memory", 0, kLimits).error().message, HasSubstr("memory"));
+    for (const char* request : {"crash", "abort", "exit", "hang"})
+      EXPECT_FALSE(process.call("file", request, 4, kLimits)) << request;
+    for (const std::size_t count : {10, 100000, 3}) {
+      const auto reply = process.call("file", "hello", count, kLimits);
+      ASSERT_TRUE(testing::ok(reply));
+      EXPECT_EQ(reply->substr(0, 7), "hello!?");
+      EXPECT_EQ(process.values()[count - 1], static_cast<float>(count - 1));
+    }
+  }
+}
+
+TEST(ReaderProcess, WhatCannotBeMadeSaysWhy) {
+  ReaderProcess process(ReaderJob{makeMisbehaving, "nothing"});
+  EXPECT_EQ(process.call("file", "hello", 0, kLimits).error().message, "file: no library");
+}
+
+TEST(ReaderProcess, OneThatWaitsForNothingIsGivenUp) {
+  const ReaderHelper helper;
+  ReaderProcess process(ReaderJob{makeMisbehaving});
+  const auto begun = std::chrono::steady_clock::now();
+  EXPECT_FALSE(process.call("file", "wait", 0, {64 << 20, 60}));
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(6));
+}
+
+std::atomic<bool> stopReading{false};
+
+TEST(ReaderProcess, WhoeverWaitsForItCanGiveUp) {
+  const ReaderHelper helper([] { return stopReading.load(); });
+  ReaderProcess process(ReaderJob{makeMisbehaving});
+  std::jthread other([] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    stopReading = true;
+  });
+  const auto begun = std::chrono::steady_clock::now();
+  const auto reply = process.call("file", "hang", 0, {64 << 20, 60});
+  stopReading = false;
+  ASSERT_FALSE(reply);
+  EXPECT_EQ(reply.error().code, ErrorCode::kCancelled);
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(1));
 }
 
 TEST(ReaderProcess, EveryEndOfTheChildIsAnErrorAndTheNextCallWorks) {

@@ -33,12 +33,13 @@ std::string extensionOf(const std::filesystem::path& path) {
 
 /// The child's side: the first call reads the file and says how much it is, the second hands it
 /// over.
-ReaderProcess::Serve makeServe(const std::filesystem::path& file) {
-  return [file, mesh = std::shared_ptr<TriangleMesh>()](
+Result<ReaderProcess::Serve> serveSurfaces(std::string_view parameters) {
+  const std::filesystem::path file(parameters);
+  const bool gltf = extensionOf(file) != ".vtp";
+  VOLUTE_ASSIGN(const SurfacePlugin* plugin, gltf ? loadGltfPlugin() : loadVtkSurfacePlugin());
+  return [file, plugin, mesh = std::shared_ptr<TriangleMesh>()](
              std::string_view, std::span<float> values) mutable -> Result<std::string> {
     if (!mesh) {
-      const bool gltf = extensionOf(file) != ".vtp";
-      VOLUTE_ASSIGN(const SurfacePlugin* plugin, gltf ? loadGltfPlugin() : loadVtkSurfacePlugin());
       VOLUTE_ASSIGN(auto read, plugin->read(file));
       mesh = std::make_shared<TriangleMesh>(std::move(read));
       const SurfaceSize size{mesh->triangles.size(), mesh->materials.size()};
@@ -62,15 +63,38 @@ Status checkMemory(const std::string& file, std::uint64_t triangles, std::uint64
               file, triangles, maxMemory >> 20);
 }
 
+/// A .vtp is one file; glTF names others below its folder.
+ReaderJob surfaceReader(const std::filesystem::path& path) {
+  const bool alone = extensionOf(path) == ".vtp";
+  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  return {serveSurfaces, path.string(), {alone ? path : folder}};
+}
+
+/// What came from the process that reads the file.
+Status checkSurfaces(const TriangleMesh& mesh, const std::string& file) {
+  for (const Triangle& triangle : mesh.triangles) {
+    if (triangle.material >= mesh.materials.size())
+      return fail(ErrorCode::kInvalidData, "{}: a triangle of material {}; there are {}", file,
+                  triangle.material, mesh.materials.size());
+    for (const Vec3& corner : triangle.corners) {
+      if (!corner.allFinite())
+        return fail(ErrorCode::kInvalidData, "{}: a triangle with a corner that is no place", file);
+    }
+  }
+  return {};
+}
+
 Result<TriangleMesh> readInChild(const std::filesystem::path& path, std::uint64_t maxMemory) {
   const std::string file = path.string();
   VOLUTE_ASSIGN(const auto opened, InputFile::open(path));
-  ReaderProcess process(makeServe(path));
+  ReaderProcess process(surfaceReader(path));
   const ReaderProcess::Limits limits{.memory = maxMemory,
-                                     .seconds = 10 + 1e-6 * static_cast<double>(opened.size())};
+                                     .seconds = 3 + 1e-6 * static_cast<double>(opened.size())};
   VOLUTE_ASSIGN(const std::string reply, process.call(file, {}, 0, limits));
   VOLUTE_ASSIGN(const auto size, fromMessage<SurfaceSize>(reply));
   VOLUTE_TRY(checkMemory(file, size.triangles, maxMemory));
+  if (size.materials > maxMemory / sizeof(Material))
+    return fail(ErrorCode::kTooLarge, "{}: {} materials are too many", file, size.materials);
   VOLUTE_TRY(process.call(file, {}, size.floats(), limits));
   TriangleMesh mesh;
   mesh.triangles.resize(size.triangles);
@@ -82,6 +106,7 @@ Result<TriangleMesh> readInChild(const std::filesystem::path& path, std::uint64_
   if (size.materials > 0)
     std::memcpy(static_cast<void*>(mesh.materials.data()), from + bytes,
                 size.materials * sizeof(Material));
+  VOLUTE_TRY(checkSurfaces(mesh, file));
   return mesh;
 }
 

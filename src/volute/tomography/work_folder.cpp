@@ -8,6 +8,7 @@
 
 #include "volute/base/checksum.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/base/leftovers.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/codec/packing.hpp"
 #include "volute/io/json_depth.hpp"
@@ -39,8 +40,10 @@ void removeFrames(const fs::path& folder) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
+    const auto process = processOfPart(name);
+    const bool used = process && *process != ::getpid() && isRunning(*process);
     const bool ours = name.starts_with("frame_") || name.starts_with(".frame_");
-    if (ours && entry.is_regular_file(error))
+    if (ours && !used && entry.is_regular_file(error))
       fs::remove(entry.path(), error);
   }
 }

@@ -32,7 +32,10 @@ void appendFlag(std::string& out, bool flag) {
   out += flag ? ",1" : ",0";
 }
 
-std::string quoted(const std::string& name) {
+/// A cell. Programs for tables compute what begins like a formula: it gets an apostrophe in front.
+std::string quoted(const std::string& text) {
+  const bool formula = !text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos;
+  const std::string name = (formula ? "'" : "") + text;
   if (name.find_first_of(",\"\r\n") == std::string::npos)
     return name;
   std::string out = "\"";
