@@ -70,6 +70,17 @@ class Render(support.TestCase):
             self.assertEqual(stats["nodes_visited"] > 0, method == "tree")
             self.assertLess(stats["tree_bytes"], 4 * frames * size**3 / 10)
 
+    def test_a_volute_is_shown_as_it_is_extracted(self):
+        write_npy(self.path("short.npy"), *support.plume(3, 24))
+        self.works("compress", self.path("short.npy"), "-o", self.path("short.volute"), "--rms", "0.02")
+        self.works("extract", self.path("short.volute"), "-o", self.path("back_%04d.vti"))
+        for frame, options in (("0", ["--aov", "optical-depth"]), ("2", ["--renderer", "reference"])):
+            pictures = []
+            for source in ("short.volute", "back_%04d.vti"):
+                self.works("render", self.path(source), "-o", self.path("x.exr"), "--size", "64x48", "--frames", frame, *options)
+                pictures.append(self.path("x.exr").read_bytes())
+            self.assertEqual(*pictures, "to the last bit")
+
     def test_absorption_and_background(self):
         self.works("render", self.block(), "-o", self.path("x.png"), *self.AHEAD, "--exposure", "1", "--emission", "0",
                    "--extinction", "2", "--background", "1,0.5,0")

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/parallel.hpp"
 
 namespace volute {
 
@@ -18,21 +19,42 @@ BrickSlice::BrickSlice(const VolumeInfo& info)
 
 BrickSlice BrickSlice::fromDense(const VolumeInfo& info, std::span<const float> values) {
   BrickSlice slice(info);
-  for (int z = 0; z < info.z; ++z) {
-    for (int y = 0; y < info.y; ++y) {
-      for (int x = 0; x < info.x; ++x) {
-        for (int c = 0; c < info.channels; ++c) {
-          const float value = values[((static_cast<std::size_t>(z) * info.y + y) * info.x + x) * info.channels + c];
-          if (value == 0) continue;
-          const std::int32_t stored = slice.brickAt(x / kSide, y / kSide, z / kSide);
-          float* brick = stored == kEmpty
-                             ? slice.addBrick(x / kSide, y / kSide, z / kSide)
-                             : slice.values_.data() + static_cast<std::size_t>(stored) * kVoxels * slice.channels_;
-          brick[c * kVoxels + ((z % kSide) * kSide + y % kSide) * kSide + x % kSide] = value;
-        }
-      }
+  const int channels = info.channels;
+  /// Calls visit(first value of a row of a brick, its number of voxels, z and y in the brick).
+  const auto rowsOf = [&](int bx, int by, int bz, auto&& visit) {
+    const int x = bx * kSide, columns = std::min(kSide, info.x - x);
+    for (int z = bz * kSide; z < std::min((bz + 1) * kSide, info.z); ++z) {
+      for (int y = by * kSide; y < std::min((by + 1) * kSide, info.y); ++y)
+        visit(&values[((static_cast<std::size_t>(z) * info.y + y) * info.x + x) * channels], columns, z % kSide, y % kSide);
     }
+  };
+  const auto eachRowOfBricks = [&](auto&& body) {
+    parallelFor(static_cast<std::size_t>(slice.bricks_[1]) * slice.bricks_[2], [&](std::size_t row) {
+      const int by = static_cast<int>(row) % slice.bricks_[1], bz = static_cast<int>(row) / slice.bricks_[1];
+      for (int bx = 0; bx < slice.bricks_[0]; ++bx) body(bx, by, bz, slice.index_[row * slice.bricks_[0] + bx]);
+    });
+  };
+  eachRowOfBricks([&](int bx, int by, int bz, std::int32_t& stored) {
+    bool empty = true;
+    rowsOf(bx, by, bz, [&](const float* row, int columns, int, int) {
+      empty = empty && std::all_of(row, row + columns * channels, [](float value) { return value == 0; });
+    });
+    stored = empty ? kEmpty : 0;
+  });
+  std::int32_t count = 0;
+  for (std::int32_t& stored : slice.index_) {
+    if (stored != kEmpty) stored = count++;
   }
+  slice.values_.resize(static_cast<std::size_t>(count) * kVoxels * channels);
+  eachRowOfBricks([&](int bx, int by, int bz, std::int32_t& stored) {
+    if (stored == kEmpty) return;
+    float* brick = slice.values_.data() + static_cast<std::size_t>(stored) * kVoxels * channels;
+    rowsOf(bx, by, bz, [&](const float* row, int columns, int z, int y) {
+      for (int x = 0; x < columns; ++x) {
+        for (int c = 0; c < channels; ++c) brick[c * kVoxels + (z * kSide + y) * kSide + x] = row[x * channels + c];
+      }
+    });
+  });
   return slice;
 }
 
