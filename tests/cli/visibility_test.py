@@ -279,6 +279,24 @@ class Tetrahedra(Visibility):
                    "--cache", "none")
 
 
+class Scenes(Visibility):
+    def test_lines_go_through_all_media_and_end_at_surfaces(self):
+        """Two blocks of 1 m on the way, one over the other's sign, and a wall."""
+        support.write_npy(self.path("block.npy"), (1, 4, 4, 4), [1.0] * 64)
+        self.path("wall.obj").write_text("v 5 -9 -9\nv 5 9 -9\nv 5 9 -1\nv 5 -9 -1\nf 1 2 3 4\n")
+        block = {"kind": "volume", "file": "block.npy", "extinction": 0.5, "basis": "box"}
+        media = [block, block | {"transform": [1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}]
+        self.path("scene.json").write_text(json.dumps({
+            "format": "volute-scene-1", "camera": {"eye": [0, -9, 0], "target": [0, 0, 0], "fov": 40}, "media": media,
+            "geometry": [{"file": "wall.obj"}]}))
+        signs = self.signs({"name": "open", "position": [8, 0.5, 0.5], "normal": [-1, 0, 0]},
+                           {"name": "hidden", "position": [8, 0.5, -4], "normal": [-1, 0, 0]})
+        rows = {row["sign"]: row for row in self.look(self.path("scene.json"), signs, "--eyes", self.eyes([(-1, 0.5, 0.5)]))}
+        self.assertAlmostEqual(rows["open"]["optical_depth"], 1, places=6)
+        self.assertEqual((rows["open"]["blocked"], rows["open"]["visible"]), (0, 1))
+        self.assertEqual((rows["hidden"]["blocked"], rows["hidden"]["visible"]), (1, 0))
+
+
 class Damage(Visibility):
     def setUp(self):
         super().setUp()

@@ -346,7 +346,7 @@ std::vector<Option> lightCacheOptions() {
 }
 
 Result<std::optional<LightCache>> lightCache(const Arguments& arguments, Context& context) {
-  const auto limit = arguments.get<Bytes>("cache-size").count;
+  const auto limit = arguments.find<Bytes>("cache-size").value_or(Bytes()).count;  // not of all commands
   const auto folder = arguments.find<std::string>("cache");
   if (limit == 0 || folder == "none")
     return std::nullopt;
