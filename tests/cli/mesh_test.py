@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """What the program says of smoke on a mesh: `volute info`, and wrong wishes."""
+import json
+import os
+import subprocess
+
 import smoke_files
 import support
 
@@ -53,6 +57,35 @@ class Info(MeshCase):
         self.assertIn("cannot be used", done.text)
         self.assertIn("vertex 8", done.text)
         self.assertIn("smoke: scalar of points", done.text)
+
+
+class Memory(support.TestCase):
+    def test_it_is_held_or_the_mesh_is_refused(self):
+        """By the program's peak of resident memory; beyond it are the program and its libraries."""
+        own = 80 << 20
+        self.works("synthesize", "hall", "-o", self.path("hall.pvd"), "--cell", "0.25", "--frames", 1)
+        self.path("signs.json").write_text(json.dumps({"signs": [{"name": "e", "position": [14, 1, 2], "normal": [0, 1, 0]}]}))
+        self.path("eyes.csv").write_text("x,y,z\n14,6,2\n")
+        soot = ["--quantity", "soot-density", "--unit", "g/m3"]
+        verbs = {
+            "info": [],
+            "visibility": [*soot, "--signs", self.path("signs.json"), "--eyes", self.path("eyes.csv"), "-o", self.path("out")],
+            "render": [*soot, "-o", self.path("x.png"), "--size", "32x24", "--eye", "1,1,2", "--target", "14,6,2", "--fov", 60]}
+        for verb, options in verbs.items():
+            codes = []
+            for allowed in (96, 192, 384):
+                command = [support.PROGRAM, verb, self.path("hall.pvd"), *options, "--max-memory", f"{allowed}M"]
+                process = subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+                message = process.stderr.read().decode()
+                _, status, usage = os.wait4(process.pid, 0)
+                process.returncode = os.waitstatus_to_exitcode(status)
+                process.stderr.close()
+                codes.append(process.returncode)
+                with self.subTest(verb=verb, allowed=allowed):
+                    self.assertLess(usage.ru_maxrss << 10, (allowed << 20) + own, message)
+                    if process.returncode != 0:
+                        self.assertIn("--max-memory", message)
+            self.assertEqual((codes[0], codes[-1]), (1, 0), verb)
 
 
 class WrongWishes(MeshCase):

@@ -29,7 +29,8 @@ struct MeshFrame {
 struct MeshOptions {
   std::string field{};  ///< empty: the only scalar, or the one called "density"
   Negatives negatives = Negatives::kRefuse;
-  std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< bytes, for reading one file
+  std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< bytes, for an instant as it is read
+  std::uint64_t perTet = 0;  ///< bytes of maxMemory that the caller needs for each tet besides
 };
 
 /// What a case has at one instant, whatever its fields are.

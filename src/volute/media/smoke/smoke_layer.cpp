@@ -26,7 +26,8 @@ std::vector<float> between(const std::vector<float>& a, const std::vector<float>
 Result<SmokeLayer> SmokeLayer::open(const SmokeDescription& description,
                                     std::shared_ptr<const SmokeLighting> lighting,
                                     Reading& reading) {
-  MeshOptions options{description.field, description.negatives, reading.maxMemory};
+  constexpr std::uint64_t kPerTet = 210;  // bytes, of light and of what finds tets, measured
+  MeshOptions options{description.field, description.negatives, reading.maxMemory, kPerTet};
   VOLUTE_ASSIGN(auto source, MeshSource::open(description.file, options));
   auto files = std::make_shared<Files>(Files{std::move(source)});
   if (!description.densityField.empty()) {
