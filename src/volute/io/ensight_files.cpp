@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <optional>
@@ -32,7 +33,7 @@ struct TimeSet {
     const auto step = std::max<std::ptrdiff_t>(later - values.begin() - 1, 0);
     return static_cast<std::size_t>(step) < numbers.size()
                ? numbers[static_cast<std::size_t>(step)]
-               : start + increment * static_cast<int>(step);
+               : static_cast<int>(start + std::int64_t{increment} * step);
   }
 };
 
@@ -65,11 +66,20 @@ std::optional<double> numberOf(const std::string& word) {
   return value;
 }
 
+/// A whole number of a line; nothing where an int does not hold it.
+std::optional<int> wholeOf(const std::string& word) {
+  const auto value = numberOf(word);
+  constexpr double kMost = 1e9;
+  if (!value || !(std::abs(*value) <= kMost))
+    return std::nullopt;
+  return static_cast<int>(*value);
+}
+
 /// The time set and file set before the names of a line.
 NamedFile namedFile(const std::vector<std::string>& words, std::size_t names) {
   NamedFile file;
   if (words.size() > names) {
-    file.timeSet = static_cast<int>(numberOf(words[0]).value_or(0));
+    file.timeSet = wholeOf(words[0]).value_or(0);
     file.ofSets = words.size() > names + 1;
   }
   file.pattern = words.back();
@@ -130,22 +140,21 @@ Result<Case> readCase(const std::filesystem::path& path) {
     } else if ((key == "scalar per node" || key == "scalar per element") && words.size() > 1) {
       out.scalars[words[words.size() - 2]] = namedFile(words, 2);
     } else if (key == "time set") {
-      set = &out.times[static_cast<int>(numberOf(words[0]).value_or(0))];
+      set = &out.times[wholeOf(words[0]).value_or(0)];
     } else if (set && key == "number of steps") {
       set->steps = numberOf(words[0]).value_or(0);
     } else if (set && key == "filename numbers file") {
       set->elsewhere = true;
     } else if (set && key == "filename start number") {
-      set->start = static_cast<int>(numberOf(words[0]).value_or(0));
+      set->start = wholeOf(words[0]).value_or(0);
     } else if (set && key == "filename increment") {
-      set->increment = static_cast<int>(numberOf(words[0]).value_or(1));
+      set->increment = wholeOf(words[0]).value_or(1);
     } else if (set && (key == "time values" || key == "filename numbers")) {
       for (const std::string& word : words) {
-        const double value = numberOf(word).value_or(0);
         if (key == "time values")
-          set->values.push_back(value);
+          set->values.push_back(numberOf(word).value_or(0));
         else
-          set->numbers.push_back(static_cast<int>(value));
+          set->numbers.push_back(wholeOf(word).value_or(0));
       }
     }
   }
