@@ -6,8 +6,8 @@
 
 #include <algorithm>
 
+#include "volute/base/version.hpp"
 #include "volute/cli/help.hpp"
-#include "volute/cli/version.hpp"
 
 namespace volute::cli {
 namespace {
@@ -92,7 +92,7 @@ std::string markdownOptions(std::span<const Option> options) {
 }  // namespace
 
 std::string manualPage() {
-  std::string out = fmt::format(".TH VOLUTE 1 \"\" \"volute {}\" \"User Commands\"\n", kVersion);
+  std::string out = fmt::format(".TH VOLUTE 1 \"\" \"volute {}\" \"User Commands\"\n", VOLUTE_VERSION);
   out +=
       ".SH NAME\nvolute \\- measures, compresses and looks through semi\\-transparent media\n"
       ".SH SYNOPSIS\n.B volute\n.I COMMAND\n[options]\n"

@@ -13,6 +13,7 @@
 
 #include "volute/base/parallel.hpp"
 #include "volute/base/suggest.hpp"
+#include "volute/base/version.hpp"
 #include "volute/cli/command.hpp"
 #include "volute/cli/console.hpp"
 #include "volute/cli/help.hpp"
@@ -21,7 +22,6 @@
 #include "volute/cli/overwriting.hpp"
 #include "volute/cli/parse.hpp"
 #include "volute/cli/printable.hpp"
-#include "volute/cli/version.hpp"
 #include "volute/io/reader_helper.hpp"
 
 namespace volute::cli {
@@ -112,7 +112,7 @@ int parseAndRun(const Command& command, const std::vector<std::string>& words) {
   if (arguments->flag("help"))
     return show(helpText(command));
   if (arguments->flag("version"))
-    return show(fmt::format("volute {}\n", kVersion));
+    return show("volute " VOLUTE_VERSION "\n");
   return runCommand(command, *arguments, words);
 }
 
@@ -134,7 +134,7 @@ int runProgram(int argc, char** argv) {
     return wrongUsage(place.error());
   if (*place == words.size()) {
     const bool version = std::ranges::find(words, "--version") != words.end();
-    return show(version ? fmt::format("volute {}\n", kVersion) : overviewText());
+    return show(version ? "volute " VOLUTE_VERSION "\n" : overviewText());
   }
   const std::string name = words[*place];
   const Command* command = findCommand(name);

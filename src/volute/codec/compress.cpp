@@ -11,6 +11,7 @@
 
 #include "volute/base/checksum.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/base/version.hpp"
 #include "volute/codec/block_encoder.hpp"
 #include "volute/codec/block_row.hpp"
 #include "volute/codec/coefficient_coder.hpp"

@@ -4,11 +4,18 @@
 
 #include <dlfcn.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <system_error>
 
 namespace volute {
 namespace {
+
+/// For programs that lie elsewhere than Volute; empty: not said.
+std::filesystem::path namedFolder() {
+  const char* folder = std::getenv("VOLUTE_PLUGIN_FOLDER");
+  return folder ? folder : "";
+}
 
 std::filesystem::path folderBesideProgram() {
   std::error_code error;
@@ -42,7 +49,10 @@ Result<const Plugin*> load(bool built, const char* name, const char* function, c
 
 Result<const void*> loadPlugin(const char* name, const char* function, const char* library) {
   std::string reason;
-  for (const auto& folder : {folderBesideProgram(), std::filesystem::path(VOLUTE_PLUGIN_FOLDER)}) {
+  for (const auto& folder :
+       {namedFolder(), folderBesideProgram(), std::filesystem::path(VOLUTE_PLUGIN_FOLDER)}) {
+    if (folder.empty())
+      continue;
     const auto file = folder / (std::string(name) + ".so");
     std::error_code error;
     if (!std::filesystem::exists(file, error))
@@ -51,7 +61,8 @@ Result<const void*> loadPlugin(const char* name, const char* function, const cha
       return plugin;
   }
   if (reason.empty())
-    reason = fmt::format("no {}.so in {}", name, folderBesideProgram().string());
+    reason = fmt::format("no {}.so in {}, which VOLUTE_PLUGIN_FOLDER can name", name,
+                         (namedFolder().empty() ? folderBesideProgram() : namedFolder()).string());
   return fail(ErrorCode::kUnsupported, "the part of Volute that uses {} cannot be loaded: {}",
               library, reason);
 }

@@ -11,9 +11,10 @@
 namespace volute {
 
 /// The parts of this library with heavy dependencies are plug-ins, loaded at the first use: a
-/// program that reads no VTK file neither waits for VTK nor carries it. They lie in lib/volute
-/// beside the program's bin, or where the library was installed. An error says when this build has
-/// none.
+/// program that reads no VTK file neither waits for VTK nor carries it. They lie in the
+/// folder that the environment's VOLUTE_PLUGIN_FOLDER names, in lib/volute beside the program's bin,
+/// or where the library was to be installed when it was configured. An error says when this build
+/// has none.
 [[nodiscard]] Result<const LatticePlugin*> loadVdbPlugin();
 [[nodiscard]] Result<const LatticePlugin*> loadVtkPlugin();
 [[nodiscard]] Result<const MeshPlugin*> loadVtkMeshPlugin();

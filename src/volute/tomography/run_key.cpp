@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "volute/base/version.hpp"
 #include "volute/capture/image_name.hpp"
 #include "volute/tomography/reconstruction_report.hpp"
 

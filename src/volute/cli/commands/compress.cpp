@@ -3,7 +3,6 @@
 #include "volute/codec/compress.hpp"
 
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/version.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/media/volume/volume_input.hpp"
 

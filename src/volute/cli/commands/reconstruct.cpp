@@ -9,7 +9,6 @@
 #include "volute/capture/geometry_check.hpp"
 #include "volute/cli/capture_input.hpp"
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/version.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/codec/compress.hpp"
 #include "volute/media/volume/volume_input.hpp"

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Installs what is built into a folder, and builds projects outside of the tree against it: install_test.py SOURCE BUILD [FLAGS..],
+where FLAGS are options of the compiler that the library was built with and that its users need: sanitizers."""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+
+SOURCE, BUILD = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+FLAGS = " ".join(sys.argv[3:])
+del sys.argv[1:]
+# The same folder each time, so that ccache knows what is compiled there.
+FOLDER = BUILD / "install_test"
+PREFIX = FOLDER / "prefix"
+sys.path.insert(0, str(SOURCE / "tools"))
+import fds_case  # noqa: E402
+
+UMBRELLA = """
+#include <cstdio>
+
+#include <volute/volute.hpp>
+
+int main() {
+  volute::CpuRenderer renderer;
+  std::puts(VOLUTE_VERSION);
+  std::puts(volute::VoluteReader::open("nothing.volute").error().message.c_str());
+}
+"""
+
+
+def run(*command, **more):
+    return subprocess.run([str(word) for word in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          **({"cwd": FOLDER} | more))
+
+
+def install(component, **environment):
+    return run("cmake", "--install", BUILD, "--prefix", PREFIX, "--component", component, env=os.environ | environment)
+
+
+def configure(source, build, *options):
+    faster = []
+    if shutil.which("ccache"):
+        faster.append("-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
+    if shutil.which("mold"):
+        faster.append("-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold")
+    return run("cmake", "-S", source, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={PREFIX}", f"-DCMAKE_CXX_FLAGS={FLAGS}",
+               *faster, *options)
+
+
+def project(name, text, **files):
+    """A folder with a project whose only language is C++."""
+    folder = FOLDER / name
+    folder.mkdir()
+    (folder / "CMakeLists.txt").write_text(f"cmake_minimum_required(VERSION 3.25)\nproject({name} LANGUAGES CXX)\n{text}\n")
+    (folder / "main.cpp").write_text(files.get("main", ""))
+    return folder
+
+
+class Install(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        shutil.rmtree(FOLDER, ignore_errors=True)
+        FOLDER.mkdir()
+        plugins = [path.stem[len("volute_io_"):] for path in (BUILD / "lib/volute").glob("volute_io_*.so") if "hostile" not in path.name]
+        for component in ["headers", "command", *plugins]:
+            result = install(component)
+            assert result.returncode == 0, result.stdout
+        # Archives with debug information take 575 MB.
+        result = install("library", CMAKE_INSTALL_MODE="ABS_SYMLINK")
+        assert result.returncode == 0, result.stdout
+        cls.examples = FOLDER / "examples"
+        for result in [configure(SOURCE / "examples", cls.examples), run("cmake", "--build", cls.examples, "-j", "2")]:
+            assert result.returncode == 0, result.stdout
+        cls.work = FOLDER / "work"
+        cls.work.mkdir()
+
+    def works(self, *command, **more):
+        result = run(*command, **({"cwd": self.work} | more))
+        self.assertEqual(result.returncode, 0, result.stdout)
+        return result.stdout
+
+    def example(self, number, *arguments, **more):
+        return self.works(self.examples / f"example_{number:02}", *arguments, **more)
+
+    def test_every_example_is_built_and_run(self):
+        names = sorted(path.name for path in (SOURCE / "examples").glob("*.cpp"))
+        self.assertEqual([name[:2] for name in names], [f"{i:02}" for i in range(1, 9)], "say below what a new one prints")
+
+    def test_integrate_a_segment(self):
+        self.assertIn("optical depth 1.000, transmittance 0.368", self.example(1))
+
+    def test_read_and_write_then_a_picture_of_the_file(self):
+        self.assertIn("4 of 24 blocks were decoded", self.example(2))
+        self.assertIn("32 x 32 x 48 voxels, 20 frames", self.example(4, "cloud.volute", 0.4, "cloud.png"))
+        self.assertTrue((self.work / "cloud.png").read_bytes().startswith(b"\x89PNG"))
+
+    def test_render_from_the_tree(self):
+        self.assertIn("nodes take", self.example(3))
+        self.assertTrue((self.work / "fire.png").exists())
+
+    def test_kind_of_medium(self):
+        self.assertIn("2 s: 0.2231 of the light", self.example(5))
+
+    def test_tetrahedra(self):
+        self.assertIn("optical depth 1.500000", self.example(6))
+
+    def test_fds_and_visibility(self):
+        room = fds_case.Mesh("room", (0, 8, 0, 3, 0, 2.4), (16, 6, 5))
+        case = fds_case.FdsCase([room], (0.0, 10.0, 20.0), lambda time, x, y, z: 0.1 * time).write(self.work)
+        said = self.example(7, case)
+        self.assertIn("10.0 s,  7.2 m away: optical depth 7.200, seen", said)
+        self.assertIn("20.0 s,  7.2 m away: optical depth 14.400, not seen", said)
+
+    def test_tomography(self):
+        self.assertRegex(self.example(8), r"relative error 0\.0")
+
+    def test_the_whole_library_in_a_project_of_cxx_alone(self):
+        folder = project("whole", "find_package(volute REQUIRED)\nadd_executable(whole main.cpp)\n"
+                         "target_compile_options(whole PRIVATE -Wall -Wextra -Werror)\n"
+                         "target_link_libraries(whole PRIVATE volute::volute)", main=UMBRELLA)
+        result = configure(folder, folder / "build")
+        self.assertEqual(result.returncode, 0, result.stdout)
+        self.works("cmake", "--build", folder / "build")
+        version, error = self.works(folder / "build/whole").splitlines()
+        self.assertEqual(f"volute {version}\n", self.works(PREFIX / "bin/volute", "--version"))
+        self.assertIn("nothing.volute", error)
+
+    def test_a_part_looks_for_what_it_needs_alone(self):
+        folder = project("part", "find_package(volute 0.2 REQUIRED COMPONENTS codec)\n"
+                         "if(TARGET PNG::PNG OR TARGET nlohmann_json::nlohmann_json OR TARGET embree OR NOT TARGET volute::codec)\n"
+                         "  message(FATAL_ERROR \"wrong dependencies\")\nendif()")
+        result = configure(folder, folder / "build")
+        self.assertEqual(result.returncode, 0, result.stdout)
+
+    def test_what_is_not_there_is_refused(self):
+        for number, (asked, answer) in enumerate([("COMPONENTS codec cheese", "volute has no component cheese"), ("0.1", "version: 0.2"),
+                                                  ("1.0", "version: 0.2")]):
+            folder = project(f"refused{number}", f"find_package(volute {asked} REQUIRED)")
+            result = configure(folder, folder / "build")
+            self.assertNotEqual(result.returncode, 0, asked)
+            self.assertIn(answer, " ".join(result.stdout.split()))
+
+    def test_pkg_config(self):
+        environment = os.environ | {"PKG_CONFIG_PATH": str(next(PREFIX.rglob("volute.pc")).parent)}
+        flags = self.works("pkg-config", "--cflags", "--libs", "volute", env=environment).split()
+        launcher = ["ccache"] if shutil.which("ccache") else []
+        self.works(*launcher, "c++", *FLAGS.split(), "-c", SOURCE / "examples/02_read_and_write.cpp", "-o", "by_pc.o",
+                   *(flag for flag in flags if not flag.startswith("-l")))
+        self.works("c++", *FLAGS.split(), "by_pc.o", *flags, "-o", "by_pc")
+        self.assertIn("4 of 24 blocks were decoded", self.works("./by_pc"))
+
+    def test_no_header_is_missing(self):
+        headers = {path.relative_to(PREFIX / "include").as_posix() for path in (PREFIX / "include").rglob("*.hpp")}
+        self.assertIn("volute/volute.hpp", headers)
+        for header in headers:
+            for included in re.findall(r'#include "(volute/[^"]+)"', (PREFIX / "include" / header).read_text()):
+                self.assertIn(included, headers, header)
+
+    def test_the_command_has_its_plugins_manual_and_completions(self):
+        program = PREFIX / "bin/volute"
+        self.example(2)
+        if (PREFIX / "lib/volute/volute_io_vdb.so").exists():
+            self.works(program, "extract", "cloud.volute", "-o", "one.vdb", "--frames", "3")
+            self.assertRegex(self.works(program, "info", "one.vdb"), r"size +32 x 32 x \d+ voxels")
+            # Programs elsewhere say where the plug-ins are.
+            result = run(self.examples / "example_04", "one.vdb", 0, "one.png", cwd=self.work)
+            self.assertEqual(result.returncode, 1)
+            self.assertIn("VOLUTE_PLUGIN_FOLDER", result.stdout)
+            self.example(4, "one.vdb", 0, "one.png", env=os.environ | {"VOLUTE_PLUGIN_FOLDER": str(PREFIX / "lib/volute")})
+        self.assertIn(".TH VOLUTE 1", (PREFIX / "share/man/man1/volute.1").read_text())
+        for file, word in [("bash-completion/completions/volute", "complete"), ("zsh/site-functions/_volute", "#compdef"),
+                           ("fish/vendor_completions.d/volute.fish", "complete -c volute")]:
+            self.assertIn(word, (PREFIX / "share" / file).read_text())
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
