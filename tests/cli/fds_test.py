@@ -219,6 +219,13 @@ class Fds(support.TestCase):
                       self.fails(1, "render", self.case, "-o", self.path("x.png"), "--fds-slice", "HEAT"))
         self.fails(2, "render", self.case, "-o", self.path("x.png"), "--fds-slice", "TEMPERATURE", "--fds-slice-range", "5,2")
 
+    def test_members_of_meshes_are_refused(self):
+        scene = {"format": "volute-scene-1", "camera": {"eye": [1, 0.5, 3], "target": [1, 0.5, 0], "ortho": 1},
+                 "media": [{"kind": "smoke", "case": "case.smv", "negatives": "clamp"}]}
+        self.path("scene.json").write_text(json.dumps(scene))
+        self.assertIn("scene.json: /media/0/negatives: is for smoke on meshes, and this is an FDS case",
+                      self.fails(1, "render", self.path("scene.json"), "-o", self.path("x.png")))
+
     def test_a_case_with_a_roof_is_seen_from_inside(self):
         text = self.case.read_text()
         roof = "OBST\n 1\n 1 0 2 0 1 0.75 1 0 0 0 0 0 0\n 0 4 0 4 3 4 -1 -1\n"

@@ -30,6 +30,26 @@ class Scene(support.TestCase):
         self.assertAlmostEqual(self.radiance(), 0.25, places=6)
         self.assertAlmostEqual(self.radiance("--time", "0.05"), 0.75, places=6)
 
+    def test_a_field_is_named_by_either_name(self):
+        self.works("compress", self.path("block.npy"), "-o", self.path("block.volute"), "--max-error", "1e-6")
+        for name in ("field", "grid"):
+            self.scene["media"][0] = {"kind": "volume", "file": "block.volute", name: "density"}
+            self.assertAlmostEqual(self.radiance(), 0.25, places=4)
+            self.scene["media"][0][name] = "heat"
+            self.assertIn("there is no grid 'heat'", self.fails(1, "render", self.write(), "-o", self.path("y.png")))
+        self.scene["media"][0]["field"] = "density"
+        self.wrong("/media/0/field: grid says the same")
+
+    def test_the_basis_is_the_scene_s_unless_the_command_line_says_another(self):
+        write_npy(self.path("block.npy"), (4, 4, 4), [x for _ in range(16) for x in range(4)])
+        self.scene["camera"] |= {"ortho": 1e-7, "eye": [0.45, -3, 0.5], "target": [0.45, 0.5, 0.5]}
+        file, box = self.radiance(), self.radiance("--basis", "box")
+        self.scene["media"][0]["basis"] = "trilinear"
+        trilinear = self.radiance()
+        self.assertEqual(file, box)
+        self.assertNotAlmostEqual(trilinear, box, places=2)
+        self.assertEqual(self.radiance("--basis", "box"), box)
+
     def test_volumes_add_up(self):
         self.scene["media"].append({"kind": "volume", "file": "block.npy", "emission": 4})
         self.assertAlmostEqual(self.radiance(), 0.25 + 1, places=6)

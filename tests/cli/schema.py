@@ -3,13 +3,14 @@
 """As much of JSON Schema as docs/scene.schema.json uses, with the standard library alone."""
 import json
 import pathlib
+import re
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCENE = json.loads((ROOT / "docs/scene.schema.json").read_text())
 
 KNOWN = {"$schema", "$defs", "$ref", "title", "description", "type", "const", "enum", "oneOf", "required", "properties",
          "additionalProperties", "items", "minItems", "maxItems", "minimum", "maximum", "exclusiveMinimum",
-         "exclusiveMaximum"}
+         "exclusiveMaximum", "pattern", "default"}
 TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "number": (int, float), "integer": int}
 
 
@@ -29,6 +30,8 @@ def faults(value, schema=SCENE, path=""):
         found.append(f"{path}: not {schema['const']}")
     if "enum" in schema and value not in schema["enum"]:
         found.append(f"{path}: none of {schema['enum']}")
+    if "pattern" in schema and not re.search(schema["pattern"], value):
+        found.append(f"{path}: does not match {schema['pattern']}")
     if "oneOf" in schema:
         options = [faults(value, {k: v for k, v in option.items()}, path) for option in schema["oneOf"]]
         if sum(not option for option in options) != 1:

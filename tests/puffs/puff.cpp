@@ -4,8 +4,6 @@
 
 #include <cmath>
 
-#include "volute/io/json_members.hpp"
-
 namespace volute {
 namespace {
 
@@ -40,8 +38,6 @@ class PuffInTime final : public SceneMedium {
     return std::make_shared<const PuffAt>(now);
   }
 
-  const Puff& puff() const { return puff_; }
-
  private:
   Puff at(double time) const {
     Puff now = puff_;
@@ -53,44 +49,43 @@ class PuffInTime final : public SceneMedium {
   double growth_;
 };
 
+struct PuffSaid {
+  Puff puff;
+  Rgb albedo = Rgb::Zero();
+  double growth = 0;
+};
+
 class PuffKind final : public MediumKind {
  public:
-  std::string_view name() const override { return "puff"; }
-
-  std::string_view plural() const override { return "puffs"; }
-
-  std::string_view singular() const override { return "a puff"; }
-
-  std::vector<std::string_view> members() const override {
-    return {"centre", "radius", "density", "albedo", "growth"};
+  const FieldTable& fields() const override {
+    // clang-format off: a row is read as one
+    static const FieldRow kFields[] = {
+        {.name = "centre", .type = FieldType::kPoint, .access = member<&PuffSaid::puff, &Puff::centre>(),
+         .help = "its middle", .unit = "m", .slider = {.label = "centre"}},
+        {.name = "radius", .access = member<&PuffSaid::puff, &Puff::radius>(), .help = "at 0 s",
+         .unit = "m", .least = 1e-3, .slider = {.label = "radius", .least = 0.1, .most = 10}},
+        {.name = "density", .access = member<&PuffSaid::puff, &Puff::density>(),
+         .help = "extinction of its middle", .unit = "1/m", .least = 0,
+         .slider = {.label = "density", .most = 10, .logarithmic = true}},
+        {.name = "albedo", .type = FieldType::kColor, .access = member<&PuffSaid::albedo>(),
+         .help = "share of light that it scatters", .least = 0, .most = 1},
+        {.name = "growth", .access = member<&PuffSaid::growth>(), .help = "of its radius",
+         .unit = "m/s", .least = 0}};
+    // clang-format on
+    static const FieldTable kTable = fieldTable<PuffSaid>({.name = "puff",
+                                                           .sentence = "a round cloud",
+                                                           .fields = kFields,
+                                                           .says = "puff",
+                                                           .thing = "a puff",
+                                                           .things = "puffs"});
+    return kTable;
   }
-
-  std::vector<std::string_view> fileMembers() const override { return {}; }
 
   Result<std::shared_ptr<SceneMedium>> open(const Json& entry,
                                             MediumContext& context) const override {
-    constexpr std::string_view kNames[] = {"kind",    "centre", "radius",
-                                           "density", "albedo", "growth"};
-    const Members members(entry, context.file, context.path);
-    VOLUTE_TRY(members.check(kNames));
-    Puff puff;
-    double growth = 0;
-    Rgb albedo = Rgb::Zero();
-    VOLUTE_TRY(members.vector("centre", puff.centre));
-    VOLUTE_TRY(members.number("radius", puff.radius, 1e-3));
-    VOLUTE_TRY(members.number("density", puff.density, 0));
-    VOLUTE_TRY(members.color("albedo", albedo, 1));
-    VOLUTE_TRY(members.number("growth", growth, 0));
-    puff.source = albedo * context.lights.ambient;
-    return std::make_shared<PuffInTime>(puff, growth, context.file);
-  }
-
-  void addParameters(ParameterGroup group, const nlohmann::ordered_json&,
-                     const SceneMedium& medium, bool) const override {
-    const Puff& puff = dynamic_cast<const PuffInTime&>(medium).puff();
-    group.point("centre", "centre", puff.centre, "m", 0.01);
-    group.range("radius", "radius", puff.radius, 0.1, 10, "m");
-    group.amount("density", "density", puff.density, 10, "/m");
+    VOLUTE_ASSIGN(auto said, readAs<PuffSaid>(fields(), entry, {context.file, context.path}));
+    said.puff.source = said.albedo * context.lights.ambient;
+    return std::make_shared<PuffInTime>(said.puff, said.growth, context.file);
   }
 };
 

@@ -24,8 +24,13 @@ Result<std::optional<CameraDescription>> cameraOf(const Arguments& arguments) {
     return fail(ErrorCode::kInvalidArgument,
                 "a view needs --eye, --target, and one of --fov and --ortho");
   }
-  CameraDescription camera{{*eye, *target, arguments.get<Vec3>("up")}, fov, ortho, std::nullopt};
-  VOLUTE_TRY(checkView(camera, "the view"));
+  FieldValue members = FieldValue::object();
+  for (const char* name : {"eye", "target", "up"}) {
+    const Vec3 v = arguments.get<Vec3>(name);
+    members[name] = {v.x(), v.y(), v.z()};
+  }
+  members[fov ? "fov" : "ortho"] = fov ? *fov : *ortho;
+  VOLUTE_ASSIGN(auto camera, parseCamera(members, {}));
   return camera;
 }
 

@@ -82,9 +82,9 @@ Result<OrderedJson> valueOf(const Arguments& arguments, std::string_view option)
   return OrderedJson::array({*least, *most});
 }
 
+/// Kinds of which a file alone says too little have no options.
 bool has(const MediumKind& kind, std::string_view member) {
-  const auto members = kind.members();
-  return std::ranges::find(members, member.substr(0, member.find('/'))) != members.end();
+  return !kind.assumes() && kind.fields().find(member.substr(0, member.find('/')));
 }
 
 /// An option that a kind has nothing to do with.

@@ -94,10 +94,9 @@ Result<ViewPictures> ViewPictures::make(std::vector<Vec3> eyes, const std::strin
     return fail(ErrorCode::kUnsupported, "--picture is for a file alone; volute render shows a scene");
   const MediumKind& kind = *mediumKindOf(path, false);
   VOLUTE_ASSIGN(auto entry, entryOf(std::filesystem::absolute(path).string(), arguments));
-  for (const std::string_view member : kind.fileMembers())
-    entry[std::string(member)] = std::filesystem::absolute(path).string();
-  const auto members = kind.members();
-  if (std::ranges::find(members, "walls") != members.end())
+  for (const std::string& member : filesIn(kind.fields()))
+    entry[member] = std::filesystem::absolute(path).string();
+  if (kind.fields().find("walls"))
     entry["walls"] = true;
   pictures.scene_ = kind.sceneOf("");
   pictures.lit_ = !pictures.scene_.contains("lights");

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "volute/io/json_members.hpp"
-
 namespace volute {
 
 std::string besides(const std::string& file, const std::string& name) {

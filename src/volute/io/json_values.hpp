@@ -17,4 +17,7 @@ namespace volute {
 [[nodiscard]] Result<Vec3> jsonToVector(const nlohmann::json& json, const std::string& file,
                                         const std::string& path);
 
+/// A name found from the folder of the file that says it.
+std::string besides(const std::string& file, const std::string& name);
+
 }  // namespace volute

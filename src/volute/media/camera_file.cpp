@@ -2,85 +2,52 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/camera_file.hpp"
 
-#include <string_view>
-
-#include "volute/io/json_members.hpp"
-#include "volute/io/json_values.hpp"
+#include "volute/io/json_file.hpp"
 
 namespace volute {
-namespace {
 
-Result<Pixels> sizeOf(const nlohmann::json& json, const std::string& file,
-                      const std::string& path) {
-  constexpr int kMost = 32768;
-  if (json.is_array() && json.size() == 2 && json[0].is_number_integer() &&
-      json[1].is_number_integer()) {
-    const auto width = json[0].get<std::int64_t>(), height = json[1].get<std::int64_t>();
-    if (std::min(width, height) >= 1 && std::max(width, height) <= kMost) {
-      return Pixels{static_cast<int>(width), static_cast<int>(height)};
-    }
-  }
-  return fail(ErrorCode::kInvalidData, "{}: {}: expected [width, height] of 1 to {} pixels", file,
-              path, kMost);
+const FieldTable& cameraFields() {
+  using enum FieldType;
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "eye", .type = kPoint, .access = member<&CameraDescription::view, &View3::eye>(),
+       .help = "where the camera is", .unit = "m", .required = true, .option = {"X,Y,Z"}},
+      {.name = "target", .type = kPoint,
+       .access = member<&CameraDescription::view, &View3::target>(), .help = "what it looks at",
+       .unit = "m", .required = true, .option = {"X,Y,Z"}},
+      {.name = "up", .type = kDirection, .access = member<&CameraDescription::view, &View3::up>(),
+       .help = "what is up in the picture", .option = {"X,Y,Z"}},
+      {.name = "fov", .access = member<&CameraDescription::fov>(), .help = "vertical field of view",
+       .unit = "degrees", .least = 0, .most = 180, .above = true, .below = true,
+       .option = {"DEGREES"}},
+      {.name = "ortho", .access = member<&CameraDescription::ortho>(),
+       .help = "instead of fov: parallel rays without a near plane; height of the view",
+       .unit = "m", .least = 0, .above = true, .option = {"HEIGHT"}},
+      {.name = "size", .type = kNumbers, .access = member<&CameraDescription::size>(),
+       .help = "width and height of the picture", .unit = "pixels", .least = 1, .most = 32768,
+       .count = 2, .whole = true}};
+  // clang-format on
+  static const FieldTable kTable =
+      fieldTable<CameraDescription>({.name = "camera",
+                                     .sentence = "a pinhole (fov) or parallel rays (ortho)",
+                                     .fields = kFields});
+  return kTable;
 }
 
-}  // namespace
-
-Status checkView(const CameraDescription& camera, const std::string& where) {
-  if (camera.view.eye == camera.view.target) {
-    return fail(ErrorCode::kInvalidArgument, "{}: eye and target are the same point", where);
-  }
-  if (camera.fov && !(*camera.fov > 0 && *camera.fov < 180)) {
-    return fail(ErrorCode::kInvalidArgument,
-                "{}: fov is {}; expected more than 0 and less than 180 degrees", where,
-                *camera.fov);
-  }
-  if (camera.ortho && !(*camera.ortho > 0)) {
-    return fail(ErrorCode::kInvalidArgument, "{}: ortho is {}; expected a height of more than 0 m",
-                where, *camera.ortho);
-  }
-  return {};
-}
-
-Result<CameraDescription> parseCamera(const nlohmann::json& json, const std::string& file,
-                                      const std::string& path) {
-  if (!json.is_object())
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected a camera object", file, path);
-  static constexpr std::string_view kNames[] = {"eye", "target", "up", "fov", "ortho", "size"};
-  VOLUTE_TRY(Members(json, file, path).check(kNames));
-  const auto within = [&](const char* key) { return path + "/" + key; };
-  CameraDescription camera;
-  for (const char* key : {"eye", "target"}) {
-    if (!json.contains(key))
-      return fail(ErrorCode::kInvalidData, "{}: {} is missing; expected three numbers [m]", file,
-                  within(key));
-  }
-  VOLUTE_ASSIGN(camera.view.eye, jsonToVector(json["eye"], file, within("eye")));
-  VOLUTE_ASSIGN(camera.view.target, jsonToVector(json["target"], file, within("target")));
-  if (json.contains("up")) {
-    VOLUTE_ASSIGN(camera.view.up, jsonToVector(json["up"], file, within("up")));
-  }
-  if (json.contains("fov")) {
-    VOLUTE_ASSIGN(camera.fov, jsonToNumber(json["fov"], file, within("fov")));
-  }
-  if (json.contains("ortho")) {
-    VOLUTE_ASSIGN(camera.ortho, jsonToNumber(json["ortho"], file, within("ortho")));
-  }
-  if (json.contains("size")) {
-    VOLUTE_ASSIGN(camera.size, sizeOf(json["size"], file, within("size")));
-  }
-  if (camera.fov.has_value() == camera.ortho.has_value()) {
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected one of fov [degrees] and ortho [m]",
-                file, path);
-  }
-  VOLUTE_TRY(checkView(camera, fmt::format("{}: {}", file, path)));
+Result<CameraDescription> parseCamera(const nlohmann::json& json, const FieldOrigin& origin) {
+  VOLUTE_ASSIGN(auto camera, readAs<CameraDescription>(cameraFields(), json, origin));
+  if (camera.fov.has_value() == camera.ortho.has_value())
+    return origin.wrong(fmt::format("expected one of {0}fov [degrees] and {0}ortho [m]",
+                                    origin.options() ? "--" : ""));
+  if (camera.view.eye == camera.view.target)
+    return origin.wrong("eye and target are the same point");
   return camera;
 }
 
 Result<CameraDescription> readCamera(const std::string& file) {
   VOLUTE_ASSIGN(const auto json, readJson(file));
   const bool scene = json.is_object() && json.contains("camera");
-  return scene ? parseCamera(json["camera"], file, "/camera") : parseCamera(json, file, "");
+  return scene ? parseCamera(json["camera"], {file, "/camera"}) : parseCamera(json, {file});
 }
 
 Camera makeCamera(const CameraDescription& description, const Pixels& size) {

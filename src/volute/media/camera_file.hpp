@@ -8,6 +8,7 @@
 
 #include "volute/camera/camera.hpp"
 #include "volute/image/pixels.hpp"
+#include "volute/media/field.hpp"
 
 namespace volute {
 
@@ -20,18 +21,14 @@ struct CameraDescription {
   std::optional<Pixels> size;
 };
 
-/// {"eye": [x,y,z], "target": [x,y,z], "up": [x,y,z], "fov": degrees or "ortho": metres, "size":
-/// [w,h]}; up and size may be missing. Errors name the file and the path inside it.
+const FieldTable& cameraFields();
+
+/// A scene's camera object, or the options that say the same.
 [[nodiscard]] Result<CameraDescription> parseCamera(const nlohmann::json& json,
-                                                    const std::string& file,
-                                                    const std::string& path);
+                                                    const FieldOrigin& origin);
 
 /// A file that holds a camera object, or a scene with one.
 [[nodiscard]] Result<CameraDescription> readCamera(const std::string& file);
-
-/// kInvalidArgument where eye and target coincide, or the field of view or the height is out of
-/// range; `where` begins the sentence.
-[[nodiscard]] Status checkView(const CameraDescription& camera, const std::string& where);
 
 Camera makeCamera(const CameraDescription& description, const Pixels& size);
 

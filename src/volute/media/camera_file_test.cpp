@@ -8,7 +8,7 @@ namespace volute {
 namespace {
 
 Result<CameraDescription> parse(const char* text) {
-  return parseCamera(nlohmann::json::parse(text), "scene.json", "/camera");
+  return parseCamera(nlohmann::json::parse(text), {"scene.json", "/camera"});
 }
 
 TEST(CameraFile, ReadsAScenesCamera) {
@@ -37,7 +37,7 @@ TEST(CameraFile, UnknownNamesAreRefusedWithTheNearest) {
 TEST(CameraFile, ErrorsNameThePlace) {
   EXPECT_EQ(parse("[]").error().message, "scene.json: /camera: expected a camera object");
   EXPECT_EQ(parse(R"({"eye": [0, -4], "target": [0, 0, 0], "fov": 40})").error().message,
-            "scene.json: /camera/eye: expected three numbers");
+            "scene.json: /camera/eye: expected three numbers [m]");
   EXPECT_EQ(parse(R"({"eye": [0, -4, "x"], "target": [0, 0, 0], "fov": 40})").error().message,
             "scene.json: /camera/eye[2]: expected a number");
   EXPECT_FALSE(parse(R"({"eye": [0, -4, 1], "fov": 40})"));

@@ -2,11 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <span>
-#include <string>
-
-#include "volute/base/result.hpp"
 
 namespace volute {
 
@@ -23,9 +19,5 @@ struct Clock {
   /// The scene's time at which the medium's own first is `own` [s].
   double sceneTime(double own) const { return (own - offset) / rate; }
 };
-
-/// {"offset", "rate", "loop"} of a medium. Errors name the file and the path inside it.
-[[nodiscard]] Result<Clock> parseClock(const nlohmann::json& json, const std::string& file,
-                                       const std::string& path);
 
 }  // namespace volute

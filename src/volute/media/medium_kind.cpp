@@ -3,6 +3,7 @@
 #include "volute/media/medium_kind.hpp"
 
 #include <algorithm>
+#include <regex>
 
 #include "volute/media/ray_sight.hpp"
 
@@ -25,6 +26,27 @@ void addCounts(OrderedJson& sum, const OrderedJson& more) {
 OrderedJson MediumKind::sceneOf(const std::string& name) const {
   return {{"format", "volute-scene-1"},
           {"media", OrderedJson::array({{{"kind", this->name()}, {"file", name}}})}};
+}
+
+/// Patterns are about the ends of names, and std::regex takes stack for every character.
+bool MediumKind::claims(const nlohmann::json& entry) const {
+  constexpr std::size_t kEnd = 64;
+  return std::ranges::all_of(fields().fields, [&](const FieldRow& field) {
+    if (field.pattern.empty())
+      return true;
+    const auto found = entry.find(field.name);
+    const bool said = found != entry.end() && found->is_string();
+    const std::string name = said ? found->get<std::string>() : "";
+    return std::regex_search(name.substr(name.size() - std::min(name.size(), kEnd)),
+                             std::regex(std::string(field.pattern)));
+  });
+}
+
+void MediumKind::addParameters(ParameterGroup& group, const OrderedJson& entry,
+                               const SceneMedium& /*medium*/, MediumFacts facts) const {
+  const auto object = fields().make();
+  if (readFields(fields(), nlohmann::json(entry), {}, object.get()))
+    addSliders(group, fields(), object.get(), facts);
 }
 
 Result<std::unique_ptr<SightField>> MediumKind::openSight(const nlohmann::json& entry,

@@ -12,7 +12,7 @@
 
 #include "volute/lighting/light_cache.hpp"
 #include "volute/lighting/light_memory.hpp"
-#include "volute/media/parameter_group.hpp"
+#include "volute/media/field_sliders.hpp"
 #include "volute/media/reading.hpp"
 #include "volute/media/scene_lights.hpp"
 #include "volute/media/scene_medium.hpp"
@@ -63,24 +63,22 @@ class MediumKind {
  public:
   virtual ~MediumKind() = default;
 
+  /// What an entry may say. Its members are all that is known of the kind by name: in files, in
+  /// options, in the schema, and as what a person may change.
+  virtual const FieldTable& fields() const = 0;
+
   /// Of "kind" in a scene's media.
-  virtual std::string_view name() const = 0;
+  std::string_view name() const { return fields().says.empty() ? fields().name : fields().says; }
 
   /// For people: "volumes of voxels", "a volume of voxels".
-  virtual std::string_view plural() const = 0;
-  virtual std::string_view singular() const = 0;
-
-  /// The members that an entry may have, but for its kind and its files.
-  virtual std::vector<std::string_view> members() const = 0;
+  std::string_view plural() const { return fields().things; }
+  std::string_view singular() const { return fields().thing; }
 
   /// Which list of the scene it stands in.
   virtual std::string_view list() const { return "media"; }
 
-  /// Among kinds of the same name: whether an entry is one of these.
-  virtual bool claims(const nlohmann::json& entry) const {
-    (void)entry;
-    return true;
-  }
+  /// Among kinds of the same name: whether an entry is one of these, by the patterns of its members.
+  bool claims(const nlohmann::json& entry) const;
 
   /// Errors name the file and the place in it, members that are unknown included.
   [[nodiscard]] virtual Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
@@ -116,15 +114,9 @@ class MediumKind {
     return {};
   }
 
-  /// The members of an entry that name files: "file", "top/map".
-  virtual std::vector<std::string_view> fileMembers() const { return {"file"}; }
-
-  /// What a person may change about one.
-  /// @param sunlit  a sun shines in the scene
-  virtual void addParameters(ParameterGroup group, const nlohmann::ordered_json& entry,
-                             const SceneMedium& medium, bool sunlit) const {
-    (void)group, (void)entry, (void)medium, (void)sunlit;
-  }
+  /// Adds what a person may change about one. By default the sliders of what the entry says.
+  virtual void addParameters(ParameterGroup& group, const nlohmann::ordered_json& entry,
+                             const SceneMedium& medium, MediumFacts facts) const;
 
   /// Sets a value in an entry that more than one of its numbers stand for, or that other values
   /// must go with. False, with nothing done, for all others.

@@ -5,8 +5,6 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "volute/io/json_values.hpp"
-
 namespace volute {
 namespace {
 
@@ -14,28 +12,27 @@ constexpr double kRight = 1e-6;  ///< how far from 90 degrees a volume's axes ma
 
 }  // namespace
 
-Result<Mat4> parseTransform(const nlohmann::json& json, const std::string& file, const std::string& path) {
-  if (!json.is_array() || json.size() != 16) {
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected 16 numbers, row-major", file, path);
-  }
+Result<Mat4> transformFrom(const FieldValue& numbers) {
   Mat4 matrix;
-  for (int i = 0; i < 16; ++i) {
-    VOLUTE_ASSIGN(matrix(i / 4, i % 4),
-                  jsonToNumber(json[i], file, fmt::format("{}[{}]", path, i)));
-  }
+  for (int i = 0; i < 16; ++i)
+    matrix(i / 4, i % 4) = numbers[static_cast<std::size_t>(i)].get<double>();
   if (matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
     return fail(ErrorCode::kInvalidData,
-                "{}: {}: expected 0, 0, 0, 1 as the last four of the numbers, which are row-major",
-                file, path);
+                "expected 0, 0, 0, 1 as the last four of the numbers, which are row-major");
   }
   if (!(std::abs(matrix.determinant()) > 0))
-    return fail(ErrorCode::kInvalidData, "{}: {}: makes everything flat", file, path);
+    return fail(ErrorCode::kInvalidData, "makes everything flat");
   return matrix;
 }
 
-Result<Placement> parsePlacement(const nlohmann::json& json, const std::string& file,
-                                 const std::string& path) {
-  VOLUTE_ASSIGN(const Mat4 matrix, parseTransform(json, file, path));
+FieldValue transformValue(const Mat4& matrix) {
+  FieldValue numbers = FieldValue::array();
+  for (int i = 0; i < 16; ++i) numbers.push_back(matrix(i / 4, i % 4));
+  return numbers;
+}
+
+Result<Placement> placementFrom(const FieldValue& numbers) {
+  VOLUTE_ASSIGN(const Mat4 matrix, transformFrom(numbers));
   const Mat3 linear = matrix.topLeftCorner<3, 3>();
   Placement placement;
   placement.scale = linear.colwise().norm().transpose();
@@ -44,9 +41,8 @@ Result<Placement> parsePlacement(const nlohmann::json& json, const std::string& 
   const Mat3 square = placement.turn.transpose() * placement.turn - Mat3::Identity();
   if (square.cwiseAbs().maxCoeff() > kRight) {
     return fail(ErrorCode::kUnsupported,
-                "{}: {}: shears the volume; expected moving, turning, mirroring and scaling along "
-                "the volume's axes",
-                file, path);
+                "shears the volume; expected moving, turning, mirroring and scaling along the "
+                "volume's axes");
   }
   return placement;
 }

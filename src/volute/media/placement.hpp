@@ -2,11 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <nlohmann/json.hpp>
-#include <string>
-
 #include "volute/base/result.hpp"
 #include "volute/math/vec.hpp"
+#include "volute/media/field.hpp"
 
 namespace volute {
 
@@ -20,14 +18,12 @@ struct Placement {
   bool turns() const { return turn != Mat3::Identity(); }
 };
 
-/// 16 numbers, row-major: an affine transform that can be undone. Errors name the file and the path
-/// inside it.
-[[nodiscard]] Result<Mat4> parseTransform(const nlohmann::json& json, const std::string& file,
-                                          const std::string& path);
+/// 16 numbers, row-major: an affine transform that can be undone. Errors have no place.
+[[nodiscard]] Result<Mat4> transformFrom(const FieldValue& numbers);
+FieldValue transformValue(const Mat4& matrix);
 
 /// The same of a volume, whose voxels stay at right angles: kUnsupported for a transform that
 /// shears.
-[[nodiscard]] Result<Placement> parsePlacement(const nlohmann::json& json, const std::string& file,
-                                               const std::string& path);
+[[nodiscard]] Result<Placement> placementFrom(const FieldValue& numbers);
 
 }  // namespace volute

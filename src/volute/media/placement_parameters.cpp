@@ -88,13 +88,16 @@ void addPlacement(ParameterGroup& group, const Placement& placement, const Box3&
       "where the middle of the volume is";
   group.point("turned", "transform/turn", words.turn, "deg", 0.5).help =
       "about its middle: about x, then y, then z [degrees]";
-  Parameter& size1 =
-      group.range("size", "transform/size", std::cbrt(words.scale.prod()), 0.01, 100, "x");
+  const double factor = std::cbrt(words.scale.prod());
+  Parameter& size1 = group.add("size", "transform/size", Parameter::Kind::kNumber, {factor});
+  size1.least = std::min(0.01, factor), size1.most = std::max(100.0, factor);
   size1.logarithmic = true;
+  size1.unit = std::string("x");  // GCC 12 warns of the plain assignment
   size1.help = "of the file's, about its middle";
   group.point("along axes", "transform/scale", words.scale, "x", 0.01).help =
       "the size along the volume's own x, y and z";
-  group.flag("mirrored", "transform/mirror", words.mirrored).help = "along the volume's own x";
+  group.add("mirrored", "transform/mirror", Parameter::Kind::kFlag, {words.mirrored ? 1.0 : 0.0})
+      .help = "along the volume's own x";
   group.section("");
 }
 

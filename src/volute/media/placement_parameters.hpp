@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "volute/media/parameter_group.hpp"
+#include "volute/media/field_sliders.hpp"
 #include "volute/media/placement.hpp"
 
 namespace volute {

@@ -5,60 +5,34 @@
 #include <cmath>
 #include <numbers>
 
-#include "volute/io/json_members.hpp"
-
 namespace volute {
 namespace {
 
-using Json = nlohmann::json;
+/// A lamp as a scene says it.
+struct SpotDescription {
+  Vec3 position = Vec3::Zero(), target = Vec3::Zero();
+  double angle = 60;  ///< of its cone, from side to side [degrees]
+  Rgb intensity = Rgb::Ones();
+  double radius = Lamp{}.radius;
+  double edge = 0.1;
+};
 
-Result<Lamp> parseSpot(const Json& json, const std::string& file, const std::string& path) {
-  constexpr std::string_view kNames[] = {"kind",      "position", "target", "angle",
-                                         "intensity", "radius",   "edge"};
-  const Members members(json, file, path);
-  VOLUTE_TRY(members.check(kNames));
-  for (const char* key : {"position", "target"}) {
-    if (!members.has(key))
-      return fail(ErrorCode::kInvalidData, "{}: {}: is missing; expected three numbers [m]", file,
-                  members.where(key));
-  }
-  Lamp lamp;
-  Vec3 target = Vec3::Zero();
-  double angle = 60;
-  VOLUTE_TRY(members.vector("position", lamp.position));
-  VOLUTE_TRY(members.vector("target", target));
-  VOLUTE_TRY(members.number("angle", angle, 0, 360));
-  VOLUTE_TRY(members.color("intensity", lamp.intensity, kUnlimited));
-  VOLUTE_TRY(members.number("radius", lamp.radius, 1e-6));
-  lamp.edge = 0.1;
-  VOLUTE_TRY(members.number("edge", lamp.edge, 0, 1));
-  if (!((target - lamp.position).norm() > 0)) {
-    return fail(ErrorCode::kInvalidData, "{}: {}: position and target are the same point", file,
-                path);
-  }
-  lamp.direction = (target - lamp.position).normalized();
-  lamp.coneCosine = std::cos(angle / 2 * std::numbers::pi / 180);
-  return lamp;
+struct AmbientDescription {
+  Rgb radiance = Rgb::Zero();
+};
+
+FieldValue sunDirection(const FogSun& sun) {
+  const Vec3 direction = -sun.towards + Vec3::Zero();
+  return {direction.x(), direction.y(), direction.z()};
 }
 
-Result<FogSun> parseSun(const Json& json, const std::string& file, const std::string& path) {
-  constexpr std::string_view kNames[] = {"kind", "direction", "radiance"};
-  const Members members(json, file, path);
-  VOLUTE_TRY(members.check(kNames));
-  if (json.value("kind", Json()) != "sun")
-    return fail(ErrorCode::kInvalidData, "{}: {}/kind: expected sun, spot or ambient", file, path);
-  FogSun sun;
-  Vec3 direction = Vec3::Zero();
-  VOLUTE_TRY(members.vector("direction", direction));
-  if (!(direction.z() < 0)) {
+Status setSunDirection(FogSun& sun, const FieldValue& value) {
+  if (!(value[2].get<double>() < 0)) {
     return fail(ErrorCode::kInvalidData,
-                "{}: {}/direction: expected three numbers, the way the light travels, with a "
-                "third below 0",
-                file, path);
+                "expected three numbers, the way the light travels, with a third below 0");
   }
-  sun.towards = -direction;
-  VOLUTE_TRY(members.color("radiance", sun.irradiance, kUnlimited));
-  return sun;
+  sun.towards = -Vec3(value[0].get<double>(), value[1].get<double>(), value[2].get<double>());
+  return {};
 }
 
 Lamp lampOf(const FogSun& sun) {
@@ -69,38 +43,110 @@ Lamp lampOf(const FogSun& sun) {
   return lamp;
 }
 
-Status parseAmbient(const Json& json, const std::string& file, const std::string& path,
-                    Rgb& ambient) {
-  constexpr std::string_view kNames[] = {"kind", "radiance"};
-  const Members members(json, file, path);
-  VOLUTE_TRY(members.check(kNames));
-  Rgb radiance = Rgb::Zero();
-  VOLUTE_TRY(members.color("radiance", radiance, kUnlimited));
-  ambient += radiance;
+Lamp lampOf(const SpotDescription& spot) {
+  Lamp lamp;
+  lamp.position = spot.position;
+  lamp.direction = (spot.target - spot.position).normalized();
+  lamp.coneCosine = std::cos(spot.angle / 2 * std::numbers::pi / 180);
+  lamp.edge = spot.edge;
+  lamp.intensity = spot.intensity;
+  lamp.radius = spot.radius;
+  return lamp;
+}
+
+const FieldTable& spotFields() {
+  using enum FieldType;
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "position", .type = kPoint, .access = member<&SpotDescription::position>(),
+       .help = "where it is", .unit = "m", .required = true, .slider = {.label = "position"}},
+      {.name = "target", .type = kPoint, .access = member<&SpotDescription::target>(),
+       .help = "what it shines at", .unit = "m", .required = true, .slider = {.label = "target"}},
+      {.name = "angle", .access = member<&SpotDescription::angle>(),
+       .help = "of the cone, from side to side", .unit = "degrees", .least = 0, .most = 360,
+       .slider = {.label = "cone", .least = 1, .most = 179}},
+      {.name = "intensity", .type = kColor, .access = member<&SpotDescription::intensity>(),
+       .help = "power per solid angle", .least = 0, .slider = {.label = "intensity"}},
+      {.name = "radius", .access = member<&SpotDescription::radius>(),
+       .help = "the light is nowhere stronger than at this distance", .unit = "m", .least = 1e-6},
+      {.name = "edge", .access = member<&SpotDescription::edge>(),
+       .help = "share of the half angle on which the rim is soft", .least = 0, .most = 1}};
+  // clang-format on
+  static const FieldTable kTable = fieldTable<SpotDescription>(
+      {.name = "spot", .sentence = "a lamp", .fields = kFields, .says = "spot"});
+  return kTable;
+}
+
+const FieldTable& ambientFields() {
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "radiance", .type = FieldType::kColor,
+       .access = member<&AmbientDescription::radiance>(), .help = "from everywhere", .least = 0,
+       .slider = {.label = "radiance"}}};
+  // clang-format on
+  static const FieldTable kTable = fieldTable<AmbientDescription>(
+      {.name = "ambient",
+       .sentence = "light that comes from everywhere, whatever is in the way",
+       .fields = kFields,
+       .says = "ambient"});
+  return kTable;
+}
+
+Status addLight(const nlohmann::json& json, const FieldOrigin& origin, SceneLights& lights) {
+  const nlohmann::json kind = json.is_object() ? json.value("kind", nlohmann::json()) : json;
+  if (kind == "sun") {
+    VOLUTE_ASSIGN(const auto sun, readAs<FogSun>(sunFields(), json, origin));
+    lights.suns.push_back(sun);
+    lights.lamps.push_back(lampOf(sun));
+  } else if (kind == "ambient") {
+    VOLUTE_ASSIGN(const auto ambient, readAs<AmbientDescription>(ambientFields(), json, origin));
+    lights.ambient += ambient.radiance;
+  } else if (kind == "spot") {
+    VOLUTE_ASSIGN(const auto spot, readAs<SpotDescription>(spotFields(), json, origin));
+    if (!((spot.target - spot.position).norm() > 0))
+      return origin.wrong("position and target are the same point");
+    lights.lamps.push_back(lampOf(spot));
+  } else {
+    return origin.wrong(FieldRow{.name = "kind"}, "expected sun, spot or ambient");
+  }
   return {};
 }
 
 }  // namespace
 
-Result<SceneLights> parseLights(const Json& json, const std::string& file,
-                                const std::string& path) {
+const FieldTable& sunFields() {
+  using enum FieldType;
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "direction", .type = kDirection,
+       .access = customMember<FogSun, sunDirection, setSunDirection>(),
+       .help = "the way its light travels, so the third number is below 0; it is scattered once and "
+       "shadowed by what scatters it", .required = true, .option = {"X,Y,Z", "sun"},
+       .slider = {.label = "direction"}},
+      {.name = "radiance", .type = kColor, .access = member<&FogSun::irradiance>(),
+       .help = "what the sun sends to a surface that faces it", .least = 0,
+       .option = {.value = "R,G,B", .name = "sun-radiance", .beside = "sun"},
+       .slider = {.label = "irradiance"}}};
+  // clang-format on
+  static const FieldTable kTable =
+      fieldTable<FogSun>({.name = "sun",
+                          .sentence = "a light so far away that its rays are parallel",
+                          .fields = kFields,
+                          .says = "sun"});
+  return kTable;
+}
+
+std::span<const FieldTable* const> lightTables() {
+  static const FieldTable* const kTables[] = {&sunFields(), &spotFields(), &ambientFields()};
+  return kTables;
+}
+
+Result<SceneLights> parseLights(const nlohmann::json& json, const FieldOrigin& origin) {
   if (!json.is_array())
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected a list", file, path);
+    return origin.wrong("expected a list");
   SceneLights lights;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    const std::string at = fmt::format("{}/{}", path, i);
-    const Json kind = json[i].is_object() ? json[i].value("kind", Json()) : Json();
-    if (kind == "spot") {
-      VOLUTE_ASSIGN(const Lamp lamp, parseSpot(json[i], file, at));
-      lights.lamps.push_back(lamp);
-    } else if (kind == "ambient") {
-      VOLUTE_TRY(parseAmbient(json[i], file, at, lights.ambient));
-    } else {
-      VOLUTE_ASSIGN(const FogSun sun, parseSun(json[i], file, at));
-      lights.suns.push_back(sun);
-      lights.lamps.push_back(lampOf(sun));
-    }
-  }
+  for (std::size_t i = 0; i < json.size(); ++i)
+    VOLUTE_TRY(addLight(json[i], {origin.file, fmt::format("{}/{}", origin.path, i)}, lights));
   return lights;
 }
 

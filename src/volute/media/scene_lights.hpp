@@ -2,13 +2,12 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <nlohmann/json.hpp>
-#include <string>
+#include <span>
 #include <vector>
 
-#include "volute/base/result.hpp"
 #include "volute/fog/sunlit_fog.hpp"
 #include "volute/lighting/lamp.hpp"
+#include "volute/media/field.hpp"
 
 namespace volute {
 
@@ -19,12 +18,11 @@ struct SceneLights {
   Rgb ambient = Rgb::Zero();  ///< radiance that comes from everywhere, whatever is in the way
 };
 
-/// A list of {"kind": "sun", "direction", "radiance"}, {"kind": "spot", "position", "target",
-/// "angle", "intensity", "radius", "edge"} and {"kind": "ambient", "radiance"}. A sun's `direction`
-/// is the way its light travels, so it points down, and its `radiance` is what arrives on a surface
-/// that faces it. A spot's `angle` [degrees] is its cone's from side to side, `intensity` the power
-/// per solid angle in it.
-[[nodiscard]] Result<SceneLights> parseLights(const nlohmann::json& json, const std::string& file,
-                                              const std::string& path);
+/// Of the kinds of lights.
+std::span<const FieldTable* const> lightTables();
+const FieldTable& sunFields();
+
+[[nodiscard]] Result<SceneLights> parseLights(const nlohmann::json& json,
+                                              const FieldOrigin& origin);
 
 }  // namespace volute

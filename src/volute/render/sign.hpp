@@ -21,6 +21,7 @@ struct Sign {
   double height = 0.3;           ///< [m]
   double c = 3;   ///< at which optical depth it is no longer seen: 8 where it emits light, else 3
   Image picture;  ///< linear RGB radiance, at least one pixel
+  std::string pictureFile{};  ///< where that is from; empty: exitPicture()
 
   /// The directions of the picture's rows and columns, of unit length: right and down of one who
   /// reads it. Signs stand upright along z; those that lie have their top towards +y.

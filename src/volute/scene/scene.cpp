@@ -114,9 +114,8 @@ Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
     const MediumEntry& entry = description.media[i];
     Reading reading{progress, options_.maxMemory};
     nlohmann::json json = entry.json;
-    const auto members = entry.kind->members();
     for (const auto& [name, value] : options_.overrides.items()) {
-      if (std::ranges::find(members, name) != members.end())
+      if (entry.kind->fields().find(name))
         json[name] = value;
     }
     MediumContext context{reading, options_.files, description.lights, geometry_, file_, entry.path,

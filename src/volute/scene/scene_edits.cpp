@@ -210,8 +210,7 @@ Result<std::string> makeBillboard(OrderedJson& json, const SceneEdit& edit) {
     return fail(ErrorCode::kInvalidArgument, "{}: the scene has no such volume", edit.path);
   Placement placement;
   if (volume.contains("transform")) {
-    const nlohmann::json numbers = volume["transform"];
-    VOLUTE_ASSIGN(placement, parsePlacement(numbers, "scene", edit.path));
+    VOLUTE_ASSIGN(placement, placementFrom(nlohmann::json(volume["transform"])));
   }
   const PlacementWords words = wordsOf(placement, edit.bounds);
   const Vec3 size = words.scale.cwiseProduct(edit.bounds.size());

@@ -2,7 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/scene_file.hpp"
 
-#include "volute/io/json_members.hpp"
+#include <algorithm>
+
+#include "volute/base/suggest.hpp"
+#include "volute/io/json_values.hpp"
 
 namespace volute {
 namespace {
@@ -24,35 +27,47 @@ Status parseMedia(const Json& json, std::string_view list, const std::string& fi
   return {};
 }
 
+/// Those of the file itself.
+Status checkMembers(const Json& json, const std::string& file) {
+  constexpr std::string_view kNames[] = {"format", "camera", "background", "lights", "geometry",
+                                         "media",  "signs",  "billboards", "view"};
+  for (const auto& [key, value] : json.items()) {
+    if (std::ranges::find(kNames, key) != std::end(kNames))
+      continue;
+    const auto near = nearest(key, kNames);
+    return fail(ErrorCode::kInvalidData, "{}: /{}: this name is unknown{}", file, key,
+                near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<SceneDescription> parseScene(const Json& json, const std::string& file) {
   if (!json.is_object() || !json.contains("format") || json["format"] != "volute-scene-1") {
     return fail(ErrorCode::kInvalidData, "{}: /format: expected \"volute-scene-1\"", file);
   }
-  constexpr std::string_view kNames[] = {"format", "camera", "background", "lights", "geometry",
-                                         "media",  "signs",  "billboards", "view"};
-  VOLUTE_TRY(Members(json, file, "").check(kNames));
+  VOLUTE_TRY(checkMembers(json, file));
   SceneDescription scene;
-  if (json.contains("camera")) {
-    VOLUTE_ASSIGN(scene.camera, parseCamera(json["camera"], file, "/camera"));
-  }
+  const auto read = [&](const char* name, auto& out, auto parse) -> Status {
+    if (json.contains(name)) {
+      VOLUTE_ASSIGN(out, parse(json[name], FieldOrigin{file, fmt::format("/{}", name)}));
+    }
+    return {};
+  };
+  VOLUTE_TRY(read("camera", scene.camera, parseCamera));
   if (json.contains("background")) {
     VOLUTE_ASSIGN(const Vec3 background, jsonToVector(json["background"], file, "/background"));
     scene.background = background.array();
   }
-  if (json.contains("lights")) {
-    VOLUTE_ASSIGN(scene.lights, parseLights(json["lights"], file, "/lights"));
-  }
-  if (json.contains("geometry")) {
-    VOLUTE_ASSIGN(scene.geometry, parseGeometry(json["geometry"], file, "/geometry"));
-  }
-  if (json.contains("view")) {
-    VOLUTE_ASSIGN(scene.look, parseLook(json["view"], file, "/view"));
-  }
-  if (json.contains("signs")) {
-    VOLUTE_ASSIGN(scene.signs, parseSigns(json["signs"], file, "/signs"));
-  }
+  VOLUTE_TRY(read("lights", scene.lights, parseLights));
+  VOLUTE_TRY(read("geometry", scene.geometry, [](const auto& list, const auto& origin) {
+    return readList<SceneGeometry>(geometryFields(), list, origin);
+  }));
+  VOLUTE_TRY(read("view", scene.look, [](const auto& look, const auto& origin) {
+    return readAs<SceneLook>(lookFields(), look, origin);
+  }));
+  VOLUTE_TRY(read("signs", scene.signs, parseSigns));
   VOLUTE_TRY(parseMedia(json, "media", file, scene.media));
   VOLUTE_TRY(parseMedia(json, "billboards", file, scene.media));
   return scene;

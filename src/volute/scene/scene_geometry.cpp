@@ -2,14 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/scene_geometry.hpp"
 
-#include "volute/io/json_members.hpp"
 #include "volute/io/surface_file.hpp"
 #include "volute/media/placement.hpp"
 
 namespace volute {
 namespace {
-
-using Json = nlohmann::json;
 
 /// +y of the file becomes +z, as in glTF's own convention: (x, y, z) -> (x, -z, y).
 Mat4 yUpwards() {
@@ -19,46 +16,57 @@ Mat4 yUpwards() {
   return turn;
 }
 
-Result<SceneGeometry> parseEntry(const Json& json, const std::string& file,
-                                 const std::string& path) {
-  constexpr std::string_view kNames[] = {"file", "transform", "up"};
-  const Members members(json, file, path);
-  VOLUTE_TRY(members.check(kNames));
-  SceneGeometry entry;
-  VOLUTE_TRY(members.text("file", entry.file, "the name of a .glb, .gltf, .obj or .vtp file"));
-  entry.file = besides(file, entry.file);
-  if (!isSurfacePath(entry.file)) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: {}: '{}' is no known geometry; expected .glb, .gltf, .obj or .vtp", file,
-                members.where("file"), entry.file);
-  }
-  if (members.has("transform")) {
-    VOLUTE_ASSIGN(entry.transform,
-                  parseTransform(members.at("transform"), file, members.where("transform")));
-  }
-  std::string up = "z";
-  if (members.has("up"))
-    VOLUTE_TRY(members.text("up", up, "\"y\" or \"z\""));
-  if (up != "y" && up != "z")
-    return fail(ErrorCode::kInvalidData, "{}: {}: '{}' is unknown; expected y or z", file,
-                members.where("up"), up);
-  if (up == "y")
+FieldValue geometryTransform(const SceneGeometry& entry) {
+  return transformValue(entry.transform);
+}
+
+Status setGeometryTransform(SceneGeometry& entry, const FieldValue& value) {
+  VOLUTE_ASSIGN(entry.transform, transformFrom(value));
+  return {};
+}
+
+/// Part of the transform, once that is read.
+FieldValue upOf(const SceneGeometry& /*entry*/) {
+  return "z";
+}
+
+Status setUp(SceneGeometry& entry, const FieldValue& value) {
+  if (value == "y")
     entry.transform = entry.transform * yUpwards();
-  return entry;
+  return {};
+}
+
+FieldValue geometryFile(const SceneGeometry& entry) {
+  return entry.file;
+}
+
+Status setGeometryFile(SceneGeometry& entry, const FieldValue& value) {
+  entry.file = value.get<std::string>();
+  if (isSurfacePath(entry.file))
+    return {};
+  return fail(ErrorCode::kInvalidData,
+              "'{}' is no known geometry; expected .glb, .gltf, .obj or .vtp", entry.file);
 }
 
 }  // namespace
 
-Result<std::vector<SceneGeometry>> parseGeometry(const Json& json, const std::string& file,
-                                                 const std::string& path) {
-  if (!json.is_array())
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected a list", file, path);
-  std::vector<SceneGeometry> entries;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    VOLUTE_ASSIGN(auto entry, parseEntry(json[i], file, fmt::format("{}/{}", path, i)));
-    entries.push_back(std::move(entry));
-  }
-  return entries;
+const FieldTable& geometryFields() {
+  using enum FieldType;
+  static constexpr std::string_view kUps[] = {"y", "z"};
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "file", .type = kFile,
+       .access = customMember<SceneGeometry, geometryFile, setGeometryFile>(),
+       .help = ".glb, .gltf, .obj or .vtp", .required = true},
+      {.name = "transform", .type = kNumbers,
+       .access = customMember<SceneGeometry, geometryTransform, setGeometryTransform>(),
+       .help = "affine, row-major: the last four are 0, 0, 0, 1", .count = 16},
+      {.name = "up", .type = kChoice, .access = customMember<SceneGeometry, upOf, setUp>(),
+       .help = "of the file: y turns its +y upwards before the transform", .choices = kUps}};
+  // clang-format on
+  static const FieldTable kTable = fieldTable<SceneGeometry>(
+      {.name = "geometry", .sentence = "opaque surfaces", .fields = kFields});
+  return kTable;
 }
 
 Result<TriangleScene> loadGeometry(const std::vector<SceneGeometry>& entries,

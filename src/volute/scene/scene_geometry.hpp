@@ -2,12 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "volute/geometry/triangle_scene.hpp"
-#include "volute/math/vec.hpp"
+#include "volute/media/field.hpp"
 #include "volute/media/reading.hpp"
 
 namespace volute {
@@ -18,11 +17,7 @@ struct SceneGeometry {
   Mat4 transform = Mat4::Identity();
 };
 
-/// A list of {"file", "transform", "up"}; "up" is "z" (the default) or "y", which turns the file's
-/// +y upwards before the transform. Errors name the file and the path inside it.
-[[nodiscard]] Result<std::vector<SceneGeometry>> parseGeometry(const nlohmann::json& json,
-                                                               const std::string& file,
-                                                               const std::string& path);
+const FieldTable& geometryFields();
 
 /// Reads all files into one.
 [[nodiscard]] Result<TriangleScene> loadGeometry(const std::vector<SceneGeometry>& entries,

@@ -2,86 +2,44 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/scene_look.hpp"
 
-#include <algorithm>
-#include <array>
-#include <span>
-#include <string_view>
-
-#include "volute/io/json_members.hpp"
-
 namespace volute {
-namespace {
 
-constexpr std::array<std::string_view, 3> kColors{"grey", "viridis", "inferno"};
-constexpr std::array<std::string_view, 4> kQualities{"automatic", "full", "half", "quarter"};
-constexpr std::array<std::string_view, 3> kRenderers{"automatic", "gl", "cpu"};
-constexpr std::array<std::string_view, 2> kCameras{"orbit", "walk"};
-
-/// Which of these names a member is.
-Status choice(const Members& members, const char* key, std::span<const std::string_view> names,
-              int& value) {
-  if (!members.has(key))
-    return {};
-  std::string name;
-  const std::string expected = fmt::format("{}", fmt::join(names, ", "));
-  VOLUTE_TRY(members.text(key, name, expected.c_str()));
-  const auto found = std::ranges::find(names, name);
-  if (found == names.end()) {
-    return members.objection(key, {ErrorCode::kInvalidData,
-                                   fmt::format("'{}' is unknown; expected {}", name, expected)});
-  }
-  value = static_cast<int>(found - names.begin());
-  return {};
-}
-
-}  // namespace
-
-Result<SceneLook> parseLook(const nlohmann::json& json, const std::string& file,
-                            const std::string& path) {
-  constexpr std::string_view kNames[] = {"stops",  "exposure", "colors", "quality", "renderer",
-                                         "camera", "speed",    "time",   "surfaces"};
-  const Members members(json, file, path);
-  VOLUTE_TRY(members.check(kNames));
-  SceneLook look;
-  VOLUTE_TRY(members.number("stops", look.stops, -20, 20));
-  if (members.has("exposure")) {
-    look.exposure = 1;
-    VOLUTE_TRY(members.number("exposure", *look.exposure, 1e-30, 1e30));
-  }
-  VOLUTE_TRY(choice(members, "colors", kColors, look.colors));
-  VOLUTE_TRY(choice(members, "quality", kQualities, look.quality));
-  VOLUTE_TRY(choice(members, "renderer", kRenderers, look.renderer));
-  int walks = 0;
-  VOLUTE_TRY(choice(members, "camera", kCameras, walks));
-  look.walks = walks == 1;
-  if (members.has("surfaces")) {
-    if (!members.at("surfaces").is_boolean())
-      return tl::unexpected<Error>(
-          members.objection("surfaces", {ErrorCode::kInvalidData, "expected true or false"})
-              .error());
-    look.surfaces = members.at("surfaces").get<bool>();
-  }
-  VOLUTE_TRY(members.number("speed", look.speed, 0.01, 100));
-  if (members.has("time")) {
-    look.time = 0;
-    VOLUTE_TRY(members.number("time", *look.time));
-  }
-  return look;
+const FieldTable& lookFields() {
+  using enum FieldType;
+  static constexpr std::string_view kColors[] = {"grey", "viridis", "inferno"};
+  static constexpr std::string_view kQualities[] = {"automatic", "full", "half", "quarter"};
+  static constexpr std::string_view kRenderers[] = {"automatic", "gl", "cpu"};
+  static constexpr std::string_view kCameras[] = {"orbit", "walk"};
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "stops", .access = member<&SceneLook::stops>(), .help = "light is multiplied by the "
+       "exposure times 2^stops", .least = -20, .most = 20},
+      {.name = "exposure", .access = member<&SceneLook::exposure>(),
+       .help = "multiplies radiance; else one that suits the first picture", .least = 1e-30,
+       .most = 1e30},
+      {.name = "colors", .type = kChoice, .access = member<&SceneLook::colors>(),
+       .help = "of what has one channel", .choices = kColors},
+      {.name = "quality", .type = kChoice, .access = member<&SceneLook::quality>(),
+       .help = "share of the pixels that are drawn", .choices = kQualities},
+      {.name = "renderer", .type = kChoice, .access = member<&SceneLook::renderer>(),
+       .help = "who draws", .choices = kRenderers},
+      {.name = "surfaces", .type = kFlag, .access = member<&SceneLook::surfaces>(),
+       .help = "opaque things are shown"},
+      {.name = "camera", .type = kChoice, .access = member<&SceneLook::walks>(),
+       .help = "how the mouse moves it", .choices = kCameras},
+      {.name = "speed", .access = member<&SceneLook::speed>(), .help = "of the timeline",
+       .least = 0.01, .most = 100},
+      {.name = "time", .access = member<&SceneLook::time>(), .help = "that is shown", .unit = "s"}};
+  // clang-format on
+  static const FieldTable kTable = fieldTable<SceneLook>(
+      {.name = "view",
+       .sentence = "how the viewer shows the scene; pictures do not depend on it",
+       .fields = kFields});
+  return kTable;
 }
 
 nlohmann::ordered_json toJson(const SceneLook& look) {
-  nlohmann::ordered_json json = {{"stops", look.stops},
-                                 {"colors", kColors[look.colors]},
-                                 {"quality", kQualities[look.quality]},
-                                 {"renderer", kRenderers[look.renderer]},
-                                 {"surfaces", look.surfaces},
-                                 {"camera", kCameras[look.walks ? 1 : 0]},
-                                 {"speed", look.speed}};
-  if (look.exposure)
-    json["exposure"] = *look.exposure;
-  if (look.time)
-    json["time"] = *look.time;
-  return json;
+  return writeFields(lookFields(), &look, "");
 }
 
 }  // namespace volute

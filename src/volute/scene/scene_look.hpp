@@ -2,11 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <optional>
-#include <string>
 
-#include "volute/base/result.hpp"
+#include "volute/media/field.hpp"
 
 namespace volute {
 
@@ -27,14 +25,9 @@ struct SceneLook {
   bool operator==(const SceneLook&) const = default;
 };
 
-/// {"stops", "exposure", "colors": "grey" | "viridis" | "inferno", "quality": "automatic" | "full" | "half" |
-/// "quarter", "renderer": "automatic" | "gl" | "cpu", "surfaces": true, "camera": "orbit" | "walk",
-/// "speed", "time"}.
-/// Errors name the file and the path inside it.
-[[nodiscard]] Result<SceneLook> parseLook(const nlohmann::json& json, const std::string& file,
-                                          const std::string& path);
+const FieldTable& lookFields();
 
-/// The same, as it is written.
+/// As a scene file has it.
 nlohmann::ordered_json toJson(const SceneLook& look);
 
 }  // namespace volute

@@ -23,14 +23,16 @@ RC_GTEST_PROP(SceneLook, IsReadAsItIsWritten, ()) {
   if (*rc::gen::arbitrary<bool>())
     look.time = *rc::gen::inRange(0, 1000) / 7.0;
   const auto json = nlohmann::json::parse(toJson(look).dump());
-  const auto read = parseLook(json, "scene.json", "/view");
+  const auto read = readAs<SceneLook>(lookFields(), json, {"scene.json", "/view"});
   RC_ASSERT(read.has_value());
   RC_ASSERT(*read == look);
 }
 
 TEST(SceneLook, ErrorsSayWhere) {
   const auto error = [](const char* text) {
-    return parseLook(nlohmann::json::parse(text), "scene.json", "/view").error().message;
+    return readAs<SceneLook>(lookFields(), nlohmann::json::parse(text), {"scene.json", "/view"})
+        .error()
+        .message;
   };
   EXPECT_THAT(error(R"({"colors": "red"})"),
               testing::AllOf(testing::HasSubstr("scene.json: /view/colors"),

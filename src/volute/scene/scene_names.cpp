@@ -48,8 +48,8 @@ void moveAllNames(OrderedJson& json, const std::string& from, const std::string&
     for (OrderedJson& entry : json[list]) {
       const nlohmann::json plain = entry;
       const auto kind = mediumKindOf(plain, list, from, list);
-      for (const std::string_view key : kind ? (*kind)->fileMembers() : std::vector<std::string_view>())
-        move(entry, std::string(key));
+      for (const std::string& key : kind ? filesIn((*kind)->fields()) : std::vector<std::string>())
+        move(entry, key);
     }
   }
   const auto each = [&](const char* list, const char* key) {

@@ -3,56 +3,54 @@
 #include "volute/scene/scene_signs.hpp"
 
 #include "volute/io/image_file.hpp"
-#include "volute/io/json_members.hpp"
+#include "volute/media/field_sliders.hpp"
+#include "volute/media/law_field.hpp"
 
 namespace volute {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr double kEmitting = 8, kReflecting = 3;
 
-Status parseSignSize(const Members& members, const std::string& file, Sign& sign) {
-  if (!members.has("size"))
-    return {};
-  const Json& size = members.at("size");
-  if (size.is_array() && size.size() == 2 && size[0].is_number() && size[1].is_number()) {
-    sign.width = size[0].get<double>();
-    sign.height = size[1].get<double>();
-    if (sign.width > 0 && sign.height > 0 && sign.width < 1e6 && sign.height < 1e6)
-      return {};
-  }
-  return fail(ErrorCode::kInvalidData, "{}: {}: expected [width, height] > 0 [m]", file,
-              members.where("size"));
+FieldValue emittingOf(const Sign& sign) {
+  return sign.c == kEmitting;
 }
 
-Status parseC(const Members& members, const std::string& file, Sign& sign) {
-  bool emitting = false;
-  if (members.has("emitting")) {
-    if (!members.at("emitting").is_boolean())
-      return fail(ErrorCode::kInvalidData, "{}: {}: expected true or false", file,
-                  members.where("emitting"));
-    emitting = members.at("emitting").get<bool>();
-  }
-  sign.c = emitting ? kEmitting : kReflecting;
-  if (!members.has("C"))
-    return {};
-  const Json& c = members.at("C");
-  const auto law = visibilityLaw(c.is_string() ? c.get<std::string>() : c.dump());
-  if (!law)
-    return members.objection("C", law.error());
-  sign.c = law->c;
+Status setEmitting(Sign& sign, const FieldValue& value) {
+  sign.c = value.get<bool>() ? kEmitting : kReflecting;
   return {};
 }
 
-Status parsePicture(const Members& members, const std::string& file, Sign& sign) {
-  if (!members.has("picture")) {
-    sign.picture = exitPicture();
+/// Nothing where `emitting` says it.
+FieldValue signC(const Sign& sign) {
+  return sign.c == kEmitting || sign.c == kReflecting ? FieldValue() : FieldValue(sign.c);
+}
+
+Status setSignC(Sign& sign, const FieldValue& value) {
+  VOLUTE_ASSIGN(const auto law, lawOf(value));
+  sign.c = law.c;
+  return {};
+}
+
+void addSignC(ParameterGroup& group, const void* sign, const MediumFacts& /*facts*/) {
+  group.add(signFields().at("C"), "C", static_cast<const Sign*>(sign)->c);
+}
+
+FieldValue normalOf(const Sign& sign) {
+  return {sign.normal.x(), sign.normal.y(), sign.normal.z()};
+}
+
+Status setNormal(Sign& sign, const FieldValue& value) {
+  sign.normal = {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
+  if (sign.normal.norm() > 0)
     return {};
-  }
-  std::string name;
-  VOLUTE_TRY(members.text("picture", name, "the name of a .png or .exr"));
-  VOLUTE_ASSIGN(const auto picture, readImage(besides(file, name)));
+  return fail(ErrorCode::kInvalidData, "is zero; expected a direction");
+}
+
+Status readPicture(Sign& sign) {
+  sign.picture = exitPicture();
+  if (sign.pictureFile.empty())
+    return {};
+  VOLUTE_ASSIGN(const auto picture, readImage(sign.pictureFile));
   sign.picture = Image(picture.width, picture.height, 3);
   for (std::size_t i = 0; i < sign.picture.pixels.size(); ++i) {
     const auto channels = static_cast<std::size_t>(picture.channels);
@@ -61,41 +59,38 @@ Status parsePicture(const Members& members, const std::string& file, Sign& sign)
   return {};
 }
 
-Result<Sign> parseSign(const Json& json, const std::string& file, const std::string& path) {
-  constexpr std::string_view kNames[] = {"name",     "position", "normal", "size",
-                                         "emitting", "C",        "picture"};
-  const Members members(json, file, path);
-  VOLUTE_TRY(members.check(kNames));
-  Sign sign;
-  if (members.has("name"))
-    VOLUTE_TRY(members.text("name", sign.name, "a name"));
-  for (const char* key : {"position", "normal"}) {
-    if (!members.has(key))
-      return fail(ErrorCode::kInvalidData, "{}: {}: is missing; expected three numbers", file,
-                  members.where(key));
-  }
-  VOLUTE_TRY(members.vector("position", sign.position));
-  VOLUTE_TRY(members.vector("normal", sign.normal));
-  if (!(sign.normal.norm() > 0))
-    return fail(ErrorCode::kInvalidData, "{}: {}: is zero; expected a direction", file,
-                members.where("normal"));
-  VOLUTE_TRY(parseSignSize(members, file, sign));
-  VOLUTE_TRY(parseC(members, file, sign));
-  VOLUTE_TRY(parsePicture(members, file, sign));
-  return sign;
-}
-
 }  // namespace
 
-Result<std::vector<Sign>> parseSigns(const Json& json, const std::string& file,
-                                     const std::string& path) {
-  if (!json.is_array())
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected a list", file, path);
-  std::vector<Sign> signs;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    VOLUTE_ASSIGN(auto sign, parseSign(json[i], file, fmt::format("{}/{}", path, i)));
-    signs.push_back(std::move(sign));
-  }
+const FieldTable& signFields() {
+  using enum FieldType;
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "name", .type = kText, .access = member<&Sign::name>(), .help = "its name"},
+      {.name = "position", .type = kPoint, .access = member<&Sign::position>(),
+       .help = "its middle", .unit = "m", .required = true, .slider = {.label = "position"}},
+      {.name = "normal", .type = kDirection, .access = customMember<Sign, normalOf, setNormal>(),
+       .help = "towards those who read it; it stands upright and is seen from its front alone",
+       .required = true, .slider = {.label = "normal"}},
+      {.name = "emitting", .type = kFlag, .access = customMember<Sign, emittingOf, setEmitting>(),
+       .help = "it emits light: C is 8, else 3", .slider = {.label = "emits light"}},
+      {.name = "C", .access = customMember<Sign, signC, setSignC>(),
+       .help = "no longer seen at this optical depth, whatever emitting says", .least = 0,
+       .above = true, .choices = lawNames(),
+       .slider = {.label = "C", .least = 1, .most = 10, .custom = addSignC}},
+      {.name = "size", .type = kNumbers, .access = memberPair<&Sign::width, &Sign::height>(),
+       .help = "width and height", .unit = "m", .least = 0, .most = 1e6, .above = true,
+       .below = true, .count = 2, .slider = {.label = "width|height", .least = 0.05, .most = 3}},
+      {.name = "picture", .type = kFile, .access = member<&Sign::pictureFile>(),
+       .help = "a .png or .exr whose linear values are its radiance; else a green EXIT"}};
+  // clang-format on
+  static const FieldTable kTable = fieldTable<Sign>(
+      {.name = "sign", .sentence = "a picture on a wall that people look for", .fields = kFields});
+  return kTable;
+}
+
+Result<std::vector<Sign>> parseSigns(const nlohmann::json& json, const FieldOrigin& origin) {
+  VOLUTE_ASSIGN(auto signs, readList<Sign>(signFields(), json, origin));
+  for (Sign& sign : signs) VOLUTE_TRY(readPicture(sign));
   return signs;
 }
 

@@ -2,20 +2,19 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <nlohmann/json.hpp>
-#include <string>
 #include <vector>
 
 #include "volute/optics/visibility.hpp"
 #include "volute/render/sign.hpp"
+#include "volute/media/field.hpp"
 
 namespace volute {
 
-/// The "signs" of a scene: a list of {"name", "position", "normal", "size", "emitting", "C",
-/// "picture"}. Reads their pictures. Errors name the file and the path inside it.
+const FieldTable& signFields();
+
+/// The "signs" of a scene. Reads their pictures.
 [[nodiscard]] Result<std::vector<Sign>> parseSigns(const nlohmann::json& json,
-                                                   const std::string& file,
-                                                   const std::string& path);
+                                                   const FieldOrigin& origin);
 
 /// Adds to a picture what is seen of signs: each picture through the transmittance of its own law,
 /// over the light of the smoke before it, which is there already (Staubli et al. 2005, equation

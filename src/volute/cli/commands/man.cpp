@@ -2,11 +2,17 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/manual.hpp"
+#include "volute/cli/report.hpp"
+#include "volute/scene/scene_tables.hpp"
 
 namespace volute::cli {
 namespace {
 
 Status runMan(const Arguments& arguments, Context& context) {
+  if (arguments.flag("schema") || arguments.flag("members")) {
+    context.print(arguments.flag("members") ? sceneMembersPage() : dumpJson(sceneSchema()) + "\n");
+    return {};
+  }
   const auto name = arguments.find<std::string>("markdown");
   if (!name) {
     context.print(manualPage());
@@ -31,7 +37,10 @@ Command manCommand() {
           .options = {{.name = "markdown",
                        .kind = ValueKind::kText,
                        .value = "COMMAND",
-                       .help = "print the page of one command as Markdown, as in docs/cli"}},
+                       .help = "print the page of one command as Markdown, as in docs/cli"},
+                      {.name = "schema", .help = "print the JSON Schema of scenes"},
+                      {.name = "members", .help = "print all members of scenes as Markdown"}},
+          .oneOf = {{{"markdown", "schema", "members"}, false}},
           .run = runMan};
 }
 

@@ -16,28 +16,11 @@ using OrderedJson = nlohmann::ordered_json;
 
 class FdsKind final : public MediumKind {
  public:
-  /// A smoke of which the case says itself what it is.
-  std::string_view name() const override { return "smoke"; }
-
-  std::string_view plural() const override { return "FDS cases (.smv)"; }
-
-  std::string_view singular() const override { return "an FDS case"; }
-
-  std::vector<std::string_view> members() const override {
-    return {"field", "scale", "C",    "mass_extinction", "mode",  "albedo",
-            "source", "time",  "fire",  "devices", "slice",        "slice_range"};
-  }
-
-  std::vector<std::string_view> fileMembers() const override { return {"case"}; }
-
-  bool claims(const nlohmann::json& entry) const override {
-    const auto found = entry.find("case");
-    return found != entry.end() && found->is_string() && isSmvPath(found->get<std::string>());
-  }
+  const FieldTable& fields() const override { return fdsFields(); }
 
   Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
                                             MediumContext& context) const override {
-    VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, context.file, context.path));
+    VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, {context.file, context.path}));
     const auto before = context.take<FdsSceneMedium>([&](const FdsSceneMedium& other) {
       return FdsLayer::readsTheSame(other.layer().description(), smoke);
     });
@@ -59,7 +42,7 @@ class FdsKind final : public MediumKind {
   /// Of any of the case's sources, at its stored times, with what its bytes are rounded by.
   Result<std::unique_ptr<SightField>> openSight(const nlohmann::json& entry,
                                                 MediumContext& context) const override {
-    VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, context.file, context.path));
+    VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, {context.file, context.path}));
     if (smoke.model.scale != 1) {
       return fail(ErrorCode::kInvalidArgument,
                   "{}/scale: is for meshes: the files of an FDS case say what they hold",
@@ -83,18 +66,6 @@ class FdsKind final : public MediumKind {
             {"background", {1, 1, 1}},
             {"lights", OrderedJson::array({{{"kind", "ambient"}, {"radiance", {1, 1, 1}}}})},
             {"media", OrderedJson::array({{{"kind", "smoke"}, {"case", name}}})}};
-  }
-
-  void addParameters(ParameterGroup group, const OrderedJson&, const SceneMedium& medium,
-                     bool) const override {
-    addSmokeParameters(std::move(group),
-                       dynamic_cast<const FdsSceneMedium&>(medium).layer().description(), true, 0,
-                       medium.info());
-  }
-
-  bool setParameter(OrderedJson& entry, const SceneMedium&, const std::string& key,
-                    const OrderedJson& value, const std::vector<double>&) const override {
-    return setSmokeParameter(entry, key, value);
   }
 
   bool shares(const std::string& key) const override { return key == "mode" || key == "C"; }

@@ -2,186 +2,272 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/fog/fog_file.hpp"
 
+#include <charconv>
 #include <numbers>
 
-#include "volute/io/json_members.hpp"
-#include "volute/io/json_values.hpp"
+#include "volute/media/clock_fields.hpp"
+#include "volute/media/fog/fog_parameters.hpp"
 
 namespace volute {
 namespace {
 
-using Json = nlohmann::json;
-constexpr double kRightAngle = std::numbers::pi / 2;
+using ProfileKind = FogProfileDescription::Kind;
 
-/// Rows of so many numbers each.
-Result<std::vector<std::vector<double>>> tableOf(const Json& json, std::size_t columns,
-                                                 const std::string& file, const std::string& path) {
-  if (!json.is_array())
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected a list", file, path);
-  std::vector<std::vector<double>> rows;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    const std::string at = fmt::format("{}[{}]", path, i);
-    if (!json[i].is_array() || json[i].size() != columns)
-      return fail(ErrorCode::kInvalidData, "{}: {}: expected {} numbers", file, at, columns);
-    rows.emplace_back();
-    for (std::size_t k = 0; k < columns; ++k) {
-      VOLUTE_ASSIGN(const double value, jsonToNumber(json[i][k], file, at));
-      rows.back().push_back(value);
+constexpr std::string_view kProfileKinds[] = {"slab", "exponential", "linear", "layers"};
+
+Result<FogProfile> profileOf(const FogProfileDescription& words) {
+  switch (words.kind) {
+    case ProfileKind::kSlab:
+      return FogProfile::slab(words.bottom, words.top);
+    case ProfileKind::kExponential:
+      return FogProfile::exponential(words.bottom, words.height);
+    case ProfileKind::kLinear: {
+      std::vector<FogProfile::Knot> knots;
+      for (const auto& knot : words.knots) knots.push_back({knot[0], knot[1]});
+      return FogProfile::linear(knots);
     }
+    case ProfileKind::kLayers:
+      break;
   }
-  return rows;
+  std::vector<FogProfile::Layer> layers;
+  for (const auto& layer : words.layers) layers.push_back({layer[0], layer[1], layer[2]});
+  return FogProfile::layers(layers);
 }
 
-/// "map": a name or a list of names; "times" goes with it.
-Status readMaps(const Members& members, const std::string& file, FogDescription& fog) {
-  const Json names = members.has("map") ? members.at("map") : Json();
-  const Json list = names.is_string() ? Json::array({names}) : names;
-  const bool good = list.is_array() && !list.empty() &&
-                    std::ranges::all_of(list, [](const Json& name) { return name.is_string(); });
-  if (!good) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: {}: expected the name of a greyscale picture, a pattern, a volume, or a list "
-                "of pictures",
-                file, members.where("map"));
+/// "slab:0,10": KIND:NUMBERS.
+Result<FieldValue> profileFrom(std::string_view text) {
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const std::string kind(text.substr(0, colon));
+  std::vector<double> n;
+  for (std::size_t begin = colon; begin < text.size();) {
+    const std::size_t end = std::min(text.find(',', begin + 1), text.size());
+    double number = 0;
+    const auto [at, error] = std::from_chars(text.data() + begin + 1, text.data() + end, number);
+    if (error != std::errc() || at != text.data() + end)
+      return fail(ErrorCode::kInvalidArgument, "'{}': '{}' is not a number", text,
+                  text.substr(begin + 1, end - begin - 1));
+    n.push_back(number);
+    begin = end;
   }
-  for (const Json& name : list) fog.maps.push_back(besides(file, name.get<std::string>()));
-  if (!members.has("times"))
-    return {};
-  const Json& times = members.at("times");
-  if (!times.is_array())
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected a list of seconds", file,
-                members.where("times"));
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    VOLUTE_ASSIGN(const double time, jsonToNumber(times[i], file, members.where("times")));
-    fog.times.push_back(time);
-  }
-  return {};
+  const auto rows = [&](std::size_t columns) {
+    FieldValue list = FieldValue::array();
+    for (std::size_t i = 0; i < n.size(); i += columns)
+      list.push_back(std::vector<double>(n.begin() + static_cast<std::ptrdiff_t>(i),
+                                         n.begin() + static_cast<std::ptrdiff_t>(i + columns)));
+    return list;
+  };
+  if (n.size() == 2 && (kind == "slab" || kind == "exponential"))
+    return FieldValue{{"kind", kind}, {"bottom", n[0]}, {kind == "slab" ? "top" : "height", n[1]}};
+  if (kind == "linear" && n.size() >= 4 && n.size() % 2 == 0)
+    return FieldValue{{"kind", kind}, {"knots", rows(2)}};
+  if (kind == "layers" && n.size() >= 3 && n.size() % 3 == 0)
+    return FieldValue{{"kind", kind}, {"layers", rows(3)}};
+  return fail(ErrorCode::kInvalidArgument,
+              "'{}' is no profile; expected slab:BOTTOM,TOP, exponential:BOTTOM,HEIGHT, "
+              "linear:Z,G,Z,G,.. or layers:BOTTOM,TOP,SHARE,..",
+              text);
 }
 
-Status readTop(const Json& json, const std::string& file, const std::string& path,
-               FogDescription& fog) {
-  constexpr std::string_view kNames[] = {"map", "origin", "cell", "height"};
-  const Members members(json, file, path);
-  VOLUTE_TRY(members.check(kNames));
-  FogTopDescription top;
-  VOLUTE_TRY(members.text("map", top.file, "the name of a greyscale picture"));
-  top.file = besides(file, top.file);
-  top.placement = {fog.placement.origin, fog.placement.cell, 1};
-  VOLUTE_TRY(members.vector("origin", top.placement.origin));
-  VOLUTE_TRY(members.number("cell", top.placement.cell, 1e-9));
-  VOLUTE_TRY(members.number("height", top.placement.sigmaMax, 0));
-  fog.top = top;
-  return {};
+template <ProfileKind... kinds>
+bool ofKind(const void* profile, const MediumFacts& /*facts*/) {
+  const ProfileKind kind = static_cast<const FogProfileDescription*>(profile)->kind;
+  return ((kind == kinds) || ...);
 }
 
-Status readWind(const Members& members, const std::string& file, FogDescription& fog) {
-  if (!members.has("wind"))
-    return {};
-  const Json& wind = members.at("wind");
-  if (!wind.is_array() || wind.size() < 2 || wind.size() > 3) {
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected two or three numbers [m/s]", file,
-                members.where("wind"));
-  }
-  for (std::size_t axis = 0; axis < wind.size(); ++axis) {
-    VOLUTE_ASSIGN(fog.wind[static_cast<int>(axis)],
-                  jsonToNumber(wind[axis], file, members.where("wind")));
-  }
-  return {};
+double topStep(const void* top, const MediumFacts& /*facts*/) {
+  return 0.1 * static_cast<const FogTopDescription*>(top)->placement.cell;
 }
 
-Status readMeaning(const Members& members, FogDescription& fog) {
-  VOLUTE_TRY(members.vector("origin", fog.placement.origin));
-  VOLUTE_TRY(members.number("cell", fog.placement.cell, 1e-9));
-  VOLUTE_TRY(members.number("sigma_max", fog.placement.sigmaMax, 0));
-  VOLUTE_TRY(members.integer("degree", fog.options.degree, 0, kMostSplineDegree));
-  VOLUTE_TRY(members.integer("levels", fog.options.levels, 0, kMostFogLevels));
-  VOLUTE_TRY(members.number("mu", fog.options.detail.mu, 0, 1));
-  VOLUTE_TRY(members.number("cell_angle", fog.options.detail.cellAngle, 0, kRightAngle));
-  VOLUTE_TRY(members.color("color", fog.options.color, kUnlimited));
-  VOLUTE_TRY(members.color("albedo", fog.scattering.albedo, 1));
-  VOLUTE_TRY(members.number("asymmetry", fog.scattering.asymmetry, -0.999, 0.999));
-  if (members.has("path")) {
-    std::string path;
-    VOLUTE_TRY(members.text("path", path, "\"walk\" or \"polar\""));
-    if (path != "walk" && path != "polar")
-      return members.objection(
-          "path",
-          {ErrorCode::kInvalidData, fmt::format("'{}' is unknown; expected walk or polar", path)});
-    fog.polar = path == "polar";
-  }
-  if (!members.has("convert"))
-    return {};
-  std::string convert;
-  VOLUTE_TRY(members.text("convert", convert, "\"luma\""));
-  if (convert != "luma")
-    return members.objection("convert", {ErrorCode::kInvalidData,
-                                         fmt::format("'{}' is unknown; expected luma", convert)});
+const FieldTable& topFields() {
+  using enum FieldType;
+  using Top = FogTopDescription;
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "map", .type = kFile, .access = member<&Top::file>(),
+       .help = "a greyscale picture of heights", .required = true},
+      {.name = "height", .access = member<&Top::placement, &FogPlacement::sigmaMax>(),
+       .help = "of a white pixel of its map, above the fog's origin: there is no fog above",
+       .unit = "m", .least = 0, .slider = {.label = "height", .least = 0, .most = 100}},
+      {.name = "origin", .type = kPoint, .access = member<&Top::placement, &FogPlacement::origin>(),
+       .help = "corner of its map, else the fog's; its z says nothing", .unit = "m",
+       .inherited = true, .slider = {.label = "corner", .step = topStep}},
+      {.name = "cell", .access = member<&Top::placement, &FogPlacement::cell>(),
+       .help = "side of a pixel of its map, else the fog's", .unit = "m", .least = 1e-9,
+       .inherited = true,
+       .slider = {.label = "cell", .least = 0.01, .most = 10, .logarithmic = true, .room = 2}}};
+  // clang-format on
+  static const FieldTable kTable = fieldTable<Top>(
+      {.name = "top", .sentence = "no fog above a map of heights", .fields = kFields});
+  return kTable;
+}
+
+/// Its map lies where the fog's does unless it says otherwise.
+void* makeTop(void* object) {
+  auto& fog = *static_cast<FogDescription*>(object);
+  fog.top.emplace().placement = {fog.placement.origin, fog.placement.cell, 1};
+  return &*fog.top;
+}
+
+FieldValue conversionOf(const FogDescription& fog) {
+  return fog.colour == FogColour::kLuma ? FieldValue("luma") : FieldValue();
+}
+
+Status setConversion(FogDescription& fog, const FieldValue& /*luma*/) {
   fog.colour = FogColour::kLuma;
   return {};
 }
 
-}  // namespace
-
-Result<FogProfile> parseFogProfile(const Json& json, const std::string& file,
-                                   const std::string& path) {
-  constexpr std::string_view kNames[] = {"kind", "bottom", "top", "height", "knots", "layers"};
-  const Members members(json, file, path);
-  VOLUTE_TRY(members.check(kNames));
-  std::string kind;
-  VOLUTE_TRY(members.text("kind", kind, "slab, exponential, linear or layers"));
-  const auto at = [&](Result<FogProfile> made) -> Result<FogProfile> {
-    if (made)
-      return made;
-    return fail(ErrorCode::kInvalidData, "{}: {}: {}", file, path, made.error().message);
-  };
-  double bottom = 0, top = 10, height = 20;
-  VOLUTE_TRY(members.number("bottom", bottom));
-  VOLUTE_TRY(members.number("top", top));
-  VOLUTE_TRY(members.number("height", height));
-  if (kind == "slab")
-    return at(FogProfile::slab(bottom, top));
-  if (kind == "exponential")
-    return at(FogProfile::exponential(bottom, height));
-  if (kind == "linear") {
-    VOLUTE_ASSIGN(const auto rows, tableOf(members.has("knots") ? json["knots"] : Json(), 2, file,
-                                           members.where("knots")));
-    std::vector<FogProfile::Knot> knots;
-    for (const auto& row : rows) knots.push_back({row[0], row[1]});
-    return at(FogProfile::linear(knots));
-  }
-  if (kind == "layers") {
-    VOLUTE_ASSIGN(const auto rows, tableOf(members.has("layers") ? json["layers"] : Json(), 3, file,
-                                           members.where("layers")));
-    std::vector<FogProfile::Layer> layers;
-    for (const auto& row : rows) layers.push_back({row[0], row[1], row[2]});
-    return at(FogProfile::layers(layers));
-  }
-  return fail(ErrorCode::kInvalidData,
-              "{}: {}/kind: '{}' is unknown; expected slab, exponential, linear or layers", file,
-              path, kind);
+bool sunsShine(const void* /*fog*/, const MediumFacts& facts) {
+  return facts.suns;
 }
 
-Result<FogDescription> parseFog(const Json& json, const std::string& file,
-                                const std::string& path) {
-  constexpr std::string_view kNames[] = {"kind",      "map",     "times",  "origin",    "cell",
-                                         "sigma_max", "degree",  "levels", "mu",        "profile",
-                                         "color",     "wind",    "top",    "time",      "albedo",
-                                         "asymmetry", "convert", "path",   "cell_angle"};
-  const Members members(json, file, path);
-  VOLUTE_TRY(members.check(kNames));
-  FogDescription fog;
-  fog.where = file + ": " + path;
-  VOLUTE_TRY(readMaps(members, file, fog));
-  VOLUTE_TRY(readMeaning(members, fog));
-  VOLUTE_TRY(readWind(members, file, fog));
-  if (members.has("profile")) {
-    VOLUTE_ASSIGN(fog.profile, parseFogProfile(json["profile"], file, members.where("profile")));
+double windStep(const void* /*fog*/, const MediumFacts& /*facts*/) {
+  return 0.05;
+}
+
+double fogStep(const void* /*fog*/, const MediumFacts& facts) {
+  constexpr double kPixels = 500;  // that draw a fog by its own size
+  return (facts.bounds.empty() ? 25 : facts.bounds.size().head<2>().norm()) / kPixels;
+}
+
+}  // namespace
+
+const FieldTable& fogProfileFields() {
+  using enum FieldType;
+  using Words = FogProfileDescription;
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "kind", .type = kChoice, .access = member<&Words::kind>(),
+       .help = "slab: 0 outside of it; exponential: 1 below its bottom; linear: between knots, 0 "
+       "outside; layers add", .choices = kProfileKinds, .required = true},
+      {.name = "bottom", .access = member<&Words::bottom>(), .help = "of slab and exponential, "
+       "above the origin's z", .unit = "m",
+       .slider = {.label = "bottom", .least = -20, .most = 20,
+                  .shown = ofKind<ProfileKind::kSlab, ProfileKind::kExponential>}},
+      {.name = "top", .access = member<&Words::top>(), .help = "of slab, above the origin's z",
+       .unit = "m",
+       .slider = {.label = "top", .least = 0, .most = 100, .shown = ofKind<ProfileKind::kSlab>}},
+      {.name = "height", .access = member<&Words::height>(),
+       .help = "of exponential: the scale height", .unit = "m",
+       .slider = {.label = "scale height", .least = 1, .most = 200,
+                  .shown = ofKind<ProfileKind::kExponential>}},
+      {.name = "knots", .type = kRows, .access = member<&Words::knots>(),
+       .help = "of linear: heights [m] above the origin's z, and the share of the density there",
+       .count = 2},
+      {.name = "layers", .type = kRows, .access = member<&Words::layers>(),
+       .help = "of layers: bottom and top [m] above the origin's z, and a share of the density",
+       .count = 3}};
+  // clang-format on
+  static const FieldTable kTable = fieldTable<Words>(
+      {.name = "profile", .sentence = "how fog thins with height", .fields = kFields});
+  return kTable;
+}
+
+const FieldTable& fogFields() {
+  using enum FieldType;
+  using Fog = FogDescription;
+  static constexpr std::string_view kConversions[] = {"luma"};
+  static constexpr std::string_view kPaths[] = {"walk", "polar"};
+  static const FieldAccess kTop = [] {
+    FieldAccess access = optionalPart<&Fog::top>();
+    access.make = makeTop;
+    return access;
+  }();
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "map", .type = kFile, .access = member<&Fog::maps>(),
+       .help = "a greyscale .png (8 or 16 bits) or .exr; a pattern fog_%04d.png; a list of "
+       "pictures; or a volume one voxel high. Its bottom row has the smallest y", .several = true,
+       .required = true},
+      {.name = "times", .type = kNumbers, .access = member<&Fog::times>(),
+       .help = "one for each map, linear between maps; else the volume's own, else 25 a second",
+       .unit = "s", .count = 0},
+      {.name = "convert", .type = kChoice,
+       .access = customMember<Fog, conversionOf, setConversion>(),
+       .help = "allow a map in colour: luma is Rec. 709's of the pixel values as they stand",
+       .choices = kConversions, .option = {"HOW"}},
+      {.name = "sigma_max", .access = member<&Fog::placement, &FogPlacement::sigmaMax>(),
+       .help = "extinction of a white pixel of the map; linear, without sRGB decoding",
+       .unit = "1/m", .least = 0, .option = {"S"},
+       .slider = {.label = "densest", .least = 1e-4, .most = 1, .logarithmic = true, .room = 2}},
+      {.name = "mu", .access = member<&Fog::options, &FogOptions::detail, &FogDetail::mu>(),
+       .help = "level L from the finest ends at mu^(levels - L) of the distance: 1 keeps all "
+       "details, 0 none", .least = 0, .most = 1, .option = {"M"}, .slider = {.label = "mu"}},
+      {.name = "cell_angle",
+       .access = member<&Fog::options, &FogOptions::detail, &FogDetail::cellAngle>(),
+       .help = "instead of mu: a level is used from where its cells are seen under this angle; 0: "
+       "off", .unit = "rad", .least = 0, .most = std::numbers::pi / 2, .option = {"A"}},
+      {.name = "levels", .type = kInteger, .access = member<&Fog::options, &FogOptions::levels>(),
+       .help = "how often the map is halved", .least = 0, .most = kMostFogLevels, .option = {"J"},
+       .slider = {.label = "levels", .most = 6}},
+      {.name = "degree", .type = kInteger, .access = member<&Fog::options, &FogOptions::degree>(),
+       .help = "of the splines: 0 (Haar) is constant in a cell, 1 linear, 2 quadratic, 3 cubic",
+       .least = 0, .most = kMostSplineDegree, .option = {"D"}, .slider = {.label = "degree"}},
+      {.name = "path", .type = kChoice, .access = member<&Fog::polar>(),
+       .help = "walk: every ray, exactly; polar: by a table for each picture's eye, within 1/512 "
+       "of transmittance, where it serves (degree 1 to 3, slab, linear or layers, no sun, no top, "
+       "all details), else walk", .choices = kPaths, .option = {"HOW"}},
+      {.name = "color", .type = kColor, .access = member<&Fog::options, &FogOptions::color>(),
+       .help = "linear radiance of infinitely thick fog", .least = 0,
+       .option = {.value = "R,G,B", .name = "fog-color", .initial = "0.8,0.85,0.9"},
+       .slider = {.label = "colour"}},
+      {.name = "albedo", .type = kColor,
+       .access = member<&Fog::scattering, &SunScattering::albedo>(),
+       .help = "share of what is taken from light that is scattered; the rest is absorbed",
+       .least = 0, .most = 1, .option = {.value = "R,G,B", .beside = "sun"},
+       .slider = {.label = "albedo", .shown = sunsShine}},
+      {.name = "asymmetry", .access = member<&Fog::scattering, &SunScattering::asymmetry>(),
+       .help = "mean cosine of the angle that light of suns is scattered by: above 0 forward, 0.6 "
+       "to 0.9 for droplets", .least = -0.999, .most = 0.999,
+       .option = {.value = "G", .beside = "sun"},
+       .slider = {.label = "asymmetry", .least = -0.9, .most = 0.9, .shown = sunsShine}},
+      {.name = "wind", .type = kPoint, .access = member<&Fog::wind>(),
+       .help = "what the fog is blown by from 0 s on, along x, y and z", .unit = "m/s", .fewest = 2,
+       .option = {"X,Y,Z"}, .slider = {.label = "wind", .step = windStep}},
+      {.name = "profile", .type = kObject, .access = optionalPart<&Fog::described>(),
+       .help = "how it thins with height above the origin's z; else it has no end",
+       .table = &fogProfileFields(),
+       .option = {.value = "KIND:NUMBERS", .more = ": slab:BOTTOM,TOP, exponential:BOTTOM,HEIGHT, "
+                  "linear:Z,G,Z,G,.. or layers:BOTTOM,TOP,SHARE,..", .parse = profileFrom},
+       .slider = {.custom = addProfile}},
+      {.name = "origin", .type = kPoint, .access = member<&Fog::placement, &FogPlacement::origin>(),
+       .help = "corner of the map, where x and y are least; heights count from its z", .unit = "m",
+       .option = {"X,Y,Z"}, .slider = {.label = "corner", .section = "placement", .step = fogStep}},
+      {.name = "cell", .access = member<&Fog::placement, &FogPlacement::cell>(),
+       .help = "side of a pixel of the map", .unit = "m", .least = 1e-9, .option = {"M"},
+       .slider = {.label = "cell", .least = 0.1, .most = 10, .logarithmic = true,
+                  .section = "placement"}},
+      {.name = "top", .type = kObject, .access = kTop, .help = "no fog above a map of heights",
+       .table = &topFields(), .slider = {.section = "upper end"}},
+      clockField<&Fog::clock>()};
+  // clang-format on
+  static const FieldTable kTable = fieldTable<Fog>({.name = "fog",
+                                                    .sentence = "fog from a painted map",
+                                                    .fields = kFields,
+                                                    .says = "fog",
+                                                    .thing = "a map of fog",
+                                                    .things = "maps of fog"});
+  return kTable;
+}
+
+Result<FogDescription> parseFog(const nlohmann::json& json, const FieldOrigin& origin) {
+  VOLUTE_ASSIGN(auto fog, readAs<FogDescription>(fogFields(), json, origin));
+  fog.where = origin.options() ? "the fog" : fmt::format("{}: {}", origin.file, origin.path);
+  if (!fog.described)
+    return fog;
+  const FieldRow& row = fogFields().at("profile");
+  const FogProfileDescription& words = *fog.described;
+  const char* list = words.kind == ProfileKind::kLinear   ? "knots"
+                     : words.kind == ProfileKind::kLayers ? "layers"
+                                                          : nullptr;
+  if (list && !json["profile"].contains(list)) {
+    const FieldRow& missing = fogProfileFields().at(list);
+    return origin.within(row).wrong(missing, "is missing; expected " + missing.expected());
   }
-  if (members.has("time")) {
-    VOLUTE_ASSIGN(fog.clock, parseClock(json["time"], file, members.where("time")));
-  }
-  if (members.has("top"))
-    VOLUTE_TRY(readTop(json["top"], file, members.where("top"), fog));
+  auto profile = profileOf(words);
+  if (!profile)
+    return origin.wrong(row, profile.error().message);
+  fog.profile = std::move(*profile);
   return fog;
 }
 

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,13 +10,24 @@
 #include "volute/fog/fog_medium.hpp"
 #include "volute/fog/sunlit_fog.hpp"
 #include "volute/media/clock.hpp"
+#include "volute/media/field.hpp"
 
 namespace volute {
 
 /// No fog above a map of heights.
 struct FogTopDescription {
   std::string file;
-  FogPlacement placement;  ///< its sigmaMax is the height of a pixel of value 1 [m]
+  FogPlacement placement{Vec3::Zero(), 1, 1};  ///< sigmaMax: the height of a pixel of value 1 [m]
+};
+
+/// A profile as a scene says it.
+struct FogProfileDescription {
+  enum class Kind { kSlab, kExponential, kLinear, kLayers };
+
+  Kind kind = Kind::kSlab;
+  double bottom = 0, top = 10, height = 20;     ///< [m]
+  std::vector<std::array<double, 2>> knots;     ///< height [m], value
+  std::vector<std::array<double, 3>> layers{};  ///< bottom, top [m], share
 };
 
 /// A medium of kind "fog" in a scene, or what `volute fog` was asked for.
@@ -30,6 +41,7 @@ struct FogDescription {
   FogColour colour = FogColour::kRefuse;
   FogOptions options;
   FogProfile profile;
+  std::optional<FogProfileDescription> described{};  ///< the same in words; nothing: any height
   std::optional<FogTopDescription> top;
   Vec3 wind = Vec3::Zero();  ///< [m/s], in the scene's time
   Clock clock;
@@ -39,15 +51,12 @@ struct FogDescription {
   bool polar = false;
 };
 
-/// A fog object of a scene. Names of files are found from the folder of `file`. Errors name the
-/// file and the path inside it, keys that are unknown included.
-[[nodiscard]] Result<FogDescription> parseFog(const nlohmann::json& json, const std::string& file,
-                                              const std::string& path);
+const FieldTable& fogFields();
+/// Of its "profile".
+const FieldTable& fogProfileFields();
 
-/// {"kind": "slab", "bottom", "top"}, {"kind": "exponential", "bottom", "height"}, {"kind":
-/// "linear", "knots": [[height, value], ..]} or {"kind": "layers", "layers": [[bottom, top, share],
-/// ..]}.
-[[nodiscard]] Result<FogProfile> parseFogProfile(const nlohmann::json& json,
-                                                 const std::string& file, const std::string& path);
+/// A fog object of a scene, or the options that say the same.
+[[nodiscard]] Result<FogDescription> parseFog(const nlohmann::json& json,
+                                              const FieldOrigin& origin);
 
 }  // namespace volute

@@ -9,75 +9,40 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-constexpr const char* kProfiles[] = {"any height", "slab", "exponential", "linear", "layers"};
+constexpr std::string_view kProfiles[] = {"any height", "slab", "exponential", "linear", "layers"};
 constexpr double kThin = 0.01;      ///< [m], the least height of a slab or a layer
 constexpr double kStrongest = 200;  ///< [m/s] of wind
-constexpr double kThinnest = 1e-4;  ///< [1/m]
-constexpr double kPixels = 500;     ///< that draw a fog by its own size
 constexpr double kEndless = 1e6;    ///< [m]
-
-OrderedJson profileOf(const OrderedJson& fog) {
-  return fog.value("profile", OrderedJson::object());
-}
 
 /// Of one entry of "knots" or "layers".
 double numberAt(const OrderedJson& list, std::size_t i, std::size_t column) {
   return list.at(i).at(column).get<double>();
 }
 
-void addKnots(ParameterGroup& group, const OrderedJson& knots) {
-  for (std::size_t i = 0; i < knots.size(); ++i) {
-    Parameter& knot =
-        group.add(fmt::format("knot {}", i + 1), fmt::format("profile/knots/{}", i),
-                  Parameter::Kind::kPoint, {numberAt(knots, i, 0), numberAt(knots, i, 1)});
+void addKnots(ParameterGroup& group, const FogProfileDescription& profile) {
+  if (profile.kind != FogProfileDescription::Kind::kLinear)
+    return;
+  for (std::size_t i = 0; i < profile.knots.size(); ++i) {
+    const auto& at = profile.knots[i];
+    Parameter& knot = group.add(fmt::format("knot {}", i + 1), fmt::format("profile/knots/{}", i),
+                                Parameter::Kind::kPoint, {at[0], at[1]});
     knot.step = 0.01;
-    knot.entry = true, knot.removable = knots.size() > 2;
+    knot.entry = true, knot.removable = profile.knots.size() > 2;
     knot.help = "height above the map's origin [m]; share of the density there, 0 to 1";
   }
 }
 
-void addLayers(ParameterGroup& group, const OrderedJson& layers) {
-  for (std::size_t i = 0; i < layers.size(); ++i) {
-    const Vec3 layer(numberAt(layers, i, 0), numberAt(layers, i, 1), numberAt(layers, i, 2));
+void addLayers(ParameterGroup& group, const FogProfileDescription& profile) {
+  if (profile.kind != FogProfileDescription::Kind::kLayers)
+    return;
+  for (std::size_t i = 0; i < profile.layers.size(); ++i) {
+    const auto& at = profile.layers[i];
     Parameter& made = group.point(fmt::format("layer {}", i + 1),
-                                  fmt::format("profile/layers/{}", i), layer, "", 0.02);
-    made.entry = true, made.removable = layers.size() > 1;
+                                  fmt::format("profile/layers/{}", i), {at[0], at[1], at[2]}, "",
+                                  0.02);
+    made.entry = true, made.removable = profile.layers.size() > 1;
     made.help = "bottom and top above the map's origin [m]; share of the density, which adds";
   }
-}
-
-void addProfile(ParameterGroup& group, const OrderedJson& profile) {
-  group.section("profile");
-  const std::string kind = profile.value("kind", "");
-  group.choice("fog at", "profile/kind", {std::begin(kProfiles), std::end(kProfiles)}, kind).help =
-      "how it thins with height above the map's origin";
-  const auto height = [&](const char* name, const char* key, double usual, double least,
-                          double most) {
-    const std::string path = std::string("profile/") + key;
-    group.range(name, path.c_str(), profile.value(key, usual), least, most, "m");
-  };
-  if (kind == "slab") {
-    height("bottom", "bottom", 0, -20, 20);
-    height("top", "top", 10, 0, 100);
-  } else if (kind == "exponential") {
-    height("bottom", "bottom", 0, -20, 20);
-    height("scale height", "height", 20, 1, 200);
-  } else if (kind == "linear") {
-    addKnots(group, profile.at("knots"));
-  } else if (kind == "layers") {
-    addLayers(group, profile.at("layers"));
-  }
-  group.section("");
-}
-
-void addTop(ParameterGroup& group, const FogTopDescription& top) {
-  group.section("upper end");
-  Parameter& height = group.range("height", "top/height", top.placement.sigmaMax, 0, 100, "m");
-  height.help = "of a white pixel of its map, above the fog's origin: there is no fog above";
-  group.point("corner", "top/origin", top.placement.origin, "m", 0.1 * top.placement.cell).help =
-      "of its map; its height says nothing";
-  group.amount("cell", "top/cell", top.placement.cell, 10, "m").help = "a pixel of its map";
-  group.section("");
 }
 
 /// The heights between which another kind of profile is to be.
@@ -89,9 +54,9 @@ Interval heightsOf(const FogProfile& profile) {
 }
 
 /// `kind` about where the fog was.
-void takeProfile(OrderedJson& json, const FogProfile& before, const std::string& kind) {
+void takeProfile(OrderedJson& json, const FogProfile& before, std::string_view kind) {
   Interval at = heightsOf(before);
-  const OrderedJson old = profileOf(json);
+  const OrderedJson old = json.value("profile", OrderedJson::object());
   if (old.value("kind", "") == "exponential")
     at = {old.value("bottom", 0.0), old.value("bottom", 0.0) + old.value("height", 20.0)};
   const double middle = 0.5 * (at.begin + at.end);
@@ -173,38 +138,18 @@ void duplicateInProfile(OrderedJson& list, std::size_t i, bool knots) {
 
 }  // namespace
 
-void addFog(ParameterGroup group, const OrderedJson& json, const FogDescription& fog, bool suns,
-            const MediumInfo& info) {
-  Parameter& densest = group.amount("densest", "sigma_max", fog.placement.sigmaMax, 1, "/m");
-  densest.least = std::min(kThinnest, fog.placement.sigmaMax);
-  densest.help = "extinction of a white pixel of the map";
-  group.range("mu", "mu", fog.options.detail.mu, 0, 1).help =
-      "each coarser level is used from this share of the distance on; 1 keeps all details";
-  group.integer("levels", "levels", fog.options.levels, 0, 6).help = "how often the map is halved";
-  group.integer("degree", "degree", fog.options.degree, 0, kMostSplineDegree).help =
-      "of the splines";
-  group.color("colour", "color", fog.options.color).help =
-      "radiance of fog that one cannot see through";
-  if (suns) {
-    group.color("albedo", "albedo", fog.scattering.albedo).help =
-        "share of the extinction that scatters light; the rest absorbs";
-    group.range("asymmetry", "asymmetry", fog.scattering.asymmetry, -0.9, 0.9).help =
-        "mean cosine of the angle that light is scattered by: above 0 forward";
-  }
-  group.point("wind", "wind", fog.wind, "m/s", 0.05).help =
-      "what the fog is blown by from 0 s on, along x, y and z";
-  addProfile(group, profileOf(json));
-  if (fog.top)
-    addTop(group, *fog.top);
-  group.section("placement");
-  const double size = info.fileBounds.empty() ? 25 : info.fileBounds.size().head<2>().norm();
-  group.point("corner", "origin", fog.placement.origin, "m", size / kPixels).help =
-      "of the map, where x and y are least; heights count from its z";
-  Parameter& cell = group.range("cell", "cell", fog.placement.cell, 0.1, 10, "m");
-  cell.logarithmic = true;
-  cell.help = "side of a pixel of the map";
-  group.section("");
-  group.clock(fog.clock, info);
+void addProfile(ParameterGroup& group, const void* profile, const MediumFacts& facts) {
+  const auto* words = static_cast<const FogProfileDescription*>(profile);
+  group.section("profile");
+  const std::size_t kind = words ? static_cast<std::size_t>(words->kind) + 1 : 0;
+  group.choice("fog at", "profile/kind", kProfiles, kProfiles[kind]).help =
+      "how it thins with height above the map's origin";
+  if (!words)
+    return;
+  addSliders(group, fogProfileFields(), words, facts, "profile/", "profile");
+  group.section("profile");
+  addKnots(group, *words);
+  addLayers(group, *words);
 }
 
 bool setFog(OrderedJson& json, const FogDescription& fog, const std::string& key,

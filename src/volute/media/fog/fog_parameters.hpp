@@ -5,14 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/media/fog/fog_file.hpp"
-#include "volute/media/parameter_group.hpp"
+#include "volute/media/field_sliders.hpp"
 
 namespace volute {
 
-/// What a person may change about a fog. `json` is what `fog` was read from.
-/// @param suns  whether any shine: how fog scatters them says something then
-void addFog(ParameterGroup group, const nlohmann::ordered_json& json, const FogDescription& fog,
-            bool suns, const MediumInfo& info);
+/// The sliders of "profile", which may be null.
+void addProfile(ParameterGroup& group, const void* profile, const MediumFacts& facts);
 
 /// Puts a value that must go with others into a fog's JSON: the wind, the kind of a profile, a
 /// height of it, which stays on its side of its neighbours, the place of its top. False, with

@@ -21,17 +21,11 @@ std::size_t valuesOf(const FogLayer& layer) {
 
 class FogKind final : public MediumKind {
  public:
-  std::string_view name() const override { return "fog"; }
-
-  std::string_view plural() const override { return "maps of fog"; }
-
-  std::string_view singular() const override { return "a map of fog"; }
-
-  std::vector<std::string_view> members() const override { return {}; }
+  const FieldTable& fields() const override { return fogFields(); }
 
   Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
                                             MediumContext& context) const override {
-    VOLUTE_ASSIGN(auto fog, parseFog(entry, context.file, context.path));
+    VOLUTE_ASSIGN(auto fog, parseFog(entry, {context.file, context.path}));
     const auto& suns = context.lights.suns;
     fog.scattering.shadows = fogShadows(context.geometry, suns);
     const auto before = context.take<FogSceneMedium>([&](const FogSceneMedium& other) {
@@ -58,8 +52,6 @@ class FogKind final : public MediumKind {
 
   bool assumes() const override { return true; }
 
-  std::vector<std::string_view> fileMembers() const override { return {"map", "top/map"}; }
-
   OrderedJson sceneOf(const std::string& name) const override {
     return {{"format", "volute-scene-1"},
             {"media", OrderedJson::array({{{"kind", "fog"}, {"map", name}, {"convert", "luma"}}})}};
@@ -74,12 +66,6 @@ class FogKind final : public MediumKind {
     // Against a dim sky fog is seen from all sides.
     scene["background"] = {0.02, 0.03, 0.05};
     return "cells of 1 m, 10 m high, 0.05 /m at most, unless you say otherwise";
-  }
-
-  void addParameters(ParameterGroup group, const OrderedJson& entry, const SceneMedium& medium,
-                     bool sunlit) const override {
-    addFog(std::move(group), entry, dynamic_cast<const FogSceneMedium&>(medium).description(),
-           sunlit, medium.info());
   }
 
   bool setParameter(OrderedJson& entry, const SceneMedium& medium, const std::string& key,

@@ -2,61 +2,99 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/smoke/fds_look.hpp"
 
-#include "volute/io/json_members.hpp"
+#include "volute/media/clock_fields.hpp"
+#include "volute/media/smoke/scene_smoke.hpp"
 
 namespace volute {
 namespace {
 
-Status parseFire(const Members& members, const std::string& file, FdsLook& look) {
-  if (!members.has("fire"))
-    return {};
-  const nlohmann::json& fire = members.at("fire");
-  if (fire.is_boolean()) {
-    look.fire = fire.get<bool>();
-    return {};
-  }
-  constexpr std::string_view kNames[] = {"temperature", "emission", "cutoff"};
-  const Members parts(fire, file, members.where("fire"));
-  VOLUTE_TRY(parts.check(kNames));
-  VOLUTE_TRY(parts.number("temperature", look.flame.temperature, 500, 20000));
-  VOLUTE_TRY(parts.number("emission", look.flame.emission, 0));
-  if (parts.has("cutoff")) {
-    look.cutoff = 0;
-    VOLUTE_TRY(parts.number("cutoff", *look.cutoff, 0));
-  }
+const FieldTable& fireFields() {
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "emission", .access = member<&FdsLook::flame, &FlameLaw::emission>(),
+       .help = "luminance per metre of a fire that releases 1 MW/m3; 0 shows none", .least = 0,
+       .option = {.value = "S", .name = "fire", .picture = true}},
+      {.name = "cutoff", .access = member<&FdsLook::cutoff>(), .help = "where a fire releases less "
+       "there is no flame; else as the case says", .unit = "kW/m3", .least = 0,
+       .option = {.value = "Q", .picture = true}},
+      {.name = "temperature", .access = member<&FdsLook::flame, &FlameLaw::temperature>(),
+       .help = "of the black body whose colour flames have", .unit = "K", .least = 500,
+       .most = 20000, .option = {.value = "T", .picture = true}}};
+  // clang-format on
+  static const FieldTable kTable = fieldTable<FdsLook>(
+      {.name = "fire", .sentence = "the heat release as light", .fields = kFields});
+  return kTable;
+}
+
+FieldValue noFire(const SmokeDescription& smoke) {
+  return smoke.fds.fire ? FieldValue() : FieldValue(false);
+}
+
+Status setFire(SmokeDescription& smoke, const FieldValue& value) {
+  smoke.fds.fire = value.get<bool>();
   return {};
 }
 
-Status parseSlice(const Members& members, const std::string& file, FdsLook& look) {
-  if (members.has("slice"))
-    VOLUTE_TRY(members.text("slice", look.slice, "a quantity, as FDS names it"));
-  if (!members.has("slice_range"))
-    return {};
-  const nlohmann::json& range = members.at("slice_range");
-  if (!range.is_array() || range.size() != 2 || !range[0].is_number() || !range[1].is_number() ||
-      !(range[0].get<double>() < range[1].get<double>())) {
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected two numbers, the smaller one first",
-                file, members.where("slice_range"));
-  }
-  look.sliceRange = {range[0].get<double>(), range[1].get<double>()};
+FieldValue sliceRange(const SmokeDescription& smoke) {
+  const auto& range = smoke.fds.sliceRange;
+  return range ? FieldValue{(*range)[0], (*range)[1]} : FieldValue();
+}
+
+Status setSliceRange(SmokeDescription& smoke, const FieldValue& value) {
+  if (!(value[0].get<double>() < value[1].get<double>()))
+    return fail(ErrorCode::kInvalidData, "expected two numbers, the smaller one first");
+  smoke.fds.sliceRange = value.get<std::array<double, 2>>();
   return {};
 }
 
 }  // namespace
 
-Result<FdsLook> parseFdsLook(const nlohmann::json& smoke, const std::string& file,
-                             const std::string& path) {
-  const Members members(smoke, file, path);
-  FdsLook look;
-  VOLUTE_TRY(parseFire(members, file, look));
-  VOLUTE_TRY(parseSlice(members, file, look));
-  if (members.has("devices")) {
-    if (!members.at("devices").is_boolean())
-      return fail(ErrorCode::kInvalidData, "{}: {}: expected true or false", file,
-                  members.where("devices"));
-    look.devices = members.at("devices").get<bool>();
-  }
-  return look;
+const FieldTable& fdsFields() {
+  using enum FieldType;
+  using Smoke = SmokeDescription;
+  static const FieldAccess kFire = [] {
+    FieldAccess access = customMember<Smoke, noFire, setFire>();
+    access.make = part<&Smoke::fds>().make;
+    access.find = part<&Smoke::fds>().find;
+    return access;
+  }();
+  // Rows that smoke on a mesh has as well.
+  const FieldTable& smoke = smokeFields();
+  FieldRow scale = smoke.at("scale"), massExtinction = smoke.at("mass_extinction");
+  scale.option.picture = true;
+  massExtinction.slider.shown = nullptr;
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "case", .type = kFile, .access = member<&Smoke::file>(),
+       .help = "an FDS case (.smv), whose building and fire are shown too", .required = true,
+       .pattern = R"(\.[sS][mM][vV]$)"},
+      {.name = "field", .type = kText, .access = member<&Smoke::field>(),
+       .help = "which source of an FDS case; `volute info` lists them; else the best",
+       .otherName = "source", .option = {"NAME"}},
+      scale, massExtinction, smoke.at("mode"), smoke.at("C"), smoke.at("albedo"),
+      {.name = "fire", .type = kObject, .access = kFire, .help = "the heat release as light",
+       .flagToo = true, .table = &fireFields()},
+      {.name = "devices", .type = kFlag, .access = member<&Smoke::fds, &FdsLook::devices>(),
+       .help = "devices of an FDS case are marked", .option = {.name = "devices", .picture = true}},
+      {.name = "slice", .type = kText, .access = member<&Smoke::fds, &FdsLook::slice>(),
+       .help = "an FDS case's 2D slices of this quantity, as TEMPERATURE, are shown too",
+       .option = {.value = "QUANTITY", .name = "fds-slice", .picture = true}},
+      {.name = "slice_range", .type = kNumbers,
+       .access = customMember<Smoke, sliceRange, setSliceRange>(),
+       .help = "of the slice's colours; else all its values", .count = 2,
+       .option = {.value = "A,B", .name = "fds-slice-range", .beside = "fds-slice",
+                  .picture = true}},
+      clockField<&Smoke::clock>()};
+  // clang-format on
+  static const FieldTable kTable =
+      fieldTable<Smoke>({.name = "fds",
+                         .sentence = "smoke of an FDS case, which says itself what its files hold",
+                         .fields = kFields,
+                         .says = "smoke",
+                         .thing = "an FDS case, which says itself what its files hold",
+                         .things = "FDS cases",
+                         .sibling = smokeFields});
+  return kTable;
 }
 
 }  // namespace volute

@@ -3,11 +3,11 @@
 #pragma once
 
 #include <array>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "volute/fds/fds_flame.hpp"
+#include "volute/media/field.hpp"
 
 namespace volute {
 
@@ -21,9 +21,7 @@ struct FdsLook {
   std::optional<std::array<double, 2>> sliceRange;  ///< of its colours; nothing: all its values
 };
 
-/// "fire": true, false or {"temperature", "emission", "cutoff"}; "devices": true; "slice":
-/// "TEMPERATURE"; "slice_range": [20, 200]. Members of a scene's smoke; errors name the path.
-[[nodiscard]] Result<FdsLook> parseFdsLook(const nlohmann::json& smoke, const std::string& file,
-                                           const std::string& path);
+/// The smoke of an FDS case: a SmokeDescription.
+const FieldTable& fdsFields();
 
 }  // namespace volute

@@ -7,9 +7,12 @@
 
 #include "volute/base/input_file.hpp"
 #include "volute/fds/smv_index.hpp"
-#include "volute/io/json_members.hpp"
 #include "volute/io/mesh_source.hpp"
 #include "volute/optics/smoke_potential.hpp"
+#include "volute/media/clock_fields.hpp"
+#include "volute/media/smoke/fds_look.hpp"
+#include "volute/media/law_field.hpp"
+#include "volute/media/smoke/smoke_parameters.hpp"
 #include "volute/media/smoke/smoke_words.hpp"
 #include "volute/media/volume/volume_input.hpp"
 
@@ -18,205 +21,234 @@ namespace {
 
 using Json = nlohmann::json;
 
-tl::unexpected<SmokeObjection> object(const char* about, std::string message) {
-  return tl::unexpected<SmokeObjection>(SmokeObjection{about, std::move(message)});
-}
+constexpr std::string_view kDensityUnits[] = {"kg/m3", "g/m3", "mg/m3"};
 
-template <class T>
-tl::expected<void, SmokeObjection> take(T& value, Result<T> found, const char* about) {
-  if (!found)
-    return object(about, found.error().message);
-  value = std::move(*found);
+FieldValue unitName(const SmokeDescription& smoke) {
+  for (const std::string_view name : kDensityUnits) {
+    if (densityUnit(name) == smoke.model.unit)
+      return name;
+  }
   return {};
 }
 
-tl::expected<void, SmokeObjection> takeMaterial(SmokeModel& model, const SmokeWords& words) {
-  Burning how = Burning::kFlaming;
-  if (!words.burning.empty()) {
-    if (auto taken = take(how, burning(words.burning), "burning"); !taken)
-      return taken;
+Status setUnit(SmokeDescription& smoke, const FieldValue& value) {
+  VOLUTE_ASSIGN(smoke.model.unit, densityUnit(value.get<std::string>()));
+  return {};
+}
+
+/// The material becomes its smoke potential, once all is read.
+FieldValue noMaterial(const SmokeDescription& /*smoke*/) {
+  return {};
+}
+
+Status leaveMaterial(SmokeDescription& /*smoke*/, const FieldValue& /*name*/) {
+  return {};
+}
+
+FieldValue yieldOf(const SmokeDescription& smoke) {
+  return smoke.model.sootYield == 0 ? FieldValue() : FieldValue(smoke.model.sootYield);
+}
+
+Status setYield(SmokeDescription& smoke, const FieldValue& value) {
+  smoke.model.sootYield = value.get<double>();
+  return {};
+}
+
+FieldValue wallsOf(const SmokeDescription& smoke) {
+  if (!smoke.walls)
+    return false;
+  return {(*smoke.walls)[0], (*smoke.walls)[1], (*smoke.walls)[2]};
+}
+
+Status setWalls(SmokeDescription& smoke, const FieldValue& value) {
+  if (value == false)
+    smoke.walls.reset();
+  else if (value == true)
+    smoke.walls = Rgb::Constant(0.7);
+  else
+    smoke.walls = Rgb(value[0].get<double>(), value[1].get<double>(), value[2].get<double>());
+  return {};
+}
+
+FieldValue lawC(const SmokeDescription& smoke) {
+  return smoke.givesC ? FieldValue(smoke.law.c) : FieldValue();
+}
+
+Status setLawC(SmokeDescription& smoke, const FieldValue& value) {
+  VOLUTE_ASSIGN(const auto law, lawOf(value));
+  smoke.model.c = smoke.law.c = law.c;
+  smoke.givesC = true;
+  return {};
+}
+
+void addLawC(ParameterGroup& group, const void* smoke, const MediumFacts& /*facts*/) {
+  group.add(smokeFields().at("C"), "C", static_cast<const SmokeDescription*>(smoke)->law.c);
+}
+
+bool ofSoot(const void* smoke, const MediumFacts& /*facts*/) {
+  const SmokeQuantity quantity = static_cast<const SmokeDescription*>(smoke)->model.quantity;
+  return quantity == SmokeQuantity::kSootDensity || quantity == SmokeQuantity::kMassFraction;
+}
+
+/// The smoke potential of the material that is said.
+Status takeMaterial(const Json& json, const FieldOrigin& origin, SmokeModel& model) {
+  const FieldTable& table = smokeFields();
+  if (!json.contains("material")) {
+    return json.contains("burning") ? Status(origin.wrong(table.at("burning"), "is for a material"))
+                                    : Status();
   }
-  if (words.material.empty()) {
-    return words.burning.empty() ? tl::expected<void, SmokeObjection>()
-                                 : object("burning", "is for a material");
-  }
+  if (json.contains("smoke_potential"))
+    return origin.wrong(table.at("smoke_potential"), "the material has one already; leave one out");
   if (model.quantity != SmokeQuantity::kProductsDensity) {
-    return object("material",
-                  fmt::format("is for the quantity products-density, not for {}: a material's "
-                              "smoke potential tells how much of what burns becomes soot",
-                              nameOf(model.quantity)));
+    return origin.wrong(table.at("material"),
+                        fmt::format("is for the quantity products-density, not for {}: a "
+                                    "material's smoke potential tells how much of what burns "
+                                    "becomes soot",
+                                    nameOf(model.quantity)));
   }
-  SmokePotential potential{};
-  if (auto taken = take(potential, smokePotentialOf(words.material), "material"); !taken)
-    return taken;
-  model.smokePotential = potential.value(how);
+  const auto potential = smokePotentialOf(json["material"].get<std::string>());
+  if (!potential)
+    return origin.wrong(table.at("material"), potential.error().message);
+  VOLUTE_ASSIGN(const Burning how, burning(json.value("burning", "flaming")));
+  model.smokePotential = potential->value(how);
   return {};
 }
 
-/// Words about a field that holds something else.
-tl::expected<void, SmokeObjection> checkIdleWords(const SmokeDescription& smoke,
-                                                  const SmokeWords& words) {
+/// An objection, and the member that it is about; null: none.
+struct SmokeObjection {
+  const char* about = nullptr;
+  std::string message{};
+};
+
+/// Members about a field that holds something else.
+SmokeObjection idleMember(const SmokeDescription& smoke, const Json& json) {
   const SmokeModel& model = smoke.model;
-  const SmokeQuantity quantity = model.quantity;
-  const std::string_view name = nameOf(quantity);
-  const bool products = quantity == SmokeQuantity::kProductsDensity;
-  if (!words.unit.empty() && quantity != SmokeQuantity::kSootDensity && !products)
-    return object("unit", fmt::format("is for densities, and {} is in {}; leave it out", name,
-                                      unitOfField(model)));
-  if (words.massExtinction && !holdsMass(quantity))
-    return object("mass_extinction",
-                  fmt::format("is of soot, and {} is what smoke does to light already; leave it "
-                              "out, or say what mass the field holds",
-                              name));
+  const std::string_view name = nameOf(model.quantity);
+  const bool products = model.quantity == SmokeQuantity::kProductsDensity;
+  if (json.contains("unit") && model.quantity != SmokeQuantity::kSootDensity && !products)
+    return {"unit", fmt::format("is for densities, and {} is in {}; leave it out", name,
+                                unitOfField(model))};
+  if (json.contains("mass_extinction") && !holdsMass(model.quantity))
+    return {"mass_extinction",
+            fmt::format("is of soot, and {} is what smoke does to light already; leave it out, or "
+                        "say what mass the field holds",
+                        name)};
   if (model.sootYield != 0 && !products)
-    return object("soot_yield",
-                  fmt::format("is for products-density, and {}; leave it out",
-                              holdsMass(quantity)
-                                  ? fmt::format("{} is soot alone", name)
-                                  : fmt::format("{} is what smoke does to light already", name)));
+    return {"soot_yield",
+            fmt::format("is for products-density, and {}; leave it out",
+                        holdsMass(model.quantity)
+                            ? fmt::format("{} is soot alone", name)
+                            : fmt::format("{} is what smoke does to light already", name))};
   if (model.smokePotential && !products)
-    return object("smoke_potential", fmt::format("is for products-density, not for {}", name));
-  const char* const potential = words.material.empty() ? "smoke potential" : "material";
-  if (model.smokePotential && (model.sootYield != 0 || words.massExtinction))
-    return object(model.sootYield != 0 ? "soot_yield" : "mass_extinction",
-                  fmt::format("the {} takes its place; leave one of them out", potential));
-  if (!smoke.densityField.empty() && quantity != SmokeQuantity::kMassFraction)
-    return object("density_field", fmt::format("is for mass-fraction, not for {}", name));
-  return {};
-}
-
-/// Texts, and C as a number as well.
-Status textOf(const Members& members, const char* key, std::string& value) {
-  if (!members.has(key))
-    return {};
-  if (std::string_view(key) == "C" && members.at(key).is_number()) {
-    value = fmt::format("{}", members.at(key).get<double>());
-    return {};
-  }
-  return members.text(key, value, "a name");
-}
-
-Status parseWalls(const Members& members, const std::string& file, SmokeDescription& smoke) {
-  if (!members.has("walls"))
-    return {};
-  if (members.at("walls").is_boolean()) {
-    if (members.at("walls").get<bool>())
-      smoke.walls = Rgb::Constant(0.7);
-    return {};
-  }
-  if (!members.at("walls").is_array())
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected true, false or the walls' colour", file,
-                members.where("walls"));
-  Rgb color = Rgb::Zero();
-  VOLUTE_TRY(members.color("walls", color, 1));
-  smoke.walls = color;
-  return {};
-}
-
-Status parseNegatives(const Members& members, const std::string& file, SmokeDescription& smoke) {
-  if (!members.has("negatives"))
-    return {};
-  const Json& given = members.at("negatives");
-  if (given != "refuse" && given != "clamp")
-    return fail(ErrorCode::kInvalidData, "{}: {}: expected refuse or clamp", file,
-                members.where("negatives"));
-  smoke.negatives = given == "clamp" ? Negatives::kClamp : Negatives::kRefuse;
+    return {"smoke_potential", fmt::format("is for products-density, not for {}", name)};
+  if (model.smokePotential && (model.sootYield != 0 || json.contains("mass_extinction")))
+    return {model.sootYield != 0 ? "soot_yield" : "mass_extinction",
+            fmt::format("the {} takes its place; leave one of them out",
+                        json.contains("material") ? "material" : "smoke potential")};
+  if (!smoke.densityField.empty() && model.quantity != SmokeQuantity::kMassFraction)
+    return {"density_field", fmt::format("is for mass-fraction, not for {}", name)};
+  if (smoke.densityField.empty() && model.quantity == SmokeQuantity::kMassFraction)
+    return {"density_field",
+            "is missing; mass-fraction needs the field of the gas's density [kg/m3]"};
+  if (const auto good = model.check(); !good)
+    return {"quantity", good.error().message};
   return {};
 }
 
 }  // namespace
 
-tl::expected<void, SmokeObjection> takeWords(SmokeDescription& smoke, const SmokeWords& words) {
-  const auto missing = words.quantity.empty();
-  const bool saysItself = missing && isSmvPath(smoke.file);
-  if (auto taken = saysItself
-                       ? tl::expected<void, SmokeObjection>()
-                       : take(smoke.model.quantity, smokeQuantity(words.quantity), "quantity");
-      !taken) {
-    return missing ? object("quantity",
-                            "is missing; say what the field holds: soot-density, "
-                            "products-density, mass-fraction, extinction, optical-density, "
-                            "optical-density-db or visibility")
-                   : taken;
-  }
-  if (!words.unit.empty()) {
-    if (auto taken = take(smoke.model.unit, densityUnit(words.unit), "unit"); !taken)
-      return taken;
-  }
-  if (auto taken = takeMaterial(smoke.model, words); !taken)
-    return taken;
-  if (!words.mode.empty()) {
-    if (auto taken = take(smoke.law.mode, pictureMode(words.mode), "mode"); !taken)
-      return taken;
-  }
-  if (!words.c.empty()) {
-    VisibilityLaw law;
-    if (auto taken = take(law, visibilityLaw(words.c), "C"); !taken)
-      return taken;
-    smoke.model.c = smoke.law.c = law.c;
-    smoke.givesC = true;
-  }
-  if (smoke.model.quantity == SmokeQuantity::kMassFraction && smoke.densityField.empty()) {
-    return object("density_field",
-                  "is missing; mass-fraction needs the field of the gas's density [kg/m3]");
-  }
-  if (!saysItself) {
-    if (auto idle = checkIdleWords(smoke, words); !idle)
-      return idle;
-  }
-  if (const auto good = smoke.model.check(); !good)
-    return object("quantity", good.error().message);
-  return {};
+const FieldTable& smokeFields() {
+  using enum FieldType;
+  using Smoke = SmokeDescription;
+  static constexpr std::string_view kQuantities[] = {
+      "soot-density",    "products-density",   "mass-fraction", "extinction",
+      "optical-density", "optical-density-db", "visibility"};
+  static constexpr std::string_view kBurnings[] = {"flaming", "smouldering"};
+  static constexpr std::string_view kModes[] = {"photometric", "threshold"};
+  static constexpr std::string_view kNegatives[] = {"refuse", "clamp"};
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "case", .type = kFile, .access = member<&Smoke::file>(),
+       .help = "a .vtu, .pvtu or .vtk file, a .pvd series, or a .case, .e or .foam of VTK",
+       .required = true, .pattern = R"(^(?!.*\.[sS][mM][vV]$))"},
+      {.name = "field", .type = kText, .access = member<&Smoke::field>(),
+       .help = "which one of a file with several", .option = {"NAME"}},
+      {.name = "quantity", .type = kChoice,
+       .access = member<&Smoke::model, &SmokeModel::quantity>(), .help = "what the field holds",
+       .choices = kQuantities, .required = true, .option = {"NAME"},
+       .slider = {.label = "field holds", .custom = addQuantity}},
+      {.name = "unit", .type = kChoice, .access = customMember<Smoke, unitName, setUnit>(),
+       .help = "of a density", .choices = kDensityUnits, .option = {"NAME"},
+       .slider = {.label = "unit", .custom = addUnit}},
+      {.name = "scale", .access = member<&Smoke::model, &SmokeModel::scale>(),
+       .help = "multiplies the field before anything else", .least = 0, .above = true,
+       .option = {"S"},
+       .slider = {.label = "scale", .least = 0, .most = 10, .logarithmic = true, .room = 2,
+                  .unit = "x"}},
+      {.name = "smoke_potential", .access = member<&Smoke::model, &SmokeModel::smokePotential>(),
+       .help = "of what burns, of products-density; in the place of soot yield and mass extinction",
+       .unit = "dB m2/g", .least = 0,
+       .slider = {.label = "smoke potential", .least = 0, .most = 10, .logarithmic = true,
+                  .room = 2, .custom = addPotential}},
+      {.name = "material", .type = kText,
+       .access = customMember<Smoke, noMaterial, leaveMaterial>(),
+       .help = "what burns, whose smoke potential is known, in the place of soot yield and mass "
+       "extinction", .option = {"NAME"}},
+      {.name = "burning", .type = kChoice,
+       .access = customMember<Smoke, noMaterial, leaveMaterial>(),
+       .help = "how the material burns; else flaming", .choices = kBurnings, .option = {"HOW"}},
+      {.name = "soot_yield", .access = customMember<Smoke, yieldOf, setYield>(),
+       .help = "mass of soot per mass burnt, of products-density", .least = 0, .most = 1,
+       .above = true, .option = {"YS"}},
+      {.name = "density_field", .type = kText, .access = member<&Smoke::densityField>(),
+       .help = "the gas's density, of mass-fraction", .unit = "kg/m3", .option = {"NAME"}},
+      {.name = "mass_extinction", .access = member<&Smoke::model, &SmokeModel::massExtinction>(),
+       .help = "extinction of 1 kg/m3 of soot, natural logarithm", .unit = "m2/kg", .least = 0,
+       .above = true, .option = {"KM"},
+       .slider = {.label = "Km", .least = 1000, .most = 15000, .shown = ofSoot}},
+      {.name = "mode", .type = kChoice, .access = member<&Smoke::law, &PictureLaw::mode>(),
+       .help = "what a picture of smoke shows: the light that passes, or 10 % of it where "
+       "visibility ends", .choices = kModes,
+       .option = {.value = "NAME", .picture = true, .scene = true}, .slider = {.label = "mode"}},
+      {.name = "C", .access = customMember<Smoke, lawC, setLawC>(),
+       .help = "visibility = C / K, of threshold and of a visibility field: 3 reflecting, 8 "
+       "emitting signs", .least = 0, .above = true, .choices = lawNames(),
+       .option = {.value = "C", .scene = true},
+       .slider = {.label = "C", .least = 1, .most = 10, .custom = addLawC}},
+      {.name = "albedo", .type = kColor, .access = member<&Smoke::albedo>(),
+       .help = "share of what is taken from light that is scattered; the rest is absorbed",
+       .least = 0, .most = 1, .option = {.value = "R,G,B", .picture = true},
+       .slider = {.label = "albedo"}},
+      {.name = "negatives", .type = kChoice, .access = member<&Smoke::negatives>(),
+       .help = "clamp takes negative values of the field as 0", .choices = kNegatives,
+       .option = {.name = "clamp", .says = "clamp"}},
+      {.name = "walls", .type = kColor, .access = customMember<Smoke, wallsOf, setWalls>(),
+       .help = "true, or a colour: the mesh's boundary is shown from inside and lit", .least = 0,
+       .most = 1, .flagToo = true},
+      clockField<&Smoke::clock>()};
+  // clang-format on
+  static const FieldTable kTable = fieldTable<Smoke>({.name = "smoke",
+                                                      .sentence = "smoke on a mesh",
+                                                      .fields = kFields,
+                                                      .says = "smoke",
+                                                      .thing = "smoke on a mesh",
+                                                      .things = "smoke on meshes",
+                                                      .sibling = fdsFields});
+  return kTable;
 }
 
-Result<SmokeDescription> parseSmoke(const Json& json, const std::string& file,
-                                    const std::string& path) {
-  constexpr std::string_view kNames[] = {
-      "kind",    "case",     "field",       "density_field",  "quantity", "unit",
-      "scale",   "material", "burning",     "soot_yield",     "C",        "mass_extinction",
-      "mode",    "albedo",   "time",        "negatives",      "walls",    "fire",
-      "devices", "slice",    "slice_range", "smoke_potential"};
-  const Members members(json, file, path);
-  VOLUTE_TRY(members.check(kNames));
-  SmokeDescription smoke;
-  smoke.where = fmt::format("{}: {}", file, path);
-  VOLUTE_TRY(members.text("case", smoke.file, "the name of a .vtu file, a .pvd series or a case"));
-  smoke.file = besides(file, smoke.file);
-  VOLUTE_TRY(textOf(members, "field", smoke.field));
-  VOLUTE_TRY(textOf(members, "density_field", smoke.densityField));
-  VOLUTE_TRY(members.number("scale", smoke.model.scale));
-  VOLUTE_TRY(members.number("mass_extinction", smoke.model.massExtinction));
-  VOLUTE_TRY(members.number("soot_yield", smoke.model.sootYield));
-  if (members.has("smoke_potential")) {
-    smoke.model.smokePotential = 0;
-    VOLUTE_TRY(members.number("smoke_potential", *smoke.model.smokePotential));
-  }
-  VOLUTE_TRY(members.color("albedo", smoke.albedo, 1));
-  VOLUTE_TRY(parseNegatives(members, file, smoke));
-  VOLUTE_TRY(parseWalls(members, file, smoke));
-  for (const char* name : {"fire", "devices", "slice", "slice_range"}) {
-    if (members.has(name) && !isSmvPath(smoke.file))
-      return fail(ErrorCode::kInvalidData, "{}: {}: is for FDS cases (.smv)", file,
-                  members.where(name));
-  }
-  VOLUTE_ASSIGN(smoke.fds, parseFdsLook(json, file, path));
-  if (members.has("smoke_potential") && members.has("material")) {
-    return fail(ErrorCode::kInvalidData, "{}: {}: the material has one already; leave one out",
-                file, members.where("smoke_potential"));
-  }
-  if (members.has("time")) {
-    VOLUTE_ASSIGN(smoke.clock, parseClock(members.at("time"), file, members.where("time")));
-  }
-  SmokeWords words;
-  const std::pair<const char*, std::string*> texts[] = {
-      {"quantity", &words.quantity}, {"unit", &words.unit}, {"material", &words.material},
-      {"burning", &words.burning},   {"mode", &words.mode}, {"C", &words.c}};
-  for (const auto& [key, text] : texts) VOLUTE_TRY(textOf(members, key, *text));
-  words.massExtinction = members.has("mass_extinction");
-  if (const auto taken = takeWords(smoke, words); !taken) {
-    return fail(ErrorCode::kInvalidData, "{}: {}: {}", file, members.where(taken.error().about),
-                taken.error().message);
-  }
+Result<SmokeDescription> parseSmoke(const Json& json, const FieldOrigin& origin) {
+  const Json file = json.is_object() ? json.value("case", Json()) : Json();
+  const bool fds = file.is_string() && isSmvPath(file.get<std::string>());
+  VOLUTE_ASSIGN(auto smoke,
+                readAs<SmokeDescription>(fds ? fdsFields() : smokeFields(), json, origin));
+  smoke.where = origin.options() ? smoke.file : fmt::format("{}: {}", origin.file, origin.path);
+  if (fds)
+    return smoke;
+  VOLUTE_TRY(takeMaterial(json, origin, smoke.model));
+  const SmokeObjection idle = idleMember(smoke, json);
+  if (idle.about)
+    return origin.wrong(smokeFields().at(idle.about), idle.message);
   return smoke;
 }
 

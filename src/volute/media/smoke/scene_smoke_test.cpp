@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 /// Of a mesh, with these members.
 Result<SmokeDescription> parsed(Json members) {
   members.update({{"kind", "smoke"}, {"case", "hall.pvd"}});
-  return parseSmoke(members, "scene.json", "/media/0");
+  return parseSmoke(members, {"scene.json", "/media/0"});
 }
 
 struct Contradiction {

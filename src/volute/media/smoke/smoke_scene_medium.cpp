@@ -12,6 +12,7 @@
 #include "volute/media/light_blockers.hpp"
 #include "volute/media/smoke/mesh_sight.hpp"
 #include "volute/media/smoke/smoke_contour.hpp"
+#include "volute/media/smoke/smoke_parameters.hpp"
 #include "volute/media/smoke/smoke_walls.hpp"
 #include "volute/media/smoke/smoke_words.hpp"
 #include "volute/tetmesh/tet_marcher.hpp"
@@ -81,24 +82,11 @@ std::shared_ptr<const SmokeLighting> lightingOf(const MediumContext& context) {
 
 class SmokeKind final : public MediumKind {
  public:
-  std::string_view name() const override { return "smoke"; }
+  const FieldTable& fields() const override { return smokeFields(); }
 
-  std::string_view plural() const override { return "smoke on a mesh"; }
-
-  std::string_view singular() const override { return "a mesh"; }
-
-  std::vector<std::string_view> members() const override {
-    return {"field",   "density_field", "quantity",        "unit", "scale", "material", "burning",
-            "soot_yield", "C",          "mass_extinction", "mode", "albedo", "time",    "negatives",
-            "walls",   "smoke_potential"};
-  }
-
-  std::vector<std::string_view> fileMembers() const override { return {"case"}; }
-
-  /// What no other kind of smoke claims.
   Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
                                             MediumContext& context) const override {
-    VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, context.file, context.path));
+    VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, {context.file, context.path}));
     const auto lighting = lightingOf(context);
     RemarkLog heard(context.reading.progress);
     Reading reading{heard, context.reading.maxMemory};
@@ -115,7 +103,7 @@ class SmokeKind final : public MediumKind {
 
   Result<std::unique_ptr<SightField>> openSight(const nlohmann::json& entry,
                                                 MediumContext& context) const override {
-    VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, context.file, context.path));
+    VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, {context.file, context.path}));
     if (smoke.givesC && smoke.model.quantity != SmokeQuantity::kVisibility) {
       return fail(ErrorCode::kInvalidArgument,
                   "{}/C: is of a visibility field, and this holds {}; a sign's C stands with the "
@@ -170,16 +158,16 @@ class SmokeKind final : public MediumKind {
     return others;
   }
 
-  void addParameters(ParameterGroup group, const OrderedJson&, const SceneMedium& medium,
-                     bool) const override {
+  void addParameters(ParameterGroup& group, const OrderedJson&, const SceneMedium& medium,
+                     MediumFacts facts) const override {
     const SmokeLayer& layer = dynamic_cast<const SmokeSceneMedium&>(medium).layer();
-    addSmokeParameters(std::move(group), layer.description(), false, layer.largestExtinction(),
-                       medium.info());
+    facts.largestExtinction = layer.largestExtinction();
+    addSliders(group, fields(), &layer.description(), facts);
   }
 
   bool setParameter(OrderedJson& entry, const SceneMedium&, const std::string& key,
                     const OrderedJson& value, const std::vector<double>&) const override {
-    return setSmokeParameter(entry, key, value);
+    return setSmoke(entry, key, value);
   }
 
   bool shares(const std::string& key) const override { return key == "mode" || key == "C"; }

@@ -64,14 +64,6 @@ class SmokeSceneMedium final : public SceneMedium {
   std::shared_ptr<const SmokeLighting> lighting_;
 };
 
-/// The pictures of smoke that a scene's smoke members tell of: of meshes, and of FDS cases.
-void addSmokeParameters(ParameterGroup group, const SmokeDescription& smoke, bool fds,
-                        double largestExtinction, const MediumInfo& info);
-
-/// See MediumKind::setParameter().
-bool setSmokeParameter(nlohmann::ordered_json& entry, const std::string& key,
-                       const nlohmann::ordered_json& value);
-
 const MediumKind& smokeKind();
 
 }  // namespace volute

@@ -5,7 +5,7 @@
 #include <mutex>
 
 #include "volute/media/medium_kind.hpp"
-#include "volute/media/volume/billboard_file.hpp"
+#include "volute/media/volume/volume_fields.hpp"
 #include "volute/media/volume/volume_layer.hpp"
 
 namespace volute {
@@ -118,18 +118,6 @@ class BillboardMedium final : public VolumeMedium {
  private:
   BillboardOptions options_;
 };
-
-/// A medium of kind "volume" in a scene.
-struct SceneVolume {
-  std::string file;  ///< found from the scene file's folder
-  InputOptions input;
-  Appearance appearance;
-};
-
-/// {"kind": "volume", "file", "field", "bounds", "basis", "emission", "extinction", "transform",
-/// "time"}. Errors name the file and the path inside it.
-[[nodiscard]] Result<SceneVolume> parseVolume(const nlohmann::json& json, const std::string& file,
-                                              const std::string& path);
 
 const MediumKind& volumeKind();
 const MediumKind& billboardKind();

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include "volute/media/clock.hpp"
+#include "volute/media/field.hpp"
+
+namespace volute {
+
+/// "time" of a medium.
+const FieldTable& clockFields();
+
+/// The row of a medium whose clock this is.
+template <auto... path>
+FieldRow clockField();
+
+/// Its sliders, where there is more than one frame.
+void addClock(ParameterGroup& group, const void* clock, const MediumFacts& facts);
+
+template <auto... path>
+FieldRow clockField() {
+  return {.name = "time",
+          .type = FieldType::kObject,
+          .access = part<path...>(),
+          .help = "its own time: offset + rate * the scene's time; wind keeps the scene's",
+          .table = &clockFields(),
+          .slider = {.custom = addClock}};
+}
+
+}  // namespace volute

@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <typeinfo>
+#include <vector>
+
+#include "volute/base/assert.hpp"
+#include "volute/base/result.hpp"
+#include "volute/image/pixels.hpp"
+#include "volute/math/vec.hpp"
+
+// What may be said about an object of a scene: a table with one row a member. Reading and writing
+// JSON, the schema, the options of commands and the viewer's sliders are loops over its rows.
+
+namespace volute {
+
+enum class FieldType {
+  kNumber,  ///< with `choices` also one of these names
+  kInteger,
+  kFlag,    ///< true or false
+  kChoice,  ///< one of `choices`
+  kText,
+  kFile,       ///< found from the scene's folder
+  kPoint,      ///< three numbers
+  kDirection,  ///< likewise
+  kColor,      ///< likewise: linear RGB
+  kNumbers,    ///< `count` numbers; 0: any number of them
+  kRows,       ///< a list of `count` numbers each
+  kObject,     ///< members of another table
+};
+
+/// What is said of a member, in the types of JSON; null: nothing. Names of files are as they are
+/// found, not as they are written.
+using FieldValue = nlohmann::json;
+
+struct FieldRow;
+struct FieldTable;
+struct MediumFacts;
+class ParameterGroup;
+
+/// Between a row and the struct that it describes. member() and part() make one for a plain member,
+/// customMember() one from two functions.
+struct FieldAccess {
+  const std::type_info* owner = nullptr;  ///< of the struct
+  FieldValue (*get)(const FieldRow& field, const void* object) = nullptr;
+  /// Takes what the row allows. Its error is a sentence without a place.
+  Status (*set)(const FieldRow& field, void* object, const FieldValue& value) = nullptr;
+  /// Of a kObject: the object, made where there is none; null there for who only looks.
+  void* (*make)(void* object) = nullptr;
+  const void* (*find)(const void* object) = nullptr;
+};
+
+/// The option of commands that says the same; none without a value and a name.
+struct FieldOption {
+  std::string_view value = {};    ///< how the help calls it: "KM"
+  std::string_view name = {};     ///< unless it is the member's with `-` for `_`
+  std::string_view initial = {};  ///< a default that is not the struct's
+  std::string_view says = {};     ///< a flag that stands for this value
+  std::string_view beside = {};   ///< the option without which it says nothing
+  std::string_view more = {};     ///< to be added to the help
+  /// Another way to say it than a number, a name or numbers with commas.
+  Result<FieldValue> (*parse)(std::string_view text) = nullptr;
+  bool picture = false;  ///< changes what is seen of a medium, not what it is
+  bool scene = false;    ///< is for scenes as well, whatever they say
+};
+
+/// The slider that says the same; none without a label.
+struct FieldSlider {
+  std::string_view label = {};  ///< "width|height": one for each of two numbers
+  double least = -std::numeric_limits<double>::infinity();  ///< unless the member's
+  double most = std::numeric_limits<double>::infinity();
+  bool logarithmic = false;
+  double room = 1;                ///< reaches so many times the value at least
+  std::string_view section = {};  ///< a heading of its own
+  std::string_view unit = {};     ///< unless the member's
+  /// Whether it says something now.
+  bool (*shown)(const void* object, const MediumFacts& facts) = nullptr;
+  /// What a pixel of the mouse moves a kPoint by.
+  double (*step)(const void* object, const MediumFacts& facts) = nullptr;
+  /// What one row cannot say. `object` is the struct, of a kObject the member, or null.
+  void (*custom)(ParameterGroup& group, const void* object, const MediumFacts& facts) = nullptr;
+};
+
+/// One member.
+struct FieldRow {
+  std::string_view name = {};  ///< in files: "mass_extinction"
+  FieldType type = FieldType::kNumber;
+  FieldAccess access = {};
+  std::string_view help = {};  ///< one sentence, without unit, range and default; no full stop
+  std::string_view unit = {};
+  double least = -std::numeric_limits<double>::infinity();  ///< of each number
+  double most = std::numeric_limits<double>::infinity();
+  bool above = false, below = false;  ///< more than `least`, less than `most`
+  std::span<const std::string_view> choices = {};
+  int count = 3;         ///< of kNumbers and kRows
+  int fewest = 0;        ///< of what has a count; 0: `count`
+  bool whole = false;    ///< kNumbers: integers
+  bool several = false;  ///< kFile: or a list of them
+  bool flagToo = false;  ///< or true or false
+  bool required = false;
+  bool inherited = false;  ///< its default is what the object around has
+  std::string_view otherName = {};
+  std::string_view pattern = {};      ///< kFile: that names match, for the schema
+  const FieldTable* table = nullptr;  ///< of a kObject
+  FieldOption option = {};
+  FieldSlider slider = {};
+
+  bool holds(double number) const {
+    return (above ? number > least : number >= least) && (below ? number < most : number <= most);
+  }
+
+  bool hasOption() const { return !option.value.empty() || !option.name.empty(); }
+
+  /// Without dashes; of a member of a member `outer` is that one's name.
+  std::string optionName(std::string_view outer = {}) const;
+
+  /// "at least 0", "0 to 1", "more than 0"; empty: any.
+  std::string rangeText() const;
+
+  /// "three numbers of 0 to 1 [m]".
+  std::string expected() const;
+
+  /// "extinction of 1 kg/m3 of soot [m2/kg]".
+  std::string sentence() const;
+};
+
+/// A kind of object. fieldTable() fills in the struct's part.
+struct FieldTable {
+  std::string_view name = {};      ///< "fog"
+  std::string_view sentence = {};  ///< what it is
+  std::span<const FieldRow> fields = {};
+  std::string_view says = {};    ///< what "kind" must be; empty: no such member
+  std::string_view thing = {};   ///< "an FDS case"
+  std::string_view things = {};  ///< "FDS cases"
+  /// Of the same "kind" by the file's name: its members are refused by the names of both.
+  const FieldTable& (*sibling)() = nullptr;
+  const void* usual = nullptr;  ///< the struct as it is by itself
+  std::shared_ptr<void> (*make)() = nullptr;  ///< another one
+  const std::type_info* owner = nullptr;
+
+  /// Null where there is none; also by its other name.
+  const FieldRow* find(std::string_view name) const;
+  /// One that is there.
+  const FieldRow& at(std::string_view name) const;
+};
+
+/// What a file or a command line says, and how errors about it begin.
+struct FieldOrigin {
+  std::string file = {};   ///< empty: options of a command line
+  std::string path = {};   ///< of the object in the file: "/media/0"
+  std::string outer = {};  ///< of a command line: the option whose value this object is
+
+  bool options() const { return file.empty(); }
+
+  /// "scene.json: /media/0/cell" or "--cell".
+  std::string place(const FieldRow& field) const;
+
+  /// A sentence about a member, or about all of it. The code is kInvalidData of files,
+  /// kInvalidArgument of options.
+  tl::unexpected<Error> wrong(const FieldRow& field, std::string_view message) const;
+  tl::unexpected<Error> wrong(std::string_view message) const;
+
+  FieldOrigin within(const FieldRow& field) const;
+};
+
+/// Checks each member and puts it into `object`, which is of the table's type; what is not said
+/// stays as it is. Names that the table does not have are errors, and so are missing required ones.
+[[nodiscard]] Status readFields(const FieldTable& table, const FieldValue& json,
+                                const FieldOrigin& origin, void* object);
+
+template <class T>
+Result<T> readAs(const FieldTable& table, const FieldValue& json, const FieldOrigin& origin) {
+  VOLUTE_ASSERT(*table.owner == typeid(T));
+  T object{};
+  VOLUTE_TRY(readFields(table, json, origin, &object));
+  return object;
+}
+
+/// A list of such objects.
+template <class T>
+Result<std::vector<T>> readList(const FieldTable& table, const FieldValue& json,
+                                const FieldOrigin& origin) {
+  if (!json.is_array())
+    return origin.wrong("expected a list");
+  std::vector<T> list;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    VOLUTE_ASSIGN(auto entry,
+                  readAs<T>(table, json[i], {origin.file, fmt::format("{}/{}", origin.path, i)}));
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+/// What readFields() takes: "kind" where there is one, required members, and what is not as it is
+/// by itself. Names of files are said from the folder of `file`.
+nlohmann::ordered_json writeFields(const FieldTable& table, const void* object,
+                                   const std::string& file);
+
+/// The members that name files: "file", "top/map".
+std::vector<std::string> filesIn(const FieldTable& table);
+
+/// The value that the struct has by itself; null: none.
+FieldValue usualValue(const FieldTable& table, const FieldRow& field);
+
+/// With what is known of the struct.
+template <class T>
+FieldTable fieldTable(FieldTable table) {
+  static const T kUsual{};
+  for ([[maybe_unused]] const FieldRow& field : table.fields)
+    VOLUTE_ASSERT(*field.access.owner == typeid(T));
+  table.usual = &kUsual;
+  table.make = [] { return std::shared_ptr<void>(std::make_shared<T>()); };
+  table.owner = &typeid(T);
+  return table;
+}
+
+namespace fields {
+
+template <class Owner, class Member>
+Owner ownerOf(Member Owner::*);
+
+template <auto first, auto... rest>
+struct Path {
+  using Owner = decltype(ownerOf(first));
+
+  static auto& of(auto& owner) {
+    if constexpr (sizeof...(rest) == 0)
+      return owner.*first;
+    else
+      return Path<rest...>::of(owner.*first);
+  }
+};
+
+template <auto first, auto second, auto... rest>
+struct PairPath {
+  using Owner = decltype(ownerOf(first));
+
+  static auto of(auto& owner) {
+    if constexpr (sizeof...(rest) == 0)
+      return std::tie(owner.*first, owner.*second);
+    else
+      return PairPath<second, rest...>::of(owner.*first);
+  }
+};
+
+template <class T>
+FieldValue valueOf(const FieldRow& field, const T& value) {
+  if constexpr (std::is_enum_v<T> || std::is_integral_v<T>) {
+    if (field.type == FieldType::kChoice)
+      return std::string(field.choices[static_cast<std::size_t>(value)]);
+  }
+  if constexpr (std::is_enum_v<T>)
+    return {};
+  else
+    return value;
+}
+
+inline FieldValue valueOf(const FieldRow&, const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+inline FieldValue valueOf(const FieldRow&, const Rgb& c) {
+  return {c[0], c[1], c[2]};
+}
+
+inline FieldValue valueOf(const FieldRow&, const Pixels& size) {
+  return {size.width, size.height};
+}
+
+template <class T>
+FieldValue valueOf(const FieldRow& field, const std::optional<T>& value) {
+  return value ? valueOf(field, *value) : FieldValue();
+}
+
+template <class T>
+void take(const FieldRow& field, const FieldValue& value, T& out) {
+  if constexpr (std::is_enum_v<T> || std::is_integral_v<T>) {
+    if (field.type == FieldType::kChoice) {
+      std::size_t place = 0;
+      while (field.choices[place] != value.get_ref<const std::string&>()) ++place;
+      out = static_cast<T>(place);
+      return;
+    }
+  }
+  if constexpr (!std::is_enum_v<T>)
+    out = value.get<T>();
+}
+
+inline void take(const FieldRow&, const FieldValue& value, Vec3& out) {
+  out = Vec3::Zero();
+  for (std::size_t i = 0; i < value.size(); ++i) out[static_cast<int>(i)] = value[i].get<double>();
+}
+
+inline void take(const FieldRow&, const FieldValue& value, Rgb& out) {
+  out = {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
+}
+
+inline void take(const FieldRow&, const FieldValue& value, Pixels& out) {
+  out = {value[0].get<int>(), value[1].get<int>()};
+}
+
+inline void take(const FieldRow&, const FieldValue& value, std::vector<std::string>& out) {
+  out = value.is_string() ? std::vector{value.get<std::string>()}
+                          : value.get<std::vector<std::string>>();
+}
+
+template <class T>
+void take(const FieldRow& field, const FieldValue& value, std::optional<T>& out) {
+  take(field, value, out.emplace());
+}
+
+}  // namespace fields
+
+/// member<&FogDescription::placement, &FogPlacement::cell>(): a member of a member. Enumerations,
+/// flags and integers are places in the row's choices where it is a kChoice.
+template <auto... path>
+FieldAccess member() {
+  using Path = fields::Path<path...>;
+  using Owner = typename Path::Owner;
+  return {.owner = &typeid(Owner),
+          .get =
+              [](const FieldRow& field, const void* object) {
+                return fields::valueOf(field, Path::of(*static_cast<const Owner*>(object)));
+              },
+          .set = [](const FieldRow& field, void* object, const FieldValue& value) -> Status {
+            fields::take(field, value, Path::of(*static_cast<Owner*>(object)));
+            return {};
+          }};
+}
+
+/// Two numbers; the last two of `path` are members of the same struct.
+template <auto... path>
+FieldAccess memberPair() {
+  using Pair = fields::PairPath<path...>;
+  using Owner = typename Pair::Owner;
+  return {.owner = &typeid(Owner),
+          .get = [](const FieldRow&, const void* object) -> FieldValue {
+            const auto& [a, b] = Pair::of(*static_cast<const Owner*>(object));
+            return {a, b};
+          },
+          .set = [](const FieldRow&, void* object, const FieldValue& value) -> Status {
+            auto [a, b] = Pair::of(*static_cast<Owner*>(object));
+            a = value[0].get<double>(), b = value[1].get<double>();
+            return {};
+          }};
+}
+
+/// Of a kObject.
+template <auto... path>
+FieldAccess part() {
+  using Path = fields::Path<path...>;
+  using Owner = typename Path::Owner;
+  return {.owner = &typeid(Owner),
+          .make = [](void* object) -> void* { return &Path::of(*static_cast<Owner*>(object)); },
+          .find = [](const void* object) -> const void* {
+            return &Path::of(*static_cast<const Owner*>(object));
+          }};
+}
+
+/// Of a kObject that may not be there.
+template <auto... path>
+FieldAccess optionalPart() {
+  using Path = fields::Path<path...>;
+  using Owner = typename Path::Owner;
+  return {.owner = &typeid(Owner),
+          .make = [](void* object) -> void* {
+            auto& found = Path::of(*static_cast<Owner*>(object));
+            return found ? &*found : &found.emplace();
+          },
+          .find = [](const void* object) -> const void* {
+            const auto& found = Path::of(*static_cast<const Owner*>(object));
+            return found ? &*found : nullptr;
+          }};
+}
+
+/// get(const Owner&) gives a FieldValue, set(Owner&, const FieldValue&) a Status.
+template <class Owner, auto getter, auto setter>
+FieldAccess customMember() {
+  return {.owner = &typeid(Owner),
+          .get = [](const FieldRow&, const void* object) -> FieldValue {
+            return getter(*static_cast<const Owner*>(object));
+          },
+          .set = [](const FieldRow&, void* object, const FieldValue& value) -> Status {
+            return setter(*static_cast<Owner*>(object), value);
+          }};
+}
+
+}  // namespace volute

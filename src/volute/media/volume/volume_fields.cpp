@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/volume/volume_fields.hpp"
+
+#include <cmath>
+
+#include "volute/media/placement_parameters.hpp"
+
+namespace volute {
+namespace {
+
+FieldValue volumeTransform(const SceneVolume& volume) {
+  const Placement& placement = volume.appearance.placement;
+  Mat4 matrix = Mat4::Identity();
+  matrix.topLeftCorner<3, 3>() = placement.turn * placement.scale.asDiagonal();
+  matrix.topRightCorner<3, 1>() = placement.offset;
+  return transformValue(matrix);
+}
+
+Status setVolumeTransform(SceneVolume& volume, const FieldValue& value) {
+  VOLUTE_ASSIGN(volume.appearance.placement, placementFrom(value));
+  return {};
+}
+
+FieldValue boundsOf(const SceneVolume& volume) {
+  const auto& box = volume.input.bounds;
+  if (!box)
+    return {};
+  return {{box->min.x(), box->min.y(), box->min.z()}, {box->max.x(), box->max.y(), box->max.z()}};
+}
+
+Status setBounds(SceneVolume& volume, const FieldValue& value) {
+  Box3 box;
+  if (value.size() == 2) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      box.min[static_cast<int>(axis)] = value[0][axis].get<double>();
+      box.max[static_cast<int>(axis)] = value[1][axis].get<double>();
+    }
+  }
+  if (box.empty() || !(box.min.array() < box.max.array()).all())
+    return fail(ErrorCode::kInvalidData, "expected [[x, y, z], [x, y, z]], the least first [m]");
+  volume.input.bounds = box;
+  return {};
+}
+
+void addVolumePlacement(ParameterGroup& group, const void* volume, const MediumFacts& facts) {
+  addPlacement(group, static_cast<const SceneVolume*>(volume)->appearance.placement, facts.bounds);
+}
+
+double boardStep(const void* board, const MediumFacts& /*facts*/) {
+  const BillboardOptions& options = static_cast<const SceneBillboard*>(board)->options;
+  return std::hypot(options.width, options.height) / 500;
+}
+
+}  // namespace
+
+const FieldTable& volumeFields() {
+  using enum FieldType;
+  static constexpr std::string_view kBases[] = {"box", "trilinear"};
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "file", .type = kFile, .access = member<&SceneVolume::file>(),
+       .help = "a volume: .volute, .npy, .vdb, .vti, .pvd or .smv, or a pattern or folder of "
+       "numbered files", .required = true},
+      {.name = "field", .type = kText,
+       .access = member<&SceneVolume::input, &InputOptions::grid>(),
+       .help = "which one of a file with several", .otherName = "grid", .option = {"NAME"}},
+      {.name = "bounds", .type = kRows, .access = customMember<SceneVolume, boundsOf, setBounds>(),
+       .help = "stated, or cropped and padded to; two corners, the least first", .unit = "m",
+       .option = {"X0,Y0,Z0,X1,Y1,Z1"}},
+      emissionField<&SceneVolume::appearance>(),
+      extinctionField<&SceneVolume::appearance>(),
+      {.name = "basis", .type = kChoice,
+       .access = member<&SceneVolume::appearance, &Appearance::basis>(),
+       .help = "what the values mean between voxel centres, instead of the file's own",
+       .choices = kBases, .option = {.value = "NAME", .scene = true}},
+      {.name = "transform", .type = kNumbers,
+       .access = customMember<SceneVolume, volumeTransform, setVolumeTransform>(),
+       .help = "moves, turns, mirrors and scales along the volume's axes; row-major, the last four "
+       "are 0, 0, 0, 1", .count = 16, .slider = {.custom = addVolumePlacement}},
+      clockField<&SceneVolume::appearance, &Appearance::clock>()};
+  // clang-format on
+  static const FieldTable kTable = fieldTable<SceneVolume>({.name = "volume",
+                                                            .sentence = "voxels: fire",
+                                                            .fields = kFields,
+                                                            .says = "volume",
+                                                            .thing = "a volume of voxels",
+                                                            .things = "volumes of voxels"});
+  return kTable;
+}
+
+const FieldTable& billboardFields() {
+  using enum FieldType;
+  static constexpr std::string_view kAlphas[] = {"transmittance", "intensity"};
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "volume", .type = kFile, .access = member<&SceneBillboard::file>(),
+       .help = "a volume", .required = true},
+      emissionField<&SceneBillboard::appearance, false>(),
+      extinctionField<&SceneBillboard::appearance, false>(),
+      {.name = "alpha", .type = kChoice,
+       .access = member<&SceneBillboard::options, &BillboardOptions::alpha>(),
+       .help = "what is behind it is hidden by what the volume lets through, or, for fire that "
+       "does not absorb, by how bright it is", .choices = kAlphas, .slider = {.label = "hides"}},
+      {.name = "rows", .type = kInteger,
+       .access = member<&SceneBillboard::options, &BillboardOptions::rows>(),
+       .help = "of its texture", .least = 1, .most = 4096,
+       .slider = {.label = "rows", .least = 16, .most = 512}},
+      {.name = "position", .type = kPoint,
+       .access = member<&SceneBillboard::options, &BillboardOptions::position>(),
+       .help = "of the rectangle's middle", .unit = "m", .required = true,
+       .slider = {.label = "middle", .section = "placement", .step = boardStep}},
+      {.name = "size", .type = kNumbers,
+       .access = memberPair<&SceneBillboard::options, &BillboardOptions::width,
+                            &BillboardOptions::height>(),
+       .help = "width and height; the volume's own height fills it", .unit = "m", .least = 0,
+       .above = true, .count = 2, .required = true,
+       .slider = {.label = "width|height", .least = 0.05, .most = 10, .logarithmic = true,
+                  .section = "placement"}},
+      clockField<&SceneBillboard::appearance, &Appearance::clock>()};
+  // clang-format on
+  static const FieldTable kTable =
+      fieldTable<SceneBillboard>({.name = "billboard",
+                                  .sentence = "a volume drawn on a rectangle that faces the camera",
+                                  .fields = kFields,
+                                  .thing = "a billboard",
+                                  .things = "billboards"});
+  return kTable;
+}
+
+}  // namespace volute
