@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-#include "volute/io/json_members.hpp"
+#include "volute/media/field.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/scene/scene.hpp"
 #include "volute/scene/scene_renderer.hpp"
@@ -88,32 +88,39 @@ class BallInTime final : public SceneMedium {
   double growth_;
 };
 
-/// How a scene says it: {"kind": "ball", "radius", "extinction", "growth"}.
+struct BallSaid {
+  Ball ball;
+  double growth = 0;
+};
+
+/// How a scene says it: {"kind": "ball", "radius", "extinction", "growth"}. Readers, sliders and
+/// errors are made of the table.
 class BallKind final : public MediumKind {
  public:
-  std::string_view name() const override { return "ball"; }
-
-  std::string_view plural() const override { return "balls of smoke"; }
-
-  std::string_view singular() const override { return "a ball of smoke"; }
-
-  std::vector<std::string_view> members() const override {
-    return {"radius", "extinction", "growth"};
+  const FieldTable& fields() const override {
+    // clang-format off: a row is read as one
+    static const FieldRow kFields[] = {
+        {.name = "radius", .access = member<&BallSaid::ball, &Ball::radius>(), .help = "at 0 s",
+         .unit = "m", .least = 1e-3, .slider = {.label = "radius", .least = 0.1, .most = 10}},
+        {.name = "extinction", .access = member<&BallSaid::ball, &Ball::sigma>(),
+         .help = "everywhere in it", .unit = "1/m", .least = 0,
+         .slider = {.label = "extinction", .most = 10, .logarithmic = true}},
+        {.name = "growth", .access = member<&BallSaid::growth>(), .help = "of its radius",
+         .unit = "m/s", .least = 0}};
+    // clang-format on
+    static const FieldTable kTable = fieldTable<BallSaid>({.name = "ball",
+                                                           .sentence = "an even ball of smoke",
+                                                           .fields = kFields,
+                                                           .says = "ball",
+                                                           .thing = "a ball of smoke",
+                                                           .things = "balls of smoke"});
+    return kTable;
   }
-
-  std::vector<std::string_view> fileMembers() const override { return {}; }
 
   Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
                                             MediumContext& context) const override {
-    constexpr std::string_view kNames[] = {"kind", "radius", "extinction", "growth"};
-    const Members members(entry, context.file, context.path);
-    VOLUTE_TRY(members.check(kNames));  // a slip is told with the nearest name
-    Ball ball;
-    double growth = 0;
-    VOLUTE_TRY(members.number("radius", ball.radius, 1e-3));
-    VOLUTE_TRY(members.number("extinction", ball.sigma, 0));
-    VOLUTE_TRY(members.number("growth", growth, 0));
-    return std::make_shared<BallInTime>(ball, growth, context.file);
+    VOLUTE_ASSIGN(const auto said, readAs<BallSaid>(fields(), entry, {context.file, context.path}));
+    return std::make_shared<BallInTime>(said.ball, said.growth, context.file);
   }
 };
 

@@ -36,7 +36,7 @@
 #include "volute/tetmesh/tet_mesh.hpp"
 
 // Scenes, and kinds of media of one's own.
-#include "volute/io/json_members.hpp"
+#include "volute/media/field.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/scene/scene.hpp"
 #include "volute/scene/scene_renderer.hpp"
