@@ -67,6 +67,9 @@ foreach(header IN LISTS publicHeaders)
 endforeach()
 install(FILES include/volute/volute.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/volute COMPONENT headers)
 
+install(FILES include/volute/volute.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/volute COMPONENT headers)
+install(TARGETS volute_c LIBRARY COMPONENT c NAMELINK_COMPONENT headers)
+
 # Modules that others may link with: what makes programs of them is no part of the library. In the order in which they were
 # added, which is that of docs/layers.txt.
 get_property(modules GLOBAL PROPERTY VOLUTE_MODULES)
@@ -154,3 +157,5 @@ endif()
 file(RELATIVE_PATH pcPrefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
 configure_file(cmake/volute.pc.in ${PROJECT_BINARY_DIR}/volute.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/volute.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT library)
+configure_file(cmake/volute-c.pc.in ${PROJECT_BINARY_DIR}/volute-c.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/volute-c.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT headers)

@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/volute.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "volute/base/parallel.hpp"
+#include "volute/base/version.hpp"
+#include "volute/codec/compress.hpp"
+#include "volute/codec/volute_reader.hpp"
+#include "volute/scene/scene_sight.hpp"
+
+struct volute_file {
+  volute::VoluteReader reader;
+};
+
+struct volute_scene {
+  std::unique_ptr<volute::SightField> field;
+  std::mutex mutex;  // of what follows
+  std::size_t time = 0;
+  std::shared_ptr<const volute::SightInstant> instant;
+};
+
+namespace volute {
+namespace {
+
+thread_local std::string lastError;
+
+volute_status statusOf(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kInvalidArgument: return VOLUTE_INVALID_ARGUMENT;
+    case ErrorCode::kNotFound: return VOLUTE_NOT_FOUND;
+    case ErrorCode::kInvalidData: return VOLUTE_INVALID_DATA;
+    case ErrorCode::kTruncated: return VOLUTE_TRUNCATED;
+    case ErrorCode::kUnsupported: return VOLUTE_UNSUPPORTED;
+    case ErrorCode::kTooLarge: return VOLUTE_TOO_LARGE;
+    case ErrorCode::kIo: return VOLUTE_IO;
+    case ErrorCode::kCancelled: return VOLUTE_CANCELLED;
+  }
+  return VOLUTE_INTERNAL;
+}
+
+/// Runs `call`, which returns a Status; nothing that it throws gets any further.
+template <class Call>
+volute_status guarded(Call&& call) noexcept {
+  try {
+    const Status done = call();
+    if (done)
+      return VOLUTE_OK;
+    lastError = done.error().message;
+    return statusOf(done.error().code);
+  } catch (const std::bad_alloc&) {
+    lastError.clear();  // needs no memory
+    lastError = "out of memory";
+    return VOLUTE_TOO_LARGE;
+  } catch (const std::exception& fault) {
+    lastError = fault.what();
+  } catch (...) {
+    lastError = "an unknown fault";
+  }
+  return VOLUTE_INTERNAL;
+}
+
+/// Whether all pointers are there.
+template <class... Pointers>
+Status given(const char* function, Pointers... pointers) {
+  if (((pointers == nullptr) || ...))
+    return fail(ErrorCode::kInvalidArgument, "{}: an argument is NULL", function);
+  return {};
+}
+
+Status readRegion(const VoluteReader& reader, std::int32_t frame, const std::int32_t* begin,
+                  const std::int32_t* end, float* values, std::size_t count) {
+  const VolumeInfo& info = reader.info();
+  if (frame < 0 || frame >= info.frames) {
+    return fail(ErrorCode::kInvalidArgument, "volute_file_read: there is no frame {}; there are {}",
+                frame, info.frames);
+  }
+  if (!begin != !end)
+    return fail(ErrorCode::kInvalidArgument, "volute_file_read: begin without end, or end without begin");
+  std::array<int, 3> from{0, 0, 0}, to{info.z, info.y, info.x};
+  const std::array<int, 3> sides = to;
+  auto wanted = static_cast<std::size_t>(info.channels);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (begin) {
+      from[axis] = begin[axis];
+      to[axis] = end[axis];
+    }
+    if (from[axis] < 0 || from[axis] >= to[axis] || to[axis] > sides[axis]) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "volute_file_read: {} to {} on {} is no part of 0 to {}", from[axis], to[axis],
+                  "zyx"[axis], sides[axis]);
+    }
+    wanted *= static_cast<std::size_t>(to[axis] - from[axis]);
+  }
+  if (count != wanted) {
+    return fail(ErrorCode::kInvalidArgument, "volute_file_read: room for {} values; the region has {}",
+                count, wanted);
+  }
+  return reader.readRegion(frame, from, to, {values, count});
+}
+
+/// Frames that the caller's function fills.
+class CallerFrames final : public FrameSource {
+ public:
+  CallerFrames(VolumeInfo info, volute_frame_function fill, void* user)
+      : info_(std::move(info)), fill_(fill), user_(user) {}
+
+  const VolumeInfo& info() const override { return info_; }
+
+  Status readFrame(int index, std::span<float> values) override {
+    if (fill_(user_, index, values.data(), values.size()) != 0)
+      return fail(ErrorCode::kCancelled, "the caller's function stopped at frame {}", index);
+    return {};
+  }
+
+ private:
+  VolumeInfo info_;
+  volute_frame_function fill_;
+  void* user_;
+};
+
+/// Structures of programs that were compiled against an older header are shorter.
+Status checkSize(const char* function, std::size_t size) {
+  if (size != sizeof(volute_info)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: info.size is {}; set it to sizeof(volute_info), which is {}", function, size,
+                sizeof(volute_info));
+  }
+  return {};
+}
+
+Status compressFrames(const char* path, const volute_info& said, const double* times,
+                      volute_frame_function fill, void* user, int target, double value) {
+  VOLUTE_TRY(checkSize("volute_compress", said.size));
+  if (target < VOLUTE_RMS || target > VOLUTE_MAX_ERROR || !(value > 0) || !std::isfinite(value)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "volute_compress: target {} of {}; expected VOLUTE_RMS, _PSNR, _RATIO, _SIZE or "
+                "_MAX_ERROR, and a number above 0",
+                target, value);
+  }
+  VolumeInfo info;
+  info.frames = said.frames;
+  info.z = said.z, info.y = said.y, info.x = said.x;
+  info.channels = said.channels;
+  info.basis = said.trilinear ? Basis::kTrilinear : Basis::kBox;
+  const Vec3 low(said.bounds_min[0], said.bounds_min[1], said.bounds_min[2]);
+  const Vec3 high(said.bounds_max[0], said.bounds_max[1], said.bounds_max[2]);
+  if (times && said.frames > 0)
+    info.times.assign(times, times + said.frames);
+  if (said.frames > 0)
+    info.fillDefaults();
+  if (!low.isZero(0) || !high.isZero(0))
+    info.bounds = {low, high};  // wrong ones are refused below
+  VOLUTE_TRY(info.validate("volute_compress"));
+
+  using Kind = ErrorTarget::Kind;
+  constexpr Kind kKinds[] = {Kind::kRms, Kind::kPsnr, Kind::kRatio, Kind::kSize, Kind::kMaxError};
+  CallerFrames frames(std::move(info), fill, user);
+  CompressOptions options;
+  options.target = {kKinds[target], value};
+  Progress quiet;
+  VOLUTE_TRY(compress(frames, path, options, quiet));
+  return {};
+}
+
+/// The scene at a stored time. It is read once; lines are looked along without the lock.
+Result<std::shared_ptr<const SightInstant>> instantOf(volute_scene& scene, std::size_t time) {
+  const std::lock_guard lock(scene.mutex);
+  if (time >= scene.field->times().size()) {
+    return fail(ErrorCode::kInvalidArgument, "volute_scene_look: there is no time {}; there are {}",
+                time, scene.field->times().size());
+  }
+  if (scene.instant && time < scene.time) {
+    return fail(ErrorCode::kInvalidArgument,
+                "volute_scene_look: time {} after time {}; open the scene again to go back", time,
+                scene.time);
+  }
+  if (!scene.instant || time != scene.time) {
+    VOLUTE_ASSIGN(scene.instant, scene.field->read(time));
+    scene.time = time;
+  }
+  return scene.instant;
+}
+
+Status look(const SightInstant& instant, const double* lines, std::size_t count,
+            volute_sight* sights) {
+  for (std::size_t i = 0; i < 6 * count; ++i) {
+    if (!std::isfinite(lines[i]))
+      return fail(ErrorCode::kInvalidArgument, "volute_scene_look: line {} is not finite", i / 6);
+  }
+  parallelRanges(count, 64, [&](std::size_t begin, std::size_t end) {
+    std::vector<SightLine> asked(end - begin);
+    std::vector<Sight> seen(end - begin);
+    for (std::size_t i = begin; i < end; ++i) {
+      const double* line = lines + 6 * i;
+      asked[i - begin] = {Vec3(line[0], line[1], line[2]), Vec3(line[3], line[4], line[5])};
+    }
+    instant.look(asked, seen);
+    for (std::size_t i = begin; i < end; ++i) {
+      const Sight& sight = seen[i - begin];
+      sights[i] = {sight.depth, sight.low, sight.high, sight.covered, sight.blocked};
+    }
+  });
+  return {};
+}
+
+Status copyTimes(std::span<const double> from, double* times, std::size_t count) {
+  if (count != from.size()) {
+    return fail(ErrorCode::kInvalidArgument, "room for {} times; there are {}", count, from.size());
+  }
+  std::ranges::copy(from, times);
+  return {};
+}
+
+}  // namespace
+}  // namespace volute
+
+using volute::guarded;
+using volute::Status;
+
+const char* volute_version(void) {
+  return VOLUTE_VERSION;
+}
+
+const char* volute_error(void) {
+  return volute::lastError.c_str();
+}
+
+volute_status volute_file_open(const char* path, volute_file** file) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_file_open", path, file));
+    *file = nullptr;
+    VOLUTE_ASSIGN(auto reader, volute::VoluteReader::open(path));
+    *file = new volute_file{std::move(reader)};
+    return {};
+  });
+}
+
+void volute_file_close(volute_file* file) {
+  delete file;
+}
+
+volute_status volute_file_info(const volute_file* file, volute_info* info) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_file_info", file, info));
+    VOLUTE_TRY(volute::checkSize("volute_file_info", info->size));
+    const volute::VolumeInfo& from = file->reader.info();
+    info->frames = from.frames;
+    info->z = from.z, info->y = from.y, info->x = from.x;
+    info->channels = from.channels;
+    info->trilinear = from.basis == volute::Basis::kTrilinear;
+    for (int axis = 0; axis < 3; ++axis) {
+      info->bounds_min[axis] = from.bounds.min[axis];
+      info->bounds_max[axis] = from.bounds.max[axis];
+    }
+    info->max_error = file->reader.header().reachedMaxError;
+    return {};
+  });
+}
+
+const char* volute_file_name(const volute_file* file) {
+  return file ? file->reader.info().name.c_str() : "";
+}
+
+const char* volute_file_unit(const volute_file* file) {
+  return file ? file->reader.info().unit.c_str() : "";
+}
+
+volute_status volute_file_times(const volute_file* file, double* times, size_t frames) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_file_times", file, times));
+    return volute::copyTimes(file->reader.info().times, times, frames);
+  });
+}
+
+volute_status volute_file_read(const volute_file* file, int32_t frame, const int32_t begin[3],
+                               const int32_t end[3], float* values, size_t count) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_file_read", file, values));
+    return volute::readRegion(file->reader, frame, begin, end, values, count);
+  });
+}
+
+volute_status volute_compress(const char* path, const volute_info* info, const double* times,
+                              volute_frame_function fill, void* user, int target, double value) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_compress", path, info, fill));
+    return volute::compressFrames(path, *info, times, fill, user, target, value);
+  });
+}
+
+volute_status volute_scene_open(const char* path, volute_scene** scene) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_scene_open", path, scene));
+    *scene = nullptr;
+    volute::Progress quiet;
+    VOLUTE_ASSIGN(auto opened, volute::Scene::open(path, {}, quiet));
+    VOLUTE_ASSIGN(auto field, volute::sightOf(std::move(opened), {}, quiet));
+    auto made = std::make_unique<volute_scene>();
+    made->field = std::move(field);
+    *scene = made.release();
+    return {};
+  });
+}
+
+void volute_scene_close(volute_scene* scene) {
+  delete scene;
+}
+
+size_t volute_scene_time_count(const volute_scene* scene) {
+  return scene ? scene->field->times().size() : 0;
+}
+
+volute_status volute_scene_times(const volute_scene* scene, double* times, size_t count) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_scene_times", scene, times));
+    return volute::copyTimes(scene->field->times(), times, count);
+  });
+}
+
+volute_status volute_scene_look(volute_scene* scene, size_t time, const double* lines, size_t count,
+                                volute_sight* sights) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_scene_look", scene, lines, sights));
+    VOLUTE_ASSIGN(const auto instant, volute::instantOf(*scene, time));
+    return volute::look(*instant, lines, count, sights);
+  });
+}
