@@ -98,6 +98,27 @@ TEST(FifthMedium, IsFramedPlayedAndProbed) {
   EXPECT_NEAR(media[0].extinction(Vec3(0.75, 0, 0)), 1.5 * 0.75 * 0.75, 1e-12);
 }
 
+/// A slider of one medium costs the others nothing.
+TEST(FifthMedium, StaysWhileNothingNewIsSaidOfIt) {
+  auto json = puffScene();
+  json["media"].push_back(json["media"][0]);
+  Scene puffs = scene(json);
+  const std::vector before(puffs.media().begin(), puffs.media().end());
+  Progress quiet;
+  auto changed = *puffs.with("/media/1/radius", {2});
+  ASSERT_TRUE(puffs.change(changed, quiet));
+  EXPECT_EQ(puffs.media()[0], before[0]);
+  EXPECT_NE(puffs.media()[1], before[1]);
+  changed["lights"][0]["radiance"] = {1, 1, 1};
+  ASSERT_TRUE(puffs.change(changed, quiet));
+  EXPECT_NE(puffs.media()[0], before[0]) << "it is lit otherwise";
+}
+
+TEST(FifthMedium, IsInSceneFilesHoweverTheirNamesAreWritten) {
+  EXPECT_TRUE(isScenePath("a.json") && isScenePath("B.JSON"));
+  EXPECT_FALSE(isScenePath("json") || isScenePath("a.json.npy"));
+}
+
 /// Its shadow is on a floor under a lamp.
 TEST(FifthMedium, StandsInTheLight) {
   const std::string floor = testing::TempDir() + "puff_floor.obj";

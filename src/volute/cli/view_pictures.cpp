@@ -90,7 +90,7 @@ Result<ViewPictures> ViewPictures::make(std::vector<Vec3> eyes, const std::strin
   pictures.eyes_ = std::move(eyes);
   if (pictures.eyes_.empty())
     return pictures;
-  if (path.ends_with(".json"))
+  if (isScenePath(path))
     return fail(ErrorCode::kUnsupported, "--picture is for a file alone; volute render shows a scene");
   const MediumKind& kind = *mediumKindOf(path, false);
   VOLUTE_ASSIGN(auto entry, entryOf(std::filesystem::absolute(path).string(), arguments));

@@ -10,6 +10,7 @@
 #include "volute/base/progress.hpp"
 #include "volute/image/color_scale.hpp"
 #include "volute/media/camera_file.hpp"
+#include "volute/media/clock.hpp"
 #include "volute/media/medium_at.hpp"
 #include "volute/optics/visibility.hpp"
 
@@ -32,6 +33,17 @@ struct MediumInfo {
   bool loops = false;           ///< begins again after its last frame
   bool endless = false;         ///< has no end in time, whatever is stored
   bool moves = false;           ///< is never at rest, however little is stored: wind
+
+  /// Sets `times` and `numbers` from those of a layer's frames, and `loops` from its clock.
+  template <class Layer>
+  void takeFrames(const Layer& layer, int count, const Clock& clock) {
+    times.clear(), numbers.clear();
+    for (int i = 0; i < count; ++i) {
+      times.push_back(layer.timeOf(i));
+      numbers.push_back(layer.numberOf(i));
+    }
+    loops = clock.loop;
+  }
 
   int channels = 3;       ///< 1: its light is grey, and colour maps apply
   bool measured = false;  ///< is seen as it is: no exposure is looked for

@@ -10,6 +10,7 @@
 #include "volute/base/remark_log.hpp"
 #include "volute/io/json_depth.hpp"
 #include "volute/io/json_file.hpp"
+#include "volute/media/volume/volume_input.hpp"
 #include "volute/scene/kinds.hpp"
 
 namespace volute {
@@ -46,11 +47,11 @@ Result<OrderedJson> readScene(const std::string& path) {
   return OrderedJson::parse(text, nullptr, false);
 }
 
-bool isSceneFile(const std::string& path) {
-  return std::filesystem::path(path).extension() == ".json";
-}
-
 }  // namespace
+
+bool isScenePath(const std::string& path) {
+  return extensionOf(path) == ".json";
+}
 
 bool Snapshot::hasWalls() const {
   return std::ranges::any_of(media, [](const auto& medium) { return medium->hasWalls(); });
@@ -59,7 +60,7 @@ bool Snapshot::hasWalls() const {
 Result<Scene> Scene::open(const std::string& path, const SceneOptions& options,
                           Progress& progress) {
   registerUsualMedia();
-  if (isSceneFile(path)) {
+  if (isScenePath(path)) {
     VOLUTE_ASSIGN(auto json, readScene(path));
     VOLUTE_ASSIGN(auto scene, make(std::move(json), path, options, progress));
     if (!scene.description_.camera)
@@ -92,36 +93,46 @@ Result<Scene> Scene::make(OrderedJson json, const std::string& file, const Scene
                           Progress& progress) {
   registerUsualMedia();
   Scene scene;
-  scene.path_ = scene.file_ = file;
+  scene.path_ = file;
   scene.options_ = options;
   const nlohmann::json plain = json;
   VOLUTE_ASSIGN(scene.description_, parseScene(plain, file));
   Reading reading{progress, options.maxMemory};
   VOLUTE_ASSIGN(scene.geometry_, loadGeometry(scene.description_.geometry, reading));
   scene.surfaces_ = scene.geometry_;
-  VOLUTE_ASSIGN(scene.media_, scene.openMedia(scene.description_, progress));
+  VOLUTE_ASSIGN(scene.media_, scene.openMedia(scene.description_, false, progress));
   VOLUTE_TRY(scene.checkLaws());
   scene.json_ = std::move(json);
   return scene;
 }
 
-/// What has to be read first, so that an error leaves everything as it was.
+/// Media of which nothing is said anew stay; what was read serves the others. An error leaves
+/// everything as it was.
 Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
-    const SceneDescription& description, Progress& progress) {
-  std::vector<std::shared_ptr<SceneMedium>> earlier = media_, media;
-  const bool same = description.media.size() == media_.size();
-  for (std::size_t i = 0; i < description.media.size(); ++i) {
-    const MediumEntry& entry = description.media[i];
+    const SceneDescription& description, bool sameLights, Progress& progress) {
+  const auto entries = std::span(description.media);
+  const bool same = entries.size() == media_.size();
+  std::vector<std::shared_ptr<SceneMedium>> earlier = media_, media(entries.size());
+  for (std::size_t i = 0; same && sameLights && i < entries.size(); ++i) {
+    const MediumEntry& before = description_.media[i];
+    if (before.kind != entries[i].kind || before.json != entries[i].json)
+      continue;
+    media[i] = media_[i];
+    std::erase(earlier, media[i]);
+  }
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (media[i])
+      continue;
+    const MediumEntry& entry = entries[i];
     Reading reading{progress, options_.maxMemory};
     nlohmann::json json = entry.json;
     for (const auto& [name, value] : options_.overrides.items()) {
       if (entry.kind->fields().find(name))
         json[name] = value;
     }
-    MediumContext context{reading, options_.files, description.lights, geometry_, file_, entry.path,
+    MediumContext context{reading, options_.files, description.lights, geometry_, path_, entry.path,
                           same ? media_[i] : nullptr, &earlier};
-    VOLUTE_ASSIGN(auto medium, entry.kind->open(json, context));
-    media.push_back(std::move(medium));
+    VOLUTE_ASSIGN(media[i], entry.kind->open(json, context));
   }
   return media;
 }
@@ -134,7 +145,7 @@ Status Scene::checkLaws() const {
     const MediumInfo& info = media_[i]->info();
     if (!info.law)
       continue;
-    const std::string here = fmt::format("{}: {}", file_, description_.media[i].path);
+    const std::string here = fmt::format("{}: {}", path_, description_.media[i].path);
     if (first && !(*first->law == *info.law)) {
       return fail(ErrorCode::kInvalidData,
                   "{}/mode: {} with C = {:g}, but {} is {} with C = {:g}; one picture has one mode",
@@ -149,8 +160,9 @@ Status Scene::checkLaws() const {
 
 Status Scene::change(OrderedJson json, Progress& progress) {
   const nlohmann::json plain = json;
-  VOLUTE_ASSIGN(auto description, parseScene(plain, file_));
-  VOLUTE_ASSIGN(auto media, openMedia(description, progress));
+  VOLUTE_ASSIGN(auto description, parseScene(plain, path_));
+  const bool sameLights = json.value("lights", OrderedJson()) == json_.value("lights", OrderedJson());
+  VOLUTE_ASSIGN(auto media, openMedia(description, sameLights, progress));
   std::swap(media_, media);
   std::swap(description_, description);
   if (auto laws = checkLaws(); !laws) {
@@ -162,6 +174,12 @@ Status Scene::change(OrderedJson json, Progress& progress) {
   surfacesOf_.clear();
   surfaces_ = geometry_;
   return {};
+}
+
+void Scene::note(OrderedJson json) {
+  json_ = std::move(json);
+  for (MediumEntry& entry : description_.media)
+    entry.json = json_.at(OrderedJson::json_pointer(entry.path));
 }
 
 Box3 Scene::bounds() const {
@@ -250,7 +268,7 @@ std::vector<std::string> Scene::files() const {
     return files;
   for (const auto& sign : *signs) {
     if (const std::string picture = sign.value("picture", ""); !picture.empty())
-      files.push_back((std::filesystem::path(file_).parent_path() / picture).string());
+      files.push_back((std::filesystem::path(path_).parent_path() / picture).string());
   }
   return files;
 }

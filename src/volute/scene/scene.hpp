@@ -28,6 +28,9 @@ struct SceneOptions {
   bool assume = false;
 };
 
+/// By its name: a scene file, not a medium alone.
+bool isScenePath(const std::string& path);
+
 /// Everything that a picture is of: media, surfaces, lights, signs, and a camera. It is opened from
 /// a file of any kind; at() gives an instant of it. Its JSON is what it is: changes go into that
 /// and are read back. One thread at a time calls it; Snapshots are free of it.
@@ -98,18 +101,17 @@ class Scene {
   std::vector<std::string> files() const;
 
   /// The JSON changed without the scene: a map has another name.
-  void note(nlohmann::ordered_json json) { json_ = std::move(json); }
+  void note(nlohmann::ordered_json json);
 
  private:
   Scene() = default;
 
   [[nodiscard]] Status checkLaws() const;
   [[nodiscard]] Result<std::vector<std::shared_ptr<SceneMedium>>> openMedia(
-      const SceneDescription& description, Progress& progress);
+      const SceneDescription& description, bool sameLights, Progress& progress);
   [[nodiscard]] Status placeSurfaces(double time);
 
-  std::string path_;
-  std::string file_;  ///< names in the JSON are found from its folder
+  std::string path_;  ///< names in the JSON are found from its folder
   bool isFile_ = true;
   SceneOptions options_;
   nlohmann::ordered_json json_;

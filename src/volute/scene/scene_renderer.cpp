@@ -127,28 +127,38 @@ Result<Image> SceneRenderer::picture(View view, const RenderOptions& options, Pr
 }
 
 Status CpuRenderer::begin(const View& view) {
-  const Snapshot& snapshot = view.snapshot;
-  pictures_.resize(snapshot.media.size());
-  media_.clear();
+  const auto& media = view.snapshot.media;
+  pictures_.resize(media.size());
+  made_.assign(media.size(), {});
   others_.clear();
-  for (std::size_t i = 0; i < snapshot.media.size(); ++i) {
-    const std::size_t first = media_.size();
-    VOLUTE_TRY(snapshot.media[i]->addMediaFor(view.camera, media_));
+  for (std::size_t i = 0; i < media.size(); ++i) {
     if (method_ != Renderer::kReference)
-      pictures_[i] = snapshot.media[i]->picture(std::move(pictures_[i]));
-    if (!pictures_[i]) {
-      for (std::size_t m = first; m < media_.size(); ++m) others_.push_back(media_[m]);
-    }
+      pictures_[i] = media[i]->picture(std::move(pictures_[i]));
+    if (pictures_[i])
+      continue;
+    VOLUTE_TRY(media[i]->addMediaFor(view.camera, made_[i]));
+    others_.insert(others_.end(), made_[i].begin(), made_[i].end());
   }
   return {};
+}
+
+/// What draws itself is made into media only where rays need it: a mesh is copied for that.
+Result<std::vector<AnyMedium>> CpuRenderer::mediaFor(const View& view) const {
+  std::vector<AnyMedium> all;
+  for (std::size_t i = 0; i < made_.size(); ++i) {
+    if (pictures_[i])
+      VOLUTE_TRY(view.snapshot.media[i]->addMediaFor(view.camera, all));
+    else
+      all.insert(all.end(), made_[i].begin(), made_[i].end());
+  }
+  return all;
 }
 
 Result<SurfacePicture> CpuRenderer::surfaces(const View& view, Progress& progress) {
   const Snapshot& snapshot = view.snapshot;
   // Lamps' light is always attenuated physically, whatever the picture's law.
-  std::vector<AnyMedium> media;
-  for (const AnyMedium& medium : media_)
-    media.push_back(scaledBy(1 / snapshot.law.factor(), medium));
+  VOLUTE_ASSIGN(auto media, mediaFor(view));
+  for (AnyMedium& medium : media) medium = scaledBy(1 / snapshot.law.factor(), medium);
   const SurfaceScene scene{snapshot.geometry, snapshot.lights.lamps, snapshot.lights.ambient,
                            media};
   return renderSurfaces(view.camera, scene, Rgb::Zero(), progress);
@@ -167,8 +177,10 @@ Result<Image> CpuRenderer::color(const View& view, const RenderOptions& options,
   RenderOptions own = options;
   own.renderer = method_;
   const auto whole = [](const auto& picture) { return picture != nullptr; };
-  if (std::ranges::count_if(pictures_, whole) != 1)
-    return volute::render(view.camera, media_, own, progress, &stats, view.opaqueDepth);
+  if (std::ranges::count_if(pictures_, whole) != 1) {
+    VOLUTE_ASSIGN(const auto media, mediaFor(view));
+    return volute::render(view.camera, media, own, progress, &stats, view.opaqueDepth);
+  }
   const auto begin = std::chrono::steady_clock::now();
   const std::size_t pixels = static_cast<std::size_t>(view.camera.width()) * view.camera.height();
   std::vector<float> rgbt(4 * pixels, 0);
@@ -181,7 +193,8 @@ Result<Image> CpuRenderer::color(const View& view, const RenderOptions& options,
   if (others > 0) {
     own.only = mixed;
     RenderStats more;
-    VOLUTE_ASSIGN(const auto rest, volute::render(view.camera, media_, own, progress, &more,
+    VOLUTE_ASSIGN(const auto media, mediaFor(view));
+    VOLUTE_ASSIGN(const auto rest, volute::render(view.camera, media, own, progress, &more,
                                                   view.opaqueDepth));
     for (std::size_t i = 0; i < mixed.size(); ++i) {
       if (mixed[i])

@@ -14,7 +14,7 @@
 namespace volute {
 
 /// A scene at one instant, with all that pictures of it need. Nothing in it changes: threads may
-/// take pictures while others go on to the next instant. Cheap to copy.
+/// take pictures while others go on to the next instant.
 struct Snapshot {
   double time = 0;  ///< [s], of the scene
   PictureLaw law;   ///< that everything but signs is seen through

@@ -85,14 +85,8 @@ FdsSceneMedium::FdsSceneMedium(FdsLayer layer) : layer_(std::move(layer)) {
   info_.what = "an FDS case";
   info_.kind = "smoke";
   info_.bounds = info_.fileBounds = layer_.bounds();
-  info_.times.clear();
-  info_.numbers.clear();
-  for (int i = 0; i < layer_.steps(); ++i) {
-    info_.times.push_back(layer_.timeOf(i));
-    info_.numbers.push_back(layer_.numberOf(i));
-  }
+  info_.takeFrames(layer_, layer_.steps(), smoke.clock);
   info_.interpolates = true;
-  info_.loops = smoke.clock.loop;
   info_.measured = true;
   info_.law = smoke.law;
 }
@@ -106,7 +100,8 @@ Result<std::shared_ptr<const MediumAt>> FdsSceneMedium::at(const InstantRequest&
 }
 
 MediumText FdsSceneMedium::text() const {
-  MediumText text{layer_.words(), layer_.words()};
+  const std::vector<std::string> words = layer_.words();
+  MediumText text{words, words};
   if (const FdsSliceSheet* slice = layer_.slice())
     text.scale = ColorScale{ColorMap::kViridis, slice->range()[1], slice->range()[0]};
   return text;

@@ -61,6 +61,9 @@ class FogLayer {
   /// How many maps there are.
   int frames() const { return static_cast<int>(times_.size()); }
 
+  /// What --frames calls a map.
+  int numberOf(int position) const { return position; }
+
   /// When a map is shown as it is, in the scene's time [s].
   double timeOf(int position) const;
 

@@ -113,13 +113,7 @@ FogSceneMedium::FogSceneMedium(FogLayer layer) : layer_(std::move(layer)) {
   info_.what = "a map of fog";
   info_.kind = "fog";
   info_.bounds = info_.fileBounds = layer_.fogAt(0).bounds();
-  info_.times.clear();
-  info_.numbers.clear();
-  for (int i = 0; i < layer_.frames(); ++i) {
-    info_.times.push_back(layer_.timeOf(i));
-    info_.numbers.push_back(i);
-  }
-  info_.loops = fog.clock.loop;
+  info_.takeFrames(layer_, layer_.frames(), fog.clock);
   info_.endless = true;
   info_.moves = fog.wind != Vec3::Zero();
   info_.measured = true;

@@ -213,14 +213,8 @@ SmokeSceneMedium::SmokeSceneMedium(SmokeLayer layer, std::shared_ptr<const Smoke
   info_.what = "smoke on a mesh";
   info_.kind = "smoke";
   info_.bounds = info_.fileBounds = layer_.bounds();
-  info_.times.clear();
-  info_.numbers.clear();
-  for (int i = 0; i < layer_.steps(); ++i) {
-    info_.times.push_back(layer_.timeOf(i));
-    info_.numbers.push_back(layer_.numberOf(i));
-  }
+  info_.takeFrames(layer_, layer_.steps(), smoke.clock);
   info_.interpolates = true;
-  info_.loops = smoke.clock.loop;
   info_.measured = true;
   info_.law = smoke.law;
   info_.lawByC = smoke.givesC && model.quantity != SmokeQuantity::kVisibility;

@@ -26,6 +26,7 @@ struct InputOptions {
 struct VolumeInput {
   std::unique_ptr<FrameSource> source;
   std::shared_ptr<const VoluteReader> reader;  ///< null unless it is a .volute file
+  std::vector<float> frame{};                  ///< room for one, for who reads them in turn
 };
 
 [[nodiscard]] Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,

@@ -112,20 +112,21 @@ Result<std::shared_ptr<const Tree4d>> VolumeLayer::treeAt(int position) {
 
 Result<BrickSlice> VolumeLayer::sliceFromTree(int position) {
   VOLUTE_ASSIGN(const auto tree, treeAt(position));
-  return asItLooks(tree->extractSlice(position, &counts_.nodesVisited));
+  return asItLooks(tree->extractSlice(position, &counts_.nodesVisited), info_);
 }
 
-BrickSlice VolumeLayer::asItLooks(BrickSlice slice) const {
-  slice.setBasis(info_.basis);
-  slice.setBounds(info_.bounds);
+BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info) {
+  slice.setBasis(info.basis);
+  slice.setBounds(info.bounds);
   return slice;
 }
 
 Result<BrickSlice> VolumeLayer::sliceFromFrame(int position) {
-  frame_.resize(info_.frameValues());
-  VOLUTE_TRY(input_->source->readFrame(position, frame_));
-  VOLUTE_TRY(checkFinite(frame_, info_, path_, position));
-  return BrickSlice::fromDense(info_, frame_);
+  std::vector<float>& frame = input_->frame;
+  frame.resize(info_.frameValues());
+  VOLUTE_TRY(input_->source->readFrame(position, frame));
+  VOLUTE_TRY(checkFinite(frame, info_, path_, position));
+  return BrickSlice::fromDense(info_, frame);
 }
 
 Result<std::shared_ptr<const BrickSlice>> VolumeLayer::sliceAt(int position, bool tree) {

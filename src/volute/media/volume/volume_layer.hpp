@@ -31,6 +31,9 @@ struct TreeCounts {
   std::uint64_t nodesVisited = 0;  ///< summed over all frames
 };
 
+/// What a tree gave, over the basis and at the place that `info` says.
+BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info);
+
 /// A volume file that is shown: gives any of its frames. Copies share what was read.
 class VolumeLayer {
  public:
@@ -55,9 +58,6 @@ class VolumeLayer {
   /// what they are, and placement() moves.
   void setAppearance(const Appearance& appearance);
 
-  /// What a tree gave, over this layer's basis and at its place in the scene.
-  BrickSlice asItLooks(BrickSlice slice) const;
-
   /// The frame at a position as bricks. The last one is kept.
   /// @param tree  from the hexadeca-tree, which rounds once more, not from the file's own values
   [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> sliceAt(int position, bool tree = false);
@@ -75,6 +75,9 @@ class VolumeLayer {
 
   /// The position of the frame that is shown at a time of the scene [s].
   int positionAt(double time) const;
+
+  /// What the file calls a frame.
+  int numberOf(int position) const { return info_.frameNumbers[position]; }
 
   /// When a frame begins in the scene's time [s].
   double timeOf(int position) const;
@@ -106,7 +109,6 @@ class VolumeLayer {
   Appearance appearance_;
   Placement placement_;  ///< what info_.bounds leave to do
   VolumeInfo info_;
-  std::vector<float> frame_;
   std::shared_ptr<const Tree4d> tree_;
   int treeBegin_ = 0;
   TreeCounts counts_;

@@ -19,28 +19,36 @@ MediumInfo infoOf(const VolumeLayer& layer) {
                           volume.frames, volume.frames == 1 ? "" : "s");
   info.bounds = layer.boundsInScene();
   info.fileBounds = layer.fileBounds();
-  info.times.clear();
-  for (int i = 0; i < volume.frames; ++i) info.times.push_back(layer.timeOf(i));
-  info.numbers = volume.frameNumbers;
-  info.loops = layer.appearance().clock.loop;
+  info.takeFrames(layer, volume.frames, layer.appearance().clock);
   info.channels = volume.channels;
   return info;
 }
 
 }  // namespace
 
+VolumeAt::VolumeAt(const VolumeLayer& layer, double factor)
+    : info_(layer.info()),
+      placement_(layer.placement()),
+      emission_(layer.appearance().emission),
+      extinction_(factor * layer.appearance().extinction) {}
+
 VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, double factor)
-    : layer_(layer), factor_(factor), slice_(std::move(slice)) {}
+    : VolumeAt(layer, factor) {
+  slice_ = std::move(slice);
+}
 
 VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const Tree4d> tree, int position,
                    double factor)
-    : layer_(layer), factor_(factor), tree_(std::move(tree)), position_(position) {}
+    : VolumeAt(layer, factor) {
+  tree_ = std::move(tree);
+  position_ = position;
+}
 
 const VoxelMedium& VolumeAt::medium() const {
   std::call_once(made_, [&] {
     if (!slice_) {
       slice_ = std::make_shared<const BrickSlice>(
-          layer_.asItLooks(tree_->extractSlice(position_, &nodesVisited_)));
+          asItLooks(tree_->extractSlice(position_, &nodesVisited_), info_));
     }
     medium_.emplace(slice_, emission(), extinction());
   });
@@ -102,7 +110,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::coarseSlice(int position
       Tree4d::load(*layer_.reader(),
                    {.levels = kCoarseLevels, .firstFrame = position, .endFrame = position + 1},
                    progress));
-  return std::make_shared<const BrickSlice>(layer_.asItLooks(tree.extractSlice(position)));
+  return std::make_shared<const BrickSlice>(asItLooks(tree.extractSlice(position), layer_.info()));
 }
 
 Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& request,

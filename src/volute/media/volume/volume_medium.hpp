@@ -31,20 +31,23 @@ class VolumeAt final : public MediumAt {
 
   int position() const { return position_; }
 
-  const VolumeInfo& info() const { return layer_.info(); }
+  const VolumeInfo& info() const { return info_; }
 
-  double emission() const { return layer_.appearance().emission; }
+  double emission() const { return emission_; }
 
-  double extinction() const { return factor_ * layer_.appearance().extinction; }
+  double extinction() const { return extinction_; }
 
   /// What its bounds leave to do; see VolumeLayer.
-  const Placement& placement() const { return layer_.placement(); }
+  const Placement& placement() const { return placement_; }
 
   const std::shared_ptr<const BrickSlice>& slice() const;
 
  private:
-  VolumeLayer layer_;
-  double factor_;
+  VolumeAt(const VolumeLayer& layer, double factor);
+
+  VolumeInfo info_;
+  Placement placement_;
+  double emission_, extinction_;
   std::shared_ptr<const Tree4d> tree_;
   int position_ = 0;
   mutable std::once_flag made_;
