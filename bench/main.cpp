@@ -77,7 +77,7 @@ Status run(const Arguments& arguments, Context& context) {
   const BenchInput input{arguments.find<std::string>("input").value_or(""),
                          context.maxMemory,
                          arguments.find<std::string>("truth").value_or(""),
-                         arguments.find<std::string>("grid").value_or(""),
+                         arguments.find<std::string>("field").value_or(""),
                          arguments.flag("quick"),
                          arguments.flag("whole-pictures")};
   nlohmann::ordered_json json{{"threads", threadCount()},

@@ -55,13 +55,13 @@ Status run(const Arguments& arguments, Context& context) {
       size.height,
       {.renderer = renderer, .processor = cpuMayDraw("a picture").has_value()}};
   VOLUTE_ASSIGN(const auto method, smokeMethodOf(arguments, renderer));
-  nlohmann::ordered_json smoke = nlohmann::ordered_json::object();
-  for (const char* name : {"field", "quantity", "unit"}) {
-    if (const auto value = arguments.find<std::string>(name))
-      smoke[name] = *value;
+  nlohmann::ordered_json members = nlohmann::ordered_json::object();
+  if (!path.empty()) {
+    VOLUTE_ASSIGN(members, mediumMembers(path, arguments));
   }
   VOLUTE_ASSIGN(auto cache, lightCache(arguments, context));
-  const auto open = documentOpener({context.maxMemory, std::move(smoke), std::move(cache), method});
+  const auto open = documentOpener(
+      {context.maxMemory, path, std::move(members), std::move(cache), method});
   const auto target = arguments.find<std::string>("screenshot");
   if (!target)
     return runViewerWindow(open, start, context.progress);

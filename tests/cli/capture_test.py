@@ -155,10 +155,10 @@ class Project(ring.TestCase):
             self.skipTest(result.message)
         self.assertEqual(result.json["grid"], "emission")
         brightest = max(read_exr(self.path("v_c2.exr")).values)
-        self.assertEqual(self.works(*command, "--grid", "density", "--json").json["grid"], "density")
+        self.assertEqual(self.works(*command, "--field", "density", "--json").json["grid"], "density")
         self.assertAlmostEqual(max(read_exr(self.path("v_c2.exr")).values), 5 * brightest, places=4)
         message = self.fails(2, "project", *self.write_vti(density=5, temperature=300))
-        self.assertRegex(message, r"which grid\? It has density .*, temperature .*; choose one with --grid")
+        self.assertRegex(message, r"which grid\? It has density .*, temperature .*; choose one with --field")
 
     def test_refuses_names_that_would_collide(self):
         source = [self.path("truth.npy"), self.path("capture.json"), "-o"]

@@ -219,6 +219,32 @@ class Fds(support.TestCase):
                       self.fails(1, "render", self.case, "-o", self.path("x.png"), "--fds-slice", "HEAT"))
         self.fails(2, "render", self.case, "-o", self.path("x.png"), "--fds-slice", "TEMPERATURE", "--fds-slice-range", "5,2")
 
+    def test_options_that_would_change_nothing_are_refused_by_all_commands(self):
+        self.path("signs.json").write_text('{"signs": [{"name": "a", "position": [1, 0.5, 0.5], "normal": [0, 0, 1]}]}')
+        survey = ("visibility", self.case, "--signs", self.path("signs.json"), "-o", self.path("out"))
+        for words in (("--fds-slice", "NO_SUCH", "--fds-slice-range", "5,1"), ("--albedo", "0,0,0"), ("--mode", "threshold"),
+                      ("--fire", "1"), ("--devices",)):
+            self.assertIn(f"unknown option {words[0]}", self.fails(2, *survey, *words))
+        picture = ("render", self.case, "-o", self.path("x.png"))
+        for words in (("--quantity", "extinction"), ("--scale", "2"), ("--clamp",), ("--density-field", "rho")):
+            self.assertIn(f"{words[0]} is for smoke on meshes; {self.case} is an FDS case", self.fails(2, *survey, *words))
+            if words[0] != "--scale":
+                self.assertIn(f"{words[0]} is for smoke on meshes; {self.case} is an FDS case", self.fails(2, *picture, *words))
+        for words, said in ((("--emission", "2"), "--emission is for volumes of voxels"),
+                            (("--bounds=0,0,0,1,1,1",), "--bounds is for volumes of voxels"),
+                            (("--smoke-method", "march"), "--smoke-method is for smoke on meshes and scenes"),
+                            (("--fds-slice-range", "1,2"), "--fds-slice-range says nothing without --fds-slice")):
+            self.assertIn(said, self.fails(2, *picture, *words))
+        self.assertIn("--blocks is for .volute files", self.fails(2, "info", self.case, "--blocks"))
+        self.assertIn("--region is for .volute files", self.fails(2, "extract", self.case, "-o", self.path("x.npy"),
+                                                                  "--region", "0:1,0:1,0:1"))
+
+    def test_a_source_has_one_name_and_its_former_ones(self):
+        for name in ("--field", "--grid", "--source"):
+            self.works("render", self.case, "-o", self.path("x.png"), "--size", "4x4", name, "slice3d-extinction-cells")
+        self.assertIn("--field, also called --source, also called --grid is given 2 times",
+                      self.fails(2, "render", self.case, "-o", self.path("y.png"), "--field", "x", "--grid", "x"))
+
     def test_members_of_meshes_are_refused(self):
         scene = {"format": "volute-scene-1", "camera": {"eye": [1, 0.5, 3], "target": [1, 0.5, 0], "ortho": 1},
                  "media": [{"kind": "smoke", "case": "case.smv", "negatives": "clamp"}]}

@@ -306,6 +306,10 @@ class Frames(FogCase):
                        "--path", "polar")
             self.assertEqual(self.difference("x.exr", "polar.exr"), 0, unserved)
 
+    def test_options_of_a_sun_need_one(self):
+        for words in (("--albedo", "0.5,0.5,0.5"), ("--asymmetry", "0.5"), ("--sun-radiance", "1,1,1"), ("--geometry", "a.obj")):
+            self.assertIn(f"{words[0]} says nothing without --sun", self.fails(2, *self.words(*words)))
+
     def test_details_by_the_angle_of_a_cell(self):
         self.waves("map.png", 40)
         self.works(*self.words("--levels", "3"))

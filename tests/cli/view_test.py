@@ -57,6 +57,13 @@ class View(support.TestCase):
         self.assertTrue(self.path("s.png").exists())
         self.assertIn("--renderer gl", self.fails(2, "view", self.volume(), "--renderer", "cpu", "--smoke-method", "march", *picture))
 
+    def test_options_that_would_change_nothing_are_refused(self):
+        picture = ("--screenshot", self.path("s.png"), "--size", "160x100")
+        self.assertIn("--quantity is for smoke on meshes; ", self.fails(2, "view", self.volume(), "--quantity", "extinction", *picture))
+        self.path("scene.json").write_text(json.dumps({"format": "volute-scene-1"}))
+        self.assertIn("--mode is for FDS cases and smoke on meshes; ",
+                      self.fails(2, "view", self.path("scene.json"), "--mode", "threshold", *picture))
+
     def test_panels_are_on_it(self):
         self.assertNotEqual(self.frame(self.volume()), self.frame(self.volume(), "--no-panels"))
 

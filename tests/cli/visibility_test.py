@@ -338,7 +338,7 @@ class Damage(Visibility):
         self.path("eyes.csv").write_text("x,y\n1,1\n")
         self.assertIn("--height", self.refused(good))
         self.assertIn("nobody can look from z = 9", self.refused(good, "--height", 9, code=2))
-        self.assertIn("--quantity is for smoke on meshes", self.refused(good, "--quantity", "extinction", code=2))
+        self.assertIn("--quantity is for smoke on meshes; ", self.refused(good, "--quantity", "extinction", code=2))
         self.assertIn("no sign is named 'west'", self.refused(good, "--set", "east,west", code=2))
         self.assertIn("the input has frames 0 to 1", self.refused(good, "--frames", "5:9", code=2))
         self.path("out").mkdir()

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -61,6 +62,11 @@ class Arguments {
     return given(name) ? find<T>(name) : std::nullopt;
   }
 
+  /// What the command takes; must outlive this.
+  std::span<const Option> options() const { return options_; }
+
+  void setOptions(std::span<const Option> options) { options_ = options; }
+
   const std::vector<std::string>& positionals() const { return positionals_; }
 
   const std::string& positional(std::size_t index) const { return positionals_[index]; }
@@ -73,6 +79,7 @@ class Arguments {
 
   std::map<std::string, Stored, std::less<>> values_;
   std::vector<std::string> positionals_;
+  std::span<const Option> options_;
 };
 
 }  // namespace volute::cli

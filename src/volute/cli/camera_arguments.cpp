@@ -24,12 +24,7 @@ Result<std::optional<CameraDescription>> cameraOf(const Arguments& arguments) {
     return fail(ErrorCode::kInvalidArgument,
                 "a view needs --eye, --target, and one of --fov and --ortho");
   }
-  FieldValue members = FieldValue::object();
-  for (const char* name : {"eye", "target", "up"}) {
-    const Vec3 v = arguments.get<Vec3>(name);
-    members[name] = {v.x(), v.y(), v.z()};
-  }
-  members[fov ? "fov" : "ortho"] = fov ? *fov : *ortho;
+  VOLUTE_ASSIGN(const auto members, membersOf(cameraFields(), arguments));
   VOLUTE_ASSIGN(auto camera, parseCamera(members, {}));
   return camera;
 }

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "volute/cli/arguments.hpp"
+#include "volute/cli/field_options.hpp"
 #include "volute/media/camera_file.hpp"
 
 namespace volute::cli {

@@ -28,18 +28,23 @@ enum class ValueKind {
 
 /// One option: the only source of its parsing, help, completion and manual entry.
 struct Option {
-  std::string_view name;  ///< the long name, without dashes
-  char letter = 0;        ///< the short name; 0 = none
+  std::string name;  ///< the long name, without dashes
+  char letter = 0;   ///< the short name; 0 = none
   ValueKind kind = ValueKind::kFlag;
-  std::string_view value = {};    ///< how the help calls the value: "FILE"
-  std::string_view help = {};     ///< what it does, with the unit; no full stop
-  std::string_view initial = {};  ///< the default, as a user would type it
+  std::string_view value = {};  ///< how the help calls the value: "FILE"
+  std::string help = {};        ///< what it does, with the unit; no full stop
+  std::string initial = {};     ///< the default, as a user would type it
   std::vector<std::string_view> choices = {};
   double least = -std::numeric_limits<double>::infinity();  ///< allowed, inclusive
   double most = std::numeric_limits<double>::infinity();
   bool positive = false;  ///< the number must be greater than zero
+  bool below = false;     ///< and less than `most`
   bool required = false;
-  bool several = false;  ///< may be repeated; texts only
+  bool several = false;                        ///< may be repeated; texts only
+  std::vector<std::string_view> aliases = {};  ///< other names, which the help does not show
+  std::string_view beside = {};                ///< the option without which it says nothing
+  /// Of files that it is for, see file_kind.hpp; empty: all.
+  std::vector<std::string_view> kinds = {};
 };
 
 /// What stands without dashes. The last one of a command may take several.

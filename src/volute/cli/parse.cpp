@@ -17,12 +17,18 @@ struct Entry {
   CLI::Option* handle;
 };
 
+std::vector<std::string_view> namesOf(const Option& option) {
+  std::vector<std::string_view> names{option.name};
+  names.insert(names.end(), option.aliases.begin(), option.aliases.end());
+  return names;
+}
+
 /// CLI11 finds the options and their values in the words; what they mean is checked here, so that
 /// each error is one sentence in our own words.
 std::vector<Entry> addOptions(CLI::App& app, std::span<const Option> options) {
   std::vector<Entry> entries;
   for (const Option& option : options) {
-    std::string names = fmt::format("--{}", option.name);
+    std::string names = fmt::format("--{}", fmt::join(namesOf(option), ",--"));
     if (option.letter != 0)
       names = fmt::format("-{},{}", option.letter, names);
     CLI::Option* handle =
@@ -63,8 +69,8 @@ Status takeOption(const Entry& entry, Arguments& arguments) {
     return {};
   }
   if (entry.handle->count() > 1 && option.kind != ValueKind::kFlag) {
-    return fail(ErrorCode::kInvalidArgument, "--{} is given {} times; expected once", option.name,
-                entry.handle->count());
+    return fail(ErrorCode::kInvalidArgument, "--{} is given {} times; expected once",
+                fmt::join(namesOf(option), ", also called --"), entry.handle->count());
   }
   const bool given = entry.handle->count() > 0;
   if (!given && option.initial.empty())
@@ -106,6 +112,13 @@ Status checkRequirements(const Command& command, const Arguments& arguments) {
                   option.help);
     }
   }
+  for (const Option& option : command.options) {
+    if (arguments.given(option.name) && !option.beside.empty() && !arguments.given(option.beside)) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "--{0} says nothing without --{1}; add --{1} or leave it out", option.name,
+                  option.beside);
+    }
+  }
   for (const OneOf& group : command.oneOf) {
     const auto given =
         std::ranges::count_if(group.names, [&](auto name) { return arguments.given(name); });
@@ -132,6 +145,7 @@ Result<Arguments> parseArguments(const Command& command, const std::vector<std::
   VOLUTE_TRY(parseWords(app, {words.begin(), separator}));
 
   Arguments arguments;
+  arguments.setOptions(command.options);
   for (const auto& word : app.remaining()) {
     if (word.size() > 1 && word.front() == '-')
       return unknownOption(word, entries);

@@ -8,15 +8,19 @@
 
 #include "volute/cli/arguments.hpp"
 #include "volute/cli/context.hpp"
-#include "volute/cli/option.hpp"
+#include "volute/cli/field_options.hpp"
 #include "volute/scene/scene.hpp"
 #include "volute/scene/scene_sight.hpp"
 
 namespace volute::cli {
 
-/// What a scene's entry of the medium can say as well: how a file alone is read and looks.
-std::vector<Option> volumeOptions();
-std::vector<Option> smokeOptions();
+/// What an entry of a scene's media can say as well: how a file alone is read and looks.
+std::vector<Option> mediumOptions(FieldUse use = FieldUse::kAll);
+
+/// What the options given say of a file alone, as members of its entry. kInvalidArgument for
+/// options that would change nothing of it; of a scene nothing else is looked at.
+[[nodiscard]] Result<nlohmann::ordered_json> mediumMembers(const std::string& path,
+                                                           const Arguments& arguments);
 
 /// Where light that lamps throw into media is kept.
 std::vector<Option> lightCacheOptions();
@@ -33,19 +37,10 @@ std::vector<Option> lightCacheOptions();
                                                             const Arguments& arguments,
                                                             Context& context);
 
-/// Of the options above those that change what sight lines meet.
-std::vector<Option> sightOptions();
-
 /// The entry of a scene that a file alone stands for, with what the options given say; its names
 /// are found from the file's folder. kInvalidArgument for an option of other kinds.
 [[nodiscard]] Result<nlohmann::ordered_json> entryOf(const std::string& path,
                                                      const Arguments& arguments);
-
-/// The members that the options given stand for, for an entry of a kind; kInvalidArgument for an
-/// option of other kinds.
-[[nodiscard]] Result<nlohmann::ordered_json> membersOf(const Arguments& arguments,
-                                                       const MediumKind& kind,
-                                                       const std::string& path);
 
 /// An error about a member of the only medium of a scene that a file stands for, as one about the
 /// option.

@@ -32,13 +32,9 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
-bool parseNumbers(std::string_view text, std::size_t count, std::vector<double>& numbers) {
-  for (const auto part : split(text, ',')) {
-    const auto number = parseNumber(part);
-    if (!number)
-      return false;
-    numbers.push_back(*number);
-  }
+bool parseCount(std::string_view text, std::size_t count, std::vector<double>& numbers) {
+  if (const auto found = parseNumbers(text))
+    numbers = *found;
   return numbers.size() == count;
 }
 
@@ -54,17 +50,18 @@ bool parseFrameNumber(std::string_view text, std::optional<int>& number) {
 }
 
 Status checkLimits(const Option& option, double number, std::string_view text) {
-  if (option.positive && !(number > 0)) {
-    return fail(ErrorCode::kInvalidArgument, "'{}' is out of range; expected more than 0", text);
-  }
-  if (number >= option.least && number <= option.most)
+  const bool low = option.positive ? number > 0 : number >= option.least;
+  if (low && (option.below ? number < option.most : number <= option.most))
     return {};
-  if (std::isinf(option.most)) {
-    return fail(ErrorCode::kInvalidArgument, "'{}' is out of range; expected at least {}", text,
-                option.least);
-  }
-  return fail(ErrorCode::kInvalidArgument, "'{}' is out of range; expected {} to {}", text,
-              option.least, option.most);
+  const std::string least =
+      option.positive ? "more than 0" : fmt::format("at least {}", option.least);
+  const std::string expected =
+      option.below              ? fmt::format("{} and less than {}", least, option.most)
+      : std::isinf(option.most) ? least
+      : option.positive && low  ? fmt::format("more than 0 and at most {}", option.most)
+      : option.positive         ? least
+                                : fmt::format("{} to {}", option.least, option.most);
+  return fail(ErrorCode::kInvalidArgument, "'{}' is out of range; expected {}", text, expected);
 }
 
 Result<Value> parseChoice(const Option& option, std::string_view text) {
@@ -91,6 +88,15 @@ Result<double> parseNumber(std::string_view text) {
                 "'{}' is not a finite number; expected one like 0.003 or 3e-3", text);
   }
   return value;
+}
+
+Result<std::vector<double>> parseNumbers(std::string_view text) {
+  std::vector<double> numbers;
+  for (const auto part : split(text, ',')) {
+    VOLUTE_ASSIGN(const double number, parseNumber(part));
+    numbers.push_back(number);
+  }
+  return numbers;
 }
 
 Result<int> parseInteger(std::string_view text) {
@@ -174,7 +180,7 @@ Result<Region> parseRegion(std::string_view text) {
 
 Result<Box3> parseBounds(std::string_view text) {
   std::vector<double> n;
-  if (parseNumbers(text, 6, n)) {
+  if (parseCount(text, 6, n)) {
     const Box3 box{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
     if (!box.empty())
       return box;
@@ -187,7 +193,7 @@ Result<Box3> parseBounds(std::string_view text) {
 
 Result<Vec3> parseVector(std::string_view text) {
   std::vector<double> n;
-  if (parseNumbers(text, 3, n))
+  if (parseCount(text, 3, n))
     return Vec3(n[0], n[1], n[2]);
   return fail(ErrorCode::kInvalidArgument, "'{}' is no vector; expected X,Y,Z like 0,-2.5,1", text);
 }

@@ -32,6 +32,8 @@ using Value = std::variant<bool, std::string, double, int, Bytes, FrameRange, Re
 /// The errors of these are one sentence (kInvalidArgument) with the offending text and what was
 /// expected.
 [[nodiscard]] Result<double> parseNumber(std::string_view text);
+/// Numbers with commas between.
+[[nodiscard]] Result<std::vector<double>> parseNumbers(std::string_view text);
 [[nodiscard]] Result<int> parseInteger(std::string_view text);
 /// 123, 64K, 512M, 2G, 1.5GiB: powers of 1024.
 [[nodiscard]] Result<Bytes> parseBytes(std::string_view text);

@@ -61,8 +61,8 @@ Result<std::size_t> chooseGrid(std::span<const GridEntry> entries, const std::st
                   listed(entries));
     }
     if (named == entries.end() || !named->usable) {
-      return fail(ErrorCode::kInvalidArgument, "{}: which {}? It has {}; choose one with --{}",
-                  file, noun, listed(entries), noun);
+      return fail(ErrorCode::kInvalidArgument, "{}: which {}? It has {}; choose one with --field",
+                  file, noun, listed(entries));
     }
   }
   if (named == entries.end()) {

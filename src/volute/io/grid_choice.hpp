@@ -18,7 +18,7 @@ struct GridEntry {
 
 /// What people call the entries of a file.
 struct GridWords {
-  const char* noun = "grid";                        ///< one, and the option that names it
+  const char* noun = "grid";                        ///< one
   std::string usual = "density";                    ///< which one is meant unless it is said
   const char* expected = "a scalar or RGB volume";  ///< what one must be
 };

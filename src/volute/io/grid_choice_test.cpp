@@ -31,7 +31,7 @@ TEST(ChooseGrid, AsksWhereTheUsualOneIsNotThere) {
   ASSERT_FALSE(chosen);
   EXPECT_THAT(chosen.error().message,
               AllOf(HasSubstr("which grid?"), HasSubstr("density (float), temperature (float)"),
-                    HasSubstr("--grid")));
+                    HasSubstr("--field")));
 }
 
 }  // namespace

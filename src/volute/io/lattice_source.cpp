@@ -214,7 +214,7 @@ class LatticeSource final : public FrameSource {
       if (i == 0) {
         if (grid.empty() && frame.others[0] != '\0' && options_.remark) {
           options_.remark(fmt::format(
-              "{}: the grid '{}' is read; it also has {} (--grid chooses)", files_[0].path.string(),
+              "{}: the grid '{}' is read; it also has {} (--field chooses)", files_[0].path.string(),
               frame.grid,
               std::string_view(frame.others, ::strnlen(frame.others, LatticeFrame::kMaxName))));
         }

@@ -103,7 +103,7 @@ Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
                                              const SourceOptions& options) {
   if (!options.grid.empty()) {
     return fail(ErrorCode::kInvalidArgument,
-                "{}: a .npy file has no named grids; leave out --grid {}", path.string(),
+                "{}: a .npy file has no named grids; leave out --field {}", path.string(),
                 options.grid);
   }
   VOLUTE_ASSIGN(auto file, InputFile::open(path));

@@ -15,8 +15,9 @@ namespace volute {
 /// How documents are opened.
 struct DocumentOptions {
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes]
-  /// Members of a scene's smoke ("field", "quantity", "unit"), for cases alone.
-  nlohmann::ordered_json smoke = nlohmann::ordered_json::object();
+  std::string file{};  ///< that `members` are said of
+  /// Of its entry in a scene, where it is a file alone.
+  nlohmann::ordered_json members = nlohmann::ordered_json::object();
   std::optional<LightCache> lightCache{};  ///< where light of lamps in smoke is looked for and kept
   GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
 };

@@ -60,7 +60,8 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
   scene.maxMemory = options.maxMemory;
   scene.files = {.partial = true, .verify = false, .lightCache = options.lightCache,
                  .lightMemory = std::make_shared<LightMemory>(kLightBytes)};
-  scene.members = options.smoke;
+  if (path == options.file)
+    scene.members = options.members;
   scene.assume = true;
   RemarkLog heard(progress);
   VOLUTE_ASSIGN(auto opened, Scene::open(path, scene, heard));

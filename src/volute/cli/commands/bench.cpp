@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/field_options.hpp"
 #include "volute/cli/sibling_program.hpp"
 
 namespace volute::cli {
@@ -35,10 +36,7 @@ Command benchCommand() {
                    .kind = ValueKind::kFile,
                    .value = "VOLUME",
                    .help = "tomography: the true volumes of the capture's frames"},
-                  {.name = "grid",
-                   .kind = ValueKind::kText,
-                   .value = "NAME",
-                   .help = "tomography: which grid of the truth's files"},
+                  fieldOption("tomography: which one of the truth's files"),
                   {.name = "quick",
                    .help =
                        "fewer measurements: `smoke` draws 800 x 600 alone, without a sign, `gl` "

@@ -3,6 +3,8 @@
 #include "volute/grid/compare.hpp"
 
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/field_options.hpp"
+#include "volute/cli/file_kind.hpp"
 #include "volute/image/compare.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/volume/volume_input.hpp"
@@ -50,7 +52,7 @@ Result<Figures> comparePictures(const std::string& a, const std::string& b) {
 Result<Figures> compareVolumes(const std::string& a, const std::string& b,
                                const Arguments& arguments, Context& context) {
   InputOptions options;
-  options.grid = arguments.find<std::string>("grid").value_or("");
+  options.grid = arguments.find<std::string>("field").value_or("");
   options.bounds = arguments.find<Box3>("bounds");
   options.partial = arguments.flag("partial");
   // A .volute file has one grid and its own bounds; the options speak of the other formats.
@@ -77,6 +79,7 @@ Status runCompare(const Arguments& arguments, Context& context) {
                 "{} is a picture and {} is not; expected two pictures or two volumes",
                 isPicturePath(a) ? a : b, isPicturePath(a) ? b : a);
   }
+  VOLUTE_TRY(refuseIdle(arguments, {readKind(a), readKind(b)}));
   VOLUTE_ASSIGN(const auto figures, isPicturePath(a) ? comparePictures(a, b)
                                                      : compareVolumes(a, b, arguments, context));
   context.print(compareReport(figures, a, b));
@@ -103,16 +106,17 @@ Command compareCommand() {
       .options = {{.name = "frames",
                    .kind = kFrames,
                    .value = "A:B[:S]",
-                   .help = "frames with numbers A <= n < B of both"},
-                  {.name = "grid",
-                   .kind = kText,
-                   .value = "NAME",
-                   .help = "which grid of files with several"},
+                   .help = "frames with numbers A <= n < B of both",
+                   .kinds = {"volume", kVoluteKind}},
+                  fieldOption("which one of files with several", {"volume"}),
                   {.name = "bounds",
                    .kind = kBounds,
                    .value = "X0,Y0,Z0,X1,Y1,Z1",
-                   .help = "as for compress [m]"},
-                  {.name = "partial", .help = "use what is intact of a damaged .volute"}},
+                   .help = "as for compress [m]",
+                   .kinds = {"volume"}},
+                  {.name = "partial",
+                   .help = "use what is intact of a damaged .volute",
+                   .kinds = {kVoluteKind}}},
       .run = runCompare};
 }
 

@@ -3,6 +3,7 @@
 #include "volute/codec/compress.hpp"
 
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/field_options.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/media/volume/volume_input.hpp"
 
@@ -70,7 +71,7 @@ Status runCompress(const Arguments& arguments, Context& context) {
   }
   VOLUTE_TRY(checkTarget(target));
   InputOptions input;
-  input.grid = arguments.find<std::string>("grid").value_or("");
+  input.grid = arguments.find<std::string>("field").value_or("");
   input.bounds = arguments.find<Box3>("bounds");
   input.partial = arguments.flag("partial");
   VOLUTE_ASSIGN(auto volume, openVolume(path, input, context));
@@ -100,7 +101,7 @@ Command compressCommand() {
       .summary = "Compresses a sequence of volumes to a stated error or size",
       .examples =
           {"volute compress fire.npy -o fire.volute --rms 0.003",
-           "volute compress smoke_%04d.vdb -o smoke.volute --grid density --psnr 50 --frames 10:60",
+           "volute compress smoke_%04d.vdb -o smoke.volute --field density --psnr 50 --frames 10:60",
            "volute compress fire.volute -o small.volute --ratio 200"},
       .description =
           "Reads .npy of shape (z,y,x), (t,z,y,x) or (t,z,y,x,c) in float32 or float16, a VDB "
@@ -145,10 +146,7 @@ Command compressCommand() {
                    .value = "E",
                    .help = "absolute error at most E at every voxel [unit of the values]",
                    .positive = true},
-                  {.name = "grid",
-                   .kind = kText,
-                   .value = "NAME",
-                   .help = "which grid of a file with several"},
+                  fieldOption("which one of a file with several, or which source of an FDS case"),
                   {.name = "frames",
                    .kind = kFrames,
                    .value = "A:B[:S]",

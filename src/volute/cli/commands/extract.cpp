@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/field_options.hpp"
+#include "volute/cli/file_kind.hpp"
 #include "volute/cli/extract_source.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/media/volume/fds_input.hpp"
@@ -44,7 +46,7 @@ std::string nameForMesh(std::string target, int mesh) {
 Status extractFds(const std::string& path, const std::string& target, std::optional<int> mesh,
                   const Arguments& arguments, Context& context) {
   VOLUTE_TRY(checkTarget(target, true));
-  VOLUTE_ASSIGN(auto volume, openFdsVolume(path, arguments.find<std::string>("grid").value_or(""),
+  VOLUTE_ASSIGN(auto volume, openFdsVolume(path, arguments.find<std::string>("field").value_or(""),
                                            std::nullopt, mesh, context));
   const auto frames = arguments.find<FrameRange>("frames").value_or(FrameRange{});
   VOLUTE_ASSIGN(auto source, selectFrames(std::move(volume), frames));
@@ -62,12 +64,6 @@ Status extractFds(const std::string& path, const std::string& target, std::optio
 
 Status runFds(const std::string& path, const std::string& target, const Arguments& arguments,
               Context& context) {
-  if (arguments.given("region") || arguments.flag("partial") || arguments.get<int>("level") != 0) {
-    return fail(
-        ErrorCode::kInvalidArgument,
-        "--region, --level and --partial are for .volute files; of an FDS case --frames and "
-        "--grid choose");
-  }
   if (target.find("{mesh}") == std::string::npos)
     return extractFds(path, target, std::nullopt, arguments, context);
   if (context.json)
@@ -92,6 +88,7 @@ Status runExtract(const Arguments& arguments, Context& context) {
                 "--json and '--output -' both want standard output; leave one");
   }
   context.resultsToStderr = target == "-";
+  VOLUTE_TRY(refuseIdle(arguments, {readKind(path)}));
   if (isSmvPath(path))
     return runFds(path, target, arguments, context);
   if (!isVolutePath(path)) {
@@ -148,22 +145,23 @@ Command extractCommand() {
                    .kind = kFrames,
                    .value = "A:B[:S]",
                    .help = "frames with numbers A <= n < B, every S-th"},
-                  {.name = "grid",
-                   .kind = kText,
-                   .value = "NAME",
-                   .help = "which source of an FDS case; 'volute info' names them"},
+                  fieldOption("which source of an FDS case; 'volute info' names them", {"fds"}),
                   {.name = "region",
                    .kind = kRegion,
                    .value = "X0:X1,Y0:Y1,Z0:Z1",
-                   .help = "voxels, half-open on each axis"},
+                   .help = "voxels, half-open on each axis",
+                   .kinds = {kVoluteKind}},
                   {.name = "level",
                    .kind = kInteger,
                    .value = "L",
                    .help = "divide the resolution by 2^L",
                    .initial = "0",
                    .least = 0,
-                   .most = 4},
-                  {.name = "partial", .help = "use what is intact of a damaged file"}},
+                   .most = 4,
+                   .kinds = {kVoluteKind}},
+                  {.name = "partial",
+                   .help = "use what is intact of a damaged file",
+                   .kinds = {kVoluteKind}}},
       .run = runExtract};
 }
 

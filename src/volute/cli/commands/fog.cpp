@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/fog_arguments.hpp"
+#include "volute/cli/field_options.hpp"
 #include "volute/cli/fog_export.hpp"
 #include "volute/cli/picture_writer.hpp"
 #include "volute/cli/volume_output.hpp"
@@ -157,16 +157,30 @@ Status fogPictures(const std::vector<Frame>& frames, const FogLayer& layer,
   return writer->finish();
 }
 
+/// What a map of fog is by the options of its table.
+Result<FogDescription> fogOf(const Arguments& arguments, const std::string& map) {
+  VOLUTE_ASSIGN(auto members, membersOf(fogFields(), arguments));
+  members["map"] = map;
+  return parseFog(members, {});
+}
+
+/// --sun, --sun-radiance: at most one.
+Result<std::vector<FogSun>> sunsOf(const Arguments& arguments) {
+  if (!arguments.given("sun"))
+    return std::vector<FogSun>{};
+  VOLUTE_ASSIGN(const auto members, membersOf(sunFields(), arguments));
+  VOLUTE_ASSIGN(const auto sun, readAs<FogSun>(sunFields(), members, {}));
+  return std::vector{sun};
+}
+
 /// What shadows the sun in the fog.
 Status addGeometry(const Arguments& arguments, FogDescription& description,
-                   const Context& context) {
+                   const std::vector<FogSun>& suns, const Context& context) {
   const auto file = arguments.find<std::string>("geometry");
   if (!file)
     return {};
-  if (!arguments.given("sun"))
-    return fail(ErrorCode::kInvalidArgument, "--geometry shadows a sun in the fog; add --sun");
   VOLUTE_ASSIGN(const auto geometry, loadGeometry({{*file, Mat4::Identity()}}, context));
-  description.scattering.shadows = fogShadows(geometry, sunsOf(arguments));
+  description.scattering.shadows = fogShadows(geometry, suns);
   return {};
 }
 
@@ -193,8 +207,9 @@ Status runFog(const Arguments& arguments, Context& context) {
   if (pictures)
     VOLUTE_TRY(checkUse(arguments));
   VOLUTE_ASSIGN(auto description, fogOf(arguments, arguments.positional(0)));
-  VOLUTE_TRY(addGeometry(arguments, description, context));
-  VOLUTE_ASSIGN(const auto layer, FogLayer::open(description, sunsOf(arguments), context));
+  VOLUTE_ASSIGN(const auto suns, sunsOf(arguments));
+  VOLUTE_TRY(addGeometry(arguments, description, suns, context));
+  VOLUTE_ASSIGN(const auto layer, FogLayer::open(description, suns, context));
   Report report;
   if (folder) {
     VOLUTE_TRY(exportFogShader(layer.fogAt(arguments.find<double>("time").value_or(0)), *folder));
@@ -252,7 +267,7 @@ std::vector<Option> fogCommandOptions() {
        .value = "M",
        .help = "depths from here on are sky, as some renderers write 1e10 [m]",
        .positive = true}};
-  const auto more = fogOptionTable();
+  const auto more = fieldOptions({&fogFields(), &sunFields()});
   options.insert(options.end(), more.begin(), more.end());
   const std::vector<Option> last = {
       {.name = "frames",
@@ -272,7 +287,8 @@ std::vector<Option> fogCommandOptions() {
       {.name = "geometry",
        .kind = kFile,
        .value = "FILE",
-       .help = "surfaces that shadow the sun in the fog: .glb, .gltf, .obj or .vtp [m]"},
+       .help = "surfaces that shadow the sun in the fog: .glb, .gltf, .obj or .vtp [m]",
+       .beside = "sun"},
       {.name = "renderer",
        .kind = kChoice,
        .value = "NAME",

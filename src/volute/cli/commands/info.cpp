@@ -4,6 +4,8 @@
 #include <map>
 
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/field_options.hpp"
+#include "volute/cli/file_kind.hpp"
 #include "volute/cli/fds_report.hpp"
 #include "volute/cli/gl_pictures.hpp"
 #include "volute/cli/mesh_report.hpp"
@@ -176,7 +178,7 @@ Result<Report> describePicture(const std::string& path) {
 Result<Report> describeVolume(const std::string& path, const Arguments& arguments,
                               Context& context) {
   InputOptions options;
-  options.grid = arguments.find<std::string>("grid").value_or("");
+  options.grid = arguments.find<std::string>("field").value_or("");
   VOLUTE_ASSIGN(auto input, openVolume(path, options, context));
   Report report;
   report.add("file", path).add("kind", "volume");
@@ -219,6 +221,9 @@ Status runInfo(const Arguments& arguments, Context& context) {
     if (arguments.positionals().empty())
       return {};
   }
+  std::vector<FileKind> kinds;
+  for (const auto& path : arguments.positionals()) kinds.push_back(readKind(path));
+  VOLUTE_TRY(refuseIdle(arguments, kinds));
   bool damaged = false;
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   const auto& paths = arguments.positionals();
@@ -226,7 +231,7 @@ Status runInfo(const Arguments& arguments, Context& context) {
     auto report =
         isVolutePath(path)    ? describeVolute(path, arguments.flag("blocks"), context, damaged)
         : isPicturePath(path) ? describePicture(path)
-        : isSmvPath(path) ? describeFdsCase(path, arguments.find<std::string>("grid").value_or(""),
+        : isSmvPath(path) ? describeFdsCase(path, arguments.find<std::string>("field").value_or(""),
                                             arguments.flag("values"), context)
         : isSmokeCase(path) ? describeMeshCase(path, arguments.flag("values"), context, damaged)
                             : describeVolume(path, arguments, context);
@@ -267,15 +272,15 @@ Command infoCommand() {
                        .help = "a volume, a picture, smoke on a mesh or an FDS case",
                        .several = true,
                        .optional = true}},
-      .options = {{.name = "grid",
-                   .kind = kText,
-                   .value = "NAME",
-                   .help = "which grid of a file with several; which source of an FDS case"},
+      .options = {fieldOption("which one of a file with several; which source of an FDS case",
+                              {"volume", "fds"}),
                   {.name = "blocks",
-                   .help = "of a .volute, each block's place, transform and size"},
+                   .help = "of a .volute, each block's place, transform and size",
+                   .kinds = {kVoluteKind}},
                   {.name = "values",
                    .help = "read all frames for their minimum, maximum, zeros and values that "
-                           "are not finite"},
+                           "are not finite",
+                   .kinds = {"volume", "smoke", "fds"}},
                   {.name = "gl",
                    .help = "the graphics device that --renderer gl draws with, and its limits"}},
       .run = runInfo};

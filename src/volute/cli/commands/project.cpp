@@ -9,6 +9,7 @@
 #include "volute/capture/image_name.hpp"
 #include "volute/cli/capture_input.hpp"
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/field_options.hpp"
 #include "volute/cli/overwriting.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/image_file.hpp"
@@ -37,7 +38,7 @@ std::vector<int> numbersOf(const std::string& path, const VolumeInfo& info,
 Result<Subject> openSubject(const std::string& path, const Arguments& arguments,
                             const Capture& capture, Context& context) {
   InputOptions input;
-  input.grid = arguments.find<std::string>("grid").value_or("");
+  input.grid = arguments.find<std::string>("field").value_or("");
   input.usualGrid = "emission";  // light is projected, never what weakens it
   input.bounds = arguments.find<Box3>("bounds");
   input.partial = arguments.flag("partial");
@@ -209,10 +210,7 @@ Command projectCommand() {
        .help = "1 through the pixel's centre, or the mean of 4 at its quarters",
        .initial = "4",
        .choices = {"1", "4"}},
-      {.name = "grid",
-       .kind = kText,
-       .value = "NAME",
-       .help = "which grid of a file with several; else emission"},
+      fieldOption("which one of a file with several; else emission"),
       {.name = "partial", .help = "use what is intact of a damaged .volute"}};
   for (Option& option : captureOptionTable()) {
     if (option.name == "bounds")
@@ -238,7 +236,7 @@ Command projectCommand() {
           "capture.json, a NeRF transforms.json, a COLMAP model's folder or OpenCV's .yml. A .npy "
           "with as many frames as the capture states has their numbers. Of a file with several "
           "grids "
-          "it is `emission` unless --grid names another; without one of that name, say which.",
+          "it is `emission` unless --field names another; without one of that name, say which.",
       .positionals = {{.name = "VOLUME",
                        .help = "a volume: .volute, .npy, .vdb, .vti, .pvd, a pattern or a folder"},
                       {.name = "CAPTURE", .help = "the cameras"}},

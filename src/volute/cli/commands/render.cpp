@@ -11,6 +11,7 @@
 #include "volute/cli/picture_writer.hpp"
 #include "volute/cli/gl_pictures.hpp"
 #include "volute/cli/render_job.hpp"
+#include "volute/cli/file_kind.hpp"
 #include "volute/cli/scene_arguments.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/image/srgb.hpp"
@@ -68,10 +69,10 @@ bool contoursVisibility(const Arguments& arguments) {
 /// line, and remarked on in a scene.
 Status takeLaw(const Arguments& arguments, Scene& scene, Progress& progress) {
   PictureLaw law = scene.law();
-  if (const auto mode = arguments.find<std::string>("mode")) {
+  if (const auto mode = arguments.findGiven<std::string>("mode")) {
     VOLUTE_ASSIGN(law.mode, pictureMode(*mode));
   }
-  if (const auto c = arguments.find<std::string>("C"); c && scene.isFile()) {
+  if (const auto c = arguments.findGiven<std::string>("C"); c && scene.isFile()) {
     auto found = visibilityLaw(*c);
     if (!found)
       return fail(ErrorCode::kInvalidArgument, "--C: {}", found.error().message);
@@ -173,8 +174,6 @@ Status checkConcentrations(std::span<const MediumInfo* const> media) {
 Result<std::optional<Contour>> contourOf(const Arguments& arguments, const Scene& scene) {
   const auto slice = arguments.find<std::string>("slice");
   const auto surface = arguments.find<double>("isosurface");
-  if (!slice && arguments.given("slice-shows"))
-    return fail(ErrorCode::kInvalidArgument, "--slice-shows is of a plane; add --slice, as z=1.8");
   if (!slice && !surface)
     return std::nullopt;
   const char* option = slice ? "--slice" : "--isosurface";
@@ -450,7 +449,8 @@ std::vector<Option> renderOptionTable() {
                "sum over all tetrahedra (light is marched all the same), or by projected "
                "tetrahedra; auto takes the sum where no light is asked for, else the march",
        .initial = "auto",
-       .choices = {"auto", "march", "splat", "projected"}},
+       .choices = {"auto", "march", "splat", "projected"},
+       .kinds = {"smoke", kSceneKind}},
       {.name = "volume-method",
        .kind = kChoice,
        .value = "NAME",
@@ -458,29 +458,12 @@ std::vector<Option> renderOptionTable() {
                "frames in memory, which rounds them once more; OpenGL then walks in it for each "
                "voxel",
        .initial = "bricks",
-       .choices = {"bricks", "tree"}},
+       .choices = {"bricks", "tree"},
+       .kinds = {"volume", kSceneKind}},
       {.name = "camera",
        .kind = kFile,
        .value = "FILE.json",
        .help = "a scene's camera object: eye, target, up, fov or ortho, size"},
-      {.name = "eye", .kind = kVector, .value = "X,Y,Z", .help = "where the camera is [m]"},
-      {.name = "target", .kind = kVector, .value = "X,Y,Z", .help = "what it looks at [m]"},
-      {.name = "up",
-       .kind = kVector,
-       .value = "X,Y,Z",
-       .help = "what is up in the picture",
-       .initial = "0,0,1"},
-      {.name = "fov",
-       .kind = kNumber,
-       .value = "DEGREES",
-       .help = "vertical field of view [degrees]",
-       .most = 179.99,
-       .positive = true},
-      {.name = "ortho",
-       .kind = kNumber,
-       .value = "HEIGHT",
-       .help = "parallel rays; height of the view [m]",
-       .positive = true},
       {.name = "aov",
        .kind = kChoice,
        .value = "NAME",
@@ -497,7 +480,8 @@ std::vector<Option> renderOptionTable() {
        .help = "on the plane: the local visibility S = C / K up to 30 m, the extinction K, or the "
                "concentration, mass per volume in the field's unit",
        .initial = "visibility",
-       .choices = {"visibility", "extinction", "concentration"}},
+       .choices = {"visibility", "extinction", "concentration"},
+       .beside = "slice"},
       {.name = "isosurface",
        .kind = kNumber,
        .value = "S",
@@ -533,8 +517,12 @@ std::vector<Option> renderOptionTable() {
        .kind = kOutput,
        .value = "FILE.json",
        .help = "write what was visited, the time of each stage and the peak memory"},
-      {.name = "partial", .help = "use what is intact of a damaged .volute"}};
-  for (const auto& more : {volumeOptions(), smokeOptions(), lightCacheOptions()})
+      {.name = "partial",
+       .help = "use what is intact of a damaged .volute",
+       .kinds = {"volume", kSceneKind}}};
+  auto camera = fieldOptions({&cameraFields()});
+  for (Option& option : camera) option.kinds.clear();
+  for (const auto& more : {camera, mediumOptions(), lightCacheOptions()})
     options.insert(options.end(), more.begin(), more.end());
   return options;
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <algorithm>
+
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/file_kind.hpp"
 #include "volute/cli/sibling_program.hpp"
 #include "volute/cli/scene_arguments.hpp"
 
@@ -40,21 +43,12 @@ std::vector<Option> viewOptions() {
        .help = "how OpenGL draws smoke on a mesh that is the only medium, as for render",
        .initial = "auto",
        .choices = {"auto", "march", "splat", "projected"}},
-      {.name = "field",
-       .kind = kText,
-       .value = "NAME",
-       .help = "of a mesh, or an FDS case's source"},
-      {.name = "quantity",
-       .kind = kText,
-       .value = "NAME",
-       .help = "what a mesh's field holds, as in a scene [default soot-density]"},
-      {.name = "unit",
-       .kind = kText,
-       .value = "UNIT",
-       .help = "of a mesh's density: kg/m3, g/m3, mg/m3"},
       {.name = "no-panels", .help = "a screenshot of the picture alone"}};
-  const auto cache = lightCacheOptions();
-  options.insert(options.end(), cache.begin(), cache.end());
+  for (const auto& more : {mediumOptions(), lightCacheOptions()})
+    options.insert(options.end(), more.begin(), more.end());
+  for (Option& option : options) std::erase(option.kinds, kSceneKind);  // a scene says it itself
+  const auto quantity = std::ranges::find(options, "quantity", &Option::name);
+  quantity->help += "; else soot-density";
   return options;
 }
 

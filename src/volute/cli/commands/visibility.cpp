@@ -216,7 +216,7 @@ std::vector<Option> visibilityOptionTable() {
        .value = "NAME",
        .help = "the same by a rule's name",
        .choices = limitNames()}};
-  const auto more = sightOptions();
+  const auto more = mediumOptions(FieldUse::kMeasured);
   options.insert(options.end(), more.begin(), more.end());
   return options;
 }

@@ -36,7 +36,7 @@ FieldRow emissionField() {
           .access = member<path, &Appearance::emission>(),
           .help = "radiance per metre that one unit of the values emits",
           .unit = "1/m",
-          .option = {.value = command ? "S" : ""},
+          .option = {.value = command ? "S" : "", .picture = true},
           .slider = {.label = "emission", .least = 0, .most = 100, .logarithmic = true, .room = 2}};
 }
 
