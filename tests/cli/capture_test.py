@@ -49,6 +49,16 @@ class Formats(ring.TestCase):
         worst = max(abs(a - b) for a, b in zip(ours, other))
         self.assertLess(worst, 1e-5 * max(ours), calibration)
 
+    def test_info_lists_cameras_and_missing_pictures(self):
+        info = self.works("info", self.path("capture.json"), "--json").json
+        self.assertEqual((info["kind"], info["frames"], info["size"]), ("capture", ring.FRAMES, [ring.SIDE] * 3))
+        self.assertEqual([c["name"] for c in info["cameras"]], ring.NAMES)
+        self.assertEqual(info["cameras"][0]["pictures"], "north_%04d.exr")
+        self.path("c2_0011.exr").unlink()
+        done = support.volute("info", self.path("capture.json"))
+        self.assertEqual(done.code, 1)
+        self.assertRegex(done.text, rf"c2: .*: 1 of {ring.FRAMES} pictures are MISSING")
+
     def test_nerf_transforms(self):
         frames = []
         for camera in self.json["cameras"]:

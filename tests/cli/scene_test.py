@@ -54,6 +54,18 @@ class Scene(support.TestCase):
         self.scene["media"].append({"kind": "volume", "file": "block.npy", "emission": 4})
         self.assertAlmostEqual(self.radiance(), 0.25 + 1, places=6)
 
+    def test_info_lists_what_is_in_it(self):
+        self.scene["media"].append({"kind": "volume", "file": "block.npy", "time": {"offset": -1}})
+        self.scene["lights"] = [{"kind": "ambient", "radiance": [1, 1, 1]}, {"kind": "sun", "direction": [0, 0, -1]}]
+        info = self.works("info", self.write(), "--json").json
+        self.assertEqual(info["kind"], "scene")
+        self.assertEqual([m["kind"] for m in info["media"]], ["volume", "volume"])
+        self.assertEqual(info["media"][1]["times"], [1, 1.04])
+        self.assertEqual((info["lights"], info["signs"], info["camera"]), (1, 0, True))
+        self.assertIn("block.npy (volume): 4 x 4 x 4 voxels, 2 frames, 1 to 1.04 s", self.works("info", self.write()).text)
+        self.assertIn("--values is for volumes of voxels, smoke on meshes and FDS cases; ",
+                      self.fails(2, "info", self.write(), "--values"))
+
     def test_transforms_scale_and_move(self):
         self.scene["media"][0]["transform"] = [1, 0, 0, 0, 0, 3, 0, 5, 0, 0, 1, 0, 0, 0, 0, 1]
         self.assertAlmostEqual(self.radiance(), 0.75, places=6)

@@ -27,6 +27,21 @@ class Usage(support.TestCase):
         self.assertIn("[default auto]", text)
         self.assertIn("[degrees]", text)
 
+    def test_outputs_have_the_input_s_name_unless_one_is_given(self):
+        support.write_npy(self.path("cloud_0001.npy"), (1, 8, 8, 8), [0.5] * 256 + [1.5] * 256)
+        cloud, here = self.path("cloud_0001.npy"), {"cwd": self.path("here")}
+        self.path("here").mkdir()
+        done = self.works("compress", cloud, **here)
+        self.assertIn("writes cloud_0001.volute; --output gives another name", done.message)
+        self.assertLessEqual(self.works("info", "cloud_0001.volute", "--json", **here).json["relative_rms"], 0.003)
+        for name in ("cloud_0001.png", "cloud_0001_2.png", "cloud_0001_3.png"):
+            self.assertIn(f"writes {name}; ", self.works("render", "cloud_0001.volute", "--size", "8x8", **here).message)
+        self.assertEqual(sorted(p.name for p in self.path("here").iterdir()),
+                         ["cloud_0001.png", "cloud_0001.volute", "cloud_0001_2.png", "cloud_0001_3.png"])
+        self.works("synthesize", "flame", "-o", self.path("fire_%04d.vti"), "--size", 8, "--frames", 2)
+        self.works("compress", self.path("fire_%04d.vti"), **here)
+        self.assertTrue(self.path("here/fire.volute").exists())
+
     def test_version(self):
         self.assertRegex(self.works("--version").text, r"\Avolute \d+\.\d+\.\d+\n\Z")
         self.assertEqual(self.works("info", "--version").text, self.works("--version").text)
@@ -40,8 +55,8 @@ class Usage(support.TestCase):
         self.assertNotIn("did you mean", self.fails(2, "xyzzy"))
 
     def test_wrong_usage_is_exit_2(self):
-        for words in (["info"], ["compress"], ["compress", "a.npy", "--rms", "1"],
-                      ["compress", "a.npy", "-o", "b.volute"],
+        for words in (["info"], ["compress"], ["extract", "a.volute"],
+                      ["compress", "-o", "b.volute"],
                       ["compress", "a.npy", "-o", "b.volute", "--rms", "1", "--psnr", "40"],
                       ["compress", "a.npy", "-o", "b.volute", "--rms", "x"],
                       ["compress", "a.npy", "-o", "b.volute", "--rms", "-1"],

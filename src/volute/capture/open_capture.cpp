@@ -325,6 +325,32 @@ Result<Capture> makeCapture(const std::filesystem::path& file, CaptureDraft& dra
 
 }  // namespace
 
+Result<bool> isCapture(const std::filesystem::path& path) {
+  const auto isColmap = [](const std::filesystem::path& file) {
+    const std::string name = file.filename().string();
+    return name == "cameras.txt" || name == "cameras.bin" || name == "images.txt" ||
+           name == "images.bin";
+  };
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".yml" || extension == ".yaml" || isColmap(path))
+    return true;
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    return std::ranges::any_of(std::filesystem::directory_iterator(path, ignored),
+                               [&](const auto& entry) { return isColmap(entry.path()); });
+  }
+  if (extension != ".json")
+    return false;
+  VOLUTE_ASSIGN(const auto json, readJson(path));
+  const auto format = json.is_object() ? json.value("format", nlohmann::json()) : nlohmann::json();
+  if (!json.is_object() || format == "volute-scene-1")
+    return false;
+  return json.contains("cameras") || json.contains("frames") || json.contains("camera_matrix") ||
+         format == "volute-capture-1";
+}
+
 std::optional<std::size_t> findCamera(const Capture& capture, const std::string& name) {
   const auto found = std::ranges::find(capture.cameras, name, &CaptureCamera::name);
   if (found == capture.cameras.end())

@@ -24,6 +24,10 @@ struct CaptureOptions {
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes] for one picture
 };
 
+/// Whether a file or folder is a capture, by its name; a .json by what is in it: one with cameras
+/// that is no scene.
+[[nodiscard]] Result<bool> isCapture(const std::filesystem::path& path);
+
 /// Reads a capture of any kind: capture.json, NeRF transforms.json, a COLMAP model's folder (or one
 /// of its files), OpenCV's .yml, .yaml or .json. Where frames are not stated they are those of
 /// which any camera has a picture. Cameras without a stated size have that of their pictures.

@@ -19,7 +19,7 @@ struct KindWords {
 
 KindWords wordsOf(std::string_view kind) {
   if (kind == kSceneKind)
-    return {"a scene: write it there", "scenes"};
+    return {"a scene", "scenes"};
   if (kind == kVoluteKind)
     return {"a .volute file", ".volute files"};
   if (kind == kPictureKind)
@@ -48,11 +48,14 @@ std::string_view mediumName(const std::string& file) {
 }  // namespace
 
 FileKind shownKind(const std::string& file) {
-  return {isScenePath(file) ? kSceneKind : mediumName(file), file};
+  if (isScenePath(file))
+    return {kSceneKind, file, ": write it there"};
+  return {mediumName(file), file};
 }
 
 FileKind readKind(const std::string& file) {
-  return {isVolutePath(file)    ? kVoluteKind
+  return {isScenePath(file)     ? kSceneKind
+          : isVolutePath(file)  ? kVoluteKind
           : isPicturePath(file) ? kPictureKind
                                 : mediumName(file),
           file};
@@ -65,8 +68,9 @@ Status refuseIdle(const Arguments& arguments, const std::vector<FileKind>& files
     });
     if (!arguments.given(option.name) || option.kinds.empty() || serves || files.empty())
       continue;
-    return fail(ErrorCode::kInvalidArgument, "--{} is for {}; {} is {}", option.name,
-                thingsOf(option.kinds), files.front().file, wordsOf(files.front().kind).thing);
+    return fail(ErrorCode::kInvalidArgument, "--{} is for {}; {} is {}{}", option.name,
+                thingsOf(option.kinds), files.front().file, wordsOf(files.front().kind).thing,
+                files.front().advice);
   }
   return {};
 }

@@ -18,12 +18,13 @@ inline constexpr std::string_view kSceneKind = "scene", kVoluteKind = "volute",
 struct FileKind {
   std::string_view kind;
   std::string file;
+  std::string_view advice = {};  ///< where else an option may be said
 };
 
 /// Of a file that is shown: a scene, or a medium by its name.
 FileKind shownKind(const std::string& file);
 
-/// Of one that is read: a .volute, a picture, or a medium by its name.
+/// Of one that is read: a scene, a .volute, a picture, or a medium by its name.
 FileKind readKind(const std::string& file);
 
 /// Refuses options that would change nothing: those that are for none of these files, by what

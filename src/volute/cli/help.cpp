@@ -85,6 +85,8 @@ std::string optionHelp(const Option& option) {
   std::string text(option.help);
   if (!option.choices.empty())
     text += fmt::format(": {}", fmt::join(option.choices, ", "));
+  if (!option.derived.empty())
+    text += fmt::format(" [default the input's name and {}]", option.derived);
   if (!option.initial.empty())
     text += fmt::format(" [default {}]", option.initial);
   if (option.several)

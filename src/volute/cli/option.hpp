@@ -39,6 +39,9 @@ struct Option {
   double most = std::numeric_limits<double>::infinity();
   bool positive = false;  ///< the number must be greater than zero
   bool below = false;     ///< and less than `most`
+  /// kOutput: what is written without the option: the input's name with this at its end instead of
+  /// its extension, in the current folder, and a number where there is such a file already.
+  std::string_view derived = {};
   bool required = false;
   bool several = false;                        ///< may be repeated; texts only
   std::vector<std::string_view> aliases = {};  ///< other names, which the help does not show

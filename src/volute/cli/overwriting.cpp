@@ -44,6 +44,25 @@ Status checkOne(std::string_view option, const std::string& output, const std::s
 
 }  // namespace
 
+std::string derivedOutput(const std::string& input, std::string_view end) {
+  fs::path path = fs::path(input).lexically_normal();
+  if (path.filename().empty())
+    path = path.parent_path();  // a folder with its slash
+  std::string stem = path.stem().string();
+  if (const auto number = stem.find_first_of("%#"); number != stem.npos)
+    stem.resize(number);
+  while (!stem.empty() && (stem.back() == '_' || stem.back() == '.' || stem.back() == '-'))
+    stem.pop_back();
+  if (stem.empty())
+    stem = "volute";
+  std::error_code ignored;
+  for (int i = 1;; ++i) {
+    const std::string name = fmt::format("{}{}{}", stem, i == 1 ? "" : fmt::format("_{}", i), end);
+    if (!fs::exists(fs::symlink_status(name, ignored)))
+      return name;
+  }
+}
+
 bool isSameFile(const std::string& a, const std::string& b) {
   std::error_code error;
   if (fs::equivalent(a, b, error) && !error)

@@ -82,7 +82,18 @@ int show(const std::string& text) {
   return status ? kDone : kCouldNot;
 }
 
-int runCommand(const Command& command, const Arguments& arguments,
+/// Names outputs that were not: Option::derived.
+void nameOutputs(const Command& command, Arguments& arguments, Progress& progress) {
+  for (const Option& option : command.options) {
+    if (option.derived.empty() || arguments.given(option.name) || arguments.positionals().empty())
+      continue;
+    const std::string name = derivedOutput(arguments.positional(0), option.derived);
+    arguments.set(option.name, name, false);
+    progress.remark(fmt::format("writes {}; --{} gives another name", name, option.name));
+  }
+}
+
+int runCommand(const Command& command, Arguments arguments,
                const std::vector<std::string>& words) {
   const ThreadLimit threads(arguments.find<int>("threads").value_or(0));
   Console console(std::string(command.name), volumeOf(arguments));
@@ -91,6 +102,7 @@ int runCommand(const Command& command, const Arguments& arguments,
   context.words = words;
   context.verbose = arguments.flag("verbose");
   Interrupt::name(command.name);
+  nameOutputs(command, arguments, console);
   Status status = runGuarded(command, arguments, context);
   if (status)
     status = flushResults();

@@ -10,6 +10,9 @@
 namespace volute::cli {
 namespace {
 
+/// A PSNR of 50 dB.
+constexpr double kUsualRms = 0.003;
+
 ErrorTarget targetOf(const Arguments& arguments) {
   using Kind = ErrorTarget::Kind;
   if (const auto rms = arguments.find<double>("rms"))
@@ -20,7 +23,9 @@ ErrorTarget targetOf(const Arguments& arguments) {
     return {Kind::kRatio, *ratio};
   if (const auto size = arguments.find<Bytes>("size"))
     return {Kind::kSize, static_cast<double>(size->count)};
-  return {Kind::kMaxError, arguments.get<double>("max-error")};
+  if (const auto most = arguments.find<double>("max-error"))
+    return {Kind::kMaxError, *most};
+  return {Kind::kRms, kUsualRms};
 }
 
 std::vector<std::string_view> modeNames() {
@@ -100,7 +105,7 @@ Command compressCommand() {
       .name = "compress",
       .summary = "Compresses a sequence of volumes to a stated error or size",
       .examples =
-          {"volute compress fire.npy -o fire.volute --rms 0.003",
+          {"volute compress fire.npy", "volute compress fire.npy -o fire.volute --rms 0.001",
            "volute compress smoke_%04d.vdb -o smoke.volute --field density --psnr 50 --frames 10:60",
            "volute compress fire.volute -o small.volute --ratio 200"},
       .description =
@@ -108,7 +113,7 @@ Command compressCommand() {
           "file, pattern or "
           "folder, .vti, .pvd, or .volute, and writes one .volute file. It reports what was "
           "reached, measured on "
-          "what was written. NaN and infinities are refused with the frame and voxel.\n\n"
+          "what was written; without an option for it the relative RMS is at most 0.003. NaN and infinities are refused with the frame and voxel.\n\n"
           "Relative RMS is the RMS error over all voxels and channels, divided by the maximum "
           "minus the minimum of "
           "the whole original.",
@@ -119,11 +124,11 @@ Command compressCommand() {
                    .kind = kOutput,
                    .value = "OUT.volute",
                    .help = "the file to write",
-                   .required = true},
+                   .derived = ".volute"},
                   {.name = "rms",
                    .kind = kNumber,
                    .value = "R",
-                   .help = "relative RMS error at most R; one of 1 keeps nothing",
+                   .help = "relative RMS error at most R; one of 1 keeps nothing; 0.003 unless another of these is given",
                    .most = 1,
                    .positive = true},
                   {.name = "psnr",
@@ -171,7 +176,7 @@ Command compressCommand() {
                    .help = "outer voxel faces [m]: states those of a .npy, crops or pads others to "
                            "them on the voxel grid"},
                   {.name = "partial", .help = "use what is intact of a damaged .volute"}},
-      .oneOf = {{{"rms", "psnr", "ratio", "size", "max-error"}, true}},
+      .oneOf = {{{"rms", "psnr", "ratio", "size", "max-error"}, false}},
       .run = runCompress};
 }
 

@@ -7,13 +7,16 @@
 #include "volute/cli/field_options.hpp"
 #include "volute/cli/file_kind.hpp"
 #include "volute/cli/fds_report.hpp"
+#include "volute/capture/open_capture.hpp"
 #include "volute/cli/gl_pictures.hpp"
 #include "volute/cli/mesh_report.hpp"
+#include "volute/cli/scene_report.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/smoke/scene_smoke.hpp"
 #include "volute/media/volume/volume_input.hpp"
 #include "volute/cli/values.hpp"
+#include "volute/scene/scene.hpp"
 
 namespace volute::cli {
 namespace {
@@ -228,8 +231,11 @@ Status runInfo(const Arguments& arguments, Context& context) {
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   const auto& paths = arguments.positionals();
   for (const auto& path : paths) {
+    VOLUTE_ASSIGN(const bool capture, isCapture(path));
     auto report =
-        isVolutePath(path)    ? describeVolute(path, arguments.flag("blocks"), context, damaged)
+        capture               ? describeCapture(path, context, damaged)
+        : isScenePath(path)   ? describeScene(path, context)
+        : isVolutePath(path)  ? describeVolute(path, arguments.flag("blocks"), context, damaged)
         : isPicturePath(path) ? describePicture(path)
         : isSmvPath(path) ? describeFdsCase(path, arguments.find<std::string>("field").value_or(""),
                                             arguments.flag("values"), context)
@@ -267,9 +273,10 @@ Command infoCommand() {
           "which of them says how thick the smoke is, at which times, and what is cut off. Smoke "
           "on "
           "a mesh (.vtu, .pvtu, .vtk, .pvd, .case, .e, .foam) shows its times, cells, the "
-          "tetrahedra that they are split into, and its fields with their ranges.",
+          "tetrahedra that they are split into, and its fields with their ranges. A scene lists its "
+          "media, a capture its cameras and which of their pictures are missing.",
       .positionals = {{.name = "FILE",
-                       .help = "a volume, a picture, smoke on a mesh or an FDS case",
+                       .help = "a volume, a picture, smoke on a mesh, an FDS case, a scene or a capture",
                        .several = true,
                        .optional = true}},
       .options = {fieldOption("which one of a file with several; which source of an FDS case",

@@ -294,7 +294,7 @@ std::vector<Option> reconstructOptionTable() {
        .kind = kOutput,
        .value = "OUT",
        .help = ".volute, .npy (float32, t,z,y,x[,c]), %04d.vdb, %04d.vti, .pvd, or - for a .npy",
-       .required = true},
+       .derived = ".volute"},
       {.name = "resolution",
        .kind = kText,
        .value = "N[,N,N]",

@@ -426,7 +426,7 @@ std::vector<Option> renderOptionTable() {
        .value = "OUT",
        .help = ".png, .exr (linear values), .mp4 or .webm; several stills need %04d for the "
                "frame's number",
-       .required = true},
+       .derived = ".png"},
       {.name = "size",
        .kind = kPixels,
        .value = "WxH",
@@ -533,7 +533,8 @@ Command renderCommand() {
   return {
       .name = "render",
       .summary = "Takes pictures or a film of a volume",
-      .examples = {"volute render fire.volute -o fire.png --size 640x480 --time 0.8",
+      .examples = {"volute render fire.volute",
+                   "volute render fire.volute -o fire.png --size 640x480 --time 0.8",
                    "volute render fire.volute -o fire.mp4 --frames 0:48",
                    "volute render smoke.volute -o depth.exr --aov optical-depth --eye 0,-4,1 "
                    "--target 0,0,1 --fov 40"},
