@@ -38,7 +38,7 @@ class Usage(support.TestCase):
             self.assertIn(f"writes {name}; ", self.works("render", "cloud_0001.volute", "--size", "8x8", **here).message)
         self.assertEqual(sorted(p.name for p in self.path("here").iterdir()),
                          ["cloud_0001.png", "cloud_0001.volute", "cloud_0001_2.png", "cloud_0001_3.png"])
-        self.works("synthesize", "flame", "-o", self.path("fire_%04d.vti"), "--size", 8, "--frames", 2)
+        self.works("synthesize", "flame", "-o", self.path("fire_%04d.vti"), "--size", 16, "--frames", 2)
         self.works("compress", self.path("fire_%04d.vti"), **here)
         self.assertTrue(self.path("here/fire.volute").exists())
 
