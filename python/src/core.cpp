@@ -1,0 +1,398 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+
+// volute._core: .volute files and FDS cases as arrays. Python's own part (volute/*.py) makes them
+// comfortable; here is what must be fast.
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "bridge.hpp"
+#include "volute/base/parallel.hpp"
+#include "volute/base/version.hpp"
+#include "volute/codec/compress.hpp"
+#include "volute/codec/volute_reader.hpp"
+#include "volute/fds/fds_volume.hpp"
+
+namespace volute::python {
+namespace {
+
+using Indices = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
+using Values = py::array_t<float, py::array::c_style | py::array::forcecast>;
+
+/// Voxels of one axis that lie in one block and are asked for.
+struct Run {
+  std::size_t to;  ///< place in the result
+  int from;        ///< in the block
+  int length;      ///< so many follow each other in both
+};
+
+struct AxisPart {
+  int block = 0;
+  std::vector<Run> runs;
+};
+
+/// What is asked for on an axis, by blocks.
+std::vector<AxisPart> partsOf(const std::vector<std::int64_t>& indices) {
+  std::vector<AxisPart> parts;
+  for (std::size_t place = 0; place < indices.size(); ++place) {
+    const auto block = static_cast<int>(indices[place] / BlockGrid::kSide);
+    const auto from = static_cast<int>(indices[place] % BlockGrid::kSide);
+    auto part = std::ranges::find(parts.rbegin(), parts.rend(), block, &AxisPart::block);
+    if (part == parts.rend()) {
+      parts.push_back({block, {}});
+      part = parts.rbegin();
+    }
+    if (!part->runs.empty()) {
+      Run& last = part->runs.back();
+      if (last.from + last.length == from && last.to + static_cast<std::size_t>(last.length) == place) {
+        ++last.length;
+        continue;
+      }
+    }
+    part->runs.push_back({place, from, 1});
+  }
+  return parts;
+}
+
+bool isRange(const std::vector<std::int64_t>& indices) {
+  for (std::size_t i = 1; i < indices.size(); ++i) {
+    if (indices[i] != indices[i - 1] + 1)
+      return false;
+  }
+  return true;
+}
+
+/// The same for all four axes.
+class Gather {
+ public:
+  Gather(const VoluteReader& reader, const std::array<std::vector<std::int64_t>, 4>& indices, int levels)
+      : reader_(reader), levels_(levels) {
+    for (std::size_t axis = 0; axis < 4; ++axis) {
+      sizes_[axis] = indices[axis].size();
+      parts_[axis] = partsOf(indices[axis]);
+    }
+  }
+
+  /// Each touched block is decoded once.
+  Status read(float* values, Progress& progress) const {
+    std::size_t count = 1;
+    for (const auto& parts : parts_) count *= parts.size();
+    constexpr std::size_t kBatch = 256;  // between batches one may ask to stop
+    for (std::size_t begin = 0; begin < count; begin += kBatch) {
+      if (progress.cancelled())
+        return fail(ErrorCode::kCancelled, "stopped");
+      std::vector<Status> done(std::min(kBatch, count - begin));
+      parallelFor(done.size(), [&](std::size_t i) { done[i] = readBlock(begin + i, values); });
+      for (Status& status : done) VOLUTE_TRY(std::move(status));
+    }
+    return {};
+  }
+
+ private:
+  Status readBlock(std::size_t number, float* values) const {
+    std::array<const AxisPart*, 4> part{};
+    BlockGrid::Index4 at{};
+    for (std::size_t axis = 4; axis-- > 0; number /= parts_[axis].size()) {
+      part[axis] = &parts_[axis][number % parts_[axis].size()];
+      at[axis] = part[axis]->block;
+    }
+    const BlockGrid& grid = reader_.blocks();
+    const std::size_t block = grid.blockAt(at);
+    const BlockGrid::Index4 extents = grid.extents(block);
+    std::vector<float> decoded(grid.values(block));
+    VOLUTE_TRY(reader_.readBlock(block, decoded, levels_));
+    const auto channels = static_cast<std::size_t>(grid.channels());
+    eachIndex(*part[0], [&](std::size_t t, int fromT) {
+      eachIndex(*part[1], [&](std::size_t z, int fromZ) {
+        eachIndex(*part[2], [&](std::size_t y, int fromY) {
+          const std::size_t row = ((t * sizes_[1] + z) * sizes_[2] + y) * sizes_[3];
+          const std::size_t fromRow =
+              ((static_cast<std::size_t>(fromT) * extents[1] + fromZ) * extents[2] + fromY) * extents[3];
+          for (const Run& run : part[3]->runs) {
+            std::copy_n(&decoded[(fromRow + run.from) * channels], run.length * channels,
+                        values + (row + run.to) * channels);
+          }
+        });
+      });
+    });
+    return {};
+  }
+
+  template <class Call>
+  static void eachIndex(const AxisPart& part, Call&& call) {
+    for (const Run& run : part.runs) {
+      for (int i = 0; i < run.length; ++i) call(run.to + static_cast<std::size_t>(i), run.from + i);
+    }
+  }
+
+  const VoluteReader& reader_;
+  int levels_;
+  std::array<std::size_t, 4> sizes_{};
+  std::array<std::vector<AxisPart>, 4> parts_;
+};
+
+py::tuple tupleOf(const Vec3& v) {
+  return py::make_tuple(v.x(), v.y(), v.z());
+}
+
+py::dict describe(const VolumeInfo& info) {
+  using namespace py::literals;
+  return py::dict("name"_a = info.name, "unit"_a = info.unit,
+                  "shape"_a = py::make_tuple(info.frames, info.z, info.y, info.x, info.channels),
+                  "bounds"_a = py::make_tuple(tupleOf(info.bounds.min), tupleOf(info.bounds.max)),
+                  "times"_a = py::array_t<double>(info.times.size(), info.times.data()),
+                  "frame_numbers"_a = py::array_t<int>(info.frameNumbers.size(), info.frameNumbers.data()),
+                  "basis"_a = info.basis == Basis::kTrilinear ? "trilinear" : "box");
+}
+
+class File {
+ public:
+  File(const std::filesystem::path& path, bool partial, std::uint64_t maxMemory)
+      : reader_(take([&] {
+          const py::gil_scoped_release release;
+          return VoluteReader::open(path, {.partial = partial, .maxMemory = maxMemory});
+        }())) {}
+
+  py::dict info() const { return describe(reader_.info()); }
+
+  py::dict header() const {
+    using namespace py::literals;
+    const VoluteHeader& h = reader_.header();
+    return py::dict("version"_a = py::make_tuple(h.versionMajor, h.versionMinor), "written_by"_a = h.writtenBy,
+                    "provenance"_a = h.provenance, "target"_a = py::make_tuple(h.targetKind, h.targetValue),
+                    "rms"_a = h.reachedRms, "max_error"_a = h.reachedMaxError,
+                    "value_range"_a = py::make_tuple(h.valueMin, h.valueMax));
+  }
+
+  py::array_t<float> read(const Indices& t, const Indices& z, const Indices& y, const Indices& x,
+                          int levels) const {
+    const VolumeInfo& info = reader_.info();
+    const std::array<const Indices*, 4> asked{&t, &z, &y, &x};
+    const std::array<int, 4> sides{info.frames, info.z, info.y, info.x};
+    std::array<std::vector<std::int64_t>, 4> indices;
+    std::vector<py::ssize_t> shape;
+    for (std::size_t axis = 0; axis < 4; ++axis) {
+      if (asked[axis]->ndim() != 1)
+        throw py::value_error("indices of an axis have one dimension");
+      indices[axis].assign(asked[axis]->data(), asked[axis]->data() + asked[axis]->size());
+      for (const std::int64_t index : indices[axis]) {
+        if (index < 0 || index >= sides[axis]) {
+          throw py::index_error(fmt::format("there is no {} on axis {}; it has {}", index, "tzyx"[axis], sides[axis]));
+        }
+      }
+      shape.push_back(asked[axis]->size());
+    }
+    shape.push_back(info.channels);
+    py::array_t<float> values(shape);
+    if (values.size() == 0)
+      return values;
+    float* to = values.mutable_data();
+    const std::span<float> all(to, static_cast<std::size_t>(values.size()));
+    run(py::none(), [&](Progress& progress) -> Status {
+      if (indices[0].size() == 1 && std::ranges::all_of(indices, isRange)) {
+        const auto first = [&](std::size_t axis) { return static_cast<int>(indices[axis].front()); };
+        const auto end = [&](std::size_t axis) { return static_cast<int>(indices[axis].back()) + 1; };
+        return reader_.readRegion(first(0), {first(1), first(2), first(3)}, {end(1), end(2), end(3)}, all,
+                                  levels);
+      }
+      return Gather(reader_, indices, levels).read(to, progress);
+    });
+    return values;
+  }
+
+  std::string verify(const py::object& listener) const {
+    return run(listener, [&](Progress& progress) { return reader_.verify(progress); }).firstFault;
+  }
+
+  const VoluteReader& reader() const { return reader_; }
+
+ private:
+  VoluteReader reader_;
+};
+
+/// Frames that a Python function gives: frame(index) -> array of shape (z, y, x[, c]).
+class PythonFrames final : public FrameSource {
+ public:
+  PythonFrames(VolumeInfo info, py::function frame, PythonProgress& progress)
+      : info_(std::move(info)), frame_(std::move(frame)), progress_(progress) {}
+
+  const VolumeInfo& info() const override { return info_; }
+
+  Status readFrame(int index, std::span<float> values) override {
+    const py::gil_scoped_acquire lock;
+    try {
+      const Values frame = frame_(index);
+      if (static_cast<std::size_t>(frame.size()) != values.size()) {
+        return fail(ErrorCode::kInvalidArgument, "frame {} has {} values; expected {}", index, frame.size(),
+                    values.size());
+      }
+      std::copy_n(frame.data(), values.size(), values.data());
+      return {};
+    } catch (py::error_already_set& thrown) {
+      progress_.stop(std::move(thrown));
+      return fail(ErrorCode::kCancelled, "stopped at frame {}", index);
+    }
+  }
+
+ private:
+  VolumeInfo info_;
+  py::function frame_;
+  PythonProgress& progress_;
+};
+
+using Shape = std::array<int, 5>;
+using Bounds = std::array<std::array<double, 3>, 2>;
+
+VolumeInfo infoOf(const Shape& shape, const std::optional<Bounds>& bounds,
+                  const std::optional<std::vector<double>>& times,
+                  const std::optional<std::vector<int>>& frameNumbers, const std::string& name,
+                  const std::string& unit, const std::string& basis) {
+  VolumeInfo info;
+  if (!name.empty())
+    info.name = name;
+  info.unit = unit;
+  std::tie(info.frames, info.z, info.y, info.x, info.channels) = std::tuple_cat(shape);
+  info.basis = basis == "trilinear" ? Basis::kTrilinear : Basis::kBox;
+  if (times)
+    info.times = *times;
+  if (frameNumbers)
+    info.frameNumbers = *frameNumbers;
+  info.fillDefaults();
+  if (bounds) {
+    info.bounds = {Vec3((*bounds)[0][0], (*bounds)[0][1], (*bounds)[0][2]),
+                   Vec3((*bounds)[1][0], (*bounds)[1][1], (*bounds)[1][2])};
+  }
+  return info;
+}
+
+py::dict compressFrames(py::function frame, const Shape& shape, const std::filesystem::path& path,
+                        const std::string& target, double value, const std::optional<Bounds>& bounds,
+                        const std::optional<std::vector<double>>& times,
+                        const std::optional<std::vector<int>>& frameNumbers, const std::string& name,
+                        const std::string& unit, const std::string& basis, const std::string& wavelet,
+                        bool fast, const std::string& provenance, std::uint64_t maxMemory,
+                        const py::object& listener) {
+  using namespace py::literals;
+  using Kind = ErrorTarget::Kind;
+  constexpr std::array<std::pair<std::string_view, Kind>, 5> kKinds{{{"rms", Kind::kRms},
+                                                                     {"psnr", Kind::kPsnr},
+                                                                     {"ratio", Kind::kRatio},
+                                                                     {"size", Kind::kSize},
+                                                                     {"max_error", Kind::kMaxError}}};
+  const auto kind = std::ranges::find(kKinds, target, &std::pair<std::string_view, Kind>::first);
+  if (kind == kKinds.end())
+    throw py::value_error("target: " + target);
+  CompressOptions options;
+  options.target = {kind->second, value};
+  options.wavelet = wavelet;
+  options.fast = fast;
+  options.provenance = provenance;
+  options.maxMemory = maxMemory;
+  VolumeInfo info = infoOf(shape, bounds, times, frameNumbers, name, unit, basis);
+  take(info.validate(path.string()));
+  PythonProgress progress(listener);
+  PythonFrames frames(std::move(info), std::move(frame), progress);
+  auto result = [&] {
+    const py::gil_scoped_release release;
+    return compress(frames, path, options, progress);
+  }();
+  progress.rethrow();
+  const CompressReport report = take(std::move(result));
+  return py::dict("raw_bytes"_a = report.rawBytes, "file_bytes"_a = report.fileBytes,
+                  "rms"_a = report.relativeRms, "max_error"_a = report.maxError,
+                  "value_range"_a = py::make_tuple(report.valueMin, report.valueMax),
+                  "seconds"_a = report.seconds);
+}
+
+/// An FDS case as voxels. One thread at a time reads.
+class Fds {
+ public:
+  Fds(const std::filesystem::path& path, const std::string& quantity, const std::string& source,
+      double massExtinction, std::optional<int> mesh, const std::optional<Bounds>& bounds,
+      std::uint64_t maxMemory)
+      : volume_(take([&] {
+          const py::gil_scoped_release release;
+          FdsVolume::Options options;
+          options.read.quantity = quantity;
+          options.read.source = source;
+          options.read.massExtinction = massExtinction;
+          options.read.maxMemory = maxMemory;
+          options.mesh = mesh;
+          if (bounds) {
+            options.bounds = {Vec3((*bounds)[0][0], (*bounds)[0][1], (*bounds)[0][2]),
+                              Vec3((*bounds)[1][0], (*bounds)[1][1], (*bounds)[1][2])};
+          }
+          return FdsVolume::open(path, options);
+        }())) {}
+
+  py::dict info() const { return describe(volume_->info()); }
+
+  py::array_t<float> frame(int index) {
+    const VolumeInfo& info = volume_->info();
+    if (index < 0 || index >= info.frames)
+      throw py::index_error(fmt::format("there is no frame {}; there are {}", index, info.frames));
+    py::array_t<float> values({info.z, info.y, info.x});
+    const std::span<float> to(values.mutable_data(), static_cast<std::size_t>(values.size()));
+    run(py::none(), [&](Progress&) {
+      const std::lock_guard lock(mutex_);
+      return volume_->readFrame(index, to);
+    });
+    return values;
+  }
+
+  std::vector<std::string> remarks() const {
+    const auto remarks = volume_->fdsCase().remarks();
+    return {remarks.begin(), remarks.end()};
+  }
+
+  std::vector<std::pair<std::string, std::string>> sources() const {
+    std::vector<std::pair<std::string, std::string>> result;
+    for (const FdsSource& source : volume_->fdsCase().sources()) result.emplace_back(source.name, source.description);
+    return result;
+  }
+
+  std::string source() const { return volume_->fdsCase().source().name; }
+
+ private:
+  std::unique_ptr<FdsVolume> volume_;
+  std::mutex mutex_;
+};
+
+}  // namespace
+}  // namespace volute::python
+
+PYBIND11_MODULE(_core, m) {
+  using namespace volute::python;
+  using namespace py::literals;
+  translateFailures();
+  m.doc() = "What of Volute reads and writes volumes; use the package `volute`.";
+  m.attr("version") = VOLUTE_VERSION;
+  m.attr("block") = volute::BlockGrid::kSide;
+
+  py::class_<File>(m, "File")
+      .def(py::init<const std::filesystem::path&, bool, std::uint64_t>(), "path"_a, "partial"_a, "max_memory"_a)
+      .def_property_readonly("info", &File::info)
+      .def_property_readonly("header", &File::header)
+      .def_property_readonly("bytes_read", [](const File& file) { return file.reader().bytesRead(); })
+      .def_property_readonly("blocks_decoded", [](const File& file) { return file.reader().blocksDecoded(); })
+      .def("read", &File::read, "t"_a, "z"_a, "y"_a, "x"_a, "levels"_a = 99)
+      .def("verify", &File::verify, "listener"_a);
+
+  m.def("compress", &compressFrames, "frame"_a, "shape"_a, "path"_a, "target"_a, "value"_a, "bounds"_a, "times"_a,
+        "frame_numbers"_a, "name"_a, "unit"_a, "basis"_a, "wavelet"_a, "fast"_a, "provenance"_a, "max_memory"_a,
+        "listener"_a);
+
+  py::class_<Fds>(m, "Fds")
+      .def(py::init<const std::filesystem::path&, const std::string&, const std::string&, double, std::optional<int>,
+                    const std::optional<Bounds>&, std::uint64_t>(),
+           "path"_a, "quantity"_a, "source"_a, "mass_extinction"_a, "mesh"_a, "bounds"_a, "max_memory"_a)
+      .def_property_readonly("info", &Fds::info)
+      .def_property_readonly("remarks", &Fds::remarks)
+      .def_property_readonly("sources", &Fds::sources)
+      .def_property_readonly("source", &Fds::source)
+      .def("frame", &Fds::frame, "index"_a);
+}

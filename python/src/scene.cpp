@@ -1,0 +1,466 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+
+// volute._scene: scenes, pictures, lines of sight, and volumes from pictures.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "bridge.hpp"
+#include "volute/base/parallel.hpp"
+#include "volute/capture/geometry_check.hpp"
+#include "volute/capture/open_capture.hpp"
+#include "volute/codec/compress.hpp"
+#include "volute/image/srgb.hpp"
+#include "volute/io/image_file.hpp"
+#include "volute/media/camera_file.hpp"
+#include "volute/scene/scene.hpp"
+#include "volute/scene/scene_renderer.hpp"
+#include "volute/scene/scene_sight.hpp"
+#include "volute/tomography/reconstructed_frames.hpp"
+#include "volute/tomography/reconstruction_report.hpp"
+#include "volute/tomography/run_key.hpp"
+#include "volute/visibility/eyes.hpp"
+#include "volute/visibility/sign_file.hpp"
+#include "volute/visibility/survey.hpp"
+
+namespace volute::python {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+using Points = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+OrderedJson jsonOf(const std::string& text) {
+  return OrderedJson::parse(text);  // json.dumps wrote it
+}
+
+std::vector<Vec3> pointsOf(const Points& points, const char* what) {
+  if (points.ndim() != 2 || points.shape(1) != 3)
+    throw py::value_error(fmt::format("{}: expected shape (n, 3), x y z in metres", what));
+  std::vector<Vec3> result(static_cast<std::size_t>(points.shape(0)));
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const double* p = points.data() + 3 * i;
+    result[i] = Vec3(p[0], p[1], p[2]);
+    if (!result[i].allFinite())
+      throw py::value_error(fmt::format("{}: point {} is not finite", what, i));
+  }
+  return result;
+}
+
+py::tuple boundsTuple(const Box3& box) {
+  const auto point = [](const Vec3& v) { return py::make_tuple(v.x(), v.y(), v.z()); };
+  return py::make_tuple(point(box.min), point(box.max));
+}
+
+SceneOptions sceneOptions(const std::string& members, std::uint64_t maxMemory) {
+  SceneOptions options;
+  options.maxMemory = maxMemory;
+  options.members = jsonOf(members);
+  return options;
+}
+
+py::array_t<float> arrayOf(Image&& image) {
+  std::vector<py::ssize_t> shape{image.height, image.width};
+  if (image.channels != 1)
+    shape.push_back(image.channels);
+  return owned(std::move(image.pixels), std::move(shape));
+}
+
+Image imageOf(const py::array_t<float, py::array::c_style | py::array::forcecast>& array) {
+  const bool colour = array.ndim() == 3 && array.shape(2) == 3;
+  if (!colour && array.ndim() != 2)
+    throw py::value_error("a picture has shape (height, width) or (height, width, 3)");
+  Image image(static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)), colour ? 3 : 1);
+  std::copy_n(array.data(), image.pixels.size(), image.pixels.data());
+  return image;
+}
+
+/// A scene that is open. Calls from several threads wait for each other.
+class PythonScene {
+ public:
+  explicit PythonScene(Scene scene) : scene_(std::move(scene)) {}
+
+  std::string json() const { return scene_.json().dump(); }
+
+  std::string path() const { return scene_.path(); }
+
+  py::tuple bounds() const { return boundsTuple(scene_.bounds()); }
+
+  std::vector<double> times() const { return scene_.times(); }
+
+  std::vector<std::tuple<std::string, std::string, std::string>> media() const {
+    std::vector<std::tuple<std::string, std::string, std::string>> result;
+    for (const auto& medium : scene_.media()) {
+      const MediumInfo& info = medium->info();
+      result.emplace_back(info.what, info.file, info.size);
+    }
+    return result;
+  }
+
+  void change(const std::string& json, const py::object& listener) {
+    run(listener, [&](Progress& progress) {
+      const std::lock_guard lock(mutex_);
+      return scene_.change(jsonOf(json), progress);
+    });
+  }
+
+  py::array_t<float> render(double time, const std::string& camera,
+                            std::optional<std::array<int, 2>> size, const std::string& renderer,
+                            const std::string& aov, std::optional<std::array<double, 3>> background,
+                            const py::object& listener) {
+    return arrayOf(run(listener, [&](Progress& progress) -> Result<Image> {
+      const std::lock_guard lock(mutex_);
+      VOLUTE_ASSIGN(const Camera from, cameraOf(camera, size));
+      RenderOptions options;
+      options.background = scene_.description().background;
+      if (background)
+        options.background = Rgb((*background)[0], (*background)[1], (*background)[2]);
+      options.aov = aov == "optical-depth"   ? Aov::kOpticalDepth
+                    : aov == "transmittance" ? Aov::kTransmittance
+                                             : Aov::kNone;
+      VOLUTE_ASSIGN(Snapshot snapshot, scene_.at({.time = time}, progress));
+      snapshot.background = options.background;
+      auto& with = renderer == "reference" ? reference_ : cpu_;
+      return with.render(snapshot, from, options, progress);
+    }));
+  }
+
+ private:
+  Result<Camera> cameraOf(const std::string& json, std::optional<std::array<int, 2>> size) const {
+    constexpr Pixels kUsualSize{800, 600};
+    std::optional<CameraDescription> description = scene_.camera();
+    if (!json.empty()) {
+      VOLUTE_ASSIGN(description, parseCamera(jsonOf(json), {"camera"}));
+    }
+    Pixels pixels = description ? description->size.value_or(kUsualSize) : kUsualSize;
+    if (size)
+      pixels = {(*size)[0], (*size)[1]};
+    constexpr int kLargest = 32768;
+    if (pixels.width < 1 || pixels.height < 1 || pixels.width > kLargest || pixels.height > kLargest) {
+      return fail(ErrorCode::kInvalidArgument, "size: {} x {} pixels; expected 1 to {} on each side",
+                  pixels.width, pixels.height, kLargest);
+    }
+    return description ? makeCamera(*description, pixels)
+                       : Camera::framing(scene_.media().empty() ? scene_.bounds()
+                                                                : scene_.media().front()->info().bounds,
+                                         pixels.width, pixels.height);
+  }
+
+  Scene scene_;
+  CpuRenderer cpu_;
+  CpuRenderer reference_{Renderer::kReference};
+  std::mutex mutex_;
+};
+
+/// As scenes and their files are opened by the command: one that sees.
+class Sight {
+ public:
+  Sight(std::string path, std::string members, std::uint64_t maxMemory)
+      : path_(std::move(path)), options_(sceneOptions(members, maxMemory)) {
+    const py::gil_scoped_release release;
+    const std::lock_guard lock(mutex_);
+    take(open());
+  }
+
+  std::vector<double> times() const { return times_; }
+
+  py::tuple bounds() const { return boundsTuple(bounds_); }
+
+  std::string description() const { return description_; }
+
+  std::vector<std::string> remarks() const { return remarks_; }
+
+  /// Depths of lines at a stored time.
+  py::array look(std::size_t time, const Points& eyes, const Points& targets) {
+    const auto from = pointsOf(eyes, "eyes");
+    const auto to = pointsOf(targets, "targets");
+    if (from.size() != to.size())
+      throw py::value_error(fmt::format("{} eyes and {} targets; expected as many", from.size(), to.size()));
+    py::array_t<LineSight> out(static_cast<py::ssize_t>(from.size()));
+    LineSight* sights = out.mutable_data();
+    run(py::none(), [&](Progress&) -> Status {
+      VOLUTE_ASSIGN(const auto at, instant(time));
+      parallelRanges(from.size(), 64, [&](std::size_t begin, std::size_t end) {
+        std::vector<SightLine> lines;
+        for (std::size_t i = begin; i < end; ++i) lines.push_back({from[i], to[i]});
+        std::vector<volute::Sight> seen(lines.size());
+        at->look(lines, seen);
+        for (std::size_t i = begin; i < end; ++i) {
+          const volute::Sight& s = seen[i - begin];
+          sights[i] = {s.depth, s.low, s.high, s.covered, s.blocked};
+        }
+      });
+      return {};
+    });
+    return out;
+  }
+
+  /// What eyes make of signs at stored times, shape (time, sign, eye).
+  py::array survey(const std::vector<std::size_t>& times, const std::string& signsFile,
+                   const Points& eyes, const py::object& listener) {
+    const auto from = pointsOf(eyes, "eyes");
+    std::vector<Sighting> all;
+    std::size_t signCount = 0;
+    run(listener, [&](Progress& progress) -> Status {
+      VOLUTE_ASSIGN(const auto signs, readSigns(signsFile));
+      signCount = signs.size();
+      const std::size_t each = signs.size() * from.size();
+      all.resize(times.size() * each);
+      for (std::size_t t = 0; t < times.size(); ++t) {
+        if (progress.cancelled())
+          return fail(ErrorCode::kCancelled, "stopped");
+        VOLUTE_ASSIGN(const auto at, instant(times[t]));
+        VOLUTE_ASSIGN(const auto targets, placeSigns(*at, signs, bounds_, progress));
+        lookAround(*at, targets, from, std::span(all).subspan(t * each, each));
+        progress.report("looking", static_cast<double>(t + 1), static_cast<double>(times.size()));
+      }
+      return {};
+    });
+    py::array_t<SignSight> out({times.size(), signCount, from.size()});
+    std::ranges::transform(all, out.mutable_data(), [](const Sighting& s) {
+      return SignSight{s.distance,       s.angle,      s.depth,   s.low,       s.high,
+                       s.meanExtinction, s.visibility, s.covered, s.blocked,   s.visible,
+                       s.certainly,      s.possibly};
+    });
+    return out;
+  }
+
+  std::vector<std::string> signNames(const std::string& file) const {
+    std::vector<std::string> names;
+    for (const SafetySign& sign : take(readSigns(file))) names.push_back(sign.name);
+    return names;
+  }
+
+  struct LineSight {
+    double depth, low, high;
+    bool covered, blocked;
+  };
+
+  struct SignSight {
+    double distance, angle, depth, low, high, mean_extinction, visibility;
+    bool covered, blocked, visible, certainly, possibly;
+  };
+
+ private:
+  Status open() {
+    Progress quiet;
+    instant_ = nullptr;
+    VOLUTE_ASSIGN(auto scene, Scene::open(path_, options_, quiet));
+    VOLUTE_ASSIGN(field_, sightOf(std::move(scene), options_, quiet));
+    times_.assign(field_->times().begin(), field_->times().end());
+    bounds_ = field_->bounds();
+    description_ = field_->description();
+    remarks_ = field_->remarks();
+    return {};
+  }
+
+  /// Fields are read forwards: for an earlier time they are opened again.
+  Result<std::shared_ptr<const SightInstant>> instant(std::size_t time) {
+    const std::lock_guard lock(mutex_);
+    if (time >= times_.size()) {
+      return fail(ErrorCode::kInvalidArgument, "there is no stored time {}; there are {}", time,
+                  times_.size());
+    }
+    if (instant_ && time < time_)
+      VOLUTE_TRY(open());
+    if (!instant_ || time != time_) {
+      VOLUTE_ASSIGN(instant_, field_->read(time));
+      time_ = time;
+    }
+    return instant_;
+  }
+
+  std::string path_;
+  SceneOptions options_;
+  std::mutex mutex_;  // of what follows
+  std::unique_ptr<SightField> field_;
+  std::shared_ptr<const SightInstant> instant_;
+  std::size_t time_ = 0;
+  std::vector<double> times_;
+  Box3 bounds_;
+  std::string description_;
+  std::vector<std::string> remarks_;
+};
+
+ReconstructionSettings settingsOf(const OrderedJson& said, const Capture& capture,
+                                  std::uint64_t maxMemory) {
+  ReconstructionSettings settings;
+  TomographyOptions& options = settings.tomography;
+  const auto take = [&](const char* key, auto& to) {
+    if (said.contains(key))
+      to = said[key].get<std::decay_t<decltype(to)>>();
+  };
+  const auto takeOptional = [&]<class T>(const char* key, std::optional<T>& to) {
+    if (said.contains(key))
+      to = said[key].get<T>();
+  };
+  options.basis = said.value("basis", "trilinear") == "box" ? Basis::kBox : Basis::kTrilinear;
+  options.solver = *tomographySolverByName(said.value("solver", "apg"));
+  options.regularization = *regularizationByName(said.value("regularization", "auto"));
+  takeOptional("lambda", options.lambda);
+  takeOptional("iterations", options.iterations);
+  takeOptional("noise_sigma", options.noiseSigma);
+  take("sparsity", options.sparsity);
+  take("rays_per_pixel", options.raysPerPixel);
+  take("hull", options.hull);
+  take("coarse_to_fine", options.coarseToFine);
+  take("warm_start", settings.warmStart);
+  take("force", settings.force);
+  if (!options.noiseSigma)
+    options.noiseSigma = capture.noiseSigma;
+  options.maxMemory = maxMemory;
+  return settings;
+}
+
+CaptureOptions captureOptions(const OrderedJson& said, std::uint64_t maxMemory) {
+  CaptureOptions options;
+  options.maxMemory = maxMemory;
+  if (said.contains("images"))
+    options.images = said["images"].get<std::string>();
+  if (said.contains("bounds")) {
+    const auto b = said["bounds"].get<std::array<std::array<double, 3>, 2>>();
+    options.bounds = Box3{Vec3(b[0][0], b[0][1], b[0][2]), Vec3(b[1][0], b[1][1], b[1][2])};
+  }
+  if (said.contains("resolution"))
+    options.resolution = said["resolution"].get<std::array<int, 3>>();
+  if (said.contains("frames")) {
+    const auto range = said["frames"].get<std::array<int, 2>>();
+    options.frames = {range[0], range[1]};
+  }
+  return options;
+}
+
+Status checkGeometryOf(const Capture& capture, bool force, Progress& progress) {
+  for (const GeometryFault& fault : checkGeometry(capture)) {
+    if (!force)
+      return fail(ErrorCode::kInvalidData, "{}: {} (force=True goes on)", capture.file.string(), fault.message);
+    progress.remark("warning: " + fault.message);
+  }
+  return {};
+}
+
+/// Values of shape (t, z, y, x, c) where `output` is empty; else a .volute file is written.
+py::tuple reconstructCapture(const std::string& path, const std::string& output, double rms,
+                             const std::string& optionsJson, std::uint64_t maxMemory,
+                             const py::object& listener) {
+  using namespace py::literals;
+  const OrderedJson said = jsonOf(optionsJson);
+  std::vector<float> values;
+  VolumeInfo info;
+  OrderedJson report;
+  run(listener, [&](Progress& progress) -> Status {
+    VOLUTE_ASSIGN(const Capture capture, openCapture(path, captureOptions(said, maxMemory)));
+    for (const auto& remark : capture.remarks) progress.remark(remark);
+    const auto heldOut = said.value("hold_out", std::vector<std::string>{});
+    const ReconstructionSettings settings = settingsOf(said, capture, maxMemory);
+    VOLUTE_TRY(checkVolumeSize({capture.volume.bounds, capture.volume.resolution}, maxMemory));
+    VOLUTE_TRY(checkGeometryOf(capture, settings.force, progress));
+    VOLUTE_ASSIGN(auto views, ViewReader::open(capture, heldOut, maxMemory, progress));
+    VOLUTE_ASSIGN(const auto work, WorkFolder::open(output.empty() ? "-" : output));
+    VOLUTE_ASSIGN(const auto frames,
+                  ReconstructedFrames::open(capture, settings, std::move(views), work,
+                                            frameKeys(capture, settings, heldOut), progress));
+    const Status done = [&]() -> Status {
+      VOLUTE_TRY(frames->solveAll());
+      VOLUTE_ASSIGN(report, reconstructionReport(capture, settings, *frames));
+      info = frames->info();
+      if (!output.empty()) {
+        CompressOptions options;
+        options.target = {ErrorTarget::Kind::kRms, rms};
+        options.provenance = fmt::format("reconstructed from {}", capture.file.filename().string());
+        options.maxMemory = maxMemory;
+        VOLUTE_TRY(compress(*frames, output, options, progress));
+        return {};
+      }
+      if (info.rawBytes() > maxMemory) {
+        return fail(ErrorCode::kTooLarge,
+                    "{} MiB of values, more than the {} MiB allowed; give `output` or raise max_memory",
+                    (info.rawBytes() >> 20) + 1, maxMemory >> 20);
+      }
+      values.resize(info.values());
+      for (int i = 0; i < info.frames; ++i) {
+        VOLUTE_TRY(frames->readFrame(i, std::span(values).subspan(i * info.frameValues(), info.frameValues())));
+      }
+      return {};
+    }();
+    // What was finished of a file serves when the call is made again.
+    if (done || output.empty())
+      work.remove();
+    return done;
+  });
+  py::object array = py::none();
+  if (output.empty())
+    array = owned(std::move(values), {info.frames, info.z, info.y, info.x, info.channels});
+  const py::dict place("bounds"_a = boundsTuple(info.bounds), "times"_a = info.times,
+                       "frame_numbers"_a = info.frameNumbers);
+  return py::make_tuple(array, place, report.dump());
+}
+
+}  // namespace
+}  // namespace volute::python
+
+PYBIND11_MODULE(_scene, m) {
+  using namespace volute::python;
+  using namespace volute;
+  using namespace py::literals;
+  translateFailures();
+  m.doc() = "What of Volute shows and looks through scenes; use the package `volute`.";
+  PYBIND11_NUMPY_DTYPE(volute::python::Sight::LineSight, depth, low, high, covered, blocked);
+  PYBIND11_NUMPY_DTYPE(volute::python::Sight::SignSight, distance, angle, depth, low, high, mean_extinction, visibility,
+                       covered, blocked, visible, certainly, possibly);
+
+  py::class_<PythonScene>(m, "Scene")
+      .def_static(
+          "open",
+          [](const std::string& path, const std::string& members, std::uint64_t maxMemory, const py::object& listener) {
+            return std::make_unique<PythonScene>(run(listener, [&](Progress& progress) {
+              return Scene::open(path, sceneOptions(members, maxMemory), progress);
+            }));
+          },
+          "path"_a, "members"_a, "max_memory"_a, "listener"_a)
+      .def_static(
+          "make",
+          [](const std::string& json, const std::string& file, std::uint64_t maxMemory, const py::object& listener) {
+            return std::make_unique<PythonScene>(run(listener, [&](Progress& progress) {
+              return Scene::make(jsonOf(json), file, sceneOptions("{}", maxMemory), progress);
+            }));
+          },
+          "json"_a, "file"_a, "max_memory"_a, "listener"_a)
+      .def_property_readonly("json", &PythonScene::json)
+      .def_property_readonly("path", &PythonScene::path)
+      .def_property_readonly("bounds", &PythonScene::bounds)
+      .def_property_readonly("times", &PythonScene::times)
+      .def_property_readonly("media", &PythonScene::media)
+      .def("change", &PythonScene::change, "json"_a, "listener"_a)
+      .def("render", &PythonScene::render, "time"_a, "camera"_a, "size"_a, "renderer"_a, "aov"_a, "background"_a,
+           "listener"_a);
+
+  py::class_<volute::python::Sight>(m, "Sight")
+      .def(py::init<std::string, std::string, std::uint64_t>(), "path"_a, "members"_a, "max_memory"_a)
+      .def_property_readonly("times", &volute::python::Sight::times)
+      .def_property_readonly("bounds", &volute::python::Sight::bounds)
+      .def_property_readonly("description", &volute::python::Sight::description)
+      .def_property_readonly("remarks", &volute::python::Sight::remarks)
+      .def("look", &volute::python::Sight::look, "time"_a, "eyes"_a, "targets"_a)
+      .def("survey", &volute::python::Sight::survey, "times"_a, "signs_file"_a, "eyes"_a, "listener"_a)
+      .def("sign_names", &volute::python::Sight::signNames, "file"_a);
+
+  m.def("reconstruct", &reconstructCapture, "path"_a, "output"_a, "rms"_a, "options"_a, "max_memory"_a, "listener"_a);
+  m.def(
+      "read_image",
+      [](const std::filesystem::path& path) {
+        return arrayOf(run(py::none(), [&](Progress&) { return readImage(path); }));
+      },
+      "path"_a);
+  m.def(
+      "write_image",
+      [](const std::filesystem::path& path, const py::array_t<float, py::array::c_style | py::array::forcecast>& array) {
+        const Image image = imageOf(array);
+        run(py::none(), [&](Progress&) { return writeImage(path, image); });
+      },
+      "path"_a, "image"_a);
+}

@@ -1,0 +1,419 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""The Python package, as its users see it."""
+import ast
+import inspect
+import json
+import os
+import pathlib
+import pickle
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+import numpy as np
+
+import volute
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(SOURCE / "tools"))
+import fds_case  # noqa: E402
+
+COMMAND = os.environ["VOLUTE_COMMAND"]
+
+
+def puff(frames=20, z=24, y=20, x=18):
+    """A ball of smoke that moves along x, zero elsewhere."""
+    t, z, y, x = np.meshgrid(*map(np.arange, (frames, z, y, x)), indexing="ij")
+    values = np.exp(-((x - 6 - t / 4) ** 2 + (y - 9) ** 2 + (z - 12) ** 2) / 20.0)
+    return np.where(values < 1e-2, 0, values).astype(np.float32)
+
+
+class Package(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = pathlib.Path(cls.folder.name)
+        cls.values = puff()
+        cls.report = volute.compress(cls.values, cls.path / "puff.volute", rms=1e-3, bounds=((0, 0, 0), (1.8, 2, 2.4)), unit="1/m",
+                                     times=np.arange(20) * 0.5)
+        colour = np.stack([cls.values[:3], 0.5 * cls.values[:3], 0 * cls.values[:3]], axis=-1)
+        volute.compress(colour, cls.path / "colour.volute", max_error=0.01)
+        cls.file = str(cls.path / "puff.volute")
+        cls.decoded = np.asarray(volute.open(cls.file))
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_what_a_file_says(self):
+        v = volute.open(self.file)
+        self.assertEqual(v.shape, (20, 24, 20, 18))
+        self.assertEqual((v.ndim, v.size, v.dtype, len(v)), (4, 20 * 24 * 20 * 18, np.float32, 20))
+        self.assertEqual(v.chunks, (16, 16, 16, 16))
+        self.assertEqual(v.bounds, ((0, 0, 0), (1.8, 2, 2.4)))
+        np.testing.assert_allclose(v.voxel_size, (0.1, 0.1, 0.1))
+        np.testing.assert_array_equal(v.times, np.arange(20) * 0.5)
+        self.assertEqual((v.unit, v.basis, v.target), ("1/m", "box", ("rms", 1e-3)))
+        self.assertEqual(self.report.file_bytes, v.file_bytes)
+        self.assertLessEqual(v.rms, 1e-3)
+        self.assertLessEqual(abs(self.decoded - self.values).max(), v.max_error)
+        self.assertEqual(volute.open(self.path / "colour.volute").shape, (3, 24, 20, 18, 3))
+
+    def test_slices_are_those_of_numpy(self):
+        v = volute.open(self.file)
+        for key in [0, -1, (3, 4, 5, 6), (slice(None), 4), slice(10, 20), (slice(2, 18), slice(None, None, 2), slice(3, 17)), Ellipsis,
+                    (..., 5), (slice(None, None, -3), ..., slice(15, 2, -4)), (slice(5, 5), 1), [4, 1, 19], (slice(None), slice(None), [0, 19]),
+                    np.arange(20) % 7 == 0, (slice(0, 3), slice(None, None, -1)), (np.int32(7), slice(16, 17))]:
+            np.testing.assert_array_equal(v[key], self.decoded[key], err_msg=repr(key))
+        self.assertIsInstance(v[1, 2, 3, 4], np.float32)
+        c = volute.open(self.path / "colour.volute")
+        all_of_it = np.asarray(c)
+        for key in [1, (..., 0), (1, 5, 6, 7), (1, 5, 6, 7, 2), (slice(None), 3, ..., slice(1, 3))]:
+            np.testing.assert_array_equal(c[key], all_of_it[key], err_msg=repr(key))
+        # The axis of a list stays where it is, also beside numbers; NumPy would move it to the front.
+        np.testing.assert_array_equal(c[2, ..., [0, 2]], all_of_it[2][..., [0, 2]])
+
+    def test_what_is_no_index(self):
+        v = volute.open(self.file)
+        for key, said in [(20, "index 20 is out of bounds for axis 0 ('t') with size 20"), ((0, -25), "axis 1 ('z')"), (1.5, "whole number"),
+                          ("a", "whole number"), ((0,) * 5, "too many indices"), (([0, 1], [0, 1]), "one axis alone"), ((..., ...), "ellipsis"),
+                          (None, "whole number")]:
+            with self.assertRaises(IndexError) as raised:
+                v[key]
+            self.assertIn(said, str(raised.exception))
+
+    def test_only_blocks_that_are_touched_are_decoded(self):
+        v = volute.open(self.file)  # 2 x 2 x 2 x 2 blocks
+        v[3:9, :16, 17:, :10]
+        self.assertEqual(v.blocks_decoded, 1)
+        v[3, ::16, 0, 0]
+        self.assertEqual(v.blocks_decoded, 3)
+        v[[1, 17], 5, 5, 5]
+        self.assertEqual(v.blocks_decoded, 5)
+
+    def test_frames_in_order_are_decoded_together(self):
+        for read in [lambda v: list(v), lambda v: [v[i] for i in range(len(v))]]:
+            v = volute.open(self.file)
+            for frame, expected in zip(read(v), self.decoded):
+                np.testing.assert_array_equal(frame, expected)
+            self.assertLessEqual(v.blocks_decoded, 32)
+        without = volute.open(self.file, cache=0)
+        np.testing.assert_array_equal(np.stack(list(without)), self.decoded)
+        # What is given is the caller's.
+        v = volute.open(self.file)
+        for i in range(4):
+            v[i][:] = 7
+        np.testing.assert_array_equal(v[3], self.decoded[3])
+
+    def test_at_times(self):
+        v = volute.open(self.file)
+        self.assertEqual([v.frame_at(t) for t in (-1, 0, 0.49, 0.5, 99)], [0, 0, 0, 1, 19])
+        np.testing.assert_array_equal(v.at(1.2), self.decoded[2])
+
+    def test_decoded_arrays_are_shared_without_copies(self):
+        v = volute.open(self.file)
+        frame = v[3]
+        self.assertEqual(memoryview(frame).shape, frame.shape)
+        np.testing.assert_array_equal(np.from_dlpack(v), self.decoded)
+        self.assertTrue(np.shares_memory(np.from_dlpack(frame), frame))
+        self.assertEqual(np.asarray(v, np.float64).dtype, np.float64)
+
+    def test_dask(self):
+        try:
+            import dask.array  # noqa: F401
+        except ImportError:
+            self.skipTest("there is no python3-dask")
+        array = volute.open(self.file).to_dask()
+        self.assertEqual(float(array.sum()), float(array.compute().sum()))
+        np.testing.assert_array_equal(array[3:17, 5].compute(), self.decoded[3:17, 5])
+
+    def test_threads_and_processes_may_share_one(self):
+        v = volute.open(self.file)
+        wrong = []
+
+        def work(seed):
+            rng = np.random.default_rng(seed)
+            for _ in range(40):
+                t, z = int(rng.integers(20)), int(rng.integers(24))
+                if not (np.array_equal(v[t], self.decoded[t]) and np.array_equal(v[t:, z], self.decoded[t:, z])):
+                    wrong.append((t, z))
+        threads = [threading.Thread(target=work, args=(seed,)) for seed in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(wrong, [])
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(v))[5], self.decoded[5])
+
+    def test_the_same_bytes_as_the_command(self):
+        for name, values in [("f32.npy", self.values), ("f16.npy", self.values[:5].astype(np.float16)), ("one.npy", self.values[7])]:
+            np.save(self.path / name, values)
+            subprocess.run([COMMAND, "compress", self.path / name, "-o", self.path / "cli.volute", "--psnr", "50", "--quiet"], check=True,
+                           stdout=subprocess.DEVNULL)
+            for given in [values, list(values) if values.ndim == 4 else np.asfortranarray(values), np.load(self.path / name, mmap_mode="r")]:
+                frames = iter(given) if isinstance(given, list) else given
+                volute.compress(frames, self.path / "py.volute", psnr=50, provenance=name)
+                self.assertEqual((self.path / "py.volute").read_bytes(), (self.path / "cli.volute").read_bytes(), name)
+
+    def test_compressing_a_file_again_keeps_what_it_says(self):
+        again = volute.compress(volute.open(self.file), self.path / "again.volute", ratio=200).open()
+        first = volute.open(self.file)
+        self.assertEqual((again.bounds, again.unit, list(again.times)), (first.bounds, first.unit, list(first.times)))
+
+    def test_what_cannot_be_compressed(self):
+        nan = self.values[:2].copy()
+        nan[1, 2, 3, 4] = np.nan
+        target = self.path / "refused.volute"
+        for values, options, type_, said in [
+                (nan, {}, volute.InvalidData, "frame 1, voxel (4, 3, 2)"), (self.values[0, 0], {}, ValueError, "expected (z, y, x)"),
+                (self.values, {"rms": 1, "psnr": 3}, ValueError, "exclude each other"), (self.values, {"rms": -1}, ValueError, "above 0"),
+                (self.values, {"times": [1, 2]}, ValueError, "2 of them for 20 frames"),
+                (self.values[:2], {"times": [2, 1]}, volute.InvalidData, "time"),
+                (self.values[:2], {"bounds": ((0, 0, 0), (0, 1, 1))}, volute.Error, "bounds"),
+                (np.array([["a"]]), {}, ValueError, "shape"), (iter([]), {}, ValueError, "no frames"),
+                (iter([self.values[0], self.values[0, 1:]]), {}, ValueError, "frame 1 has shape"),
+                (np.full((1, 2, 2, 2), "a"), {}, TypeError, "numbers"), (self.values, {"wavelet": "db4"}, ValueError, "cdf97")]:
+            with self.assertRaises(type_) as raised:
+                volute.compress(values, target, **options)
+            self.assertIn(said, str(raised.exception))
+            self.assertFalse(target.exists())
+        with self.assertRaisesRegex(ValueError, "does not end in .volute"):
+            volute.compress(self.values, "a.npy")
+
+    def test_errors_are_the_librarys_sentences(self):
+        with self.assertRaisesRegex(FileNotFoundError, "nothing.volute: cannot open") as raised:
+            volute.open("nothing.volute")
+        self.assertIsInstance(raised.exception, volute.NotFound)
+        data = pathlib.Path(self.file).read_bytes()
+        cut = self.path / "cut.volute"
+        cut.write_bytes(data[:-40])
+        with self.assertRaisesRegex(volute.Truncated, "is truncated"):
+            volute.open(cut)
+        self.assertEqual(volute.open(cut, partial=True).shape, (20, 24, 20, 18))
+        flipped = bytearray(data)
+        flipped[-30] ^= 1
+        cut.write_bytes(flipped)
+        with self.assertRaisesRegex(volute.InvalidData, "checksum"):
+            np.asarray(volute.open(cut))
+        with self.assertRaisesRegex(volute.InvalidData, "checksum"):
+            volute.open(cut).verify()
+        volute.open(self.file).verify()
+
+    def test_progress_and_what_it_raises(self):
+        heard = []
+        volute.compress(self.values[:4], self.path / "small.volute", progress=lambda *said: heard.append(said))
+        self.assertTrue(any(done == total for _, done, total in heard))
+        self.assertTrue(all(isinstance(stage, str) for stage, _, _ in heard))
+
+        def stop(stage, done, total):
+            raise RuntimeError("that will do")
+        with self.assertRaisesRegex(RuntimeError, "that will do"):
+            volute.compress(self.values, self.path / "stopped.volute", progress=stop)
+        self.assertEqual([name for name in os.listdir(self.path) if "stopped" in name], [])
+        with self.assertRaises(TypeError):
+            volute.compress(self.values, self.path / "stopped.volute", progress=3)
+
+    def test_ctrl_c_stops_and_other_threads_go_on(self):
+        values = np.random.default_rng(1).random((64, 64, 64, 64), np.float32)
+        counted = [0]
+        stop = threading.Event()
+
+        def count():
+            while not stop.wait(0.01):
+                counted[0] += 1
+        thread = threading.Thread(target=count)
+        thread.start()
+        threading.Timer(0.7, os.kill, (os.getpid(), signal.SIGINT)).start()
+        began = time.monotonic()
+        with self.assertRaises(KeyboardInterrupt):
+            volute.compress(values, self.path / "long.volute", rms=1e-4)
+        stop.set()
+        thread.join()
+        self.assertLess(time.monotonic() - began, 20)
+        self.assertGreater(counted[0], 5)
+        self.assertEqual([name for name in os.listdir(self.path) if "long" in name], [])
+
+    def test_what_notebooks_show(self):
+        v = volute.open(self.file)
+        said = repr(v)
+        for part in ["puff.volute", "density [1/m]", "20 frames of 18 x 20 x 24 voxels", "0 to 9.5 s", "(0, 0, 0) to (1.8, 2, 2.4) m"]:
+            self.assertIn(part, said)
+        page = v._repr_html_()
+        self.assertIn("data:image/png;base64,", page)
+        self.assertIn("(20, 24, 20, 18)", page)
+        self.assertIn("relative RMS", page)
+        self.assertIn("1/", repr(self.report))
+
+    def test_pictures(self):
+        scene = volute.Scene(self.file, extinction=1.0, emission=0.5)
+        self.assertEqual(scene.media[0][2], "18 x 20 x 24 voxels, 20 frames")
+        self.assertEqual(scene.bounds, ((0, 0, 0), (1.8, 2, 2.4)))
+        np.testing.assert_allclose(scene.times, np.arange(20) * 0.5)
+        camera = {"eye": [-3, 1, 1.2], "target": [1, 1, 1.2], "ortho": 2.4}
+        heard = []
+        picture = scene.render(3.0, camera=camera, size=(60, 48), progress=lambda *said: heard.append(said))
+        self.assertEqual((picture.shape, picture.dtype), ((48, 60, 3), np.float32))
+        self.assertGreater(picture.max(), 0.05)
+        np.testing.assert_array_equal(picture, volute.render(scene, 3.0, camera=camera, size=(60, 48)))
+        # Sums along x are optical depths.
+        depth = scene.render(3.0, camera=camera, size=(40, 48), aov="optical-depth")
+        self.assertEqual(depth.shape, (48, 40))
+        along = 0.1 * self.decoded[6].sum(axis=2)
+        np.testing.assert_allclose(depth[1::2, 1::2][::-1, ::-1], along, atol=1e-4)
+        reference = scene.render(3.0, camera=camera, size=(60, 48), renderer="reference")
+        np.testing.assert_allclose(picture, reference, atol=1e-4)
+        self.assertIn("data:image/png", scene._repr_html_())
+        self.assertIn("puff.volute", repr(scene))
+
+    def test_a_picture_is_that_of_the_command(self):
+        volute.write_image(self.path / "py.exr", volute.render(self.file, 2.0, size=(80, 60)))
+        subprocess.run([COMMAND, "render", self.file, "-o", self.path / "cli.exr", "--time", "2", "--size", "80x60", "--renderer", "cpu", "--quiet"],
+                       check=True, stdout=subprocess.DEVNULL)
+        np.testing.assert_array_equal(volute.read_image(self.path / "py.exr"), volute.read_image(self.path / "cli.exr"))
+        white = np.ones((2, 3, 3), np.float32)
+        volute.write_image(self.path / "white.png", white)
+        np.testing.assert_array_equal(volute.read_image(self.path / "white.png"), white)
+        self.assertEqual(volute.to_srgb([0.0, 0.5, 9.0]).tolist(), [0, 188, 255])
+
+    def test_scenes_from_dicts(self):
+        said = {"format": "volute-scene-1", "camera": {"eye": [-3, 1, 1.2], "target": [1, 1, 1.2], "fov": 40},
+                "background": [0.25, 0.25, 0.25], "media": [{"kind": "volume", "file": "puff.volute", "extinction": 3.0}]}
+        scene = volute.Scene(said, folder=self.path)
+        self.assertEqual(scene.json, said)
+        self.assertAlmostEqual(float(scene.render(size=(8, 6))[0, 0, 0]), 0.25)
+        said["background"] = [0.5, 0.5, 0.5]
+        scene.change(said)
+        self.assertAlmostEqual(float(scene.render(size=(8, 6))[0, 0, 0]), 0.5)
+        with self.assertRaisesRegex(volute.InvalidData, "extinktion.*extinction"):
+            scene.change({**said, "media": [{**said["media"][0], "extinktion": 1}]})
+        self.assertEqual(scene.json, said)
+        with self.assertRaisesRegex(ValueError, "gl"):
+            scene.render(renderer="gl")
+        with self.assertRaises(TypeError):
+            volute.Scene(said, emission=1)
+
+    def smoke_room(self):
+        folder = self.path / "room"
+        folder.mkdir(exist_ok=True)
+        mesh = fds_case.Mesh("room", (0, 8, 0, 3, 0, 2.4), (16, 6, 5))
+        return fds_case.FdsCase([mesh], (0.0, 10.0, 20.0), lambda time, x, y, z: 0.1 * time).write(folder)
+
+    def test_fds(self):
+        case = volute.fds.open(self.smoke_room())
+        self.assertEqual(case.bounds, ((0, 0, 0), (8, 3, 2.4)))
+        self.assertEqual(list(case.times), [0, 10, 20])
+        self.assertEqual(case.shape[1:], (5, 6, 16))
+        np.testing.assert_allclose(case[2, 1:3, 2], 2, rtol=1e-5)
+        np.testing.assert_allclose([frame.mean() for frame in case], [0, 1, 2], rtol=1e-5)
+        self.assertIn(case.source, case.sources)
+        small = volute.compress(case, self.path / "room.volute", max_error=0.01).open()
+        self.assertEqual((small.bounds, small.unit), (case.bounds, case.unit))
+        self.assertLess(abs(small[1] - 1).max(), 0.0101)
+        with self.assertRaises(volute.NotFound):
+            volute.fds.open(self.path / "none.smv")
+
+    def test_lines_of_sight(self):
+        sight = volute.Sight(self.smoke_room())
+        seen = sight.look([[1, 1, 1], [2, 1, 1]], [6, 1, 1], time=2)
+        np.testing.assert_allclose(seen["depth"], [10, 8], rtol=1e-5)
+        self.assertTrue(seen["covered"].all() and not seen["blocked"].any())
+        np.testing.assert_allclose(sight.look([1, 1, 1], [6, 1, 1], time=1)["depth"], [5], rtol=1e-5)  # back in time
+        with self.assertRaisesRegex(volute.InvalidArgument, "no stored time 3"):
+            sight.look([1, 1, 1], [6, 1, 1], time=3)
+        with self.assertRaisesRegex(ValueError, "finite"):
+            sight.look([np.nan, 1, 1], [6, 1, 1])
+
+    def test_visibility(self):
+        signs = [{"name": "exit", "position": [7.9, 1.5, 2], "normal": [-1, 0, 0], "emitting": True},
+                 {"name": "back", "position": [0.1, 1.5, 2], "normal": [1, 0, 0], "C": 3}]
+        eyes = [[1, 1.5, 1.6], [4, 1.5, 1.6], [6, 1.5, 1.6]]
+        survey = volute.visibility(self.smoke_room(), signs, eyes)
+        self.assertEqual(survey.sightings.shape, (3, 2, 3))
+        self.assertEqual(survey.signs, ["exit", "back"])
+        # Light emitting: C = 8, so 8 m at 1/m and 4 m at 2/m; C = 3: 3 m and 1.5 m.
+        np.testing.assert_array_equal(survey.lost(), [[20, np.inf, np.inf], [np.inf, 10, 10]])
+        np.testing.assert_allclose(survey.sightings["visibility"][1], [[8] * 3, [3] * 3], rtol=1e-5)
+        with self.assertRaisesRegex(volute.Error, "normal"):
+            volute.visibility(self.smoke_room(), [{"name": "a", "position": [1, 1, 1]}], eyes)
+
+    def capture(self):
+        """Six cameras around the puff, and what they saw of it."""
+        cameras = []
+        for i in range(6):
+            angle = i * np.pi / 6 + 0.1
+            forward = -np.array([np.cos(angle), np.sin(angle), 0])
+            right, down = np.cross(forward, [0, 0, 1]), np.array([0, 0, -1.0])
+            rotation = np.stack([right, down, forward])
+            eye = np.array([0.9, 1, 1.2]) - 8 * forward
+            cameras.append({"name": f"c{i}", "image": f"c{i}_%04d.exr", "width": 32, "height": 32, "R": rotation.tolist(),
+                            "K": [[70, 0, 16], [0, 70, 16], [0, 0, 1]], "t": (-rotation @ eye).tolist()})
+        said = {"format": "volute-capture-1", "color": "linear", "pixel_centre": 0.5, "frames": [5], "cameras": cameras,
+                "volume": {"min": [0, 0, 0], "max": [1.8, 2, 2.4], "resolution": [9, 10, 12]}}
+        capture = self.path / "capture.json"
+        capture.write_text(json.dumps(said))
+        subprocess.run([COMMAND, "project", self.file, capture, "-o", self.path / "{camera}_%04d.exr", "--quiet"], check=True,
+                       stdout=subprocess.DEVNULL)
+        return capture
+
+    def test_reconstruction(self):
+        capture = self.capture()
+        result = volute.reconstruct(capture, iterations=20, regularization="none")
+        self.assertEqual(result.values.shape[:4], (1, 12, 10, 9))
+        self.assertEqual((result.bounds, list(result.frame_numbers)), (((0, 0, 0), (1.8, 2, 2.4)), [5]))
+        truth = self.decoded[5].reshape(12, 2, 10, 2, 9, 2).mean(axis=(1, 3, 5))
+        found = result.values[0].mean(axis=-1)
+        self.assertLess(np.linalg.norm(found - truth), 0.25 * np.linalg.norm(truth))
+        self.assertLess(result.report["residual"], 0.2)
+        written = volute.reconstruct(capture, self.path / "fire.volute", iterations=20, regularization="none", rms=1e-4)
+        self.assertEqual(written.values.shape[1:4], result.values.shape[1:4])
+        np.testing.assert_allclose(written.values[0], result.values[0], atol=written.values.max_error * 1.01)
+        with self.assertRaisesRegex(TypeError, "resolutoin"):
+            volute.reconstruct(capture, resolutoin=3)
+
+    def test_code_on_the_page(self):
+        blocks = re.findall(r"^```python\n(.*?)^```", (SOURCE / "docs/python.md").read_text(), re.S | re.M)
+        self.assertEqual(len(blocks), 4)
+        folder = self.path / "page"
+        folder.mkdir()
+        np.save(folder / "frames.npy", puff(24, 20, 20, 20))
+        said = subprocess.run([sys.executable, "-c", "\n".join(blocks)], cwd=folder, capture_output=True, text=True)
+        self.assertEqual(said.returncode, 0, said.stderr)
+        self.assertIn("(24, 20, 20, 20)", said.stdout)
+        self.assertIn("(24, 1, 2)", said.stdout)
+        self.assertTrue((folder / "smoke.png").exists())
+
+    def test_the_module_is_the_command(self):
+        said = subprocess.run([sys.executable, "-m", "volute", "--version"], capture_output=True, text=True, check=True)
+        self.assertEqual(said.stdout, f"volute {volute.__version__}\n")
+        wrong = subprocess.run([sys.executable, "-m", "volute", "--version"], capture_output=True, text=True,
+                               env=os.environ | {"VOLUTE_COMMAND": "/nothing/volute"})
+        self.assertEqual(wrong.returncode, 1)
+        self.assertIn("cannot run /nothing/volute", wrong.stderr)
+
+    def test_everything_is_documented_and_has_types(self):
+        folder = pathlib.Path(volute.__file__).parent
+        stub = {node.name: node for node in ast.parse((folder / "__init__.pyi").read_text()).body if hasattr(node, "name")}
+        for name in volute.__all__:
+            thing = getattr(volute, name)
+            self.assertTrue(inspect.getdoc(thing), name)
+            if inspect.ismodule(thing):
+                continue
+            self.assertIn(name, stub)
+            if inspect.isclass(thing) and not issubclass(thing, Exception):
+                declared = {node.name if hasattr(node, "name") else node.target.id for node in stub[name].body
+                            if isinstance(node, (ast.FunctionDef, ast.AnnAssign))}
+                real = {member for member in vars(thing) if not member.startswith("_")}
+                self.assertEqual(real - declared, set(), name)
+            elif inspect.isfunction(thing):
+                self.assertEqual([argument.arg for argument in stub[name].args.args + stub[name].args.kwonlyargs],
+                                 [n for n, p in inspect.signature(thing).parameters.items() if p.kind != p.VAR_KEYWORD], name)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

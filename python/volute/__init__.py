@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Volute: fire, smoke and fog that is measured, compressed, rendered and looked through.
+
+    import volute
+    v = volute.open("fire.volute")                       # a lazy array (t, z, y, x[, 3])
+    v[10, 32], v.times, v.bounds                         # decodes what is touched
+    volute.compress(array, "smoke.volute", rms=3e-3)     # array (t, z, y, x[, 3]), or an iterator of frames
+    volute.render("scene.json", time=0.8)                # linear RGB (height, width, 3)
+    volute.visibility("case.smv", signs, eyes).lost()    # [s] until each sign is lost
+    volute.reconstruct("capture.json").values            # radiance per metre from pictures
+    volute.fds.open("case.smv")                          # extinction [1/m] as a lazy array
+
+Errors are volute.Error and what Python calls the same (FileNotFoundError, ValueError, ..). Long calls leave the interpreter to
+other threads, stop at Ctrl-C, and report to `progress`."""
+import os as _os
+
+from . import _core, fds
+from ._compress import Compressed, compress
+from ._errors import (Cancelled, Error, InvalidArgument, InvalidData, IoError, NotFound, TooLarge, Truncated,
+                      Unsupported)
+from ._volume import Frames, Volume, open
+from ._scene_api import (Reconstruction, Scene, Sight, Survey, read_image, reconstruct, render, to_srgb, visibility, write_image)
+
+__version__ = _core.version
+__all__ = ["Cancelled", "Compressed", "Error", "Frames", "InvalidArgument", "InvalidData", "IoError", "NotFound", "Reconstruction",
+           "Scene", "Sight", "Survey", "TooLarge", "Truncated", "Unsupported", "Volume", "compress", "fds", "open", "read_image",
+           "reconstruct", "render", "to_srgb", "visibility", "write_image"]
+
+
+def _find_plugins():
+    """Where the parts with heavy dependencies are: beside the command that belongs to this package."""
+    from .__main__ import find
+    program = find()
+    if program:
+        folder = _os.path.join(_os.path.dirname(_os.path.dirname(_os.path.realpath(program))), "lib", "volute")
+        if _os.path.isdir(folder):
+            _os.environ.setdefault("VOLUTE_PLUGIN_FOLDER", folder)
+
+
+_find_plugins()

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""How long calls tell what they do."""
+import logging
+
+_log = logging.getLogger("volute")
+
+
+class Listener:
+    """Hears a long call. `progress` is None, a function (stage, done, total) or True: a bar by tqdm where that is installed.
+    Remarks go to the logger "volute"."""
+
+    def __init__(self, progress=None):
+        if progress is not None and progress is not True and progress is not False and not callable(progress):
+            raise TypeError("progress: expected a function (stage, done, total), True or None")
+        self._call = progress if callable(progress) else None
+        self._bars = None
+        if progress is True:
+            try:
+                from tqdm.auto import tqdm
+                self._bars = tqdm
+            except ImportError:
+                self._call = self._log_tenths
+        self._bar = None
+        self._stage = None
+        self._tenth = -1
+
+    def report(self, stage, done, total):
+        if self._call:
+            self._call(stage, done, total)
+        elif self._bars:
+            if stage != self._stage:
+                self.close()
+                self._stage, self._bar = stage, self._bars(total=total or None, desc=stage, leave=False)
+            self._bar.update(done - self._bar.n)
+
+    def remark(self, text):
+        _log.info("%s", text)
+
+    def _log_tenths(self, stage, done, total):
+        tenth = int(10 * done / total) if total else 0
+        if (stage, tenth) != (self._stage, self._tenth):
+            self._stage, self._tenth = stage, tenth
+            _log.warning("%s: %g of %g", stage, done, total)
+
+    def close(self):
+        if self._bar is not None:
+            self._bar.close()
+        self._bar = None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *what):
+        self.close()

@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Scenes, pictures, lines of sight, and volumes from pictures."""
+import base64
+import dataclasses
+import html
+import json
+import os
+import tempfile
+
+import numpy as np
+
+from ._progress import Listener
+from ._volume import _png, open as _open
+
+
+def _part():
+    """The extension module, which a package of its own may hold."""
+    try:
+        from . import _scene
+    except ImportError as error:
+        raise ImportError(f"scenes and pictures need volute._scene, which cannot be loaded ({error}); install python3-volute-render") from error
+    return _scene
+
+
+def _points(points):
+    points = np.asarray(points, float)
+    return points.reshape(1, 3) if points.shape == (3,) else points
+
+
+class Scene:
+    """Everything that a picture is of: media, surfaces, lights, signs and a camera.
+
+    Made from a scene file (.json), from a dict that says the same (docs/scene.md), or from any other file that Volute shows
+    (.volute, .npy, .vdb, .vti, .pvd, .vtu, .smv, a map of fog), with the members that a scene would say of it:
+    Scene("fire.volute", emission=2.0). Threads may share one; pictures are taken one after the other."""
+
+    def __init__(self, source, *, folder=".", max_memory=4 << 30, progress=None, **members):
+        """folder: where a dict's file names are found."""
+        part = _part()
+        with Listener(progress) as listener:
+            if isinstance(source, dict):
+                if members:
+                    raise TypeError(f"{', '.join(members)}: members are for a single file; write them into the scene")
+                self._scene = part.Scene.make(json.dumps(source), os.path.join(folder, "scene.json"), max_memory, listener)
+            else:
+                self._scene = part.Scene.open(os.fspath(source), json.dumps(members), max_memory, listener)
+
+    @classmethod
+    def open(cls, path, **options):
+        """As Scene(path, ..)."""
+        return cls(path, **options)
+
+    @property
+    def path(self):
+        return self._scene.path
+
+    @property
+    def json(self):
+        """What it is, as a dict; change() takes another."""
+        return json.loads(self._scene.json)
+
+    @property
+    def bounds(self):
+        """((x0, y0, z0), (x1, y1, z1)) around all that is to be seen [m]"""
+        return self._scene.bounds
+
+    @property
+    def times(self):
+        """When its frames begin [s], shape (t,)"""
+        return np.asarray(self._scene.times)
+
+    @property
+    def media(self):
+        """(what it is, file, size) of each medium."""
+        return self._scene.media
+
+    def change(self, new, progress=None):
+        """Becomes what the dict says; what was read serves as long as the same is read. An error leaves it as it was."""
+        with Listener(progress) as listener:
+            self._scene.change(json.dumps(new), listener)
+
+    def render(self, time=0.0, *, camera=None, size=None, renderer="cpu", aov=None, background=None, progress=None):
+        """A picture at `time` [s]: linear RGB, float32, shape (height, width, 3), row 0 at the top.
+
+        camera: a dict as in scenes: {"eye": [x,y,z], "target": [x,y,z], "fov": degrees} or "ortho": height [m], "up", "size";
+            default the scene's, else one that frames it. size: (width, height) [pixels], default the camera's or 800 x 600.
+        renderer: "cpu", or "reference" in double. aov: "optical-depth" or "transmittance" instead of light, shape (height, width).
+        background: (r, g, b) instead of the scene's. progress: a function (stage, done, total), or True for a bar."""
+        if renderer not in ("cpu", "reference"):
+            raise ValueError(f"renderer={renderer!r}: expected 'cpu' or 'reference'; the command's --renderer gl draws by OpenGL")
+        if aov not in (None, "optical-depth", "transmittance"):
+            raise ValueError(f"aov={aov!r}: expected 'optical-depth' or 'transmittance'")
+        with Listener(progress) as listener:
+            return self._scene.render(float(time), "" if camera is None else json.dumps(camera), size, renderer, aov or "", background,
+                                      listener)
+
+    def __repr__(self):
+        what = ", ".join(f"{what}{' (' + size + ')' if size else ''}" for what, _, size in self.media) or "no media"
+        times = self.times
+        low, high = (", ".join(f"{v:.4g}" for v in point) for point in self.bounds)
+        return f"<volute.Scene {os.path.basename(self.path)}: {what}; {times[0]:g} to {times[-1]:g} s, ({low}) to ({high}) m>"
+
+    def _repr_html_(self):
+        times = self.times
+        picture = to_srgb(self.render(times[len(times) // 2], size=(240, 180)))
+        data = base64.b64encode(_png(picture)).decode()
+        return (f"<div style='display:flex;gap:1em;align-items:center'><img alt='' src='data:image/png;base64,{data}'>"
+                f"<div>{html.escape(repr(self)[1:-1])}</div></div>")
+
+
+def render(source, time=0.0, *, camera=None, size=None, renderer="cpu", aov=None, background=None, progress=None, **members):
+    """A picture of a scene, a dict, or any file that Volute shows; see Scene and Scene.render(). Shape (height, width, 3)."""
+    scene = source if isinstance(source, Scene) else Scene(source, progress=progress, **members)
+    return scene.render(time, camera=camera, size=size, renderer=renderer, aov=aov, background=background, progress=progress)
+
+
+def to_srgb(image):
+    """uint8 for a screen, of the same shape, from linear light: values are clamped to 0..1."""
+    x = np.clip(np.asarray(image, np.float32), 0, 1)
+    return np.round(255 * np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.power(x, 1 / 2.4) - 0.055)).astype(np.uint8)
+
+
+def read_image(path):
+    """Linear float32 of a .png or .exr, shape (height, width, 3), or (height, width) of one channel; row 0 at the top."""
+    return _part().read_image(os.fspath(path))
+
+
+def write_image(path, image):
+    """Writes linear values, shape (height, width[, 3]): a .png (8 bits, sRGB, clamped to 0..1) or a .exr (float32)."""
+    _part().write_image(os.fspath(path), np.asarray(image, np.float32))
+
+
+class Sight:
+    """A scene, or any file that Volute shows, as lines of sight ask for it: an FDS case, a mesh, a volume.
+
+    Fields are read forwards in time; going back opens them again."""
+
+    def __init__(self, source, *, max_memory=4 << 30, **members):
+        self._sight = _part().Sight(os.fspath(source), json.dumps(members), max_memory)
+        self.path = os.fspath(source)
+
+    @property
+    def times(self):
+        """Stored times [s], shape (t,), ascending"""
+        return np.asarray(self._sight.times)
+
+    @property
+    def bounds(self):
+        """((x0, y0, z0), (x1, y1, z1)): what is known of [m]"""
+        return self._sight.bounds
+
+    @property
+    def description(self):
+        """Where the extinction comes from."""
+        return self._sight.description
+
+    @property
+    def remarks(self):
+        return self._sight.remarks
+
+    def look(self, eyes, targets, time=0):
+        """What lies on straight lines at the stored time of position `time`.
+
+        eyes, targets: shape (n, 3) or (3,), x y z [m]; one of them may be a single point.
+        A structured array, shape (n,): depth (integral of the extinction, natural logarithm), low and high (what it is within),
+        covered (the medium is known all along), blocked (something opaque stands between)."""
+        eyes, targets = np.broadcast_arrays(_points(eyes), _points(targets))
+        return self._sight.look(int(time), eyes, targets)
+
+    def __repr__(self):
+        times = self.times
+        return f"<volute.Sight {os.path.basename(self.path)}: {self.description}; {len(times)} times, {times[0]:g} to {times[-1]:g} s>"
+
+
+@dataclasses.dataclass
+class Survey:
+    """What eyes make of signs over time."""
+    #: shape (time, sign, eye): distance [m], angle [degrees], depth with low and high, mean_extinction [1/m], visibility [m],
+    #: and truths: covered, blocked, visible, certainly, possibly
+    sightings: np.ndarray
+    times: np.ndarray  #: [s], shape (time,)
+    signs: list  #: names
+    eyes: np.ndarray  #: [m], shape (eye, 3)
+
+    def lost(self):
+        """The first stored time at which an eye no longer sees a sign [s], shape (sign, eye); infinite where it always does."""
+        hidden = ~self.sightings["visible"]
+        return np.where(hidden.any(axis=0), self.times[hidden.argmax(axis=0)], np.inf)
+
+
+def visibility(source, signs, eyes, *, times=None, max_memory=4 << 30, progress=None, **members):
+    """From where, and when, signs are seen through smoke: a Survey with a structured array of shape (time, sign, eye).
+
+    source: an FDS case, a mesh, a volume or a scene (a Sight serves, too). signs: a .json file with "signs", or a list of dicts
+    {"name", "position": [x,y,z], "normal": [x,y,z], "size", "emitting" or "C", "angle_law"} (docs/visibility.md).
+    eyes: shape (n, 3) or (3,) [m]. times: positions of stored times, default all. **members: what a scene would say of the file."""
+    sight = source if isinstance(source, Sight) else Sight(source, max_memory=max_memory, **members)
+    eyes = _points(eyes)
+    stored = sight.times
+    chosen = np.arange(len(stored)) if times is None else np.atleast_1d(np.asarray(times, int))
+    with tempfile.TemporaryDirectory() as folder, Listener(progress) as listener:
+        if isinstance(signs, (list, tuple)):
+            name = os.path.join(folder, "signs.json")
+            with open(name, "w") as file:
+                json.dump({"signs": list(signs)}, file)
+            signs = name
+        table = sight._sight.survey([int(t) for t in chosen], os.fspath(signs), eyes, listener)
+        names = sight._sight.sign_names(os.fspath(signs))
+    return Survey(table, stored[chosen], names, eyes)
+
+
+@dataclasses.dataclass
+class Reconstruction:
+    """Volumes from pictures."""
+    values: object  #: radiance per metre, shape (t, z, y, x, 3): a NumPy array, or the file as a volute.Volume
+    bounds: tuple  #: ((x0, y0, z0), (x1, y1, z1)) [m]
+    times: np.ndarray  #: [s]
+    frame_numbers: np.ndarray
+    report: dict  #: all that was measured: residuals of each camera, iterations, warnings
+
+
+def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None, bounds=None, images=None, max_memory=4 << 30,
+                progress=None, **options):
+    """Reconstructs the fire that calibrated cameras saw.
+
+    capture: capture.json, NeRF's transforms.json, a COLMAP folder or OpenCV's .yml (docs/capture.md).
+    output: a .volute file to write, at a relative RMS error of `rms`; None: an array is returned.
+    frames: (first, end). resolution: (x, y, z) voxels, or one number for the longest side. bounds: ((x0,y0,z0),(x1,y1,z1)) [m].
+    images: the pattern of pictures, {camera} and %04d. Options as those of the command: basis, solver, iterations, regularization,
+    lambda_, sparsity, rays_per_pixel, hull, coarse_to_fine, warm_start, noise_sigma, hold_out, force."""
+    part = _part()
+    known = {"basis": ("trilinear", "box"), "solver": ("apg", "mlem", "sirt", "cgls"),
+             "regularization": ("auto", "none", "tv", "smooth", "wavelet"), "rays_per_pixel": (1, 4), "iterations": None, "lambda": None,
+             "sparsity": None, "hull": None, "coarse_to_fine": None, "warm_start": None, "noise_sigma": None, "hold_out": None, "force": None}
+    said = {key.rstrip("_"): value for key, value in options.items() if value is not None}
+    for key, value in said.items():
+        if key not in known:
+            raise TypeError(f"reconstruct() has no option {key!r}; there are {', '.join(known)}")
+        if known[key] and value not in known[key]:
+            raise ValueError(f"{key}={value!r}: expected {' or '.join(map(repr, known[key]))}")
+    if "hold_out" in said:
+        said["hold_out"] = [said["hold_out"]] if isinstance(said["hold_out"], str) else list(said["hold_out"])
+    if frames is not None:
+        said["frames"] = [int(frames[0]), int(frames[1])]
+    if resolution is not None:
+        said["resolution"] = [int(n) for n in resolution] if np.ndim(resolution) else [int(resolution), 0, 0]
+    if bounds is not None:
+        said["bounds"] = np.asarray(bounds, float).reshape(2, 3).tolist()
+    if images is not None:
+        said["images"] = os.fspath(images)
+    if output is not None and not os.fspath(output).endswith(".volute"):
+        raise ValueError(f"'{os.fspath(output)}' does not end in .volute")
+    with Listener(progress) as listener:
+        values, place, report = part.reconstruct(os.fspath(capture), "" if output is None else os.fspath(output), float(rms),
+                                                 json.dumps(said), int(max_memory), listener)
+    return Reconstruction(values if output is None else _open(output), place["bounds"], np.asarray(place["times"]),
+                          np.asarray(place["frame_numbers"]), json.loads(report))

@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Volumes in files as lazy arrays."""
+import base64
+import bisect
+import html
+import os
+import struct
+import threading
+import zlib
+
+import numpy as np
+
+from . import _core
+from ._progress import Listener
+
+BLOCK = _core.block
+_GIB = 1 << 30
+
+
+def _bytes(count):
+    for unit in ("bytes", "KB", "MB", "GB"):
+        if count < 1000 or unit == "GB":
+            return f"{count:.3g} {unit}" if unit != "bytes" else f"{count} bytes"
+        count /= 1000
+
+
+def _png(picture):
+    """A PNG of an array (height, width) or (height, width, 3) of 0..255."""
+    height, width = picture.shape[:2]
+    colour = 2 if picture.ndim == 3 else 0
+    rows = b"".join(b"\0" + row.tobytes() for row in picture.astype(np.uint8))
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, colour, 0, 0, 0)) + \
+        chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+
+class Frames:
+    """A sequence of volumes that is read a frame at a time: what .volute files and FDS cases have in common.
+
+    Axes are (t, z, y, x), and (t, z, y, x, c) with three channels. Values are float32."""
+
+    dtype = np.dtype(np.float32)
+
+    def __init__(self, path, info):
+        self.path = os.fspath(path)
+        shape = info["shape"]
+        #: (t, z, y, x), or (t, z, y, x, 3) for linear RGB
+        self.shape = shape if shape[4] != 1 else shape[:4]
+        #: what the values are, and their unit ("" when unknown)
+        self.name, self.unit = info["name"], info["unit"]
+        #: ((x0, y0, z0), (x1, y1, z1)): the outer voxel faces [m]
+        self.bounds = info["bounds"]
+        #: when each frame is shown [s], shape (t,), ascending
+        self.times = info["times"]
+        self.times.flags.writeable = False
+        #: what the input called each frame, shape (t,)
+        self.frame_numbers = info["frame_numbers"]
+        self.frame_numbers.flags.writeable = False
+        #: "box": values are constant in voxels; "trilinear": interpolated between their centres
+        self.basis = info["basis"]
+
+    @property
+    def ndim(self):
+        return len(self.shape)
+
+    @property
+    def size(self):
+        return int(np.prod(self.shape, dtype=np.int64))
+
+    @property
+    def nbytes(self):
+        """Bytes of all values as float32."""
+        return 4 * self.size
+
+    @property
+    def channels(self):
+        return self.shape[4] if self.ndim == 5 else 1
+
+    @property
+    def voxel_size(self):
+        """(x, y, z) [m]"""
+        low, high = self.bounds
+        return tuple((high[i] - low[i]) / self.shape[3 - i] for i in range(3))
+
+    def __len__(self):
+        return self.shape[0]
+
+    def frame_at(self, time):
+        """The position of the frame that is shown at `time` [s]: each is held until the next."""
+        return max(0, bisect.bisect_right(self.times, time) - 1)
+
+    def at(self, time):
+        """The frame that is shown at `time` [s], shape (z, y, x[, c])."""
+        return self[self.frame_at(time)]
+
+    def __array__(self, dtype=None, copy=None):
+        if copy is False:
+            raise ValueError("values are decoded into a new array; copy=False is not possible")
+        values = self[...]
+        return values if dtype is None else values.astype(dtype, copy=False)
+
+    def __dlpack__(self, **options):
+        return self[...].__dlpack__(**options)
+
+    def __dlpack_device__(self):
+        return 1, 0  # the CPU's memory
+
+    def _keys(self, key):
+        """For each axis: (indices >= 0, whether the axis goes away)."""
+        key = key if isinstance(key, tuple) else (key,)
+        dots = [i for i, one in enumerate(key) if one is Ellipsis]
+        if len(dots) > 1:
+            raise IndexError("an index can only have a single ellipsis ('...')")
+        missing = self.ndim - (len(key) - len(dots))
+        if missing < 0:
+            raise IndexError(f"too many indices: there are {self.ndim} axes, {len(key) - len(dots)} were given")
+        place = dots[0] if dots else len(key)
+        key = key[:place] + (slice(None),) * missing + key[place + len(dots):]
+        if sum(np.ndim(one) > 0 for one in key if not isinstance(one, slice)) > 1:
+            raise IndexError("a list of indices may stand on one axis alone; take the parts one after the other")
+        return [self._indices(axis, one) for axis, one in enumerate(key)]
+
+    def _indices(self, axis, one):
+        side = self.shape[axis]
+        if isinstance(one, slice):
+            return np.arange(side)[one], False
+        array = np.asarray(one)
+        if array.ndim == 1 and array.dtype == bool and len(array) == side:
+            return np.flatnonzero(array), False
+        if array.ndim > 1 or (array.size and array.dtype.kind not in "iu"):
+            raise IndexError(f"axis {axis} ('{'tzyxc'[axis]}'): expected a whole number, a slice, or a list of numbers or of {side} "
+                             f"truth values, not {one!r}")
+        indices = np.atleast_1d(array).astype(np.int64)
+        wrong = indices[(indices < -side) | (indices >= side)]
+        if wrong.size:
+            raise IndexError(f"index {wrong[0]} is out of bounds for axis {axis} ('{'tzyxc'[axis]}') with size {side}")
+        return indices % side, array.ndim == 0
+
+    def __getitem__(self, key):
+        """Numbers, slices and `...` as NumPy has them; a list of numbers or a mask may stand on one axis, which stays in its place."""
+        keys = self._keys(key)
+        values = self._read(*(indices for indices, _ in keys[:4]))  # (t, z, y, x, c)
+        if self.ndim == 4:
+            values = values[..., 0]
+        elif len(keys[4][0]) != 3 or keys[4][0][0] != 0:
+            values = values[..., keys[4][0]]
+        gone = [axis for axis, (_, goes) in enumerate(keys) if goes]
+        values = values.reshape([n for axis, n in enumerate(values.shape) if axis not in gone])
+        return values if values.ndim else values[()]
+
+    def __repr__(self):
+        return f"<{self._says()}>"
+
+    def _says(self):
+        z, y, x = self.shape[1:4]
+        times = f"{self.times[0]:g} to {self.times[-1]:g} s" if len(self) > 1 else f"{self.times[0]:g} s"
+        colour = ", linear RGB" if self.channels == 3 else ""
+        unit = f" [{self.unit}]" if self.unit else ""
+        low, high = (", ".join(f"{v:.4g}" for v in point) for point in self.bounds)
+        return (f"volute.{type(self).__name__} {os.path.basename(self.path)}: {self.name}{unit}, {len(self)} frame{'s' * (len(self) != 1)} "
+                f"of {x} x {y} x {z} voxels{colour}, {times}, ({low}) to ({high}) m")
+
+
+class Volume(Frames):
+    """A .volute file as a lazy array: `v[t]`, `v[10:20, ::2, z0:z1]`, `np.asarray(v)`.
+
+    What is asked for is decoded, in blocks of 16 frames x 16 x 16 x 16 voxels, on all cores; a block that a request does not
+    touch is not read. Results are NumPy arrays of float32 (buffer protocol and DLPack without copies). Frames that are read one
+    after the other are decoded together, 16 at a time, as long as these fit in `cache` bytes. Threads may share one."""
+
+    def __init__(self, path, *, partial=False, max_memory=4 * _GIB, cache=_GIB // 2):
+        """partial: of a damaged file the intact, coarser part is shown."""
+        self._file = _core.File(os.fspath(path), partial, max_memory)
+        super().__init__(path, self._file.info)
+        self._cache = cache
+        self._lock = threading.Lock()
+        self._row = (-1, None)
+        self._last = -2
+        header = self._file.header
+        #: relative RMS error that was reached: RMS / (max - min) of the original
+        self.rms = header["rms"]
+        #: no value differs more from the original
+        self.max_error = header["max_error"]
+        #: (minimum, maximum) of the original
+        self.value_range = header["value_range"]
+        #: what was asked of the compression: ("rms", 0.003)
+        self.target = header["target"]
+        self.provenance, self.written_by = header["provenance"], header["written_by"]
+
+    @property
+    def chunks(self):
+        """Sides of the blocks that are decoded together, in the order of `shape`; for dask.array.from_array(v, v.chunks)."""
+        return tuple(min(BLOCK, side) for side in self.shape[:4]) + self.shape[4:]
+
+    @property
+    def file_bytes(self):
+        return os.path.getsize(self.path)
+
+    @property
+    def blocks_decoded(self):
+        """So many since the file was opened."""
+        return self._file.blocks_decoded
+
+    @property
+    def bytes_read(self):
+        """So many of the file since it was opened."""
+        return self._file.bytes_read
+
+    def preview(self, key=..., levels=3):
+        """As v[key], from the coarsest `levels` levels of each block alone: quick, and blurred."""
+        coarse = object.__new__(Frames)
+        coarse.shape = self.shape
+        coarse._read = lambda t, z, y, x: self._file.read(t, z, y, x, levels)
+        return coarse[key]
+
+    def verify(self, progress=None):
+        """Reads all of the file; raises where a checksum is wrong. `progress`: as for compress()."""
+        from ._errors import InvalidData
+        with Listener(progress) as listener:
+            fault = self._file.verify(listener)
+        if fault:
+            raise InvalidData(fault)
+
+    def to_dask(self):
+        """A dask array of the whole, a task for each few blocks."""
+        import dask.array
+        sides = (BLOCK,) + tuple(min(4 * BLOCK, side) for side in self.shape[1:4]) + self.shape[4:]
+        return dask.array.from_array(self, chunks=sides, name=False, asarray=False)
+
+    def __iter__(self):
+        """Frames, shape (z, y, x[, c]); each block is decoded once where 16 frames fit in the cache."""
+        for first in range(0, len(self), BLOCK):
+            if 4 * BLOCK * (self.size // len(self)) <= self._cache:
+                values = self._decode_row(first // BLOCK)
+                yield from values if self.ndim == 5 else values[..., 0]
+            else:
+                yield from (self[i] for i in range(first, min(first + BLOCK, len(self))))
+
+    def _read(self, t, z, y, x):
+        if len(t) == 1 and all(len(one) == side and (np.diff(one) == 1).all() for one, side in zip((z, y, x), self.shape[1:4])):
+            values = self._from_row(int(t[0]))
+            if values is not None:
+                return values
+        return self._file.read(t, z, y, x)
+
+    def _from_row(self, index):
+        """A copy of a whole frame, where it follows the one that was read last: these are decoded together. Else None."""
+        row, place = divmod(index, BLOCK)
+        with self._lock:
+            if self._row[0] != row:
+                follows = place > 0 and self._last == index - 1
+                self._last = index
+                if not follows or 4 * BLOCK * (self.size // len(self)) > self._cache:
+                    return None
+                self._row = (row, self._decode_row(row))
+            return self._row[1][place:place + 1].copy()
+
+    def _decode_row(self, row):
+        frames = np.arange(row * BLOCK, min((row + 1) * BLOCK, len(self)))
+        return self._file.read(frames, *(np.arange(side) for side in self.shape[1:4]))
+
+    def __reduce__(self):
+        return _open, (os.path.abspath(self.path),)
+
+    def _says(self):
+        ratio = self.nbytes / self.file_bytes
+        return f"{super()._says()}; {_bytes(self.file_bytes)}, 1/{ratio:.3g} of float32, relative RMS error {self.rms:.2g}"
+
+    def _picture(self):
+        """The middle frame from the side, its brightest values along y, or along z where that shows more."""
+        frame = self.preview(len(self) // 2, levels=4)
+        if frame.ndim == 4:
+            frame = frame.mean(axis=3)
+        sides = [frame.max(axis=1)[::-1], frame.max(axis=0)[::-1]]
+        picture = max(sides, key=lambda side: side.size)
+        low, high = float(picture.min()), float(picture.max())
+        if high <= low:
+            return None
+        picture = np.sqrt((picture - low) / (high - low)) * 255
+        enlarge = max(1, 160 // max(picture.shape))
+        return _png(picture.repeat(enlarge, 0).repeat(enlarge, 1))
+
+    def _repr_html_(self):
+        try:
+            picture = self._picture()
+        except Exception:  # a damaged file is still described
+            picture = None
+        image = f'<img alt="" src="data:image/png;base64,{base64.b64encode(picture).decode()}">' if picture else ""
+        low, high = (", ".join(f"{v:.4g}" for v in point) for point in self.bounds)
+        rows = [("shape", f"{self.shape} ({'t, z, y, x, c' if self.ndim == 5 else 't, z, y, x'})"),
+                ("times", f"{self.times[0]:g} to {self.times[-1]:g} s"), ("bounds", f"({low}) to ({high}) m"),
+                ("values", f"{self.name}{' [' + self.unit + ']' if self.unit else ''}, {self.value_range[0]:.4g} to {self.value_range[1]:.4g}"),
+                ("file", f"{_bytes(self.file_bytes)} for {_bytes(self.nbytes)} of float32 (1/{self.nbytes / self.file_bytes:.3g})"),
+                ("error", f"relative RMS {self.rms:.3g}, at most {self.max_error:.3g}")]
+        cells = "".join(f"<tr><th style='text-align:left'>{name}</th><td style='text-align:left'>{html.escape(text)}</td></tr>" for name, text in rows)
+        return (f"<div><b>{html.escape(os.path.basename(self.path))}</b><div style='display:flex;gap:1em;align-items:center'>{image}"
+                f"<table>{cells}</table></div></div>")
+
+
+def _open(path):
+    return Volume(path)
+
+
+def open(path, *, partial=False, max_memory=4 * _GIB, cache=_GIB // 2):
+    """Opens a .volute file as a lazy array (`Volume`) of shape (t, z, y, x) or (t, z, y, x, 3).
+
+    partial: of a damaged or truncated file what is intact is shown, coarser; else it is an error.
+    max_memory: bytes that the file's index may take. cache: bytes for frames that are read in order."""
+    return Volume(path, partial=partial, max_memory=max_memory, cache=cache)

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Results of the Fire Dynamics Simulator."""
+import os
+import threading
+
+import numpy as np
+
+from . import _core
+from ._volume import Frames
+
+
+class Case(Frames):
+    """The smoke of an FDS case as voxels of its finest cell size: a lazy array of shape (t, z, y, x) at the stored times.
+
+    Values are the extinction [1/m] at voxel centres, or the quantity that was asked for; 0 in obstructions and outside of all
+    meshes. volute.compress() takes it as it is."""
+
+    def __init__(self, path, *, quantity="", source="", mass_extinction=0.0, mesh=None, bounds=None, max_memory=4 << 30):
+        if bounds is not None:
+            bounds = np.asarray(bounds, float).reshape(2, 3).tolist()
+        self._case = _core.Fds(os.fspath(path), quantity, source, mass_extinction, mesh, bounds, max_memory)
+        super().__init__(path, self._case.info)
+        self._lock = threading.Lock()
+
+    @property
+    def remarks(self):
+        """What a person should know of what is read: files that are missing or end early, values that are capped."""
+        return self._case.remarks
+
+    @property
+    def sources(self):
+        """What the case offers, best first: {name: description}."""
+        return dict(self._case.sources)
+
+    @property
+    def source(self):
+        """The name of the one that is read."""
+        return self._case.source
+
+    def __iter__(self):
+        return (self[i] for i in range(len(self)))
+
+    def _read(self, t, z, y, x):
+        values = np.empty((len(t), len(z), len(y), len(x), 1), np.float32)
+        for place, index in enumerate(t):
+            values[place, ..., 0] = self._case.frame(int(index))[np.ix_(z, y, x)]
+        return values
+
+
+def open(path, *, quantity="", source="", mass_extinction=0.0, mesh=None, bounds=None, max_memory=4 << 30):
+    """Opens an FDS case (its .smv) as a lazy array of extinction [1/m] (`Case`).
+
+    quantity: what FDS calls another one ("TEMPERATURE"), as it is stored. source: one of `Case.sources`; default the best that
+    fills meshes. mass_extinction: Km [m2/kg] where densities of soot are read; default the case's, else what FDS assumes.
+    mesh: one alone, from 0. bounds: ((x0,y0,z0),(x1,y1,z1)) [m], the part to take."""
+    return Case(path, quantity=quantity, source=source, mass_extinction=mass_extinction, mesh=mesh, bounds=bounds, max_memory=max_memory)
