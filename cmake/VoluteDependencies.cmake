@@ -22,7 +22,7 @@ endmacro()
 macro(volute_pkg_config name)
   if(NOT TARGET PkgConfig::${name})
     find_package(PkgConfig REQUIRED)
-    pkg_check_modules(${name} REQUIRED IMPORTED_TARGET ${ARGN})
+    pkg_check_modules(${name} REQUIRED IMPORTED_TARGET GLOBAL ${ARGN})
   endif()
 endmacro()
 

@@ -1,4 +1,5 @@
-# What `cmake --install` puts where, by components: command, viewer, bench, docs; headers and library; and a component for each
+# What `cmake --install` puts where, by components: command, viewer, bench, docs; headers, library, shared, core, shared-dev, c;
+# python, python-render; and a component for each
 # plug-in (src/volute/io/CMakeLists.txt). docs/install.md says it for people.
 
 # --- programs ---
@@ -131,16 +132,6 @@ foreach(module IN LISTS modules)
   string(APPEND moduleTable "set(_volute_packages_of_${module} \"${packages}\")\n")
 endforeach()
 
-include(CMakePackageConfigHelpers)
-set(configFolder ${CMAKE_INSTALL_LIBDIR}/cmake/volute)
-list(JOIN modules " " moduleNames)
-configure_package_config_file(cmake/volute-config.cmake.in ${PROJECT_BINARY_DIR}/volute-config.cmake INSTALL_DESTINATION ${configFolder})
-# Before 1.0 each minor version is another API.
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/volute-config-version.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/volute-config.cmake ${PROJECT_BINARY_DIR}/volute-config-version.cmake
-        DESTINATION ${configFolder} COMPONENT library)
-install(EXPORT volute-targets NAMESPACE volute:: DESTINATION ${configFolder} COMPONENT library)
-
 # Static libraries are searched once, in order: who needs others comes before them.
 set(archives ${modules})
 list(REVERSE archives)
@@ -155,7 +146,25 @@ if(VOLUTE_ASSERTS)
   set(pcDefinitions -DVOLUTE_ASSERTS)
 endif()
 file(RELATIVE_PATH pcPrefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
-configure_file(cmake/volute.pc.in ${PROJECT_BINARY_DIR}/volute.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/volute.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT library)
+configure_file(cmake/volute-static.pc.in ${PROJECT_BINARY_DIR}/volute-static.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/volute-static.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT library)
 configure_file(cmake/volute-c.pc.in ${PROJECT_BINARY_DIR}/volute-c.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/volute-c.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT headers)
+
+set(configFolder ${CMAKE_INSTALL_LIBDIR}/cmake/volute)
+if(VOLUTE_SHARED)
+  include(VoluteShared)
+endif()
+set(sharedTable)
+foreach(library core shared)
+  string(APPEND sharedTable "set(_volute_packages_of_${library} \"${packages_${library}}\")\n")
+endforeach()
+
+include(CMakePackageConfigHelpers)
+list(JOIN modules " " moduleNames)
+configure_package_config_file(cmake/volute-config.cmake.in ${PROJECT_BINARY_DIR}/volute-config.cmake INSTALL_DESTINATION ${configFolder})
+# Before 1.0 each minor version is another API.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/volute-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/volute-config.cmake ${PROJECT_BINARY_DIR}/volute-config-version.cmake
+        DESTINATION ${configFolder} COMPONENT library)
+install(EXPORT volute-targets NAMESPACE volute:: DESTINATION ${configFolder} COMPONENT library)

@@ -64,7 +64,7 @@ class Install(unittest.TestCase):
         shutil.rmtree(FOLDER, ignore_errors=True)
         FOLDER.mkdir()
         plugins = [path.stem[len("volute_io_"):] for path in (BUILD / "lib/volute").glob("volute_io_*.so") if "hostile" not in path.name]
-        for component in ["headers", "command", "c", *plugins]:
+        for component in ["headers", "command", "c", "core", "shared", "shared-dev", *plugins]:
             result = install(component)
             assert result.returncode == 0, result.stdout
         # Archives with debug information take 575 MB.
@@ -118,6 +118,7 @@ class Install(unittest.TestCase):
 
     def test_the_whole_library_in_a_project_of_cxx_alone(self):
         folder = project("whole", "find_package(volute REQUIRED)\nadd_executable(whole main.cpp)\n"
+                         "if(TARGET embree OR TARGET PNG::PNG)\n  message(FATAL_ERROR \"the shared library needs no more than headers\")\nendif()\n"
                          "target_compile_options(whole PRIVATE -Wall -Wextra -Werror)\n"
                          "target_link_libraries(whole PRIVATE volute::volute)", main=UMBRELLA)
         result = configure(folder, folder / "build")
@@ -126,6 +127,38 @@ class Install(unittest.TestCase):
         version, error = self.works(folder / "build/whole").splitlines()
         self.assertEqual(f"volute {version}\n", self.works(PREFIX / "bin/volute", "--version"))
         self.assertIn("nothing.volute", error)
+
+    def test_shared_libraries(self):
+        """Programs whose sources were compiled for the archives run with libvolute.so, those of files with libvolute-core.so alone."""
+        libraries = next(PREFIX.rglob("libvolute.so.0")).parent
+        linked = ["-L", libraries, f"-Wl,-rpath,{libraries}", "-lfmt"] + (["-fuse-ld=mold"] if shutil.which("mold") else [])
+        for number, library in [*((i, "volute") for i in range(1, 9)), (2, "volute-core")]:
+            objects = [*self.examples.glob(f"CMakeFiles/example_{number:02}.dir/*.o")]
+            program = self.work / f"shared_{number}_{library}"
+            self.works("c++", *objects, *linked, f"-l{library}", "-o", program)
+            needed = self.works("readelf", "-d", program)
+            self.assertIn(f"[lib{library}.so.0]", needed)
+        self.assertIn("optical depth 1.000", self.works(self.work / "shared_1_volute"))
+        for library in ["volute", "volute-core"]:
+            self.assertIn("4 of 24 blocks were decoded", self.works(self.work / f"shared_2_{library}"))
+        self.assertIn("32 x 32 x 48 voxels, 20 frames", self.works(self.work / "shared_4_volute", "cloud.volute", 0.4, "shared.png"))
+        self.assertIn("2 s: 0.2231 of the light", self.works(self.work / "shared_5_volute"))
+        core = self.works("readelf", "-d", libraries / "libvolute-core.so.0")
+        needs = {name.split(".so")[0] for name in re.findall(r"NEEDED.*\[(.*)\]", core)}
+        self.assertEqual(needs - {"libstdc++", "libm", "libgcc_s", "libc", "ld-linux-x86-64", "ld-linux-aarch64"},
+                         {"libtbb", "libfmt", "libhwy", "libzstd", "libz"})
+
+    def test_shared_libraries_show_what_installed_headers_declare(self):
+        headers = "\n".join(path.read_text() for path in (PREFIX / "include").rglob("*.hpp"))
+        words = set(re.findall(r"\w+", headers))
+        for library in ["libvolute.so.0", "libvolute-core.so.0"]:
+            listed = self.works("nm", "-DC", "--defined-only", next(PREFIX.rglob(library)))
+            shown = [line.split(maxsplit=2)[2] for line in listed.splitlines() if " A " not in line]
+            self.assertTrue(any("volute::VoluteReader::open(" in name for name in shown), library)
+            for name in shown:
+                self.assertRegex(name, r"^((vtable|typeinfo|typeinfo name|VTT|guard variable) for |(non-)?virtual thunk to )?volute::", library)
+                outer = re.search(r"volute::((?:detail::)?\w+)", name)[1].split("::")[-1]
+                self.assertIn(outer, words, f"{library} shows {name}")
 
     def test_a_part_looks_for_what_it_needs_alone(self):
         folder = project("part", "find_package(volute 0.2 REQUIRED COMPONENTS codec)\n"
@@ -148,8 +181,11 @@ class Install(unittest.TestCase):
         launcher = ["ccache"] if shutil.which("ccache") else []
         self.works(*launcher, "c++", "-c", SOURCE / "examples/02_read_and_write.cpp", "-o", "by_pc.o",
                    *(flag for flag in flags if not flag.startswith("-l")))
-        self.works("c++", "by_pc.o", *flags, "-o", "by_pc")
-        self.assertIn("4 of 24 blocks were decoded", self.works("./by_pc"))
+        for name in ["volute", "volute-core", "volute-static"]:
+            flags = self.works("pkg-config", "--libs", name, env=environment).split()
+            self.works("c++", "by_pc.o", *flags, "-o", name)
+            library = next(PREFIX.rglob("libvolute.so.0")).parent
+            self.assertIn("4 of 24 blocks were decoded", self.works(f"./{name}", env=os.environ | {"LD_LIBRARY_PATH": str(library)}))
 
     def test_in_c_alone(self):
         """By compilers that know no C++, from the shared library, which shows what its header says and nothing else."""
@@ -170,6 +206,13 @@ class Install(unittest.TestCase):
             said = self.works(build / "example_c", env=environment)
             self.assertIn("there is no frame 3; there are 3", said)
             self.assertIn("20 s: optical depth 6.00 in the smoke, 0.00 above it", said)
+
+    def test_threads_of_c(self):
+        self.example(2)
+        library = next(PREFIX.rglob("libvolute_c.so.0")).parent
+        self.works("cc", "-std=c11", "-Wall", "-Wextra", "-Werror", SOURCE / "tests/threads.c", "-I", PREFIX / "include", "-L", library,
+                   f"-Wl,-rpath,{library}", "-lvolute_c", "-pthread", "-o", "threads")
+        self.assertEqual(self.works("./threads", "cloud.volute"), "4 threads read 20 frames 10 times\n")
 
     def test_no_header_is_missing(self):
         headers = {path.relative_to(PREFIX / "include").as_posix() for path in (PREFIX / "include").rglob("*.hpp")}

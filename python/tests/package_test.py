@@ -390,7 +390,7 @@ class Package(unittest.TestCase):
 
     def test_the_module_is_the_command(self):
         said = subprocess.run([sys.executable, "-m", "volute", "--version"], capture_output=True, text=True, check=True)
-        self.assertEqual(said.stdout, f"volute {volute.__version__}\n")
+        self.assertEqual((said.stdout, said.stderr), (f"volute {volute.__version__}\n", ""))
         wrong = subprocess.run([sys.executable, "-m", "volute", "--version"], capture_output=True, text=True,
                                env=os.environ | {"VOLUTE_COMMAND": "/nothing/volute"})
         self.assertEqual(wrong.returncode, 1)

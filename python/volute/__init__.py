@@ -30,7 +30,7 @@ __all__ = ["Cancelled", "Compressed", "Error", "Frames", "InvalidArgument", "Inv
 
 def _find_plugins():
     """Where the parts with heavy dependencies are: beside the command that belongs to this package."""
-    from .__main__ import find
+    from ._command import find
     program = find()
     if program:
         folder = _os.path.join(_os.path.dirname(_os.path.dirname(_os.path.realpath(program))), "lib", "volute")
