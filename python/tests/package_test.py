@@ -376,6 +376,31 @@ class Package(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, "resolutoin"):
             volute.reconstruct(capture, resolutoin=3)
 
+    def test_vtk(self):
+        try:
+            import volute.vtk
+            from vtkmodules.util.numpy_support import vtk_to_numpy
+        except ImportError:
+            self.skipTest("there is no python3-vtk9")
+        reader = volute.vtk.Reader()
+        reader.SetFileName(self.file)
+        self.assertEqual(reader.GetTimestepValues(), [0.5 * i for i in range(20)])
+        reader.UpdateTimeStep(3.1)
+        image = reader.GetOutputDataObject(0)
+        self.assertEqual(image.GetExtent(), (0, 18, 0, 20, 0, 24))
+        np.testing.assert_allclose(image.GetBounds(), (0, 1.8, 0, 2, 0, 2.4))
+        values = vtk_to_numpy(image.GetCellData().GetArray("density"))
+        np.testing.assert_array_equal(values.reshape(24, 20, 18), self.decoded[6])
+        reader.SetRegion(3, 9, 0, 16, 16, 24)
+        reader.UpdateTimeStep(9.5)
+        image = reader.GetOutputDataObject(0)
+        np.testing.assert_allclose(image.GetBounds(), (0.3, 0.9, 0, 1.6, 1.6, 2.4))
+        np.testing.assert_array_equal(vtk_to_numpy(image.GetCellData().GetScalars()).reshape(8, 16, 6), self.decoded[19, 16:, :16, 3:9])
+        colour = volute.vtk.Reader()
+        colour.SetFileName(str(self.path / "colour.volute"))
+        colour.Update()
+        self.assertEqual(colour.GetOutputDataObject(0).GetCellData().GetScalars().GetNumberOfComponents(), 3)
+
     def test_code_on_the_page(self):
         blocks = re.findall(r"^```python\n(.*?)^```", (SOURCE / "docs/python.md").read_text(), re.S | re.M)
         self.assertEqual(len(blocks), 4)

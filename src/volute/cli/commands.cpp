@@ -16,7 +16,7 @@ std::span<const Command> commands() {
 #ifdef VOLUTE_WITH_VIEWER
       viewCommand(),
 #endif
-      benchCommand(),
+      mountCommand(),      benchCommand(),
       helpCommand(),       manCommand(),      completionCommand(),
   };
   return table;

@@ -16,6 +16,7 @@ Command helpCommand();
 Command infoCommand();
 Command joinCommand();
 Command manCommand();
+Command mountCommand();
 Command projectCommand();
 Command reconstructCommand();
 Command renderCommand();

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "frame_files.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "volute/base/parallel.hpp"
+#include "volute/io/frame_pattern.hpp"
+#include "volute/io/plugin.hpp"
+
+namespace volute {
+
+Result<MemoryFile> MemoryFile::create(const std::string& name) {
+  const int descriptor = ::memfd_create(name.c_str(), MFD_CLOEXEC);
+  if (descriptor < 0)
+    return fail(ErrorCode::kIo, "{}: cannot make a file in memory: {}", name, std::strerror(errno));
+  return MemoryFile(descriptor);
+}
+
+MemoryFile::~MemoryFile() {
+  if (descriptor_ >= 0)
+    ::close(descriptor_);
+}
+
+MemoryFile::MemoryFile(MemoryFile&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+std::string MemoryFile::path() const {
+  return fmt::format("/proc/self/fd/{}", descriptor_);
+}
+
+Result<std::uint64_t> MemoryFile::size() const {
+  struct stat status{};
+  if (::fstat(descriptor_, &status) != 0)
+    return fail(ErrorCode::kIo, "a file in memory: {}", std::strerror(errno));
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+long MemoryFile::read(char* to, std::size_t count, std::uint64_t offset) const {
+  std::size_t done = 0;
+  while (done < count) {
+    const ssize_t now = ::pread(descriptor_, to + done, count - done, static_cast<off_t>(offset + done));
+    if (now < 0 && errno == EINTR)
+      continue;
+    if (now < 0)
+      return -errno;
+    if (now == 0)
+      break;
+    done += static_cast<std::size_t>(now);
+  }
+  return static_cast<long>(done);
+}
+
+Result<std::unique_ptr<FrameFiles>> FrameFiles::open(const std::string& path, std::uint64_t maxMemory) {
+  VOLUTE_ASSIGN(auto opened, VoluteReader::open(path, {.maxMemory = maxMemory}));
+  auto reader = std::make_shared<const VoluteReader>(std::move(opened));
+  const VolumeInfo& info = reader->info();
+  const std::uint64_t frameBytes = 4 * info.frameValues();
+  if (frameBytes > maxMemory / 4) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: a frame takes {} MiB, more than a quarter of the {} MiB allowed; raise --max-memory", path,
+                (frameBytes >> 20) + 1, maxMemory >> 20);
+  }
+  VOLUTE_ASSIGN(const LatticePlugin* plugin, loadVdbPlugin());
+  auto files = std::unique_ptr<FrameFiles>(new FrameFiles(std::move(reader), maxMemory));
+  std::string stem = std::filesystem::path(path).stem().string();
+  std::ranges::replace_if(stem, [](char c) { return c == '%' || c == '#'; }, '_');
+  VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(stem + "_%04d.vdb"));
+  for (const int number : files->info().frameNumbers) files->names_.push_back(pattern.format(number).string());
+  files->writer_ = plugin->makeWriter({});
+  files->sizes_.resize(files->names_.size());
+  return files;
+}
+
+std::optional<std::size_t> FrameFiles::find(std::string_view name) const {
+  const auto found = std::ranges::find(names_, name);
+  if (found == names_.end())
+    return std::nullopt;
+  return static_cast<std::size_t>(found - names_.begin());
+}
+
+Result<std::uint64_t> FrameFiles::size(std::size_t frame) {
+  {
+    const std::lock_guard lock(keeping_);
+    if (sizes_[frame] != 0)
+      return sizes_[frame];
+  }
+  VOLUTE_ASSIGN(const auto made, file(frame));
+  return made->size;
+}
+
+Result<std::shared_ptr<const FrameFiles::File>> FrameFiles::file(std::size_t frame) {
+  if (auto found = kept(frame))
+    return found;
+  const std::lock_guard lock(making_);
+  if (auto found = kept(frame))  // somebody else wanted it
+    return found;
+  VOLUTE_ASSIGN(auto made, make(frame));
+  keep(frame, made);
+  return made;
+}
+
+std::shared_ptr<const FrameFiles::File> FrameFiles::kept(std::size_t frame) {
+  const std::lock_guard lock(keeping_);
+  const auto found = std::ranges::find(files_, frame, [](const auto& entry) { return entry.first; });
+  if (found == files_.end())
+    return nullptr;
+  files_.splice(files_.begin(), files_, found);
+  return files_.front().second;
+}
+
+void FrameFiles::keep(std::size_t frame, std::shared_ptr<const File> file) {
+  const std::lock_guard lock(keeping_);
+  sizes_[frame] = file->size;
+  files_.emplace_front(frame, std::move(file));
+  std::uint64_t sum = 0;
+  for (auto it = files_.begin(); it != files_.end();) {
+    sum += it->second->size;
+    it = it != files_.begin() && sum > maxMemory_ / 4 ? files_.erase(it) : std::next(it);
+  }
+}
+
+Result<std::shared_ptr<const FrameFiles::File>> FrameFiles::make(std::size_t frame) {
+  VOLUTE_TRY(decode(frame));
+  VOLUTE_ASSIGN(auto memory, MemoryFile::create(names_[frame]));
+  auto made = std::make_shared<File>(std::move(memory));
+  VOLUTE_TRY(writer_->write(made->bytes.path(), names_[frame], info(), static_cast<int>(frame), values_));
+  VOLUTE_ASSIGN(made->size, made->bytes.size());
+  return made;
+}
+
+Status FrameFiles::decode(std::size_t frame) {
+  const VolumeInfo& volume = info();
+  values_.resize(volume.frameValues());
+  VOLUTE_ASSIGN(const Row* blocks, row(static_cast<int>(frame) / BlockGrid::kSide));
+  if (!blocks)
+    return reader_->readRegion(static_cast<int>(frame), {0, 0, 0}, {volume.z, volume.y, volume.x}, values_);
+  scatter(*blocks, frame);
+  return {};
+}
+
+/// Null: there is no room for it.
+Result<const FrameFiles::Row*> FrameFiles::row(int number) {
+  const auto found = std::ranges::find(rows_, number, &Row::row);
+  if (found != rows_.end()) {
+    rows_.splice(rows_.begin(), rows_, found);
+    return &rows_.front();
+  }
+  const BlockGrid& grid = reader_->blocks();
+  const std::uint64_t room = maxMemory_ / 2;
+  const std::size_t first = static_cast<std::size_t>(number) * grid.rowCount();
+  Row decoded;
+  decoded.row = number;
+  decoded.blocks.resize(grid.rowCount());
+  std::atomic<std::uint64_t> bytes{0};
+  std::vector<Status> results(grid.rowCount());
+  parallelFor(grid.rowCount(), [&](std::size_t i) {
+    if (reader_->storedBytes(first + i) == 0 || bytes > room)
+      return;
+    std::vector<float> values(grid.values(first + i));
+    results[i] = reader_->readBlock(first + i, values);
+    if (!results[i] || std::ranges::all_of(values, [](float value) { return value == 0; }))
+      return;
+    bytes += 4 * values.size();
+    decoded.blocks[i] = std::move(values);
+  });
+  for (Status& result : results) VOLUTE_TRY(std::move(result));
+  if (bytes > room)
+    return nullptr;
+  decoded.bytes = bytes;
+  rows_.push_front(std::move(decoded));
+  std::uint64_t sum = 0;
+  for (auto it = rows_.begin(); it != rows_.end();) {
+    sum += it->bytes;
+    it = sum > room ? rows_.erase(it) : std::next(it);
+  }
+  return &rows_.front();
+}
+
+void FrameFiles::scatter(const Row& row, std::size_t frame) {
+  const VolumeInfo& volume = info();
+  const BlockGrid& grid = reader_->blocks();
+  const std::size_t first = static_cast<std::size_t>(row.row) * grid.rowCount();
+  const auto channels = static_cast<std::size_t>(volume.channels);
+  parallelRanges(values_.size(), std::size_t{1} << 20, [&](std::size_t begin, std::size_t end) {
+    std::fill(values_.begin() + static_cast<std::ptrdiff_t>(begin), values_.begin() + static_cast<std::ptrdiff_t>(end), 0.0f);
+  });
+  parallelRanges(row.blocks.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (row.blocks[i].empty())
+        continue;
+      const auto origin = grid.origin(first + i);
+      const auto extents = grid.extents(first + i);
+      const std::size_t line = static_cast<std::size_t>(extents[3]) * channels;
+      const float* from = row.blocks[i].data() +
+                          (frame - static_cast<std::size_t>(origin[0])) * extents[1] * extents[2] * line;
+      for (int z = 0; z < extents[1]; ++z) {
+        for (int y = 0; y < extents[2]; ++y, from += line) {
+          const std::size_t to = (static_cast<std::size_t>(origin[1] + z) * volume.y + origin[2] + y) * volume.x + origin[3];
+          std::copy_n(from, line, values_.data() + to * channels);
+        }
+      }
+    }
+  });
+}
+
+}  // namespace volute

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "volute/codec/volute_reader.hpp"
+#include "volute/io/lattice.hpp"
+
+namespace volute {
+
+/// Bytes of a file that is in memory alone.
+class MemoryFile {
+ public:
+  [[nodiscard]] static Result<MemoryFile> create(const std::string& name);
+
+  ~MemoryFile();
+  MemoryFile(MemoryFile&& other) noexcept;
+  MemoryFile& operator=(MemoryFile&&) = delete;
+
+  /// By which somebody can write it.
+  std::string path() const;
+
+  [[nodiscard]] Result<std::uint64_t> size() const;
+
+  /// Bytes read, or -errno.
+  long read(char* to, std::size_t count, std::uint64_t offset) const;
+
+ private:
+  explicit MemoryFile(int descriptor) : descriptor_(descriptor) {}
+
+  int descriptor_;
+};
+
+/// The frames of a .volute file as .vdb files that are made when somebody wants them: the bytes that
+/// `volute extract` writes. Threads may share it; one file at a time is made, on all cores.
+class FrameFiles {
+ public:
+  struct File {
+    explicit File(MemoryFile whole) : bytes(std::move(whole)) {}
+
+    MemoryFile bytes;
+    std::uint64_t size = 0;
+  };
+
+  /// @param maxMemory  [bytes] for decoded blocks and files; files that are open may be beyond it
+  [[nodiscard]] static Result<std::unique_ptr<FrameFiles>> open(const std::string& path,
+                                                                std::uint64_t maxMemory);
+
+  /// STEM_0001.vdb and so on, by the frames' numbers, ascending.
+  const std::vector<std::string>& names() const { return names_; }
+
+  std::optional<std::size_t> find(std::string_view name) const;
+
+  const VolumeInfo& info() const { return reader_->info(); }
+
+  /// How large a file is, which nobody knows before it was made once.
+  [[nodiscard]] Result<std::uint64_t> size(std::size_t frame);
+
+  [[nodiscard]] Result<std::shared_ptr<const File>> file(std::size_t frame);
+
+ private:
+  /// Decoded blocks of 16 frames; those that are zero are left out.
+  struct Row {
+    int row = -1;
+    std::uint64_t bytes = 0;
+    std::vector<std::vector<float>> blocks;
+  };
+
+  FrameFiles(std::shared_ptr<const VoluteReader> reader, std::uint64_t maxMemory)
+      : reader_(std::move(reader)), maxMemory_(maxMemory) {}
+
+  std::shared_ptr<const File> kept(std::size_t frame);
+  void keep(std::size_t frame, std::shared_ptr<const File> file);
+  [[nodiscard]] Result<std::shared_ptr<const File>> make(std::size_t frame);
+  [[nodiscard]] Status decode(std::size_t frame);
+  [[nodiscard]] Result<const Row*> row(int row);
+  void scatter(const Row& row, std::size_t frame);
+
+  std::shared_ptr<const VoluteReader> reader_;
+  std::uint64_t maxMemory_;
+  std::vector<std::string> names_;
+
+  std::mutex making_;  // of what follows
+  std::unique_ptr<LatticeWriter> writer_;
+  std::list<Row> rows_;  // the last one used first
+  std::vector<float> values_;  // a frame
+
+  std::mutex keeping_;  // of what follows
+  std::vector<std::uint64_t> sizes_;  // 0: not known
+  std::list<std::pair<std::size_t, std::shared_ptr<const File>>> files_;  // the last one used first
+};
+
+}  // namespace volute

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""A .volute file as a folder of .vdb files."""
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import threading
+import time
+import unittest
+
+import support
+
+CAN = os.access("/dev/fuse", os.R_OK | os.W_OK) and shutil.which("fusermount3")
+
+
+class Refused(support.TestCase):
+    def test_what_is_no_file_or_no_folder(self):
+        file = self.make_volute()
+        empty = self.path("empty")
+        empty.mkdir()
+        self.assertIn("does not end in .volute", self.fails(2, "mount", self.path("a.vdb"), empty))
+        self.assertIn("is no folder", self.fails(2, "mount", file, self.path("nowhere")))
+        self.assertIn("is not empty", self.fails(2, "mount", file, self.folder))
+        self.assertIn("cannot open", self.fails(1, "mount", self.path("nothing.volute"), empty))
+        self.assertIn("raise --max-memory", self.fails(1, "mount", self.make_volute("big.volute", size=40), empty, "--max-memory", "500K"))
+
+    @unittest.skipUnless(os.geteuid() == 0 and shutil.which("unshare"), "another /dev needs root")
+    def test_without_fuse(self):
+        file = self.make_volute()
+        folder = self.path("folder")
+        folder.mkdir()
+        hidden = f"mount -t tmpfs none /dev && exec {support.PROGRAM} mount {file} {folder}"
+        done = subprocess.run(["unshare", "-m", "sh", "-c", hidden], capture_output=True, text=True)
+        if "unshare" in done.stderr or "mount:" in done.stderr.split("volute")[0]:
+            self.skipTest(done.stderr.strip())
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("/dev/fuse is not there", done.stderr)
+        self.assertIn("volute extract", done.stderr)
+
+
+@unittest.skipUnless(CAN, "there is no FUSE here: /dev/fuse or fusermount3 is missing")
+class Mount(support.TestCase):
+    def mount(self, file, *options):
+        folder = self.path("mounted")
+        folder.mkdir(exist_ok=True)
+        process = subprocess.Popen([support.PROGRAM, "mount", str(file), str(folder), *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        self.addCleanup(subprocess.run, ["fusermount3", "-u", "-z", str(folder)], stderr=subprocess.DEVNULL)
+        end = time.monotonic() + 30
+        while not os.path.ismount(folder) and process.poll() is None and time.monotonic() < end:
+            time.sleep(0.02)
+        self.assertTrue(os.path.ismount(folder), process.poll() is not None and process.communicate()[1])
+        return process, folder
+
+    def is_gone(self, folder):
+        end = time.monotonic() + 20
+        while time.monotonic() < end:
+            try:
+                if not os.path.ismount(folder) and os.listdir(folder) == []:
+                    return True
+            except OSError:
+                pass  # its process has ended
+            time.sleep(0.05)
+        return False
+
+    def extracted(self, file, name="extracted"):
+        folder = self.path(name)
+        folder.mkdir()
+        self.works("extract", file, "-o", folder / (pathlib.Path(file).stem + "_%04d.vdb"))
+        return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+    def test_files_are_those_of_extract(self):
+        for channels in [1, 3]:
+            file = self.make_volute(f"puff{channels}.volute", frames=18, channels=channels)
+            process, folder = self.mount(file)
+            expected = self.extracted(file, f"extracted{channels}")
+            self.assertEqual(os.listdir(folder), list(expected))
+            for name, data in expected.items():
+                self.assertEqual((folder / name).stat().st_size, len(data))
+                self.assertEqual((folder / name).read_bytes(), data, name)
+            process.send_signal(signal.SIGINT)
+            _, said = process.communicate(timeout=30)
+            self.assertEqual(process.returncode, 0, said)
+            self.assertTrue(self.is_gone(folder))
+
+    def test_two_readers_at_once_and_little_memory(self):
+        file = self.make_volute(frames=20, size=24)
+        expected = self.extracted(file)
+        for options in [(), ("--max-memory", "300K")]:
+            process, folder = self.mount(file, *options)
+            wrong = []
+
+            def read(names):
+                wrong.extend(name for name in names if (folder / name).read_bytes() != expected[name])
+            readers = [threading.Thread(target=read, args=(list(expected)[::step],)) for step in (1, -1)]
+            for reader in readers:
+                reader.start()
+            for reader in readers:
+                reader.join()
+            self.assertEqual(wrong, [])
+            subprocess.run(["fusermount3", "-u", str(folder)], check=True)
+            self.assertEqual(process.wait(timeout=30), 0)
+            self.assertTrue(self.is_gone(folder))
+
+    def test_it_is_read_only(self):
+        process, folder = self.mount(self.make_volute())
+        name = os.listdir(folder)[0]
+        for change in [lambda: (folder / "new").touch(), lambda: (folder / name).unlink(), lambda: open(folder / name, "r+b"),
+                       lambda: (folder / name).rename(folder / "other")]:
+            with self.assertRaises(OSError):
+                change()
+        with self.assertRaises(FileNotFoundError):
+            (folder / "in_9999.vdb").read_bytes()
+
+    def test_what_is_killed(self):
+        process, folder = self.mount(self.make_volute())
+        name = os.listdir(folder)[0]
+        reader = subprocess.Popen(["sh", "-c", f"exec 3<'{folder / name}'; sleep 60"])
+        time.sleep(0.3)
+        reader.kill()
+        reader.wait()
+        self.assertTrue((folder / name).read_bytes())
+        process.kill()
+        process.wait()
+        self.assertTrue(self.is_gone(folder), "the folder of a mounter that was killed is let go of")
+        self.mount(self.path("in.volute"))  # and serves again
+
+    def test_memory_does_not_grow(self):
+        file = self.make_volute(frames=40, size=16)
+        process, folder = self.mount(file, "--max-memory", "2M")
+        names = os.listdir(folder)
+
+        def open_all(times):
+            for _ in range(times):
+                for name in names:
+                    descriptor = os.open(folder / name, os.O_RDONLY)
+                    os.read(descriptor, 100)
+                    os.close(descriptor)
+
+        def resident():
+            status = pathlib.Path(f"/proc/{process.pid}/status").read_text()
+            return int(next(line for line in status.splitlines() if line.startswith("VmRSS")).split()[1]), \
+                len(os.listdir(f"/proc/{process.pid}/fd"))
+        open_all(5)
+        before = resident()
+        open_all(25)  # 1,000
+        after = resident()
+        self.assertLess(after[0] - before[0], 3000, "KiB")
+        self.assertLessEqual(after[1], before[1] + 2)
+
+    def test_a_damaged_block_is_an_error(self):
+        file = self.make_volute(frames=18, size=20)
+        data = bytearray(file.read_bytes())
+        data[-20] ^= 1
+        file.write_bytes(data)
+        process, folder = self.mount(file)
+        failed = 0
+        for name in os.listdir(folder):
+            try:
+                (folder / name).read_bytes()
+            except OSError as error:
+                self.assertEqual(error.errno, 5)
+                failed += 1
+        self.assertGreater(failed, 0)
+        process.send_signal(signal.SIGTERM)
+        self.assertIn(b"checksum", process.communicate(timeout=30)[1])
+
+
+if __name__ == "__main__":
+    support.main()
