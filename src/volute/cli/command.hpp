@@ -22,6 +22,9 @@ struct Command {
   std::vector<Positional> positionals = {};
   std::vector<Option> options = {};
   std::vector<OneOf> oneOf = {};
+  /// Whether several processes that mpirun starts share its work. Then `run` is called on all ranks,
+  /// and reads what Context::team says.
+  bool ranks = false;
   Status (*run)(const Arguments&, Context&) = nullptr;
 };
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "volute/base/team.hpp"
 #include "volute/cli/report.hpp"
 #include "volute/media/reading.hpp"
 
@@ -16,13 +17,15 @@ class Console;
 
 /// What a command works with besides its arguments.
 struct Context : Reading {
+  Team& team;  ///< who shares the work; this process alone without mpirun
   Console* console = nullptr;  ///< whose bar ends before results are shown
   bool json = false;
   bool verbose = false;
   std::vector<std::string> words{};  ///< as the user typed them, without the command's name
   bool resultsToStderr = false;  ///< set when the data themselves go to standard output
 
-  /// Shows results: one JSON object or lines of text, on standard output.
+  /// Shows results: one JSON object or lines of text, on standard output. (Of ranks but the first
+  /// standard output and standard error lead nowhere.)
   void print(const Report& report) const;
   void print(std::string_view text) const;
 

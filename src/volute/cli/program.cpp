@@ -22,6 +22,8 @@
 #include "volute/cli/overwriting.hpp"
 #include "volute/cli/parse.hpp"
 #include "volute/cli/printable.hpp"
+#include "volute/cli/ranks.hpp"
+#include "volute/cluster/cluster.hpp"
 #include "volute/io/reader_helper.hpp"
 
 namespace volute::cli {
@@ -32,6 +34,7 @@ constexpr int kCouldNot = 1;
 constexpr int kWrongUsage = 2;
 
 int wrongUsage(const Error& error) {
+  letFirstRankSpeak();
   fmt::print(stderr, "volute: {}\n'volute help' lists the commands.\n", printableMessage(error.message));
   return kWrongUsage;
 }
@@ -95,19 +98,26 @@ void nameOutputs(const Command& command, Arguments& arguments, Progress& progres
 
 int runCommand(const Command& command, Arguments arguments,
                const std::vector<std::string>& words) {
+  Interrupt::name(command.name);
+  auto team = openTeamFor(command, words);
+  if (!team) {
+    fmt::print(stderr, "volute {}: {}\n", command.name, printableMessage(team.error().message));
+    return kCouldNot;
+  }
   const ThreadLimit threads(arguments.find<int>("threads").value_or(0));
   Console console(std::string(command.name), volumeOf(arguments));
-  Context context{{console, arguments.get<Bytes>("max-memory").count}, &console};
+  Context context{{console, arguments.get<Bytes>("max-memory").count}, **team, &console};
   context.json = arguments.flag("json");
   context.words = words;
   context.verbose = arguments.flag("verbose");
-  Interrupt::name(command.name);
   nameOutputs(command, arguments, console);
   Status status = runGuarded(command, arguments, context);
   if (status)
     status = flushResults();
+  status = context.team.agree(status);
   console.clear();
-  if (status)
+  // Launchers take the code of any process that failed.
+  if (status || !context.team.leads())
     return kDone;
   std::fflush(stdout);
   fmt::print(stderr, "volute {}: {}\n", command.name, printableMessage(status.error().message));
@@ -117,6 +127,7 @@ int runCommand(const Command& command, Arguments arguments,
 int parseAndRun(const Command& command, const std::vector<std::string>& words) {
   const auto arguments = parseArguments(command, words);
   if (!arguments) {
+    letFirstRankSpeak();
     fmt::print(stderr, "volute {0}: {1}\n'volute help {0}' shows how it is used.\n", command.name,
                printableMessage(arguments.error().message));
     return kWrongUsage;
@@ -125,6 +136,8 @@ int parseAndRun(const Command& command, const std::vector<std::string>& words) {
     return show(helpText(command));
   if (arguments->flag("version"))
     return show("volute " VOLUTE_VERSION "\n");
+  if (const Status alone = checkRanks(command); !alone)
+    return wrongUsage(alone.error());
   return runCommand(command, *arguments, words);
 }
 
@@ -137,6 +150,7 @@ void ignoreSignalsOfWriting() {
 }  // namespace
 
 int runProgram(int argc, char** argv) {
+  silenceOtherRanks();
   ignoreSignalsOfWriting();
   const ReaderHelper helper(Interrupt::requested);
   const Interrupt interrupt;
@@ -157,6 +171,7 @@ int runProgram(int argc, char** argv) {
 }
 
 int runProgram(const Command& command, int argc, char** argv) {
+  silenceOtherRanks();
   ignoreSignalsOfWriting();
   const ReaderHelper helper(Interrupt::requested);
   const Interrupt interrupt;

@@ -13,8 +13,9 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-/// The most memory that this program has held. getrusage() would count what its parent held before
-/// it started us.
+}  // namespace
+
+// getrusage() would count what this program's parent held before it started us.
 std::uint64_t peakMemoryBytes() {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);) {
@@ -25,8 +26,6 @@ std::uint64_t peakMemoryBytes() {
   ::getrusage(RUSAGE_SELF, &usage);
   return 1024 * static_cast<std::uint64_t>(usage.ru_maxrss);
 }
-
-}  // namespace
 
 Status cpuMayDraw(const char* what) {
   const char* cpu = std::getenv("VOLUTE_CPU_RENDERER");

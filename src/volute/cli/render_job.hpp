@@ -20,6 +20,9 @@ namespace volute::cli {
 /// What takes the place of a picture's mode where a contour is drawn.
 std::string modeOf(const Contour& contour);
 
+/// The most memory that this program has held [bytes].
+std::uint64_t peakMemoryBytes();
+
 /// Milliseconds of each stage, and what was looked at, over all pictures.
 struct RenderTotals {
   double open = 0, snapshots = 0, render = 0, write = 0;

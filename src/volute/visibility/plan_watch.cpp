@@ -56,14 +56,20 @@ class PlanWatch final : public Watch {
   Status take(const SurveyTime& at) override {
     for (std::size_t set = 0; set < survey_->sets.size(); ++set)
       updateLoss(losses_[set], at.time, survey_->sets[set].members, at.sightings);
-    if (index_ == 0)
+    if (at.index == 0)
       noteHidden(at);
     if (survey_->extinctionLimit > 0)
       updateLocal(at);
-    if (survey_->maps)
-      VOLUTE_TRY(writeMaps(at));
+    if (survey_->maps) {
+      for (std::size_t s = 0; s < series_.size(); ++s)
+        series_[s].emplace_back(at.time, fmt::format("{}_{:04d}.vti", mapName(s), at.index));
+    }
     ++index_;
     return {};
+  }
+
+  Status draw(const SurveyTime& at) const override {
+    return survey_->maps ? writeMaps(at) : Status();
   }
 
   Result<std::string> finish(Json& report) override {
@@ -136,14 +142,10 @@ class PlanWatch final : public Watch {
   }
 
   void updateLocal(const SurveyTime& at) {
-    parallelRanges(eyes_.size(), 512, [&](std::size_t begin, std::size_t end) {
-      std::vector<double> extinction(end - begin);
-      at.instant.extinction(at.eyes.subspan(begin, end - begin), extinction);
-      for (std::size_t i = begin; i < end; ++i) {
-        if (extinction[i - begin] >= survey_->extinctionLimit && at.time < local_[i])
-          local_[i] = at.time;
-      }
-    });
+    for (std::size_t i = 0; i < eyes_.size(); ++i) {
+      if (at.extinction[i] >= survey_->extinctionLimit && at.time < local_[i])
+        local_[i] = at.time;
+    }
   }
 
   /// Values of eyes at the plan's points; NaN elsewhere.
@@ -187,11 +189,11 @@ class PlanWatch final : public Watch {
     return picture;
   }
 
-  Status writeMaps(const SurveyTime& at) {
+  Status writeMaps(const SurveyTime& at) const {
     const auto folder = survey_->folder / "maps";
     std::vector<Status> done(survey_->signs.size());
     parallelFor(survey_->signs.size(), [&](std::size_t s) {
-      const std::string name = fmt::format("{}_{:04d}", mapName(s), index_);
+      const std::string name = fmt::format("{}_{:04d}", mapName(s), at.index);
       const auto of = [&](const char* what, auto&& value) {
         return PlanArray{what, mapOf(at, s, value)};
       };
@@ -210,10 +212,7 @@ class PlanWatch final : public Watch {
             writeImage(folder / (name + ".png"), drawPlan(plan_, visibilityMap(at, s), one));
       }
     });
-    for (std::size_t s = 0; s < done.size(); ++s) {
-      VOLUTE_TRY(std::move(done[s]));
-      series_[s].emplace_back(at.time, fmt::format("{}_{:04d}.vti", mapName(s), index_));
-    }
+    for (Status& status : done) VOLUTE_TRY(std::move(status));
     return {};
   }
 

@@ -71,8 +71,9 @@ Result<SightCsv> SightCsv::create(const std::filesystem::path& path) {
   return SightCsv(std::move(file));
 }
 
-Status SightCsv::write(double time, std::span<const Vec3> eyes, std::span<const SightTarget> signs,
-                       std::span<const Sighting> sightings) {
+std::string SightCsv::rowsOf(double time, std::span<const Vec3> eyes,
+                             std::span<const SightTarget> signs,
+                             std::span<const Sighting> sightings) {
   constexpr std::size_t kEyes = 512;
   std::vector<std::string> names;
   for (const SightTarget& sign : signs) names.push_back(quoted(sign.sign.name));
@@ -88,9 +89,14 @@ Status SightCsv::write(double time, std::span<const Vec3> eyes, std::span<const 
         appendRow(parts[p], head, names[s], sightings[s * eyes.size() + i]);
     }
   });
-  for (const std::string& part : parts) VOLUTE_TRY(file_.write(std::as_bytes(std::span(part))));
-  rows_ += eyes.size() * signs.size();
-  return {};
+  std::string rows;
+  for (const std::string& part : parts) rows += part;
+  return rows;
+}
+
+Status SightCsv::write(std::string_view rows, std::uint64_t count) {
+  rows_ += count;
+  return file_.write(std::as_bytes(std::span(rows)));
 }
 
 }  // namespace volute

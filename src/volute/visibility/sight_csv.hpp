@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <span>
+#include <string>
+#include <string_view>
 
 #include "volute/base/output_file.hpp"
 #include "volute/visibility/survey.hpp"
@@ -16,10 +18,13 @@ class SightCsv {
  public:
   [[nodiscard]] static Result<SightCsv> create(const std::filesystem::path& path);
 
-  /// `sightings` as lookAround gives them.
-  [[nodiscard]] Status write(double time, std::span<const Vec3> eyes,
-                             std::span<const SightTarget> signs,
-                             std::span<const Sighting> sightings);
+  /// The rows of a time, on all threads. `sightings` as lookAround gives them.
+  static std::string rowsOf(double time, std::span<const Vec3> eyes,
+                            std::span<const SightTarget> signs,
+                            std::span<const Sighting> sightings);
+
+  /// Appends `count` rows.
+  [[nodiscard]] Status write(std::string_view rows, std::uint64_t count);
 
   [[nodiscard]] Status finish() { return file_.commit(); }
 

@@ -3,8 +3,11 @@
 #include "volute/visibility/survey_job.hpp"
 
 #include <algorithm>
+#include <optional>
 
+#include "volute/base/ordered_delivery.hpp"
 #include "volute/base/output_folder.hpp"
+#include "volute/base/parallel.hpp"
 #include "volute/base/remark_log.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/visibility/sight_csv.hpp"
@@ -92,47 +95,93 @@ Json summaryOf(const SurveyTime& at, const Survey& survey) {
 class Job {
  public:
   Job(SurveyRequest request, SightField& field, Watch& watch, SurveyPictures& pictures,
-      Progress& progress)
+      Progress& progress, Team& team)
       : request_(std::move(request)),
         field_(field),
         watch_(watch),
         pictures_(pictures),
         log_(progress),
+        team_(team),
         lookout_(std::min(request_.maxMemory / 4, kMostLines)),
         survey_(request_.survey) {}
 
   Result<SurveySummary> run() {
     VOLUTE_ASSIGN(survey_.sets, setsOf(request_));
-    VOLUTE_ASSIGN(const auto chosen, chosenTimes(request_.frames, field_));
-    for (const int i : chosen) survey_.times.push_back(field_.times()[i]);
+    VOLUTE_ASSIGN(chosen_, chosenTimes(request_.frames, field_));
+    for (const int i : chosen_) survey_.times.push_back(field_.times()[i]);
     survey_.bounds = field_.bounds();
     for (const std::string& remark : field_.remarks()) log_.remark(remark);
     for (const std::string& remark : request_.remarks) log_.remark(remark);
-    VOLUTE_ASSIGN(auto folder, PendingFolder::create(request_.output, kMark));
-    survey_.folder = folder.path();
-    VOLUTE_ASSIGN(auto csv, SightCsv::create(folder.path() / "sight.csv"));
-    for (std::size_t i = 0; i < chosen.size(); ++i) {
-      if (log_.cancelled())
-        return fail(ErrorCode::kCancelled, "stopped at {} s; nothing was written",
-                    survey_.times[i]);
-      VOLUTE_TRY(takeTime(static_cast<std::size_t>(chosen[i]), survey_.times[i], csv));
-      log_.report("looking", static_cast<double>(i + 1), static_cast<double>(chosen.size()));
+    VOLUTE_TRY(team_.agree(openFolder()));
+    VOLUTE_TRY(shareFolder());
+    VOLUTE_TRY(begin());
+    const auto units = static_cast<std::int64_t>(chosen_.size());
+    OrderedDelivery seen(team_, units, request_.maxMemory / 8,
+                         [&](std::int64_t i, const Bytes& bytes) { return take(i, bytes); });
+    VOLUTE_TRY(team_.forUnits(
+        "looking", units, log_,
+        [&](std::int64_t i) -> Status {
+          VOLUTE_ASSIGN(auto bytes, look(static_cast<std::size_t>(i)));
+          return seen.give(i, std::move(bytes));
+        },
+        [&] { return seen.finish(); }));
+    VOLUTE_TRY(team_.agree(team_.leads() ? finish() : Status()));
+    SurveySummary summary{0, survey_.times};
+    if (team_.leads()) {
+      summary.sightLines = csv_->rows();
+      summary.seenFirst = summary_.front()["any"].get<double>();
+      summary.seenLast = summary_.back()["any"].get<double>();
     }
-    VOLUTE_TRY(csv.finish());
-    remarkOnUncovered();
-    VOLUTE_TRY(finish(folder));
-    return SurveySummary{csv.rows(), survey_.times, summary_.front()["any"].get<double>(),
-                         summary_.back()["any"].get<double>()};
+    return summary;
   }
 
  private:
-  Status takeTime(std::size_t index, double time, SightCsv& csv) {
-    VOLUTE_ASSIGN(const auto instant, field_.read(index));
-    if (survey_.signs.empty()) {
-      VOLUTE_ASSIGN(survey_.signs, placeSigns(*instant, request_.signs, survey_.bounds, log_));
-      VOLUTE_TRY(watch_.begin(survey_, *instant, log_));
-      VOLUTE_TRY(pictures_.begin(survey_, *instant));
-    }
+  using Bytes = OrderedDelivery::Bytes;
+
+  /// What a rank sends of a time: this, the sightings, extinction at the eyes, and rows of the table.
+  struct Lengths {
+    std::uint64_t sightings = 0, extinction = 0, rows = 0;
+  };
+
+  Status openFolder() {
+    if (!team_.leads())
+      return {};
+    VOLUTE_ASSIGN(auto folder, PendingFolder::create(request_.output, kMark));
+    folder_.emplace(std::move(folder));
+    VOLUTE_ASSIGN(auto csv, SightCsv::create(folder_->path() / "sight.csv"));
+    csv_.emplace(std::move(csv));
+    return {};
+  }
+
+  Status shareFolder() {
+    const std::string own = team_.leads() ? folder_->path().string() : std::string();
+    VOLUTE_ASSIGN(const auto all, team_.gatherTexts(own));
+    survey_.folder = all.front();
+    return {};
+  }
+
+  /// With the first time's smoke, on each rank.
+  Status begin() {
+    VOLUTE_ASSIGN(first_, field_.read(static_cast<std::size_t>(chosen_[0])));
+    VOLUTE_ASSIGN(survey_.signs, placeSigns(*first_, request_.signs, survey_.bounds, log_));
+    VOLUTE_TRY(watch_.begin(survey_, *first_, log_));
+    if (team_.leads())
+      VOLUTE_TRY(pictures_.begin(survey_, *first_));
+    return {};
+  }
+
+  Result<std::shared_ptr<const SightInstant>> instantAt(std::size_t i) {
+    if (auto first = std::exchange(first_, nullptr); first && i == 0)
+      return first;
+    return field_.read(static_cast<std::size_t>(chosen_[i]));
+  }
+
+  /// All of a time that can be said without the others.
+  Result<Bytes> look(std::size_t i) {
+    if (log_.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped at {} s; nothing was written", survey_.times[i]);
+    VOLUTE_ASSIGN(const auto instant, instantAt(i));
+    const double time = survey_.times[i];
     const auto eyes = watch_.eyes(time);
     const std::uint64_t lines = eyes.size() * survey_.signs.size();
     if (lines > request_.maxMemory / (2 * sizeof(Sighting))) {
@@ -141,10 +190,42 @@ class Job {
                   "most {}: choose a larger --step or fewer signs",
                   eyes.size(), survey_.signs.size(), request_.maxMemory / (2 * sizeof(Sighting)));
     }
-    sightings_.resize(lines);
-    lookout_.look(*instant, survey_.signs, eyes, sightings_, survey_.times.size() > 1);
-    const SurveyTime at{time, *instant, eyes, sightings_};
-    VOLUTE_TRY(csv.write(time, eyes, survey_.signs, sightings_));
+    std::vector<Sighting> sightings(lines);
+    lookout_.look(*instant, survey_.signs, eyes, sightings, survey_.times.size() > 1);
+    std::vector<double> extinction(survey_.extinctionLimit > 0 ? eyes.size() : 0);
+    parallelRanges(extinction.size(), 512, [&](std::size_t begin, std::size_t end) {
+      instant->extinction(std::span(eyes).subspan(begin, end - begin),
+                          std::span(extinction).subspan(begin, end - begin));
+    });
+    VOLUTE_TRY(watch_.draw({i, time, eyes, sightings, extinction}));
+    const std::string rows = SightCsv::rowsOf(time, eyes, survey_.signs, sightings);
+    const Lengths lengths{sightings.size(), extinction.size(), rows.size()};
+    Bytes bytes;
+    for (const auto part : {std::as_bytes(std::span(&lengths, 1)),
+                            std::as_bytes(std::span(sightings)),
+                            std::as_bytes(std::span(extinction)), std::as_bytes(std::span(rows))})
+      bytes.insert(bytes.end(), part.begin(), part.end());
+    return bytes;
+  }
+
+  /// What look() gave, in the order of times, on rank 0.
+  Status take(std::int64_t i, const Bytes& bytes) {
+    std::span<const std::byte> left = bytes;
+    const auto next = [&](void* to, std::size_t size) {
+      std::copy_n(left.begin(), size, static_cast<std::byte*>(to));
+      left = left.subspan(size);
+    };
+    Lengths lengths;
+    next(&lengths, sizeof lengths);
+    std::vector<Sighting> sightings(lengths.sightings);
+    next(sightings.data(), lengths.sightings * sizeof(Sighting));
+    std::vector<double> extinction(lengths.extinction);
+    next(extinction.data(), lengths.extinction * sizeof(double));
+    VOLUTE_TRY(csv_->write({reinterpret_cast<const char*>(left.data()), lengths.rows},
+                           lengths.sightings));
+    const double time = survey_.times[static_cast<std::size_t>(i)];
+    const auto eyes = watch_.eyes(time);
+    const SurveyTime at{static_cast<std::size_t>(i), time, eyes, sightings, extinction};
     summary_.push_back(summaryOf(at, survey_));
     return watch_.take(at);
   }
@@ -164,7 +245,9 @@ class Job {
     }
   }
 
-  Status finish(PendingFolder& folder) {
+  Status finish() {
+    VOLUTE_TRY(csv_->finish());
+    remarkOnUncovered();
     json_ = {{"format", "volute-visibility-1"},
              {"case", request_.casePath},
              {"smoke", field_.description()},
@@ -180,9 +263,9 @@ class Job {
     body += views;
     json_["remarks"] = log_.remarks();
     if (watch_.hasPage())
-      VOLUTE_TRY(writeSurveyPage(folder.path() / "report.html", json_, body));
-    VOLUTE_TRY(writeFile(folder.path() / kMark, dumpJson(json_) + "\n"));
-    return folder.commit();
+      VOLUTE_TRY(writeSurveyPage(folder_->path() / "report.html", json_, body));
+    VOLUTE_TRY(writeFile(folder_->path() / kMark, dumpJson(json_) + "\n"));
+    return folder_->commit();
   }
 
   SurveyRequest request_;
@@ -190,9 +273,13 @@ class Job {
   Watch& watch_;
   SurveyPictures& pictures_;
   RemarkLog log_;
+  Team& team_;
   Lookout lookout_;
   Survey survey_;
-  std::vector<Sighting> sightings_;
+  std::vector<int> chosen_;                     // stored times, of Survey::times
+  std::optional<PendingFolder> folder_;         // of rank 0
+  std::optional<SightCsv> csv_;                 // of rank 0
+  std::shared_ptr<const SightInstant> first_;  // until its turn
   Json summary_ = Json::array();
   Json json_;
 };
@@ -200,8 +287,14 @@ class Job {
 }  // namespace
 
 Result<SurveySummary> runSurvey(SurveyRequest request, SightField& field, Watch& watch,
+                                SurveyPictures& pictures, Progress& progress, Team& team) {
+  return Job(std::move(request), field, watch, pictures, progress, team).run();
+}
+
+Result<SurveySummary> runSurvey(SurveyRequest request, SightField& field, Watch& watch,
                                 SurveyPictures& pictures, Progress& progress) {
-  return Job(std::move(request), field, watch, pictures, progress).run();
+  Team alone;
+  return runSurvey(std::move(request), field, watch, pictures, progress, alone);
 }
 
 }  // namespace volute

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include "volute/base/team.hpp"
 #include "volute/grid/select_frames.hpp"
 #include "volute/media/sight.hpp"
 #include "volute/visibility/watch.hpp"
@@ -24,6 +25,7 @@ class SurveyPictures {
  public:
   virtual ~SurveyPictures() = default;
 
+  /// On rank 0, like finish().
   [[nodiscard]] virtual Status begin(const Survey& survey, const SightInstant& first) = 0;
 
   /// Takes them; adds them to the report and returns their part of the page.
@@ -37,7 +39,14 @@ struct SurveySummary {
   double seenFirst = 0, seenLast = 0;  ///< shares of the eyes that see a sign
 };
 
-/// Goes through the stored times of a case, one after the other, and writes the folder of results.
+/// Goes through the stored times of a case and writes the folder of results. A stored time is a unit
+/// of work: ranks read it, look and write its maps; rank 0 puts together what all see. Collective;
+/// the summary is rank 0's, of the others only the times are there.
+[[nodiscard]] Result<SurveySummary> runSurvey(SurveyRequest request, SightField& field,
+                                              Watch& watch, SurveyPictures& pictures,
+                                              Progress& progress, Team& team);
+
+/// The same in this process alone.
 [[nodiscard]] Result<SurveySummary> runSurvey(SurveyRequest request, SightField& field,
                                               Watch& watch, SurveyPictures& pictures,
                                               Progress& progress);

@@ -39,10 +39,13 @@ struct Survey {
 
 /// One time of a survey.
 struct SurveyTime {
-  double time = 0;  ///< [s]
-  const SightInstant& instant;
+  std::size_t index = 0;  ///< among Survey::times
+  double time = 0;        ///< [s]
   std::span<const Vec3> eyes;
   std::span<const Sighting> sightings;  ///< shape (sign, eye)
+  /// Where the eyes stand [1/m], if Survey::extinctionLimit asks for it; NaN as
+  /// SightInstant::extinction() says.
+  std::span<const double> extinction{};
 };
 
 /// Where eyes are, and what becomes of what they see. One kind for each way of choosing eyes.
@@ -57,10 +60,17 @@ class Watch {
   /// The eyes at a time.
   virtual std::vector<Vec3> eyes(double time) const = 0;
 
-  /// Each time in ascending order.
+  /// Writes what files there are of a time alone. Each time once, in any order and on any rank,
+  /// after begin() on that rank.
+  [[nodiscard]] virtual Status draw(const SurveyTime& at) const {
+    (void)at;
+    return {};
+  }
+
+  /// Each time in ascending order, on rank 0.
   [[nodiscard]] virtual Status take(const SurveyTime& at) = 0;
 
-  /// Adds its figures to the report, writes its files, and returns its part of the page.
+  /// Adds its figures to the report, writes its files, and returns its part of the page. On rank 0.
   [[nodiscard]] virtual Result<std::string> finish(Json& report) = 0;
 
   /// True when a page is written.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "volute/base/write_file.hpp"
@@ -10,11 +10,12 @@
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/picture_writer.hpp"
 #include "volute/cli/gl_pictures.hpp"
+#include "volute/cli/ranks.hpp"
 #include "volute/cli/render_job.hpp"
+#include "volute/cli/render_pictures.hpp"
 #include "volute/cli/file_kind.hpp"
 #include "volute/cli/scene_arguments.hpp"
 #include "volute/cli/volume_output.hpp"
-#include "volute/image/srgb.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/media/camera_file.hpp"
 
@@ -213,13 +214,23 @@ Result<std::optional<Contour>> contourOf(const Arguments& arguments, const Scene
 }
 
 /// The scale of a slice's extinction or concentration, from all that will be shown.
-Status scaleContour(RenderJob& job, Progress& progress) {
+Status scaleContour(RenderJob& job, Progress& progress, Team& team) {
   if (!job.contour || job.contour->shows == Contour::Shows::kVisibility)
     return {};
   double largest = 0;
-  for (const Moment& moment : job.moments) {
-    VOLUTE_ASSIGN(const auto snapshot, job.scene.at({.time = moment.time}, progress));
-    largest = std::max(largest, largestOn(*job.contour, snapshot.media));
+  VOLUTE_TRY(team.forUnits(
+      "scaling", static_cast<std::int64_t>(job.moments.size()), progress,
+      [&](std::int64_t i) -> Status {
+        const Moment& moment = job.moments[static_cast<std::size_t>(i)];
+        VOLUTE_ASSIGN(const auto snapshot, job.scene.at({.time = moment.time}, progress));
+        largest = std::max(largest, largestOn(*job.contour, snapshot.media));
+        return {};
+      }));
+  VOLUTE_ASSIGN(const auto all, team.gatherAll(std::as_bytes(std::span(&largest, 1))));
+  for (const auto& bytes : all) {
+    double other = 0;
+    std::memcpy(&other, bytes.data(), sizeof other);
+    largest = std::max(largest, other);
   }
   job.contour->most = largest > 0 ? largest : 1;
   return {};
@@ -245,7 +256,7 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
                 arguments.get<std::string>("renderer") == "auto", std::move(moments), rate,
                 std::move(contour), arguments.get<std::string>("volume-method") == "tree",
                 arguments.flag("legend"), std::move(totals)};
-  VOLUTE_TRY(scaleContour(job, context.progress));
+  VOLUTE_TRY(scaleContour(job, context.progress, context.team));
   return job;
 }
 
@@ -283,112 +294,6 @@ Result<Development> developmentOf(const Arguments& arguments, const RenderJob& j
   return development;
 }
 
-Result<std::unique_ptr<PictureWriter>> writerFor(const std::string& target, const RenderJob& job,
-                                                 const Development& development) {
-  if (!isFilmPath(target))
-    return stillWriter(target, development);
-  std::string comment;
-  for (const auto& [name, text] : job.textOf(job.moments.front()).notes) {
-    if (name != "volute.time")
-      comment += fmt::format("{}{}: {}", comment.empty() ? "" : "; ", name, text);
-  }
-  return filmWriter(target, development, job.camera.width(), job.camera.height(),
-                    job.framesPerSecond, comment);
-}
-
-/// A single picture reports its own progress; of several each is one step, with its remarks.
-class CancelOnly final : public Progress {
- public:
-  explicit CancelOnly(Progress& outer) : outer_(outer) {}
-
-  void remark(std::string_view message) override { outer_.remark(message); }
-
-  bool cancelled() const override { return outer_.cancelled(); }
-
- private:
-  Progress& outer_;
-};
-
-/// How much is to come, before the first picture.
-void remarkOnPictures(const RenderJob& job, const std::string& target, Progress& progress) {
-  const std::size_t count = job.moments.size();
-  const double first = job.moments.front().time, last = job.moments.back().time;
-  std::string text = fmt::format("{}: {} pictures from {:g} to {:g} s", target, count, first, last);
-  if (isFilmPath(target)) {
-    text += fmt::format(", {:.3g} a second: a film of {:.3g} s", job.framesPerSecond,
-                        static_cast<double>(count) / job.framesPerSecond);
-  }
-  progress.remark(text);
-}
-
-/// How long all of it takes if each picture takes as long as one did; nothing of a short while.
-void remarkOnDuration(double seconds, std::size_t count, Progress& progress) {
-  constexpr double kWorthSaying = 10;
-  const double all = seconds * static_cast<double>(count);
-  if (all < kWorthSaying)
-    return;
-  progress.remark(fmt::format("one picture takes {:.2g} s, all {} about {}", seconds, count,
-                              all < 90     ? fmt::format("{:.0f} s", all)
-                              : all < 5400 ? fmt::format("{:.0f} min", all / 60)
-                                           : fmt::format("{:.1f} h", all / 3600)));
-}
-
-/// Shares of white light: 1 is white.
-bool measuresLight(const Scene& scene) {
-  return !scene.isFile() && scene.media().front()->info().measured;
-}
-
-/// Renders and writes every moment; settles the exposure first when it is to be found.
-Status renderAll(RenderJob& job, const std::string& target, Development& development,
-                 Progress& progress) {
-  const std::size_t count = job.moments.size();
-  const std::size_t middle = count / 2;
-  if (count > 1)
-    remarkOnPictures(job, target, progress);
-  CancelOnly steps(progress);
-  Progress& each = count > 1 ? static_cast<Progress&>(steps) : progress;
-  std::optional<Image> tried;
-  const auto begun = std::chrono::steady_clock::now();
-  const auto seconds = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  };
-  bool measured = count == 1;
-  const bool fixed = job.contour || job.options.aov == Aov::kTransmittance ||
-                     extensionOf(target) == ".exr" ||
-                     (measuresLight(job.scene) && job.options.aov == Aov::kNone);
-  if (development.exposure == 0 && fixed) {
-    development.exposure = 1;
-  } else if (development.exposure == 0) {
-    VOLUTE_ASSIGN(tried, job.picture(job.moments[middle], each));
-    if (!std::exchange(measured, true))
-      remarkOnDuration(seconds(), count, progress);
-    development.exposure = suggestExposure(*tried);
-    progress.remark(fmt::format("exposure {:.4g}, from frame {}", development.exposure,
-                                job.moments[middle].number));
-  }
-  VOLUTE_ASSIGN(const auto writer, writerFor(target, job, development));
-  for (std::size_t i = 0; i < count; ++i) {
-    const Moment& moment = job.moments[i];
-    if (i == 1 && !measured)
-      remarkOnDuration(seconds(), count, progress);
-    if (progress.cancelled())
-      return fail(ErrorCode::kCancelled, "stopped before frame {}", moment.number);
-    auto image =
-        tried && i == middle ? Result<Image>(std::move(*tried)) : job.picture(moment, each);
-    VOLUTE_TRY(image);
-    const Stopwatch watch(job.totals.write);
-    VOLUTE_TRY(writer->write(*image, moment.number, job.textOf(moment)));
-    if (count > 1)
-      progress.report("rendering", static_cast<double>(i + 1), static_cast<double>(count));
-  }
-  const Stopwatch watch(job.totals.write);
-  return writer->finish();
-}
-
-Status writeStats(const RenderJob& job, const std::string& target) {
-  return writeFile(target, dumpJson(job.stats()));
-}
-
 Status checkRenderTargets(const Arguments& arguments, const std::string& target) {
   if (!isPicturePath(target) && !isFilmPath(target)) {
     return fail(ErrorCode::kInvalidArgument,
@@ -402,16 +307,19 @@ Status checkRenderTargets(const Arguments& arguments, const std::string& target)
 Status runRender(const Arguments& arguments, Context& context) {
   const auto target = arguments.get<std::string>("output");
   VOLUTE_TRY(checkRenderTargets(arguments, target));
+  if (!isFilmPath(target))
+    VOLUTE_TRY(checkFolderIsShared(target, context.team));
   VOLUTE_ASSIGN(auto job, makeJob(arguments, target, context));
   VOLUTE_ASSIGN(auto development, developmentOf(arguments, job));
-  VOLUTE_TRY(renderAll(job, target, development, context.progress));
-  if (const auto stats = arguments.find<std::string>("stats"))
-    VOLUTE_TRY(writeStats(job, *stats));
+  VOLUTE_TRY(renderPictures(job, target, development, context.maxMemory, context.progress,
+                            context.team));
+  VOLUTE_ASSIGN(const auto stats, sumOfStats(job, context.team));
+  VOLUTE_TRY(writeStats(arguments, context, stats));
   if (context.json) {
     Report report;
     report.add("output", target).add("exposure", development.exposure);
     auto json = report.json();
-    json.update(job.stats());
+    json.update(stats);
     context.print(dumpJson(json));
   }
   return {};
@@ -513,10 +421,7 @@ std::vector<Option> renderOptionTable() {
        .help =
            "draw mode, what the smoke's field holds, C, time and the scale of colours into .png "
            "and films"},
-      {.name = "stats",
-       .kind = kOutput,
-       .value = "FILE.json",
-       .help = "write what was visited, the time of each stage and the peak memory"},
+      statsOption(),
       {.name = "partial",
        .help = "use what is intact of a damaged .volute",
        .kinds = {"volume", kSceneKind}}};
@@ -555,6 +460,7 @@ Command renderCommand() {
       .oneOf = {{{"time", "frames"}, false},
                 {{"fov", "ortho"}, false},
                 {{"slice", "isosurface", "aov"}, false}},
+      .ranks = true,
       .run = runRender};
 }
 

@@ -4,6 +4,7 @@
 
 #include "volute/base/input_file.hpp"
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/ranks.hpp"
 #include "volute/cli/scene_arguments.hpp"
 #include "volute/cli/view_pictures.hpp"
 #include "volute/visibility/sign_file.hpp"
@@ -110,6 +111,7 @@ Status runVisibility(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto watch, watchOf(arguments, context));
   VOLUTE_ASSIGN(auto views, viewsOf(arguments));
   Context::watch(request.output);
+  VOLUTE_TRY(checkFolderIsShared(request.output, context.team));
   VOLUTE_ASSIGN(const auto field, openSight(request.casePath, arguments, context));
   if (const auto name = arguments.find<std::string>("sight-limit"))
     request.remarks.push_back(limitRemark(*name, request.survey.extinctionLimit));
@@ -117,7 +119,8 @@ Status runVisibility(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(auto pictures, ViewPictures::make(std::move(views), request.casePath, arguments, context));
   const std::string output = request.output;
   VOLUTE_ASSIGN(const auto found, runSurvey(std::move(request), *field, *watch, pictures,
-                                            context.progress));
+                                            context.progress, context.team));
+  VOLUTE_TRY(writeStats(arguments, context, {{"sight_lines", found.sightLines}}));
   Report report;
   report.add("output", output)
       .add("times", found.times.size(), fmt::format("{}", found.times.size()))
@@ -216,6 +219,7 @@ std::vector<Option> visibilityOptionTable() {
        .value = "NAME",
        .help = "the same by a rule's name",
        .choices = limitNames()}};
+  options.push_back(statsOption());
   const auto more = mediumOptions(FieldUse::kMeasured);
   options.insert(options.end(), more.begin(), more.end());
   return options;
@@ -246,6 +250,7 @@ Command visibilityCommand() {
       .options = visibilityOptionTable(),
       .oneOf = {{.names = {"route", "eyes", "trajectories"}},
                 {.names = {"extinction-limit", "sight-limit"}}},
+      .ranks = true,
       .run = runVisibility};
 }
 

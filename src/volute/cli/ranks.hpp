@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "volute/cli/arguments.hpp"
+#include "volute/cli/command.hpp"
+
+// What the program does as one of several processes that mpirun started.
+
+namespace volute::cli {
+
+/// Rank 0 alone speaks: standard output and standard error of the others lead nowhere from here on.
+void silenceOtherRanks();
+
+/// Where ranks end with an error before they are a team, the launcher ends all as soon as one does:
+/// others than the first wait for that a while.
+void letFirstRankSpeak();
+
+/// kInvalidArgument when several processes were started for a command that one does.
+[[nodiscard]] Status checkRanks(const Command& command);
+
+/// The processes that were started together, after they agreed on being the same program with the
+/// same arguments; this one alone without mpirun.
+[[nodiscard]] Result<std::unique_ptr<Team>> openTeamFor(const Command& command,
+                                                        const std::vector<std::string>& words);
+
+/// --stats, of commands that several ranks share.
+Option statsOption();
+
+/// Where --stats is given, rank 0 writes `own` and, as "ranks", what each rank did: the units of
+/// each stage, CPU time, seconds that it waited, memory. Collective.
+[[nodiscard]] Status writeStats(const Arguments& arguments, Context& context, Json own);
+
+/// Fails on all ranks unless all see the folder that `target` will lie in: rank 0 writes a file
+/// there for a moment. Collective.
+[[nodiscard]] Status checkFolderIsShared(const std::string& target, Team& team);
+
+}  // namespace volute::cli

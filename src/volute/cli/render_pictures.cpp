@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/render_pictures.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "volute/base/ordered_delivery.hpp"
+#include "volute/image/srgb.hpp"
+#include "volute/media/volume/volume_input.hpp"
+
+namespace volute::cli {
+namespace {
+
+Result<std::unique_ptr<PictureWriter>> writerFor(const std::string& target, const RenderJob& job,
+                                                 const Development& development) {
+  if (!isFilmPath(target))
+    return stillWriter(target, development);
+  std::string comment;
+  for (const auto& [name, text] : job.textOf(job.moments.front()).notes) {
+    if (name != "volute.time")
+      comment += fmt::format("{}{}: {}", comment.empty() ? "" : "; ", name, text);
+  }
+  return filmWriter(target, development, job.camera.width(), job.camera.height(),
+                    job.framesPerSecond, comment);
+}
+
+/// A single picture reports its own progress; of several each is one step, with its remarks.
+class CancelOnly final : public Progress {
+ public:
+  explicit CancelOnly(Progress& outer) : outer_(outer) {}
+
+  void remark(std::string_view message) override { outer_.remark(message); }
+
+  bool cancelled() const override { return outer_.cancelled(); }
+
+ private:
+  Progress& outer_;
+};
+
+/// How much is to come, before the first picture.
+void remarkOnPictures(const RenderJob& job, const std::string& target, Progress& progress) {
+  const std::size_t count = job.moments.size();
+  const double first = job.moments.front().time, last = job.moments.back().time;
+  std::string text = fmt::format("{}: {} pictures from {:g} to {:g} s", target, count, first, last);
+  if (isFilmPath(target)) {
+    text += fmt::format(", {:.3g} a second: a film of {:.3g} s", job.framesPerSecond,
+                        static_cast<double>(count) / job.framesPerSecond);
+  }
+  progress.remark(text);
+}
+
+/// How long all of it takes if each picture takes as long as one did; nothing of a short while.
+void remarkOnDuration(double seconds, std::int64_t count, std::int64_t ranks, Progress& progress) {
+  constexpr double kWorthSaying = 10;
+  const double all = seconds * static_cast<double>((count + ranks - 1) / ranks);
+  if (all < kWorthSaying)
+    return;
+  progress.remark(fmt::format("one picture takes {:.2g} s, all {} about {}", seconds, count,
+                              all < 90     ? fmt::format("{:.0f} s", all)
+                              : all < 5400 ? fmt::format("{:.0f} min", all / 60)
+                                           : fmt::format("{:.1f} h", all / 3600)));
+}
+
+/// Shares of white light: 1 is white.
+bool measuresLight(const Scene& scene) {
+  return !scene.isFile() && scene.media().front()->info().measured;
+}
+
+std::vector<std::byte> bytesOf(const Image& image) {
+  const std::int32_t sizes[] = {image.width, image.height, image.channels};
+  std::vector<std::byte> bytes(sizeof sizes + image.pixels.size() * sizeof(float));
+  std::memcpy(bytes.data(), sizes, sizeof sizes);
+  std::memcpy(bytes.data() + sizeof sizes, image.pixels.data(), bytes.size() - sizeof sizes);
+  return bytes;
+}
+
+/// Of this same program, on a machine of the same kind.
+Image imageOf(std::span<const std::byte> bytes) {
+  std::int32_t sizes[3];
+  std::memcpy(sizes, bytes.data(), sizeof sizes);
+  Image image(sizes[0], sizes[1], sizes[2]);
+  std::memcpy(image.pixels.data(), bytes.data() + sizeof sizes, bytes.size() - sizeof sizes);
+  return image;
+}
+
+/// Bytes of pictures of a film that wait for those before them.
+std::uint64_t mostPending(const Camera& camera, std::uint64_t maxMemory) {
+  const std::uint64_t bytes = 3 * std::uint64_t{sizeof(float)} * camera.width() * camera.height();
+  return bytes * std::clamp<std::uint64_t>(maxMemory / 8 / bytes, 1, 4);
+}
+
+/// The pictures of a job on their way into a file or files.
+class Pictures {
+ public:
+  Pictures(RenderJob& job, const std::string& target, Development& development,
+           std::uint64_t maxMemory, Progress& progress, Team& team)
+      : job_(job),
+        target_(target),
+        development_(development),
+        progress_(progress),
+        steps_(progress),
+        team_(team),
+        count_(static_cast<std::int64_t>(job.moments.size())),
+        film_(team, count_, mostPending(job.camera, maxMemory),
+              [this](std::int64_t i, const auto& bytes) { return write(i, imageOf(bytes)); }) {}
+
+  Status run() {
+    if (count_ > 1)
+      remarkOnPictures(job_, target_, progress_);
+    VOLUTE_TRY(settleExposure());
+    if (!isFilmPath(target_) || team_.leads()) {
+      VOLUTE_ASSIGN(writer_, writerFor(target_, job_, development_));
+    }
+    begun_ = Clock::now();
+    if (tried_)
+      VOLUTE_TRY(give(middle_, *std::exchange(tried_, std::nullopt)));
+    VOLUTE_TRY(team_.forUnits(
+        "rendering", count_, count_ > 1 ? progress_ : steps_,
+        [&](std::int64_t i) { return take(i); },
+        [&] { return isFilmPath(target_) ? film_.finish() : Status(); }));
+    const Stopwatch watch(job_.totals.write);
+    return writer_ ? writer_->finish() : Status();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  const Moment& moment(std::int64_t i) const {
+    return job_.moments[static_cast<std::size_t>(i)];
+  }
+
+  /// Of several pictures each is one step, with its remarks.
+  Progress& each() { return count_ > 1 ? static_cast<Progress&>(steps_) : progress_; }
+
+  /// Rank 0 finds it from the middle picture, which it keeps.
+  Status settleExposure() {
+    const bool fixed = job_.contour || job_.options.aov == Aov::kTransmittance ||
+                       extensionOf(target_) == ".exr" ||
+                       (measuresLight(job_.scene) && job_.options.aov == Aov::kNone);
+    if (development_.exposure != 0)
+      return {};
+    if (fixed) {
+      development_.exposure = 1;
+      return {};
+    }
+    middle_ = count_ / 2;
+    if (team_.leads()) {
+      begun_ = Clock::now();
+      VOLUTE_ASSIGN(Image image, job_.picture(moment(middle_), each()));
+      sayDuration();
+      development_.exposure = suggestExposure(image);
+      progress_.remark(fmt::format("exposure {:.4g}, from frame {}", development_.exposure,
+                                   moment(middle_).number));
+      tried_ = std::move(image);
+    }
+    VOLUTE_ASSIGN(development_.exposure, team_.broadcast(development_.exposure));
+    return {};
+  }
+
+  void sayDuration() {
+    if (count_ == 1 || std::exchange(said_, true))
+      return;
+    const double seconds = std::chrono::duration<double>(Clock::now() - begun_).count();
+    const auto ranks = static_cast<std::int64_t>(team_.size());
+    remarkOnDuration(seconds, count_, ranks, progress_);
+  }
+
+  Status take(std::int64_t i) {
+    if (progress_.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped before frame {}", moment(i).number);
+    if (i == middle_)
+      return {};
+    VOLUTE_ASSIGN(const Image image, job_.picture(moment(i), each()));
+    sayDuration();
+    return give(i, image);
+  }
+
+  Status give(std::int64_t i, const Image& image) {
+    return isFilmPath(target_) ? film_.give(i, bytesOf(image)) : write(i, image);
+  }
+
+  Status write(std::int64_t i, const Image& image) {
+    const Stopwatch watch(job_.totals.write);
+    return writer_->write(image, moment(i).number, job_.textOf(moment(i)));
+  }
+
+  RenderJob& job_;
+  const std::string& target_;
+  Development& development_;
+  Progress& progress_;
+  CancelOnly steps_;
+  Team& team_;
+  std::int64_t count_;
+  OrderedDelivery film_;
+  std::unique_ptr<PictureWriter> writer_;
+  std::optional<Image> tried_;  // of rank 0
+  std::int64_t middle_ = -1;    // drawn already, by rank 0
+  Clock::time_point begun_ = Clock::now();
+  bool said_ = false;
+};
+
+/// Adds what is counted and timed; what a scene has is the same on all ranks.
+void addStats(nlohmann::ordered_json& sum, const nlohmann::ordered_json& other) {
+  for (const auto& [name, value] : other.items()) {
+    constexpr std::string_view kOfTheScene[] = {"size",       "C",          "triangles",
+                                                "tree_nodes", "tree_bytes", "bricks_stored"};
+    nlohmann::ordered_json& into = sum[name];
+    if (value.is_object())
+      addStats(into, value);
+    else if (!value.is_number() || std::ranges::find(kOfTheScene, name) != std::end(kOfTheScene))
+      continue;
+    else if (name == "peak_memory_bytes")
+      into = std::max(into.get<double>(), value.get<double>()) == into.get<double>() ? into : value;
+    else if (value.is_number_integer())
+      into = into.get<std::int64_t>() + value.get<std::int64_t>();
+    else
+      into = into.get<double>() + value.get<double>();
+  }
+}
+
+}  // namespace
+
+Status renderPictures(RenderJob& job, const std::string& target, Development& development,
+                      std::uint64_t maxMemory, Progress& progress, Team& team) {
+  return Pictures(job, target, development, maxMemory, progress, team).run();
+}
+
+Result<nlohmann::ordered_json> sumOfStats(const RenderJob& job, Team& team) {
+  auto sum = job.stats();
+  if (team.size() == 1)
+    return sum;
+  VOLUTE_ASSIGN(const auto all, team.gatherTexts(sum.dump()));
+  for (int rank = 0; rank < team.size(); ++rank) {
+    if (rank != team.rank())
+      addStats(sum, nlohmann::ordered_json::parse(all[static_cast<std::size_t>(rank)]));
+  }
+  return sum;
+}
+
+}  // namespace volute::cli

@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Several processes that mpirun starts give the bytes of one, and end together when one of them cannot go on."""
+import filecmp
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+import sight_cases
+import support
+
+PROGRAM = pathlib.Path(support.PROGRAM).resolve()
+PLUGINS = PROGRAM.parent.parent / "lib" / "volute"
+HAS_MPI = shutil.which("mpirun") and (PLUGINS / "volute_mpi.so").exists()
+RANKS = (1, 2, 3, 4, 8)
+LIMIT = 60  # seconds, of what takes one where nobody else works
+
+
+def mpirun(ranks, *words, environment=None):
+    """The command line, and the environment for it."""
+    command = ["mpirun", "--oversubscribe", "-n", str(ranks), *map(str, words)]
+    return command, os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"} | (environment or {})
+
+
+def start(ranks, *arguments, environment=None):
+    command, environment = mpirun(ranks, PROGRAM, *arguments, "--threads", "1", environment=environment)
+    return subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+
+def ranks_of(launcher):
+    """Process numbers of the ranks that mpirun `launcher` started, without their readers' helpers."""
+    children = subprocess.run(["ps", "-o", "pid=,comm=", "--ppid", str(launcher)], stdout=subprocess.PIPE).stdout.decode()
+    return [int(line.split()[0]) for line in children.splitlines() if line.split()[1] == "volute"]
+
+
+class Cluster(support.TestCase):
+    def runs(self, ranks, *arguments, **options):
+        process = start(ranks, *arguments, **options)
+        out, message = process.communicate(timeout=LIMIT)
+        return process.returncode, out.decode(), message.decode()
+
+    def succeeds(self, ranks, *arguments, **options):
+        code, out, message = self.runs(ranks, *arguments, **options)
+        self.assertEqual(code, 0, message)
+        return out, message
+
+    def says(self, ranks, *arguments, code=1, **options):
+        """What rank 0 says when all end with an error: one sentence, beside mpirun's own lines."""
+        before = self.files()
+        found, out, message = self.runs(ranks, *arguments, **options)
+        self.assertEqual(found, code, message)
+        self.assertEqual(self.files(), before)
+        ours = [line for line in message.splitlines() if line.startswith("volute")]
+        self.assertEqual(len([line for line in ours if "lists the commands" not in line]), 1, message)
+        return ours[0]
+
+    def check_units(self, stats, stage, count, ranks):
+        """Each unit once."""
+        each = json.loads(stats.read_text())["ranks"]
+        self.assertEqual([entry["rank"] for entry in each], list(range(ranks)))
+        self.assertEqual(sorted(unit for entry in each for unit in entry["units"].get(stage, [])), list(range(count)))
+
+    def same_folders(self, one, other):
+        names = sorted(str(path.relative_to(one)) for path in one.rglob("*") if path.is_file())
+        self.assertEqual(names, sorted(str(path.relative_to(other)) for path in other.rglob("*") if path.is_file()))
+        _, different, wrong = filecmp.cmpfiles(one, other, names, shallow=False)
+        self.assertEqual((different, wrong), ([], []))
+        return names
+
+
+@unittest.skipUnless(HAS_MPI, "no mpirun, or Volute was built without MPI")
+class SameBytes(Cluster):
+    def test_stills(self):
+        packed = self.make_volute(frames=9, size=16)
+        alone = self.path("alone")
+        alone.mkdir()
+        self.works("render", packed, "-o", alone / "f_%02d.png", "--size", "40x30")
+        for ranks in RANKS:
+            folder = self.path(f"by{ranks}")
+            folder.mkdir()
+            self.succeeds(ranks, "render", packed, "-o", folder / "f_%02d.png", "--size", "40x30", "--stats", self.path("stats.json"))
+            self.check_units(self.path("stats.json"), "rendering", 9, ranks)
+            self.assertEqual(len(self.same_folders(alone, folder)), 9)
+            self.assertEqual(json.loads(self.path("stats.json").read_text())["rays"], 9 * 40 * 30)
+
+    @unittest.skipUnless((PLUGINS / "volute_io_video.so").exists(), "built without films")
+    def test_film(self):
+        packed = self.make_volute(frames=20, size=12)
+        self.works("render", packed, "-o", self.path("alone.mp4"), "--size", "64x48", "--threads", "1")
+        for ranks in (2, 3, 8):
+            self.succeeds(ranks, "render", packed, "-o", self.path("ours.mp4"), "--size", "64x48")
+            self.assertEqual(self.path("ours.mp4").read_bytes(), self.path("alone.mp4").read_bytes())
+
+    def test_visibility(self):
+        mesh = sight_cases.Mesh("hall", (0, 7, 0, 3, 0, 2.4), (14, 6, 4), [(2, 2.5, 0, 1.5, 0, 2.4)])
+        case = sight_cases.FdsCase([mesh], [0.0, 1.0, 2.5, 4.0, 5.0], lambda time, x, y, z: 0.02 * (1 + time) * (1 + 0.1 * x)).write(self.folder)
+        signs = self.path("signs.json")
+        signs.write_text(json.dumps({"signs": [{"name": "east", "position": [7, 1.5, 1.1], "normal": [-1, 0, 0]},
+                                               {"name": "west", "position": [0, 2, 1.3], "normal": [1, 0, 0], "emitting": True}]}))
+        arguments = ("visibility", case, "--signs", signs, "--height", "1.2", "--step", "0.5", "--extinction-limit", "0.2")
+        self.works(*arguments, "-o", self.path("alone"))
+        for ranks in RANKS:
+            self.succeeds(ranks, *arguments, "-o", self.path("ours"), "--stats", self.path("stats.json"))
+            times = len(json.loads((self.path("alone") / "visibility.json").read_text())["times"])
+            self.check_units(self.path("stats.json"), "looking", times, ranks)
+            self.assertIn("sight.csv", self.same_folders(self.path("alone"), self.path("ours")))
+
+
+@unittest.skipUnless(HAS_MPI, "no mpirun, or Volute was built without MPI")
+class BadInput(Cluster):
+    def test_verbs_of_one_process(self):
+        packed = self.make_volute()
+        self.assertIn("'info' is done by one process", self.says(2, "info", packed, code=2))
+
+    def test_a_file_that_nobody_sees(self):
+        self.assertIn("nothing.volute: cannot open", self.says(3, "render", self.path("nothing.volute"), "-o", self.path("x.png")))
+
+    def test_a_file_that_one_rank_does_not_see(self):
+        packed = self.make_volute()
+        script = self.path("ranks.sh")
+        # As on a machine that lacks the folder: rank 1 gets another one under the same name.
+        script.write_text('#!/bin/sh\ncd "$1/$OMPI_COMM_WORLD_RANK"; shift; exec "$@"\n')
+        script.chmod(0o755)
+        for rank in range(3):
+            self.path(str(rank)).mkdir()
+        for rank in (0, 2):
+            shutil.copy(packed, self.path(str(rank)) / "in.volute")
+        command, environment = mpirun(3, script, self.folder, PROGRAM, "render", "in.volute", "-o", self.path("x_%d.png"))
+        done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=LIMIT)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("volute render: rank 1: in.volute: cannot open", done.stderr.decode())
+        # And a folder for results that is not shared.
+        shutil.copy(packed, self.path("1") / "in.volute")
+        command[-1] = "x_%d.png"
+        done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=LIMIT)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("is another folder than that of rank 0", done.stderr.decode())
+        self.assertEqual(list(self.folder.glob("*/x_*")), [])
+
+    def test_other_arguments(self):
+        packed = self.make_volute()
+        command, environment = mpirun(1, PROGRAM, "render", packed, "-o", self.path("x.png"), "--max-memory", "1G",
+                                      ":", "-n", "1", PROGRAM, "render", packed, "-o", self.path("x.png"), "--max-memory", "2G")
+        done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=LIMIT)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("expected the same arguments everywhere", done.stderr.decode())
+
+    def test_another_version(self):
+        packed = self.make_volute()
+        other = self.path("other")
+        (other / "lib").mkdir(parents=True)
+        (other / "bin").mkdir()
+        program = PROGRAM.read_bytes()
+        version = re.search(rb"volute (\d+\.\d+\.\d+)", subprocess.run([PROGRAM, "--version"], stdout=subprocess.PIPE).stdout).group(1)
+        changed = program.replace(version + b"\0", version[:-1] + (b"8" if version[-1:] != b"8" else b"7") + b"\0")
+        self.assertNotEqual(changed, program)
+        (other / "bin" / "volute").write_bytes(changed)
+        (other / "bin" / "volute").chmod(0o755)
+        (other / "lib" / "volute").symlink_to(PLUGINS)
+        arguments = ["render", packed, "-o", self.path("x.png")]
+        command, environment = mpirun(1, PROGRAM, *arguments, ":", "-n", "1", other / "bin" / "volute", *arguments)
+        done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=LIMIT)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("expected one version everywhere", done.stderr.decode())
+
+    def test_more_ranks_than_units(self):
+        packed = self.make_volute(frames=2)
+        self.succeeds(8, "render", packed, "-o", self.path("x_%d.png"), "--size", "16x16")
+        self.assertEqual([name for name in self.files() if name.endswith(".png")], ["x_0.png", "x_1.png"])
+
+    def test_without_the_plug_in(self):
+        packed = self.make_volute()
+        (self.path("alone") / "bin").mkdir(parents=True)
+        shutil.copy(PROGRAM, self.path("alone") / "bin" / "volute")
+        program = self.path("alone") / "bin" / "volute"
+        arguments = ["render", packed, "-o", self.path("x.png"), "--size", "16x16"]
+        command, environment = mpirun(2, program, *arguments, environment={"VOLUTE_PLUGIN_FOLDER": str(self.path("alone"))})
+        done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=LIMIT)
+        self.assertEqual(done.returncode, 1)
+        said = [line for line in done.stderr.decode().splitlines() if line.startswith("volute")]
+        self.assertEqual(len(said), 1, said)
+        self.assertIn("the part of Volute that uses MPI cannot be loaded", said[0])
+        self.assertEqual(subprocess.run([program, *arguments], stderr=subprocess.PIPE).returncode, 0)
+
+    def test_a_launcher_of_another_mpi(self):
+        """Processes that do not find each other would all do all of the work."""
+        packed = self.make_volute()
+        done = support.volute("render", packed, "-o", self.path("x.png"), env=os.environ | {"PMI_RANK": "0", "PMI_SIZE": "4"})
+        self.assertEqual(done.code, 1)
+        self.assertIn("the launcher belongs to another MPI", done.message)
+
+    def test_a_killed_rank_ends_all(self):
+        packed = self.make_volute(frames=12, size=16)
+        for victim in (0, 1, 2):
+            process = start(3, "render", packed, "-o", self.path("x_%02d.exr"), "--size", "900x900", "--renderer", "reference")
+            end = time.monotonic() + LIMIT
+            while len(ranks_of(process.pid)) < 3 and time.monotonic() < end:
+                time.sleep(0.02)
+            time.sleep(0.5)
+            os.kill(sorted(ranks_of(process.pid))[victim], signal.SIGKILL)
+            killed = time.monotonic()
+            _, message = process.communicate(timeout=LIMIT)
+            self.assertLess(time.monotonic() - killed, 10)
+            self.assertNotEqual(process.returncode, 0)
+            self.assertIn("signal 9", message.decode())
+            whole = [name for name in self.files() if name.startswith("x_")]
+            for name in whole:  # each picture is there whole or not at all
+                self.works("compare", self.path(name), self.path(name))
+                self.path(name).unlink()
+            for name in self.files():
+                if ".part" in name:  # of the rank that was killed
+                    self.path(name).unlink()
+
+    def test_ctrl_c(self):
+        packed = self.make_volute(frames=12, size=16)
+        process = start(3, "render", packed, "-o", self.path("x_%02d.exr"), "--size", "900x900", "--renderer", "reference")
+        time.sleep(1.5)
+        process.send_signal(signal.SIGINT)
+        _, message = process.communicate(timeout=LIMIT)
+        self.assertNotEqual(process.returncode, 0)
+        self.assertEqual([name for name in self.files() if ".part" in name], [])
+
+
+if __name__ == "__main__":
+    support.main()
