@@ -54,6 +54,18 @@ class Scene(support.TestCase):
         self.scene["media"].append({"kind": "volume", "file": "block.npy", "emission": 4})
         self.assertAlmostEqual(self.radiance(), 0.25 + 1, places=6)
 
+    def test_without_a_camera_all_of_it_is_framed(self):
+        del self.scene["camera"]
+        self.works("render", self.write(), "-o", self.path("scene.exr"), "--size", "24x18")
+        self.works("render", self.path("block.npy"), "-o", self.path("alone.exr"), "--size", "24x18")
+        self.assertEqual(self.path("scene.exr").read_bytes(), self.path("alone.exr").read_bytes())
+        self.scene["media"].append({"kind": "volume", "file": "block.npy",
+                                    "transform": [1, 0, 0, 9, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]})
+        self.works("render", self.write(), "-o", self.path("two.exr"), "--size", "24x18")
+        self.assertGreater(self.works("info", self.path("two.exr"), "--json").json["maximum"], 0.1)
+        self.scene = {"format": "volute-scene-1"}
+        self.assertIn("nothing", self.fails(1, "render", self.write(), "-o", self.path("x.png")))
+
     def test_info_lists_what_is_in_it(self):
         self.scene["media"].append({"kind": "volume", "file": "block.npy", "time": {"offset": -1}})
         self.scene["lights"] = [{"kind": "ambient", "radiance": [1, 1, 1]}, {"kind": "sun", "direction": [0, 0, -1]}]
@@ -131,9 +143,6 @@ class Scene(support.TestCase):
                 ("/lights", {"lights": [{"kind": "sun"}]})):
             self.scene = json.loads(good) | change
             self.wrong(where)
-        self.scene = json.loads(good)
-        del self.scene["camera"]
-        self.wrong("/camera")
 
 
 if __name__ == "__main__":

@@ -62,10 +62,7 @@ Result<Scene> Scene::open(const std::string& path, const SceneOptions& options,
   registerUsualMedia();
   if (isScenePath(path)) {
     VOLUTE_ASSIGN(auto json, readScene(path));
-    VOLUTE_ASSIGN(auto scene, make(std::move(json), path, options, progress));
-    if (!scene.description_.camera)
-      return fail(ErrorCode::kInvalidData, "{}: /camera is missing", path);
-    return scene;
+    return make(std::move(json), path, options, progress);
   }
   const MediumKind* kind = mediumKindOf(path, options.assume);
   OrderedJson json = kind->sceneOf(std::filesystem::path(path).filename().string());

@@ -57,7 +57,7 @@ nlohmann::ordered_json sceneSchema() {
            "What `volute render` shows; docs/scene.md says more. Written by `volute "
            "man --schema`."},
           {"type", "object"},
-          {"required", {"format", "camera"}},
+          {"required", {"format"}},
           {"additionalProperties", false},
           {"properties", std::move(properties)},
           {"$defs", std::move(defs)}};

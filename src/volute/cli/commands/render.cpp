@@ -30,8 +30,12 @@ Result<Camera> chooseCamera(const Arguments& arguments, const Scene& scene) {
   if (!description)
     description = scene.camera();
   Pixels size = arguments.find<Pixels>("size").value_or(kUsualSize);
+  if (!description && scene.media().empty() && scene.geometry().empty()) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: has nothing to frame; expected media or geometry, or a camera", scene.path());
+  }
   if (!description)
-    return Camera::framing(scene.media().front()->info().bounds, size.width, size.height);
+    return Camera::framing(scene.bounds(), size.width, size.height);
   if (!arguments.given("size"))
     size = description->size.value_or(kUsualSize);
   return makeCamera(*description, size);

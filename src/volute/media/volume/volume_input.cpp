@@ -104,9 +104,17 @@ std::optional<std::uint64_t> bytesOnDisk(const std::string& path) {
   std::error_code error;
   if (fs::is_regular_file(path, error))
     return fs::file_size(path, error);
+  std::uint64_t bytes = 0;
+  if (FramePattern::isPattern(path)) {
+    const auto pattern = FramePattern::parse(path);
+    const auto files = pattern ? pattern->list() : tl::unexpected(pattern.error());
+    if (!files)
+      return std::nullopt;
+    for (const NumberedFile& file : *files) bytes += fs::file_size(file.path, error);
+    return bytes;
+  }
   if (!fs::is_directory(path, error))
     return std::nullopt;
-  std::uint64_t bytes = 0;
   for (const auto& entry : fs::directory_iterator(path, error)) {
     if (entry.is_regular_file(error))
       bytes += entry.file_size(error);

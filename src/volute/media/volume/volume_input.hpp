@@ -46,7 +46,8 @@ bool isVolutePath(const std::string& path);
 /// By the name's end: .png or .exr.
 bool isPicturePath(const std::string& path);
 
-/// Size on disk of a file, or of a folder's files; nothing for patterns and what cannot be read.
+/// Size on disk of a file, or of the files of a pattern or a folder; nothing for what cannot be
+/// read.
 std::optional<std::uint64_t> bytesOnDisk(const std::string& path);
 
 /// A name's last extension in lower case, with the dot.
