@@ -11,6 +11,7 @@
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/camera_file.hpp"
+#include "volute/media/volume/volume_input.hpp"
 #include "volute/media/fog/fog_scene_medium.hpp"
 #include "volute/render/render.hpp"
 #include "volute/scene/scene_geometry.hpp"

@@ -18,6 +18,7 @@
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/media/camera_file.hpp"
+#include "volute/media/volume/volume_input.hpp"
 
 namespace volute::cli {
 namespace {
