@@ -175,9 +175,10 @@ void addFiles(Report& report, const SmvIndex& index) {
   for (const auto& [name, kind] : kinds) {
     if (kind.least == kind.most && kind.faults.empty() && name.starts_with("PLOT3D"))
       continue;
-    text +=
-        fmt::format("\n  {}: {} files, {}{} frames", name, kind.files,
-                    kind.least == kind.most ? "" : fmt::format("{} to ", kind.least), kind.most);
+    text += fmt::format("\n  {}: {} files", name, kind.files);
+    if (kind.most > 0)
+      text += fmt::format(", {}{} frames",
+                          kind.least == kind.most ? "" : fmt::format("{} to ", kind.least), kind.most);
     for (const std::string& fault : kind.faults) {
       if (++shown <= kShown)
         text += "\n    " + fault;

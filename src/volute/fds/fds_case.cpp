@@ -2,12 +2,15 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/fds/fds_case.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "volute/base/parallel.hpp"
 #include "volute/fds/fds_part.hpp"
@@ -75,6 +78,9 @@ Status FdsCase::chooseSource(const FdsOptions& options) {
   });
   if (found != sources_.end()) {
     chosen_ = static_cast<std::size_t>(found - sources_.begin());
+    if (options.source.empty())
+      weighSources(options);
+    noteOtherSmoke();
     return {};
   }
   if (sources_.empty() && !options.quantity.empty()) {
@@ -94,6 +100,104 @@ Status FdsCase::chooseSource(const FdsOptions& options) {
   }
   return fail(ErrorCode::kNotFound, "{}: no source '{}'; the case has {}", index_.path.string(),
               options.source, names);
+}
+
+/// Of the first of its files that can be read; 0: none can.
+std::size_t FdsCase::storedTimes(const FdsSource& source) const {
+  const auto framesOf = [](const auto& file) {
+    return file ? file->frames().times.size() : std::size_t{0};
+  };
+  std::set<double> plots;
+  for (const FdsSourcePart& part : source.parts) {
+    const FdsMesh& mesh = index_.meshes[static_cast<std::size_t>(part.mesh)];
+    std::size_t times = 0;
+    if (source.kind == FdsFileKind::kSlice) {
+      times = framesOf(FdsSliceFile::open(index_.slices[part.entry], mesh));
+    } else if (source.kind == FdsFileKind::kPlot) {
+      for (const FdsPlotEntry& plot : index_.plots) {
+        if (plot.mesh == part.mesh)
+          plots.insert(plot.time);
+      }
+      times = plots.size();
+    } else {
+      std::filesystem::path path = index_.smoke[part.entry].file;
+      if (source.kind == FdsFileKind::kSmoke16)
+        times = framesOf(FdsSmoke16File::open(path.replace_extension(".s16"), mesh));
+      else if (source.kind == FdsFileKind::kSmokeDensity)
+        times = framesOf(FdsSmokeFile::open(path.replace_extension(".s3dd"), mesh));
+      else
+        times = framesOf(FdsSmokeFile::open(path, mesh));
+    }
+    if (times > 0)
+      return times;
+  }
+  return 0;
+}
+
+/// Whether another source than the first that will do is better: FdsCase::open() says when.
+void FdsCase::weighSources(const FdsOptions& options) {
+  std::vector<std::size_t> eligible;
+  for (std::size_t i = chosen_; i < sources_.size(); ++i) {
+    if (sources_[i].volume || !options.volume)
+      eligible.push_back(i);
+  }
+  if (eligible.size() < 2)
+    return;
+  std::size_t times = storedTimes(sources_[chosen_]);
+  if (times == 0)
+    return;  // what is wrong with it is said
+  std::string others;
+  std::string reason = sources_[chosen_].volume
+                           ? "the most precise"
+                           : "the most precise, in layers alone: what is above and below is not known";
+  for (const std::size_t i : eligible) {
+    if (i == chosen_ || (sources_[chosen_].volume && !sources_[i].volume))
+      continue;
+    const std::size_t its = storedTimes(sources_[i]);
+    int more = meshesOf(sources_[i]) - meshesOf(sources_[chosen_]);
+    // A layer covers the meshes that it cuts, and is for who looks along it.
+    if (!sources_[chosen_].volume && sources_[i].volume)
+      more = std::min(more, 0);
+    if (its == 0 || more < 0 || (more == 0 && its < 2 * times))
+      continue;
+    if (more > 0 && its < times)
+      continue;
+    reason = more > 0 ? fmt::format("it has files of {} meshes, {} of {}", meshesOf(sources_[i]),
+                                    sources_[chosen_].name, meshesOf(sources_[chosen_]))
+                      : fmt::format("it has {} stored times, {} only {}", its,
+                                    sources_[chosen_].name, times);
+    chosen_ = i;
+    times = its;
+  }
+  if (sources_[chosen_].kind != FdsFileKind::kSlice &&
+      std::ranges::all_of(eligible, [&](std::size_t i) {
+        return i == chosen_ || sources_[i].kind == FdsFileKind::kPlot;
+      }))
+    reason = "PLOT3D has few times";
+  for (const std::size_t i : eligible) {
+    if (i != chosen_)
+      others += (others.empty() ? "" : ", ") + sources_[i].name;
+  }
+  remarks_.push_back(fmt::format("{}: {} is read from {} ({} stored times): {}; the case also has {} "
+                                 "(--field NAME takes another)",
+                                 index_.path.string(),
+                                 options.quantity.empty() ? "smoke" : options.quantity,
+                                 sources_[chosen_].name, times, reason, others));
+}
+
+/// Smoke of several kinds adds up, and bytes of one of them are read.
+void FdsCase::noteOtherSmoke() {
+  std::set<std::string> others;
+  for (const FdsSource& source : sources_) {
+    if (!source.smoke.empty() && !this->source().smoke.empty() &&
+        source.smoke != this->source().smoke)
+      others.insert(source.smoke);
+  }
+  if (others.empty())
+    return;
+  remarks_.push_back(fmt::format(
+      "{}: warning: only the smoke of {} is seen; that of {} is thick by itself and is left out",
+      index_.path.string(), source().smoke, fmt::join(others, ", ")));
 }
 
 Status FdsCase::openParts() {
@@ -252,6 +356,10 @@ Status FdsCase::findBytes() {
 /// .s3d.sz is the largest heat q, and its byte is 254 q / it, cut off: FDS's default if that fits,
 /// else what does.
 Status FdsCase::findHeatScale() {
+  if (index_.largestHeat) {
+    largestHeat_ = *index_.largestHeat;
+    return {};
+  }
   constexpr int kFramesToRead = 4;  // of each file
   double least = 0;
   double most = std::numeric_limits<double>::infinity();

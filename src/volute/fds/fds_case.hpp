@@ -19,7 +19,7 @@ namespace volute {
 /// How to read a case.
 struct FdsOptions {
   std::string quantity{};       ///< what FDS calls it, as it is stored; empty: extinction [1/m]
-  std::string source{};         ///< name of a source; empty: the best
+  std::string source{};         ///< name of a source; empty: the best, as FdsCase::open() says
   bool volume = false;          ///< only what fills meshes, for pictures and volumes
   double massExtinction = 0;    ///< Km [m2/kg]; 0: the case's, else what FDS assumes
   double visibilityFactor = 3;  ///< C of visibility slices (VISIBILITY_FACTOR)
@@ -33,6 +33,11 @@ class FdsCase {
  public:
   /// Reads the index and checks all files of the chosen source. kNotFound when nothing in the case
   /// says how thick the smoke is. What was left out, and why, is in remarks().
+  ///
+  /// Without a name the first of sources() is taken that will do, and instead of it a later one
+  /// that fills meshes, or as many of the same, where that one has files of more meshes, or of as
+  /// many at least twice as many stored times: a fire changes more between two times than a byte is
+  /// rounded by. remarks() says what was taken and why where there is more than one.
   [[nodiscard]] static Result<FdsCase> open(const std::filesystem::path& path,
                                             const FdsOptions& options = {});
 
@@ -74,6 +79,9 @@ class FdsCase {
 
   Status checkSize() const;
   Status chooseSource(const FdsOptions& options);
+  void weighSources(const FdsOptions& options);
+  std::size_t storedTimes(const FdsSource& source) const;
+  void noteOtherSmoke();
   Status openParts();
   Result<std::shared_ptr<Part>> openPart(const FdsSourcePart& what) const;
   Status findBytes();

@@ -215,6 +215,64 @@ TEST(FdsCase, theBestSourceIsTakenAndOthersByName) {
                         "slice3d-soot-density, slice3d-visibility"));
 }
 
+/// Extinction in nodes at `times` as a 3D slice, and bytes at `more`.
+void saveSliceAndBytes(const Folder& folder, const std::vector<float>& times,
+                       const std::vector<float>& more, const std::string& smoke = "SOOT DENSITY",
+                       bool slices = true) {
+  fdswriter::Index index;
+  index.meshes.push_back({kFirst, {}, {}});
+  const fdswriter::Slice slice{whole(kFirst)};
+  std::vector<std::pair<float, std::vector<float>>> frames;
+  for (const float time : times)
+    frames.emplace_back(time, fdswriter::atNodes(kFirst, slice.at, linear));
+  std::vector<std::pair<float, std::vector<std::uint8_t>>> bytes;
+  for (const float time : more)
+    bytes.emplace_back(time, std::vector<std::uint8_t>(frames.front().second.size(), 50));
+  fdswriter::sliceFile(slice, frames).save(folder / "made.sf");
+  fdswriter::smokeFile(cellsOf(kFirst), bytes).save(folder / "made.s3d");
+  if (slices)
+    index.slice(1, slice, "made.sf", false);
+  index.smoke(1, "made.s3d", 7600);
+  index.files.replace(index.files.find("SOOT DENSITY"), 12, smoke);
+  index.save(folder / "made.smv");
+}
+
+TEST(FdsCase, manyTimesGoBeforeExactValuesAtFew) {
+  const std::vector<float> few{0, 30, 60}, some{0, 15, 30, 45, 60}, many{0, 10, 20, 30, 40, 50, 60};
+  const Folder folder;
+  saveSliceAndBytes(folder, few, many);
+  const FdsCase bytes = opened(folder / "made.smv");
+  EXPECT_EQ(bytes.source().name, "s3d");
+  EXPECT_THAT(bytes.remarks(), testing::Contains(testing::HasSubstr(
+                                   "s3d (7 stored times): it has 7 stored times, "
+                                   "slice3d-extinction only 3; the case also has slice3d-extinction")));
+  EXPECT_EQ(opened(folder / "made.smv", {.source = "slice3d-extinction"}).times().size(), 3U);
+  saveSliceAndBytes(folder, few, some);
+  const FdsCase floats = opened(folder / "made.smv");
+  EXPECT_EQ(floats.source().name, "slice3d-extinction") << "fewer than twice as many";
+  EXPECT_THAT(floats.remarks(), testing::Contains(testing::HasSubstr("the most precise")));
+}
+
+TEST(FdsCase, aSourceWhoseFileIsMissingIsNotPassedOverInSilence) {
+  const Folder folder;
+  saveSliceAndBytes(folder, {0}, {0, 1, 2, 3});
+  std::filesystem::remove(folder / "made.sf");
+  const auto result = FdsCase::open(folder / "made.smv");
+  ASSERT_FALSE(result);
+  EXPECT_THAT(result.error().message, testing::HasSubstr("made.sf"));
+}
+
+TEST(FdsCase, anySmokeWithAMassExtinctionIsSeen) {
+  const Folder folder;
+  saveSliceAndBytes(folder, {0}, {0}, "ASH DENSITY", false);
+  FdsCase read = opened(folder / "made.smv");
+  EXPECT_EQ(read.source().name, "s3d");
+  EXPECT_THAT(read.source().description, testing::HasSubstr("ASH DENSITY"));
+  // Bytes of opacity: K = -ln(1 - b / 254) / dx whatever the mass extinction.
+  const FdsDepth depth = depthOf(fieldAt(read, 0), between({0.2, 0.4, 0.3}, {0.8, 0.4, 0.3}));
+  EXPECT_NEAR(depth.value, 0.6 * -std::log1p(-50 / 254.0) / 0.2, 1e-5);
+}
+
 TEST(FdsCase, visibilityAtItsCapSaysOnlyHowThickSmokeIsAtMost) {
   const Folder folder;
   fdswriter::Index index;

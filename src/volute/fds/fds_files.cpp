@@ -67,6 +67,20 @@ void compare(std::vector<FdsFileCheck>& checks) {
   }
 }
 
+FdsFileCheck checkOther(const FdsOtherFile& other) {
+  FdsFileCheck check{other.file, other.kind, std::max(other.mesh, 0), FdsFileState::kWhole, {}, {}};
+  std::error_code code;
+  const auto size = std::filesystem::file_size(other.file, code);
+  if (code) {
+    check.state = FdsFileState::kMissing;
+    check.reason = fmt::format("{}: cannot be opened: {}", other.file.string(), code.message());
+  } else if (size == 0) {
+    check.state = FdsFileState::kEmpty;
+    check.reason = fmt::format("{}: is empty", other.file.string());
+  }
+  return check;
+}
+
 bool fillsMesh(const FdsSliceEntry& slice) {
   for (int axis = 0; axis < 3; ++axis) {
     if (!slice.nodes || slice.nodes->begin[axis] == slice.nodes->end[axis])
@@ -112,6 +126,7 @@ std::vector<FdsFileCheck> checkFiles(const SmvIndex& index) {
   }
   parallelFor(checks.size(), [&](std::size_t i) { note(checks[i], looks[i]()); });
   compare(checks);
+  for (const FdsOtherFile& other : index.others) checks.push_back(checkOther(other));
   return checks;
 }
 

@@ -6,6 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
+
 #include "volute/fds/fds_writer.hpp"
 
 namespace volute {
@@ -57,6 +60,26 @@ TEST(FdsFiles, wholeOnesAreWhole) {
     EXPECT_EQ(check.times.size(), check.kind.starts_with("PLOT3D") ? 1 : 3) << check.path;
     EXPECT_TRUE(check.reason.empty());
   }
+}
+
+TEST(FdsFiles, otherFilesAreLookedForToo) {
+  const Folder folder;
+  saveFour(folder);
+  std::string text;
+  std::ifstream in(folder / "made.smv");
+  text.assign(std::istreambuf_iterator<char>(in), {});
+  text = "CSVF\n hrr\n made_hrr.csv\n\n" + text +
+         "\nBNDF     2     1\n made_2_1.bf\n WALL TEMPERATURE\n temp\n C\n"
+         "PRT5     3\n made_3.prt5\n 1\n 1 0\n";
+  fdswriter::saveText(folder / "made.smv", text);
+  fdswriter::saveText(folder / "made_hrr.csv", "s,kW\n");
+  fdswriter::saveText(folder / "made_2_1.bf", "");
+  const auto checks = checkFiles(*SmvIndex::read(folder / "made.smv"));
+  ASSERT_THAT(checks, SizeIs(15));
+  EXPECT_EQ(find(checks, "made_hrr.csv").state, FdsFileState::kWhole);
+  EXPECT_EQ(find(checks, "made_2_1.bf").state, FdsFileState::kEmpty);
+  EXPECT_EQ(find(checks, "made_2_1.bf").mesh, 1);
+  EXPECT_EQ(find(checks, "made_3.prt5").state, FdsFileState::kMissing);
 }
 
 TEST(FdsFiles, eachLossIsToldApart) {

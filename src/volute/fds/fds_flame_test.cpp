@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <fstream>
+#include <iterator>
+
 #include <cmath>
 #include <random>
 
@@ -112,6 +115,19 @@ TEST(FdsFlame, BytesHaveTheScaleThatTheirSizesSay) {
       EXPECT_THAT(read.remarks(), Contains(HasSubstr("stands for")));
     }
   }
+}
+
+TEST(FdsFlame, TheIndexSaysWhatTheLastByteIs) {
+  const Folder folder;
+  saveBytes(folder, 267.8, 5000, "0\n 0 1 1 0.0\n 5 1 1 267.8\n");
+  std::ifstream in(folder / "made.smv");
+  const std::string text(std::istreambuf_iterator<char>(in), {});
+  fdswriter::saveText(folder / "made.smv", "HRRPUV_MINMAX\n   0.00000   5000.00000\n\n" + text);
+  FdsCase read = opened(folder / "made.smv", kHeat);
+  EXPECT_NEAR(fieldAt(read, 5).extinction({0.5, 0.4, 0.4}), 267.8, 0.6 * 5000 / 254);
+  EXPECT_THAT(read.remarks(), IsEmpty()) << "nothing is guessed";
+  fdswriter::saveText(folder / "made.smv", "HRRPUV_MINMAX\n   5.0   -1.0\n\n" + text);
+  EXPECT_FALSE(SmvIndex::read(folder / "made.smv"));
 }
 
 TEST(FdsFlame, BytesThatContradictTheirSizesAreRefused) {

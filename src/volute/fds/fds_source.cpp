@@ -60,12 +60,6 @@ int rankOf(const FdsSource& source) {
   return 8;
 }
 
-int meshesOf(const FdsSource& source) {
-  std::set<int> meshes;
-  for (const FdsSourcePart& part : source.parts) meshes.insert(part.mesh);
-  return static_cast<int>(meshes.size());
-}
-
 bool isThere(const std::filesystem::path& path) {
   std::error_code code;
   return std::filesystem::exists(path, code);
@@ -146,35 +140,57 @@ void addFire(const SmvIndex& index, std::vector<FdsSource>& sources) {
     sources.push_back(std::move(bytes));
 }
 
+bool isSmoke(const FdsSmokeEntry& entry) {
+  return entry.labels.quantity.find("SOOT") != std::string::npos || entry.massExtinction;
+}
+
+/// Each kind of smoke by itself, soot first.
 void addSmoke(const SmvIndex& index, std::vector<FdsSource>& sources) {
-  FdsSource bytes{"s3d", "8-bit smoke at nodes (.s3d)", FdsFileKind::kSmoke, {}, false, true, 0,
-                  {}};
-  FdsSource density{"s3dd",
-                    "8-bit density of soot at nodes (.s3dd)",
-                    FdsFileKind::kSmokeDensity,
-                    {},
-                    false,
-                    true,
-                    0,
-                    {}};
-  FdsSource words{
-      "s16", "16-bit density of soot at nodes (.s16)", FdsFileKind::kSmoke16, {}, false, true, 0,
-      {}};
-  for (FdsSource* source : {&bytes, &density, &words})
-    source->quantity = SmokeQuantity::kSootDensity;
-  for (std::size_t i = 0; i < index.smoke.size(); ++i) {
-    const FdsSmokeEntry& smoke = index.smoke[i];
-    if (smoke.labels.quantity.find("SOOT") == std::string::npos)
-      continue;
-    bytes.parts.push_back({smoke.mesh, i});
-    if (isThere(std::filesystem::path(smoke.file).replace_extension(".s3dd")))
-      density.parts.push_back({smoke.mesh, i});
-    if (isThere(std::filesystem::path(smoke.file).replace_extension(".s16")))
-      words.parts.push_back({smoke.mesh, i});
+  std::vector<std::string> kinds;
+  for (const FdsSmokeEntry& smoke : index.smoke) {
+    if (isSmoke(smoke) && std::ranges::find(kinds, smoke.labels.quantity) == kinds.end())
+      kinds.push_back(smoke.labels.quantity);
   }
-  for (FdsSource* source : {&words, &density, &bytes}) {
-    if (!source->parts.empty())
-      sources.push_back(std::move(*source));
+  std::ranges::stable_partition(kinds, [](const std::string& kind) {
+    return kind.find("SOOT") != std::string::npos;
+  });
+  for (const std::string& kind : kinds) {
+    const bool first = &kind == kinds.data();
+    const bool soot = kind.find("SOOT") != std::string::npos;
+    const std::string more = first ? "" : "-" + spelled(kind);
+    const std::string of = soot ? "soot" : kind;
+    const auto source = [&](std::string name, std::string description, FdsFileKind file) {
+      FdsSource made;
+      made.name = std::move(name) + more;
+      made.description = std::move(description);
+      made.kind = file;
+      made.quantity = SmokeQuantity::kSootDensity;
+      made.volume = true;
+      made.smoke = kind;
+      return made;
+    };
+    FdsSource bytes = source(
+        "s3d",
+        soot ? "8-bit smoke at nodes (.s3d)" : fmt::format("8-bit smoke ({}) at nodes (.s3d)", kind),
+        FdsFileKind::kSmoke);
+    FdsSource density = source("s3dd", fmt::format("8-bit density of {} at nodes (.s3dd)", of),
+                               FdsFileKind::kSmokeDensity);
+    FdsSource words = source("s16", fmt::format("16-bit density of {} at nodes (.s16)", of),
+                             FdsFileKind::kSmoke16);
+    for (std::size_t i = 0; i < index.smoke.size(); ++i) {
+      const FdsSmokeEntry& smoke = index.smoke[i];
+      if (smoke.labels.quantity != kind)
+        continue;
+      bytes.parts.push_back({smoke.mesh, i});
+      if (isThere(std::filesystem::path(smoke.file).replace_extension(".s3dd")))
+        density.parts.push_back({smoke.mesh, i});
+      if (isThere(std::filesystem::path(smoke.file).replace_extension(".s16")))
+        words.parts.push_back({smoke.mesh, i});
+    }
+    for (FdsSource* one : {&words, &density, &bytes}) {
+      if (!one->parts.empty())
+        sources.push_back(std::move(*one));
+    }
   }
 }
 
@@ -211,6 +227,12 @@ void sortByRank(std::vector<FdsSource>& sources) {
 }
 
 }  // namespace
+
+int meshesOf(const FdsSource& source) {
+  std::set<int> meshes;
+  for (const FdsSourcePart& part : source.parts) meshes.insert(part.mesh);
+  return static_cast<int>(meshes.size());
+}
 
 std::vector<FdsSource> findSources(const SmvIndex& index) {
   std::vector<FdsSource> sources;

@@ -35,12 +35,17 @@ struct FdsSource {
   bool cellCentred = false;
   bool volume = false;  ///< fills meshes; else layers one cell thick
   int plotVariable = 0;
+  std::string smoke{};  ///< of bytes of smoke that are not soot's: whose, as FDS names it
   std::vector<FdsSourcePart> parts;
 };
+
+/// How many meshes it has files of.
+int meshesOf(const FdsSource& source);
 
 /// All ways that the index offers, best first: extinction as FDS wrote it, optical density, density
 /// of soot, visibility (which is capped), then 16-bit, density and opacity bytes; of equal ones
 /// those that fill meshes, and of these those of more meshes. PLOT3D, which has few times, is last.
+/// Bytes are smoke where they are of soot, or the index gives them a mass extinction.
 /// Each has a name of its own.
 std::vector<FdsSource> findSources(const SmvIndex& index);
 

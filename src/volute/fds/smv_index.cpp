@@ -43,6 +43,16 @@ class SmvReader {
   Status readMeshCount(std::string_view);
   Status readAlbedo(std::string_view);
   Status readFireCutoff(std::string_view);
+  Status readHeatRange(std::string_view);
+  Status readTable(std::string_view);
+  Status addOther(std::string_view kind, std::string_view rest);
+
+  Status readBoundary(std::string_view rest) { return addOther("boundary values", rest); }
+
+  Status readParticles(std::string_view rest) { return addOther("particles", rest); }
+
+  Status readIsosurface(std::string_view rest) { return addOther("isosurfaces", rest); }
+
   Status readSurface(std::string_view);
   Status readGrid(std::string_view rest);
   Status readExtent(std::string_view);
@@ -192,6 +202,31 @@ Status SmvReader::readFireCutoff(std::string_view) {
   return {};
 }
 
+/// FDS 6.11: what bytes of heat release reach from and to [kW/m3].
+Status SmvReader::readHeatRange(std::string_view) {
+  VOLUTE_ASSIGN(const auto values, numbers("the least and largest heat release of a byte", 2));
+  if (!(values[0] == 0 && values[1] > 0 && std::isfinite(values[1])))
+    return wrong(fmt::format("heat release from 0 to more, not {:g} to {:g}", values[0], values[1]));
+  index_.largestHeat = values[1];
+  return {};
+}
+
+Status SmvReader::readTable(std::string_view) {
+  std::string kind, name;
+  VOLUTE_TRY(text(kind, "what a table holds"));
+  VOLUTE_TRY(text(name, "the name of a table"));
+  index_.others.push_back({"table of " + kind, -1, index_.path.parent_path() / name});
+  return {};
+}
+
+Status SmvReader::addOther(std::string_view kind, std::string_view rest) {
+  VOLUTE_ASSIGN(const int mesh, meshNumber(rest));
+  std::string name;
+  VOLUTE_TRY(text(name, "the name of a file"));
+  index_.others.push_back({std::string(kind), mesh, index_.path.parent_path() / name});
+  return {};
+}
+
 Status SmvReader::readSurface(std::string_view) {
   FdsSurface surface;
   VOLUTE_TRY(text(surface.name, "the name of a surface"));
@@ -323,7 +358,14 @@ Status SmvReader::readObstructions(std::string_view) {
 
 Status SmvReader::readVents(std::string_view) {
   VOLUTE_ASSIGN(FdsMesh * mesh, lastMesh());
-  VOLUTE_ASSIGN(const int number, count("the number of vents"));
+  VOLUTE_ASSIGN(const auto counts, numbers("the number of vents", 1));
+  // The second number says how many of the last ones FDS has added for the mesh's own walls.
+  const bool counted = counts.size() > 1;
+  if (!(counts[0] >= 0 && counts[0] <= 1e9) ||
+      (counted && !(counts[1] >= 0 && counts[1] <= counts[0])))
+    return wrong("the number of vents, and of these the mesh's own walls");
+  const int number = static_cast<int>(counts[0]);
+  const int firstWall = counted ? number - static_cast<int>(counts[1]) : number;
   std::vector<FdsVent> vents;
   for (int i = 0; i < number; ++i) {
     VOLUTE_ASSIGN(const auto first, numbers("a vent's ends and surface", 6));
@@ -339,7 +381,9 @@ Status SmvReader::readVents(std::string_view) {
     vent.open = second.size() >= 8 && second[7] == 2;
     const bool outline = second.size() >= 8 && (second[7] == 2 || second[7] == -2);
     const bool invisible = second.size() >= 7 && second[6] < 0 && !vent.colour;
-    vent.drawn = !outline && !invisible && (vent.surface != 0 || vent.colour);
+    vent.drawn = !outline && !invisible;
+    const bool usual = vent.surface == 0 && !vent.colour;
+    vent.exterior = counted ? &vent - vents.data() >= firstWall : usual;
   }
   mesh->vents = std::move(vents);
   blocks_.back() |= 2;
@@ -483,6 +527,13 @@ Status SmvReader::handle(std::string_view line) {
       {"NMESHES", &SmvReader::readMeshCount},
       {"ALBEDO", &SmvReader::readAlbedo},
       {"HRRPUVCUT", &SmvReader::readFireCutoff},
+      {"HRRPUV_MINMAX", &SmvReader::readHeatRange},
+      {"CSVF", &SmvReader::readTable},
+      {"BNDF", &SmvReader::readBoundary},
+      {"BNDC", &SmvReader::readBoundary},
+      {"PRT5", &SmvReader::readParticles},
+      {"ISOG", &SmvReader::readIsosurface},
+      {"TISOG", &SmvReader::readIsosurface},
       {"SURFACE", &SmvReader::readSurface},
       {"GRID", &SmvReader::readGrid},
       {"PDIM", &SmvReader::readExtent},
@@ -563,6 +614,8 @@ Result<SmvIndex> SmvReader::read() {
     // A case that runs appends entries: a cut-off one is left out. Meshes must be whole.
     const bool later =
         line->starts_with("SL") || line->starts_with("SMOK") || line->starts_with("PL3D") ||
+        line->starts_with("BND") || line->starts_with("PRT5") || line->starts_with("CSVF") ||
+        line->starts_with("ISOG") || line->starts_with("TISOG") ||
         line->starts_with("SHOW_") || line->starts_with("HIDE_") || line->starts_with("OPEN_") ||
         line->starts_with("CLOSE_") || line->starts_with("DEVICE");  // DEVICE_ACT too
     if (status.error().code != ErrorCode::kTruncated || !later)

@@ -53,8 +53,9 @@ struct FdsVent {
   FdsNodeBox nodes;
   int surface = 0;
   std::optional<FdsColour> colour;
-  bool open = false;  ///< OPEN or MIRROR: no wall
-  bool drawn = true;  ///< false for OPEN and MIRROR, and for what FDS adds for the mesh's own walls
+  bool open = false;      ///< OPEN or MIRROR: no wall
+  bool exterior = false;  ///< added by FDS: the mesh's own wall, where no vent of the input is
+  bool drawn = true;      ///< false for OPEN and MIRROR, and for what is marked as invisible
   std::vector<FdsEvent> events;  ///< shown: open
 };
 
@@ -122,6 +123,13 @@ struct FdsPlotEntry {
   std::array<FdsLabels, 5> labels;
 };
 
+/// Any other file that the index names: boundary files, particles, tables.
+struct FdsOtherFile {
+  std::string kind;  ///< for people
+  int mesh = -1;     ///< place in SmvIndex::meshes; -1: of the whole case
+  std::filesystem::path file;
+};
+
 struct SmvIndex {
   std::filesystem::path path;
   std::string version;  ///< FDSVERSION's first line
@@ -129,12 +137,14 @@ struct SmvIndex {
   std::string chid;
   double albedo = 0.3;               ///< what Smokeview gives soot
   std::optional<double> fireCutoff;  ///< HRRPUVCUT [kW/m3]: less heat than this is drawn as no fire
+  std::optional<double> largestHeat;  ///< HRRPUV_MINMAX [kW/m3], FDS 6.11: what the last byte is
   std::vector<FdsMesh> meshes;
   std::vector<FdsSurface> surfaces;
   std::vector<FdsDevice> devices;
   std::vector<FdsSliceEntry> slices;
   std::vector<FdsSmokeEntry> smoke;
   std::vector<FdsPlotEntry> plots;
+  std::vector<FdsOtherFile> others;
   bool ended = false;                ///< FDS has written its .end file
   std::vector<std::string> remarks;  ///< what was left out and why
 
