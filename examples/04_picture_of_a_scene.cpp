@@ -27,13 +27,17 @@ volute::Status takePicture(const char* file, double time, const char* picture) {
   fmt::print("{}: {}, {} stored times\n", file, scene.media().front()->info().size,
              scene.times().size());
 
-  // The scene at an instant. It does not change: other threads may take pictures of it, too.
-  VOLUTE_ASSIGN(const auto snapshot,
-                scene.at({.time = time, .factor = scene.law().factor()}, progress));
-
   const auto camera = scene.camera()
                           ? volute::makeCamera(*scene.camera(), {320, 240})
                           : volute::Camera::framing(scene.bounds(), 320, 240);
+
+  // The scene at an instant, as it is seen from there: walls in the way may be left out. It does
+  // not change: other threads may take pictures of it, too.
+  VOLUTE_ASSIGN(const auto snapshot, scene.at({.time = time,
+                                               .factor = scene.law().factor(),
+                                               .eye = volute::seenFrom(camera)},
+                                              progress));
+
   volute::CpuRenderer renderer;
   VOLUTE_ASSIGN(const auto image,
                 renderer.render(snapshot, camera, {.background = snapshot.background}, progress));

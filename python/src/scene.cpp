@@ -122,7 +122,7 @@ class PythonScene {
       options.aov = aov == "optical-depth"   ? Aov::kOpticalDepth
                     : aov == "transmittance" ? Aov::kTransmittance
                                              : Aov::kNone;
-      VOLUTE_ASSIGN(Snapshot snapshot, scene_.at({.time = time}, progress));
+      VOLUTE_ASSIGN(Snapshot snapshot, scene_.at({.time = time, .eye = seenFrom(from)}, progress));
       snapshot.background = options.background;
       auto& with = renderer == "reference" ? reference_ : cpu_;
       return with.render(snapshot, from, options, progress);

@@ -3,6 +3,7 @@
 """FDS cases through the program, written here as FDS writes them."""
 import json
 import math
+import re
 import struct
 
 import support
@@ -257,11 +258,36 @@ class Fds(support.TestCase):
         roof = "OBST\n 1\n 1 0 2 0 1 0.75 1 0 0 0 0 0 0\n 0 4 0 4 3 4 -1 -1\n"
         self.assertIn("OBST\n 0\n", text)
         self.case.write_text(text.replace("OBST\n 0\n", roof, 1))  # over the second mesh
-        self.works("render", self.case, "-o", self.path("a.exr"), "--size", "16x12")
+        self.works("render", self.case, "-o", self.path("a.exr"), "--size", "16x12", "--building", "inside")
         # 0.75 m high: eyes at 0.7 of that, a tenth of the length from the end.
         self.works("render", self.case, "-o", self.path("b.exr"), "--size", "16x12", "--eye", "1.1,0.5,0.525",
-                   "--target", "1.5,0.5,0.525", "--fov", "60")
+                   "--target", "1.5,0.5,0.525", "--fov", "60", "--building", "inside")
         self.assertEqual(self.path("a.exr").read_bytes(), self.path("b.exr").read_bytes())
+
+    def test_a_case_alone_is_a_doll_s_house_with_a_caption(self):
+        text = self.case.read_text()
+        # The second mesh has a wall before it and a roof.
+        house = ("OBST\n 2\n 1 0 2 0 1 0.75 1 0 0 0 0 0 0\n 1 0 2 0 1 0.75 1 0 0 0 0 0 0\n"
+                 " 0 4 0 4 3 4 -1 -1\n 0 4 0 1 0 3 -1 -1\n")
+        self.assertIn("OBST\n 0\n", text)
+        self.case.write_text(text.replace("OBST\n 0\n", house, 1))
+        done = self.works("render", self.case, "-o", self.path("a.png"), "--size", "160x120", "--scale", "1e-9")
+        said = re.search(r"seen from outside; .* \(--eye (\S+) --target (\S+) --fov (\S+)\)", done.message)
+        self.assertTrue(said, done.message)
+        self.assertIn("showing 0 s: of 2 stored times", done.message)
+        self.assertIn(b"case.smv", self.path("a.png").read_bytes())
+
+        def looked(*more):
+            self.works("render", self.case, "-o", self.path("b.exr"), "--size", "4x4", "--ortho", "0.1", "--eye", "1.5,-1,0.5",
+                       "--target", "1.5,0,0.5", "--background", "9,9,9", "--scale", "1e-9", *more)
+            return self.works("info", self.path("b.exr"), "--json").json["maximum"]
+        self.assertAlmostEqual(looked(), 9, delta=1e-6)  # the wall before the room is left out
+        self.assertLess(looked("--building", "whole"), 1)
+        self.assertAlmostEqual(looked("--building", "whole", "--cut", "z=0.4"), 9, delta=1e-6)
+        self.assertLess(looked("--building", "whole", "--cut", "y=-0.5"), 1)  # nothing is before that
+        self.assertIn("'w=1' is no plane", self.fails(2, "render", self.case, "-o", self.path("x.png"), "--cut", "w=1"))
+        self.works("render", self.case, "-o", self.path("c.png"), "--size", "160x120", "--time", "0", "--no-legend")
+        self.fails(2, "render", self.case, "-o", self.path("d.png"), "--legend", "--no-legend")
 
     def test_what_is_not_there_is_said(self):
         self.assertIn("no source 's3d'; the case has slice3d-extinction-cells",

@@ -56,7 +56,7 @@ Result<Image> RenderJob::pictureOf(const Snapshot& snapshot, Progress& progress,
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
   Result<Snapshot> snapshot = [&] {
     const Stopwatch watch(totals.snapshots);
-    return scene.at({.time = moment.time, .tree = tree}, progress);
+    return scene.at({.time = moment.time, .tree = tree, .eye = seenFrom(camera)}, progress);
   }();
   VOLUTE_TRY(snapshot);
   snapshot->background = options.background;

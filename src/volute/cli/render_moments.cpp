@@ -114,7 +114,7 @@ const SceneMedium* leaderOf(const Scene& scene) {
   return leader;
 }
 
-Result<std::vector<Moment>> momentsOf(const Arguments& arguments, const Scene& scene,
+Result<std::vector<Moment>> momentsOf(const Arguments& arguments, Scene& scene,
                                       const std::string& target, Progress& progress) {
   const SceneMedium* leader = leaderOf(scene);
   if (const auto time = arguments.find<double>("time")) {
@@ -128,6 +128,12 @@ Result<std::vector<Moment>> momentsOf(const Arguments& arguments, const Scene& s
   if (!arguments.given("frames") && !several) {
     if (scene.isFile())
       return std::vector{Moment{numberAt(info, 0), 0}};
+    VOLUTE_ASSIGN(const auto first, scene.media().front()->firstTime(progress));
+    if (first) {
+      progress.remark(fmt::format("showing {:.4g} s: {}; --time or --frames choose others",
+                                  first->time, first->reason));
+      return std::vector{Moment{numberAt(info, first->time), first->time}};
+    }
     if (info.times.size() > 1) {
       progress.remark(fmt::format("showing the first of {} {}; --time or --frames choose others",
                                   info.times.size(), info.interpolates ? "steps" : "frames"));

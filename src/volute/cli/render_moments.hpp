@@ -24,7 +24,7 @@ struct Moment {
 const SceneMedium* leaderOf(const Scene& scene);
 
 /// What --time and --frames choose, or what is shown without them.
-[[nodiscard]] Result<std::vector<Moment>> momentsOf(const Arguments& arguments, const Scene& scene,
+[[nodiscard]] Result<std::vector<Moment>> momentsOf(const Arguments& arguments, Scene& scene,
                                                     const std::string& target, Progress& progress);
 
 /// Of a film of these.

@@ -126,11 +126,24 @@ std::vector<double> floorsOf(const SmvIndex& index, std::span<const FdsBox> boxe
   return floors;
 }
 
+/// Obstructions, and the tops of meshes that are closed.
+std::vector<FdsBox> coversOf(const SmvIndex& index, double time) {
+  const FdsObstructions obstructions(index, time);
+  std::vector<FdsBox> boxes(obstructions.boxes().begin(), obstructions.boxes().end());
+  for (const FdsMesh& mesh : index.meshes) {
+    for (const FdsVent& vent : mesh.vents) {
+      if (vent.exterior && vent.nodes.begin[2] == mesh.cells(2) && isShown(vent.events, time))
+        boxes.push_back({boxOf(mesh, vent.nodes), {}, vent.drawn});
+    }
+  }
+  return boxes;
+}
+
 }  // namespace
 
 std::optional<Box3> largestRoom(const SmvIndex& index, double time) {
-  const FdsObstructions obstructions(index, time);
-  if (obstructions.boxes().empty())
+  const std::vector<FdsBox> boxes = coversOf(index, time);
+  if (boxes.empty())
     return std::nullopt;
   Box3 bounds;
   for (const FdsMesh& mesh : index.meshes) {
@@ -141,7 +154,7 @@ std::optional<Box3> largestRoom(const SmvIndex& index, double time) {
   const double headroom = std::min(kHeadroom, kLeastHeight * bounds.size().z());
   std::optional<Box3> room;
   double largest = kLeastPlan * bounds.size().x() * bounds.size().y();
-  for (const double floor : floorsOf(index, obstructions.boxes())) {
+  for (const double floor : floorsOf(index, boxes)) {
     // Over each column the lowest of what stands on the floor or is above it.
     std::vector<double> ceiling(plan.size(), kOpen);
     std::vector<char> ground(plan.size(), 0), free(plan.size(), 0);
@@ -149,7 +162,7 @@ std::optional<Box3> largestRoom(const SmvIndex& index, double time) {
       if (std::abs(mesh.planes[2].front() - floor) < kStep)
         plan.over(mesh.bounds(), [&](std::size_t column) { ground[column] = 1; });
     }
-    for (const FdsBox& box : obstructions.boxes()) {
+    for (const FdsBox& box : boxes) {
       const double top = box.bounds.max.z(), bottom = box.bounds.min.z();
       if (std::abs(top - floor) < kStep)
         plan.over(box.bounds, [&](std::size_t column) { ground[column] = 1; });

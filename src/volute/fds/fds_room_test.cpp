@@ -54,6 +54,20 @@ TEST(FdsRoom, ReachesFromWallToWallAndFromFloorToCeiling) {
   expectBox(roomAmong({kRoof, {20, 20, 0, 30, 0, 13}}), {14, -3, 0}, {22, 3, 2.6});
 }
 
+TEST(FdsRoom, IsUnderTheMeshesOwnTop) {
+  const Folder folder;
+  Index index;
+  index.meshes.push_back({{planes(10, 60), planes(-3, 30), planes(0, 15)}, {}, {}});
+  std::string text = index.text();
+  const auto at = text.find("\nVENT\n"), end = text.find("\nCVENT\n");
+  text = text.substr(0, at) + "\nVENT\n 1 1\n 0 0 0 0 0 0 1 0\n 0 60 0 30 15 15 99 0\n" +
+         text.substr(end);
+  fdswriter::saveText(folder / "case.smv", text);
+  const auto read = SmvIndex::read(folder / "case.smv");
+  ASSERT_TRUE(read) << read.error().message;
+  expectBox(largestRoom(*read, 0), {10, -3, 0}, {22, 3, 3});
+}
+
 TEST(FdsRoom, StandsOnWhatIsBuilt) {
   expectBox(roomAmong({kRoof, {0, 60, 0, 30, 0, 2}}), {10, -3, 0.4}, {22, 3, 2.6});
 }

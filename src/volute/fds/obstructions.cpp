@@ -12,47 +12,6 @@ namespace {
 constexpr double kTouch = 1e-3;  // [m]
 constexpr std::size_t kLeaf = 4;
 
-Box3 boxOf(const FdsMesh& mesh, const FdsNodeBox& nodes) {
-  Box3 box;
-  for (int axis = 0; axis < 3; ++axis) {
-    box.min[axis] = mesh.planes[axis][static_cast<std::size_t>(nodes.begin[axis])];
-    box.max[axis] = mesh.planes[axis][static_cast<std::size_t>(nodes.end[axis])];
-  }
-  return box;
-}
-
-FdsColour surfaceColour(const SmvIndex& index, int surface) {
-  if (surface < 0 || surface >= static_cast<int>(index.surfaces.size()))
-    return FdsSurface{}.colour;
-  return index.surfaces[static_cast<std::size_t>(surface)].colour;
-}
-
-/// The face of a box with the outward axis and side (0: minimum, 1: maximum).
-FdsQuad faceOf(const Box3& box, int axis, int side, const FdsColour& colour) {
-  const int u = (axis + 1) % 3;
-  const int v = (axis + 2) % 3;
-  FdsQuad quad{{}, colour};
-  for (int corner = 0; corner < 4; ++corner) {
-    const int turned = side == 1 ? corner : 3 - corner;
-    Vec3& at = quad.corners[static_cast<std::size_t>(corner)];
-    at[axis] = side == 1 ? box.max[axis] : box.min[axis];
-    at[u] = turned == 1 || turned == 2 ? box.max[u] : box.min[u];
-    at[v] = turned >= 2 ? box.max[v] : box.min[v];
-  }
-  return quad;
-}
-
-void addFaces(const FdsBox& box, std::vector<FdsQuad>& quads) {
-  for (int axis = 0; axis < 3; ++axis) {
-    const Vec3 size = box.bounds.size();
-    if (size[(axis + 1) % 3] <= 0 || size[(axis + 2) % 3] <= 0)
-      continue;  // the edge of a thin one
-    for (int side = 0; side < 2; ++side)
-      quads.push_back(
-          faceOf(box.bounds, axis, side, box.colours[static_cast<std::size_t>(2 * axis + side)]));
-  }
-}
-
 /// Whether part of the segment between two parameters lies in the closed box. Faces count, and thin
 /// boxes.
 bool meets(const Box3& box, const Segment& segment, double begin, double end) {
@@ -75,9 +34,23 @@ bool meets(const Box3& box, const Segment& segment, double begin, double end) {
 
 }  // namespace
 
+Box3 boxOf(const FdsMesh& mesh, const FdsNodeBox& nodes) {
+  Box3 box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.min[axis] = mesh.planes[axis][static_cast<std::size_t>(nodes.begin[axis])];
+    box.max[axis] = mesh.planes[axis][static_cast<std::size_t>(nodes.end[axis])];
+  }
+  return box;
+}
+
+FdsColour surfaceColour(const SmvIndex& index, int surface) {
+  if (surface < 0 || surface >= static_cast<int>(index.surfaces.size()))
+    return FdsSurface{}.colour;
+  return index.surfaces[static_cast<std::size_t>(surface)].colour;
+}
+
 FdsObstructions::FdsObstructions(const SmvIndex& index, double time)
     : boxes_(std::make_shared<std::vector<FdsBox>>()),
-      vents_(std::make_shared<std::vector<FdsQuad>>()),
       nodes_(std::make_shared<std::vector<Node>>()) {
   for (const FdsMesh& mesh : index.meshes) {
     for (const FdsObstruction& one : mesh.obstructions) {
@@ -88,18 +61,17 @@ FdsObstructions::FdsObstructions(const SmvIndex& index, double time)
         box.colours[face] = one.colour ? *one.colour : surfaceColour(index, one.surfaces[face]);
       boxes_->push_back(box);
     }
-    for (const FdsVent& vent : mesh.vents) {
-      const Box3 box = boxOf(mesh, vent.nodes);
-      const Vec3 size = box.size();
-      const auto flat = std::min_element(size.data(), size.data() + 3) - size.data();
-      const bool shut = !isShown(vent.events, time);
-      if (!vent.drawn || shut || size[flat] > 0)
-        continue;
-      const FdsColour colour = vent.colour ? *vent.colour : surfaceColour(index, vent.surface);
-      for (int side = 0; side < 2; ++side)
-        vents_->push_back(faceOf(box, static_cast<int>(flat), side, colour));
-    }
   }
+  build();
+}
+
+FdsObstructions::FdsObstructions(std::vector<FdsBox> boxes)
+    : boxes_(std::make_shared<std::vector<FdsBox>>(std::move(boxes))),
+      nodes_(std::make_shared<std::vector<Node>>()) {
+  build();
+}
+
+void FdsObstructions::build() {
   if (boxes_->empty())
     return;
   nodes_->emplace_back();
@@ -166,15 +138,6 @@ void FdsObstructions::blocked(std::span<const Segment> segments,
   parallelRanges(segments.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) out[i] = blocked(segments[i]) ? 1 : 0;
   });
-}
-
-std::vector<FdsQuad> FdsObstructions::quads() const {
-  std::vector<FdsQuad> quads = *vents_;
-  for (const FdsBox& box : *boxes_) {
-    if (box.drawn)
-      addFaces(box, quads);
-  }
-  return quads;
 }
 
 std::vector<double> obstructionEvents(const SmvIndex& index) {

@@ -24,7 +24,14 @@ struct FdsBox {
 struct FdsQuad {
   std::array<Vec3, 4> corners;
   FdsColour colour{};  ///< sRGB and opacity
+  bool cut = false;    ///< is where a building was cut open, not its own face
 };
+
+/// In metres.
+Box3 boxOf(const FdsMesh& mesh, const FdsNodeBox& nodes);
+
+/// Of a place in SmvIndex::surfaces; FDS's usual one where there is none.
+FdsColour surfaceColour(const SmvIndex& index, int surface);
 
 /// The obstructions of one moment, and what they hide. Cheap to copy.
 class FdsObstructions {
@@ -33,10 +40,10 @@ class FdsObstructions {
   /// on.
   FdsObstructions(const SmvIndex& index, double time);
 
-  std::span<const FdsBox> boxes() const { return *boxes_; }
+  /// These alone.
+  explicit FdsObstructions(std::vector<FdsBox> boxes);
 
-  /// The faces of all drawn obstructions, and the drawn vents that are open.
-  std::vector<FdsQuad> quads() const;
+  std::span<const FdsBox> boxes() const { return *boxes_; }
 
   /// Whether an obstruction lies between the ends of a finite segment. Ends may touch one: within 1
   /// mm of its ends a segment is free, so that a sign is seen on its wall. A ray that slides along
@@ -53,10 +60,10 @@ class FdsObstructions {
     std::int32_t count = 0;  // 0: an inner node
   };
 
+  void build();
   void build(std::size_t node, std::size_t begin, std::size_t end);
 
   std::shared_ptr<std::vector<FdsBox>> boxes_;  // in the order of the tree's leaves
-  std::shared_ptr<std::vector<FdsQuad>> vents_;
   std::shared_ptr<std::vector<Node>> nodes_;
 };
 

@@ -19,6 +19,7 @@ struct CameraDescription {
   std::optional<double> fov;    ///< [degrees]
   std::optional<double> ortho;  ///< [m]
   std::optional<Pixels> size;
+  std::string reason{};  ///< of one that nobody asked for: what it shows
 };
 
 const FieldTable& cameraFields();

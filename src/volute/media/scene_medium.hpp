@@ -49,6 +49,7 @@ struct MediumInfo {
   bool measured = false;  ///< is seen as it is: no exposure is looked for
   std::optional<PictureLaw> law{};  ///< that it wants to be seen through
   bool lawByC = false;              ///< C was said, not assumed, and nothing but the law depends on it
+  bool captioned = false;  ///< pictures of it alone say what they show, unless they are asked not to
 
   /// What of its values is mass: "of soot", "g/m3". Nothing: they tell no mass, and `noMass` why.
   struct Mass {
@@ -72,6 +73,14 @@ struct InstantRequest {
   double factor = 1;    ///< of all extinctions: PictureLaw::factor()
   bool coarse = false;  ///< soon is better than fine
   bool tree = false;    ///< of a .volute: the hexadeca-tree in memory, not the frame's bricks
+  /// From where it will be seen [m]: what is in the way may be left out. Nothing: all is there.
+  std::optional<Vec3> eye{};
+};
+
+/// A time that shows something, and why.
+struct FirstTime {
+  double time = 0;  ///< [s], of the scene
+  std::string reason;
 };
 
 /// A medium in time. One thread at a time calls it; what at() gives is free of it.
@@ -91,15 +100,15 @@ class SceneMedium {
     return true;
   }
 
-  /// A number for what addSurfaces() adds at a time: while it stays, so do they. 0: nothing.
-  virtual std::uint64_t surfacesKey(double time) const {
-    (void)time;
+  /// A number for what addSurfaces() adds at an instant: while it stays, so do they. 0: nothing.
+  virtual std::uint64_t surfacesKey(const InstantRequest& request) const {
+    (void)request;
     return 0;
   }
 
-  /// Appends all of it that is opaque at a time of the scene.
-  [[nodiscard]] virtual Status addSurfaces(double time, TriangleMesh& to) const {
-    (void)time, (void)to;
+  /// Appends all of it that is opaque at an instant, as it is seen from the request's eye.
+  [[nodiscard]] virtual Status addSurfaces(const InstantRequest& request, TriangleMesh& to) const {
+    (void)request, (void)to;
     return {};
   }
 
@@ -107,6 +116,12 @@ class SceneMedium {
 
   /// From where it is seen where nobody says; nothing: a camera that frames its bounds.
   virtual std::optional<CameraDescription> firstCamera() const { return std::nullopt; }
+
+  /// When it is seen best in one picture where nobody says; nothing: at its first frame.
+  [[nodiscard]] virtual Result<std::optional<FirstTime>> firstTime(Progress& progress) {
+    (void)progress;
+    return std::nullopt;
+  }
 
   /// All files that it is read from.
   virtual std::vector<std::string> files() const { return {info_.file}; }

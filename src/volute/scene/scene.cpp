@@ -219,17 +219,17 @@ std::optional<CameraDescription> Scene::camera() const {
   return media_[0]->firstCamera();
 }
 
-/// `surfaces_` becomes the scene's and all that is opaque in its media at a time.
-Status Scene::placeSurfaces(double time) {
+/// `surfaces_` becomes the scene's and all that is opaque in its media at an instant.
+Status Scene::placeSurfaces(const InstantRequest& request) {
   std::vector<std::uint64_t> wanted;
-  for (const auto& medium : media_) wanted.push_back(medium->surfacesKey(time));
+  for (const auto& medium : media_) wanted.push_back(medium->surfacesKey(request));
   if (std::ranges::all_of(wanted, [](std::uint64_t key) { return key == 0; }) ||
       wanted == surfacesOf_)
     return {};
   const auto triangles = geometry_.triangles();
   const auto materials = geometry_.materials();
   TriangleMesh all{{triangles.begin(), triangles.end()}, {materials.begin(), materials.end()}};
-  for (const auto& medium : media_) VOLUTE_TRY(medium->addSurfaces(time, all));
+  for (const auto& medium : media_) VOLUTE_TRY(medium->addSurfaces(request, all));
   VOLUTE_ASSIGN(surfaces_, TriangleScene::build(std::move(all.triangles), std::move(all.materials)));
   surfacesOf_ = std::move(wanted);
   return {};
@@ -245,7 +245,7 @@ Result<Snapshot> Scene::at(const InstantRequest& request, Progress& progress) {
     VOLUTE_ASSIGN(auto now, medium->at(seen, progress));
     snapshot.media.push_back(std::move(now));
   }
-  VOLUTE_TRY(placeSurfaces(request.time));
+  VOLUTE_TRY(placeSurfaces(request));
   snapshot.geometry = surfaces_;
   snapshot.fixedGeometry = geometry_;
   snapshot.lights = description_.lights;
@@ -268,6 +268,11 @@ std::vector<std::string> Scene::files() const {
       files.push_back((std::filesystem::path(path_).parent_path() / picture).string());
   }
   return files;
+}
+
+Vec3 seenFrom(const Camera& camera) {
+  constexpr double kBehind = 1e6;  // [m]
+  return camera.isOrthographic() ? Vec3(camera.eye() - kBehind * camera.forward()) : camera.eye();
 }
 
 }  // namespace volute

@@ -109,7 +109,7 @@ class Scene {
   [[nodiscard]] Status checkLaws() const;
   [[nodiscard]] Result<std::vector<std::shared_ptr<SceneMedium>>> openMedia(
       const SceneDescription& description, bool sameLights, Progress& progress);
-  [[nodiscard]] Status placeSurfaces(double time);
+  [[nodiscard]] Status placeSurfaces(const InstantRequest& request);
 
   std::string path_;  ///< names in the JSON are found from its folder
   bool isFile_ = true;
@@ -123,5 +123,8 @@ class Scene {
   TriangleScene surfaces_;               ///< all that is opaque,
   std::vector<std::uint64_t> surfacesOf_;  ///< SceneMedium::surfacesKey() of it
 };
+
+/// InstantRequest::eye of a camera: of parallel rays far behind all that they may meet [m].
+Vec3 seenFrom(const Camera& camera);
 
 }  // namespace volute

@@ -50,7 +50,10 @@ SceneDocument::SceneDocument(std::string path, Scene scene, const DocumentOption
   if (!camera)
     return;
   start_ = startOf(*camera);
-  start_->walks = !scene_.isFile();  // a medium's own camera stands within it
+  // A medium's own camera may stand within it.
+  start_->walks = !scene_.isFile() && !scene_.bounds().empty() &&
+                  (camera->view.eye.array() >= scene_.bounds().min.array()).all() &&
+                  (camera->view.eye.array() <= scene_.bounds().max.array()).all();
 }
 
 Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,

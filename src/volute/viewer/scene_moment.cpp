@@ -101,7 +101,12 @@ ProcessorPicture SceneDocument::byProcessor(std::shared_ptr<const Snapshot> snap
 
 Result<ViewScene> SceneDocument::sceneAt(const SceneWish& wish, Progress& progress) {
   ViewScene scene;
-  VOLUTE_ASSIGN(auto taken, scene_.at({.time = wish.time, .coarse = wish.coarse}, progress));
+  // What stands in the way of the first view is left out; it stays so as one goes round.
+  std::optional<Vec3> eye;
+  if (start_)
+    eye = start_->eye;
+  VOLUTE_ASSIGN(auto taken,
+                scene_.at({.time = wish.time, .coarse = wish.coarse, .eye = eye}, progress));
   const auto snapshot = std::make_shared<const Snapshot>(std::move(taken));
   auto media = glSceneOf(*snapshot, {.smokeMethod = options_.smokeMethod});
   if (media)

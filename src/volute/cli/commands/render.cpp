@@ -26,10 +26,19 @@ namespace {
 constexpr Pixels kUsualSize{800, 600};
 
 /// The command line's, the scene's, or one that frames what is shown.
-Result<Camera> chooseCamera(const Arguments& arguments, const Scene& scene) {
+Result<Camera> chooseCamera(const Arguments& arguments, const Scene& scene, Progress& progress) {
   VOLUTE_ASSIGN(auto description, cameraOf(arguments));
-  if (!description)
+  if (!description) {
     description = scene.camera();
+    if (description && !description->reason.empty()) {
+      const Vec3& eye = description->view.eye;
+      const Vec3& target = description->view.target;
+      progress.remark(fmt::format("seen {} (--eye {:.2f},{:.2f},{:.2f} --target "
+                                  "{:.2f},{:.2f},{:.2f} --fov {:g})",
+                                  description->reason, eye.x(), eye.y(), eye.z(), target.x(),
+                                  target.y(), target.z(), description->fov.value_or(0)));
+    }
+  }
   Pixels size = arguments.find<Pixels>("size").value_or(kUsualSize);
   if (!description && scene.media().empty() && scene.geometry().empty()) {
     return fail(ErrorCode::kInvalidData,
@@ -251,16 +260,19 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   Scene scene = std::move(*opened);
   VOLUTE_TRY(takeLaw(arguments, scene, context.progress));
   VOLUTE_ASSIGN(auto moments, momentsOf(arguments, scene, target, context.progress));
-  VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, scene));
+  VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, scene, context.progress));
   VOLUTE_TRY(checkPictureMemory(camera, context));
   VOLUTE_ASSIGN(auto renderer, rendererOf(arguments));
   VOLUTE_ASSIGN(auto contour, contourOf(arguments, scene));
   const RenderOptions options = renderOptions(arguments, scene);
   const double rate = framesPerSecond(scene, moments);
+  const bool captioned = !scene.isFile() && scene.media().front()->info().captioned &&
+                         options.aov == Aov::kNone && !arguments.flag("no-legend");
+  const bool legend = arguments.flag("legend") || captioned;
   RenderJob job{std::move(scene), camera, options, std::move(renderer),
                 arguments.get<std::string>("renderer") == "auto", std::move(moments), rate,
                 std::move(contour), arguments.get<std::string>("volume-method") == "tree",
-                arguments.flag("legend"), std::move(totals)};
+                legend, std::move(totals)};
   VOLUTE_TRY(scaleContour(job, context.progress, context.team));
   return job;
 }
@@ -426,6 +438,7 @@ std::vector<Option> renderOptionTable() {
        .help =
            "draw mode, what the smoke's field holds, C, time and the scale of colours into .png "
            "and films"},
+      {.name = "no-legend", .help = "leave it out of pictures of an FDS case alone, which have it"},
       statsOption(),
       {.name = "partial",
        .help = "use what is intact of a damaged .volute",
@@ -451,18 +464,20 @@ Command renderCommand() {
       .description =
           "Integrates emission and absorption along each pixel's ray, exactly for the volume's "
           "basis. Without a camera one is "
-          "chosen that frames the bounds; an FDS case with a roof is seen from within its largest "
-          "room, at the height of the eyes. .exr files hold linear values; .png and films are "
+          "chosen that frames the bounds; an FDS case is seen from outside, open like a doll's house "
+          "(--building inside: from within its largest room, at the height of the eyes). .exr files hold linear values; .png and films are "
           "exposed and sRGB. --exposure auto takes "
           "one factor for all pictures, from the middle one, and says it. Without --time and "
           "--frames a film or a pattern shows all "
-          "frames, a single still the first, or of a scene what it shows at 0 s.",
+          "frames, a single still the first, of an FDS case a time with smoke in its rooms, or of a "
+          "scene what it shows at 0 s.",
       .positionals = {{.name = "FILE",
                        .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh "
                                "(.vtu, .vtk, .pvd, .case, .e, "
                                ".foam), an FDS case (.smv) or a scene (.json)"}},
       .options = renderOptionTable(),
       .oneOf = {{{"time", "frames"}, false},
+                {{"legend", "no-legend"}, false},
                 {{"fov", "ortho"}, false},
                 {{"slice", "isosurface", "aov"}, false}},
       .ranks = true,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "volute/base/assert.hpp"
 #include "volute/fds/fds_room.hpp"
@@ -19,6 +20,22 @@ constexpr double kEyeHeight = 1.7;    // [m] above the floor
 constexpr double kEyeShare = 0.7;     // of a low room's height, at most
 constexpr double kFromWall = 0.5;     // [m]
 constexpr double kIndoorFov = 60;     // [degrees]
+constexpr double kOutdoorFov = 30;    // [degrees]
+constexpr double kShape = 1.25;       // width over height that an outside view has room for
+constexpr double kMargin = 1.06;
+constexpr double kForCaption = 0.16;  // of the picture's height, below what is seen
+constexpr double kAside = 25;         // [degrees] from straight before a side
+constexpr double kHigh = 42;          // [degrees] above the ground
+constexpr double kHighStoreys = 17;   // the same where rooms are above each other
+constexpr double kPlain = 0.68;       // reflected by what has no colour of its own
+constexpr double kAlongX = 0.72, kAlongY = 0.86, kDown = 0.6;  // of faces' colours
+constexpr double kCutShare = 0.25, kCutLight = 0.02;
+constexpr double kLine = 0.0011;      // of the building's diagonal: half the width of outlines
+constexpr double kEdge = 0.0004;       // likewise of edges of faces
+constexpr double kEdgeLight = 0.12;
+constexpr std::size_t kMostOutlined = 2500;  // faces; with more, edges are a grey haze
+constexpr int kTimesLookedAt = 9;
+constexpr double kOutline = 0.25, kDarkMark = 0.01, kLightMark = 0.9;
 const Rgb kIdleDevice(0.02, 0.1, 0.8);
 const Rgb kActiveDevice(0.9, 0.02, 0.5);
 
@@ -36,9 +53,66 @@ Status checkWords(const SmokeDescription& smoke) {
       smoke.where, smoke.file);
 }
 
-Rgb linear(const FdsColour& colour, const Vec3& normal) {
-  const double share = std::abs(normal.x()) > 0.5 ? 0.7 : std::abs(normal.y()) > 0.5 ? 0.85 : 1;
-  return share * Rgb(srgbDecode(colour[0]), srgbDecode(colour[1]), srgbDecode(colour[2]));
+/// What nobody has given a colour is FDS's own cream.
+bool hasOwnColour(const FdsColour& colour) {
+  const FdsColour usual{1.0F, 0.8F, 0.4F, 1.0F};
+  for (int c = 0; c < 3; ++c) {
+    if (std::abs(colour[c] - usual[c]) > 1e-3F)
+      return true;
+  }
+  return false;
+}
+
+Rgb linear(const FdsQuad& quad, const Vec3& normal) {
+  Rgb colour(srgbDecode(quad.colour[0]), srgbDecode(quad.colour[1]), srgbDecode(quad.colour[2]));
+  if (!hasOwnColour(quad.colour))
+    colour = Rgb::Constant(kPlain);
+  if (quad.cut)
+    return kCutShare * colour + Rgb::Constant(kCutLight);
+  const double share = std::abs(normal.x()) > 0.5   ? kAlongX
+                       : std::abs(normal.y()) > 0.5 ? kAlongY
+                       : normal.z() < 0             ? kDown
+                                                    : 1;
+  return share * colour;
+}
+
+std::uint32_t addMaterial(TriangleMesh& to, const Material& material) {
+  to.materials.push_back(material);
+  return static_cast<std::uint32_t>(to.materials.size()) - 1;
+}
+
+void addBox(TriangleMesh& to, const Box3& box, std::uint32_t material) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    for (int side = 0; side < 2; ++side) {
+      Vec3 corners[4];
+      for (int c = 0; c < 4; ++c) {
+        corners[c][axis] = side == 1 ? box.max[axis] : box.min[axis];
+        corners[c][u] = c == 1 || c == 2 ? box.max[u] : box.min[u];
+        corners[c][v] = c >= 2 ? box.max[v] : box.min[v];
+      }
+      to.triangles.push_back({{corners[0], corners[1], corners[2]}, material});
+      to.triangles.push_back({{corners[0], corners[2], corners[3]}, material});
+    }
+  }
+}
+
+/// A bar along an axis with square ends, `half` to each side.
+Box3 bar(Vec3 from, Vec3 to, double half) {
+  Box3 box;
+  box.extend(Vec3(from - Vec3::Constant(half)));
+  box.extend(Vec3(to + Vec3::Constant(half)));
+  return box;
+}
+
+/// A ruler's divisions [m]: 1, 2 or 5 times a power of ten, a dozen at most over a length.
+double divisionOf(double length) {
+  double step = std::pow(10.0, std::floor(std::log10(length / 12)));
+  for (const double factor : {2.0, 2.5, 2.0}) {
+    if (length / step > 12)
+      step *= factor;
+  }
+  return step;
 }
 
 }  // namespace
@@ -58,6 +132,13 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Scene
   layer.blocks_ = std::move(blocks);
   layer.case_ = std::make_shared<FdsCase>(std::move(opened));
   layer.events_ = obstructionEvents(layer.case_->index());
+  for (const FdsMesh& mesh : layer.case_->index().meshes) {
+    for (const FdsVent& vent : mesh.vents) {
+      for (const FdsEvent& event : vent.events) layer.events_.push_back(event.time);
+    }
+  }
+  std::ranges::sort(layer.events_);
+  layer.shell_ = std::make_shared<const FdsBuilding>(layer.case_->index(), layer.caseTime(0));
   if (description.fds.devices) {
     for (const FdsDevice& device : layer.case_->index().devices) {
       for (const FdsEvent& event : device.events) layer.events_.push_back(event.time);
@@ -151,16 +232,30 @@ Result<std::optional<FdsFlame>> FdsLayer::fireAt(double time) const {
   return flame.burns() ? std::optional(std::move(flame)) : std::nullopt;
 }
 
-std::uint64_t FdsLayer::surfacesAt(double time) const {
-  const double local = caseTime(time);
-  if (slice_)
-    return std::bit_cast<std::uint64_t>(local);
-  return static_cast<std::uint64_t>(
-      std::ranges::count_if(events_, [&](double event) { return event <= local; }));
+FdsBuilding FdsLayer::buildingAt(double time) const {
+  return {case_->index(), caseTime(time)};
 }
 
-Status FdsLayer::addSurfaces(double time, TriangleMesh& to) const {
-  addBuilding(time, to);
+FdsSides FdsLayer::openTowards(const FdsBuilding& building, const std::optional<Vec3>& eye) const {
+  return eye && description_.fds.building == FdsBuildingView::kOpen ? building.sidesTowards(*eye)
+                                                                    : 0;
+}
+
+std::uint64_t FdsLayer::surfacesAt(double time, const std::optional<Vec3>& eye) const {
+  const double local = caseTime(time);
+  std::uint64_t key = static_cast<std::uint64_t>(
+      std::ranges::count_if(events_, [&](double event) { return event <= local; }));
+  if (slice_)
+    key = std::bit_cast<std::uint64_t>(local);
+  if (eye && (description_.fds.building == FdsBuildingView::kOpen || !description_.fds.cuts.empty()))
+    key = key * 64 + shell_->sidesTowards(*eye) + 1;
+  for (const FdsCut& cut : description_.fds.cuts)
+    key = key * 2 + (eye && (*eye)[cut.axis] < cut.place ? 1 : 0);
+  return key;
+}
+
+Status FdsLayer::addSurfaces(double time, const std::optional<Vec3>& eye, TriangleMesh& to) const {
+  addBuilding(time, eye, to);
   if (description_.fds.devices)
     addDevices(time, to);
   return slice_ ? slice_->addTo(to, caseTime(time)) : Status();
@@ -186,10 +281,22 @@ void FdsLayer::addDevices(double time, TriangleMesh& to) const {
 }
 
 std::vector<std::string> FdsLayer::words() const {
-  std::vector<std::string> words{"FDS, " + source()};
+  const SmvIndex& index = case_->index();
+  std::string title = index.path.filename().string();
+  if (!index.title.empty())
+    title += ": " + index.title;
+  std::vector<std::string> words{title, "FDS, " + source()};
   if (heat_) {
     words.push_back(fmt::format("fire: black body {:g} K, {:g}/m per MW/m3, above {:g} kW/m3",
                                 flame_.temperature, flame_.emission, flame_.cutoff));
+  }
+  if (description_.fds.building == FdsBuildingView::kOpen)
+    words.push_back(fmt::format("ruler, from outside: {:g} m each", ruler()));
+  if (!description_.fds.cuts.empty()) {
+    std::string planes;
+    for (const FdsCut& cut : description_.fds.cuts)
+      planes += fmt::format(" {} = {:g} m", "xyz"[cut.axis], cut.place);
+    words.push_back("cut at" + planes);
   }
   if (description_.fds.devices) {
     words.push_back(
@@ -203,6 +310,12 @@ std::vector<std::string> FdsLayer::words() const {
 }
 
 std::optional<CameraDescription> FdsLayer::firstCamera() const {
+  if (description_.fds.building == FdsBuildingView::kOpen)
+    return outsideCamera();
+  return insideCamera();
+}
+
+std::optional<CameraDescription> FdsLayer::insideCamera() const {
   const auto room = largestRoom(case_->index(), caseTime(0));
   if (!room)
     return std::nullopt;
@@ -212,20 +325,232 @@ std::optional<CameraDescription> FdsLayer::firstCamera() const {
   Vec3 eye = room->centre(), target = room->centre();
   eye.z() = target.z() = room->min.z() + standing;
   eye[along] = room->min[along] + std::min(kFromWall, 0.1 * size[along]);
-  return CameraDescription{{eye, target, Vec3::UnitZ()}, kIndoorFov, std::nullopt, std::nullopt};
+  return CameraDescription{{eye, target, Vec3::UnitZ()}, kIndoorFov, std::nullopt, std::nullopt,
+                           "from within the largest room, at the height of the eyes"};
 }
 
-void FdsLayer::addBuilding(double time, TriangleMesh& to) const {
-  for (const FdsQuad& quad : case_->obstructions(caseTime(time)).quads()) {
+namespace {
+
+/// Towards an eye that is `azimuth` round from -y and `height` above the ground [degrees].
+Vec3 directionTo(double azimuth, double height) {
+  const double a = azimuth * std::numbers::pi / 180, h = height * std::numbers::pi / 180;
+  return {-std::sin(a) * std::cos(h), -std::cos(a) * std::cos(h), std::sin(h)};
+}
+
+/// A view in a direction that has all of a box in it.
+View3 viewOf(const Box3& box, const Vec3& towardsEye) {
+  View3 view{box.centre() + towardsEye, box.centre(), Vec3::UnitZ()};
+  const double half = std::tan(0.5 * kOutdoorFov * std::numbers::pi / 180);
+  const double wide = kShape * half / kMargin;
+  const double tall = (1 - kForCaption) * half / kMargin;
+  for (int turn = 0; turn < 3; ++turn) {
+    const Camera camera = Camera::pinhole(view, kOutdoorFov, 1, 1);
+    double distance = 1e-3;
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 at = Vec3((i & 1) != 0 ? box.max.x() : box.min.x(),
+                           (i & 2) != 0 ? box.max.y() : box.min.y(),
+                           (i & 4) != 0 ? box.max.z() : box.min.z()) -
+                      view.target;
+      const double deep = at.dot(camera.forward());
+      distance = std::max({distance, std::abs(at.dot(camera.right())) / wide - deep,
+                           std::abs(at.dot(camera.down())) / tall - deep});
+    }
+    view.eye = view.target + distance * towardsEye;
+    // What is seen is centred.
+    Vec2 least = Vec2::Constant(1e300), most = -least;
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 at = Vec3((i & 1) != 0 ? box.max.x() : box.min.x(),
+                           (i & 2) != 0 ? box.max.y() : box.min.y(),
+                           (i & 4) != 0 ? box.max.z() : box.min.z()) -
+                      view.eye;
+      const double deep = at.dot(camera.forward());
+      const Vec2 seen(at.dot(camera.right()) / deep, at.dot(camera.down()) / deep);
+      least = least.cwiseMin(seen);
+      most = most.cwiseMax(seen);
+    }
+    const Vec2 middle = 0.5 * distance * (least + most);
+    const Vec3 shift = middle.x() * camera.right() + middle.y() * camera.down();
+    view.target += shift;
+    view.eye += shift;
+  }
+  const Vec3 lower = kForCaption * half * (view.eye - view.target).norm() *
+                     Camera::pinhole(view, kOutdoorFov, 1, 1).down();
+  view.eye += lower;
+  view.target += lower;
+  return view;
+}
+
+/// The share of points that a view sees, and of what is over vents: where it may burn.
+double shareSeen(const FdsBuilding& building, const Vec3& eye) {
+  const FdsObstructions obstructions(building.kept(building.sidesTowards(eye)));
+  constexpr double kVents = 0.6;  // of what counts as rooms do
+  const auto count = [](const auto& list) { return static_cast<double>(list.size()); };
+  const auto vents = building.vents();
+  double seen = 0, all = 0;
+  const auto look = [&](const Vec3& point, double weight) {
+    const Vec3 way = point - eye;
+    all += weight;
+    if (!obstructions.blocked({eye, way.normalized(), 0, way.norm()}))
+      seen += weight;
+  };
+  for (const Vec3& point : building.interior()) look(point, 1);
+  constexpr double kOverVent = 0.3;  // [m]
+  for (const Vec3& vent : vents) {
+    look(vent + Vec3(0, 0, kOverVent),
+         kVents * std::max(count(building.interior()), 1.0) / count(vents));
+  }
+  return all > 0 ? seen / all : 0;
+}
+
+}  // namespace
+
+CameraDescription FdsLayer::outsideCamera() const {
+  const FdsBuilding& building = *shell_;
+  const double height = building.storeys() > 1 ? kHighStoreys : kHigh;
+  const bool wide = building.bounds().size().x() >= building.bounds().size().y();
+  View3 best;
+  double most = -1;
+  // A broad side and the front are preferred where about as much is seen.
+  constexpr double kBetter = 0.04;
+  for (const double side : wide ? std::array{0.0, 180.0, 90.0, 270.0}
+                                : std::array{90.0, 270.0, 0.0, 180.0}) {
+    for (const double aside : {kAside, -kAside}) {
+      const View3 view = viewOf(building.bounds(), directionTo(side + aside, height));
+      const double share = shareSeen(building, view.eye);
+      if (share > most + kBetter) {
+        most = share;
+        best = view;
+      }
+    }
+  }
+  return {best, kOutdoorFov, std::nullopt, std::nullopt,
+          fmt::format("from outside; the outer walls towards the eye and the roof are left out, and "
+                      "{:.0f} % of what is indoors is in view",
+                      100 * most)};
+}
+
+Result<std::optional<FirstTime>> FdsLayer::firstTime(Progress& progress) {
+  const auto times = case_->times();
+  if (times.size() < 2)
+    return std::nullopt;
+  std::vector<std::size_t> looked;
+  const std::size_t last = times.size() - 1;
+  for (int i = 1; i <= kTimesLookedAt; ++i) {
+    const std::size_t place = last * static_cast<std::size_t>(i) / kTimesLookedAt;
+    if (looked.empty() || place > looked.back())
+      looked.push_back(place);
+  }
+  std::vector<double> amounts;
+  double largest = 0;
+  for (const std::size_t place : looked) {
+    if (progress.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped: looking for a time with smoke");
+    VOLUTE_ASSIGN(const FdsField field, case_->field(times[place]));
+    double amount = 0;
+    for (const Vec3& point : shell_->interior()) {
+      constexpr double kDepth = 3;  // [m] of such smoke
+      if (field.cellAt(point) == FdsCell::kGas)
+        amount += 1 - std::exp(-kDepth * field.extinction(point));
+    }
+    amounts.push_back(amount);
+    largest = std::max(largest, amount);
+  }
+  const auto found = std::ranges::find_if(
+      amounts, [&](double amount) { return amount > 0 && amount >= 0.5 * largest; });
+  if (found == amounts.end())
+    return std::nullopt;
+  const double time = times[looked[static_cast<std::size_t>(found - amounts.begin())]];
+  return FirstTime{description_.clock.sceneTime(time),
+                   fmt::format("of {} stored times looked at the first with at least half of the "
+                               "largest amount of smoke in the rooms",
+                               looked.size())};
+}
+
+void FdsLayer::addBuilding(double time, const std::optional<Vec3>& eye, TriangleMesh& to) const {
+  const FdsBuilding building = buildingAt(time);
+  const FdsSides open = openTowards(building, eye);
+  std::vector<FdsCut> cuts = description_.fds.cuts;
+  for (FdsCut& cut : cuts) cut.above = !eye || (*eye)[cut.axis] >= cut.place;
+  const std::vector<FdsQuad> quads = building.quads(open, cuts);
+  for (const FdsQuad& quad : quads) {
     const auto& c = quad.corners;
     const Vec3 across = (c[1] - c[0]).cross(c[3] - c[0]);
     if (!(across.norm() > 0))
       continue;
-    const auto material = static_cast<std::uint32_t>(to.materials.size());
-    to.materials.push_back({linear(quad.colour, across.normalized()), Rgb::Zero()});
+    const auto material = addMaterial(to, {linear(quad, across.normalized()), Rgb::Zero()});
     to.triangles.push_back({{c[0], c[1], c[2]}, material});
     to.triangles.push_back({{c[0], c[2], c[3]}, material});
   }
+  if (open == 0)
+    return;
+  if (quads.size() <= kMostOutlined)
+    addEdges(quads, building.bounds(), to);
+  addOutline(building, open, to);
+}
+
+/// Dark lines along the edges of all faces, as drawings have them.
+void FdsLayer::addEdges(std::span<const FdsQuad> quads, const Box3& bounds,
+                        TriangleMesh& to) const {
+  Box3 meshes;
+  for (const FdsMesh& mesh : case_->index().meshes) {
+    meshes.extend(mesh.bounds().min);
+    meshes.extend(mesh.bounds().max);
+  }
+  const double half = kEdge * bounds.size().norm();
+  const auto dark = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kEdgeLight)});
+  const auto outer = [&](const FdsQuad& quad) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double place : {meshes.min[axis], meshes.max[axis]}) {
+        if (std::ranges::all_of(quad.corners, [&](const Vec3& corner) { return corner[axis] == place; }))
+          return true;
+      }
+    }
+    return false;
+  };
+  for (const FdsQuad& quad : quads) {
+    if (outer(quad))
+      continue;  // FDS cuts the meshes' own walls in pieces
+    for (std::size_t corner = 0; corner < 4; ++corner)
+      addBox(to, bar(quad.corners[corner], quad.corners[(corner + 1) % 4], half), dark);
+  }
+}
+
+/// The edges of what the meshes fill, and a ruler along the lower edges before it.
+void FdsLayer::addOutline(const FdsBuilding& building, FdsSides open, TriangleMesh& to) const {
+  const Box3& box = building.bounds();
+  const double half = kLine * box.size().norm();
+  const auto line = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kOutline)});
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    for (int corner = 0; corner < 4; ++corner) {
+      Vec3 from = box.min, end = box.max;
+      from[u] = end[u] = (corner & 1) != 0 ? box.max[u] : box.min[u];
+      from[v] = end[v] = (corner & 2) != 0 ? box.max[v] : box.min[v];
+      addBox(to, bar(from, end, 0.6 * half), line);
+    }
+  }
+  const auto dark = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kDarkMark)});
+  const auto light = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kLightMark)});
+  const double step = ruler();
+  for (int axis = 0; axis < 2; ++axis) {
+    const int across = 1 - axis;
+    const bool far = (open >> (2 * across + 1) & 1) != 0;
+    Vec3 from = box.min;
+    from[across] = far ? box.max[across] + 5 * half : box.min[across] - 5 * half;
+    for (int i = 0; i * step < box.size()[axis] - 1e-6; ++i) {
+      Vec3 begin = from, end = from;
+      begin[axis] = box.min[axis] + i * step;
+      end[axis] = std::min(begin[axis] + step, box.max[axis]);
+      Box3 mark = bar(begin, end, 2.4 * half);
+      mark.min[axis] = begin[axis];
+      mark.max[axis] = end[axis];
+      addBox(to, mark, i % 2 == 0 ? dark : light);
+    }
+  }
+}
+
+double FdsLayer::ruler() const {
+  return divisionOf(shell_->bounds().size().head<2>().maxCoeff());
 }
 
 }  // namespace volute

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "volute/fds/fds_building.hpp"
 #include "volute/fds/fds_case.hpp"
 #include "volute/fds/fds_flame.hpp"
 #include "volute/geometry/triangle_scene.hpp"
@@ -15,6 +16,7 @@
 #include "volute/media/camera_file.hpp"
 #include "volute/media/fds/fds_slice.hpp"
 #include "volute/media/reading.hpp"
+#include "volute/media/scene_medium.hpp"
 #include "volute/media/scene_lights.hpp"
 #include "volute/media/smoke/scene_smoke.hpp"
 
@@ -63,19 +65,27 @@ class FdsLayer {
   [[nodiscard]] Result<std::optional<FdsFlame>> fireAt(double time) const;
 
   /// A number for what addSurfaces() adds: while it stays, so do they.
-  std::uint64_t surfacesAt(double time) const;
+  std::uint64_t surfacesAt(double time, const std::optional<Vec3>& eye) const;
 
   /// Adds all that is opaque: the building, the devices' marks and the slice.
-  [[nodiscard]] Status addSurfaces(double time, TriangleMesh& to) const;
+  /// @param eye  from where it is seen: outer walls and cuts open towards it
+  [[nodiscard]] Status addSurfaces(double time, const std::optional<Vec3>& eye,
+                                   TriangleMesh& to) const;
 
-  /// Adds the obstructions and vents of that time, coloured as the case says; ambient light alone
-  /// would show no edges, so faces along x reflect 0.7 and along y 0.85 of their colour.
-  void addBuilding(double time, TriangleMesh& to) const;
+  /// Adds the obstructions, vents and walls of that time, coloured as the case says; what has no
+  /// colour of its own is light grey. Ambient light alone would show no edges, so faces reflect less
+  /// of their colour the less they face up. An open building stands in its meshes' outline, with a
+  /// ruler along the two lower edges before it.
+  void addBuilding(double time, const std::optional<Vec3>& eye, TriangleMesh& to) const;
 
-  /// From where the case is seen where nobody says: at the height of a standing person's eyes, from
-  /// one end of the building's largest room at 0 s to the other. Nothing where no obstructions
-  /// close one off, so that all is seen from outside.
+  /// From where the case is seen where nobody says. An open building: from outside and above, so far
+  /// away that all of it is seen, from that of eight directions from which most of its rooms is
+  /// seen. A building that is looked at inside: at the height of a standing person's eyes, from one
+  /// end of its largest room at 0 s to the other.
   std::optional<CameraDescription> firstCamera() const;
+
+  /// The first of some stored times at which the smoke has half of its largest amount among them.
+  [[nodiscard]] Result<std::optional<FirstTime>> firstTime(Progress& progress);
 
   /// What a picture says about what it shows, and by which laws.
   std::vector<std::string> words() const;
@@ -87,6 +97,13 @@ class FdsLayer {
   FdsLayer() = default;
 
   double caseTime(double time) const;
+  FdsBuilding buildingAt(double time) const;
+  FdsSides openTowards(const FdsBuilding& building, const std::optional<Vec3>& eye) const;
+  CameraDescription outsideCamera() const;
+  std::optional<CameraDescription> insideCamera() const;
+  double ruler() const;
+  void addEdges(std::span<const FdsQuad> quads, const Box3& bounds, TriangleMesh& to) const;
+  void addOutline(const FdsBuilding& building, FdsSides open, TriangleMesh& to) const;
   Status openFire(Reading& reading);
   FdsField inLight(const FdsField& field, double time) const;
   void addDevices(double time, TriangleMesh& to) const;
@@ -98,6 +115,7 @@ class FdsLayer {
   std::shared_ptr<FdsCase> heat_;  // null: no fire
   FlameLaw flame_;
   std::optional<FdsSliceSheet> slice_;
+  std::shared_ptr<const FdsBuilding> shell_;  // at the first time
   std::vector<double> events_;  // of obstructions, and of devices where they are shown; ascending
 };
 

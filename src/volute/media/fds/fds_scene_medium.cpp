@@ -60,12 +60,17 @@ class FdsKind final : public MediumKind {
 
   bool opens(const std::string& path) const override { return isSmvPath(path); }
 
-  /// In even white light and before white.
+  /// An open building in even white light and before white. Thick smoke in such light is as dark as
+  /// what an endless layer of it sends back: of isotropic scattering with FDS's albedo w = 0.3, by
+  /// the two-stream approximation, (1 - g) / (1 + g) = 0.09 with g = sqrt(1 - w).
   OrderedJson sceneOf(const std::string& name) const override {
     return {{"format", "volute-scene-1"},
             {"background", {1, 1, 1}},
             {"lights", OrderedJson::array({{{"kind", "ambient"}, {"radiance", {1, 1, 1}}}})},
-            {"media", OrderedJson::array({{{"kind", "smoke"}, {"case", name}}})}};
+            {"media", OrderedJson::array({{{"kind", "smoke"},
+                                               {"case", name},
+                                               {"building", "open"},
+                                               {"albedo", {0.09, 0.09, 0.09}}}})}};
   }
 
   bool shares(const std::string& key) const override { return key == "mode" || key == "C"; }
@@ -88,6 +93,7 @@ FdsSceneMedium::FdsSceneMedium(FdsLayer layer) : layer_(std::move(layer)) {
   info_.takeFrames(layer_, layer_.steps(), smoke.clock);
   info_.interpolates = true;
   info_.measured = true;
+  info_.captioned = smoke.fds.building == FdsBuildingView::kOpen;
   info_.law = smoke.law;
 }
 
@@ -97,6 +103,10 @@ Result<std::shared_ptr<const MediumAt>> FdsSceneMedium::at(const InstantRequest&
   VOLUTE_ASSIGN(auto fire, layer_.fireAt(request.time));
   const double factor = request.factor * layer_.description().model.scale;
   return std::make_shared<const FdsAt>(std::move(smoke), factor, std::move(fire));
+}
+
+Result<std::optional<FirstTime>> FdsSceneMedium::firstTime(Progress& progress) {
+  return layer_.firstTime(progress);
 }
 
 MediumText FdsSceneMedium::text() const {

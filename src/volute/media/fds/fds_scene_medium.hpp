@@ -38,15 +38,19 @@ class FdsSceneMedium final : public SceneMedium {
                                              Progress& progress) override;
 
   /// All cases have a building, so never 0.
-  std::uint64_t surfacesKey(double time) const override { return 1 + layer_.surfacesAt(time); }
+  std::uint64_t surfacesKey(const InstantRequest& request) const override {
+    return 1 + layer_.surfacesAt(request.time, request.eye);
+  }
 
-  Status addSurfaces(double time, TriangleMesh& to) const override {
-    return layer_.addSurfaces(time, to);
+  Status addSurfaces(const InstantRequest& request, TriangleMesh& to) const override {
+    return layer_.addSurfaces(request.time, request.eye, to);
   }
 
   MediumText text() const override;
 
   std::optional<CameraDescription> firstCamera() const override { return layer_.firstCamera(); }
+
+  Result<std::optional<FirstTime>> firstTime(Progress& progress) override;
 
   const FdsLayer& layer() const { return layer_; }
 

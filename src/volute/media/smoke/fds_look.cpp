@@ -2,6 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/smoke/fds_look.hpp"
 
+#include <charconv>
+#include <cmath>
+
 #include "volute/media/clock_fields.hpp"
 #include "volute/media/smoke/scene_smoke.hpp"
 
@@ -35,6 +38,39 @@ Status setFire(SmokeDescription& smoke, const FieldValue& value) {
   return {};
 }
 
+FieldValue cutsOf(const SmokeDescription& smoke) {
+  std::string text;
+  for (const FdsCut& cut : smoke.fds.cuts) {
+    text += fmt::format("{}{}={}", text.empty() ? "" : ",", "xyz"[cut.axis], cut.place);
+  }
+  return text.empty() ? FieldValue() : FieldValue(text);
+}
+
+/// "z=2.4,x=1".
+Status setCuts(SmokeDescription& smoke, const FieldValue& value) {
+  const std::string text = value.get<std::string>();
+  smoke.fds.cuts.clear();
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string one = text.substr(begin, end - begin);
+    const auto axis = one.size() > 2 && one[1] == '=' ? std::string_view("xyz").find(one[0])
+                                                      : std::string_view::npos;
+    FdsCut cut;
+    const char* last = one.data() + one.size();
+    const auto [rest, error] = axis == std::string_view::npos
+                                   ? std::from_chars_result{nullptr, std::errc::invalid_argument}
+                                   : std::from_chars(one.data() + 2, last, cut.place);
+    if (error != std::errc() || rest != last || !std::isfinite(cut.place)) {
+      return fail(ErrorCode::kInvalidData,
+                  "'{}' is no plane; expected x, y or z and a place in metres, as z=2.4", one);
+    }
+    cut.axis = static_cast<int>(axis);
+    smoke.fds.cuts.push_back(cut);
+    begin = end + 1;
+  }
+  return {};
+}
+
 FieldValue sliceRange(const SmokeDescription& smoke) {
   const auto& range = smoke.fds.sliceRange;
   return range ? FieldValue{(*range)[0], (*range)[1]} : FieldValue();
@@ -63,6 +99,7 @@ const FieldTable& fdsFields() {
   FieldRow scale = smoke.at("scale"), massExtinction = smoke.at("mass_extinction");
   scale.option.picture = true;
   massExtinction.slider.shown = nullptr;
+  static constexpr std::string_view kBuildings[] = {"whole", "open", "inside"};
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "case", .type = kFile, .access = member<&Smoke::file>(),
@@ -74,6 +111,14 @@ const FieldTable& fdsFields() {
       scale, massExtinction, smoke.at("mode"), smoke.at("C"), smoke.at("albedo"),
       {.name = "fire", .type = kObject, .access = kFire, .help = "the heat release as light",
        .flagToo = true, .table = &fireFields()},
+      {.name = "building", .type = kChoice,
+       .access = member<&Smoke::fds, &FdsLook::building>(),
+       .help = "whole, or open: from outside the outer walls towards the eye and the roof are left "
+               "out; inside is whole and is first seen from within",
+       .choices = kBuildings, .option = {.value = "NAME", .more = "open, of a case alone", .picture = true}},
+      {.name = "cut", .type = kText, .access = customMember<Smoke, cutsOf, setCuts>(),
+       .help = "planes that cut the building open, as z=2.4 or x=3,z=2.4 [m]; what is on the eye's "
+               "side is left out", .option = {.value = "PLANES", .picture = true}},
       {.name = "devices", .type = kFlag, .access = member<&Smoke::fds, &FdsLook::devices>(),
        .help = "devices are marked", .option = {.name = "devices", .picture = true}},
       {.name = "slice", .type = kText, .access = member<&Smoke::fds, &FdsLook::slice>(),
