@@ -82,10 +82,32 @@ Json evenLight() {
       {Json{{"kind", "ambient"}, {"radiance", {kEvenLight, kEvenLight, kEvenLight}}}});
 }
 
+/// The nearest sign that can be read from there if there is no smoke; the nearest of all where none
+/// can.
+std::pair<const SightTarget*, bool> nearestInSight(const Vec3& eye,
+                                                   std::span<const SightTarget> signs,
+                                                   const SightInstant& first) {
+  std::vector<Sighting> sightings(signs.size());
+  lookAround(first, signs, {&eye, 1}, sightings);
+  const SightTarget* nearest = nullptr;
+  bool inSight = false;
+  for (std::size_t s = 0; s < signs.size(); ++s) {
+    const bool seen = !sightings[s].blocked && sightings[s].visibility > 0;
+    const bool nearer =
+        !nearest || (signs[s].target - eye).norm() < (nearest->target - eye).norm();
+    if ((seen && !inSight) || (seen == inSight && nearer)) {
+      nearest = &signs[s];
+      inSight = seen;
+    }
+  }
+  return {nearest, inSight};
+}
+
 }  // namespace
 
 Result<ViewPictures> ViewPictures::make(std::vector<Vec3> eyes, const std::string& path,
-                                        const Arguments& arguments, Context& context) {
+                                        const std::string& source, const Arguments& arguments,
+                                        Context& context) {
   ViewPictures pictures(context);
   pictures.eyes_ = std::move(eyes);
   if (pictures.eyes_.empty())
@@ -100,6 +122,14 @@ Result<ViewPictures> ViewPictures::make(std::vector<Vec3> eyes, const std::strin
     entry["walls"] = true;
   pictures.scene_ = kind.sceneOf("");
   pictures.lit_ = !pictures.scene_.contains("lights");
+  // As a file alone looks, but whole: the eye is within.
+  Json look = pictures.scene_["media"][0];
+  look.update(entry);
+  entry = std::move(look);
+  if (kind.fields().find("building"))
+    entry["building"] = "whole";
+  if (!source.empty() && kind.fields().find("field") && !arguments.given("field"))
+    entry["field"] = source;
   pictures.scene_["media"] = nlohmann::ordered_json::array({std::move(entry)});
   return pictures;
 }
@@ -110,10 +140,18 @@ Status ViewPictures::begin(const Survey& survey, const SightInstant& first) {
   std::error_code error;
   std::filesystem::create_directory(survey.folder / "views", error);
   for (const Vec3& eye : eyes_) {
-    const auto nearest = std::ranges::min_element(
-        survey.signs, {}, [&](const SightTarget& sign) { return (sign.target - eye).norm(); });
+    const auto [nearest, seen] = nearestInSight(eye, survey.signs, first);
     const Vec3 target = nearest->target;
+    if (!seen) {
+      context_->progress.remark(fmt::format(
+          "--picture: from {:g}, {:g}, {:g} m no sign is in sight, smoke or not; the picture looks "
+          "towards {}, the nearest",
+          eye.x(), eye.y(), eye.z(), nearest->sign.name));
+    }
     const Json lamps = lit_ ? lampsBetween(eye, target, first, survey.bounds) : evenLight();
+    // In even light clear air is as bright as the light.
+    const double air = lit_ ? 0 : kEvenLight;
+    const Json background = {air, air, air};
     const Json scene = {{"format", "volute-scene-1"},
                         {"camera",
                          {{"eye", vectorJson(eye)},
@@ -121,12 +159,13 @@ Status ViewPictures::begin(const Survey& survey, const SightInstant& first) {
                           {"up", {0, 0, 1}},
                           {"fov", 55},
                           {"size", {640, 400}}}},
+                        {"background", background},
                         {"lights", lamps},
                         {"media", scene_["media"]},
                         {"signs", signsJson(survey)}};
     const std::string name = fmt::format("views/view_{}.json", views_.size() + 1);
     VOLUTE_TRY(writeFile(survey.folder / name, dumpJson(scene) + "\n"));
-    views_.push_back({eye, static_cast<std::size_t>(nearest - survey.signs.begin()), name});
+    views_.push_back({eye, static_cast<std::size_t>(nearest - survey.signs.data()), seen, name});
   }
   return {};
 }
@@ -171,18 +210,20 @@ Result<std::string> ViewPictures::finish(const Survey& survey, Json& report) {
         const std::string file =
             fmt::format("{}_{:04d}_{}.png", view.scene.substr(0, view.scene.size() - 5), t,
                         nameOf(mode));
-        VOLUTE_TRY(render({view.eye, view.sign, (survey.folder / view.scene).string()},
+        VOLUTE_TRY(render({view.eye, view.sign, view.inSight, (survey.folder / view.scene).string()},
                           survey.folder / file, survey.times[t], mode));
         report["pictures"].push_back({{"file", file},
                                       {"eye", vectorJson(view.eye)},
                                       {"sign", survey.signs[view.sign].sign.name},
+                                      {"sign_in_sight", view.inSight},
                                       {"time", survey.times[t]},
                                       {"mode", nameOf(mode)}});
         VOLUTE_ASSIGN(
             const auto figure,
             htmlFigure(survey.folder / file,
-                     fmt::format("From {:g}, {:g}, {:g} m towards {}, {:g} s, {}", view.eye[0],
+                     fmt::format("From {:g}, {:g}, {:g} m towards {}{}, {:g} s, {}", view.eye[0],
                                  view.eye[1], view.eye[2], survey.signs[view.sign].sign.name,
+                                 view.inSight ? "" : " (no sign is in sight from there)",
                                  survey.times[t], nameOf(mode))));
         page += figure;
       }

@@ -17,7 +17,9 @@ class ViewPictures final : public SurveyPictures {
  public:
   /// `path` and the options about it go into the scenes. kUnsupported for pictures of a scene, which
   /// has a camera of its own.
+  /// @param source  of the survey (SightField::fillingSource()), unless an option names another
   [[nodiscard]] static Result<ViewPictures> make(std::vector<Vec3> eyes, const std::string& path,
+                                                 const std::string& source,
                                                  const Arguments& arguments, Context& context);
 
   /// Writes the scenes.
@@ -30,6 +32,7 @@ class ViewPictures final : public SurveyPictures {
   struct View {
     Vec3 eye = Vec3::Zero();
     std::size_t sign = 0;
+    bool inSight = true;  ///< it can be read from there without smoke
     std::string scene;  ///< the file, in the folder of results
   };
 

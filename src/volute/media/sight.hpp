@@ -13,6 +13,7 @@
 #include "volute/base/result.hpp"
 #include "volute/math/box.hpp"
 #include "volute/math/vec.hpp"
+#include "volute/math/vec2.hpp"
 
 // What the question "from where is the exit sign still seen?" asks of a medium, whatever it is made
 // of: cells, tetrahedra, a formula.
@@ -44,6 +45,21 @@ enum class Place : unsigned char {
   kGas,      ///< one can look from here
   kSolid,    ///< inside something opaque
   kOutside,  ///< the field does not reach here
+};
+
+/// What a floor plan draws at its true place: a rectangle, flat ones as lines.
+struct PlanShape {
+  enum class Kind : unsigned char {
+    kSolid,    ///< stands there
+    kDoor,     ///< stands there at other times
+    kOpening,  ///< of the field's border, to the outside
+    kBorder,   ///< the field's border, closed
+  };
+
+  Kind kind = Kind::kSolid;
+  Vec2 min = Vec2::Zero(), max = Vec2::Zero();  ///< [m]
+
+  bool operator==(const PlanShape&) const = default;
 };
 
 /// One of a field's stored values, and how much it counts in an optical depth [m].
@@ -86,6 +102,12 @@ class SightInstant {
   /// What stands at each point.
   virtual void places(std::span<const Vec3> points, std::span<Place> places) const = 0;
 
+  /// What is cut by a level [m]; empty where nothing is known but places().
+  virtual std::vector<PlanShape> shapes(double z) const {
+    (void)z;
+    return {};
+  }
+
   /// K at each point [1/m]; NaN where the field does not reach or something solid stands.
   virtual void extinction(std::span<const Vec3> points, std::span<double> extinction) const = 0;
 
@@ -110,6 +132,9 @@ class SightField {
 
   /// Where the extinction comes from, for people.
   virtual std::string description() const = 0;
+
+  /// Which of a file's sources it is, where a picture can be taken of that too; empty: not known.
+  virtual std::string fillingSource() const { return ""; }
 
   /// What its reader has to say.
   virtual std::vector<std::string> remarks() const { return {}; }

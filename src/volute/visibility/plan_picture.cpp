@@ -4,17 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <set>
 
-#include "volute/image/bitmap_text.hpp"
+#include "volute/base/write_file.hpp"
 #include "volute/image/colormap.hpp"
-#include "volute/image/drawing.hpp"
 #include "volute/image/srgb.hpp"
+#include "volute/io/image_file.hpp"
+#include "volute/report/canvas.hpp"
 
 namespace volute {
 namespace {
 
-constexpr int kText = 2;  // pixels a dot
-constexpr int kLeft = 92, kTop = 62, kBottom = 66, kBar = 150, kPlain = 24, kRow = 26;
+constexpr double kLeft = 92, kTop = 62, kBottom = 108, kBar = 160, kPlain = 40, kRow = 26;
+constexpr std::size_t kMostLevels = 24;  ///< that a key shows one by one
+constexpr double kLeastWall = 2.5;       ///< pixels across a thin wall
 
 /// A colour as displays show it, as linear light.
 Rgb linear(const Rgb& display) {
@@ -27,19 +32,23 @@ Rgb grey(double display) {
 
 const Rgb kSignColor(0.72, 0.03, 0.03);
 const Rgb kRouteColor(0.03, 0.16, 0.62);
+const Rgb kHatchColor(0.05, 0.22, 0.6);
+const Rgb kOpenColor(0.0, 0.35, 0.75);
+const Rgb kWallColor(0.008, 0.008, 0.008);
+const Rgb kDoorColor(0.75, 0.25, 0.0);
 
 Rgb colorOf(PlanMark mark) {
   switch (mark) {
     case PlanMark::kSolid:
-      return grey(0.33);
+      return grey(0.42);
     case PlanMark::kHidden:
-      return grey(0.78);
+      return grey(0.93);
     case PlanMark::kLost:
-      return grey(0.58);
+      return grey(0.66);
     case PlanMark::kKept:
-      return linear(Rgb(1.0, 0.98, 0.86));
+      return Rgb::Ones();
     default:
-      return grey(0.96);
+      return grey(0.97);
   }
 }
 
@@ -60,11 +69,11 @@ std::string tickText(double value) {
 /// From metres to pixels.
 struct Frame {
   const FloorPlan& plan;
-  int scale;
+  double scale;
 
-  int width() const { return plan.nx * scale; }
+  double width() const { return plan.nx * scale; }
 
-  int height() const { return plan.ny * scale; }
+  double height() const { return plan.ny * scale; }
 
   double x(double metres) const {
     return kLeft + ((metres - plan.origin[0]) / plan.step + 0.5) * scale;
@@ -74,148 +83,436 @@ struct Frame {
     return kTop + height() - ((metres - plan.origin[1]) / plan.step + 0.5) * scale;
   }
 
+  Vec2 at(double x0, double y0) const { return {x(x0), y(y0)}; }
+
   double from(int axis) const { return plan.origin[axis] - 0.5 * plan.step; }
 
   double size(int axis) const { return plan.step * (axis == 0 ? plan.nx : plan.ny); }
 };
 
-void drawCells(Image& image, const Frame& frame, const PlanPicture& picture) {
-  const FloorPlan& plan = frame.plan;
-  for (std::size_t i = 0; i < plan.size(); ++i) {
-    const int x = static_cast<int>(i % static_cast<std::size_t>(plan.nx));
-    const int y = static_cast<int>(i / static_cast<std::size_t>(plan.nx));
-    const double share = (picture.values.empty() ? 0 : picture.values[i] - picture.low) /
-                         (picture.high - picture.low);
-    const Rgb color = picture.marks[i] == PlanMark::kValue
-                          ? linear(displayColor(ColorMap::kViridis, share))
-                          : colorOf(picture.marks[i]);
-    const int left = kLeft + x * frame.scale, top = kTop + (plan.ny - 1 - y) * frame.scale;
-    fillRect(image, left, top, left + frame.scale, top + frame.scale, color);
+/// The different values that the map has, ascending; empty: too many to be told apart.
+std::vector<double> levelsOf(const PlanPicture& picture) {
+  std::set<double> levels;
+  if (!picture.stored || picture.barLabel.empty() || !picture.kinds.empty())
+    return {};
+  for (std::size_t i = 0; i < picture.values.size(); ++i) {
+    if (picture.marks[i] == PlanMark::kValue)
+      levels.insert(picture.values[i]);
+    if (levels.size() > kMostLevels)
+      return {};
   }
+  return {levels.begin(), levels.end()};
 }
 
-void drawAxes(Image& image, const Frame& frame) {
-  const Rgb ink = grey(0.1);
-  const int bottom = kTop + frame.height(), right = kLeft + frame.width();
-  for (const int y : {kTop - 1, bottom}) fillRect(image, kLeft - 1, y, right + 1, y + 1, ink);
-  for (const int x : {kLeft - 1, right}) fillRect(image, x, kTop - 1, x + 1, bottom + 1, ink);
-  for (int axis = 0; axis < 2; ++axis) {
-    const int pixels = axis == 0 ? frame.width() : frame.height();
-    const double step = niceStep(frame.size(axis), std::max(2, pixels / 90));
-    const double end = frame.from(axis) + frame.size(axis) * (1 + 1e-9);
-    for (double at = std::ceil(frame.from(axis) / step - 1e-9) * step; at <= end; at += step) {
-      const std::string text = tickText(at);
-      const TextSize size = textSize(text, kText);
-      if (axis == 0) {
-        const int x = static_cast<int>(std::lround(frame.x(at)));
-        fillRect(image, x, bottom, x + 1, bottom + 6, ink);
-        drawText(image, text, x - size.width / 2, bottom + 9, kText, ink);
-      } else {
-        const int y = static_cast<int>(std::lround(frame.y(at)));
-        fillRect(image, kLeft - 6, y, kLeft, y + 1, ink);
-        drawText(image, text, kLeft - 10 - size.width, y - 7, kText, ink);
+/// One map on one canvas.
+class PlanDrawing {
+ public:
+  PlanDrawing(const FloorPlan& plan, const PlanPicture& picture,
+              std::span<const SightTarget> signs, std::span<const Route> routes)
+      : picture_(picture), signs_(signs), routes_(routes), frame_{plan, scaleOf(plan)} {
+    levels_ = levelsOf(picture);
+    bar_ = !picture.barLabel.empty() && picture.kinds.empty() &&
+           (levels_.empty() || std::ranges::find(picture.marks, PlanMark::kValue) !=
+                                   picture.marks.end());
+    findRows();
+    width_ = kLeft + frame_.width() + (bar_ ? kBar : kPlain);
+    for (const auto* text : {&picture.title, &picture.subtitle})
+      width_ = std::max(width_, kLeft + canvasTextWidth(*text) + kPlain);
+    for (const Row& row : rows_)
+      width_ = std::max(width_, kLeft + 42 + canvasTextWidth(row.words) + kPlain);
+    legend_ = kTop + std::max(frame_.height(), bar_ ? 120.0 : 0.0) + kBottom;
+    height_ = legend_ + kRow * static_cast<double>(rows_.size()) + 6;
+  }
+
+  double width() const { return std::ceil(width_); }
+  double height() const { return std::ceil(height_); }
+
+  void draw(Canvas& canvas) const {
+    canvas.rect(0, 0, width(), height(), Rgb::Ones());
+    canvas.text(picture_.title, kLeft, 12, grey(0));
+    canvas.text(picture_.subtitle, kLeft, 36, grey(0.3));
+    drawCells(canvas);
+    clearOutside(canvas);
+    if (picture_.underlay)
+      drawUnderlay(canvas, *picture_.underlay);
+    drawShapes(canvas);
+    drawRoutes(canvas);
+    drawAxes(canvas);
+    drawSigns(canvas);
+    drawScale(canvas);
+    if (bar_)
+      drawKey(canvas);
+    drawLegend(canvas);
+  }
+
+ private:
+  /// A line of the legend, and what its swatch is.
+  struct Row {
+    std::function<void(Canvas&, double y)> swatch;
+    std::string words;
+  };
+
+  static double scaleOf(const FloorPlan& plan) {
+    constexpr int kWide = 900, kHigh = 640;
+    return std::clamp(std::min(kWide / plan.nx, kHigh / plan.ny), 1, 64);
+  }
+
+  static void square(Canvas& canvas, double y, const Rgb& color) {
+    canvas.rect(kLeft - 1, y - 1, kLeft + 31, y + 17, grey(0.1));
+    canvas.rect(kLeft, y, kLeft + 30, y + 16, color);
+  }
+
+  bool has(PlanShape::Kind kind) const {
+    return std::ranges::any_of(picture_.shapes,
+                               [&](const PlanShape& shape) { return shape.kind == kind; });
+  }
+
+  void findRows() {
+    for (const auto& [color, words] : picture_.kinds)
+      rows_.push_back({[color = linear(color)](Canvas& c, double y) { square(c, y, color); }, words});
+    for (const auto& [mark, words] : picture_.words) {
+      if (std::ranges::find(picture_.marks, mark) == picture_.marks.end())
+        continue;
+      rows_.push_back({[mark](Canvas& c, double y) {
+                         square(c, y, colorOf(mark));
+                         if (mark == PlanMark::kKept)
+                           c.hatch(kLeft, y, kLeft + 30, y + 16, kHatchColor);
+                       },
+                       words});
+    }
+    const auto line = [&](const Rgb& color, double width, bool dashed, std::string words) {
+      rows_.push_back({[=](Canvas& c, double y) {
+                         c.line({kLeft, y + 8}, {kLeft + 30, y + 8}, width, color, dashed);
+                       },
+                       std::move(words)});
+    };
+    if (has(PlanShape::Kind::kSolid) || has(PlanShape::Kind::kBorder))
+      line(kWallColor, 5, false, "wall or obstruction at this height, at its place");
+    if (has(PlanShape::Kind::kDoor))
+      line(kDoorColor, 2.5, true, "open now, shut at other times");
+    if (has(PlanShape::Kind::kOpening))
+      line(kOpenColor, 2.5, true, "open to the outside");
+    if (!signs_.empty()) {
+      rows_.push_back({[](Canvas& c, double y) {
+                         drawSign(c, Vec2(kLeft + 6, y + 8), Vec2(1, 0), 7);
+                       },
+                       "sign, and where it faces"});
+    }
+    if (!routes_.empty())
+      line(kRouteColor, 3, false, "route, from its square");
+  }
+
+  Rgb valueColor(double value) const {
+    if (!picture_.kinds.empty()) {
+      const auto kind = static_cast<std::size_t>(std::max(value, 0.0));
+      return linear(picture_.kinds[std::min(kind, picture_.kinds.size() - 1)].first);
+    }
+    double share = (value - picture_.low) / (picture_.high - picture_.low);
+    if (!levels_.empty()) {
+      const auto place = std::ranges::lower_bound(levels_, value) - levels_.begin();
+      share = levelShare(static_cast<std::size_t>(place));
+    }
+    return linear(displayColor(ColorMap::kViridis, share));
+  }
+
+  double levelShare(std::size_t level) const {
+    return levels_.size() < 2
+               ? 0.5
+               : static_cast<double>(level) / static_cast<double>(levels_.size() - 1);
+  }
+
+  /// Runs of one look at a time.
+  void drawCells(Canvas& canvas) const {
+    const FloorPlan& plan = frame_.plan;
+    const auto nx = static_cast<std::size_t>(plan.nx);
+    const auto alike = [&](std::size_t a, std::size_t b) {
+      return picture_.marks[a] == picture_.marks[b] &&
+             (picture_.marks[a] != PlanMark::kValue ||
+              (valueColor(picture_.values[a]) == valueColor(picture_.values[b])).all());
+    };
+    for (std::size_t y = 0; y < static_cast<std::size_t>(plan.ny); ++y) {
+      const double top = kTop + (plan.ny - 1 - static_cast<double>(y)) * frame_.scale;
+      for (std::size_t x = 0; x < nx;) {
+        const std::size_t i = y * nx + x;
+        std::size_t end = x + 1;
+        while (end < nx && alike(i, y * nx + end)) ++end;
+        const double left = kLeft + static_cast<double>(x) * frame_.scale;
+        const double right = kLeft + static_cast<double>(end) * frame_.scale;
+        const PlanMark mark = picture_.marks[i];
+        canvas.rect(left, top, right, top + frame_.scale,
+                    mark == PlanMark::kValue ? valueColor(picture_.values[i]) : colorOf(mark));
+        if (mark == PlanMark::kKept)
+          canvas.hatch(left, top, right, top + frame_.scale, kHatchColor);
+        x = end;
       }
     }
   }
-  const TextSize x = textSize("x [m]", kText);
-  drawText(image, "x [m]", kLeft + (frame.width() - x.width) / 2, bottom + 32, kText, ink);
-  drawTextUpwards(image, "y [m]", 10, kTop + (frame.height() + x.width) / 2, kText, ink);
-}
 
-void drawBar(Image& image, const Frame& frame, const PlanPicture& picture) {
-  constexpr int kWidth = 22;
-  const Rgb ink = grey(0.1);
-  const int left = kLeft + frame.width() + 28;
-  const int height = std::max(frame.height(), 120), bottom = kTop + height;
-  for (int y = kTop; y < bottom; ++y) {
-    const double share = (bottom - 0.5 - y) / height;
-    fillRect(image, left, y, left + kWidth, y + 1, linear(displayColor(ColorMap::kViridis, share)));
-  }
-  const double range = picture.high - picture.low;
-  const double step = niceStep(range, std::max(2, height / 50));
-  for (double at = std::ceil(picture.low / step - 1e-9) * step; at <= picture.high + 1e-9 * range;
-       at += step) {
-    const int y = static_cast<int>(std::lround(bottom - (at - picture.low) / range * height));
-    const bool top = at > picture.high - 1e-6 * range;
-    fillRect(image, left + kWidth, y, left + kWidth + 6, y + 1, ink);
-    drawText(image, tickText(at) + (top && picture.highIsMore ? "+" : ""), left + kWidth + 10,
-             y - 7, kText, ink);
-  }
-  const TextSize size = textSize(picture.barLabel, kText);
-  drawTextUpwards(image, picture.barLabel, left + kWidth + 72, kTop + (height + size.width) / 2,
-                  kText, ink);
-}
-
-/// A bar along each sign's face and a short line where it faces.
-void drawSigns(Image& image, const Frame& frame, std::span<const SightTarget> signs) {
-  for (const SightTarget& target : signs) {
-    const SafetySign& sign = target.sign;
-    const double x = frame.x(sign.position[0]), y = frame.y(sign.position[1]);
-    const double nx = sign.normal[0], ny = -sign.normal[1];
-    const double half = std::max(9.0, 0.5 * sign.size[0] / frame.plan.step * frame.scale);
-    drawLine(image, x + half * ny, y - half * nx, x - half * ny, y + half * nx, 5, kSignColor);
-    drawLine(image, x, y, x + 14 * nx, y + 14 * ny, 2, kSignColor);
-  }
-}
-
-void drawRoutes(Image& image, const Frame& frame, std::span<const Route> routes) {
-  for (const Route& route : routes) {
-    for (std::size_t i = 1; i < route.points.size(); ++i) {
-      drawLine(image, frame.x(route.points[i - 1][0]), frame.y(route.points[i - 1][1]),
-               frame.x(route.points[i][0]), frame.y(route.points[i][1]), 3, kRouteColor);
+  /// Squares at the plan's end reach over the border that is known.
+  void clearOutside(Canvas& canvas) const {
+    Vec2 least = Vec2::Constant(std::numeric_limits<double>::infinity()), most = -least;
+    for (const PlanShape& shape : picture_.shapes) {
+      if (shape.kind != PlanShape::Kind::kBorder && shape.kind != PlanShape::Kind::kOpening)
+        continue;
+      least = least.cwiseMin(shape.min);
+      most = most.cwiseMax(shape.max);
     }
-    const double x = frame.x(route.points[0][0]), y = frame.y(route.points[0][1]);
-    fillRect(image, static_cast<int>(x) - 5, static_cast<int>(y) - 5, static_cast<int>(x) + 6,
-             static_cast<int>(y) + 6, kRouteColor);
+    const double left = kLeft, right = kLeft + frame_.width();
+    const double top = kTop, bottom = kTop + frame_.height();
+    if (!((most - least).minCoeff() > 0))
+      return;
+    const double x0 = frame_.x(least.x()), x1 = frame_.x(most.x());
+    const double y0 = frame_.y(most.y()), y1 = frame_.y(least.y());
+    if (x1 < right)
+      canvas.rect(x1, top, right, bottom, Rgb::Ones());
+    if (x0 > left)
+      canvas.rect(left, top, x0, bottom, Rgb::Ones());
+    if (y0 > top)
+      canvas.rect(left, top, right, y0, Rgb::Ones());
+    if (y1 < bottom)
+      canvas.rect(left, y1, right, bottom, Rgb::Ones());
   }
-}
 
-void drawLegend(Image& image, int top, const std::vector<std::pair<Rgb, std::string>>& rows) {
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const int y = top + static_cast<int>(i) * kRow;
-    fillRect(image, kLeft - 1, y - 1, kLeft + 23, y + 17, grey(0.1));
-    fillRect(image, kLeft, y, kLeft + 22, y + 16, rows[i].first);
-    drawText(image, rows[i].second, kLeft + 32, y + 1, kText, grey(0.1));
+  /// Ink alone: what is as good as white lets the map through.
+  void drawUnderlay(Canvas& canvas, const PlanUnderlay& underlay) const {
+    constexpr float kWhite = 0.85F;
+    const Image& image = underlay.picture;
+    const double dx = (frame_.x(underlay.max.x()) - frame_.x(underlay.min.x())) / image.width;
+    const double dy = (frame_.y(underlay.min.y()) - frame_.y(underlay.max.y())) / image.height;
+    const double left = frame_.x(underlay.min.x()), top = frame_.y(underlay.max.y());
+    const auto ink = [&](int x, int y) {
+      for (int c = 0; c < image.channels && c < 3; ++c) {
+        if (image.at(x, y, c) < kWhite)
+          return true;
+      }
+      return false;
+    };
+    for (int y = 0; y < image.height; ++y) {
+      const double begin = top + dy * y;
+      if (begin < kTop || begin + dy > kTop + frame_.height())
+        continue;
+      for (int x = 0; x < image.width;) {
+        int end = x + 1;
+        if (!ink(x, y)) {
+          x = end;
+          continue;
+        }
+        while (end < image.width && ink(end, y)) ++end;
+        const double from = std::max(left + dx * x, kLeft);
+        const double to = std::min(left + dx * end, kLeft + frame_.width());
+        if (from < to)
+          canvas.rect(from, begin, to, begin + dy, grey(0.25));
+        x = end;
+      }
+    }
   }
-}
 
-int scaleOf(const FloorPlan& plan) {
-  constexpr int kWide = 900, kHigh = 640;
-  return std::clamp(std::min(kWide / plan.nx, kHigh / plan.ny), 1, 64);
-}
+  /// A rectangle as lines around it; a flat one as one line.
+  void outline(Canvas& canvas, const PlanShape& shape, double width, const Rgb& color) const {
+    const Vec2 a = frame_.at(shape.min.x(), shape.min.y()), c = frame_.at(shape.max.x(), shape.max.y());
+    const Vec2 b(c.x(), a.y()), d(a.x(), c.y());
+    if (std::abs(a.x() - c.x()) < 1 || std::abs(a.y() - c.y()) < 1) {
+      canvas.line(a, c, width, color, true);
+      return;
+    }
+    for (const auto& [from, to] : {std::pair(a, b), {b, c}, {c, d}, {d, a}})
+      canvas.line(from, to, width, color, true);
+  }
+
+  void drawShapes(Canvas& canvas) const {
+    const double left = kLeft, right = kLeft + frame_.width();
+    const double top = kTop, bottom = kTop + frame_.height();
+    const auto solid = [&](const PlanShape& shape) {
+      double x0 = frame_.x(shape.min.x()), x1 = frame_.x(shape.max.x());
+      double y0 = frame_.y(shape.max.y()), y1 = frame_.y(shape.min.y());
+      if (x1 - x0 < kLeastWall)
+        x0 -= 0.5 * (kLeastWall - (x1 - x0)), x1 = x0 + kLeastWall;
+      if (y1 - y0 < kLeastWall)
+        y0 -= 0.5 * (kLeastWall - (y1 - y0)), y1 = y0 + kLeastWall;
+      x0 = std::max(x0, left - kLeastWall), x1 = std::min(x1, right + kLeastWall);
+      y0 = std::max(y0, top - kLeastWall), y1 = std::min(y1, bottom + kLeastWall);
+      if (x0 < x1 && y0 < y1)
+        canvas.rect(x0, y0, x1, y1, kWallColor);
+    };
+    for (const PlanShape& shape : picture_.shapes) {
+      if (shape.kind == PlanShape::Kind::kSolid || shape.kind == PlanShape::Kind::kBorder)
+        solid(shape);
+    }
+    for (const PlanShape& shape : picture_.shapes) {
+      if (shape.kind == PlanShape::Kind::kDoor)
+        outline(canvas, shape, 2, kDoorColor);
+      if (shape.kind == PlanShape::Kind::kOpening)
+        outline(canvas, shape, 3, kOpenColor);
+    }
+  }
+
+  void drawRoutes(Canvas& canvas) const {
+    for (const Route& route : routes_) {
+      for (std::size_t i = 1; i < route.points.size(); ++i) {
+        canvas.line(frame_.at(route.points[i - 1][0], route.points[i - 1][1]),
+                    frame_.at(route.points[i][0], route.points[i][1]), 3, kRouteColor);
+      }
+      const Vec2 at = frame_.at(route.points[0][0], route.points[0][1]);
+      canvas.rect(at.x() - 5, at.y() - 5, at.x() + 6, at.y() + 6, kRouteColor);
+    }
+  }
+
+  void drawAxes(Canvas& canvas) const {
+    const Rgb ink = grey(0.1);
+    const double bottom = kTop + frame_.height(), right = kLeft + frame_.width();
+    for (const double y : {kTop - 1, bottom}) canvas.rect(kLeft - 1, y, right + 1, y + 1, ink);
+    for (const double x : {kLeft - 1, right}) canvas.rect(x, kTop - 1, x + 1, bottom + 1, ink);
+    for (int axis = 0; axis < 2; ++axis) {
+      const double pixels = axis == 0 ? frame_.width() : frame_.height();
+      const double step = niceStep(frame_.size(axis), std::max(2, static_cast<int>(pixels / 90)));
+      const double end = frame_.from(axis) + frame_.size(axis) * (1 + 1e-9);
+      for (double at = std::ceil(frame_.from(axis) / step - 1e-9) * step; at <= end; at += step) {
+        const std::string text = tickText(at);
+        if (axis == 0) {
+          const double x = std::round(frame_.x(at));
+          canvas.rect(x, bottom, x + 1, bottom + 6, ink);
+          canvas.text(text, x, bottom + 9, ink, Canvas::Anchor::kMiddle);
+        } else {
+          const double y = std::round(frame_.y(at));
+          canvas.rect(kLeft - 6, y, kLeft, y + 1, ink);
+          canvas.text(text, kLeft - 10, y - 7, ink, Canvas::Anchor::kEnd);
+        }
+      }
+    }
+    canvas.text("x [m]", kLeft + frame_.width() / 2, bottom + 32, ink, Canvas::Anchor::kMiddle);
+    canvas.textUpwards("y [m]", 10, kTop + frame_.height() / 2, ink);
+  }
+
+  /// A bar of a round length, in two parts.
+  void drawScale(Canvas& canvas) const {
+    const double length = niceStep(frame_.size(0), 5);
+    const double pixels = length / frame_.plan.step * frame_.scale;
+    const double y = kTop + frame_.height() + 66;
+    canvas.rect(kLeft - 1, y - 1, kLeft + pixels + 1, y + 9, grey(0.1));
+    canvas.rect(kLeft + 0.5 * pixels, y, kLeft + pixels, y + 8, Rgb::Ones());
+    canvas.text(fmt::format("{:g} m", length), kLeft + pixels + 10, y - 4, grey(0.1));
+  }
+
+  /// Levels one by one, or a bar.
+  void drawKey(Canvas& canvas) const {
+    constexpr double kWidth = 22;
+    const Rgb ink = grey(0.1);
+    const double left = kLeft + frame_.width() + 28;
+    const double height = std::max(frame_.height(), 120.0), bottom = kTop + height;
+    canvas.textUpwards(picture_.barLabel, left + kWidth + 78, kTop + height / 2, ink);
+    if (!levels_.empty()) {
+      const double each = std::min(height / static_cast<double>(levels_.size()), 36.0);
+      const auto every =
+          static_cast<std::size_t>(std::ceil((kCanvasTextHeight + 2) / each));
+      for (std::size_t i = 0; i < levels_.size(); ++i) {
+        const double y = bottom - each * static_cast<double>(i + 1);
+        canvas.rect(left, y, left + kWidth, y + each - (each > 6 ? 2 : 0),
+                    valueColor(levels_[i]));
+        if (i % every == 0)
+          canvas.text(fmt::format("{:.4g}", levels_[i]), left + kWidth + 10, y + 0.5 * each - 8, ink);
+      }
+      return;
+    }
+    constexpr int kSteps = 128;
+    for (int i = 0; i < kSteps; ++i) {
+      const double share = (i + 0.5) / kSteps;
+      canvas.rect(left, bottom - height * (i + 1) / kSteps, left + kWidth,
+                  bottom - height * i / kSteps,
+                  linear(displayColor(ColorMap::kViridis, share)));
+    }
+    const double range = picture_.high - picture_.low;
+    const double step = niceStep(range, std::max(2, static_cast<int>(height / 50)));
+    for (double at = std::ceil(picture_.low / step - 1e-9) * step;
+         at <= picture_.high + 1e-9 * range; at += step) {
+      const double y = std::round(bottom - (at - picture_.low) / range * height);
+      const bool top = at > picture_.high - 1e-6 * range;
+      canvas.rect(left + kWidth, y, left + kWidth + 6, y + 1, ink);
+      canvas.text(tickText(at) + (top && picture_.highIsMore ? "+" : ""), left + kWidth + 10, y - 7,
+                  ink);
+    }
+  }
+
+  /// A bar along the sign's face, and an arrow where it faces.
+  static void drawSign(Canvas& canvas, const Vec2& at, const Vec2& facing, double half) {
+    const Vec2 along(-facing.y(), facing.x());
+    const Vec2 tip = at + 20 * facing, neck = at + 12 * facing;
+    canvas.line(at - half * along, at + half * along, 5, kSignColor);
+    canvas.line(at, neck, 2.5, kSignColor);
+    canvas.triangle(tip, neck + 5 * along, neck - 5 * along, kSignColor);
+  }
+
+  void drawSigns(Canvas& canvas) const {
+    constexpr std::size_t kMostNames = 24;
+    for (const SightTarget& target : signs_) {
+      const SafetySign& sign = target.sign;
+      const Vec2 at = frame_.at(sign.position[0], sign.position[1]);
+      Vec2 facing(sign.normal[0], -sign.normal[1]);
+      const double level = facing.norm();
+      if (level > 1e-6)
+        facing /= level;
+      const double half = std::max(9.0, 0.5 * sign.size[0] / frame_.plan.step * frame_.scale);
+      if (level > 1e-6)
+        drawSign(canvas, at, facing, half);
+      else
+        canvas.rect(at.x() - 6, at.y() - 6, at.x() + 6, at.y() + 6, kSignColor);
+      if (signs_.size() > kMostNames)
+        continue;
+      // Behind the sign where there is room, else before its arrow; on a ground of its own.
+      const double wide = canvasTextWidth(sign.name);
+      Vec2 place = at + 24 * facing + Vec2(facing.x() >= 0 ? 2 : -wide - 2, -8);
+      if (std::abs(facing.y()) > 0.7)
+        place = at + Vec2(-0.5 * wide, facing.y() > 0 ? 24 : -40);
+      place.x() = std::clamp(place.x(), kLeft + 2, std::max(kLeft + 2, kLeft + frame_.width() - wide - 4));
+      place.y() = std::clamp(place.y(), kTop + 2,
+                             std::max(kTop + 2, kTop + frame_.height() - kCanvasTextHeight - 2));
+      canvas.rect(place.x() - 3, place.y() - 3, place.x() + wide + 3,
+                  place.y() + kCanvasTextHeight + 2, Rgb::Ones());
+      canvas.text(sign.name, place.x(), place.y(), kSignColor);
+    }
+  }
+
+  void drawLegend(Canvas& canvas) const {
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const double y = legend_ + static_cast<double>(i) * kRow;
+      rows_[i].swatch(canvas, y);
+      canvas.text(rows_[i].words, kLeft + 42, y + 1, grey(0.1));
+    }
+  }
+
+  const PlanPicture& picture_;
+  std::span<const SightTarget> signs_;
+  std::span<const Route> routes_;
+  Frame frame_;
+  std::vector<double> levels_;
+  bool bar_ = false;
+  std::vector<Row> rows_;
+  double width_ = 0, height_ = 0, legend_ = 0;
+};
 
 }  // namespace
 
 Image drawPlan(const FloorPlan& plan, const PlanPicture& picture,
                std::span<const SightTarget> signs, std::span<const Route> routes) {
-  const Frame frame{plan, scaleOf(plan)};
-  std::vector<std::pair<Rgb, std::string>> rows;
-  for (const auto& [mark, words] : picture.words) {
-    if (std::ranges::find(picture.marks, mark) != picture.marks.end())
-      rows.emplace_back(colorOf(mark), words);
-  }
-  rows.emplace_back(kSignColor, "sign, and where it faces");
-  if (!routes.empty())
-    rows.emplace_back(kRouteColor, "route, from its square");
-  int width = kLeft + frame.width() + (picture.barLabel.empty() ? kPlain : kBar);
-  for (const auto* text : {&picture.title, &picture.subtitle})
-    width = std::max(width, kLeft + textSize(*text, kText).width + kPlain);
-  for (const auto& [color, words] : rows)
-    width = std::max(width, kLeft + 32 + textSize(words, kText).width + kPlain);
-  const int body = picture.barLabel.empty() ? frame.height() : std::max(frame.height(), 120);
-  const int legend = kTop + body + kBottom;
-  Image image(width, legend + static_cast<int>(rows.size()) * kRow + 6, 3);
-  fillRect(image, 0, 0, image.width, image.height, Rgb::Ones());
-  drawText(image, picture.title, kLeft, 12, kText, grey(0));
-  drawText(image, picture.subtitle, kLeft, 36, kText, grey(0.3));
-  drawCells(image, frame, picture);
-  drawRoutes(image, frame, routes);
-  drawSigns(image, frame, signs);
-  drawAxes(image, frame);
-  if (!picture.barLabel.empty())
-    drawBar(image, frame, picture);
-  drawLegend(image, legend, rows);
+  const PlanDrawing drawing(plan, picture, signs, routes);
+  Image image(static_cast<int>(drawing.width()), static_cast<int>(drawing.height()), 3);
+  drawing.draw(*imageCanvas(image));
   return image;
+}
+
+std::string planSvg(const FloorPlan& plan, const PlanPicture& picture,
+                    std::span<const SightTarget> signs, std::span<const Route> routes) {
+  const PlanDrawing drawing(plan, picture, signs, routes);
+  SvgCanvas canvas(drawing.width(), drawing.height());
+  drawing.draw(canvas);
+  return canvas.finish();
+}
+
+Status writePlan(const std::filesystem::path& file, const FloorPlan& plan,
+                 const PlanPicture& picture, std::span<const SightTarget> signs,
+                 std::span<const Route> routes) {
+  VOLUTE_TRY(writeImage(file, drawPlan(plan, picture, signs, routes)));
+  std::filesystem::path vector = file;
+  return writeFile(vector.replace_extension(".svg"), planSvg(plan, picture, signs, routes));
 }
 
 }  // namespace volute

@@ -24,6 +24,7 @@ class PlanWatch final : public Watch {
   Status begin(const Survey& survey, const SightInstant& first, Progress& progress) override {
     survey_ = &survey;
     VOLUTE_ASSIGN(plan_, floorPlan(first, survey.bounds, survey.height, survey.step));
+    shapes_ = first.shapes(plan_.origin[2]);
     for (std::size_t i = 0; i < plan_.size(); ++i) {
       if (plan_.walkable(i)) {
         places_.push_back(i);
@@ -174,6 +175,8 @@ class PlanWatch final : public Watch {
     picture.barLabel = "visibility S [m]";
     picture.high = kFar;
     picture.highIsMore = true;
+    picture.shapes = at.instant.shapes(plan_.origin[2]);
+    picture.underlay = survey_->underlay;
     picture.values.assign(plan_.size(), 0);
     picture.marks.assign(plan_.size(), PlanMark::kSolid);
     for (std::size_t i = 0; i < places_.size(); ++i) {
@@ -185,7 +188,7 @@ class PlanWatch final : public Watch {
     }
     picture.words = {{PlanMark::kLost, "lost in the smoke"},
                      {PlanMark::kHidden, "sign not in sight: wall, or seen from behind"},
-                     {PlanMark::kSolid, "solid, or no data"}};
+                     {PlanMark::kSolid, "nobody stands there: solid, or no data"}};
     return picture;
   }
 
@@ -266,6 +269,9 @@ class PlanWatch final : public Watch {
   PlanPicture lossPicture(std::span<const double> times) const {
     PlanPicture picture;
     picture.barLabel = "time [s]";
+    picture.stored = true;
+    picture.shapes = shapes_;
+    picture.underlay = survey_->underlay;
     picture.low = survey_->times.front();
     picture.high = std::max(survey_->times.back(), picture.low + 1e-9);
     picture.values.assign(plan_.size(), 0);
@@ -287,12 +293,13 @@ class PlanWatch final : public Watch {
         fmt::format("First time at which {} seen, from z = {:g} m", setWords(set), plan_.origin[2]);
     picture.subtitle = lawsOf(set);
     picture.words = {{PlanMark::kKept,
-                      fmt::format("still seen at {:g} s, the last time", survey_->times.back())},
+                      fmt::format("never lost: still seen at {:g} s, the last time",
+                                  survey_->times.back())},
                      {PlanMark::kHidden, "no sign in sight, smoke or not"},
-                     {PlanMark::kSolid, "solid, or no data"}};
+                     {PlanMark::kSolid, "nobody stands there: solid, or no data"}};
     std::vector<SightTarget> signs;
     for (const std::size_t s : survey_->sets[set].members) signs.push_back(survey_->signs[s]);
-    return writeImage(survey_->folder / asetName(set), drawPlan(plan_, picture, signs));
+    return writePlan(survey_->folder / asetName(set), plan_, picture, signs);
   }
 
   std::string lawsOf(std::size_t set) const {
@@ -313,8 +320,8 @@ class PlanWatch final : public Watch {
     picture.subtitle = "smoke where one stands, signs aside";
     picture.words = {
         {PlanMark::kKept, fmt::format("below it at {:g} s, the last time", survey_->times.back())},
-        {PlanMark::kSolid, "solid, or no data"}};
-    return writeImage(survey_->folder / "aset_local.png", drawPlan(plan_, picture, survey_->signs));
+        {PlanMark::kSolid, "nobody stands there: solid, or no data"}};
+    return writePlan(survey_->folder / "aset_local.png", plan_, picture, survey_->signs);
   }
 
   /// Maps at a few times in the page.
@@ -344,6 +351,7 @@ class PlanWatch final : public Watch {
   std::vector<LossTimes> losses_;          // of each set
   std::vector<std::vector<bool>> hidden_;  // the same
   std::vector<double> local_;
+  std::vector<PlanShape> shapes_;  // at the first time
   std::vector<std::vector<std::pair<double, std::string>>> series_;  // of each sign
   int index_ = 0;
 };

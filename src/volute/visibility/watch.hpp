@@ -21,6 +21,8 @@ struct SignSet {
   std::vector<std::size_t> members;
 };
 
+struct PlanUnderlay;
+
 /// What all of a survey's parts know.
 struct Survey {
   std::filesystem::path folder;  ///< where results go
@@ -32,6 +34,7 @@ struct Survey {
   double height = 2;           ///< of a plan's points [m]
   bool maps = true;            ///< a map for each sign and time
   double extinctionLimit = 0;  ///< [1/m]; 0: none
+  std::shared_ptr<const PlanUnderlay> underlay = nullptr;  ///< under maps; may be null
 
   /// The name as part of a file's name.
   static std::string fileName(std::string_view name);

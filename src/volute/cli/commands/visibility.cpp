@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
+#include <cmath>
 
 #include "volute/base/input_file.hpp"
+#include "volute/base/output_folder.hpp"
+#include "volute/base/write_file.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/scene_arguments.hpp"
 #include "volute/cli/view_pictures.hpp"
+#include "volute/io/image_file.hpp"
+#include "volute/report/page.hpp"
+#include "volute/visibility/plan_picture.hpp"
 #include "volute/visibility/sign_file.hpp"
 #include "volute/visibility/survey_job.hpp"
 
@@ -27,8 +33,45 @@ Result<std::string> readText(const std::string& path, const Context& context) {
   return text;
 }
 
+std::vector<std::string> namesIn(std::string_view list) {
+  std::vector<std::string> names;
+  while (true) {
+    const std::size_t comma = list.find(',');
+    names.emplace_back(list.substr(0, comma));
+    if (comma == list.npos)
+      return names;
+    list.remove_prefix(comma + 1);
+  }
+}
+
+/// "1.8,4.8": of plans, a storey each.
+Result<std::vector<double>> heightsOf(const Arguments& arguments) {
+  std::vector<double> heights;
+  for (const std::string& name : namesIn(arguments.get<std::string>("height"))) {
+    const auto number = parseNumber(name);
+    if (!number || !std::isfinite(*number))
+      return fail(ErrorCode::kInvalidArgument,
+                  "--height: '{}' is no number; expected metres, as 1.8, or several as 1.8,4.8", name);
+    if (std::ranges::find(heights, *number) != heights.end())
+      return fail(ErrorCode::kInvalidArgument, "--height: {} is there twice", name);
+    heights.push_back(*number);
+  }
+  return heights;
+}
+
 Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context& context) {
-  const auto height = arguments.findGiven<double>("height");
+  std::optional<double> height;
+  if (arguments.given("height")) {
+    VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
+    if (heights.size() > 1) {
+      for (const char* option : {"route", "eyes", "trajectories"}) {
+        if (arguments.given(option))
+          return fail(ErrorCode::kInvalidArgument,
+                      "--height: several heights are for plans; --{} takes one", option);
+      }
+    }
+    height = heights.front();
+  }
   if (const auto file = arguments.find<std::string>("route")) {
     VOLUTE_ASSIGN(const auto text, readText(*file, context));
     VOLUTE_ASSIGN(const auto points, parsePoints(text, *file, height));
@@ -49,17 +92,6 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
     return trajectoryWatch(std::move(people));
   }
   return planWatch();
-}
-
-std::vector<std::string> namesIn(std::string_view list) {
-  std::vector<std::string> names;
-  while (true) {
-    const std::size_t comma = list.find(',');
-    names.emplace_back(list.substr(0, comma));
-    if (comma == list.npos)
-      return names;
-    list.remove_prefix(comma + 1);
-  }
 }
 
 Result<double> extinctionLimit(const Arguments& arguments) {
@@ -95,31 +127,112 @@ std::string limitRemark(const std::string& name, double extinction) {
                                      "it");
 }
 
-Status runVisibility(const Arguments& arguments, Context& context) {
+/// A drawing of the building under maps: over the whole case, or where --underlay-bounds says.
+Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& arguments,
+                                                       const Box3& bounds) {
+  const auto file = arguments.find<std::string>("underlay");
+  if (!file)
+    return nullptr;
+  PlanUnderlay underlay;
+  VOLUTE_ASSIGN(underlay.picture, readImage(*file));
+  underlay.min = bounds.min.head<2>();
+  underlay.max = bounds.max.head<2>();
+  if (const auto text = arguments.find<std::string>("underlay-bounds")) {
+    std::vector<double> ends;
+    for (const std::string& name : namesIn(*text)) {
+      if (const auto number = parseNumber(name); number && std::isfinite(*number))
+        ends.push_back(*number);
+    }
+    if (ends.size() != 4 || !(ends[0] < ends[2] && ends[1] < ends[3])) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "--underlay-bounds: '{}' is no rectangle; expected X0,Y0,X1,Y1 in metres, where "
+                  "the picture's lower left and upper right corners are",
+                  *text);
+    }
+    underlay.min = {ends[0], ends[1]};
+    underlay.max = {ends[2], ends[3]};
+  }
+  return std::make_shared<const PlanUnderlay>(std::move(underlay));
+}
+
+/// One plan, or other eyes.
+Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, double height,
+                               const std::string& output) {
   SurveyRequest request;
   request.casePath = arguments.positional(0);
-  request.output = arguments.get<std::string>("output");
+  request.output = output;
   VOLUTE_ASSIGN(request.signs, readSigns(arguments.get<std::string>("signs")));
   for (const auto& set :
        arguments.find<std::vector<std::string>>("set").value_or(std::vector<std::string>{}))
     request.sets.push_back(namesIn(set));
   request.frames = arguments.find<FrameRange>("frames").value_or(FrameRange{});
   request.survey.step = arguments.get<double>("step");
-  request.survey.height = arguments.get<double>("height");
+  request.survey.height = height;
   request.survey.maps = arguments.get<std::string>("maps") == "all";
   VOLUTE_ASSIGN(request.survey.extinctionLimit, extinctionLimit(arguments));
   VOLUTE_ASSIGN(const auto watch, watchOf(arguments, context));
   VOLUTE_ASSIGN(auto views, viewsOf(arguments));
-  Context::watch(request.output);
   VOLUTE_TRY(checkFolderIsShared(request.output, context.team));
   VOLUTE_ASSIGN(const auto field, openSight(request.casePath, arguments, context));
+  VOLUTE_ASSIGN(request.survey.underlay, underlayOf(arguments, field->bounds()));
   if (const auto name = arguments.find<std::string>("sight-limit"))
     request.remarks.push_back(limitRemark(*name, request.survey.extinctionLimit));
   request.maxMemory = context.maxMemory;
-  VOLUTE_ASSIGN(auto pictures, ViewPictures::make(std::move(views), request.casePath, arguments, context));
-  const std::string output = request.output;
-  VOLUTE_ASSIGN(const auto found, runSurvey(std::move(request), *field, *watch, pictures,
-                                            context.progress, context.team));
+  VOLUTE_ASSIGN(auto pictures, ViewPictures::make(std::move(views), request.casePath,
+                                                        field->fillingSource(), arguments, context));
+  return runSurvey(std::move(request), *field, *watch, pictures, context.progress, context.team);
+}
+
+/// A folder with one of each height, and a page that shows all.
+Result<SurveySummary> surveyStoreys(const Arguments& arguments, Context& context,
+                                    const std::vector<double>& heights, const std::string& output) {
+  constexpr std::string_view kMark = "visibility.json";
+  VOLUTE_ASSIGN(auto folder, PendingFolder::create(output, kMark));
+  Json report = {{"heights", Json::array()}};
+  std::string page;
+  std::optional<SurveySummary> first;
+  for (const double height : heights) {
+    const std::string name = fmt::format("z_{:g}", height);
+    context.progress.remark(fmt::format("eyes at z = {:g} m", height));
+    VOLUTE_ASSIGN(auto found,
+                  surveyOf(arguments, context, height, (folder.path() / name).string()));
+    report["heights"].push_back({{"height", height},
+                                 {"folder", name},
+                                 {"sight_lines", found.sightLines},
+                                 {"seen_first", found.seenFirst},
+                                 {"seen_last", found.seenLast}});
+    VOLUTE_ASSIGN(const auto figure,
+                  htmlFigure(folder.path() / name / "aset.png",
+                             fmt::format("When no sign is seen any more, from z = {:g} m.", height)));
+    page += fmt::format("<h2><a href='{0}/report.html'>Eyes at z = {1:g} m</a></h2>\n{2}", name, height,
+                        figure);
+    if (!first) {
+      first = std::move(found);
+    } else {
+      first->sightLines += found.sightLines;
+      first->seenFirst += found.seenFirst;
+      first->seenLast += found.seenLast;
+    }
+  }
+  VOLUTE_TRY(writeFile(folder.path() / kMark, dumpJson(report) + "\n"));
+  VOLUTE_TRY(writePage(folder.path() / "report.html", "Visibility of signs, storey by storey", page));
+  VOLUTE_TRY(folder.commit());
+  const double count = static_cast<double>(heights.size());
+  first->seenFirst /= count, first->seenLast /= count;
+  return std::move(*first);
+}
+
+Status runVisibility(const Arguments& arguments, Context& context) {
+  const auto output = arguments.get<std::string>("output");
+  Context::watch(output);
+  VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
+  if (heights.size() > 1 && context.team.size() > 1) {
+    return fail(ErrorCode::kUnsupported,
+                "--height: several heights are for one process; with mpirun run it once for each");
+  }
+  VOLUTE_ASSIGN(const auto found,
+                heights.size() > 1 ? surveyStoreys(arguments, context, heights, output)
+                                   : surveyOf(arguments, context, heights.front(), output));
   VOLUTE_TRY(writeStats(arguments, context, {{"sight_lines", found.sightLines}}));
   Report report;
   report.add("output", output)
@@ -155,9 +268,10 @@ std::vector<Option> visibilityOptionTable() {
        .help = "a new folder for the results; one of an earlier run is replaced",
        .required = true},
       {.name = "height",
-       .kind = kNumber,
-       .value = "Z",
-       .help = "z of the eyes: of a plan over the whole case, or of points without one [m]",
+       .kind = kText,
+       .value = "Z[,Z...]",
+       .help = "z of the eyes: of a plan over the whole case, or of points without one [m]; several, "
+               "as 1.8,4.8, make a plan of each storey, each in a folder of its own",
        .initial = "2"},
       {.name = "route",
        .kind = kFile,
@@ -204,6 +318,15 @@ std::vector<Option> visibilityOptionTable() {
        .help = "of a plan: all signs and times, or the loss times alone",
        .initial = "all",
        .choices = {"all", "aset"}},
+      {.name = "underlay",
+       .kind = kFile,
+       .value = "FILE.png",
+       .help = "a drawing of the building, whose dark lines are drawn over maps"},
+      {.name = "underlay-bounds",
+       .kind = kText,
+       .value = "X0,Y0,X1,Y1",
+       .help = "where its lower left and upper right corners are [m]; else those of the case",
+       .beside = "underlay"},
       {.name = "picture",
        .kind = kText,
        .value = "X,Y,Z",

@@ -136,6 +136,32 @@ void FdsInstant::look(std::span<const SightLine> lines, std::span<Sight> sights)
   }
 }
 
+void FdsInstant::addBorders(const SmvIndex& index, double time) {
+  for (const FdsMesh& mesh : index.meshes) {
+    for (const FdsObstruction& one : mesh.obstructions) {
+      if (!one.shownAt(time))
+        borders_.emplace_back(boxOf(mesh, one.nodes), PlanShape::Kind::kDoor);
+    }
+    for (const FdsVent& vent : mesh.vents) {
+      const bool opens = vent.open && isShown(vent.events, time);
+      if (opens || vent.exterior)
+        borders_.emplace_back(boxOf(mesh, vent.nodes),
+                              opens ? PlanShape::Kind::kOpening : PlanShape::Kind::kBorder);
+    }
+  }
+}
+
+std::vector<PlanShape> FdsInstant::shapes(double z) const {
+  std::vector<PlanShape> shapes;
+  const auto add = [&](const Box3& box, PlanShape::Kind kind) {
+    if (box.min.z() < box.max.z() && box.min.z() <= z && z < box.max.z())
+      shapes.push_back({kind, box.min.head<2>(), box.max.head<2>()});
+  };
+  for (const FdsBox& box : obstructions_.boxes()) add(box.bounds, PlanShape::Kind::kSolid);
+  for (const auto& [box, kind] : borders_) add(box, kind);
+  return shapes;
+}
+
 namespace {
 
 Place placeOf(std::optional<FdsCell> cell) {
@@ -180,7 +206,10 @@ Result<std::shared_ptr<const SightInstant>> FdsSight::read(std::size_t time) {
     ++geometry_;
   lastTime_ = when;
   last_ = field;
-  return std::make_shared<const FdsInstant>(std::move(field), case_.obstructions(when), geometry_);
+  auto instant =
+      std::make_shared<FdsInstant>(std::move(field), case_.obstructions(when), geometry_);
+  instant->addBorders(case_.index(), when);
+  return std::shared_ptr<const SightInstant>(std::move(instant));
 }
 
 }  // namespace volute

@@ -20,6 +20,7 @@ class FdsInstant final : public SightInstant {
   void look(std::span<const SightLine> lines, std::span<Sight> sights) const override;
   void places(std::span<const Vec3> points, std::span<Place> places) const override;
   void extinction(std::span<const Vec3> points, std::span<double> extinction) const override;
+  std::vector<PlanShape> shapes(double z) const override;
 
   std::uint64_t geometry() const override { return geometry_; }
 
@@ -28,12 +29,16 @@ class FdsInstant final : public SightInstant {
 
   const FdsField& field() const { return field_; }
 
+  /// Adds what plans draw besides obstructions: doors that are open, and the meshes' borders.
+  void addBorders(const SmvIndex& index, double time);
+
  private:
   void joinValues();
 
   FdsField field_;
   FdsObstructions obstructions_;
   std::uint64_t geometry_;
+  std::vector<std::pair<Box3, PlanShape::Kind>> borders_;
   std::vector<std::uint32_t> firsts_;      // of each lattice's values among all
   std::vector<float> value_, low_, high_;  // of several lattices, one after the other
 };
@@ -47,6 +52,10 @@ class FdsSight final : public SightField {
 
   std::string description() const override {
     return fmt::format("{}: {} ({})", name_, case_.source().name, case_.source().description);
+  }
+
+  std::string fillingSource() const override {
+    return case_.source().volume ? case_.source().name : "";
   }
 
   std::vector<std::string> remarks() const override {

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/visibility/plan_picture.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace volute {
+namespace {
+
+using testing::HasSubstr;
+
+/// 10 x 6 m, a point every 0.25 m; 22 pixels a point.
+struct PlanOfRoom {
+  FloorPlan plan;
+  PlanPicture picture;
+
+  PlanOfRoom() {
+    plan.step = 0.25;
+    plan.nx = 40, plan.ny = 24;
+    plan.origin = Vec3(0.125, 0.125, 1.8);
+    plan.places.assign(plan.size(), Place::kGas);
+    picture.title = "A room";
+    picture.barLabel = "time [s]";
+    picture.high = 60;
+    picture.values.assign(plan.size(), 30);
+    picture.marks.assign(plan.size(), PlanMark::kValue);
+  }
+
+  /// Of a point in metres.
+  Rgb at(const Image& image, double x, double y) const {
+    constexpr int scale = 22;  // pixels a point
+    const int px = static_cast<int>(92 + x / plan.step * scale);
+    const int py = static_cast<int>(62 + (6 - y) / plan.step * scale);
+    return {image.at(px, py, 0), image.at(px, py, 1), image.at(px, py, 2)};
+  }
+};
+
+TEST(PlanPicture, thinWallsStandAtTheirPlaceWhateverTheStep) {
+  PlanOfRoom room;
+  // 0.1 m that no point of the plan stands in, and a sheet without any thickness.
+  room.picture.shapes = {{PlanShape::Kind::kSolid, {4.26, 1}, {4.36, 5}},
+                         {PlanShape::Kind::kSolid, {7.0, 2}, {7.0, 4}}};
+  const Image image = drawPlan(room.plan, room.picture, {});
+  for (const double x : {4.28, 4.31, 4.34}) EXPECT_LT(room.at(image, x, 3).maxCoeff(), 0.02) << x;
+  for (const double x : {4.22, 4.40}) EXPECT_GT(room.at(image, x, 3).maxCoeff(), 0.1) << x;
+  EXPECT_LT(room.at(image, 7.0, 3).maxCoeff(), 0.02);
+  EXPECT_GT(room.at(image, 7.0, 5).maxCoeff(), 0.1) << "beyond its end";
+  const std::string svg = planSvg(room.plan, room.picture, {});
+  EXPECT_THAT(svg, HasSubstr("<svg xmlns="));
+  EXPECT_THAT(svg, HasSubstr("wall or obstruction at this height"));
+  // 92 + 4.26 / 0.25 x 22 pixels, 0.1 / 0.25 x 22 wide.
+  EXPECT_THAT(svg, HasSubstr("<rect x='466.88' y='150.00' width='8.80' height='352.00'"));
+}
+
+TEST(PlanPicture, neverLostIsNotNobody) {
+  PlanOfRoom room;
+  for (std::size_t i = 0; i < room.plan.size(); ++i) {
+    const std::size_t x = i % 40;
+    room.picture.marks[i] = x < 10   ? PlanMark::kKept
+                            : x < 20 ? PlanMark::kSolid
+                            : x < 30 ? PlanMark::kHidden
+                                     : PlanMark::kLost;
+  }
+  const Image image = drawPlan(room.plan, room.picture, {});
+  const auto share = [&](double from, const auto& is) {
+    int count = 0;
+    for (int i = 0; i < 400; ++i)
+      count += is(room.at(image, from + 2.4 * (i % 20 + 0.5) / 20, 0.5 + 5.0 * (i / 20) / 20));
+    return count / 400.0;
+  };
+  const auto blue = [](const Rgb& c) { return c[2] > c[0] + 0.1; };
+  const auto white = [](const Rgb& c) { return c.minCoeff() > 0.95; };
+  const auto dark = [](const Rgb& c) { return c.maxCoeff() < 0.2; };
+  EXPECT_GT(share(0, blue), 0.1) << "hatched";
+  EXPECT_GT(share(0, white), 0.4);
+  EXPECT_EQ(share(0, dark), 0);
+  EXPECT_EQ(share(2.5, dark), 1) << "nobody stands there";
+  EXPECT_EQ(share(5, blue), 0);
+  EXPECT_GT(share(5, [](const Rgb& c) { return c.minCoeff() > 0.8; }), 0.99);
+  EXPECT_EQ(share(7.5, [](const Rgb& c) { return c.maxCoeff() > 0.3 && c.maxCoeff() < 0.6; }), 1);
+}
+
+TEST(PlanPicture, storedTimesHaveOneColourEach) {
+  PlanOfRoom room;
+  for (std::size_t i = 0; i < room.plan.size(); ++i)
+    room.picture.values[i] = 10.0 * static_cast<double>(i % 40 / 8);  // 0, 10, ... 40 s
+  EXPECT_THAT(planSvg(room.plan, room.picture, {}), HasSubstr(">60<")) << "a bar";
+  room.picture.stored = true;
+  const std::string svg = planSvg(room.plan, room.picture, {});
+  for (const char* time : {">0<", ">10<", ">20<", ">30<", ">40<"}) EXPECT_THAT(svg, HasSubstr(time));
+  EXPECT_EQ(svg.find(">50<"), std::string::npos) << "no time that there is not";
+  const Image image = drawPlan(room.plan, room.picture, {});
+  std::set<std::array<double, 3>> colours;
+  for (int step = 0; step < 5; ++step) {
+    const Rgb colour = room.at(image, 2.0 * step + 1, 3);
+    colours.insert({colour[0], colour[1], colour[2]});
+  }
+  EXPECT_EQ(colours.size(), 5U);
+}
+
+TEST(PlanPicture, signsHaveTheirNamesAndPointWhereTheyFace) {
+  PlanOfRoom room;
+  SightTarget target;
+  target.sign.name = "exit <1>";
+  target.sign.position = Vec3(5, 3, 2);
+  target.sign.normal = Vec3(1, 0, 0);
+  const std::string svg = planSvg(room.plan, room.picture, {&target, 1});
+  EXPECT_THAT(svg, HasSubstr(">exit &lt;1&gt;<"));
+  // The arrow's tip, 20 pixels to the right of 92 + 5 / 0.25 x 22.
+  EXPECT_THAT(svg, HasSubstr("points='552.00,326.00"));
+}
+
+}  // namespace
+}  // namespace volute
