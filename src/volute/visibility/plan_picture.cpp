@@ -86,9 +86,13 @@ void drawCells(Image& image, const Frame& frame, const PlanPicture& picture) {
     const int y = static_cast<int>(i / static_cast<std::size_t>(plan.nx));
     const double share = (picture.values.empty() ? 0 : picture.values[i] - picture.low) /
                          (picture.high - picture.low);
-    const Rgb color = picture.marks[i] == PlanMark::kValue
-                          ? linear(displayColor(ColorMap::kViridis, share))
-                          : colorOf(picture.marks[i]);
+    const auto valueColor = [&] {
+      return linear(picture.kinds.empty()
+                        ? displayColor(ColorMap::kViridis, share)
+                        : picture.kinds[static_cast<std::size_t>(picture.values[i])].first);
+    };
+    const Rgb color =
+        picture.marks[i] == PlanMark::kValue ? valueColor() : colorOf(picture.marks[i]);
     const int left = kLeft + x * frame.scale, top = kTop + (plan.ny - 1 - y) * frame.scale;
     fillRect(image, left, top, left + frame.scale, top + frame.scale, color);
   }
@@ -190,6 +194,7 @@ Image drawPlan(const FloorPlan& plan, const PlanPicture& picture,
                std::span<const SightTarget> signs, std::span<const Route> routes) {
   const Frame frame{plan, scaleOf(plan)};
   std::vector<std::pair<Rgb, std::string>> rows;
+  for (const auto& [color, words] : picture.kinds) rows.emplace_back(linear(color), words);
   for (const auto& [mark, words] : picture.words) {
     if (std::ranges::find(picture.marks, mark) != picture.marks.end())
       rows.emplace_back(colorOf(mark), words);

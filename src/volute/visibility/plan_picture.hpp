@@ -28,6 +28,9 @@ struct PlanPicture {
   std::string barLabel;         ///< empty: no colour bar
   double low = 0, high = 1;     ///< the bar's ends
   bool highIsMore = false;      ///< what is above `high` has its colour: "30+"
+  /// Where there are some, a value is the place of its colour (as displays show it) and its words
+  /// here, and there is no bar.
+  std::vector<std::pair<Rgb, std::string>> kinds;
   std::vector<double> values;   ///< shape (y, x) of the plan
   std::vector<PlanMark> marks;  ///< the same
   /// What a mark stands for, in the legend under the map; marks without words are left out.
