@@ -86,7 +86,7 @@ class Install(unittest.TestCase):
 
     def test_every_example_is_built_and_run(self):
         names = sorted(path.name for path in (SOURCE / "examples").glob("*.cpp"))
-        self.assertEqual([name[:2] for name in names], [f"{i:02}" for i in range(1, 9)], "say below what a new one prints")
+        self.assertEqual([name[:2] for name in names], [f"{i:02}" for i in range(1, 10)], "say below what a new one prints")
 
     def test_integrate_a_segment(self):
         self.assertIn("optical depth 1.000, transmittance 0.368", self.example(1))
@@ -112,6 +112,15 @@ class Install(unittest.TestCase):
         said = self.example(7, case)
         self.assertIn("10.0 s,  7.2 m away: optical depth 7.200, seen", said)
         self.assertIn("20.0 s,  7.2 m away: optical depth 14.400, not seen", said)
+
+    def test_evacuation_loop(self):
+        room = fds_case.Mesh("hall", (0, 12, 0, 6, 0, 2.4), (24, 12, 5))
+        case = fds_case.FdsCase([room], (0.0, 10.0, 20.0), lambda time, x, y, z: 0.01 * time).write(self.work)
+        (self.work / "exits.json").write_text('{"signs": [{"name": "exit", "position": [12, 3, 2], "normal": [-1, 0, 0]}]}')
+        said = self.example(9, case, "exits.json")
+        self.assertIn("0.0 s: 18 people, 0 see no sign, 0 reach an exit", said)
+        self.assertIn("not assessed: temperature >= 60", said)
+        self.assertIn("0 people are left", said)
 
     def test_tomography(self):
         self.assertRegex(self.example(8), r"relative error 0\.0")

@@ -33,14 +33,15 @@ def single(value):
 
 
 class FdsCase:
-    """A case with one 3D slice a mesh, SLCC (values of cells) of the extinction coefficient."""
+    """A case with 3D slices of each mesh, SLCC (values of cells): the extinction coefficient, and what `more` says."""
 
-    def __init__(self, meshes, times, extinction, events=()):
-        """`obstructions` of a mesh are boxes x0 x1 y0 y1 z0 z1; events: (mesh, obstruction, time, shown)."""
-        self.meshes, self.times, self.extinction, self.events = meshes, times, extinction, events
+    def __init__(self, meshes, times, extinction, events=(), more=()):
+        """`obstructions` of a mesh are boxes x0 x1 y0 y1 z0 z1; events: (mesh, obstruction, time, shown); more: quantity and
+        unit as FDS has them, and a formula as the extinction's."""
+        self.meshes, self.times, self.extinction, self.events, self.more = meshes, times, extinction, events, list(more)
 
-    def value(self, mesh, time, cell):
-        return single(self.extinction(time, *(mesh.middle(axis, cell[axis]) for axis in range(3))))
+    def value(self, mesh, time, cell, formula=None):
+        return single((formula or self.extinction)(time, *(mesh.middle(axis, cell[axis]) for axis in range(3))))
 
     def write(self, folder, name="case"):
         lines = ["TITLE", f" {name}", "", "FDSVERSION", "FDS 6.7.9", "FDS6.7.9-0", "", "CHID", f" {name}", "",
@@ -58,26 +59,28 @@ class FdsCase:
                          for k, x in enumerate(box)]
                 lines.append(" " + " ".join(str(i) for i in nodes) + " -1 -1")
             lines += ["", "VENT", " 0 0", ""]
-        for i, mesh in enumerate(self.meshes):
-            file = f"{name}_{i + 1}_1.sf"
-            nx, ny, nz = mesh.cells
-            lines += [f"SLCC     {i + 1} # STRUCTURED & 0 {nx} 0 {ny} 0 {nz} ! 1 1", f" {file}",
-                      " SOOT EXTINCTION COEFFICIENT", " ext_coef", " 1/m"]
-            self.write_slice(pathlib.Path(folder) / file, mesh)
+        quantities = [("SOOT EXTINCTION COEFFICIENT", "1/m", self.extinction)] + self.more
+        for q, (quantity, unit, formula) in enumerate(quantities):
+            for i, mesh in enumerate(self.meshes):
+                file = f"{name}_{i + 1}_{q + 1}.sf"
+                nx, ny, nz = mesh.cells
+                lines += [f"SLCC     {i + 1} # STRUCTURED & 0 {nx} 0 {ny} 0 {nz} ! {q + 1} 1", f" {file}", f" {quantity}",
+                          " short", f" {unit}"]
+                self.write_slice(pathlib.Path(folder) / file, mesh, (quantity, "short", unit), formula)
         for mesh, obstruction, time, shown in self.events:
             lines += ["SHOW_OBST" + f" {mesh + 1}" if shown else f"HIDE_OBST {mesh + 1}", f" {obstruction + 1} {time:.2f}"]
         path = pathlib.Path(folder) / f"{name}.smv"
         path.write_text("\n".join(lines) + "\n")
         return path
 
-    def write_slice(self, path, mesh):
+    def write_slice(self, path, mesh, labels, formula):
         def record(data):
             return struct.pack("<i", len(data)) + data + struct.pack("<i", len(data))
 
         nx, ny, nz = mesh.cells
         with open(path, "wb") as file:
-            for label in ("SOOT EXTINCTION COEFFICIENT", "ext_coef", "1/m"):
-                file.write(record(label.ljust(30).encode()))
+            for label in labels:
+                file.write(record(label[:30].ljust(30).encode()))
             file.write(record(struct.pack("<6i", 0, nx, 0, ny, 0, nz)))
             for time in self.times:
                 values = array.array("f")
@@ -85,5 +88,5 @@ class FdsCase:
                     for j in range(ny + 1):
                         for i in range(nx + 1):  # index 0 is a ghost
                             inside = i > 0 and j > 0 and k > 0
-                            values.append(self.value(mesh, time, (i - 1, j - 1, k - 1)) if inside else 7.0)
+                            values.append(self.value(mesh, time, (i - 1, j - 1, k - 1), formula) if inside else 7.0)
                 file.write(record(struct.pack("<f", time)) + record(values.tobytes()))

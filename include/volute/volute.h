@@ -114,6 +114,36 @@ volute_status volute_scene_times(const volute_scene* scene, double* times, size_
 volute_status volute_scene_look(volute_scene* scene, size_t time, const double* lines, size_t count,
                                 volute_sight* sights);
 
+/* ---- who sees which sign, and what people take in ---- */
+
+/* A case and its signs, for programs that move people: asked again and again as time goes on. One
+ * thread at a time calls functions of an engine; they work on all. */
+typedef struct volute_engine volute_engine;
+
+/* `signs` is a file of signs as `volute visibility --signs` takes it. Criteria of tenability are
+ * the usual ones that the case stores enough for. */
+volute_status volute_engine_open(const char* path, const char* signs, volute_engine** engine);
+void volute_engine_close(volute_engine* engine);
+
+/* Names live as long as the engine; NULL beyond the last. */
+size_t volute_engine_sign_count(const volute_engine* engine);
+const char* volute_engine_sign_name(const volute_engine* engine, size_t sign);
+size_t volute_engine_criterion_count(const volute_engine* engine);
+const char* volute_engine_criterion_name(const volute_engine* engine, size_t criterion);
+double volute_engine_criterion_limit(const volute_engine* engine, size_t criterion);
+
+enum { VOLUTE_NOT_SEEN = 0, VOLUTE_SEEN = 1, VOLUTE_CANNOT_TELL = 2 };
+
+/* At a time [s], from eyes x y z of each agent [m]: seen[sign * agents + agent]. */
+volute_status volute_engine_sees(volute_engine* engine, double time, const double* eyes,
+                                 size_t agents, unsigned char* seen);
+
+/* What agents have taken in until `time`, since the calls before with their ids: doses so far, or
+ * levels, values[criterion * agents + agent]; NaN where nothing is known. Steps of a second or less
+ * are small enough for people who walk. */
+volute_status volute_engine_dose(volute_engine* engine, double time, const int64_t* ids,
+                                 const double* eyes, size_t agents, double* values);
+
 #ifdef __cplusplus
 }
 #endif

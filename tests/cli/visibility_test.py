@@ -15,7 +15,7 @@ import support
 from sight_cases import FdsCase, Mesh
 
 COLUMNS = ("time,eye_x,eye_y,eye_z,sign,distance,angle,blocked,optical_depth,optical_depth_low,optical_depth_high,"
-           "mean_extinction,visibility,visible").split(",")
+           "mean_extinction,visibility,visible,seen").split(",")
 
 
 def uneven(time, x, y, z):
@@ -42,7 +42,7 @@ class Visibility(support.TestCase):
         with open(self.path(output) / "sight.csv", newline="") as file:
             reader = csv.DictReader(file)
             self.assertEqual(reader.fieldnames, COLUMNS)
-            return [{k: v if k == "sign" else float(v) for k, v in row.items()} for row in reader]
+            return [{k: v if k in ("sign", "seen") else float(v) for k, v in row.items()} for row in reader]
 
     def report(self, output="out"):
         return json.loads((self.path(output) / "visibility.json").read_text())
@@ -164,11 +164,34 @@ class Plan(Visibility):
                 share = [(wall - 0) / point[0] for wall in (10, 10.5)]
                 behind = point[0] > 10.5 and max(4 + s * (point[1] - 4) for s in share) > 3
                 distance = math.dist(point, (0, 4))
+                exact = 0 if behind else 8 / 0.02 / distance
                 lost = next((t for t in range(0, 60, 10) if behind or 0.02 * t * distance > 8 * (1 + 1e-6)), None)
-                self.assertEqual(found, lost, (point, distance))
-                checked += lost is not None and lost > 0
+                self.assertEqual(lit["rows_up"][y][x], lost, (point, distance))
+                if lost is None:
+                    self.assertIsNone(found)
+                    continue
+                # On the safe side: the last stored time at which it is seen.
+                self.assertEqual(found, max(0, lost - 10), (point, distance))
+                self.assertEqual(lit["rows_down"][y][x], found)
+                self.assertAlmostEqual(lit["rows_interpolated"][y][x], exact, 4)
+                checked += lost > 0
         self.assertGreater(checked, 50)
         self.assertEqual(report["aset"][3]["rows"], lit["rows"])
+
+    def test_a_door_closes_at_its_own_time(self):
+        """Between two stored times; nobody on a route sees through it afterwards."""
+        mesh = Mesh("hall", (0, 20, 0, 4, 0, 3), (40, 8, 6), [(10, 10.5, 0, 4, 0, 3)])
+        case = FdsCase([mesh], [0.0, 10.0, 20.0], lambda t, *_: 0.001 * t, [(0, 0, 0.0, False), (0, 0, 13.7, True)])
+        path = case.write(self.folder)
+        signs = self.signs({"name": "exit", "position": [20, 2, 2], "normal": [-1, 0, 0]})
+        self.look(path, signs, "--eyes", self.eyes([(2, 2, 2), (15, 2, 2)]))
+        for key in ("times", "times_interpolated", "times_up"):
+            self.assertEqual(self.report()["aset"][0][key], [13.7, None])
+        self.path("route.csv").write_text("x,y\n1,2\n9,2\n")
+        self.look(path, signs, "--route", self.path("route.csv"), "--height", 2, "--step", 0.1, "--speed", 0.5)
+        (route,) = self.report()["routes"]
+        for place in route["walk"]:
+            self.assertEqual(place["seen"], ["exit"] if place["time"] < 13.7 else [], place)
 
     def test_every_map_is_there_and_says_its_units(self):
         self.look(self.case([0, 30]), self.signs_of_hall(), "--height", 2, "--step", 0.5, "--extinction-limit", 0.3)
@@ -191,13 +214,14 @@ class Plan(Visibility):
         self.assertNotIn("http", page)
         self.assertEqual(set(re.findall(r"src='(data:image/png;base64,|[^']{0,20})", page)), {"data:image/png;base64,"})
         report = self.report()
-        self.assertEqual({v for row in report["aset_local"]["rows"] for v in row}, {30.0, None})
+        self.assertEqual({v for row in report["aset_local"]["rows"] for v in row}, {0.0, None})
+        self.assertEqual({v and round(v, 4) for row in report["aset_local"]["rows_interpolated"] for v in row}, {15.0, None})
         self.assertEqual((self.path("out") / "aset.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
 
     def test_a_rule_that_nobody_looked_up_says_so(self):
         for name, checked, extinction in (("large-room", False, 0.3), ("aset-rset-maps", True, 0.23)):
             self.look(self.case(range(0, 30, 2)), self.signs_of_hall(), "--height", 2, "--step", 2, "--maps", "aset",
-                      "--sight-limit", name, output=name)
+                      "--sight-limit", name, "--round", "up", "--criteria", "none", output=name)
             report = self.report(name)
             self.assertEqual(any("not checked" in remark for remark in report["remarks"]), not checked)
             self.assertEqual("not checked" in (self.path(name) / "report.html").read_text(), not checked)
@@ -259,9 +283,10 @@ class Tetrahedra(Visibility):
         sight_cases.write_pvd(self.path("s.pvd"), [(0, "s0.vtu"), (10, "s10.vtu")])
         self.look(self.path("s.pvd"), self.signs({"name": "s", "position": [10, 2, 2], "normal": [-1, 0, 0], "C": 1.2}),
                   "--quantity", "extinction", "--height", 1.5, "--step", 1)
-        rows = self.report()["aset"][0]["rows"]
-        self.assertEqual(rows[1][0], 10)
-        self.assertIsNone(rows[1][9])
+        aset = self.report()["aset"][0]
+        self.assertEqual([aset[rows][1][0] for rows in ("rows", "rows_up")], [0, 10])
+        self.assertAlmostEqual(aset["rows_interpolated"][1][0], 1.2 / 0.03 / math.dist((0.5, 1.5, 1.5), (10, 2, 2)) * 10 / 10, 4)
+        self.assertIsNone(aset["rows"][1][9])
         self.assertEqual(self.report()["signs"][0]["law"], "custom")
 
 
@@ -353,7 +378,7 @@ class Damage(Visibility):
         self.assertTrue((self.path("out") / "aset.png").exists())
         before = self.files()
         self.look(self.case, signs, "--eyes", self.points)
-        self.assertEqual(sorted(p.name for p in self.path("out").iterdir()), ["sight.csv", "visibility.json"])
+        self.assertEqual(sorted(p.name for p in self.path("out").iterdir()), ["sight.csv", "tenability.csv", "visibility.json"])
         self.assertEqual(self.files(), before)
 
     def test_unknown_air_is_not_clear_air(self):

@@ -16,6 +16,8 @@
 #include "volute/codec/compress.hpp"
 #include "volute/codec/volute_reader.hpp"
 #include "volute/scene/scene_sight.hpp"
+#include "volute/visibility/sight_engine.hpp"
+#include "volute/visibility/sign_file.hpp"
 
 struct volute_file {
   volute::VoluteReader reader;
@@ -26,6 +28,10 @@ struct volute_scene {
   std::mutex mutex;  // of what follows
   std::size_t time = 0;
   std::shared_ptr<const volute::SightInstant> instant;
+};
+
+struct volute_engine {
+  volute::SightEngine engine;
 };
 
 namespace volute {
@@ -212,6 +218,23 @@ Status look(const SightInstant& instant, const double* lines, std::size_t count,
   return {};
 }
 
+/// Eyes of agents, which must be finite.
+Result<std::vector<Vec3>> eyesOf(const double* eyes, std::size_t agents, const char* function) {
+  std::vector<Vec3> places(agents);
+  for (std::size_t i = 0; i < agents; ++i) {
+    places[i] = Vec3(eyes[3 * i], eyes[3 * i + 1], eyes[3 * i + 2]);
+    if (!places[i].allFinite())
+      return fail(ErrorCode::kInvalidArgument, "{}: the place of agent {} is not finite", function, i);
+  }
+  return places;
+}
+
+Status checkTime(double time, const char* function) {
+  if (!std::isfinite(time))
+    return fail(ErrorCode::kInvalidArgument, "{}: the time is not finite", function);
+  return {};
+}
+
 Status copyTimes(std::span<const double> from, double* times, std::size_t count) {
   if (count != from.size()) {
     return fail(ErrorCode::kInvalidArgument, "room for {} times; there are {}", count, from.size());
@@ -332,5 +355,75 @@ volute_status volute_scene_look(volute_scene* scene, size_t time, const double* 
     VOLUTE_TRY(volute::given("volute_scene_look", scene, lines, sights));
     VOLUTE_ASSIGN(const auto instant, volute::instantOf(*scene, time));
     return volute::look(*instant, lines, count, sights);
+  });
+}
+
+volute_status volute_engine_open(const char* path, const char* signs, volute_engine** engine) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_engine_open", path, signs, engine));
+    *engine = nullptr;
+    volute::Progress quiet;
+    VOLUTE_ASSIGN(const auto read, volute::readSigns(signs));
+    VOLUTE_ASSIGN(auto opened, volute::Scene::open(path, {}, quiet));
+    VOLUTE_ASSIGN(auto field, volute::sightOf(std::move(opened), {}, quiet));
+    VOLUTE_ASSIGN(auto made, volute::SightEngine::open(std::move(field), read,
+                                                       volute::usualCriteria(), quiet));
+    *engine = std::make_unique<volute_engine>(volute_engine{std::move(made)}).release();
+    return {};
+  });
+}
+
+void volute_engine_close(volute_engine* engine) {
+  delete engine;
+}
+
+size_t volute_engine_sign_count(const volute_engine* engine) {
+  return engine ? engine->engine.signs().size() : 0;
+}
+
+const char* volute_engine_sign_name(const volute_engine* engine, size_t sign) {
+  return sign < volute_engine_sign_count(engine) ? engine->engine.signs()[sign].sign.name.c_str()
+                                                 : nullptr;
+}
+
+size_t volute_engine_criterion_count(const volute_engine* engine) {
+  return engine ? engine->engine.criteria().size() : 0;
+}
+
+const char* volute_engine_criterion_name(const volute_engine* engine, size_t criterion) {
+  return criterion < volute_engine_criterion_count(engine)
+             ? engine->engine.criteria()[criterion].name.c_str()
+             : nullptr;
+}
+
+double volute_engine_criterion_limit(const volute_engine* engine, size_t criterion) {
+  return criterion < volute_engine_criterion_count(engine)
+             ? engine->engine.criteria()[criterion].limit
+             : std::nan("");
+}
+
+volute_status volute_engine_sees(volute_engine* engine, double time, const double* eyes,
+                                 size_t agents, unsigned char* seen) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_engine_sees", engine, eyes, seen));
+    VOLUTE_TRY(volute::checkTime(time, "volute_engine_sees"));
+    VOLUTE_ASSIGN(const auto places, volute::eyesOf(eyes, agents, "volute_engine_sees"));
+    std::vector<volute::Seen> found(engine->engine.signs().size() * agents);
+    VOLUTE_TRY(engine->engine.sees(places, time, found));
+    std::ranges::transform(found, seen, [](volute::Seen one) {
+      return static_cast<unsigned char>(one);
+    });
+    return {};
+  });
+}
+
+volute_status volute_engine_dose(volute_engine* engine, double time, const int64_t* ids,
+                                 const double* eyes, size_t agents, double* values) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_engine_dose", engine, ids, eyes, values));
+    VOLUTE_TRY(volute::checkTime(time, "volute_engine_dose"));
+    VOLUTE_ASSIGN(const auto places, volute::eyesOf(eyes, agents, "volute_engine_dose"));
+    return engine->engine.dose({ids, agents}, places, time,
+                               {values, engine->engine.criteria().size() * agents});
   });
 }

@@ -12,7 +12,7 @@ std::span<const Command> commands() {
   static const std::vector<Command> table = {
       infoCommand(),       compressCommand(), extractCommand(),     compareCommand(),
       synthesizeCommand(), projectCommand(),  reconstructCommand(), joinCommand(),
-      renderCommand(),     fogCommand(),      visibilityCommand(),  
+      renderCommand(),     fogCommand(),      visibilityCommand(), sweepCommand(),
 #ifdef VOLUTE_WITH_VIEWER
       viewCommand(),
 #endif

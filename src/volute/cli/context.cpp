@@ -16,6 +16,8 @@ void Context::print(const Report& report) const {
 
 // fwrite, not fmt: a failure is kept by the stream and reported once, at the end.
 void Context::print(std::string_view unclean) const {
+  if (silent)
+    return;
   if (console)
     console->clear();
   const std::string text = printable(unclean);

@@ -22,6 +22,7 @@ struct Context : Reading {
   bool json = false;
   bool verbose = false;
   std::vector<std::string> words{};  ///< as the user typed them, without the command's name
+  bool silent = false;           ///< results are not shown: a command of many runs has its own
   bool resultsToStderr = false;  ///< set when the data themselves go to standard output
 
   /// Shows results: one JSON object or lines of text, on standard output. (Of ranks but the first

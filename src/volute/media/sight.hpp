@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "volute/base/result.hpp"
@@ -99,6 +102,22 @@ class SightInstant {
   /// Fills sights[i] for lines[i]. Called from many threads, each with a batch of its own.
   virtual void look(std::span<const SightLine> lines, std::span<Sight> sights) const = 0;
 
+  /// What the depth of each line lies within, for less than look() costs: low <= Sight::low and
+  /// Sight::high <= high. 0 and infinite where that cannot be told.
+  virtual void bounds(std::span<const SightLine> lines, std::span<double> low,
+                      std::span<double> high) const {
+    (void)lines;
+    std::ranges::fill(low, 0.0);
+    std::ranges::fill(high, std::numeric_limits<double>::infinity());
+  }
+
+  /// Sight::blocked of each line alone, 1 where it is.
+  virtual void blocked(std::span<const SightLine> lines, std::span<unsigned char> out) const {
+    std::vector<Sight> sights(lines.size());
+    look(lines, sights);
+    for (std::size_t i = 0; i < lines.size(); ++i) out[i] = sights[i].blocked ? 1 : 0;
+  }
+
   /// What stands at each point.
   virtual void places(std::span<const Vec3> points, std::span<Place> places) const = 0;
 
@@ -123,6 +142,39 @@ class SightInstant {
 
   /// What the weights are of.
   virtual SightData data() const { return {}; }
+};
+
+/// One quantity of the air, at points, over time.
+class PointField {
+ public:
+  virtual ~PointField() = default;
+
+  /// Which files it comes from, for people.
+  virtual std::string description() const = 0;
+
+  /// When it is stored [s], ascending, one at least.
+  virtual std::span<const double> times() const = 0;
+
+  /// Its values at points: linear between stored times, held before the first and after the last.
+  /// NaN where it is not known, or something solid stands. Times ascend from call to call, or cost
+  /// a second reading.
+  [[nodiscard]] virtual Status at(double time, std::span<const Vec3> points,
+                                  std::span<double> out) = 0;
+};
+
+/// A curve over time of a report.
+struct FactCurve {
+  std::string name, unit;
+  std::vector<double> times;   ///< [s]
+  std::vector<double> values;  ///< as many
+};
+
+/// What a report says about a case.
+struct CaseFacts {
+  std::vector<std::pair<std::string, std::string>> title;  ///< "FDS version", "FDS6.8.0" and so on
+  std::vector<FactCurve> fire;     ///< heat release rate
+  std::vector<FactCurve> devices;  ///< what instruments read
+  std::vector<std::string> remarks;
 };
 
 /// A medium over time, as sight lines ask for it.
@@ -151,6 +203,31 @@ class SightField {
   /// Reads one stored time, a position in times(). Asked in ascending order, each once; what was
   /// given before need not stay cheap to make again.
   [[nodiscard]] virtual Result<std::shared_ptr<const SightInstant>> read(std::size_t time) = 0;
+
+  /// When something opaque comes or goes after the first stored time and until the last [s],
+  /// ascending.
+  virtual std::vector<double> changes() const { return {}; }
+
+  /// Whether readAt() answers between stored times.
+  virtual bool interpolates() const { return false; }
+
+  /// The same between stored times: the medium is interpolated, what is opaque is that of the time.
+  /// For fields that interpolates(), which those with changes() must; asked in ascending order
+  /// together with read().
+  [[nodiscard]] virtual Result<std::shared_ptr<const SightInstant>> readAt(double time) {
+    return fail(ErrorCode::kUnsupported, "{}: has nothing between its stored times ({} s)",
+                description(), time);
+  }
+
+  /// A quantity besides the smoke where people are: "carbon-monoxide" [mol/mol], "temperature"
+  /// [degrees C] (tenability/exposure.hpp has the names). kNotFound when the case does not store
+  /// it.
+  [[nodiscard]] virtual Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) {
+    return fail(ErrorCode::kNotFound, "{}: has no {}", description(), quantity);
+  }
+
+  /// What a report says about the case, apart from its smoke.
+  [[nodiscard]] virtual Result<CaseFacts> facts() { return CaseFacts{}; }
 };
 
 }  // namespace volute

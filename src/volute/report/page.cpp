@@ -28,8 +28,10 @@ figcaption {{ font-size: 13px; color: #555; }}
 .row {{ display: flex; gap: .5em; margin-bottom: .8em; }}
 .row figure {{ margin: 0; flex: 1; }}
 .row img {{ width: 100%; image-rendering: pixelated; background: #000; }}
-.warning, .advice {{ background: #fff3d0; padding: .4em .8em; margin: .3em 0; }}
+.warning, .advice, .verdict {{ background: #fff3d0; padding: .4em .8em; margin: .3em 0; }}
+.verdict {{ background: #eef2ee; border-left: 4px solid #456; font-size: 16px; }}
 .advice {{ background: #e3eef9; }}
+@media print {{ figure, table, svg {{ break-inside: avoid; }} }}
 </style></head><body>
 <h1>{0}</h1>
 {1}</body></html>

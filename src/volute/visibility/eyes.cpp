@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 
@@ -115,6 +116,42 @@ struct Columns {
     return columns;
   }
 };
+
+/// The same of a table of people.
+struct TableColumns {
+  Columns point;
+  int id = -1, time = -1;
+
+  static std::optional<TableColumns> named(const std::vector<std::string_view>& fields) {
+    const auto point = Columns::named(fields);
+    if (!point)
+      return std::nullopt;
+    TableColumns columns{*point};
+    for (int i = 0; i < static_cast<int>(fields.size()); ++i) {
+      const std::string field = lowered(fields[static_cast<std::size_t>(i)]);
+      if (field == "id" || field == "agent" || field == "person")
+        columns.id = i;
+      else if (field == "t" || field == "time" || field.starts_with("time/") ||
+               field.starts_with("time ["))
+        columns.time = i;
+    }
+    return columns.id >= 0 && columns.time >= 0 ? std::optional(columns) : std::nullopt;
+  }
+};
+
+/// Whether the first line that is no remark names columns.
+bool hasNames(std::string_view text) {
+  bool named = false;
+  const auto first = [&](std::string_view line, int) -> Status {
+    if (line.empty() || line.starts_with('#'))
+      return {};
+    const char c = line.front() == '"' && line.size() > 1 ? line[1] : line.front();
+    named = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    return fail(ErrorCode::kCancelled, "enough");  // the other lines do not matter
+  };
+  (void)forEachLine(text, first);
+  return named;
+}
 
 /// The coordinate in a field.
 Result<double> coordinate(const std::vector<std::string_view>& fields, int column, char axis,
@@ -312,6 +349,8 @@ Result<std::vector<Route>> routesOf(const std::vector<NamedPoint>& points, std::
 
 Result<Trajectories> Trajectories::parse(std::string_view text, std::string_view file,
                                          std::optional<double> height) {
+  if (hasNames(text))
+    return parseTable(text, file, height);
   TrajectoryHead head;
   std::map<int, std::map<int, Vec3>> frames;
   std::size_t columns = 0;
@@ -343,15 +382,92 @@ Result<Trajectories> Trajectories::parse(std::string_view text, std::string_view
                 file);
   }
   Trajectories result;
-  result.begin_ = std::numeric_limits<double>::infinity();
   for (const auto& [id, steps] : frames) {
-    result.ids_.push_back(id);
-    auto& list = result.steps_.emplace_back();
+    std::vector<Step> list;
     for (const auto& [frame, eye] : steps) list.push_back({frame / head.rate, eye});
-    result.begin_ = std::min(result.begin_, list.front().time);
-    result.end_ = std::max(result.end_, list.back().time);
+    result.add(id, std::move(list));
   }
   return result;
+}
+
+/// Of ascending ids.
+void Trajectories::add(int id, std::vector<Step> steps) {
+  begin_ = ids_.empty() ? steps.front().time : std::min(begin_, steps.front().time);
+  end_ = ids_.empty() ? steps.back().time : std::max(end_, steps.back().time);
+  ids_.push_back(id);
+  steps_.push_back(std::move(steps));
+}
+
+Result<Trajectories> Trajectories::parseTable(std::string_view text, std::string_view file,
+                                              std::optional<double> height) {
+  std::optional<TableColumns> columns;
+  std::map<int, std::map<double, Vec3>> people;
+  const auto readLine = [&](std::string_view line, int number) -> Status {
+    if (line.empty() || line.starts_with('#'))
+      return {};
+    const auto fields = fieldsOf(line);
+    if (!columns) {
+      columns = TableColumns::named(fields);
+      if (columns && (columns->point.z >= 0 || height))
+        return {};
+      return fail(ErrorCode::kInvalidData,
+                  "{}: line {}: expected a line of names with id, time, x, y and z (or --height)",
+                  file, number);
+    }
+    VOLUTE_ASSIGN(const auto point, pointOf(fields, columns->point, file, number, height));
+    const auto field = [&](int column) {
+      return column < static_cast<int>(fields.size())
+                 ? numberOf(fields[static_cast<std::size_t>(column)])
+                 : std::optional<double>();
+    };
+    const auto id = field(columns->id), time = field(columns->time);
+    if (!id || !time || *id != std::floor(*id) || std::abs(*id) > 2e9) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: line {}: expected a whole number as id and a number of seconds as time",
+                  file, number);
+    }
+    people[static_cast<int>(*id)][*time] =
+        Vec3(point.position[0], point.position[1], height.value_or(point.position[2]));
+    return {};
+  };
+  VOLUTE_TRY(forEachLine(text, readLine));
+  if (people.empty())
+    return fail(ErrorCode::kInvalidData, "{}: nobody walks here; expected lines id,time,x,y", file);
+  Trajectories result;
+  for (const auto& [id, steps] : people) {
+    std::vector<Step> list;
+    for (const auto& [time, eye] : steps) list.push_back({time, eye});
+    result.add(id, std::move(list));
+  }
+  return result;
+}
+
+std::vector<double> Trajectories::lastTimes(std::span<const Vec3> points, double radius) const {
+  std::vector<double> last(points.size(), std::numeric_limits<double>::quiet_NaN());
+  // Points in squares of the radius.
+  const auto square = [&](const Vec3& place) {
+    return std::pair(static_cast<std::int64_t>(std::floor(place[0] / radius)),
+                     static_cast<std::int64_t>(std::floor(place[1] / radius)));
+  };
+  std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::size_t>> squares;
+  for (std::size_t i = 0; i < points.size(); ++i) squares[square(points[i])].push_back(i);
+  for (const auto& steps : steps_) {
+    for (const Step& step : steps) {
+      const auto [x, y] = square(step.eye);
+      for (std::int64_t dy = -1; dy <= 1; ++dy) {
+        for (std::int64_t dx = -1; dx <= 1; ++dx) {
+          const auto found = squares.find({x + dx, y + dy});
+          if (found == squares.end())
+            continue;
+          for (const std::size_t i : found->second) {
+            if ((points[i] - step.eye).head<2>().norm() <= radius && !(step.time <= last[i]))
+              last[i] = step.time;
+          }
+        }
+      }
+    }
+  }
+  return last;
 }
 
 std::vector<Trajectories::Person> Trajectories::at(double time) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,11 +52,16 @@ struct NamedPoint {
 /// Where walking people are over time.
 class Trajectories {
  public:
-  /// JuPedSim's text format: "# framerate: F", lines "id frame x y z ..." in metres, or in
+  /// JuPedSim's text format, or a table as parseTable() has it: "# framerate: F", lines "id frame x y z ..." in metres, or in
   /// centimetres when the line of column names says so ("x/cm"). With `height` the eyes are at that
   /// z, else at the file's.
   [[nodiscard]] static Result<Trajectories> parse(std::string_view text, std::string_view file,
                                                   std::optional<double> height);
+
+  /// Comma-separated text with a line of names: id, time [s] (or t), x, y [m], and z without
+  /// `height`. parse() takes such files as well.
+  [[nodiscard]] static Result<Trajectories> parseTable(std::string_view text, std::string_view file,
+                                                       std::optional<double> height);
 
   struct Person {
     int id = 0;
@@ -65,6 +71,12 @@ class Trajectories {
   /// Those who are there at a time [s], by id; between two frames of a person on the straight line
   /// between them.
   std::vector<Person> at(double time) const;
+
+  /// When somebody is within `radius` [m] of a point for the last time, seen from above [s]; NaN
+  /// where nobody comes.
+  std::vector<double> lastTimes(std::span<const Vec3> points, double radius) const;
+
+  std::span<const int> ids() const { return ids_; }  ///< ascending
 
   int people() const { return static_cast<int>(ids_.size()); }
 
@@ -77,6 +89,8 @@ class Trajectories {
     double time;
     Vec3 eye;
   };
+
+  void add(int id, std::vector<Step> steps);
 
   std::vector<int> ids_;
   std::vector<std::vector<Step>> steps_;  // of each person, ascending in time

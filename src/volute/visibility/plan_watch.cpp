@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "volute/base/parallel.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/report/line_plot.hpp"
 #include "volute/report/page.hpp"
 #include "volute/visibility/plan_picture.hpp"
+#include "volute/visibility/plan_tenability.hpp"
+#include "volute/visibility/plan_values.hpp"
 #include "volute/visibility/plan_vti.hpp"
+#include "volute/visibility/verdict.hpp"
 #include "volute/visibility/watch.hpp"
 
 namespace volute {
@@ -18,6 +22,19 @@ namespace {
 constexpr float kNoFloat = std::numeric_limits<float>::quiet_NaN();
 /// Where the colours of visibility end [m]: what FDS writes at most.
 constexpr double kFar = 30;
+
+/// What the sight of signs is asked about besides, by what C is multiplied with.
+struct Variation {
+  std::string_view name;
+  double factor = 1;
+};
+
+/// Jin's experiments give C of 2 to 4 for reflecting signs and 5 to 10 for emitting ones; FDS's
+/// User's Guide 8700 +- 1100 m2/kg for the mass extinction.
+constexpr Variation kVariations[] = {{"C 33 % lower", 0.67},
+                                     {"C 33 % higher", 1.33},
+                                     {"mass extinction 9800 of 8700 m2/kg", 8700.0 / 9800},
+                                     {"mass extinction 7600 of 8700 m2/kg", 8700.0 / 7600}};
 
 class PlanWatch final : public Watch {
  public:
@@ -43,9 +60,19 @@ class PlanWatch final : public Watch {
           "{} maps are written; --maps aset leaves them out, --frames takes fewer times",
           survey.signs.size() * survey.times.size()));
     }
-    losses_.assign(survey.sets.size(), LossTimes(eyes_.size()));
+    std::vector<std::vector<std::size_t>> sets;
+    for (const SignSet& set : survey.sets) sets.push_back(set.members);
+    std::vector<double> factors(sets.size(), 1);
+    for (const Variation& one : kVariations) {
+      sets.push_back(survey.sets[0].members);
+      factors.push_back(one.factor);
+    }
+    losses_.emplace(survey.signs, std::move(sets), eyes_.size(), std::move(factors));
+    if (survey.extinctionLimit > 0)
+      local_.emplace(eyes_.size(), survey.extinctionLimit);
+    if (!survey.criteria.empty())
+      tenability_.emplace(survey, eyes_, planValues());
     hidden_.assign(survey.sets.size(), std::vector<bool>(eyes_.size(), true));
-    local_.assign(eyes_.size(), std::numeric_limits<double>::infinity());
     std::error_code error;
     std::filesystem::create_directory(survey.folder / "maps", error);
     series_.resize(survey.signs.size());
@@ -55,8 +82,9 @@ class PlanWatch final : public Watch {
   std::vector<Vec3> eyes(double) const override { return eyes_; }
 
   Status take(const SurveyTime& at) override {
-    for (std::size_t set = 0; set < survey_->sets.size(); ++set)
-      updateLoss(losses_[set], at.time, survey_->sets[set].members, at.sightings);
+    losses_->update(at.time, at.sightings);
+    if (!at.stored)
+      return {};
     if (at.index == 0)
       noteHidden(at);
     if (survey_->extinctionLimit > 0)
@@ -66,6 +94,8 @@ class PlanWatch final : public Watch {
         series_[s].emplace_back(at.time, fmt::format("{}_{:04d}.vti", mapName(s), at.index));
     }
     ++index_;
+    if (tenability_)
+      VOLUTE_TRY(tenability_->take(at));
     return {};
   }
 
@@ -96,20 +126,38 @@ class PlanWatch final : public Watch {
       page += figure;
     }
     if (survey_->extinctionLimit > 0) {
-      report["aset_local"] = {{"extinction", survey_->extinctionLimit}, {"rows", rowsOf(local_)}};
-      arrays.push_back({"aset_local", overPlan(local_)});
+      report["aset_local"] = {{"extinction", survey_->extinctionLimit},
+                              {"rows", rowsOf(rounded(local_->times()))},
+                              {"rows_interpolated", rowsOf(local_->times().none)}};
+      arrays.push_back({"aset_local", overPlan(rounded(local_->times()))});
       VOLUTE_TRY(writeLocal());
       VOLUTE_ASSIGN(const auto figure,
                     htmlFigure(survey_->folder / "aset_local.png",
                              "When the smoke where one stands reaches the limit."));
       page += figure;
     }
+    Json verdict = Json::array();
+    addVerdict(verdict);
+    const std::string sensitivity = addSensitivity(report);
+    std::string tenability;
+    if (tenability_) {
+      std::vector<bool> inSight(hidden_[0]);
+      inSight.flip();
+      VOLUTE_ASSIGN(tenability, tenability_->finish(losses_->earliest(0), inSight, report, arrays,
+                                                    verdict));
+    }
+    report["verdict"] = std::move(verdict);
     VOLUTE_TRY(writePlanVti(survey_->folder / "aset.vti", plan_, arrays));
     VOLUTE_ASSIGN(const auto shown, shownMaps());
-    return "<h2>Available safe egress time by visibility</h2>\n" + page + shown;
+    return tenability + "<h2>Available safe egress time by visibility</h2>\n" + page + sensitivity +
+           shown;
   }
 
  private:
+  const std::vector<double>& rounded(const LossTimes& loss) const {
+    return loss.by(survey_->round);
+  }
+
   std::string mapName(std::size_t sign) const {
     return fmt::format("{}_{}", sign + 1, Survey::fileName(survey_->signs[sign].sign.name));
   }
@@ -124,6 +172,19 @@ class PlanWatch final : public Watch {
     return members.size() == 1
                ? "sign " + survey_->signs[members[0]].sign.name + " is not"
                : (set == 0 ? "no sign is" : "no sign of " + survey_->sets[set].name + " is");
+  }
+
+  /// What a map of losses shows.
+  std::string lossWords(std::size_t set) const {
+    if (survey_->round == RoundTime::kUp)
+      return fmt::format("First stored time at which {} seen", setWords(set));
+    if (survey_->round == RoundTime::kNone)
+      return fmt::format("Time from which {} seen, interpolated", setWords(set));
+    const auto& members = survey_->sets[set].members;
+    return "Last stored time at which " +
+           (members.size() == 1 ? "sign " + survey_->signs[members[0]].sign.name
+                                : (set == 0 ? "a sign" : "a sign of " + survey_->sets[set].name)) +
+           " is seen";
   }
 
   /// Points from which no sign of a set is in sight before there is smoke.
@@ -143,18 +204,11 @@ class PlanWatch final : public Watch {
   }
 
   void updateLocal(const SurveyTime& at) {
-    for (std::size_t i = 0; i < eyes_.size(); ++i) {
-      if (at.extinction[i] >= survey_->extinctionLimit && at.time < local_[i])
-        local_[i] = at.time;
-    }
+    local_->update(at.time, at.extinction);
   }
 
-  /// Values of eyes at the plan's points; NaN elsewhere.
   std::vector<float> overPlan(std::span<const double> values) const {
-    std::vector<float> out(plan_.size(), kNoFloat);
-    for (std::size_t i = 0; i < places_.size(); ++i)
-      out[places_[i]] = static_cast<float>(values[i]);
-    return out;
+    return planValues().cells(values);
   }
 
   template <class Value>
@@ -219,18 +273,9 @@ class PlanWatch final : public Watch {
     return {};
   }
 
-  Json rowsOf(std::span<const double> values) const {
-    std::vector<double> all(plan_.size(), std::numeric_limits<double>::infinity());
-    for (std::size_t i = 0; i < places_.size(); ++i) all[places_[i]] = values[i];
-    Json rows = Json::array();
-    for (int y = 0; y < plan_.ny; ++y) {
-      Json row = Json::array();
-      for (int x = 0; x < plan_.nx; ++x)
-        row.push_back(jsonNumber(all[static_cast<std::size_t>(y) * plan_.nx + x]));
-      rows.push_back(std::move(row));
-    }
-    return rows;
-  }
+  PlanValues planValues() const { return {&plan_, places_}; }
+
+  Json rowsOf(std::span<const double> values) const { return planValues().rows(values); }
 
   /// Rows of 1 (one can stand there) and 0, from the smallest y.
   Json walkable() const {
@@ -245,25 +290,27 @@ class PlanWatch final : public Watch {
   }
 
   Json asetJson(std::size_t set) const {
-    const LossTimes& loss = losses_[set];
+    const LossTimes& loss = losses_->times(set);
     Json names = Json::array();
     for (const std::size_t s : survey_->sets[set].members)
       names.push_back(survey_->signs[s].sign.name);
-    const auto kept = std::ranges::count_if(loss.time, [](double t) { return std::isinf(t); });
+    const auto kept = std::ranges::count_if(loss.up, [](double t) { return std::isinf(t); });
     const auto out = std::ranges::count(hidden_[set], true);
     return {{"set", survey_->sets[set].name},    {"signs", names},
             {"kept_to_the_end", kept},           {"never_in_sight", out},
-            {"rows", rowsOf(loss.time)},         {"rows_earliest", rowsOf(loss.earliest)},
-            {"rows_latest", rowsOf(loss.latest)}};
+            {"rows", rowsOf(rounded(loss))},     {"rows_interpolated", rowsOf(loss.none)},
+            {"rows_down", rowsOf(loss.down)},    {"rows_up", rowsOf(loss.up)},
+            {"rows_earliest", rowsOf(rounded(losses_->earliest(set)))},
+            {"rows_latest", rowsOf(rounded(losses_->latest(set)))}};
   }
 
   void addArrays(std::size_t set, std::vector<PlanArray>& arrays) const {
-    const LossTimes& loss = losses_[set];
     const std::string name =
         set == 0 ? "" : fmt::format("_{}_{}", set, Survey::fileName(survey_->sets[set].name));
-    arrays.push_back({"aset" + name, overPlan(loss.time)});
-    arrays.push_back({"aset_earliest" + name, overPlan(loss.earliest)});
-    arrays.push_back({"aset_latest" + name, overPlan(loss.latest)});
+    arrays.push_back({"aset" + name, overPlan(rounded(losses_->times(set)))});
+    arrays.push_back({"aset_interpolated" + name, overPlan(losses_->times(set).none)});
+    arrays.push_back({"aset_earliest" + name, overPlan(rounded(losses_->earliest(set)))});
+    arrays.push_back({"aset_latest" + name, overPlan(rounded(losses_->latest(set)))});
   }
 
   PlanPicture lossPicture(std::span<const double> times) const {
@@ -284,13 +331,12 @@ class PlanWatch final : public Watch {
   }
 
   Status writeAset(std::size_t set) const {
-    PlanPicture picture = lossPicture(losses_[set].time);
+    PlanPicture picture = lossPicture(rounded(losses_->times(set)));
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (hidden_[set][i])
         picture.marks[places_[i]] = PlanMark::kHidden;
     }
-    picture.title =
-        fmt::format("First time at which {} seen, from z = {:g} m", setWords(set), plan_.origin[2]);
+    picture.title = fmt::format("{}, from z = {:g} m", lossWords(set), plan_.origin[2]);
     picture.subtitle = lawsOf(set);
     picture.words = {{PlanMark::kKept,
                       fmt::format("never lost: still seen at {:g} s, the last time",
@@ -300,6 +346,78 @@ class PlanWatch final : public Watch {
     std::vector<SightTarget> signs;
     for (const std::size_t s : survey_->sets[set].members) signs.push_back(survey_->signs[s]);
     return writePlan(survey_->folder / asetName(set), plan_, picture, signs);
+  }
+
+  /// How the first loss of all signs depends on what is not known well.
+  std::string addSensitivity(Json& report) const {
+    std::vector<bool> counts(hidden_[0]);
+    counts.flip();
+    std::vector<HtmlRow> rows;
+    Json list = Json::array();
+    const auto add = [&](const std::string& name, const LossTimes& times) {
+      const FirstLoss loss = firstLoss(times, survey_->round, counts);
+      list.push_back({{"variation", name},
+                      {"first_loss", loss.any ? Json(loss.by(survey_->round)) : Json()},
+                      {"first_loss_interpolated", loss.any ? Json(loss.none) : Json()},
+                      {"share_lost", loss.share}});
+      rows.push_back({name, loss.any ? fmt::format("{:.4g}", loss.by(survey_->round)) : "\u2013",
+                      loss.any ? fmt::format("{:.4g}", loss.none) : "\u2013",
+                      fmt::format("{:.1f} %", 100 * loss.share)});
+    };
+    add("as computed", losses_->times(0));
+    add("at the largest depths that the files' rounding allows (the verdict)", losses_->earliest(0));
+    add("at the smallest", losses_->latest(0));
+    for (std::size_t i = 0; i < std::size(kVariations); ++i)
+      add(std::string(kVariations[i].name), losses_->times(survey_->sets.size() + i));
+    report["sensitivity"] = std::move(list);
+    return "<h2>Sensitivity of the sight of signs</h2>\n" +
+           htmlTable({"", "first loss of all signs [s]", "interpolated [s]",
+                      "places that lose them until the end"},
+                     rows, HtmlAlign::kNumbers);
+  }
+
+  /// Which sign is lost first, and when; by the largest depths that the files allow.
+  void addVerdict(Json& verdict) const {
+    const std::size_t single = survey_->sets.size() > 1 ? 1 : 0;
+    const std::size_t singles = survey_->sets.size() > 1 ? survey_->signs.size() : 1;
+    const auto lossOf = [&](std::size_t set) {
+      std::vector<bool> counts(hidden_[set]);
+      counts.flip();
+      return firstLoss(losses_->earliest(set), survey_->round, counts);
+    };
+    std::size_t soonest = single;
+    FirstLoss soonestLoss = lossOf(single);
+    for (std::size_t set = single + 1; set < single + singles; ++set) {
+      const FirstLoss loss = lossOf(set);
+      if (loss.any && (!soonestLoss.any || loss.by(survey_->round) < soonestLoss.by(survey_->round))) {
+        soonest = set;
+        soonestLoss = loss;
+      }
+    }
+    const double end = survey_->times.back();
+    const std::string name = survey_->signs[survey_->sets[soonest].members[0]].sign.name;
+    verdict.push_back(verdictJson(
+        "sign lost first",
+        soonestLoss.any
+            ? fmt::format("The first sign to be lost is '{}', at {}, from {}; until {:g} s from "
+                          "{:.0f} % of the places that see it without smoke.",
+                          name, timeWords(soonestLoss), placeWords(eyes_[soonestLoss.place]), end,
+                          100 * soonestLoss.share)
+            : fmt::format("No sign is lost from anywhere until {:g} s.", end),
+        soonestLoss, survey_->round, eyes_));
+    verdict.back()["sign"] = soonestLoss.any ? Json(name) : Json();
+    if (survey_->sets.size() > 1) {
+      const FirstLoss all = lossOf(0);
+      verdict.push_back(verdictJson(
+          "sight of signs",
+          all.any ? fmt::format("From {} no sign is seen any more from {} on; until {:g} s so at "
+                                "{:.0f} % of the places that see one without smoke.",
+                                placeWords(eyes_[all.place]), timeWords(all), end, 100 * all.share)
+                  : fmt::format("From every place that sees a sign without smoke one is seen until "
+                                "{:g} s.",
+                                end),
+          all, survey_->round, eyes_));
+    }
   }
 
   std::string lawsOf(std::size_t set) const {
@@ -314,8 +432,10 @@ class PlanWatch final : public Watch {
   }
 
   Status writeLocal() const {
-    PlanPicture picture = lossPicture(local_);
-    picture.title = fmt::format("First time with K >= {:g} 1/m at z = {:g} m",
+    PlanPicture picture = lossPicture(rounded(local_->times()));
+    picture.title = fmt::format("{} {:g} 1/m at z = {:g} m",
+                                survey_->round == RoundTime::kDown ? "Last stored time with K <"
+                                                                   : "First time with K >=",
                                 survey_->extinctionLimit, plan_.origin[2]);
     picture.subtitle = "smoke where one stands, signs aside";
     picture.words = {
@@ -348,9 +468,10 @@ class PlanWatch final : public Watch {
   FloorPlan plan_;
   std::vector<std::size_t> places_;  // of each eye in the plan
   std::vector<Vec3> eyes_;
-  std::vector<LossTimes> losses_;          // of each set
-  std::vector<std::vector<bool>> hidden_;  // the same
-  std::vector<double> local_;
+  std::optional<SignLoss> losses_;
+  std::vector<std::vector<bool>> hidden_;  // of each set
+  std::optional<LevelWatch> local_;
+  std::optional<PlanTenability> tenability_;
   std::vector<PlanShape> shapes_;  // at the first time
   std::vector<std::vector<std::pair<double, std::string>>> series_;  // of each sign
   int index_ = 0;

@@ -2,11 +2,15 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "volute/io/image_file.hpp"
 #include "volute/report/line_plot.hpp"
 #include "volute/report/page.hpp"
+#include "volute/visibility/exposure_meter.hpp"
 #include "volute/visibility/plan_picture.hpp"
+#include "volute/visibility/plan_tenability.hpp"
 #include "volute/visibility/watch.hpp"
 
 namespace volute {
@@ -20,10 +24,20 @@ struct Station {
   double arrival = 0;  ///< when a walker is there [s]
 };
 
+/// Where a walker is at a time.
+struct TrackPoint {
+  double time = 0;   ///< [s]
+  double along = 0;  ///< [m] from the route's start
+};
+
+constexpr double kNotYet = std::numeric_limits<double>::infinity();
+
 class RouteWatch final : public Watch {
  public:
-  RouteWatch(std::vector<Route> routes, double speed, double start)
-      : routes_(std::move(routes)), speed_(speed), start_(start) {}
+  RouteWatch(std::vector<Route> routes, const Walk& walk)
+      : routes_(std::move(routes)), walking_(walk) {
+    for (std::size_t r = 0; r < routes_.size(); ++r) tracks_.push_back({{walk.start, 0.0}});
+  }
 
   Status begin(const Survey& survey, const SightInstant& first, Progress& progress) override {
     survey_ = &survey;
@@ -43,20 +57,32 @@ class RouteWatch final : public Watch {
       progress.remark(fmt::format(
           "{} of {} points of the routes are inside something solid or where the case has no smoke",
           lost, eyes_.size()));
+    noteWalls(first, progress);
     // At the routes' own height, to draw them on.
     auto plan = floorPlan(first, survey.bounds, eyes_[0][2], survey.step);
     if (plan)
       plan_ = std::move(*plan);
     walk_.resize(stations_.size());
     coverage_ = Json::array();
+    if (!survey.criteria.empty()) {
+      meter_.emplace(AirField::open(*survey.field, survey.criteria), survey.criteria,
+                     routes_.size());
+    }
     return {};
   }
 
   std::vector<Vec3> eyes(double) const override { return eyes_; }
 
+  bool wantsExtinction() const override { return walking_.slowed != SpeedLaw::kNone; }
+
   Status take(const SurveyTime& at) override {
-    noteCoverage(at);
+    if (walking_.slowed != SpeedLaw::kNone)
+      walkThroughSmoke(at);
+    if (at.stored)
+      noteCoverage(at);
     noteWalk(at);
+    if (meter_ && at.stored)
+      VOLUTE_TRY(expose(at));
     last_.assign(at.sightings.begin(), at.sightings.end());
     lastTime_ = at.time;
     return {};
@@ -64,7 +90,12 @@ class RouteWatch final : public Watch {
 
   Result<std::string> finish(Json& report) override {
     report["eyes"] = {{"kind", "routes"}, {"step", survey_->step}, {"count", eyes_.size()}};
-    report["walk"] = {{"speed", speed_}, {"start", start_}};
+    report["walk"] = {{"speed", walking_.speed}, {"start", walking_.start}};
+    const SpeedLawInfo& law = speedLaws()[static_cast<std::size_t>(walking_.slowed)];
+    report["walk"]["slowed_by_smoke"] = {{"law", law.name}, {"source", law.source},
+                                         {"source_checked", law.checked}};
+    if (meter_)
+      report["tenability"]["criteria"] = criteriaJson(*meter_);
     report["routes"] = Json::array();
     std::string page = "<h2>Routes</h2>\n";
     if (plan_.size() > 0) {
@@ -77,7 +108,9 @@ class RouteWatch final : public Watch {
       report["routes"].push_back(routeJson(r));
       page += routePlot(r);
     }
-    return page + walkTable(report["routes"]);
+    addVerdict(report);
+    page += walkTable(report["routes"]);
+    return meter_ ? page + criteriaTable(*meter_) : page;
   }
 
  private:
@@ -88,9 +121,155 @@ class RouteWatch final : public Watch {
       const double before = i > 0 ? along[i - 1] : along[i];
       const double after = i + 1 < along.size() ? along[i + 1] : along[i];
       stations_.push_back(
-          {r, along[i], 0.5 * (after - before) / length, start_ + along[i] / speed_});
+          {r, along[i], 0.5 * (after - before) / length,
+           walking_.slowed == SpeedLaw::kNone ? walking_.start + along[i] / walking_.speed
+                                              : (i == 0 ? walking_.start : kNotYet)});
       eyes_.push_back(routes_[r].at(along[i]));
     }
+  }
+
+  /// Where routes lead through walls, at the first time.
+  void noteWalls(const SightInstant& first, Progress& progress) const {
+    for (std::size_t r = 0; r < routes_.size(); ++r) {
+      std::vector<SightLine> lines;
+      std::vector<double> from;
+      for (std::size_t i = 1; i < stations_.size(); ++i) {
+        if (stations_[i].route == r && stations_[i - 1].route == r) {
+          lines.push_back({eyes_[i - 1], eyes_[i]});
+          from.push_back(stations_[i - 1].along);
+        }
+      }
+      std::vector<Sight> sights(lines.size());
+      first.look(lines, sights);
+      const auto wall = std::ranges::find(sights, true, &Sight::blocked);
+      if (wall != sights.end()) {
+        progress.remark(fmt::format(
+            "route '{}' leads through something solid, first about {:.3g} m from its start", routes_[r].name,
+            from[static_cast<std::size_t>(wall - sights.begin())]));
+      }
+    }
+  }
+
+  /// How far the walker of a route is at a time [m]; NaN before the start and after the arrival.
+  double alongAt(std::size_t r, double time) const {
+    if (time < walking_.start)
+      return std::numeric_limits<double>::quiet_NaN();
+    const double length = routes_[r].length();
+    if (walking_.slowed == SpeedLaw::kNone) {
+      const double along = (time - walking_.start) * walking_.speed;
+      return along <= length ? along : std::numeric_limits<double>::quiet_NaN();
+    }
+    const auto& track = tracks_[r];
+    const auto next = std::ranges::lower_bound(track, time, {}, &TrackPoint::time);
+    if (next == track.end())
+      return std::numeric_limits<double>::quiet_NaN();
+    if (next == track.begin())
+      return next->along;
+    const TrackPoint& before = *std::prev(next);
+    const double share = (time - before.time) / (next->time - before.time);
+    return before.along + share * (next->along - before.along);
+  }
+
+  /// Goes on to a time in small steps, each at the speed of the smoke where the walker is: linear
+  /// in time between the two times that are known, and between stations.
+  void walkThroughSmoke(const SurveyTime& at) {
+    std::vector<double> extinction(at.extinction.begin(), at.extinction.end());
+    for (double& k : extinction) k = std::isnan(k) ? 0 : k;
+    if (extinction_.empty())
+      extinction_ = extinction;
+    std::size_t first = 0;
+    for (std::size_t r = 0; r < routes_.size(); ++r) {
+      std::size_t end = first;
+      while (end < stations_.size() && stations_[end].route == r) ++end;
+      walkOn(r, first, end, at.time, extinction);
+      first = end;
+    }
+    extinction_ = std::move(extinction);
+    smokeTime_ = at.time;
+  }
+
+  void walkOn(std::size_t r, std::size_t first, std::size_t end, double until,
+              std::span<const double> extinction) {
+    constexpr double kStep = 0.1;  // [s]
+    auto& track = tracks_[r];
+    const double length = routes_[r].length();
+    const double passed = until - smokeTime_;
+    std::size_t next = first;
+    while (next < end && stations_[next].arrival < kNotYet) ++next;
+    while (track.back().time < until && track.back().along < length && next < end) {
+      const TrackPoint here = track.back();
+      const double share =
+          extinction_.empty() || !(passed > 0)
+              ? 1
+              : std::clamp((here.time - smokeTime_) / passed, 0.0, 1.0);
+      const auto smokeAt = [&](std::size_t i) {
+        return extinction_[i] + share * (extinction[i] - extinction_[i]);
+      };
+      const double from = stations_[next - 1].along, to = stations_[next].along;
+      const double place = std::clamp((here.along - from) / (to - from), 0.0, 1.0);
+      const double smoke = (1 - place) * smokeAt(next - 1) + place * smokeAt(next);
+      const double speed = walkingSpeed(walking_.slowed, walking_.speed, smoke);
+      const double step = std::min({kStep, until - here.time, (to - here.along) / speed});
+      const double along = here.along + speed * step;
+      track.push_back({here.time + step, std::min(along, to)});
+      if (to - along <= 1e-9 * length) {
+        track.back().along = to;
+        stations_[next++].arrival = here.time + step;
+      }
+    }
+  }
+
+  /// What walkers take in.
+  Status expose(const SurveyTime& at) {
+    const auto places = [&](double time, std::span<Vec3> out) {
+      for (std::size_t r = 0; r < routes_.size(); ++r) {
+        const double along = alongAt(r, time);
+        out[r] = std::isnan(along) ? Vec3::Constant(along) : routes_[r].at(along);
+      }
+    };
+    // Between stations the smoke is linear.
+    std::vector<double> extinction(routes_.size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t i = 1; i < stations_.size(); ++i) {
+      const Station &from = stations_[i - 1], &to = stations_[i];
+      const double along = alongAt(to.route, at.time);
+      if (from.route != to.route || !(along >= from.along && along <= to.along))
+        continue;
+      const double share = (along - from.along) / (to.along - from.along);
+      extinction[to.route] = at.extinction[i - 1] + share * (at.extinction[i] - at.extinction[i - 1]);
+    }
+    constexpr double kStep = 0.25;  // [s]
+    return meter_->advance(at.time, places, extinction, kStep);
+  }
+
+  void addVerdict(Json& report) const {
+    Json verdict = Json::array();
+    for (std::size_t r = 0; r < routes_.size(); ++r) {
+      const Json& route = report["routes"][r];
+      std::string text = fmt::format("Route '{}': who sets out at {:g} s ", routes_[r].name,
+                                     walking_.start);
+      text += route["arrival"].is_null()
+                  ? fmt::format("is not there at {:g} s, the last time,",
+                                survey_->times.back())
+                  : fmt::format("arrives at {:.4g} s", route["arrival"].get<double>());
+      text += fmt::format(" and has a sign in view on {:.0f} % of the way",
+                          100 * route["walk_share_with_a_sign"].get<double>());
+      Json json = {{"criterion", "route " + routes_[r].name}, {"time", nullptr}};
+      if (meter_) {
+        std::string reached;
+        for (std::size_t c = 0; c < meter_->criteria().size(); ++c) {
+          const double time = meter_->times(c).by(survey_->round)[r];
+          if (std::isinf(time))
+            continue;
+          reached += fmt::format("{}{} at {:.4g} s", reached.empty() ? "" : ", ",
+                                 meter_->criteria()[c].name, time);
+        }
+        text += reached.empty() ? "; no criterion of tenability is reached on it"
+                                : "; reached on it: " + reached;
+      }
+      json["sentence"] = text + ".";
+      verdict.push_back(std::move(json));
+    }
+    report["verdict"] = std::move(verdict);
   }
 
   template <class Seen>
@@ -129,13 +308,15 @@ class RouteWatch final : public Watch {
   }
 
   /// What walkers see who arrive between the last time and this one: optical depths are linear in
-  /// between, as the smoke is; what is opaque is that of the last time.
+  /// between, as the smoke is; what is opaque is that of the last time, which is given anew whenever
+  /// something opaque comes or goes.
   void noteWalk(const SurveyTime& at) {
     for (std::size_t i = 0; i < stations_.size(); ++i) {
       const double when = stations_[i].arrival;
       const bool now = when == at.time;
       if (!now && (last_.empty() || !(when > lastTime_ && when < at.time)))
         continue;
+      walk_[i].clear();  // of the same time before something opaque came or went
       for (std::size_t s = 0; s < survey_->signs.size(); ++s) {
         const Sighting& after = at.sightings[s * eyes_.size() + i];
         if (now) {
@@ -162,23 +343,46 @@ class RouteWatch final : public Watch {
     for (std::size_t i = 0; i < stations_.size(); ++i) {
       if (stations_[i].route != r)
         continue;
-      Json record = {{"time", stations_[i].arrival},
+      Json record = {{"time", jsonNumber(stations_[i].arrival)},
                      {"along", stations_[i].along},
                      {"position", {eyes_[i][0], eyes_[i][1], eyes_[i][2]}}};
       if (walk_[i].empty()) {
         record["seen"] = nullptr;  // the smoke's times end before
       } else {
         record["seen"] = Json::array();
+        Json unsure = Json::array();
         for (std::size_t s = 0; s < walk_[i].size(); ++s) {
-          if (walk_[i][s].visible)
+          const Sighting& sighting = walk_[i][s];
+          if (sighting.visible)
             record["seen"].push_back(survey_->signs[s].sign.name);
+          if (sighting.seen() == Seen::kCannotTell)
+            unsure.push_back(survey_->signs[s].sign.name);
         }
+        if (!unsure.empty())
+          record["cannot_tell"] = std::move(unsure);
         known += stations_[i].share;
         seen += record["seen"].empty() ? 0 : stations_[i].share;
       }
       walk.push_back(std::move(record));
     }
     json["walk"] = std::move(walk);
+    json["arrival"] = nullptr;
+    for (const Station& station : stations_) {
+      if (station.route == r)
+        json["arrival"] = jsonNumber(station.arrival);
+    }
+    if (meter_) {
+      json["exposure"] = Json::array();
+      for (std::size_t c = 0; c < meter_->criteria().size(); ++c) {
+        const LossTimes& times = meter_->times(c);
+        json["exposure"].push_back(
+            {{"name", meter_->criteria()[c].name},
+             {meter_->criteria()[c].isDose() ? "dose" : "worst_value",
+              meter_->unknown(c, r) ? Json() : jsonNumber(meter_->worst(c)[r])},
+             {"time", jsonNumber(times.by(survey_->round)[r])},
+             {"time_interpolated", jsonNumber(times.none[r])}});
+      }
+    }
     json["walk_share_known"] = std::min(known, 1.0);
     json["walk_share_with_a_sign"] = std::min(seen, 1.0);
     return json;
@@ -208,13 +412,15 @@ class RouteWatch final : public Watch {
       const double length = route["length"].get<double>();
       rows.push_back(
           {htmlOf(route["name"]), fmt::format("{:.1f}", length),
-           fmt::format("{:.0f}", start_ + length / speed_),
+           htmlOf(route["arrival"], "{:.0f}"),
            htmlOf(100 * route["walk_share_with_a_sign"].get<double>(), "{:.0f} %") +
                (known < 0.999 ? fmt::format(" (smoke is known for {:.0f} % of it)", 100 * known)
                               : "")});
     }
-    return fmt::format("<p>Someone who sets out at {:g} s and walks at {:g} m/s:</p>\n", start_,
-                       speed_) +
+    return fmt::format(
+               "<p>Someone who sets out at {:g} s and walks at {:g} m/s in clear air ({}):</p>\n",
+               walking_.start, walking_.speed,
+               speedLaws()[static_cast<std::size_t>(walking_.slowed)].source) +
            htmlTable({"route", "length [m]", "arrives [s]", "share of the way with a sign in view"},
                      rows);
   }
@@ -234,7 +440,11 @@ class RouteWatch final : public Watch {
 
   const Survey* survey_ = nullptr;
   std::vector<Route> routes_;
-  double speed_, start_;
+  Walk walking_;
+  std::vector<std::vector<TrackPoint>> tracks_;  // of each walker whom smoke slows down
+  std::vector<double> extinction_;               // at the stations, at the last time
+  double smokeTime_ = 0;
+  std::optional<ExposureMeter> meter_;
   std::vector<Station> stations_;
   std::vector<Vec3> eyes_;
   FloorPlan plan_;
@@ -246,8 +456,8 @@ class RouteWatch final : public Watch {
 
 }  // namespace
 
-std::unique_ptr<Watch> routeWatch(std::vector<Route> routes, double speed, double start) {
-  return std::make_unique<RouteWatch>(std::move(routes), speed, start);
+std::unique_ptr<Watch> routeWatch(std::vector<Route> routes, const Walk& walk) {
+  return std::make_unique<RouteWatch>(std::move(routes), walk);
 }
 
 }  // namespace volute

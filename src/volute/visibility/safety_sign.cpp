@@ -61,6 +61,10 @@ std::string nameOf(const AngleLaw& law) {
   return "front";
 }
 
+std::string_view nameOf(Seen seen) {
+  return seen == Seen::kYes ? "yes" : (seen == Seen::kNo ? "no" : "cannot tell");
+}
+
 Sighting judged(const SafetySign& sign, Sighting sighting, double depth, double low, double high) {
   const double factor = sign.angle.factor(std::cos(sighting.angle * (std::numbers::pi / 180)));
   const double most = sign.law.c * factor;

@@ -42,6 +42,15 @@ struct SafetySign {
   AngleLaw angle;
 };
 
+/// Whether a sign is seen.
+enum class Seen : unsigned char {
+  kNo,
+  kYes,
+  kCannotTell,  ///< the smoke is not known well enough: rounded files, or no data on the line
+};
+
+std::string_view nameOf(Seen seen);  ///< "no", "yes", "cannot tell"
+
 /// What an eye makes of a sign at one time.
 struct Sighting {
   double distance = 0;  ///< [m]
@@ -56,6 +65,11 @@ struct Sighting {
   bool visible = false;    ///< in sight, distance <= visibility
   bool certainly = false;  ///< so at any depth up to `high`
   bool possibly = false;   ///< so at some depth from `low` up
+
+  /// By the bounds of the depth.
+  Seen seen() const {
+    return certainly ? Seen::kYes : (possibly ? Seen::kCannotTell : Seen::kNo);
+  }
 };
 
 /// Puts together where the eye is and what lies on the line.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <limits>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
@@ -154,21 +153,6 @@ void Lookout::sum(const SightInstant& instant, std::span<const SightTarget> sign
                    out[s * eyes.size() + first + i] = judge(signs[s].sign, eyes[first + i], sight);
                  }
                });
-}
-
-LossTimes::LossTimes(std::size_t places)
-    : time(places, std::numeric_limits<double>::infinity()), earliest(time), latest(time) {}
-
-void updateLoss(LossTimes& loss, double now, std::span<const std::size_t> members,
-                std::span<const Sighting> sightings) {
-  const std::size_t eyes = loss.time.size();
-  const auto any = [&](bool Sighting::* what) {
-    return [&, what](std::size_t i) {
-      return std::ranges::any_of(members,
-                                 [&](std::size_t s) { return sightings[s * eyes + i].*what; });
-    };
-  };
-  loss.update(now, any(&Sighting::visible), any(&Sighting::certainly), any(&Sighting::possibly));
 }
 
 }  // namespace volute

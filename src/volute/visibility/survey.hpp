@@ -62,33 +62,4 @@ class Lookout {
   std::vector<Batch> batches_;
 };
 
-/// The first stored times at which something is no longer so, for many places [s]; infinite where
-/// it always is.
-struct LossTimes {
-  std::vector<double> time;      ///< at the field's depths
-  std::vector<double> earliest;  ///< at the largest depths that its rounding allows
-  std::vector<double> latest;    ///< at the smallest
-
-  explicit LossTimes(std::size_t places);
-
-  /// A stored time, in ascending order; `holds(i)` etc. say what is so at place i.
-  template <class Holds, class Certainly, class Possibly>
-  void update(double now, Holds&& holds, Certainly&& certainly, Possibly&& possibly) {
-    for (std::size_t i = 0; i < time.size(); ++i) {
-      if (!holds(i) && now < time[i])
-        time[i] = now;
-      if (!certainly(i) && now < earliest[i])
-        earliest[i] = now;
-      if (!possibly(i) && now < latest[i])
-        latest[i] = now;
-    }
-  }
-};
-
-/// When no sign of a set is seen any more: the ASET map (available safe egress time) by visibility.
-/// @param members  the set, positions in the signs.
-/// @param sightings  as lookAround gives them at `now`.
-void updateLoss(LossTimes& loss, double now, std::span<const std::size_t> members,
-                std::span<const Sighting> sightings);
-
 }  // namespace volute

@@ -3,13 +3,16 @@
 #include "volute/visibility/survey_job.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "volute/base/ordered_delivery.hpp"
 #include "volute/base/output_folder.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/base/remark_log.hpp"
+#include "volute/base/version.hpp"
 #include "volute/base/write_file.hpp"
+#include "volute/report/pdf.hpp"
 #include "volute/visibility/sight_csv.hpp"
 #include "volute/visibility/survey_page.hpp"
 
@@ -110,6 +113,9 @@ class Job {
     VOLUTE_ASSIGN(chosen_, chosenTimes(request_.frames, field_));
     for (const int i : chosen_) survey_.times.push_back(field_.times()[i]);
     survey_.bounds = field_.bounds();
+    survey_.field = &field_;
+    if (watch_.wantsChanges())
+      changes_ = field_.changes();
     for (const std::string& remark : field_.remarks()) log_.remark(remark);
     for (const std::string& remark : request_.remarks) log_.remark(remark);
     VOLUTE_TRY(team_.agree(openFolder()));
@@ -126,11 +132,13 @@ class Job {
         },
         [&] { return seen.finish(); }));
     VOLUTE_TRY(team_.agree(team_.leads() ? finish() : Status()));
-    SurveySummary summary{0, survey_.times};
+    SurveySummary summary{0, survey_.times, 0, 0, {}};
     if (team_.leads()) {
       summary.sightLines = csv_->rows();
       summary.seenFirst = summary_.front()["any"].get<double>();
       summary.seenLast = summary_.back()["any"].get<double>();
+      for (const Json& one : json_.value("verdict", Json::array()))
+        summary.verdict.push_back(one["sentence"].get<std::string>());
     }
     return summary;
   }
@@ -140,7 +148,8 @@ class Job {
 
   /// What a rank sends of a time: this, the sightings, extinction at the eyes, and rows of the table.
   struct Lengths {
-    std::uint64_t sightings = 0, extinction = 0, rows = 0;
+    double time = 0;
+    std::uint64_t stored = 0, sightings = 0, extinction = 0, rows = 0;
   };
 
   Status openFolder() {
@@ -148,7 +157,7 @@ class Job {
       return {};
     VOLUTE_ASSIGN(auto folder, PendingFolder::create(request_.output, kMark));
     folder_.emplace(std::move(folder));
-    VOLUTE_ASSIGN(auto csv, SightCsv::create(folder_->path() / "sight.csv"));
+    VOLUTE_ASSIGN(auto csv, SightCsv::create(folder_->path(), request_.sightFile));
     csv_.emplace(std::move(csv));
     return {};
   }
@@ -176,12 +185,37 @@ class Job {
     return field_.read(static_cast<std::size_t>(chosen_[i]));
   }
 
-  /// All of a time that can be said without the others.
+  /// All of a stored time that can be said without the others, and of what changed since the one
+  /// before.
   Result<Bytes> look(std::size_t i) {
     if (log_.cancelled())
       return fail(ErrorCode::kCancelled, "stopped at {} s; nothing was written", survey_.times[i]);
+    Bytes bytes;
+    if (i > 0)
+      VOLUTE_TRY(lookAtChanges(survey_.times[i - 1], survey_.times[i], bytes));
     VOLUTE_ASSIGN(const auto instant, instantAt(i));
-    const double time = survey_.times[i];
+    VOLUTE_TRY(lookAt(*instant, i, survey_.times[i], true, bytes));
+    return bytes;
+  }
+
+  /// What opaque things that come or go between two stored times do: what was there until then, and
+  /// what is there from then on.
+  Status lookAtChanges(double from, double to, Bytes& bytes) {
+    for (const double change : changes_) {
+      if (!(change > from && change <= to))
+        continue;
+      for (const double time : {std::nextafter(change, from), change}) {
+        if (time == to)
+          continue;  // the stored time
+        VOLUTE_ASSIGN(const auto instant, field_.readAt(time));
+        VOLUTE_TRY(lookAt(*instant, 0, change, false, bytes));
+      }
+    }
+    return {};
+  }
+
+  Status lookAt(const SightInstant& instant, std::size_t index, double time, bool stored,
+                Bytes& bytes) {
     const auto eyes = watch_.eyes(time);
     const std::uint64_t lines = eyes.size() * survey_.signs.size();
     if (lines > request_.maxMemory / (2 * sizeof(Sighting))) {
@@ -191,21 +225,27 @@ class Job {
                   eyes.size(), survey_.signs.size(), request_.maxMemory / (2 * sizeof(Sighting)));
     }
     std::vector<Sighting> sightings(lines);
-    lookout_.look(*instant, survey_.signs, eyes, sightings, survey_.times.size() > 1);
-    std::vector<double> extinction(survey_.extinctionLimit > 0 ? eyes.size() : 0);
+    lookout_.look(instant, survey_.signs, eyes, sightings, survey_.times.size() > 1);
+    const bool smoke =
+        survey_.extinctionLimit > 0 || !survey_.criteria.empty() || watch_.wantsExtinction();
+    std::vector<double> extinction(smoke ? eyes.size() : 0);
     parallelRanges(extinction.size(), 512, [&](std::size_t begin, std::size_t end) {
-      instant->extinction(std::span(eyes).subspan(begin, end - begin),
-                          std::span(extinction).subspan(begin, end - begin));
+      instant.extinction(std::span(eyes).subspan(begin, end - begin),
+                         std::span(extinction).subspan(begin, end - begin));
     });
-    VOLUTE_TRY(watch_.draw({i, time, eyes, sightings, extinction}));
-    const std::string rows = SightCsv::rowsOf(time, eyes, survey_.signs, sightings);
-    const Lengths lengths{sightings.size(), extinction.size(), rows.size()};
-    Bytes bytes;
+    std::string rows;
+    if (stored) {
+      VOLUTE_TRY(watch_.draw({index, time, eyes, sightings, extinction}));
+      if (request_.sightFile != SightFile::kNone)
+        rows = SightCsv::rowsOf(time, eyes, survey_.signs, sightings);
+    }
+    const Lengths lengths{time, stored ? std::uint64_t{1} : 0, sightings.size(), extinction.size(),
+                          rows.size()};
     for (const auto part : {std::as_bytes(std::span(&lengths, 1)),
                             std::as_bytes(std::span(sightings)),
                             std::as_bytes(std::span(extinction)), std::as_bytes(std::span(rows))})
       bytes.insert(bytes.end(), part.begin(), part.end());
-    return bytes;
+    return {};
   }
 
   /// What look() gave, in the order of times, on rank 0.
@@ -215,19 +255,26 @@ class Job {
       std::copy_n(left.begin(), size, static_cast<std::byte*>(to));
       left = left.subspan(size);
     };
-    Lengths lengths;
-    next(&lengths, sizeof lengths);
-    std::vector<Sighting> sightings(lengths.sightings);
-    next(sightings.data(), lengths.sightings * sizeof(Sighting));
-    std::vector<double> extinction(lengths.extinction);
-    next(extinction.data(), lengths.extinction * sizeof(double));
-    VOLUTE_TRY(csv_->write({reinterpret_cast<const char*>(left.data()), lengths.rows},
-                           lengths.sightings));
-    const double time = survey_.times[static_cast<std::size_t>(i)];
-    const auto eyes = watch_.eyes(time);
-    const SurveyTime at{static_cast<std::size_t>(i), time, eyes, sightings, extinction};
-    summary_.push_back(summaryOf(at, survey_));
-    return watch_.take(at);
+    while (!left.empty()) {
+      Lengths lengths;
+      next(&lengths, sizeof lengths);
+      std::vector<Sighting> sightings(lengths.sightings);
+      next(sightings.data(), lengths.sightings * sizeof(Sighting));
+      std::vector<double> extinction(lengths.extinction);
+      next(extinction.data(), lengths.extinction * sizeof(double));
+      const std::string_view rows(reinterpret_cast<const char*>(left.data()), lengths.rows);
+      left = left.subspan(lengths.rows);
+      const auto eyes = watch_.eyes(lengths.time);
+      const bool stored = lengths.stored != 0;
+      const SurveyTime at{static_cast<std::size_t>(i), lengths.time, eyes, sightings, extinction,
+                          stored};
+      if (stored) {
+        VOLUTE_TRY(csv_->write(rows, lengths.sightings));
+        summary_.push_back(summaryOf(at, survey_));
+      }
+      VOLUTE_TRY(watch_.take(at));
+    }
+    return {};
   }
 
   void remarkOnUncovered() {
@@ -246,26 +293,64 @@ class Job {
   }
 
   Status finish() {
-    VOLUTE_TRY(csv_->finish());
+    VOLUTE_ASSIGN(const auto sightFile, csv_->finish());
     remarkOnUncovered();
     json_ = {{"format", "volute-visibility-1"},
              {"case", request_.casePath},
              {"smoke", field_.description()},
              {"criterion",
               "seen when nothing opaque stands between and the optical depth (integral "
-              "of K ds, natural logarithm) is at most C times the angle law's factor"}};
+              "of K ds, natural logarithm) is at most C times the angle law's factor"},
+             {"sight_file", sightFile.empty() ? Json() : Json(sightFile)}};
+    addFacts();
     json_["signs"] = Json::array();
     for (const SightTarget& target : survey_.signs) json_["signs"].push_back(signJson(target));
     json_["times"] = survey_.times;
+    json_["round"] = nameOf(survey_.round);
     json_["summary"] = summary_;
     VOLUTE_ASSIGN(auto body, watch_.finish(json_));
     VOLUTE_ASSIGN(const auto views, pictures_.finish(survey_, json_));
     body += views;
     json_["remarks"] = log_.remarks();
-    if (watch_.hasPage())
+    if (watch_.hasPage()) {
       VOLUTE_TRY(writeSurveyPage(folder_->path() / "report.html", json_, body));
+      if (request_.pdf) {
+        const auto printed =
+            printPdf(folder_->path() / "report.html", folder_->path() / "report.pdf");
+        if (!printed) {
+          log_.remark(printed.error().message);
+          json_["remarks"] = log_.remarks();
+        }
+      }
+    }
     VOLUTE_TRY(writeFile(folder_->path() / kMark, dumpJson(json_) + "\n"));
     return folder_->commit();
+  }
+
+  /// Title block and curves of the case.
+  void addFacts() {
+    auto facts = field_.facts();
+    if (!facts) {
+      log_.remark(facts.error().message);
+      return;
+    }
+    for (const std::string& remark : facts->remarks) log_.remark(remark);
+    Json& title = json_["title_block"] = Json::object();
+    for (const auto& [name, value] : facts->title) title[name] = value;
+    title["analysis"] = "Volute " VOLUTE_VERSION;
+    if (!request_.author.empty())
+      title["by"] = request_.author;
+    if (!request_.date.empty())
+      title["date"] = request_.date;
+    const auto curves = [](const std::vector<FactCurve>& from) {
+      Json list = Json::array();
+      for (const FactCurve& curve : from)
+        list.push_back({{"name", curve.name}, {"unit", curve.unit}, {"times", curve.times},
+                        {"values", curve.values}});
+      return list;
+    };
+    json_["fire"] = curves(facts->fire);
+    json_["devices"] = curves(facts->devices);
   }
 
   SurveyRequest request_;
@@ -276,6 +361,7 @@ class Job {
   Team& team_;
   Lookout lookout_;
   Survey survey_;
+  std::vector<double> changes_;                 // of what is opaque
   std::vector<int> chosen_;                     // stored times, of Survey::times
   std::optional<PendingFolder> folder_;         // of rank 0
   std::optional<SightCsv> csv_;                 // of rank 0

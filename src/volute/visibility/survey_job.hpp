@@ -5,6 +5,7 @@
 #include "volute/base/team.hpp"
 #include "volute/grid/select_frames.hpp"
 #include "volute/media/sight.hpp"
+#include "volute/visibility/sight_csv.hpp"
 #include "volute/visibility/watch.hpp"
 
 namespace volute {
@@ -17,6 +18,9 @@ struct SurveyRequest {
   Survey survey;                               ///< the numbers of it
   std::vector<std::string> remarks{};  ///< that the results begin with
   std::string output;
+  SightFile sightFile = SightFile::kAuto;
+  bool pdf = false;  ///< print report.html as report.pdf; a remark where that cannot be
+  std::string author{}, date{};  ///< of the report's title block; may be empty
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
 };
 
@@ -37,6 +41,7 @@ struct SurveySummary {
   std::uint64_t sightLines = 0;
   std::vector<double> times;           ///< [s]
   double seenFirst = 0, seenLast = 0;  ///< shares of the eyes that see a sign
+  std::vector<std::string> verdict;    ///< in sentences
 };
 
 /// Goes through the stored times of a case and writes the folder of results. A stored time is a unit

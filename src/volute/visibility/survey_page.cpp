@@ -2,11 +2,94 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/visibility/survey_page.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <map>
+
 #include "volute/report/line_plot.hpp"
 #include "volute/report/page.hpp"
 
 namespace volute {
 namespace {
+
+/// The answer, before everything else.
+std::string verdictPart(const Json& report) {
+  std::string html;
+  if (report.contains("verdict")) {
+    for (const Json& one : report["verdict"])
+      html += fmt::format("<div class='verdict'>{}</div>\n", htmlOf(one["sentence"]));
+  }
+  return html.empty() ? "" : "<h2>Verdict</h2>\n" + html;
+}
+
+std::string titlePart(const Json& report) {
+  if (!report.contains("title_block"))
+    return "";
+  std::vector<HtmlRow> rows;
+  for (const auto& [name, value] : report["title_block"].items())
+    rows.push_back({escapedHtml(name), htmlOf(value)});
+  const Json& times = report["times"];
+  rows.push_back({"smoke from", htmlOf(report["smoke"])});
+  rows.push_back({"stored times", fmt::format("{}, {} to {} s", times.size(), times.front().dump(),
+                                              times.back().dump())});
+  const std::string round = report["round"].get<std::string>();
+  rows.push_back({"times between stored ones are given",
+                  round == "down" ? "as the last stored one at which it was still so (safe side)"
+                  : round == "up" ? "as the first stored one at which it is no longer so"
+                                  : "interpolated"});
+  return htmlTable({}, rows);
+}
+
+/// A curve's plot of a few hundred points at most.
+std::string curvePlot(const std::string& title, const std::string& unit,
+                      const std::vector<const Json*>& curves) {
+  constexpr std::size_t kPoints = 400;
+  const auto times = (*curves[0])["times"].get<std::vector<double>>();
+  const std::size_t every = std::max<std::size_t>(1, times.size() / kPoints);
+  std::vector<double> x;
+  for (std::size_t i = 0; i < times.size(); i += every) x.push_back(times[i]);
+  std::vector<PlotLine> lines;
+  for (const Json* curve : curves) {
+    const Json& values = (*curve)["values"];
+    if (values.size() != times.size())
+      continue;
+    PlotLine line{(*curve)["name"].get<std::string>(), {}};
+    for (std::size_t i = 0; i < times.size(); i += every) line.y.push_back(values[i].get<double>());
+    lines.push_back(std::move(line));
+  }
+  return x.size() < 2 || lines.empty() ? "" : linePlot(title, "time [s]", unit, x, lines);
+}
+
+/// Heat release, and devices of the same unit together.
+std::string firePart(const Json& report) {
+  if (!report.contains("fire"))
+    return "";
+  std::string html;
+  for (const Json& curve : report["fire"])
+    html += curvePlot("Heat release rate", curve["unit"].get<std::string>(), {&curve});
+  std::map<std::string, std::vector<const Json*>> byUnit;
+  constexpr std::size_t kLines = 8, kPlots = 4;
+  for (const Json& curve : report["devices"]) {
+    const bool negative = std::ranges::any_of(curve["values"], [](const Json& value) {
+      return value.is_number() && value.get<double>() < 0;
+    });
+    if (negative)
+      continue;  // plots begin at 0
+    auto& curves = byUnit[curve["unit"].get<std::string>()];
+    if (curves.size() < kLines)
+      curves.push_back(&curve);
+  }
+  std::size_t plots = 0;
+  for (const auto& [unit, curves] : byUnit) {
+    if (plots++ < kPlots)
+      html += curvePlot(fmt::format("Devices [{}]", unit), unit, curves);
+  }
+  const std::size_t devices = report["devices"].size();
+  if (devices > 0)
+    html += fmt::format("<p>{} devices in visibility.json; up to {} of a unit are drawn, none that goes below 0.</p>\n",
+                        devices, kLines);
+  return html.empty() ? "" : "<h2>Fire</h2>\n" + html;
+}
 
 std::string signTable(const Json& signs) {
   std::vector<HtmlRow> rows;
@@ -18,7 +101,7 @@ std::string signTable(const Json& signs) {
          htmlOf(sign["source"]) +
              (sign["source_checked"] == true ? "" : " <b>(source not checked)</b>")});
   }
-  return "<h2>Signs and criteria</h2>\n" +
+  return "<h2>Signs and criteria of sight</h2>\n" +
          htmlTable({"sign", "position [m]", "seen while the optical depth is at most", "angle",
                     "source of C"},
                    rows);
@@ -42,20 +125,32 @@ std::string summaryPlot(const Json& report) {
   return linePlot("Share of the eyes that see a sign", "time [s]", "share", times, lines);
 }
 
+constexpr const char* kLimits =
+    R"(<h2>Limits</h2>
+<ul>
+<li>S = C / K is an empirical rule: C holds for the signs, the light and the observers of the
+experiments behind it. A sign's luminance, its size and the room's light are not in it.</li>
+<li>Between stored times optical depths, temperatures and concentrations are linear. What happens and
+is over between two stored times is not seen.</li>
+<li>Doses are of people who stand or walk where the plan or the route says; what they took in before
+is not known. A fractional dose of 1 is that at which half of the people are affected, by the models
+named above; which people they are is not looked at.</li>
+<li>Gases that the case does not store count as not there: what the criteria's table names so makes
+doses too small.</li>
+<li>The fire, its soot and its gases are those of the simulation. What cells of another size would
+give can be told by another simulation alone.</li>
+</ul>
+<p>docs/visibility.md and docs/tenability.md of Volute say what is computed and what is not.</p>
+)";
+
 }  // namespace
 
 Status writeSurveyPage(const std::filesystem::path& file, const Json& report,
                        const std::string& body) {
-  const Json& times = report["times"];
-  return writePage(
-      file, "Visibility of signs",
-      fmt::format("<p>{}</p>\n<p>{} stored times, {} to {} s.</p>\n", htmlOf(report["smoke"]),
-                  times.size(), times.front().dump(), times.back().dump()) +
-          htmlWarnings(report["remarks"]) + signTable(report["signs"]) + summaryPlot(report) +
-          body +
-          "<p>S = C / K is an empirical rule: C holds for the signs, the light and the observers "
-          "of the experiments behind it. docs/visibility.md of Volute says what is computed and "
-          "what is not.</p>\n");
+  return writePage(file, "Tenability and sight of signs",
+                   verdictPart(report) + titlePart(report) + htmlWarnings(report["remarks"]) +
+                       firePart(report) + signTable(report["signs"]) + summaryPlot(report) + body +
+                       kLimits);
 }
 
 }  // namespace volute

@@ -2,10 +2,44 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/visibility/watch.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+
+#include "volute/base/write_file.hpp"
 #include "volute/report/line_plot.hpp"
+#include "volute/visibility/plan_tenability.hpp"
 
 namespace volute {
 namespace {
+
+/// One for each; null: not until the end.
+Json timesOf(std::span<const double> times) {
+  Json list = Json::array();
+  for (const double time : times) list.push_back(jsonNumber(time));
+  return list;
+}
+
+/// Criteria, with when each of the exposed reaches them and what they have taken in.
+Json exposureJson(const ExposureMeter& meter, RoundTime round) {
+  Json list = criteriaJson(meter);
+  for (std::size_t c = 0; c < meter.criteria().size(); ++c) {
+    const LossTimes& times = meter.times(c);
+    std::vector<double> worst(meter.worst(c).begin(), meter.worst(c).end());
+    for (std::size_t i = 0; i < worst.size(); ++i) {
+      if (meter.unknown(c, i))
+        worst[i] = std::numeric_limits<double>::quiet_NaN();
+    }
+    list[c].update(Json{{"times", timesOf(times.by(round))},
+                        {"times_interpolated", timesOf(times.none)},
+                        {"times_up", timesOf(times.up)},
+                        {meter.criteria()[c].isDose() ? "dose_at_the_end" : "worst_value",
+                         timesOf(worst)}});
+  }
+  return list;
+}
 
 /// Points of a file, or people who walk. Gives sight.csv and figures, no page.
 class PointWatch : public Watch {
@@ -24,15 +58,53 @@ class PointWatch : public Watch {
             places[i] == Place::kSolid ? "inside something solid" : "where the case has no smoke"));
       }
     }
+    std::vector<std::vector<std::size_t>> sets;
+    for (const SignSet& set : survey.sets) sets.push_back(set.members);
+    losses_.emplace(survey.signs, std::move(sets), points_.size());
+    if (!survey.criteria.empty())
+      meter_.emplace(AirField::open(*survey.field, survey.criteria), survey.criteria,
+                     points_.size());
     return {};
   }
 
   std::vector<Vec3> eyes(double) const override { return points_; }
 
-  Status take(const SurveyTime&) override { return {}; }
+  Status take(const SurveyTime& at) override {
+    losses_->update(at.time, at.sightings);
+    if (!meter_ || !at.stored)
+      return {};
+    VOLUTE_TRY(meter_->advance(
+        at.time, [&](double, std::span<Vec3> places) { std::ranges::copy(points_, places.begin()); },
+        at.extinction));
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      table_ += fmt::format("{:g},{:g},{:g},{:g}", at.time, points_[i][0], points_[i][1],
+                            points_[i][2]);
+      for (std::size_t c = 0; c < meter_->criteria().size(); ++c)
+        table_ += fmt::format(",{:.9g}", meter_->values(c)[i]);
+      table_ += '\n';
+    }
+    return {};
+  }
 
   Result<std::string> finish(Json& report) override {
     report["eyes"] = {{"kind", "points"}, {"count", points_.size()}};
+    report["aset"] = Json::array();
+    for (std::size_t set = 0; set < survey_->sets.size(); ++set) {
+      const LossTimes& loss = losses_->times(set);
+      report["aset"].push_back(
+          {{"set", survey_->sets[set].name},
+           {"times", timesOf(loss.by(survey_->round))},
+           {"times_interpolated", timesOf(loss.none)},
+           {"times_up", timesOf(loss.up)},
+           {"times_earliest", timesOf(losses_->earliest(set).by(survey_->round))},
+           {"times_latest", timesOf(losses_->latest(set).by(survey_->round))}});
+    }
+    if (meter_) {
+      report["tenability"]["criteria"] = exposureJson(*meter_, survey_->round);
+      std::string head = "time,x,y,z";
+      for (const Criterion& one : meter_->criteria()) head += "," + Survey::fileName(one.name);
+      VOLUTE_TRY(writeFile(survey_->folder / "tenability.csv", head + "\n" + table_));
+    }
     return std::string();
   }
 
@@ -41,6 +113,9 @@ class PointWatch : public Watch {
  private:
   const Survey* survey_ = nullptr;
   std::vector<Vec3> points_;
+  std::optional<SignLoss> losses_;
+  std::optional<ExposureMeter> meter_;
+  std::string table_;  // lines of tenability.csv
 };
 
 class TrajectoryWatch final : public Watch {
@@ -49,10 +124,15 @@ class TrajectoryWatch final : public Watch {
 
   Status begin(const Survey& survey, const SightInstant&, Progress& progress) override {
     survey_ = &survey;
+    progress_ = &progress;
     if (people_.end() < survey.times.front() || people_.begin() > survey.times.back()) {
       progress.remark(fmt::format(
           "people walk from {:g} to {:g} s, the smoke is there from {:g} to {:g} s: nobody looks",
           people_.begin(), people_.end(), survey.times.front(), survey.times.back()));
+    }
+    if (!survey.criteria.empty()) {
+      meter_.emplace(AirField::open(*survey.field, survey.criteria), survey.criteria,
+                     people_.ids().size());
     }
     return {};
   }
@@ -63,8 +143,15 @@ class TrajectoryWatch final : public Watch {
     return eyes;
   }
 
+  bool wantsChanges() const override { return false; }
+  bool wantsExtinction() const override { return true; }
+
   Status take(const SurveyTime& at) override {
     const auto people = people_.at(at.time);
+    for (std::size_t i = 0; i < at.extinction.size(); ++i) {
+      if (std::isnan(at.extinction[i]))
+        outside_.insert(people[i].id);
+    }
     Json record = {{"time", at.time}, {"people", people.size()}, {"see_a_sign", 0}};
     Json ids = Json::array();
     for (std::size_t i = 0; i < people.size(); ++i) {
@@ -77,10 +164,43 @@ class TrajectoryWatch final : public Watch {
     }
     record["ids"] = std::move(ids);
     records_.push_back(std::move(record));
-    return {};
+    return meter_ ? expose(at) : Status();
+  }
+
+  /// Doses along the ways since the time before.
+  Status expose(const SurveyTime& at) {
+    std::vector<double> extinction(people_.ids().size(), std::numeric_limits<double>::quiet_NaN());
+    const auto people = people_.at(at.time);
+    for (std::size_t i = 0; i < people.size(); ++i)
+      extinction[placeOf(people[i].id)] = at.extinction[i];
+    constexpr double kStep = 0.5;  // [s], some steps of somebody who runs
+    return meter_->advance(
+        at.time, [&](double time, std::span<Vec3> places) { placesAt(time, places); }, extinction,
+        kStep);
+  }
+
+  /// NaN for those who are not there.
+  void placesAt(double time, std::span<Vec3> places) const {
+    std::ranges::fill(places, Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+    for (const auto& person : people_.at(time)) places[placeOf(person.id)] = person.eye;
+  }
+
+  std::size_t placeOf(int id) const {
+    return static_cast<std::size_t>(std::ranges::lower_bound(people_.ids(), id) -
+                                    people_.ids().begin());
   }
 
   Result<std::string> finish(Json& report) override {
+    if (!outside_.empty()) {
+      progress_->remark(fmt::format(
+          "{} of {} people are at some stored time inside something solid or where the case has no "
+          "smoke, the first of them {}: check their coordinates and --height",
+          outside_.size(), people_.people(), *outside_.begin()));
+    }
+    if (meter_) {
+      report["tenability"]["ids"] = std::vector<int>(people_.ids().begin(), people_.ids().end());
+      report["tenability"]["criteria"] = exposureJson(*meter_, survey_->round);
+    }
     report["eyes"] = {{"kind", "trajectories"},
                       {"people", people_.people()},
                       {"begin", people_.begin()},
@@ -101,6 +221,9 @@ class TrajectoryWatch final : public Watch {
 
  private:
   const Survey* survey_ = nullptr;
+  Progress* progress_ = nullptr;
+  std::set<int> outside_;  // who was at some time where there is no gas
+  std::optional<ExposureMeter> meter_;
   Trajectories people_;
   Json records_ = Json::array();
 };

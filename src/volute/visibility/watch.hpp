@@ -4,13 +4,18 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "volute/base/progress.hpp"
 #include "volute/report/json.hpp"
+#include "volute/tenability/criterion.hpp"
+#include "volute/tenability/walking_speed.hpp"
 #include "volute/visibility/eyes.hpp"
+#include "volute/visibility/loss.hpp"
+#include "volute/visibility/rset.hpp"
 #include "volute/visibility/survey.hpp"
 
 namespace volute {
@@ -35,6 +40,11 @@ struct Survey {
   bool maps = true;            ///< a map for each sign and time
   double extinctionLimit = 0;  ///< [1/m]; 0: none
   std::shared_ptr<const PlanUnderlay> underlay = nullptr;  ///< under maps; may be null
+  RoundTime round = RoundTime::kDown;  ///< how `rows` and verdicts give losses between times
+
+  SightField* field = nullptr;         ///< whose air criteria ask about
+  std::vector<Criterion> criteria;     ///< of tenability, besides the sight of signs; may be empty
+  std::optional<Rset> rset;            ///< what plans are compared with
 
   /// The name as part of a file's name.
   static std::string fileName(std::string_view name);
@@ -46,9 +56,11 @@ struct SurveyTime {
   double time = 0;        ///< [s]
   std::span<const Vec3> eyes;
   std::span<const Sighting> sightings;  ///< shape (sign, eye)
-  /// Where the eyes stand [1/m], if Survey::extinctionLimit asks for it; NaN as
-  /// SightInstant::extinction() says.
+  /// Where the eyes stand [1/m], where Survey or Watch ask for it; NaN as SightInstant::extinction()
+  /// says.
   std::span<const double> extinction{};
+  /// False at the times at which something opaque comes or goes, which are given before and after.
+  bool stored = true;
 };
 
 /// Where eyes are, and what becomes of what they see. One kind for each way of choosing eyes.
@@ -63,18 +75,24 @@ class Watch {
   /// The eyes at a time.
   virtual std::vector<Vec3> eyes(double time) const = 0;
 
-  /// Writes what files there are of a time alone. Each time once, in any order and on any rank,
+  /// Writes what files there are of a time alone. Each stored time once, in any order and on any rank,
   /// after begin() on that rank.
   [[nodiscard]] virtual Status draw(const SurveyTime& at) const {
     (void)at;
     return {};
   }
 
-  /// Each time in ascending order, on rank 0.
+  /// Each time in ascending order, those between stored ones too, on rank 0.
   [[nodiscard]] virtual Status take(const SurveyTime& at) = 0;
 
   /// Adds its figures to the report, writes its files, and returns its part of the page. On rank 0.
   [[nodiscard]] virtual Result<std::string> finish(Json& report) = 0;
+
+  /// Whether times between stored ones, at which something opaque comes or goes, are of use.
+  virtual bool wantsChanges() const { return true; }
+
+  /// Whether SurveyTime::extinction is of use besides what Survey asks for.
+  virtual bool wantsExtinction() const { return false; }
 
   /// True when a page is written.
   virtual bool hasPage() const { return true; }
@@ -82,8 +100,15 @@ class Watch {
 
 /// All points of a floor plan at a height: maps, and when signs are lost.
 std::unique_ptr<Watch> planWatch();
-/// Points along routes, and people who walk them: `speed` [m/s], from `start` on [s].
-std::unique_ptr<Watch> routeWatch(std::vector<Route> routes, double speed, double start);
+/// How somebody walks along a route.
+struct Walk {
+  double speed = 1.2;  ///< in clear air [m/s]
+  double start = 0;    ///< [s]
+  SpeedLaw slowed = SpeedLaw::kNone;
+};
+
+/// Points along routes, and people who walk them.
+std::unique_ptr<Watch> routeWatch(std::vector<Route> routes, const Walk& walk);
 std::unique_ptr<Watch> pointWatch(std::vector<Vec3> points);
 std::unique_ptr<Watch> trajectoryWatch(Trajectories people);
 

@@ -21,6 +21,7 @@ Command projectCommand();
 Command reconstructCommand();
 Command renderCommand();
 Command fogCommand();
+Command sweepCommand();
 Command synthesizeCommand();
 Command viewCommand();  ///< in builds with the viewer only
 Command visibilityCommand();

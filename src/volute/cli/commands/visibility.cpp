@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "volute/base/input_file.hpp"
@@ -12,6 +13,7 @@
 #include "volute/cli/view_pictures.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/report/page.hpp"
+#include "volute/visibility/criteria_file.hpp"
 #include "volute/visibility/plan_picture.hpp"
 #include "volute/visibility/sign_file.hpp"
 #include "volute/visibility/survey_job.hpp"
@@ -76,8 +78,9 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
     VOLUTE_ASSIGN(const auto text, readText(*file, context));
     VOLUTE_ASSIGN(const auto points, parsePoints(text, *file, height));
     VOLUTE_ASSIGN(auto routes, routesOf(points, *file));
-    return routeWatch(std::move(routes), arguments.get<double>("speed"),
-                      arguments.get<double>("start"));
+    VOLUTE_ASSIGN(const auto slowed, speedLaw(arguments.get<std::string>("slowed")));
+    return routeWatch(std::move(routes), {arguments.get<double>("speed"),
+                                          arguments.get<double>("start"), slowed});
   }
   if (const auto file = arguments.find<std::string>("eyes")) {
     VOLUTE_ASSIGN(const auto text, readText(*file, context));
@@ -127,6 +130,34 @@ std::string limitRemark(const std::string& name, double extinction) {
                                      "it");
 }
 
+/// The usual criteria, those of a file, or none.
+Result<std::vector<Criterion>> criteriaOf(const Arguments& arguments) {
+  const auto which = arguments.get<std::string>("criteria");
+  if (which == "none")
+    return std::vector<Criterion>();
+  if (which == "usual")
+    return usualCriteria();
+  return readCriteria(which);
+}
+
+/// A number of seconds, or a file.
+Result<std::optional<Rset>> rsetOf(const Arguments& arguments, const Context& context) {
+  const auto given = arguments.find<std::string>("rset");
+  if (!given)
+    return std::optional<Rset>();
+  double seconds = 0;
+  const char* end = given->data() + given->size();
+  const auto [stop, error] = std::from_chars(given->data(), end, seconds);
+  if (error == std::errc() && stop == end) {
+    if (!(seconds >= 0))
+      return fail(ErrorCode::kInvalidArgument, "--rset: {}: expected seconds >= 0, or a file", *given);
+    return Rset(seconds);
+  }
+  VOLUTE_ASSIGN(const auto text, readText(*given, context));
+  VOLUTE_ASSIGN(auto rset, Rset::parse(text, *given));
+  return std::optional<Rset>(std::move(rset));
+}
+
 /// A drawing of the building under maps: over the whole case, or where --underlay-bounds says.
 Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& arguments,
                                                        const Box3& bounds) {
@@ -170,6 +201,13 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   request.survey.height = height;
   request.survey.maps = arguments.get<std::string>("maps") == "all";
   VOLUTE_ASSIGN(request.survey.extinctionLimit, extinctionLimit(arguments));
+  VOLUTE_ASSIGN(request.sightFile, sightFile(arguments.get<std::string>("sight")));
+  request.pdf = arguments.flag("pdf");
+  request.author = arguments.find<std::string>("by").value_or("");
+  request.date = arguments.find<std::string>("date").value_or("");
+  VOLUTE_ASSIGN(request.survey.criteria, criteriaOf(arguments));
+  VOLUTE_ASSIGN(request.survey.rset, rsetOf(arguments, context));
+  VOLUTE_ASSIGN(request.survey.round, roundTime(arguments.get<std::string>("round")));
   VOLUTE_ASSIGN(const auto watch, watchOf(arguments, context));
   VOLUTE_ASSIGN(auto views, viewsOf(arguments));
   VOLUTE_TRY(checkFolderIsShared(request.output, context.team));
@@ -243,6 +281,8 @@ Status runVisibility(const Arguments& arguments, Context& context) {
                        found.times.front()))
       .add("seen_last", found.seenLast,
            fmt::format("{:.1f} % at {:g} s", 100 * found.seenLast, found.times.back()));
+  if (!found.verdict.empty())
+    report.add("verdict", found.verdict, fmt::format("{}", fmt::join(found.verdict, "\n             ")));
   context.print(report);
   return {};
 }
@@ -284,7 +324,7 @@ std::vector<Option> visibilityOptionTable() {
       {.name = "trajectories",
        .kind = kFile,
        .value = "FILE.txt",
-       .help = "look with walking people: JuPedSim's text format"},
+       .help = "look with walking people: JuPedSim's text format, or a table id,time,x,y[,z]"},
       {.name = "step",
        .kind = kNumber,
        .value = "M",
@@ -303,10 +343,34 @@ std::vector<Option> visibilityOptionTable() {
        .value = "T",
        .help = "when they set out [s]",
        .initial = "0"},
+      {.name = "slowed",
+       .kind = kChoice,
+       .value = "LAW",
+       .help = "how smoke slows down who walks a route",
+       .initial = "none",
+       .choices = {"none", "fridolf", "frantzich-nilsson"}},
+      {.name = "criteria",
+       .kind = kText,
+       .value = "WHICH",
+       .help = "of tenability, besides the sight of signs: usual, none, or a file of them (.json); "
+               "those of which the case stores nothing are named",
+       .initial = "usual"},
+      {.name = "rset",
+       .kind = kText,
+       .value = "T|FILE",
+       .help = "how long people need, which a plan's ASET is compared with: seconds, a table "
+               "x,y,rset, or people who walk"},
       {.name = "frames",
        .kind = kFrames,
        .value = "A:B[:S]",
        .help = "stored times by position from 0: A <= n < B, every S-th"},
+      {.name = "round",
+       .kind = kChoice,
+       .value = "HOW",
+       .help = "a loss between two stored times counts as at the first of them (down, on the safe "
+               "side), at the interpolated time (none), or at the second (up)",
+       .initial = "down",
+       .choices = {"down", "none", "up"}},
       {.name = "set",
        .kind = kText,
        .value = "NAME,NAME",
@@ -327,6 +391,23 @@ std::vector<Option> visibilityOptionTable() {
        .value = "X0,Y0,X1,Y1",
        .help = "where its lower left and upper right corners are [m]; else those of the case",
        .beside = "underlay"},
+      {.name = "sight",
+       .kind = kChoice,
+       .value = "FILE",
+       .help = "the table of all sight lines: sight.csv up to 10 MB and sight.csv.zst above, one of "
+               "them, or none",
+       .initial = "auto",
+       .choices = {"auto", "none", "csv", "csv.zst"}},
+      {.name = "pdf",
+       .help = "print the report as report.pdf, too, by Chromium if that is installed"},
+      {.name = "by",
+       .kind = kText,
+       .value = "NAME",
+       .help = "who makes the report, for its title block"},
+      {.name = "date",
+       .kind = kText,
+       .value = "DATE",
+       .help = "the report's date, for its title block"},
       {.name = "picture",
        .kind = kText,
        .value = "X,Y,Z",

@@ -55,7 +55,7 @@ class FdsKind final : public MediumKind {
     options.maxMemory = context.reading.maxMemory;
     options.visibilityFactor = smoke.model.c;
     VOLUTE_ASSIGN(auto fds, FdsCase::open(smoke.file, options));
-    return std::make_unique<FdsSight>(std::move(fds), smoke.file);
+    return std::make_unique<FdsSight>(std::move(fds), smoke.file, options.maxMemory);
   }
 
   bool opens(const std::string& path) const override { return isSmvPath(path); }

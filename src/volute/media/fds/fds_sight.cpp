@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <mutex>
+
+#include "volute/base/parallel.hpp"
+#include "volute/media/fds/fds_conditions.hpp"
 
 namespace volute {
 namespace {
@@ -53,8 +57,129 @@ std::size_t cornerPlace(const FdsLattice& lattice, const std::array<int, 3>& cel
 
 }  // namespace
 
+/// The least and the largest extinction in blocks of 4 x 4 x 4 cells of each lattice; solid cells
+/// count as 0, unknown ones as anything.
+struct FdsInstant::Blocks {
+  static constexpr int kEdge = 4;
+
+  struct OfLattice {
+    FdsPlanes planes;  ///< every fourth of the lattice's
+    std::vector<float> low, high;
+
+    std::size_t at(const std::array<int, 3>& block) const {
+      const std::size_t nx = planes[0].size() - 1, ny = planes[1].size() - 1;
+      return (static_cast<std::size_t>(block[2]) * ny + static_cast<std::size_t>(block[1])) * nx +
+             static_cast<std::size_t>(block[0]);
+    }
+  };
+
+  std::once_flag made;
+  std::vector<OfLattice> lattices;
+
+  static OfLattice of(const FdsLattice& lattice, const FdsValues& values,
+                      const std::vector<FdsCell>& cells);
+};
+
+FdsInstant::Blocks::OfLattice FdsInstant::Blocks::of(const FdsLattice& lattice,
+                                                     const FdsValues& values,
+                                                     const std::vector<FdsCell>& cells) {
+  OfLattice blocks;
+  std::array<int, 3> count{}, size{};  // of blocks, of values
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& planes = lattice.planes[axis];
+    for (std::size_t i = 0; i + 1 < planes.size(); i += kEdge) blocks.planes[axis].push_back(planes[i]);
+    blocks.planes[axis].push_back(planes.back());
+    count[axis] = static_cast<int>(blocks.planes[axis].size()) - 1;
+    size[axis] = lattice.cells(axis) + (lattice.nodal ? 1 : 0);
+  }
+  const std::size_t all =
+      static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) *
+      static_cast<std::size_t>(count[2]);
+  constexpr float kMost = std::numeric_limits<float>::infinity();
+  blocks.low.assign(all, kMost);
+  blocks.high.assign(all, 0);
+  const std::vector<float>& low = values.low.empty() ? values.value : values.low;
+  const std::vector<float>& high = values.high.empty() ? values.value : values.high;
+  parallelFor(static_cast<std::size_t>(count[2]), [&](std::size_t slab) {
+    std::array<int, 3> block{0, 0, static_cast<int>(slab)};
+    for (block[1] = 0; block[1] < count[1]; ++block[1]) {
+      for (block[0] = 0; block[0] < count[0]; ++block[0]) {
+        float least = kMost, most = 0;
+        const auto forEach = [&](const std::array<int, 3>& sizes, int more, auto&& visit) {
+          const auto end = [&](int axis) {
+            return std::min(sizes[axis], (block[axis] + 1) * kEdge + more);
+          };
+          for (int z = block[2] * kEdge; z < end(2); ++z) {
+            for (int y = block[1] * kEdge; y < end(1); ++y) {
+              const std::size_t row = (static_cast<std::size_t>(z) * static_cast<std::size_t>(sizes[1]) +
+                                       static_cast<std::size_t>(y)) *
+                                      static_cast<std::size_t>(sizes[0]);
+              for (int x = block[0] * kEdge; x < end(0); ++x) visit(row + static_cast<std::size_t>(x));
+            }
+          }
+        };
+        forEach(size, lattice.nodal ? 1 : 0, [&](std::size_t i) {
+          least = low[i] < least ? low[i] : least;  // values that are not known are NaN
+          most = high[i] > most ? high[i] : most;
+        });
+        forEach({lattice.cells(0), lattice.cells(1), lattice.cells(2)}, 0, [&](std::size_t i) {
+          if (cells[i] != FdsCell::kGas)
+            least = 0;
+          if (cells[i] == FdsCell::kUnknown)
+            most = kMost;
+        });
+        blocks.low[blocks.at(block)] = std::min(least, most);
+        blocks.high[blocks.at(block)] = most;
+      }
+    }
+  });
+  return blocks;
+}
+
+const FdsInstant::Blocks& FdsInstant::blocks() const {
+  std::call_once(blocks_->made, [&] {
+    for (std::size_t i = 0; i < field_.grid().lattices().size(); ++i) {
+      blocks_->lattices.push_back(
+          Blocks::of(field_.grid().lattices()[i], field_.values(i), field_.cells(i)));
+    }
+  });
+  return *blocks_;
+}
+
+void FdsInstant::bounds(std::span<const SightLine> lines, std::span<double> low,
+                        std::span<double> high) const {
+  constexpr double kRounding = 1e-5;  // of the sums that these are compared with
+  const Blocks& all = blocks();
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const Segment segment = segmentOf(lines[i]);
+    double least = 0, most = 0, known = 0;
+    field_.grid().traverse(segment, [&](int index, double begin, double end) {
+      const Blocks::OfLattice& blocks = all.lattices[static_cast<std::size_t>(index)];
+      traversePlanes(blocks.planes, segment, begin, end,
+                     [&](const std::array<int, 3>& block, double from, double to) {
+                       const std::size_t at = blocks.at(block);
+                       least += blocks.low[at] * (to - from);
+                       most += blocks.high[at] * (to - from);
+                       known += to - from;
+                       return true;
+                     });
+    });
+    low[i] = std::max(0.0, least * (1 - kRounding) - kRounding);
+    high[i] = segment.end - known <= kTolerance ? most * (1 + kRounding) + kRounding
+                                                : std::numeric_limits<double>::infinity();
+  }
+}
+
+void FdsInstant::blocked(std::span<const SightLine> lines, std::span<unsigned char> out) const {
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    out[i] = obstructions_.blocked(segmentOf(lines[i])) ? 1 : 0;
+}
+
 FdsInstant::FdsInstant(FdsField field, FdsObstructions obstructions, std::uint64_t geometry)
-    : field_(std::move(field)), obstructions_(std::move(obstructions)), geometry_(geometry) {
+    : field_(std::move(field)),
+      obstructions_(std::move(obstructions)),
+      geometry_(geometry),
+      blocks_(std::make_shared<Blocks>()) {
   std::size_t count = 0;
   for (const FdsLattice& lattice : field_.grid().lattices()) {
     firsts_.push_back(static_cast<std::uint32_t>(count));
@@ -199,8 +324,16 @@ bool FdsSight::sameGeometry(const FdsField& field, double time) const {
   return true;
 }
 
-Result<std::shared_ptr<const SightInstant>> FdsSight::read(std::size_t time) {
-  const double when = times()[time];
+std::vector<double> FdsSight::changes() const {
+  std::vector<double> changes;
+  for (const double event : obstructionEvents(case_.index())) {
+    if (event > times().front() && event <= times().back())
+      changes.push_back(event);
+  }
+  return changes;
+}
+
+Result<std::shared_ptr<const SightInstant>> FdsSight::readAt(double when) {
   VOLUTE_ASSIGN(auto field, case_.field(when));
   if (!sameGeometry(field, when))
     ++geometry_;
@@ -210,6 +343,14 @@ Result<std::shared_ptr<const SightInstant>> FdsSight::read(std::size_t time) {
       std::make_shared<FdsInstant>(std::move(field), case_.obstructions(when), geometry_);
   instant->addBorders(case_.index(), when);
   return std::shared_ptr<const SightInstant>(std::move(instant));
+}
+
+Result<std::unique_ptr<PointField>> FdsSight::conditions(std::string_view quantity) {
+  return fdsConditions(case_.index(), quantity, maxMemory_);
+}
+
+Result<CaseFacts> FdsSight::facts() {
+  return fdsFacts(case_.index());
 }
 
 }  // namespace volute

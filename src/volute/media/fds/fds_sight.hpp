@@ -18,6 +18,9 @@ class FdsInstant final : public SightInstant {
   FdsInstant(FdsField field, FdsObstructions obstructions, std::uint64_t geometry);
 
   void look(std::span<const SightLine> lines, std::span<Sight> sights) const override;
+  void bounds(std::span<const SightLine> lines, std::span<double> low,
+              std::span<double> high) const override;
+  void blocked(std::span<const SightLine> lines, std::span<unsigned char> out) const override;
   void places(std::span<const Vec3> points, std::span<Place> places) const override;
   void extinction(std::span<const Vec3> points, std::span<double> extinction) const override;
   std::vector<PlanShape> shapes(double z) const override;
@@ -33,7 +36,10 @@ class FdsInstant final : public SightInstant {
   void addBorders(const SmvIndex& index, double time);
 
  private:
+  struct Blocks;
+
   void joinValues();
+  const Blocks& blocks() const;
 
   FdsField field_;
   FdsObstructions obstructions_;
@@ -41,14 +47,16 @@ class FdsInstant final : public SightInstant {
   std::vector<std::pair<Box3, PlanShape::Kind>> borders_;
   std::vector<std::uint32_t> firsts_;      // of each lattice's values among all
   std::vector<float> value_, low_, high_;  // of several lattices, one after the other
+  std::shared_ptr<Blocks> blocks_;         // made when they are first asked for
 };
 
 /// An FDS case over time: obstructions come and go.
 class FdsSight final : public SightField {
  public:
-  /// `name` is the case's, for people.
-  explicit FdsSight(FdsCase fds, std::string name = "")
-      : case_(std::move(fds)), name_(std::move(name)) {}
+  /// `name` is the case's, for people; `maxMemory` of the frames of each of its other quantities.
+  explicit FdsSight(FdsCase fds, std::string name = "",
+                    std::uint64_t maxMemory = std::uint64_t{4} << 30)
+      : case_(std::move(fds)), name_(std::move(name)), maxMemory_(maxMemory) {}
 
   std::string description() const override {
     return fmt::format("{}: {} ({})", name_, case_.source().name, case_.source().description);
@@ -66,13 +74,22 @@ class FdsSight final : public SightField {
 
   Box3 bounds() const override { return case_.bounds(); }
 
-  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override;
+  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override {
+    return readAt(times()[time]);
+  }
+
+  std::vector<double> changes() const override;
+  bool interpolates() const override { return true; }
+  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readAt(double time) override;
+  [[nodiscard]] Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) override;
+  [[nodiscard]] Result<CaseFacts> facts() override;
 
  private:
   bool sameGeometry(const FdsField& field, double time) const;
 
   FdsCase case_;
   std::string name_;
+  std::uint64_t maxMemory_;
   std::uint64_t geometry_ = 0;
   double lastTime_ = 0;
   std::optional<FdsField> last_;

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/fds/fds_conditions.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+
+#include "volute/base/parallel.hpp"
+#include "volute/fds/fds_case.hpp"
+#include "volute/fds/text_lines.hpp"
+
+namespace volute {
+namespace {
+
+struct Stored {
+  std::string_view name;  ///< in Volute
+  std::string_view fds;   ///< what FDS calls it
+  double factor = 1;
+};
+
+/// Quantities in the order in which they are preferred.
+constexpr Stored kStored[] = {
+    {"temperature", "TEMPERATURE"},
+    {"radiant-flux", "RADIATIVE HEAT FLUX GAS"},
+    {"radiant-flux", "INTEGRATED INTENSITY", 0.25},
+    {"carbon-monoxide", "CARBON MONOXIDE VOLUME FRACTION"},
+    {"carbon-dioxide", "CARBON DIOXIDE VOLUME FRACTION"},
+    {"oxygen", "OXYGEN VOLUME FRACTION"},
+    {"hydrogen-cyanide", "HYDROGEN CYANIDE VOLUME FRACTION"},
+    {"nitric-oxide", "NITRIC OXIDE VOLUME FRACTION"},
+    {"nitrogen-dioxide", "NITROGEN DIOXIDE VOLUME FRACTION"},
+    {"hydrogen-chloride", "HYDROGEN CHLORIDE VOLUME FRACTION"},
+    {"hydrogen-bromide", "HYDROGEN BROMIDE VOLUME FRACTION"},
+    {"hydrogen-fluoride", "HYDROGEN FLUORIDE VOLUME FRACTION"},
+    {"sulfur-dioxide", "SULFUR DIOXIDE VOLUME FRACTION"},
+    {"acrolein", "ACROLEIN VOLUME FRACTION"},
+    {"formaldehyde", "FORMALDEHYDE VOLUME FRACTION"},
+    // As FDS 5 called them.
+    {"carbon-monoxide", "carbon monoxide"},
+    {"carbon-dioxide", "carbon dioxide"},
+    {"oxygen", "oxygen"},
+};
+
+class FdsPoints final : public PointField {
+ public:
+  FdsPoints(FdsCase fds, double factor, std::string_view quantity)
+      : case_(std::move(fds)), factor_(factor), quantity_(quantity) {}
+
+  std::string description() const override {
+    return fmt::format("{} ({}{})", quantity_, case_.source().name, factor_ == 1 ? "" : " / 4");
+  }
+
+  std::span<const double> times() const override { return case_.times(); }
+
+  Status at(double time, std::span<const Vec3> points, std::span<double> out) override {
+    const auto times = case_.times();
+    const auto after = std::ranges::upper_bound(times, time);
+    const std::size_t first =
+        after == times.begin() ? 0 : static_cast<std::size_t>(after - times.begin()) - 1;
+    const std::size_t second = std::min(first + 1, times.size() - 1);
+    const double length = times[second] - times[first];
+    const double share = length > 0 ? std::clamp((time - times[first]) / length, 0.0, 1.0) : 0;
+    VOLUTE_TRY(hold(first));
+    if (share > 0)
+      VOLUTE_TRY(hold(second));
+    const FdsField& a = *held(first);
+    const FdsField* b = share > 0 ? held(second) : nullptr;
+    parallelRanges(points.size(), 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const double now = valueAt(a, points[i]);
+        out[i] = b == nullptr ? now : (1 - share) * now + share * valueAt(*b, points[i]);
+      }
+    });
+    return {};
+  }
+
+ private:
+  double valueAt(const FdsField& field, const Vec3& point) const {
+    return field.cellAt(point) == FdsCell::kGas ? factor_ * field.extinction(point)
+                                                : std::numeric_limits<double>::quiet_NaN();
+  }
+
+  const FdsField* held(std::size_t frame) const {
+    for (const auto& one : held_) {
+      if (one && one->first == frame)
+        return &one->second;
+    }
+    return nullptr;
+  }
+
+  /// Reads a frame, unless it is one of the two that were read last.
+  Status hold(std::size_t frame) {
+    if (held(frame) != nullptr)
+      return {};
+    VOLUTE_ASSIGN(auto field, case_.field(case_.times()[frame]));
+    auto& place = !held_[0] || (held_[1] && held_[0]->first < held_[1]->first) ? held_[0] : held_[1];
+    place.emplace(frame, std::move(field));
+    return {};
+  }
+
+  FdsCase case_;
+  double factor_;
+  std::string quantity_;
+  std::array<std::optional<std::pair<std::size_t, FdsField>>, 2> held_;
+};
+
+/// A line of comma-separated text; quotes and spaces around its cells are dropped.
+std::vector<std::string> cellsOf(std::string_view line) {
+  std::vector<std::string> cells;
+  std::string cell;
+  bool quoted = false;
+  const auto end = [&] {
+    cells.emplace_back(trimmed(cell));
+    cell.clear();
+  };
+  for (const char c : line) {
+    if (c == '"') {
+      quoted = !quoted;
+    } else if (c == ',' && !quoted) {
+      end();
+    } else if (c != '\r') {
+      cell += c;
+    }
+  }
+  end();
+  return cells;
+}
+
+/// The columns of CHID_hrr.csv or CHID_devc.csv that `wanted(name, unit)` asks for, over time.
+template <class Wanted>
+Result<std::vector<FactCurve>> readColumns(const std::filesystem::path& path, Wanted&& wanted) {
+  VOLUTE_ASSIGN(auto lines, TextLines::open(path));
+  VOLUTE_ASSIGN(const auto unitLine, lines.next());
+  VOLUTE_ASSIGN(const auto nameLine, lines.next());
+  if (!unitLine || !nameLine)
+    return fail(ErrorCode::kTruncated, "{}: has no line of names yet", path.string());
+  const auto units = cellsOf(*unitLine), names = cellsOf(*nameLine);
+  std::vector<FactCurve> curves;
+  std::vector<std::size_t> columns;
+  for (std::size_t i = 1; i < std::min(units.size(), names.size()); ++i) {
+    if (wanted(names[i], units[i])) {
+      curves.push_back({names[i], units[i], {}, {}});
+      columns.push_back(i);
+    }
+  }
+  constexpr std::size_t kMost = 1000000;
+  for (std::size_t row = 0; row < kMost && !curves.empty(); ++row) {
+    VOLUTE_ASSIGN(const auto line, lines.next());
+    if (!line)
+      break;
+    const auto cells = cellsOf(*line);
+    const auto time = numberOf(cells[0]);
+    for (std::size_t c = 0; c < curves.size(); ++c) {
+      const auto value =
+          columns[c] < cells.size() ? numberOf(cells[columns[c]]) : std::optional<double>();
+      if (!time || !value)
+        continue;
+      curves[c].times.push_back(*time);
+      curves[c].values.push_back(*value);
+    }
+  }
+  std::erase_if(curves, [](const FactCurve& curve) { return curve.times.empty(); });
+  return curves;
+}
+
+std::string cellsText(const SmvIndex& index) {
+  double least = std::numeric_limits<double>::infinity(), most = 0, count = 0;
+  for (const FdsMesh& mesh : index.meshes) {
+    count += static_cast<double>(mesh.cellCount());
+    for (const auto& planes : mesh.planes) {
+      for (std::size_t i = 1; i < planes.size(); ++i) {
+        least = std::min(least, planes[i] - planes[i - 1]);
+        most = std::max(most, planes[i] - planes[i - 1]);
+      }
+    }
+  }
+  const std::string size = most - least < 1e-4 * most ? fmt::format("{:.4g} m", most)
+                                                      : fmt::format("{:.3g} to {:.3g} m", least, most);
+  return fmt::format("{:.0f} in {} mesh{}, edges {}", count, index.meshes.size(),
+                     index.meshes.size() == 1 ? "" : "es", size);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::string_view quantity,
+                                                  std::uint64_t maxMemory) {
+  std::string names;
+  for (const Stored& stored : kStored) {
+    if (stored.name != quantity)
+      continue;
+    names += (names.empty() ? "" : " or ") + std::string(stored.fds);
+    if (findSources(index, stored.fds).empty())
+      continue;
+    FdsOptions options;
+    options.quantity = stored.fds;
+    options.maxMemory = maxMemory;
+    VOLUTE_ASSIGN(auto fds, FdsCase::open(index, options));
+    return std::make_unique<FdsPoints>(std::move(fds), stored.factor, quantity);
+  }
+  return fail(ErrorCode::kNotFound, "{}: no slice or PLOT3D file of the case has {}",
+              index.path.string(), names.empty() ? quantity : names);
+}
+
+CaseFacts fdsFacts(const SmvIndex& index) {
+  CaseFacts facts;
+  facts.title = {{"case", index.path.filename().string()}};
+  if (!index.title.empty())
+    facts.title.emplace_back("title", index.title);
+  facts.title.emplace_back("computed by", index.version.empty() ? "FDS, version not stated"
+                                                                : index.version);
+  facts.title.emplace_back("cells", cellsText(index));
+  facts.title.emplace_back("state", index.ended ? "FDS has ended" : "FDS has not ended, or was "
+                                                                    "stopped");
+  const auto beside = [&](const char* end) {
+    const std::string name = std::filesystem::path(index.chid).filename().string();
+    return index.path.parent_path() / ((name.empty() ? index.path.stem().string() : name) + end);
+  };
+  const auto take = [&](const std::filesystem::path& path, std::vector<FactCurve>& curves,
+                        auto&& wanted) {
+    auto read = readColumns(path, wanted);
+    if (read) {
+      curves = std::move(*read);
+    } else if (read.error().code != ErrorCode::kNotFound) {
+      facts.remarks.push_back(read.error().message);
+    }
+  };
+  take(beside("_hrr.csv"), facts.fire,
+       [](const std::string& name, const std::string&) { return name == "HRR"; });
+  if (!index.devices.empty()) {
+    constexpr std::size_t kMost = 400;
+    take(beside("_devc.csv"), facts.devices, [n = kMost](const auto&, const auto&) mutable {
+      return n > 0 && n-- > 0;
+    });
+  }
+  return facts;
+}
+
+}  // namespace volute

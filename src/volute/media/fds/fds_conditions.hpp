@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "volute/fds/smv_index.hpp"
+#include "volute/media/sight.hpp"
+
+namespace volute {
+
+/// What people breathe and stand in, from slices and PLOT3D files of a case: "temperature" [degrees
+/// C], "radiant-flux" [kW/m2], gases by their names [mol/mol]. The radiant flux is a quarter of the
+/// integrated intensity: the mean over the surface of a small body. kNotFound names what FDS would
+/// have to write.
+[[nodiscard]] Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index,
+                                                                std::string_view quantity,
+                                                                std::uint64_t maxMemory);
+
+/// FDS version, cells, heat release and devices: CHID_hrr.csv and CHID_devc.csv beside the index. A
+/// file that is missing or cut off is a remark.
+CaseFacts fdsFacts(const SmvIndex& index);
+
+}  // namespace volute

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/fds/fds_sight.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace volute {
+namespace {
+
+/// Two meshes of other cells beside each other, uneven smoke, an obstruction and an unknown corner.
+FdsInstant twoMeshes(bool nodal) {
+  SmvIndex index;
+  std::vector<FdsLattice> lattices;
+  for (int m = 0; m < 2; ++m) {
+    FdsMesh mesh;
+    const int cells = m == 0 ? 20 : 13;
+    for (int i = 0; i <= cells; ++i) mesh.planes[0].push_back(4 * m + 4.0 * i / cells);
+    for (int i = 0; i <= cells; ++i) mesh.planes[1].push_back(3.0 * i / cells);
+    for (int i = 0; i <= 9; ++i) mesh.planes[2].push_back(2.4 * i / 9);
+    if (m == 0) {
+      FdsObstruction obstruction;
+      obstruction.nodes = {{8, 0, 0}, {10, 12, 9}};
+      mesh.obstructions = {obstruction};
+    }
+    FdsLattice lattice;
+    lattice.planes = mesh.planes;
+    lattice.nodal = nodal;
+    lattices.push_back(lattice);
+    index.meshes.push_back(std::move(mesh));
+  }
+  const auto grid = FdsGrid::create(lattices).value();
+  std::vector<std::shared_ptr<const FdsValues>> values;
+  std::vector<std::shared_ptr<const std::vector<FdsCell>>> cells;
+  for (int m = 0; m < 2; ++m) {
+    const FdsLattice& lattice = lattices[static_cast<std::size_t>(m)];
+    auto value = std::make_shared<FdsValues>();
+    for (std::size_t i = 0; i < lattice.valueCount(); ++i) {
+      const float k = 0.3F * (1.2F + std::sin(0.37F * static_cast<float>(i)));
+      value->value.push_back(k);
+      value->low.push_back(0.9F * k);
+      value->high.push_back(1.1F * k);
+    }
+    auto state = std::make_shared<std::vector<FdsCell>>(lattice.cellCount(), FdsCell::kGas);
+    for (int z = 0; z < lattice.cells(2); ++z) {
+      for (int y = 0; y < lattice.cells(1); ++y) {
+        for (int x = 0; x < lattice.cells(0); ++x) {
+          FdsCell& cell = (*state)[lattice.cellAt({x, y, z})];
+          if (m == 0 && x >= 8 && x < 10 && y < 12)
+            cell = FdsCell::kSolid;
+          if (m == 1 && x > 10 && y > 10)
+            cell = FdsCell::kUnknown;
+        }
+      }
+    }
+    values.push_back(std::move(value));
+    cells.push_back(std::move(state));
+  }
+  return FdsInstant(FdsField(grid, values, cells), FdsObstructions(index, 0), 1);
+}
+
+TEST(FdsInstant, BlocksOfCellsBoundEveryLine) {
+  std::mt19937 draw(3);
+  std::uniform_real_distribution<double> x(-0.2, 8.2), y(0, 3), z(0, 2.4);
+  for (const bool nodal : {false, true}) {
+    const FdsInstant instant = twoMeshes(nodal);
+    std::vector<SightLine> lines;
+    for (int i = 0; i < 2000; ++i)
+      lines.push_back({Vec3(x(draw), y(draw), z(draw)), Vec3(x(draw), y(draw), z(draw))});
+    std::vector<Sight> sights(lines.size());
+    std::vector<double> low(lines.size()), high(lines.size());
+    std::vector<unsigned char> blocked(lines.size());
+    instant.look(lines, sights);
+    instant.bounds(lines, low, high);
+    instant.blocked(lines, blocked);
+    int tight = 0, uncovered = 0;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      ASSERT_LE(low[i], sights[i].low + 1e-12);
+      if (sights[i].covered)
+        ASSERT_GE(high[i], sights[i].high);
+      else
+        ASSERT_TRUE(std::isinf(high[i]));
+      ASSERT_EQ(blocked[i] != 0, sights[i].blocked);
+      tight += high[i] < 6 * sights[i].high;
+      uncovered += !sights[i].covered;
+    }
+    EXPECT_GT(tight, 1000);
+    EXPECT_GT(uncovered, 50);
+  }
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/visibility/criteria_file.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "volute/base/suggest.hpp"
+#include "volute/io/json_file.hpp"
+#include "volute/io/json_values.hpp"
+
+namespace volute {
+namespace {
+
+constexpr std::array<std::string_view, 10> kMembers{"name",     "kind",   "model",  "limit",  "activity",
+                                                    "clothing", "burns", "C", "falling", "source"};
+
+class CriterionReader {
+ public:
+  CriterionReader(const nlohmann::json& json, const std::string& file, std::string path)
+      : json_(json), file_(file), path_(std::move(path)) {}
+
+  Result<Criterion> read() const {
+    if (!json_.is_object())
+      return fail(ErrorCode::kInvalidData, "{}: {}: expected an object", file_, path_);
+    for (const auto& [key, value] : json_.items()) {
+      if (std::ranges::find(kMembers, key) != kMembers.end())
+        continue;
+      const auto near = nearest(key, kMembers);
+      return wrong(key, near.empty() ? "this name is unknown"
+                                     : fmt::format("this name is unknown; did you mean '{}'?", near));
+    }
+    Criterion criterion;
+    VOLUTE_ASSIGN(const auto kind, text("kind", ""));
+    VOLUTE_TRY(readKind(kind, criterion));
+    VOLUTE_ASSIGN(criterion.name, text("name", kind));
+    VOLUTE_TRY(readPerson(criterion));
+    VOLUTE_TRY(readLimit(kind, criterion));
+    VOLUTE_ASSIGN(criterion.source, text("source", "stated by the user"));
+    criterion.checked = true;
+    return criterion;
+  }
+
+ private:
+  tl::unexpected<Error> wrong(std::string_view key, std::string_view message) const {
+    return fail(ErrorCode::kInvalidData, "{}: {}/{}: {}", file_, path_, key, message);
+  }
+
+  Result<std::string> text(const char* key, const std::string& initial) const {
+    if (!json_.contains(key))
+      return initial;
+    if (!json_[key].is_string())
+      return wrong(key, "expected a text");
+    return json_[key].get<std::string>();
+  }
+
+  /// A word of a few; the place in `choices`.
+  Result<std::size_t> choice(const char* key, std::span<const std::string_view> choices,
+                             std::string_view initial) const {
+    VOLUTE_ASSIGN(const auto word, text(key, std::string(initial)));
+    const auto found = std::ranges::find(choices, word);
+    if (found == choices.end())
+      return wrong(key, fmt::format("'{}'; expected {}", word, fmt::join(choices, ", ")));
+    return static_cast<std::size_t>(found - choices.begin());
+  }
+
+  Status readKind(const std::string& kind, Criterion& criterion) const {
+    std::vector<std::string_view> models;
+    for (const DoseLawInfo& info : doseLaws()) {
+      if (info.kind == kind)
+        models.push_back(info.name);
+    }
+    if (!models.empty()) {
+      VOLUTE_ASSIGN(const auto model, choice("model", models, models.front()));
+      const auto found = std::ranges::find_if(doseLaws(), [&](const DoseLawInfo& info) {
+        return info.kind == kind && info.name == models[model];
+      });
+      criterion.law = found->law;
+      return {};
+    }
+    if (kind == "visibility") {
+      criterion.quantity = Air::kExtinction;
+      return {};
+    }
+    const auto quantity = airQuantity(kind);
+    if (!quantity) {
+      return wrong("kind", fmt::format("'{}'; expected fed-gas, fed-heat, fec, visibility, "
+                                       "temperature, radiant-flux, extinction or a gas as "
+                                       "carbon-monoxide or oxygen",
+                                       kind));
+    }
+    criterion.quantity = *quantity;
+    criterion.falling = *quantity == Air::kOxygen;
+    return {};
+  }
+
+  Status readPerson(Criterion& criterion) const {
+    constexpr std::array<std::string_view, 3> kActivities{"rest", "light", "heavy"};
+    constexpr std::array<std::string_view, 2> kClothings{"unclothed", "clothed"};
+    constexpr std::array<std::string_view, 2> kBurns{"pain", "second-degree"};
+    VOLUTE_ASSIGN(const auto activity, choice("activity", kActivities, "light"));
+    VOLUTE_ASSIGN(const auto clothing, choice("clothing", kClothings, "unclothed"));
+    VOLUTE_ASSIGN(const auto burns, choice("burns", kBurns, "pain"));
+    criterion.person = {static_cast<Activity>(activity), static_cast<Clothing>(clothing),
+                        static_cast<BurnEndpoint>(burns)};
+    return {};
+  }
+
+  Status readLimit(const std::string& kind, Criterion& criterion) const {
+    if (!json_.contains("limit"))
+      return wrong("limit", "is missing; expected a number");
+    VOLUTE_ASSIGN(criterion.limit, jsonToNumber(json_["limit"], file_, path_ + "/limit"));
+    if (!(criterion.limit > 0))
+      return wrong("limit", "expected a number > 0");
+    if (kind == "visibility") {
+      double c = 3;
+      if (json_.contains("C")) {
+        VOLUTE_ASSIGN(c, jsonToNumber(json_["C"], file_, path_ + "/C"));
+        if (!(c > 0))
+          return wrong("C", "expected a number > 0");
+      }
+      criterion.limit = c / criterion.limit;
+    }
+    if (json_.contains("falling")) {
+      if (!json_["falling"].is_boolean())
+        return wrong("falling", "expected true or false");
+      criterion.falling = json_["falling"].get<bool>();
+    }
+    return {};
+  }
+
+  const nlohmann::json& json_;
+  const std::string& file_;
+  std::string path_;
+};
+
+}  // namespace
+
+Result<std::vector<Criterion>> readCriteria(const std::string& file) {
+  VOLUTE_ASSIGN(const auto json, readJson(file));
+  constexpr std::size_t kMost = 100;
+  if (!json.is_object() || !json.contains("criteria") || !json["criteria"].is_array() ||
+      json["criteria"].empty() || json["criteria"].size() > kMost) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: /criteria: expected a list of 1 to {} criteria, {{\"criteria\": [{{\"kind\": "
+                "\"temperature\", \"limit\": 60}}]}}",
+                file, kMost);
+  }
+  std::vector<Criterion> criteria;
+  for (std::size_t i = 0; i < json["criteria"].size(); ++i) {
+    const std::string path = fmt::format("/criteria/{}", i);
+    VOLUTE_ASSIGN(auto criterion, CriterionReader(json["criteria"][i], file, path).read());
+    if (std::ranges::find(criteria, criterion.name, &Criterion::name) != criteria.end()) {
+      return fail(ErrorCode::kInvalidData, "{}: {}/name: '{}' is another criterion's name as well",
+                  file, path, criterion.name);
+    }
+    criteria.push_back(std::move(criterion));
+  }
+  return criteria;
+}
+
+}  // namespace volute

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/media/sight.hpp"
+#include "volute/tenability/criterion.hpp"
+#include "volute/visibility/loss.hpp"
+
+namespace volute {
+
+/// The air of a case, quantity by quantity, as far as it is stored.
+class AirField {
+ public:
+  /// Opens what `criteria` need or take in. What cannot be read is a sentence of gaps(), no error.
+  /// The extinction comes from whoever asks.
+  static AirField open(SightField& field, std::span<const Criterion> criteria);
+
+  bool has(Air air) const { return air == Air::kExtinction || fields_[index(air)] != nullptr; }
+
+  /// Why a quantity is not there; empty for those that are, or that nobody asked for.
+  const std::string& gap(Air air) const { return gaps_[index(air)]; }
+
+  /// Where a quantity comes from; empty for those that are not there.
+  std::string description(Air air) const;
+
+  /// Stored times of any quantity after `from` and before `to` [s], ascending.
+  std::vector<double> timesBetween(double from, double to) const;
+
+  /// The first stored time of all; infinite when nothing is stored.
+  double begin() const;
+
+  /// The air at points. Quantities that are not stored, and the extinction, are NaN.
+  [[nodiscard]] Status at(double time, std::span<const Vec3> points, std::span<Exposure> out);
+
+ private:
+  static std::size_t index(Air air) { return static_cast<std::size_t>(air); }
+
+  std::array<std::unique_ptr<PointField>, kAirQuantities> fields_;
+  std::array<std::string, kAirQuantities> gaps_;
+};
+
+/// What people take in, who stay or move: doses that grow, levels, and when each reaches its limit.
+/// Between two times at which the air is known, rates of dose are linear.
+class ExposureMeter {
+ public:
+  /// Criteria that the air cannot answer are left out; missing() names them.
+  ExposureMeter(AirField air, std::span<const Criterion> criteria, std::size_t people);
+
+  struct Missing {
+    Criterion criterion;
+    std::string why;
+  };
+
+  const std::vector<Criterion>& criteria() const { return criteria_; }
+
+  const std::vector<Missing>& missing() const { return missing_; }
+
+  /// What a criterion takes in but the case does not store: counted as in clean air.
+  std::vector<Air> assumed(std::size_t criterion) const;
+
+  const AirField& air() const { return air_; }
+
+  /// Where people are at a time; NaN: not there.
+  using Places = std::function<void(double time, std::span<Vec3> places)>;
+
+  /// Goes on to `time` [s], through the stored times between and in steps of at most `step`.
+  /// @param extinction  at the places at `time`; empty: not known, those criteria wait.
+  [[nodiscard]] Status advance(double time, const Places& places,
+                               std::span<const double> extinction = {},
+                               double step = std::numeric_limits<double>::infinity());
+
+  /// Doses so far, or levels at the last time; NaN where nothing is known.
+  std::span<const double> values(std::size_t criterion) const { return values_[criterion]; }
+
+  /// The largest value so far.
+  std::span<const double> worst(std::size_t criterion) const { return worst_[criterion]; }
+
+  const LossTimes& times(std::size_t criterion) const { return watches_[criterion].times(); }
+
+  /// Whether somebody's criterion could not be followed: the air was not known there.
+  bool unknown(std::size_t criterion, std::size_t person) const {
+    return unknown_[criterion][person];
+  }
+
+ private:
+  Status sample(double time, const Places& places, std::span<const double> extinction);
+
+  AirField air_;
+  std::vector<Criterion> criteria_;
+  std::vector<Missing> missing_;
+  std::size_t people_;
+  bool begun_ = false;
+  double last_ = 0;
+  std::vector<std::vector<double>> values_, worst_, rates_;  // of each criterion, person
+  std::vector<std::vector<char>> unknown_;
+  std::vector<LevelWatch> watches_;
+};
+
+}  // namespace volute

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "volute/visibility/rset.hpp"
+#include "volute/visibility/sight_engine.hpp"
+#include "volute/visibility/testing.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Stored every 10 s: `value(time, place)`; known for x >= 0.
+class Formula final : public PointField {
+ public:
+  using Value = double (*)(double, const Vec3&);
+
+  explicit Formula(Value value) : value_(value) {}
+
+  std::string description() const override { return "a formula"; }
+
+  std::span<const double> times() const override { return times_; }
+
+  Status at(double time, std::span<const Vec3> points, std::span<double> out) override {
+    const double t = std::clamp(time, times_.front(), times_.back());
+    const double first = 10 * std::floor(t / 10), share = (t - first) / 10;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      out[i] = points[i][0] < 0 ? std::nan("") : (1 - share) * value_(first, points[i]) +
+                                                      share * value_(first + 10, points[i]);
+    }
+    return {};
+  }
+
+ private:
+  Value value_;
+  std::vector<double> times_ = [] {
+    std::vector<double> times;
+    for (int i = 0; i <= 200; ++i) times.push_back(10.0 * i);
+    return times;
+  }();
+};
+
+/// A room whose smoke grows by 0.01 1/m each second, with gases.
+class BurningRoom final : public SightField {
+ public:
+  std::string description() const override { return "a room"; }
+
+  std::span<const double> times() const override { return times_; }
+
+  Box3 bounds() const override { return Room::bounds(); }
+
+  Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override {
+    return std::make_shared<const Room>(0.01 * times_[time]);
+  }
+
+  Result<std::unique_ptr<PointField>> conditions(std::string_view quantity) override {
+    if (quantity == "carbon-monoxide")
+      return std::make_unique<Formula>([](double, const Vec3&) { return 0.001; });
+    if (quantity == "carbon-dioxide")
+      return std::make_unique<Formula>([](double, const Vec3&) { return 0.02; });
+    if (quantity == "oxygen")
+      return std::make_unique<Formula>([](double, const Vec3&) { return 0.15; });
+    if (quantity == "temperature")
+      return std::make_unique<Formula>([](double t, const Vec3& p) { return 20 + t * p[0] / 100; });
+    return fail(ErrorCode::kNotFound, "no {} here", quantity);
+  }
+
+ private:
+  std::vector<double> times_{0, 10, 20, 30, 40};
+};
+
+Criterion fdsDose(double limit) {
+  return {.name = "fed", .law = DoseLaw::kFdsGas, .person = {}, .limit = limit, .source = "test"};
+}
+
+Criterion hot(double limit) {
+  return {.name = "hot",
+          .law = {},
+          .quantity = Air::kTemperature,
+          .person = {},
+          .limit = limit,
+          .source = "test"};
+}
+
+ExposureMeter::Places standing(std::vector<Vec3> places) {
+  return [places](double, std::span<Vec3> out) { std::ranges::copy(places, out.begin()); };
+}
+
+// pyFDS-Evac's worked example, through the meter: FED reaches 1 at 981.7 s.
+TEST(ExposureMeter, ReachesADoseWhenTheClosedFormDoes) {
+  BurningRoom room;
+  const std::vector criteria{fdsDose(1), hot(60)};
+  ExposureMeter meter(AirField::open(room, criteria), criteria, 2);
+  const auto places = standing({Vec3(10, 1, 1), Vec3(20, 1, 1)});
+  for (int t = 0; t <= 1200; t += 400) ASSERT_TRUE(meter.advance(t, places));
+  Exposure air;
+  air[Air::kCarbonMonoxide] = 0.001;
+  air[Air::kCarbonDioxide] = 0.02;
+  air[Air::kOxygen] = 0.15;
+  const double rate = doseRate(DoseLaw::kFdsGas, {}, air);
+  EXPECT_NEAR(meter.values(0)[0], 1200 * rate, 1e-9);
+  EXPECT_NEAR(meter.times(0).none[0], 1 / rate, 1e-6 / rate);
+  EXPECT_NEAR(meter.times(0).none[0], 981.7, 0.05);
+  EXPECT_NEAR(meter.times(0).down[0], 980, 1e-9);
+  EXPECT_NEAR(meter.times(0).up[0], 990, 1e-9);
+  // 20 + t x / 100 = 60 degrees C.
+  EXPECT_NEAR(meter.times(1).none[0], 400, 1e-9);
+  EXPECT_NEAR(meter.times(1).none[1], 200, 1e-9);
+}
+
+TEST(ExposureMeter, SaysWhatIsMissingAssumedOrUnknown) {
+  BurningRoom room;
+  Criterion irritants{.name = "fec", .law = DoseLaw::kIsoIrritants, .person = {}, .limit = 0.3, .source = "test"};
+  const std::vector criteria{fdsDose(1), irritants};
+  ExposureMeter meter(AirField::open(room, criteria), criteria, 2);
+  ASSERT_EQ(meter.criteria().size(), 1U);
+  ASSERT_EQ(meter.missing().size(), 1U);
+  EXPECT_THAT(meter.missing()[0].why, HasSubstr("no hydrogen-chloride here"));
+  EXPECT_FALSE(meter.assumed(0).empty());
+  ASSERT_TRUE(meter.advance(0, standing({Vec3(1, 1, 1), Vec3(-1, 1, 1)})));
+  ASSERT_TRUE(meter.advance(100, standing({Vec3(1, 1, 1), Vec3(-1, 1, 1)})));
+  EXPECT_FALSE(meter.unknown(0, 0));
+  EXPECT_TRUE(meter.unknown(0, 1));
+}
+
+/// Temperature along a way: 1 m/s from x = 0 on, T = 20 + t x / 100.
+TEST(ExposureMeter, FollowsPeopleWhoWalk) {
+  BurningRoom room;
+  const std::vector criteria{hot(21)};
+  ExposureMeter meter(AirField::open(room, criteria), criteria, 1);
+  const auto walking = [](double time, std::span<Vec3> out) {
+    out[0] = time > 25 ? Vec3::Constant(std::nan("")) : Vec3(time, 1, 1);
+  };
+  for (int t = 0; t <= 40; t += 20) ASSERT_TRUE(meter.advance(t, walking, {}, 0.01));
+  EXPECT_NEAR(meter.times(0).none[0], 10, 1e-3);  // t^2 / 100 = 1
+}
+
+TEST(SightEngine, SeesBetweenStoredTimesWhatTheClosedFormDoes) {
+  auto room = std::make_shared<BurningRoom>();
+  std::vector<SafetySign> signs{{.name = "east",
+                                 .position = Vec3(30, 2, 2),
+                                 .normal = Vec3(-1, 0, 0),
+                                 .law = visibilityLaw("jin-reflecting").value(),
+                                 .angle = {}}};
+  Progress quiet;
+  auto engine = SightEngine::open(room, signs, std::vector{fdsDose(1)}, quiet).value();
+  const std::vector<Vec3> eyes{Vec3(10, 2, 2), Vec3(10, 9, 2), Vec3(25, 2, 2)};
+  std::vector<Seen> seen(3);
+  // Depths of 0.8 to 1.2 times K d; C = 3.
+  for (const double t : {0.0, 5.0, 12.4, 12.6, 15.0, 18.6, 18.9, 25.0, 100.0}) {
+    ASSERT_TRUE(engine.sees(eyes, t, seen));
+    const double depth = 0.01 * std::min(t, 40.0) * 20;
+    EXPECT_EQ(seen[0], 1.2 * depth <= 3   ? Seen::kYes
+                       : 0.8 * depth <= 3 ? Seen::kCannotTell
+                                          : Seen::kNo)
+        << t;
+    EXPECT_EQ(seen[1], Seen::kNo);  // the wall
+    EXPECT_EQ(seen[2], Seen::kYes);
+  }
+}
+
+TEST(SightEngine, DosesGoOnWithThePerson) {
+  auto room = std::make_shared<BurningRoom>();
+  std::vector<SafetySign> signs{{.name = "east", .position = Vec3(30, 2, 2), .normal = Vec3(-1, 0, 0),
+                                 .law = visibilityLaw("jin-reflecting").value(), .angle = {}}};
+  Progress quiet;
+  auto engine = SightEngine::open(room, signs, std::vector{fdsDose(1)}, quiet).value();
+  ASSERT_EQ(engine.criteria().size(), 1U);
+  std::vector<double> dose(2);
+  const std::vector<Vec3> eyes{Vec3(10, 2, 2), Vec3(11, 2, 2)};
+  for (int t = 0; t <= 60; ++t)
+    ASSERT_TRUE(engine.dose(std::vector<std::int64_t>{7, 9}, eyes, t, dose));
+  EXPECT_NEAR(dose[0], 60 / 981.69, 1e-5);
+  std::vector<double> one(1);
+  ASSERT_TRUE(engine.dose(std::vector<std::int64_t>{9}, std::span(eyes).last(1), 61, one));
+  EXPECT_NEAR(one[0], 61 / 981.69, 1e-5);
+  // 7 was away for a second.
+  ASSERT_TRUE(engine.dose(std::vector<std::int64_t>{7, 9}, eyes, 62, dose));
+  EXPECT_NEAR(dose[0], 60 / 981.69, 1e-5);
+  EXPECT_NEAR(dose[1], 62 / 981.69, 1e-5);
+}
+
+TEST(Rset, IsANumberAMapOrPeople) {
+  const std::vector<Vec3> points{Vec3(0, 0, 2), Vec3(10, 0, 2)};
+  EXPECT_EQ(Rset(90).at(points, 1)[1], 90);
+  const auto map = Rset::parse("x,y,rset\n0,1,30\n9,0,50\n", "map.csv").value();
+  EXPECT_EQ(map.at(points, 1), (std::vector<double>{30, 50}));
+  const auto people =
+      Rset::parse("id,time,x,y\n1,0,0,0.2\n1,5,0.1,0\n1,9,4,0\n2,7,0,0\n", "walk.csv").value();
+  const auto last = people.at(points, 0.5);
+  EXPECT_EQ(last[0], 7);
+  EXPECT_TRUE(std::isnan(last[1]));
+  EXPECT_THAT(Rset::parse("what\n", "bad.csv").error().message, HasSubstr("x,y,rset"));
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "volute/base/result.hpp"
+#include "volute/visibility/survey.hpp"
+
+// When something is no longer so, from what is known at stored times.
+
+namespace volute {
+
+/// Which time a loss between two stored times is given.
+enum class RoundTime {
+  kDown,  ///< the last one at which it was still so: on the safe side
+  kNone,  ///< interpolated
+  kUp,    ///< the first one at which it is no longer so
+};
+
+/// "down", "none", "up".
+[[nodiscard]] Result<RoundTime> roundTime(std::string_view name);
+std::string_view nameOf(RoundTime round);
+
+/// The first loss at each of many places [s]; infinite where there is none. What is never so is lost
+/// at the first time. down <= none <= up.
+struct LossTimes {
+  std::vector<double> down, none, up;
+
+  explicit LossTimes(std::size_t places = 0);
+
+  const std::vector<double>& by(RoundTime round) const;
+
+  /// Keeps the first loss of a place.
+  void note(std::size_t place, double last, double between, double first) {
+    if (first < up[place]) {
+      down[place] = last;
+      none[place] = between;
+      up[place] = first;
+    }
+  }
+};
+
+/// A level that is reached, at each of many places: linear between the times at which it is known.
+class LevelWatch {
+ public:
+  /// Lost when the value reaches `limit` from below, or, of falling ones, from above.
+  LevelWatch(std::size_t places, double limit, bool falling = false);
+
+  /// Times ascend. NaN: not known at that time, nothing is lost.
+  void update(double now, std::span<const double> values);
+
+  const LossTimes& times() const { return loss_; }
+
+  double limit() const { return limit_; }
+
+ private:
+  double limit_, sign_;
+  LossTimes loss_;
+  double before_ = 0;
+  std::vector<double> values_;  // of the time before; empty at first
+};
+
+/// When no sign of a set is seen any more from eyes that stay where they are: the ASET map
+/// (available safe egress time) by visibility. Between two times the optical depth of each line is
+/// linear, as the smoke is, and what is opaque is as at the first of them; times at which something
+/// opaque comes or goes are given twice, with what was and with what is.
+class SignLoss {
+ public:
+  /// @param sets  positions in `signs`, any number of sets.
+  /// @param factors  of each set: what C is multiplied by, or the extinction divided; empty: 1.
+  SignLoss(std::span<const SightTarget> signs, std::vector<std::vector<std::size_t>> sets,
+           std::size_t eyes, std::vector<double> factors = {});
+
+  /// @param sightings  as lookAround gives them at `now`, the same eyes each time; `now` ascends.
+  void update(double now, std::span<const Sighting> sightings);
+
+  /// At the field's depths.
+  const LossTimes& times(std::size_t set) const { return loss_[set].middle; }
+
+  /// At the largest depths that its rounding allows.
+  const LossTimes& earliest(std::size_t set) const { return loss_[set].worst; }
+
+  /// At the smallest.
+  const LossTimes& latest(std::size_t set) const { return loss_[set].best; }
+
+ private:
+  struct Bounds {
+    LossTimes middle, worst, best;
+  };
+
+  /// What of a sighting is needed at the next time.
+  struct Line {
+    double depth = 0, low = 0, high = 0;
+    bool open = false;  ///< nothing opaque, not averted
+  };
+
+  void updateEye(std::size_t eye, double now, std::span<const Sighting> sightings);
+
+  std::vector<std::vector<std::size_t>> sets_;
+  std::vector<double> factors_;
+  std::size_t eyes_;
+  std::vector<double> limits_;  // shape (sign, eye): C times the angle law's factor
+  std::vector<const SightTarget*> signs_;
+  std::vector<Bounds> loss_;
+  std::vector<Line> lines_;  // shape (sign, eye), of the time before
+  double before_ = 0;
+  bool begun_ = false;
+};
+
+}  // namespace volute

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/visibility/loss.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "volute/visibility/eyes.hpp"
+#include "volute/visibility/testing.hpp"
+
+namespace volute {
+namespace {
+
+constexpr double kNeverLost = std::numeric_limits<double>::infinity();
+
+std::vector<SightTarget> bothSigns() {
+  const SafetySign east{.name = "east",
+                        .position = Vec3(30, 2, 2),
+                        .normal = Vec3(-1, 0, 0),
+                        .law = visibilityLaw("jin-reflecting").value(),
+                        .angle = {}};
+  const SafetySign west{.name = "west",
+                        .position = Vec3(0, 2, 2),
+                        .normal = Vec3(1, 0, 0),
+                        .law = visibilityLaw("jin-emitting").value(),
+                        .angle = {}};
+  return {{east, east.position}, {west, west.position}};
+}
+
+/// Sightings of one sign, C = 3, head on, by their depths.
+Sighting at(double depth, bool blocked = false) {
+  const SightTarget sign = bothSigns()[0];
+  return judge(sign.sign, Vec3(20, 2, 2),
+               {.depth = depth, .low = 0.5 * depth, .high = 2 * depth, .blocked = blocked});
+}
+
+SignLoss oneLoss(const std::vector<SightTarget>& signs) {
+  return SignLoss(std::span(signs).first(1), {{0}}, 1);
+}
+
+TEST(SignLoss, FollowsTheClosedFormBetweenStoredTimes) {
+  const auto signs = bothSigns();
+  const auto plan = floorPlan(Room(0), Room::bounds(), 2, 0.5).value();
+  std::vector<Vec3> eyes;
+  for (std::size_t i = 0; i < plan.size(); ++i) eyes.push_back(plan.at(i));
+  std::vector<Sighting> seen(eyes.size() * 2);
+  SignLoss loss(signs, {{0, 1}, {0}}, eyes.size());
+  for (int t = 0; t <= 100; t += 7) {
+    lookAround(Room(0.01 * t), signs, eyes, seen);  // K grows by 0.01 each second
+    loss.update(t, seen);
+  }
+  int never = 0;
+  for (std::size_t i = 0; i < eyes.size(); ++i) {
+    const bool hidden[] = {seen[i].blocked, seen[eyes.size() + i].blocked};
+    // Lost when K d > C; at 0 s behind the wall.
+    const auto lost = [&](int s, double band) {
+      const double distance = (eyes[i] - signs[static_cast<std::size_t>(s)].sign.position).norm();
+      const double t = hidden[s] ? 0 : (s == 0 ? 3 : 8) / (0.01 * distance * band);
+      return t > 98 ? kNeverLost : t;
+    };
+    const double east = lost(0, 1), any = std::max(east, lost(1, 1));
+    if (std::isinf(any)) {
+      ASSERT_EQ(loss.times(0).none[i], kNeverLost);
+    } else {
+      ASSERT_NEAR(loss.times(0).none[i], any, 1e-9 * (1 + any));
+      ASSERT_NEAR(loss.times(0).down[i], 7 * std::floor(any / 7), 1e-9);
+      ASSERT_NEAR(loss.times(0).up[i], 7 * std::ceil(any / 7), 1e-9);
+    }
+    if (!hidden[0] && std::isfinite(lost(0, 0.8))) {
+      ASSERT_NEAR(loss.times(1).none[i], east, 1e-9 * (1 + east));
+      ASSERT_NEAR(loss.earliest(1).none[i], lost(0, 1.2), 1e-9 * (1 + east));
+      ASSERT_NEAR(loss.latest(1).none[i], lost(0, 0.8), 1e-9 * (1 + east));
+    }
+    never += std::isinf(any);
+  }
+  EXPECT_GT(never, 0);
+}
+
+TEST(SignLoss, ADoorClosesAtItsOwnTimeAndNotBefore) {
+  const auto signs = bothSigns();
+  SignLoss loss = oneLoss(signs);
+  loss.update(0, std::vector{at(1)});
+  loss.update(13.7, std::vector{at(1.5)});        // until then
+  loss.update(13.7, std::vector{at(1.5, true)});  // from then on
+  loss.update(20, std::vector{at(2, true)});
+  for (const RoundTime round : {RoundTime::kDown, RoundTime::kNone, RoundTime::kUp})
+    EXPECT_EQ(loss.times(0).by(round)[0], 13.7);
+}
+
+TEST(SignLoss, TheFirstLossCountsThoughItIsSeenAgain) {
+  const auto signs = bothSigns();
+  SignLoss loss = oneLoss(signs);
+  loss.update(0, std::vector{at(2)});
+  loss.update(10, std::vector{at(4)});
+  loss.update(20, std::vector{at(0)});
+  EXPECT_EQ(loss.times(0).down[0], 0);
+  EXPECT_DOUBLE_EQ(loss.times(0).none[0], 5);
+  EXPECT_EQ(loss.times(0).up[0], 10);
+  EXPECT_DOUBLE_EQ(loss.earliest(0).none[0], 0);  // 2 x 2 > 3
+  EXPECT_EQ(loss.latest(0).none[0], kNeverLost);  // 0.5 x 4 < 3
+}
+
+/// One sign is lost before the other comes into view: for a while none is seen.
+TEST(SignLoss, AGapBetweenTwoSignsIsALoss) {
+  auto signs = bothSigns();
+  signs[1].sign = signs[0].sign;
+  SignLoss loss(signs, {{0, 1}}, 1);
+  loss.update(0, std::vector{at(2), at(9)});
+  loss.update(10, std::vector{at(7), at(1)});
+  EXPECT_DOUBLE_EQ(loss.times(0).none[0], 2);
+  SignLoss joined(signs, {{0, 1}}, 1);
+  joined.update(0, std::vector{at(2), at(5)});
+  joined.update(10, std::vector{at(4), at(0)});  // until 5, from 4 on
+  EXPECT_EQ(joined.times(0).none[0], kNeverLost);
+}
+
+TEST(SignLoss, WhatIsNeverSeenIsLostAtOnce) {
+  const auto signs = bothSigns();
+  SignLoss loss = oneLoss(signs);
+  loss.update(3, std::vector{at(9)});
+  loss.update(10, std::vector{at(1)});
+  EXPECT_EQ(loss.times(0).down[0], 3);
+  EXPECT_EQ(loss.times(0).up[0], 3);
+  // Unknown smoke is not clear air.
+  SignLoss unknown = oneLoss(signs);
+  Sighting outside = judge(signs[0].sign, Vec3(20, 2, 2), {.covered = false});
+  unknown.update(0, std::vector{at(1)});
+  unknown.update(10, std::vector{outside});
+  EXPECT_EQ(unknown.times(0).none[0], 0);
+}
+
+TEST(LevelWatch, InterpolatesAndKeepsTheFirst) {
+  LevelWatch rising(3, 60), falling(1, 0.15, true);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  rising.update(0, std::vector{20.0, 20.0, 70.0});
+  rising.update(10, std::vector{100.0, nan, 70.0});
+  rising.update(20, std::vector{20.0, 80.0, 70.0});
+  EXPECT_DOUBLE_EQ(rising.times().none[0], 5);
+  EXPECT_EQ(rising.times().down[0], 0);
+  EXPECT_EQ(rising.times().up[0], 10);
+  EXPECT_EQ(rising.times().none[1], 10);  // not known since when
+  EXPECT_EQ(rising.times().none[2], 0);
+  falling.update(0, std::vector{0.2});
+  falling.update(10, std::vector{0.1});
+  EXPECT_DOUBLE_EQ(falling.times().none[0], 5);
+}
+
+TEST(RoundTime, HasNames) {
+  EXPECT_EQ(roundTime("down").value(), RoundTime::kDown);
+  EXPECT_EQ(roundTime("up").value(), RoundTime::kUp);
+  EXPECT_FALSE(roundTime("nearest"));
+}
+
+}  // namespace
+}  // namespace volute

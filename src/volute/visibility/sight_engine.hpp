@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "volute/visibility/exposure_meter.hpp"
+#include "volute/visibility/survey.hpp"
+
+namespace volute {
+
+/// Who sees which sign, and what people take in, for programs that move them: asked again and again
+/// while time goes on, for all agents at once. From one thread at a time; works on all.
+class SightEngine {
+ public:
+  /// Signs are put in their places at the first stored time. Criteria of which the case stores
+  /// nothing are left out; missing() names them. `progress` hears remarks.
+  [[nodiscard]] static Result<SightEngine> open(std::shared_ptr<SightField> field,
+                                                std::span<const SafetySign> signs,
+                                                std::span<const Criterion> criteria,
+                                                Progress& progress);
+
+  /// Whether each agent sees each sign at a time [s]: optical depths are linear between stored
+  /// times, what is opaque is as of `t`; before the first stored time and after the last the smoke
+  /// stays. Any order of times; ascending ones are read once.
+  /// @param eyes  [m].
+  /// @param out  shape (sign, agent), agent fastest.
+  [[nodiscard]] Status sees(std::span<const Vec3> eyes, double t, std::span<Seen> out);
+
+  /// What agents have taken in until `t` [s], by trapezoids from the time before to this one: steps
+  /// of a second or less are small enough for people who walk. Who was not there at the call before
+  /// goes on with the dose from when they were, without what they took in between.
+  /// @param ids  of the agents, each once.
+  /// @param eyes  where each is [m].
+  /// @param out  shape (criterion, agent): doses so far, or levels; NaN where the case says nothing.
+  [[nodiscard]] Status dose(std::span<const std::int64_t> ids, std::span<const Vec3> eyes, double t,
+                            std::span<double> out);
+
+  /// K at each eye [1/m], for walking speeds in smoke; NaN where nothing is known.
+  [[nodiscard]] Status extinction(std::span<const Vec3> eyes, double t, std::span<double> out);
+
+  const std::vector<SightTarget>& signs() const { return signs_; }
+
+  const std::vector<Criterion>& criteria() const { return criteria_; }
+
+  const std::vector<ExposureMeter::Missing>& missing() const { return missing_; }
+
+  std::span<const double> times() const { return field_->times(); }
+
+ private:
+  /// The case between two times that are known.
+  struct Instants {
+    std::shared_ptr<const SightInstant> before, after;  // `after` is null at a known time
+    double share = 0;                                   // of `after`
+  };
+
+  struct Agent {
+    double time = 0;  // of the last call with them
+    std::vector<double> rates, doses;
+  };
+
+  /// Lines of a batch, and where their answers go.
+  struct Lines {
+    std::vector<SightLine> lines;
+    std::vector<std::size_t> places;
+    std::vector<double> limits, highs;
+
+    std::size_t size() const { return lines.size(); }
+
+    void add(const SightLine& line, std::size_t place, double limit, double high = 0) {
+      lines.push_back(line), places.push_back(place);
+      limits.push_back(limit), highs.push_back(high);
+    }
+
+    void add(const Lines& from, std::size_t k, double high) {
+      add(from.lines[k], from.places[k], from.limits[k], high);
+    }
+
+    void clear() { lines.clear(), places.clear(), limits.clear(), highs.clear(); }
+  };
+
+  static std::pair<std::vector<double>, std::vector<double>> boundsOf(
+      const Instants& now, std::span<const SightLine> lines);
+  static void lookExactly(const Instants& now, const Lines& lines, std::span<Seen> out);
+  bool changed(double stored, double now) const;
+  Result<Instants> instantsAt(double t);
+  Result<std::shared_ptr<const SightInstant>> stored(std::size_t index);
+
+  std::shared_ptr<SightField> field_;
+  std::vector<SightTarget> signs_;
+  std::vector<Criterion> criteria_;
+  std::vector<ExposureMeter::Missing> missing_;
+  AirField air_;
+  bool small_ = false;           // few enough values to be interpolated at each time
+  std::vector<double> changes_;  // of what is opaque
+  double time_ = -1;
+  Instants instants_;
+  std::map<std::size_t, std::shared_ptr<const SightInstant>> held_;  // stored ones, two at most
+  double lastCall_ = 0;
+  bool called_ = false;
+  std::unordered_map<std::int64_t, Agent> agents_;
+};
+
+}  // namespace volute

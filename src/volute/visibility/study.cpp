@@ -1,0 +1,448 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/visibility/study.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "volute/base/input_file.hpp"
+#include "volute/base/suggest.hpp"
+#include "volute/io/image_file.hpp"
+#include "volute/io/json_file.hpp"
+#include "volute/io/json_values.hpp"
+#include "volute/visibility/plan_picture.hpp"
+#include "volute/visibility/plan_vti.hpp"
+
+namespace volute {
+namespace {
+
+constexpr std::size_t kMostRuns = 100000;
+
+/// Options whose values are files.
+constexpr std::array<std::string_view, 6> kFiles{"signs", "route", "eyes",
+                                                 "trajectories", "rset", "criteria"};
+
+std::string plainName(const std::string& text) {
+  std::string name;
+  for (const char c : text) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       c == '-' || c == '_' || (c == '.' && !name.empty());
+    name += plain ? c : '_';
+  }
+  return name.empty() ? "run" : name;
+}
+
+/// A word as a spreadsheet takes it, without what it would compute.
+std::string quotedCell(const std::string& text) {
+  const bool formula =
+      !text.empty() && std::string_view("=+@\t\r").find(text[0]) != std::string_view::npos;
+  const std::string cell = (formula ? "'" : "") + text;
+  if (cell.find_first_of(",\"\r\n") == std::string::npos)
+    return cell;
+  std::string out = "\"";
+  for (const char c : cell) {
+    if (c == '"')
+      out += '"';
+    out += c == '\n' ? ' ' : c;
+  }
+  return out + "\"";
+}
+
+using OptionSet = std::map<std::string, std::vector<std::string>>;
+
+class StudyReader {
+ public:
+  StudyReader(const nlohmann::json& json, const std::string& file) : json_(json), file_(file) {}
+
+  Result<Study> read() {
+    if (!json_.is_object())
+      return wrong("", "expected an object");
+    constexpr std::array<std::string_view, 5> kNames{"format", "cases", "options", "variants",
+                                                     "baseline"};
+    VOLUTE_TRY(checkNames(json_, "", kNames));
+    VOLUTE_ASSIGN(const OptionSet common, options(json_, ""));
+    VOLUTE_TRY(readVariants());
+    if (!json_.contains("cases") || !json_["cases"].is_array() || json_["cases"].empty())
+      return wrong("/cases", "expected a list of .smv files, folders or objects with 'case'");
+    Study study;
+    for (std::size_t i = 0; i < json_["cases"].size(); ++i)
+      VOLUTE_TRY(addCases(json_["cases"][i], fmt::format("/cases/{}", i), common, study));
+    if (json_.contains("baseline")) {
+      if (!json_["baseline"].is_string())
+        return wrong("/baseline", "expected a run's name");
+      study.baseline = json_["baseline"].get<std::string>();
+      if (std::ranges::find(study.runs, study.baseline, &StudyRun::name) == study.runs.end())
+        return wrong("/baseline", fmt::format("no run is named '{}'; the first is '{}'",
+                                              study.baseline, study.runs.front().name));
+    }
+    return study;
+  }
+
+ private:
+  struct Variant {
+    std::string name;
+    OptionSet options;
+  };
+
+  tl::unexpected<Error> wrong(const std::string& where, std::string_view message) const {
+    return fail(ErrorCode::kInvalidData, "{}: {}: {}", file_, where.empty() ? "/" : where, message);
+  }
+
+  Status checkNames(const nlohmann::json& json, const std::string& where,
+                    std::span<const std::string_view> names) const {
+    for (const auto& [key, value] : json.items()) {
+      if (std::ranges::find(names, key) != names.end())
+        continue;
+      const auto near = nearest(key, names);
+      return wrong(where + "/" + key,
+                   near.empty() ? "this name is unknown"
+                                : fmt::format("this name is unknown; did you mean '{}'?", near));
+    }
+    return {};
+  }
+
+  Result<std::string> word(const nlohmann::json& value, const std::string& key,
+                           const std::string& where) const {
+    std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    if (!value.is_string() && !value.is_number())
+      return wrong(where, "expected a text, a number, true, or a list of texts and numbers");
+    const bool file = std::ranges::find(kFiles, key) != kFiles.end() && value.is_string() &&
+                      text != "usual" && text != "none";
+    return file ? besides(file_, text) : text;
+  }
+
+  Result<OptionSet> options(const nlohmann::json& json, const std::string& where) const {
+    OptionSet set;
+    if (!json.contains("options"))
+      return set;
+    if (!json["options"].is_object())
+      return wrong(where + "/options", "expected an object: {\"height\": 2}");
+    for (const auto& [key, value] : json["options"].items()) {
+      const std::string at = fmt::format("{}/options/{}", where, key);
+      if (key == "output" || key == "o")
+        return wrong(at, "each run has a folder of its own below the study's: leave it out");
+      auto& words = set[key];
+      if (value.is_boolean()) {
+        if (!value.get<bool>())
+          return wrong(at, "expected true, or leave it out");
+        continue;
+      }
+      if (!value.is_array()) {
+        VOLUTE_ASSIGN(const auto one, word(value, key, at));
+        words.push_back(one);
+        continue;
+      }
+      for (const nlohmann::json& item : value) {
+        VOLUTE_ASSIGN(const auto one, word(item, key, at));
+        words.push_back(one);
+      }
+    }
+    return set;
+  }
+
+  Result<std::string> name(const nlohmann::json& json, const std::string& where,
+                           const std::string& initial) const {
+    if (!json.contains("name"))
+      return initial;
+    if (!json["name"].is_string() || json["name"].get<std::string>().empty())
+      return wrong(where + "/name", "expected a text");
+    return json["name"].get<std::string>();
+  }
+
+  Status readVariants() {
+    if (!json_.contains("variants")) {
+      variants_.push_back({});
+      return {};
+    }
+    const nlohmann::json& list = json_["variants"];
+    if (!list.is_array() || list.empty())
+      return wrong("/variants", "expected a list of objects with name and options");
+    constexpr std::array<std::string_view, 2> kNames{"name", "options"};
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const std::string where = fmt::format("/variants/{}", i);
+      if (!list[i].is_object())
+        return wrong(where, "expected an object with name and options");
+      VOLUTE_TRY(checkNames(list[i], where, kNames));
+      Variant variant;
+      VOLUTE_ASSIGN(variant.name, name(list[i], where, fmt::format("variant{}", i + 1)));
+      VOLUTE_ASSIGN(variant.options, options(list[i], where));
+      variants_.push_back(std::move(variant));
+    }
+    return {};
+  }
+
+  Status addCases(const nlohmann::json& json, const std::string& where, const OptionSet& common,
+                  Study& study) {
+    constexpr std::array<std::string_view, 3> kNames{"case", "name", "options"};
+    const bool plain = json.is_string();
+    if (!plain && (!json.is_object() || !json.contains("case") || !json["case"].is_string()))
+      return wrong(where, "expected a file or a folder, or an object with 'case'");
+    OptionSet own;
+    std::string named;
+    if (!plain) {
+      VOLUTE_TRY(checkNames(json, where, kNames));
+      VOLUTE_ASSIGN(own, options(json, where));
+      VOLUTE_ASSIGN(named, name(json, where, ""));
+    }
+    const std::string path = besides(file_, (plain ? json : json["case"]).get<std::string>());
+    VOLUTE_ASSIGN(const auto files, filesOf(path, where));
+    for (const auto& file : files) {
+      std::string title = named;
+      if (title.empty() || files.size() > 1) {
+        const auto below = std::filesystem::path(file).lexically_relative(path);
+        auto stem = files.size() > 1 ? below : std::filesystem::path(file).filename();
+        title = (title.empty() ? "" : title + "_") + stem.replace_extension().generic_string();
+      }
+      for (const Variant& variant : variants_) VOLUTE_TRY(addRun(title, file, own, variant, common, study));
+    }
+    return {};
+  }
+
+  Status addRun(const std::string& title, const std::string& file, const OptionSet& own,
+                const Variant& variant, const OptionSet& common, Study& study) {
+    if (study.runs.size() == kMostRuns)
+      return wrong("/cases", fmt::format("more than {} runs", kMostRuns));
+    StudyRun run;
+    const std::string wanted =
+        plainName(title) + (variant.name.empty() ? "" : "_" + plainName(variant.name));
+    run.name = wanted;
+    for (int n = 2; !names_.insert(run.name).second; ++n) run.name = fmt::format("{}_{}", wanted, n);
+    run.casePath = file;
+    run.variant = variant.name;
+    OptionSet all = variant.options;
+    all.insert(own.begin(), own.end());
+    all.insert(common.begin(), common.end());
+    for (const auto& [key, values] : all) {
+      if (values.empty())
+        run.words.push_back("--" + key);
+      for (const std::string& value : values) run.words.push_back(fmt::format("--{}={}", key, value));
+    }
+    study.runs.push_back(std::move(run));
+    return {};
+  }
+
+  /// The file itself, or all cases in and below a folder, in order.
+  Result<std::vector<std::string>> filesOf(const std::string& path, const std::string& where) const {
+    std::error_code error;
+    if (!std::filesystem::is_directory(path, error))
+      return std::vector{path};
+    std::vector<std::string> files;
+    std::filesystem::recursive_directory_iterator entries(path, error), end;
+    for (; !error && entries != end; entries.increment(error)) {
+      if (entries->path().extension() == ".smv" && entries->is_regular_file(error))
+        files.push_back(entries->path().string());
+      if (files.size() > kMostRuns)
+        break;
+    }
+    if (error)
+      return wrong(where, fmt::format("{}: {}", path, error.message()));
+    if (files.empty())
+      return wrong(where, fmt::format("{}: no .smv file in or below this folder", path));
+    std::ranges::sort(files);
+    return files;
+  }
+
+  const nlohmann::json& json_;
+  const std::string& file_;
+  std::vector<Variant> variants_;
+  std::set<std::string> names_;
+};
+
+/// Any size: it is this program's own.
+Result<Json> readOwnJson(const std::filesystem::path& path) {
+  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
+  std::string text(file.size(), '\0');
+  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(text))));
+  Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded() || !json.is_object())
+    return fail(ErrorCode::kInvalidData, "{}: is no JSON object", path.string());
+  return json;
+}
+
+}  // namespace
+
+Result<Study> Study::read(const std::string& file) {
+  VOLUTE_ASSIGN(const auto json, readJson(file));
+  return StudyReader(json, file).read();
+}
+
+void StudyResults::put(std::map<std::string, std::string>& row, const std::string& column,
+                       std::string value) {
+  if (std::ranges::find(columns_, column) == columns_.end())
+    columns_.push_back(column);
+  row[column] = std::move(value);
+}
+
+void StudyResults::addFailure(const StudyRun& run, const std::string& sentence) {
+  auto& row = rows_.emplace_back();
+  put(row, "run", run.name);
+  put(row, "case", run.casePath);
+  put(row, "variant", run.variant);
+  put(row, "done", "0");
+  put(row, "why", sentence);
+  ++failures_;
+}
+
+Status StudyResults::add(const StudyRun& run, const std::filesystem::path& folder) {
+  VOLUTE_ASSIGN(const auto json, readOwnJson(folder / "visibility.json"));
+  auto& row = rows_.emplace_back();
+  put(row, "run", run.name);
+  put(row, "case", run.casePath);
+  put(row, "variant", run.variant);
+  put(row, "done", "1");
+  put(row, "why", "");
+  const Json times = json.value("times", Json::array());
+  put(row, "stored_times", std::to_string(times.size()));
+  if (!times.empty()) {
+    put(row, "first_time", times.front().dump());
+    put(row, "last_time", times.back().dump());
+  }
+  for (const Json& one : json.value("verdict", Json::array())) {
+    const std::string criterion = one.value("criterion", "");
+    if (one.contains("time")) {
+      const bool reached = one["time"].is_number();
+      put(row, criterion + " [s]", reached ? one["time"].dump() : "");
+      put(row, criterion + ", interpolated [s]",
+          reached ? one.value("time_interpolated", Json()).dump() : "");
+      put(row, criterion + ", share", reached ? one.value("share", Json(0)).dump() : "0");
+    }
+    if (one.contains("sign"))
+      put(row, "first sign lost", one["sign"].is_string() ? one["sign"].get<std::string>() : "");
+  }
+  if (json.contains("tenability") && json["tenability"].contains("margin")) {
+    const Json& margin = json["tenability"]["margin"];
+    put(row, "least margin [s]", margin.contains("least") ? margin["least"]["value"].dump() : "");
+  }
+  put(row, "remarks", std::to_string(json.value("remarks", Json::array()).size()));
+  if (auto plan = planOf(run.name, json))
+    plans_.push_back(std::move(*plan));
+  return {};
+}
+
+std::optional<StudyResults::Plan> StudyResults::planOf(const std::string& run, const Json& json) {
+  const Json eyes = json.value("eyes", Json::object());
+  if (eyes.value("kind", "") != "plan" || !json.contains("plan") || !json.contains("times"))
+    return std::nullopt;
+  Plan plan;
+  plan.run = run;
+  plan.plan.origin = Vec3(eyes["origin"][0], eyes["origin"][1], eyes["height"]);
+  plan.plan.step = eyes["step"];
+  plan.plan.nx = eyes["nx"];
+  plan.plan.ny = eyes["ny"];
+  plan.end = json["times"].back();
+  const Json& rows = json.contains("tenability") && json["tenability"].contains("aset")
+                         ? json["tenability"]["aset"]["rows"]
+                         : json["aset"][0]["rows"];
+  for (int y = 0; y < plan.plan.ny; ++y) {
+    const std::string walkable = json["plan"][y];
+    for (int x = 0; x < plan.plan.nx; ++x) {
+      const bool gas = walkable[static_cast<std::size_t>(x)] == '1';
+      const Json& value = rows[y][x];
+      plan.plan.places.push_back(gas ? Place::kGas : Place::kSolid);
+      plan.aset.push_back(!gas                ? std::numeric_limits<float>::quiet_NaN()
+                          : value.is_number() ? value.get<float>()
+                                              : std::numeric_limits<float>::infinity());
+    }
+  }
+  return plan;
+}
+
+std::string StudyResults::table() const {
+  std::string text;
+  for (std::size_t c = 0; c < columns_.size(); ++c) text += (c > 0 ? "," : "") + quotedCell(columns_[c]);
+  text += '\n';
+  for (const auto& row : rows_) {
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      const auto found = row.find(columns_[c]);
+      text += (c > 0 ? "," : "") + (found == row.end() ? "" : quotedCell(found->second));
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+Result<std::vector<std::string>> StudyResults::compare(const std::filesystem::path& folder) const {
+  std::vector<std::string> remarks;
+  if (plans_.size() < 2)
+    return remarks;
+  const auto found = std::ranges::find(plans_, baseline_, &Plan::run);
+  const Plan& base = found == plans_.end() ? plans_.front() : *found;
+  const auto fits = [&](const Plan& plan) {
+    return plan.plan.nx == base.plan.nx && plan.plan.ny == base.plan.ny &&
+           std::abs(plan.plan.step - base.plan.step) < 1e-9 &&
+           (plan.plan.origin - base.plan.origin).norm() < 1e-6;
+  };
+  // A place that keeps its signs to the end counts as lost at the end: it is at least that.
+  const auto timeOf = [](const Plan& plan, std::size_t i) {
+    return std::isinf(plan.aset[i]) ? static_cast<float>(plan.end) : plan.aset[i];
+  };
+  std::vector<const Plan*> same;
+  for (const Plan& plan : plans_) {
+    if (!fits(plan)) {
+      remarks.push_back(fmt::format("run '{}' has another plan than '{}': it is not compared",
+                                    plan.run, base.run));
+      continue;
+    }
+    same.push_back(&plan);
+    if (&plan == &base)
+      continue;
+    std::vector<float> difference(base.aset.size());
+    PlanPicture picture;
+    picture.title = fmt::format("ASET of {} minus that of {}", plan.run, base.run);
+    picture.barLabel = "difference [s]";
+    picture.values.assign(base.aset.size(), 0);
+    picture.marks.assign(base.aset.size(), PlanMark::kSolid);
+    double most = 1e-9;
+    for (std::size_t i = 0; i < difference.size(); ++i) {
+      difference[i] = timeOf(plan, i) - timeOf(base, i);
+      if (std::isnan(difference[i]))
+        continue;
+      picture.values[i] = difference[i];
+      picture.marks[i] = PlanMark::kValue;
+      most = std::max(most, std::abs(picture.values[i]));
+    }
+    picture.low = -most;
+    picture.high = most;
+    picture.words = {{PlanMark::kSolid, "solid, or no data in one of them"}};
+    VOLUTE_TRY(writePlanVti(folder / (plan.run + "_difference.vti"), base.plan,
+                            {{"difference", difference}}));
+    VOLUTE_TRY(writeImage(folder / (plan.run + "_difference.png"),
+                          drawPlan(base.plan, picture, {})));
+  }
+  if (same.size() < 2)
+    return remarks;
+  const std::size_t count = base.aset.size();
+  const float none = std::numeric_limits<float>::quiet_NaN();
+  std::vector<float> least(count, none), mean(count, none), largest(count, none), spread(count, none);
+  for (std::size_t i = 0; i < count; ++i) {
+    double sum = 0, squares = 0, low = 0, high = 0;
+    int n = 0;
+    for (const Plan* plan : same) {
+      const double time = timeOf(*plan, i);
+      if (std::isnan(time))
+        continue;
+      low = n == 0 ? time : std::min(low, time);
+      high = n == 0 ? time : std::max(high, time);
+      sum += time;
+      squares += time * time;
+      ++n;
+    }
+    if (n == 0)
+      continue;
+    least[i] = static_cast<float>(low);
+    largest[i] = static_cast<float>(high);
+    mean[i] = static_cast<float>(sum / n);
+    spread[i] = static_cast<float>(std::sqrt(std::max(0.0, squares / n - sum / n * sum / n)));
+  }
+  VOLUTE_TRY(writePlanVti(folder / "spread.vti", base.plan,
+                          {{"aset_least", least},
+                           {"aset_mean", mean},
+                           {"aset_largest", largest},
+                           {"aset_standard_deviation", spread}}));
+  return remarks;
+}
+
+}  // namespace volute

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "volute/report/json.hpp"
+#include "volute/visibility/floor_plan.hpp"
+
+// Many surveys: a case with several criteria, or many cases.
+
+namespace volute {
+
+/// One survey of a study.
+struct StudyRun {
+  std::string name;  ///< of its folder; of letters, digits, - and _ and .
+  std::string casePath;
+  std::string variant;              ///< empty: the study has none
+  std::vector<std::string> words;  ///< options of `volute visibility`, but for -o
+};
+
+/// STUDY.json: {"cases": ["a.smv", "folder"], "options": {"signs": "signs.json", "height": 2},
+/// "variants": [{"name": "C3", "options": {"criteria": "strict.json"}}], "baseline": NAME}. A folder
+/// stands for all .smv files in and below it. Each case is looked at with each variant; options of
+/// a variant go before those of a case ({"case": "a.smv", "name": "a", "options": {..}}) and those
+/// before the study's. Values are texts, numbers, true, or lists of them. Files are found from the
+/// study's folder.
+struct Study {
+  std::vector<StudyRun> runs;
+  std::string baseline;  ///< a run's name; empty: the first
+
+  /// Errors name the place in the file.
+  [[nodiscard]] static Result<Study> read(const std::string& file);
+};
+
+/// What the runs found, row by row, and how they differ.
+class StudyResults {
+ public:
+  explicit StudyResults(std::string baseline) : baseline_(std::move(baseline)) {}
+
+  /// From the visibility.json in a run's folder.
+  [[nodiscard]] Status add(const StudyRun& run, const std::filesystem::path& folder);
+  void addFailure(const StudyRun& run, const std::string& sentence);
+
+  std::size_t failures() const { return failures_; }
+
+  /// Comma-separated: a row a run, in the order in which they came.
+  std::string table() const;
+
+  /// ASET minus the baseline's for each run with the same plan, as NAME_difference.vti and .png,
+  /// and the least, the mean, the largest and the spread over all of these as spread.vti. Returns
+  /// sentences about runs that cannot be compared.
+  [[nodiscard]] Result<std::vector<std::string>> compare(const std::filesystem::path& folder) const;
+
+ private:
+  struct Plan {
+    std::string run;
+    FloorPlan plan;
+    std::vector<float> aset;  ///< NaN where nobody stands, infinite where nothing is lost
+    double end = 0;           ///< the last time
+  };
+
+  void put(std::map<std::string, std::string>& row, const std::string& column, std::string value);
+  static std::optional<Plan> planOf(const std::string& run, const Json& json);
+
+  std::string baseline_;
+  std::vector<std::string> columns_;
+  std::vector<std::map<std::string, std::string>> rows_;
+  std::vector<Plan> plans_;
+  std::size_t failures_ = 0;
+};
+
+}  // namespace volute

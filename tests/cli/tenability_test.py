@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""volute visibility: doses, limits and margins in cases written here; volute sweep: many of them."""
+import csv
+import json
+import math
+
+import support
+from sight_cases import FdsCase, Mesh
+
+TIMES = [10.0 * i for i in range(13)]
+# pyFDS-Evac's worked example reaches FED 1 at 981.7 s in this air.
+EXAMPLE = [("CARBON MONOXIDE VOLUME FRACTION", "mol/mol", lambda *_: 0.001),
+           ("CARBON DIOXIDE VOLUME FRACTION", "mol/mol", lambda *_: 0.02),
+           ("OXYGEN VOLUME FRACTION", "mol/mol", lambda *_: 0.15)]
+
+
+class Cases(support.TestCase):
+    def case(self, name="case", more=None, times=TIMES, smoke=lambda t, *_: 0.001 * t, folder=None):
+        mesh = Mesh("hall", (0, 20, 0, 4, 0, 3), (20, 4, 3))
+        hot = [("TEMPERATURE", "C", lambda t, x, *_: 20 + t * (20 - x) / 20)]
+        folder = self.path(folder) if folder else self.folder
+        folder.mkdir(exist_ok=True, parents=True)
+        return FdsCase([mesh], list(times), smoke, more=hot + EXAMPLE if more is None else more).write(folder, name)
+
+    def signs(self):
+        self.path("signs.json").write_text(json.dumps({"signs": [
+            {"name": "exit", "position": [20, 2, 2], "normal": [-1, 0, 0]},
+            {"name": "back", "position": [0, 2, 2], "normal": [1, 0, 0], "emitting": True}]}))
+        return self.path("signs.json")
+
+    def criteria(self, *criteria):
+        self.path("criteria.json").write_text(json.dumps({"criteria": list(criteria)}))
+        return self.path("criteria.json")
+
+    def report(self, folder):
+        return json.loads((self.path(folder) / "visibility.json").read_text())
+
+
+class Tenability(Cases):
+    HOT = {"name": "hot", "kind": "temperature", "limit": 60}
+    FED = {"name": "fed", "kind": "fed-gas", "model": "fds", "limit": 0.05}
+
+    def test_a_plan_has_times_and_doses_of_each_criterion(self):
+        criteria = self.criteria(self.HOT, self.FED, {"name": "iso", "kind": "fed-gas", "limit": 1},
+                                 {"name": "acid", "kind": "fec", "limit": 0.3})
+        self.works("visibility", self.case(), "--signs", self.signs(), "--criteria", criteria, "--height", 1.5, "--step", 1,
+                   "--rset", 45, "-o", self.path("out"))
+        report = self.report("out")
+        hot, fed, iso, acid = report["tenability"]["criteria"]
+        rate = (2.764e-5 * 1000 ** 1.036 * math.exp(0.1903 * 2 + 2.0004) / 7.1 + math.exp(0.54 * 5.9 - 8.13)) / 60
+        self.assertLess(abs(1 / rate - 981.7), 0.05)
+        for x in range(20):
+            # 20 + t (19.5 - x) / 20 = 60 in the middle of a cell.
+            reached = 800 / (19.5 - x)
+            found = hot["rows_interpolated"][1][x]
+            if reached > 120:
+                self.assertIsNone(found)
+                continue
+            self.assertAlmostEqual(found, reached, 3)
+            self.assertEqual(hot["rows"][1][x], 10 * math.floor(reached / 10))
+            self.assertEqual(hot["rows_up"][1][x], 10 * math.ceil(reached / 10))
+        for row in fed["dose_at_the_end"]:
+            for dose in row:
+                self.assertLess(abs(dose - 120 * rate), 1e-6 * dose + 1e-7)
+        self.assertAlmostEqual(fed["rows_interpolated"][0][0], 0.05 / rate, 3)
+        self.assertAlmostEqual(iso["dose_at_the_end"][2][3], 120 / 60 * 1000 / 35000 * math.exp(0.4), 5)
+        self.assertIn("hydrogen-cyanide", iso["counted_as_in_clean_air"])
+        self.assertIn("HYDROGEN CHLORIDE", acid["not_assessed"])
+        aset = report["tenability"]["aset"]
+        self.assertEqual(aset["rows_of_the_first_criterion"][1][0], "hot")
+        self.assertEqual(aset["rows_of_the_first_criterion"][1][15], "fed")
+        self.assertEqual(aset["rows"][1][0], 40)
+        margin = report["tenability"]["margin"]
+        self.assertEqual(margin["least"]["value"], -5)
+        self.assertEqual(margin["rows"][1][15], aset["rows"][1][15] - 45)
+        self.assertGreater(margin["points_too_late"], 0)
+        page = (self.path("out") / "report.html").read_text()
+        self.assertLess(page.index("ASET of all criteria: 40 s"), page.index("computed by"))
+        self.assertIn("not assessed", page)
+        for name in ("aset_all.png", "tenability_first.png", "margin.png", "tenability_hot.png"):
+            self.assertEqual((self.path("out") / name).read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+
+    def test_points_routes_and_people_take_in_what_the_closed_form_says(self):
+        case, signs, criteria = self.case(), self.signs(), self.criteria(self.HOT, self.FED)
+        rate = 1 / 981.690
+        self.path("eyes.csv").write_text("x,y,z\n0.5,2,1.5\n")
+        self.works("visibility", case, "--signs", signs, "--criteria", criteria, "--eyes", self.path("eyes.csv"), "-o",
+                   self.path("points"))
+        hot, fed = self.report("points")["tenability"]["criteria"]
+        self.assertAlmostEqual(hot["times_interpolated"][0], 800 / 19.5, 3)
+        self.assertAlmostEqual(fed["dose_at_the_end"][0], 120 * rate, 5)
+        with open(self.path("points") / "tenability.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), len(TIMES))
+        self.assertAlmostEqual(float(rows[-1]["fed"]), 120 * rate, 5)
+        # 1 m/s from 10 s on, 15 m.
+        self.path("route.csv").write_text("x,y\n2,2\n17,2\n")
+        self.works("visibility", case, "--signs", signs, "--criteria", criteria, "--route", self.path("route.csv"), "--height", 1.5,
+                   "--speed", 1, "--start", 10, "-o", self.path("route"))
+        (route,) = self.report("route")["routes"]
+        dose = {one["name"]: one for one in route["exposure"]}
+        self.assertLess(abs(dose["fed"]["dose"] - 15 * rate), 0.3 * rate)
+        self.assertEqual(route["arrival"], 25)
+        self.assertIn("arrives at 25 s", self.report("route")["verdict"][0]["sentence"])
+        self.path("walk.csv").write_text("id,time,x,y\n4,0,1,1\n4,60,19,1\n7,30,5,1\n7,50,5,1\n")
+        self.works("visibility", case, "--signs", signs, "--criteria", criteria, "--trajectories", self.path("walk.csv"),
+                   "--height", 1.5, "-o", self.path("walk"))
+        report = self.report("walk")["tenability"]
+        self.assertEqual(report["ids"], [4, 7])
+        for found, seconds in zip(report["criteria"][1]["dose_at_the_end"], (60, 20)):
+            self.assertLess(abs(found - seconds * rate), 0.6 * rate)
+
+    def test_people_and_routes_outside_are_said(self):
+        case, signs = self.case(), self.signs()
+        self.path("walk.csv").write_text("id,time,x,y\n4,0,1,1\n4,60,19,1\n7,30,5,50\n7,50,5,50\n")
+        self.works("visibility", case, "--signs", signs, "--trajectories", self.path("walk.csv"), "--height", 1.5, "-o",
+                   self.path("out"))
+        self.assertTrue(any("1 of 2 people" in remark for remark in self.report("out")["remarks"]))
+        mesh = Mesh("hall", (0, 20, 0, 4, 0, 3), (20, 4, 3), [(10, 11, 0, 4, 0, 3)])
+        path = FdsCase([mesh], [0.0, 10.0], lambda *_: 0.1).write(self.folder, "walled")
+        self.path("route.csv").write_text("x,y\n2,2\n17,2\n")
+        self.works("visibility", path, "--signs", signs, "--route", self.path("route.csv"), "--height", 1.5, "--step", 0.5, "-o",
+                   self.path("out"))
+        self.assertTrue(any("'route' leads through something solid" in remark for remark in self.report("out")["remarks"]))
+
+    def test_smoke_slows_walkers_down(self):
+        case = self.case(smoke=lambda *_: 2.0)
+        self.path("route.csv").write_text("x,y\n2,2\n17,2\n")
+        self.works("visibility", case, "--signs", self.signs(), "--route", self.path("route.csv"), "--height", 1.5, "--slowed",
+                   "fridolf", "-o", self.path("out"))
+        (route,) = self.report("out")["routes"]
+        self.assertAlmostEqual(route["arrival"], 15 / (1.2 - 0.34 * 1.5), 2)
+
+    def test_what_is_not_stored_is_said_and_the_rest_goes_on(self):
+        self.works("visibility", self.case(more=[]), "--signs", self.signs(), "--height", 1.5, "--step", 2, "-o", self.path("out"))
+        criteria = {one["name"]: one for one in self.report("out")["tenability"]["criteria"]}
+        self.assertIn("rows", criteria["visibility"])
+        self.assertIn("CARBON MONOXIDE", criteria["fed-gas-iso"]["not_assessed"])
+        # A file that ends too early is a reason, not the end.
+        case = self.case("cut")
+        (self.folder / "cut_1_2.sf").write_bytes((self.folder / "cut_1_2.sf").read_bytes()[:60])
+        self.works("visibility", case, "--signs", self.signs(), "--height", 1.5, "--step", 2, "-o", self.path("out"))
+        criteria = {one["name"]: one for one in self.report("out")["tenability"]["criteria"]}
+        self.assertIn("cut_1_2.sf", criteria["temperature"]["not_assessed"])
+        self.assertIn("rows", criteria["fed-gas-iso"])
+
+    def test_criteria_and_rset_are_checked(self):
+        case, signs = self.case(), self.signs()
+
+        def refused(criteria, *words):
+            self.path("bad.json").write_text(json.dumps(criteria))
+            message = self.fails(1, "visibility", case, "--signs", signs, "--criteria", self.path("bad.json"), "-o", self.path("x"))
+            for word in words:
+                self.assertIn(word, message)
+
+        refused({}, "/criteria", "expected a list")
+        refused({"criteria": [{"kind": "temprature", "limit": 1}]}, "/criteria/0/kind", "temprature")
+        refused({"criteria": [{"kind": "temperature"}]}, "/criteria/0/limit", "missing")
+        refused({"criteria": [{"kind": "fed-gas", "model": "purser", "limit": 1}]}, "iso-13571, sfpe")
+        refused({"criteria": [{"kind": "fed-gas", "limt": 1}]}, "did you mean 'limit'")
+        self.path("rset.csv").write_text("what\n")
+        self.assertIn("x,y,rset", self.fails(1, "visibility", case, "--signs", signs, "--rset", self.path("rset.csv"), "-o",
+                                             self.path("x")))
+        self.assertIn("--rset", self.fails(2, "visibility", case, "--signs", signs, "--rset", "-5", "-o", self.path("x")))
+
+    def test_large_tables_are_compressed(self):
+        case, signs = self.case(), self.signs()
+        for kind, names in (("csv", {"sight.csv"}), ("csv.zst", {"sight.csv.zst"}), ("none", set())):
+            self.works("visibility", case, "--signs", signs, "--height", 1.5, "--step", 0.5, "--maps", "aset", "--sight", kind, "-o",
+                       self.path("out"))
+            self.assertEqual({p.name for p in self.path("out").glob("sight*")}, names)
+        self.works("visibility", case, "--signs", signs, "--height", 1.5, "--step", 0.08, "--maps", "aset", "-o", self.path("out"))
+        packed = (self.path("out") / "sight.csv.zst").read_bytes()
+        self.assertEqual(packed[:4], b"\x28\xb5\x2f\xfd")
+        self.assertEqual(self.report("out")["sight_file"], "sight.csv.zst")
+
+
+class Sweep(Cases):
+    def study(self, **more):
+        self.signs()
+        for name, smoke in (("a", 0.01), ("b", 0.02)):
+            self.case(name, smoke=lambda t, *_, smoke=smoke: smoke * t, folder="cases")
+        study = {"cases": ["cases"], "options": {"signs": "signs.json", "height": 1.5, "step": 1, "maps": "aset"},
+                 "variants": [{"name": "plain"}, {"name": "up", "options": {"round": "up"}}]} | more
+        self.path("study.json").write_text(json.dumps(study))
+        return self.path("study.json")
+
+    def rows(self):
+        with open(self.path("study") / "study.csv", newline="") as file:
+            return {row["run"]: row for row in csv.DictReader(file)}
+
+    def sweep(self, study, *options):
+        result = self.works("sweep", study, "-o", self.path("study"), "--json", *options)
+        return result.json, result.message
+
+    def test_each_case_with_each_variant_is_a_row(self):
+        self.assertEqual(self.sweep(self.study())[0]["done"], 4)
+        rows = self.rows()
+        self.assertEqual(sorted(rows), ["a_plain", "a_up", "b_plain", "b_up"])
+        for row in rows.values():
+            self.assertEqual(row["done"], "1")
+            self.assertEqual(row["first sign lost"], "exit")
+        # K d = 3 from the farthest place.
+        time = 3 / 0.01 / math.dist((0.5, 0.5, 1.5), (20, 2, 2))
+        self.assertAlmostEqual(float(rows["a_plain"]["sign lost first, interpolated [s]"]), time, 2)
+        self.assertEqual(float(rows["a_plain"]["sign lost first [s]"]), 10)
+        self.assertEqual(float(rows["a_up"]["sign lost first [s]"]), 20)
+        self.assertTrue((self.path("study") / "compared/b_plain_difference.png").exists())
+        self.assertTrue((self.path("study") / "compared/spread.vti").exists())
+
+    def test_it_goes_on_where_it_was_stopped(self):
+        study = self.study()
+        self.sweep(study, "--part", "1/2")
+        self.assertEqual(sorted(row["done"] for row in self.rows().values()), ["0", "0", "1", "1"])
+        before = (self.path("study") / "a_plain/visibility.json").stat().st_mtime_ns
+        out = self.sweep(study)[0]
+        self.assertEqual((out["done"], out["kept"]), (2, 2))
+        self.assertEqual((self.path("study") / "a_plain/visibility.json").stat().st_mtime_ns, before)
+        # Other signs are another study.
+        text = self.path("signs.json").read_text().replace("[20, 2, 2]", "[20, 2, 1.5]")
+        self.path("signs.json").write_text(text)
+        self.assertEqual(self.sweep(study)[0]["done"], 4)
+
+    def test_a_run_that_fails_has_a_sentence_and_the_others_go_on(self):
+        study = self.study(cases=["cases", "nowhere.smv", {"case": "cases/a.smv", "name": "coarse", "options": {"step": 2}}],
+                           variants=[{"name": "v"}])
+        out, said = self.sweep(study)
+        self.assertEqual((out["done"], out["failed"]), (3, 1))
+        self.assertIn("nowhere.smv", self.rows()["nowhere_v"]["why"])
+        self.assertIn("'coarse_v' has another plan", said)
+
+    def test_studies_are_checked(self):
+        for more, word in (({"cases": []}, "/cases"), ({"variant": []}, "did you mean 'variants'"),
+                           ({"options": {"output": "x"}}, "/options/output"), ({"baseline": "z"}, "/baseline"),
+                           ({"options": {"height": {}}}, "/options/height")):
+            self.assertIn(word, self.fails(1, "sweep", self.study(**more), "-o", self.path("study")))
+        self.assertIn("--part", self.fails(2, "sweep", self.study(), "-o", self.path("study"), "--part", "3/2"))
+
+
+if __name__ == "__main__":
+    support.main()
