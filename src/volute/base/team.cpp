@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <thread>
 
 #include "volute/base/assert.hpp"
@@ -93,7 +94,7 @@ Status Team::sum(std::span<std::uint64_t> numbers) {
 
 UnitRecord& Team::record(std::string_view stage) {
   const auto known = std::ranges::find(records_, stage, &UnitRecord::stage);
-  return known != records_.end() ? *known : records_.emplace_back(UnitRecord{std::string(stage), {}, 0});
+  return known != records_.end() ? *known : records_.emplace_back(UnitRecord{std::string(stage), {}});
 }
 
 Status Team::forUnits(std::string_view stage, std::int64_t count, Progress& progress,
@@ -107,6 +108,7 @@ Status Team::forUnits(std::string_view stage, std::int64_t count, Progress& prog
   }
   VOLUTE_TRY(agree({}));
   double milliseconds = 0;
+  const std::clock_t cpuBefore = std::clock();
   Status status;
   for (std::int64_t unit = 0; (unit = fetchAdd(Counter::kTaken, 1)) < count;) {
     if (progress.cancelled()) {
@@ -123,6 +125,7 @@ Status Team::forUnits(std::string_view stage, std::int64_t count, Progress& prog
       progress.report(stage, static_cast<double>(before + 1), static_cast<double>(count));
   }
   record(stage).seconds += milliseconds / 1000;
+  record(stage).cpuSeconds += static_cast<double>(std::clock() - cpuBefore) / CLOCKS_PER_SEC;
   if (status && last)
     status = last();
   VOLUTE_TRY(agree(status));

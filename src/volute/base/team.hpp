@@ -22,7 +22,8 @@ namespace volute {
 struct UnitRecord {
   std::string stage;
   std::vector<std::int64_t> units;
-  double seconds = 0;  ///< of wall time, inside of units
+  double seconds = 0;     ///< of wall time, inside of units
+  double cpuSeconds = 0;  ///< the same of all threads of the process
 };
 
 /// Processes ("ranks") that do one job together, each of them calling the same functions with the

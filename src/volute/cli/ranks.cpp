@@ -79,15 +79,15 @@ double cpuSeconds() {
 
 Json statsOf(const Team& team) {
   Json units = Json::object();
-  double seconds = 0;
+  Json stages = Json::object();
   for (const UnitRecord& record : team.units()) {
     units[record.stage] = record.units;
-    seconds += record.seconds;
+    stages[record.stage] = {{"seconds", record.seconds}, {"cpu_seconds", record.cpuSeconds}};
   }
   return {{"rank", team.rank()},
           {"host", team.host()},
           {"units", std::move(units)},
-          {"unit_seconds", seconds},
+          {"stages", std::move(stages)},
           {"waited_seconds", team.waited()},
           {"cpu_seconds", cpuSeconds()},
           {"peak_memory_bytes", peakMemoryBytes()}};
@@ -137,11 +137,12 @@ Result<std::unique_ptr<Team>> openTeamFor(const Command& command,
   return team;
 }
 
-Option statsOption() {
+Option statsOption(std::vector<std::string_view> kinds) {
   return {.name = "stats",
           .kind = ValueKind::kOutput,
           .value = "FILE.json",
-          .help = "write what was done: counts, milliseconds, memory, and the units of each rank"};
+          .help = "write what was done: counts, milliseconds, memory, and the units of each rank",
+          .kinds = std::move(kinds)};
 }
 
 Status writeStats(const Arguments& arguments, Context& context, Json own) {

@@ -28,8 +28,8 @@ void letFirstRankSpeak();
 [[nodiscard]] Result<std::unique_ptr<Team>> openTeamFor(const Command& command,
                                                         const std::vector<std::string>& words);
 
-/// --stats, of commands that several ranks share.
-Option statsOption();
+/// --stats, of commands that several ranks share; of some kinds of input alone, or of all.
+Option statsOption(std::vector<std::string_view> kinds = {});
 
 /// Where --stats is given, rank 0 writes `own` and, as "ranks", what each rank did: the units of
 /// each stage, CPU time, seconds that it waited, memory. Collective.

@@ -41,8 +41,14 @@ Result<std::unique_ptr<Team>> makeTeam(const void* communicator) {
                 "{}; build Volute with VOLUTE_WITH_MPI=ON, or start it without mpirun",
                 loaded.error().message);
   }
+  const auto& plugin = *static_cast<const MpiPlugin*>(*loaded);
+  if (!(plugin.layout == TeamLayout())) {
+    return fail(ErrorCode::kUnsupported,
+                "the plug-in volute_mpi.so was built with another Volute than this program; install "
+                "or build both together");
+  }
   std::string error;
-  auto team = static_cast<const MpiPlugin*>(*loaded)->makeTeam(communicator, error);
+  auto team = plugin.makeTeam(communicator, error);
   if (!team)
     return fail(ErrorCode::kUnsupported, "{}", error);
   return team;

@@ -276,6 +276,6 @@ std::unique_ptr<Team> makeMpiTeam(const void* communicator, std::string& error) 
 }  // namespace volute
 
 extern "C" const volute::MpiPlugin* voluteMpiPlugin() {
-  static const volute::MpiPlugin plugin{volute::makeMpiTeam};
+  static const volute::MpiPlugin plugin{{}, volute::makeMpiTeam};
   return &plugin;
 }

@@ -9,6 +9,7 @@
 
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
+#include "volute/base/team.hpp"
 #include "volute/codec/wavelet_codec.hpp"
 #include "volute/grid/frame_source.hpp"
 
@@ -39,6 +40,9 @@ struct CompressOptions {
   double sourceRms = 0;
   double sourceMaxError = 0;
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
+  /// A folder for finished units, which all ranks share: a run that was interrupted goes on from
+  /// them, with any number of ranks, and gives the same bytes. Removed in the end. Empty: none.
+  std::filesystem::path work{};
 };
 
 struct CompressReport {
@@ -52,8 +56,16 @@ struct CompressReport {
 };
 
 /// Compresses `source` into the .volute file `target`. Holds a row of blocks (16 frames) in memory,
-/// whatever the number of frames; NaN and Inf are refused with their frame and voxel; the same
-/// bytes for any number of threads.
+/// or where the source can be read by layers and that is too much, some layers of one, whatever the
+/// number of frames; NaN and Inf are refused with their frame and voxel; the same bytes for any
+/// number of threads and ranks. Rank 0 writes; others need no more than the source, and room for
+/// their share in the target's folder or in that for temporary files. Collective.
+[[nodiscard]] Result<CompressReport> compress(FrameSource& source,
+                                              const std::filesystem::path& target,
+                                              const CompressOptions& options, Progress& progress,
+                                              Team& team);
+
+/// The same in this process alone.
 [[nodiscard]] Result<CompressReport> compress(FrameSource& source,
                                               const std::filesystem::path& target,
                                               const CompressOptions& options, Progress& progress);

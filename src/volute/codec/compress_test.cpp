@@ -4,9 +4,11 @@
 #include <rapidcheck/gtest.h>
 #include <sys/resource.h>
 
+#include <atomic>
 #include <limits>
 
 #include "volute/base/parallel.hpp"
+#include "volute/base/team_testing.hpp"
 #include "volute/codec/codec_testing.hpp"
 
 namespace volute {
@@ -231,6 +233,183 @@ TEST(Compress, TheSameBytesForAnyNumberOfThreads) {
       first = bytes;
     EXPECT_EQ(bytes, first) << threads;
   }
+}
+
+// As a file whose layers can be read apart; `broken`: a frame that cannot be read.
+class LayeredSource final : public FrameSource {
+ public:
+  explicit LayeredSource(const Sequence& sequence, int broken = -1)
+      : source_(sequence), broken_(broken) {}
+
+  const VolumeInfo& info() const override { return source_.info(); }
+
+  Status readFrame(int index, std::span<float> values) override {
+    if (index == broken_)
+      return fail(ErrorCode::kIo, "frame {} cannot be read", index);
+    return source_.readFrame(index, values);
+  }
+
+  bool readsLayers() const override { return true; }
+
+ private:
+  SequenceSource source_;
+  int broken_;
+};
+
+TEST(Compress, TheSameBytesForAnyNumberOfRanks) {
+  struct Case {
+    ErrorTarget target;
+    int channels;
+  };
+  for (const Case& one : {Case{{Kind::kRms, 2e-3}, 3}, Case{{Kind::kSize, 9000}, 1},
+                          Case{{Kind::kMaxError, 0.05}, 1}}) {
+    const Sequence sequence = plumes(33, 20, 18, 20, one.channels);  // 3 rows of 2 layers
+    std::vector<char> alone;
+    for (const int ranks : {1, 2, 3, 4, 8}) {
+      const ScratchFile file;
+      onRanks(ranks, [&](Team& team) {
+        SequenceSource whole(sequence);
+        LayeredSource layered(sequence);
+        CompressOptions options;
+        options.target = one.target;
+        Progress progress;
+        FrameSource& source = ranks == 3 ? static_cast<FrameSource&>(whole) : layered;
+        const auto report = compress(source, file.path(), options, progress, team);
+        ASSERT_TRUE(report) << report.error().message;
+        EXPECT_EQ(report->fileBytes, std::filesystem::file_size(file.path()));
+      });
+      const auto bytes = readBytes(file.path());
+      if (alone.empty())
+        alone = bytes;
+      EXPECT_EQ(bytes, alone) << ranks << " ranks, " << one.channels << " channels";
+      EXPECT_EQ(std::distance(std::filesystem::directory_iterator(file.folder()), {}), 1);
+    }
+  }
+}
+
+/// Stops after it was asked so often.
+class StopsAfter final : public Progress {
+ public:
+  explicit StopsAfter(int left) : left_(left) {}
+
+  bool cancelled() const override { return left_-- <= 0; }
+
+ private:
+  mutable std::atomic<int> left_;
+};
+
+TEST(Compress, GoesOnFromFinishedUnits) {
+  const Sequence sequence = plumes(50, 20, 18, 20);
+  const ScratchFile file;
+  CompressOptions options;
+  options.target = {Kind::kRms, 2e-3};
+  SequenceSource alone(sequence);
+  Progress calm;
+  ASSERT_TRUE(compress(alone, file.path(), options, calm));
+  const auto expected = readBytes(file.path());
+  options.work = file.folder() / "work";
+  // Later and later, each time with other ranks, on what the runs before have left.
+  int ranks = 1;
+  bool finished = false;
+  for (int left = 5; !finished && left < 400; left += 25) {
+    std::filesystem::remove(file.path());
+    ranks = ranks % 4 + 1;
+    std::atomic<bool> whole{true};
+    onRanks(ranks, [&](Team& team) {
+      LayeredSource source(sequence);
+      StopsAfter progress(left);
+      const auto report = compress(source, file.path(), options, progress, team);
+      if (!report) {
+        EXPECT_EQ(report.error().code, ErrorCode::kCancelled) << report.error().message;
+        whole = false;
+      }
+    });
+    finished = whole;
+    EXPECT_EQ(std::filesystem::exists(file.path()), finished);
+  }
+  ASSERT_TRUE(finished);
+  EXPECT_EQ(readBytes(file.path()), expected);
+  EXPECT_FALSE(std::filesystem::exists(options.work));
+}
+
+// Units of other values, and units that a disk has lost or spoilt, are done again.
+TEST(Compress, DoesNotTrustWhatItFinds) {
+  const Sequence sequence = plumes(40, 12, 12, 12);
+  Sequence other = sequence;
+  other.values[1000] += 1e-6f;
+  const ScratchFile file;
+  CompressOptions options;
+  options.target = {Kind::kRms, 2e-3};
+  Progress calm;
+  SequenceSource source(sequence);
+  ASSERT_TRUE(compress(source, file.path(), options, calm));
+  const auto expected = readBytes(file.path());
+  options.work = file.folder() / "work";
+  const auto interrupt = [&](const Sequence& values, int after) {
+    SequenceSource interrupted(values);
+    StopsAfter progress(after);
+    EXPECT_FALSE(compress(interrupted, file.path(), options, progress));
+  };
+  interrupt(other, 25);
+  interrupt(sequence, 25);
+  int damaged = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(options.work)) {
+    auto bytes = readBytes(entry.path());
+    if (++damaged % 3 == 0)
+      std::filesystem::remove(entry.path());
+    if (damaged % 3 == 1)
+      bytes[bytes.size() / 2] ^= 1;
+    if (damaged % 3 == 1)
+      testing::writeBytes(entry.path(), bytes);
+  }
+  EXPECT_GT(damaged, 6);
+  ASSERT_TRUE(compress(source, file.path(), options, calm));
+  EXPECT_EQ(readBytes(file.path()), expected);
+  EXPECT_FALSE(std::filesystem::exists(options.work));
+}
+
+// All frames of a row need 18 MiB, 16 layers of them half of that.
+TEST(Compress, LayersThatFitInMemoryGiveTheSameBytes) {
+  const Sequence sequence = plumes(16, 32, 32, 32);
+  CompressOptions options;
+  std::vector<std::vector<char>> files;
+  for (const std::uint64_t memory : {std::uint64_t{10} << 20, std::uint64_t{64} << 20}) {
+    LayeredSource source(sequence);
+    options.maxMemory = memory;
+    Progress progress;
+    const ScratchFile file;
+    ASSERT_TRUE(compress(source, file.path(), options, progress));
+    files.push_back(readBytes(file.path()));
+  }
+  EXPECT_EQ(files[0], files[1]);
+}
+
+// Whichever rank comes to the frame that nobody can read.
+TEST(Compress, AFrameThatCannotBeReadEndsAllRanks) {
+  const Sequence sequence = plumes(64, 16, 16, 16);
+  const ScratchFile file;
+  onRanks(3, [&](Team& team) {
+    LayeredSource source(sequence, 40);
+    Progress progress;
+    const auto report = compress(source, file.path(), {}, progress, team);
+    ASSERT_FALSE(report);
+    EXPECT_NE(report.error().message.find("frame 40 cannot be read"), std::string::npos)
+        << report.error().message;
+  });
+  EXPECT_TRUE(std::filesystem::is_empty(file.folder()));
+}
+
+TEST(Compress, RanksWithDifferentSequencesAreRefused) {
+  const Sequence one = plumes(20, 8, 8, 8), other = plumes(21, 8, 8, 8);
+  const ScratchFile file;
+  onRanks(3, [&](Team& team) {
+    SequenceSource source(team.rank() == 2 ? other : one);
+    Progress progress;
+    const auto report = compress(source, file.path(), {}, progress, team);
+    ASSERT_FALSE(report);
+    EXPECT_NE(report.error().message.find("rank 2 reads another sequence"), std::string::npos);
+  });
+  EXPECT_TRUE(std::filesystem::is_empty(file.folder()));
 }
 
 TEST(Compress, MetadataComesBackBitForBit) {

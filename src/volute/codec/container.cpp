@@ -90,6 +90,24 @@ std::vector<std::byte> writeInfoChunk(const FileHead& head) {
   return pack({out.view()});
 }
 
+// What the parts do not have in common.
+std::vector<std::byte> writePartsChunk(const FileHead& head) {
+  ByteWriter out;
+  out.varint(head.parts.size());
+  int before = 0;
+  for (const FilePart& part : head.parts) {
+    out.varint(static_cast<std::uint64_t>(part.firstRow - before));
+    before = part.firstRow;
+    out.f32(part.valueMin);
+    out.f32(part.valueMax);
+    const bool asInfo = part.parameters == head.parameters;
+    out.varint(asInfo ? 0 : part.parameters.size());
+    if (!asInfo)
+      out.bytes(part.parameters);
+  }
+  return pack({out.view()});
+}
+
 std::vector<std::byte> writeIndexChunk(const FileHead& head) {
   ByteWriter sizes;
   ByteWriter checksums;
@@ -180,7 +198,7 @@ Status checkSizes(const InputFile& file, const FileHead& head, std::uint64_t bud
 }
 
 struct Chunks {
-  std::span<const std::byte> info, index;
+  std::span<const std::byte> info, parts, index;  // parts may be empty
 };
 
 // `bytes` are those from the prologue's end to headBytes.
@@ -206,6 +224,7 @@ Result<Chunks> readChunks(std::span<const std::byte> bytes, const std::string& p
                   "{}: is damaged: the checksum of the chunk at byte {} is wrong", path, at);
     }
     std::span<const std::byte>* const place = name == "INFO"   ? &chunks.info
+                                              : name == "PART" ? &chunks.parts
                                               : name == "INDX" ? &chunks.index
                                                                : nullptr;
     if (!place && flags != kSkippable) {
@@ -316,6 +335,48 @@ Status readInfoChunk(std::span<const std::byte> content, const std::string& path
   return {};
 }
 
+// The first part begins with the first row, and each has rows.
+Status readPartsChunk(std::span<const std::byte> content, const std::string& path, int rows,
+                      FileHead& head) {
+  const auto malformed = [&path](std::string_view what) {
+    return fail(ErrorCode::kInvalidData, "{}: the PART chunk is malformed: {}", path, what);
+  };
+  ByteReader in(content);
+  const std::uint64_t count = in.varint();
+  if (!in.ok() || count == 0 || count > static_cast<std::uint64_t>(rows))
+    return malformed("the number of parts");
+  std::int64_t row = 0;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const std::uint64_t step = in.varint();
+    if (!in.ok() || step >= static_cast<std::uint64_t>(rows) || (i == 0) != (step == 0) ||
+        (row += static_cast<std::int64_t>(step)) >= rows)
+      return malformed("where a part begins");
+    FilePart part;
+    part.firstRow = static_cast<int>(row);
+    part.valueMin = in.f32();
+    part.valueMax = in.f32();
+    auto parameters = in.bytes(in.varint());
+    if (!in.ok())
+      return malformed("it ends early");
+    if (parameters.empty())
+      parameters = head.parameters;
+    if (!(part.valueMin >= static_cast<float>(head.header.valueMin) &&
+          part.valueMin <= part.valueMax &&
+          part.valueMax <= static_cast<float>(head.header.valueMax)))
+      return malformed("the range of a part's values");
+    part.parameters.assign(parameters.begin(), parameters.end());
+    auto decoder =
+        openWaveletDecoder(parameters, {head.info.channels, part.valueMin, part.valueMax});
+    if (!decoder)
+      return malformed(decoder.error().message);
+    part.decoder = std::move(*decoder);
+    head.parts.push_back(std::move(part));
+  }
+  if (in.remaining() != 0)
+    return malformed("it goes on after its last part");
+  return {};
+}
+
 Status readIndexChunk(std::span<const std::byte> content, const std::string& path,
                       const BlockGrid& grid, FileHead& head) {
   const std::size_t tiers = head.decoder->tierLevels().size();
@@ -388,8 +449,11 @@ bool checksumMatches([[maybe_unused]] std::span<const std::byte> bytes,
 
 std::vector<std::byte> writeHead(FileHead& head) {
   const auto info = writeInfoChunk(head);
+  const auto parts = head.parts.empty() ? std::vector<std::byte>() : writePartsChunk(head);
   const auto index = writeIndexChunk(head);
   head.headBytes = kPrologueBytes + 2 * kChunkFrameBytes + info.size() + index.size();
+  if (!parts.empty())
+    head.headBytes += kChunkFrameBytes + parts.size();
   head.fileBytes = head.headBytes;
   for (SegmentEntry& segment : head.segments) {
     segment.offset = head.fileBytes;
@@ -404,6 +468,8 @@ std::vector<std::byte> writeHead(FileHead& head) {
   out.u64(head.fileBytes);
   out.u32(crc32(out.view()));
   writeChunk(out, "INFO", info);
+  if (!parts.empty())
+    writeChunk(out, "PART", parts);
   writeChunk(out, "INDX", index);
   return out.take();
 }
@@ -420,6 +486,10 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory) {
   {
     VOLUTE_ASSIGN(const auto content, unpackChunk(chunks.info, budget / 32, path, "INFO"));
     VOLUTE_TRY(readInfoChunk(content, path, head));
+  }
+  if (!chunks.parts.empty()) {
+    VOLUTE_ASSIGN(const auto content, unpackChunk(chunks.parts, budget / 32, path, "PART"));
+    VOLUTE_TRY(readPartsChunk(content, path, BlockGrid(head.info).counts()[0], head));
   }
   VOLUTE_ASSIGN(const std::uint64_t segments, countSegments(head, path, budget));
   constexpr std::uint64_t kMaxEntryBytes = 5 + 4;

@@ -2,8 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -23,16 +26,32 @@ struct SegmentEntry {
   std::uint32_t crc = 0;
 };
 
+/// Rows of blocks that were compressed together, of a file that was joined from several.
+struct FilePart {
+  int firstRow = 0;                     ///< the rows up to that of the next part
+  float valueMin = 0, valueMax = 0;     ///< that its values are clamped to
+  std::vector<std::byte> parameters{};  ///< of the codec
+  std::shared_ptr<const BlockDecoder> decoder{};
+};
+
 /// All that stands before the values of a .volute file: docs/format.md, sections 2 to 6.
 struct FileHead {
   VolumeInfo info;
   VoluteHeader header;
-  std::vector<std::byte> parameters;  ///< of the codec
+  std::vector<std::byte> parameters;  ///< of the codec; of several parts those of the first
   std::shared_ptr<const BlockDecoder> decoder;
+  /// Of a file that was joined, in the order of rows; else empty.
+  std::vector<FilePart> parts;
   /// Tier by tier, block by block, as in the file.
   std::vector<SegmentEntry> segments;
   std::uint64_t headBytes = 0;
   std::uint64_t fileBytes = 0;
+
+  /// Of the part that a row of blocks is of.
+  const BlockDecoder& decoderOf(int row) const {
+    const auto next = std::ranges::upper_bound(parts, row, {}, &FilePart::firstRow);
+    return next == parts.begin() ? *decoder : *std::prev(next)->decoder;
+  }
 
   const SegmentEntry& segment(std::size_t tier, std::size_t block, std::size_t blocks) const {
     return segments[tier * blocks + block];

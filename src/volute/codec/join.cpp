@@ -98,20 +98,36 @@ VolumeInfo joinedInfo(const std::vector<Part>& parts) {
   return joined;
 }
 
+/// Blocks of 16 frames keep their places in the joined file.
 bool canCopy(const std::vector<Part>& parts) {
-  const FileHead& first = parts.front().head;
-  const auto parameters = first.parameters;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const FileHead& head = parts[i].head;
-    const bool aligned = i + 1 == parts.size() || head.info.frames % BlockGrid::kSide == 0;
-    const bool same = head.header.codec == first.header.codec &&
-                      head.parameters == parameters &&
-                      head.header.valueMin == first.header.valueMin &&
-                      head.header.valueMax == first.header.valueMax;
-    if (!aligned || !same)
-      return false;
+  return std::ranges::all_of(parts.begin(), parts.end() - 1, [](const Part& part) {
+    return part.head.info.frames % BlockGrid::kSide == 0;
+  });
+}
+
+/// The parts of all, as the file lists them; none where all blocks are read alike.
+std::vector<FilePart> partsOf(const std::vector<Part>& parts) {
+  std::vector<FilePart> all;
+  int row = 0;
+  for (const Part& part : parts) {
+    const FileHead& head = part.head;
+    if (head.parts.empty()) {
+      all.push_back({row, static_cast<float>(head.header.valueMin),
+                     static_cast<float>(head.header.valueMax), head.parameters, head.decoder});
+    }
+    for (FilePart one : head.parts) {
+      one.firstRow += row;
+      all.push_back(std::move(one));
+    }
+    row += BlockGrid(head.info).counts()[0];
   }
-  return true;
+  const auto same = [](const FilePart& a, const FilePart& b) {
+    return a.parameters == b.parameters && a.valueMin == b.valueMin && a.valueMax == b.valueMax;
+  };
+  all.erase(std::unique(all.begin(), all.end(), same), all.end());
+  if (all.size() == 1)
+    all.clear();
+  return all;
 }
 
 /// What the parts' own errors come to, all values together [absolute].
@@ -151,6 +167,26 @@ std::string joinedProvenance(const std::vector<Part>& parts) {
   return text;
 }
 
+/// What was asked of all parts together: the weakest of what was asked of each, which holds for the
+/// whole since its range is no smaller; where different things were, the RMS that is reached.
+void joinTargets(const std::vector<Part>& parts, VoluteHeader& header) {
+  const std::string kind = header.targetKind;
+  const bool same = std::ranges::all_of(
+      parts, [&](const Part& part) { return part.head.header.targetKind == kind; });
+  if (!same) {
+    header.targetKind = "rms";
+    header.targetValue = header.reachedRms;
+    return;
+  }
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const double value = parts[i].head.header.targetValue;
+    double& all = header.targetValue;
+    all = kind == "size"                      ? all + value
+          : kind == "psnr" || kind == "ratio" ? std::min(all, value)
+                                              : std::max(all, value);
+  }
+}
+
 class JoinedFrames final : public FrameSource {
  public:
   explicit JoinedFrames(const std::vector<Part>& parts) : info_(joinedInfo(parts)) {
@@ -174,9 +210,13 @@ class JoinedFrames final : public FrameSource {
 FileHead headOf(const std::vector<Part>& parts, const Errors& errors) {
   FileHead head = parts.front().head;
   head.info = joinedInfo(parts);
+  head.parts = partsOf(parts);
+  head.header.valueMin = errors.low;
+  head.header.valueMax = errors.high;
   head.header.provenance = joinedProvenance(parts);
   head.header.reachedRms = errors.relative(errors.rms);
   head.header.reachedMaxError = errors.most;
+  joinTargets(parts, head.header);
   head.segments.clear();
   for (std::size_t tier = 0; tier < head.decoder->tierLevels().size(); ++tier) {
     for (const Part& part : parts) {

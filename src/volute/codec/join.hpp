@@ -33,11 +33,10 @@ struct JoinReport {
 /// Puts .volute files of one grid together in the order of their frame numbers, which must not
 /// overlap. Times that begin anew in each part go on in the steps of the first.
 ///
-/// Blocks of 16 frames are copied byte for byte when that changes no value: all parts but the last
-/// have a multiple of 16 frames, and codec, quantisation and range of the values, to which decoded
-/// ones are clamped, are the same for all. Otherwise the parts are decoded and encoded again. That
-/// adds an error to theirs; the file states their sum, which the error to the originals does not
-/// exceed.
+/// Blocks of 16 frames are copied byte for byte, and no value changes, when all parts but the last
+/// have a multiple of 16 frames; the file lists what its parts do not have in common. Otherwise the
+/// parts are decoded and encoded again. That adds an error to theirs; the file states their sum,
+/// which the error to the originals does not exceed.
 ///
 /// kInvalidData, with the names of both files, when grids, bounds, channels, basis, units or frames
 /// do not fit together.

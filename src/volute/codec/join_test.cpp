@@ -79,11 +79,79 @@ TEST_F(JoinTest, CopiesBlocksWhereThatIsExact) {
   EXPECT_TRUE(VoluteReader::open(scratch.path()).value().verify().complete());
 }
 
-TEST_F(JoinTest, EncodesAgainWhereQuantisationDiffers) {
-  const Sequence whole = plumes(32, 10, 9, 18);
+// Each part has a step, a table of contexts and a range of its own.
+TEST_F(JoinTest, CopiesBlocksThatWereCompressedApart) {
+  const Sequence whole = plumes(53, 10, 9, 18);
+  const auto a = pack("a.volute", partOf(whole, 0, 16), 1e-3);
+  Sequence brighter = partOf(whole, 16, 48);
+  for (float& value : brighter.values) value *= 3;
+  const auto b = pack("b.volute", brighter, 4e-3);
+  const auto c = pack("c.volute", partOf(whole, 48, 53), 2e-3);
+  const auto report = joined({b, c, a});  // in any order
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->copied);
+  EXPECT_EQ(report->partsRms, 0);
+  const auto reader = VoluteReader::open(scratch.path()).value();
+  EXPECT_TRUE(reader.verify().complete());
+  const auto all = readBack(scratch.path()).value();
+  std::vector<float> parts;
+  std::uint64_t bytes = 0;
+  for (const auto& path : {a, b, c}) {
+    const auto part = readBack(path).value();
+    parts.insert(parts.end(), part.values.begin(), part.values.end());
+    bytes += std::filesystem::file_size(path);
+  }
+  EXPECT_EQ(all.values, parts);
+  EXPECT_LT(report->fileBytes, bytes);
+  EXPECT_EQ(report->fileBytes, std::filesystem::file_size(scratch.path()));
+  // What is said of errors holds, relative to the range of the whole.
+  Sequence original = whole;
+  std::ranges::copy(brighter.values,
+                    original.values.begin() + 16 * static_cast<std::ptrdiff_t>(whole.info.frameValues()));
+  const auto difference = differenceOf(original, all);
+  EXPECT_NEAR(difference.relativeRms, report->relativeRms, 1e-6);
+  EXPECT_NEAR(difference.maxError, report->maxError, 1e-6);
+  EXPECT_EQ(reader.header().targetKind, "rms");
+  EXPECT_EQ(reader.header().targetValue, 4e-3);
+  EXPECT_LE(difference.relativeRms, reader.header().targetValue);
+}
+
+TEST_F(JoinTest, JoinedFilesCanBeJoined) {
+  const Sequence whole = plumes(48, 6, 5, 7);
   const auto a = pack("a.volute", partOf(whole, 0, 16), 1e-3);
   const auto b = pack("b.volute", partOf(whole, 16, 32), 4e-3);
-  const auto report = joined({b, a}, {.rms = 1e-3});  // in any order
+  const auto c = pack("c.volute", partOf(whole, 32, 48), 2e-3);
+  ASSERT_TRUE(joined({a, b, c}));
+  const auto atOnce = testing::readBytes(scratch.path());
+  ASSERT_TRUE(joined({b, c}));
+  const auto two = scratch.folder() / "two.volute";
+  std::filesystem::rename(scratch.path(), two);
+  ASSERT_TRUE(joined({a, two}));
+  const auto inSteps = readBack(scratch.path()).value();
+  testing::writeBytes(scratch.path(), atOnce);
+  EXPECT_EQ(inSteps.values, readBack(scratch.path()).value().values);
+}
+
+// Whatever its bytes say, a head is refused or read; what is read decodes to finite values.
+TEST_F(JoinTest, DamagedListsOfPartsAreRefused) {
+  const Sequence whole = plumes(32, 4, 4, 4);
+  ASSERT_TRUE(joined({pack("a.volute", partOf(whole, 0, 16), 1e-3),
+                      pack("b.volute", partOf(whole, 16, 32), 4e-3)}));
+  const auto bytes = testing::readBytes(scratch.path());
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    auto damaged = bytes;
+    damaged[i] ^= static_cast<char>(1 << i % 8);
+    testing::writeBytes(scratch.path(), damaged);
+    const auto opened = VoluteReader::open(scratch.path());
+    EXPECT_TRUE(!opened || !opened->verify().complete()) << i;
+  }
+}
+
+TEST_F(JoinTest, EncodesAgainWherePartsEndWithinABlock) {
+  const Sequence whole = plumes(32, 10, 9, 18);
+  const auto a = pack("a.volute", partOf(whole, 0, 15), 1e-3);
+  const auto b = pack("b.volute", partOf(whole, 15, 32), 4e-3);
+  const auto report = joined({b, a}, {.rms = 1e-3});
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_FALSE(report->copied);
   EXPECT_LE(report->partsRms, 1e-3);

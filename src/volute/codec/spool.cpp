@@ -84,21 +84,19 @@ Status Spool::flush() {
   return {};
 }
 
-Status Spool::copyTo(OutputFile& out) {
+Status Spool::read(std::uint64_t offset, std::span<std::byte> bytes) {
   VOLUTE_TRY(flush());
-  std::vector<std::byte> piece(kPiece);
-  for (std::uint64_t at = 0; at < written_;) {
-    const std::size_t want =
-        static_cast<std::size_t>(std::min<std::uint64_t>(kPiece, written_ - at));
-    const ssize_t count = ::pread(descriptor_, piece.data(), want, static_cast<off_t>(at));
+  while (!bytes.empty()) {
+    const ssize_t count =
+        ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (count < 0 && errno == EINTR)
       continue;
     if (count <= 0) {
       return fail(ErrorCode::kIo, "{}: cannot read a temporary file back: {}", folder_,
                   count < 0 ? std::strerror(errno) : "it became shorter");
     }
-    VOLUTE_TRY(out.write(std::span(piece).first(static_cast<std::size_t>(count))));
-    at += static_cast<std::uint64_t>(count);
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+    offset += static_cast<std::uint64_t>(count);
   }
   return {};
 }

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "volute/base/output_file.hpp"
 #include "volute/base/result.hpp"
 
 namespace volute {
@@ -31,8 +30,8 @@ class Spool {
   /// Empties it.
   [[nodiscard]] Status clear();
 
-  /// Appends all of it to `out`.
-  [[nodiscard]] Status copyTo(OutputFile& out);
+  /// Fills `bytes` with what begins at `offset`; it must have been written.
+  [[nodiscard]] Status read(std::uint64_t offset, std::span<std::byte> bytes);
 
   std::uint64_t size() const { return written_ + pending_.size(); }
 

@@ -92,10 +92,11 @@ Status VoluteReader::Impl::decodeBlock(std::size_t block, std::span<float> value
                                        int levels) const {
   VOLUTE_ASSIGN(auto bytes, readTiers(block, levels));
   const BlockShape shape = shapeOf(grid, block);
+  const BlockDecoder& decoder = head.decoderOf(grid.coordinate(block)[0]);
   ++blocksDecoded;
-  Status status = head.decoder->decode(bytes, levels, shape, values);
+  Status status = decoder.decode(bytes, levels, shape, values);
   for (; !status && options.partial && !bytes.empty();
-       status = head.decoder->decode(bytes, levels, shape, values)) {
+       status = decoder.decode(bytes, levels, shape, values)) {
     bytes.pop_back();
   }
   if (!status)
@@ -227,7 +228,8 @@ std::uint64_t VoluteReader::storedBytes(std::size_t block) const {
 
 Result<std::string> VoluteReader::describeBlock(std::size_t block) const {
   VOLUTE_ASSIGN(const auto tiers, impl_->readTiers(block, 1));
-  return impl_->head.decoder->describe(tiers, shapeOf(impl_->grid, block));
+  return impl_->head.decoderOf(impl_->grid.coordinate(block)[0])
+      .describe(tiers, shapeOf(impl_->grid, block));
 }
 
 Integrity VoluteReader::verify() const {

@@ -2,8 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "volute/base/result.hpp"
 #include "volute/grid/volume_info.hpp"
@@ -20,6 +22,21 @@ class FrameSource {
   /// Fills `values`, shape (z, y, x, c), x and c fastest, with frame `index` (a position, not a frame number).
   /// Errors name the file and the frame. May be called again for the same frame, and from one thread at a time.
   [[nodiscard]] virtual Status readFrame(int index, std::span<float> values) = 0;
+
+  /// Whether readLayers() touches little more than what it gives.
+  virtual bool readsLayers() const { return false; }
+
+  /// Fills `values` with the layers first <= z < end of a frame, shape (end - first, y, x, c).
+  [[nodiscard]] virtual Status readLayers(int index, int first, int end, std::span<float> values) {
+    const std::size_t layer = info().frameValues() / static_cast<std::size_t>(info().z);
+    if (values.size() == info().frameValues())
+      return readFrame(index, values);
+    std::vector<float> frame(info().frameValues());
+    VOLUTE_TRY(readFrame(index, frame));
+    std::copy_n(frame.begin() + static_cast<std::ptrdiff_t>(first * layer), (end - first) * layer,
+                values.begin());
+    return {};
+  }
 };
 
 /// A place to write a sequence to, a frame at a time and in order.

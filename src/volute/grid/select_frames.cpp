@@ -26,6 +26,13 @@ class SelectedFrames final : public FrameSource {
     return source_->readFrame(positions_[index], values);
   }
 
+  bool readsLayers() const override { return source_->readsLayers(); }
+
+  [[nodiscard]] Status readLayers(int index, int first, int end,
+                                  std::span<float> values) override {
+    return source_->readLayers(positions_[index], first, end, values);
+  }
+
  private:
   std::unique_ptr<FrameSource> source_;
   std::vector<int> positions_;

@@ -74,9 +74,19 @@ class NpySource final : public FrameSource {
   const VolumeInfo& info() const override { return info_; }
 
   Status readFrame(int index, std::span<float> values) override {
-    VOLUTE_ASSERT(values.size() == info_.frameValues());
-    const std::uint64_t bytes = values.size() * (header_.half ? sizeof(Half) : sizeof(float));
-    const std::uint64_t offset = header_.dataOffset + bytes * static_cast<std::uint64_t>(index);
+    return readLayers(index, 0, info_.z, values);
+  }
+
+  bool readsLayers() const override { return true; }
+
+  Status readLayers(int index, int first, int end, std::span<float> values) override {
+    const std::uint64_t layer = info_.frameValues() / static_cast<std::uint64_t>(info_.z);
+    VOLUTE_ASSERT(values.size() == layer * static_cast<std::uint64_t>(end - first));
+    const std::uint64_t size = header_.half ? sizeof(Half) : sizeof(float);
+    const std::uint64_t bytes = values.size() * size;
+    const std::uint64_t offset =
+        header_.dataOffset +
+        size * (info_.frameValues() * static_cast<std::uint64_t>(index) + layer * first);
     if (!header_.half)
       return file_.read(offset, std::as_writable_bytes(values));
     // The halves go into the upper part of the floats' own memory; each is read before its place is

@@ -6,6 +6,8 @@
 #include <cctype>
 #include <chrono>
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 #include "volute/report/json.hpp"
 #include "volute/tomography/common_shift.hpp"
@@ -31,7 +33,8 @@ class FrameProgress final : public Progress {
     // The solver may stop before its last iteration, so a frame never looks finished here.
     if (iterates && total > 0)
       share_ = std::clamp(done / total, share_, 0.99);
-    whole_.report("reconstructing", before_ + share_, total_);
+    if (total_ > 0)
+      whole_.report("reconstructing", before_ + share_, total_);
   }
 
   void detail(std::string_view text) override { detail_ = text; }
@@ -81,6 +84,23 @@ VolumeInfo infoOf(const Capture& capture, Basis basis, bool grey) {
 
 }  // namespace
 
+std::vector<int> chainBegins(std::span<const int> frames, bool warmStart) {
+  constexpr std::int64_t kChain = 8;
+  std::int64_t step = std::numeric_limits<std::int64_t>::max() / kChain;
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    step = std::min<std::int64_t>(step, std::int64_t{frames[i]} - frames[i - 1]);
+  const std::int64_t length = warmStart ? kChain * std::max<std::int64_t>(step, 1) : 1;
+  const auto chainOf = [&](int frame) {
+    return frame >= 0 ? frame / length : (frame + 1) / length - 1;
+  };
+  std::vector<int> begins;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (i == 0 || chainOf(frames[i]) != chainOf(frames[i - 1]))
+      begins.push_back(static_cast<int>(i));
+  }
+  return begins;
+}
+
 Result<std::unique_ptr<ReconstructedFrames>> ReconstructedFrames::open(
     const Capture& capture, const ReconstructionSettings& settings, ViewReader views,
     WorkFolder work, std::vector<std::string> keys, Progress& progress) {
@@ -90,8 +110,8 @@ Result<std::unique_ptr<ReconstructedFrames>> ReconstructedFrames::open(
   frames->grey_ = first.grey();
   frames->info_ = infoOf(capture, settings.tomography.basis, frames->grey_);
   VOLUTE_TRY(frames->info_.validate("the reconstruction"));
-  while (frames->resumed_ < frames->info_.frames && frames->finished(frames->resumed_))
-    ++frames->resumed_;
+  for (int index = 0; index < frames->info_.frames; ++index)
+    frames->resumed_ += frames->finished(index) ? 1 : 0;
   return frames;
 }
 
@@ -122,18 +142,32 @@ bool ReconstructedFrames::finished(int index) {
   return finished_[i] != 0;
 }
 
-Status ReconstructedFrames::solveAll() {
-  for (int index = 0; index < info_.frames; ++index) {
-    if (!finished(index))
-      VOLUTE_TRY(solve(index));
-    progress_.report("reconstructing", index + 1 - resumed_, info_.frames - resumed_);
-  }
+int ReconstructedFrames::chainOf(int index) const {
+  return *std::prev(std::ranges::upper_bound(chains_, index));
+}
+
+Status ReconstructedFrames::solveAll(Team& team) {
+  shares_ = team.size() > 1;
+  Quietly quiet(progress_);
+  VOLUTE_TRY(team.forUnits(
+      "reconstructing", static_cast<std::int64_t>(chains_.size()),
+      shares_ ? progress_ : static_cast<Progress&>(quiet), [&](std::int64_t chain) -> Status {
+        const auto i = static_cast<std::size_t>(chain);
+        const int end = i + 1 < chains_.size() ? chains_[i + 1] : info_.frames;
+        for (int index = chains_[i]; index < end; ++index) {
+          if (!finished(index))
+            VOLUTE_TRY(solve(index));
+          if (!shares_)
+            progress_.report("reconstructing", solved_, info_.frames - resumed_);
+        }
+        return {};
+      }));
   progress_.detail("");
   return {};
 }
 
 Status ReconstructedFrames::readFrame(int index, std::span<float> values) {
-  for (int i = 0; i <= index; ++i) {
+  for (int i = chainOf(index); i <= index; ++i) {
     if (!finished(i))
       VOLUTE_TRY(solve(i));
   }
@@ -166,14 +200,14 @@ Result<std::vector<std::string>> ReconstructedFrames::examine(const FrameViews& 
 
 Result<Reconstruction> ReconstructedFrames::fit(int index, const FrameViews& views) {
   std::vector<float> before;
-  if (settings_.warmStart && index > 0) {
+  if (index != chainOf(index)) {
     VOLUTE_ASSIGN(before, volume(index - 1));
     // A dark frame tells nothing, and multiplicative solvers never leave zero.
     if (std::ranges::none_of(before, [](float value) { return value != 0; }))
       before.clear();
   }
   const auto fitted = views.fitted();
-  FrameProgress progress(progress_, views.frame, index - resumed_, info_.frames - resumed_);
+  FrameProgress progress(progress_, views.frame, solved_, shares_ ? 0 : info_.frames - resumed_);
   auto result = reconstruct(fitted, geometry(), settings_.tomography, before, progress);
   if (result)
     return result;
@@ -358,6 +392,7 @@ Status ReconstructedFrames::solve(int index) {
       {"seconds", jsonNumber(seconds.count())},
       {"cameras", cameras},
       {"warnings", warnings}};
+  ++solved_;
   return work_.store(number, keys_[static_cast<std::size_t>(index)], result.volume, record);
 }
 

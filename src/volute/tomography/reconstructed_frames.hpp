@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "volute/base/progress.hpp"
+#include "volute/base/team.hpp"
 #include "volute/grid/frame_source.hpp"
 #include "volute/tomography/diagnostics.hpp"
 #include "volute/tomography/frame_views.hpp"
@@ -21,13 +22,20 @@ namespace volute {
 struct ReconstructionSettings {
   TomographyOptions tomography;
   PictureLimits limits;
-  bool warmStart = true;  ///< from the frame before
+  bool warmStart = true;  ///< from the frame before, in chains of frames
   bool force = false;     ///< go on in spite of faults, which become warnings
 };
 
-/// A capture as a sequence of volumes. Frames are reconstructed when they are first asked for, in
-/// order because each starts from the one before, and kept in a work folder: writers read them more
-/// than once, and an interrupted run goes on where it was.
+/// Where chains of frames begin, positions in `frames` (ascending numbers): with a warm start each
+/// frame starts from the one before in its chain, the first from nothing. A chain ends where a
+/// multiple of 8 times the step of the frames is passed, so chains depend on the numbers alone:
+/// parts that are reconstructed apart, or by several processes, are those of the whole as far as
+/// they begin with a chain. Without a warm start each frame is a chain.
+std::vector<int> chainBegins(std::span<const int> frames, bool warmStart);
+
+/// A capture as a sequence of volumes. Frames are reconstructed when they are first asked for, those
+/// of a chain in order, and kept in a work folder: writers read them more than once, and an
+/// interrupted run goes on where it was.
 class ReconstructedFrames final : public FrameSource {
  public:
   /// Reads the first frame's pictures, to know whether they are grey. All but the moved arguments
@@ -41,8 +49,15 @@ class ReconstructedFrames final : public FrameSource {
 
   [[nodiscard]] Status readFrame(int index, std::span<float> values) override;
 
-  /// Reconstructs what is missing, with the progress of the whole sequence.
-  [[nodiscard]] Status solveAll();
+  /// Reconstructs what is missing, with the progress of the whole sequence. A chain is a unit of
+  /// work; ranks share the work folder. Collective.
+  [[nodiscard]] Status solveAll(Team& team);
+
+  /// The same in this process alone.
+  [[nodiscard]] Status solveAll() {
+    Team alone;
+    return solveAll(alone);
+  }
 
   /// How many frames an earlier run had finished.
   int resumed() const { return resumed_; }
@@ -68,6 +83,7 @@ class ReconstructedFrames final : public FrameSource {
         views_(std::move(views)),
         work_(std::move(work)),
         keys_(std::move(keys)),
+        chains_(chainBegins(capture.frames, settings.warmStart)),
         finished_(keys_.size(), 0),
         progress_(progress) {}
 
@@ -77,6 +93,9 @@ class ReconstructedFrames final : public FrameSource {
   bool finished(int index);
 
   std::size_t colourValues() const { return 3 * info_.voxels(); }
+
+  /// The position of the first frame of the chain that a frame is of.
+  int chainOf(int index) const;
 
   [[nodiscard]] Status solve(int index);
   [[nodiscard]] Result<Reconstruction> fit(int index, const FrameViews& views);
@@ -100,10 +119,13 @@ class ReconstructedFrames final : public FrameSource {
   ViewReader views_;
   WorkFolder work_;
   std::vector<std::string> keys_;  // one a frame
+  std::vector<int> chains_;        // where they begin
   std::vector<char> finished_;     // one a frame: known to be
   Progress& progress_;
   VolumeInfo info_;
   int resumed_ = 0;
+  int solved_ = 0;     // by this run
+  bool shares_ = false;  // the work with other processes, so its own progress is not that of all
   std::set<std::string> shown_;  // kinds of warnings
   bool more_ = false;            // it was said that there are more
   bool grey_ = false;

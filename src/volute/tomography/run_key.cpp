@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tomography/run_key.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "volute/base/version.hpp"
@@ -58,8 +59,10 @@ std::vector<std::string> frameKeys(const Capture& capture, const ReconstructionS
   }
   const std::string common = digestOf(text);
   std::vector<std::string> keys;
+  const auto begins = chainBegins(capture.frames, settings.warmStart);
   for (const int frame : capture.frames) {
-    std::string own = common + (settings.warmStart && !keys.empty() ? keys.back() : "");
+    const bool begin = std::ranges::binary_search(begins, static_cast<int>(keys.size()));
+    std::string own = common + (begin ? "" : keys.back());
     for (const CaptureCamera& camera : capture.cameras)
       own += stateOf(frameFile(camera.pictures.image, frame));
     keys.push_back(digestOf(own));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <span>
 #include <vector>
 
 namespace volute {
@@ -31,6 +32,10 @@ class QuantisationModel {
 
   void add(float coefficient);
   void merge(const QuantisationModel& other);
+
+  /// How many coefficients there are of each size: whole numbers, so that the order in which models
+  /// are merged does not matter. Those of several processes are added place by place.
+  std::span<std::uint64_t> counts() { return counts_; }
 
   /// The sum of squared errors of all coefficients at `step`; good to about 2 %.
   double squaredError(double step) const;

@@ -4,6 +4,7 @@
 
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/field_options.hpp"
+#include "volute/cli/ranks.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/media/volume/volume_input.hpp"
 
@@ -61,8 +62,8 @@ Report compressReport(const std::string& target, const VolumeInfo& info, const C
 /// The command line was checked, so what compress() still finds invalid is a target out of reach:
 /// it could not, and that is not wrong usage.
 Result<CompressReport> compressTo(const std::string& target, FrameSource& source,
-                                  const CompressOptions& options, Progress& progress) {
-  auto result = compress(source, target, options, progress);
+                                  const CompressOptions& options, Context& context) {
+  auto result = compress(source, target, options, context.progress, context.team);
   if (!result && result.error().code == ErrorCode::kInvalidArgument)
     result.error().code = ErrorCode::kUnsupported;
   return result;
@@ -74,7 +75,8 @@ Status runCompress(const Arguments& arguments, Context& context) {
   if (!isVolutePath(target)) {
     return fail(ErrorCode::kInvalidArgument, "--output: '{}' does not end in .volute", target);
   }
-  VOLUTE_TRY(checkTarget(target));
+  if (context.team.leads())
+    VOLUTE_TRY(checkTarget(target));
   InputOptions input;
   input.grid = arguments.find<std::string>("field").value_or("");
   input.bounds = arguments.find<Box3>("bounds");
@@ -92,8 +94,14 @@ Status runCompress(const Arguments& arguments, Context& context) {
     options.mode = blockModeByName(*mode);
   options.provenance = std::filesystem::path(path).filename().string();
   options.maxMemory = context.maxMemory;
-  VOLUTE_ASSIGN(const auto result, compressTo(target, *source, options, context.progress));
-  context.print(compressReport(target, source->info(), result));
+  if (const auto work = arguments.find<std::string>("work")) {
+    options.work = *work;
+    VOLUTE_TRY(checkFolderIsShared(*work, context.team));
+  }
+  VOLUTE_ASSIGN(const auto result, compressTo(target, *source, options, context));
+  const Report report = compressReport(target, source->info(), result);
+  VOLUTE_TRY(writeStats(arguments, context, report.json()));
+  context.print(report);
   return {};
 }
 
@@ -175,8 +183,15 @@ Command compressCommand() {
                    .value = "X0,Y0,Z0,X1,Y1,Z1",
                    .help = "outer voxel faces [m]: states those of a .npy, crops or pads others to "
                            "them on the voxel grid"},
+                  {.name = "work",
+                   .kind = kText,
+                   .value = "FOLDER",
+                   .help = "keep finished units here until the file is written: the same command, "
+                           "with any number of ranks, goes on from them; ranks share the folder"},
+                  statsOption(),
                   {.name = "partial", .help = "use what is intact of a damaged .volute"}},
       .oneOf = {{{"rms", "psnr", "ratio", "size", "max-error"}, false}},
+      .ranks = true,
       .run = runCompress};
 }
 

@@ -13,6 +13,7 @@
 #include "volute/media/camera_file.hpp"
 #include "volute/media/volume/volume_input.hpp"
 #include "volute/media/fog/fog_scene_medium.hpp"
+#include "volute/media/volume/volume_input.hpp"
 #include "volute/render/render.hpp"
 #include "volute/scene/scene_geometry.hpp"
 

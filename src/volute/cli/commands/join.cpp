@@ -55,12 +55,11 @@ Command joinCommand() {
           "machines. The parts must have the same voxels, bounds, channels and basis, and frame "
           "numbers that do not overlap; any order will do.\n\n"
           "Blocks of 16 frames are copied as they are, so that no value changes, when all parts "
-          "but "
-          "the last have a multiple of 16 frames and codec, quantisation and range of values are "
-          "the same in all. Parts that were compressed one by one to an error seldom agree in "
-          "that; they are decoded and encoded again, which adds an error to theirs: the result "
-          "says how much, and states for the file the sum, which the error to the originals does "
-          "not exceed.",
+          "but the last have a multiple of 16 frames; parts compressed each for itself keep their "
+          "quantisation. The result states for the whole the RMS of all parts, relative to their "
+          "common range, and the largest of their maximum errors. Other parts are decoded and "
+          "encoded again, which adds an error to theirs: the result says how much, and states for "
+          "the file the sum, which the error to the originals does not exceed.",
       .positionals = {{.name = "PART", .help = ".volute files", .several = true}},
       .options = {{.name = "output",
                    .letter = 'o',

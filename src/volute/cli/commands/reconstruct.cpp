@@ -9,6 +9,7 @@
 #include "volute/capture/geometry_check.hpp"
 #include "volute/cli/capture_input.hpp"
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/ranks.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/codec/compress.hpp"
 #include "volute/media/volume/volume_input.hpp"
@@ -92,7 +93,8 @@ Result<CompressReport> writeVolute(ReconstructedFrames& frames, const Arguments&
   options.target = {ErrorTarget::Kind::kRms, arguments.get<double>("rms")};
   options.provenance = fmt::format("reconstructed from {}", capture.file.filename().string());
   options.maxMemory = context.maxMemory;
-  auto written = compress(frames, arguments.get<std::string>("output"), options, context.progress);
+  auto written = compress(frames, arguments.get<std::string>("output"), options, context.progress,
+                          context.team);
   // The command line was checked; what is still found invalid is an error out of reach.
   if (!written && written.error().code == ErrorCode::kInvalidArgument)
     written.error().code = ErrorCode::kUnsupported;
@@ -156,7 +158,7 @@ Result<std::unique_ptr<ReconstructedFrames>> openFrames(const Capture& capture,
   auto frames = ReconstructedFrames::open(capture, settings, std::move(views), work,
                                           frameKeys(capture, settings, heldOut), context.progress);
   if (!frames) {
-    if (!before)
+    if (!before && context.team.leads())
       work.remove();
     return frames;
   }
@@ -173,10 +175,10 @@ Status runFrames(ReconstructedFrames& frames, const Arguments& arguments, const 
   const auto target = arguments.get<std::string>("output");
   // A target that cannot be written is told before the long work.
   std::unique_ptr<FrameSink> sink;
-  if (!isVolutePath(target)) {
+  if (!isVolutePath(target) && context.team.leads()) {
     VOLUTE_ASSIGN(sink, openSink(target, frames.info(), true));
   }
-  VOLUTE_TRY(frames.solveAll());
+  VOLUTE_TRY(frames.solveAll(context.team));
   VOLUTE_ASSIGN(const auto json, reconstructionReport(capture, settings, frames));
   const VolumeInfo& info = frames.info();
   Report report;
@@ -185,18 +187,19 @@ Status runFrames(ReconstructedFrames& frames, const Arguments& arguments, const 
       .add("size", {info.x, info.y, info.z},
            fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
       .add("channels", info.channels, fmt::format("{}", info.channels));
-  if (sink) {
+  if (sink)
     VOLUTE_TRY(copyFrames(frames, *sink, "writing", context.progress));
-  } else {
+  if (isVolutePath(target)) {
     VOLUTE_ASSIGN(const auto written, writeVolute(frames, arguments, capture, context));
     report.add("bytes", written.fileBytes, bytesText(written.fileBytes))
         .add("relative_rms", written.relativeRms);
   }
   if (const auto file = arguments.find<std::string>("report")) {
-    VOLUTE_TRY(writeReport(*file, json, frames, context.progress));
+    if (context.team.leads())
+      VOLUTE_TRY(writeReport(*file, json, frames, context.progress));
   }
-  frames.work().remove();
   addSummary(json, report);
+  VOLUTE_TRY(writeStats(arguments, context, report.json()));
   context.print(report);
   return {};
 }
@@ -208,6 +211,12 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
                 "--json and '--output -' both want standard output; leave one");
   }
   VOLUTE_TRY(checkReconstructTargets(arguments, target));
+  if (context.team.size() > 1 && target == "-") {
+    return fail(ErrorCode::kInvalidArgument,
+                "--output -: several processes keep finished frames in a folder beside the output; "
+                "give it a name");
+  }
+  VOLUTE_TRY(checkFolderIsShared(target, context.team));
   context.resultsToStderr = target == "-";
   VOLUTE_ASSIGN(const auto options, captureOptionsOf(arguments, context));
   VOLUTE_ASSIGN(const auto capture, openCapture(arguments.positional(0), options));
@@ -220,7 +229,10 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
   VOLUTE_TRY(checkCapture(capture, heldOut, settings.force, context.maxMemory, context.progress));
   remarkOnLayout(capture, context);
   VOLUTE_ASSIGN(auto frames, openFrames(capture, settings, heldOut, target, context));
-  const Status status = runFrames(*frames, arguments, capture, settings, context);
+  const Status status =
+      context.team.agree(runFrames(*frames, arguments, capture, settings, context));
+  if (!context.team.leads())
+    return status;
   if (!status && target != "-" && frames->work().any()) {
     context.progress.remark(
         fmt::format("finished frames are kept in {}; the same command goes on from there",
@@ -319,6 +331,7 @@ std::vector<Option> reconstructOptionTable() {
        .kind = kOutput,
        .value = "FILE.json",
        .help = "write all that was measured, and FILE.html with plots and pictures"},
+      statsOption(),
       {.name = "max-saturated",
        .kind = kNumber,
        .value = "SHARE",
@@ -356,6 +369,7 @@ Command reconstructCommand() {
       .positionals = {{.name = "CAPTURE", .help = "the cameras and their pictures"}},
       .options = reconstructOptionTable(),
       .oneOf = {{{"warm-start", "no-warm-start"}, false}},
+      .ranks = true,
       .run = runReconstruct};
 }
 

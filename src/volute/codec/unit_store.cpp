@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/codec/unit_store.hpp"
+
+#include "volute/base/checksum.hpp"
+#include "volute/base/input_file.hpp"
+#include "volute/base/leftovers.hpp"
+#include "volute/base/write_file.hpp"
+
+namespace volute {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kPrefix = "unit_";
+
+/// The checksum of what follows it, and that.
+Status writeChecked(const fs::path& path, std::span<const std::byte> content) {
+  std::vector<std::byte> bytes;
+  const std::uint32_t crc = crc32(content);
+  for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<std::byte>(crc >> 8 * i));
+  bytes.insert(bytes.end(), content.begin(), content.end());
+  return writeFile(path, bytes);
+}
+
+std::optional<std::vector<std::byte>> readChecked(const fs::path& path) {
+  const auto file = InputFile::open(path);
+  if (!file || file->size() < 4)
+    return std::nullopt;
+  std::vector<std::byte> bytes(static_cast<std::size_t>(file->size()));
+  if (!file->read(0, bytes))
+    return std::nullopt;
+  std::uint32_t crc = 0;
+  for (std::size_t i = 0; i < 4; ++i) crc |= static_cast<std::uint32_t>(bytes[i]) << 8 * i;
+  bytes.erase(bytes.begin(), bytes.begin() + 4);
+  if (crc32(bytes) != crc)
+    return std::nullopt;
+  return bytes;
+}
+
+}  // namespace
+
+Result<UnitStore> UnitStore::open(const fs::path& folder, const std::string& key) {
+  std::error_code error;
+  fs::create_directory(folder, error);
+  if (!fs::is_directory(folder, error)) {
+    return fail(ErrorCode::kIo, "{}: cannot make this folder for finished units",
+                folder.string());
+  }
+  return UnitStore(folder, key);
+}
+
+fs::path UnitStore::fileOf(int way, std::int64_t unit, const char* extension) const {
+  return folder_ / fmt::format("{}{}_{:02}_{:06}.{}", kPrefix, key_, way, unit, extension);
+}
+
+std::optional<std::vector<std::byte>> UnitStore::record(int way, std::int64_t unit) const {
+  return readChecked(fileOf(way, unit, "record"));
+}
+
+std::optional<std::vector<std::byte>> UnitStore::bytes(int way, std::int64_t unit) const {
+  return readChecked(fileOf(way, unit, "bytes"));
+}
+
+Status UnitStore::store(int way, std::int64_t unit, std::span<const std::byte> record,
+                        std::span<const std::byte> bytes) const {
+  if (!bytes.empty())
+    VOLUTE_TRY(writeChecked(fileOf(way, unit, "bytes"), bytes));
+  return writeChecked(fileOf(way, unit, "record"), record);
+}
+
+void UnitStore::dropBytes(int way, std::int64_t unit) const {
+  std::error_code error;
+  fs::remove(fileOf(way, unit, "bytes"), error);
+}
+
+void UnitStore::remove() const {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder_, error)) {
+    const std::string name = entry.path().filename().string();
+    const bool part = processOfPart(name).has_value();
+    if (name.starts_with(kPrefix) || (part && name.starts_with(fmt::format(".{}", kPrefix))))
+      fs::remove(entry.path(), error);
+  }
+  fs::remove(folder_, error);
+}
+
+}  // namespace volute

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "volute/base/result.hpp"
+
+namespace volute {
+
+/// Finished units of a long job in a folder that all ranks share: a job that was interrupted finds
+/// them there, with any number of ranks. A unit has a record, and bytes that are no longer needed
+/// once the next way through the units begins. Files that are damaged, or of another job, count as
+/// not there.
+class UnitStore {
+ public:
+  /// Makes the folder, or takes the one that is there. `key`: a digest of all that decides about
+  /// what units give.
+  [[nodiscard]] static Result<UnitStore> open(const std::filesystem::path& folder,
+                                              const std::string& key);
+
+  /// The record of a unit in way `way` through all.
+  std::optional<std::vector<std::byte>> record(int way, std::int64_t unit) const;
+  std::optional<std::vector<std::byte>> bytes(int way, std::int64_t unit) const;
+
+  /// Each is there whole or not at all; bytes first.
+  [[nodiscard]] Status store(int way, std::int64_t unit, std::span<const std::byte> record,
+                             std::span<const std::byte> bytes) const;
+
+  /// Removes the bytes of a unit.
+  void dropBytes(int way, std::int64_t unit) const;
+
+  /// Removes all that is this class's, and the folder if nothing else is in it.
+  void remove() const;
+
+ private:
+  UnitStore(std::filesystem::path folder, std::string key)
+      : folder_(std::move(folder)), key_(std::move(key)) {}
+
+  std::filesystem::path fileOf(int way, std::int64_t unit, const char* extension) const;
+
+  std::filesystem::path folder_;
+  std::string key_;
+};
+
+}  // namespace volute
