@@ -50,6 +50,15 @@ class FrameProgress final : public Progress {
   double share_ = 0;  // of this frame
 };
 
+nlohmann::ordered_json choiceJson(const std::optional<TomographyChoice>& choice) {
+  if (!choice)
+    return {};
+  return {{"regularization", regularizationName(choice->regularization)},
+          {"strength", choice->strength},
+          {"sparsity", choice->sparsity},
+          {"iterations", choice->iterations}};
+}
+
 /// Its own progress is of no interest.
 class Quietly final : public Progress {
  public:
@@ -164,6 +173,24 @@ Result<std::vector<std::string>> ReconstructedFrames::examine(const FrameViews& 
   return warnings;
 }
 
+/// The prior is chosen anew every few frames. Only where frames build upon each other anyway: else
+/// they stay independent.
+Result<TomographyOptions> ReconstructedFrames::optionsOf(int index) const {
+  constexpr int kEvery = 10;
+  TomographyOptions options = settings_.tomography;
+  if (!settings_.warmStart || index % kEvery == 0)
+    return options;
+  VOLUTE_ASSIGN(const auto before, record(index - 1));
+  const auto choice = before.find("choice");
+  if (choice == before.end() || !choice->is_object())
+    return options;
+  options.choice = TomographyChoice{
+      regularizationByName(choice->value("regularization", "none")).value_or(Regularization::kNone),
+      choice->value("strength", 0.0), choice->value("sparsity", 0.0),
+      choice->value("iterations", 1)};
+  return options;
+}
+
 Result<Reconstruction> ReconstructedFrames::fit(int index, const FrameViews& views) {
   std::vector<float> before;
   if (settings_.warmStart && index > 0) {
@@ -174,7 +201,8 @@ Result<Reconstruction> ReconstructedFrames::fit(int index, const FrameViews& vie
   }
   const auto fitted = views.fitted();
   FrameProgress progress(progress_, views.frame, index - resumed_, info_.frames - resumed_);
-  auto result = reconstruct(fitted, geometry(), settings_.tomography, before, progress);
+  VOLUTE_ASSIGN(const TomographyOptions options, optionsOf(index));
+  auto result = reconstruct(fitted, geometry(), options, before, progress);
   if (result)
     return result;
   if (result.error().code == ErrorCode::kNotFound) {
@@ -352,6 +380,8 @@ Status ReconstructedFrames::solve(int index) {
       {"stopped_by", result.stoppedBy},
       {"regularization", regularizationName(result.regularization)},
       {"lambda", jsonNumber(result.lambda)},
+      {"sparsity", jsonNumber(result.sparsity)},
+      {"choice", choiceJson(result.choice)},
       {"hull_share", jsonNumber(result.hullShare)},
       {"pixels", result.pixels},
       {"held_out_pixel_error", jsonNumber(result.heldOutError)},
