@@ -447,7 +447,27 @@ class Step(ring.TestCase):
     def test_a_camera_with_another_principal_point_is_named(self):
         self.camera("c2")["K"][0][2] += 1
         (said,) = self.warnings(16, 25)
-        self.assertIn("camera c2, frame 12: does not fit the others", said)
+        self.assertRegex(said, r"camera c2: its calibration does not fit the others and was refined: .* (0\.[5-9]|1\.\d) pixels")
+
+    def test_refinement_can_be_left_out(self):
+        self.camera("c2")["K"][0][2] += 1
+        self.write_capture()
+        message = self.works("reconstruct", self.path("capture.json"), "-o", self.path("out.npy"), "--frames", "12", "--refine",
+                             "never", "--regularization", "none", "--resolution", 16, "--iterations", 25).message
+        self.assertIn("camera c2, frame 12: does not fit the others", message)
+        self.assertNotIn("refined", message)
+
+    def test_the_refined_calibration_is_written_and_fits(self):
+        self.camera("c2")["K"][0][2] += 1
+        self.write_capture()
+        self.works("reconstruct", self.path("capture.json"), "-o", self.path("out.npy"), "--frames", "11:13", "--resolution", 16,
+                   "--refined", self.path("refined.json"))
+        given = next(camera for camera in self.json["cameras"] if camera["name"] == "c2")["K"][0][2]
+        refined = next(camera for camera in json.loads(self.path("refined.json").read_text())["cameras"]
+                       if camera["name"] == "c2")
+        self.assertNotEqual(refined["K"][0][2], given)
+        message = self.works("reconstruct", self.path("refined.json"), "-o", self.path("again.npy"), "--frames", "11:13").message
+        self.assertNotIn("calibration refined", message)
 
     def test_a_camera_with_another_lens_is_named(self):
         self.camera("c3")["distortion"] = [8, 0, 0, 0, 0]

@@ -39,6 +39,9 @@ class Response {
 
   Kind kind() const { return kind_; }
 
+  /// The linear values of a table; empty for other kinds.
+  const std::vector<double>& table() const { return table_; }
+
   bool operator==(const Response&) const = default;
 
  private:

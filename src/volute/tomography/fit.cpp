@@ -15,15 +15,14 @@ namespace {
 constexpr unsigned kHeldOutOf = 20;  // one row in so many
 constexpr double kBright = 0.7;      // of the typical value
 
-std::unique_ptr<Prior> makePrior(const FitSetup& setup, Regularization regularization,
-                                 double lambda) {
+std::unique_ptr<Prior> makePrior(const FitSetup& setup, const PriorStrength& prior) {
   const TomographyOptions& options = setup.options;
   const auto& support = setup.problem.support;
-  const double strength = lambda * setup.largest;
-  switch (regularization) {
+  const double strength = prior.lambda * setup.largest;
+  switch (prior.regularization) {
     case Regularization::kTv:
       return makeTotalVariation(support, strength,
-                                {options.sparsity * strength, kBright * setup.typical},
+                                {prior.sparsity * strength, kBright * setup.typical},
                                 options.nonNegative);
     case Regularization::kSmooth:
       return makeSmoothness(support, strength, options.nonNegative);
@@ -208,15 +207,14 @@ double heldOutError(const LeastSquares& data, std::span<const std::uint8_t> held
   return light > 0 ? std::sqrt(error / light) : 0;
 }
 
-Result<Fit> runFit(const FitSetup& setup, const LeastSquares& data, Regularization regularization,
-                   double lambda, std::vector<float> start, const StopRule& stop) {
+Result<Fit> runFit(const FitSetup& setup, const LeastSquares& data, const PriorStrength& prior,
+                   std::vector<float> start, const StopRule& stop) {
   Fit fit;
-  fit.regularization = regularization;
-  fit.lambda = lambda;
+  fit.prior = prior;
   fit.unknowns = std::move(start);
-  const auto prior = makePrior(setup, regularization, lambda);
+  const auto made = makePrior(setup, prior);
   Watcher watcher(setup, data, stop, fit);
-  fit.iterations = solve(setup, data, *prior, stop.iterations, fit.unknowns, std::ref(watcher));
+  fit.iterations = solve(setup, data, *made, stop.iterations, fit.unknowns, std::ref(watcher));
   if (setup.progress.cancelled())
     return fail(ErrorCode::kCancelled, "Stopped");
   if (!watcher.best().empty()) {
@@ -226,56 +224,172 @@ Result<Fit> runFit(const FitSetup& setup, const LeastSquares& data, Regularizati
   return fit;
 }
 
-std::vector<std::uint8_t> heldOutView(const FrameProblem& problem,
-                                      std::span<const TomographyView> views) {
-  const Vec3 centre = problem.support->geometry().bounds.centre();
-  std::vector<std::pair<double, int>> nearest;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    double angle = 90;
-    for (std::size_t other = 0; other < views.size(); ++other) {
-      if (other != v)
-        angle = std::min(angle, angleBetween(views[v].camera, views[other].camera, centre));
-    }
-    nearest.emplace_back(angle, static_cast<int>(v));
-  }
-  const auto middle = nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2);
-  std::ranges::nth_element(nearest, middle);
+namespace {
+
+/// Rows that are held out together, and what is left.
+struct Fold {
   std::vector<std::uint8_t> heldOut;
-  for (const PixelRow& row : problem.projector->pixels())
-    heldOut.push_back(row.view == middle->second ? 1 : 0);
-  return heldOut;
+  LeastSquares rest;
+};
+
+/// Whole cameras, those whose nearest neighbour is as far as is usual first; or pixels.
+std::vector<Fold> foldsOf(const FitSetup& setup) {
+  constexpr std::size_t kLeastViews = 4, kFew = 5;
+  const FrameProblem& problem = setup.problem;
+  const auto& views = setup.views;
+  std::vector<Fold> folds;
+  if (views.size() < kLeastViews) {
+    folds.push_back({heldOutRows(problem.data.rows(), setup.options.seed), {}});
+  } else {
+    const Vec3 centre = problem.support->geometry().bounds.centre();
+    std::vector<std::pair<double, int>> nearest;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      double angle = 90;
+      for (std::size_t other = 0; other < views.size(); ++other) {
+        if (other != v)
+          angle = std::min(angle, angleBetween(views[v].camera, views[other].camera, centre));
+      }
+      nearest.emplace_back(angle, static_cast<int>(v));
+    }
+    std::ranges::sort(nearest);
+    std::vector<int> chosen{nearest[nearest.size() / 2].second};
+    if (views.size() <= kFew)
+      chosen.push_back(nearest[nearest.size() / 2 - 1].second);
+    for (const int view : chosen) {
+      Fold& fold = folds.emplace_back();
+      for (const PixelRow& row : problem.projector->pixels())
+        fold.heldOut.push_back(row.view == view ? 1 : 0);
+    }
+  }
+  for (Fold& fold : folds) fold.rest = withoutRows(problem.data, fold.heldOut);
+  return folds;
 }
 
-Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
-  constexpr double kStrongest = 1e-2, kWeakest = 1e-6, kFactor = 0.31622776601683794;
-  constexpr int kSearches = 9;  // from the strongest to the weakest
-  constexpr int kSearchIterations = 40, kFinalIterations = 600;
-  constexpr std::size_t kLeastViews = 4;
-  const LeastSquares& data = setup.problem.data;
-  int searched = 0;
-  const auto heldOut = setup.views.size() >= kLeastViews
-                           ? heldOutView(setup.problem, setup.views)
-                           : heldOutRows(data.rows(), setup.options.seed);
-  const LeastSquares rest = withoutRows(data, heldOut);
-  const std::optional<int>& wanted = setup.options.iterations;
-  const int most = wanted.value_or(kFinalIterations);
-  const int all = kSearches * kSearchIterations + most;
-  StrengthSearch search;
-  double error = 0;
-  int before = 0;
-  for (double share = kStrongest; share >= 0.99 * kWeakest; share *= kFactor) {
-    VOLUTE_ASSIGN(Fit fit, runFit(setup, rest, Regularization::kTv, share * setup.typical, start,
-                                  {kSearchIterations, 0, {}, 2 * kSettled, before, all}));
-    before += kSearchIterations;
-    fit.heldOutError = heldOutError(data, heldOut, fit.projected);
-    if (searched += fit.iterations; !search.add(share, fit.heldOutError))
-      break;
-    error = fit.heldOutError;
-    start = std::move(fit.unknowns);
+/// Tries priors on the folds.
+class PriorSearch {
+ public:
+  PriorSearch(const FitSetup& setup, const std::vector<float>& start, int iterationsAfter)
+      : setup_(setup), start_(start), folds_(foldsOf(setup)), after_(iterationsAfter) {}
+
+  Status tryTotalVariation(double sparsity) {
+    constexpr double kStrongest = 1e-2, kWeakest = 1e-6, kFactor = 0.31622776601683794;
+    constexpr int kIterations = 40;
+    std::vector<std::vector<float>> volumes(folds_.size(), start_);
+    StrengthSearch search;
+    double least = 0;
+    for (double share = kStrongest; share >= 0.99 * kWeakest; share *= kFactor) {
+      double squares = 0;
+      for (std::size_t f = 0; f < folds_.size(); ++f) {
+        VOLUTE_ASSIGN(Fit fit,
+                      run(folds_[f], {Regularization::kTv, share * setup_.typical, sparsity},
+                          std::move(volumes[f]), {kIterations, 0, {}, 2 * kSettled}));
+        const double error = heldOutError(setup_.problem.data, folds_[f].heldOut, fit.projected);
+        squares += error * error;
+        volumes[f] = std::move(fit.unknowns);
+      }
+      const double error = std::sqrt(squares / static_cast<double>(folds_.size()));
+      if (least == 0 || error < least)
+        least = error;
+      if (!search.add(share, error))
+        break;
+      reached_ = std::move(volumes[0]);
+      volumes[0] = reached_;
+    }
+    keep({Regularization::kTv, search.chosen(), sparsity, 0}, least, std::move(reached_));
+    return {};
   }
-  const StopRule stop{most, 0, {}, wanted ? 0 : kSettled, kSearches * kSearchIterations, all};
-  VOLUTE_ASSIGN(Fit fit, runFit(setup, data, Regularization::kTv, search.chosen() * setup.typical,
-                                std::move(start), stop));
+
+  Status tryPlainIterations() {
+    constexpr int kIterations = 60, kPatience = 12;
+    double squares = 0;
+    int iterations = 0;
+    for (const Fold& fold : folds_) {
+      VOLUTE_ASSIGN(const Fit fit, run(fold, {}, std::vector<float>(start_.size()),
+                                       {kIterations, 0, fold.heldOut, 0}));
+      squares += fit.heldOutError * fit.heldOutError;
+      iterations += fit.iterations - (fit.stoppedBy == "held-out pixels" ? kPatience : 0);
+    }
+    const auto folds = static_cast<int>(folds_.size());
+    // One camera more tells more: a few iterations less would be lost rather than a few too many.
+    keep({Regularization::kNone, 0, 0, std::max(1, (iterations + folds - 1) / folds)},
+         std::sqrt(squares / folds), {});
+    return {};
+  }
+
+  const TomographyChoice& choice() const { return choice_; }
+
+  double error() const { return error_; }
+
+  int iterations() const { return searched_; }
+
+  /// Where the fits with the choice ended: a start for the last fit.
+  std::vector<float> takeStart() { return std::move(best_); }
+
+ private:
+  Result<Fit> run(const Fold& fold, const PriorStrength& prior, std::vector<float> start,
+                  StopRule stop) {
+    stop.before = searched_;
+    stop.all = std::max(2 * searched_, 200) + after_;
+    VOLUTE_ASSIGN(Fit fit, runFit(setup_, fold.rest, prior, std::move(start), stop));
+    searched_ += fit.iterations;
+    return fit;
+  }
+
+  /// Takes a candidate that is clearly better than those before.
+  void keep(const TomographyChoice& candidate, double error, std::vector<float> end) {
+    constexpr double kClearly = 0.98;
+    if (error_ > 0 && !(error < kClearly * error_))
+      return;
+    choice_ = candidate;
+    error_ = error;
+    best_ = std::move(end);
+  }
+
+  const FitSetup& setup_;
+  const std::vector<float>& start_;
+  std::vector<Fold> folds_;
+  int after_ = 0, searched_ = 0;
+  TomographyChoice choice_;
+  double error_ = 0;
+  std::vector<float> best_, reached_;
+};
+
+}  // namespace
+
+Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
+  constexpr int kFinalIterations = 600;
+  constexpr double kUsualSparsity = 2.5;
+  const TomographyOptions& options = setup.options;
+  const int most = options.iterations.value_or(kFinalIterations);
+  TomographyChoice choice;
+  double error = 0;
+  int searched = 0;
+  if (options.choice) {
+    choice = *options.choice;
+  } else {
+    PriorSearch search(setup, start, most);
+    VOLUTE_TRY(search.tryTotalVariation(options.sparsity.value_or(kUsualSparsity)));
+    if (!options.sparsity)
+      VOLUTE_TRY(search.tryTotalVariation(0));
+    if (options.regularization == Regularization::kAuto && !options.iterations)
+      VOLUTE_TRY(search.tryPlainIterations());
+    choice = search.choice();
+    error = search.error();
+    searched = search.iterations();
+    start = search.takeStart();
+  }
+  const bool plain = choice.regularization == Regularization::kNone;
+  // What plain iterations leave out depends on where they begin.
+  if (plain || start.empty())
+    start.assign(4 * setup.problem.data.unknowns(), 0);
+  const PriorStrength prior{choice.regularization, choice.strength * setup.typical,
+                            choice.sparsity};
+  const StopRule stop{plain ? choice.iterations : most,           0,        {},
+                      plain || options.iterations ? 0 : kSettled, searched, searched + most};
+  VOLUTE_ASSIGN(Fit fit, runFit(setup, setup.problem.data, prior, std::move(start), stop));
+  if (plain)
+    fit.stoppedBy = "held-out pixels";
+  fit.choice = choice;
   fit.heldOutError = error;
   fit.searchIterations = searched;
   return fit;

@@ -12,16 +12,23 @@
 
 namespace volute {
 
-/// The strength of a prior and what came of it.
-struct Fit {
+/// A prior and how strong it is.
+struct PriorStrength {
   Regularization regularization = Regularization::kNone;
-  double lambda = 0;  ///< times the largest eigenvalue
+  double lambda = 0;    ///< times the largest eigenvalue
+  double sparsity = 0;  ///< of total variation, times lambda
+};
+
+/// A prior and what came of it.
+struct Fit {
+  PriorStrength prior;
   int iterations = 0;
   int searchIterations = 0;  ///< of the fits that chose the strength, or when to stop
   std::string_view stoppedBy = "iterations";
   std::vector<float> unknowns;
   std::vector<float> projected;  ///< S a
   double heldOutError = 0;
+  std::optional<TomographyChoice> choice;
 };
 
 /// What fits of one frame share.
@@ -67,13 +74,15 @@ inline constexpr double kSettled = 1e-3;  ///< what counts as settled
 
 /// Runs the solver of the options on `data` from `start`.
 [[nodiscard]] Result<Fit> runFit(const FitSetup& setup, const LeastSquares& data,
-                                 Regularization regularization, double lambda,
-                                 std::vector<float> start, const StopRule& stop);
+                                 const PriorStrength& prior, std::vector<float> start,
+                                 const StopRule& stop);
 
-/// Chooses the strength of the total variation: from strong to weak, each fit going on from the one
-/// before, until the error over the held-out pixels has risen. With four views or more those are
-/// the pixels of one camera, for other pixels of the same cameras would be predicted ever better by
-/// a volume that fits the noise. Then fits all pixels.
+/// Chooses the prior, unless the options have the choice, and fits all pixels. Total variation goes
+/// from strong to weak, with sparsity and without, each fit going on from the one before, until the
+/// error over the held-out pixels has risen; plain iterations go on until it rises. The least error
+/// is chosen. With four views or more the held-out pixels are those of one camera, of four or five
+/// views those of two in turn, for other pixels of the same cameras would be predicted ever better
+/// by a volume that fits the noise.
 [[nodiscard]] Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start);
 
 }  // namespace volute

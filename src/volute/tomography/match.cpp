@@ -7,6 +7,7 @@
 
 #include "volute/tomography/box_blur.hpp"
 #include "volute/tomography/hull.hpp"
+#include "volute/tomography/reduced_view.hpp"
 
 namespace volute {
 namespace {
@@ -15,15 +16,6 @@ double squaredSum(const Image& image) {
   double sum = 0;
   for (const float value : image.pixels) sum += static_cast<double>(value) * value;
   return sum;
-}
-
-/// How wide a voxel at the volume's centre is in the picture, at least 1 [pixels].
-double voxelInPixels(const Camera& camera, const VolumeGeometry& geometry) {
-  const double x = 0.5 * camera.width(), y = 0.5 * camera.height();
-  const Segment middle = camera.ray(x, y), beside = camera.ray(x + 1, y);
-  const double distance = (geometry.bounds.centre() - middle.origin).dot(middle.direction);
-  const double pixel = (beside.at(distance) - middle.at(distance)).norm();
-  return pixel > 0 ? std::max(1.0, geometry.voxelSize().maxCoeff() / pixel) : 1;
 }
 
 /// Whether each pixel counts, is not saturated, and sees the volume.

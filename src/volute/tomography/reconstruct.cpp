@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "volute/tomography/fit.hpp"
+#include "volute/tomography/reduced_view.hpp"
 #include "volute/tomography/vector_ops.hpp"
 
 namespace volute {
@@ -46,22 +47,23 @@ Result<Fit> fixedFit(const FitSetup& setup, std::vector<float> start) {
                               : apg      ? Regularization::kTv
                                          : Regularization::kNone;
   const bool penalised = regularization != Regularization::kNone;
-  const double lambda = penalised ? options.lambda.value_or(kUsualLambda) : 0;
+  constexpr double kUsualSparsity = 2.5;
+  const PriorStrength prior{regularization, penalised ? options.lambda.value_or(kUsualLambda) : 0,
+                            options.sparsity.value_or(kUsualSparsity)};
   if (options.iterations)
-    return runFit(setup, data, regularization, lambda, std::move(start),
-                  {*options.iterations, 0, {}, 0});
+    return runFit(setup, data, prior, std::move(start), {*options.iterations, 0, {}, 0});
   if (penalised)
-    return runFit(setup, data, regularization, lambda, std::move(start), {kMost, 0, {}, kSettled});
+    return runFit(setup, data, prior, std::move(start), {kMost, 0, {}, kSettled});
   if (options.noiseSigma && *options.noiseSigma > 0)
-    return runFit(setup, data, regularization, lambda, std::move(start),
+    return runFit(setup, data, prior, std::move(start),
                   {kMost, expectedResidual(data, *options.noiseSigma), {}, 0});
   // The held-out pixels tell how long to go on; the last run has them too.
   const auto heldOut = heldOutRows(data.rows(), options.seed);
-  VOLUTE_ASSIGN(Fit search, runFit(setup, withoutRows(data, heldOut), regularization, lambda, start,
+  VOLUTE_ASSIGN(Fit search, runFit(setup, withoutRows(data, heldOut), prior, start,
                                    {kMost, 0, heldOut, 0, 0, 2 * kMost}));
   const int best = std::max(1, search.iterations - (search.stoppedBy == "iterations" ? 0 : 12));
-  VOLUTE_ASSIGN(Fit fit, runFit(setup, data, regularization, lambda, std::move(start),
-                                {best, 0, {}, 0, kMost, kMost + best}));
+  VOLUTE_ASSIGN(
+      Fit fit, runFit(setup, data, prior, std::move(start), {best, 0, {}, 0, kMost, kMost + best}));
   if (search.stoppedBy == "held-out pixels")
     fit.stoppedBy = search.stoppedBy;
   fit.searchIterations = search.iterations;
@@ -90,6 +92,23 @@ class CoarseProgress final : public Progress {
  private:
   Progress& whole_;
 };
+
+/// How many pixels on a side may become one without the volume being able to tell: a voxel stays
+/// two and a half pixels wide. 1 where single pixels say more than their mean.
+int pixelsTogether(std::span<const TomographyView> views, const VolumeGeometry& geometry,
+                   const TomographyOptions& options) {
+  constexpr double kPixels = 2.5;
+  if (options.solver != TomographySolver::kApg || options.raysPerPixel == 1)
+    return 1;
+  double narrowest = 64;
+  for (const TomographyView& view : views) {
+    if (view.camera.isOrthographic() || !view.atLeast.empty())
+      return 1;
+    const double pixels = std::min(view.camera.width(), view.camera.height());
+    narrowest = std::min({narrowest, voxelInPixels(view.camera, geometry), pixels / 8 * kPixels});
+  }
+  return std::max(1, static_cast<int>(narrowest / kPixels));
+}
 
 /// The half of a resolution.
 VolumeGeometry halved(VolumeGeometry geometry) {
@@ -134,6 +153,47 @@ std::vector<float> upsampled(std::span<const float> coarse, const VolumeGeometry
   return fine;
 }
 
+/// reconstruct() of pictures that are as fine as they need be.
+Result<Reconstruction> reconstructReduced(std::span<const TomographyView> views,
+                                          const VolumeGeometry& geometry,
+                                          const TomographyOptions& options,
+                                          std::span<const float> warmStart, Progress& progress) {
+  std::vector<float> first(warmStart.begin(), warmStart.end());
+  if (options.coarseToFine && first.empty() && std::ranges::min(geometry.resolution) >= 8) {
+    TomographyOptions coarse = options;
+    coarse.coarseToFine = false;
+    CoarseProgress quietly(progress);
+    VOLUTE_ASSIGN(const Reconstruction start,
+                  reconstructReduced(views, halved(geometry), coarse, {}, quietly));
+    first = upsampled(start.volume, halved(geometry), geometry);
+  }
+  VOLUTE_ASSIGN(const FrameProblem problem, makeFrameProblem(views, geometry, options, progress));
+  std::vector<float> start = first.empty() ? std::vector<float>(4 * problem.support->size())
+                                           : toUnknowns(*problem.support, first);
+  const double largest = problem.data.largestEigenvalue();
+  if (!(largest > 0))
+    return fail(ErrorCode::kInvalidData, "No pixel that counts sees the volume");
+  const FitSetup setup{problem, views, options, largest, typicalValue(problem.data, largest),
+                       progress};
+  VOLUTE_ASSIGN(const Fit fit, choosesStrength(options) ? chooseFit(setup, std::move(start))
+                                                        : fixedFit(setup, std::move(start)));
+  Reconstruction result;
+  result.volume = toVolume(*problem.support, fit.unknowns);
+  result.iterations = fit.iterations;
+  result.searchIterations = fit.searchIterations;
+  result.regularization = fit.prior.regularization;
+  result.lambda = fit.prior.lambda;
+  result.sparsity = fit.prior.sparsity;
+  result.choice = fit.choice;
+  result.stoppedBy = fit.stoppedBy == "iterations" && !options.iterations ? "limit" : fit.stoppedBy;
+  result.largestEigenvalue = largest;
+  result.hullShare = problem.hullShare;
+  result.pixels = problem.projector->rows();
+  result.residual = residualOfViews(problem, views.size(), fit.projected);
+  result.heldOutError = fit.heldOutError;
+  return result;
+}
+
 }  // namespace
 
 std::optional<TomographySolver> tomographySolverByName(std::string_view name) {
@@ -160,38 +220,15 @@ Result<Reconstruction> reconstruct(std::span<const TomographyView> views,
     return fail(ErrorCode::kInvalidArgument,
                 "The volume to start from has {} values, not the {} of the volume's resolution",
                 warmStart.size(), 3 * geometry.voxels());
-  std::vector<float> first(warmStart.begin(), warmStart.end());
-  if (options.coarseToFine && first.empty() && std::ranges::min(geometry.resolution) >= 8) {
-    TomographyOptions coarse = options;
-    coarse.coarseToFine = false;
-    CoarseProgress quietly(progress);
-    VOLUTE_ASSIGN(const Reconstruction start,
-                  reconstruct(views, halved(geometry), coarse, {}, quietly));
-    first = upsampled(start.volume, halved(geometry), geometry);
+  if (const int together = pixelsTogether(views, geometry, options); together > 1) {
+    std::vector<TomographyView> reduced;
+    for (const TomographyView& view : views) reduced.push_back(reducedView(view, together));
+    TomographyOptions rest = options;
+    if (rest.noiseSigma)
+      *rest.noiseSigma /= together;
+    return reconstructReduced(reduced, geometry, rest, warmStart, progress);
   }
-  VOLUTE_ASSIGN(const FrameProblem problem, makeFrameProblem(views, geometry, options, progress));
-  std::vector<float> start = first.empty() ? std::vector<float>(4 * problem.support->size())
-                                           : toUnknowns(*problem.support, first);
-  const double largest = problem.data.largestEigenvalue();
-  if (!(largest > 0))
-    return fail(ErrorCode::kInvalidData, "No pixel that counts sees the volume");
-  const FitSetup setup{problem, views, options, largest, typicalValue(problem.data, largest),
-                       progress};
-  VOLUTE_ASSIGN(const Fit fit, choosesStrength(options) ? chooseFit(setup, std::move(start))
-                                                        : fixedFit(setup, std::move(start)));
-  Reconstruction result;
-  result.volume = toVolume(*problem.support, fit.unknowns);
-  result.iterations = fit.iterations;
-  result.searchIterations = fit.searchIterations;
-  result.regularization = fit.regularization;
-  result.lambda = fit.lambda;
-  result.stoppedBy = fit.stoppedBy == "iterations" && !options.iterations ? "limit" : fit.stoppedBy;
-  result.largestEigenvalue = largest;
-  result.hullShare = problem.hullShare;
-  result.pixels = problem.projector->rows();
-  result.residual = residualOfViews(problem, views.size(), fit.projected);
-  result.heldOutError = fit.heldOutError;
-  return result;
+  return reconstructReduced(views, geometry, options, warmStart, progress);
 }
 
 }  // namespace volute

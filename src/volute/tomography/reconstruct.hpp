@@ -25,8 +25,9 @@ enum class TomographySolver {
 
 /// What is added to the least squares; the last three need kApg.
 enum class Regularization {
-  kAuto,  ///< total variation, as strong as a held-out camera asks for (of fewer than four views,
-          ///< held-out pixels); nothing with other solvers than kApg
+  kAuto,  ///< what predicts held-out cameras best (of fewer than four views, held-out pixels):
+          ///< total variation of some strength, or plain iterations stopped early; nothing with
+          ///< other solvers than kApg
   kNone,
   kTv,       ///< total variation of all channels together
   kSmooth,   ///< squared differences of neighbours
@@ -38,14 +39,24 @@ std::string_view tomographySolverName(TomographySolver solver);
 std::optional<Regularization> regularizationByName(std::string_view name);  ///< "auto", ...
 std::string_view regularizationName(Regularization regularization);
 
+/// What was chosen from the data, so that the frames after need not choose again.
+struct TomographyChoice {
+  Regularization regularization = Regularization::kNone;  ///< kTv or kNone
+  double strength = 0;  ///< of kTv, times the largest eigenvalue and what a voxel typically has
+  double sparsity = 0;  ///< of kTv
+  int iterations = 0;   ///< of kNone, from zero
+};
+
 struct TomographyOptions {
   Basis basis = Basis::kTrilinear;
   TomographySolver solver = TomographySolver::kApg;
   Regularization regularization = Regularization::kAuto;
   std::optional<double> lambda;  ///< strength, times the largest eigenvalue of S'S; none: chosen,
                                  ///< or 1e-5 with kSmooth and kWavelet
-  double sparsity = 2.5;         ///< with total variation: how much a dark voxel pays for light,
-                                 ///< times lambda; 0: plain total variation
+  /// With total variation: how much a dark voxel pays for light, times lambda; 0: plain total
+  /// variation; none: 2.5, or 0 where the strength is chosen and 0 predicts better.
+  std::optional<double> sparsity;
+  std::optional<TomographyChoice> choice;  ///< with kAuto: this, instead of choosing
   /// Exactly so many, after the choice of the strength if that is automatic. None, and with
   /// regularization: until the volume settles; without: until the residual is down to noiseSigma
   /// or, where that is unknown, the error of held-out pixels rises. Then there is a limit: 600 when
@@ -75,6 +86,8 @@ struct Reconstruction {
   std::size_t pixels = 0;        ///< that took part, over all views
   std::vector<double> residual;  ///< for each view, relative L2 of S a - (p - b) over its pixels
   double heldOutError = 0;       ///< relative L2 over the held-out pixels; 0 when none were
+  double sparsity = 0;           ///< used, with total variation
+  std::optional<TomographyChoice> choice;  ///< that was made or taken
 };
 
 /// Whether a volume can be reconstructed at all, before any picture is read: kInvalidArgument for a

@@ -53,6 +53,15 @@ class FrameProgress final : public Progress {
   double share_ = 0;  // of this frame
 };
 
+nlohmann::ordered_json choiceJson(const std::optional<TomographyChoice>& choice) {
+  if (!choice)
+    return {};
+  return {{"regularization", regularizationName(choice->regularization)},
+          {"strength", choice->strength},
+          {"sparsity", choice->sparsity},
+          {"iterations", choice->iterations}};
+}
+
 /// Its own progress is of no interest.
 class Quietly final : public Progress {
  public:
@@ -198,6 +207,24 @@ Result<std::vector<std::string>> ReconstructedFrames::examine(const FrameViews& 
   return warnings;
 }
 
+/// The prior is chosen anew every few frames. Only where frames build upon each other anyway: else
+/// they stay independent.
+Result<TomographyOptions> ReconstructedFrames::optionsOf(int index) const {
+  constexpr int kEvery = 10;
+  TomographyOptions options = settings_.tomography;
+  if (!settings_.warmStart || (index - chainOf(index)) % kEvery == 0)
+    return options;
+  VOLUTE_ASSIGN(const auto before, record(index - 1));
+  const auto choice = before.find("choice");
+  if (choice == before.end() || !choice->is_object())
+    return options;
+  options.choice = TomographyChoice{
+      regularizationByName(choice->value("regularization", "none")).value_or(Regularization::kNone),
+      choice->value("strength", 0.0), choice->value("sparsity", 0.0),
+      choice->value("iterations", 1)};
+  return options;
+}
+
 Result<Reconstruction> ReconstructedFrames::fit(int index, const FrameViews& views) {
   std::vector<float> before;
   if (index != chainOf(index)) {
@@ -207,8 +234,9 @@ Result<Reconstruction> ReconstructedFrames::fit(int index, const FrameViews& vie
       before.clear();
   }
   const auto fitted = views.fitted();
+  VOLUTE_ASSIGN(const TomographyOptions options, optionsOf(index));
   FrameProgress progress(progress_, views.frame, solved_, shares_ ? 0 : info_.frames - resumed_);
-  auto result = reconstruct(fitted, geometry(), settings_.tomography, before, progress);
+  auto result = reconstruct(fitted, geometry(), options, before, progress);
   if (result)
     return result;
   if (result.error().code == ErrorCode::kNotFound) {
@@ -386,6 +414,8 @@ Status ReconstructedFrames::solve(int index) {
       {"stopped_by", result.stoppedBy},
       {"regularization", regularizationName(result.regularization)},
       {"lambda", jsonNumber(result.lambda)},
+      {"sparsity", jsonNumber(result.sparsity)},
+      {"choice", choiceJson(result.choice)},
       {"hull_share", jsonNumber(result.hullShare)},
       {"pixels", result.pixels},
       {"held_out_pixel_error", jsonNumber(result.heldOutError)},

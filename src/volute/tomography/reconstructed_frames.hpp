@@ -99,6 +99,7 @@ class ReconstructedFrames final : public FrameSource {
 
   [[nodiscard]] Status solve(int index);
   [[nodiscard]] Result<Reconstruction> fit(int index, const FrameViews& views);
+  [[nodiscard]] Result<TomographyOptions> optionsOf(int index) const;
   nlohmann::ordered_json measured(const FrameViews& views, const Reconstruction& result) const;
   [[nodiscard]] Result<std::vector<std::string>> examine(const FrameViews& views,
                                                          const PictureFindings& findings);

@@ -90,7 +90,7 @@ Json settingsJson(const ReconstructionSettings& settings) {
           {"iterations", optional(options.iterations)},
           {"regularization", regularizationName(options.regularization)},
           {"lambda", optional(options.lambda)},
-          {"sparsity", options.sparsity},
+          {"sparsity", optional(options.sparsity)},
           {"rays_per_pixel", options.raysPerPixel},
           {"hull", options.hull},
           {"coarse_to_fine", options.coarseToFine},

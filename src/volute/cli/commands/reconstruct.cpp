@@ -7,12 +7,14 @@
 
 #include "volute/base/write_file.hpp"
 #include "volute/capture/geometry_check.hpp"
+#include "volute/capture/write_capture.hpp"
 #include "volute/cli/capture_input.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/codec/compress.hpp"
 #include "volute/media/volume/volume_input.hpp"
+#include "volute/tomography/capture_refinement.hpp"
 #include "volute/tomography/layout.hpp"
 #include "volute/tomography/reconstructed_frames.hpp"
 #include "volute/tomography/reconstruction_page.hpp"
@@ -31,7 +33,7 @@ ReconstructionSettings settingsOf(const Arguments& arguments, const Capture& cap
   options.solver = *tomographySolverByName(arguments.get<std::string>("solver"));
   options.regularization = *regularizationByName(arguments.get<std::string>("regularization"));
   options.lambda = arguments.find<double>("lambda");
-  options.sparsity = arguments.find<double>("sparsity").value_or(options.sparsity);
+  options.sparsity = arguments.find<double>("sparsity");
   options.iterations = arguments.find<int>("iterations");
   options.raysPerPixel = arguments.get<std::string>("rays-per-pixel") == "1" ? 1 : 4;
   options.hull = !arguments.flag("no-hull");
@@ -139,6 +141,8 @@ Status checkReconstructTargets(const Arguments& arguments, const std::string& ta
                   *report);
     }
   }
+  if (const auto refined = arguments.find<std::string>("refined"))
+    VOLUTE_TRY(checkTarget(*refined));
   if (arguments.given("rms") && !isVolutePath(target)) {
     return fail(ErrorCode::kInvalidArgument,
                 "--rms is the error of a compressed file; '{}' does not end in .volute", target);
@@ -170,8 +174,34 @@ Result<std::unique_ptr<ReconstructedFrames>> openFrames(const Capture& capture,
   return frames;
 }
 
-Status runFrames(ReconstructedFrames& frames, const Arguments& arguments, const Capture& capture,
-                 const ReconstructionSettings& settings, Context& context) {
+Result<CaptureRefinement> refinedCapture(const Capture& capture, const Arguments& arguments,
+                                         const std::vector<std::string>& heldOut,
+                                         Context& context) {
+  const auto name = arguments.get<std::string>("refine");
+  const Refine refine = name == "auto"     ? Refine::kAuto
+                        : name == "always" ? Refine::kAlways
+                                           : Refine::kNever;
+  VOLUTE_ASSIGN(auto refinement,
+                refineCapture(capture, heldOut, refine, context.maxMemory, context.progress));
+  if (refinement.used) {
+    context.progress.remark(fmt::format(
+        "calibration refined with the volume on frame{} {}: {:.1f} % of the pictures are not "
+        "explained, instead of {:.1f} % (relative L2, coarse voxels; --refine never leaves it)",
+        refinement.frames.size() == 1 ? "" : "s", fmt::join(refinement.frames, ", "),
+        100 * refinement.after, 100 * refinement.before));
+    for (const std::string& text : describeCorrections(refinement)) context.progress.remark(text);
+    for (const std::string& text : outstandingCorrections(refinement))
+      context.progress.remark("warning: " + text);
+  }
+  if (const auto file = arguments.find<std::string>("refined"))
+    VOLUTE_TRY(writeCapture(*file, refinement.capture));
+  return refinement;
+}
+
+Status runFrames(ReconstructedFrames& frames, const Arguments& arguments,
+                 const CaptureRefinement& refinement, const ReconstructionSettings& settings,
+                 Context& context) {
+  const Capture& capture = refinement.capture;
   const auto target = arguments.get<std::string>("output");
   // A target that cannot be written is told before the long work.
   std::unique_ptr<FrameSink> sink;
@@ -179,7 +209,10 @@ Status runFrames(ReconstructedFrames& frames, const Arguments& arguments, const 
     VOLUTE_ASSIGN(sink, openSink(target, frames.info(), true));
   }
   VOLUTE_TRY(frames.solveAll(context.team));
-  VOLUTE_ASSIGN(const auto json, reconstructionReport(capture, settings, frames));
+  VOLUTE_ASSIGN(auto json, reconstructionReport(capture, settings, frames));
+  json["refinement"] = refinementJson(refinement);
+  for (const std::string& text : outstandingCorrections(refinement))
+    json["warnings"].push_back(text);
   const VolumeInfo& info = frames.info();
   Report report;
   report.add("output", target)
@@ -228,9 +261,10 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
   VOLUTE_TRY(checkVolumeSize(geometry, context.maxMemory));
   VOLUTE_TRY(checkCapture(capture, heldOut, settings.force, context.maxMemory, context.progress));
   remarkOnLayout(capture, context);
-  VOLUTE_ASSIGN(auto frames, openFrames(capture, settings, heldOut, target, context));
+  VOLUTE_ASSIGN(const auto refinement, refinedCapture(capture, arguments, heldOut, context));
+  VOLUTE_ASSIGN(auto frames, openFrames(refinement.capture, settings, heldOut, target, context));
   const Status status =
-      context.team.agree(runFrames(*frames, arguments, capture, settings, context));
+      context.team.agree(runFrames(*frames, arguments, refinement, settings, context));
   if (!context.team.leads())
     return status;
   if (!status && target != "-" && frames->work().any()) {
@@ -278,8 +312,9 @@ std::vector<Option> solverOptions() {
       {.name = "sparsity",
        .kind = kNumber,
        .value = "F",
-       .help = "with total variation: how much a dark voxel pays for light, times lambda",
-       .initial = "2.5",
+       .help =
+           "with total variation: how much a dark voxel pays for light, times lambda; else 2.5, "
+           "or 0 where the data prefer that",
        .least = 0},
       {.name = "noise-sigma",
        .kind = kNumber,
@@ -327,6 +362,17 @@ std::vector<Option> reconstructOptionTable() {
        .value = "NAME",
        .help = "a camera to compare with, not to reconstruct from",
        .several = true},
+      {.name = "refine",
+       .kind = kChoice,
+       .value = "WHEN",
+       .help = "poses, focal lengths, principal points and gains together with the volume; auto: "
+               "where cameras disagree and agree much better for it",
+       .initial = "auto",
+       .choices = {"auto", "never", "always"}},
+      {.name = "refined",
+       .kind = kOutput,
+       .value = "FILE.json",
+       .help = "write the capture with the calibration that was used"},
       {.name = "report",
        .kind = kOutput,
        .value = "FILE.json",

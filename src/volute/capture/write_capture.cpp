@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/capture/write_capture.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "volute/base/write_file.hpp"
+
+namespace volute {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json jsonOf(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Json jsonOf(const Mat3& m) {
+  Json rows = Json::array();
+  for (int row = 0; row < 3; ++row) rows.push_back({m(row, 0), m(row, 1), m(row, 2)});
+  return rows;
+}
+
+Json jsonOf(const Response& response) {
+  if (response.kind() != Response::Kind::kTable)
+    return response.name();
+  return {{"table", response.table()}};
+}
+
+Json cameraJson(const CaptureCamera& known, const std::filesystem::path& folder) {
+  const Camera& camera = known.camera;
+  const PictureSource& pictures = known.pictures;
+  const auto path = [&](const std::filesystem::path& file) {
+    std::error_code error;
+    const auto near = std::filesystem::proximate(file, folder, error);
+    return (error ? file : near).string();
+  };
+  Json json{{"name", known.name}};
+  if (pictures.video.empty()) {
+    json["image"] = path(pictures.image);
+  } else {
+    json["video"] = path(pictures.video);
+    json["video_start"] = pictures.videoStart;
+  }
+  json["width"] = camera.width();
+  json["height"] = camera.height();
+  json["K"] = jsonOf(camera.intrinsics());
+  json["R"] = jsonOf(camera.rotation());
+  json["t"] = jsonOf(Vec3(-camera.rotation() * camera.eye()));
+  if (const Distortion& lens = camera.distortion(); !lens.none())
+    json["distortion"] = {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3};
+  if (!pictures.background.empty())
+    json["background"] = path(pictures.background);
+  if (!pictures.mask.empty())
+    json["mask"] = path(pictures.mask);
+  if (pictures.gain != 1)
+    json["gain"] = pictures.gain;
+  json["color"] = jsonOf(pictures.response);
+  if (pictures.saturation)
+    json["saturation"] = *pictures.saturation;
+  return json;
+}
+
+}  // namespace
+
+Status writeCapture(const std::filesystem::path& file, const Capture& capture) {
+  for (const CaptureCamera& known : capture.cameras) {
+    if (known.camera.isOrthographic())
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}: camera {} is orthographic, which capture.json has no words for",
+                  file.string(), known.name);
+  }
+  Json json{{"format", "volute-capture-1"}, {"white", capture.white}, {"pixel_centre", 0.5}};
+  json["frames"] = capture.frames;
+  json["volume"] = {{"min", jsonOf(capture.volume.bounds.min)},
+                    {"max", jsonOf(capture.volume.bounds.max)},
+                    {"resolution", capture.volume.resolution}};
+  if (capture.noiseSigma)
+    json["noise_sigma"] = *capture.noiseSigma;
+  if (!capture.emptyFrames.empty())
+    json["empty_frames"] = capture.emptyFrames;  // two are neighbours, so that they are a range too
+  json["cameras"] = Json::array();
+  const auto folder = std::filesystem::absolute(file).parent_path();
+  for (const CaptureCamera& known : capture.cameras)
+    json["cameras"].push_back(cameraJson(known, folder));
+  return writeFile(file.string(), json.dump(1) + "\n");
+}
+
+}  // namespace volute

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/capture/write_capture.hpp"
+
+#include <gtest/gtest.h>
+
+#include "volute/capture/open_capture.hpp"
+#include "volute/capture/testing.hpp"
+
+namespace volute {
+namespace {
+
+TEST(WriteCapture, ReadsAsItWas) {
+  const testing::TempFolder folder;
+  Capture capture;
+  capture.white = 2;
+  capture.noiseSigma = 0.01;
+  capture.frames = {3, 5};
+  capture.emptyFrames = {1, 2};
+  capture.volume = {{Vec3(-1, -2, 0), Vec3(1, 2, 3)}, {8, 16, 12}};
+  Mat3 k;
+  k << 90, 0.5, 31, 0, 91, 25, 0, 0, 1;
+  const Camera seen = Camera::pinhole({Vec3(1, -6, 2), Vec3(0, 0, 1)}, 30, 64, 48);
+  const Camera camera = *Camera::calibrated(
+      {64, 48, k, seen.rotation(), -seen.rotation() * seen.eye(), {-0.05, 0.01, 0, 0.001, 0}, 0.5});
+  PictureSource files;
+  files.image = (folder / "in" / "a_%04d.png").string();
+  files.mask = folder / "in" / "mask.png";
+  files.gain = 1.25;
+  files.response = Response::gamma(2.2);
+  PictureSource film;
+  film.video = folder / "b.mp4";
+  film.videoStart = 4;
+  film.saturation = 0.9;
+  film.response = *Response::table({0, 0.2, 1});
+  capture.cameras = {{"a", camera, files}, {"b", camera, film}};
+  const auto file = folder / "refined.json";
+  ASSERT_TRUE(writeCapture(file, capture));
+  const auto read = openCalibration(file, {});
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->remarks.size(), 1U);  // the convention of pixel centres, and no unknown keys
+  EXPECT_EQ(read->white, 2);
+  EXPECT_EQ(read->noiseSigma, capture.noiseSigma);
+  EXPECT_EQ(read->emptyFrames, capture.emptyFrames);
+  EXPECT_EQ(read->volume.resolution, capture.volume.resolution);
+  EXPECT_EQ(read->volume.bounds.max, capture.volume.bounds.max);
+  ASSERT_EQ(read->cameras.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const CaptureCamera &was = capture.cameras[i], &is = read->cameras[i];
+    EXPECT_EQ(is.name, was.name);
+    EXPECT_TRUE(is.camera.intrinsics().isApprox(k, 1e-12));
+    EXPECT_TRUE(is.camera.eye().isApprox(was.camera.eye(), 1e-12));
+    EXPECT_TRUE(is.camera.rotation().isApprox(was.camera.rotation(), 1e-12));
+    EXPECT_EQ(is.camera.distortion(), was.camera.distortion());
+    EXPECT_EQ(is.pictures.response, was.pictures.response);
+    EXPECT_EQ(is.pictures.gain, was.pictures.gain);
+    EXPECT_EQ(is.pictures.saturation, was.pictures.saturation);
+    EXPECT_EQ(is.pictures.videoStart, was.pictures.videoStart);
+  }
+  EXPECT_EQ(std::filesystem::weakly_canonical(read->cameras[0].pictures.image),
+            std::filesystem::weakly_canonical(files.image));
+  EXPECT_EQ(std::filesystem::weakly_canonical(read->cameras[0].pictures.mask),
+            std::filesystem::weakly_canonical(files.mask));
+}
+
+TEST(WriteCapture, RefusesOrthographicCameras) {
+  const testing::TempFolder folder;
+  Capture capture;
+  capture.cameras = {{"flat", Camera::orthographic({}, 2, 8, 8), {}}};
+  const auto status = writeCapture(folder / "c.json", capture);
+  ASSERT_FALSE(status);
+  EXPECT_NE(status.error().message.find("flat"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace volute

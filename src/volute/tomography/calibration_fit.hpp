@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "volute/base/progress.hpp"
+#include "volute/base/result.hpp"
+#include "volute/tomography/camera_correction.hpp"
+#include "volute/tomography/view.hpp"
+
+namespace volute {
+
+/// The calibration that goes best with the pictures.
+struct CalibrationFit {
+  std::vector<CameraCorrection> corrections;  ///< one a view
+  std::vector<CameraCorrection> uncertain;    ///< one a view: standard deviations, the common part
+                                              ///< left out
+  std::vector<Camera> cameras;                ///< as corrected
+  std::vector<double> before;  ///< for each view, relative L2 of the projected volume as given
+  std::vector<double> after;   ///< and as corrected
+};
+
+/// Refines poses, focal lengths, principal points and gains together with the volume: Gauss-Newton
+/// steps of both, by conjugate gradients on the linearised problem (variable projection), coarse to
+/// fine, with Tukey's weights of pixels, and corrections held by what is plausible. What is common
+/// to all cameras stays as it is.
+/// @param frames  the same cameras at one to three times; pinholes.
+/// Errors: kInvalidArgument, kNotFound for frames without light, kCancelled.
+[[nodiscard]] Result<CalibrationFit> refineCalibration(
+    std::span<const std::vector<TomographyView>> frames, const VolumeGeometry& geometry,
+    Progress& progress);
+
+}  // namespace volute

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/calibration_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <random>
+
+#include "volute/tomography/reduced_view.hpp"
+#include "volute/tomography/sight_slopes.hpp"
+#include "volute/tomography/testing.hpp"
+
+namespace volute {
+namespace {
+
+/// Corrections of a standard deviation of `share` of what is plausible.
+std::vector<CameraCorrection> someCorrections(const TestScene& scene, double share) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::vector<CameraCorrection> all;
+  for (const TomographyView& view : scene.views) {
+    CameraCorrection one = plausibleCorrection(view.camera, scene.geometry.bounds.centre());
+    for (int p = 0; p < CameraCorrection::kCount; ++p) one.values[p] *= share * normal(random);
+    all.push_back(one);
+  }
+  return all;
+}
+
+/// Pixels between where cameras see points of the volume, the root mean square over all.
+double pixelsOff(std::span<const Camera> a, std::span<const Camera> b, const Box3& bounds) {
+  double squares = 0;
+  int count = 0;
+  for (std::size_t v = 0; v < a.size(); ++v) {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 side(corner & 1 ? 0.2 : -0.2, corner & 2 ? 0.2 : -0.2, corner & 4 ? 0.2 : -0.2);
+      const Vec3 point = bounds.centre() + side.cwiseProduct(bounds.size());
+      squares += (*a[v].project(point) - *b[v].project(point)).squaredNorm();
+      ++count;
+    }
+  }
+  return std::sqrt(squares / count);
+}
+
+std::vector<Camera> camerasOf(const std::vector<TomographyView>& views) {
+  std::vector<Camera> cameras;
+  for (const TomographyView& view : views) cameras.push_back(view.camera);
+  return cameras;
+}
+
+TEST(SlopedField, SlopesAreDifferences) {
+  const TestScene scene(1);
+  std::vector<float> grey;
+  for (std::size_t i = 0; i < scene.geometry.voxels(); ++i) grey.push_back(scene.truth[3 * i]);
+  const SlopedField field(scene.geometry, grey);
+  const Segment ray = scene.views[0].camera.ray(25, 20);
+  const SightSlope slope = field.along(ray);
+  EXPECT_GT(slope.integral, 0.1);
+  constexpr double kStep = 1e-3;
+  for (int a = 0; a < 3; ++a) {
+    Segment low = ray, high = ray;
+    low.origin[a] -= kStep;
+    high.origin[a] += kStep;
+    const double moved = (field.along(high).integral - field.along(low).integral) / (2 * kStep);
+    EXPECT_NEAR(slope.alongOrigin[a], moved, 0.05 * slope.alongOrigin.norm() + 0.01);
+    low = high = ray;
+    low.direction[a] -= kStep;
+    high.direction[a] += kStep;
+    const double turned = (field.along(high).integral - field.along(low).integral) / (2 * kStep);
+    // Changes along the ray change its parametrisation, too.
+    if (std::abs(ray.direction[a]) < 0.3) {
+      EXPECT_NEAR(slope.alongDirection[a], turned, 0.05 * slope.alongDirection.norm() + 0.05);
+    }
+  }
+}
+
+TEST(ReducedView, IsTheMeanOfWhatCounts) {
+  TestScene scene(1);
+  TomographyView& view = scene.views[0];
+  view.weight.assign(view.radiance.pixels.size() / 3, 1);
+  view.weight[0] = 0;
+  view.radiance.pixels[0] = std::numeric_limits<float>::quiet_NaN();
+  const TomographyView half = reducedView(view, 2);
+  EXPECT_EQ(half.camera.width(), 24);
+  EXPECT_EQ(half.camera.height(), 22);
+  const float mean = (view.radiance.at(20, 20) + view.radiance.at(21, 20) +
+                      view.radiance.at(20, 21) + view.radiance.at(21, 21)) /
+                     4;
+  EXPECT_FLOAT_EQ(half.radiance.at(10, 10), mean);
+  EXPECT_TRUE(std::isfinite(half.radiance.at(0, 0)));
+  EXPECT_FLOAT_EQ(half.weight[0], 0.75F);
+  const Vec3 point(0.3, -0.2, 0.1);
+  EXPECT_TRUE(half.camera.project(point)->isApprox(0.5 * *view.camera.project(point), 1e-9));
+}
+
+TEST(CameraCorrection, KeepInPlaceUndoesWhatIsCommon) {
+  const TestScene scene(5);
+  const auto given = camerasOf(scene.views);
+  const Vec3 centre = scene.geometry.bounds.centre();
+  // The whole world turned, moved and scaled, and all gains alike.
+  std::vector<CameraCorrection> common;
+  for (const Camera& camera : given) {
+    CameraCorrection one;
+    const Vec3 turn(0.004, -0.003, 0.006), from = camera.eye() - centre;
+    one.values.segment<3>(CameraCorrection::kTurn) = turn;
+    one.values.segment<3>(CameraCorrection::kShift) =
+        Vec3(0.02, 0.01, -0.03) + turn.cross(from) + 0.01 * from;
+    one.values[CameraCorrection::kGain] = 0.1;
+    common.push_back(one);
+  }
+  const auto placed = keepInPlace(given, scene.geometry.bounds, common);
+  ASSERT_TRUE(placed);
+  EXPECT_LT(pixelsOff(*placed, given, scene.geometry.bounds), 0.01);
+  EXPECT_NEAR(common[0].gain(), 1, 1e-9);
+}
+
+TEST(CameraCorrection, OneWrongCameraDoesNotPullTheOthers) {
+  const TestScene scene(6);
+  const auto given = camerasOf(scene.views);
+  std::vector<CameraCorrection> corrections(given.size());
+  corrections[2].values.segment<3>(CameraCorrection::kTurn) = Vec3(0, 0, 0.01);
+  corrections[2].values[CameraCorrection::kGain] = 0.3;
+  const auto placed = keepInPlace(given, scene.geometry.bounds, corrections);
+  ASSERT_TRUE(placed);
+  std::vector<Camera> others = *placed, asGiven = given;
+  others.erase(others.begin() + 2);
+  asGiven.erase(asGiven.begin() + 2);
+  EXPECT_LT(pixelsOff(others, asGiven, scene.geometry.bounds), 0.02);
+  EXPECT_NEAR(corrections[0].gain(), 1, 1e-9);
+  EXPECT_NEAR(corrections[2].gain(), std::exp(0.3), 1e-9);
+}
+
+TEST(CalibrationFit, FindsWhatWasChanged) {
+  TestScene scene(8);
+  const auto truth = camerasOf(scene.views);
+  const auto wrong = someCorrections(scene, 1);
+  std::vector<double> gains;
+  for (std::size_t v = 0; v < scene.views.size(); ++v) {
+    scene.views[v].camera = *corrected(truth[v], wrong[v]);
+    for (float& value : scene.views[v].radiance.pixels)
+      value *= static_cast<float>(wrong[v].gain());
+  }
+  Progress progress;
+  const std::vector<std::vector<TomographyView>> frames{scene.views};
+  const auto fit = refineCalibration(frames, scene.geometry, progress);
+  ASSERT_TRUE(fit) << fit.error().message;
+  double before = 0, after = 0;
+  for (std::size_t v = 0; v < truth.size(); ++v) {
+    before += fit->before[v];
+    after += fit->after[v];
+  }
+  EXPECT_LT(after, 0.4 * before);
+  for (std::size_t v = 0; v < truth.size(); ++v)
+    EXPECT_NEAR(fit->corrections[v].gain() * wrong[v].gain() /
+                    (fit->corrections[0].gain() * wrong[0].gain()),
+                1, 0.03);
+}
+
+TEST(CalibrationFit, LeavesWhatIsRight) {
+  const TestScene scene(8);
+  Progress progress;
+  const std::vector<std::vector<TomographyView>> frames{scene.views};
+  const auto fit = refineCalibration(frames, scene.geometry, progress);
+  ASSERT_TRUE(fit) << fit.error().message;
+  EXPECT_LT(pixelsOff(fit->cameras, camerasOf(scene.views), scene.geometry.bounds), 0.2);
+  for (const CameraCorrection& one : fit->corrections) EXPECT_NEAR(one.gain(), 1, 0.02);
+}
+
+TEST(CalibrationFit, RefusesOrthographicCameras) {
+  TestScene scene(4);
+  scene.views[1].camera = Camera::orthographic({Vec3(0, -5, 0), Vec3::Zero()}, 2.5, 48, 44);
+  Progress progress;
+  const std::vector<std::vector<TomographyView>> frames{scene.views};
+  const auto fit = refineCalibration(frames, scene.geometry, progress);
+  ASSERT_FALSE(fit);
+  EXPECT_NE(fit.error().message.find("c1"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace volute

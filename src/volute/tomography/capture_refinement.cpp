@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/capture_refinement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <numeric>
+
+#include "volute/report/json.hpp"
+#include "volute/tomography/frame_views.hpp"
+
+namespace volute {
+namespace {
+
+constexpr std::size_t kFewestViews = 4;
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+/// One frame as it is; of more, one early, one in the middle and one late.
+std::vector<int> framesToLookAt(const std::vector<int>& frames) {
+  const std::size_t n = frames.size();
+  if (n <= 3)
+    return frames;
+  return {frames[n / 3], frames[n * 3 / 5], frames[n * 5 / 6]};
+}
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) /
+         static_cast<double>(std::max<std::size_t>(1, values.size()));
+}
+
+bool shinesEverywhere(const std::vector<TomographyView>& views) {
+  return std::ranges::all_of(views, [](const TomographyView& view) {
+    return std::ranges::any_of(view.radiance.pixels, [](float value) { return value > 0; });
+  });
+}
+
+double medianOf(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+/// Root mean square over points of the volume [pixels].
+double pixelsMoved(const Camera& from, const Camera& to, const Box3& bounds) {
+  double squares = 0;
+  int seen = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 side(corner & 1 ? 0.25 : -0.25, corner & 2 ? 0.25 : -0.25,
+                    corner & 4 ? 0.25 : -0.25);
+    const Vec3 point = bounds.centre() + side.cwiseProduct(bounds.size());
+    const auto before = from.project(point), after = to.project(point);
+    if (!before || !after)
+      continue;
+    squares += (*after - *before).squaredNorm();
+    ++seen;
+  }
+  return std::sqrt(squares / std::max(1, seen));
+}
+
+/// Corrections that are worth it: what was left becomes clearly less. Voxels that are too coarse,
+/// and noise, leave as much after as before; pictures of another camera or time leave much after.
+bool pays(const CaptureRefinement& refinement) {
+  constexpr double kWorthALook = 0.02, kBetter = 0.8, kMuchBetter = 0.65, kGood = 0.15;
+  const double left = refinement.after / std::max(refinement.before, 1e-12);
+  return refinement.before > kWorthALook &&
+         (left < kMuchBetter || (left < kBetter && refinement.after < kGood));
+}
+
+}  // namespace
+
+Result<CaptureRefinement> refineCapture(const Capture& capture,
+                                        const std::vector<std::string>& heldOut, Refine refine,
+                                        std::uint64_t maxMemory, Progress& progress) {
+  CaptureRefinement result;
+  result.capture = capture;
+  if (refine == Refine::kNever)
+    return result;
+  const auto leave = [&](std::string_view why) {
+    if (refine == Refine::kAlways)
+      progress.remark(fmt::format("calibration not refined: {}", why));
+    return result;
+  };
+  const bool flat = std::ranges::any_of(
+      capture.cameras, [](const CaptureCamera& known) { return known.camera.isOrthographic(); });
+  if (flat)
+    return leave("orthographic cameras are taken as they are");
+  VOLUTE_ASSIGN(auto reader, ViewReader::open(capture, heldOut, maxMemory, progress));
+  std::vector<std::vector<TomographyView>> frames;
+  std::vector<int> numbers;
+  progress.report("refining the calibration", 0, 0);
+  for (const int number : framesToLookAt(capture.frames)) {
+    auto read = reader.read(number);
+    // A frame that cannot be read is told when its turn comes.
+    if (!read)
+      continue;
+    const auto fitted = read->fitted();
+    std::vector<TomographyView> views(fitted.begin(), fitted.end());
+    if (!shinesEverywhere(views))
+      continue;
+    frames.push_back(std::move(views));
+    numbers.push_back(number);
+  }
+  if (frames.empty())
+    return leave("no frame that was looked at shows light in all cameras");
+  if (frames[0].size() < kFewestViews)
+    return leave(fmt::format("{} cameras do not determine it; at least {} do", frames[0].size(),
+                             kFewestViews));
+  auto fit =
+      refineCalibration(frames, {capture.volume.bounds, capture.volume.resolution}, progress);
+  if (!fit) {
+    if (fit.error().code == ErrorCode::kCancelled)
+      return tl::unexpected<Error>(fit.error());
+    return leave(fit.error().message);
+  }
+  result.fit = std::move(*fit);
+  result.frames = numbers;
+  for (const TomographyView& view : frames[0]) result.names.push_back(view.name);
+  result.before = mean(result.fit.before);
+  result.after = mean(result.fit.after);
+  result.used = refine == Refine::kAlways || pays(result);
+  if (!result.used)
+    return result;
+  for (std::size_t v = 0; v < result.names.size(); ++v) {
+    CaptureCamera& camera = result.capture.cameras[*findCamera(capture, result.names[v])];
+    result.moved.push_back(
+        pixelsMoved(camera.camera, result.fit.cameras[v], capture.volume.bounds));
+    camera.camera = result.fit.cameras[v];
+    camera.pictures.gain *= result.fit.corrections[v].gain();
+  }
+  return result;
+}
+
+std::vector<std::string> describeCorrections(const CaptureRefinement& refinement) {
+  std::vector<std::string> texts;
+  for (std::size_t v = 0; v < refinement.names.size(); ++v) {
+    const CameraCorrection& one = refinement.fit.corrections[v];
+    texts.push_back(fmt::format(
+        "{}: turned {:.2f} degrees, moved {:.1f} mm, focal length {:+.1f} %, principal point "
+        "({:+.1f}, {:+.1f}) pixels, gain {:+.1f} %",
+        refinement.names[v], one.turn().norm() * kDegrees, 1000 * one.shift().norm(),
+        100 * (std::exp(one.values[CameraCorrection::kZoom]) - 1),
+        one.values[CameraCorrection::kPrincipal], one.values[CameraCorrection::kPrincipal + 1],
+        100 * (one.gain() - 1)));
+  }
+  return texts;
+}
+
+std::vector<std::string> outstandingCorrections(const CaptureRefinement& refinement) {
+  constexpr double kTimes = 3, kPixels = 0.4, kGain = 0.05;
+  std::vector<std::string> texts;
+  std::vector<double> gains;
+  for (const CameraCorrection& one : refinement.fit.corrections)
+    gains.push_back(std::abs(one.values[CameraCorrection::kGain]));
+  for (std::size_t v = 0; v < refinement.moved.size(); ++v) {
+    const auto others = [&](std::vector<double> values) {
+      values.erase(values.begin() + static_cast<std::ptrdiff_t>(v));
+      return medianOf(std::move(values));
+    };
+    const double pixels = others(refinement.moved), gain = others(gains);
+    if (refinement.moved[v] > std::max(kPixels, kTimes * pixels)) {
+      texts.push_back(fmt::format(
+          "camera {}: its calibration does not fit the others and was refined: it sees the volume "
+          "{:.1f} pixels from where it was said, the others {:.1f} (median): was it moved, or its "
+          "lens changed?",
+          refinement.names[v], refinement.moved[v], pixels));
+    }
+    if (gains[v] > std::max(kGain, kTimes * gain)) {
+      const double factor = refinement.fit.corrections[v].gain();
+      texts.push_back(fmt::format(
+          "camera {}: {:.0f} % too {}: its radiance times {:.3f} fits the others, and was taken",
+          refinement.names[v], 100 * std::abs(1 / factor - 1), factor < 1 ? "bright" : "dark",
+          factor));
+    }
+  }
+  return texts;
+}
+
+nlohmann::ordered_json refinementJson(const CaptureRefinement& refinement) {
+  if (refinement.frames.empty())
+    return {};
+  auto cameras = nlohmann::ordered_json::array();
+  for (std::size_t v = 0; v < refinement.names.size(); ++v) {
+    const auto& one = refinement.fit.corrections[v].values;
+    const auto& off = refinement.fit.uncertain[v].values;
+    cameras.push_back(
+        {{"name", refinement.names[v]},
+         {"pixels_moved", refinement.used ? jsonNumber(refinement.moved[v]) : Json()},
+         {"residual_before", jsonNumber(refinement.fit.before[v])},
+         {"residual_after", jsonNumber(refinement.fit.after[v])},
+         {"turn_degrees", {kDegrees * one[0], kDegrees * one[1], kDegrees * one[2]}},
+         {"turn_uncertain", {kDegrees * off[0], kDegrees * off[1], kDegrees * off[2]}},
+         {"shift", {one[3], one[4], one[5]}},
+         {"shift_uncertain", {off[3], off[4], off[5]}},
+         {"focal_factor", std::exp(one[CameraCorrection::kZoom])},
+         {"focal_uncertain", off[CameraCorrection::kZoom]},
+         {"principal_point", {one[7], one[8]}},
+         {"principal_uncertain", {off[7], off[8]}},
+         {"gain", std::exp(one[CameraCorrection::kGain])},
+         {"gain_uncertain", off[CameraCorrection::kGain]}});
+  }
+  return {{"used", refinement.used},
+          {"frames", refinement.frames},
+          {"residual_before", jsonNumber(refinement.before)},
+          {"residual_after", jsonNumber(refinement.after)},
+          {"cameras", cameras}};
+}
+
+}  // namespace volute

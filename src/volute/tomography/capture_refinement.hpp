@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "volute/capture/capture.hpp"
+#include "volute/tomography/calibration_fit.hpp"
+
+namespace volute {
+
+/// When a calibration is refined with the volume.
+enum class Refine {
+  kAuto,  ///< where the cameras disagree, and agree much better for it
+  kNever,
+  kAlways,
+};
+
+/// A capture's calibration as refined.
+struct CaptureRefinement {
+  bool used = false;               ///< whether `capture` has the corrections
+  Capture capture;                 ///< held-out cameras as they were
+  std::vector<int> frames;         ///< that were looked at
+  std::vector<std::string> names;  ///< of the refined cameras
+  CalibrationFit fit;              ///< one of `names` each
+  double before = 0, after = 0;    ///< relative L2, the mean over the cameras
+  std::vector<double> moved;  ///< for each of `names`, how far what it sees of the volume moved in
+                              ///< its picture, root mean square [pixels]
+};
+
+/// Looks at one to three frames of the capture. Orthographic cameras, fewer than four cameras, and
+/// frames without light are left as they are, with the reason as a remark if `refine` is kAlways.
+[[nodiscard]] Result<CaptureRefinement> refineCapture(const Capture& capture,
+                                                      const std::vector<std::string>& heldOut,
+                                                      Refine refine, std::uint64_t maxMemory,
+                                                      Progress& progress);
+
+/// "cam1: turned 0.12 degrees, moved 6.3 mm, focal length -3.8 %, gain -2.6 %", one a camera.
+std::vector<std::string> describeCorrections(const CaptureRefinement& refinement);
+
+/// A sentence on each camera whose calibration was off by much more than the others'.
+std::vector<std::string> outstandingCorrections(const CaptureRefinement& refinement);
+
+/// For the report; null where nothing was looked at.
+nlohmann::ordered_json refinementJson(const CaptureRefinement& refinement);
+
+}  // namespace volute
