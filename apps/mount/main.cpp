@@ -147,15 +147,20 @@ Status checkFuse() {
 
 Status checkFolder(const std::string& folder) {
   std::error_code error;
-  if (!std::filesystem::is_directory(folder, error)) {
-    // A dead file system is no folder either.
-    if (error.value() == ENOTCONN) {
-      return fail(ErrorCode::kInvalidArgument, "{}: something mounted here has ended; fusermount3 -u {}", folder, folder);
-    }
-    return fail(ErrorCode::kInvalidArgument, "{}: is no folder; expected an empty one", folder);
+  const bool is = std::filesystem::is_directory(folder, error);
+  const bool empty = is && std::filesystem::is_empty(folder, error);
+  if (error.value() == ENOTCONN) {
+    return fail(ErrorCode::kInvalidArgument, "{}: what was mounted here was killed; fusermount3 -u {} lets it go", folder,
+                folder);
   }
-  if (!std::filesystem::is_empty(folder, error) || error)
-    return fail(ErrorCode::kInvalidArgument, "{}: is not empty, and what is in it would be hidden; expected an empty folder", folder);
+  if (!is)
+    return fail(ErrorCode::kInvalidArgument, "{}: is no folder; expected an empty one", folder);
+  if (error)
+    return fail(ErrorCode::kIo, "{}: {}", folder, error.message());
+  if (!empty) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: is not empty, and what is in it would be hidden; expected an empty folder", folder);
+  }
   return {};
 }
 

@@ -26,7 +26,8 @@ Command mountCommand() {
           "within --max-memory. How large a file is nobody knows before it was made: 'ls -l' makes "
           "them all, 'ls' none.\n\n"
           "It runs until Ctrl-C, or until 'fusermount3 -u FOLDER'. FUSE must be there (the package "
-          "fuse3, and /dev/fuse in containers). What ends unexpectedly unmounts the folder as well.",
+          "fuse3, and /dev/fuse in containers). Where it was killed and the folder is still mounted, "
+          "'fusermount3 -u FOLDER' lets it go.",
       .positionals = {{.name = "FILE", .help = "a .volute file"}, {.name = "FOLDER", .help = "an empty folder"}},
       .run = runMount};
 }
