@@ -51,7 +51,7 @@ class Render(support.TestCase):
     AHEAD = ["--eye", "0.5,-3,0.5", "--target", "0.5,0.5,0.5", "--ortho", "0.5", "--size", "6x6"]
 
     def test_a_block_has_the_radiance_it_must(self):
-        self.works("render", self.block(), "-o", self.path("x.png"), *self.AHEAD, "--exposure", "1")
+        self.works("render", self.block(), "-o", self.path("x.png"), *self.AHEAD, "--exposure", "1", "--measured")
         width, height, rows = read_png(self.path("x.png").read_bytes())
         self.assertEqual((width, height), (6, 6))
         self.assertEqual({value for row in rows for value in row}, {srgb8(0.5)})
@@ -83,7 +83,7 @@ class Render(support.TestCase):
 
     def test_absorption_and_background(self):
         self.works("render", self.block(), "-o", self.path("x.png"), *self.AHEAD, "--exposure", "1", "--emission", "0",
-                   "--extinction", "2", "--background", "1,0.5,0")
+                   "--extinction", "2", "--background", "1,0.5,0", "--measured")
         row = read_png(self.path("x.png").read_bytes())[2][3]
         through = math.exp(-1)
         self.assertEqual(tuple(row[:3]), (srgb8(through), srgb8(0.5 * through), 0))
@@ -153,7 +153,8 @@ class Render(support.TestCase):
             self.assertGreater(self.path(f"x.{extension}").stat().st_size, 100)
 
     def test_statistics(self):
-        self.works("render", self.make_volute(), "-o", self.path("x.png"), "--size", "8x8", "--stats", self.path("s.json"))
+        self.works("render", self.make_volute(), "-o", self.path("x.png"), "--size", "8x8", "--stats", self.path("s.json"),
+                   "--measured")
         stats = json.loads(self.path("s.json").read_text())
         self.assertEqual(stats["rays"], 64)
         for key in ("voxels_visited", "bricks_visited", "peak_memory_bytes", "bytes_read"):

@@ -102,8 +102,11 @@ class TestCase(unittest.TestCase):
         source.unlink()
         return self.path(name)
 
-    def works(self, *arguments, **options):
-        result = volute(*arguments, **options)
+    def works(self, *arguments, measured=None, **options):
+        """Pictures with linear values are measured ones, unless a test says otherwise."""
+        if measured is None:
+            measured = arguments[:1] == ("render",) and any(str(a).endswith(".exr") for a in arguments[2:])
+        result = volute(*arguments, *(["--measured"] if measured else []), **options)
         self.assertEqual(result.code, 0, result.message)
         if arguments and arguments[0] == "render" and str(arguments[1]).endswith(".json"):
             scene = json.loads(pathlib.Path(arguments[1]).read_text())

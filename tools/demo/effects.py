@@ -10,7 +10,8 @@ BUILD_SECONDS = 420  # of processor time, with an empty cache
 # The haze of this error is invisible three stops up; the chapter measures that, and two coarser ones, in every run.
 RMS = "1e-4"
 COARSER = ("3e-4", "3e-3")
-EXPOSURE = 0.8
+EXPOSURE = 2.4  # before the tone curve
+BRIGHT = 6.4  # three stops above what a display shows, without one
 LOOK = "--eye 0,-4.2,1.25 --target 0,0,1 --fov 30 --basis trilinear"
 FIRE, BACK = "effects/fire/fire_%04d.vdb", "effects/back/fire_%04d.vdb"
 SIGMA, PROFILE = 0.05, "exponential:2,9"
@@ -32,7 +33,7 @@ def fire(scale):
     at = f"{look} --time {time:g}"
 
     def picture(volume, out, read, exposure=None):
-        shown = f" --exposure {exposure:g}" if exposure else ""
+        shown = f" --exposure {exposure:g}{' --tone none' if exposure == BRIGHT else ''}" if exposure else " --measured"
         return Step((out,), f"volute render {volume} -o {out} {at}{shown}", reads=(read,))
 
     steps = [
@@ -47,14 +48,14 @@ def fire(scale):
         picture(BACK, "effects/back.exr", "effects/back/"),
         Step(("effects/difference.png",), work=errors.difference, arguments=("effects/original.exr", "effects/back.exr", "effects/difference.png"),
              reads=("effects/original.exr", "effects/back.exr")),
-        picture(FIRE, "effects/bright_original.png", "effects/fire/", 8 * EXPOSURE)]
+        picture(FIRE, "effects/bright_original.png", "effects/fire/", BRIGHT)]
     for rms in COARSER:
         steps.append(Step((volute(rms),), f"volute compress {FIRE} -o {volute(rms)} --rms {rms} --fast", reads=("effects/fire/",)))
     exrs = []
     for rms in (RMS, *COARSER):
         exrs.append(f"effects/fire_{rms}.exr")
-        steps += [picture(volute(rms), bright(rms), volute(rms), 8 * EXPOSURE), picture(volute(rms), exrs[-1], volute(rms))]
-    steps.append(Step(("effects/haze.json",), work=errors.haze, arguments=("effects/original.exr", tuple(exrs), 8 * EXPOSURE, "effects/haze.json"),
+        steps += [picture(volute(rms), bright(rms), volute(rms), BRIGHT), picture(volute(rms), exrs[-1], volute(rms))]
+    steps.append(Step(("effects/haze.json",), work=errors.haze, arguments=("effects/original.exr", tuple(exrs), BRIGHT, "effects/haze.json"),
                       reads=("effects/original.exr", *exrs)))
     return steps
 
@@ -84,7 +85,7 @@ def fire_section(scale):
          Fact(lambda r: percent(r.report("effects/difference.png")["relative_l2"]), "relative L2 error of a picture of what comes back",
               ("effects/difference.png",)),
          Wipe(("effects/original.png", ".vdb"), ("effects/fire.png", ".volute"), "Before and after", disk),
-         Picture("effects/fire.mp4", "The film", f"Emission only, trilinear between voxel centres; perspective 30°, exposure {EXPOSURE}, sRGB",
+         Picture("effects/fire.mp4", "The film", f"Emission only, trilinear between voxel centres; perspective 30°, exposure {EXPOSURE}, filmic tone curve",
                  poster="effects/fire.png"),
          Picture("effects/difference.png", "What differs in a picture of the files given back",
                  lambda r: "Length of the RGB difference in linear light; viridis, violet is 0 and yellow "

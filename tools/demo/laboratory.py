@@ -43,7 +43,7 @@ def steps(voxels, pixels):
 
     def picture(source, read, name, basis):
         return [Step((f"laboratory/{name}.{kind}",), f"volute render {source} -o laboratory/{name}.{kind} {LOOK} --basis {basis}{shown}",
-                     reads=(read,)) for kind, shown in (("png", f" --exposure {EXPOSURE}"), ("exr", ""))]
+                     reads=(read,)) for kind, shown in (("png", f" --exposure {EXPOSURE} --measured"), ("exr", " --measured"))]
 
     return (
         Step((TRUTH,), f"volute synthesize fire -o {TRUTH} --size {voxels} --frames 1 --seed 3"),

@@ -40,7 +40,7 @@ def tree_steps(scale):
             Step((npy(name),), f"volute synthesize {name} -o {npy(name)} --size {voxels} --frames {frames}"),
             Step((crude(name),), f"volute compress {npy(name)} -o {crude(name)} --size {int(CRUDE * raw_bytes(scale))} --fast", reads=(npy(name),)),
             Step((f"papers/{name}_{CRUDE}.png",), f"volute render {crude(name)} -o papers/{name}_{CRUDE}.png --time {frames / 2 / 25:g} --ortho 1 "
-                 f"--eye 0.5,-1.5,0.5 --target 0.5,0.5,0.5 --size 384x384 --extinction {look['extinction']}", reads=(crude(name),))]
+                 f"--eye 0.5,-1.5,0.5 --target 0.5,0.5,0.5 --size 384x384 --measured --extinction {look['extinction']}", reads=(crude(name),))]
     steps.append(Build("volute-paper-figures", 20))
     for name, look in SEQUENCES.items():
         rates = ",".join(map(str, look["rates"]))

@@ -207,6 +207,30 @@ Segment Camera::ray(double px, double py) const {
   return {eye_, (forward_ + offset).normalized(), 0, kInfinity};
 }
 
+Camera Camera::turned(const Vec3& point, const Vec3& axis, double angle) const {
+  const Mat3 turn = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+  Camera other = *this;
+  other.eye_ = point + turn * (eye_ - point);
+  other.right_ = turn * right_, other.down_ = turn * down_, other.forward_ = turn * forward_;
+  return other;
+}
+
+Camera Camera::resized(int width, int height) const {
+  Camera other = *this;
+  const double factor = height / static_cast<double>(height_);
+  other.width_ = width, other.height_ = height;
+  other.pixelSize_ /= factor, other.pixelWidth_ /= factor;
+  other.principal_ = factor * principal_;
+  other.principal_.x() += 0.5 * (width - factor * width_);
+  return other;
+}
+
+Camera Camera::shifted(double x, double y) const {
+  Camera other = *this;
+  other.principal_ -= Vec2(x, y);
+  return other;
+}
+
 std::optional<Vec2> Camera::project(const Vec3& point) const {
   const Vec3 offset = point - eye_;
   const double depth = orthographic_ ? 1 : offset.dot(forward_);

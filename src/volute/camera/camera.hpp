@@ -99,6 +99,18 @@ class Camera {
   /// does not reach.
   Segment ray(double px, double py) const;
 
+  /// The same view, turned about an axis through a point, by the right-hand rule.
+  /// @param axis  of any length > 0
+  /// @param angle  [radians]
+  Camera turned(const Vec3& point, const Vec3& axis, double angle) const;
+
+  /// The same view in another number of pixels; the height decides what is seen.
+  Camera resized(int width, int height) const;
+
+  /// The same view with all image points moved: its ray(px, py) is this one's ray(px + x, py + y)
+  /// [pixels].
+  Camera shifted(double x, double y) const;
+
   /// Where a point of the world appears in the image [pixels], inside its borders or not: the
   /// inverse of ray(). Nothing for points that are not in front of a pinhole, or so far outside
   /// that the lens folds them back.

@@ -85,5 +85,31 @@ TEST(Camera, FramingShowsEveryCornerAndWastesLittle) {
   EXPECT_TRUE(Camera::framing(Box3{}, 4, 4).eye().allFinite());
 }
 
+TEST(Camera, ShiftedSeesTheSameElsewhere) {
+  for (const Camera& camera : {Camera::pinhole({}, 40, 64, 48), Camera::orthographic({}, 2, 64, 48)}) {
+    const Segment there = camera.ray(10.75, 20.2), here = camera.shifted(0.25, -0.3).ray(10.5, 20.5);
+    EXPECT_LT((there.origin - here.origin).norm(), 1e-12);
+    EXPECT_LT((there.direction - here.direction).norm(), 1e-12);
+  }
+}
+
+TEST(Camera, TurnedSeesWhatTurnsWithIt) {
+  const Camera camera = Camera::pinhole({Vec3(1, -3, 1), Vec3(0, 0, 0.5)}, 40, 64, 48);
+  const Vec3 middle(0.1, 0.2, 0.3);
+  const Camera other = camera.turned(middle, 2 * Vec3::UnitZ(), 0.7);
+  const Vec3 seen(0.3, 0.1, 0.4);
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3::UnitZ()).toRotationMatrix();
+  const auto before = camera.project(seen), after = other.project(middle + turn * (seen - middle));
+  ASSERT_TRUE(before && after);
+  EXPECT_LT((*before - *after).norm(), 1e-9);
+}
+
+TEST(Camera, ResizedSeesTheSame) {
+  const Camera camera = Camera::pinhole({Vec3(1, -3, 1), Vec3(0, 0, 0.5)}, 40, 64, 48);
+  const Camera small = camera.resized(32, 24);
+  const Segment there = camera.ray(20, 30), here = small.ray(10, 15);
+  EXPECT_LT((there.direction - here.direction).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace volute

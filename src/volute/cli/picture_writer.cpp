@@ -16,12 +16,12 @@ namespace {
 
 Image developed(Image image, const Development& development) {
   if (!development.colorMap)
-    return exposed(std::move(image), development.exposure);
+    return volute::developed(std::move(image), development.style);
   Image quantity(image.width, image.height, 1);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) quantity.at(x, y) = image.at(x, y);
   }
-  return colorMapped(quantity, *development.colorMap, 0, 1 / development.exposure);
+  return colorMapped(quantity, *development.colorMap, 0, 1 / development.style.exposure);
 }
 
 Image developed(const Image& image, const Development& development, const PictureText& text) {
@@ -30,7 +30,7 @@ Image developed(const Image& image, const Development& development, const Pictur
     return out;
   std::optional<ColorScale> scale = text.scale;
   if (development.colorMap)
-    scale = ColorScale{*development.colorMap, 1 / development.exposure};
+    scale = ColorScale{*development.colorMap, 1 / development.style.exposure};
   drawLegend(out, text.legend, scale);
   return out;
 }
@@ -48,6 +48,12 @@ class StillWriter final : public PictureWriter {
                       text.notes);
   }
 
+  Status writeLayers(int width, int height, const std::vector<ImageChannel>& channels,
+                     int frameNumber, const PictureText& text) override {
+    const auto path = pattern_ ? pattern_->format(frameNumber) : std::filesystem::path(target_);
+    return writeChannels(path, width, height, channels, text.notes);
+  }
+
   Status finish() override { return {}; }
 
  private:
@@ -63,6 +69,10 @@ class FilmPictures final : public PictureWriter {
 
   Status write(const Image& image, int, const PictureText& text) override {
     return film_->addFrame(developed(image, development_, text));
+  }
+
+  Status writeLayers(int, int, const std::vector<ImageChannel>&, int, const PictureText&) override {
+    return fail(ErrorCode::kUnsupported, "a film has no layers");
   }
 
   Status finish() override { return film_->finish(); }

@@ -11,14 +11,15 @@
 #include "volute/cli/legend.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/image.hpp"
+#include "volute/image/picture_style.hpp"
 #include "volute/io/image_file.hpp"
 
 namespace volute::cli {
 
 /// How linear pictures become visible ones (.png, films); .exr files keep the linear values.
 struct Development {
-  double exposure = 1;               ///< a factor
-  std::optional<ColorMap> colorMap;  ///< of the first channel, from 0 to 1 after the exposure
+  PictureStyle style;
+  std::optional<ColorMap> colorMap{};  ///< of the first channel, from 0 to 1 after the exposure
 };
 
 /// What a picture says about itself.
@@ -35,6 +36,10 @@ class PictureWriter {
   virtual ~PictureWriter() = default;
   [[nodiscard]] virtual Status write(const Image& image, int frameNumber,
                                      const PictureText& text = {}) = 0;
+  /// Several layers of one picture, into a .exr.
+  [[nodiscard]] virtual Status writeLayers(int width, int height,
+                                           const std::vector<ImageChannel>& channels,
+                                           int frameNumber, const PictureText& text) = 0;
   /// After the last picture.
   [[nodiscard]] virtual Status finish() = 0;
 };

@@ -4,6 +4,7 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -27,6 +28,10 @@ std::uint64_t peakMemoryBytes() {
   return 1024 * static_cast<std::uint64_t>(usage.ru_maxrss);
 }
 
+bool measuresLight(const Scene& scene) {
+  return !scene.isFile() && scene.media().front()->info().measured;
+}
+
 Status cpuMayDraw(const char* what) {
   const char* cpu = std::getenv("VOLUTE_CPU_RENDERER");
   if (!cpu || std::string_view(cpu) != "off")
@@ -35,22 +40,40 @@ Status cpuMayDraw(const char* what) {
               what);
 }
 
-Result<Image> RenderJob::pictureOf(const Snapshot& snapshot, Progress& progress,
-                                   PictureCounts& counts) {
+Camera RenderJob::cameraAt(const Moment& moment) const {
+  Camera now = camera;
+  if (way && !way->keys.empty()) {
+    CameraDescription there = *way;
+    there.view = way->viewAt(moment.time);
+    now = makeCamera(there, {camera.width(), camera.height()});
+  }
+  if (orbit == 0)
+    return now;
+  const Vec3 up = way ? way->view.up : Vec3(Vec3::UnitZ());
+  return now.turned(orbitCentre, up, moment.turn * orbit);
+}
+
+Result<Image> RenderJob::pictureOf(const Snapshot& snapshot, const Camera& camera,
+                                   Progress& progress, PictureCounts& counts) {
   if (contour) {
     VOLUTE_TRY(cpuMayDraw("a slice or an isosurface"));
     return lookAtContour(camera, snapshot.media, *contour);
   }
   if (renderer->name() != "gl")
     VOLUTE_TRY(cpuMayDraw("this picture"));
-  auto image = renderer->render(snapshot, camera, options, progress, &counts);
+  const auto draw = [&] {
+    return samples > 1 && options.aov == Aov::kNone
+               ? renderer->renderSmooth(snapshot, camera, options, samples, style, progress, &counts)
+               : renderer->render(snapshot, camera, options, progress, &counts);
+  };
+  auto image = draw();
   if (image || !mayFallBack || renderer->name() != "gl" ||
       image.error().code == ErrorCode::kCancelled)
     return image;
   progress.remark(fmt::format("the CPU draws, since OpenGL does not: {}", image.error().message));
   renderer = std::make_unique<CpuRenderer>();
   VOLUTE_TRY(cpuMayDraw("this picture"));
-  return renderer->render(snapshot, camera, options, progress, &counts);
+  return draw();
 }
 
 Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
@@ -63,7 +86,7 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
   PictureCounts counts;
   Result<Image> image = [&] {
     const Stopwatch watch(totals.render);
-    return pictureOf(*snapshot, progress, counts);
+    return pictureOf(*snapshot, cameraAt(moment), progress, counts);
   }();
   VOLUTE_TRY(image);
   PictureCounts& sum = totals.counts;
@@ -76,6 +99,43 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
   for (const auto& medium : snapshot->media) addCounts(totals.media, medium->counts());
   ++totals.pictures;
   return image;
+}
+
+Result<std::vector<ImageChannel>> RenderJob::layersAt(const Moment& moment, Progress& progress) {
+  const RenderOptions before = options;
+  const auto has = [&](std::string_view name) { return std::ranges::find(layers, name) != layers.end(); };
+  std::vector<ImageChannel> channels;
+  const auto drawn = [&](Aov aov) {
+    options.aov = aov;
+    options.within = scene.bounds();
+    auto image = picture(moment, progress);
+    options = before;
+    return image;
+  };
+  if (has("beauty")) {
+    VOLUTE_ASSIGN(const auto image, drawn(Aov::kNone));
+    for (std::size_t c = 0; c < 3; ++c) {
+      ImageChannel& channel = channels.emplace_back(ImageChannel{std::string(1, "RGB"[c]), {}});
+      for (std::size_t i = c; i < image.pixels.size(); i += 3)
+        channel.values.push_back(image.pixels[i]);
+    }
+  }
+  if (has("alpha")) {
+    VOLUTE_ASSIGN(auto image, drawn(Aov::kAlpha));
+    channels.push_back({"A", std::move(image.pixels)});
+  }
+  if (has("z")) {
+    VOLUTE_ASSIGN(auto image, drawn(Aov::kDistance));
+    channels.push_back({"Z", std::move(image.pixels)});
+  }
+  for (const auto& [name, aov] : {std::pair("transmittance", Aov::kTransmittance),
+                                  std::pair("optical-depth", Aov::kOpticalDepth)}) {
+    if (!has(name))
+      continue;
+    VOLUTE_ASSIGN(auto image, drawn(aov));
+    channels.push_back({std::string(name) + ".Y", std::move(image.pixels)});
+  }
+  return channels;
 }
 
 OrderedJson RenderJob::stats() const {

@@ -43,7 +43,19 @@ struct RenderJob {
   std::optional<Contour> contour{};     ///< drawn instead of the media
   bool tree = false;                    ///< InstantRequest::tree
   bool legend = false;                  ///< drawn into visible pictures
+  bool measured = true;                 ///< light as it is
+  int samples = 1;                      ///< rays in a pixel where there are edges
+  PictureStyle style{};                 ///< by which edges are found
+  std::optional<CameraDescription> way{};  ///< of a camera that moves
+  double orbit = 0;                     ///< [radians], over all moments
+  Vec3 orbitCentre = Vec3::Zero();
+  std::vector<std::string> layers{};  ///< of --aov, where a .exr takes several; else empty
   RenderTotals totals{};
+
+  /// All `layers` of a moment, by the names of their channels: R, G, B, A, Z, transmittance.Y,
+  /// optical-depth.Y.
+  [[nodiscard]] Result<std::vector<ImageChannel>> layersAt(const Moment& moment,
+                                                           Progress& progress);
 
   /// The linear picture of a moment.
   [[nodiscard]] Result<Image> picture(const Moment& moment, Progress& progress);
@@ -55,9 +67,13 @@ struct RenderJob {
   nlohmann::ordered_json stats() const;
 
  private:
-  [[nodiscard]] Result<Image> pictureOf(const Snapshot& snapshot, Progress& progress,
-                                        PictureCounts& counts);
+  Camera cameraAt(const Moment& moment) const;
+  [[nodiscard]] Result<Image> pictureOf(const Snapshot& snapshot, const Camera& camera,
+                                        Progress& progress, PictureCounts& counts);
 };
+
+/// Whether a picture shows shares of white light: 1 is white.
+bool measuresLight(const Scene& scene);
 
 /// kUnsupported where VOLUTE_CPU_RENDERER=off forbids the CPU to draw: tests set it to see that all
 /// was drawn by OpenGL.

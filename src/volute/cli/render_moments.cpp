@@ -98,6 +98,14 @@ int numberAt(const MediumInfo& medium, double time) {
   return medium.interpolates ? 0 : medium.numbers[static_cast<std::size_t>(before)];
 }
 
+/// 25 a second, from 0 s.
+std::vector<Moment> momentsUntil(double last) {
+  std::vector<Moment> moments;
+  const int count = static_cast<int>(std::min(std::floor(std::max(last, 0.0) * kUsualRate), 1e6)) + 1;
+  for (int n = 0; n < count; ++n) moments.push_back({n, n / kUsualRate});
+  return moments;
+}
+
 }  // namespace
 
 const SceneMedium* leaderOf(const Scene& scene) {
@@ -114,8 +122,10 @@ const SceneMedium* leaderOf(const Scene& scene) {
   return leader;
 }
 
-Result<std::vector<Moment>> momentsOf(const Arguments& arguments, Scene& scene,
-                                      const std::string& target, Progress& progress) {
+namespace {
+
+Result<std::vector<Moment>> momentsInTime(const Arguments& arguments, Scene& scene,
+                                          const std::string& target, Progress& progress) {
   const SceneMedium* leader = leaderOf(scene);
   if (const auto time = arguments.find<double>("time")) {
     VOLUTE_TRY(checkTime(scene, *time));
@@ -123,6 +133,11 @@ Result<std::vector<Moment>> momentsOf(const Arguments& arguments, Scene& scene,
   }
   if (!leader)
     return steadyMoments(arguments, scene, target);
+  // What has one frame is shown as long as the camera moves.
+  const auto camera = scene.camera();
+  if (leader->info().times.size() < 2 && camera && !camera->keys.empty() &&
+      !arguments.given("frames") && (isFilmPath(target) || FramePattern::isPattern(target)))
+    return fitting(momentsUntil(camera->keys.back().time), target);
   const MediumInfo& info = leader->info();
   const bool film = isFilmPath(target), several = film || FramePattern::isPattern(target);
   if (!arguments.given("frames") && !several) {
@@ -159,9 +174,34 @@ Result<std::vector<Moment>> momentsOf(const Arguments& arguments, Scene& scene,
   return fitting(std::move(moments), target);
 }
 
+}  // namespace
+
+Result<std::vector<Moment>> momentsOf(const Arguments& arguments, Scene& scene,
+                                      const std::string& target, Progress& progress) {
+  VOLUTE_ASSIGN(auto moments, momentsInTime(arguments, scene, target, progress));
+  const auto orbit = arguments.find<double>("orbit");
+  if (!orbit)
+    return moments;
+  if (!isFilmPath(target) && !FramePattern::isPattern(target)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--orbit: a single picture shows no turn; write a film, or put %04d into the name");
+  }
+  if (moments.size() == 1) {
+    constexpr double kSecondsOfATurn = 10;
+    const double count = std::round(std::abs(*orbit) / 360 * kSecondsOfATurn * kUsualRate);
+    moments.assign(static_cast<std::size_t>(std::clamp(count, 2.0, 1e6)), moments.front());
+    for (std::size_t i = 0; i < moments.size(); ++i) moments[i].number = static_cast<int>(i);
+  }
+  // The last picture is a step before the first one again.
+  for (std::size_t i = 0; i < moments.size(); ++i)
+    moments[i].turn = static_cast<double>(i) / static_cast<double>(moments.size());
+  return moments;
+}
+
 double framesPerSecond(const Scene& scene, const std::vector<Moment>& moments) {
   const SceneMedium* leader = leaderOf(scene);
-  if (moments.size() < 2 || (leader && leader->info().interpolates))
+  if (moments.size() < 2 || (leader && leader->info().interpolates) ||
+      !(moments.back().time > moments.front().time))
     return kUsualRate;
   return static_cast<double>(moments.size() - 1) / (moments.back().time - moments.front().time);
 }

@@ -17,6 +17,7 @@ inline constexpr double kUsualRate = 25;
 struct Moment {
   int number = 0;   ///< of the frame, for names
   double time = 0;  ///< [s], of the scene
+  double turn = 0;  ///< of the camera's orbit, 0..1
 };
 
 /// The medium whose frames are counted: the first whose frames are shown as they are, else the

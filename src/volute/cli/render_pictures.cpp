@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstring>
-#include <optional>
 #include <utility>
 
 #include "volute/base/ordered_delivery.hpp"
-#include "volute/image/srgb.hpp"
+#include "volute/image/picture_style.hpp"
 #include "volute/media/volume/volume_input.hpp"
 
 namespace volute::cli {
@@ -65,9 +65,40 @@ void remarkOnDuration(double seconds, std::int64_t count, std::int64_t ranks, Pr
                                            : fmt::format("{:.1f} h", all / 3600)));
 }
 
-/// Shares of white light: 1 is white.
-bool measuresLight(const Scene& scene) {
-  return !scene.isFile() && scene.media().front()->info().measured;
+/// One exposure for all pictures: from some of them, small ones, or, where they are measured, from
+/// the middle one.
+Result<double> exposureFor(RenderJob& job, ToneCurve tone, Progress& progress) {
+  constexpr std::size_t kTried = 7;
+  constexpr int kPixels = 240;  // of the longer side
+  const Camera whole = job.camera;
+  const int longest = std::max(whole.width(), whole.height());
+  const double factor = std::min(1.0, kPixels / static_cast<double>(longest));
+  const auto size = [&](int pixels) {
+    return std::max(1, static_cast<int>(std::lround(factor * pixels)));
+  };
+  const std::size_t count = job.moments.size();
+  const std::size_t tried = job.measured ? 1 : std::min(count, kTried);
+  const RenderTotals totals = job.totals;
+  const int samples = std::exchange(job.samples, 1);
+  if (!job.measured)
+    job.camera = whole.resized(size(whole.width()), size(whole.height()));
+  std::vector<Image> pictures;
+  Status status;
+  for (std::size_t i = 0; i < tried && status; ++i) {
+    const std::size_t at = tried == 1 ? count / 2 : i * (count - 1) / (tried - 1);
+    auto one = job.picture(job.moments[at], progress);
+    if (one)
+      pictures.push_back(std::move(*one));
+    else
+      status = tl::unexpected<Error>(std::move(one.error()));
+  }
+  job.camera = whole, job.samples = samples, job.totals = totals;
+  VOLUTE_TRY(status);
+  const double exposure = suggestExposure(pictures, tone);
+  progress.remark(count == 1 ? fmt::format("exposure {:.4g}", exposure)
+                             : fmt::format("exposure {:.4g} for all, from {} of {} pictures",
+                                           exposure, tried, count));
+  return exposure;
 }
 
 std::vector<std::byte> bytesOf(const Image& image) {
@@ -116,8 +147,6 @@ class Pictures {
       VOLUTE_ASSIGN(writer_, writerFor(target_, job_, development_));
     }
     begun_ = Clock::now();
-    if (tried_)
-      VOLUTE_TRY(give(middle_, *std::exchange(tried_, std::nullopt)));
     VOLUTE_TRY(team_.forUnits(
         "rendering", count_, count_ > 1 ? progress_ : steps_,
         [&](std::int64_t i) { return take(i); },
@@ -136,28 +165,21 @@ class Pictures {
   /// Of several pictures each is one step, with its remarks.
   Progress& each() { return count_ > 1 ? static_cast<Progress&>(steps_) : progress_; }
 
-  /// Rank 0 finds it from the middle picture, which it keeps.
+  /// Rank 0 finds it.
   Status settleExposure() {
+    double& exposure = development_.style.exposure;
     const bool fixed = job_.contour || job_.options.aov == Aov::kTransmittance ||
                        extensionOf(target_) == ".exr" ||
                        (measuresLight(job_.scene) && job_.options.aov == Aov::kNone);
-    if (development_.exposure != 0)
-      return {};
-    if (fixed) {
-      development_.exposure = 1;
-      return {};
+    if (exposure == 0 && fixed) {
+      exposure = 1;
+    } else if (exposure == 0) {
+      if (team_.leads()) {
+        VOLUTE_ASSIGN(exposure, exposureFor(job_, development_.style.tone, each()));
+      }
+      VOLUTE_ASSIGN(exposure, team_.broadcast(exposure));
     }
-    middle_ = count_ / 2;
-    if (team_.leads()) {
-      begun_ = Clock::now();
-      VOLUTE_ASSIGN(Image image, job_.picture(moment(middle_), each()));
-      sayDuration();
-      development_.exposure = suggestExposure(image);
-      progress_.remark(fmt::format("exposure {:.4g}, from frame {}", development_.exposure,
-                                   moment(middle_).number));
-      tried_ = std::move(image);
-    }
-    VOLUTE_ASSIGN(development_.exposure, team_.broadcast(development_.exposure));
+    job_.style = development_.style;
     return {};
   }
 
@@ -172,11 +194,18 @@ class Pictures {
   Status take(std::int64_t i) {
     if (progress_.cancelled())
       return fail(ErrorCode::kCancelled, "stopped before frame {}", moment(i).number);
-    if (i == middle_)
-      return {};
+    if (!job_.layers.empty())
+      return writeLayers(i);
     VOLUTE_ASSIGN(const Image image, job_.picture(moment(i), each()));
     sayDuration();
     return give(i, image);
+  }
+
+  Status writeLayers(std::int64_t i) {
+    VOLUTE_ASSIGN(const auto channels, job_.layersAt(moment(i), each()));
+    const Stopwatch watch(job_.totals.write);
+    return writer_->writeLayers(job_.camera.width(), job_.camera.height(), channels,
+                                moment(i).number, job_.textOf(moment(i)));
   }
 
   Status give(std::int64_t i, const Image& image) {
@@ -197,8 +226,6 @@ class Pictures {
   std::int64_t count_;
   OrderedDelivery film_;
   std::unique_ptr<PictureWriter> writer_;
-  std::optional<Image> tried_;  // of rank 0
-  std::int64_t middle_ = -1;    // drawn already, by rank 0
   Clock::time_point begun_ = Clock::now();
   bool said_ = false;
 };

@@ -58,10 +58,12 @@ Error aboutOptions(Error error, const std::string& path) {
   return error;
 }
 
-Result<Scene> openScene(const std::string& path, const Arguments& arguments, Context& context) {
+Result<Scene> openScene(const std::string& path, const Arguments& arguments, Context& context,
+                        bool measured) {
   SceneOptions options;
   options.maxMemory = context.maxMemory;
   options.files.partial = arguments.flag("partial");
+  options.files.measured = measured;
   VOLUTE_ASSIGN(options.files.lightCache, lightCache(arguments, context));
   VOLUTE_ASSIGN(options.members, mediumMembers(path, arguments));
   const bool scene = isScenePath(path);
@@ -71,6 +73,12 @@ Result<Scene> openScene(const std::string& path, const Arguments& arguments, Con
   if (!scene && arguments.given("aov") && !options.members.contains("extinction") &&
       mediumKindOf(path, true)->fields().find("extinction"))
     options.members["extinction"] = 1;
+  // Who says what a value emits says how it looks; a tree is drawn as it is.
+  const bool plain = measured || options.members.contains("emission") ||
+                     arguments.find<std::string>("volume-method") == "tree";
+  if (!scene && !plain && !options.members.contains("preset") &&
+      mediumKindOf(path, true)->fields().find("preset"))
+    options.members["preset"] = "auto";
   auto opened = Scene::open(path, options, context.progress);
   if (!opened && !scene)
     return tl::unexpected(aboutOptions(std::move(opened.error()), path));

@@ -29,8 +29,9 @@ std::vector<Option> lightCacheOptions();
 
 /// A scene, or any other file as a scene of its own, with the options above. Errors name the file
 /// or the option; one that would change nothing is refused.
+/// @param measured  as OpenOptions has it; else a file alone looks as its grids suggest
 [[nodiscard]] Result<Scene> openScene(const std::string& path, const Arguments& arguments,
-                                      Context& context);
+                                      Context& context, bool measured = true);
 
 /// The same as sight lines ask for it.
 [[nodiscard]] Result<std::unique_ptr<SightField>> openSight(const std::string& path,

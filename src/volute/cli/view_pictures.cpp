@@ -188,7 +188,7 @@ Status ViewPictures::render(const View& view, const std::filesystem::path& targe
   VOLUTE_ASSIGN(const auto image, job.picture(moment, quiet));
   // In even light, what is white is as bright as the light.
   Development development;
-  development.exposure = lit_ ? suggestExposure(image) : 1 / kEvenLight;
+  development.style.exposure = lit_ ? suggestExposure(image) : 1 / kEvenLight;
   VOLUTE_ASSIGN(const auto writer, stillWriter(target.string(), development));
   VOLUTE_TRY(writer->write(image, 0, job.textOf(moment)));
   return writer->finish();

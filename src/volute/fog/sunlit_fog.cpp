@@ -63,11 +63,6 @@ std::vector<double> reaching(std::span<const double> phases, const Shadows& shad
 
 }  // namespace
 
-double henyeyGreenstein(double asymmetry, double cosine) {
-  const double g = asymmetry;
-  return (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g - 2 * g * cosine, 1.5));
-}
-
 Result<SunlitFog> SunlitFog::make(const FogMedium& fog, std::span<const FogSun> suns,
                                   const SunScattering& scattering) {
   if (!(std::abs(scattering.asymmetry) < 1)) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "volute/fog/sun_shadow.hpp"
+#include "volute/math/phase_function.hpp"
 
 namespace volute {
 
@@ -26,10 +27,6 @@ struct SunScattering {
   std::function<void(const Segment&, std::size_t, std::vector<Interval>&)> shadows{};
   int samples = 1;  ///< of SunShadow
 };
-
-/// The phase function of Henyey and Greenstein [1/sr]; its integral over the sphere is 1. `cosine`
-/// is between the directions in which the light travels before and after.
-double henyeyGreenstein(double asymmetry, double cosine);
 
 /// Fog that scatters the light of suns once, shadowed by itself and by the scene, beside the
 /// constant light that FogOptions::color stands for:

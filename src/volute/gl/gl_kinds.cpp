@@ -70,9 +70,21 @@ GlParts partsOf(const FdsAt& fds, const GlSnapshotOptions&) {
   return parts;
 }
 
+/// What OpenGL cannot draw yet; nothing: it can.
+Status drawable(const MediumAt&) {
+  return {};
+}
+
+Status drawable(const VolumeAt& volume) {
+  if (!volume.light())
+    return {};
+  return fail(ErrorCode::kUnsupported, "a volume that is lit or burns");
+}
+
 template <class M>
 void addRow() {
-  glMedia().add<M>([](const M& medium, const GlSnapshotOptions& options) {
+  glMedia().add<M>([](const M& medium, const GlSnapshotOptions& options) -> Result<GlParts> {
+    VOLUTE_TRY(drawable(medium));
     return Result<GlParts>(partsOf(medium, options));
   });
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "volute/base/result.hpp"
@@ -18,6 +19,9 @@ class FrameSource {
   virtual ~FrameSource() = default;
 
   virtual const VolumeInfo& info() const = 0;
+
+  /// Grids of the same files that could have been read instead; as many as are known.
+  virtual std::vector<std::string> otherGrids() const { return {}; }
 
   /// Fills `values`, shape (z, y, x, c), x and c fastest, with frame `index` (a position, not a frame number).
   /// Errors name the file and the frame. May be called again for the same frame, and from one thread at a time.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -62,6 +63,23 @@ int gaussSteps(const BrickSlice& slice, const CellGrid& cells, double extinction
 }
 
 }  // namespace
+
+float packLight(const Rgb& shares) {
+  std::uint32_t bits = 0;
+  constexpr double kMost[3] = {2047, 2047, 1023};
+  constexpr int kShift[3] = {0, 11, 22};
+  for (int c = 0; c < 3; ++c) {
+    const double level = std::round(kMost[c] * std::sqrt(std::clamp(shares[c], 0.0, 1.0)));
+    bits |= static_cast<std::uint32_t>(level) << kShift[c];
+  }
+  return std::bit_cast<float>(bits);
+}
+
+Rgb unpackLight(float packed) {
+  const auto bits = std::bit_cast<std::uint32_t>(packed);
+  const Rgb levels((bits & 2047) / 2047.0, (bits >> 11 & 2047) / 2047.0, (bits >> 22) / 1023.0);
+  return levels * levels;
+}
 
 std::shared_ptr<const MarchGrid> makeMarchGrid(const std::shared_ptr<const BrickSlice>& slice,
                                                const CellGrid& cells, double emissionScale,

@@ -27,7 +27,6 @@ namespace {
 constexpr std::size_t kMostLanes = 128;  // what a batch holds; a multiple of any vector's lanes
 constexpr float kNever = 3e38F;          // stands for infinity, which times 0 would be NaN
 constexpr double kFarAway = 1e30;        // [m] planes beyond are never met
-constexpr float kLightLost = 1e-6F;
 
 /// Rays as the march wants them: `s` counts from where each enters the volume, in metres.
 struct RayLanes {
@@ -110,6 +109,8 @@ HWY_INLINE VF Gather(const MarchGrid& grid, int offset, VI index) {
 /// The eight corners of a cell, as differences so that each place costs seven products.
 struct Corners {
   VF base[4], slope[4];
+
+  HWY_INLINE Corners() {}
 
   HWY_INLINE Corners(const MarchGrid& grid, int channel, VI index) {
     for (int i = 0; i < 4; ++i) {
@@ -252,6 +253,91 @@ struct TrilinearAbsorbing {
   HWY_INLINE VF transmittance() const { return passed; }
 };
 
+/// The light at the eight corners of a cell, out of its packed form.
+struct LightCorners {
+  Corners channel[3];
+
+  HWY_INLINE LightCorners(const MarchGrid& grid, VI index)
+      : channel{Corners(), Corners(), Corners()} {
+    for (int i = 0; i < 4; ++i) {
+      const int offset = grid.lightChannel * grid.channelStride + (i & 1 ? grid.stride[1] : 0) +
+                         (i & 2 ? grid.stride[2] : 0);
+      VF low[3], high[3];
+      unpack(Gather(grid, offset, index), low);
+      unpack(Gather(grid, offset + 1, index), high);
+      for (int c = 0; c < 3; ++c) {
+        channel[c].base[i] = low[c];
+        channel[c].slope[i] = hn::Sub(high[c], low[c]);
+      }
+    }
+  }
+
+  HWY_INLINE void unpack(VF packed, VF* out) const {
+    const VI bits = hn::BitCast(di, packed);
+    const VI mask = hn::Set(di, 2047);
+    const VF levels[3] = {hn::ConvertTo(df, hn::And(bits, mask)),
+                          hn::ConvertTo(df, hn::And(hn::ShiftRight<11>(bits), mask)),
+                          hn::ConvertTo(df, hn::And(hn::ShiftRight<22>(bits), hn::Set(di, 1023)))};
+    for (int c = 0; c < 3; ++c) out[c] = hn::Mul(levels[c], levels[c]);
+  }
+};
+
+/// Extinction, emission and light are trilinear each; the product of extinction and light, which is
+/// what is scattered, is of degree 6 along a ray. Two Gauss points a step, with the optical depth up
+/// to each by the integrals of the line through both extinctions.
+template <bool kEmits, bool kLit>
+struct ShadedCells {
+  VF sum[3];
+  VF passed;
+
+  HWY_INLINE ShadedCells() { sum[0] = sum[1] = sum[2] = hn::Zero(df), passed = Constant(1); }
+
+  HWY_INLINE void add(const MarchGrid& grid, VI index, VF begin, VF length, Mask active,
+                      const Axis* axes) {
+    const Corners density(grid, 0, index);
+    const VF part = hn::Mul(length, Constant(1.0F / static_cast<float>(grid.steps)));
+    const VF half = hn::Mul(part, Constant(0.5F));
+    for (int step = 0; step < grid.steps; ++step) {
+      const VF from = MulThenAdd(part, Constant(static_cast<float>(step)), begin);
+      const VF near = MulThenAdd(part, Constant(0.21132487F), from);
+      const VF far = MulThenAdd(part, Constant(0.78867513F), from);
+      VF at[2][3];
+      for (int axis = 0; axis < 3; ++axis)
+        at[0][axis] = axes[axis].place(near), at[1][axis] = axes[axis].place(far);
+      VF extinction[2];
+      for (int i = 0; i < 2; ++i)
+        extinction[i] = hn::IfThenElseZero(active, density.at(at[i][0], at[i][1], at[i][2]));
+      const VF low = hn::Mul(extinction[0], part), high = hn::Mul(extinction[1], part);
+      const VF first = MulThenAdd(low, Constant(0.25F), hn::Mul(high, Constant(-0.03867513F)));
+      const VF second = MulThenAdd(low, Constant(0.53867513F), hn::Mul(high, Constant(0.25F)));
+      const VF weight[2] = {hn::Mul(hn::Mul(passed, half), Exp(hn::Neg(first))),
+                            hn::Mul(hn::Mul(passed, half), Exp(hn::Neg(second)))};
+      if constexpr (kEmits) {
+        for (int c = 0; c < 3; ++c) {
+          const Corners emission(grid, grid.emissionChannel + c, index);
+          for (int i = 0; i < 2; ++i) {
+            const VF value = hn::IfThenElseZero(active, emission.at(at[i][0], at[i][1], at[i][2]));
+            sum[c] = MulThenAdd(value, weight[i], sum[c]);
+          }
+        }
+      }
+      if constexpr (kLit) {
+        const LightCorners light(grid, index);
+        const VF scattered[2] = {hn::Mul(extinction[0], weight[0]),
+                                 hn::Mul(extinction[1], weight[1])};
+        for (int c = 0; c < 3; ++c) {
+          VF both = hn::Mul(light.channel[c].at(at[0][0], at[0][1], at[0][2]), scattered[0]);
+          both = MulThenAdd(light.channel[c].at(at[1][0], at[1][1], at[1][2]), scattered[1], both);
+          sum[c] = MulThenAdd(both, Constant(grid.lightScale[c]), sum[c]);
+        }
+      }
+      passed = hn::Mul(passed, Exp(hn::Neg(hn::Mul(hn::Add(low, high), Constant(0.5F)))));
+    }
+  }
+
+  HWY_INLINE VF transmittance() const { return passed; }
+};
+
 /// The march of one vector of rays: from brick to brick, and inside stored bricks from cell to
 /// cell.
 template <class Cells>
@@ -266,7 +352,7 @@ class Packet {
   HWY_INLINE void run(MarchCounts& counts) {
     VF crossed = hn::Zero(df);
     for (;;) {
-      end_ = hn::IfThenElse(hn::Lt(cells_.transmittance(), Constant(kLightLost)), s_, end_);
+      end_ = hn::IfThenElse(hn::Lt(cells_.transmittance(), Constant(grid_.lightLost)), s_, end_);
       const Mask alive = hn::Lt(s_, end_);
       if (hn::AllFalse(df, alive))
         break;
@@ -380,7 +466,15 @@ void MarchAll(const MarchGrid& grid, const RayLanes& rays, std::size_t count, La
 void March(const MarchGrid& grid, const RayLanes& rays, std::size_t count, LaneResults& results,
            MarchCounts& counts) {
   const bool rgb = grid.channels == 3;
-  if (rgb && grid.extinctionScale != 0) {
+  if (grid.shaded) {
+    const bool emits = grid.emissionChannel >= 0, lit = grid.lightChannel >= 0;
+    if (emits) {
+      (lit ? MarchAll<ShadedCells<true, true>> : MarchAll<ShadedCells<true, false>>)(
+          grid, rays, count, results, counts);
+    } else {
+      MarchAll<ShadedCells<false, true>>(grid, rays, count, results, counts);
+    }
+  } else if (rgb && grid.extinctionScale != 0) {
     (grid.trilinear ? MarchAll<TrilinearAbsorbing> : MarchAll<BoxAbsorbing>)(grid, rays, count,
                                                                              results, counts);
   } else if (rgb) {
@@ -445,6 +539,11 @@ void setIdle(RayLanes& rays, std::size_t lane) {
 
 Radiance lightOf(const MarchGrid& grid, const LaneResults& results, std::size_t lane) {
   Radiance light;
+  if (grid.shaded) {
+    for (int c = 0; c < 3; ++c) light.emitted[c] = results.sum[c][lane];
+    light.transmittance = results.transmittance[lane];
+    return light;
+  }
   for (int c = 0; c < 3; ++c)
     light.emitted[c] = grid.emissionScale * results.sum[grid.channels == 3 ? c : 0][lane];
   light.transmittance = results.transmittance[lane];

@@ -186,30 +186,42 @@ Result<ImageNotes> readExrNotes(const std::filesystem::path& path) {
   return readWith(path, {}, readNotes);
 }
 
-Status writeExr(const std::filesystem::path& path, const Image& image, const ImageNotes& notes) {
-  const char* const names[] = {"R", "G", "B"};
+Status writeChannels(const std::filesystem::path& path, int width, int height,
+                     const std::vector<ImageChannel>& channels, const ImageNotes& notes) {
   ExrOutput stream;
   try {
-    Imf::Header header(image.width, image.height);
+    Imf::Header header(width, height);
     header.compression() = Imf::ZIP_COMPRESSION;
     for (const auto& [name, text] : notes) header.insert(name, Imf::StringAttribute(text));
     Imf::FrameBuffer buffer;
-    for (int c = 0; c < image.channels; ++c) {
-      const char* name = image.channels == 1 ? "Y" : names[c];
-      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-      char* base = reinterpret_cast<char*>(const_cast<float*>(image.pixels.data() + c));
-      buffer.insert(name, Imf::Slice(Imf::FLOAT, base, sizeof(float) * image.channels,
-                                     sizeof(float) * image.channels * image.width));
+    for (const ImageChannel& channel : channels) {
+      header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
+      char* base = reinterpret_cast<char*>(const_cast<float*>(channel.values.data()));
+      buffer.insert(channel.name, Imf::Slice(Imf::FLOAT, base, sizeof(float),
+                                             sizeof(float) * static_cast<std::size_t>(width)));
     }
     Imf::OutputFile exr(stream, header);
     exr.setFrameBuffer(buffer);
-    exr.writePixels(image.height);
+    exr.writePixels(height);
   } catch (const std::exception& error) {
     return fail(ErrorCode::kIo, "{}: cannot encode the picture: {}", path.string(), error.what());
   }
   VOLUTE_ASSIGN(auto file, OutputFile::create(path));
   VOLUTE_TRY(file.write(stream.bytes));
   return file.commit();
+}
+
+Status writeExr(const std::filesystem::path& path, const Image& image, const ImageNotes& notes) {
+  const char* const names[] = {"R", "G", "B"};
+  std::vector<ImageChannel> channels;
+  const auto count = static_cast<std::size_t>(image.channels);
+  for (std::size_t c = 0; c < count; ++c) {
+    ImageChannel& channel = channels.emplace_back(
+        ImageChannel{image.channels == 1 ? "Y" : names[c], {}});
+    for (std::size_t i = c; i < image.pixels.size(); i += count)
+      channel.values.push_back(image.pixels[i]);
+  }
+  return writeChannels(path, image.width, image.height, channels, notes);
 }
 
 }  // namespace volute

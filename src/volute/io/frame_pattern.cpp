@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <map>
 
 namespace volute {
 namespace {
@@ -52,6 +53,31 @@ Status sortByNumber(std::vector<NumberedFile>& files) {
       "{} and {} have the same frame number; name one series with a pattern such as {}",
       twice->path.string(), std::next(twice)->path.filename().string(),
       (twice->path.parent_path() / ("name_%04d" + twice->path.extension().string())).string());
+}
+
+/// A file's name without its number.
+std::pair<std::string, std::string> aroundNumber(const std::filesystem::path& file) {
+  const std::string name = file.filename().string(), stem = file.stem().string();
+  const auto last = stem.find_last_of("0123456789");
+  const auto before = stem.find_last_not_of("0123456789", last);
+  return {name.substr(0, before == std::string::npos ? 0 : before + 1), name.substr(last + 1)};
+}
+
+/// Files of two sequences would be shown in turn.
+Status checkOneSequence(const std::filesystem::path& folder,
+                        const std::vector<NumberedFile>& files) {
+  std::map<std::pair<std::string, std::string>, int> sequences;
+  for (const NumberedFile& file : files) ++sequences[aroundNumber(file.path)];
+  if (sequences.size() < 2)
+    return {};
+  std::string found;
+  for (const auto& [name, count] : sequences) {
+    found += fmt::format("{}{}####{} ({} file{})", found.empty() ? "" : " and ", name.first,
+                         name.second, count, count == 1 ? "" : "s");
+  }
+  return fail(ErrorCode::kInvalidArgument,
+              "{}: holds {} sequences, {}; name one of them with its pattern", folder.string(),
+              sequences.size(), found);
 }
 
 }  // namespace
@@ -204,6 +230,7 @@ Result<std::vector<NumberedFile>> listNumberedFiles(const std::filesystem::path&
     return fail(ErrorCode::kNotFound, "{}: no numbered {} files in this folder", folder.string(),
                 extension);
   }
+  VOLUTE_TRY(checkOneSequence(folder, numbered));
   VOLUTE_TRY(sortByNumber(numbered));
   return numbered;
 }

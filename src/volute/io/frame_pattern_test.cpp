@@ -99,11 +99,12 @@ TEST(NumberedFiles, TakesTheLastDigitsOfTheStem) {
 
 TEST(NumberedFiles, TwoSeriesInOneFolderAreAnError) {
   const TempFolder folder;
-  writeBytes(folder / "flame_1.vdb", "");
-  writeBytes(folder / "smoke_1.vdb", "");
+  for (const char* name : {"flame_1.vdb", "flame_2.vdb", "smoke_7.vdb"})
+    writeBytes(folder / name, "");
   const auto files = listNumberedFiles(folder.path(), ".vdb");
   ASSERT_FALSE(files);
-  EXPECT_NE(files.error().message.find("same frame number"), std::string::npos);
+  for (const char* part : {"2 sequences", "flame_####.vdb (2 files)", "smoke_####.vdb (1 file)"})
+    EXPECT_NE(files.error().message.find(part), std::string::npos) << files.error().message;
 }
 
 }  // namespace

@@ -24,6 +24,11 @@ Result<ImageNotes> readExrNotes(const std::filesystem::path& path) {
   return ImageNotes();
 }
 
+Status writeChannels(const std::filesystem::path& path, int, int, const std::vector<ImageChannel>&,
+                     const ImageNotes&) {
+  return writeExr(path, {}, {});
+}
+
 Status writeExr(const std::filesystem::path& path, const Image&, const ImageNotes&) {
   return fail(ErrorCode::kUnsupported,
               "{}: this build has no OpenEXR (VOLUTE_WITH_EXR=OFF); use .png", path.string());

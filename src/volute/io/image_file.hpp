@@ -44,6 +44,17 @@ using ImageNotes = std::vector<std::pair<std::string, std::string>>;
 [[nodiscard]] Status writeImage(const std::filesystem::path& path, const Image& image,
                                 const ImageNotes& notes = {});
 
+/// A named channel of a picture: "A", "Z", "transmittance.Y".
+struct ImageChannel {
+  std::string name;
+  std::vector<float> values;  ///< shape (height, width)
+};
+
+/// Writes a .exr (scan lines, float32, ZIP) with channels of any names, which must differ.
+[[nodiscard]] Status writeChannels(const std::filesystem::path& path, int width, int height,
+                                   const std::vector<ImageChannel>& channels,
+                                   const ImageNotes& notes = {});
+
 /// Writes values 0..1 as they stand, as readImage() with `raw` reads them: a .png (16 bits, linear,
 /// clamped to 0..1) or a .exr (float32).
 [[nodiscard]] Status writeMap(const std::filesystem::path& path, const Image& map);

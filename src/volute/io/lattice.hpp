@@ -44,6 +44,22 @@ struct LatticeFrame {
   double time = std::numeric_limits<double>::quiet_NaN();  ///< [s]; NaN when not stated
 };
 
+/// What a file says of one of its grids, and what is in it. Trivially copyable, as LatticeFrame.
+struct GridFacts {
+  static constexpr std::size_t kMaxName = 127, kMaxType = 31;
+
+  char name[kMaxName + 1] = {};
+  char type[kMaxType + 1] = {};        ///< of a value: "float", "vec3s"
+  char gridClass[kMaxType + 1] = {};   ///< "fog volume", "staggered", "level set"; empty: unknown
+  IndexBox box;                        ///< of voxels that are not empty
+  std::array<double, 3> voxelSize{};   ///< [m]; zeros where voxels are not along the axes
+  std::uint64_t voxels = 0;            ///< that are not empty
+  std::uint64_t memory = 0;            ///< [bytes] in OpenVDB's tree
+  double least = 0, most = 0;          ///< of all values, of all channels; NaN where they are no numbers
+  bool half = false;                   ///< stored as 16-bit floats
+  bool readable = false;               ///< LatticeReader::read() takes it
+};
+
 /// What a library that knows a volume format does with one file of it. Used inside a child process
 /// (ReaderProcess), because damaged files may crash such libraries.
 class LatticeReader {
@@ -55,6 +71,11 @@ class LatticeReader {
   [[nodiscard]] virtual Result<LatticeFrame> describe(const std::filesystem::path& file,
                                                       const std::string& grid,
                                                       const std::string& usual, bool needBox) = 0;
+
+  /// All grids of a file, in its order. kUnsupported where the format has one.
+  [[nodiscard]] virtual Result<std::vector<GridFacts>> list(const std::filesystem::path& file) {
+    return fail(ErrorCode::kUnsupported, "{}: a format without a list of grids", file.string());
+  }
 
   /// Fills `values`, shape (z, y, x, c) over `box`; voxels that the file does not have get its
   /// background value. Values outside the box are cut off when `crop` is true, else they are an

@@ -8,6 +8,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/io/plugin.hpp"
 #include "volute/io/reader_process.hpp"
 
 namespace volute {
@@ -17,6 +18,7 @@ namespace {
 /// chosen after the child was forked.
 struct Request {
   bool describe = false;
+  bool list = false;  ///< of all grids
   bool flag = false;  ///< needBox when describing, crop when reading
   IndexBox box;
   char grid[LatticeFrame::kMaxName + 1] = {};
@@ -27,6 +29,15 @@ struct Request {
 Result<std::string> serve(LatticeReader& reader, const std::filesystem::path& path,
                           const Request& request, std::span<float> values) {
   VOLUTE_TRY(InputFile::check(path));
+  if (request.list) {
+    VOLUTE_ASSIGN(const auto grids, reader.list(path));
+    std::string reply;
+    for (const GridFacts& grid : grids) {
+      if (reply.size() + sizeof(GridFacts) <= ReaderProcess::kMaxMessage)
+        reply += toMessage(grid);
+    }
+    return reply;
+  }
   if (request.describe) {
     VOLUTE_ASSIGN(const LatticeFrame frame,
                   reader.describe(path, request.grid, request.usual, request.flag));
@@ -198,6 +209,17 @@ std::vector<double> statedTimes(const std::vector<LatticeFile>& files,
   return times;
 }
 
+/// Of "flame, heat".
+std::vector<std::string> namesIn(std::string_view list) {
+  std::vector<std::string> names;
+  while (!list.empty()) {
+    const std::size_t end = std::min(list.find(", "), list.size());
+    names.emplace_back(list.substr(0, end));
+    list.remove_prefix(std::min(end + 2, list.size()));
+  }
+  return names;
+}
+
 class LatticeSource final : public FrameSource {
  public:
   LatticeSource(std::vector<LatticeFile> files, Result<const LatticePlugin*> (*loadPlugin)(),
@@ -219,6 +241,7 @@ class LatticeSource final : public FrameSource {
               std::string_view(frame.others, ::strnlen(frame.others, LatticeFrame::kMaxName))));
         }
         grid = frame.grid;
+        others_ = namesIn({frame.others, ::strnlen(frame.others, LatticeFrame::kMaxName)});
       }
       frames.push_back(frame);
       VOLUTE_ASSIGN(const auto shift, latticeShift(frames.front(), frame, files_[i]));
@@ -241,6 +264,8 @@ class LatticeSource final : public FrameSource {
   }
 
   const VolumeInfo& info() const override { return info_; }
+
+  std::vector<std::string> otherGrids() const override { return others_; }
 
   Status readFrame(int index, std::span<float> values) override {
     VOLUTE_ASSERT(values.size() == info_.frameValues());
@@ -289,6 +314,7 @@ class LatticeSource final : public FrameSource {
   ReaderProcess process_;
   SourceOptions options_;
   std::string grid_;
+  std::vector<std::string> others_;
   IndexBox box_;  // on the first frame's lattice
   std::vector<std::array<std::int64_t, 3>> shifts_;
   VolumeInfo info_;
@@ -321,6 +347,29 @@ Result<std::unique_ptr<FrameSource>> openLatticeSource(std::vector<LatticeFile> 
   auto source = std::make_unique<LatticeSource>(std::move(files), loadPlugin, options);
   VOLUTE_TRY(source->open());
   return source;
+}
+
+Result<std::vector<GridFacts>> listGrids(const std::filesystem::path& file,
+                                         std::uint64_t maxMemory) {
+  const std::string name = file.string();
+  VOLUTE_TRY(InputFile::check(file));
+  ReaderProcess process(readerOf({{0, file, std::nullopt}}, loadVdbPlugin));
+  Request request;
+  request.list = true;
+  // Every grid is read for its range.
+  ReaderProcess::Limits limits = limitsFor(file, 0, maxMemory);
+  limits.seconds += 2e-6 * static_cast<double>(sizeOf(file));
+  VOLUTE_ASSIGN(const std::string reply,
+                process.call(name, toMessage(request) + name, 0, limits));
+  std::vector<GridFacts> grids;
+  for (std::size_t at = 0; at < reply.size(); at += sizeof(GridFacts)) {
+    VOLUTE_ASSIGN(auto grid,
+                  fromMessage<GridFacts>(std::string_view(reply).substr(at, sizeof(GridFacts))));
+    grid.name[GridFacts::kMaxName] = '\0';
+    grid.type[GridFacts::kMaxType] = grid.gridClass[GridFacts::kMaxType] = '\0';
+    grids.push_back(grid);
+  }
+  return grids;
 }
 
 Result<std::vector<TimedFile>> readCollection(const std::filesystem::path& collection,

@@ -27,6 +27,10 @@ struct LatticeFile {
     std::vector<LatticeFile> files, Result<const LatticePlugin*> (*loadPlugin)(),
     const SourceOptions& options);
 
+/// All grids of a .vdb file, read in a child process as well.
+[[nodiscard]] Result<std::vector<GridFacts>> listGrids(const std::filesystem::path& file,
+                                                       std::uint64_t maxMemory);
+
 /// The files of a collection, read in a child process as well.
 [[nodiscard]] Result<std::vector<TimedFile>> readCollection(
     const std::filesystem::path& collection, Result<const LatticePlugin*> (*loadPlugin)());

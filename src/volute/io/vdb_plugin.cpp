@@ -260,6 +260,43 @@ bool fillIfType(const openvdb::GridBase& grid, const openvdb::CoordBBox& box,
   return true;
 }
 
+/// Extremes over the active values of what has numbers.
+template <class Grid>
+bool addRange(const openvdb::GridBase& base, GridFacts& facts) {
+  if (!base.isType<Grid>())
+    return false;
+  using Traits = Channels<typename Grid::ValueType>;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (auto it = static_cast<const Grid&>(base).cbeginValueOn(); it; ++it) {
+    float values[Traits::kCount];
+    Traits::store(*it, values);
+    for (const float value : values)
+      least = std::min<double>(least, value), most = std::max<double>(most, value);
+  }
+  facts.least = least <= most ? least : 0, facts.most = least <= most ? most : 0;
+  return true;
+}
+
+GridFacts factsOf(const std::string& name, const openvdb::GridBase& grid) {
+  GridFacts facts;
+  name.copy(facts.name, GridFacts::kMaxName);
+  grid.valueType().copy(facts.type, GridFacts::kMaxType);
+  if (grid.getGridClass() != openvdb::GRID_UNKNOWN)
+    openvdb::GridBase::gridClassToString(grid.getGridClass()).copy(facts.gridClass, GridFacts::kMaxType);
+  facts.box = toIndexBox(grid.evalActiveVoxelBoundingBox());
+  LatticeFrame place;
+  if (readTransform(grid, name, place))
+    facts.voxelSize = place.voxelSize;
+  facts.voxels = grid.activeVoxelCount();
+  facts.memory = grid.memUsage();
+  facts.half = grid.saveFloatAsHalf();
+  facts.readable = describeGrid(name, grid).usable;
+  if (!addRange<openvdb::FloatGrid>(grid, facts) && !addRange<openvdb::DoubleGrid>(grid, facts) &&
+      !addRange<openvdb::Vec3SGrid>(grid, facts) && !addRange<openvdb::Vec3DGrid>(grid, facts))
+    facts.least = facts.most = std::numeric_limits<double>::quiet_NaN();
+  return facts;
+}
+
 class VdbReader final : public LatticeReader {
  public:
   VdbReader() { openvdb::initialize(); }
@@ -287,6 +324,19 @@ class VdbReader final : public LatticeReader {
         frame.box = toIndexBox(file.readTree(index)->evalActiveVoxelBoundingBox());
       }
       return frame;
+    });
+  }
+
+  Result<std::vector<GridFacts>> list(const std::filesystem::path& path) override {
+    return guarded(path, [&]() -> Result<std::vector<GridFacts>> {
+      VdbFile file(path);
+      std::vector<GridFacts> grids;
+      for (std::size_t i = 0; i < file.gridCount(); ++i) {
+        const auto grid = file.readTree(i);
+        grid->setSaveFloatAsHalf(file.grid(i).saveFloatAsHalf());
+        grids.push_back(factsOf(file.name(i), *grid));
+      }
+      return grids;
     });
   }
 

@@ -2,9 +2,69 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/camera_file.hpp"
 
+#include <algorithm>
+
 #include "volute/io/json_file.hpp"
 
 namespace volute {
+namespace {
+
+FieldValue keysOf(const CameraDescription& camera) {
+  if (camera.keys.empty())
+    return {};
+  FieldValue rows = FieldValue::array();
+  for (const CameraKey& key : camera.keys) {
+    rows.push_back({key.time, key.eye.x(), key.eye.y(), key.eye.z(), key.target.x(), key.target.y(),
+                    key.target.z()});
+  }
+  return rows;
+}
+
+Status setKeys(CameraDescription& camera, const FieldValue& value) {
+  camera.keys.clear();
+  for (const FieldValue& row : value) {
+    const auto at = [&](std::size_t i) { return row[i].get<double>(); };
+    const CameraKey key{at(0), {at(1), at(2), at(3)}, {at(4), at(5), at(6)}};
+    if (!camera.keys.empty() && !(key.time > camera.keys.back().time)) {
+      return fail(ErrorCode::kInvalidData, "the time {:g} s follows {:g} s; expected ascending ones",
+                  key.time, camera.keys.back().time);
+    }
+    if (key.eye == key.target) {
+      return fail(ErrorCode::kInvalidData, "at {:g} s eye and target are the same point", key.time);
+    }
+    camera.keys.push_back(key);
+  }
+  return {};
+}
+
+}  // namespace
+
+View3 CameraDescription::viewAt(double time) const {
+  if (keys.empty())
+    return view;
+  View3 now = view;
+  const auto next = std::ranges::upper_bound(keys, time, {}, &CameraKey::time);
+  const auto after = static_cast<std::size_t>(next - keys.begin());
+  if (after == 0 || after == keys.size()) {
+    const CameraKey& key = after == 0 ? keys.front() : keys.back();
+    now.eye = key.eye, now.target = key.target;
+    return now;
+  }
+  const auto between = [&](Vec3 CameraKey::*place) {
+    const auto slope = [&](std::size_t i) -> Vec3 {  // at rest at both ends
+      if (i == 0 || i + 1 == keys.size())
+        return Vec3::Zero();
+      return (keys[i + 1].*place - keys[i - 1].*place) / (keys[i + 1].time - keys[i - 1].time);
+    };
+    const CameraKey &a = keys[after - 1], &b = keys[after];
+    const double length = b.time - a.time, u = (time - a.time) / length;
+    return Vec3((1 + 2 * u) * (1 - u) * (1 - u) * (a.*place) +
+                u * (1 - u) * (1 - u) * length * slope(after - 1) +
+                u * u * (3 - 2 * u) * (b.*place) + u * u * (u - 1) * length * slope(after));
+  };
+  now.eye = between(&CameraKey::eye), now.target = between(&CameraKey::target);
+  return now;
+}
 
 const FieldTable& cameraFields() {
   using enum FieldType;
@@ -25,7 +85,10 @@ const FieldTable& cameraFields() {
        .unit = "m", .least = 0, .above = true, .option = {"HEIGHT"}},
       {.name = "size", .type = kNumbers, .access = member<&CameraDescription::size>(),
        .help = "width and height of the picture", .unit = "pixels", .least = 1, .most = 32768,
-       .count = 2, .whole = true}};
+       .count = 2, .whole = true},
+      {.name = "keys", .type = kRows, .access = customMember<CameraDescription, keysOf, setKeys>(),
+       .help = "where it is at a time [s]: time, eye and target [m], by ascending times; it goes "
+       "through all of them smoothly and rests before the first and after the last", .count = 7}};
   // clang-format on
   static const FieldTable kTable =
       fieldTable<CameraDescription>({.name = "camera",

@@ -5,12 +5,20 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "volute/camera/camera.hpp"
 #include "volute/image/pixels.hpp"
 #include "volute/media/field.hpp"
 
 namespace volute {
+
+/// Where a camera is at a time.
+struct CameraKey {
+  double time = 0;  ///< [s], of the scene
+  Vec3 eye = Vec3::Zero();
+  Vec3 target = Vec3::Zero();
+};
 
 /// A scene's camera object: a view and either a vertical field of view or the height of a
 /// block-shaped view volume.
@@ -20,6 +28,11 @@ struct CameraDescription {
   std::optional<double> ortho;  ///< [m]
   std::optional<Pixels> size;
   std::string reason{};  ///< of one that nobody asked for: what it shows
+  std::vector<CameraKey> keys{};  ///< its way, by ascending times; empty: it stays
+
+  /// The view at a time: through all keys, with one velocity of eye and target at each (cubics of
+  /// Catmull and Rom over the keys' own times), at rest before the first and after the last.
+  View3 viewAt(double time) const;
 };
 
 const FieldTable& cameraFields();

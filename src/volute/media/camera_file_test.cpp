@@ -50,5 +50,37 @@ TEST(CameraFile, ErrorsNameThePlace) {
   EXPECT_FALSE(parse(R"({"eye": [0, -4, 1], "target": [0, 0, 0], "fov": 40, "size": [1e99, 48]})"));
 }
 
+TEST(CameraFile, KeysAreAWayThatIsSmoothInPlaceAndDirection) {
+  const auto camera = parse(R"({"eye": [0, -4, 1], "target": [0, 0, 0], "fov": 40, "keys":
+      [[0, 0, -4, 1, 0, 0, 0], [1, 3, -3, 2, 0, 0, 1], [4, 4, 1, 1, 1, 0, 0], [5, 0, 4, 1, 0, 0, 0]]})");
+  ASSERT_TRUE(camera) << camera.error().message;
+  for (const CameraKey& key : camera->keys) {
+    EXPECT_LT((camera->viewAt(key.time).eye - key.eye).norm(), 1e-12);
+    EXPECT_LT((camera->viewAt(key.time).target - key.target).norm(), 1e-12);
+  }
+  EXPECT_EQ(camera->viewAt(-3).eye, Vec3(0, -4, 1));
+  EXPECT_EQ(camera->viewAt(9).eye, Vec3(0, 4, 1));
+  // Velocities of the eye and of the direction have no jump, neither at keys nor between.
+  constexpr double kStep = 1e-4;
+  const auto direction = [&](double t) {
+    const View3 view = camera->viewAt(t);
+    return Vec3((view.target - view.eye).normalized());
+  };
+  Vec3 before = Vec3::Zero(), turned = Vec3::Zero();
+  for (double t = 0.01; t < 4.99; t += 0.005) {
+    const Vec3 velocity =
+        (camera->viewAt(t + kStep).eye - camera->viewAt(t - kStep).eye) / (2 * kStep);
+    const Vec3 turning = (direction(t + kStep) - direction(t - kStep)) / (2 * kStep);
+    if (t > 0.02) {
+      EXPECT_LT((velocity - before).norm(), 0.3) << t;
+      EXPECT_LT((turning - turned).norm(), 0.3) << t;
+    }
+    before = velocity, turned = turning;
+  }
+  EXPECT_NE(parse(R"({"eye": [0, -4, 1], "target": [0, 0, 0], "fov": 40, "keys":
+      [[1, 0, -4, 1, 0, 0, 0], [1, 3, -3, 2, 0, 0, 1]]})").error().message.find("ascending"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace volute

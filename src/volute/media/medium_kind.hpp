@@ -24,6 +24,8 @@ namespace volute {
 struct OpenOptions {
   bool partial = false;  ///< damaged files are read as far as they are whole
   bool verify = true;    ///< with `partial`: looks through them first, and says what is missing
+  /// What files do not say is as it is measured, not as it looks best: their own basis.
+  bool measured = true;
   std::optional<LightCache> lightCache{};     ///< where the light of lamps is looked for and kept
   std::shared_ptr<LightMemory> lightMemory{};  ///< asked before; may be null
 };

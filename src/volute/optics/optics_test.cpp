@@ -34,9 +34,32 @@ TEST(BlackBody, HasTheChromaticityOfThePlanckianLocus) {
     const double y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
     const double z = 0.0193 * r + 0.1192 * g + 0.9505 * b;
     EXPECT_NEAR(y, 1, 1e-3);
-    EXPECT_NEAR(x / (x + y + z), row.x, 0.006) << row.temperature;
-    EXPECT_NEAR(y / (x + y + z), row.y, 0.006) << row.temperature;
+    EXPECT_NEAR(x / (x + y + z), row.x, 1e-3) << row.temperature;
+    EXPECT_NEAR(y / (x + y + z), row.y, 1e-3) << row.temperature;
   }
+}
+
+TEST(BlackBody, HasTheTabulatedChromaticities) {
+  // 1000 and 6500 K: Wyszecki and Stiles, table 1(3.11). 1900 K: Kim et al. 2002, whose cubic is
+  // within 3e-4 of such tables.
+  struct Row {
+    double temperature, x, y;
+  };
+
+  const double t = 1900, kim = -0.2661239e9 / (t * t * t) - 0.2343589e6 / (t * t) + 877.6956 / t + 0.17991;
+  const double kimY = -1.1063814 * kim * kim * kim - 1.3481102 * kim * kim + 2.18555832 * kim - 0.20219683;
+  for (const Row& row : {Row{1000, 0.6528, 0.3445}, {1900, kim, kimY}, {6500, 0.3135, 0.3237}}) {
+    const auto [x, y] = blackBodyChromaticity(row.temperature);
+    EXPECT_NEAR(x, row.x, 1e-3) << row.temperature;
+    EXPECT_NEAR(y, row.y, 1e-3) << row.temperature;
+  }
+}
+
+TEST(BlackBody, IsBrighterWhereItIsHotter) {
+  EXPECT_DOUBLE_EQ(blackBodyLuminance(1900, 1900), 1);
+  // At these temperatures Wien's law at 590 nm, where most of a flame's luminance is.
+  const double wien = std::exp(1.438776877e7 / 590 * (1 / 1900.0 - 1 / 2000.0));
+  EXPECT_NEAR(blackBodyLuminance(2000, 1900) / wien, 1, 0.05);
 }
 
 TEST(BlackBody, FlamesAreRedAndDaylightIsWhite) {

@@ -24,12 +24,18 @@ enum class Aov {
   kNone,
   kOpticalDepth,   ///< the integral of the extinction along the pixel's ray, natural logarithm
   kTransmittance,  ///< exp(-optical depth)
+  /// How far away what is seen is, along the view [m]: the nearest opaque surface or, where media
+  /// before it take more than half of the light, the place where half is left; infinite where there
+  /// is neither. Of scenes alone.
+  kDistance,
+  kAlpha,  ///< 1 where a surface is opaque, else 1 - transmittance; of scenes alone
 };
 
 struct RenderOptions {
   Renderer renderer = Renderer::kCpu;
   Rgb background = Rgb::Zero();  ///< linear radiance behind all media where no opaque surface is
   Aov aov = Aov::kNone;
+  Box3 within{};  ///< of kDistance: around all media
   /// A linear RGB picture of the camera's size that is seen through all media, opaque surfaces
   /// and what is beyond them alike; instead of the background. Must outlive the call.
   const Image* behind = nullptr;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <thread>
 
@@ -106,7 +107,8 @@ std::vector<SurfacePoint> lookAtSurfaces(const SurfaceScene& scene,
 }
 
 Result<SurfacePicture> renderSurfaces(const Camera& camera, const SurfaceScene& scene,
-                                      const Rgb& background, Progress& progress) {
+                                      const Rgb& background, Progress& progress,
+                                      std::span<const std::uint8_t> only) {
   SurfacePicture picture;
   picture.color = Image(camera.width(), camera.height(), 3);
   picture.depth.resize(static_cast<std::size_t>(camera.width()) * camera.height());
@@ -118,17 +120,25 @@ Result<SurfacePicture> renderSurfaces(const Camera& camera, const SurfaceScene& 
       stopped = true;
     if (stopped)
       return;
+    const std::size_t row = y * static_cast<std::size_t>(camera.width());
     std::vector<Segment> segments;
-    for (int x = 0; x < camera.width(); ++x)
+    std::vector<int> columns;
+    for (int x = 0; x < camera.width(); ++x) {
+      picture.depth[row + static_cast<std::size_t>(x)] = std::numeric_limits<float>::infinity();
+      if (!only.empty() && !only[row + static_cast<std::size_t>(x)])
+        continue;
+      columns.push_back(x);
       segments.push_back(camera.ray(x + 0.5, static_cast<double>(y) + 0.5));
+    }
     std::uint64_t rays = 0, found = 0;
     const auto points = lookAtSurfaces(scene, segments, &rays);
-    for (int x = 0; x < camera.width(); ++x) {
-      const SurfacePoint& point = points[x];
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const int x = columns[i];
+      const SurfacePoint& point = points[i];
       const Rgb color = point.hit.found() ? point.radiance : background;
       for (int c = 0; c < 3; ++c)
         picture.color.at(x, static_cast<int>(y), c) = static_cast<float>(color[c]);
-      picture.depth[y * camera.width() + x] = static_cast<float>(point.hit.distance);
+      picture.depth[row + static_cast<std::size_t>(x)] = static_cast<float>(point.hit.distance);
       found += point.hit.found();
     }
     surfacePixels += found, shadowRays += rays;

@@ -44,9 +44,11 @@ struct SurfacePicture {
 /// exact. Only the side that the ray meets is lit.
 ///
 /// One ray for each pixel, through its centre, so that edges are not smoothed and fit the media's.
+/// @param only  empty, or one for each pixel: 0 leaves it out, as if no surface were there
 /// @return the same for any number of threads; kCancelled when `progress` said so.
 [[nodiscard]] Result<SurfacePicture> renderSurfaces(const Camera& camera, const SurfaceScene& scene,
-                                                    const Rgb& background, Progress& progress);
+                                                    const Rgb& background, Progress& progress,
+                                                    std::span<const std::uint8_t> only = {});
 
 /// The same for any segments: where each meets a surface first and what comes back from there; no
 /// light and an infinite distance where it meets none.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "volute/base/parallel.hpp"
 #include "volute/base/stopwatch.hpp"
@@ -96,6 +97,45 @@ Result<Image> SceneRenderer::render(const Snapshot& snapshot, const Camera& came
   return picture({snapshot, camera}, options, progress, counts ? *counts : unheard);
 }
 
+Result<Image> SceneRenderer::renderSmooth(const Snapshot& snapshot, const Camera& camera,
+                                          const RenderOptions& options, int samples,
+                                          const PictureStyle& shown, Progress& progress,
+                                          PictureCounts* counts) {
+  PictureCounts unheard;
+  PictureCounts& counted = counts ? *counts : unheard;
+  VOLUTE_ASSIGN(auto image, picture({snapshot, camera}, options, progress, counted));
+  PictureStyle look = shown;
+  look.glow = 0, look.dither = false;
+  const auto edges = edgePixels(developed(image, look));
+  if (samples < 2 || std::ranges::count(edges, 1) == 0)
+    return image;
+  Image sum = image;
+  Progress quiet;
+  for (int i = 1; i < samples; ++i) {
+    if (progress.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped before the edges were smoothed");
+    // A lattice (R2 of Martin Roberts) around the centre, where the first ray went.
+    const double right = 0.7548776662466927 * i, down = 0.5698402909980532 * i;
+    const Camera moved = camera.shifted(right - std::round(right), down - std::round(down));
+    PictureCounts more;
+    RenderOptions own = options;
+    own.only = edges;
+    VOLUTE_ASSIGN(const auto one, picture({.snapshot = snapshot, .camera = moved, .only = edges},
+                                          own, quiet, more));
+    counted.shadowRays += more.shadowRays;
+    counted.render.rays += more.render.rays, counted.render.segments += more.render.segments;
+    counted.render.pieces += more.render.pieces;
+    for (std::size_t p = 0; p < edges.size(); ++p) {
+      for (std::size_t c = 0; edges[p] && c < 3; ++c) sum.pixels[3 * p + c] += one.pixels[3 * p + c];
+    }
+  }
+  for (std::size_t p = 0; p < edges.size(); ++p) {
+    for (std::size_t c = 0; edges[p] && c < 3; ++c)
+      image.pixels[3 * p + c] = sum.pixels[3 * p + c] / static_cast<float>(samples);
+  }
+  return image;
+}
+
 Result<Image> SceneRenderer::renderBare(const Snapshot& snapshot, const Camera& camera,
                                         const RenderOptions& options, Progress& progress) {
   PictureCounts unheard;
@@ -110,11 +150,21 @@ Result<Image> SceneRenderer::picture(View view, const RenderOptions& options, Pr
   VOLUTE_ASSIGN(const auto opaque,
                 Opaque::draw(*this, view, options.background, progress, counted));
   view.opaqueDepth = opaque.stack.depth();
+  if (options.aov == Aov::kDistance)
+    return distances(view, options, progress, counted);
   if (options.aov != Aov::kNone) {
-    VOLUTE_ASSIGN(auto depth, opticalDepth(view, options, progress, counted.render));
-    for (float& value : depth.pixels) {
-      if (options.aov == Aov::kTransmittance)
-        value = static_cast<float>(std::exp(-snapshot.law.factor() * value));
+    RenderOptions depths = options;
+    depths.aov = Aov::kOpticalDepth;
+    VOLUTE_ASSIGN(auto depth, opticalDepth(view, depths, progress, counted.render));
+    for (std::size_t i = 0; i < depth.pixels.size(); ++i) {
+      float& value = depth.pixels[i];
+      if (options.aov == Aov::kOpticalDepth)
+        continue;
+      value = static_cast<float>(std::exp(-snapshot.law.factor() * value));
+      if (options.aov == Aov::kAlpha) {
+        const bool surface = !view.opaqueDepth.empty() && std::isfinite(view.opaqueDepth[i]);
+        value = surface ? 1 : 1 - value;
+      }
     }
     return depth;
   }
@@ -126,14 +176,58 @@ Result<Image> SceneRenderer::picture(View view, const RenderOptions& options, Pr
   return image;
 }
 
+Result<Image> SceneRenderer::distances(View view, const RenderOptions& options, Progress& progress,
+                                       PictureCounts& counted) {
+  constexpr int kHalvings = 24;
+  const Camera& camera = view.camera;
+  const std::size_t pixels = static_cast<std::size_t>(camera.width()) * camera.height();
+  const double half = std::log(2.0) / view.snapshot.law.factor();
+  std::vector<float> surface(view.opaqueDepth.begin(), view.opaqueDepth.end());
+  surface.resize(pixels, std::numeric_limits<float>::infinity());
+  std::vector<double> near(pixels, 0), far(pixels, 0), axis(pixels, 1);
+  for (std::size_t p = 0; p < pixels; ++p) {
+    const Segment ray = camera.ray(static_cast<double>(p % camera.width()) + 0.5,
+                                   static_cast<double>(p / camera.width()) + 0.5);
+    axis[p] = ray.direction.dot(camera.forward());
+    const Interval inside = options.within.intersect(ray.origin, ray.direction)
+                                .intersect({ray.begin, std::min<double>(ray.end, surface[p])});
+    if (!inside.empty())
+      near[p] = inside.begin, far[p] = inside.end;
+  }
+  RenderOptions depths = options;
+  depths.aov = Aov::kOpticalDepth;
+  std::vector<float> at(pixels);
+  const auto depthUpTo = [&](const auto& place) {
+    for (std::size_t p = 0; p < pixels; ++p) at[p] = static_cast<float>(place(p));
+    view.opaqueDepth = at;
+    return opticalDepth(view, depths, progress, counted.render);
+  };
+  VOLUTE_ASSIGN(const auto whole, depthUpTo([&](std::size_t p) { return far[p]; }));
+  for (int i = 0; i < kHalvings; ++i) {
+    VOLUTE_ASSIGN(const auto depth,
+                  depthUpTo([&](std::size_t p) { return 0.5 * (near[p] + far[p]); }));
+    for (std::size_t p = 0; p < pixels; ++p)
+      (depth.pixels[p] < half ? near : far)[p] = 0.5 * (near[p] + far[p]);
+  }
+  Image image(camera.width(), camera.height(), 1);
+  for (std::size_t p = 0; p < pixels; ++p) {
+    const double distance = whole.pixels[p] >= half ? far[p] : surface[p];
+    image.pixels[p] = static_cast<float>(distance * axis[p]);
+  }
+  return image;
+}
+
 Status CpuRenderer::begin(const View& view) {
   const auto& media = view.snapshot.media;
   pictures_.resize(media.size());
   made_.assign(media.size(), {});
   others_.clear();
+  kept_.resize(media.size());
   for (std::size_t i = 0; i < media.size(); ++i) {
-    if (method_ != Renderer::kReference)
-      pictures_[i] = media[i]->picture(std::move(pictures_[i]));
+    pictures_[i] = nullptr;
+    // All pixels at once are too many where only some are asked for.
+    if (method_ != Renderer::kReference && view.only.empty())
+      pictures_[i] = kept_[i] = media[i]->picture(std::move(kept_[i]));
     if (pictures_[i])
       continue;
     VOLUTE_TRY(media[i]->addMediaFor(view.camera, made_[i]));
@@ -161,7 +255,7 @@ Result<SurfacePicture> CpuRenderer::surfaces(const View& view, Progress& progres
   for (AnyMedium& medium : media) medium = scaledBy(1 / snapshot.law.factor(), medium);
   const SurfaceScene scene{snapshot.geometry, snapshot.lights.lamps, snapshot.lights.ambient,
                            media};
-  return renderSurfaces(view.camera, scene, Rgb::Zero(), progress);
+  return renderSurfaces(view.camera, scene, Rgb::Zero(), progress, view.only);
 }
 
 Result<SurfaceView> CpuRenderer::walls(const View& view, std::size_t medium) {

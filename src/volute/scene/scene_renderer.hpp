@@ -10,6 +10,7 @@
 #include "volute/base/progress.hpp"
 #include "volute/camera/camera.hpp"
 #include "volute/image/image.hpp"
+#include "volute/image/picture_style.hpp"
 #include "volute/render/render.hpp"
 #include "volute/render/surfaces.hpp"
 #include "volute/scene/scene_signs.hpp"
@@ -38,6 +39,14 @@ class SceneRenderer {
                                      const RenderOptions& options, Progress& progress,
                                      PictureCounts* counts = nullptr);
 
+  /// render(), with `samples` rays in the pixels where it has edges: those of surfaces, signs and
+  /// boxes, and whatever else a display would show as a step. No AOVs.
+  /// @param shown  how light is shown: by that edges are found
+  [[nodiscard]] Result<Image> renderSmooth(const Snapshot& snapshot, const Camera& camera,
+                                           const RenderOptions& options, int samples,
+                                           const PictureStyle& shown, Progress& progress,
+                                           PictureCounts* counts = nullptr);
+
   /// The same without surfaces and walls; signs stay.
   [[nodiscard]] Result<Image> renderBare(const Snapshot& snapshot, const Camera& camera,
                                          const RenderOptions& options, Progress& progress);
@@ -55,6 +64,8 @@ class SceneRenderer {
     const Camera& camera;
     std::span<const float> opaqueDepth{};  ///< of what has been drawn so far, as render() takes it
     bool surfaces = true;                  ///< are shown, and walls
+    /// Empty, or one for each pixel: of the others nothing is asked.
+    std::span<const std::uint8_t> only{};
   };
 
   /// Before the first of the others for a picture.
@@ -86,6 +97,10 @@ class SceneRenderer {
 
   [[nodiscard]] Result<Image> picture(View view, const RenderOptions& options, Progress& progress,
                                       PictureCounts& counts);
+
+  /// Aov::kDistance, of what is behind view.opaqueDepth.
+  [[nodiscard]] Result<Image> distances(View view, const RenderOptions& options, Progress& progress,
+                                        PictureCounts& counts);
 };
 
 /// The CPU, by the media's fast paths or, as the reference, by their pieces in double. A single
@@ -116,6 +131,7 @@ class CpuRenderer final : public SceneRenderer {
   /// All media for the camera, in the snapshot's order.
   [[nodiscard]] Result<std::vector<AnyMedium>> mediaFor(const View& view) const;
 
+  std::vector<std::shared_ptr<MediumPicture>> kept_;      ///< for other instants
   std::vector<std::shared_ptr<MediumPicture>> pictures_;  ///< of each medium of the snapshot; or null
   std::vector<std::vector<AnyMedium>> made_;  ///< of each for the camera; empty for those with a picture
   std::vector<AnyMedium> others_;             ///< all of `made_`

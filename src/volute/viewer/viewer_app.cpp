@@ -13,6 +13,7 @@
 #include "volute/base/stopwatch.hpp"
 #include "volute/base/thread_priority.hpp"
 #include "volute/image/colormap.hpp"
+#include "volute/image/picture_style.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/viewer/panels.hpp"
 
@@ -425,6 +426,7 @@ PictureWish ViewerApp::wish(const ViewerInput& input) const {
 DisplayLook ViewerApp::displayLook() const {
   DisplayLook look;
   look.exposure = exposure_ * std::exp2(settings_.look.stops);
+  look.filmic = document_ && !document_->measured;
   look.background = document_ ? document_->background : Rgb(Rgb::Zero());
   if (document_ && document_->grey && settings_.look.colors > 0)
     look.map = settings_.look.colors == 1 ? ColorMap::kViridis : ColorMap::kInferno;
@@ -441,7 +443,9 @@ Status ViewerApp::drawPicture(const ViewerInput& input) {
   }
   if (!exposureFound_ && document_ && scene_ && !scene_->coarse && picture_.settled(wish(input))) {
     exposure_ =
-        document_->measured ? 1 : suggestExposure(picture_.sampledLight(document_->background));
+        document_->measured ? 1
+                            : suggestExposure({picture_.sampledLight(document_->background)},
+                                              ToneCurve::kFilmic);
     exposureFound_ = true;
   }
   return {};

@@ -12,6 +12,7 @@
 #include "volute/cli/mesh_report.hpp"
 #include "volute/cli/scene_report.hpp"
 #include "volute/io/frame_pattern.hpp"
+#include "volute/io/lattice_source.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/smoke/scene_smoke.hpp"
 #include "volute/media/volume/volume_input.hpp"
@@ -178,17 +179,81 @@ Result<Report> describePicture(const std::string& path) {
   return report;
 }
 
+/// The first file of what is one or more OpenVDB files; nothing for other formats.
+std::optional<std::filesystem::path> firstVdb(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    const auto files = listNumberedFiles(path, ".vdb");
+    return files ? std::optional(files->front().path) : std::nullopt;
+  }
+  if (extensionOf(path) != ".vdb")
+    return std::nullopt;
+  if (FramePattern::isPattern(path) && !std::filesystem::exists(path, error)) {
+    const auto pattern = FramePattern::parse(path);
+    if (!pattern)
+      return std::nullopt;
+    const auto files = pattern->list();
+    return files ? std::optional(files->front().path) : std::nullopt;
+  }
+  return path;
+}
+
+/// A line for each grid of a file: size, range, voxels that are not empty, memory.
+Status addGrids(Report& report, const std::filesystem::path& file, Context& context) {
+  VOLUTE_ASSIGN(const auto grids, listGrids(file, context.maxMemory));
+  auto list = nlohmann::ordered_json::array();
+  std::string text = fmt::format("in {}", file.filename().string());
+  for (const GridFacts& grid : grids) {
+    const bool empty = grid.voxels == 0 || grid.box.empty();
+    const auto size = [&](int axis) { return empty ? 0 : grid.box.size(axis); };
+    list.push_back({{"name", grid.name},
+                    {"type", grid.type},
+                    {"class", grid.gridClass},
+                    {"half", grid.half},
+                    {"size", {size(0), size(1), size(2)}},
+                    {"voxel_size", grid.voxelSize},
+                    {"active_voxels", grid.voxels},
+                    {"minimum", jsonNumber(grid.least)},
+                    {"maximum", jsonNumber(grid.most)},
+                    {"memory_bytes", grid.memory},
+                    {"usable", grid.readable}});
+    text += fmt::format("\n  {:<16} {}{}{}, ", grid.name, grid.type, grid.half ? " (half)" : "",
+                        grid.gridClass[0] != '\0' ? fmt::format(", {}", grid.gridClass) : "");
+    text += empty ? std::string("empty")
+                  : fmt::format("{} x {} x {}, {:.4g} to {:.4g}, {} voxels not empty, {}", size(0),
+                                size(1), size(2), grid.least, grid.most, grid.voxels,
+                                bytesText(grid.memory));
+  }
+  report.add("grids", list, text);
+  return {};
+}
+
 Result<Report> describeVolume(const std::string& path, const Arguments& arguments,
                               Context& context) {
   InputOptions options;
   options.grid = arguments.find<std::string>("field").value_or("");
-  VOLUTE_ASSIGN(auto input, openVolume(path, options, context));
+  auto opened = openVolume(path, options, context);
+  const auto vdb = firstVdb(path);
   Report report;
   report.add("file", path).add("kind", "volume");
   if (const auto bytes = bytesOnDisk(path))
     report.add("bytes", *bytes, bytesText(*bytes));
+  // Of several grids none may be the usual one, or that one is empty; the list says what there is.
+  const bool listed = !opened && vdb && options.grid.empty() &&
+                      (opened.error().code == ErrorCode::kInvalidArgument ||
+                       opened.error().code == ErrorCode::kInvalidData);
+  if (listed) {
+    auto grids = addGrids(report, *vdb, context);
+    if (grids)
+      return report;
+  }
+  if (!opened)
+    return tl::unexpected(std::move(opened.error()));
+  VolumeInput input = std::move(*opened);
   const VolumeInfo& info = input.source->info();
   addVolume(report, info);
+  if (vdb)
+    VOLUTE_TRY(addGrids(report, *vdb, context));
   if (!arguments.flag("values"))
     return report;
   Extremes extremes;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 #include <utility>
 
 #include "volute/base/write_file.hpp"
@@ -25,9 +28,10 @@ namespace {
 
 constexpr Pixels kUsualSize{800, 600};
 
-/// The command line's, the scene's, or one that frames what is shown.
-Result<Camera> chooseCamera(const Arguments& arguments, const Scene& scene, Progress& progress) {
-  VOLUTE_ASSIGN(auto description, cameraOf(arguments));
+/// The command line's, the scene's, or one that frames what is shown: of nothing.
+Result<Camera> chooseCamera(const Arguments& arguments, const Scene& scene,
+                            std::optional<CameraDescription>& description, Progress& progress) {
+  VOLUTE_ASSIGN(description, cameraOf(arguments));
   if (!description) {
     description = scene.camera();
     if (description && !description->reason.empty()) {
@@ -69,9 +73,38 @@ RenderOptions renderOptions(const Arguments& arguments, const Scene& scene) {
                            ? Rgb(arguments.get<Vec3>("background").array())
                            : scene.description().background;
   if (const auto aov = arguments.find<std::string>("aov")) {
-    options.aov = *aov == "transmittance" ? Aov::kTransmittance : Aov::kOpticalDepth;
+    options.aov = *aov == "transmittance"   ? Aov::kTransmittance
+                  : *aov == "optical-depth" ? Aov::kOpticalDepth
+                                            : Aov::kNone;
   }
   return options;
+}
+
+/// What --aov names, where it takes a .exr with named channels; empty: it is one picture.
+Result<std::vector<std::string>> layersOf(const Arguments& arguments, const std::string& target) {
+  constexpr std::string_view kNames[] = {"beauty", "alpha", "z", "transmittance", "optical-depth"};
+  std::vector<std::string> layers;
+  std::string rest = arguments.find<std::string>("aov").value_or("");
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(','), rest.size());
+    layers.push_back(rest.substr(0, end));
+    rest.erase(0, end + 1);
+    const std::string& last = layers.back();
+    if (std::ranges::find(kNames, last) == std::end(kNames)) {
+      return fail(ErrorCode::kInvalidArgument, "--aov: '{}' is none of {}", last,
+                  fmt::join(kNames, ", "));
+    }
+    if (std::ranges::count(layers, last) > 1)
+      return fail(ErrorCode::kInvalidArgument, "--aov: '{}' is named twice", last);
+  }
+  if (layers.size() == 1 && (layers[0] == "optical-depth" || layers[0] == "transmittance"))
+    layers.clear();
+  if (!layers.empty() && extensionOf(target) != ".exr") {
+    return fail(ErrorCode::kInvalidArgument,
+                "--aov {}: only a .exr has room for it; {} shows optical-depth or transmittance alone",
+                arguments.get<std::string>("aov"), target);
+  }
+  return layers;
 }
 
 /// Whether the command line asks for a contour of the visibility S = C / K.
@@ -250,18 +283,27 @@ Status scaleContour(RenderJob& job, Progress& progress, Team& team) {
   return {};
 }
 
+/// One ray through each pixel's centre, the file's own basis, light in proportion.
+bool isMeasured(const Arguments& arguments) {
+  return arguments.flag("measured") || arguments.given("aov") ||
+         arguments.get<std::string>("renderer") == "reference";
+}
+
 Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target, Context& context) {
   RenderTotals totals;
   auto opened = [&] {
     const Stopwatch watch(totals.open);
-    return openScene(arguments.positional(0), arguments, context);
+    return openScene(arguments.positional(0), arguments, context, isMeasured(arguments));
   }();
   VOLUTE_TRY(opened);
   Scene scene = std::move(*opened);
   VOLUTE_TRY(takeLaw(arguments, scene, context.progress));
   VOLUTE_ASSIGN(auto moments, momentsOf(arguments, scene, target, context.progress));
-  VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, scene, context.progress));
+  std::optional<CameraDescription> described;
+  VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, scene, described, context.progress));
+  const Vec3 centre = described ? described->view.target : Vec3(scene.bounds().centre());
   VOLUTE_TRY(checkPictureMemory(camera, context));
+  VOLUTE_ASSIGN(auto layers, layersOf(arguments, target));
   VOLUTE_ASSIGN(auto renderer, rendererOf(arguments));
   VOLUTE_ASSIGN(auto contour, contourOf(arguments, scene));
   const RenderOptions options = renderOptions(arguments, scene);
@@ -272,7 +314,15 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   RenderJob job{std::move(scene), camera, options, std::move(renderer),
                 arguments.get<std::string>("renderer") == "auto", std::move(moments), rate,
                 std::move(contour), arguments.get<std::string>("volume-method") == "tree",
-                legend, std::move(totals)};
+                legend};
+  job.totals = std::move(totals);
+  job.way = std::move(described);
+  job.layers = std::move(layers);
+  job.orbit = arguments.find<double>("orbit").value_or(0) * std::numbers::pi / 180;
+  job.orbitCentre = centre;
+  job.measured = isMeasured(arguments);
+  if (!job.measured && !job.contour)
+    job.samples = arguments.get<int>("samples");
   VOLUTE_TRY(scaleContour(job, context.progress, context.team));
   return job;
 }
@@ -289,9 +339,46 @@ Result<double> exposureOf(const Arguments& arguments) {
               "--exposure: '{}' is neither auto nor a number greater than 0", text);
 }
 
+/// What makes light visible, and nothing else, is for pictures that measure nothing.
+Status refuseInMeasured(const Arguments& arguments) {
+  if (!isMeasured(arguments))
+    return {};
+  const bool toned = arguments.given("tone") && arguments.get<std::string>("tone") != "none";
+  const bool smooth = arguments.given("samples") && arguments.get<int>("samples") > 1;
+  for (const auto& [name, given] : {std::pair("tone", toned),
+                                    std::pair("bloom", arguments.given("bloom")),
+                                    std::pair("samples", smooth)}) {
+    if (!given)
+      continue;
+    const char* measured = arguments.flag("measured") ? "--measured"
+                           : arguments.given("aov")   ? "--aov"
+                                                      : "--renderer reference";
+    return fail(ErrorCode::kInvalidArgument,
+                "--{} changes light; {} shows it as it is: leave one of them out", name, measured);
+  }
+  return {};
+}
+
+PictureStyle styleOf(const Arguments& arguments, const RenderJob& job) {
+  PictureStyle style;
+  if (isMeasured(arguments))
+    return style;
+  style.dither = true;
+  style.glow = arguments.find<double>("bloom").value_or(0);
+  const auto tone = arguments.get<std::string>("tone");
+  const bool plain = measuresLight(job.scene) || job.contour ||
+                     job.scene.law().mode == PictureMode::kThreshold;
+  if (tone == "filmic" || (tone == "auto" && !plain))
+    style.tone = ToneCurve::kFilmic;
+  if (tone == "agx")
+    style.tone = ToneCurve::kAgx;
+  return style;
+}
+
 Result<Development> developmentOf(const Arguments& arguments, const RenderJob& job) {
   Development development;
-  VOLUTE_ASSIGN(development.exposure, exposureOf(arguments));
+  development.style = styleOf(arguments, job);
+  VOLUTE_ASSIGN(development.style.exposure, exposureOf(arguments));
   const auto map = arguments.get<std::string>("colormap");
   if (map == "grey")
     return development;
@@ -324,6 +411,7 @@ Status checkRenderTargets(const Arguments& arguments, const std::string& target)
 Status runRender(const Arguments& arguments, Context& context) {
   const auto target = arguments.get<std::string>("output");
   VOLUTE_TRY(checkRenderTargets(arguments, target));
+  VOLUTE_TRY(refuseInMeasured(arguments));
   if (!isFilmPath(target))
     VOLUTE_TRY(checkFolderIsShared(target, context.team));
   VOLUTE_ASSIGN(auto job, makeJob(arguments, target, context));
@@ -334,7 +422,8 @@ Status runRender(const Arguments& arguments, Context& context) {
   VOLUTE_TRY(writeStats(arguments, context, stats));
   if (context.json) {
     Report report;
-    report.add("output", target).add("exposure", development.exposure);
+    report.add("output", target).add("exposure", development.style.exposure)
+        .add("tone", std::string(nameOf(development.style.tone)));
     auto json = report.json();
     json.update(stats);
     context.print(dumpJson(json));
@@ -389,11 +478,17 @@ std::vector<Option> renderOptionTable() {
        .kind = kFile,
        .value = "FILE.json",
        .help = "a scene's camera object: eye, target, up, fov or ortho, size"},
+      {.name = "orbit",
+       .kind = kNumber,
+       .value = "DEGREES",
+       .help = "the camera turns around its target, against the clock from above, by so much over a "
+               "film or a sequence of stills; a single frame turns once in 10 s"},
       {.name = "aov",
-       .kind = kChoice,
-       .value = "NAME",
-       .help = "one measured channel instead of a picture",
-       .choices = {"optical-depth", "transmittance"}},
+       .kind = kText,
+       .value = "NAME,..",
+       .help = "measured channels instead of a picture: optical-depth or transmittance as one channel "
+               "Y, or for a .exr several of beauty (R, G, B), alpha (A), z (Z, of what takes half of "
+               "the light [m]), transmittance, optical-depth"},
       {.name = "slice",
        .kind = kText,
        .value = "AXIS=M",
@@ -415,8 +510,34 @@ std::vector<Option> renderOptionTable() {
       {.name = "exposure",
        .kind = kText,
        .value = "S|auto",
-       .help = "factor for .png and films; auto brings the brightest to white",
+       .help = "factor for .png and films; auto brings the brightest near white, once for all "
+               "pictures of a sequence",
        .initial = "auto"},
+      {.name = "tone",
+       .kind = kChoice,
+       .value = "NAME",
+       .help = "how light that is too bright for a display fits into .png and films: filmic and agx "
+               "take its colour away, none clips it; auto is filmic but where shares of light are "
+               "measured",
+       .initial = "auto",
+       .choices = {"auto", "none", "filmic", "agx"}},
+      {.name = "bloom",
+       .kind = kNumber,
+       .value = "S",
+       .help = "share of the light that glows around where it comes from; its sum stays",
+       .least = 0,
+       .most = 1},
+      {.name = "samples",
+       .kind = kInteger,
+       .value = "N",
+       .help = "rays in a pixel where there are edges; 1 elsewhere",
+       .initial = "8",
+       .least = 1,
+       .most = 256},
+      {.name = "measured",
+       .help = "light as it is, for measurements: one ray through each pixel's centre, the file's own "
+               "basis (box where it states none), no preset, tone curve, bloom or dithering; so are "
+               "pictures with --aov or --renderer reference"},
       {.name = "background",
        .kind = kVector,
        .value = "R,G,B",

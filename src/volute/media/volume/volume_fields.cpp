@@ -57,6 +57,7 @@ double boardStep(const void* board, const MediumFacts& /*facts*/) {
 const FieldTable& volumeFields() {
   using enum FieldType;
   static constexpr std::string_view kBases[] = {"box", "trilinear"};
+  static constexpr std::string_view kPresets[] = {"none", "auto", "fire", "smoke", "fire-and-smoke"};
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "file", .type = kFile, .access = member<&SceneVolume::file>(),
@@ -70,9 +71,31 @@ const FieldTable& volumeFields() {
        .option = {"X0,Y0,Z0,X1,Y1,Z1"}},
       emissionField<&SceneVolume::appearance>(),
       extinctionField<&SceneVolume::appearance>(),
+      {.name = "albedo", .type = kColor,
+       .access = member<&SceneVolume::appearance, &Appearance::albedo>(),
+       .help = "share of what is taken from light that is scattered; the rest is absorbed",
+       .least = 0, .most = 1,
+       .option = {.value = "R,G,B", .picture = true}, .slider = {.label = "albedo"}},
+      {.name = "asymmetry", .access = member<&SceneVolume::appearance, &Appearance::asymmetry>(),
+       .help = "g of Henyey and Greenstein's phase function, by which it is scattered; above 0: "
+       "forwards", .least = -0.99, .most = 0.99, .option = {.value = "G", .picture = true},
+       .slider = {.label = "asymmetry", .least = -0.9, .most = 0.9}},
+      {.name = "color_field", .type = kText,
+       .access = member<&SceneVolume::appearance, &Appearance::colors>(),
+       .help = "a grid with three channels, or the begin of the names of three (_r, _g, _b), that "
+       "colours the albedo; the brightest channel of each voxel counts as 1"},
+      {.name = "flames", .type = kObject,
+       .access = optionalPart<&SceneVolume::appearance, &Appearance::flames>(),
+       .help = "black bodies that glow in it", .table = &flameFields()},
+      {.name = "preset", .type = kChoice, .access = member<&SceneVolume::preset>(),
+       .help = "how it looks where nothing else is said: by the names and ranges of its grids, as "
+       "fire, as smoke, or both", .choices = kPresets,
+       .option = {.value = "NAME", .more = "; auto for a file alone, unless it is measured or its "
+                  "emission is said", .picture = true}},
       {.name = "basis", .type = kChoice,
        .access = member<&SceneVolume::appearance, &Appearance::basis>(),
-       .help = "what the values mean between voxel centres, instead of the file's own",
+       .help = "what the values mean between voxel centres; else trilinear, where pictures are "
+       "measured the file's own",
        .choices = kBases, .option = {.value = "NAME", .scene = true}},
       {.name = "transform", .type = kNumbers,
        .access = customMember<SceneVolume, volumeTransform, setVolumeTransform>(),
@@ -86,6 +109,36 @@ const FieldTable& volumeFields() {
                                                             .says = "volume",
                                                             .thing = "a volume of voxels",
                                                             .things = "volumes of voxels"});
+  return kTable;
+}
+
+const FieldTable& flameFields() {
+  using enum FieldType;
+  // clang-format off: a row is read as one
+  static const FieldRow kFields[] = {
+      {.name = "field", .type = kText, .access = member<&Flames::field>(),
+       .help = "the grid of flames; else all that is hot glows"},
+      {.name = "scale", .access = member<&Flames::scale>(), .help = "multiplies it first",
+       .least = 0, .above = true},
+      {.name = "brightness", .access = member<&Flames::brightness>(),
+       .help = "luminance per metre of a flame of 1, or of what is as hot as the hottest",
+       .unit = "1/m", .least = 0,
+       .slider = {.label = "brightness", .least = 0, .most = 1000, .logarithmic = true, .room = 2}},
+      {.name = "coolest", .access = member<&Flames::coolest>(),
+       .help = "temperature of a flame of 0, where no grid says it", .unit = "K", .least = 500,
+       .most = 6000, .slider = {.label = "coolest"}},
+      {.name = "hottest", .access = member<&Flames::hottest>(),
+       .help = "temperature of a flame of 1, where no grid says it", .unit = "K", .least = 500,
+       .most = 6000, .slider = {.label = "hottest"}},
+      {.name = "temperature", .type = kText, .access = member<&Flames::temperature>(),
+       .help = "the grid of temperatures"},
+      {.name = "kelvin", .access = member<&Flames::kelvin>(), .help = "of one unit of it",
+       .unit = "K"},
+      {.name = "zero", .access = member<&Flames::zero>(), .help = "what its 0 stands for",
+       .unit = "K"}};
+  // clang-format on
+  static const FieldTable kTable = fieldTable<Flames>(
+      {.name = "flames", .sentence = "black bodies that glow in a volume", .fields = kFields});
   return kTable;
 }
 

@@ -7,6 +7,7 @@
 #include "volute/media/clock_fields.hpp"
 #include "volute/media/field.hpp"
 #include "volute/media/volume/volume_layer.hpp"
+#include "volute/media/volume/volume_preset.hpp"
 #include "volute/render/billboard.hpp"
 
 namespace volute {
@@ -15,6 +16,7 @@ namespace volute {
 struct SceneVolume {
   std::string file;  ///< found from the scene file's folder
   InputOptions input;
+  VolumePreset preset = VolumePreset::kNone;
   Appearance appearance;
 };
 
@@ -26,6 +28,7 @@ struct SceneBillboard {
 };
 
 const FieldTable& volumeFields();
+const FieldTable& flameFields();
 const FieldTable& billboardFields();
 
 /// Rows of what is shown as voxels are; `path` leads to an Appearance.

@@ -3,6 +3,7 @@
 // How volumes and billboards are written down, opened and changed by a person.
 #include "volute/base/remark_log.hpp"
 #include "volute/fds/smv_index.hpp"
+#include "volute/media/light_blockers.hpp"
 #include "volute/media/placement_parameters.hpp"
 #include "volute/media/volume/volume_medium.hpp"
 
@@ -11,6 +12,26 @@ namespace {
 
 using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
+
+bool sameGrids(const Appearance& a, const Appearance& b) {
+  const auto of = [](const Appearance& one) {
+    const Flames flames = one.flames.value_or(Flames());
+    return std::array<std::string, 3>{flames.field, flames.temperature,
+                                      one.scatters() ? one.colors : ""};
+  };
+  return of(a) == of(b);
+}
+
+/// Lights of a picture that somebody takes: a sun from the left, and what is around.
+void addStudio(VolumePreset preset, VolumeLighting& lighting) {
+  const double strength = preset == VolumePreset::kFireAndSmoke ? 0.15 : 1;
+  Lamp sun;
+  sun.kind = Lamp::Kind::kSun;
+  sun.direction = Vec3(0.85, 0.08, -0.62).normalized();
+  sun.intensity = strength * Rgb(8, 7.6, 7);
+  lighting.lamps.push_back(sun);
+  lighting.surrounding = strength * Rgb(0.1, 0.12, 0.155);
+}
 
 /// Of this file, whatever its appearance; read again where nobody has it.
 Result<std::shared_ptr<VolumeMedium>> volumeOf(const std::string& file, InputOptions input,
@@ -22,7 +43,8 @@ Result<std::shared_ptr<VolumeMedium>> volumeOf(const std::string& file, InputOpt
     const bool sameBounds = options.bounds.has_value() == input.bounds.has_value() &&
                             (!input.bounds || (options.bounds->min == input.bounds->min &&
                                                options.bounds->max == input.bounds->max));
-    return volume.layer().path() == file && options.grid == input.grid && sameBounds;
+    return volume.layer().path() == file && options.grid == input.grid && sameBounds &&
+           sameGrids(volume.layer().appearance(), appearance);
   });
   if (before)
     return before->with(appearance);
@@ -44,9 +66,44 @@ class VolumeKind final : public MediumKind {
 
   Result<std::shared_ptr<SceneMedium>> open(const Json& entry,
                                             MediumContext& context) const override {
-    VOLUTE_ASSIGN(const auto volume,
+    VOLUTE_ASSIGN(auto volume,
                   readAs<SceneVolume>(volumeFields(), entry, {context.file, context.path}));
-    VOLUTE_ASSIGN(auto medium, volumeOf(volume.file, volume.input, volume.appearance, context));
+    const FieldOrigin origin{context.file, context.path};
+    RemarkLog heard(context.reading.progress);
+    Reading reading{heard, context.reading.maxMemory};
+    InputOptions input = volume.input;
+    input.partial = context.options.partial, input.verify = context.options.verify;
+    VOLUTE_ASSIGN(const auto preset,
+                  applyPreset(volume.preset, volume.file, input, volume.appearance, reading));
+    volume.input.grid = input.grid;
+    VOLUTE_TRY(readFields(volumeFields(), entry, origin, &volume));  // what is said stands
+    Appearance& appearance = volume.appearance;
+    if (entry.contains("albedo") && !(appearance.extinction > 0)) {
+      return origin.wrong(FieldRow{.name = "albedo"},
+                          "what extinguishes no light scatters none; say an extinction above 0");
+    }
+    if (appearance.shaded() && appearance.basis == Basis::kBox) {
+      return origin.wrong(FieldRow{.name = "basis"},
+                          "what is lit or burns is drawn over the trilinear basis; leave it out");
+    }
+    // Pictures are smooth where the file does not want otherwise; measurements take its own.
+    if (!appearance.basis && (appearance.shaded() || !context.options.measured))
+      appearance.basis = Basis::kTrilinear;
+    VolumeLighting lighting;
+    lighting.albedo = appearance.albedo, lighting.asymmetry = appearance.asymmetry;
+    lighting.lamps = context.lights.lamps;
+    lighting.surrounding = context.lights.ambient;
+    lighting.blocks = blocksOf(context.geometry);
+    if (preset != VolumePreset::kNone && lighting.lamps.empty() &&
+        !(lighting.surrounding.maxCoeff() > 0))
+      addStudio(preset, lighting);
+    if (appearance.extinction > 0 && !appearance.scatters() && !context.lights.suns.empty()) {
+      heard.remark(fmt::format("{}: {}: it scatters no light of the sun; say its albedo", context.file,
+                               context.path));
+    }
+    VOLUTE_ASSIGN(auto medium, volumeOf(volume.file, volume.input, appearance, context));
+    medium->remarks.insert(medium->remarks.begin(), heard.remarks().begin(), heard.remarks().end());
+    medium->setLighting(std::move(lighting));
     return std::shared_ptr<SceneMedium>(std::move(medium));
   }
 

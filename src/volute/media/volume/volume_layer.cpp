@@ -2,9 +2,13 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/volume/volume_layer.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
+#include "volute/base/parallel.hpp"
+#include "volute/optics/black_body.hpp"
 
 namespace volute {
 namespace {
@@ -29,6 +33,45 @@ Box3 scaled(const Box3& box, const Vec3& scale, const Vec3& offset) {
   return {scale.cwiseProduct(box.min) + offset, scale.cwiseProduct(box.max) + offset};
 }
 
+/// What flames and temperatures send, from a table over the temperature.
+class BlackBodies {
+ public:
+  explicit BlackBodies(const Flames& flames) : flames_(flames) {
+    for (std::size_t i = 0; i < light_.size(); ++i) {
+      const double kelvin = kLeast + (kMost - kLeast) * static_cast<double>(i) / (kCount - 1);
+      const auto [r, g, b] = blackBodyColour(kelvin);
+      light_[i] = flames.brightness * Rgb(r, g, b);
+      // Without flames what glows is as bright as it is hot.
+      if (flames.field.empty())
+        light_[i] *= blackBodyLuminance(kelvin, flames.hottest);
+    }
+  }
+
+  /// @param temperature  null: as hot as the flame is strong
+  void add(float flame, const float* temperature, float* rgb) const {
+    flame *= static_cast<float>(flames_.field.empty() ? 1 : flames_.scale);
+    if (!(flame > 0))
+      return;
+    const double kelvin = temperature ? flames_.zero + flames_.kelvin * *temperature
+                                      : flames_.coolest + (flames_.hottest - flames_.coolest) *
+                                                              std::min(flame, 1.0F);
+    if (!(kelvin > kLeast))
+      return;
+    const double place = std::min((kelvin - kLeast) / (kMost - kLeast), 1.0) * (kCount - 1);
+    const auto low = std::min(static_cast<std::size_t>(place), kCount - 2);
+    const double share = place - static_cast<double>(low);
+    const Rgb light = (1 - share) * light_[low] + share * light_[low + 1];
+    for (int c = 0; c < 3; ++c) rgb[c] += static_cast<float>(flame * light[c]);
+  }
+
+ private:
+  static constexpr std::size_t kCount = 1024;
+  static constexpr double kLeast = 500, kMost = 6000;  // [K]; cooler is dark
+
+  Flames flames_;
+  std::array<Rgb, kCount> light_;
+};
+
 }  // namespace
 
 VolumeLayer::VolumeLayer(VolumeInput input, const Appearance& appearance)
@@ -45,6 +88,7 @@ VolumeLayer::VolumeLayer(VolumeInput input, const Appearance& appearance)
 }
 
 void VolumeLayer::setAppearance(const Appearance& appearance) {
+  shadedPosition_ = -1;
   const Placement before = std::exchange(appearance_, appearance).placement;
   const Placement& now = appearance_.placement;
   if (now.scale == before.scale && now.offset == before.offset && now.turn == before.turn)
@@ -88,7 +132,193 @@ Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOption
   layer.path_ = path;
   layer.options_ = options;
   layer.progress_ = &reading.progress;
+  VOLUTE_TRY(layer.openOthers(reading));
   return layer;
+}
+
+Status VolumeLayer::openOthers(Reading& reading) {
+  std::vector<std::string> names;
+  if (appearance_.flames) {
+    names.push_back(appearance_.flames->field);
+    names.push_back(appearance_.flames->temperature);
+  }
+  if (appearance_.scatters() && !appearance_.colors.empty()) {
+    const auto grids = input_->source->otherGrids();
+    if (std::ranges::find(grids, appearance_.colors + "_r") != grids.end()) {
+      for (const char* end : {"_r", "_g", "_b"}) names.push_back(appearance_.colors + end);
+    } else {
+      names.push_back(appearance_.colors);
+    }
+  }
+  std::erase_if(names, [&](const std::string& name) {
+    return name.empty() || name == input_->source->info().name;
+  });
+  if (names.empty())
+    return {};
+  // All grids over all that one of them reaches.
+  Box3 box = options_.bounds.value_or(fileBounds());
+  InputOptions one = options_;
+  for (const std::string& name : names) {
+    one.grid = name;
+    auto found = openVolume(path_, one, reading);
+    if (!found && found.error().code == ErrorCode::kInvalidData && !options_.bounds) {
+      others_[name] = nullptr;  // nothing is active in it
+      continue;
+    }
+    if (!found)
+      return tl::unexpected(std::move(found.error()));
+    others_[name] = std::make_shared<VolumeInput>(std::move(*found));
+    const Box3& bounds = others_[name]->source->info().bounds;
+    box.extend(bounds.min), box.extend(bounds.max);
+  }
+  const auto reaches = [&](const VolumeInput& input) {
+    const Box3& bounds = input.source->info().bounds;
+    const double rounding = 1e-3 * input.source->info().voxelSize().minCoeff();
+    return (bounds.min - box.min).cwiseAbs().maxCoeff() < rounding &&
+           (bounds.max - box.max).cwiseAbs().maxCoeff() < rounding;
+  };
+  one.bounds = box;
+  for (auto& [name, input] : others_) {
+    if (!input || reaches(*input))
+      continue;
+    one.grid = name;
+    VOLUTE_ASSIGN(auto wider, openVolume(path_, one, reading));
+    input = std::make_shared<VolumeInput>(std::move(wider));
+  }
+  if (!reaches(*input_)) {
+    one.grid = input_->source->info().name;
+    VOLUTE_ASSIGN(auto wider, openVolume(path_, one, reading));
+    *input_ = std::move(wider);
+    const VolumeInfo& info = input_->source->info();
+    info_.x = info.x, info_.y = info.y, info_.z = info.z;
+    const Placement& placement = appearance_.placement;
+    info_.bounds = scaled(info.bounds, placement.scale,
+                          placement.turns() ? Vec3(Vec3::Zero()) : placement.offset);
+  }
+  for (const auto& [name, input] : others_) {
+    if (!input)
+      continue;
+    const VolumeInfo& info = input->source->info();
+    if (info.x == info_.x && info.y == info_.y && info.z == info_.z && info.frames == info_.frames)
+      continue;
+    return fail(ErrorCode::kInvalidData,
+                "{}: grid '{}' has {} x {} x {} voxels and {} frames, but '{}' has {} x {} x {} and "
+                "{}; grids that are shown together need the same",
+                path_, name, info.x, info.y, info.z, info.frames, input_->source->info().name,
+                info_.x, info_.y, info_.z, info_.frames);
+  }
+  return {};
+}
+
+/// A grid of a frame; zeros where there is none.
+Status VolumeLayer::readInto(FrameSource& source, int position, std::vector<float>& values) {
+  values.resize(source.info().frameValues());
+  VOLUTE_TRY(source.readFrame(position, values));
+  return checkFinite(values, source.info(), path_, position);
+}
+
+Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(int position) {
+  if (position == shadedPosition_)
+    return shadedSlice_;
+  const std::size_t voxels = info_.voxels();
+  const int channels = info_.channels;
+  std::vector<float> main;
+  VOLUTE_TRY(readInto(*input_->source, position, main));
+  const auto grid = [&](const std::string& name) -> Result<std::vector<float>> {
+    if (name.empty())
+      return std::vector<float>();
+    std::vector<float> values;
+    if (name == input_->source->info().name) {
+      values = main;
+    } else if (const auto& other = others_.at(name)) {
+      VOLUTE_TRY(readInto(*other->source, position, values));
+    }
+    if (values.size() > voxels) {
+      return fail(ErrorCode::kInvalidData, "{}: grid '{}' has three channels; expected one", path_,
+                  name);
+    }
+    values.resize(voxels, 0);
+    return values;
+  };
+  const auto flames = appearance_.flames;
+  const bool emits = flames || appearance_.emission != 0;
+  VolumeInfo info = info_;
+  info.channels = emits ? 4 : 1;
+  info.basis = Basis::kTrilinear;
+  std::vector<float> values(voxels * static_cast<std::size_t>(info.channels), 0);
+  std::vector<float> burns, hot;
+  if (flames) {
+    VOLUTE_ASSIGN(burns, grid(flames->field));
+    VOLUTE_ASSIGN(hot, grid(flames->temperature));
+  }
+  const BlackBodies bodies(flames.value_or(Flames()));
+  const auto scale = static_cast<float>(appearance_.extinction / channels);
+  const auto glow = static_cast<float>(appearance_.emission);
+  // The main grid emits by itself unless it is what flames are read from.
+  const bool mainGlows = appearance_.emission != 0 &&
+                         !(flames && (flames->field == input_->source->info().name ||
+                                      flames->temperature == input_->source->info().name));
+  parallelRanges(voxels, 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      float* out = &values[i * static_cast<std::size_t>(info.channels)];
+      float sum = 0;
+      for (int c = 0; c < channels; ++c) sum += main[i * static_cast<std::size_t>(channels) + c];
+      out[0] = std::max(0.0F, scale * sum);
+      if (!emits)
+        continue;
+      for (int c = 0; c < 3 && mainGlows; ++c)
+        out[1 + c] = glow * main[i * static_cast<std::size_t>(channels) + (channels == 3 ? c : 0)];
+      if (flames)
+        bodies.add(burns.empty() ? 1 : burns[i], hot.empty() ? nullptr : &hot[i], out + 1);
+    }
+  });
+  shadedSlice_ = std::make_shared<const BrickSlice>(BrickSlice::fromDense(info, values));
+  shadedPosition_ = position;
+  return shadedSlice_;
+}
+
+Result<std::vector<Rgb>> VolumeLayer::colorsAt(int position, std::span<const Vec3> points) {
+  const std::string& name = appearance_.colors;
+  std::vector<float> planes[3];
+  std::size_t stride = 1;
+  const auto whole = others_.find(name), red = others_.find(name + "_r");
+  if (name.empty() || (whole == others_.end() && red == others_.end()))
+    return std::vector<Rgb>();
+  if (whole != others_.end()) {
+    if (!whole->second)
+      return std::vector<Rgb>();
+    stride = static_cast<std::size_t>(whole->second->source->info().channels);
+    VOLUTE_TRY(readInto(*whole->second->source, position, planes[0]));
+  } else {
+    constexpr const char* kEnds[] = {"_r", "_g", "_b"};
+    for (int c = 0; c < 3; ++c) {
+      const auto& input = others_.at(name + kEnds[c]);
+      if (!input)
+        return std::vector<Rgb>();
+      VOLUTE_TRY(readInto(*input->source, position, planes[c]));
+    }
+  }
+  // Colours may be of the smoke or times its density: the brightest channel of each is 1.
+  const Vec3 voxel = info_.voxelSize();
+  std::vector<Rgb> colors(points.size(), Rgb::Ones());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 place = (points[i] - info_.bounds.min).cwiseQuotient(voxel);
+    const int size[3] = {info_.x, info_.y, info_.z};
+    std::size_t at = 0;
+    for (int axis = 2; axis >= 0; --axis) {
+      const int index = std::clamp(static_cast<int>(std::floor(place[axis])), 0, size[axis] - 1);
+      at = at * static_cast<std::size_t>(size[axis]) + static_cast<std::size_t>(index);
+    }
+    Rgb color;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float value = planes[1].empty() ? planes[0][at * stride + (stride == 3 ? c : 0)]
+                                            : planes[c][at];
+      color[static_cast<Eigen::Index>(c)] = std::max(value, 0.0F);
+    }
+    if (color.maxCoeff() > 0)
+      colors[i] = color / color.maxCoeff();
+  }
+  return colors;
 }
 
 Result<std::shared_ptr<const Tree4d>> VolumeLayer::treeAt(int position) {

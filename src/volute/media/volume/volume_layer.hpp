@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 
@@ -15,13 +16,37 @@
 
 namespace volute {
 
+/// Black bodies that glow in a volume: where a grid of flames says so, and as hot as a grid of
+/// temperatures says, or as the flames are strong.
+struct Flames {
+  std::string field;        ///< the grid of flames; empty: all that is hot glows
+  double scale = 1;         ///< multiplies the grid of flames first
+  double brightness = 1;    ///< luminance per metre of a flame of 1, or of the hottest
+  double coolest = 1100;    ///< [K] of a flame of 0
+  double hottest = 2000;    ///< [K] of a flame of 1
+  std::string temperature;  ///< the grid of temperatures; empty: coolest to hottest
+  double kelvin = 1;        ///< of one unit of it
+  double zero = 0;          ///< [K] that its 0 stands for
+
+  bool operator==(const Flames&) const = default;
+};
+
 /// How a volume looks, and where and when.
 struct Appearance {
   double emission = 1;         ///< radiance per metre per unit
   double extinction = 0;       ///< 1/m per unit
+  Rgb albedo = Rgb::Zero();    ///< share of the extinguished light that is scattered
+  double asymmetry = 0;        ///< g of Henyey and Greenstein, -1 < g < 1
+  std::optional<Flames> flames{};
+  std::string colors{};  ///< the grid (three channels, or three grids _r, _g, _b) that colours albedo
   std::optional<Basis> basis;  ///< instead of the file's
   Placement placement;
   Clock clock;
+
+  bool scatters() const { return extinction > 0 && albedo.maxCoeff() > 0; }
+
+  /// Whether it is more than one grid of emission and extinction.
+  bool shaded() const { return scatters() || flames.has_value(); }
 };
 
 /// How much of the hexadeca-tree a rendering has looked at.
@@ -66,6 +91,13 @@ class VolumeLayer {
   /// is kept. kInvalidArgument for what is no .volute.
   [[nodiscard]] Result<std::shared_ptr<const Tree4d>> treeAt(int position);
 
+  /// The frame at a position with all that shines or absorbs in it: extinction without the factor
+  /// of a picture's law, and emission. The last one is kept. Only for appearance().shaded().
+  [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> shadedSliceAt(int position);
+
+  /// The colour of the albedo at each light point of a volume of that frame; empty: it has none.
+  [[nodiscard]] Result<std::vector<Rgb>> colorsAt(int position, std::span<const Vec3> points);
+
   /// What is to be done to points within info().bounds: turn and offset, no scale. Nothing for a
   /// volume that is not turned, and was not moved since it was opened: its bounds say where it is.
   const Placement& placement() const { return placement_; }
@@ -96,6 +128,10 @@ class VolumeLayer {
  private:
   VolumeLayer(VolumeInput input, const Appearance& appearance);
 
+  /// Opens the other grids that the appearance names, so that all have the same voxels.
+  [[nodiscard]] Status openOthers(Reading& reading);
+  [[nodiscard]] Status readInto(FrameSource& source, int position, std::vector<float>& values);
+
   [[nodiscard]] Result<BrickSlice> sliceFromTree(int position);
   [[nodiscard]] Result<BrickSlice> sliceFromFrame(int position);
 
@@ -116,6 +152,9 @@ class VolumeLayer {
   int position_ = -1;
   bool fromTree_ = false;  ///< slice_ is
   std::shared_ptr<const BrickSlice> slice_;
+  std::map<std::string, std::shared_ptr<VolumeInput>> others_;  ///< grids by name; null: it is empty
+  int shadedPosition_ = -1;
+  std::shared_ptr<const BrickSlice> shadedSlice_;
 };
 
 }  // namespace volute

@@ -3,6 +3,7 @@
 #include "volute/media/volume/volume_medium.hpp"
 
 #include "volute/medium/turned_medium.hpp"
+#include "volute/render/scaled_medium.hpp"
 
 namespace volute {
 namespace {
@@ -30,7 +31,8 @@ VolumeAt::VolumeAt(const VolumeLayer& layer, double factor)
     : info_(layer.info()),
       placement_(layer.placement()),
       emission_(layer.appearance().emission),
-      extinction_(factor * layer.appearance().extinction) {}
+      extinction_(factor * layer.appearance().extinction),
+      factor_(factor) {}
 
 VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, double factor)
     : VolumeAt(layer, factor) {
@@ -42,6 +44,12 @@ VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const Tree4d> tree,
     : VolumeAt(layer, factor) {
   tree_ = std::move(tree);
   position_ = position;
+}
+
+VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const VolumeLight> light,
+                   double factor)
+    : VolumeAt(layer, factor) {
+  light_ = std::move(light);
 }
 
 const VoxelMedium& VolumeAt::medium() const {
@@ -61,16 +69,51 @@ const std::shared_ptr<const BrickSlice>& VolumeAt::slice() const {
   return slice_;
 }
 
-void VolumeAt::addMedia(std::vector<AnyMedium>& media) const {
+void VolumeAt::addPlaced(AnyMedium medium, std::vector<AnyMedium>& media) const {
   const Placement& place = placement();
-  AnyMedium medium(this->medium());
   if (!place.turns() && place.offset == Vec3::Zero())
     media.push_back(std::move(medium));
   else
     media.emplace_back(TurnedMedium(std::move(medium), place.turn, place.offset));
 }
 
+void VolumeAt::addMedia(std::vector<AnyMedium>& media) const {
+  addPlaced(light_ ? scaledBy(factor_, AnyMedium(light_->seen())) : AnyMedium(medium()), media);
+}
+
+Status VolumeAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
+  if (!light_) {
+    addMedia(media);
+    return {};
+  }
+  const Placement& place = placement();
+  const ShadedVoxels seen = light_->seenFrom(
+      {camera.isOrthographic(),
+       place.turn.transpose() * (camera.isOrthographic() ? camera.forward()
+                                                         : Vec3(camera.eye() - place.offset))});
+  {
+    const std::lock_guard lock(shadedGuard_);
+    shaded_.push_back(seen);
+  }
+  addPlaced(scaledBy(factor_, AnyMedium(seen)), media);
+  return {};
+}
+
 nlohmann::ordered_json VolumeAt::counts() const {
+  if (light_) {
+    const std::lock_guard lock(shadedGuard_);
+    MarchCounts sum;
+    for (const ShadedVoxels& one : shaded_) {
+      const MarchCounts counts = one.counts();
+      sum.voxels += counts.voxels;
+      sum.bricksVisited += counts.bricksVisited, sum.bricksSkipped += counts.bricksSkipped;
+    }
+    return {{"voxels_visited", sum.voxels},
+            {"bricks_visited", sum.bricksVisited},
+            {"bricks_skipped", sum.bricksSkipped},
+            {"bricks_stored", shaded_.empty() ? 0 : shaded_.front().slice().storedBricks()},
+            {"nodes_visited", 0}};
+  }
   if (!medium_)
     return nlohmann::ordered_json::object();
   const MarchCounts counts = medium_->counts();
@@ -89,6 +132,7 @@ std::shared_ptr<VolumeMedium> VolumeMedium::with(const Appearance& appearance) c
   VolumeLayer layer = layer_;
   layer.setAppearance(appearance);
   auto other = std::make_shared<VolumeMedium>(std::move(layer));
+  other->lighting_ = lighting_;
   other->knowAs(*this);
   return other;
 }
@@ -117,6 +161,17 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
                                                          Progress& progress) {
   layer_.setProgress(progress);
   const int position = layer_.positionAt(request.time);
+  if (layer_.appearance().shaded()) {
+    if (request.tree) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: what is lit or burns is not drawn from the tree; draw its bricks, or leave the "
+                  "preset out",
+                  layer_.path());
+    }
+    VOLUTE_ASSIGN(auto light, lightAt(position));
+    block_ = position / BlockGrid::kSide;
+    return std::make_shared<const VolumeAt>(layer_, std::move(light), request.factor);
+  }
   if (request.coarse && !inMemory(request.time)) {
     VOLUTE_ASSIGN(auto slice, coarseSlice(position, progress));
     return std::make_shared<const VolumeAt>(layer_, std::move(slice), request.factor);
@@ -129,6 +184,39 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
   VOLUTE_ASSIGN(auto slice, layer_.sliceAt(position));
   block_ = position / BlockGrid::kSide;
   return std::make_shared<const VolumeAt>(layer_, std::move(slice), request.factor);
+}
+
+Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(int position) {
+  if (position == lightPosition_)
+    return light_;
+  VOLUTE_ASSIGN(auto slice, layer_.shadedSliceAt(position));
+  const Placement& place = layer_.placement();
+  VolumeLighting lighting = lighting_;
+  const auto inVolume = [&](const Vec3& point) {
+    return Vec3(place.turn.transpose() * (point - place.offset));
+  };
+  for (Lamp& lamp : lighting.lamps) {
+    lamp.position = inVolume(lamp.position);
+    lamp.direction = place.turn.transpose() * lamp.direction;
+  }
+  if (lighting.blocks) {
+    lighting.blocks = [blocks = lighting.blocks, turn = place.turn, offset = place.offset](
+                          std::span<const Segment> segments, std::span<std::uint8_t> blocked) {
+      std::vector<Segment> inScene(segments.begin(), segments.end());
+      for (Segment& segment : inScene) {
+        segment.origin = turn * segment.origin + offset;
+        segment.direction = turn * segment.direction;
+      }
+      blocks(inScene, blocked);
+    };
+  }
+  ShadedVoxels volume(std::move(slice));
+  if (layer_.appearance().scatters()) {
+    VOLUTE_ASSIGN(lighting.colors, layer_.colorsAt(position, volume.lightPoints()));
+  }
+  light_ = std::make_shared<const VolumeLight>(std::move(volume), std::move(lighting));
+  lightPosition_ = position;
+  return light_;
 }
 
 nlohmann::ordered_json VolumeMedium::counts() const {

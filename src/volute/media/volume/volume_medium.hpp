@@ -7,6 +7,7 @@
 #include "volute/media/medium_kind.hpp"
 #include "volute/media/volume/volume_fields.hpp"
 #include "volute/media/volume/volume_layer.hpp"
+#include "volute/media/volume/volume_light.hpp"
 
 namespace volute {
 
@@ -20,8 +21,15 @@ class VolumeAt final : public MediumAt {
   VolumeAt(const VolumeLayer& layer, std::shared_ptr<const Tree4d> tree, int position,
            double factor);
 
+  /// One that burns or is lit; its light is the same from all cameras.
+  VolumeAt(const VolumeLayer& layer, std::shared_ptr<const VolumeLight> light, double factor);
+
   void addMedia(std::vector<AnyMedium>& media) const override;
+  Status addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const override;
   nlohmann::ordered_json counts() const override;
+
+  /// Null: it is plain emission and extinction of one grid.
+  const std::shared_ptr<const VolumeLight>& light() const { return light_; }
 
   /// Not yet placed: points are to be turned and moved by placement().
   const VoxelMedium& medium() const;
@@ -44,16 +52,20 @@ class VolumeAt final : public MediumAt {
 
  private:
   VolumeAt(const VolumeLayer& layer, double factor);
+  void addPlaced(AnyMedium medium, std::vector<AnyMedium>& media) const;
 
   VolumeInfo info_;
   Placement placement_;
-  double emission_, extinction_;
+  double emission_, extinction_, factor_;
+  std::shared_ptr<const VolumeLight> light_;
   std::shared_ptr<const Tree4d> tree_;
   int position_ = 0;
   mutable std::once_flag made_;
   mutable std::shared_ptr<const BrickSlice> slice_;
   mutable std::optional<VoxelMedium> medium_;
   mutable std::uint64_t nodesVisited_ = 0;
+  mutable std::mutex shadedGuard_;
+  mutable std::vector<ShadedVoxels> shaded_;  ///< whose counts are asked for
 };
 
 /// A volume file in a scene.
@@ -72,6 +84,9 @@ class VolumeMedium : public SceneMedium {
 
   const VolumeLayer& layer() const { return layer_; }
 
+  /// What shines at it; in the scene's place.
+  void setLighting(VolumeLighting lighting) { lighting_ = std::move(lighting); }
+
   /// One of the same file in another appearance; what was read serves.
   std::shared_ptr<VolumeMedium> with(const Appearance& appearance) const;
 
@@ -82,7 +97,13 @@ class VolumeMedium : public SceneMedium {
  private:
   Result<std::shared_ptr<const BrickSlice>> coarseSlice(int position, Progress& progress) const;
 
+  /// Of a frame; the last one is kept.
+  [[nodiscard]] Result<std::shared_ptr<const VolumeLight>> lightAt(int position);
+
   VolumeLayer layer_;
+  VolumeLighting lighting_;
+  int lightPosition_ = -1;
+  std::shared_ptr<const VolumeLight> light_;
   bool checked_ = false;  ///< it was looked through for damage
   bool damaged_ = false;
   int block_ = -1;  ///< of the frames of a .volute that are in memory

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// From the light that reaches the eye to what a display shows: exposure, then sRGB or a map of colours.
+// From the light that reaches the eye to what a display shows: exposure, tone curve, sRGB and dithering, as
+// image/picture_style.hpp has them; or a map of colours.
 
 in vec2 place;
 out vec4 shown;
@@ -12,10 +13,29 @@ uniform sampler2D colors;   // of the map, as display values, dark to light
 uniform vec3 background;
 uniform float exposure;
 uniform int mapped;
+uniform int tone;  // ToneCurve
 
 vec3 encoded(vec3 linear) {
   vec3 v = clamp(linear, 0.0, 1.0);
   return mix(12.92 * v, 1.055 * pow(v, vec3(1.0 / 2.4)) - 0.055, greaterThan(v, vec3(0.0031308)));
+}
+
+vec3 filmic(vec3 v) {
+  vec3 x = vec3(dot(v, vec3(0.59719, 0.35458, 0.04823)), dot(v, vec3(0.07600, 0.90834, 0.01566)),
+                dot(v, vec3(0.02840, 0.13383, 0.83777)));
+  vec3 y = (x * (x + 0.0245786) - 0.000090537) / (x * (0.983729 * x + 0.4329510) + 0.238081);
+  return vec3(dot(y, vec3(1.60475, -0.53108, -0.07367)), dot(y, vec3(-0.10208, 1.10813, -0.00605)),
+              dot(y, vec3(-0.00327, -0.07276, 1.07602)));
+}
+
+// Each channel becomes one of the two levels around it, by a fixed pattern.
+vec3 dithered(vec3 v) {
+  vec3 level = 255.0 * v;
+  vec3 whole = floor(level + 1e-4);
+  vec3 rest = level - whole;
+  vec2 at = floor(gl_FragCoord.xy);
+  vec3 threshold = fract(vec3(0.7548776662466927 * at.x + 0.5698402909980532 * at.y) + vec3(0.0, 1.0, 2.0) / 3.0);
+  return (whole + vec3(greaterThan(rest, max(threshold, vec3(1e-4))))) / 255.0;
 }
 
 void main() {
@@ -25,7 +45,7 @@ void main() {
   seen += surface.a > 0.0 ? exp(-surface.a * light.a) * surface.rgb : exp(-light.a) * background;
   seen *= exposure;
   if (mapped == 0) {
-    shown = vec4(encoded(seen), 1.0);
+    shown = vec4(dithered(encoded(tone == 0 ? seen : filmic(min(max(seen, 0.0), 1e4)))), 1.0);
   } else {
     float t = clamp(seen.r, 0.0, 1.0);
     shown = vec4(texture(colors, vec2((t * 255.0 + 0.5) / 256.0, 0.5)).rgb, 1.0);

@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/grid/shaded_voxels.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include "volute/base/assert.hpp"
+#include "volute/base/parallel.hpp"
+#include "volute/grid/voxel_cells.hpp"
+#include "volute/grid/voxel_march.hpp"
+#include "volute/medium/integrate.hpp"
+
+namespace volute {
+namespace {
+
+constexpr int kShadedSide = BrickSlice::kSide + 1;
+constexpr int kShadedCorners = kShadedSide * kShadedSide * kShadedSide;
+
+/// The first channel alone.
+std::shared_ptr<const BrickSlice> firstChannel(const BrickSlice& slice) {
+  VolumeInfo info;
+  info.x = slice.x(), info.y = slice.y(), info.z = slice.z();
+  info.bounds = slice.bounds();
+  info.basis = slice.basis();
+  auto out = std::make_shared<BrickSlice>(info);
+  std::vector<std::int32_t> index(slice.index().begin(), slice.index().end());
+  std::vector<float> values;
+  values.reserve(slice.storedBricks() * BrickSlice::kVoxels);
+  std::int32_t count = 0;
+  for (std::int32_t& stored : index) {
+    if (stored == BrickSlice::kEmpty)
+      continue;
+    const float* from = slice.brick(stored);
+    const bool empty =
+        std::all_of(from, from + BrickSlice::kVoxels, [](float value) { return value == 0; });
+    stored = empty ? BrickSlice::kEmpty : count++;
+    if (!empty)
+      values.insert(values.end(), from, from + BrickSlice::kVoxels);
+  }
+  out->assign(std::move(index), std::move(values));
+  return out;
+}
+
+/// How many steps keep the optical depth of each at 1.3 on the longest way through a cell.
+int stepsOf(const BrickSlice& slice, const CellGrid& cells) {
+  constexpr double kMostDepth = 1.3, kMostSteps = 64;
+  double largest = 0;
+  for (std::size_t b = 0; b < slice.storedBricks(); ++b) {
+    const float* brick = slice.brick(static_cast<std::int32_t>(b));
+    largest = std::max<double>(largest, *std::max_element(brick, brick + BrickSlice::kVoxels));
+  }
+  const double steps = std::ceil(largest * cells.cell.norm() / kMostDepth);
+  return static_cast<int>(steps < kMostSteps ? std::max(steps, 1.0) : kMostSteps);
+}
+
+/// 1 where a corner, or one beside it along any axes, is not 0; of the corners of one brick.
+void markNeeded(const float* values, std::array<std::uint8_t, kShadedCorners>& marks) {
+  for (int i = 0; i < kShadedCorners; ++i) marks[static_cast<std::size_t>(i)] = values[i] != 0;
+  for (const int stride : {1, kShadedSide, kShadedSide * kShadedSide}) {
+    const auto before = marks;
+    for (int i = 0; i < kShadedCorners; ++i) {
+      const int place = i / stride % kShadedSide;
+      auto& mark = marks[static_cast<std::size_t>(i)];
+      if (place > 0)
+        mark |= before[static_cast<std::size_t>(i - stride)];
+      if (place < kShadedSide - 1)
+        mark |= before[static_cast<std::size_t>(i + stride)];
+    }
+  }
+}
+
+Polynomial product(const Cubic& a, const Cubic& b) {
+  Polynomial out;
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = 0; j < 4; ++j) out.c[i + j] += a.c[i] * b.c[j];
+  }
+  return out;
+}
+
+}  // namespace
+
+struct ShadedVoxels::Counters {
+  std::atomic<std::uint64_t> voxels{0};
+  std::atomic<std::uint64_t> bricksVisited{0};
+  std::atomic<std::uint64_t> bricksSkipped{0};
+};
+
+ShadedVoxels::ShadedVoxels(std::shared_ptr<const BrickSlice> slice)
+    : slice_(std::move(slice)),
+      extinction_(firstChannel(*slice_), 0, 1),
+      cells_(voxels::cellsOf(*slice_)),
+      occupied_(voxels::occupiedCells(*slice_, cells_)),
+      counters_(std::make_shared<Counters>()) {
+  VOLUTE_ASSERT(slice_->basis() == Basis::kTrilinear);
+  VOLUTE_ASSERT(slice_->channels() == 1 || slice_->channels() == 4);
+  auto march = std::make_shared<MarchGrid>(*makeMarchGrid(slice_, cells_, 1, 1));
+  march->values = march->corners.data();
+  march->shaded = true;
+  march->emissionChannel = slice_->channels() == 4 ? 1 : -1;
+  march->steps = stepsOf(*slice_, cells_);
+  march->lightLost = 1e-4F;
+  corners_ = findCorners(*march, cells_);
+  march_ = std::move(march);
+}
+
+std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCorners(const MarchGrid& grid,
+                                                                       const CellGrid& cells) {
+  auto corners = std::make_shared<Corners>();
+  corners->number.assign(grid.table.size(), -1);
+  std::vector<std::size_t> entries;
+  for (std::size_t entry = 0; entry < grid.table.size(); ++entry) {
+    if (grid.table[entry] < 0)
+      continue;
+    corners->number[entry] = static_cast<std::int32_t>(entries.size());
+    corners->begins.push_back(grid.table[entry]);
+    entries.push_back(entry);
+  }
+  corners->ofBrick.assign(entries.size() * kShadedCorners, -1);
+  std::vector<std::array<std::uint8_t, kShadedCorners>> marks(entries.size());
+  parallelRanges(entries.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b)
+      markNeeded(grid.values + corners->begins[b], marks[b]);
+  });
+  for (std::size_t b = 0; b < entries.size(); ++b) {
+    const auto entry = static_cast<int>(entries[b]);
+    const int brick[3] = {entry % grid.tableStride[1] - 1,
+                          entry % grid.tableStride[2] / grid.tableStride[1] - 1,
+                          entry / grid.tableStride[2] - 1};
+    std::int32_t* out = &corners->ofBrick[b * kShadedCorners];
+    for (int i = 0; i < kShadedCorners; ++i) {
+      if (!marks[b][static_cast<std::size_t>(i)])
+        continue;
+      const int place[3] = {i % kShadedSide, i / kShadedSide % kShadedSide,
+                            i / kShadedSide / kShadedSide};
+      // One that a brick before has too is that one's.
+      for (int way = 1; way < 8 && out[i] < 0; ++way) {
+        int other = entry, there = i;
+        bool shared = true;
+        for (int axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
+          if (!(way >> axis & 1))
+            continue;
+          shared = shared && place[axis] == 0;
+          other -= grid.tableStride[axis];
+          there += BrickSlice::kSide * stride;
+        }
+        if (!shared)
+          continue;
+        const std::int32_t before = corners->number[static_cast<std::size_t>(other)];
+        if (before >= 0)
+          out[i] = corners->ofBrick[static_cast<std::size_t>(before) * kShadedCorners +
+                                    static_cast<std::size_t>(there)];
+      }
+      if (out[i] >= 0)
+        continue;
+      out[i] = static_cast<std::int32_t>(corners->points.size());
+      Vec3 point;
+      for (int axis = 0; axis < 3; ++axis)
+        point[axis] = cells.plane(axis, brick[axis] * BrickSlice::kSide + place[axis]);
+      corners->points.push_back(point);
+      corners->places.push_back({brick[0] * BrickSlice::kSide + place[0],
+                                 brick[1] * BrickSlice::kSide + place[1],
+                                 brick[2] * BrickSlice::kSide + place[2]});
+    }
+  }
+  return corners;
+}
+
+std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& place) const {
+  // A corner that bricks share is at 0 in one of them, and at 8 in those before.
+  for (int way = 0; way < 8; ++way) {
+    std::size_t entry = 0;
+    int corner = 0;
+    bool possible = true;
+    for (int axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
+      const std::int32_t at = place[static_cast<std::size_t>(axis)];
+      int brick = at / BrickSlice::kSide, in = at % BrickSlice::kSide;
+      if (way >> axis & 1) {
+        possible = possible && in == 0;
+        --brick, in = BrickSlice::kSide;
+      }
+      possible = possible && at >= 0 && at <= cells_.count[static_cast<std::size_t>(axis)];
+      entry += static_cast<std::size_t>(brick + 1) *
+               static_cast<std::size_t>(march_->tableStride[axis]);
+      corner += in * stride;
+    }
+    if (!possible || entry >= corners_->number.size() || corners_->number[entry] < 0)
+      continue;
+    const std::int32_t point =
+        corners_->ofBrick[static_cast<std::size_t>(corners_->number[entry]) * kShadedCorners +
+                          static_cast<std::size_t>(corner)];
+    if (point >= 0)
+      return point;
+  }
+  return -1;
+}
+
+std::vector<Rgb> ShadedVoxels::forMeans(std::span<const Rgb> light) const {
+  std::vector<Rgb> out(light.size());
+  parallelRanges(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Rgb differences = Rgb::Zero();
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        auto before = corners_->places[i], after = before;
+        --before[axis], ++after[axis];
+        const std::int32_t a = pointAt(before), b = pointAt(after);
+        if (a >= 0 && b >= 0)
+          differences += light[static_cast<std::size_t>(a)] + light[static_cast<std::size_t>(b)] -
+                         2 * light[i];
+      }
+      out[i] = (light[i] - differences / 12).max(0.5 * light[i]).min(1.5 * light[i]);
+    }
+  });
+  return out;
+}
+
+ShadedVoxels ShadedVoxels::withLight(std::span<const Rgb> light) const {
+  VOLUTE_ASSERT(light.size() == corners_->points.size());
+  ShadedVoxels lit = *this;
+  Rgb largest = Rgb::Zero();
+  for (const Rgb& one : light) largest = largest.max(one);
+  if (!(largest.maxCoeff() > 0)) {
+    lit.light_ = nullptr;
+    return lit;
+  }
+  lit.light_ = std::make_shared<const std::vector<Rgb>>(light.begin(), light.end());
+  const int channels = slice_->channels();
+  auto march = std::make_shared<MarchGrid>(*march_);
+  march->lightChannel = channels;
+  // As the march unpacks it: squares of whole numbers up to these.
+  constexpr double kLevels[3] = {2047, 2047, 1023};
+  for (int c = 0; c < 3; ++c)
+    march->lightScale[c] = static_cast<float>(largest[c] / (kLevels[c] * kLevels[c]));
+  const std::size_t bricks = corners_->begins.size();
+  const auto from = static_cast<std::size_t>(channels) * kShadedCorners;
+  const auto to = static_cast<std::size_t>(channels + 1) * kShadedCorners;
+  march->fits = march->fits && bricks * to < std::numeric_limits<std::int32_t>::max();
+  if (!march->fits)
+    return lit;  // by pieces
+  march->corners.assign(bricks * to, 0);
+  march->values = march->corners.data();
+  parallelRanges(bricks, 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      float* out = &march->corners[b * to];
+      out = std::copy_n(march_->values + corners_->begins[b], from, out);
+      const std::int32_t* points = &corners_->ofBrick[b * kShadedCorners];
+      for (int i = 0; i < kShadedCorners; ++i, ++out) {
+        if (points[i] >= 0)
+          *out = packLight(light[static_cast<std::size_t>(points[i])] / largest.max(1e-300));
+      }
+    }
+  });
+  for (std::size_t entry = 0; entry < march->table.size(); ++entry) {
+    if (corners_->number[entry] >= 0) {
+      march->table[entry] = static_cast<std::int32_t>(
+          static_cast<std::size_t>(corners_->number[entry]) * to);
+    }
+  }
+  lit.march_ = std::move(march);
+  return lit;
+}
+
+Rgb ShadedVoxels::lightAt(const std::array<int, 3>& cell, int corner) const {
+  std::size_t entry = 0;
+  int place = 0;
+  for (int axis = 0, stride = 1; axis < 3; ++axis, stride *= kShadedSide) {
+    entry += static_cast<std::size_t>(cell[static_cast<std::size_t>(axis)] / BrickSlice::kSide + 1) *
+             static_cast<std::size_t>(march_->tableStride[axis]);
+    place += (cell[static_cast<std::size_t>(axis)] % BrickSlice::kSide + (corner >> axis & 1)) *
+             stride;
+  }
+  const std::int32_t brick = corners_->number[entry];
+  if (!light_ || brick < 0)
+    return Rgb::Zero();
+  const std::int32_t point = corners_->ofBrick[static_cast<std::size_t>(brick) * kShadedCorners +
+                                               static_cast<std::size_t>(place)];
+  return point < 0 ? Rgb(Rgb::Zero()) : (*light_)[static_cast<std::size_t>(point)];
+}
+
+Rgb ShadedVoxels::emission(const Vec3& point) const {
+  Rgb sent = Rgb::Zero();
+  if (!bounds().contains(point))
+    return sent;
+  const auto cell = cells_.cellAt(point);
+  const auto shares = voxels::cornerShares(voxels::placeInCell(cells_, cell, point));
+  Rgb light = Rgb::Zero();
+  double extinction = 0;
+  for (int i = 0; i < 8; ++i) {
+    const auto& [dx, dy, dz] = voxels::kCorners[static_cast<std::size_t>(i)];
+    const double share = shares[static_cast<std::size_t>(i)];
+    const int x = cell[0] + dx, y = cell[1] + dy, z = cell[2] + dz;
+    extinction += share * slice_->value(x, y, z, 0);
+    light += share * lightAt(cell, i);
+    for (int c = 0; c < 3 && slice_->channels() == 4; ++c)
+      sent[c] += share * slice_->value(x, y, z, 1 + c);
+  }
+  return sent + extinction * light;
+}
+
+void ShadedVoxels::pieces(std::span<const Segment> segments,
+                          std::span<std::vector<Piece>> pieces) const {
+  const int channels = slice_->channels();
+  for (std::size_t s = 0; s < segments.size(); ++s) {
+    pieces[s].clear();
+    const CellGrid& grid = cells_;
+    traverseCells(grid, occupied_, segments[s],
+                  [&](const std::array<int, 3>& cell, double begin, double end) {
+                    const voxels::InCell ray(grid, cell, segments[s], begin, end);
+                    std::array<std::array<double, 8>, 7> values{};
+                    bool empty = true;
+                    for (std::size_t i = 0; i < 8; ++i) {
+                      const auto& [dx, dy, dz] = voxels::kCorners[i];
+                      for (int c = 0; c < channels; ++c) {
+                        const double value =
+                            slice_->value(cell[0] + dx, cell[1] + dy, cell[2] + dz, c);
+                        values[static_cast<std::size_t>(c)][i] = value;
+                        empty = empty && value == 0;
+                      }
+                    }
+                    if (empty)
+                      return;
+                    for (int i = 0; i < 8 && light_; ++i) {
+                      const Rgb light = lightAt(cell, i);
+                      for (std::size_t c = 0; c < 3; ++c)
+                        values[4 + c][static_cast<std::size_t>(i)] =
+                            light[static_cast<Eigen::Index>(c)];
+                    }
+                    Piece piece{begin, end, {}, {}, 0};
+                    const Cubic extinction = voxels::cornerCubic(ray, values[0]);
+                    piece.extinction = extinction;
+                    for (std::size_t c = 0; c < 3; ++c) {
+                      piece.emission[c] = voxels::cornerCubic(ray, values[1 + c]);
+                      if (light_)
+                        piece.emission[c] +=
+                            product(extinction, voxels::cornerCubic(ray, values[4 + c]));
+                    }
+                    pieces[s].push_back(piece);
+                  });
+  }
+}
+
+void ShadedVoxels::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
+  if (!march_->fits || (light_ && march_->lightChannel < 0))
+    return radianceByPieces(*this, segments, out);
+  MarchCounts counts;
+  if (march_->lightChannel < 0 && march_->emissionChannel < 0) {
+    extinction_.radiance(segments, out);
+    return;
+  }
+  marchRadiance(*march_, cells_, occupied_, segments, out, counts);
+  counters_->voxels += counts.voxels;
+  counters_->bricksVisited += counts.bricksVisited;
+  counters_->bricksSkipped += counts.bricksSkipped;
+}
+
+MarchCounts ShadedVoxels::counts() const {
+  return {counters_->voxels, counters_->bricksVisited, counters_->bricksSkipped};
+}
+
+}  // namespace volute

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "volute/grid/voxel_medium.hpp"
+
+namespace volute {
+
+/// One instant of a volume that absorbs, may send light of its own, and may scatter light that
+/// reaches it:
+///   extinction = K,   emission = J + K * L
+/// with K [1/m], J [radiance/m] and L, the light that a unit of extinction scatters towards the eye
+/// [radiance], each interpolated between voxel centres; K and J fall to zero one voxel beyond the
+/// outer ones. So the light along a ray is exact for the three: pieces() has them as polynomials.
+///
+/// A Medium and FastMedium. Cheap to copy: what it holds is shared and const.
+class ShadedVoxels {
+ public:
+  /// @param slice  of the trilinear basis, in channels K, or K and J's red, green and blue; K >= 0.
+  /// It scatters nothing.
+  explicit ShadedVoxels(std::shared_ptr<const BrickSlice> slice);
+
+  /// Where light is to be known: the centres of all voxels in cells in which K is not zero, up to
+  /// one voxel outside of the volume [m].
+  const std::vector<Vec3>& lightPoints() const { return corners_->points; }
+
+  /// From light at each of lightPoints() what L is to be there, so that between them its means are
+  /// right to the fourth order: less a twelfth of its second differences. What is interpolated
+  /// between values of e^-t would else be too bright everywhere.
+  std::vector<Rgb> forMeans(std::span<const Rgb> light) const;
+
+  /// The same with light: L at each of lightPoints().
+  ShadedVoxels withLight(std::span<const Rgb> light) const;
+
+  Box3 bounds() const { return extinction_.bounds(); }
+
+  double extinction(const Vec3& point) const { return extinction_.extinction(point); }
+
+  Rgb emission(const Vec3& point) const;
+
+  void opticalDepth(std::span<const Segment> segments, std::span<double> depths) const {
+    extinction_.opticalDepth(segments, depths);
+  }
+
+  /// One for each cell that is not all zero.
+  void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
+
+  /// In float and SIMD: two Gauss points for each step of an optical depth of at most 1.3, and light
+  /// as 11, 11 and 10 bits of its square root; within 1e-3 of the brightest of the pieces' light. A
+  /// ray that has lost all but 1e-4 of its light ends there.
+  void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
+
+  /// What absorbs in it, and sends nothing: for light on its way to somewhere.
+  const VoxelMedium& absorption() const { return extinction_; }
+
+  /// K, and J where there is one.
+  const BrickSlice& slice() const { return *slice_; }
+
+  MarchCounts counts() const;
+
+ private:
+  /// The corners of a brick of cells, 9 a side, and which of points is at each; -1: none is needed.
+  struct Corners {
+    std::vector<Vec3> points;
+    std::vector<std::array<std::int32_t, 3>> places;  ///< of the points, in cells
+    std::vector<std::int32_t> ofBrick;  ///< shape (bricks, 9, 9, 9)
+    std::vector<std::int32_t> begins;   ///< of each brick's values in the march
+    std::vector<std::int32_t> number;   ///< of the brick at each entry of the march's table; or -1
+  };
+
+  struct Counters;
+
+  /// Which of the points is at a place; -1: none.
+  std::int32_t pointAt(const std::array<std::int32_t, 3>& place) const;
+
+  static std::shared_ptr<const Corners> findCorners(const MarchGrid& grid, const CellGrid& cells);
+
+  /// L at a corner of a cell; 0 where it is not known.
+  Rgb lightAt(const std::array<int, 3>& cell, int corner) const;
+
+  std::shared_ptr<const BrickSlice> slice_;
+  VoxelMedium extinction_;
+  CellGrid cells_;
+  CellRange occupied_;
+  std::shared_ptr<const MarchGrid> march_;
+  std::shared_ptr<const Corners> corners_;
+  std::shared_ptr<const std::vector<Rgb>> light_;  ///< at corners_->points; or null
+  std::shared_ptr<Counters> counters_;
+};
+
+}  // namespace volute

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/grid/shaded_voxels.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "volute/grid/voxel_march.hpp"
+#include "volute/medium/conformance.hpp"
+#include "volute/medium/integrate.hpp"
+
+namespace volute {
+namespace {
+
+/// Some voxels of 0..1, others empty, in two bricks and a bit on each axis.
+ShadedVoxels shadedMedium(int channels, bool lit, bool grey = false) {
+  VolumeInfo info;
+  info.x = 18, info.y = 17, info.z = 9;
+  info.channels = channels;
+  info.bounds = {Vec3(-1, 0.5, 2), Vec3(1, 2, 3)};
+  info.basis = Basis::kTrilinear;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  std::vector<float> values(info.frameValues());
+  for (float& value : values) value = 4 * std::max(0.0F, uniform(random));
+  const ShadedVoxels dark(
+      std::make_shared<BrickSlice>(BrickSlice::fromDense(info, values)));
+  if (!lit)
+    return dark;
+  std::vector<Rgb> light;
+  for (const Vec3& p : dark.lightPoints()) {
+    const double a = std::exp(p.x()), b = 1 + std::sin(3 * p.y());
+    light.push_back(grey ? a * Rgb(1, 0.5, 0.25) : Rgb(a, b, 0.3));
+  }
+  return dark.withLight(light);
+}
+
+conformance::MediumUnderTest shadedUnderTest(int channels, bool lit, bool grey = false) {
+  const ShadedVoxels medium = shadedMedium(channels, lit, grey);
+  conformance::Traits traits;
+  const BrickSlice& slice = medium.slice();
+  const std::array<int, 3> count{slice.x(), slice.y(), slice.z()};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double voxel = slice.bounds().size()[axis] / count[static_cast<std::size_t>(axis)];
+    for (int i = 0; i < count[static_cast<std::size_t>(axis)]; ++i)
+      traits.planes[static_cast<std::size_t>(axis)].push_back(medium.bounds().min[axis] +
+                                                              (i + 1) * voxel);
+  }
+  traits.tolerance.closedForm = 1e-3;  // of the fast path, as it says
+  return conformance::underTest(medium, traits);
+}
+
+VOLUTE_CONFORMANCE(ShadedGlowing, shadedUnderTest(4, false));
+VOLUTE_CONFORMANCE(ShadedLit, shadedUnderTest(1, true));
+VOLUTE_CONFORMANCE(ShadedGlowingAndLit, shadedUnderTest(4, true));
+VOLUTE_CONFORMANCE(ShadedLitInOneColour, shadedUnderTest(1, true, true));
+
+TEST(ShadedVoxels, AsksForLightOnceAtEachCornerThatNeedsIt) {
+  VolumeInfo info;
+  info.x = info.y = info.z = 24;
+  info.bounds = {Vec3::Zero(), Vec3::Constant(24)};
+  info.basis = Basis::kTrilinear;
+  std::vector<float> values(info.frameValues(), 0);
+  // In four bricks of cells, and at the volume's corner.
+  for (const auto& [x, y, z] : {std::array{7, 7, 3}, std::array{23, 23, 23}})
+    values[(static_cast<std::size_t>(z) * 24 + y) * 24 + x] = 1;
+  const ShadedVoxels medium(std::make_shared<BrickSlice>(BrickSlice::fromDense(info, values)));
+  const auto& points = medium.lightPoints();
+  EXPECT_EQ(points.size(), 54U);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double near = std::min((points[i] - Vec3(7.5, 7.5, 3.5)).cwiseAbs().maxCoeff(),
+                                 (points[i] - Vec3::Constant(23.5)).cwiseAbs().maxCoeff());
+    EXPECT_LE(near, 1 + 1e-9);
+    for (std::size_t j = 0; j < i; ++j) EXPECT_GT((points[i] - points[j]).norm(), 0.5);
+  }
+}
+
+TEST(ShadedVoxels, FastPathIsWithinItsErrorWhereLightIsLost) {
+  const ShadedVoxels medium = shadedMedium(4, true);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-0.5, 0.5);
+  std::vector<Segment> rays;
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 from(-3, 1 + uniform(random), 2.5 + uniform(random));
+    const Vec3 to(3, 1 + uniform(random), 2.5 + uniform(random));
+    rays.push_back({from, (to - from).normalized(), 0, 10});
+  }
+  std::vector<Radiance> fast(rays.size()), exact(rays.size());
+  medium.radiance(rays, fast);
+  radianceByPieces(medium, rays, exact);
+  double brightest = 0;
+  for (const Radiance& one : exact) brightest = std::max(brightest, one.emitted.maxCoeff());
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    EXPECT_LE((fast[i].emitted - exact[i].emitted).abs().maxCoeff(), 1e-3 * brightest);
+    EXPECT_NEAR(fast[i].transmittance, exact[i].transmittance, 1e-3);
+  }
+}
+
+TEST(ShadedVoxels, PackedLightIsWithinItsBits) {
+  for (double share = 0; share <= 1; share += 0.001) {
+    const Rgb back = unpackLight(packLight({share, share * share, 1 - share}));
+    EXPECT_NEAR(back[0], share, std::sqrt(share) / 2047 + 1e-6);
+    EXPECT_NEAR(back[1], share * share, share / 2047 + 1e-6);
+    EXPECT_NEAR(back[2], 1 - share, std::sqrt(1 - share) / 1023 + 1e-6);
+  }
+}
+
+TEST(ShadedVoxels, LightForMeansHasTheMeansOfExponentials) {
+  // Light that falls by e^-.5 a voxel along x, as in thick smoke.
+  VolumeInfo info;
+  info.x = info.y = info.z = 16;
+  info.bounds = {Vec3::Zero(), Vec3::Constant(16)};
+  info.basis = Basis::kTrilinear;
+  const std::vector<float> values(info.frameValues(), 1);
+  const ShadedVoxels medium(std::make_shared<BrickSlice>(BrickSlice::fromDense(info, values)));
+  std::vector<Rgb> light;
+  for (const Vec3& p : medium.lightPoints()) light.push_back(Rgb::Constant(std::exp(-0.5 * p.x())));
+  const auto mean = [&](const std::vector<Rgb>& values) {
+    double sum = 0;  // over the cell from 7.5 to 8.5
+    const ShadedVoxels lit = medium.withLight(values);
+    for (int i = 0; i < 100; ++i) sum += lit.emission({7.5 + (i + 0.5) / 100, 8, 8})[0] / 100;
+    return sum;
+  };
+  const double exact = (std::exp(-0.5 * 7.5) - std::exp(-0.5 * 8.5)) / 0.5;
+  EXPECT_GT(mean(light), 1.015 * exact);
+  EXPECT_NEAR(mean(medium.forMeans(light)), exact, 1e-3 * exact);
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/image/picture_style.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "volute/base/parallel.hpp"
+#include "volute/image/srgb.hpp"
+
+namespace volute {
+namespace {
+
+using Matrix = Eigen::Matrix3d;
+
+/// Before a tone curve: how bright the brightest are, and how bright half of what is lit at most.
+constexpr double kToneKey = 3, kToneMiddle = 0.6;
+
+const Matrix& hillIn() {
+  static const Matrix m = (Matrix() << 0.59719, 0.35458, 0.04823,  //
+                           0.07600, 0.90834, 0.01566,              //
+                           0.02840, 0.13383, 0.83777)
+                              .finished();
+  return m;
+}
+
+const Matrix& hillOut() {
+  static const Matrix m = (Matrix() << 1.60475, -0.53108, -0.07367,  //
+                           -0.10208, 1.10813, -0.00605,              //
+                           -0.00327, -0.07276, 1.07602)
+                              .finished();
+  return m;
+}
+
+double hillCurve(double v) {
+  return (v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081);
+}
+
+const Matrix& agxIn() {
+  static const Matrix m =
+      (Matrix() << 0.842479062253094, 0.0784335999999992, 0.0792237451477643,  //
+       0.0423282422610123, 0.878468636469772, 0.0791661274605434,              //
+       0.0423756549057051, 0.0784336, 0.879142973793104)
+          .finished();
+  return m;
+}
+
+const Matrix& agxOut() {
+  static const Matrix m = agxIn().inverse();
+  return m;
+}
+
+/// The sigmoid over a logarithmic scale of 16.5 stops, 10 of them below middle grey.
+double agxCurve(double light) {
+  constexpr double kLeast = -12.47393, kMost = 4.026069;
+  const double x =
+      std::clamp((std::log2(std::max(light, 1e-10)) - kLeast) / (kMost - kLeast), 0.0, 1.0);
+  return ((((((15.5 * x - 40.14) * x + 31.96) * x - 6.868) * x + 0.4298) * x) + 0.1191) * x -
+         0.00232;
+}
+
+Rgb unitClamped(const Eigen::Vector3d& v) {
+  return Rgb(v.array().max(0).min(1));
+}
+
+/// Deviation in pixels, cut off at three of it; sums to 1.
+std::vector<float> gaussian(double deviation) {
+  const int reach = std::max(1, static_cast<int>(std::ceil(3 * deviation)));
+  std::vector<double> weights;
+  double sum = 0;
+  for (int i = -reach; i <= reach; ++i) {
+    weights.push_back(std::exp(-0.5 * i * i / (deviation * deviation)));
+    sum += weights.back();
+  }
+  std::vector<float> out;
+  for (const double weight : weights) out.push_back(static_cast<float>(weight / sum));
+  return out;
+}
+
+/// A place beyond a border counts as its mirror image: what goes out comes back.
+int mirrored(int i, int count) {
+  const int period = 2 * count;
+  const int at = ((i % period) + period) % period;
+  return at < count ? at : period - 1 - at;
+}
+
+/// Along lines of `count` pixels, `stride` values apart.
+void blurLines(const std::vector<float>& from, std::vector<float>& to, int lines, int lineStride,
+               int count, int stride, const std::vector<float>& weights) {
+  const int reach = static_cast<int>(weights.size() / 2);
+  parallelRanges(static_cast<std::size_t>(lines), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t line = begin; line < end; ++line) {
+      const std::size_t first = line * static_cast<std::size_t>(lineStride);
+      for (int i = 0; i < count; ++i) {
+        float sum = 0;
+        for (int k = -reach; k <= reach; ++k) {
+          sum += weights[static_cast<std::size_t>(k + reach)] *
+                 from[first + static_cast<std::size_t>(mirrored(i + k, count)) * stride];
+        }
+        to[first + static_cast<std::size_t>(i) * stride] = sum;
+      }
+    }
+  });
+}
+
+/// One channel of a picture.
+std::vector<float> blurred(std::vector<float> plane, int width, int height, double deviation) {
+  const auto weights = gaussian(deviation);
+  std::vector<float> other(plane.size());
+  blurLines(plane, other, height, width, width, 1, weights);
+  blurLines(other, plane, width, 1, height, width, weights);
+  return plane;
+}
+
+/// A wide Gaussian costs little on a smaller picture: 4 x 4 pixels become one, and are spread again
+/// evenly over them by two more passes.
+std::vector<float> blurredWide(const std::vector<float>& plane, int width, int height,
+                               double deviation) {
+  constexpr int kStep = 4;
+  constexpr double kFine = 8;  // [pixels]
+  if (deviation < kFine || width % kStep != 0 || height % kStep != 0)
+    return blurred(plane, width, height, deviation);
+  const int w = width / kStep, h = height / kStep;
+  std::vector<float> small(static_cast<std::size_t>(w) * h, 0);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      small[static_cast<std::size_t>(y / kStep) * w + x / kStep] +=
+          plane[static_cast<std::size_t>(y) * width + x] / (kStep * kStep);
+    }
+  }
+  small = blurred(std::move(small), w, h, deviation / kStep);
+  std::vector<float> wide(plane.size());
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      wide[static_cast<std::size_t>(y) * width + x] =
+          small[static_cast<std::size_t>(y / kStep) * w + x / kStep];
+    }
+  }
+  return blurred(std::move(wide), width, height, kStep / 2.0);
+}
+
+}  // namespace
+
+std::string_view nameOf(ToneCurve tone) {
+  constexpr std::string_view kNames[] = {"none", "filmic", "agx"};
+  return kNames[static_cast<std::size_t>(tone)];
+}
+
+Rgb toneMapped(ToneCurve tone, const Rgb& light) {
+  if (tone == ToneCurve::kNone)
+    return light;
+  constexpr double kMost = 1e12;  // beyond it curves are level
+  Eigen::Vector3d v;
+  for (int c = 0; c < 3; ++c) v[c] = light[c] > 0 ? std::min(light[c], kMost) : 0;
+  if (tone == ToneCurve::kFilmic) {
+    const Eigen::Vector3d in = hillIn() * v;
+    return unitClamped(hillOut() * in.unaryExpr(&hillCurve));
+  }
+  const Eigen::Vector3d in = agxIn() * v;
+  const Rgb shown = unitClamped(agxOut() * in.unaryExpr(&agxCurve));
+  return shown.pow(2.2);
+}
+
+Image withGlow(const Image& image, double share) {
+  constexpr double kDeviations[] = {1 / 200.0, 1 / 50.0, 1 / 12.0};
+  Image out = image;
+  const std::size_t pixels = static_cast<std::size_t>(image.width) * image.height;
+  std::vector<float> plane(pixels);
+  const auto channels = static_cast<std::size_t>(image.channels);
+  for (std::size_t c = 0; c < channels; ++c) {
+    for (std::size_t i = 0; i < pixels; ++i) plane[i] = image.pixels[i * channels + c];
+    for (std::size_t i = 0; i < pixels; ++i)
+      out.pixels[i * channels + c] = static_cast<float>((1 - share) * plane[i]);
+    for (const double deviation : kDeviations) {
+      const auto spread =
+          blurredWide(plane, image.width, image.height, deviation * image.height);
+      for (std::size_t i = 0; i < pixels; ++i)
+        out.pixels[i * channels + c] += static_cast<float>(share / 3) * spread[i];
+    }
+  }
+  return out;
+}
+
+void dither(Image& image) {
+  static const auto kShown = [] {
+    std::array<float, 256> shown{};
+    for (std::size_t i = 0; i < 256; ++i)
+      shown[i] = static_cast<float>(srgbDecode(static_cast<double>(i) / 255));
+    return shown;
+  }();
+  constexpr double kRight = 0.7548776662466927, kDown = 0.5698402909980532, kChannel = 1 / 3.0;
+  parallelRanges(static_cast<std::size_t>(image.height), 16,
+                 [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        for (int c = 0; c < image.channels; ++c) {
+          const double place = kRight * x + kDown * static_cast<double>(y) + kChannel * c;
+          const double threshold = place - std::floor(place);
+          float& value = image.at(x, static_cast<int>(y), c);
+          // The rounding of what a display shows as it is must not push it to its neighbour.
+          constexpr double kRounding = 1e-4;
+          const double level = 255 * srgbEncode(value);
+          const double whole = std::floor(level + kRounding);
+          const double rest = std::max(level - whole, 0.0);
+          const double shown = whole + (rest > kRounding && rest > threshold ? 1 : 0);
+          value = kShown[static_cast<std::size_t>(std::min(shown, 255.0))];
+        }
+      }
+    }
+  });
+}
+
+Image developed(Image light, const PictureStyle& style) {
+  if (style.exposure != 1)
+    light = exposed(std::move(light), style.exposure);
+  if (style.glow > 0)
+    light = withGlow(light, style.glow);
+  if (style.tone != ToneCurve::kNone) {
+    const auto channels = static_cast<std::size_t>(light.channels);
+    parallelRanges(light.pixels.size() / channels, 1 << 13,
+                   [&](std::size_t begin, std::size_t end) {
+                     for (std::size_t i = begin; i < end; ++i) {
+                       float* pixel = &light.pixels[i * channels];
+                       const Rgb shown =
+                           toneMapped(style.tone, {pixel[0], pixel[channels > 2 ? 1 : 0],
+                                                   pixel[channels > 2 ? 2 : 0]});
+                       for (std::size_t c = 0; c < channels; ++c)
+                         pixel[c] = static_cast<float>(shown[static_cast<Eigen::Index>(c)]);
+                     }
+                   });
+  }
+  if (style.dither)
+    dither(light);
+  return light;
+}
+
+std::vector<std::uint8_t> edgePixels(const Image& shown) {
+  constexpr float kLevels = 12;
+  const int width = shown.width, height = shown.height, channels = shown.channels;
+  const auto bytes = toSrgb8(shown);
+  std::vector<std::uint8_t> edges(static_cast<std::size_t>(width) * height, 0);
+  parallelRanges(static_cast<std::size_t>(height), 16, [&](std::size_t begin, std::size_t end) {
+    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      for (int x = 0; x < width; ++x) {
+        const auto level = [&](int column, int row, int c) {
+          const int i = std::clamp(column, 0, width - 1), j = std::clamp(row, 0, height - 1);
+          return static_cast<float>(
+              bytes[(static_cast<std::size_t>(j) * width + i) * channels + c]);
+        };
+        bool edge = false;
+        for (int c = 0; c < channels && !edge; ++c) {
+          const float twice = 2 * level(x, y, c);
+          edge = std::abs(twice - level(x - 1, y, c) - level(x + 1, y, c)) > kLevels ||
+                 std::abs(twice - level(x, y - 1, c) - level(x, y + 1, c)) > kLevels;
+        }
+        edges[static_cast<std::size_t>(y) * width + x] = edge;
+      }
+    }
+  });
+  return edges;
+}
+
+double suggestExposure(const std::vector<Image>& pictures, ToneCurve tone, double share) {
+  Image all;
+  for (const Image& picture : pictures)
+    all.pixels.insert(all.pixels.end(), picture.pixels.begin(), picture.pixels.end());
+  std::erase_if(all.pixels, [](float v) { return !(v > 0 && std::isfinite(v)); });
+  if (all.pixels.empty())
+    return 1;
+  const double bright = 1 / suggestExposure(all, share);
+  if (tone == ToneCurve::kNone)
+    return 1 / bright;
+  constexpr double kFaint = 0.01;  // of the brightest: counts as dark
+  std::erase_if(all.pixels, [&](float v) { return v < kFaint * bright; });
+  const double middle = 1 / suggestExposure(all, 0.5);
+  return std::min(kToneKey / bright, kToneMiddle / middle);
+}
+
+}  // namespace volute

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/image/picture_style.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <numeric>
+
+#include "volute/image/srgb.hpp"
+
+namespace volute {
+namespace {
+
+/// A second writing of Hill's curve, from its publication: rows of both matrices, and the fit.
+double hillGrey(double v) {
+  const double in = v * (0.59719 + 0.35458 + 0.04823);
+  const double a = in * (in + 0.0245786) - 0.000090537;
+  const double b = in * (0.983729 * in + 0.4329510) + 0.238081;
+  return a / b * (1.60475 - 0.53108 - 0.07367);
+}
+
+TEST(Tone, FilmicGreyFollowsTheFit) {
+  for (const double v : {0.01, 0.18, 0.5, 1.0, 4.0, 30.0}) {
+    const Rgb shown = toneMapped(ToneCurve::kFilmic, Rgb::Constant(v));
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(shown[c], std::min(1.0, hillGrey(v)), 2e-4) << v;
+  }
+}
+
+TEST(Tone, AgxShowsMiddleGreyAndItsEnds) {
+  // 0.18 is at 10 of 16.5 stops: the polynomial there, to the power of 2.2.
+  const double x = 10 / 16.5;
+  const double sigmoid = 15.5 * std::pow(x, 6) - 40.14 * std::pow(x, 5) + 31.96 * std::pow(x, 4) -
+                         6.868 * std::pow(x, 3) + 0.4298 * x * x + 0.1191 * x - 0.00232;
+  // Rows of the matrix sum to 1 + 1e-4.
+  EXPECT_NEAR(toneMapped(ToneCurve::kAgx, Rgb::Constant(0.18))[1], std::pow(sigmoid, 2.2), 2e-4);
+  EXPECT_NEAR(toneMapped(ToneCurve::kAgx, Rgb::Zero())[0], 0, 1e-9);
+  EXPECT_NEAR(toneMapped(ToneCurve::kAgx, Rgb::Constant(1e4))[2], 1, 5e-3);
+}
+
+TEST(Tone, BrightLightGrowsAndLosesItsColour) {
+  const Rgb fire(1, 0.3, 0.02);
+  for (const ToneCurve tone : {ToneCurve::kFilmic, ToneCurve::kAgx}) {
+    double before = -1, purity = 2;
+    for (const double exposure : {0.1, 0.5, 2.0, 8.0, 60.0}) {
+      const Rgb shown = toneMapped(tone, exposure * fire);
+      EXPECT_GE(shown.minCoeff(), 0);
+      EXPECT_LE(shown.maxCoeff(), 1);
+      EXPECT_GE(shown.sum(), before);
+      const double now = 1 - shown.minCoeff() / shown.maxCoeff();
+      EXPECT_LE(now, purity + 1e-9);
+      before = shown.sum(), purity = now;
+    }
+    EXPECT_LT(purity, 0.45) << nameOf(tone);  // yellow that is clipped would have 1
+  }
+}
+
+TEST(Tone, NoneChangesNothingAndOthersTakeAnything) {
+  const Rgb odd(-1, 7, 1e30);
+  EXPECT_TRUE((toneMapped(ToneCurve::kNone, odd) == odd).all());
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const ToneCurve tone : {ToneCurve::kFilmic, ToneCurve::kAgx}) {
+    const Rgb shown = toneMapped(tone, {std::nan(""), inf, -inf});
+    EXPECT_TRUE((shown >= 0).all() && (shown <= 1).all());
+  }
+}
+
+TEST(Glow, KeepsTheSumOfLightAndSpreadsAPoint) {
+  for (const int width : {64, 61}) {
+    Image image(width, 48);
+    image.at(10, 20, 0) = 100, image.at(0, 0, 1) = 7, image.at(width - 1, 47, 2) = 3;
+    const Image out = withGlow(image, 0.3);
+    for (int c = 0; c < 3; ++c) {
+      double before = 0, after = 0;
+      for (int y = 0; y < 48; ++y) {
+        for (int x = 0; x < width; ++x) before += image.at(x, y, c), after += out.at(x, y, c);
+      }
+      EXPECT_NEAR(after, before, 2e-5 * before) << width << " " << c;
+    }
+    EXPECT_GT(out.at(10, 20), 70);
+    EXPECT_GT(out.at(13, 20), 0);
+    EXPECT_LT(out.at(13, 20), out.at(11, 20));
+  }
+}
+
+TEST(Glow, IsLinear) {
+  Image a(32, 24, 1), b(32, 24, 1), both(32, 24, 1);
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    a.pixels[i] = static_cast<float>(i % 7), b.pixels[i] = static_cast<float>((i * i) % 11);
+    both.pixels[i] = 2 * a.pixels[i] + b.pixels[i];
+  }
+  const Image ga = withGlow(a, 0.5), gb = withGlow(b, 0.5), g = withGlow(both, 0.5);
+  for (std::size_t i = 0; i < g.pixels.size(); ++i)
+    EXPECT_NEAR(g.pixels[i], 2 * ga.pixels[i] + gb.pixels[i], 1e-4);
+}
+
+TEST(Dither, KeepsMeansAndHasNoStepAboveOneLevel) {
+  Image image(512, 64, 3);  // a gradient over 12 levels, as a dark sky has it
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = 0; c < 3; ++c)
+        image.at(x, y, c) = static_cast<float>(srgbDecode((20 + 12.0 * x / image.width) / 255));
+    }
+  }
+  Image dithered = image;
+  dither(dithered);
+  const auto bytes = toSrgb8(dithered);
+  double sum = 0;
+  int longest = 0, run = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const std::size_t i = 3 * (static_cast<std::size_t>(y) * 512 + x);
+      const double level = 20 + 12.0 * x / 512;
+      EXPECT_LE(std::abs(bytes[i] - level), 1);
+      sum += bytes[i] - level;
+      const bool same = x > 0 && bytes[i] == bytes[i - 3];
+      run = same ? run + 1 : 0;
+      longest = std::max(longest, run);
+      if (x > 0) {
+        EXPECT_LE(std::abs(bytes[i] - bytes[i - 3]), 1);
+      }
+    }
+  }
+  EXPECT_NEAR(sum / (512 * 64), 0, 0.02);
+  EXPECT_LT(longest, 30);  // rounded, bands are 43 pixels wide
+}
+
+TEST(Dither, LeavesWhatADisplayShows) {
+  Image image(256, 8, 1);
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 256; ++x) image.at(x, y) = static_cast<float>(srgbDecode(x / 255.0));
+  }
+  const auto before = toSrgb8(image);
+  dither(image);
+  EXPECT_EQ(toSrgb8(image), before);
+  Image odd(3, 1, 1);
+  odd.pixels = {std::nanf(""), -2, 1e9F};
+  dither(odd);
+  EXPECT_EQ(toSrgb8(odd), (std::vector<std::uint8_t>{0, 0, 255}));
+}
+
+TEST(Edges, AreStepsAndNotGradients) {
+  Image image(40, 4, 1);
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      const double level = x < 20 ? 8 * x : x < 30 ? 200 : 215;
+      image.at(x, y) = static_cast<float>(srgbDecode(level / 255));
+    }
+  }
+  const auto edges = edgePixels(image);
+  for (int x = 0; x < 40; ++x)
+    EXPECT_EQ(edges[static_cast<std::size_t>(x)], x == 19 || x == 20 || x == 29 || x == 30) << x;
+}
+
+TEST(Style, StepsComeInTheirOrder) {
+  Image light(8, 8, 3);
+  for (std::size_t i = 0; i < light.pixels.size(); ++i)
+    light.pixels[i] = 0.01F * static_cast<float>(i);
+  const PictureStyle style{2, ToneCurve::kFilmic, 0.2, false};
+  const Image shown = developed(light, style);
+  const Image glowing = withGlow(exposed(light, 2), 0.2);
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 8; ++x) {
+      const Rgb expected = toneMapped(
+          ToneCurve::kFilmic, {glowing.at(x, y, 0), glowing.at(x, y, 1), glowing.at(x, y, 2)});
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(shown.at(x, y, c), expected[c], 1e-6);
+    }
+  }
+}
+
+TEST(Style, OneExposureServesAllPictures) {
+  std::vector<Image> pictures(2, Image(10, 10, 1));
+  for (int i = 0; i < 100; ++i) pictures[1].pixels[i] = static_cast<float>(i);
+  EXPECT_DOUBLE_EQ(suggestExposure(pictures, ToneCurve::kNone, 1), 1 / 99.0);
+  EXPECT_NEAR(suggestExposure(pictures, ToneCurve::kFilmic, 1), 0.6 / 50, 2e-4);
+  for (float& value : pictures[1].pixels) value = value > 90 ? 99 : 2;
+  EXPECT_NEAR(suggestExposure(pictures, ToneCurve::kFilmic, 1), 3 / 99.0, 1e-6);
+  EXPECT_EQ(suggestExposure(std::vector<Image>{Image(3, 3)}, ToneCurve::kFilmic), 1);
+}
+
+}  // namespace
+}  // namespace volute

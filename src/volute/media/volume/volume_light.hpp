@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "volute/grid/shaded_voxels.hpp"
+#include "volute/lighting/lamp.hpp"
+
+namespace volute {
+
+/// What a volume does with light, and which light there is, in the volume's own place.
+struct VolumeLighting {
+  Rgb albedo = Rgb::Zero();  ///< share of the extinguished light that is scattered
+  double asymmetry = 0;      ///< g of Henyey and Greenstein's phase function, -1 < g < 1
+  std::vector<Lamp> lamps;
+  Rgb surrounding = Rgb::Zero();  ///< radiance from everywhere beyond the volume
+  Blocks blocks;                  ///< what stands between lamps and volume; may be empty
+  std::vector<Rgb> colors{};      ///< of the albedo, at each light point; empty: none
+  bool ownFire = true;            ///< what the volume emits is light for it, too
+};
+
+/// Single scattering in a volume at one instant:
+///   L(x, w) = albedo (sum over lamps of E(x) exp(-t(x, lamp)) V phase + A(x) + F(x))
+/// with E a lamp's irradiance where nothing is in the way, t the volume's own optical depth towards
+/// it, exact, at the centre of every voxel. A, the share of an even surrounding that arrives, is a
+/// mean over 26 directions, and F, what its own fire sends, a sum over the bricks that emit, each
+/// as a point; both are found at every fourth voxel, and are scattered evenly.
+///
+/// Threads may share it.
+class VolumeLight {
+ public:
+  VolumeLight(ShadedVoxels volume, VolumeLighting lighting);
+
+  /// From where it is seen.
+  struct View {
+    bool parallel = false;
+    Vec3 at = Vec3::Zero();  ///< the eye, or the way that all rays go
+  };
+
+  ShadedVoxels seenFrom(const View& view) const;
+
+  /// Without a direction: scattered evenly.
+  ShadedVoxels seen() const;
+
+  /// Where its own fire is, and how strong: lamps that shine everywhere.
+  static std::vector<Lamp> lampsOf(const ShadedVoxels& volume, std::size_t most);
+
+ private:
+  void gather() const;
+  void addSurrounding() const;
+  ShadedVoxels shaded(const std::optional<View>& view) const;
+
+  ShadedVoxels volume_;
+  VolumeLighting lighting_;
+  mutable std::once_flag gathered_;
+  mutable std::vector<std::vector<float>> lampShares_;  ///< of each lamp, at each light point: 0..1
+  mutable std::vector<Rgb> even_;                       ///< A + F at each light point
+  mutable std::mutex guard_;
+  mutable std::optional<View> lastView_;
+  mutable std::optional<ShadedVoxels> last_;
+};
+
+}  // namespace volute

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/volume/volume_light.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "volute/math/phase_function.hpp"
+#include "volute/math/quadrature.hpp"
+
+namespace volute {
+namespace {
+
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+using Field = std::function<double(const Vec3&)>;
+
+/// A volume of n^3 voxels over -1..1 m, with the field's values at their centres [1/m].
+ShadedVoxels filled(int n, const Field& field, const Field& fire = {}) {
+  VolumeInfo info;
+  info.x = info.y = info.z = n;
+  info.channels = fire ? 4 : 1;
+  info.bounds = {Vec3::Constant(-1), Vec3::Constant(1)};
+  info.basis = Basis::kTrilinear;
+  std::vector<float> values(info.frameValues());
+  for (int z = 0; z < n; ++z) {
+    for (int y = 0; y < n; ++y) {
+      for (int x = 0; x < n; ++x) {
+        const Vec3 at = (Vec3(x, y, z) + Vec3::Constant(0.5)) * 2 / n - Vec3::Ones();
+        float* out = &values[((static_cast<std::size_t>(z) * n + y) * n + x) *
+                             static_cast<std::size_t>(info.channels)];
+        out[0] = static_cast<float>(field(at));
+        for (int c = 1; c < info.channels; ++c) out[c] = static_cast<float>(fire(at));
+      }
+    }
+  }
+  return ShadedVoxels(std::make_shared<BrickSlice>(BrickSlice::fromDense(info, values)));
+}
+
+/// Billows: several soft balls, thick in the middle of each.
+double billows(const Vec3& p) {
+  double sum = 0;
+  for (int i = 0; i < 9; ++i) {
+    const Vec3 centre(0.5 * std::sin(2.4 * i), 0.5 * std::cos(1.7 * i), 0.16 * (i - 4));
+    const double far = (p - centre).norm() / (0.22 + 0.04 * (i % 3));
+    if (far < 1)
+      sum += 9 * std::pow(1 - far * far, 2);
+  }
+  return sum;
+}
+
+/// Trilinear, in double, straight from the voxels; steps of a tenth of a voxel. It shares nothing
+/// with the renderer but the values.
+class BruteForce {
+ public:
+  BruteForce(const BrickSlice& slice, const VolumeLighting& lighting)
+      : slice_(slice), lighting_(lighting), step_(2.0 / slice.x() / 5) {}
+
+  double extinction(const Vec3& p) const {
+    const int n = slice_.x();
+    const Vec3 place = (p + Vec3::Ones()) * n / 2 - Vec3::Constant(0.5);
+    int base[3];
+    double part[3];
+    for (int a = 0; a < 3; ++a) {
+      base[a] = static_cast<int>(std::floor(place[a]));
+      part[a] = place[a] - base[a];
+    }
+    double sum = 0;
+    for (int i = 0; i < 8; ++i) {
+      double share = 1;
+      for (int a = 0; a < 3; ++a) share *= (i >> a & 1) ? part[a] : 1 - part[a];
+      sum += share * slice_.value(base[0] + (i & 1), base[1] + (i >> 1 & 1), base[2] + (i >> 2), 0);
+    }
+    return sum;
+  }
+
+  double depth(const Vec3& from, const Vec3& way, double length) const {
+    const Interval inside = box().intersect(from, way).intersect({0, length});
+    double sum = 0;
+    if (inside.empty())
+      return 0;
+    const int steps = static_cast<int>(std::ceil((inside.end - inside.begin) / step_));
+    const double h = (inside.end - inside.begin) / steps;
+    for (int i = 0; i < steps; ++i) sum += h * extinction(from + (inside.begin + (i + 0.5) * h) * way);
+    return sum;
+  }
+
+  Rgb light(const Segment& ray) const {
+    const Interval inside = box().intersect(ray.origin, ray.direction);
+    Rgb sum = Rgb::Zero();
+    if (inside.empty())
+      return sum;
+    const int steps = static_cast<int>(std::ceil((inside.end - inside.begin) / step_));
+    const double h = (inside.end - inside.begin) / steps;
+    double passed = 1;
+    for (int i = 0; i < steps && passed > 1e-5; ++i) {
+      const Vec3 p = ray.at(inside.begin + (i + 0.5) * h);
+      const double k = extinction(p);
+      if (k == 0)
+        continue;
+      Rgb in = Rgb::Zero();
+      for (const Lamp& lamp : lighting_.lamps) {
+        const Segment to = lamp.towards(p);
+        const double cosine = -to.direction.dot(-ray.direction);
+        in += lamp.irradiance(p) * henyeyGreenstein(lighting_.asymmetry, cosine) *
+              std::exp(-depth(p, to.direction, to.end));
+      }
+      sum += passed * std::exp(-k * h / 2) * k * h * lighting_.albedo * in;
+      passed *= std::exp(-k * h);
+    }
+    return sum;
+  }
+
+ private:
+  Box3 box() const {
+    const double reach = 1 + 1.0 / slice_.x();
+    return {Vec3::Constant(-reach), Vec3::Constant(reach)};
+  }
+
+  const BrickSlice& slice_;
+  const VolumeLighting& lighting_;
+  double step_;
+};
+
+VolumeLighting sunAndPoint() {
+  VolumeLighting lighting;
+  lighting.albedo = Rgb::Constant(0.9);
+  lighting.asymmetry = 0.3;
+  Lamp sun;
+  sun.kind = Lamp::Kind::kSun;
+  sun.direction = Vec3(0.6, 0.3, -0.8).normalized();
+  sun.intensity = Rgb(5, 4.5, 4);
+  Lamp point;
+  point.position = Vec3(-0.9, -1.3, 0.4);
+  point.intensity = Rgb(2, 3, 6);
+  lighting.lamps = {sun, point};
+  return lighting;
+}
+
+TEST(VolumeLight, IsTheBruteForceMarchOnEightViews) {
+  const ShadedVoxels smoke = filled(64, billows);
+  const VolumeLighting lighting = sunAndPoint();
+  const VolumeLight light(smoke, lighting);
+  const BruteForce brute(smoke.slice(), lighting);
+  std::vector<double> errors;
+  double brightest = 0;
+  for (int view = 0; view < 8; ++view) {
+    const double turn = view * std::numbers::pi / 4;
+    const Vec3 eye(4 * std::cos(turn), 4 * std::sin(turn), 1.5 - 0.5 * view);
+    const ShadedVoxels seen = light.seenFrom({false, eye});
+    std::vector<Segment> rays;
+    for (int i = 0; i < 36; ++i) {
+      const Vec3 target(0.2 * (i % 6) - 0.5, 0.2 * (i / 6) - 0.5, 0.13 * (i % 5) - 0.3);
+      rays.push_back({eye, (target - eye).normalized(), 0, kEndless});
+    }
+    std::vector<Radiance> fast(rays.size());
+    seen.radiance(rays, fast);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const Rgb expected = brute.light(rays[i]);
+      brightest = std::max(brightest, expected.maxCoeff());
+      errors.push_back((fast[i].emitted - expected).abs().maxCoeff());
+    }
+  }
+  const double worst = *std::ranges::max_element(errors) / brightest;
+  RecordProperty("worst", std::to_string(worst));
+  EXPECT_LT(worst, 5e-3);
+  EXPECT_GT(brightest, 0.1);
+}
+
+/// A ball of even extinction K, lit by a sun: the light along a ray through its middle, along x, with
+/// the sun from +z, is K albedo E phase times the integral of exp(-K (s - s0)) exp(-K d(s)), with d
+/// the way from the point up to the ball's surface.
+TEST(VolumeLight, AnEvenBallIsItsIntegral) {
+  constexpr double kRadius = 0.8, kExtinction = 2;
+  const int n = 192;
+  // The rim within a voxel by its share of the voxel.
+  const ShadedVoxels ball = filled(n, [&](const Vec3& p) {
+    return kExtinction * std::clamp((kRadius - p.norm()) / (2.0 / n) + 0.5, 0.0, 1.0);
+  });
+  VolumeLighting lighting;
+  lighting.albedo = Rgb::Constant(0.9);
+  lighting.asymmetry = 0.3;
+  Lamp sun;
+  sun.kind = Lamp::Kind::kSun;
+  sun.direction = -Vec3::UnitZ();
+  sun.intensity = Rgb::Constant(3);
+  lighting.lamps = {sun};
+  const VolumeLight light(ball, lighting);
+  const ShadedVoxels seen = light.seenFrom({true, Vec3::UnitX()});
+  double brightest = 0, worst = 0;
+  for (const double height : {-0.6, -0.3, 0.0, 0.2, 0.5, 0.7}) {
+    const double half = std::sqrt(kRadius * kRadius - height * height);
+    double sum = 0;
+    const int steps = 4000;
+    for (int i = 0; i < steps; ++i) {
+      const double s = -half + 2 * half * (i + 0.5) / steps;
+      const double up = std::sqrt(kRadius * kRadius - s * s) - height;
+      sum += 2 * half / steps * std::exp(-kExtinction * (s + half)) * std::exp(-kExtinction * up);
+    }
+    const double expected =
+        kExtinction * 0.9 * 3 * henyeyGreenstein(0.3, 0) * sum;
+    const Segment ray{Vec3(-3, 0, height), Vec3::UnitX(), 0, kEndless};
+    std::vector<Radiance> found(1);
+    seen.radiance(std::span(&ray, 1), found);
+    brightest = std::max(brightest, expected);
+    worst = std::max(worst, std::abs(found[0].emitted[1] - expected));
+  }
+  RecordProperty("worst", std::to_string(worst / brightest));
+  EXPECT_LT(worst / brightest, 1e-3);
+}
+
+TEST(VolumeLight, AnEvenSurroundingIsTheShareThatArrives) {
+  // In the middle of a ball, exp(-K R) arrives from everywhere.
+  constexpr double kRadius = 0.7, kExtinction = 1.5;
+  const ShadedVoxels ball = filled(64, [&](const Vec3& p) {
+    return kExtinction * std::clamp((kRadius - p.norm()) * 32 + 0.5, 0.0, 1.0);
+  });
+  VolumeLighting lighting;
+  lighting.albedo = Rgb(0.9, 0.5, 0.1);
+  lighting.surrounding = Rgb(1, 2, 3);
+  const VolumeLight light(ball, lighting);
+  const Rgb sent = light.seen().emission(Vec3::Constant(1e-3)) / kExtinction;
+  const Rgb expected = lighting.albedo * lighting.surrounding * std::exp(-kExtinction * kRadius);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(sent[c] / expected[c], 1, 0.01);
+}
+
+TEST(VolumeLight, FireLightsTheSmokeAroundIt) {
+  // A small bright ball in thin smoke; far away it is a point of its power.
+  const auto fire = [](const Vec3& p) { return (p - Vec3(-0.6, 0, 0)).norm() < 0.15 ? 10.0 : 0.0; };
+  const ShadedVoxels smoke = filled(64, [](const Vec3&) { return 0.2; }, fire);
+  double power = 0;
+  for (const Lamp& lamp : VolumeLight::lampsOf(smoke, 1000)) power += lamp.intensity[1];
+  const double volume = 4 / 3.0 * std::numbers::pi * std::pow(0.15, 3);
+  EXPECT_NEAR(power, 10 * volume, 0.05 * 10 * volume);
+  EXPECT_EQ(VolumeLight::lampsOf(smoke, 1).size(), 1U);
+  VolumeLighting lighting;
+  lighting.albedo = Rgb::Ones();
+  const VolumeLight light(smoke, lighting);
+  const Vec3 there(0.6, 0.2, 0);
+  const double far = (there - Vec3(-0.6, 0, 0)).norm();
+  const double expected =
+      power / (far * far) / (4 * std::numbers::pi) * std::exp(-0.2 * far) * 0.2;
+  EXPECT_NEAR(light.seen().emission(there)[1] / expected, 1, 0.03);
+  lighting.ownFire = false;
+  EXPECT_EQ(VolumeLight(smoke, lighting).seen().emission(there)[1], 0);
+}
+
+TEST(VolumeLight, WhatBlocksALampKeepsItsLight) {
+  VolumeLighting lighting = sunAndPoint();
+  lighting.blocks = [](std::span<const Segment> segments, std::span<std::uint8_t> blocked) {
+    for (std::size_t i = 0; i < segments.size(); ++i) blocked[i] = segments[i].origin.x() < 0;
+  };
+  const VolumeLight light(filled(32, billows), lighting);
+  const ShadedVoxels seen = light.seen();
+  EXPECT_EQ(seen.emission(Vec3(-0.3, 0.1, 0)).sum(), 0);
+  EXPECT_GT(seen.emission(Vec3(0.3, 0.1, 0)).sum(), 0);
+}
+
+}  // namespace
+}  // namespace volute

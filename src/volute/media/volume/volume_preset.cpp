@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/volume/volume_preset.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <set>
+
+namespace volute {
+namespace {
+
+using Names = std::span<const std::string_view>;
+
+// As simulations call their grids.
+constexpr std::string_view kDensityNames[] = {"density", "smoke", "soot", "fog", "cloud", "steam"};
+constexpr std::string_view kFlameNames[] = {"flame", "flames", "fire", "burn", "burning"};
+constexpr std::string_view kHeatNames[] = {"temperature", "temp", "heat"};
+constexpr std::string_view kLightNames[] = {"emission", "radiance", "light"};
+constexpr std::string_view kColorNames[] = {"color", "colour", "Cd", "albedo"};
+// As people call files of one grid without a name.
+constexpr std::string_view kFireWords[] = {"fire", "flame", "burn", "torch", "explosion"};
+constexpr std::string_view kSmokeWords[] = {"smoke", "density", "soot", "fog", "cloud", "steam", "mist"};
+
+constexpr double kSmokeDepth = 6;    ///< optical depth of dense columns
+constexpr double kFireLight = 4;     ///< radiance of bright columns
+constexpr double kSmokeAlbedo = 0.9;
+constexpr double kSmokeAsymmetry = 0.3;
+constexpr double kKelvins = 600;     ///< temperatures that reach it are in kelvins
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+bool holdsWord(const std::string& text, Names words) {
+  return std::ranges::any_of(words, [&](std::string_view word) { return text.find(word) != std::string::npos; });
+}
+
+/// What is known of one grid from some of its frames.
+struct GridRange {
+  double least = 0, most = 0;
+  double column = 0;  ///< integral along z of a dense column [value x m], the largest of all frames
+  bool any() const { return most > 0; }
+};
+
+Result<GridRange> rangeOf(FrameSource& source) {
+  const VolumeInfo& info = source.info();
+  GridRange range;
+  std::vector<float> values(info.frameValues());
+  const std::set<int> frames{info.frames / 4, info.frames / 2, info.frames - 1};
+  const double step = info.bounds.size().z() / info.z;
+  for (const int frame : frames) {
+    VOLUTE_TRY(source.readFrame(frame, values));
+    const std::size_t plane = static_cast<std::size_t>(info.x) * info.y * info.channels;
+    std::vector<double> columns(plane, 0);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!std::isfinite(values[i]))
+        continue;
+      range.least = std::min<double>(range.least, values[i]);
+      range.most = std::max<double>(range.most, values[i]);
+      columns[i % plane] += step * std::max(values[i], 0.0F);
+    }
+    std::erase_if(columns, [](double sum) { return !(sum > 0); });
+    if (columns.empty())
+      continue;
+    const auto rank = static_cast<std::ptrdiff_t>(0.9 * static_cast<double>(columns.size() - 1));
+    std::ranges::nth_element(columns, columns.begin() + rank);
+    range.column = std::max(range.column, columns[static_cast<std::size_t>(rank)]);
+  }
+  return range;
+}
+
+/// The grids of a volume, and what presets want to know of them.
+class Grids {
+ public:
+  static Result<Grids> open(const std::string& path, const InputOptions& input, Reading& reading) {
+    Grids grids(path, input, reading);
+    InputOptions first = input;
+    Progress quiet;
+    Reading silent{quiet, reading.maxMemory};
+    auto found = openVolume(path, first, silent);
+    // Nothing is called as expected, or nothing is in it: what a preset could show instead.
+    for (const Names names : {Names(kDensityNames), Names(kFlameNames), Names(kHeatNames)}) {
+      for (const std::string_view name : names) {
+        if (found || !input.grid.empty() || (found.error().code != ErrorCode::kInvalidArgument &&
+                                             found.error().code != ErrorCode::kInvalidData))
+          break;
+        first.grid = name;
+        auto other = openVolume(path, first, silent);
+        if (other)
+          found = std::move(other);
+      }
+    }
+    if (!found)
+      return tl::unexpected(std::move(found.error()));
+    grids.main_ = std::move(*found);
+    grids.names_ = grids.main_.source->otherGrids();
+    grids.named_ = grids.isNamed(path);
+    if (grids.named_)
+      grids.names_.insert(grids.names_.begin(), grids.mainName());
+    return grids;
+  }
+
+  const VolumeInfo& info() const { return main_.source->info(); }
+
+  std::string mainName() const { return info().name; }
+
+  /// Whether the format says what its values are.
+  bool named() const { return named_; }
+
+  const std::vector<std::string>& names() const { return names_; }
+
+  /// The name of the grid that is called one of these; empty: there is none.
+  std::string find(Names wanted) const {
+    for (const std::string_view one : wanted) {
+      for (const std::string& name : names_) {
+        if (lower(name) == lower(std::string(one)))
+          return name;
+      }
+    }
+    return "";
+  }
+
+  /// A grid with colours; as find(), or the first part of three grids' names.
+  std::string findColors() const {
+    if (std::string whole = find(kColorNames); !whole.empty())
+      return whole;
+    for (const std::string_view one : kColorNames) {
+      const std::string base(one);
+      const auto has = [&](const char* end) {
+        return std::ranges::find(names_, base + end) != names_.end();
+      };
+      if (has("_r") && has("_g") && has("_b"))
+        return base;
+    }
+    return "";
+  }
+
+  Result<GridRange> range(const std::string& name) {
+    if (name == mainName())
+      return rangeOf(*main_.source);
+    InputOptions one = input_;
+    one.grid = name;
+    Progress quiet;
+    Reading silent{quiet, reading_.maxMemory};
+    auto other = openVolume(path_, one, silent);
+    if (!other && other.error().code == ErrorCode::kInvalidData)
+      return GridRange();  // nothing is active in it
+    if (!other)
+      return tl::unexpected(std::move(other.error()));
+    return rangeOf(*other->source);
+  }
+
+ private:
+  Grids(const std::string& path, const InputOptions& input, Reading& reading)
+      : path_(path), input_(input), reading_(reading) {}
+
+  /// A .npy has no names, and a .volute of one says "density" of whatever it holds.
+  bool isNamed(const std::string& path) const {
+    if (extensionOf(path) == ".npy")
+      return false;
+    const std::string file = lower(std::filesystem::path(path).stem().string());
+    return !(isVolutePath(path) && info().name == VolumeInfo().name && holdsWord(file, kFireWords));
+  }
+
+  std::string path_;
+  InputOptions input_;
+  Reading& reading_;
+  VolumeInput main_;
+  std::vector<std::string> names_;
+  bool named_ = true;
+};
+
+/// Which grids a preset shows.
+struct Choice {
+  VolumePreset preset = VolumePreset::kNone;
+  std::string density, flame, heat;
+  GridRange densityRange, flameRange, heatRange;
+};
+
+Result<Choice> choose(VolumePreset wanted, Grids& grids, const std::string& path) {
+  const bool automatic = wanted == VolumePreset::kAuto;
+  Choice choice;
+  if (grids.info().channels == 3) {
+    if (automatic)
+      return choice;  // colours are light
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: the preset is for grids of one channel, but '{}' has three; leave it out to show "
+                "them as light",
+                path, grids.mainName());
+  }
+  if (grids.named()) {
+    choice.density = grids.find(kDensityNames);
+    choice.flame = grids.find(kFlameNames);
+    choice.heat = grids.find(kHeatNames);
+  } else {
+    const std::string file = lower(std::filesystem::path(path).stem().string());
+    const bool fire = wanted == VolumePreset::kFire || (automatic && holdsWord(file, kFireWords));
+    const bool smoke =
+        wanted == VolumePreset::kSmoke || (automatic && holdsWord(file, kSmokeWords));
+    (fire ? choice.flame : choice.density) = fire || smoke ? grids.mainName() : "";
+  }
+  // The only grid is what somebody says it is.
+  if (grids.names().size() == 1 && wanted == VolumePreset::kFire && choice.flame.empty())
+    choice.flame = grids.mainName(), choice.density.clear();
+  if (grids.names().size() == 1 && wanted == VolumePreset::kSmoke && choice.density.empty())
+    choice.density = grids.mainName(), choice.flame.clear();
+  for (const auto& [name, range] : {std::pair(&choice.density, &choice.densityRange),
+                                    std::pair(&choice.flame, &choice.flameRange),
+                                    std::pair(&choice.heat, &choice.heatRange)}) {
+    if (name->empty())
+      continue;
+    VOLUTE_ASSIGN(*range, grids.range(*name));
+    if (!range->any())
+      name->clear();
+  }
+  const bool kelvins = choice.heatRange.most >= kKelvins;
+  const bool burns = !choice.flame.empty() || (!choice.heat.empty() && kelvins);
+  const bool smokes = !choice.density.empty();
+  if (automatic) {
+    choice.preset = burns && smokes ? VolumePreset::kFireAndSmoke
+                    : burns         ? VolumePreset::kFire
+                    : smokes        ? VolumePreset::kSmoke
+                                    : VolumePreset::kNone;
+    return choice;
+  }
+  choice.preset = wanted;
+  std::string missing;
+  if (wanted != VolumePreset::kSmoke && !burns)
+    missing = "a grid of flames (flame, fire, burn) or of temperatures in kelvins (temperature, heat)";
+  else if (wanted != VolumePreset::kFire && !smokes)
+    missing = "a grid of smoke (density, smoke, soot)";
+  if (missing.empty())
+    return choice;
+  return fail(ErrorCode::kInvalidArgument,
+              "{}: the preset needs {} that is not empty; the file has {}", path, missing,
+              grids.names().empty() ? std::string("one without a name")
+                                    : fmt::format("{}", fmt::join(grids.names(), ", ")));
+}
+
+double rounded(double value) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+  return std::round(value / unit) * unit;
+}
+
+}  // namespace
+
+Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, InputOptions& input,
+                                 Appearance& appearance, Reading& reading) {
+  if (preset == VolumePreset::kNone)
+    return preset;
+  VOLUTE_ASSIGN(auto grids, Grids::open(path, input, reading));
+  // Light that somebody has measured or computed is shown as it is.
+  const std::string light = grids.find(kLightNames);
+  if (preset == VolumePreset::kAuto && !light.empty() && grids.named()) {
+    if (light != grids.mainName() && input.grid.empty()) {
+      input.grid = light;
+      reading.progress.remark(
+          fmt::format("{}: shown by the light of '{}' (--field chooses)", path, light));
+    }
+    return VolumePreset::kNone;
+  }
+  VOLUTE_ASSIGN(const Choice choice, choose(preset, grids, path));
+  if (choice.preset == VolumePreset::kNone)
+    return choice.preset;
+  const bool smokes = choice.preset != VolumePreset::kFire;
+  const bool burns = choice.preset != VolumePreset::kSmoke;
+  if (grids.named())
+    input.grid = smokes ? choice.density : choice.flame.empty() ? choice.heat : choice.flame;
+  appearance.emission = 0;
+  std::string text;
+  if (smokes) {
+    appearance.extinction = rounded(kSmokeDepth / choice.densityRange.column);
+    appearance.albedo = Rgb::Constant(kSmokeAlbedo);
+    appearance.asymmetry = kSmokeAsymmetry;
+    appearance.colors = grids.findColors();
+    text = fmt::format("smoke from '{}' (0 to {:.3g}), extinction {:.3g}, albedo {:g}, asymmetry {:g}",
+                       choice.density, choice.densityRange.most, appearance.extinction, kSmokeAlbedo,
+                       kSmokeAsymmetry);
+  }
+  if (burns) {
+    Flames flames;
+    flames.field = choice.flame;
+    const GridRange& range = choice.flame.empty() ? choice.heatRange : choice.flameRange;
+    if (choice.flame.empty()) {
+      flames.temperature = choice.heat;
+      flames.hottest = range.most;
+      flames.brightness = rounded(kFireLight / (range.column / range.most));
+    } else {
+      flames.scale = 1 / range.most;
+      flames.brightness = rounded(kFireLight / (range.column / range.most));
+      if (choice.heatRange.most >= kKelvins)
+        flames.temperature = choice.heat;
+    }
+    if (!text.empty())
+      text += "; ";
+    text += fmt::format("fire from '{}' (0 to {:.3g}) as black bodies {}",
+                        choice.flame.empty() ? choice.heat : choice.flame, range.most,
+                        flames.temperature.empty()
+                            ? fmt::format("of {:g} to {:g} K", flames.coolest, flames.hottest)
+                            : fmt::format("as hot as '{}' says", flames.temperature));
+    appearance.flames = flames;
+  }
+  reading.progress.remark(
+      fmt::format("{}: shown as {} (--preset none: plain values as light)", path, text));
+  return choice.preset;
+}
+
+}  // namespace volute

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""How volumes look: presets, light, tone curves, layers, cameras that move."""
+import json
+import math
+
+import support
+from render_test import read_png
+from support import write_npy
+
+
+def ball(size, radius=0.35):
+    """(z, y, x) values of a soft ball in the middle of 1 m."""
+    values = []
+    for z in range(size):
+        for y in range(size):
+            for x in range(size):
+                far = math.dist(((x + 0.5) / size, (y + 0.5) / size, (z + 0.5) / size), (0.5, 0.5, 0.5))
+                values.append(max(0.0, 1 - far / radius))
+    return values
+
+
+class Look(support.TestCase):
+    def npy(self, name, size=16, frames=1):
+        write_npy(self.path(name), (frames, size, size, size), frames * ball(size))
+        return self.path(name)
+
+    def scene(self, **volume):
+        self.npy("v.npy")
+        lights = volume.pop("lights", [])
+        camera = volume.pop("camera", {"eye": [0.5, -2, 0.5], "target": [0.5, 0.5, 0.5], "fov": 30, "size": [24, 24]})
+        self.path("scene.json").write_text(json.dumps({
+            "format": "volute-scene-1", "camera": camera, "lights": lights,
+            "media": [{"kind": "volume", "file": "v.npy", "emission": 0} | volume]}))
+        return self.path("scene.json")
+
+    def brightest(self, picture):
+        return self.works("info", picture, "--json").json["maximum"]
+
+    def test_a_file_is_shown_as_its_name_says(self):
+        small = ("--size", "24x24")
+        said = self.works("render", self.npy("smoke.npy"), "-o", self.path("s.png"), *small).message
+        self.assertIn("smoke.npy: shown as smoke", said)
+        said = self.works("render", self.npy("fire.npy"), "-o", self.path("f.png"), *small).message
+        self.assertIn("fire.npy: shown as fire", said)
+        self.assertIn("1100 to 2000 K", said)
+        rows = read_png(self.path("f.png").read_bytes())[2]
+        pixels = [row[i:i + 3] for row in rows for i in range(0, len(row), 3)]
+        self.assertTrue(any(r > g > b for r, g, b in pixels), "flames are red before they are green or blue")
+        bright = max(pixels, key=sum)
+        self.assertGreater(min(bright), 60, "bright light loses its colour, it is not clipped")
+        said = self.works("render", self.npy("thing.npy"), "-o", self.path("t.png"), *small).message
+        self.assertNotIn("shown as", said)
+
+    def test_a_preset_is_chosen_by_name(self):
+        said = self.works("render", self.npy("thing.npy"), "-o", self.path("t.png"), "--size", "8x8", "--preset", "smoke").message
+        self.assertIn("shown as smoke", said)
+        said = self.works("render", self.npy("smoke.npy"), "-o", self.path("t.png"), "--size", "8x8", "--preset", "none").message
+        self.assertNotIn("shown as", said)
+        said = self.fails(2, "render", self.npy("thing.npy"), "-o", self.path("u.png"), "--preset", "fire-and-smoke")
+        self.assertIn("needs a grid of flames", said)
+
+    def test_what_is_measured_takes_nothing_that_changes_light(self):
+        for words in (("--tone", "filmic"), ("--bloom", "0.2"), ("--samples", "4")):
+            said = self.fails(2, "render", self.npy("v.npy"), "-o", self.path("x.png"), "--measured", *words)
+            self.assertIn(words[0], said)
+            self.assertIn("--measured", said)
+        plain = self.works("render", self.npy("smoke.npy"), "-o", self.path("a.exr"), "--size", "16x16", "--measured")
+        self.assertNotIn("shown as", plain.message)
+
+    def test_smoke_is_lit_from_the_side_of_the_sun(self):
+        scene = self.scene(extinction=20, albedo=[0.9, 0.9, 0.9],
+                           lights=[{"kind": "sun", "direction": [1, 0, -0.01], "radiance": [3, 3, 3]}])
+        self.works("render", scene, "-o", self.path("x.png"), "--exposure", "3")
+        rows = read_png(self.path("x.png").read_bytes())[2]
+        left = sum(sum(row[:36]) for row in rows)
+        right = sum(sum(row[36:]) for row in rows)
+        self.assertGreater(left, 1.3 * right)
+
+    def test_a_sun_on_what_scatters_nothing_says_so(self):
+        sun = [{"kind": "sun", "direction": [1, 0, -1], "radiance": [3, 3, 3]}]
+        said = self.works("render", self.scene(extinction=5, lights=sun), "-o", self.path("x.png")).message
+        self.assertIn("/media/0: it scatters no light of the sun; say its albedo", said)
+
+    def test_contradictions_are_refused(self):
+        said = self.fails(1, "render", self.scene(albedo=[0.5, 0.5, 0.5]), "-o", self.path("x.png"))
+        self.assertIn("scene.json: /media/0/albedo", said)
+        said = self.fails(1, "render", self.scene(albedo=[0.5, 0.5, 0.5], extinction=3, basis="box"), "-o", self.path("x.png"))
+        self.assertIn("scene.json: /media/0/basis", said)
+
+    def test_layers_go_into_one_file(self):
+        words = ("render", self.npy("v.npy"), "--size", "16x16", "--extinction", "9", "--eye", "0.5,-2,0.5",
+                 "--target", "0.5,0.5,0.5", "--fov", "20")
+        self.works(*words, "-o", self.path("x.exr"), "--aov", "beauty,alpha,z,transmittance,optical-depth", measured=False)
+        data = self.path("x.exr").read_bytes()
+        for channel in (b"A\0", b"B\0", b"G\0", b"R\0", b"Z\0", b"optical-depth.Y\0", b"transmittance.Y\0"):
+            self.assertIn(channel, data)
+        self.assertIn(".exr", self.fails(2, *words, "-o", self.path("y.png"), "--aov", "alpha,z"))
+        self.assertIn("'depth' is none of", self.fails(2, *words, "-o", self.path("y.exr"), "--aov", "depth"))
+
+    def test_a_frame_turns(self):
+        self.works("render", self.npy("smoke.npy"), "-o", self.path("t_%03d.png"), "--size", "12x12", "--orbit", "36")
+        self.assertEqual(len([name for name in self.files() if name.startswith("t_")]), 25)
+        self.assertIn("--orbit", self.fails(2, "render", self.path("smoke.npy"), "-o", self.path("t.png"), "--orbit", "90"))
+
+    def test_a_camera_goes_its_way(self):
+        camera = {"eye": [0.5, -2, 0.5], "target": [0.5, 0.5, 0.5], "fov": 30, "size": [16, 16],
+                  "keys": [[0, 0.5, -2, 0.5, 0.5, 0.5, 0.5], [0.4, 3, 0.5, 0.5, 0.5, 0.5, 0.5]]}
+        scene = self.scene(emission=1, camera=camera)
+        self.works("render", scene, "-o", self.path("k_%02d.png"))
+        self.assertEqual(len([name for name in self.files() if name.startswith("k_")]), 11)
+        camera["keys"].reverse()
+        self.assertIn("/camera/keys", self.fails(1, "render", self.scene(camera=camera), "-o", self.path("x.png")))
+
+    def test_one_exposure_for_a_sequence(self):
+        values = ball(16)
+        write_npy(self.path("grows.npy"), (3, 16, 16, 16), [0.01 * v for v in values] + values + [0.1 * v for v in values])
+        said = self.works("render", self.path("grows.npy"), "-o", self.path("g_%d.png"), "--size", "16x16").message
+        self.assertEqual(said.count("exposure"), 1)
+        self.assertIn("from 3 of 3 pictures", said)
+        light = [max(max(row) for row in read_png(self.path(f"g_{i}.png").read_bytes())[2]) for i in range(3)]
+        self.assertGreater(light[1], light[2])
+        self.assertGreater(light[2], light[0])
+
+
+if __name__ == "__main__":
+    support.main()
