@@ -99,8 +99,8 @@ class PlanWatch final : public Watch {
     return {};
   }
 
-  Status draw(const SurveyTime& at) const override {
-    return survey_->maps ? writeMaps(at) : Status();
+  Status draw(const SurveyTime& at, const SightInstant& instant) const override {
+    return survey_->maps ? writeMaps(at, instant.shapes(plan_.origin[2])) : Status();
   }
 
   Result<std::string> finish(Json& report) override {
@@ -219,7 +219,8 @@ class PlanWatch final : public Watch {
     return out;
   }
 
-  PlanPicture visibilityMap(const SurveyTime& at, std::size_t s) const {
+  PlanPicture visibilityMap(const SurveyTime& at, std::size_t s,
+                            std::vector<PlanShape> shapes) const {
     const SafetySign& sign = survey_->signs[s].sign;
     PlanPicture picture;
     picture.title = fmt::format("{} at {:.4g} s, seen from z = {:g} m", sign.name, at.time,
@@ -229,7 +230,7 @@ class PlanWatch final : public Watch {
     picture.barLabel = "visibility S [m]";
     picture.high = kFar;
     picture.highIsMore = true;
-    picture.shapes = at.instant.shapes(plan_.origin[2]);
+    picture.shapes = std::move(shapes);
     picture.underlay = survey_->underlay;
     picture.values.assign(plan_.size(), 0);
     picture.marks.assign(plan_.size(), PlanMark::kSolid);
@@ -246,7 +247,7 @@ class PlanWatch final : public Watch {
     return picture;
   }
 
-  Status writeMaps(const SurveyTime& at) const {
+  Status writeMaps(const SurveyTime& at, const std::vector<PlanShape>& shapes) const {
     const auto folder = survey_->folder / "maps";
     std::vector<Status> done(survey_->signs.size());
     parallelFor(survey_->signs.size(), [&](std::size_t s) {
@@ -266,7 +267,7 @@ class PlanWatch final : public Watch {
       if (done[s]) {
         const std::span one(&survey_->signs[s], 1);
         done[s] =
-            writeImage(folder / (name + ".png"), drawPlan(plan_, visibilityMap(at, s), one));
+            writeImage(folder / (name + ".png"), drawPlan(plan_, visibilityMap(at, s, shapes), one));
       }
     });
     for (Status& status : done) VOLUTE_TRY(std::move(status));

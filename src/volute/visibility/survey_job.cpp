@@ -235,7 +235,7 @@ class Job {
     });
     std::string rows;
     if (stored) {
-      VOLUTE_TRY(watch_.draw({index, time, eyes, sightings, extinction}));
+      VOLUTE_TRY(watch_.draw({index, time, eyes, sightings, extinction}, instant));
       if (request_.sightFile != SightFile::kNone)
         rows = SightCsv::rowsOf(time, eyes, survey_.signs, sightings);
     }

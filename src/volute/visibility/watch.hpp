@@ -77,7 +77,8 @@ class Watch {
 
   /// Writes what files there are of a time alone. Each stored time once, in any order and on any rank,
   /// after begin() on that rank.
-  [[nodiscard]] virtual Status draw(const SurveyTime& at) const {
+  [[nodiscard]] virtual Status draw(const SurveyTime& at, const SightInstant& instant) const {
+    (void)instant;
     (void)at;
     return {};
   }
