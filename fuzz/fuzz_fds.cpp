@@ -10,6 +10,7 @@
 #include <span>
 
 #include "volute/base/parallel.hpp"
+#include "volute/fds/fds_building.hpp"
 #include "volute/fds/fds_case.hpp"
 
 // An input is four lengths (u16, little endian) and as many files: case.smv, a.sf, a.s3d, and
@@ -64,7 +65,7 @@ void look(volute::FdsCase& opened, double time) {
   require(std::isfinite(depth.value) && depth.value >= 0 && !std::isnan(depth.high));
   require(depth.low <= depth.value * (1 + 1e-9) && depth.value <= depth.high * (1 + 1e-9));
   (void)opened.obstructions(time).blocked(line);
-  (void)opened.obstructions(time).quads();
+  (void)volute::FdsBuilding(opened.index(), time).quads();
 }
 
 }  // namespace

@@ -304,7 +304,7 @@ ReconstructionSettings settingsOf(const OrderedJson& said, const Capture& captur
   takeOptional("lambda", options.lambda);
   takeOptional("iterations", options.iterations);
   takeOptional("noise_sigma", options.noiseSigma);
-  take("sparsity", options.sparsity);
+  takeOptional("sparsity", options.sparsity);
   take("rays_per_pixel", options.raysPerPixel);
   take("hull", options.hull);
   take("coarse_to_fine", options.coarseToFine);

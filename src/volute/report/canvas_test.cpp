@@ -40,8 +40,9 @@ TEST(Canvas, hatchesAreInStepFromRectangleToRectangle) {
   for (int y = 2; y < 14; ++y) {
     for (int x = 2; x < 62; ++x) {
       inked += whole.at(x, y) > 0.5F;
-      if (x < 29 || x > 35)
+      if (x < 29 || x > 35) {
         EXPECT_NEAR(whole.at(x, y), parts.at(x, y), 1e-5) << x << ", " << y;
+      }
     }
   }
   EXPECT_GT(inked, 60);
