@@ -223,6 +223,20 @@ class Install(unittest.TestCase):
                    f"-Wl,-rpath,{library}", "-lvolute_c", "-pthread", "-o", "threads")
         self.assertEqual(self.works("./threads", "cloud.volute"), "4 threads read 20 frames 10 times\n")
 
+    def test_python_package(self):
+        module = next((BUILD / "python/volute").glob("_core.*.so"), None)
+        if not module:
+            self.skipTest("the Python package was not built: it wants python3-dev, python3-numpy and pybind11-dev")
+        for component in ["python", "python-render"]:
+            result = install(component)
+            self.assertEqual(result.returncode, 0, result.stdout)
+        self.example(2)
+        folder = next(PREFIX.rglob("volute/__init__.py")).parents[1]
+        said = self.works("/usr/bin/python3", "-c", "import os, volute; print(volute.open('cloud.volute').shape, os.environ['VOLUTE_PLUGIN_FOLDER'])\n"
+                          "print(volute.render('cloud.volute', size=(8, 6)).shape)",
+                          env={key: value for key, value in os.environ.items() if not key.startswith("VOLUTE_")} | {"PYTHONPATH": str(folder)})
+        self.assertEqual(said.splitlines(), [f"(20, 48, 32, 32) {PREFIX}/lib/volute", "(6, 8, 3)"])
+
     def test_no_header_is_missing(self):
         headers = {path.relative_to(PREFIX / "include").as_posix() for path in (PREFIX / "include").rglob("*.hpp")}
         self.assertIn("volute/volute.hpp", headers)
