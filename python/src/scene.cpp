@@ -21,6 +21,7 @@
 #include "volute/scene/scene.hpp"
 #include "volute/scene/scene_renderer.hpp"
 #include "volute/scene/scene_sight.hpp"
+#include "volute/tomography/capture_refinement.hpp"
 #include "volute/tomography/reconstructed_frames.hpp"
 #include "volute/tomography/reconstruction_report.hpp"
 #include "volute/tomography/run_key.hpp"
@@ -122,7 +123,7 @@ class PythonScene {
       options.aov = aov == "optical-depth"   ? Aov::kOpticalDepth
                     : aov == "transmittance" ? Aov::kTransmittance
                                              : Aov::kNone;
-      VOLUTE_ASSIGN(Snapshot snapshot, scene_.at({.time = time, .eye = seenFrom(from)}, progress));
+      VOLUTE_ASSIGN(Snapshot snapshot, scene_.at({.time = time}, progress));
       snapshot.background = options.background;
       auto& with = renderer == "reference" ? reference_ : cpu_;
       return with.render(snapshot, from, options, progress);
@@ -302,9 +303,9 @@ ReconstructionSettings settingsOf(const OrderedJson& said, const Capture& captur
   options.solver = *tomographySolverByName(said.value("solver", "apg"));
   options.regularization = *regularizationByName(said.value("regularization", "auto"));
   takeOptional("lambda", options.lambda);
+  takeOptional("sparsity", options.sparsity);
   takeOptional("iterations", options.iterations);
   takeOptional("noise_sigma", options.noiseSigma);
-  takeOptional("sparsity", options.sparsity);
   take("rays_per_pixel", options.raysPerPixel);
   take("hull", options.hull);
   take("coarse_to_fine", options.coarseToFine);
@@ -353,12 +354,18 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
   VolumeInfo info;
   OrderedJson report;
   run(listener, [&](Progress& progress) -> Status {
-    VOLUTE_ASSIGN(const Capture capture, openCapture(path, captureOptions(said, maxMemory)));
-    for (const auto& remark : capture.remarks) progress.remark(remark);
+    VOLUTE_ASSIGN(const Capture given, openCapture(path, captureOptions(said, maxMemory)));
+    for (const auto& remark : given.remarks) progress.remark(remark);
     const auto heldOut = said.value("hold_out", std::vector<std::string>{});
-    const ReconstructionSettings settings = settingsOf(said, capture, maxMemory);
-    VOLUTE_TRY(checkVolumeSize({capture.volume.bounds, capture.volume.resolution}, maxMemory));
-    VOLUTE_TRY(checkGeometryOf(capture, settings.force, progress));
+    const ReconstructionSettings settings = settingsOf(said, given, maxMemory);
+    VOLUTE_TRY(checkVolumeSize({given.volume.bounds, given.volume.resolution}, maxMemory));
+    VOLUTE_TRY(checkGeometryOf(given, settings.force, progress));
+    const bool refine = said.value("refine", true);
+    VOLUTE_ASSIGN(const CaptureRefinement refinement,
+                  refineCapture(given, heldOut, refine ? Refine::kAuto : Refine::kNever, maxMemory, progress));
+    if (refinement.used)
+      for (const auto& text : describeCorrections(refinement)) progress.remark("calibration refined: " + text);
+    const Capture& capture = refinement.capture;
     VOLUTE_ASSIGN(auto views, ViewReader::open(capture, heldOut, maxMemory, progress));
     VOLUTE_ASSIGN(const auto work, WorkFolder::open(output.empty() ? "-" : output));
     VOLUTE_ASSIGN(const auto frames,
@@ -367,6 +374,7 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
     const Status done = [&]() -> Status {
       VOLUTE_TRY(frames->solveAll());
       VOLUTE_ASSIGN(report, reconstructionReport(capture, settings, *frames));
+      report["refinement"] = refinementJson(refinement);
       info = frames->info();
       if (!output.empty()) {
         CompressOptions options;

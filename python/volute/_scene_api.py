@@ -228,11 +228,11 @@ def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None,
     output: a .volute file to write, at a relative RMS error of `rms`; None: an array is returned.
     frames: (first, end). resolution: (x, y, z) voxels, or one number for the longest side. bounds: ((x0,y0,z0),(x1,y1,z1)) [m].
     images: the pattern of pictures, {camera} and %04d. Options as those of the command: basis, solver, iterations, regularization,
-    lambda_, sparsity, rays_per_pixel, hull, coarse_to_fine, warm_start, noise_sigma, hold_out, force."""
+    lambda_, sparsity, refine, rays_per_pixel, hull, coarse_to_fine, warm_start, noise_sigma, hold_out, force."""
     part = _part()
     known = {"basis": ("trilinear", "box"), "solver": ("apg", "mlem", "sirt", "cgls"),
              "regularization": ("auto", "none", "tv", "smooth", "wavelet"), "rays_per_pixel": (1, 4), "iterations": None, "lambda": None,
-             "sparsity": None, "hull": None, "coarse_to_fine": None, "warm_start": None, "noise_sigma": None, "hold_out": None, "force": None}
+             "sparsity": None, "refine": (True, False), "hull": None, "coarse_to_fine": None, "warm_start": None, "noise_sigma": None, "hold_out": None, "force": None}
     said = {key.rstrip("_"): value for key, value in options.items() if value is not None}
     for key, value in said.items():
         if key not in known:
