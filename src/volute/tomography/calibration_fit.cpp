@@ -499,8 +499,6 @@ Result<CalibrationFit> refineCalibration(std::span<const std::vector<TomographyV
     if (before)
       fit->startFrom(*before);
     fit->fitVolume(2 * kVolumeSteps);
-    if (result.before.empty())
-      result.before = fit->residuals();
     for (int k = 0; k < level.steps; ++k) {
       fit->weigh();
       VOLUTE_TRY(fit->step(kTogetherSteps));
@@ -510,6 +508,12 @@ Result<CalibrationFit> refineCalibration(std::span<const std::vector<TomographyV
     before = std::move(fit);
   }
   result.after = before->residuals();
+  // At the same voxels and as many iterations: coarser voxels explain less of any picture.
+  const Level& last = levels.back();
+  LevelFit asGiven(frames, geometry, last, plausible);
+  VOLUTE_TRY(asGiven.begin(std::vector<CameraCorrection>(views.size()), progress));
+  asGiven.fitVolume((2 + last.steps) * kVolumeSteps);
+  result.before = asGiven.residuals();
   result.uncertain = before->uncertain();
   std::vector<Camera> given;
   for (const TomographyView& view : views) given.push_back(view.camera);

@@ -163,6 +163,9 @@ TEST(CalibrationFit, LeavesWhatIsRight) {
   const auto fit = refineCalibration(frames, scene.geometry, progress);
   ASSERT_TRUE(fit) << fit.error().message;
   EXPECT_LT(pixelsOff(fit->cameras, camerasOf(scene.views), scene.geometry.bounds), 0.2);
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    EXPECT_GT(fit->after[v], 0.8 * fit->before[v])
+        << "coarser voxels were taken for a wrong camera";
   for (const CameraCorrection& one : fit->corrections) EXPECT_NEAR(one.gain(), 1, 0.02);
 }
 
