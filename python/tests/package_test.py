@@ -273,7 +273,7 @@ class Package(unittest.TestCase):
 
     def test_a_picture_is_that_of_the_command(self):
         volute.write_image(self.path / "py.exr", volute.render(self.file, 2.0, size=(80, 60)))
-        subprocess.run([COMMAND, "render", self.file, "-o", self.path / "cli.exr", "--time", "2", "--size", "80x60", "--renderer", "cpu", "--quiet"],
+        subprocess.run([COMMAND, "render", self.file, "-o", self.path / "cli.exr", "--time", "2", "--size", "80x60", "--renderer", "cpu", "--measured", "--quiet"],
                        check=True, stdout=subprocess.DEVNULL)
         np.testing.assert_array_equal(volute.read_image(self.path / "py.exr"), volute.read_image(self.path / "cli.exr"))
         white = np.ones((2, 3, 3), np.float32)

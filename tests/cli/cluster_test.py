@@ -81,11 +81,11 @@ class SameBytes(Cluster):
         packed = self.make_volute(frames=9, size=16)
         alone = self.path("alone")
         alone.mkdir()
-        self.works("render", packed, "-o", alone / "f_%02d.png", "--size", "40x30")
+        self.works("render", packed, "-o", alone / "f_%02d.png", "--measured", "--size", "40x30")
         for ranks in RANKS:
             folder = self.path(f"by{ranks}")
             folder.mkdir()
-            self.succeeds(ranks, "render", packed, "-o", folder / "f_%02d.png", "--size", "40x30", "--stats", self.path("stats.json"))
+            self.succeeds(ranks, "render", packed, "-o", folder / "f_%02d.png", "--measured", "--size", "40x30", "--stats", self.path("stats.json"))
             self.check_units(self.path("stats.json"), "rendering", 9, ranks)
             self.assertEqual(len(self.same_folders(alone, folder)), 9)
             self.assertEqual(json.loads(self.path("stats.json").read_text())["rays"], 9 * 40 * 30)

@@ -68,7 +68,7 @@ class Gl(support.TestCase):
 
     def test_statistics_list_the_passes(self):
         self.works("render", self.volume(), "-o", self.path("%04d.png"), "--size", "8x8", "--renderer", "gl",
-                   "--measured", "--stats", self.path("s.json"))
+                   "--measured", "--exposure", "1", "--stats", self.path("s.json"))
         stats = json.loads(self.path("s.json").read_text())
         self.assertEqual(stats["renderer"], "gl")
         passes = {p["name"]: p for p in stats["gl"]["passes"]}

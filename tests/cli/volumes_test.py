@@ -33,6 +33,38 @@ class Volumes(support.TestCase):
         self.assertEqual(sorted(self.files()), ["back.npy", "in.npy", "x.volute"])
         return rms, worst, said
 
+    def test_compare_tells_the_loss_by_frame_and_draws_it(self):
+        shape, values = support.plume(3, 8)
+        write_npy(self.path("a.npy"), shape, values)
+        changed = list(values)
+        changed[2 * 512 + 7] += 0.5
+        write_npy(self.path("b.npy"), shape, changed)
+        said = self.works("compare", self.path("a.npy"), self.path("b.npy"), "--json", "--difference", self.path("d.png")).json
+        self.assertEqual([frame["frame"] for frame in said["by_frame"]], [0, 1, 2])
+        self.assertEqual([frame["max_error"] for frame in said["by_frame"]], [0, 0, 0.5])
+        self.assertEqual(self.works("info", self.path("d.png"), "--json").json["size"], [8, 8])
+        self.assertIn("worst in frame 2", self.works("compare", self.path("a.npy"), self.path("b.npy")).text)
+
+    def test_info_lists_the_grids_of_a_vdb(self):
+        packed = self.make_volute()
+        result = volute("extract", packed, "-o", self.path("out_%04d.vdb"), "--frames", "0:1")
+        if "this build has no" in result.message:
+            self.skipTest(result.message)
+        said = self.works("info", self.path("out_0000.vdb"), "--json").json
+        (grid,) = said["grids"]
+        self.assertEqual((grid["name"], grid["type"], grid["class"]), ("density", "float", "fog volume"))
+        self.assertGreater(grid["active_voxels"], 0)
+        self.assertGreater(grid["maximum"], 0.9)
+        self.assertGreater(grid["memory_bytes"], 0)
+        shutil.copy(self.path("out_0000.vdb"), self.path("other_0000.vdb"))
+        self.assertIn("2 sequences", self.fails(2, "info", self.folder))
+
+    def test_the_ratio_is_told_of_dense_floats_and_of_the_files(self):
+        source = self.make_npy("in.npy")
+        said = self.works("compress", source, "-o", self.path("x.volute"), "--rms", "0.01", "--json").json
+        self.assertEqual(said["input_bytes"], source.stat().st_size)
+        self.assertAlmostEqual(said["ratio_to_input"], said["input_bytes"] / said["bytes"], places=3)
+
     def test_targets_are_met(self):
         self.assertLessEqual(self.round_trip("--rms", "0.01")[0], 0.01)
         self.assertLessEqual(self.round_trip("--psnr", "50")[0], 10 ** -2.5)

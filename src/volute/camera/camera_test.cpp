@@ -86,8 +86,10 @@ TEST(Camera, FramingShowsEveryCornerAndWastesLittle) {
 }
 
 TEST(Camera, ShiftedSeesTheSameElsewhere) {
-  for (const Camera& camera : {Camera::pinhole({}, 40, 64, 48), Camera::orthographic({}, 2, 64, 48)}) {
-    const Segment there = camera.ray(10.75, 20.2), here = camera.shifted(0.25, -0.3).ray(10.5, 20.5);
+  for (const Camera& camera :
+       {Camera::pinhole({}, 40, 64, 48), Camera::orthographic({}, 2, 64, 48)}) {
+    const Segment there = camera.ray(10.75, 20.2),
+                  here = camera.shifted(0.25, -0.3).ray(10.5, 20.5);
     EXPECT_LT((there.origin - here.origin).norm(), 1e-12);
     EXPECT_LT((there.direction - here.direction).norm(), 1e-12);
   }

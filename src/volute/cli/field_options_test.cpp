@@ -136,8 +136,8 @@ TEST(FieldOptions, ThatWouldChangeNothingAreRefused) {
     return good ? "nothing" : good.error().message;
   };
   EXPECT_EQ(refusal("a.vtu", {"--fire", "3"}), "--fire is for FDS cases; a.vtu is smoke on a mesh");
-  EXPECT_EQ(refusal("a.npy", {"--albedo", "0,0,0"}),
-            "--albedo is for smoke on meshes and FDS cases; a.npy is a volume of voxels");
+  EXPECT_EQ(refusal("a.npy", {"--mode", "threshold"}),
+            "--mode is for smoke on meshes, FDS cases and scenes; a.npy is a volume of voxels");
   EXPECT_EQ(
       refusal("a.smv", {"--unit", "g/m3"}),
       "--unit is for smoke on meshes; a.smv is an FDS case, which says itself what its files hold");

@@ -36,8 +36,8 @@ Status cpuMayDraw(const char* what) {
   const char* cpu = std::getenv("VOLUTE_CPU_RENDERER");
   if (!cpu || std::string_view(cpu) != "off")
     return {};
-  return fail(ErrorCode::kUnsupported, "{} is drawn by the CPU, which VOLUTE_CPU_RENDERER=off forbids",
-              what);
+  return fail(ErrorCode::kUnsupported,
+              "{} is drawn by the CPU, which VOLUTE_CPU_RENDERER=off forbids", what);
 }
 
 Camera RenderJob::cameraAt(const Moment& moment) const {
@@ -63,7 +63,8 @@ Result<Image> RenderJob::pictureOf(const Snapshot& snapshot, const Camera& camer
     VOLUTE_TRY(cpuMayDraw("this picture"));
   const auto draw = [&] {
     return samples > 1 && options.aov == Aov::kNone
-               ? renderer->renderSmooth(snapshot, camera, options, samples, style, progress, &counts)
+               ? renderer->renderSmooth(snapshot, camera, options, samples, style, progress,
+                                        &counts)
                : renderer->render(snapshot, camera, options, progress, &counts);
   };
   auto image = draw();
@@ -103,7 +104,9 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
 
 Result<std::vector<ImageChannel>> RenderJob::layersAt(const Moment& moment, Progress& progress) {
   const RenderOptions before = options;
-  const auto has = [&](std::string_view name) { return std::ranges::find(layers, name) != layers.end(); };
+  const auto has = [&](std::string_view name) {
+    return std::ranges::find(layers, name) != layers.end();
+  };
   std::vector<ImageChannel> channels;
   const auto drawn = [&](Aov aov) {
     options.aov = aov;
@@ -150,14 +153,13 @@ OrderedJson RenderJob::stats() const {
                        {"tree_nodes", 0},     {"tree_bytes", 0},     {"nodes_visited", 0}};
   addCounts(media, totals.media);
   for (const auto& medium : scene.media()) addCounts(media, medium->counts());
-  const OrderedJson last = {
-      {"milliseconds",
-       {{"open", totals.open},
-        {"slices", totals.snapshots},
-        {"render", totals.render},
-        {"surfaces", totals.counts.surfaceMilliseconds},
-        {"write", totals.write}}},
-      {"peak_memory_bytes", peakMemoryBytes()}};
+  const OrderedJson last = {{"milliseconds",
+                             {{"open", totals.open},
+                              {"slices", totals.snapshots},
+                              {"render", totals.render},
+                              {"surfaces", totals.counts.surfaceMilliseconds},
+                              {"write", totals.write}}},
+                            {"peak_memory_bytes", peakMemoryBytes()}};
   json.update(media);
   json.update(last);
   const PictureLaw law = scene.law();

@@ -54,7 +54,8 @@ double Difference::psnr() const {
                             : -20 * std::log10(relativeRms());
 }
 
-Result<Difference> compare(FrameSource& a, FrameSource& b, Progress& progress) {
+Result<Difference> compare(FrameSource& a, FrameSource& b, Progress& progress,
+                           std::vector<Difference>* byFrame) {
   const VolumeInfo& infoA = a.info();
   const VolumeInfo& infoB = b.info();
   const bool sameSize = infoA.frames == infoB.frames && infoA.x == infoB.x && infoA.y == infoB.y &&
@@ -74,6 +75,8 @@ Result<Difference> compare(FrameSource& a, FrameSource& b, Progress& progress) {
     VOLUTE_TRY(a.readFrame(frame, valuesA));
     VOLUTE_TRY(b.readFrame(frame, valuesB));
     difference.add(valuesA, valuesB);
+    if (byFrame)
+      byFrame->emplace_back().add(valuesA, valuesB);
     progress.report("comparing", frame + 1, infoA.frames);
   }
   return difference;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "volute/base/progress.hpp"
 #include "volute/grid/frame_source.hpp"
@@ -30,6 +31,8 @@ struct Difference {
 
 /// Compares two sequences a frame at a time, in the order of their positions. kInvalidData when
 /// their sizes differ.
-[[nodiscard]] Result<Difference> compare(FrameSource& a, FrameSource& b, Progress& progress);
+/// @param byFrame  filled with one for each frame, when it is not null
+[[nodiscard]] Result<Difference> compare(FrameSource& a, FrameSource& b, Progress& progress,
+                                         std::vector<Difference>* byFrame = nullptr);
 
 }  // namespace volute

@@ -19,8 +19,12 @@ TEST(Compare, MeasuresAgainstTheRangeOfTheFirst) {
   b.values = {-1, 3, 0.5, -0.5};
   SequenceSource sourceA(a), sourceB(b);
   Progress progress;
-  const auto difference = compare(sourceA, sourceB, progress);
+  std::vector<Difference> byFrame;
+  const auto difference = compare(sourceA, sourceB, progress, &byFrame);
   ASSERT_TRUE(difference);
+  ASSERT_EQ(byFrame.size(), 2U);
+  EXPECT_EQ(byFrame[0].rms(), 0);
+  EXPECT_DOUBLE_EQ(byFrame[1].rms(), 0.5);
   EXPECT_DOUBLE_EQ(difference->rms(), std::sqrt(0.5 / 4));
   EXPECT_DOUBLE_EQ(difference->relativeRms(), std::sqrt(0.5 / 4) / 4);
   EXPECT_DOUBLE_EQ(difference->psnr(), -20 * std::log10(difference->relativeRms()));

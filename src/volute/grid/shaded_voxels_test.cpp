@@ -25,8 +25,7 @@ ShadedVoxels shadedMedium(int channels, bool lit, bool grey = false) {
   std::uniform_real_distribution<float> uniform(-1, 1);
   std::vector<float> values(info.frameValues());
   for (float& value : values) value = 4 * std::max(0.0F, uniform(random));
-  const ShadedVoxels dark(
-      std::make_shared<BrickSlice>(BrickSlice::fromDense(info, values)));
+  const ShadedVoxels dark(std::make_shared<BrickSlice>(BrickSlice::fromDense(info, values)));
   if (!lit)
     return dark;
   std::vector<Rgb> light;

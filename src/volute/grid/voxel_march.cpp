@@ -307,6 +307,10 @@ struct ShadedCells {
       VF extinction[2];
       for (int i = 0; i < 2; ++i)
         extinction[i] = hn::IfThenElseZero(active, density.at(at[i][0], at[i][1], at[i][2]));
+      if constexpr (!kEmits) {
+        if (hn::AllFalse(df, hn::Gt(hn::Max(extinction[0], extinction[1]), hn::Zero(df))))
+          continue;  // nothing to be seen in any lane
+      }
       const VF low = hn::Mul(extinction[0], part), high = hn::Mul(extinction[1], part);
       const VF first = MulThenAdd(low, Constant(0.25F), hn::Mul(high, Constant(-0.03867513F)));
       const VF second = MulThenAdd(low, Constant(0.53867513F), hn::Mul(high, Constant(0.25F)));

@@ -30,8 +30,8 @@ TEST(CameraFile, UnknownNamesAreRefusedWithTheNearest) {
   EXPECT_EQ(parse(R"({"eye": [0, -4, 1], "targte": [0, 0, 0], "fov": 40})").error().message,
             "scene.json: /camera/targte: this name is unknown; did you mean 'target'?");
   EXPECT_EQ(
-      parse(R"({"eye": [0, -4, 1], "target": [0, 0, 0], "fov": 40, "lens": 3})").error().message,
-      "scene.json: /camera/lens: this name is unknown");
+      parse(R"({"eye": [0, -4, 1], "target": [0, 0, 0], "fov": 40, "xyzzy": 3})").error().message,
+      "scene.json: /camera/xyzzy: this name is unknown");
 }
 
 TEST(CameraFile, ErrorsNameThePlace) {

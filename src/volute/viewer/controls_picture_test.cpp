@@ -203,7 +203,7 @@ TEST_F(Controls, AFilesPartsAreHiddenByTheirHeads) {
   EXPECT_TRUE(script_->has("/media/0/emission"));
 }
 
-TEST_F(Controls, AnFdsCaseIsSeenFromWithinItsRoom) {
+TEST_F(Controls, AnFdsCaseIsSeenFromOutsideAsADollsHouse) {
   fdswriter::Planes planes;
   for (int i = 0; i <= 24; ++i) planes[0].push_back(0.5 * i);
   for (int i = 0; i <= 12; ++i) planes[1].push_back(0.5 * i);
@@ -215,14 +215,14 @@ TEST_F(Controls, AnFdsCaseIsSeenFromWithinItsRoom) {
   const std::vector<std::uint8_t> clear(25 * 13 * 7, 0);
   fdswriter::smokeFile({24, 12, 6}, {{0, clear}}).save(folder_.path("hall_1.s3d"));
   open("hall.smv");
-  EXPECT_LT((app().camera().eye() - Vec3(0.5, 3, 1.7)).norm(), 0.1);
-  EXPECT_GT((app().camera().view().target - app().camera().eye()).normalized().x(), 0.999);
-  EXPECT_EQ(app().camera().mode(), ViewCamera::Mode::kWalk);
+  const Vec3 first = app().camera().eye();
+  EXPECT_GT(first.z(), 3);
+  EXPECT_FALSE(app().document()->bounds.contains(first));
   ASSERT_TRUE(script_->click("Whole view"));
   EXPECT_EQ(app().camera().mode(), ViewCamera::Mode::kOrbit);
   EXPECT_FALSE(app().document()->bounds.contains(app().camera().eye()));
   ASSERT_TRUE(script_->click("First view"));
-  EXPECT_LT((app().camera().eye() - Vec3(0.5, 3, 1.7)).norm(), 0.1);
+  EXPECT_LT((app().camera().eye() - first).norm(), 1e-6);
   open("room.smv");  // without a roof
   EXPECT_EQ(app().camera().mode(), ViewCamera::Mode::kOrbit);
   EXPECT_FALSE(app().document()->bounds.contains(app().camera().eye()));

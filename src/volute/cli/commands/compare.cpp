@@ -2,9 +2,14 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/grid/compare.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/field_options.hpp"
 #include "volute/cli/file_kind.hpp"
+#include "volute/cli/volume_output.hpp"
+#include "volute/image/colormap.hpp"
 #include "volute/image/compare.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/volume/volume_input.hpp"
@@ -17,6 +22,8 @@ struct Figures {
   double relativeRms = 0;
   double psnr = 0;
   double maxError = 0;
+  nlohmann::ordered_json frames = nlohmann::ordered_json::array();  ///< of each, of volumes
+  std::string worst{};  ///< the frame with the greatest error, for people
 };
 
 nlohmann::ordered_json bytesJson(const std::string& path) {
@@ -39,13 +46,53 @@ Report compareReport(const Figures& figures, const std::string& a, const std::st
       .add("psnr", jsonNumber(figures.psnr), fmt::format("{:.2f} dB", figures.psnr))
       .add("max_error", figures.maxError)
       .add("bytes", {bytesJson(a), bytesJson(b)}, bytesLine(a, b));
+  if (figures.frames.size() > 1)
+    report.add("by_frame", figures.frames, figures.worst);
   return report;
 }
 
-Result<Figures> comparePictures(const std::string& a, const std::string& b) {
+/// Where two pictures differ: dark where they agree, bright where they differ most.
+Status writeDifference(const std::string& target, const Image& errors) {
+  const double most = *std::ranges::max_element(errors.pixels);
+  return writeImage(target, extensionOf(target) == ".exr"
+                                ? errors
+                                : colorMapped(errors, ColorMap::kInferno, 0, most > 0 ? most : 1));
+}
+
+/// The largest difference of the channels of each pixel.
+Image errorsOf(const Image& a, const Image& b) {
+  Image errors(a.width, a.height, 1);
+  const auto channels = static_cast<std::size_t>(a.channels);
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    float& error = errors.pixels[i / channels];
+    error = std::max(error, std::abs(a.pixels[i] - b.pixels[i]));
+  }
+  return errors;
+}
+
+/// The largest difference of a frame along y, seen from the front: x to the right, z up.
+Result<Image> errorsOf(FrameSource& a, FrameSource& b, int frame) {
+  const VolumeInfo& info = a.info();
+  std::vector<float> first(info.frameValues()), second(info.frameValues());
+  VOLUTE_TRY(a.readFrame(frame, first));
+  VOLUTE_TRY(b.readFrame(frame, second));
+  Image errors(info.x, info.z, 1);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const std::size_t voxel = i / static_cast<std::size_t>(info.channels);
+    const int x = static_cast<int>(voxel % info.x), z = static_cast<int>(voxel / info.x / info.y);
+    float& error = errors.at(x, info.z - 1 - z);
+    error = std::max(error, std::abs(first[i] - second[i]));
+  }
+  return errors;
+}
+
+Result<Figures> comparePictures(const std::string& a, const std::string& b,
+                                const Arguments& arguments) {
   VOLUTE_ASSIGN(const auto imageA, readImage(a));
   VOLUTE_ASSIGN(const auto imageB, readImage(b));
   VOLUTE_ASSIGN(const auto difference, compareImages(imageA, imageB));
+  if (const auto target = arguments.find<std::string>("difference"))
+    VOLUTE_TRY(writeDifference(*target, errorsOf(imageA, imageB)));
   return Figures{difference.rms, difference.relativeRms, difference.psnr, difference.maxError};
 }
 
@@ -66,12 +113,37 @@ Result<Figures> compareVolumes(const std::string& a, const std::string& b,
     VOLUTE_ASSIGN(first.source, selectFrames(std::move(first.source), *frames));
     VOLUTE_ASSIGN(second.source, selectFrames(std::move(second.source), *frames));
   }
-  VOLUTE_ASSIGN(const auto difference, compare(*first.source, *second.source, context.progress));
-  return Figures{difference.rms(), difference.relativeRms(), difference.psnr(),
-                 difference.maxError};
+  std::vector<Difference> byFrame;
+  VOLUTE_ASSIGN(const auto difference,
+                compare(*first.source, *second.source, context.progress, &byFrame));
+  Figures figures{difference.rms(), difference.relativeRms(), difference.psnr(),
+                  difference.maxError};
+  const auto& numbers = first.source->info().frameNumbers;
+  for (std::size_t i = 0; i < byFrame.size(); ++i) {
+    figures.frames.push_back({{"frame", numbers[i]},
+                              {"rms", jsonNumber(byFrame[i].rms())},
+                              {"max_error", jsonNumber(byFrame[i].maxError)}});
+  }
+  const auto worst = std::ranges::max_element(byFrame, {}, &Difference::rms);
+  const auto at = static_cast<std::size_t>(worst - byFrame.begin());
+  figures.worst = fmt::format("worst in frame {}: rms {:.6g}, max error {:.6g}", numbers[at],
+                              worst->rms(), worst->maxError);
+  if (const auto target = arguments.find<std::string>("difference")) {
+    VOLUTE_ASSIGN(const auto errors,
+                  errorsOf(*first.source, *second.source, static_cast<int>(at)));
+    VOLUTE_TRY(writeDifference(*target, errors));
+  }
+  return figures;
 }
 
 Status runCompare(const Arguments& arguments, Context& context) {
+  if (const auto target = arguments.find<std::string>("difference")) {
+    if (!isPicturePath(*target)) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "--difference: '{}' is of no known format; expected .png or .exr", *target);
+    }
+    VOLUTE_TRY(checkTarget(*target));
+  }
   const std::string& a = arguments.positional(0);
   const std::string& b = arguments.positional(1);
   if (isPicturePath(a) != isPicturePath(b)) {
@@ -80,7 +152,7 @@ Status runCompare(const Arguments& arguments, Context& context) {
                 isPicturePath(a) ? a : b, isPicturePath(a) ? b : a);
   }
   VOLUTE_TRY(refuseIdle(arguments, {readKind(a), readKind(b)}));
-  VOLUTE_ASSIGN(const auto figures, isPicturePath(a) ? comparePictures(a, b)
+  VOLUTE_ASSIGN(const auto figures, isPicturePath(a) ? comparePictures(a, b, arguments)
                                                      : compareVolumes(a, b, arguments, context));
   context.print(compareReport(figures, a, b));
   return {};
@@ -103,7 +175,13 @@ Command compareCommand() {
           "they are equal). Both must have the same size.",
       .positionals = {{.name = "A", .help = "the original: a volume, or a picture (.png, .exr)"},
                       {.name = "B", .help = "what is compared with it"}},
-      .options = {{.name = "frames",
+      .options = {{.name = "difference",
+                   .kind = kOutput,
+                   .value = "OUT.png",
+                   .help = "a picture of where they differ: of volumes the frame that differs most, its "
+                           "largest differences along y; .png in colours up to the largest, .exr as "
+                           "it is"},
+                  {.name = "frames",
                    .kind = kFrames,
                    .value = "A:B[:S]",
                    .help = "frames with numbers A <= n < B of both",

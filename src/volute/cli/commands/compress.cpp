@@ -6,6 +6,7 @@
 #include "volute/cli/field_options.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/volume_output.hpp"
+#include "volute/io/frame_pattern.hpp"
 #include "volute/media/volume/volume_input.hpp"
 
 namespace volute::cli {
@@ -38,7 +39,23 @@ std::vector<std::string_view> modeNames() {
   return {names.begin(), names.end()};
 }
 
-Report compressReport(const std::string& target, const VolumeInfo& info, const CompressReport& result) {
+/// Of the files that were read, a pattern's as well.
+std::optional<std::uint64_t> bytesOfInput(const std::string& path) {
+  if (const auto bytes = bytesOnDisk(path))
+    return bytes;
+  const auto pattern = FramePattern::parse(path);
+  if (!pattern)
+    return std::nullopt;
+  const auto files = pattern->list();
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; files && i < files->size(); ++i)
+    sum += bytesOnDisk((*files)[i].path.string()).value_or(0);
+  return sum > 0 ? std::optional(sum) : std::nullopt;
+}
+
+/// @param inputBytes  of the files on disk, where all of them are in the result
+Report compressReport(const std::string& target, const VolumeInfo& info,
+                      const CompressReport& result, std::optional<std::uint64_t> inputBytes) {
   const double ratio = static_cast<double>(result.rawBytes) / static_cast<double>(result.fileBytes);
   const double speed = static_cast<double>(result.rawBytes) / 1e6 / std::max(result.seconds, 1e-9);
   Report report;
@@ -49,8 +66,13 @@ Report compressReport(const std::string& target, const VolumeInfo& info, const C
       .add("channels", info.channels, fmt::format("{}", info.channels))
       .add("raw_bytes", result.rawBytes, bytesText(result.rawBytes))
       .add("bytes", result.fileBytes, bytesText(result.fileBytes))
-      .add("ratio", jsonNumber(ratio), fmt::format("{:.4g}", ratio))
-      .add("relative_rms", result.relativeRms)
+      .add("ratio", jsonNumber(ratio), fmt::format("{:.4g} (of dense floats)", ratio));
+  if (inputBytes) {
+    const double onDisk = static_cast<double>(*inputBytes) / static_cast<double>(result.fileBytes);
+    report.add("input_bytes", *inputBytes, bytesText(*inputBytes))
+        .add("ratio_to_input", jsonNumber(onDisk), fmt::format("{:.4g} (of the files on disk)", onDisk));
+  }
+  report.add("relative_rms", result.relativeRms)
       .add("psnr", jsonNumber(-20 * std::log10(result.relativeRms)),
            fmt::format("{:.2f} dB", -20 * std::log10(result.relativeRms)))
       .add("max_error", result.maxError)
@@ -99,7 +121,9 @@ Status runCompress(const Arguments& arguments, Context& context) {
     VOLUTE_TRY(checkFolderIsShared(*work, context.team));
   }
   VOLUTE_ASSIGN(const auto result, compressTo(target, *source, options, context));
-  const Report report = compressReport(target, source->info(), result);
+  const bool whole = !arguments.given("frames") && !arguments.given("bounds");
+  const Report report = compressReport(target, source->info(), result,
+                                       whole ? bytesOfInput(path) : std::nullopt);
   VOLUTE_TRY(writeStats(arguments, context, report.json()));
   context.print(report);
   return {};

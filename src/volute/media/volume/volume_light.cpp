@@ -28,23 +28,22 @@ void transmittances(const ShadedVoxels& volume, std::span<const Segment> segment
     out[i] = static_cast<float>(light[i].transmittance);
 }
 
-/// The 26 ways to the neighbours of a cube, unit, and the share of the sphere that is nearest to
-/// each: of faces, edges and corners (Lebedev's rule of 26 points, exact to degree 7).
+/// The 14 ways to the faces and corners of a cube, unit, and their shares of the sphere (Lebedev's
+/// rule of 14 points, exact to degree 5).
 struct Way {
   Vec3 direction;
   double share = 0;
 };
 
-const std::array<Way, 26>& ways() {
+const std::array<Way, 14>& ways() {
   static const auto kWays = [] {
-    constexpr double kShares[] = {0, 1 / 21.0, 4 / 105.0, 9 / 280.0};
-    std::array<Way, 26> all;
+    std::array<Way, 14> all;
     std::size_t count = 0;
     for (int i = 0; i < 27; ++i) {
       const Vec3 way(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
-      const auto axes = static_cast<std::size_t>(std::lround(way.squaredNorm()));
-      if (axes > 0)
-        all[count++] = {way.normalized(), kShares[axes]};
+      const auto axes = std::lround(way.squaredNorm());
+      if (axes == 1 || axes == 3)
+        all[count++] = {way.normalized(), axes == 1 ? 1 / 15.0 : 3 / 40.0};
     }
     return all;
   }();
@@ -78,8 +77,7 @@ class CoarseLattice {
     Rgb sum = Rgb::Zero();
     for (int i = 0; i < 8; ++i) {
       double share = 1;
-      for (int axis = 0; axis < 3; ++axis)
-        share *= (i >> axis & 1) ? place[axis] : 1 - place[axis];
+      for (int axis = 0; axis < 3; ++axis) share *= (i >> axis & 1) ? place[axis] : 1 - place[axis];
       sum += share * values[static_cast<std::size_t>(node_[index(cell, i)])];
     }
     return sum;
@@ -103,7 +101,8 @@ class CoarseLattice {
   }
 
   std::size_t index(const std::array<int, 3>& cell, int corner) const {
-    const int x = cell[0] + (corner & 1), y = cell[1] + (corner >> 1 & 1), z = cell[2] + (corner >> 2);
+    const int x = cell[0] + (corner & 1), y = cell[1] + (corner >> 1 & 1),
+              z = cell[2] + (corner >> 2);
     return (static_cast<std::size_t>(z) * count_[1] + y) * count_[0] + x;
   }
 
@@ -121,6 +120,7 @@ std::vector<Lamp> VolumeLight::lampsOf(const ShadedVoxels& volume, std::size_t m
   const BrickSlice& slice = volume.slice();
   if (slice.channels() != 4)
     return {};
+
   struct Fire {
     Rgb power = Rgb::Zero();
     Vec3 moment = Vec3::Zero();

@@ -27,7 +27,7 @@ struct VolumeLighting {
 ///   L(x, w) = albedo (sum over lamps of E(x) exp(-t(x, lamp)) V phase + A(x) + F(x))
 /// with E a lamp's irradiance where nothing is in the way, t the volume's own optical depth towards
 /// it, exact, at the centre of every voxel. A, the share of an even surrounding that arrives, is a
-/// mean over 26 directions, and F, what its own fire sends, a sum over the bricks that emit, each
+/// mean over 14 directions, and F, what its own fire sends, a sum over the bricks that emit, each
 /// as a point; both are found at every fourth voxel, and are scattered evenly.
 ///
 /// Threads may share it.

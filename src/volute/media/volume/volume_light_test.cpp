@@ -83,7 +83,8 @@ class BruteForce {
       return 0;
     const int steps = static_cast<int>(std::ceil((inside.end - inside.begin) / step_));
     const double h = (inside.end - inside.begin) / steps;
-    for (int i = 0; i < steps; ++i) sum += h * extinction(from + (inside.begin + (i + 0.5) * h) * way);
+    for (int i = 0; i < steps; ++i)
+      sum += h * extinction(from + (inside.begin + (i + 0.5) * h) * way);
     return sum;
   }
 
@@ -169,9 +170,9 @@ TEST(VolumeLight, IsTheBruteForceMarchOnEightViews) {
   EXPECT_GT(brightest, 0.1);
 }
 
-/// A ball of even extinction K, lit by a sun: the light along a ray through its middle, along x, with
-/// the sun from +z, is K albedo E phase times the integral of exp(-K (s - s0)) exp(-K d(s)), with d
-/// the way from the point up to the ball's surface.
+/// A ball of even extinction K, lit by a sun: the light along a ray through its middle, along x,
+/// with the sun from +z, is K albedo E phase times the integral of exp(-K (s - s0)) exp(-K d(s)),
+/// with d the way from the point up to the ball's surface.
 TEST(VolumeLight, AnEvenBallIsItsIntegral) {
   constexpr double kRadius = 0.8, kExtinction = 2;
   const int n = 192;
@@ -199,8 +200,7 @@ TEST(VolumeLight, AnEvenBallIsItsIntegral) {
       const double up = std::sqrt(kRadius * kRadius - s * s) - height;
       sum += 2 * half / steps * std::exp(-kExtinction * (s + half)) * std::exp(-kExtinction * up);
     }
-    const double expected =
-        kExtinction * 0.9 * 3 * henyeyGreenstein(0.3, 0) * sum;
+    const double expected = kExtinction * 0.9 * 3 * henyeyGreenstein(0.3, 0) * sum;
     const Segment ray{Vec3(-3, 0, height), Vec3::UnitX(), 0, kEndless};
     std::vector<Radiance> found(1);
     seen.radiance(std::span(&ray, 1), found);
@@ -240,8 +240,7 @@ TEST(VolumeLight, FireLightsTheSmokeAroundIt) {
   const VolumeLight light(smoke, lighting);
   const Vec3 there(0.6, 0.2, 0);
   const double far = (there - Vec3(-0.6, 0, 0)).norm();
-  const double expected =
-      power / (far * far) / (4 * std::numbers::pi) * std::exp(-0.2 * far) * 0.2;
+  const double expected = power / (far * far) / (4 * std::numbers::pi) * std::exp(-0.2 * far) * 0.2;
   EXPECT_NEAR(light.seen().emission(there)[1] / expected, 1, 0.03);
   lighting.ownFire = false;
   EXPECT_EQ(VolumeLight(smoke, lighting).seen().emission(there)[1], 0);

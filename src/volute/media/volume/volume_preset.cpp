@@ -22,13 +22,14 @@ constexpr std::string_view kLightNames[] = {"emission", "radiance", "light"};
 constexpr std::string_view kColorNames[] = {"color", "colour", "Cd", "albedo"};
 // As people call files of one grid without a name.
 constexpr std::string_view kFireWords[] = {"fire", "flame", "burn", "torch", "explosion"};
-constexpr std::string_view kSmokeWords[] = {"smoke", "density", "soot", "fog", "cloud", "steam", "mist"};
+constexpr std::string_view kSmokeWords[] = {"smoke", "density", "soot", "fog",
+                                            "cloud", "steam",   "mist"};
 
-constexpr double kSmokeDepth = 6;    ///< optical depth of dense columns
-constexpr double kFireLight = 4;     ///< radiance of bright columns
+constexpr double kSmokeDepth = 6;  ///< optical depth of dense columns
+constexpr double kFireLight = 4;   ///< radiance of bright columns
 constexpr double kSmokeAlbedo = 0.9;
 constexpr double kSmokeAsymmetry = 0.3;
-constexpr double kKelvins = 600;     ///< temperatures that reach it are in kelvins
+constexpr double kKelvins = 600;  ///< temperatures that reach it are in kelvins
 
 std::string lower(std::string text) {
   std::ranges::transform(text, text.begin(),
@@ -37,13 +38,15 @@ std::string lower(std::string text) {
 }
 
 bool holdsWord(const std::string& text, Names words) {
-  return std::ranges::any_of(words, [&](std::string_view word) { return text.find(word) != std::string::npos; });
+  return std::ranges::any_of(
+      words, [&](std::string_view word) { return text.find(word) != std::string::npos; });
 }
 
 /// What is known of one grid from some of its frames.
 struct GridRange {
   double least = 0, most = 0;
   double column = 0;  ///< integral along z of a dense column [value x m], the largest of all frames
+
   bool any() const { return most > 0; }
 };
 
@@ -86,8 +89,9 @@ class Grids {
     // Nothing is called as expected, or nothing is in it: what a preset could show instead.
     for (const Names names : {Names(kDensityNames), Names(kFlameNames), Names(kHeatNames)}) {
       for (const std::string_view name : names) {
-        if (found || !input.grid.empty() || (found.error().code != ErrorCode::kInvalidArgument &&
-                                             found.error().code != ErrorCode::kInvalidData))
+        if (found || !input.grid.empty() ||
+            (found.error().code != ErrorCode::kInvalidArgument &&
+             found.error().code != ErrorCode::kInvalidData))
           break;
         first.grid = name;
         auto other = openVolume(path, first, silent);
@@ -188,10 +192,11 @@ Result<Choice> choose(VolumePreset wanted, Grids& grids, const std::string& path
   if (grids.info().channels == 3) {
     if (automatic)
       return choice;  // colours are light
-    return fail(ErrorCode::kInvalidArgument,
-                "{}: the preset is for grids of one channel, but '{}' has three; leave it out to show "
-                "them as light",
-                path, grids.mainName());
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "{}: the preset is for grids of one channel, but '{}' has three; leave it out to show "
+        "them as light",
+        path, grids.mainName());
   }
   if (grids.named()) {
     choice.density = grids.find(kDensityNames);
@@ -209,9 +214,9 @@ Result<Choice> choose(VolumePreset wanted, Grids& grids, const std::string& path
     choice.flame = grids.mainName(), choice.density.clear();
   if (grids.names().size() == 1 && wanted == VolumePreset::kSmoke && choice.density.empty())
     choice.density = grids.mainName(), choice.flame.clear();
-  for (const auto& [name, range] : {std::pair(&choice.density, &choice.densityRange),
-                                    std::pair(&choice.flame, &choice.flameRange),
-                                    std::pair(&choice.heat, &choice.heatRange)}) {
+  for (const auto& [name, range] :
+       {std::pair(&choice.density, &choice.densityRange),
+        std::pair(&choice.flame, &choice.flameRange), std::pair(&choice.heat, &choice.heatRange)}) {
     if (name->empty())
       continue;
     VOLUTE_ASSIGN(*range, grids.range(*name));
@@ -231,7 +236,8 @@ Result<Choice> choose(VolumePreset wanted, Grids& grids, const std::string& path
   choice.preset = wanted;
   std::string missing;
   if (wanted != VolumePreset::kSmoke && !burns)
-    missing = "a grid of flames (flame, fire, burn) or of temperatures in kelvins (temperature, heat)";
+    missing =
+        "a grid of flames (flame, fire, burn) or of temperatures in kelvins (temperature, heat)";
   else if (wanted != VolumePreset::kFire && !smokes)
     missing = "a grid of smoke (density, smoke, soot)";
   if (missing.empty())
@@ -278,9 +284,10 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
     appearance.albedo = Rgb::Constant(kSmokeAlbedo);
     appearance.asymmetry = kSmokeAsymmetry;
     appearance.colors = grids.findColors();
-    text = fmt::format("smoke from '{}' (0 to {:.3g}), extinction {:.3g}, albedo {:g}, asymmetry {:g}",
-                       choice.density, choice.densityRange.most, appearance.extinction, kSmokeAlbedo,
-                       kSmokeAsymmetry);
+    text =
+        fmt::format("smoke from '{}' (0 to {:.3g}), extinction {:.3g}, albedo {:g}, asymmetry {:g}",
+                    choice.density, choice.densityRange.most, appearance.extinction, kSmokeAlbedo,
+                    kSmokeAsymmetry);
   }
   if (burns) {
     Flames flames;
