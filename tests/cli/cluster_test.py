@@ -261,19 +261,27 @@ class BadInput(Cluster):
 
     def test_a_rank_killed_while_it_compresses(self):
         source = self.make_npy(frames=70, size=24)
-        for wait in (0.3, 0.8, 1.5):
+        killed_runs = 0
+        for wait in (0.0, 0.3, 0.8, 1.5):
             process = start(3, "compress", source, "-o", self.path("x.volute"), "--rms", "0.0005")
             end = time.monotonic() + LIMIT
             while len(ranks_of(process.pid)) < 3 and time.monotonic() < end:
                 time.sleep(0.02)
             time.sleep(wait)
-            os.kill(ranks_of(process.pid)[-1], signal.SIGKILL)
+            there = ranks_of(process.pid)
+            if len(there) < 3:  # a fast machine is done by then
+                process.communicate(timeout=LIMIT)
+                self.path("x.volute").unlink()
+                continue
+            os.kill(there[-1], signal.SIGKILL)
             killed = time.monotonic()
             _, message = process.communicate(timeout=LIMIT)
             self.assertLess(time.monotonic() - killed, 10)
             self.assertNotEqual(process.returncode, 0)
             self.assertIn("signal 9", message.decode())
             self.assertEqual(self.files(), ["in.npy"])
+            killed_runs += 1
+        self.assertGreater(killed_runs, 0)
 
     def test_an_interrupted_run_goes_on(self):
         source = self.make_npy(frames=70, size=24)

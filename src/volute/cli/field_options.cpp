@@ -187,7 +187,10 @@ Status addMembers(FieldValue& members, const FieldTable& table, const Arguments&
 std::vector<Option> fieldOptions(const std::vector<const FieldTable*>& tables, FieldUse use) {
   std::vector<Option> options;
   for (const FieldTable* table : tables) addOptions(options, *table, table->name, use, "");
-  for (Option& option : options) option.help = forWhom(option, tables) + option.help;
+  for (Option& option : options) {
+    option.help = forWhom(option, tables) + option.help;
+    std::ranges::stable_partition(option.kinds, [](auto kind) { return kind != kSceneKind; });
+  }
   return options;
 }
 
