@@ -47,9 +47,10 @@ void addVolumePlacement(ParameterGroup& group, const void* volume, const MediumF
   addPlacement(group, static_cast<const SceneVolume*>(volume)->appearance.placement, facts.bounds);
 }
 
-bool volumeScatters(const void* volume, const MediumFacts& /*facts*/) {
+/// Even light is scattered alike whatever the asymmetry.
+bool scattersSuns(const void* volume, const MediumFacts& facts) {
   const Appearance& appearance = static_cast<const SceneVolume*>(volume)->appearance;
-  return (appearance.albedo > 0).any();
+  return facts.suns && (appearance.albedo > 0).any();
 }
 
 double boardStep(const void* board, const MediumFacts& /*facts*/) {
@@ -84,7 +85,7 @@ const FieldTable& volumeFields() {
       {.name = "asymmetry", .access = member<&SceneVolume::appearance, &Appearance::asymmetry>(),
        .help = "g of Henyey and Greenstein's phase function, by which it is scattered; above 0: "
        "forwards", .least = -0.99, .most = 0.99, .option = {.value = "G", .picture = true},
-       .slider = {.label = "asymmetry", .least = -0.9, .most = 0.9, .shown = volumeScatters}},
+       .slider = {.label = "asymmetry", .least = -0.9, .most = 0.9, .shown = scattersSuns}},
       {.name = "color_field", .type = kText,
        .access = member<&SceneVolume::appearance, &Appearance::colors>(),
        .help = "a grid with three channels, or the begin of the names of three (_r, _g, _b), that "
