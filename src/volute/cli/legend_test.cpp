@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "volute/image/bitmap_text.hpp"
+#include "volute/image/text.hpp"
 
 namespace volute::cli {
 namespace {
@@ -38,7 +38,7 @@ TEST(Legend, FitsIntoPicturesOfEverySize) {
       EXPECT_LE(layout.y + layout.height, height);
       EXPECT_LT(layout.barWidth, layout.width);
       for (const std::string& line : layout.lines)
-        EXPECT_LT(textSize(line, layout.dot).width, layout.width) << width << ": " << line;
+        EXPECT_LT(textSize(line, TextStyle::ofDots(layout.dot)).width, layout.width) << width << ": " << line;
     }
   }
 }
