@@ -70,6 +70,13 @@ void VolumeAt::addMedia(std::vector<AnyMedium>& media) const {
     media.emplace_back(TurnedMedium(std::move(medium), place.turn, place.offset));
 }
 
+/// The values, and what VoxelMedium makes of them.
+std::uint64_t VolumeAt::memoryBytes() const {
+  if (!slice_)
+    return 0;
+  return 2 * slice_->values().size_bytes() + slice_->index().size_bytes();
+}
+
 nlohmann::ordered_json VolumeAt::counts() const {
   if (!medium_)
     return nlohmann::ordered_json::object();

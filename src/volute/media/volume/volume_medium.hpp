@@ -22,6 +22,7 @@ class VolumeAt final : public MediumAt {
 
   void addMedia(std::vector<AnyMedium>& media) const override;
   nlohmann::ordered_json counts() const override;
+  std::uint64_t memoryBytes() const override;
 
   /// Not yet placed: points are to be turned and moved by placement().
   const VoxelMedium& medium() const;
