@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/first_sight.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -116,12 +118,23 @@ SnapshotContent contentOf(const Snapshot& snapshot) {
 Result<FirstSight> firstSight(Scene& scene, Progress& progress, double seconds) {
   const auto begun = std::chrono::steady_clock::now();
   const auto times = scene.times();
-  FirstSight sight{times.front(), scene.bounds()};
+  FirstSight sight{times.front(), scene.bounds(), ""};
   struct Look {
     double time;
     SnapshotContent content;
   };
   std::vector<Look> looks;
+  if (!scene.isFile() && !scene.media().empty()) {
+    VOLUTE_ASSIGN(const auto known, scene.media().front()->firstTime(progress));
+    if (known) {
+      sight.time = known->time, sight.reason = known->reason;
+      VOLUTE_ASSIGN(const auto snapshot, scene.at({.time = known->time, .coarse = true}, progress));
+      const Box3 box = contentOf(snapshot).box;
+      if (holds(box))
+        sight.content = thick(box);
+      return sight;
+    }
+  }
   // The first, the middle, then what is between them.
   constexpr int kOrder[kTimes] = {0, 4, 2, 6, 1, 3, 5, 7};
   for (const int part : kOrder) {
@@ -146,6 +159,9 @@ Result<FirstSight> firstSight(Scene& scene, Progress& progress, double seconds) 
     std::ranges::sort(looks, {}, &Look::time);
     chosen = &*std::ranges::find_if(
         looks, [&](const Look& look) { return look.content.amount >= kMuch * most; });
+    sight.reason = fmt::format(
+        "of {} times looked at the first with at least half of the most that there is to see",
+        looks.size());
   }
   sight.time = chosen->time;
   if (holds(chosen->content.box))

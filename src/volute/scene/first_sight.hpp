@@ -2,14 +2,18 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <limits>
+#include <string>
+
 #include "volute/scene/scene.hpp"
 
 namespace volute {
 
 /// When and where a scene has something to see.
 struct FirstSight {
-  double time = 0;  ///< [s], of the scene
-  Box3 content;     ///< around what is to be seen then, finite and not empty [m]
+  double time = 0;     ///< [s], of the scene
+  Box3 content;        ///< around what is to be seen then, finite and not empty [m]
+  std::string reason;  ///< for the time; empty: it is the first
 };
 
 /// How much there is to see of a snapshot, and where.
@@ -25,9 +29,10 @@ struct SnapshotContent {
 SnapshotContent contentOf(const Snapshot& snapshot);
 
 /// The first of the scene's times if there is something to see, else the earliest of some that shows
-/// much; looked for in coarse snapshots for at most some `seconds`. Of a scene that has nothing it is
-/// the first time and Scene::bounds().
-[[nodiscard]] Result<FirstSight> firstSight(Scene& scene, Progress& progress,
-                                            double seconds = 0.25);
+/// much; looked for in coarse snapshots for about that many seconds, in eight of them at most. A file
+/// alone whose medium knows better says it (SceneMedium::firstTime()). Of a scene that has nothing it
+/// is the first time and Scene::bounds().
+[[nodiscard]] Result<FirstSight> firstSight(
+    Scene& scene, Progress& progress, double seconds = std::numeric_limits<double>::infinity());
 
 }  // namespace volute

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/first_sight.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -71,11 +72,14 @@ TEST_F(FirstSights, IsAroundTheContentNotTheBounds) {
 TEST_F(FirstSights, IsWhenThereIsSomethingToSee) {
   const FirstSight sight = sightOf(blob({0, 0.01F, 0.02F, 1, 1, 1, 1, 1, 1}));
   EXPECT_GE(sight.time, 3 / 25.0 - 1e-9);
+  EXPECT_THAT(sight.reason, ::testing::HasSubstr("half of the most"));
   EXPECT_LT(sight.content.max.x(), 0.4);
 }
 
 TEST_F(FirstSights, IsTheFirstTimeWhereThatServes) {
-  EXPECT_EQ(sightOf(blob({0.5F, 1, 1, 1})).time, 0);
+  const FirstSight sight = sightOf(blob({0.5F, 1, 1, 1}));
+  EXPECT_EQ(sight.time, 0);
+  EXPECT_EQ(sight.reason, "");
 }
 
 TEST_F(FirstSights, OfNothingIsTheBounds) {
