@@ -18,7 +18,7 @@ std::atomic<bool> workersWait = false;
 
 }  // namespace
 
-void letOthersFirst() {
+void lowerThreadPriority() {
 #ifdef __linux__
   constexpr int kNice =
       10;  // a ninth of what a busy thread beside it gets; each thread's own on Linux
@@ -27,7 +27,7 @@ void letOthersFirst() {
 #endif
 }
 
-void letOthersBeforeWorkers() {
+void lowerWorkerPriority() {
   workersWait.store(true, std::memory_order_relaxed);
 }
 
@@ -35,7 +35,7 @@ void detail::beginAsWorker() {
   thread_local bool waits = false;
   if (waits || !workersWait.load(std::memory_order_relaxed))
     return;
-  letOthersFirst();
+  lowerThreadPriority();
   waits = true;
 }
 

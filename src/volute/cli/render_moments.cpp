@@ -9,6 +9,7 @@
 #include "volute/cli/picture_writer.hpp"
 #include "volute/grid/select_frames.hpp"
 #include "volute/io/frame_pattern.hpp"
+#include "volute/scene/first_sight.hpp"
 
 namespace volute::cli {
 namespace {
@@ -143,13 +144,16 @@ Result<std::vector<Moment>> momentsInTime(const Arguments& arguments, Scene& sce
   if (!arguments.given("frames") && !several) {
     if (scene.isFile())
       return std::vector{Moment{numberAt(info, 0), 0}};
-    VOLUTE_ASSIGN(const auto first, scene.media().front()->firstTime(progress));
-    if (first) {
-      progress.remark(fmt::format("showing {:.4g} s: {}; --time or --frames choose others",
-                                  first->time, first->reason));
-      return std::vector{Moment{numberAt(info, first->time), first->time}};
-    }
     if (info.times.size() > 1) {
+      VOLUTE_ASSIGN(const FirstSight first, firstSight(scene, progress));
+      if (!first.reason.empty()) {
+        const int number = numberAt(info, first.time);
+        progress.remark(fmt::format("showing {}: {}; --time or --frames choose others",
+                                    info.interpolates ? fmt::format("{:.4g} s", first.time)
+                                                      : fmt::format("frame {}", number),
+                                    first.reason));
+        return std::vector{Moment{number, first.time}};
+      }
       progress.remark(fmt::format("showing the first of {} {}; --time or --frames choose others",
                                   info.times.size(), info.interpolates ? "steps" : "frames"));
     }
