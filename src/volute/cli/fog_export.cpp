@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "volute/base/write_file.hpp"
-#include "volute/cli/report.hpp"
+#include "volute/report/report.hpp"
 #include "volute/fog/fog_shader.hpp"
 
 namespace volute::cli {

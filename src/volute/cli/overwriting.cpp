@@ -63,13 +63,6 @@ std::string derivedOutput(const std::string& input, std::string_view end) {
   }
 }
 
-bool isSameFile(const std::string& a, const std::string& b) {
-  std::error_code error;
-  if (fs::equivalent(a, b, error) && !error)
-    return true;
-  return fs::absolute(a, error).lexically_normal() == fs::absolute(b, error).lexically_normal();
-}
-
 Status checkNothingOverwritten(const Command& command, const Arguments& arguments) {
   std::vector<std::pair<std::string_view, std::string>> outputs;
   std::vector<std::string> inputs = arguments.positionals();

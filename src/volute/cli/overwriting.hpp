@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include "volute/base/file_name.hpp"
 #include "volute/cli/arguments.hpp"
 #include "volute/cli/command.hpp"
 
@@ -15,8 +16,5 @@ std::string derivedOutput(const std::string& input, std::string_view end);
 /// positional, an option's file, or what a positional .json names (a scene's maps, a capture's
 /// masks). Patterns count when they are the same; project checks each of its pictures besides.
 [[nodiscard]] Status checkNothingOverwritten(const Command& command, const Arguments& arguments);
-
-/// True when both are there and the same file, or the same path when they are not.
-bool isSameFile(const std::string& a, const std::string& b);
 
 }  // namespace volute::cli

@@ -3,7 +3,6 @@
 #include "volute/cli/ranks.hpp"
 
 #include <fcntl.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,11 +10,11 @@
 #include <random>
 #include <thread>
 
+#include "volute/base/memory.hpp"
 #include "volute/base/output_file.hpp"
 #include "volute/base/version.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/cli/interrupt.hpp"
-#include "volute/cli/render_job.hpp"
 #include "volute/cluster/cluster.hpp"
 
 namespace volute::cli {
@@ -64,17 +63,6 @@ Status checkSame(Team& team, const std::vector<std::string>& words) {
     }
   }
   return {};
-}
-
-double cpuSeconds() {
-  double seconds = 0;
-  for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
-    rusage usage{};
-    ::getrusage(who, &usage);
-    for (const timeval& time : {usage.ru_utime, usage.ru_stime})
-      seconds += static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-  }
-  return seconds;
 }
 
 Json statsOf(const Team& team) {

@@ -5,7 +5,7 @@
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/field_options.hpp"
 #include "volute/cli/fog_export.hpp"
-#include "volute/cli/picture_writer.hpp"
+#include "volute/film/picture_writer.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/base/stopwatch.hpp"
 #include "volute/io/frame_pattern.hpp"
@@ -151,7 +151,7 @@ Status fogPictures(const std::vector<Frame>& frames, const FogLayer& layer,
       VOLUTE_ASSIGN(
           writer, filmWriter(target, {}, image.width, image.height, arguments.get<double>("rate")));
     } else if (!writer) {
-      VOLUTE_ASSIGN(writer, stillWriter(target, {}));
+      VOLUTE_ASSIGN(writer, imageFileWriter(target, {}));
     }
     VOLUTE_TRY(writer->write(image, frames[i].number));
     context.progress.report("fog", static_cast<double>(i + 1), static_cast<double>(frames.size()));

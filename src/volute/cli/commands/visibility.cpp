@@ -10,7 +10,7 @@
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/scene_arguments.hpp"
-#include "volute/cli/view_pictures.hpp"
+#include "volute/film/sign_views.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/report/page.hpp"
 #include "volute/visibility/criteria_file.hpp"
@@ -216,8 +216,9 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   if (const auto name = arguments.find<std::string>("sight-limit"))
     request.remarks.push_back(limitRemark(*name, request.survey.extinctionLimit));
   request.maxMemory = context.maxMemory;
-  VOLUTE_ASSIGN(auto pictures, ViewPictures::make(std::move(views), request.casePath,
-                                                        field->fillingSource(), arguments, context));
+  VOLUTE_ASSIGN(const auto members, mediumMembers(request.casePath, arguments));
+  VOLUTE_ASSIGN(auto pictures, SignViews::make(std::move(views), request.casePath, members,
+                                               field->fillingSource(), context));
   return runSurvey(std::move(request), *field, *watch, pictures, context.progress, context.team);
 }
 

@@ -8,6 +8,7 @@
 #include "volute/media/light_blockers.hpp"
 #include "volute/media/smoke/smoke_scene_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
+#include "volute/media/fds/fds_report.hpp"
 
 namespace volute {
 namespace {
@@ -59,6 +60,11 @@ class FdsKind final : public MediumKind {
   }
 
   bool opens(const std::string& path) const override { return isSmvPath(path); }
+
+  Result<FileDescription> describe(const std::string& path, const DescribeRequest& request,
+                                   Reading& reading) const override {
+    return describeFdsCase(path, request, reading).map([](Report report) { return FileDescription{std::move(report)}; });
+  }
 
   /// An open building in even white light and before white. Thick smoke in such light is as dark as
   /// what an endless layer of it sends back: of isotropic scattering with FDS's albedo w = 0.3, by

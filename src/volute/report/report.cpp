@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/report.hpp"
+#include "volute/report/report.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
-namespace volute::cli {
+namespace volute {
 
-Report& Report::add(std::string_view key, Json value, std::string text) {
+Report& Report::add(std::string_view key, nlohmann::ordered_json value, std::string text) {
   json_[std::string(key)] = std::move(value);
   if (text.empty())
     return *this;
@@ -44,4 +45,33 @@ std::string bytesText(std::uint64_t bytes) {
   return fmt::format("{:.3g} {}", value, kUnits[unit]);
 }
 
-}  // namespace volute::cli
+std::string vectorText(const Vec3& v) {
+  return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
+}
+
+std::string boxText(const Box3& box) {
+  return fmt::format("{}  to  {} m", vectorText(box.min), vectorText(box.max));
+}
+
+void ValueRange::add(std::span<const float> values) {
+  count += values.size();
+  for (const float value : values) {
+    if (!std::isfinite(value)) {
+      ++notFinite;
+      continue;
+    }
+    zeros += value == 0;
+    minimum = std::min<double>(minimum, value);
+    maximum = std::max<double>(maximum, value);
+  }
+}
+
+void ValueRange::addTo(Report& report) const {
+  const double share = static_cast<double>(zeros) / static_cast<double>(count);
+  report.add("minimum", minimum)
+      .add("maximum", maximum)
+      .add("zero_share", jsonNumber(share), fmt::format("{:.1f} %", 100 * share))
+      .add("not_finite", notFinite, notFinite ? fmt::format("{} values", notFinite) : "");
+}
+
+}  // namespace volute

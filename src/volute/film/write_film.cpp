@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/render_pictures.hpp"
+#include "volute/film/write_film.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -8,19 +8,19 @@
 #include <cstring>
 #include <utility>
 
+#include "volute/base/file_name.hpp"
 #include "volute/base/ordered_delivery.hpp"
 #include "volute/image/picture_style.hpp"
-#include "volute/media/volume/volume_input.hpp"
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
-Result<std::unique_ptr<PictureWriter>> writerFor(const std::string& target, const RenderJob& job,
+Result<std::unique_ptr<PictureWriter>> writerFor(const std::string& target, const FilmJob& job,
                                                  const Development& development) {
   if (!isFilmPath(target))
-    return stillWriter(target, development);
+    return imageFileWriter(target, development);
   std::string comment;
-  for (const auto& [name, text] : job.textOf(job.moments.front()).notes) {
+  for (const auto& [name, text] : job.textOf(job.frames.front()).notes) {
     if (name != "volute.time")
       comment += fmt::format("{}{}: {}", comment.empty() ? "" : "; ", name, text);
   }
@@ -42,9 +42,9 @@ class CancelOnly final : public Progress {
 };
 
 /// How much is to come, before the first picture.
-void remarkOnPictures(const RenderJob& job, const std::string& target, Progress& progress) {
-  const std::size_t count = job.moments.size();
-  const double first = job.moments.front().time, last = job.moments.back().time;
+void remarkOnPictures(const FilmJob& job, const std::string& target, Progress& progress) {
+  const std::size_t count = job.frames.size();
+  const double first = job.frames.front().time, last = job.frames.back().time;
   std::string text = fmt::format("{}: {} pictures from {:g} to {:g} s", target, count, first, last);
   if (isFilmPath(target)) {
     text += fmt::format(", {:.3g} a second: a film of {:.3g} s", job.framesPerSecond,
@@ -67,7 +67,7 @@ void remarkOnDuration(double seconds, std::int64_t count, std::int64_t ranks, Pr
 
 /// One exposure for all pictures: from some of them, small ones, or, where they are measured, from
 /// the middle one.
-Result<double> exposureFor(RenderJob& job, ToneCurve tone, Progress& progress) {
+Result<double> exposureFor(FilmJob& job, ToneCurve tone, Progress& progress) {
   constexpr std::size_t kTried = 7;
   constexpr int kPixels = 240;  // of the longer side
   const Camera whole = job.camera;
@@ -76,9 +76,9 @@ Result<double> exposureFor(RenderJob& job, ToneCurve tone, Progress& progress) {
   const auto size = [&](int pixels) {
     return std::max(1, static_cast<int>(std::lround(factor * pixels)));
   };
-  const std::size_t count = job.moments.size();
+  const std::size_t count = job.frames.size();
   const std::size_t tried = job.measured ? 1 : std::min(count, kTried);
-  const RenderTotals totals = job.totals;
+  const FilmTotals totals = job.totals;
   const int samples = std::exchange(job.samples, 1);
   if (!job.measured)
     job.camera = whole.resized(size(whole.width()), size(whole.height()));
@@ -86,7 +86,7 @@ Result<double> exposureFor(RenderJob& job, ToneCurve tone, Progress& progress) {
   Status status;
   for (std::size_t i = 0; i < tried && status; ++i) {
     const std::size_t at = tried == 1 ? count / 2 : i * (count - 1) / (tried - 1);
-    auto one = job.picture(job.moments[at], progress);
+    auto one = job.picture(job.frames[at], progress);
     if (one)
       pictures.push_back(std::move(*one));
     else
@@ -119,15 +119,15 @@ Image imageOf(std::span<const std::byte> bytes) {
 }
 
 /// Bytes of pictures of a film that wait for those before them.
-std::uint64_t mostPending(const Camera& camera, std::uint64_t maxMemory) {
+std::uint64_t maximumPending(const Camera& camera, std::uint64_t maxMemory) {
   const std::uint64_t bytes = 3 * std::uint64_t{sizeof(float)} * camera.width() * camera.height();
   return bytes * std::clamp<std::uint64_t>(maxMemory / 8 / bytes, 1, 4);
 }
 
 /// The pictures of a job on their way into a file or files.
-class Pictures {
+class FilmPass {
  public:
-  Pictures(RenderJob& job, const std::string& target, Development& development,
+  FilmPass(FilmJob& job, const std::string& target, Development& development,
            std::uint64_t maxMemory, Progress& progress, Team& team)
       : job_(job),
         target_(target),
@@ -135,8 +135,8 @@ class Pictures {
         progress_(progress),
         steps_(progress),
         team_(team),
-        count_(static_cast<std::int64_t>(job.moments.size())),
-        film_(team, count_, mostPending(job.camera, maxMemory),
+        count_(static_cast<std::int64_t>(job.frames.size())),
+        film_(team, count_, maximumPending(job.camera, maxMemory),
               [this](std::int64_t i, const auto& bytes) { return write(i, imageOf(bytes)); }) {}
 
   Status run() {
@@ -158,8 +158,8 @@ class Pictures {
  private:
   using Clock = std::chrono::steady_clock;
 
-  const Moment& moment(std::int64_t i) const {
-    return job_.moments[static_cast<std::size_t>(i)];
+  const FilmFrame& frame(std::int64_t i) const {
+    return job_.frames[static_cast<std::size_t>(i)];
   }
 
   /// Of several pictures each is one step, with its remarks.
@@ -193,19 +193,19 @@ class Pictures {
 
   Status take(std::int64_t i) {
     if (progress_.cancelled())
-      return fail(ErrorCode::kCancelled, "stopped before frame {}", moment(i).number);
+      return fail(ErrorCode::kCancelled, "stopped before frame {}", frame(i).number);
     if (!job_.layers.empty())
       return writeLayers(i);
-    VOLUTE_ASSIGN(const Image image, job_.picture(moment(i), each()));
+    VOLUTE_ASSIGN(const Image image, job_.picture(frame(i), each()));
     sayDuration();
     return give(i, image);
   }
 
   Status writeLayers(std::int64_t i) {
-    VOLUTE_ASSIGN(const auto channels, job_.layersAt(moment(i), each()));
+    VOLUTE_ASSIGN(const auto channels, job_.layersAt(frame(i), each()));
     const Stopwatch watch(job_.totals.write);
     return writer_->writeLayers(job_.camera.width(), job_.camera.height(), channels,
-                                moment(i).number, job_.textOf(moment(i)));
+                                frame(i).number, job_.textOf(frame(i)));
   }
 
   Status give(std::int64_t i, const Image& image) {
@@ -214,10 +214,10 @@ class Pictures {
 
   Status write(std::int64_t i, const Image& image) {
     const Stopwatch watch(job_.totals.write);
-    return writer_->write(image, moment(i).number, job_.textOf(moment(i)));
+    return writer_->write(image, frame(i).number, job_.textOf(frame(i)));
   }
 
-  RenderJob& job_;
+  FilmJob& job_;
   const std::string& target_;
   Development& development_;
   Progress& progress_;
@@ -251,12 +251,12 @@ void addStats(nlohmann::ordered_json& sum, const nlohmann::ordered_json& other) 
 
 }  // namespace
 
-Status renderPictures(RenderJob& job, const std::string& target, Development& development,
+Status writeFilm(FilmJob& job, const std::string& target, Development& development,
                       std::uint64_t maxMemory, Progress& progress, Team& team) {
-  return Pictures(job, target, development, maxMemory, progress, team).run();
+  return FilmPass(job, target, development, maxMemory, progress, team).run();
 }
 
-Result<nlohmann::ordered_json> sumOfStats(const RenderJob& job, Team& team) {
+Result<nlohmann::ordered_json> sumOfFilmStats(const FilmJob& job, Team& team) {
   auto sum = job.stats();
   if (team.size() == 1)
     return sum;
@@ -268,4 +268,4 @@ Result<nlohmann::ordered_json> sumOfStats(const RenderJob& job, Team& team) {
   return sum;
 }
 
-}  // namespace volute::cli
+}  // namespace volute

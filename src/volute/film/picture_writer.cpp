@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/picture_writer.hpp"
+#include "volute/film/picture_writer.hpp"
 
 #include <utility>
 
-#include "volute/cli/legend.hpp"
+#include "volute/image/legend.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/film.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
-#include "volute/media/volume/volume_input.hpp"
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
 Image developed(Image image, const Development& development) {
@@ -35,9 +34,9 @@ Image developed(const Image& image, const Development& development, const Pictur
   return out;
 }
 
-class StillWriter final : public PictureWriter {
+class ImageFileWriter final : public PictureWriter {
  public:
-  StillWriter(std::optional<FramePattern> pattern, std::string target,
+  ImageFileWriter(std::optional<FramePattern> pattern, std::string target,
               const Development& development)
       : pattern_(std::move(pattern)), target_(std::move(target)), development_(development) {}
 
@@ -89,13 +88,13 @@ bool isFilmPath(const std::string& target) {
   return extension == ".mp4" || extension == ".webm";
 }
 
-Result<std::unique_ptr<PictureWriter>> stillWriter(const std::string& target,
+Result<std::unique_ptr<PictureWriter>> imageFileWriter(const std::string& target,
                                                    const Development& development) {
   std::optional<FramePattern> pattern;
   if (FramePattern::isPattern(target)) {
     VOLUTE_ASSIGN(pattern, FramePattern::parse(target));
   }
-  return std::make_unique<StillWriter>(std::move(pattern), target, development);
+  return std::make_unique<ImageFileWriter>(std::move(pattern), target, development);
 }
 
 Result<std::unique_ptr<PictureWriter>> filmWriter(const std::string& target,
@@ -106,4 +105,4 @@ Result<std::unique_ptr<PictureWriter>> filmWriter(const std::string& target,
   return std::make_unique<FilmPictures>(std::move(film), development);
 }
 
-}  // namespace volute::cli
+}  // namespace volute

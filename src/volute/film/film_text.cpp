@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// What the pictures of a RenderJob say about themselves.
+// What the pictures of a FilmJob say about themselves.
 #include <fmt/ranges.h>
 
 #include <algorithm>
 
-#include "volute/cli/render_job.hpp"
+#include "volute/film/film_job.hpp"
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
 using Shows = Contour::Shows;
@@ -112,9 +112,9 @@ std::string modeOf(const Contour& contour) {
                                                                           : "concentration");
 }
 
-PictureText RenderJob::textOf(const Moment& moment) const {
+PictureText FilmJob::textOf(const FilmFrame& frame) const {
   if (contour)
-    return textOfContour(*contour, scene, legend, moment.time);
+    return textOfContour(*contour, scene, legend, frame.time);
   PictureText text;
   const PictureLaw law = scene.law();
   const bool threshold = law.mode == PictureMode::kThreshold;
@@ -122,20 +122,20 @@ PictureText RenderJob::textOf(const Moment& moment) const {
   text.notes = {{"volute.mode", mode}, {"volute.shows", shown(options)}};
   if (threshold)
     text.notes.emplace_back("volute.C", fmt::format("{:g}", law.c));
-  text.notes.emplace_back("volute.time", fmt::format("{:g} s", moment.time));
+  text.notes.emplace_back("volute.time", fmt::format("{:g} s", frame.time));
   std::vector<std::string> lines{threshold ? fmt::format("{}, C = {:g}", mode, law.c) : mode};
   if (options.aov != Aov::kNone)
     lines.push_back(shown(options));
-  const MediumText media = volute::cli::textOf(scene);
+  const MediumText media = volute::textOf(scene);
   // All in one: a picture's notes have different names.
   if (!media.notes.empty())
     text.notes.emplace_back("volute.smoke", fmt::format("{}", fmt::join(media.notes, "; ")));
   text.scale = media.scale;
   lines.insert(lines.end(), media.legend.begin(), media.legend.end());
-  lines.push_back(fmt::format("t = {:.2f} s", moment.time));
+  lines.push_back(fmt::format("t = {:.2f} s", frame.time));
   if (legend)
     text.legend = std::move(lines);
   return text;
 }
 
-}  // namespace volute::cli
+}  // namespace volute

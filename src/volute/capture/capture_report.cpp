@@ -1,53 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/scene_report.hpp"
+#include "volute/capture/capture_report.hpp"
 
 #include <algorithm>
 
 #include "volute/capture/image_name.hpp"
-#include "volute/cli/capture_input.hpp"
-#include "volute/cli/values.hpp"
-#include "volute/scene/kinds.hpp"
-#include "volute/scene/scene.hpp"
+#include "volute/capture/open_capture.hpp"
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
-Json pointJson(const Vec3& v) {
+using OrderedJson = nlohmann::ordered_json;
+
+OrderedJson pointJson(const Vec3& v) {
   return {jsonNumber(v.x()), jsonNumber(v.y()), jsonNumber(v.z())};
 }
 
-Json boxJson(const Box3& box) {
+OrderedJson boxJson(const Box3& box) {
   return {pointJson(box.min), pointJson(box.max)};
-}
-
-std::string boxText(const Box3& box) {
-  return fmt::format("{}  to  {} m", vectorText(box.min), vectorText(box.max));
-}
-
-std::string range(double first, double last) {
-  return first == last ? fmt::format("{:g} s", first) : fmt::format("{:g} to {:g} s", first, last);
-}
-
-void addMedia(Report& report, const Scene& scene) {
-  Json list = Json::array();
-  std::string text;
-  for (const auto& medium : scene.media()) {
-    const MediumInfo& info = medium->info();
-    const double first = info.times.front(), last = info.times.back();
-    list.push_back({{"kind", info.kind},
-                    {"file", info.file},
-                    {"size", info.size},
-                    {"times", {first, last}},
-                    {"bounds", boxJson(info.bounds)}});
-    text += fmt::format("\n  {} ({}){}{}, {}", info.file, info.kind, info.size.empty() ? "" : ": ",
-                        info.size, range(first, last));
-  }
-  report.add("media", list, text.empty() ? "none" : text);
-}
-
-std::string countText(std::size_t count) {
-  return count == 0 ? "none" : fmt::format("{}", count);
 }
 
 /// How many of the chosen frames a camera has pictures of; a film counts where it is there.
@@ -61,7 +31,7 @@ std::size_t picturesThere(const CaptureCamera& camera, const std::vector<int>& f
 }
 
 void addCameras(Report& report, const Capture& capture, bool& damaged) {
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   std::string text;
   for (const CaptureCamera& camera : capture.cameras) {
     const std::size_t there = picturesThere(camera, capture.frames);
@@ -90,32 +60,12 @@ void addCameras(Report& report, const Capture& capture, bool& damaged) {
 
 }  // namespace
 
-Result<Report> describeScene(const std::string& path, Context& context) {
-  registerUsualMedia();
-  SceneOptions options;
-  options.maxMemory = context.maxMemory;
-  VOLUTE_ASSIGN(const auto scene, Scene::open(path, options, context.progress));
-  const SceneDescription& description = scene.description();
-  const auto times = scene.times();
-  Report report;
-  report.add("file", path).add("kind", "scene");
-  addMedia(report, scene);
-  report.add("times", {times.front(), times.back()}, range(times.front(), times.back()))
-      .add("bounds", boxJson(scene.bounds()), boxText(scene.bounds()))
-      .add("triangles", scene.geometry().triangles().size(),
-           countText(scene.geometry().triangles().size()))
-      .add("lights", description.lights.lamps.size(), countText(description.lights.lamps.size()))
-      .add("signs", description.signs.size(), countText(description.signs.size()))
-      .add("camera", scene.camera().has_value(),
-           scene.camera() ? "as the scene says" : "none: the bounds are framed");
-  return report;
-}
-
-Result<Report> describeCapture(const std::string& path, Context& context, bool& damaged) {
+Result<FileDescription> describeCapture(const std::string& path, std::uint64_t maxMemory) {
   CaptureOptions options;
-  options.maxMemory = context.maxMemory;
+  options.maxMemory = maxMemory;
   auto capture = openCapture(path, options);
   std::string missing;
+  FileDescription described;
   if (!capture) {
     missing = capture.error().message;
     // Calibration alone may be whole.
@@ -123,12 +73,11 @@ Result<Report> describeCapture(const std::string& path, Context& context, bool& 
     if (!calibration)
       return tl::unexpected(std::move(capture.error()));
     capture = std::move(calibration);
-    damaged = true;
+    described.damaged = true;
   }
-  remarkOn(*capture, context);
-  Report report;
+  Report& report = described.report;
   report.add("file", path).add("kind", "capture").add("format", capture->kind);
-  addCameras(report, *capture, damaged);
+  addCameras(report, *capture, described.damaged);
   const auto& frames = capture->frames;
   if (!frames.empty()) {
     report.add("frames", frames.size(), fmt::format("{}", frames.size()))
@@ -142,7 +91,10 @@ Result<Report> describeCapture(const std::string& path, Context& context, bool& 
   }
   if (!missing.empty())
     report.add("missing", missing);
-  return report;
+  std::string remarks;
+  for (const std::string& remark : capture->remarks) remarks += "\n  " + remark;
+  report.add("remarks", OrderedJson(capture->remarks), remarks);
+  return described;
 }
 
-}  // namespace volute::cli
+}  // namespace volute

@@ -1,31 +1,72 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/render_job.hpp"
-
-#include <sys/resource.h>
+#include "volute/film/film_job.hpp"
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
+#include <cstring>
 #include <string>
 
-namespace volute::cli {
+#include "volute/base/memory.hpp"
+
+namespace volute {
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
+/// Media that contours can be cut from.
+std::vector<const MediumInfo*> contouredIn(const Scene& scene) {
+  std::vector<const MediumInfo*> media;
+  for (const auto& medium : scene.media()) {
+    if (medium->info().mass || !medium->info().noMass.empty())
+      media.push_back(&medium->info());
+  }
+  return media;
+}
+
+/// One plane has one scale of mass per volume.
+Status checkConcentrations(std::span<const MediumInfo* const> media) {
+  for (const MediumInfo* medium : media) {
+    if (!medium->mass) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "slice-shows: concentration: {}, which tells no mass per volume; choose "
+                  "visibility or extinction",
+                  medium->noMass);
+    }
+    if (medium->mass->field != media.front()->mass->field) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "slice-shows: concentration: {} holds {} and {} {}, which have no scale in "
+                  "common; choose visibility or extinction",
+                  media.front()->file, media.front()->mass->field, medium->file,
+                  medium->mass->field);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
-// getrusage() would count what this program's parent held before it started us.
-std::uint64_t peakMemoryBytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);) {
-    if (line.starts_with("VmHWM:"))
-      return 1024 * std::strtoull(line.c_str() + 6, nullptr, 10);
+Status checkContour(const Contour& contour, const Scene& scene) {
+  const bool slice = contour.kind == Contour::Kind::kSlice;
+  const auto media = contouredIn(scene);
+  if (media.empty()) {
+    return fail(ErrorCode::kInvalidArgument, "{}: is for media on a mesh; there is none",
+                slice ? "slice" : "isosurface");
   }
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  return 1024 * static_cast<std::uint64_t>(usage.ru_maxrss);
+  if (!slice)
+    return {};
+  Box3 bounds;
+  for (const MediumInfo* medium : media) {
+    bounds.extend(medium->bounds.min);
+    bounds.extend(medium->bounds.max);
+  }
+  const double low = bounds.min[contour.axis], high = bounds.max[contour.axis];
+  if (!(contour.place >= low && contour.place < high)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "slice: {}={:g} misses the mesh, which reaches from {:.6g} to {:.6g} m along {}",
+                "xyz"[contour.axis], contour.place, low, high, "xyz"[contour.axis]);
+  }
+  return contour.shows == Contour::Shows::kConcentration ? checkConcentrations(media) : Status();
 }
 
 bool measuresLight(const Scene& scene) {
@@ -40,20 +81,20 @@ Status cpuMayDraw(const char* what) {
               "{} is drawn by the CPU, which VOLUTE_CPU_RENDERER=off forbids", what);
 }
 
-Camera RenderJob::cameraAt(const Moment& moment) const {
+Camera FilmJob::cameraAt(const FilmFrame& frame) const {
   Camera now = camera;
   if (way && !way->keys.empty()) {
     CameraDescription there = *way;
-    there.view = way->viewAt(moment.time);
+    there.view = way->viewAt(frame.time);
     now = makeCamera(there, {camera.width(), camera.height()});
   }
   if (orbit == 0)
     return now;
   const Vec3 up = way ? way->view.up : Vec3(Vec3::UnitZ());
-  return now.turned(orbitCentre, up, moment.turn * orbit);
+  return now.turned(orbitCentre, up, frame.turn * orbit);
 }
 
-Result<Image> RenderJob::pictureOf(const Snapshot& snapshot, const Camera& camera,
+Result<Image> FilmJob::pictureOf(const Snapshot& snapshot, const Camera& camera,
                                    Progress& progress, PictureCounts& counts) {
   if (contour) {
     VOLUTE_TRY(cpuMayDraw("a slice or an isosurface"));
@@ -77,17 +118,17 @@ Result<Image> RenderJob::pictureOf(const Snapshot& snapshot, const Camera& camer
   return draw();
 }
 
-Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
+Result<Image> FilmJob::picture(const FilmFrame& frame, Progress& progress) {
   Result<Snapshot> snapshot = [&] {
     const Stopwatch watch(totals.snapshots);
-    return scene.at({.time = moment.time, .tree = tree, .eye = seenFrom(camera)}, progress);
+    return scene.at({.time = frame.time, .tree = tree, .eye = seenFrom(camera)}, progress);
   }();
   VOLUTE_TRY(snapshot);
   snapshot->background = options.background;
   PictureCounts counts;
   Result<Image> image = [&] {
     const Stopwatch watch(totals.render);
-    return pictureOf(*snapshot, cameraAt(moment), progress, counts);
+    return pictureOf(*snapshot, cameraAt(frame), progress, counts);
   }();
   VOLUTE_TRY(image);
   PictureCounts& sum = totals.counts;
@@ -102,7 +143,7 @@ Result<Image> RenderJob::picture(const Moment& moment, Progress& progress) {
   return image;
 }
 
-Result<std::vector<ImageChannel>> RenderJob::layersAt(const Moment& moment, Progress& progress) {
+Result<std::vector<ImageChannel>> FilmJob::layersAt(const FilmFrame& frame, Progress& progress) {
   const RenderOptions before = options;
   const auto has = [&](std::string_view name) {
     return std::ranges::find(layers, name) != layers.end();
@@ -111,7 +152,7 @@ Result<std::vector<ImageChannel>> RenderJob::layersAt(const Moment& moment, Prog
   const auto drawn = [&](Aov aov) {
     options.aov = aov;
     options.within = scene.bounds();
-    auto image = picture(moment, progress);
+    auto image = picture(frame, progress);
     options = before;
     return image;
   };
@@ -141,7 +182,7 @@ Result<std::vector<ImageChannel>> RenderJob::layersAt(const Moment& moment, Prog
   return channels;
 }
 
-OrderedJson RenderJob::stats() const {
+OrderedJson FilmJob::stats() const {
   OrderedJson json = {{"renderer", renderer->name()},
                       {"size", {camera.width(), camera.height()}},
                       {"pictures", totals.pictures},
@@ -176,4 +217,26 @@ OrderedJson RenderJob::stats() const {
   return json;
 }
 
-}  // namespace volute::cli
+Status scaleContour(FilmJob& job, Progress& progress, Team& team) {
+  if (!job.contour || job.contour->shows == Contour::Shows::kVisibility)
+    return {};
+  double largest = 0;
+  VOLUTE_TRY(team.forUnits(
+      "scaling", static_cast<std::int64_t>(job.frames.size()), progress,
+      [&](std::int64_t i) -> Status {
+        const FilmFrame& frame = job.frames[static_cast<std::size_t>(i)];
+        VOLUTE_ASSIGN(const auto snapshot, job.scene.at({.time = frame.time}, progress));
+        largest = std::max(largest, largestOn(*job.contour, snapshot.media));
+        return {};
+      }));
+  VOLUTE_ASSIGN(const auto all, team.gatherAll(std::as_bytes(std::span(&largest, 1))));
+  for (const auto& bytes : all) {
+    double other = 0;
+    std::memcpy(&other, bytes.data(), sizeof other);
+    largest = std::max(largest, other);
+  }
+  job.contour->most = largest > 0 ? largest : 1;
+  return {};
+}
+
+}  // namespace volute

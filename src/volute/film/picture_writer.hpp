@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
-#include "volute/cli/legend.hpp"
+#include "volute/image/legend.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/image.hpp"
 #include "volute/image/picture_style.hpp"
 #include "volute/io/image_file.hpp"
 
-namespace volute::cli {
+namespace volute {
 
 /// How linear pictures become visible ones (.png, films); .exr files keep the linear values.
 struct Development {
@@ -30,7 +30,8 @@ struct PictureText {
       scale{};  ///< of a picture that comes in its colours, or of a part of one
 };
 
-/// Where pictures go, in order; nothing appears before it is whole.
+/// Where pictures go, in order; nothing appears before it is whole. Pictures are linear RGB, or one
+/// channel.
 class PictureWriter {
  public:
   virtual ~PictureWriter() = default;
@@ -46,16 +47,18 @@ class PictureWriter {
 
 /// Files .png or .exr, one a picture: a pattern with the frame's number, or a plain name for a
 /// single one.
-[[nodiscard]] Result<std::unique_ptr<PictureWriter>> stillWriter(const std::string& target,
+[[nodiscard]] Result<std::unique_ptr<PictureWriter>> imageFileWriter(const std::string& target,
                                                                  const Development& development);
 
 /// A film .mp4 or .webm, and what it says about itself.
+/// @param framesPerSecond  > 0
 [[nodiscard]] Result<std::unique_ptr<PictureWriter>> filmWriter(const std::string& target,
                                                                 const Development& development,
                                                                 int width, int height,
                                                                 double framesPerSecond,
                                                                 const std::string& comment = {});
 
+/// By the name's end: .mp4 or .webm.
 bool isFilmPath(const std::string& target);
 
-}  // namespace volute::cli
+}  // namespace volute

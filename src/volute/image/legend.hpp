@@ -9,7 +9,7 @@
 #include "volute/image/color_scale.hpp"
 #include "volute/image/image.hpp"
 
-namespace volute::cli {
+namespace volute {
 
 /// How a legend fits into a picture: in pixels.
 struct LegendLayout {
@@ -30,4 +30,4 @@ LegendLayout layOutLegend(int width, int height, const std::vector<std::string>&
 void drawLegend(Image& image, const std::vector<std::string>& lines,
                 const std::optional<ColorScale>& scale);
 
-}  // namespace volute::cli
+}  // namespace volute

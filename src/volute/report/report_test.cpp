@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/report.hpp"
+#include "volute/report/report.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
 TEST(Report, SaysTheSameToPeopleAndPrograms) {
@@ -30,4 +30,4 @@ TEST(Report, BytesAreReadable) {
 }
 
 }  // namespace
-}  // namespace volute::cli
+}  // namespace volute

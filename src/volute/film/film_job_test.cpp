@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/render_job.hpp"
+#include "volute/film/film_job.hpp"
 
 #include <gtest/gtest.h>
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
 /// A device for which everything is too large.
@@ -48,18 +48,18 @@ struct Remarks final : Progress {
   std::string heard;
 };
 
-RenderJob jobWith(ErrorCode code, bool mayFallBack) {
+FilmJob jobWith(ErrorCode code, bool mayFallBack) {
   Progress quiet;
   auto scene = Scene::make({{"format", "volute-scene-1"}}, "scene.json", {}, quiet);
-  RenderJob job{std::move(*scene), Camera::framing({Vec3(0, 0, 0), Vec3(1, 1, 1)}, 4, 3), {},
+  FilmJob job{std::move(*scene), Camera::framing({Vec3(0, 0, 0), Vec3(1, 1, 1)}, 4, 3), {},
                 std::make_unique<TooSmall>(code), mayFallBack, {}};
   job.options.background = Rgb(0.5, 0.25, 1);
   return job;
 }
 
-TEST(RenderJob, TheCpuDrawsWhatOpenGlCannotWhereItMay) {
+TEST(FilmJob, TheCpuDrawsWhatOpenGlCannotWhereItMay) {
   for (const ErrorCode code : {ErrorCode::kTooLarge, ErrorCode::kInvalidData}) {
-    RenderJob job = jobWith(code, true);
+    FilmJob job = jobWith(code, true);
     Remarks remarks;
     const auto image = job.picture({}, remarks);
     ASSERT_TRUE(image) << image.error().message;
@@ -69,14 +69,14 @@ TEST(RenderJob, TheCpuDrawsWhatOpenGlCannotWhereItMay) {
   }
 }
 
-TEST(RenderJob, OpenGlThatWasAskedForFails) {
+TEST(FilmJob, OpenGlThatWasAskedForFails) {
   Remarks remarks;
-  RenderJob job = jobWith(ErrorCode::kTooLarge, false);
+  FilmJob job = jobWith(ErrorCode::kTooLarge, false);
   EXPECT_EQ(job.picture({}, remarks).error().code, ErrorCode::kTooLarge);
   EXPECT_EQ(remarks.heard, "");
-  RenderJob stopped = jobWith(ErrorCode::kCancelled, true);
+  FilmJob stopped = jobWith(ErrorCode::kCancelled, true);
   EXPECT_EQ(stopped.picture({}, remarks).error().code, ErrorCode::kCancelled);
 }
 
 }  // namespace
-}  // namespace volute::cli
+}  // namespace volute

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/legend.hpp"
+#include "volute/image/legend.hpp"
 
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "volute/image/bitmap_text.hpp"
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
 using Sizes = std::vector<std::pair<int, int>>;
@@ -84,4 +84,4 @@ TEST(Legend, IsDrawnOntoItsGroundAlone) {
 }
 
 }  // namespace
-}  // namespace volute::cli
+}  // namespace volute

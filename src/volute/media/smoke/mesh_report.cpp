@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/mesh_report.hpp"
+#include "volute/media/smoke/mesh_report.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -9,12 +9,11 @@
 #include "volute/io/mesh_source.hpp"
 #include "volute/media/volume/volume_input.hpp"
 #include "volute/tetmesh/mesh_shape.hpp"
-#include "volute/cli/values.hpp"
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* kShapes[] = {"tetrahedra", "pyramids", "wedges", "hexahedra", "polyhedra"};
 
@@ -31,14 +30,14 @@ std::optional<std::uint64_t> bytesOf(const std::string& path, const MeshSource& 
 void addTimes(Report& report, const MeshSource& source) {
   const auto times = source.times();
   report.add("instants", times.size(), fmt::format("{}", times.size()))
-      .add("times", Json(std::vector<double>(times.begin(), times.end())),
+      .add("times", OrderedJson(std::vector<double>(times.begin(), times.end())),
            times.size() == 1 ? fmt::format("{} s", times.front())
                              : fmt::format("{} to {} s", times.front(), times.back()));
 }
 
 /// Files of a series that are not there.
 void addMissing(Report& report, const MeshSource& source, bool& damaged) {
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   std::string text;
   for (std::size_t i = 0; i < source.times().size(); ++i) {
     std::error_code error;
@@ -56,7 +55,7 @@ void addMissing(Report& report, const MeshSource& source, bool& damaged) {
 }
 
 void addCells(Report& report, const MeshContents& contents) {
-  Json kinds;
+  OrderedJson kinds;
   std::string text;
   for (std::size_t i = 0; i < std::size(kShapes); ++i) {
     kinds[kShapes[i]] = contents.shapes[i];
@@ -88,7 +87,7 @@ void addMesh(Report& report, const Result<std::shared_ptr<const TetMesh>>& mesh,
       .add("tetrahedra", (*mesh)->tets().size(),
            fmt::format("{}, with {} vertices", (*mesh)->tets().size(), (*mesh)->vertices().size()))
       .add("bounds", {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()},
-           fmt::format("{}  to  {} m", vectorText(b.min), vectorText(b.max)))
+           boxText(b))
       .add("volume", jsonNumber(shape.volume), fmt::format("{:.6g} m3", shape.volume))
       .add("parts", shape.parts,
            fmt::format("{}{}", shape.parts, shape.parts > 1 ? " that share no face" : ""))
@@ -115,7 +114,7 @@ std::string kindOf(const MeshFieldSummary& field) {
 
 void addFields(Report& report, const std::vector<MeshFieldSummary>& fields,
                const std::string& when) {
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   std::string text = fields.empty() ? "none" : when;
   for (const MeshFieldSummary& field : fields) {
     list.push_back({{"name", field.name},
@@ -135,24 +134,24 @@ void addFields(Report& report, const std::vector<MeshFieldSummary>& fields,
 
 }  // namespace
 
-Result<Report> describeMeshCase(const std::string& path, bool values, Context& context,
-                                bool& damaged) {
+Result<FileDescription> describeMeshCase(const std::string& path, bool values, Reading& reading) {
   MeshOptions options;
-  options.maxMemory = context.maxMemory;
+  options.maxMemory = reading.maxMemory;
   VOLUTE_ASSIGN(const auto source, MeshSource::open(path, options));
-  Report report;
+  FileDescription described;
+  Report& report = described.report;
   report.add("file", path).add("kind", "mesh");
   if (const auto bytes = bytesOf(path, source))
     report.add("bytes", *bytes, bytesText(*bytes));
   addTimes(report, source);
-  addMissing(report, source, damaged);
+  addMissing(report, source, described.damaged);
   VOLUTE_ASSIGN(const auto first, source.describe(0));
   addCells(report, first.contents);
-  addMesh(report, first.mesh, damaged);
+  addMesh(report, first.mesh, described.damaged);
   std::vector<MeshFieldSummary> fields = first.fields;
   const std::size_t count = values ? source.times().size() : 1;
   for (std::size_t i = 1; i < count; ++i) {
-    if (context.progress.cancelled())
+    if (reading.progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped: reading instant {}", i);
     VOLUTE_ASSIGN(const auto next, source.describe(i));
     for (const MeshFieldSummary& field : next.fields) {
@@ -163,11 +162,11 @@ Result<Report> describeMeshCase(const std::string& path, bool values, Context& c
       else
         widen(*known, field);
     }
-    context.progress.report("reading", static_cast<double>(i + 1), static_cast<double>(count));
+    reading.progress.report("reading", static_cast<double>(i + 1), static_cast<double>(count));
   }
   addFields(report, fields,
             count > 1 ? "over all instants" : fmt::format("at {} s", source.times().front()));
-  return report;
+  return described;
 }
 
-}  // namespace volute::cli
+}  // namespace volute

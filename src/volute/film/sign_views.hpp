@@ -2,25 +2,31 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include "volute/cli/arguments.hpp"
-#include "volute/cli/context.hpp"
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "volute/media/field.hpp"
+#include "volute/media/reading.hpp"
 #include "volute/optics/visibility.hpp"
 #include "volute/visibility/survey_job.hpp"
 
-namespace volute::cli {
+namespace volute {
 
 /// What people see who stand at a few places: pictures towards the nearest sign, in the middle of
-/// the times and at the last, photometric and threshold. Each place has a scene file that `volute
-/// render` takes; lamps hang below the ceiling over the eye, the sign and between them, or the
+/// the times and at the last, photometric and threshold. Each place has a scene file; lamps hang below the ceiling over the eye, the sign and between them, or the
 /// light of an FDS case comes from everywhere.
-class ViewPictures final : public SurveyPictures {
+class SignViews final : public SurveyPictures {
  public:
-  /// `path` and the options about it go into the scenes. kUnsupported for pictures of a scene, which
-  /// has a camera of its own.
-  /// @param source  of the survey (SightField::fillingSource()), unless an option names another
-  [[nodiscard]] static Result<ViewPictures> make(std::vector<Vec3> eyes, const std::string& path,
-                                                 const std::string& source,
-                                                 const Arguments& arguments, Context& context);
+  /// kUnsupported for pictures of a scene, which has a camera of its own.
+  /// @param eyes  [m]; none: no pictures
+  /// @param path  of a medium alone
+  /// @param members  of its entry in the scenes, besides what such a file has by itself
+  /// @param source  of the survey (SightField::fillingSource()), unless `members` name a field
+  /// @param reading  must outlive this
+  [[nodiscard]] static Result<SignViews> make(std::vector<Vec3> eyes, const std::string& path,
+                                              const FieldValue& members, const std::string& source,
+                                              Reading& reading);
 
   /// Writes the scenes.
   [[nodiscard]] Status begin(const Survey& survey, const SightInstant& first) override;
@@ -36,7 +42,7 @@ class ViewPictures final : public SurveyPictures {
     std::string scene;  ///< the file, in the folder of results
   };
 
-  explicit ViewPictures(Context& context) : context_(&context) {}
+  explicit SignViews(Reading& reading) : reading_(&reading) {}
 
   [[nodiscard]] Status render(const View& view, const std::filesystem::path& target, double time,
                               PictureMode mode) const;
@@ -44,8 +50,8 @@ class ViewPictures final : public SurveyPictures {
   std::vector<Vec3> eyes_;
   nlohmann::ordered_json scene_;  ///< of the file alone
   bool lit_ = true;               ///< by lamps; else from everywhere
-  Context* context_;
+  Reading* reading_;
   std::vector<View> views_;
 };
 
-}  // namespace volute::cli
+}  // namespace volute

@@ -1,29 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/fds_report.hpp"
-#include "volute/cli/values.hpp"
+#include "volute/media/fds/fds_report.hpp"
 
 #include <algorithm>
 #include <map>
 
+#include "volute/fds/fds_case.hpp"
 #include "volute/fds/fds_files.hpp"
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-Json boundsJson(const Box3& b) {
+OrderedJson boundsJson(const Box3& b) {
   return {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()};
-}
-
-std::string boundsText(const Box3& b) {
-  return fmt::format("{}  to  {} m", vectorText(b.min), vectorText(b.max));
 }
 
 void addMeshes(Report& report, const SmvIndex& index) {
   constexpr std::size_t kShown = 20;
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   std::string text;
   std::uint64_t cells = 0;
   Box3 bounds;
@@ -39,22 +35,22 @@ void addMeshes(Report& report, const SmvIndex& index) {
                     {"obstructions", mesh.obstructions.size()}});
     if (i < kShown)
       text += fmt::format("\n  {:>4}  {} x {} x {} cells, {}", i + 1, mesh.cells(0), mesh.cells(1),
-                          mesh.cells(2), boundsText(box));
+                          mesh.cells(2), boxText(box));
     if (i == kShown)
       text += "\n  ...";
   }
   report
       .add("meshes", list, fmt::format("{}, {} cells together{}", index.meshes.size(), cells, text))
       .add("cells", cells, "")
-      .add("bounds", boundsJson(bounds), boundsText(bounds));
+      .add("bounds", boundsJson(bounds), boxText(bounds));
 }
 
 void addDevices(Report& report, const SmvIndex& index) {
   constexpr std::size_t kShown = 20;
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   std::string text = fmt::format("{}", index.devices.size());
   for (const FdsDevice& device : index.devices) {
-    Json events = Json::array();
+    OrderedJson events = OrderedJson::array();
     std::string changes;
     for (const FdsEvent& event : device.events) {
       events.push_back({{"time", event.time}, {"active", event.shown}});
@@ -93,7 +89,7 @@ void addSlices(Report& report, const SmvIndex& index) {
       ++planes[fmt::format("{} at {} = {:g} m", slice.labels.quantity, "xyz"[axis], place)];
     }
   }
-  Json list;
+  OrderedJson list;
   std::string text;
   for (const auto& [name, count] : planes) {
     list[name] = count;
@@ -117,7 +113,7 @@ void addContents(Report& report, const SmvIndex& index) {
                   events.empty() ? ""
                                  : fmt::format(", some come and go at {} times from {} to {} s",
                                                events.size(), events.front(), events.back())));
-  report.add("obstruction_events", Json(events), "");
+  report.add("obstruction_events", OrderedJson(events), "");
   report.add("vents", vents, fmt::format("{}", vents));
   addDevices(report, index);
   addSlices(report, index);
@@ -126,7 +122,7 @@ void addContents(Report& report, const SmvIndex& index) {
   for (const auto& smoke : index.smoke) ++quantities["smoke3d of " + smoke.labels.quantity];
   if (!index.plots.empty())
     quantities["PLOT3D files"] = static_cast<int>(index.plots.size());
-  Json files;
+  OrderedJson files;
   std::string text;
   for (const auto& [name, count] : quantities) {
     files[name] = count;
@@ -139,17 +135,17 @@ void addContents(Report& report, const SmvIndex& index) {
 void addFiles(Report& report, const SmvIndex& index) {
   constexpr std::size_t kShown = 50;
 
-  struct Kind {
+  struct FilesOfAKind {
     std::size_t files = 0, least = SIZE_MAX, most = 0;
     std::vector<std::string> faults;
   };
 
-  Json list = Json::array();
-  std::map<std::string, Kind> kinds;
+  OrderedJson list = OrderedJson::array();
+  std::map<std::string, FilesOfAKind> kinds;
   std::size_t faults = 0;
   const auto checks = checkFiles(index);
   for (const FdsFileCheck& check : checks) {
-    Json one{{"file", check.path.filename().string()},
+    OrderedJson one{{"file", check.path.filename().string()},
              {"kind", check.kind},
              {"mesh", check.mesh + 1},
              {"state", nameOf(check.state)},
@@ -159,7 +155,7 @@ void addFiles(Report& report, const SmvIndex& index) {
     if (!check.reason.empty())
       one["reason"] = check.reason;
     list.push_back(std::move(one));
-    Kind& kind = kinds[check.kind];
+    FilesOfAKind& kind = kinds[check.kind];
     ++kind.files;
     kind.least = std::min(kind.least, check.times.size());
     kind.most = std::max(kind.most, check.times.size());
@@ -185,13 +181,13 @@ void addFiles(Report& report, const SmvIndex& index) {
     }
   }
   if (shown > kShown)
-    text += fmt::format("\n    and {} more (--json lists all)", shown - kShown);
+    text += fmt::format("\n    and {} more", shown - kShown);
   if (!checks.empty())
     report.add("data_files", list, text);
 }
 
 void addSources(Report& report, const FdsCase& opened) {
-  Json list = Json::array();
+  OrderedJson list = OrderedJson::array();
   std::string others;
   for (const FdsSource& source : opened.sources()) {
     list.push_back({{"name", source.name},
@@ -207,18 +203,18 @@ void addSources(Report& report, const FdsCase& opened) {
            fmt::format("{}: {}{}", opened.source().name, opened.source().description,
                        others.empty() ? "" : "; others: " + others))
       .add("sources", list, "")
-      .add("source_bounds", boundsJson(opened.bounds()), boundsText(opened.bounds()))
+      .add("source_bounds", boundsJson(opened.bounds()), boxText(opened.bounds()))
       .add("frames", times.size(), fmt::format("{}", times.size()))
       .add("times", {times.front(), times.back()},
            fmt::format("{:.6g} to {:.6g} s", times.front(), times.back()));
 }
 
-Status addValues(Report& report, FdsCase& opened, Context& context) {
+Status addValues(Report& report, FdsCase& opened, Reading& reading) {
   double most = 0;
   double mostTime = 0;
   const auto times = opened.times();
   for (std::size_t i = 0; i < times.size(); ++i) {
-    if (context.progress.cancelled())
+    if (reading.progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped: reading frame {}", i);
     VOLUTE_ASSIGN(const FdsField field, opened.field(times[i]));
     for (std::size_t lattice = 0; lattice < field.grid().lattices().size(); ++lattice) {
@@ -227,7 +223,7 @@ Status addValues(Report& report, FdsCase& opened, Context& context) {
           most = value, mostTime = times[i];
       }
     }
-    context.progress.report("reading", static_cast<double>(i + 1),
+    reading.progress.report("reading", static_cast<double>(i + 1),
                             static_cast<double>(times.size()));
   }
   report.add("most_extinction", jsonNumber(most),
@@ -238,8 +234,8 @@ Status addValues(Report& report, FdsCase& opened, Context& context) {
 
 }  // namespace
 
-Result<Report> describeFdsCase(const std::string& path, const std::string& source, bool values,
-                               Context& context) {
+Result<Report> describeFdsCase(const std::string& path, const DescribeRequest& request,
+                               Reading& reading) {
   VOLUTE_ASSIGN(const SmvIndex index, SmvIndex::read(path));
   Report report;
   report.add("file", path)
@@ -251,10 +247,10 @@ Result<Report> describeFdsCase(const std::string& path, const std::string& sourc
   addContents(report, index);
   addFiles(report, index);
   FdsOptions options;
-  options.source = source;
-  options.maxMemory = context.maxMemory;
+  options.source = request.field;
+  options.maxMemory = reading.maxMemory;
   auto opened = FdsCase::open(path, options);
-  if (!opened && opened.error().code == ErrorCode::kNotFound && source.empty()) {
+  if (!opened && opened.error().code == ErrorCode::kNotFound && request.field.empty()) {
     report.add("source", nullptr, "none: " + opened.error().message);
     return report;
   }
@@ -264,11 +260,11 @@ Result<Report> describeFdsCase(const std::string& path, const std::string& sourc
   std::string text;
   for (const std::string& remark : opened->remarks()) text += "\n  " + remark;
   report.add("remarks",
-             Json(std::vector<std::string>(opened->remarks().begin(), opened->remarks().end())),
+             OrderedJson(std::vector<std::string>(opened->remarks().begin(), opened->remarks().end())),
              text.empty() ? "none: all files are whole" : text);
-  if (values)
-    VOLUTE_TRY(addValues(report, *opened, context));
+  if (request.values)
+    VOLUTE_TRY(addValues(report, *opened, reading));
   return report;
 }
 
-}  // namespace volute::cli
+}  // namespace volute

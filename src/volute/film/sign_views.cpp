@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/view_pictures.hpp"
+#include "volute/film/sign_views.hpp"
 
 #include <algorithm>
 
 #include "volute/base/write_file.hpp"
-#include "volute/cli/picture_writer.hpp"
-#include "volute/cli/render_job.hpp"
-#include "volute/cli/report.hpp"
-#include "volute/cli/scene_arguments.hpp"
+#include "volute/film/film_job.hpp"
+#include "volute/film/picture_writer.hpp"
 #include "volute/image/srgb.hpp"
+#include "volute/media/medium_kind.hpp"
 #include "volute/report/page.hpp"
+#include "volute/scene/scene.hpp"
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
-/// Passes on the wish to stop and nothing else.
-class Quiet final : public Progress {
+/// Passes on the request to stop and nothing else.
+class StopOnly final : public Progress {
  public:
-  explicit Quiet(const Progress& next) : next_(next) {}
+  explicit StopOnly(const Progress& next) : next_(next) {}
 
   bool cancelled() const override { return next_.cancelled(); }
 
@@ -105,36 +105,38 @@ std::pair<const SightTarget*, bool> nearestInSight(const Vec3& eye,
 
 }  // namespace
 
-Result<ViewPictures> ViewPictures::make(std::vector<Vec3> eyes, const std::string& path,
-                                        const std::string& source, const Arguments& arguments,
-                                        Context& context) {
-  ViewPictures pictures(context);
-  pictures.eyes_ = std::move(eyes);
-  if (pictures.eyes_.empty())
-    return pictures;
-  if (isScenePath(path))
-    return fail(ErrorCode::kUnsupported, "--picture is for a file alone; volute render shows a scene");
+Result<SignViews> SignViews::make(std::vector<Vec3> eyes, const std::string& path,
+                                  const FieldValue& members, const std::string& source,
+                                  Reading& reading) {
+  SignViews views(reading);
+  views.eyes_ = std::move(eyes);
+  if (views.eyes_.empty())
+    return views;
+  if (isScenePath(path)) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: pictures from where people stand are made of a file alone; a scene has a camera "
+                "of its own",
+                path);
+  }
   const MediumKind& kind = *mediumKindOf(path, false);
-  VOLUTE_ASSIGN(auto entry, entryOf(std::filesystem::absolute(path).string(), arguments));
-  for (const std::string& member : filesIn(kind.fields()))
-    entry[member] = std::filesystem::absolute(path).string();
+  const auto file = std::filesystem::absolute(path);
+  views.scene_ = kind.sceneOf("");
+  views.lit_ = !views.scene_.contains("lights");
+  // As a file alone looks, but whole: the eye is within.
+  auto& entry = views.scene_["media"][0];
+  entry.update(kind.sceneOf(file.filename().string())["media"][0]);
+  entry.update(members);
+  for (const std::string& member : filesIn(kind.fields())) entry[member] = file.string();
   if (kind.fields().find("walls"))
     entry["walls"] = true;
-  pictures.scene_ = kind.sceneOf("");
-  pictures.lit_ = !pictures.scene_.contains("lights");
-  // As a file alone looks, but whole: the eye is within.
-  Json look = pictures.scene_["media"][0];
-  look.update(entry);
-  entry = std::move(look);
   if (kind.fields().find("building"))
     entry["building"] = "whole";
-  if (!source.empty() && kind.fields().find("field") && !arguments.given("field"))
+  if (!source.empty() && kind.fields().find("field") && !members.contains("field"))
     entry["field"] = source;
-  pictures.scene_["media"] = nlohmann::ordered_json::array({std::move(entry)});
-  return pictures;
+  return views;
 }
 
-Status ViewPictures::begin(const Survey& survey, const SightInstant& first) {
+Status SignViews::begin(const Survey& survey, const SightInstant& first) {
   if (eyes_.empty())
     return {};
   std::error_code error;
@@ -143,8 +145,8 @@ Status ViewPictures::begin(const Survey& survey, const SightInstant& first) {
     const auto [nearest, seen] = nearestInSight(eye, survey.signs, first);
     const Vec3 target = nearest->target;
     if (!seen) {
-      context_->progress.remark(fmt::format(
-          "--picture: from {:g}, {:g}, {:g} m no sign is in sight, smoke or not; the picture looks "
+      reading_->progress.remark(fmt::format(
+          "from {:g}, {:g}, {:g} m no sign is in sight, even in clear air; the picture looks "
           "towards {}, the nearest",
           eye.x(), eye.y(), eye.z(), nearest->sign.name));
     }
@@ -170,31 +172,31 @@ Status ViewPictures::begin(const Survey& survey, const SightInstant& first) {
   return {};
 }
 
-Status ViewPictures::render(const View& view, const std::filesystem::path& target, double time,
+Status SignViews::render(const View& view, const std::filesystem::path& target, double time,
                             PictureMode mode) const {
-  Quiet quiet(context_->progress);
+  StopOnly quiet(reading_->progress);
   SceneOptions options;
-  options.maxMemory = context_->maxMemory;
+  options.maxMemory = reading_->maxMemory;
   VOLUTE_ASSIGN(auto scene, Scene::open(view.scene, options, quiet));
   PictureLaw law = scene.law();
   law.mode = mode;
   scene.setLaw(law);
   const CameraDescription description = *scene.camera();
-  RenderJob job{std::move(scene), makeCamera(description, *description.size), {},
+  FilmJob job{std::move(scene), makeCamera(description, *description.size), {},
                 std::make_unique<CpuRenderer>()};
   job.options.background = job.scene.description().background;
   job.legend = true;
-  const Moment moment{0, time};
-  VOLUTE_ASSIGN(const auto image, job.picture(moment, quiet));
+  const FilmFrame frame{0, time};
+  VOLUTE_ASSIGN(const auto image, job.picture(frame, quiet));
   // In even light, what is white is as bright as the light.
   Development development;
   development.style.exposure = lit_ ? suggestExposure(image) : 1 / kEvenLight;
-  VOLUTE_ASSIGN(const auto writer, stillWriter(target.string(), development));
-  VOLUTE_TRY(writer->write(image, 0, job.textOf(moment)));
+  VOLUTE_ASSIGN(const auto writer, imageFileWriter(target.string(), development));
+  VOLUTE_TRY(writer->write(image, 0, job.textOf(frame)));
   return writer->finish();
 }
 
-Result<std::string> ViewPictures::finish(const Survey& survey, Json& report) {
+Result<std::string> SignViews::finish(const Survey& survey, Json& report) {
   if (views_.empty())
     return std::string();
   std::string page =
@@ -232,4 +234,4 @@ Result<std::string> ViewPictures::finish(const Survey& survey, Json& report) {
   return page;
 }
 
-}  // namespace volute::cli
+}  // namespace volute

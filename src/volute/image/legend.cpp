@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/legend.hpp"
+#include "volute/image/legend.hpp"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "volute/image/bitmap_text.hpp"
 #include "volute/image/srgb.hpp"
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
 constexpr int kRowsOfDots = 320;  // a dot for so many rows of the picture
@@ -21,11 +21,11 @@ constexpr double kInk = 0.9;
 constexpr int kMargin = 4, kLine = 10, kLetter = 6, kBarHeight = 6, kBarWidth = 120;
 constexpr int kBar = kBarHeight + 2 + kLine;  // with its numbers
 
-struct Place {
+struct Area {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-void shade(Image& image, const Place& place) {
+void shade(Image& image, const Area& place) {
   for (int y = std::max(place.y, 0); y < std::min(place.y + place.height, image.height); ++y) {
     for (int x = std::max(place.x, 0); x < std::min(place.x + place.width, image.width); ++x) {
       for (int c = 0; c < image.channels; ++c)
@@ -34,7 +34,7 @@ void shade(Image& image, const Place& place) {
   }
 }
 
-void drawBar(Image& image, const ColorScale& scale, const Place& place) {
+void drawBar(Image& image, const ColorScale& scale, const Area& place) {
   for (int x = 0; x < place.width; ++x) {
     // The map's colours are those of the screen.
     const Rgb color = displayColor(scale.map, (x + 0.5) / place.width).unaryExpr(&srgbDecode);
@@ -47,17 +47,17 @@ void drawBar(Image& image, const ColorScale& scale, const Place& place) {
   }
 }
 
-std::string mostText(const ColorScale& scale) {
+std::string maximumText(const ColorScale& scale) {
   return fmt::format("{:.4g}{}{}", scale.most, scale.unit.empty() ? "" : " ", scale.unit);
 }
 
-std::string leastText(const ColorScale& scale) {
+std::string minimumText(const ColorScale& scale) {
   return fmt::format("{:.4g}", scale.least);
 }
 
 /// The ends of a scale, with a letter's gap between them, in letters.
 int scaleLetters(const ColorScale& scale) {
-  return static_cast<int>(leastText(scale).size() + 1 + mostText(scale).size());
+  return static_cast<int>(minimumText(scale).size() + 1 + maximumText(scale).size());
 }
 
 /// A line in pieces of so many letters at most, broken between words where it can be.
@@ -128,9 +128,9 @@ void drawLegend(Image& image, const std::vector<std::string>& lines,
   if (layout.barWidth > 0) {
     drawBar(image, *scale, {x, y, layout.barWidth, kBarHeight * dot});
     y += (kBarHeight + 2) * dot;
-    const std::string most = mostText(*scale);
-    drawText(image, leastText(*scale), x, y, dot, ink);
-    drawText(image, most, x + layout.barWidth - textSize(most, dot).width, y, dot, ink);
+    const std::string maximum = maximumText(*scale);
+    drawText(image, minimumText(*scale), x, y, dot, ink);
+    drawText(image, maximum, x + layout.barWidth - textSize(maximum, dot).width, y, dot, ink);
     y += kLine * dot;
   }
   for (const std::string& line : layout.lines) {
@@ -139,4 +139,4 @@ void drawLegend(Image& image, const std::vector<std::string>& lines,
   }
 }
 
-}  // namespace volute::cli
+}  // namespace volute
