@@ -8,10 +8,6 @@
 
 namespace volute::cli {
 
-/// What Option::derived stands for: "cache_%04d.vdb" and ".volute" are cache.volute, or
-/// cache_2.volute where that is there.
-std::string derivedOutput(const std::string& input, std::string_view end);
-
 /// kInvalidArgument where an output is one of the files that are read, under whatever name: a
 /// positional, an option's file, or what a positional .json names (a scene's maps, a capture's
 /// masks). Patterns count when they are the same; project checks each of its pictures besides.

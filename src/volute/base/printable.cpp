@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/printable.hpp"
+#include "volute/base/printable.hpp"
 
 #include <fmt/format.h>
 
 #include <cstdint>
 #include <iterator>
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
 /// The character at the beginning of a text, and its bytes; 0 bytes where they are no UTF-8.
@@ -72,4 +72,4 @@ std::string printableMessage(std::string_view text) {
   return cleaned(text, "\n    ");
 }
 
-}  // namespace volute::cli
+}  // namespace volute

@@ -6,10 +6,11 @@
 #include <vector>
 
 #include "volute/base/progress.hpp"
+#include "volute/base/team.hpp"
 #include "volute/codec/volute_reader.hpp"
 #include "volute/grid/region.hpp"
 
-namespace volute::cli {
+namespace volute {
 
 /// What to take out of a .volute file.
 struct Extraction {
@@ -37,6 +38,9 @@ class ExtractSource final : public FrameSource {
 
   [[nodiscard]] Status readFrame(int index, std::span<float> values) override;
 
+  /// Of its frames in the file.
+  const std::vector<int>& positions() const { return extraction_.positions; }
+
  private:
   ExtractSource(std::shared_ptr<const VoluteReader> reader, Extraction extraction,
                 Progress& progress);
@@ -57,4 +61,11 @@ class ExtractSource final : public FrameSource {
   std::vector<float> row_;      // shape (selected frames of the row, z, y, x, c) of the region
 };
 
-}  // namespace volute::cli
+/// Takes all frames out. The frames of a row of blocks are a unit of work; rank 0 writes all in order.
+/// Collective.
+/// @param sink  of rank 0; null on others
+/// @param maxMemory  [bytes], of which an eighth may wait to be written
+[[nodiscard]] Status extractFrames(ExtractSource& source, FrameSink* sink, std::uint64_t maxMemory,
+                                   Progress& progress, Team& team);
+
+}  // namespace volute

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <thread>
 
-namespace volute::cli {
+namespace volute {
 
 /// While it lives, SIGINT (Ctrl-C) and SIGTERM ask the running command to stop. A second one, or a
 /// command that has not stopped after kPatience, removes the half-written outputs beside the targets
@@ -21,7 +21,10 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
+  /// Whether somebody asked to stop.
   static bool requested();
+
+  /// The parent folder of `target` is searched for half-written files when the program is ended.
   static void watch(const std::filesystem::path& target);
 
   /// The command, which the last message begins with.
@@ -34,4 +37,4 @@ class Interrupt {
   std::thread waiter_;
 };
 
-}  // namespace volute::cli
+}  // namespace volute

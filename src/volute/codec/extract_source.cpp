@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/extract_source.hpp"
+#include "volute/codec/extract_source.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
+#include "volute/base/ordered_delivery.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/grid/copy_frames.hpp"
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
 constexpr int kSide = BlockGrid::kSide;
@@ -196,4 +199,41 @@ Status ExtractSource::readFrame(int index, std::span<float> values) {
   return {};
 }
 
-}  // namespace volute::cli
+Status extractFrames(ExtractSource& source, FrameSink* sink, std::uint64_t maxMemory,
+                     Progress& progress, Team& team) {
+  const std::vector<int>& positions = source.positions();
+  if (team.size() == 1)
+    return copyFrames(source, *sink, "extracting", progress);
+  std::vector<std::size_t> begins;  // of rows
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (i == 0 || positions[i] / BlockGrid::kSide != positions[i - 1] / BlockGrid::kSide)
+      begins.push_back(i);
+  }
+  begins.push_back(positions.size());
+  std::vector<float> frame(source.info().frameValues());
+  OrderedDelivery delivery(
+      team, static_cast<std::int64_t>(positions.size()), maxMemory / 8,
+      [&](std::int64_t, const OrderedDelivery::Bytes& bytes) {
+        std::memcpy(frame.data(), bytes.data(), bytes.size());
+        return sink->writeFrame(frame);
+      });
+  VOLUTE_TRY(team.forUnits(
+      "extracting", static_cast<std::int64_t>(begins.size() - 1), progress,
+      [&](std::int64_t row) -> Status {
+        const auto at = static_cast<std::size_t>(row);
+        std::vector<float> values(frame.size());
+        for (std::size_t i = begins[at]; i < begins[at + 1]; ++i) {
+          if (progress.cancelled())
+            return fail(ErrorCode::kCancelled, "stopped: extracting frame {}",
+                        source.info().frameNumbers[i]);
+          VOLUTE_TRY(source.readFrame(static_cast<int>(i), values));
+          const auto bytes = std::as_bytes(std::span(values));
+          VOLUTE_TRY(delivery.give(static_cast<std::int64_t>(i), {bytes.begin(), bytes.end()}));
+        }
+        return {};
+      },
+      [&] { return delivery.finish(); }));
+  return team.agree(sink ? sink->finish() : Status());
+}
+
+}  // namespace volute

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/printable.hpp"
+#include "volute/base/printable.hpp"
 
 #include <gtest/gtest.h>
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
 TEST(Printable, KeepsWhatPeopleWrite) {
@@ -36,4 +36,4 @@ TEST(Printable, JsonStaysJson) {
 }
 
 }  // namespace
-}  // namespace volute::cli
+}  // namespace volute

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/extract_source.hpp"
+#include "volute/codec/extract_source.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,7 +10,7 @@
 #include "volute/codec/compress.hpp"
 #include "volute/grid/sequence.hpp"
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
 /// A smooth sequence of awkward sizes in a file that is gone at the end.
@@ -107,4 +107,4 @@ TEST_F(ExtractSourceTest, RefusesWhatIsOutsideOrTooLarge) {
 }
 
 }  // namespace
-}  // namespace volute::cli
+}  // namespace volute

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/interrupt.hpp"
+#include "volute/base/interrupt.hpp"
 
 #include <fmt/format.h>
 #include <pthread.h>
@@ -13,7 +13,7 @@
 #include <mutex>
 #include <set>
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
 std::atomic<bool> stopRequested{false};
@@ -101,4 +101,4 @@ void Interrupt::watch(const std::filesystem::path& target) {
     folders.insert(std::filesystem::weakly_canonical(target, error).parent_path());
 }
 
-}  // namespace volute::cli
+}  // namespace volute
