@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/fog_export.hpp"
+#include "volute/media/fog/fog_export.hpp"
 
 #include <bit>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "volute/base/write_file.hpp"
-#include "volute/report/report.hpp"
 #include "volute/fog/fog_shader.hpp"
+#include "volute/report/json_text.hpp"
 
-namespace volute::cli {
+namespace volute {
 namespace {
 
 constexpr const char* kLicense =
@@ -70,7 +70,7 @@ Status exportFogShader(const FogMedium& fog, const std::filesystem::path& folder
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (!std::filesystem::is_directory(folder, error))
-    return fail(ErrorCode::kIo, "--export-glsl: cannot make the folder '{}'", folder.string());
+    return fail(ErrorCode::kIo, "cannot make the folder '{}'", folder.string());
   VOLUTE_TRY(writeFile(folder / "fog.glsl", kLicense + shader.walk));
   if (!shader.polar.empty())
     VOLUTE_TRY(writeFile(folder / "fog_polar.glsl", shader.polar));
@@ -82,4 +82,4 @@ Status exportFogShader(const FogMedium& fog, const std::filesystem::path& folder
                    replaced(readme, "{polar}", shader.polar.empty() ? "" : kPolarReadme));
 }
 
-}  // namespace volute::cli
+}  // namespace volute
