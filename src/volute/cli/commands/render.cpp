@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "volute/base/write_file.hpp"
-#include "volute/cli/camera_arguments.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/film/picture_writer.hpp"
 #include "volute/cli/gl_pictures.hpp"

@@ -1,21 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/cli/named_files.hpp"
+#include "volute/cli/input_checks.hpp"
 
-#include <algorithm>
-#include <filesystem>
 #include <set>
 
-#include "volute/base/leftovers.hpp"
 #include "volute/base/file_name.hpp"
+#include "volute/base/leftovers.hpp"
 #include "volute/io/named_files.hpp"
 
 namespace volute::cli {
 namespace {
 
-namespace fs = std::filesystem;
+Status checkOne(std::string_view option, const std::string& output, const std::string& input,
+                const std::string& reader) {
+  if (!isSameFile(output, input))
+    return {};
+  return fail(ErrorCode::kInvalidArgument,
+              "--{}: {} is read{} and would be replaced; give another name", option, output,
+              reader.empty() ? "" : " by " + reader);
+}
 
 }  // namespace
+
+Status checkNothingOverwritten(const Command& command, const Arguments& arguments) {
+  std::vector<std::pair<std::string_view, std::string>> outputs;
+  std::vector<std::string> inputs = arguments.positionals();
+  for (const Option& option : command.options) {
+    if (option.kind != ValueKind::kFile && option.kind != ValueKind::kOutput)
+      continue;
+    const auto file = option.several ? std::nullopt : arguments.findGiven<std::string>(option.name);
+    if (!file || *file == "-")
+      continue;
+    if (option.kind == ValueKind::kOutput)
+      outputs.emplace_back(option.name, *file);
+    else
+      inputs.push_back(*file);
+  }
+  if (outputs.empty())
+    return {};
+  for (const std::string& input : inputs) {
+    for (const auto& [option, output] : outputs) VOLUTE_TRY(checkOne(option, output, input, ""));
+    for (const std::string& named : filesNamedIn(input)) {
+      for (const auto& [option, output] : outputs)
+        VOLUTE_TRY(checkOne(option, output, named, input));
+    }
+  }
+  return {};
+}
 
 Status checkNamedFiles(const Arguments& arguments, Context& context) {
   for (const std::string& input : arguments.positionals()) {
@@ -37,7 +68,7 @@ Status checkNamedFiles(const Arguments& arguments, Context& context) {
 }
 
 void remarkOnLeftovers(const Command& command, const Arguments& arguments, Context& context) {
-  std::set<fs::path> folders;
+  std::set<std::filesystem::path> folders;
   for (const Option& option : command.options) {
     if (option.kind != ValueKind::kOutput && option.name != "output")
       continue;
@@ -47,7 +78,7 @@ void remarkOnLeftovers(const Command& command, const Arguments& arguments, Conte
       continue;
     folders.insert(folderOf(*target));
   }
-  for (const fs::path& folder : folders) {
+  for (const std::filesystem::path& folder : folders) {
     const auto parts = leftoversIn(folder);
     if (parts.empty())
       continue;
