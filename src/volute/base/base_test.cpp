@@ -204,7 +204,7 @@ TEST(ThreadPriority, AThreadAndThoseThatItStartsLetOthersFirst) {
 TEST(ThreadPriority, WorkersLetOthersFirstAndTheLoopsCallerDoesNot) {
   const auto niceness = [] { return ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid())); };
   const int ours = niceness();
-  letOthersBeforeWorkers();
+  lowerWorkerPriority();
   std::mutex mutex;
   std::map<std::thread::id, int> found;
   parallelFor(64, [&](std::size_t) {

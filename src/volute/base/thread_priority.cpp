@@ -27,7 +27,7 @@ void letOthersFirst() {
 #endif
 }
 
-void letOthersBeforeWorkers() {
+void lowerWorkerPriority() {
   workersWait.store(true, std::memory_order_relaxed);
 }
 

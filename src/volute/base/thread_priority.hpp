@@ -12,7 +12,7 @@ void letOthersFirst();
 /// The same for the workers of all parallel loops (base/parallel.hpp), whoever begins these: a
 /// worker that a window's thread has started would have its priority. For the whole program, and
 /// not to be taken back.
-void letOthersBeforeWorkers();
+void lowerWorkerPriority();
 
 namespace detail {
 /// For a worker that begins a part of a parallel loop.

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <string>
 
-#include "volute/base/memory.hpp"
+#include "volute/base/process_usage.hpp"
 
 namespace volute {
 namespace {

@@ -80,7 +80,7 @@ std::vector<Lamp> lamps() {
   return {spot, sun};
 }
 
-TEST_F(GlSceneTest, SurfacesAreLitThroughMediaAsByTheProcessor) {
+TEST_F(GlSceneTest, SurfacesAreLitThroughMediaAsByTheCpu) {
   const TriangleScene geometry = room();
   const auto lights = lamps();
   const Smoke smoke(boxMesh({Vec3(-2.1, 0.7, 0.1), Vec3(2.3, 5.2, 3.2)}, {5, 5, 4}, 0.2, 2), false,
@@ -167,7 +167,7 @@ TEST_F(GlSceneTest, SignsAreFoundAndShineThroughSmoke) {
   EXPECT_LE(difference(light->pixels, shown.pixels), kScene);
 }
 
-TEST_F(GlSceneTest, BillboardsAreThoseOfTheProcessor) {
+TEST_F(GlSceneTest, BillboardsAreThoseOfTheCpu) {
   const FogMedium fog =
       fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[1].profile, {.degree = 1}, 0.9, 0.6);
   for (const BillboardAlpha alpha : {BillboardAlpha::kTransmittance, BillboardAlpha::kIntensity}) {

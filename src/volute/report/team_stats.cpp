@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/report/team_stats.hpp"
 
-#include "volute/base/memory.hpp"
+#include "volute/base/process_usage.hpp"
 
 namespace volute {
 namespace {

@@ -16,7 +16,7 @@ struct SceneLook {
   std::optional<double> exposure{};
   int colors = 0;       ///< grey, viridis, inferno: of what has one channel
   int quality = 0;      ///< automatic, full, half, quarter
-  int renderer = 0;     ///< automatic, OpenGL, processor
+  int renderer = 0;     ///< automatic, OpenGL, CPU
   bool surfaces = true;  ///< opaque things are shown
   bool walks = false;    ///< else orbits
   double speed = 1;     ///< of the timeline

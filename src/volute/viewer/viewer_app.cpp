@@ -42,7 +42,7 @@ ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, GlDevice d
       device_(std::move(device)),
       picture_(std::move(picture)),
       loader_(std::move(open)) {
-  letOthersBeforeWorkers();
+  lowerWorkerPriority();
   if (options_.renderer)
     settings_.look.renderer = static_cast<int>(*options_.renderer);
   IMGUI_CHECKVERSION();

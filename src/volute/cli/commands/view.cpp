@@ -35,7 +35,7 @@ std::vector<Option> viewOptions() {
        .kind = kChoice,
        .value = "NAME",
        .help = "who draws, whatever the scene's view says: auto is OpenGL on a graphics card, else "
-               "the processor",
+               "the CPU",
        .choices = {"auto", "gl", "cpu"}},
       {.name = "smoke-method",
        .kind = kChoice,
@@ -69,7 +69,7 @@ Command viewCommand() {
           "added to the wall that one looks at, put elsewhere by a click, removed; Ctrl Z takes it "
           "back. Fog is painted with a brush, on the ground or on a plan, and not lost unasked. "
           "What was changed is saved as a scene or as a map; films are made beside. OpenGL 4.5 "
-          "draws on a graphics card, else the processor, as it does what a card refuses. A .png is "
+          "draws on a graphics card, else the CPU, as it does what a card refuses. A .png is "
           "taken for a map of fog, a mesh's field for soot in kg/m3.\n\n"
           "--screenshot draws the same frame without a display, once all is loaded.",
       .positionals =

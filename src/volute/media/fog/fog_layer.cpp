@@ -19,7 +19,7 @@ struct Maps {
   std::vector<double> times;
 };
 
-/// The library's objection, at a place.
+/// The library's error, at a place.
 tl::unexpected<Error> at(const std::string& where, const Error& error) {
   const bool wrong = error.code == ErrorCode::kInvalidArgument;
   return fail(wrong ? ErrorCode::kInvalidData : error.code, "{}: {}", where, error.message);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/base/memory.hpp"
+#include "volute/base/process_usage.hpp"
 
 #include <sys/resource.h>
 
