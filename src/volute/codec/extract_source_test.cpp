@@ -14,7 +14,7 @@ namespace volute {
 namespace {
 
 /// A smooth sequence of awkward sizes in a file that is gone at the end.
-class ExtractSourceTest : public testing::Test {
+class ExtractSourceTest : public ::testing::Test {
  protected:
   void SetUp() override {
     original_ = makeSequence(19, 18, 21, 37);
