@@ -23,7 +23,7 @@ std::optional<ViewRenderer> rendererOf(const Arguments& arguments) {
   if (!name)
     return std::nullopt;
   return *name == "gl"    ? ViewRenderer::kGl
-         : *name == "cpu" ? ViewRenderer::kProcessor
+         : *name == "cpu" ? ViewRenderer::kCpu
                           : ViewRenderer::kAuto;
 }
 
@@ -34,7 +34,7 @@ Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments,
   if (name == "auto")
     return GlSmokeMethod::kAuto;
   const bool gl = renderer == ViewRenderer::kGl ||
-                  (renderer != ViewRenderer::kProcessor && graphicsHardwarePresent());
+                  (renderer != ViewRenderer::kCpu && graphicsHardwarePresent());
   if (!gl) {
     return fail(ErrorCode::kInvalidArgument,
                 "--smoke-method: {} is a way to draw smoke with OpenGL; add --renderer gl", name);
@@ -53,7 +53,7 @@ Status run(const Arguments& arguments, Context& context) {
       arguments.find<double>("time"),
       size.width,
       size.height,
-      {.renderer = renderer, .processor = cpuMayDraw("a picture").has_value()}};
+      {.renderer = renderer, .cpu = cpuMayDraw("a picture").has_value()}};
   VOLUTE_ASSIGN(const auto method, smokeMethodOf(arguments, renderer));
   nlohmann::ordered_json members = nlohmann::ordered_json::object();
   if (!path.empty()) {

@@ -56,6 +56,15 @@ class Render(support.TestCase):
         self.assertEqual((width, height), (6, 6))
         self.assertEqual({value for row in rows for value in row}, {srgb8(0.5)})
 
+    def test_a_picture_of_a_sequence_shows_a_frame_with_something_to_see(self):
+        write_npy(self.path("late.npy"), (8, 4, 4, 4), [0.0] * 192 + [0.01] * 64 + [0.5] * 256)
+        result = self.works("render", self.path("late.npy"), "-o", self.path("x.png"), *self.AHEAD,
+                            "--exposure", "1", "--measured")
+        self.assertIn("showing frame 4: of 8 times looked at", result.message)
+        self.assertEqual({value for row in read_png(self.path("x.png").read_bytes())[2] for value in row}, {srgb8(0.5)})
+        self.assertIn("showing the first of 3 frames",
+                      self.works("render", self.block(), "-o", self.path("y.png"), "--size", "8x8").message)
+
     def test_a_film_needs_less_memory_than_the_volume(self):
         """No dense copy of all frames is ever in memory, whether rows of frames are decoded or a tree is read."""
         size, frames = 64, 160

@@ -192,7 +192,7 @@ TEST(ThreadPriority, AThreadAndThoseThatItStartsLetOthersFirst) {
   const int ours = niceness();
   int its = ours, itsOwn = ours;
   std::thread([&] {
-    letOthersFirst();
+    lowerThreadPriority();
     its = niceness();
     std::thread([&] { itsOwn = niceness(); }).join();
   }).join();

@@ -18,7 +18,7 @@ std::atomic<bool> workersWait = false;
 
 }  // namespace
 
-void letOthersFirst() {
+void lowerThreadPriority() {
 #ifdef __linux__
   constexpr int kNice =
       10;  // a ninth of what a busy thread beside it gets; each thread's own on Linux
@@ -35,7 +35,7 @@ void detail::beginAsWorker() {
   thread_local bool waits = false;
   if (waits || !workersWait.load(std::memory_order_relaxed))
     return;
-  letOthersFirst();
+  lowerThreadPriority();
   waits = true;
 }
 

@@ -7,7 +7,7 @@ namespace volute {
 /// From here on this thread, and those that it starts, compute when others do not want to: a
 /// window's thread goes first where all cores are busy. Nothing happens where the system has no
 /// priorities of threads.
-void letOthersFirst();
+void lowerThreadPriority();
 
 /// The same for the workers of all parallel loops (base/parallel.hpp), whoever begins these: a
 /// worker that a window's thread has started would have its priority. For the whole program, and

@@ -192,6 +192,14 @@ Mat3 Camera::rotation() const {
   return R;
 }
 
+Camera Camera::cropped(int left, int top, int width, int height) const {
+  VOLUTE_ASSERT(width > 0 && height > 0);
+  Camera camera = *this;
+  camera.width_ = width, camera.height_ = height;
+  camera.principal_ -= Vec2(left, top);
+  return camera;
+}
+
 Segment Camera::ray(double px, double py) const {
   const double v = py - principal_.y();
   Vec2 place((px - principal_.x() - skew_ * v) * pixelWidth_, v * pixelSize_);

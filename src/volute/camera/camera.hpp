@@ -51,6 +51,10 @@ class Camera {
   /// as a cube of 1 m around the origin.
   static Camera framing(const Box3& bounds, int width, int height);
 
+  /// The camera of a rectangle of this one's picture, whose pixel (0, 0) is (left, top) here: the
+  /// same rays for the same pixels. The rectangle may lie outside the picture.
+  Camera cropped(int left, int top, int width, int height) const;
+
   /// kInvalidArgument, in a sentence that wants a subject, unless R is a rotation to 1e-3 (rounded
   /// digits are repaired, mirrored and scaled ones are refused), the focal lengths are positive,
   /// K's other entries are those of a pinhole, and the lens can be undone along the whole border of

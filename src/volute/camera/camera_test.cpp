@@ -23,6 +23,22 @@ Eigen::Vector2d pixelOf(const Camera& camera, const Vec3& point) {
           0.5 * camera.height() + scale * offset.dot(camera.down())};
 }
 
+TEST(Camera, ARectangleOfAPictureHasItsRays) {
+  const View3 view{{1, -2, 0.5}, {0.2, 0, 0}, {0, 0.1, 1}};
+  for (const Camera& whole : {Camera::pinhole(view, 50, 200, 100),
+                              Camera::orthographic(view, 3, 200, 100)}) {
+    const Camera part = whole.cropped(40, 25, 64, 32);
+    EXPECT_EQ(part.width(), 64);
+    EXPECT_EQ(part.height(), 32);
+    const Segment expected = whole.ray(40 + 7.5, 25 + 30.5), ray = part.ray(7.5, 30.5);
+    EXPECT_NEAR((ray.origin - expected.origin).norm(), 0, 1e-14);
+    EXPECT_NEAR((ray.direction - expected.direction).norm(), 0, 1e-14);
+    const auto place = part.project(expected.at(4));
+    ASSERT_TRUE(place);
+    EXPECT_NEAR((*place - Vec2(7.5, 30.5)).norm(), 0, 1e-9);
+  }
+}
+
 TEST(Camera, PinholeRaysSpanTheVerticalFieldOfView) {
   const Camera camera = Camera::pinhole({{0, -2, 0}, {0, 0, 0}, {0, 0, 1}}, 60, 200, 100);
   EXPECT_NEAR((camera.ray(100, 50).direction - Vec3::UnitY()).norm(), 0, 1e-15);

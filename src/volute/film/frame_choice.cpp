@@ -9,6 +9,7 @@
 #include "volute/film/picture_writer.hpp"
 #include "volute/grid/select_frames.hpp"
 #include "volute/io/frame_pattern.hpp"
+#include "volute/scene/first_sight.hpp"
 
 namespace volute {
 namespace {
@@ -150,14 +151,18 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
   if (!request.frames && !takesSeveral(target)) {
     if (scene.isFile())
       return ChosenFrames{{FilmFrame{numberAt(info, 0), 0}}};
-    VOLUTE_ASSIGN(const auto first, scene.media().front()->firstTime(progress));
-    if (first) {
-      return ChosenFrames{{FilmFrame{numberAt(info, first->time), first->time}},
-                          fmt::format("showing {:.4g} s: {}", first->time, first->reason)};
-    }
     ChosenFrames chosen{
         {FilmFrame{info.interpolates ? 0 : info.numbers.front(), info.times.front()}}};
     if (info.times.size() > 1) {
+      VOLUTE_ASSIGN(const FirstSight first, firstSight(scene, progress));
+      if (!first.reason.empty()) {
+        const int number = numberAt(info, first.time);
+        return ChosenFrames{{FilmFrame{number, first.time}},
+                            fmt::format("showing {}: {}",
+                                        info.interpolates ? fmt::format("{:.4g} s", first.time)
+                                                          : fmt::format("frame {}", number),
+                                        first.reason)};
+      }
       chosen.reason = fmt::format("showing the first of {} {}", info.times.size(),
                                   info.interpolates ? "steps" : "frames");
     }

@@ -84,6 +84,12 @@ Result<SunlitFog> SunlitFog::make(const FogMedium& fog, std::span<const FogSun> 
   return lit;
 }
 
+SunlitFog SunlitFog::withoutShadows() const {
+  SunlitFog lit = *this;
+  lit.scattering_.shadows = {};
+  return lit;
+}
+
 std::vector<double> SunlitFog::phasesTowards(const Vec3& direction) const {
   std::vector<double> phases;
   // Light travels from the sun, and on against the ray.

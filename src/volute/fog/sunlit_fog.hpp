@@ -60,6 +60,9 @@ class SunlitFog {
   /// the pieces' on maps that are smooth over a few cells.
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
+  /// The same in light from which surfaces take nothing: quick, for previews.
+  SunlitFog withoutShadows() const;
+
   const FogMedium& fog() const { return fog_; }
 
   const std::vector<FogSun>& suns() const { return suns_; }

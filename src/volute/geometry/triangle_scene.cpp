@@ -3,6 +3,8 @@
 #include "volute/geometry/triangle_scene.hpp"
 
 #include <algorithm>
+#include <mutex>
+#include <optional>
 
 #include "volute/base/assert.hpp"
 #include "volute/geometry/shadow_intervals.hpp"
@@ -15,11 +17,25 @@ namespace volute {
 
 struct TriangleScene::Impl {
   Impl(std::vector<Triangle> given, std::vector<Material> looks)
-      : triangles(std::move(given)), materials(std::move(looks)), tree(triangles) {}
+      : triangles(std::move(given)), materials(std::move(looks)) {
+    for (const Triangle& triangle : triangles) {
+      for (const Vec3& corner : triangle.corners) bounds.extend(corner);
+    }
+  }
 
   std::vector<Triangle> triangles;
   std::vector<Material> materials;
-  TriangleTree tree;
+  Box3 bounds;
+
+  /// Made when somebody needs it first: where Embree answers, only exact shadows do, and a million
+  /// triangles take a second.
+  const TriangleTree& tree() const {
+    std::call_once(treeMade, [&] { madeTree.emplace(triangles); });
+    return *madeTree;
+  }
+
+  mutable std::once_flag treeMade;
+  mutable std::optional<TriangleTree> madeTree;
 #if VOLUTE_HAS_EMBREE
   std::unique_ptr<const EmbreeScene> embree;
 #endif
@@ -29,7 +45,7 @@ struct TriangleScene::Impl {
     if (embree)
       return embree->nearest(segment);
 #endif
-    return tree.nearest(segment);
+    return tree().nearest(segment);
   }
 
   bool occluded(const Segment& segment) const {
@@ -37,7 +53,7 @@ struct TriangleScene::Impl {
     if (embree)
       return embree->occluded(segment);
 #endif
-    return tree.occluded(segment);
+    return tree().occluded(segment);
   }
 };
 
@@ -75,7 +91,7 @@ Result<TriangleScene> TriangleScene::build(std::vector<Triangle> triangles,
   auto impl = std::make_shared<Impl>(std::move(triangles), std::move(materials));
 #if VOLUTE_HAS_EMBREE
   if (execution == Execution::kFast && !impl->triangles.empty())
-    impl->embree = EmbreeScene::make(impl->triangles, impl->tree.bounds());
+    impl->embree = EmbreeScene::make(impl->triangles, impl->bounds);
 #else
   static_cast<void>(execution);
 #endif
@@ -99,7 +115,7 @@ void TriangleScene::occluded(std::span<const Segment> segments,
 
 void TriangleScene::shadows(const Segment& segment, const LightPoint& light,
                             std::vector<Interval>& dark) const {
-  shadowsOn(segment, light, impl_->tree, dark);
+  shadowsOn(segment, light, impl_->tree(), dark);
 }
 
 std::span<const Triangle> TriangleScene::triangles() const {
@@ -111,7 +127,7 @@ std::span<const Material> TriangleScene::materials() const {
 }
 
 const Box3& TriangleScene::bounds() const {
-  return impl_->tree.bounds();
+  return impl_->bounds;
 }
 
 }  // namespace volute

@@ -67,12 +67,21 @@ class MediumAt {
     return {};
   }
 
+  /// Whether picture() is not null.
+  virtual bool drawsItself() const { return false; }
+
   /// Null, or what draws it at all pixels at once.
   /// @param earlier  what this gave for another instant of the scene, which may serve; or null
   virtual std::shared_ptr<MediumPicture> picture(std::shared_ptr<MediumPicture> earlier) const {
     (void)earlier;
     return nullptr;
   }
+
+  /// Null, or what looks nearly the same and is drawn much sooner: without surfaces' shadows.
+  virtual std::shared_ptr<const MediumAt> quick() const { return nullptr; }
+
+  /// What it holds alone, about [bytes].
+  virtual std::uint64_t memoryBytes() const { return 0; }
 
   /// Whether it has walls of its own, which lookAtWalls() draws.
   virtual bool hasWalls() const { return false; }

@@ -93,7 +93,8 @@ std::vector<SurfacePoint> lookAtSurfaces(const SurfaceScene& scene,
   }
   for (const Lamp& lamp : scene.lamps) {
     const ShadowRays rays = shadowRaysTo(lamp, scene.geometry, segments, points);
-    const std::vector<double> share = arriving(scene, rays);
+    const std::vector<double> share =
+        scene.shadows ? arriving(scene, rays) : std::vector<double>(rays.segments.size(), 1.0);
     for (std::size_t k = 0; k < share.size(); ++k) {
       SurfacePoint& point = points[rays.point[k]];
       const Rgb irradiance = lamp.irradiance(rays.segments[k].origin) * rays.cosine[k] * share[k];
@@ -101,7 +102,7 @@ std::vector<SurfacePoint> lookAtSurfaces(const SurfaceScene& scene,
           scene.geometry.materialOf(point.hit).baseColor / std::numbers::pi * irradiance;
     }
     if (shadowRays)
-      *shadowRays += share.size();
+      *shadowRays += scene.shadows ? share.size() : 0;
   }
   return points;
 }

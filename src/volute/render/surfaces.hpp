@@ -22,6 +22,7 @@ struct SurfaceScene {
   std::span<const Lamp> lamps = {};
   Rgb ambient = Rgb::Zero();  ///< radiance that comes from everywhere, whatever is in the way
   std::span<const AnyMedium> media = {};  ///< take from lamps' light on its way to a surface
+  bool shadows = true;  ///< else nothing takes from lamps' light: quick, for previews
 };
 
 /// What opaque surfaces look like from a camera, without the media before them.

@@ -57,6 +57,21 @@ bool Snapshot::hasWalls() const {
   return std::ranges::any_of(media, [](const auto& medium) { return medium->hasWalls(); });
 }
 
+std::optional<Snapshot> Snapshot::quick() const {
+  Snapshot other = *this;
+  bool sooner = !geometry.empty() && !lights.lamps.empty();
+  for (auto& medium : other.media) {
+    if (auto quick = medium->quick()) {
+      medium = std::move(quick);
+      sooner = true;
+    }
+  }
+  if (!sooner)
+    return std::nullopt;
+  other.shadows = false;
+  return other;
+}
+
 Result<Scene> Scene::open(const std::string& path, const SceneOptions& options,
                           Progress& progress) {
   registerUsualMedia();

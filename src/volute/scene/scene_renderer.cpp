@@ -254,7 +254,7 @@ Result<SurfacePicture> CpuRenderer::surfaces(const View& view, Progress& progres
   VOLUTE_ASSIGN(auto media, mediaFor(view));
   for (AnyMedium& medium : media) medium = scaledBy(1 / snapshot.law.factor(), medium);
   const SurfaceScene scene{snapshot.geometry, snapshot.lights.lamps, snapshot.lights.ambient,
-                           media};
+                           media, snapshot.shadows};
   return renderSurfaces(view.camera, scene, Rgb::Zero(), progress, view.only);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "volute/geometry/triangle_scene.hpp"
@@ -24,6 +25,11 @@ struct Snapshot {
   SceneLights lights;
   std::vector<Sign> signs;
   Rgb background = Rgb::Zero();
+  bool shadows = true;  ///< surfaces and media keep lamps' light from surfaces; false: previews
+
+  /// What looks nearly the same and is drawn much sooner, without shadows of surfaces; nothing
+  /// where that would be no sooner.
+  std::optional<Snapshot> quick() const;
 
   /// Whether a medium has walls of its own.
   bool hasWalls() const;

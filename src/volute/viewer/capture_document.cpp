@@ -144,10 +144,10 @@ void CaptureDocument::addFrustum(const CaptureCamera& held, std::vector<ViewLine
   }
 }
 
-Result<ViewScene> CaptureDocument::sceneAt(const SceneWish& wish, Progress& progress) {
+Result<ViewScene> CaptureDocument::sceneAt(const SceneRequest& request, Progress& progress) {
   ViewScene scene;
   addBox(capture_.volume.bounds, kBoxColor, scene.lines);
-  const int frame = frameAt(wish.time);
+  const int frame = frameAt(request.time);
   for (std::size_t c = 0; c < capture_.cameras.size(); ++c) {
     progress.report("reading pictures", static_cast<double>(c),
                     static_cast<double>(capture_.cameras.size()));

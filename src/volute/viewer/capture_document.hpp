@@ -31,7 +31,7 @@ class CaptureDocument final : public Document {
 
   std::vector<std::filesystem::path> files() const override;
   std::vector<ViewStation> stations() const override;
-  Result<ViewScene> sceneAt(const SceneWish& wish, Progress& progress) override;
+  Result<ViewScene> sceneAt(const SceneRequest& request, Progress& progress) override;
 
  private:
   explicit CaptureDocument(std::string path) : path_(std::move(path)) {}

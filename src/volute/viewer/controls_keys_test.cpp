@@ -35,10 +35,17 @@ class KeyControls : public WideControls {
 
 TEST_F(KeyControls, TheWheelGoesNearerAndFarther) {
   const double far = app().camera().distance();
-  const Vec3 begun = eye(), target = app().camera().view().target;
+  const int wide = script_->input().width, high = script_->input().height;
+  const Vec2 pointer(0.48 * wide, 0.4 * high);
+  script_->move(pointer.x(), pointer.y());
+  const Vec3 begun = eye();
+  const auto camera = [&] { return app().camera().camera(wide, high); };
+  const Segment ray = camera().ray(pointer.x(), pointer.y());
+  const Vec3 under = app().placeAlong(ray).position;
   expectSeen("nearer", [&] { script_->wheel(2); });
   EXPECT_LT(app().camera().distance(), far);
-  EXPECT_LT((app().camera().view().target - target).norm(), 1e-9);
+  EXPECT_NEAR((*camera().project(under) - pointer).norm(), 0, 1e-6)
+      << "what is under the pointer stays there";
   expectSeen("farther", [&] { script_->wheel(-2); });
   EXPECT_LT((eye() - begun).norm(), 1e-9) << "as far as before";
   script_->move(100, 60);
@@ -201,9 +208,9 @@ TEST_F(KeyControls, HHidesThePanelsAndF1ShowsHelp) {
   script_->press(Key::kH);
   script_->frames(3);
   EXPECT_TRUE(script_->has("exposure"));
-  EXPECT_FALSE(app().takeScreenshotWish());
+  EXPECT_FALSE(app().takeScreenshotRequest());
   script_->press(Key::kF12);
-  EXPECT_TRUE(app().takeScreenshotWish());
+  EXPECT_TRUE(app().takeScreenshotRequest());
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// Who draws: every kind of medium by OpenGL and by the processor, before every kind of camera.
+// Who draws: every kind of medium by OpenGL and by the CPU, before every kind of camera.
 #include "volute/viewer/controls_testing.hpp"
 
 namespace volute {
@@ -44,22 +44,22 @@ struct Renderers : Controls {
     return picture();
   }
 
-  /// OpenGL draws all of it, nearly as the processor does: signs are rasterised, and their edges
+  /// OpenGL draws all of it, nearly as the CPU does: signs are rasterised, and their edges
   /// may be a pixel off.
   void expectBoth(const std::string& name, double mean) {
     SCOPED_TRACE(name);
     open(name);
     const Image gl = by(ViewRenderer::kGl);
-    EXPECT_FALSE(app().times().processor);
+    EXPECT_FALSE(app().times().cpu);
     EXPECT_FALSE(app().times().passes.empty()) << "media are drawn";
     EXPECT_EQ(app().picture().remark(), "");
-    const Image processor = by(ViewRenderer::kProcessor);
-    EXPECT_TRUE(app().times().processor);
+    const Image cpu = by(ViewRenderer::kCpu);
+    EXPECT_TRUE(app().times().cpu);
     double sum = 0;
     for (std::size_t i = 0; i < gl.pixels.size(); ++i)
-      sum += std::abs(gl.pixels[i] - processor.pixels[i]);
+      sum += std::abs(gl.pixels[i] - cpu.pixels[i]);
     EXPECT_LT(sum / static_cast<double>(gl.pixels.size()), mean);
-    const auto [least, most] = std::ranges::minmax(processor.pixels);
+    const auto [least, most] = std::ranges::minmax(cpu.pixels);
     EXPECT_GT(most - least, 0.05) << "something is to be seen";
   }
 };
@@ -95,9 +95,9 @@ struct Edges : Renderers {
     open(name);
     const Image gl = lightBy(ViewRenderer::kGl);
     EXPECT_EQ(app().picture().remark(), "");
-    EXPECT_FALSE(app().times().processor);
-    EXPECT_LT(off(gl, lightBy(ViewRenderer::kProcessor)), 2e-3);
-    EXPECT_TRUE(app().times().processor);
+    EXPECT_FALSE(app().times().cpu);
+    EXPECT_LT(off(gl, lightBy(ViewRenderer::kCpu)), 2e-3);
+    EXPECT_TRUE(app().times().cpu);
   }
 };
 
@@ -132,7 +132,7 @@ TEST_F(Edges, AreRoughAtOnceAndExactOnceTheCameraRests) {
   EXPECT_EQ(app().times().history.size(), pictures + 1);
   const Image exact = app().picture().sampledLight(background);
   EXPECT_GT(off(exact, rough), 0.03) << "edges of shadows";
-  EXPECT_LT(off(exact, lightBy(ViewRenderer::kProcessor)), 2e-3);
+  EXPECT_LT(off(exact, lightBy(ViewRenderer::kCpu)), 2e-3);
 }
 
 TEST_F(Edges, AreBehindSigns) {
@@ -177,7 +177,7 @@ TEST_F(Renderers, DrawTheWallsOfAMesh) {
   app().settings().look.surfaces = true;
   EXPECT_GT(difference(by(ViewRenderer::kGl), bare), 0.05);
   app().settings().look.surfaces = false;
-  EXPECT_LT(difference(bare, by(ViewRenderer::kProcessor)), 0.01) << "no walls for either";
+  EXPECT_LT(difference(bare, by(ViewRenderer::kCpu)), 0.01) << "no walls for either";
 }
 
 TEST_F(Renderers, DrawBillboardsAmongOthers) {
@@ -214,7 +214,7 @@ TEST_F(Renderers, DrawBeforeAParallelCameraThatIsNotUpright) {
 }
 
 TEST_F(Renderers, ShowSignsToThoseBeforeThem) {
-  for (const ViewRenderer renderer : {ViewRenderer::kGl, ViewRenderer::kProcessor}) {
+  for (const ViewRenderer renderer : {ViewRenderer::kGl, ViewRenderer::kCpu}) {
     open("smoke.json");
     const Image sign = by(renderer);
     const auto normal = parameterAt("/signs/0/normal");
@@ -255,19 +255,19 @@ TEST_F(Renderers, WhatOpenGlRefusesIsSaidAndTheRestIsDrawn) {
     GTEST_SKIP() << "graphics cards draw it";
   by(ViewRenderer::kGl);
   EXPECT_THAT(app().picture().remark(), ::testing::HasSubstr("without the media: rays pass"));
-  EXPECT_FALSE(app().times().processor);
+  EXPECT_FALSE(app().times().cpu);
   by(ViewRenderer::kAuto);
-  EXPECT_TRUE(app().times().processor);
+  EXPECT_TRUE(app().times().cpu);
   EXPECT_EQ(app().times().why, "there is no graphics card");
 }
 
-TEST(NoProcessor, IsAnErrorWhereItWouldDraw) {
+TEST(NoCpu, IsAnErrorWhereItWouldDraw) {
   if (const auto gl = HeadlessGl::create(); !gl)
     GTEST_SKIP() << gl.error().message;
   const SceneFolder folder;
   for (const bool gl : {true, false}) {
-    const ViewerOptions options{.renderer = gl ? ViewRenderer::kGl : ViewRenderer::kProcessor,
-                                .processor = false};
+    const ViewerOptions options{.renderer = gl ? ViewRenderer::kGl : ViewRenderer::kCpu,
+                                .cpu = false};
     Progress quiet;
     const auto picture =
         viewerScreenshot(documentOpener({.maxMemory = kViewerMemory}),

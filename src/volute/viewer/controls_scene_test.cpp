@@ -288,6 +288,12 @@ TEST_F(UnsavedControls, NothingIsAskedWhereNothingIsLost) {
   ASSERT_TRUE(script_->click("leave save"));
   load();
   load();
+  EXPECT_FALSE(app().unsavedMap());
+  EXPECT_FALSE(app().ends()) << "the scene's change is in no file either";
+  ASSERT_TRUE(script_->has("leave scene"));
+  ASSERT_TRUE(script_->click("leave save"));
+  load();
+  load();
   EXPECT_TRUE(app().ends());
 }
 

@@ -91,7 +91,7 @@ void Display::keep(GLuint picture, const DisplayLook& look) {
   program_.set("tone", look.filmic ? 1 : 0);
   program_.set("surfaces", kSurfacesUnit);
   program_.set("opaque", look.surfaces ? 1 : 0);
-  // Not smoothed: its power has edges. Some texture in any case, or a rasteriser on the processor
+  // Not smoothed: its power has edges. Some texture in any case, or a rasteriser on the CPU
   // compiles the program twice.
   glBindTextureUnit(kSurfacesUnit, look.surfaces ? look.surfaces : picture);
   glBindTextureUnit(kPictureUnit, picture);

@@ -50,7 +50,7 @@ struct ViewStation {
 };
 
 /// An instant of a document that is to be shown.
-struct SceneWish {
+struct SceneRequest {
   double time = 0;  ///< [s]
   bool coarse = false;
   bool openGl = true;  ///< OpenGL will draw it: without, what only that needs may be left out
@@ -64,8 +64,21 @@ class Document {
 
   virtual std::string title() const = 0;          ///< "fire.volute, 64 x 64 x 64 voxels, 48 frames"
   virtual Box3 bounds() const = 0;                ///< finite [m]
+
+  /// Around what there is to see, within bounds() [m].
+  virtual Box3 content() const { return bounds(); }
+
+  /// When there is something to see [s].
+  virtual double firstTime() const { return times().front(); }
+
   virtual std::vector<double> times() const = 0;  ///< [s] when frames begin; one at least
   virtual bool grey() const = 0;                  ///< one channel: colour maps apply
+
+  /// Between times() it is interpolated; else each of them holds until the next.
+  virtual bool interpolates() const { return false; }
+
+  /// What snapshots that are kept may take [bytes].
+  virtual std::uint64_t snapshotMemory() const { return std::uint64_t{256} << 20; }
 
   /// What is seen is as bright as it says: no exposure is looked for.
   virtual bool measured() const { return false; }
@@ -103,7 +116,7 @@ class Document {
     return false;
   }
 
-  [[nodiscard]] virtual Result<ViewScene> sceneAt(const SceneWish& wish, Progress& progress) = 0;
+  [[nodiscard]] virtual Result<ViewScene> sceneAt(const SceneRequest& request, Progress& progress) = 0;
 
   /// Changes one of parameters(). An error leaves all as it was.
   [[nodiscard]] virtual Status set(const std::string& path, const std::vector<double>& value,
@@ -120,6 +133,9 @@ class Document {
     (void)edit, (void)progress;
     return fail(ErrorCode::kUnsupported, "this document has no signs and lights");
   }
+
+  /// Whether it is no longer what its file, or the last one that was saved, says.
+  virtual bool changed() const { return false; }
 
   /// Whether a change by set() or edit() can be taken back, or done again.
   virtual bool canUndo() const { return false; }

@@ -88,14 +88,20 @@ Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene, DisplayLo
     if (waiting_.size() >= kMostWaiting)
       return {};
   }
-  const PictureWish wish{order_.camera,   order_.width,    order_.height, Quality::kFull,
-                         order_.renderer, order_.surfaces, false,         0};
+  const PictureRequest request{.camera = order_.camera,
+                               .width = order_.width,
+                               .height = order_.height,
+                               .quality = Quality::kFull,
+                               .renderer = order_.renderer,
+                               .surfaces = order_.surfaces,
+                               .single = true,
+                               .exactAfter = 0};
   if (!drawing_)
     picture_.setScene(scene);
   drawing_ = true;
-  VOLUTE_TRY(picture_.update(wish));
-  if (!picture_.settled(wish) || !picture_.exact(wish))
-    return {};  // the processor is at it, or surfaces
+  VOLUTE_TRY(picture_.update(request));
+  if (!picture_.settled(request) || !picture_.exact(request))
+    return {};  // the CPU is at it, or surfaces
   drawing_ = false;
   if (!picture_.remark().empty())
     remark_ = picture_.remark();
@@ -114,7 +120,7 @@ Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene, DisplayLo
 
 /// In a thread of its own.
 void FilmExport::encode() {
-  letOthersFirst();
+  lowerThreadPriority();
   const auto stop = [&](const Error& error) {
     const std::lock_guard lock(mutex_);
     error_ = error;

@@ -80,6 +80,15 @@ Image HeadlessViewer::picture() {
   return shownPicture(width, height);
 }
 
+Image HeadlessViewer::screenshot() {
+  const auto [width, height] = app_->size();
+  resize(width, height);
+  glBindFramebuffer(GL_FRAMEBUFFER, frame_.framebuffer.name());
+  app_->showAgain(false);
+  drawn_ = false;
+  return shownPicture(width, height);
+}
+
 Result<Image> viewerScreenshot(OpenDocument open, const ViewerStart& start, bool panels,
                                Progress& progress) {
   VOLUTE_ASSIGN(const auto viewer, HeadlessViewer::create(std::move(open), start.options));

@@ -11,7 +11,7 @@
 namespace volute {
 
 /// The viewer without a display: its frames go to a framebuffer of their own, those that nobody looks
-/// at into one of a single pixel. To fill a window takes longer than all else where a processor does.
+/// at into one of a single pixel. To fill a window takes longer than all else where the CPU fills it.
 class HeadlessViewer {
  public:
   [[nodiscard]] static Result<std::unique_ptr<HeadlessViewer>> create(
@@ -29,6 +29,9 @@ class HeadlessViewer {
 
   /// What the last frame showed.
   Image picture();
+
+  /// The same without panels, as F12 writes it.
+  Image screenshot();
 
   /// Every frame is drawn into all pixels, as a window's is: what it takes is measured.
   void drawWholeFrames() { whole_ = true; }

@@ -14,7 +14,7 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 
 constexpr auto kLookEvery = std::chrono::milliseconds(500);
-constexpr std::size_t kLookAt = 1000;  ///< files at a time: wishes wait for it
+constexpr std::size_t kLookAt = 1000;  ///< files at a time: requests wait for it
 
 std::filesystem::file_time_type changedAt(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -26,20 +26,23 @@ std::filesystem::file_time_type changedAt(const std::filesystem::path& path) {
 /// Tells the viewer how far the thread is, and the thread when to stop.
 class Loader::Reporter final : public Progress {
  public:
-  /// @param yields  stops for whatever is wanted, not for another file alone
-  explicit Reporter(Loader& loader, bool yields = false) : loader_(loader), yields_(yields) {}
+  explicit Reporter(Loader& loader) : Reporter(loader, loader.overtaken_) {}
+
+  /// @param stops  for what
+  Reporter(Loader& loader, const std::atomic<bool>& stops) : loader_(loader), stops_(stops) {}
 
   void report(std::string_view stage, double done, double total) override {
     const std::lock_guard lock(loader_.mutex_);
     loader_.state_.stage = stage;
     loader_.state_.share = total > 0 ? done / total : -1;
+    ++loader_.changes_;
   }
 
-  bool cancelled() const override { return yields_ ? loader_.disturbed_ : loader_.overtaken_; }
+  bool cancelled() const override { return stops_; }
 
  private:
   Loader& loader_;
-  bool yields_;
+  const std::atomic<bool>& stops_;
 };
 
 Loader::Loader(OpenDocument open) : open_(std::move(open)), thread_([this] { work(); }) {}
@@ -48,46 +51,68 @@ Loader::~Loader() {
   {
     const std::lock_guard lock(mutex_);
     ends_ = true;
-    noteWishes();
+    noteRequests();
   }
   thread_.join();
 }
 
-/// With the lock held, after what is wished for has changed.
-void Loader::noteWishes() {
+/// With the lock held, after what is requested for has changed.
+void Loader::noteRequests() {
   overtaken_ = ends_ || wantedPath_;
   disturbed_ = ends_ || wanted();
+  aheadStops_ = overtaken_ || !wantedChanges_.empty() || (wantedTime_ && !playing_);
+  ++changes_;
   wake_.notify_all();
 }
 
-void Loader::open(std::string path, double time) {
+void Loader::open(std::string path, std::optional<double> time) {
   const std::lock_guard lock(mutex_);
   wantedPath_ = std::move(path);
   wantedTime_ = time;
-  noteWishes();
+  noteRequests();
 }
 
-void Loader::request(double time) {
+void Loader::request(double time, std::vector<double> ahead) {
   const std::lock_guard lock(mutex_);
-  wantedTime_ = time;
-  noteWishes();
+  playing_ = !ahead.empty();
+  ahead_ = std::move(ahead);
+  const bool kept = !wantedPath_ && wantedChanges_.empty() && !changing_;
+  if (auto snapshot = kept ? ring_.find(time) : nullptr) {
+    if (loaded_)
+      discarded_.push_back(std::move(loaded_->scene));
+    loaded_ = LoadedScene{std::move(snapshot), time, false};
+    time_ = time;
+    wantedTime_.reset();
+  } else if (playing_ && kept && loadingAhead_ == time) {
+    awaited_ = time;  // it is about to be there
+  } else {
+    wantedTime_ = time;
+  }
+  noteRequests();
+}
+
+void Loader::prepare(std::vector<double> ahead) {
+  const std::lock_guard lock(mutex_);
+  ahead_ = std::move(ahead);
+  wake_.notify_all();
 }
 
 void Loader::setOpenGl(bool draws) {
   if (openGl_.exchange(draws) == draws || !draws)
     return;
   const std::lock_guard lock(mutex_);
+  for (auto& snapshot : ring_.clear()) discarded_.push_back(std::move(snapshot));
   if (path_.empty() || wantedTime_)
     return;
   wantedTime_ = time_;
-  noteWishes();
+  noteRequests();
 }
 
 void Loader::change(const std::string& key, DocumentChange what) {
   const std::lock_guard lock(mutex_);
   std::erase_if(wantedChanges_, [&](const auto& waiting) { return waiting.first == key; });
   wantedChanges_.emplace_back(key, std::move(what));
-  noteWishes();
+  noteRequests();
 }
 
 std::optional<LoaderNews> Loader::news() {
@@ -123,18 +148,23 @@ bool Loader::wanted() const {
 
 /// What is wanted comes first; a document is looked through for damage when there is time.
 void Loader::work() {
-  letOthersFirst();
+  lowerThreadPriority();
   auto nextLook = SteadyClock::now() + kLookEvery;
   std::unique_lock lock(mutex_);
   for (;;) {
     wake_.wait_until(lock, nextLook,
-                     [&] { return ends_ || wanted() || unchecked_ || !discarded_.empty(); });
+                     [&] {
+                       return ends_ || wanted() || unchecked_ || !discarded_.empty() ||
+                              ring_.missing(ahead_);
+                     });
     if (ends_)
       return;
     if (!discarded_.empty())
       freeDiscarded(lock);
     if (wanted())
       serve(lock);
+    else if (ring_.missing(ahead_))
+      loadAhead(lock);
     else if (unchecked_)
       checkNow(lock);
     if (SteadyClock::now() < nextLook)
@@ -147,7 +177,7 @@ void Loader::work() {
       continue;
     wantedPath_ = path_;
     wantedTime_ = wantedTime_.value_or(time_);
-    noteWishes();
+    noteRequests();
   }
 }
 
@@ -158,21 +188,74 @@ void Loader::serve(std::unique_lock<std::mutex>& lock) {
   if (path)
     wantedChanges_.clear();  // they were meant for what was open
   const auto changes = std::exchange(wantedChanges_, {});
+  changing_ = path || !changes.empty();
+  if (changing_)
+    forgetSnapshots(lock);
   if (!changes.empty() && !time)
     time = time_;
-  noteWishes();
+  noteRequests();
   working_ = true;
   state_.busy = true;
   lock.unlock();
   const bool opened = !path || openNow(*path);
+  if (path && opened && document_ && !time)
+    time = document_->firstTime();
   for (const auto& [key, what] : changes) changeNow(what);
   if (opened && time && document_ && !overtaken_)
     loadNow(*time);
   const bool checked = !document_ || document_->checked();
   lock.lock();
-  working_ = false;
+  working_ = changing_ = false;
+  ++changes_;
   unchecked_ = !checked;
   state_.busy = wanted();
+}
+
+/// What was loaded is no longer what the document shows. The lock is held before and after.
+void Loader::forgetSnapshots(std::unique_lock<std::mutex>& lock) {
+  auto gone = ring_.clear();
+  ahead_.clear();
+  lock.unlock();
+  gone.clear();
+  lock.lock();
+}
+
+/// The lock is held before and after.
+void Loader::loadAhead(std::unique_lock<std::mutex>& lock) {
+  const double time = *ring_.missing(ahead_);
+  if (!document_) {
+    ahead_.clear();
+    return;
+  }
+  loadingAhead_ = time;
+  awaited_.reset();
+  lock.unlock();
+  Reporter reporter(*this, aheadStops_);
+  auto scene = document_->sceneAt({.time = time, .coarse = false, .openGl = openGl_}, reporter);
+  std::vector<SnapshotRing::Held> gone;
+  lock.lock();
+  loadingAhead_.reset();
+  if (!scene) {  // request() will say why
+    if (scene.error().code != ErrorCode::kCancelled)
+      ahead_.clear();
+    if (awaited_ && !wantedTime_)
+      wantedTime_ = awaited_;
+    return;
+  }
+  if (!wantedPath_ && wantedChanges_.empty()) {
+    const auto snapshot = std::make_shared<const ViewScene>(std::move(*scene));
+    gone = ring_.add(time, snapshot, ahead_);
+    if (awaited_ == time) {
+      if (loaded_)
+        gone.push_back(std::move(loaded_->scene));
+      loaded_ = LoadedScene{snapshot, time, false};
+      time_ = time;
+      ++changes_;
+    }
+  }
+  lock.unlock();
+  gone.clear();
+  lock.lock();
 }
 
 void Loader::freeDiscarded(std::unique_lock<std::mutex>& lock) {
@@ -200,11 +283,13 @@ std::vector<Loader::Watched> Loader::look(const std::vector<std::filesystem::pat
 
 DocumentInfo Loader::describe() const {
   return {document_->title(),      document_->bounds(),   document_->times(),
-          document_->grey(),       document_->measured(), document_->startView(),
+          document_->grey(),       document_->measured(), document_->interpolates(),
+          document_->startView(),
           document_->background(), document_->remarks(),  document_->look(),
           document_->parameters(), document_->canvases(), document_->stations(),
           document_->sceneName(),  openedCount_,          document_->editable(),
-          document_->canUndo(),    document_->canRedo()};
+          document_->canUndo(),    document_->canRedo(),  document_->changed(),
+          path_,                   document_->content(),  document_->firstTime()};
 }
 
 /// False, with the error noted, when it stays with what was open.
@@ -218,11 +303,14 @@ bool Loader::openNow(const std::string& path) {
   std::vector<Watched> watched = look(files);
   auto document = open_(path, reporter);
   std::optional<DocumentInfo> info;
+  std::uint64_t memory = 0;
   if (document) {
     watched = look((*document)->files());
     document_ = std::move(*document);
     ++openedCount_;
     info = describe();  // before the lock: the window never waits for it
+    info->path = path;
+    memory = document_->snapshotMemory();
   }
   watched_ = std::move(watched);
   std::optional<LoadedScene> before;  // freed without the lock
@@ -234,8 +322,10 @@ bool Loader::openNow(const std::string& path) {
     return false;
   }
   state_.error.clear();
+  ring_.setLimit(memory);
   opened_.swap(info);
   loaded_.swap(before);
+  ++changes_;
   return true;
 }
 
@@ -263,12 +353,13 @@ void Loader::changeNow(const DocumentChange& what) {
   state_.error.clear();
   if (!done->empty())
     state_.message = std::move(*done);
+  ++changes_;
 }
 
 void Loader::checkNow(std::unique_lock<std::mutex>& lock) {
   working_ = true;
   lock.unlock();
-  Reporter reporter(*this, true);
+  Reporter reporter(*this, disturbed_);
   document_->check(reporter);
   const bool checked = document_->checked();
   std::optional<DocumentInfo> info = describe();
@@ -277,28 +368,35 @@ void Loader::checkNow(std::unique_lock<std::mutex>& lock) {
   unchecked_ = !checked;
   if (checked)
     opened_.swap(info);
+  ++changes_;
 }
 
 void Loader::loadNow(double time) {
   Reporter reporter(*this);
-  SceneWish wish{.time = time, .coarse = true, .openGl = openGl_};
+  SceneRequest request{.time = time, .coarse = true, .openGl = openGl_};
+  bool seeks = false;
   {
     const std::lock_guard lock(mutex_);
     time_ = time;
+    seeks = !playing_;
   }
-  if (document_->coarseHelps(time))
-    deliver(document_->sceneAt(wish, reporter), time, true);
-  wish.coarse = false;
+  if (seeks && document_->coarseHelps(time))
+    deliver(document_->sceneAt(request, reporter), time, true);
+  request.coarse = false;
   if (!overtaken_)
-    deliver(document_->sceneAt(wish, reporter), time, false);
+    deliver(document_->sceneAt(request, reporter), time, false);
 }
 
 void Loader::deliver(Result<ViewScene> scene, double time, bool coarse) {
   std::optional<LoadedScene> loaded;  // what was there before is freed without the lock
   if (scene)
     loaded = LoadedScene{std::make_shared<const ViewScene>(std::move(*scene)), time, coarse};
+  std::vector<SnapshotRing::Held> gone;
   const std::lock_guard lock(mutex_);
+  ++changes_;
   if (loaded) {
+    if (!coarse && !wantedPath_ && wantedChanges_.empty())
+      gone = ring_.add(time, loaded->scene, ahead_);
     loaded_.swap(loaded);
     if (std::exchange(errorIsOfScene_, false))
       state_.error.clear();

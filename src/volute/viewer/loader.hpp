@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "volute/viewer/document.hpp"
+#include "volute/viewer/snapshot_ring.hpp"
 
 namespace volute {
 
@@ -37,7 +38,7 @@ struct DocumentInfo {
   std::string title;
   Box3 bounds;
   std::vector<double> times;
-  bool grey = false, measured = false;
+  bool grey = false, measured = false, interpolates = false;
   std::optional<StartView> startView;
   Rgb background = Rgb::Zero();
   std::vector<std::string> remarks;
@@ -47,7 +48,10 @@ struct DocumentInfo {
   std::vector<ViewStation> stations;
   std::string sceneName;
   int opened = 0;  ///< how many documents were opened before; the same after a change
-  bool editable = false, canUndo = false, canRedo = false;
+  bool editable = false, canUndo = false, canRedo = false, changed = false;
+  std::string path{};
+  Box3 content{};
+  double firstTime = 0;
 };
 
 /// What has come since the viewer last looked.
@@ -73,13 +77,22 @@ class Loader {
   Loader(const Loader&) = delete;
   Loader& operator=(const Loader&) = delete;
 
-  /// Opens a file instead of what is open, and loads its first picture at `time`.
-  void open(std::string path, double time);
+  /// Opens a file instead of what is open, and loads its first picture at `time`, or else at
+  /// Document::firstTime().
+  void open(std::string path, std::optional<double> time);
 
-  /// Loads another instant; the newest request counts.
-  void request(double time);
+  /// Loads another snapshot, which is there at once if it was kept; the newest request counts. A
+  /// coarse one comes first where that helps, unless `ahead` says that the document is played: the
+  /// times that are wanted next, in order, which are loaded while there is nothing else to do.
+  void request(double time, std::vector<double> ahead = {});
 
-  /// Says who draws, of which SceneWish tells documents. Loads the instant again if OpenGL draws
+  /// Says which times are wanted next, as request() does.
+  void prepare(std::vector<double> ahead);
+
+  /// Counts what news() would tell.
+  int changes() const { return changes_; }
+
+  /// Says who draws, of which SceneRequest tells documents. Loads the instant again if OpenGL draws
   /// from now on.
   void setOpenGl(bool draws);
 
@@ -111,6 +124,8 @@ class Loader {
   void loadNow(double time);
   void changeNow(const DocumentChange& what);
   void checkNow(std::unique_lock<std::mutex>& lock);
+  void loadAhead(std::unique_lock<std::mutex>& lock);
+  void forgetSnapshots(std::unique_lock<std::mutex>& lock);
   DocumentInfo describe() const;
   static std::vector<Watched> look(const std::vector<std::filesystem::path>& files);
   void deliver(Result<ViewScene> scene, double time, bool coarse);
@@ -118,7 +133,7 @@ class Loader {
   void freeDiscarded(std::unique_lock<std::mutex>& lock);
   bool wanted() const;
   bool idleNow() const;
-  void noteWishes();
+  void noteRequests();
 
   OpenDocument open_;
   std::unique_ptr<Document> document_;  // the thread's, as the next two
@@ -130,7 +145,15 @@ class Loader {
   bool ends_ = false;
   std::atomic<bool> overtaken_ = false;  ///< ends_, or another path is wanted: what runs stops
   std::atomic<bool> disturbed_ = false;  ///< overtaken_, or anything else is wanted
+  SnapshotRing ring_;
+  std::vector<double> ahead_;  ///< times that are wanted next
+  std::optional<double> loadingAhead_;  ///< which of them is being loaded
+  std::optional<double> awaited_;       ///< it is to be shown
+  bool playing_ = false;                ///< the last request had such
+  bool changing_ = false;      ///< the document is about to be another
+  std::atomic<bool> aheadStops_ = false;  ///< what is loaded ahead is given up for something else
   std::atomic<bool> openGl_ = true;
+  std::atomic<int> changes_ = 0;
   bool unchecked_ = false;  ///< the document has still to look for damage
   std::optional<std::string> wantedPath_;
   std::optional<double> wantedTime_;

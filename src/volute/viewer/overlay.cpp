@@ -110,8 +110,14 @@ void drawOverlay(ViewerApp& app, const ViewerInput& input) {
       lines.line(line.from, line.to, IM_COL32(byte(0), byte(1), byte(2), 255));
     };
     std::ranges::for_each(scene->lines, draw);
-    if (app.settings().panels)
+    if (app.settings().panels && !scene->aids.empty()) {
+      // As if they were behind what shines: the lighter one of both.
+      ImDrawList* list = ImGui::GetBackgroundDrawList();
+      list->AddCallback([](const ImDrawList*, const ImDrawCmd*) { glBlendEquation(GL_MAX); },
+                        nullptr);
       std::ranges::for_each(scene->aids, draw);
+      list->AddCallback(ImDrawCallback_ResetRenderState, nullptr);
+    }
   }
   drawPlacing(app, camera, lines, input);
   PaintTool& paint = app.paint();

@@ -1,15 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <imgui.h>
+#if VOLUTE_HAS_FREETYPE
+#include <imgui_freetype.h>
+#endif
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
 
 #include "volute/viewer/panels.hpp"
 
 namespace volute {
 
-void styleControls() {
+void useFont(double scale) {
+  constexpr const char* kFiles[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                                    "/usr/share/fonts/TTF/DejaVuSans.ttf",
+                                    "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+                                    "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf"};
+  constexpr float kPixels = 14;
+  // Latin with all its accents, Greek, Cyrillic, dashes and quotes, arrows, mathematics.
+  static const ImWchar kLetters[] = {0x20, 0x24F, 0x2B0, 0x3FF, 0x400, 0x52F, 0x1E00, 0x1EFF,
+                                     0x2010, 0x205E, 0x2070, 0x209F, 0x20A0, 0x20BF, 0x2190,
+                                     0x21FF, 0x2200, 0x22FF, 0};
+  ImFontAtlas* fonts = ImGui::GetIO().Fonts;
+#if VOLUTE_HAS_FREETYPE
+  fonts->FontBuilderIO = ImGuiFreeType::GetBuilderForFreeType();
+  fonts->FontBuilderFlags = ImGuiFreeTypeBuilderFlags_LightHinting;
+#endif
+  const float size = std::round(kPixels * static_cast<float>(scale));
+  for (const char* file : kFiles) {
+    std::error_code unknown;
+    if (std::filesystem::is_regular_file(file, unknown) &&
+        fonts->AddFontFromFileTTF(file, size, nullptr, kLetters))
+      return;
+  }
+  fonts->AddFontDefault();
+  ImGui::GetIO().FontGlobalScale = static_cast<float>(scale);
+}
+
+void styleControls(double scale) {
   ImGui::StyleColorsDark();
   ImGuiStyle& style = ImGui::GetStyle();
   style.WindowRounding = 6;
@@ -34,6 +66,8 @@ void styleControls() {
   colors[ImGuiCol_SliderGrab] = {0.16F, 0.50F, 0.50F, 1};  // numbers are read on them
   colors[ImGuiCol_SliderGrabActive] = {0.55F, 0.45F, 0.05F, 1};
   colors[ImGuiCol_PlotLines] = colors[ImGuiCol_PlotHistogram] = {0.36F, 0.78F, 0.70F, 1};
+  if (scale != 1)
+    style.ScaleAllSizes(static_cast<float>(scale));
 }
 
 void wrappedText(const std::string& text, bool faint) {
@@ -91,7 +125,9 @@ std::string shortened(const std::string& path, std::size_t letters) {
 }
 
 std::size_t lettersIn(float width) {
-  return static_cast<std::size_t>(std::max(width, 0.0F) / ImGui::CalcTextSize("M").x);
+  constexpr const char* kUsual = "fire smoke 0123_.v";  // letters are not as wide as each other
+  const float each = ImGui::CalcTextSize(kUsual).x / static_cast<float>(std::strlen(kUsual));
+  return static_cast<std::size_t>(std::max(width, 0.0F) / each);
 }
 
 bool nameBox(const char* label, std::string& name) {

@@ -18,17 +18,10 @@ std::vector<PanelNotice> noticesOf(const ViewerApp& app) {
   using enum PanelNotice::Kind;
   std::vector<PanelNotice> all;
   const DocumentInfo* document = app.document();
-  const LoaderState& loading = app.loading();
   if (document)
     all.push_back({kText, document->title, false});
-  if (!document && !loading.busy)
-    all.push_back({kFaint, "Drop a file here to open it."});
-  if (loading.busy)
-    all.push_back({kProgress, loading.stage, true, std::max(loading.share, 0.0)});
   if (!app.error().empty())
     all.push_back({kError, app.error()});
-  if (!app.message().empty())
-    all.push_back({kText, app.message()});
   const auto remark = [&](const std::string& text) { all.push_back({kFaint, text, false}); };
   if (!app.picture().remark().empty())
     remark(app.picture().remark());
@@ -93,7 +86,7 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   if (app.document() && app.document()->grey)
     combo(app, "colours", look.colors, {"grey", "viridis", "inferno"});
   combo(app, "quality", look.quality, {"automatic", "full", "half", "quarter"});
-  combo(app, "renderer", look.renderer, {"automatic", "OpenGL", "processor"});
+  combo(app, "renderer", look.renderer, {"automatic", "OpenGL", "CPU"});
   viewSlider(app);
   if (app.picture().scene() && app.picture().scene()->bare) {
     ImGui::Checkbox("surfaces", &look.surfaces);
@@ -108,8 +101,13 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   app.mark("Whole view");
   hint("all that there is, from outside");
   ImGui::SameLine();
+  if (ImGui::Button("Open"))
+    app.askToOpen();
+  app.mark("Open");
+  hint("another file: Ctrl O");
+  ImGui::SameLine();
   if (ImGui::Button("Screenshot"))
-    app.wishScreenshot();
+    app.requestScreenshot();
   app.mark("Screenshot");
   ImGui::SameLine();
   if (ImGui::Button("Help"))
@@ -161,8 +159,8 @@ void savePart(ViewerApp& app) {
 /// As `--stats` of `volute render` lists it.
 void whoDraws(ViewerApp& app) {
   const FrameTimes& times = app.times();
-  if (times.processor) {
-    wrappedText("by the processor: " + times.why, true);
+  if (times.cpu) {
+    wrappedText("by the CPU: " + times.why, true);
     app.mark("who draws");
     return;
   }
@@ -265,7 +263,8 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
   constexpr const char* kLines[][2] = {{"left mouse", "turn; paint, where fog is painted"},
                                        {"right mouse", "move across; turn, while painting"},
                                        {"middle, Shift left", "move across"},
-                                       {"wheel", "nearer, farther; walking: forward"},
+                                       {"wheel", "towards the pointer, away; walking: forward"},
+                                       {"double click", "turn around what is there"},
                                        {"M", "orbit (turn around things) or walk (turn the head)"},
                                        {"W A S D, Q E", "walk; down and up; with Shift faster"},
                                        {"F", "the whole view, from outside"},
@@ -279,7 +278,12 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
                                        {"Ctrl click", "type a slider's number"},
                                        {"a panel's title", "opens and closes it by its arrow"},
                                        {"H", "hide the panels, show them again"},
-                                       {"F12", "screenshot: volute_0001.png and so on"},
+                                       {"F12", "screenshot without panels: volute_0001.png ..."},
+                                       {"Ctrl C", "copy the camera, as JSON"},
+                                       {"F11", "full screen"},
+                                       {"1  3  7", "from the front, the right, above"},
+                                       {"P", "what is under the pointer, or not"},
+                                       {"Ctrl O", "open a file"},
                                        {"Escape", "end painting and placing, close this"},
                                        {"F1", "open and close this"},
                                        {"drop a file", "open it"}};
@@ -292,54 +296,16 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
   ImGui::PopStyleVar(2);
 }
 
-/// A question that has to be answered before anything else.
-void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
-  constexpr const char* kTitle = "Painted fog is in no file";
-  constexpr float kWide = 420;
-  if (app.leaving() && !ImGui::IsPopupOpen(kTitle))
-    ImGui::OpenPopup(kTitle);
-  ImGui::SetNextWindowPos(
-      {0.5F * static_cast<float>(input.width), 0.4F * static_cast<float>(input.height)}, 0,
-      {0.5F, 0.5F});
-  const float width = std::min(kWide, static_cast<float>(input.width) - 2 * kPanelMargin);
-  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, 1e4F});
-  if (!ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_AlwaysAutoResize))
-    return;
-  if (const ViewerApp::Leaving* leaving = app.leaving()) {
-    wrappedText(leaving->path.empty() ? "Before the viewer ends, save the map as"
-                                      : "Before " + leaving->path + " is opened, save the map as");
-    ImGui::SetNextItemWidth(-1);
-    nameBox("##map", app.settings().mapName);
-    app.mark("leave map");
-    if (!app.error().empty()) {
-      ImGui::PushStyleColor(ImGuiCol_Text, {1, 0.5F, 0.4F, 1});
-      wrappedText(app.error());
-      ImGui::PopStyleColor();
-    }
-    const bool waits = leaving->saving;
-    const bool saves = markedButton(app, waits ? "Saving" : "Save", "leave save", !waits);
-    ImGui::SameLine();
-    const bool discards = markedButton(app, "Discard", "leave discard", !waits);
-    ImGui::SameLine();
-    const bool stays = markedButton(app, "Cancel", "leave cancel");
-    if (saves)
-      app.leaveAndSave();
-    else if (discards)
-      app.leaveAndDiscard();
-    else if (stays)
-      app.stay();
-  }
-  if (!app.leaving())
-    ImGui::CloseCurrentPopup();
-  ImGui::EndPopup();
-}
-
 void drawPanels(ViewerApp& app, const ViewerInput& input) {
   drawOverlay(app, input);
+  drawStage(app, input);
   drawHelpPanel(app, input);
+  drawOpenPanel(app, input);
   drawLeavePanel(app, input);
+  drawReplacePanel(app, input);
   if (!app.settings().panels)
     return;
+  drawEmptyWindow(app, input);
   const float time = timePanelHeight(app, input);
   PanelLayout& layout = app.settings().layout;
   layout.fit(static_cast<float>(input.width), static_cast<float>(input.height),

@@ -9,8 +9,11 @@
 
 namespace volute {
 
-/// Dear ImGui's colours and distances.
-void styleControls();
+/// Dear ImGui's colours and distances, times a scale.
+void styleControls(double scale);
+
+/// DejaVu Sans where it is installed, with the letters of most languages; else Dear ImGui's own.
+void useFont(double scale);
 
 /// The panels of one frame and the lines over the picture, between ImGui's NewFrame and Render.
 void drawPanels(ViewerApp& app, const ViewerInput& input);
@@ -23,6 +26,10 @@ void drawTimePanel(ViewerApp& app, const ViewerInput& input);
 void drawHelpPanel(ViewerApp& app, const ViewerInput& input);
 void drawLeavePanel(ViewerApp& app, const ViewerInput& input);
 void drawOverlay(ViewerApp& app, const ViewerInput& input);
+void drawStage(ViewerApp& app, const ViewerInput& input);
+void drawEmptyWindow(ViewerApp& app, const ViewerInput& input);
+void drawOpenPanel(ViewerApp& app, const ViewerInput& input);
+void drawReplacePanel(ViewerApp& app, const ViewerInput& input);
 
 /// Of the panel of time [pixels]: none for what does not move.
 float timePanelHeight(ViewerApp& app, const ViewerInput& input);

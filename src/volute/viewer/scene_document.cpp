@@ -15,7 +15,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kUsualFov = 40;  ///< [degrees]
+constexpr double kUsualFov = 40;       ///< [degrees]
+constexpr double kSightSeconds = 0.1;  ///< that a search for something to see may take
 
 /// A remark without the name of the file that it is about, which the title has, or without that
 /// file's folder before the name of one beside it.
@@ -73,6 +74,14 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
   for (const auto& medium : document->scene_.media()) {
     for (const std::string& remark : medium->remarks) std::erase(document->sceneRemarks_, remark);
   }
+  document->saved_ = document->scene_.json();
+  if (!document->scene_.isFile() || !document->start_) {
+    auto sight = firstSight(document->scene_, progress, kSightSeconds);
+    if (sight)  // else sceneAt() says what is wrong
+      document->sight_ = *sight;
+    else if (sight.error().code == ErrorCode::kCancelled)
+      return tl::unexpected<Error>(sight.error());
+  }
   return std::unique_ptr<Document>(std::move(document));
 }
 
@@ -128,6 +137,12 @@ std::string SceneDocument::title() const {
   for (const auto& [what, number] : counts) parts.push_back(countOf(number, what.c_str()));
   return fmt::format("{}: {}{}", name,
                      parts.empty() ? "an empty scene" : fmt::to_string(fmt::join(parts, ", ")), end);
+}
+
+/// Several media have 25 frames a second, each of which is one.
+bool SceneDocument::interpolates() const {
+  return scene_.media().size() == 1 &&
+         (scene_.media()[0]->info().interpolates || scene_.media()[0]->info().moves);
 }
 
 bool SceneDocument::grey() const {
@@ -209,7 +224,9 @@ Status SceneDocument::save(const std::string& target, const StartView& view, con
     camera["fov"] = view.fov;
   json["view"] = toJson(look);
   moveAllNames(json, file_, target);
-  return writeFile(target, json.dump(2) + "\n");
+  VOLUTE_TRY(writeFile(target, json.dump(2) + "\n"));
+  saved_ = scene_.json();
+  return {};
 }
 
 }  // namespace volute

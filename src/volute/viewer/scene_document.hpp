@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "volute/scene/first_sight.hpp"
 #include "volute/scene/scene.hpp"
 #include "volute/scene/scene_history.hpp"
 #include "volute/scene/scene_renderer.hpp"
@@ -27,9 +28,19 @@ class SceneDocument final : public Document {
 
   Box3 bounds() const override { return scene_.bounds(); }
 
+  Box3 content() const override { return sight_ ? sight_->content : bounds(); }
+
+  double firstTime() const override { return sight_ ? sight_->time : times().front(); }
+
+  bool changed() const override { return scene_.json() != saved_; }
+
   std::vector<double> times() const override { return scene_.times(); }
 
   bool grey() const override;
+  bool interpolates() const override;
+
+  std::uint64_t snapshotMemory() const override { return options_.maxMemory / 4; }
+
   bool measured() const override;
 
   std::optional<StartView> startView() const override { return start_; }
@@ -50,7 +61,7 @@ class SceneDocument final : public Document {
   std::string sceneName() const override { return file_; }
 
   bool coarseHelps(double time) const override;
-  Result<ViewScene> sceneAt(const SceneWish& wish, Progress& progress) override;
+  Result<ViewScene> sceneAt(const SceneRequest& request, Progress& progress) override;
   Status set(const std::string& path, const std::vector<double>& value,
              Progress& progress) override;
 
@@ -80,9 +91,9 @@ class SceneDocument final : public Document {
   SceneDocument(std::string path, Scene scene, const DocumentOptions& options);
 
   SceneEdit withBounds(SceneEdit edit) const;
-  void addSurfaces(const SceneWish& wish, const std::shared_ptr<const Snapshot>& snapshot,
+  void addSurfaces(const SceneRequest& request, const std::shared_ptr<const Snapshot>& snapshot,
                    ViewScene& scene);
-  ProcessorPicture byProcessor(std::shared_ptr<const Snapshot> snapshot, bool surfaces) const;
+  CpuPicture byCpu(std::shared_ptr<const Snapshot> snapshot, bool surfaces) const;
 
   std::string path_;  ///< as it was opened
   std::string file_;  ///< of the scene: path_, or where it would be saved
@@ -91,6 +102,8 @@ class SceneDocument final : public Document {
   Scene scene_;
   SceneHistory history_;
   std::optional<StartView> start_;
+  std::optional<FirstSight> sight_;  ///< of what is no scene file
+  nlohmann::ordered_json saved_;     ///< the scene, as a file has it
   std::vector<std::string> sceneRemarks_;       ///< that no medium gave
   std::shared_ptr<const GlSurfaces> surfaces_;  ///< while nothing that lights them changes,
   TriangleScene surfacesOf_;                    ///< of this geometry

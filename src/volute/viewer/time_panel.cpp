@@ -100,6 +100,7 @@ void drawTimePanel(ViewerApp& app, const ViewerInput& input) {
   const float height = timePanelHeight(app, input);
   ImGui::SetNextWindowPos({kPanelMargin, static_cast<float>(input.height) - height - kPanelMargin});
   ImGui::SetNextWindowSize({static_cast<float>(input.width) - 2 * kPanelMargin, height});
+  app.settings().timeHeight = height;
   ImGui::Begin("Time", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoScrollbar);

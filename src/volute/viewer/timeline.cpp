@@ -37,10 +37,55 @@ void Timeline::step(int frames) {
 void Timeline::advance(double seconds) {
   if (!playing_)
     return;
-  // The last frame is shown as long as the one before it.
-  const double tail = last() - times_[times_.size() - 2];
-  const double period = last() - first() + tail;
-  time_ = first() + std::fmod(time_ - first() + seconds * speed_, period);
+  time_ = first() + std::fmod(time_ - first() + seconds * speed_, period());
+}
+
+/// The last frame is shown as long as the one before it.
+double Timeline::period() const {
+  return 2 * last() - first() - times_[times_.size() - 2];
+}
+
+double Timeline::snapshotTime() const {
+  if (!playing_)
+    return time_;
+  if (!interpolates_)
+    return times_[static_cast<std::size_t>(frame())];
+  constexpr double kRounding = 1e-6;
+  const double step = speed_ / kRate;
+  return std::min(first() + step * std::floor((time_ - first()) / step + kRounding), last());
+}
+
+double Timeline::snapshotSeconds() const {
+  if (interpolates_ || !moves())
+    return 1 / kRate;
+  const auto now = static_cast<std::size_t>(frame());
+  const double next = now + 1 < times_.size() ? times_[now + 1] : first() + period();
+  return (next - times_[now]) / speed_;
+}
+
+std::vector<double> Timeline::ahead(int count) const {
+  std::vector<double> next;
+  if (!moves())
+    return next;
+  Timeline later = *this;
+  later.playing_ = true;
+  const double step = speed_ / kRate;
+  const double shown = later.snapshotTime();
+  for (int i = 1; i <= count; ++i) {
+    double time = 0;
+    if (interpolates_) {
+      time = later.snapshotTime() + step;
+      later.time_ = time < first() + period() ? time : first();
+      time = later.snapshotTime();
+    } else {
+      time = times_[static_cast<std::size_t>((frame() + i) % frames())];
+    }
+    if (time == shown)
+      break;  // all of it
+    if (next.empty() || next.back() != time)
+      next.push_back(time);
+  }
+  return next;
 }
 
 }  // namespace volute

@@ -14,6 +14,19 @@ class Timeline {
 
   double time() const { return time_; }  ///< [s]
 
+  /// Between times it is interpolated; else each of them holds until the next.
+  void setInterpolates(bool on) { interpolates_ = on; }
+
+  /// Of the snapshot that is to be shown [s]: while it plays that of the frame, or, where it is
+  /// interpolated, the last of kRate a second of the clock on the wall; else time().
+  double snapshotTime() const;
+
+  /// How long it is shown [s] of the clock on the wall.
+  double snapshotSeconds() const;
+
+  /// Those that playing would show next, in order, the one that is shown left out.
+  std::vector<double> ahead(int count) const;
+
   double first() const { return times_.front(); }
 
   double last() const { return times_.back(); }
@@ -44,10 +57,15 @@ class Timeline {
   void advance(double seconds);
 
  private:
+  static constexpr double kRate = 25;  ///< [1/s]
+
+  double period() const;  ///< [s] until it begins again
+
   std::vector<double> times_{0.0};
   double time_ = 0;
   double speed_ = 1;
   bool playing_ = false;
+  bool interpolates_ = false;
 };
 
 }  // namespace volute

@@ -52,7 +52,38 @@ TEST(Timeline, StepsFromFrameToFrameAndStops) {
   EXPECT_EQ(timeline.time(), 1.5);
 }
 
-TEST(Timeline, AStillDoesNotPlay) {
+TEST(Timeline, ShowsWholeFramesWhileItPlays) {
+  Timeline timeline = threeFrames();
+  timeline.seek(1.2);
+  EXPECT_EQ(timeline.snapshotTime(), 1.2) << "at rest as a person says";
+  timeline.play(true);
+  EXPECT_EQ(timeline.snapshotTime(), 1);
+  EXPECT_EQ(timeline.ahead(5), (std::vector<double>{1.5, 2.5}));
+  timeline.seek(2.6);
+  EXPECT_EQ(timeline.snapshotTime(), 2.5);
+  EXPECT_EQ(timeline.ahead(1), (std::vector<double>{1}));
+}
+
+TEST(Timeline, ShowsTwentyFiveSnapshotsASecondOfWhatIsInterpolated) {
+  Timeline timeline;
+  timeline.setTimes({0, 10});
+  timeline.setInterpolates(true);
+  timeline.setSpeed(2);
+  timeline.play(true);
+  timeline.advance(1.01);
+  EXPECT_DOUBLE_EQ(timeline.snapshotTime(), 2);
+  const auto ahead = timeline.ahead(3);
+  ASSERT_EQ(ahead.size(), 3);
+  for (const double time : ahead) {
+    timeline.seek(time + 0.03);
+    EXPECT_EQ(timeline.snapshotTime(), time) << "to the last bit: snapshots are found by it";
+  }
+  EXPECT_DOUBLE_EQ(ahead[2], 2.24);
+  timeline.seek(9.999);
+  EXPECT_DOUBLE_EQ(timeline.ahead(1)[0], 10);
+}
+
+TEST(Timeline, OneFrameDoesNotPlay) {
   Timeline timeline;
   timeline.play(true);
   EXPECT_FALSE(timeline.playing());

@@ -29,6 +29,31 @@ Vec3 ViewCamera::forward() const {
                        std::sin(pitch_));
 }
 
+Mat3 ViewCamera::turned() const {
+  Mat3 turned;
+  turned << right(), forward(), right().cross(forward());
+  return turned;
+}
+
+void ViewCamera::setPivot(const Vec3& point) {
+  pivot_ = point;
+  const double depth = (point - eye_).dot(forward());
+  if (depth > 0)
+    distance_ = std::max(depth, 1e-6);
+}
+
+void ViewCamera::lookAlong(const Vec3& direction) {
+  const double away = (pivot_ - eye_).norm();
+  const Vec3 own = frame_.transpose() * direction.normalized();
+  pitch_ = std::asin(std::clamp(own.z(), -1.0, 1.0));
+  if (own.head<2>().norm() > 1e-9)
+    yaw_ = std::atan2(-own.x(), own.y());
+  else
+    yaw_ = 0;
+  eye_ = pivot_ - away * forward();
+  distance_ = std::max(away, 1e-6);
+}
+
 Vec3 ViewCamera::right() const {
   return frame_ * Vec3(std::cos(yaw_), std::sin(yaw_), 0);
 }
@@ -38,6 +63,7 @@ void ViewCamera::set(const StartView& view) {
   const Camera meant = Camera::pinhole({view.eye, view.target, view.up}, kFramed, 1, 1);
   eye_ = view.eye;
   distance_ = std::max((view.target - view.eye).norm(), 1e-6);
+  pivot_ = view.target;
   frame_ = uprightAlong(view.up.norm() > 0 ? view.up : Vec3(-meant.down()));
   const Vec3 right = frame_.transpose() * meant.right();
   yaw_ = std::atan2(right.y(), right.x());
@@ -46,7 +72,7 @@ void ViewCamera::set(const StartView& view) {
   ortho_ = std::max(view.ortho, 0.0);
 }
 
-void ViewCamera::frame(const Box3& bounds, int width, int height) {
+void ViewCamera::frame(const Box3& bounds, int width, int height, const Insets& insets) {
   Box3 upright = bounds;
   if (frame_ != Mat3::Identity() && (bounds.min.array() <= bounds.max.array()).all()) {
     upright = Box3();
@@ -57,11 +83,20 @@ void ViewCamera::frame(const Box3& bounds, int width, int height) {
       upright.extend(frame_.transpose() * corner);
     }
   }
-  const Camera framing = Camera::framing(upright, width, height);
-  const double distance = (upright.centre() - framing.eye()).norm();
+  constexpr double kLeastFree = 0.2;
+  const double free[] = {std::max(width - insets.left - insets.right, kLeastFree * width),
+                         std::max(height - insets.top - insets.bottom, kLeastFree * height)};
+  const Camera framing =
+      Camera::framing(upright, static_cast<int>(free[0]), static_cast<int>(free[1]));
+  // The same angle now goes over all of the height.
+  const double distance = height / free[1] * (upright.centre() - framing.eye()).norm();
   const double ortho =
       parallel() ? 2 * distance * std::tan(0.5 * kFramed * std::numbers::pi / 180) : 0;
-  set({frame_ * framing.eye(), frame_ * upright.centre(), upwards(), kFramed, ortho});
+  const Vec3 eye = upright.centre() - distance * framing.forward();
+  set({frame_ * eye, frame_ * upright.centre(), upwards(), kFramed, ortho});
+  const Vec3 middle = pivot_;
+  pan(0.5 * (insets.left - insets.right), 0.5 * (insets.top - insets.bottom), height);
+  pivot_ = middle;
 }
 
 void ViewCamera::setFov(double degrees) {
@@ -73,12 +108,14 @@ void ViewCamera::setOrtho(double height) {
 }
 
 void ViewCamera::drag(double rightPixels, double downPixels) {
-  const Vec3 held = target();
+  const Mat3 before = turned();
   yaw_ -= kTurn * rightPixels;
   const double steepest = std::max(kSteepest, std::abs(pitch_));  // it may have begun so
   pitch_ = std::clamp(pitch_ - kTurn * downPixels, -steepest, steepest);
   if (mode_ == Mode::kOrbit)
-    eye_ = held - distance_ * forward();
+    eye_ = pivot_ + turned() * before.transpose() * (eye_ - pivot_);
+  else
+    pivot_ = target();
 }
 
 void ViewCamera::pan(double rightPixels, double downPixels, int height) {
@@ -86,24 +123,37 @@ void ViewCamera::pan(double rightPixels, double downPixels, int height) {
       parallel() ? ortho_ : 2 * std::tan(0.5 * fov_ * std::numbers::pi / 180) * distance_;
   const double perPixel = seen / std::max(height, 1);
   const Vec3 up = right().cross(forward());
-  eye_ += perPixel * (downPixels * up - rightPixels * right());
+  const Vec3 moved = perPixel * (downPixels * up - rightPixels * right());
+  eye_ += moved;
+  pivot_ += moved;
 }
 
-void ViewCamera::zoom(double clicks) {
-  if (parallel())
-    setOrtho(ortho_ * std::pow(0.88, clicks));
-  if (mode_ == Mode::kWalk) {
-    eye_ += 0.1 * clicks * distance_ * forward();
+void ViewCamera::zoom(double clicks, const Vec3& towards) {
+  const double nearer = std::pow(0.88, clicks);
+  if (parallel()) {
+    const double before = ortho_;
+    setOrtho(ortho_ * nearer);
+    const Vec3 offset = towards - eye_;
+    eye_ += (1 - ortho_ / before) * (offset - offset.dot(forward()) * forward());
     return;
   }
-  const Vec3 held = target();
-  distance_ = std::clamp(distance_ * std::pow(0.88, clicks), 1e-4, 1e6);
-  eye_ = held - distance_ * forward();
+  if (mode_ == Mode::kWalk) {
+    walkBy(0.1 * clicks * distance_ * forward());
+    return;
+  }
+  const double wanted = std::clamp(distance_ * nearer, 1e-4, 1e6);
+  eye_ = towards + wanted / distance_ * (eye_ - towards);
+  distance_ = wanted;
+}
+
+void ViewCamera::walkBy(const Vec3& step) {
+  eye_ += step;
+  pivot_ += step;
 }
 
 void ViewCamera::walk(double ahead, double aside, double up) {
   const Vec3 level = frame_ * Vec3(-std::sin(yaw_), std::cos(yaw_), 0);
-  eye_ += ahead * level + aside * right() + up * upwards();
+  walkBy(ahead * level + aside * right() + up * upwards());
 }
 
 Camera ViewCamera::camera(int width, int height) const {

@@ -13,8 +13,15 @@ class ViewCamera {
  public:
   enum class Mode { kOrbit, kWalk };
 
-  /// Sees all of the bounds, from the side that is up as it is.
-  void frame(const Box3& bounds, int width, int height);
+  /// Parts of the picture that panels cover, from its borders [pixels].
+  struct Insets {
+    double left = 0, top = 0, right = 0, bottom = 0;
+  };
+
+  /// Sees all of the bounds between the insets, from the side that is up as it is.
+  void frame(const Box3& bounds, int width, int height) { frame(bounds, width, height, {}); }
+
+  void frame(const Box3& bounds, int width, int height, const Insets& insets);
 
   void set(const StartView& view);
 
@@ -28,8 +35,22 @@ class ViewCamera {
   /// Moves the eye and the target across the picture by so many pixels of one of `height`.
   void pan(double right, double down, int height);
 
-  /// Wheel clicks: nearer, or (walking) forward.
-  void zoom(double clicks);
+  /// Wheel clicks: nearer, or (walking) forward. `towards`: a point that stays where it is in the
+  /// picture [m].
+  void zoom(double clicks) { zoom(clicks, pivot_); }
+
+  void zoom(double clicks, const Vec3& towards);
+
+  /// Turns around this point from now on.
+  void setPivot(const Vec3& point);
+
+  const Vec3& pivot() const { return pivot_; }
+
+  /// Looks along this direction, which may be straight down, at the pivot as far away as now.
+  void lookAlong(const Vec3& direction);
+
+  Vec3 forward() const;
+  Vec3 right() const;
 
   /// Walks so many metres, at the level of the eye.
   void walk(double forward, double right, double up);
@@ -58,8 +79,8 @@ class ViewCamera {
   Vec3 upwards() const { return frame_.col(2); }
 
  private:
-  Vec3 forward() const;
-  Vec3 right() const;
+  void walkBy(const Vec3& step);
+  Mat3 turned() const;  ///< right, forward and up in columns
 
   Vec3 target() const { return eye_ + distance_ * forward(); }
 
@@ -69,6 +90,7 @@ class ViewCamera {
   double yaw_ = 0;                 ///< 0 looks along the second of them, grows to the left
   double pitch_ = 0;               ///< up
   double distance_ = 3;
+  Vec3 pivot_ = Vec3::Zero();  ///< turned around
   double fov_ = 40;
   double ortho_ = 0;
 };

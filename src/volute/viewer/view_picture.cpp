@@ -10,9 +10,14 @@ namespace volute {
 namespace {
 
 constexpr double kQuick = 0.04;           ///< [s] that OpenGL may take while something moves
-constexpr double kProcessorQuick = 0.15;  ///< [s], and the processor
 constexpr double kRefine = 0.012;         ///< [s] of an update that surfaces get, about
 constexpr double kCoarsest = 1.0 / 8;     ///< of the window's pixels a side
+/// That the CPU's quick pictures may have, of the window's pixels a side.
+constexpr double kScales[] = {1, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.125, 0.0625};
+constexpr double kUnknown = 1.0 / 8;  ///< where nobody knows what pixels cost
+constexpr double kPoor = 0.3;         ///< below that a preview says more
+constexpr double kCoarse = 0.375;     ///< below that a picture may take
+constexpr double kSlowest = 0.1;      ///< [s], whatever the budget is
 constexpr std::size_t kHistory = 90;
 constexpr double kSamples = 65536;  ///< of the light that is shown
 
@@ -50,7 +55,7 @@ Texels texelsOf(GLuint texture) {
   return texels;
 }
 
-bool sameView(const PictureWish& a, const PictureWish& b) {
+bool sameView(const PictureRequest& a, const PictureRequest& b) {
   return a.camera == b.camera && a.width == b.width && a.height == b.height &&
          a.surfaces == b.surfaces;
 }
@@ -61,7 +66,7 @@ ViewPicture::ViewPicture(GlRenderer renderer, SurfaceDrawer surfaces, Display di
     : renderer_(std::move(renderer)),
       surfaces_(std::move(surfaces)),
       display_(std::move(display)),
-      processor_(std::make_unique<ProcessorThread>()) {
+      cpu_(std::make_unique<CpuThread>()) {
   constexpr float kNothing[4] = {};
   blank_ = makeTexture2d(GL_RGBA32F, 1, 1);
   glTextureSubImage2D(blank_.name(), 0, 0, 0, 1, 1, GL_RGBA, GL_FLOAT, kNothing);
@@ -83,41 +88,41 @@ std::shared_ptr<const ViewScene> ViewPicture::setScene(std::shared_ptr<const Vie
   return std::exchange(scene_, std::move(scene));
 }
 
-bool ViewPicture::byProcessor(const PictureWish& wish) const {
-  if (!scene_->processor || wish.renderer == ViewRenderer::kGl)
+bool ViewPicture::byCpu(const PictureRequest& request) const {
+  if (!scene_->cpu || request.renderer == ViewRenderer::kGl)
     return false;
-  return wish.renderer == ViewRenderer::kProcessor || !makers_.hardware || !refused_.empty();
+  return request.renderer == ViewRenderer::kCpu || !makers_.hardware || !refused_.empty();
 }
 
-std::string ViewPicture::whyProcessor(const PictureWish& wish) const {
-  return wish.renderer == ViewRenderer::kProcessor ? "as you chose"
+std::string ViewPicture::whyCpu(const PictureRequest& request) const {
+  return request.renderer == ViewRenderer::kCpu ? "as you chose"
          : !makers_.hardware                       ? "there is no graphics card"
                                                    : refused_;
 }
 
-double ViewPicture::quickScale(const PictureWish& wish, double seconds) const {
-  const double count = static_cast<double>(wish.width) * wish.height;
-  const bool processor = byProcessor(wish);
-  const double cost = (processor ? processorAPixel_ : secondsAPixel_) * count;
-  return std::clamp(std::sqrt(seconds / cost), kCoarsest, scaleOf(wish.quality));
+double ViewPicture::quickScale(const PictureRequest& request, double seconds) const {
+  const double count = static_cast<double>(request.width) * request.height;
+  const double cost = glSecondsAPixel_ * count;
+  return std::clamp(std::sqrt(seconds / cost), kCoarsest, scaleOf(request.quality));
 }
 
-void ViewPicture::noteTime(double seconds, int width, int height, bool processor) {
+void ViewPicture::noteTime(double seconds, int width, int height, bool cpu) {
   times_.milliseconds = 1e3 * seconds;
   times_.width = width, times_.height = height;
-  times_.processor = processor;
+  times_.cpu = cpu;
   times_.history.push_back(static_cast<float>(times_.milliseconds));
   if (times_.history.size() > kHistory)
     times_.history.erase(times_.history.begin());
-  (processor ? processorAPixel_ : secondsAPixel_) = seconds / (static_cast<double>(width) * height);
+  if (!cpu)
+    glSecondsAPixel_ = seconds / (static_cast<double>(width) * height);
 }
 
 /// What is refused once is not tried again before the scene changes.
-Status ViewPicture::drawMedia(const PictureWish& wish, const Camera& camera) {
+Status ViewPicture::drawMedia(const PictureRequest& request, const Camera& camera) {
   media_ = false;
-  if (!scene_->notByGl.empty() && wish.renderer != ViewRenderer::kGl)
+  if (!scene_->notByGl.empty() && request.renderer != ViewRenderer::kGl)
     return fail(ErrorCode::kUnsupported, "{}", scene_->notByGl);
-  if (scene_->media.parts.empty() || (wish.renderer == ViewRenderer::kGl && !refused_.empty()))
+  if (scene_->media.parts.empty() || (request.renderer == ViewRenderer::kGl && !refused_.empty()))
     return {};
   const auto depth = opaque_ ? surfaces_.depth() : std::span<const float>();
   Progress quiet;
@@ -126,16 +131,16 @@ Status ViewPicture::drawMedia(const PictureWish& wish, const Camera& camera) {
   return drawn;
 }
 
-Status ViewPicture::drawByGl(const PictureWish& wish, double scale) {
-  const int width = pixels(scale, wish.width), height = pixels(scale, wish.height);
-  const Camera camera = wish.camera.camera(width, height);
+Status ViewPicture::drawByGl(const PictureRequest& request, double scale) {
+  const int width = pixels(scale, request.width), height = pixels(scale, request.height);
+  const Camera camera = request.camera.camera(width, height);
   dropExact();
   isExact_ = false;
   const auto begun = std::chrono::steady_clock::now();
   ++version_;
-  opaque_ = surfaces_.draw(camera, scene_->surfaces, scene_->quads, wish.surfaces);
+  opaque_ = surfaces_.draw(camera, scene_->surfaces, scene_->quads, request.surfaces);
   const std::chrono::duration<double> rasterised = std::chrono::steady_clock::now() - begun;
-  VOLUTE_TRY(drawMedia(wish, camera));
+  VOLUTE_TRY(drawMedia(request, camera));
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
   double onDevice = 0;
   times_.passes = renderer_.takePasses();
@@ -143,16 +148,17 @@ Status ViewPicture::drawByGl(const PictureWish& wish, double scale) {
   if (opaque_)  // until their depths were read back
     times_.passes.push_back({"rasterise", "opaque things", 1, 1e3 * rasterised.count()});
   for (const GlPassTime& pass : times_.passes) onDevice += 1e-3 * pass.milliseconds;
-  // A rasteriser on the processor has computed before its clock looks.
+  // A rasteriser on the CPU has computed before its clock looks.
   noteTime(makers_.hardware && onDevice > 0 ? onDevice : spent.count(), width, height, false);
   scale_ = scale;
-  processed_ = false;
+  shownTime_ = scene_->time;
+  fromCpu_ = false;
   return {};
 }
 
-bool ViewPicture::mayBeExact(const PictureWish& wish) const {
-  return scene_ && scene_->snapshot && wish.surfaces && !wish.moving && refusedExact_.empty() &&
-         !byProcessor(wish);
+bool ViewPicture::mayBeExact(const PictureRequest& request) const {
+  return scene_ && scene_->snapshot && request.surfaces && !request.moving && refusedExact_.empty() &&
+         !byCpu(request);
 }
 
 void ViewPicture::dropExact() {
@@ -164,13 +170,13 @@ void ViewPicture::dropExact() {
 
 /// Some tiles of the exact surfaces. Once all are there they are shown; the media before them are
 /// drawn again only if surfaces were elsewhere. What is refused stays as it is.
-Status ViewPicture::refine(const PictureWish& wish) {
+Status ViewPicture::refine(const PictureRequest& request) {
   const std::chrono::duration<double> rested = std::chrono::steady_clock::now() - drawnAt_;
-  if (isExact_ || !mayBeExact(wish) || !(rested.count() >= wish.exactAfter))
+  if (isExact_ || !mayBeExact(request) || !(rested.count() >= request.exactAfter))
     return {};
   if (!exact_.begun()) {
     const Camera camera =
-        wish.camera.camera(pixels(scale_, wish.width), pixels(scale_, wish.height));
+        request.camera.camera(pixels(scale_, request.width), pixels(scale_, request.height));
     if (const Status begun = exact_.begin(scene_->snapshot, camera); !begun) {
       refusedExact_ = begun.error().message;
       return {};
@@ -188,94 +194,157 @@ Status ViewPicture::refine(const PictureWish& wish) {
   const Camera camera = exact_.camera();
   const bool elsewhere = surfaces_.drawKnown(camera, scene_->quads, exact_.texels());
   exact_.drop();
-  const Status media = elsewhere ? drawMedia(wish, camera) : Status();
+  const Status media = elsewhere ? drawMedia(request, camera) : Status();
   for (GlPassTime& pass : renderer_.takePasses()) times_.passes.push_back(std::move(pass));
   return media;
 }
 
-Status ViewPicture::takeFinished() {
-  auto done = processor_->take();
-  if (!done || done->number != asked_)
-    return {};
-  if (!done->picture) {
-    if (done->picture.error().code == ErrorCode::kCancelled)
-      return {};
-    return tl::unexpected<Error>(done->picture.error());
-  }
-  const auto& [width, height, rgba] = *done->picture;
-  if (width != pictureWidth_ || height != pictureHeight_)
-    picture_ = makeTexture2d(GL_RGBA32F, width, height);
-  pictureWidth_ = width, pictureHeight_ = height;
-  glTextureSubImage2D(picture_.name(), 0, 0, 0, width, height, GL_RGBA, GL_FLOAT, rgba.data());
-  times_.passes.clear();
-  noteTime(done->seconds, width, height, true);
-  scale_ = finishedScale_ = done->scale;
-  processed_ = true;
+/// Into the texture that is shown; a part of a picture fits into what the one before it left there.
+void ViewPicture::show(const CpuPart& part) {
+  const bool whole = part.partWidth == part.width && part.partHeight == part.height;
+  if (!whole && (part.width != pictureWidth_ || part.height != pictureHeight_))
+    return;
+  if (part.width != pictureWidth_ || part.height != pictureHeight_)
+    picture_ = makeTexture2d(GL_RGBA32F, part.width, part.height);
+  pictureWidth_ = part.width, pictureHeight_ = part.height;
+  glTextureSubImage2D(picture_.name(), 0, part.left, part.top, part.partWidth, part.partHeight,
+                      GL_RGBA, GL_FLOAT, part.rgba.data());
+  scale_ = part.scale;
+  shownNumber_ = part.number;
+  shownTime_ = part.time;
+  shownFinest_ = part.complete && !part.preview && part.scale >= scaleOf(drawn_.quality);
+  shownPreview_ = part.preview;
+  fromCpu_ = true;
   ++version_;
+  if (!part.complete)
+    return;
+  times_.passes.clear();
+  noteTime(part.seconds, part.width, part.height, true);
+  const double cost = part.seconds / (static_cast<double>(part.width) * part.height);
+  double& known = part.preview ? previewSecondsAPixel_ : cpuSecondsAPixel_;
+  known = known > 0 ? 0.5 * (known + cost) : cost;
+}
+
+Status ViewPicture::takeFinished() {
+  for (const auto& part : cpu_->take()) {
+    if (!part)
+      return tl::unexpected<Error>(part.error());
+    if (part->number >= shownNumber_)
+      show(*part);
+  }
   return {};
+}
+
+void ViewPicture::forgetCosts() {
+  cpuSecondsAPixel_ = previewSecondsAPixel_ = 0;
+}
+
+void ViewPicture::stopRefining() {
+  cpu_->stop();
+  stopped_ = true;
+}
+
+/// Of the first picture, so that it is there within the request's budget. Scales are few, and the
+/// last one stays while it nearly serves: a film whose pictures change size all the time flickers.
+double ViewPicture::cpuScale(const PictureRequest& request, bool& preview) const {
+  const double finest = scaleOf(request.quality);
+  preview = false;
+  if (request.single)
+    return finest;
+  const double count = static_cast<double>(request.width) * request.height;
+  const auto affordable = [&](double cost) {
+    if (cost <= 0)
+      return kUnknown;
+    // Rather fewer pictures than such that hardly show anything.
+    const double slow = std::min(std::sqrt(kSlowest / (cost * count)), kCoarse);
+    const double exact = std::max(std::sqrt(request.budget / (cost * count)), slow);
+    const bool serves = scale_ <= 1.15 * exact && scale_ >= 0.6 * exact;
+    if (fromCpu_ && serves && std::ranges::find(kScales, scale_) != std::end(kScales))
+      return scale_;
+    const auto fits = std::ranges::find_if(kScales, [&](double scale) { return scale <= exact; });
+    return fits == std::end(kScales) ? kScales[std::size(kScales) - 1] : *fits;
+  };
+  double scale = affordable(cpuSecondsAPixel_);
+  const bool surfaces = request.surfaces || !scene_->bare;
+  if (surfaces && scene_->preview && (cpuSecondsAPixel_ <= 0 || scale < kPoor)) {
+    preview = true;
+    scale = affordable(previewSecondsAPixel_);
+  }
+  return std::min(scale, finest);
+}
+
+void ViewPicture::askCpu(const PictureRequest& request, double first, double finest,
+                         bool preview) {
+  const bool surfaces = request.surfaces || !scene_->bare;
+  cpu_->request({.take = surfaces ? scene_->cpu : scene_->bare,
+                 .preview = surfaces ? scene_->preview : CpuPicture(),
+                 .camera = request.camera,
+                 .width = request.width,
+                 .height = request.height,
+                 .first = first,
+                 .finest = finest,
+                 .refines = !request.moving,
+                 .newCosts = cpuSecondsAPixel_ <= 0 && previewSecondsAPixel_ <= 0,
+                 .previewFirst = preview,
+                 .inTiles = scene_->inTiles,
+                 .continues = shownNumber_ == asked_ && fromCpu_,
+                 .number = asked_,
+                 .time = scene_->time});
+  asksForAll_ = !request.moving;
 }
 
 /// First quickly, then, if nothing changes meanwhile, as fine as it gets. What is fine is given up
 /// for what is new; what is quick is finished, or a film would never show a frame.
-Status ViewPicture::drawByProcessor(const PictureWish& wish) {
+Status ViewPicture::drawByCpu(const PictureRequest& request) {
   VOLUTE_TRY(takeFinished());
-  const double finest = scaleOf(wish.quality);
-  const bool another = changed_ || !sameView(wish, drawn_) || (drawn_.renderer != wish.renderer) ||
-                       drawn_.quality != wish.quality;
+  const double finest = scaleOf(request.quality);
+  const bool another = changed_ || !sameView(request, drawn_) ||
+                       drawn_.renderer != request.renderer || drawn_.quality != request.quality;
   if (another) {
-    if (processor_->busy() && askedQuickly_)
-      return {};
     ++asked_;
-    processor_->stopUnless(asked_);
-    finishedScale_ = 0;
-    askedScale_ = quickScale(wish, kProcessorQuick);
-    askedQuickly_ = true;
-    drawn_ = wish;
+    stopped_ = false;
+    bool preview = false;
+    const double first = cpuScale(request, preview);
+    askCpu(request, first, finest, preview);
+    drawn_ = request;
     changed_ = false;
-  } else if (finishedScale_ > 0 && finishedScale_ < finest && askedScale_ < finest &&
-             !wish.moving) {
-    askedScale_ = finest;
-    askedQuickly_ = false;
-  } else {
-    return {};
+  } else if (!request.moving && !stopped_ && !asksForAll_ && shownNumber_ == asked_) {
+    const double next = shownPreview_ ? scale_ : std::min(2 * scale_, finest);  // it has come to rest
+    askCpu(request, next, finest, false);
   }
-  const Camera camera =
-      wish.camera.camera(pixels(askedScale_, wish.width), pixels(askedScale_, wish.height));
-  processor_->request({wish.surfaces || !scene_->bare ? scene_->processor : scene_->bare, camera,
-                       asked_, askedScale_});
   return {};
 }
 
-Status ViewPicture::update(const PictureWish& wish) {
+Status ViewPicture::update(const PictureRequest& request) {
   if (!scene_)
     return {};
   remark_ = refused_.empty()                     ? ""
-            : wish.renderer == ViewRenderer::kGl ? "without the media: " + refused_
-                                                 : "by the processor: " + refused_;
+            : request.renderer == ViewRenderer::kGl ? "without the media: " + refused_
+                                                 : "by the CPU: " + refused_;
   if (remark_.empty() && !refusedExact_.empty())
     remark_ = "surfaces with their light at corners alone: " + refusedExact_;
-  if (byProcessor(wish)) {
+  if (byCpu(request)) {
     dropExact();
-    times_.why = whyProcessor(wish);
+    times_.why = whyCpu(request);
     const Status drawn =
-        makers_.processor
-            ? drawByProcessor(wish)
+        makers_.cpu
+            ? drawByCpu(request)
             : fail(ErrorCode::kUnsupported,
-                   "the processor would draw this ({}), which VOLUTE_CPU_RENDERER=off forbids",
+                   "the CPU would draw this ({}), which VOLUTE_CPU_RENDERER=off forbids",
                    times_.why);
     if (!drawn)
       scene_.reset();
     return drawn;
   }
-  const double scale = wish.moving && wish.quality != Quality::kFull ? quickScale(wish, kQuick)
-                                                                     : scaleOf(wish.quality);
-  const bool same = !changed_ && sameView(wish, drawn_) && scale_ == scale && !processed_;
-  const Status drawn = same ? refine(wish) : drawByGl(wish, scale);
+  const double scale = request.moving && request.quality != Quality::kFull ? quickScale(request, kQuick)
+                                                                     : scaleOf(request.quality);
+  const bool same = !changed_ && sameView(request, drawn_) && scale_ == scale && !fromCpu_;
+  const Status drawn = same ? refine(request) : drawByGl(request, scale);
   changed_ = false;
-  drawn_ = wish;
+  drawn_ = request;
   if (drawn)
     return {};
-  if (scene_->processor) {
+  if (scene_->cpu) {
     refused_ = drawn.error().message;
     changed_ = true;  // the next frame does without
     return {};
@@ -284,34 +353,36 @@ Status ViewPicture::update(const PictureWish& wish) {
   return drawn;
 }
 
-bool ViewPicture::settled(const PictureWish& wish) const {
+bool ViewPicture::settled(const PictureRequest& request) const {
   if (!scene_)
     return true;
-  const double finest = scaleOf(wish.quality);
-  const bool same = !changed_ && sameView(wish, drawn_) && scale_ == finest && !wish.moving;
-  if (byProcessor(wish))
-    return same && processed_ && finishedScale_ == finest && drawn_.renderer == wish.renderer;
-  return same && !processed_;
+  const double finest = scaleOf(request.quality);
+  const bool sameScale = scale_ == finest || (stopped_ && byCpu(request));
+  const bool same = !changed_ && sameView(request, drawn_) && sameScale && !request.moving;
+  if (byCpu(request))
+    return same && fromCpu_ && shownNumber_ == asked_ && (shownFinest_ || stopped_) &&
+           drawn_.renderer == request.renderer;
+  return same && !fromCpu_;
 }
 
-bool ViewPicture::exact(const PictureWish& wish) const {
-  return isExact_ || !mayBeExact(wish);
+bool ViewPicture::exact(const PictureRequest& request) const {
+  return isExact_ || !mayBeExact(request);
 }
 
 GLuint ViewPicture::texture() const {
-  if (processed_)
+  if (fromCpu_)
     return picture_.name();
   return media_ ? renderer_.texture() : blank_.name();
 }
 
 void ViewPicture::show(DisplayLook look, int width, int height) {
-  look.surfaces = opaque_ && !processed_ ? surfaces_.texture() : 0;
+  look.surfaces = opaque_ && !fromCpu_ ? surfaces_.texture() : 0;
   display_.draw(texture(), version_, look, width, height);
 }
 
 Image ViewPicture::sampledLight(const Rgb& background) const {
   const Texels light = texelsOf(texture());  // one for all pixels where there are no media
-  const bool opaque = opaque_ && !processed_ && scene_ && scene_->processor;
+  const bool opaque = opaque_ && !fromCpu_ && scene_ && scene_->cpu;
   const Texels behind = opaque ? texelsOf(surfaces_.texture()) : Texels{light.width, light.height};
   const double pixels = static_cast<double>(behind.width) * behind.height;
   const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kSamples))));

@@ -12,7 +12,7 @@
 #include "volute/gl/surface_drawer.hpp"
 #include "volute/viewer/display.hpp"
 #include "volute/viewer/exact_surfaces.hpp"
-#include "volute/viewer/processor_thread.hpp"
+#include "volute/viewer/cpu_thread.hpp"
 #include "volute/viewer/view_camera.hpp"
 
 namespace volute {
@@ -22,42 +22,45 @@ enum class Quality { kAuto, kFull, kHalf, kQuarter };
 
 /// Who may draw.
 struct PictureMakers {
-  bool hardware = false;  ///< OpenGL is a graphics card, not a rasteriser on the processor
-  bool processor = true;  ///< else what it would have drawn is an error
+  bool hardware = false;  ///< OpenGL is a graphics card, not a rasteriser on the CPU
+  bool cpu = true;  ///< else what it would have drawn is an error
 };
 
 /// Who draws it.
 enum class ViewRenderer {
-  kAuto,       ///< OpenGL on a graphics card, where it can; else the processor
+  kAuto,       ///< OpenGL on a graphics card, where it can; else the CPU
   kGl,         ///< what it can, and nothing else
-  kProcessor,  ///< as `volute render --renderer cpu`
+  kCpu,  ///< as `volute render --renderer cpu`
 };
 
 /// What a picture is to be.
-struct PictureWish {
+struct PictureRequest {
   ViewCamera camera;
   int width = 0, height = 0;  ///< [pixels] of the window
   Quality quality = Quality::kAuto;
   ViewRenderer renderer = ViewRenderer::kAuto;
   bool surfaces = true;  ///< opaque things are shown, signs and screens in any case
   bool moving = false;   ///< it changes soon: quick is better than fine
+  /// What the CPU may take for a picture that is wanted quickly [s].
+  double budget = 0.1;
+  bool single = false;  ///< it is wanted as fine as it gets, nothing before that
   /// After how much rest OpenGL begins to draw surfaces pixel by pixel [s].
   double exactAfter = std::numeric_limits<double>::infinity();
 };
 
 /// What the last pictures took.
 struct FrameTimes {
-  double milliseconds = 0;    ///< the last picture, on the device or the processor
+  double milliseconds = 0;    ///< the last picture, on the device or the CPU
   int width = 0, height = 0;  ///< that it had [pixels]
-  bool processor = false;     ///< who drew it
-  std::string why{};          ///< it was the processor
+  bool cpu = false;     ///< who drew it
+  std::string why{};          ///< it was the CPU
   /// What OpenGL did for it.
   std::vector<GlPassTime> passes{};
   std::vector<float> history{};  ///< the last pictures [ms]
 };
 
 /// The picture of a scene, kept up to date: by OpenGL at once, and once it rests with surfaces and
-/// walls that are exact, which take several updates; by the processor in a thread of its own,
+/// walls that are exact, which take several updates; by the CPU in a thread of its own,
 /// coarse first. Needs the context that it was made in.
 class ViewPicture {
  public:
@@ -70,31 +73,62 @@ class ViewPicture {
 
   const ViewScene* scene() const { return scene_.get(); }
 
-  /// Draws what has to be drawn, or takes what the processor has finished. An error is that of the
+  /// Draws what has to be drawn, or takes what the CPU has finished. An error is that of the
   /// scene, which then is no longer shown.
-  [[nodiscard]] Status update(const PictureWish& wish);
+  [[nodiscard]] Status update(const PictureRequest& request);
 
-  /// Whether OpenGL may draw what is wished for.
+  /// Whether OpenGL may draw what is requested for.
   bool mayUseGl(ViewRenderer renderer) const {
     return renderer == ViewRenderer::kGl || (renderer == ViewRenderer::kAuto && makers_.hardware);
   }
 
   /// Whether it is as fine as it will be, but that surfaces may become exact.
-  bool settled(const PictureWish& wish) const;
+  bool settled(const PictureRequest& request) const;
 
   /// Whether these are, or will not be.
-  bool exact(const PictureWish& wish) const;
+  bool exact(const PictureRequest& request) const;
 
   /// Whether the next update() goes on with that.
   bool refining() const { return exact_.begun(); }
 
+  /// How far a picture by the CPU has come; not busy where OpenGL draws.
+  CpuProgress progress() const { return fromCpu_ || !shown() ? cpu_->progress() : CpuProgress(); }
+
+  /// The CPU's picture is fine enough, until something changes.
+  void stopRefining();
+
+  bool stopped() const { return stopped_; }
+
+  /// Whether the picture that is shown is of an older camera or snapshot than the last request.
+  bool stale() const { return shown() && fromCpu_ && shownNumber_ != asked_; }
+
+  /// Of the window's pixels a side, of the picture that is shown.
+  double scale() const { return scale_; }
+
+  bool isPreview() const { return fromCpu_ && shownPreview_; }
+
+  /// Whether update() would take over something.
+  bool hasNews() const { return cpu_->has(); }
+
+  /// Another document: what pictures of the last one took says nothing.
+  void forgetCosts();
+
+  /// Is called, in another thread, when there is news.
+  void onNews(std::function<void()> wake) { cpu_->onDelivery(std::move(wake)); }
+
   bool shown() const { return scale_ > 0; }
+
+  /// Of the picture that is shown [s]; may lag behind scene()'s.
+  double shownTime() const { return shownTime_; }
+
+  /// Counts the pictures that were shown.
+  int version() const { return version_; }
 
   /// Into the framebuffer that is bound; `look.surfaces` is its own.
   void show(DisplayLook look, int width, int height);
 
   /// The light that is shown, before the exposure, at every n-th pixel of every n-th row: as many
-  /// as an exposure can be told from. A document without a picture by the processor (a capture)
+  /// as an exposure can be told from. A document without a picture by the CPU (a capture)
   /// shows its screens as they are: they do not count.
   Image sampledLight(const Rgb& background) const;
 
@@ -106,17 +140,20 @@ class ViewPicture {
  private:
   ViewPicture(GlRenderer renderer, SurfaceDrawer surfaces, Display display);
 
-  bool byProcessor(const PictureWish& wish) const;
-  std::string whyProcessor(const PictureWish& wish) const;
-  Status drawMedia(const PictureWish& wish, const Camera& camera);
-  double quickScale(const PictureWish& wish, double seconds) const;
-  Status drawByGl(const PictureWish& wish, double scale);
-  bool mayBeExact(const PictureWish& wish) const;
-  Status refine(const PictureWish& wish);
+  bool byCpu(const PictureRequest& request) const;
+  std::string whyCpu(const PictureRequest& request) const;
+  Status drawMedia(const PictureRequest& request, const Camera& camera);
+  double quickScale(const PictureRequest& request, double seconds) const;
+  double cpuScale(const PictureRequest& request, bool& preview) const;
+  void askCpu(const PictureRequest& request, double first, double finest, bool preview);
+  void show(const CpuPart& part);
+  Status drawByGl(const PictureRequest& request, double scale);
+  bool mayBeExact(const PictureRequest& request) const;
+  Status refine(const PictureRequest& request);
   void dropExact();
-  Status drawByProcessor(const PictureWish& wish);
+  Status drawByCpu(const PictureRequest& request);
   Status takeFinished();
-  void noteTime(double seconds, int width, int height, bool processor);
+  void noteTime(double seconds, int width, int height, bool cpu);
   GLuint texture() const;
 
   GlRenderer renderer_;
@@ -124,9 +161,9 @@ class ViewPicture {
   ExactSurfaces exact_;  ///< while they are being drawn
   Display display_;
   GlTexture blank_;    ///< no light, nothing in the way
-  GlTexture picture_;  ///< the processor's
+  GlTexture picture_;  ///< the CPU's
   int pictureWidth_ = 0, pictureHeight_ = 0;
-  std::unique_ptr<ProcessorThread> processor_;
+  std::unique_ptr<CpuThread> cpu_;
   std::shared_ptr<const ViewScene> scene_;
   FrameTimes times_;
   std::string remark_;
@@ -135,17 +172,21 @@ class ViewPicture {
   std::chrono::steady_clock::time_point drawnAt_;  ///< OpenGL's picture
   bool isExact_ = false;
   double scale_ = 0;     ///< of the window's pixels a side, of the picture that is shown; 0: none
-  PictureWish drawn_;    ///< that the picture answers
+  PictureRequest drawn_;    ///< that the picture answers
   bool changed_ = true;  ///< another scene since
   PictureMakers makers_;
   bool opaque_ = false;     ///< OpenGL's picture has surfaces
   bool media_ = false;      ///< and media
-  bool processed_ = false;  ///< the processor took it
+  bool fromCpu_ = false;    ///< the CPU took it
+  bool stopped_ = false;    ///< a person wants it no finer
   int version_ = 0;         ///< of the picture that is shown
-  int asked_ = 0;           ///< number of the wish that the processor works on
-  double askedScale_ = 0, finishedScale_ = 0;
-  bool askedQuickly_ = false;
-  double secondsAPixel_ = 2e-8, processorAPixel_ = 1e-6;  ///< what pictures have cost
+  int asked_ = 0;           ///< number of the last request to the CPU,
+  int shownNumber_ = 0;     ///< and of the picture that is shown
+  bool asksForAll_ = false;    ///< it goes on by itself until the picture is as fine as it gets
+  bool shownFinest_ = false;   ///< which it is
+  bool shownPreview_ = false;
+  double shownTime_ = 0;       ///< [s] of the document
+  double glSecondsAPixel_ = 2e-8, cpuSecondsAPixel_ = 0, previewSecondsAPixel_ = 0;  ///< what pictures have cost; 0: nobody knows
 };
 
 }  // namespace volute

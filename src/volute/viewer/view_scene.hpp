@@ -26,11 +26,12 @@ struct ViewLine {
   Rgb color = Rgb::Ones();  ///< as displays take it, 0..1
 };
 
-/// The same instant by the processor: linear RGB with surfaces and background in it. Thread-safe.
-using ProcessorPicture = std::function<Result<Image>(const Camera& camera, Progress& progress)>;
+/// The same instant by the CPU: linear RGB with surfaces and background in it. Thread-safe.
+using CpuPicture = std::function<Result<Image>(const Camera& camera, Progress& progress)>;
 
 /// One instant of a document, ready to be drawn.
 struct ViewScene {
+  double time = 0;    ///< [s] of the document
   GlScene media{};    ///< as the law of the picture sees them
   /// Whose boundaries a pointer meets as walls.
   std::vector<std::shared_ptr<const MediumAt>> now{};
@@ -38,8 +39,11 @@ struct ViewScene {
   std::vector<GlQuad> quads{};
   std::vector<ViewLine> lines{};
   std::vector<ViewLine> aids{};  ///< likewise, but not on pictures without panels
-  ProcessorPicture processor{};  ///< empty: there is none
-  ProcessorPicture bare{};       ///< the same without surfaces; empty: there are none
+  CpuPicture cpu{};       ///< empty: there is none
+  CpuPicture bare{};      ///< the same without surfaces; empty: there are none
+  CpuPicture preview{};   ///< `cpu` sooner, without shadows; empty: no sooner
+  bool inTiles = false;   ///< a rectangle of a picture costs its share
+  std::uint64_t bytes = 0;  ///< of memory, about, that it alone holds
   /// What a pointer or a ray meets: all triangles of the scene, however they are drawn.
   TriangleScene geometry{};
   std::vector<std::string> remarks{};  ///< what this instant lacks, in sentences

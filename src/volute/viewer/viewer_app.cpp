@@ -22,6 +22,9 @@ namespace {
 
 constexpr double kHeldTime = 1e-9;
 constexpr double kRest = 0.25;  ///< [s] until surfaces are drawn exactly
+constexpr double kQuickPicture = 0.1;  ///< [s] that the CPU's first picture may take
+constexpr int kAhead = 64;             ///< snapshots that are loaded ahead, memory permitting
+constexpr int kLively = 6;             ///< frames in which panels answer an event
 
 /// Keys that ImGui edits text with.
 constexpr std::pair<Key, ImGuiKey_> kTextKeys[] = {{Key::kLeft, ImGuiKey_LeftArrow},
@@ -32,7 +35,10 @@ constexpr std::pair<Key, ImGuiKey_> kTextKeys[] = {{Key::kLeft, ImGuiKey_LeftArr
                                                    {Key::kBackspace, ImGuiKey_Backspace},
                                                    {Key::kEnter, ImGuiKey_Enter},
                                                    {Key::kEscape, ImGuiKey_Escape},
-                                                   {Key::kA, ImGuiKey_A}};
+                                                   {Key::kA, ImGuiKey_A},
+                                                   {Key::kC, ImGuiKey_C},
+                                                   {Key::kV, ImGuiKey_V},
+                                                   {Key::kX, ImGuiKey_X}};
 
 }  // namespace
 
@@ -41,7 +47,8 @@ ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, GlDevice d
     : options_(options),
       device_(std::move(device)),
       picture_(std::move(picture)),
-      loader_(std::move(open)) {
+      loader_(std::move(open)),
+      recent_(options.recent) {
   lowerWorkerPriority();
   if (options_.renderer)
     settings_.look.renderer = static_cast<int>(*options_.renderer);
@@ -50,7 +57,20 @@ ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, GlDevice d
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
   for (const auto& [key, theirs] : kTextKeys) io.KeyMap[theirs] = static_cast<int>(key);
-  styleControls();
+  useFont(options_.scale);
+  styleControls(options_.scale);
+  io.ClipboardUserData = this;
+  io.GetClipboardTextFn = [](void* app) {
+    auto& own = *static_cast<ViewerApp*>(app);
+    own.clipboard_ = own.getClipboard_ ? own.getClipboard_() : own.clipboard_;
+    return own.clipboard_.c_str();
+  };
+  io.SetClipboardTextFn = [](void* app, const char* text) {
+    auto& own = *static_cast<ViewerApp*>(app);
+    own.clipboard_ = text;
+    if (own.setClipboard_)
+      own.setClipboard_(own.clipboard_);
+  };
   loader_.setOpenGl(picture_.mayUseGl(static_cast<ViewRenderer>(settings_.look.renderer)));
   ImGui_ImplOpenGL3_Init("#version 450");
 }
@@ -63,7 +83,7 @@ ViewerApp::~ViewerApp() {
 Result<std::unique_ptr<ViewerApp>> ViewerApp::create(OpenDocument open,
                                                      const ViewerOptions& options) {
   VOLUTE_ASSIGN(auto device, currentGlDevice());
-  VOLUTE_ASSIGN(auto picture, ViewPicture::create({device.hardware, options.processor}));
+  VOLUTE_ASSIGN(auto picture, ViewPicture::create({device.hardware, options.cpu}));
   return std::unique_ptr<ViewerApp>(
       new ViewerApp(std::move(open), options, std::move(device), std::move(picture)));
 }
@@ -73,13 +93,21 @@ void ViewerApp::open(const std::string& path, std::optional<double> time) {
   opening_.emplace(time);
   film_.reset();
   message_.clear();
-  loader_.open(path, time.value_or(0));
+  loader_.open(path, time);
 }
 
 void ViewerApp::leaveFor(const std::string& path) {
+  using What = Leaving::What;
   if (unsavedMap())
-    leaving_ = Leaving{path};
-  else if (path.empty())
+    leaving_ = Leaving{path, What::kMap};
+  else if (unsavedScene())
+    leaving_ = Leaving{path, What::kScene};
+  else
+    leaveTo(path);
+}
+
+void ViewerApp::leaveTo(const std::string& path) {
+  if (path.empty())
     ends_ = true;
   else
     open(path);
@@ -87,32 +115,53 @@ void ViewerApp::leaveFor(const std::string& path) {
 
 void ViewerApp::leaveAndSave() {
   leaving_->saving = true;
-  saveMap();
+  own_.insert(leaving_->what == Leaving::What::kMap ? settings_.mapName : settings_.sceneName);
+  leaving_->what == Leaving::What::kMap ? saveMap() : saveScene();
 }
 
+/// What is in no file besides is asked about next.
 void ViewerApp::leaveAndDiscard() {
-  const std::string path = std::exchange(leaving_, std::nullopt)->path;
-  if (path.empty())
-    ends_ = true;
+  const Leaving left = *std::exchange(leaving_, std::nullopt);
+  if (left.what == Leaving::What::kMap && unsavedScene())
+    leaving_ = Leaving{left.path, Leaving::What::kScene};
   else
-    open(path);
+    leaveTo(left.path);
 }
 
-/// Once the map is written; an error of that is shown, and nothing is left.
+/// Once it is written; an error of that is shown, and nothing is left.
 void ViewerApp::goOnLeaving(bool idle) {
   if (!leaving_ || !leaving_->saving || !idle)
     return;
   leaving_->saving = false;
-  if (!unsavedMap())
+  const bool map = leaving_->what == Leaving::What::kMap;
+  if (map ? !unsavedMap() : !unsavedScene())
     leaveAndDiscard();
+}
+
+bool ViewerApp::mayWrite(const std::string& target, std::function<void()> then) {
+  std::error_code unknown;
+  const bool own = own_.contains(target) || (document_ && target == document_->path) ||
+                   (paint_.has() && target == paint_.canvas().file);
+  if (own || !std::filesystem::exists(target, unknown)) {
+    own_.insert(target);
+    return true;
+  }
+  replacing_ = Replacing{target, std::move(then)};
+  return false;
+}
+
+void ViewerApp::replace() {
+  const Replacing asked = *std::exchange(replacing_, std::nullopt);
+  own_.insert(asked.target);
+  asked.then();
 }
 
 /// Another file is open: nothing stays of the one before.
 void ViewerApp::beginWith(std::optional<double> asked) {
-  const double time = asked.value_or(0);
+  const double time = asked.value_or(document_->firstTime);
   opening_.reset();
   timeAsked_ = asked.has_value();
-  viewSet_ = exposureFound_ = false;
+  viewSet_ = exposureFound_ = exposureTried_ = false;
   settings_.look.exposure.reset();
   paint_.drop();
   savedVersion_.reset();
@@ -144,17 +193,21 @@ void ViewerApp::wholeView(int width, int height) {
   if (!document_)
     return;
   camera_.setMode(ViewCamera::Mode::kOrbit);
-  camera_.frame(document_->bounds, width, height);
+  camera_.frame(document_->content, width, height, insets(width, height));
 }
 
 void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
   const bool another = !document_ || document_->opened != opened.opened;
   const bool otherTimes = document_ && document_->times != opened.times;
   document_ = std::move(opened);
+  timeline_.setInterpolates(document_->interpolates);
   if (another) {
+    picture_.forgetCosts();
     scene_.reset();  // it is the last document's
-    if (opening_)
+    if (opening_) {
       beginWith(std::optional<double>(*opening_));
+      recent_.add(document_->path);
+    }
   }
   for (Parameter& parameter : document_->parameters) {
     if (const auto waiting = pending_.find(parameter.path); waiting != pending_.end())
@@ -205,9 +258,11 @@ void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
 
 void ViewerApp::takeLoaded(const ViewerInput& input) {
   const Stopwatch watch(costs_.loaded);
+  const int changes = loader_.changes();
   auto news = loader_.news();
   if (!news)
     return;  // then in the next frame
+  loaderChanges_ = changes;
   loading_ = std::move(news->state);
   error_ = loading_.error.empty() ? pictureError_ : loading_.error;
   if (loading_.message != lastMessage_)
@@ -220,11 +275,13 @@ void ViewerApp::takeLoaded(const ViewerInput& input) {
   if (idle)
     opening_.reset();  // it cannot be opened
   if (news->loaded) {
+    const bool another = !picture_.scene() || news->loaded->scene.get() != picture_.scene();
     if (scene_)
       loader_.discard(std::move(scene_->scene));
     scene_ = std::move(*news->loaded);
     pictureError_.clear();
-    loader_.discard(picture_.setScene(scene_->scene));
+    if (another)
+      loader_.discard(picture_.setScene(scene_->scene));
   }
   if (idle)
     savedVersion_.reset();  // it could not be saved
@@ -292,6 +349,8 @@ StartView ViewerApp::startView() const {
 }
 
 void ViewerApp::saveScene() {
+  if (!document_ || !mayWrite(settings_.sceneName, [this] { saveScene(); }))
+    return;
   ViewLook look = settings_.look;
   look.speed = timeline_.speed();
   look.walks = camera_.mode() == ViewCamera::Mode::kWalk;
@@ -307,7 +366,7 @@ void ViewerApp::saveScene() {
 }
 
 void ViewerApp::saveMap() {
-  if (!paint_.has())
+  if (!paint_.has() || !mayWrite(settings_.mapName, [this] { saveMap(); }))
     return;
   sendMap();
   savedVersion_ = paint_.painter().version();
@@ -369,6 +428,8 @@ GLuint ViewerApp::planTexture() {
 }
 
 void ViewerApp::beginFilm(const ViewerInput& input) {
+  if (!mayWrite(settings_.filmName, [this, input] { beginFilm(input); }))
+    return;
   constexpr int kSizes[][2] = {{640, 360}, {1280, 720}, {1920, 1080}};
   FilmOrder order;
   order.target = settings_.filmName;
@@ -411,16 +472,23 @@ void ViewerApp::goOnWithFilm() {
   film_.reset();
 }
 
-PictureWish ViewerApp::wish(const ViewerInput& input) const {
+/// [s] for a picture while it plays: its share of the time until the next one.
+double ViewerApp::playingBudget() const {
+  constexpr double kShare = 0.6, kLeast = 0.012;
+  return std::clamp(kShare * timeline_.snapshotSeconds(), kLeast, kQuickPicture);
+}
+
+PictureRequest ViewerApp::request(const ViewerInput& input) const {
   const bool changes = loading_.busy || !pending_.empty() || film_;
-  return {camera_,
-          input.width,
-          input.height,
-          static_cast<Quality>(settings_.look.quality),
-          static_cast<ViewRenderer>(settings_.look.renderer),
-          settings_.look.surfaces,
-          moving_,
-          changes ? std::numeric_limits<double>::infinity() : kRest};
+  return {.camera = camera_,
+          .width = input.width,
+          .height = input.height,
+          .quality = static_cast<Quality>(settings_.look.quality),
+          .renderer = static_cast<ViewRenderer>(settings_.look.renderer),
+          .surfaces = settings_.look.surfaces,
+          .moving = moving_,
+          .budget = timeline_.playing() ? playingBudget() : kQuickPicture,
+          .exactAfter = changes ? std::numeric_limits<double>::infinity() : kRest};
 }
 
 DisplayLook ViewerApp::displayLook() const {
@@ -435,18 +503,22 @@ DisplayLook ViewerApp::displayLook() const {
 
 Status ViewerApp::drawPicture(const ViewerInput& input) {
   const Stopwatch watch(costs_.picture);
-  loader_.setOpenGl(picture_.mayUseGl(wish(input).renderer));
-  const Status drawn = picture_.update(wish(input));
+  loader_.setOpenGl(picture_.mayUseGl(request(input).renderer));
+  const Status drawn = picture_.update(request(input));
   if (!drawn) {
     error_ = pictureError_ = drawn.error().message;
     scene_.reset();
   }
-  if (!exposureFound_ && document_ && scene_ && !scene_->coarse && picture_.settled(wish(input))) {
+  // At once, and better once the picture is fine.
+  const bool fine = !exposureFound_ && scene_ && !scene_->coarse && picture_.settled(request(input));
+  const bool first = !exposureTried_ && picture_.shown() && !picture_.stale();
+  if (!exposureFound_ && document_ && scene_ && (first || fine)) {
     exposure_ =
         document_->measured ? 1
                             : suggestExposure({picture_.sampledLight(document_->background)},
                                               ToneCurve::kFilmic);
-    exposureFound_ = true;
+    exposureTried_ = true;
+    exposureFound_ = fine;
   }
   return {};
 }
@@ -465,38 +537,65 @@ void ViewerApp::usePanels(const ViewerInput& input) {
   drawPanels(*this, input);
   ImGui::Render();
   goOnWithFilm();
-  if (document_ && !opening_ && std::abs(timeline_.time() - requested_) > kHeldTime) {
-    requested_ = timeline_.time();
-    loader_.request(requested_);
+  const bool plays = timeline_.playing();
+  const double wanted = timeline_.snapshotTime();
+  if (document_ && !opening_ && std::abs(wanted - requested_) > kHeldTime) {
+    requested_ = wanted;
+    loader_.request(requested_, plays ? timeline_.ahead(kAhead) : std::vector<double>());
+  } else if (plays && !played_) {
+    loader_.prepare(timeline_.ahead(kAhead));
   }
+  played_ = plays;
 }
 
-void ViewerApp::show(const DisplayLook& look) {
+void ViewerApp::show(const DisplayLook& look, bool panels) {
   const Stopwatch watch(costs_.shown);
   glViewport(0, 0, seen_.width, seen_.height);
   glClearColor(0.05F, 0.05F, 0.06F, 1);
   glClear(GL_COLOR_BUFFER_BIT);
   if (picture_.shown())
     picture_.show(look, seen_.width, seen_.height);
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  if (panels)
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
 Status ViewerApp::frame(const ViewerInput& input) {
   GLint target = 0;
   glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &target);
   seen_ = input;
+  lively_ = std::max(lively_ - 1, 0);
   costs_ = {};
   if (!input.dropped.empty())
     leaveFor(input.dropped);
   if (input.closes)
     leaveFor("");
+  pollDialog();
   takeLoaded(input);
+  noteWork();
+  noteToast();
   usePanels(input);
   VOLUTE_TRY(drawPicture(input));
   glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target));
   shownLook_ = displayLook();
   show(shownLook_);
   return {};
+}
+
+/// Else the last frame may stay: what it took is better spent on pictures.
+bool ViewerApp::due(const ViewerInput& input) {
+  Timeline then = timeline_;
+  then.advance(input.seconds);
+  const bool acts = !input.pressed.empty() || !input.typed.empty() || !input.dropped.empty() ||
+                    !input.held.empty() || input.closes || input.wheel != 0 ||
+                    input.mouseX != seen_.mouseX || input.mouseY != seen_.mouseY ||
+                    input.width != seen_.width || input.height != seen_.height ||
+                    std::ranges::count(input.buttons, true) > 0 ||
+                    !std::ranges::equal(input.buttons, seen_.buttons);
+  if (acts || film_ || picture_.refining() || leaving_)
+    lively_ = kLively;
+  const bool writes = ImGui::GetIO().WantTextInput && input.seconds > 0.25;  // the cursor blinks
+  return lively_ > 0 || writes || picture_.hasNews() || loader_.changes() != loaderChanges_ ||
+         then.snapshotTime() != timeline_.snapshotTime() || input.seconds > 0.5;
 }
 
 double ViewerApp::patience() const {
@@ -507,8 +606,8 @@ double ViewerApp::patience() const {
 }
 
 bool ViewerApp::settled() const {
-  const PictureWish wished = wish(seen_);
-  return idle() && !film_ && picture_.settled(wished) && picture_.exact(wished) &&
+  const PictureRequest requested = request(seen_);
+  return idle() && !film_ && picture_.settled(requested) && picture_.exact(requested) &&
          (document_ || !error_.empty()) && (scene_ || !error_.empty());
 }
 

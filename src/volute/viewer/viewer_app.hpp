@@ -2,13 +2,19 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <chrono>
+#include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <set>
 #include <utility>
 #include <vector>
 
 #include "volute/gl/gl_device.hpp"
+#include "volute/viewer/file_dialog.hpp"
 #include "volute/viewer/film_export.hpp"
 #include "volute/viewer/loader.hpp"
 #include "volute/viewer/paint_tool.hpp"
@@ -42,6 +48,8 @@ struct ViewerSettings {
   std::vector<PanelNotice> notices{};  ///< as they are shown
   bool timeOpen = false;               ///< a small window's panel of time shows speed and film too
   bool painting = false;               ///< the left button paints fog
+  bool probe = false;                  ///< what is under the pointer is said
+  float timeHeight = 0;                ///< of the panel of time, as it was drawn [pixels]
   std::string sceneName{};             ///< where the scene would be saved
   std::string mapName{};               ///< and the map of fog
   std::string filmName = "film.mp4";
@@ -52,15 +60,18 @@ struct ViewerSettings {
 struct FrameCosts {
   double loaded = 0;   ///< to take over what the loader has
   double panels = 0;   ///< input and panels
-  double picture = 0;  ///< OpenGL's picture, or asking the processor for one
+  double picture = 0;  ///< OpenGL's picture, or asking the CPU for one
   double shown = 0;    ///< picture and panels into the window
 };
 
 /// What is settled before any file is open.
 struct ViewerOptions {
   std::optional<ViewRenderer> renderer{};  ///< whatever scenes say
-  /// Else what only the processor could draw is an error: tests see so that OpenGL draws all.
-  bool processor = true;
+  /// Else what only the CPU could draw is an error: tests see so that OpenGL draws all.
+  bool cpu = true;
+  bool desktop = false;            ///< the desktop's dialogs are used, where it has some
+  double scale = 1;                ///< of letters and controls: the display's
+  std::filesystem::path recent{};  ///< names of files that were opened; empty: nothing is kept
 };
 
 /// How a viewer begins.
@@ -95,10 +106,13 @@ class ViewerApp {
   /// Whether a person wants the viewer to end, and nothing has still to be saved.
   bool ends() const { return ends_; }
 
-  /// Where to a person wants to leave, while there is painted fog to be asked about.
+  /// Where to a person wants to leave, while there are changes to be asked about.
   struct Leaving {
+    enum class What { kMap, kScene };
+
     std::string path;     ///< empty: ends
-    bool saving = false;  ///< the map is being written
+    What what = What::kMap;
+    bool saving = false;  ///< it is being written
   };
 
   const Leaving* leaving() const { return leaving_ ? &*leaving_ : nullptr; }
@@ -112,11 +126,95 @@ class ViewerApp {
   /// Whether fog was painted that no file has.
   bool unsavedMap() const { return paint_.has() && paint_.painter().changed(); }
 
+  /// Whether the scene was changed and no file has it.
+  bool unsavedScene() const { return document_ && document_->changed; }
+
+  /// Of the window: the file's name, and a mark where something is in no file.
+  std::string title() const;
+
+  /// A file that exists and that a person did not say is to be written over.
+  struct Replacing {
+    std::string target;
+    std::function<void()> then;
+  };
+
+  const Replacing* replacing() const { return replacing_ ? &*replacing_ : nullptr; }
+
+  void replace();
+
+  void keep() { replacing_.reset(); }
+
+  /// The viewer's own list of files, while it is open.
+  struct Browser {
+    std::filesystem::path folder;
+    std::vector<FolderEntry> entries{};
+    std::string name{};
+  };
+
+  Browser* browser() { return browser_ ? &*browser_ : nullptr; }
+
+  /// By the desktop's dialog where there is one, else by the list.
+  void askToOpen();
+  void browse(const std::filesystem::path& folder);
+  void chooseFile(const std::filesystem::path& path);
+
+  void closeBrowser() { browser_.reset(); }
+
+  const RecentFiles& recent() const { return recent_; }
+
+  /// What is being done that takes more than a moment.
+  struct Work {
+    std::string text{};  ///< empty: nothing
+    double share = -1;   ///< 0..1; negative when nobody knows
+    bool stops = false;  ///< stopDrawing() ends it
+    bool stale = false;  ///< what is shown is not what was asked for
+  };
+
+  const Work& work() const { return work_; }
+
+  void stopDrawing() { picture_.stopRefining(); }
+
+  /// What the picture that is shown lacks: "half size while it plays"; empty: nothing.
+  std::string pictureNote() const;
+
+  /// What was done last, for some seconds; empty: nothing.
+  const std::string& toast() const { return toast_; }
+
+  /// What panels cover of a window of this size.
+  ViewCamera::Insets insets(int width, int height) const;
+
+  /// From this side, at what the camera turns around.
+  void lookFromAxis(const Vec3& side);
+
+  /// What the media are at a place.
+  struct Probe {
+    struct Medium {
+      std::string name;
+      double extinction = 0;            ///< [1/m], of the picture
+      Rgb emission = Rgb::Zero();       ///< [radiance/m]
+      double opticalDepth = 0;          ///< of the pointer's ray, up to the surface
+    };
+
+    Vec3 place = Vec3::Zero();
+    bool onSurface = false;
+    std::vector<Medium> media{};
+  };
+
+  /// Where the pointer's ray meets a surface, else where most of its light comes from; nothing
+  /// where it meets neither.
+  std::optional<Probe> probeAt(double x, double y);
+
+  /// Of text, between programs: both are called in the window's thread.
+  void setClipboard(std::function<std::string()> get, std::function<void(const std::string&)> set);
+
+  /// True once after a person asked for the whole screen, or for the window again.
+  bool takeFullScreenRequest() { return std::exchange(fullScreenRequested_, false); }
+
   /// One frame. Errors of documents are shown, not returned; what is returned ends the viewer.
   [[nodiscard]] Status frame(const ViewerInput& input);
 
   /// Draws what the last frame showed once more, into the framebuffer that is bound.
-  void showAgain() { show(shownLook_); }
+  void showAgain(bool panels = true) { show(shownLook_, panels); }
 
   /// Of the last frame [pixels].
   std::pair<int, int> size() const { return {seen_.width, seen_.height}; }
@@ -127,13 +225,19 @@ class ViewerApp {
   /// Whether all is loaded and the picture is drawn as finely as it will be.
   bool settled() const;
 
-  /// How soon another frame is worth its while if nobody does anything [s].
+  /// Whether a frame of this input, after so many seconds, would show anything new.
+  bool due(const ViewerInput& input);
+
+  /// Is called, in another thread, when a picture is there.
+  void onNews(std::function<void()> wake) { picture_.onNews(std::move(wake)); }
+
+  /// How soon to ask whether another frame is due if nobody does anything [s].
   double patience() const;
 
   /// True once after a person asked for a screenshot.
-  bool takeScreenshotWish() { return std::exchange(screenshotWish_, false); }
+  bool takeScreenshotRequest() { return std::exchange(screenshotRequested_, false); }
 
-  void wishScreenshot() { screenshotWish_ = true; }
+  void requestScreenshot() { screenshotRequested_ = true; }
 
   void say(std::string message) { message_ = std::move(message); }
 
@@ -231,8 +335,17 @@ class ViewerApp {
   void goOnWithFilm();
   void usePanels(const ViewerInput& input);
   Status drawPicture(const ViewerInput& input);
-  void show(const DisplayLook& look);
-  PictureWish wish(const ViewerInput& input) const;
+  void show(const DisplayLook& look, bool panels = true);
+  void leaveTo(const std::string& path);
+  bool mayWrite(const std::string& target, std::function<void()> then);
+  void noteWork();
+  void noteToast();
+  void pollDialog();
+  void pivotAt(double x, double y);
+  Vec3 placeUnder(double x, double y) const;
+  void copyCamera();
+  PictureRequest request(const ViewerInput& input) const;
+  double playingBudget() const;
   DisplayLook displayLook() const;
   StartView startView() const;
 
@@ -255,6 +368,20 @@ class ViewerApp {
   int edits_ = 0;                                       ///< that were asked for
   std::string placing_;
   std::optional<Leaving> leaving_;
+  std::optional<Replacing> replacing_;
+  std::set<std::string> own_;  ///< files that a person had written
+  std::optional<Browser> browser_;
+  std::unique_ptr<DesktopDialog> dialog_;
+  RecentFiles recent_;
+  Work work_;
+  std::optional<std::chrono::steady_clock::time_point> workingSince_, staleSince_, toastUntil_;
+  std::string toast_, toasted_;  ///< what is shown, and the last message that was
+  std::vector<std::vector<AnyMedium>> probed_;  ///< of each medium of a snapshot,
+  const ViewScene* probedOf_ = nullptr;         ///< this one
+  std::function<std::string()> getClipboard_;
+  std::function<void(const std::string&)> setClipboard_;
+  std::string clipboard_;
+  bool fullScreenRequested_ = false;
   bool ends_ = false;
   std::optional<std::size_t> savedVersion_;  ///< of the painted map, on its way to a file
   std::map<std::string, ControlPlace> controls_;
@@ -267,15 +394,19 @@ class ViewerApp {
   bool timeAsked_ = false;  ///< a person said at which time to begin
   double exposure_ = 1;     ///< that fits the first picture
   bool exposureFound_ = false;
+  bool exposureTried_ = false;  ///< from a picture that was not fine
   bool viewSet_ = false;
   bool moving_ = false;  ///< a person is turning it, or it plays
+  bool played_ = false;  ///< in the last frame
+  int lively_ = 0;       ///< frames that follow soon
+  int loaderChanges_ = 0;
   ViewerInput seen_;     ///< the last
   DisplayLook shownLook_;
   double lastX_ = 0, lastY_ = 0;
   bool dragging_ = false, strokes_ = false;
   bool leftHeld_ = false;  ///< the left button, in the last frame
   bool placed_ = false;    ///< and it put something somewhere
-  bool screenshotWish_ = false;
+  bool screenshotRequested_ = false;
 };
 
 }  // namespace volute

@@ -46,11 +46,11 @@ class Blobs final : public Document {
 
   bool coarseHelps(double) const override { return true; }
 
-  Result<ViewScene> sceneAt(const SceneWish& wish, Progress& progress) override {
-    while (!wish.coarse && held && !progress.cancelled())
+  Result<ViewScene> sceneAt(const SceneRequest& request, Progress& progress) override {
+    while (!request.coarse && held && !progress.cancelled())
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ++scenes;
-    return ViewScene{.media = {{glPart(GlVolume{blob(wish.time < 0.5 ? 3 : 9), 1, 0})}}};
+    return ViewScene{.media = {{glPart(GlVolume{blob(request.time < 0.5 ? 3 : 9), 1, 0})}}};
   }
 
   std::filesystem::path path;
@@ -166,8 +166,8 @@ TEST_F(ViewerTest, PanelsHelpAndKeys) {
   settle();
   EXPECT_GT(greatestDifference(bare, viewer_->picture()), 0.05) << "brighter";
   press(Key::kF12);
-  EXPECT_TRUE(app().takeScreenshotWish());
-  EXPECT_FALSE(app().takeScreenshotWish());
+  EXPECT_TRUE(app().takeScreenshotRequest());
+  EXPECT_FALSE(app().takeScreenshotRequest());
 }
 
 TEST_F(ViewerTest, TheMouseTurnsThePictureButNotThroughPanels) {

@@ -64,8 +64,23 @@ void ViewerApp::press(Key key, const ViewerInput& input) {
     case Key::kF1:
       settings_.help = !settings_.help;
       break;
+    case Key::k1:
+      lookFromAxis(-Vec3::UnitY());
+      break;
+    case Key::k3:
+      lookFromAxis(Vec3::UnitX());
+      break;
+    case Key::k7:
+      lookFromAxis(Vec3::UnitZ());
+      break;
+    case Key::kP:
+      settings_.probe = !settings_.probe;
+      break;
+    case Key::kF11:
+      fullScreenRequested_ = true;
+      break;
     case Key::kF12:
-      screenshotWish_ = true;
+      screenshotRequested_ = true;
       break;
     case Key::kH:
       settings_.panels = !settings_.panels;
@@ -74,7 +89,7 @@ void ViewerApp::press(Key key, const ViewerInput& input) {
       wholeView(input.width, input.height);
       break;
     case Key::kEscape:
-      settings_.help = settings_.painting = false;
+      settings_.help = settings_.painting = settings_.probe = false;
       placing_.clear();
       break;
     case Key::kM:
@@ -106,9 +121,15 @@ void ViewerApp::redo() {
 }
 
 void ViewerApp::keys(const ViewerInput& input) {
-  if (leaving_) {
-    if (std::ranges::count(input.pressed, Key::kEscape) > 0)
+  if (leaving_ || replacing_ || browser_) {
+    if (std::ranges::count(input.pressed, Key::kEscape) == 0)
+      return;
+    if (replacing_)
+      keep();
+    else if (leaving_)
       stay();
+    else
+      closeBrowser();
     return;
   }
   if (ImGui::GetIO().WantTextInput)
@@ -122,6 +143,10 @@ void ViewerApp::keys(const ViewerInput& input) {
       redo();
     else if (key == Key::kS)
       saveScene();
+    else if (key == Key::kO)
+      askToOpen();
+    else if (key == Key::kC)
+      copyCamera();
   }
 }
 
@@ -179,9 +204,11 @@ void ViewerApp::control(const ViewerInput& input) {
   }
   dragging_ = held && (dragging_ || ours);
   if (input.wheel != 0 && ours) {
-    camera_.zoom(input.wheel);
+    camera_.zoom(input.wheel, placeUnder(input.mouseX, input.mouseY));
     moving_ = true;
   }
+  if (input.twice && ours && !paints && !places && camera_.mode() == ViewCamera::Mode::kOrbit)
+    pivotAt(input.mouseX, input.mouseY);
   walk(input);
 }
 

@@ -19,18 +19,27 @@ enum class Key {
   kDown,
   kPlus,
   kMinus,
+  k1,
+  k3,
+  k7,
   kF1,
+  kF11,
   kF12,
   kEscape,
   kA,
+  kC,
   kD,
   kE,
   kF,
   kH,
   kM,
+  kO,
+  kP,
   kQ,
   kS,
+  kV,
   kW,
+  kX,
   kY,
   kZ,
   kBackspace,
@@ -51,6 +60,7 @@ struct ViewerInput {
   std::string typed{};    ///< text, UTF-8
   std::string dropped{};  ///< a file that was dropped on the window; empty: none
   bool closes = false;    ///< the window is asked to close
+  bool twice = false;     ///< the left button was pressed twice in a row, quickly, the last time now
 };
 
 }  // namespace volute

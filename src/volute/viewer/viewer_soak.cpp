@@ -215,7 +215,7 @@ class Round {
     look.quality = static_cast<int>(openGl_ ? Quality::kQuarter : Quality::kAuto);
   }
 
-  /// Frames that a rasteriser on the processor draws take what they take.
+  /// Frames that a rasteriser on the CPU draws take what they take.
   bool counts() const { return !openGl_ || viewer_.app().device().hardware; }
 
   /// So many frames, or fewer where each takes long.

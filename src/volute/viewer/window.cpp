@@ -40,12 +40,25 @@ std::optional<Key> keyOf(int key) {
       return Key::kMinus;
     case GLFW_KEY_F1:
       return Key::kF1;
+    case GLFW_KEY_1:
+    case GLFW_KEY_KP_1:
+      return Key::k1;
+    case GLFW_KEY_3:
+    case GLFW_KEY_KP_3:
+      return Key::k3;
+    case GLFW_KEY_7:
+    case GLFW_KEY_KP_7:
+      return Key::k7;
+    case GLFW_KEY_F11:
+      return Key::kF11;
     case GLFW_KEY_F12:
       return Key::kF12;
     case GLFW_KEY_ESCAPE:
       return Key::kEscape;
     case GLFW_KEY_A:
       return Key::kA;
+    case GLFW_KEY_C:
+      return Key::kC;
     case GLFW_KEY_D:
       return Key::kD;
     case GLFW_KEY_E:
@@ -56,10 +69,18 @@ std::optional<Key> keyOf(int key) {
       return Key::kH;
     case GLFW_KEY_M:
       return Key::kM;
+    case GLFW_KEY_O:
+      return Key::kO;
+    case GLFW_KEY_P:
+      return Key::kP;
     case GLFW_KEY_Q:
       return Key::kQ;
     case GLFW_KEY_S:
       return Key::kS;
+    case GLFW_KEY_V:
+      return Key::kV;
+    case GLFW_KEY_X:
+      return Key::kX;
     case GLFW_KEY_W:
       return Key::kW;
     case GLFW_KEY_Y:
@@ -126,6 +147,40 @@ class Window {
 
   void show() { glfwSwapBuffers(window_); }
 
+  void setTitle(const std::string& title) {
+    if (std::exchange(title_, title) != title)
+      glfwSetWindowTitle(window_, title.c_str());
+  }
+
+  std::string clipboard() const {
+    const char* text = glfwGetClipboardString(window_);
+    return text ? text : "";
+  }
+
+  void setClipboard(const std::string& text) { glfwSetClipboardString(window_, text.c_str()); }
+
+  /// How much larger than usual things are to be on this display.
+  double scale() const {
+    float x = 1, y = 1;
+    glfwGetWindowContentScale(window_, &x, &y);
+    return std::clamp(static_cast<double>(std::max(x, y)), 1.0, 4.0);
+  }
+
+  /// All of the monitor, or the window as it was.
+  void toggleFullScreen() {
+    if (glfwGetWindowMonitor(window_)) {
+      glfwSetWindowMonitor(window_, nullptr, place_[0], place_[1], place_[2], place_[3], 0);
+      return;
+    }
+    GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+    const GLFWvidmode* mode = monitor ? glfwGetVideoMode(monitor) : nullptr;
+    if (!mode)
+      return;
+    glfwGetWindowPos(window_, &place_[0], &place_[1]);
+    glfwGetWindowSize(window_, &place_[2], &place_[3]);
+    glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+  }
+
   /// Not minimised.
   void raise() {
     if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED))
@@ -138,7 +193,7 @@ class Window {
     heard_.pressed.clear();
     heard_.dropped.clear();
     heard_.typed.clear();
-    heard_.closes = false;
+    heard_.closes = heard_.twice = false;
     heard_.wheel = 0;
     const ViewerInput before = heard_;
     constexpr double kFrame = 1.0 / 60;
@@ -192,6 +247,14 @@ class Window {
     glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned code) {
       appendUtf8(heardBy(window).typed, code);
     });
+    glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int button, int action, int) {
+      if (button != GLFW_MOUSE_BUTTON_LEFT || action != GLFW_PRESS)
+        return;
+      constexpr double kTwice = 0.35;  // [s]
+      auto& own = *static_cast<Window*>(glfwGetWindowUserPointer(window));
+      const double now = glfwGetTime();
+      own.heard_.twice = now - std::exchange(own.pressed_, now) < kTwice;
+    });
     glfwSetScrollCallback(window_,
                           [](GLFWwindow* window, double, double y) { heardBy(window).wheel += y; });
     glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
@@ -218,6 +281,9 @@ class Window {
   int lively_ = 0;  ///< frames that follow soon
   ViewerInput heard_;
   double last_ = 0;
+  double pressed_ = -1;  ///< when the left button was [s]
+  int place_[4]{};       ///< of the window before it filled the screen
+  std::string title_{};
 };
 
 /// The first name that is free.
@@ -233,11 +299,25 @@ std::string screenshotName() {
 
 Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& progress) {
   VOLUTE_ASSIGN(const auto window, Window::create(start.width, start.height));
-  VOLUTE_ASSIGN(const auto app, ViewerApp::create(std::move(open), start.options));
+  ViewerOptions options = start.options;
+  options.desktop = true;
+  options.scale *= window->scale();
+  options.recent = RecentFiles::usualFile();
+  VOLUTE_ASSIGN(const auto app, ViewerApp::create(std::move(open), options));
+  app->setClipboard([&] { return window->clipboard(); },
+                    [&](const std::string& text) { window->setClipboard(text); });
   if (!start.path.empty())
     app->open(start.path, start.time);
+  app->onNews([] { glfwPostEmptyEvent(); });
+  double skipped = 0;  // [s] since the last frame
   while (!app->ends() && !progress.cancelled()) {
-    const ViewerInput input = window->input(app->patience());
+    ViewerInput input = window->input(app->patience());
+    input.seconds += skipped;
+    if (!app->due(input)) {
+      skipped = input.seconds;
+      continue;
+    }
+    skipped = 0;
     if (input.closes)
       window->raise();  // a question is seen
     if (input.width <= 0 || input.height <= 0) {
@@ -247,11 +327,16 @@ Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& pr
     }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     VOLUTE_TRY(app->frame(input));
-    if (app->takeScreenshotWish()) {
+    if (app->takeScreenshotRequest()) {
       const std::string name = screenshotName();
+      app->showAgain(false);
       const Status written = writeImage(name, shownPicture(input.width, input.height));
+      app->showAgain();
       app->say(written ? name + " is written" : written.error().message);
     }
+    if (app->takeFullScreenRequest())
+      window->toggleFullScreen();
+    window->setTitle(app->title());
     window->show();
   }
   return {};

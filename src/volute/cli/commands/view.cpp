@@ -63,8 +63,9 @@ Command viewCommand() {
                    "volute view fire.volute --screenshot fire.png"},
       .description =
           "Turn with the left mouse button, move across with the right one, F1 shows the rest. "
-          "Files are read in the background, coarse levels first, and read again when they change "
-          "on disk; another one can be dropped on the window. Panels change what the medium has: "
+          "Ctrl O opens a file. "
+          "Files are read in the background and read again when they change on disk; another one "
+          "can be dropped on the window. Panels change what the medium has: "
           "exposure, smoke potential, Km and C, mu and levels, lights, signs. Signs and lights are "
           "added to the wall that one looks at, put elsewhere by a click, removed; Ctrl Z takes it "
           "back. Fog is painted with a brush, on the ground or on a plan, and not lost unasked. "

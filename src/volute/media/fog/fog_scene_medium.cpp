@@ -83,12 +83,19 @@ class FogKind final : public MediumKind {
 
 FogAt::FogAt(FogLayer layer, double time, double factor, std::optional<SunlitFog> sunlit)
     : layer_(std::move(layer)),
+      time_(time),
       fog_(layer_.fogAt(time)),
       factor_(factor),
       sunlit_(std::move(sunlit)) {}
 
 void FogAt::addMedia(std::vector<AnyMedium>& media) const {
   media.push_back(scaledBy(factor_, sunlit_ ? AnyMedium(*sunlit_) : AnyMedium(fog_)));
+}
+
+std::shared_ptr<const MediumAt> FogAt::quick() const {
+  if (!sunlit_ || !sunlit_->scattering().shadows)
+    return nullptr;
+  return std::make_shared<const FogAt>(layer_, time_, factor_, sunlit_->withoutShadows());
 }
 
 Status FogAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {

@@ -18,6 +18,8 @@ class FogAt final : public MediumAt {
   /// By a polar table where the fog's description asks for one and it serves.
   Status addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const override;
 
+  std::shared_ptr<const MediumAt> quick() const override;
+
   const FogMedium& fog() const { return fog_; }
 
   const std::optional<SunlitFog>& sunlit() const { return sunlit_; }
@@ -28,6 +30,7 @@ class FogAt final : public MediumAt {
 
  private:
   FogLayer layer_;
+  double time_;
   FogMedium fog_;
   double factor_;
   std::optional<SunlitFog> sunlit_;

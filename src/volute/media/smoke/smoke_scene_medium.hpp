@@ -20,6 +20,12 @@ class SmokeAt final : public MediumAt {
   void addMedia(std::vector<AnyMedium>& media) const override;
   std::shared_ptr<MediumPicture> picture(std::shared_ptr<MediumPicture> earlier) const override;
 
+  bool drawsItself() const override { return true; }
+
+  std::uint64_t memoryBytes() const override {
+    return 3 * state_.extinction.size() * sizeof(float);
+  }
+
   bool hasWalls() const override { return walls_.has_value(); }
 
   std::optional<WallHit> wallOn(const Segment& ray) const override;

@@ -99,6 +99,13 @@ Status VolumeAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media
   return {};
 }
 
+/// The values, and what VoxelMedium makes of them.
+std::uint64_t VolumeAt::memoryBytes() const {
+  if (!slice_)
+    return 0;
+  return 2 * slice_->values().size_bytes() + slice_->index().size_bytes();
+}
+
 nlohmann::ordered_json VolumeAt::counts() const {
   if (light_) {
     const std::lock_guard lock(shadedGuard_);

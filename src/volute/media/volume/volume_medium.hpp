@@ -27,6 +27,7 @@ class VolumeAt final : public MediumAt {
   void addMedia(std::vector<AnyMedium>& media) const override;
   Status addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const override;
   nlohmann::ordered_json counts() const override;
+  std::uint64_t memoryBytes() const override;
 
   /// Null: it is plain emission and extinction of one grid.
   const std::shared_ptr<const VolumeLight>& light() const { return light_; }

@@ -15,7 +15,31 @@
 namespace volute {
 namespace {
 
-const Rgb kOutline(0.45, 0.5, 0.55);
+const Rgb kOutline(0.30, 0.33, 0.37), kGround(0.16, 0.18, 0.21);
+
+/// A level grid under what there is to see, in steps of 1, 2 or 5 times a power of ten [m].
+void addGround(const Box3& content, std::vector<ViewLine>& lines) {
+  constexpr double kSteps = 8, kAround = 0.6;
+  const double wide = content.size().head<2>().maxCoeff();
+  if (!(wide > 0) || !std::isfinite(wide))
+    return;
+  const double power = std::pow(10, std::floor(std::log10(wide / kSteps)));
+  double step = power;
+  for (const double times : {2.0, 5.0, 10.0}) {
+    if (step * kSteps < wide)
+      step = times * power;
+  }
+  const auto reach = static_cast<int>(std::ceil((0.5 + kAround) * wide / step));
+  const Vec3 centre = content.centre();
+  const Vec3 middle(step * std::round(centre.x() / step), step * std::round(centre.y() / step),
+                    content.min.z());
+  for (int i = -reach; i <= reach; ++i) {
+    const Vec3 along = reach * step * Vec3::UnitX(), across = i * step * Vec3::UnitY();
+    const Vec3 turnedAlong = reach * step * Vec3::UnitY(), turnedAcross = i * step * Vec3::UnitX();
+    lines.push_back({middle - along + across, middle + along + across, kGround});
+    lines.push_back({middle - turnedAlong + turnedAcross, middle + turnedAlong + turnedAcross, kGround});
+  }
+}
 
 /// Whether the same triangles look the same.
 bool alike(const TriangleScene& a, const TriangleScene& b) {
@@ -57,10 +81,10 @@ bool SceneDocument::coarseHelps(double time) const {
 
 /// Light at the corners is found anew where it may have changed: lamps shine through media, and
 /// surfaces of media change from instant to instant.
-void SceneDocument::addSurfaces(const SceneWish& wish,
+void SceneDocument::addSurfaces(const SceneRequest& request,
                                 const std::shared_ptr<const Snapshot>& snapshot, ViewScene& scene) {
   const Snapshot& now = *snapshot;
-  if (!wish.openGl || (now.geometry.empty() && !now.hasWalls()))
+  if (!request.openGl || (now.geometry.empty() && !now.hasWalls()))
     return;
   const nlohmann::ordered_json lights = scene_.json().value("lights", nlohmann::ordered_json());
   if (!surfaces_ || !now.lights.lamps.empty() || surfacesIn_ != lights ||
@@ -87,7 +111,7 @@ void SceneDocument::addSurfaces(const SceneWish& wish,
 }
 
 /// @param surfaces  and walls are in it
-ProcessorPicture SceneDocument::byProcessor(std::shared_ptr<const Snapshot> snapshot,
+CpuPicture SceneDocument::byCpu(std::shared_ptr<const Snapshot> snapshot,
                                             bool surfaces) const {
   RenderOptions options{.background = snapshot->background};
   return [snapshot = std::move(snapshot), options, surfaces, held = drawer_](
@@ -99,14 +123,15 @@ ProcessorPicture SceneDocument::byProcessor(std::shared_ptr<const Snapshot> snap
   };
 }
 
-Result<ViewScene> SceneDocument::sceneAt(const SceneWish& wish, Progress& progress) {
+Result<ViewScene> SceneDocument::sceneAt(const SceneRequest& request, Progress& progress) {
   ViewScene scene;
+  scene.time = request.time;
   // What stands in the way of the first view is left out; it stays so as one goes round.
   std::optional<Vec3> eye;
   if (start_)
     eye = start_->eye;
   VOLUTE_ASSIGN(auto taken,
-                scene_.at({.time = wish.time, .coarse = wish.coarse, .eye = eye}, progress));
+                scene_.at({.time = request.time, .coarse = request.coarse, .eye = eye}, progress));
   const auto snapshot = std::make_shared<const Snapshot>(std::move(taken));
   auto media = glSceneOf(*snapshot, {.smokeMethod = options_.smokeMethod});
   if (media)
@@ -115,13 +140,24 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneWish& wish, Progress& progre
     scene.notByGl = media.error().message;
   scene.geometry = snapshot->geometry;
   scene.now = snapshot->media;
-  addSurfaces(wish, snapshot, scene);
+  addSurfaces(request, snapshot, scene);
   for (const Sign& sign : snapshot->signs) scene.quads.push_back(quadOf(sign, snapshot->law));
   if (!scene_.isFile() && scene_.media().front()->info().interpolates)
     addBox(bounds(), kOutline, scene.aids);
-  scene.processor = byProcessor(snapshot, true);
+  if (!scene_.isFile() && snapshot->geometry.empty() && !start_)
+    addGround(content(), scene.aids);
+  scene.cpu = byCpu(snapshot, true);
+  if (auto quick = snapshot->quick())
+    scene.preview = byCpu(std::make_shared<const Snapshot>(std::move(*quick)), true);
+  scene.inTiles = std::ranges::none_of(
+      snapshot->media, [](const auto& medium) { return medium->drawsItself(); });
+  for (const auto& medium : snapshot->media) scene.bytes += medium->memoryBytes();
+  if (!request.openGl) {
+    std::vector<AnyMedium> prepared;  // here, not while a picture is waited for
+    for (const auto& medium : snapshot->media) medium->addMedia(prepared);
+  }
   if (!snapshot->geometry.empty() || snapshot->hasWalls())
-    scene.bare = byProcessor(snapshot, false);
+    scene.bare = byCpu(snapshot, false);
   return scene;
 }
 

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include "volute/scene/scene.hpp"
+
+namespace volute {
+
+/// When and where a scene has something to see.
+struct FirstSight {
+  double time = 0;     ///< [s], of the scene
+  Box3 content;        ///< around what is to be seen then, finite and not empty [m]
+  std::string reason;  ///< for the time; empty: it is the first
+};
+
+/// How much there is to see of a snapshot, and where.
+struct SnapshotContent {
+  Box3 box;           ///< [m]; empty: nothing was found
+  double amount = 0;  ///< of media, to be compared with other snapshots' of the scene
+};
+
+/// Looks at the media on a grid of some 20 points a side: where their extinction and emission reach
+/// a share of the largest; what is smaller than a cell of it may be missed. Signs belong to it, and
+/// surfaces that are near, or all of them where there are no media. Bounds say less: those of a
+/// cache are around all its frames, those of a simulation around its meshes.
+SnapshotContent contentOf(const Snapshot& snapshot);
+
+/// The first of the scene's times if there is something to see, else the earliest of some that shows
+/// much; looked for in coarse snapshots for about that many seconds, in eight of them at most. A file
+/// alone whose medium knows better says it (SceneMedium::firstTime()). Of a scene that has nothing it
+/// is the first time and Scene::bounds().
+[[nodiscard]] Result<FirstSight> firstSight(
+    Scene& scene, Progress& progress, double seconds = std::numeric_limits<double>::infinity());
+
+}  // namespace volute

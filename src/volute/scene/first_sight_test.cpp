@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/scene/first_sight.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "volute/io/npy.hpp"
+
+namespace volute {
+namespace {
+
+constexpr int kSide = 20;  ///< voxels of 5 cm
+
+/// A folder with a blob of some 20 cm in a corner of 1 m, whose frames are as bright as they say.
+class FirstSights : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::filesystem::create_directories(folder_);
+  }
+
+  std::string blob(const std::vector<float>& brightness) const {
+    VolumeInfo info;
+    info.frames = static_cast<int>(brightness.size());
+    info.x = info.y = info.z = kSide;
+    info.fillDefaults();
+    const std::string path = (folder_ / "blob.npy").string();
+    auto sink = NpySink::create(path, info);
+    EXPECT_TRUE(sink);
+    for (const float bright : brightness) {
+      std::vector<float> values;
+      for (int z = 0; z < kSide; ++z) {
+        for (int y = 0; y < kSide; ++y) {
+          for (int x = 0; x < kSide; ++x)
+            values.push_back(std::hypot(x - 3, y - 3, z - 3) < 2.5 ? bright : 0);
+        }
+      }
+      EXPECT_TRUE((*sink)->writeFrame(values));
+    }
+    EXPECT_TRUE((*sink)->finish());
+    return path;
+  }
+
+  static FirstSight sightOf(const std::string& path) {
+    Progress quiet;
+    auto scene = Scene::open(path, {.assume = true}, quiet);
+    EXPECT_TRUE(scene) << scene.error().message;
+    auto sight = firstSight(*scene, quiet, 10);
+    EXPECT_TRUE(sight);
+    return sight.value_or(FirstSight());
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(FirstSights, IsAroundTheContentNotTheBounds) {
+  const FirstSight sight = sightOf(blob({1, 1}));
+  EXPECT_EQ(sight.time, 0);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_GE(sight.content.min[axis], 0.0 - 1e-9);
+    EXPECT_LE(sight.content.min[axis], 0.05 + 1e-9);
+    EXPECT_NEAR(sight.content.max[axis], 0.3, 0.051);
+  }
+}
+
+TEST_F(FirstSights, IsWhenThereIsSomethingToSee) {
+  const FirstSight sight = sightOf(blob({0, 0.01F, 0.02F, 1, 1, 1, 1, 1, 1}));
+  EXPECT_GE(sight.time, 3 / 25.0 - 1e-9);
+  EXPECT_THAT(sight.reason, ::testing::HasSubstr("half of the most"));
+  EXPECT_LT(sight.content.max.x(), 0.4);
+}
+
+TEST_F(FirstSights, IsTheFirstTimeWhereThatServes) {
+  const FirstSight sight = sightOf(blob({0.5F, 1, 1, 1}));
+  EXPECT_EQ(sight.time, 0);
+  EXPECT_EQ(sight.reason, "");
+}
+
+TEST_F(FirstSights, OfNothingIsTheBounds) {
+  const FirstSight sight = sightOf(blob({0, 0}));
+  EXPECT_EQ(sight.time, 0);
+  EXPECT_NEAR(sight.content.size().x(), 1, 0.11);
+}
+
+TEST_F(FirstSights, HasNearSurfacesAndFlatOnes) {
+  blob({1});
+  std::ofstream(folder_ / "ground.obj")
+      << "v -90 -90 0\nv 90 -90 0\nv 90 90 0\nv -90 90 0\nf 1 2 3 4\n";
+  std::ofstream(folder_ / "scene.json") << R"({"format": "volute-scene-1",
+    "camera": {"eye": [0, -3, 1], "target": [0, 0, 0], "fov": 40}, "geometry": [{"file": "ground.obj"}],
+    "media": [{"kind": "volume", "file": "blob.npy"}]})";
+  const FirstSight near = sightOf((folder_ / "scene.json").string());
+  EXPECT_LT(near.content.size().x(), 1.0) << "a large ground is no content";
+  EXPECT_GT(near.content.size().x(), 0.3);
+  std::ofstream(folder_ / "bare.json") << R"({"format": "volute-scene-1",
+    "camera": {"eye": [0, -3, 1], "target": [0, 0, 0], "fov": 40}, "geometry": [{"file": "ground.obj"}]})";
+  const FirstSight flat = sightOf((folder_ / "bare.json").string());
+  EXPECT_EQ(flat.content.size().x(), 180);
+  EXPECT_GT(flat.content.size().z(), 0);
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// How files get in and changes out: the empty window, the list, the questions; and the hands on the
+// camera that need no panel.
+#include "volute/viewer/controls_testing.hpp"
+
+namespace volute {
+namespace {
+
+using DoorControls = Controls;
+
+TEST_F(DoorControls, AnEmptyWindowOpensAFileByTheList) {
+  script_->frames(4);
+  ASSERT_TRUE(script_->has("Open a file"));
+  ASSERT_TRUE(script_->click("Open a file"));
+  script_->frames(3);
+  ASSERT_NE(app().browser(), nullptr);
+  app().browse(std::filesystem::path(folder_.path("x")).parent_path());
+  script_->frames(3);
+  ASSERT_TRUE(script_->has("entry = blob.npy"));
+  ASSERT_TRUE(script_->click("entry = blob.npy"));
+  script_->frames(2);
+  EXPECT_EQ(app().browser()->name, "blob.npy");
+  ASSERT_TRUE(script_->click("open file"));
+  load();
+  EXPECT_EQ(app().error(), "");
+  ASSERT_NE(app().document(), nullptr);
+  EXPECT_THAT(app().document()->title, ::testing::HasSubstr("blob.npy"));
+  EXPECT_EQ(app().title(), "blob.npy - Volute");
+  EXPECT_FALSE(script_->has("Open a file"));
+}
+
+TEST_F(DoorControls, TheListGoesThroughFolders) {
+  open("blob.npy");
+  script_->press(Key::kO, true);
+  script_->frames(3);
+  ASSERT_NE(app().browser(), nullptr);
+  const auto folder = app().browser()->folder;
+  ASSERT_TRUE(script_->click("folder above"));
+  script_->frames(3);
+  EXPECT_EQ(app().browser()->folder, folder.parent_path());
+  ASSERT_TRUE(script_->click("open cancel"));
+  script_->frames(2);
+  EXPECT_EQ(app().browser(), nullptr);
+  script_->press(Key::kO, true);
+  script_->frames(3);
+  ASSERT_TRUE(script_->write("file name", "fog.json"));
+  ASSERT_TRUE(script_->click("open file"));
+  load();
+  EXPECT_EQ(app().title(), "fog.json - Volute");
+  ASSERT_TRUE(script_->click("Open"));
+  script_->frames(3);
+  ASSERT_NE(app().browser(), nullptr);
+  script_->press(Key::kEscape);
+  EXPECT_EQ(app().browser(), nullptr);
+  script_->press(Key::kO, true);
+  script_->frames(3);
+  ASSERT_TRUE(script_->click("open folder"));
+  load();
+  EXPECT_NE(app().error(), "") << "the folder holds no numbered frames";
+}
+
+TEST_F(DoorControls, RecentFilesAreOffered) {
+  open("blob.npy");
+  EXPECT_THAT(app().recent().names(), ::testing::ElementsAre(folder_.path("blob.npy")));
+  viewer_.reset();
+  ViewerOptions options;
+  options.recent = folder_.path("state/recent");
+  RecentFiles(options.recent).add(folder_.path("blob.npy"));
+  auto again = HeadlessViewer::create(documentOpener({.maxMemory = kViewerMemory}), options);
+  ASSERT_TRUE(again);
+  viewer_ = std::move(*again);
+  begin(kNarrow, kHigh);
+  script_->frames(4);
+  ASSERT_TRUE(script_->click("recent 0"));
+  load();
+  ASSERT_NE(app().document(), nullptr);
+  EXPECT_THAT(app().document()->title, ::testing::HasSubstr("blob.npy"));
+}
+
+TEST_F(DoorControls, ChangesOfASceneAreNotLostUnasked) {
+  open("fog.json");
+  EXPECT_FALSE(app().unsavedScene());
+  app().setParameter(parameterAt("/media/0/mu"), {0.25});
+  load();
+  EXPECT_TRUE(app().unsavedScene());
+  EXPECT_EQ(app().title(), "* fog.json - Volute");
+  script_->drop(folder_.path("blob.npy"));
+  script_->frames(3);
+  ASSERT_NE(app().leaving(), nullptr);
+  ASSERT_TRUE(script_->click("leave cancel"));
+  EXPECT_EQ(app().leaving(), nullptr);
+  EXPECT_EQ(app().title(), "* fog.json - Volute");
+  script_->close();
+  script_->frames(3);
+  ASSERT_TRUE(script_->write("leave scene", folder_.path("kept.json")));
+  ASSERT_TRUE(script_->click("leave save"));
+  load();
+  EXPECT_TRUE(app().ends());
+  std::ifstream kept(folder_.path("kept.json"));
+  EXPECT_EQ(nlohmann::json::parse(kept)["media"][0]["mu"], 0.25);
+}
+
+TEST_F(DoorControls, AnUndoneChangeIsNone) {
+  open("fog.json");
+  app().setParameter(parameterAt("/media/0/mu"), {0.25});
+  load();
+  app().undoChange();
+  load();
+  EXPECT_FALSE(app().unsavedScene());
+  script_->drop(folder_.path("blob.npy"));
+  load();
+  EXPECT_EQ(app().title(), "blob.npy - Volute");
+}
+
+TEST_F(DoorControls, AFileOfOthersIsNotReplacedUnasked) {
+  open("fog.json");
+  const std::string other = folder_.path("dull.json");
+  std::ifstream stream(other);
+  const std::string before(std::istreambuf_iterator<char>(stream), {});
+  app().settings().sceneName = other;
+  script_->press(Key::kS, true);
+  script_->frames(3);
+  ASSERT_NE(app().replacing(), nullptr);
+  ASSERT_TRUE(script_->click("keep"));
+  load();
+  std::ifstream same(other);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(same), {}), before);
+  script_->press(Key::kS, true);
+  script_->frames(3);
+  ASSERT_TRUE(script_->click("replace"));
+  load();
+  std::ifstream now(other);
+  EXPECT_NE(std::string(std::istreambuf_iterator<char>(now), {}), before);
+  script_->press(Key::kS, true);
+  load();
+  EXPECT_EQ(app().replacing(), nullptr) << "it is the viewer's own by now";
+}
+
+TEST_F(DoorControls, TheAxesTurnTheCamera) {
+  script_->input().width = 900, script_->input().height = 1500;
+  open("blob.npy");
+  const std::pair<const char*, Vec3> kSides[] = {
+      {"axis +x", Vec3::UnitX()}, {"axis -x", -Vec3::UnitX()}, {"axis +y", Vec3::UnitY()},
+      {"axis -y", -Vec3::UnitY()}, {"axis +z", Vec3::UnitZ()}, {"axis -z", -Vec3::UnitZ()}};
+  for (const auto& [name, side] : kSides) {
+    SCOPED_TRACE(name);
+    app().camera().set({Vec3(2, -3, 1.5), Vec3(0.5, 0.5, 0.5)});  // none is behind another
+    script_->frames(3);
+    const double away = (app().camera().eye() - app().camera().pivot()).norm();
+    ASSERT_TRUE(script_->click(name));
+    script_->frames(2);
+    const Vec3 eye = app().camera().eye() - app().camera().pivot();
+    EXPECT_NEAR((eye - away * side).norm(), 0, 1e-6);
+  }
+}
+
+TEST_F(DoorControls, KeysLookAlongTheAxes) {
+  open("blob.npy");
+  script_->press(Key::k1);
+  EXPECT_NEAR((app().camera().forward() - Vec3::UnitY()).norm(), 0, 1e-9);
+  script_->press(Key::k3);
+  EXPECT_NEAR((app().camera().forward() + Vec3::UnitX()).norm(), 0, 1e-9);
+  script_->press(Key::k7);
+  EXPECT_NEAR((app().camera().forward() + Vec3::UnitZ()).norm(), 0, 1e-9);
+}
+
+TEST_F(DoorControls, TheProbeSaysWhatIsUnderThePointer) {
+  open("blob.npy");
+  ASSERT_TRUE(script_->settle());
+  const auto insets = app().insets(kNarrow, kHigh);
+  const auto middle = app().camera().camera(kNarrow, kHigh).project(app().camera().pivot());
+  ASSERT_TRUE(middle);
+  EXPECT_NEAR(middle->x(), 0.5 * (insets.left + kNarrow - insets.right), 2)
+      << "it is framed between the panels";
+  const auto probe = app().probeAt(middle->x(), middle->y());
+  ASSERT_TRUE(probe);
+  EXPECT_FALSE(probe->onSurface);
+  ASSERT_EQ(probe->media.size(), 1);
+  EXPECT_GT(probe->media[0].emission[0], 0.5) << "the blob's middle has 1";
+  EXPECT_FALSE(app().probeAt(2, 2)) << "there is nothing";
+  script_->press(Key::kP);
+  EXPECT_TRUE(app().settings().probe);
+  script_->move(middle->x(), middle->y());
+  script_->press(Key::kEscape);
+  EXPECT_FALSE(app().settings().probe);
+}
+
+TEST_F(DoorControls, ADoubleClickIsThePivot) {
+  open("smoke.json");
+  ASSERT_TRUE(script_->settle());
+  const double x = 0.5 * kNarrow, y = 0.8 * kHigh;
+  const auto ground = app().probeAt(x, y);
+  ASSERT_TRUE(ground);
+  script_->move(x, y);
+  script_->input().twice = true;
+  script_->frame();
+  EXPECT_NEAR((app().camera().pivot() - ground->place).norm(), 0, 1e-9);
+  const auto before = app().camera().camera(kNarrow, kHigh).project(ground->place);
+  app().camera().drag(40, 10);
+  const auto after = app().camera().camera(kNarrow, kHigh).project(ground->place);
+  EXPECT_NEAR((*before - *after).norm(), 0, 1e-6) << "it stays under the pointer";
+}
+
+TEST_F(DoorControls, TheCameraIsCopiedAsJson) {
+  open("blob.npy");
+  std::string clipboard;
+  app().setClipboard([&] { return clipboard; }, [&](const std::string& text) { clipboard = text; });
+  script_->press(Key::kC, true);
+  const auto camera = nlohmann::json::parse(clipboard);
+  EXPECT_NEAR(camera["eye"][0].get<double>(), app().camera().eye().x(), 1e-9);
+  EXPECT_TRUE(camera.contains("fov"));
+}
+
+TEST_F(DoorControls, AScreenshotHasNoPanels) {
+  open("blob.npy");
+  ASSERT_TRUE(script_->settle());
+  const Image with = viewer_->picture();
+  app().settings().panels = false;
+  const Image without = viewer_->screenshot();
+  EXPECT_GT(difference(with, without), 0.1);
+  app().settings().panels = true;
+}
+
+}  // namespace
+}  // namespace volute

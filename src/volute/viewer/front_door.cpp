@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// How files get into the viewer, and changes out of it: the empty window, the list of files, and
+// the questions before something is lost.
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "volute/viewer/panels.hpp"
+
+namespace volute {
+namespace {
+
+constexpr ImGuiWindowFlags kCard = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                                   ImGuiWindowFlags_NoSavedSettings |
+                                   ImGuiWindowFlags_AlwaysAutoResize;
+
+ImVec2 middleOf(const ViewerInput& input, float down) {
+  return {0.5F * static_cast<float>(input.width), down * static_cast<float>(input.height)};
+}
+
+/// Centred, as wide as `wide` where the window is.
+bool beginQuestion(const char* title, const ViewerInput& input, float wide) {
+  ImGui::SetNextWindowPos(middleOf(input, 0.4F), 0, {0.5F, 0.5F});
+  const float width = std::min(wide, static_cast<float>(input.width) - 2 * kPanelMargin);
+  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, 1e4F});
+  return ImGui::BeginPopupModal(
+      title, nullptr,
+      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+}
+
+void errorText(const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, {1, 0.5F, 0.4F, 1});
+  wrappedText(text);
+  ImGui::PopStyleColor();
+}
+
+std::string nameOf(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+}  // namespace
+
+/// What to do where nothing is open.
+void drawEmptyWindow(ViewerApp& app, const ViewerInput& input) {
+  if (app.document() || app.loading().busy || app.picture().shown())
+    return;
+  constexpr float kWide = 420;
+  const float width = std::min(kWide, static_cast<float>(input.width) - 2 * kPanelMargin);
+  ImGui::SetNextWindowPos(middleOf(input, 0.45F), 0, {0.5F, 0.5F});
+  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, 1e4F});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {24, 22});
+  ImGui::Begin("Welcome", nullptr, kCard);
+  ImGui::TextUnformatted("Fire, smoke and fog");
+  ImGui::Spacing();
+  if (!app.error().empty()) {
+    errorText(app.error());
+    ImGui::Spacing();
+  }
+  wrappedText(
+      "Drop a file here, or open one: a .volute, .vdb or .npy volume, a scene .json, a map of fog "
+      "(.png), smoke on a mesh (.pvd, .vtu), a case of FDS (.smv), a capture.",
+      true);
+  ImGui::Spacing();
+  if (ImGui::Button("Open a file   Ctrl O", {-1, 34}))
+    app.askToOpen();
+  app.mark("Open a file");
+  const auto recent = app.recent().names();  // it changes when one is opened
+  if (!recent.empty()) {
+    ImGui::Spacing();
+    ImGui::TextDisabled("Recent");
+  }
+  for (std::size_t i = 0; i < std::min<std::size_t>(recent.size(), 6); ++i) {
+    const std::string label = fmt::format("{}###recent{}", nameOf(recent[i]), i);
+    if (ImGui::Selectable(label.c_str()))
+      app.leaveFor(recent[i]);
+    app.mark(fmt::format("recent {}", i));
+    hint(recent[i]);
+  }
+  ImGui::End();
+  ImGui::PopStyleVar();
+}
+
+/// The viewer's own list of files, where the desktop has no dialog.
+void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
+  constexpr const char* kTitle = "Open a file";
+  ViewerApp::Browser* browser = app.browser();
+  if (browser && !ImGui::IsPopupOpen(kTitle))
+    ImGui::OpenPopup(kTitle);
+  if (!beginQuestion(kTitle, input, 560))
+    return;
+  if (browser) {
+    wrappedText(browser->folder.string(), true);
+    const float high = std::clamp(0.5F * static_cast<float>(input.height), 80.0F, 420.0F);
+    ImGui::BeginChild("##entries", {-1, high}, true);
+    std::optional<std::filesystem::path> folder;
+    std::optional<std::string> chosen;
+    if (ImGui::Selectable("..", false, ImGuiSelectableFlags_DontClosePopups))
+      folder = browser->folder.parent_path();
+    app.mark("folder above");
+    for (const FolderEntry& entry : browser->entries) {
+      const bool plain = !entry.folder && !entry.known;
+      if (plain)
+        ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+      const std::string label = entry.folder ? entry.name + "/" : entry.name;
+      const bool pressed = ImGui::Selectable(label.c_str(), browser->name == entry.name,
+                                             ImGuiSelectableFlags_DontClosePopups |
+                                                 ImGuiSelectableFlags_AllowDoubleClick);
+      app.mark("entry = " + entry.name);
+      if (plain)
+        ImGui::PopStyleColor();
+      if (!pressed)
+        continue;
+      if (entry.folder)
+        folder = browser->folder / entry.name;
+      else if (ImGui::IsMouseDoubleClicked(0))
+        chosen = entry.name;
+      else
+        browser->name = entry.name;
+    }
+    if (browser->entries.empty())
+      ImGui::TextDisabled("nothing is here, or it cannot be read");
+    ImGui::EndChild();
+    ImGui::SetNextItemWidth(-1);
+    nameBox("##name", browser->name);
+    app.mark("file name");
+    const bool opens = markedButton(app, "Open", "open file", !browser->name.empty());
+    ImGui::SameLine();
+    const bool whole = markedButton(app, "Open this folder", "open folder");
+    hint("numbered .vdb frames, or the files of a camera calibration");
+    ImGui::SameLine();
+    const bool stays = markedButton(app, "Cancel", "open cancel");
+    if (stays)
+      app.closeBrowser();
+    else if (whole)
+      app.chooseFile(browser->folder);
+    else if (opens || chosen)
+      app.chooseFile(browser->folder / chosen.value_or(browser->name));
+    else if (folder)
+      app.browse(*folder);
+  }
+  if (!app.browser())
+    ImGui::CloseCurrentPopup();
+  ImGui::EndPopup();
+}
+
+/// A question that has to be answered before anything else.
+void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
+  constexpr const char* kTitle = "Not saved yet";
+  if (app.leaving() && !ImGui::IsPopupOpen(kTitle))
+    ImGui::OpenPopup(kTitle);
+  if (!beginQuestion(kTitle, input, 420))
+    return;
+  if (const ViewerApp::Leaving* leaving = app.leaving()) {
+    const bool map = leaving->what == ViewerApp::Leaving::What::kMap;
+    const std::string before = leaving->path.empty() ? "Before the viewer ends"
+                                                     : "Before " + leaving->path + " is opened";
+    wrappedText(map ? "Painted fog is in no file. " + before + ", save the map as"
+                    : "The scene has changes that are in no file. " + before + ", save it as");
+    ImGui::SetNextItemWidth(-1);
+    nameBox("##target", map ? app.settings().mapName : app.settings().sceneName);
+    app.mark(map ? "leave map" : "leave scene");
+    if (!app.error().empty())
+      errorText(app.error());
+    const bool waits = leaving->saving;
+    const bool saves = markedButton(app, waits ? "Saving" : "Save", "leave save", !waits);
+    ImGui::SameLine();
+    const bool discards = markedButton(app, "Discard", "leave discard", !waits);
+    ImGui::SameLine();
+    const bool stays = markedButton(app, "Cancel", "leave cancel");
+    if (saves)
+      app.leaveAndSave();
+    else if (discards)
+      app.leaveAndDiscard();
+    else if (stays)
+      app.stay();
+  }
+  if (!app.leaving())
+    ImGui::CloseCurrentPopup();
+  ImGui::EndPopup();
+}
+
+/// Before a file that somebody else wrote is written over.
+void drawReplacePanel(ViewerApp& app, const ViewerInput& input) {
+  constexpr const char* kTitle = "The file exists";
+  if (app.replacing() && !ImGui::IsPopupOpen(kTitle))
+    ImGui::OpenPopup(kTitle);
+  if (!beginQuestion(kTitle, input, 380))
+    return;
+  if (app.replacing()) {
+    wrappedText(app.replacing()->target + " is there already.");
+    const bool replaces = markedButton(app, "Replace it", "replace");
+    ImGui::SameLine();
+    const bool keeps = markedButton(app, "Cancel", "keep");
+    if (replaces)
+      app.replace();
+    else if (keeps)
+      app.keep();
+  }
+  if (!app.replacing())
+    ImGui::CloseCurrentPopup();
+  ImGui::EndPopup();
+}
+
+}  // namespace volute

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+// What stands on the picture between the panels: how far it has come, how large things are, which
+// way is up, what is under the pointer, what has just been done.
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "volute/viewer/panels.hpp"
+
+namespace volute {
+namespace {
+
+constexpr ImU32 kInk = IM_COL32(235, 238, 242, 235), kShade = IM_COL32(12, 14, 18, 150);
+constexpr ImU32 kAmber = IM_COL32(255, 190, 70, 255);
+
+constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                                    ImGuiWindowFlags_NoSavedSettings |
+                                    ImGuiWindowFlags_AlwaysAutoResize |
+                                    ImGuiWindowFlags_NoFocusOnAppearing;
+
+/// The part of the window that no panel covers [pixels].
+struct FreeArea {
+  float left, top, right, bottom;
+
+  float middle() const { return 0.5F * (left + right); }
+};
+
+FreeArea freeArea(ViewerApp& app, const ViewerInput& input) {
+  const auto insets = app.insets(input.width, input.height);
+  const auto at = [](double value) { return static_cast<float>(value); };
+  return {at(insets.left) + kPanelMargin, at(insets.top) + kPanelMargin,
+          at(input.width - insets.right) - kPanelMargin,
+          at(input.height) - (app.timeline().moves() ? app.settings().timeHeight + kPanelMargin : 0) - kPanelMargin};
+}
+
+std::string lengthText(double metres) {
+  if (metres >= 1000)
+    return fmt::format("{:g} km", metres / 1000);
+  if (metres >= 1)
+    return fmt::format("{:g} m", metres);
+  return metres >= 0.01 ? fmt::format("{:g} cm", 100 * metres)
+                        : fmt::format("{:g} mm", 1000 * metres);
+}
+
+/// The largest of 1, 2, 5 times a power of ten that is not above it.
+double roundLength(double most) {
+  const double power = std::pow(10, std::floor(std::log10(most)));
+  for (const double first : {5.0, 2.0}) {
+    if (first * power <= most)
+      return first * power;
+  }
+  return power;
+}
+
+/// What is being done, how far it is, and a way to end it.
+void drawProgress(ViewerApp& app, const FreeArea& free) {
+  const ViewerApp::Work work = app.work();
+  if (work.text.empty())
+    return;
+  const bool nothing = !app.picture().shown();  // then it is all that there is to see
+  const float width = std::min(nothing ? 360.0F : 300.0F, free.right - free.left);
+  const float y = nothing ? 0.5F * (free.top + free.bottom) : free.bottom;
+  ImGui::SetNextWindowPos({free.middle(), y}, 0, {0.5F, nothing ? 0.5F : 1.0F});
+  ImGui::SetNextWindowSizeConstraints({width, 0}, {width, 1e4F});
+  ImGui::SetNextWindowBgAlpha(0.8F);
+  ImGui::Begin("Progress", nullptr, kPlain);
+  if (work.stale)
+    ImGui::TextColored({1, 0.75F, 0.3F, 1}, "not up to date:");
+  wrappedText(work.text);
+  const float button = work.stops ? ImGui::CalcTextSize("Stop").x +
+                                        2 * ImGui::GetStyle().FramePadding.x +
+                                        ImGui::GetStyle().ItemSpacing.x
+                                  : 0;
+  if (work.share >= 0) {
+    ImGui::ProgressBar(static_cast<float>(work.share), {-std::max(button, 1.0F), 8}, "");
+    if (work.stops)
+      ImGui::SameLine();
+  }
+  if (work.stops && markedButton(app, "Stop", "stop drawing"))
+    app.stopDrawing();
+  ImGui::End();
+}
+
+/// One line at the top: what the picture is not.
+void drawBadge(const ViewerApp& app, const FreeArea& free) {
+  const std::string text = app.pictureNote();
+  if (text.empty() || !app.work().text.empty())
+    return;
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  const ImVec2 at{free.middle() - 0.5F * size.x, free.bottom - size.y - 6};
+  list->AddRectFilled({at.x - 10, at.y - 4}, {at.x + size.x + 10, at.y + size.y + 4}, kShade, 9);
+  list->AddText(at, kInk, text.c_str());
+}
+
+void drawToast(ViewerApp& app, const FreeArea& free) {
+  const std::string& text = app.toast();
+  if (text.empty())
+    return;
+  ImGui::SetNextWindowPos({free.middle(), free.top}, 0, {0.5F, 0});
+  const float width = std::max(std::min(460.0F, free.right - free.left), 120.0F);
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {width, 1e4F});
+  ImGui::SetNextWindowBgAlpha(0.92F);
+  ImGui::Begin("Toast", nullptr, kPlain | ImGuiWindowFlags_NoInputs);
+  ImGui::PushTextWrapPos(width - 20);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::End();
+}
+
+/// How long things are where the camera turns around.
+void drawScaleBar(ViewerApp& app, const FreeArea& free, const ViewerInput& input) {
+  if (!app.document() || !app.picture().shown() || app.document()->bounds.empty())
+    return;
+  const ViewCamera& view = app.camera();
+  const Camera camera = view.camera(input.width, input.height);
+  const double depth = camera.isOrthographic() ? 1 : (view.pivot() - camera.eye()).dot(camera.forward());
+  if (!(depth > 0))
+    return;
+  constexpr double kMost = 120;  // pixels
+  const double metres = roundLength(kMost * depth * camera.pixelSize());
+  const auto length = static_cast<float>(metres / (depth * camera.pixelSize()));
+  const std::string text = lengthText(metres);
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  const float x = free.left + 8, y = free.bottom - 10;
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  list->AddRectFilled({x - 8, y - size.y - 12}, {x + std::max(length, size.x) + 8, y + 8}, kShade, 6);
+  list->AddText({x, y - size.y - 7}, kInk, text.c_str());
+  list->AddLine({x, y}, {x + length, y}, kInk, 2);
+  for (const float end : {x, x + length}) list->AddLine({end, y - 4}, {end, y + 4}, kInk, 2);
+}
+
+struct AxisEnd {
+  const char* name;
+  const char* mark;
+  Vec3 direction;
+  ImU32 color;
+};
+
+/// The world's axes as the camera sees them; a click on an end looks from there.
+void drawGizmo(ViewerApp& app, const FreeArea& free) {
+  constexpr float kRadius = 34, kEnd = 9;
+  static const AxisEnd kEnds[] = {
+      {"x", "axis +x", Vec3::UnitX(), IM_COL32(236, 95, 88, 255)},
+      {"", "axis -x", -Vec3::UnitX(), IM_COL32(140, 62, 60, 255)},
+      {"y", "axis +y", Vec3::UnitY(), IM_COL32(125, 196, 95, 255)},
+      {"", "axis -y", -Vec3::UnitY(), IM_COL32(72, 112, 58, 255)},
+      {"z", "axis +z", Vec3::UnitZ(), IM_COL32(92, 151, 240, 255)},
+      {"", "axis -z", -Vec3::UnitZ(), IM_COL32(56, 88, 140, 255)}};
+  const bool covered = app.settings().layout.isOpen(SidePanel::kScene) &&
+                       free.right > static_cast<float>(app.size().first) - 2 * kPanelMargin;
+  const bool small = free.right - free.left < 6 * kRadius || free.bottom - free.top < 10 * kRadius;
+  if (!app.document() || small || covered || !app.settings().layout.roomy())
+    return;
+  const ImVec2 middle{free.right - kRadius - kEnd, free.top + kRadius + kEnd};
+  constexpr float kSide = 2 * (kRadius + kEnd);
+  ImGui::SetNextWindowPos({middle.x - 0.5F * kSide, middle.y - 0.5F * kSide});
+  ImGui::SetNextWindowSize({kSide, kSide});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, 0});
+  ImGui::Begin("Orientation", nullptr,
+               (kPlain & ~ImGuiWindowFlags_AlwaysAutoResize) | ImGuiWindowFlags_NoBackground);
+  const ViewCamera& camera = app.camera();
+  const Vec3 right = camera.right(), forward = camera.forward(), up = right.cross(forward);
+  std::array<int, 6> order{0, 1, 2, 3, 4, 5};
+  std::ranges::sort(order, std::greater<>(),
+                    [&](int i) { return kEnds[i].direction.dot(forward); });
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  for (const int i : order) {
+    const AxisEnd& end = kEnds[i];
+    const ImVec2 at{middle.x + kRadius * static_cast<float>(end.direction.dot(right)),
+                    middle.y - kRadius * static_cast<float>(end.direction.dot(up))};
+    const bool named = end.name[0] != 0;
+    ImGui::SetCursorScreenPos({at.x - kEnd, at.y - kEnd});
+    const bool pressed = ImGui::InvisibleButton(end.mark, {2 * kEnd, 2 * kEnd});
+    const bool over = ImGui::IsItemHovered();
+    app.mark(end.mark);
+    if (named)
+      list->AddLine(middle, at, end.color, 2);
+    list->AddCircleFilled(at, over ? kEnd : named ? kEnd - 1 : kEnd - 4, over ? kInk : end.color, 20);
+    if (named) {
+      const ImVec2 size = ImGui::CalcTextSize(end.name);
+      list->AddText({at.x - 0.5F * size.x, at.y - 0.5F * size.y}, IM_COL32(16, 18, 22, 255), end.name);
+    }
+    if (pressed)
+      app.lookFromAxis(end.direction);
+  }
+  ImGui::End();
+  ImGui::PopStyleVar();
+}
+
+/// What the media are under the pointer.
+void drawProbe(ViewerApp& app, const ViewerInput& input) {
+  if (!app.settings().probe || ImGui::GetIO().WantCaptureMouse || input.mouseX < 0)
+    return;
+  const auto probe = app.probeAt(input.mouseX, input.mouseY);
+  if (!probe)
+    return;
+  ImGui::BeginTooltip();
+  const Vec3& p = probe->place;
+  ImGui::Text("x %.4g  y %.4g  z %.4g m", p.x(), p.y(), p.z());
+  ImGui::TextDisabled("%s", probe->onSurface ? "on a surface" : "where most light comes from");
+  for (const auto& medium : probe->media) {
+    ImGui::Separator();
+    ImGui::TextUnformatted(medium.name.c_str());
+    ImGui::Text("extinction %.4g /m", medium.extinction);
+    if ((medium.emission > 0).any())
+      ImGui::Text("light %.3g %.3g %.3g /m", medium.emission[0], medium.emission[1],
+                  medium.emission[2]);
+    ImGui::Text("optical depth along the ray %.4g", medium.opticalDepth);
+  }
+  ImGui::EndTooltip();
+}
+
+}  // namespace
+
+void drawStage(ViewerApp& app, const ViewerInput& input) {
+  const FreeArea free = freeArea(app, input);
+  if (!app.settings().panels) {  // then the picture is all there is
+    if (!app.picture().shown())
+      drawProgress(app, free);
+    return;
+  }
+  drawScaleBar(app, free, input);
+  drawGizmo(app, free);
+  drawBadge(app, free);
+  drawProgress(app, free);
+  drawToast(app, free);
+  drawProbe(app, input);
+}
+
+}  // namespace volute
