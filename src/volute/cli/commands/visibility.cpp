@@ -166,6 +166,9 @@ Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& argument
     return nullptr;
   PlanUnderlay underlay;
   VOLUTE_ASSIGN(underlay.picture, readImage(*file));
+  VOLUTE_ASSIGN(const auto alpha, readAlpha(*file));
+  if (alpha)
+    layOnWhite(underlay.picture, *alpha);
   underlay.min = bounds.min.head<2>();
   underlay.max = bounds.max.head<2>();
   if (const auto text = arguments.find<std::string>("underlay-bounds")) {
@@ -225,22 +228,38 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
 Result<SurveySummary> surveyStoreys(const Arguments& arguments, Context& context,
                                     const std::vector<double>& heights, const std::string& output) {
   constexpr std::string_view kMark = "visibility.json";
-  VOLUTE_ASSIGN(auto folder, PendingFolder::create(output, kMark));
+  Team& team = context.team;
+  VOLUTE_TRY(checkFolderIsShared(output, team));
+  std::optional<PendingFolder> pending;
+  Status made;
+  if (team.leads()) {
+    auto folder = PendingFolder::create(output, kMark);
+    if (folder)
+      pending.emplace(std::move(*folder));
+    else
+      made = tl::unexpected(std::move(folder.error()));
+  }
+  VOLUTE_TRY(team.agree(made));
+  VOLUTE_ASSIGN(const auto paths, team.gatherTexts(pending ? pending->path().string() : ""));
+  const std::filesystem::path folder = paths.front();
   Json report = {{"heights", Json::array()}};
   std::string page;
   std::optional<SurveySummary> first;
   for (const double height : heights) {
     const std::string name = fmt::format("z_{:g}", height);
     context.progress.remark(fmt::format("eyes at z = {:g} m", height));
-    VOLUTE_ASSIGN(auto found,
-                  surveyOf(arguments, context, height, (folder.path() / name).string()));
+    VOLUTE_ASSIGN(auto found, surveyOf(arguments, context, height, (folder / name).string()));
+    if (!team.leads()) {
+      first = std::move(found);
+      continue;
+    }
     report["heights"].push_back({{"height", height},
                                  {"folder", name},
                                  {"sight_lines", found.sightLines},
                                  {"seen_first", found.seenFirst},
                                  {"seen_last", found.seenLast}});
     VOLUTE_ASSIGN(const auto figure,
-                  htmlFigure(folder.path() / name / "aset.png",
+                  htmlFigure(folder / name / "aset.png",
                              fmt::format("When no sign is seen any more, from z = {:g} m.", height)));
     page += fmt::format("<h2><a href='{0}/report.html'>Eyes at z = {1:g} m</a></h2>\n{2}", name, height,
                         figure);
@@ -252,9 +271,12 @@ Result<SurveySummary> surveyStoreys(const Arguments& arguments, Context& context
       first->seenLast += found.seenLast;
     }
   }
-  VOLUTE_TRY(writeFile(folder.path() / kMark, dumpJson(report) + "\n"));
-  VOLUTE_TRY(writePage(folder.path() / "report.html", "Visibility of signs, storey by storey", page));
-  VOLUTE_TRY(folder.commit());
+  const auto finish = [&]() -> Status {
+    VOLUTE_TRY(writeFile(folder / kMark, dumpJson(report) + "\n"));
+    VOLUTE_TRY(writePage(folder / "report.html", "Visibility of signs, storey by storey", page));
+    return pending->commit();
+  };
+  VOLUTE_TRY(team.agree(team.leads() ? finish() : Status()));
   const double count = static_cast<double>(heights.size());
   first->seenFirst /= count, first->seenLast /= count;
   return std::move(*first);
@@ -264,10 +286,6 @@ Status runVisibility(const Arguments& arguments, Context& context) {
   const auto output = arguments.get<std::string>("output");
   Context::watch(output);
   VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
-  if (heights.size() > 1 && context.team.size() > 1) {
-    return fail(ErrorCode::kUnsupported,
-                "--height: several heights are for one process; with mpirun run it once for each");
-  }
   VOLUTE_ASSIGN(const auto found,
                 heights.size() > 1 ? surveyStoreys(arguments, context, heights, output)
                                    : surveyOf(arguments, context, heights.front(), output));
