@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "volute/film/film_job.hpp"
 
@@ -60,10 +61,11 @@ ColorScale scaleOf(const Contour& slice, const Mass& mass) {
 }
 
 /// What all media say of themselves, one after the other.
-MediumText textOf(const Scene& scene) {
+MediumText textOf(const Scene& scene, const Camera& camera) {
   MediumText all;
   for (const auto& medium : scene.media()) {
-    const MediumText text = medium->text();
+    MediumText text = medium->text(seenFrom(camera));
+    std::ranges::move(text.marks, std::back_inserter(all.marks));
     all.notes.insert(all.notes.end(), text.notes.begin(), text.notes.end());
     all.legend.insert(all.legend.end(), text.legend.begin(), text.legend.end());
     if (text.scale)
@@ -73,11 +75,12 @@ MediumText textOf(const Scene& scene) {
 }
 
 /// Of a picture of a contour.
-PictureText textOfContour(const Contour& contour, const Scene& scene, bool legend, double time) {
+PictureText textOfContour(const Contour& contour, const Scene& scene, const Camera& camera,
+                          bool legend, double time) {
   const auto holds = [](const auto& medium) { return medium->info().mass.has_value(); };
   const auto found = std::ranges::find_if(scene.media(), holds);
   const Mass mass = found == scene.media().end() ? Mass() : *(*found)->info().mass;
-  const MediumText media = textOf(scene);
+  const MediumText media = textOf(scene, camera);
   PictureText text;
   text.notes = {{"volute.mode", modeOf(contour)}, {"volute.shows", lineOf(contour, mass)}};
   if (showsVisibility(contour))
@@ -114,7 +117,7 @@ std::string modeOf(const Contour& contour) {
 
 PictureText FilmJob::textOf(const FilmFrame& frame) const {
   if (contour)
-    return textOfContour(*contour, scene, legend, frame.time);
+    return textOfContour(*contour, scene, camera, legend, frame.time);
   PictureText text;
   const PictureLaw law = scene.law();
   const bool threshold = law.mode == PictureMode::kThreshold;
@@ -126,15 +129,21 @@ PictureText FilmJob::textOf(const FilmFrame& frame) const {
   std::vector<std::string> lines{threshold ? fmt::format("{}, C = {:g}", mode, law.c) : mode};
   if (options.aov != Aov::kNone)
     lines.push_back(shown(options));
-  const MediumText media = volute::textOf(scene);
+  const Camera now = cameraAt(frame);
+  const MediumText media = volute::textOf(scene, now);
   // All in one: a picture's notes have different names.
   if (!media.notes.empty())
     text.notes.emplace_back("volute.smoke", fmt::format("{}", fmt::join(media.notes, "; ")));
   text.scale = media.scale;
   lines.insert(lines.end(), media.legend.begin(), media.legend.end());
   lines.push_back(fmt::format("t = {:.2f} s", frame.time));
-  if (legend)
-    text.legend = std::move(lines);
+  if (!legend)
+    return text;
+  text.legend = std::move(lines);
+  for (const PlaceMark& mark : media.marks) {
+    if (const auto pixel = now.project(mark.at))
+      text.marks.push_back({*pixel, mark.text});
+  }
   return text;
 }
 

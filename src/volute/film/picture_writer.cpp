@@ -30,6 +30,7 @@ Image developed(const Image& image, const Development& development, const Pictur
   std::optional<ColorScale> scale = text.scale;
   if (development.colorMap)
     scale = ColorScale{*development.colorMap, 1 / development.style.exposure};
+  for (const PictureMark& mark : text.marks) drawMark(out, mark.text, mark.at);
   drawLegend(out, text.legend, scale);
   return out;
 }

@@ -22,12 +22,19 @@ struct Development {
   std::optional<ColorMap> colorMap{};  ///< of the first channel, from 0 to 1 after the exposure
 };
 
+/// Letters around a pixel.
+struct PictureMark {
+  Vec2 at = Vec2::Zero();  ///< their middle, in pixels from the upper left corner
+  std::string text;
+};
+
 /// What a picture says about itself.
 struct PictureText {
   ImageNotes notes{};                 ///< in the file
   std::vector<std::string> legend{};  ///< drawn into .png and films; empty: nothing
   std::optional<ColorScale>
       scale{};  ///< of a picture that comes in its colours, or of a part of one
+  std::vector<PictureMark> marks{};  ///< drawn with the legend
 };
 
 /// Where pictures go, in order; nothing appears before it is whole. Pictures are linear RGB, or one

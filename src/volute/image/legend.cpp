@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "volute/image/bitmap_text.hpp"
@@ -137,6 +138,19 @@ void drawLegend(Image& image, const std::vector<std::string>& lines,
     drawText(image, line, x, y, dot, ink);
     y += kLine * dot;
   }
+}
+
+void drawMark(Image& image, const std::string& text, const Vec2& at) {
+  const int dot = std::max(1, image.height / kRowsOfDots);
+  const TextSize size = textSize(text, dot);
+  const int x = static_cast<int>(std::lround(at.x() - 0.5 * size.width));
+  const int y = static_cast<int>(std::lround(at.y() - 0.5 * size.height));
+  if (x < dot || y < dot || x + size.width + dot > image.width || y + size.height + dot > image.height)
+    return;
+  for (int dy = -dot; dy <= dot; dy += dot) {
+    for (int dx = -dot; dx <= dot; dx += dot) drawText(image, text, x + dx, y + dy, dot, Rgb::Ones());
+  }
+  drawText(image, text, x, y, dot, Rgb::Zero());
 }
 
 }  // namespace volute

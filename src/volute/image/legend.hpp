@@ -8,6 +8,7 @@
 
 #include "volute/image/color_scale.hpp"
 #include "volute/image/image.hpp"
+#include "volute/math/vec2.hpp"
 
 namespace volute {
 
@@ -29,5 +30,9 @@ LegendLayout layOutLegend(int width, int height, const std::vector<std::string>&
 /// Draws the legend on a dark ground into a picture that will be encoded as sRGB.
 void drawLegend(Image& image, const std::vector<std::string>& lines,
                 const std::optional<ColorScale>& scale);
+
+/// Draws letters around a pixel, dark with a light edge, into a picture that will be encoded as
+/// sRGB. Nothing where they would be cut off.
+void drawMark(Image& image, const std::string& text, const Vec2& at);
 
 }  // namespace volute

@@ -164,6 +164,9 @@ Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& argument
     return nullptr;
   PlanUnderlay underlay;
   VOLUTE_ASSIGN(underlay.picture, readImage(*file));
+  VOLUTE_ASSIGN(const auto alpha, readAlpha(*file));
+  if (alpha)
+    layOnWhite(underlay.picture, *alpha);
   underlay.min = bounds.min.head<2>();
   underlay.max = bounds.max.head<2>();
   if (const auto text = arguments.find<std::string>("underlay-bounds")) {
@@ -224,12 +227,8 @@ Status runVisibility(const Arguments& arguments, Context& context) {
   const auto output = arguments.get<std::string>("output");
   Context::watch(output);
   VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
-  if (heights.size() > 1 && context.team.size() > 1) {
-    return fail(ErrorCode::kUnsupported,
-                "--height: several heights are for one process; with mpirun run it once for each");
-  }
   VOLUTE_ASSIGN(const auto found,
-                heights.size() > 1 ? surveyStoreys(heights, output, context.progress,
+                heights.size() > 1 ? surveyStoreys(heights, output, context.progress, context.team,
                                                    [&](double height, const std::string& folder) {
                                                      return surveyOf(arguments, context, height,
                                                                      folder);

@@ -115,9 +115,10 @@ Result<std::optional<FirstTime>> FdsSceneMedium::firstTime(Progress& progress) {
   return layer_.firstTime(progress);
 }
 
-MediumText FdsSceneMedium::text() const {
-  const std::vector<std::string> words = layer_.words();
+MediumText FdsSceneMedium::text(const std::optional<Vec3>& eye) const {
+  const std::vector<std::string> words = layer_.words(eye);
   MediumText text{words, words};
+  text.marks = layer_.rulerMarks(eye);
   if (const FdsSliceSheet* slice = layer_.slice())
     text.scale = ColorScale{ColorMap::kViridis, slice->range()[1], slice->range()[0]};
   return text;

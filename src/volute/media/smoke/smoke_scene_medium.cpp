@@ -242,7 +242,7 @@ Result<std::shared_ptr<const MediumAt>> SmokeSceneMedium::at(const InstantReques
                                          layer_.description().walls);
 }
 
-MediumText SmokeSceneMedium::text() const {
+MediumText SmokeSceneMedium::text(const std::optional<Vec3>&) const {
   auto words = wordsOf(layer_.description().model);
   return {{fmt::format("field '{}': {}", layer_.fieldName(), fmt::join(words, ", "))},
           std::move(words)};
