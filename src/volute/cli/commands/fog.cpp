@@ -57,17 +57,17 @@ Result<FogDescription> fogOf(const Arguments& arguments, const std::string& map)
 }
 
 /// --sun, --sun-radiance: at most one.
-Result<std::vector<FogSun>> sunsOf(const Arguments& arguments) {
+Result<std::vector<Sun>> sunsOf(const Arguments& arguments) {
   if (!arguments.given("sun"))
-    return std::vector<FogSun>{};
+    return std::vector<Sun>{};
   VOLUTE_ASSIGN(const auto members, membersOf(sunFields(), arguments));
-  VOLUTE_ASSIGN(const auto sun, readAs<FogSun>(sunFields(), members, {}));
+  VOLUTE_ASSIGN(const auto sun, readAs<Sun>(sunFields(), members, {}));
   return std::vector{sun};
 }
 
 /// What shadows the sun in the fog.
 Status addGeometry(const Arguments& arguments, FogDescription& description,
-                   const std::vector<FogSun>& suns, const Context& context) {
+                   const std::vector<Sun>& suns, const Context& context) {
   const auto file = arguments.find<std::string>("geometry");
   if (!file)
     return {};
