@@ -9,7 +9,7 @@ std::span<const Benchmark> benchmarks() {
   static const std::vector<Benchmark> table = {
       {"codec",
        "files at equal relative RMS: sizes against Volute's; speeds of one thread, per second of "
-       "processor time, against zfp 4D's (of all threads, per second, against one)",
+       "CPU time, against zfp 4D's (of all threads, per second, against one)",
        benchCodec},
       {"fds",
        "an FDS case of 100 meshes and 5 million cells: opening, and sight lines against a plain "
@@ -29,7 +29,7 @@ std::span<const Benchmark> benchmarks() {
 #ifdef VOLUTE_WITH_GL
       {"gl",
        "the papers' tables of frame rates by OpenGL on the device there is; ratios to the "
-       "processor",
+       "CPU",
        benchGl},
 #endif
       {"visibility",

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One thread is charged the time that it has the processor, so that a busy machine does not blur
+/// One thread is charged the time that it has the CPU, so that a busy machine does not blur
 /// the ratios; several are charged what passes on the wall.
 class Stopwatch {
  public:

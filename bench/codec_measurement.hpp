@@ -15,7 +15,7 @@ namespace volute::bench {
 struct CodedFiles {
   std::filesystem::path folder;
   double setting = 0;          ///< what encode() was given
-  double encodingSeconds = 0;  ///< of processor time for one thread
+  double encodingSeconds = 0;  ///< of CPU time for one thread
   std::uint64_t bytes = 0;     ///< of all files
   double relativeRms = 0;      ///< of what was decoded from them
 };
@@ -32,7 +32,7 @@ struct Contestant {
   const FileCodec* codec = nullptr;
   std::filesystem::path folder;
   int threads = 1;     ///< 0: all
-  double seconds = 0;  ///< filled in: the fastest of all rounds; of processor time for one thread
+  double seconds = 0;  ///< filled in: the fastest of all rounds; of CPU time for one thread
 };
 
 /// Contestants take turns, so that whatever else this machine does disturbs them alike.

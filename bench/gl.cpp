@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // `volute bench gl`: the papers' tables of frame rates by OpenGL on the device there is, against
-// the processor's.
+// the CPU's.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -80,10 +80,10 @@ class GlBench {
       return {};
     }
     const auto view = [&](int k) { return one.camera(k, size.width, size.height); };
-    const double difference = largestDifference(*image, one.byProcessor(view(0), 0));
+    const double difference = largestDifference(*image, one.byCpu(view(0), 0));
     const double patience = std::min(1.0, seconds / kFramesACase);
     VOLUTE_ASSIGN(const double cpu, medianFrame(patience, 3, [&](int k) -> Status {
-                    (void)one.byProcessor(view(k), k);
+                    (void)one.byCpu(view(k), k);
                     return {};
                   }));
     (void)drawer_.takePasses();
@@ -111,7 +111,7 @@ class GlBench {
     int width = 0, height = 0;
   };
 
-  /// Frames that a case takes at most, together with those of the processor and the smaller ones
+  /// Frames that a case takes at most, together with those of the CPU and the smaller ones
   /// before.
   static constexpr double kFramesACase = 6;
 

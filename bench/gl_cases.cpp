@@ -67,7 +67,7 @@ Result<GlCase> paperCase(const std::string& name, int degree, int side, int leve
       stillCase(fmt::format("paper B, table 3 ({}): {}",
                             after ? "after, bands in splines" : "before, four bases", name),
                 kPaperWidth, kPaperHeight, walkersView, {},
-                [=](const Camera& camera) { return byProcessor(picture, camera); });
+                [=](const Camera& camera) { return byCpu(picture, camera); });
   one.paperFog = std::make_shared<GlPaperFog>(std::move(drawn));
   return one;
 }
@@ -126,14 +126,14 @@ Status addTree(const std::string& name, const Sequence& sequence, double error, 
 
 GlCase stillCase(std::string name, int width, int height,
                  std::function<Camera(int width, int height)> camera, GlScene scene,
-                 std::function<Image(const Camera&)> byProcessor) {
+                 std::function<Image(const Camera&)> byCpu) {
   const auto shared = std::make_shared<const GlScene>(std::move(scene));
   return {std::move(name),
           width,
           height,
           [view = std::move(camera)](int, int w, int h) { return view(w, h); },
           [=](int) -> const GlScene& { return *shared; },
-          [drawn = std::move(byProcessor)](const Camera& from, int) { return drawn(from); }};
+          [drawn = std::move(byCpu)](const Camera& from, int) { return drawn(from); }};
 }
 
 Status addTrees(const BenchInput& input, Progress& progress, std::vector<GlCase>& cases) {

@@ -23,13 +23,13 @@ struct GlExtent {
   bool hardware = false;  ///< a graphics card, to which no picture of the papers is too large
 };
 
-/// Pictures for OpenGL and for the processor: the same ones, frame after frame.
+/// Pictures for OpenGL and for the CPU: the same ones, frame after frame.
 struct GlCase {
   std::string name;
   int width = 800, height = 600;  ///< the papers' size, or what is asked of a graphics card
   std::function<Camera(int frame, int width, int height)> camera;
   std::function<const GlScene&(int frame)> scene;
-  std::function<Image(const Camera& camera, int frame)> byProcessor;
+  std::function<Image(const Camera& camera, int frame)> byCpu;
   Rgb background = Rgb::Zero();
   bool asLargeAsLast =
       false;  ///< without a graphics card: of the case before's size, to be compared
@@ -50,11 +50,11 @@ struct GlGroup {
 /// One picture that stays.
 GlCase stillCase(std::string name, int width, int height,
                  std::function<Camera(int width, int height)> camera, GlScene scene,
-                 std::function<Image(const Camera&)> byProcessor);
+                 std::function<Image(const Camera&)> byCpu);
 
 /// Ahrenberg et al. 2005, Figure 8: fire and smoke over the tree's bits a voxel, the tree walked in
 /// place without bounding boxes, with them, and with empty bricks stepped over too, and the bricks
-/// that are not empty drawn from a texture; and 64^3 voxels at 1920 x 1080. The processor draws
+/// that are not empty drawn from a texture; and 64^3 voxels at 1920 x 1080. The CPU draws
 /// from the tree by extracting the instant's bricks in each frame.
 [[nodiscard]] Status addTrees(const BenchInput& input, Progress& progress,
                               std::vector<GlCase>& cases);

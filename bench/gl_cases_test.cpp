@@ -24,12 +24,12 @@ class GlCasesTest : public gltest::GlRendererTest {
         cases, [&](const GlCase& one) { return one.name.find(part) != std::string::npos; }));
   }
 
-  /// The first picture is the processor's, and a later frame is drawn.
+  /// The first picture is the CPU's, and a later frame is drawn.
   static void check(const GlCase& one) {
     GlCaseDrawer drawer(*renderer_);
     const auto drawn = drawer.picture(one, kWidth, kHeight);
     ASSERT_TRUE(drawn) << one.name << ": " << drawn.error().message;
-    const Image expected = one.byProcessor(one.camera(0, kWidth, kHeight), 0);
+    const Image expected = one.byCpu(one.camera(0, kWidth, kHeight), 0);
     ASSERT_EQ(drawn->pixels.size(), expected.pixels.size()) << one.name;
     const float brightest = *std::ranges::max_element(expected.pixels);
     ASSERT_GT(brightest, 0.01F) << one.name;
@@ -50,7 +50,7 @@ TEST_F(GlCasesTest, TheHallIsShownWithAndWithoutExitSigns) {
   for (const GlCase& one : cases) check(one);
   // A sign is seen, and through smoke.
   const Camera camera = cases[0].camera(0, kWidth, kHeight);
-  const Image without = cases[0].byProcessor(camera, 0), with = cases[4].byProcessor(camera, 0);
+  const Image without = cases[0].byCpu(camera, 0), with = cases[4].byCpu(camera, 0);
   const Sign& sign = cases[4].signs.at(0);
   const float brightest = *std::ranges::max_element(sign.picture.pixels);
   float most = 0;
@@ -91,7 +91,7 @@ TEST_F(GlCasesTest, FogIsWalkedBeforeAndAfterTurningBackIntoSplines) {
   for (const GlCase& one : cases) {
     check(one);
     if (one.name.find("table 3") != std::string::npos)
-      table3.push_back(one.byProcessor(one.camera(0, kWidth, kHeight), 0));
+      table3.push_back(one.byCpu(one.camera(0, kWidth, kHeight), 0));
   }
   // All three are the same fog.
   ASSERT_EQ(table3.size(), 3u);
@@ -114,7 +114,7 @@ TEST_F(GlCasesTest, QuadraticFogIsWalkedInFourBases) {
       const Camera camera = Camera::pinhole({Vec3(4, 3, 6), Vec3(20, 21, 5)}, 70, kWidth, kHeight);
       GlPasses passes;
       const Image image = drawn->render(camera, passes);
-      const Image expected = byProcessor(picture, camera);
+      const Image expected = byCpu(picture, camera);
       for (std::size_t i = 0; i < expected.pixels.size(); ++i)
         EXPECT_NEAR(image.pixels[i], expected.pixels[i], 2e-5) << degree << deconstructed;
     }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kFrames = 4;
 
-/// Some instants of smoke, and what the processor draws of them.
+/// Some instants of smoke, and what the CPU draws of them.
 struct AnimatedSmoke {
   std::shared_ptr<const TetLocator> locator;
   std::vector<std::vector<float>> extinctions;  // of each time
@@ -113,7 +113,7 @@ GlCase smokeCase(std::string name, const std::shared_ptr<AnimatedSmoke>& smoke, 
   one.scene = [=](int k) -> const GlScene& {
     return (*scenes)[static_cast<std::size_t>(timeOf(k))];
   };
-  one.byProcessor = [=](const Camera& camera, int k) {
+  one.byCpu = [=](const Camera& camera, int k) {
     return smoke->draw(camera, timeOf(k), way.lit, signs);
   };
   one.signs = std::move(signs);

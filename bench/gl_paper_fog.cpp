@@ -234,7 +234,7 @@ Packed pack(const PaperPicture& picture) {
 
 }  // namespace
 
-Image byProcessor(const PaperPicture& picture, const Camera& camera) {
+Image byCpu(const PaperPicture& picture, const Camera& camera) {
   Image image(camera.width(), camera.height());
   parallelFor(static_cast<std::size_t>(camera.height()), [&](std::size_t y) {
     for (int x = 0; x < camera.width(); ++x) {

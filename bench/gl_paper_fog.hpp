@@ -23,7 +23,7 @@ struct PaperPicture {
 };
 
 /// In double, on all threads. The light towards the eye, before black.
-Image byProcessor(const PaperPicture& picture, const Camera& camera);
+Image byCpu(const PaperPicture& picture, const Camera& camera);
 
 /// The same walks in a compute shader, in float. Needs a current context all its life.
 class GlPaperFog {

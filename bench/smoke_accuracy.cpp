@@ -39,12 +39,12 @@ SampledOpacity::SampledOpacity(const TetMedium& medium, const SmokeView& view, s
                             static_cast<int>(pixels_[i] / view.width), opaque));
   }
   std::vector<double> depths(pixels);
-  const double begin = processorSeconds();
+  const double begin = cpuSeconds();
   parallelRanges(pixels, 8, [&](std::size_t first, std::size_t last) {
     medium.opticalDepth(std::span(rays).subspan(first, last - first),
                         std::span(depths).subspan(first, last - first));
   });
-  secondsPerPixel_ = (processorSeconds() - begin) / static_cast<double>(pixels);
+  secondsPerPixel_ = (cpuSeconds() - begin) / static_cast<double>(pixels);
   for (const double depth : depths) alpha_.push_back(1 - std::exp(-depth));
 }
 

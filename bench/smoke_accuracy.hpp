@@ -20,7 +20,7 @@ class SampledOpacity {
  public:
   SampledOpacity(const TetMedium& medium, const SmokeView& view, std::size_t pixels);
 
-  /// Of processor time.
+  /// Of CPU time.
   double secondsPerPixel() const { return secondsPerPixel_; }
 
   std::size_t pixels() const { return pixels_.size(); }

@@ -2,8 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "bench/smoke_drawers.hpp"
 
-#include <sys/resource.h>
-
 #include <cmath>
 #include <cstring>
 #include <type_traits>
@@ -32,14 +30,14 @@ class OwnDrawer : public SmokeDrawer {
 
   Result<DrawTimes> draw(const SmokeView& view, std::span<float> opacity) override {
     const auto begin = Clock::now();
-    const double processor = processorSeconds();
+    const double cpu = cpuSeconds();
     if (view.field != field_)
       path_.setExtinction(smoke_.extinction[static_cast<std::size_t>(view.field)]);
     field_ = view.field;
     paint(view.camera(), opaqueDepth(view));
     DrawTimes times;
     times.wall = secondsSince(begin);
-    times.processor = processorSeconds() - processor;
+    times.cpu = cpuSeconds() - cpu;
     fill(opacity);
     return times;
   }
@@ -124,7 +122,7 @@ class PeerDrawer final : public SmokeDrawer {
       // Written for files.
       if (reply.error().message.find("too long") == std::string::npos)
         return tl::unexpected<Error>(reply.error());
-      return fail(ErrorCode::kUnsupported, "one frame takes more than {:.0f} s of processor time",
+      return fail(ErrorCode::kUnsupported, "one frame takes more than {:.0f} s of CPU time",
                   limits_.seconds);
     }
     DrawTimes times;
@@ -157,20 +155,13 @@ class PeerDrawer final : public SmokeDrawer {
 
 }  // namespace
 
-double processorSeconds() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
-
 std::vector<std::unique_ptr<SmokeDrawer>> smokeDrawers(
     const SmokeCase& smoke, const std::shared_ptr<const TetLocator>& locator, bool quick) {
   std::vector<std::unique_ptr<SmokeDrawer>> drawers;
   const auto own = [&]<class Drawer>(std::type_identity<Drawer>, const char* name, SmokeRole role) {
     drawers.push_back(std::make_unique<Drawer>(smoke, locator, name, role));
   };
-  // Of processor time for one frame. The baseline's frames are what all is measured by: they may
+  // Of CPU time for one frame. The baseline's frames are what all is measured by: they may
   // take as long as they take.
   constexpr double kBaseline = 600, kOthers = 60, kQuick = 30, kSweep = 30;
   drawers.push_back(std::make_unique<PeerDrawer>(smoke, PeerMapper::kProjectedTetrahedra,

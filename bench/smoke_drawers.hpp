@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bench/smoke_views.hpp"
+#include "volute/base/process_usage.hpp"
 #include "volute/base/result.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
 
@@ -19,7 +20,7 @@ namespace volute::bench {
 
 /// Of one frame [s], with what new smoke takes.
 struct DrawTimes {
-  double wall = 0, processor = 0;
+  double wall = 0, cpu = 0;
 };
 
 /// What a drawer is for: what is asked of it, and how much of its pictures is worth the time.
@@ -41,9 +42,6 @@ class SmokeDrawer {
   /// The opacity of each pixel.
   [[nodiscard]] virtual Result<DrawTimes> draw(const SmokeView& view, std::span<float> opacity) = 0;
 };
-
-/// Processor time of this process so far [s].
-double processorSeconds();
 
 /// VTK's projected tetrahedra first, then Volute's, then slower ones of VTK. Hold the case alive.
 std::vector<std::unique_ptr<SmokeDrawer>> smokeDrawers(

@@ -37,7 +37,7 @@ struct PeerView {
 
 /// Of one picture [s], read back included.
 struct PeerTimes {
-  double wall = 0, processor = 0;
+  double wall = 0, cpu = 0;
 };
 
 class SmokePeer {

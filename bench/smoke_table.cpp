@@ -26,12 +26,12 @@ constexpr std::size_t kJudged = 2000;  // pixels
 
 /// The least of several frames.
 struct SmokeTable::Timing {
-  double wall = std::numeric_limits<double>::infinity(), processor = wall, spent = 0;
+  double wall = std::numeric_limits<double>::infinity(), cpu = wall, spent = 0;
   int frames = 0;
 
   void add(const DrawTimes& times) {
     wall = std::min(wall, times.wall);
-    processor = std::min(processor, times.processor);
+    cpu = std::min(cpu, times.cpu);
     spent += times.wall;
     ++frames;
   }
@@ -69,7 +69,7 @@ void SmokeTable::judge(BenchRows& rows, SmokeTargets& targets) {
   reference.name = fmt::format("{}: reference, double", setting_.name());
   reference.value = 1e3 * judgement.secondsPerPixel() * static_cast<double>(setting_.pixels());
   reference.unit = "ms";
-  reference.note = fmt::format("of processor time, from {} pixels", judgement.pixels());
+  reference.note = fmt::format("of CPU time, from {} pixels", judgement.pixels());
   rows.add(std::move(reference));
   std::vector<float> opacity(setting_.pixels());
   for (std::size_t i = 0; i < drawers_.size(); ++i) {
@@ -134,8 +134,8 @@ Status SmokeTable::measure(BenchRows& rows, SmokeTargets& targets, Progress& pro
       if (timings[i].frames > 0) {
         row.value = 1e3 * timings[i].wall;
         row.note +=
-            fmt::format("{}{:.0f} ms of processor time, {} frames", row.note.empty() ? "" : "; ",
-                        1e3 * timings[i].processor, timings[i].frames);
+            fmt::format("{}{:.0f} ms of CPU time, {} frames", row.note.empty() ? "" : "; ",
+                        1e3 * timings[i].cpu, timings[i].frames);
         targets.addSeconds(role, setting_, timings[i].wall);
       }
       if (timings[i].frames > 0 && baseline.frames > 0) {

@@ -54,15 +54,15 @@ class Judge {
     const Camera camera = view.camera();
     const std::vector<float> opaque = opaqueDepth(view);
     std::vector<double> depth(setting.pixels()), color(4 * setting.pixels());
-    const double begin = processorSeconds();
+    const double begin = cpuSeconds();
     referenceDepth(medium_, camera, opaque, depth);
     referenceColor(medium_, camera, opaque, color);
     rows.add({fmt::format("{}: reference, double", setting.name()),
-              processorSeconds() - begin,
+              cpuSeconds() - begin,
               "s",
               std::nullopt,
               {},
-              "of processor time: the whole picture's optical depth and lit colour"});
+              "of CPU time: the whole picture's optical depth and lit colour"});
     for (double& d : depth) d = -std::expm1(-d);
     std::vector<float> drawn(setting.pixels()), lit(4 * setting.pixels());
     const auto add = [&](const char* what, SmokeRole role, const Worst& worst, std::string note) {

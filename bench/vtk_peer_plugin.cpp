@@ -3,7 +3,6 @@
 // VTK's mappers for volumes of tetrahedra, drawn by OpenGL without a display.
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
-#include <sys/resource.h>
 #include <vtkActor.h>
 #include <vtkAutoInit.h>
 #include <vtkCamera.h>
@@ -34,6 +33,7 @@
 #include <thread>
 
 #include "bench/smoke_peer.hpp"
+#include "volute/base/process_usage.hpp"
 
 VTK_MODULE_INIT(vtkRenderingOpenGL2);
 VTK_MODULE_INIT(vtkRenderingVolumeOpenGL2);
@@ -87,13 +87,6 @@ vtkStandardNewMacro(Window)
   if (context == EGL_NO_CONTEXT || !eglMakeCurrent(display, surface, surface, context))
     return failed();
   return {};
-}
-
-double processorSeconds() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
 }
 
 vtkSmartPointer<vtkUnstructuredGrid> gridOf(const TetMesh& mesh) {
@@ -196,12 +189,12 @@ class VtkPeer final : public SmokePeer {
     setSign(view);
     vtkNew<vtkUnsignedCharArray> pixels;
     const auto begin = std::chrono::steady_clock::now();
-    const double processor = processorSeconds();
+    const double cpu = cpuSeconds();
     window_->Render();
     window_->GetPixelData(0, 0, view.width - 1, view.height - 1, 0, pixels, 0);
     PeerTimes times;
     times.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    times.processor = processorSeconds() - processor;
+    times.cpu = cpuSeconds() - cpu;
     if (pixels->GetNumberOfValues() != vtkIdType{3} * view.width * view.height)
       return fail(ErrorCode::kUnsupported, "VTK drew no picture");
     for (int y = 0; y < view.height; ++y) {

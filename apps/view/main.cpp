@@ -3,7 +3,7 @@
 // What `volute view` runs; the command's options are declared in volute/cli/commands/view.cpp.
 #include "volute/base/output_file.hpp"
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/render_job.hpp"
+#include "volute/film/film_job.hpp"
 #include "volute/cli/program.hpp"
 #include "volute/cli/scene_arguments.hpp"
 #include "volute/cli/volume_output.hpp"

@@ -151,6 +151,17 @@ class SameBytes(Cluster):
             self.check_units(self.path("stats.json"), "looking", times, ranks)
             self.assertIn("sight.csv", self.same_folders(self.path("alone"), self.path("ours")))
 
+    def test_visibility_of_several_storeys(self):
+        mesh = sight_cases.Mesh("hall", (0, 7, 0, 3, 0, 2.4), (14, 6, 4), [])
+        case = sight_cases.FdsCase([mesh], [0.0, 1.0, 2.5], lambda time, x, y, z: 0.02 * (1 + time) * (1 + 0.1 * x)).write(self.folder)
+        signs = self.path("signs.json")
+        signs.write_text(json.dumps({"signs": [{"name": "east", "position": [7, 1.5, 1.1], "normal": [-1, 0, 0]}]}))
+        arguments = ("visibility", case, "--signs", signs, "--height", "0.9,1.5", "--step", "0.5")
+        self.works(*arguments, "-o", self.path("alone"))
+        self.succeeds(3, *arguments, "-o", self.path("ours"))
+        names = self.same_folders(self.path("alone"), self.path("ours"))
+        self.assertTrue({"report.html", "z_0.9/sight.csv", "z_1.5/aset.png"} <= set(names), names)
+
 
 @unittest.skipUnless(HAS_MPI, "no mpirun, or Volute was built without MPI")
 class BadInput(Cluster):

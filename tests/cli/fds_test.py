@@ -219,6 +219,38 @@ class Fds(support.TestCase):
         self.assertIn("no 2D slice of 'HEAT'; the case has slices of SOOT EXTINCTION COEFFICIENT, TEMPERATURE",
                       self.fails(1, "render", self.case, "-o", self.path("x.png"), "--fds-slice", "HEAT"))
         self.fails(2, "render", self.case, "-o", self.path("x.png"), "--fds-slice", "TEMPERATURE", "--fds-slice-range", "5,2")
+        # At its plane, within half a cell, or not at all.
+        there = from_above("--fds-slice", "TEMPERATURE z=0.6", "--fds-slice-range", "20,50")
+        self.assertAlmostEqual(there, 0.98 * math.exp(-1), delta=0.02)
+        self.assertIn("no slice of 'TEMPERATURE z=0.9'",
+                      self.fails(1, "render", self.case, "-o", self.path("x.png"), "--fds-slice", "TEMPERATURE z=0.9"))
+        self.assertIn("expected a quantity, as TEMPERATURE, or one and a plane",
+                      self.fails(2, "render", self.case, "-o", self.path("x.png"), "--fds-slice", "TEMPERATURE w=1"))
+
+    def test_a_plane_cuts_3d_slices(self):
+        self.add_slice(2, (0, 4, 0, 4, 0, 4), 60.0, ("TEMPERATURE", "temp", "C"), "SLCF")
+
+        def from_above(*more):
+            self.works("render", self.case, "-o", self.path("x.exr"), "--ortho", "0.1", "--eye", "1.5,0.55,3",
+                       "--target", "1.5,0.55,0", "--up", "0,1,0", "--size", "4x4", "--albedo", "0,0,0", *more)
+            return self.works("info", self.path("x.exr"), "--json").json["maximum"]
+        # Three quarters of the smoke are above the sheet.
+        self.assertAlmostEqual(from_above("--fds-slice", "TEMPERATURE z=0.25", "--fds-slice-range", "20,50"),
+                               0.98 * math.exp(-1.5), delta=0.02)
+        self.assertIn("TEMPERATURE z=7 is outside of the case; expected 0 to 1 m",
+                      self.fails(2, "render", self.case, "-o", self.path("x.png"), "--fds-slice", "TEMPERATURE z=7"))
+        self.assertIn("a plane, as z=1.5 behind the name, cuts 3D ones",
+                      self.fails(1, "render", self.case, "-o", self.path("x.png"), "--fds-slice", "TEMPERATURE"))
+
+    def test_a_ruler_is_named_where_it_is_seen(self):
+        """The caption says its divisions, and numbers stand along it, from outside alone."""
+        def said(*more):
+            self.works("render", self.case, "-o", self.path("x.png"), "--size", "400x300", *more)
+            return self.path("x.png").read_bytes()
+        self.assertTrue(b"ruler: " in said())
+        # Where the wall was until 5 s, which is all of the building.
+        within = said("--eye", "0.25,0.25,0.5", "--target", "3,0.25,0.5", "--fov", "60", "--time", "8")
+        self.assertFalse(b"ruler" in within)
 
     def test_options_that_would_change_nothing_are_refused_by_all_commands(self):
         self.path("signs.json").write_text('{"signs": [{"name": "a", "position": [1, 0.5, 0.5], "normal": [0, 0, 1]}]}')

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""OpenGL without a display: what the device is, and pictures that are those of the processor."""
+"""OpenGL without a display: what the device is, and pictures that are those of the CPU."""
 import json
 import os
 
@@ -11,7 +11,7 @@ from geometry_test import floor, glb, obj
 from pictures import Picture, read_exr, write_png
 from support import volute, write_npy
 
-# The processor may not draw.
+# The CPU may not draw.
 ONLY_GL = os.environ | {"VOLUTE_CPU_RENDERER": "off"}
 
 
@@ -58,7 +58,7 @@ class Gl(support.TestCase):
         self.fails(2, "info")
         self.works("info", "--gl", self.volume())
 
-    def test_pictures_are_those_of_the_processor(self):
+    def test_pictures_are_those_of_the_cpu(self):
         for basis in ("box", "trilinear"):
             common = ["render", self.volume(), "--size", "24x20", "--basis", basis, "--extinction", "2", "--time", "0"]
             for renderer in ("gl", "reference"):
@@ -99,7 +99,7 @@ class Gl(support.TestCase):
             "signs": [{"name": "exit", "position": [0, 2.9, 1], "normal": [0, -1, 0], "size": [1.5, 0.8], "emitting": True}]}
 
     def difference(self, scene, *more, ways=()):
-        """Of gl, with the processor's renderer off, from the reference, as a share of the brightest; and the statistics.
+        """Of gl, with the CPU renderer off, from the reference, as a share of the brightest; and the statistics.
         `ways`: what is said to gl alone."""
         self.works("render", scene, "--renderer", "reference", "-o", self.path("reference.exr"), "--cache", "none", *more)
         self.works("render", scene, "--renderer", "gl", "-o", self.path("gl.exr"), "--stats", self.path("s.json"),
@@ -108,7 +108,7 @@ class Gl(support.TestCase):
         brightest = max(read_exr(self.path("reference.exr")).values)
         return found["max_error"] / brightest, json.loads(self.path("s.json").read_text())
 
-    def test_each_medium_and_all_without_the_processor(self):
+    def test_each_medium_and_all_without_the_cpu(self):
         for media in (["volume"], ["fog"], ["smoke"], ["volume", "fog", "smoke"]):
             error, stats = self.difference(self.scene(media=media))
             self.assertLess(error, 2e-3, media)
@@ -204,7 +204,7 @@ class Gl(support.TestCase):
         self.assertLess(error, 2e-3)
         self.assertIn("billboard", {p["name"] for p in stats["gl"]["passes"]})
 
-    def test_the_processor_can_be_switched_off(self):
+    def test_the_cpu_can_be_switched_off(self):
         result = volute("render", self.scene(media=["fog"]), "-o", self.path("x.png"), "--renderer", "cpu", env=ONLY_GL)
         self.assertEqual(result.code, 1)
         self.assertIn("VOLUTE_CPU_RENDERER", result.message)

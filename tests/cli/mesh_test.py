@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""What the program says of smoke on a mesh: `volute info`, and wrong wishes."""
+"""What the program says of smoke on a mesh: `volute info`, and wrong requests."""
 import json
 import os
 import subprocess
@@ -88,7 +88,7 @@ class Memory(support.TestCase):
             self.assertEqual((codes[0], codes[-1]), (1, 0), verb)
 
 
-class WrongWishes(MeshCase):
+class WrongRequests(MeshCase):
     def test_a_slice_beside_the_mesh(self):
         self.slab("a.vtu")
         for plane, bounds in (("z=50", "-1 to 2 m along z"), ("x=-0.1", "0 to 10 m along x")):

@@ -101,6 +101,23 @@ class Fds(Visibility):
                          "--eyes", self.eyes([(1, 1, 1), (3, 2.9, 1), (4.5, 1, 1)]))
         self.assertEqual([row["blocked"] for row in rows], [1, 1, 0, 0, 1, 0, 0, 0, 0])
 
+    def test_a_reports_figures_are_tables_too(self):
+        self.look(self.two_meshes((0.0, 10.0, 60.0)).write(self.folder), self.signs(self.east()), "--height", 1.5, "--step", 0.5,
+                  "--maps", "aset")
+        report = self.report()
+        aset = report["aset"][0]["rows"]
+        self.assertTrue(any(value == 10 for row in aset for value in row))
+        with open(self.path("out") / "maps.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), report["eyes"]["walkable"])
+        x0, y0 = report["eyes"]["origin"]
+        for row in rows:
+            stated = aset[round((float(row["y"]) - y0) / 0.5)][round((float(row["x"]) - x0) / 0.5)]
+            self.assertEqual(float(row["aset"]), math.inf if stated is None else stated)
+        with open(self.path("out") / "curves.csv", newline="") as file:
+            curve = [float(row["value"]) for row in csv.DictReader(file) if row["name"] == "any sign"]
+        self.assertEqual(curve, [record["any"] for record in report["summary"]])
+
     def test_pictures_show_the_building_and_the_smoke(self):
         case = self.two_meshes()
         self.look(case.write(self.folder), self.signs(self.east()), "--height", 1.5, "--step", 1, "--maps", "aset",

@@ -62,7 +62,7 @@ def keep_times(state, table):
         sys.exit(f"demo: {missing[0]} is not made; finish the demo first")
     kept = {step.name: round(times[step.name], 2) for step in state.plan.maker.values()}
     table.write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
-    print(f"{sum(kept.values()):.0f} s of processor time in {table}")
+    print(f"{sum(kept.values()):.0f} s of CPU time in {table}")
     return 0
 
 
@@ -77,7 +77,7 @@ def main():
     parser.add_argument("--bin", type=pathlib.Path, help="folder of built programs; nothing is compiled")
     parser.add_argument("--preset", default="release", help="CMake preset to compile [release]")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
-    parser.add_argument("--measured", action="store_true", help="keep the processor times of a finished demo for the forecasts of later ones")
+    parser.add_argument("--measured", action="store_true", help="keep the CPU times of a finished demo for the forecasts of later ones")
     options = parser.parse_args()
     signal.signal(signal.SIGTERM, interrupted)
     signal.signal(signal.SIGHUP, interrupted)

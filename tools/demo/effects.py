@@ -6,7 +6,7 @@ import fire_in_fog
 from plan import Build, Chapter, Choice, Command, Drawn, Fact, Picture, Section, Step, Wipe
 from words import NBSP, bytes_of, percent, ratio
 
-BUILD_SECONDS = 420  # of processor time, with an empty cache
+BUILD_SECONDS = 420  # of CPU time, with an empty cache
 # The haze of this error is invisible three stops up; the chapter measures that, and two coarser ones, in every run.
 RMS = "1e-4"
 COARSER = ("3e-4", "3e-3")
@@ -79,7 +79,7 @@ def fire_section(scale):
     return Section(
         "A fire, from .vdb to a film and back",
         (f"{frames} frames of {voxels}³ voxels, RGB, 25 a second, as a simulation would leave them: one .vdb file a frame. `volute compress` makes "
-         "one .volute file of them that any moment can be taken from, and the film is rendered from that file.",
+         "one .volute file of them that any time can be taken from, and the film is rendered from that file.",
          "In Blender: Add, Volume, Import OpenVDB, and choose all files of [effects/back](effects/back/); its grid is called `emission`."),
         (Fact(lambda r: ratio(r, "effects/fire/", volute(RMS)), "the .vdb files on disk to the .volute", ("effects/fire/", volute(RMS))),
          Fact(lambda r: percent(r.report("effects/difference.png")["relative_l2"]), "relative L2 error of a picture of what comes back",

@@ -55,8 +55,8 @@ def visibility(words):
     (folder / "sight.csv").write_text("eye,sign\n")
     for name in ("aset.png", "routes.png", *(f"maps/{sign}_{i:04d}.png" for sign in ("1_west_exit", "2_north_exit") for i in range(19))):
         make(folder / name, 3)
-    moments = [{"any": 0.5, "signs": {"west exit": 0.4, "north exit": 0.3}}] * (10 if "0.25" == words["--step"] else 19)
-    (folder / "visibility.json").write_text(json.dumps({"summary": moments, "aset": [{"kept_to_the_end": 5}], "eyes": {"walkable": 9},
+    times = [{"any": 0.5, "signs": {"west exit": 0.4, "north exit": 0.3}}] * (10 if "0.25" == words["--step"] else 19)
+    (folder / "visibility.json").write_text(json.dumps({"summary": times, "aset": [{"kept_to_the_end": 5}], "eyes": {"walkable": 9},
                                                         "routes": [{"walk_share_with_a_sign": 0.5}]}))
 
 

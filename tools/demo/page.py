@@ -267,7 +267,7 @@ class Page:
                 f'<body><header><h1>{TITLE}</h1><p class="subtitle">{SUBTITLE}</p>{self.status(stamp)}<div class="doors">{doors}</div>'
                 f'{others}{self.shell()}</header>\n<main>' + "\n".join(self.chapter(chapter) for chapter in self.plan.chapters) +
                 f"</main>\n<footer><p>Everything on this page is made from seeds by <code>{self.command()}</code> on this machine, in "
-                f"{seconds:.0f}{NBSP}s of processor time without compiling. {size}{time.strftime('%Y-%m-%d')}.</p></footer>"
+                f"{seconds:.0f}{NBSP}s of CPU time without compiling. {size}{time.strftime('%Y-%m-%d')}.</p></footer>"
                 f"<script>{script}</script></body></html>\n")
 
 

@@ -200,7 +200,7 @@ def smoke_section():
         "the values of one plane and "
         "nothing of what lies before and behind it; an isosurface has one value and hides the rest. Neither tells what a person sees, which "
         "is the sum along each line of sight.",
-        (Choice(tuple((f"papers/by_{name}.png", words) for name, words, _ in MEANS), "One moment by four means",
+        (Choice(tuple((f"papers/by_{name}.png", words) for name, words, _ in MEANS), "One time by four means",
                 f"Soot in g/m³ and visibility S = C/K in metres on the plane {PLANE[0]} = {PLANE[1]}{NBSP}m through the fire, C = 3 and K "
                 "of that point alone; plasma and viridis"),
          Picture("papers/depth.png", "Optical depth up to the walls", "Natural logarithm, viridis"),

@@ -38,7 +38,7 @@ class Step:
 class Build:
     """Compiles one target, with all that it needs."""
     target: str
-    seconds: float  # processor time from nothing; less is left where parts are there
+    seconds: float  # CPU time from nothing; less is left where parts are there
 
     @property
     def name(self):
@@ -119,7 +119,7 @@ class Plan:
     """All chapters. A file is made by one step, and read after it was made."""
 
     def __init__(self, chapters, measured=None):
-        """`measured`: {step: processor seconds}, as Scale.measured reads them."""
+        """`measured`: {step: CPU seconds}, as Scale.measured reads them."""
         self.chapters = tuple(chapters)
         self.measured = measured or {}
         self.steps = [step for chapter in self.chapters for step in chapter.steps]
@@ -136,7 +136,7 @@ class Plan:
                 self.maker[file] = step
 
     def seconds(self, step):
-        """Processor time that a step takes on the machine of the table."""
+        """CPU time that a step takes on the machine of the table."""
         return step.seconds if isinstance(step, Build) else self.measured.get(step.name, 1.0)
 
     def step_of(self, file):

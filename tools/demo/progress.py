@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""How long the rest takes: processor time that was measured once, scaled by what this machine showed so far."""
+"""How long the rest takes: CPU time that was measured once, scaled by what this machine showed so far."""
 import os
 import time
 
-# Processor seconds of `work_of_python` where the seconds of steps were measured.
+# CPU seconds of `work_of_python` where the seconds of steps were measured.
 REFERENCE = 0.065
-# Of a program's processor time, so many cores are busy at once: reading, writing and films are serial.
+# Of a program's CPU time, so many cores are busy at once: reading, writing and films are serial.
 SERIAL_SHARE = 0.15
 
 
@@ -23,7 +23,7 @@ def cores():
 
 
 def wall_share():
-    """Wall time of a second of processor time, by Amdahl's law."""
+    """Wall time of a second of CPU time, by Amdahl's law."""
     return SERIAL_SHARE + (1 - SERIAL_SHARE) / cores()
 
 

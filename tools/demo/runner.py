@@ -18,7 +18,7 @@ def say(text):
     print(f"demo: {text}", file=sys.stderr, flush=True)
 
 
-def processor_seconds():
+def cpu_seconds():
     """Of this process and of all that it waited for."""
     return sum(usage.ru_utime + usage.ru_stime
                for usage in map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)))
@@ -39,7 +39,7 @@ class Runner:
                 if (step.name not in self.built if isinstance(step, Build) else not self.state.done(step))]
 
     def build_seconds(self, build):
-        """Processor time that the rest of a build takes."""
+        """CPU time that the rest of a build takes."""
         left = self.compiler.left(build.target) if self.compiler else (0, 1)
         return build.seconds if left is None else build.seconds * min(1.0, left[0] / left[1])
 
@@ -72,7 +72,7 @@ class Runner:
     def compile(self, build):
         if self.builds[build.name] > 5:
             say(f"compiling {build.target}: {spoken(self.forecast.compiling(self.builds[build.name]))}")
-        begin, cpu = time.monotonic(), processor_seconds()
+        begin, cpu = time.monotonic(), cpu_seconds()
         last = [begin]
 
         def told(done, of):
@@ -88,15 +88,15 @@ class Runner:
         self.compiler.build(build.target, told)
         self.built.add(build.name)
         self.state.programs_changed()
-        spent = processor_seconds() - cpu
+        spent = cpu_seconds() - cpu
         if spent > 5:
-            say(f"{build.target} is built: {time.monotonic() - begin:.0f} s, {spent:.0f} s of processor time")
+            say(f"{build.target} is built: {time.monotonic() - begin:.0f} s, {spent:.0f} s of CPU time")
 
     def make(self, step):
         steps = [one for one in self.plan.steps if not isinstance(one, Build)]
         rest = self.left(without=step)
         expected = self.forecast.wall(self.plan.seconds(step))
-        begin, cpu = time.monotonic(), processor_seconds()
+        begin, cpu = time.monotonic(), cpu_seconds()
         text = f"Making {step.name}"
         if self.plan.seconds(step) > 0.2:
             say(f"[{steps.index(step) + 1}/{len(steps)}] {step.name}; {spoken(rest + expected)} left")
@@ -113,7 +113,7 @@ class Runner:
                 report = step.work(self.state.out, *step.arguments)
             except (ValueError, ArithmeticError, LookupError, AssertionError) as error:  # of files that are not as expected
                 raise Failed(f"{step.work.__module__}.{step.work.__name__}: {error!r}") from error
-        spent = processor_seconds() - cpu
+        spent = cpu_seconds() - cpu
         self.state.finish(step, spent, report)
         self.forecast.seen(self.plan.seconds(step), time.monotonic() - begin)
 

@@ -66,8 +66,8 @@ HALL_SCENE = {
                "albedo": [0.5, 0.5, 0.5], "walls": [0.72, 0.70, 0.66]}],
     "signs": [hall_sign("emitting", 6.65, True), hall_sign("reflecting", 5.35, False)]}
 HALL = "safety/hall/"
-MOMENTS, SHOWN = (10, 35, 50, 70, 100, 150), 70
-SIGN_MOMENTS = (60, 90, 110, 130)
+TIMES, SHOWN = (10, 35, 50, 70, 100, 150), 70
+SIGN_TIMES = (60, 90, 110, 130)
 
 
 def changed(scene, **what):
@@ -96,8 +96,8 @@ def hall_steps(scale):
         Step((HALL,), f"volute synthesize hall -o safety/hall/hall.pvd --frames {steps} --interval {interval:g} --cell {cell} --seed 1"),
         json_file("safety/hall.json", HALL_SCENE),
         json_file("safety/signs_close.json", changed(HALL_SCENE, mode="threshold", camera=CLOSE)),
-        *(still("safety/hall.json", f"safety/hall_{time}.png", time, "--legend") for time in MOMENTS),
-        *(still("safety/signs_close.json", f"safety/signs_{time}.png", time, "--legend") for time in SIGN_MOMENTS),
+        *(still("safety/hall.json", f"safety/hall_{time}.png", time, "--legend") for time in TIMES),
+        *(still("safety/signs_close.json", f"safety/signs_{time}.png", time, "--legend") for time in SIGN_TIMES),
         Step(("safety/hall.mp4",), f"volute render safety/hall.json -o safety/hall.mp4 --size {film} --speed {speed} --exposure 1 --cache "
                                    "light --legend",
              reads=("safety/hall.json", HALL))]
@@ -133,8 +133,8 @@ def building_section(scale, times):
 
     def series(results):
         summary = plan_results(results)["summary"]
-        lines = [{"name": "any sign", "x": list(times), "y": [moment["any"] for moment in summary]}]
-        lines += [{"name": sign["name"], "x": list(times), "y": [moment["signs"][sign["name"]] for moment in summary]} for sign in SIGNS]
+        lines = [{"name": "any sign", "x": list(times), "y": [row["any"] for row in summary]}]
+        lines += [{"name": sign["name"], "x": list(times), "y": [row["signs"][sign["name"]] for row in summary]} for sign in SIGNS]
         return {"title": "Share of the plan from which a sign is seen", "series": lines, "x_label": "time [s]", "y_label": "share of the points"}
 
     def kept(results):
@@ -183,9 +183,9 @@ def hall_section(scale):
          Picture("safety/hall.mp4", f"160 s in {160 / scale.pick(25, 40):.0f}", "Photometric: a thing is seen through exp(-optical depth); "
                                                                                 "linear light, exposure 1, sRGB",
                  poster=f"safety/hall_{SHOWN}.png"),
-         Choice(tuple((f"safety/hall_{time}.png", f"{time} s") for time in MOMENTS), "The same at six moments",
-                "The column, the layer, the flow through the door, and the hall", start=MOMENTS.index(SHOWN)),
-         Choice(tuple((f"safety/signs_{time}.png", f"{time} s") for time in SIGN_MOMENTS), "Two signs, 11 m away",
+         Choice(tuple((f"safety/hall_{time}.png", f"{time} s") for time in TIMES), "The same at six times",
+                "The column, the layer, the flow through the door, and the hall", start=TIMES.index(SHOWN)),
+         Choice(tuple((f"safety/signs_{time}.png", f"{time} s") for time in SIGN_TIMES), "Two signs, 11 m away",
                 "The left one emits light (C = 8), the right one reflects it (C = 3). Threshold mode: a thing has faded to 10 % where S = "
                 "C/K calls it no longer visible",
                 start=1)))

@@ -144,5 +144,5 @@ class State:
         return total
 
     def seconds(self):
-        """{step: processor time of what is made}."""
+        """{step: CPU time of what is made}."""
         return {name: record["seconds"] for name, record in self.records.items()}

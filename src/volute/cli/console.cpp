@@ -10,8 +10,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "volute/cli/interrupt.hpp"
-#include "volute/cli/printable.hpp"
+#include "volute/base/interrupt.hpp"
+#include "volute/base/printable.hpp"
 
 namespace volute::cli {
 namespace {

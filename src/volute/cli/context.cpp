@@ -5,8 +5,8 @@
 #include <cstdio>
 
 #include "volute/cli/console.hpp"
-#include "volute/cli/interrupt.hpp"
-#include "volute/cli/printable.hpp"
+#include "volute/base/interrupt.hpp"
+#include "volute/base/printable.hpp"
 
 namespace volute::cli {
 

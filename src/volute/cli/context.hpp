@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "volute/base/team.hpp"
-#include "volute/cli/report.hpp"
+#include "volute/report/json.hpp"
+#include "volute/report/report.hpp"
 #include "volute/media/reading.hpp"
 
 namespace volute::cli {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "volute/base/result.hpp"
-#include "volute/cli/report.hpp"
+#include "volute/report/report.hpp"
 #include "volute/gl/gl_smoke.hpp"
 #include "volute/scene/scene_renderer.hpp"
 

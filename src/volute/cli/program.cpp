@@ -17,13 +17,14 @@
 #include "volute/cli/command.hpp"
 #include "volute/cli/console.hpp"
 #include "volute/cli/help.hpp"
-#include "volute/cli/interrupt.hpp"
-#include "volute/cli/named_files.hpp"
-#include "volute/cli/overwriting.hpp"
+#include "volute/base/interrupt.hpp"
+#include "volute/cli/input_checks.hpp"
 #include "volute/cli/parse.hpp"
-#include "volute/cli/printable.hpp"
+#include "volute/base/printable.hpp"
 #include "volute/cli/ranks.hpp"
+#include "volute/base/output_name.hpp"
 #include "volute/cluster/cluster.hpp"
+#include "volute/cluster/rank_streams.hpp"
 #include "volute/io/reader_helper.hpp"
 
 namespace volute::cli {

@@ -6,19 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/team_checks.hpp"
 #include "volute/cli/arguments.hpp"
 #include "volute/cli/command.hpp"
 
 // What the program does as one of several processes that mpirun started.
 
 namespace volute::cli {
-
-/// Rank 0 alone speaks: standard output and standard error of the others lead nowhere from here on.
-void silenceOtherRanks();
-
-/// Where ranks end with an error before they are a team, the launcher ends all as soon as one does:
-/// others than the first wait for that a while.
-void letFirstRankSpeak();
 
 /// kInvalidArgument when several processes were started for a command that one does.
 [[nodiscard]] Status checkRanks(const Command& command);
@@ -34,9 +28,5 @@ Option statsOption(std::vector<std::string_view> kinds = {});
 /// Where --stats is given, rank 0 writes `own` and, as "ranks", what each rank did: the units of
 /// each stage, CPU time, seconds that it waited, memory. Collective.
 [[nodiscard]] Status writeStats(const Arguments& arguments, Context& context, Json own);
-
-/// Fails on all ranks unless all see the folder that `target` will lie in: rank 0 writes a file
-/// there for a moment. Collective.
-[[nodiscard]] Status checkFolderIsShared(const std::string& target, Team& team);
 
 }  // namespace volute::cli

@@ -9,6 +9,7 @@
 #include "volute/cli/arguments.hpp"
 #include "volute/cli/context.hpp"
 #include "volute/cli/field_options.hpp"
+#include "volute/media/camera_file.hpp"
 #include "volute/scene/scene.hpp"
 #include "volute/scene/scene_sight.hpp"
 
@@ -46,5 +47,8 @@ std::vector<Option> lightCacheOptions();
 /// An error about a member of the only medium of a scene that a file stands for, as one about the
 /// option.
 Error aboutOptions(Error error, const std::string& path);
+
+/// From --camera or --eye, --target, --up and --fov or --ortho; nothing when none of them is given.
+[[nodiscard]] Result<std::optional<CameraDescription>> cameraOf(const Arguments& arguments);
 
 }  // namespace volute::cli

@@ -77,10 +77,6 @@ Result<Value> parseChoice(const Option& option, std::string_view text) {
 
 }  // namespace
 
-std::string vectorText(const Vec3& v) {
-  return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
-}
-
 Result<double> parseNumber(std::string_view text) {
   double value = 0;
   if (!parseWhole(text, value) || !std::isfinite(value)) {

@@ -47,7 +47,4 @@ using Value = std::variant<bool, std::string, double, int, Bytes, FrameRange, Re
 /// The value that `option` gives to `text`, its limits and choices checked.
 [[nodiscard]] Result<Value> parseValue(const Option& option, std::string_view text);
 
-/// "1, 2.5, -3".
-std::string vectorText(const Vec3& v);
-
 }  // namespace volute::cli

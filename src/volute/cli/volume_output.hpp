@@ -6,12 +6,11 @@
 #include <string>
 
 #include "volute/cli/context.hpp"
-#include "volute/grid/frame_source.hpp"
+#include "volute/grid/copy_frames.hpp"
 
 namespace volute::cli {
 
-/// Before long work: the folder must be there, and the target must be no folder and no device. "-"
-/// is allowed where `standardOutput` says so. Its folder is watched for half-written files.
+/// checkOutput(), and its folder is watched for half-written files.
 [[nodiscard]] Status checkTarget(const std::string& target, bool standardOutput = false);
 
 /// A place for volumes by the target's name, as createSink has it; "-" is a .npy on standard
@@ -20,9 +19,5 @@ namespace volute::cli {
 [[nodiscard]] Result<std::unique_ptr<FrameSink>> openSink(const std::string& target,
                                                           const VolumeInfo& info,
                                                           bool voluteToo = false);
-
-/// Copies all frames, reporting and asking whether to go on; then finishes the sink.
-[[nodiscard]] Status copyFrames(FrameSource& source, FrameSink& sink, const std::string& stage,
-                                Progress& progress);
 
 }  // namespace volute::cli

@@ -51,6 +51,7 @@ Result<FdsCase> FdsCase::open(SmvIndex index, const FdsOptions& options) {
   VOLUTE_TRY(opened.findTimes());
   VOLUTE_TRY(opened.findBytes());
   VOLUTE_TRY(opened.buildGrid());
+  opened.findChanges();
   opened.noteMissingMeshes();
   return opened;
 }
@@ -329,6 +330,18 @@ Status FdsCase::buildGrid() {
   return {};
 }
 
+void FdsCase::findChanges() {
+  for (const FdsMesh& mesh : index_.meshes) {
+    for (const FdsObstruction& one : mesh.obstructions) {
+      for (const auto& event : one.events) changes_.push_back(event.time);
+    }
+    for (const FdsVent& one : mesh.vents) {
+      for (const auto& event : one.events) changes_.push_back(event.time);
+    }
+  }
+  std::ranges::sort(changes_);
+}
+
 void FdsCase::noteMissingMeshes() {
   std::vector<bool> covered(index_.meshes.size(), false);
   for (const auto& part : parts_) covered[static_cast<std::size_t>(part->what.mesh)] = true;
@@ -525,51 +538,125 @@ static bool isAveraged(FdsFileKind kind) {
          kind == FdsFileKind::kSmoke16;
 }
 
-Result<std::shared_ptr<const FdsValues>> FdsCase::partValues(const Part& part,
+/// How many obstructions and vents have come or gone until a time.
+std::size_t FdsCase::changesUntil(double time) const {
+  return static_cast<std::size_t>(std::ranges::upper_bound(changes_, time) - changes_.begin());
+}
+
+void FdsCase::findGeometry(Part& part, double time) const {
+  const std::size_t changes = changesUntil(time);
+  if (part.geometry && part.geometry->changes == changes)
+    return;
+  const FdsMesh& mesh = index_.meshes[static_cast<std::size_t>(part.what.mesh)];
+  const auto own = static_cast<std::size_t>(part.what.mesh);
+  auto made = std::make_shared<Part::Geometry>();
+  made->changes = changes;
+  std::vector<std::vector<std::uint8_t>> solid(index_.meshes.size());
+  if (isAveraged(source().kind)) {
+    for (std::size_t i = 0; i < solid.size(); ++i) {
+      if (near(index_.meshes[i].bounds(), mesh.bounds()))
+        solid[i] = solidCells(index_.meshes[i], time);
+    }
+    made->round = cellsRoundNodes(index_, part.what.mesh, time, solid);
+  } else {
+    solid[own] = solidCells(mesh, time);
+  }
+  made->needed = part.needed(mesh, solid[own]);
+  part.geometry = std::move(made);
+}
+
+/// What was stored at the first moment; empty where that is nothing but zeros.
+Result<std::vector<float>> FdsCase::firstFrame(Part& part) const {
+  std::vector<float> first;
+  if (part.beginsClear && *part.beginsClear)
+    return first;
+  first.resize(part.file->values());
+  VOLUTE_TRY(part.file->readFrame(0, first));
+  part.beginsClear = std::ranges::none_of(first, [](float value) { return value > 0; });
+  if (*part.beginsClear)
+    first.clear();
+  return first;
+}
+
+namespace {
+
+constexpr NodeCells kAllGas{8, 0, 0};
+
+/// Bands of stored values. Those of bytes are looked up, with the gas alone of nodes in the open.
+class Bands {
+ public:
+  explicit Bands(const SmokeScale& scale) : scale_(scale) {
+    if (scale.bytes == SmokeScale::Bytes::kNone)
+      return;
+    for (int byte = 0; byte < 256; ++byte) {
+      all_.push_back(scale.band(static_cast<float>(byte)));
+      open_.push_back(gasOnly(all_.back(), SmokeBand{}, kAllGas));
+    }
+  }
+
+  SmokeBand of(float stored) const {
+    return all_.empty() ? scale_.band(stored) : all_[static_cast<std::uint8_t>(stored)];
+  }
+
+  /// Of the gas round a node that has eight cells of it.
+  SmokeBand inTheOpen(float stored) const {
+    return open_.empty() ? gasOnly(scale_.band(stored), SmokeBand{}, kAllGas)
+                         : open_[static_cast<std::uint8_t>(stored)];
+  }
+
+ private:
+  const SmokeScale& scale_;
+  std::vector<SmokeBand> all_, open_;  // of each byte; empty: of other values
+};
+
+bool isAllGas(const NodeCells& cells) {
+  return cells.gas == kAllGas.gas && cells.open == 0 && cells.held == 0;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const FdsValues>> FdsCase::partValues(Part& part,
                                                              std::size_t position) const {
   const std::size_t frame = part.frameAt[position];
   const double time = part.file->frames().times[frame];
   std::vector<float> stored(part.file->values());
   VOLUTE_TRY(part.file->readFrame(frame, stored));
   VOLUTE_ASSIGN(const SmokeScale scale, scaleOf(part, frame));
-
-  const FdsMesh& mesh = index_.meshes[static_cast<std::size_t>(part.what.mesh)];
-  const auto own = static_cast<std::size_t>(part.what.mesh);
-  std::vector<std::vector<std::uint8_t>> solid(index_.meshes.size());
-  std::vector<NodeCells> round;
+  findGeometry(part, times_[position]);
+  const std::shared_ptr<const Part::Geometry> geometry = part.geometry;
+  const bool averaged = !geometry->round.empty();
   std::vector<float> first;  // stored values of the first moment, where there were any
   SmokeScale firstScale;
-  if (isAveraged(source().kind)) {
-    for (std::size_t i = 0; i < solid.size(); ++i) {
-      if (near(index_.meshes[i].bounds(), mesh.bounds()))
-        solid[i] = solidCells(index_.meshes[i], time);
-    }
-    round = cellsRoundNodes(index_, part.what.mesh, time, solid);
-    first.resize(stored.size());
-    VOLUTE_TRY(part.file->readFrame(0, first));
+  if (averaged) {
+    VOLUTE_ASSIGN(first, firstFrame(part));
     VOLUTE_ASSIGN(firstScale, scaleOf(part, 0));
-  } else {
-    solid[own] = solidCells(mesh, time);
   }
+  const Bands bands(scale), firstBands(firstScale);
+  const auto bandOf = [&](std::size_t from) {
+    if (!averaged)
+      return bands.of(stored[from]);
+    const NodeCells& cells = geometry->round[from];
+    if (isAllGas(cells))
+      return bands.inTheOpen(stored[from]);
+    const bool held = !first.empty() && first[from] > 0;
+    return gasOnly(bands.of(stored[from]), held ? firstBands.of(first[from]) : SmokeBand{}, cells);
+  };
 
-  const auto needed = part.needed(mesh, solid[own]);
   auto values = std::make_shared<FdsValues>();
-  values->value.assign(needed.size(), std::numeric_limits<float>::quiet_NaN());
+  values->value.assign(geometry->needed.size(), std::numeric_limits<float>::quiet_NaN());
   if (scale.inexact())
     values->low = values->high = values->value;
   std::size_t i = 0;
   for (const int z : part.axes.place[2]) {
     for (const int y : part.axes.place[1]) {
+      const std::size_t row =
+          (static_cast<std::size_t>(z) * part.axes.size[1] + y) * part.axes.size[0];
       for (const int x : part.axes.place[0]) {
         const std::size_t at = i++;
-        const std::size_t from =
-            (static_cast<std::size_t>(z) * part.axes.size[1] + y) * part.axes.size[0] + x;
-        if (needed[at] == 0)
+        const std::size_t from = row + static_cast<std::size_t>(x);
+        if (geometry->needed[at] == 0)
           continue;
-        SmokeBand band = scale.band(stored[from]);
-        if (!round.empty())
-          band = gasOnly(band, first[from] > 0 ? firstScale.band(first[from]) : SmokeBand{},
-                         round[from]);
+        const SmokeBand band = bandOf(from);
         if (!std::isfinite(band.value)) {
           return fail(ErrorCode::kInvalidData,
                       "{}: frame {} (t = {} s): value {} is {}, in gas: the file is damaged",
@@ -638,10 +725,18 @@ std::shared_ptr<const FdsValues> between(const FdsValues& a, const FdsValues& b,
 }  // namespace
 
 /// What each cell holds at a time; gas without a value in either stored frame is unknown.
-FdsCase::Cells FdsCase::cellsAt(double time, const Frame& values) const {
+FdsCase::Cells FdsCase::cellsAt(double time, double frameBefore, double frameAfter,
+                                const Frame& values) const {
+  // Frames have values for the gas of their own times.
+  const std::size_t changes = changesUntil(time);
+  const bool known = changesUntil(frameBefore) == changes && changesUntil(frameAfter) == changes;
   Cells cells(parts_.size());
   parallelFor(parts_.size(), [&](std::size_t i) {
-    const Part& part = *parts_[i];
+    Part& part = *parts_[i];
+    if (known && part.cells.second && part.cells.first == changes) {
+      cells[i] = part.cells.second;
+      return;
+    }
     const FdsMesh& mesh = index_.meshes[static_cast<std::size_t>(part.what.mesh)];
     const auto solid = solidCells(mesh, time);
     auto states = std::make_shared<std::vector<FdsCell>>(part.lattice.cellCount(), FdsCell::kGas);
@@ -649,11 +744,13 @@ FdsCase::Cells FdsCase::cellsAt(double time, const Frame& values) const {
       FdsCell& state = (*states)[part.lattice.cellAt(cell)];
       if (part.isSolid(mesh, solid, cell)) {
         state = FdsCell::kSolid;
-      } else if (!part.hasValues(values[i]->value, cell)) {
+      } else if (!known && !part.hasValues(values[i]->value, cell)) {
         state = FdsCell::kUnknown;
       }
     });
     cells[i] = std::move(states);
+    if (known)
+      part.cells = {changes, cells[i]};
   });
   return cells;
 }
@@ -671,7 +768,7 @@ Result<FdsField> FdsCase::field(double time) {
     parallelFor(values.size(),
                 [&](std::size_t i) { values[i] = between(*(*a)[i], *(*b)[i], share); });
   }
-  Cells cells = cellsAt(time, values);
+  Cells cells = cellsAt(time, times_[first], share > 0 ? times_[second] : times_[first], values);
   return FdsField(grid_, std::move(values), std::move(cells));
 }
 

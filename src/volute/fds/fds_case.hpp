@@ -92,10 +92,14 @@ class FdsCase {
   Status findTimes();
   void noteDroppedTimes(std::span<const double> dropped);
   Status buildGrid();
+  void findChanges();
   void noteMissingMeshes();
   Result<std::shared_ptr<const Frame>> frame(std::size_t position);
-  Result<std::shared_ptr<const FdsValues>> partValues(const Part& part, std::size_t position) const;
-  Cells cellsAt(double time, const Frame& values) const;
+  std::size_t changesUntil(double time) const;
+  void findGeometry(Part& part, double time) const;
+  Result<std::vector<float>> firstFrame(Part& part) const;
+  Result<std::shared_ptr<const FdsValues>> partValues(Part& part, std::size_t position) const;
+  Cells cellsAt(double time, double frameBefore, double frameAfter, const Frame& values) const;
 
   FdsOptions options_;
   SmvIndex index_;
@@ -106,6 +110,7 @@ class FdsCase {
   double largestHeat_ = 1200;                                       // [kW/m3], FDS's default
   SmokeScale::Rounding rounding_ = SmokeScale::Rounding::kUnknown;  // of .s3d's opacity
   std::vector<double> times_;
+  std::vector<double> changes_;  // of obstructions and vents, ascending
   std::shared_ptr<const FdsGrid> grid_;
   std::vector<std::string> remarks_;
   std::vector<std::pair<std::size_t, std::shared_ptr<const Frame>>> kept_;  // two at most

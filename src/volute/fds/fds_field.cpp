@@ -3,9 +3,11 @@
 #include "volute/fds/fds_field.hpp"
 
 #include <algorithm>
+#include <mutex>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/fds/fds_march.hpp"
 #include "volute/medium/integrate.hpp"
 
 namespace volute {
@@ -121,18 +123,32 @@ FdsField::FdsField(std::shared_ptr<const FdsGrid> grid,
     VOLUTE_ASSERT(values_[i]->low.size() == values_[i]->high.size());
     VOLUTE_ASSERT(cells_[i]->size() == grid_->lattices()[i].cellCount());
   }
-  std::vector<MarchLattice> march(values_.size());
-  std::vector<std::uint8_t> simple(values_.size(), 0);
-  parallelFor(values_.size(), [&](std::size_t i) {
-    const std::vector<FdsCell>& cells = *cells_[i];
-    std::vector<std::uint8_t> gas(cells.size());
-    for (std::size_t c = 0; c < cells.size(); ++c) gas[c] = cells[c] == FdsCell::kGas;
-    march[i] = MarchLattice(grid_->lattices()[i], values_[i]->value, gas);
-    simple[i] =
-        values_[i]->low.empty() && std::ranges::find(cells, FdsCell::kUnknown) == cells.end();
+  marches_ = std::make_shared<Marches>();
+}
+
+/// The lattices as the march wants them.
+struct FdsField::Marches {
+  std::once_flag made;
+  std::vector<MarchLattice> lattices;
+  bool known = true;  ///< there are values in all gas
+};
+
+/// One after the other: who waits here in a parallel loop must not take up other work of it, which
+/// would wait for itself.
+const FdsField::Marches& FdsField::marches() const {
+  std::call_once(marches_->made, [&] {
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      const std::vector<FdsCell>& cells = *cells_[i];
+      std::vector<std::uint8_t> gas(cells.size());
+      for (std::size_t c = 0; c < cells.size(); ++c) {
+        gas[c] = cells[c] == FdsCell::kGas;
+        marches_->known &= cells[c] != FdsCell::kUnknown;
+      }
+      marches_->lattices.emplace_back(grid_->lattices()[i], values_[i]->value, gas,
+                                      values_[i]->low, values_[i]->high);
+    }
   });
-  simple_ = std::ranges::find(simple, 0) == simple.end();
-  march_ = std::make_shared<const std::vector<MarchLattice>>(std::move(march));
+  return *marches_;
 }
 
 FdsField FdsField::withSource(const Rgb& source) const {
@@ -260,7 +276,7 @@ FdsDepth FdsField::bandOf(const Segment& segment) const {
 
 /// What the march finds on several segments.
 struct FdsField::Lines {
-  std::vector<double> depth;
+  std::vector<double> depth, low, high;
   std::vector<double> inside;  ///< [m] within lattices
   std::vector<double> gas;     ///< [m] of it
 };
@@ -271,8 +287,8 @@ FdsField::Lines FdsField::march(std::span<const Segment> segments) const {
     MarchPart part;
   };
 
-  Lines lines{std::vector<double>(segments.size(), 0.0), std::vector<double>(segments.size(), 0.0),
-              std::vector<double>(segments.size(), 0.0)};
+  const std::vector<double> zeros(segments.size(), 0.0);
+  Lines lines{zeros, zeros, zeros, zeros, zeros};
   std::vector<Part> parts;
   for (std::uint32_t i = 0; i < segments.size(); ++i) {
     grid_->traverse(segments[i], [&](int index, double begin, double end) {
@@ -281,6 +297,7 @@ FdsField::Lines FdsField::march(std::span<const Segment> segments) const {
     });
   }
   std::ranges::stable_sort(parts, {}, &Part::lattice);
+  const Marches& all = marches();
   std::vector<MarchPart> some;
   std::vector<MarchSum> sums;
   for (std::size_t first = 0; first < parts.size(); first += some.size()) {
@@ -289,10 +306,13 @@ FdsField::Lines FdsField::march(std::span<const Segment> segments) const {
     for (std::size_t i = first; i < parts.size() && parts[i].lattice == lattice; ++i)
       some.push_back(parts[i].part);
     sums.resize(some.size());
-    marchParts(grid_->lattices()[lattice], (*march_)[lattice], segments, some, sums);
+    marchParts(grid_->lattices()[lattice], all.lattices[static_cast<std::size_t>(lattice)], segments,
+               some, sums);
     for (std::size_t i = 0; i < some.size(); ++i) {
       lines.depth[some[i].segment] += sums[i].depth;
       lines.gas[some[i].segment] += sums[i].gas;
+      lines.low[some[i].segment] += sums[i].low;
+      lines.high[some[i].segment] += sums[i].high;
     }
   }
   return lines;
@@ -311,15 +331,16 @@ void FdsField::opticalDepthReference(std::span<const Segment> segments,
 }
 
 void FdsField::depths(std::span<const Segment> segments, std::span<FdsDepth> out) const {
+  const bool known = marches().known;
   parallelRanges(segments.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    if (!simple_)
+    if (!known)
       return depthsReference(segments.subspan(begin, end - begin), out.subspan(begin, end - begin));
     const Lines lines = march(segments.subspan(begin, end - begin));
     for (std::size_t i = begin; i < end; ++i) {
       const double depth = lines.depth[i - begin];
       const double inside = lines.inside[i - begin];
       const double length = segments[i].end - segments[i].begin;
-      out[i] = {depth, depth, depth, std::max(0.0, length - inside),
+      out[i] = {depth, lines.low[i - begin], lines.high[i - begin], std::max(0.0, length - inside),
                 std::max(0.0, inside - lines.gas[i - begin])};
     }
   });

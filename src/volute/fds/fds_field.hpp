@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "volute/fds/fds_grid.hpp"
-#include "volute/fds/fds_march.hpp"
 #include "volute/medium/medium.hpp"
 
 namespace volute {
@@ -107,8 +106,10 @@ class FdsField {
 
  private:
   struct Lines;
+  struct Marches;
 
   double depthOf(const Segment& segment) const;
+  const Marches& marches() const;
   Lines march(std::span<const Segment> segments) const;
   FdsDepth bandOf(const Segment& segment) const;
   std::vector<Piece> piecesOf(const Segment& segment) const;
@@ -118,8 +119,7 @@ class FdsField {
   std::vector<std::shared_ptr<const std::vector<FdsCell>>> cells_;
   Rgb source_ = Rgb::Zero();
   std::vector<std::shared_ptr<const FdsLight>> light_;  // empty: even
-  std::shared_ptr<const std::vector<MarchLattice>> march_;
-  bool simple_ = true;  // values are exact, and known in all gas
+  std::shared_ptr<Marches> marches_;  // made when they are asked for
 };
 
 }  // namespace volute

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
+#include <cmath>
+#include <limits>
 #include <random>
 
 #include "volute/fds/fds_case_testing.hpp"
@@ -148,6 +150,51 @@ TEST(FdsField, manyLinesAtOnceEqualOneAfterTheOther) {
     }
     hwy::SetSupportedTargetsForTest(0);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  }
+}
+
+TEST(FdsField, boundsOfManyLinesAtOnceEqualOneAfterTheOther) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> uniform(0, 2);
+  std::vector<Segment> lines;
+  const auto point = [&] {
+    return Vec3(-0.5 + 2.5 * uniform(random), 1.3 * uniform(random), uniform(random) - 1);
+  };
+  for (int i = 0; i < 300; ++i) lines.push_back(between(point(), point()));
+  lines.push_back(between({0, 1, 0}, {4, 1, 0}));
+  for (const bool nodal : {false, true}) {
+    const FdsField exact = fieldOf(meshes(nodal), [&](const Vec3&) { return uniform(random); }, 3);
+    std::vector<std::shared_ptr<const FdsValues>> values;
+    std::vector<std::shared_ptr<const std::vector<FdsCell>>> cells;
+    for (std::size_t i = 0; i < exact.grid().lattices().size(); ++i) {
+      auto banded = std::make_shared<FdsValues>(exact.values(i));
+      for (const float value : banded->value) {
+        banded->low.push_back(0.7F * value);
+        // A byte at its end now and then.
+        banded->high.push_back(random() % 60 == 0 ? std::numeric_limits<float>::infinity()
+                                                  : 1.4F * value);
+      }
+      values.push_back(std::move(banded));
+      cells.push_back(std::make_shared<std::vector<FdsCell>>(exact.cells(i)));
+    }
+    const FdsField field(std::make_shared<FdsGrid>(exact.grid()), values, cells);
+    std::vector<FdsDepth> expected(lines.size()), got(lines.size());
+    field.depthsReference(lines, expected);
+    field.depths(lines, got);
+    int infinite = 0;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      EXPECT_NEAR(got[i].value, expected[i].value, 1e-12 * (1 + expected[i].value)) << i;
+      EXPECT_NEAR(got[i].low, expected[i].low, 1e-12 * (1 + expected[i].low)) << i;
+      infinite += std::isinf(expected[i].high);
+      if (std::isinf(expected[i].high)) {
+        EXPECT_TRUE(std::isinf(got[i].high)) << i;
+      } else {
+        EXPECT_NEAR(got[i].high, expected[i].high, 1e-12 * (1 + expected[i].high)) << i;
+      }
+      EXPECT_NEAR(got[i].uncovered, expected[i].uncovered, 1e-12) << i;
+    }
+    EXPECT_GT(infinite, 20);
+    EXPECT_LT(infinite, 280);
   }
 }
 

@@ -8,7 +8,9 @@
 #include "volute/fds/fds_march.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volute/fds/fds_march.cpp"
@@ -39,6 +41,8 @@ struct PartLanes {
   alignas(64) std::int64_t cornerStep[3][kMostLanes];
   alignas(64) double depth[kMostLanes];
   alignas(64) double gas[kMostLanes];
+  alignas(64) double low[kMostLanes];
+  alignas(64) double high[kMostLanes];
 };
 
 }  // namespace
@@ -101,13 +105,13 @@ HWY_INLINE V Interpolate(const V* origin, const V* direction, const Cell& cell, 
 }
 
 /// The integral over from..to: a cubic, for which the Gauss rule with two points is exact.
-HWY_INLINE V Integral(const MarchLattice& march, const V* origin, const V* direction,
-                      const Cell& cell, VI corner, V from, V to) {
+HWY_INLINE V Integral(const MarchLattice& march, const float* values, const V* origin,
+                      const V* direction, const Cell& cell, VI corner, V from, V to) {
   V corners[8];
   for (int i = 0; i < 8; ++i) {
     const std::int64_t offset =
         (i & 1) * march.stride[0] + ((i >> 1) & 1) * march.stride[1] + (i >> 2) * march.stride[2];
-    corners[i] = ValuesAt(march.values, hn::Add(corner, hn::Set(di, offset)));
+    corners[i] = ValuesAt(values, hn::Add(corner, hn::Set(di, offset)));
   }
   const V half = hn::Mul(hn::Set(d, 0.5), hn::Sub(to, from));
   const V middle = hn::Mul(hn::Set(d, 0.5), hn::Add(from, to));
@@ -126,7 +130,7 @@ HWY_INLINE void EnterCell(const MarchLattice& march, VI next, VI step, V& lower,
       hn::Div(hn::Set(d, 1.0), hn::Sub(hn::GatherIndex(d, march.planes.data(), upper), lower));
 }
 
-template <bool kNodal>
+template <bool kNodal, bool kBanded>
 HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::size_t first) {
   V from = hn::Load(d, lanes.from + first);
   const V end = hn::Load(d, lanes.end + first);
@@ -147,7 +151,7 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
   }
   VI cell = hn::Load(di, lanes.cell + first);
   VI corner = hn::Load(di, lanes.corner + first);
-  V depth = hn::Zero(d), gas = hn::Zero(d);
+  V depth = hn::Zero(d), gas = hn::Zero(d), low = hn::Zero(d), high = hn::Zero(d);
   for (Mask live = hn::Lt(from, end); !hn::AllFalse(d, live); live = hn::Lt(from, end)) {
     const V to = hn::Min(hn::Min(next[0], next[1]), hn::Min(next[2], end));
     // What stands still looks at the first cell and counts for nothing.
@@ -158,10 +162,26 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
     gas = hn::Add(gas, length);
     if constexpr (kNodal) {
       const VI at = hn::IfThenElseZero(hn::RebindMask(di, live), corner);
-      const V part = Integral(march, origin, direction, inside, at, from, to);
-      depth = hn::Add(depth, hn::IfThenElseZero(hn::Gt(length, hn::Zero(d)), part));
+      const Mask counts = hn::Gt(length, hn::Zero(d));
+      const auto over = [&](const float* values) HWY_ATTR {
+        return hn::IfThenElseZero(
+            counts, Integral(march, values, origin, direction, inside, at, from, to));
+      };
+      depth = hn::Add(depth, over(march.values));
+      if constexpr (kBanded) {
+        low = hn::Add(low, over(march.low));
+        high = hn::Add(high, over(march.high));
+      }
     } else {
       depth = hn::Add(depth, hn::Mul(value, length));
+      if constexpr (kBanded) {
+        const Mask counts = hn::Gt(length, hn::Zero(d));
+        const auto over = [&](const float* values) HWY_ATTR {
+          return hn::IfThenElseZero(counts, hn::Mul(ValuesAt(values, here), length));
+        };
+        low = hn::Add(low, over(march.low));
+        high = hn::Add(high, over(march.high));
+      }
     }
     // The axis whose plane is next, and one of them where two are.
     const Mask onX = hn::And(live, hn::And(hn::Le(next[0], next[1]), hn::Le(next[0], next[2])));
@@ -195,14 +215,23 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
   }
   hn::Store(depth, d, lanes.depth + first);
   hn::Store(gas, d, lanes.gas + first);
+  if constexpr (kBanded) {
+    hn::Store(low, d, lanes.low + first);
+    hn::Store(high, d, lanes.high + first);
+  }
 }
 
 void March(const MarchLattice& march, PartLanes& lanes, std::size_t count) {
   for (std::size_t first = 0; first < count; first += hn::Lanes(d)) {
-    if (march.nodal)
-      MarchVector<true>(march, lanes, first);
+    const bool banded = march.low != nullptr;
+    if (march.nodal && banded)
+      MarchVector<true, true>(march, lanes, first);
+    else if (march.nodal)
+      MarchVector<true, false>(march, lanes, first);
+    else if (banded)
+      MarchVector<false, true>(march, lanes, first);
     else
-      MarchVector<false>(march, lanes, first);
+      MarchVector<false, false>(march, lanes, first);
   }
 }
 
@@ -270,8 +299,12 @@ void setIdle(PartLanes& lanes, std::size_t lane, const MarchLattice& march) {
 }  // namespace
 
 MarchLattice::MarchLattice(const FdsLattice& lattice, std::span<const float> values,
-                           std::span<const std::uint8_t> gas)
-    : nodal(lattice.nodal), values(values.data()) {
+                           std::span<const std::uint8_t> gas, std::span<const float> low,
+                           std::span<const float> high)
+    : nodal(lattice.nodal),
+      values(values.data()),
+      low(low.empty() ? nullptr : low.data()),
+      high(low.empty() ? nullptr : high.data()) {
   planes.push_back(0);
   std::int64_t step = 1;
   for (int axis = 0; axis < 3; ++axis) {
@@ -300,7 +333,16 @@ void marchParts(const FdsLattice& lattice, const MarchLattice& march,
     }
     for (std::size_t i = count; i % kWidest != 0; ++i) setIdle(lanes, i, march);
     HWY_DYNAMIC_DISPATCH(March)(march, lanes, count);
-    for (std::size_t i = 0; i < count; ++i) sums[begin + i] = {lanes.depth[i], lanes.gas[i]};
+    for (std::size_t i = 0; i < count; ++i) {
+      MarchSum& sum = sums[begin + i];
+      sum = {lanes.depth[i], lanes.gas[i], lanes.depth[i], lanes.depth[i]};
+      if (march.low != nullptr) {
+        sum.low = lanes.low[i];
+        // An infinite corner makes the sum infinite, or no number.
+        sum.high = std::isfinite(lanes.high[i]) ? lanes.high[i]
+                                                : std::numeric_limits<double>::infinity();
+      }
+    }
   }
 }
 

@@ -14,9 +14,11 @@ namespace volute {
 struct MarchLattice {
   MarchLattice() = default;
 
-  /// `values` as FdsValues have them, `gas` 1 for each cell of gas, else 0.
+  /// `values` as FdsValues have them, `gas` 1 for each cell of gas, else 0; `low` and `high` bound
+  /// the values, or are empty.
   MarchLattice(const FdsLattice& lattice, std::span<const float> values,
-               std::span<const std::uint8_t> gas);
+               std::span<const std::uint8_t> gas, std::span<const float> low = {},
+               std::span<const float> high = {});
 
   std::vector<double> planes;           ///< of x, y, z one after the other, with one more all round
   std::array<std::int64_t, 3> first{};  ///< of each axis' planes
@@ -24,6 +26,8 @@ struct MarchLattice {
   std::array<std::int64_t, 3> stride{};  ///< from value to value
   bool nodal = false;
   const float* values = nullptr;  ///< of a nodal lattice; must outlive this
+  const float* low = nullptr;     ///< as many as values; null: they are exact
+  const float* high = nullptr;
   std::vector<float> own;         ///< of each cell: its value, or 1 if nodal; -1 where no gas is
 };
 
@@ -37,6 +41,7 @@ struct MarchPart {
 struct MarchSum {
   double depth = 0;
   double gas = 0;
+  double low = 0, high = 0;  ///< of the bounds, where the lattice has some; `high` may be infinite
 };
 
 /// Several parts at once, one in each lane, exact as traversePlanes() is and in the same order of

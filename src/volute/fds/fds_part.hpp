@@ -27,6 +27,17 @@ struct FdsCase::Part {
   std::vector<FdsSizeRow> sizeRows;  // of .s3d
   std::vector<std::size_t> frameAt;  // of the file, for each of the case's times
 
+  /// What stays while no obstruction or vent comes or goes.
+  struct Geometry {
+    std::size_t changes = 0;  // FdsCase::changesUntil() the time that it is of
+    std::vector<std::uint8_t> needed;
+    std::vector<NodeCells> round;  // of smoke that is averaged; else empty
+  };
+
+  std::shared_ptr<const Geometry> geometry;  // of the last time
+  std::optional<bool> beginsClear;           // whether the first frame has no smoke
+  std::pair<std::size_t, std::shared_ptr<const std::vector<FdsCell>>> cells;  // by their changes
+
   /// The lattice cell's state where `solid` are the mesh's cells: solid when all it spans are.
   bool isSolid(const FdsMesh& mesh, std::span<const std::uint8_t> solid,
                const std::array<int, 3>& cell) const {

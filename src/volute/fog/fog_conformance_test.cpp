@@ -52,11 +52,6 @@ class InDouble {
     return InDouble(fog_.withCoefficients(c));
   }
 
-  void scatter(std::span<const Segment> segments, std::span<const double> weights,
-               std::span<double> gradient) const {
-    fog_.scatter(segments, weights, gradient);
-  }
-
  private:
   FogMedium fog_;
 };

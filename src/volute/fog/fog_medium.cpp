@@ -293,51 +293,6 @@ FogMedium FogMedium::withCoefficients(std::span<const double> coefficients) cons
                                                       options_.restriction));
 }
 
-void FogMedium::scatter(std::span<const Segment> segments, std::span<const double> weights,
-                        std::span<double> gradient) const {
-  const int d = options_.degree;
-  std::vector<SplineGrid> grids;
-  for (int level = 0; level < levels_->count(); ++level) {
-    const SplineGrid& like = levels_->pyramid().level(level);
-    grids.emplace_back(like.columns, like.rows);
-  }
-  // Empty cells have a gradient too.
-  FogMedium full = withCoefficients(std::vector<double>(gradient.size(), 1.0));
-  for (std::size_t s = 0; s < segments.size(); ++s) {
-    const Segment& segment = segments[s];
-    const double height = segment.origin.z() - origin_.z(), rise = segment.direction.z();
-    full.cells(segment, [&](const Stretch& part, int x, int y, const PlaneRay& ray, double begin,
-                            double end) {
-      const PlaneAxis u{ray.ox, ray.dx}, v{ray.oy, ray.dy};
-      SplineGrid& grid = grids[part.level];
-      for (int i = 0; i <= d; ++i) {
-        for (int j = 0; j <= d; ++j) {
-          const int column = x - d + i, row = y - d + j;
-          if (column < 0 || row < 0 || column >= grid.columns || row >= grid.rows)
-            continue;
-          const Polynomial along =
-              CellSpline::basis(d, i, j).along(u.at(begin) - x, ray.dx, v.at(begin) - y, ray.dy);
-          grid.at(column, row) +=
-              weights[s] * pieceOpticalDepth(zonedPiece(along, *part.zone, height + begin * rise,
-                                                        rise, begin, end));
-        }
-      }
-    });
-  }
-  // The adjoint of full weighting, (P'/2)' on both axes, is a quarter of the prolongation.
-  for (int level = levels_->count() - 1; level > 0; --level) {
-    const SplineGrid finer = prolonged(grids[level], d);
-    for (std::size_t k = 0; k < finer.c.size(); ++k) grids[level - 1].c[k] += finer.c[k] / 4;
-  }
-  const CellRect map = levels_->mapCells();
-  for (int j = 0; j < levels_->rows(); ++j) {
-    for (int i = 0; i < levels_->columns(); ++i) {
-      gradient[static_cast<std::size_t>(j) * levels_->columns() + i] +=
-          grids[0].at(map.x0 + i, map.y0 + j);
-    }
-  }
-}
-
 FogMedium FogMedium::shifted(const Vec3& by) const {
   FogMedium fog = *this;
   fog.origin_ += by;

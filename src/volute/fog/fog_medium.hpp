@@ -61,11 +61,6 @@ class FogMedium {
 
   FogMedium withCoefficients(std::span<const double> coefficients) const;
 
-  /// gradient += P' weights, with P the optical depths' matrix over coefficients(). Where detail is
-  /// dropped, for Restriction::kFullWeighting only.
-  void scatter(std::span<const Segment> segments, std::span<const double> weights,
-               std::span<double> gradient) const;
-
   /// The same fog elsewhere, as wind would move it [m].
   FogMedium shifted(const Vec3& by) const;
 

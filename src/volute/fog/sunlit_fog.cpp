@@ -63,7 +63,7 @@ std::vector<double> reaching(std::span<const double> phases, const Shadows& shad
 
 }  // namespace
 
-Result<SunlitFog> SunlitFog::make(const FogMedium& fog, std::span<const FogSun> suns,
+Result<SunlitFog> SunlitFog::make(const FogMedium& fog, std::span<const Sun> suns,
                                   const SunScattering& scattering) {
   if (!(std::abs(scattering.asymmetry) < 1)) {
     return fail(ErrorCode::kInvalidArgument,
@@ -73,7 +73,7 @@ Result<SunlitFog> SunlitFog::make(const FogMedium& fog, std::span<const FogSun> 
     return fail(ErrorCode::kInvalidArgument, "the albedo of fog must be from 0 to 1");
   SunlitFog lit(fog);
   lit.scattering_ = scattering;
-  for (const FogSun& sun : suns) {
+  for (const Sun& sun : suns) {
     if (!(sun.irradiance >= 0).all() || !sun.irradiance.isFinite().all())
       return fail(ErrorCode::kInvalidArgument,
                   "a sun's irradiance must be finite and not negative");

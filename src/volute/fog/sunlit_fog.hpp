@@ -7,15 +7,9 @@
 
 #include "volute/fog/sun_shadow.hpp"
 #include "volute/math/phase_function.hpp"
+#include "volute/medium/sun.hpp"
 
 namespace volute {
-
-/// A sun over fog. Not the light that reaches surfaces: that is irradiance times
-/// exp(-SunShadow::opticalDepth(point)).
-struct FogSun {
-  Vec3 towards = Vec3::UnitZ();  ///< from the scene to the sun; its length does not matter
-  Rgb irradiance = Rgb::Ones();  ///< on a surface that faces it, linear RGB
-};
 
 struct SunScattering {
   Rgb albedo = Rgb::Ones();  ///< share of the extinguished light that is scattered
@@ -34,10 +28,11 @@ struct SunScattering {
 ///
 /// A Medium and FastMedium. emission() at a point, which knows no direction, has the mean of the
 /// phase function.
+/// What reaches surfaces is irradiance * exp(-SunShadow::opticalDepth(point)).
 class SunlitFog {
  public:
   /// kInvalidArgument for scattering out of range, and as SunShadow::make.
-  [[nodiscard]] static Result<SunlitFog> make(const FogMedium& fog, std::span<const FogSun> suns,
+  [[nodiscard]] static Result<SunlitFog> make(const FogMedium& fog, std::span<const Sun> suns,
                                               const SunScattering& scattering = {});
 
   Box3 bounds() const { return fog_.bounds(); }
@@ -65,7 +60,7 @@ class SunlitFog {
 
   const FogMedium& fog() const { return fog_; }
 
-  const std::vector<FogSun>& suns() const { return suns_; }
+  const std::vector<Sun>& suns() const { return suns_; }
 
   const SunScattering& scattering() const { return scattering_; }
 
@@ -90,7 +85,7 @@ class SunlitFog {
   std::vector<double> sunlight(const Segment& segment) const;
 
   FogMedium fog_;
-  std::vector<FogSun> suns_;
+  std::vector<Sun> suns_;
   std::vector<SunShadow> shadows_;
   SunScattering scattering_;
 };

@@ -19,7 +19,7 @@ struct GlDevice {
   std::string vendor;
   std::string version;  ///< of OpenGL, with the driver's
   std::string shadingLanguage;
-  bool hardware = false;                 ///< false for rasterisers that run on the processor
+  bool hardware = false;                 ///< false for rasterisers that run on the CPU
   std::int64_t largestTexture = 0;       ///< [texels] a side, 2D
   std::int64_t largestTexture3d = 0;     ///< [texels] a side
   std::int64_t largestStorageBlock = 0;  ///< [bytes] of one shader storage buffer

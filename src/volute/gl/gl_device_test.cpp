@@ -36,7 +36,7 @@ TEST(GlDevice, HeadlessContextHasTheLimitsOfOpenGl45) {
   for (const auto& [name, value] : device.limits()) EXPECT_GT(value, 0) << name;
 }
 
-TEST(GlDevice, HardwareIsNeverTheProcessor) {
+TEST(GlDevice, HardwareIsNeverTheCpu) {
   const auto gl = HeadlessGl::create(HeadlessGl::Wanted::kHardware);
   if (!gl) {
     EXPECT_EQ(gl.error().code, ErrorCode::kUnsupported);

@@ -89,7 +89,7 @@ Thing polarFogAt(const Vec3& offset) {
 }
 
 Thing sunlitFogAt(const Vec3& offset) {
-  const FogSun suns[] = {{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)}};
+  const Sun suns[] = {{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)}};
   const SunlitFog lit =
       SunlitFog::make(fogAt(offset, 1), suns, {.albedo = Rgb(0.9, 0.8, 0.7), .asymmetry = 0.5})
           .value();

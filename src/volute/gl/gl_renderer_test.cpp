@@ -309,7 +309,7 @@ TEST_F(GlRendererTest, SmokeVolumeAndFogOverlap) {
 
 TEST_F(GlRendererTest, RefusesWhatItCannotRender) {
   const FogMedium fog = fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[0].profile, {});
-  const FogSun sun;
+  const Sun sun;
   const SunlitFog among =
       SunlitFog::make(fog, {&sun, 1},
                       {.shadows = [](const Segment&, std::size_t, std::vector<Interval>&) {}})

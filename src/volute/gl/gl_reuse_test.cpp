@@ -117,7 +117,7 @@ TEST_F(GlReuseTest, WaysToDrawOneMediumLeaveEachOtherOnTheDevice) {
 
 TEST_F(GlReuseTest, SunsAreUploadedOnce) {
   const FogMedium fog = fogtest::fog(fogtest::map(9, 8), fogtest::profiles()[0].profile, {});
-  const FogSun sun{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)};
+  const Sun sun{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)};
   const GlScene scene{{glPart(GlSunlitFog{SunlitFog::make(fog, {&sun, 1}, {}).value()})}};
   EXPECT_EQ(timesFor(scene, "upload"), 2) << "the map and the sun";
   EXPECT_EQ(timesFor(scene, "upload"), 0);

@@ -80,7 +80,7 @@ std::vector<Lamp> lamps() {
   return {spot, sun};
 }
 
-TEST_F(GlSceneTest, SurfacesAreLitThroughMediaAsByTheProcessor) {
+TEST_F(GlSceneTest, SurfacesAreLitThroughMediaAsByTheCpu) {
   const TriangleScene geometry = room();
   const auto lights = lamps();
   const Smoke smoke(boxMesh({Vec3(-2.1, 0.7, 0.1), Vec3(2.3, 5.2, 3.2)}, {5, 5, 4}, 0.2, 2), false,
@@ -167,7 +167,7 @@ TEST_F(GlSceneTest, SignsAreFoundAndShineThroughSmoke) {
   EXPECT_LE(difference(light->pixels, shown.pixels), kScene);
 }
 
-TEST_F(GlSceneTest, BillboardsAreThoseOfTheProcessor) {
+TEST_F(GlSceneTest, BillboardsAreThoseOfTheCpu) {
   const FogMedium fog =
       fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[1].profile, {.degree = 1}, 0.9, 0.6);
   for (const BillboardAlpha alpha : {BillboardAlpha::kTransmittance, BillboardAlpha::kIntensity}) {
@@ -196,7 +196,7 @@ TEST_F(GlSceneTest, BillboardsAreThoseOfTheProcessor) {
 }
 
 TEST_F(GlSceneTest, SunsLightFog) {
-  const FogSun suns[] = {{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)},
+  const Sun suns[] = {{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)},
                          {Vec3(-0.2, 0.1, 1), Rgb(0.4, 0.5, 0.9)}};
   for (const auto& [name, profile] : fogtest::profiles()) {
     const int degree = name == "slab" ? 1 : 2;
@@ -220,7 +220,7 @@ TEST_F(GlSceneTest, SunsLightFog) {
 }
 
 TEST_F(GlSceneTest, SurfacesThrowShadowsIntoSunlitFog) {
-  const FogSun suns[] = {{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)},
+  const Sun suns[] = {{Vec3(0.4, 0.2, 0.5), Rgb(3, 2.5, 2)},
                          {Vec3(-0.2, 0.1, 1), Rgb(0.4, 0.5, 0.9)}};
   const TriangleScene geometry = room();
   const auto shadows = [&](const Segment& segment, std::size_t sun, std::vector<Interval>& dark) {

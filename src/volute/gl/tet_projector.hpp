@@ -45,7 +45,7 @@ struct TetProjectorCounts {
 
 /// Smoke by the paper's projected tetrahedra (Staubli et al. 2005, section 4): vertex and fragment
 /// shaders, blending and textures of buffers, which OpenGL 3.3 has. Sorted and projected on the
-/// processor, once for each eye; turning and zooming costs nothing but the drawing, new smoke the
+/// CPU, once for each eye; turning and zooming costs nothing but the drawing, new smoke the
 /// vertices' values. Where the paper interpolates a tet's front and back over its triangles, each
 /// pixel finds where its ray passes: triangles cover what the rasteriser's grid makes of them, and
 /// thick cells in which it is a little off would count twice or not at all. Needs the same current

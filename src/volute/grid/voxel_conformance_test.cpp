@@ -72,7 +72,6 @@ conformance::MediumUnderTest inFloat(int channels, Basis basis) {
   const VoxelMedium medium = voxels(channels, basis);
   conformance::Traits loose = traits(medium);
   loose.tolerance.closedForm = 5e-6;
-  loose.tolerance.adjoint = 1e-6;
   return conformance::underTest(medium, loose);
 }
 

@@ -155,34 +155,6 @@ VoxelMedium VoxelMedium::withCoefficients(std::span<const double> coefficients) 
           extinctionScale_};
 }
 
-void VoxelMedium::scatter(std::span<const Segment> segments, std::span<const double> weights,
-                          std::span<double> gradient) const {
-  const int channels = slice_->channels();
-  const auto add = [&](int x, int y, int z, double amount) {
-    if (x < 0 || y < 0 || z < 0 || x >= slice_->x() || y >= slice_->y() || z >= slice_->z())
-      return;
-    const std::size_t voxel = (static_cast<std::size_t>(z) * slice_->y() + y) * slice_->x() + x;
-    for (int c = 0; c < channels; ++c)
-      gradient[voxel * channels + c] += amount * extinctionScale_ / channels;
-  };
-  const CellRange all{{0, 0, 0}, cells_.count};
-  for (std::size_t s = 0; s < segments.size(); ++s) {
-    traverseCells(cells_, all, segments[s],
-                  [&](const std::array<int, 3>& cell, double begin, double end) {
-                    if (!trilinear()) {
-                      add(cell[0], cell[1], cell[2], weights[s] * (end - begin));
-                      return;
-                    }
-                    const auto integrals =
-                        cornerIntegrals(InCell(cells_, cell, segments[s], begin, end), end - begin);
-                    for (int i = 0; i < 8; ++i) {
-                      const auto& [dx, dy, dz] = kCorners[i];
-                      add(cell[0] + dx, cell[1] + dy, cell[2] + dz, weights[s] * integrals[i]);
-                    }
-                  });
-  }
-}
-
 MarchCounts VoxelMedium::counts() const {
   return {counters_->voxels, counters_->bricksVisited, counters_->bricksSkipped};
 }

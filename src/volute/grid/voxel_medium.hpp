@@ -62,10 +62,6 @@ class VoxelMedium {
   /// The same volume with other values, which are rounded to float.
   VoxelMedium withCoefficients(std::span<const double> coefficients) const;
 
-  /// gradient += P' weights, with P the optical depths' matrix over coefficients().
-  void scatter(std::span<const Segment> segments, std::span<const double> weights,
-               std::span<double> gradient) const;
-
   const BrickSlice& slice() const { return *slice_; }
 
   MarchCounts counts() const;

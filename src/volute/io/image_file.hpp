@@ -9,10 +9,16 @@
 #include <utility>
 #include <vector>
 
+#include "volute/base/file_name.hpp"
 #include "volute/base/result.hpp"
 #include "volute/image/image.hpp"
 
 namespace volute {
+
+/// By the name's end: .png or .exr.
+inline bool isPicturePath(const std::filesystem::path& path) {
+  return extensionOf(path) == ".png" || extensionOf(path) == ".exr";
+}
 
 /// How to read a picture.
 struct ImageReadOptions {

@@ -26,8 +26,8 @@ namespace {
 
 static_assert(ReaderProcess::kMaxMessage == detail::kMostMessage);
 
-/// Of processor time that a process has used [s]; nothing where the system does not say.
-double processorSecondsOf(pid_t process) {
+/// Of CPU time that a process has used [s]; nothing where the system does not say.
+double cpuSecondsOf(pid_t process) {
   clockid_t clock{};
   timespec used{};
   if (::clock_getcpuclockid(process, &clock) != 0 || ::clock_gettime(clock, &used) != 0)
@@ -71,7 +71,7 @@ class IdleWatch {
 
   bool waitsForever(double now) {
     constexpr double kWhile = 3;  // [s]
-    const double used = processorSecondsOf(child_);
+    const double used = cpuSecondsOf(child_);
     if (used == 0 || used != used_ || worksOn(child_)) {
       used_ = used;
       since_ = now;
@@ -90,14 +90,14 @@ enum class Wait { kMessage, kGone, kTooLong, kForever, kCancelled };
 /// For a message from the child, or until the other end closes.
 Wait waitFor(int socket, pid_t child, const ReaderProcess::Limits& limits) {
   constexpr double kLook = 0.2;  // [s]
-  // The processor's clock does not run for a child that waits; this one does.
+  // The CPU's clock does not run for a child that waits; this one does.
   constexpr double kWaitFactor = 20;
   pollfd descriptor{socket, POLLIN, 0};
   IdleWatch watch(child);
-  const double begin = monotonicSeconds(), used = processorSecondsOf(child);
+  const double begin = monotonicSeconds(), used = cpuSecondsOf(child);
   for (;;) {
     const double now = monotonicSeconds(), left = begin + kWaitFactor * limits.seconds - now;
-    if (left <= 0 || processorSecondsOf(child) - used > limits.seconds)
+    if (left <= 0 || cpuSecondsOf(child) - used > limits.seconds)
       return Wait::kTooLong;
     if (detail::readingIsCancelled())
       return Wait::kCancelled;

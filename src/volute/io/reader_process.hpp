@@ -52,7 +52,7 @@ class ReaderProcess {
   struct Limits {
     std::uint64_t memory = std::uint64_t{1}
                            << 30;  ///< bytes on top of what the process has; the values not counted
-    double seconds = 10;           ///< of processor time, for one call
+    double seconds = 10;           ///< of CPU time, for one call
   };
 
   explicit ReaderProcess(ReaderJob job);

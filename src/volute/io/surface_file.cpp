@@ -6,6 +6,7 @@
 #include <cstring>
 #include <string>
 
+#include "volute/base/file_name.hpp"
 #include "volute/base/assert.hpp"
 #include "volute/base/input_file.hpp"
 #include "volute/io/obj.hpp"
@@ -23,13 +24,6 @@ struct SurfaceSize {
     return (triangles * sizeof(Triangle) + materials * sizeof(Material)) / sizeof(float);
   }
 };
-
-std::string extensionOf(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return std::tolower(c); });
-  return extension;
-}
 
 /// The child's side: the first call reads the file and says how much it is, the second hands it
 /// over.

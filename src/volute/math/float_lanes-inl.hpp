@@ -31,7 +31,7 @@ HWY_INLINE VF Constant(float x) {
   return hn::Set(df, x);
 }
 
-/// Rounded twice, so that every processor gives the same.
+/// Rounded twice, so that every CPU gives the same.
 HWY_INLINE VF MulThenAdd(VF a, VF b, VF c) {
   return hn::Add(hn::Mul(a, b), c);
 }

@@ -34,7 +34,7 @@ std::pair<std::size_t, std::size_t> countsOf(const FieldRow& field) {
   return {field.fewest > 0 ? static_cast<std::size_t>(field.fewest) : count, count};
 }
 
-/// An objection, and where in the value: "[2]".
+/// What is wrong, and where in the value: "[2]".
 struct FieldFault {
   std::string message;
   std::string_view expected = {};

@@ -6,6 +6,7 @@
 #include <regex>
 
 #include "volute/media/ray_sight.hpp"
+#include "volute/report/report.hpp"
 
 namespace volute {
 
@@ -47,6 +48,13 @@ void MediumKind::addParameters(ParameterGroup& group, const OrderedJson& entry,
   const auto object = fields().make();
   if (readFields(fields(), nlohmann::json(entry), {}, object.get()))
     addSliders(group, fields(), object.get(), facts);
+}
+
+Result<FileDescription> MediumKind::describe(const std::string& path, const DescribeRequest&,
+                                             Reading&) const {
+  FileDescription described;
+  described.report.add("file", path).add("kind", name());
+  return described;
 }
 
 Result<std::unique_ptr<SightField>> MediumKind::openSight(const nlohmann::json& entry,

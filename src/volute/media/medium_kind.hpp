@@ -60,6 +60,15 @@ struct MediumContext {
   }
 };
 
+struct FileDescription;
+
+/// What describe() is asked for besides what every description has.
+struct DescribeRequest {
+  std::string field{};  ///< which grid of a file with several, which source of a case; empty: the usual
+  bool values = false;  ///< reads everything for its range
+  bool blocks = false;  ///< of what is stored in blocks, each block
+};
+
 /// A kind of medium: how one is written down, found in a file, opened and changed by a person.
 class MediumKind {
  public:
@@ -95,6 +104,11 @@ class MediumKind {
     (void)path;
     return false;
   }
+
+  /// What is in such a file, for people and programs. By default its name and kind alone.
+  [[nodiscard]] virtual Result<FileDescription> describe(const std::string& path,
+                                                         const DescribeRequest& request,
+                                                         Reading& reading) const;
 
   /// Whether such a file says too little to be shown without assume().
   virtual bool assumes() const { return false; }

@@ -8,7 +8,7 @@
 
 namespace volute {
 
-/// What reads the parts of a scene: who hears of it and may stop it, and how much it may hold.
+/// How the parts of a scene are read: who receives progress and may stop it, and how much memory it takes.
 struct Reading {
   Progress& progress;
   std::uint64_t maxMemory = 0;  ///< [bytes]

@@ -21,12 +21,12 @@ struct AmbientDescription {
   Rgb radiance = Rgb::Zero();
 };
 
-FieldValue sunDirection(const FogSun& sun) {
+FieldValue sunDirection(const Sun& sun) {
   const Vec3 direction = -sun.towards + Vec3::Zero();
   return {direction.x(), direction.y(), direction.z()};
 }
 
-Status setSunDirection(FogSun& sun, const FieldValue& value) {
+Status setSunDirection(Sun& sun, const FieldValue& value) {
   if (!(value[2].get<double>() < 0)) {
     return fail(ErrorCode::kInvalidData,
                 "expected three numbers, the way the light travels, with a third below 0");
@@ -35,7 +35,7 @@ Status setSunDirection(FogSun& sun, const FieldValue& value) {
   return {};
 }
 
-Lamp lampOf(const FogSun& sun) {
+Lamp lampOf(const Sun& sun) {
   Lamp lamp;
   lamp.kind = Lamp::Kind::kSun;
   lamp.direction = -sun.towards.normalized();
@@ -95,7 +95,7 @@ const FieldTable& ambientFields() {
 Status addLight(const nlohmann::json& json, const FieldOrigin& origin, SceneLights& lights) {
   const nlohmann::json kind = json.is_object() ? json.value("kind", nlohmann::json()) : json;
   if (kind == "sun") {
-    VOLUTE_ASSIGN(const auto sun, readAs<FogSun>(sunFields(), json, origin));
+    VOLUTE_ASSIGN(const auto sun, readAs<Sun>(sunFields(), json, origin));
     lights.suns.push_back(sun);
     lights.lamps.push_back(lampOf(sun));
   } else if (kind == "ambient") {
@@ -119,17 +119,17 @@ const FieldTable& sunFields() {
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "direction", .type = kDirection,
-       .access = customMember<FogSun, sunDirection, setSunDirection>(),
+       .access = customMember<Sun, sunDirection, setSunDirection>(),
        .help = "the way its light travels, so the third number is below 0; it is scattered once and "
        "shadowed by what scatters it", .required = true, .option = {"X,Y,Z", "sun"},
        .slider = {.label = "direction"}},
-      {.name = "radiance", .type = kColor, .access = member<&FogSun::irradiance>(),
+      {.name = "radiance", .type = kColor, .access = member<&Sun::irradiance>(),
        .help = "what the sun sends to a surface that faces it", .least = 0,
        .option = {.value = "R,G,B", .name = "sun-radiance", .beside = "sun"},
        .slider = {.label = "irradiance"}}};
   // clang-format on
   static const FieldTable kTable =
-      fieldTable<FogSun>({.name = "sun",
+      fieldTable<Sun>({.name = "sun",
                           .sentence = "a light so far away that its rays are parallel",
                           .fields = kFields,
                           .says = "sun"});

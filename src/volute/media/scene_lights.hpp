@@ -5,15 +5,15 @@
 #include <span>
 #include <vector>
 
-#include "volute/fog/sunlit_fog.hpp"
 #include "volute/lighting/lamp.hpp"
 #include "volute/media/field.hpp"
+#include "volute/medium/sun.hpp"
 
 namespace volute {
 
 /// The "lights" of a scene.
 struct SceneLights {
-  std::vector<FogSun> suns;   ///< for fog
+  std::vector<Sun> suns;      ///< for media that scatter their light themselves
   std::vector<Lamp> lamps;    ///< the same suns, and spots: for smoke and walls
   Rgb ambient = Rgb::Zero();  ///< radiance that comes from everywhere, whatever is in the way
 };

@@ -60,11 +60,18 @@ struct MediumInfo {
   std::string noMass{};
 };
 
+/// A few letters that stand at a place of a scene: what a ruler's division is.
+struct PlaceMark {
+  Vec3 at = Vec3::Zero();  ///< [m]
+  std::string text;
+};
+
 /// What a picture says about a medium in it.
 struct MediumText {
   std::vector<std::string> notes{};   ///< in the file of the picture
   std::vector<std::string> legend{};  ///< short lines
   std::optional<ColorScale> scale{};  ///< of a part of it that is in its colours
+  std::vector<PlaceMark> marks{};     ///< with the legend, where they are
 };
 
 /// What an instant is for.
@@ -112,7 +119,11 @@ class SceneMedium {
     return {};
   }
 
-  virtual MediumText text() const { return {}; }
+  /// @param eye  from where it is seen [m]; nothing: not known
+  virtual MediumText text(const std::optional<Vec3>& eye) const {
+    (void)eye;
+    return {};
+  }
 
   /// From where it is seen where nobody says; nothing: a camera that frames its bounds.
   virtual std::optional<CameraDescription> firstCamera() const { return std::nullopt; }

@@ -30,7 +30,6 @@ namespace volute::conformance {
 struct Tolerance {
   double closedForm =
       1e-10;  ///< two ways to the same closed form; positions carry rounding of far origins
-  double adjoint = 1e-12;  ///< <Pc, y> against <c, P'y>: the same products in another order
   double points = 1e-9;    ///< pieces against point values, where the points themselves are rounded
   double quadrature = 1e-6;  ///< against adaptive Simpson, which ends near jumps with such an error
   double fineSteps = 5e-3;   ///< against two thousand midpoint steps, first order at jumps
@@ -56,7 +55,6 @@ struct LinearCalls {
   std::function<AnyMedium(std::span<const double>)> withCoefficients;
   std::function<std::vector<double>(std::span<const double>)>
       coefficientsAfter;  ///< there and back
-  std::function<void(std::span<const Segment>, std::span<const double>, std::span<double>)> scatter;
 };
 
 /// A medium and all that a check wants of it.
@@ -88,9 +86,6 @@ MediumUnderTest underTest(const M& medium, Traits traits = {}) {
         [medium](std::span<const double> c) { return AnyMedium(M(medium.withCoefficients(c))); },
         [medium](std::span<const double> c) -> std::vector<double> {
           return M(medium.withCoefficients(c)).coefficients();
-        },
-        [medium](std::span<const Segment> s, std::span<const double> w, std::span<double> g) {
-          medium.scatter(s, w, g);
         }};
   }
   return tested;

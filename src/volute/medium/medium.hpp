@@ -71,18 +71,14 @@ concept FastMedium =
     Medium<M> && requires(const M& medium, std::span<const Segment> segments,
                           std::span<Radiance> out) { medium.radiance(segments, out); };
 
-/// A medium whose optical depth is linear in a list of coefficients c: depth = P c. The adjoint P'
-/// is what tomography runs backwards; the conformance suite checks <P c, y> = <c, P' y>.
+/// A medium whose optical depth is linear in a list of coefficients c: depth = P c. Tomography has P and
+/// its adjoint P' for voxels in a class of its own (tomography/projector.hpp), which is made for many rays.
 template <class M>
 concept LinearMedium =
-    Medium<M> && requires(const M& medium, std::span<const double> coefficients,
-                          std::span<const Segment> segments, std::span<const double> weights,
-                          std::span<double> gradient) {
+    Medium<M> && requires(const M& medium, std::span<const double> coefficients) {
       { medium.coefficients() } -> std::convertible_to<std::vector<double>>;
       /// The same basis with other coefficients, as many.
       { medium.withCoefficients(coefficients) } -> std::convertible_to<M>;
-      /// gradient += P' weights, one weight for each segment.
-      medium.scatter(segments, weights, gradient);
     };
 
 }  // namespace volute

@@ -2,18 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <nlohmann/json.hpp>
-#include <string>
+#include "volute/report/json_text.hpp"
 
 namespace volute {
 
 using Json = nlohmann::ordered_json;
-
-/// A number for JSON: null when it is not finite.
-Json jsonNumber(double value);
-
-/// One JSON object on one or more lines; text that is no UTF-8 (a file name, say) is replaced,
-/// never an exception.
-std::string dumpJson(const Json& json);
 
 }  // namespace volute

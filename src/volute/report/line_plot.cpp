@@ -46,14 +46,20 @@ std::string colourOf(std::size_t i, std::size_t count) {
                      255 * colour[2]);
 }
 
+/// 1500, not 1.5e+03.
+std::string tickOf(double value) {
+  return value != 0 && (value >= 1e6 || value < 1e-4) ? fmt::format("{:.3g}", value)
+                                                      : fmt::format("{:.6g}", value);
+}
+
 std::string gridLines(const Axes& axes) {
   std::string svg;
   const double yStep = niceStep(axes.y1);
   for (double y = 0; y <= axes.y1 * 1.0001; y += yStep) {
     svg += fmt::format(
         "<line x1='{}' x2='{}' y1='{:.1f}' y2='{:.1f}' stroke='#ddd'/><text x='{}' y='{:.1f}' "
-        "text-anchor='end'>{:.3g}</text>\n",
-        kLeft, kWidth - kRight, axes.py(y), axes.py(y), kLeft - 6, axes.py(y) + 4, y);
+        "text-anchor='end'>{}</text>\n",
+        kLeft, kWidth - kRight, axes.py(y), axes.py(y), kLeft - 6, axes.py(y) + 4, tickOf(y));
   }
   const double xStep = std::max(1.0, niceStep(std::max(1.0, axes.x1 - axes.x0)));
   for (double x = std::ceil(axes.x0 / xStep) * xStep; x <= axes.x1; x += xStep) {

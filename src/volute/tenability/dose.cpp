@@ -150,7 +150,7 @@ std::span<const DoseLawInfo> doseLaws() {
       {DoseLaw::kFdsGas, "fds", "fed-gas", "FDS User's Guide, FED; func.f90 of FDS",
        "a worked example of pyFDS-Evac: CO 0.10 %, CO2 2.0 %, O2 15.0 % reach 1 at 981.7 s"},
       {DoseLaw::kSmokeviewGas, "smokeview", "fed-gas", "Smokeview's source, FED slices (ReadFed)",
-       "Smokeview's own picture of a case"},
+       "figures of Smokeview's Verification Guide (fed_test)"},
       {DoseLaw::kIsoHeat, "iso-13571", "fed-heat", "ISO 13571:2012, 8, eqs. 7 to 10", kQuoted},
       {DoseLaw::kSfpeHeat, "sfpe", "fed-heat",
        "SFPE Handbook, 5th ed., ch. 63, eqs. 63.43 (r = 1.33) and 63.44", kQuoted},

@@ -61,6 +61,20 @@ TEST(Dose, GasesOneByOneInClosedForm) {
               1e-12);
 }
 
+/// SMV Verification Guide, "fed_test": 1000 ppm of CO, 2 % of CO2, 7 % of O2; what its four pictures
+/// are marked with, to the last digit.
+TEST(Dose, smokeviewsFiguresOfItsVerificationGuide) {
+  Exposure air;
+  air[Air::kCarbonMonoxide] = 1e-3;
+  air[Air::kCarbonDioxide] = 0.02;
+  air[Air::kOxygen] = 0.07;
+  const double rate = doseRate(DoseLaw::kSmokeviewGas, {}, air);
+  EXPECT_NEAR(30 * rate, 0.29, 0.01);
+  EXPECT_NEAR(60 * rate, 0.59, 0.01);
+  EXPECT_NEAR(120 * rate, 1.2, 0.05);
+  EXPECT_NEAR(360 * rate, 3.5, 0.05);
+}
+
 TEST(Dose, HeatInClosedForm) {
   // 100 degrees C: 24.7 min clothed, 7.924 min unclothed.
   const Exposure hot = with(Air::kTemperature, 100);

@@ -27,7 +27,7 @@ struct LitMesh {
 };
 
 /// A square of pixels, in blocks as TetTile's. All numbers of a block lie together: in arrays of
-/// their own they would be 4096 bytes apart, where a processor takes a store for the next load's.
+/// their own they would be 4096 bytes apart, where a CPU takes a store for the next load's.
 struct LitTile {
   static constexpr int kSide = 32, kBlocks = kSide / TetTile::kBlock;
   static constexpr int kPixels = kSide * kSide;

@@ -49,7 +49,7 @@ struct BeamFields {
   /// @param rays  kBeamRays for each beam.
   BeamFields(std::span<const Beam> beams, std::span<const BeamRay> rays);
 
-  /// Entries behind the last beam, as many as any processor loads at once.
+  /// Entries behind the last beam, as many as any CPU loads at once.
   static constexpr std::size_t kPadding = 16;
 
   std::vector<std::int32_t> slabs, node, stride[3];

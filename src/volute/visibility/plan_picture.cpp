@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "volute/base/assert.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
@@ -112,8 +113,9 @@ class PlanDrawing {
       : picture_(picture), signs_(signs), routes_(routes), frame_{plan, scaleOf(plan)} {
     levels_ = levelsOf(picture);
     bar_ = !picture.barLabel.empty() && picture.kinds.empty() &&
-           (levels_.empty() || std::ranges::find(picture.marks, PlanMark::kValue) !=
-                                   picture.marks.end());
+           std::ranges::find(picture.marks, PlanMark::kValue) != picture.marks.end();
+    findExtent();
+    findLooks();
     findRows();
     width_ = kLeft + frame_.width() + (bar_ ? kBar : kPlain);
     for (const auto* text : {&picture.title, &picture.subtitle})
@@ -226,6 +228,7 @@ class PlanDrawing {
     const FloorPlan& plan = frame_.plan;
     const auto nx = static_cast<std::size_t>(plan.nx);
     const auto alike = [&](std::size_t a, std::size_t b) {
+      a = looks_[a], b = looks_[b];
       return picture_.marks[a] == picture_.marks[b] &&
              (picture_.marks[a] != PlanMark::kValue ||
               (valueColor(picture_.values[a]) == valueColor(picture_.values[b])).all());
@@ -238,9 +241,10 @@ class PlanDrawing {
         while (end < nx && alike(i, y * nx + end)) ++end;
         const double left = kLeft + static_cast<double>(x) * frame_.scale;
         const double right = kLeft + static_cast<double>(end) * frame_.scale;
-        const PlanMark mark = picture_.marks[i];
+        const PlanMark mark = picture_.marks[looks_[i]];
         canvas.rect(left, top, right, top + frame_.scale,
-                    mark == PlanMark::kValue ? valueColor(picture_.values[i]) : colorOf(mark));
+                    mark == PlanMark::kValue ? valueColor(picture_.values[looks_[i]])
+                                             : colorOf(mark));
         if (mark == PlanMark::kKept)
           canvas.hatch(left, top, right, top + frame_.scale, kHatchColor);
         x = end;
@@ -248,8 +252,36 @@ class PlanDrawing {
     }
   }
 
-  /// Squares at the plan's end reach over the border that is known.
-  void clearOutside(Canvas& canvas) const {
+  /// Which square's look each square has: its own, but of one whose middle is in a wall that of a
+  /// neighbour, so that walls alone are dark and not what is left of the squares that they cut.
+  void findLooks() {
+    const auto nx = static_cast<std::size_t>(frame_.plan.nx);
+    const auto ny = static_cast<std::size_t>(frame_.plan.ny);
+    looks_.resize(picture_.marks.size());
+    for (std::size_t i = 0; i < looks_.size(); ++i) looks_[i] = i;
+    const auto inWall = [&](std::size_t i) {
+      const Vec3 at = frame_.plan.at(i);
+      return std::ranges::any_of(picture_.shapes, [&](const PlanShape& shape) {
+        return shape.kind == PlanShape::Kind::kSolid && (at.head<2>() - shape.min).minCoeff() >= 0 &&
+               (shape.max - at.head<2>()).minCoeff() >= 0;
+      });
+    };
+    for (std::size_t i = 0; i < looks_.size(); ++i) {
+      if (picture_.marks[i] != PlanMark::kSolid || !inWall(i))
+        continue;
+      const std::size_t x = i % nx, y = i / nx;
+      for (const auto& [there, next] : {std::pair(x > 0, i - 1), std::pair(x + 1 < nx, i + 1),
+                                        std::pair(y > 0, i - nx), std::pair(y + 1 < ny, i + nx)}) {
+        if (there && picture_.marks[next] != PlanMark::kSolid) {
+          looks_[i] = next;
+          break;
+        }
+      }
+    }
+  }
+
+  /// Where the border is that is known, in pixels; else the plan's squares.
+  void findExtent() {
     Vec2 least = Vec2::Constant(std::numeric_limits<double>::infinity()), most = -least;
     for (const PlanShape& shape : picture_.shapes) {
       if (shape.kind != PlanShape::Kind::kBorder && shape.kind != PlanShape::Kind::kOpening)
@@ -257,20 +289,28 @@ class PlanDrawing {
       least = least.cwiseMin(shape.min);
       most = most.cwiseMax(shape.max);
     }
-    const double left = kLeft, right = kLeft + frame_.width();
-    const double top = kTop, bottom = kTop + frame_.height();
+    left_ = kLeft, right_ = kLeft + frame_.width();
+    top_ = kTop, bottom_ = kTop + frame_.height();
     if (!((most - least).minCoeff() > 0))
       return;
-    const double x0 = frame_.x(least.x()), x1 = frame_.x(most.x());
-    const double y0 = frame_.y(most.y()), y1 = frame_.y(least.y());
-    if (x1 < right)
-      canvas.rect(x1, top, right, bottom, Rgb::Ones());
-    if (x0 > left)
-      canvas.rect(left, top, x0, bottom, Rgb::Ones());
-    if (y0 > top)
-      canvas.rect(left, top, right, y0, Rgb::Ones());
-    if (y1 < bottom)
-      canvas.rect(left, y1, right, bottom, Rgb::Ones());
+    left_ = std::clamp(frame_.x(least.x()), left_, right_);
+    right_ = std::clamp(frame_.x(most.x()), left_, right_);
+    top_ = std::clamp(frame_.y(most.y()), top_, bottom_);
+    bottom_ = std::clamp(frame_.y(least.y()), top_, bottom_);
+  }
+
+  /// Squares at the plan's end reach over the border that is known.
+  void clearOutside(Canvas& canvas) const {
+    const double left = kLeft, right = kLeft + frame_.width();
+    const double top = kTop, bottom = kTop + frame_.height();
+    if (right_ < right)
+      canvas.rect(right_, top, right, bottom, Rgb::Ones());
+    if (left_ > left)
+      canvas.rect(left, top, left_, bottom, Rgb::Ones());
+    if (top_ > top)
+      canvas.rect(left, top, right, top_, Rgb::Ones());
+    if (bottom_ < bottom)
+      canvas.rect(left, bottom_, right, bottom, Rgb::Ones());
   }
 
   /// Ink alone: what is as good as white lets the map through.
@@ -359,23 +399,26 @@ class PlanDrawing {
 
   void drawAxes(Canvas& canvas) const {
     const Rgb ink = grey(0.1);
-    const double bottom = kTop + frame_.height(), right = kLeft + frame_.width();
-    for (const double y : {kTop - 1, bottom}) canvas.rect(kLeft - 1, y, right + 1, y + 1, ink);
-    for (const double x : {kLeft - 1, right}) canvas.rect(x, kTop - 1, x + 1, bottom + 1, ink);
+    const double bottom = bottom_, right = right_;
+    for (const double y : {top_ - 1, bottom}) canvas.rect(left_ - 1, y, right + 1, y + 1, ink);
+    for (const double x : {left_ - 1, right}) canvas.rect(x, top_ - 1, x + 1, bottom + 1, ink);
     for (int axis = 0; axis < 2; ++axis) {
       const double pixels = axis == 0 ? frame_.width() : frame_.height();
       const double step = niceStep(frame_.size(axis), std::max(2, static_cast<int>(pixels / 90)));
       const double end = frame_.from(axis) + frame_.size(axis) * (1 + 1e-9);
       for (double at = std::ceil(frame_.from(axis) / step - 1e-9) * step; at <= end; at += step) {
         const std::string text = tickText(at);
+        if (axis == 0 ? frame_.x(at) > right + 1 || frame_.x(at) < left_ - 1
+                      : frame_.y(at) > bottom + 1 || frame_.y(at) < top_ - 1)
+          continue;
         if (axis == 0) {
           const double x = std::round(frame_.x(at));
           canvas.rect(x, bottom, x + 1, bottom + 6, ink);
           canvas.text(text, x, bottom + 9, ink, Canvas::Anchor::kMiddle);
         } else {
           const double y = std::round(frame_.y(at));
-          canvas.rect(kLeft - 6, y, kLeft, y + 1, ink);
-          canvas.text(text, kLeft - 10, y - 7, ink, Canvas::Anchor::kEnd);
+          canvas.rect(left_ - 6, y, left_, y + 1, ink);
+          canvas.text(text, left_ - 10, y - 7, ink, Canvas::Anchor::kEnd);
         }
       }
     }
@@ -484,12 +527,25 @@ class PlanDrawing {
   std::span<const Route> routes_;
   Frame frame_;
   std::vector<double> levels_;
+  std::vector<std::size_t> looks_;  // of each square
+  double left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;  // of what is known, in pixels
   bool bar_ = false;
   std::vector<Row> rows_;
   double width_ = 0, height_ = 0, legend_ = 0;
 };
 
 }  // namespace
+
+void layOnWhite(Image& picture, const Image& alpha) {
+  VOLUTE_ASSERT(alpha.width == picture.width && alpha.height == picture.height);
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      const float opaque = std::clamp(alpha.at(x, y, 0), 0.0F, 1.0F);
+      for (int c = 0; c < picture.channels; ++c)
+        picture.at(x, y, c) = opaque * picture.at(x, y, c) + (1 - opaque);
+    }
+  }
+}
 
 Image drawPlan(const FloorPlan& plan, const PlanPicture& picture,
                std::span<const SightTarget> signs, std::span<const Route> routes) {

@@ -32,6 +32,10 @@ struct PlanUnderlay {
   Vec2 min = Vec2::Zero(), max = Vec2::Zero();  ///< where its edges are [m]
 };
 
+/// What is transparent in a picture becomes white.
+/// @param alpha  of the same size, one channel: 0 transparent, 1 opaque
+void layOnWhite(Image& picture, const Image& alpha);
+
 /// A map over a floor plan as a picture: axes in metres, a key, walls at their places, signs, a
 /// scale, a legend.
 struct PlanPicture {

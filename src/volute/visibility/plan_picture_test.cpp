@@ -101,6 +101,58 @@ TEST(PlanPicture, storedTimesHaveOneColourEach) {
   EXPECT_EQ(colours.size(), 5U);
 }
 
+TEST(PlanPicture, whereNothingIsLostThereIsNoBar) {
+  PlanOfRoom room;
+  room.picture.stored = true;
+  room.picture.marks.assign(room.plan.size(), PlanMark::kKept);
+  EXPECT_EQ(planSvg(room.plan, room.picture, {}).find("time [s]"), std::string::npos);
+}
+
+TEST(PlanPicture, whatAWallLeavesOfASquareIsNotDark) {
+  PlanOfRoom room;
+  // A wall from x = 5.0 to 5.2: the middle of the square 5.0 .. 5.25 is in it.
+  room.picture.shapes = {{PlanShape::Kind::kSolid, {5, 0}, {5.2, 6}}};
+  for (std::size_t i = 20; i < room.plan.size(); i += 40) room.picture.marks[i] = PlanMark::kSolid;
+  const Image image = drawPlan(room.plan, room.picture, {});
+  EXPECT_LT(room.at(image, 5.1, 3).maxCoeff(), 0.02) << "the wall";
+  EXPECT_TRUE((room.at(image, 5.23, 3) == room.at(image, 5.5, 3)).all()) << "beside it";
+  // Solid of which no shape is known: dark.
+  room.picture.shapes.clear();
+  const Image bare = drawPlan(room.plan, room.picture, {});
+  EXPECT_FALSE((room.at(bare, 5.23, 3) == room.at(image, 5.5, 3)).all());
+}
+
+TEST(PlanPicture, theFrameStandsWhereTheCaseEnds) {
+  PlanOfRoom room;
+  // The case ends at x = 9.9, the last square at 10.
+  room.picture.shapes = {{PlanShape::Kind::kBorder, {0, 0}, {0, 6}},
+                         {PlanShape::Kind::kBorder, {9.9, 0}, {9.9, 6}},
+                         {PlanShape::Kind::kOpening, {0, 0}, {9.9, 0}},
+                         {PlanShape::Kind::kOpening, {0, 6}, {9.9, 6}}};
+  const Image image = drawPlan(room.plan, room.picture, {});
+  EXPECT_TRUE((room.at(image, 10.003, 3) == 1).all()) << "no second line";
+  EXPECT_LT(room.at(image, 9.9, 3).maxCoeff(), 0.02);
+}
+
+TEST(PlanPicture, transparentPartsOfAnUnderlayAreNotDrawn) {
+  PlanOfRoom room;
+  // Black all over, and opaque in the left half alone, as drawing programs save ink on nothing.
+  Image picture(20, 12, 3), alpha(20, 12, 1);
+  for (int y = 0; y < 12; ++y) {
+    for (int x = 0; x < 10; ++x) alpha.at(x, y) = 1;
+  }
+  layOnWhite(picture, alpha);
+  EXPECT_EQ(picture.at(5, 6, 1), 0);
+  EXPECT_EQ(picture.at(15, 6, 1), 1);
+  room.picture.underlay =
+      std::make_shared<const PlanUnderlay>(PlanUnderlay{picture, Vec2(0, 0), Vec2(10, 6)});
+  const Image image = drawPlan(room.plan, room.picture, {});
+  PlanOfRoom bare;
+  const Image without = drawPlan(bare.plan, bare.picture, {});
+  EXPECT_FALSE((room.at(image, 2.5, 3) == bare.at(without, 2.5, 3)).all());
+  EXPECT_TRUE((room.at(image, 7.5, 3) == bare.at(without, 7.5, 3)).all());
+}
+
 TEST(PlanPicture, signsHaveTheirNamesAndPointWhereTheyFace) {
   PlanOfRoom room;
   SightTarget target;

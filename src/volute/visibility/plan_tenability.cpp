@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "volute/io/image_file.hpp"
 #include "volute/report/page.hpp"
 #include "volute/visibility/plan_picture.hpp"
 #include "volute/visibility/verdict.hpp"
@@ -93,10 +92,12 @@ std::string criteriaTable(const ExposureMeter& meter) {
          htmlTable({"name", "untenable when", "from", "source"}, rows);
 }
 
-PlanTenability::PlanTenability(const Survey& survey, std::span<const Vec3> eyes, PlanValues values)
+PlanTenability::PlanTenability(const Survey& survey, std::span<const Vec3> eyes, PlanValues values,
+                               std::vector<PlanShape> shapes)
     : survey_(&survey),
       eyes_(eyes),
       values_(values),
+      shapes_(std::move(shapes)),
       meter_(AirField::open(*survey.field, survey.criteria), survey.criteria, eyes.size()) {}
 
 Status PlanTenability::take(const SurveyTime& at) {
@@ -164,15 +165,23 @@ Json PlanTenability::sentence(std::size_t c) const {
   return verdictJson(criterion.name, text, first, survey_->round, eyes_);
 }
 
-Status PlanTenability::writeTimes(const std::string& name, const std::string& title,
-                                  std::span<const double> times) const {
+PlanPicture PlanTenability::emptyPicture(std::string title) const {
   PlanPicture picture;
-  picture.title = title;
-  picture.barLabel = "time [s]";
-  picture.low = survey_->times.front();
-  picture.high = std::max(survey_->times.back(), picture.low + 1e-9);
+  picture.title = std::move(title);
+  picture.shapes = shapes_;
+  picture.underlay = survey_->underlay;
   picture.values.assign(values_.plan->size(), 0);
   picture.marks.assign(values_.plan->size(), PlanMark::kSolid);
+  return picture;
+}
+
+Status PlanTenability::writeTimes(const std::string& name, const std::string& title,
+                                  std::span<const double> times) const {
+  PlanPicture picture = emptyPicture(title);
+  picture.barLabel = "time [s]";
+  picture.stored = true;
+  picture.low = survey_->times.front();
+  picture.high = std::max(survey_->times.back(), picture.low + 1e-9);
   for (std::size_t i = 0; i < eyes_.size(); ++i) {
     picture.values[values_.places[i]] = times[i];
     picture.marks[values_.places[i]] = std::isinf(times[i]) ? PlanMark::kKept : PlanMark::kValue;
@@ -180,15 +189,12 @@ Status PlanTenability::writeTimes(const std::string& name, const std::string& ti
   picture.words = {
       {PlanMark::kKept, fmt::format("not reached at {:g} s, the last time", survey_->times.back())},
       {PlanMark::kSolid, "solid, or no data"}};
-  return writeImage(survey_->folder / name, drawPlan(*values_.plan, picture, survey_->signs));
+  return writePlan(survey_->folder / name, *values_.plan, picture, survey_->signs);
 }
 
 Status PlanTenability::writeFirst() const {
-  PlanPicture picture;
-  picture.title = fmt::format("Which criterion is reached first, at z = {:g} m",
-                              values_.plan->origin[2]);
-  picture.values.assign(values_.plan->size(), 0);
-  picture.marks.assign(values_.plan->size(), PlanMark::kSolid);
+  PlanPicture picture = emptyPicture(
+      fmt::format("Which criterion is reached first, at z = {:g} m", values_.plan->origin[2]));
   picture.kinds.emplace_back(kindColor(0), kSight);
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c)
     picture.kinds.emplace_back(kindColor(c + 1), meter_.criteria()[c].name);
@@ -199,8 +205,8 @@ Status PlanTenability::writeFirst() const {
   picture.words = {
       {PlanMark::kKept, fmt::format("none until {:g} s, the last time", survey_->times.back())},
       {PlanMark::kSolid, "solid, or no data"}};
-  return writeImage(survey_->folder / "tenability_first.png",
-                    drawPlan(*values_.plan, picture, survey_->signs));
+  return writePlan(survey_->folder / "tenability_first.png", *values_.plan, picture,
+                   survey_->signs);
 }
 
 Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>& arrays,
@@ -251,14 +257,12 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
   }
   if (finite.empty())
     return std::string();
-  PlanPicture picture;
-  picture.title = fmt::format("ASET - RSET at z = {:g} m", values_.plan->origin[2]);
+  PlanPicture picture =
+      emptyPicture(fmt::format("ASET - RSET at z = {:g} m", values_.plan->origin[2]));
   picture.subtitle = survey_->rset->description();
   picture.barLabel = "margin [s]";
   picture.low = *std::ranges::min_element(finite);
   picture.high = std::max(*std::ranges::max_element(finite), picture.low + 1e-9);
-  picture.values.assign(values_.plan->size(), 0);
-  picture.marks.assign(values_.plan->size(), PlanMark::kSolid);
   for (std::size_t i = 0; i < margin.size(); ++i) {
     picture.values[values_.places[i]] = margin[i];
     picture.marks[values_.places[i]] = std::isnan(margin[i])   ? PlanMark::kHidden
@@ -268,8 +272,7 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
   picture.words = {{PlanMark::kKept, "no criterion is reached"},
                    {PlanMark::kHidden, "nobody comes here"},
                    {PlanMark::kSolid, "solid, or no data"}};
-  VOLUTE_TRY(writeImage(survey_->folder / "margin.png",
-                        drawPlan(*values_.plan, picture, survey_->signs)));
+  VOLUTE_TRY(writePlan(survey_->folder / "margin.png", *values_.plan, picture, survey_->signs));
   return htmlFigure(survey_->folder / "margin.png", "What is left after the time that people need.");
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "volute/visibility/exposure_meter.hpp"
+#include "volute/visibility/plan_picture.hpp"
 #include "volute/visibility/plan_values.hpp"
 #include "volute/visibility/plan_vti.hpp"
 #include "volute/visibility/watch.hpp"
@@ -16,7 +17,9 @@ namespace volute {
 class PlanTenability {
  public:
   /// With the survey's criteria and its field.
-  PlanTenability(const Survey& survey, std::span<const Vec3> eyes, PlanValues values);
+  /// @param shapes  what maps draw at its place, at the eyes' height
+  PlanTenability(const Survey& survey, std::span<const Vec3> eyes, PlanValues values,
+                 std::vector<PlanShape> shapes);
 
   /// Each time; those between stored ones are passed over.
   [[nodiscard]] Status take(const SurveyTime& at);
@@ -30,6 +33,8 @@ class PlanTenability {
                                            Json& verdict);
 
  private:
+  /// A map in which nothing is said of any point yet.
+  PlanPicture emptyPicture(std::string title) const;
   Json criterionJson(std::size_t c) const;
   void combine(const LossTimes& signs, const std::vector<bool>& inSight);
   Status writeTimes(const std::string& name, const std::string& title,
@@ -41,6 +46,7 @@ class PlanTenability {
   const Survey* survey_;
   std::span<const Vec3> eyes_;
   PlanValues values_;
+  std::vector<PlanShape> shapes_;
   ExposureMeter meter_;
   LossTimes all_;           // of all criteria together
   std::vector<int> which_;  // the first: -1 none, 0 sight of signs, else criterion + 1

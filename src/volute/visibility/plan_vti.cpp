@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/visibility/plan_vti.hpp"
 
+#include <cmath>
 #include <cstdint>
+#include <iterator>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/output_file.hpp"
@@ -42,6 +44,32 @@ Status writePlanVti(const std::filesystem::path& path, const FloorPlan& plan,
     VOLUTE_TRY(file.write(std::as_bytes(std::span(array.values))));
   }
   VOLUTE_TRY(writeText(file, "\n</AppendedData>\n</VTKFile>\n"));
+  return file.commit();
+}
+
+Status writePlanCsv(const std::filesystem::path& path, const FloorPlan& plan,
+                    const std::vector<PlanArray>& arrays) {
+  std::string text = "x,y,z";
+  for (const PlanArray& array : arrays) {
+    VOLUTE_ASSERT(array.values.size() == plan.size());
+    text += "," + array.name;
+  }
+  text += "\n";
+  for (std::size_t i = 0; i < plan.size(); ++i) {
+    if (!plan.walkable(i))
+      continue;
+    const Vec3 at = plan.at(i);
+    fmt::format_to(std::back_inserter(text), "{:.6g},{:.6g},{:.6g}", at.x(), at.y(), at.z());
+    for (const PlanArray& array : arrays) {
+      if (std::isnan(array.values[i]))
+        text += ",";
+      else
+        fmt::format_to(std::back_inserter(text), ",{:.7g}", array.values[i]);
+    }
+    text += "\n";
+  }
+  VOLUTE_ASSIGN(auto file, OutputFile::create(path));
+  VOLUTE_TRY(writeText(file, text));
   return file.commit();
 }
 

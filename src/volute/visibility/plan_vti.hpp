@@ -20,6 +20,11 @@ struct PlanArray {
 [[nodiscard]] Status writePlanVti(const std::filesystem::path& path, const FloorPlan& plan,
                                   const std::vector<PlanArray>& arrays);
 
+/// Writes a table: x, y, z of each point [m] where `places` has gas, and a column for each array; empty
+/// where nothing is known, inf where an array is.
+[[nodiscard]] Status writePlanCsv(const std::filesystem::path& path, const FloorPlan& plan,
+                                  const std::vector<PlanArray>& arrays);
+
 /// Writes a .pvd: files beside it, with their times [s].
 [[nodiscard]] Status writePvd(const std::filesystem::path& path,
                               const std::vector<std::pair<double, std::string>>& files);

@@ -71,7 +71,7 @@ class PlanWatch final : public Watch {
     if (survey.extinctionLimit > 0)
       local_.emplace(eyes_.size(), survey.extinctionLimit);
     if (!survey.criteria.empty())
-      tenability_.emplace(survey, eyes_, planValues());
+      tenability_.emplace(survey, eyes_, planValues(), shapes_);
     hidden_.assign(survey.sets.size(), std::vector<bool>(eyes_.size(), true));
     std::error_code error;
     std::filesystem::create_directory(survey.folder / "maps", error);
@@ -148,6 +148,7 @@ class PlanWatch final : public Watch {
     }
     report["verdict"] = std::move(verdict);
     VOLUTE_TRY(writePlanVti(survey_->folder / "aset.vti", plan_, arrays));
+    VOLUTE_TRY(writePlanCsv(survey_->folder / "maps.csv", plan_, arrays));
     VOLUTE_ASSIGN(const auto shown, shownMaps());
     return tenability + "<h2>Available safe egress time by visibility</h2>\n" + page + sensitivity +
            shown;

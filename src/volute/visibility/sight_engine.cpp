@@ -76,6 +76,11 @@ Result<SightEngine::Instants> SightEngine::instantsAt(double t) {
 Status SightEngine::sees(std::span<const Vec3> eyes, double t, std::span<Seen> out) {
   VOLUTE_ASSERT(out.size() == signs_.size() * eyes.size());
   VOLUTE_ASSIGN(const Instants now, instantsAt(t));
+  // What instants make once is made here: in the loop a thread might wait for itself.
+  for (const auto& instant : {now.before, now.after}) {
+    if (instant)
+      instant->bounds({}, {}, {});
+  }
   const std::size_t batches = (eyes.size() + kAgents - 1) / kAgents;
   parallelRanges(signs_.size() * batches, 1, [&](std::size_t begin, std::size_t end) {
     Lines lines, open, exact;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstring>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
@@ -103,13 +104,16 @@ bool Lookout::fits(const SightInstant& instant, std::span<const Vec3> eyes) cons
   return geometry_ != 0 && instant.geometry() == geometry_ && std::ranges::equal(eyes, eyes_);
 }
 
-bool Lookout::workOut(const SightInstant& instant, std::span<const SightTarget> signs,
-                      std::span<const Vec3> eyes) {
+/// Every `ranks`-th batch from the `rank`-th on.
+/// @return  bytes of what is kept; more than the limit: they are not all there
+std::uint64_t Lookout::workOutSome(const SightInstant& instant, std::span<const SightTarget> signs,
+                                   std::span<const Vec3> eyes, int rank, int ranks) {
   std::atomic<std::uint64_t> bytes{0};
   batches_.assign(signs.size() * ((eyes.size() + kBatch - 1) / kBatch), {});
   forEachBatch(signs.size(), eyes.size(),
                [&](std::size_t s, std::size_t first, std::size_t count, std::size_t b) {
-                 if (bytes > maxBytes_)
+                 if (bytes > maxBytes_ || b % static_cast<std::size_t>(ranks) !=
+                                              static_cast<std::size_t>(rank))
                    return;
                  Batch& batch = batches_[b];
                  for (std::size_t i = 0; i < count; ++i) {
@@ -120,6 +124,10 @@ bool Lookout::workOut(const SightInstant& instant, std::span<const SightTarget> 
                  batch.weights.shrink_to_fit();
                  bytes += batch.weights.size() * sizeof(SightWeight) + count * sizeof(Sight);
                });
+  return bytes;
+}
+
+bool Lookout::keep(const SightInstant& instant, std::span<const Vec3> eyes, std::uint64_t bytes) {
   const bool kept = bytes <= maxBytes_;
   geometry_ = kept ? instant.geometry() : 0;
   tooLarge_ = kept ? tooLarge_ : instant.geometry();
@@ -129,15 +137,60 @@ bool Lookout::workOut(const SightInstant& instant, std::span<const SightTarget> 
   return kept;
 }
 
+bool Lookout::workOut(const SightInstant& instant, std::span<const SightTarget> signs,
+                      std::span<const Vec3> eyes) {
+  return keep(instant, eyes, workOutSome(instant, signs, eyes, 0, 1));
+}
+
+Status Lookout::workOutTogether(const SightInstant& instant, std::span<const SightTarget> signs,
+                                std::span<const Vec3> eyes, Team& team) {
+  if (team.size() == 1 || instant.geometry() == 0)
+    return {};
+  std::array<std::uint64_t, 1> bytes{workOutSome(instant, signs, eyes, team.rank(), team.size())};
+  VOLUTE_TRY(team.sum(bytes));
+  if (!keep(instant, eyes, bytes[0]))
+    return {};
+  std::vector<std::byte> own;
+  const auto put = [&](const auto& values) {
+    const std::uint64_t count = values.size();
+    for (const auto part : {std::as_bytes(std::span(&count, 1)), std::as_bytes(std::span(values))})
+      own.insert(own.end(), part.begin(), part.end());
+  };
+  const auto ranks = static_cast<std::size_t>(team.size());
+  for (auto b = static_cast<std::size_t>(team.rank()); b < batches_.size(); b += ranks) {
+    put(batches_[b].weights);
+    put(batches_[b].ends);
+    put(batches_[b].sights);
+  }
+  VOLUTE_ASSIGN(auto all, team.gatherAll(own));
+  own = {};
+  for (std::size_t rank = 0; rank < ranks; ++rank) {
+    std::span<const std::byte> left = all[rank];
+    const auto take = [&](auto& values) {
+      std::uint64_t count = 0;
+      std::memcpy(&count, left.data(), sizeof count);
+      left = left.subspan(sizeof count);
+      values.resize(count);
+      const std::size_t size = count * sizeof(values[0]);
+      if (size > 0)
+        std::memcpy(values.data(), left.data(), size);
+      left = left.subspan(size);
+    };
+    if (rank != static_cast<std::size_t>(team.rank())) {
+      for (std::size_t b = rank; b < batches_.size(); b += ranks) {
+        take(batches_[b].weights);
+        take(batches_[b].ends);
+        take(batches_[b].sights);
+      }
+    }
+    all[rank] = {};
+  }
+  return {};
+}
+
 void Lookout::sum(const SightInstant& instant, std::span<const SightTarget> signs,
                   std::span<const Vec3> eyes, std::span<Sighting> out) const {
   const SightData data = instant.data();
-  const auto dot = [](std::span<const SightWeight> weights, std::span<const float> values) {
-    double sum = 0;
-    for (const SightWeight& weight : weights)
-      sum += static_cast<double>(weight.weight) * values[weight.value];
-    return sum;
-  };
   forEachBatch(signs.size(), eyes.size(),
                [&](std::size_t s, std::size_t first, std::size_t count, std::size_t b) {
                  const Batch& batch = batches_[b];
@@ -147,9 +200,20 @@ void Lookout::sum(const SightInstant& instant, std::span<const SightTarget> sign
                        std::span(batch.weights).subspan(begin, batch.ends[i] - begin);
                    begin = batch.ends[i];
                    Sight sight = batch.sights[i];
-                   sight.depth = dot(weights, data.value);
-                   sight.low = data.low.empty() ? sight.depth : dot(weights, data.low);
-                   sight.high = data.high.empty() ? sight.depth : dot(weights, data.high);
+                   sight.depth = 0;
+                   if (data.low.empty()) {
+                     for (const SightWeight& one : weights)
+                       sight.depth += static_cast<double>(one.weight) * data.value[one.value];
+                     sight.low = sight.high = sight.depth;
+                   } else {
+                     sight.low = sight.high = 0;
+                     for (const SightWeight& one : weights) {
+                       const double weight = one.weight;
+                       sight.depth += weight * data.value[one.value];
+                       sight.low += weight * data.low[one.value];
+                       sight.high += weight * data.high[one.value];
+                     }
+                   }
                    out[s * eyes.size() + first + i] = judge(signs[s].sign, eyes[first + i], sight);
                  }
                });

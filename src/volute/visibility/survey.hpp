@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "volute/base/progress.hpp"
+#include "volute/base/team.hpp"
 #include "volute/visibility/safety_sign.hpp"
 
 namespace volute {
@@ -41,6 +42,11 @@ class Lookout {
   void look(const SightInstant& instant, std::span<const SightTarget> signs,
             std::span<const Vec3> eyes, std::span<Sighting> out, bool again);
 
+  /// Collective. Works the lines out that look() would, each on one rank, and gives them to all.
+  [[nodiscard]] Status workOutTogether(const SightInstant& instant,
+                                       std::span<const SightTarget> signs,
+                                       std::span<const Vec3> eyes, Team& team);
+
  private:
   /// Lines that are worked out and summed together.
   struct Batch {
@@ -52,6 +58,9 @@ class Lookout {
   bool fits(const SightInstant& instant, std::span<const Vec3> eyes) const;
   bool workOut(const SightInstant& instant, std::span<const SightTarget> signs,
                std::span<const Vec3> eyes);
+  std::uint64_t workOutSome(const SightInstant& instant, std::span<const SightTarget> signs,
+                            std::span<const Vec3> eyes, int rank, int ranks);
+  bool keep(const SightInstant& instant, std::span<const Vec3> eyes, std::uint64_t bytes);
   void sum(const SightInstant& instant, std::span<const SightTarget> signs,
            std::span<const Vec3> eyes, std::span<Sighting> out) const;
 

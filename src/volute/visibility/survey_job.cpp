@@ -70,6 +70,15 @@ Json signJson(const SightTarget& target) {
   return json;
 }
 
+/// Quoted where a comma or a quote would end it.
+std::string csvField(const std::string& text) {
+  if (text.find_first_of(",\"\n") == text.npos)
+    return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
 /// Shares of the eyes at one time, and how many cannot be told for sure.
 Json summaryOf(const SurveyTime& at, const Survey& survey) {
   const std::size_t eyes = at.eyes.size();
@@ -176,8 +185,14 @@ class Job {
     VOLUTE_TRY(watch_.begin(survey_, *first_, log_));
     if (team_.leads())
       VOLUTE_TRY(pictures_.begin(survey_, *first_));
+    if (looksAgain())
+      VOLUTE_TRY(lookout_.workOutTogether(*first_, survey_.signs,
+                                          watch_.eyes(survey_.times.front()), team_));
     return {};
   }
+
+  /// Whether the same sight lines are looked along more than once.
+  bool looksAgain() const { return survey_.times.size() > 1 && !watch_.moves(); }
 
   Result<std::shared_ptr<const SightInstant>> instantAt(std::size_t i) {
     if (auto first = std::exchange(first_, nullptr); first && i == 0)
@@ -225,7 +240,7 @@ class Job {
                   eyes.size(), survey_.signs.size(), request_.maxMemory / (2 * sizeof(Sighting)));
     }
     std::vector<Sighting> sightings(lines);
-    lookout_.look(instant, survey_.signs, eyes, sightings, survey_.times.size() > 1);
+    lookout_.look(instant, survey_.signs, eyes, sightings, looksAgain());
     const bool smoke =
         survey_.extinctionLimit > 0 || !survey_.criteria.empty() || watch_.wantsExtinction();
     std::vector<double> extinction(smoke ? eyes.size() : 0);
@@ -324,7 +339,35 @@ class Job {
       }
     }
     VOLUTE_TRY(writeFile(folder_->path() / kMark, dumpJson(json_) + "\n"));
+    if (watch_.hasPage())
+      VOLUTE_TRY(writeFile(folder_->path() / "curves.csv", curvesCsv()));
     return folder_->commit();
+  }
+
+  /// What the page draws over time, a row a point.
+  std::string curvesCsv() const {
+    std::string text = "figure,name,unit,time,value\n";
+    const auto add = [&](const char* figure, const std::string& name, const std::string& unit,
+                         const Json& time, const Json& value) {
+      text += fmt::format("{},{},{},{},{}\n", figure, csvField(name), csvField(unit), time.dump(),
+                          value.is_number() ? value.dump() : "");
+    };
+    for (const auto& [figure, key] :
+         {std::pair("heat release", "fire"), std::pair("devices", "devices")}) {
+      if (!json_.contains(key))
+        continue;
+      for (const Json& curve : json_[key]) {
+        const Json& times = curve["times"];
+        for (std::size_t i = 0; i < std::min(times.size(), curve["values"].size()); ++i)
+          add(figure, curve["name"], curve["unit"], times[i], curve["values"][i]);
+      }
+    }
+    for (const Json& record : summary_) {
+      add("share of the eyes that see a sign", "any sign", "1", record["time"], record["any"]);
+      for (const auto& [sign, share] : record["signs"].items())
+        add("share of the eyes that see a sign", sign, "1", record["time"], share);
+    }
+    return text;
   }
 
   /// Title block and curves of the case.

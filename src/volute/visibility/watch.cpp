@@ -122,6 +122,8 @@ class TrajectoryWatch final : public Watch {
  public:
   explicit TrajectoryWatch(Trajectories people) : people_(std::move(people)) {}
 
+  bool moves() const override { return true; }
+
   Status begin(const Survey& survey, const SightInstant&, Progress& progress) override {
     survey_ = &survey;
     progress_ = &progress;

@@ -95,6 +95,9 @@ class Watch {
   /// Whether SurveyTime::extinction is of use besides what Survey asks for.
   virtual bool wantsExtinction() const { return false; }
 
+  /// Whether the eyes are elsewhere at each time.
+  virtual bool moves() const { return false; }
+
   /// True when a page is written.
   virtual bool hasPage() const { return true; }
 };

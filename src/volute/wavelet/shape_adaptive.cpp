@@ -16,7 +16,7 @@ namespace volute::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// A few lines side by side, one in each lane. What lies beyond their ends is zero and not in the
-/// support. Never MulAdd: it rounds differently from processor to processor.
+/// support. Never MulAdd: it rounds differently from CPU to CPU.
 template <class D, bool kShaped>
 struct Strip {
   using F = hn::Vec<D>;

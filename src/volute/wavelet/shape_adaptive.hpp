@@ -16,7 +16,7 @@
 // is the symmetric extension of liftForward().
 //
 // Additions and multiplications are done one by one in float32, in the same order on every
-// processor, so results are the same bits everywhere: a codec relies on it.
+// CPU, so results are the same bits everywhere: a codec relies on it.
 
 namespace volute {
 

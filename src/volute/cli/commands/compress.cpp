@@ -6,7 +6,6 @@
 #include "volute/cli/field_options.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/volume_output.hpp"
-#include "volute/io/frame_pattern.hpp"
 #include "volute/media/volume/volume_input.hpp"
 
 namespace volute::cli {
@@ -37,20 +36,6 @@ std::vector<std::string_view> modeNames() {
     return all;
   }();
   return {names.begin(), names.end()};
-}
-
-/// Of the files that were read, a pattern's as well.
-std::optional<std::uint64_t> bytesOfInput(const std::string& path) {
-  if (const auto bytes = bytesOnDisk(path))
-    return bytes;
-  const auto pattern = FramePattern::parse(path);
-  if (!pattern)
-    return std::nullopt;
-  const auto files = pattern->list();
-  std::uint64_t sum = 0;
-  for (std::size_t i = 0; files && i < files->size(); ++i)
-    sum += bytesOnDisk((*files)[i].path.string()).value_or(0);
-  return sum > 0 ? std::optional(sum) : std::nullopt;
 }
 
 /// @param inputBytes  of the files on disk, where all of them are in the result
@@ -123,7 +108,7 @@ Status runCompress(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto result, compressTo(target, *source, options, context));
   const bool whole = !arguments.given("frames") && !arguments.given("bounds");
   const Report report = compressReport(target, source->info(), result,
-                                       whole ? bytesOfInput(path) : std::nullopt);
+                                       whole ? bytesOnDisk(path) : std::nullopt);
   VOLUTE_TRY(writeStats(arguments, context, report.json()));
   context.print(report);
   return {};

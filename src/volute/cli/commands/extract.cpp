@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <array>
-#include <cstring>
 
-#include "volute/base/ordered_delivery.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/field_options.hpp"
 #include "volute/cli/file_kind.hpp"
-#include "volute/cli/extract_source.hpp"
+#include "volute/codec/extract_source.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/media/volume/fds_input.hpp"
@@ -86,48 +84,6 @@ Status runFds(const std::string& path, const std::string& target, const Argument
   return {};
 }
 
-/// The frames of a row of blocks are a unit of work; rank 0 writes all frames in order.
-Status extractFrames(FrameSource& source, const std::vector<int>& positions,
-                     const std::string& target, Context& context) {
-  Team& team = context.team;
-  std::unique_ptr<FrameSink> sink;
-  if (team.leads()) {
-    VOLUTE_ASSIGN(sink, openSink(target, source.info()));
-  }
-  if (team.size() == 1)
-    return copyFrames(source, *sink, "extracting", context.progress);
-  std::vector<std::size_t> begins;  // of rows
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (i == 0 || positions[i] / BlockGrid::kSide != positions[i - 1] / BlockGrid::kSide)
-      begins.push_back(i);
-  }
-  begins.push_back(positions.size());
-  std::vector<float> frame(source.info().frameValues());
-  OrderedDelivery delivery(
-      team, static_cast<std::int64_t>(positions.size()), context.maxMemory / 8,
-      [&](std::int64_t, const OrderedDelivery::Bytes& bytes) {
-        std::memcpy(frame.data(), bytes.data(), bytes.size());
-        return sink->writeFrame(frame);
-      });
-  VOLUTE_TRY(team.forUnits(
-      "extracting", static_cast<std::int64_t>(begins.size() - 1), context.progress,
-      [&](std::int64_t row) -> Status {
-        const auto at = static_cast<std::size_t>(row);
-        std::vector<float> values(frame.size());
-        for (std::size_t i = begins[at]; i < begins[at + 1]; ++i) {
-          if (context.progress.cancelled())
-            return fail(ErrorCode::kCancelled, "stopped: extracting frame {}",
-                        source.info().frameNumbers[i]);
-          VOLUTE_TRY(source.readFrame(static_cast<int>(i), values));
-          const auto bytes = std::as_bytes(std::span(values));
-          VOLUTE_TRY(delivery.give(static_cast<std::int64_t>(i), {bytes.begin(), bytes.end()}));
-        }
-        return {};
-      },
-      [&] { return delivery.finish(); }));
-  return team.agree(sink ? sink->finish() : Status());
-}
-
 Status runExtract(const Arguments& arguments, Context& context) {
   const std::string& path = arguments.positional(0);
   const auto target = arguments.get<std::string>("output");
@@ -152,10 +108,13 @@ Status runExtract(const Arguments& arguments, Context& context) {
     VOLUTE_TRY(checkTarget(target, true));
   VOLUTE_ASSIGN(auto reader, openVolute(path, arguments.flag("partial"), context));
   VOLUTE_ASSIGN(auto extraction, extractionOf(arguments, reader->info(), context.maxMemory));
-  const std::vector<int> positions = extraction.positions;
   VOLUTE_ASSIGN(auto source,
                 ExtractSource::create(reader, std::move(extraction), context.progress));
-  VOLUTE_TRY(extractFrames(*source, positions, target, context));
+  std::unique_ptr<FrameSink> sink;
+  if (context.team.leads()) {
+    VOLUTE_ASSIGN(sink, openSink(target, source->info()));
+  }
+  VOLUTE_TRY(extractFrames(*source, sink.get(), context.maxMemory, context.progress, context.team));
   std::array<std::uint64_t, 2> counts{reader->bytesRead(), reader->blocksDecoded()};
   VOLUTE_TRY(context.team.sum(counts));
   const Report report = extractReport(target, source->info(), counts, reader->blocks().count());

@@ -2,156 +2,46 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <cmath>
 
+#include "volute/base/stopwatch.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/field_options.hpp"
-#include "volute/cli/fog_export.hpp"
-#include "volute/cli/picture_writer.hpp"
 #include "volute/cli/volume_output.hpp"
-#include "volute/base/stopwatch.hpp"
+#include "volute/film/picture_writer.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
-#include "volute/media/camera_file.hpp"
+#include "volute/media/fog/fog_export.hpp"
+#include "volute/media/fog/fog_frames.hpp"
+#include "volute/media/scene_lights.hpp"
 #include "volute/media/volume/volume_input.hpp"
-#include "volute/media/fog/fog_scene_medium.hpp"
-#include "volute/media/volume/volume_input.hpp"
-#include "volute/render/render.hpp"
 #include "volute/scene/scene_geometry.hpp"
 
 namespace volute::cli {
 namespace {
 
-/// The files of one picture; names that are patterns have the frame's number filled in.
-struct Frame {
-  int number = 0;
-  std::string color, depth, camera;
-};
-
-struct DepthRule {
-  bool alongRay = false;
-  double sky = 0;  ///< [m] from here on it is sky
-};
-
-Result<std::string> nameOf(const std::string& name, int number) {
-  if (!FramePattern::isPattern(name))
-    return name;
-  VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(name));
-  return pattern.format(number).string();
-}
-
-/// All frames of the colour's pattern that are chosen, or the one picture.
-Result<std::vector<Frame>> framesOf(const Arguments& arguments) {
-  const auto color = arguments.get<std::string>("color");
-  const auto depth = arguments.get<std::string>("depth");
-  const auto camera = arguments.get<std::string>("camera");
-  if (!FramePattern::isPattern(color)) {
-    if (arguments.given("frames"))
-      return fail(ErrorCode::kInvalidArgument, "--frames is for pictures whose name has a %04d");
-    return std::vector{Frame{0, color, depth, camera}};
-  }
-  const auto range = arguments.find<FrameRange>("frames").value_or(FrameRange{});
-  VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(color));
-  VOLUTE_ASSIGN(const auto files, pattern.list());
-  std::vector<Frame> frames;
-  for (const NumberedFile& file : files) {
-    const int first = range.begin.value_or(files.front().number);
-    if (file.number < first || (range.end && file.number >= *range.end) ||
-        (file.number - first) % range.step != 0)
-      continue;
-    VOLUTE_ASSIGN(auto itsDepth, nameOf(depth, file.number));
-    VOLUTE_ASSIGN(auto itsCamera, nameOf(camera, file.number));
-    frames.push_back({file.number, file.path.string(), std::move(itsDepth), std::move(itsCamera)});
-  }
-  if (frames.empty())
-    return fail(ErrorCode::kInvalidArgument, "--frames: no picture of '{}' is chosen", color);
-  return frames;
-}
-
-Result<Image> readColor(const std::string& path, const Context& context) {
-  VOLUTE_ASSIGN(auto image, readImage(path, {.maxMemory = context.maxMemory}));
-  if (image.channels == 3)
-    return image;
-  Image rgb(image.width, image.height);
-  for (std::size_t i = 0; i < image.pixels.size(); ++i)
-    std::fill_n(rgb.pixels.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, image.pixels[i]);
-  return rgb;
-}
-
-/// Distances along the pixels' rays [m], infinite for the sky.
-Result<std::vector<float>> readDepth(const std::string& path, const Camera& camera,
-                                     const DepthRule& rule, const Context& context) {
-  VOLUTE_ASSIGN(auto image, readImage(path, {.raw = true, .maxMemory = context.maxMemory}));
-  if (image.channels != 1) {
-    return fail(ErrorCode::kInvalidData, "{}: {} channels; expected one, the depth in metres", path,
-                image.channels);
-  }
-  if (image.width != camera.width() || image.height != camera.height()) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: {} x {} pixels, but the colour has {} x {}; expected pictures of one size",
-                path, image.width, image.height, camera.width(), camera.height());
-  }
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      float& depth = image.at(x, y);
-      if (!(depth >= 0)) {
-        return fail(ErrorCode::kInvalidData,
-                    "{}: pixel {}, {} is {}; expected a depth of at least 0 m, inf for the sky",
-                    path, x, y, depth);
-      }
-      if (depth >= rule.sky)
-        depth = std::numeric_limits<float>::infinity();
-      const double cosine = camera.ray(x + 0.5, y + 0.5).direction.dot(camera.forward());
-      if (!rule.alongRay)
-        depth = static_cast<float>(depth / cosine);
-    }
-  }
-  return std::move(image.pixels);
-}
-
-Result<Camera> cameraFor(const Frame& frame, const Image& color) {
-  VOLUTE_ASSIGN(const auto description, readCamera(frame.camera));
-  const Pixels size{color.width, color.height};
-  if (description.size && !(*description.size == size)) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: a camera of {} x {} pixels, but {} has {} x {}; expected one size",
-                frame.camera, description.size->width, description.size->height, frame.color,
-                size.width, size.height);
-  }
-  return makeCamera(description, size);
-}
-
-/// A frame of any renderer behind the fog.
-Result<Image> fogged(const Frame& frame, const FogLayer& layer, const Arguments& arguments,
-                     Context& context) {
-  VOLUTE_ASSIGN(const auto color, readColor(frame.color, context));
-  VOLUTE_ASSIGN(const auto camera, cameraFor(frame, color));
-  const DepthRule rule{
-      arguments.get<std::string>("depth-kind") == "ray",
-      arguments.find<double>("sky-depth").value_or(std::numeric_limits<double>::infinity())};
-  VOLUTE_ASSIGN(const auto depth, readDepth(frame.depth, camera, rule, context));
-  const double time =
-      arguments.find<double>("time").value_or(frame.number / arguments.get<double>("rate"));
-  VOLUTE_ASSIGN(const auto now, FogSceneMedium(layer).at({.time = time}, context.progress));
-  std::vector<AnyMedium> medium;
-  VOLUTE_TRY(now->addMediaFor(camera, medium));
-  RenderOptions options;
-  options.behind = &color;
+FogFrameOptions frameOptions(const Arguments& arguments) {
+  FogFrameOptions options;
+  options.depthAlongRay = arguments.get<std::string>("depth-kind") == "ray";
+  options.sky = arguments.find<double>("sky-depth").value_or(options.sky);
+  options.time = arguments.find<double>("time");
+  options.rate = arguments.get<double>("rate");
   if (arguments.get<std::string>("renderer") == "reference")
     options.renderer = Renderer::kReference;
-  return render(camera, medium, options, context.progress, nullptr, depth);
+  return options;
 }
 
-Status fogPictures(const std::vector<Frame>& frames, const FogLayer& layer,
+Status fogPictures(const std::vector<FogFrame>& frames, const FogLayer& layer,
                    const std::string& target, const Arguments& arguments, Context& context) {
+  const FogFrameOptions options = frameOptions(arguments);
   std::unique_ptr<PictureWriter> writer;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (context.progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped before frame {}", frames[i].number);
-    VOLUTE_ASSIGN(const auto image, fogged(frames[i], layer, arguments, context));
+    VOLUTE_ASSIGN(const auto image, fogOver(frames[i], layer, options, context));
     if (!writer && isFilmPath(target)) {
       VOLUTE_ASSIGN(
           writer, filmWriter(target, {}, image.width, image.height, arguments.get<double>("rate")));
     } else if (!writer) {
-      VOLUTE_ASSIGN(writer, stillWriter(target, {}));
+      VOLUTE_ASSIGN(writer, imageFileWriter(target, {}));
     }
     VOLUTE_TRY(writer->write(image, frames[i].number));
     context.progress.report("fog", static_cast<double>(i + 1), static_cast<double>(frames.size()));
@@ -167,17 +57,17 @@ Result<FogDescription> fogOf(const Arguments& arguments, const std::string& map)
 }
 
 /// --sun, --sun-radiance: at most one.
-Result<std::vector<FogSun>> sunsOf(const Arguments& arguments) {
+Result<std::vector<Sun>> sunsOf(const Arguments& arguments) {
   if (!arguments.given("sun"))
-    return std::vector<FogSun>{};
+    return std::vector<Sun>{};
   VOLUTE_ASSIGN(const auto members, membersOf(sunFields(), arguments));
-  VOLUTE_ASSIGN(const auto sun, readAs<FogSun>(sunFields(), members, {}));
+  VOLUTE_ASSIGN(const auto sun, readAs<Sun>(sunFields(), members, {}));
   return std::vector{sun};
 }
 
 /// What shadows the sun in the fog.
 Status addGeometry(const Arguments& arguments, FogDescription& description,
-                   const std::vector<FogSun>& suns, const Context& context) {
+                   const std::vector<Sun>& suns, const Context& context) {
   const auto file = arguments.find<std::string>("geometry");
   if (!file)
     return {};
@@ -219,7 +109,10 @@ Status runFog(const Arguments& arguments, Context& context) {
   }
   if (pictures) {
     const auto target = arguments.get<std::string>("output");
-    VOLUTE_ASSIGN(const auto frames, framesOf(arguments));
+    const FogFrame names{0, arguments.get<std::string>("color"), arguments.get<std::string>("depth"),
+                         arguments.get<std::string>("camera")};
+    VOLUTE_ASSIGN(const auto frames,
+                  namingOptions(fogFrames(names, arguments.find<FrameRange>("frames")), arguments));
     if (frames.size() > 1 && !isFilmPath(target) && !FramePattern::isPattern(target)) {
       return fail(ErrorCode::kInvalidArgument,
                   "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",

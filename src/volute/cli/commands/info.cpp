@@ -1,273 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include <cmath>
-#include <map>
-
+#include "volute/capture/capture_report.hpp"
+#include "volute/capture/open_capture.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/field_options.hpp"
 #include "volute/cli/file_kind.hpp"
-#include "volute/cli/fds_report.hpp"
-#include "volute/capture/open_capture.hpp"
 #include "volute/cli/gl_pictures.hpp"
-#include "volute/cli/mesh_report.hpp"
-#include "volute/cli/scene_report.hpp"
-#include "volute/io/frame_pattern.hpp"
-#include "volute/io/lattice_source.hpp"
-#include "volute/io/image_file.hpp"
-#include "volute/media/smoke/scene_smoke.hpp"
-#include "volute/media/volume/volume_input.hpp"
-#include "volute/cli/values.hpp"
-#include "volute/scene/scene.hpp"
+#include "volute/scene/describe_file.hpp"
 
 namespace volute::cli {
 namespace {
-
-struct Extremes {
-  double least = std::numeric_limits<double>::infinity();
-  double most = -std::numeric_limits<double>::infinity();
-  std::uint64_t notFinite = 0;
-  std::uint64_t zeros = 0;
-
-  void add(std::span<const float> values) {
-    for (const float value : values) {
-      if (!std::isfinite(value)) {
-        ++notFinite;
-        continue;
-      }
-      zeros += value == 0;
-      least = std::min<double>(least, value);
-      most = std::max<double>(most, value);
-    }
-  }
-};
-
-void addExtremes(Report& report, const Extremes& extremes, std::uint64_t values) {
-  const double zeros = static_cast<double>(extremes.zeros) / static_cast<double>(values);
-  report.add("minimum", extremes.least)
-      .add("maximum", extremes.most)
-      .add("zero_share", jsonNumber(zeros), fmt::format("{:.1f} %", 100 * zeros))
-      .add("not_finite", extremes.notFinite,
-           extremes.notFinite ? fmt::format("{} values", extremes.notFinite) : "");
-}
-
-std::string firstToLast(auto first, auto last) {
-  return first == last ? fmt::format("{}", first) : fmt::format("{} to {}", first, last);
-}
-
-/// [first, last] of each gap.
-nlohmann::ordered_json missingFrames(const VolumeInfo& info) {
-  auto gaps = nlohmann::ordered_json::array();
-  for (const FrameGap& gap : gapsOf(info.frameNumbers)) gaps.push_back({gap.first, gap.last});
-  return gaps;
-}
-
-void addVolume(Report& report, const VolumeInfo& info) {
-  const Box3& b = info.bounds;
-  report.add("grid", info.name)
-      .add("unit", info.unit, info.unit)
-      .add("size", {info.x, info.y, info.z},
-           fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
-      .add("channels", info.channels,
-           info.channels == 1 ? "1" : fmt::format("{} (linear RGB)", info.channels))
-      .add("frames", info.frames, fmt::format("{}", info.frames))
-      .add("frame_numbers", {info.frameNumbers.front(), info.frameNumbers.back()},
-           firstToLast(info.frameNumbers.front(), info.frameNumbers.back()))
-      .add("missing_frames", missingFrames(info), missingNumbers(info.frameNumbers))
-      .add("times", {info.times.front(), info.times.back()},
-           firstToLast(info.times.front(), info.times.back()) + " s")
-      .add("bounds", {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()},
-           fmt::format("{}  to  {} m", vectorText(b.min), vectorText(b.max)))
-      .add("basis", info.basis == Basis::kBox ? "box" : "trilinear")
-      .add("raw_bytes", info.rawBytes(), bytesText(info.rawBytes()));
-}
-
-void addHeader(Report& report, const VoluteReader& reader, std::uint64_t bytes) {
-  const VoluteHeader& header = reader.header();
-  const double ratio = static_cast<double>(reader.info().rawBytes()) / static_cast<double>(bytes);
-  report.add("ratio", jsonNumber(ratio), fmt::format("{:.4g}", ratio))
-      .add("minimum", header.valueMin)
-      .add("maximum", header.valueMax)
-      .add("asked", {{"kind", header.targetKind}, {"value", jsonNumber(header.targetValue)}},
-           fmt::format("{} {:.6g}", header.targetKind, header.targetValue))
-      .add("relative_rms", header.reachedRms)
-      .add("max_error", header.reachedMaxError)
-      .add("codec", header.codec, fmt::format("{}", header.codec))
-      .add("format", fmt::format("{}.{}", header.versionMajor, header.versionMinor))
-      .add("written_by", header.writtenBy)
-      .add("provenance", header.provenance)
-      .add("blocks", reader.blocks().count(), fmt::format("{}", reader.blocks().count()));
-}
-
-void addIntegrity(Report& report, const Integrity& integrity, const VoluteReader& reader) {
-  report.add("complete", integrity.complete(), "")
-      .add("integrity",
-           {{"expected_bytes", integrity.expectedBytes},
-            {"present_bytes", integrity.presentBytes},
-            {"segments", integrity.segments},
-            {"intact_segments", integrity.intactSegments},
-            {"intact_levels", integrity.intactLevels},
-            {"first_fault", integrity.firstFault}},
-           integrityText(integrity, reader));
-}
-
-// A line for each block: where it is, how it is coded, what it takes.
-void addBlocks(Report& report, const VoluteReader& reader) {
-  const BlockGrid& grid = reader.blocks();
-  nlohmann::ordered_json blocks = nlohmann::ordered_json::array();
-  std::map<std::string, int> modes;
-  std::string text;
-  for (std::size_t i = 0; i < grid.count(); ++i) {
-    const auto origin = grid.origin(i);
-    const auto extents = grid.extents(i);
-    const auto described = reader.describeBlock(i);
-    const std::string mode = described ? *described : "damaged";
-    ++modes[mode];
-    blocks.push_back({{"block", i},
-                      {"origin", {origin[3], origin[2], origin[1]}},
-                      {"size", {extents[3], extents[2], extents[1]}},
-                      {"frames",
-                       {reader.info().frameNumbers[origin[0]],
-                        reader.info().frameNumbers[origin[0] + extents[0] - 1]}},
-                      {"bytes", reader.storedBytes(i)},
-                      {"mode", mode}});
-    text += fmt::format("\n  {:>6}  frames {} to {}, voxels from {}, {}, {}: {} bytes, {}", i,
-                        reader.info().frameNumbers[origin[0]],
-                        reader.info().frameNumbers[origin[0] + extents[0] - 1], origin[3],
-                        origin[2], origin[1], reader.storedBytes(i), mode);
-  }
-  nlohmann::ordered_json counts;
-  std::string countsText;
-  for (const auto& [mode, count] : modes) {
-    counts[mode] = count;
-    countsText += fmt::format("{}{} {}", countsText.empty() ? "" : "; ", count, mode);
-  }
-  report.add("modes", counts, countsText).add("block_list", blocks, text);
-}
-
-Result<Report> describeVolute(const std::string& path, bool blocks, Context& context,
-                              bool& damaged) {
-  VoluteReader::Options options;
-  options.partial = true;
-  options.maxMemory = context.maxMemory;
-  VOLUTE_ASSIGN(const auto reader, VoluteReader::open(path, options));
-  const Integrity integrity = reader.verify();
-  const std::uint64_t bytes = bytesOnDisk(path).value_or(integrity.presentBytes);
-  Report report;
-  report.add("file", path).add("kind", "volute").add("bytes", bytes, bytesText(bytes));
-  addIntegrity(report, integrity, reader);
-  addVolume(report, reader.info());
-  addHeader(report, reader, std::max(bytes, integrity.expectedBytes));
-  if (blocks)
-    addBlocks(report, reader);
-  damaged = damaged || !integrity.complete();
-  return report;
-}
-
-Result<Report> describePicture(const std::string& path) {
-  VOLUTE_ASSIGN(const auto image, readImage(path));
-  Report report;
-  report.add("file", path).add("kind", "picture");
-  if (const auto bytes = bytesOnDisk(path))
-    report.add("bytes", *bytes, bytesText(*bytes));
-  report
-      .add("size", {image.width, image.height},
-           fmt::format("{} x {} pixels", image.width, image.height))
-      .add("channels", image.channels, fmt::format("{}", image.channels));
-  Extremes extremes;
-  extremes.add(image.pixels);
-  addExtremes(report, extremes, image.pixels.size());
-  return report;
-}
-
-/// The first file of what is one or more OpenVDB files; nothing for other formats.
-std::optional<std::filesystem::path> firstVdb(const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    const auto files = listNumberedFiles(path, ".vdb");
-    return files ? std::optional(files->front().path) : std::nullopt;
-  }
-  if (extensionOf(path) != ".vdb")
-    return std::nullopt;
-  if (FramePattern::isPattern(path) && !std::filesystem::exists(path, error)) {
-    const auto pattern = FramePattern::parse(path);
-    if (!pattern)
-      return std::nullopt;
-    const auto files = pattern->list();
-    return files ? std::optional(files->front().path) : std::nullopt;
-  }
-  return path;
-}
-
-/// A line for each grid of a file: size, range, voxels that are not empty, memory.
-Status addGrids(Report& report, const std::filesystem::path& file, Context& context) {
-  VOLUTE_ASSIGN(const auto grids, listGrids(file, context.maxMemory));
-  auto list = nlohmann::ordered_json::array();
-  std::string text = fmt::format("in {}", file.filename().string());
-  for (const GridFacts& grid : grids) {
-    const bool empty = grid.voxels == 0 || grid.box.empty();
-    const auto size = [&](int axis) { return empty ? 0 : grid.box.size(axis); };
-    list.push_back({{"name", grid.name},
-                    {"type", grid.type},
-                    {"class", grid.gridClass},
-                    {"half", grid.half},
-                    {"size", {size(0), size(1), size(2)}},
-                    {"voxel_size", grid.voxelSize},
-                    {"active_voxels", grid.voxels},
-                    {"minimum", jsonNumber(grid.least)},
-                    {"maximum", jsonNumber(grid.most)},
-                    {"memory_bytes", grid.memory},
-                    {"usable", grid.readable}});
-    text += fmt::format("\n  {:<16} {}{}{}, ", grid.name, grid.type, grid.half ? " (half)" : "",
-                        grid.gridClass[0] != '\0' ? fmt::format(", {}", grid.gridClass) : "");
-    text += empty ? std::string("empty")
-                  : fmt::format("{} x {} x {}, {:.4g} to {:.4g}, {} voxels not empty, {}", size(0),
-                                size(1), size(2), grid.least, grid.most, grid.voxels,
-                                bytesText(grid.memory));
-  }
-  report.add("grids", list, text);
-  return {};
-}
-
-Result<Report> describeVolume(const std::string& path, const Arguments& arguments,
-                              Context& context) {
-  InputOptions options;
-  options.grid = arguments.find<std::string>("field").value_or("");
-  auto opened = openVolume(path, options, context);
-  const auto vdb = firstVdb(path);
-  Report report;
-  report.add("file", path).add("kind", "volume");
-  if (const auto bytes = bytesOnDisk(path))
-    report.add("bytes", *bytes, bytesText(*bytes));
-  // Of several grids none may be the usual one, or that one is empty; the list says what there is.
-  const bool listed = !opened && vdb && options.grid.empty() &&
-                      (opened.error().code == ErrorCode::kInvalidArgument ||
-                       opened.error().code == ErrorCode::kInvalidData);
-  if (listed) {
-    auto grids = addGrids(report, *vdb, context);
-    if (grids)
-      return report;
-  }
-  if (!opened)
-    return tl::unexpected(std::move(opened.error()));
-  VolumeInput input = std::move(*opened);
-  const VolumeInfo& info = input.source->info();
-  addVolume(report, info);
-  if (vdb)
-    VOLUTE_TRY(addGrids(report, *vdb, context));
-  if (!arguments.flag("values"))
-    return report;
-  Extremes extremes;
-  std::vector<float> frame(info.frameValues());
-  for (int i = 0; i < info.frames; ++i) {
-    if (context.progress.cancelled())
-      return fail(ErrorCode::kCancelled, "stopped: reading frame {}", info.frameNumbers[i]);
-    VOLUTE_TRY(input.source->readFrame(i, frame));
-    extremes.add(frame);
-    context.progress.report("reading", i + 1, info.frames);
-  }
-  addExtremes(report, extremes, info.values());
-  return report;
-}
 
 /// The graphics device, before the files if there are any.
 Status showGl(const Arguments& arguments, Context& context) {
@@ -292,24 +34,19 @@ Status runInfo(const Arguments& arguments, Context& context) {
   std::vector<FileKind> kinds;
   for (const auto& path : arguments.positionals()) kinds.push_back(readKind(path));
   VOLUTE_TRY(refuseIdle(arguments, kinds));
+  const DescribeRequest request{arguments.find<std::string>("field").value_or(""),
+                                arguments.flag("values"), arguments.flag("blocks")};
   bool damaged = false;
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   const auto& paths = arguments.positionals();
   for (const auto& path : paths) {
     VOLUTE_ASSIGN(const bool capture, isCapture(path));
-    auto report =
-        capture               ? describeCapture(path, context, damaged)
-        : isScenePath(path)   ? describeScene(path, context)
-        : isVolutePath(path)  ? describeVolute(path, arguments.flag("blocks"), context, damaged)
-        : isPicturePath(path) ? describePicture(path)
-        : isSmvPath(path) ? describeFdsCase(path, arguments.find<std::string>("field").value_or(""),
-                                            arguments.flag("values"), context)
-        : isSmokeCase(path) ? describeMeshCase(path, arguments.flag("values"), context, damaged)
-                            : describeVolume(path, arguments, context);
-    VOLUTE_TRY(report);
-    files.push_back(report->json());
+    VOLUTE_ASSIGN(const auto found, capture ? describeCapture(path, context.maxMemory)
+                                            : describeFile(path, request, context));
+    damaged = damaged || found.damaged;
+    files.push_back(found.report.json());
     if (!context.json)
-      context.print(fmt::format("{}{}", files.size() > 1 ? "\n" : "", report->text()));
+      context.print(fmt::format("{}{}", files.size() > 1 ? "\n" : "", found.report.text()));
   }
   if (context.json)
     context.print(

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/manual.hpp"
-#include "volute/cli/report.hpp"
+#include "volute/report/report.hpp"
 #include "volute/scene/scene_tables.hpp"
 
 namespace volute::cli {

@@ -1,30 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/tomography/project.hpp"
+#include "volute/tomography/project_frames.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "volute/capture/geometry_check.hpp"
-#include "volute/capture/image_name.hpp"
 #include "volute/cli/capture_input.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/field_options.hpp"
-#include "volute/cli/overwriting.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/volume/volume_input.hpp"
 
 namespace volute::cli {
 namespace {
-
-/// An open volume, and what stands in for what its file does not say.
-struct Subject {
-  std::unique_ptr<FrameSource> source;
-  Basis basis = Basis::kTrilinear;
-  std::vector<int> numbers;    ///< one a frame
-  std::vector<int> positions;  ///< of the chosen frames
-};
 
 /// A .npy has no frame numbers; when it has as many frames as the capture states it has those.
 std::vector<int> numbersOf(const std::string& path, const VolumeInfo& info,
@@ -35,7 +24,7 @@ std::vector<int> numbersOf(const std::string& path, const VolumeInfo& info,
   return info.frameNumbers;
 }
 
-Result<Subject> openSubject(const std::string& path, const Arguments& arguments,
+Result<ProjectedFrames> openSubject(const std::string& path, const Arguments& arguments,
                             const Capture& capture, Context& context) {
   InputOptions input;
   input.grid = arguments.find<std::string>("field").value_or("");
@@ -52,7 +41,7 @@ Result<Subject> openSubject(const std::string& path, const Arguments& arguments,
     input.bounds = capture.volume.bounds;
   }
   VOLUTE_ASSIGN(auto volume, openVolume(path, input, context));
-  Subject subject;
+  ProjectedFrames subject;
   subject.source = std::move(volume.source);
   const VolumeInfo& info = subject.source->info();
   if (volume.reader)
@@ -68,93 +57,6 @@ Result<Subject> openSubject(const std::string& path, const Arguments& arguments,
   return subject;
 }
 
-Status checkPattern(const ImageName& name, std::size_t cameras, std::size_t frames) {
-  if (extensionOf(name.text()) != ".exr") {
-    return fail(ErrorCode::kInvalidArgument,
-                "--output: '{}' does not end in .exr, which holds linear values", name.text());
-  }
-  if (cameras > 1 && !name.hasCamera()) {
-    return fail(
-        ErrorCode::kInvalidArgument,
-        "--output: pictures of {} cameras do not fit into '{}'; put {{camera}} into its name",
-        cameras, name.text());
-  }
-  if (frames > 1 && !name.hasFrame()) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--output: pictures of {} frames do not fit into '{}'; put %04d into its name",
-                frames, name.text());
-  }
-  return {};
-}
-
-Status checkMemory(const VolumeInfo& info, const Context& context) {
-  // The frame, its three channels with their places, and what the projector keeps of them.
-  const std::uint64_t bytes = 4 * info.frameValues() + 48 * std::uint64_t{info.voxels()};
-  if (bytes <= context.maxMemory)
-    return {};
-  return fail(
-      ErrorCode::kTooLarge,
-      "a frame of {} x {} x {} voxels needs {} MiB of memory, more than the {} MiB allowed; "
-      "raise --max-memory",
-      info.x, info.y, info.z, (bytes >> 20) + 1, context.maxMemory >> 20);
-}
-
-/// One channel becomes three.
-std::vector<float> inColour(std::span<const float> values, int channels) {
-  if (channels == 3)
-    return {values.begin(), values.end()};
-  std::vector<float> colour(3 * values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) std::fill_n(&colour[3 * i], 3, values[i]);
-  return colour;
-}
-
-Status projectAll(Subject& subject, const Capture& capture, const ImageName& name, int rays,
-                  Progress& progress) {
-  const VolumeInfo& info = subject.source->info();
-  const VolumeGeometry geometry{info.bounds, {info.x, info.y, info.z}};
-  const double total = static_cast<double>(subject.positions.size() * capture.cameras.size());
-  double done = 0;
-  std::vector<float> values(info.frameValues());
-  for (const int position : subject.positions) {
-    VOLUTE_TRY(subject.source->readFrame(position, values));
-    const int number = subject.numbers[static_cast<std::size_t>(position)];
-    if (!std::ranges::all_of(values, [](float value) { return std::isfinite(value); }))
-      return fail(ErrorCode::kInvalidData, "frame {}: has values that are not finite", number);
-    const auto colour = inColour(values, info.channels);
-    for (const CaptureCamera& camera : capture.cameras) {
-      if (progress.cancelled())
-        return fail(ErrorCode::kCancelled, "stopped: frame {}, camera {} was not written", number,
-                    camera.name);
-      const Image image = projectVolume(colour, geometry, subject.basis, camera.camera, rays);
-      VOLUTE_TRY(writeImage(name.file(camera.name, number), image));
-      progress.report("projecting", ++done, total);
-    }
-  }
-  return {};
-}
-
-/// Also none of the capture's own pictures that are there, which cannot be taken again.
-Status checkProjectTargets(const Subject& subject, const Capture& capture, const ImageName& name) {
-  for (const CaptureCamera& camera : capture.cameras) {
-    const PictureSource& own = camera.pictures;
-    for (const int position : subject.positions) {
-      const int number = subject.numbers[static_cast<std::size_t>(position)];
-      const std::string target = name.file(camera.name, number);
-      VOLUTE_TRY(checkTarget(target));
-      const std::string picture = own.image.empty() ? "" : frameFile(own.image, number);
-      for (const std::string& kept : {picture, own.background.string(), own.mask.string()}) {
-        if (!kept.empty() && std::filesystem::exists(target) && isSameFile(target, kept)) {
-          return fail(ErrorCode::kInvalidArgument,
-                      "--output: {} is a picture of the capture (camera {}) and would be replaced; "
-                      "give another name, or remove it first",
-                      target, camera.name);
-        }
-      }
-    }
-  }
-  return {};
-}
-
 Status runProject(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto name, ImageName::parse(arguments.get<std::string>("output")));
   VOLUTE_ASSIGN(auto options, captureOptionsOf(arguments, context));
@@ -162,15 +64,15 @@ Status runProject(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto capture, openCalibration(arguments.positional(1), options));
   remarkOn(capture, context);
   VOLUTE_ASSIGN(auto subject, openSubject(arguments.positional(0), arguments, capture, context));
-  VOLUTE_TRY(checkPattern(name, capture.cameras.size(), subject.positions.size()));
-  VOLUTE_TRY(checkProjectTargets(subject, capture, name));
+  VOLUTE_ASSIGN(const auto targets,
+                namingOptions(projectedPictures(subject, capture, name), arguments));
+  for (const std::string& target : targets) VOLUTE_TRY(checkTarget(target));
   const VolumeInfo& info = subject.source->info();
-  VOLUTE_TRY(checkMemory(info, context));
   Capture placed = capture;
   placed.volume = {info.bounds, {info.x, info.y, info.z}};
   for (const GeometryFault& fault : checkGeometry(placed)) context.progress.remark(fault.message);
   const int rays = arguments.get<std::string>("rays-per-pixel") == "1" ? 1 : 4;
-  VOLUTE_TRY(projectAll(subject, capture, name, rays, context.progress));
+  VOLUTE_TRY(projectFrames(subject, capture, name, rays, context.maxMemory, context.progress));
   Report report;
   report.add("output", name.text());
   if (extensionOf(arguments.positional(0)) != ".npy")

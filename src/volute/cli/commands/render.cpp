@@ -9,13 +9,12 @@
 #include <utility>
 
 #include "volute/base/write_file.hpp"
-#include "volute/cli/camera_arguments.hpp"
 #include "volute/cli/commands/commands.hpp"
-#include "volute/cli/picture_writer.hpp"
+#include "volute/film/picture_writer.hpp"
 #include "volute/cli/gl_pictures.hpp"
 #include "volute/cli/ranks.hpp"
-#include "volute/cli/render_job.hpp"
-#include "volute/cli/render_pictures.hpp"
+#include "volute/film/film_job.hpp"
+#include "volute/film/write_film.hpp"
 #include "volute/cli/file_kind.hpp"
 #include "volute/cli/scene_arguments.hpp"
 #include "volute/cli/volume_output.hpp"
@@ -188,99 +187,26 @@ Result<std::unique_ptr<SceneRenderer>> rendererOf(const Arguments& arguments) {
   return std::make_unique<CpuRenderer>(name == "reference" ? Renderer::kReference : Renderer::kCpu);
 }
 
-/// Media that contours can be cut from.
-std::vector<const MediumInfo*> contoured(const Scene& scene) {
-  std::vector<const MediumInfo*> media;
-  for (const auto& medium : scene.media()) {
-    if (medium->info().mass || !medium->info().noMass.empty())
-      media.push_back(&medium->info());
-  }
-  return media;
-}
-
-/// One plane has one scale of mass per volume.
-Status checkConcentrations(std::span<const MediumInfo* const> media) {
-  for (const MediumInfo* medium : media) {
-    if (!medium->mass) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "--slice-shows concentration: {}, which tells no mass per volume; choose "
-                  "visibility or extinction",
-                  medium->noMass);
-    }
-    if (medium->mass->field != media.front()->mass->field) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "--slice-shows concentration: {} holds {} and {} {}, which have no scale in "
-                  "common; choose visibility or extinction",
-                  media.front()->file, media.front()->mass->field, medium->file,
-                  medium->mass->field);
-    }
-  }
-  return {};
-}
-
 /// --slice and --isosurface; nothing when neither is given.
 Result<std::optional<Contour>> contourOf(const Arguments& arguments, const Scene& scene) {
   const auto slice = arguments.find<std::string>("slice");
   const auto surface = arguments.find<double>("isosurface");
   if (!slice && !surface)
     return std::nullopt;
-  const char* option = slice ? "--slice" : "--isosurface";
-  const auto media = contoured(scene);
-  if (media.empty())
-    return fail(ErrorCode::kInvalidArgument, "{} is for smoke on a mesh; there is none", option);
   Contour contour;
   if (slice) {
     VOLUTE_ASSIGN(contour, parseSlice(*slice));
-    Box3 bounds;
-    for (const MediumInfo* medium : media) {
-      bounds.extend(medium->bounds.min);
-      bounds.extend(medium->bounds.max);
-    }
-    const double low = bounds.min[contour.axis], high = bounds.max[contour.axis];
-    if (!(contour.place >= low && contour.place < high)) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "--slice: {} misses the mesh, which reaches from {:.6g} to {:.6g} m along {}",
-                  *slice, low, high, "xyz"[contour.axis]);
-    }
-  }
-  if (surface) {
+    const auto shows = arguments.get<std::string>("slice-shows");
+    contour.shows = shows == "extinction"      ? Contour::Shows::kExtinction
+                    : shows == "concentration" ? Contour::Shows::kConcentration
+                                               : Contour::Shows::kVisibility;
+  } else {
     contour.kind = Contour::Kind::kSurface;
     contour.visibility = *surface;
   }
   contour.c = scene.law().c;
-  if (!slice)
-    return contour;
-  const auto shows = arguments.get<std::string>("slice-shows");
-  if (shows == "extinction")
-    contour.shows = Contour::Shows::kExtinction;
-  if (shows == "concentration") {
-    contour.shows = Contour::Shows::kConcentration;
-    VOLUTE_TRY(checkConcentrations(media));
-  }
+  VOLUTE_TRY(namingOptions(checkContour(contour, scene), arguments));
   return contour;
-}
-
-/// The scale of a slice's extinction or concentration, from all that will be shown.
-Status scaleContour(RenderJob& job, Progress& progress, Team& team) {
-  if (!job.contour || job.contour->shows == Contour::Shows::kVisibility)
-    return {};
-  double largest = 0;
-  VOLUTE_TRY(team.forUnits(
-      "scaling", static_cast<std::int64_t>(job.moments.size()), progress,
-      [&](std::int64_t i) -> Status {
-        const Moment& moment = job.moments[static_cast<std::size_t>(i)];
-        VOLUTE_ASSIGN(const auto snapshot, job.scene.at({.time = moment.time}, progress));
-        largest = std::max(largest, largestOn(*job.contour, snapshot.media));
-        return {};
-      }));
-  VOLUTE_ASSIGN(const auto all, team.gatherAll(std::as_bytes(std::span(&largest, 1))));
-  for (const auto& bytes : all) {
-    double other = 0;
-    std::memcpy(&other, bytes.data(), sizeof other);
-    largest = std::max(largest, other);
-  }
-  job.contour->most = largest > 0 ? largest : 1;
-  return {};
 }
 
 /// One ray through each pixel's centre, the file's own basis, light in proportion.
@@ -289,8 +215,21 @@ bool isMeasured(const Arguments& arguments) {
          arguments.get<std::string>("renderer") == "reference";
 }
 
-Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target, Context& context) {
-  RenderTotals totals;
+/// --time, --frames, --speed and --orbit.
+Result<std::vector<FilmFrame>> framesOf(const Arguments& arguments, Scene& scene,
+                                        const std::string& target, Progress& progress) {
+  const FrameRequest request{target, arguments.find<double>("time"),
+                             arguments.find<FrameRange>("frames"), arguments.get<double>("speed"),
+                             arguments.find<double>("orbit")};
+  VOLUTE_ASSIGN(auto chosen,
+                namingOptions(chooseFrames(request, scene, progress), arguments));
+  if (!chosen.reason.empty())
+    progress.remark(chosen.reason + "; --time or --frames choose others");
+  return std::move(chosen.frames);
+}
+
+Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, Context& context) {
+  FilmTotals totals;
   auto opened = [&] {
     const Stopwatch watch(totals.open);
     return openScene(arguments.positional(0), arguments, context, isMeasured(arguments));
@@ -298,7 +237,7 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   VOLUTE_TRY(opened);
   Scene scene = std::move(*opened);
   VOLUTE_TRY(takeLaw(arguments, scene, context.progress));
-  VOLUTE_ASSIGN(auto moments, momentsOf(arguments, scene, target, context.progress));
+  VOLUTE_ASSIGN(auto frames, framesOf(arguments, scene, target, context.progress));
   std::optional<CameraDescription> described;
   VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, scene, described, context.progress));
   const Vec3 centre = described ? described->view.target : Vec3(scene.bounds().centre());
@@ -307,12 +246,12 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   VOLUTE_ASSIGN(auto renderer, rendererOf(arguments));
   VOLUTE_ASSIGN(auto contour, contourOf(arguments, scene));
   const RenderOptions options = renderOptions(arguments, scene);
-  const double rate = framesPerSecond(scene, moments);
+  const double rate = framesPerSecond(scene, frames);
   const bool captioned = !scene.isFile() && scene.media().front()->info().captioned &&
                          options.aov == Aov::kNone && !arguments.flag("no-legend");
   const bool legend = arguments.flag("legend") || captioned;
-  RenderJob job{std::move(scene), camera, options, std::move(renderer),
-                arguments.get<std::string>("renderer") == "auto", std::move(moments), rate,
+  FilmJob job{std::move(scene), camera, options, std::move(renderer),
+                arguments.get<std::string>("renderer") == "auto", std::move(frames), rate,
                 std::move(contour), arguments.get<std::string>("volume-method") == "tree",
                 legend};
   job.totals = std::move(totals);
@@ -359,7 +298,7 @@ Status refuseInMeasured(const Arguments& arguments) {
   return {};
 }
 
-PictureStyle styleOf(const Arguments& arguments, const RenderJob& job) {
+PictureStyle styleOf(const Arguments& arguments, const FilmJob& job) {
   PictureStyle style;
   if (isMeasured(arguments))
     return style;
@@ -375,7 +314,7 @@ PictureStyle styleOf(const Arguments& arguments, const RenderJob& job) {
   return style;
 }
 
-Result<Development> developmentOf(const Arguments& arguments, const RenderJob& job) {
+Result<Development> developmentOf(const Arguments& arguments, const FilmJob& job) {
   Development development;
   development.style = styleOf(arguments, job);
   VOLUTE_ASSIGN(development.style.exposure, exposureOf(arguments));
@@ -416,9 +355,9 @@ Status runRender(const Arguments& arguments, Context& context) {
     VOLUTE_TRY(checkFolderIsShared(target, context.team));
   VOLUTE_ASSIGN(auto job, makeJob(arguments, target, context));
   VOLUTE_ASSIGN(auto development, developmentOf(arguments, job));
-  VOLUTE_TRY(renderPictures(job, target, development, context.maxMemory, context.progress,
+  VOLUTE_TRY(writeFilm(job, target, development, context.maxMemory, context.progress,
                             context.team));
-  VOLUTE_ASSIGN(const auto stats, sumOfStats(job, context.team));
+  VOLUTE_ASSIGN(const auto stats, sumOfFilmStats(job, context.team));
   VOLUTE_TRY(writeStats(arguments, context, stats));
   if (context.json) {
     Report report;

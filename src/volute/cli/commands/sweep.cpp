@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include <algorithm>
 #include <array>
 #include <charconv>
 #include <filesystem>
 
-#include "volute/base/input_file.hpp"
-#include "volute/base/version.hpp"
-#include "volute/base/write_file.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/parse.hpp"
-#include "volute/visibility/study.hpp"
+#include "volute/visibility/study_folder.hpp"
 
 namespace volute::cli {
 namespace {
@@ -31,39 +27,6 @@ Result<std::array<std::size_t, 2>> partOf(const Arguments& arguments) {
   return fail(ErrorCode::kInvalidArgument, "--part: '{}': expected I/N with I from 1 to N", *text);
 }
 
-/// What a run's result depends on: options, and the index and the signs as they are now.
-std::string keyOf(const StudyRun& run) {
-  std::string key = fmt::format("{} {}", VOLUTE_VERSION, run.casePath);
-  const auto stamp = [&](const std::string& file) {
-    std::error_code error;
-    const auto size = std::filesystem::file_size(file, error);
-    if (error)
-      return;
-    const auto time = std::filesystem::last_write_time(file, error).time_since_epoch().count();
-    key += fmt::format(" {} {} {}", file, size, time);
-  };
-  stamp(run.casePath);
-  for (const std::string& word : run.words) {
-    key += " " + word;
-    const std::size_t equals = word.find('=');
-    if (equals != word.npos)
-      stamp(word.substr(equals + 1));
-  }
-  return key + "\n";
-}
-
-bool isDone(const std::filesystem::path& folder, const std::filesystem::path& keyFile,
-            const std::string& key) {
-  std::error_code error;
-  if (!std::filesystem::exists(folder / "visibility.json", error))
-    return false;
-  const auto file = InputFile::open(keyFile);
-  if (!file || file->size() != key.size())
-    return false;
-  std::string text(key.size(), '\0');
-  return file->read(0, std::as_writable_bytes(std::span(text))) && text == key;
-}
-
 Status surveyOf(const StudyRun& run, const std::filesystem::path& folder, Context& context) {
   static const Command command = visibilityCommand();
   std::vector<std::string> words{run.casePath, "--output=" + folder.string()};
@@ -79,70 +42,21 @@ Status runSweep(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto study, Study::read(arguments.positional(0)));
   VOLUTE_ASSIGN(const auto part, partOf(arguments));
   const std::filesystem::path folder = arguments.get<std::string>("output");
-  std::error_code error;
-  std::filesystem::create_directories(folder / "keys", error);
-  if (error)
-    return fail(ErrorCode::kIo, "{}: {}", folder.string(), error.message());
   Context::watch(folder / "study.csv");
-  std::size_t done = 0, kept = 0, failed = 0;
-  for (std::size_t i = 0; i < study.runs.size(); ++i) {
-    if (context.progress.cancelled())
-      return fail(ErrorCode::kCancelled,
-                  "stopped after {} of {} runs; the same command goes on from here", done + kept,
-                  study.runs.size());
-    context.progress.report("runs", static_cast<double>(i), static_cast<double>(study.runs.size()));
-    if (i % part[1] != part[0] - 1)
-      continue;
-    const StudyRun& run = study.runs[i];
-    const std::string key = keyOf(run);
-    const auto keyFile = folder / "keys" / (run.name + ".txt");
-    if (isDone(folder / run.name, keyFile, key)) {
-      ++kept;
-      continue;
-    }
-    const auto status = surveyOf(run, folder / run.name, context);
-    if (!status && status.error().code == ErrorCode::kCancelled)
-      return status;
-    if (!status) {
-      ++failed;
-      context.progress.remark(fmt::format("run '{}': {}", run.name, status.error().message));
-      VOLUTE_TRY(writeFile(keyFile, "failed: " + status.error().message + "\n"));
-      continue;
-    }
-    VOLUTE_TRY(writeFile(keyFile, key));
-    ++done;
-  }
-  // The table has all that is there, of other parts too.
-  StudyResults results(study.baseline.empty() ? study.runs.front().name : study.baseline);
-  for (const StudyRun& run : study.runs) {
-    const auto keyFile = folder / "keys" / (run.name + ".txt");
-    if (isDone(folder / run.name, keyFile, keyOf(run))) {
-      VOLUTE_TRY(results.add(run, folder / run.name));
-      continue;
-    }
-    std::string why = "not run yet";
-    if (const auto file = InputFile::open(keyFile); file && file->size() < 65536) {
-      std::string text(file->size(), '\0');
-      if (file->read(0, std::as_writable_bytes(std::span(text))) && text.starts_with("failed: "))
-        why = text.substr(8, text.size() - 9);
-    }
-    results.addFailure(run, why);
-  }
-  VOLUTE_TRY(writeFile(folder / "study.csv", results.table()));
-  std::filesystem::create_directories(folder / "compared", error);
-  VOLUTE_ASSIGN(const auto remarks, results.compare(folder / "compared"));
-  constexpr std::size_t kRemarks = 20;
-  for (std::size_t i = 0; i < std::min(remarks.size(), kRemarks); ++i)
-    context.progress.remark(remarks[i]);
+  VOLUTE_ASSIGN(const auto found,
+                runStudy(study, part, folder, context.progress,
+                         [&](const StudyRun& run, const std::filesystem::path& target) {
+                           return surveyOf(run, target, context);
+                         }));
   Report report;
   report.add("output", folder.string())
       .add("table", (folder / "study.csv").string())
       .add("runs", study.runs.size(), fmt::format("{}", study.runs.size()))
-      .add("done", done, fmt::format("{} done now", done))
-      .add("kept", kept, fmt::format("{} were done before", kept))
-      .add("failed", failed, fmt::format("{} failed: study.csv says why", failed));
+      .add("done", found.done, fmt::format("{} done now", found.done))
+      .add("kept", found.kept, fmt::format("{} were done before", found.kept))
+      .add("failed", found.failed, fmt::format("{} failed: study.csv says why", found.failed));
   context.print(report);
-  if (failed > 0 && done + kept == 0)
+  if (found.failed > 0 && found.done + found.kept == 0)
     return fail(ErrorCode::kInvalidData, "no run of {} could be done; {} says why", study.runs.size(),
                 (folder / "study.csv").string());
   return {};

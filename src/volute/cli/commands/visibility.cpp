@@ -5,17 +5,15 @@
 #include <cmath>
 
 #include "volute/base/input_file.hpp"
-#include "volute/base/output_folder.hpp"
-#include "volute/base/write_file.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/scene_arguments.hpp"
-#include "volute/cli/view_pictures.hpp"
+#include "volute/film/sign_views.hpp"
 #include "volute/io/image_file.hpp"
-#include "volute/report/page.hpp"
 #include "volute/visibility/criteria_file.hpp"
 #include "volute/visibility/plan_picture.hpp"
 #include "volute/visibility/sign_file.hpp"
+#include "volute/visibility/storeys.hpp"
 #include "volute/visibility/survey_job.hpp"
 
 namespace volute::cli {
@@ -166,6 +164,9 @@ Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& argument
     return nullptr;
   PlanUnderlay underlay;
   VOLUTE_ASSIGN(underlay.picture, readImage(*file));
+  VOLUTE_ASSIGN(const auto alpha, readAlpha(*file));
+  if (alpha)
+    layOnWhite(underlay.picture, *alpha);
   underlay.min = bounds.min.head<2>();
   underlay.max = bounds.max.head<2>();
   if (const auto text = arguments.find<std::string>("underlay-bounds")) {
@@ -216,60 +217,22 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   if (const auto name = arguments.find<std::string>("sight-limit"))
     request.remarks.push_back(limitRemark(*name, request.survey.extinctionLimit));
   request.maxMemory = context.maxMemory;
-  VOLUTE_ASSIGN(auto pictures, ViewPictures::make(std::move(views), request.casePath,
-                                                        field->fillingSource(), arguments, context));
+  VOLUTE_ASSIGN(const auto members, mediumMembers(request.casePath, arguments));
+  VOLUTE_ASSIGN(auto pictures, SignViews::make(std::move(views), request.casePath, members,
+                                               field->fillingSource(), context));
   return runSurvey(std::move(request), *field, *watch, pictures, context.progress, context.team);
-}
-
-/// A folder with one of each height, and a page that shows all.
-Result<SurveySummary> surveyStoreys(const Arguments& arguments, Context& context,
-                                    const std::vector<double>& heights, const std::string& output) {
-  constexpr std::string_view kMark = "visibility.json";
-  VOLUTE_ASSIGN(auto folder, PendingFolder::create(output, kMark));
-  Json report = {{"heights", Json::array()}};
-  std::string page;
-  std::optional<SurveySummary> first;
-  for (const double height : heights) {
-    const std::string name = fmt::format("z_{:g}", height);
-    context.progress.remark(fmt::format("eyes at z = {:g} m", height));
-    VOLUTE_ASSIGN(auto found,
-                  surveyOf(arguments, context, height, (folder.path() / name).string()));
-    report["heights"].push_back({{"height", height},
-                                 {"folder", name},
-                                 {"sight_lines", found.sightLines},
-                                 {"seen_first", found.seenFirst},
-                                 {"seen_last", found.seenLast}});
-    VOLUTE_ASSIGN(const auto figure,
-                  htmlFigure(folder.path() / name / "aset.png",
-                             fmt::format("When no sign is seen any more, from z = {:g} m.", height)));
-    page += fmt::format("<h2><a href='{0}/report.html'>Eyes at z = {1:g} m</a></h2>\n{2}", name, height,
-                        figure);
-    if (!first) {
-      first = std::move(found);
-    } else {
-      first->sightLines += found.sightLines;
-      first->seenFirst += found.seenFirst;
-      first->seenLast += found.seenLast;
-    }
-  }
-  VOLUTE_TRY(writeFile(folder.path() / kMark, dumpJson(report) + "\n"));
-  VOLUTE_TRY(writePage(folder.path() / "report.html", "Visibility of signs, storey by storey", page));
-  VOLUTE_TRY(folder.commit());
-  const double count = static_cast<double>(heights.size());
-  first->seenFirst /= count, first->seenLast /= count;
-  return std::move(*first);
 }
 
 Status runVisibility(const Arguments& arguments, Context& context) {
   const auto output = arguments.get<std::string>("output");
   Context::watch(output);
   VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
-  if (heights.size() > 1 && context.team.size() > 1) {
-    return fail(ErrorCode::kUnsupported,
-                "--height: several heights are for one process; with mpirun run it once for each");
-  }
   VOLUTE_ASSIGN(const auto found,
-                heights.size() > 1 ? surveyStoreys(arguments, context, heights, output)
+                heights.size() > 1 ? surveyStoreys(heights, output, context.progress, context.team,
+                                                   [&](double height, const std::string& folder) {
+                                                     return surveyOf(arguments, context, height,
+                                                                     folder);
+                                                   })
                                    : surveyOf(arguments, context, heights.front(), output));
   VOLUTE_TRY(writeStats(arguments, context, {{"sight_lines", found.sightLines}}));
   Report report;

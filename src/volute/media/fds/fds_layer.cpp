@@ -280,7 +280,7 @@ void FdsLayer::addDevices(double time, TriangleMesh& to) const {
   }
 }
 
-std::vector<std::string> FdsLayer::words() const {
+std::vector<std::string> FdsLayer::words(const std::optional<Vec3>& eye) const {
   const SmvIndex& index = case_->index();
   std::string title = index.path.filename().string();
   if (!index.title.empty())
@@ -290,8 +290,8 @@ std::vector<std::string> FdsLayer::words() const {
     words.push_back(fmt::format("fire: black body {:g} K, {:g}/m per MW/m3, above {:g} kW/m3",
                                 flame_.temperature, flame_.emission, flame_.cutoff));
   }
-  if (description_.fds.building == FdsBuildingView::kOpen)
-    words.push_back(fmt::format("ruler, from outside: {:g} m each", ruler()));
+  if (openTowards(*shell_, eye) != 0)
+    words.push_back(fmt::format("ruler: {:g} m each", ruler()));
   if (!description_.fds.cuts.empty()) {
     std::string planes;
     for (const FdsCut& cut : description_.fds.cuts)
@@ -485,7 +485,7 @@ void FdsLayer::addBuilding(double time, const std::optional<Vec3>& eye, Triangle
     return;
   if (quads.size() <= kMostOutlined)
     addEdges(quads, building.bounds(), to);
-  addOutline(building, open, to);
+  addOutline(*shell_, openTowards(*shell_, eye), to);  // stays where things come or go
 }
 
 /// Dark lines along the edges of all faces, as drawings have them.
@@ -533,10 +533,7 @@ void FdsLayer::addOutline(const FdsBuilding& building, FdsSides open, TriangleMe
   const auto light = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kLightMark)});
   const double step = ruler();
   for (int axis = 0; axis < 2; ++axis) {
-    const int across = 1 - axis;
-    const bool far = (open >> (2 * across + 1) & 1) != 0;
-    Vec3 from = box.min;
-    from[across] = far ? box.max[across] + 5 * half : box.min[across] - 5 * half;
+    const Vec3 from = rulerStart(box, axis, open, 5 * half);
     for (int i = 0; i * step < box.size()[axis] - 1e-6; ++i) {
       Vec3 begin = from, end = from;
       begin[axis] = box.min[axis] + i * step;
@@ -547,6 +544,40 @@ void FdsLayer::addOutline(const FdsBuilding& building, FdsSides open, TriangleMe
       addBox(to, mark, i % 2 == 0 ? dark : light);
     }
   }
+}
+
+Vec3 FdsLayer::rulerStart(const Box3& box, int axis, FdsSides open, double beside) {
+  const int across = 1 - axis;
+  const bool far = (open >> (2 * across + 1) & 1) != 0;
+  Vec3 from = box.min;
+  from[across] = far ? box.max[across] + beside : box.min[across] - beside;
+  return from;
+}
+
+std::vector<PlaceMark> FdsLayer::rulerMarks(const std::optional<Vec3>& eye) const {
+  const FdsSides open = openTowards(*shell_, eye);
+  if (open == 0)
+    return {};
+  constexpr double kBeside = 0.035;  // of the outline's diagonal
+  const Box3& box = shell_->bounds();
+  const double step = ruler(), beside = kBeside * box.size().norm();
+  std::vector<PlaceMark> marks;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Vec3 from = rulerStart(box, axis, open, beside);
+    const double length = box.size()[axis];
+    const auto divisions = static_cast<int>(std::floor(length / step + 1e-6));
+    const int every = divisions > 6 ? 2 : 1;
+    for (int i = 0; i <= divisions; i += every) {
+      Vec3 at = from;
+      at[axis] += i * step;
+      const double number = std::round(at[axis] * 1e4) / 1e4;
+      marks.push_back({at, fmt::format("{:g}", number == 0 ? 0.0 : number)});
+    }
+    Vec3 name = rulerStart(box, axis, open, 2.2 * beside);
+    name[axis] += 0.5 * length;
+    marks.push_back({name, fmt::format("{} [m]", "xy"[axis])});
+  }
+  return marks;
 }
 
 double FdsLayer::ruler() const {

@@ -88,7 +88,12 @@ class FdsLayer {
   [[nodiscard]] Result<std::optional<FirstTime>> firstTime(Progress& progress);
 
   /// What a picture says about what it shows, and by which laws.
-  std::vector<std::string> words() const;
+  /// @param eye  from where it is seen [m]; nothing: not known
+  std::vector<std::string> words(const std::optional<Vec3>& eye) const;
+
+  /// The numbers of the rulers that addBuilding() lays before an open building: coordinates [m],
+  /// and which axis it is.
+  std::vector<PlaceMark> rulerMarks(const std::optional<Vec3>& eye) const;
 
   /// The slice that is shown, or null.
   const FdsSliceSheet* slice() const { return slice_ ? &*slice_ : nullptr; }
@@ -102,6 +107,8 @@ class FdsLayer {
   CameraDescription outsideCamera() const;
   std::optional<CameraDescription> insideCamera() const;
   double ruler() const;
+  /// Where the ruler of x (0) or y (1) begins, `beside` the outline [m].
+  static Vec3 rulerStart(const Box3& box, int axis, FdsSides open, double beside);
   void addEdges(std::span<const FdsQuad> quads, const Box3& bounds, TriangleMesh& to) const;
   void addOutline(const FdsBuilding& building, FdsSides open, TriangleMesh& to) const;
   Status openFire(Reading& reading);

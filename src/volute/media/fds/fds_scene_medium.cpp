@@ -8,6 +8,7 @@
 #include "volute/media/light_blockers.hpp"
 #include "volute/media/smoke/smoke_scene_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
+#include "volute/media/fds/fds_report.hpp"
 
 namespace volute {
 namespace {
@@ -60,6 +61,11 @@ class FdsKind final : public MediumKind {
 
   bool opens(const std::string& path) const override { return isSmvPath(path); }
 
+  Result<FileDescription> describe(const std::string& path, const DescribeRequest& request,
+                                   Reading& reading) const override {
+    return describeFdsCase(path, request, reading).map([](Report report) { return FileDescription{std::move(report)}; });
+  }
+
   /// An open building in even white light and before white. Thick smoke in such light is as dark as
   /// what an endless layer of it sends back: of isotropic scattering with FDS's albedo w = 0.3, by
   /// the two-stream approximation, (1 - g) / (1 + g) = 0.09 with g = sqrt(1 - w).
@@ -109,9 +115,10 @@ Result<std::optional<FirstTime>> FdsSceneMedium::firstTime(Progress& progress) {
   return layer_.firstTime(progress);
 }
 
-MediumText FdsSceneMedium::text() const {
-  const std::vector<std::string> words = layer_.words();
+MediumText FdsSceneMedium::text(const std::optional<Vec3>& eye) const {
+  const std::vector<std::string> words = layer_.words(eye);
   MediumText text{words, words};
+  text.marks = layer_.rulerMarks(eye);
   if (const FdsSliceSheet* slice = layer_.slice())
     text.scale = ColorScale{ColorMap::kViridis, slice->range()[1], slice->range()[0]};
   return text;

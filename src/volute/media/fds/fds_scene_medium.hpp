@@ -46,7 +46,7 @@ class FdsSceneMedium final : public SceneMedium {
     return layer_.addSurfaces(request.time, request.eye, to);
   }
 
-  MediumText text() const override;
+  MediumText text(const std::optional<Vec3>& eye) const override;
 
   std::optional<CameraDescription> firstCamera() const override { return layer_.firstCamera(); }
 

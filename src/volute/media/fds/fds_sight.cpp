@@ -318,7 +318,7 @@ bool FdsSight::sameGeometry(const FdsField& field, double time) const {
       return false;
   }
   for (std::size_t i = 0; i < field.grid().lattices().size(); ++i) {
-    if (field.cells(i) != last_->cells(i))
+    if (&field.cells(i) != &last_->cells(i) && field.cells(i) != last_->cells(i))
       return false;
   }
   return true;

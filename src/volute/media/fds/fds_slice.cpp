@@ -2,9 +2,14 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/fds/fds_slice.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <limits>
 #include <set>
+#include <string_view>
 
 #include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
@@ -21,12 +26,6 @@ std::string quantitiesOf(const SmvIndex& index) {
   return names.empty() ? "no slices" : fmt::format("slices of {}", fmt::join(names, ", "));
 }
 
-/// A cell of a thin lattice, and its value.
-struct Square {
-  std::array<int, 3> cell;
-  double value = 0;
-};
-
 double valueOf(const FdsLattice& lattice, const FdsValues& values, const std::array<int, 3>& cell) {
   if (!lattice.nodal)
     return values.value[lattice.cellAt(cell)];
@@ -42,59 +41,147 @@ double valueOf(const FdsLattice& lattice, const FdsValues& values, const std::ar
   return sum / 8;
 }
 
-template <class Visit>
-void forSquares(const FdsField& field, std::size_t number, Visit&& visit) {
-  const FdsLattice& lattice = field.grid().lattices()[number];
-  for (int z = 0; z < lattice.cells(2); ++z) {
-    for (int y = 0; y < lattice.cells(1); ++y) {
-      for (int x = 0; x < lattice.cells(0); ++x) {
-        const std::array<int, 3> cell{x, y, z};
-        if (field.cells(number)[lattice.cellAt(cell)] == FdsCell::kGas)
-          visit(Square{cell, valueOf(lattice, field.values(number), cell)});
-      }
-    }
-  }
-}
+/// "TEMPERATURE z=1.5": the quantity, the axis and the place; nothing: no plane is named.
+struct Named {
+  std::string quantity;
+  int axis = -1;
+  double place = 0;
+};
 
-void addSquare(TriangleMesh& mesh, const FdsLattice& lattice, const std::array<int, 3>& cell,
-               std::uint32_t material) {
-  const int u = (lattice.thinAxis + 1) % 3, v = (lattice.thinAxis + 2) % 3;
-  const auto corner = [&](int du, int dv) {
-    Vec3 point;
-    point[lattice.thinAxis] = lattice.place;
-    point[u] = lattice.planes[u][static_cast<std::size_t>(cell[u] + du)];
-    point[v] = lattice.planes[v][static_cast<std::size_t>(cell[v] + dv)];
-    return point;
-  };
-  mesh.triangles.push_back({{corner(0, 0), corner(1, 0), corner(1, 1)}, material});
-  mesh.triangles.push_back({{corner(0, 0), corner(1, 1), corner(0, 1)}, material});
+Result<Named> nameIn(const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  if (equals == text.npos)
+    return Named{text};
+  const std::string number = text.substr(equals + 1);
+  Named named;
+  const auto [end, error] =
+      std::from_chars(number.data(), number.data() + number.size(), named.place);
+  const std::size_t axis = equals > 1 ? std::string_view("xyz").find(text[equals - 1]) : 3;
+  if (error != std::errc() || end != number.data() + number.size() || axis > 2 ||
+      text[equals - 2] != ' ') {
+    return fail(ErrorCode::kInvalidArgument,
+                "'{}' is no slice; expected a quantity, as TEMPERATURE, or one and a plane, as "
+                "TEMPERATURE z=1.5",
+                text);
+  }
+  named.axis = static_cast<int>(axis);
+  named.quantity = text.substr(0, equals - 2);
+  return named;
 }
 
 }  // namespace
 
+/// A rectangle across an axis, and its value.
+struct FdsSliceSheet::Square {
+  int axis = 2;
+  Vec3 min, max;  ///< [m]
+  double value = 0;
+};
+
+namespace {
+
+/// Whether a 2D slice's lattice is where a plane is wanted: within half a cell.
+bool liesAt(const FdsLattice& lattice, int axis, double place) {
+  const auto& planes = lattice.planes[static_cast<std::size_t>(axis)];
+  return lattice.thinAxis == axis &&
+         std::abs(lattice.place - place) <= 0.5 * (planes.back() - planes.front()) + 1e-6;
+}
+
+bool isFlat(const FdsSource& source) {
+  return source.kind == FdsFileKind::kSlice && !source.volume;
+}
+
+}  // namespace
+
+std::vector<FdsSliceSheet::Square> FdsSliceSheet::squaresOf(const FdsField& field) const {
+  std::vector<Square> squares;
+  const bool flat = isFlat(case_->source());
+  for (std::size_t i = 0; i < field.grid().lattices().size(); ++i) {
+    const FdsLattice& lattice = field.grid().lattices()[i];
+    std::array<int, 3> begin{}, end{lattice.cells(0), lattice.cells(1), lattice.cells(2)};
+    int axis = lattice.thinAxis;
+    double place = lattice.place;
+    if (flat && plane_ && !liesAt(lattice, plane_->axis, plane_->place))
+      continue;
+    if (!flat) {
+      axis = plane_->axis, place = plane_->place;
+      const auto& planes = lattice.planes[axis];
+      if (place < planes.front() || place > planes.back() ||
+          (place == planes.front() && place > field.grid().bounds().min[axis]))
+        continue;  // the mesh below it has it
+      begin[axis] = cellBetween(planes, place);
+      end[axis] = begin[axis] + 1;
+    }
+    for (int z = begin[2]; z < end[2]; ++z) {
+      for (int y = begin[1]; y < end[1]; ++y) {
+        for (int x = begin[0]; x < end[0]; ++x) {
+          const std::array<int, 3> cell{x, y, z};
+          if (field.cells(i)[lattice.cellAt(cell)] != FdsCell::kGas)
+            continue;
+          Square square{.axis = axis, .min = {}, .max = {}, .value = 0};
+          for (int a = 0; a < 3; ++a) {
+            square.min[a] = lattice.planes[a][static_cast<std::size_t>(cell[a])];
+            square.max[a] = lattice.planes[a][static_cast<std::size_t>(cell[a]) + 1];
+          }
+          square.min[axis] = square.max[axis] = place;
+          square.value = flat ? valueOf(lattice, field.values(i), cell)
+                              : field.extinction(0.5 * (square.min + square.max));
+          squares.push_back(square);
+        }
+      }
+    }
+  }
+  return squares;
+}
+
 Result<FdsSliceSheet> FdsSliceSheet::open(const SmvIndex& index, const std::string& quantity,
                                           std::optional<std::array<double, 2>> range,
                                           Reading& reading) {
-  FdsOptions options{.quantity = quantity};
-  options.maxMemory = reading.maxMemory;
-  for (const FdsSource& source : findSources(index, quantity)) {
-    if (source.kind == FdsFileKind::kSlice && !source.volume && options.source.empty())
-      options.source = source.name;
-  }
-  if (options.source.empty()) {
-    return fail(ErrorCode::kNotFound, "{}: no 2D slice of '{}'; the case has {}",
-                index.path.string(), quantity, quantitiesOf(index));
-  }
-  VOLUTE_ASSIGN(auto opened, FdsCase::open(index, options));
+  VOLUTE_ASSIGN(const Named named, nameIn(quantity));
   FdsSliceSheet sheet;
   sheet.quantity_ = quantity;
-  sheet.unit_ = index.slices[opened.source().parts.front().entry].labels.unit;
-  sheet.case_ = std::make_shared<FdsCase>(std::move(opened));
-  if (range)
-    sheet.range_ = *range;
-  else
-    VOLUTE_TRY(sheet.findRange(reading));
-  return sheet;
+  if (named.axis >= 0)
+    sheet.plane_ = {named.axis, named.place};
+  FdsOptions options{.quantity = named.quantity};
+  options.maxMemory = reading.maxMemory;
+  // 2D slices where they are wanted, else what fills meshes.
+  for (const bool flat : {true, false}) {
+    for (const FdsSource& source : findSources(index, named.quantity)) {
+      if (isFlat(source) != flat || (!flat && (!sheet.plane_ || !source.volume)))
+        continue;
+      options.source = source.name;
+      VOLUTE_ASSIGN(auto opened, FdsCase::open(index, options));
+      const auto lattices = opened.grid().lattices();
+      const auto wanted = [&](const FdsLattice& lattice) {
+        return !flat || !sheet.plane_ || liesAt(lattice, named.axis, named.place);
+      };
+      if (std::ranges::none_of(lattices, wanted))
+        continue;
+      if (!flat && (named.place < opened.bounds().min[named.axis] ||
+                    named.place > opened.bounds().max[named.axis])) {
+        return fail(ErrorCode::kInvalidArgument, "{}: {} is outside of the case; expected {:g} to {:g} m",
+                    index.path.string(), quantity, opened.bounds().min[named.axis],
+                    opened.bounds().max[named.axis]);
+      }
+      const FdsSourcePart& part = opened.source().parts.front();
+      sheet.unit_ = opened.source().kind == FdsFileKind::kSlice
+                        ? index.slices[part.entry].labels.unit
+                        : "";
+      if (opened.source().kind == FdsFileKind::kPlot)
+        sheet.unit_ = index.plots[part.entry]
+                          .labels[static_cast<std::size_t>(opened.source().plotVariable)]
+                          .unit;
+      sheet.case_ = std::make_shared<FdsCase>(std::move(opened));
+      if (range)
+        sheet.range_ = *range;
+      else
+        VOLUTE_TRY(sheet.findRange(reading));
+      return sheet;
+    }
+  }
+  return fail(ErrorCode::kNotFound, "{}: no {}slice of '{}'; the case has {}{}",
+              index.path.string(), sheet.plane_ ? "" : "2D ", quantity, quantitiesOf(index),
+              sheet.plane_ ? "" : "; a plane, as z=1.5 behind the name, cuts 3D ones");
 }
 
 Status FdsSliceSheet::findRange(Reading& reading) {
@@ -104,11 +191,9 @@ Status FdsSliceSheet::findRange(Reading& reading) {
     if (reading.progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped: reading slices of {}", quantity_);
     VOLUTE_ASSIGN(const FdsField field, case_->field(time));
-    for (std::size_t i = 0; i < field.grid().lattices().size(); ++i) {
-      forSquares(field, i, [&](const Square& square) {
-        least = std::min(least, square.value);
-        most = std::max(most, square.value);
-      });
+    for (const Square& square : squaresOf(field)) {
+      least = std::min(least, square.value);
+      most = std::max(most, square.value);
     }
   }
   range_ = least < most ? std::array{least, most} : std::array{least, least + 1};
@@ -123,14 +208,16 @@ Status FdsSliceSheet::addTo(TriangleMesh& mesh, double time) const {
         displayColor(ColorMap::kViridis, (i + 0.5) / kColours).unaryExpr(&srgbDecode);
     mesh.materials.push_back({Rgb::Zero(), colour});
   }
-  for (std::size_t i = 0; i < field.grid().lattices().size(); ++i) {
-    const FdsLattice& lattice = field.grid().lattices()[i];
-    forSquares(field, i, [&](const Square& square) {
-      const double share = (square.value - range_[0]) / (range_[1] - range_[0]);
-      const auto colour = static_cast<std::uint32_t>(
-          std::clamp(share * kColours, 0.0, static_cast<double>(kColours - 1)));
-      addSquare(mesh, lattice, square.cell, first + colour);
-    });
+  for (const Square& square : squaresOf(field)) {
+    const double share = (square.value - range_[0]) / (range_[1] - range_[0]);
+    const auto colour = first + static_cast<std::uint32_t>(std::clamp(
+                                    share * kColours, 0.0, static_cast<double>(kColours - 1)));
+    const int u = (square.axis + 1) % 3, v = (square.axis + 2) % 3;
+    Vec3 b = square.min, d = square.min;
+    b[u] = square.max[u];
+    d[v] = square.max[v];
+    mesh.triangles.push_back({{square.min, b, square.max}, colour});
+    mesh.triangles.push_back({{square.min, square.max, d}, colour});
   }
   return {};
 }

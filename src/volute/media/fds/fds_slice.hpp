@@ -13,17 +13,20 @@
 
 namespace volute {
 
-/// 2D slices of one quantity of an FDS case as coloured sheets. Opaque: what lies behind is hidden.
+/// 2D slices of one quantity of an FDS case, or a plane through it, as coloured sheets. Opaque: what
+/// lies behind is hidden.
 class FdsSliceSheet {
  public:
-  /// `quantity` as FDS names it. `range` of the colours (viridis); without one it is that of all
-  /// values at all times, for which all are read. kNotFound when the case has no such 2D slice; the
-  /// error names those that it has.
+  /// `quantity` as FDS names it: all 2D slices of it; or with a plane, as TEMPERATURE z=1.5: those
+  /// within half a cell of it, else a cut through 3D slices or PLOT3D. `range` of the colours
+  /// (viridis); without one it is that of all values at all times, for which all are read. kNotFound
+  /// when the case has no such slice; the error names those that it has.
   [[nodiscard]] static Result<FdsSliceSheet> open(const SmvIndex& index,
                                                   const std::string& quantity,
                                                   std::optional<std::array<double, 2>> range,
                                                   Reading& reading);
 
+  /// With its plane, if it has one.
   const std::string& quantity() const { return quantity_; }
 
   const std::string& unit() const { return unit_; }
@@ -31,15 +34,26 @@ class FdsSliceSheet {
   const std::array<double, 2>& range() const { return range_; }
 
   /// Adds the sheets at a time of the case [s]: a square a cell with the colour of its value, or of
-  /// the mean of its corners; cells within obstructions have none.
+  /// the mean of its corners (of a cut: at its middle in the plane); cells within obstructions have
+  /// none.
   [[nodiscard]] Status addTo(TriangleMesh& mesh, double time) const;
 
  private:
+  /// Where somebody wants to see it.
+  struct Plane {
+    int axis = 2;
+    double place = 0;  ///< [m]
+  };
+
+  struct Square;
+
   FdsSliceSheet() = default;
 
   Status findRange(Reading& reading);
+  std::vector<Square> squaresOf(const FdsField& field) const;
 
   std::shared_ptr<FdsCase> case_;
+  std::optional<Plane> plane_;
   std::string quantity_, unit_;
   std::array<double, 2> range_{};
 };

@@ -19,7 +19,7 @@ struct Maps {
   std::vector<double> times;
 };
 
-/// The library's objection, at a place.
+/// The library's error, at a place.
 tl::unexpected<Error> at(const std::string& where, const Error& error) {
   const bool wrong = error.code == ErrorCode::kInvalidArgument;
   return fail(wrong ? ErrorCode::kInvalidData : error.code, "{}: {}", where, error.message);
@@ -114,7 +114,7 @@ std::optional<PolarSector> sectorOf(const Camera& camera) {
 }  // namespace
 
 std::function<void(const Segment&, std::size_t, std::vector<Interval>&)> fogShadows(
-    const TriangleScene& geometry, const std::vector<FogSun>& suns) {
+    const TriangleScene& geometry, const std::vector<Sun>& suns) {
   if (geometry.empty())
     return {};
   return [geometry, suns](const Segment& segment, std::size_t sun, std::vector<Interval>& dark) {
@@ -122,7 +122,7 @@ std::function<void(const Segment&, std::size_t, std::vector<Interval>&)> fogShad
   };
 }
 
-Result<FogLayer> FogLayer::open(const FogDescription& description, std::vector<FogSun> suns,
+Result<FogLayer> FogLayer::open(const FogDescription& description, std::vector<Sun> suns,
                                 Reading& reading) {
   FogLayer layer;
   layer.description_ = description;
@@ -177,7 +177,7 @@ bool FogLayer::readsTheSame(const FogDescription& a, const FogDescription& b) {
          (a.options.color == b.options.color).all();
 }
 
-FogLayer FogLayer::with(const FogDescription& description, std::vector<FogSun> suns) const {
+FogLayer FogLayer::with(const FogDescription& description, std::vector<Sun> suns) const {
   FogLayer layer = *this;
   layer.description_ = description;
   layer.suns_ = std::move(suns);

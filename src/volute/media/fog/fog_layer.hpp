@@ -21,14 +21,14 @@ namespace volute {
 
 /// What SunScattering::shadows of fog under these suns is; empty where there is no geometry.
 std::function<void(const Segment&, std::size_t, std::vector<Interval>&)> fogShadows(
-    const TriangleScene& geometry, const std::vector<FogSun>& suns);
+    const TriangleScene& geometry, const std::vector<Sun>& suns);
 
 /// Fog whose maps are in memory: gives the medium at any time.
 class FogLayer {
  public:
   /// Reads the maps. Errors begin with FogDescription::where or with the name of a map.
   [[nodiscard]] static Result<FogLayer> open(const FogDescription& description,
-                                             std::vector<FogSun> suns, Reading& reading);
+                                             std::vector<Sun> suns, Reading& reading);
 
   /// Whether with() serves: both differ at most in profile, wind, clock, scattering, path and, for
   /// fog without a top, in the origin.
@@ -36,7 +36,7 @@ class FogLayer {
 
   /// This fog under a description, which readsTheSame() as its own, but for what its map was saved
   /// as since, and other suns: no map is read again.
-  FogLayer with(const FogDescription& description, std::vector<FogSun> suns) const;
+  FogLayer with(const FogDescription& description, std::vector<Sun> suns) const;
 
   const FogDescription& description() const { return description_; }
 
@@ -72,7 +72,7 @@ class FogLayer {
 
   FogDescription description_;
   Vec3 readAt_ = Vec3::Zero();  ///< the origin of the maps as they are held [m]
-  std::vector<FogSun> suns_;
+  std::vector<Sun> suns_;
   std::vector<double> times_;
   std::shared_ptr<const FogSequence> sequence_;
   std::shared_ptr<const FogMedium> still_;  ///< instead, where there is a top

@@ -122,7 +122,8 @@ const FieldTable& fdsFields() {
       {.name = "devices", .type = kFlag, .access = member<&Smoke::fds, &FdsLook::devices>(),
        .help = "devices are marked", .option = {.name = "devices", .picture = true}},
       {.name = "slice", .type = kText, .access = member<&Smoke::fds, &FdsLook::slice>(),
-       .help = "2D slices of this quantity, as TEMPERATURE, are shown too",
+       .help = "2D slices of this quantity, as TEMPERATURE, are shown too; with a plane, as "
+               "\"TEMPERATURE z=1.5\", the slice there, or a cut through 3D slices",
        .option = {.value = "QUANTITY", .name = "fds-slice", .picture = true}},
       {.name = "slice_range", .type = kNumbers,
        .access = customMember<Smoke, sliceRange, setSliceRange>(),

@@ -114,7 +114,7 @@ Status takeMaterial(const Json& json, const FieldOrigin& origin, SmokeModel& mod
   return {};
 }
 
-/// An objection, and the member that it is about; null: none.
+/// What is wrong, and the member that it is about; null: nothing.
 struct SmokeObjection {
   const char* about = nullptr;
   std::string message{};

@@ -18,6 +18,7 @@
 #include "volute/tetmesh/tet_marcher.hpp"
 #include "volute/tetmesh/tet_medium.hpp"
 #include "volute/tetmesh/tet_splat.hpp"
+#include "volute/media/smoke/mesh_report.hpp"
 
 namespace volute {
 namespace {
@@ -125,6 +126,11 @@ class SmokeKind final : public MediumKind {
   }
 
   bool opens(const std::string& path) const override { return isSmokeCase(path); }
+
+  Result<FileDescription> describe(const std::string& path, const DescribeRequest& request,
+                                   Reading& reading) const override {
+    return describeMeshCase(path, request.values, reading);
+  }
 
   /// Black or lit before white: the picture is what passes of the light.
   OrderedJson sceneOf(const std::string& name) const override {
@@ -237,7 +243,7 @@ Result<std::shared_ptr<const MediumAt>> SmokeSceneMedium::at(const InstantReques
                                          layer_.description().walls);
 }
 
-MediumText SmokeSceneMedium::text() const {
+MediumText SmokeSceneMedium::text(const std::optional<Vec3>&) const {
   auto words = wordsOf(layer_.description().model);
   return {{fmt::format("field '{}': {}", layer_.fieldName(), fmt::join(words, ", "))},
           std::move(words)};

@@ -61,7 +61,7 @@ class SmokeSceneMedium final : public SceneMedium {
 
   Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
                                              Progress& progress) override;
-  MediumText text() const override;
+  MediumText text(const std::optional<Vec3>& eye) const override;
   nlohmann::ordered_json counts() const override;
 
   const SmokeLayer& layer() const { return layer_; }

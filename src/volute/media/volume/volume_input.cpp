@@ -3,7 +3,6 @@
 #include "volute/media/volume/volume_input.hpp"
 
 #include <algorithm>
-#include <cctype>
 
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/volume_source.hpp"
@@ -27,19 +26,8 @@ Status refuseVolumeOptions(const std::string& path, const InputOptions& options,
 
 }  // namespace
 
-std::string extensionOf(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
 bool isVolutePath(const std::string& path) {
   return extensionOf(path) == ".volute";
-}
-
-bool isPicturePath(const std::string& path) {
-  return extensionOf(path) == ".png" || extensionOf(path) == ".exr";
 }
 
 std::string integrityText(const Integrity& integrity, const VoluteReader& reader) {

@@ -7,8 +7,10 @@
 #include <optional>
 #include <string>
 
+#include "volute/base/file_name.hpp"
 #include "volute/codec/volute_reader.hpp"
 #include "volute/grid/frame_source.hpp"
+#include "volute/io/image_file.hpp"
 #include "volute/media/reading.hpp"
 
 namespace volute {
@@ -43,14 +45,8 @@ std::string integrityText(const Integrity& integrity, const VoluteReader& reader
 /// By the name's end: .volute.
 bool isVolutePath(const std::string& path);
 
-/// By the name's end: .png or .exr.
-bool isPicturePath(const std::string& path);
-
 /// Size on disk of a file, or of the files of a pattern or a folder; nothing for what cannot be
 /// read.
 std::optional<std::uint64_t> bytesOnDisk(const std::string& path);
-
-/// A name's last extension in lower case, with the dot.
-std::string extensionOf(const std::string& path);
 
 }  // namespace volute

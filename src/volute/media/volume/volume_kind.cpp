@@ -6,6 +6,7 @@
 #include "volute/media/light_blockers.hpp"
 #include "volute/media/placement_parameters.hpp"
 #include "volute/media/volume/volume_medium.hpp"
+#include "volute/media/volume/volume_report.hpp"
 
 namespace volute {
 namespace {
@@ -109,6 +110,11 @@ class VolumeKind final : public MediumKind {
 
   /// What no other kind takes: reading it says what is wrong with it.
   bool opens(const std::string&) const override { return true; }
+
+  Result<FileDescription> describe(const std::string& path, const DescribeRequest& request,
+                                   Reading& reading) const override {
+    return describeVolume(path, request, reading);
+  }
 
   bool setParameter(OrderedJson& entry, const SceneMedium& medium, const std::string& key,
                     const OrderedJson&, const std::vector<double>& numbers) const override {

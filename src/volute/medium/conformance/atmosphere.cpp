@@ -107,14 +107,6 @@ void Atmosphere::pieces(std::span<const Segment> segments,
   }
 }
 
-void Atmosphere::scatter(std::span<const Segment> segments, std::span<const double> weights,
-                         std::span<double> gradient) const {
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    for (const Stretch& stretch : stretches(segments[i], bounds()))
-      gradient[0] += weights[i] * integral(stretch);
-  }
-}
-
 Traits traitsOf(const Atmosphere&) {
   return {.planes = {{{}, {}, {Atmosphere::kBottom}}},
           .region = {Vec3(0, 0, 0), Vec3(kWidth, kWidth, 5 * Atmosphere::kScaleHeight)}};

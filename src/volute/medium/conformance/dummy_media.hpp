@@ -31,9 +31,6 @@ class TrilinearVoxels {
   std::vector<double> coefficients() const { return extinction_; }
 
   TrilinearVoxels withCoefficients(std::span<const double> coefficients) const;
-  void scatter(std::span<const Segment> segments, std::span<const double> weights,
-               std::span<double> gradient) const;
-
   /// Coordinates of the nodes along each axis: the planes on which the medium is not smooth.
   std::array<std::vector<double>, 3> planes() const;
 
@@ -78,9 +75,6 @@ class Atmosphere {
     return Atmosphere(coefficients[0]);
   }
 
-  void scatter(std::span<const Segment> segments, std::span<const double> weights,
-               std::span<double> gradient) const;
-
   static constexpr double kBottom = 2;       ///< [m]
   static constexpr double kScaleHeight = 3;  ///< [m]
 
@@ -109,9 +103,6 @@ class TwoBoxes {
   TwoBoxes withCoefficients(std::span<const double> c) const {
     return TwoBoxes({c[0], c[1], c[2]});
   }
-
-  void scatter(std::span<const Segment> segments, std::span<const double> weights,
-               std::span<double> gradient) const;
 
   static const Box3 kFirst, kSecond;
 

@@ -176,24 +176,6 @@ std::vector<Fault> faultsOfCoefficients() {
        .coefficients = each([](double c) { return std::max(c, 0.01); })},
       {.name = "CoefficientsAreFloats",
        .coefficients = each([](double c) { return double(float(c)); })},
-      {.name = "ScatterSquaresWeights",
-       .weights =
-           [](std::span<const double> in, std::span<double> out) {
-             for (std::size_t i = 0; i < in.size(); ++i) out[i] = in[i] * in[i];
-           }},
-      {.name = "ScatterTakesMagnitudes",
-       .weights =
-           [](std::span<const double> in, std::span<double> out) {
-             for (std::size_t i = 0; i < in.size(); ++i) out[i] = std::abs(in[i]);
-           }},
-      {.name = "ScatterMissesACell",
-       .gradient = [](std::span<double> gradient) { gradient[gradient.size() / 2] = 0; }},
-      {.name = "ScatterIsFloat",
-       .gradient =
-           [](std::span<double> gradient) {
-             for (double& value : gradient) value = float(value);
-           }},
-      {.name = "ScatterOverwrites", .overwritesGradient = true},
   };
 }
 

@@ -18,11 +18,7 @@ struct Fault {
   std::function<void(std::span<double>)> depthBatch{};  ///< over the answers to a whole batch
   std::function<std::vector<double>(std::vector<double>)>
       coefficients{};  ///< on the way into withCoefficients
-  std::function<void(std::span<const double>, std::span<double>)>
-      weights{};                                      ///< scatter: what becomes of them
-  std::function<void(std::span<double>)> gradient{};  ///< scatter: before it is added
   bool appendsPieces = false;
-  bool overwritesGradient = false;
   bool depthByPieces = false;  ///< the fault of the pieces is in the depth as well, so both agree
 };
 
@@ -80,21 +76,6 @@ class Faulty {
     if (fault_.coefficients)
       changed = fault_.coefficients(changed);
     return Faulty(medium_.withCoefficients(changed), fault_);
-  }
-
-  void scatter(std::span<const Segment> segments, std::span<const double> weights,
-               std::span<double> gradient) const {
-    std::vector<Segment> changedSegments;
-    for (const Segment& segment : segments) changedSegments.push_back(changed(segment));
-    std::vector<double> changedWeights(weights.begin(), weights.end());
-    if (fault_.weights)
-      fault_.weights(weights, changedWeights);
-    std::vector<double> fresh(gradient.size(), 0);
-    medium_.scatter(changedSegments, changedWeights, fresh);
-    if (fault_.gradient)
-      fault_.gradient(fresh);
-    for (std::size_t i = 0; i < fresh.size(); ++i)
-      gradient[i] = fresh[i] + (fault_.overwritesGradient ? 0 : gradient[i]);
   }
 
  private:

@@ -2,12 +2,10 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "volute/medium/conformance/support.hpp"
 
-// For media whose optical depth is P c: P is opticalDepth() as a function of the coefficients, P'
-// is scatter().
+// For media whose optical depth is P c: P is opticalDepth() as a function of the coefficients.
 
 namespace volute::conformance {
 namespace {
@@ -27,28 +25,6 @@ std::vector<double> depthsWith(const LinearCalls& linear, std::span<const double
   std::vector<double> depths(batch.size());
   linear.withCoefficients(coefficients).opticalDepth(batch, depths);
   return depths;
-}
-
-/// P' y.
-std::vector<double> gradientOf(const LinearCalls& linear, std::span<const Segment> batch,
-                               std::span<const double> weights) {
-  std::vector<double> gradient(linear.coefficients.size(), 0);
-  linear.scatter(batch, weights, gradient);
-  return gradient;
-}
-
-struct Product {
-  double value = 0;
-  double magnitude = 0;  ///< the sum of the magnitudes: what rounding is relative to
-};
-
-Product dot(std::span<const double> a, std::span<const double> b) {
-  Product product;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    product.value += a[i] * b[i];
-    product.magnitude += std::abs(a[i] * b[i]);
-  }
-  return product;
 }
 
 double largest(std::span<const double> values) {
@@ -149,100 +125,6 @@ Failures goodCoefficientsGiveNoNegativeDepth(const MediumUnderTest& tested) {
   return report.take();
 }
 
-Failures scatterIsTheAdjoint(const MediumUnderTest& tested) {
-  Report report;
-  const LinearCalls& linear = *tested.linear;
-  Random random(tested.traits.seed + 12);
-  const auto batch = batchOf(finiteSegmentsOf(tested));
-  for (int round = 0; round < 6; ++round) {
-    const auto c = random.numbers(linear.coefficients.size(), 0, 1);
-    const auto y = random.numbers(batch.size(), round < 3 ? -1 : 0, 3);
-    const Product left = dot(depthsWith(linear, c, batch), y),
-                  right = dot(c, gradientOf(linear, batch, y));
-    if (!near(left.value, right.value, tested.traits.tolerance.adjoint,
-              std::max(left.magnitude, right.magnitude))) {
-      report.add("<P c, y> = {:.17g}, but <c, P' y> = {:.17g} (round {})", left.value, right.value,
-                 round);
-    }
-  }
-  return report.take();
-}
-
-/// The identity above, one segment at a time: a single missing cell cannot hide in a long sum.
-Failures scatterIsTheAdjointOfEachSegment(const MediumUnderTest& tested) {
-  Report report;
-  const LinearCalls& linear = *tested.linear;
-  Random random(tested.traits.seed + 13);
-  const auto c = random.numbers(linear.coefficients.size(), 0.5, 1.5);
-  const auto segments = finiteSegmentsOf(tested);
-  const auto depths = depthsWith(linear, c, batchOf(segments));
-  const double weight = 2.5;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    const Product product = dot(c, gradientOf(linear, {&segments[i].segment, 1}, {&weight, 1}));
-    if (!near(weight * depths[i], product.value, tested.traits.tolerance.adjoint,
-              std::max(product.magnitude, largest(depths)))) {
-      report.at(segments[i], "y P c = {:.17g}, but <c, P' y> = {:.17g}", weight * depths[i],
-                product.value);
-    }
-  }
-  return report.take();
-}
-
-/// And one coefficient at a time, for some of those that the segments meet.
-Failures scatterIsTheAdjointOfEachCoefficient(const MediumUnderTest& tested) {
-  constexpr std::size_t kCoefficients = 24;
-  Report report;
-  const LinearCalls& linear = *tested.linear;
-  Random random(tested.traits.seed + 14);
-  const auto batch = batchOf(finiteSegmentsOf(tested));
-  const auto y = random.numbers(batch.size(), 0, 1);
-  const auto gradient = gradientOf(linear, batch, y);
-  const std::size_t count = gradient.size();
-  for (std::size_t k = 0; k < std::min(count, kCoefficients); ++k) {
-    const std::size_t i =
-        count <= kCoefficients ? k : std::size_t(random.uniform(0, double(count)));
-    std::vector<double> one(count, 0);
-    one[i] = 1;
-    const Product product = dot(depthsWith(linear, one, batch), y);
-    if (!near(product.value, gradient[i], tested.traits.tolerance.adjoint, product.magnitude)) {
-      report.add("coefficient {}: <P e, y> = {:.17g}, but (P' y) = {:.17g}", i, product.value,
-                 gradient[i]);
-    }
-  }
-  return report.take();
-}
-
-Failures scatterAddsToTheGradient(const MediumUnderTest& tested) {
-  Report report;
-  const LinearCalls& linear = *tested.linear;
-  const auto batch = batchOf(finiteSegmentsOf(tested));
-  const std::vector<double> weights(batch.size(), 1.0);
-  const auto fresh = gradientOf(linear, batch, weights);
-  std::vector<double> twice = fresh;
-  linear.scatter(batch, weights, twice);
-  for (std::size_t i = 0; i < fresh.size(); ++i) {
-    if (!near(twice[i], 2 * fresh[i], tested.traits.tolerance.closedForm, 0)) {
-      report.add("coefficient {}: {:.17g} after one scatter, {:.17g} after two", i, fresh[i],
-                 twice[i]);
-    }
-  }
-  return report.take();
-}
-
-Failures emptyAndMissingSegmentsScatterNothing(const MediumUnderTest& tested) {
-  Report report;
-  std::vector<NamedSegment> segments = emptySegmentsOf(tested);
-  for (NamedSegment& named : missingSegmentsOf(tested)) segments.push_back(std::move(named));
-  const double weight = 1;
-  for (const NamedSegment& named : segments) {
-    for (double value : gradientOf(*tested.linear, {&named.segment, 1}, {&weight, 1})) {
-      if (value != 0)
-        report.at(named, "scatters {}", value);
-    }
-  }
-  return report.take();
-}
-
 }  // namespace
 
 std::vector<Check> linearChecks() {
@@ -250,12 +132,7 @@ std::vector<Check> linearChecks() {
           {"OwnCoefficientsGiveTheMedium", ownCoefficientsGiveTheMedium, true},
           {"NoCoefficientsNoDepth", noCoefficientsNoDepth, true},
           {"DepthsAreLinear", depthsAreLinear, true},
-          {"GoodCoefficientsGiveNoNegativeDepth", goodCoefficientsGiveNoNegativeDepth, true},
-          {"ScatterIsTheAdjoint", scatterIsTheAdjoint, true},
-          {"ScatterIsTheAdjointOfEachSegment", scatterIsTheAdjointOfEachSegment, true},
-          {"ScatterIsTheAdjointOfEachCoefficient", scatterIsTheAdjointOfEachCoefficient, true},
-          {"ScatterAddsToTheGradient", scatterAddsToTheGradient, true},
-          {"EmptyAndMissingSegmentsScatterNothing", emptyAndMissingSegmentsScatterNothing, true}};
+          {"GoodCoefficientsGiveNoNegativeDepth", goodCoefficientsGiveNoNegativeDepth, true}};
 }
 
 }  // namespace volute::conformance

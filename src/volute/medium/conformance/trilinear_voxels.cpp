@@ -141,17 +141,6 @@ TrilinearVoxels TrilinearVoxels::withCoefficients(std::span<const double> coeffi
   return other;
 }
 
-void TrilinearVoxels::scatter(std::span<const Segment> segments, std::span<const double> weights,
-                              std::span<double> gradient) const {
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    for (const Crossing& cell : crossings(segments[i])) {
-      for (int k = 0; k < 8; ++k) {
-        gradient[cell.nodes[k]] += weights[i] * cell.basis[k].integral(cell.end - cell.begin);
-      }
-    }
-  }
-}
-
 std::array<std::vector<double>, 3> TrilinearVoxels::planes() const {
   std::array<std::vector<double>, 3> out;
   for (int axis = 0; axis < 3; ++axis) {

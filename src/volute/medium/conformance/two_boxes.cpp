@@ -124,14 +124,6 @@ void TwoBoxes::radiance(std::span<const Segment> segments, std::span<Radiance> o
   }
 }
 
-void TwoBoxes::scatter(std::span<const Segment> segments, std::span<const double> weights,
-                       std::span<double> gradient) const {
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    const auto basis = basisIntegrals(segments[i]);
-    for (int k = 0; k < 3; ++k) gradient[k] += weights[i] * basis[k];
-  }
-}
-
 Traits traitsOf(const TwoBoxes&) {
   Traits traits;
   for (int axis = 0; axis < 3; ++axis) {

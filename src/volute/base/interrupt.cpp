@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/base/interrupt.hpp"
+
+#include <fmt/format.h>
+#include <pthread.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <mutex>
+#include <set>
+
+namespace volute {
+namespace {
+
+std::atomic<bool> stopRequested{false};
+std::atomic<bool> finished{false};
+std::mutex foldersMutex;
+std::set<std::filesystem::path> folders;
+std::string commandName;  // after a blank
+
+sigset_t stopSignals() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGINT);
+  sigaddset(&set, SIGTERM);
+  return set;
+}
+
+/// PendingFile names its files ".STEM.PID.COUNT.partEXTENSION", PendingFolder its folders alike.
+void removePendingFiles() {
+  const std::string ours = fmt::format(".{}.", ::getpid());
+  const std::scoped_lock lock(foldersMutex);
+  for (const auto& folder : folders) {
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+      const std::string name = entry.path().filename().string();
+      const bool pending = name.starts_with('.') && name.find(ours) != std::string::npos &&
+                           name.find(".part") != std::string::npos &&
+                           !name.ends_with(".old.part");  // somebody's results
+      if (pending)
+        std::filesystem::remove_all(entry.path(), error);
+    }
+  }
+}
+
+[[noreturn]] void endNow() {
+  removePendingFiles();
+  std::string note;
+  {
+    const std::scoped_lock lock(foldersMutex);
+    note = fmt::format("{}volute{}: stopped\n", ::isatty(STDERR_FILENO) ? "\n" : "", commandName);
+  }
+  (void)!::write(STDERR_FILENO, note.data(), note.size());
+  ::_exit(1);
+}
+
+void waitForSignals() {
+  const sigset_t set = stopSignals();
+  int signal = 0;
+  if (sigwait(&set, &signal) != 0 || finished)
+    return;
+  stopRequested = true;
+  const timespec patience{0, std::chrono::nanoseconds(Interrupt::kPatience).count()};
+  const int second = sigtimedwait(&set, nullptr, &patience);
+  if (!finished && (second > 0 || errno == EAGAIN))
+    endNow();
+}
+
+}  // namespace
+
+Interrupt::Interrupt() {
+  const sigset_t set = stopSignals();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  waiter_ = std::thread(waitForSignals);
+}
+
+Interrupt::~Interrupt() {
+  finished = true;
+  pthread_kill(waiter_.native_handle(), SIGTERM);
+  waiter_.join();
+}
+
+bool Interrupt::requested() {
+  return stopRequested;
+}
+
+void Interrupt::name(std::string_view command) {
+  const std::scoped_lock lock(foldersMutex);
+  commandName = fmt::format(" {}", command);
+}
+
+void Interrupt::watch(const std::filesystem::path& target) {
+  const std::scoped_lock lock(foldersMutex);
+  folders.insert(target.has_parent_path() ? target.parent_path() : std::filesystem::path("."));
+  std::error_code error;
+  if (std::filesystem::is_symlink(target, error))
+    folders.insert(std::filesystem::weakly_canonical(target, error).parent_path());
+}
+
+}  // namespace volute

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string_view>
+#include <thread>
+
+namespace volute {
+
+/// While it lives, SIGINT (Ctrl-C) and SIGTERM ask the running command to stop. A second one, or a
+/// command that has not stopped after kPatience, removes the half-written outputs beside the targets
+/// that were named to watch(), and ends the program with exit code 1. Make it before any other thread: they inherit the signal mask, and a
+/// thread of its own waits for the signals, so that the answer to them is free of what signal
+/// handlers may not do.
+class Interrupt {
+ public:
+  Interrupt();
+  ~Interrupt();
+  Interrupt(const Interrupt&) = delete;
+  Interrupt& operator=(const Interrupt&) = delete;
+
+  /// Whether somebody asked to stop.
+  static bool requested();
+
+  /// The parent folder of `target` is searched for half-written files when the program is ended.
+  static void watch(const std::filesystem::path& target);
+
+  /// The command, which the last message begins with.
+  static void name(std::string_view command);
+
+  /// What a library computes, or a disk takes, does not ask whether to stop.
+  static constexpr std::chrono::milliseconds kPatience{800};
+
+ private:
+  std::thread waiter_;
+};
+
+}  // namespace volute

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/capture/capture_report.hpp"
+
+#include <algorithm>
+
+#include "volute/capture/image_name.hpp"
+#include "volute/capture/open_capture.hpp"
+
+namespace volute {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+OrderedJson pointJson(const Vec3& v) {
+  return {jsonNumber(v.x()), jsonNumber(v.y()), jsonNumber(v.z())};
+}
+
+OrderedJson boxJson(const Box3& box) {
+  return {pointJson(box.min), pointJson(box.max)};
+}
+
+/// How many of the chosen frames a camera has pictures of; a film counts where it is there.
+std::size_t picturesThere(const CaptureCamera& camera, const std::vector<int>& frames) {
+  std::error_code ignored;
+  if (camera.pictures.image.empty())
+    return std::filesystem::exists(camera.pictures.video, ignored) ? frames.size() : 0;
+  return static_cast<std::size_t>(std::ranges::count_if(frames, [&](int frame) {
+    return std::filesystem::exists(frameFile(camera.pictures.image, frame), ignored);
+  }));
+}
+
+void addCameras(Report& report, const Capture& capture, bool& damaged) {
+  OrderedJson list = OrderedJson::array();
+  std::string text;
+  for (const CaptureCamera& camera : capture.cameras) {
+    const std::size_t there = picturesThere(camera, capture.frames);
+    const std::filesystem::path source = camera.pictures.image.empty()
+                                             ? camera.pictures.video
+                                             : std::filesystem::path(camera.pictures.image);
+    const auto folder = std::filesystem::path(capture.file).parent_path();
+    const std::string pictures =
+        source.empty() ? "" : source.lexically_proximate(folder.empty() ? "." : folder).string();
+    const bool missing = there < capture.frames.size();
+    damaged = damaged || missing;
+    list.push_back({{"name", camera.name},
+                    {"size", {camera.camera.width(), camera.camera.height()}},
+                    {"eye", pointJson(camera.camera.eye())},
+                    {"pictures", pictures},
+                    {"pictures_there", there}});
+    text += fmt::format("\n  {}: {} x {} pixels from {} m, {}{}", camera.name,
+                        camera.camera.width(), camera.camera.height(),
+                        vectorText(camera.camera.eye()), pictures.empty() ? "no pictures" : pictures,
+                        missing ? fmt::format(": {} of {} pictures are MISSING",
+                                              capture.frames.size() - there, capture.frames.size())
+                                : "");
+  }
+  report.add("cameras", list, text);
+}
+
+}  // namespace
+
+Result<FileDescription> describeCapture(const std::string& path, std::uint64_t maxMemory) {
+  CaptureOptions options;
+  options.maxMemory = maxMemory;
+  auto capture = openCapture(path, options);
+  std::string missing;
+  FileDescription described;
+  if (!capture) {
+    missing = capture.error().message;
+    // Calibration alone may be whole.
+    auto calibration = openCalibration(path, options);
+    if (!calibration)
+      return tl::unexpected(std::move(capture.error()));
+    capture = std::move(calibration);
+    described.damaged = true;
+  }
+  Report& report = described.report;
+  report.add("file", path).add("kind", "capture").add("format", capture->kind);
+  addCameras(report, *capture, described.damaged);
+  const auto& frames = capture->frames;
+  if (!frames.empty()) {
+    report.add("frames", frames.size(), fmt::format("{}", frames.size()))
+        .add("frame_numbers", {frames.front(), frames.back()},
+             fmt::format("{} to {}", frames.front(), frames.back()));
+  }
+  const auto& [x, y, z] = capture->volume.resolution;
+  if (x > 0) {
+    report.add("size", {x, y, z}, fmt::format("{} x {} x {} voxels", x, y, z))
+        .add("bounds", boxJson(capture->volume.bounds), boxText(capture->volume.bounds));
+  }
+  if (!missing.empty())
+    report.add("missing", missing);
+  std::string remarks;
+  for (const std::string& remark : capture->remarks) remarks += "\n  " + remark;
+  report.add("remarks", OrderedJson(capture->remarks), remarks);
+  return described;
+}
+
+}  // namespace volute

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/cli/input_checks.hpp"
+
+#include <set>
+
+#include "volute/base/file_name.hpp"
+#include "volute/base/leftovers.hpp"
+#include "volute/io/named_files.hpp"
+
+namespace volute::cli {
+namespace {
+
+Status checkOne(std::string_view option, const std::string& output, const std::string& input,
+                const std::string& reader) {
+  if (!isSameFile(output, input))
+    return {};
+  return fail(ErrorCode::kInvalidArgument,
+              "--{}: {} is read{} and would be replaced; give another name", option, output,
+              reader.empty() ? "" : " by " + reader);
+}
+
+}  // namespace
+
+Status checkNothingOverwritten(const Command& command, const Arguments& arguments) {
+  std::vector<std::pair<std::string_view, std::string>> outputs;
+  std::vector<std::string> inputs = arguments.positionals();
+  for (const Option& option : command.options) {
+    if (option.kind != ValueKind::kFile && option.kind != ValueKind::kOutput)
+      continue;
+    const auto file = option.several ? std::nullopt : arguments.findGiven<std::string>(option.name);
+    if (!file || *file == "-")
+      continue;
+    if (option.kind == ValueKind::kOutput)
+      outputs.emplace_back(option.name, *file);
+    else
+      inputs.push_back(*file);
+  }
+  if (outputs.empty())
+    return {};
+  for (const std::string& input : inputs) {
+    for (const auto& [option, output] : outputs) VOLUTE_TRY(checkOne(option, output, input, ""));
+    for (const std::string& named : filesNamedIn(input)) {
+      for (const auto& [option, output] : outputs)
+        VOLUTE_TRY(checkOne(option, output, named, input));
+    }
+  }
+  return {};
+}
+
+Status checkNamedFiles(const Arguments& arguments, Context& context) {
+  for (const std::string& input : arguments.positionals()) {
+    const auto outside = namesOutside(input);
+    if (outside.empty())
+      continue;
+    const std::string more =
+        outside.size() > 1 ? fmt::format(" and {} more", outside.size() - 1) : "";
+    if (arguments.flag("untrusted")) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: names '{}'{}, outside of its folder; --untrusted refuses that", input,
+                  outside.front(), more);
+    }
+    context.progress.remark(
+        fmt::format("{}: names '{}'{}, outside of its folder (--untrusted refuses that)", input,
+                    outside.front(), more));
+  }
+  return {};
+}
+
+void remarkOnLeftovers(const Command& command, const Arguments& arguments, Context& context) {
+  std::set<std::filesystem::path> folders;
+  for (const Option& option : command.options) {
+    if (option.kind != ValueKind::kOutput && option.name != "output")
+      continue;
+    const auto target = option.several ? std::nullopt
+                                       : arguments.findGiven<std::string>(option.name);
+    if (!target || *target == "-")
+      continue;
+    folders.insert(folderOf(*target));
+  }
+  for (const std::filesystem::path& folder : folders) {
+    const auto parts = leftoversIn(folder);
+    if (parts.empty())
+      continue;
+    const std::string more = parts.size() > 1 ? fmt::format(" and {} more", parts.size() - 1) : "";
+    context.progress.remark(
+        fmt::format("{}{}: left by runs that were killed; unless another machine writes there, "
+                    "delete them: rm -r '{}'/.*.part*",
+                    parts.front().string(), more, folder.string()));
+  }
+}
+
+}  // namespace volute::cli

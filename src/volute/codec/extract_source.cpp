@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/codec/extract_source.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "volute/base/ordered_delivery.hpp"
+#include "volute/base/parallel.hpp"
+#include "volute/grid/copy_frames.hpp"
+
+namespace volute {
+namespace {
+
+constexpr int kSide = BlockGrid::kSide;
+
+int coarse(int voxels, int level) {
+  const int factor = 1 << level;
+  return (voxels + factor - 1) / factor;
+}
+
+VolumeInfo extractedInfo(const VolumeInfo& whole, const Extraction& extraction) {
+  const Region& region = extraction.region;
+  VolumeInfo info = whole;
+  info.frames = static_cast<int>(extraction.positions.size());
+  info.frameNumbers.clear();
+  info.times.clear();
+  for (const int position : extraction.positions) {
+    info.frameNumbers.push_back(whole.frameNumbers[position]);
+    info.times.push_back(whole.times[position]);
+  }
+  info.x = coarse(region.x(), extraction.level);
+  info.y = coarse(region.y(), extraction.level);
+  info.z = coarse(region.z(), extraction.level);
+  const Region full{{0, 0, 0}, {whole.x, whole.y, whole.z}};
+  if (region == full && extraction.level == 0)
+    return info;  // the bounds as they were, to the bit
+  const Vec3 voxel = whole.voxelSize();
+  const Vec3 begin(region.begin[0], region.begin[1], region.begin[2]);
+  const Vec3 size = Vec3(info.x, info.y, info.z) * (1 << extraction.level);
+  info.bounds.min = whole.bounds.min + voxel.cwiseProduct(begin);
+  info.bounds.max = info.bounds.min + voxel.cwiseProduct(size);
+  return info;
+}
+
+/// Sums cubes of 2^level voxels of `fine`, shape (z, y, x, c) of the region, and divides by their
+/// full number.
+void averageCubes(std::span<const float> fine, const Region& region, int level,
+                  const VolumeInfo& info, std::span<float> values) {
+  const int channels = info.channels;
+  std::vector<double> sums(info.frameValues());
+  for (int z = 0; z < region.z(); ++z) {
+    for (int y = 0; y < region.y(); ++y) {
+      const std::size_t row =
+          (static_cast<std::size_t>(z >> level) * info.y + (y >> level)) * info.x;
+      const float* in =
+          fine.data() + (static_cast<std::size_t>(z) * region.y() + y) * region.x() * channels;
+      for (int x = 0; x < region.x(); ++x) {
+        for (int c = 0; c < channels; ++c) sums[(row + (x >> level)) * channels + c] += *in++;
+      }
+    }
+  }
+  const double share = 1.0 / static_cast<double>(std::int64_t{1} << (3 * level));
+  std::ranges::transform(sums, values.begin(),
+                         [=](double sum) { return static_cast<float>(sum * share); });
+}
+
+}  // namespace
+
+ExtractSource::ExtractSource(std::shared_ptr<const VoluteReader> reader, Extraction extraction,
+                             Progress& progress)
+    : reader_(std::move(reader)),
+      extraction_(std::move(extraction)),
+      progress_(progress),
+      info_(extractedInfo(reader_->info(), extraction_)) {}
+
+Result<std::unique_ptr<ExtractSource>> ExtractSource::create(
+    std::shared_ptr<const VoluteReader> reader, Extraction extraction, Progress& progress) {
+  const VolumeInfo& info = reader->info();
+  const Region& region = extraction.region;
+  if (region.end[0] > info.x || region.end[1] > info.y || region.end[2] > info.z) {
+    return fail(ErrorCode::kInvalidArgument,
+                "the region ends at {}, {}, {}, beyond the {} x {} x {} voxels of the volume",
+                region.end[0], region.end[1], region.end[2], info.x, info.y, info.z);
+  }
+  auto source = std::unique_ptr<ExtractSource>(
+      new ExtractSource(std::move(reader), std::move(extraction), progress));
+  std::size_t most = 0;
+  for (const int position : source->extraction_.positions) {
+    most = std::max(most, source->framesInRow(position / kSide));
+  }
+  const std::uint64_t bytes = 4ull * source->frameValues() * (most + 1);
+  if (bytes > source->extraction_.maxMemory) {
+    return fail(ErrorCode::kTooLarge,
+                "the region needs {} MiB of memory, more than the {} MiB allowed; take fewer "
+                "frames or a smaller "
+                "region, or raise --max-memory",
+                (bytes >> 20) + 1, source->extraction_.maxMemory >> 20);
+  }
+  return source;
+}
+
+std::size_t ExtractSource::framesInRow(int row) const {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      extraction_.positions, [=](int position) { return position / kSide == row; }));
+}
+
+std::vector<std::size_t> ExtractSource::blocksOfRow(int row) const {
+  const Region& r = extraction_.region;
+  std::vector<std::size_t> blocks;
+  for (int z = r.begin[2] / kSide; z * kSide < r.end[2]; ++z) {
+    for (int y = r.begin[1] / kSide; y * kSide < r.end[1]; ++y) {
+      for (int x = r.begin[0] / kSide; x * kSide < r.end[0]; ++x) {
+        blocks.push_back(reader_->blocks().blockAt({row, z, y, x}));
+      }
+    }
+  }
+  return blocks;
+}
+
+Status ExtractSource::load(int row) {
+  const auto& positions = extraction_.positions;
+  const auto first =
+      std::ranges::find_if(positions, [=](int position) { return position / kSide == row; });
+  firstInRow_ = static_cast<std::size_t>(first - positions.begin());
+  loadedRow_ = -1;
+  row_.assign(framesInRow(row) * frameValues(), 0.0f);
+  const auto blocks = blocksOfRow(row);
+  constexpr std::size_t kBatch = 256;  // between batches one may ask to stop
+  for (std::size_t begin = 0; begin < blocks.size(); begin += kBatch) {
+    if (progress_.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped: reading frames from {} on",
+                  positions[firstInRow_]);
+    const std::size_t count = std::min(kBatch, blocks.size() - begin);
+    std::vector<Status> results(count);
+    parallelFor(count, [&](std::size_t i) { results[i] = loadBlock(blocks[begin + i]); });
+    for (Status& result : results) VOLUTE_TRY(std::move(result));
+  }
+  loadedRow_ = row;
+  return {};
+}
+
+Status ExtractSource::loadBlock(std::size_t block) {
+  const BlockGrid& grid = reader_->blocks();
+  const auto origin = grid.origin(block);
+  const auto extents = grid.extents(block);
+  const Region& r = extraction_.region;
+  const int channels = info_.channels;
+  std::vector<float> values(grid.values(block));
+
+  // The coarsest levels are read together; with all of them means come out better.
+  constexpr int kReadTogether = 3;
+  VOLUTE_TRY(reader_->readBlock(block, values,
+                                std::max(kReadTogether, grid.levels(block) - extraction_.level)));
+
+  const int x0 = std::max(origin[3], r.begin[0]), x1 = std::min(origin[3] + extents[3], r.end[0]);
+  const int y0 = std::max(origin[2], r.begin[1]), y1 = std::min(origin[2] + extents[2], r.end[1]);
+  const int z0 = std::max(origin[1], r.begin[2]), z1 = std::min(origin[1] + extents[1], r.end[2]);
+  for (std::size_t i = firstInRow_; i < extraction_.positions.size(); ++i) {
+    const int t = extraction_.positions[i] - origin[0];
+    if (t >= extents[0])
+      break;
+    float* frame = row_.data() + (i - firstInRow_) * frameValues();
+    for (int z = z0; z < z1; ++z) {
+      for (int y = y0; y < y1; ++y) {
+        const std::size_t from =
+            ((static_cast<std::size_t>(t) * extents[1] + (z - origin[1])) * extents[2] +
+             (y - origin[2])) *
+                extents[3] +
+            (x0 - origin[3]);
+        const std::size_t to =
+            (static_cast<std::size_t>(z - r.begin[2]) * r.y() + (y - r.begin[1])) * r.x() +
+            (x0 - r.begin[0]);
+        std::copy_n(values.data() + from * channels, static_cast<std::size_t>(x1 - x0) * channels,
+                    frame + to * channels);
+      }
+    }
+  }
+  return {};
+}
+
+Status ExtractSource::readFrame(int index, std::span<float> values) {
+  const int row = extraction_.positions[index] / kSide;
+  if (row != loadedRow_)
+    VOLUTE_TRY(load(row));
+  const auto frame =
+      std::span<const float>(row_).subspan((index - firstInRow_) * frameValues(), frameValues());
+  if (extraction_.level == 0) {
+    std::ranges::copy(frame, values.begin());
+  } else {
+    averageCubes(frame, extraction_.region, extraction_.level, info_, values);
+  }
+  // Coarse levels, asked for or all that is intact, may leave the original's range.
+  const VoluteHeader& header = reader_->header();
+  const auto least = static_cast<float>(std::min(0.0, header.valueMin));
+  const auto most = static_cast<float>(std::max(0.0, header.valueMax));
+  for (float& value : values) value = std::clamp(value, least, most);
+  return {};
+}
+
+Status extractFrames(ExtractSource& source, FrameSink* sink, std::uint64_t maxMemory,
+                     Progress& progress, Team& team) {
+  const std::vector<int>& positions = source.positions();
+  if (team.size() == 1)
+    return copyFrames(source, *sink, "extracting", progress);
+  std::vector<std::size_t> begins;  // of rows
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (i == 0 || positions[i] / BlockGrid::kSide != positions[i - 1] / BlockGrid::kSide)
+      begins.push_back(i);
+  }
+  begins.push_back(positions.size());
+  std::vector<float> frame(source.info().frameValues());
+  OrderedDelivery delivery(
+      team, static_cast<std::int64_t>(positions.size()), maxMemory / 8,
+      [&](std::int64_t, const OrderedDelivery::Bytes& bytes) {
+        std::memcpy(frame.data(), bytes.data(), bytes.size());
+        return sink->writeFrame(frame);
+      });
+  VOLUTE_TRY(team.forUnits(
+      "extracting", static_cast<std::int64_t>(begins.size() - 1), progress,
+      [&](std::int64_t row) -> Status {
+        const auto at = static_cast<std::size_t>(row);
+        std::vector<float> values(frame.size());
+        for (std::size_t i = begins[at]; i < begins[at + 1]; ++i) {
+          if (progress.cancelled())
+            return fail(ErrorCode::kCancelled, "stopped: extracting frame {}",
+                        source.info().frameNumbers[i]);
+          VOLUTE_TRY(source.readFrame(static_cast<int>(i), values));
+          const auto bytes = std::as_bytes(std::span(values));
+          VOLUTE_TRY(delivery.give(static_cast<std::int64_t>(i), {bytes.begin(), bytes.end()}));
+        }
+        return {};
+      },
+      [&] { return delivery.finish(); }));
+  return team.agree(sink ? sink->finish() : Status());
+}
+
+}  // namespace volute

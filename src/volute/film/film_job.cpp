@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/film/film_job.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "volute/base/process_usage.hpp"
+
+namespace volute {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+/// Media that contours can be cut from.
+std::vector<const MediumInfo*> contouredIn(const Scene& scene) {
+  std::vector<const MediumInfo*> media;
+  for (const auto& medium : scene.media()) {
+    if (medium->info().mass || !medium->info().noMass.empty())
+      media.push_back(&medium->info());
+  }
+  return media;
+}
+
+/// One plane has one scale of mass per volume.
+Status checkConcentrations(std::span<const MediumInfo* const> media) {
+  for (const MediumInfo* medium : media) {
+    if (!medium->mass) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "slice-shows: concentration: {}, which tells no mass per volume; choose "
+                  "visibility or extinction",
+                  medium->noMass);
+    }
+    if (medium->mass->field != media.front()->mass->field) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "slice-shows: concentration: {} holds {} and {} {}, which have no scale in "
+                  "common; choose visibility or extinction",
+                  media.front()->file, media.front()->mass->field, medium->file,
+                  medium->mass->field);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Status checkContour(const Contour& contour, const Scene& scene) {
+  const bool slice = contour.kind == Contour::Kind::kSlice;
+  const auto media = contouredIn(scene);
+  if (media.empty()) {
+    return fail(ErrorCode::kInvalidArgument, "{}: is for media on a mesh; there is none",
+                slice ? "slice" : "isosurface");
+  }
+  if (!slice)
+    return {};
+  Box3 bounds;
+  for (const MediumInfo* medium : media) {
+    bounds.extend(medium->bounds.min);
+    bounds.extend(medium->bounds.max);
+  }
+  const double low = bounds.min[contour.axis], high = bounds.max[contour.axis];
+  if (!(contour.place >= low && contour.place < high)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "slice: {}={:g} misses the mesh, which reaches from {:.6g} to {:.6g} m along {}",
+                "xyz"[contour.axis], contour.place, low, high, "xyz"[contour.axis]);
+  }
+  return contour.shows == Contour::Shows::kConcentration ? checkConcentrations(media) : Status();
+}
+
+bool measuresLight(const Scene& scene) {
+  return !scene.isFile() && scene.media().front()->info().measured;
+}
+
+Status cpuMayDraw(const char* what) {
+  const char* cpu = std::getenv("VOLUTE_CPU_RENDERER");
+  if (!cpu || std::string_view(cpu) != "off")
+    return {};
+  return fail(ErrorCode::kUnsupported,
+              "{} is drawn by the CPU, which VOLUTE_CPU_RENDERER=off forbids", what);
+}
+
+Camera FilmJob::cameraAt(const FilmFrame& frame) const {
+  Camera now = camera;
+  if (way && !way->keys.empty()) {
+    CameraDescription there = *way;
+    there.view = way->viewAt(frame.time);
+    now = makeCamera(there, {camera.width(), camera.height()});
+  }
+  if (orbit == 0)
+    return now;
+  const Vec3 up = way ? way->view.up : Vec3(Vec3::UnitZ());
+  return now.turned(orbitCentre, up, frame.turn * orbit);
+}
+
+Result<Image> FilmJob::pictureOf(const Snapshot& snapshot, const Camera& camera,
+                                   Progress& progress, PictureCounts& counts) {
+  if (contour) {
+    VOLUTE_TRY(cpuMayDraw("a slice or an isosurface"));
+    return lookAtContour(camera, snapshot.media, *contour);
+  }
+  if (renderer->name() != "gl")
+    VOLUTE_TRY(cpuMayDraw("this picture"));
+  const auto draw = [&] {
+    return samples > 1 && options.aov == Aov::kNone
+               ? renderer->renderSmooth(snapshot, camera, options, samples, style, progress,
+                                        &counts)
+               : renderer->render(snapshot, camera, options, progress, &counts);
+  };
+  auto image = draw();
+  if (image || !mayFallBack || renderer->name() != "gl" ||
+      image.error().code == ErrorCode::kCancelled)
+    return image;
+  progress.remark(fmt::format("the CPU draws, since OpenGL does not: {}", image.error().message));
+  renderer = std::make_unique<CpuRenderer>();
+  VOLUTE_TRY(cpuMayDraw("this picture"));
+  return draw();
+}
+
+Result<Image> FilmJob::picture(const FilmFrame& frame, Progress& progress) {
+  Result<Snapshot> snapshot = [&] {
+    const Stopwatch watch(totals.snapshots);
+    return scene.at({.time = frame.time, .tree = tree, .eye = seenFrom(camera)}, progress);
+  }();
+  VOLUTE_TRY(snapshot);
+  snapshot->background = options.background;
+  PictureCounts counts;
+  Result<Image> image = [&] {
+    const Stopwatch watch(totals.render);
+    return pictureOf(*snapshot, cameraAt(frame), progress, counts);
+  }();
+  VOLUTE_TRY(image);
+  PictureCounts& sum = totals.counts;
+  sum.surfaceMilliseconds += counts.surfaceMilliseconds;
+  sum.surfacePixels += counts.surfacePixels;
+  sum.shadowRays += counts.shadowRays;
+  sum.render.rays += counts.render.rays;
+  sum.render.segments += counts.render.segments;
+  sum.render.pieces += counts.render.pieces;
+  for (const auto& medium : snapshot->media) addCounts(totals.media, medium->counts());
+  ++totals.pictures;
+  return image;
+}
+
+Result<std::vector<ImageChannel>> FilmJob::layersAt(const FilmFrame& frame, Progress& progress) {
+  const RenderOptions before = options;
+  const auto has = [&](std::string_view name) {
+    return std::ranges::find(layers, name) != layers.end();
+  };
+  std::vector<ImageChannel> channels;
+  const auto drawn = [&](Aov aov) {
+    options.aov = aov;
+    options.within = scene.bounds();
+    auto image = picture(frame, progress);
+    options = before;
+    return image;
+  };
+  if (has("beauty")) {
+    VOLUTE_ASSIGN(const auto image, drawn(Aov::kNone));
+    for (std::size_t c = 0; c < 3; ++c) {
+      ImageChannel& channel = channels.emplace_back(ImageChannel{std::string(1, "RGB"[c]), {}});
+      for (std::size_t i = c; i < image.pixels.size(); i += 3)
+        channel.values.push_back(image.pixels[i]);
+    }
+  }
+  if (has("alpha")) {
+    VOLUTE_ASSIGN(auto image, drawn(Aov::kAlpha));
+    channels.push_back({"A", std::move(image.pixels)});
+  }
+  if (has("z")) {
+    VOLUTE_ASSIGN(auto image, drawn(Aov::kDistance));
+    channels.push_back({"Z", std::move(image.pixels)});
+  }
+  for (const auto& [name, aov] : {std::pair("transmittance", Aov::kTransmittance),
+                                  std::pair("optical-depth", Aov::kOpticalDepth)}) {
+    if (!has(name))
+      continue;
+    VOLUTE_ASSIGN(auto image, drawn(aov));
+    channels.push_back({std::string(name) + ".Y", std::move(image.pixels)});
+  }
+  return channels;
+}
+
+OrderedJson FilmJob::stats() const {
+  OrderedJson json = {{"renderer", renderer->name()},
+                      {"size", {camera.width(), camera.height()}},
+                      {"pictures", totals.pictures},
+                      {"rays", totals.counts.render.rays},
+                      {"segments", totals.counts.render.segments},
+                      {"pieces", totals.counts.render.pieces}};
+  OrderedJson media = {{"voxels_visited", 0}, {"bricks_visited", 0}, {"bricks_skipped", 0},
+                       {"bricks_stored", 0},  {"bytes_read", 0},     {"blocks_decoded", 0},
+                       {"tree_nodes", 0},     {"tree_bytes", 0},     {"nodes_visited", 0}};
+  addCounts(media, totals.media);
+  for (const auto& medium : scene.media()) addCounts(media, medium->counts());
+  const OrderedJson last = {{"milliseconds",
+                             {{"open", totals.open},
+                              {"slices", totals.snapshots},
+                              {"render", totals.render},
+                              {"surfaces", totals.counts.surfaceMilliseconds},
+                              {"write", totals.write}}},
+                            {"peak_memory_bytes", peakMemoryBytes()}};
+  json.update(media);
+  json.update(last);
+  const PictureLaw law = scene.law();
+  json["mode"] = contour ? modeOf(*contour) : std::string(nameOf(law.mode));
+  if (contour ? contour->shows == Contour::Shows::kVisibility : law.mode == PictureMode::kThreshold)
+    json["C"] = law.c;
+  if (!scene.geometry().empty() || totals.counts.surfacePixels > 0) {
+    json["geometry"] = {{"triangles", scene.surfaces().triangles().size()},
+                        {"surface_pixels", totals.counts.surfacePixels},
+                        {"shadow_rays", totals.counts.shadowRays}};
+  }
+  if (auto own = renderer->stats(); !own.empty())
+    json[std::string(renderer->name())] = std::move(own);
+  return json;
+}
+
+Status scaleContour(FilmJob& job, Progress& progress, Team& team) {
+  if (!job.contour || job.contour->shows == Contour::Shows::kVisibility)
+    return {};
+  double largest = 0;
+  VOLUTE_TRY(team.forUnits(
+      "scaling", static_cast<std::int64_t>(job.frames.size()), progress,
+      [&](std::int64_t i) -> Status {
+        const FilmFrame& frame = job.frames[static_cast<std::size_t>(i)];
+        VOLUTE_ASSIGN(const auto snapshot, job.scene.at({.time = frame.time}, progress));
+        largest = std::max(largest, largestOn(*job.contour, snapshot.media));
+        return {};
+      }));
+  VOLUTE_ASSIGN(const auto all, team.gatherAll(std::as_bytes(std::span(&largest, 1))));
+  for (const auto& bytes : all) {
+    double other = 0;
+    std::memcpy(&other, bytes.data(), sizeof other);
+    largest = std::max(largest, other);
+  }
+  job.contour->most = largest > 0 ? largest : 1;
+  return {};
+}
+
+}  // namespace volute

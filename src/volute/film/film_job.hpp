@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "volute/base/stopwatch.hpp"
+#include "volute/base/team.hpp"
+#include "volute/camera/camera.hpp"
+#include "volute/film/picture_writer.hpp"
+#include "volute/film/frame_choice.hpp"
+#include "volute/media/contour.hpp"
+#include "volute/scene/scene.hpp"
+#include "volute/scene/scene_renderer.hpp"
+
+namespace volute {
+
+/// What takes the place of a picture's mode where a contour is drawn.
+std::string modeOf(const Contour& contour);
+
+/// Milliseconds of each stage, and what was looked at, over all pictures.
+struct FilmTotals {
+  double open = 0, snapshots = 0, render = 0, write = 0;
+  int pictures = 0;
+  PictureCounts counts;
+  nlohmann::ordered_json media = nlohmann::ordered_json::object();  ///< MediumAt::counts()
+};
+
+/// A scene, who renders it, and the frames of its film: one for a single picture. Made by setting its
+/// members; writeFilm() writes it, picture() gives one linear picture.
+struct FilmJob {
+  Scene scene;
+  Camera camera;
+  RenderOptions options;
+  std::unique_ptr<SceneRenderer> renderer;
+  bool mayFallBack = false;  ///< the CPU takes them, with a remark, where `renderer` cannot
+  std::vector<FilmFrame> frames{};
+  double framesPerSecond = kUsualRate;    ///< of a film
+  std::optional<Contour> contour{};     ///< drawn instead of the media
+  bool tree = false;                    ///< InstantRequest::tree
+  bool legend = false;                  ///< drawn into visible pictures
+  bool measured = true;                 ///< light as it is: no tone curve, no smoothed edges
+  int samples = 1;                      ///< rays in a pixel where there are edges
+  PictureStyle style{};                 ///< by which edges are found
+  std::optional<CameraDescription> way{};  ///< of a camera that moves
+  double orbit = 0;                     ///< [radians], over all frames
+  Vec3 orbitCentre = Vec3::Zero();
+  std::vector<std::string> layers{};  ///< of an .exr with several: beauty, alpha, z, transmittance, optical-depth
+  FilmTotals totals{};
+
+  /// All `layers` of a frame, by the names of their channels: R, G, B, A, Z, transmittance.Y,
+  /// optical-depth.Y.
+  [[nodiscard]] Result<std::vector<ImageChannel>> layersAt(const FilmFrame& frame,
+                                                           Progress& progress);
+
+  /// The linear picture of a frame, RGB or what options.aov names. Errors: what the media cannot read
+  /// at that time, what the renderer cannot draw (kUnsupported, kTooLarge), kCancelled.
+  [[nodiscard]] Result<Image> picture(const FilmFrame& frame, Progress& progress);
+
+  /// What the picture of a frame says about itself; the legend only where it is asked for.
+  PictureText textOf(const FilmFrame& frame) const;
+
+  /// What was done so far, and with what.
+  nlohmann::ordered_json stats() const;
+
+ private:
+  Camera cameraAt(const FilmFrame& frame) const;
+  [[nodiscard]] Result<Image> pictureOf(const Snapshot& snapshot, const Camera& camera,
+                                        Progress& progress, PictureCounts& counts);
+};
+
+/// Whether a picture shows shares of white light: 1 is white.
+bool measuresLight(const Scene& scene);
+
+/// kInvalidArgument where a scene has nothing for such a contour: no medium that has any, a plane
+/// beyond all of them ("slice: ..."), concentrations without a scale in common ("slice-shows: ...").
+[[nodiscard]] Status checkContour(const Contour& contour, const Scene& scene);
+
+/// The scale of a slice's extinction or concentration, from all frames of all ranks; nothing to do
+/// for other contours. Collective.
+[[nodiscard]] Status scaleContour(FilmJob& job, Progress& progress, Team& team);
+
+/// kUnsupported where VOLUTE_CPU_RENDERER=off forbids the CPU to draw: tests set it to see that all
+/// was drawn by OpenGL.
+[[nodiscard]] Status cpuMayDraw(const char* what);
+
+}  // namespace volute

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/film/frame_choice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "volute/film/picture_writer.hpp"
+#include "volute/grid/select_frames.hpp"
+#include "volute/io/frame_pattern.hpp"
+#include "volute/scene/first_sight.hpp"
+
+namespace volute {
+namespace {
+
+bool takesSeveral(const std::string& target) {
+  return isFilmPath(target) || FramePattern::isPattern(target);
+}
+
+/// A lone picture has a plain name, several have numbers in theirs.
+Result<std::vector<FilmFrame>> fitting(std::vector<FilmFrame> frames, const std::string& target) {
+  if (frames.size() < 2 || takesSeveral(target))
+    return frames;
+  return fail(ErrorCode::kInvalidArgument,
+              "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
+              frames.size(), target);
+}
+
+/// Without stored frames that count: frame n is at n / 25 s, as many as the longest medium has.
+Result<std::vector<FilmFrame>> steadyFrames(const FrameRequest& request, const Scene& scene) {
+  if (!request.frames && !takesSeveral(request.target))
+    return std::vector{FilmFrame{}};
+  double last = 0;
+  for (const auto& medium : scene.media()) last = std::max(last, medium->info().times.back());
+  const FrameRange range = request.frames.value_or(FrameRange{});
+  const int begin = range.begin.value_or(0);
+  const int end = range.end.value_or(static_cast<int>(std::lround(last * kUsualRate)) + 1);
+  std::vector<FilmFrame> frames;
+  for (int n = begin; n < end; n += range.step) frames.push_back({n, n / kUsualRate});
+  if (frames.empty())
+    return fail(ErrorCode::kInvalidArgument, "frames: there is no frame from {} to {}", begin,
+                end);
+  return fitting(std::move(frames), request.target);
+}
+
+/// Pictures 25 times a second, of so many seconds each.
+Result<std::vector<FilmFrame>> framesOfFilm(double first, double last, double speed) {
+  constexpr double kMaximum = 1e6;
+  const double count = std::round((last - first) / speed * kUsualRate) + 1;
+  if (count > kMaximum) {
+    return fail(ErrorCode::kInvalidArgument,
+                "speed: a film of {:.0f} s at {:g} has {:.0f} pictures; choose a higher speed",
+                last - first, speed, count);
+  }
+  std::vector<FilmFrame> frames;
+  for (int i = 0; i < static_cast<int>(count); ++i)
+    frames.push_back({i, std::min(first + i * speed / kUsualRate, last)});
+  return frames;
+}
+
+/// The last frame lasts as long as the one before. A lone one lasts for ever.
+double endOf(const MediumInfo& medium) {
+  const std::size_t n = medium.times.size();
+  return n < 2 || medium.loops || medium.endless ? std::numeric_limits<double>::infinity()
+                                                 : 2 * medium.times[n - 1] - medium.times[n - 2];
+}
+
+/// A time must lie before the end of one medium at least, where all of them end.
+Status checkTime(const Scene& scene, double time) {
+  constexpr double kRounding = 1e-9;
+  const MediumInfo* longest = nullptr;
+  for (const auto& medium : scene.media()) {
+    const MediumInfo& info = medium->info();
+    if (info.endless)
+      return {};
+    if (info.times.size() > 1 && (!longest || endOf(info) > endOf(*longest)))
+      longest = &info;
+  }
+  if (!longest || time <= endOf(*longest) + kRounding * (1 + std::abs(endOf(*longest))))
+    return {};
+  return fail(ErrorCode::kInvalidArgument,
+              "time: {:g} s is past the end: {} has {} frames from {:g} to {:g} s", time,
+              longest->file, longest->times.size(), longest->times.front(), longest->times.back());
+}
+
+Result<std::vector<int>> positionsOf(const MediumInfo& medium, const FrameRange& range) {
+  VolumeInfo info;
+  info.frames = static_cast<int>(medium.numbers.size());
+  info.frameNumbers = medium.numbers;
+  auto chosen = selectPositions(info, range);
+  if (chosen)
+    return chosen;
+  return fail(ErrorCode::kInvalidArgument, "{}: {}", medium.file, chosen.error().message);
+}
+
+/// The number of the frame that is shown at a time.
+int numberAt(const MediumInfo& medium, double time) {
+  const auto next = std::ranges::upper_bound(medium.times, time);
+  const auto before = std::max<std::ptrdiff_t>(next - medium.times.begin() - 1, 0);
+  return medium.interpolates ? 0 : medium.numbers[static_cast<std::size_t>(before)];
+}
+
+ChosenFrames plainly(std::vector<FilmFrame> frames) {
+  return {std::move(frames)};
+}
+
+/// 25 a second, from 0 s.
+std::vector<FilmFrame> framesUntil(double last) {
+  std::vector<FilmFrame> frames;
+  const int count = static_cast<int>(std::min(std::floor(std::max(last, 0.0) * kUsualRate), 1e6)) + 1;
+  for (int n = 0; n < count; ++n) frames.push_back({n, n / kUsualRate});
+  return frames;
+}
+
+}  // namespace
+
+const SceneMedium* leaderOf(const Scene& scene) {
+  const SceneMedium* leader = nullptr;
+  for (std::size_t i = 0; i < scene.media().size(); ++i) {
+    const SceneMedium& medium = *scene.media()[i];
+    if (medium.info().endless || scene.description().media[i].kind->list() != "media")
+      continue;
+    if (!medium.info().interpolates)
+      return &medium;
+    if (!leader)
+      leader = &medium;
+  }
+  return leader;
+}
+
+namespace {
+
+Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Progress& progress) {
+  const std::string& target = request.target;
+  const SceneMedium* leader = leaderOf(scene);
+  if (request.time) {
+    VOLUTE_TRY(checkTime(scene, *request.time));
+    const int number = leader ? numberAt(leader->info(), *request.time) : 0;
+    return ChosenFrames{{FilmFrame{number, *request.time}}};
+  }
+  if (!leader)
+    return steadyFrames(request, scene).map(plainly);
+  // What has one frame is shown as long as the camera moves.
+  const auto camera = scene.camera();
+  if (leader->info().times.size() < 2 && camera && !camera->keys.empty() && !request.frames &&
+      takesSeveral(target))
+    return fitting(framesUntil(camera->keys.back().time), target).map(plainly);
+  const MediumInfo& info = leader->info();
+  const bool film = isFilmPath(target);
+  if (!request.frames && !takesSeveral(target)) {
+    if (scene.isFile())
+      return ChosenFrames{{FilmFrame{numberAt(info, 0), 0}}};
+    ChosenFrames chosen{
+        {FilmFrame{info.interpolates ? 0 : info.numbers.front(), info.times.front()}}};
+    if (info.times.size() > 1) {
+      VOLUTE_ASSIGN(const FirstSight first, firstSight(scene, progress));
+      if (!first.reason.empty()) {
+        const int number = numberAt(info, first.time);
+        return ChosenFrames{{FilmFrame{number, first.time}},
+                            fmt::format("showing {}: {}",
+                                        info.interpolates ? fmt::format("{:.4g} s", first.time)
+                                                          : fmt::format("frame {}", number),
+                                        first.reason)};
+      }
+      chosen.reason = fmt::format("showing the first of {} {}", info.times.size(),
+                                  info.interpolates ? "steps" : "frames");
+    }
+    return chosen;
+  }
+  const FrameRange range = request.frames.value_or(FrameRange{});
+  VOLUTE_ASSIGN(const auto positions, positionsOf(info, range));
+  if (film && info.interpolates && range.step > 1) {
+    return fail(ErrorCode::kInvalidArgument,
+                "frames: a film of {} has 25 pictures a second between the first and the last "
+                "chosen frame, whatever the step ({}); leave it out, or write single pictures",
+                info.kind, range.step);
+  }
+  const auto at = [&](int position) { return static_cast<std::size_t>(position); };
+  if (film && info.interpolates) {
+    return framesOfFilm(info.times[at(positions.front())], info.times[at(positions.back())],
+                        request.speed)
+        .map(plainly);
+  }
+  std::vector<FilmFrame> frames;
+  for (const int position : positions)
+    frames.push_back({info.numbers[at(position)], info.times[at(position)]});
+  return fitting(std::move(frames), target).map(plainly);
+}
+
+}  // namespace
+
+Result<ChosenFrames> chooseFrames(const FrameRequest& request, Scene& scene, Progress& progress) {
+  VOLUTE_ASSIGN(auto chosen, framesInTime(request, scene, progress));
+  if (!request.orbit)
+    return chosen;
+  auto& frames = chosen.frames;
+  if (!takesSeveral(request.target)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "orbit: a single picture shows no turn; write a film, or put %04d into the name");
+  }
+  if (frames.size() == 1) {
+    constexpr double kSecondsOfATurn = 10;
+    const double count = std::round(std::abs(*request.orbit) / 360 * kSecondsOfATurn * kUsualRate);
+    frames.assign(static_cast<std::size_t>(std::clamp(count, 2.0, 1e6)), frames.front());
+    for (std::size_t i = 0; i < frames.size(); ++i) frames[i].number = static_cast<int>(i);
+  }
+  // The last picture is a step before the first one again.
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    frames[i].turn = static_cast<double>(i) / static_cast<double>(frames.size());
+  return chosen;
+}
+
+double framesPerSecond(const Scene& scene, const std::vector<FilmFrame>& frames) {
+  const SceneMedium* leader = leaderOf(scene);
+  if (frames.size() < 2 || (leader && leader->info().interpolates) ||
+      !(frames.back().time > frames.front().time))
+    return kUsualRate;
+  return static_cast<double>(frames.size() - 1) / (frames.back().time - frames.front().time);
+}
+
+}  // namespace volute

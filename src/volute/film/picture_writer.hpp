@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "volute/base/result.hpp"
+#include "volute/image/legend.hpp"
+#include "volute/image/colormap.hpp"
+#include "volute/image/image.hpp"
+#include "volute/image/picture_style.hpp"
+#include "volute/io/image_file.hpp"
+
+namespace volute {
+
+/// How linear pictures become visible ones (.png, films); .exr files keep the linear values.
+struct Development {
+  PictureStyle style;
+  std::optional<ColorMap> colorMap{};  ///< of the first channel, from 0 to 1 after the exposure
+};
+
+/// Letters around a pixel.
+struct PictureMark {
+  Vec2 at = Vec2::Zero();  ///< their middle, in pixels from the upper left corner
+  std::string text;
+};
+
+/// What a picture says about itself.
+struct PictureText {
+  ImageNotes notes{};                 ///< in the file
+  std::vector<std::string> legend{};  ///< drawn into .png and films; empty: nothing
+  std::optional<ColorScale>
+      scale{};  ///< of a picture that comes in its colours, or of a part of one
+  std::vector<PictureMark> marks{};  ///< drawn with the legend
+};
+
+/// Where pictures go, in order; nothing appears before it is whole. Pictures are linear RGB, or one
+/// channel.
+class PictureWriter {
+ public:
+  virtual ~PictureWriter() = default;
+  [[nodiscard]] virtual Status write(const Image& image, int frameNumber,
+                                     const PictureText& text = {}) = 0;
+  /// Several layers of one picture, into a .exr.
+  [[nodiscard]] virtual Status writeLayers(int width, int height,
+                                           const std::vector<ImageChannel>& channels,
+                                           int frameNumber, const PictureText& text) = 0;
+  /// After the last picture.
+  [[nodiscard]] virtual Status finish() = 0;
+};
+
+/// Files .png or .exr, one a picture: a pattern with the frame's number, or a plain name for a
+/// single one.
+[[nodiscard]] Result<std::unique_ptr<PictureWriter>> imageFileWriter(const std::string& target,
+                                                                 const Development& development);
+
+/// A film .mp4 or .webm, and what it says about itself.
+/// @param framesPerSecond  > 0
+[[nodiscard]] Result<std::unique_ptr<PictureWriter>> filmWriter(const std::string& target,
+                                                                const Development& development,
+                                                                int width, int height,
+                                                                double framesPerSecond,
+                                                                const std::string& comment = {});
+
+/// By the name's end: .mp4 or .webm.
+bool isFilmPath(const std::string& target);
+
+}  // namespace volute

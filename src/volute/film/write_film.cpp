@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/film/write_film.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "volute/base/file_name.hpp"
+#include "volute/base/ordered_delivery.hpp"
+#include "volute/image/picture_style.hpp"
+
+namespace volute {
+namespace {
+
+Result<std::unique_ptr<PictureWriter>> writerFor(const std::string& target, const FilmJob& job,
+                                                 const Development& development) {
+  if (!isFilmPath(target))
+    return imageFileWriter(target, development);
+  std::string comment;
+  for (const auto& [name, text] : job.textOf(job.frames.front()).notes) {
+    if (name != "volute.time")
+      comment += fmt::format("{}{}: {}", comment.empty() ? "" : "; ", name, text);
+  }
+  return filmWriter(target, development, job.camera.width(), job.camera.height(),
+                    job.framesPerSecond, comment);
+}
+
+/// A single picture reports its own progress; of several each is one step, with its remarks.
+class CancelOnly final : public Progress {
+ public:
+  explicit CancelOnly(Progress& outer) : outer_(outer) {}
+
+  void remark(std::string_view message) override { outer_.remark(message); }
+
+  bool cancelled() const override { return outer_.cancelled(); }
+
+ private:
+  Progress& outer_;
+};
+
+/// How much is to come, before the first picture.
+void remarkOnPictures(const FilmJob& job, const std::string& target, Progress& progress) {
+  const std::size_t count = job.frames.size();
+  const double first = job.frames.front().time, last = job.frames.back().time;
+  std::string text = fmt::format("{}: {} pictures from {:g} to {:g} s", target, count, first, last);
+  if (isFilmPath(target)) {
+    text += fmt::format(", {:.3g} a second: a film of {:.3g} s", job.framesPerSecond,
+                        static_cast<double>(count) / job.framesPerSecond);
+  }
+  progress.remark(text);
+}
+
+/// How long all of it takes if each picture takes as long as one did; nothing of a short while.
+void remarkOnDuration(double seconds, std::int64_t count, std::int64_t ranks, Progress& progress) {
+  constexpr double kWorthSaying = 10;
+  const double all = seconds * static_cast<double>((count + ranks - 1) / ranks);
+  if (all < kWorthSaying)
+    return;
+  progress.remark(fmt::format("one picture takes {:.2g} s, all {} about {}", seconds, count,
+                              all < 90     ? fmt::format("{:.0f} s", all)
+                              : all < 5400 ? fmt::format("{:.0f} min", all / 60)
+                                           : fmt::format("{:.1f} h", all / 3600)));
+}
+
+/// One exposure for all pictures: from some of them, small ones, or, where they are measured, from
+/// the middle one.
+Result<double> exposureFor(FilmJob& job, ToneCurve tone, Progress& progress) {
+  constexpr std::size_t kTried = 7;
+  constexpr int kPixels = 240;  // of the longer side
+  const Camera whole = job.camera;
+  const int longest = std::max(whole.width(), whole.height());
+  const double factor = std::min(1.0, kPixels / static_cast<double>(longest));
+  const auto size = [&](int pixels) {
+    return std::max(1, static_cast<int>(std::lround(factor * pixels)));
+  };
+  const std::size_t count = job.frames.size();
+  const std::size_t tried = job.measured ? 1 : std::min(count, kTried);
+  const FilmTotals totals = job.totals;
+  const int samples = std::exchange(job.samples, 1);
+  if (!job.measured)
+    job.camera = whole.resized(size(whole.width()), size(whole.height()));
+  std::vector<Image> pictures;
+  Status status;
+  for (std::size_t i = 0; i < tried && status; ++i) {
+    const std::size_t at = tried == 1 ? count / 2 : i * (count - 1) / (tried - 1);
+    auto one = job.picture(job.frames[at], progress);
+    if (one)
+      pictures.push_back(std::move(*one));
+    else
+      status = tl::unexpected<Error>(std::move(one.error()));
+  }
+  job.camera = whole, job.samples = samples, job.totals = totals;
+  VOLUTE_TRY(status);
+  const double exposure = suggestExposure(pictures, tone);
+  progress.remark(count == 1 ? fmt::format("exposure {:.4g}", exposure)
+                             : fmt::format("exposure {:.4g} for all, from {} of {} pictures",
+                                           exposure, tried, count));
+  return exposure;
+}
+
+std::vector<std::byte> bytesOf(const Image& image) {
+  const std::int32_t sizes[] = {image.width, image.height, image.channels};
+  std::vector<std::byte> bytes(sizeof sizes + image.pixels.size() * sizeof(float));
+  std::memcpy(bytes.data(), sizes, sizeof sizes);
+  std::memcpy(bytes.data() + sizeof sizes, image.pixels.data(), bytes.size() - sizeof sizes);
+  return bytes;
+}
+
+/// Of this same program, on a machine of the same kind.
+Image imageOf(std::span<const std::byte> bytes) {
+  std::int32_t sizes[3];
+  std::memcpy(sizes, bytes.data(), sizeof sizes);
+  Image image(sizes[0], sizes[1], sizes[2]);
+  std::memcpy(image.pixels.data(), bytes.data() + sizeof sizes, bytes.size() - sizeof sizes);
+  return image;
+}
+
+/// Bytes of pictures of a film that wait for those before them.
+std::uint64_t maximumPending(const Camera& camera, std::uint64_t maxMemory) {
+  const std::uint64_t bytes = 3 * std::uint64_t{sizeof(float)} * camera.width() * camera.height();
+  return bytes * std::clamp<std::uint64_t>(maxMemory / 8 / bytes, 1, 4);
+}
+
+/// The pictures of a job on their way into a file or files.
+class FilmPass {
+ public:
+  FilmPass(FilmJob& job, const std::string& target, Development& development,
+           std::uint64_t maxMemory, Progress& progress, Team& team)
+      : job_(job),
+        target_(target),
+        development_(development),
+        progress_(progress),
+        steps_(progress),
+        team_(team),
+        count_(static_cast<std::int64_t>(job.frames.size())),
+        film_(team, count_, maximumPending(job.camera, maxMemory),
+              [this](std::int64_t i, const auto& bytes) { return write(i, imageOf(bytes)); }) {}
+
+  Status run() {
+    if (count_ > 1)
+      remarkOnPictures(job_, target_, progress_);
+    VOLUTE_TRY(settleExposure());
+    if (!isFilmPath(target_) || team_.leads()) {
+      VOLUTE_ASSIGN(writer_, writerFor(target_, job_, development_));
+    }
+    begun_ = Clock::now();
+    VOLUTE_TRY(team_.forUnits(
+        "rendering", count_, count_ > 1 ? progress_ : steps_,
+        [&](std::int64_t i) { return take(i); },
+        [&] { return isFilmPath(target_) ? film_.finish() : Status(); }));
+    const Stopwatch watch(job_.totals.write);
+    return writer_ ? writer_->finish() : Status();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  const FilmFrame& frame(std::int64_t i) const {
+    return job_.frames[static_cast<std::size_t>(i)];
+  }
+
+  /// Of several pictures each is one step, with its remarks.
+  Progress& each() { return count_ > 1 ? static_cast<Progress&>(steps_) : progress_; }
+
+  /// Rank 0 finds it.
+  Status settleExposure() {
+    double& exposure = development_.style.exposure;
+    const bool fixed = job_.contour || job_.options.aov == Aov::kTransmittance ||
+                       extensionOf(target_) == ".exr" ||
+                       (measuresLight(job_.scene) && job_.options.aov == Aov::kNone);
+    if (exposure == 0 && fixed) {
+      exposure = 1;
+    } else if (exposure == 0) {
+      if (team_.leads()) {
+        VOLUTE_ASSIGN(exposure, exposureFor(job_, development_.style.tone, each()));
+      }
+      VOLUTE_ASSIGN(exposure, team_.broadcast(exposure));
+    }
+    job_.style = development_.style;
+    return {};
+  }
+
+  void sayDuration() {
+    if (count_ == 1 || std::exchange(said_, true))
+      return;
+    const double seconds = std::chrono::duration<double>(Clock::now() - begun_).count();
+    const auto ranks = static_cast<std::int64_t>(team_.size());
+    remarkOnDuration(seconds, count_, ranks, progress_);
+  }
+
+  Status take(std::int64_t i) {
+    if (progress_.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped before frame {}", frame(i).number);
+    if (!job_.layers.empty())
+      return writeLayers(i);
+    VOLUTE_ASSIGN(const Image image, job_.picture(frame(i), each()));
+    sayDuration();
+    return give(i, image);
+  }
+
+  Status writeLayers(std::int64_t i) {
+    VOLUTE_ASSIGN(const auto channels, job_.layersAt(frame(i), each()));
+    const Stopwatch watch(job_.totals.write);
+    return writer_->writeLayers(job_.camera.width(), job_.camera.height(), channels,
+                                frame(i).number, job_.textOf(frame(i)));
+  }
+
+  Status give(std::int64_t i, const Image& image) {
+    return isFilmPath(target_) ? film_.give(i, bytesOf(image)) : write(i, image);
+  }
+
+  Status write(std::int64_t i, const Image& image) {
+    const Stopwatch watch(job_.totals.write);
+    return writer_->write(image, frame(i).number, job_.textOf(frame(i)));
+  }
+
+  FilmJob& job_;
+  const std::string& target_;
+  Development& development_;
+  Progress& progress_;
+  CancelOnly steps_;
+  Team& team_;
+  std::int64_t count_;
+  OrderedDelivery film_;
+  std::unique_ptr<PictureWriter> writer_;
+  Clock::time_point begun_ = Clock::now();
+  bool said_ = false;
+};
+
+/// Adds what is counted and timed; what a scene has is the same on all ranks.
+void addStats(nlohmann::ordered_json& sum, const nlohmann::ordered_json& other) {
+  for (const auto& [name, value] : other.items()) {
+    constexpr std::string_view kOfTheScene[] = {"size",       "C",          "triangles",
+                                                "tree_nodes", "tree_bytes", "bricks_stored"};
+    nlohmann::ordered_json& into = sum[name];
+    if (value.is_object())
+      addStats(into, value);
+    else if (!value.is_number() || std::ranges::find(kOfTheScene, name) != std::end(kOfTheScene))
+      continue;
+    else if (name == "peak_memory_bytes")
+      into = std::max(into.get<double>(), value.get<double>()) == into.get<double>() ? into : value;
+    else if (value.is_number_integer())
+      into = into.get<std::int64_t>() + value.get<std::int64_t>();
+    else
+      into = into.get<double>() + value.get<double>();
+  }
+}
+
+}  // namespace
+
+Status writeFilm(FilmJob& job, const std::string& target, Development& development,
+                      std::uint64_t maxMemory, Progress& progress, Team& team) {
+  return FilmPass(job, target, development, maxMemory, progress, team).run();
+}
+
+Result<nlohmann::ordered_json> sumOfFilmStats(const FilmJob& job, Team& team) {
+  auto sum = job.stats();
+  if (team.size() == 1)
+    return sum;
+  VOLUTE_ASSIGN(const auto all, team.gatherTexts(sum.dump()));
+  for (int rank = 0; rank < team.size(); ++rank) {
+    if (rank != team.rank())
+      addStats(sum, nlohmann::ordered_json::parse(all[static_cast<std::size_t>(rank)]));
+  }
+  return sum;
+}
+
+}  // namespace volute

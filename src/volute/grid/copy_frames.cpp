@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/grid/copy_frames.hpp"
+
+namespace volute {
+
+Status copyFrames(FrameSource& source, FrameSink& sink, const std::string& stage,
+                  Progress& progress) {
+  const VolumeInfo& info = source.info();
+  std::vector<float> frame(info.frameValues());
+  for (int i = 0; i < info.frames; ++i) {
+    if (progress.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped: {} frame {}", stage, info.frameNumbers[i]);
+    VOLUTE_TRY(source.readFrame(i, frame));
+    VOLUTE_TRY(sink.writeFrame(frame));
+    progress.report(stage, i + 1, info.frames);
+  }
+  return sink.finish();
+}
+
+}  // namespace volute
