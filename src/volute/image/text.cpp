@@ -17,7 +17,7 @@
 namespace volute {
 namespace {
 
-constexpr double kLine = 1.25;      // of the em: from the highest letter to the lowest
+constexpr double kLineHeight = 1.25;      // of the em: from the highest letter to the lowest
 constexpr double kBaseline = 0.93;  // of the em, below the top
 constexpr double kMonoAdvance = 0.602;
 constexpr double kUnit = 64;  // FreeType's, in a pixel
@@ -161,7 +161,7 @@ TextSize textSize(std::string_view text, const TextStyle& style) {
   const auto wide = advanceOf(text, style);
   if (!wide)
     return textSize(text, dotsOf(style));
-  return {static_cast<int>(std::ceil(*wide - 1e-6)), static_cast<int>(std::ceil(kLine * style.size))};
+  return {static_cast<int>(std::ceil(*wide - 1e-6)), static_cast<int>(std::ceil(kLineHeight * style.size))};
 }
 
 void drawText(Image& image, std::string_view text, double x, double y, const TextStyle& style,
