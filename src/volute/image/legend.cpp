@@ -8,8 +8,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "volute/image/bitmap_text.hpp"
 #include "volute/image/srgb.hpp"
+#include "volute/image/text.hpp"
 
 namespace volute {
 namespace {
@@ -109,7 +109,7 @@ LegendLayout layOutLegend(int width, int height, const std::vector<std::string>&
                       layout.dot;
   int widest = layout.barWidth;
   for (const std::string& line : layout.lines)
-    widest = std::max(widest, textSize(line, layout.dot).width);
+    widest = std::max(widest, textSize(line, TextStyle::ofDots(layout.dot)).width);
   const int down = static_cast<int>(layout.lines.size()) * kLine + (bar ? kBar : 0);
   layout.width = widest + 2 * kMargin * layout.dot;
   layout.height = (down + 2 * kMargin) * layout.dot;
@@ -124,33 +124,35 @@ void drawLegend(Image& image, const std::vector<std::string>& lines,
   const int dot = layout.dot;
   shade(image, {layout.x, layout.y, layout.width, layout.height});
   const Rgb ink = Rgb::Constant(kInk);
+  const TextStyle style = TextStyle::ofDots(dot);
   const int x = layout.x + kMargin * dot;
   int y = layout.y + kMargin * dot;
   if (layout.barWidth > 0) {
     drawBar(image, *scale, {x, y, layout.barWidth, kBarHeight * dot});
     y += (kBarHeight + 2) * dot;
     const std::string maximum = maximumText(*scale);
-    drawText(image, minimumText(*scale), x, y, dot, ink);
-    drawText(image, maximum, x + layout.barWidth - textSize(maximum, dot).width, y, dot, ink);
+    drawText(image, minimumText(*scale), x, y, style, ink);
+    drawText(image, maximum, x + layout.barWidth - textSize(maximum, style).width, y, style, ink);
     y += kLine * dot;
   }
   for (const std::string& line : layout.lines) {
-    drawText(image, line, x, y, dot, ink);
+    drawText(image, line, x, y, style, ink);
     y += kLine * dot;
   }
 }
 
 void drawMark(Image& image, const std::string& text, const Vec2& at) {
   const int dot = std::max(1, image.height / kRowsOfDots);
-  const TextSize size = textSize(text, dot);
+  const TextStyle style = TextStyle::ofDots(dot);
+  const TextSize size = textSize(text, style);
   const int x = static_cast<int>(std::lround(at.x() - 0.5 * size.width));
   const int y = static_cast<int>(std::lround(at.y() - 0.5 * size.height));
   if (x < dot || y < dot || x + size.width + dot > image.width || y + size.height + dot > image.height)
     return;
   for (int dy = -dot; dy <= dot; dy += dot) {
-    for (int dx = -dot; dx <= dot; dx += dot) drawText(image, text, x + dx, y + dy, dot, Rgb::Ones());
+    for (int dx = -dot; dx <= dot; dx += dot) drawText(image, text, x + dx, y + dy, style, Rgb::Ones());
   }
-  drawText(image, text, x, y, dot, Rgb::Zero());
+  drawText(image, text, x, y, style, Rgb::Zero());
 }
 
 }  // namespace volute
