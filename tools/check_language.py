@@ -11,14 +11,13 @@ import sys
 
 SUFFIXES = {".cpp", ".hpp", ".h", ".glsl", ".py", ".md", ".txt", ".in"}
 EVERYWHERE = r"."
-BUT_THE_VIEWER = r"(?!src/volute/viewer|apps/view)"
 # Where a time is the only thing that the word could mean.
-OF_TIMES = r"(src/volute/(cli|film|scene|render|report|image|synth|capture)|bench|apps|tools|docs|README|python|examples)"
+OF_TIMES = r"(src/volute/(cli|film|scene|render|report|image|synth|capture|fds|visibility|media/fds|cluster|capi)|bench|apps|tools|docs|README|python|examples)"
 
 # (what, where, instead)
 RULES = [
-    (r"(?<![-\w])[Pp]rocessors?(?![a-z])|[a-z]Processors?(?![a-z])", BUT_THE_VIEWER, "CPU"),
-    (r"\b[Ww]ish(es)?(?![a-z])|[a-z]Wish(es)?(?![a-z])", BUT_THE_VIEWER, "request"),
+    (r"(?<![-\w])[Pp]rocessors?(?![a-z])|[a-z]Processors?(?![a-z])", EVERYWHERE, "CPU"),
+    (r"\b[Ww]ish(es)?(?![a-z])|[a-z]Wish(es)?(?![a-z])", EVERYWHERE, "request"),
     (r"\b[Mm]oments?\b|[a-z]Moment|\bMOMENTS?\b", OF_TIMES, "time, frame (a stored one) or snapshot (the scene at a time)"),
     (r"\btakeWords\b|\bobjection\b", EVERYWHERE, "parse, error"),
     (r"\bletOthersBeforeWorkers\b", EVERYWHERE, "lowerWorkerPriority"),

@@ -565,7 +565,7 @@ void FdsCase::findGeometry(Part& part, double time) const {
   part.geometry = std::move(made);
 }
 
-/// What was stored at the first moment; empty where that is nothing but zeros.
+/// What was stored at the first stored time; empty where that is nothing but zeros.
 Result<std::vector<float>> FdsCase::firstFrame(Part& part) const {
   std::vector<float> first;
   if (part.beginsClear && *part.beginsClear)
@@ -625,7 +625,7 @@ Result<std::shared_ptr<const FdsValues>> FdsCase::partValues(Part& part,
   findGeometry(part, times_[position]);
   const std::shared_ptr<const Part::Geometry> geometry = part.geometry;
   const bool averaged = !geometry->round.empty();
-  std::vector<float> first;  // stored values of the first moment, where there were any
+  std::vector<float> first;  // stored values of the first stored time, where there were any
   SmokeScale firstScale;
   if (averaged) {
     VOLUTE_ASSIGN(first, firstFrame(part));

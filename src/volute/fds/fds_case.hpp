@@ -28,7 +28,7 @@ struct FdsOptions {
 };
 
 /// The smoke of a case, or another quantity: which files it is read from, when, where, and one
-/// moment at a time.
+/// snapshot after the other.
 class FdsCase {
  public:
   /// Reads the index and checks all files of the chosen source. kNotFound when nothing in the case

@@ -13,7 +13,7 @@
 
 namespace volute {
 
-/// Extinction [1/m] of one lattice at one moment, x fastest. `low` and `high` bound what quantised
+/// Extinction [1/m] of one lattice at one time, x fastest. `low` and `high` bound what quantised
 /// files may stand for (high may be infinite); empty: `value` is what FDS wrote.
 struct FdsValues {
   std::vector<float> value;
@@ -41,7 +41,7 @@ struct FdsDepth {
 /// x fastest; trilinear between them.
 using FdsLight = std::vector<float>;
 
-/// One moment of a case's smoke as a medium: extinction constant in each cell, or trilinear between
+/// A snapshot of a case's smoke as a medium: extinction constant in each cell, or trilinear between
 /// nodes, zero inside obstructions and outside of the meshes. The light that it scatters towards us
 /// is even, or given at the nodes.
 ///

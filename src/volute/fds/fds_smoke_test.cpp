@@ -279,7 +279,7 @@ TEST(FdsSmoke, theCellOfItsOwnMeshScalesAByte) {
 }
 
 TEST(FdsSmoke, smokeThatWasThereFromTheFirstIsNotDividedByWalls) {
-  // FDS keeps the first moment's value in cells outside, but for those across edges.
+  // FDS keeps the value of the first stored time in cells outside, but for those across edges.
   const Folder folder;
   fdswriter::Index index;
   index.meshes.push_back({kFirst, {}, {}});

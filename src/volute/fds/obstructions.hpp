@@ -13,7 +13,7 @@
 
 namespace volute {
 
-/// An obstruction that is there at some moment; thin ones have equal ends on one axis.
+/// An obstruction that is there at some time; thin ones have equal ends on one axis.
 struct FdsBox {
   Box3 bounds;
   std::array<FdsColour, 6> colours{};  ///< of the faces -x +x -y +y -z +z
@@ -33,7 +33,7 @@ Box3 boxOf(const FdsMesh& mesh, const FdsNodeBox& nodes);
 /// Of a place in SmvIndex::surfaces; FDS's usual one where there is none.
 FdsColour surfaceColour(const SmvIndex& index, int surface);
 
-/// The obstructions of one moment, and what they hide. Cheap to copy.
+/// The obstructions at one time, and what they hide. Cheap to copy.
 class FdsObstructions {
  public:
   /// Those of `index` at a time [s]. An obstruction that an event takes away at t is gone from t

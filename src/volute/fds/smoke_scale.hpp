@@ -25,7 +25,7 @@ struct SmokeBand {
 /// least".
 ///
 /// All of them are means over the eight cells round a node. Obstructions and what lies behind the
-/// mesh's walls count with the value that they had in the first moment (0 in a fire), what lies
+/// mesh's walls count with the value that they had at first (0 in a fire), what lies
 /// across its edges with 0; taking these out gives the mean of the gas.
 struct SmokeScale {
   enum class Bytes { kNone, kOpacity, kDensity, kHeat };
@@ -53,7 +53,7 @@ struct SmokeScale {
 };
 
 /// The mean of the gas alone, from the mean `all` over the eight cells round a node and what these
-/// are. `first` is the mean at the first moment.
+/// are. `first` is the mean at the first stored time.
 SmokeBand gasOnly(const SmokeBand& all, const SmokeBand& first, const NodeCells& cells);
 
 }  // namespace volute

@@ -19,7 +19,7 @@ std::vector<std::uint8_t> solidCells(const FdsMesh& mesh, double time);
 struct NodeCells {
   std::uint8_t gas = 0;   ///< gas, of this mesh or of another one across a face
   std::uint8_t open = 0;  ///< across a face that is open (a vent OPEN or MIRROR): mostly a mirror
-  std::uint8_t held = 0;  ///< solid, or across a wall: they keep the value of the first moment
+  std::uint8_t held = 0;  ///< solid, or across a wall: they keep the value of the first stored time
 };
 
 /// For each node of a mesh at a time [s]. `solid` is solidCells() of all meshes; those that do not

@@ -11,7 +11,7 @@
 
 namespace volute {
 
-/// One moment of an FDS case.
+/// An FDS case at one time.
 class FdsInstant final : public SightInstant {
  public:
   /// `geometry` is a number for its cells and obstructions, or 0.
