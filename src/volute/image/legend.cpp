@@ -19,8 +19,8 @@ constexpr double kShade = 0.08;   // of the ground behind the text, linear
 constexpr double kInk = 0.9;
 
 /// In dots.
-constexpr int kMargin = 4, kLine = 10, kLetter = 6, kBarHeight = 6, kBarWidth = 120;
-constexpr int kBar = kBarHeight + 2 + kLine;  // with its numbers
+constexpr int kMargin = 4, kLegendLine = 10, kLetter = 6, kBarHeight = 6, kBarWidth = 120;
+constexpr int kBar = kBarHeight + 2 + kLegendLine;  // with its numbers
 
 struct Area {
   int x = 0, y = 0, width = 0, height = 0;
@@ -86,7 +86,7 @@ LegendLayout layOutLegend(int width, int height, const std::vector<std::string>&
                           const std::optional<ColorScale>& scale) {
   int longest = scale ? std::max(kBarWidth / kLetter, scaleLetters(*scale)) : 0;
   for (const std::string& line : lines) longest = std::max(longest, static_cast<int>(line.size()));
-  const int rows = static_cast<int>(lines.size()) * kLine + (scale ? kBar : 0);
+  const int rows = static_cast<int>(lines.size()) * kLegendLine + (scale ? kBar : 0);
   LegendLayout layout;
   layout.dot = std::max(1, height / kRowsOfDots);
   while (layout.dot > 1 && (Room(width, height, layout.dot).letters < longest ||
@@ -100,7 +100,7 @@ LegendLayout layOutLegend(int width, int height, const std::vector<std::string>&
       wrap(line, static_cast<std::size_t>(room.letters), layout.lines);
   }
   layout.lines.resize(std::min(layout.lines.size(), static_cast<std::size_t>(std::max(left, 0)) /
-                                                        static_cast<std::size_t>(kLine)));
+                                                        static_cast<std::size_t>(kLegendLine)));
   if (!bar && layout.lines.empty())
     return layout;
   if (bar)
@@ -110,7 +110,7 @@ LegendLayout layOutLegend(int width, int height, const std::vector<std::string>&
   int widest = layout.barWidth;
   for (const std::string& line : layout.lines)
     widest = std::max(widest, textSize(line, TextStyle::ofDots(layout.dot)).width);
-  const int down = static_cast<int>(layout.lines.size()) * kLine + (bar ? kBar : 0);
+  const int down = static_cast<int>(layout.lines.size()) * kLegendLine + (bar ? kBar : 0);
   layout.width = widest + 2 * kMargin * layout.dot;
   layout.height = (down + 2 * kMargin) * layout.dot;
   layout.x = kMargin * layout.dot;
@@ -133,11 +133,11 @@ void drawLegend(Image& image, const std::vector<std::string>& lines,
     const std::string maximum = maximumText(*scale);
     drawText(image, minimumText(*scale), x, y, style, ink);
     drawText(image, maximum, x + layout.barWidth - textSize(maximum, style).width, y, style, ink);
-    y += kLine * dot;
+    y += kLegendLine * dot;
   }
   for (const std::string& line : layout.lines) {
     drawText(image, line, x, y, style, ink);
-    y += kLine * dot;
+    y += kLegendLine * dot;
   }
 }
 
