@@ -8,9 +8,11 @@
 #include "volute/fds/fds_march.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volute/fds/fds_march.cpp"
@@ -108,7 +110,12 @@ HWY_INLINE V Interpolate(const V* origin, const V* direction, const Cell& cell, 
 HWY_INLINE V Integral(const MarchLattice& march, const float* values, const V* origin,
                       const V* direction, const Cell& cell, VI corner, V from, V to) {
   V corners[8];
+  const int twin = march.thinAxis < 0 ? 0 : 1 << march.thinAxis;
   for (int i = 0; i < 8; ++i) {
+    if ((i & twin) != 0) {
+      corners[i] = corners[i ^ twin];
+      continue;
+    }
     const std::int64_t offset =
         (i & 1) * march.stride[0] + ((i >> 1) & 1) * march.stride[1] + (i >> 2) * march.stride[2];
     corners[i] = ValuesAt(values, hn::Add(corner, hn::Set(di, offset)));
@@ -179,7 +186,8 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
         const auto over = [&](const float* values) HWY_ATTR {
           return hn::IfThenElseZero(counts, hn::Mul(ValuesAt(values, here), length));
         };
-        low = hn::Add(low, over(march.low));
+        // The low end of blocks is their value.
+        low = march.low == march.values ? depth : hn::Add(low, over(march.low));
         high = hn::Add(high, over(march.high));
       }
     }
@@ -302,6 +310,7 @@ MarchLattice::MarchLattice(const FdsLattice& lattice, std::span<const float> val
                            std::span<const std::uint8_t> gas, std::span<const float> low,
                            std::span<const float> high)
     : nodal(lattice.nodal),
+      thinAxis(lattice.nodal ? lattice.thinAxis : -1),
       values(values.data()),
       low(low.empty() ? nullptr : low.data()),
       high(low.empty() ? nullptr : high.data()) {
@@ -325,16 +334,24 @@ void marchParts(const FdsLattice& lattice, const MarchLattice& march,
                 std::span<MarchSum> sums) {
   constexpr std::size_t kWidest = 8;
   PartLanes lanes;
+  std::array<std::uint32_t, kMostLanes> order;
   for (std::size_t begin = 0; begin < parts.size(); begin += kMostLanes) {
     const std::size_t count = std::min(kMostLanes, parts.size() - begin);
+    // Parts of like length side by side: the lanes of a vector wait for the longest of them.
+    std::iota(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), 0U);
+    std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),
+              [&](std::uint32_t a, std::uint32_t b) {
+                const MarchPart &first = parts[begin + a], &second = parts[begin + b];
+                return first.end - first.begin < second.end - second.begin;
+              });
     for (std::size_t i = 0; i < count; ++i) {
-      const MarchPart& part = parts[begin + i];
+      const MarchPart& part = parts[begin + order[i]];
       setLane(lanes, i, lattice, march, segments[part.segment], part);
     }
     for (std::size_t i = count; i % kWidest != 0; ++i) setIdle(lanes, i, march);
     HWY_DYNAMIC_DISPATCH(March)(march, lanes, count);
     for (std::size_t i = 0; i < count; ++i) {
-      MarchSum& sum = sums[begin + i];
+      MarchSum& sum = sums[begin + order[i]];
       sum = {lanes.depth[i], lanes.gas[i], lanes.depth[i], lanes.depth[i]};
       if (march.low != nullptr) {
         sum.low = lanes.low[i];

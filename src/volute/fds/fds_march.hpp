@@ -25,7 +25,8 @@ struct MarchLattice {
   std::array<std::int64_t, 3> cells{};
   std::array<std::int64_t, 3> stride{};  ///< from value to value
   bool nodal = false;
-  const float* values = nullptr;  ///< of a nodal lattice; must outlive this
+  int thinAxis = -1;  ///< nodal, and both nodes on this axis have the same values: a 2D slice
+  const float* values = nullptr;  ///< must outlive this
   const float* low = nullptr;     ///< as many as values; null: they are exact
   const float* high = nullptr;
   std::vector<float> own;         ///< of each cell: its value, or 1 if nodal; -1 where no gas is

@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "volute/base/parallel.hpp"
+#include "volute/fds/fds_march.hpp"
 #include "volute/media/fds/fds_conditions.hpp"
 
 namespace volute {
@@ -57,20 +58,16 @@ std::size_t cornerPlace(const FdsLattice& lattice, const std::array<int, 3>& cel
 
 }  // namespace
 
-/// The least and the largest extinction in blocks of 4 x 4 x 4 cells of each lattice; solid cells
-/// count as 0, unknown ones as anything.
+/// The least and the largest extinction in blocks of 2 x 2 x 2 cells of each lattice; solid cells
+/// count as 0, unknown ones as anything. Lines go through an eighth of the cells, with one value to
+/// fetch where nodes have eight; blocks of 4 leave more lines undecided, which costs more.
 struct FdsInstant::Blocks {
-  static constexpr int kEdge = 4;
+  static constexpr int kEdge = 2;
 
   struct OfLattice {
-    FdsPlanes planes;  ///< every fourth of the lattice's
+    FdsLattice lattice;  ///< of blocks: every other plane
     std::vector<float> low, high;
-
-    std::size_t at(const std::array<int, 3>& block) const {
-      const std::size_t nx = planes[0].size() - 1, ny = planes[1].size() - 1;
-      return (static_cast<std::size_t>(block[2]) * ny + static_cast<std::size_t>(block[1])) * nx +
-             static_cast<std::size_t>(block[0]);
-    }
+    MarchLattice march;
   };
 
   std::once_flag made;
@@ -87,9 +84,10 @@ FdsInstant::Blocks::OfLattice FdsInstant::Blocks::of(const FdsLattice& lattice,
   std::array<int, 3> count{}, size{};  // of blocks, of values
   for (int axis = 0; axis < 3; ++axis) {
     const auto& planes = lattice.planes[axis];
-    for (std::size_t i = 0; i + 1 < planes.size(); i += kEdge) blocks.planes[axis].push_back(planes[i]);
-    blocks.planes[axis].push_back(planes.back());
-    count[axis] = static_cast<int>(blocks.planes[axis].size()) - 1;
+    for (std::size_t i = 0; i + 1 < planes.size(); i += kEdge)
+      blocks.lattice.planes[axis].push_back(planes[i]);
+    blocks.lattice.planes[axis].push_back(planes.back());
+    count[axis] = blocks.lattice.cells(axis);
     size[axis] = lattice.cells(axis) + (lattice.nodal ? 1 : 0);
   }
   const std::size_t all =
@@ -128,11 +126,14 @@ FdsInstant::Blocks::OfLattice FdsInstant::Blocks::of(const FdsLattice& lattice,
           if (cells[i] == FdsCell::kUnknown)
             most = kMost;
         });
-        blocks.low[blocks.at(block)] = std::min(least, most);
-        blocks.high[blocks.at(block)] = most;
+        blocks.low[blocks.lattice.cellAt(block)] = std::min(least, most);
+        blocks.high[blocks.lattice.cellAt(block)] = most;
       }
     }
   });
+  blocks.lattice.nodal = false;
+  const std::vector<std::uint8_t> known(all, 1);
+  blocks.march = MarchLattice(blocks.lattice, blocks.low, known, blocks.low, blocks.high);
   return blocks;
 }
 
@@ -150,23 +151,33 @@ void FdsInstant::bounds(std::span<const SightLine> lines, std::span<double> low,
                         std::span<double> high) const {
   constexpr double kRounding = 1e-5;  // of the sums that these are compared with
   const Blocks& all = blocks();
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const Segment segment = segmentOf(lines[i]);
-    double least = 0, most = 0, known = 0;
-    field_.grid().traverse(segment, [&](int index, double begin, double end) {
-      const Blocks::OfLattice& blocks = all.lattices[static_cast<std::size_t>(index)];
-      traversePlanes(blocks.planes, segment, begin, end,
-                     [&](const std::array<int, 3>& block, double from, double to) {
-                       const std::size_t at = blocks.at(block);
-                       least += blocks.low[at] * (to - from);
-                       most += blocks.high[at] * (to - from);
-                       known += to - from;
-                       return true;
-                     });
+  std::vector<Segment> segments;
+  for (const SightLine& line : lines) segments.push_back(segmentOf(line));
+  std::vector<std::vector<MarchPart>> parts(all.lattices.size());
+  for (std::uint32_t i = 0; i < segments.size(); ++i) {
+    field_.grid().traverse(segments[i], [&](int index, double begin, double end) {
+      parts[static_cast<std::size_t>(index)].push_back({i, begin, end});
     });
-    low[i] = std::max(0.0, least * (1 - kRounding) - kRounding);
-    high[i] = segment.end - known <= kTolerance ? most * (1 + kRounding) + kRounding
-                                                : std::numeric_limits<double>::infinity();
+  }
+  std::vector<double> known(lines.size(), 0.0);
+  std::ranges::fill(low, 0.0);
+  std::ranges::fill(high, 0.0);
+  std::vector<MarchSum> sums;
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    sums.resize(parts[n].size());
+    marchParts(all.lattices[n].lattice, all.lattices[n].march, segments, parts[n], sums);
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      const std::size_t i = parts[n][k].segment;
+      low[i] += sums[k].low;
+      high[i] += sums[k].high;
+      known[i] += sums[k].gas;
+    }
+  }
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    low[i] = std::max(0.0, low[i] * (1 - kRounding) - kRounding);
+    high[i] = segments[i].end - known[i] <= kTolerance
+                  ? high[i] * (1 + kRounding) + kRounding
+                  : std::numeric_limits<double>::infinity();
   }
 }
 
