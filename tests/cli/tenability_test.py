@@ -111,6 +111,32 @@ class Tenability(Cases):
         for found, seconds in zip(report["criteria"][1]["dose_at_the_end"], (60, 20)):
             self.assertLess(abs(found - seconds * rate), 0.6 * rate)
 
+    def test_devices_stand_in_for_slices(self):
+        case = self.case(more=[])
+        names = ["T", "CO", "CO2", "O2, left"]
+        quantities = ["TEMPERATURE"] + [quantity for quantity, *_ in EXAMPLE]
+        with case.open("a") as file:
+            for name, quantity in zip(names, quantities):
+                file.write(f"DEVICE\n {name} % {quantity}\n 5.0 2.0 1.5 0 0 -1 0 0 % null\n")
+        values = [[t, 20 + t, 0.001, 0.02, 0.15] for t in TIMES]
+        self.path("case_devc.csv").write_text("s,C,mol/mol,mol/mol,mol/mol\nTime," + ",".join(f'"{name}"' for name in names) + "\n"
+                                              + "".join(",".join(f"{x:.7E}" for x in row) + "\n" for row in values))
+        self.path("eyes.csv").write_text("x,y,z\n5,2,1.4\n9,2,1.5\n")
+        self.works("visibility", case, "--signs", self.signs(), "--criteria", self.criteria(self.HOT, self.FED), "--eyes",
+                   self.path("eyes.csv"), "-o", self.path("out"))
+        hot, fed = self.report("out")["tenability"]["criteria"]
+        self.assertIn("1 devices, within 0.3 m of each", hot["from"][0])
+        self.assertAlmostEqual(hot["times_interpolated"][0], 40, 5)
+        self.assertIsNone(hot["times_interpolated"][1])
+        self.assertAlmostEqual(fed["dose_at_the_end"][0], 120 / 981.690, 5)
+        self.assertIsNone(fed["dose_at_the_end"][1])
+        # On a plan what is not near a device is not known.
+        self.works("visibility", case, "--signs", self.signs(), "--criteria", self.path("criteria.json"), "--height", 1.5, "--step", 1,
+                   "-o", self.path("out"))
+        report = self.report("out")
+        self.assertEqual(report["tenability"]["criteria"][0]["points_without_data"], report["eyes"]["walkable"])
+        self.assertIn("At 100 % of the floor the case stores no data", json.dumps(report["verdict"]))
+
     def test_people_and_routes_outside_are_said(self):
         case, signs = self.case(), self.signs()
         self.path("walk.csv").write_text("id,time,x,y\n4,0,1,1\n4,60,19,1\n7,30,5,50\n7,50,5,50\n")

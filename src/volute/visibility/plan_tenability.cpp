@@ -176,7 +176,8 @@ PlanPicture PlanTenability::emptyPicture(std::string title) const {
 }
 
 Status PlanTenability::writeTimes(const std::string& name, const std::string& title,
-                                  std::span<const double> times) const {
+                                  std::span<const double> times,
+                                  const std::function<bool(std::size_t)>& unknown) const {
   PlanPicture picture = emptyPicture(title);
   picture.barLabel = "time [s]";
   picture.stored = true;
@@ -184,7 +185,9 @@ Status PlanTenability::writeTimes(const std::string& name, const std::string& ti
   picture.high = std::max(survey_->times.back(), picture.low + 1e-9);
   for (std::size_t i = 0; i < eyes_.size(); ++i) {
     picture.values[values_.places[i]] = times[i];
-    picture.marks[values_.places[i]] = std::isinf(times[i]) ? PlanMark::kKept : PlanMark::kValue;
+    picture.marks[values_.places[i]] = !std::isinf(times[i]) ? PlanMark::kValue
+                                       : unknown(i)          ? PlanMark::kSolid
+                                                             : PlanMark::kKept;
   }
   picture.words = {
       {PlanMark::kKept, fmt::format("not reached at {:g} s, the last time", survey_->times.back())},
@@ -298,7 +301,7 @@ Result<std::string> PlanTenability::finish(const LossTimes& signs, const std::ve
     VOLUTE_TRY(writeTimes(file,
                           fmt::format("When {} at z = {:g} m", criterion.words(),
                                       values_.plan->origin[2]),
-                          times));
+                          times, [&](std::size_t i) { return meter_.unknown(c, i); }));
     VOLUTE_ASSIGN(const auto figure, htmlFigure(survey_->folder / file, criterion.words()));
     figures += figure;
   }
@@ -326,7 +329,7 @@ Result<std::string> PlanTenability::finish(const LossTimes& signs, const std::ve
                              first, survey_->round, eyes_));
   VOLUTE_TRY(writeTimes("aset_all.png",
                         fmt::format("ASET of all criteria at z = {:g} m", values_.plan->origin[2]),
-                        all));
+                        all, [](std::size_t) { return false; }));
   VOLUTE_TRY(writeFirst());
   VOLUTE_ASSIGN(const auto times, htmlFigure(survey_->folder / "aset_all.png",
                                            "When the first of all criteria is reached."));

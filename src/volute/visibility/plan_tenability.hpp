@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "volute/visibility/exposure_meter.hpp"
@@ -37,8 +38,10 @@ class PlanTenability {
   PlanPicture emptyPicture(std::string title) const;
   Json criterionJson(std::size_t c) const;
   void combine(const LossTimes& signs, const std::vector<bool>& inSight);
+  /// @param unknown  whether a criterion, or any of them, has no data at an eye
   Status writeTimes(const std::string& name, const std::string& title,
-                    std::span<const double> times) const;
+                    std::span<const double> times,
+                    const std::function<bool(std::size_t eye)>& unknown) const;
   Status writeFirst() const;
   Result<std::string> margin(Json& report, std::vector<PlanArray>& arrays, Json& verdict);
   Json sentence(std::size_t c) const;

@@ -165,6 +165,101 @@ Result<std::vector<FactCurve>> readColumns(const std::filesystem::path& path, Wa
   return curves;
 }
 
+std::filesystem::path besideCase(const SmvIndex& index, const char* end) {
+  const std::string name = std::filesystem::path(index.chid).filename().string();
+  return index.path.parent_path() / ((name.empty() ? index.path.stem().string() : name) + end);
+}
+
+/// What devices read, near them.
+class FdsDevicePoints final : public PointField {
+ public:
+  struct Device {
+    Vec3 position;
+    std::vector<double> values;  // one for each time
+  };
+
+  FdsDevicePoints(std::vector<double> times, std::vector<Device> devices, double factor,
+                  std::string_view quantity)
+      : times_(std::move(times)),
+        devices_(std::move(devices)),
+        factor_(factor),
+        quantity_(quantity) {}
+
+  std::string description() const override {
+    return fmt::format("{} ({} devices, within {:g} m of each{})", quantity_, devices_.size(),
+                       kNear, factor_ == 1 ? "" : "; / 4");
+  }
+
+  std::span<const double> times() const override { return times_; }
+
+  Status at(double time, std::span<const Vec3> points, std::span<double> out) override {
+    const auto after = std::ranges::upper_bound(times_, time);
+    const std::size_t second =
+        std::min(static_cast<std::size_t>(after - times_.begin()), times_.size() - 1);
+    const std::size_t first = after == times_.begin() || second == 0 ? 0 : second - 1;
+    const double length = times_[second] - times_[first];
+    const double share = length > 0 ? std::clamp((time - times_[first]) / length, 0.0, 1.0) : 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Device* nearest = nullptr;
+      double least = kNear;
+      for (const Device& device : devices_) {
+        const double distance = (device.position - points[i]).norm();
+        if (distance <= least) {
+          least = distance;
+          nearest = &device;
+        }
+      }
+      out[i] = nearest == nullptr
+                   ? std::numeric_limits<double>::quiet_NaN()
+                   : factor_ * ((1 - share) * nearest->values[first] + share * nearest->values[second]);
+    }
+    return {};
+  }
+
+ private:
+  static constexpr double kNear = 0.3;  // [m]
+
+  std::vector<double> times_;
+  std::vector<Device> devices_;
+  double factor_;
+  std::string quantity_;
+};
+
+/// The devices of a quantity whose columns are in CHID_devc.csv; null where there are none.
+Result<std::unique_ptr<PointField>> devicePoints(const SmvIndex& index, const Stored& stored) {
+  std::vector<const FdsDevice*> wanted;
+  for (const FdsDevice& device : index.devices) {
+    if (device.quantity == stored.fds)
+      wanted.push_back(&device);
+  }
+  std::unique_ptr<PointField> none;
+  if (wanted.empty())
+    return none;
+  auto curves = readColumns(besideCase(index, "_devc.csv"), [&](const auto& name, const auto&) {
+    return std::ranges::any_of(wanted, [&](const FdsDevice* one) { return one->label == name; });
+  });
+  if (!curves) {
+    if (curves.error().code == ErrorCode::kNotFound)
+      return none;
+    return tl::unexpected(curves.error());
+  }
+  std::vector<double> times;
+  std::vector<FdsDevicePoints::Device> devices;
+  for (FactCurve& curve : *curves) {
+    // Names may be there twice; the first that has it is meant.
+    const auto device = std::ranges::find(wanted, curve.name, &FdsDevice::label);
+    if (times.empty())
+      times = curve.times;
+    if (device == wanted.end() || curve.times != times || !std::ranges::is_sorted(times))
+      continue;
+    devices.push_back({(*device)->position, std::move(curve.values)});
+  }
+  if (devices.empty())
+    return none;
+  return std::make_unique<FdsDevicePoints>(std::move(times), std::move(devices), stored.factor,
+                                           stored.name);
+}
+
 std::string cellsText(const SmvIndex& index) {
   double least = std::numeric_limits<double>::infinity(), most = 0, count = 0;
   for (const FdsMesh& mesh : index.meshes) {
@@ -199,7 +294,14 @@ Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::st
     VOLUTE_ASSIGN(auto fds, FdsCase::open(index, options));
     return std::make_unique<FdsPoints>(std::move(fds), stored.factor, quantity);
   }
-  return fail(ErrorCode::kNotFound, "{}: no slice or PLOT3D file of the case has {}",
+  for (const Stored& stored : kStored) {
+    if (stored.name != quantity)
+      continue;
+    VOLUTE_ASSIGN(auto points, devicePoints(index, stored));
+    if (points)
+      return points;
+  }
+  return fail(ErrorCode::kNotFound, "{}: no slice, PLOT3D file or device of the case has {}",
               index.path.string(), names.empty() ? quantity : names);
 }
 
@@ -213,10 +315,7 @@ CaseFacts fdsFacts(const SmvIndex& index) {
   facts.title.emplace_back("cells", cellsText(index));
   facts.title.emplace_back("state", index.ended ? "FDS has ended" : "FDS has not ended, or was "
                                                                     "stopped");
-  const auto beside = [&](const char* end) {
-    const std::string name = std::filesystem::path(index.chid).filename().string();
-    return index.path.parent_path() / ((name.empty() ? index.path.stem().string() : name) + end);
-  };
+  const auto beside = [&](const char* end) { return besideCase(index, end); };
   const auto take = [&](const std::filesystem::path& path, std::vector<FactCurve>& curves,
                         auto&& wanted) {
     auto read = readColumns(path, wanted);
