@@ -144,19 +144,96 @@ void addBlocks(Report& report, const VoluteReader& reader) {
   report.add("modes", counts, countsText).add("block_list", blocks, text);
 }
 
-Result<Report> describeVolute(const std::string& path, bool blocks, Context& context,
-                              bool& damaged) {
+/// A line for each grid of a .volute: size, range, voxels that are not empty, memory, bytes.
+void addVoluteGrids(Report& report, const VoluteReader& reader) {
+  auto list = nlohmann::ordered_json::array();
+  std::string text;
+  for (const VoluteGrid& grid : reader.grids()) {
+    const GridDescription own = grid.description.value_or(
+        GridDescription{.type = grid.info.channels == 3 ? "vec3s" : "float"});
+    const VoluteHeader& header = grid.header;
+    const VolumeInfo& info = grid.info;
+    const Vec3 voxel = grid.empty ? Vec3(own.voxelSize[0], own.voxelSize[1], own.voxelSize[2])
+                                  : info.voxelSize();
+    const std::uint64_t memory =
+        own.memory > 0 ? own.memory : 4 * static_cast<std::uint64_t>(info.frameValues());
+    const double ratio = static_cast<double>(info.rawBytes()) /
+                         static_cast<double>(std::max<std::uint64_t>(grid.bytes, 1));
+    list.push_back({{"name", info.name},
+                    {"type", own.type},
+                    {"class", own.gridClass},
+                    {"half", own.half},
+                    {"empty", grid.empty},
+                    {"size", {info.x, info.y, info.z}},
+                    {"voxel_size", {voxel.x(), voxel.y(), voxel.z()}},
+                    {"active_voxels", grid.description ? Json(own.voxels) : Json()},
+                    {"minimum", header.valueMin},
+                    {"maximum", header.valueMax},
+                    {"memory_bytes", memory},
+                    {"bytes", grid.bytes},
+                    {"raw_bytes", info.rawBytes()},
+                    {"asked",
+                     {{"kind", header.targetKind}, {"value", jsonNumber(header.targetValue)}}},
+                    {"relative_rms", header.reachedRms},
+                    {"max_error", header.reachedMaxError}});
+    text += fmt::format("\n  {:<16} {}{}{}, ", info.name, own.type, own.half ? " (half)" : "",
+                        own.gridClass.empty() ? "" : ", " + own.gridClass);
+    if (grid.empty) {
+      text += "empty";
+      continue;
+    }
+    text += fmt::format("{} x {} x {}, {:.4g} to {:.4g}, ", info.x, info.y, info.z,
+                        header.valueMin, header.valueMax);
+    if (grid.description)
+      text += fmt::format("{} voxels not empty, ", own.voxels);
+    text += fmt::format("{} in memory, {} in the file ({:.4g} of dense floats), relative rms {:.3g}, "
+                        "max error {:.3g}",
+                        bytesText(memory), bytesText(grid.bytes), ratio, header.reachedRms,
+                        header.reachedMaxError);
+  }
+  report.add("grids", list, text);
+}
+
+Result<VoluteReader> openForInfo(const std::string& path, const std::string& grid,
+                                 Context& context) {
   VoluteReader::Options options;
   options.partial = true;
   options.maxMemory = context.maxMemory;
-  VOLUTE_ASSIGN(const auto reader, VoluteReader::open(path, options));
-  const Integrity integrity = reader.verify();
+  options.grid = grid;
+  return VoluteReader::open(path, options);
+}
+
+/// All segments of all grids.
+Result<Integrity> verifyGrids(const std::string& path, const VoluteReader& main, Context& context) {
+  Integrity all = main.verify();
+  for (const VoluteGrid& grid : main.grids()) {
+    if (grid.empty || grid.info.name == main.info().name)
+      continue;
+    VOLUTE_ASSIGN(const auto reader, openForInfo(path, grid.info.name, context));
+    const Integrity one = reader.verify();
+    all.segments += one.segments;
+    all.intactSegments += one.intactSegments;
+    all.intactLevels = std::min(all.intactLevels, one.intactLevels);
+    if (all.firstFault.empty() && !one.firstFault.empty())
+      all.firstFault = fmt::format("grid '{}': {}", grid.info.name, one.firstFault);
+  }
+  return all;
+}
+
+Result<Report> describeVolute(const std::string& path, const std::string& field, bool blocks,
+                              Context& context, bool& damaged) {
+  VOLUTE_ASSIGN(const auto reader, openForInfo(path, field, context));
+  VOLUTE_ASSIGN(const Integrity integrity, field.empty() ? verifyGrids(path, reader, context)
+                                                         : Result<Integrity>(reader.verify()));
   const std::uint64_t bytes = bytesOnDisk(path).value_or(integrity.presentBytes);
+  const bool several = reader.grids().size() > 1;
   Report report;
   report.add("file", path).add("kind", "volute").add("bytes", bytes, bytesText(bytes));
   addIntegrity(report, integrity, reader);
   addVolume(report, reader.info());
-  addHeader(report, reader, std::max(bytes, integrity.expectedBytes));
+  addHeader(report, reader, several ? reader.grid().bytes : std::max(bytes, integrity.expectedBytes));
+  if (several || reader.grid().description)
+    addVoluteGrids(report, reader);
   if (blocks)
     addBlocks(report, reader);
   damaged = damaged || !integrity.complete();
@@ -300,7 +377,8 @@ Status runInfo(const Arguments& arguments, Context& context) {
     auto report =
         capture               ? describeCapture(path, context, damaged)
         : isScenePath(path)   ? describeScene(path, context)
-        : isVolutePath(path)  ? describeVolute(path, arguments.flag("blocks"), context, damaged)
+        : isVolutePath(path)  ? describeVolute(path, arguments.find<std::string>("field").value_or(""),
+                                                 arguments.flag("blocks"), context, damaged)
         : isPicturePath(path) ? describePicture(path)
         : isSmvPath(path) ? describeFdsCase(path, arguments.find<std::string>("field").value_or(""),
                                             arguments.flag("values"), context)
@@ -330,7 +408,8 @@ Command infoCommand() {
       .examples = {"volute info fire.volute", "volute info smoke.npy --values --json",
                    "volute info case.smv", "volute info hall.pvd", "volute info --gl"},
       .description =
-          "Sizes, frames, times and bounds of a volume; of a .volute also what error was asked "
+          "Sizes, frames, times and bounds of a volume, and all grids of a file with several; of a "
+          ".volute also what error was asked "
           "for and reached, and whether every "
           "byte is intact. Pictures (.png, .exr) show their size and range. A damaged .volute "
           "is described as far as it is intact, "
@@ -345,7 +424,7 @@ Command infoCommand() {
                        .several = true,
                        .optional = true}},
       .options = {fieldOption("which one of a file with several; which source of an FDS case",
-                              {"volume", "fds"}),
+                              {"volume", kVoluteKind, "fds"}),
                   {.name = "blocks",
                    .help = "of a .volute, each block's place, transform and size",
                    .kinds = {kVoluteKind}},
