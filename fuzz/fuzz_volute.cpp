@@ -24,12 +24,19 @@ void requireFinite(std::span<const float> values) {
     std::abort();
 }
 
-// Everything that a caller can ask of a file; errors are fine, crashes and values that are not
+// Everything that a caller can ask of a grid; errors are fine, crashes and values that are not
 // finite are not.
-void readEverything(const std::string& path, bool partial) {
-  const auto reader = volute::VoluteReader::open(path, {partial, kMaxMemory});
+void readGrid(const std::string& path, bool partial, const std::string& name,
+              std::vector<std::string>* others) {
+  const auto reader = volute::VoluteReader::open(path, {partial, kMaxMemory, name});
   if (!reader)
     return;
+  for (const volute::VoluteGrid& grid : reader->grids()) {
+    if (others && grid.info.name != reader->info().name)
+      others->push_back(grid.info.name);
+    if (grid.info.frames != reader->info().frames)
+      std::abort();
+  }
   const volute::BlockGrid& grid = reader->blocks();
   if (grid.count() > 100000)
     return;
@@ -49,6 +56,14 @@ void readEverything(const std::string& path, bool partial) {
   values.resize(static_cast<std::size_t>(z) * y * x * grid.channels());
   if (reader->readRegion(extents[0] - 1, {0, 0, 0}, {z, y, x}, values))
     requireFinite(values);
+}
+
+void readEverything(const std::string& path, bool partial) {
+  constexpr std::size_t kMostGrids = 4;
+  std::vector<std::string> others;
+  readGrid(path, partial, "", &others);
+  for (std::size_t i = 0; i < std::min(others.size(), kMostGrids); ++i)
+    readGrid(path, partial, others[i], nullptr);
 }
 
 }  // namespace

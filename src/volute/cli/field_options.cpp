@@ -220,4 +220,10 @@ Option fieldOption(std::string help, std::vector<std::string_view> kinds) {
           .kinds = std::move(kinds)};
 }
 
+Option fieldsOption(std::string help, std::vector<std::string_view> kinds) {
+  Option option = fieldOption(std::move(help), std::move(kinds));
+  option.value = "NAME[,NAME]";
+  return option;
+}
+
 }  // namespace volute::cli

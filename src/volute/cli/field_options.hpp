@@ -30,4 +30,7 @@ std::string optionOfMember(const FieldTable& table, std::string_view member);
 /// --field of what has several: `kinds` as in Option, empty: all.
 Option fieldOption(std::string help, std::vector<std::string_view> kinds = {});
 
+/// The same where several may be named.
+Option fieldsOption(std::string help, std::vector<std::string_view> kinds = {});
+
 }  // namespace volute::cli

@@ -166,7 +166,8 @@ class Compressor {
         team_(team),
         info_(source.info()),
         row_(source),
-        plan_(row_.grid(), layersAUnit) {
+        plan_(row_.grid(), layersAUnit),
+        goal_(options.target.value) {
     head_.info = info_;
     head_.header.codec = kWaveletCodec;
     head_.header.writtenBy = "volute " VOLUTE_VERSION;
@@ -204,6 +205,7 @@ class Compressor {
   Status searchStep(double first);
   Status searchSmallest();
 
+  void leaveRoomForHalves();
   StepSearch::Problem problem() const;
   double firstStep(const StepSearch::Problem& problem) const;
   double betterStep(const StepSearch::Problem& problem) const;
@@ -226,6 +228,7 @@ class Compressor {
   const VolumeInfo& info_;
   BlockRow row_;
   UnitPlan plan_;
+  double goal_;  // what is asked for, and what rounding to halves leaves of it
   FileHead head_;
   std::vector<std::byte> headBytes_;
   WaveletParameters parameters_;
@@ -575,7 +578,7 @@ Status Compressor::openStore() {
        {info_.frames, info_.z, info_.y, info_.x, info_.channels, options_.fast ? 1 : 0,
         static_cast<int>(options_.target.kind), static_cast<int>(plan_.unitsARow())})
     all.u32(static_cast<std::uint32_t>(number));
-  all.f64(options_.target.value);
+  all.f64(goal_);
   all.string(options_.wavelet);
   all.string(options_.mode ? shortName(*options_.mode) : "");
   ContentHash key;
@@ -737,6 +740,25 @@ Status Compressor::encodeAll(double proposed, Way way) {
   return {};
 }
 
+// Values that are rounded to 16-bit floats are off by 2^-11 of themselves at most. Where they were
+// such floats, that is no further than they were off before: one half of the goal will always do.
+void Compressor::leaveRoomForHalves() {
+  const double greatest =
+      std::max(std::abs(head_.header.valueMin), std::abs(head_.header.valueMax));
+  const double range = head_.header.valueMax - head_.header.valueMin;
+  const double rounding = std::ldexp(greatest, -11);
+  const auto left = [&](double rms) {
+    const double relative = range > 0 ? rounding / range : 0;
+    return std::sqrt(std::max(rms * rms / 4, rms * rms - relative * relative));
+  };
+  if (options_.target.kind == Kind::kRms)
+    goal_ = left(goal_);
+  else if (options_.target.kind == Kind::kPsnr)
+    goal_ = -20 * std::log10(left(std::pow(10, -goal_ / 20)));
+  else if (options_.target.kind == Kind::kMaxError)
+    goal_ = parameters_.maxError = std::max(goal_ / 2, goal_ - rounding);
+}
+
 StepSearch::Problem Compressor::problem() const {
   const double greatest =
       std::max(std::abs(head_.header.valueMin), std::abs(head_.header.valueMax));
@@ -749,7 +771,7 @@ StepSearch::Problem Compressor::problem() const {
     // Clamping makes a constant exact whatever the step.
     problem.finest = problem.coarsest = greatest > 0 ? std::ldexp(greatest, -12) : 1;
   }
-  const double value = options_.target.value;
+  const double value = goal_;
   switch (options_.target.kind) {
     case Kind::kRms:
       problem.target = value;
@@ -775,7 +797,7 @@ StepSearch::Problem Compressor::problem() const {
 double Compressor::firstStep(const StepSearch::Problem& problem) const {
   constexpr double kMaxErrorSteps = 1.5;
   if (options_.target.kind == Kind::kMaxError)
-    return kMaxErrorSteps * options_.target.value;
+    return kMaxErrorSteps * goal_;
   const double range = head_.header.valueMax - head_.header.valueMin;
   if (!isSize(options_.target.kind)) {
     const double squared = problem.target * problem.target * range * range;
@@ -918,7 +940,7 @@ Status Compressor::searchStep(double first) {
 // Corrections keep the maximum error whatever the step: the one that makes the smallest file, from
 // the middle outwards.
 Status Compressor::searchSmallest() {
-  const double target = options_.target.value;
+  const double target = goal_;
   double best = 0;
   std::uint64_t least = 0;
   for (const double factor : {1.5, 2.1, 3.0, 1.05, 0.75}) {
@@ -941,6 +963,8 @@ Status Compressor::searchSmallest() {
 Result<CompressReport> Compressor::run() {
   VOLUTE_TRY(openSpools());
   VOLUTE_TRY(survey());
+  if (options_.halves)
+    leaveRoomForHalves();
   VOLUTE_TRY(team_.agree(openStore()));
   const StepSearch::Problem wanted = problem();
   const auto within = [&](double step) { return std::clamp(step, wanted.finest, wanted.coarsest); };

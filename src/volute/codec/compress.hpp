@@ -39,6 +39,9 @@ struct CompressOptions {
   /// errors to that original do not exceed.
   double sourceRms = 0;
   double sourceMaxError = 0;
+  /// The values are 16-bit floats, and will be rounded to such again: what is asked for holds after
+  /// that too. The file states the errors before it.
+  bool halves = false;
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
   /// A folder for finished units, which all ranks share: a run that was interrupted goes on from
   /// them, with any number of ranks, and gives the same bytes. Removed in the end. Empty: none.

@@ -6,10 +6,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string_view>
 
 #include "volute/base/checksum.hpp"
 #include "volute/codec/byte_io.hpp"
+#include "volute/codec/grid_table.hpp"
 #include "volute/codec/packing.hpp"
 
 namespace volute {
@@ -119,10 +121,11 @@ std::vector<std::byte> writeIndexChunk(const FileHead& head) {
   return pack({sizes.view(), checksums.view()});
 }
 
-void writeChunk(ByteWriter& out, std::string_view type, std::span<const std::byte> payload) {
+void writeChunk(ByteWriter& out, std::string_view type, std::span<const std::byte> payload,
+                std::uint32_t flags = 0) {
   ByteWriter frame;
   frame.bytes(std::as_bytes(std::span(type)));
-  frame.u32(0);
+  frame.u32(flags);
   frame.u64(payload.size());
   out.bytes(frame.view());
   out.u32(crc32(frame.view()));
@@ -197,13 +200,19 @@ Status checkSizes(const InputFile& file, const FileHead& head, std::uint64_t bud
   return {};
 }
 
+// Those of one grid.
 struct Chunks {
   std::span<const std::byte> info, parts, index;  // parts may be empty
 };
 
+struct AllChunks {
+  std::span<const std::byte> table;  // empty: one grid, of which INFO says all
+  std::vector<Chunks> grids;
+};
+
 // `bytes` are those from the prologue's end to headBytes.
-Result<Chunks> readChunks(std::span<const std::byte> bytes, const std::string& path) {
-  Chunks chunks;
+Result<AllChunks> readChunks(std::span<const std::byte> bytes, const std::string& path) {
+  AllChunks all;
   ByteReader in(bytes);
   while (in.remaining() > 0) {
     const std::size_t at = kPrologueBytes + bytes.size() - in.remaining();
@@ -223,28 +232,37 @@ Result<Chunks> readChunks(std::span<const std::byte> bytes, const std::string& p
       return fail(ErrorCode::kInvalidData,
                   "{}: is damaged: the checksum of the chunk at byte {} is wrong", path, at);
     }
-    std::span<const std::byte>* const place = name == "INFO"   ? &chunks.info
-                                              : name == "PART" ? &chunks.parts
-                                              : name == "INDX" ? &chunks.index
-                                                               : nullptr;
-    if (!place && flags != kSkippable) {
+    const bool table = name == "GRDS";
+    const bool known = table || name == "INFO" || name == "PART" || name == "INDX";
+    if (!known && flags != kSkippable) {
       return fail(ErrorCode::kUnsupported,
                   "{}: has a part at byte {} that this program does not know and may not skip; a "
                   "newer one may read it",
                   path, at);
     }
-    if (!place)
+    if (!known)
       continue;
-    if (flags != 0 || !place->empty() || payload.empty()) {
+    // A grid begins with its INFO; of several there is a table before them.
+    if (name == "INFO" && (all.grids.empty() || !all.table.empty()))
+      all.grids.emplace_back();
+    Chunks none;
+    Chunks& grid = all.grids.empty() ? none : all.grids.back();
+    std::span<const std::byte>& place = table            ? all.table
+                                        : name == "INFO" ? grid.info
+                                        : name == "PART" ? grid.parts
+                                                         : grid.index;
+    const bool late = table ? !all.grids.empty() : all.grids.empty();
+    if ((flags != 0 && !(table && flags == kSkippable)) || !place.empty() || payload.empty() ||
+        late) {
       return fail(ErrorCode::kInvalidData, "{}: the chunk at byte {} is impossible there", path,
                   at);
     }
-    *place = payload;
+    place = payload;
   }
-  if (chunks.info.empty() || chunks.index.empty()) {
+  if (all.grids.empty() ||
+      std::ranges::any_of(all.grids, [](const Chunks& grid) { return grid.index.empty(); }))
     return fail(ErrorCode::kInvalidData, "{}: has no INFO or no INDX chunk", path);
-  }
-  return chunks;
+  return all;
 }
 
 // Sizes, place and time. Whether they make sense together, VolumeInfo::validate says.
@@ -377,14 +395,39 @@ Status readPartsChunk(std::span<const std::byte> content, const std::string& pat
   return {};
 }
 
+// Where the segments of one tier of one grid stand.
+struct TierPlace {
+  std::uint64_t begin = 0, bytes = 0;
+};
+
+// Of all grids, in the order of the table: tier by tier, and in each grid by grid.
+std::vector<std::vector<TierPlace>> placesOf(const GridTable& table, std::uint64_t begin) {
+  std::vector<std::vector<TierPlace>> places(table.rows.size());
+  std::size_t tiers = 0;
+  for (const GridRow& row : table.rows) tiers = std::max(tiers, row.tierBytes.size());
+  for (std::size_t tier = 0; tier < tiers; ++tier) {
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      if (tier >= table.rows[i].tierBytes.size())
+        continue;
+      places[i].push_back({begin, table.rows[i].tierBytes[tier]});
+      begin += table.rows[i].tierBytes[tier];
+    }
+  }
+  return places;
+}
+
+// `places` of the tiers; none: they follow one another from the head to the end of the file.
 Status readIndexChunk(std::span<const std::byte> content, const std::string& path,
-                      const BlockGrid& grid, FileHead& head) {
+                      const BlockGrid& grid, std::span<const TierPlace> places, FileHead& head) {
   const std::size_t tiers = head.decoder->tierLevels().size();
   const std::size_t blocks = grid.count();
   ByteReader in(content);
   head.segments.resize(blocks * tiers);
   std::uint64_t offset = head.headBytes;
-  for (std::size_t tier = 0; tier < tiers; ++tier) {
+  bool accounted = places.empty() || places.size() == tiers;
+  for (std::size_t tier = 0; accounted && tier < tiers; ++tier) {
+    if (!places.empty())
+      offset = places[tier].begin;
     for (std::size_t block = 0; block < blocks; ++block) {
       SegmentEntry& segment = head.segments[tier * blocks + block];
       const std::uint64_t size = in.varint();
@@ -396,12 +439,15 @@ Status readIndexChunk(std::span<const std::byte> content, const std::string& pat
       segment = {offset, static_cast<std::uint32_t>(size), 0};
       offset += size;
     }
+    accounted = places.empty() || offset == places[tier].begin + places[tier].bytes;
   }
+  if (places.empty())
+    accounted = offset == head.fileBytes;
   for (SegmentEntry& segment : head.segments) {
     if (segment.size != 0)
       segment.crc = in.u32();
   }
-  if (!in.ok() || in.remaining() != 0 || offset != head.fileBytes) {
+  if (!in.ok() || in.remaining() != 0 || !accounted) {
     return fail(ErrorCode::kInvalidData, "{}: the index does not account for the file's {} bytes",
                 path, head.fileBytes);
   }
@@ -432,6 +478,122 @@ Result<std::vector<std::byte>> unpackChunk(std::span<const std::byte> payload, s
   return content;
 }
 
+// Which grid is meant, by Options::grid.
+Result<std::size_t> wantedGrid(const GridTable& table, const std::string& wanted,
+                               const std::string& path) {
+  const auto named = [&](std::string_view name) {
+    return static_cast<std::size_t>(std::ranges::find(table.rows, name, &GridRow::name) -
+                                    table.rows.begin());
+  };
+  const std::size_t chosen = named(wanted.empty() ? VolumeInfo().name : wanted);
+  const std::size_t count = table.rows.size();
+  if (wanted.empty() && (chosen == count || table.rows[chosen].empty)) {
+    return static_cast<std::size_t>(std::ranges::find(table.rows, false, &GridRow::empty) -
+                                    table.rows.begin());
+  }
+  if (chosen == count) {
+    std::string all;
+    for (const GridRow& row : table.rows)
+      all += (all.empty() ? "'" : ", '") + row.name + "'" + (row.empty ? " (empty)" : "");
+    return fail(ErrorCode::kNotFound, "{}: there is no grid '{}'; the file holds {}", path, wanted,
+                all);
+  }
+  if (table.rows[chosen].empty)
+    return fail(ErrorCode::kInvalidData, "{}: grid '{}' is empty in all frames", path, wanted);
+  return chosen;
+}
+
+// What the table says must fit to what the grids say, and to one another.
+Status checkTable(const GridTable& table, const AllChunks& chunks, const FileHead& head,
+                  const std::string& path) {
+  const auto malformed = [&path](std::string_view what) {
+    return fail(ErrorCode::kInvalidData, "{}: the table of its grids is malformed: {}", path, what);
+  };
+  const auto streams =
+      static_cast<std::size_t>(std::ranges::count(table.rows, false, &GridRow::empty));
+  if (streams != chunks.grids.size())
+    return malformed(fmt::format("it has {} grids with values, and the file {}", streams,
+                                 chunks.grids.size()));
+  std::uint64_t bytes = 0;
+  for (const GridRow& row : table.rows)
+    for (const std::uint64_t tier : row.tierBytes) {
+      if (tier > head.fileBytes || (bytes += tier) > head.fileBytes)
+        return malformed("more bytes than the file has");
+    }
+  if (bytes != head.fileBytes - head.headBytes)
+    return malformed(fmt::format("it does not account for the file's {} bytes", head.fileBytes));
+  return {};
+}
+
+// The lists of frames must be as long as the sequence.
+Status checkFrames(const FileHead& head, const std::string& path) {
+  const auto frames = static_cast<std::size_t>(head.info.frames);
+  const auto fits = [&](std::size_t count) { return count == 0 || count == frames; };
+  bool sound = fits(head.fileMetadata.listOf.size());
+  for (const VoluteGrid& grid : head.grids) {
+    if (grid.description)
+      sound = sound && fits(grid.description->metadata.listOf.size()) &&
+              fits(grid.description->shifts.size());
+  }
+  if (sound)
+    return {};
+  return fail(ErrorCode::kInvalidData,
+              "{}: the table of its grids is malformed: its lists are not of {} frames", path,
+              frames);
+}
+
+// INFO of each grid, and what its row says. `head` becomes that of the wanted one.
+Status readGrids(GridTable& table, const AllChunks& chunks, std::size_t wanted,
+                 std::uint64_t budget, const std::string& path, FileHead& head) {
+  const FileHead prologue = head;
+  std::uint64_t held = 0;
+  auto chunk = chunks.grids.begin();
+  std::vector<VoluteGrid> grids;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    GridRow& row = table.rows[i];
+    VoluteGrid& grid = grids.emplace_back();
+    grid.description = std::move(row.description);
+    grid.empty = row.empty;
+    grid.bytes = std::accumulate(row.tierBytes.begin(), row.tierBytes.end(), std::uint64_t{0});
+    if (row.empty) {
+      grid.info.name = row.name;
+      continue;
+    }
+    FileHead one = prologue;
+    VOLUTE_ASSIGN(const auto content, unpackChunk((chunk++)->info, budget / 32, path, "INFO"));
+    VOLUTE_TRY(readInfoChunk(content, path, one));
+    held += 16 * static_cast<std::uint64_t>(one.info.frames) + one.parameters.size();
+    if (held > budget / 8) {
+      return fail(ErrorCode::kTooLarge,
+                  "{}: what its {} grids say of their frames takes more than the {} MiB allowed; "
+                  "raise --max-memory",
+                  path, table.rows.size(), budget >> 23);
+    }
+    if (one.info.name != row.name)
+      return fail(ErrorCode::kInvalidData, "{}: grid '{}' calls itself '{}'", path, row.name,
+                  one.info.name);
+    grid.info = one.info;
+    grid.header = one.header;
+    if (i == wanted)
+      head = std::move(one);
+  }
+  for (VoluteGrid& grid : grids) {
+    if (grid.empty) {
+      grid.info.frames = head.info.frames;
+      grid.info.frameNumbers = head.info.frameNumbers;
+      grid.info.times = head.info.times;
+    } else if (grid.info.frameNumbers != head.info.frameNumbers ||
+               grid.info.times != head.info.times) {
+      return fail(ErrorCode::kInvalidData, "{}: grid '{}' has other frames than '{}'", path,
+                  grid.info.name, head.info.name);
+    }
+  }
+  head.grids = std::move(grids);
+  head.grid = wanted;
+  head.fileMetadata = std::move(table.fileMetadata);
+  return {};
+}
+
 }  // namespace
 
 BlockShape shapeOf(const BlockGrid& grid, std::size_t block) {
@@ -448,33 +610,70 @@ bool checksumMatches([[maybe_unused]] std::span<const std::byte> bytes,
 }
 
 std::vector<std::byte> writeHead(FileHead& head) {
-  const auto info = writeInfoChunk(head);
-  const auto parts = head.parts.empty() ? std::vector<std::byte>() : writePartsChunk(head);
-  const auto index = writeIndexChunk(head);
-  head.headBytes = kPrologueBytes + 2 * kChunkFrameBytes + info.size() + index.size();
-  if (!parts.empty())
-    head.headBytes += kChunkFrameBytes + parts.size();
-  head.fileBytes = head.headBytes;
-  for (SegmentEntry& segment : head.segments) {
-    segment.offset = head.fileBytes;
-    head.fileBytes += segment.size;
+  return writeHead({}, {}, std::span(&head, 1));
+}
+
+std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
+                                 const FrameMetadata& fileMetadata, std::span<FileHead> heads) {
+  ByteWriter chunks;
+  if (!grids.empty()) {
+    GridTable table{{}, fileMetadata};
+    auto head = heads.begin();
+    for (const VoluteGrid& grid : grids) {
+      GridRow& row = table.rows.emplace_back();
+      row.name = grid.info.name;
+      row.empty = grid.empty;
+      row.description = grid.description;
+      if (grid.empty)
+        continue;
+      const std::size_t tiers = head->decoder->tierLevels().size();
+      const std::size_t blocks = head->segments.size() / tiers;
+      row.tierBytes.assign(tiers, 0);
+      for (std::size_t i = 0; i < head->segments.size(); ++i)
+        row.tierBytes[i / blocks] += head->segments[i].size;
+      ++head;
+    }
+    // Who knows no tables finds the values of a single grid where they are without one.
+    writeChunk(chunks, "GRDS", pack({writeGridTable(table)}), heads.size() == 1 ? kSkippable : 0);
+  }
+  for (const FileHead& head : heads) {
+    writeChunk(chunks, "INFO", writeInfoChunk(head));
+    if (!head.parts.empty())
+      writeChunk(chunks, "PART", writePartsChunk(head));
+    writeChunk(chunks, "INDX", writeIndexChunk(head));
+  }
+  const std::uint64_t headBytes = kPrologueBytes + chunks.size();
+  std::uint64_t fileBytes = headBytes;
+  const auto tiersOf = [](const FileHead& head) { return head.decoder->tierLevels().size(); };
+  std::size_t tiers = 0;
+  for (const FileHead& head : heads) tiers = std::max(tiers, tiersOf(head));
+  for (std::size_t tier = 0; tier < tiers; ++tier) {
+    for (FileHead& head : heads) {
+      const std::size_t blocks = head.segments.size() / tiersOf(head);
+      for (std::size_t i = 0; tier < tiersOf(head) && i < blocks; ++i) {
+        SegmentEntry& segment = head.segments[tier * blocks + i];
+        segment.offset = fileBytes;
+        fileBytes += segment.size;
+      }
+    }
+  }
+  for (FileHead& head : heads) {
+    head.headBytes = headBytes;
+    head.fileBytes = fileBytes;
   }
   ByteWriter out;
   out.bytes(std::as_bytes(std::span(kMagic)));
   out.u16(kMajor);
   out.u16(kMinor);
-  out.u32(static_cast<std::uint32_t>(head.header.codec));
-  out.u64(head.headBytes);
-  out.u64(head.fileBytes);
+  out.u32(static_cast<std::uint32_t>(heads.front().header.codec));
+  out.u64(headBytes);
+  out.u64(fileBytes);
   out.u32(crc32(out.view()));
-  writeChunk(out, "INFO", info);
-  if (!parts.empty())
-    writeChunk(out, "PART", parts);
-  writeChunk(out, "INDX", index);
+  out.bytes(chunks.view());
   return out.take();
 }
 
-Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory) {
+Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const std::string& grid) {
   const std::uint64_t budget = std::max(maxMemory, std::uint64_t{64} << 20);
   const std::string path = file.path().string();
   FileHead head;
@@ -482,24 +681,49 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory) {
   VOLUTE_TRY(checkSizes(file, head, budget / 4));
   std::vector<std::byte> bytes(static_cast<std::size_t>(head.headBytes - kPrologueBytes));
   VOLUTE_TRY(file.read(kPrologueBytes, bytes));
-  VOLUTE_ASSIGN(const Chunks chunks, readChunks(bytes, path));
-  {
-    VOLUTE_ASSIGN(const auto content, unpackChunk(chunks.info, budget / 32, path, "INFO"));
+  VOLUTE_ASSIGN(const AllChunks chunks, readChunks(bytes, path));
+  std::vector<TierPlace> places;
+  std::size_t stream = 0;  // of those with values
+  if (chunks.table.empty()) {
+    VOLUTE_ASSIGN(const auto content,
+                  unpackChunk(chunks.grids[0].info, budget / 32, path, "INFO"));
     VOLUTE_TRY(readInfoChunk(content, path, head));
+    if (!grid.empty() && grid != head.info.name) {
+      return fail(ErrorCode::kNotFound, "{}: there is no grid '{}'; the file holds '{}'", path,
+                  grid, head.info.name);
+    }
+    head.grids.push_back(
+        {head.info, head.header, {}, false, head.fileBytes - head.headBytes});
+  } else {
+    VOLUTE_ASSIGN(const auto content, unpackChunk(chunks.table, budget / 64, path, "GRDS"));
+    auto table = readGridTable(content);
+    if (!table) {
+      return fail(ErrorCode::kInvalidData, "{}: the table of its grids is malformed: {}", path,
+                  table.error().message);
+    }
+    VOLUTE_TRY(checkTable(*table, chunks, head, path));
+    VOLUTE_ASSIGN(const std::size_t wanted, wantedGrid(*table, grid, path));
+    places = placesOf(*table, head.headBytes)[wanted];
+    stream = static_cast<std::size_t>(
+        std::count_if(table->rows.begin(), table->rows.begin() + static_cast<std::ptrdiff_t>(wanted),
+                      [](const GridRow& row) { return !row.empty; }));
+    VOLUTE_TRY(readGrids(*table, chunks, wanted, budget, path, head));
+    VOLUTE_TRY(checkFrames(head, path));
   }
-  if (!chunks.parts.empty()) {
-    VOLUTE_ASSIGN(const auto content, unpackChunk(chunks.parts, budget / 32, path, "PART"));
+  const Chunks& own = chunks.grids[stream];
+  if (!own.parts.empty()) {
+    VOLUTE_ASSIGN(const auto content, unpackChunk(own.parts, budget / 32, path, "PART"));
     VOLUTE_TRY(readPartsChunk(content, path, BlockGrid(head.info).counts()[0], head));
   }
   VOLUTE_ASSIGN(const std::uint64_t segments, countSegments(head, path, budget));
   constexpr std::uint64_t kMaxEntryBytes = 5 + 4;
   VOLUTE_ASSIGN(const auto content,
-                unpackChunk(chunks.index, segments * kMaxEntryBytes, path, "INDX"));
+                unpackChunk(own.index, segments * kMaxEntryBytes, path, "INDX"));
   if (content.size() < segments) {
     return fail(ErrorCode::kInvalidData, "{}: the index has {} bytes for {} segments", path,
                 content.size(), segments);
   }
-  VOLUTE_TRY(readIndexChunk(content, path, BlockGrid(head.info), head));
+  VOLUTE_TRY(readIndexChunk(content, path, BlockGrid(head.info), places, head));
   return head;
 }
 

@@ -46,6 +46,10 @@ struct FileHead {
   std::vector<SegmentEntry> segments;
   std::uint64_t headBytes = 0;
   std::uint64_t fileBytes = 0;
+  /// All grids of the file; what is above is of grids[grid].
+  std::vector<VoluteGrid> grids{};
+  std::size_t grid = 0;
+  FrameMetadata fileMetadata{};
 
   /// Of the part that a row of blocks is of.
   const BlockDecoder& decoderOf(int row) const {
@@ -63,10 +67,17 @@ BlockShape shapeOf(const BlockGrid& grid, std::size_t block);
 /// The bytes of a head; sets headBytes, fileBytes and the segments' offsets from their sizes.
 std::vector<std::byte> writeHead(FileHead& head);
 
-/// Reads and checks a head. Takes any bytes: it allocates in proportion to what is there, and at
+/// The same of a file with several grids.
+/// @param grids  their names, descriptions and emptiness; `heads` are those of the grids that are not
+/// empty, in the same order, which have the same frames.
+std::vector<std::byte> writeHead(std::span<const VoluteGrid> grids,
+                                 const FrameMetadata& fileMetadata, std::span<FileHead> heads);
+
+/// Reads and checks a head, for one of its grids (VoluteReader::Options::grid). Takes any bytes: it allocates in proportion to what is there, and at
 /// most max(64 MiB, maxMemory). The file may end before its last segment (the caller compares its
 /// size with fileBytes), but not after it.
-[[nodiscard]] Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory);
+[[nodiscard]] Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory,
+                                        const std::string& grid = "");
 
 /// True when `crc` is the checksum of `bytes`. A fuzzer's build takes any, to reach what lies
 /// behind.

@@ -86,24 +86,17 @@ Result<std::unique_ptr<ExtractSource>> ExtractSource::create(
   }
   auto source = std::unique_ptr<ExtractSource>(
       new ExtractSource(std::move(reader), std::move(extraction), progress));
-  std::size_t most = 0;
-  for (const int position : source->extraction_.positions) {
-    most = std::max(most, source->framesInRow(position / kSide));
-  }
-  const std::uint64_t bytes = 4ull * source->frameValues() * (most + 1);
-  if (bytes > source->extraction_.maxMemory) {
+  // The frames of a row, or as many of them as there is room for; and one that is made of them.
+  const std::uint64_t frame = 4ull * source->frameValues();
+  if (2 * frame > source->extraction_.maxMemory) {
     return fail(ErrorCode::kTooLarge,
-                "the region needs {} MiB of memory, more than the {} MiB allowed; take fewer "
-                "frames or a smaller "
+                "the region needs {} MiB of memory, more than the {} MiB allowed; take a smaller "
                 "region, or raise --max-memory",
-                (bytes >> 20) + 1, source->extraction_.maxMemory >> 20);
+                (2 * frame >> 20) + 1, source->extraction_.maxMemory >> 20);
   }
+  source->framesAtOnce_ = std::min<std::size_t>(
+      kSide, std::max<std::uint64_t>(frame, source->extraction_.maxMemory) / frame - 1);
   return source;
-}
-
-std::size_t ExtractSource::framesInRow(int row) const {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      extraction_.positions, [=](int position) { return position / kSide == row; }));
 }
 
 std::vector<std::size_t> ExtractSource::blocksOfRow(int row) const {
@@ -119,25 +112,28 @@ std::vector<std::size_t> ExtractSource::blocksOfRow(int row) const {
   return blocks;
 }
 
-Status ExtractSource::load(int row) {
+Status ExtractSource::load(std::size_t index) {
   const auto& positions = extraction_.positions;
-  const auto first =
-      std::ranges::find_if(positions, [=](int position) { return position / kSide == row; });
-  firstInRow_ = static_cast<std::size_t>(first - positions.begin());
-  loadedRow_ = -1;
-  row_.assign(framesInRow(row) * frameValues(), 0.0f);
+  const int row = positions[index] / kSide;
+  firstLoaded_ = index;
+  loaded_ = 0;
+  std::size_t count = 0;
+  while (count < framesAtOnce_ && index + count < positions.size() &&
+         positions[index + count] / kSide == row)
+    ++count;
+  row_.assign(count * frameValues(), 0.0f);
   const auto blocks = blocksOfRow(row);
   constexpr std::size_t kBatch = 256;  // between batches one may ask to stop
   for (std::size_t begin = 0; begin < blocks.size(); begin += kBatch) {
     if (progress_.cancelled())
       return fail(ErrorCode::kCancelled, "stopped: reading frames from {} on",
-                  positions[firstInRow_]);
-    const std::size_t count = std::min(kBatch, blocks.size() - begin);
-    std::vector<Status> results(count);
-    parallelFor(count, [&](std::size_t i) { results[i] = loadBlock(blocks[begin + i]); });
+                  positions[firstLoaded_]);
+    const std::size_t batch = std::min(kBatch, blocks.size() - begin);
+    std::vector<Status> results(batch);
+    parallelFor(batch, [&](std::size_t i) { results[i] = loadBlock(blocks[begin + i]); });
     for (Status& result : results) VOLUTE_TRY(std::move(result));
   }
-  loadedRow_ = row;
+  loaded_ = count;
   return {};
 }
 
@@ -157,11 +153,9 @@ Status ExtractSource::loadBlock(std::size_t block) {
   const int x0 = std::max(origin[3], r.begin[0]), x1 = std::min(origin[3] + extents[3], r.end[0]);
   const int y0 = std::max(origin[2], r.begin[1]), y1 = std::min(origin[2] + extents[2], r.end[1]);
   const int z0 = std::max(origin[1], r.begin[2]), z1 = std::min(origin[1] + extents[1], r.end[2]);
-  for (std::size_t i = firstInRow_; i < extraction_.positions.size(); ++i) {
-    const int t = extraction_.positions[i] - origin[0];
-    if (t >= extents[0])
-      break;
-    float* frame = row_.data() + (i - firstInRow_) * frameValues();
+  for (std::size_t i = 0; i < row_.size() / frameValues(); ++i) {
+    const int t = extraction_.positions[firstLoaded_ + i] - origin[0];
+    float* frame = row_.data() + i * frameValues();
     for (int z = z0; z < z1; ++z) {
       for (int y = y0; y < y1; ++y) {
         const std::size_t from =
@@ -181,11 +175,11 @@ Status ExtractSource::loadBlock(std::size_t block) {
 }
 
 Status ExtractSource::readFrame(int index, std::span<float> values) {
-  const int row = extraction_.positions[index] / kSide;
-  if (row != loadedRow_)
-    VOLUTE_TRY(load(row));
+  const auto wanted = static_cast<std::size_t>(index);
+  if (wanted < firstLoaded_ || wanted >= firstLoaded_ + loaded_)
+    VOLUTE_TRY(load(wanted));
   const auto frame =
-      std::span<const float>(row_).subspan((index - firstInRow_) * frameValues(), frameValues());
+      std::span<const float>(row_).subspan((wanted - firstLoaded_) * frameValues(), frameValues());
   if (extraction_.level == 0) {
     std::ranges::copy(frame, values.begin());
   } else {
@@ -197,43 +191,6 @@ Status ExtractSource::readFrame(int index, std::span<float> values) {
   const auto most = static_cast<float>(std::max(0.0, header.valueMax));
   for (float& value : values) value = std::clamp(value, least, most);
   return {};
-}
-
-Status extractFrames(ExtractSource& source, FrameSink* sink, std::uint64_t maxMemory,
-                     Progress& progress, Team& team) {
-  const std::vector<int>& positions = source.positions();
-  if (team.size() == 1)
-    return copyFrames(source, *sink, "extracting", progress);
-  std::vector<std::size_t> begins;  // of rows
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (i == 0 || positions[i] / BlockGrid::kSide != positions[i - 1] / BlockGrid::kSide)
-      begins.push_back(i);
-  }
-  begins.push_back(positions.size());
-  std::vector<float> frame(source.info().frameValues());
-  OrderedDelivery delivery(
-      team, static_cast<std::int64_t>(positions.size()), maxMemory / 8,
-      [&](std::int64_t, const OrderedDelivery::Bytes& bytes) {
-        std::memcpy(frame.data(), bytes.data(), bytes.size());
-        return sink->writeFrame(frame);
-      });
-  VOLUTE_TRY(team.forUnits(
-      "extracting", static_cast<std::int64_t>(begins.size() - 1), progress,
-      [&](std::int64_t row) -> Status {
-        const auto at = static_cast<std::size_t>(row);
-        std::vector<float> values(frame.size());
-        for (std::size_t i = begins[at]; i < begins[at + 1]; ++i) {
-          if (progress.cancelled())
-            return fail(ErrorCode::kCancelled, "stopped: extracting frame {}",
-                        source.info().frameNumbers[i]);
-          VOLUTE_TRY(source.readFrame(static_cast<int>(i), values));
-          const auto bytes = std::as_bytes(std::span(values));
-          VOLUTE_TRY(delivery.give(static_cast<std::int64_t>(i), {bytes.begin(), bytes.end()}));
-        }
-        return {};
-      },
-      [&] { return delivery.finish(); }));
-  return team.agree(sink ? sink->finish() : Status());
 }
 
 }  // namespace volute

@@ -29,8 +29,9 @@ struct Extraction {
 /// frames stays.
 class ExtractSource final : public FrameSource {
  public:
-  /// kTooLarge when the selected frames of one row of blocks need more than the memory that is
-  /// allowed. `progress` must outlive the source.
+  /// Holds the selected frames of one row of blocks, or as many of them as the memory that is allowed
+  /// has room for: then blocks are decoded more than once. kTooLarge where that is none. `progress`
+  /// must outlive the source.
   [[nodiscard]] static Result<std::unique_ptr<ExtractSource>> create(
       std::shared_ptr<const VoluteReader> reader, Extraction extraction, Progress& progress);
 
@@ -44,28 +45,19 @@ class ExtractSource final : public FrameSource {
  private:
   ExtractSource(std::shared_ptr<const VoluteReader> reader, Extraction extraction,
                 Progress& progress);
-  Status load(int row);
+  Status load(std::size_t index);
   Status loadBlock(std::size_t block);
   std::vector<std::size_t> blocksOfRow(int row) const;
 
   std::size_t frameValues() const { return extraction_.region.voxels() * info_.channels; }
 
-  std::size_t framesInRow(int row) const;
-
   std::shared_ptr<const VoluteReader> reader_;
   Extraction extraction_;
   Progress& progress_;
   VolumeInfo info_;
-  int loadedRow_ = -1;
-  std::size_t firstInRow_ = 0;  // index of the first selected frame of the row
-  std::vector<float> row_;      // shape (selected frames of the row, z, y, x, c) of the region
+  std::size_t framesAtOnce_ = 1;
+  std::size_t firstLoaded_ = 0, loaded_ = 0;  // which of the selected frames are in row_
+  std::vector<float> row_;                    // shape (t, z, y, x, c) of the region
 };
-
-/// Takes all frames out. The frames of a row of blocks are a unit of work; rank 0 writes all in order.
-/// Collective.
-/// @param sink  of rank 0; null on others
-/// @param maxMemory  [bytes], of which an eighth may wait to be written
-[[nodiscard]] Status extractFrames(ExtractSource& source, FrameSink* sink, std::uint64_t maxMemory,
-                                   Progress& progress, Team& team);
 
 }  // namespace volute

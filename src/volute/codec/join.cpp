@@ -29,6 +29,12 @@ struct Part {
 Result<Part> openPart(const std::filesystem::path& path, std::uint64_t maxMemory) {
   VOLUTE_ASSIGN(auto file, InputFile::open(path));
   VOLUTE_ASSIGN(auto head, readHead(file, maxMemory));
+  if (head.grids.size() > 1 || head.grids.front().description) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: holds what a cache says of its grids; only files of one grid by itself can be "
+                "joined: extract the frames of all parts into one folder and compress that",
+                path.string());
+  }
   VoluteReader::Options options;
   options.maxMemory = maxMemory;
   VOLUTE_ASSIGN(auto reader, VoluteReader::open(path, options));

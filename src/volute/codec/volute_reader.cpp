@@ -186,7 +186,7 @@ VoluteReader::~VoluteReader() = default;
 
 Result<VoluteReader> VoluteReader::open(const std::filesystem::path& path, const Options& options) {
   VOLUTE_ASSIGN(InputFile file, InputFile::open(path));
-  VOLUTE_ASSIGN(FileHead head, readHead(file, options.maxMemory));
+  VOLUTE_ASSIGN(FileHead head, readHead(file, options.maxMemory, options.grid));
   if (file.size() < head.fileBytes && !options.partial) {
     return fail(ErrorCode::kTruncated,
                 "{}: is truncated: it ends at byte {} of {}; --partial shows what is intact",
@@ -205,6 +205,18 @@ const VoluteHeader& VoluteReader::header() const {
 
 const BlockGrid& VoluteReader::blocks() const {
   return impl_->grid;
+}
+
+const std::vector<VoluteGrid>& VoluteReader::grids() const {
+  return impl_->head.grids;
+}
+
+const VoluteGrid& VoluteReader::grid() const {
+  return impl_->head.grids[impl_->head.grid];
+}
+
+const FrameMetadata& VoluteReader::fileMetadata() const {
+  return impl_->head.fileMetadata;
 }
 
 std::uint64_t VoluteReader::maxMemory() const {

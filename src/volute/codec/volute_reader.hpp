@@ -6,6 +6,7 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "volute/base/result.hpp"
 #include "volute/codec/block_grid.hpp"
 #include "volute/grid/frame_source.hpp"
+#include "volute/grid/grid_description.hpp"
 
 namespace volute {
 
@@ -30,6 +32,16 @@ struct VoluteHeader {
   double reachedRms = 0;              ///< relative RMS over all values: RMS / (max - min)
   double reachedMaxError = 0;         ///< absolute
   double valueMin = 0, valueMax = 0;  ///< of the original
+};
+
+/// One of the grids of a file.
+struct VoluteGrid {
+  VolumeInfo info;     ///< of an empty one x, y and z are 0, and it has no bounds
+  VoluteHeader header;
+  /// What the cache that it comes from says of it; none where it comes from something else.
+  std::optional<GridDescription> description{};
+  bool empty = false;       ///< in all frames
+  std::uint64_t bytes = 0;  ///< of its values in the file
 };
 
 /// What of a file is there and whole.
@@ -53,6 +65,9 @@ class VoluteReader {
     /// intact of a block's levels, coarse first, is decoded and the rest taken as zero.
     bool partial = false;
     std::uint64_t maxMemory = std::uint64_t{4} << 30;
+    /// Which one of several grids is read: all that follows is of it alone. Empty: 'density', else
+    /// the first that is not empty.
+    std::string grid{};
   };
 
   [[nodiscard]] static Result<VoluteReader> open(const std::filesystem::path& path,
@@ -66,7 +81,16 @@ class VoluteReader {
   const VoluteHeader& header() const;
   const BlockGrid& blocks() const;
 
-  /// Checks every segment of the file.
+  /// All grids of the file, in its order.
+  const std::vector<VoluteGrid>& grids() const;
+
+  /// Which of them is read.
+  const VoluteGrid& grid() const;
+
+  /// What the files of a cache say of themselves.
+  const FrameMetadata& fileMetadata() const;
+
+  /// Checks every segment of the grid.
   Integrity verify() const;
 
   /// The same; kCancelled when `progress` said so.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include "volute/codec/volute_reader.hpp"
@@ -13,6 +14,15 @@ class VoluteSource final : public FrameSource {
   explicit VoluteSource(std::shared_ptr<const VoluteReader> reader) : reader_(std::move(reader)) {}
 
   const VolumeInfo& info() const override { return reader_->info(); }
+
+  std::vector<std::string> otherGrids() const override {
+    std::vector<std::string> names;
+    for (const VoluteGrid& grid : reader_->grids()) {
+      if (grid.info.name != info().name)
+        names.push_back(grid.info.name);
+    }
+    return names;
+  }
 
   Status readFrame(int index, std::span<float> values) override {
     const VolumeInfo& volume = info();

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/grid/grid_description.hpp"
 #include "volute/grid/volume_info.hpp"
 
 namespace volute {
@@ -60,6 +61,33 @@ struct GridFacts {
   bool readable = false;               ///< LatticeReader::read() takes it
 };
 
+/// What a file of a cache says of one of its grids. Trivially copyable, as LatticeFrame.
+struct GridTraits {
+  static constexpr std::size_t kMaxText = 63, kMaxProblem = 127;
+
+  char type[kMaxText + 1] = {};       ///< as in GridDescription, and so are the others
+  char gridClass[kMaxText + 1] = {};
+  char map[kMaxText + 1] = {};
+  char problem[kMaxProblem + 1] = {};  ///< why it cannot be kept, "of type int32"; empty: it can
+  std::array<double, 3> background{};
+  std::uint64_t voxels = 0;
+  std::uint64_t memory = 0;  ///< [bytes]
+  bool half = false;
+};
+
+/// A grid of one file of a cache.
+struct LatticeGrid {
+  LatticeFrame frame;
+  GridTraits traits;
+  MetadataList metadata{};  ///< but for what the rest says
+};
+
+/// All grids of one file, in its order.
+struct LatticeCache {
+  std::vector<LatticeGrid> grids{};
+  MetadataList metadata{};  ///< of the file
+};
+
 /// What a library that knows a volume format does with one file of it. Used inside a child process
 /// (ReaderProcess), because damaged files may crash such libraries.
 class LatticeReader {
@@ -77,6 +105,12 @@ class LatticeReader {
     return fail(ErrorCode::kUnsupported, "{}: a format without a list of grids", file.string());
   }
 
+  /// The same as of a cache that is to be given back, without the values. kUnsupported where the
+  /// format has no caches.
+  [[nodiscard]] virtual Result<LatticeCache> describeAll(const std::filesystem::path& file) {
+    return fail(ErrorCode::kUnsupported, "{}: a format without caches", file.string());
+  }
+
   /// Fills `values`, shape (z, y, x, c) over `box`; voxels that the file does not have get its
   /// background value. Values outside the box are cut off when `crop` is true, else they are an
   /// error.
@@ -91,6 +125,14 @@ struct LatticeWriterOptions {
       false;  ///< OpenVDB: zlib, slower and smaller than Blosc; the grid's class is unknown then
 };
 
+/// A grid of a frame of a cache.
+struct GridFrame {
+  const VolumeInfo* info = nullptr;  ///< one with x = 0 is empty
+  const GridDescription* description = nullptr;
+  int frame = 0;                     ///< its position
+  std::span<const float> values{};   ///< shape (z, y, x, c)
+};
+
 /// Writes one frame to one file.
 class LatticeWriter {
  public:
@@ -100,6 +142,16 @@ class LatticeWriter {
   [[nodiscard]] virtual Status write(const std::filesystem::path& temporary,
                                      const std::filesystem::path& target, const VolumeInfo& info,
                                      int frame, std::span<const float> values) = 0;
+
+  /// The same for all grids of a cache, as their descriptions say. Nothing in those is trusted.
+  /// @param metadata  of the file; null: none
+  [[nodiscard]] virtual Status writeGrids(const std::filesystem::path& temporary,
+                                          const std::filesystem::path& target,
+                                          std::span<const GridFrame> grids,
+                                          const MetadataList* metadata) {
+    (void)temporary, (void)grids, (void)metadata;
+    return fail(ErrorCode::kUnsupported, "{}: a format without caches", target.string());
+  }
 };
 
 /// A file of a time series and when it is shown.

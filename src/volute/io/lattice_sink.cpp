@@ -62,7 +62,81 @@ class LatticeSink final : public FrameSink {
   std::vector<PendingFile> pending_;
 };
 
+/// A file for each frame.
+Result<std::vector<std::filesystem::path>> targetsOf(const std::filesystem::path& output,
+                                                     const VolumeInfo& info) {
+  if (!FramePattern::isPattern(output)) {
+    if (info.frames == 1)
+      return std::vector{output};
+    auto example = output;
+    example.replace_filename(output.stem().string() + "_%04d" + output.extension().string());
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: {} frames need a file each; name them with a pattern such as {}",
+                output.string(), info.frames, example.string());
+  }
+  VOLUTE_ASSIGN(const FramePattern pattern, FramePattern::parse(output));
+  std::vector<std::filesystem::path> targets;
+  for (int number : info.frameNumbers) targets.push_back(pattern.format(number));
+  return targets;
+}
+
+class LatticeCacheSink final : public CacheSink {
+ public:
+  LatticeCacheSink(std::vector<std::filesystem::path> targets, std::vector<GridTarget> grids,
+                   FrameMetadata fileMetadata, std::unique_ptr<LatticeWriter> writer)
+      : targets_(std::move(targets)),
+        grids_(std::move(grids)),
+        fileMetadata_(std::move(fileMetadata)),
+        writer_(std::move(writer)) {}
+
+  Status writeFrame(std::span<const std::vector<float>> values) override {
+    VOLUTE_ASSERT(values.size() == grids_.size() && pending_.size() < targets_.size());
+    const auto position = static_cast<int>(pending_.size());
+    std::vector<GridFrame> frames;
+    for (std::size_t i = 0; i < grids_.size(); ++i) {
+      const GridTarget& grid = grids_[i];
+      // A cache that has a list of metadata for some frames lacks the grid in the others.
+      const auto& metadata = grid.description.metadata;
+      if (!metadata.listOf.empty() && !metadata.at(position))
+        continue;
+      VOLUTE_ASSERT(values[i].size() == (grid.info.x == 0 ? 0 : grid.info.frameValues()));
+      frames.push_back({&grid.info, &grid.description, position, values[i]});
+    }
+    const auto& target = targets_[pending_.size()];
+    VOLUTE_ASSIGN(auto file, PendingFile::create(target));
+    VOLUTE_TRY(writer_->writeGrids(file.path(), target, frames, fileMetadata_.at(position)));
+    pending_.push_back(std::move(file));
+    return {};
+  }
+
+  Status finish() override {
+    if (pending_.size() != targets_.size()) {
+      return fail(ErrorCode::kInvalidArgument, "only {} of {} frames were written", pending_.size(),
+                  targets_.size());
+    }
+    for (auto& file : pending_) VOLUTE_TRY(file.commit());
+    return {};
+  }
+
+ private:
+  std::vector<std::filesystem::path> targets_;
+  std::vector<GridTarget> grids_;
+  FrameMetadata fileMetadata_;
+  std::unique_ptr<LatticeWriter> writer_;
+  std::vector<PendingFile> pending_;
+};
+
 }  // namespace
+
+Result<std::unique_ptr<CacheSink>> createLatticeCacheSink(const std::filesystem::path& output,
+                                                          std::vector<GridTarget> grids,
+                                                          FrameMetadata fileMetadata,
+                                                          std::unique_ptr<LatticeWriter> writer) {
+  VOLUTE_ASSERT(!grids.empty());
+  VOLUTE_ASSIGN(auto targets, targetsOf(output, grids.front().info));
+  return std::make_unique<LatticeCacheSink>(std::move(targets), std::move(grids),
+                                            std::move(fileMetadata), std::move(writer));
+}
 
 Result<std::unique_ptr<FrameSink>> createLatticeSink(const std::filesystem::path& output,
                                                      const VolumeInfo& info,
@@ -77,20 +151,8 @@ Result<std::unique_ptr<FrameSink>> createLatticeSink(const std::filesystem::path
                   output.string());
     }
     files.replace_filename(output.stem().string() + "_%04d.vti");
-  } else if (!FramePattern::isPattern(output)) {
-    if (info.frames > 1) {
-      auto example = output;
-      example.replace_filename(output.stem().string() + "_%04d" + output.extension().string());
-      return fail(ErrorCode::kInvalidArgument,
-                  "{}: {} frames need a file each; name them with a pattern such as {}",
-                  output.string(), info.frames, example.string());
-    }
-    return std::make_unique<LatticeSink>(std::vector{output}, std::filesystem::path(), info,
-                                         std::move(writer));
   }
-  VOLUTE_ASSIGN(const FramePattern pattern, FramePattern::parse(files));
-  std::vector<std::filesystem::path> targets;
-  for (int number : info.frameNumbers) targets.push_back(pattern.format(number));
+  VOLUTE_ASSIGN(auto targets, targetsOf(files, info));
   return std::make_unique<LatticeSink>(
       std::move(targets), collection ? output : std::filesystem::path(), info, std::move(writer));
 }

@@ -7,6 +7,7 @@
 
 #include "volute/grid/frame_source.hpp"
 #include "volute/io/lattice.hpp"
+#include "volute/io/volume_sink.hpp"
 
 namespace volute {
 
@@ -14,6 +15,11 @@ namespace volute {
 /// a .pvd collection.
 [[nodiscard]] Result<std::unique_ptr<FrameSink>> createLatticeSink(
     const std::filesystem::path& output, const VolumeInfo& info,
+    std::unique_ptr<LatticeWriter> writer);
+
+/// The same for all grids of a cache.
+[[nodiscard]] Result<std::unique_ptr<CacheSink>> createLatticeCacheSink(
+    const std::filesystem::path& output, std::vector<GridTarget> grids, FrameMetadata fileMetadata,
     std::unique_ptr<LatticeWriter> writer);
 
 }  // namespace volute

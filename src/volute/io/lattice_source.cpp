@@ -19,11 +19,88 @@ namespace {
 struct Request {
   bool describe = false;
   bool list = false;  ///< of all grids
+  bool cache = false;  ///< describe all grids
   bool flag = false;  ///< needBox when describing, crop when reading
   IndexBox box;
   char grid[LatticeFrame::kMaxName + 1] = {};
   char usual[LatticeFrame::kMaxName + 1] = {};
 };
+
+/// Texts of any length in a message, each after its length.
+std::string texts(std::initializer_list<std::string_view> parts) {
+  std::string message;
+  for (const std::string_view part : parts) {
+    message += toMessage(static_cast<std::uint32_t>(part.size()));
+    message += part;
+  }
+  return message;
+}
+
+/// Takes the next text off a message; none where it is cut short.
+std::optional<std::string_view> nextText(std::string_view& message) {
+  std::uint32_t size = 0;
+  if (message.size() < sizeof size)
+    return std::nullopt;
+  std::memcpy(&size, message.data(), sizeof size);
+  message.remove_prefix(sizeof size);
+  if (size > message.size())
+    return std::nullopt;
+  const auto part = message.substr(0, size);
+  message.remove_prefix(size);
+  return part;
+}
+
+std::string encodeMetadata(const MetadataList& list) {
+  std::string message;
+  for (const GridMetadata& entry : list) message += texts({entry.name, entry.type, entry.value});
+  return message;
+}
+
+bool decodeMetadata(std::string_view message, MetadataList& list) {
+  while (!message.empty()) {
+    GridMetadata& entry = list.emplace_back();
+    for (std::string* text : {&entry.name, &entry.type, &entry.value}) {
+      const auto part = nextText(message);
+      if (!part)
+        return false;
+      *text = *part;
+    }
+  }
+  return true;
+}
+
+std::string encodeCache(const LatticeCache& cache) {
+  std::string message = texts({encodeMetadata(cache.metadata)});
+  for (const LatticeGrid& grid : cache.grids)
+    message += texts({toMessage(grid.frame), toMessage(grid.traits), encodeMetadata(grid.metadata)});
+  return message;
+}
+
+Result<LatticeCache> decodeCache(std::string_view message) {
+  const auto cut = [] {
+    return fail(ErrorCode::kInvalidData, "the description of its grids is cut short");
+  };
+  LatticeCache cache;
+  const auto ofFile = nextText(message);
+  if (!ofFile || !decodeMetadata(*ofFile, cache.metadata))
+    return cut();
+  while (!message.empty()) {
+    const auto frame = nextText(message);
+    const auto traits = frame ? nextText(message) : std::nullopt;
+    const auto metadata = traits ? nextText(message) : std::nullopt;
+    LatticeGrid& grid = cache.grids.emplace_back();
+    if (!metadata || !decodeMetadata(*metadata, grid.metadata))
+      return cut();
+    VOLUTE_ASSIGN(grid.frame, fromMessage<LatticeFrame>(*frame));
+    VOLUTE_ASSIGN(grid.traits, fromMessage<GridTraits>(*traits));
+    for (char* end : {&grid.traits.type[GridTraits::kMaxText],
+                      &grid.traits.gridClass[GridTraits::kMaxText],
+                      &grid.traits.map[GridTraits::kMaxText],
+                      &grid.traits.problem[GridTraits::kMaxProblem]})
+      *end = '\0';
+  }
+  return cache;
+}
 
 /// The child's side.
 Result<std::string> serve(LatticeReader& reader, const std::filesystem::path& path,
@@ -35,6 +112,17 @@ Result<std::string> serve(LatticeReader& reader, const std::filesystem::path& pa
     for (const GridFacts& grid : grids) {
       if (reply.size() + sizeof(GridFacts) <= ReaderProcess::kMaxMessage)
         reply += toMessage(grid);
+    }
+    return reply;
+  }
+  if (request.cache) {
+    VOLUTE_ASSIGN(const auto cache, reader.describeAll(path));
+    std::string reply = encodeCache(cache);
+    if (reply.size() > ReaderProcess::kMaxMessage) {
+      return fail(ErrorCode::kTooLarge,
+                  "{}: what its {} grids say of themselves takes {} KiB; expected {} at most",
+                  path.string(), cache.grids.size(), reply.size() >> 10,
+                  ReaderProcess::kMaxMessage >> 10);
     }
     return reply;
   }
@@ -223,31 +311,23 @@ std::vector<std::string> namesIn(std::string_view list) {
 class LatticeSource final : public FrameSource {
  public:
   LatticeSource(std::vector<LatticeFile> files, Result<const LatticePlugin*> (*loadPlugin)(),
-                const SourceOptions& options)
-      : files_(std::move(files)), process_(readerOf(files_, loadPlugin)), options_(options) {}
+                const SourceOptions& options, std::optional<KnownGrid> known)
+      : files_(std::move(files)),
+        process_(readerOf(files_, loadPlugin)),
+        options_(options),
+        known_(std::move(known)) {}
 
   /// Reads what the files say about themselves and settles the volume's place and size.
   Status open() {
     std::vector<LatticeFrame> frames;
-    std::string grid = options_.grid;
-    IndexBox box;
-    for (std::size_t i = 0; i < files_.size(); ++i) {
-      VOLUTE_ASSIGN(const LatticeFrame frame, describe(i, grid));
-      if (i == 0) {
-        if (grid.empty() && frame.others[0] != '\0' && options_.remark) {
-          options_.remark(fmt::format(
-              "{}: the grid '{}' is read; it also has {} (--field chooses)", files_[0].path.string(),
-              frame.grid,
-              std::string_view(frame.others, ::strnlen(frame.others, LatticeFrame::kMaxName))));
-        }
-        grid = frame.grid;
-        others_ = namesIn({frame.others, ::strnlen(frame.others, LatticeFrame::kMaxName)});
-      }
-      frames.push_back(frame);
-      VOLUTE_ASSIGN(const auto shift, latticeShift(frames.front(), frame, files_[i]));
-      shifts_.push_back(shift);
-      box.extend(frame.box.shifted(shift));
-    }
+    std::string grid = known_ ? known_->name : options_.grid;
+    if (known_)
+      frames = known_->frames;
+    if (!known_)
+      VOLUTE_TRY(describeAll(grid, frames));
+    VOLUTE_ASSIGN(auto places, latticePlaces(files_, frames));
+    shifts_ = std::move(places.shifts);
+    IndexBox box = places.box;
     grid_ = grid;
     const std::string where = files_.front().path.string();
     if (options_.bounds) {
@@ -269,6 +349,12 @@ class LatticeSource final : public FrameSource {
 
   Status readFrame(int index, std::span<float> values) override {
     VOLUTE_ASSERT(values.size() == info_.frameValues());
+    if (known_ && !known_->present[static_cast<std::size_t>(index)]) {
+      const auto channels = static_cast<std::size_t>(info_.channels);
+      for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = static_cast<float>(known_->background[i % channels]);
+      return {};
+    }
     const auto& shift = shifts_[index];
     Request request;
     request.flag = options_.bounds.has_value();
@@ -297,6 +383,55 @@ class LatticeSource final : public FrameSource {
     return frame;
   }
 
+  /// `grid`, or the one that is meant where it is empty, in all files. Simulations leave out what is
+  /// not there yet: a file without the grid has an empty one.
+  Status describeAll(std::string& grid, std::vector<LatticeFrame>& frames) {
+    std::vector<bool> present;
+    std::optional<Error> missing;
+    std::size_t first = files_.size();
+    for (std::size_t i = 0; i < files_.size(); ++i) {
+      auto frame = describe(i, grid);
+      std::error_code error;
+      const bool absent = !frame && !grid.empty() && frame.error().code == ErrorCode::kNotFound &&
+                          std::filesystem::exists(files_[i].path, error);
+      if (!frame && !absent)
+        return tl::unexpected(std::move(frame.error()));
+      present.push_back(!absent);
+      if (absent) {
+        if (!missing)
+          missing = frame.error();
+        frames.emplace_back();
+        continue;
+      }
+      const std::string_view others(frame->others,
+                                    ::strnlen(frame->others, LatticeFrame::kMaxName));
+      if (grid.empty() && !others.empty() && options_.remark) {
+        options_.remark(fmt::format("{}: the grid '{}' is read; it also has {} (--field chooses)",
+                                    files_[0].path.string(), frame->grid, others));
+      }
+      grid = frame->grid;
+      for (const std::string& name : namesIn(others)) {
+        if (std::ranges::find(others_, name) == others_.end())
+          others_.push_back(name);
+      }
+      first = std::min(first, i);
+      frames.push_back(*frame);
+    }
+    if (first == files_.size())
+      return tl::unexpected(std::move(*missing));
+    if (!missing)
+      return {};
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      if (present[i])
+        continue;
+      frames[i] = frames[first];
+      frames[i].box = {};
+      frames[i].time = std::numeric_limits<double>::quiet_NaN();
+    }
+    known_ = KnownGrid{grid, frames, std::move(present), {}};
+    return {};
+  }
+
   void fillInfo(const std::vector<LatticeFrame>& frames) {
     info_.name = grid_;
     info_.frames = static_cast<int>(files_.size());
@@ -313,6 +448,7 @@ class LatticeSource final : public FrameSource {
   std::vector<LatticeFile> files_;
   ReaderProcess process_;
   SourceOptions options_;
+  std::optional<KnownGrid> known_;
   std::string grid_;
   std::vector<std::string> others_;
   IndexBox box_;  // on the first frame's lattice
@@ -334,19 +470,72 @@ Result<ReaderProcess::Serve> serveCollection(std::string_view parameters) {
   };
 }
 
-}  // namespace
-
-Result<std::unique_ptr<FrameSource>> openLatticeSource(std::vector<LatticeFile> files,
-                                                       Result<const LatticePlugin*> (*loadPlugin)(),
-                                                       const SourceOptions& options) {
+Result<std::unique_ptr<FrameSource>> openedSource(std::vector<LatticeFile> files,
+                                                 LoadLatticePlugin loadPlugin,
+                                                 const SourceOptions& options,
+                                                 std::optional<KnownGrid> known) {
   VOLUTE_ASSERT(!files.empty());
   if (options.grid.size() > LatticeFrame::kMaxName) {
     return fail(ErrorCode::kInvalidArgument, "a grid's name of {} characters; expected {} at most",
                 options.grid.size(), LatticeFrame::kMaxName);
   }
-  auto source = std::make_unique<LatticeSource>(std::move(files), loadPlugin, options);
+  auto source =
+      std::make_unique<LatticeSource>(std::move(files), loadPlugin, options, std::move(known));
   VOLUTE_TRY(source->open());
   return source;
+}
+
+}  // namespace
+
+Result<LatticePlaces> latticePlaces(const std::vector<LatticeFile>& files,
+                               const std::vector<LatticeFrame>& frames) {
+  LatticePlaces places;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    VOLUTE_ASSIGN(const auto shift, latticeShift(frames.front(), frames[i], files[i]));
+    places.shifts.push_back(shift);
+    places.box.extend(frames[i].box.shifted(shift));
+  }
+  return places;
+}
+
+Result<std::unique_ptr<FrameSource>> openLatticeSource(std::vector<LatticeFile> files,
+                                                       Result<const LatticePlugin*> (*loadPlugin)(),
+                                                       const SourceOptions& options) {
+  return openedSource(std::move(files), loadPlugin, options, std::nullopt);
+}
+
+Result<std::unique_ptr<FrameSource>> openLatticeSource(std::vector<LatticeFile> files,
+                                                       Result<const LatticePlugin*> (*loadPlugin)(),
+                                                       const SourceOptions& options,
+                                                       KnownGrid known) {
+  VOLUTE_ASSERT(known.frames.size() == files.size() && known.present.size() == files.size());
+  return openedSource(std::move(files), loadPlugin, options, std::move(known));
+}
+
+Result<std::vector<LatticeCache>> describeCache(const std::vector<LatticeFile>& files,
+                                                std::uint64_t maxMemory) {
+  ReaderProcess process(readerOf(files, loadVdbPlugin));
+  std::vector<LatticeCache> caches;
+  for (const LatticeFile& file : files) {
+    const std::string name = file.path.string();
+    Request request;
+    request.cache = true;
+    // Grids whose box the file does not note are read for it.
+    ReaderProcess::Limits limits = limitsFor(file.path, 0, maxMemory);
+    limits.seconds += 2e-6 * static_cast<double>(sizeOf(file.path));
+    VOLUTE_ASSIGN(const std::string reply,
+                  process.call(name, toMessage(request) + name, 0, limits));
+    auto cache = decodeCache(reply);
+    if (!cache)
+      return fail(ErrorCode::kInvalidData, "{}: {}", name, cache.error().message);
+    for (LatticeGrid& grid : cache->grids) {
+      grid.frame.grid[LatticeFrame::kMaxName] = '\0';
+      if (grid.traits.problem[0] == '\0')
+        VOLUTE_TRY(checkFrame(grid.frame, name));
+    }
+    caches.push_back(std::move(*cache));
+  }
+  return caches;
 }
 
 Result<std::vector<GridFacts>> listGrids(const std::filesystem::path& file,

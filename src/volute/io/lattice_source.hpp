@@ -19,6 +19,14 @@ struct LatticeFile {
       time;  ///< [s]; when not stated the file may state it, else the numbers give it
 };
 
+/// What is known of a grid that is read for a cache.
+struct KnownGrid {
+  std::string name;
+  std::vector<LatticeFrame> frames;    ///< of each file; those of files without it have an empty box
+  std::vector<bool> present;           ///< whether each file has the grid
+  std::array<double, 3> background{};  ///< of each channel, in files without it
+};
+
 /// A sequence of files, each with a grid on one common lattice of voxels: all must have the same
 /// voxel size, and origins that differ by whole voxels. Without bounds the volume is the least box
 /// around all files' values.
@@ -26,6 +34,24 @@ struct LatticeFile {
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> openLatticeSource(
     std::vector<LatticeFile> files, Result<const LatticePlugin*> (*loadPlugin)(),
     const SourceOptions& options);
+
+/// The same of a grid that was described before.
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> openLatticeSource(
+    std::vector<LatticeFile> files, Result<const LatticePlugin*> (*loadPlugin)(),
+    const SourceOptions& options, KnownGrid known);
+
+/// How far the origin of each frame lies from that of the first [voxels], and the least box around
+/// the values of all, on the first one's lattice. An error unless all are on one.
+struct LatticePlaces {
+  std::vector<std::array<std::int64_t, 3>> shifts;
+  IndexBox box;
+};
+[[nodiscard]] Result<LatticePlaces> latticePlaces(const std::vector<LatticeFile>& files,
+                                             const std::vector<LatticeFrame>& frames);
+
+/// What each file of a cache says, all read in one child process.
+[[nodiscard]] Result<std::vector<LatticeCache>> describeCache(const std::vector<LatticeFile>& files,
+                                                              std::uint64_t maxMemory);
 
 /// All grids of a .vdb file, read in a child process as well.
 [[nodiscard]] Result<std::vector<GridFacts>> listGrids(const std::filesystem::path& file,

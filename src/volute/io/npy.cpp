@@ -107,7 +107,65 @@ class NpySource final : public FrameSource {
   VolumeInfo info_;
 };
 
+/// A file is open while its frame is read.
+class NpySequence final : public FrameSource {
+ public:
+  NpySequence(std::vector<NumberedFile> files, SourceOptions options, VolumeInfo info)
+      : files_(std::move(files)), options_(std::move(options)), info_(std::move(info)) {}
+
+  const VolumeInfo& info() const override { return info_; }
+
+  bool readsLayers() const override { return true; }
+
+  Status readFrame(int index, std::span<float> values) override {
+    return readLayers(index, 0, info_.z, values);
+  }
+
+  Status readLayers(int index, int first, int end, std::span<float> values) override {
+    const auto& path = files_[static_cast<std::size_t>(index)].path;
+    VOLUTE_ASSIGN(const auto file, openNpy(path, options_));
+    VOLUTE_TRY(checkSame(file->info(), path));
+    return file->readLayers(0, first, end, values);
+  }
+
+  /// One frame, and as large as the first file's.
+  Status checkSame(const VolumeInfo& one, const std::filesystem::path& path) const {
+    if (one.frames == 1 && one.x == info_.x && one.y == info_.y && one.z == info_.z &&
+        one.channels == info_.channels)
+      return {};
+    return fail(ErrorCode::kInvalidData,
+                "{}: holds {} frame{} of {} x {} x {} voxels with {} channel{}; expected one of {} x {} "
+                "x {} with {}, as {} has",
+                path.string(), one.frames, one.frames == 1 ? "" : "s", one.x, one.y, one.z,
+                one.channels, one.channels == 1 ? "" : "s", info_.x, info_.y, info_.z,
+                info_.channels, files_.front().path.filename().string());
+  }
+
+ private:
+  std::vector<NumberedFile> files_;
+  SourceOptions options_;
+  VolumeInfo info_;
+};
+
 }  // namespace
+
+Result<std::unique_ptr<FrameSource>> openNpySequence(const std::vector<NumberedFile>& files,
+                                                     const SourceOptions& options) {
+  VOLUTE_ASSERT(!files.empty());
+  VOLUTE_ASSIGN(const auto first, openNpy(files.front().path, options));
+  VolumeInfo info = first->info();
+  info.frames = static_cast<int>(files.size());
+  info.frameNumbers.clear(), info.times.clear();
+  for (const NumberedFile& file : files) info.frameNumbers.push_back(file.number);
+  info.fillDefaults();
+  VOLUTE_TRY(info.validate(files.front().path.string()));
+  auto sequence = std::make_unique<NpySequence>(files, options, info);
+  for (const NumberedFile& file : files) {
+    VOLUTE_ASSIGN(const auto one, openNpy(file.path, options));
+    VOLUTE_TRY(sequence->checkSame(one->info(), file.path));
+  }
+  return sequence;
+}
 
 Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
                                              const SourceOptions& options) {

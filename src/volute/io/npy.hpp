@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "volute/base/output_file.hpp"
+#include "volute/io/frame_pattern.hpp"
 #include "volute/io/volume_source.hpp"
 
 namespace volute {
@@ -15,6 +16,11 @@ namespace volute {
 /// what its header says.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
                                                            const SourceOptions& options);
+
+/// Numbered arrays as a sequence, a frame each: (z, y, x), or with one frame as above. All must have
+/// the same size.
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> openNpySequence(
+    const std::vector<NumberedFile>& files, const SourceOptions& options);
 
 /// Writes float32 (t, z, y, x), or (t, z, y, x, c) when there are 3 channels, as numpy.save would.
 /// "-" is standard output.

@@ -205,5 +205,39 @@ TEST(VolumeSource, UnknownKindsAreNamed) {
             ErrorCode::kUnsupported);
 }
 
+TEST(NpySequence, NumberedFilesAreItsFrames) {
+  const TempFolder folder;
+  const auto written = makeBlob(3, 4, 5, 6, 3);
+  const int numbers[] = {8, 9, 12};
+  for (int i = 0; i < 3; ++i) {
+    Sequence one = makeSequence(1, 4, 5, 6, 3);
+    std::ranges::copy(written.frame(i), one.values.begin());
+    ASSERT_TRUE(ok(writeAll(folder / fmt::format("f_{:04}.npy", numbers[i]), one)));
+  }
+  for (const auto& input : {folder.path(), folder / "f_%04d.npy", folder / "f_####.npy"}) {
+    ASSERT_VALUE(const auto read, readSequence(input));
+    EXPECT_EQ(read.values, written.values);
+    EXPECT_EQ(read.info.frameNumbers, (std::vector{8, 9, 12}));
+    EXPECT_NEAR(read.info.times[2], 4 / 25.0, 1e-12);
+  }
+  // A file alone is that file.
+  ASSERT_VALUE(const auto one, readSequence(folder / "f_0009.npy"));
+  EXPECT_EQ(one.info.frames, 1);
+
+  ASSERT_TRUE(ok(writeAll(folder / "g_0001.npy", makeBlob(1, 4, 5, 6, 3))));
+  const auto two = readSequence(folder.path());
+  ASSERT_FALSE(two);
+  EXPECT_NE(two.error().message.find("f_####.npy (3 files) and g_####.npy (1 file)"), std::string::npos)
+      << two.error().message;
+  std::filesystem::remove(folder / "g_0001.npy");
+  ASSERT_TRUE(ok(writeAll(folder / "f_0013.npy", makeBlob(1, 4, 5, 7, 3))));
+  const auto odd = readSequence(folder.path());
+  ASSERT_FALSE(odd);
+  EXPECT_NE(odd.error().message.find("f_0013.npy: holds 1 frame of 7 x 5 x 4 voxels"), std::string::npos)
+      << odd.error().message;
+  writeBytes(folder / "a_0001.vdb", "x");
+  EXPECT_EQ(readSequence(folder.path()).error().code, ErrorCode::kInvalidArgument);
+}
+
 }  // namespace
 }  // namespace volute

@@ -6,6 +6,7 @@
 #include <openvdb/io/GridDescriptor.h>
 #include <openvdb/io/io.h>
 #include <openvdb/openvdb.h>
+#include <openvdb/tools/Prune.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +14,7 @@
 #include <fstream>
 #include <limits>
 #include <optional>
+#include <sstream>
 
 #include "volute/base/checksum.hpp"
 #include "volute/io/grid_choice.hpp"
@@ -36,7 +38,7 @@ class VdbFile final : public openvdb::io::Archive {
     setFormatVersion(stream_);
     setLibraryVersion(stream_);
     setDataCompression(stream_);
-    openvdb::MetaMap().readMeta(stream_);
+    fileMetadata_.readMeta(stream_);
     if (!inputHasGridOffsets()) {
       OPENVDB_THROW(openvdb::IoError, "it has no table of its grids (it was written as a stream)");
     }
@@ -58,8 +60,24 @@ class VdbFile final : public openvdb::io::Archive {
     return openvdb::io::GridDescriptor::nameAsString(grids_[index].descriptor.uniqueName());
   }
 
+  const openvdb::MetaMap& metadata() const { return fileMetadata_; }
+
   /// Metadata and transform are read, the tree is empty.
   const openvdb::GridBase& grid(std::size_t index) const { return *grids_[index].grid; }
+
+  /// Where its voxels are, without their values.
+  openvdb::GridBase::Ptr readTopology(std::size_t index) {
+    const auto& entry = grids_[index];
+    if (entry.descriptor.isInstance())
+      return readTree(index);
+    auto grid = openvdb::GridBase::createGrid(entry.descriptor.gridType());
+    entry.descriptor.seekToGrid(stream_);
+    readGridCompression(stream_);
+    grid->readMeta(stream_);
+    grid->readTransform(stream_);
+    grid->readTopology(stream_);
+    return grid;
+  }
 
   openvdb::GridBase::Ptr readTree(std::size_t index) {
     const auto& entry = grids_[index];
@@ -98,6 +116,7 @@ class VdbFile final : public openvdb::io::Archive {
   // The stream keeps the address of this pointer.
   openvdb::io::StreamMetadata::Ptr metadata_ = std::make_shared<openvdb::io::StreamMetadata>();
   std::ifstream stream_;
+  openvdb::MetaMap fileMetadata_;
   std::vector<Entry> grids_;
 };
 
@@ -111,6 +130,11 @@ class VdbOutput final : public openvdb::io::Archive {
 
   void writeTo(std::ostream& stream, const openvdb::GridBase::Ptr& grid) const {
     write(stream, openvdb::GridPtrVec{grid}, /*seekable=*/true);
+  }
+
+  void writeTo(std::ostream& stream, const openvdb::GridPtrVec& grids,
+               const openvdb::MetaMap& metadata) const {
+    write(stream, grids, /*seekable=*/true, metadata);
   }
 };
 
@@ -222,7 +246,7 @@ struct Channels<openvdb::math::Vec3<Scalar>> {
 };
 
 /// Active voxels and tiles of the grid into the dense array over `box`; the background everywhere
-/// else.
+/// else. Of a level set all of them: what is not active in it says which side it is on.
 template <class Grid>
 void fillDense(const Grid& grid, const openvdb::CoordBBox& box, std::span<float> values) {
   using Traits = Channels<typename Grid::ValueType>;
@@ -233,12 +257,12 @@ void fillDense(const Grid& grid, const openvdb::CoordBBox& box, std::span<float>
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = background[i % kCount];
 
   const auto size = box.dim();
-  for (auto it = grid.cbeginValueOn(); it; ++it) {
+  const auto fill = [&](const auto& it) {
     openvdb::CoordBBox part;
     it.getBoundingBox(part);
     part.intersect(box);
     if (part.empty())
-      continue;
+      return;
     float value[kCount];
     Traits::store(*it, value);
     for (int z = part.min().z(); z <= part.max().z(); ++z) {
@@ -248,6 +272,11 @@ void fillDense(const Grid& grid, const openvdb::CoordBBox& box, std::span<float>
         for (int x = part.min().x(); x <= part.max().x(); ++x) to = std::copy_n(value, kCount, to);
       }
     }
+  };
+  if (grid.getGridClass() == openvdb::GRID_LEVEL_SET) {
+    for (auto it = grid.cbeginValueAll(); it; ++it) fill(it);
+  } else {
+    for (auto it = grid.cbeginValueOn(); it; ++it) fill(it);
   }
 }
 
@@ -297,6 +326,115 @@ GridFacts factsOf(const std::string& name, const openvdb::GridBase& grid) {
   return facts;
 }
 
+/// What OpenVDB writes of itself, and what we keep elsewhere.
+bool isKeptElsewhere(const std::string& name) {
+  using openvdb::GridBase;
+  return name == GridBase::META_GRID_CLASS || name == GridBase::META_GRID_NAME ||
+         name == GridBase::META_FILE_BBOX_MIN || name == GridBase::META_FILE_BBOX_MAX || name == GridBase::META_FILE_COMPRESSION ||
+         name == GridBase::META_FILE_MEM_BYTES || name == GridBase::META_FILE_VOXEL_COUNT ||
+         name == GridBase::META_FILE_DELAYED_LOAD;
+}
+
+constexpr std::array<std::string_view, 17> kMetadataTypes = {
+    "string", "bool",  "int32", "int64", "float", "double", "vec2i", "vec2s", "vec2d",
+    "vec3i",  "vec3s", "vec3d", "vec4i", "vec4s", "vec4d",  "mat4s", "mat4d"};
+
+bool isKnownMetadata(const std::string& type) {
+  return std::ranges::find(kMetadataTypes, type) != kMetadataTypes.end() &&
+         openvdb::Metadata::isRegisteredType(type);
+}
+
+constexpr std::size_t kSizeBytes = sizeof(openvdb::Index32);  // before a value of metadata
+
+/// Entries of types that everybody knows, and of a size that somebody meant.
+MetadataList listMetadata(const openvdb::MetaMap& map) {
+  constexpr std::size_t kMostBytes = 4096;
+  MetadataList list;
+  for (auto it = map.beginMeta(); it != map.endMeta(); ++it) {
+    const std::string type = it->second->typeName();
+    if (isKeptElsewhere(it->first) || !isKnownMetadata(type) || it->second->size() > kMostBytes)
+      continue;
+    std::ostringstream bytes;
+    it->second->write(bytes);
+    list.push_back({it->first, type, bytes.str().substr(kSizeBytes)});
+  }
+  return list;
+}
+
+/// The same the other way; leaves out what cannot be.
+void putMetadata(const MetadataList& list, openvdb::MetaMap& map) {
+  for (const GridMetadata& entry : list) {
+    if (entry.name.empty() || isKeptElsewhere(entry.name) || !isKnownMetadata(entry.type))
+      continue;
+    const auto metadata = openvdb::Metadata::createMetadata(entry.type);
+    if (entry.type != "string" && metadata->size() != entry.value.size())
+      continue;
+    const auto size = static_cast<openvdb::Index32>(entry.value.size());
+    std::string bytes(kSizeBytes, '\0');
+    std::memcpy(bytes.data(), &size, kSizeBytes);
+    std::istringstream in(bytes + entry.value);
+    metadata->read(in);
+    map.insertMeta(entry.name, *metadata);
+  }
+}
+
+template <class Grid>
+bool addBackground(const openvdb::GridBase& base, GridTraits& traits) {
+  if (!base.isType<Grid>())
+    return false;
+  float background[3] = {};
+  Channels<typename Grid::ValueType>::store(static_cast<const Grid&>(base).background(), background);
+  for (std::size_t c = 0; c < 3; ++c)
+    traits.background[c] = std::isfinite(background[c]) ? background[c] : 0;
+  return true;
+}
+
+void putText(std::string_view text, char* to, std::size_t most) {
+  text.substr(0, most).copy(to, most);
+}
+
+LatticeGrid describeForCache(VdbFile& file, std::size_t index) {
+  const openvdb::GridBase& grid = file.grid(index);
+  LatticeGrid result;
+  GridTraits& traits = result.traits;
+  putText(file.name(index), result.frame.grid, LatticeFrame::kMaxName);
+  putText(grid.valueType(), traits.type, GridTraits::kMaxText);
+  if (grid.getGridClass() != openvdb::GRID_UNKNOWN)
+    putText(openvdb::GridBase::gridClassToString(grid.getGridClass()), traits.gridClass,
+            GridTraits::kMaxText);
+  putText(grid.transform().mapType(), traits.map, GridTraits::kMaxText);
+  traits.half = grid.saveFloatAsHalf();
+  result.frame.channels =
+      grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>() ? 3 : 1;
+  if (file.name(index).size() > LatticeFrame::kMaxName) {
+    putText("with a name that is too long", traits.problem, GridTraits::kMaxProblem);
+    return result;
+  }
+  if (!grid.isType<openvdb::FloatGrid>() && !grid.isType<openvdb::DoubleGrid>() &&
+      !grid.isType<openvdb::Vec3SGrid>() && !grid.isType<openvdb::Vec3DGrid>()) {
+    putText(fmt::format("of type {}", grid.valueType()), traits.problem, GridTraits::kMaxProblem);
+    return result;
+  }
+  if (!readTransform(grid, "", result.frame)) {
+    putText("whose voxels do not lie along the axes", traits.problem, GridTraits::kMaxProblem);
+    return result;
+  }
+  if (const auto time = grid.getMetadata<openvdb::DoubleMetadata>(kTimeKey))
+    result.frame.time = time->value();
+  const auto tree = file.readTopology(index);
+  result.frame.box = toIndexBox(tree->evalActiveVoxelBoundingBox());
+  (void)(addBackground<openvdb::FloatGrid>(*tree, traits) ||
+         addBackground<openvdb::DoubleGrid>(*tree, traits) ||
+         addBackground<openvdb::Vec3SGrid>(*tree, traits) ||
+         addBackground<openvdb::Vec3DGrid>(*tree, traits));
+  traits.voxels = tree->activeVoxelCount();
+  const auto memory = grid.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_MEM_BYTES);
+  traits.memory = memory && memory->value() > 0 ? static_cast<std::uint64_t>(memory->value())
+                                                : tree->memUsage();
+  result.metadata = listMetadata(grid);
+  return result;
+}
+
 class VdbReader final : public LatticeReader {
  public:
   VdbReader() { openvdb::initialize(); }
@@ -340,11 +478,26 @@ class VdbReader final : public LatticeReader {
     });
   }
 
+  Result<LatticeCache> describeAll(const std::filesystem::path& path) override {
+    return guarded(path, [&]() -> Result<LatticeCache> {
+      VdbFile file(path);
+      LatticeCache cache;
+      cache.metadata = listMetadata(file.metadata());
+      for (std::size_t i = 0; i < file.gridCount(); ++i)
+        cache.grids.push_back(describeForCache(file, i));
+      return cache;
+    });
+  }
+
   Status read(const std::filesystem::path& path, const std::string& wanted, const IndexBox& box,
               bool crop, std::span<float> values) override {
     return guarded(path, [&]() -> Status {
       VdbFile file(path);
-      VOLUTE_ASSIGN(const std::size_t index, chooseGrid(entriesOf(file), wanted, path.string()));
+      auto entries = entriesOf(file);
+      // Who reads a level set knows that it is one.
+      for (GridEntry& entry : entries)
+        entry.usable = entry.usable || (!wanted.empty() && entry.type == "level set");
+      VOLUTE_ASSIGN(const std::size_t index, chooseGrid(entries, wanted, path.string()));
       const auto grid = file.readTree(index);
       if (!crop && !box.contains(toIndexBox(grid->evalActiveVoxelBoundingBox()))) {
         return fail(ErrorCode::kInvalidData,
@@ -408,13 +561,126 @@ openvdb::math::Transform::Ptr makeTransform(const VolumeInfo& info) {
 
 /// OpenVDB writes a random identifier into each file; one that follows from the content keeps equal
 /// inputs equal.
-void overwriteIdentifier(std::ostream& stream, int number, std::span<const float> values) {
+void overwriteIdentifier(std::ostream& stream, std::uint32_t content, int number) {
   constexpr std::streamoff kPlace =
       21;  // after magic number, versions and the flag for grid offsets
-  const std::uint32_t content = crc32(std::as_bytes(values));
   stream.seekp(kPlace);
   stream << fmt::format("{:08x}-0000-4000-8000-{:012x}", content,
                         static_cast<std::uint32_t>(number));
+}
+
+using Index3 = std::array<int, 3>;
+
+/// A grid that is empty but for its background.
+template <class Grid>
+typename Grid::Ptr gridOver(const GridDescription& description) {
+  using Value = typename Grid::ValueType;
+  const auto& b = description.background;
+  if constexpr (Channels<Value>::kCount == 3) {
+    using Scalar = typename Value::ValueType;
+    return Grid::create(Value(static_cast<Scalar>(b[0]), static_cast<Scalar>(b[1]),
+                              static_cast<Scalar>(b[2])));
+  } else {
+    return Grid::create(static_cast<Value>(b[0]));
+  }
+}
+
+/// Voxels that are the background stay inactive. Of a level set those beyond the narrow band are,
+/// and lie inside where they are negative.
+template <class Grid>
+openvdb::GridBase::Ptr makeCacheGrid(const GridFrame& frame, const Index3& begin) {
+  using Value = typename Grid::ValueType;
+  constexpr int kCount = Channels<Value>::kCount;
+  const VolumeInfo& info = *frame.info;
+  const auto grid = gridOver<Grid>(*frame.description);
+  const bool levelSet = frame.description->gridClass == "level set";
+  const auto& background = frame.description->background;
+  auto accessor = grid->getAccessor();
+  const float* from = frame.values.data();
+  for (int z = 0; z < info.z; ++z) {
+    for (int y = 0; y < info.y; ++y) {
+      for (int x = 0; x < info.x; ++x, from += kCount) {
+        const openvdb::Coord at(begin[0] + x, begin[1] + y, begin[2] + z);
+        if constexpr (kCount == 3) {
+          const bool empty = from[0] == static_cast<float>(background[0]) &&
+                             from[1] == static_cast<float>(background[1]) &&
+                             from[2] == static_cast<float>(background[2]);
+          if (!empty)
+            accessor.setValue(at, Value(from[0], from[1], from[2]));
+        } else if (levelSet && std::abs(*from) >= static_cast<float>(background[0])) {
+          if (*from < 0)
+            accessor.setValueOff(at, static_cast<Value>(-background[0]));
+        } else if (levelSet || *from != static_cast<float>(background[0])) {
+          accessor.setValue(at, static_cast<Value>(*from));
+        }
+      }
+    }
+  }
+  if constexpr (kCount == 1) {
+    if (levelSet)
+      openvdb::tools::prune(grid->tree());
+  }
+  return grid;
+}
+
+/// As a cache has it in this frame; where its bounds say it where the cache says nothing.
+openvdb::math::Transform::Ptr makeCacheTransform(const GridFrame& frame) {
+  using namespace openvdb::math;
+  const GridDescription& grid = *frame.description;
+  const auto& size = grid.voxelSize;
+  bool sound = true;
+  for (int axis = 0; axis < 3; ++axis)
+    sound = sound && size[axis] > 0 && std::isfinite(size[axis]) && std::isfinite(grid.origin[axis]);
+  if (!sound || grid.map.empty())
+    return makeTransform(*frame.info);
+  openvdb::Vec3d scale(size[0], size[1], size[2]), origin(grid.origin[0], grid.origin[1], grid.origin[2]);
+  if (!grid.shifts.empty()) {
+    const auto& shift = grid.shifts[static_cast<std::size_t>(frame.frame)];
+    for (int axis = 0; axis < 3; ++axis)
+      origin[axis] += static_cast<double>(shift[axis]) * scale[axis];
+  }
+  const bool even = scale[0] == scale[1] && scale[0] == scale[2];
+  MapBase::Ptr map;
+  if (grid.map == UniformScaleMap::mapType() && even && origin.isZero())
+    map = std::make_shared<UniformScaleMap>(scale[0]);
+  else if (grid.map == ScaleMap::mapType() && origin.isZero())
+    map = std::make_shared<ScaleMap>(scale);
+  else if (grid.map == UniformScaleTranslateMap::mapType() && even)
+    map = std::make_shared<UniformScaleTranslateMap>(scale[0], origin);
+  else if (grid.map == ScaleTranslateMap::mapType())
+    map = std::make_shared<ScaleTranslateMap>(scale, origin);
+  else if (grid.map == TranslationMap::mapType() && scale == openvdb::Vec3d(1, 1, 1))
+    map = std::make_shared<TranslationMap>(origin);
+  else
+    map = std::make_shared<AffineMap>(Mat4d(scale[0], 0., 0., 0., 0., scale[1], 0., 0., 0., 0.,
+                                            scale[2], 0., origin[0], origin[1], origin[2], 1.));
+  return std::make_shared<Transform>(map);
+}
+
+/// The index of the first voxel in this frame; an error where OpenVDB cannot count so far.
+Result<Index3> beginOf(const GridFrame& frame, const std::string& target) {
+  constexpr std::int64_t kFarthest = 1'000'000'000;
+  const GridDescription& grid = *frame.description;
+  Index3 begin{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t shift =
+        grid.shifts.empty() ? 0 : grid.shifts[static_cast<std::size_t>(frame.frame)][axis];
+    const std::int64_t first = grid.map.empty() ? 0 : grid.begin[axis] - shift;
+    if (first < -kFarthest || first > kFarthest) {
+      return fail(ErrorCode::kInvalidData, "{}: grid '{}' begins at voxel {}, too far to be written",
+                  target, frame.info->name, first);
+    }
+    begin[axis] = static_cast<int>(first);
+  }
+  return begin;
+}
+
+/// The same name again is told apart by OpenVDB itself.
+std::string nameInFile(const std::string& name) {
+  const auto bracket = name.rfind('[');
+  const bool second = bracket != std::string::npos && bracket > 0 && name.back() == ']' &&
+                      name.find_first_not_of("0123456789", bracket + 1) == name.size() - 1;
+  return second ? name.substr(0, bracket) : name;
 }
 
 class VdbWriter final : public LatticeWriter {
@@ -438,7 +704,52 @@ class VdbWriter final : public LatticeWriter {
       stream.exceptions(std::ios::badbit | std::ios::failbit);
       stream.open(temporary, std::ios::binary);
       VdbOutput(options_.zip).writeTo(stream, grid);
-      overwriteIdentifier(stream, info.frameNumbers[frame], values);
+      overwriteIdentifier(stream, crc32(std::as_bytes(values)), info.frameNumbers[frame]);
+      stream.close();
+    } catch (const std::ios_base::failure&) {
+      return fail(ErrorCode::kIo, "{}: cannot write: {}", target.string(), std::strerror(errno));
+    } catch (const std::exception& error) {
+      return fail(ErrorCode::kIo, "{}: cannot write: {}", target.string(), error.what());
+    }
+    return {};
+  }
+
+  Status writeGrids(const std::filesystem::path& temporary, const std::filesystem::path& target,
+                    std::span<const GridFrame> frames, const MetadataList* metadata) override {
+    try {
+      openvdb::GridPtrVec grids;
+      std::uint32_t content = 0;
+      for (const GridFrame& frame : frames) {
+        const GridDescription& description = *frame.description;
+        VOLUTE_ASSIGN(const Index3 begin, beginOf(frame, target.string()));
+        const bool vectors = frame.info->channels == 3;
+        const bool doubles = description.type == (vectors ? "vec3d" : "double");
+        const auto grid = vectors ? doubles ? makeCacheGrid<openvdb::Vec3DGrid>(frame, begin)
+                                            : makeCacheGrid<openvdb::Vec3SGrid>(frame, begin)
+                          : doubles ? makeCacheGrid<openvdb::DoubleGrid>(frame, begin)
+                                    : makeCacheGrid<openvdb::FloatGrid>(frame, begin);
+        if (const MetadataList* own = description.metadata.at(frame.frame))
+          putMetadata(*own, *grid);
+        grid->setName(nameInFile(frame.info->name));
+        if (!description.gridClass.empty())
+          grid->setGridClass(openvdb::GridBase::stringToGridClass(description.gridClass));
+        if (grid->saveFloatAsHalf() != description.half)
+          grid->setSaveFloatAsHalf(description.half);
+        grid->setTransform(makeCacheTransform(frame));
+        grids.push_back(grid);
+        content ^= crc32(std::as_bytes(frame.values));
+      }
+      openvdb::MetaMap ofFile;
+      if (metadata)
+        putMetadata(*metadata, ofFile);
+      std::ofstream stream;
+      stream.exceptions(std::ios::badbit | std::ios::failbit);
+      stream.open(temporary, std::ios::binary);
+      VdbOutput(options_.zip).writeTo(stream, grids, ofFile);
+      overwriteIdentifier(stream, content,
+                          frames.empty() ? 0
+                                         : frames[0].info->frameNumbers[static_cast<std::size_t>(
+                                               frames[0].frame)]);
       stream.close();
     } catch (const std::ios_base::failure&) {
       return fail(ErrorCode::kIo, "{}: cannot write: {}", target.string(), std::strerror(errno));

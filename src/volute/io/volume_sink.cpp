@@ -24,4 +24,12 @@ Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& outpu
   return createLatticeSink(output, info, plugin->makeWriter({.half = options.half}));
 }
 
+Result<std::unique_ptr<CacheSink>> createCacheSink(const std::filesystem::path& output,
+                                                   std::vector<GridTarget> grids,
+                                                   FrameMetadata fileMetadata) {
+  VOLUTE_ASSIGN(const LatticePlugin* plugin, loadVdbPlugin());
+  return createLatticeCacheSink(output, std::move(grids), std::move(fileMetadata),
+                                plugin->makeWriter({}));
+}
+
 }  // namespace volute

@@ -4,9 +4,12 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "volute/base/result.hpp"
 #include "volute/grid/frame_source.hpp"
+#include "volute/grid/grid_description.hpp"
 
 namespace volute {
 
@@ -23,5 +26,30 @@ struct SinkOptions {
 [[nodiscard]] Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& output,
                                                             const VolumeInfo& info,
                                                             const SinkOptions& options = {});
+
+/// One of the grids of a cache to be written.
+struct GridTarget {
+  VolumeInfo info;              ///< of an empty grid x is 0
+  GridDescription description;  ///< of the frames in `info`, and of its first voxel
+};
+
+/// A place to write all grids of a cache to, a frame at a time and in order.
+class CacheSink {
+ public:
+  virtual ~CacheSink() = default;
+
+  /// The values of each grid, as FrameSource::readFrame gives them; none of empty grids.
+  [[nodiscard]] virtual Status writeFrame(std::span<const std::vector<float>> grids) = 0;
+
+  /// After the last frame; without it nothing appears.
+  [[nodiscard]] virtual Status finish() = 0;
+};
+
+/// A sink for .vdb files, by a pattern such as cache_%04d.vdb (a plain name will do for one frame),
+/// each with all `grids`.
+/// @param fileMetadata  what each of them says of itself
+[[nodiscard]] Result<std::unique_ptr<CacheSink>> createCacheSink(
+    const std::filesystem::path& output, std::vector<GridTarget> grids,
+    FrameMetadata fileMetadata);
 
 }  // namespace volute

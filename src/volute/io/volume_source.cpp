@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "volute/io/frame_pattern.hpp"
+#include "volute/io/grid_cache.hpp"
 #include "volute/io/lattice_source.hpp"
 #include "volute/io/npy.hpp"
 #include "volute/io/plugin.hpp"
@@ -59,7 +60,9 @@ Result<std::vector<LatticeFile>> listCollection(const std::filesystem::path& pat
   return files;
 }
 
-Result<std::vector<LatticeFile>> listFiles(const std::filesystem::path& input) {
+}  // namespace
+
+Result<std::vector<LatticeFile>> listLatticeFiles(const std::filesystem::path& input) {
   std::error_code error;
   if (std::filesystem::is_directory(input, error)) {
     VOLUTE_ASSIGN(auto files, listNumberedFiles(input, ".vdb"));
@@ -71,23 +74,48 @@ Result<std::vector<LatticeFile>> listFiles(const std::filesystem::path& input) {
   return input.extension() == ".pvd" ? listCollection(input) : singleFile(input);
 }
 
-}  // namespace
+Result<std::string> volumesIn(const std::filesystem::path& folder) {
+  const auto holds = [&](std::string_view extension) {
+    const auto files = listNumberedFiles(folder, extension);
+    return files || files.error().code != ErrorCode::kNotFound;
+  };
+  const bool vdb = holds(".vdb"), npy = holds(".npy");
+  if (vdb && npy) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: holds numbered .vdb and .npy files; name one sequence with its pattern, such as {}",
+                folder.string(), (folder / "name_%04d.vdb").string());
+  }
+  return npy ? ".npy" : ".vdb";
+}
 
 Result<std::unique_ptr<FrameSource>> openSource(const std::filesystem::path& input,
                                                 const SourceOptions& options) {
   const std::string extension = input.extension().string();
-  if (extension == ".npy")
-    return openNpy(input, options);
   std::error_code error;
-  const bool vdb = extension == ".vdb" || std::filesystem::is_directory(input, error);
+  if (extension == ".npy") {
+    if (!FramePattern::isPattern(input) || std::filesystem::exists(input, error))
+      return openNpy(input, options);
+    VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(input));
+    VOLUTE_ASSIGN(const auto files, pattern.list());
+    return openNpySequence(files, options);
+  }
+  const bool folder = std::filesystem::is_directory(input, error);
+  if (folder) {
+    VOLUTE_ASSIGN(const auto kind, volumesIn(input));
+    if (kind == ".npy") {
+      VOLUTE_ASSIGN(const auto files, listNumberedFiles(input, kind));
+      return openNpySequence(files, options);
+    }
+  }
+  const bool vdb = extension == ".vdb" || folder;
   const bool vtk = extension == ".vti" || extension == ".pvd";
   if (!vdb && !vtk) {
     return fail(ErrorCode::kUnsupported,
-                "{}: not a known kind of volume; expected .npy, .vdb (a file, a pattern or a "
+                "{}: not a known kind of volume; expected .npy or .vdb (a file, a pattern or a "
                 "folder of them), .vti or .pvd",
                 input.string());
   }
-  VOLUTE_ASSIGN(auto files, listFiles(input));
+  VOLUTE_ASSIGN(auto files, listLatticeFiles(input));
   return openLatticeSource(std::move(files), vdb ? loadVdbPlugin : loadVtkPlugin, options);
 }
 

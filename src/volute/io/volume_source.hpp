@@ -24,11 +24,15 @@ struct SourceOptions {
   std::function<void(const std::string&)> remark{};  ///< receives what was taken and what was left
 };
 
-/// Opens a sequence of volumes by what `input` is: a .npy file; a .vdb file, pattern
-/// (flame_%04d.vdb, flame_####.vdb) or folder of numbered .vdb files; a .vti file or pattern; a
+/// Opens a sequence of volumes by what `input` is: a .npy or .vdb file, a pattern of such files
+/// (flame_%04d.vdb, flame_####.npy) or a folder of numbered ones; a .vti file or pattern; a
 /// .pvd collection of .vti files. The source streams: it holds one frame at most. Values come as
 /// they are in the file, NaN and infinities included.
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> openSource(const std::filesystem::path& input,
                                                               const SourceOptions& options);
+
+/// The kind of the numbered files in a folder that are volumes: ".vdb" or ".npy"; ".vdb" where there
+/// are none. kInvalidArgument where there are both.
+[[nodiscard]] Result<std::string> volumesIn(const std::filesystem::path& folder);
 
 }  // namespace volute

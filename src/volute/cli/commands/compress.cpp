@@ -2,7 +2,13 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/codec/compress.hpp"
 
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <map>
+
 #include "volute/cli/commands/commands.hpp"
+#include "volute/media/volume/grid_compression.hpp"
 #include "volute/cli/field_options.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/volume_output.hpp"
@@ -38,10 +44,88 @@ std::vector<std::string_view> modeNames() {
   return {names.begin(), names.end()};
 }
 
+/// "density=0.001,flame=0.01".
+Result<std::map<std::string, double>> rmsOfGrids(const std::string& text) {
+  std::map<std::string, double> all;
+  for (const std::string& one : gridNames(text)) {
+    const auto equals = one.rfind('=');
+    double rms = 0;
+    const char* const end = one.data() + one.size();
+    const bool number =
+        equals != std::string::npos && equals > 0 &&
+        std::from_chars(one.data() + equals + 1, end, rms).ptr == end && rms > 0 && rms <= 1;
+    if (!number) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "--rms-of: '{}' is no NAME=R; expected a grid's name and a relative RMS above 0, at "
+                  "most 1, as density=0.001",
+                  one);
+    }
+    all[one.substr(0, equals)] = rms;
+  }
+  return all;
+}
+
+void addRatios(Report& report, std::uint64_t raw, std::uint64_t bytes,
+               std::optional<std::uint64_t> inputBytes) {
+  const auto ratio = [&](std::uint64_t of) {
+    return static_cast<double>(of) / static_cast<double>(bytes);
+  };
+  report.add("ratio", jsonNumber(ratio(raw)), fmt::format("{:.4g} (of dense floats)", ratio(raw)));
+  if (inputBytes) {
+    report.add("input_bytes", *inputBytes, bytesText(*inputBytes))
+        .add("ratio_to_input", jsonNumber(ratio(*inputBytes)),
+             fmt::format("{:.4g} (of the files on disk)", ratio(*inputBytes)));
+  }
+}
+
+/// Of each grid what the command says of one.
+Report gridsReport(const std::string& target, const CompressedGrids& result, int frames,
+                   std::optional<std::uint64_t> inputBytes) {
+  Report report;
+  report.add("output", target)
+      .add("frames", frames, fmt::format("{}", frames))
+      .add("raw_bytes", result.rawBytes(), bytesText(result.rawBytes()))
+      .add("bytes", result.fileBytes, bytesText(result.fileBytes));
+  addRatios(report, result.rawBytes(), result.fileBytes, inputBytes);
+  auto list = nlohmann::ordered_json::array();
+  std::string text;
+  double worst = 0;
+  for (const CompressedGrid& grid : result.grids) {
+    const CompressReport& one = grid.report;
+    const double psnr = -20 * std::log10(one.relativeRms);
+    const bool empty = grid.info.x == 0;
+    worst = std::max(worst, one.relativeRms);
+    list.push_back({{"name", grid.name},
+                    {"size", {grid.info.x, grid.info.y, grid.info.z}},
+                    {"channels", grid.info.channels},
+                    {"empty", empty},
+                    {"raw_bytes", one.rawBytes},
+                    {"bytes", one.fileBytes},
+                    {"relative_rms", one.relativeRms},
+                    {"psnr", jsonNumber(empty ? INFINITY : psnr)},
+                    {"max_error", one.maxError},
+                    {"minimum", one.valueMin},
+                    {"maximum", one.valueMax}});
+    text += fmt::format("\n  {:<16} ", grid.name);
+    text += empty ? std::string("empty")
+                  : fmt::format("{} x {} x {}{}, {:.4g} to {:.4g}: {}, relative rms {:.3g}, max error "
+                                "{:.3g}",
+                                grid.info.x, grid.info.y, grid.info.z,
+                                grid.info.channels == 3 ? " x 3" : "", one.valueMin, one.valueMax,
+                                bytesText(one.fileBytes), one.relativeRms, one.maxError);
+  }
+  const double speed =
+      static_cast<double>(result.rawBytes()) / 1e6 / std::max(result.seconds, 1e-9);
+  report.add("grids", list, text)
+      .add("relative_rms", jsonNumber(worst), fmt::format("{:.6g} (of the worst grid)", worst))
+      .add("seconds", jsonNumber(result.seconds), fmt::format("{:.2f} s", result.seconds))
+      .add("megabytes_per_second", jsonNumber(speed), fmt::format("{:.3g} MB/s", speed));
+  return report;
+}
+
 /// @param inputBytes  of the files on disk, where all of them are in the result
 Report compressReport(const std::string& target, const VolumeInfo& info,
                       const CompressReport& result, std::optional<std::uint64_t> inputBytes) {
-  const double ratio = static_cast<double>(result.rawBytes) / static_cast<double>(result.fileBytes);
   const double speed = static_cast<double>(result.rawBytes) / 1e6 / std::max(result.seconds, 1e-9);
   Report report;
   report.add("output", target)
@@ -50,13 +134,8 @@ Report compressReport(const std::string& target, const VolumeInfo& info,
            fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
       .add("channels", info.channels, fmt::format("{}", info.channels))
       .add("raw_bytes", result.rawBytes, bytesText(result.rawBytes))
-      .add("bytes", result.fileBytes, bytesText(result.fileBytes))
-      .add("ratio", jsonNumber(ratio), fmt::format("{:.4g} (of dense floats)", ratio));
-  if (inputBytes) {
-    const double onDisk = static_cast<double>(*inputBytes) / static_cast<double>(result.fileBytes);
-    report.add("input_bytes", *inputBytes, bytesText(*inputBytes))
-        .add("ratio_to_input", jsonNumber(onDisk), fmt::format("{:.4g} (of the files on disk)", onDisk));
-  }
+      .add("bytes", result.fileBytes, bytesText(result.fileBytes));
+  addRatios(report, result.rawBytes, result.fileBytes, inputBytes);
   report.add("relative_rms", result.relativeRms)
       .add("psnr", jsonNumber(-20 * std::log10(result.relativeRms)),
            fmt::format("{:.2f} dB", -20 * std::log10(result.relativeRms)))
@@ -76,6 +155,60 @@ Result<CompressReport> compressTo(const std::string& target, FrameSource& source
   return result;
 }
 
+/// All grids of a cache, or some. False where one grid is to be compressed by itself.
+Result<bool> runGrids(const std::string& path, const std::string& target,
+                      const std::string& fields, const CompressOptions& options,
+                      const InputOptions& input, const Arguments& arguments, Context& context) {
+  GridCompression how{options, {}, arguments.find<FrameRange>("frames").value_or(FrameRange{})};
+  VOLUTE_ASSIGN(how.rms, rmsOfGrids(arguments.find<std::string>("rms-of").value_or("")));
+  const bool one = gridNames(fields).size() == 1;
+  if (one || !VolumeGrids::mayBe(path)) {
+    if (how.rms.empty())
+      return false;
+    return fail(ErrorCode::kInvalidArgument,
+                "--rms-of is for several grids, and this is one: say --rms");
+  }
+  InputOptions unverified = input;  // who reads it says what is damaged
+  unverified.verify = false;
+  VOLUTE_ASSIGN(const auto grids, VolumeGrids::open(path, unverified, context));
+  VOLUTE_ASSIGN(const auto chosen, grids->choose(fields, path));
+  if (chosen.empty() && !grids->leftOut().empty()) {
+    return fail(ErrorCode::kUnsupported, "{}: no grid can be compressed: {}", path,
+                fmt::join(grids->leftOut(), ", "));
+  }
+  if (chosen.size() == 1 && grids->leftOut().empty() && how.rms.empty() &&
+      !wantsDescription(grids->grids()[chosen[0]]))
+    return false;
+  if (chosen.empty())
+    return false;
+  if (input.bounds) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--bounds is for one grid, and {} has {}: choose one with --field", path,
+                grids->grids().size());
+  }
+  for (const auto& [name, rms] : how.rms) VOLUTE_TRY(grids->choose(name, path));
+  if (!grids->leftOut().empty()) {
+    context.progress.remark(fmt::format("{}: left out, as it holds no volume: {}", path,
+                                        fmt::join(grids->leftOut(), ", ")));
+  }
+  for (const std::size_t i : chosen) {
+    if (input.partial && isVolutePath(path) && !grids->grids()[i].empty)
+      VOLUTE_TRY(openVolute(path, true, context, true, grids->grids()[i].name));
+  }
+  VOLUTE_ASSIGN(const auto result, compressGrids(*grids, chosen, target, how, context, context.team));
+  const auto full = std::ranges::find_if(result.grids, [](const auto& grid) { return grid.info.x > 0; });
+  const VolumeInfo& info = full->info;
+  if (const auto gaps = missingNumbers(info.frameNumbers); !gaps.empty() && !arguments.given("frames"))
+    context.progress.remark(fmt::format("{}: {}", path, gaps));
+  const bool whole = !arguments.given("frames") && grids->leftOut().empty() &&
+                     chosen.size() == grids->grids().size();
+  const Report report =
+      gridsReport(target, result, info.frames, whole ? bytesOnDisk(path) : std::nullopt);
+  VOLUTE_TRY(writeStats(arguments, context, report.json()));
+  context.print(report);
+  return true;
+}
+
 Status runCompress(const Arguments& arguments, Context& context) {
   const std::string& path = arguments.positional(0);
   const auto target = arguments.get<std::string>("output");
@@ -85,14 +218,10 @@ Status runCompress(const Arguments& arguments, Context& context) {
   if (context.team.leads())
     VOLUTE_TRY(checkTarget(target));
   InputOptions input;
-  input.grid = arguments.find<std::string>("field").value_or("");
+  const std::string fields = arguments.find<std::string>("field").value_or("");
+  input.grid = fields;
   input.bounds = arguments.find<Box3>("bounds");
   input.partial = arguments.flag("partial");
-  VOLUTE_ASSIGN(auto volume, openVolume(path, input, context));
-  auto source = std::move(volume.source);
-  if (const auto frames = arguments.find<FrameRange>("frames")) {
-    VOLUTE_ASSIGN(source, selectFrames(std::move(source), *frames));
-  }
   CompressOptions options;
   options.target = targetOf(arguments);
   options.wavelet = arguments.get<std::string>("wavelet");
@@ -105,8 +234,17 @@ Status runCompress(const Arguments& arguments, Context& context) {
     options.work = *work;
     VOLUTE_TRY(checkFolderIsShared(*work, context.team));
   }
+  VOLUTE_ASSIGN(const bool done, runGrids(path, target, fields, options, input, arguments, context));
+  if (done)
+    return {};
+  VOLUTE_ASSIGN(auto volume, openVolume(path, input, context));
+  auto source = std::move(volume.source);
+  const bool whole = !arguments.given("frames") && !arguments.given("bounds") &&
+                     source->otherGrids().empty();
+  if (const auto frames = arguments.find<FrameRange>("frames")) {
+    VOLUTE_ASSIGN(source, selectFrames(std::move(source), *frames));
+  }
   VOLUTE_ASSIGN(const auto result, compressTo(target, *source, options, context));
-  const bool whole = !arguments.given("frames") && !arguments.given("bounds");
   const Report report = compressReport(target, source->info(), result,
                                        whole ? bytesOnDisk(path) : std::nullopt);
   VOLUTE_TRY(writeStats(arguments, context, report.json()));
@@ -124,11 +262,14 @@ Command compressCommand() {
       .examples =
           {"volute compress fire.npy", "volute compress fire.npy -o fire.volute --rms 0.001",
            "volute compress smoke_%04d.vdb -o smoke.volute --field density --psnr 50 --frames 10:60",
+           "volute compress cache -o cache.volute --rms-of velocity=0.01",
            "volute compress fire.volute -o small.volute --ratio 200"},
       .description =
           "Reads .npy of shape (z,y,x), (t,z,y,x) or (t,z,y,x,c) in float32 or float16, a VDB "
           "file, pattern or "
-          "folder, .vti, .pvd, or .volute, and writes one .volute file. It reports what was "
+          "folder, .vti, .pvd, or .volute, and writes one .volute file. All grids of a VDB cache go "
+          "into it, each with an error relative to its own range, with what the cache says of them; "
+          "--size and --ratio are of the whole file. It reports what was "
           "reached, measured on "
           "what was written; without an option for it the relative RMS is at most 0.003. NaN and infinities are refused with the frame and voxel.\n\n"
           "Relative RMS is the RMS error over all voxels and channels, divided by the maximum "
@@ -168,7 +309,12 @@ Command compressCommand() {
                    .value = "E",
                    .help = "absolute error at most E at every voxel [unit of the values]",
                    .positive = true},
-                  fieldOption("which one of a file with several, or which source of an FDS case"),
+                  {.name = "rms-of",
+                   .kind = kText,
+                   .value = "NAME=R,...",
+                   .help = "relative RMS of single grids of a cache, instead of what the others get"},
+                  fieldsOption("which ones of a file with several, all without it; or which source "
+                               "of an FDS case"),
                   {.name = "frames",
                    .kind = kFrames,
                    .value = "A:B[:S]",

@@ -67,7 +67,8 @@ Command infoCommand() {
       .examples = {"volute info fire.volute", "volute info smoke.npy --values --json",
                    "volute info case.smv", "volute info hall.pvd", "volute info --gl"},
       .description =
-          "Sizes, frames, times and bounds of a volume; of a .volute also what error was asked "
+          "Sizes, frames, times and bounds of a volume, and all grids of a file with several; of a "
+          ".volute also what error was asked "
           "for and reached, and whether every "
           "byte is intact. Pictures (.png, .exr) show their size and range. A damaged .volute "
           "is described as far as it is intact, "
@@ -82,7 +83,7 @@ Command infoCommand() {
                        .several = true,
                        .optional = true}},
       .options = {fieldOption("which one of a file with several; which source of an FDS case",
-                              {"volume", "fds"}),
+                              {"volume", kVoluteKind, "fds"}),
                   {.name = "blocks",
                    .help = "of a .volute, each block's place, transform and size",
                    .kinds = {kVoluteKind}},

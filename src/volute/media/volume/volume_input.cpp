@@ -11,15 +11,10 @@
 namespace volute {
 namespace {
 
-Status refuseVolumeOptions(const std::string& path, const InputOptions& options,
-                           const VolumeInfo& info) {
+Status refuseVolumeOptions(const std::string& path, const InputOptions& options) {
   if (options.bounds) {
     return fail(ErrorCode::kInvalidArgument,
                 "{}: a .volute file states its bounds; --bounds is for other inputs", path);
-  }
-  if (!options.grid.empty() && options.grid != info.name) {
-    return fail(ErrorCode::kNotFound, "{}: there is no grid '{}'; the file holds '{}'", path,
-                options.grid, info.name);
   }
   return {};
 }
@@ -42,10 +37,12 @@ std::string integrityText(const Integrity& integrity, const VoluteReader& reader
 }
 
 Result<std::shared_ptr<const VoluteReader>> openVolute(const std::string& path, bool partial,
-                                                       Reading& reading, bool verify) {
+                                                       Reading& reading, bool verify,
+                                                       const std::string& grid) {
   VoluteReader::Options options;
   options.partial = partial;
   options.maxMemory = reading.maxMemory;
+  options.grid = grid;
   VOLUTE_ASSIGN(auto opened, VoluteReader::open(path, options));
   auto reader = std::make_shared<const VoluteReader>(std::move(opened));
   if (partial && verify) {
@@ -56,12 +53,42 @@ Result<std::shared_ptr<const VoluteReader>> openVolute(const std::string& path, 
   return reader;
 }
 
+namespace {
+
+/// The grid that is meant of a .volute with one or more.
+Result<std::shared_ptr<const VoluteReader>> openGrid(const std::string& path,
+                                                     const InputOptions& options,
+                                                     Reading& reading) {
+  VOLUTE_ASSIGN(auto reader,
+                openVolute(path, options.partial, reading, options.verify, options.grid));
+  const auto& grids = reader->grids();
+  if (!options.grid.empty() || grids.size() < 2)
+    return reader;
+  const auto usual = std::ranges::find_if(grids, [&](const VoluteGrid& grid) {
+    return grid.info.name == options.usualGrid && !grid.empty;
+  });
+  if (usual != grids.end() && reader->info().name != options.usualGrid) {
+    VOLUTE_ASSIGN(reader,
+                  openVolute(path, options.partial, reading, options.verify, options.usualGrid));
+  }
+  std::string others;
+  for (const VoluteGrid& grid : reader->grids()) {
+    if (grid.info.name != reader->info().name)
+      others += (others.empty() ? "" : ", ") + grid.info.name;
+  }
+  reading.progress.remark(fmt::format("{}: the grid '{}' is read; it also has {} (--field chooses)",
+                                      path, reader->info().name, others));
+  return reader;
+}
+
+}  // namespace
+
 Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,
                                Reading& reading) {
   VolumeInput input;
   if (isVolutePath(path)) {
-    VOLUTE_ASSIGN(input.reader, openVolute(path, options.partial, reading, options.verify));
-    VOLUTE_TRY(refuseVolumeOptions(path, options, input.reader->info()));
+    VOLUTE_TRY(refuseVolumeOptions(path, options));
+    VOLUTE_ASSIGN(input.reader, openGrid(path, options, reading));
     input.source = frameSource(input.reader);
     return input;
   }
@@ -103,6 +130,13 @@ std::optional<std::uint64_t> bytesOnDisk(const std::string& path) {
   }
   if (!fs::is_directory(path, error))
     return std::nullopt;
+  // Of a sequence its own files; a simulation may keep others beside them.
+  const auto kind = volumesIn(path);
+  const auto sequence = kind ? listNumberedFiles(path, *kind) : tl::unexpected(kind.error());
+  if (sequence) {
+    for (const NumberedFile& file : *sequence) bytes += fs::file_size(file.path, error);
+    return bytes;
+  }
   for (const auto& entry : fs::directory_iterator(path, error)) {
     if (entry.is_regular_file(error))
       bytes += entry.file_size(error);

@@ -34,10 +34,12 @@ struct VolumeInput {
 [[nodiscard]] Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,
                                              Reading& reading);
 
-/// A .volute file alone. With `partial` and `verify` says in a remark what is missing of it.
+/// A .volute file alone, for one of its grids: VoluteReader::Options::grid. With `partial` and
+/// `verify` says in a remark what is missing of it.
 [[nodiscard]] Result<std::shared_ptr<const VoluteReader>> openVolute(const std::string& path,
                                                                      bool partial, Reading& reading,
-                                                                     bool verify = true);
+                                                                     bool verify = true,
+                                                                     const std::string& grid = {});
 
 /// "complete", or what is wrong and how much is there.
 std::string integrityText(const Integrity& integrity, const VoluteReader& reader);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "volute/base/parallel.hpp"
+#include "volute/grid/fitted_source.hpp"
 #include "volute/optics/black_body.hpp"
 
 namespace volute {
@@ -155,57 +156,58 @@ Status VolumeLayer::openOthers(Reading& reading) {
   });
   if (names.empty())
     return {};
-  // All grids over all that one of them reaches.
-  Box3 box = options_.bounds.value_or(fileBounds());
+  // All grids over the voxels of the main one, and over all that one of them reaches.
+  const Box3 box = options_.bounds.value_or(fileBounds());
+  Box3 reached = box;
   InputOptions one = options_;
+  one.bounds.reset();
   for (const std::string& name : names) {
     one.grid = name;
     auto found = openVolume(path_, one, reading);
-    if (!found && found.error().code == ErrorCode::kInvalidData && !options_.bounds) {
+    if (!found && found.error().code == ErrorCode::kInvalidData) {
       others_[name] = nullptr;  // nothing is active in it
       continue;
     }
     if (!found)
       return tl::unexpected(std::move(found.error()));
+    const VolumeInfo& info = found->source->info();
+    if (info.frameNumbers != input_->source->info().frameNumbers) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: grid '{}' has {} frames, but '{}' has {}; grids that are shown together need "
+                  "the same",
+                  path_, name, info.frames, input_->source->info().name, info_.frames);
+    }
     others_[name] = std::make_shared<VolumeInput>(std::move(*found));
-    const Box3& bounds = others_[name]->source->info().bounds;
-    box.extend(bounds.min), box.extend(bounds.max);
+    reached.extend(info.bounds.min), reached.extend(info.bounds.max);
   }
-  const auto reaches = [&](const VolumeInput& input) {
-    const Box3& bounds = input.source->info().bounds;
-    const double rounding = 1e-3 * input.source->info().voxelSize().minCoeff();
-    return (bounds.min - box.min).cwiseAbs().maxCoeff() < rounding &&
-           (bounds.max - box.max).cwiseAbs().maxCoeff() < rounding;
+  const VolumeInfo wide =
+      widenedTo(input_->source->info(), options_.bounds ? box : reached);
+  if (8 * wide.frameValues() > reading.maxMemory) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: all that its grids reach takes {} x {} x {} voxels of '{}', more than the {} MiB "
+                "allowed; raise --max-memory",
+                path_, wide.x, wide.y, wide.z, wide.name, reading.maxMemory >> 20);
+  }
+  const auto sameVoxels = [&](const VolumeInfo& info) {
+    return info.x == wide.x && info.y == wide.y && info.z == wide.z && onOneLattice(info, wide);
   };
-  one.bounds = box;
   for (auto& [name, input] : others_) {
-    if (!input || reaches(*input))
+    if (!input || sameVoxels(input->source->info()))
       continue;
-    one.grid = name;
-    VOLUTE_ASSIGN(auto wider, openVolume(path_, one, reading));
-    input = std::make_shared<VolumeInput>(std::move(wider));
+    if (!onOneLattice(input->source->info(), wide)) {
+      reading.progress.remark(fmt::format(
+          "{}: '{}' has other voxels than '{}' and is interpolated on those", path_, name, wide.name));
+    }
+    input->source = fitTo(std::move(input->source), wide);
+    input->reader = nullptr;  // its blocks are of other voxels
   }
-  if (!reaches(*input_)) {
-    one.grid = input_->source->info().name;
-    VOLUTE_ASSIGN(auto wider, openVolume(path_, one, reading));
-    *input_ = std::move(wider);
-    const VolumeInfo& info = input_->source->info();
-    info_.x = info.x, info_.y = info.y, info_.z = info.z;
+  if (!sameVoxels(input_->source->info())) {
+    input_->source = fitTo(std::move(input_->source), wide);
+    input_->reader = nullptr;
+    info_.x = wide.x, info_.y = wide.y, info_.z = wide.z;
     const Placement& placement = appearance_.placement;
-    info_.bounds = scaled(info.bounds, placement.scale,
+    info_.bounds = scaled(wide.bounds, placement.scale,
                           placement.turns() ? Vec3(Vec3::Zero()) : placement.offset);
-  }
-  for (const auto& [name, input] : others_) {
-    if (!input)
-      continue;
-    const VolumeInfo& info = input->source->info();
-    if (info.x == info_.x && info.y == info_.y && info.z == info_.z && info.frames == info_.frames)
-      continue;
-    return fail(ErrorCode::kInvalidData,
-                "{}: grid '{}' has {} x {} x {} voxels and {} frames, but '{}' has {} x {} x {} and "
-                "{}; grids that are shown together need the same",
-                path_, name, info.x, info.y, info.z, info.frames, input_->source->info().name,
-                info_.x, info_.y, info_.z, info_.frames);
   }
   return {};
 }

@@ -106,19 +106,98 @@ void addBlocks(Report& report, const VoluteReader& reader) {
   report.add("modes", counts, countsText).add("block_list", blocks, text);
 }
 
-Result<FileDescription> describeVolute(const std::string& path, bool blocks, Reading& reading) {
+/// A line for each grid of a .volute: size, range, voxels that are not empty, memory, bytes.
+void addVoluteGrids(Report& report, const VoluteReader& reader) {
+  auto list = nlohmann::ordered_json::array();
+  std::string text;
+  for (const VoluteGrid& grid : reader.grids()) {
+    const GridDescription own = grid.description.value_or(
+        GridDescription{.type = grid.info.channels == 3 ? "vec3s" : "float"});
+    const VoluteHeader& header = grid.header;
+    const VolumeInfo& info = grid.info;
+    const Vec3 voxel = grid.empty ? Vec3(own.voxelSize[0], own.voxelSize[1], own.voxelSize[2])
+                                  : info.voxelSize();
+    const std::uint64_t memory =
+        own.memory > 0 ? own.memory : 4 * static_cast<std::uint64_t>(info.frameValues());
+    const double ratio = static_cast<double>(info.rawBytes()) /
+                         static_cast<double>(std::max<std::uint64_t>(grid.bytes, 1));
+    list.push_back({{"name", info.name},
+                    {"type", own.type},
+                    {"class", own.gridClass},
+                    {"half", own.half},
+                    {"empty", grid.empty},
+                    {"size", {info.x, info.y, info.z}},
+                    {"voxel_size", {voxel.x(), voxel.y(), voxel.z()}},
+                    {"active_voxels", grid.description ? nlohmann::ordered_json(own.voxels) : nlohmann::ordered_json()},
+                    {"minimum", header.valueMin},
+                    {"maximum", header.valueMax},
+                    {"memory_bytes", memory},
+                    {"bytes", grid.bytes},
+                    {"raw_bytes", info.rawBytes()},
+                    {"asked",
+                     {{"kind", header.targetKind}, {"value", jsonNumber(header.targetValue)}}},
+                    {"relative_rms", header.reachedRms},
+                    {"max_error", header.reachedMaxError}});
+    text += fmt::format("\n  {:<16} {}{}{}, ", info.name, own.type, own.half ? " (half)" : "",
+                        own.gridClass.empty() ? "" : ", " + own.gridClass);
+    if (grid.empty) {
+      text += "empty";
+      continue;
+    }
+    text += fmt::format("{} x {} x {}, {:.4g} to {:.4g}, ", info.x, info.y, info.z,
+                        header.valueMin, header.valueMax);
+    if (grid.description)
+      text += fmt::format("{} voxels not empty, ", own.voxels);
+    text += fmt::format("{} in memory, {} in the file ({:.4g} of dense floats), relative rms {:.3g}, "
+                        "max error {:.3g}",
+                        bytesText(memory), bytesText(grid.bytes), ratio, header.reachedRms,
+                        header.reachedMaxError);
+  }
+  report.add("grids", list, text);
+}
+
+Result<VoluteReader> openForInfo(const std::string& path, const std::string& grid,
+                                 Reading& reading) {
   VoluteReader::Options options;
   options.partial = true;
   options.maxMemory = reading.maxMemory;
-  VOLUTE_ASSIGN(const auto reader, VoluteReader::open(path, options));
-  const Integrity integrity = reader.verify();
+  options.grid = grid;
+  return VoluteReader::open(path, options);
+}
+
+/// All segments of all grids.
+Result<Integrity> verifyGrids(const std::string& path, const VoluteReader& main, Reading& reading) {
+  Integrity all = main.verify();
+  for (const VoluteGrid& grid : main.grids()) {
+    if (grid.empty || grid.info.name == main.info().name)
+      continue;
+    VOLUTE_ASSIGN(const auto reader, openForInfo(path, grid.info.name, reading));
+    const Integrity one = reader.verify();
+    all.segments += one.segments;
+    all.intactSegments += one.intactSegments;
+    all.intactLevels = std::min(all.intactLevels, one.intactLevels);
+    if (all.firstFault.empty() && !one.firstFault.empty())
+      all.firstFault = fmt::format("grid '{}': {}", grid.info.name, one.firstFault);
+  }
+  return all;
+}
+
+Result<FileDescription> describeVolute(const std::string& path, const DescribeRequest& request,
+                                       Reading& reading) {
+  VOLUTE_ASSIGN(const auto reader, openForInfo(path, request.field, reading));
+  VOLUTE_ASSIGN(const Integrity integrity, request.field.empty()
+                                               ? verifyGrids(path, reader, reading)
+                                               : Result<Integrity>(reader.verify()));
   const std::uint64_t bytes = bytesOnDisk(path).value_or(integrity.presentBytes);
+  const bool several = reader.grids().size() > 1;
   Report report;
   report.add("file", path).add("kind", "volute").add("bytes", bytes, bytesText(bytes));
   addIntegrity(report, integrity, reader);
   addVolume(report, reader.info());
-  addHeader(report, reader, std::max(bytes, integrity.expectedBytes));
-  if (blocks)
+  addHeader(report, reader, several ? reader.grid().bytes : std::max(bytes, integrity.expectedBytes));
+  if (several || reader.grid().description)
+    addVoluteGrids(report, reader);
+  if (request.blocks)
     addBlocks(report, reader);
   return FileDescription{std::move(report), !integrity.complete()};
 }
@@ -177,7 +256,7 @@ Status addGrids(Report& report, const std::filesystem::path& file, Reading& read
 Result<FileDescription> describeVolume(const std::string& path, const DescribeRequest& request,
                                        Reading& reading) {
   if (isVolutePath(path))
-    return describeVolute(path, request.blocks, reading);
+    return describeVolute(path, request, reading);
   InputOptions options;
   options.grid = request.field;
   auto opened = openVolume(path, options, reading);

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/codec/bundle.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+#include "volute/base/checksum.hpp"
+#include "volute/base/output_file.hpp"
+#include "volute/codec/container.hpp"
+
+namespace volute {
+namespace {
+
+struct BundlePart {
+  InputFile file;
+  std::vector<SegmentEntry> segments;  ///< where they are in it
+};
+
+Status copyTier(const BundlePart& part, std::size_t begin, std::size_t end, OutputFile& out) {
+  std::vector<std::byte> bytes;
+  for (std::size_t i = begin; i < end; ++i) {
+    const SegmentEntry& segment = part.segments[i];
+    bytes.resize(segment.size);
+    VOLUTE_TRY(part.file.read(segment.offset, bytes));
+    if (crc32(bytes) != segment.crc && segment.size != 0) {
+      return fail(ErrorCode::kInvalidData, "{}: is damaged at byte {}", part.file.path().string(),
+                  segment.offset);
+    }
+    VOLUTE_TRY(out.write(bytes));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
+                             const FrameMetadata& fileMetadata,
+                             const std::filesystem::path& target, Progress& progress) {
+  std::vector<BundlePart> parts;
+  std::vector<FileHead> heads;
+  std::vector<VoluteGrid> table;
+  std::set<std::string> names;
+  for (const BundledGrid& grid : grids) {
+    if (!names.insert(grid.name).second) {
+      return fail(ErrorCode::kInvalidArgument, "{}: two grids are called '{}'", target.string(),
+                  grid.name);
+    }
+    VoluteGrid& row = table.emplace_back();
+    row.info.name = grid.name;
+    row.description = grid.description;
+    row.empty = grid.file.empty();
+    if (row.empty)
+      continue;
+    VOLUTE_ASSIGN(auto file, InputFile::open(grid.file));
+    VOLUTE_ASSIGN(auto head, readHead(file, std::numeric_limits<std::uint64_t>::max()));
+    if (head.grids.size() != 1) {
+      return fail(ErrorCode::kInvalidArgument, "{}: holds {} grids; expected one",
+                  grid.file.string(), head.grids.size());
+    }
+    head.info.name = grid.name;
+    if (!heads.empty() && (head.info.frameNumbers != heads.front().info.frameNumbers ||
+                           head.info.times != heads.front().info.times)) {
+      return fail(ErrorCode::kInvalidArgument, "{}: grid '{}' has other frames than '{}'",
+                  target.string(), grid.name, heads.front().info.name);
+    }
+    parts.push_back({std::move(file), head.segments});
+    heads.push_back(std::move(head));
+  }
+  if (heads.empty())
+    return fail(ErrorCode::kInvalidArgument, "{}: no grid has values", target.string());
+  const bool plain = table.size() == 1 && !table.front().description && fileMetadata.lists.empty();
+  VOLUTE_ASSIGN(auto out, OutputFile::create(target));
+  VOLUTE_TRY(out.write(plain ? writeHead(heads.front()) : writeHead(table, fileMetadata, heads)));
+  std::size_t tiers = 0;
+  for (const FileHead& head : heads)
+    tiers = std::max(tiers, head.decoder->tierLevels().size());
+  for (std::size_t tier = 0; tier < tiers; ++tier) {
+    for (std::size_t i = 0; i < heads.size(); ++i) {
+      if (progress.cancelled())
+        return fail(ErrorCode::kCancelled, "stopped: {} was not written", target.string());
+      const std::size_t own = heads[i].decoder->tierLevels().size();
+      const std::size_t blocks = heads[i].segments.size() / own;
+      if (tier < own)
+        VOLUTE_TRY(copyTier(parts[i], tier * blocks, (tier + 1) * blocks, out));
+    }
+  }
+  VOLUTE_TRY(out.commit());
+  return heads.front().fileBytes;
+}
+
+}  // namespace volute

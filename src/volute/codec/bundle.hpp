@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "volute/base/progress.hpp"
+#include "volute/base/result.hpp"
+#include "volute/grid/grid_description.hpp"
+
+namespace volute {
+
+/// One grid of a file in the making.
+struct BundledGrid {
+  std::string name;
+  std::optional<GridDescription> description{};
+  std::filesystem::path file{};  ///< a .volute of this grid alone; none: the grid is empty
+};
+
+/// Puts .volute files of one grid each together as the grids of one, in their order. Segments are
+/// copied byte for byte, tier by tier and in each grid by grid, so that a prefix of the file plays all
+/// grids coarsely. One grid without a description gives the file as it is.
+///
+/// kInvalidArgument where grids have other frames than the first, two have one name, or none has
+/// values.
+/// @return the bytes of the new file.
+[[nodiscard]] Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
+                                           const FrameMetadata& fileMetadata,
+                                           const std::filesystem::path& target,
+                                           Progress& progress);
+
+}  // namespace volute

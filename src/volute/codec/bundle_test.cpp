@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/codec/bundle.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "volute/base/parallel.hpp"
+#include "volute/codec/codec_testing.hpp"
+#include "volute/codec/grid_table.hpp"
+#include "volute/codec/join.hpp"
+
+namespace volute {
+namespace {
+
+using Kind = ErrorTarget::Kind;
+using testing::compressTo;
+using testing::plumes;
+using testing::readBytes;
+using testing::ScratchFile;
+using testing::writeBytes;
+
+constexpr std::uint64_t kMemory = std::uint64_t{64} << 20;
+
+GridDescription staggered(int frames) {
+  GridDescription grid;
+  grid.type = "vec3s";
+  grid.gridClass = "staggered";
+  grid.half = true;
+  grid.background = {1, 2, 3};
+  grid.map = "UniformScaleTranslateMap";
+  grid.voxelSize = {.5, .5, .5};
+  grid.origin = {.1, -2, 7};
+  grid.begin = {-3, 0, 1 << 20};
+  grid.voxels = 12345, grid.memory = 1 << 30;
+  const MetadataList list{{"creator", "string", "somebody"}, {"frame", "int32", {"\1\0\0\0", 4}}};
+  for (int i = 0; i < frames; ++i) {
+    grid.metadata.add(i == 1 ? nullptr : &list);
+    grid.shifts.push_back({i, -i, 0});
+  }
+  return grid;
+}
+
+/// Three grids with values of other sizes, and an empty one.
+struct Cache {
+  explicit Cache(int frames = 3)
+      : density(plumes(frames, 5, 6, 19)),
+        heat(plumes(frames, 7, 4, 4, 1, 300)),
+        velocity(plumes(frames, 3, 6, 5, 3)) {
+    Sequence* const all[] = {&heat, &density, &velocity};
+    const char* const names[] = {"temperature", "density", "velocity"};
+    for (std::size_t i = 0; i < 3; ++i) {
+      all[i]->info.name = names[i];
+      EXPECT_TRUE(compressTo(files[i].path(), *all[i], {Kind::kRms, 2e-2 / (1 + double(i))}));
+      grids.push_back({names[i], {}, files[i].path()});
+    }
+    grids[2].description = staggered(frames);
+    grids.insert(grids.begin() + 1, {"flame", GridDescription(), {}});
+    const MetadataList list{{"made by", "string", "a test"}};
+    for (int i = 0; i < frames; ++i) fileMetadata.add(&list);
+    Progress quiet;
+    const auto bytes = bundle(grids, fileMetadata, file.path(), quiet);
+    EXPECT_TRUE(bytes) << bytes.error().message;
+    EXPECT_EQ(*bytes, std::filesystem::file_size(file.path()));
+    for (auto& grid : grids) {
+      if (!grid.file.empty())
+        alone.push_back(*testing::readBack(grid.file));
+    }
+  }
+
+  Sequence density, heat, velocity;
+  std::vector<BundledGrid> grids;
+  std::vector<Sequence> alone;  ///< what each file of its own says: temperature, density, velocity
+  FrameMetadata fileMetadata;
+  std::vector<ScratchFile> files = std::vector<ScratchFile>(3);
+  ScratchFile file;
+};
+
+VoluteReader::Options options(std::string grid, bool partial = false) {
+  return {partial, kMemory, std::move(grid)};
+}
+
+TEST(Bundle, EachGridIsWhatItIsAlone) {
+  const Cache cache;
+  const char* const names[] = {"temperature", "density", "velocity"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto back = testing::readBack(cache.file.path(), options(names[i]));
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->values, cache.alone[i].values);
+    EXPECT_EQ(back->info.name, names[i]);
+    EXPECT_EQ(back->info.bounds.max, cache.alone[i].info.bounds.max);
+  }
+  const auto reader = VoluteReader::open(cache.file.path(), options(""));
+  ASSERT_TRUE(reader);
+  EXPECT_EQ(reader->info().name, "density");
+  EXPECT_TRUE(reader->verify().complete());
+  ASSERT_EQ(reader->grids().size(), 4u);
+  EXPECT_TRUE(reader->grids()[1].empty);
+  EXPECT_EQ(reader->grids()[1].info.frames, 3);
+  EXPECT_EQ(reader->grids()[3].description, staggered(3));
+  EXPECT_NEAR(reader->grids()[3].header.targetValue, 2e-2 / 3, 1e-12);
+  EXPECT_EQ(reader->fileMetadata(), cache.fileMetadata);
+  EXPECT_FALSE(reader->grid().description);
+  const auto source = frameSource(std::make_shared<VoluteReader>(
+      *VoluteReader::open(cache.file.path(), options("velocity"))));
+  EXPECT_EQ(source->otherGrids(), (std::vector<std::string>{"temperature", "flame", "density"}));
+}
+
+TEST(Bundle, WhatIsNotThereOrEmptyIsSaid) {
+  const Cache cache;
+  const auto missing = VoluteReader::open(cache.file.path(), options("heat"));
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, ErrorCode::kNotFound);
+  EXPECT_NE(missing.error().message.find("'temperature', 'flame' (empty), 'density', 'velocity'"),
+            std::string::npos);
+  const auto empty = VoluteReader::open(cache.file.path(), options("flame"));
+  ASSERT_FALSE(empty);
+  EXPECT_EQ(empty.error().code, ErrorCode::kInvalidData);
+  Progress quiet;
+  const ScratchFile other;
+  const auto joined = join({cache.file.path()}, other.path(), {}, quiet);
+  ASSERT_FALSE(joined);
+  EXPECT_EQ(joined.error().code, ErrorCode::kUnsupported);
+}
+
+TEST(Bundle, OneGridAloneIsTheFileAsItWas) {
+  const Cache cache;
+  const ScratchFile other;
+  Progress quiet;
+  ASSERT_TRUE(bundle({{"density", {}, cache.grids[2].file}}, {}, other.path(), quiet));
+  EXPECT_EQ(readBytes(other.path()), readBytes(cache.grids[2].file));
+  // Described: the same values behind a chunk that older readers skip.
+  ASSERT_TRUE(bundle({{"density", staggered(3), cache.grids[2].file}}, {}, other.path(), quiet));
+  const auto bytes = readBytes(other.path());
+  EXPECT_EQ(std::string(&bytes[36], 4), "GRDS");
+  EXPECT_EQ(bytes[40], 1);
+  EXPECT_EQ(testing::readBack(other.path())->values, cache.alone[1].values);
+}
+
+TEST(Bundle, GridsOfOtherFramesOrOfOneNameAreRefused) {
+  const Cache three, two(2);
+  Progress quiet;
+  const ScratchFile target;
+  auto grids = three.grids;
+  grids[3].file = two.grids[3].file;
+  const auto mixed = bundle(grids, {}, target.path(), quiet);
+  ASSERT_FALSE(mixed);
+  EXPECT_NE(mixed.error().message.find("'velocity' has other frames than 'temperature'"),
+            std::string::npos);
+  grids[3] = grids[2];
+  EXPECT_FALSE(bundle(grids, {}, target.path(), quiet));
+  EXPECT_FALSE(bundle({grids[1]}, {}, target.path(), quiet));
+}
+
+/// Whether no grid can be read as if the file were whole; in part only finite values.
+::testing::AssertionResult damageOfGridsIsFound(const std::filesystem::path& path) {
+  bool found = false;
+  for (const char* name : {"temperature", "density", "velocity"}) {
+    found = found || !testing::readBack(path, options(name));
+    const auto part = VoluteReader::open(path, options(name, true));
+    if (!part)
+      continue;
+    const auto values = testing::readBack(path, options(name, true));
+    if (!values)
+      return ::testing::AssertionFailure() << "not readable in part: " << values.error().message;
+    for (const float value : values->values) {
+      if (!std::isfinite(value))
+        return ::testing::AssertionFailure() << "a value that is not finite";
+    }
+  }
+  return found ? ::testing::AssertionSuccess()
+               : ::testing::AssertionFailure() << "all grids read as if whole";
+}
+
+TEST(Bundle, EveryTruncationAndAFlippedBitInAnyByteIsFound) {
+  const ThreadLimit limit(1);
+  const Cache cache(1);
+  const auto bytes = readBytes(cache.file.path());
+  ASSERT_LT(bytes.size(), 4000u);
+  const ScratchFile copy;
+  writeBytes(copy.path(), bytes);
+  {
+    std::fstream file(copy.path(), std::ios::in | std::ios::out | std::ios::binary);
+    for (std::size_t at = 0; at < bytes.size(); ++at) {
+      const auto bit = static_cast<int>(at % 8);
+      file.seekp(static_cast<std::streamoff>(at)).put(static_cast<char>(bytes[at] ^ 1 << bit));
+      file.flush();
+      ASSERT_TRUE(damageOfGridsIsFound(copy.path())) << "bit " << bit << " of byte " << at;
+      file.seekp(static_cast<std::streamoff>(at)).put(bytes[at]);
+    }
+  }
+  for (std::size_t size = bytes.size(); size-- > 0;) {
+    std::filesystem::resize_file(copy.path(), size);
+    ASSERT_TRUE(damageOfGridsIsFound(copy.path())) << size << " of " << bytes.size() << " bytes";
+  }
+}
+
+TEST(Bundle, APrefixPlaysAllGridsCoarsely) {
+  const Cache cache(20);
+  auto bytes = readBytes(cache.file.path());
+  bytes.resize(bytes.size() - bytes.size() / 10);
+  const ScratchFile cut;
+  writeBytes(cut.path(), bytes);
+  for (const char* name : {"temperature", "density", "velocity"}) {
+    const auto reader = VoluteReader::open(cut.path(), options(name, true));
+    ASSERT_TRUE(reader) << reader.error().message;
+    EXPECT_GE(reader->verify().intactLevels, 3) << name;
+  }
+}
+
+// Tables that nobody writes: none crashes, and each is refused with a reason.
+TEST(GridTable, AnyBytesAreReadOrRefused) {
+  GridTable table;
+  table.rows.push_back({"a", false, staggered(3), {10, 20, 30}});
+  table.rows.push_back({"b", true, {}, {}});
+  const auto bytes = writeGridTable(table);
+  const auto back = readGridTable(bytes);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->rows[0].description, table.rows[0].description);
+  EXPECT_EQ(back->rows[0].tierBytes, table.rows[0].tierBytes);
+  EXPECT_TRUE(back->rows[1].empty);
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_FALSE(readGridTable(std::span(bytes).first(size))) << size;
+  auto broken = bytes;
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    for (int value = 0; value < 256; ++value) {
+      broken[at] = static_cast<std::byte>(value);
+      (void)readGridTable(broken);
+    }
+    broken[at] = bytes[at];
+  }
+  table.rows[1].name = "a";
+  EXPECT_FALSE(readGridTable(writeGridTable(table)));
+  table.rows.erase(table.rows.begin());
+  EXPECT_FALSE(readGridTable(writeGridTable(table)));  // all empty
+}
+
+}  // namespace
+}  // namespace volute

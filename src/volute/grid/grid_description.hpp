@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace volute {
+
+/// One entry of what a file of another program says of itself or of a grid.
+struct GridMetadata {
+  std::string name;
+  std::string type;   ///< as OpenVDB calls it: "string", "float", "vec3i", ...
+  std::string value;  ///< its bytes; numbers are little endian
+
+  bool operator==(const GridMetadata&) const = default;
+};
+
+using MetadataList = std::vector<GridMetadata>;
+
+/// Lists of metadata of the frames of a sequence: most have the same one.
+struct FrameMetadata {
+  std::vector<MetadataList> lists{};  ///< each once
+  std::vector<int> listOf{};  ///< of each frame a position in `lists`, -1: it has none; empty: all -1
+
+  /// Of a frame; null where it has none.
+  const MetadataList* at(int frame) const;
+
+  /// Adds that of the next frame; null: it has none.
+  void add(const MetadataList* list);
+
+  /// Those of some frames, by their positions.
+  FrameMetadata of(const std::vector<int>& positions) const;
+
+  bool operator==(const FrameMetadata&) const = default;
+};
+
+/// What a cache says of one of its grids beside the values, so that it can be given back as it was.
+/// Axes are in the order x, y, z.
+struct GridDescription {
+  using Index = std::array<std::int64_t, 3>;
+
+  std::string type = "float";         ///< of a value: float, double, vec3s or vec3d
+  std::string gridClass{};            ///< "fog volume", "level set", "staggered"; empty: unknown
+  bool half = false;                  ///< values are stored as 16-bit floats
+  std::array<double, 3> background{};  ///< of each channel, where the cache has no voxels
+  std::string map{};                  ///< OpenVDB's name of the kind of transform
+  std::array<double, 3> voxelSize{};  ///< [m]
+  std::array<double, 3> origin{};     ///< centre of the voxel with index 0 in the first frame [m]
+  Index begin{};                      ///< index of the volume's first voxel in the first frame
+  std::uint64_t voxels = 0;           ///< that are not empty, the most in any frame
+  std::uint64_t memory = 0;           ///< [bytes] in OpenVDB's tree, the most in any frame
+  FrameMetadata metadata{};           ///< a frame that has none does not have the grid
+  /// How far the origin of each frame lies from that of the first [voxels]; empty: nowhere.
+  std::vector<Index> shifts{};
+
+  /// The same of some frames, by their positions.
+  GridDescription of(const std::vector<int>& positions) const;
+
+  bool operator==(const GridDescription&) const = default;
+};
+
+}  // namespace volute

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/grid_cache.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volute/base/assert.hpp"
+#include "volute/io/plugin.hpp"
+
+namespace volute {
+namespace {
+
+const LatticeGrid* gridNamed(const LatticeCache& file, const std::string& name) {
+  const auto found =
+      std::ranges::find_if(file.grids, [&](const LatticeGrid& grid) { return grid.frame.grid == name; });
+  return found == file.grids.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+Result<GridCache> GridCache::open(const std::filesystem::path& input,
+                                  const SourceOptions& options) {
+  GridCache cache;
+  cache.options_ = options;
+  VOLUTE_ASSIGN(cache.files_, listLatticeFiles(input));
+  VOLUTE_ASSIGN(const auto files, describeCache(cache.files_, options.maxMemory));
+  // Times that one grid of each file states are those of all.
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    for (const LatticeGrid& grid : files[i].grids) {
+      if (std::isfinite(grid.frame.time) && !cache.files_[i].time)
+        cache.files_[i].time = grid.frame.time;
+    }
+    cache.fileMetadata_.add(files[i].metadata.empty() ? nullptr : &files[i].metadata);
+  }
+  if (cache.fileMetadata_.lists.empty())
+    cache.fileMetadata_ = {};
+  VOLUTE_TRY(cache.collect(files));
+  return cache;
+}
+
+Status GridCache::collect(const std::vector<LatticeCache>& files) {
+  std::vector<std::string> names;
+  for (const LatticeCache& file : files) {
+    for (const LatticeGrid& grid : file.grids) {
+      if (std::ranges::find(names, grid.frame.grid) == names.end())
+        names.emplace_back(grid.frame.grid);
+    }
+  }
+  for (const std::string& name : names) {
+    CacheGrid grid{name, {}, true};
+    KnownGrid known{name, {}, {}, {}};
+    std::string problem;
+    const LatticeGrid* first = nullptr;
+    for (const LatticeCache& file : files) {
+      const LatticeGrid* const one = gridNamed(file, name);
+      if (one && !first)
+        first = one;
+      if (one && one->traits.problem[0] != '\0')
+        problem = one->traits.problem;
+      grid.description.metadata.add(one ? &one->metadata : nullptr);
+      known.present.push_back(one != nullptr);
+    }
+    if (!problem.empty()) {
+      leftOut_.push_back(fmt::format("'{}' ({})", name, problem));
+      continue;
+    }
+    GridDescription& description = grid.description;
+    description.type = first->traits.type;
+    description.gridClass = first->traits.gridClass;
+    description.half = first->traits.half;
+    description.background = first->traits.background;
+    description.map = first->traits.map;
+    description.voxelSize = first->frame.voxelSize;
+    known.background = description.background;
+    for (const LatticeCache& file : files) {
+      const LatticeGrid* const one = gridNamed(file, name);
+      known.frames.push_back(one ? one->frame : first->frame);
+      if (!one) {
+        known.frames.back().box = {};
+        continue;
+      }
+      description.voxels = std::max(description.voxels, one->traits.voxels);
+      description.memory = std::max(description.memory, one->traits.memory);
+    }
+    description.origin = known.frames.front().origin;
+    VOLUTE_ASSIGN(auto places, latticePlaces(files_, known.frames));
+    grid.empty = places.box.empty();
+    description.begin = places.box.begin;
+    if (std::ranges::any_of(places.shifts,
+                            [](const auto& shift) { return shift != std::array<std::int64_t, 3>{}; }))
+      description.shifts = std::move(places.shifts);
+    grids_.push_back(std::move(grid));
+    known_.push_back(std::move(known));
+  }
+  return {};
+}
+
+Result<std::unique_ptr<FrameSource>> GridCache::source(std::size_t grid) const {
+  VOLUTE_ASSERT(grid < grids_.size() && !grids_[grid].empty);
+  return openLatticeSource(files_, loadVdbPlugin, options_, known_[grid]);
+}
+
+}  // namespace volute

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/volume/grid_compression.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "volute/base/output_file.hpp"
+#include "volute/codec/bundle.hpp"
+
+namespace volute {
+namespace {
+
+/// Says which grid a stage is of.
+class GridProgress final : public Progress {
+ public:
+  GridProgress(Progress& next, std::string name) : next_(next), name_(std::move(name)) {}
+
+  void report(std::string_view stage, double done, double total) override {
+    next_.report(fmt::format("{}: {}", name_, stage), done, total);
+  }
+
+  void detail(std::string_view text) override { next_.detail(text); }
+
+  void remark(std::string_view message) override { next_.remark(message); }
+
+  bool cancelled() const override { return next_.cancelled(); }
+
+ private:
+  Progress& next_;
+  std::string name_;
+};
+
+/// The grids of one file in the making.
+class GridFiles {
+ public:
+  GridFiles(const VolumeGrids& grids, const std::vector<std::size_t>& chosen,
+            const std::string& target, const GridCompression& how, Reading& reading, Team& team)
+      : grids_(grids), chosen_(chosen), target_(target), how_(how), reading_(reading), team_(team) {}
+
+  /// Compresses all with these targets, in the order of `chosen`.
+  Status compressAll(const std::vector<ErrorTarget>& targets);
+
+  /// Puts what came of it into one file.
+  /// @param keep  it becomes the target unless it has more bytes than this; without it the file is
+  /// thrown away, to know how large it is
+  Result<CompressedGrids> write(std::optional<double> keep);
+
+ private:
+  Status compressOne(std::size_t i, const ErrorTarget& target);
+  std::string errorIn(const VolumeGrid& grid, std::string message, const std::string& temporary) const;
+
+  const VolumeGrids& grids_;
+  const std::vector<std::size_t>& chosen_;
+  std::string target_;
+  const GridCompression& how_;
+  Reading& reading_;
+  Team& team_;
+  std::vector<PendingFile> files_;  // of rank 0: of each grid, an empty one's stays empty
+  std::vector<CompressedGrid> done_;
+  std::optional<std::vector<int>> positions_;  // of the frames
+};
+
+std::string GridFiles::errorIn(const VolumeGrid& grid, std::string message,
+                               const std::string& temporary) const {
+  // The grid's own file is nobody else's business.
+  if (const auto at = message.find(temporary); !temporary.empty() && at != std::string::npos)
+    message.replace(at, temporary.size(), target_);
+  return fmt::format("grid '{}': {}", grid.name, message);
+}
+
+Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
+  const VolumeGrid& grid = grids_.grids()[chosen_[i]];
+  done_.push_back({grid.name, {}, {}});
+  if (grid.empty)
+    return {};
+  VOLUTE_ASSIGN(auto source, grids_.source(chosen_[i]));
+  VOLUTE_ASSIGN(auto positions, selectPositions(source->info(), how_.frames));
+  VOLUTE_ASSIGN(source, selectFrames(std::move(source), how_.frames));
+  positions_ = std::move(positions);
+  CompressOptions options = how_.options;
+  options.target = target;
+  options.halves = grid.description && grid.description->half;
+  if (!options.work.empty())
+    options.work /= fmt::format("{:03}", i);
+  const bool leads = team_.leads();
+  const std::string file = leads ? files_[i].path().string() : target_;
+  GridProgress progress(reading_.progress, grid.name);
+  auto report = compress(*source, file, options, progress, team_);
+  if (!report) {
+    // As of one grid: the command line was checked, so what is still wrong is a target out of reach.
+    const ErrorCode code = report.error().code == ErrorCode::kInvalidArgument
+                               ? ErrorCode::kUnsupported
+                               : report.error().code;
+    return fail(code, "{}", errorIn(grid, report.error().message, leads ? file : ""));
+  }
+  done_.back().info = source->info();
+  done_.back().report = *report;
+  return {};
+}
+
+Status GridFiles::compressAll(const std::vector<ErrorTarget>& targets) {
+  files_.clear();
+  done_.clear();
+  const auto makeFiles = [&]() -> Status {
+    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+      VOLUTE_ASSIGN(auto file, PendingFile::create(target_));
+      files_.push_back(std::move(file));
+    }
+    return {};
+  };
+  VOLUTE_TRY(team_.agree(team_.leads() ? makeFiles() : Status()));
+  for (std::size_t i = 0; i < chosen_.size(); ++i) VOLUTE_TRY(compressOne(i, targets[i]));
+  return {};
+}
+
+Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
+  if (!positions_) {
+    return fail(ErrorCode::kInvalidData, "{}: none of its {} grids has voxels that are not empty",
+                target_, chosen_.size());
+  }
+  std::uint64_t bytes = 0;
+  const auto bundleAll = [&]() -> Status {
+    std::vector<BundledGrid> bundled;
+    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+      const VolumeGrid& grid = grids_.grids()[chosen_[i]];
+      BundledGrid& one = bundled.emplace_back();
+      one.name = grid.name;
+      if (grid.description)
+        one.description = grid.description->of(*positions_);
+      if (!grid.empty)
+        one.file = files_[i].path();
+    }
+    VOLUTE_ASSIGN(auto file, PendingFile::create(target_));
+    FrameMetadata ofFiles = grids_.fileMetadata();
+    if (!ofFiles.listOf.empty())
+      ofFiles = ofFiles.of(*positions_);
+    VOLUTE_ASSIGN(bytes, bundle(bundled, ofFiles, file.path(), reading_.progress));
+    if (!keep)
+      return {};
+    if (static_cast<double>(bytes) > *keep) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: cannot be made as small as {:.0f} bytes; its {} grids take {}", target_, *keep,
+                  chosen_.size(), bytes);
+    }
+    return file.commit();
+  };
+  VOLUTE_TRY(team_.agree(team_.leads() ? bundleAll() : Status()));
+  VOLUTE_ASSIGN(bytes, team_.broadcast(bytes));
+  return CompressedGrids{done_, bytes, 0};
+}
+
+}  // namespace
+
+std::uint64_t CompressedGrids::rawBytes() const {
+  std::uint64_t bytes = 0;
+  for (const CompressedGrid& grid : grids) bytes += grid.report.rawBytes;
+  return bytes;
+}
+
+bool wantsDescription(const VolumeGrid& grid) {
+  constexpr std::string_view kOwnTime = "volute:time", kHalf = "is_saved_as_half_float";
+  if (!grid.description)
+    return false;
+  const GridDescription& one = *grid.description;
+  const bool plainType = one.type == "float" || one.type == "vec3s";
+  const bool plainClass = one.gridClass.empty() || one.gridClass == "fog volume";
+  const bool plainMetadata = std::ranges::all_of(one.metadata.lists, [&](const MetadataList& list) {
+    return std::ranges::all_of(list, [&](const auto& entry) { return entry.name == kOwnTime || entry.name == kHalf; });
+  });
+  const bool inAllFrames =
+      std::ranges::none_of(one.metadata.listOf, [](int list) { return list < 0; });
+  return grid.empty || one.half || !plainType || !plainClass || !plainMetadata || !inAllFrames ||
+         one.background != std::array<double, 3>{};
+}
+
+Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
+                                      const std::vector<std::size_t>& chosen,
+                                      const std::string& target, const GridCompression& how,
+                                      Reading& reading, Team& team) {
+  const auto start = std::chrono::steady_clock::now();
+  using Kind = ErrorTarget::Kind;
+  const ErrorTarget wanted = how.options.target;
+  const bool sized = wanted.kind == Kind::kSize || wanted.kind == Kind::kRatio;
+  GridFiles files(grids, chosen, target, how, reading, team);
+  std::vector<ErrorTarget> targets(chosen.size(),
+                                   sized ? ErrorTarget{Kind::kRms, 1e-2} : wanted);
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (const auto own = how.rms.find(grids.grids()[chosen[i]].name); own != how.rms.end())
+      targets[i] = {Kind::kRms, own->second};
+  }
+  VOLUTE_TRY(files.compressAll(targets));
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  VOLUTE_ASSIGN(auto result, files.write(sized ? std::nullopt : std::optional(kAny)));
+  if (sized) {
+    // A size is shared out as grids of one quality need it, less what the table of grids takes.
+    const double most = wanted.kind == Kind::kSize
+                            ? wanted.value
+                            : std::floor(static_cast<double>(result.rawBytes()) / wanted.value);
+    double sum = 0;
+    for (const CompressedGrid& grid : result.grids)
+      sum += static_cast<double>(grid.report.fileBytes);
+    const double table = std::max(static_cast<double>(result.fileBytes) - sum, 0.0);
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const double share = static_cast<double>(result.grids[i].report.fileBytes) / sum;
+      targets[i] = {Kind::kSize, std::max(1.0, std::floor((most - table) * share))};
+    }
+    VOLUTE_TRY(files.compressAll(targets));
+    VOLUTE_ASSIGN(result, files.write(most));
+  }
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace volute

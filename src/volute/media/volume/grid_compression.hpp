@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "volute/base/team.hpp"
+#include "volute/codec/compress.hpp"
+#include "volute/grid/select_frames.hpp"
+#include "volute/media/volume/volume_grids.hpp"
+
+namespace volute {
+
+/// How the grids of a cache are compressed.
+struct GridCompression {
+  CompressOptions options;  ///< of each; a size or a ratio is that of the whole file
+  std::map<std::string, double> rms{};  ///< relative RMS of single grids, by their names
+  FrameRange frames{};
+};
+
+/// What came of one grid.
+struct CompressedGrid {
+  std::string name;
+  VolumeInfo info;  ///< of an empty one x is 0
+  CompressReport report{};
+};
+
+struct CompressedGrids {
+  std::vector<CompressedGrid> grids;
+  std::uint64_t fileBytes = 0;
+  double seconds = 0;
+
+  std::uint64_t rawBytes() const;
+};
+
+/// Compresses the `chosen` grids of a cache into one .volute, each with an error of its own.
+/// Collective.
+[[nodiscard]] Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
+                                                    const std::vector<std::size_t>& chosen,
+                                                    const std::string& target,
+                                                    const GridCompression& how, Reading& reading, Team& team);
+
+/// Whether a file of this grid alone needs to say more of it than its values.
+bool wantsDescription(const VolumeGrid& grid);
+
+}  // namespace volute

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "volute/grid/grid_description.hpp"
+#include "volute/media/volume/volume_input.hpp"
+
+namespace volute {
+
+/// A grid of files with several.
+struct VolumeGrid {
+  std::string name;
+  std::optional<GridDescription> description{};
+  bool empty = false;  ///< in all frames
+};
+
+/// All grids of a cache: .vdb files or a .volute.
+class VolumeGrids {
+ public:
+  virtual ~VolumeGrids() = default;
+
+  /// Whether `path` is of a kind that may have several grids.
+  static bool mayBe(const std::string& path);
+
+  [[nodiscard]] static Result<std::unique_ptr<VolumeGrids>> open(const std::string& path,
+                                                                 const InputOptions& options,
+                                                                 Reading& reading);
+
+  const std::vector<VolumeGrid>& grids() const { return grids_; }
+
+  /// Those that cannot be read as volumes: "'ids' (of type int32)".
+  const std::vector<std::string>& leftOut() const { return leftOut_; }
+
+  /// What the files say of themselves.
+  const FrameMetadata& fileMetadata() const { return fileMetadata_; }
+
+  /// The frames of one that is not empty.
+  [[nodiscard]] virtual Result<std::unique_ptr<FrameSource>> source(std::size_t grid) const = 0;
+
+  /// Positions of the grids in a list "density,flame"; all of them where it is empty. A wrong name
+  /// is an error that names those that there are.
+  [[nodiscard]] Result<std::vector<std::size_t>> choose(const std::string& list,
+                                                        const std::string& path) const;
+
+ protected:
+  std::vector<VolumeGrid> grids_;
+  std::vector<std::string> leftOut_;
+  FrameMetadata fileMetadata_;
+};
+
+/// The names in "density,flame".
+std::vector<std::string> gridNames(const std::string& list);
+
+}  // namespace volute

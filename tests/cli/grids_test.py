@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Caches of several grids through the program and back: tests/data/cache.volute has six of three frames, one of them empty and one not there at first."""
+import pathlib
+import shutil
+import unittest
+
+import support
+from support import read_npy, volute, write_npy
+
+CACHE = pathlib.Path(__file__).parents[1] / "data" / "cache.volute"
+NAMES = ["density", "flame", "fuel", "solid", "temperature", "velocity"]
+
+
+class Grids(support.TestCase):
+    def unpack(self):
+        """The cache as .vdb files, in a folder of their own."""
+        folder = self.path("cache")
+        folder.mkdir()
+        result = volute("extract", CACHE, "-o", folder / "c_%04d.vdb")
+        if "this build has no" in result.message:
+            self.skipTest(result.message)
+        self.assertEqual(result.code, 0, result.message)
+        return folder
+
+    def test_info_lists_all_grids(self):
+        said = self.works("info", CACHE, "--json").json
+        grids = {one["name"]: one for one in said["grids"]}
+        self.assertEqual(sorted(grids), NAMES)
+        self.assertTrue(said["complete"])
+        self.assertTrue(grids["fuel"]["empty"])
+        self.assertTrue(grids["density"]["half"])
+        self.assertFalse(grids["temperature"]["half"])
+        self.assertEqual((grids["velocity"]["type"], grids["velocity"]["class"]), ("vec3s", "staggered"))
+        self.assertEqual(grids["solid"]["class"], "level set")
+        for name in set(NAMES) - {"fuel"}:
+            self.assertGreater(grids[name]["active_voxels"], 0)
+            self.assertGreater(grids[name]["bytes"], 0)
+            self.assertLess(grids[name]["minimum"], grids[name]["maximum"])
+        text = self.works("info", CACHE).text
+        self.assertIn("vec3s (half), staggered", text)
+        self.assertIn("empty", text)
+        one = self.works("info", CACHE, "--field", "velocity", "--json").json
+        self.assertEqual((one["grid"], one["channels"]), ("velocity", 3))
+
+    def test_there_and_back(self):
+        folder = self.unpack()
+        self.assertEqual(len(list(folder.iterdir())), 3)
+        packed = self.path("again.volute")
+        said = self.works("compress", folder, "-o", packed, "--json", "--rms", "1e-3", "--rms-of", "velocity=2e-2").json
+        grids = {one["name"]: one for one in said["grids"]}
+        self.assertEqual(sorted(grids), NAMES)
+        self.assertEqual(said["input_bytes"], sum(file.stat().st_size for file in folder.iterdir()))
+        self.assertEqual(said["bytes"], packed.stat().st_size)
+        self.assertEqual(said["raw_bytes"], sum(one["raw_bytes"] for one in grids.values()))
+        for name, bound in [("density", 1e-3), ("temperature", 1e-3), ("solid", 1e-3), ("velocity", 2e-2)]:
+            self.assertLessEqual(grids[name]["relative_rms"], bound)
+        self.assertGreater(grids["velocity"]["relative_rms"], 1e-3)
+        # What comes out of it is within those bounds too, halves included, and says the same of itself.
+        back = self.path("back")
+        back.mkdir()
+        self.works("extract", packed, "-o", back / "c_%04d.vdb")
+        compared = self.works("compare", folder, back, "--json", "--difference", self.path("d.png")).json
+        for one in compared["grids"]:
+            self.assertLessEqual(one["relative_rms"], 2e-2 if one["name"] == "velocity" else 1e-3, one)
+            self.assertEqual(len(one["by_frame"]), 0 if one["empty"] else 3)
+        self.assertEqual(compared["worst_grid"], "velocity")
+        self.assertGreater(self.works("info", self.path("d.png"), "--json").json["size"][0], 20)
+        for name in ("c_0100.vdb", "c_0102.vdb"):
+            listed = [{one["name"]: (one["type"], one["class"], one["half"], one["voxel_size"])
+                       for one in self.works("info", place / name, "--json").json["grids"]} for place in (folder, back)]
+            self.assertEqual(listed[0], listed[1])
+        # A flame that begins to burn in the second frame.
+        self.assertNotIn("flame", [one["name"] for one in self.works("info", back / "c_0100.vdb", "--json").json["grids"]])
+
+    def test_the_cache_against_its_volute(self):
+        folder = self.unpack()
+        self.works("compress", folder, "-o", self.path("x.volute"), "--max-error", "0.002", "--field", "density,solid")
+        for one in self.works("compare", folder, self.path("x.volute"), "--field", "density,solid", "--json").json["grids"]:
+            self.assertLessEqual(one["max_error"], 0.002)
+        self.assertIn("no grid named 'temperature'", self.fails(1, "compare", folder, self.path("x.volute")))
+
+    def test_a_size_and_a_ratio_are_of_the_whole_file(self):
+        folder = self.unpack()
+        said = self.works("compress", folder, "-o", self.path("x.volute"), "--size", "9000", "--json").json
+        self.assertLessEqual(self.path("x.volute").stat().st_size, 9000)
+        self.assertGreater(self.path("x.volute").stat().st_size, 6500)
+        self.assertEqual(len(said["grids"]), 6)
+        said = self.works("compress", CACHE, "-o", self.path("y.volute"), "--ratio", "40", "--json").json
+        self.assertGreaterEqual(said["ratio"], 40)
+        self.assertIn("cannot be made as small", self.fails(1, "compress", folder, "-o", self.path("z.volute"), "--size", "2000"))
+        self.assertFalse(self.path("z.volute").exists())
+
+    def test_one_grid_of_several(self):
+        text = self.fails(2, "extract", CACHE, "-o", self.path("x.npy"))
+        for word in [*NAMES, "--field", "{grid}"]:
+            self.assertIn(word, text)
+        self.works("extract", CACHE, "-o", self.path("x.npy"), "--field", "velocity")
+        shape, values = read_npy(self.path("x.npy").read_bytes())
+        self.assertEqual((shape[0], shape[4]), (3, 3))
+        self.works("extract", CACHE, "-o", self.path("all_{grid}.npy"))
+        self.assertEqual(sorted(self.files()), sorted(["x.npy"] + [f"all_{name}.npy" for name in NAMES if name != "fuel"]))
+        self.assertEqual(self.path("all_velocity.npy").read_bytes(), self.path("x.npy").read_bytes())
+        self.assertIn("did you mean 'flame'", self.fails(1, "extract", CACHE, "-o", self.path("y.npy"), "--field", "flam"))
+        self.assertIn("is empty", self.fails(1, "extract", CACHE, "-o", self.path("y.npy"), "--field", "fuel"))
+        self.works("compress", CACHE, "-o", self.path("one.volute"), "--field", "density")
+        self.assertNotIn("grids", self.works("info", self.path("one.volute"), "--json").json)
+
+    def test_presets_find_their_grids(self):
+        shown = volute("render", CACHE, "-o", self.path("x.png"), "--size", "48x48")
+        self.assertEqual(shown.code, 0, shown.message)
+        self.assertIn("smoke from 'density'", shown.message)
+        self.assertIn("fire from 'flame'", shown.message)
+        self.assertIn("'velocity'", self.fails(2, "render", CACHE, "-o", self.path("x.png"), "--field", "velocity", "--preset", "fire"))
+
+    def test_damage_is_told_with_the_grid(self):
+        broken = self.path("broken.volute")
+        data = bytearray(CACHE.read_bytes())
+        data[-3] ^= 1
+        broken.write_bytes(data)
+        result = volute("info", broken)
+        self.assertEqual(result.code, 1)
+        self.assertIn("grid 'flame'", result.text)
+        self.assertEqual(volute("extract", broken, "-o", self.path("d.npy"), "--field", "velocity").code, 0)
+        self.assertEqual(volute("extract", broken, "-o", self.path("v.npy"), "--field", "flame").code, 1)
+        self.works("extract", broken, "-o", self.path("v.npy"), "--field", "flame", "--partial")
+        broken.write_bytes(data[:len(data) // 2])
+        self.assertEqual(volute("extract", broken, "-o", self.path("e.npy"), "--field", "density").code, 1)
+
+    def test_joining_is_refused(self):
+        self.assertIn("what a cache says", self.fails(1, "join", CACHE, CACHE, "-o", self.path("x.volute")))
+
+    def test_numbered_npy_files_are_a_sequence(self):
+        shape, values = support.plume(3, 8)
+        for i in range(3):
+            write_npy(self.path(f"f_{4 + 2 * i:04}.npy"), shape[1:], values[512 * i:512 * (i + 1)])
+        said = self.works("info", self.folder, "--json").json
+        self.assertEqual((said["frames"], said["frame_numbers"]), (3, [4, 8]))
+        for source in (self.folder, self.path("f_%04d.npy")):
+            self.works("compress", source, "-o", self.path("x.volute"))
+            self.works("compare", source, self.path("x.volute"))
+        write_npy(self.path("g_0001.npy"), shape[1:], values[:512])
+        self.assertIn("2 sequences, f_####.npy (3 files) and g_####.npy (1 file)", self.fails(2, "info", self.folder))
+        self.path("g_0001.npy").unlink()
+        self.path("f_0006.npy").unlink()
+        write_npy(self.path("f_0010.npy"), shape[1:], values[:512])
+        write_npy(self.path("f_0012.npy"), shape[1:], values[:512])
+        self.assertIn("1 of the frames 4 to 12 is missing: 6", volute("compress", self.path("f_%04d.npy"), "-o", self.path("y.volute")).message)
+
+
+if __name__ == "__main__":
+    support.main()
