@@ -486,7 +486,13 @@ class Step(ring.TestCase):
         first, second = self.camera("north"), self.camera("c2")
         first["image"], second["image"] = second["image"], first["image"]
         (said,) = self.warnings(32, 25)
-        self.assertRegex(said, r"frame 12: the cameras disagree: .* of 5 of them than \d.*pixel centres are \(0 or 0\.5\)")
+        self.assertRegex(said, r"cameras (north and c2|c2 and north): exchanged: each fits as the other")
+
+    def test_a_mirrored_camera_is_named(self):
+        self.change("c3", 12, lambda p: Picture(40, 32, 3, [p.values[3 * (40 * y + 39 - x) + c]
+                                                            for y in range(32) for x in range(40) for c in range(3)]))
+        (said,) = self.warnings(16, 25)
+        self.assertRegex(said, r"camera c3: mirrored: left and right exchanged")
 
 
 class Memory(ring.TestCase):

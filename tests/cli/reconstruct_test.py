@@ -72,6 +72,32 @@ class Reconstruct(ring.TestCase):
         self.assertEqual(page.count("<svg"), 4)
         self.assertIn("c3 (held out): given", page)
 
+    def test_cameras_are_left_out_in_turn(self):
+        result = self.reconstruct("--frames", "10:12", "--hold-out", "auto", "--error-bars", self.path("sigma.npy"), "--report",
+                                  self.path("r.json"), "--json")
+        report = json.loads(self.path("r.json").read_text())
+        turns = report["held_out_in_turn"]
+        self.assertEqual([turn["name"] for turn in turns], list(ring.NAMES))
+        self.assertAlmostEqual(report["held_out_psnr"], sum(turn["psnr"] for turn in turns) / 5, delta=1e-3)
+        self.assertEqual(result.json["held_out_psnr"], report["held_out_psnr"])
+        self.assertTrue(all(turn["residual"] > report["residual"] for turn in turns), turns)
+        self.assertRegex(report["verdict"], r"^a new view comes out with \d+\.\d dB .* worst \w+ with \d+\.\d\)")
+        shape, sigma = read_npy(self.path("sigma.npy").read_bytes())
+        self.assertEqual(shape, (2, 16, 16, 16, 3))
+        self.assertGreaterEqual(min(sigma), 0)
+        self.assertGreater(max(sigma), 0)
+        self.assertEqual([name for name in self.files() if ".work" in name], [])
+        # What one camera alone says is that of a run that leaves it out.
+        alone = self.reconstruct("--frames", "10:12", "--hold-out", "c2", "--json", output="alone.npy")
+        self.assertAlmostEqual(alone.json["held_out_psnr"], next(t["psnr"] for t in turns if t["name"] == "c2"), delta=1e-3)
+
+    def test_leaving_out_in_turn_is_refused_where_it_makes_no_sense(self):
+        source = self.path("capture.json")
+        self.assertIn("name no other", self.fails(2, "reconstruct", source, "-o", self.path("x.npy"), "--hold-out", "auto",
+                                                  "--hold-out", "c2"))
+        self.assertIn("--hold-out auto", self.fails(2, "reconstruct", source, "-o", self.path("x.npy"), "--error-bars",
+                                                    self.path("s.npy")))
+
     def test_residual_is_what_project_and_compare_say(self):
         residuals = self.reconstruct("--frames", "12", "--json").json["residuals"]
         self.works("project", self.path("out.npy"), self.path("capture.json"), "-o", self.path("seen_{camera}.exr"))

@@ -19,6 +19,8 @@ struct PictureSource {
   std::string image;            ///< the files: %04d, %d or #### stands for the frame; empty: a film
   std::filesystem::path video;  ///< the film; empty: files
   int videoStart = 0;           ///< the frame number of the film's first frame
+  int frameShift = 0;           ///< the picture of frame n is that of number n + frameShift: its
+                                ///< clock is wrong by so many frames
   std::filesystem::path background;      ///< a picture without the medium; empty: none
   std::filesystem::path mask;            ///< 0 = ignore the pixel (obstructors); empty: none
   double gain = 1;                       ///< a factor on its linear values

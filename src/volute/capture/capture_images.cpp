@@ -134,11 +134,11 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
   return stored;
 }
 
-Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int frame) {
+Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int number) {
   const auto& pictures = capture_->cameras[camera].pictures;
-  const std::string name = nameOf(camera, frame);
+  const std::string name = nameOf(camera, number);
   if (pictures.video.empty()) {
-    const std::filesystem::path path = frameFile(pictures.image, frame);
+    const std::filesystem::path path = frameFile(pictures.image, number);
     std::error_code error;
     if (!std::filesystem::exists(path, error))
       return fail(ErrorCode::kNotFound, "{}: there is no picture {}", name, path.string());
@@ -151,7 +151,7 @@ Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int 
       return fail(opened.error().code, "{}: {}", name, opened.error().message);
     film = films_.emplace(camera, std::move(*opened)).first;
   }
-  const int position = frame - pictures.videoStart;
+  const int position = number - pictures.videoStart;
   if (position < 0) {
     return fail(ErrorCode::kNotFound, "{}: the film {} begins with frame {}", name,
                 pictures.video.string(), pictures.videoStart);
@@ -244,7 +244,8 @@ Result<CaptureImages> CaptureImages::open(const Capture& capture, std::uint64_t 
 }
 
 Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
-  VOLUTE_ASSIGN(const Stored stored, readStored(camera, frame));
+  VOLUTE_ASSIGN(const Stored stored,
+                readStored(camera, frame + capture_->cameras[camera].pictures.frameShift));
   const auto& mask = masks_[camera];
   const auto& background = backgrounds_[camera].pixels;
   CameraPicture picture;
@@ -297,8 +298,11 @@ Status checkPicturesThere(const Capture& capture, std::uint64_t maxMemory) {
   std::error_code error;
   for (const CaptureCamera& camera : capture.cameras) {
     const PictureSource& pictures = camera.pictures;
-    if (!pictures.video.empty())
-      VOLUTE_TRY(checkFilm(camera, capture.frames.front(), capture.frames.back(), maxMemory));
+    if (!pictures.video.empty()) {
+      const int shift = pictures.frameShift;
+      VOLUTE_TRY(checkFilm(camera, capture.frames.front() + std::max(shift, 0),
+                           capture.frames.back() + std::min(shift, 0), maxMemory));
+    }
     for (const auto& [file, what] :
          {std::pair(&pictures.background, "background"), std::pair(&pictures.mask, "mask")}) {
       if (!file->empty() && !std::filesystem::exists(*file, error)) {
@@ -315,7 +319,10 @@ Status checkPicturesThere(const Capture& capture, std::uint64_t maxMemory) {
       const CaptureCamera& camera = capture.cameras[i];
       if (camera.pictures.image.empty())
         continue;
-      const auto path = frameFile(camera.pictures.image, frame);
+      const int number = frame + camera.pictures.frameShift;
+      if (number < capture.frames.front() || number > capture.frames.back())
+        continue;
+      const auto path = frameFile(camera.pictures.image, number);
       ++all;
       const bool exists = std::filesystem::exists(path, error);
       if (exists && std::filesystem::file_size(path, error) != 0) {

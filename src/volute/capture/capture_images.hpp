@@ -35,7 +35,8 @@ class CaptureImages {
                                                   Progress& progress);
 
   /// @param camera  position in the capture.
-  /// @param frame  number; kNotFound when there is no such picture, kInvalidData for a size that is
+  /// @param frame  number, to which the camera's shift is added; kNotFound when there is no such
+  ///   picture, kInvalidData for a size that is
   ///   not the camera's, a value that is not finite, or a .png with transparent pixels.
   [[nodiscard]] Result<CameraPicture> read(std::size_t camera, int frame);
 
@@ -55,7 +56,7 @@ class CaptureImages {
       : capture_(&capture), maxMemory_(maxMemory) {}
 
   std::string nameOf(std::size_t camera, int frame) const;
-  [[nodiscard]] Result<Stored> readStored(std::size_t camera, int frame);
+  [[nodiscard]] Result<Stored> readStored(std::size_t camera, int number);
   [[nodiscard]] Result<Stored> readFile(std::size_t camera, const std::filesystem::path& path,
                                         const std::string& name) const;
   [[nodiscard]] Status checkSize(std::size_t camera, const Image& image,
@@ -72,7 +73,8 @@ class CaptureImages {
 };
 
 /// Before any picture is read: kNotFound when one of a frame, a mask or a background is missing, or
-/// a frame's has 0 bytes;
+/// a frame's has 0 bytes; those that a camera's shift of frames takes beyond the first and the last
+/// frame may be missing;
 /// names the first, and how many the cameras have. Films are opened, for they may not be there, be
 /// of another size, begin later or end earlier; their frames are counted and not decoded.
 /// @param maxMemory  [bytes] that decoding a film may take.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
+#include <cstdlib>
 
 #include "volute/capture/importers.hpp"
 #include "volute/capture/json_value.hpp"
@@ -130,6 +131,12 @@ class CameraReader {
     if (const auto start = value_.find("video_start")) {
       VOLUTE_ASSIGN(pictures.videoStart, start->integer());
     }
+    if (const auto shift = value_.find("frame_shift")) {
+      constexpr int kMost = 1000000;
+      VOLUTE_ASSIGN(pictures.frameShift, shift->integer());
+      if (std::abs(pictures.frameShift) > kMost)
+        return shift->fault(fmt::format("expected -{} to {} frames", kMost, kMost));
+    }
     if (const auto background = value_.find("background")) {
       VOLUTE_ASSIGN(pictures.background, path(*background));
     }
@@ -241,7 +248,7 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
     draft.cameras.push_back(std::move(read));
     remarkUnknown(camera,
                   {"name", "image", "width", "height", "K", "R", "t", "distortion", "background",
-                   "mask", "gain", "video", "video_start", "color", "saturation"},
+                   "mask", "gain", "video", "video_start", "frame_shift", "color", "saturation"},
                   draft);
   }
   return draft;

@@ -26,7 +26,8 @@ std::size_t picturesThere(const CaptureCamera& camera, const std::vector<int>& f
   if (camera.pictures.image.empty())
     return std::filesystem::exists(camera.pictures.video, ignored) ? frames.size() : 0;
   return static_cast<std::size_t>(std::ranges::count_if(frames, [&](int frame) {
-    return std::filesystem::exists(frameFile(camera.pictures.image, frame), ignored);
+    const int number = frame + camera.pictures.frameShift;
+    return std::filesystem::exists(frameFile(camera.pictures.image, number), ignored);
   }));
 }
 

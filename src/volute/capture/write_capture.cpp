@@ -42,6 +42,8 @@ Json cameraJson(const CaptureCamera& known, const std::filesystem::path& folder)
     json["video"] = path(pictures.video);
     json["video_start"] = pictures.videoStart;
   }
+  if (pictures.frameShift != 0)
+    json["frame_shift"] = pictures.frameShift;
   json["width"] = camera.width();
   json["height"] = camera.height();
   json["K"] = jsonOf(camera.intrinsics());

@@ -31,6 +31,7 @@ TEST(WriteCapture, ReadsAsItWas) {
   PictureSource film;
   film.video = folder / "b.mp4";
   film.videoStart = 4;
+  film.frameShift = -2;
   film.saturation = 0.9;
   film.response = *Response::table({0, 0.2, 1});
   capture.cameras = {{"a", camera, files}, {"b", camera, film}};
@@ -56,6 +57,7 @@ TEST(WriteCapture, ReadsAsItWas) {
     EXPECT_EQ(is.pictures.gain, was.pictures.gain);
     EXPECT_EQ(is.pictures.saturation, was.pictures.saturation);
     EXPECT_EQ(is.pictures.videoStart, was.pictures.videoStart);
+    EXPECT_EQ(is.pictures.frameShift, was.pictures.frameShift);
   }
   EXPECT_EQ(std::filesystem::weakly_canonical(read->cameras[0].pictures.image),
             std::filesystem::weakly_canonical(files.image));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "volute/tomography/hull.hpp"
 #include "volute/tomography/projector.hpp"
@@ -25,6 +26,7 @@ using Vector = std::vector<float>;
 struct Level {
   int voxels = 1;              ///< the volume's resolution is divided by this
   int steps = 1;               ///< Gauss-Newton steps
+  int conjugateSteps = 12;     ///< of conjugate gradients in each
   double uncertainPixels = 0;  ///< how far silhouettes may be off [pixels of the given pictures]
 };
 
@@ -471,11 +473,18 @@ class LevelFit {
   Progress* progress_ = nullptr;
 };
 
+bool clearlyLess(const std::vector<double>& after, const std::vector<double>& before) {
+  constexpr double kClearly = 0.8;
+  return std::accumulate(after.begin(), after.end(), 0.0) <
+         kClearly * std::accumulate(before.begin(), before.end(), 0.0);
+}
+
 }  // namespace
 
 Result<CalibrationFit> refineCalibration(std::span<const std::vector<TomographyView>> frames,
-                                         const VolumeGeometry& geometry, Progress& progress) {
-  constexpr int kVolumeSteps = 12, kTogetherSteps = 12;
+                                         const VolumeGeometry& geometry, bool fine,
+                                         Progress& progress) {
+  constexpr int kVolumeSteps = 12;
   if (frames.empty() || frames.size() > 3 || frames[0].empty())
     return fail(ErrorCode::kInvalidArgument, "One to three frames can be refined together");
   const auto& views = frames[0];
@@ -489,11 +498,11 @@ Result<CalibrationFit> refineCalibration(std::span<const std::vector<TomographyV
   const int coarsest = std::clamp(*std::ranges::min_element(geometry.resolution) / 16, 1, 4);
   std::vector<Level> levels;
   if (coarsest >= 4)
-    levels.push_back({4, 6, 8});
-  levels.push_back({std::min(coarsest, 2), 5, 3});
+    levels.push_back({4, 6, 12, 8});
+  levels.push_back({std::min(coarsest, 2), 5, 12, 3});
   CalibrationFit result;
   std::unique_ptr<LevelFit> before;
-  for (const Level& level : levels) {
+  const auto refineAt = [&](const Level& level) -> Status {
     auto fit = std::make_unique<LevelFit>(frames, geometry, level, plausible);
     VOLUTE_TRY(fit->begin(corrections, progress));
     if (before)
@@ -501,12 +510,14 @@ Result<CalibrationFit> refineCalibration(std::span<const std::vector<TomographyV
     fit->fitVolume(2 * kVolumeSteps);
     for (int k = 0; k < level.steps; ++k) {
       fit->weigh();
-      VOLUTE_TRY(fit->step(kTogetherSteps));
+      VOLUTE_TRY(fit->step(level.conjugateSteps));
       fit->fitVolume(kVolumeSteps);
     }
     corrections = fit->corrections();
     before = std::move(fit);
-  }
+    return {};
+  };
+  for (const Level& level : levels) VOLUTE_TRY(refineAt(level));
   result.after = before->residuals();
   // At the same voxels and as many iterations: coarser voxels explain less of any picture.
   const Level& last = levels.back();
@@ -514,6 +525,8 @@ Result<CalibrationFit> refineCalibration(std::span<const std::vector<TomographyV
   VOLUTE_TRY(asGiven.begin(std::vector<CameraCorrection>(views.size()), progress));
   asGiven.fitVolume((2 + last.steps) * kVolumeSteps);
   result.before = asGiven.residuals();
+  if (fine && coarsest >= 2 && clearlyLess(result.after, result.before))
+    VOLUTE_TRY(refineAt({1, 4, 30, 1.5}));
   result.uncertain = before->uncertain();
   std::vector<Camera> given;
   for (const TomographyView& view : views) given.push_back(view.camera);

@@ -27,9 +27,11 @@ struct CalibrationFit {
 /// fine, with Tukey's weights of pixels, and corrections held by what is plausible. What is common
 /// to all cameras stays as it is.
 /// @param frames  the same cameras at one to three times; pinholes.
+/// @param fine  goes on to the voxels of `geometry` where coarser ones explain more with the
+///   corrections; what is left before and after is that of voxels twice as wide all the same.
 /// Errors: kInvalidArgument, kNotFound for frames without light, kCancelled.
 [[nodiscard]] Result<CalibrationFit> refineCalibration(
-    std::span<const std::vector<TomographyView>> frames, const VolumeGeometry& geometry,
+    std::span<const std::vector<TomographyView>> frames, const VolumeGeometry& geometry, bool fine,
     Progress& progress);
 
 }  // namespace volute

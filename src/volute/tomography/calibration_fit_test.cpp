@@ -142,7 +142,7 @@ TEST(CalibrationFit, FindsWhatWasChanged) {
   }
   Progress progress;
   const std::vector<std::vector<TomographyView>> frames{scene.views};
-  const auto fit = refineCalibration(frames, scene.geometry, progress);
+  const auto fit = refineCalibration(frames, scene.geometry, false, progress);
   ASSERT_TRUE(fit) << fit.error().message;
   double before = 0, after = 0;
   for (std::size_t v = 0; v < truth.size(); ++v) {
@@ -160,7 +160,7 @@ TEST(CalibrationFit, LeavesWhatIsRight) {
   const TestScene scene(8);
   Progress progress;
   const std::vector<std::vector<TomographyView>> frames{scene.views};
-  const auto fit = refineCalibration(frames, scene.geometry, progress);
+  const auto fit = refineCalibration(frames, scene.geometry, false, progress);
   ASSERT_TRUE(fit) << fit.error().message;
   EXPECT_LT(pixelsOff(fit->cameras, camerasOf(scene.views), scene.geometry.bounds), 0.2);
   for (std::size_t v = 0; v < scene.views.size(); ++v)
@@ -174,7 +174,7 @@ TEST(CalibrationFit, RefusesOrthographicCameras) {
   scene.views[1].camera = Camera::orthographic({Vec3(0, -5, 0), Vec3::Zero()}, 2.5, 48, 44);
   Progress progress;
   const std::vector<std::vector<TomographyView>> frames{scene.views};
-  const auto fit = refineCalibration(frames, scene.geometry, progress);
+  const auto fit = refineCalibration(frames, scene.geometry, false, progress);
   ASSERT_FALSE(fit);
   EXPECT_NE(fit.error().message.find("c1"), std::string::npos);
 }

@@ -7,8 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "volute/report/json.hpp"
+#include "volute/tomography/capture_faults.hpp"
 #include "volute/tomography/frame_views.hpp"
 
 namespace volute {
@@ -68,6 +70,142 @@ bool pays(const CaptureRefinement& refinement) {
          (left < kMuchBetter || (left < kBetter && refinement.after < kGood));
 }
 
+using Frames = std::vector<std::vector<TomographyView>>;
+
+/// Refines what was looked at, and finds clocks that are wrong by whole frames.
+class Refiner {
+ public:
+  Refiner(const Capture& capture, ViewReader& reader, Progress& progress)
+      : capture_(capture), reader_(reader), progress_(progress) {}
+
+  /// Frames that can be read and in which every camera sees light.
+  void read() {
+    for (const int number : framesToLookAt(capture_.frames)) {
+      auto read = reader_.read(number);
+      // A frame that cannot be read is told when its turn comes.
+      if (!read)
+        continue;
+      const auto fitted = read->fitted();
+      std::vector<TomographyView> views(fitted.begin(), fitted.end());
+      if (!shinesEverywhere(views))
+        continue;
+      frames_.push_back(std::move(views));
+      numbers_.push_back(number);
+    }
+    if (!frames_.empty())
+      shifts_.assign(frames_[0].size(), 0);
+  }
+
+  const Frames& frames() const { return frames_; }
+
+  const std::vector<int>& numbers() const { return numbers_; }
+
+  const std::vector<int>& shifts() const { return shifts_; }
+
+  Result<std::vector<std::string>> faults() const {
+    const auto& views = frames_[frames_.size() / 2];
+    std::vector<double> white;
+    for (const TomographyView& view : views)
+      white.push_back(capture_.white * known(view.name).pictures.gain);
+    VOLUTE_ASSIGN(const auto faults, findCaptureFaults(views, white, geometry(), progress_));
+    std::vector<std::string> texts;
+    for (const CaptureFault& fault : faults) texts.push_back(fault.text);
+    return texts;
+  }
+
+  Result<CalibrationFit> fit(bool fine) const {
+    return refineCalibration(frames_, geometry(), fine, progress_);
+  }
+
+  /// Changes the clocks of cameras that stand out even as refined and fit clearly better with the
+  /// pictures of other times. Returns the fit with these.
+  Result<CalibrationFit> withClocks(CalibrationFit fit) {
+    for (std::size_t tried = 0; 3 * tried < shifts_.size(); ++tried) {
+      const auto worst = outstanding(fit);
+      if (!worst)
+        break;
+      VOLUTE_ASSIGN(auto better, otherClock(*worst, fit));
+      if (!better)
+        break;
+      fit = std::move(*better);
+    }
+    return fit;
+  }
+
+ private:
+  VolumeGeometry geometry() const { return {capture_.volume.bounds, capture_.volume.resolution}; }
+
+  const CaptureCamera& known(const std::string& name) const {
+    return capture_.cameras[*findCamera(capture_, name)];
+  }
+
+  /// The camera that is explained least, where it is much less than the others.
+  static std::optional<std::size_t> outstanding(const CalibrationFit& fit) {
+    constexpr double kTimes = 1.5, kLeast = 0.02;
+    const auto worst =
+        static_cast<std::size_t>(std::ranges::max_element(fit.after) - fit.after.begin());
+    std::vector<double> others = fit.after;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(worst));
+    if (fit.after[worst] < std::max(kLeast, kTimes * medianOf(others)))
+      return std::nullopt;
+    return worst;
+  }
+
+  /// The frames with one camera's pictures of other times; without those of which there
+  /// is none.
+  Frames shifted(std::size_t camera, int by) {
+    const std::size_t position = *findCamera(capture_, frames_[0][camera].name);
+    Frames frames;
+    for (std::size_t f = 0; f < frames_.size(); ++f) {
+      auto view = reader_.neighbour(position, numbers_[f] + by);
+      if (!view)
+        continue;  // a later frame may do
+      frames.push_back(frames_[f]);
+      frames.back()[camera] = std::move(*view);
+    }
+    return frames;
+  }
+
+  /// The best of the neighbouring times, further on while it gets better.
+  Result<std::optional<CalibrationFit>> otherClock(std::size_t camera, const CalibrationFit& now) {
+    constexpr int kFurthest = 4;
+    constexpr double kClearly = 0.7;
+    std::optional<CalibrationFit> best;
+    int shift = 0;
+    double least = now.after[camera];
+    const auto attempt = [&](int by) -> Result<bool> {
+      const Frames frames = shifted(camera, by);
+      if (frames.empty())
+        return false;
+      VOLUTE_ASSIGN(auto fit, refineCalibration(frames, geometry(), false, progress_));
+      if (!(fit.after[camera] < least))
+        return false;
+      least = fit.after[camera];
+      shift = by;
+      best = std::move(fit);
+      return true;
+    };
+    for (const int direction : {-1, 1}) {
+      for (int by = direction; std::abs(by) <= kFurthest; by += direction) {
+        VOLUTE_ASSIGN(const bool better, attempt(by));
+        if (!better)
+          break;
+      }
+    }
+    if (!(least < kClearly * now.after[camera]) || !(mean(best->after) < mean(now.after)))
+      return std::optional<CalibrationFit>();
+    frames_ = shifted(camera, shift);
+    shifts_[camera] += shift;
+    return best;
+  }
+
+  const Capture& capture_;
+  ViewReader& reader_;
+  Progress& progress_;
+  Frames frames_;
+  std::vector<int> numbers_, shifts_;
+};
+
 }  // namespace
 
 Result<CaptureRefinement> refineCapture(const Capture& capture,
@@ -75,8 +213,6 @@ Result<CaptureRefinement> refineCapture(const Capture& capture,
                                         std::uint64_t maxMemory, Progress& progress) {
   CaptureRefinement result;
   result.capture = capture;
-  if (refine == Refine::kNever)
-    return result;
   const auto leave = [&](std::string_view why) {
     if (refine == Refine::kAlways)
       progress.remark(fmt::format("calibration not refined: {}", why));
@@ -87,39 +223,47 @@ Result<CaptureRefinement> refineCapture(const Capture& capture,
   if (flat)
     return leave("orthographic cameras are taken as they are");
   VOLUTE_ASSIGN(auto reader, ViewReader::open(capture, heldOut, maxMemory, progress));
-  std::vector<std::vector<TomographyView>> frames;
-  std::vector<int> numbers;
-  progress.report("refining the calibration", 0, 0);
-  for (const int number : framesToLookAt(capture.frames)) {
-    auto read = reader.read(number);
-    // A frame that cannot be read is told when its turn comes.
-    if (!read)
-      continue;
-    const auto fitted = read->fitted();
-    std::vector<TomographyView> views(fitted.begin(), fitted.end());
-    if (!shinesEverywhere(views))
-      continue;
-    frames.push_back(std::move(views));
-    numbers.push_back(number);
-  }
-  if (frames.empty())
+  progress.report("looking at the calibration", 0, 0);
+  Refiner refiner(capture, reader, progress);
+  refiner.read();
+  if (refiner.frames().empty())
     return leave("no frame that was looked at shows light in all cameras");
-  if (frames[0].size() < kFewestViews)
-    return leave(fmt::format("{} cameras do not determine it; at least {} do", frames[0].size(),
-                             kFewestViews));
-  auto fit =
-      refineCalibration(frames, {capture.volume.bounds, capture.volume.resolution}, progress);
-  if (!fit) {
-    if (fit.error().code == ErrorCode::kCancelled)
-      return tl::unexpected<Error>(fit.error());
-    return leave(fit.error().message);
+  const std::size_t views = refiner.frames()[0].size();
+  if (views < kFewestViews)
+    return leave(
+        fmt::format("{} cameras do not determine it; at least {} do", views, kFewestViews));
+  const auto failed = [&](const Error& error) -> Result<CaptureRefinement> {
+    if (error.code == ErrorCode::kCancelled)
+      return tl::unexpected<Error>(error);
+    return leave(error.message);
+  };
+  auto faults = refiner.faults();
+  if (!faults)
+    return failed(faults.error());
+  result.faults = std::move(*faults);
+  if (refine == Refine::kNever || (refine == Refine::kAuto && !result.faults.empty()))
+    return result;
+  progress.report("refining the calibration", 0, 0);
+  auto given = refiner.fit(false);
+  if (!given)
+    return failed(given.error());
+  const auto before = given->before;
+  auto fit = refiner.withClocks(std::move(*given));
+  if (!fit)
+    return failed(fit.error());
+  result.frames = refiner.numbers();
+  result.shifts = refiner.shifts();
+  for (const TomographyView& view : refiner.frames()[0]) result.names.push_back(view.name);
+  result.before = mean(before);
+  result.after = mean(fit->after);
+  result.used = refine == Refine::kAlways || pays(result);
+  if (result.used) {
+    fit = refiner.fit(true);
+    if (!fit)
+      return failed(fit.error());
   }
   result.fit = std::move(*fit);
-  result.frames = numbers;
-  for (const TomographyView& view : frames[0]) result.names.push_back(view.name);
-  result.before = mean(result.fit.before);
-  result.after = mean(result.fit.after);
-  result.used = refine == Refine::kAlways || pays(result);
+  result.fit.before = before;
   if (!result.used)
     return result;
   for (std::size_t v = 0; v < result.names.size(); ++v) {
@@ -128,6 +272,7 @@ Result<CaptureRefinement> refineCapture(const Capture& capture,
         pixelsMoved(camera.camera, result.fit.cameras[v], capture.volume.bounds));
     camera.camera = result.fit.cameras[v];
     camera.pictures.gain *= result.fit.corrections[v].gain();
+    camera.pictures.frameShift += result.shifts[v];
   }
   return result;
 }
@@ -159,6 +304,16 @@ std::vector<std::string> outstandingCorrections(const CaptureRefinement& refinem
       return medianOf(std::move(values));
     };
     const double pixels = others(refinement.moved), gain = others(gains);
+    if (const int shift = refinement.shifts[v]; shift != 0) {
+      texts.push_back(fmt::format(
+          "camera {}: its pictures of {} frame{} {} fit the others: its clock runs {}, and that "
+          "was "
+          "taken (\"frame_shift\": {})",
+          refinement.names[v], std::abs(shift), std::abs(shift) == 1 ? "" : "s",
+          shift > 0 ? "later" : "earlier", shift > 0 ? "late" : "early",
+          refinement.capture.cameras[*findCamera(refinement.capture, refinement.names[v])]
+              .pictures.frameShift));
+    }
     if (refinement.moved[v] > std::max(kPixels, kTimes * pixels)) {
       texts.push_back(fmt::format(
           "camera {}: its calibration does not fit the others and was refined: it sees the volume "
@@ -178,7 +333,7 @@ std::vector<std::string> outstandingCorrections(const CaptureRefinement& refinem
 }
 
 nlohmann::ordered_json refinementJson(const CaptureRefinement& refinement) {
-  if (refinement.frames.empty())
+  if (refinement.frames.empty() && refinement.faults.empty())
     return {};
   auto cameras = nlohmann::ordered_json::array();
   for (std::size_t v = 0; v < refinement.names.size(); ++v) {
@@ -189,6 +344,7 @@ nlohmann::ordered_json refinementJson(const CaptureRefinement& refinement) {
          {"pixels_moved", refinement.used ? jsonNumber(refinement.moved[v]) : Json()},
          {"residual_before", jsonNumber(refinement.fit.before[v])},
          {"residual_after", jsonNumber(refinement.fit.after[v])},
+         {"frame_shift", refinement.shifts[v]},
          {"turn_degrees", {kDegrees * one[0], kDegrees * one[1], kDegrees * one[2]}},
          {"turn_uncertain", {kDegrees * off[0], kDegrees * off[1], kDegrees * off[2]}},
          {"shift", {one[3], one[4], one[5]}},
@@ -204,6 +360,7 @@ nlohmann::ordered_json refinementJson(const CaptureRefinement& refinement) {
           {"frames", refinement.frames},
           {"residual_before", jsonNumber(refinement.before)},
           {"residual_after", jsonNumber(refinement.after)},
+          {"faults", refinement.faults},
           {"cameras", cameras}};
 }
 

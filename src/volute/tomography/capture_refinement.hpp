@@ -26,12 +26,19 @@ struct CaptureRefinement {
   std::vector<std::string> names;  ///< of the refined cameras
   CalibrationFit fit;              ///< one of `names` each
   double before = 0, after = 0;    ///< relative L2, the mean over the cameras
+  /// For each of `names`, how many frames later its pictures are taken from: its clock runs late by
+  /// so many.
+  std::vector<int> shifts;
+  std::vector<std::string> faults;  ///< mistakes that were found: sentences for people
   std::vector<double> moved;  ///< for each of `names`, how far what it sees of the volume moved in
                               ///< its picture, root mean square [pixels]
 };
 
-/// Looks at one to three frames of the capture. Orthographic cameras, fewer than four cameras, and
-/// frames without light are left as they are, with the reason as a remark if `refine` is kAlways.
+/// Looks at one to three frames of the capture. First for mistakes that no refinement mends, see
+/// findCaptureFaults(): where there are any, the calibration is left as it is. Then refines it,
+/// and, where a camera is left that does not fit, its clock by whole frames. Orthographic cameras,
+/// fewer than four cameras, and frames without light are left as they are, with the reason as a
+/// remark if `refine` is kAlways.
 [[nodiscard]] Result<CaptureRefinement> refineCapture(const Capture& capture,
                                                       const std::vector<std::string>& heldOut,
                                                       Refine refine, std::uint64_t maxMemory,

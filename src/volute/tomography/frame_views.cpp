@@ -16,7 +16,8 @@ std::vector<TomographyView> FrameViews::fittedWithout(std::size_t view) const {
 }
 
 bool FrameViews::grey() const {
-  return std::ranges::all_of(facts, [](const PictureFacts& fact) { return fact.grey; });
+  return std::ranges::all_of(facts,
+                             [](const PictureFacts& fact) { return fact.grey || fact.missing; });
 }
 
 Result<ViewReader> ViewReader::open(const Capture& capture, const std::vector<std::string>& heldOut,
@@ -37,32 +38,49 @@ Result<ViewReader> ViewReader::open(const Capture& capture, const std::vector<st
   return ViewReader(capture, std::move(images), std::move(marks));
 }
 
+TomographyView ViewReader::viewOf(std::size_t camera, CameraPicture picture) const {
+  const bool allCount = std::ranges::all_of(picture.weight, [](float w) { return w == 1; });
+  const CaptureCamera& known = capture_->cameras[camera];
+  return {known.name, known.camera, std::move(picture.radiance),
+          allCount ? std::vector<float>{} : std::move(picture.weight),
+          allCount ? std::vector<std::uint8_t>{} : std::move(picture.atLeast)};
+}
+
 Result<FrameViews> ViewReader::read(int frame) {
   FrameViews result;
   result.frame = frame;
   result.heldOut = heldOut_;
   for (std::size_t camera = 0; camera < capture_->cameras.size(); ++camera) {
-    VOLUTE_ASSIGN(auto picture, images_.read(camera, frame));
-    const bool allCount = std::ranges::all_of(picture.weight, [](float w) { return w == 1; });
     const CaptureCamera& known = capture_->cameras[camera];
-    result.views.push_back({known.name, known.camera, std::move(picture.radiance),
-                            allCount ? std::vector<float>{} : std::move(picture.weight),
-                            allCount ? std::vector<std::uint8_t>{} : std::move(picture.atLeast)});
-    result.facts.push_back({picture.brightest, picture.saturatedShare, picture.maskedShare,
-                            picture.transparentShare, picture.grey});
+    auto picture = images_.read(camera, frame);
+    PictureFacts facts;
+    if (!picture && picture.error().code == ErrorCode::kNotFound && known.pictures.frameShift != 0) {
+      // The others tell what they saw; this one has seen nothing, not even darkness.
+      picture.emplace();
+      picture->radiance = Image(known.camera.width(), known.camera.height());
+      picture->weight.assign(picture->radiance.pixels.size() / 3, 0);
+      picture->atLeast.assign(picture->weight.size(), 0);
+      facts.missing = true;
+      facts.maskedShare = 1;
+    } else if (!picture) {
+      return tl::unexpected<Error>(picture.error());
+    } else {
+      facts = {picture->brightest,        picture->saturatedShare, picture->maskedShare,
+               picture->transparentShare, picture->grey,           false};
+    }
+    result.facts.push_back(facts);
+    result.views.push_back(viewOf(camera, std::move(*picture)));
   }
   if (std::ranges::find(heldOut_, 1) != heldOut_.end())
     result.chosen = result.fittedWithout(result.views.size());
   return result;
 }
 
-std::optional<Image> ViewReader::neighbour(std::size_t camera, int frame) {
-  if (frame < 0)
-    return std::nullopt;
+std::optional<TomographyView> ViewReader::neighbour(std::size_t camera, int frame) {
   auto picture = images_.read(camera, frame);
   if (!picture)
     return std::nullopt;
-  return std::move(picture->radiance);
+  return viewOf(camera, std::move(*picture));
 }
 
 }  // namespace volute

@@ -18,6 +18,7 @@ struct PictureFacts {
   double maskedShare = 0;
   double transparentShare = 0;
   bool grey = false;
+  bool missing = false;  ///< no picture: the camera's clock takes it beyond the first or the last
 };
 
 /// All cameras at one frame, in the order of the capture.
@@ -49,9 +50,8 @@ class ViewReader {
 
   [[nodiscard]] Result<FrameViews> read(int frame);
 
-  /// One camera's radiance at any frame, one of the capture or not; nothing when there is no such
-  /// picture.
-  std::optional<Image> neighbour(std::size_t camera, int frame);
+  /// One camera at any frame, one of the capture or not; nothing when there is no such picture.
+  std::optional<TomographyView> neighbour(std::size_t camera, int frame);
 
   /// One a camera.
   const std::vector<char>& heldOut() const { return heldOut_; }
@@ -59,6 +59,8 @@ class ViewReader {
  private:
   ViewReader(const Capture& capture, CaptureImages images, std::vector<char> heldOut)
       : capture_(&capture), images_(std::move(images)), heldOut_(std::move(heldOut)) {}
+
+  TomographyView viewOf(std::size_t camera, CameraPicture picture) const;
 
   const Capture* capture_;
   CaptureImages images_;

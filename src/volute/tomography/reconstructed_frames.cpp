@@ -265,12 +265,11 @@ std::optional<std::string> ReconstructedFrames::outOfStep(std::size_t camera,
   double best = own;
   int shift = 0;
   for (const int by : {-2, -1, 1, 2}) {
-    auto image = views_.neighbour(camera, views.frame + by);
-    if (!image)
+    const auto view =
+        views.frame + by < 0 ? std::nullopt : views_.neighbour(camera, views.frame + by);
+    if (!view)
       continue;
-    TomographyView view = views.views[camera];
-    view.radiance = std::move(*image);
-    const double residual = residualOf(view, seen, options.noiseSigma).relative;
+    const double residual = residualOf(*view, seen, options.noiseSigma).relative;
     if (residual < best) {
       best = residual;
       shift = by;
@@ -336,7 +335,8 @@ Result<std::vector<std::string>> ReconstructedFrames::diagnosed(const FrameViews
   VOLUTE_ASSIGN(const auto diagnosis,
                 diagnose(views.fitted(), geometry(), settings_.tomography, result, quiet));
   std::vector<std::string> warnings;
-  for (const std::string& warning : diagnosis.warnings)
+  for (const std::string& warning :
+       settings_.causeNamed ? std::vector<std::string>{} : diagnosis.warnings)
     warnings.push_back(fmt::format("frame {}: {}", views.frame, warning));
   std::size_t next = 0;
   for (std::size_t camera = 0; camera < views.views.size(); ++camera) {
@@ -345,10 +345,12 @@ Result<std::vector<std::string>> ReconstructedFrames::diagnosed(const FrameViews
     const CameraDiagnosis& found = diagnosis.cameras[next++];
     cameras[camera]["gain"] = jsonNumber(found.gain);
     cameras[camera]["residual_ratio"] = jsonNumber(found.residualRatio);
+    if (settings_.causeNamed)
+      continue;
     if (const auto warning = explained(camera, found, views, result))
       warnings.push_back(*warning);
   }
-  if (!shiftJudged_) {
+  if (!shiftJudged_ && !settings_.causeNamed) {
     VOLUTE_ASSIGN(const auto warning, commonShift(views, result, !warnings.empty()));
     if (warning)
       warnings.insert(warnings.begin(), *warning);  // what else was said may come of it
@@ -368,10 +370,11 @@ nlohmann::ordered_json ReconstructedFrames::measured(const FrameViews& views,
                    projectVolume(result.volume, geometry(), settings_.tomography.basis, view.camera,
                                  settings_.tomography.raysPerPixel),
                    settings_.tomography.noiseSigma);
+    const bool missing = views.facts[i].missing;
     cameras.push_back({{"name", view.name},
                        {"held_out", views.heldOut[i] != 0},
-                       {"residual", jsonNumber(residual.relative)},
-                       {"psnr", jsonNumber(residual.psnr)},
+                       {"residual", missing ? Json() : jsonNumber(residual.relative)},
+                       {"psnr", missing ? Json() : jsonNumber(residual.psnr)},
                        {"saturated_share", views.facts[i].saturatedShare},
                        {"masked_share", views.facts[i].maskedShare}});
   }

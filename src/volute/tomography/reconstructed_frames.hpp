@@ -22,8 +22,9 @@ namespace volute {
 struct ReconstructionSettings {
   TomographyOptions tomography;
   PictureLimits limits;
-  bool warmStart = true;  ///< from the frame before, in chains of frames
-  bool force = false;     ///< go on in spite of faults, which become warnings
+  bool warmStart = true;    ///< from the frame before, in chains of frames
+  bool force = false;       ///< go on in spite of faults, which become warnings
+  bool causeNamed = false;  ///< why cameras disagree is known: frames do not guess at it
 };
 
 /// Where chains of frames begin, positions in `frames` (ascending numbers): with a warm start each
@@ -33,8 +34,8 @@ struct ReconstructionSettings {
 /// they begin with a chain. Without a warm start each frame is a chain.
 std::vector<int> chainBegins(std::span<const int> frames, bool warmStart);
 
-/// A capture as a sequence of volumes. Frames are reconstructed when they are first asked for, those
-/// of a chain in order, and kept in a work folder: writers read them more than once, and an
+/// A capture as a sequence of volumes. Frames are reconstructed when they are first asked for,
+/// those of a chain in order, and kept in a work folder: writers read them more than once, and an
 /// interrupted run goes on where it was.
 class ReconstructedFrames final : public FrameSource {
  public:
@@ -125,7 +126,7 @@ class ReconstructedFrames final : public FrameSource {
   Progress& progress_;
   VolumeInfo info_;
   int resumed_ = 0;
-  int solved_ = 0;     // by this run
+  int solved_ = 0;       // by this run
   bool shares_ = false;  // the work with other processes, so its own progress is not that of all
   std::set<std::string> shown_;  // kinds of warnings
   bool more_ = false;            // it was said that there are more

@@ -30,10 +30,10 @@ std::string describe(const CaptureCamera& known) {
   const PictureSource& pictures = known.pictures;
   const Distortion& lens = camera.distortion();
   std::string text =
-      fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {}\n", known.name, camera.width(),
+      fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}\n", known.name, camera.width(),
                   camera.height(), digits(camera.intrinsics()), digits(camera.rotation()),
                   digits(camera.eye()), lens.k1, lens.k2, lens.p1, lens.p2, lens.k3, pictures.gain,
-                  pictures.videoStart, pictures.saturation.value_or(-1), pictures.response.name());
+                  pictures.videoStart, pictures.frameShift, pictures.saturation.value_or(-1), pictures.response.name());
   // A table's name does not tell its values.
   for (int i = 0; i <= 64; ++i) text += fmt::format("{} ", pictures.response.linear(i / 64.0));
   for (const auto& file : {pictures.background, pictures.mask, pictures.video}) {
@@ -64,7 +64,7 @@ std::vector<std::string> frameKeys(const Capture& capture, const ReconstructionS
     const bool begin = std::ranges::binary_search(begins, static_cast<int>(keys.size()));
     std::string own = common + (begin ? "" : keys.back());
     for (const CaptureCamera& camera : capture.cameras)
-      own += stateOf(frameFile(camera.pictures.image, frame));
+      own += stateOf(frameFile(camera.pictures.image, frame + camera.pictures.frameShift));
     keys.push_back(digestOf(own));
   }
   return keys;

@@ -15,6 +15,7 @@
 #include "volute/codec/compress.hpp"
 #include "volute/media/volume/volume_input.hpp"
 #include "volute/tomography/capture_refinement.hpp"
+#include "volute/tomography/hold_out_rotation.hpp"
 #include "volute/tomography/layout.hpp"
 #include "volute/tomography/reconstructed_frames.hpp"
 #include "volute/tomography/reconstruction_page.hpp"
@@ -115,8 +116,8 @@ void addSummary(const nlohmann::ordered_json& json, Report& report) {
     if (json[key].is_number())
       report.add(key, json[key], fmt::format(fmt::runtime(format), json[key].get<double>()));
   };
-  number("residual", "{:.4g} (relative L2 of the fitted cameras)");
   number("held_out_psnr", "{:.2f} dB");
+  number("residual", "{:.4g} (relative L2 of the fitted cameras: how well they are repeated)");
   number("iterations", "{:.1f} a frame");
   number("hull_share", "{:.4g} of the volume");
   number("seconds_per_frame", "{:.2f} s");
@@ -143,6 +144,12 @@ Status checkReconstructTargets(const Arguments& arguments, const std::string& ta
   }
   if (const auto refined = arguments.find<std::string>("refined"))
     VOLUTE_TRY(checkTarget(*refined));
+  if (const auto bars = arguments.find<std::string>("error-bars")) {
+    if (isVolutePath(*bars))
+      return fail(ErrorCode::kInvalidArgument,
+                  "--error-bars: '{}': expected .npy, or a pattern %04d.vdb or %04d.vti", *bars);
+    VOLUTE_TRY(checkTarget(*bars, true));
+  }
   if (arguments.given("rms") && !isVolutePath(target)) {
     return fail(ErrorCode::kInvalidArgument,
                 "--rms is the error of a compressed file; '{}' does not end in .volute", target);
@@ -174,15 +181,35 @@ Result<std::unique_ptr<ReconstructedFrames>> openFrames(const Capture& capture,
   return frames;
 }
 
+Refine refineOf(const Arguments& arguments) {
+  const auto name = arguments.get<std::string>("refine");
+  return name == "auto" ? Refine::kAuto : name == "always" ? Refine::kAlways : Refine::kNever;
+}
+
+/// The cameras to hold out; none with `auto`, which leaves each out in turn.
+Result<std::vector<std::string>> heldOutOf(const Arguments& arguments, bool& inTurn) {
+  auto names =
+      arguments.find<std::vector<std::string>>("hold-out").value_or(std::vector<std::string>{});
+  inTurn = std::ranges::find(names, "auto") != names.end();
+  if (inTurn && names.size() > 1)
+    return fail(ErrorCode::kInvalidArgument,
+                "--hold-out auto leaves each camera out in turn; name no other camera");
+  if (inTurn)
+    names.clear();
+  if (!inTurn && arguments.find<std::string>("error-bars"))
+    return fail(ErrorCode::kInvalidArgument,
+                "--error-bars: needs volumes without each camera: --hold-out auto");
+  return names;
+}
+
 Result<CaptureRefinement> refinedCapture(const Capture& capture, const Arguments& arguments,
                                          const std::vector<std::string>& heldOut,
                                          Context& context) {
-  const auto name = arguments.get<std::string>("refine");
-  const Refine refine = name == "auto"     ? Refine::kAuto
-                        : name == "always" ? Refine::kAlways
-                                           : Refine::kNever;
-  VOLUTE_ASSIGN(auto refinement,
-                refineCapture(capture, heldOut, refine, context.maxMemory, context.progress));
+  VOLUTE_ASSIGN(auto refinement, refineCapture(capture, heldOut, refineOf(arguments),
+                                               context.maxMemory, context.progress));
+  for (const std::string& text : refinement.faults) context.progress.remark("warning: " + text);
+  if (!refinement.faults.empty() && !refinement.used)
+    context.progress.remark("the calibration is not refined before that is mended");
   if (refinement.used) {
     context.progress.remark(fmt::format(
         "calibration refined with the volume on frame{} {}: {:.1f} % of the pictures are not "
@@ -198,9 +225,32 @@ Result<CaptureRefinement> refinedCapture(const Capture& capture, const Arguments
   return refinement;
 }
 
+Status writeErrorBars(const std::string& target, HoldOutRotation& rotation, Context& context) {
+  VOLUTE_ASSIGN(auto sink, openSink(target, rotation.errorBars().info(), true));
+  return copyFrames(rotation.errorBars(), *sink, "writing error bars", context.progress);
+}
+
+/// What leaving out each camera said: the headline, a table, and a verdict.
+Status addRotation(HoldOutRotation& rotation, const Arguments& arguments, const Capture& capture,
+                   nlohmann::ordered_json& json, Report& report, Context& context) {
+  const double fitted = json["residual"].is_number() ? json["residual"].get<double>() : 0;
+  const auto verdict = captureVerdict(capture, rotation.cameras(), fitted);
+  json["held_out_psnr"] = jsonNumber(rotation.psnr());
+  json["held_out_in_turn"] = rotation.json();
+  json["verdict"] = verdict;
+  std::vector<std::string> texts;
+  for (const LeftOutCamera& camera : rotation.cameras())
+    texts.push_back(fmt::format("{} {:.2f} dB, {:.3f}", camera.name, camera.psnr, camera.residual));
+  report.add("verdict", verdict)
+      .add("held_out_in_turn", json["held_out_in_turn"], fmt::format("{}", fmt::join(texts, "; ")));
+  if (const auto file = arguments.find<std::string>("error-bars"))
+    VOLUTE_TRY(writeErrorBars(*file, rotation, context));
+  return {};
+}
+
 Status runFrames(ReconstructedFrames& frames, const Arguments& arguments,
                  const CaptureRefinement& refinement, const ReconstructionSettings& settings,
-                 Context& context) {
+                 HoldOutRotation* rotation, Context& context) {
   const Capture& capture = refinement.capture;
   const auto target = arguments.get<std::string>("output");
   // A target that cannot be written is told before the long work.
@@ -211,6 +261,7 @@ Status runFrames(ReconstructedFrames& frames, const Arguments& arguments,
   VOLUTE_TRY(frames.solveAll(context.team));
   VOLUTE_ASSIGN(auto json, reconstructionReport(capture, settings, frames));
   json["refinement"] = refinementJson(refinement);
+  for (const std::string& text : refinement.faults) json["warnings"].push_back(text);
   for (const std::string& text : outstandingCorrections(refinement))
     json["warnings"].push_back(text);
   const VolumeInfo& info = frames.info();
@@ -220,6 +271,8 @@ Status runFrames(ReconstructedFrames& frames, const Arguments& arguments,
       .add("size", {info.x, info.y, info.z},
            fmt::format("{} x {} x {} voxels", info.x, info.y, info.z))
       .add("channels", info.channels, fmt::format("{}", info.channels));
+  if (rotation)
+    VOLUTE_TRY(addRotation(*rotation, arguments, capture, json, report, context));
   if (sink)
     VOLUTE_TRY(copyFrames(frames, *sink, "writing", context.progress));
   if (isVolutePath(target)) {
@@ -254,17 +307,27 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto options, captureOptionsOf(arguments, context));
   VOLUTE_ASSIGN(const auto capture, openCapture(arguments.positional(0), options));
   remarkOn(capture, context);
-  const auto heldOut =
-      arguments.find<std::vector<std::string>>("hold-out").value_or(std::vector<std::string>{});
-  const auto settings = settingsOf(arguments, capture, context);
+  bool inTurn = false;
+  VOLUTE_ASSIGN(const auto heldOut, heldOutOf(arguments, inTurn));
+  if (inTurn && (context.team.size() > 1 || target == "-")) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--hold-out auto: for one process, and an output with a name");
+  }
+  auto settings = settingsOf(arguments, capture, context);
   const VolumeGeometry geometry{capture.volume.bounds, capture.volume.resolution};
   VOLUTE_TRY(checkVolumeSize(geometry, context.maxMemory));
   VOLUTE_TRY(checkCapture(capture, heldOut, settings.force, context.maxMemory, context.progress));
   remarkOnLayout(capture, context);
   VOLUTE_ASSIGN(const auto refinement, refinedCapture(capture, arguments, heldOut, context));
+  settings.causeNamed = !refinement.faults.empty() && !refinement.used;
+  std::unique_ptr<HoldOutRotation> rotation;
+  if (inTurn) {
+    VOLUTE_ASSIGN(rotation, HoldOutRotation::run(capture, settings, refineOf(arguments), target,
+                                                 context.maxMemory, context.progress));
+  }
   VOLUTE_ASSIGN(auto frames, openFrames(refinement.capture, settings, heldOut, target, context));
-  const Status status =
-      context.team.agree(runFrames(*frames, arguments, refinement, settings, context));
+  const Status status = context.team.agree(
+      runFrames(*frames, arguments, refinement, settings, rotation.get(), context));
   if (!context.team.leads())
     return status;
   if (!status && target != "-" && frames->work().any()) {
@@ -360,8 +423,13 @@ std::vector<Option> reconstructOptionTable() {
       {.name = "hold-out",
        .kind = kText,
        .value = "NAME",
-       .help = "a camera to compare with, not to reconstruct from",
+       .help = "a camera to compare with, not to reconstruct from; auto: reconstructs without each "
+               "in turn, too, and tells how well the others predict it",
        .several = true},
+      {.name = "error-bars",
+       .kind = kOutput,
+       .value = "FILE",
+       .help = "with --hold-out auto: standard deviations of voxels, .npy, %04d.vdb or %04d.vti"},
       {.name = "refine",
        .kind = kChoice,
        .value = "WHEN",

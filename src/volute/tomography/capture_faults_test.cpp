@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/capture_faults.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "volute/image/srgb.hpp"
+#include "volute/tomography/testing.hpp"
+
+namespace volute {
+namespace {
+
+using Views = std::vector<TomographyView>;
+using Kind = CaptureFault::Kind;
+
+/// Columns, rows or both in the other order.
+void turn(TomographyView& view, bool columns, bool rows) {
+  const Image before = view.radiance;
+  for (int y = 0; y < before.height; ++y)
+    for (int x = 0; x < before.width; ++x)
+      for (int c = 0; c < 3; ++c)
+        view.radiance.at(x, y, c) =
+            before.at(columns ? before.width - 1 - x : x, rows ? before.height - 1 - y : y, c);
+}
+
+void encode(TomographyView& view, double white) {
+  for (float& value : view.radiance.pixels)
+    value = static_cast<float>(white * srgbEncode(value / white));
+}
+
+void decode(TomographyView& view, double white) {
+  for (float& value : view.radiance.pixels)
+    value = static_cast<float>(white * srgbDecode(value / white));
+}
+
+double brightestOf(const Views& views) {
+  double most = 0;
+  for (const TomographyView& view : views)
+    for (const float value : view.radiance.pixels) most = std::max<double>(most, value);
+  return most;
+}
+
+std::vector<CaptureFault> faultsOf(const TestScene& scene, const Views& views, double white) {
+  Progress progress;
+  const std::vector<double> whites(views.size(), white);
+  const auto faults = findCaptureFaults(views, whites, scene.geometry, progress);
+  EXPECT_TRUE(faults) << (faults ? "" : faults.error().message);
+  return faults.value_or(std::vector<CaptureFault>{});
+}
+
+struct Injected {
+  const char* name;
+  Kind kind;
+  std::vector<std::size_t> cameras;
+  std::function<void(Views&, double white)> inject;
+};
+
+class InjectedFault : public testing::TestWithParam<Injected> {};
+
+TEST_P(InjectedFault, IsNamed) {
+  const TestScene scene(6);
+  Views views = scene.views;
+  const double white = brightestOf(views);
+  GetParam().inject(views, white);
+  const auto faults = faultsOf(scene, views, white);
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].kind, GetParam().kind) << faults[0].text;
+  EXPECT_EQ(faults[0].cameras, GetParam().cameras) << faults[0].text;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, InjectedFault,
+    testing::Values(
+        Injected{
+            "Mirrored", Kind::kMirrored, {2}, [](Views& v, double) { turn(v[2], true, false); }},
+        Injected{"Flipped", Kind::kFlipped, {1}, [](Views& v, double) { turn(v[1], false, true); }},
+        Injected{
+            "UpsideDown", Kind::kUpsideDown, {4}, [](Views& v, double) { turn(v[4], true, true); }},
+        Injected{"AllMirrored",
+                 Kind::kMirrored,
+                 {},
+                 [](Views& v, double) {
+                   for (TomographyView& view : v) turn(view, true, false);
+                 }},
+        Injected{"Exchanged",
+                 Kind::kExchanged,
+                 {1, 4},
+                 [](Views& v, double) { std::swap(v[1].radiance, v[4].radiance); }},
+        Injected{"NeighboursExchanged",
+                 Kind::kExchanged,
+                 {2, 3},
+                 [](Views& v, double) { std::swap(v[2].radiance, v[3].radiance); }},
+        Injected{"OneEncoded", Kind::kEncoded, {3}, [](Views& v, double w) { encode(v[3], w); }},
+        Injected{"AllEncoded",
+                 Kind::kEncoded,
+                 {},
+                 [](Views& v, double w) {
+                   for (TomographyView& view : v) encode(view, w);
+                 }},
+        Injected{"OneDecoded", Kind::kDecoded, {0}, [](Views& v, double w) { decode(v[0], w); }},
+        Injected{"AllDecoded",
+                 Kind::kDecoded,
+                 {},
+                 [](Views& v, double w) {
+                   for (TomographyView& view : v) decode(view, w);
+                 }}),
+    [](const auto& info) { return info.param.name; });
+
+TEST(CaptureFaults, TwoAreNamedOneAfterTheOther) {
+  const TestScene scene(7);
+  Views views = scene.views;
+  turn(views[5], true, false);
+  std::swap(views[0].radiance, views[2].radiance);
+  const auto faults = faultsOf(scene, views, brightestOf(views));
+  ASSERT_EQ(faults.size(), 2U);
+  EXPECT_NE(faults[0].kind, faults[1].kind);
+  for (const CaptureFault& fault : faults)
+    EXPECT_EQ(fault.cameras, fault.kind == Kind::kMirrored ? std::vector<std::size_t>({5})
+                                                           : std::vector<std::size_t>({0, 2}));
+}
+
+TEST(CaptureFaults, CleanPicturesHaveNone) {
+  for (const int cameras : {4, 5, 8}) {
+    for (const double noise : {0.0, 0.05}) {
+      const TestScene scene(cameras, noise);
+      EXPECT_TRUE(faultsOf(scene, scene.views, brightestOf(scene.views)).empty())
+          << cameras << " cameras, noise " << noise;
+    }
+  }
+}
+
+TEST(CaptureFaults, WhatNoneOfThemExplainsIsNotNamed) {
+  // Another scene in one camera: wrong, but not mirrored.
+  const TestScene scene(6), other(6, 0, 2);
+  Views views = scene.views;
+  views[3].radiance = other.views[3].radiance;
+  for (const CaptureFault& fault : faultsOf(scene, views, brightestOf(views)))
+    ADD_FAILURE() << fault.text;
+}
+
+}  // namespace
+}  // namespace volute

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/tomography/capture_refinement.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "volute/io/image_file.hpp"
+#include "volute/io/testing.hpp"
+#include "volute/tomography/frame_views.hpp"
+#include "volute/tomography/testing.hpp"
+
+namespace volute {
+namespace {
+
+constexpr int kCameras = 7;
+constexpr int kFrames = 4;
+constexpr std::size_t kLate = 3;
+
+/// Pictures of a changing scene, and the capture that says so.
+class CaptureRefinementTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (int frame = 0; frame < kFrames; ++frame) {
+      const TestScene scene(kCameras, 0, 0.5 * frame);
+      for (const TomographyView& view : scene.views)
+        ASSERT_TRUE(writeImage(file(view.name, frame), view.radiance));
+      capture.volume = {scene.geometry.bounds, scene.geometry.resolution};
+      capture.cameras.clear();
+      for (const TomographyView& view : scene.views) {
+        PictureSource pictures;
+        pictures.image = (folder / (view.name + "_%04d.exr")).string();
+        capture.cameras.push_back({view.name, view.camera, pictures});
+      }
+    }
+    capture.frames = {1, 2};
+  }
+
+  std::string file(const std::string& camera, int frame) const {
+    return (folder / fmt::format("{}_{:04}.exr", camera, frame)).string();
+  }
+
+  /// Poses, focal lengths and gains off by about what is plausible.
+  void perturb() {
+    std::mt19937 random(5);
+    std::normal_distribution<double> normal;
+    for (CaptureCamera& known : capture.cameras) {
+      CameraCorrection wrong = plausibleCorrection(known.camera, capture.volume.bounds.centre());
+      for (double& value : wrong.values) value *= 0.7 * normal(random);
+      known.camera = *corrected(known.camera, wrong);
+      known.pictures.gain *= wrong.gain();
+    }
+  }
+
+  CaptureRefinement refined(Refine refine = Refine::kAuto) {
+    Progress progress;
+    auto result = refineCapture(capture, {}, refine, std::uint64_t{1} << 30, progress);
+    EXPECT_TRUE(result) << (result ? "" : result.error().message);
+    return result.value_or(CaptureRefinement{});
+  }
+
+  testing::TempFolder folder;
+  Capture capture;
+};
+
+TEST_F(CaptureRefinementTest, LeavesACleanCaptureAlone) {
+  const CaptureRefinement result = refined();
+  EXPECT_FALSE(result.used);
+  EXPECT_TRUE(result.faults.empty());
+  EXPECT_EQ(std::accumulate(result.shifts.begin(), result.shifts.end(), 0), 0);
+}
+
+TEST_F(CaptureRefinementTest, FindsCalibrationAndClockTogether) {
+  const double clean = refined(Refine::kAlways).after;
+  perturb();
+  capture.cameras[kLate].pictures.frameShift = 1;  // shows what the others see a frame later
+  const CaptureRefinement result = refined();
+  ASSERT_TRUE(result.used);
+  EXPECT_TRUE(result.faults.empty());
+  ASSERT_EQ(result.shifts.size(), std::size_t{kCameras});
+  for (std::size_t v = 0; v < result.shifts.size(); ++v)
+    EXPECT_EQ(result.shifts[v], v == kLate ? -1 : 0);
+  EXPECT_EQ(result.capture.cameras[kLate].pictures.frameShift, 0);
+  EXPECT_LT(result.after, 1.1 * clean);
+  EXPECT_GT(result.before, 2 * clean);
+  const auto warnings = outstandingCorrections(result);
+  EXPECT_TRUE(std::ranges::any_of(warnings, [](const std::string& text) {
+    return text.find("camera c3: its pictures of 1 frame earlier") != std::string::npos;
+  }));
+}
+
+TEST_F(CaptureRefinementTest, ACameraWithoutAPictureOfAFrameDoesNotCountThere) {
+  capture.cameras[kLate].pictures.frameShift = 1;
+  capture.frames = {3};  // the last that has pictures
+  Progress progress;
+  auto reader = ViewReader::open(capture, {}, std::uint64_t{1} << 30, progress);
+  ASSERT_TRUE(reader);
+  const auto views = reader->read(3);
+  ASSERT_TRUE(views) << views.error().message;
+  EXPECT_TRUE(views->facts[kLate].missing);
+  EXPECT_FALSE(views->views[kLate].counts(0));
+  EXPECT_FALSE(views->facts[0].missing);
+  // Without a shift a missing picture is an error.
+  capture.cameras[kLate].pictures.frameShift = 0;
+  capture.frames = {4};
+  auto plain = ViewReader::open(capture, {}, std::uint64_t{1} << 30, progress);
+  ASSERT_TRUE(plain);
+  EXPECT_FALSE(plain->read(4));
+}
+
+TEST_F(CaptureRefinementTest, MistakesAreNamedAndNotRefinedAway) {
+  std::swap(capture.cameras[1].camera, capture.cameras[4].camera);
+  const CaptureRefinement result = refined();
+  EXPECT_FALSE(result.used);
+  ASSERT_EQ(result.faults.size(), 1U);
+  EXPECT_NE(result.faults[0].find("cameras c1 and c4: exchanged"), std::string::npos)
+      << result.faults[0];
+}
+
+}  // namespace
+}  // namespace volute
