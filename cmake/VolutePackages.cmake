@@ -69,16 +69,16 @@ volute_deb(libvolute-core0 libs "volumes in .volute files: library without pictu
   "${idea}\nThis library reads and writes .volute files, holds volumes of voxels in memory,\nand reads results of the Fire Dynamics Simulator."
   COMPONENTS core LIBRARIES libvolute-core)
 volute_deb(libvolute0 libs "fire, smoke and fog: library" "${idea}\nThis is all of the library, for C++ and for C."
-  COMPONENTS shared c LIBRARIES libvolute libvolute_c RECOMMENDS "volute-vdb (= ${full})")
+  COMPONENTS shared c LIBRARIES libvolute libvolute_c RECOMMENDS fonts-dejavu-core "volute-vdb (= ${full})")
 volute_deb(libvolute-dev libdevel "fire, smoke and fog: headers and static libraries"
   "${idea}\nThis package has what C++ and C programs are built with."
   COMPONENTS headers library shared-dev
   DEPENDS "libvolute0 (= ${full})" "libvolute-core0 (= ${full})" libtbb-dev libfmt-dev libexpected-dev libeigen3-dev libhwy-dev
-    nlohmann-json3-dev libepoxy-dev libzstd-dev zlib1g-dev libpng-dev libyaml-cpp-dev libopenexr-dev libembree-dev libseccomp-dev
+    nlohmann-json3-dev libepoxy-dev libzstd-dev zlib1g-dev libpng-dev libyaml-cpp-dev libopenexr-dev libembree-dev libfreetype-dev libseccomp-dev
   SUGGESTS volute-doc)
 volute_deb(volute graphics "fire, smoke and fog: the command"
   "${idea}\nThe command compresses volumes, reconstructs them from pictures, renders\nscenes and says from where exit signs are still seen."
-  COMPONENTS command gltf RECOMMENDS "volute-view (= ${full})" "volute-vdb (= ${full})" "volute-video (= ${full})"
+  COMPONENTS command gltf RECOMMENDS fonts-dejavu-core "volute-view (= ${full})" "volute-vdb (= ${full})" "volute-video (= ${full})"
   SUGGESTS "volute-vtk (= ${full})" volute-doc)
 volute_deb(volute-view graphics "fire, smoke and fog: the viewer" "${idea}\nThis is the window that volute view opens."
   COMPONENTS viewer DEPENDS "volute (= ${full})")

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <string_view>
 
-#include "volute/image/bitmap_text.hpp"
 #include "volute/image/srgb.hpp"
+#include "volute/image/text.hpp"
 
 namespace volute::cli {
 namespace {
@@ -108,7 +108,7 @@ LegendLayout layOutLegend(int width, int height, const std::vector<std::string>&
                       layout.dot;
   int widest = layout.barWidth;
   for (const std::string& line : layout.lines)
-    widest = std::max(widest, textSize(line, layout.dot).width);
+    widest = std::max(widest, textSize(line, TextStyle::ofDots(layout.dot)).width);
   const int down = static_cast<int>(layout.lines.size()) * kLine + (bar ? kBar : 0);
   layout.width = widest + 2 * kMargin * layout.dot;
   layout.height = (down + 2 * kMargin) * layout.dot;
@@ -123,18 +123,19 @@ void drawLegend(Image& image, const std::vector<std::string>& lines,
   const int dot = layout.dot;
   shade(image, {layout.x, layout.y, layout.width, layout.height});
   const Rgb ink = Rgb::Constant(kInk);
+  const TextStyle style = TextStyle::ofDots(dot);
   const int x = layout.x + kMargin * dot;
   int y = layout.y + kMargin * dot;
   if (layout.barWidth > 0) {
     drawBar(image, *scale, {x, y, layout.barWidth, kBarHeight * dot});
     y += (kBarHeight + 2) * dot;
     const std::string most = mostText(*scale);
-    drawText(image, leastText(*scale), x, y, dot, ink);
-    drawText(image, most, x + layout.barWidth - textSize(most, dot).width, y, dot, ink);
+    drawText(image, leastText(*scale), x, y, style, ink);
+    drawText(image, most, x + layout.barWidth - textSize(most, style).width, y, style, ink);
     y += kLine * dot;
   }
   for (const std::string& line : layout.lines) {
-    drawText(image, line, x, y, dot, ink);
+    drawText(image, line, x, y, style, ink);
     y += kLine * dot;
   }
 }

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "volute/image/bitmap_text.hpp"
+#include "volute/image/text.hpp"
 
 namespace volute::cli {
 namespace {
@@ -38,7 +38,7 @@ TEST(Legend, FitsIntoPicturesOfEverySize) {
       EXPECT_LE(layout.y + layout.height, height);
       EXPECT_LT(layout.barWidth, layout.width);
       for (const std::string& line : layout.lines)
-        EXPECT_LT(textSize(line, layout.dot).width, layout.width) << width << ": " << line;
+        EXPECT_LT(textSize(line, TextStyle::ofDots(layout.dot)).width, layout.width) << width << ": " << line;
     }
   }
 }
@@ -72,7 +72,7 @@ TEST(Legend, IsDrawnOntoItsGroundAlone) {
         const bool inside = x >= layout.x && x < layout.x + layout.width && y >= layout.y &&
                             y < layout.y + layout.height;
         EXPECT_EQ(image.at(x, y, 0) != 1, inside) << x << ", " << y;
-        ink += image.at(x, y, 0) == 0.9F;
+        ink += image.at(x, y, 0) > 0.3F;
         // A margin remains around the letters.
         if (inside && (x < layout.x + 3 || x >= layout.x + layout.width - 3)) {
           EXPECT_EQ(image.at(x, y, 0), 0.08F);

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volute/image/bitmap_text.hpp"
-
 namespace volute {
 
 void fillRect(Image& image, int x0, int y0, int x1, int y1, const Rgb& color) {
@@ -40,19 +38,6 @@ void drawLine(Image& image, double x0, double y0, double x1, double y1, double w
         float& value = image.at(x, y, c);
         value = static_cast<float>(value + cover * (color[c] - value));
       }
-    }
-  }
-}
-
-void drawTextUpwards(Image& image, std::string_view text, int x, int y, int scale,
-                     const Rgb& color) {
-  const TextSize size = textSize(text, scale);
-  Image flat(size.width, size.height, 1);
-  drawText(flat, text, 0, 0, scale, Rgb::Ones());
-  for (int ty = 0; ty < flat.height; ++ty) {
-    for (int tx = 0; tx < flat.width; ++tx) {
-      if (flat.at(tx, ty) > 0)
-        fillRect(image, x + ty, y - tx - 1, x + ty + 1, y - tx, color);
     }
   }
 }

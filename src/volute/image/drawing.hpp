@@ -2,8 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <string_view>
-
 #include "volute/image/image.hpp"
 #include "volute/math/vec.hpp"
 
@@ -18,10 +16,5 @@ void fillRect(Image& image, int x0, int y0, int x1, int y1, const Rgb& color);
 /// A straight line between points in pixels, `width` wide, its border smooth.
 void drawLine(Image& image, double x0, double y0, double x1, double y1, double width,
               const Rgb& color);
-
-/// drawText() turned to run upwards, for a vertical axis: x, y is the lower left corner of what is
-/// drawn.
-void drawTextUpwards(Image& image, std::string_view text, int x, int y, int scale,
-                     const Rgb& color);
 
 }  // namespace volute

@@ -150,20 +150,6 @@ TEST(CompareImages, RefusesOtherSizesAndShowsNan) {
   EXPECT_TRUE(std::isnan(compareImages(a, Image(2, 1, 1))->maxError));
 }
 
-TEST(Drawing, TextUpwardsIsTextTurned) {
-  Image flat(40, 9, 1), turned(9, 40, 1);
-  drawText(flat, "Ly 7", 0, 0, 1, Rgb::Ones());
-  drawTextUpwards(turned, "Ly 7", 0, 40, 1, Rgb::Ones());
-  float sum = 0;
-  for (int y = 0; y < 9; ++y) {
-    for (int x = 0; x < 40; ++x) {
-      EXPECT_EQ(flat.at(x, y), turned.at(y, 39 - x));
-      sum += flat.at(x, y);
-    }
-  }
-  EXPECT_GT(sum, 20);
-}
-
 TEST(Drawing, LinesHaveTheirWidthAndRectanglesAreCut) {
   Image image(20, 20, 1);
   drawLine(image, 2, 10, 18, 10, 4, Rgb::Ones());

@@ -93,9 +93,11 @@ class MediumAt {
   }
 
   /// @param others  that stand in the light besides
+  /// @param only  empty, or one for each pixel: of the others nothing is asked
   [[nodiscard]] virtual Result<SurfaceView> lookAtWalls(const Camera& camera,
-                                                        const TriangleScene& others) const {
-    (void)camera, (void)others;
+                                                        const TriangleScene& others,
+                                                        std::span<const std::uint8_t> only) const {
+    (void)camera, (void)others, (void)only;
     return SurfaceView{};
   }
 

@@ -7,15 +7,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volute/image/bitmap_text.hpp"
 #include "volute/image/drawing.hpp"
 #include "volute/image/srgb.hpp"
+#include "volute/image/text.hpp"
 #include "volute/report/page.hpp"
 
 namespace volute {
 namespace {
 
-constexpr int kDot = 2;            // pixels of a letter's dots
+constexpr TextStyle kLetters{Typeface::kSans, kCanvasTextHeight};
+constexpr double kBaseline = 0.93;  // of a letter's height, below its top
 constexpr double kHatchStep = 8;   // pixels between lines, along x
 constexpr double kHatchWidth = 1.3;
 constexpr double kDash = 7;
@@ -79,13 +80,11 @@ class ImageCanvas final : public Canvas {
 
   void text(std::string_view text, double x, double y, const Rgb& color, Anchor anchor) override {
     const double share = anchor == Anchor::kBegin ? 0 : anchor == Anchor::kMiddle ? 0.5 : 1;
-    drawText(image_, text, static_cast<int>(std::lround(x - share * canvasTextWidth(text))),
-             static_cast<int>(std::lround(y)), kDot, color);
+    drawText(image_, text, x - share * canvasTextWidth(text), y, kLetters, color);
   }
 
   void textUpwards(std::string_view text, double x, double y, const Rgb& color) override {
-    drawTextUpwards(image_, text, static_cast<int>(std::lround(x)),
-                    static_cast<int>(std::lround(y + 0.5 * canvasTextWidth(text))), kDot, color);
+    drawTextUpwards(image_, text, x, y + 0.5 * canvasTextWidth(text), kLetters, color);
   }
 
  private:
@@ -102,7 +101,7 @@ std::string hexOf(const Rgb& color) {
 }  // namespace
 
 double canvasTextWidth(std::string_view text) {
-  return textSize(text, kDot).width;
+  return textSize(text, kLetters).width;
 }
 
 std::unique_ptr<Canvas> imageCanvas(Image& image) {
@@ -142,12 +141,12 @@ void SvgCanvas::hatch(double x0, double y0, double x1, double y1, const Rgb& col
 void SvgCanvas::text(std::string_view text, double x, double y, const Rgb& color, Anchor anchor) {
   constexpr std::string_view kAnchors[] = {"start", "middle", "end"};
   body_ += fmt::format("<text x='{:.2f}' y='{:.2f}' fill='{}' text-anchor='{}'>{}</text>\n", x,
-                       y + 0.85 * kCanvasTextHeight, hexOf(color),
+                       y + kBaseline * kCanvasTextHeight, hexOf(color),
                        kAnchors[static_cast<int>(anchor)], escapedHtml(std::string(text)));
 }
 
 void SvgCanvas::textUpwards(std::string_view text, double x, double y, const Rgb& color) {
-  const double base = x + 0.85 * kCanvasTextHeight;
+  const double base = x + kBaseline * kCanvasTextHeight;
   body_ += fmt::format(
       "<text x='{0:.2f}' y='{1:.2f}' fill='{2}' text-anchor='middle' transform='rotate(-90 "
       "{0:.2f} {1:.2f})'>{3}</text>\n",
@@ -157,7 +156,7 @@ void SvgCanvas::textUpwards(std::string_view text, double x, double y, const Rgb
 std::string SvgCanvas::finish() const {
   return fmt::format(
       "<svg xmlns='http://www.w3.org/2000/svg' width='{0:.0f}' height='{1:.0f}' viewBox='0 0 {0:.0f} "
-      "{1:.0f}' font-family='Helvetica, Arial, sans-serif' font-size='{2}'>\n<rect width='100%' "
+      "{1:.0f}' font-family='DejaVu Sans, Verdana, sans-serif' font-size='{2}'>\n<rect width='100%' "
       "height='100%' fill='#fff'/>\n{3}</svg>\n",
       width_, height_, kCanvasTextHeight, body_);
 }

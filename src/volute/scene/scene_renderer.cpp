@@ -37,6 +37,19 @@ std::vector<std::uint8_t> pixelsThatMeet(const Camera& camera, std::span<const A
   return meets;
 }
 
+/// `opaqueDepth`, and 0 where a pixel is not asked for: what draws all pixels at once has nothing to
+/// do there.
+std::vector<float> endsOf(std::span<const float> opaqueDepth, std::span<const std::uint8_t> only) {
+  std::vector<float> ends(opaqueDepth.begin(), opaqueDepth.end());
+  if (!only.empty())
+    ends.resize(only.size(), std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < only.size(); ++i) {
+    if (!only[i])
+      ends[i] = 0;
+  }
+  return ends;
+}
+
 /// Light of a medium, and its transmittance, over what is behind.
 Image over(std::span<const float> rgbt, const Camera& camera, std::span<const float> opaqueDepth,
            const RenderOptions& options) {
@@ -225,8 +238,7 @@ Status CpuRenderer::begin(const View& view) {
   kept_.resize(media.size());
   for (std::size_t i = 0; i < media.size(); ++i) {
     pictures_[i] = nullptr;
-    // All pixels at once are too many where only some are asked for.
-    if (method_ != Renderer::kReference && view.only.empty())
+    if (method_ != Renderer::kReference)
       pictures_[i] = kept_[i] = media[i]->picture(std::move(kept_[i]));
     if (pictures_[i])
       continue;
@@ -259,7 +271,8 @@ Result<SurfacePicture> CpuRenderer::surfaces(const View& view, Progress& progres
 }
 
 Result<SurfaceView> CpuRenderer::walls(const View& view, std::size_t medium) {
-  return view.snapshot.media[medium]->lookAtWalls(view.camera, view.snapshot.geometry);
+  return view.snapshot.media[medium]->lookAtWalls(view.camera, view.snapshot.geometry,
+                                                  view.only);
 }
 
 Result<std::vector<SignPixel>> CpuRenderer::findSigns(const View& view) {
@@ -277,10 +290,11 @@ Result<Image> CpuRenderer::color(const View& view, const RenderOptions& options,
   }
   const auto begin = std::chrono::steady_clock::now();
   const std::size_t pixels = static_cast<std::size_t>(view.camera.width()) * view.camera.height();
+  const auto ends = endsOf(view.opaqueDepth, view.only);
   std::vector<float> rgbt(4 * pixels, 0);
-  (*std::ranges::find_if(pictures_, whole))->light(view.camera, view.opaqueDepth, rgbt);
-  Image image = over(rgbt, view.camera, view.opaqueDepth, own);
-  const auto mixed = pixelsThatMeet(view.camera, others_, view.opaqueDepth);
+  (*std::ranges::find_if(pictures_, whole))->light(view.camera, ends, rgbt);
+  Image image = over(rgbt, view.camera, ends, own);
+  const auto mixed = pixelsThatMeet(view.camera, others_, ends);
   const auto others = static_cast<std::uint64_t>(std::ranges::count(mixed, 1));
   stats.rays = mixed.size() - others;
   stats.segments = stats.rays;
@@ -310,11 +324,12 @@ Result<Image> CpuRenderer::opticalDepth(const View& view, const RenderOptions& o
                                          view.opaqueDepth));
   const double factor = view.snapshot.law.factor();
   for (float& depth : sum.pixels) depth = static_cast<float>(depth / factor);
+  const auto ends = endsOf(view.opaqueDepth, view.only);
   std::vector<float> depth(sum.pixels.size());
   for (const auto& picture : pictures_) {
     if (!picture)
       continue;
-    picture->opticalDepth(view.camera, view.opaqueDepth, depth);
+    picture->opticalDepth(view.camera, ends, depth);
     for (std::size_t i = 0; i < depth.size(); ++i) sum.pixels[i] += depth[i];
     stats.segments += depth.size();
   }

@@ -322,9 +322,7 @@ Result<RenderJob> makeJob(const Arguments& arguments, const std::string& target,
   job.orbitCentre = centre;
   job.measured = isMeasured(arguments);
   if (!job.measured && !job.contour)
-    job.samples = arguments.given("samples") || job.moments.size() == 1
-                      ? arguments.get<int>("samples")
-                      : 1;
+    job.samples = arguments.get<int>("samples");
   VOLUTE_TRY(scaleContour(job, context.progress, context.team));
   return job;
 }
@@ -532,7 +530,7 @@ std::vector<Option> renderOptionTable() {
       {.name = "samples",
        .kind = kInteger,
        .value = "N",
-       .help = "rays in a pixel where there are edges, 1 elsewhere; of films and sequences 1 unless it is given",
+       .help = "rays in a pixel where there are edges, 1 elsewhere",
        .initial = "8",
        .least = 1,
        .most = 256},

@@ -199,8 +199,9 @@ std::optional<WallHit> SmokeAt::wallOn(const Segment& ray) const {
   return wallLeft(*state_.locator, ray);
 }
 
-Result<SurfaceView> SmokeAt::lookAtWalls(const Camera& camera, const TriangleScene& others) const {
-  return volute::lookAtWalls(camera, state_, lighting_->lights, *walls_, blocksOf(others));
+Result<SurfaceView> SmokeAt::lookAtWalls(const Camera& camera, const TriangleScene& others,
+                                         std::span<const std::uint8_t> only) const {
+  return volute::lookAtWalls(camera, state_, lighting_->lights, *walls_, blocksOf(others), only);
 }
 
 bool SmokeAt::addContour(const Contour& contour, const Camera& camera,

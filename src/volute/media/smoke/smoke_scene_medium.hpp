@@ -29,7 +29,8 @@ class SmokeAt final : public MediumAt {
   bool hasWalls() const override { return walls_.has_value(); }
 
   std::optional<WallHit> wallOn(const Segment& ray) const override;
-  Result<SurfaceView> lookAtWalls(const Camera& camera, const TriangleScene& others) const override;
+  Result<SurfaceView> lookAtWalls(const Camera& camera, const TriangleScene& others,
+                                  std::span<const std::uint8_t> only) const override;
   bool addContour(const Contour& contour, const Camera& camera,
                   ContourPieces& pieces) const override;
 

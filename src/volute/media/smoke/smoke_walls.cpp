@@ -158,7 +158,8 @@ Vec3 cornerShares(const std::array<std::int32_t, 3>& corners, std::span<const Ve
 }
 
 Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
-                                const SceneLights& lights, const Rgb& color, const Blocks& blocks) {
+                                const SceneLights& lights, const Rgb& color, const Blocks& blocks,
+                                std::span<const std::uint8_t> only) {
   const TetMesh& mesh = smoke.locator->mesh();
   const auto walls = wallsFacing(camera, mesh);
   VOLUTE_ASSIGN(const auto scene, sceneOf(walls, mesh.vertices()));
@@ -169,15 +170,21 @@ Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
                    Image(camera.width(), camera.height(), 3)};
   parallelFor(static_cast<std::size_t>(camera.height()), [&](std::size_t y) {
     std::vector<Segment> rays;
-    for (std::size_t x = 0; x < width; ++x)
-      rays.push_back(camera.ray(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5));
-    std::vector<Hit> hits(width);
-    scene.nearest(rays, hits);
+    std::vector<std::size_t> columns;
     for (std::size_t x = 0; x < width; ++x) {
-      if (!hits[x].found())
+      if (!only.empty() && !only[y * width + x])
         continue;
-      view.depth[y * width + x] = static_cast<float>(hits[x].distance);
-      const Rgb seen = color * light.on(walls[hits[x].triangle], rays[x].at(hits[x].distance));
+      columns.push_back(x);
+      rays.push_back(camera.ray(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5));
+    }
+    std::vector<Hit> hits(rays.size());
+    scene.nearest(rays, hits);
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      const std::size_t x = columns[i];
+      if (!hits[i].found())
+        continue;
+      view.depth[y * width + x] = static_cast<float>(hits[i].distance);
+      const Rgb seen = color * light.on(walls[hits[i].triangle], rays[i].at(hits[i].distance));
       for (int c = 0; c < 3; ++c)
         view.color.at(static_cast<int>(x), static_cast<int>(y), c) = static_cast<float>(seen[c]);
     }

@@ -29,9 +29,11 @@ std::optional<WallHit> wallLeft(const TetLocator& locator, const Segment& ray);
 /// smoke, which so casts shadows (Staubli et al. 2005, section 4.3). Where the corners of a
 /// triangle see a lamp alike, within a hundredth of its light, what reaches a point is between
 /// them; elsewhere each pixel looks for the lamp by itself, so that the edges of shadows are those
-/// of what casts them. `blocks`: other opaque things.
+/// of what casts them. `blocks`: other opaque things. `only`: empty, or one for each pixel: those
+/// that are asked for.
 [[nodiscard]] Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
                                               const SceneLights& lights, const Rgb& color,
-                                              const Blocks& blocks = {});
+                                              const Blocks& blocks = {},
+                                              std::span<const std::uint8_t> only = {});
 
 }  // namespace volute
