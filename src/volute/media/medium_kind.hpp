@@ -123,6 +123,13 @@ class MediumKind {
     return "";
   }
 
+  /// What the values of such a file, of which some were read, tell of what assume() assumed: changes
+  /// its entry and says why; empty: nothing.
+  virtual std::string guess(nlohmann::ordered_json& entry, const SceneMedium& medium) const {
+    (void)entry, (void)medium;
+    return "";
+  }
+
   /// Other entries that may be meant where one cannot be opened; the first that can is taken.
   virtual std::vector<nlohmann::ordered_json> alternatives(
       const nlohmann::ordered_json& entry) const {

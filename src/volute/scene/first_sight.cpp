@@ -20,6 +20,7 @@ constexpr double kMuch = 0.5;    ///< of the largest amount
 constexpr double kSome = 0.2;    ///< likewise: the first time serves
 constexpr double kNear = 0.75;   ///< of the media's largest side: surfaces that belong to them
 constexpr int kTimes = 8;        ///< that are looked at
+constexpr double kPatience = 10;  ///< times as long while nothing was found
 constexpr double kEndless = 1e6; ///< [m]
 
 /// Whether it is around anything; it may be flat.
@@ -139,7 +140,9 @@ Result<FirstSight> firstSight(Scene& scene, Progress& progress, double seconds) 
   constexpr int kOrder[kTimes] = {0, 4, 2, 6, 1, 3, 5, 7};
   for (const int part : kOrder) {
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
-    if (!looks.empty() && spent.count() > seconds)
+    const bool found = std::ranges::any_of(
+        looks, [](const Look& look) { return look.content.amount > 0; });
+    if (!looks.empty() && spent.count() > (found ? 1 : kPatience) * seconds)
       break;
     const double time = times[part * (times.size() - 1) / (kTimes - 1)];
     if (std::ranges::find(looks, time, &Look::time) != looks.end())

@@ -188,6 +188,19 @@ Status Scene::change(OrderedJson json, Progress& progress) {
   return {};
 }
 
+Status Scene::reconsider(Progress& progress) {
+  if (isFile_ || assumption_.empty() || media_.empty())
+    return {};
+  OrderedJson json = json_;
+  const MediumKind* kind = mediumKindOf(path_, options_.assume);
+  std::string guessed = kind->guess(json["media"][0], *media_.front());
+  if (guessed.empty())
+    return {};
+  VOLUTE_TRY(change(std::move(json), progress));
+  assumption_ = std::move(guessed);
+  return {};
+}
+
 void Scene::note(OrderedJson json) {
   json_ = std::move(json);
   for (MediumEntry& entry : description_.media)

@@ -94,6 +94,10 @@ class Scene {
   [[nodiscard]] Result<nlohmann::ordered_json> with(const std::string& path,
                                                     const std::vector<double>& value) const;
 
+  /// Takes what was assumed of a file alone for something else where the values that were read since
+  /// say so.
+  [[nodiscard]] Status reconsider(Progress& progress);
+
   /// What was assumed of a file alone; empty: nothing.
   const std::string& assumption() const { return assumption_; }
 

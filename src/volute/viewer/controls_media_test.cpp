@@ -379,7 +379,10 @@ TEST_F(MediaControls, AUnitThatMakesSmokeBlackIsMendedByAClick) {
   std::vector<float> values;
   for (const Vec3& p : mesh->vertices()) values.push_back(static_cast<float>(0.3 * p.z()));
   ASSERT_TRUE(writeVtu(folder_.path("black.vtu"), *mesh, "smoke", values));
-  open("black.vtu");
+  testing::writeText(folder_.path("black.json"), R"({"format": "volute-scene-1", "background": [1, 1, 1],
+    "camera": {"eye": [3, -12, 2], "target": [3, 3, 1.5], "fov": 40},
+    "media": [{"kind": "smoke", "case": "black.vtu", "quantity": "soot-density", "unit": "kg/m3"}]})");
+  open("black.json");
   EXPECT_THAT(app().document()->remarks,
               ::testing::Contains(::testing::HasSubstr("much for soot")));
   script_->frames(3);
@@ -390,13 +393,41 @@ TEST_F(MediaControls, AUnitThatMakesSmokeBlackIsMendedByAClick) {
   EXPECT_FALSE(script_->has("mend /media/0/unit = g/m3")) << "nothing is doubted any more";
   saveAs("mended.json");
   expectTheSameAfter("mended.json");
-  open("black.vtu");
+  open("black.json");
   expectSeen("extinction", [&] { press("mend /media/0/quantity = extinction"); });
   EXPECT_FALSE(hasParameter("/media/0/unit"));
   EXPECT_FALSE(script_->has("mend /media/0/quantity = extinction"));
   saveAs("mended2.json");
   expectTheSameAfter("mended2.json");
   EXPECT_EQ(saved("mended2.json")["media"][0]["quantity"], "extinction");
+}
+
+TEST_F(MediaControls, AVolumeAloneIsLitAsItsNameSays) {
+  std::filesystem::copy_file(folder_.path("blob.npy"), folder_.path("smoke.npy"));
+  open("smoke.npy");
+  EXPECT_THAT(app().document()->remarks,
+              ::testing::Contains(::testing::HasSubstr("shown as smoke")));
+  EXPECT_EQ(valueOf("/media/0/emission")[0], 0);
+  EXPECT_GT(valueOf("/media/0/extinction")[0], 0);
+  EXPECT_FALSE(app().document()->changed);
+  open("blob.npy");
+  EXPECT_EQ(valueOf("/media/0/emission")[0], 1);
+}
+
+TEST_F(MediaControls, WhatAFieldAloneHoldsIsGuessedAndSaid) {
+  const auto mesh = boxMesh({Vec3(0, 0, 0), Vec3(6, 6, 3)}, {4, 4, 3}, 0.1, 1);
+  std::vector<float> values;
+  for (const Vec3& p : mesh->vertices()) values.push_back(static_cast<float>(0.3 * p.z()));
+  ASSERT_TRUE(writeVtu(folder_.path("grams.vtu"), *mesh, "soot", values));
+  open("grams.vtu");
+  EXPECT_EQ(valueOf("/media/0/unit")[0], 1);
+  EXPECT_THAT(app().document()->remarks,
+              ::testing::Contains(::testing::HasSubstr("is taken for soot in g/m3")));
+  EXPECT_FALSE(app().document()->changed);
+  ASSERT_TRUE(writeVtu(folder_.path("metres.vtu"), *mesh, "smoke", values));
+  open("metres.vtu");
+  EXPECT_THAT(app().document()->remarks,
+              ::testing::Contains(::testing::HasSubstr("is taken for extinction in 1/m")));
 }
 
 std::unique_ptr<Document> documentOf(const SceneFolder& folder, const std::string& scene,

@@ -28,6 +28,7 @@ struct StartView {
   double fov = 40;     ///< vertical [degrees]
   double ortho = 0;    ///< [m] > 0: the height of the view volume of a parallel camera, without fov
   bool walks = false;  ///< one is inside: the mouse turns the head
+  bool moves = false;  ///< nobody asked for it: moves so that all there is to see is in view
 };
 
 /// How a person looks at a document.

@@ -99,6 +99,29 @@ void drawPlacing(const ViewerApp& app, const Camera& camera, const Lines& lines,
   lines.line(at.position, at.position + size * at.normal, kColor, 2);
 }
 
+/// Lines behind what there is to see: a dark background's are lighter than it and hidden by what is
+/// lighter still, a light one's the other way round.
+void drawAids(const ViewScene& scene, const Lines& lines, const Rgb& background) {
+  const bool light = background.mean() > 0.5;
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  const ImDrawListFlags flags = list->Flags;
+  // A soft edge would be as dark or light as the line itself.
+  list->Flags &= ~(ImDrawListFlags_AntiAliasedLines | ImDrawListFlags_AntiAliasedLinesUseTex);
+  if (light)
+    list->AddCallback([](const ImDrawList*, const ImDrawCmd*) { glBlendEquation(GL_MIN); }, nullptr);
+  else
+    list->AddCallback([](const ImDrawList*, const ImDrawCmd*) { glBlendEquation(GL_MAX); }, nullptr);
+  for (const ViewLine& line : scene.aids) {
+    const Rgb color = light ? Rgb(background - line.color) : Rgb(background + line.color);
+    const auto byte = [&](int c) {
+      return static_cast<int>(std::lround(255 * std::clamp(color[c], 0.0, 1.0)));
+    };
+    lines.line(line.from, line.to, IM_COL32(byte(0), byte(1), byte(2), 255));
+  }
+  list->AddCallback(ImDrawCallback_ResetRenderState, nullptr);
+  list->Flags = flags;
+}
+
 }  // namespace
 
 void drawOverlay(ViewerApp& app, const ViewerInput& input) {
@@ -111,12 +134,7 @@ void drawOverlay(ViewerApp& app, const ViewerInput& input) {
     };
     std::ranges::for_each(scene->lines, draw);
     if (app.settings().panels && !scene->aids.empty()) {
-      // As if they were behind what shines: the lighter one of both.
-      ImDrawList* list = ImGui::GetBackgroundDrawList();
-      list->AddCallback([](const ImDrawList*, const ImDrawCmd*) { glBlendEquation(GL_MAX); },
-                        nullptr);
-      std::ranges::for_each(scene->aids, draw);
-      list->AddCallback(ImDrawCallback_ResetRenderState, nullptr);
+      drawAids(*scene, lines, app.backgroundShown());
     }
   }
   drawPlacing(app, camera, lines, input);

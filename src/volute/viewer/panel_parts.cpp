@@ -53,6 +53,7 @@ void styleControls(double scale) {
   ImVec4* colors = style.Colors;
   const ImVec4 accent{0.13F, 0.44F, 0.48F, 1}, bright{0.21F, 0.60F, 0.58F, 1};
   colors[ImGuiCol_WindowBg] = {0.09F, 0.10F, 0.12F, 0.96F};
+  colors[ImGuiCol_PopupBg] = {0.09F, 0.10F, 0.12F, 1};
   colors[ImGuiCol_TitleBg] = colors[ImGuiCol_TitleBgActive] = {0.13F, 0.15F, 0.18F, 1};
   colors[ImGuiCol_TitleBgCollapsed] = {0.13F, 0.15F, 0.18F, 0.8F};
   colors[ImGuiCol_FrameBg] = {0.18F, 0.20F, 0.24F, 1};

@@ -79,8 +79,29 @@ void viewSlider(ViewerApp& app) {
   app.mark("view");
 }
 
+void openAndHelp(ViewerApp& app, bool picture) {
+  if (ImGui::Button("Open"))
+    app.askToOpen();
+  app.mark("Open");
+  hint(picture ? "another file: Ctrl O" : "a file: Ctrl O");
+  ImGui::SameLine();
+  if (picture) {
+    if (ImGui::Button("Screenshot"))
+      app.requestScreenshot();
+    app.mark("Screenshot");
+    ImGui::SameLine();
+  }
+  if (ImGui::Button("Help"))
+    app.settings().help = !app.settings().help;
+  app.mark("Help");
+}
+
 void picturePart(ViewerApp& app, const ViewerInput& input) {
   ViewLook& look = app.settings().look;
+  if (!app.document()) {  // nothing to look at in another way
+    openAndHelp(app, false);
+    return;
+  }
   sliderDouble("exposure", look.stops, -8, 8, "%+.1f stops");
   app.mark("exposure");
   if (app.document() && app.document()->grey)
@@ -101,18 +122,7 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   app.mark("Whole view");
   hint("all that there is, from outside");
   ImGui::SameLine();
-  if (ImGui::Button("Open"))
-    app.askToOpen();
-  app.mark("Open");
-  hint("another file: Ctrl O");
-  ImGui::SameLine();
-  if (ImGui::Button("Screenshot"))
-    app.requestScreenshot();
-  app.mark("Screenshot");
-  ImGui::SameLine();
-  if (ImGui::Button("Help"))
-    app.settings().help = !app.settings().help;
-  app.mark("Help");
+  openAndHelp(app, true);
   if (!app.document() || !app.document()->startView)
     return;
   if (ImGui::Button("First view"))

@@ -55,6 +55,7 @@ SceneDocument::SceneDocument(std::string path, Scene scene, const DocumentOption
   start_->walks = !scene_.isFile() && !scene_.bounds().empty() &&
                   (camera->view.eye.array() >= scene_.bounds().min.array()).all() &&
                   (camera->view.eye.array() <= scene_.bounds().max.array()).all();
+  start_->moves = !scene_.isFile() && !start_->walks;
 }
 
 Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
@@ -81,6 +82,8 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
       document->sight_ = *sight;
     else if (sight.error().code == ErrorCode::kCancelled)
       return tl::unexpected<Error>(sight.error());
+    VOLUTE_TRY(document->scene_.reconsider(progress));
+    document->saved_ = document->scene_.json();
   }
   return std::unique_ptr<Document>(std::move(document));
 }

@@ -100,7 +100,8 @@ void drawToast(ViewerApp& app, const FreeArea& free) {
   const std::string& text = app.toast();
   if (text.empty())
     return;
-  ImGui::SetNextWindowPos({free.middle(), free.top}, 0, {0.5F, 0});
+  constexpr float kBelowTitles = 38;  // of panels that are closed, in small windows
+  ImGui::SetNextWindowPos({free.middle(), std::max(free.top, kBelowTitles)}, 0, {0.5F, 0});
   const float width = std::max(std::min(460.0F, free.right - free.left), 120.0F);
   ImGui::SetNextWindowSizeConstraints({0, 0}, {width, 1e4F});
   ImGui::SetNextWindowBgAlpha(0.92F);

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -20,6 +21,13 @@ Mat3 uprightAlong(const Vec3& up) {
   if (!(length > 0) || up.z() == length)
     return Mat3::Identity();
   return Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), up / length).toRotationMatrix();
+}
+
+/// Width and height between the insets, or some of them where these leave little.
+std::array<double, 2> freeOf(int width, int height, const ViewCamera::Insets& insets) {
+  constexpr double kLeastFree = 0.2;
+  return {std::max(width - insets.left - insets.right, kLeastFree * width),
+          std::max(height - insets.top - insets.bottom, kLeastFree * height)};
 }
 
 }  // namespace
@@ -83,9 +91,7 @@ void ViewCamera::frame(const Box3& bounds, int width, int height, const Insets& 
       upright.extend(frame_.transpose() * corner);
     }
   }
-  constexpr double kLeastFree = 0.2;
-  const double free[] = {std::max(width - insets.left - insets.right, kLeastFree * width),
-                         std::max(height - insets.top - insets.bottom, kLeastFree * height)};
+  const auto free = freeOf(width, height, insets);
   const Camera framing =
       Camera::framing(upright, static_cast<int>(free[0]), static_cast<int>(free[1]));
   // The same angle now goes over all of the height.
@@ -97,6 +103,45 @@ void ViewCamera::frame(const Box3& bounds, int width, int height, const Insets& 
   const Vec3 middle = pivot_;
   pan(0.5 * (insets.left - insets.right), 0.5 * (insets.top - insets.bottom), height);
   pivot_ = middle;
+}
+
+void ViewCamera::fit(const Box3& bounds, int width, int height, const Insets& insets) {
+  if (parallel() || (bounds.min.array() > bounds.max.array()).any())
+    return;
+  const auto [freeWidth, freeHeight] = freeOf(width, height, insets);
+  const double focus = 0.5 * height / std::tan(0.5 * fov_ * std::numbers::pi / 180);  // [pixels]
+  const Mat3 frame = turned();
+  const Vec3 centre = bounds.centre();
+  // Of a pinhole that looks at the centre from so far: what the corners cover [pixels].
+  const auto covers = [&](double distance) {
+    Eigen::AlignedBox2d on;
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 corner(i & 1 ? bounds.max.x() : bounds.min.x(),
+                        i & 2 ? bounds.max.y() : bounds.min.y(),
+                        i & 4 ? bounds.max.z() : bounds.min.z());
+      const Vec3 own = frame.transpose() * (corner - centre);
+      const double depth = std::max(own.y() + distance, 1e-3 * distance);
+      on.extend(Vec2(focus * own.x() / depth, -focus * own.z() / depth));
+    }
+    return on;
+  };
+  const double size = bounds.size().norm();
+  double near = 0.5 * size, far = 100 * size;
+  constexpr int kHalvings = 40;
+  constexpr double kFilled = 0.94;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = std::sqrt(near * far);
+    const Vec2 covered = covers(middle).sizes();
+    const bool fits = covered.x() <= kFilled * freeWidth && covered.y() <= kFilled * freeHeight;
+    (fits ? far : near) = middle;
+  }
+  const Vec2 middle = covers(far).center();
+  eye_ = centre - far * forward();
+  distance_ = far;
+  pivot_ = centre;
+  pan(0.5 * (insets.left - insets.right) - middle.x(),
+      0.5 * (insets.top - insets.bottom) - middle.y(), height);
+  pivot_ = centre;
 }
 
 void ViewCamera::setFov(double degrees) {

@@ -23,6 +23,9 @@ class ViewCamera {
 
   void frame(const Box3& bounds, int width, int height, const Insets& insets);
 
+  /// Moves, without turning, to where the corners of the bounds just are between the insets.
+  void fit(const Box3& bounds, int width, int height, const Insets& insets);
+
   void set(const StartView& view);
 
   Mode mode() const { return mode_; }

@@ -111,6 +111,32 @@ TEST(ViewCamera, LooksAlongUpAsCamerasDo) {
   }
 }
 
+TEST(ViewCamera, MovesWithoutTurningToWhereAllIsInView) {
+  const Box3 bounds{Vec3(-1, 0, 0), Vec3(5, 4, 3)};
+  const ViewCamera::Insets insets{.left = 200, .top = 0, .right = 100, .bottom = 60};
+  constexpr int kWidth = 900, kHeight = 600;
+  for (const double distance : {0.5, 300.0}) {
+    ViewCamera camera;
+    camera.set({Vec3(2, 2, 1) + distance * Vec3(1, -2, 0.6), Vec3(2, 2, 1), Vec3::UnitZ(), 30});
+    const Vec3 forward = camera.forward();
+    camera.fit(bounds, kWidth, kHeight, insets);
+    expectNear(camera.forward(), forward);
+    EXPECT_EQ(camera.fov(), 30);
+    Eigen::AlignedBox2d on;
+    for (int i = 0; i < 8; ++i) {
+      const auto seen = camera.camera(kWidth, kHeight)
+                            .project({i & 1 ? -1.0 : 5.0, i & 2 ? 0.0 : 4.0, i & 4 ? 0.0 : 3.0});
+      ASSERT_TRUE(seen);
+      on.extend(*seen);
+    }
+    EXPECT_GT(on.min().x(), 200);
+    EXPECT_LT(on.max().x(), 800);
+    EXPECT_GT(on.min().y(), 0);
+    EXPECT_LT(on.max().y(), 540);
+    EXPECT_GT(std::max(on.sizes().x() / 600, on.sizes().y() / 540), 0.85) << "it fills the room";
+  }
+}
+
 TEST(ViewCamera, AParallelOneSeesItsHeight) {
   ViewCamera camera;
   camera.set({Vec3(1, -2, 0.5), Vec3(0, 3, 1), Vec3::UnitZ(), 55, 6});

@@ -185,6 +185,8 @@ void ViewerApp::resetView(int width, int height) {
     return;
   }
   camera_.set(*start);
+  if (start->moves)
+    camera_.fit(document_->content, width, height, insets(width, height));
   if (start->walks)
     camera_.setMode(ViewCamera::Mode::kWalk);
 }
@@ -499,6 +501,13 @@ DisplayLook ViewerApp::displayLook() const {
   if (document_ && document_->grey && settings_.look.colors > 0)
     look.map = settings_.look.colors == 1 ? ColorMap::kViridis : ColorMap::kInferno;
   return look;
+}
+
+Rgb ViewerApp::backgroundShown() const {
+  const DisplayLook look = displayLook();
+  const Rgb light = look.exposure * look.background;
+  const Rgb toned = toneMapped(look.filmic ? ToneCurve::kFilmic : ToneCurve::kNone, light);
+  return toned.unaryExpr([](double v) { return srgbEncode(std::clamp(v, 0.0, 1.0)); });
 }
 
 Status ViewerApp::drawPicture(const ViewerInput& input) {

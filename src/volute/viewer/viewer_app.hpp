@@ -180,6 +180,9 @@ class ViewerApp {
   /// What was done last, for some seconds; empty: nothing.
   const std::string& toast() const { return toast_; }
 
+  /// The background as a display shows it, 0..1.
+  Rgb backgroundShown() const;
+
   /// What panels cover of a window of this size.
   ViewCamera::Insets insets(int width, int height) const;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/smoke/smoke_layer.hpp"
+#include "volute/media/smoke/smoke_parameters.hpp"
 
 #include <gtest/gtest.h>
 
@@ -139,6 +140,26 @@ TEST_F(SmokeLayerTest, KnowsTheFieldAndWhatAUnitOfItIs) {
   EXPECT_DOUBLE_EQ(layer->at(0)->extinctionOfUnit, 8.7);
   EXPECT_EQ(layer->with(smoke_, std::make_shared<const SmokeLighting>(), reading_)->fieldName(),
             "smoke");
+}
+
+TEST_F(SmokeLayerTest, ItsMeaningIsGuessedByNameAndValue) {
+  // 6e-5 in the file.
+  const auto guessed = [this](double scale, const char* field) {
+    smoke_.model.scale = scale;
+    smoke_.field = field;
+    auto layer = opened(smoke_);
+    nlohmann::ordered_json json{{"quantity", "soot-density"}, {"unit", "kg/m3"}};
+    const std::string why = layer ? guessSmoke(json, *layer) : layer.error().message;
+    return std::pair(json, why);
+  };
+  EXPECT_EQ(guessed(1, "smoke").second, "") << "as much as a fire may have";
+  const auto [extinction, why] = guessed(1e4, "smoke");
+  EXPECT_EQ(extinction["quantity"], "extinction");
+  EXPECT_FALSE(extinction.contains("unit"));
+  EXPECT_NE(why.find("up to 0.6 kg/m3 of soot, much for a fire"), std::string::npos) << why;
+  const auto [grams, whyGrams] = guessed(1e6, "smoke");
+  EXPECT_EQ(grams["unit"], "mg/m3") << "60 1/m is no smoke, 60 kg/m3 neither";
+  EXPECT_NE(whyGrams.find("in mg/m3, unless you say otherwise"), std::string::npos) << whyGrams;
 }
 
 TEST_F(SmokeLayerTest, AnotherFieldIsAnotherReading) {

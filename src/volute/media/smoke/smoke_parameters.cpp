@@ -3,6 +3,8 @@
 #include "volute/media/smoke/smoke_parameters.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <initializer_list>
 
 #include "volute/optics/smoke_potential.hpp"
 #include "volute/media/smoke/smoke_layer.hpp"
@@ -23,6 +25,7 @@ struct Doubt {
 };
 
 constexpr double kUnitKilograms[] = {1, 1e-3, 1e-6};
+constexpr const char* kUnitNames[] = {"kg/m3", "g/m3", "mg/m3"};  ///< the choices, in order
 
 Doubt doubtOf(const SmokeModel& model, const MediumFacts& facts) {
   constexpr double kFaint = 0.01, kThick = 50;  // [1/m] that smoke may have
@@ -98,6 +101,33 @@ void addPotential(ParameterGroup& group, const void* smoke, const MediumFacts& /
   }
   group.choice("material", "material", materials, of).help =
       "takes its smoke potential when flaming";
+}
+
+std::string guessSmoke(nlohmann::ordered_json& smoke, const SmokeLayer& layer) {
+  const Doubt doubt = doubtOf(layer.description().model, {.largestExtinction = layer.largestExtinction()});
+  if (doubt.text.empty())
+    return "";
+  std::string name = layer.fieldName();
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  const auto says = [&](std::initializer_list<const char*> words) {
+    return std::ranges::any_of(
+        words, [&](const char* word) { return name.find(word) != std::string::npos; });
+  };
+  const bool mass = says({"soot", "dens", "mass", "rho", "conc"});
+  const bool optical = says({"ext", "kappa", "sigma", "1/m", "beta"});
+  if (doubt.extinction && (optical || !mass)) {
+    setSmoke(smoke, "quantity", "extinction");
+    return fmt::format("field '{}' is taken for extinction in 1/m, unless you say otherwise: as soot "
+                       "in kg/m3 it would be {}",
+                       layer.fieldName(), doubt.text);
+  }
+  if (doubt.units.empty())
+    return "";
+  const char* const unit = kUnitNames[doubt.units.front()];
+  smoke["unit"] = unit;
+  return fmt::format("field '{}' is taken for soot in {}, unless you say otherwise: in kg/m3 it would "
+                     "be {}",
+                     layer.fieldName(), unit, doubt.text);
 }
 
 bool setSmoke(nlohmann::ordered_json& smoke, const std::string& key,

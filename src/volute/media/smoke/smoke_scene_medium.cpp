@@ -152,6 +152,10 @@ class SmokeKind final : public MediumKind {
     return "the field is taken for soot in kg/m3, unless you say otherwise";
   }
 
+  std::string guess(OrderedJson& entry, const SceneMedium& medium) const override {
+    return guessSmoke(entry, dynamic_cast<const SmokeSceneMedium&>(medium).layer());
+  }
+
   /// Of several fields the one with a usual name.
   std::vector<OrderedJson> alternatives(const OrderedJson& entry) const override {
     std::vector<OrderedJson> others;

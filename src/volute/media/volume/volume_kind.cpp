@@ -116,6 +116,24 @@ class VolumeKind final : public MediumKind {
     return describeVolume(path, request, reading);
   }
 
+  /// It looks as the names and ranges of its grids say.
+  std::string assume(OrderedJson& scene) const override {
+    OrderedJson& volume = scene["media"][0];
+    if (!volume.contains("preset") && !volume.contains("emission"))
+      volume["preset"] = "auto";
+    return "";
+  }
+
+  /// Of what a preset has chosen, too.
+  void addParameters(ParameterGroup& group, const OrderedJson& entry, const SceneMedium& medium,
+                     MediumFacts facts) const override {
+    SceneVolume volume;
+    if (!readFields(volumeFields(), Json(entry), {}, &volume))
+      return;
+    volume.appearance = layerOf(medium).appearance();
+    addSliders(group, volumeFields(), &volume, facts);
+  }
+
   bool setParameter(OrderedJson& entry, const SceneMedium& medium, const std::string& key,
                     const OrderedJson&, const std::vector<double>& numbers) const override {
     if (!key.starts_with("transform/"))

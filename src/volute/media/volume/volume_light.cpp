@@ -289,6 +289,14 @@ ShadedVoxels VolumeLight::seenFrom(const View& view) const {
   return *last_;
 }
 
+std::uint64_t VolumeLight::memoryBytes() const {
+  const BrickSlice& slice = volume_.slice();
+  const std::uint64_t points = slice.values().size();
+  const std::uint64_t colors = 3 * sizeof(float);  // of the fire, and of what is seen
+  return 2 * slice.values().size_bytes() + slice.index().size_bytes() +
+         points * (2 * colors + sizeof(Rgb) + lighting_.lamps.size() * sizeof(float));
+}
+
 ShadedVoxels VolumeLight::seen() const {
   return shaded(std::nullopt);
 }

@@ -46,6 +46,9 @@ class VolumeLight {
   /// Without a direction: scattered evenly.
   ShadedVoxels seen() const;
 
+  /// About what it takes, with its light and one view of it.
+  std::uint64_t memoryBytes() const;
+
   /// Where its own fire is, and how strong: lamps that shine everywhere.
   static std::vector<Lamp> lampsOf(const ShadedVoxels& volume, std::size_t most);
 

@@ -101,6 +101,8 @@ Status VolumeAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media
 
 /// The values, and what VoxelMedium makes of them.
 std::uint64_t VolumeAt::memoryBytes() const {
+  if (light_)
+    return light_->memoryBytes();
   if (!slice_)
     return 0;
   return 2 * slice_->values().size_bytes() + slice_->index().size_bytes();
