@@ -46,6 +46,15 @@ int main(int argc, char** argv) {
     return 1;
   }
   file = opened;
+  /* A file of one grid names it, and opens by its name alone. */
+  volute_file* again = NULL;
+  if (volute_file_grids(file) != 1 || strcmp(volute_file_grid_name(file, 0), volute_file_name(file)) != 0 ||
+      volute_file_grid_name(file, 1) || volute_file_grid_is_empty(file, 0) ||
+      volute_file_open_grid(argv[1], volute_file_name(file), &again) != VOLUTE_OK)
+    return 1;
+  volute_file_close(again);
+  if (volute_file_open_grid(argv[1], "no such grid", &again) != VOLUTE_NOT_FOUND || again)
+    return 1;
   info.size = sizeof info;
   if (volute_file_info(file, &info) != VOLUTE_OK)
     return 1;

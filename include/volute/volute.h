@@ -55,6 +55,19 @@ typedef struct volute_file volute_file;
 volute_status volute_file_open(const char* path, volute_file** file);
 void volute_file_close(volute_file* file);
 
+/* The same for one of several grids ("velocity"); "" opens "density", else the first that is not
+ * empty, as volute_file_open does. */
+volute_status volute_file_open_grid(const char* path, const char* grid, volute_file** file);
+
+/* How many grids the file has, empty ones counted; 0 for NULL. */
+size_t volute_file_grids(const volute_file* file);
+
+/* The name of one of them, from 0; lives as long as `file`. NULL where there is none. */
+const char* volute_file_grid_name(const volute_file* file, size_t grid);
+
+/* 1: it has no values in any frame, and cannot be opened. */
+int32_t volute_file_grid_is_empty(const volute_file* file, size_t grid);
+
 volute_status volute_file_info(const volute_file* file, volute_info* info);
 
 /* What the values are ("density") and their unit ("1/m"; "" when unknown); live as long as `file`.

@@ -151,10 +151,12 @@ py::dict describe(const VolumeInfo& info) {
 
 class File {
  public:
-  File(const std::filesystem::path& path, bool partial, std::uint64_t maxMemory)
+  File(const std::filesystem::path& path, bool partial, std::uint64_t maxMemory,
+       const std::string& grid)
       : reader_(take([&] {
           const py::gil_scoped_release release;
-          return VoluteReader::open(path, {.partial = partial, .maxMemory = maxMemory});
+          return VoluteReader::open(path,
+                                    {.partial = partial, .maxMemory = maxMemory, .grid = grid});
         }())) {}
 
   py::dict info() const { return describe(reader_.info()); }
@@ -166,6 +168,23 @@ class File {
                     "provenance"_a = h.provenance, "target"_a = py::make_tuple(h.targetKind, h.targetValue),
                     "rms"_a = h.reachedRms, "max_error"_a = h.reachedMaxError,
                     "value_range"_a = py::make_tuple(h.valueMin, h.valueMax));
+  }
+
+  py::list grids() const {
+    using namespace py::literals;
+    py::list all;
+    for (const VoluteGrid& grid : reader_.grids()) {
+      const VoluteHeader& h = grid.header;
+      const VolumeInfo& info = grid.info;
+      const GridDescription own = grid.description.value_or(GridDescription());
+      all.append(py::dict(
+          "name"_a = info.name, "empty"_a = grid.empty,
+          "shape"_a = py::make_tuple(info.frames, info.z, info.y, info.x, info.channels),
+          "half"_a = own.half, "grid_class"_a = own.gridClass, "rms"_a = h.reachedRms,
+          "max_error"_a = h.reachedMaxError,
+          "value_range"_a = py::make_tuple(h.valueMin, h.valueMax), "file_bytes"_a = grid.bytes));
+    }
+    return all;
   }
 
   py::array_t<float> read(const Indices& t, const Indices& z, const Indices& y, const Indices& x,
@@ -374,8 +393,10 @@ PYBIND11_MODULE(_core, m) {
   m.attr("block") = volute::BlockGrid::kSide;
 
   py::class_<File>(m, "File")
-      .def(py::init<const std::filesystem::path&, bool, std::uint64_t>(), "path"_a, "partial"_a, "max_memory"_a)
+      .def(py::init<const std::filesystem::path&, bool, std::uint64_t, const std::string&>(), "path"_a, "partial"_a,
+           "max_memory"_a, "grid"_a)
       .def_property_readonly("info", &File::info)
+      .def_property_readonly("grids", &File::grids)
       .def_property_readonly("header", &File::header)
       .def_property_readonly("bytes_read", [](const File& file) { return file.reader().bytesRead(); })
       .def_property_readonly("blocks_decoded", [](const File& file) { return file.reader().blocksDecoded(); })

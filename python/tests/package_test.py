@@ -65,6 +65,24 @@ class Package(unittest.TestCase):
         self.assertLessEqual(abs(self.decoded - self.values).max(), v.max_error)
         self.assertEqual(volute.open(self.path / "colour.volute").shape, (3, 24, 20, 18, 3))
 
+    def test_grids_of_a_cache(self):
+        cache = pathlib.Path(__file__).parents[2] / "tests" / "data" / "cache.volute"
+        v = volute.open(cache)
+        self.assertEqual(sorted(v.grids), ["density", "flame", "fuel", "solid", "temperature", "velocity"])
+        self.assertEqual((v.name, v.shape[0], v.grids["density"]["half"]), ("density", 3, True))
+        self.assertTrue(v.grids["fuel"]["empty"])
+        self.assertEqual(v.grids["velocity"]["grid_class"], "staggered")
+        velocity = v.grid("velocity")
+        self.assertEqual(velocity.shape, v.grids["velocity"]["shape"])
+        self.assertEqual(velocity.shape[4], 3)
+        self.assertLessEqual(np.asarray(velocity).max(), velocity.value_range[1])
+        np.testing.assert_array_equal(np.asarray(volute.open(cache, grid="flame")), np.asarray(v.grid("flame")))
+        self.assertEqual(pickle.loads(pickle.dumps(velocity)).name, "velocity")
+        with self.assertRaisesRegex(volute.NotFound, "no grid 'smoke'.*'density'"):
+            v.grid("smoke")
+        with self.assertRaisesRegex(volute.InvalidData, "empty"):
+            v.grid("fuel")
+
     def test_slices_are_those_of_numpy(self):
         v = volute.open(self.file)
         for key in [0, -1, (3, 4, 5, 6), (slice(None), 4), slice(10, 20), (slice(2, 18), slice(None, None, 2), slice(3, 17)), Ellipsis,

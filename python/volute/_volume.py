@@ -169,11 +169,15 @@ class Volume(Frames):
 
     What is asked for is decoded, in blocks of 16 frames x 16 x 16 x 16 voxels, on all cores; a block that a request does not
     touch is not read. Results are NumPy arrays of float32 (buffer protocol and DLPack without copies). Frames that are read one
-    after the other are decoded together, 16 at a time, as long as these fit in `cache` bytes. Threads may share one."""
+    after the other are decoded together, 16 at a time, as long as these fit in `cache` bytes. Threads may share one.
 
-    def __init__(self, path, *, partial=False, max_memory=4 * _GIB, cache=_GIB // 2):
-        """partial: of a damaged file the intact, coarser part is shown."""
-        self._file = _core.File(os.fspath(path), partial, max_memory)
+    Of a file with several grids it is one; `grids` lists them, and `v.grid("velocity")` opens another."""
+
+    def __init__(self, path, *, grid=None, partial=False, max_memory=4 * _GIB, cache=_GIB // 2):
+        """grid: the name of one of several; without it "density", else the first that is not empty.
+        partial: of a damaged file the intact, coarser part is shown."""
+        self._file = _core.File(os.fspath(path), partial, max_memory, grid or "")
+        self._options = {"partial": partial, "max_memory": max_memory, "cache": cache}
         super().__init__(path, self._file.info)
         self._cache = cache
         self._lock = threading.Lock()
@@ -189,6 +193,19 @@ class Volume(Frames):
         #: what was asked of the compression: ("rms", 0.003)
         self.target = header["target"]
         self.provenance, self.written_by = header["provenance"], header["written_by"]
+
+    @property
+    def grids(self):
+        """The grids of the file by their names: dicts with shape, half, grid_class ("fog volume", "staggered", ...),
+        rms, max_error, value_range, file_bytes, and empty: such a one has no values and cannot be opened."""
+        all_grids = {one.pop("name"): one for one in self._file.grids}
+        for one in all_grids.values():
+            one["shape"] = one["shape"] if one["shape"][4] != 1 else one["shape"][:4]
+        return all_grids
+
+    def grid(self, name):
+        """Another grid of the same file, opened as this one was."""
+        return Volume(self.path, grid=name, **self._options)
 
     @property
     def chunks(self):
@@ -263,7 +280,7 @@ class Volume(Frames):
         return self._file.read(frames, *(np.arange(side) for side in self.shape[1:4]))
 
     def __reduce__(self):
-        return _open, (os.path.abspath(self.path),)
+        return _open, (os.path.abspath(self.path), self.name)
 
     def _says(self):
         ratio = self.nbytes / self.file_bytes
@@ -300,13 +317,14 @@ class Volume(Frames):
                 f"<table>{cells}</table></div></div>")
 
 
-def _open(path):
-    return Volume(path)
+def _open(path, grid=None):
+    return Volume(path, grid=grid)
 
 
-def open(path, *, partial=False, max_memory=4 * _GIB, cache=_GIB // 2):
+def open(path, *, grid=None, partial=False, max_memory=4 * _GIB, cache=_GIB // 2):
     """Opens a .volute file as a lazy array (`Volume`) of shape (t, z, y, x) or (t, z, y, x, 3).
 
+    grid: which one of several; without it "density", else the first that is not empty.
     partial: of a damaged or truncated file what is intact is shown, coarser; else it is an error.
     max_memory: bytes that the file's index may take. cache: bytes for frames that are read in order."""
-    return Volume(path, partial=partial, max_memory=max_memory, cache=cache)
+    return Volume(path, grid=grid, partial=partial, max_memory=max_memory, cache=cache)

@@ -267,6 +267,30 @@ volute_status volute_file_open(const char* path, volute_file** file) {
   });
 }
 
+volute_status volute_file_open_grid(const char* path, const char* grid, volute_file** file) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_file_open_grid", path, grid, file));
+    *file = nullptr;
+    volute::VoluteReader::Options options;
+    options.grid = grid;
+    VOLUTE_ASSIGN(auto reader, volute::VoluteReader::open(path, options));
+    *file = new volute_file{std::move(reader)};
+    return {};
+  });
+}
+
+size_t volute_file_grids(const volute_file* file) {
+  return file ? file->reader.grids().size() : 0;
+}
+
+const char* volute_file_grid_name(const volute_file* file, size_t grid) {
+  return grid < volute_file_grids(file) ? file->reader.grids()[grid].info.name.c_str() : nullptr;
+}
+
+int32_t volute_file_grid_is_empty(const volute_file* file, size_t grid) {
+  return grid < volute_file_grids(file) && file->reader.grids()[grid].empty;
+}
+
 void volute_file_close(volute_file* file) {
   delete file;
 }
