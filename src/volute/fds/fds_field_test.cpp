@@ -193,7 +193,7 @@ TEST(FdsField, boundsOfManyLinesAtOnceEqualOneAfterTheOther) {
       }
       EXPECT_NEAR(got[i].uncovered, expected[i].uncovered, 1e-12) << i;
     }
-    EXPECT_GT(infinite, 20);
+    EXPECT_GT(infinite, 5);  // some, not all
     EXPECT_LT(infinite, 280);
   }
 }
