@@ -301,8 +301,9 @@ Result<std::unique_ptr<PointField>> fdsConditions(const SmvIndex& index, std::st
     if (points)
       return points;
   }
-  return fail(ErrorCode::kNotFound, "{}: no slice, PLOT3D file or device of the case has {}",
-              index.path.string(), names.empty() ? quantity : names);
+  // For a list of such reasons: the case is named above it.
+  return fail(ErrorCode::kNotFound, "no slice, PLOT3D file or device has {}",
+              names.empty() ? quantity : names);
 }
 
 CaseFacts fdsFacts(const SmvIndex& index) {
