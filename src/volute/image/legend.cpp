@@ -147,10 +147,12 @@ void drawMark(Image& image, const std::string& text, const Vec2& at) {
   const TextSize size = textSize(text, style);
   const int x = static_cast<int>(std::lround(at.x() - 0.5 * size.width));
   const int y = static_cast<int>(std::lround(at.y() - 0.5 * size.height));
-  if (x < dot || y < dot || x + size.width + dot > image.width || y + size.height + dot > image.height)
+  if (x < dot || y < dot || x + size.width + dot > image.width ||
+      y + size.height + dot > image.height)
     return;
   for (int dy = -dot; dy <= dot; dy += dot) {
-    for (int dx = -dot; dx <= dot; dx += dot) drawText(image, text, x + dx, y + dy, style, Rgb::Ones());
+    for (int dx = -dot; dx <= dot; dx += dot)
+      drawText(image, text, x + dx, y + dy, style, Rgb::Ones());
   }
   drawText(image, text, x, y, style, Rgb::Zero());
 }
