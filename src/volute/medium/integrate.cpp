@@ -25,19 +25,33 @@ std::array<double, Polynomial::kTerms> exponentialMoments(double x, int terms) {
     for (int n = 1; n < terms; ++n) moments[n] = (n * moments[n - 1] - std::exp(-x)) / x;
     return moments;
   }
-  // Series whose terms are all positive, cut where (16 e / 80)^80 < 1e-20:
+  // Series whose terms are all positive, cut where they no longer count, and before that where
+  // (16 e / 80)^80 < 1e-20:
   //   x <= 0: sum of (-x)^j / (j! (n + 1 + j)), from that of the exponential
-  //   x >  0: exp(-x) * sum of x^j / ((n + 1) ... (n + 1 + j)), the same by Kummer's transformation
+  //   x >  0: exp(-x) * sum of x^j / ((n + 1) ... (n + 1 + j)), the same by Kummer's transformation,
+  //           of the last one; by parts, adding what is positive, of those before it
   constexpr int kTerms = 80;
-  for (int n = 0; n < terms; ++n) {
-    double term = x > 0 ? std::exp(-x) / (n + 1) : 1;
+  constexpr double kNothing = 1e-18;
+  if (!(x > 0)) {
+    double term = 1;
     for (int j = 0; j < kTerms; ++j) {
-      moments[n] += x > 0 ? term : term / (n + 1 + j);
-      term *= x > 0 ? x / (n + 2 + j) : -x / (j + 1);
-      if (term == 0)
+      for (int n = 0; n < terms; ++n) moments[n] += term / (n + 1 + j);
+      term *= -x / (j + 1);
+      if (term <= kNothing * moments[terms - 1])
         break;
     }
+    return moments;
   }
+  const double end = std::exp(-x);
+  double term = end / terms, sum = 0;
+  for (int j = 0; j < kTerms; ++j) {
+    sum += term;
+    term *= x / (terms + 1 + j);
+    if (term <= kNothing * sum)
+      break;
+  }
+  moments[terms - 1] = sum;
+  for (int n = terms - 1; n > 0; --n) moments[n - 1] = (x * moments[n] + end) / n;
   return moments;
 }
 
