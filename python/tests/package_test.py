@@ -421,7 +421,7 @@ class Package(unittest.TestCase):
 
     def test_code_on_the_page(self):
         blocks = re.findall(r"^```python\n(.*?)^```", (SOURCE / "docs/python.md").read_text(), re.S | re.M)
-        self.assertEqual(len(blocks), 4)
+        self.assertEqual(len(blocks), 5)
         folder = self.path / "page"
         folder.mkdir()
         np.save(folder / "frames.npy", puff(24, 20, 20, 20))

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/codec/unit_store.hpp"
 
+#include <algorithm>
+
 #include "volute/base/checksum.hpp"
 #include "volute/base/input_file.hpp"
 #include "volute/base/leftovers.hpp"
@@ -16,10 +18,10 @@ constexpr std::string_view kPrefix = "unit_";
 
 /// The checksum of what follows it, and that.
 Status writeChecked(const fs::path& path, std::span<const std::byte> content) {
-  std::vector<std::byte> bytes;
+  std::vector<std::byte> bytes(4 + content.size());
   const std::uint32_t crc = crc32(content);
-  for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<std::byte>(crc >> 8 * i));
-  bytes.insert(bytes.end(), content.begin(), content.end());
+  for (std::size_t i = 0; i < 4; ++i) bytes[i] = static_cast<std::byte>(crc >> 8 * i);
+  std::ranges::copy(content, bytes.begin() + 4);
   return writeFile(path, bytes);
 }
 

@@ -79,7 +79,8 @@ class NpySource final : public FrameSource {
 
   bool readsLayers() const override { return true; }
 
-  Status readLayers(int index, int first, int end, std::span<float> values) override {
+  Status readLayers(int index, int first, [[maybe_unused]] int end,
+                    std::span<float> values) override {
     const std::uint64_t layer = info_.frameValues() / static_cast<std::uint64_t>(info_.z);
     VOLUTE_ASSERT(values.size() == layer * static_cast<std::uint64_t>(end - first));
     const std::uint64_t size = header_.half ? sizeof(Half) : sizeof(float);
@@ -121,7 +122,8 @@ class NpySequence final : public FrameSource {
     return readLayers(index, 0, info_.z, values);
   }
 
-  Status readLayers(int index, int first, int end, std::span<float> values) override {
+  Status readLayers(int index, int first, [[maybe_unused]] int end,
+                    std::span<float> values) override {
     const auto& path = files_[static_cast<std::size_t>(index)].path;
     VOLUTE_ASSIGN(const auto file, openNpy(path, options_));
     VOLUTE_TRY(checkSame(file->info(), path));

@@ -166,6 +166,25 @@ class Refiner {
     return frames;
   }
 
+  /// Whether a camera's pictures of other times fit better in most of at least two frames: in one
+  /// alone something else may be wrong with the picture.
+  Result<bool> eachFrameAgrees(std::size_t camera, int by) {
+    std::size_t better = 0, all = 0;
+    for (std::size_t f = 0; f < frames_.size(); ++f) {
+      const std::size_t position = *findCamera(capture_, frames_[f][camera].name);
+      auto view = reader_.neighbour(position, numbers_[f] + by);
+      if (!view)
+        continue;
+      Frames one{frames_[f]};
+      VOLUTE_ASSIGN(const auto before, refineCalibration(one, geometry(), false, progress_));
+      one[0][camera] = std::move(*view);
+      VOLUTE_ASSIGN(const auto after, refineCalibration(one, geometry(), false, progress_));
+      ++all;
+      better += after.after[camera] < before.after[camera];
+    }
+    return all >= 2 && 2 * better > all;
+  }
+
   /// The best of the neighbouring times, further on while it gets better.
   Result<std::optional<CalibrationFit>> otherClock(std::size_t camera, const CalibrationFit& now) {
     constexpr int kFurthest = 4;
@@ -193,6 +212,9 @@ class Refiner {
       }
     }
     if (!(least < kClearly * now.after[camera]) || !(mean(best->after) < mean(now.after)))
+      return std::optional<CalibrationFit>();
+    VOLUTE_ASSIGN(const bool agreed, eachFrameAgrees(camera, shift));
+    if (!agreed)
       return std::optional<CalibrationFit>();
     frames_ = shifted(camera, shift);
     shifts_[camera] += shift;

@@ -118,7 +118,9 @@ std::vector<LitPiece> lit(const SurfaceScene& scene, std::span<const Triangle> t
     const Vec3 across = triangle.normal();
     if (!(across.norm() > 0))
       continue;
-    pieces.push_back({pieceOf(triangle), {}});
+    LitPiece& dark = pieces.emplace_back();
+    dark.piece = pieceOf(triangle);
+    for (auto& side : dark.light) side.fill(Rgb::Zero());
     const Vec3 middle = (triangle.corners[0] + triangle.corners[1] + triangle.corners[2]) / 3;
     for (const double side : {1.0, -1.0}) {
       const Vec3 normal = side * across.normalized();

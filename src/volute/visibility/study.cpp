@@ -352,12 +352,12 @@ std::optional<StudyResults::Plan> StudyResults::planOf(const std::string& run, c
 
 std::string StudyResults::table() const {
   std::string text;
-  for (std::size_t c = 0; c < columns_.size(); ++c) text += (c > 0 ? "," : "") + quotedCell(columns_[c]);
+  for (std::size_t c = 0; c < columns_.size(); ++c) text.append(c > 0 ? "," : "").append(quotedCell(columns_[c]));
   text += '\n';
   for (const auto& row : rows_) {
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       const auto found = row.find(columns_[c]);
-      text += (c > 0 ? "," : "") + (found == row.end() ? "" : quotedCell(found->second));
+      text.append(c > 0 ? "," : "").append(found == row.end() ? "" : quotedCell(found->second));
     }
     text += '\n';
   }

@@ -102,7 +102,7 @@ class PointWatch : public Watch {
     if (meter_) {
       report["tenability"]["criteria"] = exposureJson(*meter_, survey_->round);
       std::string head = "time,x,y,z";
-      for (const Criterion& one : meter_->criteria()) head += "," + Survey::fileName(one.name);
+      for (const Criterion& one : meter_->criteria()) head.append(",").append(Survey::fileName(one.name));
       VOLUTE_TRY(writeFile(survey_->folder / "tenability.csv", head + "\n" + table_));
     }
     return std::string();

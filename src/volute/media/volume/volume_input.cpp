@@ -122,7 +122,9 @@ std::optional<std::uint64_t> bytesOnDisk(const std::string& path) {
   std::uint64_t bytes = 0;
   if (FramePattern::isPattern(path)) {
     const auto pattern = FramePattern::parse(path);
-    const auto files = pattern ? pattern->list() : tl::unexpected(pattern.error());
+    if (!pattern)
+      return std::nullopt;
+    const auto files = pattern->list();
     if (!files)
       return std::nullopt;
     for (const NumberedFile& file : *files) bytes += fs::file_size(file.path, error);
@@ -132,10 +134,11 @@ std::optional<std::uint64_t> bytesOnDisk(const std::string& path) {
     return std::nullopt;
   // Of a sequence its own files; a simulation may keep others beside them.
   const auto kind = volumesIn(path);
-  const auto sequence = kind ? listNumberedFiles(path, *kind) : tl::unexpected(kind.error());
-  if (sequence) {
-    for (const NumberedFile& file : *sequence) bytes += fs::file_size(file.path, error);
-    return bytes;
+  if (kind) {
+    if (const auto sequence = listNumberedFiles(path, *kind)) {
+      for (const NumberedFile& file : *sequence) bytes += fs::file_size(file.path, error);
+      return bytes;
+    }
   }
   for (const auto& entry : fs::directory_iterator(path, error)) {
     if (entry.is_regular_file(error))
