@@ -529,8 +529,8 @@ Command renderCommand() {
           "exposed and sRGB. --exposure auto takes "
           "one factor for all pictures, from the middle one, and says it. Without --time and "
           "--frames a film or a pattern shows all "
-          "frames, a single still the first, of an FDS case a time with smoke in its rooms, or of a "
-          "scene what it shows at 0 s.",
+          "frames, a single still the first with something to see, of an FDS case a time with smoke in "
+          "its rooms, or of a scene what it shows at 0 s.",
       .positionals = {{.name = "FILE",
                        .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh "
                                "(.vtu, .vtk, .pvd, .case, .e, "

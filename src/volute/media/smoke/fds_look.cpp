@@ -115,7 +115,7 @@ const FieldTable& fdsFields() {
        .access = member<&Smoke::fds, &FdsLook::building>(),
        .help = "whole, or open: from outside the outer walls towards the eye and the roof are left "
                "out; inside is whole and is first seen from within",
-       .choices = kBuildings, .option = {.value = "NAME", .more = "open, of a case alone", .picture = true}},
+       .choices = kBuildings, .option = {.value = "NAME", .more = "; a case alone is open", .picture = true}},
       {.name = "cut", .type = kText, .access = customMember<Smoke, cutsOf, setCuts>(),
        .help = "planes that cut the building open, as z=2.4 or x=3,z=2.4 [m]; what is on the eye's "
                "side is left out", .option = {.value = "PLANES", .picture = true}},
