@@ -12,14 +12,6 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-OrderedJson pointJson(const Vec3& v) {
-  return {jsonNumber(v.x()), jsonNumber(v.y()), jsonNumber(v.z())};
-}
-
-OrderedJson boxJson(const Box3& box) {
-  return {pointJson(box.min), pointJson(box.max)};
-}
-
 /// How many of the chosen frames a camera has pictures of; a film counts where it is there.
 std::size_t picturesThere(const CaptureCamera& camera, const std::vector<int>& frames) {
   std::error_code ignored;
@@ -46,7 +38,7 @@ void addCameras(Report& report, const Capture& capture, bool& damaged) {
     damaged = damaged || missing;
     list.push_back({{"name", camera.name},
                     {"size", {camera.camera.width(), camera.camera.height()}},
-                    {"eye", pointJson(camera.camera.eye())},
+                    {"eye", vectorJson(camera.camera.eye())},
                     {"pictures", pictures},
                     {"pictures_there", there}});
     text += fmt::format("\n  {}: {} x {} pixels from {} m, {}{}", camera.name,

@@ -13,6 +13,15 @@
 namespace volute {
 namespace {
 
+Status commitAll(std::vector<PendingFile>& files, std::size_t frames) {
+  if (files.size() != frames) {
+    return fail(ErrorCode::kInvalidArgument, "only {} of {} frames were written", files.size(),
+                frames);
+  }
+  for (PendingFile& file : files) VOLUTE_TRY(file.commit());
+  return {};
+}
+
 class LatticeSink final : public FrameSink {
  public:
   LatticeSink(std::vector<std::filesystem::path> targets, std::filesystem::path collection,
@@ -34,11 +43,7 @@ class LatticeSink final : public FrameSink {
   }
 
   Status finish() override {
-    if (pending_.size() != targets_.size()) {
-      return fail(ErrorCode::kInvalidArgument, "only {} of {} frames were written", pending_.size(),
-                  targets_.size());
-    }
-    for (auto& file : pending_) VOLUTE_TRY(file.commit());
+    VOLUTE_TRY(commitAll(pending_, targets_.size()));
     return collection_.empty() ? Status{} : writeCollection();
   }
 
@@ -109,14 +114,7 @@ class LatticeCacheSink final : public CacheSink {
     return {};
   }
 
-  Status finish() override {
-    if (pending_.size() != targets_.size()) {
-      return fail(ErrorCode::kInvalidArgument, "only {} of {} frames were written", pending_.size(),
-                  targets_.size());
-    }
-    for (auto& file : pending_) VOLUTE_TRY(file.commit());
-    return {};
-  }
+  Status finish() override { return commitAll(pending_, targets_.size()); }
 
  private:
   std::vector<std::filesystem::path> targets_;

@@ -691,7 +691,7 @@ class VdbWriter final : public LatticeWriter {
 
   Status write(const std::filesystem::path& temporary, const std::filesystem::path& target,
                const VolumeInfo& info, int frame, std::span<const float> values) override {
-    try {
+    return written(temporary, target, [&](std::ofstream& stream) -> Status {
       const auto grid = info.channels == 3 ? makeGrid<openvdb::Vec3SGrid>(info, values)
                                            : makeGrid<openvdb::FloatGrid>(info, values);
       grid->setName(info.name);
@@ -700,23 +700,15 @@ class VdbWriter final : public LatticeWriter {
       grid->setTransform(makeTransform(info));
       grid->setSaveFloatAsHalf(options_.half);
       grid->insertMeta(kTimeKey, openvdb::DoubleMetadata(info.times[frame]));
-      std::ofstream stream;
-      stream.exceptions(std::ios::badbit | std::ios::failbit);
-      stream.open(temporary, std::ios::binary);
       VdbOutput(options_.zip).writeTo(stream, grid);
       overwriteIdentifier(stream, crc32(std::as_bytes(values)), info.frameNumbers[frame]);
-      stream.close();
-    } catch (const std::ios_base::failure&) {
-      return fail(ErrorCode::kIo, "{}: cannot write: {}", target.string(), std::strerror(errno));
-    } catch (const std::exception& error) {
-      return fail(ErrorCode::kIo, "{}: cannot write: {}", target.string(), error.what());
-    }
-    return {};
+      return {};
+    });
   }
 
   Status writeGrids(const std::filesystem::path& temporary, const std::filesystem::path& target,
                     std::span<const GridFrame> frames, const MetadataList* metadata) override {
-    try {
+    return written(temporary, target, [&](std::ofstream& stream) -> Status {
       openvdb::GridPtrVec grids;
       std::uint32_t content = 0;
       for (const GridFrame& frame : frames) {
@@ -742,14 +734,25 @@ class VdbWriter final : public LatticeWriter {
       openvdb::MetaMap ofFile;
       if (metadata)
         putMetadata(*metadata, ofFile);
-      std::ofstream stream;
-      stream.exceptions(std::ios::badbit | std::ios::failbit);
-      stream.open(temporary, std::ios::binary);
       VdbOutput(options_.zip).writeTo(stream, grids, ofFile);
       overwriteIdentifier(stream, content,
                           frames.empty() ? 0
                                          : frames[0].info->frameNumbers[static_cast<std::size_t>(
                                                frames[0].frame)]);
+      return {};
+    });
+  }
+
+ private:
+  /// Calls write(stream) with the file; what OpenVDB or the stream throws becomes an error.
+  template <class Write>
+  static Status written(const std::filesystem::path& temporary, const std::filesystem::path& target,
+                        Write&& write) {
+    try {
+      std::ofstream stream;
+      stream.exceptions(std::ios::badbit | std::ios::failbit);
+      stream.open(temporary, std::ios::binary);
+      VOLUTE_TRY(write(stream));
       stream.close();
     } catch (const std::ios_base::failure&) {
       return fail(ErrorCode::kIo, "{}: cannot write: {}", target.string(), std::strerror(errno));
@@ -759,7 +762,6 @@ class VdbWriter final : public LatticeWriter {
     return {};
   }
 
- private:
   LatticeWriterOptions options_;
 };
 

@@ -49,6 +49,14 @@ std::string vectorText(const Vec3& v) {
   return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
 }
 
+nlohmann::ordered_json vectorJson(const Vec3& v) {
+  return {jsonNumber(v.x()), jsonNumber(v.y()), jsonNumber(v.z())};
+}
+
+nlohmann::ordered_json boxJson(const Box3& box) {
+  return {vectorJson(box.min), vectorJson(box.max)};
+}
+
 std::string boxText(const Box3& box) {
   return fmt::format("{}  to  {} m", vectorText(box.min), vectorText(box.max));
 }

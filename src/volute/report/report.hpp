@@ -48,6 +48,12 @@ std::string vectorText(const Vec3& v);
 /// "1, 2, 3  to  4, 5, 6 m", the corners of a box [m].
 std::string boxText(const Box3& box);
 
+/// [1, 2, 3].
+nlohmann::ordered_json vectorJson(const Vec3& v);
+
+/// [[1, 2, 3], [4, 5, 6]], the corners of a box [m].
+nlohmann::ordered_json boxJson(const Box3& box);
+
 /// What is in a file.
 struct FileDescription {
   Report report;

@@ -14,14 +14,6 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-OrderedJson pointJson(const Vec3& v) {
-  return {jsonNumber(v.x()), jsonNumber(v.y()), jsonNumber(v.z())};
-}
-
-OrderedJson boxJson(const Box3& box) {
-  return {pointJson(box.min), pointJson(box.max)};
-}
-
 std::string range(double first, double last) {
   return first == last ? fmt::format("{:g} s", first) : fmt::format("{:g} to {:g} s", first, last);
 }

@@ -151,9 +151,10 @@ class Refiner {
     return worst;
   }
 
-  /// The frames with one camera's pictures of other times; without those of which there
-  /// is none.
-  Frames shifted(std::size_t camera, int by) {
+  /// The frames with one camera's pictures of other times than its calibration says; without those
+  /// of which there is none.
+  /// @param numbers  gets those of the frames that are there
+  Frames shifted(std::size_t camera, int by, std::vector<int>* numbers = nullptr) {
     const std::size_t position = *findCamera(capture_, frames_[0][camera].name);
     Frames frames;
     for (std::size_t f = 0; f < frames_.size(); ++f) {
@@ -162,6 +163,8 @@ class Refiner {
         continue;  // a later frame may do
       frames.push_back(frames_[f]);
       frames.back()[camera] = std::move(*view);
+      if (numbers)
+        numbers->push_back(numbers_[f]);
     }
     return frames;
   }
@@ -216,8 +219,10 @@ class Refiner {
     VOLUTE_ASSIGN(const bool agreed, eachFrameAgrees(camera, shift));
     if (!agreed)
       return std::optional<CalibrationFit>();
-    frames_ = shifted(camera, shift);
-    shifts_[camera] += shift;
+    std::vector<int> numbers;
+    frames_ = shifted(camera, shift, &numbers);
+    numbers_ = std::move(numbers);
+    shifts_[camera] = shift;
     return best;
   }
 

@@ -9,17 +9,13 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
 
+#include "volute/image/text.hpp"
 #include "volute/viewer/panels.hpp"
 
 namespace volute {
 
 void useFont(double scale) {
-  constexpr const char* kFiles[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-                                    "/usr/share/fonts/TTF/DejaVuSans.ttf",
-                                    "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
-                                    "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf"};
   constexpr float kPixels = 14;
   // Latin with all its accents, Greek, Cyrillic, dashes and quotes, arrows, mathematics.
   static const ImWchar kLetters[] = {0x20, 0x24F, 0x2B0, 0x3FF, 0x400, 0x52F, 0x1E00, 0x1EFF,
@@ -31,12 +27,9 @@ void useFont(double scale) {
   fonts->FontBuilderFlags = ImGuiFreeTypeBuilderFlags_LightHinting;
 #endif
   const float size = std::round(kPixels * static_cast<float>(scale));
-  for (const char* file : kFiles) {
-    std::error_code unknown;
-    if (std::filesystem::is_regular_file(file, unknown) &&
-        fonts->AddFontFromFileTTF(file, size, nullptr, kLetters))
-      return;
-  }
+  const auto file = fontFile(Typeface::kSans);
+  if (file && fonts->AddFontFromFileTTF(file->c_str(), size, nullptr, kLetters))
+    return;
   fonts->AddFontDefault();
   ImGui::GetIO().FontGlobalScale = static_cast<float>(scale);
 }
