@@ -98,7 +98,9 @@ class Grids(support.TestCase):
         self.works("extract", CACHE, "-o", self.path("x.npy"), "--field", "velocity")
         shape, values = read_npy(self.path("x.npy").read_bytes())
         self.assertEqual((shape[0], shape[4]), (3, 3))
-        self.works("extract", CACHE, "-o", self.path("all_{grid}.npy"))
+        listed = self.works("extract", CACHE, "-o", self.path("all_{grid}.npy"), "--json").json["outputs"]
+        self.assertEqual(sorted(one["output"] for one in listed),
+                         sorted(str(self.path(f"all_{name}.npy")) for name in NAMES if name != "fuel"))
         self.assertEqual(sorted(self.files()), sorted(["x.npy"] + [f"all_{name}.npy" for name in NAMES if name != "fuel"]))
         self.assertEqual(self.path("all_velocity.npy").read_bytes(), self.path("x.npy").read_bytes())
         self.assertIn("did you mean 'flame'", self.fails(1, "extract", CACHE, "-o", self.path("y.npy"), "--field", "flam"))

@@ -36,4 +36,14 @@ Result<ImageDifference> compareImages(const Image& original, const Image& other)
   return difference;
 }
 
+Image largestDifferences(const Image& a, const Image& b) {
+  Image errors(a.width, a.height, 1);
+  const auto channels = static_cast<std::size_t>(a.channels);
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    float& error = errors.pixels[i / channels];
+    error = std::max(error, std::abs(a.pixels[i] - b.pixels[i]));
+  }
+  return errors;
+}
+
 }  // namespace volute

@@ -20,4 +20,7 @@ struct ImageDifference {
 /// Fails when the sizes or channels differ, or there is no pixel.
 [[nodiscard]] Result<ImageDifference> compareImages(const Image& original, const Image& other);
 
+/// The largest difference of the channels of each pixel, of pictures of one size.
+Image largestDifferences(const Image& a, const Image& b);
+
 }  // namespace volute

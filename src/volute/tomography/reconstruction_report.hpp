@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "volute/report/report.hpp"
 #include "volute/tomography/reconstructed_frames.hpp"
 
 namespace volute {
@@ -14,6 +15,9 @@ namespace volute {
 [[nodiscard]] Result<nlohmann::ordered_json> reconstructionReport(
     const Capture& capture, const ReconstructionSettings& settings,
     const ReconstructedFrames& frames);
+
+/// The means of `json`, as reconstructionReport() has them, as rows for people.
+void addSummary(const nlohmann::ordered_json& json, Report& report);
 
 /// Names of options for people and programs.
 nlohmann::ordered_json settingsJson(const ReconstructionSettings& settings);

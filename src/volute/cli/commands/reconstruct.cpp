@@ -111,28 +111,6 @@ Status writeReport(const std::string& file, const nlohmann::ordered_json& json,
   return writeReconstructionPage(page.replace_extension(".html"), json, frames, progress);
 }
 
-void addSummary(const nlohmann::ordered_json& json, Report& report) {
-  const auto number = [&](const char* key, const char* format) {
-    if (json[key].is_number())
-      report.add(key, json[key], fmt::format(fmt::runtime(format), json[key].get<double>()));
-  };
-  number("held_out_psnr", "{:.2f} dB");
-  number("residual", "{:.4g} (relative L2 of the fitted cameras: how well they are repeated)");
-  number("iterations", "{:.1f} a frame");
-  number("hull_share", "{:.4g} of the volume");
-  number("seconds_per_frame", "{:.2f} s");
-  std::vector<std::string> residuals;
-  nlohmann::ordered_json byName = nlohmann::ordered_json::object();
-  for (const auto& camera : json["cameras"]) {
-    const auto name = camera["name"].get<std::string>();
-    byName[name] = camera["residual"];
-    if (camera["residual"].is_number())
-      residuals.push_back(fmt::format("{} {:.3f}", name, camera["residual"].get<double>()));
-  }
-  report.add("residuals", byName, fmt::format("{}", fmt::join(residuals, ", ")));
-  report.add("warnings", json["warnings"], fmt::format("{}", json["warnings"].size()));
-}
-
 Status checkReconstructTargets(const Arguments& arguments, const std::string& target) {
   if (const auto report = arguments.find<std::string>("report")) {
     VOLUTE_TRY(checkTarget(*report));

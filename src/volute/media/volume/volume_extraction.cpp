@@ -2,14 +2,36 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/volume/volume_extraction.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "volute/base/ordered_delivery.hpp"
+#include "volute/codec/extract_source.hpp"
+#include "volute/grid/copy_frames.hpp"
+#include "volute/io/volume_sink.hpp"
+#include "volute/media/volume/fds_input.hpp"
+#include "volute/media/volume/volume_grids.hpp"
 #include "volute/media/volume/volume_input.hpp"
 
 namespace volute {
 namespace {
+
+/// Grids of a .volute that are taken out of it together.
+struct ExtractedGrids {
+  std::vector<GridTarget> targets;  ///< what becomes of each
+  std::vector<std::unique_ptr<FrameSource>> sources;  ///< of each; null: it is empty
+  std::vector<std::shared_ptr<const VoluteReader>> readers;  ///< the same
+  FrameMetadata fileMetadata;
+  std::vector<int> positions;  ///< of the frames in the file, ascending
+};
+
+/// Where values go, made on rank 0 alone.
+using MakeSink = std::function<Result<std::unique_ptr<CacheSink>>()>;
+
+constexpr std::string_view kGridWord = "{grid}", kMeshWord = "{mesh}";
 
 using GridValues = std::vector<std::vector<float>>;
 
@@ -38,8 +60,8 @@ GridDescription descriptionOf(const VoluteGrid& grid, const Extraction& extracti
   return one;
 }
 
-}  // namespace
-
+/// Opens the grids called `names`.
+/// @param extraction  `region` is not used: whole grids are taken
 Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std::string>& names,
                                  const Extraction& extraction, bool partial, Reading& reading) {
   ExtractedGrids all;
@@ -83,6 +105,10 @@ Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std:
   return all;
 }
 
+/// Hands all frames to the sink in order. The frames of a row of blocks are a unit of work for the
+/// ranks; rank 0 writes. Collective.
+/// @param sources  null ones give no values
+/// @param positions  of the frames in the file
 Status extractFrames(const std::vector<std::unique_ptr<FrameSource>>& sources,
                      const std::vector<int>& positions, const MakeSink& makeSink,
                      Reading& reading, Team& team) {
@@ -145,6 +171,227 @@ Status extractFrames(const std::vector<std::unique_ptr<FrameSource>>& sources,
       },
       [&] { return delivery.finish(); }));
   return team.agree(sink ? sink->finish() : Status());
+}
+
+/// A sink of one grid as one of several.
+class OneGridSink final : public CacheSink {
+ public:
+  explicit OneGridSink(std::unique_ptr<FrameSink> sink) : sink_(std::move(sink)) {}
+
+  Status writeFrame(std::span<const std::vector<float>> grids) override {
+    return sink_->writeFrame(grids[0]);
+  }
+
+  Status finish() override { return sink_->finish(); }
+
+ private:
+  std::unique_ptr<FrameSink> sink_;
+};
+
+void addSize(Report& report, const VolumeInfo& info) {
+  report.add("frames", info.frames, fmt::format("{}", info.frames))
+      .add("size", {info.x, info.y, info.z},
+           fmt::format("{} x {} x {} voxels", info.x, info.y, info.z));
+}
+
+/// @param counts  bytes read, blocks decoded
+void addReads(Report& report, std::span<const std::uint64_t> counts, std::size_t blocks) {
+  report.add("bytes_read", counts[0], bytesText(counts[0]))
+      .add("blocks_decoded", counts[1], fmt::format("{} of {}", counts[1], blocks));
+}
+
+/// `name` in place of {word}.
+std::string filledIn(std::string target, std::string_view word, const std::string& name) {
+  const auto place = target.find(word);
+  return place == std::string::npos ? target : target.replace(place, word.size(), name);
+}
+
+/// Takes things out of one file.
+class Extractor {
+ public:
+  Extractor(const std::string& path, const ExtractionRequest& request, const OpenSink& openSink,
+            const Extracted& extracted, Reading& reading, Team& team)
+      : path_(path),
+        request_(request),
+        openSink_(openSink),
+        extracted_(extracted),
+        reading_(reading),
+        team_(team) {}
+
+  /// One grid, to a file of any format.
+  Status one(const std::string& grid, const std::string& target);
+
+  /// Several grids, or one with what a cache says of it, to .vdb files.
+  Status cache(const std::vector<std::string>& names, const std::string& target,
+               const VolumeInfo& frames);
+
+  /// Voxels of extinction out of an FDS case: all meshes together, or one.
+  Status fds(const std::string& target, std::optional<int> mesh);
+
+ private:
+  Result<Extraction> extractionOf(const VolumeInfo& info) const;
+
+  const std::string& path_;
+  const ExtractionRequest& request_;
+  const OpenSink& openSink_;
+  const Extracted& extracted_;
+  Reading& reading_;
+  Team& team_;
+};
+
+Result<Extraction> Extractor::extractionOf(const VolumeInfo& info) const {
+  Extraction extraction;
+  VOLUTE_ASSIGN(extraction.positions, selectPositions(info, request_.frames));
+  extraction.region = request_.region.value_or(Region{{0, 0, 0}, {info.x, info.y, info.z}});
+  extraction.level = request_.level;
+  extraction.maxMemory = reading_.maxMemory;
+  return extraction;
+}
+
+Status Extractor::one(const std::string& grid, const std::string& target) {
+  VOLUTE_ASSIGN(auto reader, openVolute(path_, request_.partial, reading_, true, grid));
+  VOLUTE_ASSIGN(auto extraction, extractionOf(reader->info()));
+  const std::vector<int> positions = extraction.positions;
+  VOLUTE_ASSIGN(auto source,
+                ExtractSource::create(reader, std::move(extraction), reading_.progress));
+  const VolumeInfo info = source->info();
+  std::vector<std::unique_ptr<FrameSource>> sources;
+  sources.push_back(std::move(source));
+  const MakeSink make = [&]() -> Result<std::unique_ptr<CacheSink>> {
+    VOLUTE_ASSIGN(auto sink, openSink_(target, info));
+    return std::make_unique<OneGridSink>(std::move(sink));
+  };
+  VOLUTE_TRY(extractFrames(sources, positions, make, reading_, team_));
+  std::array<std::uint64_t, 2> counts{reader->bytesRead(), reader->blocksDecoded()};
+  VOLUTE_TRY(team_.sum(counts));
+  Report report;
+  report.add("output", target);
+  addSize(report, info);
+  report.add("channels", info.channels, fmt::format("{}", info.channels));
+  addReads(report, counts, reader->blocks().count());
+  return extracted_(report);
+}
+
+Status Extractor::cache(const std::vector<std::string>& names, const std::string& target,
+                        const VolumeInfo& frames) {
+  VOLUTE_ASSIGN(const auto extraction, extractionOf(frames));
+  VOLUTE_ASSIGN(auto grids, openGrids(path_, names, extraction, request_.partial, reading_));
+  const MakeSink make = [&] {
+    return createCacheSink(target, grids.targets, grids.fileMetadata);
+  };
+  VOLUTE_TRY(extractFrames(grids.sources, grids.positions, make, reading_, team_));
+  std::array<std::uint64_t, 2> counts{};
+  std::size_t blocks = 0;
+  for (const auto& reader : grids.readers) {
+    if (!reader)
+      continue;
+    counts[0] += reader->bytesRead(), counts[1] += reader->blocksDecoded();
+    blocks += reader->blocks().count();
+  }
+  VOLUTE_TRY(team_.sum(counts));
+  auto list = nlohmann::ordered_json::array();
+  std::string text;
+  for (const GridTarget& grid : grids.targets) {
+    const VolumeInfo& info = grid.info;
+    list.push_back({{"name", info.name},
+                    {"size", {info.x, info.y, info.z}},
+                    {"channels", info.channels},
+                    {"half", grid.description.half}});
+    text += fmt::format("\n  {:<16} {}", info.name,
+                        info.x == 0 ? std::string("empty")
+                                    : fmt::format("{} x {} x {}, {}{}", info.x, info.y, info.z,
+                                                  grid.description.type,
+                                                  grid.description.half ? " (half)" : ""));
+  }
+  Report report;
+  report.add("output", target)
+      .add("frames", grids.positions.size(), fmt::format("{}", grids.positions.size()))
+      .add("grids", list, text);
+  addReads(report, counts, blocks);
+  return extracted_(report);
+}
+
+Status Extractor::fds(const std::string& target, std::optional<int> mesh) {
+  VOLUTE_ASSIGN(auto volume, openFdsVolume(path_, request_.fields, std::nullopt, mesh, reading_));
+  VOLUTE_ASSIGN(auto source, selectFrames(std::move(volume), request_.frames));
+  VOLUTE_ASSIGN(auto sink, openSink_(target, source->info()));
+  VOLUTE_TRY(copyFrames(*source, *sink, "extracting", reading_.progress));
+  Report report;
+  report.add("output", target);
+  addSize(report, source->info());
+  return extracted_(report);
+}
+
+}  // namespace
+
+bool namesEachGrid(const std::string& target) {
+  return target.find(kGridWord) != std::string::npos;
+}
+
+bool namesEachMesh(const std::string& target) {
+  return target.find(kMeshWord) != std::string::npos;
+}
+
+Status extractVolute(const std::string& path, const std::string& target,
+                     const ExtractionRequest& request, const OpenSink& openSink,
+                     const Extracted& extracted, Reading& reading, Team& team) {
+  Extractor extractor(path, request, openSink, extracted, reading, team);
+  VOLUTE_ASSIGN(const auto main, openVolute(path, request.partial, reading, false));
+  InputOptions input;
+  input.partial = request.partial;
+  input.verify = false;  // who reads a grid says what is damaged
+  VOLUTE_ASSIGN(const auto grids, VolumeGrids::open(path, input, reading));
+  VOLUTE_ASSIGN(const auto chosen, grids->choose(request.fields, path));
+  std::vector<std::string> names;
+  for (const std::size_t i : chosen) names.push_back(grids->grids()[i].name);
+  const bool each = namesEachGrid(target);
+  const bool described = main->grids().size() > 1 || main->grid().description.has_value();
+  if (request.region && names.size() > 1) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--region is for one grid, as each has voxels of its own; {} has {}: choose one "
+                "with --field",
+                path, fmt::join(names, ", "));
+  }
+  const bool asCache = extensionOf(target) == ".vdb" && !request.region &&
+                       (names.size() > 1 || described);
+  if (asCache && !each)
+    return extractor.cache(names, target, main->info());
+  if (names.size() > 1 && !each) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{} has {} grids ({}), and '{}' holds one: choose one with --field, put {{grid}} into "
+                "the name, or write %04d.vdb files, which hold all",
+                path, names.size(), fmt::join(names, ", "), target);
+  }
+  for (const std::size_t i : chosen) {
+    const std::string& name = grids->grids()[i].name;
+    if (grids->grids()[i].empty && names.size() > 1) {
+      reading.progress.remark(fmt::format("{}: '{}' is empty and is left out", path, name));
+      continue;
+    }
+    const std::string own = filledIn(target, kGridWord, name);
+    VOLUTE_TRY(asCache ? extractor.cache({name}, own, main->info()) : extractor.one(name, own));
+  }
+  return {};
+}
+
+Status extractFds(const std::string& path, const std::string& target,
+                  const ExtractionRequest& request, const OpenSink& openSink,
+                  const Extracted& extracted, Reading& reading) {
+  Team alone;
+  Extractor extractor(path, request, openSink, extracted, reading, alone);
+  if (!namesEachMesh(target))
+    return extractor.fds(target, std::nullopt);
+  VOLUTE_ASSIGN(const SmvIndex index, SmvIndex::read(path));
+  for (int mesh = 0; mesh < static_cast<int>(index.meshes.size()); ++mesh) {
+    const Status status =
+        extractor.fds(filledIn(target, kMeshWord, fmt::format("{:04}", mesh + 1)), mesh);
+    if (!status && status.error().code == ErrorCode::kNotFound) {
+      reading.progress.remark(status.error().message);
+      continue;
+    }
+    VOLUTE_TRY(status);
+  }
+  return {};
 }
 
 }  // namespace volute

@@ -4,40 +4,50 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
-#include <vector>
 
 #include "volute/base/team.hpp"
-#include "volute/codec/extract_source.hpp"
-#include "volute/io/volume_sink.hpp"
+#include "volute/grid/copy_frames.hpp"
+#include "volute/grid/region.hpp"
+#include "volute/grid/select_frames.hpp"
+#include "volute/media/reading.hpp"
+#include "volute/report/report.hpp"
 
 namespace volute {
 
-/// Grids of a .volute that are taken out of it together.
-struct ExtractedGrids {
-  std::vector<GridTarget> targets;  ///< what becomes of each
-  std::vector<std::unique_ptr<FrameSource>> sources;  ///< of each; null: it is empty
-  std::vector<std::shared_ptr<const VoluteReader>> readers;  ///< the same
-  FrameMetadata fileMetadata;
-  std::vector<int> positions;  ///< of the frames in the file, ascending
+/// What to take out of a file.
+struct ExtractionRequest {
+  std::string fields{};  ///< grids of a .volute, "density,flame", or the source of an FDS case
+  FrameRange frames{};
+  std::optional<Region> region{};  ///< of a .volute
+  int level = 0;                   ///< of a .volute: the resolution is divided by 2^level
+  bool partial = false;            ///< a damaged .volute is read as far as it is intact
 };
 
-/// Opens the grids called `names`.
-/// @param extraction  `region` is not used: whole grids are taken
-[[nodiscard]] Result<ExtractedGrids> openGrids(const std::string& path,
-                                               const std::vector<std::string>& names,
-                                               const Extraction& extraction, bool partial,
-                                               Reading& reading);
+/// Where the frames of one grid go, made on rank 0 alone.
+using OpenSink = std::function<Result<std::unique_ptr<FrameSink>>(const std::string& target,
+                                                                  const VolumeInfo& info)>;
 
-/// Where values go, made on rank 0 alone.
-using MakeSink = std::function<Result<std::unique_ptr<CacheSink>>()>;
+/// Receives what was written, after each output. Collective.
+using Extracted = std::function<Status(const Report&)>;
 
-/// Hands all frames to the sink in order. The frames of a row of blocks are a unit of work for the
-/// ranks; rank 0 writes. Collective.
-/// @param sources  null ones give no values
-/// @param positions  of the frames in the file
-[[nodiscard]] Status extractFrames(const std::vector<std::unique_ptr<FrameSource>>& sources,
-                                   const std::vector<int>& positions, const MakeSink& makeSink,
-                                   Reading& reading, Team& team);
+/// Whether a target's name has a place for the name of a grid, {grid}, or the number of a mesh,
+/// {mesh}: then it is a pattern of several outputs.
+bool namesEachGrid(const std::string& target);
+bool namesEachMesh(const std::string& target);
+
+/// Takes grids out of a .volute: several to .vdb files, which hold all, with what the cache says of
+/// them, or one to a file of any format. The frames of a row of blocks are a unit of work for the
+/// ranks. Collective.
+[[nodiscard]] Status extractVolute(const std::string& path, const std::string& target,
+                                   const ExtractionRequest& request, const OpenSink& openSink,
+                                   const Extracted& extracted, Reading& reading, Team& team);
+
+/// Takes voxels of extinction [1/m] out of an FDS case, obstructions zero: all meshes together, or
+/// each on its own where the target names each. Meshes without smoke are left out with a remark.
+[[nodiscard]] Status extractFds(const std::string& path, const std::string& target,
+                                const ExtractionRequest& request, const OpenSink& openSink,
+                                const Extracted& extracted, Reading& reading);
 
 }  // namespace volute

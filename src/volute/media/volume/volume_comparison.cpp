@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/volume/volume_comparison.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volute/grid/fitted_source.hpp"
+#include "volute/media/volume/volume_grids.hpp"
+
+namespace volute {
+namespace {
+
+std::size_t worstFrame(const GridComparison& grid) {
+  const auto worst = std::ranges::max_element(grid.byFrame, {}, &Difference::rms);
+  return static_cast<std::size_t>(worst - grid.byFrame.begin());
+}
+
+/// Of one frame, as VolumeComparison::errors has them.
+Result<Image> errorsOfFrame(FrameSource& a, FrameSource& b, int frame) {
+  const VolumeInfo& info = a.info();
+  std::vector<float> first(info.frameValues()), second(info.frameValues());
+  VOLUTE_TRY(a.readFrame(frame, first));
+  VOLUTE_TRY(b.readFrame(frame, second));
+  Image errors(info.x, info.z, 1);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const std::size_t voxel = i / static_cast<std::size_t>(info.channels);
+    const int x = static_cast<int>(voxel % info.x), z = static_cast<int>(voxel / info.x / info.y);
+    float& error = errors.at(x, info.z - 1 - z);
+    error = std::max(error, std::abs(first[i] - second[i]));
+  }
+  return errors;
+}
+
+/// Pictures side by side, a gap between them.
+Image sideBySide(const std::vector<Image>& images) {
+  constexpr int kGap = 2;
+  int width = -kGap, height = 0;
+  for (const Image& image : images)
+    width += image.width + kGap, height = std::max(height, image.height);
+  Image all(width, height, 1);
+  int left = 0;
+  for (const Image& image : images) {
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        all.at(left + x, height - image.height + y) = image.at(x, y);
+    left += image.width + kGap;
+  }
+  return all;
+}
+
+/// Both over all that one of them takes, where they are on one lattice of voxels.
+void align(std::unique_ptr<FrameSource>& a, const std::array<double, 3>& outsideA,
+           std::unique_ptr<FrameSource>& b, const std::array<double, 3>& outsideB) {
+  const VolumeInfo infoA = a->info(), infoB = b->info();
+  if (!onOneLattice(infoB, infoA))
+    return;  // compare() says what does not fit
+  Box3 both = infoA.bounds;
+  both.extend(infoB.bounds.min), both.extend(infoB.bounds.max);
+  const VolumeInfo wide = widenedTo(infoA, both);
+  const auto differs = [&](const VolumeInfo& info) {
+    return info.x != wide.x || info.y != wide.y || info.z != wide.z;
+  };
+  if (differs(infoA))
+    a = fitTo(std::move(a), wide, outsideA);
+  if (differs(infoB))
+    b = fitTo(std::move(b), wide, outsideB);
+}
+
+/// The chosen frames of both.
+Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
+                                      std::unique_ptr<FrameSource> b,
+                                      const ComparisonRequest& request, Progress& progress,
+                                      std::vector<Image>& errors) {
+  VOLUTE_ASSIGN(a, selectFrames(std::move(a), request.frames));
+  VOLUTE_ASSIGN(b, selectFrames(std::move(b), request.frames));
+  GridComparison grid{a->info().name};
+  VOLUTE_ASSIGN(grid.whole, compare(*a, *b, progress, &grid.byFrame));
+  grid.frameNumbers = a->info().frameNumbers;
+  if (request.drawErrors) {
+    VOLUTE_ASSIGN(auto image, errorsOfFrame(*a, *b, static_cast<int>(worstFrame(grid))));
+    errors.push_back(std::move(image));
+  }
+  return grid;
+}
+
+/// Those of one name.
+Result<GridComparison> compareGrid(const VolumeGrids& first, std::size_t i, const std::string& a,
+                                   const VolumeGrids& second, const std::string& b,
+                                   const ComparisonRequest& request, Progress& progress,
+                                   std::vector<Image>& errors) {
+  const VolumeGrid& grid = first.grids()[i];
+  VOLUTE_ASSIGN(const auto found, second.choose(grid.name, b));
+  const VolumeGrid& other = second.grids()[found[0]];
+  if (grid.empty != other.empty) {
+    return fail(ErrorCode::kInvalidData, "grid '{}' is empty in {}, and not in {}", grid.name,
+                grid.empty ? a : b, grid.empty ? b : a);
+  }
+  if (grid.empty)
+    return GridComparison{grid.name, true};
+  VOLUTE_ASSIGN(auto sourceA, first.source(i));
+  VOLUTE_ASSIGN(auto sourceB, second.source(found[0]));
+  const auto outside = [](const VolumeGrid& of) {
+    return of.description ? of.description->background : std::array<double, 3>{};
+  };
+  align(sourceA, outside(grid), sourceB, outside(other));
+  auto compared =
+      compareSources(std::move(sourceA), std::move(sourceB), request, progress, errors);
+  if (!compared)
+    return fail(compared.error().code, "grid '{}': {}", grid.name, compared.error().message);
+  compared->name = grid.name;
+  if (request.drawErrors) {
+    const double range = compared->whole.maxA - compared->whole.minA;
+    for (float& error : errors.back().pixels)
+      error = static_cast<float>(error / (range > 0 ? range : 1));
+  }
+  return compared;
+}
+
+/// The grids that the request names.
+Result<VolumeComparison> compareCaches(const VolumeGrids& first, const std::string& a,
+                                       const VolumeGrids& second, const std::string& b,
+                                       const ComparisonRequest& request, Progress& progress) {
+  VolumeComparison all;
+  all.caches = true;
+  std::vector<Image> errors;
+  VOLUTE_ASSIGN(const auto chosen, first.choose(request.fields, a));
+  for (const std::size_t i : chosen) {
+    VOLUTE_ASSIGN(auto one, compareGrid(first, i, a, second, b, request, progress, errors));
+    all.grids.push_back(std::move(one));
+  }
+  for (const VolumeGrid& grid : second.grids()) {
+    const bool known = std::ranges::any_of(
+        first.grids(), [&](const VolumeGrid& one) { return one.name == grid.name; });
+    if (!known && request.fields.empty())
+      progress.remark(fmt::format("'{}' is in {} alone", grid.name, b));
+  }
+  if (!errors.empty())
+    all.errors = sideBySide(errors);
+  return all;
+}
+
+std::string worstFrameText(const GridComparison& grid) {
+  const std::size_t at = worstFrame(grid);
+  return fmt::format("worst in frame {}: rms {:.6g}, max error {:.6g}", grid.frameNumbers[at],
+                     grid.byFrame[at].rms(), grid.byFrame[at].maxError);
+}
+
+nlohmann::ordered_json framesJson(const GridComparison& grid) {
+  auto frames = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < grid.byFrame.size(); ++i) {
+    frames.push_back({{"frame", grid.frameNumbers[i]},
+                      {"rms", jsonNumber(grid.byFrame[i].rms())},
+                      {"max_error", jsonNumber(grid.byFrame[i].maxError)}});
+  }
+  return frames;
+}
+
+}  // namespace
+
+const GridComparison& VolumeComparison::worst() const {
+  return *std::ranges::max_element(grids, {}, &GridComparison::relativeRms);
+}
+
+Result<VolumeComparison> compareVolumes(const std::string& a, const std::string& b,
+                                        const ComparisonRequest& request, Reading& reading) {
+  InputOptions options;
+  options.partial = request.partial;
+  options.bounds = request.bounds;
+  if (VolumeGrids::mayBe(a) && VolumeGrids::mayBe(b) && !options.bounds) {
+    VOLUTE_ASSIGN(const auto first, VolumeGrids::open(a, options, reading));
+    VOLUTE_ASSIGN(const auto second, VolumeGrids::open(b, options, reading));
+    if (first->grids().size() > 1 || second->grids().size() > 1)
+      return compareCaches(*first, a, *second, b, request, reading.progress);
+  }
+  options.grid = request.fields;
+  // A .volute file has its own bounds; the option speaks of the other formats.
+  const auto optionsFor = [&](const std::string& path) {
+    InputOptions own = options;
+    if (isVolutePath(path))
+      own.bounds.reset();
+    return own;
+  };
+  VOLUTE_ASSIGN(auto first, openVolume(a, optionsFor(a), reading));
+  VOLUTE_ASSIGN(auto second, openVolume(b, optionsFor(b), reading));
+  const VolumeInfo& infoA = first.source->info();
+  const VolumeInfo& infoB = second.source->info();
+  const bool placed = extensionOf(a) != ".npy" && extensionOf(b) != ".npy" && !options.bounds;
+  if (placed && (infoA.x != infoB.x || infoA.y != infoB.y || infoA.z != infoB.z))
+    align(first.source, {}, second.source, {});
+  VolumeComparison comparison;
+  std::vector<Image> errors;
+  VOLUTE_ASSIGN(auto one, compareSources(std::move(first.source), std::move(second.source), request,
+                                         reading.progress, errors));
+  comparison.grids.push_back(std::move(one));
+  if (!errors.empty())
+    comparison.errors = std::move(errors[0]);
+  return comparison;
+}
+
+void addDetails(Report& report, const VolumeComparison& comparison) {
+  const GridComparison& worst = comparison.worst();
+  if (worst.byFrame.size() > 1)
+    report.add("by_frame", framesJson(worst), worstFrameText(worst));
+  if (!comparison.caches)
+    return;
+  auto list = nlohmann::ordered_json::array();
+  std::string text;
+  for (const GridComparison& grid : comparison.grids) {
+    list.push_back({{"name", grid.name},
+                    {"empty", grid.empty},
+                    {"rms", grid.empty ? 0 : grid.whole.rms()},
+                    {"relative_rms", jsonNumber(grid.relativeRms())},
+                    {"psnr", jsonNumber(grid.psnr())},
+                    {"max_error", grid.whole.maxError},
+                    {"by_frame", framesJson(grid)}});
+    text += fmt::format("\n  {:<16} ", grid.name);
+    text += grid.empty ? std::string("empty in both")
+                       : fmt::format("relative rms {:.4g} ({:.2f} dB), max error {:.4g}{}{}",
+                                     grid.relativeRms(), grid.psnr(), grid.whole.maxError,
+                                     grid.byFrame.size() > 1 ? "; " : "",
+                                     grid.byFrame.size() > 1 ? worstFrameText(grid) : "");
+  }
+  report.add("worst_grid", worst.name).add("grids", list, text);
+}
+
+}  // namespace volute
