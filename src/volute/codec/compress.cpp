@@ -7,26 +7,24 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <mutex>
+#include <numeric>
 #include <vector>
 
 #include "volute/base/checksum.hpp"
 #include "volute/base/content_hash.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/base/version.hpp"
-#include "volute/codec/block_encoder.hpp"
-#include "volute/base/output_file.hpp"
 #include "volute/codec/block_row.hpp"
 #include "volute/codec/byte_io.hpp"
 #include "volute/codec/coefficient_coder.hpp"
+#include "volute/codec/compression_goal.hpp"
 #include "volute/codec/container.hpp"
+#include "volute/codec/encoded_units.hpp"
 #include "volute/codec/parallel_try.hpp"
-#include "volute/codec/spool.hpp"
 #include "volute/codec/step_search.hpp"
 #include "volute/codec/unit_plan.hpp"
 #include "volute/codec/unit_store.hpp"
-#include "volute/wavelet/quantiser.hpp"
 
 namespace volute {
 namespace {
@@ -40,26 +38,6 @@ constexpr std::uint64_t kBatchBytesAValue = 32;
 constexpr double kFinerStep = 0.75;
 
 using Kind = ErrorTarget::Kind;
-
-std::string nameOf(Kind kind) {
-  switch (kind) {
-    case Kind::kRms:
-      return "rms";
-    case Kind::kPsnr:
-      return "psnr";
-    case Kind::kRatio:
-      return "ratio";
-    case Kind::kSize:
-      return "size";
-    case Kind::kMaxError:
-      return "max-error";
-  }
-  return "";
-}
-
-bool isSize(Kind kind) {
-  return kind == Kind::kRatio || kind == Kind::kSize;
-}
 
 Status checkOptions(const CompressOptions& options) {
   if (options.wavelet != "auto" && !waveletByName(options.wavelet)) {
@@ -78,32 +56,6 @@ Status checkOptions(const CompressOptions& options) {
   }
   return {};
 }
-
-// What one way through all blocks with one step gives.
-struct Outcome {
-  double squaredError = 0;
-  double maxError = 0;
-};
-
-struct EncodedBlock {
-  std::vector<std::vector<std::byte>> tiers;
-  Outcome outcome;
-};
-
-// What a rank has of a unit after a way through it: sizes and checksums of its segments, block by
-// block and tier by tier, and where each tier's bytes lie in the rank's spools.
-struct DoneUnit {
-  std::int64_t unit = 0;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> segments;
-  std::array<std::uint64_t, kWaveletTiers.size()> begins{}, sizes{};
-  bool hasBytes = true;
-};
-
-// A layer's sums, for the other ranks.
-struct LayerOutcome {
-  std::uint64_t layer = 0;
-  Outcome outcome;
-};
 
 // The values of all ranks, in the order of ranks.
 template <class Value>
@@ -167,15 +119,14 @@ class Compressor {
         info_(source.info()),
         row_(source),
         plan_(row_.grid(), layersAUnit),
-        goal_(options.target.value) {
+        goal_(options.target, info_),
+        units_(plan_, row_.grid().count(), team) {
     head_.info = info_;
     head_.header.codec = kWaveletCodec;
     head_.header.writtenBy = "volute " VOLUTE_VERSION;
     head_.header.provenance = options.provenance;
     head_.header.targetKind = nameOf(options.target.kind);
     head_.header.targetValue = options.target.value;
-    if (options.target.kind == Kind::kMaxError)
-      parameters_.maxError = options.target.value;
   }
 
   Result<CompressReport> run();
@@ -184,20 +135,18 @@ class Compressor {
   // One way through all rows of blocks, or some of them.
   enum class Way { kLearn, kChoose, kEncode };
 
-  Status openSpools();
   Status survey();
   Status encodeAll(double step, Way way);
   Status openStore();
   Status doUnit(std::int64_t number, Way way);
-  Status encodeUnit(const UnitPlan::Unit& unit, Way way, DoneUnit& done, Training& training);
-  Status append(const EncodedBlock& block, std::size_t number, DoneUnit& done);
-  Status keep(const DoneUnit& done, const Training& training, std::size_t firstOutcome);
-  Result<bool> recall(DoneUnit& done, Training& training);
-  Status shareOutcomes();
+  Status encodeUnit(Way way, EncodedUnits::Unit& done, EncodedUnitRecord& record);
+  std::span<std::optional<BlockMode>> modesOf(std::int64_t unit);
+  Status keep(const EncodedUnits::Unit& done, EncodedUnitRecord& record);
+  Result<std::optional<EncodedUnitRecord>> recall(EncodedUnits::Unit& done);
+  Status shareErrors();
   Status shareTraining();
   Status shareModes();
   Status shareSegments();
-  void takeSegments(const DoneUnit& done);
   std::optional<BlockMode> chooseMode(std::size_t block, std::span<const float> values,
                                       const BlockEncoder& encoder, bool near) const;
   Result<EncodedBlock> encodeBlock(std::size_t block, Way way, Training& training);
@@ -205,16 +154,11 @@ class Compressor {
   Status searchStep(double first);
   Status searchSmallest();
 
-  void leaveRoomForHalves();
-  StepSearch::Problem problem() const;
-  double firstStep(const StepSearch::Problem& problem) const;
-  double betterStep(const StepSearch::Problem& problem) const;
+  double betterStep() const;
   double outcomeOfTry() const;
   tl::unexpected<Error> unreachable() const;
   Result<CompressReport> write();
   Status completeUnits();
-  Status writeSegments(OutputFile& file);
-  Status sendSegments();
 
   StreamInfo stream() const {
     return {info_.channels, static_cast<float>(head_.header.valueMin),
@@ -228,7 +172,7 @@ class Compressor {
   const VolumeInfo& info_;
   BlockRow row_;
   UnitPlan plan_;
-  double goal_;  // what is asked for, and what rounding to halves leaves of it
+  CompressionGoal goal_;
   FileHead head_;
   std::vector<std::byte> headBytes_;
   WaveletParameters parameters_;
@@ -240,12 +184,10 @@ class Compressor {
   std::optional<UnitStore> store_;       // of finished units, where that is asked for
   std::uint64_t content_ = 0;            // a digest of all values, for it
   int way_ = -1;                         // how many ways through the units were begun before
-  std::vector<Spool> spools_;            // one a tier, of this rank's units
-  std::vector<DoneUnit> done_;           // of this rank, in the last way through
-  std::vector<LayerOutcome> outcomes_;   // of this rank's layers
-  std::vector<int> ranks_;               // of rank 0: who has which unit
+  EncodedUnits units_;                   // of the last way through
+  std::vector<LayerError> layers_;       // the same, of this rank
   std::uint64_t fileBytes_ = 0;          // as far as it was asked for
-  Outcome outcome_;
+  CodingError error_;
   double relativeRms_ = 0;  // of the last way through all blocks
   int tries_ = 0;
 };
@@ -253,23 +195,6 @@ class Compressor {
 Status Compressor::checkCancelled() const {
   if (progress_.cancelled())
     return fail(ErrorCode::kCancelled, "stopped: {} was not written", target_.string());
-  return {};
-}
-
-Status Compressor::openSpools() {
-  auto folder = target_ == "-" ? std::filesystem::temp_directory_path() : target_.parent_path();
-  if (folder.empty())
-    folder = ".";
-  // Of rank 0 alone the target's folder is needed.
-  if (!team_.leads() && !Spool::create(folder))
-    folder = std::filesystem::temp_directory_path();
-  for (std::size_t tier = 0; tier < kWaveletTiers.size(); ++tier) {
-    auto spool = Spool::create(folder);
-    if (!spool)
-      return fail(spool.error().code, "{}: cannot be written: {}", target_.string(),
-                  spool.error().message);
-    spools_.push_back(std::move(*spool));
-  }
   return {};
 }
 
@@ -394,34 +319,18 @@ Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, Way way, Trainin
   VOLUTE_TRY(head_.decoder->decode(result.tiers, shape.levels(), shape, decoded));
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double error = std::abs(static_cast<double>(decoded[i]) - values[i]);
-    result.outcome.squaredError += error * error;
-    result.outcome.maxError = std::max(result.outcome.maxError, error);
+    result.error.squared += error * error;
+    result.error.maximum = std::max(result.error.maximum, error);
   }
-  if (!std::isfinite(result.outcome.squaredError)) {
+  if (!std::isfinite(result.error.squared)) {
     return fail(ErrorCode::kInvalidData, "grid '{}': the input changed while it was read",
                 info_.name);
   }
   return result;
 }
 
-Status Compressor::append(const EncodedBlock& block, std::size_t number, DoneUnit& done) {
-  for (std::size_t tier = 0; tier < spools_.size(); ++tier) {
-    const auto& bytes = block.tiers[tier];
-    done.segments.emplace_back(static_cast<std::uint32_t>(bytes.size()), crc32(bytes));
-    done.sizes[tier] += bytes.size();
-    VOLUTE_TRY(spools_[tier].write(bytes));
-  }
-  const std::uint64_t layer = number / plan_.blocksALayer();
-  if (outcomes_.empty() || outcomes_.back().layer != layer)
-    outcomes_.push_back({layer, {}});
-  Outcome& sum = outcomes_.back().outcome;
-  sum.squaredError += block.outcome.squaredError;
-  sum.maxError = std::max(sum.maxError, block.outcome.maxError);
-  return {};
-}
-
-Status Compressor::encodeUnit(const UnitPlan::Unit& unit, Way way, DoneUnit& done,
-                              Training& training) {
+Status Compressor::encodeUnit(Way way, EncodedUnits::Unit& done, EncodedUnitRecord& record) {
+  const UnitPlan::Unit unit = plan_.unit(done.number);
   VOLUTE_TRY(row_.load(unit.row, unit.firstLayer, unit.endLayer));
   const std::size_t blocks = plan_.blocks(unit);
   std::vector<EncodedBlock> batch;
@@ -435,10 +344,16 @@ Status Compressor::encodeUnit(const UnitPlan::Unit& unit, Way way, DoneUnit& don
       Training ofBlock;
       VOLUTE_ASSIGN(batch[i], encodeBlock(first + i, way, ofBlock));
       const std::lock_guard lock(mutex);
-      training.add(ofBlock);
+      record.training.add(ofBlock);
       return {};
     }));
-    for (std::size_t i = 0; i < batch.size(); ++i) VOLUTE_TRY(append(batch[i], first + i, done));
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      VOLUTE_TRY(units_.append(batch[i], done));
+      const std::uint64_t layer = (first + i) / plan_.blocksALayer();
+      if (record.layers.empty() || record.layers.back().layer != layer)
+        record.layers.push_back({layer, {}});
+      record.layers.back().error.add(batch[i].error);
+    }
   }
   return {};
 }
@@ -446,124 +361,62 @@ Status Compressor::encodeUnit(const UnitPlan::Unit& unit, Way way, DoneUnit& don
 // A unit, or what an earlier run kept of it.
 Status Compressor::doUnit(std::int64_t number, Way way) {
   VOLUTE_TRY(checkCancelled());
-  DoneUnit done{number, {}, {}, {}, true};
-  for (std::size_t tier = 0; tier < spools_.size(); ++tier) done.begins[tier] = spools_[tier].size();
-  Training training;
-  bool known = false;
+  EncodedUnits::Unit done = units_.begin(number);
+  std::optional<EncodedUnitRecord> record;
   if (store_) {
-    VOLUTE_ASSIGN(known, recall(done, training));
+    VOLUTE_ASSIGN(record, recall(done));
   }
-  if (!known) {
-    const std::size_t firstOutcome = outcomes_.size();
-    VOLUTE_TRY(encodeUnit(plan_.unit(number), way, done, training));
+  if (!record) {
+    record.emplace();
+    VOLUTE_TRY(encodeUnit(way, done, *record));
     if (store_)
-      VOLUTE_TRY(keep(done, training, firstOutcome));
+      VOLUTE_TRY(keep(done, *record));
   }
-  training_.add(training);
-  done_.push_back(std::move(done));
+  layers_.insert(layers_.end(), record->layers.begin(), record->layers.end());
+  training_.add(record->training);
+  units_.finish(std::move(done));
   return {};
 }
 
-// Modes, sums of layers, segments, and what was learnt; contexts that saw nothing are left out.
-Status Compressor::keep(const DoneUnit& done, const Training& training,
-                        std::size_t firstOutcome) {
-  const auto all = allBlockModes();
-  const UnitPlan::Unit unit = plan_.unit(done.unit);
-  ByteWriter record;
-  for (std::size_t i = 0; i < plan_.blocks(unit); ++i) {
-    const auto& mode = modes_[plan_.firstBlock(unit) + i];
-    record.u8(static_cast<std::uint8_t>(mode ? std::ranges::find(all, *mode) - all.begin() + 1 : 0));
-  }
-  for (std::size_t i = firstOutcome; i < outcomes_.size(); ++i) {
-    record.u64(outcomes_[i].layer);
-    record.f64(outcomes_[i].outcome.squaredError);
-    record.f64(outcomes_[i].outcome.maxError);
-  }
-  for (const auto& [size, crc] : done.segments) {
-    record.u32(size);
-    record.u32(crc);
-  }
-  for (const std::int64_t number :
-       {training.oneSum, training.oneCount, training.moreSum, training.moreCount})
-    record.zigzag(number);
-  const auto& seen = training.counts.seen;
-  for (std::size_t at = 0, before = 0; at < seen.size(); ++at) {
-    if (seen[at][0] == 0 && seen[at][1] == 0)
-      continue;
-    record.varint(at - before);
-    record.varint(seen[at][0]);
-    record.varint(seen[at][1]);
-    before = at;
-  }
-  std::vector<std::byte> bytes;
-  for (std::size_t tier = 0; tier < spools_.size(); ++tier) {
-    const std::size_t before = bytes.size();
-    bytes.resize(before + done.sizes[tier]);
-    VOLUTE_TRY(spools_[tier].read(done.begins[tier], std::span(bytes).subspan(before)));
-  }
-  return store_->store(way_, done.unit, record.view(), bytes);
+std::span<std::optional<BlockMode>> Compressor::modesOf(std::int64_t number) {
+  const UnitPlan::Unit unit = plan_.unit(number);
+  return std::span(modes_).subspan(plan_.firstBlock(unit), plan_.blocks(unit));
 }
 
-// False when there is nothing of use. Bytes may be missing: they are dropped when the next way
+Status Compressor::keep(const EncodedUnits::Unit& done, EncodedUnitRecord& record) {
+  const auto modes = modesOf(done.number);
+  record.modes.assign(modes.begin(), modes.end());
+  record.segments = done.segments;
+  VOLUTE_ASSIGN(const auto bytes, units_.bytesOf(done));
+  return store_->store(way_, done.number, record.toBytes(), bytes);
+}
+
+// Nothing when there is nothing of use. Bytes may be missing: they are dropped when the next way
 // begins.
-Result<bool> Compressor::recall(DoneUnit& done, Training& training) {
-  const auto record = store_->record(way_, done.unit);
+Result<std::optional<EncodedUnitRecord>> Compressor::recall(
+    EncodedUnits::Unit& done) {
+  std::optional<EncodedUnitRecord> none;
+  const auto kept = store_->record(way_, done.number);
+  if (!kept)
+    return none;
+  const auto bytes = store_->bytes(way_, done.number).value_or(std::vector<std::byte>());
+  const UnitPlan::Unit unit = plan_.unit(done.number);
+  auto record = EncodedUnitRecord::fromBytes(*kept, plan_.blocks(unit),
+                                      static_cast<std::size_t>(unit.endLayer - unit.firstLayer));
   if (!record)
-    return false;
-  const auto bytes = store_->bytes(way_, done.unit).value_or(std::vector<std::byte>());
-  const auto all = allBlockModes();
-  const UnitPlan::Unit unit = plan_.unit(done.unit);
-  const std::size_t blocks = plan_.blocks(unit), tiers = spools_.size();
-  ByteReader in(*record);
-  std::vector<std::optional<BlockMode>> modes(blocks);
-  for (auto& mode : modes) {
-    const unsigned number = in.u8();
-    if (number > all.size())
-      return false;
-    mode = number == 0 ? std::nullopt : std::optional(all[number - 1]);
+    return none;
+  const auto sizes = record->tierSizes();
+  const std::uint64_t total = std::accumulate(sizes.begin(), sizes.end(), std::uint64_t{0});
+  done.hasBytes = bytes.size() == total;
+  if (!done.hasBytes && !bytes.empty())
+    return none;
+  done.segments = record->segments;
+  if (done.hasBytes) {
+    done.sizes = sizes;
+    VOLUTE_TRY(units_.appendBytes(done, bytes));
   }
-  std::vector<LayerOutcome> outcomes(static_cast<std::size_t>(unit.endLayer - unit.firstLayer));
-  for (LayerOutcome& layer : outcomes) {
-    layer.layer = in.u64();
-    layer.outcome.squaredError = in.f64();
-    layer.outcome.maxError = in.f64();
-  }
-  std::array<std::uint64_t, kWaveletTiers.size()> sizes{};
-  for (std::size_t i = 0; i < blocks * tiers; ++i) {
-    const std::uint32_t size = in.u32();
-    done.segments.emplace_back(size, in.u32());
-    sizes[i % tiers] += size;
-  }
-  for (std::int64_t* number :
-       {&training.oneSum, &training.oneCount, &training.moreSum, &training.moreCount})
-    *number = in.zigzag();
-  for (std::size_t at = 0; in.remaining() > 0;) {
-    at += in.varint();
-    if (at >= training.counts.seen.size())
-      return false;
-    training.counts.seen[at] = {static_cast<std::uint32_t>(in.varint()),
-                                static_cast<std::uint32_t>(in.varint())};
-  }
-  std::uint64_t total = 0;
-  for (const std::uint64_t size : sizes) total += size;
-  const bool whole = bytes.size() == total;
-  if (!in.ok() || (!whole && !bytes.empty())) {
-    done.segments.clear();
-    training = {};
-    return false;
-  }
-  done.hasBytes = whole;
-  if (whole) {
-    std::span<const std::byte> left = bytes;
-    for (std::size_t tier = 0; tier < tiers; ++tier) {
-      done.sizes[tier] = sizes[tier];
-      VOLUTE_TRY(spools_[tier].write(left.first(sizes[tier])));
-      left = left.subspan(sizes[tier]);
-    }
-  }
-  std::ranges::copy(modes, modes_.begin() + static_cast<std::ptrdiff_t>(plan_.firstBlock(unit)));
-  outcomes_.insert(outcomes_.end(), outcomes.begin(), outcomes.end());
-  return true;
+  std::ranges::copy(record->modes, modesOf(done.number).begin());
+  return record;
 }
 
 // What decides about the result: the values, and what is asked for.
@@ -578,7 +431,7 @@ Status Compressor::openStore() {
        {info_.frames, info_.z, info_.y, info_.x, info_.channels, options_.fast ? 1 : 0,
         static_cast<int>(options_.target.kind), static_cast<int>(plan_.unitsARow())})
     all.u32(static_cast<std::uint32_t>(number));
-  all.f64(goal_);
+  all.f64(goal_.value());
   all.string(options_.wavelet);
   all.string(options_.mode ? shortName(*options_.mode) : "");
   ContentHash key;
@@ -588,14 +441,11 @@ Status Compressor::openStore() {
 }
 
 // Sums in the order of layers are the same on all ranks, and for any number of them.
-Status Compressor::shareOutcomes() {
-  VOLUTE_ASSIGN(auto all, gatherValues(team_, std::span<const LayerOutcome>(outcomes_)));
-  std::ranges::sort(all, {}, &LayerOutcome::layer);
-  outcome_ = {};
-  for (const LayerOutcome& layer : all) {
-    outcome_.squaredError += layer.outcome.squaredError;
-    outcome_.maxError = std::max(outcome_.maxError, layer.outcome.maxError);
-  }
+Status Compressor::shareErrors() {
+  VOLUTE_ASSIGN(auto all, gatherValues(team_, std::span<const LayerError>(layers_)));
+  std::ranges::sort(all, {}, &LayerError::layer);
+  error_ = {};
+  for (const LayerError& layer : all) error_.add(layer.error);
   return {};
 }
 
@@ -620,72 +470,26 @@ Status Compressor::shareTraining() {
 Status Compressor::shareModes() {
   if (team_.size() == 1)
     return {};
-  const auto all = allBlockModes();
   ByteWriter own;
-  for (const DoneUnit& done : done_) {
-    const UnitPlan::Unit unit = plan_.unit(done.unit);
-    own.u64(static_cast<std::uint64_t>(done.unit));
-    for (std::size_t i = 0; i < plan_.blocks(unit); ++i) {
-      const auto& mode = modes_[plan_.firstBlock(unit) + i];
-      own.u8(static_cast<std::uint8_t>(
-          mode ? std::ranges::find(all, *mode) - all.begin() + 1 : 0));
-    }
+  for (const EncodedUnits::Unit& done : units_.units()) {
+    own.u64(static_cast<std::uint64_t>(done.number));
+    for (const auto& mode : modesOf(done.number)) own.u8(byteOfMode(mode));
   }
   VOLUTE_ASSIGN(const auto ranks, team_.gatherAll(own.view()));
   for (const auto& bytes : ranks) {
     for (ByteReader in(bytes); in.remaining() > 0;) {
-      const UnitPlan::Unit unit = plan_.unit(static_cast<std::int64_t>(in.u64()));
-      for (std::size_t i = 0; i < plan_.blocks(unit); ++i) {
-        const unsigned mode = in.u8();
-        modes_[plan_.firstBlock(unit) + i] =
-            mode == 0 ? std::nullopt : std::optional(all[mode - 1]);
-      }
+      for (auto& mode : modesOf(static_cast<std::int64_t>(in.u64()))) modeOfByte(in.u8(), mode);
     }
   }
   return {};
 }
 
-void Compressor::takeSegments(const DoneUnit& done) {
-  const std::size_t count = row_.grid().count();
-  const std::size_t first = plan_.firstBlock(plan_.unit(done.unit));
-  const std::size_t tiers = spools_.size();
-  for (std::size_t i = 0; i < done.segments.size(); ++i) {
-    const auto [size, crc] = done.segments[i];
-    head_.segments[i % tiers * count + first + i / tiers] = {0, size, crc};
-  }
-}
-
-// Rank 0 gets sizes and checksums of all, makes the head of them, and tells how long the file is.
+// Rank 0 makes the head of the file, and tells how long the file is.
 Status Compressor::shareSegments() {
+  VOLUTE_TRY(units_.shareSegments(head_));
   if (team_.leads()) {
-    head_.segments.assign(row_.grid().count() * spools_.size(), SegmentEntry{});
-    ranks_.assign(static_cast<std::size_t>(plan_.count()), 0);
-    for (const DoneUnit& done : done_) takeSegments(done);
-    for (int rank = 1; rank < team_.size(); ++rank) {
-      VOLUTE_ASSIGN(const auto bytes, team_.collect(rank));
-      for (ByteReader in(bytes); in.remaining() > 0;) {
-        DoneUnit done{static_cast<std::int64_t>(in.u64()), {}, {}, {}, true};
-        ranks_[static_cast<std::size_t>(done.unit)] = rank;
-        for (std::uint64_t left = in.u64(); left > 0; --left) {
-          const std::uint32_t size = in.u32();
-          done.segments.emplace_back(size, in.u32());
-        }
-        takeSegments(done);
-      }
-    }
     headBytes_ = writeHead(head_);
     fileBytes_ = head_.fileBytes;
-  } else {
-    ByteWriter out;
-    for (const DoneUnit& done : done_) {
-      out.u64(static_cast<std::uint64_t>(done.unit));
-      out.u64(done.segments.size());
-      for (const auto& [size, crc] : done.segments) {
-        out.u32(size);
-        out.u32(crc);
-      }
-    }
-    VOLUTE_TRY(team_.post(team_.rank(), out.take(), std::numeric_limits<std::uint64_t>::max()));
   }
   VOLUTE_ASSIGN(fileBytes_, team_.broadcast(fileBytes_));
   return {};
@@ -704,12 +508,11 @@ Status Compressor::encodeAll(double proposed, Way way) {
   head_.parameters = writeParameters(parameters_, info_.channels);
   VOLUTE_ASSIGN(head_.decoder, openWaveletDecoder(head_.parameters, stream()));
   if (store_) {
-    for (const DoneUnit& done : done_) store_->dropBytes(way_, done.unit);
+    for (const EncodedUnits::Unit& done : units_.units()) store_->dropBytes(way_, done.number);
   }
   ++way_;
-  done_.clear();
-  outcomes_.clear();
-  for (Spool& spool : spools_) VOLUTE_TRY(spool.clear());
+  layers_.clear();
+  VOLUTE_TRY(units_.clear());
   const int rows = row_.rows();
   const int count = way == Way::kLearn ? std::min(rows, kRowsToLearnFrom) : rows;
   tries_ += way == Way::kEncode ? 1 : 0;
@@ -724,102 +527,18 @@ Status Compressor::encodeAll(double proposed, Way way) {
     return doUnit(row * unitsARow + i % unitsARow, way);
   }));
   chosenBefore_ = chosenBefore_ || way == Way::kChoose;
-  VOLUTE_TRY(shareOutcomes());
-  const double range = head_.header.valueMax - head_.header.valueMin;
-  const double rms = std::sqrt(outcome_.squaredError / static_cast<double>(info_.values()));
-  relativeRms_ = range > 0 ? rms / range : rms;
-  head_.header.reachedRms =
-      relativeRms_ + (range > 0 ? options_.sourceRms / range : options_.sourceRms);
-  head_.header.reachedMaxError = outcome_.maxError + options_.sourceMaxError;
+  VOLUTE_TRY(shareErrors());
+  relativeRms_ =
+      goal_.relative(std::sqrt(error_.squared / static_cast<double>(info_.values())));
+  head_.header.reachedRms = relativeRms_ + goal_.relative(options_.sourceRms);
+  head_.header.reachedMaxError = error_.maximum + options_.sourceMaxError;
   if (way == Way::kChoose)
     VOLUTE_TRY(shareModes());
   if (way != Way::kEncode)
     VOLUTE_TRY(shareTraining());
-  if (way == Way::kEncode || isSize(options_.target.kind))
+  if (way == Way::kEncode || goal_.isSize())
     VOLUTE_TRY(shareSegments());
   return {};
-}
-
-// Values that are rounded to 16-bit floats are off by 2^-11 of themselves at most. Where they were
-// such floats, that is no further than they were off before: one half of the goal will always do.
-void Compressor::leaveRoomForHalves() {
-  const double greatest =
-      std::max(std::abs(head_.header.valueMin), std::abs(head_.header.valueMax));
-  const double range = head_.header.valueMax - head_.header.valueMin;
-  const double rounding = std::ldexp(greatest, -11);
-  const auto left = [&](double rms) {
-    const double relative = range > 0 ? rounding / range : 0;
-    return std::sqrt(std::max(rms * rms / 4, rms * rms - relative * relative));
-  };
-  if (options_.target.kind == Kind::kRms)
-    goal_ = left(goal_);
-  else if (options_.target.kind == Kind::kPsnr)
-    goal_ = -20 * std::log10(left(std::pow(10, -goal_ / 20)));
-  else if (options_.target.kind == Kind::kMaxError)
-    goal_ = parameters_.maxError = std::max(goal_ / 2, goal_ - rounding);
-}
-
-StepSearch::Problem Compressor::problem() const {
-  const double greatest =
-      std::max(std::abs(head_.header.valueMin), std::abs(head_.header.valueMax));
-  StepSearch::Problem problem;
-  // Coarser than the greatest orthonormal coefficient of a block, 4^4 times the greatest value,
-  // gives nothing but zeros; finer than a float's rounding gains nothing.
-  problem.coarsest = std::ldexp(greatest, 10);
-  problem.finest = std::ldexp(greatest, -21);
-  if (head_.header.valueMin == head_.header.valueMax) {
-    // Clamping makes a constant exact whatever the step.
-    problem.finest = problem.coarsest = greatest > 0 ? std::ldexp(greatest, -12) : 1;
-  }
-  const double value = goal_;
-  switch (options_.target.kind) {
-    case Kind::kRms:
-      problem.target = value;
-      break;
-    case Kind::kPsnr:
-      problem.target = std::pow(10, -value / 20);
-      break;
-    case Kind::kRatio:
-      problem.target = std::floor(static_cast<double>(info_.rawBytes()) / value);
-      break;
-    case Kind::kSize:
-      problem.target = value;
-      break;
-    case Kind::kMaxError:
-      break;  // searchSmallest()
-  }
-  problem.grows = !isSize(options_.target.kind);
-  problem.closeEnough = 0.99 * problem.target;
-  return problem;
-}
-
-// The step that the survey predicts to meet the target.
-double Compressor::firstStep(const StepSearch::Problem& problem) const {
-  constexpr double kMaxErrorSteps = 1.5;
-  if (options_.target.kind == Kind::kMaxError)
-    return kMaxErrorSteps * goal_;
-  const double range = head_.header.valueMax - head_.header.valueMin;
-  if (!isSize(options_.target.kind)) {
-    const double squared = problem.target * problem.target * range * range;
-    return model_.stepFor(squared * static_cast<double>(info_.values()));
-  }
-  // A coefficient that is left costs about a byte.
-  double fine = problem.finest;
-  double coarse = problem.coarsest;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = std::sqrt(fine * coarse);
-    (static_cast<double>(model_.survivors(middle)) > problem.target ? fine : coarse) = middle;
-  }
-  return coarse;
-}
-
-// The step that should meet the target, from what the last one gave.
-double Compressor::betterStep(const StepSearch::Problem& problem) const {
-  constexpr double kMostChange = 6;
-  // How the step goes with the error, and with the size.
-  const double power = isSize(options_.target.kind) ? -1.3 : 1.2;
-  const double change = std::pow(0.995 * problem.target / std::max(outcomeOfTry(), 1e-30), power);
-  return parameters_.step * parameters_.unit() * std::clamp(change, 1 / kMostChange, kMostChange);
 }
 
 double Compressor::outcomeOfTry() const {
@@ -828,14 +547,14 @@ double Compressor::outcomeOfTry() const {
     case Kind::kSize:
       return static_cast<double>(fileBytes_);
     case Kind::kMaxError:
-      return outcome_.maxError;
+      return error_.maximum;
     default:
       return relativeRms_;
   }
 }
 
 tl::unexpected<Error> Compressor::unreachable() const {
-  if (isSize(options_.target.kind)) {
+  if (goal_.isSize()) {
     return fail(ErrorCode::kInvalidArgument,
                 "{}: cannot be made as small as {} = {}; the smallest is {} bytes of {} raw ones",
                 target_.string(), nameOf(options_.target.kind), options_.target.value,
@@ -845,59 +564,18 @@ tl::unexpected<Error> Compressor::unreachable() const {
               "{}: {} = {} cannot be reached: the rounding of float32 leaves a relative RMS of "
               "{:.3g} and a maximum error of {:.3g}; ask for more",
               target_.string(), nameOf(options_.target.kind), options_.target.value, relativeRms_,
-              outcome_.maxError);
-}
-
-// The segments of all ranks, tier by tier and in each unit by unit.
-Status Compressor::writeSegments(OutputFile& file) {
-  constexpr std::uint64_t kPiece = std::uint64_t{1} << 20;
-  std::vector<std::byte> piece;
-  const std::int64_t units = plan_.count();
-  for (std::size_t tier = 0; tier < spools_.size(); ++tier) {
-    auto own = done_.begin();
-    for (std::int64_t unit = 0; unit < units; ++unit) {
-      VOLUTE_TRY(checkCancelled());
-      if (ranks_[static_cast<std::size_t>(unit)] != 0) {
-        const auto item = static_cast<std::int64_t>(tier) * units + unit;
-        VOLUTE_ASSIGN(const auto bytes, team_.collect(item));
-        VOLUTE_TRY(file.write(bytes));
-        continue;
-      }
-      for (std::uint64_t at = 0; at < own->sizes[tier]; at += piece.size()) {
-        piece.resize(std::min(kPiece, own->sizes[tier] - at));
-        VOLUTE_TRY(spools_[tier].read(own->begins[tier] + at, piece));
-        VOLUTE_TRY(file.write(piece));
-      }
-      ++own;
-    }
-  }
-  return {};
-}
-
-Status Compressor::sendSegments() {
-  constexpr std::uint64_t kMostPending = std::uint64_t{64} << 20;
-  for (std::size_t tier = 0; tier < spools_.size(); ++tier) {
-    for (const DoneUnit& done : done_) {
-      std::vector<std::byte> bytes(done.sizes[tier]);
-      VOLUTE_TRY(spools_[tier].read(done.begins[tier], bytes));
-      const auto item = static_cast<std::int64_t>(tier) * plan_.count() + done.unit;
-      VOLUTE_TRY(team_.post(item, std::move(bytes), kMostPending));
-    }
-  }
-  return {};
+              error_.maximum);
 }
 
 // What an earlier run kept may lack the bytes: a disk lost them.
 Status Compressor::completeUnits() {
-  for (DoneUnit& done : done_) {
-    if (done.hasBytes)
+  for (std::size_t i = 0; i < units_.units().size(); ++i) {
+    if (units_.units()[i].hasBytes)
       continue;
-    DoneUnit again{done.unit, {}, {}, {}, true};
-    for (std::size_t tier = 0; tier < spools_.size(); ++tier)
-      again.begins[tier] = spools_[tier].size();
-    Training training;
-    VOLUTE_TRY(encodeUnit(plan_.unit(done.unit), Way::kEncode, again, training));
-    done = std::move(again);
+    EncodedUnits::Unit again = units_.begin(units_.units()[i].number);
+    EncodedUnitRecord record;
+    VOLUTE_TRY(encodeUnit(Way::kEncode, again, record));
+    units_.replace(i, std::move(again));
   }
   return {};
 }
@@ -907,17 +585,17 @@ Result<CompressReport> Compressor::write() {
   const auto writeAll = [&]() -> Status {
     VOLUTE_ASSIGN(auto file, OutputFile::create(target_));
     VOLUTE_TRY(file.write(headBytes_));
-    VOLUTE_TRY(writeSegments(file));
+    VOLUTE_TRY(units_.writeSegments(file, [this] { return checkCancelled(); }));
     return file.commit();
   };
-  VOLUTE_TRY(team_.agree(team_.leads() ? writeAll() : sendSegments()));
+  VOLUTE_TRY(team_.agree(team_.leads() ? writeAll() : units_.sendSegments()));
   if (store_ && team_.leads())
     store_->remove();
   CompressReport report;
   report.rawBytes = info_.rawBytes();
   report.fileBytes = fileBytes_;
   report.relativeRms = relativeRms_;
-  report.maxError = outcome_.maxError;
+  report.maxError = error_.maximum;
   report.valueMin = head_.header.valueMin;
   report.valueMax = head_.header.valueMax;
   report.blocks = row_.grid().count();
@@ -925,7 +603,7 @@ Result<CompressReport> Compressor::write() {
 }
 
 Status Compressor::searchStep(double first) {
-  StepSearch search(problem(), first);
+  StepSearch search(goal_.problem(), first);
   for (bool found = false; !found;) {
     VOLUTE_TRY(encodeAll(search.step(), Way::kEncode));
     search.tell(outcomeOfTry());
@@ -940,7 +618,7 @@ Status Compressor::searchStep(double first) {
 // Corrections keep the maximum error whatever the step: the one that makes the smallest file, from
 // the middle outwards.
 Status Compressor::searchSmallest() {
-  const double target = goal_;
+  const double target = goal_.value();
   double best = 0;
   std::uint64_t least = 0;
   for (const double factor : {1.5, 2.1, 3.0, 1.05, 0.75}) {
@@ -955,34 +633,38 @@ Status Compressor::searchSmallest() {
   }
   if (parameters_.step != best / parameters_.unit())
     VOLUTE_TRY(encodeAll(best, Way::kEncode));
-  if (!(outcome_.maxError <= target))
+  if (!(error_.maximum <= target))
     return unreachable();
   return {};
 }
 
+double Compressor::betterStep() const {
+  return goal_.betterStep(parameters_.step * parameters_.unit(), outcomeOfTry());
+}
+
 Result<CompressReport> Compressor::run() {
-  VOLUTE_TRY(openSpools());
+  VOLUTE_TRY(units_.open(target_));
   VOLUTE_TRY(survey());
+  goal_.setRange(head_.header.valueMin, head_.header.valueMax);
   if (options_.halves)
-    leaveRoomForHalves();
+    goal_.leaveRoomForHalves();
+  if (goal_.isMaxError())
+    parameters_.maxError = goal_.value();
   VOLUTE_TRY(team_.agree(openStore()));
-  const StepSearch::Problem wanted = problem();
-  const auto within = [&](double step) { return std::clamp(step, wanted.finest, wanted.coarsest); };
-  const bool bounded = options_.target.kind == Kind::kMaxError;
-  double step = within(firstStep(wanted));
+  double step = goal_.firstStep(model_);
   VOLUTE_TRY(encodeAll(step, Way::kLearn));
   VOLUTE_TRY(encodeAll(step, Way::kChoose));
-  if (bounded) {
+  if (goal_.isMaxError()) {
     VOLUTE_TRY(searchSmallest());
     return write();
   }
   // Modes depend on the step, and on what blocks in other modes have taught.
-  VOLUTE_ASSIGN(const double better, team_.broadcast(within(betterStep(wanted))));
+  VOLUTE_ASSIGN(const double better, team_.broadcast(betterStep()));
   VOLUTE_ASSIGN(step, team_.broadcast(step));
   if (!options_.fast || std::max(better / step, step / better) > 1.5) {
     VOLUTE_TRY(encodeAll(better, Way::kChoose));
   }
-  VOLUTE_TRY(searchStep(within(betterStep(wanted))));
+  VOLUTE_TRY(searchStep(betterStep()));
   return write();
 }
 

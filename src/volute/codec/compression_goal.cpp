@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/codec/compression_goal.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace volute {
+namespace {
+
+using Kind = ErrorTarget::Kind;
+
+}  // namespace
+
+std::string_view nameOf(ErrorTarget::Kind kind) {
+  switch (kind) {
+    case Kind::kRms:
+      return "rms";
+    case Kind::kPsnr:
+      return "psnr";
+    case Kind::kRatio:
+      return "ratio";
+    case Kind::kSize:
+      return "size";
+    case Kind::kMaxError:
+      return "max-error";
+  }
+  return "";
+}
+
+bool CompressionGoal::isSize() const {
+  return target_.kind == Kind::kRatio || target_.kind == Kind::kSize;
+}
+
+// Values that are rounded to 16-bit floats are off by 2^-11 of themselves at most. Where they were
+// such floats, that is no further than they were off before: one half of the goal will always do.
+void CompressionGoal::leaveRoomForHalves() {
+  const double greatest = std::max(std::abs(valueMin_), std::abs(valueMax_));
+  const double range = valueMax_ - valueMin_;
+  const double rounding = std::ldexp(greatest, -11);
+  const auto left = [&](double rms) {
+    const double relative = range > 0 ? rounding / range : 0;
+    return std::sqrt(std::max(rms * rms / 4, rms * rms - relative * relative));
+  };
+  if (target_.kind == Kind::kRms)
+    goal_ = left(goal_);
+  else if (target_.kind == Kind::kPsnr)
+    goal_ = -20 * std::log10(left(std::pow(10, -goal_ / 20)));
+  else if (target_.kind == Kind::kMaxError)
+    goal_ = std::max(goal_ / 2, goal_ - rounding);
+}
+
+StepSearch::Problem CompressionGoal::problem() const {
+  const double greatest = std::max(std::abs(valueMin_), std::abs(valueMax_));
+  StepSearch::Problem problem;
+  // Coarser than the greatest orthonormal coefficient of a block, 4^4 times the greatest value,
+  // gives nothing but zeros; finer than a float's rounding gains nothing.
+  problem.coarsest = std::ldexp(greatest, 10);
+  problem.finest = std::ldexp(greatest, -21);
+  if (valueMin_ == valueMax_) {
+    // Clamping makes a constant exact whatever the step.
+    problem.finest = problem.coarsest = greatest > 0 ? std::ldexp(greatest, -12) : 1;
+  }
+  const double value = goal_;
+  switch (target_.kind) {
+    case Kind::kRms:
+      problem.target = value;
+      break;
+    case Kind::kPsnr:
+      problem.target = std::pow(10, -value / 20);
+      break;
+    case Kind::kRatio:
+      problem.target = std::floor(static_cast<double>(rawBytes_) / value);
+      break;
+    case Kind::kSize:
+      problem.target = value;
+      break;
+    case Kind::kMaxError:
+      break;  // not searched by the error
+  }
+  problem.grows = !isSize();
+  problem.closeEnough = 0.99 * problem.target;
+  return problem;
+}
+
+double CompressionGoal::firstStep(const QuantisationModel& model) const {
+  const StepSearch::Problem problem = this->problem();
+  constexpr double kMaxErrorSteps = 1.5;
+  if (target_.kind == Kind::kMaxError)
+    return within(kMaxErrorSteps * goal_);
+  const double range = valueMax_ - valueMin_;
+  if (!isSize()) {
+    const double squared = problem.target * problem.target * range * range;
+    return within(model.stepFor(squared * static_cast<double>(values_)));
+  }
+  // A coefficient that is left costs about a byte.
+  double fine = problem.finest;
+  double coarse = problem.coarsest;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = std::sqrt(fine * coarse);
+    (static_cast<double>(model.survivors(middle)) > problem.target ? fine : coarse) = middle;
+  }
+  return within(coarse);
+}
+
+double CompressionGoal::betterStep(double step, double outcome) const {
+  constexpr double kMostChange = 6;
+  // How the step goes with the error, and with the size.
+  const double power = isSize() ? -1.3 : 1.2;
+  const double change = std::pow(0.995 * problem().target / std::max(outcome, 1e-30), power);
+  return within(step * std::clamp(change, 1 / kMostChange, kMostChange));
+}
+
+double CompressionGoal::within(double step) const {
+  const StepSearch::Problem limits = problem();
+  return std::clamp(step, limits.finest, limits.coarsest);
+}
+
+}  // namespace volute
