@@ -12,7 +12,7 @@ GENERIC = ("scene/*", "media/*", "render/*", "gl/gl_renderer.*", "gl/gl_march.*"
            "gl/gl_scene_renderer.*", "gl/scene_shader.*", "viewer/scene_document.*", "viewer/scene_moment.*", "viewer/view_picture.*",
            "viewer/exact_surfaces.*", "viewer/loader.*", "film/*")
 # What is a name of the file format or of the papers, not of a kind: what --stats and pictures' notes call it.
-ALLOWED = re.compile(r'Sun|parseSun|FogCanvas|saveFogMap|setFogMap|GlSmokeMethod|gl_smoke\.hpp|smokeMethod|'
+ALLOWED = re.compile(r'Sun|parseSun|FogCanvas|saveFogMap|setFogMap|GlSmokeMethod|gl_smoke(_method)?\.hpp|smokeMethod|'
                      r'options\.smoke|"volute\.smoke"')
 KIND = re.compile(r"fds|fog|smoke", re.I)
 COMMENT = re.compile(r"//.*")

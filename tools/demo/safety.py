@@ -157,7 +157,7 @@ def building_section(scale, times):
          "while it is at most C, 8 for the "
          "lit one in the west and 3 for the reflecting one in the north (Jin's rule; docs/visibility.md says what it leaves out).",
          "[report.html](safety/plan/report.html) is what a fire engineer files: all maps, all times, both signs; "
-         "[sight.csv](safety/plan/sight.csv) has a row for each eye, sign and time."),
+         "beside it, in [safety/plan/](safety/plan/), a table has a row for each eye, sign and time."),
         (Fact(kept, f"of the plan still sees a sign after {times[-1]:.0f} s", needs),
          Fact(way, "of the way out has a sign in view, for one who leaves at 60 s", ("safety/route/",)),
          Choice(tuple((overview(time), f"{time} s") for time in OVERVIEW_TIMES), "From above, without its roof",

@@ -8,8 +8,7 @@
 namespace volute::cli {
 
 Result<std::unique_ptr<SceneRenderer>> openGlRenderer(bool hardwareOnly, GlSmokeMethod method) {
-  VOLUTE_ASSIGN(auto renderer, GlSceneRenderer::create(hardwareOnly, method));
-  return renderer;
+  return createGlRenderer(hardwareOnly, method);
 }
 
 Result<Report> describeGl() {

@@ -6,7 +6,7 @@
 
 #include "volute/base/result.hpp"
 #include "volute/report/report.hpp"
-#include "volute/gl/gl_smoke.hpp"
+#include "volute/gl/gl_smoke_method.hpp"
 #include "volute/scene/scene_renderer.hpp"
 
 namespace volute::cli {

@@ -4,17 +4,45 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "volute/gl/gl_device.hpp"
+#include "volute/gl/gl_renderer.hpp"
+#include "volute/gl/gl_snapshot.hpp"
 
 namespace volute {
 
-Result<std::unique_ptr<GlSceneRenderer>> GlSceneRenderer::create(bool hardwareOnly,
-                                                                 GlSmokeMethod method) {
-  VOLUTE_ASSIGN(auto gl, HeadlessGl::create(hardwareOnly ? HeadlessGl::Wanted::kHardware
-                                                         : HeadlessGl::Wanted::kAny));
-  VOLUTE_ASSIGN(auto renderer, GlRenderer::create());
-  return std::unique_ptr<GlSceneRenderer>(
-      new GlSceneRenderer(std::move(gl), std::move(renderer), method));
-}
+namespace {
+
+class GlSceneRenderer final : public SceneRenderer {
+ public:
+  GlSceneRenderer(HeadlessGl gl, GlRenderer renderer, GlSmokeMethod method)
+      : gl_(std::move(gl)), renderer_(std::move(renderer)), method_(method) {}
+
+  std::string_view name() const override { return "gl"; }
+
+  /// The device's name, and what it did, pass by pass.
+  nlohmann::ordered_json stats() override;
+
+ protected:
+  Status begin(const View& view) override;
+  Result<SurfacePicture> surfaces(const View& view, Progress& progress) override;
+  Result<SurfaceView> walls(const View& view, std::size_t medium) override;
+  Result<std::vector<SignPixel>> findSigns(const View& view) override;
+  Result<Image> color(const View& view, const RenderOptions& options, Progress& progress,
+                      RenderStats& stats) override;
+  Result<Image> opticalDepth(const View& view, const RenderOptions& options, Progress& progress,
+                             RenderStats& stats) override;
+  Status addSigns(const View& view, std::span<const SignPixel> seen, const RenderOptions& options,
+                  Progress& progress, Image& image) override;
+
+ private:
+  HeadlessGl gl_;  // first, so that it ends last
+  GlRenderer renderer_;
+  GlSmokeMethod method_;
+  std::vector<GlPassTime> passes_;
+  GlScene scene_, natural_;  ///< of the picture that is being taken
+};
 
 Status GlSceneRenderer::begin(const View& view) {
   const GlSnapshotOptions options{.tables = true, .smokeMethod = method_};
@@ -90,6 +118,15 @@ nlohmann::ordered_json GlSceneRenderer::stats() {
     for (const auto& [name, value] : counts) json[way][name] = value;
   }
   return json;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SceneRenderer>> createGlRenderer(bool hardwareOnly, GlSmokeMethod method) {
+  VOLUTE_ASSIGN(auto gl, HeadlessGl::create(hardwareOnly ? HeadlessGl::Wanted::kHardware
+                                                         : HeadlessGl::Wanted::kAny));
+  VOLUTE_ASSIGN(auto renderer, GlRenderer::create());
+  return std::make_unique<GlSceneRenderer>(std::move(gl), std::move(renderer), method);
 }
 
 }  // namespace volute

@@ -5,20 +5,12 @@
 #include <memory>
 #include <vector>
 
+#include "volute/gl/gl_smoke_method.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
 
 namespace volute {
 
 class GlPart;
-
-/// How a smoke is drawn that is alone in its picture. One among other media is marched with them,
-/// and so is any under a camera with a lens.
-enum class GlSmokeMethod {
-  kAuto,     ///< black smoke and optical depths by the splat, light by the march
-  kMarch,    ///< from face to face, in a compute shader
-  kSplat,    ///< DepthSplat: transmittance alone; light is marched
-  kProject,  ///< TetProjector, for drivers whose compute shaders are slow
-};
 
 /// TetMarcher's twin: one instant of smoke on a mesh.
 struct GlSmoke {
