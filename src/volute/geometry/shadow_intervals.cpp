@@ -106,15 +106,16 @@ void unite(std::vector<Interval>& dark) {
 }
 
 /// A segment that leads to the light, which is at `lamp` on it, perhaps infinite.
-void onLineOfLight(const Segment& segment, double lamp, const TriangleTree& tree,
+template <class Nearest>
+void onLineOfLight(const Segment& segment, double lamp, Nearest&& nearest,
                    std::vector<Interval>& dark) {
   if (segment.begin < lamp) {  // seen from the lamp: back from it
-    const Hit last = tree.nearest({segment.origin, -segment.direction, -lamp, -segment.begin});
+    const Hit last = nearest({segment.origin, -segment.direction, -lamp, -segment.begin});
     if (last.found())
       dark.push_back(Interval{segment.begin, -last.distance}.intersect({-kInfinity, segment.end}));
   }
   if (segment.end > lamp) {
-    const Hit first = tree.nearest({segment.origin, segment.direction, lamp, segment.end});
+    const Hit first = nearest({segment.origin, segment.direction, lamp, segment.end});
     if (first.found())
       dark.push_back(Interval{first.distance, segment.end}.intersect({segment.begin, kInfinity}));
   }
@@ -132,7 +133,8 @@ void shadowsOn(const Segment& segment, const LightPoint& light, const TriangleTr
   const double length = toLight.norm();
   if (segment.direction.cross(toLight).norm() <= kParallel * length) {
     const double along = segment.direction.dot(toLight);
-    onLineOfLight(segment, light.far ? std::copysign(kInfinity, along) : along, tree, dark);
+    onLineOfLight(segment, light.far ? std::copysign(kInfinity, along) : along,
+                  [&](const Segment& part) { return tree.nearest(part); }, dark);
     return;
   }
   const LightPlane plane(segment, toLight, light.far);
@@ -141,6 +143,33 @@ void shadowsOn(const Segment& segment, const LightPoint& light, const TriangleTr
                 if (const auto shadow = plane.shadow(triangle))
                   dark.push_back(*shadow);
               });
+  unite(dark);
+}
+
+void shadowsOn(const Segment& segment, const LightPoint& light, const SunTree& tree,
+               const TriangleScene& along, std::vector<Interval>& dark) {
+  dark.clear();
+  if (segment.empty())
+    return;
+  const Vec3 toLight = light.place.normalized();
+  if (segment.direction.cross(toLight).norm() <= kParallel) {
+    const auto nearest = [&](const Segment& part) {
+      Hit hit;
+      along.nearest({&part, 1}, {&hit, 1});
+      return hit;
+    };
+    onLineOfLight(segment, std::copysign(kInfinity, segment.direction.dot(toLight)), nearest, dark);
+    return;
+  }
+  const LightPlane plane(segment, toLight, true);
+  tree.walk(
+      segment, [&](const Interval& part) { dark.push_back(part); },
+      [&](const Triangle& triangle, const Interval& part) {
+        const auto shadow = plane.shadow(triangle);
+        const Interval within = shadow ? shadow->intersect(part) : Interval{};
+        if (!within.empty())
+          dark.push_back(within);
+      });
   unite(dark);
 }
 

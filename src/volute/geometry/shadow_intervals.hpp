@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "volute/geometry/sun_tree.hpp"
 #include "volute/geometry/triangle_tree.hpp"
 
 namespace volute {
@@ -15,5 +16,10 @@ namespace volute {
 /// s = a / (1 - c). A segment within 1e-7 rad of the light's direction is taken to lead to it.
 void shadowsOn(const Segment& segment, const LightPoint& light, const TriangleTree& tree,
                std::vector<Interval>& dark);
+
+/// The same of a far light for which there is a tree: the same intervals from a few triangles.
+/// `along` is asked where the segment leads to the light, and serves as TriangleScene does.
+void shadowsOn(const Segment& segment, const LightPoint& light, const SunTree& tree,
+               const TriangleScene& along, std::vector<Interval>& dark);
 
 }  // namespace volute

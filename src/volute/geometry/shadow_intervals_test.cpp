@@ -80,6 +80,59 @@ TEST(ShadowIntervals, OfASunAreWhatRaysToItSay) {
   }
 }
 
+/// Hills, closed, with a soup of leaves above: places that many triangles cover together.
+std::vector<Triangle> hills(int cells, int leaves) {
+  const auto corner = [&](int i, int j) {
+    const double x = double(i) / cells, y = double(j) / cells;
+    return Vec3(x, y, 0.25 + 0.2 * std::sin(9 * x + 2 * y) * std::cos(7 * y));
+  };
+  std::vector<Triangle> triangles;
+  for (int i = 0; i < cells; ++i) {
+    for (int j = 0; j < cells; ++j) {
+      triangles.push_back({{corner(i, j), corner(i + 1, j), corner(i + 1, j + 1)}});
+      triangles.push_back({{corner(i, j), corner(i + 1, j + 1), corner(i, j + 1)}});
+    }
+  }
+  const TriangleScene above = soup(leaves, 0.03);
+  triangles.insert(triangles.end(), above.triangles().begin(), above.triangles().end());
+  return triangles;
+}
+
+TEST(ShadowIntervals, OfASunAreThoseOfTheReference) {
+  const std::vector<Triangle> few = hills(12, 40), many = hills(70, 3000);
+  std::vector<Triangle> slivers = hills(5, 0);
+  for (int i = 0; i < 3000; ++i) {
+    const double a = 0.001 * i, x = std::fmod(0.37 * i, 1.0);
+    slivers.push_back({{Vec3(x, 0, a / 3), Vec3(x + 0.0004, 0, a / 3), Vec3(1 - x, 1, a / 3)}});
+  }
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(-0.2, 1.2);
+  const auto point = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
+  for (const auto& triangles : {few, many, slivers}) {
+    const auto fast = *TriangleScene::build(triangles);
+    const auto reference =
+        *TriangleScene::build(triangles, {}, TriangleScene::Execution::kReference);
+    std::size_t found = 0;
+    for (const Vec3& sun : {Vec3(0.8, -0.4, 0.35), Vec3(0, 0, 1), Vec3(-1, 0, 0.05)}) {
+      for (int i = 0; i < 150; ++i) {
+        const Vec3 from = point(), to = point();
+        const Segment segment{from, (to - from).normalized(), 0,
+                              i % 3 ? (to - from).norm() : kInfinity};
+        std::vector<Interval> dark, expected;
+        fast.shadows(segment, {sun}, dark);
+        reference.shadows(segment, {sun}, expected);
+        ASSERT_EQ(dark.size(), expected.size());
+        for (std::size_t k = 0; k < dark.size(); ++k) {
+          EXPECT_NEAR(dark[k].begin, expected[k].begin, 1e-8);
+          EXPECT_NEAR(dark[k].end, expected[k].end, 1e-8);
+        }
+        found += dark.size();
+      }
+    }
+    EXPECT_GT(found, 300u);
+  }
+}
+
 TEST(ShadowIntervals, OfALampAreWhatRaysToItSay) {
   for (const auto& scene : {soup(40, 0.5), soup(1500, 0.06)}) {
     expectAsRays(scene, {Vec3(0.5, 0.4, 0.6), false}, false);

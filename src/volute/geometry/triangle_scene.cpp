@@ -8,6 +8,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/geometry/shadow_intervals.hpp"
+#include "volute/geometry/sun_tree.hpp"
 #include "volute/geometry/triangle_tree.hpp"
 #if VOLUTE_HAS_EMBREE
 #include "volute/geometry/embree_scene.hpp"
@@ -27,13 +28,32 @@ struct TriangleScene::Impl {
   std::vector<Material> materials;
   Box3 bounds;
 
-  /// Made when somebody needs it first: where Embree answers, only exact shadows do, and a million
-  /// triangles take a second.
+  /// Made when somebody needs it first: where Embree answers, only shadows of lamps do, and a
+  /// million triangles take a second.
   const TriangleTree& tree() const {
     std::call_once(treeMade, [&] { madeTree.emplace(triangles); });
     return *madeTree;
   }
 
+  /// As a far light sees them: made when it is asked for first, and kept for the last few. In one
+  /// thread, while others wait: a loop of threads in here might come back to wait for itself.
+  std::shared_ptr<const SunTree> treeOf(const Vec3& towards) const {
+    const std::lock_guard lock(sunsMutex);
+    for (const auto& [direction, tree] : suns) {
+      if (direction == towards)
+        return tree;
+    }
+    if (suns.size() == kMostSuns)
+      suns.erase(suns.begin());
+    suns.emplace_back(towards, std::make_shared<const SunTree>(triangles, towards));
+    return suns.back().second;
+  }
+
+  static constexpr std::size_t kMostSuns = 4;
+
+  Execution execution = Execution::kFast;
+  mutable std::mutex sunsMutex;
+  mutable std::vector<std::pair<Vec3, std::shared_ptr<const SunTree>>> suns;
   mutable std::once_flag treeMade;
   mutable std::optional<TriangleTree> madeTree;
 #if VOLUTE_HAS_EMBREE
@@ -92,9 +112,8 @@ Result<TriangleScene> TriangleScene::build(std::vector<Triangle> triangles,
 #if VOLUTE_HAS_EMBREE
   if (execution == Execution::kFast && !impl->triangles.empty())
     impl->embree = EmbreeScene::make(impl->triangles, impl->bounds);
-#else
-  static_cast<void>(execution);
 #endif
+  impl->execution = execution;
   TriangleScene scene;
   scene.impl_ = std::move(impl);
   return scene;
@@ -115,6 +134,10 @@ void TriangleScene::occluded(std::span<const Segment> segments,
 
 void TriangleScene::shadows(const Segment& segment, const LightPoint& light,
                             std::vector<Interval>& dark) const {
+  if (light.far && impl_->execution == Execution::kFast) {
+    shadowsOn(segment, light, *impl_->treeOf(light.place), *this, dark);
+    return;
+  }
   shadowsOn(segment, light, impl_->tree(), dark);
 }
 

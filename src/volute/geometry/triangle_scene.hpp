@@ -88,7 +88,7 @@ class TriangleScene {
 
   /// Replaces `dark` by the parts of a segment that the surfaces keep a light from, in order and
   /// apart from each other. Exact, from the triangles that the plane through the segment and the
-  /// light cuts; no samples.
+  /// light cuts; no samples. Those of a far light by a tree of what it sees, which is kept.
   void shadows(const Segment& segment, const LightPoint& light, std::vector<Interval>& dark) const;
 
   std::span<const Triangle> triangles() const;

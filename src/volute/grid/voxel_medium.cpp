@@ -67,6 +67,10 @@ Rgb VoxelMedium::emission(const Vec3& point) const {
 }
 
 void VoxelMedium::opticalDepth(std::span<const Segment> segments, std::span<double> depths) const {
+  if (extinctionScale_ == 0) {  // fire in the light of a sun
+    std::ranges::fill(depths, 0);
+    return;
+  }
   for (std::size_t s = 0; s < segments.size(); ++s) {
     double sum = 0;
     traverseCells(cells_, occupied_, segments[s],

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/geometry/sun_tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "volute/math/vec2.hpp"
+
+namespace volute {
+namespace {
+
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+constexpr std::uint32_t kSunLeaf = 8;      ///< so few triangles are not shared out any more
+constexpr double kMostCopies = 8;       ///< of a triangle, on average: long ones only multiply
+constexpr double kMargin = 1e-9;        ///< of a square's side, by which triangles may miss it
+constexpr double kSliver = 1e-10;       ///< of a square's area: a gap no larger is rounding
+constexpr double kEdgeOn = 1e-14;       ///< sine of an angle
+constexpr int kPlotDepth = 5;           ///< of the plots' squares, where there are many triangles
+constexpr std::size_t kFewTriangles = 4096;
+constexpr std::size_t kMostParts = 16;  ///< that the uncovered rest of a square may have
+
+/// Across a far light: x, y, and the height towards it.
+struct FlatTriangle {
+  Vec3 corner[3];  ///< anticlockwise
+  double top, bottom;
+  Vec2 slope;  ///< of the height
+  std::uint32_t number;
+
+  double at(const Vec2& p) const {
+    return corner[0].z() + slope.dot(p - corner[0].head<2>());
+  }
+
+  /// Twice the area of the triangle that the edge from a corner makes with a point.
+  double side(int edge, const Vec2& p) const {
+    const Vec3 &a = corner[edge], &b = corner[(edge + 1) % 3];
+    return (b.x() - a.x()) * (p.y() - a.y()) - (b.y() - a.y()) * (p.x() - a.x());
+  }
+};
+
+/// How a triangle lies to a square.
+struct Cover {
+  bool meets = false;
+  bool whole = false;             ///< the square is within the triangle
+  double lowest = 0, highest = 0;  ///< of its height where both are
+};
+
+template <class Square>
+Cover coverOf(const FlatTriangle& triangle, const Square& square) {
+  const double reach = square.half * (1 + 2 * kMargin);
+  const auto [x0, x1] = std::minmax(
+      {triangle.corner[0].x(), triangle.corner[1].x(), triangle.corner[2].x()});
+  const auto [y0, y1] = std::minmax(
+      {triangle.corner[0].y(), triangle.corner[1].y(), triangle.corner[2].y()});
+  if (x0 > square.x + reach || x1 < square.x - reach || y0 > square.y + reach ||
+      y1 < square.y - reach)
+    return {};
+  Cover cover{true, true, triangle.bottom, triangle.top};
+  const Vec2 middle(square.x, square.y);
+  for (int edge = 0; edge < 3; ++edge) {
+    const Vec3 &a = triangle.corner[edge], &b = triangle.corner[(edge + 1) % 3];
+    const double spread = std::abs(b.x() - a.x()) + std::abs(b.y() - a.y());
+    const double side = triangle.side(edge, middle);
+    if (side < -spread * reach)
+      return {};
+    cover.whole &= side >= spread * square.half;
+  }
+  const double height = triangle.at(middle), change = triangle.slope.cwiseAbs().sum() * reach;
+  cover.lowest = std::max(cover.lowest, height - change);
+  cover.highest = std::min(cover.highest, height + change);
+  return cover;
+}
+
+/// Convex. Cut by lines it gains a corner at most by each; what would have more is given up.
+struct Polygon {
+  static constexpr int kMost = 14;
+
+  void add(const Vec2& point) {
+    if (count < kMost)
+      points[count] = point;
+    ++count;
+  }
+
+  double area() const {
+    double twice = 0;
+    for (int i = 1; i + 1 < count; ++i) {
+      const Vec2 a = points[i] - points[0], b = points[i + 1] - points[0];
+      twice += a.x() * b.y() - a.y() * b.x();
+    }
+    return 0.5 * twice;
+  }
+
+  int count = 0;
+  std::array<Vec2, kMost> points;
+};
+
+/// Cuts a polygon along an edge into what is on the triangle's side and what is not.
+void divide(const Polygon& polygon, const FlatTriangle& triangle, int edge, Polygon& inside,
+            Polygon& outside) {
+  inside.count = outside.count = 0;
+  if (polygon.count == 0)
+    return;
+  double before = triangle.side(edge, polygon.points[polygon.count - 1]);
+  for (int i = 0; i < polygon.count; ++i) {
+    const Vec2& b = polygon.points[i];
+    const double side = triangle.side(edge, b);
+    if ((before >= 0) != (side >= 0)) {
+      const Vec2& a = polygon.points[i > 0 ? i - 1 : polygon.count - 1];
+      const Vec2 cut = a + before / (before - side) * (b - a);
+      inside.add(cut), outside.add(cut);
+    }
+    (side >= 0 ? inside : outside).add(b);
+    before = side;
+  }
+}
+
+/// The height below which a square lies in the dark of some triangles together: the lowest of those
+/// that it takes, from the first on, to leave no gap. -infinity where one is left.
+template <class Square, class Triangles>
+double coveredTogether(const Square& square, const Triangles& triangles) {
+  const double least = kSliver * 4 * square.half * square.half;
+  std::array<Polygon, kMostParts> rest, next;
+  std::size_t parts = 1;
+  const double x = square.x, y = square.y, half = square.half;
+  for (const Vec2& corner : {Vec2(x - half, y - half), Vec2(x + half, y - half),
+                             Vec2(x + half, y + half), Vec2(x - half, y + half)})
+    rest[0].add(corner);
+  double lowest = kEndless;
+  Polygon left, inside, outside;
+  for (const auto& [triangle, height] : triangles) {
+    std::size_t more = 0;
+    for (std::size_t i = 0; i < parts; ++i) {
+      const std::size_t first = more;
+      left = rest[i];
+      for (int edge = 0; edge < 3 && left.count > 0; ++edge) {
+        divide(left, *triangle, edge, inside, outside);
+        if (inside.count > Polygon::kMost || outside.count > Polygon::kMost)
+          return -kEndless;
+        if (outside.area() > least) {
+          if (more == kMostParts)
+            return -kEndless;
+          next[more++] = outside;
+        }
+        left = inside;
+      }
+      if (left.area() > least) {
+        lowest = std::min(lowest, height);
+        continue;
+      }
+      more = first;  // the triangle takes nothing of it
+      if (more == kMostParts)
+        return -kEndless;
+      next[more++] = rest[i];
+    }
+    parts = more;
+    if (parts == 0)
+      return lowest;
+    std::copy_n(next.begin(), parts, rest.begin());
+  }
+  return -kEndless;
+}
+
+}  // namespace
+
+class SunTreeBuilder {
+ public:
+  using Square = SunTree::Square;
+  using Node = SunTree::Node;
+
+  SunTreeBuilder(SunTree::Plot& plot, std::span<const Triangle> triangles, const Mat3& axes)
+      : plot_(plot) {
+    std::vector<Entry> entries;
+    flat_.reserve(plot.triangles.size());
+    for (const std::uint32_t number : plot.triangles) {
+      FlatTriangle flat;
+      if (!flatten(triangles[number], number, axes, flat))
+        continue;
+      const Cover cover = coverOf(flat, plot.square);
+      if (!cover.meets)
+        continue;
+      entries.push_back({static_cast<std::uint32_t>(flat_.size()), cover});
+      flat_.push_back(flat);
+    }
+    plot_.triangles = {};
+    plot_.nodes.emplace_back();
+    grow(0, plot.square, plot.depth, 1, std::move(entries));
+  }
+
+  /// The part above the plots.
+  static void share(SunTree& tree) {
+    const auto triangles = tree.triangles_;
+    std::vector<Box3> boxes(triangles.size());  // across the light
+    Box3 bounds;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      for (const Vec3& corner : triangles[i].corners) boxes[i].extend(tree.axes_ * corner);
+      bounds.extend(boxes[i].min), bounds.extend(boxes[i].max);
+    }
+    const double half = 0.5 * bounds.size().head<2>().maxCoeff() * (1 + 1e-6);
+    if (!(half > 0))
+      return;
+    tree.square_ = {bounds.centre().x(), bounds.centre().y(), half};
+    const int depth = triangles.size() > kFewTriangles ? kPlotDepth : 0;
+    const int across = 1 << depth;
+    tree.plots_ = std::make_unique<SunTree::Plot[]>(static_cast<std::size_t>(across) * across);
+    std::vector<double> light(static_cast<std::size_t>(across) * across, -kEndless);
+    const double step = 2 * half / across;
+    const auto place = [&](double value, double centre) {
+      return std::clamp(static_cast<int>(std::floor((value - centre + half) / step)), 0, across - 1);
+    };
+    const double margin = kMargin * half;
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      const Box3& box = boxes[i];
+      const int x0 = place(box.min.x() - margin, tree.square_.x);
+      const int x1 = place(box.max.x() + margin, tree.square_.x);
+      const int y0 = place(box.min.y() - margin, tree.square_.y);
+      const int y1 = place(box.max.y() + margin, tree.square_.y);
+      for (int y = y0; y <= y1; ++y) {
+        for (int x = x0; x <= x1; ++x) {
+          const std::size_t plot = static_cast<std::size_t>(y) * across + x;
+          tree.plots_[plot].triangles.push_back(static_cast<std::uint32_t>(i));
+          light[plot] = std::max(light[plot], box.max.z());
+        }
+      }
+    }
+    tree.top_.emplace_back();
+    lay(tree, light, 0, tree.square_, depth, across, 0, 0);
+  }
+
+ private:
+  struct Entry {
+    std::uint32_t flat;
+    Cover cover;
+  };
+
+  /// False for one that the light meets edge-on: it keeps nothing in the dark.
+  static bool flatten(const Triangle& triangle, std::uint32_t number, const Mat3& axes,
+                      FlatTriangle& flat) {
+    for (int k = 0; k < 3; ++k) flat.corner[k] = axes * triangle.corners[k];
+    const Vec3 b = flat.corner[1] - flat.corner[0], c = flat.corner[2] - flat.corner[0];
+    const double area = b.x() * c.y() - b.y() * c.x();
+    if (!(std::abs(area) > kEdgeOn * b.norm() * c.norm()))
+      return false;
+    flat.slope = Vec2(b.z() * c.y() - b.y() * c.z(), b.x() * c.z() - b.z() * c.x()) / area;
+    if (area < 0)
+      std::swap(flat.corner[1], flat.corner[2]);
+    flat.top = std::max({flat.corner[0].z(), flat.corner[1].z(), flat.corner[2].z()});
+    flat.bottom = std::min({flat.corner[0].z(), flat.corner[1].z(), flat.corner[2].z()});
+    flat.number = number;
+    return true;
+  }
+
+  /// The node of the squares from (x, y) on, `across` a side.
+  static void lay(SunTree& tree, std::span<const double> light, std::uint32_t node,
+                  const Square& square, int above, int across, int x, int y) {
+    if (above == 0) {
+      const int plots = static_cast<int>(std::lround(std::sqrt(static_cast<double>(light.size()))));
+      const auto number = static_cast<std::uint32_t>(y * plots + x);
+      tree.plots_[number].square = square;
+      tree.plots_[number].depth = plots > 1 ? kPlotDepth : 0;
+      tree.top_[node] = {-kEndless, light[number], number, SunTree::kPlot};
+      return;
+    }
+    const auto first = static_cast<std::uint32_t>(tree.top_.size());
+    tree.top_.resize(first + 4);
+    double most = -kEndless;
+    for (int i = 0; i < 4; ++i) {
+      lay(tree, light, first + i, square.child(i), above - 1, across / 2,
+          x + (i & 1 ? across / 2 : 0), y + (i & 2 ? across / 2 : 0));
+      most = std::max(most, tree.top_[first + i].light);
+    }
+    tree.top_[node] = {-kEndless, most, first, SunTree::kParent};
+  }
+
+  void grow(std::uint32_t node, const Square& square, int depth, double copies,
+            std::vector<Entry> entries) {
+    double dark = -kEndless, light = -kEndless;
+    for (const Entry& entry : entries) {
+      light = std::max(light, entry.cover.highest);
+      if (entry.cover.whole)
+        dark = std::max(dark, entry.cover.lowest);
+    }
+    std::erase_if(entries, [&](const Entry& entry) { return entry.cover.highest < dark; });
+    if (entries.size() > kSunLeaf && depth + 1 < SunTree::kDeepest && copies < kMostCopies) {
+      std::array<std::vector<Entry>, 4> parts;
+      std::size_t sum = 0;
+      for (int i = 0; i < 4; ++i) {
+        const Square child = square.child(i);
+        for (const Entry& entry : entries) {
+          const Cover cover = coverOf(flat_[entry.flat], child);
+          if (cover.meets)
+            parts[i].push_back({entry.flat, cover});
+        }
+        sum += parts[i].size();
+      }
+      const double more = copies * static_cast<double>(sum) / static_cast<double>(entries.size());
+      entries = {};
+      const auto first = static_cast<std::uint32_t>(plot_.nodes.size());
+      plot_.nodes.resize(first + 4);
+      double lowest = kEndless;
+      for (int i = 0; i < 4; ++i) {
+        grow(first + i, square.child(i), depth + 1, more, std::move(parts[i]));
+        lowest = std::min(lowest, plot_.nodes[first + i].dark);
+      }
+      plot_.nodes[node] = {std::max(dark, lowest), light, first, SunTree::kParent};
+      return;
+    }
+    std::ranges::sort(entries, std::ranges::greater{},
+                      [](const Entry& entry) { return entry.cover.lowest; });
+    std::vector<std::pair<const FlatTriangle*, double>> highest;
+    for (std::size_t i = 0; i < std::min<std::size_t>(entries.size(), 2 * kSunLeaf); ++i)
+      highest.emplace_back(&flat_[entries[i].flat], entries[i].cover.lowest);
+    dark = std::max(dark, coveredTogether(square, highest));
+    const auto first = static_cast<std::uint32_t>(plot_.order.size());
+    for (const Entry& entry : entries) {
+      // What lies below the dark changes nothing.
+      if (entry.cover.highest >= dark)
+        plot_.order.push_back(flat_[entry.flat].number);
+    }
+    plot_.nodes[node] = {dark, light, first,
+                          static_cast<std::uint32_t>(plot_.order.size()) - first};
+  }
+
+  SunTree::Plot& plot_;
+  std::vector<FlatTriangle> flat_;
+};
+
+SunTree::SunTree(std::span<const Triangle> triangles, const Vec3& towards)
+    : triangles_(triangles) {
+  const Vec3 up = towards.normalized();
+  const Vec3 right = up.unitOrthogonal();
+  axes_.row(0) = right.transpose();
+  axes_.row(1) = up.cross(right).transpose();
+  axes_.row(2) = up.transpose();
+  SunTreeBuilder::share(*this);
+}
+
+const SunTree::Plot& SunTree::plot(std::uint32_t number) const {
+  Plot& plot = plots_[number];
+  std::call_once(plot.grown, [&] { SunTreeBuilder(plot, triangles_, axes_); });
+  return plot;
+}
+
+}  // namespace volute
