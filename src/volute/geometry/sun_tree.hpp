@@ -91,6 +91,7 @@ void SunTree::walk(const Segment& segment, Dark&& dark, Look&& look) const {
                               .intersect({segment.begin, segment.end});
   if (inside.empty())
     return;
+  const double perX = 1 / d.x(), perY = 1 / d.y();
   std::array<Visit, 2 * kDeepest + 2> stack;  // of three children one is gone into
   int left = 0;
   stack[left++] = {nullptr, 0, square_, inside};
@@ -117,7 +118,7 @@ void SunTree::walk(const Segment& segment, Dark&& dark, Look&& look) const {
     // Where the segment goes from one half of the square into the other.
     double cuts[4] = {part.begin};
     int count = 1;
-    const double atX = (visit.square.x - o.x()) / d.x(), atY = (visit.square.y - o.y()) / d.y();
+    const double atX = (visit.square.x - o.x()) * perX, atY = (visit.square.y - o.y()) * perY;
     for (const double cut : {std::min(atX, atY), std::max(atX, atY)}) {
       if (cut > part.begin && cut < part.end)
         cuts[count++] = cut;

@@ -6,11 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 #include "volute/base/parallel.hpp"
-#include "volute/image/bitmap_text.hpp"
 #include "volute/image/srgb.hpp"
+#include "volute/image/text.hpp"
 
 namespace volute {
 namespace {
@@ -119,13 +120,28 @@ std::vector<SignPixel> signPixels(const Camera& camera, std::span<const Sign> si
 }
 
 Image exitPicture() {
-  constexpr int kScale = 8;
+  constexpr int kWidth = 512, kHeight = 256;
+  constexpr double kCapital = 0.729;  // height of DejaVu's capitals and
+  constexpr double kBaseline = 0.93;  // where they stand below a line's top, of the em
+  const TextStyle style{.size = 180};
   const Rgb green(srgbDecode(0.0), srgbDecode(0.52), srgbDecode(0.31));
-  const TextSize size = textSize("EXIT", kScale);
-  Image picture(size.width + 8 * kScale, size.height + 6 * kScale, 3);
+  Image picture(kWidth, kHeight, 3);
   for (std::size_t i = 0; i < picture.pixels.size(); ++i)
     picture.pixels[i] = static_cast<float>(green[static_cast<Eigen::Index>(i % 3)]);
-  drawText(picture, "EXIT", 4 * kScale, 3 * kScale, kScale, Rgb::Ones());
+  const TextSize size = textSize("EXIT", style);
+  const double left = 0.5 * (kWidth - size.width);
+  if (size.height < style.size) {  // letters of dots
+    drawText(picture, "EXIT", left, 0.5 * (kHeight - size.height), style, Rgb::Ones());
+    return picture;
+  }
+  // Bold: the letters moved around by half of what their strokes gain.
+  constexpr double kGain = 7;  // [pixels]
+  const double top = 0.5 * (kHeight + kCapital * style.size) - kBaseline * style.size;
+  for (int i = 0; i < 16; ++i) {
+    const double angle = 2 * std::numbers::pi * i / 16;
+    drawText(picture, "EXIT", left + kGain * std::cos(angle), top + kGain * std::sin(angle), style,
+             Rgb::Ones());
+  }
   return picture;
 }
 

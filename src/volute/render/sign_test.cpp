@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/render/sign.hpp"
 
+#include "volute/image/text.hpp"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -102,6 +104,26 @@ TEST(Sign, HasAPictureOfItsOwn) {
   for (const float value : picture.pixels) ink += value == 1;
   EXPECT_GT(ink, 0.05 * static_cast<double>(picture.pixels.size()));
   EXPECT_LT(ink, 0.5 * static_cast<double>(picture.pixels.size()));
+}
+
+TEST(Sign, HasLettersWithSmoothEdges) {
+  if (textSize("EXIT", {.size = 100}).height < 100)
+    GTEST_SKIP() << "this machine has no letters but those of dots";
+  const Image picture = exitPicture();
+  int between = 0, dark = picture.width, light = 0;  // between green and white; where letters are
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      const float red = picture.at(x, y, 0);
+      between += red > 0.02F && red < 0.98F;
+      if (red > 0.5F)
+        dark = std::min(dark, x), light = std::max(light, x);
+    }
+  }
+  EXPECT_GT(between, 300);  // the slopes of the X at least; letters of dots have none
+  EXPECT_NEAR(dark, picture.width - 1 - light, 20);  // in the middle
+  for (const int y : {0, picture.height - 1}) {
+    for (int x = 0; x < picture.width; ++x) EXPECT_EQ(picture.at(x, y, 0), picture.at(0, 0, 0));
+  }
 }
 
 }  // namespace
