@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """Several processes that mpirun starts give the bytes of one, and end together when one of them cannot go on."""
+import array
 import filecmp
 import json
 import os
@@ -9,12 +10,16 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import time
 import unittest
 
 import ring
 import sight_cases
 import support
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
+import large_volume
 
 PROGRAM = pathlib.Path(support.PROGRAM).resolve()
 PLUGINS = PROGRAM.parent.parent / "lib" / "volute"
@@ -99,6 +104,46 @@ class SameBytes(Cluster):
                 self.assertEqual(self.path("ours.volute").read_bytes(), self.path("alone.volute").read_bytes(), (ranks, options))
                 # Of one rank a unit has all layers of blocks, of several those that keep a rank's threads busy: here all as well.
                 self.check_units(self.path("stats.json"), "compressing", 3, ranks)
+
+    @staticmethod
+    def reads(name):
+        plugin = {".vdb": "volute_io_vdb.so", ".vti": "volute_io_vtk.so"}.get(pathlib.Path(name).suffix)
+        return plugin is None or (PLUGINS / plugin).exists()
+
+    def test_compress_files_of_which_units_read_their_layers(self):
+        """As much memory as a layer of blocks needs: 18 frames of 40^3 are 2 x 3 units."""
+        shape, values = support.plume(18, 40)
+        support.write_npy(self.path("in.npy"), shape, values)
+        swapped = array.array("d", values)
+        if sys.byteorder == "little":
+            swapped.byteswap()
+        self.path("in.raw").write_bytes(b"header" + swapped.tobytes())
+        self.works("compress", self.path("in.npy"), "-o", self.path("in.volute"), "--fast")
+        for name in ("vdb_%04d.vdb", "vti_%04d.vti"):
+            if self.reads(name):
+                self.works("extract", self.path("in.volute"), "-o", self.path(name))
+        raw = ("--raw-size", "40,40,40", "--raw-type", "float64", "--raw-order", "big", "--raw-offset", "6")
+        for source, options in (("in.npy", ()), ("in.raw", raw), ("vdb_%04d.vdb", ()), ("vti_%04d.vti", ())):
+            if not self.reads(source):
+                continue
+            arguments = ("compress", self.path(source), "--rms", "0.01", "--fast", *options)
+            self.works(*arguments, "-o", self.path("alone.volute"))
+            self.succeeds(3, *arguments, "-o", self.path("ours.volute"), "--max-memory", "24M", "--stats", self.path("stats.json"))
+            self.assertEqual(self.path("ours.volute").read_bytes(), self.path("alone.volute").read_bytes(), source)
+            self.check_units(self.path("stats.json"), "compressing", 6, 3)
+        self.works("compress", self.path("in.npy"), "-o", self.path("npy.volute"), "--rms", "0.01")
+        self.works("compress", self.path("in.raw"), "-o", self.path("raw.volute"), "--rms", "0.01", *raw)
+        self.works("extract", self.path("npy.volute"), "-o", self.path("npy.npy"))
+        self.works("extract", self.path("raw.volute"), "-o", self.path("raw.npy"))
+        self.assertEqual(self.path("npy.npy").read_bytes(), self.path("raw.npy").read_bytes())
+
+    def test_memory_does_not_grow_with_the_sequence(self):
+        side, peaks = 96, []
+        for frames in (16, 64):
+            large_volume.write_plume(self.path("plume.raw"), side, frames)
+            stats = large_volume.compress_on_ranks(PROGRAM, self.path("plume.raw"), side, 2, ("--rms", "0.01", "--fast", "--threads", "1"))
+            peaks.append(max(rank["peak_memory_bytes"] for rank in stats["ranks"]))
+        self.assertLess(peaks[1], peaks[0] + 4 * side ** 3 * 8, peaks)  # 48 frames more, and no 8 of them in memory
 
     @unittest.skipUnless((PLUGINS / "volute_io_video.so").exists(), "built without films")
     def test_film(self):

@@ -119,8 +119,8 @@ class HostileReader final : public LatticeReader {
     return fail(ErrorCode::kIo, "{} was refused: {}", grid, std::strerror(errno));
   }
 
-  Status read(const std::filesystem::path&, const std::string&, const IndexBox&, bool,
-              std::span<float>) override {
+  Status read(const std::filesystem::path&, const std::string&, const IndexBox&,
+              const IndexBox&, bool, std::span<float>) override {
     return fail(ErrorCode::kUnsupported, "nothing to read");
   }
 

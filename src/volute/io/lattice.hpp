@@ -111,11 +111,12 @@ class LatticeReader {
     return fail(ErrorCode::kUnsupported, "{}: a format without caches", file.string());
   }
 
-  /// Fills `values`, shape (z, y, x, c) over `box`; voxels that the file does not have get its
-  /// background value. Values outside the box are cut off when `crop` is true, else they are an
-  /// error.
+  /// Fills `values`, shape (z, y, x, c) over `box`, some layers of `whole`, and touches little more
+  /// than that; voxels that the file does not have get its background value. Values outside `whole`
+  /// are cut off when `crop` is true, else they are an error where its first layers are read.
   [[nodiscard]] virtual Status read(const std::filesystem::path& file, const std::string& grid,
-                                    const IndexBox& box, bool crop, std::span<float> values) = 0;
+                                    const IndexBox& whole, const IndexBox& box, bool crop,
+                                    std::span<float> values) = 0;
 };
 
 /// How a frame is written.

@@ -21,7 +21,8 @@ struct Request {
   bool list = false;  ///< of all grids
   bool cache = false;  ///< describe all grids
   bool flag = false;  ///< needBox when describing, crop when reading
-  IndexBox box;
+  IndexBox whole;     ///< of the volume
+  IndexBox box;       ///< what is read of it
   char grid[LatticeFrame::kMaxName + 1] = {};
   char usual[LatticeFrame::kMaxName + 1] = {};
 };
@@ -131,7 +132,7 @@ Result<std::string> serve(LatticeReader& reader, const std::filesystem::path& pa
                   reader.describe(path, request.grid, request.usual, request.flag));
     return toMessage(frame);
   }
-  VOLUTE_TRY(reader.read(path, request.grid, request.box, request.flag, values));
+  VOLUTE_TRY(reader.read(path, request.grid, request.whole, request.box, request.flag, values));
   return std::string();
 }
 
@@ -269,13 +270,13 @@ Result<IndexBox> toIndexBox(const LatticeFrame& lattice, const Box3& bounds,
 
 /// Refuses what a damaged box may ask for, before anything is allocated.
 Status checkSize(const IndexBox& box, int channels, std::uint64_t maxMemory,
-                 const std::string& where) {
+                 const std::string& where, bool byLayers) {
   const double bytes = 4.0 * channels * box.size(0) * box.size(1) * box.size(2);
   constexpr std::int64_t kMost = 1'000'000'000;  // so that shifted indices stay within 32 bits
   const bool huge = std::ranges::any_of(std::array{0, 1, 2}, [&](int axis) {
     return box.size(axis) > kMost || box.begin[axis] < -kMost || box.end[axis] > kMost;
   });
-  if (!huge && bytes <= static_cast<double>(maxMemory))
+  if (!huge && (byLayers || bytes <= static_cast<double>(maxMemory)))
     return {};
   return fail(ErrorCode::kTooLarge,
               "{}: a frame of {} x {} x {} voxels needs {:.0f} MiB, more than the {} MiB allowed; "
@@ -337,7 +338,8 @@ class LatticeSource final : public FrameSource {
                   "{}: grid '{}' has no active voxels in any of the {} frames; give --bounds",
                   where, grid, files_.size());
     }
-    VOLUTE_TRY(checkSize(box, frames.front().channels, options_.maxMemory, where));
+    VOLUTE_TRY(checkSize(box, frames.front().channels, options_.maxMemory, where,
+                         options_.byLayers));
     box_ = box;
     fillInfo(frames);
     return info_.validate(where);
@@ -348,7 +350,14 @@ class LatticeSource final : public FrameSource {
   std::vector<std::string> otherGrids() const override { return others_; }
 
   Status readFrame(int index, std::span<float> values) override {
-    VOLUTE_ASSERT(values.size() == info_.frameValues());
+    return readLayers(index, 0, info_.z, values);
+  }
+
+  bool readsLayers() const override { return true; }
+
+  Status readLayers(int index, int first, int end, std::span<float> values) override {
+    VOLUTE_ASSERT(values.size() == info_.frameValues() / static_cast<std::size_t>(info_.z) *
+                                       static_cast<std::size_t>(end - first));
     if (known_ && !known_->present[static_cast<std::size_t>(index)]) {
       const auto channels = static_cast<std::size_t>(info_.channels);
       for (std::size_t i = 0; i < values.size(); ++i)
@@ -358,7 +367,10 @@ class LatticeSource final : public FrameSource {
     const auto& shift = shifts_[index];
     Request request;
     request.flag = options_.bounds.has_value();
-    request.box = box_.shifted({-shift[0], -shift[1], -shift[2]});
+    request.whole = box_.shifted({-shift[0], -shift[1], -shift[2]});
+    request.box = request.whole;
+    request.box.begin[2] = request.whole.begin[2] + first;
+    request.box.end[2] = request.whole.begin[2] + end;
     grid_.copy(request.grid, LatticeFrame::kMaxName);
     const auto& path = files_[index].path;
     VOLUTE_TRY(process_.call(path.string(), toMessage(request) + path.string(), values.size(),

@@ -49,7 +49,8 @@ Result<VolumeInfo> toInfo(const NpyHeader& header, const InputFile& file,
   info.x = static_cast<int>(shape[3]);
   info.channels = static_cast<int>(shape[4]);
   constexpr std::uint64_t kPerFrame = sizeof(int) + sizeof(double);
-  if (4 * info.frameValues() > options.maxMemory || info.frames * kPerFrame > options.maxMemory) {
+  if ((!options.byLayers && 4 * info.frameValues() > options.maxMemory) ||
+      info.frames * kPerFrame > options.maxMemory) {
     return fail(
         ErrorCode::kTooLarge,
         "{}: a frame of {} x {} x {} voxels needs more than the {} MiB allowed; raise --max-memory",

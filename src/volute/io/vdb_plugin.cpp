@@ -79,7 +79,8 @@ class VdbFile final : public openvdb::io::Archive {
     return grid;
   }
 
-  openvdb::GridBase::Ptr readTree(std::size_t index) {
+  /// @param box  [voxels] what lies outside of it is left in the file; null: nothing is
+  openvdb::GridBase::Ptr readTree(std::size_t index, const openvdb::CoordBBox* box = nullptr) {
     const auto& entry = grids_[index];
     if (entry.descriptor.isInstance()) {
       const auto parent = std::ranges::find(grids_, entry.descriptor.instanceParentName(),
@@ -88,12 +89,16 @@ class VdbFile final : public openvdb::io::Archive {
         OPENVDB_THROW(openvdb::IoError, "the grid that shares its voxels is missing");
       }
       auto grid = entry.grid->copyGrid();
-      grid->setTree(readTree(parent - grids_.begin())->baseTreePtr());
+      grid->setTree(readTree(parent - grids_.begin(), box)->baseTreePtr());
       return grid;
     }
     auto grid = openvdb::GridBase::createGrid(entry.descriptor.gridType());
     entry.descriptor.seekToGrid(stream_);
-    readGrid(grid, entry.descriptor, stream_);
+    metadata_->setSeekable(box != nullptr);
+    if (box)
+      readGrid(grid, entry.descriptor, stream_, *box);
+    else
+      readGrid(grid, entry.descriptor, stream_);
     if (stream_.tellg() != entry.descriptor.getEndPos()) {
       OPENVDB_THROW(openvdb::IoError, "a grid does not end where the file says");
     }
@@ -489,8 +494,8 @@ class VdbReader final : public LatticeReader {
     });
   }
 
-  Status read(const std::filesystem::path& path, const std::string& wanted, const IndexBox& box,
-              bool crop, std::span<float> values) override {
+  Status read(const std::filesystem::path& path, const std::string& wanted, const IndexBox& whole,
+              const IndexBox& box, bool crop, std::span<float> values) override {
     return guarded(path, [&]() -> Status {
       VdbFile file(path);
       auto entries = entriesOf(file);
@@ -498,18 +503,23 @@ class VdbReader final : public LatticeReader {
       for (GridEntry& entry : entries)
         entry.usable = entry.usable || (!wanted.empty() && entry.type == "level set");
       VOLUTE_ASSIGN(const std::size_t index, chooseGrid(entries, wanted, path.string()));
-      const auto grid = file.readTree(index);
-      if (!crop && !box.contains(toIndexBox(grid->evalActiveVoxelBoundingBox()))) {
-        return fail(ErrorCode::kInvalidData,
-                    "{}: grid '{}' has voxels outside the box that its metadata state; the file is "
-                    "damaged, or give --bounds",
-                    path.string(), wanted);
-      }
       const auto toCoord = [](const std::array<std::int64_t, 3>& at, int less) {
         return openvdb::Coord(static_cast<int>(at[0] - less), static_cast<int>(at[1] - less),
                               static_cast<int>(at[2] - less));
       };
       const openvdb::CoordBBox dense(toCoord(box.begin, 0), toCoord(box.end, 1));
+      const bool all = box.begin == whole.begin && box.end == whole.end;
+      const auto grid = file.readTree(index, all ? nullptr : &dense);
+      const auto active = [&] {
+        const auto voxels = all ? grid : file.readTopology(index);
+        return toIndexBox(voxels->evalActiveVoxelBoundingBox());
+      };
+      if (!crop && box.begin == whole.begin && !whole.contains(active())) {
+        return fail(ErrorCode::kInvalidData,
+                    "{}: grid '{}' has voxels outside the box that its metadata state; the file is "
+                    "damaged, or give --bounds",
+                    path.string(), wanted);
+      }
       const bool filled = fillIfType<openvdb::FloatGrid>(*grid, dense, values) ||
                           fillIfType<openvdb::DoubleGrid>(*grid, dense, values) ||
                           fillIfType<openvdb::Vec3SGrid>(*grid, dense, values) ||

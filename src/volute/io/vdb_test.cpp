@@ -56,6 +56,32 @@ TEST(Vdb, RoundTripOfScalarAndRgb) {
   }
 }
 
+// Leaves have 8 layers, so that these begin and end inside of some and leave others out.
+TEST(Vdb, LayersAreThoseOfTheFrame) {
+  for (int channels : {1, 3}) {
+    const TempFolder folder;
+    const auto written = makeFullBlob(2, 37, 9, 17, channels);
+    ASSERT_TRUE(ok(writeAll(folder / "f_%04d.vdb", written)));
+    for (const bool bounds : {false, true}) {
+      SourceOptions options;
+      if (bounds)
+        options.bounds = written.info.bounds;
+      options.byLayers = true;
+      options.maxMemory = 1000;  // less than a frame
+      ASSERT_VALUE(const auto source, openSource(folder.path(), options));
+      ASSERT_TRUE(source->readsLayers());
+      const std::size_t layer = 9 * 17 * static_cast<std::size_t>(channels);
+      for (const auto& [first, end] : {std::pair{0, 16}, {16, 32}, {3, 4}, {13, 37}}) {
+        std::vector<float> part(layer * static_cast<std::size_t>(end - first));
+        ASSERT_TRUE(ok(source->readLayers(1, first, end, part)));
+        EXPECT_TRUE(std::equal(part.begin(), part.end(),
+                               written.frame(1).begin() + static_cast<std::ptrdiff_t>(layer * first)))
+            << first << ' ' << end;
+      }
+    }
+  }
+}
+
 TEST(Vdb, KeepsNaNAndRoundsHalves) {
   const TempFolder folder;
   auto written = makeFullBlob(1, 2, 2, 2);

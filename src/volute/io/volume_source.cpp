@@ -9,6 +9,7 @@
 #include "volute/io/lattice_source.hpp"
 #include "volute/io/npy.hpp"
 #include "volute/io/plugin.hpp"
+#include "volute/io/raw_volume.hpp"
 
 namespace volute {
 namespace {
@@ -92,6 +93,13 @@ Result<std::unique_ptr<FrameSource>> openSource(const std::filesystem::path& inp
                                                 const SourceOptions& options) {
   const std::string extension = input.extension().string();
   std::error_code error;
+  if (options.raw) {
+    if (!FramePattern::isPattern(input) || std::filesystem::exists(input, error))
+      return openRaw(input, options);
+    VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(input));
+    VOLUTE_ASSIGN(const auto files, pattern.list());
+    return openRawSequence(files, options);
+  }
   if (extension == ".npy") {
     if (!FramePattern::isPattern(input) || std::filesystem::exists(input, error))
       return openNpy(input, options);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <vtkAlgorithm.h>
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkDataArraySelection.h>
@@ -152,8 +153,8 @@ class VtkReader final : public LatticeReader {
     return describeImage(reader, wanted, path.string(), entry, usual);
   }
 
-  Status read(const std::filesystem::path& path, const std::string& wanted, const IndexBox& box,
-              bool, std::span<float> values) override {
+  Status read(const std::filesystem::path& path, const std::string& wanted, const IndexBox&,
+              const IndexBox& box, bool, std::span<float> values) override {
     const std::string file = path.string();
     VOLUTE_TRY(checkEnd(path));
     const ErrorWatch watch;
@@ -167,20 +168,34 @@ class VtkReader final : public LatticeReader {
     reader->GetCellDataArraySelection()->DisableAllArrays();
     (entry.cells ? reader->GetCellDataArraySelection() : reader->GetPointDataArraySelection())
         ->EnableArray(frame.grid);
-    reader->Update();
+    // Of the file's layers those that are asked for.
+    IndexBox part = frame.box;
+    part.begin[2] = std::max(part.begin[2], box.begin[2]);
+    part.end[2] = std::min(part.end[2], box.end[2]);
+    if (part.empty()) {
+      std::ranges::fill(values, 0.0f);
+      return {};
+    }
+    int extent[6];
+    for (int axis = 0; axis < 3; ++axis) {
+      extent[2 * axis] = static_cast<int>(part.begin[axis]);
+      extent[2 * axis + 1] = static_cast<int>(part.end[axis]) - (entry.cells ? 0 : 1);
+    }
+    static_cast<vtkAlgorithm&>(*reader).UpdateExtent(extent);  // hidden by a member
     VOLUTE_TRY(watch.status(file));
     vtkImageData* image = reader->GetOutput();
     auto* data = entry.cells ? static_cast<vtkDataSetAttributes*>(image->GetCellData())
                              : image->GetPointData();
     vtkDataArray* array = data->GetArray(frame.grid);
-    const std::int64_t voxels = frame.box.size(0) * frame.box.size(1) * frame.box.size(2);
-    if (!array || array->GetNumberOfTuples() != voxels ||
+    const bool there = std::equal(std::begin(extent), std::end(extent), image->GetExtent());
+    const std::int64_t voxels = part.size(0) * part.size(1) * part.size(2);
+    if (!array || !there || array->GetNumberOfTuples() != voxels ||
         array->GetNumberOfComponents() != frame.channels) {
       return fail(ErrorCode::kInvalidData,
                   "{}: array '{}' does not have a value for each voxel; the file is damaged", file,
                   frame.grid);
     }
-    copyPart(array, frame.box, box, values);
+    copyPart(array, part, box, values);
     return {};
   }
 };

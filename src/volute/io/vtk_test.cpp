@@ -65,6 +65,26 @@ TEST(Vtk, BoundsCropAndPad) {
   EXPECT_EQ(read.view()(1, 0, 0, 0, 0), 0);
 }
 
+TEST(Vtk, LayersAreThoseOfTheFrame) {
+  for (int channels : {1, 3}) {
+    const TempFolder folder;
+    const auto written = makeBlob(2, 37, 4, 5, channels);
+    ASSERT_TRUE(ok(writeAll(folder / "s_%04d.vti", written)));
+    SourceOptions options;
+    options.byLayers = true;
+    options.maxMemory = 1000;  // less than a frame
+    ASSERT_VALUE(const auto source, openSource(folder / "s_%04d.vti", options));
+    const std::size_t layer = 20 * static_cast<std::size_t>(channels);
+    for (const auto& [first, end] : {std::pair{0, 16}, {16, 32}, {3, 4}, {13, 37}}) {
+      std::vector<float> part(layer * static_cast<std::size_t>(end - first));
+      ASSERT_TRUE(ok(source->readLayers(1, first, end, part)));
+      EXPECT_TRUE(std::equal(part.begin(), part.end(),
+                             written.frame(1).begin() + static_cast<std::ptrdiff_t>(layer * first)))
+          << first << ' ' << end;
+    }
+  }
+}
+
 /// A file as other programs write it, with values in text.
 std::string asciiFile(const std::string& attributes, const std::string& pointData,
                       const std::string& cellData) {
@@ -87,6 +107,10 @@ TEST(Vtk, PointDataAreVoxelCentres) {
   const TempFolder folder;
   writeBytes(folder / "p.vti", asciiFile("", kPoints, ""));
   ASSERT_VALUE(const auto read, readSequence(folder / "p.vti"));
+  ASSERT_VALUE(const auto source, openSource(folder / "p.vti", {}));
+  std::vector<float> upper(6);
+  ASSERT_TRUE(ok(source->readLayers(0, 1, 2, upper)));
+  EXPECT_EQ(upper, (std::vector<float>{6, 7, 8, 9, 10, 11}));
   EXPECT_EQ(read.info.x, 3);
   EXPECT_EQ(read.info.z, 2);
   EXPECT_EQ(read.info.bounds.min, Vec3(10.75, -0.5, -0.5));

@@ -4,6 +4,8 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <map>
 
@@ -15,6 +17,10 @@
 
 namespace volute::cli {
 namespace {
+
+/// In the order of RawLayout::Type.
+constexpr std::array<std::string_view, 9> kRawTypes = {
+    "uint8", "int8", "uint16", "int16", "uint32", "int32", "float16", "float32", "float64"};
 
 /// A PSNR of 50 dB.
 constexpr double kUsualRms = 0.003;
@@ -74,13 +80,44 @@ Result<CompressReport> compressTo(const std::string& target, FrameSource& source
   return result;
 }
 
+/// What --raw-size and the others say of files without a header.
+Result<std::optional<RawLayout>> rawLayout(const Arguments& arguments) {
+  const auto text = arguments.find<std::string>("raw-size");
+  if (!text)
+    return std::nullopt;
+  std::vector<int> sizes;
+  for (const std::string& one : gridNames(*text)) {
+    int size = 0;
+    const char* const end = one.data() + one.size();
+    const auto [stop, error] = std::from_chars(one.data(), end, size);
+    sizes.push_back(error == std::errc() && stop == end ? size : 0);
+  }
+  const bool sound = (sizes.size() == 3 || (sizes.size() == 4 && (sizes[3] == 1 || sizes[3] == 3))) &&
+                     std::ranges::all_of(sizes, [](int size) { return size > 0; });
+  if (!sound) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--raw-size: '{}' is no size; expected X,Y,Z or X,Y,Z,C in voxels, with 1 or 3 "
+                "channels, as 512,512,256",
+                *text);
+  }
+  RawLayout raw;
+  raw.size = {sizes[0], sizes[1], sizes[2]};
+  raw.channels = sizes.size() == 4 ? sizes[3] : 1;
+  const auto type = std::ranges::find(kRawTypes, arguments.get<std::string>("raw-type"));
+  raw.type = static_cast<RawLayout::Type>(type - kRawTypes.begin());
+  raw.bigEndian = arguments.get<std::string>("raw-order") == "big";
+  if (const auto offset = arguments.find<Bytes>("raw-offset"))
+    raw.offset = offset->count;
+  return raw;
+}
+
 /// All grids of a cache, or some. False where one grid is to be compressed by itself.
 Result<bool> runGrids(const std::string& path, const std::string& target,
                       const std::string& fields, const CompressOptions& options,
                       const InputOptions& input, const Arguments& arguments, Context& context) {
   GridCompression how{options, {}, arguments.find<FrameRange>("frames").value_or(FrameRange{})};
   VOLUTE_ASSIGN(how.rms, rmsOfGrids(arguments.find<std::string>("rms-of").value_or("")));
-  const bool one = gridNames(fields).size() == 1;
+  const bool one = gridNames(fields).size() == 1 || input.raw;
   if (one || !VolumeGrids::mayBe(path)) {
     if (how.rms.empty())
       return false;
@@ -141,6 +178,8 @@ Status runCompress(const Arguments& arguments, Context& context) {
   input.grid = fields;
   input.bounds = arguments.find<Box3>("bounds");
   input.partial = arguments.flag("partial");
+  input.byLayers = true;
+  VOLUTE_ASSIGN(input.raw, rawLayout(arguments));
   CompressOptions options;
   options.target = targetOf(arguments);
   options.wavelet = arguments.get<std::string>("wavelet");
@@ -182,11 +221,12 @@ Command compressCommand() {
           {"volute compress fire.npy", "volute compress fire.npy -o fire.volute --rms 0.001",
            "volute compress smoke_%04d.vdb -o smoke.volute --field density --psnr 50 --frames 10:60",
            "volute compress cache -o cache.volute --rms-of velocity=0.01",
+           "volute compress run.raw --raw-size 1024,1024,512 --raw-type float64 --raw-offset 256",
            "volute compress fire.volute -o small.volute --ratio 200"},
       .description =
           "Reads .npy of shape (z,y,x), (t,z,y,x) or (t,z,y,x,c) in float32 or float16, a VDB "
           "file, pattern or "
-          "folder, .vti, .pvd, or .volute, and writes one .volute file. All grids of a VDB cache go "
+          "folder, .vti, .pvd, .volute, or with --raw-size files of values alone, and writes one .volute file. All grids of a VDB cache go "
           "into it, each with an error relative to its own range, with what the cache says of them; "
           "--size and --ratio are of the whole file. It reports what was "
           "reached, measured on "
@@ -257,6 +297,31 @@ Command compressCommand() {
                    .value = "X0,Y0,Z0,X1,Y1,Z1",
                    .help = "outer voxel faces [m]: states those of a .npy, crops or pads others to "
                            "them on the voxel grid"},
+                  {.name = "raw-size",
+                   .kind = kText,
+                   .value = "X,Y,Z[,C]",
+                   .help = "INPUT has no header: a file, or a pattern of numbered ones, of frames of "
+                           "so many voxels, x fastest, and C channels side by side; a single "
+                           "file's length says how many frames it has"},
+                  {.name = "raw-type",
+                   .kind = kChoice,
+                   .value = "TYPE",
+                   .help = "of its values; all become float32",
+                   .initial = "float32",
+                   .choices = {kRawTypes.begin(), kRawTypes.end()},
+                   .beside = "raw-size"},
+                  {.name = "raw-order",
+                   .kind = kChoice,
+                   .value = "ORDER",
+                   .help = "of their bytes",
+                   .initial = "little",
+                   .choices = {"little", "big"},
+                   .beside = "raw-size"},
+                  {.name = "raw-offset",
+                   .kind = kBytes,
+                   .value = "BYTES",
+                   .help = "before the first value of each file; 0 without it",
+                   .beside = "raw-size"},
                   {.name = "work",
                    .kind = kText,
                    .value = "FOLDER",

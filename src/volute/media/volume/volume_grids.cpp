@@ -70,6 +70,7 @@ Result<std::unique_ptr<VolumeGrids>> VolumeGrids::open(const std::string& path,
   SourceOptions source;
   source.bounds = options.bounds;
   source.maxMemory = reading.maxMemory;
+  source.byLayers = options.byLayers;
   VOLUTE_ASSIGN(auto cache, GridCache::open(path, source));
   return std::make_unique<VdbGrids>(std::move(cache));
 }

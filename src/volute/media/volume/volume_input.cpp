@@ -86,18 +86,18 @@ Result<std::shared_ptr<const VoluteReader>> openGrid(const std::string& path,
 Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,
                                Reading& reading) {
   VolumeInput input;
-  if (isVolutePath(path)) {
+  if (!options.raw && isVolutePath(path)) {
     VOLUTE_TRY(refuseVolumeOptions(path, options));
     VOLUTE_ASSIGN(input.reader, openGrid(path, options, reading));
     input.source = frameSource(input.reader);
     return input;
   }
-  if (isSmvPath(path)) {
+  if (!options.raw && isSmvPath(path)) {
     VOLUTE_ASSIGN(input.source,
                   openFdsVolume(path, options.grid, options.bounds, std::nullopt, reading));
     return input;
   }
-  if (isPicturePath(path)) {
+  if (!options.raw && isPicturePath(path)) {
     return fail(ErrorCode::kUnsupported,
                 "{}: this is a picture; expected a volume: .volute, .npy, .vdb, .vti, .pvd or .smv",
                 path);
@@ -107,6 +107,8 @@ Result<VolumeInput> openVolume(const std::string& path, const InputOptions& opti
   source.usualGrid = options.usualGrid;
   source.bounds = options.bounds;
   source.maxMemory = reading.maxMemory;
+  source.byLayers = options.byLayers;
+  source.raw = options.raw;
   source.remark = [&](const std::string& text) { reading.progress.remark(text); };
   VOLUTE_ASSIGN(input.source, openSource(path, source));
   if (const auto gaps = missingNumbers(input.source->info().frameNumbers); !gaps.empty())

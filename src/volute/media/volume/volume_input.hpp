@@ -11,6 +11,7 @@
 #include "volute/codec/volute_reader.hpp"
 #include "volute/grid/frame_source.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/io/volume_source.hpp"
 #include "volute/media/reading.hpp"
 
 namespace volute {
@@ -22,6 +23,8 @@ struct InputOptions {
   bool partial = false;        ///< a damaged .volute is read as far as it is intact
   bool verify = true;          ///< with `partial`: looks through it first, and remarks on damage
   std::string usualGrid = "density";  ///< which of several, when none is named
+  bool byLayers = false;               ///< frames may be larger than memory; see SourceOptions
+  std::optional<RawLayout> raw{};      ///< of files without a header
 };
 
 /// An open volume of any format.

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/io/raw_volume.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+
+#include "volute/base/assert.hpp"
+#include "volute/base/half.hpp"
+#include "volute/base/input_file.hpp"
+
+namespace volute {
+namespace {
+
+using Type = RawLayout::Type;
+
+std::uint64_t sizeOf(Type type) {
+  switch (type) {
+    case Type::kUint8:
+    case Type::kInt8:
+      return 1;
+    case Type::kUint16:
+    case Type::kInt16:
+    case Type::kFloat16:
+      return 2;
+    case Type::kUint32:
+    case Type::kInt32:
+    case Type::kFloat32:
+      return 4;
+    case Type::kFloat64:
+      return 8;
+  }
+  return 4;
+}
+
+template <class Value>
+void convert(std::span<std::byte> bytes, bool swap, float* to) {
+  if (swap) {
+    for (std::size_t at = 0; at < bytes.size(); at += sizeof(Value))
+      std::ranges::reverse(bytes.subspan(at, sizeof(Value)));
+  }
+  for (std::size_t at = 0; at < bytes.size(); at += sizeof(Value)) {
+    Value value;
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    if constexpr (std::is_same_v<Value, Half>) {
+      *to++ = toFloat(value);
+    } else {
+      *to++ = static_cast<float>(value);
+    }
+  }
+}
+
+void convert(Type type, std::span<std::byte> bytes, bool swap, float* to) {
+  switch (type) {
+    case Type::kUint8:
+      return convert<std::uint8_t>(bytes, false, to);
+    case Type::kInt8:
+      return convert<std::int8_t>(bytes, false, to);
+    case Type::kUint16:
+      return convert<std::uint16_t>(bytes, swap, to);
+    case Type::kInt16:
+      return convert<std::int16_t>(bytes, swap, to);
+    case Type::kFloat16:
+      return convert<Half>(bytes, swap, to);
+    case Type::kUint32:
+      return convert<std::uint32_t>(bytes, swap, to);
+    case Type::kInt32:
+      return convert<std::int32_t>(bytes, swap, to);
+    case Type::kFloat32:
+      return convert<float>(bytes, swap, to);
+    case Type::kFloat64:
+      return convert<double>(bytes, swap, to);
+  }
+}
+
+/// What one file of so many frames must be; none: it says how many it has.
+Result<VolumeInfo> infoOf(const InputFile& file, const SourceOptions& options,
+                          std::optional<int> frames) {
+  const RawLayout& raw = *options.raw;
+  const std::string where = file.path().string();
+  VolumeInfo info;
+  info.x = raw.size[0];
+  info.y = raw.size[1];
+  info.z = raw.size[2];
+  info.channels = raw.channels;
+  std::uint64_t bytes = sizeOf(raw.type);
+  bool possible = info.channels == 1 || info.channels == 3;
+  for (const int extent : {info.x, info.y, info.z, info.channels})
+    possible = possible && extent > 0 && !__builtin_mul_overflow(bytes, std::uint64_t(extent), &bytes);
+  if (!possible || bytes > std::uint64_t{1} << 60) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: a raw frame of {} x {} x {} voxels with {} channels; expected sizes of 1 or "
+                "more, and 1 or 3 channels",
+                where, info.x, info.y, info.z, info.channels);
+  }
+  const std::uint64_t present = file.size() - std::min(file.size(), raw.offset);
+  const std::uint64_t count = present / bytes;
+  const bool fits = present % bytes == 0 && count > 0 &&
+                    (frames ? count == static_cast<std::uint64_t>(*frames)
+                            : count <= std::numeric_limits<std::int32_t>::max());
+  if (!fits) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: has {} bytes after the first {}, and a frame of {} x {} x {} voxels with {} "
+                "channel{} of {} bytes takes {}; expected {} of them and nothing else",
+                where, present, raw.offset, info.x, info.y, info.z, info.channels,
+                info.channels == 1 ? "" : "s", sizeOf(raw.type), bytes,
+                frames ? "one" : "a whole number");
+  }
+  info.frames = static_cast<int>(count);
+  const std::uint64_t limit = options.maxMemory;
+  constexpr std::uint64_t kPerFrame = sizeof(int) + sizeof(double);
+  if ((!options.byLayers && 4 * info.frameValues() > limit) || count * kPerFrame > limit) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: {} frames of {} x {} x {} voxels need more than the {} MiB allowed; raise "
+                "--max-memory",
+                where, count, info.x, info.y, info.z, limit >> 20);
+  }
+  if (options.bounds)
+    info.bounds = *options.bounds;
+  if (options.bounds && options.bounds->empty()) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: the given bounds are empty; expected min < max on every axis", where);
+  }
+  info.fillDefaults();
+  VOLUTE_TRY(info.validate(where));
+  return info;
+}
+
+/// Files of numbered frames are open while they are read.
+class RawSource final : public FrameSource {
+ public:
+  RawSource(std::vector<std::filesystem::path> files, std::optional<InputFile> single,
+            RawLayout layout, VolumeInfo info)
+      : files_(std::move(files)),
+        single_(std::move(single)),
+        layout_(layout),
+        info_(std::move(info)) {}
+
+  const VolumeInfo& info() const override { return info_; }
+
+  bool readsLayers() const override { return true; }
+
+  Status readFrame(int index, std::span<float> values) override {
+    return readLayers(index, 0, info_.z, values);
+  }
+
+  Status readLayers(int index, int first, [[maybe_unused]] int end,
+                    std::span<float> values) override {
+    const std::uint64_t layer = info_.frameValues() / static_cast<std::uint64_t>(info_.z);
+    VOLUTE_ASSERT(values.size() == layer * static_cast<std::uint64_t>(end - first));
+    const auto frame = static_cast<std::uint64_t>(single_ ? index : 0);
+    const std::uint64_t offset =
+        layout_.offset + sizeOf(layout_.type) * (info_.frameValues() * frame +
+                                                 layer * static_cast<std::uint64_t>(first));
+    if (single_)
+      return read(*single_, offset, values);
+    VOLUTE_ASSIGN(const auto file, InputFile::open(files_[static_cast<std::size_t>(index)]));
+    return read(file, offset, values);
+  }
+
+ private:
+  Status read(const InputFile& file, std::uint64_t offset, std::span<float> values) {
+    const bool swap = layout_.bigEndian != (std::endian::native == std::endian::big);
+    if (layout_.type == Type::kFloat32 && !swap)
+      return file.read(offset, std::as_writable_bytes(values));
+    constexpr std::size_t kPiece = std::size_t{1} << 18;  // values
+    const std::uint64_t size = sizeOf(layout_.type);
+    bytes_.resize(std::min(kPiece, values.size()) * size);
+    for (std::size_t at = 0; at < values.size(); at += kPiece) {
+      const auto piece = std::span(bytes_).first(std::min(kPiece, values.size() - at) * size);
+      VOLUTE_TRY(file.read(offset + at * size, piece));
+      convert(layout_.type, piece, swap, values.data() + at);
+    }
+    return {};
+  }
+
+  std::vector<std::filesystem::path> files_;
+  std::optional<InputFile> single_;
+  RawLayout layout_;
+  VolumeInfo info_;
+  std::vector<std::byte> bytes_;
+};
+
+Status checkNoGrid(const std::filesystem::path& path, const SourceOptions& options) {
+  if (options.grid.empty())
+    return {};
+  return fail(ErrorCode::kInvalidArgument, "{}: a raw file has no named grids; leave out --field {}",
+              path.string(), options.grid);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSource>> openRaw(const std::filesystem::path& path,
+                                             const SourceOptions& options) {
+  VOLUTE_ASSERT(options.raw);
+  VOLUTE_TRY(checkNoGrid(path, options));
+  VOLUTE_ASSIGN(auto file, InputFile::open(path));
+  VOLUTE_ASSIGN(auto info, infoOf(file, options, std::nullopt));
+  return std::make_unique<RawSource>(std::vector<std::filesystem::path>(), std::move(file),
+                                     *options.raw, std::move(info));
+}
+
+Result<std::unique_ptr<FrameSource>> openRawSequence(const std::vector<NumberedFile>& files,
+                                                     const SourceOptions& options) {
+  VOLUTE_ASSERT(options.raw && !files.empty());
+  VOLUTE_TRY(checkNoGrid(files.front().path, options));
+  VolumeInfo info;
+  std::vector<int> numbers;
+  std::vector<std::filesystem::path> paths;
+  for (const NumberedFile& one : files) {
+    VOLUTE_ASSIGN(const auto file, InputFile::open(one.path));
+    VOLUTE_ASSIGN(info, infoOf(file, options, 1));
+    numbers.push_back(one.number);
+    paths.push_back(one.path);
+  }
+  info.frames = static_cast<int>(files.size());
+  info.frameNumbers = std::move(numbers);
+  info.times.clear();
+  info.fillDefaults();
+  VOLUTE_TRY(info.validate(files.front().path.string()));
+  return std::make_unique<RawSource>(std::move(paths), std::nullopt, *options.raw, std::move(info));
+}
+
+}  // namespace volute

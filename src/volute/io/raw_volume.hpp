@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "volute/io/frame_pattern.hpp"
+#include "volute/io/volume_source.hpp"
+
+namespace volute {
+
+/// Files of values and nothing else, as `options.raw` says: numbered files with a frame each, or one
+/// with all of them, (t, z, y, x, c) in C order. Each file must have as many bytes as that takes; of
+/// a single one they give the number of frames. Reads little more than what it is asked for.
+/// @param options  bounds are stated, as of a .npy; kInvalidArgument where `raw` makes no sense
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> openRaw(const std::filesystem::path& path,
+                                                           const SourceOptions& options);
+
+[[nodiscard]] Result<std::unique_ptr<FrameSource>> openRawSequence(
+    const std::vector<NumberedFile>& files, const SourceOptions& options);
+
+}  // namespace volute
