@@ -22,6 +22,9 @@ using Parameters = Eigen::Matrix<double, kCount, 1>;
 using Square = Eigen::Matrix<double, kCount, kCount>;
 using Vector = std::vector<float>;
 
+/// A step makes some sixty products, which a table pays for. Few voxels are refined.
+constexpr std::uint64_t kTableBytes = std::uint64_t{512} << 20;
+
 /// How fine volume and pictures are.
 struct Level {
   int voxels = 1;              ///< the volume's resolution is divided by this
@@ -223,8 +226,9 @@ class LevelFit {
                const Level& level) {
     const TomographyView& first = frames[0][v];
     LevelView one{{first.name, first.camera, {}}, 1, {}};
-    // A voxel is two pixels or more.
-    one.factor = std::clamp(static_cast<int>(voxelInPixels(first.camera, geometry_) / 2), 1,
+    // A voxel is nearly two pixels or more.
+    constexpr double kPixels = 1.8;
+    one.factor = std::clamp(static_cast<int>(voxelInPixels(first.camera, geometry_) / kPixels), 1,
                             std::max(1, std::min(first.camera.width(), first.camera.height()) / 8));
     const auto grow = static_cast<int>(std::ceil(level.uncertainPixels / one.factor));
     for (std::size_t f = 0; f < frames.size(); ++f) {
@@ -263,7 +267,7 @@ class LevelFit {
     std::vector<ProjectorView> seen;
     for (std::size_t v = 0; v < views_.size(); ++v)
       seen.push_back({&cameras_[v], views_[v].view.silhouette});
-    projector_ = std::make_unique<const Projector>(seen, support_, 1, 0);
+    projector_ = std::make_unique<const Projector>(seen, support_, 1, kTableBytes);
     if (projector_->rows() == 0)
       return fail(ErrorCode::kNotFound, "No ray meets the volume");
     measured_.assign(4 * rows(), 0);

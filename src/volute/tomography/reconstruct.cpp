@@ -94,10 +94,10 @@ class CoarseProgress final : public Progress {
 };
 
 /// How many pixels on a side may become one without the volume being able to tell: a voxel stays
-/// two and a half pixels wide. 1 where single pixels say more than their mean.
+/// nearly two pixels wide. 1 where single pixels say more than their mean.
 int pixelsTogether(std::span<const TomographyView> views, const VolumeGeometry& geometry,
                    const TomographyOptions& options) {
-  constexpr double kPixels = 2.5;
+  constexpr double kPixels = 1.8;
   if (options.solver != TomographySolver::kApg || options.raysPerPixel == 1)
     return 1;
   double narrowest = 64;

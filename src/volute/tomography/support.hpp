@@ -47,7 +47,13 @@ class Support {
   }
 
   /// Whether any unknown reaches into the cell.
-  bool touches(const std::array<int, 3>& cell) const { return touched_[nodeOf(cell)] != 0; }
+  bool touches(const std::array<int, 3>& cell) const { return away(cell) == 0; }
+
+  /// How many cells away, along the axis on which it is furthest, the nearest is that any unknown
+  /// reaches into, and at most kFurthest.
+  int away(const std::array<int, 3>& cell) const { return away_[nodeOf(cell)]; }
+
+  static constexpr int kFurthest = 255;
 
   const std::array<std::int32_t, 3>& stride() const { return stride_; }  ///< in nodes, on x, y, z
 
@@ -70,6 +76,8 @@ class Support {
   std::int32_t firstVoxel() const { return firstVoxel_; }
 
  private:
+  void findAway();
+
   VolumeGeometry geometry_;
   Basis basis_;
   CellGrid cells_;
@@ -81,7 +89,7 @@ class Support {
   std::size_t latticeSize_ = 0;
   std::vector<std::int32_t> voxel_;
   std::vector<std::int32_t> node_;
-  std::vector<std::uint8_t> touched_;
+  std::vector<std::uint8_t> away_;  ///< of each cell, at nodeOf() it
 };
 
 /// The part of a segment from the first to the last cell that an unknown reaches into.
