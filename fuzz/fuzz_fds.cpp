@@ -14,10 +14,11 @@
 #include "volute/fds/fds_case.hpp"
 
 // An input is four lengths (u16, little endian) and as many files: case.smv, a.sf, a.s3d, and
-// a.s3d.sz.
+// a.s3d.sz. The third is also a.q, a PLOT3D file, for indices that name one.
 
 namespace {
 
+constexpr int kColumns = 16;  // of the raster on which buildings are understood: 200 take 0.1 s
 constexpr const char* kNames[] = {"case.smv", "a.sf", "a.s3d", "a.s3d.sz"};
 
 const std::filesystem::path& folder() {
@@ -33,14 +34,20 @@ const std::filesystem::path& folder() {
   return path;
 }
 
+void save(const char* name, std::span<const std::uint8_t> bytes) {
+  std::ofstream(folder() / name, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+}
+
 void saveFiles(std::span<const std::uint8_t> data) {
   std::size_t place = 8;
   for (std::size_t i = 0; i < 4; ++i) {
     const std::size_t wanted = data[2 * i] + 256U * data[2 * i + 1];
     const std::size_t length = std::min(wanted, data.size() - place);
-    std::ofstream(folder() / kNames[i], std::ios::binary)
-        .write(reinterpret_cast<const char*>(data.data() + place),
-               static_cast<std::streamsize>(length));
+    save(kNames[i], data.subspan(place, length));
+    if (i == 2)
+      save("a.q", data.subspan(place, length));
     place += length;
   }
 }
@@ -65,7 +72,7 @@ void look(volute::FdsCase& opened, double time) {
   require(std::isfinite(depth.value) && depth.value >= 0 && !std::isnan(depth.high));
   require(depth.low <= depth.value * (1 + 1e-9) && depth.value <= depth.high * (1 + 1e-9));
   (void)opened.obstructions(time).blocked(line);
-  (void)volute::FdsBuilding(opened.index(), time).quads();
+  (void)volute::FdsBuilding(opened.index(), time, kColumns).quads();
 }
 
 }  // namespace
@@ -75,7 +82,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size < 8)
     return 0;
   saveFiles({data, size});
-  for (const char* source : {"", "s3d"}) {
+  for (const char* source : {"", "s3d", "plot3d-extinction"}) {
     volute::FdsOptions options;
     options.source = source;
     options.maxMemory = std::uint64_t{32} << 20;

@@ -17,7 +17,13 @@
 namespace {
 
 constexpr std::uint64_t kMaxMemory = std::uint64_t{64} << 20;
-constexpr std::size_t kMaxBlocks = 8;  // a small file may state millions of empty ones
+
+/// A small file may state millions of blocks; one of 16^4 voxels takes a millisecond.
+std::vector<std::size_t> someBlocks(std::size_t count) {
+  if (count < 2)
+    return std::vector<std::size_t>(count);
+  return {0, count - 1};
+}
 
 void requireFinite(std::span<const float> values) {
   if (!std::ranges::all_of(values, [](float value) { return std::isfinite(value); }))
@@ -25,12 +31,12 @@ void requireFinite(std::span<const float> values) {
 }
 
 // Everything that a caller can ask of a grid; errors are fine, crashes and values that are not
-// finite are not.
-void readGrid(const std::string& path, bool partial, const std::string& name,
+// finite are not. Returns whether it opened.
+bool readGrid(const std::string& path, bool partial, const std::string& name,
               std::vector<std::string>* others) {
   const auto reader = volute::VoluteReader::open(path, {partial, kMaxMemory, name});
   if (!reader)
-    return;
+    return false;
   for (const volute::VoluteGrid& grid : reader->grids()) {
     if (others && grid.info.name != reader->info().name)
       others->push_back(grid.info.name);
@@ -39,12 +45,12 @@ void readGrid(const std::string& path, bool partial, const std::string& name,
   }
   const volute::BlockGrid& grid = reader->blocks();
   if (grid.count() > 100000)
-    return;
+    return true;
   (void)reader->verify();
   std::vector<float> values;
-  for (std::size_t block = 0; block < std::min(grid.count(), kMaxBlocks); ++block) {
+  for (const std::size_t block : someBlocks(grid.count())) {
     values.resize(grid.values(block));
-    for (const int levels : {1, 3, 99}) {
+    for (const int levels : {1, 99}) {
       if (reader->readBlock(block, values, levels))
         requireFinite(values);
     }
@@ -56,14 +62,16 @@ void readGrid(const std::string& path, bool partial, const std::string& name,
   values.resize(static_cast<std::size_t>(z) * y * x * grid.channels());
   if (reader->readRegion(extents[0] - 1, {0, 0, 0}, {z, y, x}, values))
     requireFinite(values);
+  return true;
 }
 
-void readEverything(const std::string& path, bool partial) {
+bool readEverything(const std::string& path, bool partial) {
   constexpr std::size_t kMostGrids = 4;
   std::vector<std::string> others;
-  readGrid(path, partial, "", &others);
+  const bool opened = readGrid(path, partial, "", &others);
   for (std::size_t i = 0; i < std::min(others.size(), kMostGrids); ++i)
     readGrid(path, partial, others[i], nullptr);
+  return opened;
 }
 
 }  // namespace
@@ -74,7 +82,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (::ftruncate(file, 0) != 0 || ::pwrite(file, data, size, 0) != static_cast<ssize_t>(size))
     std::abort();
   const std::string path = "/proc/self/fd/" + std::to_string(file);
-  readEverything(path, false);
-  readEverything(path, true);
+  if (!readEverything(path, false))
+    readEverything(path, true);
   return 0;
 }

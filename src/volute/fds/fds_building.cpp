@@ -9,8 +9,6 @@
 namespace volute {
 namespace {
 
-constexpr int kBuildingColumns = 200;  ///< of the raster, along the longer side
-constexpr int kBuildingLayers = 96;    ///< at most
 constexpr double kFinest = 0.02;       ///< [m] of the raster
 constexpr double kIndoors = 0.6;       ///< [m] of gas that end the way through a wall
 constexpr double kRoomHeight = 1.5;    ///< [m]
@@ -66,10 +64,10 @@ struct FdsBuilding::Raster {
   std::vector<std::int32_t> what;  // a box, or kGasCell, kVoidCell, kClosedCell
   std::vector<char> covered;       // something is above
 
-  explicit Raster(const Box3& meshes) {
+  Raster(const Box3& meshes, int columns) {
     const Vec3 size = meshes.size();
-    const double wide = std::max(size.head<2>().maxCoeff() / kBuildingColumns, kFinest);
-    cell = Vec3(wide, wide, std::max(size.z() / kBuildingLayers, std::min(wide, 0.1)));
+    const double wide = std::max(size.head<2>().maxCoeff() / columns, kFinest);
+    cell = Vec3(wide, wide, std::max(size.z() / (0.48 * columns), std::min(wide, 0.1)));
     origin = meshes.min - cell;
     for (int axis = 0; axis < 3; ++axis)
       n[axis] = 2 + std::max(1, static_cast<int>(std::ceil(size[axis] / cell[axis] - 1e-9)));
@@ -123,7 +121,7 @@ struct FdsBuilding::Raster {
   }
 };
 
-FdsBuilding::FdsBuilding(const SmvIndex& index, double time) {
+FdsBuilding::FdsBuilding(const SmvIndex& index, double time, int columns) {
   const FdsObstructions obstructions(index, time);
   boxes_.assign(obstructions.boxes().begin(), obstructions.boxes().end());
   shell_.assign(boxes_.size(), 0);
@@ -134,7 +132,7 @@ FdsBuilding::FdsBuilding(const SmvIndex& index, double time) {
     meshes.extend(mesh.bounds().min);
     meshes.extend(mesh.bounds().max);
   }
-  Raster raster(meshes);
+  Raster raster(meshes, columns);
   for (const FdsMesh& mesh : index.meshes) raster.fill(mesh.bounds(), kGasCell);
   for (const Face& face : faces_) {
     if (face.side < 0)

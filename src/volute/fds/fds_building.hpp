@@ -34,7 +34,10 @@ using FdsSides = unsigned;
 /// stand up to a ceiling, are 1.8 m high or at most 0.3 m thick, so that furniture at a wall stays.
 class FdsBuilding {
  public:
-  FdsBuilding(const SmvIndex& index, double time);
+  static constexpr int kUsualColumns = 200;
+
+  /// @param columns  of the raster; its layers are at most 0.48 times as many
+  FdsBuilding(const SmvIndex& index, double time, int columns = kUsualColumns);
 
   /// Around obstructions and closed walls of the meshes; around all meshes where there are none.
   const Box3& bounds() const { return bounds_; }

@@ -287,8 +287,20 @@ void StudyResults::addFailure(const StudyRun& run, const std::string& sentence) 
 }
 
 Status StudyResults::add(const StudyRun& run, const std::filesystem::path& folder) {
-  VOLUTE_ASSIGN(const auto json, readOwnJson(folder / "visibility.json"));
-  auto& row = rows_.emplace_back();
+  const auto file = folder / "visibility.json";
+  VOLUTE_ASSIGN(const auto json, readOwnJson(file));
+  try {
+    addResult(run, json);
+  } catch (const Json::exception& error) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: is not what a survey writes ({}); delete {} to do this run again",
+                file.string(), error.what(), folder.string());
+  }
+  return {};
+}
+
+void StudyResults::addResult(const StudyRun& run, const Json& json) {
+  std::map<std::string, std::string> row;
   put(row, "run", run.name);
   put(row, "case", run.casePath);
   put(row, "variant", run.variant);
@@ -314,12 +326,12 @@ Status StudyResults::add(const StudyRun& run, const std::filesystem::path& folde
   }
   if (json.contains("tenability") && json["tenability"].contains("margin")) {
     const Json& margin = json["tenability"]["margin"];
-    put(row, "least margin [s]", margin.contains("least") ? margin["least"]["value"].dump() : "");
+    put(row, "least margin [s]", margin.contains("least") ? margin["least"].at("value").dump() : "");
   }
   put(row, "remarks", std::to_string(json.value("remarks", Json::array()).size()));
   if (auto plan = planOf(run.name, json))
     plans_.push_back(std::move(*plan));
-  return {};
+  rows_.push_back(std::move(row));
 }
 
 std::optional<StudyResults::Plan> StudyResults::planOf(const std::string& run, const Json& json) {
@@ -328,19 +340,24 @@ std::optional<StudyResults::Plan> StudyResults::planOf(const std::string& run, c
     return std::nullopt;
   Plan plan;
   plan.run = run;
-  plan.plan.origin = Vec3(eyes["origin"][0], eyes["origin"][1], eyes["height"]);
-  plan.plan.step = eyes["step"];
-  plan.plan.nx = eyes["nx"];
-  plan.plan.ny = eyes["ny"];
-  plan.end = json["times"].back();
+  const Json& origin = eyes.at("origin");
+  plan.plan.origin = Vec3(origin.at(0), origin.at(1), eyes.at("height"));
+  plan.plan.step = eyes.at("step");
+  plan.plan.nx = eyes.at("nx");
+  plan.plan.ny = eyes.at("ny");
+  if (json.at("times").empty())
+    return std::nullopt;
+  plan.end = json.at("times").back();
   const Json& rows = json.contains("tenability") && json["tenability"].contains("aset")
-                         ? json["tenability"]["aset"]["rows"]
-                         : json["aset"][0]["rows"];
+                         ? json["tenability"]["aset"].at("rows")
+                         : json.at("aset").at(0).at("rows");
   for (int y = 0; y < plan.plan.ny; ++y) {
-    const std::string walkable = json["plan"][y];
+    const auto line = static_cast<std::size_t>(y);
+    const std::string walkable = json.at("plan").at(line);
     for (int x = 0; x < plan.plan.nx; ++x) {
-      const bool gas = walkable[static_cast<std::size_t>(x)] == '1';
-      const Json& value = rows[y][x];
+      const auto column = static_cast<std::size_t>(x);
+      const bool gas = column < walkable.size() && walkable[column] == '1';
+      const Json& value = rows.at(line).at(column);
       plan.plan.places.push_back(gas ? Place::kGas : Place::kSolid);
       plan.aset.push_back(!gas                ? std::numeric_limits<float>::quiet_NaN()
                           : value.is_number() ? value.get<float>()

@@ -42,7 +42,7 @@ class StudyResults {
  public:
   explicit StudyResults(std::string baseline) : baseline_(std::move(baseline)) {}
 
-  /// From the visibility.json in a run's folder.
+  /// From the visibility.json in a run's folder; nothing is added where that is damaged.
   [[nodiscard]] Status add(const StudyRun& run, const std::filesystem::path& folder);
   void addFailure(const StudyRun& run, const std::string& sentence);
 
@@ -64,6 +64,7 @@ class StudyResults {
     double end = 0;           ///< the last time
   };
 
+  void addResult(const StudyRun& run, const Json& json);
   void put(std::map<std::string, std::string>& row, const std::string& column, std::string value);
   static std::optional<Plan> planOf(const std::string& run, const Json& json);
 
