@@ -3,9 +3,12 @@
 """Wrong inputs: one sentence with what, where and what was expected; and never a target."""
 import math
 import os
+import pathlib
+import re
 import resource
 import signal
 import socket
+import subprocess
 import unittest
 
 import support
@@ -23,6 +26,24 @@ class Failures(support.TestCase):
                         ["compare", self.path("no.npy"), self.path("no.npy")]):
             self.assertIn("no.", self.fails(1, *command))
         self.assertIn("no.npy", self.compress_fails(self.path("no.npy")))
+
+    def test_a_plug_in_of_another_build_is_said_to_be_one(self):
+        build = pathlib.Path(support.PROGRAM).resolve().parent.parent
+        header, plugin = build / "generated/volute/io/plugin_interface.hpp", build / "lib/volute/volute_io_vdb.so"
+        if not header.exists() or not plugin.exists():
+            self.skipTest("an installed program, or none with OpenVDB")
+        self.works("synthesize", "flame", "-o", self.path("s.vdb"), "--size", "16", "--frames", "1")
+        stamp = re.search(r'kPluginInterface\[\] = "(\w+)"', header.read_text()).group(1).encode() + b"\0"
+        whole = plugin.read_bytes()
+        self.assertIn(stamp, whole)
+        for folder in ("bin", "lib/volute"):
+            self.path(folder).mkdir(parents=True)
+        os.link(support.PROGRAM, self.path("bin/volute"))  # plug-ins are looked for beside it
+        self.path("lib/volute/volute_io_vdb.so").write_bytes(whole.replace(stamp, b"0123456789ab\0"))
+        done = subprocess.run([self.path("bin/volute"), "info", self.path("s.vdb")], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("built with another Volute", done.stderr)
+        self.assertNotIn("damaged", done.stderr)
 
     def test_not_finite_values_are_named_by_frame_and_voxel(self):
         for bad in (math.nan, math.inf, -math.inf):

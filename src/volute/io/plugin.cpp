@@ -6,7 +6,10 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <string_view>
 #include <system_error>
+
+#include "volute/io/plugin_interface.hpp"
 
 namespace volute {
 namespace {
@@ -23,31 +26,32 @@ std::filesystem::path folderBesideProgram() {
   return program.parent_path().parent_path() / "lib" / "volute";
 }
 
+/// Whether a loaded plug-in is made of the headers that this program is made of.
+bool ofThisBuild(void* library) {
+  void* symbol = ::dlsym(library, "volutePluginInterface");
+  return symbol &&
+         std::string_view(reinterpret_cast<const char* (*)()>(symbol)()) == kPluginInterface;
+}
+
 /// `function` of the plug-in lib`name`.so, called; null with `reason` when it cannot be loaded.
-const void* loadFrom(const std::filesystem::path& file, const char* function, std::string& reason) {
+const void* loadFrom(const std::filesystem::path& file, const char* function, bool checked,
+                     std::string& reason) {
   void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   void* symbol = library ? ::dlsym(library, function) : nullptr;
   if (!symbol) {
     reason = ::dlerror();
     return nullptr;
   }
+  if (checked && !ofThisBuild(library)) {
+    reason = file.string() +
+             " was built with another Volute than this program; install or build both together";
+    return nullptr;
+  }
   return reinterpret_cast<const void* (*)()>(symbol)();
 }
 
-template <class Plugin>
-Result<const Plugin*> load(bool built, const char* name, const char* function, const char* library,
-                           const char* option) {
-  if (!built) {
-    return fail(ErrorCode::kUnsupported, "this build has no {} ({}=OFF); build Volute with it",
-                library, option);
-  }
-  VOLUTE_ASSIGN(const void* plugin, loadPlugin(name, function, library));
-  return static_cast<const Plugin*>(plugin);
-}
-
-}  // namespace
-
-Result<const void*> loadPlugin(const char* name, const char* function, const char* library) {
+Result<const void*> findPlugin(const char* name, const char* function, const char* library,
+                               bool checked) {
   std::string reason;
   for (const auto& folder :
        {namedFolder(), folderBesideProgram(), std::filesystem::path(VOLUTE_PLUGIN_FOLDER)}) {
@@ -57,7 +61,7 @@ Result<const void*> loadPlugin(const char* name, const char* function, const cha
     std::error_code error;
     if (!std::filesystem::exists(file, error))
       continue;
-    if (const void* plugin = loadFrom(file, function, reason))
+    if (const void* plugin = loadFrom(file, function, checked, reason))
       return plugin;
   }
   if (reason.empty())
@@ -65,6 +69,23 @@ Result<const void*> loadPlugin(const char* name, const char* function, const cha
                          (namedFolder().empty() ? folderBesideProgram() : namedFolder()).string());
   return fail(ErrorCode::kUnsupported, "the part of Volute that uses {} cannot be loaded: {}",
               library, reason);
+}
+
+template <class Plugin>
+Result<const Plugin*> load(bool built, const char* name, const char* function, const char* library,
+                           const char* option) {
+  if (!built) {
+    return fail(ErrorCode::kUnsupported, "this build has no {} ({}=OFF); build Volute with it",
+                library, option);
+  }
+  VOLUTE_ASSIGN(const void* plugin, findPlugin(name, function, library, true));
+  return static_cast<const Plugin*>(plugin);
+}
+
+}  // namespace
+
+Result<const void*> loadPlugin(const char* name, const char* function, const char* library) {
+  return findPlugin(name, function, library, false);
 }
 
 Result<const LatticePlugin*> loadVdbPlugin() {

@@ -14,7 +14,7 @@ namespace volute {
 /// program that reads no VTK file neither waits for VTK nor carries it. They lie in the
 /// folder that the environment's VOLUTE_PLUGIN_FOLDER names, in lib/volute beside the program's bin,
 /// or where the library was to be installed when it was configured. An error says when this build
-/// has none.
+/// has none, or the plug-in that is there is of another one.
 [[nodiscard]] Result<const LatticePlugin*> loadVdbPlugin();
 [[nodiscard]] Result<const LatticePlugin*> loadVtkPlugin();
 [[nodiscard]] Result<const MeshPlugin*> loadVtkMeshPlugin();
@@ -22,8 +22,8 @@ namespace volute {
 [[nodiscard]] Result<const SurfacePlugin*> loadGltfPlugin();
 [[nodiscard]] Result<const FilmPlugin*> loadFilmPlugin();
 
-/// What `function` of another plug-in, lib/volute/NAME.so, returns. `library` is what it needs, for
-/// the error.
+/// What `function` of another plug-in, lib/volute/NAME.so, returns, of whatever build it is: what it
+/// returns must say. `library` is what it needs, for the error.
 [[nodiscard]] Result<const void*> loadPlugin(const char* name, const char* function,
                                              const char* library);
 
