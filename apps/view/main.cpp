@@ -61,7 +61,8 @@ Status run(const Arguments& arguments, Context& context) {
   }
   VOLUTE_ASSIGN(auto cache, lightCache(arguments, context));
   const auto open = documentOpener(
-      {context.maxMemory, path, std::move(members), std::move(cache), method});
+      {context.maxMemory, path, std::move(members), std::move(cache), method,
+       start.time});
   const auto target = arguments.find<std::string>("screenshot");
   if (!target)
     return runViewerWindow(open, start, context.progress);
@@ -71,7 +72,9 @@ Status run(const Arguments& arguments, Context& context) {
     return fail(ErrorCode::kInvalidArgument, "--screenshot: '{}' is no .png", *target);
   VOLUTE_TRY(checkTarget(*target));
   VOLUTE_ASSIGN(const Image image,
-                viewerScreenshot(open, start, !arguments.flag("no-panels"), context.progress));
+                namingOptions(viewerScreenshot(open, start, !arguments.flag("no-panels"),
+                                               context.progress),
+                              arguments));
   return writeImage(*target, image);
 }
 

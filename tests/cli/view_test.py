@@ -35,6 +35,16 @@ class View(support.TestCase):
         self.assertNotEqual(first, later)
         self.assertEqual(first, self.frame(self.volume(), "--no-panels"))
 
+    def test_a_time_past_the_end_is_refused(self):
+        message = self.fails(1, "view", self.volume(), "--time", "99", "--screenshot", self.path("s.png"), "--size", "160x100")
+        self.assertIn("--time", message)
+        self.assertIn("2 frames from 0 to 0.04 s", message)
+        self.assertFalse(self.path("s.png").exists())
+        self.path("loop.json").write_text(json.dumps({
+            "format": "volute-scene-1", "camera": {"eye": [0.5, -2, 0.5], "target": [0.5, 0.5, 0.5], "fov": 40},
+            "media": [{"kind": "volume", "file": "v.npy", "time": {"loop": True}}]}))
+        self.assertNotEqual(self.frame(self.path("loop.json"), "--no-panels", "--time", "99"), b"")
+
     def test_time_0_is_taken_whatever_the_scene_says(self):
         self.volume()
         self.path("late.json").write_text(json.dumps({

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "volute/film/picture_writer.hpp"
 #include "volute/grid/select_frames.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/scene/first_sight.hpp"
+#include "volute/scene/scene_end.hpp"
 
 namespace volute {
 namespace {
@@ -57,31 +57,6 @@ Result<std::vector<FilmFrame>> framesOfFilm(double first, double last, double sp
   for (int i = 0; i < static_cast<int>(count); ++i)
     frames.push_back({i, std::min(first + i * speed / kUsualRate, last)});
   return frames;
-}
-
-/// The last frame lasts as long as the one before. A lone one lasts for ever.
-double endOf(const MediumInfo& medium) {
-  const std::size_t n = medium.times.size();
-  return n < 2 || medium.loops || medium.endless ? std::numeric_limits<double>::infinity()
-                                                 : 2 * medium.times[n - 1] - medium.times[n - 2];
-}
-
-/// A time must lie before the end of one medium at least, where all of them end.
-Status checkTime(const Scene& scene, double time) {
-  constexpr double kRounding = 1e-9;
-  const MediumInfo* longest = nullptr;
-  for (const auto& medium : scene.media()) {
-    const MediumInfo& info = medium->info();
-    if (info.endless)
-      return {};
-    if (info.times.size() > 1 && (!longest || endOf(info) > endOf(*longest)))
-      longest = &info;
-  }
-  if (!longest || time <= endOf(*longest) + kRounding * (1 + std::abs(endOf(*longest))))
-    return {};
-  return fail(ErrorCode::kInvalidArgument,
-              "time: {:g} s is past the end: {} has {} frames from {:g} to {:g} s", time,
-              longest->file, longest->times.size(), longest->times.front(), longest->times.back());
 }
 
 Result<std::vector<int>> positionsOf(const MediumInfo& medium, const FrameRange& range) {
@@ -135,7 +110,7 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
   const std::string& target = request.target;
   const SceneMedium* leader = leaderOf(scene);
   if (request.time) {
-    VOLUTE_TRY(checkTime(scene, *request.time));
+    VOLUTE_TRY(checkSceneTime(scene, *request.time));
     const int number = leader ? numberAt(leader->info(), *request.time) : 0;
     return ChosenFrames{{FilmFrame{number, *request.time}}};
   }

@@ -8,12 +8,35 @@
 
 namespace volute {
 
+namespace {
+
+Result<std::unique_ptr<Document>> openCaptureAt(const std::string& path,
+                                                const DocumentOptions& options,
+                                                Progress& progress) {
+  VOLUTE_ASSIGN(auto document, CaptureDocument::open(path, options.maxMemory, progress));
+  const auto times = document->times();
+  const std::size_t n = times.size();
+  if (options.beginAt && path == options.file && n > 1 &&
+      *options.beginAt > 2 * times[n - 1] - times[n - 2]) {
+    return fail(ErrorCode::kInvalidArgument,
+                "time: {:g} s is past the end: {} has {} frames from {:g} to {:g} s",
+                *options.beginAt, path, n, times.front(), times.back());
+  }
+  return document;
+}
+
+}  // namespace
+
 OpenDocument documentOpener(DocumentOptions options) {
-  return [options = std::move(options)](const std::string& path,
-                                        Progress& progress) -> Result<std::unique_ptr<Document>> {
+  return [options = std::move(options)](
+             const std::string& path,
+             Progress& progress) mutable -> Result<std::unique_ptr<Document>> {
     VOLUTE_ASSIGN(const bool capture, isCapture(path));
-    return capture ? CaptureDocument::open(path, options.maxMemory, progress)
-                   : SceneDocument::open(path, options, progress);
+    auto document = capture ? openCaptureAt(path, options, progress)
+                            : SceneDocument::open(path, options, progress);
+    if (document && path == options.file)
+      options.beginAt.reset();  // when it is read again, fewer frames may be left
+    return document;
   };
 }
 

@@ -20,6 +20,7 @@ struct DocumentOptions {
   nlohmann::ordered_json members = nlohmann::ordered_json::object();
   std::optional<LightCache> lightCache{};  ///< where light of lamps in smoke is looked for and kept
   GlSmokeMethod smokeMethod = GlSmokeMethod::kAuto;
+  std::optional<double> beginAt{};  ///< [s] `file` must have something there
 };
 
 /// Opens whatever the viewer shows: a scene, a volume, a map of fog, smoke on a mesh, an FDS case,

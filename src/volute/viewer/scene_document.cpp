@@ -7,6 +7,7 @@
 
 #include "volute/base/remark_log.hpp"
 #include "volute/base/write_file.hpp"
+#include "volute/scene/scene_end.hpp"
 #include "volute/scene/scene_names.hpp"
 #include "volute/viewer/watched_files.hpp"
 
@@ -70,6 +71,8 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
   scene.assume = true;
   RemarkLog heard(progress);
   VOLUTE_ASSIGN(auto opened, Scene::open(path, scene, heard));
+  if (options.beginAt && path == options.file)
+    VOLUTE_TRY(checkSceneTime(opened, *options.beginAt));
   std::unique_ptr<SceneDocument> document(new SceneDocument(path, std::move(opened), options));
   document->sceneRemarks_ = heard.remarks();
   for (const auto& medium : document->scene_.media()) {

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/scene/scene_end.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace volute {
+namespace {
+
+/// The last frame lasts as long as the one before. A lone one lasts for ever.
+double endOf(const MediumInfo& medium) {
+  const std::size_t n = medium.times.size();
+  return n < 2 || medium.loops || medium.endless ? std::numeric_limits<double>::infinity()
+                                                 : 2 * medium.times[n - 1] - medium.times[n - 2];
+}
+
+}  // namespace
+
+Status checkSceneTime(const Scene& scene, double time) {
+  constexpr double kRounding = 1e-9;
+  const MediumInfo* longest = nullptr;
+  for (const auto& medium : scene.media()) {
+    const MediumInfo& info = medium->info();
+    if (info.endless)
+      return {};
+    if (info.times.size() > 1 && (!longest || endOf(info) > endOf(*longest)))
+      longest = &info;
+  }
+  if (!longest || time <= endOf(*longest) + kRounding * (1 + std::abs(endOf(*longest))))
+    return {};
+  return fail(ErrorCode::kInvalidArgument,
+              "time: {:g} s is past the end: {} has {} frames from {:g} to {:g} s", time,
+              longest->file, longest->times.size(), longest->times.front(), longest->times.back());
+}
+
+}  // namespace volute
