@@ -61,17 +61,9 @@ long MemoryFile::read(char* to, std::size_t count, std::uint64_t offset) const {
 }
 
 Result<std::unique_ptr<FrameFiles>> FrameFiles::open(const std::string& path, std::uint64_t maxMemory) {
-  VOLUTE_ASSIGN(auto opened, VoluteReader::open(path, {.maxMemory = maxMemory}));
-  auto reader = std::make_shared<const VoluteReader>(std::move(opened));
-  const VolumeInfo& info = reader->info();
-  const std::uint64_t frameBytes = 4 * info.frameValues();
-  if (frameBytes > maxMemory / 4) {
-    return fail(ErrorCode::kTooLarge,
-                "{}: a frame takes {} MiB, more than a quarter of the {} MiB allowed; raise --max-memory", path,
-                (frameBytes >> 20) + 1, maxMemory >> 20);
-  }
   VOLUTE_ASSIGN(const LatticePlugin* plugin, loadVdbPlugin());
-  auto files = std::unique_ptr<FrameFiles>(new FrameFiles(std::move(reader), maxMemory));
+  auto files = std::unique_ptr<FrameFiles>(new FrameFiles(maxMemory));
+  VOLUTE_TRY(files->openGrids(path));
   std::string stem = std::filesystem::path(path).stem().string();
   std::ranges::replace_if(stem, [](char c) { return c == '%' || c == '#'; }, '_');
   VOLUTE_ASSIGN(const auto pattern, FramePattern::parse(stem + "_%04d.vdb"));
@@ -79,6 +71,34 @@ Result<std::unique_ptr<FrameFiles>> FrameFiles::open(const std::string& path, st
   files->writer_ = plugin->makeWriter({});
   files->sizes_.resize(files->names_.size());
   return files;
+}
+
+Status FrameFiles::openGrids(const std::string& path) {
+  VOLUTE_ASSIGN(const auto whole, VoluteReader::open(path, {.maxMemory = maxMemory_}));
+  frames_ = whole.info();
+  fileMetadata_ = whole.fileMetadata();
+  plain_ = whole.grids().size() == 1 && !whole.grids().front().description;
+  std::uint64_t frameBytes = 0;
+  for (const VoluteGrid& grid : whole.grids()) frameBytes += grid.empty ? 0 : 4 * grid.info.frameValues();
+  if (frameBytes > maxMemory_ / 4) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: a frame takes {} MiB, more than a quarter of the {} MiB allowed; raise --max-memory", path,
+                (frameBytes >> 20) + 1, maxMemory_ >> 20);
+  }
+  for (const VoluteGrid& grid : whole.grids()) {
+    Volume& volume = volumes_.emplace_back();
+    volume.info = grid.info;
+    volume.description = grid.description.value_or(
+        GridDescription{.type = grid.info.channels == 3 ? "vec3s" : "float", .gridClass = "fog volume"});
+    if (grid.empty)
+      continue;
+    VOLUTE_ASSIGN(auto reader, VoluteReader::open(path, {.maxMemory = maxMemory_, .grid = grid.info.name}));
+    volume.reader = std::make_shared<const VoluteReader>(std::move(reader));
+    volume.info = volume.reader->info();
+    const double share = 4.0 * static_cast<double>(volume.info.frameValues()) / static_cast<double>(frameBytes);
+    volume.room = static_cast<std::uint64_t>(share * static_cast<double>(maxMemory_ / 2));
+  }
+  return {};
 }
 
 std::optional<std::size_t> FrameFiles::find(std::string_view name) const {
@@ -130,33 +150,52 @@ void FrameFiles::keep(std::size_t frame, std::shared_ptr<const File> file) {
 }
 
 Result<std::shared_ptr<const FrameFiles::File>> FrameFiles::make(std::size_t frame) {
-  VOLUTE_TRY(decode(frame));
+  for (Volume& volume : volumes_) {
+    if (volume.reader)
+      VOLUTE_TRY(decode(volume, frame));
+  }
   VOLUTE_ASSIGN(auto memory, MemoryFile::create(names_[frame]));
   auto made = std::make_shared<File>(std::move(memory));
-  VOLUTE_TRY(writer_->write(made->bytes.path(), names_[frame], info(), static_cast<int>(frame), values_));
+  VOLUTE_TRY(writeFrame(made->bytes.path(), frame));
   VOLUTE_ASSIGN(made->size, made->bytes.size());
   return made;
 }
 
-Status FrameFiles::decode(std::size_t frame) {
-  const VolumeInfo& volume = info();
-  values_.resize(volume.frameValues());
-  VOLUTE_ASSIGN(const Row* blocks, row(static_cast<int>(frame) / BlockGrid::kSide));
+Status FrameFiles::writeFrame(const std::string& file, std::size_t frame) {
+  const auto position = static_cast<int>(frame);
+  if (plain_)
+    return writer_->write(file, names_[frame], info(), position, volumes_.front().values);
+  std::vector<GridFrame> grids;
+  for (const Volume& volume : volumes_) {
+    // A cache that has a list of metadata for some frames lacks the grid in the others.
+    const FrameMetadata& metadata = volume.description.metadata;
+    if (metadata.listOf.empty() || metadata.at(position))
+      grids.push_back({&volume.info, &volume.description, position, volume.values});
+  }
+  return writer_->writeGrids(file, names_[frame], grids, fileMetadata_.at(position));
+}
+
+Status FrameFiles::decode(Volume& volume, std::size_t frame) {
+  const VolumeInfo& info = volume.info;
+  volume.values.resize(info.frameValues());
+  VOLUTE_ASSIGN(const Row* blocks, row(volume, static_cast<int>(frame) / BlockGrid::kSide));
   if (!blocks)
-    return reader_->readRegion(static_cast<int>(frame), {0, 0, 0}, {volume.z, volume.y, volume.x}, values_);
-  scatter(*blocks, frame);
+    return volume.reader->readRegion(static_cast<int>(frame), {0, 0, 0}, {info.z, info.y, info.x}, volume.values);
+  scatter(volume, *blocks, frame);
   return {};
 }
 
 /// Null: there is no room for it.
-Result<const FrameFiles::Row*> FrameFiles::row(int number) {
-  const auto found = std::ranges::find(rows_, number, &Row::row);
-  if (found != rows_.end()) {
-    rows_.splice(rows_.begin(), rows_, found);
-    return &rows_.front();
+Result<const FrameFiles::Row*> FrameFiles::row(Volume& volume, int number) {
+  std::list<Row>& rows = volume.rows;
+  const VoluteReader& reader = *volume.reader;
+  const auto found = std::ranges::find(rows, number, &Row::row);
+  if (found != rows.end()) {
+    rows.splice(rows.begin(), rows, found);
+    return &rows.front();
   }
-  const BlockGrid& grid = reader_->blocks();
-  const std::uint64_t room = maxMemory_ / 2;
+  const BlockGrid& grid = reader.blocks();
+  const std::uint64_t room = volume.room;
   const std::size_t first = static_cast<std::size_t>(number) * grid.rowCount();
   Row decoded;
   decoded.row = number;
@@ -164,10 +203,10 @@ Result<const FrameFiles::Row*> FrameFiles::row(int number) {
   std::atomic<std::uint64_t> bytes{0};
   std::vector<Status> results(grid.rowCount());
   parallelFor(grid.rowCount(), [&](std::size_t i) {
-    if (reader_->storedBytes(first + i) == 0 || bytes > room)
+    if (reader.storedBytes(first + i) == 0 || bytes > room)
       return;
     std::vector<float> values(grid.values(first + i));
-    results[i] = reader_->readBlock(first + i, values);
+    results[i] = reader.readBlock(first + i, values);
     if (!results[i] || std::ranges::all_of(values, [](float value) { return value == 0; }))
       return;
     bytes += 4 * values.size();
@@ -177,22 +216,23 @@ Result<const FrameFiles::Row*> FrameFiles::row(int number) {
   if (bytes > room)
     return nullptr;
   decoded.bytes = bytes;
-  rows_.push_front(std::move(decoded));
+  rows.push_front(std::move(decoded));
   std::uint64_t sum = 0;
-  for (auto it = rows_.begin(); it != rows_.end();) {
+  for (auto it = rows.begin(); it != rows.end();) {
     sum += it->bytes;
-    it = sum > room ? rows_.erase(it) : std::next(it);
+    it = sum > room ? rows.erase(it) : std::next(it);
   }
-  return &rows_.front();
+  return &rows.front();
 }
 
-void FrameFiles::scatter(const Row& row, std::size_t frame) {
-  const VolumeInfo& volume = info();
-  const BlockGrid& grid = reader_->blocks();
+void FrameFiles::scatter(Volume& of, const Row& row, std::size_t frame) {
+  const VolumeInfo& volume = of.info;
+  std::vector<float>& values = of.values;
+  const BlockGrid& grid = of.reader->blocks();
   const std::size_t first = static_cast<std::size_t>(row.row) * grid.rowCount();
   const auto channels = static_cast<std::size_t>(volume.channels);
-  parallelRanges(values_.size(), std::size_t{1} << 20, [&](std::size_t begin, std::size_t end) {
-    std::fill(values_.begin() + static_cast<std::ptrdiff_t>(begin), values_.begin() + static_cast<std::ptrdiff_t>(end), 0.0f);
+  parallelRanges(values.size(), std::size_t{1} << 20, [&](std::size_t begin, std::size_t end) {
+    std::fill(values.begin() + static_cast<std::ptrdiff_t>(begin), values.begin() + static_cast<std::ptrdiff_t>(end), 0.0f);
   });
   parallelRanges(row.blocks.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -206,7 +246,7 @@ void FrameFiles::scatter(const Row& row, std::size_t frame) {
       for (int z = 0; z < extents[1]; ++z) {
         for (int y = 0; y < extents[2]; ++y, from += line) {
           const std::size_t to = (static_cast<std::size_t>(origin[1] + z) * volume.y + origin[2] + y) * volume.x + origin[3];
-          std::copy_n(from, line, values_.data() + to * channels);
+          std::copy_n(from, line, values.data() + to * channels);
         }
       }
     }

@@ -39,7 +39,7 @@ class MemoryFile {
   int descriptor_;
 };
 
-/// The frames of a .volute file as .vdb files that are made when somebody wants them: the bytes that
+/// The frames of a .volute file, with all of its grids, as .vdb files that are made when somebody wants them: the bytes that
 /// `volute extract` writes. Threads may share it; one file at a time is made, on all cores.
 class FrameFiles {
  public:
@@ -59,7 +59,8 @@ class FrameFiles {
 
   std::optional<std::size_t> find(std::string_view name) const;
 
-  const VolumeInfo& info() const { return reader_->info(); }
+  /// Of its first grid that has values.
+  const VolumeInfo& info() const { return frames_; }
 
   /// How large a file is, which nobody knows before it was made once.
   [[nodiscard]] Result<std::uint64_t> size(std::size_t frame);
@@ -74,24 +75,37 @@ class FrameFiles {
     std::vector<std::vector<float>> blocks;
   };
 
-  FrameFiles(std::shared_ptr<const VoluteReader> reader, std::uint64_t maxMemory)
-      : reader_(std::move(reader)), maxMemory_(maxMemory) {}
+  /// One grid.
+  struct Volume {
+    std::shared_ptr<const VoluteReader> reader;  ///< null: it is empty
+    VolumeInfo info;
+    GridDescription description;
+    std::uint64_t room = 0;     ///< [bytes] for its rows
+    std::list<Row> rows{};      ///< the last one used first
+    std::vector<float> values{};  ///< a frame
+  };
+
+  explicit FrameFiles(std::uint64_t maxMemory) : maxMemory_(maxMemory) {}
+
+  [[nodiscard]] Status openGrids(const std::string& path);
+  [[nodiscard]] Status writeFrame(const std::string& file, std::size_t frame);
 
   std::shared_ptr<const File> kept(std::size_t frame);
   void keep(std::size_t frame, std::shared_ptr<const File> file);
   [[nodiscard]] Result<std::shared_ptr<const File>> make(std::size_t frame);
-  [[nodiscard]] Status decode(std::size_t frame);
-  [[nodiscard]] Result<const Row*> row(int row);
-  void scatter(const Row& row, std::size_t frame);
+  [[nodiscard]] static Status decode(Volume& volume, std::size_t frame);
+  [[nodiscard]] static Result<const Row*> row(Volume& volume, int row);
+  static void scatter(Volume& volume, const Row& row, std::size_t frame);
 
-  std::shared_ptr<const VoluteReader> reader_;
   std::uint64_t maxMemory_;
+  VolumeInfo frames_;
+  bool plain_ = true;  ///< one grid, of which no cache has said anything
+  FrameMetadata fileMetadata_;
   std::vector<std::string> names_;
 
   std::mutex making_;  // of what follows
   std::unique_ptr<LatticeWriter> writer_;
-  std::list<Row> rows_;  // the last one used first
-  std::vector<float> values_;  // a frame
+  std::vector<Volume> volumes_;
 
   std::mutex keeping_;  // of what follows
   std::vector<std::uint64_t> sizes_;  // 0: not known

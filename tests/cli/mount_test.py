@@ -86,6 +86,15 @@ class Mount(support.TestCase):
             self.assertEqual(process.returncode, 0, said)
             self.assertTrue(self.is_gone(folder))
 
+    def test_caches_have_all_their_grids(self):
+        file = self.path("cache.volute")
+        shutil.copy(pathlib.Path(__file__).parents[1] / "data" / "cache.volute", file)
+        _, folder = self.mount(file)
+        expected = self.extracted(file)
+        self.assertEqual(os.listdir(folder), list(expected))
+        for name, data in expected.items():
+            self.assertEqual((folder / name).read_bytes(), data, name)
+
     def test_two_readers_at_once_and_little_memory(self):
         file = self.make_volute(frames=20, size=24)
         expected = self.extracted(file)
