@@ -73,6 +73,25 @@ class Grids(support.TestCase):
         # A flame that begins to burn in the second frame.
         self.assertNotIn("flame", [one["name"] for one in self.works("info", back / "c_0100.vdb", "--json").json["grids"]])
 
+    def test_parts_of_a_cache_are_joined(self):
+        """One frame and two of them: volumes grow from one to the other, and the flame is in the second alone."""
+        folder = self.unpack()
+        self.works("compress", folder, "-o", self.path("a.volute"), "--frames", "100:101", "--rms", "1e-3")
+        self.works("compress", folder, "-o", self.path("b.volute"), "--frames", "101:103", "--rms", "1e-3")
+        said = self.works("join", self.path("b.volute"), self.path("a.volute"), "-o", self.path("all.volute"), "--json").json
+        self.assertEqual((said["frames"], said["exact"]), (3, False))
+        back = self.path("back")
+        back.mkdir()
+        self.works("extract", self.path("all.volute"), "-o", back / "c_%04d.vdb")
+        compared = self.works("compare", folder, back, "--json").json
+        self.assertEqual(sorted(one["name"] for one in compared["grids"]), NAMES)
+        for one in compared["grids"]:
+            self.assertLessEqual(one["relative_rms"], 5e-3, one)
+        for name in ("c_0100.vdb", "c_0101.vdb", "c_0102.vdb"):
+            listed = [{one["name"]: (one["type"], one["class"], one["half"], one["voxel_size"])
+                       for one in self.works("info", place / name, "--json").json["grids"]} for place in (folder, back)]
+            self.assertEqual(listed[0], listed[1])
+
     def test_the_cache_against_its_volute(self):
         folder = self.unpack()
         self.works("compress", folder, "-o", self.path("x.volute"), "--max-error", "0.002", "--field", "density,solid")
@@ -129,8 +148,8 @@ class Grids(support.TestCase):
         broken.write_bytes(data[:len(data) // 2])
         self.assertEqual(volute("extract", broken, "-o", self.path("e.npy"), "--field", "density").code, 1)
 
-    def test_joining_is_refused(self):
-        self.assertIn("what a cache says", self.fails(1, "join", CACHE, CACHE, "-o", self.path("x.volute")))
+    def test_joining_a_file_with_itself_is_refused(self):
+        self.assertIn("parts that do not overlap", self.fails(1, "join", CACHE, CACHE, "-o", self.path("x.volute")))
 
     def test_numbered_npy_files_are_a_sequence(self):
         shape, values = support.plume(3, 8)

@@ -3,12 +3,15 @@
 #include "volute/codec/join.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "volute/base/checksum.hpp"
 #include "volute/base/output_file.hpp"
+#include "volute/codec/bundle.hpp"
 #include "volute/codec/compress.hpp"
 #include "volute/codec/container.hpp"
 #include "volute/codec/volute_reader.hpp"
@@ -26,17 +29,14 @@ struct Part {
   const VolumeInfo& info() const { return head.info; }
 };
 
-Result<Part> openPart(const std::filesystem::path& path, std::uint64_t maxMemory) {
+/// One grid of a file; without a name the first that has values.
+Result<Part> openPart(const std::filesystem::path& path, std::uint64_t maxMemory,
+                      const std::string& grid = "") {
   VOLUTE_ASSIGN(auto file, InputFile::open(path));
-  VOLUTE_ASSIGN(auto head, readHead(file, maxMemory));
-  if (head.grids.size() > 1 || head.grids.front().description) {
-    return fail(ErrorCode::kUnsupported,
-                "{}: holds what a cache says of its grids; only files of one grid by itself can be "
-                "joined: extract the frames of all parts into one folder and compress that",
-                path.string());
-  }
+  VOLUTE_ASSIGN(auto head, readHead(file, maxMemory, grid));
   VoluteReader::Options options;
   options.maxMemory = maxMemory;
+  options.grid = grid;
   VOLUTE_ASSIGN(auto reader, VoluteReader::open(path, options));
   return Part{std::move(file), std::move(head),
               std::make_shared<const VoluteReader>(std::move(reader))};
@@ -63,13 +63,6 @@ Status checkPair(const Part& before, const Part& part) {
   if (!sameGrid(before.info(), part.info())) {
     return fail(ErrorCode::kInvalidData, "{} and {} do not fit together: {}, and {}", before.name(),
                 part.name(), gridText(before.info()), gridText(part.info()));
-  }
-  if (part.info().frameNumbers.front() <= before.info().frameNumbers.back()) {
-    return fail(ErrorCode::kInvalidData,
-                "{} has frames {} to {} and {} has {} to {}; expected parts that do not overlap",
-                before.name(), before.info().frameNumbers.front(),
-                before.info().frameNumbers.back(), part.name(), part.info().frameNumbers.front(),
-                part.info().frameNumbers.back());
   }
   return {};
 }
@@ -267,11 +260,12 @@ Result<JoinReport> copyBlocks(const std::vector<Part>& parts, const std::filesys
                     head.fileBytes};
 }
 
-Result<JoinReport> encodeAgain(const std::vector<Part>& parts, const std::filesystem::path& target,
-                               const JoinOptions& options, Progress& progress) {
+/// @param frames  of all parts, and of more where `parts` has none
+Result<JoinReport> encodeAgain(const std::vector<Part>& parts, FrameSource& frames,
+                               const std::filesystem::path& target, const JoinOptions& options,
+                               Progress& progress, bool halves = false) {
   constexpr double kFinest = 1e-6;
   const Errors errors = errorsOf(parts);
-  JoinedFrames frames(parts);
   CompressOptions how;
   how.target = {ErrorTarget::Kind::kRms,
                 options.rms.value_or(std::max(kFinest, errors.relative(errors.rms)))};
@@ -279,6 +273,7 @@ Result<JoinReport> encodeAgain(const std::vector<Part>& parts, const std::filesy
   how.maxMemory = options.maxMemory;
   how.sourceRms = errors.rms;
   how.sourceMaxError = errors.most;
+  how.halves = halves;
   VOLUTE_ASSIGN(const auto written, compress(frames, target, how, progress));
   return JoinReport{frames.info().frames,
                     false,
@@ -286,6 +281,289 @@ Result<JoinReport> encodeAgain(const std::vector<Part>& parts, const std::filesy
                     written.relativeRms + errors.relative(errors.rms),
                     written.maxError + errors.most,
                     written.fileBytes};
+}
+
+/// One grid through all files.
+struct GridParts {
+  std::string name;
+  std::vector<Part> parts{};                  ///< of the files where it has values
+  std::vector<std::optional<std::size_t>> of{};  ///< of each file the place in `parts`
+};
+
+/// Where a grid's volume in one file lies from that in the first [voxels].
+using Offset = std::array<std::int64_t, 3>;
+
+/// Whether two boxes are on one lattice of voxels, and how far apart.
+Result<Offset> offsetOf(const Part& first, const Part& part) {
+  constexpr double kSamePlace = 1e-3;  // voxels
+  const Vec3 size = first.info().voxelSize(), own = part.info().voxelSize();
+  const Vec3 apart = (part.info().bounds.min - first.info().bounds.min).cwiseQuotient(size);
+  const Vec3 whole = apart.array().round();
+  const bool sameKind = first.info().channels == part.info().channels &&
+                        first.info().unit == part.info().unit &&
+                        first.info().basis == part.info().basis;
+  if (!sameKind || (own - size).cwiseAbs().maxCoeff() > 1e-5 * size.maxCoeff() ||
+      (apart - whole).cwiseAbs().maxCoeff() > kSamePlace || whole.cwiseAbs().maxCoeff() > 1e9) {
+    return fail(ErrorCode::kInvalidData, "{} and {} do not fit together: {}, and {}", first.name(),
+                part.name(), gridText(first.info()), gridText(part.info()));
+  }
+  return Offset{std::llround(whole.x()), std::llround(whole.y()), std::llround(whole.z())};
+}
+
+/// Frames of a grid whose volume is not the same in all files, or which some do not have: in the
+/// least volume around all, with the background elsewhere.
+class PaddedFrames final : public FrameSource {
+ public:
+  /// @param frames  numbers and times of all files' frames
+  /// @param counts  how many frames each file has
+  PaddedFrames(const GridParts& grid, const std::vector<Offset>& offsets, const VolumeInfo& frames,
+               std::vector<int> counts, const std::array<double, 3>& background)
+      : grid_(grid), counts_(std::move(counts)), background_(background) {
+    const VolumeInfo& first = grid.parts.front().info();
+    info_ = first;
+    info_.frames = frames.frames;
+    info_.frameNumbers = frames.frameNumbers;
+    info_.times = frames.times;
+    Offset end{};
+    for (std::size_t i = 0; i < grid.parts.size(); ++i) {
+      const VolumeInfo& one = grid.parts[i].info();
+      const std::array<int, 3> size{one.x, one.y, one.z};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        begin_[axis] = std::min(begin_[axis], offsets[i][axis]);
+        end[axis] = std::max(end[axis], offsets[i][axis] + size[axis]);
+      }
+      sources_.push_back(frameSource(grid.parts[i].reader));
+    }
+    offsets_ = offsets;
+    info_.x = static_cast<int>(end[0] - begin_[0]);
+    info_.y = static_cast<int>(end[1] - begin_[1]);
+    info_.z = static_cast<int>(end[2] - begin_[2]);
+    const Vec3 voxel = first.voxelSize();
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto at = static_cast<std::size_t>(axis);
+      const double from = first.bounds.min[axis];
+      info_.bounds.min[axis] = from + static_cast<double>(begin_[at]) * voxel[axis];
+      info_.bounds.max[axis] = from + static_cast<double>(end[at]) * voxel[axis];
+    }
+  }
+
+  const VolumeInfo& info() const override { return info_; }
+
+  /// Of the volume, from the first part's [voxels].
+  const Offset& begin() const { return begin_; }
+
+  Status readFrame(int index, std::span<float> values) override {
+    const auto channels = static_cast<std::size_t>(info_.channels);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = static_cast<float>(background_[i % channels]);
+    std::size_t file = 0;
+    while (index >= counts_[file]) index -= counts_[file++];
+    if (!grid_.of[file])
+      return {};
+    FrameSource& source = *sources_[*grid_.of[file]];
+    const Offset& offset = offsets_[*grid_.of[file]];
+    const VolumeInfo& own = source.info();
+    part_.resize(own.frameValues());
+    VOLUTE_TRY(source.readFrame(index, part_));
+    const std::size_t line = static_cast<std::size_t>(own.x) * channels;
+    for (int z = 0; z < own.z; ++z) {
+      for (int y = 0; y < own.y; ++y) {
+        const auto from = (static_cast<std::size_t>(z) * own.y + y) * line;
+        const auto row = static_cast<std::size_t>((offset[2] - begin_[2] + z) * info_.y +
+                                                  offset[1] - begin_[1] + y);
+        const auto to =
+            (row * info_.x + static_cast<std::size_t>(offset[0] - begin_[0])) * channels;
+        std::copy_n(part_.begin() + static_cast<std::ptrdiff_t>(from), line,
+                    values.begin() + static_cast<std::ptrdiff_t>(to));
+      }
+    }
+    return {};
+  }
+
+ private:
+  const GridParts& grid_;
+  std::vector<int> counts_;
+  std::array<double, 3> background_;
+  std::vector<Offset> offsets_;
+  Offset begin_{};
+  VolumeInfo info_;
+  std::vector<std::unique_ptr<FrameSource>> sources_;
+  std::vector<float> part_;
+};
+
+/// Of a list over the frames of one file those that a joined list gets.
+void append(FrameMetadata& all, const FrameMetadata& one, int frames) {
+  for (int i = 0; i < frames; ++i) all.add(one.at(i));
+}
+
+/// Files with several grids, or with what a cache says of its one.
+class GridJoin {
+ public:
+  GridJoin(std::vector<Part> files, const JoinOptions& options) : options_(options) {
+    for (Part& file : files) files_.push_back(std::move(file));
+  }
+
+  Result<JoinReport> write(const std::filesystem::path& target, Progress& progress) {
+    frames_ = joinedInfo(files_);
+    std::vector<int> counts;
+    for (const Part& file : files_) counts.push_back(file.info().frames);
+    counts_ = counts;
+    VOLUTE_TRY(collect());
+    std::vector<PendingFile> pending;
+    std::vector<BundledGrid> bundled;
+    JoinReport report{frames_.frames, true, 0, 0, 0, 0};
+    for (const GridParts& grid : grids_) {
+      BundledGrid& row = bundled.emplace_back();
+      row.name = grid.name;
+      VOLUTE_ASSIGN(row.description, describe(grid));
+      if (grid.parts.empty())
+        continue;
+      VOLUTE_ASSIGN(auto file, PendingFile::create(target));
+      row.file = file.path();
+      pending.push_back(std::move(file));
+      VOLUTE_ASSIGN(const auto one, joinGrid(grid, row, progress));
+      report.copied = report.copied && one.copied;
+      report.partsRms = std::max(report.partsRms, one.partsRms);
+      report.relativeRms = std::max(report.relativeRms, one.relativeRms);
+      report.maxError = std::max(report.maxError, one.maxError);
+    }
+    FrameMetadata ofFiles;
+    for (const Part& file : files_) append(ofFiles, file.head.fileMetadata, file.info().frames);
+    if (ofFiles.lists.empty())
+      ofFiles = {};
+    VOLUTE_ASSIGN(auto whole, PendingFile::create(target));
+    VOLUTE_ASSIGN(report.fileBytes, bundle(bundled, ofFiles, whole.path(), progress));
+    VOLUTE_TRY(whole.commit());
+    return report;
+  }
+
+ private:
+  Status collect() {
+    for (const Part& file : files_) {
+      for (const VoluteGrid& grid : file.head.grids) {
+        if (std::ranges::find(grids_, grid.info.name, &GridParts::name) == grids_.end())
+          grids_.push_back({grid.info.name});
+      }
+    }
+    for (GridParts& grid : grids_) {
+      for (const Part& file : files_) {
+        grid.of.emplace_back();
+        const VoluteGrid* const there = gridIn(file, grid.name);
+        if (!there || there->empty)
+          continue;
+        grid.of.back() = grid.parts.size();
+        VOLUTE_ASSIGN(auto part, openPart(file.file.path(), options_.maxMemory, grid.name));
+        grid.parts.push_back(std::move(part));
+      }
+    }
+    return {};
+  }
+
+  static const VoluteGrid* gridIn(const Part& file, const std::string& name) {
+    const auto found = std::ranges::find(file.head.grids, name,
+                                         [](const VoluteGrid& grid) { return grid.info.name; });
+    return found == file.head.grids.end() ? nullptr : &*found;
+  }
+
+  /// What all files say of a grid; how far joinGrid() lets its volume grow is not in it.
+  Result<std::optional<GridDescription>> describe(const GridParts& grid) const {
+    std::optional<GridDescription> all;
+    const Part* from = nullptr;
+    bool placed = false;
+    FrameMetadata metadata;
+    std::vector<GridDescription::Index> shifts;
+    for (const Part& file : files_) {
+      const VoluteGrid* const there = gridIn(file, grid.name);
+      const GridDescription* const one =
+          there && there->description ? &*there->description : nullptr;
+      static const MetadataList kNothing;
+      // Without a list for any frame all frames have the grid, which then must be said.
+      const bool silent = one && one->metadata.listOf.empty();
+      for (int i = 0; i < file.info().frames; ++i) {
+        const MetadataList* own = one && !silent ? one->metadata.at(i) : nullptr;
+        metadata.add(silent ? &kNothing : own);
+      }
+      GridDescription::Index apart{};
+      if (one && !all) {
+        all = *one;
+        from = &file;
+      }
+      if (one && one != &*gridIn(*from, grid.name)->description) {
+        if (one->type != all->type || one->gridClass != all->gridClass || one->map != all->map ||
+            one->half != all->half || one->background != all->background) {
+          return fail(ErrorCode::kInvalidData,
+                      "{} and {} do not fit together: grid '{}' is of type {} ({}) in one and of {} "
+                      "({}) in the other, or has another background",
+                      from->name(), file.name(), grid.name, all->type, all->gridClass, one->type,
+                      one->gridClass);
+        }
+        for (std::size_t axis = 0; axis < 3 && all->voxelSize[axis] > 0; ++axis) {
+          apart[axis] =
+              std::llround((one->origin[axis] - all->origin[axis]) / all->voxelSize[axis]);
+        }
+        all->voxels = std::max(all->voxels, one->voxels);
+        all->memory = std::max(all->memory, one->memory);
+      }
+      if (one && !there->empty && !placed) {
+        placed = true;
+        for (std::size_t axis = 0; axis < 3; ++axis) all->begin[axis] = one->begin[axis] + apart[axis];
+      }
+      for (int i = 0; i < file.info().frames; ++i) {
+        GridDescription::Index shift = apart;
+        for (std::size_t axis = 0; one && !one->shifts.empty() && axis < 3; ++axis)
+          shift[axis] += one->shifts[static_cast<std::size_t>(i)][axis];
+        shifts.push_back(shift);
+      }
+    }
+    if (!all)
+      return all;
+    const bool moves = std::ranges::any_of(
+        shifts, [](const auto& shift) { return shift != GridDescription::Index{}; });
+    all->shifts = moves ? std::move(shifts) : std::vector<GridDescription::Index>();
+    all->metadata = std::move(metadata);
+    return all;
+  }
+
+  Result<JoinReport> joinGrid(const GridParts& grid, BundledGrid& row, Progress& progress) const {
+    std::vector<Offset> offsets;
+    bool same = grid.parts.size() == files_.size();
+    for (const Part& part : grid.parts) {
+      VOLUTE_ASSIGN(const Offset offset, offsetOf(grid.parts.front(), part));
+      offsets.push_back(offset);
+      same = same && sameGrid(grid.parts.front().info(), part.info());
+    }
+    if (same && canCopy(grid.parts))
+      return copyBlocks(grid.parts, row.file, progress);
+    const bool halves = row.description && row.description->half;
+    if (same) {
+      JoinedFrames frames(grid.parts);
+      return encodeAgain(grid.parts, frames, row.file, options_, progress, halves);
+    }
+    const auto background = row.description ? row.description->background : std::array<double, 3>{};
+    PaddedFrames frames(grid, offsets, frames_, counts_, background);
+    for (std::size_t axis = 0; row.description && axis < 3; ++axis)
+      row.description->begin[axis] += frames.begin()[axis];
+    return encodeAgain(grid.parts, frames, row.file, options_, progress, halves);
+  }
+
+  const JoinOptions& options_;
+  std::vector<Part> files_;
+  VolumeInfo frames_;
+  std::vector<int> counts_;
+  std::vector<GridParts> grids_;
+};
+
+bool isPlain(const Part& part) {
+  return part.head.grids.size() == 1 && !part.head.grids.front().description;
+}
+
+Status checkFrames(const Part& before, const Part& part) {
+  if (part.info().frameNumbers.front() > before.info().frameNumbers.back())
+    return {};
+  return fail(ErrorCode::kInvalidData,
+              "{} has frames {} to {} and {} has {} to {}; expected parts that do not overlap",
+              before.name(), before.info().frameNumbers.front(), before.info().frameNumbers.back(),
+              part.name(), part.info().frameNumbers.front(), part.info().frameNumbers.back());
 }
 
 }  // namespace
@@ -302,10 +580,19 @@ Result<JoinReport> join(const std::vector<std::filesystem::path>& paths,
   }
   std::ranges::stable_sort(parts, {},
                            [](const Part& part) { return part.info().frameNumbers.front(); });
-  for (std::size_t i = 1; i < parts.size(); ++i) VOLUTE_TRY(checkPair(parts[i - 1], parts[i]));
+  const bool plain = std::ranges::all_of(parts, isPlain);
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    if (plain)
+      VOLUTE_TRY(checkPair(parts[i - 1], parts[i]));
+    VOLUTE_TRY(checkFrames(parts[i - 1], parts[i]));
+  }
   VOLUTE_TRY(joinedInfo(parts).validate("the joined sequence"));
-  return canCopy(parts) ? copyBlocks(parts, target, progress)
-                        : encodeAgain(parts, target, options, progress);
+  if (!plain)
+    return GridJoin(std::move(parts), options).write(target, progress);
+  if (canCopy(parts))
+    return copyBlocks(parts, target, progress);
+  JoinedFrames frames(parts);
+  return encodeAgain(parts, frames, target, options, progress);
 }
 
 }  // namespace volute

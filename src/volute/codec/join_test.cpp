@@ -2,8 +2,12 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/codec/join.hpp"
 
-#include <algorithm>
+#include <gmock/gmock.h>
 
+#include <algorithm>
+#include <optional>
+
+#include "volute/codec/bundle.hpp"
 #include "volute/codec/codec_testing.hpp"
 
 namespace volute {
@@ -213,6 +217,129 @@ TEST_F(JoinTest, DamagedPartsAreRefused) {
   bytes[bytes.size() - 20] ^= 4;
   testing::writeBytes(b, bytes);
   EXPECT_NE(messageOf({a, b}).find("b.volute: is damaged"), std::string::npos);
+}
+
+// Files of several grids, as caches are compressed.
+class JoinGridsTest : public JoinTest {
+ protected:
+  struct Grid {
+    std::string name;
+    std::optional<Sequence> sequence;  // none: it is empty
+    GridDescription::Index begin{};
+  };
+
+  std::filesystem::path packGrids(const std::string& name, const std::vector<Grid>& grids,
+                                  int frames) {
+    std::vector<BundledGrid> bundled;
+    for (const Grid& grid : grids) {
+      BundledGrid& row = bundled.emplace_back();
+      row.name = grid.name;
+      row.description.emplace();
+      row.description->voxelSize = {0.5, 0.5, 0.5};
+      row.description->begin = grid.begin;
+      row.description->background = {0.25, 0, 0};
+      row.description->voxels = grid.begin[0] + 7;
+      for (int i = 0; i < frames; ++i) {
+        const MetadataList list{{"from", "string", name}};
+        row.description->metadata.add(&list);
+      }
+      if (grid.sequence)
+        row.file = pack("grid_" + grid.name + "_" + name, *grid.sequence);
+    }
+    Progress progress;
+    const auto path = scratch.folder() / name;
+    const auto written = bundle(bundled, {}, path, progress);
+    EXPECT_TRUE(written) << (written ? "" : written.error().message);
+    return path;
+  }
+
+  /// Some voxels of all, at their place in it.
+  static Sequence cropped(const Sequence& whole, int beginX, int endX) {
+    Sequence part = makeSequence(whole.info.frames, whole.info.z, whole.info.y, endX - beginX, 1);
+    const double voxel = whole.info.voxelSize().x();
+    part.info.bounds = whole.info.bounds;
+    part.info.bounds.min.x() = whole.info.bounds.min.x() + beginX * voxel;
+    part.info.bounds.max.x() = whole.info.bounds.min.x() + endX * voxel;
+    part.info.frameNumbers = whole.info.frameNumbers;
+    part.info.times = whole.info.times;
+    for (std::size_t line = 0; line < whole.values.size() / whole.info.x; ++line) {
+      std::copy_n(whole.values.begin() + static_cast<std::ptrdiff_t>(line * whole.info.x + beginX),
+                  endX - beginX,
+                  part.values.begin() + static_cast<std::ptrdiff_t>(line * part.info.x));
+    }
+    return part;
+  }
+
+  static VoluteReader gridOf(const std::filesystem::path& path, const std::string& name) {
+    VoluteReader::Options options;
+    options.grid = name;
+    return VoluteReader::open(path, options).value();
+  }
+
+  static Sequence valuesOf(const std::filesystem::path& path, const std::string& name) {
+    const auto source = frameSource(std::make_shared<const VoluteReader>(gridOf(path, name)));
+    return readAll(*source, std::uint64_t{1} << 30).value();
+  }
+};
+
+TEST_F(JoinGridsTest, BlocksOfEachGridAreCopied) {
+  const Sequence whole = periodic(37);
+  const Sequence other = plumes(37, 12, 9, 10);
+  const auto a = packGrids("a.volute", {{"density", partOf(whole, 0, 16)}, {"flame", partOf(other, 0, 16)}}, 16);
+  const auto b = packGrids("b.volute", {{"density", partOf(whole, 16, 37)}, {"flame", partOf(other, 16, 37)}}, 21);
+  const auto report = joined({b, a});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->copied);
+  EXPECT_EQ(report->frames, 37);
+  EXPECT_EQ(report->fileBytes, std::filesystem::file_size(scratch.path()));
+  for (const char* name : {"density", "flame"}) {
+    const auto first = valuesOf(a, name), second = valuesOf(b, name), both = valuesOf(scratch.path(), name);
+    EXPECT_EQ(both.info.frameNumbers, whole.info.frameNumbers);
+    EXPECT_TRUE(std::ranges::equal(first.values, std::span(both.values).first(first.values.size())));
+    EXPECT_TRUE(std::ranges::equal(second.values, std::span(both.values).last(second.values.size())));
+  }
+  const auto reader = gridOf(scratch.path(), "flame");
+  ASSERT_EQ(reader.grids().size(), 2u);
+  const FrameMetadata& metadata = reader.grids()[1].description->metadata;
+  ASSERT_EQ(metadata.listOf.size(), 37u);
+  EXPECT_EQ(metadata.at(15)->front().value, "a.volute");
+  EXPECT_EQ(metadata.at(16)->front().value, "b.volute");
+}
+
+// What grows in one file and is not there yet in another.
+TEST_F(JoinGridsTest, GridsThatGrowHaveTheBackgroundElsewhere) {
+  const Sequence whole = plumes(32, 9, 10, 24);
+  const Sequence early = cropped(partOf(whole, 0, 16), 8, 16);
+  const Sequence late = cropped(partOf(whole, 16, 32), 4, 24);
+  const auto a = packGrids("a.volute", {{"density", early, {8, 0, 0}}, {"flame", std::nullopt}}, 16);
+  const auto b = packGrids("b.volute", {{"flame", late, {4, 0, 0}}, {"density", late, {4, 0, 0}}}, 16);
+  JoinOptions options;
+  options.rms = 1e-4;
+  const auto report = joined({a, b}, options);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_FALSE(report->copied);
+  const auto reader = gridOf(scratch.path(), "density");
+  EXPECT_EQ(reader.info().x, 20);
+  EXPECT_EQ(reader.grids()[0].description->begin, (GridDescription::Index{4, 0, 0}));
+  EXPECT_EQ(reader.grids()[0].description->voxels, 15u);
+  EXPECT_NEAR(reader.info().bounds.min.x(), late.info.bounds.min.x(), 1e-9);
+  const auto was = valuesOf(a, "density"), is = valuesOf(scratch.path(), "density");
+  EXPECT_NEAR(is.view()(3, 4, 5, 0, 0), 0.25, report->maxError + 1e-6);
+  EXPECT_NEAR(is.view()(3, 4, 5, 4 + 2, 0), was.view()(3, 4, 5, 2, 0), report->maxError + 1e-6);
+  const auto flame = valuesOf(scratch.path(), "flame");
+  EXPECT_EQ(flame.info.frames, 32);
+  EXPECT_EQ(flame.info.x, 20);
+  EXPECT_NEAR(flame.view()(15, 4, 5, 6, 0), 0.25, report->maxError + 1e-6);
+  EXPECT_FALSE(gridOf(scratch.path(), "flame").grids()[1].description->metadata.at(0)->empty());
+}
+
+TEST_F(JoinGridsTest, GridsOfAnotherKindAreRefused) {
+  const Sequence whole = plumes(32, 9, 10, 12), fine = plumes(16, 9, 10, 11);
+  const auto a = packGrids("a.volute", {{"density", partOf(whole, 0, 16)}}, 16);
+  Sequence other = partOf(whole, 16, 32);
+  other.info.bounds.max *= 1.37;
+  const auto b = packGrids("b.volute", {{"density", other}}, 16);
+  EXPECT_THAT(messageOf({a, b}), ::testing::HasSubstr("do not fit together"));
 }
 
 }  // namespace

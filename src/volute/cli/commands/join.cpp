@@ -48,14 +48,16 @@ Command joinCommand() {
   using enum ValueKind;
   return {
       .name = "join",
-      .summary = "Puts .volute files of one grid together in the order of their frames",
+      .summary = "Puts .volute files together in the order of their frames",
       .examples = {"volute join part1.volute part2.volute -o fire.volute"},
       .description =
           "For sequences whose frames were reconstructed or compressed in parts, on several "
           "machines. The parts must have the same voxels, bounds, channels and basis, and frame "
-          "numbers that do not overlap; any order will do.\n\n"
+          "numbers that do not overlap; any order will do. Of caches all grids are joined, each by "
+          "its name: their volumes may differ and a part may be without a grid; the joined one has the "
+          "least volume around all, and the cache's background elsewhere.\n\n"
           "Blocks of 16 frames are copied as they are, so that no value changes, when all parts "
-          "but the last have a multiple of 16 frames; parts compressed each for itself keep their "
+          "but the last have a multiple of 16 frames, and the same volume; parts compressed each for itself keep their "
           "quantisation. The result states for the whole the RMS of all parts, relative to their "
           "common range, and the largest of their maximum errors. Other parts are decoded and "
           "encoded again, which adds an error to theirs: the result says how much, and states for "
