@@ -256,6 +256,29 @@ class Sweep(Cases):
         self.assertIn("nowhere.smv", self.rows()["nowhere_v"]["why"])
         self.assertIn("'coarse_v' has another plan", said)
 
+    def test_runs_by_their_numbers(self):
+        """As an array of jobs does them, and the table when all are done."""
+        study = self.study()
+        listed = self.works("sweep", study, "--list", "--json").json["runs"]
+        self.assertEqual([(run["number"], run["name"]) for run in listed], [(1, "a_plain"), (2, "a_up"), (3, "b_plain"), (4, "b_up")])
+        for number in (4, 1, 3, 2):
+            self.assertEqual(self.sweep(study, "--only", number)[0]["done"], 1)
+            self.assertFalse((self.path("study") / "study.csv").exists())
+        self.assertIn("2 a_up: done", self.works("sweep", study, "--list", "-o", self.path("study")).text)
+        self.assertEqual(self.sweep(study)[0]["kept"], 4)
+        by_number = (self.path("study") / "study.csv").read_bytes()
+        self.works("sweep", study, "-o", self.path("other"))
+        self.assertEqual((self.path("other") / "study.csv").read_bytes(), by_number)
+        self.assertIn("--only: 5 of a study of 4", self.fails(2, "sweep", study, "-o", self.path("study"), "--only", 5))
+        self.assertIn("--output is missing", self.fails(2, "sweep", study))
+
+    def test_a_run_by_its_number_that_fails(self):
+        study = self.study(cases=["nowhere.smv"], variants=[{"name": "v"}])
+        done = support.volute("sweep", study, "-o", self.path("study"), "--only", 1)
+        self.assertEqual(done.code, 1)
+        self.assertIn("nowhere.smv", done.message)
+        self.assertIn("nowhere.smv", self.works("sweep", study, "--list", "-o", self.path("study")).text)
+
     def test_studies_are_checked(self):
         for more, word in (({"cases": []}, "/cases"), ({"variant": []}, "did you mean 'variants'"),
                            ({"options": {"output": "x"}}, "/options/output"), ({"baseline": "z"}, "/baseline"),

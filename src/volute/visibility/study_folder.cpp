@@ -3,6 +3,9 @@
 #include "volute/visibility/study_folder.hpp"
 
 #include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
 
 #include "volute/base/input_file.hpp"
 #include "volute/base/version.hpp"
@@ -44,22 +47,27 @@ bool isDone(const std::filesystem::path& folder, const std::filesystem::path& ke
   return file->read(0, std::as_writable_bytes(std::span(text))) && text == key;
 }
 
+StudyRunState stateOf(const StudyRun& run, const std::filesystem::path& folder) {
+  const auto keyFile = folder / "keys" / (run.name + ".txt");
+  if (isDone(folder / run.name, keyFile, keyOf(run)))
+    return {true, ""};
+  if (const auto file = InputFile::open(keyFile); file && file->size() < 65536) {
+    std::string text(file->size(), '\0');
+    if (file->read(0, std::as_writable_bytes(std::span(text))) && text.starts_with("failed: "))
+      return {false, text.substr(8, text.size() - 9)};
+  }
+  return {false, "not run yet"};
+}
+
 /// The table and comparisons of all that is there, of other parts too.
 Status writeResults(const Study& study, const std::filesystem::path& folder, Progress& progress) {
   StudyResults results(study.baseline.empty() ? study.runs.front().name : study.baseline);
   for (const StudyRun& run : study.runs) {
-    const auto keyFile = folder / "keys" / (run.name + ".txt");
-    if (isDone(folder / run.name, keyFile, keyOf(run))) {
+    const StudyRunState state = stateOf(run, folder);
+    if (state.done)
       VOLUTE_TRY(results.add(run, folder / run.name));
-      continue;
-    }
-    std::string why = "not run yet";
-    if (const auto file = InputFile::open(keyFile); file && file->size() < 65536) {
-      std::string text(file->size(), '\0');
-      if (file->read(0, std::as_writable_bytes(std::span(text))) && text.starts_with("failed: "))
-        why = text.substr(8, text.size() - 9);
-    }
-    results.addFailure(run, why);
+    else
+      results.addFailure(run, state.why);
   }
   VOLUTE_TRY(writeFile(folder / "study.csv", results.table()));
   std::error_code error;
@@ -71,45 +79,90 @@ Status writeResults(const Study& study, const std::filesystem::path& folder, Pro
   return {};
 }
 
+/// The runs that are done by one call.
+class StudyPass {
+ public:
+  using Survey = std::function<Status(const StudyRun&, const std::filesystem::path&)>;
+
+  StudyPass(const std::filesystem::path& folder, const Survey& survey)
+      : folder_(folder), survey_(survey) {}
+
+  Status take(const StudyRun& run) {
+    const std::string key = keyOf(run);
+    const auto keyFile = folder_ / "keys" / (run.name + ".txt");
+    if (isDone(folder_ / run.name, keyFile, key)) {
+      ++kept_;
+      return {};
+    }
+    const auto status = survey_(run, folder_ / run.name);
+    if (!status && status.error().code == ErrorCode::kCancelled)
+      return status;
+    if (!status) {
+      ++failed_;
+      failures_ += fmt::format("run '{}': {}\n", run.name, status.error().message);
+      return writeFile(keyFile, "failed: " + status.error().message + "\n");
+    }
+    ++done_;
+    return writeFile(keyFile, key);
+  }
+
+  /// Of all ranks; tells of runs that failed. Collective.
+  Result<StudyCounts> counts(Progress& progress, Team& team) {
+    VOLUTE_ASSIGN(const auto texts, team.gatherTexts(failures_));
+    std::vector<std::string> lines;
+    for (const std::string& text : texts) {
+      for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = text.find('\n', at);
+        lines.push_back(text.substr(at, end - at));
+        at = end + 1;
+      }
+    }
+    std::ranges::sort(lines);
+    for (const std::string& line : lines) progress.remark(line);
+    std::array<std::uint64_t, 3> all{done_, kept_, failed_};
+    VOLUTE_TRY(team.sum(all));
+    return StudyCounts{all[0], all[1], all[2]};
+  }
+
+ private:
+  const std::filesystem::path& folder_;
+  const Survey& survey_;
+  std::uint64_t done_ = 0, kept_ = 0, failed_ = 0;
+  std::string failures_;  // a line each
+};
+
 }  // namespace
 
+std::vector<StudyRunState> statesOf(const Study& study, const std::filesystem::path& folder) {
+  std::vector<StudyRunState> states;
+  for (const StudyRun& run : study.runs) states.push_back(stateOf(run, folder));
+  return states;
+}
+
 Result<StudyCounts> runStudy(
-    const Study& study, const std::array<std::size_t, 2>& part, const std::filesystem::path& folder,
-    Progress& progress,
+    const Study& study, const StudyChoice& choice, const std::filesystem::path& folder,
+    Progress& progress, Team& team,
     const std::function<Status(const StudyRun&, const std::filesystem::path&)>& survey) {
   std::error_code error;
   std::filesystem::create_directories(folder / "keys", error);
   if (error)
     return fail(ErrorCode::kIo, "{}: {}", folder.string(), error.message());
-  StudyCounts counts;
+  std::vector<const StudyRun*> runs;
   for (std::size_t i = 0; i < study.runs.size(); ++i) {
-    if (progress.cancelled())
-      return fail(ErrorCode::kCancelled,
-                  "stopped after {} of {} runs; the same command goes on from here", counts.done + counts.kept,
-                  study.runs.size());
-    progress.report("runs", static_cast<double>(i), static_cast<double>(study.runs.size()));
-    if (i % part[1] != part[0] - 1)
-      continue;
-    const StudyRun& run = study.runs[i];
-    const std::string key = keyOf(run);
-    const auto keyFile = folder / "keys" / (run.name + ".txt");
-    if (isDone(folder / run.name, keyFile, key)) {
-      ++counts.kept;
-      continue;
-    }
-    const auto status = survey(run, folder / run.name);
-    if (!status && status.error().code == ErrorCode::kCancelled)
-      return tl::unexpected<Error>(status.error());
-    if (!status) {
-      ++counts.failed;
-      progress.remark(fmt::format("run '{}': {}", run.name, status.error().message));
-      VOLUTE_TRY(writeFile(keyFile, "failed: " + status.error().message + "\n"));
-      continue;
-    }
-    VOLUTE_TRY(writeFile(keyFile, key));
-    ++counts.done;
+    if (choice.only ? i == *choice.only : i % choice.part[1] == choice.part[0] - 1)
+      runs.push_back(&study.runs[i]);
   }
-  VOLUTE_TRY(writeResults(study, folder, progress));
+  StudyPass pass(folder, survey);
+  const auto status = team.forUnits("runs", static_cast<std::int64_t>(runs.size()), progress,
+                                    [&](std::int64_t i) {
+                                      return pass.take(*runs[static_cast<std::size_t>(i)]);
+                                    });
+  if (!status && status.error().code == ErrorCode::kCancelled)
+    return fail(ErrorCode::kCancelled, "stopped; the same command goes on from here");
+  VOLUTE_TRY(status);
+  VOLUTE_ASSIGN(const auto counts, pass.counts(progress, team));
+  if (!choice.only)
+    VOLUTE_TRY(team.agree(team.leads() ? writeResults(study, folder, progress) : Status()));
   return counts;
 }
 

@@ -5,8 +5,11 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <vector>
 
 #include "volute/base/progress.hpp"
+#include "volute/base/team.hpp"
 #include "volute/visibility/study.hpp"
 
 namespace volute {
@@ -18,14 +21,29 @@ struct StudyCounts {
   std::size_t failed = 0;
 };
 
+/// Which runs of a study are done.
+struct StudyChoice {
+  std::array<std::size_t, 2> part{1, 1};  ///< {i, n}: every n-th, from the i-th, 1 <= i <= n
+  std::optional<std::size_t> only{};      ///< this one, counted from 0, and no table
+};
+
+/// What is known of a run in a folder.
+struct StudyRunState {
+  bool done = false;  ///< and unchanged
+  std::string why;    ///< "not run yet", or the sentence with which it failed
+};
+
+std::vector<StudyRunState> statesOf(const Study& study, const std::filesystem::path& folder);
+
 /// Does the runs of a study into a folder: one for each run, study.csv (a row a run) and compared/ with
 /// maps of the differences. What is done and unchanged is kept, so that the same call goes on where
 /// it was stopped; a run that fails has a sentence in the table, and the others go on.
-/// @param part  {i, n}: every n-th run alone, from the i-th, 1 <= i <= n
+/// Ranks share the runs, each whole on one of them, and the folder; the table is the same for any
+/// number of ranks. Collective; the counts are of all ranks.
 /// @param survey  does one run into its folder
 [[nodiscard]] Result<StudyCounts> runStudy(
-    const Study& study, const std::array<std::size_t, 2>& part, const std::filesystem::path& folder,
-    Progress& progress,
+    const Study& study, const StudyChoice& choice, const std::filesystem::path& folder,
+    Progress& progress, Team& team,
     const std::function<Status(const StudyRun&, const std::filesystem::path&)>& survey);
 
 }  // namespace volute

@@ -3,26 +3,37 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
+#include <optional>
 
+#include "volute/base/team_checks.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/parse.hpp"
+#include "volute/cli/ranks.hpp"
 #include "volute/visibility/study_folder.hpp"
 
 namespace volute::cli {
 namespace {
 
-/// "2/5": the second of five parts.
-Result<std::array<std::size_t, 2>> partOf(const Arguments& arguments) {
+/// "2/5": the second of five parts; or one run.
+Result<StudyChoice> choiceOf(const Arguments& arguments, const Study& study) {
+  StudyChoice choice;
+  if (const auto only = arguments.find<int>("only")) {
+    if (*only > static_cast<int>(study.runs.size())) {
+      return fail(ErrorCode::kInvalidArgument, "--only: {} of a study of {} runs; --list shows them",
+                  *only, study.runs.size());
+    }
+    choice.only = static_cast<std::size_t>(*only - 1);
+  }
   const auto text = arguments.find<std::string>("part");
   if (!text)
-    return std::array<std::size_t, 2>{1, 1};
-  std::array<std::size_t, 2> part{};
+    return choice;
+  std::array<std::size_t, 2>& part = choice.part;
   const char* end = text->data() + text->size();
   const auto first = std::from_chars(text->data(), end, part[0]);
   if (first.ec == std::errc() && first.ptr != end && *first.ptr == '/') {
     const auto second = std::from_chars(first.ptr + 1, end, part[1]);
     if (second.ec == std::errc() && second.ptr == end && part[0] >= 1 && part[0] <= part[1])
-      return part;
+      return choice;
   }
   return fail(ErrorCode::kInvalidArgument, "--part: '{}': expected I/N with I from 1 to N", *text);
 }
@@ -32,30 +43,67 @@ Status surveyOf(const StudyRun& run, const std::filesystem::path& folder, Contex
   std::vector<std::string> words{run.casePath, "--output=" + folder.string()};
   words.insert(words.end(), run.words.begin(), run.words.end());
   VOLUTE_ASSIGN(const auto arguments, parseArguments(command, words));
-  Context own = context;
+  Team alone;  // who has taken the run does all of it
+  Context own{{context.progress, context.maxMemory}, alone, context.console};
+  own.verbose = context.verbose;
   own.words = words;
   own.silent = true;
   return command.run(arguments, own);
 }
 
+/// A line a run: its number, its name, and what became of it where a folder says so.
+Status listRuns(const Study& study, const std::optional<std::string>& folder, Context& context) {
+  std::vector<StudyRunState> states(study.runs.size());
+  if (folder)
+    states = statesOf(study, *folder);
+  auto list = nlohmann::ordered_json::array();
+  std::string text;
+  for (std::size_t i = 0; i < study.runs.size(); ++i) {
+    const StudyRun& run = study.runs[i];
+    list.push_back({{"number", i + 1}, {"name", run.name}, {"case", run.casePath}});
+    text += fmt::format("{}{} {}", i == 0 ? "" : "\n", i + 1, run.name);
+    if (!folder)
+      continue;
+    list.back()["done"] = states[i].done;
+    if (!states[i].done)
+      list.back()["why"] = states[i].why;
+    text += states[i].done ? ": done" : ": " + states[i].why;
+  }
+  if (context.json)
+    context.print(dumpJson(nlohmann::ordered_json{{"runs", list}}));
+  else
+    context.print(text);
+  return {};
+}
+
 Status runSweep(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto study, Study::read(arguments.positional(0)));
-  VOLUTE_ASSIGN(const auto part, partOf(arguments));
-  const std::filesystem::path folder = arguments.get<std::string>("output");
+  VOLUTE_ASSIGN(const auto choice, choiceOf(arguments, study));
+  const auto output = arguments.find<std::string>("output");
+  if (arguments.flag("list"))
+    return listRuns(study, output, context);
+  if (!output)
+    return fail(ErrorCode::kInvalidArgument, "--output is missing: say into which folder the runs go");
+  const std::filesystem::path folder = *output;
+  VOLUTE_TRY(checkFolderIsShared(*output, context.team));
   Context::watch(folder / "study.csv");
   VOLUTE_ASSIGN(const auto found,
-                runStudy(study, part, folder, context.progress,
+                runStudy(study, choice, folder, context.progress, context.team,
                          [&](const StudyRun& run, const std::filesystem::path& target) {
                            return surveyOf(run, target, context);
                          }));
+  VOLUTE_TRY(writeStats(arguments, context, {{"runs", study.runs.size()}}));
   Report report;
-  report.add("output", folder.string())
-      .add("table", (folder / "study.csv").string())
-      .add("runs", study.runs.size(), fmt::format("{}", study.runs.size()))
+  report.add("output", folder.string());
+  if (!choice.only)
+    report.add("table", (folder / "study.csv").string());
+  report.add("runs", study.runs.size(), fmt::format("{}", study.runs.size()))
       .add("done", found.done, fmt::format("{} done now", found.done))
       .add("kept", found.kept, fmt::format("{} were done before", found.kept))
       .add("failed", found.failed, fmt::format("{} failed: study.csv says why", found.failed));
   context.print(report);
+  if (found.failed > 0 && choice.only)
+    return fail(ErrorCode::kInvalidData, "run {} could not be done", *choice.only + 1);
   if (found.failed > 0 && found.done + found.kept == 0)
     return fail(ErrorCode::kInvalidData, "no run of {} could be done; {} says why", study.runs.size(),
                 (folder / "study.csv").string());
@@ -69,7 +117,8 @@ Command sweepCommand() {
   return {
       .name = "sweep",
       .summary = "Many surveys of sight and tenability: parameter studies, folders of cases",
-      .examples = {"volute sweep STUDY.json -o study", "volute sweep STUDY.json -o study --part 2/4"},
+      .examples = {"volute sweep STUDY.json -o study", "volute sweep STUDY.json -o study --part 2/4",
+                   "mpirun -n 8 volute sweep STUDY.json -o study"},
       .description =
           "Runs `volute visibility` for each case with each variant of STUDY.json and puts what it "
           "found into one table, study.csv, a row a run; compared/ has maps of the differences to "
@@ -77,7 +126,9 @@ Command sweepCommand() {
           "where it was stopped: what is done and unchanged is kept. Runs that fail have a sentence "
           "in the table, the others go on. --part I/N does every N-th run, for several processes or "
           "machines that share the folder; run it once more without --part for the whole "
-          "table.\n\nSTUDY.json: {\"cases\": [\"a.smv\", \"folder\", {\"case\": \"b.smv\", "
+          "table. Schedulers without MPI take runs by their numbers: --list shows them, --only I does "
+          "one, and the same command without it, when all are done, writes the table. Ranks "
+          "(mpirun) share the runs among them.\n\nSTUDY.json: {\"cases\": [\"a.smv\", \"folder\", {\"case\": \"b.smv\", "
           "\"options\": {..}}], \"options\": {\"signs\": \"signs.json\", \"height\": 2}, "
           "\"variants\": [{\"name\": \"strict\", \"options\": {\"criteria\": \"strict.json\"}}], "
           "\"baseline\": \"a\"}. A folder stands for all .smv files in and below it; options are "
@@ -88,12 +139,21 @@ Command sweepCommand() {
                    .kind = kFile,
                    .value = "FOLDER",
                    .help = "for a folder each run, study.csv and comparisons; what an earlier run of "
-                           "the same study left is gone on with",
-                   .required = true},
+                           "the same study left is gone on with; not needed for --list"},
+                  {.name = "list",
+                   .help = "the runs and their numbers, and with -o what became of them; does none"},
+                  {.name = "only",
+                   .kind = kInteger,
+                   .value = "I",
+                   .help = "run I alone, counted from 1, without the table",
+                   .least = 1},
+                  statsOption(),
                   {.name = "part",
                    .kind = kText,
                    .value = "I/N",
                    .help = "every N-th run alone, from the I-th"}},
+      .oneOf = {{{"list", "only", "part"}, false}},
+      .ranks = true,
       .run = runSweep};
 }
 
