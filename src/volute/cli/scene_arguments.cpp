@@ -62,6 +62,8 @@ Result<Scene> openScene(const std::string& path, const Arguments& arguments, Con
   options.files.partial = arguments.flag("partial");
   options.files.measured = measured;
   VOLUTE_ASSIGN(options.files.lightCache, lightCache(arguments, context));
+  if (arguments.flag("by-pieces") && context.team.size() > 1)
+    options.files.holders = &context.team;
   VOLUTE_ASSIGN(options.members, mediumMembers(path, arguments));
   const bool scene = isScenePath(path);
   if (scene && arguments.given("basis"))

@@ -42,6 +42,7 @@ struct FilmJob {
   std::optional<Contour> contour{};     ///< drawn instead of the media
   bool tree = false;                    ///< InstantRequest::tree
   bool legend = false;                  ///< drawn into visible pictures
+  bool together = false;                ///< ranks draw each picture together: they hold shares of a medium
   bool measured = true;                 ///< light as it is: no tone curve, no smoothed edges
   int samples = 1;                      ///< rays in a pixel where there are edges
   PictureStyle style{};                 ///< by which edges are found

@@ -143,10 +143,12 @@ class FilmPass {
     if (count_ > 1)
       remarkOnPictures(job_, target_, progress_);
     VOLUTE_TRY(settleExposure());
-    if (!isFilmPath(target_) || team_.leads()) {
+    if (team_.leads() || !(isFilmPath(target_) || job_.together)) {
       VOLUTE_ASSIGN(writer_, writerFor(target_, job_, development_));
     }
     begun_ = Clock::now();
+    if (job_.together)
+      return drawTogether();
     VOLUTE_TRY(team_.forUnits(
         "rendering", count_, count_ > 1 ? progress_ : steps_,
         [&](std::int64_t i) { return take(i); },
@@ -157,6 +159,25 @@ class FilmPass {
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  /// Rank 0 writes.
+  Status drawTogether() {
+    for (std::int64_t i = 0; i < count_; ++i) {
+      if (count_ > 1)
+        progress_.report("rendering", static_cast<double>(i), static_cast<double>(count_));
+      VOLUTE_TRY(team_.agree(drawOne(i)));
+    }
+    const Stopwatch watch(job_.totals.write);
+    return writer_ ? writer_->finish() : Status();
+  }
+
+  Status drawOne(std::int64_t i) {
+    if (progress_.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped before frame {}", frame(i).number);
+    VOLUTE_ASSIGN(const Image image, job_.picture(frame(i), each()));
+    sayDuration();
+    return writer_ ? write(i, image) : Status();
+  }
 
   const FilmFrame& frame(std::int64_t i) const {
     return job_.frames[static_cast<std::size_t>(i)];
@@ -174,7 +195,7 @@ class FilmPass {
     if (exposure == 0 && fixed) {
       exposure = 1;
     } else if (exposure == 0) {
-      if (team_.leads()) {
+      if (team_.leads() || job_.together) {
         VOLUTE_ASSIGN(exposure, exposureFor(job_, development_.style.tone, each()));
       }
       VOLUTE_ASSIGN(exposure, team_.broadcast(exposure));

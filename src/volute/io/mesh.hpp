@@ -15,6 +15,13 @@
 
 namespace volute {
 
+/// Which pieces of a mesh in several are read: all of them, or an even share.
+struct MeshShare {
+  int index = 0, count = 1;
+
+  friend bool operator==(const MeshShare&, const MeshShare&) = default;
+};
+
 /// What a file's mesh takes. Trivially copyable: it crosses from the process that reads the file.
 struct MeshSize {
   static constexpr std::size_t kMaxName = 255;
@@ -76,9 +83,11 @@ class MeshReader {
   [[nodiscard]] virtual Result<std::vector<double>> times(const std::filesystem::path& file) = 0;
 
   /// Reads one instant of the file, counted from 0; the field named `field`, or the only scalar
-  /// when it is empty. An error lists the fields that are there.
+  /// when it is empty. An error lists the fields that are there. kUnsupported for a share of a file
+  /// that names no pieces.
   [[nodiscard]] virtual Result<MeshSize> load(const std::filesystem::path& file,
-                                              std::size_t instant, const std::string& field) = 0;
+                                              std::size_t instant, const std::string& field,
+                                              const MeshShare& share) = 0;
 
   /// Reads one instant without values; take() gives its cells.
   [[nodiscard]] virtual Result<std::pair<MeshContents, std::vector<MeshFieldSummary>>> describe(

@@ -51,13 +51,16 @@ constexpr std::string_view kTimes = "times", kTake = "take", kDescribe = "descri
 
 /// The child's side: it is asked for the instants, or for one of them: how much it is or what it
 /// has, then the thing itself.
-/// The parameters are the file, a zero byte, the field.
+/// The parameters are the file, the field, and the share, a zero byte after each but the last.
 Result<ReaderProcess::Serve> serveMesh(std::string_view parameters) {
   const std::size_t cut = parameters.find('\0');
   const std::filesystem::path file(parameters.substr(0, cut));
-  const std::string field(parameters.substr(cut + 1));
+  parameters.remove_prefix(cut + 1);
+  const std::size_t end = parameters.find('\0');
+  const std::string field(parameters.substr(0, end));
+  VOLUTE_ASSIGN(const auto share, fromMessage<MeshShare>(parameters.substr(end + 1)));
   VOLUTE_ASSIGN(const MeshPlugin* plugin, loadVtkMeshPlugin());
-  return [file, field, reader = std::shared_ptr<MeshReader>(plugin->makeReader())](
+  return [file, field, share, reader = std::shared_ptr<MeshReader>(plugin->makeReader())](
              std::string_view request, std::span<float> values) -> Result<std::string> {
     if (request == kTimes) {
       VOLUTE_ASSIGN(const std::vector<double> times, reader->times(file));
@@ -79,7 +82,7 @@ Result<ReaderProcess::Serve> serveMesh(std::string_view parameters) {
     if (request != kTake) {
       std::size_t instant = 0;
       std::from_chars(request.data(), request.data() + request.size(), instant);
-      VOLUTE_ASSIGN(const MeshSize size, reader->load(file, instant, field));
+      VOLUTE_ASSIGN(const MeshSize size, reader->load(file, instant, field, share));
       return toMessage(size);
     }
     VOLUTE_ASSIGN(const MeshData data, reader->take());
@@ -103,8 +106,9 @@ std::filesystem::path folderOf(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 
-ReaderJob meshReader(const std::filesystem::path& path, const std::string& field) {
-  return {serveMesh, path.string() + '\0' + field, {isSpread(path) ? folderOf(path) : path}};
+ReaderJob meshReader(const std::filesystem::path& path, const std::string& field,
+                     const MeshShare& share = {}) {
+  return {serveMesh, path.string() + '\0' + field + '\0' + toMessage(share), {isSpread(path) ? folderOf(path) : path}};
 }
 
 /// Bytes of the files below a folder: of the first so many, where a folder has very many.
@@ -220,7 +224,7 @@ Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t instant
                           const MeshOptions& options) {
   const std::string file = path.string();
   VOLUTE_ASSIGN(const ReaderProcess::Limits limits, limitsFor(path, options.maxMemory));
-  ReaderProcess process(meshReader(path, options.field));
+  ReaderProcess process(meshReader(path, options.field, options.share));
   VOLUTE_ASSIGN(const std::string reply, process.call(file, fmt::format("{}", instant), 0, limits));
   VOLUTE_ASSIGN(auto size, fromMessage<MeshSize>(reply));
   if (!size.sound())
@@ -325,6 +329,7 @@ Result<MeshFrame> MeshSource::read(std::size_t frame) {
   MeshFrame out;
   out.field = data.field;
   out.others = data.others;
+  out.ofCells = data.ofCells;
   VOLUTE_ASSIGN(out.clamped, checkField(data.values, options_.negatives,
                                         fmt::format("{}: field '{}'", file, data.field)));
   if (!mesh_ || soup_ != data.soup) {

@@ -24,6 +24,7 @@ struct MeshFrame {
   std::string field;
   std::string others;       ///< fields that could have been chosen, as people read them
   std::size_t clamped = 0;  ///< negative values that were set to 0
+  bool ofCells = false;     ///< the file has values of cells, which became those of points
 };
 
 struct MeshOptions {
@@ -31,6 +32,7 @@ struct MeshOptions {
   Negatives negatives = Negatives::kRefuse;
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< bytes, for an instant as it is read
   std::uint64_t perTet = 0;  ///< bytes of maxMemory that the caller needs for each tet besides
+  MeshShare share{};  ///< of the pieces of a .pvtu; points that pieces have in common are in each
 };
 
 /// What a case has at one instant, whatever its fields are.

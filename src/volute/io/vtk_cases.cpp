@@ -181,12 +181,21 @@ Result<std::vector<std::filesystem::path>> piecesOf(const std::filesystem::path&
 }
 
 /// Pieces without cells with a volume are left out.
-Result<VtkVolume> readPvtu(const std::filesystem::path& path) {
+Result<VtkVolume> readPvtu(const std::filesystem::path& path, const MeshShare& share) {
   const ErrorWatch watch;
   VOLUTE_ASSIGN(const auto pieces, piecesOf(path, watch));
+  const auto count = static_cast<int>(pieces.size());
+  if (share.count > count) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: is in {} pieces, and {} ranks cannot hold one each; start {} at most",
+                path.string(), count, share.count, count);
+  }
+  const std::int64_t begin = std::int64_t{count} * share.index / share.count;
+  const std::int64_t end = std::int64_t{count} * (share.index + 1) / share.count;
   std::vector<vtkSmartPointer<vtkUnstructuredGrid>> held;
   std::vector<vtkUnstructuredGrid*> grids;
-  for (const auto& piece : pieces) {
+  for (const auto& piece : std::span(pieces).subspan(static_cast<std::size_t>(begin),
+                                                     static_cast<std::size_t>(end - begin))) {
     VOLUTE_ASSIGN(auto grid, readVtu(piece, watch));
     if (hasVolume(*grid)) {
       grids.push_back(grid);
@@ -236,11 +245,15 @@ Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path) {
 }
 
 Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t instant,
-                                const std::string& field) {
+                                const std::string& field, const MeshShare& share) {
   const std::string file = path.string();
   const std::string kind = path.extension().string();
   if (kind == ".pvtu")
-    return readPvtu(path);
+    return readPvtu(path, share);
+  if (share.count > 1) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: is one piece, of which ranks cannot hold shares; expected a .pvtu", file);
+  }
   if (kind == ".vtk")
     VOLUTE_TRY(checkLastLine(path));
   const ErrorWatch watch;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "volute/base/result.hpp"
+#include "volute/io/mesh.hpp"
 
 // Mesh files by VTK's readers; for the VTK plug-in alone, in the child process.
 
@@ -25,9 +26,11 @@ struct VtkVolume {
   int blocks = 1;                             ///< with volumes
 };
 
-/// `field` is what will be taken of it, empty where that is not known yet.
+/// `field` is what will be taken of it, empty where that is not known yet. `share`: which pieces of a
+/// .pvtu; kUnsupported of other files, and where it has fewer pieces than shares.
 [[nodiscard]] Result<VtkVolume> readVtkVolume(const std::filesystem::path& path,
-                                              std::size_t instant, const std::string& field);
+                                              std::size_t instant, const std::string& field,
+                                              const MeshShare& share = {});
 
 /// What VTK does not see: the end missing from files of an EnSight or OpenFOAM case, those of the
 /// mesh and, when `field` is not empty, those of a field at a time [s].

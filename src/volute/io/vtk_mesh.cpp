@@ -136,9 +136,9 @@ class VtkMeshReader final : public MeshReader {
   }
 
   Result<MeshSize> load(const std::filesystem::path& path, std::size_t instant,
-                        const std::string& wanted) override {
+                        const std::string& wanted, const MeshShare& share) override {
     const std::string file = path.string();
-    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, instant, wanted));
+    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, instant, wanted, share));
     vtkUnstructuredGrid* grid = volume.grid;
     std::vector<GridEntry> names;
     std::vector<Field> fields;

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "volute/base/team.hpp"
 #include "volute/lighting/light_cache.hpp"
 #include "volute/lighting/light_memory.hpp"
 #include "volute/media/field_sliders.hpp"
@@ -28,6 +29,9 @@ struct OpenOptions {
   bool measured = true;
   std::optional<LightCache> lightCache{};     ///< where the light of lamps is looked for and kept
   std::shared_ptr<LightMemory> lightMemory{};  ///< asked before; may be null
+  /// Whose ranks hold a share each of meshes in pieces and draw pictures together, by calling the
+  /// same in the same order; null: this process holds all.
+  Team* holders = nullptr;
 };
 
 /// What a medium is opened in.

@@ -49,6 +49,7 @@ struct MediumInfo {
   bool measured = false;  ///< is seen as it is: no exposure is looked for
   std::optional<PictureLaw> law{};  ///< that it wants to be seen through
   bool lawByC = false;              ///< C was said, not assumed, and nothing but the law depends on it
+  bool shared = false;     ///< this process holds a share of it, see OpenOptions::holders
   bool captioned = false;  ///< pictures of it alone say what they show, unless they are asked not to
 
   /// What of its values is mass: "of soot", "g/m3". Nothing: they tell no mass, and `noMass` why.

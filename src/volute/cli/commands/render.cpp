@@ -166,14 +166,15 @@ Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments, bool gl) {
 }
 
 /// `auto` takes OpenGL where hardware draws all that is asked for.
-Result<std::unique_ptr<SceneRenderer>> rendererOf(const Arguments& arguments) {
+Result<std::unique_ptr<SceneRenderer>> rendererOf(const Arguments& arguments, bool together) {
   const auto name = arguments.get<std::string>("renderer");
   const auto beyond = beyondGl(arguments);
   if (name == "gl" && !beyond.empty()) {
     return fail(ErrorCode::kUnsupported,
                 "--renderer gl does not draw --{} yet; choose cpu or leave it out", beyond);
   }
-  const bool gl = name == "gl" || (name == "auto" && beyond.empty() && glIsLikely());
+  const bool gl =
+      name == "gl" || (name == "auto" && beyond.empty() && !together && glIsLikely());
   if (gl) {
     VOLUTE_ASSIGN(const auto method, smokeMethodOf(arguments, true));
     auto renderer = openGlRenderer(name == "auto", method);
@@ -215,6 +216,32 @@ bool isMeasured(const Arguments& arguments) {
          arguments.get<std::string>("renderer") == "reference";
 }
 
+/// What ranks that hold shares of a mesh cannot draw together.
+Status checkShares(const Arguments& arguments, const Scene& scene,
+                   const std::vector<std::string>& layers, int ranks) {
+  if (!arguments.flag("by-pieces") || ranks == 1)
+    return {};
+  std::string_view beyond;
+  if (arguments.get<std::string>("renderer") == "reference" ||
+      arguments.get<std::string>("renderer") == "gl")
+    beyond = "is drawn by the renderer cpu";
+  else if (arguments.given("slice") || arguments.given("isosurface"))
+    beyond = "has no slices and isosurfaces";
+  else if (!layers.empty())
+    beyond = "gives one --aov at a time";
+  else if (scene.media().size() != 1 || !scene.media().front()->info().shared)
+    beyond = "is of a .pvtu and no other medium";
+  else if (!scene.geometry().empty())
+    beyond = "has no surfaces in it";
+  else if (scene.media().front()->info().times.size() > 1 && !arguments.given("time") &&
+           !arguments.given("frames"))
+    beyond = "is of a time that --time or --frames states";
+  if (beyond.empty())
+    return {};
+  return fail(ErrorCode::kUnsupported, "--by-pieces: a picture of a mesh that ranks hold together {}",
+              beyond);
+}
+
 /// --time, --frames, --speed and --orbit.
 Result<std::vector<FilmFrame>> framesOf(const Arguments& arguments, Scene& scene,
                                         const std::string& target, Progress& progress) {
@@ -237,13 +264,15 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
   VOLUTE_TRY(opened);
   Scene scene = std::move(*opened);
   VOLUTE_TRY(takeLaw(arguments, scene, context.progress));
+  VOLUTE_ASSIGN(auto layers, layersOf(arguments, target));
+  VOLUTE_TRY(checkShares(arguments, scene, layers, context.team.size()));
   VOLUTE_ASSIGN(auto frames, framesOf(arguments, scene, target, context.progress));
   std::optional<CameraDescription> described;
   VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, scene, described, context.progress));
   const Vec3 centre = described ? described->view.target : Vec3(scene.bounds().centre());
   VOLUTE_TRY(checkPictureMemory(camera, context));
-  VOLUTE_ASSIGN(auto layers, layersOf(arguments, target));
-  VOLUTE_ASSIGN(auto renderer, rendererOf(arguments));
+  const bool together = arguments.flag("by-pieces") && context.team.size() > 1;
+  VOLUTE_ASSIGN(auto renderer, rendererOf(arguments, together));
   VOLUTE_ASSIGN(auto contour, contourOf(arguments, scene));
   const RenderOptions options = renderOptions(arguments, scene);
   const double rate = framesPerSecond(scene, frames);
@@ -260,6 +289,7 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
   job.orbit = arguments.find<double>("orbit").value_or(0) * std::numbers::pi / 180;
   job.orbitCentre = centre;
   job.measured = isMeasured(arguments);
+  job.together = together;
   if (!job.measured && !job.contour)
     job.samples = arguments.get<int>("samples");
   VOLUTE_TRY(scaleContour(job, context.progress, context.team));
@@ -473,6 +503,9 @@ std::vector<Option> renderOptionTable() {
        .initial = "8",
        .least = 1,
        .most = 256},
+      {.name = "by-pieces",
+       .help = "of several ranks (mpirun) each holds some pieces of a .pvtu, and all draw each picture "
+               "together: a mesh that is larger than one memory"},
       {.name = "measured",
        .help = "light as it is, for measurements: one ray through each pixel's centre, the file's own "
                "basis (box where it states none), no preset, tone curve, bloom or dithering; so are "

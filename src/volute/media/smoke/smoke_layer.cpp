@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/stopwatch.hpp"
@@ -25,9 +26,11 @@ std::vector<float> between(const std::vector<float>& a, const std::vector<float>
 
 Result<SmokeLayer> SmokeLayer::open(const SmokeDescription& description,
                                     std::shared_ptr<const SmokeLighting> lighting,
-                                    Reading& reading) {
+                                    Reading& reading, Team* holders) {
   constexpr std::uint64_t kPerTet = 210;  // bytes, of light and of what finds tets, measured
   MeshOptions options{description.field, description.negatives, reading.maxMemory, kPerTet};
+  if (holders)
+    options.share = {holders->rank(), holders->size()};
   VOLUTE_ASSIGN(auto source, MeshSource::open(description.file, options));
   auto files = std::make_shared<Files>(Files{std::move(source)});
   if (!description.densityField.empty()) {
@@ -37,8 +40,21 @@ Result<SmokeLayer> SmokeLayer::open(const SmokeDescription& description,
   SmokeLayer layer(description, std::move(files));
   layer.lighting_ = std::move(lighting);
   layer.progress_ = &reading.progress;
+  layer.holders_ = holders;
+  VOLUTE_ASSIGN(const auto stored, layer.readStep(0));
+  VOLUTE_TRY(layer.checkShare(*stored));
+  layer.bounds_ = stored->frame.mesh->bounds();
+  if (holders) {
+    const Box3 own = layer.bounds_;
+    VOLUTE_ASSIGN(const auto all, holders->gatherAll(std::as_bytes(std::span(&own, 1))));
+    for (const auto& bytes : all) {
+      Box3 share;
+      std::memcpy(static_cast<void*>(&share), bytes.data(), sizeof share);
+      layer.bounds_.extend(share.min);
+      layer.bounds_.extend(share.max);
+    }
+  }
   VOLUTE_ASSIGN(const auto first, layer.step(0));
-  layer.bounds_ = first->stored->frame.mesh->bounds();
   const MeshFrame& frame = first->stored->frame;
   layer.files_->field = frame.field;
   if (description.field.empty() && !frame.others.empty()) {
@@ -62,10 +78,12 @@ Result<SmokeLayer> SmokeLayer::with(const SmokeDescription& description,
   layer.lighting_ = std::move(lighting);
   layer.progress_ = &reading.progress;
   layer.bounds_ = bounds_;
+  layer.holders_ = holders_;
   layer.fillsCache_ = false;
   for (const auto& stored : files_->steps) {
     VOLUTE_ASSIGN(const auto extinction, layer.extinctionOf(*stored));
-    layer.remarkOn(*stored, extinction);
+    VOLUTE_ASSIGN(const double most, layer.largestOf(extinction));
+    layer.remarkOn(*stored, most);
   }
   return layer;
 }
@@ -90,9 +108,40 @@ Result<std::vector<float>> SmokeLayer::extinctionOf(const Stored& stored) const 
               place.x(), place.y(), place.z(), nameOf(description_.model.quantity));
 }
 
+/// Of what a share of a mesh is not enough for.
+Status SmokeLayer::checkShare(const Stored& stored) const {
+  if (!holders_)
+    return {};
+  std::string_view beyond;
+  if (!lighting_->lights.lamps.empty())
+    beyond = "lamps and suns light it through all of it: leave lights but the ambient one out";
+  else if (description_.walls)
+    beyond = "its walls are between pieces as well: leave 'walls' out";
+  else if (stored.frame.ofCells)
+    beyond = "points between pieces have the mean of cells on both sides: convert the field to "
+             "values of points";
+  if (beyond.empty())
+    return {};
+  return fail(ErrorCode::kUnsupported, "{}: cannot be held in shares: {}; or let each rank hold all",
+              description_.file, beyond);
+}
+
+/// Of all shares. Collective where there are several.
+Result<double> SmokeLayer::largestOf(std::span<const float> extinction) {
+  double most = *std::ranges::max_element(extinction);
+  if (!holders_)
+    return most;
+  VOLUTE_ASSIGN(const auto all, holders_->gatherAll(std::as_bytes(std::span(&most, 1))));
+  for (const auto& bytes : all) {
+    double one = 0;
+    std::memcpy(&one, bytes.data(), sizeof one);
+    most = std::max(most, one);
+  }
+  return most;
+}
+
 /// What the choice of quantity and unit comes to, at the first step with smoke.
-void SmokeLayer::remarkOn(const Stored& stored, std::span<const float> extinction) {
-  const double most = *std::ranges::max_element(extinction);
+void SmokeLayer::remarkOn(const Stored& stored, double most) {
   if (remarked_ || !(most > 0))
     return;
   remarked_ = true;
@@ -114,7 +163,7 @@ void SmokeLayer::remarkOn(const Stored& stored, std::span<const float> extinctio
 
 /// A unit that is too small makes a whole fire look like clear air.
 void SmokeLayer::remarkOnThinSmoke(const Stored& stored, double most) {
-  const double depth = most * stored.frame.mesh->bounds().size().norm();
+  const double depth = most * bounds_.size().norm();
   const SmokeModel& model = description_.model;
   const bool clear = depth <= kThinDepth;
   if (!clear && (!holdsMass(model.quantity) || model.sootDensity(most) >= kLittleSoot))
@@ -226,7 +275,8 @@ Result<std::shared_ptr<const SmokeLayer::Step>> SmokeLayer::step(std::size_t ind
   Step made;
   VOLUTE_ASSIGN(made.stored, readStep(index));
   VOLUTE_ASSIGN(made.extinction, extinctionOf(*made.stored));
-  remarkOn(*made.stored, made.extinction);
+  VOLUTE_ASSIGN(const double most, largestOf(made.extinction));
+  remarkOn(*made.stored, most);
   light(made);
   if (steps_.size() == 2)
     steps_.erase(steps_.begin());

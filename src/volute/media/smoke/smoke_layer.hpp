@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "volute/base/team.hpp"
 #include "volute/io/mesh_source.hpp"
 #include "volute/lighting/light_cache.hpp"
 #include "volute/lighting/light_memory.hpp"
@@ -50,9 +51,12 @@ struct SmokeCounts {
 class SmokeLayer {
  public:
   /// Reads the first step.
+  /// @param holders  whose ranks hold a share each, see OpenOptions; bounds and what is remarked on
+  ///                 are of all. kUnsupported of what needs more than one's own share: lamps, walls,
+  ///                 and values of cells
   [[nodiscard]] static Result<SmokeLayer> open(const SmokeDescription& description,
                                                std::shared_ptr<const SmokeLighting> lighting,
-                                               Reading& reading);
+                                               Reading& reading, Team* holders = nullptr);
 
   /// Whether the same is read from the same files under both descriptions.
   static bool readsTheSame(const SmokeDescription& a, const SmokeDescription& b);
@@ -65,6 +69,8 @@ class SmokeLayer {
                                         Reading& reading) const;
 
   const SmokeDescription& description() const { return description_; }
+
+  Team* holders() const { return holders_; }
 
   /// Of the case, also where the description leaves it to the file.
   const std::string& fieldName() const { return files_->field; }
@@ -134,13 +140,16 @@ class SmokeLayer {
   void light(Step& step);
   std::vector<float> lightOf(const Step& step, const Lamp& lamp);
   std::string lightKey(const Step& step, const Lamp& lamp) const;
-  void remarkOn(const Stored& stored, std::span<const float> extinction);
+  [[nodiscard]] Status checkShare(const Stored& stored) const;
+  [[nodiscard]] Result<double> largestOf(std::span<const float> extinction);
+  void remarkOn(const Stored& stored, double most);
   void remarkOnThinSmoke(const Stored& stored, double most);
 
   SmokeDescription description_;
   std::shared_ptr<Files> files_;
   std::shared_ptr<const SmokeLighting> lighting_;
   Box3 bounds_;
+  Team* holders_ = nullptr;
   Progress* progress_ = nullptr;
   std::vector<std::shared_ptr<const Step>> steps_;  ///< the last two
   SmokeCounts counts_;

@@ -10,7 +10,9 @@
 #include "volute/base/remark_log.hpp"
 #include "volute/fds/smv_index.hpp"
 #include "volute/media/light_blockers.hpp"
+#include "volute/camera/pixel_ray.hpp"
 #include "volute/media/smoke/mesh_sight.hpp"
+#include "volute/media/smoke/shared_picture.hpp"
 #include "volute/media/smoke/smoke_contour.hpp"
 #include "volute/media/smoke/smoke_parameters.hpp"
 #include "volute/media/smoke/smoke_walls.hpp"
@@ -44,16 +46,21 @@ class MeshPicture final : public MediumPicture {
     natural_ = smoke.state().extinction;
     extinction_ = smoke.extinction();
     source_ = smoke.state().source;
+    holders_ = smoke.holders();
   }
 
   void opticalDepth(const Camera& camera, std::span<const float> opaqueDepth,
                     std::span<float> depth) override {
     marcher_.setExtinction(natural_);
     marcher_.opticalDepth(camera, opaqueDepth, depth);
+    if (holders_)
+      sumDepths(*holders_, depth);
   }
 
   void light(const Camera& camera, std::span<const float> opaqueDepth,
              std::span<float> rgbt) override {
+    if (holders_ && !source_.empty())
+      return lightOfShares(camera, opaqueDepth, rgbt);
     splat_.setExtinction(extinction_);
     if (!source_.empty()) {
       splat_.setSource(source_);
@@ -62,15 +69,32 @@ class MeshPicture final : public MediumPicture {
     }
     std::vector<float> depth(rgbt.size() / 4);
     splat_.opticalDepth(camera, opaqueDepth, depth);
+    if (holders_)
+      sumDepths(*holders_, depth);
     std::ranges::fill(rgbt, 0.0F);
     for (std::size_t i = 0; i < depth.size(); ++i) rgbt[4 * i + 3] = std::exp(-depth[i]);
   }
 
  private:
+  void lightOfShares(const Camera& camera, std::span<const float> opaqueDepth,
+                     std::span<float> rgbt) const {
+    const TetMedium own(locator_, extinction_, source_);
+    const auto width = static_cast<std::size_t>(camera.width());
+    composeRuns(*holders_, [&](std::size_t pixel) {
+      const Segment ray = pixelRay(camera, static_cast<int>(pixel % width),
+                                   static_cast<int>(pixel / width), opaqueDepth);
+      std::vector<Piece> pieces;
+      if (ray.begin < ray.end)
+        own.pieces(std::span(&ray, 1), std::span(&pieces, 1));
+      return heldRuns(pieces);
+    }, rgbt);
+  }
+
   std::shared_ptr<const TetLocator> locator_;
   TetMarcher marcher_;
   TetSplat splat_;
   std::vector<float> natural_, extinction_, source_;
+  Team* holders_ = nullptr;
 };
 
 std::shared_ptr<const SmokeLighting> lightingOf(const MediumContext& context) {
@@ -95,7 +119,7 @@ class SmokeKind final : public MediumKind {
       return SmokeLayer::readsTheSame(other.layer().description(), smoke);
     });
     auto layer = before ? before->layer().with(smoke, lighting, reading)
-                        : SmokeLayer::open(smoke, lighting, reading);
+                        : SmokeLayer::open(smoke, lighting, reading, context.options.holders);
     VOLUTE_TRY(layer);
     auto medium = std::make_shared<SmokeSceneMedium>(std::move(*layer), lighting);
     medium->remarks = heard.remarks();
@@ -223,6 +247,7 @@ SmokeSceneMedium::SmokeSceneMedium(SmokeLayer layer, std::shared_ptr<const Smoke
   info_.file = smoke.file;
   info_.what = "smoke on a mesh";
   info_.kind = "smoke";
+  info_.shared = layer_.holders() != nullptr;
   info_.bounds = info_.fileBounds = layer_.bounds();
   info_.takeFrames(layer_, layer_.steps(), smoke.clock);
   info_.interpolates = true;
@@ -244,7 +269,7 @@ Result<std::shared_ptr<const MediumAt>> SmokeSceneMedium::at(const InstantReques
   layer_.setProgress(progress);
   VOLUTE_ASSIGN(auto state, layer_.at(request.time));
   return std::make_shared<const SmokeAt>(std::move(state), request.factor, lighting_,
-                                         layer_.description().walls);
+                                         layer_.description().walls, layer_.holders());
 }
 
 MediumText SmokeSceneMedium::text(const std::optional<Vec3>&) const {

@@ -11,11 +11,12 @@ namespace volute {
 class SmokeAt final : public MediumAt {
  public:
   SmokeAt(SmokeState state, double factor, std::shared_ptr<const SmokeLighting> lighting,
-          std::optional<Rgb> walls)
+          std::optional<Rgb> walls, Team* holders = nullptr)
       : state_(std::move(state)),
         factor_(factor),
         lighting_(std::move(lighting)),
-        walls_(std::move(walls)) {}
+        walls_(std::move(walls)),
+        holders_(holders) {}
 
   void addMedia(std::vector<AnyMedium>& media) const override;
   std::shared_ptr<MediumPicture> picture(std::shared_ptr<MediumPicture> earlier) const override;
@@ -39,6 +40,9 @@ class SmokeAt final : public MediumAt {
 
   double factor() const { return factor_; }
 
+  /// Whose ranks hold a share each; null: this process holds all.
+  Team* holders() const { return holders_; }
+
   /// [1/m], times the factor, one for each vertex.
   std::vector<float> extinction() const;
 
@@ -52,6 +56,7 @@ class SmokeAt final : public MediumAt {
   double factor_;
   std::shared_ptr<const SmokeLighting> lighting_;
   std::optional<Rgb> walls_;
+  Team* holders_;
 };
 
 /// A case of smoke on a mesh in a scene.
