@@ -6,6 +6,7 @@ import filecmp
 import json
 import os
 import pathlib
+import random
 import re
 import shutil
 import signal
@@ -20,6 +21,7 @@ import support
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "bench"))
 import large_volume
+import mesh_in_pieces
 
 PROGRAM = pathlib.Path(support.PROGRAM).resolve()
 PLUGINS = PROGRAM.parent.parent / "lib" / "volute"
@@ -71,6 +73,19 @@ class Cluster(support.TestCase):
         each = json.loads(stats.read_text())["ranks"]
         self.assertEqual([entry["rank"] for entry in each], list(range(ranks)))
         self.assertEqual(sorted(unit for entry in each for unit in entry["units"].get(stage, [])), list(range(count)))
+
+    def hall(self, name="hall", smoke=0.02):
+        mesh = sight_cases.Mesh(name, (0, 7, 0, 3, 0, 2.4), (14, 6, 4), [])
+        return sight_cases.FdsCase([mesh], [0.0, 1.0, 2.5], lambda time, x, y, z: smoke * (1 + time) * (1 + 0.1 * x)).write(self.folder)
+
+    def study(self):
+        signs = self.path("signs.json")
+        signs.write_text(json.dumps({"signs": [{"name": "east", "position": [7, 1.5, 1.1], "normal": [-1, 0, 0]}]}))
+        variants = [{"name": f"v{i}", "options": {"extinction-limit": 0.05 * i}} for i in range(1, 6)]
+        variants.append({"name": "wrong", "options": {"height": 77}})
+        study = {"cases": [str(self.hall())], "options": {"signs": "signs.json", "height": 1.2, "step": 0.5}, "variants": variants}
+        self.path("study.json").write_text(json.dumps(study))
+        return self.path("study.json")
 
     def same_folders(self, one, other):
         names = sorted(str(path.relative_to(one)) for path in one.rglob("*") if path.is_file())
@@ -206,6 +221,122 @@ class SameBytes(Cluster):
         self.succeeds(3, *arguments, "-o", self.path("ours"))
         names = self.same_folders(self.path("alone"), self.path("ours"))
         self.assertTrue({"report.html", "z_0.9/sight.csv", "z_1.5/aset.png"} <= set(names), names)
+
+
+    def test_sweep(self):
+        study = self.study()
+        self.works("sweep", study, "-o", self.path("alone"))
+        for ranks in RANKS:
+            _, message = self.succeeds(ranks, "sweep", study, "-o", self.path(f"by{ranks}"), "--stats", self.path("stats.json"))
+            self.check_units(self.path("stats.json"), "runs", 6, ranks)
+            self.assertIn("run 'case_wrong': ", message)  # whichever rank had it
+            names = self.same_folders(self.path("alone"), self.path(f"by{ranks}"))
+            self.assertTrue({"study.csv", "case_v3/visibility.json", "compared/spread.vti"} <= set(names), names)
+
+    def test_a_sweep_with_a_rank_killed_goes_on(self):
+        study = self.study()
+        self.works("sweep", study, "-o", self.path("alone"))
+        process = start(2, "sweep", study, "-o", self.path("ours"))
+        end = time.monotonic() + LIMIT
+        while not list(self.folder.glob("ours/keys/*")) and process.poll() is None and time.monotonic() < end:
+            time.sleep(0.005)
+        for rank in ranks_of(process.pid)[-1:]:
+            os.kill(rank, signal.SIGKILL)
+        process.communicate(timeout=LIMIT)
+        self.succeeds(3, "sweep", study, "-o", self.path("ours"))
+        table = [(self.path(name) / "study.csv").read_bytes() for name in ("alone", "ours")]
+        self.assertEqual(table[0], table[1])
+
+
+@unittest.skipUnless(HAS_MPI and (PLUGINS / "volute_io_vtk.so").exists(), "no mpirun, or Volute was built without MPI or VTK")
+class MeshInPieces(Cluster):
+    VIEW = ("--eye", "-8,3,-7", "--target", "5,5,5", "--fov", "50", "--size", "60x40")
+    SOOT = ("--quantity", "soot-density", "--unit", "kg/m3")
+
+    def setUp(self):
+        super().setUp()
+        self.mesh, self.tetrahedra = mesh_in_pieces.write_mesh(self.folder, 10, 5)
+
+    def difference(self, one, other):
+        return self.works("compare", self.path(one), self.path(other), "--json").json["max_error"]
+
+    def test_ranks_with_a_share_each_draw_what_one_does(self):
+        self.assertEqual(self.tetrahedra, 6000)
+        for options in (("--aov", "optical-depth"), ("--measured",)):
+            arguments = ("render", self.mesh, *self.VIEW, *self.SOOT, *options)
+            self.works(*arguments, "-o", self.path("alone.exr"))
+            for ranks in (2, 3, 5):
+                self.succeeds(ranks, *arguments, "-o", self.path("ours.exr"), "--by-pieces")
+                self.assertLessEqual(self.difference("alone.exr", "ours.exr"), 1e-5, (ranks, options))
+
+    def test_light_that_smoke_scatters_is_composed_in_order(self):
+        scene = {"format": "volute-scene-1", "background": [0.2, 0.3, 0.4], "lights": [{"kind": "ambient", "radiance": [1, 0.7, 0.4]}],
+                 "camera": {"eye": [-8, 3, -7], "target": [5, 5, 5], "up": [0, 0, 1], "fov": 50, "size": [60, 40]},
+                 "media": [{"kind": "smoke", "case": "mesh.pvtu", "field": "soot", "quantity": "soot-density", "unit": "kg/m3"}]}
+        self.path("scene.json").write_text(json.dumps(scene))
+        arguments = ("render", self.path("scene.json"), "--measured")
+        self.works(*arguments, "-o", self.path("alone.exr"))
+        for ranks in (2, 4):
+            self.succeeds(ranks, *arguments, "-o", self.path("ours.exr"), "--by-pieces")
+            self.assertLessEqual(self.difference("alone.exr", "ours.exr"), 1e-5, ranks)
+        self.works(*arguments, "-o", self.path("alone.png"))
+        self.succeeds(3, *arguments, "-o", self.path("ours.png"), "--by-pieces")
+        scene["lights"].append({"kind": "sun", "direction": [0, 0, -1], "radiance": [1, 1, 1]})
+        self.path("scene.json").write_text(json.dumps(scene))
+        self.assertIn("lamps and suns light it through all of it", self.says(2, *arguments, "-o", self.path("x.exr"), "--by-pieces"))
+
+    def test_what_ranks_cannot_share(self):
+        arguments = ("render", self.mesh, *self.VIEW, *self.SOOT, "-o", self.path("x.exr"), "--by-pieces")
+        self.assertIn("is in 5 pieces, and 6 ranks cannot hold one each", self.says(6, *arguments))
+        self.assertIn("has no slices", self.says(2, *arguments, "--slice", "x=5", "--quiet"))
+        self.assertIn("is one piece", self.says(2, "render", self.path("piece_0.vtu"), *arguments[2:]))
+        self.path("piece_3.vtu").write_bytes(self.path("piece_3.vtu").read_bytes()[:-2000])
+        self.assertIn("piece_3.vtu", self.says(3, *arguments))
+
+
+class Slurm(Cluster):
+    """The example scripts, with what a scheduler gives them."""
+
+    def runs_script(self, name, *arguments, task=1):
+        tools = self.path("tools")
+        tools.mkdir(exist_ok=True)
+        if not (tools / "volute").exists():
+            (tools / "volute").symlink_to(PROGRAM)
+            # Takes the place of srun: its own options are left out.
+            (tools / "srun").write_text('#!/bin/sh\nwhile [ "${1#-}" != "$1" ]; do shift; done\nexec mpirun --oversubscribe -n 2 "$@"\n')
+            (tools / "srun").chmod(0o755)
+        script = pathlib.Path(__file__).resolve().parents[2] / "examples" / "slurm" / name
+        environment = mpirun(1)[1] | {"PATH": f"{tools}:{os.environ['PATH']}", "SLURM_ARRAY_TASK_ID": str(task), "SLURM_CPUS_PER_TASK": "2"}
+        done = subprocess.run(["sh", script, *map(str, arguments)], env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, timeout=LIMIT)
+        self.assertEqual(done.returncode, 0, done.stderr.decode())
+
+    @unittest.skipUnless(HAS_MPI, "no mpirun, or Volute was built without MPI")
+    def test_one_job(self):
+        source = self.make_npy(frames=20, size=12)
+        self.runs_script("one_job.sh", source, self.path("out.volute"))
+        self.works("compress", source, "-o", self.path("alone.volute"), "--rms", "0.003")
+        self.assertEqual(self.path("out.volute").read_bytes(), self.path("alone.volute").read_bytes())
+        self.assertEqual(len(json.loads(self.path("out.json").read_text())["ranks"]), 2)
+
+    def test_array_of_cases(self):
+        study = self.study()
+        case = json.loads(study.read_text())["cases"][0]
+        self.path("cases.txt").write_text(f"elsewhere.smv\n{case}\n")
+        for _ in range(2):  # again: what is there is left out
+            self.runs_script("array_of_cases.sh", self.path("cases.txt"), self.path("signs.json"), self.path("results"), task=2)
+            report = self.path("results/0002/visibility.json")
+            self.assertTrue(report.exists())
+
+    def test_study(self):
+        study = self.study()
+        runs = self.works("sweep", study, "--list").text.splitlines()
+        self.assertEqual(len(runs), 6)
+        for task in range(1, 6):
+            self.runs_script("study.sh", study, self.path("out"), task=task)
+        self.works("sweep", study, "-o", self.path("out"))
+        self.works("sweep", study, "-o", self.path("alone"))
+        self.assertEqual((self.path("out") / "study.csv").read_bytes(), (self.path("alone") / "study.csv").read_bytes())
 
 
 @unittest.skipUnless(HAS_MPI, "no mpirun, or Volute was built without MPI")
@@ -366,6 +497,26 @@ class BadInput(Cluster):
             self.assertFalse(self.path("x.volute").exists())
         self.assertEqual(self.path("x.volute").read_bytes(), expected)
         self.assertFalse(work.exists())
+
+    def test_a_full_disk_on_one_rank(self):
+        """Rank 1 has a folder of one page in the target's place; what it compresses goes there."""
+        if subprocess.run(["unshare", "-rm", "true"], stderr=subprocess.DEVNULL).returncode != 0:
+            self.skipTest("file systems cannot be mounted here")
+        shape, values = support.plume(40, 12)
+        draw = random.Random(1)
+        support.write_npy(self.path("in.npy"), shape, [value + draw.random() for value in values])
+        self.path("out").mkdir()
+        script = self.path("ranks.sh")
+        script.write_text('#!/bin/sh\n[ "$OMPI_COMM_WORLD_RANK" = 1 ] || exec "$@"\n'
+                          f'exec unshare -rm sh -c \'mount -t tmpfs -o size=4k none {self.path("out")} && exec "$@"\' - "$@"\n')
+        script.chmod(0o755)
+        command, environment = mpirun(3, script, PROGRAM, "compress", self.path("in.npy"), "-o", self.path("out/x.volute"), "--rms", "0.0001")
+        done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=LIMIT)
+        said = [line for line in done.stderr.decode().splitlines() if line.startswith("volute")]
+        self.assertEqual(done.returncode, 1, said)
+        self.assertEqual(len(said), 1, said)
+        self.assertRegex(said[0], "rank 1: .*No space left on device")
+        self.assertEqual(list(self.path("out").iterdir()), [])
 
     def test_not_a_number_in_one_unit(self):
         shape, values = support.plume(40, 12)
