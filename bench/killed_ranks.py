@@ -29,8 +29,9 @@ def start(ranks, command):
 
 
 def ranks_of(launcher):
-    children = subprocess.run(["ps", "-o", "pid=,comm=", "--ppid", str(launcher)], stdout=subprocess.PIPE).stdout.decode()
-    return [int(line.split()[0]) for line in children.splitlines() if line.split()[1] == "volute"]
+    children = subprocess.run(["ps", "-o", "pid=,stat=,comm=", "--ppid", str(launcher)], stdout=subprocess.PIPE).stdout.decode()
+    words = [line.split() for line in children.splitlines()]
+    return [int(pid) for pid, state, name, *_ in words if name == "volute" and not state.startswith("Z")]
 
 
 def kill_one(process, wait, draw):
@@ -41,7 +42,10 @@ def kill_one(process, wait, draw):
     there = ranks_of(process.pid)
     if process.poll() is not None or not there:
         return None
-    os.kill(draw.choice(there), signal.SIGKILL)
+    try:
+        os.kill(draw.choice(there), signal.SIGKILL)
+    except ProcessLookupError:  # it has just ended
+        return None
     killed = time.monotonic()
     process.communicate(timeout=120)
     return time.monotonic() - killed

@@ -27,7 +27,8 @@ PROGRAM = pathlib.Path(support.PROGRAM).resolve()
 PLUGINS = PROGRAM.parent.parent / "lib" / "volute"
 HAS_MPI = shutil.which("mpirun") and (PLUGINS / "volute_mpi.so").exists() and "VOLUTE_TESTS_WITHOUT_MPI" not in os.environ
 RANKS = (1, 2, 3, 4, 8)
-LIMIT = 60  # seconds, of what takes one where nobody else works
+# Seconds, of what takes one to six where nobody else works: ranks share the cores with all that runs besides.
+LIMIT = 60 * max(1.0, os.getloadavg()[0] / os.cpu_count())
 
 
 def mpirun(ranks, *words, environment=None):
@@ -42,9 +43,19 @@ def start(ranks, *arguments, environment=None):
 
 
 def ranks_of(launcher):
-    """Process numbers of the ranks that mpirun `launcher` started, without their readers' helpers."""
-    children = subprocess.run(["ps", "-o", "pid=,comm=", "--ppid", str(launcher)], stdout=subprocess.PIPE).stdout.decode()
-    return [int(line.split()[0]) for line in children.splitlines() if line.split()[1] == "volute"]
+    """Process numbers of the ranks that mpirun `launcher` started and that have not ended, without their readers' helpers."""
+    children = subprocess.run(["ps", "-o", "pid=,stat=,comm=", "--ppid", str(launcher)], stdout=subprocess.PIPE).stdout.decode()
+    words = [line.split() for line in children.splitlines()]
+    return [int(pid) for pid, state, name, *_ in words if name == "volute" and not state.startswith("Z")]
+
+
+def kill(rank):
+    """False where it has just ended by itself."""
+    try:
+        os.kill(rank, signal.SIGKILL)
+    except ProcessLookupError:
+        return False
+    return True
 
 
 class Cluster(support.TestCase):
@@ -241,7 +252,7 @@ class SameBytes(Cluster):
         while not list(self.folder.glob("ours/keys/*")) and process.poll() is None and time.monotonic() < end:
             time.sleep(0.005)
         for rank in ranks_of(process.pid)[-1:]:
-            os.kill(rank, signal.SIGKILL)
+            kill(rank)
         process.communicate(timeout=LIMIT)
         self.succeeds(3, "sweep", study, "-o", self.path("ours"))
         table = [(self.path(name) / "study.csv").read_bytes() for name in ("alone", "ours")]
@@ -432,7 +443,7 @@ class BadInput(Cluster):
             while len(ranks_of(process.pid)) < 3 and time.monotonic() < end:
                 time.sleep(0.02)
             time.sleep(0.5)
-            os.kill(sorted(ranks_of(process.pid))[victim], signal.SIGKILL)
+            self.assertTrue(kill(sorted(ranks_of(process.pid))[victim]))
             killed = time.monotonic()
             _, message = process.communicate(timeout=LIMIT)
             self.assertLess(time.monotonic() - killed, 10)
@@ -460,11 +471,14 @@ class BadInput(Cluster):
                 process.communicate(timeout=LIMIT)
                 self.path("x.volute").unlink()
                 continue
-            os.kill(there[-1], signal.SIGKILL)
+            kill(there[-1])
             killed = time.monotonic()
             _, message = process.communicate(timeout=LIMIT)
             self.assertLess(time.monotonic() - killed, 10)
-            self.assertNotEqual(process.returncode, 0)
+            if process.returncode == 0:  # it had nothing left to do
+                self.works("compare", source, self.path("x.volute"))
+                self.path("x.volute").unlink()
+                continue
             self.assertIn("signal 9", message.decode())
             left = [name for name in self.files() if name != "in.npy"]
             if left:  # it was done, and whole, when the rank died
@@ -489,12 +503,14 @@ class BadInput(Cluster):
                     time.sleep(0.02)
                 time.sleep(wait)
                 for rank in ranks_of(process.pid)[-1:]:
-                    os.kill(rank, signal.SIGKILL)
+                    kill(rank)
             _, message = process.communicate(timeout=LIMIT)
             if process.returncode == 0:
                 break
             self.assertIsNotNone(wait, message.decode())
-            self.assertFalse(self.path("x.volute").exists())
+            if self.path("x.volute").exists():  # killed after it was written
+                self.assertEqual(self.path("x.volute").read_bytes(), expected)
+                self.path("x.volute").unlink()
         self.assertEqual(self.path("x.volute").read_bytes(), expected)
         self.assertFalse(work.exists())
 
@@ -527,7 +543,10 @@ class BadInput(Cluster):
     def test_ctrl_c(self):
         packed = self.make_volute(frames=12, size=16)
         process = start(3, "render", packed, "-o", self.path("x_%02d.exr"), "--size", "900x900", "--renderer", "reference")
-        time.sleep(1.5)
+        end = time.monotonic() + LIMIT
+        while len(ranks_of(process.pid)) < 3 and process.poll() is None and time.monotonic() < end:
+            time.sleep(0.02)
+        time.sleep(1)
         process.send_signal(signal.SIGINT)
         _, message = process.communicate(timeout=LIMIT)
         self.assertNotEqual(process.returncode, 0)
