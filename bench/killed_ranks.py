@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""Kills one rank of `mpirun -n N volute compress --work` at random moments, and goes on with another number of ranks.
+"""Kills one rank of `mpirun -n N volute compress --work` at random times, and goes on with another number of ranks.
 
-    bench/killed_ranks.py build/release/bin/volute --moments 20
+    bench/killed_ranks.py build/release/bin/volute --kills 20
 
 Each time the others must end within ten seconds and leave no target, and the run that goes on must give the bytes of one process.
 """
@@ -54,7 +54,7 @@ def kill_one(process, wait, draw):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", type=pathlib.Path, help="the volute command")
-    parser.add_argument("--moments", type=int, default=20)
+    parser.add_argument("--kills", type=int, default=20)
     parser.add_argument("--side", type=int, default=64)
     parser.add_argument("--frames", type=int, default=64)
     parser.add_argument("--seed", type=int, default=1)
@@ -74,7 +74,7 @@ def main():
         whole = time.monotonic() - begin
         target.unlink()
         ends, units, done_before = [], [], 0
-        for _ in range(options.moments):
+        for _ in range(options.kills):
             process = start(draw.choice((2, 3, 4)), command)
             end = kill_one(process, draw.uniform(0, whole), draw)
             process.communicate(timeout=120)
@@ -87,10 +87,10 @@ def main():
             ranks = draw.choice((1, 2, 3, 5))
             code = start(ranks, command).wait(timeout=300)
             if code != 0 or target.read_bytes() != expected or work.exists():
-                print(f"moment {len(units)}: the run that went on with {ranks} ranks ended with {code}, other bytes or files left")
+                print(f"kill {len(units)}: the run that went on with {ranks} ranks ended with {code}, other bytes or files left")
                 return 1
             target.unlink()
-    print(f"{options.moments} moments of {whole:.1f} s: {len(ends)} killed, {done_before} done before; the others ended after {min(ends):.2f} to "
+    print(f"{options.kills} times within {whole:.1f} s: {len(ends)} killed, {done_before} done before; the others ended after {min(ends):.2f} to "
           f"{max(ends):.2f} s; {min(units)} to {max(units)} files of finished units were there; all went on to the same bytes")
     return 0 if max(ends) < SECONDS_TO_END else 1
 
