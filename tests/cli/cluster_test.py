@@ -121,6 +121,17 @@ class SameBytes(Cluster):
             self.assertEqual(len(self.same_folders(alone, folder)), 9)
             self.assertEqual(json.loads(self.path("stats.json").read_text())["rays"], 9 * 40 * 30)
 
+    def test_many_stills(self):
+        """128 for each rank and more are taken in rows of 16."""
+        packed = self.make_volute(frames=262, size=6)
+        for name in ("alone", "ours"):
+            self.path(name).mkdir()
+        options = ("--measured", "--size", "12x8", "--renderer", "cpu")
+        self.works("render", packed, "-o", self.path("alone") / "f_%03d.exr", *options)
+        self.succeeds(2, "render", packed, "-o", self.path("ours") / "f_%03d.exr", *options, "--stats", self.path("stats.json"))
+        self.check_units(self.path("stats.json"), "rendering", 17, 2)
+        self.assertEqual(len(self.same_folders(self.path("alone"), self.path("ours"))), 262)
+
     def test_compress(self):
         source = self.make_npy(frames=34, size=20)
         for options in (("--rms", "0.003"), ("--ratio", "60", "--fast")):
@@ -279,6 +290,17 @@ class MeshInPieces(Cluster):
             for ranks in (2, 3, 5):
                 self.succeeds(ranks, *arguments, "-o", self.path("ours.exr"), "--by-pieces")
                 self.assertLessEqual(self.difference("alone.exr", "ours.exr"), 1e-5, (ranks, options))
+
+    def test_rays_in_the_plane_between_pieces(self):
+        """Pieces meet at z = 2, 4, 6 and 8; the middle row and column of pixels look along such planes."""
+        scene = {"format": "volute-scene-1", "background": [0.2, 0.3, 0.4], "lights": [{"kind": "ambient", "radiance": [1, 0.7, 0.4]}],
+                 "camera": {"eye": [-8, 5, 4], "target": [5, 5, 4], "up": [0, 0, 1], "fov": 50, "size": [61, 41]},
+                 "media": [{"kind": "smoke", "case": "mesh.pvtu", "field": "soot", "quantity": "soot-density", "unit": "kg/m3"}]}
+        self.path("scene.json").write_text(json.dumps(scene))
+        for options in (("--aov", "optical-depth"), ("--measured",)):
+            self.works("render", self.path("scene.json"), *options, "-o", self.path("alone.exr"))
+            self.succeeds(5, "render", self.path("scene.json"), *options, "-o", self.path("ours.exr"), "--by-pieces")
+            self.assertLessEqual(self.difference("alone.exr", "ours.exr"), 1e-5, options)
 
     def test_light_that_smoke_scatters_is_composed_in_order(self):
         scene = {"format": "volute-scene-1", "background": [0.2, 0.3, 0.4], "lights": [{"kind": "ambient", "radiance": [1, 0.7, 0.4]}],

@@ -3,7 +3,10 @@
 #include "volute/media/smoke/shared_picture.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "volute/base/parallel.hpp"
 #include "volute/medium/integrate.hpp"
@@ -22,7 +25,7 @@ struct SentRun {
   std::uint32_t pixel = 0;  ///< of the strip
   float transmittance = 1;
   std::array<float, 3> emitted{};
-  double begin = 0;
+  double begin = 0, end = 0;
 };
 
 }  // namespace
@@ -72,7 +75,8 @@ void composeRuns(Team& team, const std::function<std::vector<HeldRun>(std::size_
                         static_cast<float>(run.radiance.transmittance),
                         {static_cast<float>(light[0]), static_cast<float>(light[1]),
                          static_cast<float>(light[2])},
-                        run.begin});
+                        run.begin,
+                        run.end});
       }
     }
     const auto all = team.gatherAll(std::as_bytes(std::span(sent)));
@@ -89,7 +93,12 @@ void composeRuns(Team& team, const std::function<std::vector<HeldRun>(std::size_
       return a.pixel != b.pixel ? a.pixel < b.pixel : a.begin < b.begin;
     });
     std::vector<Radiance> composed(count);
+    std::vector<double> reached(count, -std::numeric_limits<double>::infinity());
     for (const SentRun& run : together) {
+      // A ray in the plane between two pieces is in both.
+      if (run.end <= reached[run.pixel] + kSame * std::abs(run.end))
+        continue;
+      reached[run.pixel] = run.end;
       Radiance& pixel = composed[run.pixel];
       for (int c = 0; c < 3; ++c)
         pixel.emitted[c] += pixel.transmittance * run.emitted[static_cast<std::size_t>(c)];

@@ -27,8 +27,9 @@ std::vector<HeldRun> heldRuns(std::span<const Piece> pieces);
 /// Adds up the depths of all ranks, pixel by pixel, in the order of ranks. Collective.
 void sumDepths(Team& team, std::span<float> depth);
 
-/// Light and transmittance (RGBT, 4 values a pixel) of the runs of all ranks, which do not overlap,
-/// from front to back. Collective.
+/// Light and transmittance (RGBT, 4 values a pixel) of the runs of all ranks from front to back.
+/// They do not overlap, but for rays in the plane between two pieces: of runs in the same place one
+/// counts. Collective.
 /// @param runs  gives those of a pixel; called for one pixel from several threads
 void composeRuns(Team& team, const std::function<std::vector<HeldRun>(std::size_t)>& runs,
                  std::span<float> rgbt);

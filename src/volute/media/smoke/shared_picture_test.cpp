@@ -65,6 +65,17 @@ TEST(SharedPicture, PiecesOfRanksComeToWhatAllOfThemDo) {
   }
 }
 
+TEST(SharedPicture, ARayBetweenTwoPiecesMeetsOneOfThem) {
+  const auto runs = heldRuns(manyPieces(20));
+  const Radiance expected = composite(manyPieces(20));
+  onRanks(2, [&](Team& team) {
+    std::vector<float> rgbt(4);
+    composeRuns(team, [&](std::size_t) { return runs; }, rgbt);
+    EXPECT_NEAR(rgbt[0], expected.emitted[0], 1e-5);
+    EXPECT_NEAR(rgbt[3], expected.transmittance, 1e-5);
+  });
+}
+
 TEST(SharedPicture, DepthsAddUp) {
   onRanks(3, [](Team& team) {
     std::vector<float> depth(70000, static_cast<float>(team.rank() + 1));

@@ -51,10 +51,16 @@ class MeshPicture final : public MediumPicture {
 
   void opticalDepth(const Camera& camera, std::span<const float> opaqueDepth,
                     std::span<float> depth) override {
-    marcher_.setExtinction(natural_);
-    marcher_.opticalDepth(camera, opaqueDepth, depth);
-    if (holders_)
-      sumDepths(*holders_, depth);
+    if (!holders_) {
+      marcher_.setExtinction(natural_);
+      marcher_.opticalDepth(camera, opaqueDepth, depth);
+      return;
+    }
+    // It adds up tets, whatever their neighbours: a ray in the plane between two pieces would be
+    // marched through both.
+    splat_.setExtinction(natural_);
+    splat_.opticalDepth(camera, opaqueDepth, depth);
+    sumDepths(*holders_, depth);
   }
 
   void light(const Camera& camera, std::span<const float> opaqueDepth,
