@@ -124,6 +124,13 @@ std::uint64_t maximumPending(const Camera& camera, std::uint64_t maxMemory) {
   return bytes * std::clamp<std::uint64_t>(maxMemory / 8 / bytes, 1, 4);
 }
 
+/// Stills that a rank takes at once. Compressed volumes are decoded in rows of 16 frames, which two
+/// ranks would both do; few units a rank would leave ranks waiting in the end.
+std::int64_t framesAUnit(std::int64_t count, int ranks) {
+  constexpr std::int64_t kRow = 16, kUnitsARank = 8;
+  return ranks > 1 && count >= kRow * kUnitsARank * ranks ? kRow : 1;
+}
+
 /// The pictures of a job on their way into a file or files.
 class FilmPass {
  public:
@@ -149,9 +156,14 @@ class FilmPass {
     begun_ = Clock::now();
     if (job_.together)
       return drawTogether();
+    const std::int64_t group = isFilmPath(target_) ? 1 : framesAUnit(count_, team_.size());
     VOLUTE_TRY(team_.forUnits(
-        "rendering", count_, count_ > 1 ? progress_ : steps_,
-        [&](std::int64_t i) { return take(i); },
+        "rendering", (count_ + group - 1) / group, count_ > 1 ? progress_ : steps_,
+        [&](std::int64_t unit) -> Status {
+          for (std::int64_t i = unit * group; i < std::min(count_, (unit + 1) * group); ++i)
+            VOLUTE_TRY(take(i));
+          return {};
+        },
         [&] { return isFilmPath(target_) ? film_.finish() : Status(); }));
     const Stopwatch watch(job_.totals.write);
     return writer_ ? writer_->finish() : Status();
