@@ -46,10 +46,10 @@ class VdbCodec final : public FileCodec {
         const auto frame = values.subspan(t * info.frameValues(), info.frameValues());
         const auto path = file(folder, c, t);
         if (info.channels == 1) {
-          VOLUTE_TRY(reader->read(path, info.name, box, /*crop=*/false, frame));
+          VOLUTE_TRY(reader->read(path, info.name, box, box, /*crop=*/false, frame));
           continue;
         }
-        VOLUTE_TRY(reader->read(path, info.name, box, /*crop=*/false, plane));
+        VOLUTE_TRY(reader->read(path, info.name, box, box, /*crop=*/false, plane));
         for (std::size_t i = 0; i < plane.size(); ++i) frame[i * info.channels + c] = plane[i];
       }
     }
