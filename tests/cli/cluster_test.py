@@ -314,9 +314,15 @@ class MeshInPieces(Cluster):
             self.assertLessEqual(self.difference("alone.exr", "ours.exr"), 1e-5, ranks)
         self.works(*arguments, "-o", self.path("alone.png"))
         self.succeeds(3, *arguments, "-o", self.path("ours.png"), "--by-pieces")
-        scene["lights"].append({"kind": "sun", "direction": [0, 0, -1], "radiance": [1, 1, 1]})
+        # Suns, and a lamp in the plane between two pieces.
+        scene["lights"] += [{"kind": "sun", "direction": [0, -1, -0.2], "radiance": [1, 1, 1]},
+                            {"kind": "sun", "direction": [0.3, 0.2, -1], "radiance": [1, 0.5, 0.2]},
+                            {"kind": "spot", "position": [5, 5, 4], "target": [5, 5, 0], "angle": 120, "intensity": [0.3, 0.2, 0.1]}]
         self.path("scene.json").write_text(json.dumps(scene))
-        self.assertIn("lamps and suns light it through all of it", self.says(2, *arguments, "-o", self.path("x.exr"), "--by-pieces"))
+        self.works(*arguments, "-o", self.path("alone.exr"), "--cache", "none")
+        for ranks in (2, 5):
+            self.succeeds(ranks, *arguments, "-o", self.path("ours.exr"), "--by-pieces")
+            self.assertLessEqual(self.difference("alone.exr", "ours.exr"), 1e-5, ranks)
 
     def test_what_ranks_cannot_share(self):
         arguments = ("render", self.mesh, *self.VIEW, *self.SOOT, "-o", self.path("x.exr"), "--by-pieces")

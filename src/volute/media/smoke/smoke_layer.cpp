@@ -8,6 +8,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/stopwatch.hpp"
+#include "volute/media/smoke/shared_light.hpp"
 #include "volute/media/smoke/smoke_words.hpp"
 
 namespace volute {
@@ -113,9 +114,7 @@ Status SmokeLayer::checkShare(const Stored& stored) const {
   if (!holders_)
     return {};
   std::string_view beyond;
-  if (!lighting_->lights.lamps.empty())
-    beyond = "lamps and suns light it through all of it: leave lights but the ambient one out";
-  else if (description_.walls)
+  if (description_.walls)
     beyond = "its walls are between pieces as well: leave 'walls' out";
   else if (stored.frame.ofCells)
     beyond = "points between pieces have the mean of cells on both sides: convert the field to "
@@ -262,9 +261,19 @@ std::vector<float> SmokeLayer::lightOf(const Step& step, const Lamp& lamp) {
   return std::move(*kept);
 }
 
-void SmokeLayer::light(Step& step) {
+Status SmokeLayer::light(Step& step) {
   const Stopwatch watch(counts_.lightMilliseconds);
-  for (const Lamp& lamp : lighting_->lights.lamps) step.lampShares.push_back(lightOf(step, lamp));
+  for (const Lamp& lamp : lighting_->lights.lamps) {
+    if (!holders_) {
+      step.lampShares.push_back(lightOf(step, lamp));
+      continue;
+    }
+    VOLUTE_ASSIGN(auto shares, sharedLampShares(*holders_, *step.stored->paths->locator(),
+                                                step.extinction, lamp, bounds_));
+    step.lampShares.push_back(std::move(shares));
+    ++counts_.lightsComputed;
+  }
+  return {};
 }
 
 Result<std::shared_ptr<const SmokeLayer::Step>> SmokeLayer::step(std::size_t index) {
@@ -277,7 +286,7 @@ Result<std::shared_ptr<const SmokeLayer::Step>> SmokeLayer::step(std::size_t ind
   VOLUTE_ASSIGN(made.extinction, extinctionOf(*made.stored));
   VOLUTE_ASSIGN(const double most, largestOf(made.extinction));
   remarkOn(*made.stored, most);
-  light(made);
+  VOLUTE_TRY(light(made));
   if (steps_.size() == 2)
     steps_.erase(steps_.begin());
   steps_.push_back(std::make_shared<const Step>(std::move(made)));

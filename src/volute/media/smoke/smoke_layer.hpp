@@ -52,8 +52,8 @@ class SmokeLayer {
  public:
   /// Reads the first step.
   /// @param holders  whose ranks hold a share each, see OpenOptions; bounds and what is remarked on
-  ///                 are of all. kUnsupported of what needs more than one's own share: lamps, walls,
-  ///                 and values of cells
+  ///                 are of all. kUnsupported of what needs more than one's own share: walls, and
+  ///                 values of cells
   [[nodiscard]] static Result<SmokeLayer> open(const SmokeDescription& description,
                                                std::shared_ptr<const SmokeLighting> lighting,
                                                Reading& reading, Team* holders = nullptr);
@@ -137,7 +137,7 @@ class SmokeLayer {
   [[nodiscard]] Result<std::shared_ptr<const Step>> step(std::size_t index);
   [[nodiscard]] Result<std::shared_ptr<const Stored>> readStep(std::size_t index);
   [[nodiscard]] Result<std::vector<float>> extinctionOf(const Stored& stored) const;
-  void light(Step& step);
+  [[nodiscard]] Status light(Step& step);
   std::vector<float> lightOf(const Step& step, const Lamp& lamp);
   std::string lightKey(const Step& step, const Lamp& lamp) const;
   [[nodiscard]] Status checkShare(const Stored& stored) const;

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/smoke/shared_light.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "volute/base/parallel.hpp"
+#include "volute/lighting/lamp_runs.hpp"
+
+namespace volute {
+namespace {
+
+/// Vertices that all ranks look at together.
+constexpr std::size_t kVertices = std::size_t{1} << 16;
+constexpr std::size_t kGrain = 256;
+
+/// As it travels.
+struct SentLampRun {
+  std::uint64_t vertex = 0;  ///< of those that are looked at
+  LampRun run;
+};
+
+template <class Value>
+std::vector<Value> valuesIn(std::span<const std::byte> bytes) {
+  std::vector<Value> values(bytes.size() / sizeof(Value));
+  if (!bytes.empty())
+    std::memcpy(static_cast<void*>(values.data()), bytes.data(), values.size() * sizeof(Value));
+  return values;
+}
+
+/// The runs of ways from `vertices` in this rank's pieces, vertex by vertex.
+std::vector<SentLampRun> runsOf(std::span<const Vec3> vertices, const TetLocator& own,
+                                std::span<const float> extinction, const Lamp& lamp, double near) {
+  std::vector<std::vector<LampRun>> each(vertices.size());
+  parallelRanges(vertices.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      appendLampRuns(own, extinction, lamp.towards(vertices[i]), near, each[i]);
+  });
+  std::vector<SentLampRun> sent;
+  for (std::size_t i = 0; i < each.size(); ++i) {
+    for (const LampRun& run : each[i]) sent.push_back({i, run});
+  }
+  return sent;
+}
+
+}  // namespace
+
+Result<std::vector<float>> sharedLampShares(Team& team, const TetLocator& own,
+                                            std::span<const float> extinction, const Lamp& lamp,
+                                            const Box3& bounds) {
+  const double near = 1e-6 * bounds.size().maxCoeff();
+  const std::span<const Vec3> vertices = own.mesh().vertices();
+  struct Holder {
+    std::uint64_t vertices = 0;
+    std::uint64_t hasLamp = 0;
+  };
+  const bool spot = lamp.kind == Lamp::Kind::kSpot;
+  const Holder self{vertices.size(), spot && own.find(lamp.position) >= 0};
+  VOLUTE_ASSIGN(const auto all, team.gatherAll(std::as_bytes(std::span(&self, 1))));
+  std::vector<Holder> holders;
+  bool inside = false;
+  for (const auto& bytes : all) {
+    holders.push_back(valuesIn<Holder>(bytes).front());
+    inside = inside || holders.back().hasLamp != 0;
+  }
+  std::vector<float> shares(vertices.size(), 0);
+  for (int rank = 0; rank < team.size(); ++rank) {
+    const bool mine = rank == team.rank();
+    const std::uint64_t count = holders[static_cast<std::size_t>(rank)].vertices;
+    for (std::uint64_t begin = 0; begin < count; begin += kVertices) {
+      const std::size_t some = std::min<std::uint64_t>(kVertices, count - begin);
+      const auto asked = mine ? vertices.subspan(begin, some) : std::span<const Vec3>();
+      VOLUTE_ASSIGN(const auto questions, team.gatherAll(std::as_bytes(asked)));
+      const auto places = valuesIn<Vec3>(questions[static_cast<std::size_t>(rank)]);
+      const auto runs = runsOf(places, own, extinction, lamp, near);
+      VOLUTE_ASSIGN(const auto answers, team.gatherAll(std::as_bytes(std::span(runs))));
+      if (!mine)
+        continue;
+      std::vector<std::vector<LampRun>> ofVertex(some);
+      for (const auto& bytes : answers) {
+        for (const SentLampRun& sent : valuesIn<SentLampRun>(bytes))
+          ofVertex[sent.vertex].push_back(sent.run);
+      }
+      parallelFor(some, [&](std::size_t i) {
+        const double end = inside ? lamp.towards(places[i]).end : std::numeric_limits<double>::infinity();
+        shares[begin + i] = static_cast<float>(lampShareOf(ofVertex[i], end, near));
+      });
+    }
+  }
+  return shares;
+}
+
+}  // namespace volute
