@@ -206,7 +206,8 @@ class SunTreeBuilder {
     std::vector<double> light(static_cast<std::size_t>(across) * across, -kEndless);
     const double step = 2 * half / across;
     const auto place = [&](double value, double centre) {
-      return std::clamp(static_cast<int>(std::floor((value - centre + half) / step)), 0, across - 1);
+      const double steps = std::floor((value - centre + half) / step);
+      return std::clamp(static_cast<int>(steps), 0, across - 1);
     };
     const double margin = kMargin * half;
     for (std::size_t i = 0; i < triangles.size(); ++i) {

@@ -63,6 +63,7 @@ double boardStep(const void* board, const MediumFacts& /*facts*/) {
 const FieldTable& volumeFields() {
   using enum FieldType;
   static constexpr std::string_view kBases[] = {"box", "trilinear"};
+  static constexpr std::string_view kInterpolations[] = {"none", "auto", "linear", "velocity"};
   static constexpr std::string_view kPresets[] = {"none", "auto", "fire", "smoke", "fire-and-smoke"};
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
@@ -103,6 +104,15 @@ const FieldTable& volumeFields() {
        .help = "what the values mean between voxel centres; else trilinear, where pictures are "
        "measured the file's own",
        .choices = kBases, .option = {.value = "NAME", .scene = true}},
+      {.name = "interpolate", .type = kChoice,
+       .access = member<&SceneVolume::appearance, &Appearance::interpolation>(),
+       .help = "between its frames: moved along a grid of velocities (velocity, vel or v, or three "
+       "with _x, _y, _z), or linear: from one to the next in place; auto: by velocity where there is "
+       "such a grid", .choices = kInterpolations,
+       .option = {.value = "HOW", .scene = true}},
+      {.name = "velocity_scale",
+       .access = member<&SceneVolume::appearance, &Appearance::velocityScale>(),
+       .help = "of one unit of the grid of velocities", .unit = "m/s"},
       {.name = "transform", .type = kNumbers,
        .access = customMember<SceneVolume, volumeTransform, setVolumeTransform>(),
        .help = "moves, turns, mirrors and scales along the volume's axes; row-major, the last four "

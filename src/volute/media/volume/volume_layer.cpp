@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <utility>
 
@@ -89,7 +90,7 @@ VolumeLayer::VolumeLayer(VolumeInput input, const Appearance& appearance)
 }
 
 void VolumeLayer::setAppearance(const Appearance& appearance) {
-  shadedPosition_ = -1;
+  shadedMoment_ = -1;
   const Placement before = std::exchange(appearance_, appearance).placement;
   const Placement& now = appearance_.placement;
   if (now.scale == before.scale && now.offset == before.offset && now.turn == before.turn)
@@ -133,12 +134,62 @@ Result<VolumeLayer> VolumeLayer::open(const std::string& path, const InputOption
   layer.path_ = path;
   layer.options_ = options;
   layer.progress_ = &reading.progress;
+  VOLUTE_TRY(layer.chooseInterpolation(reading.progress));
   VOLUTE_TRY(layer.openOthers(reading));
   return layer;
 }
 
+Status VolumeLayer::chooseInterpolation(Progress& progress) {
+  interpolation_ = appearance_.interpolation;
+  if (interpolation_ == Interpolation::kNone)
+    return {};
+  if (info_.frames < 2) {
+    progress.remark(fmt::format("{}: one frame alone is not interpolated", path_));
+    interpolation_ = Interpolation::kNone;
+    return {};
+  }
+  if (interpolation_ == Interpolation::kLinear)
+    return {};
+  std::vector<std::string> grids = input_->source->otherGrids();
+  grids.push_back(input_->source->info().name);
+  const auto find = [&](const std::string& name) -> std::string {
+    const auto same = [&](const std::string& grid) {
+      return std::ranges::equal(grid, name, {}, [](unsigned char c) { return std::tolower(c); });
+    };
+    const auto found = std::ranges::find_if(grids, same);
+    return found == grids.end() ? "" : *found;
+  };
+  for (const char* name : {"velocity", "vel", "v"}) {
+    if (const std::string whole = find(name); !whole.empty() && velocities_.empty())
+      velocities_ = {whole};
+    for (const char* link : {"_", ".", ""}) {
+      std::vector<std::string> parts;
+      for (const char* axis : {"x", "y", "z"})
+        parts.push_back(find(std::string(name) + link + axis));
+      if (velocities_.empty() && std::ranges::find(parts, "") == parts.end())
+        velocities_ = parts;
+    }
+  }
+  if (velocities_.empty() && interpolation_ == Interpolation::kVelocity) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: interpolate: it has no grid of velocities (velocity, vel, v, or three of them "
+                "with _x, _y, _z); it has {}; linear goes over from frame to frame in place",
+                path_, fmt::join(grids, ", "));
+  }
+  if (appearance_.interpolation == Interpolation::kAuto) {
+    interpolation_ = velocities_.empty() ? Interpolation::kLinear : Interpolation::kVelocity;
+    progress.remark(
+        velocities_.empty()
+            ? fmt::format("{}: no grid of velocities: its frames go over into each other in place",
+                          path_)
+            : fmt::format("{}: moved along '{}' between its frames, in units of {:g} m/s", path_,
+                          fmt::join(velocities_, "', '"), appearance_.velocityScale));
+  }
+  return {};
+}
+
 Status VolumeLayer::openOthers(Reading& reading) {
-  std::vector<std::string> names;
+  std::vector<std::string> names = velocities_;
   if (appearance_.flames) {
     names.push_back(appearance_.flames->field);
     names.push_back(appearance_.flames->temperature);
@@ -178,6 +229,8 @@ Status VolumeLayer::openOthers(Reading& reading) {
                   path_, name, info.frames, input_->source->info().name, info_.frames);
     }
     others_[name] = std::make_shared<VolumeInput>(std::move(*found));
+    if (std::ranges::find(velocities_, name) != velocities_.end())
+      continue;  // where nothing else is, it moves nothing
     reached.extend(info.bounds.min), reached.extend(info.bounds.max);
   }
   const VolumeInfo wide =
@@ -219,13 +272,82 @@ Status VolumeLayer::readInto(FrameSource& source, int position, std::vector<floa
   return checkFinite(values, source.info(), path_, position);
 }
 
-Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(int position) {
-  if (position == shadedPosition_)
+Result<std::shared_ptr<const std::vector<float>>> VolumeLayer::frameOf(FrameSource& source,
+                                                                       int position) {
+  for (const KeptFrame& kept : kept_) {
+    if (kept.source == &source && kept.position == position)
+      return kept.values;
+  }
+  auto values = std::make_shared<std::vector<float>>();
+  VOLUTE_TRY(readInto(source, position, *values));
+  std::erase_if(
+      kept_, [&](const KeptFrame& kept) { return std::abs(kept.position - position) > 1; });
+  kept_.push_back({&source, position, values});
+  return values;
+}
+
+/// Shape (z, y, x, 3); 0 where a frame has none.
+Result<std::vector<float>> VolumeLayer::velocitiesOf(int position) {
+  std::vector<float> all(3 * info_.voxels(), 0);
+  for (std::size_t part = 0; part < velocities_.size(); ++part) {
+    const std::string& name = velocities_[part];
+    const bool main = name == input_->source->info().name;
+    if (!main && !others_.at(name))
+      continue;
+    VOLUTE_ASSIGN(const auto values,
+                  frameOf(main ? *input_->source : *others_.at(name)->source, position));
+    const std::size_t channels = values->size() / info_.voxels();
+    if (channels != (velocities_.size() == 1 ? 3U : 1U)) {
+      return fail(ErrorCode::kInvalidData, "{}: the grid of velocities '{}' has {} channel{}", path_,
+                  name, channels, channels == 1 ? "; expected 3" : "s; expected 1");
+    }
+    for (std::size_t i = 0; i < values->size(); ++i)
+      all[channels == 3 ? i : 3 * i + part] = (*values)[i];
+  }
+  return all;
+}
+
+Result<std::shared_ptr<const VoxelPaths>> VolumeLayer::pathsAt(double moment) {
+  if (interpolation_ != Interpolation::kVelocity)
+    return std::shared_ptr<const VoxelPaths>();
+  if (moment == pathsMoment_)
+    return paths_;
+  const int position = static_cast<int>(moment);
+  VOLUTE_ASSIGN(const auto before, velocitiesOf(position));
+  VOLUTE_ASSIGN(const auto after, velocitiesOf(position + 1));
+  const double seconds = info_.times[static_cast<std::size_t>(position) + 1] -
+                         info_.times[static_cast<std::size_t>(position)];
+  const Vec3 voxel = input_->source->info().voxelSize();  // the file's, before its placement
+  const Vec3 step = (appearance_.velocityScale * seconds * Vec3::Ones()).cwiseQuotient(voxel);
+  paths_ = std::make_shared<const VoxelPaths>(
+      pathsBetween(info_, before, after, step, moment - position));
+  pathsMoment_ = moment;
+  return paths_;
+}
+
+Status VolumeLayer::readAt(FrameSource& source, double moment, std::vector<float>& values) {
+  const int position = static_cast<int>(moment);
+  if (!interpolates())
+    return readInto(source, position, values);
+  VOLUTE_ASSIGN(const auto before, frameOf(source, position));
+  if (moment == position) {
+    values = *before;
+    return {};
+  }
+  VOLUTE_ASSIGN(const auto after, frameOf(source, position + 1));
+  VOLUTE_ASSIGN(const auto paths, pathsAt(moment));
+  values.resize(before->size());
+  blendFrames(source.info(), *before, *after, moment - position, paths.get(), values);
+  return {};
+}
+
+Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(double moment) {
+  if (moment == shadedMoment_)
     return shadedSlice_;
   const std::size_t voxels = info_.voxels();
   const int channels = info_.channels;
   std::vector<float> main;
-  VOLUTE_TRY(readInto(*input_->source, position, main));
+  VOLUTE_TRY(readAt(*input_->source, moment, main));
   const auto grid = [&](const std::string& name) -> Result<std::vector<float>> {
     if (name.empty())
       return std::vector<float>();
@@ -233,7 +355,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(int positio
     if (name == input_->source->info().name) {
       values = main;
     } else if (const auto& other = others_.at(name)) {
-      VOLUTE_TRY(readInto(*other->source, position, values));
+      VOLUTE_TRY(readAt(*other->source, moment, values));
     }
     if (values.size() > voxels) {
       return fail(ErrorCode::kInvalidData, "{}: grid '{}' has three channels; expected one", path_,
@@ -275,11 +397,11 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(int positio
     }
   });
   shadedSlice_ = std::make_shared<const BrickSlice>(BrickSlice::fromDense(info, values));
-  shadedPosition_ = position;
+  shadedMoment_ = moment;
   return shadedSlice_;
 }
 
-Result<std::vector<Rgb>> VolumeLayer::colorsAt(int position, std::span<const Vec3> points) {
+Result<std::vector<Rgb>> VolumeLayer::colorsAt(double moment, std::span<const Vec3> points) {
   const std::string& name = appearance_.colors;
   std::vector<float> planes[3];
   std::size_t stride = 1;
@@ -290,14 +412,14 @@ Result<std::vector<Rgb>> VolumeLayer::colorsAt(int position, std::span<const Vec
     if (!whole->second)
       return std::vector<Rgb>();
     stride = static_cast<std::size_t>(whole->second->source->info().channels);
-    VOLUTE_TRY(readInto(*whole->second->source, position, planes[0]));
+    VOLUTE_TRY(readAt(*whole->second->source, moment, planes[0]));
   } else {
     constexpr const char* kEnds[] = {"_r", "_g", "_b"};
     for (int c = 0; c < 3; ++c) {
       const auto& input = others_.at(name + kEnds[c]);
       if (!input)
         return std::vector<Rgb>();
-      VOLUTE_TRY(readInto(*input->source, position, planes[c]));
+      VOLUTE_TRY(readAt(*input->source, moment, planes[c]));
     }
   }
   // Colours may be of the smoke or times its density: the brightest channel of each is 1.
@@ -353,20 +475,19 @@ BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info) {
   return slice;
 }
 
-Result<BrickSlice> VolumeLayer::sliceFromFrame(int position) {
+Result<BrickSlice> VolumeLayer::sliceFromFrame(double moment) {
   std::vector<float>& frame = input_->frame;
-  frame.resize(info_.frameValues());
-  VOLUTE_TRY(input_->source->readFrame(position, frame));
-  VOLUTE_TRY(checkFinite(frame, info_, path_, position));
+  VOLUTE_TRY(readAt(*input_->source, moment, frame));
   return BrickSlice::fromDense(info_, frame);
 }
 
-Result<std::shared_ptr<const BrickSlice>> VolumeLayer::sliceAt(int position, bool tree) {
-  if (position == position_ && tree == fromTree_)
+Result<std::shared_ptr<const BrickSlice>> VolumeLayer::sliceAt(double moment, bool tree) {
+  if (moment == moment_ && tree == fromTree_)
     return slice_;
-  VOLUTE_ASSIGN(auto slice, tree ? sliceFromTree(position) : sliceFromFrame(position));
+  VOLUTE_ASSIGN(auto slice,
+                tree ? sliceFromTree(static_cast<int>(moment)) : sliceFromFrame(moment));
   slice_ = std::make_shared<const BrickSlice>(std::move(slice));
-  position_ = position;
+  moment_ = moment;
   fromTree_ = tree;
   return slice_;
 }
@@ -375,6 +496,19 @@ int VolumeLayer::positionAt(double time) const {
   constexpr double kTimeRounding = 1e-12;  // timeOf() a frame is within it
   const double own = appearance_.clock.at(time, info_.times);
   return info_.frameAt(own + kTimeRounding * (1 + std::abs(own)));
+}
+
+double VolumeLayer::momentAt(double time) const {
+  constexpr double kWhole = 1e-6;  // of the way: this near a frame it is that frame
+  const int position = positionAt(time);
+  if (!interpolates() || position + 1 >= info_.frames)
+    return position;
+  const double before = info_.times[static_cast<std::size_t>(position)];
+  const double after = info_.times[static_cast<std::size_t>(position) + 1];
+  const double share = (appearance_.clock.at(time, info_.times) - before) / (after - before);
+  if (!(share > kWhole))
+    return position;
+  return share > 1 - kWhole ? position + 1 : position + share;
 }
 
 double VolumeLayer::timeOf(int position) const {

@@ -12,6 +12,7 @@
 #include "volute/media/clock.hpp"
 #include "volute/media/placement.hpp"
 #include "volute/media/volume/volume_input.hpp"
+#include "volute/media/volume/volume_motion.hpp"
 #include "volute/tree4d/tree4d.hpp"
 
 namespace volute {
@@ -31,6 +32,14 @@ struct Flames {
   bool operator==(const Flames&) const = default;
 };
 
+/// What is shown between two stored frames.
+enum class Interpolation {
+  kNone,      ///< the one before
+  kAuto,      ///< kVelocity where there is a grid of velocities, else kLinear
+  kLinear,    ///< from one to the other, in place
+  kVelocity,  ///< both, moved along the velocities to where they are then
+};
+
 /// How a volume looks, and where and when.
 struct Appearance {
   double emission = 1;         ///< radiance per metre per unit
@@ -42,6 +51,8 @@ struct Appearance {
   std::optional<Basis> basis;  ///< instead of the file's
   Placement placement;
   Clock clock;
+  Interpolation interpolation = Interpolation::kNone;
+  double velocityScale = 1;  ///< [m/s] of one unit of the grid of velocities
 
   bool scatters() const { return extinction > 0 && albedo.maxCoeff() > 0; }
 
@@ -83,20 +94,21 @@ class VolumeLayer {
   /// what they are, and placement() moves.
   void setAppearance(const Appearance& appearance);
 
-  /// The frame at a position as bricks. The last one is kept.
-  /// @param tree  from the hexadeca-tree, which rounds once more, not from the file's own values
-  [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> sliceAt(int position, bool tree = false);
+  /// The frame at a moment as bricks. The last one is kept.
+  /// @param tree  from the hexadeca-tree, which rounds once more, not from the file's own values;
+  /// of a position
+  [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> sliceAt(double moment, bool tree = false);
 
   /// The hexadeca-tree that holds the frame at a position, and others of its blocks. The last one
   /// is kept. kInvalidArgument for what is no .volute.
   [[nodiscard]] Result<std::shared_ptr<const Tree4d>> treeAt(int position);
 
-  /// The frame at a position with all that shines or absorbs in it: extinction without the factor
+  /// The frame at a moment with all that shines or absorbs in it: extinction without the factor
   /// of a picture's law, and emission. The last one is kept. Only for appearance().shaded().
-  [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> shadedSliceAt(int position);
+  [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> shadedSliceAt(double moment);
 
   /// The colour of the albedo at each light point of a volume of that frame; empty: it has none.
-  [[nodiscard]] Result<std::vector<Rgb>> colorsAt(int position, std::span<const Vec3> points);
+  [[nodiscard]] Result<std::vector<Rgb>> colorsAt(double moment, std::span<const Vec3> points);
 
   /// What is to be done to points within info().bounds: turn and offset, no scale. Nothing for a
   /// volume that is not turned, and was not moved since it was opened: its bounds say where it is.
@@ -105,8 +117,14 @@ class VolumeLayer {
   /// What was read of trees so far; zeros for inputs without one.
   const TreeCounts& treeCounts() const { return counts_; }
 
-  /// The position of the frame that is shown at a time of the scene [s].
+  /// The position of the frame that is shown at a time of the scene [s], or was last.
   int positionAt(double time) const;
+
+  /// That position and, where it is asked to be interpolated, the share of the way to the next one
+  /// that has gone by: 2.25 is a quarter from the third to the fourth.
+  double momentAt(double time) const;
+
+  bool interpolates() const { return interpolation_ != Interpolation::kNone; }
 
   /// What the file calls a frame.
   int numberOf(int position) const { return info_.frameNumbers[position]; }
@@ -131,9 +149,20 @@ class VolumeLayer {
   /// Opens the other grids that the appearance names, so that all have the same voxels.
   [[nodiscard]] Status openOthers(Reading& reading);
   [[nodiscard]] Status readInto(FrameSource& source, int position, std::vector<float>& values);
+  /// The same at a moment.
+  [[nodiscard]] Status readAt(FrameSource& source, double moment, std::vector<float>& values);
+
+  /// Finds out what interpolation is possible, and remarks on it.
+  [[nodiscard]] Status chooseInterpolation(Progress& progress);
+  /// A stored frame; those around the last moment are kept.
+  [[nodiscard]] Result<std::shared_ptr<const std::vector<float>>> frameOf(FrameSource& source,
+                                                                          int position);
+  /// Null where frames go over into each other in place.
+  [[nodiscard]] Result<std::shared_ptr<const VoxelPaths>> pathsAt(double moment);
+  [[nodiscard]] Result<std::vector<float>> velocitiesOf(int position);
 
   [[nodiscard]] Result<BrickSlice> sliceFromTree(int position);
-  [[nodiscard]] Result<BrickSlice> sliceFromFrame(int position);
+  [[nodiscard]] Result<BrickSlice> sliceFromFrame(double moment);
 
   /// A tree holds one row of blocks: a still reads no more, and a film of any length needs its
   /// memory.
@@ -149,12 +178,24 @@ class VolumeLayer {
   int treeBegin_ = 0;
   TreeCounts counts_;
   Progress* progress_ = nullptr;
-  int position_ = -1;
+  double moment_ = -1;
   bool fromTree_ = false;  ///< slice_ is
   std::shared_ptr<const BrickSlice> slice_;
   std::map<std::string, std::shared_ptr<VolumeInput>> others_;  ///< grids by name; null: it is empty
-  int shadedPosition_ = -1;
+  double shadedMoment_ = -1;
   std::shared_ptr<const BrickSlice> shadedSlice_;
+
+  struct KeptFrame {
+    const FrameSource* source;
+    int position;
+    std::shared_ptr<const std::vector<float>> values;
+  };
+
+  Interpolation interpolation_ = Interpolation::kNone;  ///< that is done
+  std::vector<std::string> velocities_;  ///< one grid of three channels, or three
+  std::vector<KeptFrame> kept_;
+  double pathsMoment_ = -1;
+  std::shared_ptr<const VoxelPaths> paths_;
 };
 
 }  // namespace volute

@@ -22,6 +22,7 @@ MediumInfo infoOf(const VolumeLayer& layer) {
   info.fileBounds = layer.fileBounds();
   info.takeFrames(layer, volume.frames, layer.appearance().clock);
   info.channels = volume.channels;
+  info.interpolates = layer.interpolates();
   return info;
 }
 
@@ -170,6 +171,13 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
                                                          Progress& progress) {
   layer_.setProgress(progress);
   const int position = layer_.positionAt(request.time);
+  const double moment = layer_.momentAt(request.time);
+  if (request.tree && layer_.interpolates()) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: the tree holds frames, and nothing between them; draw its bricks, or do not "
+                "interpolate",
+                layer_.path());
+  }
   if (layer_.appearance().shaded()) {
     if (request.tree) {
       return fail(ErrorCode::kUnsupported,
@@ -177,7 +185,7 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
                   "preset out",
                   layer_.path());
     }
-    VOLUTE_ASSIGN(auto light, lightAt(position));
+    VOLUTE_ASSIGN(auto light, lightAt(moment));
     block_ = position / BlockGrid::kSide;
     return std::make_shared<const VolumeAt>(layer_, std::move(light), request.factor);
   }
@@ -190,15 +198,15 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
     block_ = position / BlockGrid::kSide;
     return std::make_shared<const VolumeAt>(layer_, std::move(tree), position, request.factor);
   }
-  VOLUTE_ASSIGN(auto slice, layer_.sliceAt(position));
+  VOLUTE_ASSIGN(auto slice, layer_.sliceAt(moment));
   block_ = position / BlockGrid::kSide;
   return std::make_shared<const VolumeAt>(layer_, std::move(slice), request.factor);
 }
 
-Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(int position) {
-  if (position == lightPosition_)
+Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment) {
+  if (moment == lightMoment_)
     return light_;
-  VOLUTE_ASSIGN(auto slice, layer_.shadedSliceAt(position));
+  VOLUTE_ASSIGN(auto slice, layer_.shadedSliceAt(moment));
   const Placement& place = layer_.placement();
   VolumeLighting lighting = lighting_;
   const auto inVolume = [&](const Vec3& point) {
@@ -221,10 +229,10 @@ Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(int position) {
   }
   ShadedVoxels volume(std::move(slice));
   if (layer_.appearance().scatters()) {
-    VOLUTE_ASSIGN(lighting.colors, layer_.colorsAt(position, volume.lightPoints()));
+    VOLUTE_ASSIGN(lighting.colors, layer_.colorsAt(moment, volume.lightPoints()));
   }
   light_ = std::make_shared<const VolumeLight>(std::move(volume), std::move(lighting));
-  lightPosition_ = position;
+  lightMoment_ = moment;
   return light_;
 }
 

@@ -98,12 +98,12 @@ class VolumeMedium : public SceneMedium {
  private:
   Result<std::shared_ptr<const BrickSlice>> coarseSlice(int position, Progress& progress) const;
 
-  /// Of a frame; the last one is kept.
-  [[nodiscard]] Result<std::shared_ptr<const VolumeLight>> lightAt(int position);
+  /// Of a moment; the last one is kept.
+  [[nodiscard]] Result<std::shared_ptr<const VolumeLight>> lightAt(double moment);
 
   VolumeLayer layer_;
   VolumeLighting lighting_;
-  int lightPosition_ = -1;
+  double lightMoment_ = -1;
   std::shared_ptr<const VolumeLight> light_;
   bool checked_ = false;  ///< it was looked through for damage
   bool damaged_ = false;

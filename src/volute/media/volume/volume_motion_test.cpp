@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/volume/volume_motion.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "volute/io/testing.hpp"
+#include "volute/io/volume_sink.hpp"
+#include "volute/media/volume/volume_layer.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::HasSubstr;
+using volute::testing::TempFolder;
+
+constexpr int kLong = 40, kWide = 16;
+constexpr double kMoved = 12;  // [voxels] along x, from a frame to the next
+
+VolumeInfo longVolume(int channels) {
+  VolumeInfo info;
+  info.x = kLong, info.y = info.z = kWide;
+  info.channels = channels;
+  info.frames = 2;
+  info.bounds = {Vec3::Zero(), Vec3(kLong, kWide, kWide) * 0.1};
+  info.frameNumbers = {1, 2};
+  info.fillDefaults();
+  return info;
+}
+
+/// A ball that is 1 in its middle, `along` voxels from the left.
+std::vector<float> blob(double along) {
+  std::vector<float> values;
+  for (int z = 0; z < kWide; ++z) {
+    for (int y = 0; y < kWide; ++y) {
+      for (int x = 0; x < kLong; ++x) {
+        const double r = (Vec3(x, y, z) - Vec3(along, 7.5, 7.5)).squaredNorm();
+        values.push_back(static_cast<float>(std::exp(-r / 6)));
+      }
+    }
+  }
+  return values;
+}
+
+double furthest(std::span<const float> a, std::span<const float> b) {
+  double most = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) most = std::max<double>(most, std::abs(a[i] - b[i]));
+  return most;
+}
+
+TEST(VolumeMotion, AMovedBlobIsBetweenItsPlaces) {
+  const VolumeInfo info = longVolume(1);
+  const auto before = blob(12), after = blob(12 + kMoved);
+  std::vector<float> velocity(3 * info.voxels(), 0);
+  for (std::size_t i = 0; i < info.voxels(); ++i) velocity[3 * i] = 2;
+  std::vector<float> out(info.voxels());
+  for (const double share : {0.25, 0.5, 0.9}) {
+    const VoxelPaths paths =
+        pathsBetween(info, velocity, velocity, Vec3(kMoved / 2, 1, 1), share);
+    blendFrames(info, before, after, share, &paths, out);
+    // Its frames are interpolated between voxels where it moves by parts of one.
+    EXPECT_LT(furthest(out, blob(12 + share * kMoved)), share == 0.9 ? 0.06 : 1e-5) << share;
+    blendFrames(info, before, after, share, nullptr, out);
+    EXPECT_GT(furthest(out, blob(12 + share * kMoved)), 0.25);  // a ghost of each
+    for (std::size_t i = 0; i < out.size(); ++i)
+      ASSERT_NEAR(out[i], (1 - share) * before[i] + share * after[i], 1e-6);
+  }
+}
+
+TEST(VolumeMotion, PathsFollowVelocitiesThatChange) {
+  // v = x / 10 [voxels a second]: d = -share (x + d) / 10 before, d = (1 - share) (x + d) / 10 after.
+  const VolumeInfo info = longVolume(3);
+  std::vector<float> velocity(3 * info.voxels(), 0);
+  for (std::size_t i = 0; i < info.voxels(); ++i)
+    velocity[3 * i] = 0.1F * static_cast<float>(i % kLong);
+  const VoxelPaths paths = pathsBetween(info, velocity, velocity, Vec3::Ones(), 0.5);
+  const std::size_t row = (7 * kWide + 7) * kLong;
+  for (const int x : {5, 15, 30}) {
+    EXPECT_NEAR(paths.from[row + x][0], -0.05 * x / 1.05, 1e-4);
+    EXPECT_NEAR(paths.to[row + x][0], 0.05 * x / 0.95, 1e-4);
+    EXPECT_EQ(paths.from[row + x][1], 0);
+  }
+}
+
+/// A cache of the moved blob, with a grid of velocities or without; empty: there is no OpenVDB.
+std::string writeBlobs(const TempFolder& folder, bool moving) {
+  std::vector<GridTarget> targets;
+  const auto add = [&](std::string name, int channels) {
+    GridTarget target{longVolume(channels), {}};
+    target.info.name = std::move(name);
+    target.description.type = channels == 3 ? "vec3s" : "float";
+    target.description.map = "UniformScaleTranslateMap";
+    target.description.voxelSize = {0.1, 0.1, 0.1};
+    target.description.origin = {0.05, 0.05, 0.05};
+    targets.push_back(target);
+  };
+  add("density", 1);
+  if (moving)
+    add("Velocity", 3);
+  const std::string pattern = folder / "blob_%04d.vdb";
+  auto sink = createCacheSink(pattern, targets, {});
+  if (!sink && sink.error().code == ErrorCode::kUnsupported)
+    return "";
+  if (!sink)
+    return sink.error().message;
+  for (int frame = 0; frame < 2; ++frame) {
+    // 12 voxels of 0.1 m in 1/25 s.
+    std::vector<float> velocity(3 * longVolume(1).voxels(), 0);
+    for (std::size_t i = 0; i < velocity.size(); i += 3) velocity[i] = 12 * 0.1 * 25;
+    std::vector<std::vector<float>> values{blob(12 + frame * kMoved)};
+    if (moving)
+      values.push_back(velocity);
+    if (!(*sink)->writeFrame(values))
+      return "a frame";
+  }
+  return (*sink)->finish() ? pattern : "the end";
+}
+
+std::vector<float> shownAt(VolumeLayer& layer, double time) {
+  const auto slice = layer.sliceAt(layer.momentAt(time));
+  std::vector<float> values;
+  for (int z = 0; slice && z < (*slice)->z(); ++z)
+    for (int y = 0; y < (*slice)->y(); ++y)
+      for (int x = 0; x < (*slice)->x(); ++x) values.push_back((*slice)->value(x, y, z, 0));
+  return values;
+}
+
+TEST(VolumeMotion, ALayerMovesAlongTheVelocitiesOfItsFile) {
+  const TempFolder folder;
+  const std::string file = writeBlobs(folder, true);
+  if (file.empty())
+    GTEST_SKIP() << "built without OpenVDB";
+  Progress progress;
+  Reading reading{progress, 1 << 30};
+  InputOptions input;
+  input.grid = "density";
+  input.bounds = longVolume(1).bounds;
+  const auto show = [&](Interpolation how, double time) {
+    Appearance appearance;
+    appearance.interpolation = how;
+    auto layer = VolumeLayer::open(file, input, appearance, reading);
+    EXPECT_TRUE(layer) << layer.error().message;
+    return layer ? shownAt(*layer, time) : std::vector<float>();
+  };
+  const double middle = 0.5 / 25;
+  const auto expected = blob(12 + kMoved / 2);
+  for (const auto how : {Interpolation::kVelocity, Interpolation::kAuto}) {
+    const auto moved = show(how, middle);
+    ASSERT_EQ(moved.size(), expected.size());
+    EXPECT_LT(furthest(moved, expected), 1e-4);
+  }
+  EXPECT_GT(furthest(show(Interpolation::kLinear, middle), expected), 0.6);
+  EXPECT_LT(furthest(show(Interpolation::kNone, middle), blob(12)), 1e-6);
+  EXPECT_LT(furthest(show(Interpolation::kVelocity, 0), blob(12)), 1e-6);
+  EXPECT_LT(furthest(show(Interpolation::kVelocity, 7), blob(12 + kMoved)), 1e-6);
+}
+
+TEST(VolumeMotion, ALayerWithoutVelocitiesSaysSo) {
+  const TempFolder folder;
+  const std::string file = writeBlobs(folder, false);
+  if (file.empty())
+    GTEST_SKIP() << "built without OpenVDB";
+  Progress progress;
+  Reading reading{progress, 1 << 30};
+  Appearance appearance;
+  appearance.interpolation = Interpolation::kVelocity;
+  const auto refused = VolumeLayer::open(file, {}, appearance, reading);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("no grid of velocities"));
+  EXPECT_THAT(refused.error().message, HasSubstr("it has density"));
+  appearance.interpolation = Interpolation::kAuto;
+  auto layer = VolumeLayer::open(file, {}, appearance, reading);
+  ASSERT_TRUE(layer) << layer.error().message;
+  EXPECT_NEAR(layer->momentAt(0.5 / 25), 0.5, 1e-9);
+  EXPECT_EQ(layer->momentAt(1), 1);
+}
+
+}  // namespace
+}  // namespace volute
