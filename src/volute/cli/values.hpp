@@ -47,4 +47,12 @@ using Value = std::variant<bool, std::string, double, int, Bytes, FrameRange, Re
 /// The value that `option` gives to `text`, its limits and choices checked.
 [[nodiscard]] Result<Value> parseValue(const Option& option, std::string_view text);
 
+/// The error of a value says which option it is of.
+template <class Value>
+Result<Value> ofOption(std::string_view option, Result<Value> value) {
+  if (!value)
+    value.error().message = fmt::format("--{}: {}", option, value.error().message);
+  return value;
+}
+
 }  // namespace volute::cli

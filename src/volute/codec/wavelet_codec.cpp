@@ -135,4 +135,13 @@ void reconstruct(std::span<float> planes, std::span<const std::uint8_t> support,
   }
 }
 
+std::vector<std::string_view> blockModeNames() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const BlockMode& mode : allBlockModes()) all.push_back(shortName(mode));
+    return all;
+  }();
+  return {names.begin(), names.end()};
+}
+
 }  // namespace volute

@@ -44,6 +44,9 @@ std::optional<BlockMode> blockModeByName(std::string_view name);
 /// All of them.
 std::span<const BlockMode> allBlockModes();
 
+/// Their short names.
+std::vector<std::string_view> blockModeNames();
+
 /// What holds for all blocks of a stream.
 struct WaveletParameters {
   /// Values are coded as multiples of 2^exponent, so that none of them is near a float's limits.

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/film/film_job.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -237,6 +239,45 @@ Status scaleContour(FilmJob& job, Progress& progress, Team& team) {
   }
   job.contour->most = largest > 0 ? largest : 1;
   return {};
+}
+
+Result<std::vector<std::string>> parseLayers(const std::string& list) {
+  constexpr std::string_view kNames[] = {"beauty", "alpha", "z", "transmittance", "optical-depth"};
+  std::vector<std::string> layers;
+  std::string rest = list;
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(','), rest.size());
+    layers.push_back(rest.substr(0, end));
+    rest.erase(0, end + 1);
+    const std::string& last = layers.back();
+    if (std::ranges::find(kNames, last) == std::end(kNames)) {
+      return fail(ErrorCode::kInvalidArgument, "'{}' is none of {}", last, fmt::join(kNames, ", "));
+    }
+    if (std::ranges::count(layers, last) > 1)
+      return fail(ErrorCode::kInvalidArgument, "'{}' is named twice", last);
+  }
+  if (layers.size() == 1 && (layers[0] == "optical-depth" || layers[0] == "transmittance"))
+    layers.clear();
+  return layers;
+}
+
+Status checkTogether(const FilmJob& job) {
+  if (!job.together)
+    return {};
+  std::string_view beyond;
+  if (job.renderer->name() != "cpu")
+    beyond = "is drawn by the renderer cpu";
+  else if (job.contour)
+    beyond = "has no slices and isosurfaces";
+  else if (!job.layers.empty())
+    beyond = "gives one --aov at a time";
+  else if (job.scene.media().size() != 1 || !job.scene.media().front()->info().shared)
+    beyond = "is of a .pvtu and no other medium";
+  else if (!job.scene.geometry().empty())
+    beyond = "has no surfaces in it";
+  if (beyond.empty())
+    return {};
+  return fail(ErrorCode::kUnsupported, "a picture of a mesh that ranks hold together {}", beyond);
 }
 
 }  // namespace volute

@@ -73,6 +73,13 @@ struct FilmJob {
                                         Progress& progress, PictureCounts& counts);
 };
 
+/// "beauty,alpha,z" as FilmJob::layers; none where it is optical-depth or transmittance alone, which
+/// is a picture, or nothing.
+[[nodiscard]] Result<std::vector<std::string>> parseLayers(const std::string& list);
+
+/// kUnsupported where ranks that hold shares of a mesh cannot draw the job's pictures together.
+[[nodiscard]] Status checkTogether(const FilmJob& job);
+
 /// Whether a picture shows shares of white light: 1 is white.
 bool measuresLight(const Scene& scene);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <cstring>
 #include <limits>
 
@@ -221,6 +222,46 @@ Result<std::unique_ptr<FrameSource>> openRawSequence(const std::vector<NumberedF
   info.fillDefaults();
   VOLUTE_TRY(info.validate(files.front().path.string()));
   return std::make_unique<RawSource>(std::move(paths), std::nullopt, *options.raw, std::move(info));
+}
+
+Result<RawLayout> parseRawSize(const std::string& text) {
+  std::vector<int> sizes;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (bool sound = true; sound;) {
+    int size = 0;
+    const auto [stop, error] = std::from_chars(at, end, size);
+    sizes.push_back(error == std::errc() ? size : 0);
+    sound = error == std::errc() && stop != end && *stop == ',';
+    if (!sound && stop != end)
+      sizes.back() = 0;
+    at = stop + 1;
+  }
+  if (std::ranges::any_of(sizes, [](int size) { return size <= 0; }) ||
+      (sizes.size() != 3 && !(sizes.size() == 4 && (sizes[3] == 1 || sizes[3] == 3)))) {
+    return fail(ErrorCode::kInvalidArgument,
+                "'{}' is no size; expected X,Y,Z or X,Y,Z,C in voxels, with 1 or 3 channels, as "
+                "512,512,256",
+                text);
+  }
+  RawLayout raw;
+  raw.size = {sizes[0], sizes[1], sizes[2]};
+  raw.channels = sizes.size() == 4 ? sizes[3] : 1;
+  return raw;
+}
+
+std::span<const std::string_view> rawTypeNames() {
+  static constexpr std::string_view kNames[] = {"uint8", "int8",    "uint16",  "int16",  "uint32",
+                                                "int32", "float16", "float32", "float64"};
+  return kNames;
+}
+
+std::optional<RawLayout::Type> rawTypeByName(std::string_view name) {
+  const auto names = rawTypeNames();
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end())
+    return std::nullopt;
+  return static_cast<RawLayout::Type>(found - names.begin());
 }
 
 }  // namespace volute

@@ -3,6 +3,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "volute/io/frame_pattern.hpp"
@@ -19,5 +23,12 @@ namespace volute {
 
 [[nodiscard]] Result<std::unique_ptr<FrameSource>> openRawSequence(
     const std::vector<NumberedFile>& files, const SourceOptions& options);
+
+/// The size and channels of "512,512,256" or "512,512,256,3".
+[[nodiscard]] Result<RawLayout> parseRawSize(const std::string& text);
+
+/// "uint8", "int8" .. "float64", in the order of RawLayout::Type.
+std::span<const std::string_view> rawTypeNames();
+std::optional<RawLayout::Type> rawTypeByName(std::string_view name);
 
 }  // namespace volute

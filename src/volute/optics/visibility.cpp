@@ -105,4 +105,13 @@ double seenTransmittance(double depth, PictureMode mode, double c) {
                                            : thresholdTransmittance(depth, c);
 }
 
+std::string limitRemark(const std::string& name, double extinction) {
+  const auto limit = sightLimit(name).value_or(SightLimit{});
+  return fmt::format("sight limit {}: K = {:.4g} 1/m where one stands ({}{})", name, extinction,
+                     limit.source,
+                     limit.checked ? ""
+                                   : "; this source was not checked: look it up before you rely on "
+                                     "it");
+}
+
 }  // namespace volute

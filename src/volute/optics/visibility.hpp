@@ -34,6 +34,10 @@ std::span<const SightLimit> sightLimits();
 /// One of sightLimits(). An error lists them.
 [[nodiscard]] Result<SightLimit> sightLimit(std::string_view name);
 
+/// What a rule's limit is, where it comes from, and whether that was looked up.
+/// @param extinction  where one stands [1/m]
+std::string limitRemark(const std::string& name, double extinction);
+
 /// jin-reflecting 3, jin-emitting 8 (Jin's experiments: reflecting and light-emitting signs),
 /// reciprocal-od ln 10 (S = 1/D, 10 % of the light left: Staubli et al. 2005, section 3).
 std::span<const VisibilityLaw> visibilityLaws();

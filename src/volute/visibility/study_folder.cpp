@@ -3,6 +3,7 @@
 #include "volute/visibility/study_folder.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <array>
 #include <string>
 #include <vector>
@@ -164,6 +165,39 @@ Result<StudyCounts> runStudy(
   if (!choice.only)
     VOLUTE_TRY(team.agree(team.leads() ? writeResults(study, folder, progress) : Status()));
   return counts;
+}
+
+Result<std::array<std::size_t, 2>> parsePart(const std::string& text) {
+  std::array<std::size_t, 2> part{};
+  const char* end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, part[0]);
+  if (first.ec == std::errc() && first.ptr != end && *first.ptr == '/') {
+    const auto second = std::from_chars(first.ptr + 1, end, part[1]);
+    if (second.ec == std::errc() && second.ptr == end && part[0] >= 1 && part[0] <= part[1])
+      return part;
+  }
+  return fail(ErrorCode::kInvalidArgument, "'{}': expected I/N with I from 1 to N", text);
+}
+
+StudyList listOf(const Study& study, const std::optional<std::string>& folder) {
+  std::vector<StudyRunState> states(study.runs.size());
+  if (folder)
+    states = statesOf(study, *folder);
+  auto runs = Json::array();
+  StudyList list;
+  for (std::size_t i = 0; i < study.runs.size(); ++i) {
+    const StudyRun& run = study.runs[i];
+    runs.push_back({{"number", i + 1}, {"name", run.name}, {"case", run.casePath}});
+    list.text += fmt::format("{}{} {}", i == 0 ? "" : "\n", i + 1, run.name);
+    if (!folder)
+      continue;
+    runs.back()["done"] = states[i].done;
+    if (!states[i].done)
+      runs.back()["why"] = states[i].why;
+    list.text += ": " + (states[i].done ? "done" : states[i].why);
+  }
+  list.json = {{"runs", runs}};
+  return list;
 }
 
 }  // namespace volute

@@ -35,6 +35,17 @@ struct StudyRunState {
 
 std::vector<StudyRunState> statesOf(const Study& study, const std::filesystem::path& folder);
 
+/// "2/5" as StudyChoice::part.
+[[nodiscard]] Result<std::array<std::size_t, 2>> parsePart(const std::string& text);
+
+/// The runs: for each its number from 1, its name, and what became of it where a folder says so.
+struct StudyList {
+  Json json;         ///< {"runs": [{"number", "name", "case", "done", "why"}]}
+  std::string text;  ///< a line a run
+};
+
+StudyList listOf(const Study& study, const std::optional<std::string>& folder);
+
 /// Does the runs of a study into a folder: one for each run, study.csv (a row a run) and compared/ with
 /// maps of the differences. What is done and unchanged is kept, so that the same call goes on where
 /// it was stopped; a run that fails has a sentence in the table, and the others go on.

@@ -4,23 +4,16 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <array>
-#include <charconv>
-#include <map>
-
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/field_options.hpp"
 #include "volute/cli/ranks.hpp"
+#include "volute/cli/values.hpp"
 #include "volute/cli/volume_output.hpp"
+#include "volute/io/raw_volume.hpp"
 #include "volute/media/volume/compression_report.hpp"
 
 namespace volute::cli {
 namespace {
-
-/// In the order of RawLayout::Type.
-constexpr std::array<std::string_view, 9> kRawTypes = {
-    "uint8", "int8", "uint16", "int16", "uint32", "int32", "float16", "float32", "float64"};
 
 /// A PSNR of 50 dB.
 constexpr double kUsualRms = 0.003;
@@ -40,36 +33,6 @@ ErrorTarget targetOf(const Arguments& arguments) {
   return {Kind::kRms, kUsualRms};
 }
 
-std::vector<std::string_view> modeNames() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> all;
-    for (const BlockMode& mode : allBlockModes()) all.push_back(shortName(mode));
-    return all;
-  }();
-  return {names.begin(), names.end()};
-}
-
-/// "density=0.001,flame=0.01".
-Result<std::map<std::string, double>> rmsOfGrids(const std::string& text) {
-  std::map<std::string, double> all;
-  for (const std::string& one : gridNames(text)) {
-    const auto equals = one.rfind('=');
-    double rms = 0;
-    const char* const end = one.data() + one.size();
-    const bool number =
-        equals != std::string::npos && equals > 0 &&
-        std::from_chars(one.data() + equals + 1, end, rms).ptr == end && rms > 0 && rms <= 1;
-    if (!number) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "--rms-of: '{}' is no NAME=R; expected a grid's name and a relative RMS above 0, at "
-                  "most 1, as density=0.001",
-                  one);
-    }
-    all[one.substr(0, equals)] = rms;
-  }
-  return all;
-}
-
 /// The command line was checked, so what compress() still finds invalid is a target out of reach:
 /// it could not, and that is not wrong usage.
 Result<CompressReport> compressTo(const std::string& target, FrameSource& source,
@@ -82,29 +45,11 @@ Result<CompressReport> compressTo(const std::string& target, FrameSource& source
 
 /// What --raw-size and the others say of files without a header.
 Result<std::optional<RawLayout>> rawLayout(const Arguments& arguments) {
-  const auto text = arguments.find<std::string>("raw-size");
-  if (!text)
+  const auto size = arguments.find<std::string>("raw-size");
+  if (!size)
     return std::nullopt;
-  std::vector<int> sizes;
-  for (const std::string& one : gridNames(*text)) {
-    int size = 0;
-    const char* const end = one.data() + one.size();
-    const auto [stop, error] = std::from_chars(one.data(), end, size);
-    sizes.push_back(error == std::errc() && stop == end ? size : 0);
-  }
-  const bool sound = (sizes.size() == 3 || (sizes.size() == 4 && (sizes[3] == 1 || sizes[3] == 3))) &&
-                     std::ranges::all_of(sizes, [](int size) { return size > 0; });
-  if (!sound) {
-    return fail(ErrorCode::kInvalidArgument,
-                "--raw-size: '{}' is no size; expected X,Y,Z or X,Y,Z,C in voxels, with 1 or 3 "
-                "channels, as 512,512,256",
-                *text);
-  }
-  RawLayout raw;
-  raw.size = {sizes[0], sizes[1], sizes[2]};
-  raw.channels = sizes.size() == 4 ? sizes[3] : 1;
-  const auto type = std::ranges::find(kRawTypes, arguments.get<std::string>("raw-type"));
-  raw.type = static_cast<RawLayout::Type>(type - kRawTypes.begin());
+  VOLUTE_ASSIGN(auto raw, ofOption("raw-size", parseRawSize(*size)));
+  raw.type = *rawTypeByName(arguments.get<std::string>("raw-type"));
   raw.bigEndian = arguments.get<std::string>("raw-order") == "big";
   if (const auto offset = arguments.find<Bytes>("raw-offset"))
     raw.offset = offset->count;
@@ -116,7 +61,8 @@ Result<bool> runGrids(const std::string& path, const std::string& target,
                       const std::string& fields, const CompressOptions& options,
                       const InputOptions& input, const Arguments& arguments, Context& context) {
   GridCompression how{options, {}, arguments.find<FrameRange>("frames").value_or(FrameRange{})};
-  VOLUTE_ASSIGN(how.rms, rmsOfGrids(arguments.find<std::string>("rms-of").value_or("")));
+  VOLUTE_ASSIGN(how.rms,
+                ofOption("rms-of", parseGridRms(arguments.find<std::string>("rms-of").value_or(""))));
   const bool one = gridNames(fields).size() == 1 || input.raw;
   if (one || !VolumeGrids::mayBe(path)) {
     if (how.rms.empty())
@@ -291,7 +237,7 @@ Command compressCommand() {
                    .value = "SUPPORT:WAVELET:TIME",
                    .help = "one mode for all blocks, to compare: plain or shaped (with an exact "
                            "support), the wavelet, and how often time is halved",
-                   .choices = modeNames()},
+                   .choices = blockModeNames()},
                   {.name = "bounds",
                    .kind = kBounds,
                    .value = "X0,Y0,Z0,X1,Y1,Z1",
@@ -308,7 +254,7 @@ Command compressCommand() {
                    .value = "TYPE",
                    .help = "of its values; all become float32",
                    .initial = "float32",
-                   .choices = {kRawTypes.begin(), kRawTypes.end()},
+                   .choices = {rawTypeNames().begin(), rawTypeNames().end()},
                    .beside = "raw-size"},
                   {.name = "raw-order",
                    .kind = kChoice,

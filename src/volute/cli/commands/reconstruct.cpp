@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "volute/base/write_file.hpp"
-#include "volute/capture/geometry_check.hpp"
+#include "volute/capture/capture_check.hpp"
 #include "volute/capture/write_capture.hpp"
 #include "volute/cli/capture_input.hpp"
 #include "volute/cli/commands/commands.hpp"
@@ -47,29 +47,6 @@ ReconstructionSettings settingsOf(const Arguments& arguments, const Capture& cap
   settings.warmStart = !arguments.flag("no-warm-start");
   settings.force = arguments.flag("force");
   return settings;
-}
-
-/// What is wrong before any picture is read.
-Status checkCapture(const Capture& capture, const std::vector<std::string>& heldOut, bool force,
-                    std::uint64_t maxMemory, Progress& progress) {
-  constexpr int kFewest = 3;
-  const auto fitted = std::ranges::count_if(capture.cameras, [&](const CaptureCamera& camera) {
-    return std::ranges::find(heldOut, camera.name) == heldOut.end();
-  });
-  std::vector<std::string> faults;
-  if (fitted < kFewest) {
-    faults.push_back(
-        fmt::format("{} view{} {} too few to tell where light is along a ray; expected at least {}",
-                    fitted, fitted == 1 ? "" : "s", fitted == 1 ? "is" : "are", kFewest));
-  }
-  for (const GeometryFault& fault : checkGeometry(capture)) faults.push_back(fault.message);
-  if (!faults.empty() && !force)
-    return fail(ErrorCode::kInvalidData, "{}: {} (--force goes on)", capture.file.string(),
-                faults.front());
-  for (const auto& fault : faults) progress.remark("warning: " + fault);
-  if (fitted == 0)
-    return fail(ErrorCode::kInvalidArgument, "--hold-out: no camera is left to reconstruct from");
-  return checkPicturesThere(capture, maxMemory);
 }
 
 void remarkOnLayout(const Capture& capture, Context& context) {

@@ -17,6 +17,7 @@
 #include "volute/film/write_film.hpp"
 #include "volute/cli/file_kind.hpp"
 #include "volute/cli/scene_arguments.hpp"
+#include "volute/cli/values.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/media/camera_file.hpp"
@@ -81,27 +82,12 @@ RenderOptions renderOptions(const Arguments& arguments, const Scene& scene) {
 
 /// What --aov names, where it takes a .exr with named channels; empty: it is one picture.
 Result<std::vector<std::string>> layersOf(const Arguments& arguments, const std::string& target) {
-  constexpr std::string_view kNames[] = {"beauty", "alpha", "z", "transmittance", "optical-depth"};
-  std::vector<std::string> layers;
-  std::string rest = arguments.find<std::string>("aov").value_or("");
-  while (!rest.empty()) {
-    const std::size_t end = std::min(rest.find(','), rest.size());
-    layers.push_back(rest.substr(0, end));
-    rest.erase(0, end + 1);
-    const std::string& last = layers.back();
-    if (std::ranges::find(kNames, last) == std::end(kNames)) {
-      return fail(ErrorCode::kInvalidArgument, "--aov: '{}' is none of {}", last,
-                  fmt::join(kNames, ", "));
-    }
-    if (std::ranges::count(layers, last) > 1)
-      return fail(ErrorCode::kInvalidArgument, "--aov: '{}' is named twice", last);
-  }
-  if (layers.size() == 1 && (layers[0] == "optical-depth" || layers[0] == "transmittance"))
-    layers.clear();
+  const auto aov = arguments.find<std::string>("aov").value_or("");
+  VOLUTE_ASSIGN(auto layers, ofOption("aov", parseLayers(aov)));
   if (!layers.empty() && extensionOf(target) != ".exr") {
     return fail(ErrorCode::kInvalidArgument,
                 "--aov {}: only a .exr has room for it; {} shows optical-depth or transmittance alone",
-                arguments.get<std::string>("aov"), target);
+                aov, target);
   }
   return layers;
 }
@@ -216,32 +202,6 @@ bool isMeasured(const Arguments& arguments) {
          arguments.get<std::string>("renderer") == "reference";
 }
 
-/// What ranks that hold shares of a mesh cannot draw together.
-Status checkShares(const Arguments& arguments, const Scene& scene,
-                   const std::vector<std::string>& layers, int ranks) {
-  if (!arguments.flag("by-pieces") || ranks == 1)
-    return {};
-  std::string_view beyond;
-  if (arguments.get<std::string>("renderer") == "reference" ||
-      arguments.get<std::string>("renderer") == "gl")
-    beyond = "is drawn by the renderer cpu";
-  else if (arguments.given("slice") || arguments.given("isosurface"))
-    beyond = "has no slices and isosurfaces";
-  else if (!layers.empty())
-    beyond = "gives one --aov at a time";
-  else if (scene.media().size() != 1 || !scene.media().front()->info().shared)
-    beyond = "is of a .pvtu and no other medium";
-  else if (!scene.geometry().empty())
-    beyond = "has no surfaces in it";
-  else if (scene.media().front()->info().times.size() > 1 && !arguments.given("time") &&
-           !arguments.given("frames"))
-    beyond = "is of a time that --time or --frames states";
-  if (beyond.empty())
-    return {};
-  return fail(ErrorCode::kUnsupported, "--by-pieces: a picture of a mesh that ranks hold together {}",
-              beyond);
-}
-
 /// --time, --frames, --speed and --orbit.
 Result<std::vector<FilmFrame>> framesOf(const Arguments& arguments, Scene& scene,
                                         const std::string& target, Progress& progress) {
@@ -265,13 +225,19 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
   Scene scene = std::move(*opened);
   VOLUTE_TRY(takeLaw(arguments, scene, context.progress));
   VOLUTE_ASSIGN(auto layers, layersOf(arguments, target));
-  VOLUTE_TRY(checkShares(arguments, scene, layers, context.team.size()));
+  const bool together = arguments.flag("by-pieces") && context.team.size() > 1;
+  if (together && !scene.media().empty() &&
+      scene.media().front()->info().times.size() > 1 && !arguments.given("time") &&
+      !arguments.given("frames")) {
+    return fail(ErrorCode::kUnsupported,
+                "--by-pieces: ranks do not look for a time that has something to see; add --time or "
+                "--frames");
+  }
   VOLUTE_ASSIGN(auto frames, framesOf(arguments, scene, target, context.progress));
   std::optional<CameraDescription> described;
   VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, scene, described, context.progress));
   const Vec3 centre = described ? described->view.target : Vec3(scene.bounds().centre());
   VOLUTE_TRY(checkPictureMemory(camera, context));
-  const bool together = arguments.flag("by-pieces") && context.team.size() > 1;
   VOLUTE_ASSIGN(auto renderer, rendererOf(arguments, together));
   VOLUTE_ASSIGN(auto contour, contourOf(arguments, scene));
   const RenderOptions options = renderOptions(arguments, scene);
@@ -286,10 +252,11 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
   job.totals = std::move(totals);
   job.way = std::move(described);
   job.layers = std::move(layers);
+  job.together = together;
+  VOLUTE_TRY(ofOption("by-pieces", checkTogether(job)));
   job.orbit = arguments.find<double>("orbit").value_or(0) * std::numbers::pi / 180;
   job.orbitCentre = centre;
   job.measured = isMeasured(arguments);
-  job.together = together;
   if (!job.measured && !job.contour)
     job.samples = arguments.get<int>("samples");
   VOLUTE_TRY(scaleContour(job, context.progress, context.team));

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include <array>
-#include <charconv>
 #include <filesystem>
 #include <optional>
 
@@ -9,12 +7,12 @@
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/parse.hpp"
 #include "volute/cli/ranks.hpp"
+#include "volute/cli/values.hpp"
 #include "volute/visibility/study_folder.hpp"
 
 namespace volute::cli {
 namespace {
 
-/// "2/5": the second of five parts; or one run.
 Result<StudyChoice> choiceOf(const Arguments& arguments, const Study& study) {
   StudyChoice choice;
   if (const auto only = arguments.find<int>("only")) {
@@ -24,18 +22,10 @@ Result<StudyChoice> choiceOf(const Arguments& arguments, const Study& study) {
     }
     choice.only = static_cast<std::size_t>(*only - 1);
   }
-  const auto text = arguments.find<std::string>("part");
-  if (!text)
-    return choice;
-  std::array<std::size_t, 2>& part = choice.part;
-  const char* end = text->data() + text->size();
-  const auto first = std::from_chars(text->data(), end, part[0]);
-  if (first.ec == std::errc() && first.ptr != end && *first.ptr == '/') {
-    const auto second = std::from_chars(first.ptr + 1, end, part[1]);
-    if (second.ec == std::errc() && second.ptr == end && part[0] >= 1 && part[0] <= part[1])
-      return choice;
+  if (const auto part = arguments.find<std::string>("part")) {
+    VOLUTE_ASSIGN(choice.part, ofOption("part", parsePart(*part)));
   }
-  return fail(ErrorCode::kInvalidArgument, "--part: '{}': expected I/N with I from 1 to N", *text);
+  return choice;
 }
 
 Status surveyOf(const StudyRun& run, const std::filesystem::path& folder, Context& context) {
@@ -51,37 +41,15 @@ Status surveyOf(const StudyRun& run, const std::filesystem::path& folder, Contex
   return command.run(arguments, own);
 }
 
-/// A line a run: its number, its name, and what became of it where a folder says so.
-Status listRuns(const Study& study, const std::optional<std::string>& folder, Context& context) {
-  std::vector<StudyRunState> states(study.runs.size());
-  if (folder)
-    states = statesOf(study, *folder);
-  auto list = nlohmann::ordered_json::array();
-  std::string text;
-  for (std::size_t i = 0; i < study.runs.size(); ++i) {
-    const StudyRun& run = study.runs[i];
-    list.push_back({{"number", i + 1}, {"name", run.name}, {"case", run.casePath}});
-    text += fmt::format("{}{} {}", i == 0 ? "" : "\n", i + 1, run.name);
-    if (!folder)
-      continue;
-    list.back()["done"] = states[i].done;
-    if (!states[i].done)
-      list.back()["why"] = states[i].why;
-    text += states[i].done ? ": done" : ": " + states[i].why;
-  }
-  if (context.json)
-    context.print(dumpJson(nlohmann::ordered_json{{"runs", list}}));
-  else
-    context.print(text);
-  return {};
-}
-
 Status runSweep(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(const auto study, Study::read(arguments.positional(0)));
   VOLUTE_ASSIGN(const auto choice, choiceOf(arguments, study));
   const auto output = arguments.find<std::string>("output");
-  if (arguments.flag("list"))
-    return listRuns(study, output, context);
+  if (arguments.flag("list")) {
+    const StudyList list = listOf(study, output);
+    context.print(context.json ? dumpJson(list.json) : list.text);
+    return {};
+  }
   if (!output)
     return fail(ErrorCode::kInvalidArgument, "--output is missing: say into which folder the runs go");
   const std::filesystem::path folder = *output;

@@ -118,16 +118,6 @@ Result<std::vector<Vec3>> viewsOf(const Arguments& arguments) {
   return eyes;
 }
 
-/// What a rule's limit is, where it comes from, and whether that was looked up.
-std::string limitRemark(const std::string& name, double extinction) {
-  const auto limit = sightLimit(name).value_or(SightLimit{});
-  return fmt::format("sight limit {}: K = {:.4g} 1/m where one stands ({}{})", name, extinction,
-                     limit.source,
-                     limit.checked ? ""
-                                   : "; this source was not checked: look it up before you rely on "
-                                     "it");
-}
-
 /// The usual criteria, those of a file, or none.
 Result<std::vector<Criterion>> criteriaOf(const Arguments& arguments) {
   const auto which = arguments.get<std::string>("criteria");

@@ -3,6 +3,7 @@
 #include "volute/media/volume/grid_compression.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -213,6 +214,26 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
   }
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
+}
+
+Result<std::map<std::string, double>> parseGridRms(const std::string& text) {
+  std::map<std::string, double> all;
+  for (const std::string& one : gridNames(text)) {
+    const auto equals = one.rfind('=');
+    double rms = 0;
+    const char* const end = one.data() + one.size();
+    const bool number =
+        equals != std::string::npos && equals > 0 &&
+        std::from_chars(one.data() + equals + 1, end, rms).ptr == end && rms > 0 && rms <= 1;
+    if (!number) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "'{}' is no NAME=R; expected a grid's name and a relative RMS above 0, at "
+                  "most 1, as density=0.001",
+                  one);
+    }
+    all[one.substr(0, equals)] = rms;
+  }
+  return all;
 }
 
 }  // namespace volute

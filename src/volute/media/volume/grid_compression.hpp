@@ -42,6 +42,9 @@ struct CompressedGrids {
                                                     const std::string& target,
                                                     const GridCompression& how, Reading& reading, Team& team);
 
+/// "density=0.001,flame=0.01".
+[[nodiscard]] Result<std::map<std::string, double>> parseGridRms(const std::string& text);
+
 /// Whether a file of this grid alone needs to say more of it than its values.
 bool wantsDescription(const VolumeGrid& grid);
 
