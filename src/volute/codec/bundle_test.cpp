@@ -117,11 +117,6 @@ TEST(Bundle, WhatIsNotThereOrEmptyIsSaid) {
   const auto empty = VoluteReader::open(cache.file.path(), options("flame"));
   ASSERT_FALSE(empty);
   EXPECT_EQ(empty.error().code, ErrorCode::kInvalidData);
-  Progress quiet;
-  const ScratchFile other;
-  const auto joined = join({cache.file.path()}, other.path(), {}, quiet);
-  ASSERT_FALSE(joined);
-  EXPECT_EQ(joined.error().code, ErrorCode::kUnsupported);
 }
 
 TEST(Bundle, OneGridAloneIsTheFileAsItWas) {
