@@ -3,16 +3,20 @@
 
 // One part of a sight line in each SIMD lane, in double. Lanes step on their own from plane to
 // plane, on one axis at a time: where a line meets an edge, steps of no length follow each other.
-// Only IEEE operations without fused multiply-add.
+// Where the plane after the next one is met is looked up ahead, so that no step waits for it. Only
+// IEEE operations without fused multiply-add.
 
 #include "volute/fds/fds_march.hpp"
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <numeric>
+
+#include "volute/base/assert.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volute/fds/fds_march.cpp"
@@ -77,6 +81,19 @@ HWY_INLINE V ValuesAt(const float* values, VI place) {
       d, hn::GatherIndex(df, values, hn::BitCast(dn, hn::TruncateTo(dw, hn::BitCast(du, place)))));
 }
 
+struct Ends {
+  V low, high;
+};
+
+HWY_INLINE Ends PairsAt(const std::uint64_t* pairs, VI place) {
+  constexpr DF df;
+  constexpr hn::Rebind<std::uint32_t, D> dw;
+  constexpr hn::RebindToUnsigned<DI> du;
+  const auto pair = hn::GatherIndex(du, pairs, place);
+  return {hn::PromoteTo(d, hn::BitCast(df, hn::TruncateTo(dw, pair))),
+          hn::PromoteTo(d, hn::BitCast(df, hn::TruncateTo(dw, hn::ShiftRight<32>(pair))))};
+}
+
 HWY_INLINE VI Choose(Mask mask, VI yes, VI no) {
   return hn::IfThenElse(hn::RebindMask(di, mask), yes, no);
 }
@@ -137,11 +154,52 @@ HWY_INLINE void EnterCell(const MarchLattice& march, VI next, VI step, V& lower,
       hn::Div(hn::Set(d, 1.0), hn::Sub(hn::GatherIndex(d, march.planes.data(), upper), lower));
 }
 
-template <bool kNodal, bool kBanded>
+/// Evenly spaced blocks, all gas: no planes to fetch, and one value, both ends of what it may be.
+HWY_INLINE void MarchEven(const MarchLattice& march, PartLanes& lanes, std::size_t first) {
+  V from = hn::Load(d, lanes.from + first);
+  const V end = hn::Load(d, lanes.end + first);
+  V next[3], advance[3];
+  VI cellStep[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    next[axis] = hn::Load(d, lanes.next[axis] + first);
+    // Nothing for lanes that are parallel: `next` stays infinite.
+    advance[axis] = hn::Abs(hn::Mul(hn::Set(d, march.spacing[axis]),
+                                    hn::Load(d, lanes.inverse[axis] + first)));
+    cellStep[axis] = hn::Load(di, lanes.cellStep[axis] + first);
+  }
+  VI cell = hn::Load(di, lanes.cell + first);
+  V gas = hn::Zero(d), low = hn::Zero(d), high = hn::Zero(d);
+  for (Mask live = hn::Lt(from, end); !hn::AllFalse(d, live); live = hn::Lt(from, end)) {
+    const V yz = hn::Min(next[1], next[2]);
+    const V to = hn::Min(hn::Min(next[0], yz), end);
+    const auto [least, most] =
+        PairsAt(march.pairs.data(), hn::IfThenElseZero(hn::RebindMask(di, live), cell));
+    const V length = hn::IfThenElseZero(live, hn::Max(hn::Sub(to, from), hn::Zero(d)));
+    gas = hn::Add(gas, length);
+    low = hn::MulAdd(least, length, low);
+    // Infinite ones count for nothing where the step has no length.
+    high = hn::Add(high, hn::IfThenElseZero(hn::Gt(length, hn::Zero(d)), hn::Mul(most, length)));
+    const Mask onX = hn::Le(next[0], yz);
+    const Mask onY = hn::AndNot(onX, hn::Le(next[1], next[2]));
+    const Mask on[3] = {onX, onY, hn::Not(hn::Or(onX, onY))};
+    for (int axis = 0; axis < 3; ++axis) {
+      next[axis] = hn::Add(next[axis], hn::IfThenElseZero(on[axis], advance[axis]));
+      cell = hn::Add(cell, hn::IfThenElseZero(hn::RebindMask(di, on[axis]), cellStep[axis]));
+    }
+    from = hn::Max(from, to);
+  }
+  hn::Store(low, d, lanes.depth + first);
+  hn::Store(gas, d, lanes.gas + first);
+  hn::Store(low, d, lanes.low + first);
+  hn::Store(high, d, lanes.high + first);
+}
+
+/// @tparam kPaired  of cells that are all gas: low and high ends side by side, the low ones as values
+template <bool kNodal, bool kBanded, bool kPaired>
 HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::size_t first) {
   V from = hn::Load(d, lanes.from + first);
   const V end = hn::Load(d, lanes.end + first);
-  V next[3], origin[3], direction[3], inverse[3];
+  V next[3], after[3], origin[3], direction[3], inverse[3];
   VI plane[3], step[3], cellStep[3], cornerStep[3];
   Cell inside;
   for (int axis = 0; axis < 3; ++axis) {
@@ -153,6 +211,9 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
     step[axis] = hn::Load(di, lanes.step[axis] + first);
     cellStep[axis] = hn::Load(di, lanes.cellStep[axis] + first);
     cornerStep[axis] = hn::Load(di, lanes.cornerStep[axis] + first);
+    const V place =
+        hn::GatherIndex(d, march.planes.data(), hn::Add(plane[axis], step[axis]));
+    after[axis] = hn::Mul(hn::Sub(place, origin[axis]), inverse[axis]);
     if constexpr (kNodal)
       EnterCell(march, plane[axis], step[axis], inside.lower[axis], inside.perCell[axis]);
   }
@@ -163,11 +224,19 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
     const V to = hn::Min(hn::Min(next[0], next[1]), hn::Min(next[2], end));
     // What stands still looks at the first cell and counts for nothing.
     const VI here = hn::IfThenElseZero(hn::RebindMask(di, live), cell);
-    const V value = ValuesAt(march.own.data(), here);
-    const V length = hn::IfThenElseZero(hn::And(live, hn::Ge(value, hn::Zero(d))),
-                                        hn::Max(hn::Sub(to, from), hn::Zero(d)));
+    V length = hn::IfThenElseZero(live, hn::Max(hn::Sub(to, from), hn::Zero(d)));
+    V value = hn::Zero(d);
+    if constexpr (!kPaired) {
+      value = ValuesAt(march.own.data(), here);
+      length = hn::IfThenElseZero(hn::Ge(value, hn::Zero(d)), length);
+    }
     gas = hn::Add(gas, length);
-    if constexpr (kNodal) {
+    if constexpr (kPaired) {
+      const auto [least, most] = PairsAt(march.pairs.data(), here);
+      depth = hn::Add(depth, hn::Mul(least, length));
+      // Infinite ones count for nothing where the step has no length.
+      high = hn::Add(high, hn::IfThenElseZero(hn::Gt(length, hn::Zero(d)), hn::Mul(most, length)));
+    } else if constexpr (kNodal) {
       const VI at = hn::IfThenElseZero(hn::RebindMask(di, live), corner);
       const Mask counts = hn::Gt(length, hn::Zero(d));
       const auto over = [&](const float* values) HWY_ATTR {
@@ -186,8 +255,7 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
         const auto over = [&](const float* values) HWY_ATTR {
           return hn::IfThenElseZero(counts, hn::Mul(ValuesAt(values, here), length));
         };
-        // The low end of blocks is their value.
-        low = march.low == march.values ? depth : hn::Add(low, over(march.low));
+        low = hn::Add(low, over(march.low));
         high = hn::Add(high, over(march.high));
       }
     }
@@ -196,14 +264,15 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
     const Mask onY = hn::And(hn::AndNot(onX, live), hn::Le(next[1], next[2]));
     const Mask onZ = hn::AndNot(hn::Or(onX, onY), live);
     const Mask on[3] = {onX, onY, onZ};
-    const VI moved = hn::Add(Choose(onX, plane[0], Choose(onY, plane[1], plane[2])),
-                             Choose(onX, step[0], Choose(onY, step[1], step[2])));
+    const VI stepped = Choose(onX, step[0], Choose(onY, step[1], step[2]));
+    const VI moved = hn::Add(Choose(onX, plane[0], Choose(onY, plane[1], plane[2])), stepped);
     // Dead lanes may have left the planes.
-    const VI safe = hn::IfThenElseZero(hn::RebindMask(di, live), moved);
-    const V place = hn::GatherIndex(d, march.planes.data(), safe);
+    const VI beyond = hn::IfThenElseZero(hn::RebindMask(di, live), hn::Add(moved, stepped));
+    const V place = hn::GatherIndex(d, march.planes.data(), beyond);
     for (int axis = 0; axis < 3; ++axis) {
       const V crossing = hn::Mul(hn::Sub(place, origin[axis]), inverse[axis]);
-      next[axis] = hn::IfThenElse(on[axis], crossing, next[axis]);
+      next[axis] = hn::IfThenElse(on[axis], after[axis], next[axis]);
+      after[axis] = hn::IfThenElse(on[axis], crossing, after[axis]);
       plane[axis] = Choose(on[axis], moved, plane[axis]);
       const hn::Mask<DI> mask = hn::RebindMask(di, on[axis]);
       cell = hn::Add(cell, hn::IfThenElseZero(mask, cellStep[axis]));
@@ -211,7 +280,7 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
         corner = hn::Add(corner, hn::IfThenElseZero(mask, cornerStep[axis]));
     }
     if constexpr (kNodal) {
-      const VI stepped = Choose(onX, step[0], Choose(onY, step[1], step[2]));
+      const VI safe = hn::IfThenElseZero(hn::RebindMask(di, live), moved);
       V lower, perCell;
       EnterCell(march, safe, stepped, lower, perCell);
       for (int axis = 0; axis < 3; ++axis) {
@@ -223,7 +292,10 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
   }
   hn::Store(depth, d, lanes.depth + first);
   hn::Store(gas, d, lanes.gas + first);
-  if constexpr (kBanded) {
+  if constexpr (kPaired) {
+    hn::Store(depth, d, lanes.low + first);
+    hn::Store(high, d, lanes.high + first);
+  } else if constexpr (kBanded) {
     hn::Store(low, d, lanes.low + first);
     hn::Store(high, d, lanes.high + first);
   }
@@ -232,14 +304,18 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
 void March(const MarchLattice& march, PartLanes& lanes, std::size_t count) {
   for (std::size_t first = 0; first < count; first += hn::Lanes(d)) {
     const bool banded = march.low != nullptr;
-    if (march.nodal && banded)
-      MarchVector<true, true>(march, lanes, first);
+    if (march.even)
+      MarchEven(march, lanes, first);
+    else if (!march.pairs.empty())
+      MarchVector<false, true, true>(march, lanes, first);
+    else if (march.nodal && banded)
+      MarchVector<true, true, false>(march, lanes, first);
     else if (march.nodal)
-      MarchVector<true, false>(march, lanes, first);
+      MarchVector<true, false, false>(march, lanes, first);
     else if (banded)
-      MarchVector<false, true>(march, lanes, first);
+      MarchVector<false, true, false>(march, lanes, first);
     else
-      MarchVector<false, false>(march, lanes, first);
+      MarchVector<false, false, false>(march, lanes, first);
   }
 }
 
@@ -254,6 +330,22 @@ namespace {
 
 HWY_EXPORT(March);
 
+/// How far evenly spaced planes may be from their places [spacings]: sums of so many steps, of blocks
+/// that are bounds and no more, do not see it.
+constexpr double kEven = 1e-9;
+
+/// cellBetween() for a place inside the planes but for rounding, from where evenly spaced ones would
+/// have it: searches from start to end are mispredicted branches.
+std::int64_t cellNear(const std::vector<double>& planes, double perPlane, double place) {
+  const auto last = static_cast<std::int64_t>(planes.size()) - 2;
+  const double guess = std::clamp((place - planes.front()) * perPlane, 0.0, static_cast<double>(last));
+  auto cell = static_cast<std::int64_t>(guess);
+  const double* at = planes.data();
+  while (cell < last && at[cell + 1] <= place) ++cell;
+  while (cell > 0 && at[cell] > place) --cell;
+  return cell;
+}
+
 void setLane(PartLanes& lanes, std::size_t lane, const FdsLattice& lattice,
              const MarchLattice& march, const Segment& segment, const MarchPart& part) {
   lanes.from[lane] = part.begin;
@@ -265,7 +357,7 @@ void setLane(PartLanes& lanes, std::size_t lane, const FdsLattice& lattice,
     const double origin = segment.origin[a];
     const double at = direction == 0 ? origin : origin + part.begin * direction;
     const int step = direction > 0 ? 1 : direction < 0 ? -1 : 0;
-    std::int64_t cell = cellBetween(planes, at);
+    std::int64_t cell = cellNear(planes, march.perPlane[a], at);
     if (step < 0 && cell > 0 && at == planes[static_cast<std::size_t>(cell)])
       --cell;
     const double inverse = direction == 0 ? 0 : 1 / direction;
@@ -314,19 +406,40 @@ MarchLattice::MarchLattice(const FdsLattice& lattice, std::span<const float> val
       values(values.data()),
       low(low.empty() ? nullptr : low.data()),
       high(low.empty() ? nullptr : high.data()) {
-  planes.push_back(0);
+  planes.assign(2, 0.0);
   std::int64_t step = 1;
   for (int axis = 0; axis < 3; ++axis) {
     first[axis] = static_cast<std::int64_t>(planes.size());
     planes.insert(planes.end(), lattice.planes[axis].begin(), lattice.planes[axis].end());
     cells[axis] = lattice.cells(axis);
+    perPlane[axis] = static_cast<double>(cells[axis]) /
+                     (lattice.planes[axis].back() - lattice.planes[axis].front());
     stride[axis] = step;
     step *= cells[axis] + (nodal ? 1 : 0);
   }
-  planes.push_back(0);
-  planes.push_back(0);
+  planes.insert(planes.end(), 3, 0.0);
   own.resize(gas.size());
   for (std::size_t i = 0; i < gas.size(); ++i) own[i] = gas[i] == 0 ? -1 : nodal ? 1 : values[i];
+}
+
+MarchLattice::MarchLattice(const FdsLattice& lattice, std::span<const float> least,
+                           std::span<const float> most)
+    : MarchLattice(lattice, least, {}, least, most) {
+  VOLUTE_ASSERT(!lattice.nodal && least.size() == most.size());
+  even = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<double>& places = lattice.planes[axis];
+    spacing[axis] = places[1] - places[0];
+    for (std::size_t i = 2; i + 1 < places.size(); ++i)  // the last cell may be short
+      even &= std::abs(places[i] - (places[0] + static_cast<double>(i) * spacing[axis])) <=
+              kEven * spacing[axis];
+    even &= places.back() <= places[places.size() - 2] + (1 + kEven) * spacing[axis];
+  }
+  pairs.resize(least.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    pairs[i] = std::uint64_t{std::bit_cast<std::uint32_t>(most[i])} << 32 |
+               std::bit_cast<std::uint32_t>(least[i]);
+  }
 }
 
 void marchParts(const FdsLattice& lattice, const MarchLattice& march,

@@ -20,8 +20,14 @@ struct MarchLattice {
                std::span<const std::uint8_t> gas, std::span<const float> low = {},
                std::span<const float> high = {});
 
-  std::vector<double> planes;           ///< of x, y, z one after the other, with one more all round
+  /// Of cells that are all gas, for low and high ends alone; where planes are evenly spaced (the last
+  /// cell on an axis may be smaller) rounding differs from traversePlanes().
+  MarchLattice(const FdsLattice& lattice, std::span<const float> least,
+               std::span<const float> most);
+
+  std::vector<double> planes;           ///< of x, y, z one after the other, with two more all round
   std::array<std::int64_t, 3> first{};  ///< of each axis' planes
+  std::array<double, 3> perPlane{};     ///< cells a metre, on average
   std::array<std::int64_t, 3> cells{};
   std::array<std::int64_t, 3> stride{};  ///< from value to value
   bool nodal = false;
@@ -30,6 +36,9 @@ struct MarchLattice {
   const float* low = nullptr;     ///< as many as values; null: they are exact
   const float* high = nullptr;
   std::vector<float> own;         ///< of each cell: its value, or 1 if nodal; -1 where no gas is
+  std::vector<std::uint64_t> pairs;  ///< of all-gas cells: the bits of least and, above, most
+  bool even = false;                 ///< such cells, evenly spaced
+  std::array<double, 3> spacing{};   ///< [m]
 };
 
 /// A part of a segment in one lattice.

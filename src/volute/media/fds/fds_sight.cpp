@@ -132,8 +132,7 @@ FdsInstant::Blocks::OfLattice FdsInstant::Blocks::of(const FdsLattice& lattice,
     }
   });
   blocks.lattice.nodal = false;
-  const std::vector<std::uint8_t> known(all, 1);
-  blocks.march = MarchLattice(blocks.lattice, blocks.low, known, blocks.low, blocks.high);
+  blocks.march = MarchLattice(blocks.lattice, blocks.low, blocks.high);
   return blocks;
 }
 

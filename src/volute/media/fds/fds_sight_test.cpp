@@ -6,19 +6,23 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 namespace volute {
 namespace {
 
-/// Two meshes of other cells beside each other, uneven smoke, an obstruction and an unknown corner.
-FdsInstant twoMeshes(bool nodal) {
+/// Two meshes of other cells beside each other, evenly spaced or wider along y, uneven smoke, an obstruction and an unknown corner.
+FdsInstant twoMeshes(bool nodal, bool even) {
   SmvIndex index;
   std::vector<FdsLattice> lattices;
   for (int m = 0; m < 2; ++m) {
     FdsMesh mesh;
     const int cells = m == 0 ? 20 : 13;
     for (int i = 0; i <= cells; ++i) mesh.planes[0].push_back(4 * m + 4.0 * i / cells);
-    for (int i = 0; i <= cells; ++i) mesh.planes[1].push_back(3.0 * i / cells);
+    for (int i = 0; i <= cells; ++i) {
+      const double at = static_cast<double>(i) / cells;
+      mesh.planes[1].push_back(3 * (even ? at : at * (0.7 + 0.3 * at)));
+    }
     for (int i = 0; i <= 9; ++i) mesh.planes[2].push_back(2.4 * i / 9);
     if (m == 0) {
       FdsObstruction obstruction;
@@ -64,8 +68,9 @@ FdsInstant twoMeshes(bool nodal) {
 TEST(FdsInstant, BlocksOfCellsBoundEveryLine) {
   std::mt19937 draw(3);
   std::uniform_real_distribution<double> x(-0.2, 8.2), y(0, 3), z(0, 2.4);
-  for (const bool nodal : {false, true}) {
-    const FdsInstant instant = twoMeshes(nodal);
+  for (const auto& [nodal, even] :
+       {std::pair(false, true), {true, true}, {false, false}, {true, false}}) {
+    const FdsInstant instant = twoMeshes(nodal, even);
     std::vector<SightLine> lines;
     for (int i = 0; i < 2000; ++i)
       lines.push_back({Vec3(x(draw), y(draw), z(draw)), Vec3(x(draw), y(draw), z(draw))});
