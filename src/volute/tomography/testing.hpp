@@ -21,7 +21,10 @@ struct TestScene {
   std::vector<TomographyView> views;
 
   /// @param phase  moves the blobs: another instant.
-  explicit TestScene(int cameras, double noise = 0, double phase = 0) {
+  /// @param pictureWidth, pictureHeight  [pixels]; what they show of the scene depends on their
+  /// shape alone.
+  explicit TestScene(int cameras, double noise = 0, double phase = 0, int pictureWidth = 48,
+                     int pictureHeight = 44) {
     const VolumeGeometry fine{geometry.bounds, {2 * kSide, 2 * kSide, 2 * kSide}};
     const std::vector<float> volume = blobs(fine, phase);
     truth = blobs(geometry, phase);
@@ -31,7 +34,7 @@ struct TestScene {
       const double angle = 2 * std::numbers::pi * (i + 0.2) / cameras;
       const double height = i % 2 == 0 ? -0.6 : 0.9;
       const Vec3 eye(5 * std::cos(angle), 5 * std::sin(angle), height);
-      const Camera camera = Camera::pinhole({eye, Vec3::Zero()}, 30, 48, 44);
+      const Camera camera = Camera::pinhole({eye, Vec3::Zero()}, 30, pictureWidth, pictureHeight);
       Image image = projectVolume(volume, fine, Basis::kBox, camera, 4);
       for (float& value : image.pixels) value += static_cast<float>(noise) * normal(random);
       views.push_back({fmt::format("c{}", i), camera, std::move(image)});
