@@ -150,7 +150,7 @@ void ignoreSignalsOfWriting() {
 
 }  // namespace
 
-int runProgram(int argc, char** argv) {
+static int chooseAndRun(int argc, char** argv) {
   silenceOtherRanks();
   ignoreSignalsOfWriting();
   const ReaderHelper helper(Interrupt::requested);
@@ -171,12 +171,31 @@ int runProgram(int argc, char** argv) {
   return parseAndRun(*command, words);
 }
 
+/// Too little memory for the command line itself, and what else comes out of a library there.
+template <class Run>
+static int sayingWhy(Run&& run) {
+  try {
+    return run();
+  } catch (const std::bad_alloc&) {
+    std::fputs("volute: there is not enough memory\n", stderr);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "volute: %s\n", error.what());
+  }
+  return kCouldNot;
+}
+
+int runProgram(int argc, char** argv) {
+  return sayingWhy([&] { return chooseAndRun(argc, argv); });
+}
+
 int runProgram(const Command& command, int argc, char** argv) {
-  silenceOtherRanks();
-  ignoreSignalsOfWriting();
-  const ReaderHelper helper(Interrupt::requested);
-  const Interrupt interrupt;
-  return parseAndRun(command, {argv + 1, argv + argc});
+  return sayingWhy([&] {
+    silenceOtherRanks();
+    ignoreSignalsOfWriting();
+    const ReaderHelper helper(Interrupt::requested);
+    const Interrupt interrupt;
+    return parseAndRun(command, {argv + 1, argv + argc});
+  });
 }
 
 }  // namespace volute::cli
