@@ -280,4 +280,15 @@ Status checkTogether(const FilmJob& job) {
   return fail(ErrorCode::kUnsupported, "a picture of a mesh that ranks hold together {}", beyond);
 }
 
+Status checkPictureMemory(const Camera& camera, std::uint64_t maxMemory) {
+  constexpr std::uint64_t kBytesAPixel = 32;
+  const std::uint64_t bytes = kBytesAPixel * camera.width() * camera.height();
+  if (bytes <= maxMemory)
+    return {};
+  return fail(ErrorCode::kTooLarge,
+              "a picture of {} x {} pixels needs {} MiB of memory, more than the {} MiB allowed; "
+              "raise --max-memory",
+              camera.width(), camera.height(), (bytes >> 20) + 1, maxMemory >> 20);
+}
+
 }  // namespace volute

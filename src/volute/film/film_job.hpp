@@ -91,6 +91,9 @@ bool measuresLight(const Scene& scene);
 /// for other contours. Collective.
 [[nodiscard]] Status scaleContour(FilmJob& job, Progress& progress, Team& team);
 
+/// kTooLarge where the linear picture, what is made of it, and its bytes for the file take more.
+[[nodiscard]] Status checkPictureMemory(const Camera& camera, std::uint64_t maxMemory);
+
 /// kUnsupported where VOLUTE_CPU_RENDERER=off forbids the CPU to draw: tests set it to see that all
 /// was drawn by OpenGL.
 [[nodiscard]] Status cpuMayDraw(const char* what);

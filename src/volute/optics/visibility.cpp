@@ -114,4 +114,10 @@ std::string limitRemark(const std::string& name, double extinction) {
                                      "it");
 }
 
+std::vector<std::string_view> sightLimitNames() {
+  std::vector<std::string_view> names;
+  for (const SightLimit& limit : sightLimits()) names.push_back(limit.name);
+  return names;
+}
+
 }  // namespace volute

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "volute/base/result.hpp"
 
@@ -30,6 +31,9 @@ struct SightLimit {
 };
 
 std::span<const SightLimit> sightLimits();
+
+/// Their names.
+std::vector<std::string_view> sightLimitNames();
 
 /// One of sightLimits(). An error lists them.
 [[nodiscard]] Result<SightLimit> sightLimit(std::string_view name);

@@ -135,7 +135,7 @@ Image exitPicture() {
     return picture;
   }
   // Bold: the letters moved around by half of what their strokes gain.
-  constexpr double kGain = 7;  // [pixels]
+  constexpr double kGain = 4.5;  // [pixels]
   const double top = 0.5 * (kHeight + kCapital * style.size) - kBaseline * style.size;
   for (int i = 0; i < 16; ++i) {
     const double angle = 2 * std::numbers::pi * i / 16;

@@ -55,18 +55,6 @@ Result<Camera> chooseCamera(const Arguments& arguments, const Scene& scene,
   return makeCamera(*description, size);
 }
 
-/// The linear picture, what is made of it, and its bytes for the file.
-Status checkPictureMemory(const Camera& camera, const Context& context) {
-  constexpr std::uint64_t kBytesAPixel = 32;
-  const std::uint64_t bytes = kBytesAPixel * camera.width() * camera.height();
-  if (bytes <= context.maxMemory)
-    return {};
-  return fail(ErrorCode::kTooLarge,
-              "a picture of {} x {} pixels needs {} MiB of memory, more than the {} MiB allowed; "
-              "raise --max-memory",
-              camera.width(), camera.height(), (bytes >> 20) + 1, context.maxMemory >> 20);
-}
-
 RenderOptions renderOptions(const Arguments& arguments, const Scene& scene) {
   RenderOptions options;
   options.background = arguments.given("background")
@@ -237,7 +225,7 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
   std::optional<CameraDescription> described;
   VOLUTE_ASSIGN(const auto camera, chooseCamera(arguments, scene, described, context.progress));
   const Vec3 centre = described ? described->view.target : Vec3(scene.bounds().centre());
-  VOLUTE_TRY(checkPictureMemory(camera, context));
+  VOLUTE_TRY(checkPictureMemory(camera, context.maxMemory));
   VOLUTE_ASSIGN(auto renderer, rendererOf(arguments, together));
   VOLUTE_ASSIGN(auto contour, contourOf(arguments, scene));
   const RenderOptions options = renderOptions(arguments, scene);

@@ -240,12 +240,6 @@ Status runVisibility(const Arguments& arguments, Context& context) {
   return {};
 }
 
-std::vector<std::string_view> limitNames() {
-  std::vector<std::string_view> names;
-  for (const SightLimit& limit : sightLimits()) names.push_back(limit.name);
-  return names;
-}
-
 std::vector<Option> visibilityOptionTable() {
   using enum ValueKind;
   std::vector<Option> options = {
@@ -375,7 +369,7 @@ std::vector<Option> visibilityOptionTable() {
        .kind = kChoice,
        .value = "NAME",
        .help = "the same by a rule's name",
-       .choices = limitNames()}};
+       .choices = sightLimitNames()}};
   options.push_back(statsOption());
   const auto more = mediumOptions(FieldUse::kMeasured);
   options.insert(options.end(), more.begin(), more.end());
