@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include <fmt/ranges.h>
-
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <numbers>
 #include <utility>
 
