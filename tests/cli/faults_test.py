@@ -125,9 +125,10 @@ class Faults(support.TestCase):
                         ["render", npy, "-o", self.out / "x.png", "--size", "16x12", "--time", "0"]):
             code, message, (_, allocations) = self.run_with("none", command)
             self.assertEqual(code, 0, message)
-            self.assertGreater(allocations, 100, command)
+            self.assertGreater(allocations, 2000, command)
             whole = self.written()
-            for number in places(allocations, PLACES and 2 * PLACES):
+            # The first ones are made before main(), where libraries' own tables are filled.
+            for number in (1000 + place for place in places(allocations - 1000, PLACES and 2 * PLACES)):
                 what = f"memory:{number} of {allocations}: {' '.join(map(str, command))}"
                 with self.subTest(what):
                     code, message, _ = self.run_with(f"memory:{number}", command)

@@ -10,8 +10,12 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <mutex>
+#include <new>
 #include <set>
+#include <string_view>
 
 namespace volute {
 namespace {
@@ -58,6 +62,25 @@ void removePendingFiles() {
   ::_exit(1);
 }
 
+/// Where memory is missing while something is freed (JSON takes some for that), no exception arrives.
+[[noreturn]] void endWithoutMemory() {
+  try {
+    if (const auto error = std::current_exception())
+      std::rethrow_exception(error);
+  } catch (const std::bad_alloc&) {
+    constexpr std::string_view kNote = "volute: there is not enough memory\n";
+    (void)!::write(STDERR_FILENO, kNote.data(), kNote.size());
+    try {
+      removePendingFiles();
+    } catch (const std::exception&) {
+      // They stay, and the next run names them.
+    }
+    ::_exit(1);
+  } catch (...) {
+  }
+  std::abort();
+}
+
 void waitForSignals() {
   const sigset_t set = stopSignals();
   int signal = 0;
@@ -71,6 +94,10 @@ void waitForSignals() {
 }
 
 }  // namespace
+
+void Interrupt::explainMissingMemory() {
+  std::set_terminate(endWithoutMemory);
+}
 
 Interrupt::Interrupt() {
   const sigset_t set = stopSignals();

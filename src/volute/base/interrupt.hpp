@@ -21,6 +21,10 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
+  /// From now on, memory that is missing where no exception may leave ends the program with a
+  /// sentence and exit code 1, half-written outputs removed, instead of by abort().
+  static void explainMissingMemory();
+
   /// Whether somebody asked to stop.
   static bool requested();
 

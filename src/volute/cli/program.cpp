@@ -174,6 +174,7 @@ static int chooseAndRun(int argc, char** argv) {
 /// Too little memory for the command line itself, and what else comes out of a library there.
 template <class Run>
 static int sayingWhy(Run&& run) {
+  Interrupt::explainMissingMemory();
   try {
     return run();
   } catch (const std::bad_alloc&) {
