@@ -87,10 +87,8 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
   auto temporary = place;
   temporary.replace_filename(fmt::format(".{}.{}.{}.part{}", place.stem().string(), ::getpid(), counter++,
                                          place.extension().string()));
-  PendingFile pending(std::move(temporary), target, place);  // before there is a file to forget
-  const int descriptor = ::open(pending.temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) {
-    pending.temporary_.clear();
     return fail(ErrorCode::kIo, "{}: cannot write into its folder: {}", target.string(), std::strerror(errno));
   }
   if (replaces) {
@@ -99,7 +97,7 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
     (void)::fchmod(descriptor, old.st_mode & 07777);
   }
   ::close(descriptor);
-  return pending;
+  return PendingFile(std::move(temporary), target, place);
 }
 
 PendingFile::~PendingFile() {
