@@ -10,8 +10,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   volute::SmvIndex index;
   index.path = folder.path() / "a.smv";
   index.chid = "a";
-  index.devices.push_back({"T1", "TEMPERATURE", volute::Vec3(1, 1, 1), {}});
-  index.devices.push_back({"T2", "TEMPERATURE", volute::Vec3(2, 1, 1), {}});
+  index.devices.push_back({"T1", "TEMPERATURE", volute::Vec3(1, 1, 1), false, {}});
+  index.devices.push_back({"T2", "TEMPERATURE", volute::Vec3(2, 1, 1), false, {}});
   for (const char* name : {"a_hrr.csv", "a_devc.csv"})
     folder.save(name, volute::fuzz::textOf(data, size));
   const volute::CaseFacts facts = volute::fdsFacts(index);
