@@ -177,18 +177,21 @@ class FilmPass {
     for (std::int64_t i = 0; i < count_; ++i) {
       if (count_ > 1)
         progress_.report("rendering", static_cast<double>(i), static_cast<double>(count_));
-      VOLUTE_TRY(team_.agree(drawOne(i)));
+      // What a rank could not send shows here: such a picture is not written.
+      const Result<Image> image = drawOne(i);
+      VOLUTE_TRY(team_.agree(image ? Status() : tl::unexpected<Error>(image.error())));
+      VOLUTE_TRY(team_.agree(writer_ ? write(i, *image) : Status()));
     }
     const Stopwatch watch(job_.totals.write);
     return writer_ ? writer_->finish() : Status();
   }
 
-  Status drawOne(std::int64_t i) {
+  Result<Image> drawOne(std::int64_t i) {
     if (progress_.cancelled())
       return fail(ErrorCode::kCancelled, "stopped before frame {}", frame(i).number);
-    VOLUTE_ASSIGN(const Image image, job_.picture(frame(i), each()));
+    auto image = job_.picture(frame(i), each());
     sayDuration();
-    return writer_ ? write(i, image) : Status();
+    return image;
   }
 
   const FilmFrame& frame(std::int64_t i) const {
