@@ -6,13 +6,13 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <mutex>
 #include <numeric>
 #include <vector>
 
 #include "volute/base/checksum.hpp"
 #include "volute/base/content_hash.hpp"
+#include "volute/base/gather_values.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/base/version.hpp"
 #include "volute/codec/block_row.hpp"
@@ -55,20 +55,6 @@ Status checkOptions(const CompressOptions& options) {
                 nameOf(options.target.kind), value);
   }
   return {};
-}
-
-// The values of all ranks, in the order of ranks.
-template <class Value>
-Result<std::vector<Value>> gatherValues(Team& team, std::span<const Value> own) {
-  VOLUTE_ASSIGN(const auto all, team.gatherAll(std::as_bytes(own)));
-  std::vector<Value> values;
-  for (const auto& bytes : all) {
-    const std::size_t before = values.size();
-    values.resize(before + bytes.size() / sizeof(Value));
-    if (!bytes.empty())
-      std::memcpy(values.data() + before, bytes.data(), bytes.size());
-  }
-  return values;
 }
 
 std::vector<BlockMode> modesToTry(const CompressOptions& options) {
@@ -716,7 +702,7 @@ Status checkSameInput(const VolumeInfo& info, Team& team) {
   own.string(info.name);
   own.string(info.unit);
   const std::uint32_t digest = crc32(own.view());
-  VOLUTE_ASSIGN(const auto all, gatherValues(team, std::span(&digest, 1)));
+  VOLUTE_ASSIGN(const auto all, gatherValues(team, std::span<const std::uint32_t>(&digest, 1)));
   const auto other = std::ranges::find_if(all, [&](std::uint32_t one) { return one != all[0]; });
   if (other == all.end())
     return {};

@@ -3,9 +3,9 @@
 #include "volute/media/smoke/shared_light.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
+#include "volute/base/gather_values.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/lighting/lamp_runs.hpp"
 
@@ -21,14 +21,6 @@ struct SentLampRun {
   std::uint64_t vertex = 0;  ///< of those that are looked at
   LampRun run;
 };
-
-template <class Value>
-std::vector<Value> valuesIn(std::span<const std::byte> bytes) {
-  std::vector<Value> values(bytes.size() / sizeof(Value));
-  if (!bytes.empty())
-    std::memcpy(static_cast<void*>(values.data()), bytes.data(), values.size() * sizeof(Value));
-  return values;
-}
 
 /// The runs of ways from `vertices` in this rank's pieces, vertex by vertex.
 std::vector<SentLampRun> runsOf(std::span<const Vec3> vertices, const TetLocator& own,
@@ -58,13 +50,8 @@ Result<std::vector<float>> sharedLampShares(Team& team, const TetLocator& own,
   };
   const bool spot = lamp.kind == Lamp::Kind::kSpot;
   const Holder self{vertices.size(), spot && own.find(lamp.position) >= 0};
-  VOLUTE_ASSIGN(const auto all, team.gatherAll(std::as_bytes(std::span(&self, 1))));
-  std::vector<Holder> holders;
-  bool inside = false;
-  for (const auto& bytes : all) {
-    holders.push_back(valuesIn<Holder>(bytes).front());
-    inside = inside || holders.back().hasLamp != 0;
-  }
+  VOLUTE_ASSIGN(const auto holders, gatherValues(team, std::span<const Holder>(&self, 1)));
+  const bool inside = std::ranges::any_of(holders, [](const Holder& one) { return one.hasLamp != 0; });
   std::vector<float> shares(vertices.size(), 0);
   for (int rank = 0; rank < team.size(); ++rank) {
     const bool mine = rank == team.rank();
@@ -72,17 +59,14 @@ Result<std::vector<float>> sharedLampShares(Team& team, const TetLocator& own,
     for (std::uint64_t begin = 0; begin < count; begin += kVertices) {
       const std::size_t some = std::min<std::uint64_t>(kVertices, count - begin);
       const auto asked = mine ? vertices.subspan(begin, some) : std::span<const Vec3>();
-      VOLUTE_ASSIGN(const auto questions, team.gatherAll(std::as_bytes(asked)));
-      const auto places = valuesIn<Vec3>(questions[static_cast<std::size_t>(rank)]);
+      VOLUTE_ASSIGN(const auto questions, gatherEach(team, asked));
+      const auto& places = questions[static_cast<std::size_t>(rank)];
       const auto runs = runsOf(places, own, extinction, lamp, near);
-      VOLUTE_ASSIGN(const auto answers, team.gatherAll(std::as_bytes(std::span(runs))));
+      VOLUTE_ASSIGN(const auto answers, gatherValues(team, std::span<const SentLampRun>(runs)));
       if (!mine)
         continue;
       std::vector<std::vector<LampRun>> ofVertex(some);
-      for (const auto& bytes : answers) {
-        for (const SentLampRun& sent : valuesIn<SentLampRun>(bytes))
-          ofVertex[sent.vertex].push_back(sent.run);
-      }
+      for (const SentLampRun& sent : answers) ofVertex[sent.vertex].push_back(sent.run);
       parallelFor(some, [&](std::size_t i) {
         const double end = inside ? lamp.towards(places[i]).end : std::numeric_limits<double>::infinity();
         shares[begin + i] = static_cast<float>(lampShareOf(ofVertex[i], end, near));

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
+#include "volute/base/gather_values.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/medium/integrate.hpp"
 
@@ -47,13 +47,11 @@ std::vector<HeldRun> heldRuns(std::span<const Piece> pieces) {
 void sumDepths(Team& team, std::span<float> depth) {
   for (std::size_t begin = 0; begin < depth.size(); begin += kStrip) {
     const auto strip = depth.subspan(begin, std::min(kStrip, depth.size() - begin));
-    const auto all = team.gatherAll(std::as_bytes(strip));
+    const auto all = gatherEach(team, std::span<const float>(strip));
     if (!all)
       return;
     std::vector<double> sum(strip.size());
-    std::vector<float> one(strip.size());
-    for (const auto& bytes : *all) {
-      std::memcpy(one.data(), bytes.data(), std::min(bytes.size(), strip.size_bytes()));
+    for (const auto& one : *all) {
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += one[i];
     }
     for (std::size_t i = 0; i < sum.size(); ++i) strip[i] = static_cast<float>(sum[i]);
@@ -79,22 +77,15 @@ void composeRuns(Team& team, const std::function<std::vector<HeldRun>(std::size_
                         run.end});
       }
     }
-    const auto all = team.gatherAll(std::as_bytes(std::span(sent)));
-    if (!all)
+    auto together = gatherValues(team, std::span<const SentRun>(sent));
+    if (!together)
       return;
-    std::vector<SentRun> together;
-    for (const auto& bytes : *all) {
-      const std::size_t before = together.size();
-      together.resize(before + bytes.size() / sizeof(SentRun));
-      if (!bytes.empty())
-        std::memcpy(together.data() + before, bytes.data(), bytes.size());
-    }
-    std::ranges::stable_sort(together, [](const SentRun& a, const SentRun& b) {
+    std::ranges::stable_sort(*together, [](const SentRun& a, const SentRun& b) {
       return a.pixel != b.pixel ? a.pixel < b.pixel : a.begin < b.begin;
     });
     std::vector<Radiance> composed(count);
     std::vector<double> reached(count, -std::numeric_limits<double>::infinity());
-    for (const SentRun& run : together) {
+    for (const SentRun& run : *together) {
       // A ray in the plane between two pieces is in both.
       if (run.end <= reached[run.pixel] + kSame * std::abs(run.end))
         continue;
