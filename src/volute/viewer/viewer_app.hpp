@@ -223,7 +223,10 @@ class ViewerApp {
   std::pair<int, int> size() const { return {seen_.width, seen_.height}; }
 
   /// Whether all that was asked of documents is done.
-  bool idle() const { return loader_.idle() && !loading_.busy && pending_.empty(); }
+  bool idle() const {
+    return loader_.idle() && !loading_.busy && pending_.empty() &&
+           loaderChanges_ == loader_.changes();
+  }
 
   /// Whether all is loaded and the picture is drawn as finely as it will be.
   bool settled() const;
