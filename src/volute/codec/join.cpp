@@ -15,9 +15,12 @@
 #include "volute/codec/compress.hpp"
 #include "volute/codec/container.hpp"
 #include "volute/codec/volute_reader.hpp"
+#include "volute/grid/fitted_source.hpp"
 
 namespace volute {
 namespace {
+
+constexpr double kFarthest = 1e6;  // voxels
 
 struct Part {
   InputFile file;
@@ -186,24 +189,43 @@ void joinTargets(const std::vector<Part>& parts, VoluteHeader& header) {
   }
 }
 
+/// The frames of all files, one file after another.
 class JoinedFrames final : public FrameSource {
  public:
-  explicit JoinedFrames(const std::vector<Part>& parts) : info_(joinedInfo(parts)) {
-    for (const Part& part : parts) sources_.push_back(frameSource(part.reader));
-  }
+  struct File {
+    int frames = 0;
+    std::unique_ptr<FrameSource> source;  ///< none: its frames are all background
+  };
+
+  /// @param info  of all frames; the sources have its volume
+  JoinedFrames(VolumeInfo info, std::vector<File> files,
+               const std::array<double, 3>& background = {})
+      : info_(std::move(info)), files_(std::move(files)), background_(background) {}
 
   const VolumeInfo& info() const override { return info_; }
 
   Status readFrame(int index, std::span<float> values) override {
-    std::size_t part = 0;
-    while (index >= sources_[part]->info().frames) index -= sources_[part++]->info().frames;
-    return sources_[part]->readFrame(index, values);
+    std::size_t file = 0;
+    while (index >= files_[file].frames) index -= files_[file++].frames;
+    if (files_[file].source)
+      return files_[file].source->readFrame(index, values);
+    const auto channels = static_cast<std::size_t>(info_.channels);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = static_cast<float>(background_[i % channels]);
+    return {};
   }
 
  private:
   VolumeInfo info_;
-  std::vector<std::unique_ptr<FrameSource>> sources_;
+  std::vector<File> files_;
+  std::array<double, 3> background_;
 };
+
+JoinedFrames framesOf(const std::vector<Part>& parts) {
+  std::vector<JoinedFrames::File> files;
+  for (const Part& part : parts) files.push_back({part.info().frames, frameSource(part.reader)});
+  return {joinedInfo(parts), std::move(files)};
+}
 
 /// The head of the joined file: tier by tier, and in each part after part.
 FileHead headOf(const std::vector<Part>& parts, const Errors& errors) {
@@ -290,106 +312,24 @@ struct GridParts {
   std::vector<std::optional<std::size_t>> of{};  ///< of each file the place in `parts`
 };
 
-/// Where a grid's volume in one file lies from that in the first [voxels].
-using Offset = std::array<std::int64_t, 3>;
-
-/// Whether two boxes are on one lattice of voxels, and how far apart.
-Result<Offset> offsetOf(const Part& first, const Part& part) {
-  constexpr double kSamePlace = 1e-3;  // voxels
-  const Vec3 size = first.info().voxelSize(), own = part.info().voxelSize();
-  const Vec3 apart = (part.info().bounds.min - first.info().bounds.min).cwiseQuotient(size);
-  const Vec3 whole = apart.array().round();
-  const bool sameKind = first.info().channels == part.info().channels &&
-                        first.info().unit == part.info().unit &&
-                        first.info().basis == part.info().basis;
-  if (!sameKind || (own - size).cwiseAbs().maxCoeff() > 1e-5 * size.maxCoeff() ||
-      (apart - whole).cwiseAbs().maxCoeff() > kSamePlace || whole.cwiseAbs().maxCoeff() > 1e9) {
-    return fail(ErrorCode::kInvalidData, "{} and {} do not fit together: {}, and {}", first.name(),
-                part.name(), gridText(first.info()), gridText(part.info()));
+/// The least volume around those of all parts, which are on one lattice of voxels.
+Result<VolumeInfo> volumeAround(const std::vector<Part>& parts) {
+  const VolumeInfo& first = parts.front().info();
+  Box3 around = first.bounds;
+  for (const Part& part : parts) {
+    const VolumeInfo& info = part.info();
+    around.extend(info.bounds.min);
+    around.extend(info.bounds.max);
+    const bool sameKind = info.channels == first.channels && info.unit == first.unit &&
+                          info.basis == first.basis;
+    if (!sameKind || !onOneLattice(info, first) ||
+        around.size().cwiseQuotient(first.voxelSize()).maxCoeff() > kFarthest) {
+      return fail(ErrorCode::kInvalidData, "{} and {} do not fit together: {}, and {}",
+                  parts.front().name(), part.name(), gridText(first), gridText(info));
+    }
   }
-  return Offset{std::llround(whole.x()), std::llround(whole.y()), std::llround(whole.z())};
+  return widenedTo(first, around);
 }
-
-/// Frames of a grid whose volume is not the same in all files, or which some do not have: in the
-/// least volume around all, with the background elsewhere.
-class PaddedFrames final : public FrameSource {
- public:
-  /// @param frames  numbers and times of all files' frames
-  /// @param counts  how many frames each file has
-  PaddedFrames(const GridParts& grid, const std::vector<Offset>& offsets, const VolumeInfo& frames,
-               std::vector<int> counts, const std::array<double, 3>& background)
-      : grid_(grid), counts_(std::move(counts)), background_(background) {
-    const VolumeInfo& first = grid.parts.front().info();
-    info_ = first;
-    info_.frames = frames.frames;
-    info_.frameNumbers = frames.frameNumbers;
-    info_.times = frames.times;
-    Offset end{};
-    for (std::size_t i = 0; i < grid.parts.size(); ++i) {
-      const VolumeInfo& one = grid.parts[i].info();
-      const std::array<int, 3> size{one.x, one.y, one.z};
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        begin_[axis] = std::min(begin_[axis], offsets[i][axis]);
-        end[axis] = std::max(end[axis], offsets[i][axis] + size[axis]);
-      }
-      sources_.push_back(frameSource(grid.parts[i].reader));
-    }
-    offsets_ = offsets;
-    info_.x = static_cast<int>(end[0] - begin_[0]);
-    info_.y = static_cast<int>(end[1] - begin_[1]);
-    info_.z = static_cast<int>(end[2] - begin_[2]);
-    const Vec3 voxel = first.voxelSize();
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto at = static_cast<std::size_t>(axis);
-      const double from = first.bounds.min[axis];
-      info_.bounds.min[axis] = from + static_cast<double>(begin_[at]) * voxel[axis];
-      info_.bounds.max[axis] = from + static_cast<double>(end[at]) * voxel[axis];
-    }
-  }
-
-  const VolumeInfo& info() const override { return info_; }
-
-  /// Of the volume, from the first part's [voxels].
-  const Offset& begin() const { return begin_; }
-
-  Status readFrame(int index, std::span<float> values) override {
-    const auto channels = static_cast<std::size_t>(info_.channels);
-    for (std::size_t i = 0; i < values.size(); ++i)
-      values[i] = static_cast<float>(background_[i % channels]);
-    std::size_t file = 0;
-    while (index >= counts_[file]) index -= counts_[file++];
-    if (!grid_.of[file])
-      return {};
-    FrameSource& source = *sources_[*grid_.of[file]];
-    const Offset& offset = offsets_[*grid_.of[file]];
-    const VolumeInfo& own = source.info();
-    part_.resize(own.frameValues());
-    VOLUTE_TRY(source.readFrame(index, part_));
-    const std::size_t line = static_cast<std::size_t>(own.x) * channels;
-    for (int z = 0; z < own.z; ++z) {
-      for (int y = 0; y < own.y; ++y) {
-        const auto from = (static_cast<std::size_t>(z) * own.y + y) * line;
-        const auto row = static_cast<std::size_t>((offset[2] - begin_[2] + z) * info_.y +
-                                                  offset[1] - begin_[1] + y);
-        const auto to =
-            (row * info_.x + static_cast<std::size_t>(offset[0] - begin_[0])) * channels;
-        std::copy_n(part_.begin() + static_cast<std::ptrdiff_t>(from), line,
-                    values.begin() + static_cast<std::ptrdiff_t>(to));
-      }
-    }
-    return {};
-  }
-
- private:
-  const GridParts& grid_;
-  std::vector<int> counts_;
-  std::array<double, 3> background_;
-  std::vector<Offset> offsets_;
-  Offset begin_{};
-  VolumeInfo info_;
-  std::vector<std::unique_ptr<FrameSource>> sources_;
-  std::vector<float> part_;
-};
 
 /// Of a list over the frames of one file those that a joined list gets.
 void append(FrameMetadata& all, const FrameMetadata& one, int frames) {
@@ -405,9 +345,6 @@ class GridJoin {
 
   Result<JoinReport> write(const std::filesystem::path& target, Progress& progress) {
     frames_ = joinedInfo(files_);
-    std::vector<int> counts;
-    for (const Part& file : files_) counts.push_back(file.info().frames);
-    counts_ = counts;
     VOLUTE_TRY(collect());
     std::vector<PendingFile> pending;
     std::vector<BundledGrid> bundled;
@@ -525,31 +462,39 @@ class GridJoin {
   }
 
   Result<JoinReport> joinGrid(const GridParts& grid, BundledGrid& row, Progress& progress) const {
-    std::vector<Offset> offsets;
-    bool same = grid.parts.size() == files_.size();
-    for (const Part& part : grid.parts) {
-      VOLUTE_ASSIGN(const Offset offset, offsetOf(grid.parts.front(), part));
-      offsets.push_back(offset);
-      same = same && sameGrid(grid.parts.front().info(), part.info());
-    }
+    VOLUTE_ASSIGN(VolumeInfo info, volumeAround(grid.parts));
+    const bool same = grid.parts.size() == files_.size() &&
+                      std::ranges::all_of(grid.parts, [&](const Part& part) {
+                        return sameGrid(grid.parts.front().info(), part.info());
+                      });
     if (same && canCopy(grid.parts))
       return copyBlocks(grid.parts, row.file, progress);
     const bool halves = row.description && row.description->half;
     if (same) {
-      JoinedFrames frames(grid.parts);
+      JoinedFrames frames = framesOf(grid.parts);
       return encodeAgain(grid.parts, frames, row.file, options_, progress, halves);
     }
+    const VolumeInfo& first = grid.parts.front().info();
     const auto background = row.description ? row.description->background : std::array<double, 3>{};
-    PaddedFrames frames(grid, offsets, frames_, counts_, background);
+    std::vector<JoinedFrames::File> files;
+    for (std::size_t i = 0; i < files_.size(); ++i) {
+      JoinedFrames::File& file = files.emplace_back(files_[i].info().frames);
+      if (grid.of[i])
+        file.source = fitTo(frameSource(grid.parts[*grid.of[i]].reader), info, background);
+    }
+    const Vec3 moved = (info.bounds.min - first.bounds.min).cwiseQuotient(first.voxelSize());
     for (std::size_t axis = 0; row.description && axis < 3; ++axis)
-      row.description->begin[axis] += frames.begin()[axis];
+      row.description->begin[axis] += std::llround(moved[static_cast<Eigen::Index>(axis)]);
+    info.frames = frames_.frames;
+    info.frameNumbers = frames_.frameNumbers;
+    info.times = frames_.times;
+    JoinedFrames frames(std::move(info), std::move(files), background);
     return encodeAgain(grid.parts, frames, row.file, options_, progress, halves);
   }
 
   const JoinOptions& options_;
   std::vector<Part> files_;
   VolumeInfo frames_;
-  std::vector<int> counts_;
   std::vector<GridParts> grids_;
 };
 
@@ -591,7 +536,7 @@ Result<JoinReport> join(const std::vector<std::filesystem::path>& paths,
     return GridJoin(std::move(parts), options).write(target, progress);
   if (canCopy(parts))
     return copyBlocks(parts, target, progress);
-  JoinedFrames frames(parts);
+  JoinedFrames frames = framesOf(parts);
   return encodeAgain(parts, frames, target, options, progress);
 }
 
