@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -20,7 +19,6 @@ namespace volute {
 namespace {
 
 constexpr double kSameTime = 1e-6;  // relative, or [s] near 0
-constexpr double kHalfWord = 1.0;   // steps of .s16: how FDS rounds is not known
 
 bool sameTime(double a, double b) {
   return std::abs(a - b) <= kSameTime * std::max({1.0, std::abs(a), std::abs(b)});
@@ -358,180 +356,6 @@ void FdsCase::noteMissingMeshes() {
   }
 }
 
-/// What bytes of .s3d stand for.
-Status FdsCase::findBytes() {
-  if (source().kind != FdsFileKind::kSmoke)
-    return {};
-  return options_.quantity.empty() ? findGeneration() : findHeatScale();
-}
-
-/// The heat of the last byte is an input of FDS that no file names. The fourth number of a frame in
-/// .s3d.sz is the largest heat q, and its byte is 254 q / it, cut off: FDS's default if that fits,
-/// else what does.
-Status FdsCase::findHeatScale() {
-  if (index_.largestHeat) {
-    largestHeat_ = *index_.largestHeat;
-    return {};
-  }
-  constexpr int kFramesToRead = 4;  // of each file
-  double least = 0;
-  double most = std::numeric_limits<double>::infinity();
-  for (const auto& part : parts_) {
-    int read = 0;
-    std::vector<float> bytes(part->file->values());
-    std::vector<FdsSizeRow> rows = part->sizeRows;
-    std::ranges::sort(rows, std::greater{}, [](const FdsSizeRow& row) {
-      return row.columns.size() > 2 ? row.columns[2] : 0;
-    });
-    const auto& times = part->file->frames().times;
-    for (const FdsSizeRow& row : rows) {
-      const auto place = std::ranges::find_if(
-          times, [&](double time) { return std::abs(time - row.time) <= 1e-5 * (1 + time); });
-      if (row.columns.size() < 3 || !(row.columns[2] > 0) || place == times.end())
-        continue;
-      if (read++ == kFramesToRead)
-        break;
-      VOLUTE_TRY(part->file->readFrame(static_cast<std::size_t>(place - times.begin()), bytes));
-      const double byte = *std::ranges::max_element(bytes);
-      if (byte <= 0)
-        continue;
-      least = std::max(least, 254 * row.columns[2] / (byte + 1));
-      most = std::min(most, 254 * row.columns[2] / byte);
-    }
-  }
-  if (most == std::numeric_limits<double>::infinity() ||
-      (least <= largestHeat_ * (1 + 1e-5) && largestHeat_ <= most * (1 + 1e-5)))
-    return {};
-  if (least > most * (1 + 1e-5)) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: bytes of {} and the largest values in their .sz files do not fit together",
-                index_.path.string(), kFdsHeatRelease);
-  }
-  largestHeat_ = 0.5 * (least + most);
-  remarks_.push_back(fmt::format(
-      "{}: the last byte of {} stands for {:.4g} to {:.4g} kW/m3 by its .sz files; the middle is "
-      "taken",
-      index_.path.string(), kFdsHeatRelease, least, most));
-  return {};
-}
-
-/// Whether bytes of .s3d are opacity or density: the fourth number of a frame in .s3d.sz is the
-/// largest byte (before it was rounded) of the former, the largest density of the latter. Nothing
-/// else tells them apart.
-Status FdsCase::findGeneration() {
-  const Part* best = nullptr;
-  std::size_t bestFrame = 0;
-  double most = 0;
-  bool any = false;
-  for (const auto& part : parts_) {
-    const auto& times = part->file->frames().times;
-    for (const FdsSizeRow& row : part->sizeRows) {
-      const auto place = std::ranges::find_if(
-          times, [&](double time) { return std::abs(time - row.time) <= 1e-5 * (1 + time); });
-      if (row.columns.size() < 3 || place == times.end())
-        continue;
-      any = true;
-      if (row.columns[2] > most) {
-        most = row.columns[2];
-        best = part.get();
-        bestFrame = static_cast<std::size_t>(place - times.begin());
-      }
-    }
-  }
-  if (best == nullptr) {
-    if (!any) {
-      remarks_.push_back(fmt::format(
-          "{}: without a fourth column in .s3d.sz its bytes are taken for opacity, as FDS wrote "
-          "them until 2025",
-          index_.path.string()));
-    }
-    return {};
-  }
-  std::vector<float> bytes(best->file->values());
-  VOLUTE_TRY(best->file->readFrame(bestFrame, bytes));
-  const double largest = *std::ranges::max_element(bytes);
-  bytesAreDensity_ = largest > 0 && std::abs(largest - most) > 1;
-  if (bytesAreDensity_ && most > 1) {
-    return fail(
-        ErrorCode::kInvalidData,
-        "{}: frame {} has bytes up to {}, its .sz file says {}: neither opacity nor density",
-        best->path.string(), bestFrame, largest, most);
-  }
-  return bytesAreDensity_ ? Status() : findRounding(*best);
-}
-
-/// Whether opacity was cut off to a byte or rounded. The fourth column of .s3d.sz has the largest
-/// value c of a frame: FDS 6.5 writes e and cuts it off; 6.7 writes e + 1/2 and cuts that off, so
-/// that even a clear frame says 1/2; others write e and round it.
-Status FdsCase::findRounding(const Part& part) {
-  constexpr int kFramesToRead = 12;
-  double least = std::numeric_limits<double>::infinity();
-  int cut = 0;
-  int rounded = 0;
-  int read = 0;
-  const auto& times = part.file->frames().times;
-  std::vector<float> bytes(part.file->values());
-  for (const FdsSizeRow& row : part.sizeRows) {
-    if (row.columns.size() < 3)
-      continue;
-    const double most = row.columns[2];
-    least = std::min(least, most);
-    const double fraction = most - std::floor(most);
-    const auto place = std::ranges::find_if(
-        times, [&](double time) { return std::abs(time - row.time) <= 1e-5 * (1 + time); });
-    if (fraction <= 0.51 || fraction >= 0.99 || place == times.end() || read == kFramesToRead)
-      continue;
-    ++read;
-    VOLUTE_TRY(part.file->readFrame(static_cast<std::size_t>(place - times.begin()), bytes));
-    const double largest = *std::ranges::max_element(bytes);
-    cut += largest == std::floor(most);
-    rounded += largest == std::ceil(most);
-  }
-  if (rounded > 0 && cut == 0)
-    rounding_ = SmokeScale::Rounding::kNearest;
-  if (cut > 0 && rounded == 0)
-    rounding_ = least >= 0.499 ? SmokeScale::Rounding::kNearest : SmokeScale::Rounding::kDown;
-  return {};
-}
-
-/// How the stored values of a frame become extinction.
-Result<SmokeScale> FdsCase::scaleOf(const Part& part, std::size_t frame) const {
-  SmokeScale scale;
-  scale.quantity = source().quantity;
-  scale.massExtinction = part.massExtinction;
-  scale.visibilityFactor = options_.visibilityFactor;
-  scale.visibilityCap = options_.visibilityCap;
-  scale.asStored = !options_.quantity.empty();
-  const FdsFileKind kind = source().kind;
-  if (kind == FdsFileKind::kSmoke && scale.asStored) {
-    scale.bytes = SmokeScale::Bytes::kHeat;
-    scale.largestHeat = largestHeat_;
-  } else if (kind == FdsFileKind::kSmoke && !bytesAreDensity_) {
-    scale.bytes = SmokeScale::Bytes::kOpacity;
-    scale.rounding = rounding_;
-    scale.cellLength = part.cellLength;
-  } else if (kind == FdsFileKind::kSmoke || kind == FdsFileKind::kSmokeDensity) {
-    scale.bytes = SmokeScale::Bytes::kDensity;
-    const double time = part.file->frames().times[frame];
-    const std::size_t column = kind == FdsFileKind::kSmokeDensity ? 4 : 2;
-    const auto row = std::ranges::find_if(part.sizeRows, [&](const FdsSizeRow& one) {
-      return std::abs(one.time - time) <= 1e-5 * (1 + std::abs(time)) &&
-             one.columns.size() > column;
-    });
-    if (row == part.sizeRows.end() || !(row->columns[column] >= 0)) {
-      return fail(ErrorCode::kInvalidData,
-                  "{}: frame {} (t = {} s): its .sz file does not say the largest density, without "
-                  "which bytes mean nothing",
-                  part.path.string(), frame, time);
-    }
-    scale.largestDensity = row->columns[column];
-  } else if (kind == FdsFileKind::kSmoke16) {
-    VOLUTE_ASSIGN(const double step, static_cast<const FdsSmoke16File&>(*part.file).step(frame));
-    scale.step = kHalfWord * step;
-  }
-  return scale;
-}
-
 /// Means over nodes, which obstructions and walls dilute.
 static bool isAveraged(FdsFileKind kind) {
   return kind == FdsFileKind::kSmoke || kind == FdsFileKind::kSmokeDensity ||
@@ -624,7 +448,9 @@ Result<std::shared_ptr<const FdsValues>> FdsCase::partValues(Part& part,
   VOLUTE_ASSIGN(const SmokeScale scale, scaleOf(part, frame));
   findGeometry(part, times_[position]);
   const std::shared_ptr<const Part::Geometry> geometry = part.geometry;
-  const bool averaged = !geometry->round.empty();
+  // What FDS counts as the temperature of solids and behind walls is not known, so the mean stays.
+  const bool averaged =
+      !geometry->round.empty() && scale.bytes != SmokeScale::Bytes::kTemperature;
   std::vector<float> first;  // stored values of the first stored time, where there were any
   SmokeScale firstScale;
   if (averaged) {

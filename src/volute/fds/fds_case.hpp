@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -67,6 +68,10 @@ class FdsCase {
   /// thread at a time.
   [[nodiscard]] Result<FdsField> field(double time);
 
+  /// The largest value of all frames as the .sz files of bytes of fire say it, in the unit of the
+  /// quantity; nothing where they do not.
+  std::optional<double> largestSaid() const;
+
   /// The obstructions at a time [s].
   FdsObstructions obstructions(double time) const { return {index_, time}; }
 
@@ -87,6 +92,7 @@ class FdsCase {
   Status findBytes();
   Status findGeneration();
   Status findHeatScale();
+  Status findTemperatureScale();
   Status findRounding(const Part& part);
   Result<SmokeScale> scaleOf(const Part& part, std::size_t frame) const;
   Status findTimes();
@@ -107,6 +113,7 @@ class FdsCase {
   std::size_t chosen_ = 0;
   std::vector<std::shared_ptr<Part>> parts_;
   bool bytesAreDensity_ = false;                                    // of .s3d: the third generation
+  std::array<double, 2> temperatureRange_{20, 2000};                // [degrees C], FDS's default
   double largestHeat_ = 1200;                                       // [kW/m3], FDS's default
   SmokeScale::Rounding rounding_ = SmokeScale::Rounding::kUnknown;  // of .s3d's opacity
   std::vector<double> times_;

@@ -3,6 +3,8 @@
 #include "volute/fds/fds_flame.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "volute/optics/black_body.hpp"
 
@@ -10,6 +12,7 @@ namespace volute {
 namespace {
 
 constexpr double kPerMegawatt = 1e-3;  // of kW
+constexpr double kZeroCelsius = 273.15;  // [K]
 
 FdsField above(const FdsField& heat, double cutoff) {
   std::vector<std::shared_ptr<const FdsValues>> values;
@@ -54,6 +57,33 @@ Box3 litBounds(const FdsField& light) {
   return box;
 }
 
+/// Radiance of black bodies, in units in which one of a given temperature has the luminance 1.
+class BlackBodyLight {
+ public:
+  explicit BlackBodyLight(double brightest) {
+    for (std::size_t i = 0; i < light_.size(); ++i) {
+      const double kelvin = kLeast + i * kStep;
+      const auto [r, g, b] = blackBodyColour(kelvin);
+      light_[i] = blackBodyLuminance(kelvin, brightest) * Rgb(r, g, b);
+    }
+  }
+
+  Rgb at(double kelvin) const {
+    const double place = (kelvin - kLeast) / kStep;
+    if (!(place >= 0))
+      return Rgb::Zero();
+    const auto low = std::min(static_cast<std::size_t>(std::min(place, 1e6)), light_.size() - 2);
+    const double share = std::min(place - static_cast<double>(low), 1.0);
+    return (1 - share) * light_[low] + share * light_[low + 1];
+  }
+
+ private:
+  // Below the Draper point (798 K) nothing is seen to glow; FDS has no flames above 4000 K.
+  static constexpr double kLeast = 700, kStep = 4;  // [K]
+
+  std::array<Rgb, 826> light_;
+};
+
 Rgb colourOf(const FlameLaw& law) {
   const auto [r, g, b] = blackBodyColour(law.temperature);
   return kPerMegawatt * law.emission * Rgb(r, g, b);
@@ -61,11 +91,48 @@ Rgb colourOf(const FlameLaw& law) {
 
 }  // namespace
 
-FdsFlame::FdsFlame(const FdsField& heat, const FlameLaw& law)
-    : light_(above(heat, law.cutoff)), colour_(colourOf(law)), bounds_(litBounds(light_)) {
+FdsFlame::FdsFlame(std::vector<Light> lights) : lights_(std::move(lights)) {
+  for (const Light& light : lights_) {
+    const Box3 box = litBounds(light.field);
+    if (box.empty())
+      continue;
+    bounds_.extend(box.min);
+    bounds_.extend(box.max);
+  }
   burns_ = !bounds_.empty();
   if (!burns_)
-    bounds_ = light_.bounds();
+    bounds_ = lights_.front().field.bounds();
+}
+
+FdsFlame::FdsFlame(const FdsField& heat, const FlameLaw& law)
+    : FdsFlame({Light{above(heat, law.cutoff), colourOf(law)}}) {}
+
+FdsFlame FdsFlame::glowing(const FdsField& celsius, const FlameLaw& law, double brightest) {
+  const BlackBodyLight table(brightest);
+  std::vector<Light> lights;
+  for (int channel = 0; channel < 3; ++channel) {
+    std::vector<std::shared_ptr<const FdsValues>> values;
+    for (std::size_t i = 0; i < celsius.grid().lattices().size(); ++i) {
+      auto light = std::make_shared<FdsValues>();
+      light->value = celsius.values(i).value;
+      for (float& value : light->value) {
+        // NaN stays: it marks what no gas needs.
+        if (!std::isnan(value))
+          value = static_cast<float>(table.at(value + kZeroCelsius)[channel]);
+      }
+      values.push_back(std::move(light));
+    }
+    Rgb colour = Rgb::Zero();
+    colour[channel] = law.emission;
+    lights.push_back({celsius.withValues(std::move(values)), colour});
+  }
+  return FdsFlame(std::move(lights));
+}
+
+Rgb FdsFlame::emission(const Vec3& point) const {
+  Rgb sum = Rgb::Zero();
+  for (const Light& light : lights_) sum += light.colour * light.field.extinction(point);
+  return sum;
 }
 
 void FdsFlame::opticalDepth(std::span<const Segment> segments, std::span<double> depths) const {
@@ -74,22 +141,41 @@ void FdsFlame::opticalDepth(std::span<const Segment> segments, std::span<double>
 
 void FdsFlame::pieces(std::span<const Segment> segments,
                       std::span<std::vector<Piece>> pieces) const {
-  light_.pieces(segments, pieces);
-  for (std::vector<Piece>& list : pieces) {
-    std::erase_if(list, [](const Piece& piece) {
-      return std::ranges::all_of(piece.extinction.c, [](double c) { return c == 0; });
-    });
-    for (Piece& piece : list) {
-      for (int c = 0; c < 3; ++c) piece.emission[c] = piece.extinction * colour_[c];
-      piece.extinction = {};
+  // All lights have one grid, and so the same pieces.
+  std::vector<std::vector<std::vector<Piece>>> of(lights_.size());
+  for (std::size_t i = 0; i < lights_.size(); ++i) {
+    of[i].resize(segments.size());
+    lights_[i].field.pieces(segments, of[i]);
+  }
+  for (std::size_t s = 0; s < segments.size(); ++s) {
+    std::vector<Piece> list = std::move(of[0][s]);
+    for (std::size_t p = 0; p < list.size(); ++p) {
+      const Polynomial first = list[p].extinction;
+      for (int c = 0; c < 3; ++c) list[p].emission[c] = first * lights_[0].colour[c];
+      for (std::size_t i = 1; i < lights_.size(); ++i) {
+        for (int c = 0; c < 3; ++c) {
+          for (std::size_t n = 0; n < first.c.size(); ++n)
+            list[p].emission[c].c[n] += lights_[i].colour[c] * of[i][s][p].extinction.c[n];
+        }
+      }
+      list[p].extinction = {};
     }
+    std::erase_if(list, [](const Piece& piece) {
+      return std::ranges::all_of(piece.emission, [](const Polynomial& channel) {
+        return std::ranges::all_of(channel.c, [](double c) { return c == 0; });
+      });
+    });
+    pieces[s] = std::move(list);
   }
 }
 
 void FdsFlame::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
-  std::vector<double> heat(segments.size());
-  light_.opticalDepth(segments, heat);
-  for (std::size_t i = 0; i < segments.size(); ++i) out[i] = {colour_ * heat[i], 1};
+  std::fill_n(out.begin(), segments.size(), Radiance{Rgb::Zero(), 1});
+  std::vector<double> along(segments.size());
+  for (const Light& light : lights_) {
+    light.field.opticalDepth(segments, along);
+    for (std::size_t i = 0; i < segments.size(); ++i) out[i].emitted += light.colour * along[i];
+  }
 }
 
 }  // namespace volute

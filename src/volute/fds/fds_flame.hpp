@@ -8,8 +8,11 @@ namespace volute {
 
 /// How heat that is released becomes light that is seen.
 struct FlameLaw {
-  double temperature = 1500;  ///< [K]: the colour is that of a black body
-  /// Luminance [1/m] of what releases 1 MW/m3, in units of a white wall's under full light.
+  /// [K]: the colour is that of a black body; of a field of temperatures the least that is shown
+  /// with the full luminance
+  double temperature = 1500;
+  /// Luminance [1/m] of what releases 1 MW/m3, or is as hot as FdsFlame::glowing() says, in units
+  /// of a white wall's under full light.
   double emission = 20;
   double cutoff = 200;  ///< [kW/m3]: where less is released there is no flame
 };
@@ -19,11 +22,26 @@ struct FlameLaw {
 /// colour of its own. It is a picture of where it burns, not photometry: what a flame sends as
 /// light depends on its soot, which FDS does not resolve.
 ///
-/// The cutoff is applied to the stored values, before anything is interpolated. Cheap to copy.
+/// Where FDS stores the flames' temperature instead, light is that of a black body of it, up to a
+/// factor: its colour, and its luminance, which says by itself what does not glow (one of 1000 K is thousands of
+/// times darker than one of 1500 K).
+///
+/// Cutoff and law of the black body are applied to the stored values, before anything is
+/// interpolated. Cheap to copy.
 class FdsFlame {
  public:
+  /// What shines in one colour.
+  struct Light {
+    FdsField field;  ///< in place of an extinction; of heat release [kW/m3] above the cutoff
+    Rgb colour;      ///< radiance per metre of a unit of it
+  };
+
   /// `heat` holds the heat release [kW/m3] in place of an extinction.
   FdsFlame(const FdsField& heat, const FlameLaw& law);
+
+  /// `celsius` holds temperatures [degrees C] in place of an extinction. A black body of `brightest`
+  /// [K] has the luminance law.emission a metre, others the law's share of it.
+  static FdsFlame glowing(const FdsField& celsius, const FlameLaw& law, double brightest);
 
   /// Whether there is a flame anywhere.
   bool burns() const { return burns_; }
@@ -31,22 +49,21 @@ class FdsFlame {
   /// Of the cells that burn; without any, of the case.
   Box3 bounds() const { return bounds_; }
 
-  /// Heat above the cutoff [kW/m3] in place of an extinction, and the radiance per metre of 1 kW/m3.
-  const FdsField& heat() const { return light_; }
-
-  const Rgb& colour() const { return colour_; }
+  /// One of heat release; of temperatures one a channel.
+  std::span<const Light> lights() const { return lights_; }
 
   double extinction(const Vec3&) const { return 0; }
 
-  Rgb emission(const Vec3& point) const { return colour_ * light_.extinction(point); }
+  Rgb emission(const Vec3& point) const;
 
   void opticalDepth(std::span<const Segment> segments, std::span<double> depths) const;
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
  private:
-  FdsField light_;  // heat above the cutoff [kW/m3]
-  Rgb colour_;      // radiance per metre of 1 kW/m3
+  explicit FdsFlame(std::vector<Light> lights);
+
+  std::vector<Light> lights_;  // on the same grid, one at least
   Box3 bounds_;
   bool burns_ = false;
 };

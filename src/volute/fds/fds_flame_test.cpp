@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <random>
+#include <tuple>
 
 #include "volute/fds/fds_case_testing.hpp"
 #include "volute/medium/conformance.hpp"
@@ -52,6 +53,47 @@ conformance::MediumUnderTest underTest() {
 }
 
 VOLUTE_CONFORMANCE(FdsFlames, underTest());
+
+conformance::MediumUnderTest glowingUnderTest() {
+  const Folder folder;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(600, 1700);
+  const FdsFlame flame = FdsFlame::glowing(
+      heatOf(folder, [&](double, double, double) { return uniform(random); }, {1, 3, 1, 2, 0, 2}),
+      {}, 1800);
+  conformance::Traits traits{.planes = kFirst};
+  traits.tolerance.quadrature = 5e-3;
+  return conformance::underTest(flame, traits);
+}
+
+VOLUTE_CONFORMANCE(FdsGlowingFlames, glowingUnderTest());
+
+TEST(FdsFlame, TemperaturesShineAsBlackBodies) {
+  const Folder folder;
+  // 400 degrees below x = 0.5 are dark, 1400 above shine.
+  const FdsField celsius = heatOf(
+      folder, [](double x, double, double) { return x < 0.5 ? 400.0 : 1400.0; },
+      {0, 0, 0, 0, 0, 0});
+  const FdsFlame flame = FdsFlame::glowing(celsius, {.emission = 3}, 2000);
+  ASSERT_TRUE(flame.burns());
+  EXPECT_NEAR(flame.bounds().min.x(), 0.4, 1e-12);
+  const Segment line = between({0, 0.4, 0.3}, {1, 0.4, 0.3});
+  Radiance seen;
+  flame.radiance({&line, 1}, {&seen, 1});
+  const double kelvin = 1400 + 273.15;
+  const auto colour = blackBodyColour(kelvin);
+  // Half of the cell between, and 0.4 m in full.
+  const double expected = 3 * 0.5 * blackBodyLuminance(kelvin, 2000);
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(seen.emitted[c], expected * colour[static_cast<std::size_t>(c)],
+                1e-3 * expected);
+  }
+  EXPECT_EQ(seen.transmittance, 1);
+  const Folder cold;
+  EXPECT_FALSE(FdsFlame::glowing(heatOf(cold, [](auto...) { return 300.0; }, {0, 0, 0, 0, 0, 0}),
+                                 {}, 1500)
+                   .burns());
+}
 
 TEST(FdsFlame, ReachesAsFarAsItsCells) {
   const Folder folder;
@@ -128,6 +170,58 @@ TEST(FdsFlame, TheIndexSaysWhatTheLastByteIs) {
   EXPECT_THAT(read.remarks(), IsEmpty()) << "nothing is guessed";
   fdswriter::saveText(folder / "made.smv", "HRRPUV_MINMAX\n   5.0   -1.0\n\n" + text);
   EXPECT_FALSE(SmvIndex::read(folder / "made.smv"));
+}
+
+/// Bytes of 20 to 2000 degrees C unless `range` says otherwise: the first frame all byte 0, the
+/// second all `byte`.
+void saveTemperature(const Folder& folder, std::uint8_t byte, const std::string& range,
+                     const std::string& sizes) {
+  fdswriter::Index index;
+  index.meshes.push_back({kFirst, {}, {}});
+  const std::size_t nodes = kFirst[0].size() * kFirst[1].size() * kFirst[2].size();
+  fdswriter::smokeFile(cellsOf(kFirst), {{0, std::vector<std::uint8_t>(nodes, 0)},
+                                         {5, std::vector<std::uint8_t>(nodes, byte)}})
+      .save(folder / "made.s3d");
+  fdswriter::saveText(folder / "made.s3d.sz", sizes);
+  // A mass extinction that is not one: smoke it is not.
+  index.files += "SMOKF3D 1 8700.\n made.s3d\n EFFECTIVE FLAME TEMPERATURE\n temp\n C\n";
+  fdswriter::saveText(folder / "made.smv", range + index.text());
+}
+
+const FdsOptions kGlow{.quantity = std::string(kFdsFlameTemperature)};
+
+TEST(FdsFlame, BytesOfTemperatureReachAsTheIndexSays) {
+  for (const auto& [range, least, most] :
+       {std::tuple{std::string("TEMP_MINMAX\n   20.0   2000.0\n\n"), 20.0, 2000.0},
+        std::tuple{std::string("TEMP_MINMAX\n 100 1100\n"), 100.0, 1100.0}}) {
+    const Folder folder;
+    saveTemperature(folder, 127, range, "0\n 0 1 1 20.0\n 5 1 1 1010\n");
+    FdsCase read = opened(folder / "made.smv", kGlow);
+    EXPECT_EQ(read.source().name, "s3d-effective-flame-temperature");
+    EXPECT_THAT(read.remarks(), IsEmpty());
+    EXPECT_EQ(read.largestSaid(), 1010);
+    const double step = (most - least) / 254;
+    // At a wall too: what FDS counts behind it is not known, and nothing is put on it.
+    for (const Vec3& point : {Vec3(0.5, 0.4, 0.4), Vec3(0.01, 0.4, 0.01)}) {
+      EXPECT_NEAR(fieldAt(read, 5).extinction(point), least + 127.5 * step, 0.6 * step);
+      EXPECT_NEAR(fieldAt(read, 0).extinction(point), least, 1e-3);
+    }
+    EXPECT_TRUE(findSources(read.index()).empty()) << "no smoke";
+  }
+}
+
+TEST(FdsFlame, WithoutARangeBytesOfTemperatureHaveTheDefaults) {
+  const Folder folder;
+  saveTemperature(folder, 127, "", "0\n 0 1 1 20.0\n 5 1 1 1010\n");
+  FdsCase read = opened(folder / "made.smv", kGlow);
+  EXPECT_THAT(read.remarks(), Contains(HasSubstr("no TEMP_MINMAX")));
+  EXPECT_NEAR(fieldAt(read, 5).extinction({0.5, 0.4, 0.4}), 20 + 127.5 * 1980 / 254, 5);
+  fdswriter::saveText(folder / "made.s3d.sz", "0\n 0 1 1 20.0\n 5 1 1 2500\n");
+  EXPECT_FALSE(FdsCase::open(folder / "made.smv", kGlow)) << "the bytes reach further";
+  for (const char* range : {"2000 20", "20 20", "-300 20", "20 nan", "nan 20", "20 inf", "20"}) {
+    saveTemperature(folder, 127, std::string("TEMP_MINMAX\n ") + range + "\n", "0\n");
+    EXPECT_FALSE(SmvIndex::read(folder / "made.smv")) << range;
+  }
 }
 
 TEST(FdsFlame, BytesThatContradictTheirSizesAreRefused) {

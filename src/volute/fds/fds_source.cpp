@@ -126,14 +126,20 @@ void addSlices(const SmvIndex& index, const Wanted& wanted, std::vector<FdsSourc
   for (auto& [key, group] : groups) sources.push_back(std::move(group));
 }
 
-/// Bytes of heat release.
-void addFire(const SmvIndex& index, std::vector<FdsSource>& sources) {
+bool isFire(std::string_view quantity) {
+  return quantity == kFdsHeatRelease || quantity == kFdsFlameTemperature;
+}
+
+/// Bytes of heat release, or of the flames' temperature.
+void addFire(const SmvIndex& index, std::string_view quantity, std::vector<FdsSource>& sources) {
   FdsSource bytes;
-  bytes.name = "s3d-" + spelled(kFdsHeatRelease);
-  bytes.description = "8-bit heat release at nodes (.s3d)";
+  bytes.name = "s3d-" + spelled(quantity);
+  bytes.description = fmt::format("8-bit {} at nodes (.s3d)", quantity == kFdsHeatRelease
+                                                                  ? "heat release"
+                                                                  : "flame temperature");
   bytes.volume = true;
   for (std::size_t i = 0; i < index.smoke.size(); ++i) {
-    if (index.smoke[i].labels.quantity == kFdsHeatRelease)
+    if (index.smoke[i].labels.quantity == quantity)
       bytes.parts.push_back({index.smoke[i].mesh, i});
   }
   if (!bytes.parts.empty())
@@ -141,7 +147,8 @@ void addFire(const SmvIndex& index, std::vector<FdsSource>& sources) {
 }
 
 bool isSmoke(const FdsSmokeEntry& entry) {
-  return entry.labels.quantity.find("SOOT") != std::string::npos || entry.massExtinction;
+  return entry.labels.quantity.find("SOOT") != std::string::npos ||
+         (entry.massExtinction && !isFire(entry.labels.quantity));
 }
 
 /// Each kind of smoke by itself, soot first.
@@ -246,8 +253,8 @@ std::vector<FdsSource> findSources(const SmvIndex& index) {
 std::vector<FdsSource> findSources(const SmvIndex& index, std::string_view quantity) {
   std::vector<FdsSource> sources;
   addSlices(index, {quantity}, sources);
-  if (quantity == kFdsHeatRelease)
-    addFire(index, sources);
+  if (isFire(quantity))
+    addFire(index, quantity, sources);
   addPlots(index, {quantity}, sources);
   sortByRank(sources);
   return sources;

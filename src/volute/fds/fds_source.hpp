@@ -52,8 +52,12 @@ std::vector<FdsSource> findSources(const SmvIndex& index);
 /// The name of the heat that a fire gives off per volume and time [kW/m3].
 inline constexpr std::string_view kFdsHeatRelease = "HRRPUV";
 
+/// The name of the gas temperature [degrees C] of FDS 6.11 that is times the fourth root of its
+/// correction of the radiation where it burns (T in K).
+inline constexpr std::string_view kFdsFlameTemperature = "EFFECTIVE FLAME TEMPERATURE";
+
 /// The same for any quantity by the name that FDS gives it, as it is stored. Besides slices and
-/// PLOT3D, the heat release alone has bytes (.s3d).
+/// PLOT3D, the heat release and the flames' temperature have bytes (.s3d).
 std::vector<FdsSource> findSources(const SmvIndex& index, std::string_view quantity);
 
 }  // namespace volute

@@ -50,6 +50,15 @@ SmokeBand SmokeScale::band(float stored) const {
         middle * perByte, stored * perByte,
         stored < kLargestByte ? (stored + 1) * perByte : std::numeric_limits<double>::infinity());
   }
+  if (bytes == Bytes::kTemperature) {
+    const auto [least, most] = temperature;
+    const double perByte = (most - least) / kLargestByte;
+    const auto at = [&](double byte) { return static_cast<float>(least + byte * perByte); };
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    return {stored > 0 ? at(std::min(stored + 0.5, kLargestByte)) : at(0),
+            stored > 0 ? at(stored) : -kInfinity,
+            stored < kLargestByte ? at(stored + 1) : kInfinity};
+  }
   if (asStored)
     return {stored, stored, stored};
   switch (quantity) {

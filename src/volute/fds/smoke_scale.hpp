@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
+
 #include "volute/fds/solids.hpp"
 #include "volute/optics/extinction.hpp"
 
@@ -22,13 +24,14 @@ struct SmokeBand {
 /// a way that is not documented: up to a whole step is allowed for.
 ///
 /// A byte of heat release (all versions) is 254 q / HRRPUV_MAX_SMV, cut off; the last one says "at
-/// least".
+/// least". A byte of temperature (6.11) is 254 (T - least) / (largest - least), cut off, with
+/// TEMP_MIN_SMV and TEMP_MAX_SMV; the first says "at most", the last "at least".
 ///
 /// All of them are means over the eight cells round a node. Obstructions and what lies behind the
 /// mesh's walls count with the value that they had at first (0 in a fire), what lies
 /// across its edges with 0; taking these out gives the mean of the gas.
 struct SmokeScale {
-  enum class Bytes { kNone, kOpacity, kDensity, kHeat };
+  enum class Bytes { kNone, kOpacity, kDensity, kHeat, kTemperature };
   enum class Rounding { kUnknown, kDown, kNearest };
 
   SmokeQuantity quantity = SmokeQuantity::kExtinction;  ///< of physical values
@@ -40,6 +43,7 @@ struct SmokeScale {
   double cellLength = 0;                   ///< [m], of opacity
   double largestDensity = 0;               ///< [kg/m3], of b = 254
   double largestHeat = 0;                  ///< [kW/m3], of b = 254: HRRPUV_MAX_SMV
+  std::array<double, 2> temperature{20, 2000};  ///< [degrees C], of b = 0 and 254: TEMP_MINMAX
   bool asStored = false;                   ///< not smoke: physical values are taken as they are
   double step = 0;                         ///< of physical values that were rounded
 

@@ -44,6 +44,7 @@ class SmvReader {
   Status readAlbedo(std::string_view);
   Status readFireCutoff(std::string_view);
   Status readHeatRange(std::string_view);
+  Status readTemperatureRange(std::string_view);
   Status readTable(std::string_view);
   Status addOther(std::string_view kind, std::string_view rest);
 
@@ -208,6 +209,18 @@ Status SmvReader::readHeatRange(std::string_view) {
   if (!(values[0] == 0 && values[1] > 0 && std::isfinite(values[1])))
     return wrong(fmt::format("heat release from 0 to more, not {:g} to {:g}", values[0], values[1]));
   index_.largestHeat = values[1];
+  return {};
+}
+
+/// FDS 6.11: what bytes of temperature reach from and to [degrees C].
+Status SmvReader::readTemperatureRange(std::string_view) {
+  VOLUTE_ASSIGN(const auto values, numbers("the least and largest temperature of a byte", 2));
+  constexpr double kAbsoluteZero = -273.15;
+  if (!(values[0] >= kAbsoluteZero && values[0] < values[1] && std::isfinite(values[1]))) {
+    return wrong(fmt::format("two temperatures [degrees C], the lower one first, not {:g} and {:g}",
+                             values[0], values[1]));
+  }
+  index_.temperatureRange = {values[0], values[1]};
   return {};
 }
 
@@ -528,6 +541,7 @@ Status SmvReader::handle(std::string_view line) {
       {"ALBEDO", &SmvReader::readAlbedo},
       {"HRRPUVCUT", &SmvReader::readFireCutoff},
       {"HRRPUV_MINMAX", &SmvReader::readHeatRange},
+      {"TEMP_MINMAX", &SmvReader::readTemperatureRange},
       {"CSVF", &SmvReader::readTable},
       {"BNDF", &SmvReader::readBoundary},
       {"BNDC", &SmvReader::readBoundary},

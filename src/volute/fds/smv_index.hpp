@@ -138,6 +138,8 @@ struct SmvIndex {
   double albedo = 0.3;               ///< what Smokeview gives soot
   std::optional<double> fireCutoff;  ///< HRRPUVCUT [kW/m3]: less heat than this is drawn as no fire
   std::optional<double> largestHeat;  ///< HRRPUV_MINMAX [kW/m3], FDS 6.11: what the last byte is
+  /// TEMP_MINMAX [degrees C], FDS 6.11: what bytes 0 and 254 of temperature are.
+  std::optional<std::array<double, 2>> temperatureRange;
   std::vector<FdsMesh> meshes;
   std::vector<FdsSurface> surfaces;
   std::vector<FdsDevice> devices;

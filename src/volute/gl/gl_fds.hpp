@@ -11,7 +11,7 @@ namespace volute {
 
 class GlPart;
 
-/// FdsField's twin, or that of an FdsFlame's heat.
+/// FdsField's twin, or that of one of an FdsFlame's lights.
 struct GlFds {
   FdsField field;
   double scale = 1;           ///< of the extinction and of what it scatters

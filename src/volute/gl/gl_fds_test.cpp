@@ -77,7 +77,7 @@ TEST_F(GlRendererTest, FireOfFdsCasesShinesThroughItsSmokeAndFog) {
     const FdsFlame flame(fieldOf(nodal, 700, false, 8), {});
     const FogMedium fog =
         fogtest::fog(fogtest::map(9, 9), fogtest::profiles()[1].profile, {.degree = 1}, 0.5, 0.6);
-    const auto burning = glPart(GlFds{flame.heat(), 1, flame.colour()});
+    const auto burning = glPart(GlFds{flame.lights()[0].field, 1, flame.lights()[0].colour});
     const GlScene fire{{burning}};
     const GlScene all{{glPart(GlFog{fog}), glPart(GlFds{smoke}), burning}};
     const std::vector<AnyMedium> media{AnyMedium(fog), AnyMedium(smoke), AnyMedium(flame)};

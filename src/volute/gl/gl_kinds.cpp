@@ -65,8 +65,10 @@ GlWalls wallsOf(const SmokeAt& smoke, const TriangleScene& others) {
 
 GlParts partsOf(const FdsAt& fds, const GlSnapshotOptions&) {
   GlParts parts{glPart(GlFds{fds.smoke(), fds.factor()})};
-  if (fds.fire())
-    parts.push_back(glPart(GlFds{fds.fire()->heat(), 1, fds.fire()->colour()}));
+  if (fds.fire()) {
+    for (const FdsFlame::Light& light : fds.fire()->lights())
+      parts.push_back(glPart(GlFds{light.field, 1, light.colour}));
+  }
   return parts;
 }
 

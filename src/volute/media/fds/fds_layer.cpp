@@ -35,6 +35,7 @@ constexpr double kEdge = 0.0004;       // likewise of edges of faces
 constexpr double kEdgeLight = 0.12;
 constexpr std::size_t kMostOutlined = 2500;  // faces; with more, edges are a grey haze
 constexpr int kTimesLookedAt = 9;
+constexpr double kZeroCelsius = 273.15;  // [K]
 constexpr double kOutline = 0.25, kDarkMark = 0.01, kLightMark = 0.9;
 const Rgb kIdleDevice(0.02, 0.1, 0.8);
 const Rgb kActiveDevice(0.9, 0.02, 0.5);
@@ -205,30 +206,46 @@ Status FdsLayer::openFire(Reading& reading) {
   if (!look.fire || !(look.flame.emission > 0))
     return {};
   FdsOptions options{.volume = true};
-  options.quantity = kFdsHeatRelease;
   options.maxMemory = reading.maxMemory;
-  auto opened = FdsCase::open(case_->index(), options);
-  if (!opened && opened.error().code == ErrorCode::kNotFound)
+  for (const std::string_view quantity : {kFdsFlameTemperature, kFdsHeatRelease}) {
+    options.quantity = quantity;
+    auto opened = FdsCase::open(case_->index(), options);
+    if (!opened && opened.error().code == ErrorCode::kNotFound)
+      continue;
+    VOLUTE_TRY(opened);
+    glows_ = quantity == kFdsFlameTemperature;
+    heat_ = std::make_shared<FdsCase>(std::move(*opened));
+    break;
+  }
+  if (!heat_)
     return {};
-  VOLUTE_TRY(opened);
-  heat_ = std::make_shared<FdsCase>(std::move(*opened));
   flame_ = look.flame;
   flame_.cutoff = look.cutoff.value_or(case_->index().fireCutoff.value_or(flame_.cutoff));
   for (const std::string& remark : heat_->remarks()) {
     if (std::ranges::find(case_->remarks(), remark) == case_->remarks().end())
       reading.progress.remark(remark);
   }
-  reading.progress.remark(fmt::format("{}: fire from {} ({}) above {:g} kW/m3", description_.file,
+  brightest_ = flame_.temperature;
+  if (const auto hottest = glows_ ? heat_->largestSaid() : std::nullopt)
+    brightest_ = std::max(brightest_, *hottest + kZeroCelsius);
+  reading.progress.remark(fmt::format("{}: fire from {} ({}), {}", description_.file,
                                       heat_->source().name, heat_->source().description,
-                                      flame_.cutoff));
+                                      fireLaw()));
   return {};
+}
+
+std::string FdsLayer::fireLaw() const {
+  return glows_ ? fmt::format("black bodies, {:g}/m at {:.0f} K", flame_.emission, brightest_)
+                : fmt::format("black body {:g} K, {:g}/m per MW/m3, above {:g} kW/m3",
+                              flame_.temperature, flame_.emission, flame_.cutoff);
 }
 
 Result<std::optional<FdsFlame>> FdsLayer::fireAt(double time) const {
   if (!heat_)
     return std::nullopt;
   VOLUTE_ASSIGN(const auto heat, heat_->field(caseTime(time)));
-  FdsFlame flame(heat, flame_);
+  FdsFlame flame =
+      glows_ ? FdsFlame::glowing(heat, flame_, brightest_) : FdsFlame(heat, flame_);
   return flame.burns() ? std::optional(std::move(flame)) : std::nullopt;
 }
 
@@ -286,10 +303,8 @@ std::vector<std::string> FdsLayer::words(const std::optional<Vec3>& eye) const {
   if (!index.title.empty())
     title += ": " + index.title;
   std::vector<std::string> words{title, "FDS, " + source()};
-  if (heat_) {
-    words.push_back(fmt::format("fire: black body {:g} K, {:g}/m per MW/m3, above {:g} kW/m3",
-                                flame_.temperature, flame_.emission, flame_.cutoff));
-  }
+  if (heat_)
+    words.push_back("fire: " + fireLaw());
   if (openTowards(*shell_, eye) != 0)
     words.push_back(fmt::format("ruler: {:g} m each", ruler()));
   if (!description_.fds.cuts.empty()) {

@@ -61,7 +61,7 @@ class FdsLayer {
   [[nodiscard]] Result<FdsField> fieldAt(double time) const;
 
   /// The fire at a time of the scene [s], which shines and hides nothing; nothing where the case
-  /// has no heat release, or it is not shown, or nothing burns.
+  /// has neither flame temperature nor heat release, or it is not shown, or nothing burns.
   [[nodiscard]] Result<std::optional<FdsFlame>> fireAt(double time) const;
 
   /// A number for what addSurfaces() adds: while it stays, so do they.
@@ -112,6 +112,7 @@ class FdsLayer {
   void addEdges(std::span<const FdsQuad> quads, const Box3& bounds, TriangleMesh& to) const;
   void addOutline(const FdsBuilding& building, FdsSides open, TriangleMesh& to) const;
   Status openFire(Reading& reading);
+  std::string fireLaw() const;
   FdsField inLight(const FdsField& field, double time) const;
   void addDevices(double time, TriangleMesh& to) const;
 
@@ -120,6 +121,8 @@ class FdsLayer {
   Blocks blocks_;
   std::shared_ptr<FdsCase> case_;
   std::shared_ptr<FdsCase> heat_;  // null: no fire
+  bool glows_ = false;             // heat_ holds the flames' temperature
+  double brightest_ = 1500;        // [K], of FdsFlame::glowing()
   FlameLaw flame_;
   std::optional<FdsSliceSheet> slice_;
   std::shared_ptr<const FdsBuilding> shell_;  // at the first time

@@ -15,13 +15,15 @@ const FieldTable& fireFields() {
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "emission", .access = member<&FdsLook::flame, &FlameLaw::emission>(),
-       .help = "luminance per metre of a fire that releases 1 MW/m3; 0 shows none", .least = 0,
+       .help = "luminance per metre of a fire that releases 1 MW/m3, or is the hottest by its temperature; "
+       "0 shows none", .least = 0,
        .option = {.value = "S", .name = "fire", .picture = true}},
       {.name = "cutoff", .access = member<&FdsLook::cutoff>(), .help = "where a fire releases less "
        "there is no flame; else as the case says", .unit = "kW/m3", .least = 0,
        .option = {.value = "Q", .picture = true}},
       {.name = "temperature", .access = member<&FdsLook::flame, &FlameLaw::temperature>(),
-       .help = "of the black body whose colour flames have", .unit = "K", .least = 500,
+       .help = "of the black body whose colour flames have; of stored temperatures the least at which "
+       "they have their full luminance", .unit = "K", .least = 500,
        .most = 20000, .option = {.value = "T", .picture = true}}};
   // clang-format on
   static const FieldTable kTable = fieldTable<FdsLook>(
