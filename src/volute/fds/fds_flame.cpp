@@ -12,6 +12,7 @@ namespace volute {
 namespace {
 
 constexpr double kPerMegawatt = 1e-3;  // of kW
+constexpr double kDark = 1e-3;         // of white: is no flame
 constexpr double kZeroCelsius = 273.15;  // [K]
 
 FdsField above(const FdsField& heat, double cutoff) {
@@ -127,6 +128,39 @@ FdsFlame FdsFlame::glowing(const FdsField& celsius, const FlameLaw& law, double 
     lights.push_back({celsius.withValues(std::move(values)), colour});
   }
   return FdsFlame(std::move(lights));
+}
+
+double FdsFlame::luminance(const FdsField& smoke, double scale) const {
+  constexpr int kLines = 32;  // a side
+  std::vector<Segment> lines;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const Vec3 size = bounds_.size();
+    for (int i = 0; i < kLines * kLines; ++i) {
+      Vec3 from = bounds_.min;
+      from[u] += size[u] * (i % kLines + 0.5) / kLines;
+      from[v] += size[v] * (i / kLines + 0.5) / kLines;
+      lines.push_back({from, Vec3::Unit(axis), 0, size[axis]});
+    }
+  }
+  std::vector<Radiance> seen(lines.size());
+  radiance(lines, seen);
+  std::vector<double> depths(lines.size()), bright;
+  smoke.opticalDepth(lines, depths);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const Rgb& light = seen[i].emitted;
+    const double depth = scale * depths[i];
+    const double passes = depth > 1e-6 ? -std::expm1(-depth) / depth : 1;
+    const double luminance =
+        passes * (light[0] * 0.2126 + light[1] * 0.7152 + light[2] * 0.0722);
+    if (luminance > kDark)
+      bright.push_back(luminance);
+  }
+  if (bright.empty())
+    return 0;
+  const auto quartile = bright.begin() + static_cast<std::ptrdiff_t>(3 * bright.size() / 4);
+  std::ranges::nth_element(bright, quartile);
+  return *quartile;
 }
 
 Rgb FdsFlame::emission(const Vec3& point) const {

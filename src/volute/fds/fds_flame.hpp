@@ -49,6 +49,11 @@ class FdsFlame {
   /// Of the cells that burn; without any, of the case.
   Box3 bounds() const { return bounds_; }
 
+  /// How bright it is on a line of sight: the upper quartile of the luminances of lines along the
+  /// axes, 32 x 32 a side of bounds(), which meet it; 0: none does. Of `smoke`, times `scale`, each
+  /// line has its mean, from end to end.
+  double luminance(const FdsField& smoke, double scale) const;
+
   /// One of heat release; of temperatures one a channel.
   std::span<const Light> lights() const { return lights_; }
 

@@ -128,6 +128,20 @@ TEST(FdsFlame, ShinesAsItReleasesHeatAboveItsCutoff) {
   }
 }
 
+TEST(FdsFlame, ItsLuminanceIsThatOfLinesThroughItAndItsSmoke) {
+  const Folder folder;
+  const FdsField heat =
+      heatOf(folder, [](double, double, double) { return 700.0; }, {0, 0, 0, 0, 0, 0});
+  const FdsFlame flame(heat, {.emission = 3});
+  const double per = 3 * 0.7;  // luminance a metre; 1, 0.8 and 0.6 m along x, y and z
+  EXPECT_NEAR(flame.luminance(heat, 0), per * 1.0, 1e-3 * per) << "the upper quartile is along x";
+  const double depth = 700 * 0.01;
+  EXPECT_NEAR(flame.luminance(heat, 0.01),
+              per * (1 - std::exp(-depth)) / depth, 1e-3 * per) << "smoke of 7 1/m";
+  const FdsFlame none(heat, {.cutoff = 800});
+  EXPECT_EQ(none.luminance(heat, 0), 0);
+}
+
 /// Bytes as FDS writes them, one mesh of even heat with a byte of 254 at one node.
 void saveBytes(const Folder& folder, double heat, double most, const std::string& sizes) {
   fdswriter::Index index;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "volute/image/drawing.hpp"
 #include "volute/image/srgb.hpp"
@@ -21,9 +22,16 @@ constexpr double kHatchStep = 8;   // pixels between lines, along x
 constexpr double kHatchWidth = 1.3;
 constexpr double kDash = 7;
 
-/// Calls draw(from, to) for the lines of a hatch: x + y is a multiple of the step.
-template <class Draw>
-void hatchLines(double x0, double y0, double x1, double y1, Draw&& draw) {
+/// Calls draw(from, to) for the lines of a hatch: x + y, or y - x of falling ones, is a multiple of
+/// the step.
+void hatchLines(double x0, double y0, double x1, double y1, bool falling,
+                const std::function<void(const Vec2&, const Vec2&)>& draw) {
+  if (falling) {
+    hatchLines(-x1, y0, -x0, y1, false, [&](const Vec2& a, const Vec2& b) {
+      draw(Vec2(-a.x(), a.y()), Vec2(-b.x(), b.y()));
+    });
+    return;
+  }
   for (double sum = std::ceil((x0 + y0) / kHatchStep) * kHatchStep; sum < x1 + y1;
        sum += kHatchStep) {
     const double left = std::max(x0, sum - y1), right = std::min(x1, sum - y0);
@@ -72,8 +80,9 @@ class ImageCanvas final : public Canvas {
     }
   }
 
-  void hatch(double x0, double y0, double x1, double y1, const Rgb& color) override {
-    hatchLines(x0, y0, x1, y1, [&](const Vec2& a, const Vec2& b) {
+  void hatch(double x0, double y0, double x1, double y1, const Rgb& color,
+             bool falling) override {
+    hatchLines(x0, y0, x1, y1, falling, [&](const Vec2& a, const Vec2& b) {
       drawLine(image_, a.x(), a.y(), b.x(), b.y(), kHatchWidth, color);
     });
   }
@@ -127,9 +136,10 @@ void SvgCanvas::triangle(const Vec2& a, const Vec2& b, const Vec2& c, const Rgb&
       b.x(), b.y(), c.x(), c.y(), hexOf(color));
 }
 
-void SvgCanvas::hatch(double x0, double y0, double x1, double y1, const Rgb& color) {
+void SvgCanvas::hatch(double x0, double y0, double x1, double y1, const Rgb& color,
+                      bool falling) {
   std::string path;
-  hatchLines(x0, y0, x1, y1, [&](const Vec2& a, const Vec2& b) {
+  hatchLines(x0, y0, x1, y1, falling, [&](const Vec2& a, const Vec2& b) {
     path += fmt::format("M{:.2f} {:.2f}L{:.2f} {:.2f}", a.x(), a.y(), b.x(), b.y());
   });
   if (!path.empty()) {

@@ -30,8 +30,10 @@ class Canvas {
   /// A filled triangle.
   virtual void triangle(const Vec2& a, const Vec2& b, const Vec2& c, const Rgb& color) = 0;
 
-  /// Thin lines from lower left to upper right across a rectangle, in step with those of others.
-  virtual void hatch(double x0, double y0, double x1, double y1, const Rgb& color) = 0;
+  /// Thin lines from lower left to upper right (`falling`: from upper left to lower right) across a
+  /// rectangle, in step with those of others.
+  virtual void hatch(double x0, double y0, double x1, double y1, const Rgb& color,
+                     bool falling = false) = 0;
 
   /// One line of text whose top left, top middle or top right is at (x, y).
   virtual void text(std::string_view text, double x, double y, const Rgb& color,
@@ -58,7 +60,8 @@ class SvgCanvas final : public Canvas {
   void line(const Vec2& from, const Vec2& to, double width, const Rgb& color,
             bool dashed) override;
   void triangle(const Vec2& a, const Vec2& b, const Vec2& c, const Rgb& color) override;
-  void hatch(double x0, double y0, double x1, double y1, const Rgb& color) override;
+  void hatch(double x0, double y0, double x1, double y1, const Rgb& color,
+             bool falling) override;
   void text(std::string_view text, double x, double y, const Rgb& color, Anchor anchor) override;
   void textUpwards(std::string_view text, double x, double y, const Rgb& color) override;
 

@@ -47,9 +47,21 @@ Rgb colorOf(PlanMark mark) {
     case PlanMark::kLost:
       return grey(0.66);
     case PlanMark::kKept:
+    case PlanMark::kUnknown:
       return Rgb::Ones();
     default:
       return grey(0.97);
+  }
+}
+
+/// A square of a map, or of its key.
+void drawMark(Canvas& canvas, PlanMark mark, double x0, double y0, double x1, double y1) {
+  canvas.rect(x0, y0, x1, y1, colorOf(mark));
+  if (mark == PlanMark::kKept)
+    canvas.hatch(x0, y0, x1, y1, kHatchColor);
+  if (mark == PlanMark::kUnknown) {
+    canvas.hatch(x0, y0, x1, y1, grey(0.45));
+    canvas.hatch(x0, y0, x1, y1, grey(0.45), true);
   }
 }
 
@@ -177,8 +189,7 @@ class PlanDrawing {
         continue;
       rows_.push_back({[mark](Canvas& c, double y) {
                          square(c, y, colorOf(mark));
-                         if (mark == PlanMark::kKept)
-                           c.hatch(kLeft, y, kLeft + 30, y + 16, kHatchColor);
+                         drawMark(c, mark, kLeft, y, kLeft + 30, y + 16);
                        },
                        words});
     }
@@ -242,11 +253,10 @@ class PlanDrawing {
         const double left = kLeft + static_cast<double>(x) * frame_.scale;
         const double right = kLeft + static_cast<double>(end) * frame_.scale;
         const PlanMark mark = picture_.marks[looks_[i]];
-        canvas.rect(left, top, right, top + frame_.scale,
-                    mark == PlanMark::kValue ? valueColor(picture_.values[looks_[i]])
-                                             : colorOf(mark));
-        if (mark == PlanMark::kKept)
-          canvas.hatch(left, top, right, top + frame_.scale, kHatchColor);
+        if (mark == PlanMark::kValue)
+          canvas.rect(left, top, right, top + frame_.scale, valueColor(picture_.values[looks_[i]]));
+        else
+          drawMark(canvas, mark, left, top, right, top + frame_.scale);
         x = end;
       }
     }
@@ -535,6 +545,15 @@ class PlanDrawing {
 };
 
 }  // namespace
+
+std::vector<PlanMark> emptyMarks(const FloorPlan& plan) {
+  std::vector<PlanMark> marks(plan.size(), PlanMark::kUnknown);
+  for (std::size_t i = 0; i < std::min(marks.size(), plan.places.size()); ++i) {
+    if (plan.places[i] == Place::kSolid)
+      marks[i] = PlanMark::kSolid;
+  }
+  return marks;
+}
 
 void layOnWhite(Image& picture, const Image& alpha) {
   VOLUTE_ASSERT(alpha.width == picture.width && alpha.height == picture.height);

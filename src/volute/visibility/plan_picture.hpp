@@ -24,7 +24,15 @@ enum class PlanMark : unsigned char {
   kLost,   ///< grey
   kKept,   ///< blue hatches on white
   kFloor,  ///< nothing to say
+  kUnknown,  ///< no data: grey lines both ways on white
 };
+
+/// Of a plan of which nothing is known yet: solid where it is, else kUnknown.
+std::vector<PlanMark> emptyMarks(const FloorPlan& plan);
+
+/// What the legend says of marks on every map.
+inline constexpr const char* kNoData = "no data";
+inline constexpr const char* kSolidWords = "solid: nobody stands there";
 
 /// A picture that lies under a map: a drawing of the building.
 struct PlanUnderlay {

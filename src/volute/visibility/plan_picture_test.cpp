@@ -83,6 +83,37 @@ TEST(PlanPicture, neverLostIsNotNobody) {
   EXPECT_EQ(share(7.5, [](const Rgb& c) { return c.maxCoeff() > 0.3 && c.maxCoeff() < 0.6; }), 1);
 }
 
+TEST(PlanPicture, noDataIsHatchedAndHasItsKey) {
+  PlanOfRoom room;
+  for (std::size_t i = 0; i < room.plan.size(); ++i) {
+    room.plan.places[i] = i % 40 < 10   ? Place::kSolid
+                          : i % 40 < 20 ? Place::kOutside
+                                        : Place::kGas;
+  }
+  const std::vector<PlanMark> empty = emptyMarks(room.plan);
+  EXPECT_EQ(empty[0], PlanMark::kSolid);
+  EXPECT_EQ(empty[10], PlanMark::kUnknown);
+  EXPECT_EQ(empty[20], PlanMark::kUnknown) << "nothing is said of it yet";
+  for (std::size_t i = 0; i < empty.size(); ++i) {
+    if (i % 40 < 20)
+      room.picture.marks[i] = empty[i];
+  }
+  room.picture.words = {{PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
+  const Image image = drawPlan(room.plan, room.picture, {});
+  int white = 0, grey = 0, other = 0;
+  for (int i = 0; i < 900; ++i) {
+    const Rgb c = room.at(image, 2.6 + 2.2 * (i % 30) / 30, 0.5 + 5.0 * (i / 30) / 30);
+    const bool even = c.maxCoeff() - c.minCoeff() < 1e-3;
+    (c.minCoeff() > 0.95 ? white : even && c.maxCoeff() < 0.9 ? grey : other) += 1;
+  }
+  EXPECT_GT(white, 300) << "between the lines";
+  EXPECT_GT(grey, 150) << "lines both ways";
+  EXPECT_LT(other, 200) << "their rims";
+  const std::string svg = planSvg(room.plan, room.picture, {});
+  EXPECT_THAT(svg, HasSubstr(">no data<"));
+  EXPECT_THAT(svg, HasSubstr(">solid: nobody stands there<"));
+}
+
 TEST(PlanPicture, storedTimesHaveOneColourEach) {
   PlanOfRoom room;
   for (std::size_t i = 0; i < room.plan.size(); ++i)

@@ -171,7 +171,7 @@ PlanPicture PlanTenability::emptyPicture(std::string title) const {
   picture.shapes = shapes_;
   picture.underlay = survey_->underlay;
   picture.values.assign(values_.plan->size(), 0);
-  picture.marks.assign(values_.plan->size(), PlanMark::kSolid);
+  picture.marks = emptyMarks(*values_.plan);
   return picture;
 }
 
@@ -186,12 +186,12 @@ Status PlanTenability::writeTimes(const std::string& name, const std::string& ti
   for (std::size_t i = 0; i < eyes_.size(); ++i) {
     picture.values[values_.places[i]] = times[i];
     picture.marks[values_.places[i]] = !std::isinf(times[i]) ? PlanMark::kValue
-                                       : unknown(i)          ? PlanMark::kSolid
+                                       : unknown(i)          ? PlanMark::kUnknown
                                                              : PlanMark::kKept;
   }
   picture.words = {
       {PlanMark::kKept, fmt::format("not reached at {:g} s, the last time", survey_->times.back())},
-      {PlanMark::kSolid, "solid, or no data"}};
+      {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
   return writePlan(survey_->folder / name, *values_.plan, picture, survey_->signs);
 }
 
@@ -203,11 +203,15 @@ Status PlanTenability::writeFirst() const {
     picture.kinds.emplace_back(kindColor(c + 1), meter_.criteria()[c].name);
   for (std::size_t i = 0; i < eyes_.size(); ++i) {
     picture.values[values_.places[i]] = std::max(which_[i], 0);
-    picture.marks[values_.places[i]] = which_[i] < 0 ? PlanMark::kKept : PlanMark::kValue;
+    bool unknown = false;
+    for (std::size_t c = 0; c < meter_.criteria().size(); ++c) unknown |= meter_.unknown(c, i);
+    picture.marks[values_.places[i]] = which_[i] >= 0 ? PlanMark::kValue
+                                       : unknown      ? PlanMark::kUnknown
+                                                      : PlanMark::kKept;
   }
   picture.words = {
       {PlanMark::kKept, fmt::format("none until {:g} s, the last time", survey_->times.back())},
-      {PlanMark::kSolid, "solid, or no data"}};
+      {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
   return writePlan(survey_->folder / "tenability_first.png", *values_.plan, picture,
                    survey_->signs);
 }
@@ -274,7 +278,7 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
   }
   picture.words = {{PlanMark::kKept, "no criterion is reached"},
                    {PlanMark::kHidden, "nobody comes here"},
-                   {PlanMark::kSolid, "solid, or no data"}};
+                   {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
   VOLUTE_TRY(writePlan(survey_->folder / "margin.png", *values_.plan, picture, survey_->signs));
   return htmlFigure(survey_->folder / "margin.png", "What is left after the time that people need.");
 }

@@ -234,7 +234,7 @@ class PlanWatch final : public Watch {
     picture.shapes = std::move(shapes);
     picture.underlay = survey_->underlay;
     picture.values.assign(plan_.size(), 0);
-    picture.marks.assign(plan_.size(), PlanMark::kSolid);
+    picture.marks = emptyMarks(plan_);
     for (std::size_t i = 0; i < places_.size(); ++i) {
       const Sighting& sighting = at.sightings[s * eyes_.size() + i];
       picture.values[places_[i]] = sighting.visibility;
@@ -244,7 +244,7 @@ class PlanWatch final : public Watch {
     }
     picture.words = {{PlanMark::kLost, "lost in the smoke"},
                      {PlanMark::kHidden, "sign not in sight: wall, or seen from behind"},
-                     {PlanMark::kSolid, "nobody stands there: solid, or no data"}};
+                     {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
     return picture;
   }
 
@@ -324,7 +324,7 @@ class PlanWatch final : public Watch {
     picture.low = survey_->times.front();
     picture.high = std::max(survey_->times.back(), picture.low + 1e-9);
     picture.values.assign(plan_.size(), 0);
-    picture.marks.assign(plan_.size(), PlanMark::kSolid);
+    picture.marks = emptyMarks(plan_);
     for (std::size_t i = 0; i < places_.size(); ++i) {
       picture.values[places_[i]] = times[i];
       picture.marks[places_[i]] = std::isinf(times[i]) ? PlanMark::kKept : PlanMark::kValue;
@@ -344,7 +344,7 @@ class PlanWatch final : public Watch {
                       fmt::format("never lost: still seen at {:g} s, the last time",
                                   survey_->times.back())},
                      {PlanMark::kHidden, "no sign in sight, smoke or not"},
-                     {PlanMark::kSolid, "nobody stands there: solid, or no data"}};
+                     {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
     std::vector<SightTarget> signs;
     for (const std::size_t s : survey_->sets[set].members) signs.push_back(survey_->signs[s]);
     return writePlan(survey_->folder / asetName(set), plan_, picture, signs);
@@ -442,7 +442,7 @@ class PlanWatch final : public Watch {
     picture.subtitle = "smoke where one stands, signs aside";
     picture.words = {
         {PlanMark::kKept, fmt::format("below it at {:g} s, the last time", survey_->times.back())},
-        {PlanMark::kSolid, "nobody stands there: solid, or no data"}};
+        {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
     return writePlan(survey_->folder / "aset_local.png", plan_, picture, survey_->signs);
   }
 

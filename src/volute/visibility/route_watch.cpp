@@ -428,12 +428,12 @@ class RouteWatch final : public Watch {
   Status drawRoutePlan() const {
     PlanPicture picture;
     picture.title = fmt::format("Routes at z = {:g} m", eyes_[0][2]);
-    picture.marks.assign(plan_.size(), PlanMark::kSolid);
+    picture.marks = emptyMarks(plan_);
     for (std::size_t i = 0; i < plan_.size(); ++i) {
       if (plan_.walkable(i))
         picture.marks[i] = PlanMark::kFloor;
     }
-    picture.words = {{PlanMark::kSolid, "solid, or no data"}};
+    picture.words = {{PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
     return writeImage(survey_->folder / "routes.png",
                       drawPlan(plan_, picture, survey_->signs, routes_));
   }

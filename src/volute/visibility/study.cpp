@@ -411,7 +411,7 @@ Result<std::vector<std::string>> StudyResults::compare(const std::filesystem::pa
     picture.title = fmt::format("ASET of {} minus that of {}", plan.run, base.run);
     picture.barLabel = "difference [s]";
     picture.values.assign(base.aset.size(), 0);
-    picture.marks.assign(base.aset.size(), PlanMark::kSolid);
+    picture.marks.assign(base.aset.size(), PlanMark::kUnknown);
     double most = 1e-9;
     for (std::size_t i = 0; i < difference.size(); ++i) {
       difference[i] = timeOf(plan, i) - timeOf(base, i);
@@ -423,7 +423,7 @@ Result<std::vector<std::string>> StudyResults::compare(const std::filesystem::pa
     }
     picture.low = -most;
     picture.high = most;
-    picture.words = {{PlanMark::kSolid, "solid, or no data in one of them"}};
+    picture.words = {{PlanMark::kUnknown, "solid, or no data in one of them"}};
     VOLUTE_TRY(writePlanVti(folder / (plan.run + "_difference.vti"), base.plan,
                             {{"difference", difference}}));
     VOLUTE_TRY(writeImage(folder / (plan.run + "_difference.png"),

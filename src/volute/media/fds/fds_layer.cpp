@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "volute/base/assert.hpp"
 #include "volute/fds/fds_room.hpp"
@@ -36,6 +37,8 @@ constexpr double kEdgeLight = 0.12;
 constexpr std::size_t kMostOutlined = 2500;  // faces; with more, edges are a grey haze
 constexpr int kTimesLookedAt = 9;
 constexpr double kZeroCelsius = 273.15;  // [K]
+constexpr std::size_t kTimesForFire = 5;
+constexpr double kBrightFire = 1.4;  // luminance of the brighter quarter of what burns; white is 1
 constexpr double kOutline = 0.25, kDarkMark = 0.01, kLightMark = 0.9;
 const Rgb kIdleDevice(0.02, 0.1, 0.8);
 const Rgb kActiveDevice(0.9, 0.02, 0.5);
@@ -160,7 +163,7 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Scene
 bool FdsLayer::readsTheSame(const SmokeDescription& a, const SmokeDescription& b) {
   const auto sameFire = [](const FdsLook& x, const FdsLook& y) {
     return x.fire == y.fire && x.flame.temperature == y.flame.temperature &&
-           x.flame.emission == y.flame.emission && x.flame.cutoff == y.flame.cutoff &&
+           x.emission == y.emission && x.flame.cutoff == y.flame.cutoff &&
            x.cutoff == y.cutoff;
   };
   return a.file == b.file && a.field == b.field &&
@@ -203,7 +206,7 @@ FdsField FdsLayer::inLight(const FdsField& field, double time) const {
 
 Status FdsLayer::openFire(Reading& reading) {
   const FdsLook& look = description_.fds;
-  if (!look.fire || !(look.flame.emission > 0))
+  if (!look.fire || look.emission == 0.0)
     return {};
   FdsOptions options{.volume = true};
   options.maxMemory = reading.maxMemory;
@@ -228,24 +231,52 @@ Status FdsLayer::openFire(Reading& reading) {
   brightest_ = flame_.temperature;
   if (const auto hottest = glows_ ? heat_->largestSaid() : std::nullopt)
     brightest_ = std::max(brightest_, *hottest + kZeroCelsius);
+  if (look.emission)
+    flame_.emission = *look.emission;
+  else
+    VOLUTE_TRY(dimFire(reading));
   reading.progress.remark(fmt::format("{}: fire from {} ({}), {}", description_.file,
                                       heat_->source().name, heat_->source().description,
                                       fireLaw()));
   return {};
 }
 
+/// Light of flames adds up along a line of sight, and above white it is cut off: a burning room
+/// would be one plain surface. So the brightest of some stored times is about as bright as white.
+Status FdsLayer::dimFire(Reading& reading) {
+  const auto times = heat_->times();
+  std::size_t before = times.size();
+  double most = 0;
+  for (std::size_t i = 1; i <= kTimesForFire; ++i) {
+    const std::size_t place = (times.size() - 1) * i / kTimesForFire;
+    if (std::exchange(before, place) == place)
+      continue;
+    if (reading.progress.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped: looking how bright the fire is");
+    VOLUTE_ASSIGN(const auto flame, flameOf(times[place]));
+    VOLUTE_ASSIGN(const auto smoke, case_->field(times[place]));
+    most = std::max(most, flame.luminance(smoke, description_.model.scale));
+  }
+  if (most > kBrightFire)
+    flame_.emission *= kBrightFire / most;
+  return {};
+}
+
+Result<FdsFlame> FdsLayer::flameOf(double caseTime) const {
+  VOLUTE_ASSIGN(const auto heat, heat_->field(caseTime));
+  return glows_ ? FdsFlame::glowing(heat, flame_, brightest_) : FdsFlame(heat, flame_);
+}
+
 std::string FdsLayer::fireLaw() const {
-  return glows_ ? fmt::format("black bodies, {:g}/m at {:.0f} K", flame_.emission, brightest_)
-                : fmt::format("black body {:g} K, {:g}/m per MW/m3, above {:g} kW/m3",
+  return glows_ ? fmt::format("black bodies, {:.3g}/m at {:.0f} K", flame_.emission, brightest_)
+                : fmt::format("black body {:g} K, {:.3g}/m per MW/m3, above {:g} kW/m3",
                               flame_.temperature, flame_.emission, flame_.cutoff);
 }
 
 Result<std::optional<FdsFlame>> FdsLayer::fireAt(double time) const {
   if (!heat_)
     return std::nullopt;
-  VOLUTE_ASSIGN(const auto heat, heat_->field(caseTime(time)));
-  FdsFlame flame =
-      glows_ ? FdsFlame::glowing(heat, flame_, brightest_) : FdsFlame(heat, flame_);
+  VOLUTE_ASSIGN(auto flame, flameOf(caseTime(time)));
   return flame.burns() ? std::optional(std::move(flame)) : std::nullopt;
 }
 

@@ -112,6 +112,8 @@ class FdsLayer {
   void addEdges(std::span<const FdsQuad> quads, const Box3& bounds, TriangleMesh& to) const;
   void addOutline(const FdsBuilding& building, FdsSides open, TriangleMesh& to) const;
   Status openFire(Reading& reading);
+  Status dimFire(Reading& reading);
+  Result<FdsFlame> flameOf(double caseTime) const;
   std::string fireLaw() const;
   FdsField inLight(const FdsField& field, double time) const;
   void addDevices(double time, TriangleMesh& to) const;

@@ -14,9 +14,9 @@ namespace {
 const FieldTable& fireFields() {
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
-      {.name = "emission", .access = member<&FdsLook::flame, &FlameLaw::emission>(),
+      {.name = "emission", .access = member<&FdsLook::emission>(),
        .help = "luminance per metre of a fire that releases 1 MW/m3, or is the hottest by its temperature; "
-       "0 shows none", .least = 0,
+       "0 shows none; else 20, or less where flames would be a plain surface", .least = 0,
        .option = {.value = "S", .name = "fire", .picture = true}},
       {.name = "cutoff", .access = member<&FdsLook::cutoff>(), .help = "where a fire releases less "
        "there is no flame; else as the case says", .unit = "kW/m3", .least = 0,

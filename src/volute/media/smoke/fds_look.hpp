@@ -24,6 +24,7 @@ enum class FdsBuildingView {
 struct FdsLook {
   bool fire = true;
   FlameLaw flame;                ///< its cutoff unless `cutoff` or the case says another
+  std::optional<double> emission;  ///< FlameLaw::emission; nothing: it, or less, so that flames show
   std::optional<double> cutoff;  ///< [kW/m3]; nothing: the case's HRRPUVCUT
   FdsBuildingView building = FdsBuildingView::kWhole;
   std::vector<FdsCut> cuts;      ///< FdsCut::above is settled by the eye; from nowhere it is true
