@@ -44,6 +44,7 @@ class SmvReader {
   Status readAlbedo(std::string_view);
   Status readFireCutoff(std::string_view);
   Status readHeatRange(std::string_view);
+  Status readNorth(std::string_view);
   Status readTemperatureRange(std::string_view);
   Status readTable(std::string_view);
   Status addOther(std::string_view kind, std::string_view rest);
@@ -221,6 +222,14 @@ Status SmvReader::readTemperatureRange(std::string_view) {
                              values[0], values[1]));
   }
   index_.temperatureRange = {values[0], values[1]};
+  return {};
+}
+
+Status SmvReader::readNorth(std::string_view) {
+  VOLUTE_ASSIGN(const auto values, numbers("the bearing of north [degrees]", 1));
+  if (!std::isfinite(values[0]))
+    return wrong(fmt::format("a bearing of north in degrees, not {:g}", values[0]));
+  index_.north = std::clamp(values[0], -180.0, 180.0);
   return {};
 }
 
@@ -542,6 +551,7 @@ Status SmvReader::handle(std::string_view line) {
       {"HRRPUVCUT", &SmvReader::readFireCutoff},
       {"HRRPUV_MINMAX", &SmvReader::readHeatRange},
       {"TEMP_MINMAX", &SmvReader::readTemperatureRange},
+      {"NORTHANGLE", &SmvReader::readNorth},
       {"CSVF", &SmvReader::readTable},
       {"BNDF", &SmvReader::readBoundary},
       {"BNDC", &SmvReader::readBoundary},

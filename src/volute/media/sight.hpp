@@ -200,6 +200,9 @@ class SightField {
   /// All places of which the field may know something [m].
   virtual Box3 bounds() const = 0;
 
+  /// Where north is [degrees], from +y clockwise as seen from above; nothing: not known.
+  virtual std::optional<double> north() const { return std::nullopt; }
+
   /// Reads one stored time, a position in times(). Asked in ascending order, each once; what was
   /// given before need not stay cheap to make again.
   [[nodiscard]] virtual Result<std::shared_ptr<const SightInstant>> read(std::size_t time) = 0;

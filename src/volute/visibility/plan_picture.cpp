@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <set>
 
 #include "volute/base/assert.hpp"
@@ -154,6 +155,8 @@ class PlanDrawing {
     drawAxes(canvas);
     drawSigns(canvas);
     drawScale(canvas);
+    if (picture_.north)
+      drawNorth(canvas, *picture_.north);
     if (bar_)
       drawKey(canvas);
     drawLegend(canvas);
@@ -444,6 +447,21 @@ class PlanDrawing {
     canvas.rect(kLeft - 1, y - 1, kLeft + pixels + 1, y + 9, grey(0.1));
     canvas.rect(kLeft + 0.5 * pixels, y, kLeft + pixels, y + 8, Rgb::Ones());
     canvas.text(fmt::format("{:g} m", length), kLeft + pixels + 10, y - 4, grey(0.1));
+  }
+
+  /// A needle at the right, below the map, and N before its tip.
+  void drawNorth(Canvas& canvas, double degrees) const {
+    constexpr double kLength = 40;
+    const double angle = degrees * std::numbers::pi / 180;
+    const Vec2 way(std::sin(angle), -std::cos(angle)), aside(-way.y(), way.x());
+    const Vec2 middle(kLeft + frame_.width() - 30, kTop + frame_.height() + 66);
+    const Vec2 tip = middle + 0.5 * kLength * way, notch = middle - 0.3 * kLength * way;
+    const Vec2 back = middle - 0.5 * kLength * way;
+    canvas.triangle(tip, Vec2(back + 0.3 * kLength * aside), notch, grey(0.1));
+    canvas.triangle(tip, notch, Vec2(back - 0.3 * kLength * aside), grey(0.6));
+    const Vec2 letter = middle + (0.5 * kLength + 11) * way;
+    canvas.text("N", letter.x(), letter.y() - 0.5 * kCanvasTextHeight, grey(0.1),
+                Canvas::Anchor::kMiddle);
   }
 
   /// Levels one by one, or a bar.

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -61,6 +62,7 @@ struct PlanPicture {
   std::vector<std::pair<PlanMark, std::string>> words;
   std::vector<PlanShape> shapes{};                        ///< at the eyes' height
   std::shared_ptr<const PlanUnderlay> underlay = nullptr;  ///< may be null
+  std::optional<double> north{};  ///< [degrees], from +y clockwise: an arrow; nothing: none
 };
 
 /// Draws it in linear RGB.

@@ -2,10 +2,12 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/visibility/plan_picture.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
+#include <tuple>
 
 namespace volute {
 namespace {
@@ -194,6 +196,21 @@ TEST(PlanPicture, signsHaveTheirNamesAndPointWhereTheyFace) {
   EXPECT_THAT(svg, HasSubstr(">exit &lt;1&gt;<"));
   // The arrow's tip, 20 pixels to the right of 92 + 5 / 0.25 x 22.
   EXPECT_THAT(svg, HasSubstr("points='552.00,326.00"));
+}
+
+TEST(PlanPicture, northHasANeedleWhereItIsKnown) {
+  PlanOfRoom room;
+  EXPECT_EQ(planSvg(room.plan, room.picture, {}).find(">N<"), std::string::npos);
+  // The needle is 40 pixels long and its middle 30 from the map's right end, 66 below it.
+  const double x = 92 + 40 * 22 - 30, y = 62 + 24 * 22 + 66;
+  for (const auto& [degrees, dx, dy] : {std::tuple(0.0, 0.0, -20.0), std::tuple(90.0, 20.0, 0.0),
+                                        std::tuple(-90.0, -20.0, 0.0), std::tuple(180.0, 0.0, 20.0)}) {
+    room.picture.north = degrees;
+    const std::string svg = planSvg(room.plan, room.picture, {});
+    EXPECT_THAT(svg, HasSubstr(">N<"));
+    EXPECT_THAT(svg, HasSubstr(fmt::format("<polygon points='{:.2f},{:.2f} ", x + dx, y + dy)))
+        << degrees;
+  }
 }
 
 }  // namespace

@@ -170,6 +170,7 @@ PlanPicture PlanTenability::emptyPicture(std::string title) const {
   picture.title = std::move(title);
   picture.shapes = shapes_;
   picture.underlay = survey_->underlay;
+  picture.north = survey_->north;
   picture.values.assign(values_.plan->size(), 0);
   picture.marks = emptyMarks(*values_.plan);
   return picture;

@@ -233,6 +233,7 @@ class PlanWatch final : public Watch {
     picture.highIsMore = true;
     picture.shapes = std::move(shapes);
     picture.underlay = survey_->underlay;
+    picture.north = survey_->north;
     picture.values.assign(plan_.size(), 0);
     picture.marks = emptyMarks(plan_);
     for (std::size_t i = 0; i < places_.size(); ++i) {
@@ -321,6 +322,7 @@ class PlanWatch final : public Watch {
     picture.stored = true;
     picture.shapes = shapes_;
     picture.underlay = survey_->underlay;
+    picture.north = survey_->north;
     picture.low = survey_->times.front();
     picture.high = std::max(survey_->times.back(), picture.low + 1e-9);
     picture.values.assign(plan_.size(), 0);

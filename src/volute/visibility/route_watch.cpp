@@ -429,6 +429,7 @@ class RouteWatch final : public Watch {
     PlanPicture picture;
     picture.title = fmt::format("Routes at z = {:g} m", eyes_[0][2]);
     picture.marks = emptyMarks(plan_);
+    picture.north = survey_->north;
     for (std::size_t i = 0; i < plan_.size(); ++i) {
       if (plan_.walkable(i))
         picture.marks[i] = PlanMark::kFloor;

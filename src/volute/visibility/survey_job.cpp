@@ -122,6 +122,7 @@ class Job {
     VOLUTE_ASSIGN(chosen_, chosenTimes(request_.frames, field_));
     for (const int i : chosen_) survey_.times.push_back(field_.times()[i]);
     survey_.bounds = field_.bounds();
+    survey_.north = field_.north();
     survey_.field = &field_;
     if (watch_.wantsChanges())
       changes_ = field_.changes();

@@ -40,6 +40,7 @@ struct Survey {
   bool maps = true;            ///< a map for each sign and time
   double extinctionLimit = 0;  ///< [1/m]; 0: none
   std::shared_ptr<const PlanUnderlay> underlay = nullptr;  ///< under maps; may be null
+  std::optional<double> north{};  ///< SightField::north()
   RoundTime round = RoundTime::kDown;  ///< how `rows` and verdicts give losses between times
 
   SightField* field = nullptr;         ///< whose air criteria ask about

@@ -532,6 +532,13 @@ void FdsLayer::addBuilding(double time, const std::optional<Vec3>& eye, Triangle
   if (quads.size() <= kMostOutlined)
     addEdges(quads, building.bounds(), to);
   addOutline(*shell_, openTowards(*shell_, eye), to);  // stays where things come or go
+  if (case_->index().north && eye) {
+    const Needle needle = northNeedle(*eye, openTowards(*shell_, eye));
+    const auto dark = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kDarkMark)});
+    const auto light = addMaterial(to, {Rgb::Zero(), Rgb::Constant(kOutline)});
+    to.triangles.push_back({{needle.tip, needle.left, needle.notch}, dark});
+    to.triangles.push_back({{needle.tip, needle.notch, needle.right}, light});
+  }
 }
 
 /// Dark lines along the edges of all faces, as drawings have them.
@@ -592,6 +599,26 @@ void FdsLayer::addOutline(const FdsBuilding& building, FdsSides open, TriangleMe
   }
 }
 
+/// A needle on the ground beside that ruler which is to the right.
+FdsLayer::Needle FdsLayer::northNeedle(const Vec3& eye, FdsSides open) const {
+  constexpr double kLength = 0.075, kBeside = 0.15;  // of the outline's diagonal
+  const Box3& box = shell_->bounds();
+  const double size = box.size().norm();
+  const Vec3 right = (box.centre() - eye).cross(Vec3::UnitZ());
+  Vec3 middle = Vec3::Zero();
+  for (int axis = 0; axis < 2; ++axis) {
+    Vec3 at = rulerStart(box, axis, open, kBeside * size);
+    at[axis] += 0.5 * box.size()[axis];
+    if (axis == 0 || (at - middle).dot(right) > 0)
+      middle = at;
+  }
+  const double angle = *case_->index().north * std::numbers::pi / 180;
+  const Vec3 way = kLength * size * Vec3(std::sin(angle), std::cos(angle), 0);
+  const Vec3 aside(0.3 * way.y(), -0.3 * way.x(), 0);
+  return {middle + 0.5 * way, middle - 0.3 * way, middle - 0.5 * way - aside,
+          middle - 0.5 * way + aside, middle + 0.85 * way};
+}
+
 Vec3 FdsLayer::rulerStart(const Box3& box, int axis, FdsSides open, double beside) {
   const int across = 1 - axis;
   const bool far = (open >> (2 * across + 1) & 1) != 0;
@@ -608,6 +635,8 @@ std::vector<PlaceMark> FdsLayer::rulerMarks(const std::optional<Vec3>& eye) cons
   const Box3& box = shell_->bounds();
   const double step = ruler(), beside = kBeside * box.size().norm();
   std::vector<PlaceMark> marks;
+  if (case_->index().north && eye)
+    marks.push_back({northNeedle(*eye, open).letter, "N"});
   for (int axis = 0; axis < 2; ++axis) {
     const Vec3 from = rulerStart(box, axis, open, beside);
     const double length = box.size()[axis];

@@ -75,7 +75,7 @@ class FdsLayer {
   /// Adds the obstructions, vents and walls of that time, coloured as the case says; what has no
   /// colour of its own is light grey. Ambient light alone would show no edges, so faces reflect less
   /// of their colour the less they face up. An open building stands in its meshes' outline, with a
-  /// ruler along the two lower edges before it.
+  /// ruler along the two lower edges before it, and a needle to the north where the case says it.
   void addBuilding(double time, const std::optional<Vec3>& eye, TriangleMesh& to) const;
 
   /// From where the case is seen where nobody says. An open building: from outside and above, so far
@@ -107,6 +107,11 @@ class FdsLayer {
   CameraDescription outsideCamera() const;
   std::optional<CameraDescription> insideCamera() const;
   double ruler() const;
+  /// Which points north, where the case says it.
+  struct Needle {
+    Vec3 tip, notch, left, right, letter;
+  };
+  Needle northNeedle(const Vec3& eye, FdsSides open) const;
   /// Where the ruler of x (0) or y (1) begins, `beside` the outline [m].
   static Vec3 rulerStart(const Box3& box, int axis, FdsSides open, double beside);
   void addEdges(std::span<const FdsQuad> quads, const Box3& bounds, TriangleMesh& to) const;

@@ -72,6 +72,8 @@ class FdsSight final : public SightField {
 
   std::span<const double> times() const override { return case_.times(); }
 
+  std::optional<double> north() const override { return case_.index().north; }
+
   Box3 bounds() const override { return case_.bounds(); }
 
   [[nodiscard]] Result<std::shared_ptr<const SightInstant>> read(std::size_t time) override {
