@@ -184,6 +184,28 @@ class Fds(support.TestCase):
         self.works("render", self.case, "-o", self.path("x.png"), "--size", "40x40")
         self.assertIn(b"fire: black body 1500 K, 20/m per MW/m3, above 600 kW/m3", self.path("x.png").read_bytes())
 
+    def test_a_surface_of_a_quantity_is_a_translucent_sheet(self):
+        for mesh, count, value in ((1, 2, 20.0), (2, 4, 100.0)):
+            self.add_slice(mesh, (0, count) * 3, value, ("TEMPERATURE", "temp", "C"))
+
+        def along_x(*more):
+            self.works("render", self.case, "-o", self.path("x.exr"), "--ortho", "0.1", "--eye", "-1,0.75,0.5", "--target",
+                       "2,0.75,0.5", "--size", "4x4", "--time", "0", "--aov", "optical-depth", *more)
+            return self.works("info", self.path("x.exr"), "--json").json["maximum"]
+
+        self.assertAlmostEqual(along_x(), 3, delta=1e-5)
+        sheet = -math.log(0.6)
+        self.assertAlmostEqual(along_x("--fds-iso", "TEMPERATURE 60"), 3 + sheet, delta=1e-5)
+        self.assertAlmostEqual(along_x("--fds-iso", "TEMPERATURE 40,60,300"), 3 + 2 * sheet, delta=1e-5)
+        self.works("render", self.case, "-o", self.path("x.png"), "--size", "40x40", "--fds-iso", "TEMPERATURE 60")
+        self.assertIn(b"surface: TEMPERATURE = 60 C", self.path("x.png").read_bytes())
+        for text, says in (("TEMPERATURE", "is no isosurface"), ("TEMPERATURE 1,x", "is no isosurface"),
+                           ("TEMPERATURE nan", "is no isosurface"), ("HEAT 3", "no file of the case has 'HEAT'")):
+            said = self.fails(1 if text == "HEAT 3" else 2, "render", self.case, "-o", self.path("x.png"), "--fds-iso", text)
+            self.assertIn(says, said)
+        self.assertIn("isosurfaces of an FDS case", self.fails(1, "render", self.case, "-o", self.path("x.png"), "--fds-iso",
+                                                               "TEMPERATURE 60", "--renderer", "gl"))
+
     def test_devices_are_listed_and_marked(self):
         with self.case.open("a") as file:
             file.write("DEVICE\n exit % VISIBILITY\n 1.5 0.0 0.5 0 0 -1 0 0\nDEVICE_ACT 1\n 1 4.0 1\n")

@@ -83,6 +83,12 @@ Status drawable(const VolumeAt& volume) {
   return fail(ErrorCode::kUnsupported, "a volume that is lit or burns");
 }
 
+Status drawable(const FdsAt& fds) {
+  if (fds.sheets().empty())
+    return {};
+  return fail(ErrorCode::kUnsupported, "isosurfaces of an FDS case");
+}
+
 template <class M>
 void addRow() {
   glMedia().add<M>([](const M& medium, const GlSnapshotOptions& options) -> Result<GlParts> {

@@ -157,6 +157,10 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Scene
     VOLUTE_ASSIGN(layer.slice_, FdsSliceSheet::open(layer.case_->index(), description.fds.slice,
                                                     description.fds.sliceRange, reading));
   }
+  if (!description.fds.iso.empty()) {
+    VOLUTE_ASSIGN(layer.iso_,
+                  FdsIsoSheets::open(layer.case_->index(), description.fds.iso, reading));
+  }
   return layer;
 }
 
@@ -169,7 +173,7 @@ bool FdsLayer::readsTheSame(const SmokeDescription& a, const SmokeDescription& b
   return a.file == b.file && a.field == b.field &&
          a.model.massExtinction == b.model.massExtinction && a.model.c == b.model.c &&
          sameFire(a.fds, b.fds) && a.fds.devices == b.fds.devices && a.fds.slice == b.fds.slice &&
-         a.fds.sliceRange == b.fds.sliceRange;
+         a.fds.sliceRange == b.fds.sliceRange && a.fds.iso == b.fds.iso;
 }
 
 FdsLayer FdsLayer::with(const SmokeDescription& description, const SceneLights& lights) const {
@@ -280,6 +284,10 @@ Result<std::optional<FdsFlame>> FdsLayer::fireAt(double time) const {
   return flame.burns() ? std::optional(std::move(flame)) : std::nullopt;
 }
 
+Result<std::vector<FdsIso>> FdsLayer::isoAt(double time) const {
+  return iso_ ? iso_->at(caseTime(time)) : Result<std::vector<FdsIso>>(std::vector<FdsIso>());
+}
+
 FdsBuilding FdsLayer::buildingAt(double time) const {
   return {case_->index(), caseTime(time)};
 }
@@ -348,6 +356,8 @@ std::vector<std::string> FdsLayer::words(const std::optional<Vec3>& eye) const {
     words.push_back(
         fmt::format("{} devices: blue, active ones magenta", case_->index().devices.size()));
   }
+  if (iso_)
+    words.push_back("surface: " + iso_->words());
   if (slice_) {
     words.push_back(fmt::format("slice: {} {:.4g} .. {:.4g} {}", slice_->quantity(),
                                 slice_->range()[0], slice_->range()[1], slice_->unit()));

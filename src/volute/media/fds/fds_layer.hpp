@@ -14,6 +14,7 @@
 #include "volute/geometry/triangle_scene.hpp"
 #include "volute/medium/any_medium.hpp"
 #include "volute/media/camera_file.hpp"
+#include "volute/media/fds/fds_iso_sheets.hpp"
 #include "volute/media/fds/fds_slice.hpp"
 #include "volute/media/reading.hpp"
 #include "volute/media/scene_medium.hpp"
@@ -64,6 +65,9 @@ class FdsLayer {
   /// has neither flame temperature nor heat release, or it is not shown, or nothing burns.
   [[nodiscard]] Result<std::optional<FdsFlame>> fireAt(double time) const;
 
+  /// The translucent surfaces at a time of the scene [s]; none where none is asked for.
+  [[nodiscard]] Result<std::vector<FdsIso>> isoAt(double time) const;
+
   /// A number for what addSurfaces() adds: while it stays, so do they.
   std::uint64_t surfacesAt(double time, const std::optional<Vec3>& eye) const;
 
@@ -97,6 +101,9 @@ class FdsLayer {
 
   /// The slice that is shown, or null.
   const FdsSliceSheet* slice() const { return slice_ ? &*slice_ : nullptr; }
+
+  /// The translucent surfaces that are shown, or null.
+  const FdsIsoSheets* iso() const { return iso_ ? &*iso_ : nullptr; }
 
  private:
   FdsLayer() = default;
@@ -132,6 +139,7 @@ class FdsLayer {
   double brightest_ = 1500;        // [K], of FdsFlame::glowing()
   FlameLaw flame_;
   std::optional<FdsSliceSheet> slice_;
+  std::optional<FdsIsoSheets> iso_;
   std::shared_ptr<const FdsBuilding> shell_;  // at the first time
   std::vector<double> events_;  // of obstructions, and of devices where they are shown; ascending
 };

@@ -88,6 +88,7 @@ void FdsAt::addMedia(std::vector<AnyMedium>& media) const {
   media.push_back(scaledBy(factor_, AnyMedium(smoke_)));
   if (fire_)
     media.emplace_back(*fire_);
+  for (const FdsIso& sheet : sheets_) media.emplace_back(sheet);
 }
 
 FdsSceneMedium::FdsSceneMedium(FdsLayer layer) : layer_(std::move(layer)) {
@@ -107,8 +108,10 @@ Result<std::shared_ptr<const MediumAt>> FdsSceneMedium::at(const InstantRequest&
                                                            Progress&) {
   VOLUTE_ASSIGN(auto smoke, layer_.fieldAt(request.time));
   VOLUTE_ASSIGN(auto fire, layer_.fireAt(request.time));
+  VOLUTE_ASSIGN(auto sheets, layer_.isoAt(request.time));
   const double factor = request.factor * layer_.description().model.scale;
-  return std::make_shared<const FdsAt>(std::move(smoke), factor, std::move(fire));
+  return std::make_shared<const FdsAt>(std::move(smoke), factor, std::move(fire),
+                                       std::move(sheets));
 }
 
 Result<std::optional<FirstTime>> FdsSceneMedium::firstTime(Progress& progress) {
@@ -119,6 +122,8 @@ MediumText FdsSceneMedium::text(const std::optional<Vec3>& eye) const {
   const std::vector<std::string> words = layer_.words(eye);
   MediumText text{words, words};
   text.marks = layer_.rulerMarks(eye);
+  if (const FdsIsoSheets* iso = layer_.iso(); iso && iso->levels().size() > 1)
+    text.scale = ColorScale{ColorMap::kViridis, iso->levels().back(), iso->levels().front()};
   if (const FdsSliceSheet* slice = layer_.slice())
     text.scale = ColorScale{ColorMap::kViridis, slice->range()[1], slice->range()[0]};
   return text;

@@ -11,8 +11,11 @@ namespace volute {
 class FdsAt final : public MediumAt {
  public:
   /// @param factor  of the smoke's extinction and of what it scatters
-  FdsAt(FdsField smoke, double factor, std::optional<FdsFlame> fire)
-      : smoke_(std::move(smoke)), factor_(factor), fire_(std::move(fire)) {}
+  FdsAt(FdsField smoke, double factor, std::optional<FdsFlame> fire, std::vector<FdsIso> sheets)
+      : smoke_(std::move(smoke)),
+        factor_(factor),
+        fire_(std::move(fire)),
+        sheets_(std::move(sheets)) {}
 
   void addMedia(std::vector<AnyMedium>& media) const override;
 
@@ -23,10 +26,14 @@ class FdsAt final : public MediumAt {
   /// Which shines and hides nothing; nothing where there is none.
   const std::optional<FdsFlame>& fire() const { return fire_; }
 
+  /// Translucent surfaces.
+  std::span<const FdsIso> sheets() const { return sheets_; }
+
  private:
   FdsField smoke_;
   double factor_;
   std::optional<FdsFlame> fire_;
+  std::vector<FdsIso> sheets_;
 };
 
 /// An FDS case in a scene: smoke, fire and the building.

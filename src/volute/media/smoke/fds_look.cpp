@@ -132,6 +132,10 @@ const FieldTable& fdsFields() {
        .help = "of the slice's colours; else all its values", .count = 2,
        .option = {.value = "A,B", .name = "fds-slice-range", .beside = "fds-slice",
                   .picture = true}},
+      {.name = "iso", .type = kText, .access = member<&Smoke::fds, &FdsLook::iso>(),
+       .help = "translucent surfaces on which a quantity of 3D slices or PLOT3D has these values, as "
+               "\"TEMPERATURE 60\" or \"TEMPERATURE 60,200\"; drawn by the CPU",
+       .option = {.value = "SURFACE", .name = "fds-iso", .picture = true}},
       clockField<&Smoke::clock>()};
   // clang-format on
   static const FieldTable kTable =

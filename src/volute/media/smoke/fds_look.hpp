@@ -30,6 +30,7 @@ struct FdsLook {
   std::vector<FdsCut> cuts;      ///< FdsCut::above is settled by the eye; from nowhere it is true
   bool devices = false;          ///< as marks
   std::string slice;             ///< the quantity of a 2D slice, as FDS names it; empty: none
+  std::string iso;               ///< a quantity and its values on surfaces; empty: none
   std::optional<std::array<double, 2>> sliceRange;  ///< of its colours; nothing: all its values
 };
 
