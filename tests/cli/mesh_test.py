@@ -2,8 +2,6 @@
 # SPDX-FileCopyrightText: The Volute authors
 """What the program says of smoke on a mesh: `volute info`, and wrong requests."""
 import json
-import os
-import subprocess
 
 import smoke_files
 import support
@@ -74,16 +72,11 @@ class Memory(support.TestCase):
         for verb, options in verbs.items():
             codes = []
             for allowed in (96, 192, 384):
-                command = [support.PROGRAM, verb, self.path("hall.pvd"), *options, "--max-memory", f"{allowed}M"]
-                process = subprocess.Popen(list(map(str, command)), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-                message = process.stderr.read().decode()
-                _, status, usage = os.wait4(process.pid, 0)
-                process.returncode = os.waitstatus_to_exitcode(status)
-                process.stderr.close()
-                codes.append(process.returncode)
+                code, message, peak = self.peak(verb, self.path("hall.pvd"), *options, "--max-memory", f"{allowed}M")
+                codes.append(code)
                 with self.subTest(verb=verb, allowed=allowed):
-                    self.assertLess(usage.ru_maxrss << 10, (allowed << 20) + own, message)
-                    if process.returncode != 0:
+                    self.assertLess(peak, (allowed << 20) + own, message)
+                    if code != 0:
                         self.assertIn("--max-memory", message)
             self.assertEqual((codes[0], codes[-1]), (1, 0), verb)
 

@@ -186,18 +186,13 @@ class Interrupted(ring.TestCase):
 class Memory(ring.TestCase):
     SIDE = 48  # 1.3 MB a frame
 
-    def peak(self, frames, output):
+    def held(self, frames, output):
         """The most memory that the program held [MB]."""
-        process = subprocess.Popen([support.PROGRAM, "reconstruct", self.path("capture.json"), "-o", self.path(output),
-                                    "--frames", f"10:{10 + frames}", "--resolution", str(self.SIDE), "--iterations", "5",
-                                    "--regularization", "none", "--threads", "1"],
-                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-        message = process.stderr.read().decode()
-        process.stderr.close()
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        self.assertEqual(process.returncode, 0, message)
-        return usage.ru_maxrss / 1024
+        code, message, peak = self.peak("reconstruct", self.path("capture.json"), "-o", self.path(output),
+                                        "--frames", f"10:{10 + frames}", "--resolution", self.SIDE, "--iterations", 5,
+                                        "--regularization", "none", "--threads", 1)
+        self.assertEqual(code, 0, message)
+        return peak / (1 << 20)
 
     def test_does_not_grow_with_the_sequence(self):
         for frame in range(14, 23):
@@ -205,7 +200,7 @@ class Memory(ring.TestCase):
                 os.link(self.path(f"{name}_{10 + frame % 4:04d}.exr"), self.path(f"{name}_{frame:04d}.exr"))
         self.json["frames"] = list(range(10, 23))
         self.write_capture()
-        few, many = self.peak(3, "few.npy"), self.peak(13, "many.npy")
+        few, many = self.held(3, "few.npy"), self.held(13, "many.npy")
         self.assertLess(many, few + 4 * 3 * self.SIDE ** 3 * 4 / 1e6, "less than four frames more")
 
 

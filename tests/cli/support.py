@@ -113,6 +113,15 @@ class TestCase(unittest.TestCase):
             self.assertEqual(schema.faults(scene), [], "docs/scene.schema.json refuses what was rendered")
         return result
 
+    def peak(self, *arguments):
+        """Exit code, message, and the most memory that the program and those it waited for held [bytes]."""
+        process = subprocess.Popen([PROGRAM, *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        message = process.stderr.read().decode()
+        process.stderr.close()
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        return process.returncode, message, usage.ru_maxrss << 10
+
     def fails(self, code, *arguments, **options):
         """The program ends with `code` and one sentence, and leaves no new file."""
         before = self.files()

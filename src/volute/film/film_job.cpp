@@ -9,6 +9,7 @@
 #include <cstring>
 #include <string>
 
+#include "volute/base/gather_values.hpp"
 #include "volute/base/process_usage.hpp"
 
 namespace volute {
@@ -231,12 +232,8 @@ Status scaleContour(FilmJob& job, Progress& progress, Team& team) {
         largest = std::max(largest, largestOn(*job.contour, snapshot.media));
         return {};
       }));
-  VOLUTE_ASSIGN(const auto all, team.gatherAll(std::as_bytes(std::span(&largest, 1))));
-  for (const auto& bytes : all) {
-    double other = 0;
-    std::memcpy(&other, bytes.data(), sizeof other);
-    largest = std::max(largest, other);
-  }
+  VOLUTE_ASSIGN(const auto all, gatherValues(team, std::span<const double>(&largest, 1)));
+  largest = std::ranges::max(all);
   job.contour->most = largest > 0 ? largest : 1;
   return {};
 }

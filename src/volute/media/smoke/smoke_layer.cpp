@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/gather_values.hpp"
 #include "volute/base/stopwatch.hpp"
 #include "volute/media/smoke/shared_light.hpp"
 #include "volute/media/smoke/smoke_words.hpp"
@@ -47,10 +48,8 @@ Result<SmokeLayer> SmokeLayer::open(const SmokeDescription& description,
   layer.bounds_ = stored->frame.mesh->bounds();
   if (holders) {
     const Box3 own = layer.bounds_;
-    VOLUTE_ASSIGN(const auto all, holders->gatherAll(std::as_bytes(std::span(&own, 1))));
-    for (const auto& bytes : all) {
-      Box3 share;
-      std::memcpy(static_cast<void*>(&share), bytes.data(), sizeof share);
+    VOLUTE_ASSIGN(const auto shares, gatherValues(*holders, std::span(&own, 1)));
+    for (const Box3& share : shares) {
       layer.bounds_.extend(share.min);
       layer.bounds_.extend(share.max);
     }
@@ -127,16 +126,11 @@ Status SmokeLayer::checkShare(const Stored& stored) const {
 
 /// Of all shares. Collective where there are several.
 Result<double> SmokeLayer::largestOf(std::span<const float> extinction) {
-  double most = *std::ranges::max_element(extinction);
+  const double most = *std::ranges::max_element(extinction);
   if (!holders_)
     return most;
-  VOLUTE_ASSIGN(const auto all, holders_->gatherAll(std::as_bytes(std::span(&most, 1))));
-  for (const auto& bytes : all) {
-    double one = 0;
-    std::memcpy(&one, bytes.data(), sizeof one);
-    most = std::max(most, one);
-  }
-  return most;
+  VOLUTE_ASSIGN(const auto all, gatherValues(*holders_, std::span(&most, 1)));
+  return std::ranges::max(all);
 }
 
 /// What the choice of quantity and unit comes to, at the first step with smoke.

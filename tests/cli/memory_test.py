@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""What --max-memory promises, by the peak of the program's resident memory. Meshes are in mesh_test.py, captures in
+reconstruct_test.py, folders of mounted frames in mount_test.py."""
+import array
+import math
+import struct
+
+import support
+
+SIDE, FRAMES = 56, 96  # 67 MB of floats
+
+
+def write_sequence(path, first=0):
+    """A puff that moves a voxel a frame; every value a little different, so that blocks are full."""
+    line = [math.exp(-((i - SIDE / 2) / 9) ** 2) for i in range(SIDE)]
+    puff = array.array("f", (a * b * c + 0.01 * math.sin(7 * i) for a in line for b in line for i, c in enumerate(line)))
+    header = f"{{'descr': '<f4', 'fortran_order': False, 'shape': ({FRAMES}, {SIDE}, {SIDE}, {SIDE}), }}".ljust(117) + "\n"
+    with open(path, "wb") as file:
+        file.write(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode())
+        data = puff.tobytes()
+        for frame in range(first, first + FRAMES):
+            at = 4 * SIDE * (frame % SIDE)
+            file.write(data[at:] + data[:at])
+
+
+class Memory(support.TestCase):
+    OWN = 80 << 20  # the program and its libraries
+
+    def expect_held(self, verb, arguments, limits, sequence):
+        """With the first limit it is refused, with the last it works, and a sequence longer than the limit fits."""
+        codes = []
+        for allowed in limits:
+            code, message, peak = self.peak(verb, *arguments, "--max-memory", f"{allowed}K")
+            codes.append(code)
+            with self.subTest(verb=verb, allowed=allowed):
+                self.assertIn(code, (0, 1), message)
+                self.assertLess(peak, (allowed << 10) + self.OWN, message)
+                if code:
+                    self.assertIn("memory", message)
+        self.assertEqual((codes[0], codes[-1]), (1, 0), (verb, codes))
+        self.assertLess(limits[-1] << 10, sequence, verb)
+
+    def test_of_sequences_larger_than_it(self):
+        sequence = 4 * FRAMES * SIDE ** 3
+        write_sequence(self.path("in.npy"))
+        self.works("compress", self.path("in.npy"), "-o", self.path("a.volute"), "--rms", "0.001")
+        packed = self.path("a.volute")
+        view = ("--size", "48x36", "--eye", "3,3,2", "--target", "0.5,0.5,0.5", "--fov", 30)
+        limits = (100, 20 << 10, 56 << 10)
+        for verb, arguments in (
+                ("compress", (self.path("in.npy"), "-o", self.path("b.volute"), "--rms", "0.001")),
+                ("extract", (packed, "-o", self.path("x.npy"))),
+                ("compare", (packed, self.path("in.npy"))),
+                ("render", (packed, "-o", self.path("x.png"), "--time", 0, *view)),
+                ("render", (packed, "-o", self.path("x_%02d.png"), "--frames", "0:40:8", *view))):
+            self.expect_held(verb, arguments, limits, sequence)
+
+    def test_beside_it_nothing_grows_with_the_sequence(self):
+        write_sequence(self.path("in.npy"))
+        peaks = {}
+        for name, frames in (("short", "0:16"), ("long", f"0:{FRAMES}")):
+            code, message, peaks[name] = self.peak("compress", self.path("in.npy"), "-o", self.path(f"{name}.volute"), "--frames", frames,
+                                                   "--rms", "0.001", "--threads", 1, "--max-memory", "48M")
+            self.assertEqual(code, 0, message)
+        self.assertLess(peaks["long"], peaks["short"] + (16 << 20))
+
+
+if __name__ == "__main__":
+    support.main()
