@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """A .volute file as a folder of .vdb files."""
+import json
 import os
 import pathlib
 import shutil
@@ -11,6 +12,26 @@ import time
 import unittest
 
 import support
+
+# Run inside of Blender: plays the folder given last, and prints the grids of three frames.
+BLENDER_PLAYS = """
+import bpy, json, os, sys
+folder = sys.argv[-1]
+bpy.ops.wm.read_factory_settings(use_empty=True)
+names = sorted(os.listdir(folder))
+bpy.ops.object.volume_import(filepath=os.path.join(folder, names[0]), directory=folder,
+                             files=[{"name": name} for name in names], use_sequence_detection=True)
+volume = bpy.data.volumes[0]
+shown = []
+for frame in (1, 2, len(names)):
+    bpy.context.scene.frame_set(frame)
+    object = bpy.context.scene.objects[0].evaluated_get(bpy.context.evaluated_depsgraph_get())
+    grids = object.data.grids
+    grids.load()
+    shown.append([os.path.basename(grids.frame_filepath), [grid.name for grid in grids], grids.error_message,
+                  [round(side, 4) for side in object.dimensions]])
+print("PLAYED", json.dumps([volume.is_sequence, volume.frame_duration, shown]))
+"""
 
 CAN = os.access("/dev/fuse", os.R_OK | os.W_OK) and shutil.which("fusermount3")
 
@@ -148,6 +169,22 @@ class Mount(support.TestCase):
         subprocess.run(["fusermount3", "-u", str(folder)], check=True)
         self.assertTrue(self.is_gone(folder))
         self.mount(self.path("in.volute"))  # and serves again
+
+    @unittest.skipUnless(shutil.which("blender"), "Blender is not installed")
+    def test_blender_plays_it(self):
+        """As it comes, without a plug-in."""
+        _, folder = self.mount(self.make_volute(frames=18))
+        script = self.path("play.py")
+        script.write_text(BLENDER_PLAYS)
+        done = subprocess.run(["blender", "--background", "--python", script, "--", folder], capture_output=True, text=True, timeout=200)
+        said = [line for line in done.stdout.splitlines() if line.startswith("PLAYED")]
+        self.assertEqual(len(said), 1, done.stdout + done.stderr)
+        is_sequence, duration, shown = json.loads(said[0][len("PLAYED"):])
+        self.assertEqual((is_sequence, duration), (True, 18))
+        names = sorted(os.listdir(folder))
+        for name, (file, grids, error, size) in zip((names[0], names[1], names[-1]), shown):
+            self.assertEqual((file, grids, error), (name, ["density"], ""))
+            self.assertGreater(min(size), 0)
 
     def test_memory_does_not_grow(self):
         file = self.make_volute(frames=40, size=16)
