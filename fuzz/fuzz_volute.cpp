@@ -18,21 +18,64 @@ namespace {
 
 constexpr std::uint64_t kMaxMemory = std::uint64_t{64} << 20;
 
-/// A small file may state millions of blocks; one of 16^4 voxels takes a millisecond.
-std::vector<std::size_t> someBlocks(std::size_t count) {
-  if (count < 2)
-    return std::vector<std::size_t>(count);
-  return {0, count - 1};
-}
+/// A small file may state millions of blocks, and one of 16^4 voxels takes a millisecond: so much is
+/// decoded for one input.
+class Work {
+ public:
+  explicit Work(std::size_t size) : turn_(size) {}
+
+  /// Whether `values` more may be decoded; the first always, whatever its size.
+  bool allows(std::size_t values) {
+    constexpr std::size_t kMostValues = std::size_t{1} << 15;
+    if (done_ > 0 && values > kMostValues - std::min(done_, kMostValues))
+      return false;
+    done_ += values;
+    return true;
+  }
+
+  /// Inputs of other sizes begin with another way to decode, so that none is left out.
+  std::size_t turn() const { return turn_; }
+
+ private:
+  std::size_t turn_;
+  std::size_t done_ = 0;
+};
 
 void requireFinite(std::span<const float> values) {
   if (!std::ranges::all_of(values, [](float value) { return std::isfinite(value); }))
     std::abort();
 }
 
+void decodeBlock(const volute::VoluteReader& reader, std::size_t block, int levels, Work& work) {
+  const std::size_t count = reader.blocks().values(block);
+  if (!work.allows(count))
+    return;
+  static std::vector<float> values;
+  values.resize(count);
+  if (reader.readBlock(block, values, levels))
+    requireFinite(values);
+}
+
+/// Up to 20 voxels on each axis are of two blocks on each, which are decoded whole; 4 are of one.
+void decodeRegion(const volute::VoluteReader& reader, Work& work) {
+  const volute::BlockGrid& grid = reader.blocks();
+  const auto& extents = grid.volumeExtents();
+  const std::size_t block = grid.values(grid.count() - 1);
+  const int most = work.allows(8 * block) ? 20 : 4;
+  if (most == 4 && !work.allows(block))
+    return;
+  const int z = std::min(extents[1], most);
+  const int y = std::min(extents[2], most);
+  const int x = std::min(extents[3], most);
+  static std::vector<float> values;
+  values.resize(static_cast<std::size_t>(z) * y * x * grid.channels());
+  if (reader.readRegion(extents[0] - 1, {0, 0, 0}, {z, y, x}, values))
+    requireFinite(values);
+}
+
 // Everything that a caller can ask of a grid; errors are fine, crashes and values that are not
 // finite are not. Returns whether it opened.
-bool readGrid(const std::string& path, bool partial, const std::string& name,
+bool readGrid(const std::string& path, bool partial, const std::string& name, Work& work,
               std::vector<std::string>* others) {
   const auto reader = volute::VoluteReader::open(path, {partial, kMaxMemory, name});
   if (!reader)
@@ -44,33 +87,35 @@ bool readGrid(const std::string& path, bool partial, const std::string& name,
       std::abort();
   }
   const volute::BlockGrid& grid = reader->blocks();
-  if (grid.count() > 100000)
+  if (grid.count() == 0 || grid.count() > 100000)
     return true;
   (void)reader->verify();
-  std::vector<float> values;
-  for (const std::size_t block : someBlocks(grid.count())) {
-    values.resize(grid.values(block));
-    for (const int levels : {1, 99}) {
-      if (reader->readBlock(block, values, levels))
-        requireFinite(values);
+  constexpr std::size_t kWays = 4;
+  for (std::size_t way = 0; way < kWays; ++way) {
+    switch ((work.turn() + way) % kWays) {
+      case 0:
+        decodeBlock(*reader, 0, 99, work);
+        break;
+      case 1:
+        decodeBlock(*reader, grid.count() - 1, 99, work);
+        break;
+      case 2:
+        decodeBlock(*reader, 0, 1, work);
+        break;
+      default:
+        decodeRegion(*reader, work);
     }
   }
-  const auto& extents = grid.volumeExtents();
-  const int z = std::min(extents[1], 20);
-  const int y = std::min(extents[2], 20);
-  const int x = std::min(extents[3], 20);
-  values.resize(static_cast<std::size_t>(z) * y * x * grid.channels());
-  if (reader->readRegion(extents[0] - 1, {0, 0, 0}, {z, y, x}, values))
-    requireFinite(values);
   return true;
 }
 
-bool readEverything(const std::string& path, bool partial) {
+bool readEverything(const std::string& path, bool partial, std::size_t size) {
   constexpr std::size_t kMostGrids = 4;
+  Work work(size);
   std::vector<std::string> others;
-  const bool opened = readGrid(path, partial, "", &others);
+  const bool opened = readGrid(path, partial, "", work, &others);
   for (std::size_t i = 0; i < std::min(others.size(), kMostGrids); ++i)
-    readGrid(path, partial, others[i], nullptr);
+    readGrid(path, partial, others[i], work, nullptr);
   return opened;
 }
 
@@ -82,7 +127,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (::ftruncate(file, 0) != 0 || ::pwrite(file, data, size, 0) != static_cast<ssize_t>(size))
     std::abort();
   const std::string path = "/proc/self/fd/" + std::to_string(file);
-  if (!readEverything(path, false))
-    readEverything(path, true);
+  if (!readEverything(path, false, size))
+    readEverything(path, true, size);
   return 0;
 }
