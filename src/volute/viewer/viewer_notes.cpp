@@ -235,8 +235,9 @@ void ViewerApp::browse(const std::filesystem::path& folder) {
 }
 
 void ViewerApp::chooseFile(const std::filesystem::path& path) {
+  const std::string chosen = path.string();  // the path may be the browser's own
   browser_.reset();
-  leaveFor(path.string());
+  leaveFor(chosen);
 }
 
 void ViewerApp::pollDialog() {
