@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/input_file.hpp"
@@ -27,15 +28,15 @@ struct Bytes {
 
   template <class T>
   void put(const std::vector<T>& from) {
-    std::memcpy(at, from.data(), from.size() * sizeof(T));
-    at += from.size() * sizeof(T);
+    at = std::ranges::copy(std::as_bytes(std::span(from)), at).out;
   }
 
   template <class T>
   void get(std::vector<T>& to, std::uint64_t count) {
     to.resize(count);
-    std::memcpy(static_cast<void*>(to.data()), at, count * sizeof(T));
-    at += count * sizeof(T);
+    const auto bytes = std::as_writable_bytes(std::span(to));
+    std::copy_n(at, bytes.size(), bytes.begin());
+    at += bytes.size();
   }
 };
 
@@ -165,7 +166,8 @@ Result<std::vector<double>> readTimes(const std::filesystem::path& path,
                 file, reply.size() / sizeof(double));
   }
   std::vector<double> times(reply.size() / sizeof(double));
-  std::memcpy(times.data(), reply.data(), times.size() * sizeof(double));
+  if (!times.empty())
+    std::memcpy(times.data(), reply.data(), times.size() * sizeof(double));
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (!std::isfinite(times[i]) || (i > 0 && times[i] <= times[i - 1])) {
       return fail(ErrorCode::kInvalidData, "{}: instant {} is at {} s; expected ascending times",

@@ -104,7 +104,8 @@ TEST(ReaderProcess, OneThatWaitsForNothingIsGivenUp) {
   ReaderProcess process(ReaderJob{makeMisbehaving});
   const auto begun = std::chrono::steady_clock::now();
   EXPECT_FALSE(process.call("file", "wait", 0, {64 << 20, 60}));
-  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(6));
+  // 3 s; where a sanitizer works, 13 s were seen. By its CPU time it would have 20 minutes.
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(30));
 }
 
 std::atomic<bool> stopReading{false};
