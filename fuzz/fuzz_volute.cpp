@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::uint64_t kMaxMemory = std::uint64_t{64} << 20;
 
-/// A small file may state millions of blocks, and one of 16^4 voxels takes a millisecond: so much is
-/// decoded for one input.
+/// A small file may state millions of blocks, and one of 16^4 voxels takes a millisecond: so much
+/// is decoded for one input.
 class Work {
  public:
   explicit Work(std::size_t size) : turn_(size) {}

@@ -67,6 +67,7 @@ class Render(support.TestCase):
 
     def test_a_film_needs_less_memory_than_the_volume(self):
         """No dense copy of all frames is ever in memory, whether rows of frames are decoded or a tree is read."""
+        self.measures_memory()
         size, frames = 64, 160
         _, values = support.plume(1, size)
         write_npy(self.path("long.npy"), (frames, size, size, size), values, frames)

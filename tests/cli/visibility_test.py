@@ -129,6 +129,7 @@ class Fds(Visibility):
         self.works("render", self.path("out") / "views/view_1.json", "-o", self.path("again.png"), "--size", "64x40")
 
     def test_memory_does_not_grow_with_time(self):
+        self.measures_memory()
         most = []
         for count in (4, 60):
             mesh = Mesh("room", (0, 7, 0, 3, 0, 2.4), (70, 30, 24))
