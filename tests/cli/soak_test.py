@@ -191,10 +191,11 @@ class Soak:
         process = subprocess.Popen([support.PROGRAM, *arguments, *limits], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                                    stderr=subprocess.PIPE, env=self.environment, cwd=self.work)
         late = []
-        timers = [threading.Timer(LONGEST, lambda: (late.append(True), process.kill()))]
+        # Not by the process's own methods: they wait for it, and its memory would be lost.
+        timers = [threading.Timer(LONGEST, lambda: (late.append(True), os.kill(process.pid, signal.SIGKILL)))]
         if stops_after is not None:
             self.stopped += 1
-            timers.append(threading.Timer(stops_after, process.send_signal, [signal.SIGINT]))
+            timers.append(threading.Timer(stops_after, os.kill, [process.pid, signal.SIGINT]))
         for timer in timers:
             timer.start()
         message = process.stderr.read().decode(errors="replace")
