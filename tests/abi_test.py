@@ -4,7 +4,7 @@
 """Programs that were linked go on to work: `abi_test.py ROOT BUILD [--update]`.
 
 docs/abi/volute_c.abi is what abidw (Debian's abigail-tools) reads of libvolute_c.so: the functions and types of volute.h, which stay.
-docs/abi/volute-core.txt lists the functions of libvolute-core.so, which may change with its SOVERSION. Both say what programs can be
+docs/abi/volute-core.list lists the functions of libvolute-core.so, which may change with its SOVERSION. Both say what programs can be
 linked with today; --update writes them anew, for the commit that adds to them."""
 import pathlib
 import shutil
@@ -58,7 +58,7 @@ def main():
         print("abidw is not installed (Debian: abigail-tools)")
         return SKIPPED
     c, core = build / "src/volute/capi/libvolute_c.so", build / "libvolute-core.so"
-    kept_c, kept_core = root / "docs/abi/volute_c.abi", root / "docs/abi/volute-core.txt"
+    kept_c, kept_core = root / "docs/abi/volute_c.abi", root / "docs/abi/volute-core.list"
     if "--update" in sys.argv:
         dump(root, c, kept_c)
         kept_core.write_text("\n".join(functions(core)) + "\n")
