@@ -68,8 +68,8 @@ class Display:
         self.server.wait()
         self.server.stdout.close()
 
-    def window(self, title, seconds=30):
-        """The window with this title, once it is there."""
+    def window(self, program, seconds=30):
+        """The window of a program, once it is there; before the program's name its title may tell the open file."""
         name = ctypes.c_char_p()
         root, parent, count = ctypes.c_ulong(), ctypes.c_ulong(), ctypes.c_uint()
         children = ctypes.POINTER(ctypes.c_ulong)()
@@ -79,7 +79,7 @@ class Display:
                               ctypes.byref(children), ctypes.byref(count))
             for child in children[:count.value]:
                 self.x.XFetchName(self.connection, ctypes.c_ulong(child), ctypes.byref(name))
-                if name.value == title:
+                if name.value and name.value.endswith(program):
                     return ctypes.c_ulong(child)
             time.sleep(0.05)
         raise RuntimeError("no window appeared")
