@@ -54,9 +54,12 @@ double StepSearch::proposal() const {
     next = good_.step * std::exp(along * std::log(bad_.step / good_.step));
   } else {
     const Try& only = good_.known ? good_ : bad_;
-    // Where the outcome hardly depends on the step, steps of its own size would never arrive:
-    // each try goes further.
-    const double ratio = std::pow(aim / std::max(only.outcome, 1e-300), tries_);
+    // Where the outcome hardly depends on the step, or goes up and down with it just beside the
+    // target, steps of its own size would never arrive: each try goes further.
+    constexpr double kLeastMoveAtThird = 0.01;
+    const double least = tries_ < 3 ? 1 : 1 + kLeastMoveAtThird * std::ldexp(1.0, tries_ - 3);
+    double ratio = std::pow(aim / std::max(only.outcome, 1e-300), tries_);
+    ratio = ratio < 1 ? std::min(ratio, 1 / least) : std::max(ratio, least);
     const double move =
         std::clamp(problem_.grows ? ratio : 1 / ratio, 1 / kGreatestMove, kGreatestMove);
     next = only.step * move;
