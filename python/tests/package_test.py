@@ -8,6 +8,7 @@ import os
 import pathlib
 import pickle
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -393,6 +394,24 @@ class Package(unittest.TestCase):
         np.testing.assert_allclose(written.values[0], result.values[0], atol=written.values.max_error * 1.01)
         with self.assertRaisesRegex(TypeError, "resolutoin"):
             volute.reconstruct(capture, resolutoin=3)
+
+    def test_paraview(self):
+        if not shutil.which("pvpython"):
+            self.skipTest("there is no ParaView")
+        script = self.path / "plugin.py"
+        script.write_text(f"""
+import volute.vtk
+from paraview.simple import LoadPlugin, OpenDataFile
+LoadPlugin(volute.vtk.__file__, ns=globals())
+reader = OpenDataFile({self.file!r})
+reader.UpdatePipeline(reader.TimestepValues[-1])
+print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), reader.CellData[0].GetRange()[1])
+""")
+        done = subprocess.run(["pvpython", script], capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        *numbers, greatest = done.stdout.split()[-8:]
+        self.assertEqual(numbers, ["20", "0", "18", "0", "20", "0", "24"])
+        self.assertAlmostEqual(float(greatest), float(self.decoded[-1].max()), places=6)
 
     def test_vtk(self):
         try:

@@ -8,7 +8,10 @@
     reader.Update()                          # vtkImageData: values of cells, sizes and place in metres, times in seconds
 
 In ParaView: Tools, Manage Plugins, Load New: this file; then File, Open opens .volute files. ParaView's Python must find the package
-(PYTHONPATH). A time step decodes its frame; SetRegion() decodes a part of it."""
+(PYTHONPATH). A time step decodes its frame; SetRegion() decodes a part of it. ParaView 5.11 with Python 3.11, as in Debian 12, loads
+no plug-in in Python; after "import volute.vtk" in its Python shell it does."""
+import inspect
+
 import numpy as np
 from vtkmodules.numpy_interface import dataset_adapter
 from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
@@ -16,6 +19,8 @@ from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 
 import volute
 
+if not hasattr(inspect, "getargspec"):  # ParaView 5.11 asks for it, Python 3.11 has it no more
+    inspect.getargspec = inspect.getfullargspec
 try:
     from paraview.util.vtkAlgorithm import smdomain, smhint, smproperty, smproxy
 except ImportError:  # VTK alone
