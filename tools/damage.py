@@ -311,7 +311,11 @@ def main():
     parser.add_argument("names", nargs="*", help="formats; else all")
     options = parser.parse_args()
     volute = str(pathlib.Path(options.bin).resolve())
-    chosen = [form for form in formats(Samples(volute)) if not options.names or form.name in options.names]
+    known = formats(Samples(volute))
+    unknown = set(options.names) - {form.name for form in known}
+    if unknown:
+        parser.error(f"no format is named {', '.join(sorted(unknown))}: {', '.join(form.name for form in known)}")
+    chosen = [form for form in known if not options.names or form.name in options.names]
     print("| format | " + " | ".join(f"{kind}, {place}" for kind, place in KINDS)
           + " | faults |\n| --- |" + " ---: |" * (len(KINDS) + 1))
     faults = 0
