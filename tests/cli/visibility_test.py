@@ -236,6 +236,21 @@ class Plan(Visibility):
         self.assertEqual({v and round(v, 4) for row in report["aset_local"]["rows_interpolated"] for v in row}, {15.0, None})
         self.assertEqual((self.path("out") / "aset.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
 
+    def test_a_drawing_lies_over_maps(self):
+        case = self.two_meshes().write(self.folder)
+        signs = self.signs(self.east())
+        body = "0 SECTION 2 ENTITIES 0 LINE 10 500 20 500 11 6500 21 500 0 TEXT 1 hall 0 ENDSEC 0 EOF"
+        self.path("plan.dxf").write_text("0 SECTION 2 HEADER 9 $INSUNITS 70 4 0 ENDSEC ".replace(" ", "\n") + body.replace(" ", "\n") + "\n")
+        message = self.works("visibility", case, "--signs", signs, "-o", self.path("out"), "--step", "0.5", "--underlay",
+                             self.path("plan.dxf")).message
+        self.assertIn("plan.dxf: not drawn: 1 TEXT", message)
+        self.works("visibility", case, "--signs", signs, "-o", self.path("bare"), "--step", "0.5")
+        drawn, bare = ((self.path(name) / "aset.svg").read_text().count("<line") for name in ("out", "bare"))
+        self.assertEqual(drawn, bare + 1)
+        self.path("plan.dxf").write_text("0\nSECTION\n")
+        cut = self.fails(1, "visibility", case, "--signs", signs, "-o", self.path("cut"), "--underlay", self.path("plan.dxf"))
+        self.assertIn("cut off", cut)
+
     def test_a_rule_that_nobody_looked_up_says_so(self):
         for name, checked, extinction in (("large-room", False, 0.3), ("aset-rset-maps", True, 0.23)):
             self.look(self.case(range(0, 30, 2)), self.signs_of_hall(), "--height", 2, "--step", 2, "--maps", "aset",

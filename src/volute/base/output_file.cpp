@@ -74,12 +74,13 @@ Status syncFolderOf(const std::filesystem::path& path, const std::string& name) 
 
 }  // namespace
 
-PendingFile::PendingFile(std::filesystem::path temporary, std::filesystem::path target, std::filesystem::path place)
-    : temporary_(std::move(temporary)), target_(std::move(target)), place_(std::move(place)) {}
+PendingFile::PendingFile(std::filesystem::path target, std::filesystem::path place)
+    : target_(std::move(target)), place_(std::move(place)) {}
 
 Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
   static std::atomic<unsigned> counter{0};
   VOLUTE_ASSIGN(const auto place, placeOf(target));
+  PendingFile pending(target, place);  // before the file is there: memory may end here
   struct stat old {};
   const bool replaces = ::stat(place.c_str(), &old) == 0;
   if (replaces)
@@ -97,7 +98,8 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
     (void)::fchmod(descriptor, old.st_mode & 07777);
   }
   ::close(descriptor);
-  return PendingFile(std::move(temporary), target, place);
+  pending.temporary_ = std::move(temporary);
+  return pending;
 }
 
 PendingFile::~PendingFile() {

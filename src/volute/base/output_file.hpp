@@ -33,11 +33,11 @@ class PendingFile {
   [[nodiscard]] Status commit();
 
  private:
-  PendingFile(std::filesystem::path temporary, std::filesystem::path target, std::filesystem::path place);
+  PendingFile(std::filesystem::path target, std::filesystem::path place);
 
-  std::filesystem::path temporary_;
-  std::filesystem::path target_;  // as it was named
-  std::filesystem::path place_;   // where it is, symbolic links followed
+  std::filesystem::path temporary_;  // empty: there is none
+  std::filesystem::path target_;     // as it was named
+  std::filesystem::path place_;      // where it is, symbolic links followed
 };
 
 /// A PendingFile with a descriptor: bytes in order, then commit(). "-" as the target is standard output.

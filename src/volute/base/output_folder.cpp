@@ -73,11 +73,13 @@ Result<PendingFolder> PendingFolder::create(const fs::path& wanted, std::string_
   auto temporary = target;
   temporary.replace_filename(fmt::format(".{}.{}.0.part", target.filename().string(), ::getpid()));
   fs::remove_all(temporary, error);
-  if (!fs::create_directory(temporary, error)) {
+  PendingFolder pending(std::move(temporary), target);  // memory may end here, before the folder is
+  if (!fs::create_directory(pending.temporary_, error)) {
+    pending.temporary_.clear();  // another's
     return fail(ErrorCode::kIo, "{}: cannot make this folder: {}", target.string(),
                 error ? error.message() : "it is there");
   }
-  return PendingFolder(std::move(temporary), target);
+  return pending;
 }
 
 PendingFolder::~PendingFolder() {

@@ -8,6 +8,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/io/lattice_message.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/io/reader_process.hpp"
 
@@ -27,98 +28,17 @@ struct Request {
   char usual[LatticeFrame::kMaxName + 1] = {};
 };
 
-/// Texts of any length in a message, each after its length.
-std::string texts(std::initializer_list<std::string_view> parts) {
-  std::string message;
-  for (const std::string_view part : parts) {
-    message += toMessage(static_cast<std::uint32_t>(part.size()));
-    message += part;
-  }
-  return message;
-}
-
-/// Takes the next text off a message; none where it is cut short.
-std::optional<std::string_view> nextText(std::string_view& message) {
-  std::uint32_t size = 0;
-  if (message.size() < sizeof size)
-    return std::nullopt;
-  std::memcpy(&size, message.data(), sizeof size);
-  message.remove_prefix(sizeof size);
-  if (size > message.size())
-    return std::nullopt;
-  const auto part = message.substr(0, size);
-  message.remove_prefix(size);
-  return part;
-}
-
-std::string encodeMetadata(const MetadataList& list) {
-  std::string message;
-  for (const GridMetadata& entry : list) message += texts({entry.name, entry.type, entry.value});
-  return message;
-}
-
-bool decodeMetadata(std::string_view message, MetadataList& list) {
-  while (!message.empty()) {
-    GridMetadata& entry = list.emplace_back();
-    for (std::string* text : {&entry.name, &entry.type, &entry.value}) {
-      const auto part = nextText(message);
-      if (!part)
-        return false;
-      *text = *part;
-    }
-  }
-  return true;
-}
-
-std::string encodeCache(const LatticeCache& cache) {
-  std::string message = texts({encodeMetadata(cache.metadata)});
-  for (const LatticeGrid& grid : cache.grids)
-    message += texts({toMessage(grid.frame), toMessage(grid.traits), encodeMetadata(grid.metadata)});
-  return message;
-}
-
-Result<LatticeCache> decodeCache(std::string_view message) {
-  const auto cut = [] {
-    return fail(ErrorCode::kInvalidData, "the description of its grids is cut short");
-  };
-  LatticeCache cache;
-  const auto ofFile = nextText(message);
-  if (!ofFile || !decodeMetadata(*ofFile, cache.metadata))
-    return cut();
-  while (!message.empty()) {
-    const auto frame = nextText(message);
-    const auto traits = frame ? nextText(message) : std::nullopt;
-    const auto metadata = traits ? nextText(message) : std::nullopt;
-    LatticeGrid& grid = cache.grids.emplace_back();
-    if (!metadata || !decodeMetadata(*metadata, grid.metadata))
-      return cut();
-    VOLUTE_ASSIGN(grid.frame, fromMessage<LatticeFrame>(*frame));
-    VOLUTE_ASSIGN(grid.traits, fromMessage<GridTraits>(*traits));
-    for (char* end : {&grid.traits.type[GridTraits::kMaxText],
-                      &grid.traits.gridClass[GridTraits::kMaxText],
-                      &grid.traits.map[GridTraits::kMaxText],
-                      &grid.traits.problem[GridTraits::kMaxProblem]})
-      *end = '\0';
-  }
-  return cache;
-}
-
 /// The child's side.
 Result<std::string> serve(LatticeReader& reader, const std::filesystem::path& path,
                           const Request& request, std::span<float> values) {
   VOLUTE_TRY(InputFile::check(path));
   if (request.list) {
     VOLUTE_ASSIGN(const auto grids, reader.list(path));
-    std::string reply;
-    for (const GridFacts& grid : grids) {
-      if (reply.size() + sizeof(GridFacts) <= ReaderProcess::kMaxMessage)
-        reply += toMessage(grid);
-    }
-    return reply;
+    return detail::encodeGridFacts(grids);
   }
   if (request.cache) {
     VOLUTE_ASSIGN(const auto cache, reader.describeAll(path));
-    std::string reply = encodeCache(cache);
+    std::string reply = detail::encodeCache(cache);
     if (reply.size() > ReaderProcess::kMaxMessage) {
       return fail(ErrorCode::kTooLarge,
                   "{}: what its {} grids say of themselves takes {} KiB; expected {} at most",
@@ -168,22 +88,6 @@ ReaderProcess::Limits limitsFor(const std::filesystem::path& file, std::size_t v
   limits.seconds =
       3 + 1e-6 * static_cast<double>(sizeOf(file)) + 1e-7 * static_cast<double>(values);
   return limits;
-}
-
-/// What came from the process that reads the file, before anything is made of it.
-Status checkFrame(LatticeFrame& frame, const std::string& file) {
-  frame.grid[LatticeFrame::kMaxName] = '\0';
-  frame.others[LatticeFrame::kMaxName] = '\0';
-  bool sound = frame.channels == 1 || frame.channels == 3;
-  for (int axis = 0; axis < 3; ++axis) {
-    constexpr std::int64_t kFarthest = std::int64_t{1} << 40;
-    sound = sound && std::isfinite(frame.origin[axis]) && std::isfinite(frame.voxelSize[axis]) &&
-            frame.voxelSize[axis] > 0 && std::abs(frame.box.begin[axis]) < kFarthest &&
-            std::abs(frame.box.end[axis]) < kFarthest;
-  }
-  if (sound)
-    return {};
-  return fail(ErrorCode::kInvalidData, "{}: its reader describes a grid that cannot be", file);
 }
 
 std::string text(const std::array<double, 3>& v) {
@@ -390,9 +294,7 @@ class LatticeSource final : public FrameSource {
     VOLUTE_ASSIGN(const std::string reply,
                   process_.call(path.string(), toMessage(request) + path.string(), 0,
                                 limitsFor(path, 0, options_.maxMemory)));
-    VOLUTE_ASSIGN(auto frame, fromMessage<LatticeFrame>(reply));
-    VOLUTE_TRY(checkFrame(frame, path.string()));
-    return frame;
+    return detail::decodeFrame(reply, path.string());
   }
 
   /// `grid`, or the one that is meant where it is empty, in all files. Simulations leave out what is
@@ -474,8 +376,7 @@ Result<ReaderProcess::Serve> serveCollection(std::string_view parameters) {
   VOLUTE_ASSIGN(const LatticePlugin* plugin, loadPlugin());
   return [plugin](std::string_view name, std::span<float>) -> Result<std::string> {
     VOLUTE_ASSIGN(const auto files, plugin->readCollection(name));
-    std::string text;
-    for (const auto& file : files) text += toMessage(file.time) + file.path.string() + '\0';
+    std::string text = detail::encodeFiles(files);
     if (text.size() > ReaderProcess::kMaxMessage)
       return fail(ErrorCode::kTooLarge, "{}: names too many files", name);
     return text;
@@ -537,15 +438,8 @@ Result<std::vector<LatticeCache>> describeCache(const std::vector<LatticeFile>& 
     limits.seconds += 2e-6 * static_cast<double>(sizeOf(file.path));
     VOLUTE_ASSIGN(const std::string reply,
                   process.call(name, toMessage(request) + name, 0, limits));
-    auto cache = decodeCache(reply);
-    if (!cache)
-      return fail(ErrorCode::kInvalidData, "{}: {}", name, cache.error().message);
-    for (LatticeGrid& grid : cache->grids) {
-      grid.frame.grid[LatticeFrame::kMaxName] = '\0';
-      if (grid.traits.problem[0] == '\0')
-        VOLUTE_TRY(checkFrame(grid.frame, name));
-    }
-    caches.push_back(std::move(*cache));
+    VOLUTE_ASSIGN(auto cache, detail::decodeCache(reply, name));
+    caches.push_back(std::move(cache));
   }
   return caches;
 }
@@ -562,15 +456,7 @@ Result<std::vector<GridFacts>> listGrids(const std::filesystem::path& file,
   limits.seconds += 2e-6 * static_cast<double>(sizeOf(file));
   VOLUTE_ASSIGN(const std::string reply,
                 process.call(name, toMessage(request) + name, 0, limits));
-  std::vector<GridFacts> grids;
-  for (std::size_t at = 0; at < reply.size(); at += sizeof(GridFacts)) {
-    VOLUTE_ASSIGN(auto grid,
-                  fromMessage<GridFacts>(std::string_view(reply).substr(at, sizeof(GridFacts))));
-    grid.name[GridFacts::kMaxName] = '\0';
-    grid.type[GridFacts::kMaxType] = grid.gridClass[GridFacts::kMaxType] = '\0';
-    grids.push_back(grid);
-  }
-  return grids;
+  return detail::decodeGridFacts(reply);
 }
 
 Result<std::vector<TimedFile>> readCollection(const std::filesystem::path& collection,
@@ -580,17 +466,7 @@ Result<std::vector<TimedFile>> readCollection(const std::filesystem::path& colle
   ReaderProcess process(ReaderJob{serveCollection, toMessage(loadPlugin), {collection}});
   VOLUTE_ASSIGN(const std::string reply,
                 process.call(name, name, 0, limitsFor(collection, 0, 0)));
-  std::vector<TimedFile> files;
-  for (std::size_t at = 0; at < reply.size();) {
-    const auto end = reply.find('\0', at + sizeof(double));
-    const std::string_view entry = std::string_view(reply).substr(at, end - at);
-    VOLUTE_ASSIGN(const auto time, fromMessage<double>(entry.substr(0, sizeof(double))));
-    if (end == std::string::npos || entry.size() == sizeof(double))
-      return fail(ErrorCode::kInvalidData, "{}: the list of its files is cut short", name);
-    files.push_back({time, std::string(entry.substr(sizeof(double)))});
-    at = end + 1;
-  }
-  return files;
+  return detail::decodeFiles(reply, name);
 }
 
 }  // namespace volute

@@ -179,6 +179,13 @@ Result<std::vector<double>> readTimes(const std::filesystem::path& path,
   return times;
 }
 
+/// Counts that can be and names that end.
+bool settle(MeshSize& size) {
+  settleFlag(size.ofCells);
+  settleFlag(size.bare);
+  return size.sound();
+}
+
 tl::unexpected<Error> notSound(const std::string& file) {
   return fail(ErrorCode::kInvalidData, "{}: its reader describes a mesh that cannot be", file);
 }
@@ -229,7 +236,7 @@ Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t instant
   ReaderProcess process(meshReader(path, options.field, options.share));
   VOLUTE_ASSIGN(const std::string reply, process.call(file, fmt::format("{}", instant), 0, limits));
   VOLUTE_ASSIGN(auto size, fromMessage<MeshSize>(reply));
-  if (!size.sound())
+  if (!settle(size))
     return notSound(file);
   VOLUTE_TRY(checkMemory(size, file, options));
   return takeMesh(process, size, file, limits);
@@ -368,7 +375,7 @@ Result<MeshDescription> MeshSource::describe(std::size_t frame) const {
                 process.call(file, fmt::format("{}{}", kDescribe, instant.index), 0, limits));
   const std::string_view text = reply;
   VOLUTE_ASSIGN(auto contents, fromMessage<MeshContents>(text.substr(0, sizeof(MeshContents))));
-  if (!contents.size.sound())
+  if (!settle(contents.size))
     return notSound(file);
   VOLUTE_TRY(checkMemory(contents.size, file, options_));
   std::vector<MeshFieldSummary> fields;
@@ -376,6 +383,7 @@ Result<MeshDescription> MeshSource::describe(std::size_t frame) const {
     VOLUTE_ASSIGN(auto summary,
                   fromMessage<MeshFieldSummary>(text.substr(at, sizeof(MeshFieldSummary))));
     summary.name[MeshSize::kMaxName] = '\0';
+    settleFlag(summary.ofCells);
     fields.push_back(summary);
   }
   VOLUTE_ASSIGN(const MeshData data, takeMesh(process, contents.size, file, limits));

@@ -117,4 +117,11 @@ Result<T> fromMessage(std::string_view message) {
   return value;
 }
 
+/// A byte that came as a flag may be neither true nor false: any but 0 is true.
+inline void settleFlag(bool& flag) {
+  unsigned char byte = 0;
+  std::memcpy(&byte, &flag, 1);
+  flag = byte != 0;
+}
+
 }  // namespace volute

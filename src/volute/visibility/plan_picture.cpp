@@ -21,6 +21,7 @@ namespace {
 
 constexpr double kLeft = 92, kTop = 62, kBottom = 108, kBar = 160, kPlain = 40, kRow = 26;
 constexpr std::size_t kMostLevels = 24;  ///< that a key shows one by one
+constexpr double kLeastLine = 0.2;  ///< of an underlay that is drawn [pixels]
 constexpr double kLeastWall = 2.5;       ///< pixels across a thin wall
 
 /// A colour as displays show it, as linear light.
@@ -326,8 +327,19 @@ class PlanDrawing {
       canvas.rect(left, bottom_, right, bottom, Rgb::Ones());
   }
 
-  /// Ink alone: what is as good as white lets the map through.
   void drawUnderlay(Canvas& canvas, const PlanUnderlay& underlay) const {
+    if (underlay.picture.width > 0)
+      drawInk(canvas, underlay);
+    const Vec2 low(kLeft, kTop), high = low + Vec2(frame_.width(), frame_.height());
+    for (const auto& [from, to] : underlay.lines) {
+      const auto part = lineWithin(frame_.at(from.x(), from.y()), frame_.at(to.x(), to.y()), low, high);
+      if (part && (part->second - part->first).norm() > kLeastLine)
+        canvas.line(part->first, part->second, 1.2, grey(0.25));
+    }
+  }
+
+  /// What is as good as white lets the map through.
+  void drawInk(Canvas& canvas, const PlanUnderlay& underlay) const {
     constexpr float kWhite = 0.85F;
     const Image& image = underlay.picture;
     const double dx = (frame_.x(underlay.max.x()) - frame_.x(underlay.min.x())) / image.width;
@@ -571,17 +583,6 @@ std::vector<PlanMark> emptyMarks(const FloorPlan& plan) {
       marks[i] = PlanMark::kSolid;
   }
   return marks;
-}
-
-void layOnWhite(Image& picture, const Image& alpha) {
-  VOLUTE_ASSERT(alpha.width == picture.width && alpha.height == picture.height);
-  for (int y = 0; y < picture.height; ++y) {
-    for (int x = 0; x < picture.width; ++x) {
-      const float opaque = std::clamp(alpha.at(x, y, 0), 0.0F, 1.0F);
-      for (int c = 0; c < picture.channels; ++c)
-        picture.at(x, y, c) = opaque * picture.at(x, y, c) + (1 - opaque);
-    }
-  }
 }
 
 Image drawPlan(const FloorPlan& plan, const PlanPicture& picture,

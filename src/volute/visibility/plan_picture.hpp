@@ -12,6 +12,7 @@
 #include "volute/image/image.hpp"
 #include "volute/math/vec2.hpp"
 #include "volute/visibility/eyes.hpp"
+#include "volute/visibility/plan_underlay.hpp"
 #include "volute/visibility/survey.hpp"
 
 namespace volute {
@@ -34,16 +35,6 @@ std::vector<PlanMark> emptyMarks(const FloorPlan& plan);
 /// What the legend says of marks on every map.
 inline constexpr const char* kNoData = "no data";
 inline constexpr const char* kSolidWords = "solid: nobody stands there";
-
-/// A picture that lies under a map: a drawing of the building.
-struct PlanUnderlay {
-  Image picture;                        ///< linear RGB; white is not drawn
-  Vec2 min = Vec2::Zero(), max = Vec2::Zero();  ///< where its edges are [m]
-};
-
-/// What is transparent in a picture becomes white.
-/// @param alpha  of the same size, one channel: 0 transparent, 1 opaque
-void layOnWhite(Image& picture, const Image& alpha);
 
 /// A map over a floor plan as a picture: axes in metres, a key, walls at their places, signs, a
 /// scale, a legend.

@@ -178,7 +178,7 @@ TEST(PlanPicture, transparentPartsOfAnUnderlayAreNotDrawn) {
   EXPECT_EQ(picture.at(5, 6, 1), 0);
   EXPECT_EQ(picture.at(15, 6, 1), 1);
   room.picture.underlay =
-      std::make_shared<const PlanUnderlay>(PlanUnderlay{picture, Vec2(0, 0), Vec2(10, 6)});
+      std::make_shared<const PlanUnderlay>(PlanUnderlay{picture, Vec2(0, 0), Vec2(10, 6), {}});
   const Image image = drawPlan(room.plan, room.picture, {});
   PlanOfRoom bare;
   const Image without = drawPlan(bare.plan, bare.picture, {});

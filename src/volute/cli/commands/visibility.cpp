@@ -146,19 +146,15 @@ Result<std::optional<Rset>> rsetOf(const Arguments& arguments, const Context& co
   return std::optional<Rset>(std::move(rset));
 }
 
-/// A drawing of the building under maps: over the whole case, or where --underlay-bounds says.
+/// A drawing of the building over maps.
 Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& arguments,
-                                                       const Box3& bounds) {
+                                                       const Box3& bounds, std::uint64_t maxMemory,
+                                                       std::vector<std::string>& remarks) {
   const auto file = arguments.find<std::string>("underlay");
   if (!file)
     return nullptr;
-  PlanUnderlay underlay;
-  VOLUTE_ASSIGN(underlay.picture, readImage(*file));
-  VOLUTE_ASSIGN(const auto alpha, readAlpha(*file));
-  if (alpha)
-    layOnWhite(underlay.picture, *alpha);
-  underlay.min = bounds.min.head<2>();
-  underlay.max = bounds.max.head<2>();
+  UnderlayOptions options{bounds.min.head<2>(), bounds.max.head<2>()};
+  options.maxMemory = maxMemory;
   if (const auto text = arguments.find<std::string>("underlay-bounds")) {
     std::vector<double> ends;
     for (const std::string& name : namesIn(*text)) {
@@ -168,12 +164,12 @@ Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& argument
     if (ends.size() != 4 || !(ends[0] < ends[2] && ends[1] < ends[3])) {
       return fail(ErrorCode::kInvalidArgument,
                   "--underlay-bounds: '{}' is no rectangle; expected X0,Y0,X1,Y1 in metres, where "
-                  "the picture's lower left and upper right corners are",
+                  "the drawing's lower left and upper right corners are",
                   *text);
     }
-    underlay.min = {ends[0], ends[1]};
-    underlay.max = {ends[2], ends[3]};
+    options.place = {{ends[0], ends[1]}, {ends[2], ends[3]}};
   }
+  VOLUTE_ASSIGN(auto underlay, readUnderlay(*file, options, remarks));
   return std::make_shared<const PlanUnderlay>(std::move(underlay));
 }
 
@@ -203,7 +199,8 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   VOLUTE_ASSIGN(auto views, viewsOf(arguments));
   VOLUTE_TRY(checkFolderIsShared(request.output, context.team));
   VOLUTE_ASSIGN(const auto field, openSight(request.casePath, arguments, context));
-  VOLUTE_ASSIGN(request.survey.underlay, underlayOf(arguments, field->bounds()));
+  VOLUTE_ASSIGN(request.survey.underlay,
+                underlayOf(arguments, field->bounds(), context.maxMemory, request.remarks));
   if (const auto name = arguments.find<std::string>("sight-limit"))
     request.remarks.push_back(limitRemark(*name, request.survey.extinctionLimit));
   request.maxMemory = context.maxMemory;
@@ -331,12 +328,12 @@ std::vector<Option> visibilityOptionTable() {
        .choices = {"all", "aset"}},
       {.name = "underlay",
        .kind = kFile,
-       .value = "FILE.png",
-       .help = "a drawing of the building, whose dark lines are drawn over maps"},
+       .value = "FILE",
+       .help = "a drawing of the building over maps: the dark lines of a .png, or a .dxf"},
       {.name = "underlay-bounds",
        .kind = kText,
        .value = "X0,Y0,X1,Y1",
-       .help = "where its lower left and upper right corners are [m]; else those of the case",
+       .help = "where its lower left and upper right corners are [m]; else a .png's are those of the case",
        .beside = "underlay"},
       {.name = "sight",
        .kind = kChoice,

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/visibility/plan_underlay.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "volute/base/assert.hpp"
+#include "volute/base/file_name.hpp"
+#include "volute/io/dxf.hpp"
+#include "volute/io/image_file.hpp"
+
+namespace volute {
+namespace {
+
+struct Unit {
+  const char* name;
+  double meters;
+};
+
+/// That in which a drawing of `size` is nearest to the case's size.
+Unit unitBySize(const Vec2& size, const Vec2& ofCase) {
+  static constexpr Unit kUnits[] = {
+      {"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"inches", 0.0254}, {"feet", 0.3048}};
+  const auto apart = [&](const Unit& unit) {
+    return std::abs(std::log(unit.meters * size.norm() / ofCase.norm()));
+  };
+  return *std::ranges::min_element(kUnits, {}, apart);
+}
+
+std::string sizeText(const Vec2& size) { return fmt::format("{:.4g} x {:.4g}", size.x(), size.y()); }
+
+Result<PlanUnderlay> readDrawing(const std::filesystem::path& file, const UnderlayOptions& options,
+                                 std::vector<std::string>& remarks) {
+  const std::string name = file.string();
+  VOLUTE_ASSIGN(const DxfDrawing drawing, readDxf(file, options.maxMemory));
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Vec2 low(kFar, kFar), high(-kFar, -kFar);
+  for (const DrawnLine& line : drawing.lines) {
+    low = low.cwiseMin(line.from).cwiseMin(line.to);
+    high = high.cwiseMax(line.from).cwiseMax(line.to);
+  }
+  const Vec2 size = high - low;
+  if (!(size.maxCoeff() > 0))
+    return fail(ErrorCode::kInvalidData, "{}: all of its lines are one point", name);
+  std::string left;
+  for (const auto& [kind, count] : drawing.left)
+    left += fmt::format("{}{} {}", left.empty() ? "" : ", ", count, kind);
+  if (!left.empty())
+    remarks.push_back(fmt::format("{}: not drawn: {}", name, left));
+  PlanUnderlay underlay;
+  Vec2 scale(1, 1), origin(0, 0);
+  if (options.place) {
+    if (!(size.minCoeff() > 0))
+      return fail(ErrorCode::kInvalidData, "{}: a drawing of {} cannot fill a rectangle", name,
+                  sizeText(size));
+    scale = (options.place->second - options.place->first).cwiseQuotient(size);
+    origin = options.place->first - scale.cwiseProduct(low);
+  } else {
+    const Vec2 ofCase = options.max - options.min;
+    if (drawing.unit) {
+      scale *= *drawing.unit;
+    } else {
+      const Unit unit = unitBySize(size, ofCase);
+      scale *= unit.meters;
+      remarks.push_back(fmt::format("{}: states no unit; taken as {}, by its size of {}", name,
+                                    unit.name, sizeText(size)));
+    }
+    const Vec2 begin = scale.cwiseProduct(low), end = scale.cwiseProduct(high);
+    if ((begin.array() > options.max.array()).any() || (end.array() < options.min.array()).any()) {
+      origin = options.min - begin;
+      remarks.push_back(fmt::format(
+          "{}: lies apart from the case, from ({:.4g}, {:.4g}) to ({:.4g}, {:.4g}) m; its lower "
+          "left corner is moved to the case's (--underlay-bounds places it)",
+          name, begin.x(), begin.y(), end.x(), end.y()));
+    }
+  }
+  const auto place = [&](const Vec2& p) -> Vec2 { return origin + scale.cwiseProduct(p); };
+  underlay.min = place(low);
+  underlay.max = place(high);
+  for (const DrawnLine& line : drawing.lines) underlay.lines.emplace_back(place(line.from), place(line.to));
+  return underlay;
+}
+
+}  // namespace
+
+Result<PlanUnderlay> readUnderlay(const std::filesystem::path& file, const UnderlayOptions& options,
+                                  std::vector<std::string>& remarks) {
+  const std::string extension = extensionOf(file);
+  if (extension == ".dxf")
+    return readDrawing(file, options, remarks);
+  if (extension == ".svg" || extension == ".pdf" || extension == ".dwg") {
+    return fail(ErrorCode::kUnsupported,
+                "{}: a drawing is a .png or .dxf file; save it as one of these{}", file.string(),
+                extension == ".svg" ? " (rsvg-convert -o plan.png plan.svg)" : "");
+  }
+  PlanUnderlay underlay;
+  VOLUTE_ASSIGN(underlay.picture, readImage(file));
+  VOLUTE_ASSIGN(const auto alpha, readAlpha(file));
+  if (alpha)
+    layOnWhite(underlay.picture, *alpha);
+  std::tie(underlay.min, underlay.max) =
+      options.place.value_or(std::pair(options.min, options.max));
+  return underlay;
+}
+
+void layOnWhite(Image& picture, const Image& alpha) {
+  VOLUTE_ASSERT(alpha.width == picture.width && alpha.height == picture.height);
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      const float opaque = std::clamp(alpha.at(x, y, 0), 0.0F, 1.0F);
+      for (int c = 0; c < picture.channels; ++c)
+        picture.at(x, y, c) = opaque * picture.at(x, y, c) + (1 - opaque);
+    }
+  }
+}
+
+std::optional<std::pair<Vec2, Vec2>> lineWithin(Vec2 from, Vec2 to, const Vec2& min,
+                                                const Vec2& max) {
+  const Vec2 along = to - from;
+  double begin = 0, end = 1;
+  for (int axis = 0; axis < 2; ++axis) {
+    if (along[axis] == 0) {
+      if (from[axis] < min[axis] || from[axis] > max[axis])
+        return std::nullopt;
+      continue;
+    }
+    const double a = (min[axis] - from[axis]) / along[axis];
+    const double b = (max[axis] - from[axis]) / along[axis];
+    begin = std::max(begin, std::min(a, b));
+    end = std::min(end, std::max(a, b));
+  }
+  if (!(begin <= end))
+    return std::nullopt;
+  return std::pair<Vec2, Vec2>(from + begin * along, from + end * along);
+}
+
+}  // namespace volute

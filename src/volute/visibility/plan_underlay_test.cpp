@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/visibility/plan_underlay.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "volute/base/write_file.hpp"
+
+namespace volute {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class Underlay : public ::testing::Test {
+ protected:
+  /// A rectangle of the given corners, in a .dxf with the unit's code, or none.
+  std::filesystem::path rectangle(double x0, double y0, double x1, double y1, int unit) {
+    const auto file = std::filesystem::path(::testing::TempDir()) / "plan.dxf";
+    std::string text;
+    if (unit > 0)
+      text = fmt::format("0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n{}\n0\nENDSEC\n", unit);
+    text += "0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n70\n1\n";
+    for (const auto& [x, y] : {std::pair(x0, y0), {x1, y0}, {x1, y1}, {x0, y1}})
+      text += fmt::format("10\n{}\n20\n{}\n", x, y);
+    EXPECT_TRUE(writeFile(file, text + "0\nENDSEC\n0\nEOF\n"));
+    return file;
+  }
+
+  UnderlayOptions options_{Vec2(0, 0), Vec2(20, 10), {}, 64 << 20};
+  std::vector<std::string> remarks_;
+};
+
+TEST_F(Underlay, aDrawingLiesWhereItsCoordinatesSay) {
+  const auto underlay = readUnderlay(rectangle(1000, 2000, 19000, 9000, 4), options_, remarks_);
+  ASSERT_TRUE(underlay) << underlay.error().message;
+  EXPECT_LT((underlay->min - Vec2(1, 2)).norm() + (underlay->max - Vec2(19, 9)).norm(), 1e-12);
+  EXPECT_EQ(underlay->lines.size(), 4u);
+  EXPECT_THAT(remarks_, ElementsAre());
+}
+
+TEST_F(Underlay, aUnitThatIsNotStatedIsThatOfTheCasesSize) {
+  const auto underlay = readUnderlay(rectangle(0, 0, 1950, 980, 0), options_, remarks_);
+  ASSERT_TRUE(underlay);
+  EXPECT_LT((underlay->max - Vec2(19.5, 9.8)).norm(), 1e-12);
+  EXPECT_THAT(remarks_, ElementsAre(HasSubstr("taken as cm, by its size of 1950 x 980")));
+}
+
+TEST_F(Underlay, aDrawingApartFromTheCaseIsMovedToItsCorner) {
+  const auto underlay = readUnderlay(rectangle(500, 500, 518, 509, 6), options_, remarks_);
+  ASSERT_TRUE(underlay);
+  EXPECT_LT((underlay->min - Vec2(0, 0)).norm() + (underlay->max - Vec2(18, 9)).norm(), 1e-12);
+  EXPECT_THAT(remarks_, ElementsAre(HasSubstr("lies apart from the case")));
+}
+
+TEST_F(Underlay, itsPlaceCanBeStated) {
+  options_.place = {{2, 3}, {8, 5}};
+  const auto underlay = readUnderlay(rectangle(500, 500, 518, 509, 6), options_, remarks_);
+  ASSERT_TRUE(underlay);
+  EXPECT_LT((underlay->min - Vec2(2, 3)).norm() + (underlay->max - Vec2(8, 5)).norm(), 1e-12);
+  EXPECT_THAT(remarks_, ElementsAre());
+}
+
+TEST_F(Underlay, otherFilesAreRefusedWithWhatToDo) {
+  const auto underlay = readUnderlay("plan.svg", options_, remarks_);
+  ASSERT_FALSE(underlay);
+  EXPECT_THAT(underlay.error().message, HasSubstr("rsvg-convert"));
+}
+
+TEST(LineWithin, cutsAtTheRectangle) {
+  const Vec2 min(0, 0), max(4, 2);
+  const auto through = lineWithin({-2, 1}, {6, 1}, min, max);
+  ASSERT_TRUE(through);
+  EXPECT_LT((through->first - Vec2(0, 1)).norm() + (through->second - Vec2(4, 1)).norm(), 1e-12);
+  EXPECT_FALSE(lineWithin({-1, 3}, {5, 3}, min, max));
+  EXPECT_FALSE(lineWithin({-2, 1}, {1, 4}, min, max)) << "past the corner";
+  const auto inside = lineWithin({1, 1}, {2, 1.5}, min, max);
+  ASSERT_TRUE(inside);
+  EXPECT_EQ(inside->second, Vec2(2, 1.5));
+  EXPECT_TRUE(lineWithin({1, 1}, {1, 1}, min, max));
+  EXPECT_FALSE(lineWithin({5, 1}, {5, 1}, min, max));
+}
+
+}  // namespace
+}  // namespace volute
