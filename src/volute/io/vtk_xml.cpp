@@ -7,6 +7,7 @@
 #include <vtkXMLDataParser.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -165,6 +166,15 @@ bool isNumber(std::string_view word) {
   return true;
 }
 
+/// Of a word that may be none; 0 then.
+std::int64_t wholeNumber(std::string_view word) {
+  std::int64_t value = 0;
+  if (word.starts_with('+'))
+    word.remove_prefix(1);
+  std::from_chars(word.data(), word.data() + word.size(), value);
+  return value;
+}
+
 class XmlCheck {
  public:
   explicit XmlCheck(std::string file) : file_(std::move(file)) {}
@@ -187,6 +197,8 @@ class XmlCheck {
       VOLUTE_TRY(checkCellArray(element));
     for (int i = 0; i < element->GetNumberOfNestedElements(); ++i)
       VOLUTE_TRY(check(element->GetNestedElement(i), name));
+    if (name == "ImageData")
+      VOLUTE_TRY(checkExtents(element));
     return {};
   }
 
@@ -262,6 +274,48 @@ class XmlCheck {
       return {};
     return wrong(element, "{} is '{}'; expected {} {}number{}", rule.name, shown, rule.count,
                  whole ? "whole " : "", rule.count > 1 ? "s with spaces between them" : "");
+  }
+
+  /// First and last point along x, y and z.
+  static std::array<double, 6> extentOf(vtkXMLDataElement* element, const char* name) {
+    std::array<double, 6> extent{};
+    const char* text = element->GetAttribute(name);
+    const auto words = wordsOf(text ? text : "");
+    for (std::size_t i = 0; i < std::min(words.size(), extent.size()); ++i)
+      extent[i] = static_cast<double>(wholeNumber(words[i]));
+    return extent;
+  }
+
+  /// VTK leaves what no piece fills as it finds it in memory.
+  Status checkExtents(vtkXMLDataElement* image) const {
+    const auto whole = extentOf(image, "WholeExtent");
+    const auto cells = [&](const std::array<double, 6>& extent) {
+      double count = 1;
+      for (std::size_t axis = 0; axis < 6; axis += 2) {
+        const bool flat = whole[axis] == whole[axis + 1];
+        count *= flat ? 1 : std::max(extent[axis + 1] - extent[axis], 0.0);
+      }
+      return count;
+    };
+    double filled = 0;
+    for (int i = 0; i < image->GetNumberOfNestedElements(); ++i) {
+      vtkXMLDataElement* const piece = image->GetNestedElement(i);
+      if (piece->GetName() != std::string_view("Piece"))
+        continue;
+      const auto extent = extentOf(piece, "Extent");
+      for (std::size_t axis = 0; axis < 6; axis += 2) {
+        if (extent[axis] < whole[axis] || extent[axis + 1] > whole[axis + 1])
+          return wrong(
+              piece,
+              "its Extent along {} is {} to {}; expected it within the WholeExtent, {} to {}",
+              "xyz"[axis / 2], extent[axis], extent[axis + 1], whole[axis], whole[axis + 1]);
+      }
+      filled += cells(extent);
+    }
+    if (filled < cells(whole))
+      return wrong(image, "its pieces have {} of the {} cells of its WholeExtent", filled,
+                   cells(whole));
+    return {};
   }
 
   Status checkCellArray(vtkXMLDataElement* element) const {
