@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -12,6 +11,7 @@
 #include <string_view>
 
 #include "volute/base/input_file.hpp"
+#include "volute/io/number_word.hpp"
 #include "volute/math/vec.hpp"
 
 namespace volute {
@@ -29,14 +29,6 @@ std::string_view trimmed(std::string_view text) {
   const auto begin = std::min(text.find_first_not_of(kSpace), text.size());
   text.remove_prefix(begin);
   return text.substr(0, text.find_last_not_of(kSpace) + 1);
-}
-
-template <class T>
-bool parseNumber(std::string_view text, T& value) {
-  if (!text.empty() && text.front() == '+')
-    text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size();
 }
 
 /// What the values of an entity are, codes in the order of the file.
@@ -140,7 +132,7 @@ class DxfReader {
                     path_.string(), line_);
       pair.line = line_ + 1;
       const std::string_view code = nextLine();
-      if (!parseNumber(code, pair.code)) {
+      if (!readNumber(code, pair.code)) {
         return fault(pair.line, "'{}' is no group code; expected an ASCII DXF file",
                      shown(code));
       }
@@ -227,7 +219,7 @@ class DxfReader {
       int code = 0;
       if (pair.code == 9)
         variable = pair.value;
-      else if (variable == "$INSUNITS" && pair.code == 70 && parseNumber(pair.value, code))
+      else if (variable == "$INSUNITS" && pair.code == 70 && readNumber(pair.value, code))
         drawing_.unit = unitOf(code);
     }
   }
@@ -235,8 +227,8 @@ class DxfReader {
   void readLayer(const Entity& layer) {
     constexpr int kFrozen = 1;
     int flags = 0, color = 0;
-    parseNumber(layer.text(70), flags);
-    parseNumber(layer.text(62), color);
+    readNumber(layer.text(70), flags);
+    readNumber(layer.text(62), color);
     if ((flags & kFrozen) || color < 0)
       offLayers_.insert(std::string(layer.text(2)));
   }
@@ -257,7 +249,7 @@ class DxfReader {
       } else if (entity.kind == "VERTEX") {
         constexpr int kControl = 16, kFace = 128;
         int flags = 0;
-        parseNumber(entity.text(70), flags);
+        readNumber(entity.text(70), flags);
         if (!within)
           return fault(entity.line, "a VERTEX without its POLYLINE");
         if ((flags & kControl) || (flags & (kFace | 64)) == kFace)
@@ -282,7 +274,7 @@ class DxfReader {
   Result<double> number(const Pair& pair) const {
     double value = 0;
     constexpr double kFarthest = 1e12;  // no building is as large in any unit
-    if (!parseNumber(pair.value, value) || !(std::abs(value) < kFarthest))
+    if (!readNumber(pair.value, value) || !(std::abs(value) < kFarthest))
       return fault(pair.line + 1, "'{}' is no number (group {})", shown(pair.value), pair.code);
     return value;
   }
@@ -372,7 +364,7 @@ class DxfReader {
   Status addPolyline(const Entity& entity, const Placement& place) {
     constexpr int kClosed = 1, kFaces = 64;
     int flags = 0;
-    parseNumber(entity.text(70), flags);
+    readNumber(entity.text(70), flags);
     if (flags & kFaces) {
       ++drawing_.left["POLYLINE of faces"];
       return {};
@@ -442,7 +434,7 @@ class DxfReader {
     }
     constexpr int kHighest = 10;
     int degree = 3;
-    parseNumber(entity.text(71), degree);
+    readNumber(entity.text(71), degree);
     const auto count = static_cast<int>(control.size());
     const bool whole = degree >= 1 && degree <= kHighest && count > degree &&
                        static_cast<int>(knots.size()) == count + degree + 1 &&

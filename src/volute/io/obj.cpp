@@ -3,7 +3,6 @@
 #include "volute/io/obj.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <span>
@@ -14,6 +13,7 @@
 #include "volute/base/input_file.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/io/below_folder.hpp"
+#include "volute/io/number_word.hpp"
 
 namespace volute {
 namespace {
@@ -34,14 +34,6 @@ std::string trimmedName(std::string_view rest) {
   const auto begin = std::min(rest.find_first_not_of(kSpace), rest.size());
   rest.remove_prefix(begin);
   return std::string(rest.substr(0, rest.find_last_not_of(kSpace) + 1));
-}
-
-template <class T>
-bool parse(std::string_view word, T& value) {
-  if (!word.empty() && word.front() == '+')
-    word.remove_prefix(1);
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  return error == std::errc() && end == word.data() + word.size();
 }
 
 /// Calls `statement(keyword, rest, lineNumber)` for each line that says something; a backslash at a
@@ -171,7 +163,7 @@ class ObjReader {
     Vec3 point;
     for (int axis = 0; axis < 3; ++axis) {
       const std::string_view word = nextWord(rest);
-      if (!parse(word, point[axis]) || !std::isfinite(point[axis]))
+      if (!readNumber(word, point[axis]) || !std::isfinite(point[axis]))
         return fault(line, "'{}' is no coordinate; expected v X Y Z", word);
     }
     vertices_.push_back(point);
@@ -184,7 +176,7 @@ class ObjReader {
       const std::string_view digits = word.substr(0, word.find('/'));
       std::int64_t number = 0;
       const auto count = static_cast<std::int64_t>(vertices_.size());
-      if (!parse(digits, number))
+      if (!readNumber(digits, number))
         return fault(line, "'{}' is no corner; expected the number of a vertex", word);
       const std::int64_t index = number > 0 ? number - 1 : count + number;
       if (number == 0 || index < 0 || index >= count)
@@ -237,7 +229,7 @@ class ObjReader {
           Rgb color;
           for (int c = 0; c < 3; ++c) {
             const std::string_view share = nextWord(rest);
-            if (!parse(share, color[c]) || !(color[c] >= 0) || !std::isfinite(color[c])) {
+            if (!readNumber(share, color[c]) || !(color[c] >= 0) || !std::isfinite(color[c])) {
               return fail(ErrorCode::kInvalidData, "{}: line {}: '{}' is no share of a color",
                           file.string(), at, share);
             }

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <span>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "volute/base/suggest.hpp"
+#include "volute/io/number_word.hpp"
 #include "volute/io/vtk_errors.hpp"
 
 namespace volute {
@@ -155,24 +155,12 @@ std::vector<std::string_view> wordsOf(std::string_view text) {
 
 template <class T>
 bool isNumber(std::string_view word) {
-  if (word.starts_with('+'))
-    word.remove_prefix(1);
   T value{};
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size())
+  if (!readNumber(word, value))
     return false;
   if constexpr (std::is_floating_point_v<T>)
     return std::isfinite(value);
   return true;
-}
-
-/// Of a word that may be none; 0 then.
-std::int64_t wholeNumber(std::string_view word) {
-  std::int64_t value = 0;
-  if (word.starts_with('+'))
-    word.remove_prefix(1);
-  std::from_chars(word.data(), word.data() + word.size(), value);
-  return value;
 }
 
 class XmlCheck {
@@ -281,8 +269,11 @@ class XmlCheck {
     std::array<double, 6> extent{};
     const char* text = element->GetAttribute(name);
     const auto words = wordsOf(text ? text : "");
-    for (std::size_t i = 0; i < std::min(words.size(), extent.size()); ++i)
-      extent[i] = static_cast<double>(wholeNumber(words[i]));
+    for (std::size_t i = 0; i < std::min(words.size(), extent.size()); ++i) {
+      std::int64_t place = 0;
+      readNumber(words[i], place);
+      extent[i] = static_cast<double>(place);
+    }
     return extent;
   }
 

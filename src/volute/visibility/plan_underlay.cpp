@@ -81,7 +81,8 @@ Result<PlanUnderlay> readDrawing(const std::filesystem::path& file, const Underl
   const auto place = [&](const Vec2& p) -> Vec2 { return origin + scale.cwiseProduct(p); };
   underlay.min = place(low);
   underlay.max = place(high);
-  for (const DrawnLine& line : drawing.lines) underlay.lines.emplace_back(place(line.from), place(line.to));
+  for (const DrawnLine& line : drawing.lines)
+    underlay.lines.emplace_back(place(line.from), place(line.to));
   return underlay;
 }
 
@@ -98,8 +99,9 @@ Result<PlanUnderlay> readUnderlay(const std::filesystem::path& file, const Under
                 extension == ".svg" ? " (rsvg-convert -o plan.png plan.svg)" : "");
   }
   PlanUnderlay underlay;
-  VOLUTE_ASSIGN(underlay.picture, readImage(file));
-  VOLUTE_ASSIGN(const auto alpha, readAlpha(file));
+  const ImageReadOptions reading{.maxMemory = options.maxMemory};
+  VOLUTE_ASSIGN(underlay.picture, readImage(file, reading));
+  VOLUTE_ASSIGN(const auto alpha, readAlpha(file, reading));
   if (alpha)
     layOnWhite(underlay.picture, *alpha);
   std::tie(underlay.min, underlay.max) =
