@@ -378,9 +378,10 @@ TEST_F(LayoutControls, AnErrorIsSeenWhileItsPanelIsClosed) {
 TEST_F(LayoutControls, TheHelpFitsIntoASmallWindow) {
   resize(640, 400);
   open("blob.npy");
-  load();
+  ASSERT_TRUE(script_->settle());
   const Image before = viewer_->picture();
   script_->press(Key::kF1);
+  ASSERT_TRUE(script_->settle());
   script_->frames(4);
   const Image image = viewer_->picture();
   EXPECT_GT(difference(before, image), 0);
@@ -410,7 +411,7 @@ TEST_F(Controls, ADamagedFileLeavesTheOldPictureUntilItIsMended) {
         folder_.path(name), std::filesystem::last_write_time(folder_.path(name)) + clock_++);
   };
   const auto until = [&](const auto& holds) {
-    for (int i = 0; i < 4000 && !holds(); ++i) {
+    for (int i = 0; i < 20'000 && !holds(); ++i) {
       script_->frame();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }

@@ -69,7 +69,7 @@ TEST_F(TimeControls, ThePictureChangesWhileItPlays) {
   app().settings().panels = false;
   // What moves is drawn as fast as it can be, and differs from what rests.
   const auto until = [&](const auto& holds) {
-    for (int i = 0; i < 1000 && !holds(); ++i) {
+    for (int i = 0; i < 20'000 && !holds(); ++i) {
       script_->frame();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
