@@ -145,6 +145,20 @@ class Samples:
         import support
         support.write_npy(folder / "fire.npy", *support.plume(4, 8, 3))
 
+    def drawing(self, folder):
+        """The case, and lines, a polyline with a bulge and a block that is inserted."""
+        self.looking(self.fds)(folder)
+        def entity(kind, **groups):
+            return f"0\n{kind}\n8\nwalls\n" + "".join(f"{code[1:]}\n{value}\n" for code, value in groups.items())
+        line = entity("LINE", g10=0.2, g20=0.2, g11=1.6, g21=0.8)
+        arc = entity("ARC", g10=1, g20=0.5, g40=0.3, g50=10, g51=200)
+        (folder / "a.dxf").write_text(
+            "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1015\n9\n$INSUNITS\n70\n6\n0\nENDSEC\n"
+            "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n8\n0\n2\ndoor\n70\n0\n10\n0\n20\n0\n" + arc + "0\nENDBLK\n0\nENDSEC\n"
+            "0\nSECTION\n2\nENTITIES\n" + line + entity("LINE", g10=0.1, g20=0.1, g11=1.9, g21=0.1)
+            + "0\nLWPOLYLINE\n8\nwalls\n90\n3\n70\n1\n10\n0.5\n20\n0.3\n42\n0.5\n10\n1.2\n20\n0.3\n10\n1.2\n20\n0.7\n"
+            + entity("INSERT", g2="door", g10=0.4, g20=0.2, g41=0.5, g42=0.5, g50=30) + "0\nENDSEC\n0\nEOF\n")
+
     def looking(self, make):
         """The case with a sign and eyes, all within the box of the cases here."""
         def both(folder):
@@ -190,6 +204,8 @@ def formats(samples):
         Format("OpenFOAM field", "10/soot", 110, mesh("a.foam"), samples.looking(samples.foam)),
         Format("FDS .smv", "case.smv", 120, ["visibility", "case.smv", *signs], samples.looking(samples.fds)),
         Format("FDS .sf", "case_1.sf", 150, ["visibility", "case.smv", *signs], samples.looking(samples.fds)),
+        Format("DXF underlay", "a.dxf", 250, ["visibility", "case.smv", "--signs", "signs.json", "--height", "0.6", "--step", "0.25",
+                                              "--maps", "aset", "--underlay", "a.dxf", "-o", "-OUT-"], samples.drawing),
         Format(".obj", "a.obj", 30, render, samples.scene("a.obj")),
         Format(".glb", "a.glb", 500, render, samples.scene("a.glb")),
         Format("scene .json", "a.json", 60, render, samples.scene("a.obj")),
@@ -234,7 +250,7 @@ def outcome_of(command, folder, longest):
     for name in sorted(listing(folder) - before):
         path = folder / name
         if name.startswith("zz_out") and code == 0:
-            if path.is_file() and path.suffix in (".exr", ".csv"):
+            if path.is_file() and path.suffix in (".exr", ".csv", ".svg"):
                 result += path.read_bytes()
         elif not name.startswith("zz_out"):
             result += b"left " + name.encode()

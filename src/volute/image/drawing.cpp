@@ -8,11 +8,16 @@
 namespace volute {
 
 void fillRect(Image& image, int x0, int y0, int x1, int y1, const Rgb& color) {
-  for (int y = std::max(y0, 0); y < std::min(y1, image.height); ++y) {
-    for (int x = std::max(x0, 0); x < std::min(x1, image.width); ++x) {
-      for (int c = 0; c < image.channels; ++c) image.at(x, y, c) = static_cast<float>(color[c]);
-    }
+  const int left = std::max(x0, 0), right = std::min(x1, image.width);
+  const int top = std::max(y0, 0), bottom = std::min(y1, image.height);
+  if (left >= right || top >= bottom)
+    return;
+  for (int x = left; x < right; ++x) {
+    for (int c = 0; c < image.channels; ++c) image.at(x, top, c) = static_cast<float>(color[c]);
   }
+  const float* first = &image.at(left, top, 0);
+  for (int y = top + 1; y < bottom; ++y)
+    std::copy_n(first, (right - left) * image.channels, &image.at(left, y, 0));
 }
 
 void drawLine(Image& image, double x0, double y0, double x1, double y1, double width,

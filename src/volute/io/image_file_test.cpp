@@ -41,6 +41,23 @@ RC_GTEST_PROP(Png, ReadsWhatItWritesTo8Bits, ()) {
   RC_ASSERT(toSrgb8(*read) == toSrgb8(written));
 }
 
+// Drawings, most of whose rows repeat, are written in another way.
+TEST(Png, DrawingsAreKeptToTheByte) {
+  const TempFolder folder;
+  Image image(301, 200, 3);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = 0; c < 3; ++c)
+        image.at(x, y, c) = static_cast<float>((x / 7 * 31 + y / 9 * 17 + c * 5) % 64) / 64;
+    }
+  }
+  image.at(150, 100, 1) = 0.77F;  // a row of its own
+  ASSERT_TRUE(writeImage(folder / "a.png", image));
+  const auto read = readImage(folder / "a.png");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(toSrgb8(*read), toSrgb8(image));
+}
+
 TEST(Png, MapsKeep16Bits) {
   const TempFolder folder;
   Image map(7, 5, 1);

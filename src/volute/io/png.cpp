@@ -125,6 +125,15 @@ Image toImage(const PngState& state, bool raw) {
   return image;
 }
 
+/// Whether most rows are the row above again, as in drawings and never in photographs.
+bool isFlat(const PngState& state) {
+  const std::size_t row = state.rows.size() < 2 ? 0 : static_cast<std::size_t>(state.rows[1] - state.rows[0]);
+  std::size_t repeated = 0;
+  for (std::size_t y = 1; y < state.rows.size(); ++y)
+    repeated += std::memcmp(state.rows[y], state.rows[y - 1], row) == 0 ? 1 : 0;
+  return 2 * repeated > state.rows.size();
+}
+
 /// 16 bits are taken for linear values.
 bool encodePng(png_structp png, png_infop info, std::vector<png_text>& texts, PngState& state) {
   if (setjmp(png_jmpbuf(png)))
@@ -139,6 +148,10 @@ bool encodePng(png_structp png, png_infop info, std::vector<png_text>& texts, Pn
     png_set_gAMA(png, info, 1.0);
   if (!texts.empty())
     png_set_text(png, info, texts.data(), static_cast<int>(texts.size()));
+  if (isFlat(state)) {  // libpng's choice of filters takes 4 times as long, for a tenth of the bytes
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
+    png_set_compression_level(png, 3);
+  }
   png_write_info(png, info);
   png_set_swap(png);  // 16 bits in our byte order
   png_write_image(png, state.rows.data());

@@ -55,10 +55,15 @@ class PlanWatch final : public Watch {
           "and {:g} m; expected a height where there is gas",
           survey.height, survey.bounds.min[2], survey.bounds.max[2]);
     }
-    if (survey.maps && survey.signs.size() * survey.times.size() > 2000) {
+    if (survey.maps == Survey::Maps::kSome && survey.times.size() > Survey::kPicturedTimes) {
       progress.remark(fmt::format(
-          "{} maps are written; --maps aset leaves them out, --frames takes fewer times",
-          survey.signs.size() * survey.times.size()));
+          "maps are drawn at {} of the {} stored times, and written as values (.vti) at all; --maps "
+          "all draws all, --maps aset leaves both out",
+          Survey::kPicturedTimes, survey.times.size()));
+    } else if (survey.maps == Survey::Maps::kAll && survey.signs.size() * survey.times.size() > 2000) {
+      progress.remark(fmt::format(
+          "{} maps are drawn; --maps some draws {} times of each sign, --frames takes fewer times",
+          survey.signs.size() * survey.times.size(), Survey::kPicturedTimes));
     }
     std::vector<std::vector<std::size_t>> sets;
     for (const SignSet& set : survey.sets) sets.push_back(set.members);
@@ -89,7 +94,7 @@ class PlanWatch final : public Watch {
       noteHidden(at);
     if (survey_->extinctionLimit > 0)
       updateLocal(at);
-    if (survey_->maps) {
+    if (survey_->maps != Survey::Maps::kNone) {
       for (std::size_t s = 0; s < series_.size(); ++s)
         series_[s].emplace_back(at.time, fmt::format("{}_{:04d}.vti", mapName(s), at.index));
     }
@@ -100,7 +105,9 @@ class PlanWatch final : public Watch {
   }
 
   Status draw(const SurveyTime& at, const SightInstant& instant) const override {
-    return survey_->maps ? writeMaps(at, instant.shapes(plan_.origin[2])) : Status();
+    if (survey_->maps == Survey::Maps::kNone)
+      return {};
+    return writeMaps(at, instant.shapes(plan_.origin[2]));
   }
 
   Result<std::string> finish(Json& report) override {
@@ -266,7 +273,7 @@ class PlanWatch final : public Watch {
                         of("visibility", [](const Sighting& x) { return x.visibility; }),
                         of("blocked", [](const Sighting& x) { return x.blocked ? 1 : 0; }),
                         of("visible", [](const Sighting& x) { return x.visible ? 1 : 0; })});
-      if (done[s]) {
+      if (done[s] && survey_->pictured(at.index)) {
         const std::span one(&survey_->signs[s], 1);
         done[s] =
             writeImage(folder / (name + ".png"), drawPlan(plan_, visibilityMap(at, s, shapes), one));
@@ -450,10 +457,16 @@ class PlanWatch final : public Watch {
 
   /// Maps at a few times in the page.
   Result<std::string> shownMaps() const {
-    if (!survey_->maps || index_ == 0)
+    if (survey_->maps == Survey::Maps::kNone || index_ == 0)
       return std::string();
     std::string page = "<h2>Visibility of each sign</h2>\n";
-    std::vector<int> shown{0, index_ / 3, 2 * index_ / 3, index_ - 1};
+    std::vector<int> drawn;
+    for (int i = 0; i < index_; ++i) {
+      if (survey_->pictured(static_cast<std::size_t>(i)))
+        drawn.push_back(i);
+    }
+    const std::size_t count = drawn.size();
+    std::vector<int> shown{drawn[0], drawn[count / 3], drawn[2 * count / 3], drawn[count - 1]};
     shown.erase(std::ranges::unique(shown).begin(), shown.end());
     constexpr std::size_t kMost = 6;
     for (std::size_t s = 0; s < std::min(kMost, survey_->signs.size()); ++s) {

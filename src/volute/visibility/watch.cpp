@@ -232,6 +232,17 @@ class TrajectoryWatch final : public Watch {
 
 }  // namespace
 
+bool Survey::pictured(std::size_t time) const {
+  if (maps == Maps::kNone || time >= times.size())
+    return false;
+  if (maps == Maps::kAll || times.size() <= kPicturedTimes)
+    return true;
+  // The n-th of them is at n (times - 1) / (pictured - 1), rounded down.
+  const std::size_t last = times.size() - 1, steps = kPicturedTimes - 1;
+  const std::size_t n = (time * steps + last - 1) / last;  // the first that is not before `time`
+  return n * last / steps == time;
+}
+
 std::string Survey::fileName(std::string_view name) {
   std::string file;
   for (const char c : name) {

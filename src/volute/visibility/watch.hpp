@@ -37,7 +37,16 @@ struct Survey {
   Box3 bounds;
   double step = 0.25;          ///< between points of a plan or a route [m]
   double height = 2;           ///< of a plan's points [m]
-  bool maps = true;            ///< a map for each sign and time
+  /// A map for each sign and stored time: none, values at each time and pictures at no more times
+  /// than kPicturedTimes, or both at each.
+  enum class Maps { kNone, kSome, kAll };
+
+  static constexpr std::size_t kPicturedTimes = 25;
+  Maps maps = Maps::kSome;
+
+  /// Whether maps of a stored time are drawn as pictures: of `kSome`, of times evenly spread over all.
+  bool pictured(std::size_t time) const;
+
   double extinctionLimit = 0;  ///< [1/m]; 0: none
   std::shared_ptr<const PlanUnderlay> underlay = nullptr;  ///< under maps; may be null
   std::optional<double> north{};  ///< SightField::north()

@@ -186,7 +186,8 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   request.frames = arguments.find<FrameRange>("frames").value_or(FrameRange{});
   request.survey.step = arguments.get<double>("step");
   request.survey.height = height;
-  request.survey.maps = arguments.get<std::string>("maps") == "all";
+  const auto maps = arguments.get<std::string>("maps");
+  request.survey.maps = maps == "all" ? Survey::Maps::kAll : maps == "some" ? Survey::Maps::kSome : Survey::Maps::kNone;
   VOLUTE_ASSIGN(request.survey.extinctionLimit, extinctionLimit(arguments));
   VOLUTE_ASSIGN(request.sightFile, sightFile(arguments.get<std::string>("sight")));
   request.pdf = arguments.flag("pdf");
@@ -323,9 +324,10 @@ std::vector<Option> visibilityOptionTable() {
       {.name = "maps",
        .kind = kChoice,
        .value = "WHICH",
-       .help = "of a plan: all signs and times, or the loss times alone",
-       .initial = "all",
-       .choices = {"all", "aset"}},
+       .help = "of a plan, of each sign: pictures at 25 stored times and values at all, both at all, or "
+               "the loss times alone",
+       .initial = "some",
+       .choices = {"some", "all", "aset"}},
       {.name = "underlay",
        .kind = kFile,
        .value = "FILE",
