@@ -4,6 +4,7 @@
 (20), from the seed VOLUTE_SOAK_SEED (1): each ends by itself with 0, 1 or 2 and a sentence, leaves what it was told to write
 and nothing else, and holds no more memory than it may, nor more at the end than at the beginning."""
 import collections
+import contextlib
 import json
 import os
 import pathlib
@@ -21,7 +22,14 @@ import support
 
 ALLOWED = 200 << 20  # --max-memory [bytes]
 OWN = 120 << 20  # the program, its libraries and what it does not count
+MAPPED = 8 << 20  # by which the share of libraries that is in memory may differ [bytes]
 LONGEST = 60  # [s] for one command, on a machine with other work
+
+
+def stop(process, number):
+    """Unless it has just ended."""
+    with contextlib.suppress(ProcessLookupError):
+        os.kill(process, number)
 
 
 def values(chance, count):
@@ -192,10 +200,10 @@ class Soak:
                                    stderr=subprocess.PIPE, env=self.environment, cwd=self.work)
         late = []
         # Not by the process's own methods: they wait for it, and its memory would be lost.
-        timers = [threading.Timer(LONGEST, lambda: (late.append(True), os.kill(process.pid, signal.SIGKILL)))]
+        timers = [threading.Timer(LONGEST, lambda: (late.append(True), stop(process.pid, signal.SIGKILL)))]
         if stops_after is not None:
             self.stopped += 1
-            timers.append(threading.Timer(stops_after, os.kill, [process.pid, signal.SIGINT]))
+            timers.append(threading.Timer(stops_after, stop, [process.pid, signal.SIGINT]))
         for timer in timers:
             timer.start()
         message = process.stderr.read().decode(errors="replace")
@@ -229,12 +237,14 @@ class Soak:
         return None
 
     def growth(self):
-        """Of each verb the median of the last third's memory over that of the first third."""
+        """Of each verb the median of the last third's memory over that of the first third, less what the machine decides: how
+        much of the libraries is in its memory when they are mapped."""
         found = {}
         for verb, peaks in self.peaks.items():
             third = len(peaks) // 3
             if third >= 30:
-                found[verb] = statistics.median(peaks[-third:]) / statistics.median(peaks[:third])
+                first, last = statistics.median(peaks[:third]), statistics.median(peaks[-third:])
+                found[verb] = max(last - MAPPED, min(last, first)) / first
         return found
 
 

@@ -10,6 +10,8 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/file_name.hpp"
+#include "volute/base/input_file.hpp"
+#include "volute/base/program.hpp"
 #include "volute/io/dxf.hpp"
 #include "volute/io/image_file.hpp"
 
@@ -86,18 +88,8 @@ Result<PlanUnderlay> readDrawing(const std::filesystem::path& file, const Underl
   return underlay;
 }
 
-}  // namespace
-
-Result<PlanUnderlay> readUnderlay(const std::filesystem::path& file, const UnderlayOptions& options,
-                                  std::vector<std::string>& remarks) {
-  const std::string extension = extensionOf(file);
-  if (extension == ".dxf")
-    return readDrawing(file, options, remarks);
-  if (extension == ".svg" || extension == ".pdf" || extension == ".dwg") {
-    return fail(ErrorCode::kUnsupported,
-                "{}: a drawing is a .png or .dxf file; save it as one of these{}", file.string(),
-                extension == ".svg" ? " (rsvg-convert -o plan.png plan.svg)" : "");
-  }
+/// A picture over the whole case, or where its place is stated.
+Result<PlanUnderlay> readPicture(const std::filesystem::path& file, const UnderlayOptions& options) {
   PlanUnderlay underlay;
   const ImageReadOptions reading{.maxMemory = options.maxMemory};
   VOLUTE_ASSIGN(underlay.picture, readImage(file, reading));
@@ -107,6 +99,60 @@ Result<PlanUnderlay> readUnderlay(const std::filesystem::path& file, const Under
   std::tie(underlay.min, underlay.max) =
       options.place.value_or(std::pair(options.min, options.max));
   return underlay;
+}
+
+/// As a picture, by librsvg's program, which is given no more memory than this one and a minute.
+Result<PlanUnderlay> readSvg(const std::filesystem::path& file, const UnderlayOptions& options) {
+  VOLUTE_TRY(InputFile::open(file));
+  const std::string converter = findProgram({"rsvg-convert"});
+  if (converter.empty()) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: a drawing in SVG needs rsvg-convert (Debian's librsvg2-bin), which is not in the "
+                "PATH; a .png or .dxf file needs nothing",
+                file.string());
+  }
+  const ScratchFolder folder;
+  if (folder.path().empty())
+    return fail(ErrorCode::kIo, "{}: no folder for temporary files", file.string());
+  constexpr const char* kPixels = "2400";  // of its longer side: some more than maps have
+  constexpr double kLongest = 60;          // [s]
+  const auto picture = folder.path() / "drawing.png";
+  std::error_code error;
+  std::vector<std::string> words{converter,
+                                 "--width",
+                                 kPixels,
+                                 "--height",
+                                 kPixels,
+                                 "--keep-aspect-ratio",
+                                 "--output",
+                                 picture.string(),
+                                 std::filesystem::absolute(file, error).string()};
+  if (const std::string limiter = findProgram({"prlimit"}); !limiter.empty()) {
+    words.insert(words.begin(), {limiter, fmt::format("--as={}", options.maxMemory),
+                                 fmt::format("--cpu={}", static_cast<int>(kLongest)), "--"});
+  }
+  const bool ended = runProgram(std::move(words), kLongest);
+  if (!ended || !std::filesystem::exists(picture, error)) {
+    return fail(ErrorCode::kInvalidData, "{}: not a drawing that {} can read{}", file.string(),
+                converter, ended ? "" : " within a minute");
+  }
+  return readPicture(picture, options);
+}
+
+}  // namespace
+
+Result<PlanUnderlay> readUnderlay(const std::filesystem::path& file, const UnderlayOptions& options,
+                                  std::vector<std::string>& remarks) {
+  const std::string extension = extensionOf(file);
+  if (extension == ".dxf")
+    return readDrawing(file, options, remarks);
+  if (extension == ".svg")
+    return readSvg(file, options);
+  if (extension == ".pdf" || extension == ".dwg") {
+    return fail(ErrorCode::kUnsupported,
+                "{}: a drawing is a .png, .svg or .dxf file; save it as one of these", file.string());
+  }
+  return readPicture(file, options);
 }
 
 void layOnWhite(Image& picture, const Image& alpha) {

@@ -28,7 +28,7 @@ struct UnderlayOptions {
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
 };
 
-/// A picture lies over the whole case; a .dxf file where its coordinates say, in its unit or, where
+/// A picture (.svg too, by rsvg-convert where it is installed) lies over the whole case; a .dxf file where its coordinates say, in its unit or, where
 /// it states none, in that of m, mm, cm, inches and feet which makes it as large as the case. A .dxf
 /// that touches the case nowhere is moved to its lower left corner. What was chosen, and what is not
 /// drawn, is added to `remarks`.

@@ -7,6 +7,7 @@
 
 #include <string>
 
+#include "volute/base/program.hpp"
 #include "volute/base/write_file.hpp"
 
 namespace volute {
@@ -65,9 +66,39 @@ TEST_F(Underlay, itsPlaceCanBeStated) {
 }
 
 TEST_F(Underlay, otherFilesAreRefusedWithWhatToDo) {
-  const auto underlay = readUnderlay("plan.svg", options_, remarks_);
+  const auto underlay = readUnderlay("plan.dwg", options_, remarks_);
   ASSERT_FALSE(underlay);
-  EXPECT_THAT(underlay.error().message, HasSubstr("rsvg-convert"));
+  EXPECT_THAT(underlay.error().message, HasSubstr(".png, .svg or .dxf"));
+}
+
+TEST_F(Underlay, aDrawingInSvgIsAPicture) {
+  const ScratchFolder folder;
+  const auto file = folder.path() / "plan.svg", cut = folder.path() / "cut.svg";
+  const std::string text =
+      "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 20 10'><rect x='5' y='0' width='1' height='5'/></svg>\n";
+  ASSERT_TRUE(writeFile(file, text));
+  ASSERT_TRUE(writeFile(cut, text.substr(0, 60)));
+  options_.maxMemory = std::uint64_t{1} << 30;
+  const auto underlay = readUnderlay(file, options_, remarks_);
+  if (findProgram({"rsvg-convert"}).empty()) {
+    ASSERT_FALSE(underlay);
+    EXPECT_THAT(underlay.error().message, HasSubstr("rsvg-convert"));
+    return;
+  }
+  ASSERT_TRUE(underlay) << underlay.error().message;
+  const Image& picture = underlay->picture;
+  EXPECT_EQ(picture.width, 2 * picture.height);
+  const auto at = [&](double x, double y) {
+    return picture.at(static_cast<int>(x / 20 * picture.width), static_cast<int>(y / 10 * picture.height), 0);
+  };
+  EXPECT_EQ(at(5.5, 2.5), 0) << "the wall is black";
+  EXPECT_EQ(at(5.5, 7.5), 1) << "what is transparent is white";
+  EXPECT_EQ(at(3, 2.5), 1);
+  EXPECT_EQ(underlay->max, Vec2(20, 10));
+  const auto refused = readUnderlay(cut, options_, remarks_);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("cut.svg: not a drawing"));
+  EXPECT_FALSE(readUnderlay(folder.path() / "nowhere.svg", options_, remarks_));
 }
 
 TEST(LineWithin, cutsAtTheRectangle) {
