@@ -145,13 +145,19 @@ HWY_INLINE V Integral(const MarchLattice& march, const float* values, const V* o
                          Interpolate(origin, direction, cell, corners, hn::Add(middle, away))));
 }
 
+/// Of each lane; sanitizers do not see what vectors gather.
+HWY_INLINE V PlanesAt(const MarchLattice& march, VI place) {
+  VOLUTE_ASSERT(hn::AllTrue(di, hn::Gt(place, hn::Set(di, -1))) &&
+                hn::AllTrue(di, hn::Lt(place, hn::Set(di, static_cast<std::int64_t>(march.planes.size())))));
+  return hn::GatherIndex(d, march.planes.data(), place);
+}
+
 /// The planes round the cells, of a nodal lattice: `next` is the upper one of lanes that go up.
 HWY_INLINE void EnterCell(const MarchLattice& march, VI next, VI step, V& lower, V& perCell) {
   const VI up = hn::IfThenElse(hn::Lt(step, hn::Zero(di)), hn::Set(di, 1), hn::Zero(di));
   const VI upper = hn::Add(next, up);
-  lower = hn::GatherIndex(d, march.planes.data(), hn::Sub(upper, hn::Set(di, 1)));
-  perCell =
-      hn::Div(hn::Set(d, 1.0), hn::Sub(hn::GatherIndex(d, march.planes.data(), upper), lower));
+  lower = PlanesAt(march, hn::Sub(upper, hn::Set(di, 1)));
+  perCell = hn::Div(hn::Set(d, 1.0), hn::Sub(PlanesAt(march, upper), lower));
 }
 
 /// Evenly spaced blocks, all gas: no planes to fetch, and one value, both ends of what it may be.
@@ -211,8 +217,7 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
     step[axis] = hn::Load(di, lanes.step[axis] + first);
     cellStep[axis] = hn::Load(di, lanes.cellStep[axis] + first);
     cornerStep[axis] = hn::Load(di, lanes.cornerStep[axis] + first);
-    const V place =
-        hn::GatherIndex(d, march.planes.data(), hn::Add(plane[axis], step[axis]));
+    const V place = PlanesAt(march, hn::Add(plane[axis], step[axis]));
     after[axis] = hn::Mul(hn::Sub(place, origin[axis]), inverse[axis]);
     if constexpr (kNodal)
       EnterCell(march, plane[axis], step[axis], inside.lower[axis], inside.perCell[axis]);
@@ -268,7 +273,7 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
     const VI moved = hn::Add(Choose(onX, plane[0], Choose(onY, plane[1], plane[2])), stepped);
     // Dead lanes may have left the planes.
     const VI beyond = hn::IfThenElseZero(hn::RebindMask(di, live), hn::Add(moved, stepped));
-    const V place = hn::GatherIndex(d, march.planes.data(), beyond);
+    const V place = PlanesAt(march, beyond);
     for (int axis = 0; axis < 3; ++axis) {
       const V crossing = hn::Mul(hn::Sub(place, origin[axis]), inverse[axis]);
       next[axis] = hn::IfThenElse(on[axis], after[axis], next[axis]);
@@ -280,7 +285,8 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
         corner = hn::Add(corner, hn::IfThenElseZero(mask, cornerStep[axis]));
     }
     if constexpr (kNodal) {
-      const VI safe = hn::IfThenElseZero(hn::RebindMask(di, live), moved);
+      // Dead lanes look at the first planes, which EnterCell() needs two of.
+      const VI safe = hn::IfThenElse(hn::RebindMask(di, live), moved, hn::Set(di, 1));
       V lower, perCell;
       EnterCell(march, safe, stepped, lower, perCell);
       for (int axis = 0; axis < 3; ++axis) {
