@@ -128,15 +128,18 @@ Result<PlanUnderlay> readSvg(const std::filesystem::path& file, const UnderlayOp
                                  picture.string(),
                                  std::filesystem::absolute(file, error).string()};
   if (const std::string limiter = findProgram({"prlimit"}); !limiter.empty()) {
-    words.insert(words.begin(), {limiter, fmt::format("--as={}", options.maxMemory),
+    constexpr std::uint64_t kLibraries = std::uint64_t{512} << 20;
+    words.insert(words.begin(), {limiter, fmt::format("--as={}", options.maxMemory + kLibraries),
                                  fmt::format("--cpu={}", static_cast<int>(kLongest)), "--"});
   }
-  const bool ended = runProgram(std::move(words), kLongest);
-  if (!ended || !std::filesystem::exists(picture, error)) {
-    return fail(ErrorCode::kInvalidData, "{}: not a drawing that {} can read{}", file.string(),
-                converter, ended ? "" : " within a minute");
+  runProgram(std::move(words), kLongest);
+  auto read = readPicture(picture, options);
+  if (!read) {  // there is none, or a part of one: it met a limit
+    return fail(ErrorCode::kInvalidData,
+                "{}: not a drawing that {} can read within a minute and {} MiB of memory",
+                file.string(), converter, options.maxMemory >> 20);
   }
-  return readPicture(picture, options);
+  return read;
 }
 
 }  // namespace
