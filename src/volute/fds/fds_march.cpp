@@ -72,6 +72,12 @@ using Mask = hn::Mask<D>;
 constexpr D d;
 constexpr DI di;
 
+/// Whether each place is one of `size`: sanitizers do not see what vectors gather.
+[[maybe_unused]] HWY_INLINE bool AllWithin(VI place, std::size_t size) {
+  return hn::AllTrue(di, hn::Gt(place, hn::Set(di, -1))) &&
+         hn::AllTrue(di, hn::Lt(place, hn::Set(di, static_cast<std::int64_t>(size))));
+}
+
 HWY_INLINE V ValuesAt(const float* values, VI place) {
   constexpr DF df;
   constexpr DN dn;
@@ -85,11 +91,12 @@ struct Ends {
   V low, high;
 };
 
-HWY_INLINE Ends PairsAt(const std::uint64_t* pairs, VI place) {
+HWY_INLINE Ends PairsAt(const std::vector<std::uint64_t>& pairs, VI place) {
+  VOLUTE_ASSERT(AllWithin(place, pairs.size()));
   constexpr DF df;
   constexpr hn::Rebind<std::uint32_t, D> dw;
   constexpr hn::RebindToUnsigned<DI> du;
-  const auto pair = hn::GatherIndex(du, pairs, place);
+  const auto pair = hn::GatherIndex(du, pairs.data(), place);
   return {hn::PromoteTo(d, hn::BitCast(df, hn::TruncateTo(dw, pair))),
           hn::PromoteTo(d, hn::BitCast(df, hn::TruncateTo(dw, hn::ShiftRight<32>(pair))))};
 }
@@ -145,10 +152,8 @@ HWY_INLINE V Integral(const MarchLattice& march, const float* values, const V* o
                          Interpolate(origin, direction, cell, corners, hn::Add(middle, away))));
 }
 
-/// Of each lane; sanitizers do not see what vectors gather.
 HWY_INLINE V PlanesAt(const MarchLattice& march, VI place) {
-  VOLUTE_ASSERT(hn::AllTrue(di, hn::Gt(place, hn::Set(di, -1))) &&
-                hn::AllTrue(di, hn::Lt(place, hn::Set(di, static_cast<std::int64_t>(march.planes.size())))));
+  VOLUTE_ASSERT(AllWithin(place, march.planes.size()));
   return hn::GatherIndex(d, march.planes.data(), place);
 }
 
@@ -173,13 +178,16 @@ HWY_INLINE void MarchEven(const MarchLattice& march, PartLanes& lanes, std::size
                                     hn::Load(d, lanes.inverse[axis] + first)));
     cellStep[axis] = hn::Load(di, lanes.cellStep[axis] + first);
   }
+  const VI lastCell = hn::Set(di, static_cast<std::int64_t>(march.pairs.size()) - 1);
   VI cell = hn::Load(di, lanes.cell + first);
   V gas = hn::Zero(d), low = hn::Zero(d), high = hn::Zero(d);
   for (Mask live = hn::Lt(from, end); !hn::AllFalse(d, live); live = hn::Lt(from, end)) {
     const V yz = hn::Min(next[1], next[2]);
     const V to = hn::Min(hn::Min(next[0], yz), end);
+    // Planes that are counted on may end a rounding before the lattice does: a lane that is beyond
+    // them, or has ended, looks at what is there.
     const auto [least, most] =
-        PairsAt(march.pairs.data(), hn::IfThenElseZero(hn::RebindMask(di, live), cell));
+        PairsAt(march.pairs, hn::Max(hn::Zero(di), hn::Min(cell, lastCell)));
     const V length = hn::IfThenElseZero(live, hn::Max(hn::Sub(to, from), hn::Zero(d)));
     gas = hn::Add(gas, length);
     low = hn::MulAdd(least, length, low);
@@ -232,12 +240,13 @@ HWY_INLINE void MarchVector(const MarchLattice& march, PartLanes& lanes, std::si
     V length = hn::IfThenElseZero(live, hn::Max(hn::Sub(to, from), hn::Zero(d)));
     V value = hn::Zero(d);
     if constexpr (!kPaired) {
+      VOLUTE_ASSERT(AllWithin(here, march.own.size()));
       value = ValuesAt(march.own.data(), here);
       length = hn::IfThenElseZero(hn::Ge(value, hn::Zero(d)), length);
     }
     gas = hn::Add(gas, length);
     if constexpr (kPaired) {
-      const auto [least, most] = PairsAt(march.pairs.data(), here);
+      const auto [least, most] = PairsAt(march.pairs, here);
       depth = hn::Add(depth, hn::Mul(least, length));
       // Infinite ones count for nothing where the step has no length.
       high = hn::Add(high, hn::IfThenElseZero(hn::Gt(length, hn::Zero(d)), hn::Mul(most, length)));
