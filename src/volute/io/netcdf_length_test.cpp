@@ -3,6 +3,7 @@
 #include "volute/io/netcdf_length.hpp"
 
 #include <gmock/gmock.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "volute/io/testing.hpp"
@@ -48,15 +49,15 @@ std::string classic(int version, std::uint64_t records, const std::vector<Variab
   std::vector<std::uint64_t> begins(variables.size(), 0);
   std::uint64_t end = 0;
   for (int pass = 0; pass < 2; ++pass) {
-    header = "CDF" + std::string(1, static_cast<char>(version)) + count(records);
+    header = fmt::format("CDF{}", static_cast<char>(version)) + count(records);
     header += bigEndian(10, 4) + count(1 + variables.size()) + name("time") + count(0);
     for (std::size_t i = 0; i < variables.size(); ++i)
       header +=
-          name("n" + std::to_string(i)) + count(static_cast<std::uint64_t>(variables[i].values));
+          name(fmt::format("n{}", i)) + count(static_cast<std::uint64_t>(variables[i].values));
     header += bigEndian(12, 4) + count(1) + name("title") + bigEndian(2, 4) + name("a box");
     header += bigEndian(11, 4) + count(variables.size());
     for (std::size_t i = 0; i < variables.size(); ++i) {
-      header += name("v" + std::to_string(i)) + count(variables[i].ofRecords ? 2 : 1);
+      header += name(fmt::format("v{}", i)) + count(variables[i].ofRecords ? 2 : 1);
       if (variables[i].ofRecords)
         header += count(0);
       header += count(1 + i) + bigEndian(0, 4) + count(0);  // no attributes
