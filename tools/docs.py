@@ -18,17 +18,19 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
 FENCE = re.compile(r"(^```.*?^```$|^(?:    [^\n]*\n)+|`[^`\n]+`)", re.S | re.M)
 
-# The order of the pages: those that are not listed follow under what their folder says.
+# The order of the pages, as in docs/index.md; a page that is not listed is found by links alone.
 PARTS = [
-    ("Tutorials", "From one's own files to a picture and a number.", "docs/tutorials/*.md"),
-    ("How to", "Install it, use it from other languages and on many machines.", "docs/install.md docs/python.md docs/cluster.md docs/viewer.md"),
-    ("The command", "Each command with all options, as `volute help` has it.", "docs/cli/*.md"),
-    ("Files and scenes", "What goes in and comes out.",
-     "docs/scene.md docs/scene_members.md docs/geometry.md docs/capture.md docs/fds.md docs/meshes.md docs/units.md docs/format.md"),
-    ("Explanation", "What is computed, by which rules.", "docs/idea.md docs/smoke.md docs/visibility.md docs/opengl.md docs/papers.md docs/robustness.md"),
-    ("Design", "Decisions that are costly to undo, and how parts work.", "docs/design/*.md docs/adr/*.md"),
-    ("Measurements", "With date and commit.", "docs/measurements/*.md"),
-    ("The project", "", "CHANGELOG.md CONTRIBUTING.md SECURITY.md"),
+    ("Tutorials", "From your own files to a picture and a number.", "docs/tutorials/*.md"),
+    ("How-to guides", "Install Volute, use its viewer, call it from other languages, run it on many machines.",
+     "docs/install.md docs/python.md docs/viewer.md docs/opengl.md docs/cluster.md"),
+    ("Commands", "Each command with all its options, as `volute help` prints them.", "docs/cli/*.md"),
+    ("Reference", "File formats, scenes, captures and units.",
+     "docs/scene.md docs/scene_members.md docs/geometry.md docs/capture.md docs/fds.md docs/meshes.md docs/format.md docs/units.md SECURITY.md"),
+    ("Explanation", "What is computed, and why it is right.",
+     "docs/idea.md docs/pictures.md docs/smoke.md docs/visibility.md docs/tenability.md docs/real-captures.md docs/robustness.md docs/papers.md"),
+    ("Design", "How the parts work, and decisions that are costly to undo.", "docs/design/*.md docs/adr/*.md"),
+    ("Measurements", "Times and errors, with date and commit.", "docs/measurements/*.md"),
+    ("The project", "", "docs/index.md CHANGELOG.md CONTRIBUTING.md"),
 ]
 
 STYLE = """
