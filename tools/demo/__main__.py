@@ -44,15 +44,15 @@ def announce(runner, out):
         else:
             steps += runner.forecast.wall(runner.plan.seconds(step))
     there = len([step for step in runner.plan.steps if not isinstance(step, Build)]) - sum(not isinstance(step, Build) for step in runner.todo())
-    compiling = f"compiles Volute ({spoken(sum(builds))} if nothing of it is in a compiler cache), then " if sum(builds) > 5 else ""
+    compiling = f"compiles Volute ({spoken(sum(builds))} without a compiler cache), then " if sum(builds) > 5 else ""
     say(f"{compiling}makes the pictures, films and plots of four chapters ({spoken(steps)}): effects, laboratory, fire safety, the papers' figures.")
     if there:
-        say(f"{there} of its steps are done already and stay.")
+        say(f"{there} of its steps are already done and are kept.")
     megabytes = (BUILD_MEGABYTES if sum(builds) > 5 else 0) + DEMO_MEGABYTES[runner.quick]
     free = shutil.disk_usage(out).free / 1e6
-    say(f"It needs {megabytes} MB on this disk, which has {free / 1000:.0f} GB left. Ctrl-C stops it, and the next run goes on from there.")
+    say(f"It needs {megabytes} MB on this disk, which has {free / 1000:.0f} GB left. Ctrl-C stops it, and the next run continues from there.")
     if free < megabytes:
-        sys.exit(f"demo: {free:.0f} MB are left on the disk of {out}; expected {megabytes}. Make room, or name another folder by --out.")
+        sys.exit(f"demo: {free:.0f} MB are left on the disk of {out}; expected {megabytes}. Free some space, or choose another folder with --out.")
 
 
 def keep_times(state, table):
@@ -72,7 +72,7 @@ def interrupted(*_):
 
 def main():
     parser = argparse.ArgumentParser(prog="demo", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="every chapter, smaller: two minutes once Volute is compiled")
+    parser.add_argument("--quick", action="store_true", help="make every chapter smaller: two minutes once Volute is compiled")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("demo"), help="folder of the page [demo]")
     parser.add_argument("--bin", type=pathlib.Path, help="folder of built programs; nothing is compiled")
     parser.add_argument("--preset", default="release", help="CMake preset to compile [release]")
@@ -87,25 +87,25 @@ def main():
     plan = whole_plan(options.quick)
     state = State(out, plan, options.bin.resolve() if options.bin else compiler.binaries)
     if not state.lock():
-        sys.exit(f"demo: another demo writes into {out}; wait for it, or name another folder by --out")
+        sys.exit(f"demo: another demo writes into {out}; wait for it, or choose another folder with --out")
     if options.measured:
         return keep_times(state, Scale(options.quick).table())
     runner = Runner(plan, state, compiler, Forecast(), options.quick)
     runner.plan_builds()
     announce(runner, out)
     page = os.path.relpath(out / "index.html")
-    print(f"The page grows here: {page}", flush=True)
+    print(f"The page is updated while it runs: {page}", flush=True)
     try:
         whole = runner.run()
     except KeyboardInterrupt:
         done = len(plan.maker.keys()) and sum(state.done(step) for step in plan.steps if not isinstance(step, Build))
         total = sum(not isinstance(step, Build) for step in plan.steps)
-        print(f"\nStopped; {done} of {total} steps are done. {page} shows them, and the same command goes on.", flush=True)
+        print(f"\nStopped; {done} of {total} steps are done. {page} shows them, and the same command continues.", flush=True)
         return 130
     if not whole:
-        print(f"Some of it could not be made; {page} says what, and shows the rest.", flush=True)
+        print(f"Parts could not be made; {page} lists them, and shows the rest.", flush=True)
         return 1
-    print(f"All is made. Look at {page}", flush=True)
+    print(f"Done. Open {page}", flush=True)
     return 0
 
 

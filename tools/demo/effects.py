@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""For those who make pictures: volumes compressed, looked at, filmed, and given back as .vdb; fog and fire in a valley."""
+"""Effects: volumes compressed, rendered, filmed and converted back to .vdb; fog and fire in a valley."""
 import errors
 import fire_in_fog
 from plan import Build, Chapter, Choice, Command, Drawn, Fact, Picture, Section, Step, Wipe
@@ -64,9 +64,9 @@ def haze_table(results):
     lit = results.report("effects/haze.json")["lit"]
     rows = [[f"`--rms {rms}`", bytes_of(results.size(volute(rms))), ratio(results, "effects/fire/", volute(rms)),
              percent(lit[f"effects/fire_{rms}.exr"]["share"]), lit[f"effects/fire_{rms}.exr"]["brightest"]] for rms in (RMS, *COARSER)]
-    return {"caption": "Black: what the original's picture three stops up stores as 0 in all channels. One frame of this run's fire, all by "
-                       "`--fast`.",
-            "columns": ["setting", "file on disk", "the .vdb files to it", "black pixels lit", "brightest of them, of 255"], "rows": rows}
+    return {"caption": "Black pixels are those that the original's picture, three stops up, stores as 0 in all channels. One frame of this run's "
+                       "fire, compressed with `--fast`.",
+            "columns": ["setting", "file on disk", "ratio to the .vdb files", "black pixels lit", "brightest of them, of 255"], "rows": rows}
 
 
 def fire_section(scale):
@@ -77,31 +77,31 @@ def fire_section(scale):
                 f"would take {bytes_of(frames * voxels ** 3 * 3 * 4)}")
 
     return Section(
-        "A fire, from .vdb to a film and back",
-        (f"{frames} frames of {voxels}³ voxels, RGB, 25 a second, as a simulation would leave them: one .vdb file a frame. `volute compress` makes "
-         "one .volute file of them that any time can be taken from, and the film is rendered from that file.",
-         "In Blender: Add, Volume, Import OpenVDB, and choose all files of [effects/back](effects/back/); its grid is called `emission`."),
-        (Fact(lambda r: ratio(r, "effects/fire/", volute(RMS)), "the .vdb files on disk to the .volute", ("effects/fire/", volute(RMS))),
-         Fact(lambda r: percent(r.report("effects/difference.png")["relative_l2"]), "relative L2 error of a picture of what comes back",
+        "Fire: from .vdb to a film and back",
+        (f"{frames} frames of {voxels}³ RGB voxels at 25 frames per second, one .vdb file per frame, as a simulation writes them. `volute compress` "
+         "turns them into one .volute file with random access to every frame; the film is rendered from that file.",
+         "In Blender: Add, Volume, Import OpenVDB, and select all files of [effects/back](effects/back/); the grid is called `emission`."),
+        (Fact(lambda r: ratio(r, "effects/fire/", volute(RMS)), ".vdb files to .volute, on disk", ("effects/fire/", volute(RMS))),
+         Fact(lambda r: percent(r.report("effects/difference.png")["relative_l2"]), "relative L2 error of a picture of the restored files",
               ("effects/difference.png",)),
          Wipe(("effects/original.png", ".vdb"), ("effects/fire.png", ".volute"), "Before and after", disk),
          Picture("effects/fire.mp4", "The film", f"Emission only, trilinear between voxel centres; perspective 30°, exposure {EXPOSURE}, filmic tone curve",
                  poster="effects/fire.png"),
-         Picture("effects/difference.png", "What differs in a picture of the files given back",
-                 lambda r: "Length of the RGB difference in linear light; viridis, violet is 0 and yellow "
-                           f"{percent(r.report('effects/difference.png')['largest'])} of the brightest channel"),
+         Picture("effects/difference.png", "Difference between pictures of the original and the restored files",
+                 lambda r: "Length of the RGB difference in linear light; viridis, from violet (0) to yellow "
+                           f"({percent(r.report('effects/difference.png')['largest'])} of the brightest channel)"),
          Command(volute(RMS), "The compressed file"),
          Command("effects/back/", "Back to .vdb files, for Blender, Houdini or Nuke")), columns=3)
 
 
 def haze_section():
     return Section(
-        "Which error to ask for",
-        ("Compositors raise exposure, and a codec's error then shows as haze where nothing burns. Here is one frame three stops up (eight times as "
+        "Which error to choose",
+        ("When compositors raise the exposure, coding errors appear as haze where nothing burns. Here is one frame three stops up (eight times as "
          f"bright), at three settings. This page uses `--rms {RMS}`.",),
         (Choice((("effects/bright_original.png", "original"), *((bright(rms), f"--rms {rms}") for rms in (RMS, *COARSER))),
                 "Three stops up", "Move the slider and look at the black around the flame"),
-         Command("effects/haze.json", "The share of black pixels that are lit, from the frame's linear values", wide=False),
+         Command("effects/haze.json", "Measures the share of black pixels that are lit, from the linear values of the frame", wide=False),
          Drawn("table", haze_table, ("effects/haze.json", *map(volute, (RMS, *COARSER))))), columns=2)
 
 
@@ -122,20 +122,20 @@ def smoke(scale):
 def smoke_section(scale):
     voxels, frames = scale.pick((64, 48), (48, 16))
     return Section(
-        "Smoke in the light",
-        (f"Calm and full, where the fire was fast and mostly empty: {frames} frames of {voxels}³ voxels, a density alone. `volute render` takes "
-         "a grid of that name for smoke, says so, and lights it: a sun and the sky, scattered once and shadowed by the smoke itself, by exact "
-         "optical depths.",),
+        "Lit smoke",
+        (f"Smoke is slow and dense, while the fire was fast and mostly empty: {frames} frames of {voxels}³ voxels with a density only. "
+         "`volute render` shows a grid of that name as smoke, prints a remark, and lights it by a sun and the sky, scattered once and shadowed "
+         "by the smoke itself, by exact optical depths.",),
         (Wipe(("effects/smoke_plain.png", "values"), ("effects/smoke.png", "lit"), "Values and smoke",
-              "Left: the density as if it were light. Right: what stands without an option; albedo 0.9, asymmetry 0.3"),
+              "Left: the density shown as light. Right: the default, with albedo 0.9 and asymmetry 0.3"),
          Picture("effects/smoke.mp4", "The film", "Trilinear between voxel centres; exposure set once, filmic tone curve", poster="effects/smoke.png"),
-         Fact(lambda r: ratio(r, "effects/smoke/", "effects/smoke.volute"), "the .vdb files on disk to the .volute",
+         Fact(lambda r: ratio(r, "effects/smoke/", "effects/smoke.volute"), ".vdb files to .volute, on disk",
               ("effects/smoke/", "effects/smoke.volute")),
          Command("effects/smoke.volute", lambda r: f"The compressed file, {bytes_of(r.size('effects/smoke.volute'))}", wide=False)))
 
 
 def put_fog(out, *more, folder="effects/valley", cell=8, degree=2, frames="", makes=None, reads=()):
-    """A step that puts a painted map's fog on frames of the valley; splines of every degree peak where the map's pixels are."""
+    """A step that adds the fog of a painted map to frames of the valley; splines of every degree peak at the centres of the map's pixels."""
     origin = f"{-degree * cell / 2:g}"
     words = (f"volute fog {folder}/fogmap.png --color {folder}/color{frames}.{'png' if frames else 'exr'} --depth {folder}/depth{frames}.exr "
              f"--camera {folder}/camera{frames}.json -o {out} --degree {degree} --origin={origin},{origin},0 --cell {cell} --sigma-max {SIGMA} "
@@ -168,12 +168,11 @@ def evening(scale):
 def evening_section():
     return Section(
         "Everything in one scene",
-        ("[fire_in_fog.json](effects/fire_in_fog.json) has the valley's surfaces, a weak sun, the painted fog, and the compressed fire "
-         "standing in it, "
-         f"{fire_in_fog.FIRE_METRES}{NBSP}m high. `volute view effects/fire_in_fog.json` opens it in a window, where fog is painted with a "
-         "brush; `./dev build` compiles that.",),
-        (Picture("effects/fire_in_fog.png", "A bonfire in the fog at dusk", "Fire and fog add along each ray and end at surfaces; linear "
-                                                                            "light, exposure 2, sRGB"),), columns=1)
+        ("[fire_in_fog.json](effects/fire_in_fog.json) combines the valley's surfaces, a weak sun, the painted fog, and the compressed fire, "
+         f"{fire_in_fog.FIRE_METRES}{NBSP}m high. `volute view effects/fire_in_fog.json` opens it in a window, where fog can be painted with a "
+         "brush (`./dev build` compiles the viewer).",),
+        (Picture("effects/fire_in_fog.png", "A bonfire in the fog at dusk", "Fire and fog add up along each ray and end at surfaces; "
+                                                                            "linear light, exposure 2, sRGB"),), columns=1)
 
 
 def valley_section(scale):
@@ -181,23 +180,23 @@ def valley_section(scale):
     look = "perspective 50°, linear light, shown as sRGB"
     return Section(
         "Fog over a valley",
-        ("Fog is painted: a map says how thick it is at each place, a profile how it thins with height. The valley is a picture with "
-         "depths, as any renderer "
-         "gives it; `volute fog` integrates the fog from the eye to each pixel's depth, exactly in every cell of the map.",),
-        (Fact(lambda r: f"{r.report('effects/flight.mp4')['milliseconds'] / frames:.0f}{NBSP}ms", "a frame of the flight, reading and "
-                                                                                                  "encoding included",
+        ("Fog is painted: a map gives its density at each place, a profile its decrease with height. The valley is a picture with "
+         "depths, as any renderer can write it; `volute fog` integrates the fog from the eye to each pixel's depth, exactly in every cell of "
+         "the map.",),
+        (Fact(lambda r: f"{r.report('effects/flight.mp4')['milliseconds'] / frames:.0f}{NBSP}ms", "per frame of the flight, including reading "
+                                                                                                  "and encoding",
               ("effects/flight.mp4",)),
          Wipe(("effects/fog_none.png", "frame"), ("effects/fog_sun.png", "fog"), "A low sun in the fog",
-              f"Its light is scattered once, and shadowed by the fog itself and by hills, trees and houses; {look}"),
-         Picture("effects/fog.png", "Painted fog", f"The map's splines are of degree 2, its cells 8{NBSP}m wide; white is {SIGMA}{NBSP}/m; {look}"),
-         Picture("effects/flight.mp4", "A flight", f"{frames} frames, 16 a second; the fog's colour is constant, a wind of 3{NBSP}m/s", poster="effects/fog.png")),
+              f"Its light is scattered once, with shadows from the fog itself and from hills, trees and houses; {look}"),
+         Picture("effects/fog.png", "Painted fog", f"Splines of degree 2 on a map with cells of 8{NBSP}m; white is {SIGMA}{NBSP}/m; {look}"),
+         Picture("effects/flight.mp4", "A flight", f"{frames} frames, 16 per second; constant fog colour, a wind of 3{NBSP}m/s", poster="effects/fog.png")),
         columns=3)
 
 
 def chapter(scale):
     return Chapter(
-        "effects", "Effects", "A sequence of volumes compressed, looked at, filmed, and given back to Blender as .vdb; fog painted over a valley.",
-        # The first picture waits for the command and what reads .vdb; the other readers come behind it.
+        "effects", "Effects", "A sequence of volumes is compressed, rendered, filmed, and converted back to .vdb for Blender; fog is painted over a valley.",
+        # The first picture needs only the command and the .vdb reader; the other readers are built after it.
         (Build("volute", BUILD_SECONDS), Build("volute_io_vdb", 35), *fire(scale)[:2], Build("volute-plugins", 55), *fire(scale)[2:],
          *valley(scale), *evening(scale), *smoke(scale)),
         (fire_section(scale), haze_section(), valley_section(scale), evening_section(), smoke_section(scale)),

@@ -68,30 +68,29 @@ def chapter(scale):
     voxels, pixels = scale.pick((64, 144), (48, 108))
     look = f"perspective 27°, linear light, exposure {EXPOSURE}, sRGB"
     seen = Section(
-        "What is measured",
-        (f"A synthetic fire of {voxels}³ voxels, boxes of constant light, and {COUNT} calibrated cameras on a half arc around it, at two heights. "
-         f"[capture.json]({CAPTURE}) holds their calibration. With real cameras one begins here, with pictures of one's own.",),
+        "The measurement",
+        (f"A synthetic fire of {voxels}³ voxels, each with constant emission, and {COUNT} calibrated cameras on a half circle around it, at two "
+         f"heights. [capture.json]({CAPTURE}) holds their calibration. With real cameras, start here with your own pictures.",),
         (Picture("laboratory/views.png", f"The {COUNT} views", f"{pixels} × {pixels} pixels each, linear light, exposure {EXPOSURE}, sRGB"),
-         Command("laboratory/views/", "What cameras would do; the pictures are linear EXR")), columns=1)
+         Command("laboratory/views/", "Simulates the cameras; the pictures are linear EXR")), columns=1)
     found = Section(
-        "The volume that explains it",
-        ("`volute reconstruct` looks for the emission whose line integrals are those pictures: at least zero everywhere, and zero where a "
+        "The reconstruction",
+        ("`volute reconstruct` solves for the emission whose line integrals are those pictures: non-negative everywhere, and zero where a "
          "camera sees nothing. "
-         f"It has half of the fire's resolution, {voxels // 2}³, and another basis, trilinear, so what it is compared with is nothing that "
-         "it could copy.",
-         "Both are seen from a side where no camera stood. [The report](laboratory/report.html) has each camera's picture beside what the "
-         "volume would show it."),
+         f"It uses half of the fire's resolution, {voxels // 2}³, and another basis (trilinear), so it cannot reproduce the original exactly.",
+         "Both are shown from a direction without a camera. [The report](laboratory/report.html) shows each camera's picture beside that of "
+         "the volume."),
         (Fact(lambda r: percent(r.report("laboratory/difference.png")["relative_l2"]), "relative L2 error of the new view", ("laboratory/difference.png",)),
-         Fact(lambda r: percent(r.report("laboratory/volume_error.json")["relative_l2"]), "relative L2 error of the volume, to means of 2³ "
-                                                                                          "of the fire's voxels",
+         Fact(lambda r: percent(r.report("laboratory/volume_error.json")["relative_l2"]), "relative L2 error of the volume, compared with "
+                                                                                          "means over 2³ voxels of the fire",
               ("laboratory/volume_error.json",)),
-         Fact(lambda r: f"{digits(r.report(FOUND)['seconds_per_frame'])}{NBSP}s", "to reconstruct the frame", (FOUND,)),
+         Fact(lambda r: f"{digits(r.report(FOUND)['seconds_per_frame'])}{NBSP}s", "to reconstruct a frame", (FOUND,)),
          Fact(lambda r: percent(r.report(FOUND)["hull_share"]), "of the voxels are in the visual hull", (FOUND,)),
-         Wipe(("laboratory/truth.png", "fire"), ("laboratory/found.png", "reconstructed"), "From a new side", look),
-         Picture("laboratory/difference.png", "How far it is off",
-                 lambda r: "Length of the RGB difference in linear light; viridis, violet is 0 and yellow "
-                           f"{percent(r.report('laboratory/difference.png')['largest'])} of the fire's brightest channel"),
+         Wipe(("laboratory/truth.png", "fire"), ("laboratory/found.png", "reconstructed"), "From a new direction", look),
+         Picture("laboratory/difference.png", "The error",
+                 lambda r: "Length of the RGB difference in linear light; viridis, from violet (0) to yellow "
+                           f"({percent(r.report('laboratory/difference.png')['largest'])} of the fire's brightest channel)"),
          Command(FOUND, lambda r: f"The reconstruction, {bytes_of(r.size(FOUND))}")))
-    return Chapter("laboratory", "Laboratory", "Eight calibrated cameras film a fire; the volume that explains their pictures, and how far "
-                                               "it is off.",
+    return Chapter("laboratory", "Laboratory", "Eight calibrated cameras film a fire: the volume reconstructed from their pictures, and its "
+                                               "error.",
                    steps(voxels, pixels), (seen, found), door=("laboratory/found.png", "laboratory/truth.png", "laboratory/views.png"))

@@ -23,7 +23,7 @@ NBSP = "\u00a0"
 FILMS = {".mp4": "video/mp4", ".webm": "video/webm"}
 PICTURES = (".png", ".jpg", ".svg")
 TITLE = "Volute"
-SUBTITLE = "Fire, smoke and fog: compressed, reconstructed from cameras, rendered by exact integrals, and what a person sees through them"
+SUBTITLE = "Fire, smoke and fog: compressed, reconstructed from cameras, rendered by exact line integrals, and how far a person sees through them"
 
 
 def is_shown(file):
@@ -216,7 +216,7 @@ class Page:
                 steps = sum(not isinstance(step, Build) for step in chapter.steps)
                 waiting = f"{len(left)} of {steps} steps of this chapter are missing; `{self.command()}` makes them."
             else:
-                waiting = "More of this chapter is still to come." if any(body for _, body in sections) else "Still to come."
+                waiting = "The rest of this chapter is being made." if any(body for _, body in sections) else "Not started yet."
             waiting = f'<p class="waiting">{text(waiting)}</p>'
         return (f'<section class="chapter" id="{chapter.name}"><h2>{text(chapter.title)}</h2><p class="subtitle">{text(chapter.sentence)}</p>'
                 f'<nav aria-label="{attribute(chapter.title)}">{links}</nav>{"".join(body for _, body in sections)}{waiting}</section>')
@@ -226,7 +226,7 @@ class Page:
         if picture:
             face = f'<img src="{attribute(urllib.parse.quote(picture))}" alt="">'
         else:
-            face = f'<div class="soon">{"its pictures are not made yet" if self.ending else "its pictures are still to come"}</div>'
+            face = f'<div class="soon">{"its pictures are not made yet" if self.ending else "its pictures are being made"}</div>'
         return f'<a class="door" href="#{chapter.name}">{face}<div><b>{text(chapter.title)}</b><span>{text(chapter.sentence)}</span></div></a>'
 
     def command(self):
@@ -241,21 +241,21 @@ class Page:
         if self.ending == "done":
             return ""
         lacking = [chapter.title for chapter in self.plan.chapters if self.missing(chapter)]
-        why = "The demo was stopped." if self.ending == "stopped" else "Some of it could not be made."
-        return (f'<div class="box" id="status"><p><b>{why}</b> {made} Something is missing of: {html.escape("; ".join(lacking))}.</p>'
-                f"<p>This goes on where it stopped and makes nothing twice:</p>{copyable(self.command())}</div>")
+        why = "The demo was stopped." if self.ending == "stopped" else "Parts could not be made."
+        return (f'<div class="box" id="status"><p><b>{why}</b> {made} Incomplete chapters: {html.escape("; ".join(lacking))}.</p>'
+                f"<p>This command continues where it stopped:</p>{copyable(self.command())}</div>")
 
     def shell(self):
         words = f"cd {shlex.quote(str(self.state.out))} && export PATH={shlex.quote(str(self.programs))}:$PATH"
-        return (f'<div class="box"><p>Each picture stands with the command that made it. To try one, go to this page\'s folder first; '
-                f"change what you like.</p>{copyable(words)}</div>")
+        return (f'<div class="box"><p>Each picture is shown with the command that made it. To try one, change to the folder of this page first, '
+                f"then change the command as you like.</p>{copyable(words)}</div>")
 
     def html(self, stamp):
         doors = "".join(self.door(chapter) for chapter in self.plan.chapters if chapter.door)
-        others = "".join(f'<p class="further">Further down: <a href="#{chapter.name}">{text(chapter.title)}</a>. {text(chapter.sentence)}</p>'
+        others = "".join(f'<p class="further">Below: <a href="#{chapter.name}">{text(chapter.title)}</a>. {text(chapter.sentence)}</p>'
                          for chapter in self.plan.chapters if not chapter.door)
         seconds = sum(self.state.seconds().get(name, 0) for name in self.done)
-        size = "Sizes are the quick demo's; without --quick all is larger. " if self.quick else ""
+        size = "Sizes are those of the quick demo; without --quick, everything is larger. " if self.quick else ""
         script = (HERE / "script.js").read_text(encoding="utf-8")
         refresh = ""
         if self.ending is None:
@@ -266,7 +266,7 @@ class Page:
                 f'initial-scale=1"><title>{TITLE}</title>{refresh}<link rel="icon" href="data:,"><style>{style}</style></head>\n'
                 f'<body><header><h1>{TITLE}</h1><p class="subtitle">{SUBTITLE}</p>{self.status(stamp)}<div class="doors">{doors}</div>'
                 f'{others}{self.shell()}</header>\n<main>' + "\n".join(self.chapter(chapter) for chapter in self.plan.chapters) +
-                f"</main>\n<footer><p>Everything on this page is made from seeds by <code>{self.command()}</code> on this machine, in "
+                f"</main>\n<footer><p>Everything on this page was made from seeds by <code>{self.command()}</code> on this machine, in "
                 f"{seconds:.0f}{NBSP}s of CPU time without compiling. {size}{time.strftime('%Y-%m-%d')}.</p></footer>"
                 f"<script>{script}</script></body></html>\n")
 

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""The figures of the three papers, on data made here."""
+"""The figures of the three papers, on synthetic data."""
 from effects import put_fog
 from descriptions import json_file
 from plan import Build, Chapter, Choice, Drawn, Picture, Section, Step, Wipe
 from safety import HALL, HALL_SCENE, SHOWN, changed, still
 from words import NBSP, bytes_of, digits, percent
 
-# The bit rates of Ahrenberg et al. 2005, Figure 9, but its 0.305 of smoke, which is more than all coefficients take here.
+# The bit rates of Ahrenberg et al. 2005, Figure 9, except 0.305 for smoke, which is more than all coefficients take here.
 SEQUENCES = {"fire": {"rates": (0.066, 0.051, 0.019), "extinction": 0, "mode": "emission only"},
              "smoke": {"rates": (0.106, 0.019), "extinction": 1.5, "mode": f"emission and absorption, 1.5{NBSP}/m per unit"}}
 CRUDE = 0.019
@@ -61,7 +61,7 @@ def rate_distortion(results):
                        "x": [results.size(crude(name)) / results.report(strip(name))["raw_bytes"]], "y": [results.report(crude(name))["relative_rms"]]})
     return {"title": "RMS error against bit rate", "series": series, "x_log": True, "y_log": True, "x_label": "bit rate [share of raw]",
             "y_label": "RMS error [share of the value range]",
-            "caption": f"A diamond is a .volute file on disk of at most {CRUDE} of raw, the paper's lowest rate."}
+            "caption": f"A diamond is a .volute file on disk, at most {CRUDE} of raw, the paper's lowest rate."}
 
 
 def frame_rate(name):
@@ -71,7 +71,7 @@ def frame_rate(name):
     def draw(results):
         report = results.report(strip(name))
         rows = report["frame_rates"]
-        return {"title": f"Frame rate, {name}", "y_log": True, "x_label": "bit rate of the paper's layout [share of raw]", "y_label": "pictures a second",
+        return {"title": f"Frame rate, {name}", "y_log": True, "x_label": "bit rate of the paper's layout [share of raw]", "y_label": "pictures per second",
                 "caption": f"Measured in this run with {report['threads']} threads.",
                 "series": [{"name": label, "color": color, "dash": dash, "x": [row["rate"] for row in rows], "y": [row[key] for row in rows]}
                            for key, label, color, dash in names]}
@@ -85,8 +85,8 @@ def zlib_table(results):
             paper = row["paper"]
             rows.append([name, digits(paper["rms"], 3), digits(paper["rate"], 3), f"{paper['bytes'] / 1e6:.2f}", f"{paper['zlib_bytes'] / 1e6:.2f}",
                          percent(1 - paper["zlib_bytes"] / paper["bytes"])])
-    return {"caption": "The paper's layout in memory, and through zlib as it is stored. The paper reports gains of 25 to 30 %.",
-            "columns": ["sequence", "relative RMS", "bit rate", "in memory [MB]", "through zlib [MB]", "gain"], "rows": rows}
+    return {"caption": "The paper's layout in memory and compressed with zlib, as it is stored. The paper reports gains of 25 to 30 %.",
+            "columns": ["sequence", "relative RMS", "bit rate", "in memory [MB]", "with zlib [MB]", "gain"], "rows": rows}
 
 
 def strip_caption(name, scale):
@@ -94,9 +94,8 @@ def strip_caption(name, scale):
         rows = results.report(strip(name))["strip"][1:]
         errors = ", ".join(f"{digits(row['rms'])} at {row['rate']:.3f}" for row in rows)
         ours = results.report(crude(name))
-        return (f"These are the paper's rates and its Haar tree, not the product's: relative RMS {errors}. Volute's codec needs "
-                f"{bytes_of(results.size(crude(name)))} on disk, "
-                f"no more than the paper's tree takes at {CRUDE}, for a relative RMS of {digits(ours['relative_rms'])}. Orthographic, "
+        return (f"The paper's bit rates and Haar tree: relative RMS {errors}. Volute's codec reaches a relative RMS of {digits(ours['relative_rms'])} "
+                f"with {bytes_of(results.size(crude(name)))} on disk, no more than the paper's tree takes at {CRUDE}. Orthographic, "
                 f"voxels drawn as boxes, {SEQUENCES[name]['mode']}")
     return say
 
@@ -111,14 +110,13 @@ def tree_sections(scale):
     return (
         Section("4D trees: pictures at given bit rates",
                 "Ahrenberg et al. 2005, Figure 9. A bit rate is the size of the tree in memory as a share of raw float32. At the lowest "
-                "rate Haar's blocks show; the "
-                "slider's last picture is from the product's codec at the same size.", tuple(strips)),
+                "rate, the blocks of the Haar basis are visible; the "
+                "slider's last picture is from Volute's codec at the same size.", tuple(strips)),
         Section("4D trees: error and speed against bit rate",
-                "Figures 7 and 8. Both trees hold the same Haar coefficients: the paper's nodes have positions, float coefficients and "
-                "child offsets; the compact ones have "
-                "neither, and one byte a coefficient. Traversal is the paper's algorithm (Figure 6): each of 64³ voxels of the view volume "
-                "walks the tree from its root. "
-                "Slices are how Volute renders: one instant is taken out of the compact tree and marched exactly. Pictures of 64 × 64 pixels.",
+                "Figures 7 and 8. Both trees hold the same Haar coefficients. The paper's nodes have positions, float coefficients and "
+                "child offsets; the compact ones have neither positions nor offsets, and one byte per coefficient. Traversal is the paper's "
+                "algorithm (Figure 6): each of 64³ voxels of the view volume walks the tree from its root. Slices are how Volute renders: one "
+                "frame is extracted from the compact tree and integrated exactly. Pictures have 64 × 64 pixels.",
                 (Drawn("plot", rate_distortion, (*both, *map(crude, SEQUENCES))), *(Drawn("plot", frame_rate(name), (strip(name),)) for name in SEQUENCES),
                  Drawn("table", zlib_table, both))))
 
@@ -150,10 +148,10 @@ def fog_section():
         (Choice(tuple((f"papers/fog_degree_{d}.png", name) for d, name in KINDS.items()), "Splines of the fog",
                 f"One map, 32 × 32 pixels of 16{NBSP}m. Haar shows its cells; linear fog is continuous; quadratic fog is smooth"),
          Choice(tuple((f"papers/fog_level_{n}.png", f"{n} removed, cells {8 * 2 ** n} m") for n in range(4)), "Levels of details removed",
-                "The coarsest level alone, linear. The mass of the fog stays, and no level becomes negative", start=3),
+                "Only the coarsest level, linear. The mass of the fog is preserved, and no level becomes negative", start=3),
          Choice(tuple((f"papers/fog_mu_{mu}.png", f"mu = {mu}") for mu in MUS), "Details by distance",
                 "Three levels: level L from the finest ends at mu^(3 - L) of the distance to the surface. They are merged into one walk, so "
-                "mu = 1 costs nothing",
+                "mu = 1 costs no extra time",
                 start=len(MUS) - 1)), columns=3)
 
 
@@ -196,25 +194,22 @@ def smoke_section():
     after = f"after {SHOWN}{NBSP}s"
     return Section(
         "Smoke on tetrahedra",
-        f"Staubli et al. 2005, Figures 2 and 6, in the hall of the chapter before, {after}; Figures 1 and 8 are that chapter's. A slice has "
-        "the values of one plane and "
-        "nothing of what lies before and behind it; an isosurface has one value and hides the rest. Neither tells what a person sees, which "
-        "is the sum along each line of sight.",
-        (Choice(tuple((f"papers/by_{name}.png", words) for name, words, _ in MEANS), "One time by four means",
+        f"Staubli et al. 2005, Figures 2 and 6, in the hall of the previous chapter, {after}; Figures 1 and 8 are in that chapter. A slice shows "
+        "the values on one plane and nothing in front of or behind it; an isosurface shows one value and hides the rest. Neither shows what a "
+        "person sees, which is the sum along each line of sight.",
+        (Choice(tuple((f"papers/by_{name}.png", words) for name, words, _ in MEANS), "One time, shown in four ways",
                 f"Soot in g/m³ and visibility S = C/K in metres on the plane {PLANE[0]} = {PLANE[1]}{NBSP}m through the fire, C = 3 and K "
-                "of that point alone; plasma and viridis"),
+                "of that point only; plasma and viridis"),
          Picture("papers/depth.png", "Optical depth up to the walls", "Natural logarithm, viridis"),
          Wipe(("papers/ball_unlit.png", "no lamp"), ("papers/ball.png", "lamp"), "A ball of smoke under a lamp",
-              "Each corner of the mesh gets what reaches it of every lamp, exactly, through smoke and past walls; smoke scatters it once. "
-              "Without a lamp the same light "
-              "comes from everywhere"),
-         Choice((("papers/hall_lit.png", "photometric"), ("papers/hall_threshold.png", "threshold mode"), ("papers/hall_unlit.png", "without lamps")), "The hall in other light",
-                "Photometric: seen through exp(-depth). Threshold: through 10^(-depth / 3), 23 % thinner, where 10 % is left when S = C/K "
-                "ends. Without lamps: the same light "
-                "from everywhere")))
+              "The light of each lamp at every vertex of the mesh is computed exactly, through smoke and past walls; smoke scatters it once. "
+              "Without a lamp, the same light comes from all directions"),
+         Choice((("papers/hall_lit.png", "photometric"), ("papers/hall_threshold.png", "threshold mode"), ("papers/hall_unlit.png", "without lamps")), "The hall in different light",
+                "Photometric: attenuated by exp(-depth). Threshold: by 10^(-depth / 3), 23 % thinner, so that 10 % is left at the limit of "
+                "visibility, S = C/K. Without lamps: the same light from all directions")))
 
 
 def chapter(scale):
-    return Chapter("papers", "The papers' figures", "Figures of Ahrenberg et al. 2005, Giroud and Biri 2010 and Staubli et al. 2005, made "
-                                                    "again on the data of this page.",
+    return Chapter("papers", "The papers' figures", "Figures of Ahrenberg et al. 2005, Giroud and Biri 2010 and Staubli et al. 2005, "
+                                                    "reproduced with the data of this page.",
                    (*fog_steps(), *smoke_steps(), *tree_steps(scale)), (*tree_sections(scale), fog_section(), smoke_section()))

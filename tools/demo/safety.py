@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""For fire engineers: a burning building as FDS writes it, from where its exit signs are seen, and how long; a hall as a person in it sees it."""
+"""Fire safety: a burning building in FDS's format, from where and how long its exit signs are visible; a hall as a person in it sees it."""
 import json
 
 import building
@@ -135,7 +135,7 @@ def building_section(scale, times):
         summary = plan_results(results)["summary"]
         lines = [{"name": "any sign", "x": list(times), "y": [row["any"] for row in summary]}]
         lines += [{"name": sign["name"], "x": list(times), "y": [row["signs"][sign["name"]] for row in summary]} for sign in SIGNS]
-        return {"title": "Share of the plan from which a sign is seen", "series": lines, "x_label": "time [s]", "y_label": "share of the points"}
+        return {"title": "Share of the plan from which a sign is visible", "series": lines, "x_label": "time [s]", "y_label": "share of the points"}
 
     def kept(results):
         plan = plan_results(results)
@@ -150,22 +150,21 @@ def building_section(scale, times):
 
     needs = ("safety/plan/",)
     return Section(
-        "A burning building: from where are the signs seen, and how long?",
-        ("24 × 10 m with a fire in its east, in the files that the Fire Dynamics Simulator writes. `volute visibility` looks from every "
-         "point of the plan to both "
-         "signs at every stored time: the optical depth of each sight line is integrated exactly through the cells, and a sign is seen "
-         "while it is at most C, 8 for the "
-         "lit one in the west and 3 for the reflecting one in the north (Jin's rule; docs/visibility.md says what it leaves out).",
+        "A burning building: from where are the signs visible, and how long?",
+        ("24 × 10 m with a fire in the east, in the file formats of the Fire Dynamics Simulator. `volute visibility` looks from every "
+         "point of the plan to both signs at every stored time. The optical depth of each sight line is integrated exactly through the cells; a "
+         "sign is visible while it is at most C, 8 for the light-emitting one in the west and 3 for the reflecting one in the north (Jin's rule; "
+         "docs/visibility.md explains what it leaves out).",
          "[report.html](safety/plan/report.html) is what a fire engineer files: all maps, all times, both signs; "
          "beside it, in [safety/plan/](safety/plan/), a table has a row for each eye, sign and time."),
-        (Fact(kept, f"of the plan still sees a sign after {times[-1]:.0f} s", needs),
-         Fact(way, "of the way out has a sign in view, for one who leaves at 60 s", ("safety/route/",)),
-         Choice(tuple((overview(time), f"{time} s") for time in OVERVIEW_TIMES), "From above, without its roof",
-                "FDS's walls and smoke, which is lit and integrated exactly in every cell; the signs are drawn twice as large", start=2),
-         Picture("safety/plan/aset.png", "When the last sign is lost (ASET)", f"First stored time at which no sign is seen [s]; {at}"),
-         Picture("safety/route/routes.png", "A way out", "From the east end to the west exit at 1.2 m/s, set out at 60 s"),
+        (Fact(kept, f"of the plan still has a sign in view after {times[-1]:.0f} s", needs),
+         Fact(way, "of the way out has a sign in view, for a person who leaves at 60 s", ("safety/route/",)),
+         Choice(tuple((overview(time), f"{time} s") for time in OVERVIEW_TIMES), "From above, without the roof",
+                "Walls and smoke of FDS, lit and integrated exactly in every cell; the signs are drawn twice as large", start=2),
+         Picture("safety/plan/aset.png", "When the last sign is lost (ASET)", f"First stored time at which no sign is visible [s]; {at}"),
+         Picture("safety/route/routes.png", "A way out", "From the east end to the west exit at 1.2 m/s, starting at 60 s"),
          Choice(maps(2, "north_exit"), "The reflecting sign in the north",
-                f"Visibility S = C / mean extinction [m], C = 3; grey where the sign is not seen; {at}", start=len(shown) // 2),
+                f"Visibility S = C / mean extinction [m], C = 3; grey where the sign is not visible; {at}", start=len(shown) // 2),
          Drawn("plot", series, needs)))
 
 
@@ -173,26 +172,24 @@ def hall_section(scale):
     cells = scale.pick("about 180 000", "about 36 000")
     return Section(
         "What a person sees",
-        (f"A hall of 28 × 12 × 6 m beside a room on fire: soot on {cells} tetrahedra, made up from a seed. `volute render` integrates "
-         "extinction and scattered light "
-         "exactly in each of them; lamps below the ceiling and the fire light the smoke, and the walls through it. Extinction is Km times "
-         "the soot density, "
-         f"Km = 8700{NBSP}m²/kg.",),
+        (f"A hall of 28 × 12 × 6 m beside a room on fire: synthetic soot on {cells} tetrahedra. `volute render` integrates extinction and "
+         "scattered light exactly in each of them; lamps below the ceiling and the fire light the smoke, and the walls through it. Extinction is "
+         f"Km times the soot density, Km = 8700{NBSP}m²/kg.",),
         (Fact(lambda r: f"{r.report('safety/hall.mp4')['milliseconds']['render'] / r.report('safety/hall.mp4')['pictures']:.0f}{NBSP}ms",
-              "a picture of the film, walls and signs included", ("safety/hall.mp4",)),
-         Picture("safety/hall.mp4", f"160 s in {160 / scale.pick(25, 40):.0f}", "Photometric: a thing is seen through exp(-optical depth); "
+              "per picture of the film, including walls and signs", ("safety/hall.mp4",)),
+         Picture("safety/hall.mp4", f"160 s in {160 / scale.pick(25, 40):.0f} s", "Photometric: attenuated by exp(-optical depth); "
                                                                                 "linear light, exposure 1, sRGB",
                  poster=f"safety/hall_{SHOWN}.png"),
-         Choice(tuple((f"safety/hall_{time}.png", f"{time} s") for time in TIMES), "The same at six times",
+         Choice(tuple((f"safety/hall_{time}.png", f"{time} s") for time in TIMES), "Six times of the same fire",
                 "The column, the layer, the flow through the door, and the hall", start=TIMES.index(SHOWN)),
          Choice(tuple((f"safety/signs_{time}.png", f"{time} s") for time in SIGN_TIMES), "Two signs, 11 m away",
-                "The left one emits light (C = 8), the right one reflects it (C = 3). Threshold mode: a thing has faded to 10 % where S = "
-                "C/K calls it no longer visible",
+                "The left one emits light (C = 8), the right one reflects it (C = 3). Threshold mode: at the limit of visibility, S = C/K, a "
+                "sign has faded to 10 %",
                 start=1)))
 
 
 def chapter(scale):
     times, hall_with_rooms = building_steps(scale)
-    return Chapter("safety", "Fire safety", "A burning building: from where are its exit signs seen, for how long, and what does a person "
-                                            "in the smoke see?",
+    return Chapter("safety", "Fire safety", "A burning building: from where, and for how long, are its exit signs visible, and what does "
+                                            "a person in the smoke see?",
                    (*hall_with_rooms, *hall_steps(scale)), (building_section(scale, times), hall_section(scale)), door=(overview(120), "safety/plan/aset.png"))
