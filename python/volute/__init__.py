@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""Volute: fire, smoke and fog that is measured, compressed, rendered and looked through.
+"""Volute: measure, compress and render fire, smoke and fog, and compute what is visible through them.
 
     import volute
     v = volute.open("fire.volute")                       # a lazy array (t, z, y, x[, 3])
-    v[10, 32], v.times, v.bounds                         # decodes what is touched
+    v[10, 32], v.times, v.bounds                         # decodes only the blocks needed
     volute.compress(array, "smoke.volute", rms=3e-3)     # array (t, z, y, x[, 3]), or an iterator of frames
     volute.render("scene.json", time=0.8)                # linear RGB (height, width, 3)
     volute.visibility("case.smv", signs, eyes).lost()    # [s] until each sign is lost
     volute.reconstruct("capture.json").values            # radiance per metre from pictures
     volute.fds.open("case.smv")                          # extinction [1/m] as a lazy array
 
-Errors are volute.Error and what Python calls the same (FileNotFoundError, ValueError, ..). Long calls leave the interpreter to
-other threads, stop at Ctrl-C, and report to `progress`."""
+Errors are volute.Error, and also Python's own types where one fits (FileNotFoundError, ValueError, ..). Long calls release the
+GIL, stop at Ctrl-C, and report to `progress`."""
 import os as _os
 
 from . import _core, fds

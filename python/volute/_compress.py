@@ -14,7 +14,7 @@ from ._volume import Frames, _bytes, open as _open
 
 @dataclasses.dataclass
 class Compressed:
-    """What a compression came to."""
+    """The result of a compression."""
     path: str
     raw_bytes: int  #: of the values as float32
     file_bytes: int
@@ -79,24 +79,24 @@ def _spool(frames, folder):
 def compress(frames, path, *, rms=None, psnr=None, ratio=None, size=None, max_error=None, bounds=None, times=None,
              frame_numbers=None, name=None, unit=None, basis=None, wavelet="auto", fast=False, provenance="",
              max_memory=4 << 30, progress=None):
-    """Compresses a sequence of volumes into the .volute file `path`; the file appears when it is whole.
+    """Compresses a sequence of volumes into the .volute file `path`, which appears only when complete.
 
     frames: an array of shape (z,y,x), (t,z,y,x) or (t,z,y,x,c), c 1 or 3; NumPy's, or anything with `shape` and `[i]` (dask, zarr,
-        h5py, a volute.Volume), of which a frame at a time is read; or an iterator of frames (z,y,x[,c]). Values become float32;
+        h5py, a volute.Volume), read one frame at a time; or an iterator of frames (z,y,x[,c]). Values become float32;
         NaN and infinities are refused.
     One of:
         rms: relative RMS error at most this, of (max - min) of the whole [default 0.003]
         psnr: at least [dB]; ratio: float32 bytes / file bytes at least; size: at most [bytes];
         max_error: absolute error of every value at most [unit of the values]
     bounds: ((x0, y0, z0), (x1, y1, z1)), the outer voxel faces [m]; default: cubic voxels, the longest side 1 m
-    times: when each frame is shown [s], ascending; default: 25 a second from 0
-    frame_numbers: what each frame is called, ascending; default: 0, 1, ..
+    times: when each frame is shown [s], ascending; default: 25 per second from 0
+    frame_numbers: number of each frame, ascending; default: 0, 1, ..
     name, unit: of the values ("density", "1/m"). basis: "box" (constant in voxels) or "trilinear".
-        What is not given is taken from `frames` where that is a Volume or an FDS case.
-    wavelet: auto, haar, cdf53 or cdf97. fast: fewer transforms to choose from. provenance: a text that the file keeps.
-    progress: a function (stage, done, total), or True for a bar. What it raises, and Ctrl-C, stop the work; nothing is left behind.
+        Defaults are taken from `frames` if that is a Volume or an FDS case.
+    wavelet: auto, haar, cdf53 or cdf97. fast: choose from fewer transforms. provenance: a text stored in the file.
+    progress: a function (stage, done, total), or True for a bar. An exception raised in it, or Ctrl-C, stops the work; no file is left behind.
 
-    The same bytes as `volute compress`, but for the provenance, on any number of cores."""
+    The file has the same bytes as from `volute compress`, except for the provenance, on any number of cores."""
     path = os.fspath(path)
     if not path.endswith(".volute"):
         raise ValueError(f"'{path}' does not end in .volute")

@@ -1,22 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
-"""What Volute raises: its own sentences, as exceptions that are also those of Python that say the same."""
+"""Exceptions of Volute, which are also of the corresponding Python types."""
 
 
 class Error(Exception):
-    """Any error of Volute. Its text says what is wrong, where, what was expected, and what to do."""
+    """Any error of Volute. The message says what is wrong, where, what was expected, and what to do."""
 
 
 class InvalidArgument(Error, ValueError):
-    """A value that was given makes no sense."""
+    """An argument is invalid."""
 
 
 class NotFound(Error, FileNotFoundError):
-    """A file, a grid or a name is not there."""
+    """A file, a grid or a name does not exist."""
 
 
 class InvalidData(Error, ValueError):
-    """A file says something impossible or fails its checksum."""
+    """A file is inconsistent or fails its checksum."""
 
 
 class Truncated(InvalidData, EOFError):
@@ -24,11 +24,11 @@ class Truncated(InvalidData, EOFError):
 
 
 class Unsupported(Error, NotImplementedError):
-    """Valid, but a part or version that this build does not know."""
+    """Valid, but unknown to this build."""
 
 
 class TooLarge(Error, MemoryError):
-    """Does not fit in the memory that was allowed (`max_memory`)."""
+    """Does not fit in the allowed memory (`max_memory`)."""
 
 
 class IoError(Error, OSError):
@@ -36,4 +36,4 @@ class IoError(Error, OSError):
 
 
 class Cancelled(Error):
-    """Somebody asked to stop."""
+    """The call was cancelled."""

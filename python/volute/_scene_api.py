@@ -29,11 +29,11 @@ def _points(points):
 
 
 class Scene:
-    """Everything that a picture is of: media, surfaces, lights, signs and a camera.
+    """A scene: media, surfaces, lights, signs and a camera.
 
-    Made from a scene file (.json), from a dict that says the same (docs/scene.md), or from any other file that Volute shows
-    (.volute, .npy, .vdb, .vti, .pvd, .vtu, .smv, a map of fog), with the members that a scene would say of it:
-    Scene("fire.volute", emission=2.0). Threads may share one; pictures are taken one after the other."""
+    Made from a scene file (.json), from a dict of the same form (docs/scene.md), or from any other file that Volute shows
+    (.volute, .npy, .vdb, .vti, .pvd, .vtu, .smv, a map of fog), with the members of a scene's entry as arguments:
+    Scene("fire.volute", emission=2.0). Threads may share one; pictures are rendered one at a time."""
 
     def __init__(self, source, *, folder=".", max_memory=4 << 30, progress=None, **members):
         """folder: where a dict's file names are found."""
@@ -57,26 +57,26 @@ class Scene:
 
     @property
     def json(self):
-        """What it is, as a dict; change() takes another."""
+        """The scene as a dict; change() accepts another."""
         return json.loads(self._scene.json)
 
     @property
     def bounds(self):
-        """((x0, y0, z0), (x1, y1, z1)) around all that is to be seen [m]"""
+        """((x0, y0, z0), (x1, y1, z1)) around the visible content [m]"""
         return self._scene.bounds
 
     @property
     def times(self):
-        """When its frames begin [s], shape (t,)"""
+        """Times of its frames [s], shape (t,)"""
         return np.asarray(self._scene.times)
 
     @property
     def media(self):
-        """(what it is, file, size) of each medium."""
+        """(kind, file, size) of each medium."""
         return self._scene.media
 
     def change(self, new, progress=None):
-        """Becomes what the dict says; what was read serves as long as the same is read. An error leaves it as it was."""
+        """Changes the scene to the dict; data already read are reused where entries do not change. An error leaves the scene unchanged."""
         with Listener(progress) as listener:
             self._scene.change(json.dumps(new), listener)
 
@@ -84,7 +84,7 @@ class Scene:
         """A picture at `time` [s]: linear RGB, float32, shape (height, width, 3), row 0 at the top.
 
         camera: a dict as in scenes: {"eye": [x,y,z], "target": [x,y,z], "fov": degrees} or "ortho": height [m], "up", "size";
-            default the scene's, else one that frames it. size: (width, height) [pixels], default the camera's or 800 x 600.
+            default the scene's, else one that frames the scene. size: (width, height) [pixels], default the camera's or 800 x 600.
         renderer: "cpu", or "reference" in double. aov: "optical-depth" or "transmittance" instead of light, shape (height, width).
         background: (r, g, b) instead of the scene's. progress: a function (stage, done, total), or True for a bar."""
         if renderer not in ("cpu", "reference"):
@@ -116,7 +116,7 @@ def render(source, time=0.0, *, camera=None, size=None, renderer="cpu", aov=None
 
 
 def to_srgb(image):
-    """uint8 for a screen, of the same shape, from linear light: values are clamped to 0..1."""
+    """Converts linear light to sRGB as uint8, with the same shape; values are clamped to 0..1."""
     x = np.clip(np.asarray(image, np.float32), 0, 1)
     return np.round(255 * np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.power(x, 1 / 2.4) - 0.055)).astype(np.uint8)
 
@@ -132,9 +132,9 @@ def write_image(path, image):
 
 
 class Sight:
-    """A scene, or any file that Volute shows, as lines of sight ask for it: an FDS case, a mesh, a volume.
+    """Lines of sight through a scene, or any file that Volute shows: an FDS case, a mesh, a volume.
 
-    Fields are read forwards in time; going back opens them again."""
+    Fields are read forward in time; going back opens them again."""
 
     def __init__(self, source, *, max_memory=4 << 30, **members):
         self._sight = _part().Sight(os.fspath(source), json.dumps(members), max_memory)
@@ -147,12 +147,12 @@ class Sight:
 
     @property
     def bounds(self):
-        """((x0, y0, z0), (x1, y1, z1)): what is known of [m]"""
+        """((x0, y0, z0), (x1, y1, z1)) of the known region [m]"""
         return self._sight.bounds
 
     @property
     def description(self):
-        """Where the extinction comes from."""
+        """The source of the extinction."""
         return self._sight.description
 
     @property
@@ -160,11 +160,11 @@ class Sight:
         return self._sight.remarks
 
     def look(self, eyes, targets, time=0):
-        """What lies on straight lines at the stored time of position `time`.
+        """Looks along straight lines at the stored time with index `time`.
 
         eyes, targets: shape (n, 3) or (3,), x y z [m]; one of them may be a single point.
-        A structured array, shape (n,): depth (integral of the extinction, natural logarithm), low and high (what it is within),
-        covered (the medium is known all along), blocked (something opaque stands between)."""
+        Returns a structured array, shape (n,): depth (integral of the extinction, natural logarithm), low and high (its bounds),
+        covered (the medium is known along the whole line), blocked (an obstruction is in the way)."""
         eyes, targets = np.broadcast_arrays(_points(eyes), _points(targets))
         return self._sight.look(int(time), eyes, targets)
 
@@ -175,7 +175,7 @@ class Sight:
 
 @dataclasses.dataclass
 class Survey:
-    """What eyes make of signs over time."""
+    """The visibility of signs from eyes over time."""
     #: shape (time, sign, eye): distance [m], angle [degrees], depth with low and high, mean_extinction [1/m], visibility [m],
     #: and truths: covered, blocked, visible, certainly, possibly
     sightings: np.ndarray
@@ -184,7 +184,7 @@ class Survey:
     eyes: np.ndarray  #: [m], shape (eye, 3)
 
     def lost(self):
-        """The first stored time at which an eye no longer sees a sign [s], shape (sign, eye); infinite where it always does."""
+        """The first stored time at which an eye no longer sees a sign [s], shape (sign, eye); infinite if it always sees the sign."""
         hidden = ~self.sightings["visible"]
         return np.where(hidden.any(axis=0), self.times[hidden.argmax(axis=0)], np.inf)
 
@@ -192,9 +192,9 @@ class Survey:
 def visibility(source, signs, eyes, *, times=None, max_memory=4 << 30, progress=None, **members):
     """From where, and when, signs are seen through smoke: a Survey with a structured array of shape (time, sign, eye).
 
-    source: an FDS case, a mesh, a volume or a scene (a Sight serves, too). signs: a .json file with "signs", or a list of dicts
+    source: an FDS case, a mesh, a volume or a scene (or a Sight). signs: a .json file with "signs", or a list of dicts
     {"name", "position": [x,y,z], "normal": [x,y,z], "size", "emitting" or "C", "angle_law"} (docs/visibility.md).
-    eyes: shape (n, 3) or (3,) [m]. times: positions of stored times, default all. **members: what a scene would say of the file."""
+    eyes: shape (n, 3) or (3,) [m]. times: indices of stored times, default all. **members: members of a scene's entry for the file."""
     sight = source if isinstance(source, Sight) else Sight(source, max_memory=max_memory, **members)
     eyes = _points(eyes)
     stored = sight.times
@@ -222,7 +222,7 @@ class Reconstruction:
 
 def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None, bounds=None, images=None, max_memory=4 << 30,
                 progress=None, **options):
-    """Reconstructs the fire that calibrated cameras saw.
+    """Reconstructs fire from the pictures of calibrated cameras.
 
     capture: capture.json, NeRF's transforms.json, a COLMAP folder or OpenCV's .yml (docs/capture.md).
     output: a .volute file to write, at a relative RMS error of `rms`; None: an array is returned.

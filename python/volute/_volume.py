@@ -38,7 +38,7 @@ def _png(picture):
 
 
 class Frames:
-    """A sequence of volumes that is read a frame at a time: what .volute files and FDS cases have in common.
+    """A sequence of volumes read frame by frame: the common interface of .volute files and FDS cases.
 
     Axes are (t, z, y, x), and (t, z, y, x, c) with three channels. Values are float32."""
 
@@ -89,11 +89,11 @@ class Frames:
         return self.shape[0]
 
     def frame_at(self, time):
-        """The position of the frame that is shown at `time` [s]: each is held until the next."""
+        """The index of the frame shown at `time` [s]: each is shown until the next one."""
         return max(0, bisect.bisect_right(self.times, time) - 1)
 
     def at(self, time):
-        """The frame that is shown at `time` [s], shape (z, y, x[, c])."""
+        """The frame shown at `time` [s], shape (z, y, x[, c])."""
         return self[self.frame_at(time)]
 
     def __array__(self, dtype=None, copy=None):
@@ -167,11 +167,11 @@ class Frames:
 class Volume(Frames):
     """A .volute file as a lazy array: `v[t]`, `v[10:20, ::2, z0:z1]`, `np.asarray(v)`.
 
-    What is asked for is decoded, in blocks of 16 frames x 16 x 16 x 16 voxels, on all cores; a block that a request does not
-    touch is not read. Results are NumPy arrays of float32 (buffer protocol and DLPack without copies). Frames that are read one
-    after the other are decoded together, 16 at a time, as long as these fit in `cache` bytes. Threads may share one.
+    Slicing decodes only the blocks needed, of 16 frames x 16 x 16 x 16 voxels each, on all cores; other blocks are not
+    read. Results are NumPy arrays of float32 (buffer protocol and DLPack without copies). Frames read in order
+    are decoded together, 16 at a time, as long as these fit in `cache` bytes. Threads may share one.
 
-    Of a file with several grids it is one; `grids` lists them, and `v.grid("velocity")` opens another."""
+    In a file with several grids it is one of them; `grids` lists them, and `v.grid("velocity")` opens another."""
 
     def __init__(self, path, *, grid=None, partial=False, max_memory=4 * _GIB, cache=_GIB // 2):
         """grid: the name of one of several; without it "density", else the first that is not empty.
@@ -196,15 +196,15 @@ class Volume(Frames):
 
     @property
     def grids(self):
-        """The grids of the file by their names: dicts with shape, half, grid_class ("fog volume", "staggered", ...),
-        rms, max_error, value_range, file_bytes, and empty: such a one has no values and cannot be opened."""
+        """The grids of the file by name: dicts with shape, half, grid_class ("fog volume", "staggered", ...),
+        rms, max_error, value_range, file_bytes, and empty (no values; cannot be opened)."""
         all_grids = {one.pop("name"): one for one in self._file.grids}
         for one in all_grids.values():
             one["shape"] = one["shape"] if one["shape"][4] != 1 else one["shape"][:4]
         return all_grids
 
     def grid(self, name):
-        """Another grid of the same file, opened as this one was."""
+        """Another grid of the same file, opened with the same options."""
         return Volume(self.path, grid=name, **self._options)
 
     @property
@@ -218,23 +218,23 @@ class Volume(Frames):
 
     @property
     def blocks_decoded(self):
-        """So many since the file was opened."""
+        """Number of blocks decoded since the file was opened."""
         return self._file.blocks_decoded
 
     @property
     def bytes_read(self):
-        """So many of the file since it was opened."""
+        """Number of bytes read since the file was opened."""
         return self._file.bytes_read
 
     def preview(self, key=..., levels=3):
-        """As v[key], from the coarsest `levels` levels of each block alone: quick, and blurred."""
+        """As v[key], from only the coarsest `levels` levels of each block: fast, but blurred."""
         coarse = object.__new__(Frames)
         coarse.shape = self.shape
         coarse._read = lambda t, z, y, x: self._file.read(t, z, y, x, levels)
         return coarse[key]
 
     def verify(self, progress=None):
-        """Reads all of the file; raises where a checksum is wrong. `progress`: as for compress()."""
+        """Reads the whole file; raises an error if a checksum is wrong. `progress`: as for compress()."""
         from ._errors import InvalidData
         with Listener(progress) as listener:
             fault = self._file.verify(listener)
@@ -242,7 +242,7 @@ class Volume(Frames):
             raise InvalidData(fault)
 
     def to_dask(self):
-        """A dask array of the whole, a task for each few blocks."""
+        """A dask array of the whole, with one task for every few blocks."""
         import dask.array
         sides = (BLOCK,) + tuple(min(4 * BLOCK, side) for side in self.shape[1:4]) + self.shape[4:]
         return dask.array.from_array(self, chunks=sides, name=False, asarray=False)
@@ -324,7 +324,7 @@ def _open(path, grid=None):
 def open(path, *, grid=None, partial=False, max_memory=4 * _GIB, cache=_GIB // 2):
     """Opens a .volute file as a lazy array (`Volume`) of shape (t, z, y, x) or (t, z, y, x, 3).
 
-    grid: which one of several; without it "density", else the first that is not empty.
-    partial: of a damaged or truncated file what is intact is shown, coarser; else it is an error.
-    max_memory: bytes that the file's index may take. cache: bytes for frames that are read in order."""
+    grid: one of several; default "density", else the first non-empty grid.
+    partial: decode the intact part of a damaged or truncated file, coarser; else damage is an error.
+    max_memory: bytes allowed for the file's index. cache: bytes for frames read in order."""
     return Volume(path, grid=grid, partial=partial, max_memory=max_memory, cache=cache)

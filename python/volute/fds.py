@@ -13,8 +13,8 @@ from ._volume import Frames
 class Case(Frames):
     """The smoke of an FDS case as voxels of its finest cell size: a lazy array of shape (t, z, y, x) at the stored times.
 
-    Values are the extinction [1/m] at voxel centres, or the quantity that was asked for; 0 in obstructions and outside of all
-    meshes. volute.compress() takes it as it is."""
+    Values are the extinction [1/m] at voxel centres, or the requested quantity; 0 in obstructions and outside all
+    meshes. volute.compress() accepts it directly."""
 
     def __init__(self, path, *, quantity="", source="", mass_extinction=0.0, mesh=None, bounds=None, max_memory=4 << 30):
         if bounds is not None:
@@ -25,17 +25,17 @@ class Case(Frames):
 
     @property
     def remarks(self):
-        """What a person should know of what is read: files that are missing or end early, values that are capped."""
+        """Remarks on the data: missing or truncated files, capped values."""
         return self._case.remarks
 
     @property
     def sources(self):
-        """What the case offers, best first: {name: description}."""
+        """The sources of the case, best first: {name: description}."""
         return dict(self._case.sources)
 
     @property
     def source(self):
-        """The name of the one that is read."""
+        """The name of the source in use."""
         return self._case.source
 
     def __iter__(self):
@@ -51,7 +51,7 @@ class Case(Frames):
 def open(path, *, quantity="", source="", mass_extinction=0.0, mesh=None, bounds=None, max_memory=4 << 30):
     """Opens an FDS case (its .smv) as a lazy array of extinction [1/m] (`Case`).
 
-    quantity: what FDS calls another one ("TEMPERATURE"), as it is stored. source: one of `Case.sources`; default the best that
-    fills meshes. mass_extinction: Km [m2/kg] where densities of soot are read; default the case's, else what FDS assumes.
-    mesh: one alone, from 0. bounds: ((x0,y0,z0),(x1,y1,z1)) [m], the part to take."""
+    quantity: another stored quantity, by FDS's name ("TEMPERATURE"). source: one of `Case.sources`; default the best that
+    fills meshes. mass_extinction: Km [m2/kg] for densities of soot; default the case's, else FDS's default.
+    mesh: a single mesh, from 0. bounds: ((x0,y0,z0),(x1,y1,z1)) [m], the region to read."""
     return Case(path, quantity=quantity, source=source, mass_extinction=mass_extinction, mesh=mesh, bounds=bounds, max_memory=max_memory)

@@ -5,11 +5,11 @@
     import volute.vtk
     reader = volute.vtk.Reader()
     reader.SetFileName("fire.volute")
-    reader.Update()                          # vtkImageData: values of cells, sizes and place in metres, times in seconds
+    reader.Update()                          # vtkImageData: cell values, sizes and bounds in metres, times in seconds
 
-In ParaView: Tools, Manage Plugins, Load New: this file; then File, Open opens .volute files. ParaView's Python must find the package
-(PYTHONPATH). A time step decodes its frame; SetRegion() decodes a part of it. ParaView 5.11 with Python 3.11, as in Debian 12, loads
-no plug-in in Python; after "import volute.vtk" in its Python shell it does."""
+In ParaView: Tools, Manage Plugins, Load New: this file; then File, Open reads .volute files. ParaView's Python must find the package
+(PYTHONPATH). A time step decodes its frame; SetRegion() limits decoding to a region. ParaView 5.11 with Python 3.11, as in Debian 12,
+cannot load Python plug-ins; type "import volute.vtk" in its Python shell instead."""
 import inspect
 
 import numpy as np
@@ -28,7 +28,7 @@ except ImportError:  # VTK alone
 
 
 class Reader(VTKPythonAlgorithmBase):
-    """A .volute file as vtkImageData: an array of cells, named as the file's values, of 1 or 3 components (float32)."""
+    """A .volute file as vtkImageData: a cell array named like the file's values, with 1 or 3 components (float32)."""
 
     def __init__(self):
         super().__init__(nInputPorts=0, nOutputPorts=1, outputType="vtkImageData")
@@ -45,12 +45,12 @@ class Reader(VTKPythonAlgorithmBase):
         return self._name
 
     def SetRegion(self, *bounds):
-        """x0, x1, y0, y1, z0, z1 in voxels, ends not included: only this part is decoded. Nothing: all."""
+        """x0, x1, y0, y1, z0, z1 in voxels, half-open: only this region is decoded. None: everything."""
         self._region = tuple(int(v) for v in bounds) or None
         self.Modified()
 
     def GetTimestepValues(self):
-        """When frames are shown [s]."""
+        """Times of the frames [s]."""
         return None if self._name in (None, "None") else self._open().times.tolist()
 
     def _open(self):
