@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 
-// The one thing that Volute does, with the smallest medium there is: a ball of even, glowing smoke.
+// The one thing that Volute does, with the smallest possible medium: a ball of uniform, glowing smoke.
 
 #include <fmt/core.h>
 

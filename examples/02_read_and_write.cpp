@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 
-// Writes a .volute from frames that are made one at a time, and reads a part of one frame back.
+// Writes a .volute from frames generated one at a time, and reads a region of one frame back.
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 
 namespace {
 
-/// A round cloud that rises: 20 frames of 32 x 32 x 48 voxels.
+/// A rising round cloud: 20 frames of 32 x 32 x 48 voxels.
 class Cloud final : public volute::FrameSource {
  public:
   Cloud() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// Compresses a made-up fire, loads it as a tree, and takes a picture of one instant.
+// Compresses a synthetic fire, loads it as a tree, and renders one frame.
 #include <fmt/format.h>
 
 #include "volute/codec/compress.hpp"

@@ -16,7 +16,7 @@
 
 namespace {
 
-/// Prints what Volute remarks on.
+/// Prints Volute's remarks.
 class Remarks final : public volute::Progress {
   void remark(std::string_view message) override { fmt::print(stderr, "{}\n", message); }
 };
@@ -31,8 +31,8 @@ volute::Status takePicture(const char* file, double time, const char* picture) {
                           ? volute::makeCamera(*scene.camera(), {320, 240})
                           : volute::Camera::framing(scene.bounds(), 320, 240);
 
-  // The scene at an instant, as it is seen from there: walls in the way may be left out. It does
-  // not change: other threads may take pictures of it, too.
+  // The scene at one time, for this view: walls in the way may be left out. It is immutable: other
+  // threads may render it, too.
   VOLUTE_ASSIGN(const auto snapshot, scene.at({.time = time,
                                                .factor = scene.law().factor(),
                                                .eye = volute::seenFrom(camera)},
@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: {} FILE TIME PICTURE.png\n", argv[0]);
     return 2;
   }
-  // From now on files of other programs' formats are read in a process that can do nothing else.
+  // From now on, files of other programs are read in a confined process.
   const volute::ReaderHelper helper;
   if (const auto done = takePicture(argv[1], std::atof(argv[2]), argv[3]); !done) {
     fmt::print(stderr, "{}\n", done.error().message);

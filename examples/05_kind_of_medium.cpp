@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 
-// A kind of medium that Volute does not have: an even ball of smoke that grows. With one call of
-// registerMedium() it is in scenes, pictures, light and sight lines like Volute's own.
+// A new kind of medium: a growing ball of uniform smoke. One call of registerMedium() makes it
+// available in scenes, pictures, light and sight lines like Volute's own kinds.
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 using namespace volute;
 
-/// What rays see: 01_integrate_a_segment.cpp explains it.
+/// The medium for rays: 01_integrate_a_segment.cpp explains it.
 struct Ball {
   double radius = 1, sigma = 1;  // [m], [1/m]
 
@@ -50,7 +50,7 @@ struct Ball {
   }
 };
 
-/// The ball at one instant.
+/// The ball at one time.
 class BallAt final : public MediumAt {
  public:
   explicit BallAt(const Ball& ball) : ball_(ball) {}
@@ -77,7 +77,7 @@ class BallInTime final : public SceneMedium {
 
   Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request, Progress&) override {
     Ball ball = ballAt(request.time);
-    ball.sigma *= request.factor;  // of the law that the scene is seen through
+    ball.sigma *= request.factor;  // of the visibility law of the scene
     return std::make_shared<const BallAt>(ball);
   }
 
@@ -93,8 +93,8 @@ struct BallSaid {
   double growth = 0;
 };
 
-/// How a scene says it: {"kind": "ball", "radius", "extinction", "growth"}. Readers, sliders and
-/// errors are made of the table.
+/// Its syntax in a scene: {"kind": "ball", "radius", "extinction", "growth"}. The reader, sliders and
+/// error messages use this table.
 class BallKind final : public MediumKind {
  public:
   const FieldTable& fields() const override {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 
-// Until when is an exit sign seen from some places in a burning building, by results of the Fire
-// Dynamics Simulator?
+// Until when is an exit sign visible from several points in a burning building, given the results of
+// the Fire Dynamics Simulator?
 //   example_07 case.smv
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ volute::Status lookForTheExit(const char* file) {
              room.size().y(), room.size().z());
   for (const std::string& remark : fire.remarks()) fmt::print("{}\n", remark);
 
-  // The same case as sight lines ask for it. Any scene will do, with walls and several media.
+  // The same case, for sight lines. Any scene works, with walls and several media.
   VOLUTE_ASSIGN(auto scene, volute::Scene::open(file, {}, quiet));
   VOLUTE_ASSIGN(const auto smoke, volute::sightOf(std::move(scene), {}, quiet));
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 
-// A glowing ball is photographed from eight sides, and reconstructed from these pictures alone.
+// A glowing ball is photographed from eight directions and reconstructed from these pictures.
 
 #include <fmt/format.h>
 

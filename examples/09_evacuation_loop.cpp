@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 
-// People leave a burning building: at each step they walk towards the nearest exit sign that they see, as fast as
-// the smoke lets them, and take in what is in the air. An evacuation program asks the same two questions.
+// People leave a burning building: at each step they walk towards the nearest visible exit sign, as fast as the
+// smoke permits, and accumulate doses. An evacuation program makes the same two queries.
 //   example_09 case.smv signs.json
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  * SPDX-FileCopyrightText: The Volute authors
  *
- * Writes a .volute from frames that a function fills, reads a part of it, and looks through it. */
+ * Writes a .volute from frames filled by a callback, reads a region, and looks through it. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
