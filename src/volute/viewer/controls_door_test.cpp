@@ -14,13 +14,13 @@ TEST_F(DoorControls, AnEmptyWindowOpensAFileByTheList) {
   ASSERT_TRUE(script_->has("Open a file"));
   ASSERT_TRUE(script_->click("Open a file"));
   script_->frames(3);
-  ASSERT_NE(app().browser(), nullptr);
-  app().browse(std::filesystem::path(folder_.path("x")).parent_path());
+  ASSERT_NE(app().files().browser(), nullptr);
+  app().files().browse(std::filesystem::path(folder_.path("x")).parent_path());
   script_->frames(3);
   ASSERT_TRUE(script_->has("entry = blob.npy"));
   ASSERT_TRUE(script_->click("entry = blob.npy"));
   script_->frames(2);
-  EXPECT_EQ(app().browser()->name, "blob.npy");
+  EXPECT_EQ(app().files().browser()->name, "blob.npy");
   ASSERT_TRUE(script_->click("open file"));
   load();
   EXPECT_EQ(app().error(), "");
@@ -34,14 +34,14 @@ TEST_F(DoorControls, TheListGoesThroughFolders) {
   open("blob.npy");
   script_->press(Key::kO, true);
   script_->frames(3);
-  ASSERT_NE(app().browser(), nullptr);
-  const auto folder = app().browser()->folder;
+  ASSERT_NE(app().files().browser(), nullptr);
+  const auto folder = app().files().browser()->folder;
   ASSERT_TRUE(script_->click("folder above"));
   script_->frames(3);
-  EXPECT_EQ(app().browser()->folder, folder.parent_path());
+  EXPECT_EQ(app().files().browser()->folder, folder.parent_path());
   ASSERT_TRUE(script_->click("open cancel"));
   script_->frames(2);
-  EXPECT_EQ(app().browser(), nullptr);
+  EXPECT_EQ(app().files().browser(), nullptr);
   script_->press(Key::kO, true);
   script_->frames(3);
   ASSERT_TRUE(script_->write("file name", "fog.json"));
@@ -50,9 +50,9 @@ TEST_F(DoorControls, TheListGoesThroughFolders) {
   EXPECT_EQ(app().title(), "fog.json - Volute");
   ASSERT_TRUE(script_->click("Open"));
   script_->frames(3);
-  ASSERT_NE(app().browser(), nullptr);
+  ASSERT_NE(app().files().browser(), nullptr);
   script_->press(Key::kEscape);
-  EXPECT_EQ(app().browser(), nullptr);
+  EXPECT_EQ(app().files().browser(), nullptr);
   script_->press(Key::kO, true);
   script_->frames(3);
   ASSERT_TRUE(script_->click("open folder"));
@@ -62,7 +62,7 @@ TEST_F(DoorControls, TheListGoesThroughFolders) {
 
 TEST_F(DoorControls, RecentFilesAreOffered) {
   open("blob.npy");
-  EXPECT_THAT(app().recent().names(), ::testing::ElementsAre(folder_.path("blob.npy")));
+  EXPECT_THAT(app().files().recent().names(), ::testing::ElementsAre(folder_.path("blob.npy")));
   viewer_.reset();
   ViewerOptions options;
   options.recent = folder_.path("state/recent");
@@ -122,7 +122,7 @@ TEST_F(DoorControls, AFileOfOthersIsNotReplacedUnasked) {
   app().settings().sceneName = other;
   script_->press(Key::kS, true);
   script_->frames(3);
-  ASSERT_NE(app().replacing(), nullptr);
+  ASSERT_NE(app().files().replacing(), nullptr);
   ASSERT_TRUE(script_->click("keep"));
   load();
   std::ifstream same(other);
@@ -135,7 +135,7 @@ TEST_F(DoorControls, AFileOfOthersIsNotReplacedUnasked) {
   EXPECT_NE(std::string(std::istreambuf_iterator<char>(now), {}), before);
   script_->press(Key::kS, true);
   load();
-  EXPECT_EQ(app().replacing(), nullptr) << "it is the viewer's own by now";
+  EXPECT_EQ(app().files().replacing(), nullptr) << "it is the viewer's own by now";
 }
 
 TEST_F(DoorControls, TheAxesTurnTheCamera) {
@@ -206,7 +206,7 @@ TEST_F(DoorControls, ADoubleClickIsThePivot) {
 TEST_F(DoorControls, TheCameraIsCopiedAsJson) {
   open("blob.npy");
   std::string clipboard;
-  app().setClipboard([&] { return clipboard; }, [&](const std::string& text) { clipboard = text; });
+  app().clipboard().use([&] { return clipboard; }, [&](const std::string& text) { clipboard = text; });
   script_->press(Key::kC, true);
   const auto camera = nlohmann::json::parse(clipboard);
   EXPECT_NEAR(camera["eye"][0].get<double>(), app().camera().eye().x(), 1e-9);

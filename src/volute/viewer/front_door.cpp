@@ -65,7 +65,7 @@ void drawEmptyWindow(ViewerApp& app, const ViewerInput& input) {
   if (ImGui::Button("Open a file   Ctrl O", {-1, 34}))
     app.askToOpen();
   app.mark("Open a file");
-  const auto recent = app.recent().names();  // it changes when one is opened
+  const auto recent = app.files().recent().names();  // it changes when one is opened
   if (!recent.empty()) {
     ImGui::Spacing();
     ImGui::TextDisabled("Recent");
@@ -84,7 +84,7 @@ void drawEmptyWindow(ViewerApp& app, const ViewerInput& input) {
 /// The viewer's own list of files, where the desktop has no dialog.
 void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
   constexpr const char* kTitle = "Open a file";
-  ViewerApp::Browser* browser = app.browser();
+  DocumentFiles::Browser* browser = app.files().browser();
   if (browser && !ImGui::IsPopupOpen(kTitle))
     ImGui::OpenPopup(kTitle);
   if (!beginQuestion(kTitle, input, 560))
@@ -131,15 +131,15 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
     ImGui::SameLine();
     const bool stays = markedButton(app, "Cancel", "open cancel");
     if (stays)
-      app.closeBrowser();
+      app.files().closeBrowser();
     else if (whole)
       app.chooseFile(browser->folder);
     else if (opens || chosen)
       app.chooseFile(browser->folder / chosen.value_or(browser->name));
     else if (folder)
-      app.browse(*folder);
+      app.files().browse(*folder);
   }
-  if (!app.browser())
+  if (!app.files().browser())
     ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }
@@ -183,21 +183,21 @@ void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
 /// Before a file that somebody else wrote is written over.
 void drawReplacePanel(ViewerApp& app, const ViewerInput& input) {
   constexpr const char* kTitle = "The file exists";
-  if (app.replacing() && !ImGui::IsPopupOpen(kTitle))
+  if (app.files().replacing() && !ImGui::IsPopupOpen(kTitle))
     ImGui::OpenPopup(kTitle);
   if (!beginQuestion(kTitle, input, 380))
     return;
-  if (app.replacing()) {
-    wrappedText(app.replacing()->target + " is there already.");
+  if (app.files().replacing()) {
+    wrappedText(app.files().replacing()->target + " is there already.");
     const bool replaces = markedButton(app, "Replace it", "replace");
     ImGui::SameLine();
     const bool keeps = markedButton(app, "Cancel", "keep");
     if (replaces)
-      app.replace();
+      app.files().replace();
     else if (keeps)
-      app.keep();
+      app.files().keep();
   }
-  if (!app.replacing())
+  if (!app.files().replacing())
     ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }

@@ -57,7 +57,7 @@ double roundLength(double most) {
 
 /// What is being done, how far it is, and a way to end it.
 void drawProgress(ViewerApp& app, const FreeArea& free) {
-  const ViewerApp::Work work = app.work();
+  const ViewerWork work = app.work();
   if (work.text.empty())
     return;
   const bool nothing = !app.picture().shown();  // then it is all that there is to see

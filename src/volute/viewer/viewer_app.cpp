@@ -6,13 +6,11 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "volute/base/stopwatch.hpp"
 #include "volute/base/thread_priority.hpp"
-#include "volute/image/colormap.hpp"
 #include "volute/image/picture_style.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/viewer/panels.hpp"
@@ -48,7 +46,7 @@ ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, GlDevice d
       device_(std::move(device)),
       picture_(std::move(picture)),
       loader_(std::move(open)),
-      recent_(options.recent) {
+      files_(options.recent) {
   lowerWorkerPriority();
   if (options_.renderer)
     settings_.look.renderer = static_cast<int>(*options_.renderer);
@@ -59,18 +57,7 @@ ViewerApp::ViewerApp(OpenDocument open, const ViewerOptions& options, GlDevice d
   for (const auto& [key, theirs] : kTextKeys) io.KeyMap[theirs] = static_cast<int>(key);
   useFont(options_.scale);
   styleControls(options_.scale);
-  io.ClipboardUserData = this;
-  io.GetClipboardTextFn = [](void* app) {
-    auto& own = *static_cast<ViewerApp*>(app);
-    own.clipboard_ = own.getClipboard_ ? own.getClipboard_() : own.clipboard_;
-    return own.clipboard_.c_str();
-  };
-  io.SetClipboardTextFn = [](void* app, const char* text) {
-    auto& own = *static_cast<ViewerApp*>(app);
-    own.clipboard_ = text;
-    if (own.setClipboard_)
-      own.setClipboard_(own.clipboard_);
-  };
+  clipboard_.serve(io);
   loader_.setOpenGl(picture_.mayUseGl(static_cast<ViewRenderer>(settings_.look.renderer)));
   ImGui_ImplOpenGL3_Init("#version 450");
 }
@@ -115,7 +102,7 @@ void ViewerApp::leaveTo(const std::string& path) {
 
 void ViewerApp::leaveAndSave() {
   leaving_->saving = true;
-  own_.insert(leaving_->what == Leaving::What::kMap ? settings_.mapName : settings_.sceneName);
+  files_.allow(leaving_->what == Leaving::What::kMap ? settings_.mapName : settings_.sceneName);
   leaving_->what == Leaving::What::kMap ? saveMap() : saveScene();
 }
 
@@ -138,22 +125,11 @@ void ViewerApp::goOnLeaving(bool idle) {
     leaveAndDiscard();
 }
 
+/// The document's own files may be written without a question.
 bool ViewerApp::mayWrite(const std::string& target, std::function<void()> then) {
-  std::error_code unknown;
-  const bool own = own_.contains(target) || (document_ && target == document_->path) ||
-                   (paint_.has() && target == paint_.canvas().file);
-  if (own || !std::filesystem::exists(target, unknown)) {
-    own_.insert(target);
-    return true;
-  }
-  replacing_ = Replacing{target, std::move(then)};
-  return false;
-}
-
-void ViewerApp::replace() {
-  const Replacing asked = *std::exchange(replacing_, std::nullopt);
-  own_.insert(asked.target);
-  asked.then();
+  if ((document_ && target == document_->path) || (paint_.has() && target == paint_.canvas().file))
+    files_.allow(target);
+  return files_.mayWrite(target, std::move(then));
 }
 
 /// Another file is open: nothing stays of the one before.
@@ -161,7 +137,7 @@ void ViewerApp::beginWith(std::optional<double> asked) {
   const double time = asked.value_or(document_->firstTime);
   opening_.reset();
   timeAsked_ = asked.has_value();
-  viewSet_ = exposureFound_ = exposureTried_ = false;
+  viewSet_ = exposure_.found = exposure_.tried = false;
   settings_.look.exposure.reset();
   paint_.drop();
   savedVersion_.reset();
@@ -208,7 +184,7 @@ void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
     scene_.reset();  // it is the last document's
     if (opening_) {
       beginWith(std::optional<double>(*opening_));
-      recent_.add(document_->path);
+      files_.recent().add(document_->path);
     }
   }
   for (Parameter& parameter : document_->parameters) {
@@ -223,7 +199,7 @@ void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
     paint_.take(document_->canvases[number], number, document_->opened);
     if (savedVersion_ && !document_->canvases[number].unsaved)
       paint_.painter().markSaved(*std::exchange(savedVersion_, std::nullopt));
-    planStale_ = true;
+    plan_.invalidate();
     if (settings_.mapName.empty() || another)
       settings_.mapName = paint_.canvas().file;
     if (paint_.takeUnsent())
@@ -249,8 +225,8 @@ void ViewerApp::takeDocument(DocumentInfo opened, const ViewerInput& input) {
   if (options_.renderer)
     settings_.look.renderer = static_cast<int>(*options_.renderer);
   if (settings_.look.exposure) {
-    exposure_ = *settings_.look.exposure;
-    exposureFound_ = true;
+    exposure_.value = *settings_.look.exposure;
+    exposure_.found = true;
   }
   camera_.setMode(settings_.look.walks ? ViewCamera::Mode::kWalk : ViewCamera::Mode::kOrbit);
   timeline_.setSpeed(settings_.look.speed);
@@ -357,8 +333,8 @@ void ViewerApp::saveScene() {
   look.speed = timeline_.speed();
   look.walks = camera_.mode() == ViewCamera::Mode::kWalk;
   look.time = timeline_.time();
-  if (exposureFound_)
-    look.exposure = exposure_;
+  if (exposure_.found)
+    look.exposure = exposure_.value;
   loader_.change("save scene",
                  [target = settings_.sceneName, view = startView(), look](
                      Document& document, Progress&) -> Result<std::string> {
@@ -383,7 +359,7 @@ void ViewerApp::saveMap() {
 }
 
 void ViewerApp::sendMap() {
-  planStale_ = true;
+  plan_.invalidate();
   loader_.change(
       fmt::format("map {}", paint_.number()),
       [number = paint_.number(), map = paint_.painter().coefficients().c,
@@ -404,29 +380,9 @@ void ViewerApp::redoPainting() {
 }
 
 GLuint ViewerApp::planTexture() {
-  if (!planStale_)
-    return plan_.name();
-  planStale_ = false;
-  const Image map = paint_.painter().picture();
-  if (map.width != planWidth_ || map.height != planHeight_)
-    plan_ = makeTexture2d(GL_RGBA8, map.width, map.height);
-  planWidth_ = map.width, planHeight_ = map.height;
-  constexpr int kColors = 256;
-  std::array<std::array<std::uint8_t, 4>, kColors> colors{};
-  for (int i = 0; i < kColors; ++i) {
-    const Rgb color = displayColor(ColorMap::kViridis, i / (kColors - 1.0));
-    for (int c = 0; c < 3; ++c)
-      colors[i][c] = static_cast<std::uint8_t>(std::lround(255 * color[c]));
-    colors[i][3] = 255;
-  }
-  std::vector<std::uint8_t> texels;
-  for (const float value : map.pixels) {
-    const auto& color = colors[std::lround((kColors - 1) * std::clamp(value, 0.0F, 1.0F))];
-    texels.insert(texels.end(), color.begin(), color.end());
-  }
-  glTextureSubImage2D(plan_.name(), 0, 0, 0, map.width, map.height, GL_RGBA, GL_UNSIGNED_BYTE,
-                      texels.data());
-  return plan_.name();
+  if (plan_.stale())
+    plan_.draw(paint_.painter().picture());
+  return plan_.texture();
 }
 
 void ViewerApp::beginFilm(const ViewerInput& input) {
@@ -495,7 +451,7 @@ PictureRequest ViewerApp::request(const ViewerInput& input) const {
 
 DisplayLook ViewerApp::displayLook() const {
   DisplayLook look;
-  look.exposure = exposure_ * std::exp2(settings_.look.stops);
+  look.exposure = exposure_.value * std::exp2(settings_.look.stops);
   look.filmic = document_ && !document_->measured;
   look.background = document_ ? document_->background : Rgb(Rgb::Zero());
   if (document_ && document_->grey && settings_.look.colors > 0)
@@ -519,15 +475,15 @@ Status ViewerApp::drawPicture(const ViewerInput& input) {
     scene_.reset();
   }
   // At once, and better once the picture is fine.
-  const bool fine = !exposureFound_ && scene_ && !scene_->coarse && picture_.settled(request(input));
-  const bool first = !exposureTried_ && picture_.shown() && !picture_.stale();
-  if (!exposureFound_ && document_ && scene_ && (first || fine)) {
-    exposure_ =
+  const bool fine = !exposure_.found && scene_ && !scene_->coarse && picture_.settled(request(input));
+  const bool first = !exposure_.tried && picture_.shown() && !picture_.stale();
+  if (!exposure_.found && document_ && scene_ && (first || fine)) {
+    exposure_.value =
         document_->measured ? 1
                             : suggestExposure({picture_.sampledLight(document_->background)},
                                               ToneCurve::kFilmic);
-    exposureTried_ = true;
-    exposureFound_ = fine;
+    exposure_.tried = true;
+    exposure_.found = fine;
   }
   return {};
 }
@@ -578,10 +534,10 @@ Status ViewerApp::frame(const ViewerInput& input) {
     leaveFor(input.dropped);
   if (input.closes)
     leaveFor("");
-  pollDialog();
+  if (const auto chosen = files_.takeChosen())
+    leaveFor(*chosen);
   takeLoaded(input);
-  noteWork();
-  noteToast();
+  notes_.update(seenWork(), message_);
   usePanels(input);
   VOLUTE_TRY(drawPicture(input));
   glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target));

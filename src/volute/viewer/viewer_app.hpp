@@ -2,21 +2,22 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <set>
 #include <utility>
 #include <vector>
 
 #include "volute/gl/gl_device.hpp"
-#include "volute/viewer/file_dialog.hpp"
+#include "volute/viewer/clipboard.hpp"
+#include "volute/viewer/document_files.hpp"
 #include "volute/viewer/film_export.hpp"
+#include "volute/viewer/fog_plan.hpp"
 #include "volute/viewer/loader.hpp"
+#include "volute/viewer/medium_probe.hpp"
 #include "volute/viewer/paint_tool.hpp"
 #include "volute/viewer/panel_layout.hpp"
 #include "volute/viewer/pick_wall.hpp"
@@ -24,6 +25,7 @@
 #include "volute/viewer/view_camera.hpp"
 #include "volute/viewer/view_picture.hpp"
 #include "volute/viewer/viewer_input.hpp"
+#include "volute/viewer/work_notes.hpp"
 
 namespace volute {
 
@@ -82,6 +84,22 @@ struct ViewerStart {
   ViewerOptions options{};
 };
 
+/// What the mouse did in the last frame.
+struct PointerState {
+  double x = 0, y = 0;    ///< [pixels]
+  bool drags = false;     ///< it moves the camera
+  bool strokes = false;   ///< it paints fog
+  bool leftHeld = false;  ///< the left button is down
+  bool placed = false;    ///< and put something somewhere
+};
+
+/// The exposure that fits the first picture of a document.
+struct FirstExposure {
+  double value = 1;
+  bool found = false;
+  bool tried = false;  ///< from a picture that was not fine
+};
+
 /// Where a control was drawn in the last frame [pixels]. Scripts find the controls by their names.
 struct ControlPlace {
   float left = 0, top = 0, right = 0, bottom = 0;
@@ -132,45 +150,17 @@ class ViewerApp {
   /// Of the window: the file's name, and a mark where something is in no file.
   std::string title() const;
 
-  /// A file that exists and that a person did not say is to be written over.
-  struct Replacing {
-    std::string target;
-    std::function<void()> then;
-  };
-
-  const Replacing* replacing() const { return replacing_ ? &*replacing_ : nullptr; }
-
-  void replace();
-
-  void keep() { replacing_.reset(); }
-
-  /// The viewer's own list of files, while it is open.
-  struct Browser {
-    std::filesystem::path folder;
-    std::vector<FolderEntry> entries{};
-    std::string name{};
-  };
-
-  Browser* browser() { return browser_ ? &*browser_ : nullptr; }
+  /// How files are named, and which may be written.
+  DocumentFiles& files() { return files_; }
 
   /// By the desktop's dialog where there is one, else by the list.
   void askToOpen();
-  void browse(const std::filesystem::path& folder);
+
+  /// Opens what was chosen in the list, and closes that.
   void chooseFile(const std::filesystem::path& path);
 
-  void closeBrowser() { browser_.reset(); }
-
-  const RecentFiles& recent() const { return recent_; }
-
-  /// What is being done that takes more than a moment.
-  struct Work {
-    std::string text{};  ///< empty: nothing
-    double share = -1;   ///< 0..1; negative when nobody knows
-    bool stops = false;  ///< stopDrawing() ends it
-    bool stale = false;  ///< what is shown is not what was asked for
-  };
-
-  const Work& work() const { return work_; }
+  /// What is being done that takes a while.
+  const ViewerWork& work() const { return notes_.work(); }
 
   void stopDrawing() { picture_.stopRefining(); }
 
@@ -178,7 +168,7 @@ class ViewerApp {
   std::string pictureNote() const;
 
   /// What was done last, for some seconds; empty: nothing.
-  const std::string& toast() const { return toast_; }
+  const std::string& toast() const { return notes_.toast(); }
 
   /// The background as a display shows it, 0..1.
   Rgb backgroundShown() const;
@@ -189,26 +179,11 @@ class ViewerApp {
   /// From this side, at what the camera turns around.
   void lookFromAxis(const Vec3& side);
 
-  /// What the media are at a place.
-  struct Probe {
-    struct Medium {
-      std::string name;
-      double extinction = 0;            ///< [1/m], of the picture
-      Rgb emission = Rgb::Zero();       ///< [radiance/m]
-      double opticalDepth = 0;          ///< of the pointer's ray, up to the surface
-    };
+  /// What the media are under the pointer; nothing where its ray meets none, and no surface.
+  std::optional<MediumProbe::Reading> probeAt(double x, double y);
 
-    Vec3 place = Vec3::Zero();
-    bool onSurface = false;
-    std::vector<Medium> media{};
-  };
-
-  /// Where the pointer's ray meets a surface, else where most of its light comes from; nothing
-  /// where it meets neither.
-  std::optional<Probe> probeAt(double x, double y);
-
-  /// Of text, between programs: both are called in the window's thread.
-  void setClipboard(std::function<std::string()> get, std::function<void(const std::string&)> set);
+  /// Of text, between programs.
+  Clipboard& clipboard() { return clipboard_; }
 
   /// True once after a person asked for the whole screen, or for the window again.
   bool takeFullScreenRequest() { return std::exchange(fullScreenRequested_, false); }
@@ -344,9 +319,7 @@ class ViewerApp {
   void show(const DisplayLook& look, bool panels = true);
   void leaveTo(const std::string& path);
   bool mayWrite(const std::string& target, std::function<void()> then);
-  void noteWork();
-  void noteToast();
-  void pollDialog();
+  WorkNotes::Seen seenWork() const;
   void pivotAt(double x, double y);
   Vec3 placeUnder(double x, double y) const;
   void copyCamera();
@@ -364,9 +337,7 @@ class ViewerApp {
   ViewCamera camera_;
   ViewerSettings settings_;
   PaintTool paint_;
-  GlTexture plan_;
-  int planWidth_ = 0, planHeight_ = 0;
-  bool planStale_ = true;
+  FogPlan plan_;
   std::unique_ptr<FilmExport> film_;
   std::optional<DocumentInfo> document_;
   std::optional<LoadedScene> scene_;
@@ -374,19 +345,10 @@ class ViewerApp {
   int edits_ = 0;                                       ///< that were asked for
   std::string placing_;
   std::optional<Leaving> leaving_;
-  std::optional<Replacing> replacing_;
-  std::set<std::string> own_;  ///< files that a person had written
-  std::optional<Browser> browser_;
-  std::unique_ptr<DesktopDialog> dialog_;
-  RecentFiles recent_;
-  Work work_;
-  std::optional<std::chrono::steady_clock::time_point> workingSince_, staleSince_, toastUntil_;
-  std::string toast_, toasted_;  ///< what is shown, and the last message that was
-  std::vector<std::vector<AnyMedium>> probed_;  ///< of each medium of a snapshot,
-  const ViewScene* probedOf_ = nullptr;         ///< this one
-  std::function<std::string()> getClipboard_;
-  std::function<void(const std::string&)> setClipboard_;
-  std::string clipboard_;
+  DocumentFiles files_;
+  WorkNotes notes_;
+  MediumProbe probe_;
+  Clipboard clipboard_;
   bool fullScreenRequested_ = false;
   bool ends_ = false;
   std::optional<std::size_t> savedVersion_;  ///< of the painted map, on its way to a file
@@ -398,9 +360,7 @@ class ViewerApp {
   /// Another file is being opened: at this time, if a person said so.
   std::optional<std::optional<double>> opening_;
   bool timeAsked_ = false;  ///< a person said at which time to begin
-  double exposure_ = 1;     ///< that fits the first picture
-  bool exposureFound_ = false;
-  bool exposureTried_ = false;  ///< from a picture that was not fine
+  FirstExposure exposure_;
   bool viewSet_ = false;
   bool moving_ = false;  ///< a person is turning it, or it plays
   bool played_ = false;  ///< in the last frame
@@ -408,10 +368,7 @@ class ViewerApp {
   int loaderChanges_ = 0;
   ViewerInput seen_;     ///< the last
   DisplayLook shownLook_;
-  double lastX_ = 0, lastY_ = 0;
-  bool dragging_ = false, strokes_ = false;
-  bool leftHeld_ = false;  ///< the left button, in the last frame
-  bool placed_ = false;    ///< and it put something somewhere
+  PointerState pointer_;
   bool screenshotRequested_ = false;
 };
 

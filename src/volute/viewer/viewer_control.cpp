@@ -121,15 +121,15 @@ void ViewerApp::redo() {
 }
 
 void ViewerApp::keys(const ViewerInput& input) {
-  if (leaving_ || replacing_ || browser_) {
+  if (leaving_ || files_.asks()) {
     if (std::ranges::count(input.pressed, Key::kEscape) == 0)
       return;
-    if (replacing_)
-      keep();
+    if (files_.replacing())
+      files_.keep();
     else if (leaving_)
       stay();
     else
-      closeBrowser();
+      files_.closeBrowser();
     return;
   }
   if (ImGui::GetIO().WantTextInput)
@@ -155,11 +155,11 @@ void ViewerApp::paintInView(const ViewerInput& input) {
   const bool ours = !ImGui::GetIO().WantCaptureMouse;
   PaintHand hand;
   hand.seconds = input.seconds;
-  hand.up = lastY_ - input.mouseY;
-  strokes_ = input.buttons[0] && (strokes_ || (ours && !dragging_));
-  hand.pressed = strokes_;
+  hand.up = pointer_.y - input.mouseY;
+  pointer_.strokes = input.buttons[0] && (pointer_.strokes || (ours && !pointer_.drags));
+  hand.pressed = pointer_.strokes;
   const Camera camera = camera_.camera(input.width, input.height);
-  if (ours || strokes_)
+  if (ours || pointer_.strokes)
     hand.at = paint_.onGround(camera.ray(input.mouseX, input.mouseY));
   paint_.setTime(timeline_.time());
   if (paint_.hold(hand))
@@ -168,41 +168,41 @@ void ViewerApp::paintInView(const ViewerInput& input) {
 
 /// The left button puts a sign or a lamp where the pointer is. True while it is held for that.
 bool ViewerApp::placeInView(const ViewerInput& input) {
-  const bool presses = input.buttons[0] && !leftHeld_;
-  leftHeld_ = input.buttons[0];
-  placed_ = placed_ && leftHeld_;
+  const bool presses = input.buttons[0] && !pointer_.leftHeld;
+  pointer_.leftHeld = input.buttons[0];
+  pointer_.placed = pointer_.placed && pointer_.leftHeld;
   if (placing_.empty() || !presses || ImGui::GetIO().WantCaptureMouse)
-    return placed_;
+    return pointer_.placed;
   const Camera camera = camera_.camera(input.width, input.height);
   const WallPlace at = placeAlong(camera.ray(input.mouseX, input.mouseY));
   edit({.kind = SceneEdit::Kind::kPlace,
         .path = std::exchange(placing_, ""),
         .position = at.position,
         .normal = at.normal});
-  return placed_ = true;
+  return pointer_.placed = true;
 }
 
 /// The camera follows the mouse where no panel does, and the keys when it walks. While the left
 /// button paints, the right one turns.
 void ViewerApp::control(const ViewerInput& input) {
-  const double dx = input.mouseX - lastX_, dy = input.mouseY - lastY_;
+  const double dx = input.mouseX - pointer_.x, dy = input.mouseY - pointer_.y;
   const bool places = placeInView(input);
   const bool paints = settings_.painting && paint_.has() && !places && placing_.empty();
   if (paints)
     paintInView(input);
-  lastX_ = input.mouseX, lastY_ = input.mouseY;
+  pointer_.x = input.mouseX, pointer_.y = input.mouseY;
   const bool turns = paints ? input.buttons[1] : input.buttons[0] && !places;
   const bool moves = input.buttons[2] || (!paints && input.buttons[1]);
   const bool held = turns || moves;
   const bool ours = !ImGui::GetIO().WantCaptureMouse;
-  if (held && dragging_ && (dx != 0 || dy != 0)) {
+  if (held && pointer_.drags && (dx != 0 || dy != 0)) {
     if (turns && !input.shift)
       camera_.drag(dx, dy);
     else
       camera_.pan(dx, dy, input.height);
     moving_ = true;
   }
-  dragging_ = held && (dragging_ || ours);
+  pointer_.drags = held && (pointer_.drags || ours);
   if (input.wheel != 0 && ours) {
     camera_.zoom(input.wheel, placeUnder(input.mouseX, input.mouseY));
     moving_ = true;

@@ -3,7 +3,6 @@
 // The part of a ViewerApp that knows what to say about the picture, and what is under the pointer.
 #include <imgui.h>
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -12,33 +11,8 @@
 namespace volute {
 namespace {
 
-using NoteClock = std::chrono::steady_clock;
-
-constexpr double kMoment = 0.4;   ///< [s] that nothing need be said of
-constexpr double kStale = 0.5;    ///< [s]
-constexpr double kToast = 6;      ///< [s]
-constexpr int kProbes = 256;      ///< places along a ray
-
-/// How long it has been so [s]; 0 where it is not.
-double lasting(bool is, std::optional<NoteClock::time_point>& since) {
-  if (!is) {
-    since.reset();
-    return 0;
-  }
-  if (!since)
-    since = NoteClock::now();
-  return std::chrono::duration<double>(NoteClock::now() - *since).count();
-}
-
 std::string fileName(const std::string& path) {
   return std::filesystem::path(path).filename().string();
-}
-
-std::string timeLeft(double seconds) {
-  if (seconds < 1)
-    return "";
-  return seconds < 100 ? fmt::format(", {:.0f} s left", seconds)
-                       : fmt::format(", {:.0f} min left", seconds / 60);
 }
 
 }  // namespace
@@ -50,25 +24,17 @@ std::string ViewerApp::title() const {
   return mark + fileName(document_->path) + " - Volute";
 }
 
-void ViewerApp::noteWork() {
-  work_ = {};
-  const CpuProgress drawn = picture_.progress();
-  const bool loads = loading_.busy && !timeline_.playing();
-  const bool draws = drawn.busy && !moving_ && !picture_.stopped();
-  const double working = lasting(loads || draws, workingSince_);
-  const bool late = scene_ && picture_.shown() &&
-                    (picture_.stale() || std::abs(picture_.shownTime() - scene_->time) > 1e-9);
-  work_.stale = lasting(late && !moving_, staleSince_) > kStale;
-  if (working < kMoment && picture_.shown())
-    return;
-  if (loads) {
-    work_.text = loading_.stage.empty() ? "loading" : loading_.stage;
-    work_.share = loading_.share;
-  } else if (draws) {
-    work_.text = fmt::format("drawing, {:.0f} %{}", 100 * drawn.share, timeLeft(drawn.secondsLeft));
-    work_.share = drawn.share;
-    work_.stops = picture_.shown();
-  }
+WorkNotes::Seen ViewerApp::seenWork() const {
+  WorkNotes::Seen seen;
+  seen.loads = loading_.busy && !timeline_.playing();
+  seen.stage = loading_.stage;
+  seen.loaded = loading_.share;
+  seen.drawn = picture_.progress();
+  seen.draws = seen.drawn.busy && !moving_ && !picture_.stopped();
+  seen.shown = picture_.shown();
+  seen.late = !moving_ && scene_ && picture_.shown() &&
+              (picture_.stale() || std::abs(picture_.shownTime() - scene_->time) > 1e-9);
+  return seen;
 }
 
 std::string ViewerApp::pictureNote() const {
@@ -83,17 +49,6 @@ std::string ViewerApp::pictureNote() const {
   if (!picture_.stopped())
     return "";
   return size.empty() ? "stopped before it was as fine as it gets" : "stopped at " + size;
-}
-
-void ViewerApp::noteToast() {
-  if (message_ != toasted_) {
-    toast_ = toasted_ = message_;
-    toastUntil_ = NoteClock::now() + std::chrono::milliseconds(static_cast<int>(1000 * kToast));
-  }
-  if (toastUntil_ && NoteClock::now() > *toastUntil_) {
-    toastUntil_.reset();
-    toast_.clear();
-  }
 }
 
 ViewCamera::Insets ViewerApp::insets(int width, int height) const {
@@ -139,64 +94,11 @@ void ViewerApp::pivotAt(double x, double y) {
   say("turning around what you pressed");
 }
 
-std::optional<ViewerApp::Probe> ViewerApp::probeAt(double x, double y) {
+std::optional<MediumProbe::Reading> ViewerApp::probeAt(double x, double y) {
   if (!scene_ || !document_)
     return std::nullopt;
-  const ViewScene& scene = *scene_->scene;
-  if (probedOf_ != &scene) {
-    probed_.clear();
-    for (const auto& medium : scene.now) medium->addMedia(probed_.emplace_back());
-    probedOf_ = &scene;
-  }
-  Segment ray = camera_.camera(seen_.width, seen_.height).ray(x, y);
-  Probe probe;
-  if (const auto wall = pickWall(scene, ray)) {
-    probe.onSurface = true;
-    probe.place = wall->position;
-    ray.end = std::max(ray.begin, (wall->position - ray.origin).dot(ray.direction));
-  }
-  const double size = document_->bounds.size().norm();
-  const auto parts = [&](const AnyMedium& medium) {
-    const Interval inside = medium.bounds().intersect(ray.origin, ray.direction);
-    return inside.intersect({std::max(ray.begin, -1e9), std::min(ray.end, ray.begin > -1e8 ? ray.begin + 1e3 * size + 1e3 : 1e9)});
-  };
-  double best = 0;
-  for (const auto& media : probed_) {
-    for (const AnyMedium& medium : media) {
-      const Interval part = parts(medium);
-      if (part.empty() || probe.onSurface)
-        continue;
-      for (int i = 0; i < kProbes; ++i) {
-        const Vec3 at = ray.at(part.begin + (i + 0.5) / kProbes * (part.end - part.begin));
-        const double value = medium.extinction(at) + medium.emission(at).sum();
-        if (value > best) {
-          best = value;
-          probe.place = at;
-        }
-      }
-    }
-  }
-  if (!probe.onSurface && best == 0)
-    return std::nullopt;
-  for (std::size_t m = 0; m < probed_.size(); ++m) {
-    Probe::Medium found;
-    found.name = probed_.size() == 1 ? "medium" : fmt::format("medium {}", m + 1);
-    for (const AnyMedium& medium : probed_[m]) {
-      double depth = 0;
-      medium.opticalDepth({&ray, 1}, {&depth, 1});
-      found.extinction += medium.extinction(probe.place);
-      found.emission += medium.emission(probe.place);
-      found.opticalDepth += depth;
-    }
-    probe.media.push_back(std::move(found));
-  }
-  return probe;
-}
-
-void ViewerApp::setClipboard(std::function<std::string()> get,
-                             std::function<void(const std::string&)> set) {
-  getClipboard_ = std::move(get);
-  setClipboard_ = std::move(set);
+  return probe_.read(scene_->scene, camera_.camera(seen_.width, seen_.height).ray(x, y),
+                     document_->bounds.size().norm());
 }
 
 /// As a scene's "camera" is written.
@@ -220,35 +122,13 @@ void ViewerApp::askToOpen() {
   std::filesystem::path folder = std::filesystem::current_path(unknown);
   if (document_ && !document_->path.empty())
     folder = std::filesystem::absolute(document_->path, unknown).parent_path();
-  if (options_.desktop) {
-    if (dialog_)
-      return;
-    dialog_ = DesktopDialog::open(folder);
-    if (dialog_)
-      return;
-  }
-  browse(folder);
-}
-
-void ViewerApp::browse(const std::filesystem::path& folder) {
-  browser_ = Browser{folder, folderEntries(folder)};
+  files_.askToOpen(folder, options_.desktop);
 }
 
 void ViewerApp::chooseFile(const std::filesystem::path& path) {
-  const std::string chosen = path.string();  // the path may be the browser's own
-  browser_.reset();
+  const std::string chosen = path.string();  // the path may be the list's own
+  files_.closeBrowser();
   leaveFor(chosen);
-}
-
-void ViewerApp::pollDialog() {
-  if (!dialog_)
-    return;
-  const auto chosen = dialog_->poll();
-  if (!chosen)
-    return;
-  dialog_.reset();
-  if (!chosen->empty())
-    leaveFor(*chosen);
 }
 
 }  // namespace volute

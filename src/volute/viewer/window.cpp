@@ -304,8 +304,8 @@ Status runViewerWindow(OpenDocument open, const ViewerStart& start, Progress& pr
   options.scale *= window->scale();
   options.recent = RecentFiles::usualFile();
   VOLUTE_ASSIGN(const auto app, ViewerApp::create(std::move(open), options));
-  app->setClipboard([&] { return window->clipboard(); },
-                    [&](const std::string& text) { window->setClipboard(text); });
+  app->clipboard().use([&] { return window->clipboard(); },
+                        [&](const std::string& text) { window->setClipboard(text); });
   if (!start.path.empty())
     app->open(start.path, start.time);
   app->onNews([] { glfwPostEmptyEvent(); });

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/viewer/document_files.hpp"
+
+#include <utility>
+
+namespace volute {
+
+void DocumentFiles::askToOpen(const std::filesystem::path& folder, bool desktop) {
+  if (dialog_)
+    return;
+  if (desktop)
+    dialog_ = DesktopDialog::open(folder);
+  if (!dialog_)
+    browse(folder);
+}
+
+std::optional<std::string> DocumentFiles::takeChosen() {
+  if (!dialog_)
+    return std::nullopt;
+  auto chosen = dialog_->poll();
+  if (!chosen)
+    return std::nullopt;
+  dialog_.reset();
+  return chosen->empty() ? std::nullopt : chosen;
+}
+
+void DocumentFiles::browse(const std::filesystem::path& folder) {
+  browser_ = Browser{folder, folderEntries(folder)};
+}
+
+bool DocumentFiles::mayWrite(const std::string& target, std::function<void()> then) {
+  std::error_code unknown;
+  if (allowed_.contains(target) || !std::filesystem::exists(target, unknown)) {
+    allowed_.insert(target);
+    return true;
+  }
+  replacing_ = Replacing{target, std::move(then)};
+  return false;
+}
+
+void DocumentFiles::replace() {
+  const Replacing asked = *std::exchange(replacing_, std::nullopt);
+  allowed_.insert(asked.target);
+  asked.then();
+}
+
+}  // namespace volute
