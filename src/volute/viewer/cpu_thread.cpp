@@ -78,6 +78,10 @@ int pixelsOf(double scale, int side) {
   return std::max(8, static_cast<int>(std::lround(scale * side)));
 }
 
+double realSeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
 }  // namespace
 
 class CpuThread::Stop final : public Progress {
@@ -92,7 +96,8 @@ class CpuThread::Stop final : public Progress {
   bool always_;
 };
 
-CpuThread::CpuThread() : thread_([this] { work(); }) {}
+CpuThread::CpuThread(std::function<double()> clock)
+    : clock_(clock ? std::move(clock) : realSeconds), thread_([this] { work(); }) {}
 
 CpuThread::~CpuThread() {
   {
@@ -221,7 +226,7 @@ bool CpuThread::takePicture(const CpuJob& job, double scale, bool preview) {
   if (inTiles && !canvasShown_)
     return false;  // there is always a coarser one
   beginPicture(width, height);
-  const auto begun = std::chrono::steady_clock::now();
+  const double begun = clock_();
   double done = 0, spent = 0;
   for (const Tile& tile : tiles) {
     const auto image = (preview ? job.preview : job.take)(
@@ -241,7 +246,7 @@ bool CpuThread::takePicture(const CpuJob& job, double scale, bool preview) {
         to[3] = kOpaque;
       }
     }
-    spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    spent = clock_() - begun;
     const double all = static_cast<double>(tile.width) * tile.height;
     done += all;
     CpuPart part{.number = job.number, .time = job.time, .scale = scale, .width = width,

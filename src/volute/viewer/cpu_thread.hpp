@@ -58,7 +58,8 @@ struct CpuProgress {
 /// Pictures that take long come in tiles, the middle first, over what the coarser picture showed.
 class CpuThread {
  public:
-  CpuThread();
+  /// @param clock  [s] from any origin, by which the cost of pictures is measured; empty: real time
+  explicit CpuThread(std::function<double()> clock = {});
   ~CpuThread();
   CpuThread(const CpuThread&) = delete;
   CpuThread& operator=(const CpuThread&) = delete;
@@ -93,6 +94,7 @@ class CpuThread {
   void beginPicture(int width, int height);
   void deliver(Result<CpuPart> part);
 
+  std::function<double()> clock_;
   Costs costs_;                ///< the thread's, as the next ones
   int canvasWidth_ = 0, canvasHeight_ = 0;
   std::vector<float> canvas_;  ///< what was delivered last

@@ -5,8 +5,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
 
 namespace volute {
 namespace {
@@ -25,15 +31,19 @@ Image directions(const Camera& camera, double brighter = 0) {
   return image;
 }
 
-/// Takes so long for each pixel [s], and can be stopped.
-CpuPicture slowly(double seconds, std::atomic<int>* pictures = nullptr) {
+/// Seconds that pass as pictures are taken, however busy the machine is.
+std::atomic<double> seconds = 0;
+
+/// Takes so many of them for each pixel, in steps between which it can be stopped.
+CpuPicture slowly(double aPixel, std::atomic<int>* pictures = nullptr) {
   return [=](const Camera& camera, Progress& progress) -> Result<Image> {
-    const auto end = std::chrono::steady_clock::now() +
-                     std::chrono::duration<double>(seconds * camera.width() * camera.height());
-    while (std::chrono::steady_clock::now() < end) {
+    const double whole = aPixel * camera.width() * camera.height();
+    const int steps = std::max(static_cast<int>(1000 * whole), 1);
+    for (int i = 0; i < steps; ++i) {
       if (progress.cancelled())
         return fail(ErrorCode::kCancelled, "stopped");
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      seconds.fetch_add(whole / steps);
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
     if (pictures)
       ++*pictures;
@@ -48,11 +58,19 @@ CpuJob jobOf(CpuPicture take, double first = 0.25) {
           .first = first, .number = 1, .time = 2.5};
 }
 
-/// What a window makes of the parts.
+/// A thread whose parts are collected as they are delivered, and what a window makes of them.
 struct Shown {
   std::vector<CpuPart> parts{};
   int width = 0, height = 0;
   std::vector<float> rgba{};
+
+  Shown() {
+    thread.onDelivery([this] {
+      auto delivered = thread.take();
+      const std::lock_guard lock(mutex_);
+      for (auto& part : delivered) waiting_.push_back(std::move(part));
+    });
+  }
 
   void take(CpuPart part) {
     if (part.partWidth == part.width && part.partHeight == part.height) {
@@ -67,38 +85,53 @@ struct Shown {
     parts.push_back(std::move(part));
   }
 
-  /// Until `done`, or too long.
+  /// Part by part until `done`, or too long.
   template <class Done>
-  bool until(CpuThread& thread, const Done& done) {
+  bool until(const Done& done) {
     for (int i = 0; i < 20000 && !done(); ++i) {
-      for (auto& part : thread.take()) {
-        EXPECT_TRUE(part) << part.error().message;
-        take(std::move(*part));
+      if (auto part = next()) {
+        EXPECT_TRUE(*part) << part->error().message;
+        take(std::move(**part));
+      } else {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return done();
   }
 
   bool fine() const { return !parts.empty() && parts.back().scale == 1 && parts.back().complete; }
+
+ private:
+  std::optional<Result<CpuPart>> next() {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.empty())
+      return std::nullopt;
+    std::optional<Result<CpuPart>> part(std::move(waiting_.front()));
+    waiting_.pop_front();
+    return part;
+  }
+
+  std::mutex mutex_;
+  std::deque<Result<CpuPart>> waiting_;
+
+ public:
+  CpuThread thread{[] { return seconds.load(); }};  // last: it delivers to the others
 };
 
 TEST(CpuThread, IsCoarseFirstAndFineAtLast) {
-  CpuThread thread;
   Shown shown;
-  thread.request(jobOf(slowly(1e-7)));
-  ASSERT_TRUE(shown.until(thread, [&] { return shown.fine(); }));
+  shown.thread.request(jobOf(slowly(1e-7)));
+  ASSERT_TRUE(shown.until([&] { return shown.fine(); }));
   EXPECT_EQ(shown.parts.front().scale, 0.25);
   EXPECT_EQ(shown.parts.front().time, 2.5);
   EXPECT_EQ(shown.parts.size(), 2) << "it does not take long: nothing between";
 }
 
 TEST(CpuThread, TilesAreThePicture) {
-  CpuThread thread;
   Shown shown;
   const CpuJob job = jobOf(slowly(1e-5));
-  thread.request(job);
-  ASSERT_TRUE(shown.until(thread, [&] { return shown.fine(); }));
+  shown.thread.request(job);
+  ASSERT_TRUE(shown.until([&] { return shown.fine(); }));
   EXPECT_GT(shown.parts.size(), 4);
   const Image whole = directions(job.camera.camera(kWide, kTall));
   float off = 0;
@@ -110,67 +143,63 @@ TEST(CpuThread, TilesAreThePicture) {
 }
 
 TEST(CpuThread, WhatHasNotComeYetShowsWhatWasThere) {
-  CpuThread thread;
   Shown shown;
   const CpuJob job = jobOf(slowly(1e-5));
-  thread.request(job);
+  shown.thread.request(job);
   const auto begun = [&] { return !shown.parts.empty() && shown.parts.back().scale == 1; };
-  ASSERT_TRUE(shown.until(thread, begun));
+  ASSERT_TRUE(shown.until(begun));
   EXPECT_FALSE(shown.parts.back().complete);
   const Image whole = directions(job.camera.camera(kWide, kTall));
   for (std::size_t i = 0; i < shown.rgba.size() / 4; ++i)
     ASSERT_NEAR(shown.rgba[4 * i], whole.pixels[3 * i], 0.02) << i;
-  EXPECT_GT(thread.progress().share, 0);
-  EXPECT_GT(thread.progress().secondsLeft, 0);
+  EXPECT_GT(shown.thread.progress().share, 0);
+  EXPECT_GT(shown.thread.progress().secondsLeft, 0);
 }
 
 TEST(CpuThread, RefiningEndsForWhatIsNewAndWhenItIsTold) {
-  CpuThread thread;
   Shown shown;
-  thread.request(jobOf(slowly(3e-5)));
-  ASSERT_TRUE(shown.until(thread, [&] { return shown.parts.size() > 1; }));
+  shown.thread.request(jobOf(slowly(3e-5)));
+  ASSERT_TRUE(shown.until([&] { return shown.parts.size() > 1; }));
   CpuJob next = jobOf(slowly(1e-7));
   next.number = 2;
-  thread.request(next);
-  ASSERT_TRUE(shown.until(thread, [&] { return shown.parts.back().number == 2 && shown.fine(); }));
-  thread.request(jobOf(slowly(3e-5)));
+  shown.thread.request(next);
+  ASSERT_TRUE(shown.until([&] { return shown.parts.back().number == 2 && shown.fine(); }));
+  shown.thread.request(jobOf(slowly(3e-5)));
   const std::size_t before = shown.parts.size();
-  ASSERT_TRUE(shown.until(thread, [&] { return shown.parts.size() > before + 1; }));
-  thread.stop();
-  for (int i = 0; i < 5000 && thread.progress().busy; ++i)
+  ASSERT_TRUE(shown.until([&] { return shown.parts.size() > before + 1; }));
+  shown.thread.stop();
+  for (int i = 0; i < 5000 && shown.thread.progress().busy; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  EXPECT_FALSE(thread.progress().busy);
-  shown.until(thread, [] { return true; });
+  EXPECT_FALSE(shown.thread.progress().busy);
+  shown.until([] { return true; });
   EXPECT_FALSE(shown.fine());
 }
 
 TEST(CpuThread, TheQuickPictureIsFinishedWhateverIsNew) {
-  CpuThread thread;
   Shown shown;
   std::atomic<int> pictures = 0;
   for (int i = 1; i <= 40; ++i) {  // one is always waiting
     CpuJob job = jobOf(slowly(3e-6, &pictures), 0.5);
     job.refines = false;
     job.number = i;
-    thread.request(job);
+    shown.thread.request(job);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    shown.until(thread, [] { return true; });
+    shown.until([] { return true; });
   }
   ASSERT_TRUE(shown.until(
-      thread, [&] { return !shown.parts.empty() && shown.parts.back().number == 40; }));
+      [&] { return !shown.parts.empty() && shown.parts.back().number == 40; }));
   EXPECT_GT(pictures, 2);
 }
 
 TEST(CpuThread, APreviewComesFirstAndIsReplaced) {
-  CpuThread thread;
   Shown shown;
   CpuJob job = jobOf(slowly(1e-6));
   job.preview = [](const Camera& camera, Progress&) -> Result<Image> {
     return directions(camera, 1);
   };
   job.previewFirst = true;
-  thread.request(job);
-  ASSERT_TRUE(shown.until(thread, [&] { return shown.fine(); }));
+  shown.thread.request(job);
+  ASSERT_TRUE(shown.until([&] { return shown.fine(); }));
   EXPECT_TRUE(shown.parts.front().preview);
   EXPECT_FALSE(shown.parts.back().preview);
 }
