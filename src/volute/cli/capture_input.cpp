@@ -34,17 +34,17 @@ std::vector<Option> captureOptionTable() {
   return {{.name = "images",
            .kind = kText,
            .value = "PATTERN",
-           .help = "where the pictures are, when the calibration does not say or says otherwise: "
+           .help = "paths of the pictures, if the calibration lacks them or to override it: "
                    "{camera} is the camera's name, %04d or #### the frame"},
           {.name = "bounds",
            .kind = kBounds,
            .value = "X0,Y0,Z0,X1,Y1,Z1",
-           .help = "outer faces of the volume [m]; else the capture's"},
+           .help = "outer faces of the volume [m]; if not given, those of the capture"},
           {.name = "color",
            .kind = kText,
            .value = "CURVE",
-           .help = "linear, srgb or gamma:G: how .png files and films store light; else the "
-                   "capture's, else srgb (.exr files are linear)"}};
+           .help = "how .png files and films store light: linear, srgb or gamma:G; if not given, "
+                   "as in the capture, else srgb (.exr files are linear)"}};
 }
 
 Result<CaptureOptions> captureOptionsOf(const Arguments& arguments, const Context& context) {

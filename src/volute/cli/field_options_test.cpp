@@ -83,7 +83,7 @@ TEST(FieldOptions, OfSeveralKindsAreOneOption) {
   const auto fire = std::ranges::find(options, "fire", &Option::name);
   EXPECT_THAT(fire->kinds, testing::ElementsAre("fds"));
   EXPECT_TRUE(fire->help.starts_with("FDS cases: ")) << fire->help;
-  EXPECT_TRUE(field->help.starts_with("which one of a file")) << field->help;
+  EXPECT_TRUE(field->help.starts_with("grid or field of a file")) << field->help;
   const auto measured = fieldOptions({&smokeFields(), &fdsFields()}, FieldUse::kMeasured);
   for (const char* picture :
        {"mode", "albedo", "fire", "fire-cutoff", "devices", "fds-slice", "fds-slice-range"})
@@ -140,7 +140,7 @@ TEST(FieldOptions, ThatWouldChangeNothingAreRefused) {
             "--mode is for smoke on meshes, FDS cases and scenes; a.npy is a volume of voxels");
   EXPECT_EQ(
       refusal("a.smv", {"--unit", "g/m3"}),
-      "--unit is for smoke on meshes; a.smv is an FDS case, which says itself what its files hold");
+      "--unit is for smoke on meshes; a.smv is an FDS case, which declares what its files contain");
   EXPECT_THAT(refusal("a.json", {"--emission", "2"}),
               HasSubstr("a.json is a scene: write it there"));
   EXPECT_EQ(refusal("a.smv", {"--fds-slice-range", "1,2"}),

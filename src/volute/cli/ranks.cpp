@@ -42,7 +42,7 @@ Option statsOption(std::vector<std::string_view> kinds) {
   return {.name = "stats",
           .kind = ValueKind::kOutput,
           .value = "FILE.json",
-          .help = "write what was done: counts, milliseconds, memory, and the units of each rank",
+          .help = "write statistics: counts, milliseconds, memory, and the work of each rank",
           .kinds = std::move(kinds)};
 }
 

@@ -114,12 +114,12 @@ std::vector<Option> lightCacheOptions() {
   return {{.name = "cache",
            .kind = kFile,
            .value = "DIR",
-           .help = "where the light of lamps in smoke is kept, or none; else volute/light in the "
-                   "user's cache folder"},
+           .help = "folder for cached light of lamps in smoke, or none; if not given, "
+                   "volute/light in the user's cache folder"},
           {.name = "cache-size",
            .kind = kBytes,
            .value = "BYTES",
-           .help = "what it may take there",
+           .help = "maximum size of that cache",
            .initial = "1G"}};
 }
 

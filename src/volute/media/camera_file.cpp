@@ -71,12 +71,12 @@ const FieldTable& cameraFields() {
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "eye", .type = kPoint, .access = member<&CameraDescription::view, &View3::eye>(),
-       .help = "where the camera is", .unit = "m", .required = true, .option = {"X,Y,Z"}},
+       .help = "position of the camera", .unit = "m", .required = true, .option = {"X,Y,Z"}},
       {.name = "target", .type = kPoint,
-       .access = member<&CameraDescription::view, &View3::target>(), .help = "what it looks at",
+       .access = member<&CameraDescription::view, &View3::target>(), .help = "point it looks at",
        .unit = "m", .required = true, .option = {"X,Y,Z"}},
       {.name = "up", .type = kDirection, .access = member<&CameraDescription::view, &View3::up>(),
-       .help = "what is up in the picture", .option = {"X,Y,Z"}},
+       .help = "up direction of the picture", .option = {"X,Y,Z"}},
       {.name = "fov", .access = member<&CameraDescription::fov>(), .help = "vertical field of view",
        .unit = "degrees", .least = 0, .most = 180, .above = true, .below = true,
        .option = {"DEGREES"}},
@@ -87,8 +87,8 @@ const FieldTable& cameraFields() {
        .help = "width and height of the picture", .unit = "pixels", .least = 1, .most = 32768,
        .count = 2, .whole = true},
       {.name = "keys", .type = kRows, .access = customMember<CameraDescription, keysOf, setKeys>(),
-       .help = "where it is at a time [s]: time, eye and target [m], by ascending times; it goes "
-       "through all of them smoothly and rests before the first and after the last", .count = 7}};
+       .help = "camera path: time [s], eye and target [m] in each row, by ascending time; smooth "
+               "in between, static before the first and after the last", .count = 7}};
   // clang-format on
   static const FieldTable kTable =
       fieldTable<CameraDescription>({.name = "camera",

@@ -9,13 +9,14 @@ namespace volute {
 const FieldTable& clockFields() {
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
-      {.name = "offset", .access = member<&Clock::offset>(), .help = "the time of its own that it "
-       "shows at 0 s", .unit = "s", .slider = {.label = "begins at"}},
-      {.name = "rate", .access = member<&Clock::rate>(), .help = "its own seconds in one of the "
-       "scene's", .least = 0, .above = true,
+      {.name = "offset", .access = member<&Clock::offset>(),
+       .help = "the medium's time at the scene's 0 s", .unit = "s",
+       .slider = {.label = "begins at"}},
+      {.name = "rate", .access = member<&Clock::rate>(),
+       .help = "seconds of the medium per second of the scene", .least = 0, .above = true,
        .slider = {.label = "speed", .least = 0.05, .most = 20, .logarithmic = true, .unit = "x"}},
       {.name = "loop", .type = FieldType::kFlag, .access = member<&Clock::loop>(),
-       .help = "after its last frame the first comes again", .slider = {.label = "repeats"}}};
+       .help = "repeat from the first frame after the last one", .slider = {.label = "repeats"}}};
   // clang-format on
   static const FieldTable kTable =
       fieldTable<Clock>({.name = "time", .sentence = "a medium's own time", .fields = kFields});
@@ -31,7 +32,7 @@ void addClock(ParameterGroup& group, const void* clock, const MediumFacts& facts
   Parameter& begins = group[first];
   const double most = std::max({seconds, 0.01, std::abs(begins.value.front())});
   begins.least = -most, begins.most = most;
-  group[first + 1].help = fmt::format("its own {:.3g} s take so many times less", seconds);
+  group[first + 1].help = fmt::format("playback speed of its own {:.3g} s", seconds);
 }
 
 }  // namespace volute

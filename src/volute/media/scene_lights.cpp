@@ -61,16 +61,18 @@ const FieldTable& spotFields() {
       {.name = "position", .type = kPoint, .access = member<&SpotDescription::position>(),
        .help = "where it is", .unit = "m", .required = true, .slider = {.label = "position"}},
       {.name = "target", .type = kPoint, .access = member<&SpotDescription::target>(),
-       .help = "what it shines at", .unit = "m", .required = true, .slider = {.label = "target"}},
+       .help = "the point it shines at", .unit = "m", .required = true,
+       .slider = {.label = "target"}},
       {.name = "angle", .access = member<&SpotDescription::angle>(),
-       .help = "of the cone, from side to side", .unit = "degrees", .least = 0, .most = 360,
+       .help = "full angle of the cone", .unit = "degrees", .least = 0, .most = 360,
        .slider = {.label = "cone", .least = 1, .most = 179}},
       {.name = "intensity", .type = kColor, .access = member<&SpotDescription::intensity>(),
        .help = "power per solid angle", .least = 0, .slider = {.label = "intensity"}},
       {.name = "radius", .access = member<&SpotDescription::radius>(),
-       .help = "the light is nowhere stronger than at this distance", .unit = "m", .least = 1e-6},
+       .help = "distance below which the light gets no stronger", .unit = "m", .least = 1e-6},
       {.name = "edge", .access = member<&SpotDescription::edge>(),
-       .help = "share of the half angle on which the rim is soft", .least = 0, .most = 1}};
+       .help = "share of the half angle over which the light falls off at the rim", .least = 0,
+       .most = 1}};
   // clang-format on
   static const FieldTable kTable = fieldTable<SpotDescription>(
       {.name = "spot", .sentence = "a lamp", .fields = kFields, .says = "spot"});
@@ -81,12 +83,13 @@ const FieldTable& ambientFields() {
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "radiance", .type = FieldType::kColor,
-       .access = member<&AmbientDescription::radiance>(), .help = "from everywhere", .least = 0,
+       .access = member<&AmbientDescription::radiance>(), .help = "radiance from all directions",
+       .least = 0,
        .slider = {.label = "radiance"}}};
   // clang-format on
   static const FieldTable kTable = fieldTable<AmbientDescription>(
       {.name = "ambient",
-       .sentence = "light that comes from everywhere, whatever is in the way",
+       .sentence = "light from all directions, without shadows",
        .fields = kFields,
        .says = "ambient"});
   return kTable;
@@ -120,17 +123,18 @@ const FieldTable& sunFields() {
   static const FieldRow kFields[] = {
       {.name = "direction", .type = kDirection,
        .access = customMember<Sun, sunDirection, setSunDirection>(),
-       .help = "the way its light travels, so the third number is below 0; it is scattered once and "
-       "shadowed by what scatters it", .required = true, .option = {"X,Y,Z", "sun"},
+       .help = "direction in which its light travels, so the third number is negative; it is "
+               "scattered once, with shadows from the scattering medium", .required = true,
+       .option = {"X,Y,Z", "sun"},
        .slider = {.label = "direction"}},
       {.name = "radiance", .type = kColor, .access = member<&Sun::irradiance>(),
-       .help = "what the sun sends to a surface that faces it", .least = 0,
+       .help = "radiance arriving on a surface that faces the sun", .least = 0,
        .option = {.value = "R,G,B", .name = "sun-radiance", .beside = "sun"},
        .slider = {.label = "irradiance"}}};
   // clang-format on
   static const FieldTable kTable =
       fieldTable<Sun>({.name = "sun",
-                          .sentence = "a light so far away that its rays are parallel",
+                          .sentence = "a distant light with parallel rays",
                           .fields = kFields,
                           .says = "sun"});
   return kTable;

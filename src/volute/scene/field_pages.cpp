@@ -143,8 +143,8 @@ std::string membersTable(const FieldTable& table, std::set<const FieldTable*>& d
   if (!done.insert(&table).second)
     return "";
   std::string page = fmt::format(
-      "\n## {}\n\n{}{}.\n\n| member | value | default | what it says | "
-      "option |\n|---|---|---|---|---|\n",
+      "\n## {}\n\n{}{}.\n\n| member | value | default | meaning | option "
+      "|\n|---|---|---|---|---|\n",
       table.name, table.sentence,
       table.says.empty() ? "" : fmt::format("; `kind` is `{}`", table.says));
   for (const FieldRow& field : table.fields) {

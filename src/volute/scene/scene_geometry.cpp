@@ -60,9 +60,10 @@ const FieldTable& geometryFields() {
        .help = ".glb, .gltf, .obj or .vtp", .required = true},
       {.name = "transform", .type = kNumbers,
        .access = customMember<SceneGeometry, geometryTransform, setGeometryTransform>(),
-       .help = "affine, row-major: the last four are 0, 0, 0, 1", .count = 16},
+       .help = "affine, row-major, last row 0, 0, 0, 1", .count = 16},
       {.name = "up", .type = kChoice, .access = customMember<SceneGeometry, upOf, setUp>(),
-       .help = "of the file: y turns its +y upwards before the transform", .choices = kUps}};
+       .help = "up axis of the file; y turns its +y upwards before the transform",
+       .choices = kUps}};
   // clang-format on
   static const FieldTable kTable = fieldTable<SceneGeometry>(
       {.name = "geometry", .sentence = "opaque surfaces", .fields = kFields});

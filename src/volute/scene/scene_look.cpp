@@ -12,22 +12,22 @@ const FieldTable& lookFields() {
   static constexpr std::string_view kCameras[] = {"orbit", "walk"};
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
-      {.name = "stops", .access = member<&SceneLook::stops>(), .help = "light is multiplied by the "
-       "exposure times 2^stops", .least = -20, .most = 20},
+      {.name = "stops", .access = member<&SceneLook::stops>(),
+       .help = "multiplies the exposure by 2^stops", .least = -20, .most = 20},
       {.name = "exposure", .access = member<&SceneLook::exposure>(),
-       .help = "multiplies radiance; else one that suits the first picture", .least = 1e-30,
+       .help = "factor for radiance; if not given, chosen for the first picture", .least = 1e-30,
        .most = 1e30},
       {.name = "colors", .type = kChoice, .access = member<&SceneLook::colors>(),
-       .help = "of what has one channel", .choices = kColors},
+       .help = "colour map of volumes with one channel", .choices = kColors},
       {.name = "quality", .type = kChoice, .access = member<&SceneLook::quality>(),
-       .help = "share of the pixels that are drawn", .choices = kQualities},
+       .help = "resolution of the pictures", .choices = kQualities},
       {.name = "renderer", .type = kChoice, .access = member<&SceneLook::renderer>(),
        .help = "who draws", .choices = kRenderers},
       {.name = "surfaces", .type = kFlag, .access = member<&SceneLook::surfaces>(),
-       .help = "opaque things are shown"},
+       .help = "show opaque surfaces"},
       {.name = "camera", .type = kChoice, .access = member<&SceneLook::walks>(),
-       .help = "how the mouse moves it", .choices = kCameras},
-      {.name = "speed", .access = member<&SceneLook::speed>(), .help = "of the timeline",
+       .help = "how the mouse moves the camera", .choices = kCameras},
+      {.name = "speed", .access = member<&SceneLook::speed>(), .help = "playback speed",
        .least = 0.01, .most = 100},
       {.name = "time", .access = member<&SceneLook::time>(), .help = "that is shown", .unit = "s"}};
   // clang-format on

@@ -69,22 +69,22 @@ const FieldTable& signFields() {
       {.name = "position", .type = kPoint, .access = member<&Sign::position>(),
        .help = "its middle", .unit = "m", .required = true, .slider = {.label = "position"}},
       {.name = "normal", .type = kDirection, .access = customMember<Sign, normalOf, setNormal>(),
-       .help = "towards those who read it; it stands upright and is seen from its front alone",
+       .help = "towards the reader; the sign is upright and visible only from its front",
        .required = true, .slider = {.label = "normal"}},
       {.name = "emitting", .type = kFlag, .access = customMember<Sign, emittingOf, setEmitting>(),
-       .help = "it emits light: C is 8, else 3", .slider = {.label = "emits light"}},
+       .help = "whether it emits light: C is 8, else 3", .slider = {.label = "emits light"}},
       {.name = "C", .access = customMember<Sign, signC, setSignC>(),
-       .help = "no longer seen at this optical depth, whatever emitting says", .least = 0,
+       .help = "optical depth at which it is no longer visible; overrides emitting", .least = 0,
        .above = true, .choices = lawNames(),
        .slider = {.label = "C", .least = 1, .most = 10, .custom = addSignC}},
       {.name = "size", .type = kNumbers, .access = memberPair<&Sign::width, &Sign::height>(),
        .help = "width and height", .unit = "m", .least = 0, .most = 1e6, .above = true,
        .below = true, .count = 2, .slider = {.label = "width|height", .least = 0.05, .most = 3}},
       {.name = "picture", .type = kFile, .access = member<&Sign::pictureFile>(),
-       .help = "a .png or .exr whose linear values are its radiance; else a green EXIT"}};
+       .help = "a .png or .exr whose linear values are its radiance; if not given, a green EXIT"}};
   // clang-format on
   static const FieldTable kTable = fieldTable<Sign>(
-      {.name = "sign", .sentence = "a picture on a wall that people look for", .fields = kFields});
+      {.name = "sign", .sentence = "an exit sign", .fields = kFields});
   return kTable;
 }
 

@@ -21,29 +21,30 @@ Command benchCommand() {
       .examples = {"volute bench", "volute bench codec --json",
                    "volute bench tomography --input capture.json --truth 'truth/%04d.vdb'"},
       .description =
-          "Ratios compare figures of the same run with the baseline that the benchmark names; "
-          "figures of different machines or runs are not comparable. Without a name all benchmarks "
-          "run. tools/codec_plot.py draws what `bench codec --json` prints.\n\nThe benchmarks are "
-          "a program of their own, volute-bench, beside volute; `./dev bench` builds and runs it.",
+          "Ratios compare figures of the same run with the baseline named by the benchmark; "
+          "figures of different machines or runs are not comparable. Without a name, all "
+          "benchmarks run. tools/codec_plot.py plots the output of `bench codec --json`.\n\nThe "
+          "benchmarks are a separate program, volute-bench, beside volute; `./dev bench` builds "
+          "and runs it.",
       .positionals =
           {{.name = "NAME", .help = "which benchmarks to run", .several = true, .optional = true}},
       .options = {{.name = "input",
                    .kind = ValueKind::kFile,
                    .value = "VOLUME",
-                   .help = "measure with this volume instead of made-up ones; tomography: a "
+                   .help = "measure with this volume instead of synthetic ones; tomography: a "
                            "capture; smoke and gl: a mesh with smoke"},
                   {.name = "truth",
                    .kind = ValueKind::kFile,
                    .value = "VOLUME",
                    .help = "tomography: the true volumes of the capture's frames"},
-                  fieldOption("tomography: which one of the truth's files"),
+                  fieldOption("tomography: grid of the true volumes"),
                   {.name = "quick",
                    .help =
-                       "fewer measurements: `smoke` draws 800 x 600 alone, without a sign, `gl` "
-                       "less of everything in a minute, `tomography` has the best methods alone"},
+                       "fewer measurements: `smoke` only 800 x 600 without a sign, `gl` a short "
+                       "run of one minute, `tomography` only the best methods"},
                   {.name = "whole-pictures",
-                   .help = "`smoke`: hold every pixel against the reference in double, in "
-                           "minutes, and measure no times"},
+                   .help = "`smoke`: compare every pixel with the reference in double (takes "
+                           "minutes) and measure no times"},
                   {.name = "list", .help = "list the benchmarks"}},
       .run = runBench};
 }

@@ -103,37 +103,37 @@ Command compareCommand() {
   using enum ValueKind;
   return {
       .name = "compare",
-      .summary = "Measures how far one volume or picture is from another",
+      .summary = "Measures the difference between two volumes or pictures",
       .examples = {"volute compare fire.npy fire.volute",
                    "volute compare before.png after.png --json"},
       .description =
-          "Volumes are compared frame by frame in the order of their frames, and caches grid by grid, "
-          "by the grids' names, over all that one of them takes; pictures in linear "
-          "values. The relative RMS is "
-          "the RMS divided by the maximum minus the minimum of A; PSNR is -20 log10 of it "
-          "(infinite, null in JSON, when "
-          "they are equal). Both must have the same size.",
+          "Volumes are compared frame by frame, in order; caches grid by grid, by name, over the "
+          "union of their extents; pictures in linear values. The relative RMS is the RMS divided "
+          "by the maximum minus the minimum of A; PSNR is -20 log10 of it (infinite, null in "
+          "JSON, if they are equal). Both must have the same size.",
       .positionals = {{.name = "A", .help = "the original: a volume, or a picture (.png, .exr)"},
-                      {.name = "B", .help = "what is compared with it"}},
+                      {.name = "B", .help = "the volume or picture to compare with it"}},
       .options = {{.name = "difference",
                    .kind = kOutput,
                    .value = "OUT.png",
-                   .help = "a picture of where they differ: of volumes the frame that differs most, its "
-                           "largest differences along y; of several grids, side by side and each "
-                           "relative to its range; .png in colours up to the largest, .exr as it is"},
+                   .help = "write a picture of the differences: for volumes, of the frame that "
+                           "differs most, the largest differences along y; for several grids, "
+                           "side by side, each relative to its range; .png in colours scaled to "
+                           "the largest, .exr unscaled"},
                   {.name = "frames",
                    .kind = kFrames,
                    .value = "A:B[:S]",
-                   .help = "frames with numbers A <= n < B of both",
+                   .help = "frames with numbers A <= n < B, in both",
                    .kinds = {"volume", kVoluteKind}},
-                  fieldsOption("which ones of files with several, all without it", {"volume", kVoluteKind}),
+                  fieldsOption("grids of files with several; if not given, all",
+                               {"volume", kVoluteKind}),
                   {.name = "bounds",
                    .kind = kBounds,
                    .value = "X0,Y0,Z0,X1,Y1,Z1",
                    .help = "as for compress [m]",
                    .kinds = {"volume"}},
                   {.name = "partial",
-                   .help = "use what is intact of a damaged .volute",
+                   .help = "use the intact part of a damaged .volute",
                    .kinds = {kVoluteKind}}},
       .run = runCompare};
 }

@@ -171,15 +171,13 @@ Command compressCommand() {
            "volute compress fire.volute -o small.volute --ratio 200"},
       .description =
           "Reads .npy of shape (z,y,x), (t,z,y,x) or (t,z,y,x,c) in float32 or float16, a VDB "
-          "file, pattern or "
-          "folder, .vti, .pvd, .volute, or with --raw-size files of values alone, and writes one .volute file. All grids of a VDB cache go "
-          "into it, each with an error relative to its own range, with what the cache says of them; "
-          "--size and --ratio are of the whole file. It reports what was "
-          "reached, measured on "
-          "what was written; without an option for it the relative RMS is at most 0.003. NaN and infinities are refused with the frame and voxel.\n\n"
-          "Relative RMS is the RMS error over all voxels and channels, divided by the maximum "
-          "minus the minimum of "
-          "the whole original.",
+          "file, pattern or folder, .vti, .pvd, .volute, or, with --raw-size, files without a "
+          "header, and writes one .volute file. It keeps all grids of a VDB cache with their "
+          "descriptions, each with an error relative to its own range; --size and --ratio are for "
+          "the whole file. The error reported is measured on the written data; unless an option "
+          "sets another target, the relative RMS is at most 0.003. NaN and infinities are "
+          "refused, with frame and voxel.\n\nRelative RMS is the RMS error over all voxels and "
+          "channels, divided by the maximum minus the minimum of the whole original.",
       .positionals = {{.name = "INPUT",
                        .help = "a volume: .npy, .vdb, .vti, .pvd, .volute, a pattern or a folder"}},
       .options = {{.name = "output",
@@ -191,7 +189,8 @@ Command compressCommand() {
                   {.name = "rms",
                    .kind = kNumber,
                    .value = "R",
-                   .help = "relative RMS error at most R; one of 1 keeps nothing; 0.003 unless another of these is given",
+                   .help = "relative RMS error at most R (1 keeps nothing); 0.003 if no target is "
+                           "given",
                    .most = 1,
                    .positive = true},
                   {.name = "psnr",
@@ -217,9 +216,9 @@ Command compressCommand() {
                   {.name = "rms-of",
                    .kind = kText,
                    .value = "NAME=R,...",
-                   .help = "relative RMS of single grids of a cache, instead of what the others get"},
-                  fieldsOption("which ones of a file with several, all without it; or which source "
-                               "of an FDS case"),
+                   .help = "relative RMS of individual grids of a cache"},
+                  fieldsOption("grids of a file with several; if not given, all; or the source of "
+                               "an FDS case"),
                   {.name = "frames",
                    .kind = kFrames,
                    .value = "A:B[:S]",
@@ -231,50 +230,51 @@ Command compressCommand() {
                    .initial = "auto",
                    .choices = {"auto", "haar", "cdf53", "cdf97"}},
                   {.name = "fast",
-                   .help = "fewer transforms to choose from: quicker, and a little larger"},
+                   .help = "choose from fewer transforms: faster, but slightly larger files"},
                   {.name = "block-mode",
                    .kind = kChoice,
                    .value = "SUPPORT:WAVELET:TIME",
-                   .help = "one mode for all blocks, to compare: plain or shaped (with an exact "
-                           "support), the wavelet, and how often time is halved",
+                   .help = "use one mode for all blocks, for comparison: plain or shaped (with an "
+                           "exact support), the wavelet, and the number of levels in time",
                    .choices = blockModeNames()},
                   {.name = "bounds",
                    .kind = kBounds,
                    .value = "X0,Y0,Z0,X1,Y1,Z1",
-                   .help = "outer voxel faces [m]: states those of a .npy, crops or pads others to "
-                           "them on the voxel grid"},
+                   .help = "outer voxel faces [m]: sets those of a .npy, crops or pads others on "
+                           "the voxel grid"},
                   {.name = "raw-size",
                    .kind = kText,
                    .value = "X,Y,Z[,C]",
-                   .help = "INPUT has no header: a file, or a pattern of numbered ones, of frames of "
-                           "so many voxels, x fastest, and C channels side by side; a single "
-                           "file's length says how many frames it has"},
+                   .help = "INPUT has no header: a file, or a pattern of numbered ones, with "
+                           "frames of this size, x fastest, and C interleaved channels; the "
+                           "length of a single file gives its number of frames"},
                   {.name = "raw-type",
                    .kind = kChoice,
                    .value = "TYPE",
-                   .help = "of its values; all become float32",
+                   .help = "type of the values without a header; converted to float32",
                    .initial = "float32",
                    .choices = {rawTypeNames().begin(), rawTypeNames().end()},
                    .beside = "raw-size"},
                   {.name = "raw-order",
                    .kind = kChoice,
                    .value = "ORDER",
-                   .help = "of their bytes",
+                   .help = "byte order of the values without a header",
                    .initial = "little",
                    .choices = {"little", "big"},
                    .beside = "raw-size"},
                   {.name = "raw-offset",
                    .kind = kBytes,
                    .value = "BYTES",
-                   .help = "before the first value of each file; 0 without it",
+                   .help = "bytes before the first value of each file without a header; if not "
+                           "given, 0",
                    .beside = "raw-size"},
                   {.name = "work",
                    .kind = kText,
                    .value = "FOLDER",
-                   .help = "keep finished units here until the file is written: the same command, "
-                           "with any number of ranks, goes on from them; ranks share the folder"},
+                   .help = "keep finished units here until the file is written: the same command "
+                           "continues from them, with any number of ranks; ranks share the folder"},
                   statsOption(),
-                  {.name = "partial", .help = "use what is intact of a damaged .volute"}},
+                  {.name = "partial", .help = "use the intact part of a damaged .volute"}},
       .oneOf = {{{"rms", "psnr", "ratio", "size", "max-error"}, false}},
       .ranks = true,
       .run = runCompress};

@@ -71,7 +71,7 @@ Command extractCommand() {
   using enum ValueKind;
   return {
       .name = "extract",
-      .summary = "Takes frames, a region or a coarser level out of a .volute file",
+      .summary = "Extracts frames, a region or a coarser level of a .volute file",
       .examples =
           {"volute extract fire.volute -o fire.npy",
            "volute extract case.smv -o smoke_{mesh}_%04d.vti",
@@ -79,23 +79,18 @@ Command extractCommand() {
            "volute extract cache.volute -o cache_%04d.vdb",
            "volute extract fire.volute -o - --frames 3 --region 0:32,0:32,16:48 | other-program"},
       .description =
-          "Touches only the blocks that are needed, a row of 16 frames in memory at a time, and "
-          "reports how many bytes "
-          "were read and blocks decoded.\n\n"
-          "Level L divides the resolution by 2^L: it leaves out the finest levels of each block, "
-          "which hold what is smaller than 2^L voxels in space and 2^L frames in time, and "
-          "averages "
-          "cubes of 2^L voxels. It is a preview: means are right within some percent, and less so "
-          "where a small body stands in empty space. Cubes that reach beyond the region count "
-          "zeros "
-          "there and the bounds grow with them.\n\n"
-          "A .npy is float32 of shape (t,z,y,x) or (t,z,y,x,c), a single frame included. Of several "
-          "grids each .vdb file holds all, with the names, types, classes, transforms and metadata of "
-          "the cache that they come from; other files hold one, which --field chooses, or each its "
-          "own, with {grid} in OUT.\n\n"
-          "Of an FDS case it takes the extinction [1/m] at the stored times as voxels of the "
-          "finest "
-          "cell size, obstructions zero; with {mesh} in OUT, each mesh on its own.",
+          "Reads only the blocks needed, with 16 frames in memory at a time, and reports how many "
+          "bytes were read and blocks decoded.\n\nLevel L divides the resolution by 2^L: it skips "
+          "the finest levels of each block, which contain details smaller than 2^L voxels in "
+          "space and 2^L frames in time, and averages cubes of 2^L voxels. It is a preview: means "
+          "are accurate to some percent, and less so where a small body is surrounded by empty "
+          "space. Cubes that reach beyond the region count zeros there, and the bounds grow with "
+          "them.\n\nA .npy is float32 of shape (t,z,y,x) or (t,z,y,x,c), also for a single frame. "
+          "With several grids, each .vdb file holds all of them, with the names, types, classes, "
+          "transforms and metadata of the original cache; other files hold one grid, selected "
+          "with --field, or one each, with {grid} in OUT.\n\nFor an FDS case it writes the "
+          "extinction [1/m] at the stored times as voxels of the finest cell size, with zeros in "
+          "obstructions; with {mesh} in OUT, each mesh separately.",
       .positionals = {{.name = "IN", .help = "a .volute file, or the .smv of an FDS case"}},
       .options = {{.name = "output",
                    .letter = 'o',
@@ -108,8 +103,8 @@ Command extractCommand() {
                    .kind = kFrames,
                    .value = "A:B[:S]",
                    .help = "frames with numbers A <= n < B, every S-th"},
-                  fieldsOption("which grids of a file with several, all without it; or which source "
-                               "of an FDS case",
+                  fieldsOption("grids of a file with several; if not given, all; or the source of "
+                               "an FDS case",
                                {kVoluteKind, "fds"}),
                   {.name = "region",
                    .kind = kRegion,
@@ -126,7 +121,7 @@ Command extractCommand() {
                    .kinds = {kVoluteKind}},
                   statsOption({kVoluteKind}),
                   {.name = "partial",
-                   .help = "use what is intact of a damaged file",
+                   .help = "use the intact part of a damaged file",
                    .kinds = {kVoluteKind}}},
       .ranks = true,
       .run = runExtract};

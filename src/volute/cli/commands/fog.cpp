@@ -137,15 +137,16 @@ std::vector<Option> fogCommandOptions() {
       {.name = "color",
        .kind = kFile,
        .value = "IMAGE",
-       .help = "the frame without fog: .exr (linear) or .png (sRGB); %04d for several"},
+       .help = "the frame without fog: .exr (linear) or .png (sRGB); a pattern with %04d for "
+               "several"},
       {.name = "depth",
        .kind = kFile,
        .value = "DEPTH.exr",
-       .help = "one channel [m], inf for the sky; of the frame's size"},
+       .help = "its depth: one channel [m], inf for the sky, same size as the frame"},
       {.name = "camera",
        .kind = kFile,
        .value = "CAMERA.json",
-       .help = "a scene's camera object that the frame was taken with"},
+       .help = "its camera, as a scene's camera object"},
       {.name = "output",
        .letter = 'o',
        .kind = kOutput,
@@ -154,13 +155,13 @@ std::vector<Option> fogCommandOptions() {
       {.name = "depth-kind",
        .kind = kChoice,
        .value = "KIND",
-       .help = "z: along the view axis; ray: from the eye",
+       .help = "z: along the view axis; ray: distance from the eye",
        .initial = "z",
        .choices = {"z", "ray"}},
       {.name = "sky-depth",
        .kind = kNumber,
        .value = "M",
-       .help = "depths from here on are sky, as some renderers write 1e10 [m]",
+       .help = "treat larger depths as sky, for renderers that write 1e10 [m]",
        .positive = true}};
   const auto more = fieldOptions({&fogFields(), &sunFields()});
   options.insert(options.end(), more.begin(), more.end());
@@ -168,17 +169,17 @@ std::vector<Option> fogCommandOptions() {
       {.name = "frames",
        .kind = kFrames,
        .value = "A:B[:S]",
-       .help = "of pictures with %04d: those with numbers A <= n < B, every S-th"},
+       .help = "for patterns with %04d: numbers A <= n < B, every S-th"},
       {.name = "rate",
        .kind = kNumber,
        .value = "F",
-       .help = "frames a second, of a film and for wind and sequences of maps",
+       .help = "frames per second, for films, wind and sequences of maps",
        .initial = "25",
        .positive = true},
       {.name = "time",
        .kind = kNumber,
        .value = "T",
-       .help = "the fog at T, instead of the frame's number / rate [s]"},
+       .help = "time of the fog, instead of the frame's number / rate [s]"},
       {.name = "geometry",
        .kind = kFile,
        .value = "FILE",
@@ -193,8 +194,8 @@ std::vector<Option> fogCommandOptions() {
       {.name = "export-glsl",
        .kind = kFile,
        .value = "FOLDER",
-       .help = "write the fog as shader functions (OpenGL 4.5, OpenGL ES 3.0), its texture and how "
-               "to use them"}};
+       .help = "write the fog as shader functions (OpenGL 4.5, OpenGL ES 3.0), with its texture "
+               "and instructions"}};
   options.insert(options.end(), last.begin(), last.end());
   return options;
 }
@@ -211,10 +212,10 @@ Command fogCommand() {
                    "camera_%04d.json -o flight.mp4",
                    "volute fog valley.png --export-glsl shaders --degree 2 --profile slab:0,10"},
       .description =
-          "Each pixel's fog is integrated exactly from the eye to the frame's depth: out = T color "
-          "+ (1 - T) fog-color. The map is a greyscale picture, 8 or 16 bits or .exr, a pattern of "
-          "pictures or a volume one voxel high; pixel / maximum x sigma-max is the extinction, "
-          "without sRGB decoding; its bottom row has the smallest y.",
+          "The fog in each pixel is integrated exactly from the eye to the frame's depth: out = T "
+          "color + (1 - T) fog-color. The map is a greyscale picture (8 or 16 bits, or .exr), a "
+          "pattern of pictures, or a volume one voxel high; the extinction is pixel / maximum x "
+          "sigma-max, without sRGB decoding; its bottom row has the smallest y.",
       .positionals = {{.name = "MAP", .help = "the painted map of fog"}},
       .options = fogCommandOptions(),
       .run = runFog};

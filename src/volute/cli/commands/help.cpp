@@ -26,9 +26,9 @@ Status runHelp(const Arguments& arguments, Context& context) {
 
 Command helpCommand() {
   return {.name = "help",
-          .summary = "Shows how a command is used",
+          .summary = "Shows the help of a command",
           .examples = {"volute help compress"},
-          .description = "Without a name it lists the commands.",
+          .description = "Without a name, it lists the commands.",
           .positionals = {{.name = "COMMAND", .help = "the command to explain", .optional = true}},
           .run = runHelp};
 }

@@ -53,7 +53,7 @@ Status runInfo(const Arguments& arguments, Context& context) {
         dumpJson(paths.size() == 1 ? files[0] : nlohmann::ordered_json{{"files", files}}));
   if (damaged)
     return fail(ErrorCode::kInvalidData,
-                "not everything is intact or can be used; what is was shown");
+                "parts are damaged or cannot be used; the rest was shown");
   return {};
 }
 
@@ -63,36 +63,33 @@ Command infoCommand() {
   using enum ValueKind;
   return {
       .name = "info",
-      .summary = "Says what is in a file and whether it is whole",
+      .summary = "Describes a file and checks that it is intact",
       .examples = {"volute info fire.volute", "volute info smoke.npy --values --json",
                    "volute info case.smv", "volute info hall.pvd", "volute info --gl"},
       .description =
-          "Sizes, frames, times and bounds of a volume, and all grids of a file with several; of a "
-          ".volute also what error was asked "
-          "for and reached, and whether every "
-          "byte is intact. Pictures (.png, .exr) show their size and range. A damaged .volute "
-          "is described as far as it is intact, "
-          "and the exit code is 1. An FDS case (.smv) shows its meshes, obstructions and files, "
-          "which of them says how thick the smoke is, at which times, and what is cut off. Smoke "
-          "on "
-          "a mesh (.vtu, .pvtu, .vtk, .pvd, .case, .e, .foam) shows its times, cells, the "
-          "tetrahedra that they are split into, and its fields with their ranges. A scene lists its "
-          "media, a capture its cameras and which of their pictures are missing.",
+          "For a volume: size, frames, times, bounds and all grids; for a .volute also the "
+          "requested and the reached error, and whether every byte is intact. A damaged .volute "
+          "is described as far as it is intact, and the exit code is 1. For a picture (.png, "
+          ".exr): size and range. For an FDS case (.smv): meshes, obstructions, files, the source "
+          "of smoke with its times, and truncated files. For smoke on a mesh (.vtu, .pvtu, .vtk, "
+          ".pvd, .case, .e, .foam): times, cells, the tetrahedra they are split into, and fields "
+          "with their ranges. For a scene: its media. For a capture: its cameras and missing "
+          "pictures.",
       .positionals = {{.name = "FILE",
                        .help = "a volume, a picture, smoke on a mesh, an FDS case, a scene or a capture",
                        .several = true,
                        .optional = true}},
-      .options = {fieldOption("which one of a file with several; which source of an FDS case",
+      .options = {fieldOption("grid or field of a file with several; source of an FDS case",
                               {"volume", kVoluteKind, "fds"}),
                   {.name = "blocks",
-                   .help = "of a .volute, each block's place, transform and size",
+                   .help = "for a .volute: each block's offset, transform and size",
                    .kinds = {kVoluteKind}},
                   {.name = "values",
-                   .help = "read all frames for their minimum, maximum, zeros and values that "
-                           "are not finite",
+                   .help = "read all frames and count zeros and non-finite values, with minimum "
+                           "and maximum",
                    .kinds = {"volume", "smoke", "fds"}},
                   {.name = "gl",
-                   .help = "the graphics device that --renderer gl draws with, and its limits"}},
+                   .help = "show the graphics device that --renderer gl uses, and its limits"}},
       .run = runInfo};
 }
 

@@ -48,20 +48,20 @@ Command joinCommand() {
   using enum ValueKind;
   return {
       .name = "join",
-      .summary = "Puts .volute files together in the order of their frames",
+      .summary = "Joins .volute files in the order of their frames",
       .examples = {"volute join part1.volute part2.volute -o fire.volute"},
       .description =
-          "For sequences whose frames were reconstructed or compressed in parts, on several "
-          "machines. The parts must have the same voxels, bounds, channels and basis, and frame "
-          "numbers that do not overlap; any order will do. Of caches all grids are joined, each by "
-          "its name: their volumes may differ and a part may be without a grid; the joined one has the "
-          "least volume around all, and the cache's background elsewhere.\n\n"
-          "Blocks of 16 frames are copied as they are, so that no value changes, when all parts "
-          "but the last have a multiple of 16 frames, and the same volume; parts compressed each for itself keep their "
-          "quantisation. The result states for the whole the RMS of all parts, relative to their "
-          "common range, and the largest of their maximum errors. Other parts are decoded and "
-          "encoded again, which adds an error to theirs: the result says how much, and states for "
-          "the file the sum, which the error to the originals does not exceed.",
+          "For sequences reconstructed or compressed in parts, on several machines. The parts may "
+          "be given in any order; they must have the same voxels, bounds, channels and basis, and "
+          "frame numbers that do not overlap. All grids of caches are joined, by name: their "
+          "extents may differ, and a part may lack a grid; the joined grid has the smallest "
+          "extent that contains all parts, with the cache's background elsewhere.\n\nIf all parts "
+          "but the last have a multiple of 16 frames and the same extent, blocks of 16 frames are "
+          "copied and no value changes; parts compressed separately keep their quantisation. The "
+          "result states the RMS over all parts, relative to their common range, and the largest "
+          "of their maximum errors. Other parts are decoded and encoded again, which adds to "
+          "their error: the result says how much, and the file states the sum as a bound for the "
+          "error to the originals.",
       .positionals = {{.name = "PART", .help = ".volute files", .several = true}},
       .options = {{.name = "output",
                    .letter = 'o',
@@ -72,8 +72,8 @@ Command joinCommand() {
                   {.name = "rms",
                    .kind = kNumber,
                    .value = "R",
-                   .help = "relative RMS to the parts where they must be encoded again; else as "
-                           "large as their own",
+                   .help = "relative RMS error to the parts if they must be encoded again; if not "
+                           "given, as large as their own",
                    .most = 1,
                    .positive = true}},
       .run = runJoin};

@@ -33,7 +33,7 @@ Command manCommand() {
   return {.name = "man",
           .summary = "Prints the manual page",
           .examples = {"volute man | man -l -", "volute man > /usr/local/share/man/man1/volute.1"},
-          .description = "The page is in groff's man macros and holds all commands.",
+          .description = "The page uses groff's man macros and covers all commands.",
           .options = {{.name = "markdown",
                        .kind = ValueKind::kText,
                        .value = "COMMAND",

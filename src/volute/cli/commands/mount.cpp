@@ -19,15 +19,15 @@ Command mountCommand() {
       .summary = "Shows a .volute file as a folder of .vdb files",
       .examples = {"volute mount fire.volute /tmp/fire &", "volute mount fire.volute fire --max-memory 1G"},
       .description =
-          "The folder has fire_0001.vdb and so on, by the frames' numbers: the bytes that 'volute "
-          "extract' would write, made when a program reads them. Blender, Houdini and everything else "
-          "that reads OpenVDB plays them without a plug-in; the folder is read-only.\n\n"
-          "Frames of one row of blocks (16) are decoded together and kept, and so are the last files, "
-          "within --max-memory. How large a file is nobody knows before it was made: 'ls -l' makes "
-          "them all, 'ls' none.\n\n"
-          "It runs until Ctrl-C, or until 'fusermount3 -u FOLDER'. FUSE must be there (the package "
-          "fuse3, and /dev/fuse in containers). Where it was killed and the folder is still mounted, "
-          "'fusermount3 -u FOLDER' lets it go.",
+          "The folder contains fire_0001.vdb and so on, one file per frame, with the same bytes "
+          "as from 'volute extract', generated when a program reads them. Blender, Houdini and "
+          "other programs that read OpenVDB play them without a plug-in. The folder is "
+          "read-only.\n\nThe 16 frames of a row of blocks are decoded together; they and the most "
+          "recent files are kept within --max-memory. The size of a file is known only after it "
+          "is generated: 'ls -l' generates them all, 'ls' none.\n\nThe command runs until Ctrl-C, "
+          "or until 'fusermount3 -u FOLDER'. It needs FUSE (the package fuse3, and /dev/fuse in "
+          "containers). If it was killed and the folder is still mounted, 'fusermount3 -u FOLDER' "
+          "unmounts it.",
       .positionals = {{.name = "FILE", .help = "a .volute file"}, {.name = "FOLDER", .help = "an empty folder"}},
       .run = runMount};
 }

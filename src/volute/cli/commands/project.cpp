@@ -94,7 +94,7 @@ Command projectCommand() {
        .letter = 'o',
        .kind = kOutput,
        .value = "PATTERN.exr",
-       .help = "the pictures: {camera} is the camera's name, %04d the frame",
+       .help = "pictures to write: {camera} is the camera's name, %04d the frame",
        .required = true},
       {.name = "frames",
        .kind = kFrames,
@@ -103,42 +103,41 @@ Command projectCommand() {
       {.name = "basis",
        .kind = kChoice,
        .value = "NAME",
-       .help = "what the values mean between voxel centres; else what a .volute says, else "
-               "trilinear, zero one voxel beyond the outer centres",
+       .help = "interpolation between voxel centres; if not given, that of the .volute, else "
+               "trilinear (zero one voxel beyond the outer centres)",
        .choices = {"trilinear", "box"}},
       {.name = "rays-per-pixel",
        .kind = kChoice,
        .value = "N",
-       .help = "1 through the pixel's centre, or the mean of 4 at its quarters",
+       .help = "1: through the pixel's centre; 4: mean of four rays at its quarter points",
        .initial = "4",
        .choices = {"1", "4"}},
-      fieldOption("which one of a file with several; else emission"),
-      {.name = "partial", .help = "use what is intact of a damaged .volute"}};
+      fieldOption("grid of a file with several; if not given, emission"),
+      {.name = "partial", .help = "use the intact part of a damaged .volute"}};
   for (Option& option : captureOptionTable()) {
     if (option.name == "bounds")
       option.help =
-          "outer voxel faces [m]: states those of a .npy, which has the capture's volume "
-          "else; crops or pads others to them on the voxel grid";
+          "outer voxel faces [m]: sets those of a .npy (if not given, the capture's volume), "
+          "crops or pads others on the voxel grid";
     if (option.name == "images")
-      option.help = "where cameras without a stated size or name find them, as for reconstruct";
+      option.help = "paths of the pictures, for cameras without a size or name, as for reconstruct";
     if (option.name != "color")
       options.push_back(option);
   }
   return {
       .name = "project",
-      .summary = "Takes a volume's line integrals through the cameras of a capture",
+      .summary = "Computes a volume's line integrals through the cameras of a capture",
       .examples =
           {"volute project fire.volute capture.json -o 'views/{camera}_%04d.exr'",
            "volute project truth_%04d.vdb transforms.json -o 'p_%04d_{camera}.exr' --images "
            "'in/frame_%04d_{camera}.exr'"},
       .description =
-          "Writes one linear float EXR with R, G, B for each camera and frame: the integral of the "
-          "values along each pixel's rays [value x metre], exact for the basis. This is what the "
-          "cameras of a capture would see of the volume as light, without background. CAPTURE is a "
-          "capture.json, a NeRF transforms.json, a COLMAP model's folder or OpenCV's .yml. A .npy "
-          "with as many frames as the capture states has their numbers. Of a file with several "
-          "grids "
-          "it is `emission` unless --field names another; without one of that name, say which.",
+          "Writes one linear float EXR with R, G, B for each camera and frame: the integral of "
+          "the values along each pixel's rays [value x metre], exact for the basis. This is what "
+          "the cameras would see if the volume were light, without background. CAPTURE is a "
+          "capture.json, a NeRF transforms.json, the folder of a COLMAP model or an OpenCV .yml. "
+          "A .npy with as many frames as the capture gets the capture's frame numbers. In a file "
+          "with several grids, `emission` is used unless --field names another.",
       .positionals = {{.name = "VOLUME",
                        .help = "a volume: .volute, .npy, .vdb, .vti, .pvd, a pattern or a folder"},
                       {.name = "CAPTURE", .help = "the cameras"}},

@@ -301,54 +301,57 @@ std::vector<Option> solverOptions() {
       {.name = "basis",
        .kind = kChoice,
        .value = "NAME",
-       .help = "what the values mean between voxel centres; the file keeps it",
+       .help = "interpolation between voxel centres, stored in the file",
        .initial = "trilinear",
        .choices = {"trilinear", "box"}},
       {.name = "solver",
        .kind = kChoice,
        .value = "NAME",
-       .help = "accelerated projected gradient, or the classics to compare with",
+       .help = "accelerated projected gradient, or classic methods for comparison",
        .initial = "apg",
        .choices = {"apg", "mlem", "sirt", "cgls"}},
       {.name = "iterations",
        .kind = kInteger,
        .value = "N",
-       .help = "exactly N; else until the volume settles (none: by noise or held-out pixels)",
+       .help = "exactly N iterations; if not given, until convergence (regularization none: by "
+               "noise or held-out pixels)",
        .least = 1,
        .most = 100000},
       {.name = "regularization",
        .kind = kChoice,
        .value = "NAME",
-       .help = "what is preferred among volumes that fit alike; auto chooses from the data",
+       .help = "prior for volumes that fit equally well; auto: chosen from the data",
        .initial = "auto",
        .choices = {"auto", "none", "tv", "smooth", "wavelet"}},
       {.name = "lambda",
        .kind = kNumber,
        .value = "F",
-       .help = "its strength, times the largest eigenvalue of S'S; else chosen from the data",
+       .help = "strength of the prior, relative to the largest eigenvalue of S'S; if not given, "
+               "chosen from the data",
        .least = 0},
       {.name = "sparsity",
        .kind = kNumber,
        .value = "F",
        .help =
-           "with total variation: how much a dark voxel pays for light, times lambda; else 2.5, "
-           "or 0 where the data prefer that",
+           "with total variation: penalty on light in dark voxels, relative to lambda; if not "
+           "given, 2.5, or 0 if the data prefer it",
        .least = 0},
       {.name = "noise-sigma",
        .kind = kNumber,
        .value = "S",
-       .help = "noise of a pixel's channel [radiance]; else the capture's",
+       .help = "noise of a pixel's channel [radiance]; if not given, that of the capture",
        .positive = true},
       {.name = "rays-per-pixel",
        .kind = kChoice,
        .value = "N",
-       .help = "1 through the pixel's centre, or the mean of 4 at its quarters",
+       .help = "1: through the pixel's centre; 4: mean of four rays at its quarter points",
        .initial = "4",
        .choices = {"1", "4"}},
-      {.name = "no-hull", .help = "unknowns everywhere, not only where every camera sees light"},
-      {.name = "coarse-to-fine", .help = "first at half the resolution"},
-      {.name = "warm-start", .help = "start each frame from the one before (this is the default)"},
-      {.name = "no-warm-start", .help = "start each frame from nothing"}};
+      {.name = "no-hull", .help = "solve for all voxels, not only those where every camera sees "
+                                  "light"},
+      {.name = "coarse-to-fine", .help = "solve at half the resolution first"},
+      {.name = "warm-start", .help = "start each frame from the previous one (default)"},
+      {.name = "no-warm-start", .help = "start each frame from zero"}};
 }
 
 std::vector<Option> reconstructOptionTable() {
@@ -363,11 +366,12 @@ std::vector<Option> reconstructOptionTable() {
       {.name = "resolution",
        .kind = kText,
        .value = "N[,N,N]",
-       .help = "voxels on x, y, z, or cubes with N on the longest side; else the capture's"},
+       .help = "voxels in x, y, z, or cubic voxels with N on the longest side; if not given, that "
+               "of the capture"},
       {.name = "frames",
        .kind = kFrames,
        .value = "A:B[:S]",
-       .help = "frames with numbers A <= n < B; volute join puts parts together"},
+       .help = "frames with numbers A <= n < B; volute join joins parts"},
       {.name = "rms",
        .kind = kNumber,
        .value = "R",
@@ -378,18 +382,19 @@ std::vector<Option> reconstructOptionTable() {
       {.name = "hold-out",
        .kind = kText,
        .value = "NAME",
-       .help = "a camera to compare with, not to reconstruct from; auto: reconstructs without each "
-               "in turn, too, and tells how well the others predict it",
+       .help = "hold this camera out for comparison; auto: also reconstruct without each camera "
+               "in turn, and report how well the others predict it",
        .several = true},
       {.name = "error-bars",
        .kind = kOutput,
        .value = "FILE",
-       .help = "with --hold-out auto: standard deviations of voxels, .npy, %04d.vdb or %04d.vti"},
+       .help = "with --hold-out auto: write standard deviations of voxels to .npy, %04d.vdb or "
+               "%04d.vti"},
       {.name = "refine",
        .kind = kChoice,
        .value = "WHEN",
-       .help = "poses, focal lengths, principal points and gains together with the volume; auto: "
-               "where cameras disagree and agree much better for it",
+       .help = "refine poses, focal lengths, principal points and gains together with the volume; "
+               "auto: if cameras disagree and refinement makes them agree much better",
        .initial = "auto",
        .choices = {"auto", "never", "always"}},
       {.name = "refined",
@@ -399,16 +404,16 @@ std::vector<Option> reconstructOptionTable() {
       {.name = "report",
        .kind = kOutput,
        .value = "FILE.json",
-       .help = "write all that was measured, and FILE.html with plots and pictures"},
+       .help = "write all measurements, and FILE.html with plots and pictures"},
       statsOption(),
       {.name = "max-saturated",
        .kind = kNumber,
        .value = "SHARE",
-       .help = "refuse pictures of which more of the lit pixels are saturated",
+       .help = "largest share of saturated pixels among the lit ones; other pictures are refused",
        .initial = "0.5",
        .least = 0,
        .most = 1},
-      {.name = "force", .help = "go on in spite of faults, with fewer than 3 views too"}};
+      {.name = "force", .help = "continue despite detected faults, or with fewer than 3 views"}};
   for (const auto& table : {captureOptionTable(), solverOptions()})
     options.insert(options.end(), table.begin(), table.end());
   return options;
@@ -425,16 +430,15 @@ Command reconstructCommand() {
                    "'in/{camera}_%04d.png' --bounds=-1,-1,0,1,1,3 --resolution 96",
                    "volute reconstruct capture.json -o part2.volute --frames 100:200"},
       .description =
-          "Solves each frame for the emission whose line integrals are what the cameras saw: least "
-          "squares over all cameras and colours, non-negative, zero where a camera sees nothing. "
-          "CAPTURE is a capture.json, a NeRF transforms.json, a COLMAP model's folder or OpenCV's "
-          ".yml; docs/capture.md describes them.\n\n"
-          "Captures that cannot be right are refused with the camera, the frame and the number: "
-          "mirrored or scaled rotations, units that do not match, sizes, missing or black or "
-          "saturated pictures, values that are not finite, backgrounds that moved, an empty hull. "
-          "What a person must decide is a warning.\n\n"
-          "Finished frames are kept in OUT.work beside the output until it is whole; an "
-          "interrupted run goes on from there when it is started again.",
+          "Solves each frame for the emission whose line integrals match the pictures: "
+          "non-negative least squares over all cameras and colours, with zeros where a camera "
+          "sees nothing. CAPTURE is a capture.json, a NeRF transforms.json, the folder of a "
+          "COLMAP model or an OpenCV .yml; docs/capture.md describes them.\n\nImplausible "
+          "captures are refused, with camera, frame and number: mirrored or scaled rotations, "
+          "mismatched units or sizes, missing, black or saturated pictures, non-finite values, "
+          "backgrounds that moved, an empty hull. Doubtful cases give a warning.\n\nFinished "
+          "frames are kept in OUT.work beside the output until it is complete; an interrupted run "
+          "continues from there when it is started again.",
       .positionals = {{.name = "CAPTURE", .help = "the cameras and their pictures"}},
       .options = reconstructOptionTable(),
       .oneOf = {{{"warm-start", "no-warm-start"}, false}},

@@ -364,8 +364,8 @@ std::vector<Option> renderOptionTable() {
       {.name = "size",
        .kind = kPixels,
        .value = "WxH",
-       .help = "pixels; else the camera file's, else 800x600"},
-      {.name = "time", .kind = kNumber, .value = "T", .help = "the frame shown at T [s]"},
+       .help = "size of the picture [pixels]; if not given, that of the camera file, else 800x600"},
+      {.name = "time", .kind = kNumber, .value = "T", .help = "show the frame at T [s]"},
       {.name = "frames",
        .kind = kFrames,
        .value = "A:B[:S]",
@@ -373,94 +373,92 @@ std::vector<Option> renderOptionTable() {
       {.name = "renderer",
        .kind = kChoice,
        .value = "NAME",
-       .help = "who renders; auto is gl with a graphics card that can, else cpu",
+       .help = "renderer; auto: gl with a suitable graphics card, else cpu",
        .initial = "auto",
        .choices = {"auto", "cpu", "gl", "reference"}},
       {.name = "smoke-method",
        .kind = kChoice,
        .value = "NAME",
-       .help = "how OpenGL draws smoke on a mesh that is the only medium: from face to face, the "
-               "sum over all tetrahedra (light is marched all the same), or by projected "
-               "tetrahedra; auto takes the sum where no light is asked for, else the march",
+       .help = "how OpenGL draws smoke on a mesh without other media: march from face to face, "
+               "splat all tetrahedra (lit smoke is marched anyway), or projected tetrahedra; "
+               "auto: splat without light, else march",
        .initial = "auto",
        .choices = {"auto", "march", "splat", "projected"},
        .kinds = {"smoke", kSceneKind}},
       {.name = "volume-method",
        .kind = kChoice,
        .value = "NAME",
-       .help = "how a .volute is drawn: from the file's own values, as bricks, or from the tree of 16 "
-               "frames in memory, which rounds them once more; OpenGL then walks in it for each "
-               "voxel",
+       .help = "how a .volute is drawn: bricks of the file's own values, or the tree of 16 frames "
+               "in memory, which rounds them once more and which OpenGL walks for each voxel",
        .initial = "bricks",
        .choices = {"bricks", "tree"},
        .kinds = {"volume", kSceneKind}},
       {.name = "camera",
        .kind = kFile,
        .value = "FILE.json",
-       .help = "a scene's camera object: eye, target, up, fov or ortho, size"},
+       .help = "camera, as a scene's camera object: eye, target, up, fov or ortho, size"},
       {.name = "orbit",
        .kind = kNumber,
        .value = "DEGREES",
-       .help = "the camera turns around its target, against the clock from above, by so much over a "
-               "film or a sequence of stills; a single frame turns once in 10 s"},
+       .help = "turn the camera around its target, counterclockwise from above, by this angle "
+               "over a film or sequence; a single frame turns once in 10 s"},
       {.name = "aov",
        .kind = kText,
        .value = "NAME,..",
-       .help = "measured channels instead of a picture: optical-depth or transmittance as one channel "
-               "Y, or for a .exr several of beauty (R, G, B), alpha (A), z (Z, of what takes half of "
-               "the light [m]), transmittance, optical-depth"},
+       .help = "write measured channels instead of a picture: optical-depth or transmittance as "
+               "one channel Y, or for a .exr several of beauty (R, G, B), alpha (A), z (Z, depth "
+               "at which half of the light is lost [m]), transmittance, optical-depth"},
       {.name = "slice",
        .kind = kText,
        .value = "AXIS=M",
-       .help = "instead of the smoke, a plane through it with its local values in colours, as "
-               "z=1.8 [m]; for smoke on a mesh"},
+       .help = "show local values on a plane instead of the smoke, such as z=1.8 [m]; for smoke "
+               "on a mesh"},
       {.name = "slice-shows",
        .kind = kChoice,
        .value = "NAME",
-       .help = "on the plane: the local visibility S = C / K up to 30 m, the extinction K, or the "
-               "concentration, mass per volume in the field's unit",
+       .help = "quantity on the plane: the local visibility S = C / K up to 30 m, the extinction "
+               "K, or the concentration (mass per volume) in the field's unit",
        .initial = "visibility",
        .choices = {"visibility", "extinction", "concentration"},
        .beside = "slice"},
       {.name = "isosurface",
        .kind = kNumber,
        .value = "S",
-       .help = "instead of the smoke, the surface on which the local visibility C / K is S [m]",
+       .help = "show the surface of local visibility C / K = S [m] instead of the smoke",
        .positive = true},
       {.name = "exposure",
        .kind = kText,
        .value = "S|auto",
-       .help = "factor for .png and films; auto brings the brightest near white, once for all "
-               "pictures of a sequence",
+       .help = "exposure factor for .png and films; auto: brightest parts near white, once for "
+               "all pictures of a sequence",
        .initial = "auto"},
       {.name = "tone",
        .kind = kChoice,
        .value = "NAME",
-       .help = "how light that is too bright for a display fits into .png and films: filmic and agx "
-               "take its colour away, none clips it; auto is filmic but where shares of light are "
-               "measured",
+       .help = "tone curve for .png and films: filmic and agx desaturate bright light, none clips "
+               "it; auto: filmic, except where pictures show measured transmittance",
        .initial = "auto",
        .choices = {"auto", "none", "filmic", "agx"}},
       {.name = "bloom",
        .kind = kNumber,
        .value = "S",
-       .help = "share of the light that glows around where it comes from; its sum stays",
+       .help = "share of the light that glows around its source; the total is preserved",
        .least = 0,
        .most = 1},
       {.name = "samples",
        .kind = kInteger,
        .value = "N",
-       .help = "rays in a pixel where there are edges, 1 elsewhere",
+       .help = "rays per pixel at edges; 1 elsewhere",
        .initial = "8",
        .least = 1,
        .most = 256},
       {.name = "by-pieces",
-       .help = "of several ranks (mpirun) each holds some pieces of a .pvtu, and all draw each picture "
-               "together: a mesh that is larger than one memory"},
+       .help = "each rank (mpirun) holds some pieces of a .pvtu, and all draw each picture "
+               "together: for meshes larger than the memory of one machine"},
       {.name = "measured",
-       .help = "light as it is, for measurements: one ray through each pixel's centre, the file's own "
-               "basis (box where it states none), no preset, tone curve, bloom or dithering; so are "
-               "pictures with --aov or --renderer reference"},
+       .help = "light as it is, for measurements: one ray through each pixel's centre, the file's "
+               "own basis (box if it states none), no preset, tone curve, bloom or dithering; "
+               "implied by --aov and --renderer reference"},
       {.name = "background",
        .kind = kVector,
        .value = "R,G,B",
@@ -469,23 +467,22 @@ std::vector<Option> renderOptionTable() {
       {.name = "colormap",
        .kind = kChoice,
        .value = "NAME",
-       .help = "colours of volumes with one channel, in .png and films",
+       .help = "colour map of volumes with one channel, in .png and films",
        .initial = "grey",
        .choices = {"grey", "viridis", "inferno"}},
       {.name = "speed",
        .kind = kNumber,
        .value = "S",
-       .help = "seconds of smoke in a second of its film",
+       .help = "seconds of smoke per second of film",
        .initial = "1",
        .positive = true},
       {.name = "legend",
        .help =
-           "draw mode, what the smoke's field holds, C, time and the scale of colours into .png "
-           "and films"},
-      {.name = "no-legend", .help = "leave it out of pictures of an FDS case alone, which have it"},
+           "draw mode, field, C, time and colour scale into .png and films"},
+      {.name = "no-legend", .help = "no legend in pictures of an FDS case alone"},
       statsOption(),
       {.name = "partial",
-       .help = "use what is intact of a damaged .volute",
+       .help = "use the intact part of a damaged .volute",
        .kinds = {"volume", kSceneKind}}};
   auto camera = fieldOptions({&cameraFields()});
   for (Option& option : camera) option.kinds.clear();
@@ -499,7 +496,7 @@ std::vector<Option> renderOptionTable() {
 Command renderCommand() {
   return {
       .name = "render",
-      .summary = "Takes pictures or a film of a volume",
+      .summary = "Renders pictures or films of volumes, smoke, FDS cases and scenes",
       .examples = {"volute render fire.volute",
                    "volute render fire.volute -o fire.png --size 640x480 --time 0.8",
                    "volute render fire.volute -o fire.mp4 --frames 0:48",
@@ -507,14 +504,12 @@ Command renderCommand() {
                    "--target 0,0,1 --fov 40"},
       .description =
           "Integrates emission and absorption along each pixel's ray, exactly for the volume's "
-          "basis. Without a camera one is "
-          "chosen that frames the bounds; an FDS case is seen from outside, open like a doll's house "
-          "(--building inside: from within its largest room, at the height of the eyes). .exr files hold linear values; .png and films are "
-          "exposed and sRGB. --exposure auto takes "
-          "one factor for all pictures, from the middle one, and says it. Without --time and "
-          "--frames a film or a pattern shows all "
-          "frames, a single still the first with something to see, of an FDS case a time with smoke in "
-          "its rooms, or of a scene what it shows at 0 s.",
+          "basis. Without a camera, the bounds are framed; an FDS case is shown from outside as a "
+          "cutaway (--building inside: from within its largest room, at eye level). .exr files "
+          "hold linear values; .png and films are exposed and sRGB. --exposure auto uses one "
+          "factor for all pictures, from the middle one, and prints it. Without --time and "
+          "--frames, a film or a pattern shows all frames; a single still shows the first frame "
+          "with visible content, for an FDS case a time with smoke in its rooms, for a scene 0 s.",
       .positionals = {{.name = "FILE",
                        .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh "
                                "(.vtu, .vtk, .pvd, .case, .e, "

@@ -84,42 +84,45 @@ Command sweepCommand() {
   using enum ValueKind;
   return {
       .name = "sweep",
-      .summary = "Many surveys of sight and tenability: parameter studies, folders of cases",
+      .summary = "Runs many surveys of visibility and tenability: parameter studies, folders of "
+                 "cases",
       .examples = {"volute sweep STUDY.json -o study", "volute sweep STUDY.json -o study --part 2/4",
                    "mpirun -n 8 volute sweep STUDY.json -o study"},
       .description =
-          "Runs `volute visibility` for each case with each variant of STUDY.json and puts what it "
-          "found into one table, study.csv, a row a run; compared/ has maps of the differences to "
-          "the baseline and the spread over all runs with the same plan. The same command goes on "
-          "where it was stopped: what is done and unchanged is kept. Runs that fail have a sentence "
-          "in the table, the others go on. --part I/N does every N-th run, for several processes or "
-          "machines that share the folder; run it once more without --part for the whole "
-          "table. Schedulers without MPI take runs by their numbers: --list shows them, --only I does "
-          "one, and the same command without it, when all are done, writes the table. Ranks "
-          "(mpirun) share the runs among them.\n\nSTUDY.json: {\"cases\": [\"a.smv\", \"folder\", {\"case\": \"b.smv\", "
-          "\"options\": {..}}], \"options\": {\"signs\": \"signs.json\", \"height\": 2}, "
-          "\"variants\": [{\"name\": \"strict\", \"options\": {\"criteria\": \"strict.json\"}}], "
-          "\"baseline\": \"a\"}. A folder stands for all .smv files in and below it; options are "
-          "those of `volute visibility`; files are found from the study's folder.",
+          "Runs `volute visibility` for each case with each variant of STUDY.json and collects "
+          "the results in one table, study.csv, one row per run; compared/ has maps of the "
+          "differences to the baseline and of the spread over all runs with the same plan. The "
+          "same command continues after an interruption: finished, unchanged runs are kept. A "
+          "failed run has an error message in the table; the others continue. --part I/N does "
+          "every N-th run, for several processes or machines that share the folder; run once more "
+          "without --part for the whole table. Schedulers without MPI select runs by number: "
+          "--list shows them, --only I does one, and the same command without it, when all are "
+          "done, writes the table. Ranks (mpirun) share the runs.\n\nSTUDY.json: {\"cases\": "
+          "[\"a.smv\", \"folder\", {\"case\": \"b.smv\", \"options\": {..}}], \"options\": "
+          "{\"signs\": \"signs.json\", \"height\": 2}, \"variants\": [{\"name\": \"strict\", "
+          "\"options\": {\"criteria\": \"strict.json\"}}], \"baseline\": \"a\"}. A folder stands "
+          "for all .smv files in and below it; options are those of `volute visibility`; file "
+          "names are relative to the study's folder.",
       .positionals = {{.name = "STUDY.json", .help = "cases, options and variants"}},
       .options = {{.name = "output",
                    .letter = 'o',
                    .kind = kFile,
                    .value = "FOLDER",
-                   .help = "for a folder each run, study.csv and comparisons; what an earlier run of "
-                           "the same study left is gone on with; not needed for --list"},
+                   .help = "output folder: one folder per run, study.csv and comparisons; "
+                           "continues an earlier run of the same study; not needed for --list"},
                   {.name = "list",
-                   .help = "the runs and their numbers, and with -o what became of them; does none"},
+                   .help = "list the runs with their numbers, and with -o their state; do nothing "
+                           "else"},
                   {.name = "only",
                    .kind = kInteger,
                    .value = "I",
-                   .help = "run I alone, counted from 1, without the table",
+                   .help = "do only run I, counted from 1, without the table",
                    .least = 1},
                   statsOption(),
                   {.name = "part",
                    .kind = kText,
                    .value = "I/N",
-                   .help = "every N-th run alone, from the I-th"}},
+                   .help = "do only every N-th run, from the I-th"}},
       .oneOf = {{{"list", "only", "part"}, false}},
       .ranks = true,
       .run = runSweep};

@@ -119,26 +119,22 @@ Command synthesizeCommand() {
   using enum ValueKind;
   return {
       .name = "synthesize",
-      .summary = "Makes up fire, smoke, a valley for fog or a hall on fire from a seed",
+      .summary = "Synthesizes fire, smoke, a valley for fog or a hall on fire from a seed",
       .examples = {"volute synthesize fire -o fire.npy --size 64 --frames 48 --seed 7",
                    "volute synthesize smoke -o smoke_%04d.vdb --frames 10",
                    "volute synthesize valley -o valley --pixels 640x360",
                    "volute synthesize hall -o hall.pvd"},
       .description =
           "fire is emission in linear RGB [radiance/m], mostly empty and fast; flame is its "
-          "luminance alone; smoke is coloured "
-          "density [1/m], calm and full. The volume is a cube of 2 m, at 25 frames a second. The "
-          "same seed gives the same "
-          "values on every machine.\n\n"
-          "valley is a frame for volute fog, in a folder: color.exr, depth.exr, camera.json and "
-          "the "
-          "painted fogmap.png of --size pixels a side; with --frames a flight, color_%04d.png, "
-          "depth_%04d.exr and camera_%04d.json. The map's cells have a side of 512 m / size.\n\n"
-          "hall is a hall of 28 x 12 x 6 m beside a room on fire, as a mesh of tets with the field "
-          "soot [g/m3], a .vtu file for each of --frames (31) steps of --interval; for volute "
-          "render and volute visibility. It is made up, not simulated. ball is a ball of the same "
-          "smoke "
-          "in a box, one .vtu file.",
+          "luminance only; smoke is coloured density [1/m], slow and dense. The volume is a cube "
+          "of 2 m, at 25 frames per second. The same seed gives the same values on every "
+          "machine.\n\nvalley is a frame for volute fog, in a folder: color.exr, depth.exr, "
+          "camera.json and the painted fogmap.png with --size pixels on each side; with --frames "
+          "a flight: color_%04d.png, depth_%04d.exr and camera_%04d.json. The map's cells have a "
+          "side of 512 m / size.\n\nhall is a hall of 28 x 12 x 6 m beside a room on fire, as a "
+          "tetrahedral mesh with the field soot [g/m3], one .vtu file for each of --frames (31) "
+          "times, --interval apart; for volute render and volute visibility. It is a formula, not "
+          "a simulation. ball is a ball of the same smoke in a box, one .vtu file.",
       .positionals = {{.name = "KIND", .help = "fire, flame, smoke, valley, hall or ball"}},
       .options = {{.name = "output",
                    .letter = 'o',
@@ -158,35 +154,35 @@ Command synthesizeCommand() {
                   {.name = "frames",
                    .kind = kInteger,
                    .value = "N",
-                   .help = "how many",
+                   .help = "number of frames",
                    .initial = "48",
                    .least = 1,
                    .most = 100000},
                   {.name = "geometry",
-                   .help = "of the valley, write valley.glb too: its surface as triangles"},
+                   .help = "for valley: also write valley.glb, its surface as triangles"},
                   {.name = "seed",
                    .kind = kInteger,
                    .value = "S",
-                   .help = "another seed is another fire",
+                   .help = "seed; another one gives another fire",
                    .initial = "1",
                    .least = 0,
                    .most = 2147483647},
                   {.name = "pixels",
                    .kind = kPixels,
                    .value = "WxH",
-                   .help = "of the valley's pictures",
+                   .help = "size of the valley's pictures [pixels]",
                    .initial = "640x360"},
                   {.name = "cell",
                    .kind = kNumber,
                    .value = "M",
-                   .help = "size of the hall's cells [m]",
+                   .help = "cell size of the hall [m]",
                    .initial = "0.4",
                    .least = 0.1,
                    .most = 2},
                   {.name = "interval",
                    .kind = kNumber,
                    .value = "S",
-                   .help = "between the hall's steps [s]",
+                   .help = "time between the hall's frames [s]",
                    .initial = "5",
                    .positive = true},
                   {.name = "scalar", .help = "one channel instead of RGB"},

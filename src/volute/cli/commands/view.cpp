@@ -21,29 +21,29 @@ std::vector<Option> viewOptions() {
       {.name = "screenshot",
        .kind = kOutput,
        .value = "OUT.png",
-       .help = "write the viewer's frame instead of opening a window"},
+       .help = "write the viewer's frame to a file instead of opening a window"},
       {.name = "time",
        .kind = kNumber,
        .value = "T",
-       .help = "begin at T [s], whatever the scene's view says"},
+       .help = "start at T [s], overriding the scene's view"},
       {.name = "size",
        .kind = kPixels,
        .value = "WxH",
-       .help = "of the window or the screenshot [pixels]",
+       .help = "size of the window or the screenshot [pixels]",
        .initial = "1280x800"},
       {.name = "renderer",
        .kind = kChoice,
        .value = "NAME",
-       .help = "who draws, whatever the scene's view says: auto is OpenGL on a graphics card, else "
-               "the CPU",
+       .help = "renderer, overriding the scene's view; auto: OpenGL on a graphics card, else the "
+               "CPU",
        .choices = {"auto", "gl", "cpu"}},
       {.name = "smoke-method",
        .kind = kChoice,
        .value = "NAME",
-       .help = "how OpenGL draws smoke on a mesh that is the only medium, as for render",
+       .help = "how OpenGL draws smoke on a mesh without other media, as for render",
        .initial = "auto",
        .choices = {"auto", "march", "splat", "projected"}},
-      {.name = "no-panels", .help = "a screenshot of the picture alone"}};
+      {.name = "no-panels", .help = "take the screenshot of the picture only, without panels"}};
   for (const auto& more : {mediumOptions(), lightCacheOptions()})
     options.insert(options.end(), more.begin(), more.end());
   for (Option& option : options) std::erase(option.kinds, kSceneKind);  // a scene says it itself
@@ -62,17 +62,16 @@ Command viewCommand() {
       .examples = {"volute view fire.volute", "volute view scene.json --time 0.8",
                    "volute view fire.volute --screenshot fire.png"},
       .description =
-          "Turn with the left mouse button, move across with the right one, F1 shows the rest. "
-          "Ctrl O opens a file. "
-          "Files are read in the background and read again when they change on disk; another one "
-          "can be dropped on the window. Panels change what the medium has: "
-          "exposure, smoke potential, Km and C, mu and levels, lights, signs. Signs and lights are "
-          "added to the wall that one looks at, put elsewhere by a click, removed; Ctrl Z takes it "
-          "back. Fog is painted with a brush, on the ground or on a plan, and not lost unasked. "
-          "What was changed is saved as a scene or as a map; films are made beside. OpenGL 4.5 "
-          "draws on a graphics card, else the CPU, as it does what a card refuses. A .png is "
-          "taken for a map of fog, a mesh's field for soot in kg/m3.\n\n"
-          "--screenshot draws the same frame without a display, once all is loaded.",
+          "The left mouse button turns, the right one pans, F1 shows all keys. Ctrl O opens a "
+          "file; a file can also be dropped on the window. Files are read in the background, and "
+          "again when they change on disk. Panels change the parameters of media: exposure, smoke "
+          "potential, Km and C, mu and levels, lights, signs. Signs and lights are added to the "
+          "wall in view, moved by a click, and removed; Ctrl Z undoes changes. Fog is painted "
+          "with a brush, on the ground or on a plan, and never lost without a question. Changes "
+          "are saved as a scene or as a map; films are rendered in the background. OpenGL 4.5 "
+          "draws on a graphics card, else the CPU, which also draws what a card cannot. A .png is "
+          "taken as a map of fog, a mesh's field as soot in kg/m3.\n\n--screenshot draws the same "
+          "frame without a display, once everything is loaded.",
       .positionals =
           {{.name = "FILE",
             .help = "a volume (.volute, .npy, .vdb, .vti, .pvd), smoke on a mesh (.vtu, "

@@ -244,7 +244,7 @@ std::vector<Option> visibilityOptionTable() {
       {.name = "signs",
        .kind = kFile,
        .value = "SIGNS.json",
-       .help = "the signs: positions, where they face, what law they are seen by",
+       .help = "the signs: positions, normals, visibility laws",
        .required = true},
       {.name = "output",
        .letter = 'o',
@@ -255,119 +255,120 @@ std::vector<Option> visibilityOptionTable() {
       {.name = "height",
        .kind = kText,
        .value = "Z[,Z...]",
-       .help = "z of the eyes: of a plan over the whole case, or of points without one [m]; several, "
-               "as 1.8,4.8, make a plan of each storey, each in a folder of its own",
+       .help = "height of the eyes: of a plan over the whole case, or of points without z [m]; "
+               "several, such as 1.8,4.8, give one plan per storey, each in its own folder",
        .initial = "2"},
       {.name = "route",
        .kind = kFile,
        .value = "ROUTE.csv",
-       .help = "look along routes: x,y[,z] [m], several by a column 'route'"},
+       .help = "eyes along routes: x,y[,z] [m]; several routes with a column 'route'"},
       {.name = "eyes",
        .kind = kFile,
        .value = "EYES.csv",
-       .help = "look from these points alone: x,y[,z] [m]"},
+       .help = "eyes at these points only: x,y[,z] [m]"},
       {.name = "trajectories",
        .kind = kFile,
        .value = "FILE.txt",
-       .help = "look with walking people: JuPedSim's text format, or a table id,time,x,y[,z]"},
+       .help = "eyes of walking people: JuPedSim's text format, or a table id,time,x,y[,z]"},
       {.name = "step",
        .kind = kNumber,
        .value = "M",
-       .help = "between the points of a plan or a route [m]",
+       .help = "spacing of the points of a plan or a route [m]",
        .initial = "0.25",
        .least = 1e-3,
        .most = 1e3},
       {.name = "speed",
        .kind = kNumber,
        .value = "V",
-       .help = "of somebody who walks a route [m/s]",
+       .help = "walking speed along a route [m/s]",
        .initial = "1.2",
        .positive = true},
       {.name = "start",
        .kind = kNumber,
        .value = "T",
-       .help = "when they set out [s]",
+       .help = "start time of the walk [s]",
        .initial = "0"},
       {.name = "slowed",
        .kind = kChoice,
        .value = "LAW",
-       .help = "how smoke slows down who walks a route",
+       .help = "how smoke slows walkers down",
        .initial = "none",
        .choices = {"none", "fridolf", "frantzich-nilsson"}},
       {.name = "criteria",
        .kind = kText,
        .value = "WHICH",
-       .help = "of tenability, besides the sight of signs: usual, none, or a file of them (.json); "
-               "those of which the case stores nothing are named",
+       .help = "criteria of tenability, besides visibility: usual, none, or a file (.json); those "
+               "that the case lacks data for are named",
        .initial = "usual"},
       {.name = "rset",
        .kind = kText,
        .value = "T|FILE",
-       .help = "how long people need, which a plan's ASET is compared with: seconds, a table "
-               "x,y,rset, or people who walk"},
+       .help = "required safe egress time, compared with the ASET of a plan: seconds, a table "
+               "x,y,rset, or trajectories"},
       {.name = "frames",
        .kind = kFrames,
        .value = "A:B[:S]",
-       .help = "stored times by position from 0: A <= n < B, every S-th"},
+       .help = "stored times, counted from 0: A <= n < B, every S-th"},
       {.name = "round",
        .kind = kChoice,
        .value = "HOW",
-       .help = "a loss between two stored times counts as at the first of them (down, on the safe "
-               "side), at the interpolated time (none), or at the second (up)",
+       .help = "round a loss between two stored times to the first (down, on the safe side), keep "
+               "the interpolated time (none), or round to the second (up)",
        .initial = "down",
        .choices = {"down", "none", "up"}},
       {.name = "set",
        .kind = kText,
        .value = "NAME,NAME",
-       .help = "also map when none of these signs is seen",
+       .help = "also map when none of these signs is visible",
        .several = true},
       {.name = "maps",
        .kind = kChoice,
        .value = "WHICH",
-       .help = "of a plan, of each sign: pictures at 25 stored times and values at all, both at all, or "
-               "the loss times alone",
+       .help = "maps of each sign over a plan: pictures at 25 stored times and values at all, "
+               "both at all, or only the loss times",
        .initial = "some",
        .choices = {"some", "all", "aset"}},
       {.name = "underlay",
        .kind = kFile,
        .value = "FILE",
-       .help = "a drawing of the building over maps: the dark lines of a .png or .svg, or a .dxf"},
+       .help = "draw the building over the maps: the dark lines of a .png or .svg, or a .dxf"},
       {.name = "underlay-bounds",
        .kind = kText,
        .value = "X0,Y0,X1,Y1",
-       .help = "where its lower left and upper right corners are [m]; else a picture's are those of the case",
+       .help = "its lower left and upper right corners [m]; if not given, a picture covers the "
+               "case",
        .beside = "underlay"},
       {.name = "sight",
        .kind = kChoice,
        .value = "FILE",
-       .help = "the table of all sight lines: sight.csv up to 10 MB and sight.csv.zst above, one of "
-               "them, or none",
+       .help = "table of all sight lines: auto: sight.csv up to 10 MB, sight.csv.zst above; or "
+               "one of them, or none",
        .initial = "auto",
        .choices = {"auto", "none", "csv", "csv.zst"}},
       {.name = "pdf",
-       .help = "print the report as report.pdf, too, by Chromium if that is installed"},
+       .help = "also print the report to report.pdf, by Chromium if it is installed"},
       {.name = "by",
        .kind = kText,
        .value = "NAME",
-       .help = "who makes the report, for its title block"},
+       .help = "author of the report, for its title block"},
       {.name = "date",
        .kind = kText,
        .value = "DATE",
-       .help = "the report's date, for its title block"},
+       .help = "date of the report, for its title block"},
       {.name = "picture",
        .kind = kText,
        .value = "X,Y,Z",
-       .help = "also take pictures from here towards the nearest sign [m]",
+       .help = "also render pictures from this point towards the nearest sign [m]",
        .several = true},
       {.name = "extinction-limit",
        .kind = kNumber,
        .value = "K",
-       .help = "also map when the smoke where one stands reaches K [1/m]",
+       .help = "also map when the local extinction reaches K [1/m]",
        .positive = true},
       {.name = "sight-limit",
        .kind = kChoice,
        .value = "NAME",
-       .help = "the same by a rule's name",
+       .help = "the same, by the name of a rule",
        .choices = sightLimitNames()}};
   options.push_back(statsOption());
   const auto more = mediumOptions(FieldUse::kMeasured);
@@ -380,21 +381,20 @@ std::vector<Option> visibilityOptionTable() {
 Command visibilityCommand() {
   return {
       .name = "visibility",
-      .summary = "From where, and how long, signs are seen through smoke",
+      .summary = "Computes from where, and how long, signs are visible through smoke",
       .examples = {"volute visibility corridor.smv --signs signs.json --height 2 -o visibility",
                    "volute visibility hall.pvd --quantity soot-density --unit g/m3 --signs "
                    "signs.json --route routes.csv --speed 1.2 -o routes",
                    "volute visibility hall.pvd --quantity extinction --signs signs.json --eyes "
                    "eyes.csv -o points"},
       .description =
-          "Looks from every eye to every sign at every stored time: is something opaque between, "
-          "and how much smoke? The optical depth of a sight line is integrated exactly; a sign is "
-          "seen while it is at most C (3 for reflecting signs, 8 for light-emitting ones), and "
-          "from "
-          "in front.\n\nFOLDER gets sight.csv (a row for each eye, sign and time), "
-          "visibility.json, "
-          "and for plans and routes report.html, maps (.png, .vti) and the map of when no sign is "
-          "seen any more. docs/visibility.md says what is computed, and what the rules leave out.",
+          "For every eye, sign and stored time: is the sight line blocked, and how much smoke is "
+          "on it? Its optical depth is integrated exactly; a sign is visible from its front while "
+          "the optical depth is at most C (3 for reflecting signs, 8 for light-emitting "
+          "ones).\n\nFOLDER gets sight.csv (one row per eye, sign and time), visibility.json, and "
+          "for plans and routes report.html, maps (.png, .vti) and a map of the time at which no "
+          "sign is visible any more. docs/visibility.md explains what is computed, and what the "
+          "rules leave out.",
       .positionals = {{.name = "CASE",
                        .help = "smoke on a mesh (.vtu, .pvd), an FDS case (.smv), a scene (.json) or any other medium"}},
       .options = visibilityOptionTable(),

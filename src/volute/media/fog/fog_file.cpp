@@ -84,20 +84,20 @@ const FieldTable& topFields() {
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "map", .type = kFile, .access = member<&Top::file>(),
-       .help = "a greyscale picture of heights", .required = true},
+       .help = "a greyscale height map", .required = true},
       {.name = "height", .access = member<&Top::placement, &FogPlacement::sigmaMax>(),
-       .help = "of a white pixel of its map, above the fog's origin: there is no fog above",
+       .help = "height of a white pixel above the fog's origin; there is no fog above the map",
        .unit = "m", .least = 0, .slider = {.label = "height", .least = 0, .most = 100}},
       {.name = "origin", .type = kPoint, .access = member<&Top::placement, &FogPlacement::origin>(),
-       .help = "corner of its map, else the fog's; its z says nothing", .unit = "m",
+       .help = "corner of its map, if not that of the fog; its z is ignored", .unit = "m",
        .inherited = true, .slider = {.label = "corner", .step = topStep}},
       {.name = "cell", .access = member<&Top::placement, &FogPlacement::cell>(),
-       .help = "side of a pixel of its map, else the fog's", .unit = "m", .least = 1e-9,
+       .help = "side of a pixel of its map, if not that of the fog", .unit = "m", .least = 1e-9,
        .inherited = true,
        .slider = {.label = "cell", .least = 0.01, .most = 10, .logarithmic = true, .room = 2}}};
   // clang-format on
   static const FieldTable kTable = fieldTable<Top>(
-      {.name = "top", .sentence = "no fog above a map of heights", .fields = kFields});
+      {.name = "top", .sentence = "upper limit of the fog, as a height map", .fields = kFields});
   return kTable;
 }
 
@@ -138,28 +138,29 @@ const FieldTable& fogProfileFields() {
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "kind", .type = kChoice, .access = member<&Words::kind>(),
-       .help = "slab: 0 outside of it; exponential: 1 below its bottom; linear: between knots, 0 "
-       "outside; layers add", .choices = kProfileKinds, .required = true},
-      {.name = "bottom", .access = member<&Words::bottom>(), .help = "of slab and exponential, "
-       "above the origin's z", .unit = "m",
+       .help = "slab: 0 outside; exponential: 1 below its bottom; linear: between knots, 0 "
+               "outside; layers: their sum", .choices = kProfileKinds, .required = true},
+      {.name = "bottom", .access = member<&Words::bottom>(),
+       .help = "bottom of a slab or exponential, above the origin's z", .unit = "m",
        .slider = {.label = "bottom", .least = -20, .most = 20,
                   .shown = ofKind<ProfileKind::kSlab, ProfileKind::kExponential>}},
-      {.name = "top", .access = member<&Words::top>(), .help = "of slab, above the origin's z",
+      {.name = "top", .access = member<&Words::top>(),
+       .help = "top of a slab, above the origin's z",
        .unit = "m",
        .slider = {.label = "top", .least = 0, .most = 100, .shown = ofKind<ProfileKind::kSlab>}},
       {.name = "height", .access = member<&Words::height>(),
-       .help = "of exponential: the scale height", .unit = "m",
+       .help = "scale height of an exponential", .unit = "m",
        .slider = {.label = "scale height", .least = 1, .most = 200,
                   .shown = ofKind<ProfileKind::kExponential>}},
       {.name = "knots", .type = kRows, .access = member<&Words::knots>(),
-       .help = "of linear: heights [m] above the origin's z, and the share of the density there",
+       .help = "for linear: heights [m] above the origin's z, and the share of the density there",
        .count = 2},
       {.name = "layers", .type = kRows, .access = member<&Words::layers>(),
-       .help = "of layers: bottom and top [m] above the origin's z, and a share of the density",
+       .help = "for layers: bottom and top [m] above the origin's z, and the share of the density",
        .count = 3}};
   // clang-format on
   static const FieldTable kTable = fieldTable<Words>(
-      {.name = "profile", .sentence = "how fog thins with height", .fields = kFields});
+      {.name = "profile", .sentence = "height profile of fog", .fields = kFields});
   return kTable;
 }
 
@@ -180,11 +181,12 @@ const FieldTable& fogFields() {
        "pictures; or a volume one voxel high. Its bottom row has the smallest y", .several = true,
        .required = true},
       {.name = "times", .type = kNumbers, .access = member<&Fog::times>(),
-       .help = "one for each map, linear between maps; else the volume's own, else 25 a second",
+       .help = "one for each map, interpolated linearly between maps; if not given, the volume's "
+               "own, else 25 per second",
        .unit = "s", .count = 0},
       {.name = "convert", .type = kChoice,
        .access = customMember<Fog, conversionOf, setConversion>(),
-       .help = "allow a map in colour: luma is Rec. 709's of the pixel values as they stand",
+       .help = "accept a map in colour; luma: Rec. 709 luma of the stored pixel values",
        .choices = kConversions, .option = {"HOW"}},
       {.name = "sigma_max", .access = member<&Fog::placement, &FogPlacement::sigmaMax>(),
        .help = "extinction of a white pixel of the map; linear, without sRGB decoding",
@@ -195,49 +197,55 @@ const FieldTable& fogFields() {
        "details, 0 none", .least = 0, .most = 1, .option = {"M"}, .slider = {.label = "mu"}},
       {.name = "cell_angle",
        .access = member<&Fog::options, &FogOptions::detail, &FogDetail::cellAngle>(),
-       .help = "instead of mu: a level is used from where its cells are seen under this angle; 0: "
-       "off", .unit = "rad", .least = 0, .most = std::numbers::pi / 2, .option = {"A"}},
+       .help = "instead of mu: use a level from the distance at which its cells subtend this "
+               "angle; 0: off", .unit = "rad", .least = 0, .most = std::numbers::pi / 2,
+       .option = {"A"}},
       {.name = "levels", .type = kInteger, .access = member<&Fog::options, &FogOptions::levels>(),
-       .help = "how often the map is halved", .least = 0, .most = kMostFogLevels, .option = {"J"},
+       .help = "number of times the map is halved", .least = 0, .most = kMostFogLevels,
+       .option = {"J"},
        .slider = {.label = "levels", .most = 6}},
       {.name = "degree", .type = kInteger, .access = member<&Fog::options, &FogOptions::degree>(),
-       .help = "of the splines: 0 (Haar) is constant in a cell, 1 linear, 2 quadratic, 3 cubic",
+       .help = "degree of the splines: 0 (Haar) is constant in a cell, 1 linear, 2 quadratic, 3 "
+               "cubic",
        .least = 0, .most = kMostSplineDegree, .option = {"D"}, .slider = {.label = "degree"}},
       {.name = "path", .type = kChoice, .access = member<&Fog::polar>(),
-       .help = "walk: every ray, exactly; polar: by a table for each picture's eye, within 1/512 "
-       "of transmittance, where it serves (degree 1 to 3, slab, linear or layers, no sun, no top, "
-       "all details), else walk", .choices = kPaths, .option = {"HOW"}},
+       .help = "walk: every ray, exactly; polar: through a table for each camera position, "
+               "accurate to 1/512 of transmittance, if applicable (degree 1 to 3, slab, linear or "
+               "layers, no sun, no top, all details), else walk", .choices = kPaths,
+       .option = {"HOW"}},
       {.name = "color", .type = kColor, .access = member<&Fog::options, &FogOptions::color>(),
        .help = "linear radiance of infinitely thick fog", .least = 0,
        .option = {.value = "R,G,B", .name = "fog-color", .initial = "0.8,0.85,0.9"},
        .slider = {.label = "colour"}},
       {.name = "albedo", .type = kColor,
        .access = member<&Fog::scattering, &SunScattering::albedo>(),
-       .help = "share of what is taken from light that is scattered; the rest is absorbed",
+       .help = "scattered share of the extinction; the rest is absorbed",
        .least = 0, .most = 1, .option = {.value = "R,G,B", .beside = "sun"},
        .slider = {.label = "albedo", .shown = sunsShine}},
       {.name = "asymmetry", .access = member<&Fog::scattering, &SunScattering::asymmetry>(),
-       .help = "mean cosine of the angle that light of suns is scattered by: above 0 forward, 0.6 "
-       "to 0.9 for droplets", .least = -0.999, .most = 0.999,
+       .help = "mean cosine of the scattering angle of sunlight: above 0 forward, 0.6 to 0.9 for "
+               "droplets", .least = -0.999, .most = 0.999,
        .option = {.value = "G", .beside = "sun"},
        .slider = {.label = "asymmetry", .least = -0.9, .most = 0.9, .shown = sunsShine}},
       {.name = "wind", .type = kPoint, .access = member<&Fog::wind>(),
-       .help = "what the fog is blown by from 0 s on, along x, y and z", .unit = "m/s", .fewest = 2,
+       .help = "wind that moves the fog from 0 s on, along x, y and z", .unit = "m/s", .fewest = 2,
        .option = {"X,Y,Z"}, .slider = {.label = "wind", .step = windStep}},
       {.name = "profile", .type = kObject, .access = optionalPart<&Fog::described>(),
-       .help = "how it thins with height above the origin's z; else it has no end",
+       .help = "height profile above the origin's z; if not given, unbounded",
        .table = &fogProfileFields(),
        .option = {.value = "KIND:NUMBERS", .more = ": slab:BOTTOM,TOP, exponential:BOTTOM,HEIGHT, "
                   "linear:Z,G,Z,G,.. or layers:BOTTOM,TOP,SHARE,..", .parse = profileFrom},
        .slider = {.custom = addProfile}},
       {.name = "origin", .type = kPoint, .access = member<&Fog::placement, &FogPlacement::origin>(),
-       .help = "corner of the map, where x and y are least; heights count from its z", .unit = "m",
+       .help = "corner of the map with the smallest x and y; heights are relative to its z",
+       .unit = "m",
        .option = {"X,Y,Z"}, .slider = {.label = "corner", .section = "placement", .step = fogStep}},
       {.name = "cell", .access = member<&Fog::placement, &FogPlacement::cell>(),
        .help = "side of a pixel of the map", .unit = "m", .least = 1e-9, .option = {"M"},
        .slider = {.label = "cell", .least = 0.1, .most = 10, .logarithmic = true,
                   .section = "placement"}},
-      {.name = "top", .type = kObject, .access = kTop, .help = "no fog above a map of heights",
+      {.name = "top", .type = kObject, .access = kTop,
+       .help = "upper limit of the fog, as a height map",
        .table = &topFields(), .slider = {.section = "upper end"}},
       clockField<&Fog::clock>()};
   // clang-format on

@@ -15,15 +15,17 @@ const FieldTable& fireFields() {
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "emission", .access = member<&FdsLook::emission>(),
-       .help = "luminance per metre of a fire that releases 1 MW/m3, or is the hottest by its temperature; "
-       "0 shows none; else 20, or less where flames would be a plain surface", .least = 0,
+       .help = "luminance per metre of fire at 1 MW/m3, or at the hottest temperature; 0 hides "
+               "fire; if not given, 20, or less where flames would clip to a uniform surface",
+       .least = 0,
        .option = {.value = "S", .name = "fire", .picture = true}},
-      {.name = "cutoff", .access = member<&FdsLook::cutoff>(), .help = "where a fire releases less "
-       "there is no flame; else as the case says", .unit = "kW/m3", .least = 0,
+      {.name = "cutoff", .access = member<&FdsLook::cutoff>(),
+       .help = "heat release below which nothing is shown; if not given, the value of the case",
+       .unit = "kW/m3", .least = 0,
        .option = {.value = "Q", .picture = true}},
       {.name = "temperature", .access = member<&FdsLook::flame, &FlameLaw::temperature>(),
-       .help = "of the black body whose colour flames have; of stored temperatures the least at which "
-       "they have their full luminance", .unit = "K", .least = 500,
+       .help = "temperature of the black body whose colour flames have; with stored temperatures, "
+               "the lowest one with full luminance", .unit = "K", .least = 500,
        .most = 20000, .option = {.value = "T", .picture = true}}};
   // clang-format on
   static const FieldTable kTable = fieldTable<FdsLook>(
@@ -105,45 +107,47 @@ const FieldTable& fdsFields() {
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "case", .type = kFile, .access = member<&Smoke::file>(),
-       .help = "an FDS case (.smv), whose building and fire are shown too", .required = true,
+       .help = "an FDS case (.smv); its building and fire are shown, too", .required = true,
        .pattern = R"(\.[sS][mM][vV]$)"},
       {.name = "field", .type = kText, .access = member<&Smoke::field>(),
-       .help = "which source of an FDS case; `volute info` lists them; else the best",
+       .help = "source of smoke of an FDS case, as listed by `volute info`; if not given, the "
+               "best one",
        .otherName = "source", .option = {"NAME"}},
       scale, massExtinction, smoke.at("mode"), smoke.at("C"), smoke.at("albedo"),
-      {.name = "fire", .type = kObject, .access = kFire, .help = "the heat release as light",
+      {.name = "fire", .type = kObject, .access = kFire, .help = "show the heat release as light",
        .flagToo = true, .table = &fireFields()},
       {.name = "building", .type = kChoice,
        .access = member<&Smoke::fds, &FdsLook::building>(),
-       .help = "whole, or open: from outside the outer walls towards the eye and the roof are left "
-               "out; inside is whole and is first seen from within",
-       .choices = kBuildings, .option = {.value = "NAME", .more = "; a case alone is open", .picture = true}},
+       .help = "whole; open: without the roof and the outer walls that face the camera; inside: "
+               "whole, first seen from inside",
+       .choices = kBuildings, .option = {.value = "NAME", .more = "; open for a case alone",
+       .picture = true}},
       {.name = "cut", .type = kText, .access = customMember<Smoke, cutsOf, setCuts>(),
-       .help = "planes that cut the building open, as z=2.4 or x=3,z=2.4 [m]; what is on the eye's "
+       .help = "planes that cut the building open, such as z=2.4 or x=3,z=2.4 [m]; the camera's "
                "side is left out", .option = {.value = "PLANES", .picture = true}},
       {.name = "devices", .type = kFlag, .access = member<&Smoke::fds, &FdsLook::devices>(),
-       .help = "devices are marked", .option = {.name = "devices", .picture = true}},
+       .help = "mark devices", .option = {.name = "devices", .picture = true}},
       {.name = "slice", .type = kText, .access = member<&Smoke::fds, &FdsLook::slice>(),
-       .help = "2D slices of this quantity, as TEMPERATURE, are shown too; with a plane, as "
-               "\"TEMPERATURE z=1.5\", the slice there, or a cut through 3D slices",
+       .help = "also show 2D slices of a quantity, such as TEMPERATURE; with a plane "
+               "(\"TEMPERATURE z=1.5\"), the slice there or a cut through 3D slices",
        .option = {.value = "QUANTITY", .name = "fds-slice", .picture = true}},
       {.name = "slice_range", .type = kNumbers,
        .access = customMember<Smoke, sliceRange, setSliceRange>(),
-       .help = "of the slice's colours; else all its values", .count = 2,
+       .help = "range of the slice's colours; if not given, the range of all values", .count = 2,
        .option = {.value = "A,B", .name = "fds-slice-range", .beside = "fds-slice",
                   .picture = true}},
       {.name = "iso", .type = kText, .access = member<&Smoke::fds, &FdsLook::iso>(),
-       .help = "translucent surfaces on which a quantity of 3D slices or PLOT3D has these values, as "
-               "\"TEMPERATURE 60\" or \"TEMPERATURE 60,200\"; drawn by the CPU",
+       .help = "translucent isosurfaces of a quantity of 3D slices or PLOT3D, such as "
+               "\"TEMPERATURE 60\" or \"TEMPERATURE 60,200\"; CPU only",
        .option = {.value = "SURFACE", .name = "fds-iso", .picture = true}},
       clockField<&Smoke::clock>()};
   // clang-format on
   static const FieldTable kTable =
       fieldTable<Smoke>({.name = "fds",
-                         .sentence = "smoke of an FDS case, which says itself what its files hold",
+                         .sentence = "smoke of an FDS case, which declares what its files contain",
                          .fields = kFields,
                          .says = "smoke",
-                         .thing = "an FDS case, which says itself what its files hold",
+                         .thing = "an FDS case, which declares what its files contain",
                          .things = "FDS cases",
                          .sibling = smokeFields});
   return kTable;

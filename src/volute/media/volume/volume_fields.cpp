@@ -38,7 +38,7 @@ Status setBounds(SceneVolume& volume, const FieldValue& value) {
     }
   }
   if (box.empty() || !(box.min.array() < box.max.array()).all())
-    return fail(ErrorCode::kInvalidData, "expected [[x, y, z], [x, y, z]], the least first [m]");
+    return fail(ErrorCode::kInvalidData, "expected [[x, y, z], [x, y, z]], the minimum first [m]");
   volume.input.bounds = box;
   return {};
 }
@@ -72,51 +72,52 @@ const FieldTable& volumeFields() {
        "numbered files", .required = true},
       {.name = "field", .type = kText,
        .access = member<&SceneVolume::input, &InputOptions::grid>(),
-       .help = "which one of a file with several", .otherName = "grid", .option = {"NAME"}},
+       .help = "grid or field of a file with several", .otherName = "grid", .option = {"NAME"}},
       {.name = "bounds", .type = kRows, .access = customMember<SceneVolume, boundsOf, setBounds>(),
-       .help = "stated, or cropped and padded to; two corners, the least first", .unit = "m",
+       .help = "two corners, the minimum first: states the extent of a .npy, crops or pads others",
+       .unit = "m",
        .option = {"X0,Y0,Z0,X1,Y1,Z1"}},
       emissionField<&SceneVolume::appearance>(),
       extinctionField<&SceneVolume::appearance>(),
       {.name = "albedo", .type = kColor,
        .access = member<&SceneVolume::appearance, &Appearance::albedo>(),
-       .help = "share of what is taken from light that is scattered; the rest is absorbed",
+       .help = "scattered share of the extinction; the rest is absorbed",
        .least = 0, .most = 1,
        .option = {.value = "R,G,B", .picture = true}, .slider = {.label = "albedo"}},
       {.name = "asymmetry", .access = member<&SceneVolume::appearance, &Appearance::asymmetry>(),
-       .help = "g of Henyey and Greenstein's phase function, by which it is scattered; above 0: "
-       "forwards", .least = -0.99, .most = 0.99, .option = {.value = "G", .picture = true},
+       .help = "g of the Henyey-Greenstein phase function; above 0: forward scattering",
+       .least = -0.99, .most = 0.99, .option = {.value = "G", .picture = true},
        .slider = {.label = "asymmetry", .least = -0.9, .most = 0.9, .shown = scattersSuns}},
       {.name = "color_field", .type = kText,
        .access = member<&SceneVolume::appearance, &Appearance::colors>(),
-       .help = "a grid with three channels, or the begin of the names of three (_r, _g, _b), that "
-       "colours the albedo; the brightest channel of each voxel counts as 1"},
+       .help = "a grid with three channels, or the common prefix of three (_r, _g, _b), that "
+               "colours the albedo; the brightest channel of each voxel counts as 1"},
       {.name = "flames", .type = kObject,
        .access = optionalPart<&SceneVolume::appearance, &Appearance::flames>(),
-       .help = "black bodies that glow in it", .table = &flameFields()},
+       .help = "glowing black bodies in the volume", .table = &flameFields()},
       {.name = "preset", .type = kChoice, .access = member<&SceneVolume::preset>(),
-       .help = "how it looks where nothing else is said: by the names and ranges of its grids, as "
-       "fire, as smoke, or both", .choices = kPresets,
-       .option = {.value = "NAME", .more = "; auto for a file alone, unless it is measured or its "
-                  "emission is said", .picture = true}},
+       .help = "default appearance, from the names and ranges of the grids: fire, smoke, or both",
+       .choices = kPresets,
+       .option = {.value = "NAME", .more = "; auto for a file alone, except with --measured or "
+                                           "--emission", .picture = true}},
       {.name = "basis", .type = kChoice,
        .access = member<&SceneVolume::appearance, &Appearance::basis>(),
-       .help = "what the values mean between voxel centres; else trilinear, where pictures are "
-       "measured the file's own",
+       .help = "interpolation between voxel centres; if not given, trilinear, or the file's own "
+               "basis in measured pictures",
        .choices = kBases, .option = {.value = "NAME", .scene = true}},
       {.name = "interpolate", .type = kChoice,
        .access = member<&SceneVolume::appearance, &Appearance::interpolation>(),
-       .help = "between its frames: moved along a grid of velocities (velocity, vel or v, or three "
-       "with _x, _y, _z), or linear: from one to the next in place; auto: by velocity where there is "
-       "such a grid", .choices = kInterpolations,
+       .help = "between frames: velocity: move along a velocity grid (velocity, vel or v, or "
+               "three with _x, _y, _z); linear: fade from one to the next; auto: velocity if "
+               "there is such a grid, else linear", .choices = kInterpolations,
        .option = {.value = "HOW", .scene = true}},
       {.name = "velocity_scale",
        .access = member<&SceneVolume::appearance, &Appearance::velocityScale>(),
-       .help = "of one unit of the grid of velocities", .unit = "m/s"},
+       .help = "velocity of one unit of the velocity grid", .unit = "m/s"},
       {.name = "transform", .type = kNumbers,
        .access = customMember<SceneVolume, volumeTransform, setVolumeTransform>(),
-       .help = "moves, turns, mirrors and scales along the volume's axes; row-major, the last four "
-       "are 0, 0, 0, 1", .count = 16, .slider = {.custom = addVolumePlacement}},
+       .help = "moves, turns, mirrors and scales along the volume's axes; row-major, last row 0, "
+               "0, 0, 1", .count = 16, .slider = {.custom = addVolumePlacement}},
       clockField<&SceneVolume::appearance, &Appearance::clock>()};
   // clang-format on
   static const FieldTable kTable = fieldTable<SceneVolume>({.name = "volume",
@@ -133,28 +134,29 @@ const FieldTable& flameFields() {
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "field", .type = kText, .access = member<&Flames::field>(),
-       .help = "the grid of flames; else all that is hot glows"},
-      {.name = "scale", .access = member<&Flames::scale>(), .help = "multiplies it first",
+       .help = "the grid of flames; if not given, everything hot glows"},
+      {.name = "scale", .access = member<&Flames::scale>(), .help = "factor applied to it first",
        .least = 0, .above = true},
       {.name = "brightness", .access = member<&Flames::brightness>(),
-       .help = "luminance per metre of a flame of 1, or of what is as hot as the hottest",
+       .help = "luminance per metre of a flame of value 1, or at the hottest temperature",
        .unit = "1/m", .least = 0,
        .slider = {.label = "brightness", .least = 0, .most = 1000, .logarithmic = true, .room = 2}},
       {.name = "coolest", .access = member<&Flames::coolest>(),
-       .help = "temperature of a flame of 0, where no grid says it", .unit = "K", .least = 500,
+       .help = "temperature of a flame of value 0, if no grid gives it", .unit = "K", .least = 500,
        .most = 6000, .slider = {.label = "coolest"}},
       {.name = "hottest", .access = member<&Flames::hottest>(),
-       .help = "temperature of a flame of 1, where no grid says it", .unit = "K", .least = 500,
+       .help = "temperature of a flame of value 1, if no grid gives it", .unit = "K", .least = 500,
        .most = 6000, .slider = {.label = "hottest"}},
       {.name = "temperature", .type = kText, .access = member<&Flames::temperature>(),
-       .help = "the grid of temperatures"},
-      {.name = "kelvin", .access = member<&Flames::kelvin>(), .help = "of one unit of it",
+       .help = "the temperature grid"},
+      {.name = "kelvin", .access = member<&Flames::kelvin>(),
+       .help = "kelvins per unit of the temperature grid",
        .unit = "K"},
-      {.name = "zero", .access = member<&Flames::zero>(), .help = "what its 0 stands for",
+      {.name = "zero", .access = member<&Flames::zero>(), .help = "temperature of its value 0",
        .unit = "K"}};
   // clang-format on
   static const FieldTable kTable = fieldTable<Flames>(
-      {.name = "flames", .sentence = "black bodies that glow in a volume", .fields = kFields});
+      {.name = "flames", .sentence = "glowing black bodies in a volume", .fields = kFields});
   return kTable;
 }
 
@@ -169,15 +171,15 @@ const FieldTable& billboardFields() {
       extinctionField<&SceneBillboard::appearance, false>(),
       {.name = "alpha", .type = kChoice,
        .access = member<&SceneBillboard::options, &BillboardOptions::alpha>(),
-       .help = "what is behind it is hidden by what the volume lets through, or, for fire that "
-       "does not absorb, by how bright it is", .choices = kAlphas, .slider = {.label = "hides"}},
+       .help = "what hides the background: the volume's transmittance, or, for fire that does not "
+               "absorb, its brightness", .choices = kAlphas, .slider = {.label = "hides"}},
       {.name = "rows", .type = kInteger,
        .access = member<&SceneBillboard::options, &BillboardOptions::rows>(),
-       .help = "of its texture", .least = 1, .most = 4096,
+       .help = "height of its texture [pixels]", .least = 1, .most = 4096,
        .slider = {.label = "rows", .least = 16, .most = 512}},
       {.name = "position", .type = kPoint,
        .access = member<&SceneBillboard::options, &BillboardOptions::position>(),
-       .help = "of the rectangle's middle", .unit = "m", .required = true,
+       .help = "centre of the rectangle", .unit = "m", .required = true,
        .slider = {.label = "middle", .section = "placement", .step = boardStep}},
       {.name = "size", .type = kNumbers,
        .access = memberPair<&SceneBillboard::options, &BillboardOptions::width,
