@@ -288,7 +288,7 @@ class Fds(support.TestCase):
         for words, said in ((("--emission", "2"), "--emission is for volumes of voxels"),
                             (("--bounds=0,0,0,1,1,1",), "--bounds is for volumes of voxels"),
                             (("--smoke-method", "march"), "--smoke-method is for smoke on meshes and scenes"),
-                            (("--fds-slice-range", "1,2"), "--fds-slice-range says nothing without --fds-slice")):
+                            (("--fds-slice-range", "1,2"), "--fds-slice-range has no effect without --fds-slice")):
             self.assertIn(said, self.fails(2, *picture, *words))
         self.assertIn("--blocks is for .volute files", self.fails(2, "info", self.case, "--blocks"))
         self.assertIn("--region is for .volute files", self.fails(2, "extract", self.case, "-o", self.path("x.npy"),
@@ -339,7 +339,7 @@ class Fds(support.TestCase):
         self.assertLess(looked("--building", "whole"), 1)
         self.assertAlmostEqual(looked("--building", "whole", "--cut", "z=0.4"), 9, delta=1e-6)
         self.assertLess(looked("--building", "whole", "--cut", "y=-0.5"), 1)  # nothing is before that
-        self.assertIn("'w=1' is no plane", self.fails(2, "render", self.case, "-o", self.path("x.png"), "--cut", "w=1"))
+        self.assertIn("'w=1' is not a plane", self.fails(2, "render", self.case, "-o", self.path("x.png"), "--cut", "w=1"))
         self.works("render", self.case, "-o", self.path("c.png"), "--size", "160x120", "--time", "0", "--no-legend")
         self.fails(2, "render", self.case, "-o", self.path("d.png"), "--legend", "--no-legend")
 

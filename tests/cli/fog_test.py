@@ -308,7 +308,7 @@ class Frames(FogCase):
 
     def test_options_of_a_sun_need_one(self):
         for words in (("--albedo", "0.5,0.5,0.5"), ("--asymmetry", "0.5"), ("--sun-radiance", "1,1,1"), ("--geometry", "a.obj")):
-            self.assertIn(f"{words[0]} says nothing without --sun", self.fails(2, *self.words(*words)))
+            self.assertIn(f"{words[0]} has no effect without --sun", self.fails(2, *self.words(*words)))
 
     def test_details_by_the_angle_of_a_cell(self):
         self.waves("map.png", 40)

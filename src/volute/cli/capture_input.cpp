@@ -21,8 +21,8 @@ Result<std::array<int, 3>> parseResolution(const std::string& text) {
   }
   if (begin <= text.size() || (count != 1 && count != 3)) {
     return fail(ErrorCode::kInvalidArgument,
-                "--resolution: '{}' is no resolution; expected N or NX,NY,NZ voxels, 1 to {}", text,
-                kMost);
+                "--resolution: '{}' is not a resolution; expected N or NX,NY,NZ voxels, 1 to {}",
+                text, kMost);
   }
   return voxels;
 }

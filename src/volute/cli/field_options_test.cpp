@@ -120,7 +120,7 @@ TEST(FieldOptions, SayWhatAFileSays) {
   EXPECT_EQ(members(fogFields(), {"--profile", "layers:0,1,2"}),
             R"({"color":[0.8,0.85,0.9],"profile":{"kind":"layers","layers":[[0.0,1.0,2.0]]}})");
   EXPECT_THAT(members(fogFields(), {"--profile", "slab:0"}),
-              HasSubstr("--profile: 'slab:0' is no profile"));
+              HasSubstr("--profile: 'slab:0' is not a profile"));
   EXPECT_THAT(members(fdsFields(), {"--fds-slice", "T", "--fds-slice-range", "2,x"}),
               HasSubstr("--fds-slice-range: 'x'"));
 }
@@ -144,7 +144,7 @@ TEST(FieldOptions, ThatWouldChangeNothingAreRefused) {
   EXPECT_THAT(refusal("a.json", {"--emission", "2"}),
               HasSubstr("a.json is a scene: write it there"));
   EXPECT_EQ(refusal("a.smv", {"--fds-slice-range", "1,2"}),
-            "--fds-slice-range says nothing without --fds-slice; add --fds-slice or leave it out");
+            "--fds-slice-range has no effect without --fds-slice; add --fds-slice or omit it");
   for (const auto& [file, word] : {std::pair("a.vtu", "--clamp"), {"a.smv", "--devices"}})
     EXPECT_EQ(refusal(file, {word}), "nothing");
   EXPECT_EQ(refusal("a.json", {"--mode", "threshold", "--basis", "box"}), "nothing");

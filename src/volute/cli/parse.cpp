@@ -115,7 +115,7 @@ Status checkRequirements(const Command& command, const Arguments& arguments) {
   for (const Option& option : command.options) {
     if (arguments.given(option.name) && !option.beside.empty() && !arguments.given(option.beside)) {
       return fail(ErrorCode::kInvalidArgument,
-                  "--{0} says nothing without --{1}; add --{1} or leave it out", option.name,
+                  "--{0} has no effect without --{1}; add --{1} or omit it", option.name,
                   option.beside);
     }
   }

@@ -129,11 +129,11 @@ Result<Bytes> parseBytes(std::string_view text) {
 }
 
 Result<FrameRange> parseFrames(std::string_view text) {
-  const auto wrong =
-      fail(ErrorCode::kInvalidArgument,
-           "'{}' is no range of frames; expected A:B or A:B:S with frame numbers A <= n < B and a "
-           "step S of at least 1, like 0:48 or 10:100:5",
-           text);
+  const auto wrong = fail(
+      ErrorCode::kInvalidArgument,
+      "'{}' is not a range of frames; expected A:B or A:B:S with frame numbers A <= n < B and a "
+      "step S of at least 1, like 0:48 or 10:100:5",
+      text);
   const auto parts = split(text, ':');
   if (parts.size() > 3 || text.empty())
     return wrong;
@@ -156,7 +156,7 @@ Result<FrameRange> parseFrames(std::string_view text) {
 Result<Region> parseRegion(std::string_view text) {
   const auto wrong = fail(
       ErrorCode::kInvalidArgument,
-      "'{}' is no region; expected X0:X1,Y0:Y1,Z0:Z1 in voxels, half-open, like 0:16,8:24,0:64",
+      "'{}' is not a region; expected X0:X1,Y0:Y1,Z0:Z1 in voxels, half-open, like 0:16,8:24,0:64",
       text);
   Region region;
   const auto axes = split(text, ',');
@@ -181,17 +181,18 @@ Result<Box3> parseBounds(std::string_view text) {
     if (!box.empty())
       return box;
   }
-  return fail(
-      ErrorCode::kInvalidArgument,
-      "'{}' are no bounds; expected X0,Y0,Z0,X1,Y1,Z1 in metres, each first less than its second",
-      text);
+  return fail(ErrorCode::kInvalidArgument,
+              "'{}' is not a bounding box; expected X0,Y0,Z0,X1,Y1,Z1 in metres, each first less "
+              "than its second",
+              text);
 }
 
 Result<Vec3> parseVector(std::string_view text) {
   std::vector<double> n;
   if (parseCount(text, 3, n))
     return Vec3(n[0], n[1], n[2]);
-  return fail(ErrorCode::kInvalidArgument, "'{}' is no vector; expected X,Y,Z like 0,-2.5,1", text);
+  return fail(ErrorCode::kInvalidArgument, "'{}' is not a vector; expected X,Y,Z like 0,-2.5,1",
+              text);
 }
 
 Result<Pixels> parsePixels(std::string_view text) {
@@ -204,7 +205,8 @@ Result<Pixels> parsePixels(std::string_view text) {
     return pixels;
   }
   return fail(ErrorCode::kInvalidArgument,
-              "'{}' is no picture size; expected WxH of 1 to {} pixels, like 800x600", text, kMost);
+              "'{}' is not a picture size; expected WxH of 1 to {} pixels, like 800x600", text,
+              kMost);
 }
 
 Result<Value> parseValue(const Option& option, std::string_view text) {

@@ -30,7 +30,7 @@ Result<std::unique_ptr<FrameSink>> openSink(const std::string& target, const Vol
   if (std::ranges::find(kKnown, extensionOf(target)) == kKnown.end()) {
     return fail(
         ErrorCode::kInvalidArgument,
-        "--output: '{}' is of no known format; expected {}.npy, %04d.vdb, %04d.vti, .pvd or -{}",
+        "--output: '{}' has an unknown format; expected {}.npy, %04d.vdb, %04d.vti, .pvd or -{}",
         target, voluteToo ? ".volute, " : "",
         isVolutePath(target) ? "; volute compress writes .volute files" : "");
   }

@@ -66,7 +66,7 @@ Result<Contour> parseSlice(std::string_view text) {
     }
   }
   return fail(ErrorCode::kInvalidArgument,
-              "--slice: '{}' is no plane; expected x, y or z and a place in metres, as z=1.8",
+              "--slice: '{}' is not a plane; expected x, y or z and a place in metres, as z=1.8",
               text);
 }
 

@@ -45,7 +45,8 @@ Status setGeometryFile(SceneGeometry& entry, const FieldValue& value) {
   if (isSurfacePath(entry.file))
     return {};
   return fail(ErrorCode::kInvalidData,
-              "'{}' is no known geometry; expected .glb, .gltf, .obj or .vtp", entry.file);
+              "'{}' is not a known geometry format; expected .glb, .gltf, .obj or .vtp",
+              entry.file);
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ Status runCompare(const Arguments& arguments, Context& context) {
   if (const auto target = arguments.find<std::string>("difference")) {
     if (!isPicturePath(*target)) {
       return fail(ErrorCode::kInvalidArgument,
-                  "--difference: '{}' is of no known format; expected .png or .exr", *target);
+                  "--difference: '{}' has an unknown format; expected .png or .exr", *target);
     }
     VOLUTE_TRY(checkTarget(*target));
   }

@@ -16,8 +16,8 @@ Status runCompletion(const Arguments& arguments, Context& context) {
   } else if (shell == "fish") {
     context.print(fishCompletion());
   } else {
-    return fail(ErrorCode::kInvalidArgument, "'{}' is no known shell; expected bash, zsh or fish",
-                shell);
+    return fail(ErrorCode::kInvalidArgument,
+                "'{}' is not a known shell; expected bash, zsh or fish", shell);
   }
   return {};
 }

@@ -88,7 +88,7 @@ Status checkUse(const Arguments& arguments) {
   const auto target = arguments.get<std::string>("output");
   if (!isPicturePath(target) && !isFilmPath(target)) {
     return fail(ErrorCode::kInvalidArgument,
-                "--output: '{}' is of no known format; expected .png, .exr, .mp4 or .webm", target);
+                "--output: '{}' has an unknown format; expected .png, .exr, .mp4 or .webm", target);
   }
   return checkTarget(target);
 }

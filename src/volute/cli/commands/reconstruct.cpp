@@ -287,7 +287,7 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
     return status;
   if (!status && target != "-" && frames->work().any()) {
     context.progress.remark(
-        fmt::format("finished frames are kept in {}; the same command goes on from there",
+        fmt::format("finished frames are kept in {}; the same command continues from there",
                     frames->work().path().string()));
   } else {
     frames->work().remove();

@@ -321,7 +321,7 @@ Result<Development> developmentOf(const Arguments& arguments, const FilmJob& job
 Status checkRenderTargets(const Arguments& arguments, const std::string& target) {
   if (!isPicturePath(target) && !isFilmPath(target)) {
     return fail(ErrorCode::kInvalidArgument,
-                "--output: '{}' is of no known format; expected .png, .exr, .mp4 or .webm", target);
+                "--output: '{}' has an unknown format; expected .png, .exr, .mp4 or .webm", target);
   }
   if (const auto stats = arguments.find<std::string>("stats"))
     VOLUTE_TRY(checkTarget(*stats, true));

@@ -25,7 +25,7 @@ Result<SynthOptions> optionsOf(const Arguments& arguments) {
   options.frames = arguments.get<int>("frames");
   options.seed = static_cast<std::uint32_t>(arguments.get<int>("seed"));
   if (options.size % 8 != 0) {
-    return fail(ErrorCode::kInvalidArgument, "--size: '{}' is no multiple of 8", options.size);
+    return fail(ErrorCode::kInvalidArgument, "--size: '{}' is not a multiple of 8", options.size);
   }
   return options;
 }

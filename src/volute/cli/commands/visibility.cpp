@@ -51,7 +51,9 @@ Result<std::vector<double>> heightsOf(const Arguments& arguments) {
     const auto number = parseNumber(name);
     if (!number || !std::isfinite(*number))
       return fail(ErrorCode::kInvalidArgument,
-                  "--height: '{}' is no number; expected metres, as 1.8, or several as 1.8,4.8", name);
+                  "--height: '{}' is not a number; expected metres, such as 1.8, or several, such "
+                  "as 1.8,4.8",
+                  name);
     if (std::ranges::find(heights, *number) != heights.end())
       return fail(ErrorCode::kInvalidArgument, "--height: {} is there twice", name);
     heights.push_back(*number);
@@ -162,10 +164,11 @@ Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& argument
         ends.push_back(*number);
     }
     if (ends.size() != 4 || !(ends[0] < ends[2] && ends[1] < ends[3])) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "--underlay-bounds: '{}' is no rectangle; expected X0,Y0,X1,Y1 in metres, where "
-                  "the drawing's lower left and upper right corners are",
-                  *text);
+      return fail(
+          ErrorCode::kInvalidArgument,
+          "--underlay-bounds: '{}' is not a rectangle; expected X0,Y0,X1,Y1 in metres, where "
+          "the drawing's lower left and upper right corners are",
+          *text);
     }
     options.place = {{ends[0], ends[1]}, {ends[2], ends[3]}};
   }

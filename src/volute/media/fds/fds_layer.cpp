@@ -52,7 +52,7 @@ Status checkWords(const SmokeDescription& smoke) {
     return {};
   return fail(
       ErrorCode::kInvalidArgument,
-      "{}: the FDS case {} says itself what its files hold; expected no quantity, unit, soot "
+      "{}: the FDS case {} declares what its files contain; expected no quantity, unit, soot "
       "yield, material or density field",
       smoke.where, smoke.file);
 }

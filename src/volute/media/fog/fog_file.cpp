@@ -63,7 +63,7 @@ Result<FieldValue> profileFrom(std::string_view text) {
   if (kind == "layers" && n.size() >= 3 && n.size() % 3 == 0)
     return FieldValue{{"kind", kind}, {"layers", rows(3)}};
   return fail(ErrorCode::kInvalidArgument,
-              "'{}' is no profile; expected slab:BOTTOM,TOP, exponential:BOTTOM,HEIGHT, "
+              "'{}' is not a profile; expected slab:BOTTOM,TOP, exponential:BOTTOM,HEIGHT, "
               "linear:Z,G,Z,G,.. or layers:BOTTOM,TOP,SHARE,..",
               text);
 }

@@ -66,7 +66,7 @@ Status setCuts(SmokeDescription& smoke, const FieldValue& value) {
                                    : std::from_chars(one.data() + 2, last, cut.place);
     if (error != std::errc() || rest != last || !std::isfinite(cut.place)) {
       return fail(ErrorCode::kInvalidData,
-                  "'{}' is no plane; expected x, y or z and a place in metres, as z=2.4", one);
+                  "'{}' is not a plane; expected x, y or z and a place in metres, as z=2.4", one);
     }
     cut.axis = static_cast<int>(axis);
     smoke.fds.cuts.push_back(cut);
