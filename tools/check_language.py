@@ -14,6 +14,9 @@ EVERYWHERE = r"."
 # Where a time is the only thing that the word could mean.
 OF_TIMES = r"(src/volute/(cli|film|scene|render|report|image|synth|capture|fds|visibility|media/fds|cluster|capi)|bench|apps|tools|docs|README|python|examples)"
 
+# Pages, which people read from the beginning.
+PAGES = r"(docs/|README|CHANGELOG|SECURITY|CONTRIBUTING)"
+
 # (what, where, instead)
 RULES = [
     (r"(?<![-\w])[Pp]rocessors?(?![a-z])|[a-z]Processors?(?![a-z])", EVERYWHERE, "CPU"),
@@ -24,6 +27,18 @@ RULES = [
     (r"\bGlNature\b", EVERYWHERE, "GlMediumTraits"),
     (r"\bwho hears of\b", EVERYWHERE, "receives progress of"),
     (r"\brays that begin nowhere\b", EVERYWHERE, "parallel rays without a near plane"),
+    (r"\bby exact integrals where others step\b", EVERYWHERE, "by exact line integrals instead of ray marching"),
+    (r"\b(is|are) of no known\b", EVERYWHERE, "has an unknown ..., is not a known ..."),
+    (r"'\{\}' are no\b", EVERYWHERE, "'{}' is not a ..."),
+    (r"\bsays nothing without\b", EVERYWHERE, "has no effect without"),
+    (r"\bthe least first\b", EVERYWHERE, "the minimum first"),
+    (r"\bwhich ones? of (a )?files? with several\b", EVERYWHERE, "grid or field of a file with several"),
+    (r"\bsays itself what\b", EVERYWHERE, "declares what"),
+    (r"\bdoll'?s'? houses?\b", PAGES, "a cutaway"),
+    (r"\b[Mm]ade-up\b", PAGES, "synthetic"),
+    (r"\bof strangers\b|\bstranger's\b", PAGES, "untrusted"),
+    (r"\bgo(es)? on (from|where)\b", PAGES, "continues from"),
+    (r"\bin the place of\b", PAGES, "instead of"),
 ]
 # This file and its test name what they look for.
 EXEMPT = re.compile(r"tools/check_language(_test)?\.py$")
