@@ -147,7 +147,7 @@ Status SignViews::begin(const Survey& survey, const SightInstant& first) {
     if (!seen) {
       reading_->progress.remark(fmt::format(
           "from {:g}, {:g}, {:g} m no sign is in sight, even in clear air; the picture looks "
-          "towards {}, the nearest",
+          "towards the nearest, {}",
           eye.x(), eye.y(), eye.z(), nearest->sign.name));
     }
     const Json lamps = lit_ ? lampsBetween(eye, target, first, survey.bounds) : evenLight();
@@ -200,8 +200,8 @@ Result<std::string> SignViews::finish(const Survey& survey, Json& report) {
   if (views_.empty())
     return std::string();
   std::string page =
-      "<h2>What is seen</h2>\n<p>Photometric: the light that passes. Threshold: what has faded to "
-      "10 % is what the law calls no longer visible. The light is made up.</p>\n";
+      "<h2>Views</h2>\n<p>Photometric: the transmitted light. Threshold: at the limit of "
+      "visibility, a sign has faded to 10 %. The lighting is synthetic.</p>\n";
   report["pictures"] = Json::array();
   const std::size_t count = survey.times.size();
   std::vector<std::size_t> shown{count / 2, count - 1};

@@ -153,7 +153,8 @@ Json PlanTenability::sentence(std::size_t c) const {
   std::size_t unknown = 0;
   for (std::size_t i = 0; i < eyes_.size(); ++i) unknown += meter_.unknown(c, i);
   std::string text =
-      first.any ? fmt::format("{} is first reached at {}, at {}; until {:g} s at {:.0f} % of the floor.",
+      first.any ? fmt::format("{} is first reached at {}, at {}; by {:g} s at {:.0f} % of the "
+                              "floor.",
                               criterion.words(), timeWords(first), placeWords(eyes_[first.place]),
                               survey_->times.back(), 100 * first.share)
                 : fmt::format("{} is not reached anywhere until {:g} s.", criterion.words(),
@@ -241,16 +242,18 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
   arrays.push_back({"margin", values_.cells(margin)});
   std::string text;
   if (worst == rset.size()) {
-    text = "RSET: nobody needs any point of this plan.";
+    text = "RSET: no point of this plan is in use.";
   } else if (std::isinf(margin[worst])) {
     text = fmt::format("ASET - RSET: no criterion is reached until {:g} s where people are (RSET: {}).",
                        survey_->times.back(), survey_->rset->description());
     if (rset[worst] > survey_->times.back())
-      text += " But RSET is later than the case's last time: nothing is known until then.";
+      text += " But RSET is later than the last time of the case, so the result is unknown until "
+              "then.";
   } else {
     const double least = all_.down[worst] - rset[worst], most = all_.up[worst] - rset[worst];
-    text = fmt::format("ASET - RSET: the least margin is {:.4g} s (by stored times {:.4g} to {:.4g} s) "
-                       "at {}; {:.0f} % of the points that people need are left too late (RSET: {}).",
+    text = fmt::format("ASET - RSET: the smallest margin is {:.4g} s (by stored times {:.4g} to "
+                       "{:.4g} s) at {}; at {:.0f} % of the points in use, people leave too late "
+                       "(RSET: {}).",
                        margin[worst], least, most, placeWords(eyes_[worst]),
                        100.0 * static_cast<double>(tooLate) / static_cast<double>(needed),
                        survey_->rset->description());
@@ -281,7 +284,8 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
                    {PlanMark::kHidden, "nobody comes here"},
                    {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
   VOLUTE_TRY(writePlan(survey_->folder / "margin.png", *values_.plan, picture, survey_->signs));
-  return htmlFigure(survey_->folder / "margin.png", "What is left after the time that people need.");
+  return htmlFigure(survey_->folder / "margin.png", "Margin: available minus required safe egress "
+                                                    "time.");
 }
 
 Result<std::string> PlanTenability::finish(const LossTimes& signs, const std::vector<bool>& inSight,

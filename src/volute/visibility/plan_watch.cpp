@@ -140,7 +140,7 @@ class PlanWatch final : public Watch {
       VOLUTE_TRY(writeLocal());
       VOLUTE_ASSIGN(const auto figure,
                     htmlFigure(survey_->folder / "aset_local.png",
-                             "When the smoke where one stands reaches the limit."));
+                             "Time at which the local extinction reaches the limit."));
       page += figure;
     }
     Json verdict = Json::array();
@@ -381,7 +381,7 @@ class PlanWatch final : public Watch {
     for (std::size_t i = 0; i < std::size(kVariations); ++i)
       add(std::string(kVariations[i].name), losses_->times(survey_->sets.size() + i));
     report["sensitivity"] = std::move(list);
-    return "<h2>Sensitivity of the sight of signs</h2>\n" +
+    return "<h2>Sensitivity of the visibility of signs</h2>\n" +
            htmlTable({"", "first loss of all signs [s]", "interpolated [s]",
                       "places that lose them until the end"},
                      rows, HtmlAlign::kNumbers);
@@ -410,8 +410,8 @@ class PlanWatch final : public Watch {
     verdict.push_back(verdictJson(
         "sign lost first",
         soonestLoss.any
-            ? fmt::format("The first sign to be lost is '{}', at {}, from {}; until {:g} s from "
-                          "{:.0f} % of the places that see it without smoke.",
+            ? fmt::format("Sign '{}' is lost first: at {}, from {}; by {:g} s it is lost from "
+                          "{:.0f} % of the points that see it without smoke.",
                           name, timeWords(soonestLoss), placeWords(eyes_[soonestLoss.place]), end,
                           100 * soonestLoss.share)
             : fmt::format("No sign is lost from anywhere until {:g} s.", end),
@@ -421,11 +421,10 @@ class PlanWatch final : public Watch {
       const FirstLoss all = lossOf(0);
       verdict.push_back(verdictJson(
           "sight of signs",
-          all.any ? fmt::format("From {} no sign is seen any more from {} on; until {:g} s so at "
-                                "{:.0f} % of the places that see one without smoke.",
+          all.any ? fmt::format("From {} no sign is visible from {} on; by {:g} s this holds for "
+                                "{:.0f} % of the points that see a sign without smoke.",
                                 placeWords(eyes_[all.place]), timeWords(all), end, 100 * all.share)
-                  : fmt::format("From every place that sees a sign without smoke one is seen until "
-                                "{:g} s.",
+                  : fmt::format("Every point that sees a sign without smoke sees one until {:g} s.",
                                 end),
           all, survey_->round, eyes_));
     }

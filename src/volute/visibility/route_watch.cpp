@@ -245,10 +245,10 @@ class RouteWatch final : public Watch {
     Json verdict = Json::array();
     for (std::size_t r = 0; r < routes_.size(); ++r) {
       const Json& route = report["routes"][r];
-      std::string text = fmt::format("Route '{}': who sets out at {:g} s ", routes_[r].name,
+      std::string text = fmt::format("Route '{}': a person who starts at {:g} s ", routes_[r].name,
                                      walking_.start);
       text += route["arrival"].is_null()
-                  ? fmt::format("is not there at {:g} s, the last time,",
+                  ? fmt::format("has not arrived by {:g} s, the last stored time,",
                                 survey_->times.back())
                   : fmt::format("arrives at {:.4g} s", route["arrival"].get<double>());
       text += fmt::format(" and has a sign in view on {:.0f} % of the way",
@@ -263,8 +263,8 @@ class RouteWatch final : public Watch {
           reached += fmt::format("{}{} at {:.4g} s", reached.empty() ? "" : ", ",
                                  meter_->criteria()[c].name, time);
         }
-        text += reached.empty() ? "; no criterion of tenability is reached on it"
-                                : "; reached on it: " + reached;
+        text += reached.empty() ? "; no criterion of tenability is reached on the way"
+                                : "; reached on the way: " + reached;
       }
       json["sentence"] = text + ".";
       verdict.push_back(std::move(json));
@@ -401,7 +401,7 @@ class RouteWatch final : public Watch {
     any.dashed = true;
     lines.insert(lines.begin(), any);
     return linePlot(
-        fmt::format("Route {}: share of its length from which a sign is seen", routes_[r].name),
+        fmt::format("Route {}: share of its length from which a sign is visible", routes_[r].name),
         "time [s]", "share", survey_->times, lines);
   }
 
@@ -418,7 +418,7 @@ class RouteWatch final : public Watch {
                               : "")});
     }
     return fmt::format(
-               "<p>Someone who sets out at {:g} s and walks at {:g} m/s in clear air ({}):</p>\n",
+               "<p>A person who starts at {:g} s and walks at {:g} m/s in clear air ({}):</p>\n",
                walking_.start, walking_.speed,
                speedLaws()[static_cast<std::size_t>(walking_.slowed)].source) +
            htmlTable({"route", "length [m]", "arrives [s]", "share of the way with a sign in view"},

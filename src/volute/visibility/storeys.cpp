@@ -46,7 +46,7 @@ Result<SurveySummary> surveyStoreys(
                                  {"seen_last", found.seenLast}});
     VOLUTE_ASSIGN(const auto figure,
                   htmlFigure(folder / name / "aset.png",
-                             fmt::format("When no sign is seen any more, from z = {:g} m.", height)));
+                             fmt::format("Time from which no sign is visible, from z = {:g} m.", height)));
     page += fmt::format("<h2><a href='{0}/report.html'>Eyes at z = {1:g} m</a></h2>\n{2}", name, height,
                         figure);
     if (!first) {

@@ -34,8 +34,8 @@ std::string titlePart(const Json& report) {
                                               times.back().dump())});
   const std::string round = report["round"].get<std::string>();
   rows.push_back({"times between stored ones are given",
-                  round == "down" ? "as the last stored one at which it was still so (safe side)"
-                  : round == "up" ? "as the first stored one at which it is no longer so"
+                  round == "down" ? "as the last stored time before the change (safe side)"
+                  : round == "up" ? "as the first stored time after the change"
                                   : "interpolated"});
   return htmlTable({}, rows);
 }
