@@ -119,7 +119,7 @@ void drawOpenPanel(ViewerApp& app, const ViewerInput& input) {
         browser->name = entry.name;
     }
     if (browser->entries.empty())
-      ImGui::TextDisabled("nothing is here, or it cannot be read");
+      ImGui::TextDisabled("the folder is empty or cannot be read");
     ImGui::EndChild();
     ImGui::SetNextItemWidth(-1);
     nameBox("##name", browser->name);
@@ -155,8 +155,8 @@ void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
     const bool map = leaving->what == ViewerApp::Leaving::What::kMap;
     const std::string before = leaving->path.empty() ? "Before the viewer ends"
                                                      : "Before " + leaving->path + " is opened";
-    wrappedText(map ? "Painted fog is in no file. " + before + ", save the map as"
-                    : "The scene has changes that are in no file. " + before + ", save it as");
+    wrappedText(map ? "The painted fog is not saved. " + before + ", save the map as"
+                    : "The scene has unsaved changes. " + before + ", save it as");
     ImGui::SetNextItemWidth(-1);
     nameBox("##target", map ? app.settings().mapName : app.settings().sceneName);
     app.mark(map ? "leave map" : "leave scene");

@@ -18,7 +18,7 @@ void toolPart(ViewerApp& app) {
   constexpr std::pair<const char*, const char*> kTools[] = {
       {"add", "more fog under the brush"},
       {"remove", "less fog under the brush"},
-      {"smooth", "each coefficient moves towards the mean around it"},
+      {"smooth", "smooth: each coefficient moves towards the mean of its neighbours"},
       {"coefficient", "drag one coefficient up and down"}};
   for (int i = 0; i < 4; ++i) {
     if (i > 0 && i < 3)  // as many as the panel is wide
@@ -34,10 +34,10 @@ void toolPart(ViewerApp& app) {
   app.mark("brush size");
   sliderDouble("strength", paint.brush.strength, 0.01, 4, "%.2f /s", true);
   app.mark("brush strength");
-  hint("share of the densest fog, or of the way to the mean, in a second");
+  hint("strength per second: share of the densest fog, or of the way to the mean");
   sliderDouble("softness", paint.brush.softness, 0, 1, "%.2f");
   app.mark("brush softness");
-  hint("0: as strong up to the rim");
+  hint("0: constant up to the rim");
 }
 
 void historyPart(ViewerApp& app) {
@@ -142,7 +142,7 @@ void drawPaintPanel(ViewerApp& app, const ViewerInput& input, float below) {
     ImGui::PushItemWidth(-kPaintLabels);
     ImGui::Checkbox("paint in the view", &app.settings().painting);
     app.mark("paint in the view");
-    hint("the left button paints on the ground, the right one turns");
+    hint("left button: paint on the ground; right button: turn");
     toolPart(app);
     planPart(app, input);
     valuePart(app, app.paint());

@@ -74,7 +74,7 @@ void viewSlider(ViewerApp& app) {
   } else {
     if (sliderDouble("view", seen, 10, 120, "%.0f degrees"))
       camera.setFov(seen);
-    hint("how much is seen from bottom to top");
+    hint("vertical field of view");
   }
   app.mark("view");
 }
@@ -112,7 +112,7 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   if (app.picture().scene() && app.picture().scene()->bare) {
     ImGui::Checkbox("surfaces", &look.surfaces);
     app.mark("surfaces");
-    hint("walls, ground and whatever else is opaque, signs apart");
+    hint("walls, ground and other opaque surfaces, except signs");
   }
   int mode = static_cast<int>(app.camera().mode());
   combo(app, "camera", mode, {"orbit", "walk"});
@@ -120,7 +120,7 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   if (ImGui::Button("Whole view"))
     app.wholeView(input.width, input.height);
   app.mark("Whole view");
-  hint("all that there is, from outside");
+  hint("the whole scene, from outside");
   ImGui::SameLine();
   openAndHelp(app, true);
   if (!app.document() || !app.document()->startView)
@@ -128,7 +128,7 @@ void picturePart(ViewerApp& app, const ViewerInput& input) {
   if (ImGui::Button("First view"))
     app.resetView(input.width, input.height);
   app.mark("First view");
-  hint("from where it was seen first");
+  hint("return to the first view");
 }
 
 /// The cameras of a capture.
@@ -201,7 +201,7 @@ void timesPart(ViewerApp& app) {
   ImGui::PlotHistogram("##times", shown.data(), static_cast<int>(shown.size()), 0, nullptr, 0,
                        1.1F * most, {ImGui::GetContentRegionAvail().x, 36});
   app.mark("times");
-  hint("how long the last pictures took");
+  hint("times of the last pictures");
   wrappedText(
       fmt::format("{}, {} x {} pixels", shortTime(times.milliseconds), times.width, times.height));
   wrappedText(shortTime(most) + " at most");
@@ -270,10 +270,10 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
   ImGui::Begin("Help", &app.settings().help,
                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoMove);
-  constexpr const char* kLines[][2] = {{"left mouse", "turn; paint, where fog is painted"},
-                                       {"right mouse", "move across; turn, while painting"},
+  constexpr const char* kLines[][2] = {{"left mouse", "turn; paint while painting fog"},
+                                       {"right mouse", "pan; turn while painting"},
                                        {"middle, Shift left", "move across"},
-                                       {"wheel", "towards the pointer, away; walking: forward"},
+                                       {"wheel", "zoom towards the pointer; forward while walking"},
                                        {"double click", "turn around what is there"},
                                        {"M", "orbit (turn around things) or walk (turn the head)"},
                                        {"W A S D, Q E", "walk; down and up; with Shift faster"},
@@ -286,15 +286,15 @@ void drawHelpPanel(ViewerApp& app, const ViewerInput& input) {
                                        {"Ctrl Y, Ctrl Shift Z", "redo"},
                                        {"Ctrl S", "save the scene"},
                                        {"Ctrl click", "type a slider's number"},
-                                       {"a panel's title", "opens and closes it by its arrow"},
+                                       {"a panel's title", "open or close it by its arrow"},
                                        {"H", "hide the panels, show them again"},
                                        {"F12", "screenshot without panels: volute_0001.png ..."},
                                        {"Ctrl C", "copy the camera, as JSON"},
                                        {"F11", "full screen"},
                                        {"1  3  7", "from the front, the right, above"},
-                                       {"P", "what is under the pointer, or not"},
+                                       {"P", "show what is under the pointer"},
                                        {"Ctrl O", "open a file"},
-                                       {"Escape", "end painting and placing, close this"},
+                                       {"Escape", "stop painting or placing, close this"},
                                        {"F1", "open and close this"},
                                        {"drop a file", "open it"}};
   for (const auto& [keys, meaning] : kLines) {

@@ -25,12 +25,12 @@ bool directionControl(ViewerApp& app, const Parameter& parameter, std::vector<do
   double elevation = std::asin(std::clamp(v.z() / length, -1.0, 1.0)) / kDegree;
   bool moved = sliderDouble("azimuth", azimuth, -180, 180, "%.0f degrees");
   app.mark(parameter.path);
-  hint(light ? "where the light comes from, from +x towards +y"
-             : "where the sign faces, from +x towards +y");
+  hint(light ? "azimuth of the light's source, from +x towards +y"
+             : "azimuth of the sign's normal, from +x towards +y");
   moved |= sliderDouble("elevation", elevation, light ? 1 : -90, 90, "%.0f degrees");
   app.mark(parameter.path + " elevation");
-  hint(light ? "of where the light comes from, above the horizon"
-             : "of where the sign faces, above the horizon");
+  hint(light ? "elevation of the light's source above the horizon"
+             : "elevation of the sign's normal above the horizon");
   if (!moved)
     return false;
   const double level = std::cos(elevation * kDegree) * length;
@@ -156,8 +156,8 @@ void billboardButton(ViewerApp& app, const std::string& owner, const std::string
     app.edit(
         {.kind = volume ? SceneEdit::Kind::kBillboard : SceneEdit::Kind::kVolume, .path = owner});
   }
-  hint(volume ? "a flat picture of it that faces you, cheap where it is small or far: it cannot be "
-                "turned or mirrored"
+  hint(volume ? "a flat picture of it that faces you, fast for small or distant volumes; it "
+                "cannot be turned or mirrored"
               : "with its depth");
 }
 
@@ -173,7 +173,7 @@ void ownerButtons(ViewerApp& app, const std::string& owner) {
     const bool placing = app.placing() == owner;
     if (markedButton(app, placing ? "click a wall###place" : "Place###place", "place " + owner))
       app.place(placing ? "" : owner);
-    hint("puts it where you click next in the picture");
+    hint("place it with the next click in the picture");
     ImGui::SameLine();
   }
   if (markedButton(app, "Duplicate", "duplicate " + owner))
@@ -194,8 +194,8 @@ void editPart(ViewerApp& app) {
     const char *label, *mark, *help;
     Kind kind;
   } kAdded[] = {
-      {"Sign", "add sign", "an exit sign on what the middle of the picture shows", Kind::kAddSign},
-      {"Lamp", "add lamp", "a lamp on what the middle of the picture shows", Kind::kAddSpot},
+      {"Sign", "add sign", "add an exit sign at the centre of the picture", Kind::kAddSign},
+      {"Lamp", "add lamp", "add a lamp at the centre of the picture", Kind::kAddSpot},
       {"Sun", "add sun", "light from afar", Kind::kAddSun},
       {"Ambient", "add ambient", "light from everywhere", Kind::kAddAmbient}};
 
@@ -212,7 +212,7 @@ void editPart(ViewerApp& app) {
   ImGui::SameLine();
   if (markedButton(app, "Redo", "Redo change", app.document()->canRedo))
     app.redoChange();
-  hint("what was changed, added or removed here");
+  hint("undo or redo changes, additions and removals");
 }
 
 /// "smoke: hall.pvd" in so many letters; the kind stays.

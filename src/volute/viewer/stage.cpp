@@ -202,7 +202,8 @@ void drawProbe(ViewerApp& app, const ViewerInput& input) {
   ImGui::BeginTooltip();
   const Vec3& p = probe->place;
   ImGui::Text("x %.4g  y %.4g  z %.4g m", p.x(), p.y(), p.z());
-  ImGui::TextDisabled("%s", probe->onSurface ? "on a surface" : "where most light comes from");
+  ImGui::TextDisabled("%s", probe->onSurface ? "on a surface" : "where most of the light comes "
+                                                                "from");
   for (const auto& medium : probe->media) {
     ImGui::Separator();
     ImGui::TextUnformatted(medium.name.c_str());

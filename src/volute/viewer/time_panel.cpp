@@ -37,7 +37,7 @@ void filmPart(ViewerApp& app, const ViewerInput& input) {
   ImGui::SetNextItemWidth(150);
   nameBox("##film", app.settings().filmName);
   app.mark("film");
-  hint("a .mp4 or .webm of the whole time, from where you look, at this speed");
+  hint("a .mp4 or .webm of the whole time range, from the current view, at this speed");
   ImGui::SameLine();
   ImGui::SetNextItemWidth(110);
   static const std::string kSizes[] = {"640 x 360", "1280 x 720", "1920 x 1080", "window"};

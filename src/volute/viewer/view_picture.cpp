@@ -322,7 +322,7 @@ Status ViewPicture::update(const PictureRequest& request) {
             : request.renderer == ViewRenderer::kGl ? "without the media: " + refused_
                                                  : "by the CPU: " + refused_;
   if (remark_.empty() && !refusedExact_.empty())
-    remark_ = "surfaces with their light at corners alone: " + refusedExact_;
+    remark_ = "surfaces lit only at corners: " + refusedExact_;
   if (byCpu(request)) {
     dropExact();
     times_.why = whyCpu(request);
@@ -330,7 +330,7 @@ Status ViewPicture::update(const PictureRequest& request) {
         makers_.cpu
             ? drawByCpu(request)
             : fail(ErrorCode::kUnsupported,
-                   "the CPU would draw this ({}), which VOLUTE_CPU_RENDERER=off forbids",
+                   "the CPU would have to draw this ({}), but VOLUTE_CPU_RENDERER=off",
                    times_.why);
     if (!drawn)
       scene_.reset();

@@ -48,7 +48,7 @@ std::string ViewerApp::pictureNote() const {
     return size.empty() ? "" : size + " while it plays";
   if (!picture_.stopped())
     return "";
-  return size.empty() ? "stopped before it was as fine as it gets" : "stopped at " + size;
+  return size.empty() ? "stopped before full resolution" : "stopped at " + size;
 }
 
 ViewCamera::Insets ViewerApp::insets(int width, int height) const {
@@ -91,7 +91,7 @@ Vec3 ViewerApp::placeUnder(double x, double y) const {
 void ViewerApp::pivotAt(double x, double y) {
   const auto probe = probeAt(x, y);
   camera_.setPivot(probe ? probe->place : placeUnder(x, y));
-  say("turning around what you pressed");
+  say("set the centre of rotation");
 }
 
 std::optional<MediumProbe::Reading> ViewerApp::probeAt(double x, double y) {

@@ -120,7 +120,7 @@ class Window {
     std::unique_ptr<Window> window(new Window);
     if (!glfwInit()) {
       return fail(ErrorCode::kUnsupported,
-                  "there is no display to open a window on; --screenshot OUT.png needs none");
+                  "no display to open a window; --screenshot OUT.png needs none");
     }
     window->started_ = true;
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
