@@ -9,6 +9,7 @@
 #include "volute/base/checksum.hpp"
 #include "volute/base/output_file.hpp"
 #include "volute/codec/container.hpp"
+#include "volute/codec/written_file.hpp"
 
 namespace volute {
 namespace {
@@ -71,8 +72,10 @@ Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
   if (heads.empty())
     return fail(ErrorCode::kInvalidArgument, "{}: no grid has values", target.string());
   const bool plain = table.size() == 1 && !table.front().description && fileMetadata.lists.empty();
-  VOLUTE_ASSIGN(auto out, OutputFile::create(target));
-  VOLUTE_TRY(out.write(plain ? writeHead(heads.front()) : writeHead(table, fileMetadata, heads)));
+  VOLUTE_ASSIGN(auto out, CheckedFile::create(target));
+  const auto headBytes =
+      plain ? writeHead(heads.front()) : writeHead(table, fileMetadata, heads);
+  VOLUTE_TRY(out.bytes().write(headBytes));
   std::size_t tiers = 0;
   for (const FileHead& head : heads)
     tiers = std::max(tiers, head.decoder->tierLevels().size());
@@ -83,10 +86,10 @@ Result<std::uint64_t> bundle(const std::vector<BundledGrid>& grids,
       const std::size_t own = heads[i].decoder->tierLevels().size();
       const std::size_t blocks = heads[i].segments.size() / own;
       if (tier < own)
-        VOLUTE_TRY(copyTier(parts[i], tier * blocks, (tier + 1) * blocks, out));
+        VOLUTE_TRY(copyTier(parts[i], tier * blocks, (tier + 1) * blocks, out.bytes()));
     }
   }
-  VOLUTE_TRY(out.commit());
+  VOLUTE_TRY(out.commit(headBytes, heads, progress));
   return heads.front().fileBytes;
 }
 

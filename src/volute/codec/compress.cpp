@@ -25,6 +25,7 @@
 #include "volute/codec/step_search.hpp"
 #include "volute/codec/unit_plan.hpp"
 #include "volute/codec/unit_store.hpp"
+#include "volute/codec/written_file.hpp"
 
 namespace volute {
 namespace {
@@ -569,10 +570,10 @@ Status Compressor::completeUnits() {
 Result<CompressReport> Compressor::write() {
   VOLUTE_TRY(team_.agree(completeUnits()));
   const auto writeAll = [&]() -> Status {
-    VOLUTE_ASSIGN(auto file, OutputFile::create(target_));
-    VOLUTE_TRY(file.write(headBytes_));
-    VOLUTE_TRY(units_.writeSegments(file, [this] { return checkCancelled(); }));
-    return file.commit();
+    VOLUTE_ASSIGN(auto file, CheckedFile::create(target_));
+    VOLUTE_TRY(file.bytes().write(headBytes_));
+    VOLUTE_TRY(units_.writeSegments(file.bytes(), [this] { return checkCancelled(); }));
+    return file.commit(headBytes_, std::span(&head_, 1), progress_);
   };
   VOLUTE_TRY(team_.agree(team_.leads() ? writeAll() : units_.sendSegments()));
   if (store_ && team_.leads())

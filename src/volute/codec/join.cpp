@@ -15,6 +15,7 @@
 #include "volute/codec/compress.hpp"
 #include "volute/codec/container.hpp"
 #include "volute/codec/volute_reader.hpp"
+#include "volute/codec/written_file.hpp"
 #include "volute/grid/fitted_source.hpp"
 
 namespace volute {
@@ -263,8 +264,9 @@ Result<JoinReport> copyBlocks(const std::vector<Part>& parts, const std::filesys
                               Progress& progress) {
   const Errors errors = errorsOf(parts);
   FileHead head = headOf(parts, errors);
-  VOLUTE_ASSIGN(auto out, OutputFile::create(target));
-  VOLUTE_TRY(out.write(writeHead(head)));
+  VOLUTE_ASSIGN(auto out, CheckedFile::create(target));
+  const auto headBytes = writeHead(head);
+  VOLUTE_TRY(out.bytes().write(headBytes));
   const std::size_t tiers = head.decoder->tierLevels().size();
   double done = 0;
   for (std::size_t tier = 0; tier < tiers; ++tier) {
@@ -273,11 +275,11 @@ Result<JoinReport> copyBlocks(const std::vector<Part>& parts, const std::filesys
         return fail(ErrorCode::kCancelled, "stopped: {} was not written", target.string());
       const std::size_t blocks = BlockGrid(part.info()).count();
       for (std::size_t block = 0; block < blocks; ++block)
-        VOLUTE_TRY(copySegment(part, part.head.segment(tier, block, blocks), out));
+        VOLUTE_TRY(copySegment(part, part.head.segment(tier, block, blocks), out.bytes()));
       progress.report("copying", ++done, static_cast<double>(tiers * parts.size()));
     }
   }
-  VOLUTE_TRY(out.commit());
+  VOLUTE_TRY(out.commit(headBytes, std::span(&head, 1), progress));
   return JoinReport{head.info.frames, true, 0, head.header.reachedRms, head.header.reachedMaxError,
                     head.fileBytes};
 }

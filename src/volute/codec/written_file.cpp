@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/codec/written_file.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "volute/base/checksum.hpp"
+#include "volute/codec/parallel_try.hpp"
+
+namespace volute {
+namespace {
+
+constexpr std::size_t kSegmentsATask = 256;
+
+tl::unexpected<Error> differs(const std::string& name, std::uint64_t offset,
+                              std::string_view what) {
+  return fail(ErrorCode::kIo,
+              "{}: {} at byte {} differs from what was written, so the file was not kept; check the "
+              "memory and the disk of this machine",
+              name, what, offset);
+}
+
+Status checkHeadBytes(const InputFile& file, const std::string& name,
+                      std::span<const std::byte> expected) {
+  constexpr std::size_t kPiece = std::size_t{1} << 20;
+  std::vector<std::byte> piece;
+  for (std::size_t at = 0; at < expected.size(); at += piece.size()) {
+    const auto part = expected.subspan(at, std::min(kPiece, expected.size() - at));
+    piece.resize(part.size());
+    VOLUTE_TRY(file.read(at, piece));
+    const auto [wrong, unused] = std::ranges::mismatch(piece, part);
+    if (wrong != piece.end())
+      return differs(name, at + static_cast<std::size_t>(wrong - piece.begin()), "its head");
+  }
+  return {};
+}
+
+/// Compares what a reader finds in the head with what the encoder knows.
+Status checkGrid(const InputFile& file, const std::string& name, const FileHead& expected) {
+  const auto read =
+      readHead(file, std::numeric_limits<std::uint64_t>::max(), expected.info.name);
+  if (!read) {
+    return fail(ErrorCode::kIo, "{}: cannot be read back, so the file was not kept: {}",
+                name, read.error().message);
+  }
+  const auto same = [](const SegmentEntry& a, const SegmentEntry& b) {
+    return a.size == b.size && (a.size == 0 || (a.offset == b.offset && a.crc == b.crc));
+  };
+  const auto samePart = [](const FilePart& a, const FilePart& b) {
+    return a.firstRow == b.firstRow && a.parameters == b.parameters && a.valueMin == b.valueMin &&
+           a.valueMax == b.valueMax;
+  };
+  if (read->parameters == expected.parameters && read->fileBytes == expected.fileBytes &&
+      read->header.reachedRms == expected.header.reachedRms &&
+      read->header.reachedMaxError == expected.header.reachedMaxError &&
+      std::ranges::equal(read->parts, expected.parts, samePart) &&
+      std::ranges::equal(read->segments, expected.segments, same))
+    return {};
+  return fail(ErrorCode::kIo,
+              "{}: grid '{}' differs from what was encoded, so the file was not kept",
+              name, expected.info.name);
+}
+
+Status checkSegments(const InputFile& file, const std::string& name,
+                     std::span<const SegmentEntry> segments, const Progress& progress) {
+  const std::size_t tasks = (segments.size() + kSegmentsATask - 1) / kSegmentsATask;
+  return parallelTry(tasks, [&](std::size_t task) -> Status {
+    if (progress.cancelled())
+      return fail(ErrorCode::kCancelled, "stopped: {} was not written", name);
+    const std::size_t begin = task * kSegmentsATask;
+    std::vector<std::byte> bytes;
+    for (const SegmentEntry& segment :
+         segments.subspan(begin, std::min(kSegmentsATask, segments.size() - begin))) {
+      if (segment.size == 0)
+        continue;
+      bytes.resize(segment.size);
+      VOLUTE_TRY(file.read(segment.offset, bytes));
+      if (crc32(bytes) != segment.crc)
+        return differs(name, segment.offset, "a block");
+    }
+    return {};
+  });
+}
+
+}  // namespace
+
+Status checkWritten(const InputFile& file, const std::string& name,
+                    std::span<const std::byte> headBytes, std::span<const FileHead> heads,
+                    const Progress& progress) {
+  if (!heads.empty() && file.size() != heads.front().fileBytes) {
+    return fail(ErrorCode::kIo, "{}: has {} bytes instead of {}, so the file was not kept", name,
+                file.size(), heads.front().fileBytes);
+  }
+  VOLUTE_TRY(checkHeadBytes(file, name, headBytes));
+  for (const FileHead& head : heads) {
+    if (heads.size() == 1 || !head.info.name.empty())  // without a name a reader takes another grid
+      VOLUTE_TRY(checkGrid(file, name, head));
+    VOLUTE_TRY(checkSegments(file, name, head.segments, progress));
+  }
+  return {};
+}
+
+Result<CheckedFile> CheckedFile::create(const std::filesystem::path& target) {
+  if (target == "-") {
+    VOLUTE_ASSIGN(auto out, OutputFile::create(target));
+    return CheckedFile(std::nullopt, std::move(out));
+  }
+  VOLUTE_ASSIGN(auto pending, PendingFile::create(target));
+  VOLUTE_ASSIGN(auto out, OutputFile::create(pending.path()));
+  return CheckedFile(std::move(pending), std::move(out));
+}
+
+Status CheckedFile::commit(std::span<const std::byte> headBytes, std::span<const FileHead> heads,
+                           const Progress& progress) {
+  VOLUTE_TRY(bytes_.commit());
+  if (!pending_)
+    return {};
+  {
+    VOLUTE_ASSIGN(const auto file, InputFile::open(pending_->path()));
+    VOLUTE_TRY(checkWritten(file, pending_->target().string(), headBytes, heads, progress));
+  }
+  return pending_->commit();
+}
+
+}  // namespace volute
