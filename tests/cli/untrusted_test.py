@@ -66,6 +66,26 @@ class Tables(support.TestCase):
             read = [row["sign"] for row in csv.DictReader(file)]
         self.assertEqual(read, ["'" + name if name[0] in "=+-@" else name for name in names])
 
+    def test_names_in_other_tables_are_no_formulas(self):
+        """Of devices in curves.csv, of signs and runs in study.csv; numbers stay numbers."""
+        evil = "-1+cmd|' /C calc'!A0"
+        hall = sight_cases.Mesh("hall", (0, 8, 0, 4, 0, 3), (8, 4, 3))
+        case = sight_cases.FdsCase([hall], [0.0, 10.0, 20.0], lambda t, *_: 0.1 * t).write(self.folder, "hall")
+        with open(case, "a") as file:
+            file.write(f"DEVICE\n {evil} % TEMPERATURE\n 1.0 1.0 1.0 0.0 0.0 -1.0 0 0\n")
+        self.path("hall_devc.csv").write_text(f's,C\n"Time","{evil}"\n0,-5\n10,40\n20,60\n')
+        self.path("signs.json").write_text(json.dumps({"signs": [{"name": evil, "position": [7.9, 2, 2], "normal": [-1, 0, 0]}]}))
+        self.path("study.json").write_text(json.dumps({"cases": ["hall.smv"], "variants": [{"name": "v"}],
+                                                       "options": {"signs": "signs.json", "height": 1.5, "step": 2, "maps": "aset"}}))
+        self.works("sweep", self.path("study.json"), "-o", self.path("study"))
+        with open(self.path("study") / "study.csv", newline="") as file:
+            (row,) = csv.DictReader(file)
+        self.assertEqual(row["first sign lost"], "'" + evil)
+        with open(self.path("study") / "hall_v/curves.csv", newline="") as file:
+            rows = [row for row in csv.DictReader(file) if row["figure"] == "devices"]
+        self.assertEqual({row["name"] for row in rows}, {"'" + evil})
+        self.assertEqual([float(row["value"]) for row in rows], [-5, 40, 60])
+
 
 class Untrusted(support.TestCase):
     def scene(self, file):
@@ -86,6 +106,20 @@ class Untrusted(support.TestCase):
             self.path("x.png").unlink()
             said = self.fails(1, "render", scene, "-o", self.path("x.png"), "--size", "4x4", "--untrusted")
             self.assertIn("--untrusted refuses that", said)
+
+    def test_captures(self):
+        self.path("in").mkdir()
+        self.path("secret_0000.exr").write_bytes(b"not for strangers")
+        camera = {"name": "c", "image": "../secret_%04d.exr", "width": 4, "height": 4, "K": [[9, 0, 2], [0, 9, 2], [0, 0, 1]],
+                  "R": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "t": [0, 0, 4]}
+        capture = {"format": "volute-capture-1", "color": "linear", "pixel_centre": 0.5, "frames": [0], "cameras": [camera],
+                   "volume": {"min": [-1, -1, -1], "max": [1, 1, 1], "resolution": [4, 4, 4]}}
+        self.path("in/capture.json").write_text(json.dumps(capture))
+        for words in (["reconstruct", self.path("in/capture.json"), "-o", self.path("x.npy")],
+                      ["project", self.make_npy(size=4, frames=1), self.path("in/capture.json"), "-o", self.path("{camera}_%04d.exr")]):
+            said = self.fails(1, *words, "--untrusted")
+            self.assertIn("names '../secret_%04d.exr', outside of its folder; --untrusted refuses that", said)
+        self.assertIn("outside of its folder (--untrusted refuses that)", volute("info", self.path("in/capture.json")).message)
 
     def test_files_within(self):
         self.path("in").mkdir()

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "volute/base/parallel.hpp"
+#include "volute/report/csv_cell.hpp"
 
 namespace volute {
 namespace {
@@ -33,21 +34,6 @@ void appendField(std::string& out, double value) {
 
 void appendFlag(std::string& out, bool flag) {
   out += flag ? ",1" : ",0";
-}
-
-/// A cell. Programs for tables compute what begins like a formula: it gets an apostrophe in front.
-std::string quoted(const std::string& text) {
-  const bool formula = !text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos;
-  const std::string name = (formula ? "'" : "") + text;
-  if (name.find_first_of(",\"\r\n") == std::string::npos)
-    return name;
-  std::string out = "\"";
-  for (const char c : name) {
-    if (c == '"')
-      out += '"';
-    out += c;
-  }
-  return out + "\"";
 }
 
 void appendRow(std::string& out, const std::string& head, const std::string& sign,
@@ -169,7 +155,7 @@ std::string SightCsv::rowsOf(double time, std::span<const Vec3> eyes,
                              std::span<const Sighting> sightings) {
   constexpr std::size_t kEyes = 512;
   std::vector<std::string> names;
-  for (const SightTarget& sign : signs) names.push_back(quoted(sign.sign.name));
+  for (const SightTarget& sign : signs) names.push_back(csvCell(sign.sign.name));
   std::string when;
   append(when, time);
   std::vector<std::string> parts((eyes.size() + kEyes - 1) / kEyes);

@@ -13,6 +13,7 @@
 #include "volute/io/image_file.hpp"
 #include "volute/io/json_file.hpp"
 #include "volute/io/json_values.hpp"
+#include "volute/report/csv_cell.hpp"
 #include "volute/visibility/plan_picture.hpp"
 #include "volute/visibility/plan_vti.hpp"
 
@@ -33,22 +34,6 @@ std::string plainName(const std::string& text) {
     name += plain ? c : '_';
   }
   return name.empty() ? "run" : name;
-}
-
-/// A word as a spreadsheet takes it, without what it would compute.
-std::string quotedCell(const std::string& text) {
-  const bool formula =
-      !text.empty() && std::string_view("=+@\t\r").find(text[0]) != std::string_view::npos;
-  const std::string cell = (formula ? "'" : "") + text;
-  if (cell.find_first_of(",\"\r\n") == std::string::npos)
-    return cell;
-  std::string out = "\"";
-  for (const char c : cell) {
-    if (c == '"')
-      out += '"';
-    out += c == '\n' ? ' ' : c;
-  }
-  return out + "\"";
 }
 
 using OptionSet = std::map<std::string, std::vector<std::string>>;
@@ -369,12 +354,12 @@ std::optional<StudyResults::Plan> StudyResults::planOf(const std::string& run, c
 
 std::string StudyResults::table() const {
   std::string text;
-  for (std::size_t c = 0; c < columns_.size(); ++c) text.append(c > 0 ? "," : "").append(quotedCell(columns_[c]));
+  for (std::size_t c = 0; c < columns_.size(); ++c) text.append(c > 0 ? "," : "").append(csvCell(columns_[c]));
   text += '\n';
   for (const auto& row : rows_) {
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       const auto found = row.find(columns_[c]);
-      text.append(c > 0 ? "," : "").append(found == row.end() ? "" : quotedCell(found->second));
+      text.append(c > 0 ? "," : "").append(found == row.end() ? "" : csvCell(found->second));
     }
     text += '\n';
   }

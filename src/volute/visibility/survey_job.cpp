@@ -12,6 +12,7 @@
 #include "volute/base/remark_log.hpp"
 #include "volute/base/version.hpp"
 #include "volute/base/write_file.hpp"
+#include "volute/report/csv_cell.hpp"
 #include "volute/report/pdf.hpp"
 #include "volute/visibility/sight_csv.hpp"
 #include "volute/visibility/survey_page.hpp"
@@ -68,15 +69,6 @@ Json signJson(const SightTarget& target) {
   if (target.target != sign.position)
     json["sight_lines_end_at"] = vector(target.target);
   return json;
-}
-
-/// Quoted where a comma or a quote would end it.
-std::string csvField(const std::string& text) {
-  if (text.find_first_of(",\"\n") == text.npos)
-    return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
 }
 
 /// Shares of the eyes at one time, and how many cannot be told for sure.
@@ -350,7 +342,7 @@ class Job {
     std::string text = "figure,name,unit,time,value\n";
     const auto add = [&](const char* figure, const std::string& name, const std::string& unit,
                          const Json& time, const Json& value) {
-      text += fmt::format("{},{},{},{},{}\n", figure, csvField(name), csvField(unit), time.dump(),
+      text += fmt::format("{},{},{},{},{}\n", figure, csvCell(name), csvCell(unit), time.dump(),
                           value.is_number() ? value.dump() : "");
     };
     for (const auto& [figure, key] :
