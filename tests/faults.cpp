@@ -4,6 +4,7 @@
 // A library for LD_PRELOAD that makes one call of a program go wrong:
 //   VOLUTE_FAULT=full:N   from the N-th call on that writes below VOLUTE_FAULT_FOLDER, the disk is full
 //   VOLUTE_FAULT=once:N   the N-th of them fails with EIO, those after it do not
+//   VOLUTE_FAULT=flip:N   the N-th of them that writes bytes writes one flipped bit, and says nothing
 //   VOLUTE_FAULT=kill:N   the process is killed (SIGKILL) before the N-th of them
 //   VOLUTE_FAULT=memory:N the N-th operator new throws std::bad_alloc
 //   VOLUTE_FAULT=clock:N  CLOCK_REALTIME jumps back and forth by N seconds, at every call
@@ -28,7 +29,7 @@
 
 namespace {
 
-enum class Fault { kNone, kFull, kOnce, kKill, kMemory, kClock };
+enum class Fault { kNone, kFull, kOnce, kFlip, kKill, kMemory, kClock };
 
 struct Plan {
   Fault fault = Fault::kNone;
@@ -53,6 +54,7 @@ __attribute__((constructor(101))) void begin() {
     Fault fault;
   } kFaults[] = {{"full:", Fault::kFull},
                  {"once:", Fault::kOnce},
+                 {"flip:", Fault::kFlip},
                  {"kill:", Fault::kKill},
                  {"memory:", Fault::kMemory},
                  {"clock:", Fault::kClock}};
@@ -105,6 +107,29 @@ bool fails() {
   return false;
 }
 
+/// Whether this call, which writes bytes, is to write a flipped bit. Called where fails() did not.
+bool flips() {
+  return plan.fault == Fault::kFlip && writes == plan.number && ::getpid() == plan.process;
+}
+
+/// The bytes with the lowest bit of the middle one flipped.
+struct Flipped {
+  unsigned char* copy = nullptr;
+
+  Flipped(const void* bytes, std::size_t count) {
+    if (count == 0)
+      return;
+    copy = static_cast<unsigned char*>(std::malloc(count));
+    if (!copy)
+      return;
+    std::memcpy(copy, bytes, count);
+    copy[count / 2] ^= 1;
+  }
+  ~Flipped() { std::free(copy); }
+  Flipped(const Flipped&) = delete;
+  Flipped& operator=(const Flipped&) = delete;
+};
+
 /// Not from atexit(): the program may end by _exit().
 void tell() {
   if (plan.count < 0 || ::getpid() != plan.process)
@@ -121,8 +146,11 @@ __attribute__((destructor)) void end() {
 
 void* allocate(std::size_t size, std::size_t alignment) {
   const long number = ++allocations;
-  if (plan.fault == Fault::kMemory && number == plan.number && ::getpid() == plan.process)
+  if (plan.fault == Fault::kMemory && number == plan.number && ::getpid() == plan.process) {
+    if (const auto handler = std::get_new_handler())  // which may throw, as that of the library would
+      handler();
     throw std::bad_alloc();
+  }
   void* memory = alignment > 0 ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)
                                : std::malloc(size > 0 ? size : 1);
   if (!memory)
@@ -136,7 +164,14 @@ extern "C" {
 
 ssize_t write(int descriptor, const void* bytes, std::size_t count) {
   static const auto next = real<ssize_t (*)(int, const void*, std::size_t)>("write");
-  return below(descriptor) && fails() ? -1 : next(descriptor, bytes, count);
+  const bool ours = below(descriptor);
+  if (ours && fails())
+    return -1;
+  if (ours && flips()) {
+    const Flipped other(bytes, count);
+    return next(descriptor, other.copy ? other.copy : bytes, count);
+  }
+  return next(descriptor, bytes, count);
 }
 
 ssize_t writev(int descriptor, const iovec* parts, int count) {
@@ -146,7 +181,14 @@ ssize_t writev(int descriptor, const iovec* parts, int count) {
 
 ssize_t pwrite(int descriptor, const void* bytes, std::size_t count, off_t offset) {
   static const auto next = real<ssize_t (*)(int, const void*, std::size_t, off_t)>("pwrite");
-  return below(descriptor) && fails() ? -1 : next(descriptor, bytes, count, offset);
+  const bool ours = below(descriptor);
+  if (ours && fails())
+    return -1;
+  if (ours && flips()) {
+    const Flipped other(bytes, count);
+    return next(descriptor, other.copy ? other.copy : bytes, count, offset);
+  }
+  return next(descriptor, bytes, count, offset);
 }
 
 ssize_t pwrite64(int descriptor, const void* bytes, std::size_t count, off64_t offset) {

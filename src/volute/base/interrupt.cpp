@@ -22,6 +22,7 @@ namespace {
 
 std::atomic<bool> stopRequested{false};
 std::atomic<bool> finished{false};
+std::atomic<bool> memoryWasMissing{false};
 std::mutex foldersMutex;
 std::set<std::filesystem::path> folders;
 std::string commandName;  // after a blank
@@ -62,11 +63,20 @@ void removePendingFiles() {
   ::_exit(1);
 }
 
-/// Where memory is missing while something is freed (JSON takes some for that), no exception arrives.
+/// Called by operator new. Some library functions are noexcept and allocate (libstdc++'s directory_iterator):
+/// they call std::terminate(), where std::bad_alloc is no longer visible.
+void noteMissingMemory() {
+  memoryWasMissing = true;
+  throw std::bad_alloc();
+}
+
+/// Where memory is missing while something is freed (JSON takes some for that), or in a function that cannot throw.
 [[noreturn]] void endWithoutMemory() {
   try {
     if (const auto error = std::current_exception())
       std::rethrow_exception(error);
+    if (memoryWasMissing)
+      throw std::bad_alloc();
   } catch (const std::bad_alloc&) {
     constexpr std::string_view kNote = "volute: there is not enough memory\n";
     (void)!::write(STDERR_FILENO, kNote.data(), kNote.size());
@@ -96,6 +106,7 @@ void waitForSignals() {
 }  // namespace
 
 void Interrupt::explainMissingMemory() {
+  std::set_new_handler(noteMissingMemory);
   std::set_terminate(endWithoutMemory);
 }
 
