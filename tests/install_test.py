@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """Installs what is built into a folder, and builds projects outside of the tree against it: install_test.py SOURCE BUILD."""
+import configparser
 import os
 import pathlib
 import re
@@ -8,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import unittest
+import xml.etree.ElementTree
 
 SOURCE, BUILD = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 del sys.argv[1:]
@@ -259,6 +261,35 @@ class Install(unittest.TestCase):
         for file, word in [("bash-completion/completions/volute", "complete"), ("zsh/site-functions/_volute", "#compdef"),
                            ("fish/vendor_completions.d/volute.fish", "complete -c volute")]:
             self.assertIn(word, (PREFIX / "share" / file).read_text())
+
+    def test_the_desktop_knows_the_viewer_and_its_files(self):
+        if not (BUILD / "bin/volute-view").exists():
+            self.skipTest("the viewer was not built")
+        result = install("viewer")
+        self.assertEqual(result.returncode, 0, result.stdout)
+        file = PREFIX / "share/applications/volute-view.desktop"
+        desktop = configparser.ConfigParser(interpolation=None)
+        desktop.optionxform = str
+        desktop.read_string(file.read_text())
+        entry = desktop["Desktop Entry"]
+        self.assertEqual((entry["Type"], entry["Exec"]), ("Application", "volute-view %f"))
+        self.assertTrue(os.access(PREFIX / "bin/volute-view", os.X_OK))
+        if shutil.which("desktop-file-validate"):
+            self.assertEqual(self.works("desktop-file-validate", file), "")
+        space = "{http://www.freedesktop.org/standards/shared-mime-info}"
+        types = xml.etree.ElementTree.parse(PREFIX / "share/mime/packages/volute.xml").getroot().findall(f"{space}mime-type")
+        self.assertEqual([kind.get("type") for kind in types], entry["MimeType"].strip(";").split(";"))
+        self.assertEqual([glob.get("pattern") for glob in types[0].iter(f"{space}glob")], ["*.volute"])
+        self.example(2)
+        match = types[0].find(f"{space}magic/{space}match")
+        magic = match.get("value").encode().decode("unicode_escape").encode("latin-1")
+        self.assertEqual((match.get("type"), match.get("offset")), ("string", "0"))
+        self.assertTrue((self.work / "cloud.volute").read_bytes().startswith(magic))
+        if shutil.which("update-mime-database") and shutil.which("gio"):
+            self.works("update-mime-database", PREFIX / "share/mime")
+            said = self.works("gio", "info", "-a", "standard::content-type", "cloud.volute",
+                              env=os.environ | {"XDG_DATA_DIRS": f"{PREFIX}/share:/usr/share", "XDG_DATA_HOME": str(self.work)})
+            self.assertIn("application/x-volute", said)
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ import sys
 import tempfile
 import threading
 import time
+import types
 import unittest
 
 import numpy as np
@@ -237,6 +238,51 @@ class Package(unittest.TestCase):
         self.assertEqual([name for name in os.listdir(self.path) if "stopped" in name], [])
         with self.assertRaises(TypeError):
             volute.compress(self.values, self.path / "stopped.volute", progress=3)
+
+    def test_a_bar_by_tqdm_or_lines_in_the_log(self):
+        class Bar:
+            made = []
+
+            def __init__(self, total, desc, leave):
+                self.total, self.stage, self.n, self.open = total, desc, 0, True
+                Bar.made.append(self)
+
+            def update(self, more):
+                self.n += more
+
+            def close(self):
+                self.open = False
+        kept = {name: sys.modules.get(name) for name in ("tqdm", "tqdm.auto")}
+        try:
+            sys.modules["tqdm"] = types.ModuleType("tqdm")
+            sys.modules["tqdm.auto"] = types.ModuleType("tqdm.auto")
+            sys.modules["tqdm.auto"].tqdm = Bar
+            volute.compress(self.values[:4], self.path / "small.volute", progress=True)
+            self.assertGreater(len(Bar.made), 1)
+            self.assertEqual([bar.stage for bar in Bar.made if bar.open or bar.n != bar.total], [])
+            sys.modules["tqdm"] = sys.modules["tqdm.auto"] = None  # not installed
+            with self.assertLogs("volute", "WARNING") as log:
+                volute.compress(self.values[:4], self.path / "small.volute", progress=True)
+            self.assertIn("compressing", log.output[-1])
+        finally:
+            for name, module in kept.items():
+                if module is None:
+                    sys.modules.pop(name, None)
+                else:
+                    sys.modules[name] = module
+
+    def test_ctrl_c_stops_every_long_call(self):
+        capture = self.capture()
+        scene = volute.Scene(self.file, extinction=1.0, emission=0.5)
+        for name, call in [("render", lambda: scene.render(3.0, size=(6000, 6000), renderer="reference")),
+                           ("reconstruct", lambda: volute.reconstruct(capture, resolution=(160, 160, 160), iterations=500)),
+                           ("read", lambda: [np.asarray(volute.open(self.file, cache=0)) for _ in range(100000)])]:
+            timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
+            began = time.monotonic()
+            timer.start()
+            with self.assertRaises(KeyboardInterrupt, msg=name):
+                call()
+            self.assertLess(time.monotonic() - began, 10, name)
 
     def test_ctrl_c_stops_and_other_threads_go_on(self):
         values = np.random.default_rng(1).random((64, 64, 64, 64), np.float32)

@@ -158,6 +158,22 @@ class EveryVerb(support.TestCase):
         self.stops("fog", valley / "fogmap.png", "--color", valley / "color_%04d.exr", "--depth", valley / "depth_%04d.exr",
                    "--camera", valley / "camera_%04d.json", "-o", self.path("foggy.mp4"), "--threads", 1)
 
+    def test_sweep(self):
+        hall = sight_cases.Mesh("hall", (0, 40, 0, 20, 0, 3), (80, 40, 6))
+        sight_cases.FdsCase([hall], [10.0 * i for i in range(40)], lambda t, *_: 0.001 * t).write(self.folder, "hall")
+        self.path("signs.json").write_text(json.dumps({"signs": [
+            {"name": str(i), "position": [2 * i + 1, 0, 2], "normal": [0, 1, 0]} for i in range(18)]}))
+        self.path("study.json").write_text(json.dumps(
+            {"cases": ["hall.smv"], "options": {"signs": "signs.json", "height": 1.5, "step": 0.1}, "variants": [{"name": "a"}]}))
+        self.path("out").mkdir()
+        self.stops("sweep", self.path("study.json"), "-o", self.path("out"), "--threads", 1)
+        self.assertEqual([name.name for name in self.path("out").iterdir() if name.name not in ("keys", "compared")], [])
+
+    def test_bench(self):
+        if not pathlib.Path(support.PROGRAM).with_name("volute-bench").exists():
+            self.skipTest("there is no volute-bench")
+        self.stops("bench", "codec", after=1)
+
     def test_visibility(self):
         sight_cases.write_vtu(self.path("a.vtu"), (20, 20, 3), (24, 24, 6), lambda x, y, z: 0.1)
         self.path("signs.json").write_text(json.dumps({"signs": [
