@@ -120,13 +120,13 @@ std::string usageLine(const Command& command) {
 std::string overviewText() {
   std::vector<Row> rows;
   for (const Command& command : commands()) rows.emplace_back(command.name, command.summary);
-  return "Volute measures, compresses and looks through semi-transparent media: fire, smoke, "
+  return "Volute compresses, renders and measures semi-transparent media: fire, smoke, "
          "fog.\n\n"
          "Example:\n"
          "  volute compress fire.npy -o fire.volute --rms 0.003\n"
          "  volute render fire.volute -o fire.mp4\n" +
          table("Commands", rows) + table("Options of every command", optionRows(commonOptions())) +
-         "\n'volute help COMMAND' says more. Exit code: 0 done, 1 could not, 2 wrong usage.\n";
+         "\n'volute help COMMAND' has details. Exit codes: 0 success, 1 failure, 2 wrong usage.\n";
 }
 
 std::string helpText(const Command& command) {

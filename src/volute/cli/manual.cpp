@@ -94,7 +94,7 @@ std::string markdownOptions(std::span<const Option> options) {
 std::string manualPage() {
   std::string out = fmt::format(".TH VOLUTE 1 \"\" \"volute {}\" \"User Commands\"\n", VOLUTE_VERSION);
   out +=
-      ".SH NAME\nvolute \\- measures, compresses and looks through semi\\-transparent media\n"
+      ".SH NAME\nvolute \\- compresses, renders and measures semi\\-transparent media\n"
       ".SH SYNOPSIS\n.B volute\n.I COMMAND\n[options]\n"
       ".SH DESCRIPTION\nResults go to standard output, progress and remarks to standard error. An "
       "output file\n"
@@ -103,7 +103,7 @@ std::string manualPage() {
   out += groffOptions(commonOptions());
   out += ".SH COMMANDS\n";
   for (const Command& command : commands()) out += groffCommand(command);
-  out += ".SH EXIT STATUS\n.TP\n0\ndone\n.TP\n1\ncould not\n.TP\n2\nwrong usage\n";
+  out += ".SH EXIT STATUS\n.TP\n0\nsuccess\n.TP\n1\nfailure\n.TP\n2\nwrong usage\n";
   return out;
 }
 

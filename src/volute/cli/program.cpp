@@ -129,7 +129,7 @@ int parseAndRun(const Command& command, const std::vector<std::string>& words) {
   const auto arguments = parseArguments(command, words);
   if (!arguments) {
     letFirstRankSpeak();
-    fmt::print(stderr, "volute {0}: {1}\n'volute help {0}' shows how it is used.\n", command.name,
+    fmt::print(stderr, "volute {0}: {1}\nSee 'volute help {0}'.\n", command.name,
                printableMessage(arguments.error().message));
     return kWrongUsage;
   }
