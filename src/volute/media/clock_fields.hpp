@@ -22,7 +22,8 @@ FieldRow clockField() {
   return {.name = "time",
           .type = FieldType::kObject,
           .access = part<path...>(),
-          .help = "its own time: offset + rate * the scene's time; wind keeps the scene's",
+          .help = "the medium's time: offset + rate * the scene's time; wind follows the scene's "
+                  "time",
           .table = &clockFields(),
           .slider = {.custom = addClock}};
 }

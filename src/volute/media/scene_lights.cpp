@@ -59,7 +59,8 @@ const FieldTable& spotFields() {
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
       {.name = "position", .type = kPoint, .access = member<&SpotDescription::position>(),
-       .help = "where it is", .unit = "m", .required = true, .slider = {.label = "position"}},
+       .help = "position of the lamp", .unit = "m", .required = true,
+       .slider = {.label = "position"}},
       {.name = "target", .type = kPoint, .access = member<&SpotDescription::target>(),
        .help = "the point it shines at", .unit = "m", .required = true,
        .slider = {.label = "target"}},

@@ -22,14 +22,14 @@ const FieldTable& lookFields() {
       {.name = "quality", .type = kChoice, .access = member<&SceneLook::quality>(),
        .help = "resolution of the pictures", .choices = kQualities},
       {.name = "renderer", .type = kChoice, .access = member<&SceneLook::renderer>(),
-       .help = "who draws", .choices = kRenderers},
+       .help = "renderer of the viewer", .choices = kRenderers},
       {.name = "surfaces", .type = kFlag, .access = member<&SceneLook::surfaces>(),
        .help = "show opaque surfaces"},
       {.name = "camera", .type = kChoice, .access = member<&SceneLook::walks>(),
        .help = "how the mouse moves the camera", .choices = kCameras},
       {.name = "speed", .access = member<&SceneLook::speed>(), .help = "playback speed",
        .least = 0.01, .most = 100},
-      {.name = "time", .access = member<&SceneLook::time>(), .help = "that is shown", .unit = "s"}};
+      {.name = "time", .access = member<&SceneLook::time>(), .help = "time shown", .unit = "s"}};
   // clang-format on
   static const FieldTable kTable = fieldTable<SceneLook>(
       {.name = "view",

@@ -67,7 +67,8 @@ const FieldTable& signFields() {
   static const FieldRow kFields[] = {
       {.name = "name", .type = kText, .access = member<&Sign::name>(), .help = "its name"},
       {.name = "position", .type = kPoint, .access = member<&Sign::position>(),
-       .help = "its middle", .unit = "m", .required = true, .slider = {.label = "position"}},
+       .help = "centre of the sign", .unit = "m", .required = true,
+       .slider = {.label = "position"}},
       {.name = "normal", .type = kDirection, .access = customMember<Sign, normalOf, setNormal>(),
        .help = "towards the reader; the sign is upright and visible only from its front",
        .required = true, .slider = {.label = "normal"}},

@@ -121,7 +121,7 @@ const FieldTable& volumeFields() {
       clockField<&SceneVolume::appearance, &Appearance::clock>()};
   // clang-format on
   static const FieldTable kTable = fieldTable<SceneVolume>({.name = "volume",
-                                                            .sentence = "voxels: fire",
+                                                            .sentence = "a volume of voxels",
                                                             .fields = kFields,
                                                             .says = "volume",
                                                             .thing = "a volume of voxels",
@@ -184,7 +184,7 @@ const FieldTable& billboardFields() {
       {.name = "size", .type = kNumbers,
        .access = memberPair<&SceneBillboard::options, &BillboardOptions::width,
                             &BillboardOptions::height>(),
-       .help = "width and height; the volume's own height fills it", .unit = "m", .least = 0,
+       .help = "width and height; the volume's height fills the rectangle", .unit = "m", .least = 0,
        .above = true, .count = 2, .required = true,
        .slider = {.label = "width|height", .least = 0.05, .most = 10, .logarithmic = true,
                   .section = "placement"}},
