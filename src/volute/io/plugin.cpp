@@ -3,9 +3,12 @@
 #include "volute/io/plugin.hpp"
 
 #include <dlfcn.h>
+#include <link.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 #include <system_error>
 
@@ -33,9 +36,26 @@ bool ofThisBuild(void* library) {
          std::string_view(reinterpret_cast<const char* (*)()>(symbol)()) == kPluginInterface;
 }
 
+/// Whether a library ends where it says: the loader maps one that was cut off, and using it is a bus
+/// error.
+bool isCutOff(const std::filesystem::path& file) {
+  ElfW(Ehdr) header{};
+  std::ifstream stream(file, std::ios::binary);
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  // The table of sections comes last.
+  return error || !stream.read(reinterpret_cast<char*>(&header), sizeof header) ||
+         header.e_shoff > size ||
+         std::uintmax_t{header.e_shnum} * header.e_shentsize > size - header.e_shoff;
+}
+
 /// `function` of the plug-in lib`name`.so, called; null with `reason` when it cannot be loaded.
 const void* loadFrom(const std::filesystem::path& file, const char* function, bool checked,
                      std::string& reason) {
+  if (isCutOff(file)) {
+    reason = file.string() + " is cut off; install it again";
+    return nullptr;
+  }
   void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   void* symbol = library ? ::dlsym(library, function) : nullptr;
   if (!symbol) {
