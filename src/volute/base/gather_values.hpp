@@ -24,7 +24,27 @@ template <class Value>
   return values;
 }
 
-/// The same, one after the other.
+/// Collective. The values that each rank has for this one, bit for bit, in the order of ranks.
+/// @param toEach  what this rank has for each
+template <class Value>
+[[nodiscard]] Result<std::vector<std::vector<Value>>> exchangeValues(
+    Team& team, std::span<const std::vector<Value>> toEach) {
+  std::vector<std::vector<std::byte>> sent;
+  for (const auto& values : toEach) {
+    const auto bytes = std::as_bytes(std::span(values));
+    sent.emplace_back(bytes.begin(), bytes.end());
+  }
+  VOLUTE_ASSIGN(const auto received, team.exchangeAll(sent));
+  std::vector<std::vector<Value>> all;
+  for (const auto& bytes : received) {
+    auto& one = all.emplace_back(bytes.size() / sizeof(Value));
+    if (!bytes.empty())
+      std::memcpy(static_cast<void*>(one.data()), bytes.data(), bytes.size());
+  }
+  return all;
+}
+
+/// The values of all ranks, one after the other. Collective.
 template <class Value>
 [[nodiscard]] Result<std::vector<Value>> gatherValues(Team& team, std::span<const Value> own) {
   VOLUTE_ASSIGN(const auto each, gatherEach(team, own));

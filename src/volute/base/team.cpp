@@ -73,6 +73,20 @@ Result<std::vector<std::vector<std::byte>>> Team::gatherAll(std::span<const std:
   return meet({}, bytes);
 }
 
+Result<std::vector<std::vector<std::byte>>> Team::exchangeAll(
+    std::span<const std::vector<std::byte>> toEach) {
+  VOLUTE_ASSERT(toEach.size() == static_cast<std::size_t>(size()));
+  // Ranks that have left with an error are in agree(), which is another exchange.
+  VOLUTE_TRY(agree({}));
+  double milliseconds = 0;
+  auto received = [&] {
+    const Stopwatch watch(milliseconds);
+    return exchangeEach({toEach.begin(), toEach.end()});
+  }();
+  waited_ += milliseconds / 1000;
+  return received;
+}
+
 Result<std::vector<std::string>> Team::gatherTexts(std::string_view text) {
   VOLUTE_ASSIGN(const auto all, gatherAll(std::as_bytes(std::span(text))));
   std::vector<std::string> texts;
@@ -182,6 +196,11 @@ Result<std::vector<std::byte>> Team::collect(std::int64_t item) {
 
 std::vector<std::vector<std::byte>> Team::exchange(std::span<const std::byte> bytes) {
   return {{bytes.begin(), bytes.end()}};
+}
+
+std::vector<std::vector<std::byte>> Team::exchangeEach(
+    std::vector<std::vector<std::byte>> toEach) {
+  return toEach;
 }
 
 void Team::addUp(std::span<std::uint64_t>) {}

@@ -64,6 +64,11 @@ class Team {
   /// The same of texts.
   [[nodiscard]] Result<std::vector<std::string>> gatherTexts(std::string_view text);
 
+  /// Collective. Sends toEach[rank], one for each rank, to that rank.
+  /// @return what each rank sent to this one, in the order of ranks
+  [[nodiscard]] Result<std::vector<std::vector<std::byte>>> exchangeAll(
+      std::span<const std::vector<std::byte>> toEach);
+
   /// Collective. The bytes of rank 0 on all ranks.
   [[nodiscard]] Result<std::vector<std::byte>> broadcast(std::span<const std::byte> bytes);
 
@@ -113,8 +118,10 @@ class Team {
   /// A counter that is at least this says that a rank has left with an error.
   static constexpr std::int64_t kStopped = std::int64_t{1} << 60;
 
-  // What a kind of team is made of. All ranks call exchange() and addUp() in the same order.
+  // What a kind of team is made of. All ranks call the first three in the same order.
   virtual std::vector<std::vector<std::byte>> exchange(std::span<const std::byte> bytes);
+  virtual std::vector<std::vector<std::byte>> exchangeEach(
+      std::vector<std::vector<std::byte>> toEach);
   virtual void addUp(std::span<std::uint64_t> numbers);
   /// The value before; atomic.
   virtual std::int64_t fetchAdd(Counter counter, std::int64_t increment);

@@ -5,8 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <set>
+#include <thread>
 
+#include "volute/base/gather_values.hpp"
 #include "volute/base/ordered_delivery.hpp"
 #include "volute/base/team_testing.hpp"
 
@@ -35,6 +38,56 @@ TEST(Team, DoesEachUnitOnceOnAnyNumberOfRanks) {
     ASSERT_EQ(done.size(), 40U);
     for (std::int64_t unit = 0; unit < 20; ++unit) EXPECT_EQ(done.count(unit), 2U);
   }
+}
+
+TEST(Team, EachRankSendsToEach) {
+  onRanks(3, [](Team& team) {
+    std::vector<std::vector<int>> toEach;
+    for (int rank = 0; rank < 3; ++rank)
+      toEach.emplace_back(static_cast<std::size_t>(rank + team.rank()), 10 * team.rank() + rank);
+    const auto received = exchangeValues(team, std::span<const std::vector<int>>(toEach));
+    ASSERT_TRUE(received);
+    ASSERT_EQ(received->size(), 3U);
+    for (int rank = 0; rank < 3; ++rank) {
+      const std::vector<int> expected(static_cast<std::size_t>(rank + team.rank()),
+                                      10 * rank + team.rank());
+      EXPECT_EQ((*received)[static_cast<std::size_t>(rank)], expected);
+    }
+  });
+  Team alone;
+  const std::vector<std::vector<int>> own{{1, 2, 3}};
+  EXPECT_EQ(*exchangeValues(alone, std::span<const std::vector<int>>(own)), own);
+}
+
+// Units of uneven cost, one of them as long as a tenth of all: whoever is free takes the next.
+TEST(Team, NoRankDoesMoreThanTwiceItsShare) {
+  using namespace std::chrono_literals;
+  constexpr int kRanks = 4, kUnits = 100;
+  std::vector<std::chrono::microseconds> cost;
+  for (int unit = 0; unit < kUnits; ++unit) cost.push_back(unit == 30 ? 30ms : 500us * (1 + unit % 10));
+  std::vector<std::vector<std::int64_t>> units(kRanks);
+  onRanks(kRanks, [&](Team& team) {
+    Progress progress;
+    ASSERT_TRUE(team.forUnits("work", kUnits, progress, [&](std::int64_t unit) -> Status {
+      std::this_thread::sleep_for(cost[static_cast<std::size_t>(unit)]);
+      return {};
+    }));
+    units[static_cast<std::size_t>(team.rank())] = team.units().front().units;
+  });
+  std::vector<int> done(kUnits, 0);
+  std::chrono::microseconds all{0}, most{0};
+  for (const auto& ofRank : units) {
+    std::chrono::microseconds sum{0};
+    for (const std::int64_t unit : ofRank) {
+      ++done[static_cast<std::size_t>(unit)];
+      sum += cost[static_cast<std::size_t>(unit)];
+    }
+    all += sum;
+    most = std::max(most, sum);
+    EXPECT_TRUE(std::ranges::is_sorted(ofRank));
+  }
+  EXPECT_EQ(done, std::vector<int>(kUnits, 1));
+  EXPECT_LE(most, 2 * all / kRanks);
 }
 
 TEST(Team, AloneIsTheTeamOfOne) {

@@ -19,7 +19,7 @@ namespace volute {
 /// What the ranks of such a team share.
 class ThreadTable {
  public:
-  explicit ThreadTable(int ranks) : messages(ranks), ranks_(ranks) {}
+  explicit ThreadTable(int ranks) : messages(ranks), letters(ranks), ranks_(ranks) {}
 
   /// Waits for all ranks.
   void meet() {
@@ -36,6 +36,7 @@ class ThreadTable {
   int ranks() const { return ranks_; }
 
   std::vector<std::vector<std::byte>> messages;
+  std::vector<std::vector<std::vector<std::byte>>> letters;  // of each rank to each
   std::atomic<std::int64_t> counters[2]{};
   std::mutex mutex;
   std::map<std::int64_t, std::vector<std::byte>> posted;
@@ -63,6 +64,16 @@ class ThreadTeam final : public Team {
     auto all = table_.messages;
     table_.meet();
     return all;
+  }
+
+  std::vector<std::vector<std::byte>> exchangeEach(
+      std::vector<std::vector<std::byte>> toEach) override {
+    table_.letters[rank_] = std::move(toEach);
+    table_.meet();
+    std::vector<std::vector<std::byte>> received;
+    for (const auto& letters : table_.letters) received.push_back(letters[rank_]);
+    table_.meet();
+    return received;
   }
 
   void addUp(std::span<std::uint64_t> numbers) override {

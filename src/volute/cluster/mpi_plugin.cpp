@@ -7,13 +7,19 @@
 #define OMPI_SKIP_MPICXX 1
 #define MPICH_SKIP_MPICXX 1
 #include <mpi.h>
+#include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <fstream>
 #include <list>
+#include <string>
+#include <string_view>
 #include <thread>
 
 namespace volute {
@@ -21,6 +27,9 @@ namespace {
 
 // Counts are ints in MPI: what is longer goes in pieces.
 constexpr std::size_t kPiece = std::size_t{1} << 30;
+
+/// In which a launcher ends all ranks after one was killed; OpenMPI's mpirun takes two.
+constexpr auto kLaunchersTime = std::chrono::seconds(4);
 
 class MpiTeam final : public Team {
  public:
@@ -36,14 +45,15 @@ class MpiTeam final : public Team {
       std::fill_n(counters_, kCounters, std::int64_t{0});
     MPI_Win_lock_all(MPI_MODE_NOCHECK, window_);
     MPI_Win_sync(window_);
+    findNeighbours();
     MPI_Barrier(meeting_);
-    if (rank_ == 0)
-      servant_ = std::thread([this] { serve(); });
+    servant_ = std::thread([this] { serve(); });
   }
 
   // A program that ends by an error has sent what nobody has received: rank 0 takes it until all
   // are rid of theirs, else MPI_Finalize would wait.
   ~MpiTeam() override {
+    leaving_ = true;
     MPI_Request all = MPI_REQUEST_NULL;
     bool entered = false;
     for (int times = 0;; pause(times)) {
@@ -58,10 +68,8 @@ class MpiTeam final : public Team {
       if (done)
         break;
     }
-    if (servant_.joinable()) {
-      ended_ = true;
-      servant_.join();
-    }
+    ended_ = true;
+    servant_.join();
     MPI_Win_unlock_all(window_);
     MPI_Win_free(&window_);
     MPI_Comm_free(&mail_);
@@ -109,6 +117,37 @@ class MpiTeam final : public Team {
       begin += static_cast<std::ptrdiff_t>(size);
     }
     return all;
+  }
+
+  // In rounds, in each of which no rank sends or gets more than one piece.
+  std::vector<std::vector<std::byte>> exchangeEach(
+      std::vector<std::vector<std::byte>> toEach) override {
+    const auto ranks = static_cast<std::size_t>(size_);
+    std::vector<std::uint64_t> own(ranks), sizes(ranks);
+    std::ranges::transform(toEach, own.begin(), [](const auto& bytes) { return bytes.size(); });
+    MPI_Request request;
+    MPI_Ialltoall(own.data(), 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, meeting_, &request);
+    wait(request);
+    std::uint64_t longest = std::max(std::ranges::max(own), std::ranges::max(sizes));
+    MPI_Iallreduce(MPI_IN_PLACE, &longest, 1, MPI_UINT64_T, MPI_MAX, meeting_, &request);
+    wait(request);
+    std::vector<std::vector<std::byte>> received(ranks);
+    for (std::size_t i = 0; i < ranks; ++i) received[i].resize(sizes[i]);
+    const std::uint64_t most = kPiece / ranks;
+    for (std::uint64_t begin = 0; begin < longest; begin += most) {
+      Piecewise sent(own, begin, most), got(sizes, begin, most);
+      std::vector<std::byte> from(sent.total), to(got.total);
+      for (std::size_t i = 0; i < ranks; ++i)
+        std::copy_n(toEach[i].data() + std::min(begin, own[i]), sent.counts[i],
+                    from.data() + sent.places[i]);
+      MPI_Ialltoallv(from.data(), sent.counts.data(), sent.places.data(), MPI_BYTE, to.data(),
+                     got.counts.data(), got.places.data(), MPI_BYTE, meeting_, &request);
+      wait(request);
+      for (std::size_t i = 0; i < ranks; ++i)
+        std::copy_n(to.data() + got.places[i], got.counts[i],
+                    received[i].data() + std::min(begin, sizes[i]));
+    }
+    return received;
   }
 
   void addUp(std::span<std::uint64_t> numbers) override {
@@ -176,6 +215,20 @@ class MpiTeam final : public Team {
     std::vector<MPI_Request> requests;
   };
 
+  /// Where in a buffer what each rank has left from `begin` on lies, `most` of it at most.
+  struct Piecewise {
+    Piecewise(std::span<const std::uint64_t> sizes, std::uint64_t begin, std::uint64_t most) {
+      for (const std::uint64_t size : sizes) {
+        counts.push_back(static_cast<int>(std::min(size - std::min(begin, size), most)));
+        places.push_back(static_cast<int>(total));
+        total += static_cast<std::size_t>(counts.back());
+      }
+    }
+
+    std::vector<int> counts, places;
+    std::size_t total = 0;
+  };
+
   static constexpr int kCounters = 2;
 
   // 2^30 items may be on their way together; MPI allows tags up to 2^31 - 1 here, and 32767 at
@@ -234,13 +287,79 @@ class MpiTeam final : public Team {
     return all;
   }
 
+  /// A rank on this machine.
+  struct Neighbour {
+    int rank = 0;
+    pid_t process = 0;
+  };
+
+  void findNeighbours() {
+    struct Place {
+      char host[64] = "";
+      std::uint64_t processes = 0;  // in which process numbers mean the same
+      std::int64_t process = 0;
+    } own;
+    ::gethostname(own.host, sizeof own.host - 1);
+    struct stat space;
+    own.processes = ::stat("/proc/self/ns/pid", &space) == 0 ? space.st_ino : 0;
+    own.process = ::getpid();
+    std::vector<Place> all(static_cast<std::size_t>(size_));
+    MPI_Allgather(&own, sizeof own, MPI_BYTE, all.data(), sizeof own, MPI_BYTE, meeting_);
+    for (int rank = 0; rank < size_; ++rank) {
+      const Place& place = all[static_cast<std::size_t>(rank)];
+      if (rank != rank_ && own.processes != 0 && place.processes == own.processes &&
+          std::string_view(place.host) == own.host)
+        neighbours_.push_back({rank, static_cast<pid_t>(place.process)});
+    }
+  }
+
+  static bool hasEnded(pid_t process) {
+    if (::kill(process, 0) != 0)
+      return errno == ESRCH;
+    // One that nobody has waited for is still there; its state follows the name, which is in
+    // brackets: proc(5).
+    std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+    std::string line;
+    std::getline(file, line);
+    const auto place = line.rfind(") ");
+    return place != line.npos && line.compare(place + 2, 1, "Z") == 0;
+  }
+
   // Over a network others reach the counters only while rank 0 is in MPI, and it computes.
   void serve() {
+    using namespace std::chrono_literals;
+    const auto nap = rank_ == 0 ? 1ms : 50ms;
+    auto looked = std::chrono::steady_clock::now(), ended = looked;
+    bool missing = false;
     while (!ended_) {
       int there = 0;
-      MPI_Iprobe(MPI_ANY_SOURCE, 0, meeting_, &there, MPI_STATUS_IGNORE);
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      if (rank_ == 0)
+        MPI_Iprobe(MPI_ANY_SOURCE, 0, meeting_, &there, MPI_STATUS_IGNORE);
+      std::this_thread::sleep_for(nap);
+      const auto now = std::chrono::steady_clock::now();
+      if (leaving_ || now - looked < 500ms)
+        continue;
+      looked = now;
+      const auto gone = std::ranges::find_if(
+          neighbours_, [](const Neighbour& one) { return hasEnded(one.process); });
+      if (gone == neighbours_.end() || !missing)
+        ended = now;
+      missing = gone != neighbours_.end();
+      if (now - ended < kLaunchersTime)
+        continue;
+      endWithout(*gone);
+      return;
     }
+  }
+
+  /// For a rank that was killed MPI waits for ever, and a launcher that does not hear of its end
+  /// leaves the others there.
+  void endWithout(const Neighbour& gone) const {
+    std::fprintf(stderr,
+                 "volute: rank %d (process %d) has ended without a word: it was killed, perhaps for "
+                 "its memory; the others end as well\n",
+                 gone.rank, static_cast<int>(gone.process));
+    ::kill(::getpid(), SIGTERM);
   }
 
   bool finalise_;
@@ -249,7 +368,8 @@ class MpiTeam final : public Team {
   std::int64_t* counters_ = nullptr;
   MPI_Win window_ = MPI_WIN_NULL;
   std::list<Sent> sent_;
-  std::atomic<bool> ended_{false};
+  std::atomic<bool> ended_{false}, leaving_{false};
+  std::vector<Neighbour> neighbours_;
   std::thread servant_;
 };
 

@@ -15,6 +15,7 @@ namespace volute {
 struct TeamLayout {
   char version[16] = VOLUTE_VERSION;
   std::uint64_t team = sizeof(Team), record = sizeof(UnitRecord);
+  std::uint64_t calls = 2;  ///< counts what Team's virtual functions have been
 
   bool operator==(const TeamLayout&) const = default;
 };
