@@ -19,6 +19,9 @@ namespace {
 constexpr double kLift = 1e-6;       ///< [m]
 constexpr double kRounding = 1e-14;  ///< of the coordinates
 
+constexpr std::size_t kGrain = 4096;  ///< segments worth a task
+constexpr std::size_t kBand = std::size_t{1} << 16;  ///< pixels that SurfaceScene::more is asked for at once
+
 /// A lamp's rays from the points that face it.
 struct ShadowRays {
   std::vector<std::size_t> point;  ///< whose it is
@@ -56,7 +59,10 @@ ShadowRays shadowRaysTo(const Lamp& lamp, const TriangleScene& geometry,
 /// The share of each ray's light that arrives.
 std::vector<double> arriving(const SurfaceScene& scene, const ShadowRays& rays) {
   std::vector<std::uint8_t> blocked(rays.segments.size());
-  scene.geometry.occluded(rays.segments, blocked);
+  parallelRanges(blocked.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    scene.geometry.occluded(std::span(rays.segments).subspan(begin, end - begin),
+                            std::span(blocked).subspan(begin, end - begin));
+  });
   std::vector<Segment> open;
   for (std::size_t k = 0; k < blocked.size(); ++k) {
     if (!blocked[k])
@@ -65,6 +71,10 @@ std::vector<double> arriving(const SurfaceScene& scene, const ShadowRays& rays) 
   std::vector<double> sum(open.size(), 0), depths(open.size());
   for (const AnyMedium& medium : scene.media) {
     medium.opticalDepth(open, depths);
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += depths[k];
+  }
+  if (scene.more) {
+    scene.more(open, depths);
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += depths[k];
   }
   std::vector<double> share(blocked.size(), 0);
@@ -82,7 +92,10 @@ std::vector<SurfacePoint> lookAtSurfaces(const SurfaceScene& scene,
                                          std::span<const Segment> segments,
                                          std::uint64_t* shadowRays) {
   std::vector<Hit> hits(segments.size());
-  scene.geometry.nearest(segments, hits);
+  parallelRanges(hits.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    scene.geometry.nearest(segments.subspan(begin, end - begin),
+                           std::span(hits).subspan(begin, end - begin));
+  });
   std::vector<SurfacePoint> points(segments.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     points[i].hit = hits[i];
@@ -116,34 +129,44 @@ Result<SurfacePicture> renderSurfaces(const Camera& camera, const SurfaceScene& 
   const auto caller = std::this_thread::get_id();  // the only one that may talk to `progress`
   std::atomic<bool> stopped = false;
   std::atomic<std::uint64_t> surfacePixels = 0, shadowRays = 0;
-  parallelFor(static_cast<std::size_t>(camera.height()), [&](std::size_t y) {
-    if (std::this_thread::get_id() == caller && progress.cancelled())
-      stopped = true;
-    if (stopped)
-      return;
-    const std::size_t row = y * static_cast<std::size_t>(camera.width());
+  const auto drawRows = [&](std::size_t first, std::size_t end) {
     std::vector<Segment> segments;
-    std::vector<int> columns;
-    for (int x = 0; x < camera.width(); ++x) {
-      picture.depth[row + static_cast<std::size_t>(x)] = std::numeric_limits<float>::infinity();
-      if (!only.empty() && !only[row + static_cast<std::size_t>(x)])
+    std::vector<std::size_t> pixels;
+    const auto width = static_cast<std::size_t>(camera.width());
+    for (std::size_t pixel = first * width; pixel < end * width; ++pixel) {
+      picture.depth[pixel] = std::numeric_limits<float>::infinity();
+      if (!only.empty() && !only[pixel])
         continue;
-      columns.push_back(x);
-      segments.push_back(camera.ray(x + 0.5, static_cast<double>(y) + 0.5));
+      pixels.push_back(pixel);
+      segments.push_back(camera.ray(static_cast<double>(pixel % width) + 0.5,
+                                    static_cast<double>(pixel / width) + 0.5));
     }
     std::uint64_t rays = 0, found = 0;
     const auto points = lookAtSurfaces(scene, segments, &rays);
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      const int x = columns[i];
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
       const SurfacePoint& point = points[i];
       const Rgb color = point.hit.found() ? point.radiance : background;
-      for (int c = 0; c < 3; ++c)
-        picture.color.at(x, static_cast<int>(y), c) = static_cast<float>(color[c]);
-      picture.depth[row + static_cast<std::size_t>(x)] = static_cast<float>(point.hit.distance);
+      for (std::size_t c = 0; c < 3; ++c) {
+        picture.color.pixels[3 * pixels[i] + c] =
+            static_cast<float>(color[static_cast<Eigen::Index>(c)]);
+      }
+      picture.depth[pixels[i]] = static_cast<float>(point.hit.distance);
       found += point.hit.found();
     }
     surfacePixels += found, shadowRays += rays;
-  });
+  };
+  const auto height = static_cast<std::size_t>(camera.height());
+  if (scene.more) {
+    const std::size_t rows = std::max<std::size_t>(1, kBand / static_cast<std::size_t>(camera.width()));
+    for (std::size_t y = 0; y < height; y += rows) drawRows(y, std::min(y + rows, height));
+  } else {
+    parallelFor(height, [&](std::size_t y) {
+      if (std::this_thread::get_id() == caller && progress.cancelled())
+        stopped = true;
+      if (!stopped)
+        drawRows(y, y + 1);
+    });
+  }
   if (stopped || progress.cancelled())
     return fail(ErrorCode::kCancelled, "stopped before the surfaces were drawn");
   picture.surfacePixels = surfacePixels, picture.shadowRays = shadowRays;

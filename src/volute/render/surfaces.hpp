@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,9 @@
 
 namespace volute {
 
+/// Writes the optical depths of segments.
+using DepthsAlong = std::function<void(std::span<const Segment>, std::span<double>)>;
+
 /// What decides how surfaces look.
 struct SurfaceScene {
   const TriangleScene& geometry;
@@ -23,6 +27,9 @@ struct SurfaceScene {
   Rgb ambient = Rgb::Zero();  ///< radiance that comes from everywhere, whatever is in the way
   std::span<const AnyMedium> media = {};  ///< take from lamps' light on its way to a surface
   bool shadows = true;  ///< else nothing takes from lamps' light: quick, for previews
+  /// Empty, or the optical depth of more that takes from it, asked for from one thread and for many
+  /// segments at once: several processes may answer together.
+  DepthsAlong more{};
 };
 
 /// What opaque surfaces look like from a camera, without the media before them.

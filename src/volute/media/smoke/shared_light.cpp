@@ -12,7 +12,7 @@
 namespace volute {
 namespace {
 
-/// Vertices that all ranks look at together.
+/// Vertices of all ranks that are looked at together.
 constexpr std::size_t kVertices = std::size_t{1} << 16;
 constexpr std::size_t kGrain = 256;
 
@@ -53,25 +53,29 @@ Result<std::vector<float>> sharedLampShares(Team& team, const TetLocator& own,
   VOLUTE_ASSIGN(const auto holders, gatherValues(team, std::span<const Holder>(&self, 1)));
   const bool inside = std::ranges::any_of(holders, [](const Holder& one) { return one.hasLamp != 0; });
   std::vector<float> shares(vertices.size(), 0);
-  for (int rank = 0; rank < team.size(); ++rank) {
-    const bool mine = rank == team.rank();
-    const std::uint64_t count = holders[static_cast<std::size_t>(rank)].vertices;
-    for (std::uint64_t begin = 0; begin < count; begin += kVertices) {
-      const std::size_t some = std::min<std::uint64_t>(kVertices, count - begin);
-      const auto asked = mine ? vertices.subspan(begin, some) : std::span<const Vec3>();
-      VOLUTE_ASSIGN(const auto questions, gatherEach(team, asked));
-      const auto& places = questions[static_cast<std::size_t>(rank)];
-      const auto runs = runsOf(places, own, extinction, lamp, near);
-      VOLUTE_ASSIGN(const auto answers, gatherValues(team, std::span<const SentLampRun>(runs)));
-      if (!mine)
-        continue;
-      std::vector<std::vector<LampRun>> ofVertex(some);
-      for (const SentLampRun& sent : answers) ofVertex[sent.vertex].push_back(sent.run);
-      parallelFor(some, [&](std::size_t i) {
-        const double end = inside ? lamp.towards(places[i]).end : std::numeric_limits<double>::infinity();
-        shares[begin + i] = static_cast<float>(lampShareOf(ofVertex[i], end, near));
-      });
+  // All ranks ask at once, so many vertices each.
+  const std::size_t some =
+      std::max<std::size_t>(1, kVertices / static_cast<std::size_t>(team.size()));
+  const std::uint64_t most = std::ranges::max(holders, {}, &Holder::vertices).vertices;
+  for (std::size_t first = 0; first < most; first += some) {
+    const std::size_t begin = std::min(first, vertices.size());
+    const std::size_t count = std::min(some, vertices.size() - begin);
+    const auto places = vertices.subspan(begin, count);
+    VOLUTE_ASSIGN(const auto questions, gatherEach(team, places));
+    std::vector<std::vector<SentLampRun>> answers;
+    for (const auto& asked : questions)
+      answers.push_back(runsOf(asked, own, extinction, lamp, near));
+    VOLUTE_ASSIGN(const auto received,
+                  exchangeValues(team, std::span<const std::vector<SentLampRun>>(answers)));
+    std::vector<std::vector<LampRun>> ofVertex(count);
+    for (const auto& one : received) {
+      for (const SentLampRun& sent : one) ofVertex[sent.vertex].push_back(sent.run);
     }
+    parallelFor(count, [&](std::size_t i) {
+      const double end =
+          inside ? lamp.towards(places[i]).end : std::numeric_limits<double>::infinity();
+      shares[begin + i] = static_cast<float>(lampShareOf(ofVertex[i], end, near));
+    });
   }
   return shares;
 }

@@ -29,8 +29,12 @@ std::vector<Piece> manyPieces(int count) {
   return pieces;
 }
 
+std::vector<HeldRun> runsOf(const std::vector<Piece>& pieces) {
+  return heldRuns(std::span(&pieces, 1));
+}
+
 TEST(SharedPicture, RunsBreakWhereThereIsAGap) {
-  const auto runs = heldRuns(manyPieces(10));
+  const auto runs = runsOf(manyPieces(10));
   ASSERT_EQ(runs.size(), 3u);
   EXPECT_EQ(runs[0].begin, 0.5);
   EXPECT_LT(runs[0].end, runs[1].begin);
@@ -49,7 +53,7 @@ TEST(SharedPicture, PiecesOfRanksComeToWhatAllOfThemDo) {
         if (static_cast<int>(i / 3) % team.size() == team.rank())
           own.push_back(pieces[i]);
       }
-      const auto runs = heldRuns(own);
+      const auto runs = runsOf(own);
       std::vector<float> rgbt(4 * kPixels, -1);
       composeRuns(team, [&](std::size_t pixel) {
         return pixel % 1000 == 7 ? runs : std::vector<HeldRun>();
@@ -66,13 +70,62 @@ TEST(SharedPicture, PiecesOfRanksComeToWhatAllOfThemDo) {
 }
 
 TEST(SharedPicture, ARayBetweenTwoPiecesMeetsOneOfThem) {
-  const auto runs = heldRuns(manyPieces(20));
+  const auto runs = runsOf(manyPieces(20));
   const Radiance expected = composite(manyPieces(20));
   onRanks(2, [&](Team& team) {
     std::vector<float> rgbt(4);
     composeRuns(team, [&](std::size_t) { return runs; }, rgbt);
     EXPECT_NEAR(rgbt[0], expected.emitted[0], 1e-5);
     EXPECT_NEAR(rgbt[3], expected.transmittance, 1e-5);
+  });
+}
+
+// Light that fills a gap of the smoke joins two runs, and both media count where they overlap.
+TEST(SharedPicture, RunsOfSeveralMediaAreTheirUnion) {
+  const std::vector<Piece> smoke = manyPieces(10);
+  Piece fire;
+  fire.begin = smoke[2].begin + 0.01, fire.end = smoke[3].end - 0.01;
+  for (int c = 0; c < 3; ++c) fire.emission[c] = {{2.0 - c}};
+  const std::vector<std::vector<Piece>> both{smoke, {fire}};
+  const auto runs = heldRuns(both);
+  ASSERT_EQ(runs.size(), 2u);
+  EXPECT_EQ(runs[0].end, runsOf(smoke)[1].end);
+  const Radiance expected = compositeMedia(both);
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(runs[0].radiance.emitted[c] +
+                    runs[0].radiance.transmittance * runs[1].radiance.emitted[c],
+                expected.emitted[c], 1e-9);
+  }
+}
+
+// Each asks for as many ways as it likes, and gets what all have along its own.
+TEST(SharedPicture, DepthsAlongWaysAreThoseOfAllRanks) {
+  onRanks(3, [](Team& team) {
+    std::vector<Segment> ways(team.rank() == 1 ? 0 : 30000 * (1 + team.rank()));
+    for (std::size_t i = 0; i < ways.size(); ++i) ways[i].end = static_cast<double>(i % 1000);
+    std::vector<double> depths(ways.size(), -1);
+    const auto own = [&](std::span<const Segment> segments, std::span<double> out) {
+      for (std::size_t i = 0; i < segments.size(); ++i)
+        out[i] = (1 + team.rank()) * segments[i].end;
+    };
+    ASSERT_TRUE(sumAlong(team, ways, depths, own));
+    for (std::size_t i = 0; i < ways.size(); ++i)
+      ASSERT_EQ(depths[i], 6.0 * static_cast<double>(i % 1000));
+  });
+}
+
+// Who leaves with an error is heard of in the middle of a picture.
+TEST(SharedPicture, AnErrorOfOneRankEndsAll) {
+  onRanks(3, [](Team& team) {
+    if (team.rank() == 1) {
+      EXPECT_FALSE(team.agree(fail(ErrorCode::kIo, "no such file")));
+      return;
+    }
+    std::vector<float> rgbt(4 * 100);
+    composeRuns(team, [](std::size_t) { return std::vector<HeldRun>(); }, rgbt);
+    const Status after = team.agree({});
+    ASSERT_FALSE(after);
+    EXPECT_EQ(after.error().message, "rank 1: no such file");
   });
 }
 

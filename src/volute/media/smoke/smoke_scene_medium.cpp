@@ -92,7 +92,7 @@ class MeshPicture final : public MediumPicture {
       std::vector<Piece> pieces;
       if (ray.begin < ray.end)
         own.pieces(std::span(&ray, 1), std::span(&pieces, 1));
-      return heldRuns(pieces);
+      return heldRuns(std::span(&pieces, 1));
     }, rgbt);
   }
 
