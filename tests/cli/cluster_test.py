@@ -4,12 +4,14 @@
 import array
 import filecmp
 import json
+import math
 import os
 import pathlib
 import random
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -85,6 +87,11 @@ class Cluster(support.TestCase):
         self.assertEqual([entry["rank"] for entry in each], list(range(ranks)))
         self.assertEqual(sorted(unit for entry in each for unit in entry["units"].get(stage, [])), list(range(count)))
 
+    def check_shares(self, stats, stage):
+        """No rank does more than twice its share, by the CPU time that its units took."""
+        work = [entry["stages"][stage]["cpu_seconds"] for entry in json.loads(stats.read_text())["ranks"]]
+        self.assertLessEqual(max(work), 2 * sum(work) / len(work), work)
+
     def hall(self, name="hall", smoke=0.02):
         mesh = sight_cases.Mesh(name, (0, 7, 0, 3, 0, 2.4), (14, 6, 4), [])
         return sight_cases.FdsCase([mesh], [0.0, 1.0, 2.5], lambda time, x, y, z: smoke * (1 + time) * (1 + 0.1 * x)).write(self.folder)
@@ -120,6 +127,14 @@ class SameBytes(Cluster):
             self.check_units(self.path("stats.json"), "rendering", 9, ranks)
             self.assertEqual(len(self.same_folders(alone, folder)), 9)
             self.assertEqual(json.loads(self.path("stats.json").read_text())["rays"], 9 * 40 * 30)
+
+    def test_units_are_shared_out(self):
+        """20 units a rank and more."""
+        packed = self.make_volute(frames=100, size=16)
+        for ranks in (3, 4):
+            self.succeeds(ranks, "render", packed, "-o", self.path("x_%03d.png"), "--size", "160x120", "--renderer", "cpu", "--stats", self.path("stats.json"))
+            self.check_units(self.path("stats.json"), "rendering", 100, ranks)
+            self.check_shares(self.path("stats.json"), "rendering")
 
     def test_many_stills(self):
         """128 for each rank and more are taken in rows of 16."""
@@ -186,7 +201,7 @@ class SameBytes(Cluster):
     def test_film(self):
         packed = self.make_volute(frames=20, size=12)
         self.works("render", packed, "-o", self.path("alone.mp4"), "--size", "64x48", "--threads", "1")
-        for ranks in (2, 3, 8):
+        for ranks in RANKS:
             self.succeeds(ranks, "render", packed, "-o", self.path("ours.mp4"), "--size", "64x48")
             self.assertEqual(self.path("ours.mp4").read_bytes(), self.path("alone.mp4").read_bytes())
 
@@ -208,7 +223,7 @@ class SameBytes(Cluster):
         self.works("project", self.path("truth.npy"), capture, "-o", self.path("{camera}_%04d.exr"))
         arguments = ("reconstruct", capture, "--resolution", "10", "--iterations", "4", "--regularization", "none", "--force")
         self.works(*arguments, "-o", self.path("alone.volute"))
-        for ranks in (2, 3, 8):
+        for ranks in RANKS:
             self.succeeds(ranks, *arguments, "-o", self.path("ours.volute"), "--stats", self.path("stats.json"))
             self.assertEqual(self.path("ours.volute").read_bytes(), self.path("alone.volute").read_bytes(), ranks)
             self.check_units(self.path("stats.json"), "reconstructing", 3, ranks)  # frames 10-15, 16-23, 24-27
@@ -333,6 +348,103 @@ class MeshInPieces(Cluster):
         self.assertIn("piece_3.vtu", self.says(3, *arguments))
 
 
+@unittest.skipUnless(HAS_MPI, "no mpirun, or Volute was built without MPI")
+class FdsInShares(Cluster):
+    """Ranks that hold some meshes of a case each draw what one process does."""
+    VIEW = ("--eye", "-4,-6,5", "--target", "5,2,1", "--fov", "40", "--size", "60x40")
+    WALL = (1.0, 1.5, 0.5, 3.0, 0.0, 2.0)
+
+    @staticmethod
+    def smoke(time, x, y, z):
+        return 0.1 * (1 + time) * (1.2 + math.sin(x) * math.cos(y)) * (0.2 + z)
+
+    @staticmethod
+    def heat(time, x, y, z):
+        return 900.0 if (x - 5) ** 2 + (y - 2) ** 2 < 2 and z < 1.5 else 0.0
+
+    def case(self, fire=False, overlapping=False):
+        meshes = [sight_cases.Mesh("west", (0, 4, 0, 4, 0, 2.4), (16, 16, 8), [self.WALL]),
+                  sight_cases.Mesh("low", (4, 7, 0, 4, 0, 1.2), (6, 8, 4), []),
+                  sight_cases.Mesh("high", (4, 7, 0, 4, 1.2, 2.4), (6, 8, 4), []),
+                  sight_cases.Mesh("east", (7, 10, 0, 4, 0, 2.4), (12, 16, 8), [])]
+        if overlapping:
+            meshes[1:3] = [sight_cases.Mesh("middle", (4, 7, 0, 4, 0, 2.4), (6, 8, 8), []),
+                           sight_cases.Mesh("fine", (5, 6, 1, 2, 0, 1.2), (8, 8, 8), [])]
+        more = [("HRRPUV", "kW/m3", self.heat)] if fire else []
+        return sight_cases.FdsCase(meshes, [0.0, 1.0, 2.5], self.smoke, more=more).write(self.folder)
+
+    def add_plots(self, case):
+        """PLOT3D files of the extinction, of all meshes at two times."""
+        with case.open("a") as index:
+            for time in (0.0, 2.0):
+                for number, (bounds, cells) in enumerate([((0, 4, 0, 4, 0, 2.4), (16, 16, 8)), ((4, 7, 0, 4, 0, 1.2), (6, 8, 4)),
+                                                          ((4, 7, 0, 4, 1.2, 2.4), (6, 8, 4)), ((7, 10, 0, 4, 0, 2.4), (12, 16, 8))], 1):
+                    mesh = sight_cases.Mesh("", bounds, cells)
+                    values = array.array("f", (self.smoke(time, x, y, z) for z in mesh.planes[2] for y in mesh.planes[1] for x in mesh.planes[0]))
+                    name = f"plot_{number}_{time:.0f}.q"
+                    with self.path(name).open("wb") as file:
+                        for data in (struct.pack("<3i", *(c + 1 for c in cells)), struct.pack("<4f", 0, 0, 0, 0), 5 * values.tobytes()):
+                            file.write(struct.pack("<i", len(data)) + data + struct.pack("<i", len(data)))
+                    index.write(f"PL3D {time:11.2f}{number:6}\n {name}\n" + " TEMPERATURE\n temp\n C\n"
+                                " SOOT EXTINCTION COEFFICIENT\n ext\n 1/m\n" + " TEMPERATURE\n temp\n C\n" * 3)
+
+    def check_same(self, *arguments, ranks=(2, 4), suffix=".exr", within=1e-5):
+        self.works(*arguments, "-o", self.path("alone" + suffix))
+        for count in ranks:
+            self.succeeds(count, *arguments, "-o", self.path("ours" + suffix), "--by-pieces")
+            difference = self.works("compare", self.path("alone" + suffix), self.path("ours" + suffix), "--json").json["max_error"]
+            self.assertLessEqual(difference, within, (count, arguments))
+
+    def scene(self, case, lights, **members):
+        scene = {"format": "volute-scene-1", "background": [0.2, 0.3, 0.4], "lights": lights,
+                 "camera": {"eye": [-4, -6, 5], "target": [5, 2, 1], "up": [0, 0, 1], "fov": 40, "size": [60, 40]},
+                 "media": [{"kind": "smoke", "case": case.name, "albedo": [0.8, 0.7, 0.6], "building": "open"} | members]}
+        self.path("scene.json").write_text(json.dumps(scene))
+        return self.path("scene.json")
+
+    def test_smoke(self):
+        case = self.case()
+        self.check_same("render", case, *self.VIEW, "--aov", "optical-depth", ranks=(2, 3, 4))
+        self.check_same("render", case, *self.VIEW, "--measured", "--time", "1.7")
+        self.check_same("render", case, *self.VIEW, "--mode", "threshold", "--scale", "0.5", "--measured", ranks=(2,))
+        # As a person would, without anything said: the same time, view and caption.
+        self.check_same("render", case, ranks=(3,), suffix=".png", within=1.01 / 255)
+
+    def test_overlapping_meshes(self):
+        self.check_same("render", self.case(overlapping=True), *self.VIEW, "--measured", ranks=(2, 4))
+
+    def test_plot3d(self):
+        case = self.case()
+        self.add_plots(case)
+        self.check_same("render", case, *self.VIEW, "--field", "plot3d-extinction", "--aov", "optical-depth", "--time", "1")
+        self.check_same("render", case, *self.VIEW, "--field", "plot3d-extinction", "--measured", "--time", "2", ranks=(3,))
+
+    def test_lamps_light_smoke_and_walls(self):
+        lights = [{"kind": "ambient", "radiance": [0.3, 0.3, 0.4]}, {"kind": "sun", "direction": [0.5, 0.3, -1], "radiance": [1, 0.9, 0.8]},
+                  {"kind": "spot", "position": [3, 2, 2.2], "target": [6, 2, 0], "angle": 100, "intensity": [3, 2, 1]}]
+        for members in ({}, {"scale": 2.0}):
+            self.check_same("render", self.scene(self.case(), lights, **members), "--measured", "--time", "1", ranks=(2, 4))
+
+    def test_fire_and_signs(self):
+        scene = self.scene(self.case(fire=True), [{"kind": "ambient", "radiance": [1, 1, 1]}])
+        text = json.loads(scene.read_text())
+        text["signs"] = [{"position": [9.9, 2, 1.8], "normal": [-1, 0, 0], "size": [0.6, 0.3], "emitting": True}]
+        scene.write_text(json.dumps(text))
+        self.check_same("render", scene, "--measured", "--time", "2.5", ranks=(2, 4))
+        self.check_same("render", scene, "--measured", "--time", "1", ranks=(3,))
+
+    def test_what_ranks_cannot_share(self):
+        case = self.case(fire=True, overlapping=True)
+        arguments = ("render", case, *self.VIEW, "-o", self.path("x.exr"), "--by-pieces", "--quiet")
+        self.assertIn("has 4 meshes, and 5 ranks cannot hold one each", self.says(5, *arguments))
+        self.assertIn("overlap, so two ranks cannot hold one each where there is fire", self.says(4, *arguments))
+        self.succeeds(4, *arguments, "--fire", "0")
+        self.path("x.exr").unlink()
+        self.assertIn("no iso-surfaces", self.says(2, *arguments, "--fire", "0", "--fds-iso", "SOOT EXTINCTION COEFFICIENT=0.2"))
+        self.path("case_3_1.sf").unlink()
+        self.assertIn("case_3_1.sf", self.says(2, *arguments))
+
+
 class Slurm(Cluster):
     """The example scripts, with what a scheduler gives them."""
 
@@ -441,6 +553,38 @@ class BadInput(Cluster):
         packed = self.make_volute(frames=2)
         self.succeeds(8, "render", packed, "-o", self.path("x_%d.png"), "--size", "16x16")
         self.assertEqual([name for name in self.files() if name.endswith(".png")], ["x_0.png", "x_1.png"])
+        self.succeeds(6, "extract", packed, "-o", self.path("x.npy"))
+        self.works("extract", packed, "-o", self.path("y.npy"))
+        self.assertEqual(self.path("x.npy").read_bytes(), self.path("y.npy").read_bytes())
+        self.succeeds(6, "compress", self.path("x.npy"), "-o", self.path("x.volute"))
+        self.works("compress", self.path("x.npy"), "-o", self.path("y.volute"))
+        self.assertEqual(self.path("x.volute").read_bytes(), self.path("y.volute").read_bytes())
+
+    def test_folders_that_are_not_shared(self):
+        """Of each command whose ranks write by themselves: each rank has a folder of its own under one name."""
+        script = self.path("ranks.sh")
+        script.write_text('#!/bin/sh\ncd "$1/$OMPI_COMM_WORLD_RANK"; shift; exec "$@"\n')
+        script.chmod(0o755)
+        for rank in range(2):
+            self.path(str(rank)).mkdir()
+        capture = self.path("capture.json")
+        capture.write_text(json.dumps(ring.capture() | {"frames": [0, 1]}))
+        self.works("synthesize", "fire", "-o", self.path("truth.npy"), "--size", "16", "--frames", "2")
+        self.works("project", self.path("truth.npy"), capture, "-o", self.path("{camera}_%04d.exr"))
+        study = self.study()
+        case = json.loads(study.read_text())["cases"][0]
+        for arguments in (("sweep", study, "-o", "out"),
+                          ("visibility", case, "--signs", self.path("signs.json"), "-o", "out", "--height", "1.2", "--step", "0.5"),
+                          ("compress", self.path("truth.npy"), "-o", self.path("x.volute"), "--work", "work"),
+                          ("reconstruct", capture, "-o", "out.volute", "--resolution", "8", "--iterations", "2", "--force")):
+            command, environment = mpirun(2, script, self.folder, PROGRAM, *arguments)
+            done = subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                  timeout=LIMIT)
+            said = [line for line in done.stderr.decode().splitlines() if line.startswith("volute")]
+            self.assertEqual((done.returncode, len(said)), (1, 1), (arguments[0], done.stderr.decode()))
+            self.assertIn("is another folder than that of rank 0", said[0])
+            self.assertEqual([path for rank in range(2) for path in self.path(str(rank)).rglob("*") if path.is_file()], [], arguments[0])
+            self.assertFalse(self.path("x.volute").exists())
 
     def test_without_the_plug_in(self):
         packed = self.make_volute()
@@ -455,6 +599,27 @@ class BadInput(Cluster):
         self.assertEqual(len(said), 1, said)
         self.assertIn("the part of Volute that uses MPI cannot be loaded", said[0])
         self.assertEqual(subprocess.run([program, *arguments], stderr=subprocess.PIPE).returncode, 0)
+
+    def test_a_broken_mpi(self):
+        """The plug-in is cut off, or MPI itself cannot start: a word of ours or of MPI's, and an end."""
+        packed = self.make_volute()
+        arguments = ("render", packed, "-o", self.path("x.png"), "--size", "16x16")
+        for folder in ("bin", "lib/volute"):
+            (self.path("other") / folder).mkdir(parents=True)
+        shutil.copy(PROGRAM, self.path("other/bin/volute"))
+        plugin = (PLUGINS / "volute_mpi.so").read_bytes()
+        for kept in (0, 100, 5000, len(plugin) - 1):
+            self.path("other/lib/volute/volute_mpi.so").write_bytes(plugin[:kept])
+            command, environment = mpirun(2, self.path("other/bin/volute"), *arguments)
+            done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=LIMIT)
+            said = [line for line in done.stderr.decode().splitlines() if line.startswith("volute")]
+            self.assertEqual((done.returncode, len(said)), (1, 1), (kept, done.stderr.decode()))
+            self.assertIn("volute_mpi.so is cut off; install it again", said[0])
+        shutil.rmtree(self.path("other"))
+        before = self.files()
+        code, _, message = self.runs(2, *arguments, environment={"OMPI_MCA_pml": "nothing"})
+        self.assertEqual((code, self.files()), (1, before), message)
+        self.assertIn("pml", message)
 
     def test_a_launcher_of_another_mpi(self):
         """Processes that do not find each other would all do all of the work."""
@@ -481,6 +646,38 @@ class BadInput(Cluster):
             for name in whole:  # each picture is there whole or not at all
                 self.works("compare", self.path(name), self.path(name))
                 self.path(name).unlink()
+            for name in self.files():
+                if ".part" in name:  # of the rank that was killed
+                    self.path(name).unlink()
+
+    def test_ranks_end_where_the_launcher_does_not_see_a_death(self):
+        """A launcher that stands still cannot end the others, which wait for the one that was killed."""
+        source = self.make_npy(frames=100, size=32)
+        for victim in (0, 2):
+            process = start(3, "compress", source, "-o", self.path("x.volute"), "--rms", "0.0001")
+            end = time.monotonic() + LIMIT
+            while len(ranks_of(process.pid)) < 3 and time.monotonic() < end:
+                time.sleep(0.02)
+            time.sleep(1)  # until MPI has begun
+            there = sorted(ranks_of(process.pid))
+            self.assertEqual(len(there), 3)
+            process.send_signal(signal.SIGSTOP)
+            try:
+                self.assertTrue(kill(there[victim]))
+                killed = time.monotonic()
+                while ranks_of(process.pid) and time.monotonic() - killed < LIMIT:
+                    time.sleep(0.05)
+                took = time.monotonic() - killed
+                self.assertEqual(ranks_of(process.pid), [])
+            finally:
+                process.send_signal(signal.SIGCONT)
+            _, message = process.communicate(timeout=LIMIT)
+            self.assertLess(took, 10 * LIMIT / 60)
+            self.assertNotEqual(process.returncode, 0)
+            if victim != 0:
+                self.assertIn("rank 2 ", message.decode())
+                self.assertIn("has ended without a word", message.decode())
+            self.assertFalse(self.path("x.volute").exists())
             for name in self.files():
                 if ".part" in name:  # of the rank that was killed
                     self.path(name).unlink()

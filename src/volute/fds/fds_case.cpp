@@ -43,6 +43,7 @@ Result<FdsCase> FdsCase::open(SmvIndex index, const FdsOptions& options) {
   opened.options_ = options;
   opened.index_ = std::move(index);
   opened.remarks_ = opened.index_.remarks;
+  VOLUTE_ASSIGN(opened.heldMeshes_, meshesOfShare(opened.index_, options.share));
   VOLUTE_TRY(opened.checkSize());
   VOLUTE_TRY(opened.chooseSource(options));
   VOLUTE_TRY(opened.openParts());
@@ -57,7 +58,8 @@ Result<FdsCase> FdsCase::open(SmvIndex index, const FdsOptions& options) {
 /// Obstructions take a byte for each cell of the meshes, whatever part of them has smoke.
 Status FdsCase::checkSize() const {
   double cells = 0;
-  for (const FdsMesh& mesh : index_.meshes) cells += static_cast<double>(mesh.cellCount());
+  for (std::size_t i = 0; i < heldMeshes_.size(); ++i)
+    cells += heldMeshes_[i] ? static_cast<double>(index_.meshes[i].cellCount()) : 0;
   if (cells <= static_cast<double>(options_.maxMemory))
     return {};
   return fail(
@@ -311,11 +313,19 @@ void FdsCase::noteDroppedTimes(std::span<const double> dropped) {
                    : "the case may still be running; else copy the files again"));
 }
 
+bool FdsCase::holds(const Part& part) const {
+  return heldMeshes_[static_cast<std::size_t>(part.what.mesh)];
+}
+
 Status FdsCase::buildGrid() {
   std::vector<FdsLattice> lattices;
+  std::vector<bool> held;
   double bytes = 0;
   for (const auto& part : parts_) {
     lattices.push_back(part->lattice);
+    held.push_back(holds(*part));
+    if (!held.back())
+      continue;
     const double perValue = source().kind == FdsFileKind::kSlice ? 4 : 12;
     bytes += 3 * perValue * static_cast<double>(part->lattice.valueCount());  // two and one between
   }
@@ -324,7 +334,7 @@ Status FdsCase::buildGrid() {
                 "{}: its frames need {:.3g} GB, {:.3g} GB are allowed: raise --max-memory",
                 index_.path.string(), bytes * 1e-9, static_cast<double>(options_.maxMemory) * 1e-9);
   }
-  VOLUTE_ASSIGN(grid_, FdsGrid::create(std::move(lattices)));
+  VOLUTE_ASSIGN(grid_, FdsGrid::create(std::move(lattices), std::move(held)));
   return {};
 }
 
@@ -508,7 +518,8 @@ Result<std::shared_ptr<const FdsCase::Frame>> FdsCase::frame(std::size_t positio
   std::mutex mutex;
   std::optional<Error> error;
   parallelFor(parts_.size(), [&](std::size_t i) {
-    auto values = partValues(*parts_[i], position);
+    auto values = holds(*parts_[i]) ? partValues(*parts_[i], position)
+                                    : std::make_shared<const FdsValues>();
     if (values) {
       (*frame)[i] = std::move(*values);
       return;
@@ -559,6 +570,10 @@ FdsCase::Cells FdsCase::cellsAt(double time, double frameBefore, double frameAft
   Cells cells(parts_.size());
   parallelFor(parts_.size(), [&](std::size_t i) {
     Part& part = *parts_[i];
+    if (!holds(part)) {
+      cells[i] = std::make_shared<const std::vector<FdsCell>>();
+      return;
+    }
     if (known && part.cells.second && part.cells.first == changes) {
       cells[i] = part.cells.second;
       return;

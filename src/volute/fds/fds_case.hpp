@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "volute/fds/fds_field.hpp"
+#include "volute/fds/fds_share.hpp"
 #include "volute/fds/fds_source.hpp"
 #include "volute/fds/frame_file.hpp"
 #include "volute/fds/obstructions.hpp"
@@ -26,6 +27,7 @@ struct FdsOptions {
   double visibilityFactor = 3;  ///< C of visibility slices (VISIBILITY_FACTOR)
   double visibilityCap = 30;    ///< [m], what FDS cuts visibility at (MAXIMUM_VISIBILITY)
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes], for frames
+  FdsShare share{};  ///< fields have values of these meshes alone
 };
 
 /// The smoke of a case, or another quantity: which files it is read from, when, where, and one
@@ -95,6 +97,7 @@ class FdsCase {
   Status findTemperatureScale();
   Status findRounding(const Part& part);
   Result<SmokeScale> scaleOf(const Part& part, std::size_t frame) const;
+  bool holds(const Part& part) const;
   Status findTimes();
   void noteDroppedTimes(std::span<const double> dropped);
   Status buildGrid();
@@ -111,6 +114,7 @@ class FdsCase {
   SmvIndex index_;
   std::vector<FdsSource> sources_;
   std::size_t chosen_ = 0;
+  std::vector<bool> heldMeshes_;
   std::vector<std::shared_ptr<Part>> parts_;
   bool bytesAreDensity_ = false;                                    // of .s3d: the third generation
   std::array<double, 2> temperatureRange_{20, 2000};                // [degrees C], FDS's default

@@ -119,6 +119,8 @@ FdsField::FdsField(std::shared_ptr<const FdsGrid> grid,
   VOLUTE_ASSERT(values_.size() == grid_->lattices().size());
   VOLUTE_ASSERT(cells_.size() == grid_->lattices().size());
   for (std::size_t i = 0; i < values_.size(); ++i) {
+    if (!grid_->holds(i))
+      continue;
     VOLUTE_ASSERT(values_[i]->value.size() == grid_->lattices()[i].valueCount());
     VOLUTE_ASSERT(values_[i]->low.size() == values_[i]->high.size());
     VOLUTE_ASSERT(cells_[i]->size() == grid_->lattices()[i].cellCount());
@@ -138,6 +140,10 @@ struct FdsField::Marches {
 const FdsField::Marches& FdsField::marches() const {
   std::call_once(marches_->made, [&] {
     for (std::size_t i = 0; i < values_.size(); ++i) {
+      if (!grid_->holds(i)) {
+        marches_->lattices.emplace_back();
+        continue;
+      }
       const std::vector<FdsCell>& cells = *cells_[i];
       std::vector<std::uint8_t> gas(cells.size());
       for (std::size_t c = 0; c < cells.size(); ++c) {
@@ -161,7 +167,7 @@ FdsField FdsField::withSource(const Rgb& source) const {
 FdsField FdsField::withLight(std::vector<std::shared_ptr<const FdsLight>> light) const {
   VOLUTE_ASSERT(light.size() == grid_->lattices().size());
   for (std::size_t i = 0; i < light.size(); ++i)
-    VOLUTE_ASSERT(light[i]->size() == 3 * grid_->lattices()[i].nodeCount());
+    VOLUTE_ASSERT(!grid_->holds(i) || light[i]->size() == 3 * grid_->lattices()[i].nodeCount());
   FdsField other = *this;
   other.light_ = std::move(light);
   return other;

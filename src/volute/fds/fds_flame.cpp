@@ -36,6 +36,8 @@ Box3 litBounds(const FdsField& light) {
   for (std::size_t i = 0; i < light.grid().lattices().size(); ++i) {
     const FdsLattice& lattice = light.grid().lattices()[i];
     const auto& values = light.values(i).value;
+    if (!light.grid().holds(i))
+      continue;
     const int extra = lattice.nodal ? 1 : 0;
     std::size_t place = 0;
     for (int z = 0; z < lattice.cells(2) + extra; ++z) {
@@ -131,13 +133,18 @@ FdsFlame FdsFlame::glowing(const FdsField& celsius, const FlameLaw& law, double 
 }
 
 double FdsFlame::luminance(const FdsField& smoke, double scale) const {
+  return luminance(smoke, scale, bounds_, {});
+}
+
+double FdsFlame::luminance(const FdsField& smoke, double scale, const Box3& box,
+                           const std::function<void(std::span<double>)>& addUp) const {
   constexpr int kLines = 32;  // a side
   std::vector<Segment> lines;
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    const Vec3 size = bounds_.size();
+    const Vec3 size = box.size();
     for (int i = 0; i < kLines * kLines; ++i) {
-      Vec3 from = bounds_.min;
+      Vec3 from = box.min;
       from[u] += size[u] * (i % kLines + 0.5) / kLines;
       from[v] += size[v] * (i / kLines + 0.5) / kLines;
       lines.push_back({from, Vec3::Unit(axis), 0, size[axis]});
@@ -147,12 +154,19 @@ double FdsFlame::luminance(const FdsField& smoke, double scale) const {
   radiance(lines, seen);
   std::vector<double> depths(lines.size()), bright;
   smoke.opticalDepth(lines, depths);
+  std::vector<double> lights;
+  for (const Radiance& one : seen) {
+    const Rgb& light = one.emitted;
+    lights.push_back(light[0] * 0.2126 + light[1] * 0.7152 + light[2] * 0.0722);
+  }
+  if (addUp) {
+    addUp(depths);
+    addUp(lights);
+  }
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    const Rgb& light = seen[i].emitted;
     const double depth = scale * depths[i];
     const double passes = depth > 1e-6 ? -std::expm1(-depth) / depth : 1;
-    const double luminance =
-        passes * (light[0] * 0.2126 + light[1] * 0.7152 + light[2] * 0.0722);
+    const double luminance = passes * lights[i];
     if (luminance > kDark)
       bright.push_back(luminance);
   }

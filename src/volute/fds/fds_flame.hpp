@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <functional>
+
 #include "volute/fds/fds_field.hpp"
 
 namespace volute {
@@ -53,6 +55,12 @@ class FdsFlame {
   /// axes, 32 x 32 a side of bounds(), which meet it; 0: none does. Of `smoke`, times `scale`, each
   /// line has its mean, from end to end.
   double luminance(const FdsField& smoke, double scale) const;
+
+  /// The same where others hold more of the fire and of the smoke.
+  /// @param box  bounds() of all
+  /// @param addUp  adds what the others have, place by place
+  double luminance(const FdsField& smoke, double scale, const Box3& box,
+                   const std::function<void(std::span<double>)>& addUp) const;
 
   /// One of heat release; of temperatures one a channel.
   std::span<const Light> lights() const { return lights_; }

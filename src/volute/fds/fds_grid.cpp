@@ -53,9 +53,11 @@ double cellVolume(const FdsLattice& lattice) {
 
 }  // namespace
 
-Result<std::shared_ptr<const FdsGrid>> FdsGrid::create(std::vector<FdsLattice> lattices) {
+Result<std::shared_ptr<const FdsGrid>> FdsGrid::create(std::vector<FdsLattice> lattices,
+                                                       std::vector<bool> held) {
   auto grid = std::make_shared<FdsGrid>();
   grid->lattices_ = std::move(lattices);
+  grid->held_ = std::move(held);
   for (const FdsLattice& lattice : grid->lattices_) {
     if (lattice.nodeCount() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
       return fail(ErrorCode::kTooLarge, "mesh {} has {} nodes, more than 2^31", lattice.mesh + 1,
@@ -100,6 +102,10 @@ Result<std::shared_ptr<const FdsGrid>> FdsGrid::create(std::vector<FdsLattice> l
     }
     grid->bounds_.extend(lattice.bounds().min);
     grid->bounds_.extend(lattice.bounds().max);
+  }
+  for (std::int32_t& part : grid->table_) {
+    if (part >= 0 && !grid->holds(static_cast<std::size_t>(part)))
+      part = -1;
   }
   return std::shared_ptr<const FdsGrid>(std::move(grid));
 }

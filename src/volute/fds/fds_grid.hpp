@@ -116,10 +116,15 @@ void traversePlanes(const FdsPlanes& planes, const Segment& segment, double begi
 class FdsGrid {
  public:
   /// kTooLarge when the lattices' outer planes cut space into too many parts.
+  /// @param held  empty, or whether each lattice's values are held here: where others are counts as
+  ///              outside of the lattices, but for bounds()
   [[nodiscard]] static Result<std::shared_ptr<const FdsGrid>> create(
-      std::vector<FdsLattice> lattices);
+      std::vector<FdsLattice> lattices, std::vector<bool> held = {});
 
   std::span<const FdsLattice> lattices() const { return lattices_; }
+
+  /// Whether a lattice has values here.
+  bool holds(std::size_t lattice) const { return held_.empty() || held_[lattice]; }
 
   const Box3& bounds() const { return bounds_; }
 
@@ -137,6 +142,7 @@ class FdsGrid {
 
  private:
   std::vector<FdsLattice> lattices_;
+  std::vector<bool> held_;  // empty: all
   Box3 bounds_;
   FdsPlanes planes_;                 // of the table
   std::vector<std::int32_t> table_;  // lattice of each part, or -1; x fastest

@@ -269,9 +269,10 @@ Status checkTogether(const FilmJob& job) {
   else if (!job.layers.empty())
     beyond = "gives one --aov at a time";
   else if (job.scene.media().size() != 1 || !job.scene.media().front()->info().shared)
-    beyond = "is of a .pvtu and no other medium";
-  else if (!job.scene.geometry().empty())
-    beyond = "has no surfaces in it";
+    beyond = "is of one medium, that lies in several pieces or meshes";
+  else if (!job.scene.geometry().empty() && !job.scene.description().lights.lamps.empty() &&
+           !job.scene.media().front()->info().sharesAll)
+    beyond = "has no surfaces in it that lamps light";
   if (beyond.empty())
     return {};
   return fail(ErrorCode::kUnsupported, "a picture of a mesh that ranks hold together {}", beyond);

@@ -31,6 +31,11 @@ class MediumPicture {
   /// Light towards the eye, and the transmittance of the picture's law: RGBT, 4 values a pixel.
   virtual void light(const Camera& camera, std::span<const float> opaqueDepth,
                      std::span<float> rgbt) = 0;
+
+  /// Of a medium of which several ranks hold a share each: the optical depth along segments of what
+  /// all hold, which all ranks ask for together, for the same segments. Empty: it is not shared, or
+  /// not known along any but pixels' rays.
+  virtual DepthsAlong depthsOfAll() const { return {}; }
 };
 
 struct Contour;

@@ -50,6 +50,9 @@ struct MediumInfo {
   std::optional<PictureLaw> law{};  ///< that it wants to be seen through
   bool lawByC = false;              ///< C was said, not assumed, and nothing but the law depends on it
   bool shared = false;     ///< this process holds a share of it, see OpenOptions::holders
+  /// With `shared`: all ranks together find its first time, and what of lamps' light comes through
+  /// it to surfaces.
+  bool sharesAll = false;
   bool captioned = false;  ///< pictures of it alone say what they show, unless they are asked not to
 
   /// What of its values is mass: "of soot", "g/m3". Nothing: they tell no mass, and `noMass` why.

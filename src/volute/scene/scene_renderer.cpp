@@ -263,10 +263,18 @@ Result<std::vector<AnyMedium>> CpuRenderer::mediaFor(const View& view) const {
 Result<SurfacePicture> CpuRenderer::surfaces(const View& view, Progress& progress) {
   const Snapshot& snapshot = view.snapshot;
   // Lamps' light is always attenuated physically, whatever the picture's law.
-  VOLUTE_ASSIGN(auto media, mediaFor(view));
+  DepthsAlong ofAll;  // of a medium in shares, beside which there is no other
+  for (const auto& picture : pictures_) {
+    if (picture && !ofAll)
+      ofAll = picture->depthsOfAll();
+  }
+  std::vector<AnyMedium> media;
+  if (!ofAll) {
+    VOLUTE_ASSIGN(media, mediaFor(view));
+  }
   for (AnyMedium& medium : media) medium = scaledBy(1 / snapshot.law.factor(), medium);
   const SurfaceScene scene{snapshot.geometry, snapshot.lights.lamps, snapshot.lights.ambient,
-                           media, snapshot.shadows};
+                           media, snapshot.shadows, ofAll};
   return renderSurfaces(view.camera, scene, Rgb::Zero(), progress, view.only);
 }
 

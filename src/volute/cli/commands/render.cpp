@@ -211,6 +211,7 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
   VOLUTE_ASSIGN(auto layers, layersOf(arguments, target));
   const bool together = arguments.flag("by-pieces") && context.team.size() > 1;
   if (together && !scene.media().empty() &&
+      !scene.media().front()->info().sharesAll &&
       scene.media().front()->info().times.size() > 1 && !arguments.given("time") &&
       !arguments.given("frames")) {
     return fail(ErrorCode::kUnsupported,
@@ -453,8 +454,8 @@ std::vector<Option> renderOptionTable() {
        .least = 1,
        .most = 256},
       {.name = "by-pieces",
-       .help = "each rank (mpirun) holds some pieces of a .pvtu, and all draw each picture "
-               "together: for meshes larger than the memory of one machine"},
+       .help = "each rank (mpirun) holds some pieces of a .pvtu or some meshes of an FDS case, and "
+               "all draw each picture together: for what is larger than the memory of one machine"},
       {.name = "measured",
        .help = "light as it is, for measurements: one ray through each pixel's centre, the file's "
                "own basis (box if it states none), no preset, tone curve, bloom or dithering; "

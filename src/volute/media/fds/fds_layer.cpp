@@ -9,9 +9,12 @@
 #include <utility>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/gather_values.hpp"
 #include "volute/fds/fds_room.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/media/fds/fds_light.hpp"
+#include "volute/media/fds/fds_shares.hpp"
+#include "volute/media/smoke/shared_picture.hpp"
 
 namespace volute {
 namespace {
@@ -122,15 +125,18 @@ double divisionOf(double length) {
 }  // namespace
 
 Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const SceneLights& lights,
-                                Blocks blocks, Reading& reading) {
+                                Blocks blocks, Reading& reading, Team* holders) {
   VOLUTE_TRY(checkWords(description));
   FdsOptions options{.source = description.field, .volume = description.field.empty()};
   if (description.model.massExtinction != kFdsMassExtinction)
     options.massExtinction = description.model.massExtinction;
   options.visibilityFactor = description.model.c;
   options.maxMemory = reading.maxMemory;
+  if (holders)
+    options.share = {holders->rank(), holders->size()};
   VOLUTE_ASSIGN(auto opened, FdsCase::open(description.file, options));
   FdsLayer layer;
+  layer.holders_ = holders;
   layer.description_ = description;
   layer.lights_ = lights;
   layer.blocks_ = std::move(blocks);
@@ -153,6 +159,10 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Scene
   reading.progress.remark(fmt::format("{}: extinction from {} ({})", description.file,
                                       layer.case_->source().name, layer.source()));
   VOLUTE_TRY(layer.openFire(reading));
+  if (holders) {
+    VOLUTE_TRY(checkShares(description, layer.case_->index(), holders->size(),
+                           layer.heat_ != nullptr));
+  }
   if (!description.fds.slice.empty()) {
     VOLUTE_ASSIGN(layer.slice_, FdsSliceSheet::open(layer.case_->index(), description.fds.slice,
                                                     description.fds.sliceRange, reading));
@@ -197,15 +207,17 @@ Result<FdsField> FdsLayer::fieldAt(double time) const {
   return inLight(field, time);
 }
 
-FdsField FdsLayer::inLight(const FdsField& field, double time) const {
+Result<FdsField> FdsLayer::inLight(const FdsField& field, double time) const {
   if (lights_.lamps.empty())
     return field.withSource(description_.albedo * lights_.ambient);
-  return field.withLight(fdsLight(field, case_->obstructions(caseTime(time)),
-                                  {.lamps = lights_.lamps,
-                                   .ambient = lights_.ambient,
-                                   .albedo = description_.albedo,
-                                   .density = description_.model.scale,
-                                   .blocks = blocks_}));
+  VOLUTE_ASSIGN(auto light, fdsLight(field, case_->obstructions(caseTime(time)),
+                                     {.lamps = lights_.lamps,
+                                      .ambient = lights_.ambient,
+                                      .albedo = description_.albedo,
+                                      .density = description_.model.scale,
+                                      .blocks = blocks_,
+                                      .holders = holders_}));
+  return field.withLight(std::move(light));
 }
 
 Status FdsLayer::openFire(Reading& reading) {
@@ -214,6 +226,8 @@ Status FdsLayer::openFire(Reading& reading) {
     return {};
   FdsOptions options{.volume = true};
   options.maxMemory = reading.maxMemory;
+  if (holders_)
+    options.share = {holders_->rank(), holders_->size()};
   for (const std::string_view quantity : {kFdsFlameTemperature, kFdsHeatRelease}) {
     options.quantity = quantity;
     auto opened = FdsCase::open(case_->index(), options);
@@ -257,13 +271,34 @@ Status FdsLayer::dimFire(Reading& reading) {
       continue;
     if (reading.progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped: looking how bright the fire is");
-    VOLUTE_ASSIGN(const auto flame, flameOf(times[place]));
-    VOLUTE_ASSIGN(const auto smoke, case_->field(times[place]));
-    most = std::max(most, flame.luminance(smoke, description_.model.scale));
+    VOLUTE_ASSIGN(const double luminance, luminanceAt(times[place]));
+    most = std::max(most, luminance);
   }
   if (most > kBrightFire)
     flame_.emission *= kBrightFire / most;
   return {};
+}
+
+/// FdsFlame::luminance(), of all shares.
+Result<double> FdsLayer::luminanceAt(double caseTime) const {
+  VOLUTE_ASSIGN(const auto flame, flameOf(caseTime));
+  VOLUTE_ASSIGN(const auto smoke, case_->field(caseTime));
+  const double scale = description_.model.scale;
+  if (!holders_)
+    return flame.luminance(smoke, scale);
+  const Box3 own = flame.burns() ? flame.bounds() : Box3();
+  VOLUTE_ASSIGN(const auto boxes, gatherValues(*holders_, std::span(&own, 1)));
+  Box3 box;
+  for (const Box3& one : boxes) {
+    if (one.empty())
+      continue;
+    box.extend(one.min);
+    box.extend(one.max);
+  }
+  if (box.empty())
+    return 0.0;
+  return flame.luminance(smoke, scale, box,
+                         [&](std::span<double> values) { sumDepths(*holders_, values); });
 }
 
 Result<FdsFlame> FdsLayer::flameOf(double caseTime) const {
@@ -509,8 +544,10 @@ Result<std::optional<FirstTime>> FdsLayer::firstTime(Progress& progress) {
         amount += 1 - std::exp(-kDepth * field.extinction(point));
     }
     amounts.push_back(amount);
-    largest = std::max(largest, amount);
   }
+  if (holders_)
+    sumDepths(*holders_, std::span<double>(amounts));
+  for (const double amount : amounts) largest = std::max(largest, amount);
   const auto found = std::ranges::find_if(
       amounts, [&](double amount) { return amount > 0 && amount >= 0.5 * largest; });
   if (found == amounts.end())

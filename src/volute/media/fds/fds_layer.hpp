@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/team.hpp"
 #include "volute/fds/fds_building.hpp"
 #include "volute/fds/fds_case.hpp"
 #include "volute/fds/fds_flame.hpp"
@@ -31,9 +32,12 @@ class FdsLayer {
   /// scale, Km and the albedo; the case itself says what its files hold, so kInvalidArgument for
   /// another quantity. Smoke scatters the light of the lamps that obstructions and `blocks` let
   /// through, once, and the ambient one.
+  /// @param holders  whose ranks hold a share of the meshes each, see OpenOptions; kUnsupported for
+  ///                 what needs more than that: iso-surfaces, and fire where meshes of two shares
+  ///                 overlap
   [[nodiscard]] static Result<FdsLayer> open(const SmokeDescription& description,
                                              const SceneLights& lights, Blocks blocks,
-                                             Reading& reading);
+                                             Reading& reading, Team* holders = nullptr);
 
   /// Whether the same is read from the same files under both descriptions.
   static bool readsTheSame(const SmokeDescription& a, const SmokeDescription& b);
@@ -43,6 +47,11 @@ class FdsLayer {
   FdsLayer with(const SmokeDescription& description, const SceneLights& lights) const;
 
   const SmokeDescription& description() const { return description_; }
+
+  Team* holders() const { return holders_; }
+
+  /// Whether what smoke sends is not the same everywhere, or it burns somewhere at some time.
+  bool shines() const { return heat_ != nullptr || !lights_.lamps.empty(); }
 
   /// What the extinction is read from, in words.
   const std::string& source() const { return case_->source().description; }
@@ -127,12 +136,14 @@ class FdsLayer {
   Status dimFire(Reading& reading);
   Result<FdsFlame> flameOf(double caseTime) const;
   std::string fireLaw() const;
-  FdsField inLight(const FdsField& field, double time) const;
+  Result<FdsField> inLight(const FdsField& field, double time) const;
+  Result<double> luminanceAt(double caseTime) const;
   void addDevices(double time, TriangleMesh& to) const;
 
   SmokeDescription description_;
   SceneLights lights_;
   Blocks blocks_;
+  Team* holders_ = nullptr;
   std::shared_ptr<FdsCase> case_;
   std::shared_ptr<FdsCase> heat_;  // null: no fire
   bool glows_ = false;             // heat_ holds the flames' temperature

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/base/gather_values.hpp"
 #include "volute/lighting/vertex_light.hpp"
+#include "volute/media/smoke/shared_picture.hpp"
 
 namespace volute {
 namespace {
@@ -39,7 +41,7 @@ GasCells gasOf(const FdsLattice& lattice, const std::vector<FdsCell>& states) {
 }
 
 /// How much of a lamp's light comes to each point.
-std::vector<float> sharesOf(const FdsField& field, const FdsObstructions& obstructions,
+Result<std::vector<float>> sharesOf(const FdsField& field, const FdsObstructions& obstructions,
                             const FdsLamps& lamps, const Lamp& lamp, std::span<const Vec3> points) {
   const Box3 bounds = field.bounds();
   std::vector<Segment> ways;
@@ -53,7 +55,13 @@ std::vector<float> sharesOf(const FdsField& field, const FdsObstructions& obstru
   std::vector<double> depths(points.size());
   std::vector<std::uint8_t> hidden(points.size(), 0);
   std::vector<std::uint8_t> others(points.size(), 0);
-  field.opticalDepth(ways, depths);
+  if (lamps.holders) {
+    VOLUTE_TRY(sumAlong(*lamps.holders, ways, depths, [&](auto segments, auto out) {
+      field.opticalDepth(segments, out);
+    }));
+  } else {
+    field.opticalDepth(ways, depths);
+  }
   obstructions.blocked(ways, hidden);
   if (lamps.blocks) {
     for (std::size_t i = 0; i < ways.size(); ++i) ways[i] = lamp.towards(points[i]);
@@ -94,19 +102,37 @@ FdsLight atNodes(const FdsLattice& lattice, const GasCells& gas, std::span<const
 
 }  // namespace
 
-std::vector<std::shared_ptr<const FdsLight>> fdsLight(const FdsField& field,
-                                                      const FdsObstructions& obstructions,
-                                                      const FdsLamps& lamps) {
-  std::vector<std::shared_ptr<const FdsLight>> out;
-  for (std::size_t i = 0; i < field.grid().lattices().size(); ++i) {
-    const FdsLattice& lattice = field.grid().lattices()[i];
-    const GasCells gas = gasOf(lattice, field.cells(i));
+Result<std::vector<std::shared_ptr<const FdsLight>>> fdsLight(const FdsField& field,
+                                                               const FdsObstructions& obstructions,
+                                                               const FdsLamps& lamps) {
+  const auto lattices = field.grid().lattices();
+  std::vector<std::size_t> held;
+  for (std::size_t i = 0; i < lattices.size(); ++i) {
+    if (field.grid().holds(i))
+      held.push_back(i);
+  }
+  // Ranks ask each other at once; those that have no lattice left answer.
+  std::uint64_t rounds = held.size();
+  if (lamps.holders) {
+    const std::span<const std::uint64_t> own(&rounds, 1);
+    VOLUTE_ASSIGN(const auto each, gatherValues(*lamps.holders, own));
+    rounds = std::ranges::max(each);
+  }
+  std::vector<std::shared_ptr<const FdsLight>> out(lattices.size(), std::make_shared<FdsLight>());
+  for (std::uint64_t round = 0; round < rounds; ++round) {
+    const bool asks = round < held.size();
+    const std::size_t i = asks ? held[round] : 0;
+    const GasCells gas = asks ? gasOf(lattices[i], field.cells(i)) : GasCells();
     std::vector<std::vector<float>> shares;
-    for (const Lamp& lamp : lamps.lamps)
-      shares.push_back(sharesOf(field, obstructions, lamps, lamp, gas.middles));
+    for (const Lamp& lamp : lamps.lamps) {
+      VOLUTE_ASSIGN(auto share, sharesOf(field, obstructions, lamps, lamp, gas.middles));
+      shares.push_back(std::move(share));
+    }
+    if (!asks)
+      continue;
     const auto light =
         scatteredLight(gas.middles, lamps.lamps, shares, lamps.albedo, lamps.ambient);
-    out.push_back(std::make_shared<const FdsLight>(atNodes(lattice, gas, light)));
+    out[i] = std::make_shared<const FdsLight>(atNodes(lattices[i], gas, light));
   }
   return out;
 }

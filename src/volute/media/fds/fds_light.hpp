@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "volute/base/team.hpp"
 #include "volute/fds/fds_field.hpp"
 #include "volute/fds/obstructions.hpp"
 #include "volute/lighting/lamp.hpp"
@@ -19,14 +20,15 @@ struct FdsLamps {
   Rgb albedo = Rgb::Zero();   ///< share of what smoke takes that it sends on
   double density = 1;         ///< the smoke is so many times as thick as the field
   Blocks blocks{};            ///< opaque things besides the obstructions; may be empty
+  Team* holders = nullptr;    ///< whose ranks hold a share of the field each; null: this holds all
 };
 
 /// Light that smoke scatters once, the same in all directions, for FdsField::withLight(). What a
 /// lamp sends is attenuated by the smoke on its straight way to the middle of each cell of gas,
 /// exactly, and stopped by obstructions; a node has the mean of its lattice's cells of gas around
-/// it. So shadows have edges a cell wide.
-std::vector<std::shared_ptr<const FdsLight>> fdsLight(const FdsField& field,
-                                                      const FdsObstructions& obstructions,
-                                                      const FdsLamps& lamps);
+/// it. So shadows have edges a cell wide. Where ranks hold shares, each gets the light of its own
+/// lattices, and the call is collective.
+[[nodiscard]] Result<std::vector<std::shared_ptr<const FdsLight>>> fdsLight(
+    const FdsField& field, const FdsObstructions& obstructions, const FdsLamps& lamps);
 
 }  // namespace volute

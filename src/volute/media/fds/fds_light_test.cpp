@@ -7,6 +7,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "volute/base/team_testing.hpp"
+#include "volute/fds/fds_share.hpp"
+
 namespace volute {
 namespace {
 
@@ -44,7 +47,7 @@ TEST(FdsLight, ComesThroughSmokeAndStopsAtObstructions) {
   lamp.position = Vec3(1, 1, 0.25);
   lamp.intensity = Rgb(10, 20, 30);
   const FdsLamps lamps{.lamps = {&lamp, 1}, .albedo = Rgb(0.5, 1, 1), .density = 2};
-  const auto light = fdsLight(*room.field, *room.obstructions, lamps);
+  const auto light = fdsLight(*room.field, *room.obstructions, lamps).value();
   const FdsField lit = room.field->withLight(light);
   // A node has the mean of the cells around it.
   const Vec3 node(1, 1, 1.5);
@@ -75,10 +78,61 @@ TEST(FdsLight, OtherThingsStopItAndAmbientComesEverywhere) {
                        .ambient = Rgb::Constant(0.1),
                        .albedo = Rgb::Constant(0.5),
                        .blocks = half};
-  const FdsField lit = room.field->withLight(fdsLight(*room.field, *room.obstructions, lamps));
+  const FdsField lit = room.field->withLight(fdsLight(*room.field, *room.obstructions, lamps).value());
   EXPECT_NEAR(lit.emission({4, 1, 1})[0], kK * 0.5 * 0.1, 1e-7);
   const double above = 0.5 * (std::exp(-kK * 0.75) + std::exp(-kK * 1.25));  // of both layers
   EXPECT_NEAR(lit.emission({1, 1, 1})[0], kK * 0.5 * (0.1 + above / (4 * std::numbers::pi)), 1e-7);
+}
+
+/// Three meshes side by side along x, of cells of 0.5 m; those of a share have values.
+FdsField threeMeshes(int share, int shares) {
+  SmvIndex index;
+  std::vector<FdsLattice> lattices;
+  for (int m = 0; m < 3; ++m) {
+    FdsMesh& mesh = index.meshes.emplace_back();
+    for (int i = 0; i <= 4; ++i) mesh.planes[0].push_back(2.0 * m + 0.5 * i);
+    for (int i = 0; i <= 4; ++i) mesh.planes[1].push_back(0.5 * i);
+    mesh.planes[2] = mesh.planes[1];
+    lattices.push_back({.mesh = m, .planes = mesh.planes});
+  }
+  const auto held = meshesOfShare(index, {share, shares}).value();
+  std::vector<std::shared_ptr<const FdsValues>> values;
+  std::vector<std::shared_ptr<const std::vector<FdsCell>>> cells;
+  for (std::size_t m = 0; m < 3; ++m) {
+    FdsValues own;
+    for (std::size_t i = 0; held[m] && i < lattices[m].cellCount(); ++i)
+      own.value.push_back(0.1F * static_cast<float>((7 * i + m) % 5));
+    cells.push_back(
+        std::make_shared<const std::vector<FdsCell>>(own.value.size(), FdsCell::kGas));
+    values.push_back(std::make_shared<const FdsValues>(std::move(own)));
+  }
+  const auto grid = FdsGrid::create(std::move(lattices), held).value();
+  return {grid, std::move(values), std::move(cells)};
+}
+
+TEST(FdsLight, RanksThatHoldAShareEachFindTheLightOfTheWhole) {
+  Lamp lamp, sun;
+  lamp.position = Vec3(1, 1, 0.3);
+  lamp.intensity = Rgb(10, 20, 30);
+  sun.kind = Lamp::Kind::kSun;
+  sun.direction = Vec3(-1, 0.1, -0.2).normalized();
+  sun.intensity = Rgb(1, 1, 1);
+  const Lamp both[] = {lamp, sun};
+  const FdsObstructions none(std::vector<FdsBox>{});
+  const auto whole = fdsLight(threeMeshes(0, 1), none, {.lamps = both, .albedo = Rgb::Ones()}).value();
+  for (const int ranks : {2, 3}) {
+    onRanks(ranks, [&](Team& team) {
+      const FdsField own = threeMeshes(team.rank(), ranks);
+      const auto light =
+          fdsLight(own, none, {.lamps = both, .albedo = Rgb::Ones(), .holders = &team});
+      ASSERT_TRUE(light);
+      for (std::size_t m = 0; m < 3; ++m) {
+        ASSERT_EQ((*light)[m]->size(), own.grid().holds(m) ? whole[m]->size() : 0);
+        for (std::size_t i = 0; i < (*light)[m]->size(); ++i)
+          EXPECT_NEAR((*(*light)[m])[i], (*whole[m])[i], 1e-6);
+      }
+    });
+  }
 }
 
 }  // namespace

@@ -2,10 +2,16 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/fds/fds_scene_medium.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include "volute/base/parallel.hpp"
 #include "volute/base/remark_log.hpp"
+#include "volute/camera/pixel_ray.hpp"
 #include "volute/fds/smv_index.hpp"
 #include "volute/media/fds/fds_sight.hpp"
 #include "volute/media/light_blockers.hpp"
+#include "volute/media/smoke/shared_picture.hpp"
 #include "volute/media/smoke/smoke_scene_medium.hpp"
 #include "volute/render/scaled_medium.hpp"
 #include "volute/media/fds/fds_report.hpp"
@@ -14,6 +20,83 @@ namespace volute {
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
+
+/// What ranks draw that hold a share of the meshes each.
+class FdsSharesPicture final : public MediumPicture {
+ public:
+  FdsSharesPicture(const FdsAt& at, const FdsField& smoke, const FdsShares& shares)
+      : smoke_(smoke), factor_(at.factor()), shares_(shares) {
+    at.addMedia(media_);
+  }
+
+  void opticalDepth(const Camera& camera, std::span<const float> opaqueDepth,
+                    std::span<float> depth) override {
+    depthsOfPixels(camera, opaqueDepth, shares_.scale, depth);
+  }
+
+  void light(const Camera& camera, std::span<const float> opaqueDepth,
+             std::span<float> rgbt) override {
+    if (shares_.shines)
+      return lightOfPieces(camera, opaqueDepth, rgbt);
+    // Smoke in even light is as bright as it is thick, whatever the order.
+    std::vector<float> depth(rgbt.size() / 4);
+    depthsOfPixels(camera, opaqueDepth, factor_, depth);
+    for (std::size_t i = 0; i < depth.size(); ++i) {
+      const double taken = -std::expm1(-static_cast<double>(depth[i]));
+      for (std::size_t c = 0; c < 3; ++c) {
+        rgbt[4 * i + c] =
+            static_cast<float>(taken * smoke_.source()[static_cast<Eigen::Index>(c)]);
+      }
+      rgbt[4 * i + 3] = static_cast<float>(1 - taken);
+    }
+  }
+
+  DepthsAlong depthsOfAll() const override {
+    return [this](std::span<const Segment> segments, std::span<double> depths) {
+      smoke_.opticalDepth(segments, depths);
+      for (double& depth : depths) depth *= shares_.scale;
+      sumDepths(*shares_.holders, depths);
+    };
+  }
+
+ private:
+  static constexpr std::size_t kGrain = 4096;  // pixels worth a task
+
+  void depthsOfPixels(const Camera& camera, std::span<const float> opaqueDepth, double factor,
+                      std::span<float> depth) const {
+    const auto width = static_cast<std::size_t>(camera.width());
+    parallelRanges(depth.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      std::vector<Segment> rays;
+      for (std::size_t i = begin; i < end; ++i) {
+        rays.push_back(pixelRay(camera, static_cast<int>(i % width), static_cast<int>(i / width),
+                                opaqueDepth));
+      }
+      std::vector<double> depths(rays.size());
+      smoke_.opticalDepth(rays, depths);
+      for (std::size_t i = begin; i < end; ++i)
+        depth[i] = static_cast<float>(factor * depths[i - begin]);
+    });
+    sumDepths(*shares_.holders, depth);
+  }
+
+  void lightOfPieces(const Camera& camera, std::span<const float> opaqueDepth,
+                     std::span<float> rgbt) const {
+    const auto width = static_cast<std::size_t>(camera.width());
+    composeRuns(*shares_.holders, [&](std::size_t pixel) {
+      const Segment ray = pixelRay(camera, static_cast<int>(pixel % width),
+                                   static_cast<int>(pixel / width), opaqueDepth);
+      std::vector<std::vector<Piece>> pieces(media_.size());
+      for (std::size_t m = 0; ray.begin < ray.end && m < media_.size(); ++m)
+        media_[m].pieces(std::span(&ray, 1), std::span(&pieces[m], 1));
+      return heldRuns(pieces);
+    }, rgbt);
+  }
+
+  FdsField smoke_;
+  double factor_;
+  FdsShares shares_;
+  std::vector<AnyMedium> media_;
+};
 
 class FdsKind final : public MediumKind {
  public:
@@ -34,7 +117,8 @@ class FdsKind final : public MediumKind {
     RemarkLog heard(context.reading.progress);
     Reading reading{heard, context.reading.maxMemory};
     VOLUTE_ASSIGN(auto layer,
-                  FdsLayer::open(smoke, context.lights, blocksOf(context.geometry), reading));
+                  FdsLayer::open(smoke, context.lights, blocksOf(context.geometry), reading,
+                                 context.options.holders));
     auto medium = std::make_shared<FdsSceneMedium>(std::move(layer));
     medium->remarks = heard.remarks();
     return std::shared_ptr<SceneMedium>(std::move(medium));
@@ -91,6 +175,10 @@ void FdsAt::addMedia(std::vector<AnyMedium>& media) const {
   for (const FdsIso& sheet : sheets_) media.emplace_back(sheet);
 }
 
+std::shared_ptr<MediumPicture> FdsAt::picture(std::shared_ptr<MediumPicture>) const {
+  return shares_ ? std::make_shared<FdsSharesPicture>(*this, smoke_, *shares_) : nullptr;
+}
+
 FdsSceneMedium::FdsSceneMedium(FdsLayer layer) : layer_(std::move(layer)) {
   const SmokeDescription& smoke = layer_.description();
   info_.file = smoke.file;
@@ -100,6 +188,7 @@ FdsSceneMedium::FdsSceneMedium(FdsLayer layer) : layer_(std::move(layer)) {
   info_.takeFrames(layer_, layer_.steps(), smoke.clock);
   info_.interpolates = true;
   info_.measured = true;
+  info_.shared = info_.sharesAll = layer_.holders() != nullptr;
   info_.captioned = smoke.fds.building == FdsBuildingView::kOpen;
   info_.law = smoke.law;
 }
@@ -109,9 +198,12 @@ Result<std::shared_ptr<const MediumAt>> FdsSceneMedium::at(const InstantRequest&
   VOLUTE_ASSIGN(auto smoke, layer_.fieldAt(request.time));
   VOLUTE_ASSIGN(auto fire, layer_.fireAt(request.time));
   VOLUTE_ASSIGN(auto sheets, layer_.isoAt(request.time));
-  const double factor = request.factor * layer_.description().model.scale;
-  return std::make_shared<const FdsAt>(std::move(smoke), factor, std::move(fire),
-                                       std::move(sheets));
+  const double scale = layer_.description().model.scale;
+  std::optional<FdsShares> shares;
+  if (layer_.holders())
+    shares = FdsShares{layer_.holders(), scale, layer_.shines()};
+  return std::make_shared<const FdsAt>(std::move(smoke), request.factor * scale, std::move(fire),
+                                       std::move(sheets), shares);
 }
 
 Result<std::optional<FirstTime>> FdsSceneMedium::firstTime(Progress& progress) {

@@ -7,17 +7,32 @@
 
 namespace volute {
 
+/// Whose ranks hold the meshes of a case together.
+struct FdsShares {
+  Team* holders = nullptr;
+  double scale = 1;     ///< the smoke is so many times as thick as the files say, whatever the law
+  bool shines = false;  ///< FdsLayer::shines(), the same on all ranks
+};
+
 /// Smoke and fire of an FDS case at one instant.
 class FdsAt final : public MediumAt {
  public:
   /// @param factor  of the smoke's extinction and of what it scatters
-  FdsAt(FdsField smoke, double factor, std::optional<FdsFlame> fire, std::vector<FdsIso> sheets)
+  /// @param shares  nothing: this process holds all
+  FdsAt(FdsField smoke, double factor, std::optional<FdsFlame> fire, std::vector<FdsIso> sheets,
+        std::optional<FdsShares> shares = {})
       : smoke_(std::move(smoke)),
         factor_(factor),
         fire_(std::move(fire)),
-        sheets_(std::move(sheets)) {}
+        sheets_(std::move(sheets)),
+        shares_(shares) {}
 
   void addMedia(std::vector<AnyMedium>& media) const override;
+
+  bool drawsItself() const override { return shares_.has_value(); }
+
+  /// Where ranks hold shares, what draws them together.
+  std::shared_ptr<MediumPicture> picture(std::shared_ptr<MediumPicture> earlier) const override;
 
   const FdsField& smoke() const { return smoke_; }
 
@@ -34,6 +49,7 @@ class FdsAt final : public MediumAt {
   double factor_;
   std::optional<FdsFlame> fire_;
   std::vector<FdsIso> sheets_;
+  std::optional<FdsShares> shares_;
 };
 
 /// An FDS case in a scene: smoke, fire and the building.
