@@ -420,9 +420,10 @@ class Package(unittest.TestCase):
                             "K": [[70, 0, 16], [0, 70, 16], [0, 0, 1]], "t": (-rotation @ eye).tolist()})
         said = {"format": "volute-capture-1", "color": "linear", "pixel_centre": 0.5, "frames": [5], "cameras": cameras,
                 "volume": {"min": [0, 0, 0], "max": [1.8, 2, 2.4], "resolution": [9, 10, 12]}}
-        capture = self.path / "capture.json"
+        folder = pathlib.Path(tempfile.mkdtemp(dir=self.path))  # pictures of one that is there are not replaced
+        capture = folder / "capture.json"
         capture.write_text(json.dumps(said))
-        subprocess.run([COMMAND, "project", self.file, capture, "-o", self.path / "{camera}_%04d.exr", "--quiet"], check=True,
+        subprocess.run([COMMAND, "project", self.file, capture, "-o", folder / "{camera}_%04d.exr", "--quiet"], check=True,
                        stdout=subprocess.DEVNULL)
         return capture
 
