@@ -3,7 +3,9 @@
 """How volumes look: presets, light, tone curves, layers, cameras that move."""
 import json
 import math
+import statistics
 
+import pictures
 import support
 from render_test import read_png
 from support import write_npy
@@ -18,6 +20,12 @@ def ball(size, radius=0.35):
                 far = math.dist(((x + 0.5) / size, (y + 0.5) / size, (z + 0.5) / size), (0.5, 0.5, 0.5))
                 values.append(max(0.0, 1 - far / radius))
     return values
+
+
+def srgb(level):
+    """Linear light of a level of 255."""
+    value = level / 255
+    return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
 
 
 class Look(support.TestCase):
@@ -87,6 +95,30 @@ class Look(support.TestCase):
         self.assertIn("scene.json: /media/0/albedo", said)
         said = self.fails(1, "render", self.scene(albedo=[0.5, 0.5, 0.5], extinction=3, basis="box"), "-o", self.path("x.png"))
         self.assertIn("scene.json: /media/0/basis", said)
+
+    def test_edges_of_signs_have_no_stairs(self):
+        pictures.write_png(self.path("white.png"), pictures.Picture(2, 2, 3, [1.0] * 12))
+        self.path("sign.json").write_text(json.dumps({
+            "format": "volute-scene-1", "media": [],
+            "camera": {"eye": [0, -3, 0], "target": [0, 0, 0], "up": [0.13, 0, 1], "fov": 30, "size": [64, 64]},
+            "signs": [{"name": "white", "position": [0, 0, 0], "normal": [0, -1, 0], "size": [0.9, 0.6], "picture": "white.png"}]}))
+
+        def edge(*options):
+            """What 24 columns of the upper edge show beside black and white, and how far the edge is off a straight line [pixels]."""
+            self.works("render", self.path("sign.json"), "-o", self.path("x.png"), "--exposure", "1", "--tone", "none", *options)
+            rows = read_png(self.path("x.png").read_bytes())[2]
+            light = [[srgb(row[3 * x]) for row in rows[:32]] for x in range(20, 44)]
+            between = {round(255 * value) for column in light for value in column} - {0, 255}
+            heights = [sum(column) for column in light]
+            line = statistics.linear_regression(range(24), heights)
+            return between, max(abs(h - line.intercept - line.slope * x) for x, h in enumerate(heights))
+
+        levels, off = edge("--samples", "1")
+        self.assertFalse(levels, "one ray sees the sign or does not")
+        self.assertGreater(off, 0.4, "stairs of a pixel")
+        levels, off = edge()
+        self.assertGreaterEqual(len(levels), 5, "eight rays")
+        self.assertLess(off, 0.2, "the edge is as straight as the sign's")
 
     def test_layers_go_into_one_file(self):
         words = ("render", self.npy("v.npy"), "--size", "16x16", "--extinction", "9", "--eye", "0.5,-2,0.5",
