@@ -3,6 +3,7 @@
 """OpenGL without a display: what the device is, and pictures that are those of the CPU."""
 import json
 import os
+import pathlib
 
 import fds_test
 import smoke_files
@@ -11,6 +12,7 @@ from geometry_test import floor, glb, obj
 from pictures import Picture, read_exr, write_png
 from support import volute, write_npy
 
+CACHE = str(pathlib.Path(__file__).resolve().parent.parent / "data/cache.volute")  # density, flame and others
 # The CPU may not draw.
 ONLY_GL = os.environ | {"VOLUTE_CPU_RENDERER": "off"}
 
@@ -203,6 +205,22 @@ class Gl(support.TestCase):
                                                   lights=[{"kind": "sun", "direction": [0.2, 0.4, -1], "radiance": [2, 2, 1]}]))
         self.assertLess(error, 2e-3)
         self.assertIn("billboard", {p["name"] for p in stats["gl"]["passes"]})
+
+    def test_what_is_lit_or_burns(self):
+        scene = {"format": "volute-scene-1", "background": [0.1, 0.1, 0.2],
+                 "lights": [{"kind": "sun", "direction": [0.6, 0.3, -0.5], "radiance": [2, 1.8, 1.5]},
+                            {"kind": "ambient", "radiance": [0.1, 0.12, 0.15]}],
+                 "media": [{"kind": "volume", "file": CACHE, "preset": "fire-and-smoke", "asymmetry": 0.4}]}
+        for more in ({}, {"signs": self.HALL["signs"]}):
+            self.path("lit.json").write_text(json.dumps(scene | more))
+            words = ("render", self.path("lit.json"), "--size", "48x40", "--samples", "1", "--cache", "none")
+            said = self.works(*words, "--renderer", "cpu", "-o", self.path("cpu.exr")).message
+            self.assertIn("flame", said)
+            self.works(*words, "--renderer", "gl", "-o", self.path("gl.exr"), env=ONLY_GL)
+            found = self.works("compare", self.path("cpu.exr"), self.path("gl.exr"), "--json").json
+            brightest = max(read_exr(self.path("cpu.exr")).values)
+            self.assertGreater(brightest, 0.2, "more than the background")
+            self.assertLess(found["max_error"], 2e-3 * brightest)
 
     def test_the_cpu_can_be_switched_off(self):
         result = volute("render", self.scene(media=["fog"]), "-o", self.path("x.png"), "--renderer", "cpu", env=ONLY_GL)

@@ -8,6 +8,7 @@
 #include "volute/gl/gl_fds.hpp"
 #include "volute/gl/gl_fog.hpp"
 #include "volute/gl/gl_part.hpp"
+#include "volute/gl/gl_shaded_volume.hpp"
 #include "volute/gl/gl_smoke.hpp"
 #include "volute/gl/gl_snapshot.hpp"
 #include "volute/gl/gl_volume.hpp"
@@ -24,7 +25,17 @@ GlVolume glVolumeOf(const VolumeAt& volume) {
           volume.placement().offset};
 }
 
+/// The part holds on to what the volume's light is computed from, not to the volume.
+GlShadedVolume glShadedOf(const VolumeAt& volume) {
+  return {[light = volume.light(), place = volume.placement()](const Camera& camera) {
+            return seenFrom(*light, place, camera);
+          },
+          [light = volume.light()] { light->prepare(); }, volume.factor(), volume.placement().turn, volume.placement().offset};
+}
+
 GlParts partsOf(const VolumeAt& volume, const GlSnapshotOptions&) {
+  if (volume.light())
+    return {glPart(glShadedOf(volume))};
   if (!volume.tree())
     return {glPart(glVolumeOf(volume))};
   const VolumeInfo& info = volume.info();
@@ -75,12 +86,6 @@ GlParts partsOf(const FdsAt& fds, const GlSnapshotOptions&) {
 /// What OpenGL cannot draw yet; nothing: it can.
 Status drawable(const MediumAt&) {
   return {};
-}
-
-Status drawable(const VolumeAt& volume) {
-  if (!volume.light())
-    return {};
-  return fail(ErrorCode::kUnsupported, "a volume that is lit or burns");
 }
 
 Status drawable(const FdsAt& fds) {

@@ -28,6 +28,9 @@ class GlPart {
   /// What the times of passes call it: "fog".
   virtual std::string name() const = 0;
 
+  /// Does what a first picture would else wait for, and what needs no device. On any thread.
+  virtual void prepare() const {}
+
   /// For the march through all media, as this picture's camera sees it. What it needs on the device
   /// is in the picture's resources, or comes there.
   [[nodiscard]] virtual Result<std::unique_ptr<GlMedium>> medium(

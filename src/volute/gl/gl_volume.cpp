@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "volute/gl/gl_part.hpp"
+#include "volute/gl/gl_voxels.hpp"
 #include "volute/gl/glsl_sources.hpp"
 #include "volute/grid/voxel_march.hpp"
 
@@ -16,44 +17,10 @@ namespace {
 
 constexpr int kSide = BrickSlice::kSide;
 
-/// Voxels, or the cells between their centres.
-CellGrid cellsOf(const Box3& bounds, const std::array<int, 3>& voxels, Basis basis) {
-  const Vec3 voxel = bounds.size().cwiseQuotient(Vec3(voxels[0], voxels[1], voxels[2]));
-  if (basis == Basis::kBox)
-    return {bounds.min, voxel, voxels};
-  return {bounds.min - 0.5 * voxel, voxel, {voxels[0] + 1, voxels[1] + 1, voxels[2] + 1}};
-}
-
-/// What both kinds of volume tell the shader.
-void bindCells(const GlProgram& program, const std::string& prefix, const Vec3& origin,
-               const CellGrid& cells, const CellRange& range, double emission, double extinction,
-               const Mat3& turn = Mat3::Identity(), const Vec3& offset = Vec3::Zero()) {
-  const auto name = [&](const char* rest) { return prefix + rest; };
-  const Vec3 unturned = turn.transpose() * (origin - offset);
-  const Vec3 inCells = (unturned - cells.origin).cwiseQuotient(cells.cell);
-  program.set(name("origin").c_str(), inCells);
-  program.set(name("turn").c_str(), Mat3(turn.transpose()));
-  program.set(name("perMetre").c_str(), Vec3(cells.cell.cwiseInverse()));
-  program.set(name("lo").c_str(), range.begin);
-  program.set(name("hi").c_str(), range.end);
-  program.set(name("emission").c_str(), static_cast<float>(emission));
-  program.set(name("extinction").c_str(), static_cast<float>(extinction));
-}
-
-/// Of cells that are turned, then moved.
-Box3 turnedBounds(const CellGrid& cells, const Mat3& turn, const Vec3& offset) {
-  const Vec3 size = cells.cell.cwiseProduct(Vec3(cells.count[0], cells.count[1], cells.count[2]));
-  Box3 box;
-  for (int i = 0; i < 8; ++i) {
-    const Vec3 share(i & 1, i >> 1 & 1, i >> 2);
-    box.extend(turn * (cells.origin + size.cwiseProduct(share)) + offset);
-  }
-  return box;
-}
-
 ShaderPart settings(int channels, Basis basis) {
-  return {"volume settings", fmt::format("#define M_CHANNELS {}\n#define M_TRILINEAR {}\n",
-                                         channels, basis == Basis::kTrilinear ? 1 : 0)};
+  return {"volume settings",
+          fmt::format("#define M_CHANNELS {}\n#define M_TRILINEAR {}\n#define M_SHADED 0\n#define M_LIT 0\n", channels,
+                      basis == Basis::kTrilinear ? 1 : 0)};
 }
 
 /// The tree and the atlas come after the type of their values and before the march.
@@ -75,108 +42,37 @@ GlMediumTraits traitsOf(int channels, Basis basis, double emission, double extin
   return traits;
 }
 
-/// The bricks that are not empty, in one 3D texture.
+/// The bricks that are not empty, in one 3D texture; channels stand above each other along z.
 struct GlVolumeAtlas {
-  GlTexture bricks, atlas;
-  std::array<int, 3> atlasBricks{};
-  CellGrid cells;
-  CellRange range;
+  GlBricks bricks;
+  GlTexture atlas;
   int channels = 1;
   Basis basis = Basis::kBox;
 };
 
-/// How many bricks fit side by side on each axis, for `count` of them.
-Result<std::array<int, 3>> arrange(std::int64_t count, int side, int channels) {
-  GLint most = 0;
-  glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &most);
-  const int across = most / side;
-  const int up = most / (side * channels);
-  const auto cube = static_cast<int>(std::ceil(std::cbrt(static_cast<double>(count))));
-  const int x = std::clamp(cube, 1, across);
-  const int y = std::clamp<int>(static_cast<int>((count + x - 1) / x), 1, x);
-  std::int64_t z = (count + std::int64_t{x} * y - 1) / (std::int64_t{x} * y);
-  if (z > up) {
-    return fail(
-        ErrorCode::kTooLarge,
-        "a volume has {} bricks that are not empty, and the graphics device's textures hold "
-        "{}; render with --renderer cpu",
-        count, std::int64_t{across} * across * up);
-  }
-  return std::array<int, 3>{x, y, static_cast<int>(std::max<std::int64_t>(z, 1))};
-}
-
-/// One layer of bricks of the atlas, shape (height, rows * side, columns * side), from row to row.
-void fillLayer(const MarchGrid& grid, std::span<const std::int32_t> begins, int side, int columns,
-               int rows, std::vector<float>& layer) {
-  const int height = side * grid.channels;  // of a brick, along z
-  for (std::size_t b = 0; b < begins.size(); ++b) {
-    const std::size_t column = b % columns, row = b / columns;
-    const float* from = grid.values + begins[b];
-    for (int z = 0; z < height; ++z) {
-      for (int y = 0; y < side; ++y, from += side) {
-        const std::size_t line = (static_cast<std::size_t>(z) * rows + row) * side + y;
-        std::copy_n(from, side, &layer[(line * columns + column) * side]);
-      }
-    }
-  }
-}
-
 Result<GlVolumeAtlas> makeVolumeAtlas(const BrickSlice& slice) {
-  GlVolumeAtlas made;
-  made.channels = slice.channels();
-  made.basis = slice.basis();
-  made.cells = cellsOf(slice.bounds(), {slice.x(), slice.y(), slice.z()}, slice.basis());
+  const CellGrid cells = cellsOf(slice.bounds(), {slice.x(), slice.y(), slice.z()}, slice.basis());
   // The march grid holds on to the slice only while the atlas is made of it.
   const std::shared_ptr<const BrickSlice> alias(std::shared_ptr<void>(), &slice);
-  const auto grid = makeMarchGrid(alias, made.cells, 0, 0);
+  const auto grid = makeMarchGrid(alias, cells, 0, 0);
   if (!grid->fits)
     return fail(
         ErrorCode::kTooLarge,
         "a volume of more than 8 GiB is not rendered by OpenGL; render with --renderer cpu");
+  GlVolumeAtlas made;
+  made.channels = slice.channels(), made.basis = slice.basis();
   const int side = grid->trilinear ? kSide + 1 : kSide;
-  std::array<int, 3> count{};
-  for (int axis = 0; axis < 3; ++axis) count[axis] = (made.cells.count[axis] + kSide - 1) / kSide;
-  made.range = {made.cells.count, {0, 0, 0}};
-  std::vector<std::int32_t> numbers, begins;
-  for (int z = 0; z < count[2]; ++z) {
-    for (int y = 0; y < count[1]; ++y) {
-      for (int x = 0; x < count[0]; ++x) {
-        const std::int32_t begin =
-            grid->table[(z + 1) * grid->tableStride[2] + (y + 1) * grid->tableStride[1] + x + 1];
-        numbers.push_back(begin < 0 ? -1 : static_cast<std::int32_t>(begins.size()));
-        if (begin < 0)
-          continue;
-        begins.push_back(begin);
-        const std::array<int, 3> brick{x, y, z};
-        for (int axis = 0; axis < 3; ++axis) {
-          made.range.begin[axis] = std::min(made.range.begin[axis], brick[axis] * kSide);
-          made.range.end[axis] = std::max(
-              made.range.end[axis], std::min((brick[axis] + 1) * kSide, made.cells.count[axis]));
-        }
-      }
-    }
-  }
-  const auto stored = static_cast<std::int64_t>(begins.size());
-  VOLUTE_ASSIGN(made.atlasBricks, arrange(stored, side, made.channels));
-  const auto [columns, rows, layers] = made.atlasBricks;
-  const int height = side * made.channels;
-  VOLUTE_TRY(checkTextureSize("a volume's table of bricks", count[0], count[1], count[2]));
-  made.bricks = makeTexture3d(GL_R32I, count[0], count[1], count[2]);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-  glTextureSubImage3D(made.bricks.name(), 0, 0, 0, 0, count[0], count[1], count[2], GL_RED_INTEGER,
-                      GL_INT, numbers.data());
-  made.atlas = makeTexture3d(GL_R32F, columns * side, rows * side, layers * height);
-  std::vector<float> layer(static_cast<std::size_t>(columns) * side * rows * side * height);
-  const std::int64_t perLayer = std::int64_t{columns} * rows;
-  for (int z = 0; z < layers; ++z) {
-    const std::int64_t from = z * perLayer;
-    const std::int64_t to = std::min(stored, from + perLayer);
-    if (from >= to)
-      break;
-    fillLayer(*grid, std::span(begins).subspan(from, to - from), side, columns, rows, layer);
-    glTextureSubImage3D(made.atlas.name(), 0, 0, 0, z * height, columns * side, rows * side, height,
-                        GL_RED, GL_FLOAT, layer.data());
-  }
+  std::vector<std::int32_t> begins;
+  VOLUTE_ASSIGN(made.bricks, makeGlBricks(cells, side, side * made.channels, [&](int x, int y, int z) {
+    const std::int32_t begin =
+        grid->table[(z + 1) * grid->tableStride[2] + (y + 1) * grid->tableStride[1] + x + 1];
+    if (begin >= 0)
+      begins.push_back(begin);
+    return begin >= 0;
+  }));
+  made.atlas = made.bricks.makeAtlas(GL_R32F);
+  fillAtlas<float>(made.bricks, made.atlas, GL_RED, GL_FLOAT,
+                   [&](std::size_t b) { return grid->values + begins[b]; });
   return made;
 }
 
@@ -200,20 +96,22 @@ class AtlasMedium final : public GlMedium {
   GlNeeds needs() const override {
     double cells = 3;
     for (int axis = 0; axis < 3; ++axis)
-      cells += atlas_->range.end[axis] - atlas_->range.begin[axis];
+      cells += atlas_->bricks.range.end[axis] - atlas_->bricks.range.begin[axis];
     return {
         .textures = 2, .cells = cells, .roundsPerCell = atlas_->basis == Basis::kBox ? 5.0 : 12.1};
   }
 
-  Box3 bounds() const override { return turnedBounds(atlas_->cells, volume_.turn, volume_.offset); }
+  Box3 bounds() const override {
+    return turnedBounds(atlas_->bricks.cells, volume_.turn, volume_.offset);
+  }
 
   void bind(const GlProgram& program, const std::string& prefix, const GlView& view,
             GlBindings& bindings) const override {
-    bindCells(program, prefix, view.origin, atlas_->cells, atlas_->range, volume_.emission,
-              volume_.extinction, volume_.turn, volume_.offset);
-    program.set((prefix + "atlasBricks").c_str(), atlas_->atlasBricks);
+    bindCells(program, prefix, view.origin, atlas_->bricks.cells, atlas_->bricks.range,
+              volume_.emission, volume_.extinction, volume_.turn, volume_.offset);
+    program.set((prefix + "atlasBricks").c_str(), atlas_->bricks.arranged);
     program.set((prefix + "bricks").c_str(), bindings.texture);
-    glBindTextureUnit(static_cast<GLuint>(bindings.texture++), atlas_->bricks.name());
+    glBindTextureUnit(static_cast<GLuint>(bindings.texture++), atlas_->bricks.table.name());
     program.set((prefix + "atlas").c_str(), bindings.texture);
     glBindTextureUnit(static_cast<GLuint>(bindings.texture++), atlas_->atlas.name());
   }

@@ -10,6 +10,7 @@ extern const char* const kRay;
 extern const char* const kMarch;
 extern const char* const kVolume;
 extern const char* const kVolumeAtlas;
+extern const char* const kVolumeShaded;
 extern const char* const kVolumeTree;
 extern const char* const kFogCells;
 extern const char* const kFds;

@@ -342,8 +342,12 @@ void ShadedVoxels::pieces(std::span<const Segment> segments,
   }
 }
 
+bool ShadedVoxels::marchesLight() const {
+  return march_->lightChannel >= 0;
+}
+
 void ShadedVoxels::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
-  if (!march_->fits || (light_ && march_->lightChannel < 0))
+  if (!march_->fits || (light_ && !marchesLight()))
     return radianceByPieces(*this, segments, out);
   MarchCounts counts;
   if (march_->lightChannel < 0 && march_->emissionChannel < 0) {

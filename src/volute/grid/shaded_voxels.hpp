@@ -63,7 +63,15 @@ class ShadedVoxels {
 
   MarchCounts counts() const;
 
+  /// What the SIMD march reads, for its twins on other devices. Null where its values and light are
+  /// too many to be addressed.
+  std::shared_ptr<const MarchGrid> march() const {
+    return light_ && !marchesLight() ? nullptr : march_;
+  }
+
  private:
+  bool marchesLight() const;
+
   /// The corners of a brick of cells, 9 a side, and which of points is at each; -1: none is needed.
   struct Corners {
     std::vector<Vec3> points;

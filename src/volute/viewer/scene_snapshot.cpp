@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "volute/gl/gl_part.hpp"
 #include "volute/gl/gl_snapshot.hpp"
 #include "volute/render/scaled_medium.hpp"
 #include "volute/render/surfaces.hpp"
@@ -152,8 +153,11 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneRequest& request, Progress& 
   scene.inTiles = std::ranges::none_of(
       snapshot->media, [](const auto& medium) { return medium->drawsItself(); });
   for (const auto& medium : snapshot->media) scene.bytes += medium->memoryBytes();
-  if (!request.openGl) {
-    std::vector<AnyMedium> prepared;  // here, not while a picture is waited for
+  // Here, not while a picture is waited for.
+  if (request.openGl) {
+    for (const auto& part : scene.media.parts) part->prepare();
+  } else {
+    std::vector<AnyMedium> prepared;
     for (const auto& medium : snapshot->media) medium->addMedia(prepared);
   }
   if (!snapshot->geometry.empty() || snapshot->hasWalls())

@@ -2,7 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 // One instant of a volume, cell by cell along a ray; M_ stands for the medium's own prefix. Cells are voxels (box), or
 // lie between eight voxel centres (trilinear: cell i is between voxels i - 1 and i). Bricks of 8^3 cells that are empty
-// are stepped over. M_open(brick) and M_voxel(voxel) come from volume_atlas.glsl or volume_tree.glsl.
+// are stepped over. M_open(brick) and M_voxel(voxel) come from volume_atlas.glsl, volume_tree.glsl or, of M_SHADED
+// volumes, volume_shaded.glsl, which has M_scattered(voxel) too, where M_LIT.
 
 uniform vec3 M_origin;    // [cells] the picture's
 uniform vec3 M_perMetre;  // [cells/m]
@@ -11,12 +12,6 @@ uniform ivec3 M_lo;       // the cells M_lo <= i < M_hi are not all empty
 uniform ivec3 M_hi;
 uniform float M_emission;    // radiance per metre per unit
 uniform float M_extinction;  // 1/m per unit
-
-#if M_CHANNELS == 1
-#define M_VALUE float
-#else
-#define M_VALUE vec3
-#endif
 
 vec3 M_o, M_d;     // the ray in cells
 ivec3 M_cell;
@@ -28,6 +23,9 @@ bool M_waits;      // still before the volume
 bool M_leaps;      // in an empty brick
 #if M_TRILINEAR
 M_VALUE M_c[8];    // coefficients of 1, x, y, xy, z, xz, yz, xyz
+#if M_LIT
+vec3 M_l[8];       // the same of the light that a unit of extinction scatters
+#endif
 #else
 M_VALUE M_c;
 #endif
@@ -45,10 +43,20 @@ void M_finish() {
 
 #if M_TRILINEAR
 void M_read() {
-  for (int i = 0; i < 8; ++i) M_c[i] = M_voxel(M_cell + ivec3(i & 1, i >> 1 & 1, i >> 2) - 1);
+  for (int i = 0; i < 8; ++i) {
+    ivec3 voxel = M_cell + ivec3(i & 1, i >> 1 & 1, i >> 2) - 1;
+    M_c[i] = M_voxel(voxel);
+#if M_LIT
+    M_l[i] = M_scattered(voxel);
+#endif
+  }
   for (int axis = 1; axis < 8; axis *= 2) {
     for (int i = 0; i < 8; ++i) {
-      if ((i & axis) != 0) M_c[i] -= M_c[i ^ axis];
+      if ((i & axis) == 0) continue;
+      M_c[i] -= M_c[i ^ axis];
+#if M_LIT
+      M_l[i] -= M_l[i ^ axis];
+#endif
     }
   }
 }
@@ -124,10 +132,23 @@ void M_sample(float s, inout float k, inout vec3 e) {
 #else
   M_VALUE v = M_c;
 #endif
+#if M_SHADED
+  float taken = M_extinction * M_DENSITY(v);
+  k += taken;
+#if M_CHANNELS == 4
+  e += M_emission * v.yzw;
+#endif
+#if M_LIT
+  vec3 l = M_l[0] + p.x * M_l[1] + p.y * (M_l[2] + p.x * M_l[3]) +
+           p.z * (M_l[4] + p.x * M_l[5] + p.y * (M_l[6] + p.x * M_l[7]));
+  e += taken * l;
+#endif
+#else
 #if M_CHANNELS == 1
   k += M_extinction * v;
 #else
   k += M_extinction * (v.r + v.g + v.b) / 3.0;
 #endif
   e += M_emission * vec3(v);
+#endif
 }

@@ -41,6 +41,9 @@ class VolumeLight {
     Vec3 at = Vec3::Zero();  ///< the eye, or the way that all rays go
   };
 
+  /// Finds the light that does not depend on a view; the first view would else do so.
+  void prepare() const { gather(); }
+
   ShadedVoxels seenFrom(const View& view) const;
 
   /// Without a direction: scattered evenly.

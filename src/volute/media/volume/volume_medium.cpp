@@ -82,16 +82,19 @@ void VolumeAt::addMedia(std::vector<AnyMedium>& media) const {
   addPlaced(light_ ? scaledBy(factor_, AnyMedium(light_->seen())) : AnyMedium(medium()), media);
 }
 
+ShadedVoxels seenFrom(const VolumeLight& light, const Placement& placement, const Camera& camera) {
+  const bool parallel = camera.isOrthographic();
+  return light.seenFrom(
+      {parallel, placement.turn.transpose() *
+                     (parallel ? camera.forward() : Vec3(camera.eye() - placement.offset))});
+}
+
 Status VolumeAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
   if (!light_) {
     addMedia(media);
     return {};
   }
-  const Placement& place = placement();
-  const ShadedVoxels seen = light_->seenFrom(
-      {camera.isOrthographic(),
-       place.turn.transpose() * (camera.isOrthographic() ? camera.forward()
-                                                         : Vec3(camera.eye() - place.offset))});
+  const ShadedVoxels seen = seenFrom(*light_, placement(), camera);
   {
     const std::lock_guard lock(shadedGuard_);
     shaded_.push_back(seen);

@@ -32,6 +32,9 @@ class VolumeAt final : public MediumAt {
   /// Null: it is plain emission and extinction of one grid.
   const std::shared_ptr<const VolumeLight>& light() const { return light_; }
 
+  /// Of a unit of its values' extinction, as the picture's law has it.
+  double factor() const { return factor_; }
+
   /// Not yet placed: points are to be turned and moved by placement().
   const VoxelMedium& medium() const;
 
@@ -68,6 +71,9 @@ class VolumeAt final : public MediumAt {
   mutable std::mutex shadedGuard_;
   mutable std::vector<ShadedVoxels> shaded_;  ///< whose counts are asked for
 };
+
+/// How a lit or burning volume looks to a camera, before the placement turns and moves it.
+ShadedVoxels seenFrom(const VolumeLight& light, const Placement& placement, const Camera& camera);
 
 /// A volume file in a scene.
 class VolumeMedium : public SceneMedium {
