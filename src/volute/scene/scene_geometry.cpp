@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/scene_geometry.hpp"
 
+#include <utility>
+
 #include "volute/io/surface_file.hpp"
 #include "volute/media/placement.hpp"
 
@@ -75,12 +77,17 @@ Result<TriangleScene> loadGeometry(const std::vector<SceneGeometry>& entries,
                                    const Reading& reading) {
   TriangleMesh all;
   for (const SceneGeometry& entry : entries) {
-    VOLUTE_ASSIGN(const auto mesh, readSurfaces(entry.file, reading.maxMemory));
-    const auto first = static_cast<std::uint32_t>(all.materials.size());
-    for (Triangle triangle : transformed(mesh.triangles, entry.transform)) {
-      triangle.material += first;
-      all.triangles.push_back(triangle);
+    VOLUTE_ASSIGN(auto mesh, readSurfaces(entry.file, reading.maxMemory));
+    // A million triangles are 80 MB, and each copy of them costs as much as reading them.
+    if (entry.transform != Mat4::Identity())
+      mesh.triangles = transformed(mesh.triangles, entry.transform);
+    if (all.triangles.empty() && all.materials.empty()) {
+      all = std::move(mesh);
+      continue;
     }
+    const auto first = static_cast<std::uint32_t>(all.materials.size());
+    for (Triangle& triangle : mesh.triangles) triangle.material += first;
+    all.triangles.insert(all.triangles.end(), mesh.triangles.begin(), mesh.triangles.end());
     all.materials.insert(all.materials.end(), mesh.materials.begin(), mesh.materials.end());
   }
   return TriangleScene::build(std::move(all.triangles), std::move(all.materials));
