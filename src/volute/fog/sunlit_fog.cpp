@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "volute/fog/cell_spline.hpp"
 #include "volute/medium/integrate.hpp"
@@ -179,7 +180,35 @@ void SunlitFog::pieces(std::span<const Segment> segments,
   }
 }
 
-std::vector<double> SunlitFog::sunlight(const Segment& segment) const {
+/// The cells that rays side by side have met: most are in here for all but the first of them.
+class SunlitFog::Cells {
+ public:
+  explicit Cells(const FogMedium& fog) : fog_(fog), kept_(kPlaces) {}
+
+  const CellSpline& at(int level, int x, int y) {
+    const auto place = static_cast<std::size_t>(x + 37 * y + 101 * level) % kPlaces;
+    std::optional<Kept>& kept = kept_[place];
+    if (!kept || kept->level != level || kept->x != x || kept->y != y) {
+      kept.emplace(Kept{
+          level, x, y,
+          CellSpline(fog_.levels().pyramid().level(level), fog_.options().degree, x, y)});
+    }
+    return kept->cell;
+  }
+
+ private:
+  static constexpr std::size_t kPlaces = 256;
+
+  struct Kept {
+    int level, x, y;
+    CellSpline cell;
+  };
+
+  const FogMedium& fog_;
+  std::vector<std::optional<Kept>> kept_;
+};
+
+std::vector<double> SunlitFog::sunlight(const Segment& segment, Cells& cells) const {
   std::vector<double> light(suns_.size());
   if (suns_.empty())
     return light;
@@ -196,7 +225,7 @@ std::vector<double> SunlitFog::sunlight(const Segment& segment) const {
     const auto inCell = [&](int x, int y, double begin, double end) {
       if (passed < kLightLost)
         return;
-      const CellSpline cell(fog_.levels().pyramid().level(part.level), fog_.options().degree, x, y);
+      const CellSpline& cell = cells.at(part.level, x, y);
       if (cell.largest() == 0)
         return;
       const double step = std::min(fog_.cell(), kThin / cell.largest());
@@ -235,8 +264,9 @@ std::vector<double> SunlitFog::sunlight(const Segment& segment) const {
 
 void SunlitFog::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
   fog_.radiance(segments, out);
+  Cells cells(fog_);
   for (std::size_t k = 0; k < segments.size(); ++k) {
-    const std::vector<double> light = sunlight(segments[k]);
+    const std::vector<double> light = sunlight(segments[k], cells);
     for (std::size_t i = 0; i < suns_.size(); ++i)
       out[k].emitted += scattering_.albedo * suns_[i].irradiance * light[i];
   }

@@ -82,7 +82,8 @@ class SunlitFog {
   void cut(const Segment& segment, const Piece& piece, std::span<const double> phases,
            std::vector<Piece>& out) const;
   /// The part of each sun's light, times its phase, that arrives at the begin of the segment.
-  std::vector<double> sunlight(const Segment& segment) const;
+  class Cells;
+  std::vector<double> sunlight(const Segment& segment, Cells& cells) const;
 
   FogMedium fog_;
   std::vector<Sun> suns_;

@@ -25,7 +25,10 @@ constexpr std::size_t kMostParts = 16;  ///< that the uncovered rest of a square
 struct FlatTriangle {
   Vec3 corner[3];  ///< anticlockwise
   double top, bottom;
-  Vec2 slope;  ///< of the height
+  double left, right, low, high;  ///< of the corners' x and y
+  Vec2 edge[3];                   ///< from each corner to the next
+  double spread[3];               ///< |x| + |y| of the edges
+  Vec2 slope;                     ///< of the height
   std::uint32_t number;
 
   double at(const Vec2& p) const {
@@ -33,9 +36,8 @@ struct FlatTriangle {
   }
 
   /// Twice the area of the triangle that the edge from a corner makes with a point.
-  double side(int edge, const Vec2& p) const {
-    const Vec3 &a = corner[edge], &b = corner[(edge + 1) % 3];
-    return (b.x() - a.x()) * (p.y() - a.y()) - (b.y() - a.y()) * (p.x() - a.x());
+  double side(int i, const Vec2& p) const {
+    return edge[i].x() * (p.y() - corner[i].y()) - edge[i].y() * (p.x() - corner[i].x());
   }
 };
 
@@ -49,19 +51,13 @@ struct Cover {
 template <class Square>
 Cover coverOf(const FlatTriangle& triangle, const Square& square) {
   const double reach = square.half * (1 + 2 * kMargin);
-  const auto [x0, x1] = std::minmax(
-      {triangle.corner[0].x(), triangle.corner[1].x(), triangle.corner[2].x()});
-  const auto [y0, y1] = std::minmax(
-      {triangle.corner[0].y(), triangle.corner[1].y(), triangle.corner[2].y()});
-  if (x0 > square.x + reach || x1 < square.x - reach || y0 > square.y + reach ||
-      y1 < square.y - reach)
+  if (triangle.left > square.x + reach || triangle.right < square.x - reach ||
+      triangle.low > square.y + reach || triangle.high < square.y - reach)
     return {};
   Cover cover{true, true, triangle.bottom, triangle.top};
   const Vec2 middle(square.x, square.y);
   for (int edge = 0; edge < 3; ++edge) {
-    const Vec3 &a = triangle.corner[edge], &b = triangle.corner[(edge + 1) % 3];
-    const double spread = std::abs(b.x() - a.x()) + std::abs(b.y() - a.y());
-    const double side = triangle.side(edge, middle);
+    const double side = triangle.side(edge, middle), spread = triangle.spread[edge];
     if (side < -spread * reach)
       return {};
     cover.whole &= side >= spread * square.half;
@@ -75,6 +71,16 @@ Cover coverOf(const FlatTriangle& triangle, const Square& square) {
 /// Convex. Cut by lines it gains a corner at most by each; what would have more is given up.
 struct Polygon {
   static constexpr int kMost = 14;
+
+  Polygon() = default;
+  Polygon(const Polygon& other) { *this = other; }
+
+  /// The corners that there are, no more.
+  Polygon& operator=(const Polygon& other) {
+    count = other.count;
+    std::copy_n(other.points.begin(), std::min(count, kMost), points.begin());
+    return *this;
+  }
 
   void add(const Vec2& point) {
     if (count < kMost)
@@ -120,7 +126,8 @@ void divide(const Polygon& polygon, const FlatTriangle& triangle, int edge, Poly
 template <class Square, class Triangles>
 double coveredTogether(const Square& square, const Triangles& triangles) {
   const double least = kSliver * 4 * square.half * square.half;
-  std::array<Polygon, kMostParts> rest, next;
+  std::array<Polygon, kMostParts> store[2];
+  Polygon *rest = store[0].data(), *next = store[1].data();
   std::size_t parts = 1;
   const double x = square.x, y = square.y, half = square.half;
   for (const Vec2& corner : {Vec2(x - half, y - half), Vec2(x + half, y - half),
@@ -156,7 +163,7 @@ double coveredTogether(const Square& square, const Triangles& triangles) {
     parts = more;
     if (parts == 0)
       return lowest;
-    std::copy_n(next.begin(), parts, rest.begin());
+    std::swap(rest, next);
   }
   return -kEndless;
 }
@@ -245,8 +252,14 @@ class SunTreeBuilder {
     flat.slope = Vec2(b.z() * c.y() - b.y() * c.z(), b.x() * c.z() - b.z() * c.x()) / area;
     if (area < 0)
       std::swap(flat.corner[1], flat.corner[2]);
-    flat.top = std::max({flat.corner[0].z(), flat.corner[1].z(), flat.corner[2].z()});
-    flat.bottom = std::min({flat.corner[0].z(), flat.corner[1].z(), flat.corner[2].z()});
+    const Vec3 most = flat.corner[0].cwiseMax(flat.corner[1]).cwiseMax(flat.corner[2]);
+    const Vec3 least = flat.corner[0].cwiseMin(flat.corner[1]).cwiseMin(flat.corner[2]);
+    flat.left = least.x(), flat.right = most.x(), flat.low = least.y(), flat.high = most.y();
+    flat.bottom = least.z(), flat.top = most.z();
+    for (int i = 0; i < 3; ++i) {
+      flat.edge[i] = (flat.corner[(i + 1) % 3] - flat.corner[i]).head<2>();
+      flat.spread[i] = flat.edge[i].cwiseAbs().sum();
+    }
     flat.number = number;
     return true;
   }

@@ -92,45 +92,49 @@ void SunTree::walk(const Segment& segment, Dark&& dark, Look&& look) const {
   if (inside.empty())
     return;
   const double perX = 1 / d.x(), perY = 1 / d.y();
+  const auto heightAt = [&](double s) { return o.z() + s * d.z(); };
   std::array<Visit, 2 * kDeepest + 2> stack;  // of three children one is gone into
   int left = 0;
-  stack[left++] = {nullptr, 0, square_, inside};
-  while (left > 0) {
-    Visit visit = stack[--left];
-    const Interval& part = visit.part;
-    const Node* node = visit.plot ? &visit.plot->nodes[visit.node] : &top_[visit.node];
-    const double from = o.z() + part.begin * d.z(), to = o.z() + part.end * d.z();
-    if (std::min(from, to) >= node->light)
-      continue;
-    if (node->count == kPlot) {
-      visit.plot = &plot(node->first);
-      node = &visit.plot->nodes.front();
-    }
-    if (std::max(from, to) <= node->dark) {
+  // What is decided by a node's bounds is not put on the stack.
+  const auto visit = [&](const Plot* in, std::uint32_t number, const Square& where,
+                         const Interval& part, double from, double to) {
+    const Node& node = in ? in->nodes[number] : top_[number];
+    if (std::min(from, to) >= node.light)
+      return;
+    if (std::max(from, to) <= node.dark)
       dark(part);
+    else
+      stack[left++] = {in, number, where, part};
+  };
+  visit(nullptr, 0, square_, inside, heightAt(inside.begin), heightAt(inside.end));
+  while (left > 0) {
+    const Visit at = stack[--left];
+    const Interval& part = at.part;
+    const Node& node = at.plot ? at.plot->nodes[at.node] : top_[at.node];
+    if (node.count == kPlot) {
+      visit(&plot(node.first), 0, at.square, part, heightAt(part.begin), heightAt(part.end));
       continue;
     }
-    if (node->count != kParent) {
-      for (std::uint32_t i = node->first; i < node->first + node->count; ++i)
-        look(triangles_[visit.plot->order[i]], part);
+    if (node.count != kParent) {
+      for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
+        look(triangles_[at.plot->order[i]], part);
       continue;
     }
     // Where the segment goes from one half of the square into the other.
-    double cuts[4] = {part.begin};
-    int count = 1;
-    const double atX = (visit.square.x - o.x()) * perX, atY = (visit.square.y - o.y()) * perY;
+    const double atX = (at.square.x - o.x()) * perX, atY = (at.square.y - o.y()) * perY;
+    double begin = part.begin, from = heightAt(begin);
+    const auto goTo = [&](double end) {
+      const double middle = 0.5 * (begin + end), to = heightAt(end);
+      const int child = (o.x() + middle * d.x() >= at.square.x ? 1 : 0) +
+                        (o.y() + middle * d.y() >= at.square.y ? 2 : 0);
+      visit(at.plot, node.first + child, at.square.child(child), {begin, end}, from, to);
+      begin = end, from = to;
+    };
     for (const double cut : {std::min(atX, atY), std::max(atX, atY)}) {
-      if (cut > part.begin && cut < part.end)
-        cuts[count++] = cut;
+      if (cut > begin && cut < part.end)
+        goTo(cut);
     }
-    cuts[count] = part.end;
-    for (int i = 0; i < count; ++i) {
-      const double middle = 0.5 * (cuts[i] + cuts[i + 1]);
-      const int child = (o.x() + middle * d.x() >= visit.square.x ? 1 : 0) +
-                        (o.y() + middle * d.y() >= visit.square.y ? 2 : 0);
-      stack[left++] = {visit.plot, node->first + child, visit.square.child(child),
-                       {cuts[i], cuts[i + 1]}};
-    }
+    goTo(part.end);
   }
 }
 
