@@ -14,6 +14,12 @@
 
 namespace volute {
 
+/// What pictures tell of the medium along a line of sight.
+enum class Measured {
+  kEmission,    ///< its light, in front of a background that is subtracted where it is known
+  kAbsorption,  ///< its optical depth: how much it weakens a background that is lit
+};
+
 /// Where the pictures of one camera are, and what their values mean.
 struct PictureSource {
   std::string image;            ///< the files: %04d, %d or #### stands for the frame; empty: a film
@@ -23,7 +29,8 @@ struct PictureSource {
                                 ///< clock is wrong by so many frames
   std::filesystem::path background;      ///< a picture without the medium; empty: none
   std::filesystem::path mask;            ///< 0 = ignore the pixel (obstructors); empty: none
-  double gain = 1;                       ///< a factor on its linear values
+  double gain = 1;                       ///< a factor on its linear values; of kAbsorption, where
+                                         ///< that cancels out, on its optical depths
   Response response = Response::srgb();  ///< of .png files and films; .exr files are linear
   /// A channel that reads this or more is saturated: a stored value, 1 = white. Without it 1 for
   /// .png files, 250/255 for films, and nothing for .exr files.
@@ -48,6 +55,7 @@ struct CaptureVolume {
 struct Capture {
   std::filesystem::path file;  ///< where it was read from
   std::string kind;            ///< "capture.json", "NeRF transforms", "COLMAP", "OpenCV"
+  Measured measured = Measured::kEmission;
   double pixelCentre = 0.5;    ///< of the file's coordinates; the cameras have it settled
   std::vector<CaptureCamera> cameras;
   std::vector<int> frames;  ///< ascending; those that were chosen

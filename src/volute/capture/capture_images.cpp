@@ -9,6 +9,7 @@
 
 #include "volute/capture/background.hpp"
 #include "volute/capture/image_name.hpp"
+#include "volute/capture/optical_depth.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/image_file.hpp"
 
@@ -170,7 +171,9 @@ Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int 
 
 Image CaptureImages::linearised(std::size_t camera, const Stored& stored) const {
   const auto& pictures = capture_->cameras[camera].pictures;
-  const double factor = capture_->white * pictures.gain;
+  // Of absorption the gain would cancel out; it is one of the depths.
+  const bool light = capture_->measured == Measured::kEmission;
+  const double factor = capture_->white * (light ? pictures.gain : 1);
   Image image = stored.image;
   if (stored.linear) {
     for (float& value : image.pixels) value = static_cast<float>(factor * value);
@@ -228,6 +231,17 @@ Status CaptureImages::openBackground(std::size_t camera, Progress& progress) {
                   "camera {}: its background has a value that is not finite",
                   capture_->cameras[camera].name);
   }
+  if (backgrounds_[camera].pixels.empty()) {
+    if (capture_->measured == Measured::kEmission)
+      return {};
+    return fail(ErrorCode::kInvalidData,
+                "camera {}: its background is missing; pictures of a lit background through the "
+                "medium (\"kind\": \"absorption\") are compared with one of the background "
+                "alone: state \"background\", or \"empty_frames\" for all cameras",
+                capture_->cameras[camera].name);
+  }
+  if (!capture_->volume.bounds.empty())
+    beside_[camera] = pixelsBeside(capture_->cameras[camera].camera, capture_->volume.bounds);
   return {};
 }
 
@@ -236,6 +250,7 @@ Result<CaptureImages> CaptureImages::open(const Capture& capture, std::uint64_t 
   CaptureImages images(capture, maxMemory);
   images.masks_.resize(capture.cameras.size());
   images.backgrounds_.resize(capture.cameras.size());
+  images.beside_.resize(capture.cameras.size());
   for (std::size_t camera = 0; camera < capture.cameras.size(); ++camera) {
     VOLUTE_TRY(images.openMask(camera));
     VOLUTE_TRY(images.openBackground(camera, progress));
@@ -247,7 +262,6 @@ Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
   VOLUTE_ASSIGN(const Stored stored,
                 readStored(camera, frame + capture_->cameras[camera].pictures.frameShift));
   const auto& mask = masks_[camera];
-  const auto& background = backgrounds_[camera].pixels;
   CameraPicture picture;
   picture.radiance = linearised(camera, stored);
   picture.transparentShare = stored.transparentShare;
@@ -282,16 +296,44 @@ Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
       ++saturated;
       picture.weight[i] = 0;
     }
-    for (int c = 0; c < 3; ++c) {
-      picture.brightest = std::max<double>(picture.brightest, light[c]);
-      if (!background.empty())
-        light[c] -= background[3 * i + static_cast<std::size_t>(c)];
-    }
+    for (int c = 0; c < 3; ++c) picture.brightest = std::max<double>(picture.brightest, light[c]);
   }
   picture.maskedShare = static_cast<double>(masked) / static_cast<double>(pixels);
   picture.saturatedShare = static_cast<double>(saturated) /
                            static_cast<double>(std::max<std::size_t>(1, pixels - masked));
+  if (!backgrounds_[camera].pixels.empty())
+    subtractBackground(camera, picture);
   return picture;
+}
+
+void CaptureImages::subtractBackground(std::size_t camera, CameraPicture& picture) const {
+  Image background = backgrounds_[camera];
+  if (std::vector<std::uint8_t> pixels = beside_[camera]; !pixels.empty()) {
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      if (picture.weight[i] == 0)
+        pixels[i] = 0;
+    }
+    picture.drift = findBackgroundDrift(picture.radiance, background, pixels);
+    if (picture.drift)
+      background = picture.drift->applied(background);
+  }
+  std::vector<float>& light = picture.radiance.pixels;
+  if (capture_->measured == Measured::kEmission) {
+    for (std::size_t i = 0; i < light.size(); ++i) {
+      const bool masked = picture.weight[i / 3] == 0 && picture.atLeast[i / 3] == 0;
+      light[i] -= masked ? 0 : background.pixels[i];
+    }
+    return;
+  }
+  constexpr double kSigmas = 3;
+  OpticalDepths depths = opticalDepths(picture.radiance, background, picture.weight,
+                                       kSigmas * capture_->noiseSigma.value_or(0));
+  picture.radiance = std::move(depths.depth);
+  picture.weight = std::move(depths.weight);
+  picture.atLeast = std::move(depths.atLeast);
+  picture.opaqueShare = depths.opaqueShare;
+  const auto gain = static_cast<float>(capture_->cameras[camera].pictures.gain);
+  for (float& depth : picture.radiance.pixels) depth *= gain;
 }
 
 Status checkPicturesThere(const Capture& capture, std::uint64_t maxMemory) {

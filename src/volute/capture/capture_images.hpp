@@ -7,26 +7,34 @@
 #include <vector>
 
 #include "volute/base/progress.hpp"
+#include "volute/capture/background_drift.hpp"
 #include "volute/capture/capture.hpp"
 #include "volute/image/image.hpp"
 #include "volute/io/film_frames.hpp"
 
 namespace volute {
 
-/// One camera's picture of one frame as radiance.
+/// One camera's picture of one frame as radiance, or as optical depths where the capture is one of
+/// absorption.
 struct CameraPicture {
-  Image radiance;             ///< measured minus background, linear RGB; negative values are kept
-  std::vector<float> weight;  ///< (height, width), 0 = saturated or masked, else 1
-  std::vector<std::uint8_t> atLeast;  ///< (height, width), bit c: channel c is saturated
+  Image radiance;             ///< measured minus background, linear RGB; negative values are kept;
+                              ///< or optical depths
+  std::vector<float> weight;  ///< (height, width), 0 = saturated or masked, else 1; of optical
+                              ///< depths the light that is left, see OpticalDepths
+  std::vector<std::uint8_t> atLeast;  ///< (height, width), bit c: channel c is saturated, or lets no
+                                      ///< light through; `radiance` is the bound
+  std::optional<BackgroundDrift> drift;  ///< of the background, where it was found and undone
   double brightest = 0;               ///< of the measured channels, background included
   double saturatedShare = 0;          ///< of the pixels that are not masked
+  double opaqueShare = 0;             ///< of the pixels with a lit background, those without light
   double maskedShare = 0;             ///< of all pixels
   double transparentShare = 0;        ///< of all pixels of an .exr, those with alpha < 1
   bool grey = false;                  ///< one channel in the file
 };
 
 /// Reads the pictures of a capture: makes them linear, applies gain and white, subtracts the
-/// background, and finds what does not count. Every error names the camera and the frame.
+/// background as it has drifted, or divides by it and takes the logarithm, and finds what does not
+/// count. Every error names the camera and the frame.
 class CaptureImages {
  public:
   /// Reads masks and backgrounds; estimates those backgrounds that are not given from the empty
@@ -61,6 +69,7 @@ class CaptureImages {
                                         const std::string& name) const;
   [[nodiscard]] Status checkSize(std::size_t camera, const Image& image,
                                  const std::string& name) const;
+  void subtractBackground(std::size_t camera, CameraPicture& picture) const;
   Image linearised(std::size_t camera, const Stored& stored) const;
   [[nodiscard]] Status openMask(std::size_t camera);
   [[nodiscard]] Status openBackground(std::size_t camera, Progress& progress);
@@ -69,6 +78,7 @@ class CaptureImages {
   std::uint64_t maxMemory_;
   std::vector<std::vector<char>> masks_;  // 0 = ignore; empty: none
   std::vector<Image> backgrounds_;        // linear RGB; empty: none
+  std::vector<std::vector<std::uint8_t>> beside_;  // pixels that show the background; empty: none
   std::map<std::size_t, FilmFrames> films_;
 };
 

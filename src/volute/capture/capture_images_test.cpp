@@ -112,6 +112,52 @@ TEST_F(CaptureImagesTest, BackgroundsAreTheMedianOfEmptyFrames) {
   EXPECT_FLOAT_EQ(read.radiance.at(0, 0), -0.75f) << "the spark's frame counts as the brightest";
 }
 
+TEST_F(CaptureImagesTest, LitBackgroundsGiveOpticalDepths) {
+  json["kind"] = "absorption";
+  EXPECT_TRUE(failsWith(readPicture(0, 4), "camera a: its background is missing"));
+  for (const char* name : {"a", "b", "c"}) write(fmt::format("back_{}.exr", name), picture(0.8f));
+  for (int i = 0; i < 3; ++i)
+    json["cameras"][i]["background"] = fmt::format("back_{}.exr", static_cast<char>('a' + i));
+  Image seen = picture(0.8f);
+  for (int c = 0; c < 3; ++c) seen.at(12, 8, c) = 0.8f * std::exp(-0.5f * static_cast<float>(c + 1));
+  seen.at(13, 8, 1) = 0;
+  write("f_0004_b.exr", seen);
+  json["cameras"][1]["gain"] = 2;  // of the depth: of light it cancels out
+  ASSERT_VALUE(const auto read, readPicture(1, 4));
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(read.radiance.at(12, 8, c), c + 1, 1e-5);
+  EXPECT_EQ(read.radiance.at(0, 0), 0);
+  EXPECT_NEAR(read.weight[8 * kWidth + 12], std::exp(-1.5), 1e-5);
+  EXPECT_EQ(read.weight[0], 1);
+  EXPECT_EQ(read.atLeast[8 * kWidth + 13], 2) << "one channel lets no light through";
+  EXPECT_EQ(read.weight[8 * kWidth + 13], 0);
+  EXPECT_NEAR(read.radiance.at(13, 8, 1), 2 * std::log(500.0), 1e-4) << "a bound";
+  EXPECT_NEAR(read.opaqueShare, 1.0 / (kWidth * kHeight), 1e-9);
+}
+
+TEST_F(CaptureImagesTest, BackgroundsThatDriftAreFollowed) {
+  json["cameras"][0]["background"] = "back.exr";
+  json["volume"] = {{"min", {-.2, -.2, -.2}}, {"max", {.2, .2, .2}}, {"resolution", {8, 8, 8}}};
+  Image back = picture(0);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      for (int c = 0; c < 3; ++c)
+        back.at(x, y, c) = 0.3f + 0.02f * static_cast<float>(x) + 0.1f * static_cast<float>(c);
+  write("back.exr", back);
+  Image now = back;
+  for (float& value : now.pixels) value *= 0.93f;
+  for (int c = 0; c < 3; ++c) now.at(12, 8, c) += 1.5f;
+  write("f_0004_a.exr", now);
+  ASSERT_VALUE(const auto read, readPicture(0, 4));
+  ASSERT_TRUE(read.drift);
+  EXPECT_NEAR(read.drift->gain[1], 0.93, 1e-4);
+  EXPECT_NEAR(read.radiance.at(12, 8), 1.5, 1e-4);
+  EXPECT_NEAR(read.radiance.at(2, 3), 0, 1e-4);
+  write("f_0004_a.exr", back);
+  ASSERT_VALUE(const auto still, readPicture(0, 4));
+  EXPECT_FALSE(still.drift);
+  EXPECT_EQ(still.radiance.at(2, 3), 0);
+}
+
 TEST_F(CaptureImagesTest, MasksTakePixelsOut) {
   json["cameras"][1]["mask"] = "mask.png";
   Image mask = picture(1, 1);

@@ -29,6 +29,15 @@ Result<Response> readResponse(const JsonValue& value) {
   return response ? response : Result<Response>(value.fault(response.error().message));
 }
 
+Result<Measured> readMeasured(const JsonValue& value) {
+  VOLUTE_ASSIGN(const auto name, value.text());
+  if (name == "absorption")
+    return Measured::kAbsorption;
+  if (name != "emission")
+    return value.fault(fmt::format("is '{}'; expected 'emission' or 'absorption'", name));
+  return Measured::kEmission;
+}
+
 Result<double> readPositive(const JsonValue& value) {
   VOLUTE_ASSIGN(const double number, value.number());
   if (!(number > 0))
@@ -198,6 +207,9 @@ Status readHead(const JsonValue& root, CaptureDraft& draft, CameraDraft& default
       return centre->fault("expected 0.5 or 0: where the centre of the first pixel is");
   }
   defaults.calibration.pixelCentre = draft.pixelCentre;
+  if (const auto kind = root.find("kind")) {
+    VOLUTE_ASSIGN(draft.measured, readMeasured(*kind));
+  }
   if (const auto color = root.find("color")) {
     VOLUTE_ASSIGN(defaults.pictures.response, readResponse(*color));
   }
@@ -237,7 +249,7 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
   CameraDraft defaults;
   VOLUTE_TRY(readHead(root, draft, defaults));
   remarkUnknown(root,
-                {"format", "color", "white", "pixel_centre", "frames", "volume", "noise_sigma",
+                {"format", "kind", "color", "white", "pixel_centre", "frames", "volume", "noise_sigma",
                  "cameras", "empty_frames", "saturation"},
                 draft);
   VOLUTE_ASSIGN(const auto list, root.at("cameras"));

@@ -166,6 +166,19 @@ TEST(CaptureJson, TwoEmptyFramesAreARange) {
   EXPECT_EQ(openJson(folder, json).value().emptyFrames, (std::vector<int>{0, 3, 8}));
 }
 
+TEST(CaptureJson, SaysWhatPicturesMeasure) {
+  const TempFolder folder;
+  auto json = ringJson();
+  for (const auto& [name, measured] : {std::pair("emission", Measured::kEmission),
+                                       std::pair("absorption", Measured::kAbsorption)}) {
+    json["kind"] = name;
+    ASSERT_VALUE(const auto capture, openJson(folder, json));
+    EXPECT_EQ(capture.measured, measured);
+  }
+  json["kind"] = "x-ray";
+  EXPECT_TRUE(failsWith(openJson(folder, json), "kind: is 'x-ray'; expected 'emission' or "));
+}
+
 TEST(CaptureJson, OtherFilesAreNoCaptures) {
   const TempFolder folder;
   testing::writeText(folder / "x.json", "{\"a\": 1}");

@@ -27,6 +27,7 @@ struct CameraDraft {
 /// A capture whose cameras are not made yet.
 struct CaptureDraft {
   std::string kind;
+  Measured measured = Measured::kEmission;
   double pixelCentre = 0.5;
   std::vector<CameraDraft> cameras;
   std::optional<std::vector<int>> frames;

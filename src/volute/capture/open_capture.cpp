@@ -307,6 +307,7 @@ Result<Capture> makeCapture(const std::filesystem::path& file, CaptureDraft& dra
   Capture capture;
   capture.file = file;
   capture.kind = draft.kind;
+  capture.measured = draft.measured;
   capture.pixelCentre = draft.pixelCentre;
   capture.white = draft.white;
   capture.noiseSigma = draft.noiseSigma;

@@ -73,6 +73,8 @@ Status writeCapture(const std::filesystem::path& file, const Capture& capture) {
                   file.string(), known.name);
   }
   Json json{{"format", "volute-capture-1"}, {"white", capture.white}, {"pixel_centre", 0.5}};
+  if (capture.measured == Measured::kAbsorption)
+    json["kind"] = "absorption";
   json["frames"] = capture.frames;
   json["volume"] = {{"min", jsonOf(capture.volume.bounds.min)},
                     {"max", jsonOf(capture.volume.bounds.max)},

@@ -14,6 +14,7 @@ TEST(WriteCapture, ReadsAsItWas) {
   const testing::TempFolder folder;
   Capture capture;
   capture.white = 2;
+  capture.measured = Measured::kAbsorption;
   capture.noiseSigma = 0.01;
   capture.frames = {3, 5};
   capture.emptyFrames = {1, 2};

@@ -238,7 +238,11 @@ class LevelFit {
                               reduced.camera.height(), grow);
       if (f == 0) {
         one.light.assign(4 * pixels, 0);
-        one.view = {first.name, reduced.camera, {}, std::vector<float>(pixels, 1), {}, silhouette};
+        one.view = {.name = first.name,
+                    .camera = reduced.camera,
+                    .radiance = {},
+                    .weight = std::vector<float>(pixels, 1),
+                    .silhouette = silhouette};
       }
       for (std::size_t i = 0; i < pixels; ++i) {
         one.view.silhouette[i] |= silhouette[i];

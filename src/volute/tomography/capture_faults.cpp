@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -156,16 +157,22 @@ class FaultSearch {
       }
       return {};
     };
-    for (const FaultKind kind : {FaultKind::kEncoded, FaultKind::kDecoded})
-      VOLUTE_TRY(attempt(kind, {}));
+    constexpr std::array kResponses{FaultKind::kEncoded, FaultKind::kDecoded};
+    for (const FaultKind kind : kResponses) {
+      if (!white_.empty())
+        VOLUTE_TRY(attempt(kind, {}));
+    }
     VOLUTE_TRY(attempt(FaultKind::kMirrored, {}));
     VOLUTE_TRY(attempt(FaultKind::kUpsideDown, {}));
     VOLUTE_ASSIGN(const auto suspects, mostSuspicious(views));
     for (const std::size_t v : suspects) {
       for (const FaultKind kind :
-           {FaultKind::kMirrored, FaultKind::kFlipped, FaultKind::kUpsideDown, FaultKind::kEncoded,
-            FaultKind::kDecoded})
+           {FaultKind::kMirrored, FaultKind::kFlipped, FaultKind::kUpsideDown})
         VOLUTE_TRY(attempt(kind, {v}));
+      for (const FaultKind kind : kResponses) {
+        if (!white_.empty())
+          VOLUTE_TRY(attempt(kind, {v}));
+      }
     }
     for (std::size_t a = 0; a < suspects.size(); ++a) {
       for (std::size_t b = a + 1; b < suspects.size(); ++b) {
@@ -308,7 +315,7 @@ Result<std::vector<CaptureFault>> findCaptureFaults(std::vector<TomographyView> 
     std::optional<CaptureFault> fault;
     if (now.bad) {
       VOLUTE_ASSIGN(fault, search.find(views, now));
-    } else if (faults.empty()) {
+    } else if (faults.empty() && !white.empty()) {
       VOLUTE_ASSIGN(fault, search.findEncoded(views, now));
     }
     if (!fault)

@@ -33,7 +33,8 @@ struct CaptureFault {
 /// the pictures without it, and names those that explain it, one after the other. Nothing for
 /// pictures that agree, for fewer than four views, and where nothing that is tried explains them.
 /// Only cameras that stand out most are tried; exchanges need pictures of one size.
-/// @param white  one a view: the radiance of a stored value of 1.
+/// @param white  one a view: the radiance of a stored value of 1; empty where views do not hold
+///   light: responses are then not tried.
 [[nodiscard]] Result<std::vector<CaptureFault>> findCaptureFaults(std::vector<TomographyView> views,
                                                                   std::span<const double> white,
                                                                   const VolumeGeometry& geometry,

@@ -104,9 +104,11 @@ class Refiner {
 
   Result<std::vector<std::string>> faults() const {
     const auto& views = frames_[frames_.size() / 2];
-    std::vector<double> white;
-    for (const TomographyView& view : views)
-      white.push_back(capture_.white * known(view.name).pictures.gain);
+    std::vector<double> white;  // none: depths follow no response
+    for (const TomographyView& view : views) {
+      if (!view.opticalDepth)
+        white.push_back(capture_.white * known(view.name).pictures.gain);
+    }
     VOLUTE_ASSIGN(const auto faults, findCaptureFaults(views, white, geometry(), progress_));
     std::vector<std::string> texts;
     for (const CaptureFault& fault : faults) texts.push_back(fault.text);

@@ -162,7 +162,8 @@ void fillRows(std::span<const TomographyView> views, const TomographyOptions& op
     const std::size_t pixel = rows[row].pixel;
     std::copy_n(&view.radiance.pixels[3 * pixel], 3, &data.measured[4 * row]);
     const bool saturated = view.isSaturated(pixel) && weighs;
-    const float own = saturated ? 1 : view.weight.empty() ? 1 : view.weight[pixel];
+    const bool whole = saturated || view.weight.empty() || view.opticalDepth;
+    const float own = whole && (saturated || view.counts(pixel)) ? 1 : view.weight[pixel];
     data.atLeast[row] = saturated ? view.atLeast[pixel] : 0;
     const float uncertain = variance[rows[row].view][pixel];
     data.squaredWeight[row] = uncertain > 0 ? own * own / uncertain : 0;

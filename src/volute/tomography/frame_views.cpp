@@ -40,16 +40,19 @@ Result<ViewReader> ViewReader::open(const Capture& capture, const std::vector<st
 
 TomographyView ViewReader::viewOf(std::size_t camera, CameraPicture picture) const {
   const bool allCount = std::ranges::all_of(picture.weight, [](float w) { return w == 1; });
+  const bool bounds = std::ranges::any_of(picture.atLeast, [](std::uint8_t b) { return b != 0; });
   const CaptureCamera& known = capture_->cameras[camera];
   return {known.name, known.camera, std::move(picture.radiance),
           allCount ? std::vector<float>{} : std::move(picture.weight),
-          allCount ? std::vector<std::uint8_t>{} : std::move(picture.atLeast)};
+          bounds ? std::move(picture.atLeast) : std::vector<std::uint8_t>{},
+          capture_->measured == Measured::kAbsorption};
 }
 
 Result<FrameViews> ViewReader::read(int frame) {
   FrameViews result;
   result.frame = frame;
   result.heldOut = heldOut_;
+  result.opticalDepth = capture_->measured == Measured::kAbsorption;
   for (std::size_t camera = 0; camera < capture_->cameras.size(); ++camera) {
     const CaptureCamera& known = capture_->cameras[camera];
     auto picture = images_.read(camera, frame);
@@ -66,7 +69,8 @@ Result<FrameViews> ViewReader::read(int frame) {
       return tl::unexpected<Error>(picture.error());
     } else {
       facts = {picture->brightest,        picture->saturatedShare, picture->maskedShare,
-               picture->transparentShare, picture->grey,           false};
+               picture->transparentShare, picture->opaqueShare,    picture->grey,
+               false,                     picture->drift};
     }
     result.facts.push_back(facts);
     result.views.push_back(viewOf(camera, std::move(*picture)));

@@ -17,13 +17,16 @@ struct PictureFacts {
   double saturatedShare = 0;
   double maskedShare = 0;
   double transparentShare = 0;
+  double opaqueShare = 0;  ///< of absorption: lets no light through
   bool grey = false;
   bool missing = false;  ///< no picture: the camera's clock takes it beyond the first or the last
+  std::optional<BackgroundDrift> drift{};  ///< of the background, undone
 };
 
 /// All cameras at one frame, in the order of the capture.
 struct FrameViews {
   int frame = 0;
+  bool opticalDepth = false;  ///< the views hold optical depths
   std::vector<TomographyView> views;
   std::vector<PictureFacts> facts;  ///< one a view
   std::vector<char> heldOut;        ///< one a view: only compared with, not fitted

@@ -81,15 +81,22 @@ void checkSaturation(const Counts& counts, const std::string& name, const Pictur
   }
 }
 
-void checkBackground(const Counts& counts, const std::string& name, PictureFindings& findings) {
+void checkBackground(const Counts& counts, const std::string& name, bool opticalDepth,
+                     PictureFindings& findings) {
   constexpr double kWorthAWord = 0.01, kMoved = 0.05;
   const double share = shareOf(counts.negative, counts.counted);
   if (share <= kWorthAWord)
     return;
-  const auto text = fmt::format(
-      "{}: {:.1f} % of the pixels are darker than the background by more than {:.3g}: the "
-      "background moved or changed, for light is never negative",
-      name, 100 * share, 2 * counts.threshold);
+  const auto text =
+      opticalDepth
+          ? fmt::format(
+                "{}: {:.1f} % of the pixels are brighter than the background, by an optical depth "
+                "of more than {:.3g}: the background moved or changed, or the medium shines",
+                name, 100 * share, 2 * counts.threshold)
+          : fmt::format(
+                "{}: {:.1f} % of the pixels are darker than the background by more than {:.3g}: "
+                "the background moved or changed, for light is never negative",
+                name, 100 * share, 2 * counts.threshold);
   (share > kMoved ? findings.faults : findings.warnings).push_back(text);
 }
 
@@ -108,10 +115,13 @@ void checkPlace(const TomographyView& view, const Counts& counts, const std::str
     return static_cast<double>(counts.border[side]) > kNearlyAll * length;
   };
   if (whole(0) && whole(1) && whole(2) && whole(3)) {
-    findings.warnings.push_back(fmt::format(
-        "{}: light all along the border of the picture: the background got brighter than it is "
-        "known, or there is none to subtract",
-        name));
+    findings.warnings.push_back(
+        name +
+        (view.opticalDepth
+             ? ": darker than the background all along the border of the picture: the background "
+               "got darker than it is known, or the medium is all around"
+             : ": light all along the border of the picture: the background got brighter than it "
+               "is known, or there is none to subtract"));
     return;
   }
   for (std::size_t side = 0; side < counts.border.size(); ++side) {
@@ -130,6 +140,31 @@ struct Outlier {
   int x = 0, y = 0;
   float value = 0, around = 0;  ///< its largest channel, and its neighbours' largest
 };
+
+/// What was undone is told where it is large: lamps that change so much may not be steady either.
+void checkDrift(const PictureFacts& facts, const std::string& name, PictureFindings& findings) {
+  constexpr double kWorthAWord = 0.05;
+  if (!facts.drift)
+    return;
+  const auto& gain = facts.drift->gain;
+  const double change = (gain[0] + gain[1] + gain[2]) / 3 - 1;
+  if (std::abs(change) <= kWorthAWord)
+    return;
+  findings.warnings.push_back(fmt::format(
+      "{}: its background is {:.1f} % {} than the one that was given, by the pixels beside the "
+      "volume; that is undone, but a background of the same day would be better",
+      name, 100 * std::abs(change), change > 0 ? "brighter" : "darker"));
+}
+
+void checkOpaque(const PictureFacts& facts, const std::string& name, PictureFindings& findings) {
+  constexpr double kWorthAWord = 0.02;
+  if (facts.opaqueShare <= kWorthAWord)
+    return;
+  findings.warnings.push_back(fmt::format(
+      "{}: {:.1f} % of the pixels let no light through: of their optical depth only a lower bound "
+      "is known; a brighter background or a longer exposure tells more",
+      name, 100 * facts.opaqueShare));
+}
 
 /// Pixels that shine alone: ten times as bright as their neighbours and as what counts as lit.
 std::vector<Outlier> lonelyPixels(const TomographyView& view, double threshold) {
@@ -232,13 +267,17 @@ PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geo
           "frame?",
           name,
           views.facts[i].brightest > 0
-              ? fmt::format("shows no light above {:.3g}", 2 * counts[i].threshold)
+              ? fmt::format("shows no {} above {:.3g}",
+                            views.opticalDepth ? "optical depth" : "light",
+                            2 * counts[i].threshold)
               : std::string("the picture is all black"),
           views.views[brightest].name, counts[brightest].lit));
       continue;
     }
     checkSaturation(counts[i], name, limits, findings);
-    checkBackground(counts[i], name, findings);
+    checkBackground(counts[i], name, views.opticalDepth, findings);
+    checkDrift(views.facts[i], name, findings);
+    checkOpaque(views.facts[i], name, findings);
     checkPlace(views.views[i], counts[i], name, findings);
     if (views.facts[i].transparentShare > 0) {
       findings.warnings.push_back(fmt::format(

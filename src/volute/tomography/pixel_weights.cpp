@@ -3,6 +3,7 @@
 #include "volute/tomography/pixel_weights.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "volute/tomography/hull.hpp"
 
@@ -31,28 +32,49 @@ double squaredGradient(const TomographyView& view, int x, int y) {
   return sum / image.channels;
 }
 
+/// Of each pixel, without what noise of this variance adds.
+std::vector<float> squaredGradients(const TomographyView& view, double noise) {
+  const Image& image = view.radiance;
+  std::vector<float> squares;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      // Noise alone gives a squared gradient of its own variance.
+      squares.push_back(static_cast<float>(std::max(squaredGradient(view, x, y) - noise, 0.0)));
+    }
+  }
+  return squares;
+}
+
+/// Of optical depths, the light that is left of the brightest background.
+double lightLeft(const TomographyView& view, std::size_t pixel) {
+  constexpr double kLeast = 1e-3;
+  if (view.isSaturated(pixel)) {
+    const float* depth = &view.radiance.pixels[3 * pixel];
+    return std::max(std::exp(-static_cast<double>(std::max({depth[0], depth[1], depth[2]}))),
+                    kLeast);
+  }
+  return view.weight.empty() ? 1 : std::max<double>(view.weight[pixel], kLeast);
+}
+
 }  // namespace
 
 std::vector<float> pixelVariance(const TomographyView& view, std::optional<double> noiseSigma) {
   constexpr double kFloor = 0.03;
-  const Image& image = view.radiance;
   const double sigma = noiseSigma.value_or(noiseOf(view));
   const double noise = sigma * sigma;
-  std::vector<float> variance(static_cast<std::size_t>(image.width) * image.height);
+  std::vector<float> variance = squaredGradients(view, noise);
   double sum = 0;
   std::size_t seen = 0;
-  std::size_t i = 0;
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x, ++i) {
-      // Noise alone gives a squared gradient of its own variance.
-      const double squared = std::max(squaredGradient(view, x, y) - noise, 0.0);
-      variance[i] = static_cast<float>(squared * kSightError * kSightError);
-      sum += variance[i];
-      seen += variance[i] > 0 ? 1 : 0;
-    }
+  for (float& value : variance) {
+    value *= static_cast<float>(kSightError * kSightError);
+    sum += value;
+    seen += value > 0 ? 1 : 0;
   }
   const double floor = seen > 0 ? kFloor * sum / static_cast<double>(seen) : 0;
-  for (float& value : variance) value += static_cast<float>(noise + floor);
+  for (std::size_t pixel = 0; pixel < variance.size(); ++pixel) {
+    const double left = view.opticalDepth ? lightLeft(view, pixel) : 1;
+    variance[pixel] += static_cast<float>(noise / (left * left) + floor);
+  }
   return variance;
 }
 

@@ -75,8 +75,9 @@ class Quietly final : public Progress {
 
 VolumeInfo infoOf(const Capture& capture, Basis basis, bool grey) {
   VolumeInfo info;
-  info.name = "emission";
-  info.unit = "radiance/m";
+  const bool depths = capture.measured == Measured::kAbsorption;
+  info.name = depths ? "extinction" : "emission";
+  info.unit = depths ? "1/m" : "radiance/m";
   info.frames = static_cast<int>(capture.frames.size());
   info.x = capture.volume.resolution[0];
   info.y = capture.volume.resolution[1];
@@ -203,7 +204,8 @@ Result<std::vector<std::string>> ReconstructedFrames::examine(const FrameViews& 
   warnings.insert(warnings.end(), findings.faults.begin(), findings.faults.end());
   if (findings.dark)
     warnings.push_back(
-        fmt::format("frame {}: no camera sees any light; the volume is 0", views.frame));
+        fmt::format("frame {}: no camera sees any {}; the volume is 0", views.frame,
+                    views.opticalDepth ? "medium" : "light"));
   return warnings;
 }
 
@@ -377,6 +379,10 @@ nlohmann::ordered_json ReconstructedFrames::measured(const FrameViews& views,
                        {"psnr", missing ? Json() : jsonNumber(residual.psnr)},
                        {"saturated_share", views.facts[i].saturatedShare},
                        {"masked_share", views.facts[i].maskedShare}});
+    if (views.opticalDepth)
+      cameras.back()["opaque_share"] = views.facts[i].opaqueShare;
+    if (const auto& drift = views.facts[i].drift)
+      cameras.back()["background_drift"] = {{"gain", drift->gain}, {"offset", drift->offset}};
   }
   return cameras;
 }

@@ -35,6 +35,7 @@ TomographyView reducedView(const TomographyView& view, int factor) {
   if (factor == 1)
     return view;
   TomographyView reduced{view.name, reducedCamera(view.camera, factor), {}};
+  reduced.opticalDepth = view.opticalDepth;
   const Image& image = view.radiance;
   const int width = reduced.camera.width(), height = reduced.camera.height();
   reduced.radiance = Image(width, height, image.channels);
@@ -50,6 +51,7 @@ TomographyView reducedView(const TomographyView& view, int factor) {
               top = static_cast<int>(i / width) * factor;
     std::ranges::fill(sum, 0);
     double weight = 0;
+    int counted = 0;
     for (int y = top; y < top + factor; ++y) {
       for (int x = left; x < left + factor; ++x) {
         const std::size_t from = static_cast<std::size_t>(y) * image.width + x;
@@ -59,6 +61,7 @@ TomographyView reducedView(const TomographyView& view, int factor) {
           continue;
         const double own = view.weight.empty() ? 1 : view.weight[from];
         weight += own;
+        ++counted;
         for (int c = 0; c < image.channels; ++c)
           sum[static_cast<std::size_t>(c)] += own * image.at(x, y, c);
       }
@@ -69,7 +72,7 @@ TomographyView reducedView(const TomographyView& view, int factor) {
             static_cast<float>(sum[static_cast<std::size_t>(c)] / weight);
     }
     // Half a block and more stands for all of it.
-    if (someDoNotCount && 2 * weight >= factor * factor)
+    if (someDoNotCount && 2 * counted >= factor * factor)
       reduced.weight[i] = static_cast<float>(weight / (factor * factor));
   }
   return reduced;

@@ -51,7 +51,7 @@ std::vector<std::string> frameKeys(const Capture& capture, const ReconstructionS
       fmt::format("{} {} {} {} {} {}\n", VOLUTE_VERSION, settingsJson(settings).dump(),
                   digits(capture.volume.bounds.min), digits(capture.volume.bounds.max),
                   fmt::join(capture.volume.resolution, " "), capture.white);
-  text += fmt::format("{}\n", fmt::join(heldOut, "/"));
+  text += fmt::format("{} {}\n", capture.measured == Measured::kAbsorption, fmt::join(heldOut, "/"));
   for (const CaptureCamera& camera : capture.cameras) {
     text += describe(camera);
     for (const int frame : capture.emptyFrames)

@@ -26,6 +26,9 @@ struct TomographyView {
   /// (height, width), bit c: channel c is saturated, its radiance what is measured or more; empty:
   /// none. The weight of such pixels is 0; kApg takes what they tell all the same.
   std::vector<std::uint8_t> atLeast{};
+  /// `radiance` holds optical depths, `weight` how much light is left, as OpticalDepths has them:
+  /// noise is the larger the darker a pixel is.
+  bool opticalDepth = false;
   std::vector<std::uint8_t> silhouette{};  ///< (height, width), not 0 where the medium is seen,
                                            ///< before dilation; empty: by threshold
 

@@ -17,7 +17,8 @@ namespace {
 using Names = std::span<const std::string_view>;
 
 // As simulations call their grids.
-constexpr std::string_view kDensityNames[] = {"density", "smoke", "soot", "fog", "cloud", "steam"};
+constexpr std::string_view kDensityNames[] = {"density", "extinction", "smoke", "soot",
+                                              "fog",     "cloud",      "steam"};
 constexpr std::string_view kFlameNames[] = {"flame", "flames", "fire", "burn", "burning"};
 constexpr std::string_view kHeatNames[] = {"temperature", "temp", "heat"};
 constexpr std::string_view kLightNames[] = {"emission", "radiance", "light"};
