@@ -222,12 +222,13 @@ class SameBytes(Cluster):
         self.works("synthesize", "fire", "-o", self.path("truth.npy"), "--size", "16", "--frames", "18")
         self.works("project", self.path("truth.npy"), capture, "-o", self.path("{camera}_%04d.exr"))
         arguments = ("reconstruct", capture, "--resolution", "10", "--iterations", "4", "--regularization", "none", "--force")
-        self.works(*arguments, "-o", self.path("alone.volute"))
+        self.works(*arguments, "-o", self.path("alone.volute"), "--velocity")
         for ranks in RANKS:
-            self.succeeds(ranks, *arguments, "-o", self.path("ours.volute"), "--stats", self.path("stats.json"))
+            self.succeeds(ranks, *arguments, "-o", self.path("ours.volute"), "--velocity", "--stats", self.path("stats.json"))
             self.assertEqual(self.path("ours.volute").read_bytes(), self.path("alone.volute").read_bytes(), ranks)
             self.check_units(self.path("stats.json"), "reconstructing", 3, ranks)  # frames 10-15, 16-23, 24-27
-            self.assertFalse(self.path("ours.volute.work").exists())
+            self.check_units(self.path("stats.json"), "velocities", 17, ranks)
+            self.assertEqual([name for name in self.files() if ".work" in name], [])
         # Parts that begin with a chain are those of the whole.
         self.works(*arguments, "-o", self.path("whole.npy"))
         self.works(*arguments, "-o", self.path("part.npy"), "--frames", "16:24")

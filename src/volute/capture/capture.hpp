@@ -20,13 +20,21 @@ enum class Measured {
   kAbsorption,  ///< its optical depth: how much it weakens a background that is lit
 };
 
+/// Where the time of a frame lies among a camera's pictures.
+struct PicturePlace {
+  int number = 0;    ///< of the picture at that time, or of the last before it
+  double share = 0;  ///< of the time to the next picture that has gone by, 0..1; 0: `number` alone
+};
+
 /// Where the pictures of one camera are, and what their values mean.
 struct PictureSource {
   std::string image;            ///< the files: %04d, %d or #### stands for the frame; empty: a film
   std::filesystem::path video;  ///< the film; empty: files
-  int videoStart = 0;           ///< the frame number of the film's first frame
-  int frameShift = 0;           ///< the picture of frame n is that of number n + frameShift: its
-                                ///< clock is wrong by so many frames
+  double videoStart = 0;        ///< the frame at which the film's first picture, or file number 0,
+                                ///< was taken
+  double frameShift = 0;        ///< the picture of frame n is that of n + frameShift: its clock is
+                                ///< wrong by so many frames
+  double rate = 1;              ///< pictures for each frame of the capture
   std::filesystem::path background;      ///< a picture without the medium; empty: none
   std::filesystem::path mask;            ///< 0 = ignore the pixel (obstructors); empty: none
   double gain = 1;                       ///< a factor on its linear values; of kAbsorption, where
@@ -35,6 +43,10 @@ struct PictureSource {
   /// A channel that reads this or more is saturated: a stored value, 1 = white. Without it 1 for
   /// .png files, 250/255 for films, and nothing for .exr files.
   std::optional<double> saturation;
+
+  /// What shows frame `n`: a whole picture where one was taken within a hundredth of the time
+  /// between pictures, else two.
+  PicturePlace placeOf(int frame) const;
 };
 
 /// One calibrated camera of a capture.
@@ -61,6 +73,7 @@ struct Capture {
   std::vector<int> frames;  ///< ascending; those that were chosen
   int firstFrame = 0;       ///< of the whole capture: its time is 0 s
   CaptureVolume volume;
+  double framesPerSecond = 25;       ///< the time of frame n is that of n / framesPerSecond
   double white = 1;                  ///< linear radiance of a value of 1
   std::optional<double> noiseSigma;  ///< of one pixel's channel, as radiance
   std::vector<int> emptyFrames;      ///< frames without the medium, to estimate backgrounds from

@@ -30,7 +30,13 @@ double shareBelowOne(const Image& alpha) {
   return static_cast<double>(count) / static_cast<double>(alpha.pixels.size());
 }
 
-/// Whether the film can be read and has the first and the last frame that are wanted.
+/// The first frame of which a film can have pictures.
+int firstFrameOf(const PictureSource& pictures) {
+  return static_cast<int>(std::ceil(pictures.videoStart - pictures.frameShift));
+}
+
+/// Whether the film can be read and has the first and the last frame that are wanted, but for those
+/// that the camera's shift takes beyond them.
 Status checkFilm(const CaptureCamera& camera, int firstFrame, int lastFrame,
                  std::uint64_t maxMemory) {
   const PictureSource& pictures = camera.pictures;
@@ -44,11 +50,18 @@ Status checkFilm(const CaptureCamera& camera, int firstFrame, int lastFrame,
                 camera.name, pictures.video.string(), film->info().width, film->info().height,
                 camera.camera.width(), camera.camera.height());
   }
-  if (firstFrame < pictures.videoStart) {
+  const double shift = pictures.frameShift;
+  firstFrame += static_cast<int>(std::ceil(std::max(-shift, 0.0)));
+  lastFrame -= static_cast<int>(std::ceil(std::max(shift, 0.0)));
+  if (firstFrame > lastFrame)
+    return {};
+  if (pictures.placeOf(firstFrame).number < 0) {
     return fail(ErrorCode::kNotFound, "camera {}, frame {}: the film {} begins with frame {}",
-                camera.name, firstFrame, pictures.video.string(), pictures.videoStart);
+                camera.name, firstFrame, pictures.video.string(),
+                firstFrameOf(pictures));
   }
-  const int wanted = lastFrame - pictures.videoStart + 1;
+  const PicturePlace last = pictures.placeOf(lastFrame);
+  const int wanted = last.number + (last.share > 0 ? 2 : 1);
   const auto there = film->countRest(wanted);
   if (!there)
     return fail(there.error().code, "camera {}: {}", camera.name, there.error().message);
@@ -57,7 +70,8 @@ Status checkFilm(const CaptureCamera& camera, int firstFrame, int lastFrame,
                 "camera {}, frame {}: the film {} has {} frames, so that it ends with frame {}; "
                 "choose with --frames those that all cameras have",
                 camera.name, lastFrame, pictures.video.string(), *there,
-                pictures.videoStart + *there - 1);
+                static_cast<int>(
+                    std::floor(pictures.videoStart - shift + (*there - 1) / pictures.rate)));
   }
   return {};
 }
@@ -135,9 +149,10 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
   return stored;
 }
 
-Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int number) {
+Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int number,
+                                                        int frame) {
   const auto& pictures = capture_->cameras[camera].pictures;
-  const std::string name = nameOf(camera, number);
+  const std::string name = nameOf(camera, frame);
   if (pictures.video.empty()) {
     const std::filesystem::path path = frameFile(pictures.image, number);
     std::error_code error;
@@ -152,12 +167,11 @@ Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int 
       return fail(opened.error().code, "{}: {}", name, opened.error().message);
     film = films_.emplace(camera, std::move(*opened)).first;
   }
-  const int position = number - pictures.videoStart;
-  if (position < 0) {
+  if (number < 0) {
     return fail(ErrorCode::kNotFound, "{}: the film {} begins with frame {}", name,
-                pictures.video.string(), pictures.videoStart);
+                pictures.video.string(), firstFrameOf(pictures));
   }
-  auto image = film->second.frame(position);
+  auto image = film->second.frame(number);
   if (!image)
     return fail(image.error().code, "{}: {}", name, image.error().message);
   VOLUTE_TRY(checkSize(camera, *image, name));
@@ -221,8 +235,11 @@ Status CaptureImages::openBackground(std::size_t camera, Progress& progress) {
                                     static_cast<double>(capture_->cameras.size() * frames.size()));
                     if (progress.cancelled())
                       return fail(ErrorCode::kCancelled, "stopped: reading backgrounds");
-                    VOLUTE_ASSIGN(const auto stored, readStored(camera, frames[i]));
-                    return linearised(camera, stored);
+                    PictureSource unshifted = pictures;
+                    unshifted.frameShift = 0;  // that goes for clocks, and nothing moves here
+                    VOLUTE_ASSIGN(Seen seen,
+                                  readSeen(camera, unshifted.placeOf(frames[i]).number, frames[i]));
+                    return std::move(seen.light);
                   }));
   }
   for (const float value : backgrounds_[camera].pixels) {
@@ -258,22 +275,65 @@ Result<CaptureImages> CaptureImages::open(const Capture& capture, std::uint64_t 
   return images;
 }
 
+Result<CaptureImages::Seen> CaptureImages::readSeen(std::size_t camera, int number,
+                                                    int frame) {
+  VOLUTE_ASSIGN(const Stored stored, readStored(camera, number, frame));
+  Seen seen{number, linearised(camera, stored), {}, stored.transparentShare,
+            stored.image.channels == 1};
+  const auto channels = static_cast<std::size_t>(stored.image.channels);
+  seen.atLeast.assign(stored.image.pixels.size() / channels, 0);
+  for (std::size_t i = 0; i < seen.atLeast.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (stored.image.pixels[channels * i + (channels == 3 ? c : 0)] >= stored.saturation - 1e-6)
+        seen.atLeast[i] |= static_cast<std::uint8_t>(1U << c);
+    }
+  }
+  return seen;
+}
+
+Result<CaptureImages::Seen> CaptureImages::readKept(std::size_t camera, int number,
+                                                    int frame) {
+  auto& kept = kept_[camera];
+  for (const Seen& seen : kept) {
+    if (seen.number == number)
+      return seen;
+  }
+  VOLUTE_ASSIGN(Seen seen, readSeen(camera, number, frame));
+  std::swap(kept[0], kept[1]);
+  kept[1] = seen;
+  return seen;
+}
+
+/// The light between two pictures goes from one to the other evenly.
+Result<CaptureImages::Seen> CaptureImages::readAt(std::size_t camera, int frame) {
+  const PicturePlace place = capture_->cameras[camera].pictures.placeOf(frame);
+  if (place.share == 0 && kept_.find(camera) == kept_.end())
+    return readSeen(camera, place.number, frame);
+  VOLUTE_ASSIGN(Seen seen, readKept(camera, place.number, frame));
+  if (place.share == 0)
+    return seen;
+  VOLUTE_ASSIGN(const Seen next, readKept(camera, place.number + 1, frame));
+  const auto late = static_cast<float>(place.share);
+  for (std::size_t i = 0; i < seen.light.pixels.size(); ++i)
+    seen.light.pixels[i] += late * (next.light.pixels[i] - seen.light.pixels[i]);
+  for (std::size_t i = 0; i < seen.atLeast.size(); ++i) seen.atLeast[i] |= next.atLeast[i];
+  seen.transparentShare = std::max(seen.transparentShare, next.transparentShare);
+  return seen;
+}
+
 Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
-  VOLUTE_ASSIGN(const Stored stored,
-                readStored(camera, frame + capture_->cameras[camera].pictures.frameShift));
+  VOLUTE_ASSIGN(Seen seen, readAt(camera, frame));
   const auto& mask = masks_[camera];
   CameraPicture picture;
-  picture.radiance = linearised(camera, stored);
-  picture.transparentShare = stored.transparentShare;
-  picture.grey = stored.image.channels == 1;
-  const std::size_t channels = static_cast<std::size_t>(stored.image.channels);
-  const std::size_t pixels = stored.image.pixels.size() / channels;
+  picture.radiance = std::move(seen.light);
+  picture.transparentShare = seen.transparentShare;
+  picture.grey = seen.grey;
+  const std::size_t pixels = seen.atLeast.size();
   picture.weight.assign(pixels, 1);
   picture.atLeast.assign(pixels, 0);
   std::size_t masked = 0, saturated = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
     float* light = &picture.radiance.pixels[3 * i];
-    const float* values = &stored.image.pixels[channels * i];
     if (!mask.empty() && !mask[i]) {
       ++masked;
       picture.weight[i] = 0;
@@ -281,17 +341,14 @@ Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
       continue;
     }
     if (!std::isfinite(light[0]) || !std::isfinite(light[1]) || !std::isfinite(light[2])) {
-      const auto width = static_cast<std::size_t>(stored.image.width);
+      const auto width = static_cast<std::size_t>(picture.radiance.width);
       return fail(
           ErrorCode::kInvalidData,
           "{}: the value at pixel ({}, {}) is not finite; mask it (0 = ignore) or render the "
           "picture again",
           nameOf(camera, frame), i % width, i / width);
     }
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (values[channels == 3 ? c : 0] >= stored.saturation - 1e-6)
-        picture.atLeast[i] |= static_cast<std::uint8_t>(1U << c);
-    }
+    picture.atLeast[i] = seen.atLeast[i];
     if (picture.atLeast[i] != 0) {
       ++saturated;
       picture.weight[i] = 0;
@@ -340,11 +397,8 @@ Status checkPicturesThere(const Capture& capture, std::uint64_t maxMemory) {
   std::error_code error;
   for (const CaptureCamera& camera : capture.cameras) {
     const PictureSource& pictures = camera.pictures;
-    if (!pictures.video.empty()) {
-      const int shift = pictures.frameShift;
-      VOLUTE_TRY(checkFilm(camera, capture.frames.front() + std::max(shift, 0),
-                           capture.frames.back() + std::min(shift, 0), maxMemory));
-    }
+    if (!pictures.video.empty())
+      VOLUTE_TRY(checkFilm(camera, capture.frames.front(), capture.frames.back(), maxMemory));
     for (const auto& [file, what] :
          {std::pair(&pictures.background, "background"), std::pair(&pictures.mask, "mask")}) {
       if (!file->empty() && !std::filesystem::exists(*file, error)) {
@@ -361,9 +415,13 @@ Status checkPicturesThere(const Capture& capture, std::uint64_t maxMemory) {
       const CaptureCamera& camera = capture.cameras[i];
       if (camera.pictures.image.empty())
         continue;
-      const int number = frame + camera.pictures.frameShift;
-      if (number < capture.frames.front() || number > capture.frames.back())
+      const double shifted = frame + camera.pictures.frameShift;
+      if (shifted < capture.frames.front() || shifted > capture.frames.back())
         continue;
+      const PicturePlace place = camera.pictures.placeOf(frame);
+      const int next = place.number + (place.share > 0 ? 1 : 0);
+      const bool second = !std::filesystem::exists(frameFile(camera.pictures.image, next), error);
+      const int number = second ? next : place.number;
       const auto path = frameFile(camera.pictures.image, number);
       ++all;
       const bool exists = std::filesystem::exists(path, error);

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <vector>
@@ -43,8 +44,8 @@ class CaptureImages {
                                                   Progress& progress);
 
   /// @param camera  position in the capture.
-  /// @param frame  number, to which the camera's shift is added; kNotFound when there is no such
-  ///   picture, kInvalidData for a size that is
+  /// @param frame  number; where it lies between two of the camera's pictures they are mixed, as
+  ///   light, by the time. kNotFound when there is no such picture, kInvalidData for a size that is
   ///   not the camera's, a value that is not finite, or a .png with transparent pixels.
   [[nodiscard]] Result<CameraPicture> read(std::size_t camera, int frame);
 
@@ -63,8 +64,21 @@ class CaptureImages {
   CaptureImages(const Capture& capture, std::uint64_t maxMemory)
       : capture_(&capture), maxMemory_(maxMemory) {}
 
+  /// One picture as light, before anything is subtracted.
+  struct Seen {
+    int number = -1;
+    Image light;                         // linear RGB
+    std::vector<std::uint8_t> atLeast;  // (height, width), bit c: channel c is saturated
+    double transparentShare = 0;
+    bool grey = false;
+  };
+
+  // `number` is the picture's, `frame` that which it is for: messages name it.
   std::string nameOf(std::size_t camera, int frame) const;
-  [[nodiscard]] Result<Stored> readStored(std::size_t camera, int number);
+  [[nodiscard]] Result<Seen> readSeen(std::size_t camera, int number, int frame);
+  [[nodiscard]] Result<Seen> readKept(std::size_t camera, int number, int frame);
+  [[nodiscard]] Result<Seen> readAt(std::size_t camera, int frame);
+  [[nodiscard]] Result<Stored> readStored(std::size_t camera, int number, int frame);
   [[nodiscard]] Result<Stored> readFile(std::size_t camera, const std::filesystem::path& path,
                                         const std::string& name) const;
   [[nodiscard]] Status checkSize(std::size_t camera, const Image& image,
@@ -80,6 +94,8 @@ class CaptureImages {
   std::vector<Image> backgrounds_;        // linear RGB; empty: none
   std::vector<std::vector<std::uint8_t>> beside_;  // pixels that show the background; empty: none
   std::map<std::size_t, FilmFrames> films_;
+  // Of cameras between whose pictures frames lie, the last two: the next frame needs them again.
+  std::map<std::size_t, std::array<Seen, 2>> kept_;
 };
 
 /// Before any picture is read: kNotFound when one of a frame, a mask or a background is missing, or

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include <algorithm>
-#include <cstdlib>
+#include <cmath>
 
 #include "volute/capture/importers.hpp"
 #include "volute/capture/json_value.hpp"
@@ -43,6 +43,23 @@ Result<double> readPositive(const JsonValue& value) {
   if (!(number > 0))
     return value.fault(fmt::format("is {}; expected more than 0", number));
   return number;
+}
+
+/// A number from -most to most.
+Result<double> readWithin(const JsonValue& value, double most, const char* unit) {
+  VOLUTE_ASSIGN(const double number, value.number());
+  if (std::abs(number) > most)
+    return value.fault(fmt::format("expected -{} to {} {}", most, most, unit));
+  return number;
+}
+
+Result<double> readRate(const JsonValue& value) {
+  constexpr double kLeast = 1e-3, kMost = 1e6;
+  VOLUTE_ASSIGN(const double rate, value.number());
+  if (!(rate >= kLeast && rate <= kMost))
+    return value.fault(
+        fmt::format("is {}; expected {} to {} pictures a second", rate, kLeast, kMost));
+  return rate;
 }
 
 Result<int> readSide(const JsonValue& value) {
@@ -138,13 +155,18 @@ class CameraReader {
         return video->fault("the camera has an image too; expected one of them");
     }
     if (const auto start = value_.find("video_start")) {
-      VOLUTE_ASSIGN(pictures.videoStart, start->integer());
+      VOLUTE_ASSIGN(pictures.videoStart, readWithin(*start, 1e9, "frames"));
+    }
+    if (const auto start = value_.find("start_time")) {
+      if (value_.find("video_start"))
+        return start->fault("the camera has video_start too; expected one of them");
+      VOLUTE_ASSIGN(draft_.startTime, readWithin(*start, 1e9, "seconds"));
+    }
+    if (const auto rate = value_.find("frames_per_second")) {
+      VOLUTE_ASSIGN(draft_.framesPerSecond, readRate(*rate));
     }
     if (const auto shift = value_.find("frame_shift")) {
-      constexpr int kMost = 1000000;
-      VOLUTE_ASSIGN(pictures.frameShift, shift->integer());
-      if (std::abs(pictures.frameShift) > kMost)
-        return shift->fault(fmt::format("expected -{} to {} frames", kMost, kMost));
+      VOLUTE_ASSIGN(pictures.frameShift, readWithin(*shift, 1000000, "frames"));
     }
     if (const auto background = value_.find("background")) {
       VOLUTE_ASSIGN(pictures.background, path(*background));
@@ -222,6 +244,9 @@ Status readHead(const JsonValue& root, CaptureDraft& draft, CameraDraft& default
   if (const auto sigma = root.find("noise_sigma")) {
     VOLUTE_ASSIGN(draft.noiseSigma, readPositive(*sigma));
   }
+  if (const auto rate = root.find("frames_per_second")) {
+    VOLUTE_ASSIGN(draft.framesPerSecond, readRate(*rate));
+  }
   if (const auto frames = root.find("frames")) {
     VOLUTE_ASSIGN(draft.frames, readFrames(*frames));
   }
@@ -250,7 +275,7 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
   VOLUTE_TRY(readHead(root, draft, defaults));
   remarkUnknown(root,
                 {"format", "kind", "color", "white", "pixel_centre", "frames", "volume", "noise_sigma",
-                 "cameras", "empty_frames", "saturation"},
+                 "cameras", "empty_frames", "saturation", "frames_per_second"},
                 draft);
   VOLUTE_ASSIGN(const auto list, root.at("cameras"));
   VOLUTE_ASSIGN(const auto cameras, list.items());
@@ -260,7 +285,8 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
     draft.cameras.push_back(std::move(read));
     remarkUnknown(camera,
                   {"name", "image", "width", "height", "K", "R", "t", "distortion", "background",
-                   "mask", "gain", "video", "video_start", "frame_shift", "color", "saturation"},
+                   "mask", "gain", "video", "video_start", "start_time", "frames_per_second", "frame_shift",
+                   "color", "saturation"},
                   draft);
   }
   return draft;

@@ -22,6 +22,8 @@ struct CameraDraft {
   std::string where;        ///< for messages: "capture.json: cameras[3]"
   Calibration calibration;  ///< width and height 0: those of its pictures
   PictureSource pictures;   ///< paths are ready to open; no image: from the pattern of the images
+  std::optional<double> framesPerSecond{};  ///< of its pictures
+  std::optional<double> startTime{};        ///< of its first picture [s], frame 0 of the capture at 0
 };
 
 /// A capture whose cameras are not made yet.
@@ -33,6 +35,7 @@ struct CaptureDraft {
   std::optional<std::vector<int>> frames;
   std::optional<Box3> bounds;
   std::optional<std::array<int, 3>> resolution;
+  std::optional<double> framesPerSecond{};
   double white = 1;
   std::optional<double> noiseSigma;
   std::vector<int> emptyFrames;

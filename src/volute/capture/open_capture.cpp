@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "volute/capture/clocks.hpp"
 #include "volute/capture/image_name.hpp"
 #include "volute/capture/importers.hpp"
 #include "volute/io/film_frames.hpp"
@@ -149,9 +150,9 @@ std::vector<int> framesInRange(const std::vector<int>& frames, const FrameRange&
 }
 
 /// All frames of the capture: those that are stated, else those of which there are pictures; of
-/// films, which do not say how long they are, those that the range names.
+/// films those that the range names, else those that all of them have.
 Result<std::vector<int>> findFrames(const std::filesystem::path& file, const CaptureDraft& draft,
-                                    const FrameRange& range) {
+                                    const FrameRange& range, std::uint64_t maxMemory) {
   std::set<int> there;
   bool film = false;
   for (const CameraDraft& camera : draft.cameras) {
@@ -164,11 +165,8 @@ Result<std::vector<int>> findFrames(const std::filesystem::path& file, const Cap
   } else if (frames.empty() && film && range.end) {
     for (int frame = range.begin.value_or(0); frame < *range.end; ++frame) frames.push_back(frame);
   } else if (frames.empty()) {
-    if (film) {
-      return fail(ErrorCode::kInvalidArgument,
-                  "{}: films do not say which frames are meant; state them with --frames A:B",
-                  file.string());
-    }
+    if (film)
+      return framesOfFilms(draft, maxMemory);
     return fail(ErrorCode::kNotFound,
                 "{}: no picture is called {}; --images PATTERN says where they are", file.string(),
                 draft.cameras.front().pictures.image);
@@ -249,14 +247,6 @@ Result<CaptureCamera> makeCamera(CameraDraft& draft) {
   return CaptureCamera{draft.name, *camera, std::move(draft.pictures)};
 }
 
-std::array<int, 3> cubicResolution(const Box3& bounds, int longest) {
-  const double voxel = bounds.size().maxCoeff() / longest;
-  std::array<int, 3> voxels{};
-  for (int axis = 0; axis < 3; ++axis)
-    voxels[axis] = std::max(1, static_cast<int>(std::lround(bounds.size()[axis] / voxel)));
-  return voxels;
-}
-
 Result<CaptureVolume> chooseVolume(const std::filesystem::path& file, const CaptureDraft& draft,
                                    const CaptureOptions& options) {
   const auto bounds = options.bounds ? options.bounds : draft.bounds;
@@ -299,6 +289,7 @@ Result<CaptureDraft> openDraft(const std::filesystem::path& file, const CaptureO
   VOLUTE_TRY(nameCameras(draft, images));
   VOLUTE_TRY(checkNames(draft));
   VOLUTE_TRY(placePictures(draft, images));
+  settleClocks(draft, options.maxMemory);
   return draft;
 }
 
@@ -309,6 +300,8 @@ Result<Capture> makeCapture(const std::filesystem::path& file, CaptureDraft& dra
   capture.kind = draft.kind;
   capture.measured = draft.measured;
   capture.pixelCentre = draft.pixelCentre;
+  if (draft.framesPerSecond)
+    capture.framesPerSecond = *draft.framesPerSecond;
   capture.white = draft.white;
   capture.noiseSigma = draft.noiseSigma;
   capture.emptyFrames = draft.emptyFrames;
@@ -325,6 +318,14 @@ Result<Capture> makeCapture(const std::filesystem::path& file, CaptureDraft& dra
 }
 
 }  // namespace
+
+std::array<int, 3> cubicResolution(const Box3& bounds, int longest) {
+  const double voxel = bounds.size().maxCoeff() / longest;
+  std::array<int, 3> voxels{};
+  for (int axis = 0; axis < 3; ++axis)
+    voxels[axis] = std::max(1, static_cast<int>(std::lround(bounds.size()[axis] / voxel)));
+  return voxels;
+}
 
 Result<bool> isCapture(const std::filesystem::path& path) {
   const auto isColmap = [](const std::filesystem::path& file) {
@@ -370,7 +371,7 @@ Result<Capture> openCapture(const std::filesystem::path& file, const CaptureOpti
                   camera.where, camera.name);
     }
   }
-  VOLUTE_ASSIGN(const auto all, findFrames(file, draft, options.frames));
+  VOLUTE_ASSIGN(const auto all, findFrames(file, draft, options.frames, options.maxMemory));
   VOLUTE_ASSIGN(auto frames, chooseFrames(all, options.frames));
   VOLUTE_TRY(checkNumbers(draft, all, frames));
   VOLUTE_ASSIGN(const auto volume, chooseVolume(file, draft, options));

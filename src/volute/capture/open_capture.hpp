@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -39,5 +40,8 @@ struct CaptureOptions {
 /// volume need not be there. For `project`, which makes the pictures.
 [[nodiscard]] Result<Capture> openCalibration(const std::filesystem::path& file,
                                               const CaptureOptions& options);
+
+/// Voxels on x, y, z that are cubes as nearly as can be, `longest` on the longest side.
+std::array<int, 3> cubicResolution(const Box3& bounds, int longest);
 
 }  // namespace volute

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/capture/write_capture.hpp"
 
+#include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "volute/base/write_file.hpp"
@@ -27,7 +29,13 @@ Json jsonOf(const Response& response) {
   return {{"table", response.table()}};
 }
 
-Json cameraJson(const CaptureCamera& known, const std::filesystem::path& folder) {
+/// Whole numbers without a point.
+Json numberOf(double value) {
+  return value == std::floor(value) ? Json(static_cast<std::int64_t>(value)) : Json(value);
+}
+
+Json cameraJson(const CaptureCamera& known, double framesPerSecond,
+                const std::filesystem::path& folder) {
   const Camera& camera = known.camera;
   const PictureSource& pictures = known.pictures;
   const auto path = [&](const std::filesystem::path& file) {
@@ -40,10 +48,14 @@ Json cameraJson(const CaptureCamera& known, const std::filesystem::path& folder)
     json["image"] = path(pictures.image);
   } else {
     json["video"] = path(pictures.video);
-    json["video_start"] = pictures.videoStart;
+    json["video_start"] = numberOf(pictures.videoStart);
   }
+  if (pictures.video.empty() && pictures.videoStart != 0)
+    json["start_time"] = pictures.videoStart / framesPerSecond;
+  if (pictures.rate != 1)
+    json["frames_per_second"] = pictures.rate * framesPerSecond;
   if (pictures.frameShift != 0)
-    json["frame_shift"] = pictures.frameShift;
+    json["frame_shift"] = numberOf(pictures.frameShift);
   json["width"] = camera.width();
   json["height"] = camera.height();
   json["K"] = jsonOf(camera.intrinsics());
@@ -75,6 +87,7 @@ Status writeCapture(const std::filesystem::path& file, const Capture& capture) {
   Json json{{"format", "volute-capture-1"}, {"white", capture.white}, {"pixel_centre", 0.5}};
   if (capture.measured == Measured::kAbsorption)
     json["kind"] = "absorption";
+  json["frames_per_second"] = capture.framesPerSecond;
   json["frames"] = capture.frames;
   json["volume"] = {{"min", jsonOf(capture.volume.bounds.min)},
                     {"max", jsonOf(capture.volume.bounds.max)},
@@ -86,7 +99,7 @@ Status writeCapture(const std::filesystem::path& file, const Capture& capture) {
   json["cameras"] = Json::array();
   const auto folder = std::filesystem::absolute(file).parent_path();
   for (const CaptureCamera& known : capture.cameras)
-    json["cameras"].push_back(cameraJson(known, folder));
+    json["cameras"].push_back(cameraJson(known, capture.framesPerSecond, folder));
   return writeFile(file.string(), json.dump(1) + "\n");
 }
 

@@ -18,6 +18,7 @@ TEST(WriteCapture, ReadsAsItWas) {
   capture.noiseSigma = 0.01;
   capture.frames = {3, 5};
   capture.emptyFrames = {1, 2};
+  capture.framesPerSecond = 20;
   capture.volume = {{Vec3(-1, -2, 0), Vec3(1, 2, 3)}, {8, 16, 12}};
   Mat3 k;
   k << 90, 0.5, 31, 0, 91, 25, 0, 0, 1;
@@ -28,11 +29,13 @@ TEST(WriteCapture, ReadsAsItWas) {
   files.image = (folder / "in" / "a_%04d.png").string();
   files.mask = folder / "in" / "mask.png";
   files.gain = 1.25;
+  files.videoStart = 7.5;
   files.response = Response::gamma(2.2);
   PictureSource film;
   film.video = folder / "b.mp4";
   film.videoStart = 4;
-  film.frameShift = -2;
+  film.frameShift = -2.25;
+  film.rate = 1.5;
   film.saturation = 0.9;
   film.response = *Response::table({0, 0.2, 1});
   capture.cameras = {{"a", camera, files}, {"b", camera, film}};
@@ -42,6 +45,7 @@ TEST(WriteCapture, ReadsAsItWas) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->remarks.size(), 1U);  // the convention of pixel centres, and no unknown keys
   EXPECT_EQ(read->white, 2);
+  EXPECT_EQ(read->framesPerSecond, 20);
   EXPECT_EQ(read->noiseSigma, capture.noiseSigma);
   EXPECT_EQ(read->emptyFrames, capture.emptyFrames);
   EXPECT_EQ(read->volume.resolution, capture.volume.resolution);
@@ -59,6 +63,7 @@ TEST(WriteCapture, ReadsAsItWas) {
     EXPECT_EQ(is.pictures.saturation, was.pictures.saturation);
     EXPECT_EQ(is.pictures.videoStart, was.pictures.videoStart);
     EXPECT_EQ(is.pictures.frameShift, was.pictures.frameShift);
+    EXPECT_DOUBLE_EQ(is.pictures.rate, was.pictures.rate);
   }
   EXPECT_EQ(std::filesystem::weakly_canonical(read->cameras[0].pictures.image),
             std::filesystem::weakly_canonical(files.image));

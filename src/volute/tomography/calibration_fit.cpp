@@ -23,7 +23,7 @@ using Square = Eigen::Matrix<double, kCount, kCount>;
 using Vector = std::vector<float>;
 
 /// A step makes some sixty products, which a table pays for. Few voxels are refined.
-constexpr std::uint64_t kTableBytes = std::uint64_t{512} << 20;
+constexpr std::uint64_t kMostTableBytes = std::uint64_t{512} << 20;
 
 /// How fine volume and pictures are.
 struct Level {
@@ -68,8 +68,10 @@ std::vector<std::uint8_t> grown(std::vector<std::uint8_t> mask, int width, int h
 class LevelFit {
  public:
   LevelFit(std::span<const std::vector<TomographyView>> frames, const VolumeGeometry& geometry,
-           const Level& level, std::span<const CameraCorrection> plausible)
+           const Level& level, std::span<const CameraCorrection> plausible,
+           std::uint64_t maxMemory)
       : frames_(frames.size()),
+        maxMemory_(maxMemory),
         geometry_(coarserGeometry(geometry, level.voxels)),
         plausible_(plausible.begin(), plausible.end()) {
     for (std::size_t v = 0; v < frames[0].size(); ++v) addView(frames, v, level);
@@ -89,10 +91,19 @@ class LevelFit {
     if (std::ranges::count(hull, 1) == 0)
       return fail(ErrorCode::kNotFound, "The visual hull is empty");
     support_ = std::make_shared<const Support>(geometry_, Basis::kTrilinear, hull);
+    if (const std::uint64_t needed = ownBytes(); needed > maxMemory_)
+      return fail(ErrorCode::kTooLarge,
+                  "refining it on voxels of {} x {} x {} needs {} MiB, more than the {} MiB that are "
+                  "allowed (--max-memory)",
+                  geometry_.resolution[0], geometry_.resolution[1], geometry_.resolution[2],
+                  (needed >> 20) + 1, maxMemory_ >> 20);
     volume_.assign(4 * support_->size(), 0);
     progress_ = &progress;
     return makeProjector();
   }
+
+  /// Gives back what only further steps need; the volume stays.
+  void forgetProjector() { projector_.reset(); }
 
   void startFrom(const LevelFit& coarse) {
     const auto& n = geometry_.resolution;
@@ -222,6 +233,21 @@ class LevelFit {
  private:
   std::size_t rows() const { return projector_->rows(); }
 
+  /// All but the projector's table [bytes]: pictures, what rows, their rays and slopes take, and
+  /// vectors of unknowns, of which products take some more.
+  std::uint64_t ownBytes() const {
+    constexpr std::uint64_t kRowVectors = 8, kUnknownVectors = 14, kRay = 2 * sizeof(WalkRay);
+    const std::uint64_t row = kRowVectors * 16 + frames_ * sizeof(Parameters) + kRay;
+    std::uint64_t pixels = 0, seen = 0;
+    for (const LevelView& view : views_) {
+      pixels += view.light.size() / 4;
+      seen += view.view.silhouette.size() -
+              static_cast<std::uint64_t>(std::ranges::count(view.view.silhouette, 0));
+    }
+    return pixels * (16 + 4 + 1) + seen * row + support_->size() * kUnknownVectors * 16 +
+           geometry_.voxels() * (1 + 3 * 8 + 4) + support_->latticeSize() * 2 * 16;
+  }
+
   void addView(std::span<const std::vector<TomographyView>> frames, std::size_t v,
                const Level& level) {
     const TomographyView& first = frames[0][v];
@@ -271,7 +297,10 @@ class LevelFit {
     std::vector<ProjectorView> seen;
     for (std::size_t v = 0; v < views_.size(); ++v)
       seen.push_back({&cameras_[v], views_[v].view.silhouette});
-    projector_ = std::make_unique<const Projector>(seen, support_, 1, kTableBytes);
+    projector_.reset();  // two tables at a time would be one too many
+    const std::uint64_t table =
+        std::min({kMostTableBytes, maxMemory_ / 4, maxMemory_ - ownBytes()});
+    projector_ = std::make_unique<const Projector>(seen, support_, 1, table);
     if (projector_->rows() == 0)
       return fail(ErrorCode::kNotFound, "No ray meets the volume");
     measured_.assign(4 * rows(), 0);
@@ -466,6 +495,7 @@ class LevelFit {
   }
 
   std::size_t frames_;
+  std::uint64_t maxMemory_;
   VolumeGeometry geometry_;
   std::vector<CameraCorrection> plausible_, corrections_, uncertain_;
   std::vector<LevelView> views_;
@@ -491,7 +521,7 @@ bool clearlyLess(const std::vector<double>& after, const std::vector<double>& be
 
 Result<CalibrationFit> refineCalibration(std::span<const std::vector<TomographyView>> frames,
                                          const VolumeGeometry& geometry, bool fine,
-                                         Progress& progress) {
+                                         std::uint64_t maxMemory, Progress& progress) {
   constexpr int kVolumeSteps = 12;
   if (frames.empty() || frames.size() > 3 || frames[0].empty())
     return fail(ErrorCode::kInvalidArgument, "One to three frames can be refined together");
@@ -511,7 +541,9 @@ Result<CalibrationFit> refineCalibration(std::span<const std::vector<TomographyV
   CalibrationFit result;
   std::unique_ptr<LevelFit> before;
   const auto refineAt = [&](const Level& level) -> Status {
-    auto fit = std::make_unique<LevelFit>(frames, geometry, level, plausible);
+    if (before)
+      before->forgetProjector();
+    auto fit = std::make_unique<LevelFit>(frames, geometry, level, plausible, maxMemory);
     VOLUTE_TRY(fit->begin(corrections, progress));
     if (before)
       fit->startFrom(*before);
@@ -527,14 +559,22 @@ Result<CalibrationFit> refineCalibration(std::span<const std::vector<TomographyV
   };
   for (const Level& level : levels) VOLUTE_TRY(refineAt(level));
   result.after = before->residuals();
+  before->forgetProjector();
   // At the same voxels and as many iterations: coarser voxels explain less of any picture.
   const Level& last = levels.back();
-  LevelFit asGiven(frames, geometry, last, plausible);
-  VOLUTE_TRY(asGiven.begin(std::vector<CameraCorrection>(views.size()), progress));
-  asGiven.fitVolume((2 + last.steps) * kVolumeSteps);
-  result.before = asGiven.residuals();
-  if (fine && coarsest >= 2 && clearlyLess(result.after, result.before))
-    VOLUTE_TRY(refineAt({1, 4, 30, 1.5}));
+  {
+    LevelFit asGiven(frames, geometry, last, plausible, maxMemory);
+    VOLUTE_TRY(asGiven.begin(std::vector<CameraCorrection>(views.size()), progress));
+    asGiven.fitVolume((2 + last.steps) * kVolumeSteps);
+    result.before = asGiven.residuals();
+  }
+  if (fine && coarsest >= 2 && clearlyLess(result.after, result.before)) {
+    const auto finest = refineAt({1, 4, 30, 1.5});
+    if (!finest && finest.error().code != ErrorCode::kTooLarge)
+      return tl::unexpected<Error>(finest.error());
+    if (!finest)
+      progress.remark(finest.error().message);  // what coarser voxels gave is good, too
+  }
   result.uncertain = before->uncertain();
   std::vector<Camera> given;
   for (const TomographyView& view : views) given.push_back(view.camera);

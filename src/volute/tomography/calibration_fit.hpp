@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -28,10 +29,12 @@ struct CalibrationFit {
 /// to all cameras stays as it is.
 /// @param frames  the same cameras at one to three times; pinholes.
 /// @param fine  goes on to the voxels of `geometry` where coarser ones explain more with the
-///   corrections; what is left before and after is that of voxels twice as wide all the same.
-/// Errors: kInvalidArgument, kNotFound for frames without light, kCancelled.
+///   corrections, and memory suffices; what is left before and after is that of voxels twice as
+///   wide all the same.
+/// @param maxMemory  [bytes] besides the pictures; rays are walked anew where it is little.
+/// Errors: kInvalidArgument, kNotFound for frames without light, kTooLarge, kCancelled.
 [[nodiscard]] Result<CalibrationFit> refineCalibration(
     std::span<const std::vector<TomographyView>> frames, const VolumeGeometry& geometry, bool fine,
-    Progress& progress);
+    std::uint64_t maxMemory, Progress& progress);
 
 }  // namespace volute

@@ -14,6 +14,8 @@
 namespace volute {
 namespace {
 
+constexpr std::uint64_t kMemory = std::uint64_t{1} << 30;
+
 /// Corrections of a standard deviation of `share` of what is plausible.
 std::vector<CameraCorrection> someCorrections(const TestScene& scene, double share) {
   std::mt19937 random(5);
@@ -142,7 +144,7 @@ TEST(CalibrationFit, FindsWhatWasChanged) {
   }
   Progress progress;
   const std::vector<std::vector<TomographyView>> frames{scene.views};
-  const auto fit = refineCalibration(frames, scene.geometry, false, progress);
+  const auto fit = refineCalibration(frames, scene.geometry, false, kMemory, progress);
   ASSERT_TRUE(fit) << fit.error().message;
   double before = 0, after = 0;
   for (std::size_t v = 0; v < truth.size(); ++v) {
@@ -160,7 +162,7 @@ TEST(CalibrationFit, LeavesWhatIsRight) {
   const TestScene scene(8);
   Progress progress;
   const std::vector<std::vector<TomographyView>> frames{scene.views};
-  const auto fit = refineCalibration(frames, scene.geometry, false, progress);
+  const auto fit = refineCalibration(frames, scene.geometry, false, kMemory, progress);
   ASSERT_TRUE(fit) << fit.error().message;
   EXPECT_LT(pixelsOff(fit->cameras, camerasOf(scene.views), scene.geometry.bounds), 0.2);
   for (std::size_t v = 0; v < scene.views.size(); ++v)
@@ -169,12 +171,30 @@ TEST(CalibrationFit, LeavesWhatIsRight) {
   for (const CameraCorrection& one : fit->corrections) EXPECT_NEAR(one.gain(), 1, 0.02);
 }
 
+TEST(CalibrationFit, NeedsNoTablesAndSaysWhenMemoryDoesNotSuffice) {
+  const TestScene scene(5);
+  Progress progress;
+  const std::vector<std::vector<TomographyView>> frames{scene.views};
+  const auto ample = refineCalibration(frames, scene.geometry, false, kMemory, progress);
+  ASSERT_TRUE(ample) << ample.error().message;
+  const auto tight = refineCalibration(frames, scene.geometry, false, 9 << 20, progress);
+  ASSERT_TRUE(tight) << tight.error().message;
+  for (std::size_t v = 0; v < scene.views.size(); ++v)
+    EXPECT_NEAR(tight->after[v], ample->after[v], 0.02 * ample->after[v]);
+  const auto none = refineCalibration(frames, scene.geometry, false, 1 << 20, progress);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, ErrorCode::kTooLarge);
+  EXPECT_NE(none.error().message.find("more than the 1 MiB that are allowed (--max-memory)"),
+            std::string::npos)
+      << none.error().message;
+}
+
 TEST(CalibrationFit, RefusesOrthographicCameras) {
   TestScene scene(4);
   scene.views[1].camera = Camera::orthographic({Vec3(0, -5, 0), Vec3::Zero()}, 2.5, 48, 44);
   Progress progress;
   const std::vector<std::vector<TomographyView>> frames{scene.views};
-  const auto fit = refineCalibration(frames, scene.geometry, false, progress);
+  const auto fit = refineCalibration(frames, scene.geometry, false, kMemory, progress);
   ASSERT_FALSE(fit);
   EXPECT_NE(fit.error().message.find("c1"), std::string::npos);
 }

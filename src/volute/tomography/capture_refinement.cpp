@@ -75,12 +75,16 @@ using Frames = std::vector<std::vector<TomographyView>>;
 /// Refines what was looked at, and finds clocks that are wrong by whole frames.
 class Refiner {
  public:
-  Refiner(const Capture& capture, ViewReader& reader, Progress& progress)
-      : capture_(capture), reader_(reader), progress_(progress) {}
+  Refiner(const Capture& capture, ViewReader& reader, std::uint64_t maxMemory, Progress& progress)
+      : capture_(capture), reader_(reader), maxMemory_(maxMemory), progress_(progress) {}
 
-  /// Frames that can be read and in which every camera sees light.
+  /// Frames that can be read and in which every camera sees light; as many as fit.
   void read() {
+    // Trying other clocks copies them, and looking for mistakes reduces them.
+    const std::uint64_t most = maxMemory_ / 6 / std::max<std::uint64_t>(1, frameBytes());
     for (const int number : framesToLookAt(capture_.frames)) {
+      if (!frames_.empty() && frames_.size() >= most)
+        break;
       auto read = reader_.read(number);
       // A frame that cannot be read is told when its turn comes.
       if (!read)
@@ -116,7 +120,7 @@ class Refiner {
   }
 
   Result<CalibrationFit> fit(bool fine) const {
-    return refineCalibration(frames_, geometry(), fine, progress_);
+    return fitOf(frames_, fine);
   }
 
   /// Changes the clocks of cameras that stand out even as refined and fit clearly better with the
@@ -135,6 +139,19 @@ class Refiner {
   }
 
  private:
+  Result<CalibrationFit> fitOf(const Frames& frames, bool fine) const {
+    return refineCalibration(frames, geometry(), fine, maxMemory_ / 2, progress_);
+  }
+
+  /// Pictures of one frame [bytes].
+  std::uint64_t frameBytes() const {
+    constexpr std::uint64_t kPixel = 12 + 4 + 1;
+    std::uint64_t pixels = 0;
+    for (const CaptureCamera& known : capture_.cameras)
+      pixels += static_cast<std::uint64_t>(known.camera.width()) * known.camera.height();
+    return pixels * kPixel;
+  }
+
   VolumeGeometry geometry() const { return {capture_.volume.bounds, capture_.volume.resolution}; }
 
   const CaptureCamera& known(const std::string& name) const {
@@ -181,9 +198,9 @@ class Refiner {
       if (!view)
         continue;
       Frames one{frames_[f]};
-      VOLUTE_ASSIGN(const auto before, refineCalibration(one, geometry(), false, progress_));
+      VOLUTE_ASSIGN(const auto before, fitOf(one, false));
       one[0][camera] = std::move(*view);
-      VOLUTE_ASSIGN(const auto after, refineCalibration(one, geometry(), false, progress_));
+      VOLUTE_ASSIGN(const auto after, fitOf(one, false));
       ++all;
       better += after.after[camera] < before.after[camera];
     }
@@ -201,7 +218,7 @@ class Refiner {
       const Frames frames = shifted(camera, by);
       if (frames.empty())
         return false;
-      VOLUTE_ASSIGN(auto fit, refineCalibration(frames, geometry(), false, progress_));
+      VOLUTE_ASSIGN(auto fit, fitOf(frames, false));
       if (!(fit.after[camera] < least))
         return false;
       least = fit.after[camera];
@@ -230,6 +247,7 @@ class Refiner {
 
   const Capture& capture_;
   ViewReader& reader_;
+  std::uint64_t maxMemory_;
   Progress& progress_;
   Frames frames_;
   std::vector<int> numbers_, shifts_;
@@ -253,7 +271,7 @@ Result<CaptureRefinement> refineCapture(const Capture& capture,
     return leave("orthographic cameras are taken as they are");
   VOLUTE_ASSIGN(auto reader, ViewReader::open(capture, heldOut, maxMemory, progress));
   progress.report("looking at the calibration", 0, 0);
-  Refiner refiner(capture, reader, progress);
+  Refiner refiner(capture, reader, maxMemory, progress);
   refiner.read();
   if (refiner.frames().empty())
     return leave("no frame that was looked at shows light in all cameras");
@@ -264,6 +282,8 @@ Result<CaptureRefinement> refineCapture(const Capture& capture,
   const auto failed = [&](const Error& error) -> Result<CaptureRefinement> {
     if (error.code == ErrorCode::kCancelled)
       return tl::unexpected<Error>(error);
+    if (error.code == ErrorCode::kTooLarge && refine == Refine::kAuto)
+      progress.remark(fmt::format("calibration not refined: {}", error.message));
     return leave(error.message);
   };
   auto faults = refiner.faults();

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "volute/tomography/diagnostics.hpp"
+#include "volute/tomography/temporal_prior.hpp"
 #include "volute/tomography/vector_ops.hpp"
 
 namespace volute {
@@ -15,7 +16,7 @@ namespace {
 constexpr unsigned kHeldOutOf = 20;  // one row in so many
 constexpr double kBright = 0.7;      // of the typical value
 
-std::unique_ptr<Prior> makePrior(const FitSetup& setup, const PriorStrength& prior) {
+std::unique_ptr<Prior> makeSpatialPrior(const FitSetup& setup, const PriorStrength& prior) {
   const TomographyOptions& options = setup.options;
   const auto& support = setup.problem.support;
   const double strength = prior.lambda * setup.largest;
@@ -32,6 +33,14 @@ std::unique_ptr<Prior> makePrior(const FitSetup& setup, const PriorStrength& pri
     default:
       return makeNoPrior(options.nonNegative);
   }
+}
+
+std::unique_ptr<Prior> makePrior(const FitSetup& setup, const PriorStrength& prior) {
+  auto spatial = makeSpatialPrior(setup, prior);
+  if (setup.expected.empty())
+    return spatial;
+  return makeTemporalPrior(std::move(spatial), setup.options.temporal * setup.largest,
+                           {setup.expected.begin(), setup.expected.end()});
 }
 
 /// Follows a solver: reports, cancels, and stops it by the rule.
@@ -388,6 +397,8 @@ Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start) {
   // What plain iterations leave out depends on where they begin.
   if (plain || start.empty())
     start.assign(4 * setup.problem.data.unknowns(), 0);
+  if (plain && !setup.expected.empty())
+    start.assign(setup.expected.begin(), setup.expected.end());
   const PriorStrength prior{choice.regularization, choice.strength * setup.typical,
                             choice.sparsity};
   const StopRule stop{plain ? choice.iterations : most,           0,        {},

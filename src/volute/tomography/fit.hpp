@@ -39,6 +39,7 @@ struct FitSetup {
   double largest;  ///< eigenvalue of S' W^2 S
   double typical;  ///< typicalValue()
   Progress& progress;
+  std::span<const float> expected{};  ///< unknowns to pull towards; empty: none
 };
 
 /// What a voxel may have [radiance/m]: the largest entry of S' W^2 (p - b) over the largest

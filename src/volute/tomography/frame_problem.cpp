@@ -220,6 +220,11 @@ Status checkReconstruction(std::span<const TomographyView> views, const VolumeGe
     return fail(ErrorCode::kInvalidArgument,
                 "The solver {} knows no regularization; use apg, or the regularization none",
                 tomographySolverName(options.solver));
+  const bool apg = options.solver == TomographySolver::kApg;
+  if (!(options.temporal >= 0) || (options.temporal > 0 && !apg))
+    return fail(ErrorCode::kInvalidArgument,
+                "A temporal prior of {} with the solver {}: expected 0 or more, and apg",
+                options.temporal, tomographySolverName(options.solver));
   for (const TomographyView& view : views) VOLUTE_TRY(checkView(view));
   return {};
 }

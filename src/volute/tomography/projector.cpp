@@ -196,6 +196,32 @@ Projector::Projector(std::span<const ProjectorView> views, std::shared_ptr<const
   lattice_.basis = support_->basis();
   std::ranges::copy(support_->stride(), lattice_.stride);
   for (std::size_t v = 0; v < views.size(); ++v) addView(static_cast<int>(v), views[v]);
+  finish(tableBytes);
+}
+
+Projector::Projector(std::span<const Segment> lines, std::shared_ptr<const Support> support,
+                     std::uint64_t tableBytes)
+    : support_(std::move(support)), raysPerPixel_(1) {
+  lattice_.basis = support_->basis();
+  std::ranges::copy(support_->stride(), lattice_.stride);
+  addLines(lines);
+  finish(tableBytes);
+}
+
+/// Beams go from one side of the volume to the other; lines may end within it.
+void Projector::addLines(std::span<const Segment> lines) {
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const TouchedPart touched = touchedPart(*support_, lines[i]);
+    if (touched.empty())
+      continue;
+    looseRows_.push_back(static_cast<std::uint32_t>(rows_.size()));
+    rows_.push_back({0, static_cast<std::int32_t>(i)});
+    looseRays_.push_back(walkRay(*support_, lines[i], touched));
+  }
+}
+
+/// Writes tables, or cuts the rows into chunks.
+void Projector::finish(std::uint64_t tableBytes) {
   if (tableBytes > 0)
     beamFields_ = BeamFields(beams_, beamRays_);
   const bool written = writeTables(tableBytes);

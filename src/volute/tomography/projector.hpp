@@ -43,6 +43,11 @@ class Projector {
   Projector(std::span<const ProjectorView> views, std::shared_ptr<const Support> support,
             int raysPerPixel, std::uint64_t tableBytes);
 
+  /// Any lines, of which each that meets an unknown is a row: pixel i of view 0 is line i. They end
+  /// where their segments do.
+  Projector(std::span<const Segment> lines, std::shared_ptr<const Support> support,
+            std::uint64_t tableBytes);
+
   std::size_t unknowns() const { return support_->size(); }
 
   std::size_t rows() const { return rows_.size(); }
@@ -108,6 +113,8 @@ class Projector {
   }
 
   void addView(int view, const ProjectorView& what);
+  void addLines(std::span<const Segment> lines);
+  void finish(std::uint64_t tableBytes);
   std::vector<std::int32_t> rowPlanes() const;
   void cutChunks();
   void reach(Chunk& chunk) const;

@@ -173,8 +173,10 @@ Result<Reconstruction> reconstructReduced(std::span<const TomographyView> views,
   const double largest = problem.data.largestEigenvalue();
   if (!(largest > 0))
     return fail(ErrorCode::kInvalidData, "No pixel that counts sees the volume");
-  const FitSetup setup{problem, views, options, largest, typicalValue(problem.data, largest),
-                       progress};
+  const bool expects = options.temporal > 0 && !warmStart.empty();
+  const std::vector<float> expected = expects ? start : std::vector<float>{};
+  const FitSetup setup{problem, views,   options,
+                       largest, typicalValue(problem.data, largest), progress, expected};
   VOLUTE_ASSIGN(const Fit fit, choosesStrength(options) ? chooseFit(setup, std::move(start))
                                                         : fixedFit(setup, std::move(start)));
   Reconstruction result;

@@ -66,6 +66,8 @@ struct TomographyOptions {
   bool hull = true;      ///< unknowns only where every camera sees the medium
   bool nonNegative = true;
   bool coarseToFine = false;         ///< first at half the resolution
+  double temporal = 0;               ///< pull towards the volume to start from, where there is one,
+                                     ///< times the largest eigenvalue of S'S; kApg alone
   std::optional<double> noiseSigma;  ///< of one pixel's channel, as radiance
   Wavelet wavelet = Wavelet::kHaar;
   std::uint32_t seed = 1;  ///< of the held-out pixels and the cycle spinning

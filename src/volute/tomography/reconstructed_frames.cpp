@@ -14,11 +14,10 @@
 #include "volute/tomography/diagnostics.hpp"
 #include "volute/tomography/project.hpp"
 #include "volute/tomography/residual.hpp"
+#include "volute/tomography/volume_flow.hpp"
 
 namespace volute {
 namespace {
-
-constexpr double kFramesPerSecond = 25;
 
 /// The solver's progress within one frame as progress of the whole sequence.
 class FrameProgress final : public Progress {
@@ -88,7 +87,7 @@ VolumeInfo infoOf(const Capture& capture, Basis basis, bool grey) {
   info.frameNumbers = capture.frames;
   // From the first frame of the whole capture, so that parts of it join.
   for (const int frame : capture.frames)
-    info.times.push_back((frame - capture.firstFrame) / kFramesPerSecond);
+    info.times.push_back((frame - capture.firstFrame) / capture.framesPerSecond);
   return info;
 }
 
@@ -227,16 +226,37 @@ Result<TomographyOptions> ReconstructedFrames::optionsOf(int index) const {
   return options;
 }
 
+/// Whether the motion between the two frames before says what to expect of one.
+bool ReconstructedFrames::carriesOn(int index) const {
+  return settings_.tomography.temporal > 0 && index - chainOf(index) >= 2 &&
+         numberOf(index) - numberOf(index - 1) == numberOf(index - 1) - numberOf(index - 2);
+}
+
+/// What a frame starts from: the one before in its chain, with a temporal prior carried on by the
+/// motion between the two before; empty where there is none.
+Result<std::vector<float>> ReconstructedFrames::frameBefore(int index) {
+  const int begin = chainOf(index);
+  if (index == begin)
+    return std::vector<float>{};
+  VOLUTE_ASSIGN(auto before, volume(index - 1));
+  // A dark frame tells nothing, and multiplicative solvers never leave zero.
+  if (std::ranges::none_of(before, [](float value) { return value != 0; }))
+    return std::vector<float>{};
+  if (!carriesOn(index))
+    return before;
+  VOLUTE_ASSIGN(const auto earlier, volume(index - 2));
+  Quietly quiet(progress_);
+  VOLUTE_ASSIGN(const auto flow, flowBetween(greyVolume(earlier), greyVolume(before),
+                                             geometry().resolution, {}, quiet));
+  return carriedOn(before, 3, flow);
+}
+
 Result<Reconstruction> ReconstructedFrames::fit(int index, const FrameViews& views) {
-  std::vector<float> before;
-  if (index != chainOf(index)) {
-    VOLUTE_ASSIGN(before, volume(index - 1));
-    // A dark frame tells nothing, and multiplicative solvers never leave zero.
-    if (std::ranges::none_of(before, [](float value) { return value != 0; }))
-      before.clear();
-  }
+  VOLUTE_ASSIGN(const auto before, frameBefore(index));
   const auto fitted = views.fitted();
-  VOLUTE_ASSIGN(const TomographyOptions options, optionsOf(index));
+  VOLUTE_ASSIGN(TomographyOptions options, optionsOf(index));
+  if (!carriesOn(index))
+    options.temporal = 0;
   FrameProgress progress(progress_, views.frame, solved_, shares_ ? 0 : info_.frames - resumed_);
   auto result = reconstruct(fitted, geometry(), options, before, progress);
   if (result)

@@ -99,6 +99,8 @@ class ReconstructedFrames final : public FrameSource {
   int chainOf(int index) const;
 
   [[nodiscard]] Status solve(int index);
+  bool carriesOn(int index) const;
+  [[nodiscard]] Result<std::vector<float>> frameBefore(int index);
   [[nodiscard]] Result<Reconstruction> fit(int index, const FrameViews& views);
   [[nodiscard]] Result<TomographyOptions> optionsOf(int index) const;
   nlohmann::ordered_json measured(const FrameViews& views, const Reconstruction& result) const;

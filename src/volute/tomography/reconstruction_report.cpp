@@ -95,6 +95,7 @@ Json settingsJson(const ReconstructionSettings& settings) {
           {"hull", options.hull},
           {"coarse_to_fine", options.coarseToFine},
           {"warm_start", settings.warmStart},
+          {"temporal", options.temporal},
           {"noise_sigma", optional(options.noiseSigma)},
           {"max_saturated", settings.limits.saturated},
           {"force", settings.force}};

@@ -33,7 +33,9 @@ std::string describe(const CaptureCamera& known) {
       fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}\n", known.name, camera.width(),
                   camera.height(), digits(camera.intrinsics()), digits(camera.rotation()),
                   digits(camera.eye()), lens.k1, lens.k2, lens.p1, lens.p2, lens.k3, pictures.gain,
-                  pictures.videoStart, pictures.frameShift, pictures.saturation.value_or(-1), pictures.response.name());
+                  pictures.videoStart, pictures.frameShift,
+                  pictures.saturation.value_or(-1), pictures.response.name());
+  text += fmt::format("{} pictures a frame\n", pictures.rate);
   // A table's name does not tell its values.
   for (int i = 0; i <= 64; ++i) text += fmt::format("{} ", pictures.response.linear(i / 64.0));
   for (const auto& file : {pictures.background, pictures.mask, pictures.video}) {
@@ -63,8 +65,12 @@ std::vector<std::string> frameKeys(const Capture& capture, const ReconstructionS
   for (const int frame : capture.frames) {
     const bool begin = std::ranges::binary_search(begins, static_cast<int>(keys.size()));
     std::string own = common + (begin ? "" : keys.back());
-    for (const CaptureCamera& camera : capture.cameras)
-      own += stateOf(frameFile(camera.pictures.image, frame + camera.pictures.frameShift));
+    for (const CaptureCamera& camera : capture.cameras) {
+      const PicturePlace place = camera.pictures.placeOf(frame);
+      own += stateOf(frameFile(camera.pictures.image, place.number));
+      if (place.share > 0)
+        own += stateOf(frameFile(camera.pictures.image, place.number + 1));
+    }
     keys.push_back(digestOf(own));
   }
   return keys;

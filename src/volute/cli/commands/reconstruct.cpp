@@ -10,9 +10,10 @@
 #include "volute/capture/write_capture.hpp"
 #include "volute/cli/capture_input.hpp"
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/commands/reconstruct_lines.hpp"
 #include "volute/cli/ranks.hpp"
+#include "volute/cli/reconstruction_output.hpp"
 #include "volute/cli/volume_output.hpp"
-#include "volute/codec/compress.hpp"
 #include "volute/media/volume/volume_input.hpp"
 #include "volute/tomography/capture_refinement.hpp"
 #include "volute/tomography/hold_out_rotation.hpp"
@@ -21,6 +22,7 @@
 #include "volute/tomography/reconstruction_page.hpp"
 #include "volute/tomography/reconstruction_report.hpp"
 #include "volute/tomography/run_key.hpp"
+#include "volute/tomography/velocity_frames.hpp"
 
 namespace volute::cli {
 namespace {
@@ -39,6 +41,7 @@ ReconstructionSettings settingsOf(const Arguments& arguments, const Capture& cap
   options.raysPerPixel = arguments.get<std::string>("rays-per-pixel") == "1" ? 1 : 4;
   options.hull = !arguments.flag("no-hull");
   options.coarseToFine = arguments.flag("coarse-to-fine");
+  options.temporal = arguments.get<double>("temporal");
   options.noiseSigma = arguments.find<double>("noise-sigma");
   if (!options.noiseSigma)
     options.noiseSigma = capture.noiseSigma;
@@ -67,20 +70,6 @@ void remarkOnLayout(const Capture& capture, Context& context) {
     context.progress.remark(*advice);
 }
 
-Result<CompressReport> writeVolute(ReconstructedFrames& frames, const Arguments& arguments,
-                                   const Capture& capture, Context& context) {
-  CompressOptions options;
-  options.target = {ErrorTarget::Kind::kRms, arguments.get<double>("rms")};
-  options.provenance = fmt::format("reconstructed from {}", capture.file.filename().string());
-  options.maxMemory = context.maxMemory;
-  auto written = compress(frames, arguments.get<std::string>("output"), options, context.progress,
-                          context.team);
-  // The command line was checked; what is still found invalid is an error out of reach.
-  if (!written && written.error().code == ErrorCode::kInvalidArgument)
-    written.error().code = ErrorCode::kUnsupported;
-  return written;
-}
-
 Status writeReport(const std::string& file, const nlohmann::ordered_json& json,
                    ReconstructedFrames& frames, Progress& progress) {
   VOLUTE_TRY(writeFile(file, dumpJson(json) + "\n"));
@@ -105,6 +94,8 @@ Status checkReconstructTargets(const Arguments& arguments, const std::string& ta
                   "--error-bars: '{}': expected .npy, or a pattern %04d.vdb or %04d.vti", *bars);
     VOLUTE_TRY(checkTarget(*bars, true));
   }
+  if (arguments.flag("velocity"))
+    VOLUTE_TRY(checkVelocityTarget(target));
   if (arguments.given("rms") && !isVolutePath(target)) {
     return fail(ErrorCode::kInvalidArgument,
                 "--rms is the error of a compressed file; '{}' does not end in .volute", target);
@@ -134,6 +125,13 @@ Result<std::unique_ptr<ReconstructedFrames>> openFrames(const Capture& capture,
                     work.path().string(), (*frames)->resumed(), (*frames)->info().frames));
   }
   return frames;
+}
+
+Result<std::unique_ptr<VelocityFrames>> openVelocity(ReconstructedFrames& frames,
+                                                     const std::vector<std::string>& keys,
+                                                     const std::string& target, Context& context) {
+  VOLUTE_ASSIGN(auto work, WorkFolder::open(target + ".velocity"));
+  return VelocityFrames::open(frames, {}, std::move(work), keys, context.progress);
 }
 
 Refine refineOf(const Arguments& arguments) {
@@ -203,18 +201,24 @@ Status addRotation(HoldOutRotation& rotation, const Arguments& arguments, const 
   return {};
 }
 
-Status runFrames(ReconstructedFrames& frames, const Arguments& arguments,
+Status runFrames(ReconstructedFrames& frames, VelocityFrames* velocity, const Arguments& arguments,
                  const CaptureRefinement& refinement, const ReconstructionSettings& settings,
                  HoldOutRotation* rotation, Context& context) {
   const Capture& capture = refinement.capture;
   const auto target = arguments.get<std::string>("output");
-  // A target that cannot be written is told before the long work.
-  std::unique_ptr<FrameSink> sink;
-  if (!isVolutePath(target) && context.team.leads()) {
-    VOLUTE_ASSIGN(sink, openSink(target, frames.info(), true));
-  }
+  VOLUTE_ASSIGN(auto writer,
+                ReconstructionWriter::open(
+                    frames, velocity,
+                    {target, arguments.get<double>("rms"),
+                     fmt::format("reconstructed from {}", capture.file.filename().string())},
+                    context));
   VOLUTE_TRY(frames.solveAll(context.team));
+  if (velocity)
+    VOLUTE_TRY(velocity->solveAll(context.team));
   VOLUTE_ASSIGN(auto json, reconstructionReport(capture, settings, frames));
+  if (velocity) {
+    VOLUTE_ASSIGN(json["velocity"], velocity->json());
+  }
   json["refinement"] = refinementJson(refinement);
   for (const std::string& text : refinement.faults) json["warnings"].push_back(text);
   for (const std::string& text : outstandingCorrections(refinement))
@@ -228,13 +232,10 @@ Status runFrames(ReconstructedFrames& frames, const Arguments& arguments,
       .add("channels", info.channels, fmt::format("{}", info.channels));
   if (rotation)
     VOLUTE_TRY(addRotation(*rotation, arguments, capture, json, report, context));
-  if (sink)
-    VOLUTE_TRY(copyFrames(frames, *sink, "writing", context.progress));
-  if (isVolutePath(target)) {
-    VOLUTE_ASSIGN(const auto written, writeVolute(frames, arguments, capture, context));
-    report.add("bytes", written.fileBytes, bytesText(written.fileBytes))
-        .add("relative_rms", written.relativeRms);
-  }
+  VOLUTE_TRY(writer.write(report, context));
+  if (velocity)
+    report.add("mean_speed", json["velocity"]["mean_speed"],
+               fmt::format("{:.3g} m/s", json["velocity"].value("mean_speed", 0.0)));
   if (const auto file = arguments.find<std::string>("report")) {
     if (context.team.leads())
       VOLUTE_TRY(writeReport(*file, json, frames, context.progress));
@@ -259,9 +260,13 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
   }
   VOLUTE_TRY(checkFolderIsShared(target, context.team));
   context.resultsToStderr = target == "-";
+  if (isLineFile(arguments.positional(0)))
+    return runReconstructLines(arguments, context);
   VOLUTE_ASSIGN(const auto options, captureOptionsOf(arguments, context));
   VOLUTE_ASSIGN(const auto capture, openCapture(arguments.positional(0), options));
   remarkOn(capture, context);
+  if (arguments.flag("velocity") && capture.frames.size() < 2)
+    return fail(ErrorCode::kInvalidArgument, "--velocity: needs two frames or more");
   bool inTurn = false;
   VOLUTE_ASSIGN(const auto heldOut, heldOutOf(arguments, inTurn));
   if (inTurn && (context.team.size() > 1 || target == "-")) {
@@ -281,10 +286,18 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
                                                  context.maxMemory, context.progress));
   }
   VOLUTE_ASSIGN(auto frames, openFrames(refinement.capture, settings, heldOut, target, context));
-  const Status status = context.team.agree(
-      runFrames(*frames, arguments, refinement, settings, rotation.get(), context));
+  std::unique_ptr<VelocityFrames> velocity;
+  if (arguments.flag("velocity")) {
+    VOLUTE_ASSIGN(velocity, openVelocity(*frames, frameKeys(refinement.capture, settings, heldOut),
+                                         target, context));
+  }
+  const Status status = context.team.agree(runFrames(*frames, velocity.get(), arguments, refinement,
+                                                     settings, rotation.get(), context));
   if (!context.team.leads())
     return status;
+  const bool whole = status || target == "-";
+  if (velocity && (whole || !velocity->work().any()))
+    velocity->work().remove();
   if (!status && target != "-" && frames->work().any()) {
     context.progress.remark(
         fmt::format("finished frames are kept in {}; the same command continues from there",
@@ -351,7 +364,14 @@ std::vector<Option> solverOptions() {
                                   "light"},
       {.name = "coarse-to-fine", .help = "solve at half the resolution first"},
       {.name = "warm-start", .help = "start each frame from the previous one (default)"},
-      {.name = "no-warm-start", .help = "start each frame from zero"}};
+      {.name = "no-warm-start", .help = "start each frame from zero"},
+      {.name = "temporal",
+       .kind = kNumber,
+       .value = "F",
+       .help = "pull each frame towards the previous one, moved along, by F times the largest "
+               "eigenvalue of S'S",
+       .initial = "0",
+       .least = 0}};
 }
 
 std::vector<Option> reconstructOptionTable() {
@@ -379,6 +399,9 @@ std::vector<Option> reconstructOptionTable() {
        .initial = "0.001",
        .most = 1,
        .positive = true},
+      {.name = "velocity",
+       .help = "estimate the velocity [m/s] between frames; written as grid 'velocity' of a .volute "
+               "or %04d.vdb, or to a file of its own with {grid} in OUT"},
       {.name = "hold-out",
        .kind = kText,
        .value = "NAME",
@@ -428,18 +451,21 @@ Command reconstructCommand() {
       .examples = {"volute reconstruct capture.json -o fire.volute --report fire.json",
                    "volute reconstruct transforms.json -o fire.npy --images "
                    "'in/{camera}_%04d.png' --bounds=-1,-1,0,1,1,3 --resolution 96",
-                   "volute reconstruct capture.json -o part2.volute --frames 100:200"},
+                   "volute reconstruct capture.json -o smoke.volute --velocity",
+                   "volute reconstruct capture.json -o part2.volute --frames 100:200",
+                   "volute reconstruct lamps.csv -o smoke.volute --bounds=0,0,0,6,4,3"},
       .description =
           "Solves each frame for the emission whose line integrals match the pictures: "
           "non-negative least squares over all cameras and colours, with zeros where a camera "
           "sees nothing. CAPTURE is a capture.json, a NeRF transforms.json, the folder of a "
-          "COLMAP model or an OpenCV .yml; docs/capture.md describes them.\n\nImplausible "
+          "COLMAP model or an OpenCV .yml, or a .csv of optical depths along lines; "
+          "docs/capture.md describes them.\n\nImplausible "
           "captures are refused, with camera, frame and number: mirrored or scaled rotations, "
           "mismatched units or sizes, missing, black or saturated pictures, non-finite values, "
           "backgrounds that moved, an empty hull. Doubtful cases give a warning.\n\nFinished "
           "frames are kept in OUT.work beside the output until it is complete; an interrupted run "
           "continues from there when it is started again.",
-      .positionals = {{.name = "CAPTURE", .help = "the cameras and their pictures"}},
+      .positionals = {{.name = "CAPTURE", .help = "the cameras and their pictures, or a .csv of lines"}},
       .options = reconstructOptionTable(),
       .oneOf = {{{"warm-start", "no-warm-start"}, false}},
       .ranks = true,

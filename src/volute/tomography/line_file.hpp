@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "volute/base/result.hpp"
+#include "volute/medium/medium.hpp"
+
+namespace volute {
+
+/// One measured line integral.
+struct LineMeasurement {
+  Segment line;      ///< [m]; from one point to another, or from a point on in a direction
+  double value = 0;  ///< integral along it; an optical depth has no unit
+  double sigma = 1;  ///< standard deviation of the value
+  int row = 0;       ///< of the file, from 1
+};
+
+/// What was measured at one time.
+struct LineFrame {
+  int number = 0;
+  double time = 0;  ///< [s]
+  std::vector<LineMeasurement> lines;
+};
+
+/// Measured lines of any number of times.
+struct LineFile {
+  bool opticalDepths = false;     ///< what is looked for is extinction [1/m]
+  bool hasSigma = false;          ///< else all weigh alike
+  bool hasTimes = false;          ///< else frames are numbers, or there is one
+  std::vector<LineFrame> frames;  ///< ascending, by number and time; one at least
+};
+
+/// Reads a .csv with a row of names of columns, in any order and any case:
+/// - x0, y0, z0, x1, y1, z1: both ends [m]; or x, y, z, dx, dy, dz: a point and a direction of any
+///   length, in which the line goes on without an end;
+/// - optical_depth, transmittance (of which the depth is -ln), or value: any other integral;
+/// - sigma, if known: the standard deviation of that column;
+/// - frame (whole numbers from 0 on) or time [s], where there are several.
+/// Rows that are empty or begin with # do not count. Errors name the file, the row and the column.
+[[nodiscard]] Result<LineFile> readLines(const std::filesystem::path& file);
+
+}  // namespace volute

@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+# SPDX-FileCopyrightText: The Volute authors
+"""Volumes from optical depths along lines."""
+import json
+import math
+import random
+
+import support
+from support import read_npy
+
+HEAD = "x0,y0,z0,x1,y1,z1,optical_depth,sigma,frame\n"
+
+
+def layer(z, frame):
+    """Extinction [1/m] of smoke under a ceiling 2 m high, that comes down."""
+    return 0.5 if z > 1.5 - 0.25 * frame else 0.0
+
+
+def line(frame, chance):
+    """A row: from wall to wall of a room of 4 x 3 x 2 m."""
+    a = [chance.uniform(0, 4), 0, chance.uniform(0, 2)]
+    b = [chance.uniform(0, 4), 3, chance.uniform(0, 2)]
+    length = math.dist(a, b)
+    steps = 400
+    depth = sum(layer(a[2] + (i + 0.5) / steps * (b[2] - a[2]), frame) for i in range(steps)) * length / steps
+    return ",".join(f"{x:.4f}" for x in [*a, *b, depth + chance.gauss(0, 0.01)]) + f",0.01,{frame}\n"
+
+
+class Lines(support.TestCase):
+    def write(self, count=150):
+        chance = random.Random(2)
+        self.path("lamps.csv").write_text(HEAD + "".join(line(frame, chance) for frame in (3, 4) for _ in range(count)))
+
+    def test_extinction_comes_out(self):
+        self.write()
+        result = self.works("reconstruct", self.path("lamps.csv"), "-o", self.path("smoke.volute"), "--bounds", "0,0,0,4,3,2",
+                            "--resolution", 16, "--report", self.path("r.json"), "--json")
+        self.assertEqual((result.json["grid"], result.json["size"]), ("extinction", [16, 12, 8]))
+        self.assertLess(result.json["left_out"], 0.15)
+        info = self.works("info", self.path("smoke.volute"), "--json").json
+        self.assertEqual((info["frame_numbers"], info["grid"]), ([3, 4], "extinction"))
+        self.works("extract", self.path("smoke.volute"), "-o", self.path("smoke.npy"))
+        shape, values = read_npy(self.path("smoke.npy").read_bytes())
+        self.assertEqual(shape, (2, 8, 12, 16))
+        for frame in range(2):
+            layers = [sum(values[((frame * 8 + z) * 12) * 16:((frame * 8 + z + 1) * 12) * 16]) / 192 for z in range(8)]
+            for z, found in enumerate(layers):
+                truth = layer(0.25 * z + 0.125, frame + 3)
+                self.assertAlmostEqual(found, truth, delta=0.2, msg=(frame, layers))
+        report = json.loads(self.path("r.json").read_text())
+        self.assertEqual([one["lines"] for one in report["lines"]], [150, 150])
+        # More than noise is left, as the smoke ends between two voxels.
+        self.assertTrue(all(0.8 < one["spread"] < 8 for one in report["lines"]), report["lines"])
+
+    def test_usual_volume_and_one_frame(self):
+        self.write(60)
+        result = self.works("reconstruct", self.path("lamps.csv"), "-o", self.path("one.npy"), "--frames", "4")
+        self.assertIn("the box around the lines' ends", result.message)
+        self.assertEqual(read_npy(self.path("one.npy").read_bytes())[0][0], 1)
+
+    def test_refusals(self):
+        self.write(20)
+        lamps, out = self.path("lamps.csv"), self.path("x.npy")
+        self.assertIn("is for cameras", self.fails(2, "reconstruct", lamps, "-o", out, "--hold-out", "a"))
+        message = self.fails(2, "reconstruct", lamps, "-o", out, "--bounds", "0,0,0,400,300,0.2")
+        self.assertRegex(message, r"frame 3: row \d+: the line misses the volume .* do \d+ of 20 lines; check the bounds and the unit")
+        forced = self.works("reconstruct", lamps, "-o", out, "--bounds", "0,0,1,4,3,2", "--resolution", 8, "--force")
+        self.assertRegex(forced.message, r"\d+ of 20 lines of frame 3 miss the volume and are left out")
+        self.path("wrong.csv").write_text("x,y,z,dx,dy,optical_depth\n0,0,0,1,0,0.5\n")
+        self.assertIn("expected the ends of lines", self.fails(1, "reconstruct", self.path("wrong.csv"), "-o", out))
+        self.path("wrong.csv").write_text(HEAD + "0,0,0,1,1,x,0.5,0.1,3\n")
+        self.assertIn("row 2, z1: 'x' is no finite number", self.fails(1, "reconstruct", self.path("wrong.csv"), "-o", out))
+        self.path("wrong.csv").write_text("x,y,z,dx,dy,dz,value\n0,0,0,1,0,0,1\n0,0,1,1,0,0,1\n")
+        self.assertIn("--bounds", self.fails(2, "reconstruct", self.path("wrong.csv"), "-o", out))
+
+
+if __name__ == "__main__":
+    support.main()
