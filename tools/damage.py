@@ -121,6 +121,10 @@ class Samples:
         import fds_test
         fds_test.write_case(lambda name: folder / name)
 
+    def stored(self, folder):
+        import fds_test
+        fds_test.add_stored(lambda name: folder / name, fds_test.write_case(lambda name: folder / name))
+
     def scene(self, geometry):
         def make(folder):
             import geometry_test
@@ -185,6 +189,7 @@ def formats(samples):
     def mesh(case):
         return ["visibility", case, "--quantity", "extinction", *signs]
 
+    stored = ["render", "case.smv", "-o", "-OUT-.exr", "--size", "24x18", "--time", "10"]
     lattice = ["compare", "WHOLE", "FILE", "--json"]
     return [
         Format(".volute", "a.volute", 300, lattice, samples.converted("a.volute")),
@@ -204,6 +209,8 @@ def formats(samples):
         Format("OpenFOAM field", "10/soot", 110, mesh("a.foam"), samples.looking(samples.foam)),
         Format("FDS .smv", "case.smv", 120, ["visibility", "case.smv", *signs], samples.looking(samples.fds)),
         Format("FDS .sf", "case_1.sf", 150, ["visibility", "case.smv", *signs], samples.looking(samples.fds)),
+        Format("FDS .iso", "case_1.iso", 200, [*stored, "--fds-iso", "TEMPERATURE"], samples.stored),
+        Format("FDS .prt5", "case_2.prt5", 200, [*stored, "--fds-particles", "all"], samples.stored),
         Format("DXF underlay", "a.dxf", 250, ["visibility", "case.smv", "--signs", "signs.json", "--height", "0.6", "--step", "0.25",
                                               "--maps", "aset", "--underlay", "a.dxf", "-o", "-OUT-"], samples.drawing),
         Format(".obj", "a.obj", 30, render, samples.scene("a.obj")),

@@ -57,6 +57,34 @@ def add_slice(path, case, mesh, indices, value, labels, keyword="SLCC"):
                    + "".join(f" {label}\n" for label in labels))
 
 
+def add_stored(path, case):
+    """Isosurfaces of 60 C at x = 0.5 in the first mesh, at 10 s alone, and two classes of particles, of which drops have a
+    temperature."""
+    def ints(*values):
+        return record(struct.pack(f"<{len(values)}i", *values))
+
+    def floats(*values):
+        return record(struct.pack(f"<{len(values)}f", *values))
+
+    def label(text):
+        return record(text.encode().ljust(30))
+
+    path("case_1.iso").write_bytes(
+        ints(1) + ints(1) + ints(1) + floats(60) + ints(0) + ints(0, 0) + floats(0, 0) + ints(0, 0) + floats(10, 0) + ints(4, 2)
+        + floats(0.5, 0, 0, 0.5, 1, 0, 0.5, 1, 1, 0.5, 0, 1) + ints(1, 2, 3, 1, 3, 4) + ints(1, 1))
+    empty = ints(0) + record(b"") + record(b"")
+    path("case_2.prt5").write_bytes(
+        ints(1) + ints(600) + ints(2) + ints(0, 0) + ints(1, 0) + label("PARTICLE TEMPERATURE") + label("C")
+        + floats(0) + empty + empty + record(b"")
+        + floats(10) + ints(1) + floats(1.5, 0.0, 0.5) + ints(1) + ints(2) + floats(1.25, 1.75, 0.0, 0.0, 0.5, 0.5) + ints(2, 3)
+        + floats(20, 80))
+    text = case.read_text()
+    classes = ("CLASS_OF_PARTICLES\n tracer\n 1.0 0.0 0.0\n 0\n\nCLASS_OF_PARTICLES\n drops % more\n 0.0 0.0 1.0\n 1\n"
+               " PARTICLE TEMPERATURE\n temp\n C\n\n")
+    case.write_text(text.replace("NMESHES", classes + "NMESHES", 1) + "ISOG 1 1 -1.0\n case_1.iso\n TEMPERATURE\n temp\n C\n"
+                    "PRT5 2\n case_2.prt5\n 2\n 1\n 2\n")
+
+
 class Fds(support.TestCase):
     """Of write_case()."""
 
@@ -205,6 +233,53 @@ class Fds(support.TestCase):
             self.assertIn(says, said)
         self.assertIn("isosurfaces of an FDS case", self.fails(1, "render", self.case, "-o", self.path("x.png"), "--fds-iso",
                                                                "TEMPERATURE 60", "--renderer", "gl"))
+
+    def test_stored_isosurfaces_are_shown(self):
+        add_stored(self.path, self.case)
+
+        def depth(time, *more):
+            self.works("render", self.case, "-o", self.path("x.exr"), "--ortho", "0.1", "--eye", "-1,0.75,0.75", "--target",
+                       "2,0.75,0.75", "--size", "4x4", "--time", time, "--aov", "optical-depth", "--scale", "1e-9", *more)
+            return self.works("info", self.path("x.exr"), "--json").json["maximum"]
+
+        sheet = -math.log(0.6)
+        for text in ("TEMPERATURE", "TEMPERATURE 60"):
+            self.assertAlmostEqual(depth(10, "--fds-iso", text), sheet, delta=1e-5)
+            self.assertAlmostEqual(depth(4, "--fds-iso", text), 0, delta=1e-5)
+        self.works("render", self.case, "-o", self.path("x.png"), "--size", "40x40", "--fds-iso", "TEMPERATURE", "--time", 10)
+        self.assertIn(b"surface: TEMPERATURE = 60 C, the nearest of 2 stored times", self.path("x.png").read_bytes())
+        out = ("render", self.case, "-o", self.path("x.png"), "--fds-iso")
+        self.assertIn("the case has isosurface files of TEMPERATURE", self.fails(1, *out, "TEMPERATURE 61"))
+        self.assertIn("the case has isosurface files of TEMPERATURE", self.fails(2, *out, "HEAT"))
+        whole = self.path("case_1.iso").read_bytes()
+        self.path("case_1.iso").write_bytes(whole[:-4])
+        self.assertIn(b"ends at byte", self.works(*out, "TEMPERATURE", "--size", "8x8").err)
+        self.assertEqual([(one["kind"], one["state"], one["frames"]) for one in self.works("info", self.case, "--json").json[
+            "data_files"] if "iso" in one["kind"]], [("isosurfaces of TEMPERATURE", "truncated", 1)])
+        self.path("case_1.iso").write_bytes(whole.replace(struct.pack("<3i", 1, 2, 3), struct.pack("<3i", 1, 2, 9)))
+        self.assertIn("a triangle of vertex 9", self.fails(1, *out, "TEMPERATURE", "--time", 10))
+        self.path("case_1.iso").unlink()
+        self.assertIn("case_1.iso", self.fails(1, *out, "TEMPERATURE"))
+
+    def test_particles_are_marks_in_the_picture(self):
+        add_stored(self.path, self.case)
+
+        def most(x, *more, time=10):
+            self.works("render", self.case, "-o", self.path("x.exr"), "--ortho", "0.001", "--eye", f"{x},-1,0.5", "--target",
+                       f"{x},0,0.5", "--size", "2x2", "--time", time, "--scale", "1e-9", "--albedo", "0,0,0", "--background",
+                       "0,0,0", *more)
+            return self.works("info", self.path("x.exr"), "--json").json["maximum"]
+
+        self.assertEqual(most(1.5), 0)
+        self.assertAlmostEqual(most(1.5, "--fds-particles", "all"), 1, delta=1e-6)
+        self.assertAlmostEqual(most(1.25, "--fds-particles", "drops"), 1, delta=1e-6)
+        self.assertEqual(most(1.5, "--fds-particles", "drops"), 0)
+        self.assertEqual(most(1.5, "--fds-particles", "all", time=4), 0)
+        self.works("render", self.case, "-o", self.path("x.png"), "--size", "40x40", "--fds-particles", "PARTICLE TEMPERATURE")
+        self.assertIn(b"particles: drops, PARTICLE TEMPERATURE 20 .. 80 C, the nearest of 2 stored times",
+                      self.path("x.png").read_bytes())
+        said = self.fails(1, "render", self.case, "-o", self.path("x.png"), "--fds-particles", "rain")
+        self.assertIn("no particles of 'rain'; the case has all, or those of drops, tracer, coloured by PARTICLE TEMPERATURE", said)
 
     def test_devices_are_listed_and_marked(self):
         with self.case.open("a") as file:

@@ -9,6 +9,8 @@
 
 #include "volute/base/parallel.hpp"
 #include "volute/fds/frame_file.hpp"
+#include "volute/fds/iso_file.hpp"
+#include "volute/fds/particle_file.hpp"
 
 namespace volute {
 namespace {
@@ -123,6 +125,14 @@ std::vector<FdsFileCheck> checkFiles(const SmvIndex& index) {
   for (const FdsPlotEntry& plot : index.plots) {
     add(plot.file, fmt::format("PLOT3D at {:g} s", plot.time), plot.mesh,
         [&] { return framesOf(FdsPlotFiles::open({plot}, 0, meshOf(plot.mesh))); });
+  }
+  for (const FdsIsoEntry& iso : index.isosurfaces) {
+    add(iso.file, "isosurfaces of " + iso.labels.quantity, iso.mesh,
+        [&] { return framesOf(FdsIsoFile::open(iso, meshOf(iso.mesh))); });
+  }
+  for (const FdsParticleEntry& particles : index.particles) {
+    add(particles.file, "particles", particles.mesh,
+        [&] { return framesOf(FdsParticleFile::open(particles)); });
   }
   parallelFor(checks.size(), [&](std::size_t i) { note(checks[i], looks[i]()); });
   compare(checks);

@@ -38,6 +38,31 @@ void addRoots(const Piece& piece, double level, std::vector<double>& roots) {
 
 }  // namespace
 
+double sheetShade(double up) {
+  return kSteep + (1 - kSteep) * std::abs(up);
+}
+
+void sheetPieces(const Segment& segment, std::span<const double> roots, double opacity,
+                 const std::function<Rgb(std::size_t)>& colourAt, std::vector<Piece>& pieces) {
+  const double depth = -std::log1p(-opacity);
+  pieces.clear();
+  double free = segment.begin;  // where the sheet before ends
+  for (std::size_t r = 0; r < roots.size(); ++r) {
+    const double next = r + 1 < roots.size() ? 0.5 * (roots[r] + roots[r + 1]) : segment.end;
+    const double from = std::max(free, roots[r] - 0.5 * kThick);
+    const double to = std::min(next, roots[r] + 0.5 * kThick);
+    if (!(to > from))
+      continue;
+    const double taken = depth / (to - from);
+    const Rgb colour = colourAt(r);
+    Piece sheet{from, to, {}, {}, 0};
+    sheet.extinction.c[0] = taken;
+    for (int c = 0; c < 3; ++c) sheet.emission[c].c[0] = taken * colour[c];
+    pieces.push_back(sheet);
+    free = to;
+  }
+}
+
 std::vector<double> FdsIso::crossings(const Segment& segment) const {
   std::vector<Piece> values;
   field_.pieces({&segment, 1}, {&values, 1});
@@ -67,7 +92,7 @@ Rgb FdsIso::shaded(const Vec3& at) const {
   }
   const double length = slope.norm();
   const double up = length > 0 ? std::abs(slope.z()) / length : 1;
-  return (kSteep + (1 - kSteep) * up) * look_.colour;
+  return sheetShade(up) * look_.colour;
 }
 
 void FdsIso::opticalDepth(std::span<const Segment> segments, std::span<double> depths) const {
@@ -80,26 +105,10 @@ void FdsIso::opticalDepth(std::span<const Segment> segments, std::span<double> d
 
 void FdsIso::pieces(std::span<const Segment> segments,
                     std::span<std::vector<Piece>> pieces) const {
-  const double depth = -std::log1p(-look_.opacity);
   for (std::size_t i = 0; i < segments.size(); ++i) {
-    pieces[i].clear();
-    const Segment& segment = segments[i];
-    double free = segment.begin;  // where the sheet before ends
-    const std::vector<double> roots = crossings(segment);
-    for (std::size_t r = 0; r < roots.size(); ++r) {
-      const double next = r + 1 < roots.size() ? 0.5 * (roots[r] + roots[r + 1]) : segment.end;
-      const double from = std::max(free, roots[r] - 0.5 * kThick);
-      const double to = std::min(next, roots[r] + 0.5 * kThick);
-      if (!(to > from))
-        continue;
-      const double taken = depth / (to - from);
-      const Rgb colour = shaded(segment.origin + roots[r] * segment.direction);
-      Piece sheet{from, to, {}, {}, 0};
-      sheet.extinction.c[0] = taken;
-      for (int c = 0; c < 3; ++c) sheet.emission[c].c[0] = taken * colour[c];
-      pieces[i].push_back(sheet);
-      free = to;
-    }
+    const std::vector<double> roots = crossings(segments[i]);
+    sheetPieces(segments[i], roots, look_.opacity,
+                [&](std::size_t root) { return shaded(segments[i].at(roots[root])); }, pieces[i]);
   }
 }
 

@@ -2,9 +2,21 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <functional>
+
 #include "volute/fds/fds_field.hpp"
 
 namespace volute {
+
+/// Thin sheets that a segment crosses at `roots` (ascending) [m], as pieces of a medium: each takes
+/// the share `opacity` of the light from behind and has the colour that `colourAt` says of a root's
+/// place in the list.
+void sheetPieces(const Segment& segment, std::span<const double> roots, double opacity,
+                 const std::function<Rgb(std::size_t)>& colourAt, std::vector<Piece>& pieces);
+
+/// The share of a sheet's colour that is seen of it, where the unit vector across it has the height
+/// `up` (-1 to 1): the less it faces up, the darker.
+double sheetShade(double up);
 
 /// How a translucent surface looks.
 struct IsoLook {

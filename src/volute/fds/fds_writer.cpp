@@ -135,6 +135,64 @@ Records smoke16File(std::array<int, 3> cells,
   return file;
 }
 
+Records isoFile(const std::vector<float>& levels, const std::vector<Triangles>& frames,
+                std::size_t split) {
+  using Words = std::vector<std::int32_t>;
+  Records file;
+  file.split = split;
+  file.values(Words{1}, true);
+  file.values(Words{1}, true);
+  file.values(Words{static_cast<std::int32_t>(levels.size())}, true);
+  file.values(levels);
+  file.values(Words{0}, true);
+  file.values(Words{0, 0}, true);
+  for (const Triangles& frame : frames) {
+    file.values(std::vector<float>{frame.time, 0});
+    file.values(Words{static_cast<std::int32_t>(frame.vertices.size() / 3),
+                      static_cast<std::int32_t>(frame.levels.size())},
+                true);
+    if (!frame.vertices.empty())
+      file.values(frame.vertices);
+    if (frame.levels.empty())
+      continue;
+    file.values(frame.corners);
+    file.values(frame.levels);
+  }
+  return file;
+}
+
+Records particleFile(const std::vector<std::vector<std::array<std::string, 2>>>& quantities,
+                     const std::vector<Particles>& frames, std::size_t split) {
+  using Words = std::vector<std::int32_t>;
+  Records file;
+  file.split = split;
+  file.values(Words{1}, true);
+  file.values(Words{600});
+  file.values(Words{static_cast<std::int32_t>(quantities.size())}, true);
+  for (const auto& ofAClass : quantities) {
+    file.values(Words{static_cast<std::int32_t>(ofAClass.size()), 0});
+    for (const auto& labels : ofAClass) {
+      for (std::string label : labels) {
+        label.resize(30, ' ');
+        file.record(label.data(), label.size(), false);
+      }
+    }
+  }
+  for (const Particles& frame : frames) {
+    file.time(frame.time);
+    for (std::size_t i = 0; i < quantities.size(); ++i) {
+      const auto& one = frame.classes[i];
+      const auto count = static_cast<std::int32_t>(one.places.size() / 3);
+      file.values(Words{count}, true);
+      file.values(one.places);
+      file.values(Words(static_cast<std::size_t>(count), 7));
+      if (!quantities[i].empty())
+        file.values(one.values);
+    }
+  }
+  return file;
+}
+
 Records plotFile(std::array<int, 3> cells, const std::vector<float>& fiveVariables) {
   Records file;
   file.values<std::int32_t>({cells[0] + 1, cells[1] + 1, cells[2] + 1}, true);

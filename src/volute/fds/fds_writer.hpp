@@ -64,6 +64,31 @@ Records smoke16File(std::array<int, 3> cells,
                     std::size_t split = 0);
 Records plotFile(std::array<int, 3> cells, const std::vector<float>& fiveVariables);
 
+/// Triangles with their levels' numbers, from 1, at a time.
+struct Triangles {
+  float time = 0;
+  std::vector<float> vertices;               ///< x, y, z of each
+  std::vector<std::int32_t> corners, levels;  ///< three corners a triangle, from 1
+};
+
+Records isoFile(const std::vector<float>& levels, const std::vector<Triangles>& frames,
+                std::size_t split = 0);
+
+/// Particles of some classes, and what the file stores of each class.
+struct Particles {
+  struct OfAClass {
+    std::vector<float> places;  ///< all x, all y, all z
+    std::vector<float> values;  ///< of each quantity, one a particle
+  };
+
+  float time = 0;
+  std::vector<OfAClass> classes;
+};
+
+/// @param quantities  names and units of each class
+Records particleFile(const std::vector<std::vector<std::array<std::string, 2>>>& quantities,
+                     const std::vector<Particles>& frames, std::size_t split = 0);
+
 /// The text of a .smv file.
 struct Index {
   struct Mesh {

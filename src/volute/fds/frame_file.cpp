@@ -5,66 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/fds/frame_scan.hpp"
 #include "volute/fds/text_lines.hpp"
 
 namespace volute {
 namespace {
 
-constexpr std::size_t kLabel = 30;
-constexpr double kLatestTime = 1e9;  // [s]: later ones are damage
-
-std::string frameName(std::string_view what, std::size_t frame) {
-  return fmt::format("the {} of frame {}", what, frame);
-}
-
-/// Reads a frame's time; `offset` moves behind it.
-Result<double> readTime(const FortranFile& file, std::uint64_t& offset, std::size_t frame) {
-  float time = 0;
-  const std::uint64_t begin = offset;
-  VOLUTE_ASSIGN(offset, file.readInto(offset, std::span(&time, 1), frameName("time", frame)));
-  if (!(std::abs(time) <= kLatestTime)) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: byte {}: the time of frame {} is {} s: the file is damaged",
-                file.path().string(), begin + 4, frame, time);
-  }
-  return time;
-}
-
-/// True when the loop over frames is to end: the file ends within the frame, which gets a remark.
-bool isCutOff(const Status& status, const FortranFile& file, std::uint64_t frameBegin,
-              FdsFrameIndex& frames) {
-  if (status || status.error().code != ErrorCode::kTruncated)
-    return false;
-  frames.remarks.push_back(fmt::format(
-      "{}: ends at byte {}, within frame {} that begins at byte {}: {} whole frames "
-      "are used; the case may still be running",
-      file.path().string(), file.size(), frames.times.size(), frameBegin, frames.times.size()));
-  return true;
-}
-
-/// Calls one(offset, frame) until the file ends; it reads a frame, gives its time, and moves
-/// offset behind it.
-template <class One>
-Status scanFrames(const FortranFile& file, std::uint64_t offset, FdsFrameIndex& frames,
-                  const One& one) {
-  std::size_t frame = 0;
-  while (offset < file.size()) {
-    const std::uint64_t begin = offset;
-    const Result<double> time = one(offset, frame++);
-    if (!time) {
-      const Status status = tl::unexpected<Error>(time.error());
-      return isCutOff(status, file, begin, frames) ? Status() : status;
-    }
-    frames.add(*time, begin, file.path().string());
-  }
-  return {};
-}
-
-Status checkLabel(const FortranFile& file, std::uint64_t offset, std::span<const char> found,
+Status checkFdsLabel(const FortranFile& file, std::uint64_t offset, std::span<const char> found,
                   std::string_view expected, std::string_view what) {
   const std::string_view text(found.data(), found.size());
   const std::string_view stated = text.substr(0, text.find_last_not_of(' ') + 1);
-  if (stated == trimmed(expected.substr(0, kLabel)))
+  if (stated == trimmed(expected.substr(0, kFdsLabel)))
     return {};
   return fail(ErrorCode::kInvalidData,
               "{}: byte {}: the {} is '{}', the .smv file says '{}': damaged, or of another run",
@@ -100,10 +51,10 @@ Result<FdsSliceFile> FdsSliceFile::open(const FdsSliceEntry& entry, const FdsMes
        {&entry.labels.unit, "unit"}}};
   std::uint64_t offset = 0;
   for (const auto& [expected, what] : labels) {
-    std::array<char, kLabel> text{};
+    std::array<char, kFdsLabel> text{};
     const std::uint64_t begin = offset;
     VOLUTE_ASSIGN(offset, file.readInto(offset, std::span(text), what));
-    VOLUTE_TRY(checkLabel(file, begin, text, *expected, what));
+    VOLUTE_TRY(checkFdsLabel(file, begin, text, *expected, what));
   }
   std::array<std::int32_t, 6> words{};
   const std::uint64_t begin = offset;

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace volute {
 
 void FdsFrameIndex::add(double time, std::uint64_t offset, const std::string& file) {
@@ -19,6 +21,14 @@ void FdsFrameIndex::add(double time, std::uint64_t offset, const std::string& fi
   }
   times.push_back(time);
   offsets.push_back(offset);
+}
+
+std::size_t nearestFrame(std::span<const double> times, double time) {
+  const auto after = std::ranges::lower_bound(times, time);
+  if (after == times.begin())
+    return 0;
+  const auto place = static_cast<std::size_t>(after - times.begin());
+  return after != times.end() && *after - time < time - times[place - 1] ? place : place - 1;
 }
 
 }  // namespace volute

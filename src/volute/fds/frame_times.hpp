@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,5 +19,9 @@ struct FdsFrameIndex {
   /// frames from that time on are replaced.
   void add(double time, std::uint64_t offset, const std::string& file);
 };
+
+/// The place of the time that is nearest to `time`; of two as near the first. `times` is ascending
+/// and not empty.
+std::size_t nearestFrame(std::span<const double> times, double time);
 
 }  // namespace volute

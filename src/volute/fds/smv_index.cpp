@@ -6,104 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "volute/fds/text_lines.hpp"
+#include "volute/fds/smv_reader.hpp"
 
 namespace volute {
-namespace {
-
-/// "% " and what follows, "!" and what follows: comments of the index.
-std::string_view beforeMark(std::string_view text, char mark) {
-  return text.substr(0, text.find(mark));
-}
-
-/// Reads the file block by block: a keyword at the begin of a line, then lines that begin with a
-/// space or are counted.
-class SmvReader {
- public:
-  explicit SmvReader(TextLines lines) : lines_(std::move(lines)) { index_.path = lines_.path(); }
-
-  Result<SmvIndex> read();
-
- private:
-  using Handler = Status (SmvReader::*)(std::string_view rest);
-
-  Result<std::optional<std::string>> nextLine();
-  Result<std::string> need(std::string_view what);
-  Result<std::vector<double>> numbers(std::string_view what, std::size_t least);
-  Result<int> count(std::string_view what);
-  Result<int> meshNumber(std::string_view rest);
-  Status handle(std::string_view line);
-  tl::unexpected<Error> wrong(std::string_view expected) const;
-
-  Status text(std::string& into, std::string_view what);
-  Status readVersion(std::string_view);
-  Status readTitle(std::string_view);
-  Status readChid(std::string_view);
-  Status readEnd(std::string_view);
-  Status readMeshCount(std::string_view);
-  Status readAlbedo(std::string_view);
-  Status readFireCutoff(std::string_view);
-  Status readHeatRange(std::string_view);
-  Status readNorth(std::string_view);
-  Status readTemperatureRange(std::string_view);
-  Status readTable(std::string_view);
-  Status addOther(std::string_view kind, std::string_view rest);
-
-  Status readBoundary(std::string_view rest) { return addOther("boundary values", rest); }
-
-  Status readParticles(std::string_view rest) { return addOther("particles", rest); }
-
-  Status readIsosurface(std::string_view rest) { return addOther("isosurfaces", rest); }
-
-  Status readSurface(std::string_view);
-  Status readGrid(std::string_view rest);
-  Status readExtent(std::string_view);
-  Status checkPlanes(int axis, const std::vector<double>& planes) const;
-  Status readPlanes(int axis);
-
-  Status readTrnx(std::string_view) { return readPlanes(0); }
-
-  Status readTrny(std::string_view) { return readPlanes(1); }
-
-  Status readTrnz(std::string_view) { return readPlanes(2); }
-
-  Status readObstructions(std::string_view);
-  Status readVents(std::string_view);
-  Status readDevice(std::string_view);
-  Status readActivation(std::string_view);
-  Status readLabels(FdsLabels& labels);
-  Status readSliceNodes(std::string_view rest);
-  Status readSliceCells(std::string_view rest);
-  Status readSlice(std::string_view rest, bool cellCentred);
-  Status readSmoke(std::string_view rest);
-  Status readPlot(std::string_view rest);
-  Status readEvent(std::string_view rest, bool ofVent, bool shown);
-
-  Status showObstruction(std::string_view rest) { return readEvent(rest, false, true); }
-
-  Status hideObstruction(std::string_view rest) { return readEvent(rest, false, false); }
-
-  Status openVent(std::string_view rest) { return readEvent(rest, true, true); }
-
-  Status closeVent(std::string_view rest) { return readEvent(rest, true, false); }
-
-  Status readGeometry(std::string_view);
-
-  Result<FdsMesh*> lastMesh();
-  Result<FdsNodeBox> nodeBox(std::span<const double> indices);
-  Result<int> surface(double number);
-  Status finish();
-
-  TextLines lines_;
-  SmvIndex index_;
-  std::optional<int> meshCount_;
-  std::array<int, 3> cells_{};                   // of the mesh that is being read
-  std::optional<std::array<double, 6>> extent_;  // of that mesh by PDIM [m]
-  std::vector<int> blocks_;                      // of each mesh: 1 with obstructions, 2 with vents
-  int geometries_ = 0;                           // blocks of triangles
-  bool cutOff_ = false;                          // the file ended within a block
-  std::map<std::string, int> skippedSlices_;
-};
 
 tl::unexpected<Error> SmvReader::wrong(std::string_view expected) const {
   return fail(ErrorCode::kInvalidData, "{}: line {}: expected {}", lines_.path().string(),
@@ -233,22 +138,6 @@ Status SmvReader::readNorth(std::string_view) {
   return {};
 }
 
-Status SmvReader::readTable(std::string_view) {
-  std::string kind, name;
-  VOLUTE_TRY(text(kind, "what a table holds"));
-  VOLUTE_TRY(text(name, "the name of a table"));
-  index_.others.push_back({"table of " + kind, -1, index_.path.parent_path() / name});
-  return {};
-}
-
-Status SmvReader::addOther(std::string_view kind, std::string_view rest) {
-  VOLUTE_ASSIGN(const int mesh, meshNumber(rest));
-  std::string name;
-  VOLUTE_TRY(text(name, "the name of a file"));
-  index_.others.push_back({std::string(kind), mesh, index_.path.parent_path() / name});
-  return {};
-}
-
 Status SmvReader::readSurface(std::string_view) {
   FdsSurface surface;
   VOLUTE_TRY(text(surface.name, "the name of a surface"));
@@ -347,6 +236,8 @@ Result<int> SmvReader::surface(double number) {
   return static_cast<int>(number);
 }
 
+namespace {
+
 std::optional<FdsColour> colourOf(std::span<const double> values) {
   if (values.size() < 12)
     return std::nullopt;
@@ -354,6 +245,8 @@ std::optional<FdsColour> colourOf(std::span<const double> values) {
   for (int c = 0; c < 4; ++c) colour[c] = static_cast<float>(std::clamp(values[8 + c], 0.0, 1.0));
   return colour;
 }
+
+}  // namespace
 
 Status SmvReader::readObstructions(std::string_view) {
   VOLUTE_ASSIGN(FdsMesh * mesh, lastMesh());
@@ -437,89 +330,6 @@ Status SmvReader::readActivation(std::string_view) {
   return {};
 }
 
-Status SmvReader::readLabels(FdsLabels& labels) {
-  VOLUTE_TRY(text(labels.quantity, "a quantity"));
-  VOLUTE_TRY(text(labels.shortName, "a quantity's short name"));
-  return text(labels.unit, "a quantity's unit");
-}
-
-Status SmvReader::readSliceNodes(std::string_view rest) {
-  return readSlice(rest, false);
-}
-
-Status SmvReader::readSliceCells(std::string_view rest) {
-  return readSlice(rest, true);
-}
-
-Status SmvReader::readSlice(std::string_view rest, bool cellCentred) {
-  FdsSliceEntry slice;
-  slice.cellCentred = cellCentred;
-  VOLUTE_ASSIGN(slice.mesh, meshNumber(rest));
-  const auto mark = rest.find('&');
-  if (mark != std::string_view::npos) {
-    std::vector<double> indices;
-    for (const auto word : words(beforeMark(rest.substr(mark + 1), '!'))) {
-      const auto value = numberOf(word);
-      if (value)
-        indices.push_back(*value);
-    }
-    if (indices.size() < 6)
-      return wrong("six node indices after '&'");
-    const FdsMesh& mesh = index_.meshes[slice.mesh];
-    cells_ = {mesh.cells(0), mesh.cells(1), mesh.cells(2)};
-    VOLUTE_ASSIGN(slice.nodes, nodeBox(indices));
-  }
-  std::string name;
-  VOLUTE_TRY(text(name, "the name of a slice file"));
-  slice.file = index_.path.parent_path() / name;
-  VOLUTE_TRY(readLabels(slice.labels));
-  const auto kind = rest.find('#');
-  if (kind != std::string_view::npos && rest.find("STRUCTURED", kind) == std::string_view::npos) {
-    ++skippedSlices_[slice.labels.quantity];
-    return {};
-  }
-  index_.slices.push_back(std::move(slice));
-  return {};
-}
-
-Status SmvReader::readSmoke(std::string_view rest) {
-  FdsSmokeEntry smoke;
-  VOLUTE_ASSIGN(smoke.mesh, meshNumber(rest));
-  const auto found = words(rest);
-  if (found.size() > 1) {
-    smoke.massExtinction = numberOf(found[1]);
-    if (smoke.massExtinction && !(*smoke.massExtinction > 0))
-      smoke.massExtinction.reset();
-  }
-  std::string name;
-  VOLUTE_TRY(text(name, "the name of a smoke file"));
-  smoke.file = index_.path.parent_path() / name;
-  VOLUTE_TRY(readLabels(smoke.labels));
-  index_.smoke.push_back(std::move(smoke));
-  return {};
-}
-
-Status SmvReader::readPlot(std::string_view rest) {
-  FdsPlotEntry plot;
-  const auto found = words(rest);
-  const auto time = found.empty() ? std::nullopt : numberOf(found[0]);
-  if (!time || found.size() < 2)
-    return wrong("PL3D, a time and a mesh");
-  plot.time = *time;
-  // Fortran may leave a space within the time: "PL3D       10.06     1" or "PL3D  10 .06  1".
-  VOLUTE_ASSIGN(plot.mesh, meshNumber(found.back()));
-  if (found.size() == 3 && found[1].starts_with('.')) {
-    if (const auto joined = numberOf(std::string(found[0]) + std::string(found[1])))
-      plot.time = *joined;
-  }
-  std::string name;
-  VOLUTE_TRY(text(name, "the name of a PLOT3D file"));
-  plot.file = index_.path.parent_path() / name;
-  for (FdsLabels& labels : plot.labels) VOLUTE_TRY(readLabels(labels));
-  index_.plots.push_back(std::move(plot));
-  return {};
-}
-
 Status SmvReader::readEvent(std::string_view rest, bool ofVent, bool shown) {
   VOLUTE_ASSIGN(const int place, meshNumber(rest));
   VOLUTE_ASSIGN(const auto values, numbers("the number of what changes, and the time", 2));
@@ -556,8 +366,9 @@ Status SmvReader::handle(std::string_view line) {
       {"BNDF", &SmvReader::readBoundary},
       {"BNDC", &SmvReader::readBoundary},
       {"PRT5", &SmvReader::readParticles},
+      {"CLASS_OF_PARTICLES", &SmvReader::readParticleClass},
       {"ISOG", &SmvReader::readIsosurface},
-      {"TISOG", &SmvReader::readIsosurface},
+      {"TISOG", &SmvReader::readColouredIsosurface},
       {"SURFACE", &SmvReader::readSurface},
       {"GRID", &SmvReader::readGrid},
       {"PDIM", &SmvReader::readExtent},
@@ -659,8 +470,6 @@ Result<SmvIndex> SmvReader::read() {
   VOLUTE_TRY(finish());
   return std::move(index_);
 }
-
-}  // namespace
 
 bool isShown(std::span<const FdsEvent> events, double time) {
   if (events.empty())

@@ -123,7 +123,27 @@ struct FdsPlotEntry {
   std::array<FdsLabels, 5> labels;
 };
 
-/// Any other file that the index names: boundary files, particles, tables.
+/// ISOG, TISOG: triangles on which a quantity has given values.
+struct FdsIsoEntry {
+  int mesh = 0;
+  std::filesystem::path file;
+  FdsLabels labels;
+};
+
+/// CLASS_OF_PARTICLES.
+struct FdsParticleClass {
+  std::string name;
+  std::array<float, 3> colour{};  ///< sRGB, 0..1
+};
+
+/// PRT5: where the particles of a mesh are.
+struct FdsParticleEntry {
+  int mesh = 0;
+  std::vector<int> classes;  ///< places in SmvIndex::particleClasses, in the file's order
+  std::filesystem::path file;
+};
+
+/// Any other file that the index names: boundary files, tables.
 struct FdsOtherFile {
   std::string kind;  ///< for people
   int mesh = -1;     ///< place in SmvIndex::meshes; -1: of the whole case
@@ -147,6 +167,9 @@ struct SmvIndex {
   std::vector<FdsSliceEntry> slices;
   std::vector<FdsSmokeEntry> smoke;
   std::vector<FdsPlotEntry> plots;
+  std::vector<FdsIsoEntry> isosurfaces;
+  std::vector<FdsParticleClass> particleClasses;
+  std::vector<FdsParticleEntry> particles;
   std::vector<FdsOtherFile> others;
   bool ended = false;                ///< FDS has written its .end file
   std::vector<std::string> remarks;  ///< what was left out and why

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "volute/fds/fds_case.hpp"
-#include "volute/fds/fds_iso.hpp"
+#include "volute/fds/iso_file.hpp"
 #include "volute/media/reading.hpp"
+#include "volute/medium/any_medium.hpp"
+#include "volute/math/vec.hpp"
 
 namespace volute {
 
@@ -17,16 +19,17 @@ namespace volute {
 class FdsIsoSheets {
  public:
   /// @param text  "TEMPERATURE 60", or several values as "TEMPERATURE 60,200": the quantity as FDS
-  ///              names it. Read from 3D slices or PLOT3D, of nodes where
-  ///              there are some; kNotFound without such, kInvalidArgument
-  ///              where the text says no value.
+  ///              names it. From 3D slices or PLOT3D, of nodes where there are some, else from
+  ///              the case's isosurface files (.iso) where they have these values. The quantity
+  ///              alone: all surfaces of these files. kNotFound where the case has none of them,
+  ///              kInvalidArgument where the text says neither.
   [[nodiscard]] static Result<FdsIsoSheets> open(const SmvIndex& index, const std::string& text,
                                                  Reading& reading);
 
-  /// The surfaces at a time of the case [s], one a value.
-  [[nodiscard]] Result<std::vector<FdsIso>> at(double time) const;
+  /// The surfaces at a time of the case [s]; of files those of the stored time that is nearest.
+  [[nodiscard]] Result<std::vector<AnyMedium>> at(double time) const;
 
-  /// For people: "TEMPERATURE = 60 C".
+  /// For people: "TEMPERATURE = 60 C", and of files when they are of.
   std::string words() const;
 
   std::span<const double> levels() const { return levels_; }
@@ -34,9 +37,15 @@ class FdsIsoSheets {
  private:
   FdsIsoSheets() = default;
 
-  std::shared_ptr<FdsCase> case_;
+  Status openFiles(const SmvIndex& index, bool all, Reading& reading);
+  Result<std::vector<AnyMedium>> stored(double time) const;
+  std::vector<Rgb> colours() const;
+
+  std::shared_ptr<FdsCase> case_;  // null: from files
+  std::vector<std::shared_ptr<const FdsIsoFile>> files_;
   std::string quantity_, unit_;
-  std::vector<double> levels_;  ///< ascending
+  std::vector<double> levels_;  // ascending
+  std::uint64_t maxMemory_ = 0;
 };
 
 }  // namespace volute

@@ -171,6 +171,10 @@ Result<FdsLayer> FdsLayer::open(const SmokeDescription& description, const Scene
     VOLUTE_ASSIGN(layer.iso_,
                   FdsIsoSheets::open(layer.case_->index(), description.fds.iso, reading));
   }
+  if (!description.fds.particles.empty()) {
+    VOLUTE_ASSIGN(layer.particles_, FdsParticleCloud::open(layer.case_->index(),
+                                                           description.fds.particles, reading));
+  }
   return layer;
 }
 
@@ -183,7 +187,8 @@ bool FdsLayer::readsTheSame(const SmokeDescription& a, const SmokeDescription& b
   return a.file == b.file && a.field == b.field &&
          a.model.massExtinction == b.model.massExtinction && a.model.c == b.model.c &&
          sameFire(a.fds, b.fds) && a.fds.devices == b.fds.devices && a.fds.slice == b.fds.slice &&
-         a.fds.sliceRange == b.fds.sliceRange && a.fds.iso == b.fds.iso;
+         a.fds.sliceRange == b.fds.sliceRange && a.fds.iso == b.fds.iso &&
+         a.fds.particles == b.fds.particles;
 }
 
 FdsLayer FdsLayer::with(const SmokeDescription& description, const SceneLights& lights) const {
@@ -308,7 +313,7 @@ Result<FdsFlame> FdsLayer::flameOf(double caseTime) const {
 
 std::string FdsLayer::fireLaw() const {
   return glows_ ? fmt::format("black bodies, {:.3g}/m at {:.0f} K", flame_.emission, brightest_)
-                : fmt::format("black body {:g} K, {:.3g}/m per MW/m3, above {:g} kW/m3",
+                : fmt::format("black body {:g} K, {:.3g}/m per MW/m3, above {:.3g} kW/m3",
                               flame_.temperature, flame_.emission, flame_.cutoff);
 }
 
@@ -319,8 +324,8 @@ Result<std::optional<FdsFlame>> FdsLayer::fireAt(double time) const {
   return flame.burns() ? std::optional(std::move(flame)) : std::nullopt;
 }
 
-Result<std::vector<FdsIso>> FdsLayer::isoAt(double time) const {
-  return iso_ ? iso_->at(caseTime(time)) : Result<std::vector<FdsIso>>(std::vector<FdsIso>());
+Result<std::vector<AnyMedium>> FdsLayer::isoAt(double time) const {
+  return iso_ ? iso_->at(caseTime(time)) : Result<std::vector<AnyMedium>>(std::vector<AnyMedium>());
 }
 
 FdsBuilding FdsLayer::buildingAt(double time) const {
@@ -338,6 +343,8 @@ std::uint64_t FdsLayer::surfacesAt(double time, const std::optional<Vec3>& eye) 
       std::ranges::count_if(events_, [&](double event) { return event <= local; }));
   if (slice_)
     key = std::bit_cast<std::uint64_t>(local);
+  if (particles_)
+    key = key * 1000003 + particles_->frameAt(local);
   if (eye && (description_.fds.building == FdsBuildingView::kOpen || !description_.fds.cuts.empty()))
     key = key * 64 + shell_->sidesTowards(*eye) + 1;
   for (const FdsCut& cut : description_.fds.cuts)
@@ -349,6 +356,8 @@ Status FdsLayer::addSurfaces(double time, const std::optional<Vec3>& eye, Triang
   addBuilding(time, eye, to);
   if (description_.fds.devices)
     addDevices(time, to);
+  if (particles_)
+    VOLUTE_TRY(particles_->addTo(to, caseTime(time)));
   return slice_ ? slice_->addTo(to, caseTime(time)) : Status();
 }
 
@@ -393,6 +402,8 @@ std::vector<std::string> FdsLayer::words(const std::optional<Vec3>& eye) const {
   }
   if (iso_)
     words.push_back("surface: " + iso_->words());
+  if (particles_)
+    words.push_back(particles_->words());
   if (slice_) {
     words.push_back(fmt::format("slice: {} {:.4g} .. {:.4g} {}", slice_->quantity(),
                                 slice_->range()[0], slice_->range()[1], slice_->unit()));
@@ -634,10 +645,12 @@ void FdsLayer::addOutline(const FdsBuilding& building, FdsSides open, TriangleMe
   const double step = ruler();
   for (int axis = 0; axis < 2; ++axis) {
     const Vec3 from = rulerStart(box, axis, open, 5 * half);
-    for (int i = 0; i * step < box.size()[axis] - 1e-6; ++i) {
+    // At round coordinates, wherever the meshes begin.
+    const double first = std::floor(box.min[axis] / step + 1e-6) * step;
+    for (int i = 0; first + i * step < box.max[axis] - 1e-6; ++i) {
       Vec3 begin = from, end = from;
-      begin[axis] = box.min[axis] + i * step;
-      end[axis] = std::min(begin[axis] + step, box.max[axis]);
+      begin[axis] = std::max(first + i * step, box.min[axis]);
+      end[axis] = std::min(first + (i + 1) * step, box.max[axis]);
       Box3 mark = bar(begin, end, 2.4 * half);
       mark.min[axis] = begin[axis];
       mark.max[axis] = end[axis];
@@ -687,11 +700,14 @@ std::vector<PlaceMark> FdsLayer::rulerMarks(const std::optional<Vec3>& eye) cons
   for (int axis = 0; axis < 2; ++axis) {
     const Vec3 from = rulerStart(box, axis, open, beside);
     const double length = box.size()[axis];
-    const auto divisions = static_cast<int>(std::floor(length / step + 1e-6));
-    const int every = divisions > 6 ? 2 : 1;
-    for (int i = 0; i <= divisions; i += every) {
+    const auto first = static_cast<int>(std::ceil(box.min[axis] / step - 1e-6));
+    const auto last = static_cast<int>(std::floor(box.max[axis] / step + 1e-6));
+    const int every = last - first > 6 ? 2 : 1;
+    for (int i = first; i <= last; ++i) {
+      if (i % every != 0)
+        continue;
       Vec3 at = from;
-      at[axis] += i * step;
+      at[axis] = i * step;
       const double number = std::round(at[axis] * 1e4) / 1e4;
       marks.push_back({at, fmt::format("{:g}", number == 0 ? 0.0 : number)});
     }

@@ -16,6 +16,7 @@
 #include "volute/medium/any_medium.hpp"
 #include "volute/media/camera_file.hpp"
 #include "volute/media/fds/fds_iso_sheets.hpp"
+#include "volute/media/fds/fds_particle_cloud.hpp"
 #include "volute/media/fds/fds_slice.hpp"
 #include "volute/media/reading.hpp"
 #include "volute/media/scene_medium.hpp"
@@ -75,12 +76,12 @@ class FdsLayer {
   [[nodiscard]] Result<std::optional<FdsFlame>> fireAt(double time) const;
 
   /// The translucent surfaces at a time of the scene [s]; none where none is asked for.
-  [[nodiscard]] Result<std::vector<FdsIso>> isoAt(double time) const;
+  [[nodiscard]] Result<std::vector<AnyMedium>> isoAt(double time) const;
 
   /// A number for what addSurfaces() adds: while it stays, so do they.
   std::uint64_t surfacesAt(double time, const std::optional<Vec3>& eye) const;
 
-  /// Adds all that is opaque: the building, the devices' marks and the slice.
+  /// Adds all that is opaque: the building, the devices' marks, particles and the slice.
   /// @param eye  from where it is seen: outer walls and cuts open towards it
   [[nodiscard]] Status addSurfaces(double time, const std::optional<Vec3>& eye,
                                    TriangleMesh& to) const;
@@ -110,6 +111,9 @@ class FdsLayer {
 
   /// The slice that is shown, or null.
   const FdsSliceSheet* slice() const { return slice_ ? &*slice_ : nullptr; }
+
+  /// The particles that are shown, or null.
+  const FdsParticleCloud* particles() const { return particles_ ? &*particles_ : nullptr; }
 
   /// The translucent surfaces that are shown, or null.
   const FdsIsoSheets* iso() const { return iso_ ? &*iso_ : nullptr; }
@@ -151,6 +155,7 @@ class FdsLayer {
   FlameLaw flame_;
   std::optional<FdsSliceSheet> slice_;
   std::optional<FdsIsoSheets> iso_;
+  std::optional<FdsParticleCloud> particles_;
   std::shared_ptr<const FdsBuilding> shell_;  // at the first time
   std::vector<double> events_;  // of obstructions, and of devices where they are shown; ascending
 };

@@ -67,7 +67,7 @@ void addDevices(Report& report, const SmvIndex& index) {
     }
   }
   if (list.size() > kShown)
-    text += "\n  ...";
+    text += fmt::format("\n  and {} more (--json lists all)", list.size() - kShown);
   report.add("devices", list, text);
 }
 
@@ -93,10 +93,10 @@ void addSlices(Report& report, const SmvIndex& index) {
   std::string text;
   for (const auto& [name, count] : planes) {
     list[name] = count;
-    text += fmt::format("{}{}{}", text.empty() ? "" : "; ", name,
-                        count > 1 ? fmt::format(" ({} meshes)", count) : "");
+    text += fmt::format("\n  {}{}", name, count > 1 ? fmt::format(" ({} meshes)", count) : "");
   }
-  report.add("slices", list, text.empty() ? "none in a plane" : text);
+  report.add("slices", list,
+             planes.empty() ? "none in a plane" : fmt::format("in {} planes{}", planes.size(), text));
 }
 
 void addContents(Report& report, const SmvIndex& index) {

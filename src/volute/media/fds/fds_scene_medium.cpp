@@ -172,7 +172,7 @@ void FdsAt::addMedia(std::vector<AnyMedium>& media) const {
   media.push_back(scaledBy(factor_, AnyMedium(smoke_)));
   if (fire_)
     media.emplace_back(*fire_);
-  for (const FdsIso& sheet : sheets_) media.emplace_back(sheet);
+  media.insert(media.end(), sheets_.begin(), sheets_.end());
 }
 
 std::shared_ptr<MediumPicture> FdsAt::picture(std::shared_ptr<MediumPicture>) const {
@@ -189,7 +189,7 @@ FdsSceneMedium::FdsSceneMedium(FdsLayer layer) : layer_(std::move(layer)) {
   info_.interpolates = true;
   info_.measured = true;
   info_.shared = info_.sharesAll = layer_.holders() != nullptr;
-  info_.captioned = smoke.fds.building == FdsBuildingView::kOpen;
+  info_.captioned = smoke.fds.building != FdsBuildingView::kWhole;
   info_.law = smoke.law;
 }
 
@@ -216,6 +216,8 @@ MediumText FdsSceneMedium::text(const std::optional<Vec3>& eye) const {
   text.marks = layer_.rulerMarks(eye);
   if (const FdsIsoSheets* iso = layer_.iso(); iso && iso->levels().size() > 1)
     text.scale = ColorScale{ColorMap::kViridis, iso->levels().back(), iso->levels().front()};
+  if (const FdsParticleCloud* cloud = layer_.particles(); cloud && cloud->range())
+    text.scale = ColorScale{ColorMap::kViridis, (*cloud->range())[1], (*cloud->range())[0]};
   if (const FdsSliceSheet* slice = layer_.slice())
     text.scale = ColorScale{ColorMap::kViridis, slice->range()[1], slice->range()[0]};
   return text;

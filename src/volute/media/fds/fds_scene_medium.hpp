@@ -19,7 +19,7 @@ class FdsAt final : public MediumAt {
  public:
   /// @param factor  of the smoke's extinction and of what it scatters
   /// @param shares  nothing: this process holds all
-  FdsAt(FdsField smoke, double factor, std::optional<FdsFlame> fire, std::vector<FdsIso> sheets,
+  FdsAt(FdsField smoke, double factor, std::optional<FdsFlame> fire, std::vector<AnyMedium> sheets,
         std::optional<FdsShares> shares = {})
       : smoke_(std::move(smoke)),
         factor_(factor),
@@ -42,13 +42,13 @@ class FdsAt final : public MediumAt {
   const std::optional<FdsFlame>& fire() const { return fire_; }
 
   /// Translucent surfaces.
-  std::span<const FdsIso> sheets() const { return sheets_; }
+  std::span<const AnyMedium> sheets() const { return sheets_; }
 
  private:
   FdsField smoke_;
   double factor_;
   std::optional<FdsFlame> fire_;
-  std::vector<FdsIso> sheets_;
+  std::vector<AnyMedium> sheets_;
   std::optional<FdsShares> shares_;
 };
 

@@ -138,8 +138,13 @@ const FieldTable& fdsFields() {
                   .picture = true}},
       {.name = "iso", .type = kText, .access = member<&Smoke::fds, &FdsLook::iso>(),
        .help = "translucent isosurfaces of a quantity of 3D slices or PLOT3D, such as "
-               "\"TEMPERATURE 60\" or \"TEMPERATURE 60,200\"; CPU only",
+               "\"TEMPERATURE 60\" or \"TEMPERATURE 60,200\"; a quantity alone shows those stored in "
+               "isosurface files (.iso); CPU only",
        .option = {.value = "SURFACE", .name = "fds-iso", .picture = true}},
+      {.name = "particles", .type = kText, .access = member<&Smoke::fds, &FdsLook::particles>(),
+       .help = "show the particles of the case (.prt5): all, the name of a class, or a stored quantity "
+               "that colours them, such as \"PARTICLE TEMPERATURE\"",
+       .option = {.value = "WHICH", .name = "fds-particles", .picture = true}},
       clockField<&Smoke::clock>()};
   // clang-format on
   static const FieldTable kTable =

@@ -31,6 +31,7 @@ struct FdsLook {
   bool devices = false;          ///< as marks
   std::string slice;             ///< the quantity of a 2D slice, as FDS names it; empty: none
   std::string iso;               ///< a quantity and its values on surfaces; empty: none
+  std::string particles;         ///< all, a class of them or a quantity of theirs; empty: none
   std::optional<std::array<double, 2>> sliceRange;  ///< of its colours; nothing: all its values
 };
 

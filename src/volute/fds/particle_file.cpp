@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/fds/particle_file.hpp"
+
+#include <cmath>
+
+#include "volute/fds/frame_scan.hpp"
+#include "volute/fds/text_lines.hpp"
+
+namespace volute {
+namespace {
+
+constexpr int kMostQuantities = 1000;  // of a class
+
+}  // namespace
+
+Result<FdsParticleFile> FdsParticleFile::open(const FdsParticleEntry& entry) {
+  VOLUTE_ASSIGN(auto opened, FortranFile::open(entry.file));
+  FdsParticleFile particles(std::move(opened));
+  const FortranFile& file = particles.file_;
+  VOLUTE_ASSIGN(const std::uint64_t offset, particles.readHeader(entry.classes.size()));
+  const auto countAll = [&](std::uint64_t& place, std::size_t frame) -> Result<std::uint64_t> {
+    std::uint64_t all = 0;
+    for (std::size_t one = 0; one < particles.classes(); ++one) {
+      std::uint64_t count = 0;
+      VOLUTE_TRY(particles.readClass(place, one, frame, nullptr, count));
+      all += count;
+    }
+    return all;
+  };
+  VOLUTE_TRY(scanFrames(file, offset, particles.frames_,
+                        [&](std::uint64_t& place, std::size_t frame) -> Result<double> {
+                          VOLUTE_ASSIGN(const double time, readTime(file, place, frame));
+                          VOLUTE_TRY(countAll(place, frame));
+                          return time;
+                        }));
+  for (std::size_t frame = 0; frame < particles.frames_.times.size(); ++frame) {
+    std::uint64_t place = particles.frames_.offsets[frame];
+    VOLUTE_TRY(readTime(file, place, frame));
+    VOLUTE_ASSIGN(const std::uint64_t all, countAll(place, frame));
+    particles.counts_.push_back(all);
+  }
+  return particles;
+}
+
+Result<std::uint64_t> FdsParticleFile::readHeader(std::size_t classes) {
+  std::uint64_t offset = 0;
+  VOLUTE_TRY(readCount(file_, offset, "the header's first word", 1, 1));
+  VOLUTE_TRY(readCount(file_, offset, "the version of FDS", 0, 1 << 30));
+  const auto number = static_cast<std::int64_t>(classes);
+  VOLUTE_TRY(readCount(file_, offset, "the number of classes", number, number));
+  for (std::size_t one = 0; one < classes; ++one) {
+    std::array<std::int32_t, 2> sizes{};
+    const std::uint64_t begin = offset;
+    VOLUTE_ASSIGN(offset, file_.readInto(offset, std::span(sizes), "the quantities of a class"));
+    if (sizes[0] < 0 || sizes[0] > kMostQuantities) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: byte {}: class {} has {} quantities: the file is damaged",
+                  file_.path().string(), begin + 4, one + 1, sizes[0]);
+    }
+    std::vector<FdsLabels>& quantities = quantities_.emplace_back();
+    for (int i = 0; i < sizes[0]; ++i) {
+      FdsLabels& labels = quantities.emplace_back();
+      for (std::string* into : {&labels.quantity, &labels.unit}) {
+        std::array<char, kFdsLabel> text{};
+        VOLUTE_ASSIGN(offset, file_.readInto(offset, std::span(text), "a quantity"));
+        *into = trimmed(std::string_view(text.data(), text.size()));
+      }
+    }
+  }
+  return offset;
+}
+
+Status FdsParticleFile::readClass(std::uint64_t& offset, std::size_t one, std::size_t frame,
+                                  FdsParticles* into, std::uint64_t& count) const {
+  const std::string what = frameName("particles", frame);
+  constexpr std::int64_t kMost = (std::int64_t{1} << 31) - 1;
+  VOLUTE_ASSIGN(const int number, readCount(file_, offset, frameName("number of particles", frame), 0, kMost));
+  count = static_cast<std::uint64_t>(number);
+  const std::uint64_t quantities = quantities_[one].size();
+  if (count == 0) {
+    // Empty records follow, or none.
+    for (int record = 0; record < (quantities > 0 ? 3 : 2); ++record) {
+      const Result<std::uint64_t> next = offset < file_.size() ? file_.skip(offset, 0, what) : offset;
+      if (!next && next.error().code == ErrorCode::kTruncated)
+        return tl::unexpected<Error>(next.error());
+      if (!next || *next == offset)
+        break;
+      offset = *next;
+    }
+    return {};
+  }
+  if (into == nullptr) {
+    VOLUTE_ASSIGN(offset, file_.skip(offset, 12 * count, what));
+  } else {
+    std::vector<float> places(3 * count);  // all x, all y, all z
+    VOLUTE_ASSIGN(offset, file_.readInto(offset, std::span(places), what));
+    into->places.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      into->places[i] = {places[i], places[count + i], places[2 * count + i]};
+      for (const float place : into->places[i]) {
+        if (!std::isfinite(place)) {
+          return fail(ErrorCode::kInvalidData,
+                      "{}: frame {} (t = {} s): a particle is at {} m: the file is damaged",
+                      file_.path().string(), frame, frames_.times[frame], place);
+        }
+      }
+    }
+  }
+  VOLUTE_ASSIGN(offset, file_.skip(offset, 4 * count, frameName("numbers of particles", frame)));
+  if (quantities == 0)
+    return {};
+  if (into == nullptr) {
+    VOLUTE_ASSIGN(offset, file_.skip(offset, 4 * quantities * count, frameName("values", frame)));
+    return {};
+  }
+  std::vector<float> values(quantities * count);
+  VOLUTE_ASSIGN(offset, file_.readInto(offset, std::span(values), frameName("values", frame)));
+  for (std::uint64_t i = 0; i < quantities; ++i) {
+    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(i * count);
+    into->values.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(count));
+  }
+  return {};
+}
+
+Result<std::vector<FdsParticles>> FdsParticleFile::readFrame(std::size_t frame) const {
+  std::uint64_t offset = frames_.offsets[frame];
+  VOLUTE_TRY(readTime(file_, offset, frame));
+  std::vector<FdsParticles> all(classes());
+  for (std::size_t one = 0; one < all.size(); ++one) {
+    std::uint64_t count = 0;
+    VOLUTE_TRY(readClass(offset, one, frame, &all[one], count));
+  }
+  return all;
+}
+
+}  // namespace volute

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "volute/fds/fortran_file.hpp"
+#include "volute/fds/frame_times.hpp"
+#include "volute/fds/smv_index.hpp"
+
+namespace volute {
+
+/// Particles of one class in one mesh at one time.
+struct FdsParticles {
+  std::vector<std::array<float, 3>> places;  ///< [m], finite
+  std::vector<std::vector<float>> values;    ///< of each quantity of the class, one a particle
+};
+
+/// .prt5: where particles are (FDS User's Guide, "Lagrangian Particles" among the formats of
+/// output files). Record markers are checked when it is opened, places when they are read.
+class FdsParticleFile {
+ public:
+  /// The file must have as many classes as the index says.
+  [[nodiscard]] static Result<FdsParticleFile> open(const FdsParticleEntry& entry);
+
+  const FdsFrameIndex& frames() const { return frames_; }
+
+  std::size_t classes() const { return quantities_.size(); }
+
+  /// What is stored of a class besides its places.
+  const std::vector<FdsLabels>& quantitiesOf(std::size_t one) const { return quantities_[one]; }
+
+  /// How many particles of all classes a frame has.
+  std::uint64_t count(std::size_t frame) const { return counts_[frame]; }
+
+  /// Of each class; kInvalidData for a place that is not finite.
+  [[nodiscard]] Result<std::vector<FdsParticles>> readFrame(std::size_t frame) const;
+
+ private:
+  explicit FdsParticleFile(FortranFile file) : file_(std::move(file)) {}
+
+  Result<std::uint64_t> readHeader(std::size_t classes);
+  Status readClass(std::uint64_t& offset, std::size_t one, std::size_t frame,
+                   FdsParticles* into, std::uint64_t& count) const;
+
+  FortranFile file_;
+  std::vector<std::vector<FdsLabels>> quantities_;  // of each class
+  FdsFrameIndex frames_;
+  std::vector<std::uint64_t> counts_;  // of each frame
+};
+
+}  // namespace volute
