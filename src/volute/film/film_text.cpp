@@ -126,7 +126,9 @@ PictureText FilmJob::textOf(const FilmFrame& frame) const {
   if (threshold)
     text.notes.emplace_back("volute.C", fmt::format("{:g}", law.c));
   text.notes.emplace_back("volute.time", fmt::format("{:g} s", frame.time));
-  std::vector<std::string> lines{threshold ? fmt::format("{}, C = {:g}", mode, law.c) : mode};
+  std::vector<std::string> lines{
+      threshold ? fmt::format("{}, C = {:g}: 10 % of the light where visibility ends", mode, law.c)
+                : mode + ": light as it is"};
   if (options.aov != Aov::kNone)
     lines.push_back(shown(options));
   const Camera now = cameraAt(frame);

@@ -125,13 +125,21 @@ Image toImage(const PngState& state, bool raw) {
   return image;
 }
 
-/// Whether most rows are the row above again, as in drawings and never in photographs.
+/// Whether many rows are the row above again, those of one colour aside, as in drawings and never
+/// in photographs.
 bool isFlat(const PngState& state) {
-  const std::size_t row = state.rows.size() < 2 ? 0 : static_cast<std::size_t>(state.rows[1] - state.rows[0]);
-  std::size_t repeated = 0;
-  for (std::size_t y = 1; y < state.rows.size(); ++y)
+  if (state.rows.size() < 2)
+    return false;
+  const auto row = static_cast<std::size_t>(state.rows[1] - state.rows[0]);
+  const std::size_t pixel = row / state.width;
+  std::size_t repeated = 0, told = 0;
+  for (std::size_t y = 1; y < state.rows.size(); ++y) {
+    if (std::memcmp(state.rows[y], state.rows[y] + pixel, row - pixel) == 0)
+      continue;
+    ++told;
     repeated += std::memcmp(state.rows[y], state.rows[y - 1], row) == 0 ? 1 : 0;
-  return 2 * repeated > state.rows.size();
+  }
+  return 4 * repeated > told;
 }
 
 /// 16 bits are taken for linear values.

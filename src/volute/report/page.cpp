@@ -31,7 +31,14 @@ figcaption {{ font-size: 13px; color: #555; }}
 .warning, .advice, .verdict {{ background: #fff3d0; padding: .4em .8em; margin: .3em 0; }}
 .verdict {{ background: #eef2ee; border-left: 4px solid #456; font-size: 16px; }}
 .advice {{ background: #e3eef9; }}
-@media print {{ figure, table, svg {{ break-inside: avoid; }} }}
+svg {{ display: block; }}
+@page {{ size: A4; margin: 14mm 12mm; }}
+@media print {{
+  body {{ margin: 0; max-width: none; font-size: 10.5pt; }} .verdict {{ font-size: 11pt; }}
+  figure, tr, svg, .verdict {{ break-inside: avoid; }} h2, figcaption {{ break-after: avoid; }}
+  figure {{ display: inline-block; vertical-align: top; margin: 1mm; }}
+  figure img {{ max-height: 108mm; }}
+}}
 </style></head><body>
 <h1>{0}</h1>
 {1}</body></html>

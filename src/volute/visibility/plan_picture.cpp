@@ -189,8 +189,9 @@ class PlanDrawing {
     for (const auto& [color, words] : picture_.kinds)
       rows_.push_back({[color = linear(color)](Canvas& c, double y) { square(c, y, color); }, words});
     for (const auto& [mark, words] : picture_.words) {
-      if (std::ranges::find(picture_.marks, mark) == picture_.marks.end())
-        continue;
+      if (std::ranges::find(picture_.marks, mark) == picture_.marks.end() ||
+          (mark == PlanMark::kSolid && has(PlanShape::Kind::kSolid)))
+        continue;  // walls are drawn over it
       rows_.push_back({[mark](Canvas& c, double y) {
                          square(c, y, colorOf(mark));
                          drawMark(c, mark, kLeft, y, kLeft + 30, y + 16);
@@ -204,7 +205,7 @@ class PlanDrawing {
                        std::move(words)});
     };
     if (has(PlanShape::Kind::kSolid) || has(PlanShape::Kind::kBorder))
-      line(kWallColor, 5, false, "wall or obstruction at this height, at its place");
+      line(kWallColor, 5, false, "wall or obstruction at this height");
     if (has(PlanShape::Kind::kDoor))
       line(kDoorColor, 2.5, true, "open now, shut at other times");
     if (has(PlanShape::Kind::kOpening))
@@ -482,9 +483,13 @@ class PlanDrawing {
     const Rgb ink = grey(0.1);
     const double left = kLeft + frame_.width() + 28;
     const double height = std::max(frame_.height(), 120.0), bottom = kTop + height;
-    canvas.textUpwards(picture_.barLabel, left + kWidth + 78, kTop + height / 2, ink);
-    if (!levels_.empty()) {
-      const double each = std::min(height / static_cast<double>(levels_.size()), 36.0);
+    if (levels_.empty()) {
+      canvas.textUpwards(picture_.barLabel, left + kWidth + 78, kTop + height / 2, ink);
+    } else {
+      const double room = height - kCanvasTextHeight - 6;
+      const double each = std::min(room / static_cast<double>(levels_.size()), 36.0);
+      canvas.text(picture_.barLabel, left,
+                  bottom - each * static_cast<double>(levels_.size()) - kCanvasTextHeight - 6, ink);
       const auto every =
           static_cast<std::size_t>(std::ceil((kCanvasTextHeight + 2) / each));
       for (std::size_t i = 0; i < levels_.size(); ++i) {
@@ -583,6 +588,25 @@ std::vector<PlanMark> emptyMarks(const FloorPlan& plan) {
       marks[i] = PlanMark::kSolid;
   }
   return marks;
+}
+
+std::vector<SightTarget> signsOfStorey(const SightInstant& instant,
+                                       std::span<const SightTarget> signs, double height) {
+  constexpr double kNear = 1.5;  // [m]: no floor lies between, furniture may
+  std::vector<SightTarget> shown;
+  for (const SightTarget& sign : signs) {
+    const Vec3 below(sign.target.x(), sign.target.y(), height);
+    bool apart = false;
+    if (std::abs(sign.target.z() - height) > kNear) {
+      const SightLine line{below, sign.target};
+      Sight sight;
+      instant.look({&line, 1}, {&sight, 1});
+      apart = sight.blocked;
+    }
+    if (!apart)
+      shown.push_back(sign);
+  }
+  return shown;
 }
 
 Image drawPlan(const FloorPlan& plan, const PlanPicture& picture,

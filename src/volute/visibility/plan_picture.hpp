@@ -56,6 +56,10 @@ struct PlanPicture {
   std::optional<double> north{};  ///< [degrees], from +y clockwise: an arrow; nothing: none
 };
 
+/// The signs that a plan at a height [m] shows: those of its storey, not those with a floor between.
+std::vector<SightTarget> signsOfStorey(const SightInstant& instant,
+                                       std::span<const SightTarget> signs, double height);
+
 /// Draws it in linear RGB.
 Image drawPlan(const FloorPlan& plan, const PlanPicture& picture,
                std::span<const SightTarget> signs, std::span<const Route> routes = {});

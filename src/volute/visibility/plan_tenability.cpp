@@ -93,11 +93,12 @@ std::string criteriaTable(const ExposureMeter& meter) {
 }
 
 PlanTenability::PlanTenability(const Survey& survey, std::span<const Vec3> eyes, PlanValues values,
-                               std::vector<PlanShape> shapes)
+                               std::vector<PlanShape> shapes, std::vector<SightTarget> signs)
     : survey_(&survey),
       eyes_(eyes),
       values_(values),
       shapes_(std::move(shapes)),
+      signs_(std::move(signs)),
       meter_(AirField::open(*survey.field, survey.criteria), survey.criteria, eyes.size()) {}
 
 Status PlanTenability::take(const SurveyTime& at) {
@@ -194,7 +195,7 @@ Status PlanTenability::writeTimes(const std::string& name, const std::string& ti
   picture.words = {
       {PlanMark::kKept, fmt::format("not reached at {:g} s, the last time", survey_->times.back())},
       {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
-  return writePlan(survey_->folder / name, *values_.plan, picture, survey_->signs);
+  return writePlan(survey_->folder / name, *values_.plan, picture, signs_);
 }
 
 Status PlanTenability::writeFirst() const {
@@ -215,7 +216,7 @@ Status PlanTenability::writeFirst() const {
       {PlanMark::kKept, fmt::format("none until {:g} s, the last time", survey_->times.back())},
       {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
   return writePlan(survey_->folder / "tenability_first.png", *values_.plan, picture,
-                   survey_->signs);
+                   signs_);
 }
 
 Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>& arrays,
@@ -283,7 +284,7 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
   picture.words = {{PlanMark::kKept, "no criterion is reached"},
                    {PlanMark::kHidden, "nobody comes here"},
                    {PlanMark::kUnknown, kNoData}, {PlanMark::kSolid, kSolidWords}};
-  VOLUTE_TRY(writePlan(survey_->folder / "margin.png", *values_.plan, picture, survey_->signs));
+  VOLUTE_TRY(writePlan(survey_->folder / "margin.png", *values_.plan, picture, signs_));
   return htmlFigure(survey_->folder / "margin.png", "Margin: available minus required safe egress "
                                                     "time.");
 }

@@ -19,8 +19,9 @@ class PlanTenability {
  public:
   /// With the survey's criteria and its field.
   /// @param shapes  what maps draw at its place, at the eyes' height
+  /// @param signs   that maps draw
   PlanTenability(const Survey& survey, std::span<const Vec3> eyes, PlanValues values,
-                 std::vector<PlanShape> shapes);
+                 std::vector<PlanShape> shapes, std::vector<SightTarget> signs);
 
   /// Each time; those between stored ones are passed over.
   [[nodiscard]] Status take(const SurveyTime& at);
@@ -50,6 +51,7 @@ class PlanTenability {
   std::span<const Vec3> eyes_;
   PlanValues values_;
   std::vector<PlanShape> shapes_;
+  std::vector<SightTarget> signs_;
   ExposureMeter meter_;
   LossTimes all_;           // of all criteria together
   std::vector<int> which_;  // the first: -1 none, 0 sight of signs, else criterion + 1

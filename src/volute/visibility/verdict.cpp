@@ -37,7 +37,7 @@ FirstLoss firstLoss(const LossTimes& times, RoundTime round, const std::vector<b
 std::string timeWords(const FirstLoss& loss) {
   if (loss.down == loss.up)
     return fmt::format("{:.4g} s", loss.none);
-  return fmt::format("{:.4g} s (between {:.4g} and {:.4g} s, interpolated {:.4g} s)", loss.down,
+  return fmt::format("{:.4g} s (between {:.4g} and {:.4g} s, interpolated {:.3g} s)", loss.down,
                      loss.down, loss.up, loss.none);
 }
 
