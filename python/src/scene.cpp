@@ -25,7 +25,9 @@
 #include "volute/tomography/reconstructed_frames.hpp"
 #include "volute/tomography/reconstruction_report.hpp"
 #include "volute/tomography/run_key.hpp"
+#include "volute/visibility/criteria_file.hpp"
 #include "volute/visibility/eyes.hpp"
+#include "volute/visibility/sight_engine.hpp"
 #include "volute/visibility/sign_file.hpp"
 #include "volute/visibility/survey.hpp"
 
@@ -287,6 +289,138 @@ class Sight {
   std::vector<std::string> remarks_;
 };
 
+/// Who sees which sign, and what people take in, asked again and again while time goes on.
+class Engine {
+ public:
+  using Ids = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
+
+  Engine(const std::string& path, const std::string& members, const std::string& signsFile,
+         const std::string& criteriaFile, std::uint64_t maxMemory, const py::object& listener) {
+    run(listener, [&](Progress& progress) -> Status {
+      const SceneOptions options = sceneOptions(members, maxMemory);
+      VOLUTE_ASSIGN(const auto signs, readSigns(signsFile));
+      std::vector<Criterion> criteria = usualCriteria();
+      if (!criteriaFile.empty()) {
+        VOLUTE_ASSIGN(criteria, readCriteria(criteriaFile));
+      }
+      VOLUTE_ASSIGN(auto scene, Scene::open(path, options, progress));
+      VOLUTE_ASSIGN(auto field, sightOf(std::move(scene), options, progress));
+      VOLUTE_ASSIGN(auto made, SightEngine::open(std::move(field), signs, criteria, progress));
+      engine_ = std::make_unique<SightEngine>(std::move(made));
+      return {};
+    });
+  }
+
+  std::vector<double> times() const {
+    return {engine_->times().begin(), engine_->times().end()};
+  }
+
+  std::vector<std::string> signs() const {
+    std::vector<std::string> names;
+    for (const SightTarget& sign : engine_->signs()) names.push_back(sign.sign.name);
+    return names;
+  }
+
+  py::array signPlaces() const {
+    const auto& signs = engine_->signs();
+    py::array_t<double> out({signs.size(), std::size_t{3}});
+    for (std::size_t i = 0; i < signs.size(); ++i)
+      std::copy_n(signs[i].target.data(), 3, out.mutable_data() + 3 * i);
+    return out;
+  }
+
+  /// (name, limit, unit) of each.
+  std::vector<std::tuple<std::string, double, std::string>> criteria() const {
+    std::vector<std::tuple<std::string, double, std::string>> all;
+    for (const Criterion& one : engine_->criteria())
+      all.emplace_back(one.name, one.limit, std::string(one.unit()));
+    return all;
+  }
+
+  /// (criterion, why) of what cannot be assessed.
+  std::vector<std::pair<std::string, std::string>> missing() const {
+    std::vector<std::pair<std::string, std::string>> all;
+    for (const auto& one : engine_->missing()) all.emplace_back(one.criterion.name, one.why);
+    return all;
+  }
+
+  /// Shape (sign, agent).
+  py::array sees(double time, const Points& eyes) {
+    const auto from = eyesOf(time, eyes);
+    std::vector<Seen> seen(engine_->signs().size() * from.size());
+    ask([&] { return engine_->sees(from, time, seen); });
+    py::array_t<std::uint8_t> out({engine_->signs().size(), from.size()});
+    std::ranges::transform(seen, out.mutable_data(),
+                           [](Seen one) { return static_cast<std::uint8_t>(one); });
+    return out;
+  }
+
+  /// Shape (criterion, agent).
+  py::array dose(double time, const Ids& ids, const Points& eyes) {
+    const auto from = eyesOf(time, eyes);
+    if (ids.ndim() != 1 || static_cast<std::size_t>(ids.shape(0)) != from.size())
+      throw py::value_error(fmt::format("ids: expected shape ({},), one an agent", from.size()));
+    py::array_t<double> out({engine_->criteria().size(), from.size()});
+    ask([&] {
+      return engine_->dose({ids.data(), from.size()}, from, time,
+                           {out.mutable_data(), static_cast<std::size_t>(out.size())});
+    });
+    return out;
+  }
+
+  py::array extinction(double time, const Points& eyes) {
+    const auto from = eyesOf(time, eyes);
+    py::array_t<double> out(static_cast<py::ssize_t>(from.size()));
+    ask([&] { return engine_->extinction(from, time, {out.mutable_data(), from.size()}); });
+    return out;
+  }
+
+ private:
+  static std::vector<Vec3> eyesOf(double time, const Points& eyes) {
+    if (!std::isfinite(time))
+      throw py::value_error("time: expected a finite number of seconds");
+    return pointsOf(eyes, "eyes");
+  }
+
+  /// One thread at a time.
+  template <class Question>
+  void ask(const Question& question) {
+    run(py::none(), [&](Progress&) -> Status {
+      const std::lock_guard lock(mutex_);
+      return question();
+    });
+  }
+
+  std::mutex mutex_;
+  std::unique_ptr<SightEngine> engine_;
+};
+
+/// People of a file of trajectories at a time.
+class PythonTrajectories {
+ public:
+  PythonTrajectories(const std::string& text, const std::string& file, std::optional<double> height)
+      : walks_(run(py::none(), [&](Progress&) { return Trajectories::parse(text, file, height); })) {}
+
+  py::tuple span() const { return py::make_tuple(walks_.begin(), walks_.end()); }
+
+  std::vector<int> ids() const { return {walks_.ids().begin(), walks_.ids().end()}; }
+
+  /// Ids, and places of shape (person, 3).
+  py::tuple at(double time) const {
+    const auto people = walks_.at(time);
+    py::array_t<std::int64_t> ids(static_cast<py::ssize_t>(people.size()));
+    py::array_t<double> eyes({people.size(), std::size_t{3}});
+    for (std::size_t i = 0; i < people.size(); ++i) {
+      ids.mutable_data()[i] = people[i].id;
+      std::copy_n(people[i].eye.data(), 3, eyes.mutable_data() + 3 * i);
+    }
+    return py::make_tuple(ids, eyes);
+  }
+
+ private:
+  Trajectories walks_;
+};
+
 ReconstructionSettings settingsOf(const OrderedJson& said, const Capture& capture,
                                   std::uint64_t maxMemory) {
   ReconstructionSettings settings;
@@ -456,6 +590,25 @@ PYBIND11_MODULE(_scene, m) {
       .def("look", &volute::python::Sight::look, "time"_a, "eyes"_a, "targets"_a)
       .def("survey", &volute::python::Sight::survey, "times"_a, "signs_file"_a, "eyes"_a, "listener"_a)
       .def("sign_names", &volute::python::Sight::signNames, "file"_a);
+
+  py::class_<Engine>(m, "Engine")
+      .def(py::init<const std::string&, const std::string&, const std::string&, const std::string&, std::uint64_t,
+                    const py::object&>(),
+           "path"_a, "members"_a, "signs_file"_a, "criteria_file"_a, "max_memory"_a, "listener"_a)
+      .def_property_readonly("times", &Engine::times)
+      .def_property_readonly("signs", &Engine::signs)
+      .def_property_readonly("sign_places", &Engine::signPlaces)
+      .def_property_readonly("criteria", &Engine::criteria)
+      .def_property_readonly("missing", &Engine::missing)
+      .def("sees", &Engine::sees, "time"_a, "eyes"_a)
+      .def("dose", &Engine::dose, "time"_a, "ids"_a, "eyes"_a)
+      .def("extinction", &Engine::extinction, "time"_a, "eyes"_a);
+
+  py::class_<PythonTrajectories>(m, "Trajectories")
+      .def(py::init<const std::string&, const std::string&, std::optional<double>>(), "text"_a, "file"_a, "height"_a)
+      .def_property_readonly("span", &PythonTrajectories::span)
+      .def_property_readonly("ids", &PythonTrajectories::ids)
+      .def("at", &PythonTrajectories::at, "time"_a);
 
   m.def("reconstruct", &reconstructCapture, "path"_a, "output"_a, "rms"_a, "options"_a, "max_memory"_a, "listener"_a);
   m.def(

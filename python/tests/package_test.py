@@ -407,6 +407,46 @@ class Package(unittest.TestCase):
         with self.assertRaisesRegex(volute.Error, "normal"):
             volute.visibility(self.smoke_room(), [{"name": "a", "position": [1, 1, 1]}], eyes)
 
+    def test_engine_for_programs_that_move_people(self):
+        signs = [{"name": "exit", "position": [7.9, 1.5, 2], "normal": [-1, 0, 0], "emitting": True},
+                 {"name": "back", "position": [0.1, 1.5, 2], "normal": [1, 0, 0], "C": 3}]
+        criteria = [{"kind": "extinction", "limit": 1.0}, {"kind": "temperature", "limit": 60}]
+        engine = volute.Engine(self.smoke_room(), signs, criteria=criteria)
+        self.assertEqual(engine.signs, ["exit", "back"])
+        self.assertEqual(list(engine.times), [0, 10, 20])
+        self.assertEqual(list(engine.missing), ["temperature"])
+        self.assertEqual(list(engine.criteria), ["extinction"])
+        np.testing.assert_allclose(engine.sign_places, [[7.9, 1.5, 2], [0.1, 1.5, 2]])
+        eyes = np.array([[1, 1.5, 1.6], [4, 1.5, 1.6], [6, 1.5, 1.6]])
+        # K = t / 10: an optical depth of 8 over 6.9, 3.9 and 1.9 m, of 3 over .9, 3.9 and 5.9 m.
+        for time, exits, backs in ((5, [1, 1, 1], [1, 1, 1]), (9, [1, 1, 1], [1, 0, 0]), (15, [0, 1, 1], [1, 0, 0])):
+            seen = engine.sees(eyes, time)
+            self.assertEqual(seen.shape, (3,))
+            np.testing.assert_array_equal(seen["exit"], exits, str(time))
+            np.testing.assert_array_equal(seen["back"], backs, str(time))
+        np.testing.assert_allclose(engine.extinction(eyes, 15), 1.5, rtol=1e-5)
+        np.testing.assert_allclose(engine.dose([7, 8, 9], eyes, 15)["extinction"], 1.5, rtol=1e-5)
+        with self.assertRaisesRegex(ValueError, "ids"):
+            engine.dose([7, 8], eyes, 16)
+        with self.assertRaisesRegex(ValueError, "finite"):
+            engine.sees(eyes, np.nan)
+        walks = self.path / "walks.txt"
+        walks.write_text("# framerate: 1\n3 0 1 1.5 1.6\n3 10 6 1.5 1.6\n5 4 2 1.5 1.6\n5 5 3 1.5 1.6\n")
+        people = volute.Trajectories(walks)
+        self.assertEqual((people.begin, people.end, list(people.ids)), (0, 10, [3, 5]))
+        ids, places = people.at(4.5)
+        self.assertEqual(list(ids), [3, 5])
+        np.testing.assert_allclose(places, [[3.25, 1.5, 1.6], [2.5, 1.5, 1.6]])
+        self.assertEqual(len(engine.dose(ids, places, 17)), 2)
+
+    def test_evacuation_example(self):
+        signs = self.path / "signs.json"
+        signs.write_text(json.dumps({"signs": [{"name": "exit", "position": [7.9, 1.5, 2], "normal": [-1, 0, 0], "emitting": True}]}))
+        example = SOURCE / "examples/python/evacuation_loop.py"
+        done = subprocess.run([sys.executable, "-B", example, self.smoke_room(), signs], check=True, capture_output=True, text=True)
+        self.assertIn("5.0 s: ", done.stdout)
+        self.assertRegex(done.stdout, r"\n\d+ people are left")
+
     def capture(self):
         """Six cameras around the puff, and what they saw of it."""
         cameras = []
@@ -487,7 +527,7 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
 
     def test_code_on_the_page(self):
         blocks = re.findall(r"^```python\n(.*?)^```", (SOURCE / "docs/python.md").read_text(), re.S | re.M)
-        self.assertEqual(len(blocks), 5)
+        self.assertEqual(len(blocks), 6)
         folder = self.path / "page"
         folder.mkdir()
         np.save(folder / "frames.npy", puff(24, 20, 20, 20))

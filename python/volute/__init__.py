@@ -8,6 +8,7 @@
     volute.compress(array, "smoke.volute", rms=3e-3)     # array (t, z, y, x[, 3]), or an iterator of frames
     volute.render("scene.json", time=0.8)                # linear RGB (height, width, 3)
     volute.visibility("case.smv", signs, eyes).lost()    # [s] until each sign is lost
+    volute.Engine("case.smv", signs).sees(eyes, time)    # asked by a program that moves people, as is .dose(ids, eyes, time)
     volute.reconstruct("capture.json").values            # radiance per metre from pictures
     volute.fds.open("case.smv")                          # extinction [1/m] as a lazy array
 
@@ -20,11 +21,12 @@ from ._compress import Compressed, compress
 from ._errors import (Cancelled, Error, InvalidArgument, InvalidData, IoError, NotFound, TooLarge, Truncated,
                       Unsupported)
 from ._volume import Frames, Volume, open
-from ._scene_api import (Reconstruction, Scene, Sight, Survey, read_image, reconstruct, render, to_srgb, visibility, write_image)
+from ._scene_api import (Engine, Reconstruction, Scene, Sight, Survey, Trajectories, read_image, reconstruct, render, to_srgb, visibility,
+                         write_image)
 
 __version__ = _core.version
-__all__ = ["Cancelled", "Compressed", "Error", "Frames", "InvalidArgument", "InvalidData", "IoError", "NotFound", "Reconstruction",
-           "Scene", "Sight", "Survey", "TooLarge", "Truncated", "Unsupported", "Volume", "compress", "fds", "open", "read_image",
+__all__ = ["Cancelled", "Compressed", "Engine", "Error", "Frames", "InvalidArgument", "InvalidData", "IoError", "NotFound", "Reconstruction",
+           "Scene", "Sight", "Survey", "TooLarge", "Trajectories", "Truncated", "Unsupported", "Volume", "compress", "fds", "open", "read_image",
            "reconstruct", "render", "to_srgb", "visibility", "write_image"]
 
 

@@ -189,6 +189,106 @@ class Survey:
         return np.where(hidden.any(axis=0), self.times[hidden.argmax(axis=0)], np.inf)
 
 
+def _list_file(folder, key, said):
+    """The name of a file with a list of signs or criteria, which is written where the list itself is said."""
+    if not isinstance(said, (list, tuple)):
+        return os.fspath(said)
+    name = os.path.join(folder, key + ".json")
+    with open(name, "w") as file:
+        json.dump({key: list(said)}, file)
+    return name
+
+
+class Engine:
+    """Who sees which sign, and what people take in, for programs that move them: asked for all agents at once, again and again
+    while time goes on.
+
+    source, signs and **members as for visibility(). criteria: a .json file as `volute visibility --criteria` takes it, or a list of
+    dicts; default the usual ones that the case stores enough for. Threads may share one; they wait for each other."""
+
+    #: what sees() says
+    NOT_SEEN, SEEN, CANNOT_TELL = 0, 1, 2
+
+    def __init__(self, source, signs, *, criteria=None, max_memory=4 << 30, progress=None, **members):
+        self.path = os.fspath(source)
+        with tempfile.TemporaryDirectory() as folder, Listener(progress) as listener:
+            said = "" if criteria is None else _list_file(folder, "criteria", criteria)
+            self._engine = _part().Engine(self.path, json.dumps(members), _list_file(folder, "signs", signs), said, max_memory, listener)
+
+    @property
+    def times(self):
+        """Stored times [s], shape (t,), ascending"""
+        return np.asarray(self._engine.times)
+
+    @property
+    def signs(self):
+        """Names, in the order of sign_places."""
+        return self._engine.signs
+
+    @property
+    def sign_places(self):
+        """[m], shape (sign, 3): before the wall that a sign is on"""
+        return self._engine.sign_places
+
+    @property
+    def criteria(self):
+        """{name: (limit, unit)} of what dose() gives."""
+        return {name: (limit, unit) for name, limit, unit in self._engine.criteria}
+
+    @property
+    def missing(self):
+        """{criterion: why} of those that the case does not store enough for."""
+        return dict(self._engine.missing)
+
+    def sees(self, eyes, time):
+        """Which signs each agent sees at `time` [s], linear between stored times: a structured array, shape (agent,), with a field
+        a sign: NOT_SEEN, SEEN or CANNOT_TELL (the case's values are rounded too much). eyes: shape (agent, 3) or (3,) [m]."""
+        return _fields(self.signs, np.uint8, self._engine.sees(float(time), _points(eyes)))
+
+    def dose(self, ids, eyes, time):
+        """What each agent has taken in until `time` [s] since the calls before, by trapezoids: steps of a second or less are small
+        enough for people who walk. A structured array, shape (agent,), with a field a criterion: a dose so far or a level (see
+        criteria); NaN where nothing is known. ids: shape (agent,), whole numbers, each once."""
+        ids = np.atleast_1d(np.asarray(ids, np.int64))
+        return _fields(self.criteria, float, self._engine.dose(float(time), ids, _points(eyes)))
+
+    def extinction(self, eyes, time):
+        """K at each eye [1/m], shape (agent,), for walking speeds; NaN where nothing is known."""
+        return self._engine.extinction(float(time), _points(eyes))
+
+    def __repr__(self):
+        times = self.times
+        return (f"<volute.Engine {os.path.basename(self.path)}: {len(self.signs)} signs, {len(self.criteria)} criteria; "
+                f"{times[0]:g} to {times[-1]:g} s>")
+
+
+def _fields(names, kind, rows):
+    """Shape (name, n) as a structured array, shape (n,)."""
+    table = np.empty(rows.shape[1], [(name, kind) for name in names])
+    for name, row in zip(names, rows):
+        table[name] = row
+    return table
+
+
+class Trajectories:
+    """Where walking people are: JuPedSim's text format, or a table id,time,x,y[,z]. height: z of all eyes [m]; default the file's."""
+
+    def __init__(self, path, height=None):
+        with open(path, encoding="utf-8", errors="replace") as file:
+            text = file.read()
+        self._walks = _part().Trajectories(text, os.fspath(path), height)
+        self.begin, self.end = self._walks.span  #: [s]
+
+    @property
+    def ids(self):
+        """Of all people, ascending"""
+        return np.asarray(self._walks.ids)
+
+    def at(self, time):
+        """(ids, eyes) of those who are there at `time` [s], eyes of shape (person, 3) [m]: what Engine.dose() takes."""
+        return self._walks.at(float(time))
+
+
 def visibility(source, signs, eyes, *, times=None, max_memory=4 << 30, progress=None, **members):
     """From where, and when, signs are seen through smoke: a Survey with a structured array of shape (time, sign, eye).
 
@@ -200,11 +300,7 @@ def visibility(source, signs, eyes, *, times=None, max_memory=4 << 30, progress=
     stored = sight.times
     chosen = np.arange(len(stored)) if times is None else np.atleast_1d(np.asarray(times, int))
     with tempfile.TemporaryDirectory() as folder, Listener(progress) as listener:
-        if isinstance(signs, (list, tuple)):
-            name = os.path.join(folder, "signs.json")
-            with open(name, "w") as file:
-                json.dump({"signs": list(signs)}, file)
-            signs = name
+        signs = _list_file(folder, "signs", signs)
         table = sight._sight.survey([int(t) for t in chosen], os.fspath(signs), eyes, listener)
         names = sight._sight.sign_names(os.fspath(signs))
     return Survey(table, stored[chosen], names, eyes)
