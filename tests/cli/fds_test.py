@@ -234,6 +234,28 @@ class Fds(support.TestCase):
         self.assertIn("isosurfaces of an FDS case", self.fails(1, "render", self.case, "-o", self.path("x.png"), "--fds-iso",
                                                                "TEMPERATURE 60", "--renderer", "gl"))
 
+    def test_a_layer_gives_way_where_signs_are_outside_of_it(self):
+        """A slice at z = 0.5 m would go first: it is of nodes and of both meshes; a sign at 0.95 m needs 3D slices."""
+        for mesh, count in ((1, 2), (2, 4)):
+            self.add_slice(mesh, (0, count, 0, count, count // 2, count // 2), 1.0,
+                           ("SOOT EXTINCTION COEFFICIENT", "ext_2d", "1/m"), "SLCF")
+        text = self.case.read_text()
+        self.case.write_text(re.sub(r"SLCC \d # STRUCTURED & 0 (\d) 0 \1 0 \1\n case_\d.sf\n.*\n.*\n.*\n", "", text)
+                             + "".join(f"SMOKF3D {mesh} 8700.0\n none_{mesh}.s3d\n SOOT DENSITY\n rho\n kg/m3\n" for mesh in (1, 2)))
+        for mesh, count in ((1, 2), (2, 4)):
+            nodes = (count + 1) ** 3
+            self.path(f"none_{mesh}.s3d").write_bytes(
+                record(struct.pack("<8i", 1, 0, 0, count, 0, count, 0, count))
+                + b"".join(record(struct.pack("<f", t)) + record(struct.pack("<2i", nodes, nodes)) + record(bytes(nodes)) for t in (0, 10)))
+        signs = self.path("signs.json")
+        for z, read in ((0.5, "ext"), (0.95, "s3d")):
+            signs.write_text(json.dumps({"signs": [{"name": "exit", "position": [1.95, 0.8, z], "normal": [-1, 0, 0]}]}))
+            ran = self.works("visibility", self.case, "--signs", signs, "--height", "0.5", "--step", "0.25", "--maps", "aset",
+                             "--criteria", "none", "-o", self.path("seen"))
+            said = json.loads((self.path("seen") / "visibility.json").read_text())
+            self.assertEqual("s3d" in said["smoke"], read == "s3d", said["smoke"])
+            self.assertEqual(b"smoke is read from s3d instead" in ran.err, read == "s3d", ran.err)
+
     def test_stored_isosurfaces_are_shown(self):
         add_stored(self.path, self.case)
 

@@ -8,8 +8,10 @@
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/scene_arguments.hpp"
+#include "volute/fds/fds_case.hpp"
 #include "volute/film/sign_views.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/scene/scene_sight.hpp"
 #include "volute/visibility/criteria_file.hpp"
 #include "volute/visibility/plan_picture.hpp"
 #include "volute/visibility/sign_file.hpp"
@@ -176,6 +178,40 @@ Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& argument
   return std::make_shared<const PlanUnderlay>(std::move(underlay));
 }
 
+/// The smoke of a case. A source of one layer (a 2D slice), which nobody asked for, gives way to one
+/// that fills the meshes if the signs or the eyes' height are outside of that layer.
+Result<std::unique_ptr<SightField>> fieldOf(const Arguments& arguments, Context& context,
+                                            SurveyRequest& request) {
+  const std::string& path = request.casePath;
+  VOLUTE_ASSIGN(auto field, openSight(path, arguments, context));
+  if (arguments.given("field") || !isSmvPath(path))
+    return field;
+  const double low = field->bounds().min.z(), high = field->bounds().max.z();
+  const auto outside = [&](double z) { return z < low || z > high; };
+  const bool named = arguments.given("eyes") || arguments.given("route") ||
+                     arguments.given("trajectories");
+  bool beyond = (!named || arguments.given("height")) && outside(request.survey.height);
+  for (const SafetySign& sign : request.signs) beyond = beyond || outside(sign.position.z());
+  if (!beyond)
+    return field;
+  FdsOptions filling{.volume = true};
+  filling.maxMemory = context.maxMemory;
+  const auto other = FdsCase::open(path, filling);
+  if (!other || other->bounds().size().z() <= high - low)
+    return field;
+  SceneOptions options;
+  options.maxMemory = context.maxMemory;
+  VOLUTE_ASSIGN(options.members, mediumMembers(path, arguments));
+  options.members["field"] = other->source().name;
+  Progress quiet;
+  VOLUTE_ASSIGN(auto scene, Scene::open(path, options, quiet));
+  request.remarks.push_back(fmt::format(
+      "{}: {} has smoke from z = {:g} to {:g} m only, and eyes or signs are outside; smoke is read from "
+      "{} instead (--field NAME selects another source)",
+      path, field->description(), low, high, other->source().name));
+  return sightOf(std::move(scene), options, context.progress);
+}
+
 /// One plan, or other eyes.
 Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, double height,
                                const std::string& output) {
@@ -202,7 +238,7 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   VOLUTE_ASSIGN(const auto watch, watchOf(arguments, context));
   VOLUTE_ASSIGN(auto views, viewsOf(arguments));
   VOLUTE_TRY(checkFolderIsShared(request.output, context.team));
-  VOLUTE_ASSIGN(const auto field, openSight(request.casePath, arguments, context));
+  VOLUTE_ASSIGN(const auto field, fieldOf(arguments, context, request));
   VOLUTE_ASSIGN(request.survey.underlay,
                 underlayOf(arguments, field->bounds(), context.maxMemory, request.remarks));
   if (const auto name = arguments.find<std::string>("sight-limit"))
