@@ -44,7 +44,7 @@ typedef struct volute_info {
   int32_t frames;
   int32_t z, y, x;  /* voxels */
   int32_t channels; /* 1, or 3 for linear RGB */
-  int32_t trilinear; /* 1: values are interpolated between voxel centres; 0: constant in voxels */
+  int32_t trilinear; /* 0: values are constant in voxels; 1: interpolated between voxel centres; 2: cubic B-splines there */
   double bounds_min[3], bounds_max[3]; /* x y z of the outer voxel faces [m] */
   double max_error; /* no value differs more from the original */
 } volute_info;

@@ -146,7 +146,7 @@ py::dict describe(const VolumeInfo& info) {
                   "bounds"_a = py::make_tuple(tupleOf(info.bounds.min), tupleOf(info.bounds.max)),
                   "times"_a = py::array_t<double>(info.times.size(), info.times.data()),
                   "frame_numbers"_a = py::array_t<int>(info.frameNumbers.size(), info.frameNumbers.data()),
-                  "basis"_a = info.basis == Basis::kTrilinear ? "trilinear" : "box");
+                  "basis"_a = std::string(basisName(info.basis)));
 }
 
 class File {
@@ -275,7 +275,7 @@ VolumeInfo infoOf(const Shape& shape, const std::optional<Bounds>& bounds,
     info.name = name;
   info.unit = unit;
   std::tie(info.frames, info.z, info.y, info.x, info.channels) = std::tuple_cat(shape);
-  info.basis = basis == "trilinear" ? Basis::kTrilinear : Basis::kBox;
+  info.basis = basisNamed(basis).value_or(Basis::kBox);
   if (times)
     info.times = *times;
   if (frameNumbers)

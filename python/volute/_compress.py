@@ -91,7 +91,7 @@ def compress(frames, path, *, rms=None, psnr=None, ratio=None, size=None, max_er
     bounds: ((x0, y0, z0), (x1, y1, z1)), the outer voxel faces [m]; default: cubic voxels, the longest side 1 m
     times: when each frame is shown [s], ascending; default: 25 per second from 0
     frame_numbers: number of each frame, ascending; default: 0, 1, ..
-    name, unit: of the values ("density", "1/m"). basis: "box" (constant in voxels) or "trilinear".
+    name, unit: of the values ("density", "1/m"). basis: "box" (constant in voxels), "trilinear" or "cubic" (B-splines).
         Defaults are taken from `frames` if that is a Volume or an FDS case.
     wavelet: auto, haar, cdf53 or cdf97. fast: choose from fewer transforms. provenance: a text stored in the file.
     progress: a function (stage, done, total), or True for a bar. An exception raised in it, or Ctrl-C, stops the work; no file is left behind.
@@ -107,8 +107,8 @@ def compress(frames, path, *, rms=None, psnr=None, ratio=None, size=None, max_er
     (target, value), = (targets or {"rms": 3e-3}).items()
     if not (value > 0 and np.isfinite(value)):
         raise ValueError(f"{target}={value!r}: expected a number above 0")
-    if basis not in (None, "box", "trilinear"):
-        raise ValueError(f"basis={basis!r}: expected 'box' or 'trilinear'")
+    if basis not in (None, "box", "trilinear", "cubic"):
+        raise ValueError(f"basis={basis!r}: expected 'box', 'trilinear' or 'cubic'")
     if wavelet not in ("auto", "haar", "cdf53", "cdf97"):
         raise ValueError(f"wavelet={wavelet!r}: expected auto, haar, cdf53 or cdf97")
     if isinstance(frames, Frames):

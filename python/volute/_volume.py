@@ -59,7 +59,8 @@ class Frames:
         #: what the input called each frame, shape (t,)
         self.frame_numbers = info["frame_numbers"]
         self.frame_numbers.flags.writeable = False
-        #: "box": values are constant in voxels; "trilinear": interpolated between their centres
+        #: "box": values are constant in voxels; "trilinear": interpolated between their centres;
+        #: "cubic": B-splines of degree 3 there
         self.basis = info["basis"]
 
     @property

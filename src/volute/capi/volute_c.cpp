@@ -156,7 +156,12 @@ Status compressFrames(const char* path, const volute_info& said, const double* t
   info.frames = said.frames;
   info.z = said.z, info.y = said.y, info.x = said.x;
   info.channels = said.channels;
-  info.basis = said.trilinear ? Basis::kTrilinear : Basis::kBox;
+  if (said.trilinear < 0 || said.trilinear > 2) {
+    return fail(ErrorCode::kInvalidArgument,
+                "volute_compress: info.trilinear is {}; expected 0 (box), 1 (trilinear) or 2 (cubic)",
+                said.trilinear);
+  }
+  info.basis = static_cast<Basis>(said.trilinear);
   const Vec3 low(said.bounds_min[0], said.bounds_min[1], said.bounds_min[2]);
   const Vec3 high(said.bounds_max[0], said.bounds_max[1], said.bounds_max[2]);
   if (times && said.frames > 0)
@@ -303,7 +308,7 @@ volute_status volute_file_info(const volute_file* file, volute_info* info) {
     info->frames = from.frames;
     info->z = from.z, info->y = from.y, info->x = from.x;
     info->channels = from.channels;
-    info->trilinear = from.basis == volute::Basis::kTrilinear;
+    info->trilinear = static_cast<std::int32_t>(from.basis);
     for (int axis = 0; axis < 3; ++axis) {
       info->bounds_min[axis] = from.bounds.min[axis];
       info->bounds_max[axis] = from.bounds.max[axis];

@@ -54,7 +54,7 @@ void writeVolumeInfo(ByteWriter& out, const VolumeInfo& info) {
     out.varint(static_cast<std::uint64_t>(size));
   for (int axis = 0; axis < 3; ++axis) out.f64(info.bounds.min[axis]);
   for (int axis = 0; axis < 3; ++axis) out.f64(info.bounds.max[axis]);
-  out.u8(info.basis == Basis::kTrilinear ? 1 : 0);
+  out.u8(static_cast<std::uint8_t>(info.basis));
   std::int64_t before = 0;
   for (const int number : info.frameNumbers) {
     out.zigzag(number - before);
@@ -277,9 +277,9 @@ bool readVolumeInfo(ByteReader& in, VolumeInfo& info) {
   for (int axis = 0; axis < 3; ++axis) info.bounds.min[axis] = in.f64();
   for (int axis = 0; axis < 3; ++axis) info.bounds.max[axis] = in.f64();
   const int basis = in.u8();
-  if (basis > 1)
+  if (basis > static_cast<int>(Basis::kCubic))
     return false;
-  info.basis = basis == 1 ? Basis::kTrilinear : Basis::kBox;
+  info.basis = static_cast<Basis>(basis);
   const auto frames = static_cast<std::size_t>(info.frames);
   if (!in.ok() || frames > in.remaining())
     return false;

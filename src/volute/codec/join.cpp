@@ -51,7 +51,7 @@ std::string gridText(const VolumeInfo& info) {
       "{} x {} x {} voxels with {} channel{} of '{}' [{}], {} basis, from ({:.6g}, {:.6g}, {:.6g}) "
       "to ({:.6g}, {:.6g}, {:.6g}) m",
       info.x, info.y, info.z, info.channels, info.channels == 1 ? "" : "s", info.name, info.unit,
-      info.basis == Basis::kBox ? "box" : "trilinear", info.bounds.min.x(), info.bounds.min.y(),
+      basisName(info.basis), info.bounds.min.x(), info.bounds.min.y(),
       info.bounds.min.z(), info.bounds.max.x(), info.bounds.max.y(), info.bounds.max.z());
 }
 

@@ -136,7 +136,8 @@ void SunlitFog::cut(const Segment& segment, const Piece& piece, std::span<const 
   const auto at = [&](double share) {
     return source(segment.at(piece.begin + share * length), phases);
   };
-  const int room = Polynomial::kTerms - piece.extinction.terms();  // degrees that may be added
+  constexpr int kLitTerms = 8;  // more cost more than the cuts that they save
+  const int room = kLitTerms - piece.extinction.terms();  // degrees that may be added
   const Rgb first = at(0), middle = at(0.5), last = at(1);
   // The light as a + b x + c x^2 with x from 0 to 1.
   const Rgb c = room >= 2 ? Rgb(2 * (first + last - 2 * middle)) : Rgb::Zero();

@@ -58,6 +58,13 @@ BrickSlice BrickSlice::fromDense(const VolumeInfo& info, std::span<const float> 
   return slice;
 }
 
+std::size_t BrickSlice::placeOf(int vx, int vy, int vz) const {
+  const std::int32_t stored = brickAt(vx / kSide, vy / kSide, vz / kSide);
+  VOLUTE_ASSERT(stored != kEmpty);
+  return static_cast<std::size_t>(stored) * kVoxels +
+         static_cast<std::size_t>(((vz % kSide) * kSide + vy % kSide) * kSide + vx % kSide);
+}
+
 float BrickSlice::value(int vx, int vy, int vz, int channel) const {
   if (vx < 0 || vy < 0 || vz < 0 || vx >= size_[0] || vy >= size_[1] || vz >= size_[2]) return 0;
   const std::int32_t stored = brickAt(vx / kSide, vy / kSide, vz / kSide);

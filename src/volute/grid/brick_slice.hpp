@@ -53,6 +53,9 @@ class BrickSlice {
     return values_.data() + static_cast<std::size_t>(stored) * kVoxels * channels_;
   }
 
+  /// Which voxel of all stored ones, 512 a brick, is (vx, vy, vz), which is in a stored brick.
+  std::size_t placeOf(int vx, int vy, int vz) const;
+
   /// Any voxel; 0 in empty bricks and outside the volume.
   float value(int vx, int vy, int vz, int channel = 0) const;
 

@@ -95,8 +95,14 @@ ShadedVoxels::ShadedVoxels(std::shared_ptr<const BrickSlice> slice)
       cells_(voxels::cellsOf(*slice_)),
       occupied_(voxels::occupiedCells(*slice_, cells_)),
       counters_(std::make_shared<Counters>()) {
-  VOLUTE_ASSERT(slice_->basis() == Basis::kTrilinear);
+  VOLUTE_ASSERT(slice_->basis() != Basis::kBox);
   VOLUTE_ASSERT(slice_->channels() == 1 || slice_->channels() == 4);
+  if (slice_->basis() == Basis::kCubic) {
+    if (slice_->channels() == 4)
+      cubic_ = std::make_shared<const CubicVoxels>(slice_, 1, 1);
+    corners_ = findCentres(*slice_);
+    return;
+  }
   auto march = std::make_shared<MarchGrid>(*makeMarchGrid(slice_, cells_, 1, 1));
   march->values = march->corners.data();
   march->shaded = true;
@@ -169,7 +175,45 @@ std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCorners(const Mar
   return corners;
 }
 
+std::shared_ptr<const ShadedVoxels::Corners> ShadedVoxels::findCentres(const BrickSlice& slice) {
+  auto centres = std::make_shared<Corners>();
+  centres->ofVoxel.assign(slice.storedBricks() * BrickSlice::kVoxels, -1);
+  const Vec3 voxel = slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()));
+  for (int z = 0; z < slice.z(); ++z) {
+    for (int y = 0; y < slice.y(); ++y) {
+      for (int x = 0; x < slice.x(); ++x) {
+        if (!(slice.value(x, y, z, 0) > 0))
+          continue;
+        centres->ofVoxel[slice.placeOf(x, y, z)] = static_cast<std::int32_t>(centres->points.size());
+        centres->points.push_back(slice.bounds().min +
+                                  voxel.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5)));
+        centres->places.push_back({x, y, z});
+      }
+    }
+  }
+  return centres;
+}
+
 std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& place) const {
+  // Most are inside of a brick.
+  if (place[0] >= 0 && place[1] >= 0 && place[2] >= 0 && place[0] <= cells_.count[0] &&
+      place[1] <= cells_.count[1] && place[2] <= cells_.count[2]) {
+    const int x = place[0] / BrickSlice::kSide, y = place[1] / BrickSlice::kSide,
+              z = place[2] / BrickSlice::kSide;
+    const auto entry = static_cast<std::size_t>((x + 1) * march_->tableStride[0] +
+                                                (y + 1) * march_->tableStride[1] +
+                                                (z + 1) * march_->tableStride[2]);
+    const std::int32_t brick = corners_->number[entry];
+    if (brick >= 0) {
+      const int corner = ((place[2] % BrickSlice::kSide) * kShadedSide +
+                          place[1] % BrickSlice::kSide) * kShadedSide +
+                         place[0] % BrickSlice::kSide;
+      const std::int32_t point = corners_->ofBrick[static_cast<std::size_t>(brick) * kShadedCorners +
+                                                   static_cast<std::size_t>(corner)];
+      if (point >= 0)
+        return point;
+    }
+  }
   // A corner that bricks share is at 0 in one of them, and at 8 in those before.
   for (int way = 0; way < 8; ++way) {
     std::size_t entry = 0;
@@ -199,6 +243,8 @@ std::int32_t ShadedVoxels::pointAt(const std::array<std::int32_t, 3>& place) con
 }
 
 std::vector<Rgb> ShadedVoxels::forMeans(std::span<const Rgb> light) const {
+  if (!march_)
+    return {light.begin(), light.end()};
   std::vector<Rgb> out(light.size());
   parallelRanges(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -217,8 +263,60 @@ std::vector<Rgb> ShadedVoxels::forMeans(std::span<const Rgb> light) const {
   return out;
 }
 
+/// Between voxels the spline of products K_i L_i is K L plus a sixth of its second derivative, and
+/// the spline of K is K plus a sixth of its own: what is asked for, the product of the latter with L,
+/// has coefficients K_i L_i - sum over neighbours n of K_n (L_n - L_i) / 6.
+ShadedVoxels ShadedVoxels::withSplines(std::span<const Rgb> light) const {
+  VolumeInfo info;
+  info.x = slice_->x(), info.y = slice_->y(), info.z = slice_->z();
+  info.channels = 4;
+  info.bounds = slice_->bounds();
+  info.basis = Basis::kCubic;
+  const auto stored = static_cast<std::int32_t>(slice_->storedBricks());
+  const int channels = slice_->channels();
+  std::vector<float> values(static_cast<std::size_t>(stored) * 4 * BrickSlice::kVoxels, 0);
+  for (std::int32_t b = 0; b < stored; ++b) {
+    std::copy_n(slice_->brick(b), channels * BrickSlice::kVoxels,
+                &values[static_cast<std::size_t>(b) * 4 * BrickSlice::kVoxels]);
+  }
+  const auto pointOf = [&](std::array<std::int32_t, 3> at) -> std::int32_t {
+    if (slice_->value(at[0], at[1], at[2], 0) == 0)
+      return -1;
+    return corners_->ofVoxel[slice_->placeOf(at[0], at[1], at[2])];
+  };
+  parallelRanges(light.size(), 2048, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto& place = corners_->places[i];
+      const double own = slice_->value(place[0], place[1], place[2], 0);
+      Rgb differences = Rgb::Zero();
+      for (std::size_t way = 0; way < 6; ++way) {
+        auto at = place;
+        at[way / 2] += way % 2 == 0 ? -1 : 1;
+        const std::int32_t point = pointOf(at);
+        if (point < 0)
+          continue;
+        differences += static_cast<double>(slice_->value(at[0], at[1], at[2], 0)) *
+                       (light[static_cast<std::size_t>(point)] - light[i]);
+      }
+      const Rgb plain = own * light[i];
+      const Rgb scattered = (plain - differences / 6).max(0.5 * plain).min(1.5 * plain);
+      const std::size_t voxel = slice_->placeOf(place[0], place[1], place[2]);
+      float* out = &values[voxel / BrickSlice::kVoxels * 4 * BrickSlice::kVoxels +
+                           voxel % BrickSlice::kVoxels];
+      for (int c = 0; c < 3; ++c) out[(1 + c) * BrickSlice::kVoxels] += static_cast<float>(scattered[c]);
+    }
+  });
+  auto slice = std::make_shared<BrickSlice>(info);
+  slice->assign({slice_->index().begin(), slice_->index().end()}, std::move(values));
+  ShadedVoxels lit = *this;
+  lit.cubic_ = std::make_shared<const CubicVoxels>(std::move(slice), 1, 1);
+  return lit;
+}
+
 ShadedVoxels ShadedVoxels::withLight(std::span<const Rgb> light) const {
   VOLUTE_ASSERT(light.size() == corners_->points.size());
+  if (!march_)
+    return withSplines(light);
   ShadedVoxels lit = *this;
   Rgb largest = Rgb::Zero();
   for (const Rgb& one : light) largest = largest.max(one);
@@ -282,6 +380,8 @@ Rgb ShadedVoxels::lightAt(const std::array<int, 3>& cell, int corner) const {
 
 Rgb ShadedVoxels::emission(const Vec3& point) const {
   Rgb sent = Rgb::Zero();
+  if (!march_)
+    return cubic_ ? cubic_->emission(point) : sent;
   if (!bounds().contains(point))
     return sent;
   const auto cell = cells_.cellAt(point);
@@ -302,6 +402,8 @@ Rgb ShadedVoxels::emission(const Vec3& point) const {
 
 void ShadedVoxels::pieces(std::span<const Segment> segments,
                           std::span<std::vector<Piece>> pieces) const {
+  if (!march_)
+    return cubic_ ? cubic_->pieces(segments, pieces) : extinction_.pieces(segments, pieces);
   const int channels = slice_->channels();
   for (std::size_t s = 0; s < segments.size(); ++s) {
     pieces[s].clear();
@@ -343,10 +445,12 @@ void ShadedVoxels::pieces(std::span<const Segment> segments,
 }
 
 bool ShadedVoxels::marchesLight() const {
-  return march_->lightChannel >= 0;
+  return march_ && march_->lightChannel >= 0;
 }
 
 void ShadedVoxels::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
+  if (!march_)
+    return cubic_ ? cubic_->radiance(segments, out) : extinction_.radiance(segments, out);
   if (!march_->fits || (light_ && !marchesLight()))
     return radianceByPieces(*this, segments, out);
   MarchCounts counts;
@@ -361,6 +465,8 @@ void ShadedVoxels::radiance(std::span<const Segment> segments, std::span<Radianc
 }
 
 MarchCounts ShadedVoxels::counts() const {
+  if (!march_)
+    return cubic_ ? cubic_->counts() : extinction_.counts();
   return {counters_->voxels, counters_->bricksVisited, counters_->bricksSkipped};
 }
 

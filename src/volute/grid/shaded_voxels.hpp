@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "volute/grid/cubic_voxels.hpp"
 #include "volute/grid/voxel_medium.hpp"
 
 namespace volute {
@@ -18,20 +19,24 @@ namespace volute {
 /// [radiance], each interpolated between voxel centres; K and J fall to zero one voxel beyond the
 /// outer ones. So the light along a ray is exact for the three: pieces() has them as polynomials.
 ///
+/// Over the cubic basis K and J are splines, and so is what is scattered: its coefficients are those
+/// whose spline is that of K times L to the fourth order of the voxels' size.
+///
 /// A Medium and FastMedium. Cheap to copy: what it holds is shared and const.
 class ShadedVoxels {
  public:
-  /// @param slice  of the trilinear basis, in channels K, or K and J's red, green and blue; K >= 0.
-  /// It scatters nothing.
+  /// @param slice  of the trilinear or the cubic basis, in channels K, or K and J's red, green and
+  /// blue; K >= 0. It scatters nothing.
   explicit ShadedVoxels(std::shared_ptr<const BrickSlice> slice);
 
   /// Where light is to be known: the centres of all voxels in cells in which K is not zero, up to
-  /// one voxel outside of the volume [m].
+  /// one voxel outside of the volume [m]; over the cubic basis those of voxels with K > 0.
   const std::vector<Vec3>& lightPoints() const { return corners_->points; }
 
   /// From light at each of lightPoints() what L is to be there, so that between them its means are
   /// right to the fourth order: less a twelfth of its second differences. What is interpolated
-  /// between values of e^-t would else be too bright everywhere.
+  /// between values of e^-t would else be too bright everywhere. Over the cubic basis it is the light
+  /// itself.
   std::vector<Rgb> forMeans(std::span<const Rgb> light) const;
 
   /// The same with light: L at each of lightPoints().
@@ -79,9 +84,15 @@ class ShadedVoxels {
     std::vector<std::int32_t> ofBrick;  ///< shape (bricks, 9, 9, 9)
     std::vector<std::int32_t> begins;   ///< of each brick's values in the march
     std::vector<std::int32_t> number;   ///< of the brick at each entry of the march's table; or -1
+    std::vector<std::int32_t> ofVoxel;  ///< cubic: which of points is at each, of stored bricks; or -1
   };
 
   struct Counters;
+
+  static std::shared_ptr<const Corners> findCentres(const BrickSlice& slice);
+
+  /// withLight() over the cubic basis.
+  ShadedVoxels withSplines(std::span<const Rgb> light) const;
 
   /// Which of the points is at a place; -1: none.
   std::int32_t pointAt(const std::array<std::int32_t, 3>& place) const;
@@ -95,7 +106,8 @@ class ShadedVoxels {
   VoxelMedium extinction_;
   CellGrid cells_;
   CellRange occupied_;
-  std::shared_ptr<const MarchGrid> march_;
+  std::shared_ptr<const MarchGrid> march_;    ///< null: cubic
+  std::shared_ptr<const CubicVoxels> cubic_;  ///< of K and emission; null: trilinear
   std::shared_ptr<const Corners> corners_;
   std::shared_ptr<const std::vector<Rgb>> light_;  ///< at corners_->points; or null
   std::shared_ptr<Counters> counters_;

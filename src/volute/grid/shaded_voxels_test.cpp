@@ -15,12 +15,13 @@ namespace volute {
 namespace {
 
 /// Some voxels of 0..1, others empty, in two bricks and a bit on each axis.
-ShadedVoxels shadedMedium(int channels, bool lit, bool grey = false) {
+ShadedVoxels shadedMedium(int channels, bool lit, bool grey = false,
+                          Basis basis = Basis::kTrilinear) {
   VolumeInfo info;
   info.x = 18, info.y = 17, info.z = 9;
   info.channels = channels;
   info.bounds = {Vec3(-1, 0.5, 2), Vec3(1, 2, 3)};
-  info.basis = Basis::kTrilinear;
+  info.basis = basis;
   std::mt19937 random(11);
   std::uniform_real_distribution<float> uniform(-1, 1);
   std::vector<float> values(info.frameValues());
@@ -36,14 +37,16 @@ ShadedVoxels shadedMedium(int channels, bool lit, bool grey = false) {
   return dark.withLight(light);
 }
 
-conformance::MediumUnderTest shadedUnderTest(int channels, bool lit, bool grey = false) {
-  const ShadedVoxels medium = shadedMedium(channels, lit, grey);
+conformance::MediumUnderTest shadedUnderTest(int channels, bool lit, bool grey = false,
+                                             Basis basis = Basis::kTrilinear) {
+  const ShadedVoxels medium = shadedMedium(channels, lit, grey, basis);
   conformance::Traits traits;
   const BrickSlice& slice = medium.slice();
   const std::array<int, 3> count{slice.x(), slice.y(), slice.z()};
   for (int axis = 0; axis < 3; ++axis) {
     const double voxel = slice.bounds().size()[axis] / count[static_cast<std::size_t>(axis)];
-    for (int i = 0; i < count[static_cast<std::size_t>(axis)]; ++i)
+    const int cells = count[static_cast<std::size_t>(axis)] + (basis == Basis::kCubic ? 2 : 0);
+    for (int i = 0; i < cells; ++i)
       traits.planes[static_cast<std::size_t>(axis)].push_back(medium.bounds().min[axis] +
                                                               (i + 1) * voxel);
   }
@@ -55,6 +58,9 @@ VOLUTE_CONFORMANCE(ShadedGlowing, shadedUnderTest(4, false));
 VOLUTE_CONFORMANCE(ShadedLit, shadedUnderTest(1, true));
 VOLUTE_CONFORMANCE(ShadedGlowingAndLit, shadedUnderTest(4, true));
 VOLUTE_CONFORMANCE(ShadedLitInOneColour, shadedUnderTest(1, true, true));
+VOLUTE_CONFORMANCE(ShadedCubicGlowing, shadedUnderTest(4, false, false, Basis::kCubic));
+VOLUTE_CONFORMANCE(ShadedCubicLit, shadedUnderTest(1, true, false, Basis::kCubic));
+VOLUTE_CONFORMANCE(ShadedCubicGlowingAndLit, shadedUnderTest(4, true, false, Basis::kCubic));
 
 TEST(ShadedVoxels, AsksForLightOnceAtEachCornerThatNeedsIt) {
   VolumeInfo info;

@@ -7,6 +7,22 @@
 #include <numeric>
 
 namespace volute {
+namespace {
+
+constexpr std::string_view kBasisNames[] = {"box", "trilinear", "cubic"};
+
+}  // namespace
+
+std::string_view basisName(Basis basis) {
+  return kBasisNames[static_cast<std::size_t>(basis)];
+}
+
+std::optional<Basis> basisNamed(std::string_view name) {
+  for (const Basis basis : {Basis::kBox, Basis::kTrilinear, Basis::kCubic}) {
+    if (basisName(basis) == name) return basis;
+  }
+  return std::nullopt;
+}
 
 int VolumeInfo::frameAt(double time) const {
   const auto after = std::upper_bound(times.begin(), times.end(), time);

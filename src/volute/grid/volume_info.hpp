@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "volute/base/result.hpp"
@@ -12,8 +14,16 @@
 namespace volute {
 
 /// What the values of a volume multiply: `kBox` is constant in each voxel; `kTrilinear` interpolates between voxel
-/// centres and falls to zero one voxel beyond the outer ones.
-enum class Basis { kBox, kTrilinear };
+/// centres and falls to zero one voxel beyond the outer ones; `kCubic` are B-splines of degree 3 at voxel centres, smooth
+/// to the second derivative, which reach two voxels beyond the outer ones. Splines do not interpolate: they stay within
+/// the range of the values.
+enum class Basis { kBox, kTrilinear, kCubic };
+
+/// "box", "trilinear" or "cubic".
+std::string_view basisName(Basis basis);
+
+/// The basis of a name; nothing for any other name.
+std::optional<Basis> basisNamed(std::string_view name);
 
 /// A sequence of volumes without its values: sizes, place and time.
 struct VolumeInfo {

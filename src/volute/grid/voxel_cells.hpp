@@ -19,6 +19,10 @@ inline CellGrid cellsOf(const BrickSlice& slice) {
   const Vec3 voxel = slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()));
   if (slice.basis() == Basis::kBox)
     return {slice.bounds().min, voxel, {slice.x(), slice.y(), slice.z()}};
+  // Cell i lies between the centres of voxels i - 2 and i - 1.
+  if (slice.basis() == Basis::kCubic) {
+    return {slice.bounds().min - 1.5 * voxel, voxel, {slice.x() + 3, slice.y() + 3, slice.z() + 3}};
+  }
   // Cell i lies between the centres of voxels i - 1 and i.
   return {slice.bounds().min - 0.5 * voxel, voxel, {slice.x() + 1, slice.y() + 1, slice.z() + 1}};
 }
@@ -26,7 +30,7 @@ inline CellGrid cellsOf(const BrickSlice& slice) {
 /// The cells that voxels of stored bricks reach into.
 inline CellRange occupiedCells(const BrickSlice& slice, const CellGrid& cells) {
   CellRange range{cells.count, {0, 0, 0}};
-  const int reach = slice.basis() == Basis::kTrilinear ? 1 : 0;
+  const int reach = slice.basis() == Basis::kBox ? 0 : slice.basis() == Basis::kTrilinear ? 1 : 3;
   for (int bz = 0; bz < slice.bricksZ(); ++bz) {
     for (int by = 0; by < slice.bricksY(); ++by) {
       for (int bx = 0; bx < slice.bricksX(); ++bx) {

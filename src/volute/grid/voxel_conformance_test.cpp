@@ -33,6 +33,13 @@ conformance::Traits traits(const VoxelMedium& medium) {
       traits.planes[axis].push_back(medium.bounds().min[axis] + i * voxel);
     }
   }
+  if (slice.basis() == Basis::kCubic) {
+    for (int axis = 0; axis < 3; ++axis) {  // cells reach one voxel further on each side
+      const double voxel = slice.bounds().size()[axis] / count[axis];
+      for (int i : {count[axis], count[axis] + 1, count[axis] + 2})
+        traits.planes[axis].push_back(medium.bounds().min[axis] + i * voxel);
+    }
+  }
   // The adaptive Simpson of the suite steps over corners of voxels, which jump in the box basis.
   if (slice.basis() == Basis::kBox)
     traits.tolerance.quadrature = 5e-3;
@@ -79,10 +86,14 @@ VOLUTE_CONFORMANCE(BoxInDouble, inDouble(1, Basis::kBox));
 VOLUTE_CONFORMANCE(BoxRgbInDouble, inDouble(3, Basis::kBox));
 VOLUTE_CONFORMANCE(TrilinearInDouble, inDouble(1, Basis::kTrilinear));
 VOLUTE_CONFORMANCE(TrilinearRgbInDouble, inDouble(3, Basis::kTrilinear));
+VOLUTE_CONFORMANCE(CubicInDouble, inDouble(1, Basis::kCubic));
+VOLUTE_CONFORMANCE(CubicRgbInDouble, inDouble(3, Basis::kCubic));
 VOLUTE_CONFORMANCE(BoxInFloat, inFloat(1, Basis::kBox));
 VOLUTE_CONFORMANCE(BoxRgbInFloat, inFloat(3, Basis::kBox));
 VOLUTE_CONFORMANCE(TrilinearInFloat, inFloat(1, Basis::kTrilinear));
 VOLUTE_CONFORMANCE(TrilinearRgbInFloat, inFloat(3, Basis::kTrilinear));
+VOLUTE_CONFORMANCE(CubicInFloat, inFloat(1, Basis::kCubic));
+VOLUTE_CONFORMANCE(CubicRgbInFloat, inFloat(3, Basis::kCubic));
 
 }  // namespace
 }  // namespace volute

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "volute/base/assert.hpp"
+#include "volute/grid/cubic_voxels.hpp"
 #include "volute/grid/voxel_cells.hpp"
 #include "volute/grid/voxel_march.hpp"
 #include "volute/medium/integrate.hpp"
@@ -29,8 +30,12 @@ VoxelMedium::VoxelMedium(std::shared_ptr<const BrickSlice> slice, double emissio
       extinctionScale_(extinctionScale),
       cells_(cellsOf(*slice_)),
       occupied_(occupiedCells(*slice_, cells_)),
-      march_(makeMarchGrid(slice_, cells_, emissionScale, extinctionScale)),
-      counters_(std::make_shared<Counters>()) {}
+      counters_(std::make_shared<Counters>()) {
+  if (slice_->basis() == Basis::kCubic)
+    cubic_ = std::make_shared<const CubicVoxels>(slice_, emissionScale, extinctionScale);
+  else
+    march_ = makeMarchGrid(slice_, cells_, emissionScale, extinctionScale);
+}
 
 double VoxelMedium::meanOfChannels(int x, int y, int z) const {
   double sum = 0;
@@ -54,12 +59,16 @@ double VoxelMedium::weightedValue(const Vec3& point, int channel) const {
 }
 
 double VoxelMedium::extinction(const Vec3& point) const {
+  if (cubic_)
+    return cubic_->extinction(point);
   double sum = 0;
   for (int c = 0; c < slice_->channels(); ++c) sum += weightedValue(point, c);
   return extinctionScale_ * (sum / slice_->channels());
 }
 
 Rgb VoxelMedium::emission(const Vec3& point) const {
+  if (cubic_)
+    return cubic_->emission(point);
   Rgb result;
   for (int c = 0; c < 3; ++c)
     result[c] = emissionScale_ * weightedValue(point, slice_->channels() == 3 ? c : 0);
@@ -67,6 +76,8 @@ Rgb VoxelMedium::emission(const Vec3& point) const {
 }
 
 void VoxelMedium::opticalDepth(std::span<const Segment> segments, std::span<double> depths) const {
+  if (cubic_)
+    return cubic_->opticalDepth(segments, depths);
   if (extinctionScale_ == 0) {  // fire in the light of a sun
     std::ranges::fill(depths, 0);
     return;
@@ -93,6 +104,8 @@ void VoxelMedium::opticalDepth(std::span<const Segment> segments, std::span<doub
 
 void VoxelMedium::pieces(std::span<const Segment> segments,
                          std::span<std::vector<Piece>> pieces) const {
+  if (cubic_)
+    return cubic_->pieces(segments, pieces);
   const int channels = slice_->channels();
   const int corners = trilinear() ? 8 : 1;
   for (std::size_t s = 0; s < segments.size(); ++s) {
@@ -124,6 +137,8 @@ void VoxelMedium::pieces(std::span<const Segment> segments,
 }
 
 void VoxelMedium::radiance(std::span<const Segment> segments, std::span<Radiance> out) const {
+  if (cubic_)
+    return cubic_->radiance(segments, out);
   if (!march_->fits)
     return radianceByPieces(*this, segments, out);
   MarchCounts counts;
@@ -160,6 +175,8 @@ VoxelMedium VoxelMedium::withCoefficients(std::span<const double> coefficients) 
 }
 
 MarchCounts VoxelMedium::counts() const {
+  if (cubic_)
+    return cubic_->counts();
   return {counters_->voxels, counters_->bricksVisited, counters_->bricksSkipped};
 }
 

@@ -14,6 +14,7 @@
 namespace volute {
 
 struct MarchGrid;
+class CubicVoxels;
 
 /// What VoxelMedium::radiance has looked at so far, summed over all calls.
 struct MarchCounts {
@@ -28,7 +29,7 @@ struct MarchCounts {
 ///   extinction = extinctionScale * mean of the channels [1/m]
 /// with values that are constant in each voxel (box), or interpolated between voxel centres and
 /// falling to zero one voxel beyond the outer ones (trilinear; its bounds are then half a voxel
-/// larger than the slice's).
+/// larger than the slice's), or that are coefficients of B-splines (cubic; see CubicVoxels).
 ///
 /// Values should not be negative where they absorb; small negative ones, as lossy compression
 /// leaves, do no harm. Cheap to copy: what it holds is shared and const.
@@ -45,8 +46,8 @@ class VoxelMedium {
   /// Exact, in double.
   void opticalDepth(std::span<const Segment> segments, std::span<double> depths) const;
 
-  /// One piece for each voxel (box) or for each cell between eight centres (trilinear) that is not
-  /// all zero.
+  /// One piece for each voxel (box) or for each cell between eight centres (trilinear, cubic) that is
+  /// not all zero.
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
   /// The fast path, in float and SIMD. Closed forms throughout, but for absorbing RGB in the
@@ -79,7 +80,8 @@ class VoxelMedium {
   double extinctionScale_;
   CellGrid cells_;      // voxels, or the cells between their centres
   CellRange occupied_;  // the cells of all bricks that are stored
-  std::shared_ptr<const MarchGrid> march_;
+  std::shared_ptr<const MarchGrid> march_;    // null: cubic
+  std::shared_ptr<const CubicVoxels> cubic_;  // null: another basis
   std::shared_ptr<Counters> counters_;
 };
 

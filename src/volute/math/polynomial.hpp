@@ -8,10 +8,9 @@
 
 namespace volute {
 
-/// c0 + c1 s + ... + c7 s^7: what a tensor product of two cubic splines is along a line, times a
-/// linear function.
+/// c0 + c1 s + ... + c9 s^9: what a tensor product of three cubic splines is along a line.
 struct Polynomial {
-  static constexpr int kTerms = 8;
+  static constexpr int kTerms = 10;
   std::array<double, kTerms> c{};
 
   double operator()(double s) const {

@@ -39,7 +39,7 @@ void addVolume(Report& report, const VolumeInfo& info) {
            firstToLast(info.times.front(), info.times.back()) + " s")
       .add("bounds", {b.min.x(), b.min.y(), b.min.z(), b.max.x(), b.max.y(), b.max.z()},
            boxText(b))
-      .add("basis", info.basis == Basis::kBox ? "box" : "trilinear")
+      .add("basis", basisName(info.basis))
       .add("raw_bytes", info.rawBytes(), bytesText(info.rawBytes()));
 }
 
