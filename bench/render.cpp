@@ -10,6 +10,7 @@
 #include "bench/timing.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/grid/voxel_medium.hpp"
+#include "volute/media/volume/volume_light.hpp"
 #include "volute/tree4d/tree4d.hpp"
 
 namespace volute::bench {
@@ -31,6 +32,48 @@ Result<Image> picture(const Tree4d& tree, int frame, const Camera& camera, const
       VoxelMedium(std::make_shared<const BrickSlice>(std::move(slice)), 1.0, look.extinction))};
   Progress quiet;
   return render(camera, media, {.renderer = renderer}, quiet);
+}
+
+/// The same in the light of a sun and a lamp, from its voxels to the picture.
+Result<Image> litPicture(const Tree4d& tree, int frame, const Camera& camera, double extinction) {
+  BrickSlice slice = tree.extractSlice(frame);
+  slice.setBasis(Basis::kTrilinear);
+  std::vector<float> values(slice.values().begin(), slice.values().end());
+  for (float& value : values) value = std::max(0.0F, static_cast<float>(extinction) * value);
+  slice.assign({slice.index().begin(), slice.index().end()}, std::move(values));
+  const Box3 box = slice.bounds();
+  VolumeLighting lighting;
+  lighting.albedo = Rgb::Constant(0.9);
+  lighting.asymmetry = 0.3;
+  Lamp sun, point;
+  sun.kind = Lamp::Kind::kSun;
+  sun.direction = Vec3(0.6, 0.3, -0.8).normalized();
+  point.position = box.min - 0.2 * box.size();
+  point.intensity = Rgb::Constant(box.size().squaredNorm());
+  lighting.lamps = {sun, point};
+  const VolumeLight light(ShadedVoxels(std::make_shared<const BrickSlice>(std::move(slice))),
+                          lighting);
+  const std::vector<AnyMedium> media{AnyMedium(light.seenFrom({false, camera.eye()}))};
+  Progress quiet;
+  return render(camera, media, {}, quiet);
+}
+
+/// What light and a smoother basis cost.
+void benchLooks(const std::string& name, const Tree4d& tree, const Camera& camera,
+                double extinction, BenchRows& rows) {
+  const Look plain{"absorbing, trilinear", extinction, Basis::kTrilinear};
+  const Look cubic{"absorbing, cubic", extinction, Basis::kCubic};
+  const int frame = tree.info().frames / 2;
+  const auto secondsFor = [](auto&& draw) {
+    return medianSeconds([&] { (void)draw(); }, 1.0);
+  };
+  const double base =
+      secondsFor([&] { return picture(tree, frame, camera, plain, Renderer::kCpu); });
+  const double smooth =
+      secondsFor([&] { return picture(tree, frame, camera, cubic, Renderer::kCpu); });
+  const double lit = secondsFor([&] { return litPicture(tree, frame, camera, extinction); });
+  rows.add({fmt::format("{}: absorbing, cubic, cpu", name), 1 / smooth, "frames/s", base / smooth});
+  rows.add({fmt::format("{}: lit by a sun and a lamp, cpu", name), 1 / lit, "frames/s", base / lit});
 }
 
 Status benchOne(const std::string& name, const Sequence& sequence, Progress& progress,
@@ -64,6 +107,8 @@ Status benchOne(const std::string& name, const Sequence& sequence, Progress& pro
     rows.add({fmt::format("{}: {}, |cpu - reference| / maximum", name, look.name),
               brightest > 0 ? difference / brightest : 0.0, "", std::nullopt});
   }
+  if (info.channels == 1)
+    benchLooks(name, tree, camera, extinction, rows);
   return {};
 }
 

@@ -88,6 +88,22 @@ Status drawable(const MediumAt&) {
   return {};
 }
 
+Status drawable(const VolumeAt& volume) {
+  if (volume.info().basis == Basis::kCubic)
+    return fail(ErrorCode::kUnsupported, "a volume over the cubic basis");
+  return {};
+}
+
+Status drawable(const FogAt& fog) {
+  if (!fog.lampLit())
+    return {};
+  return fail(ErrorCode::kUnsupported, "fog in the light of a fire");
+}
+
+Status drawable(const BillboardAt& board) {
+  return drawable(board.volume());
+}
+
 Status drawable(const FdsAt& fds) {
   if (fds.sheets().empty())
     return {};

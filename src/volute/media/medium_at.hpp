@@ -12,6 +12,7 @@
 
 #include "volute/camera/camera.hpp"
 #include "volute/geometry/triangle_scene.hpp"
+#include "volute/lighting/lamp.hpp"
 #include "volute/medium/any_medium.hpp"
 #include "volute/render/surfaces.hpp"
 
@@ -53,6 +54,13 @@ struct WallHit {
   Vec3 normal = Vec3::UnitX();  ///< unit, into the medium
 };
 
+/// What glows, as lamps, and what is in its light's way.
+struct MediaLight {
+  std::span<const Lamp> lamps;
+  Blocks blocks{};                       ///< opaque things; may be empty
+  std::span<const AnyMedium> between{};  ///< all other media, with their physical extinction
+};
+
 /// A medium at one instant, immutable and shared between threads: what rays meet, and by query what
 /// somebody can do faster or beyond rays. Extinctions are times the factor of the picture's law
 /// that it was asked for with.
@@ -84,6 +92,17 @@ class MediumAt {
 
   /// Null, or what looks nearly the same and is drawn much sooner: without surfaces' shadows.
   virtual std::shared_ptr<const MediumAt> quick() const { return nullptr; }
+
+  /// Where it glows, and how strongly: lamps that shine everywhere, a bounded number, in the scene's
+  /// place. Nothing takes from their light yet. Empty: it lights nothing but itself.
+  virtual std::vector<Lamp> lightSources() const { return {}; }
+
+  /// The same in the light of other media besides all that shines at it anyway; null: that changes
+  /// nothing of it.
+  virtual std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const {
+    (void)light;
+    return nullptr;
+  }
 
   /// What it holds alone, about [bytes].
   virtual std::uint64_t memoryBytes() const { return 0; }

@@ -10,7 +10,9 @@
 #include "volute/base/remark_log.hpp"
 #include "volute/io/json_depth.hpp"
 #include "volute/io/json_file.hpp"
+#include "volute/media/light_blockers.hpp"
 #include "volute/media/volume/volume_input.hpp"
+#include "volute/render/scaled_medium.hpp"
 #include "volute/scene/kinds.hpp"
 
 namespace volute {
@@ -279,7 +281,51 @@ Result<Snapshot> Scene::at(const InstantRequest& request, Progress& progress) {
   snapshot.lights = description_.lights;
   snapshot.signs = description_.signs;
   snapshot.background = description_.background;
+  if (!request.coarse)
+    shine(snapshot, progress);
   return snapshot;
+}
+
+void Scene::shine(Snapshot& snapshot, Progress& progress) {
+  if (media_.size() < 2 && snapshot.geometry.empty())
+    return;  // there is nothing else to be lit
+  std::vector<std::vector<Lamp>> lamps;
+  std::size_t count = 0;
+  for (const auto& medium : snapshot.media) {
+    lamps.push_back(medium->lightSources());
+    count += lamps.back().size();
+  }
+  if (count == 0)
+    return;
+  const std::vector<std::shared_ptr<const MediumAt>> plain = snapshot.media;
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    std::vector<Lamp> others;
+    std::vector<AnyMedium> between;
+    for (std::size_t k = 0; k < plain.size(); ++k) {
+      if (k == i)
+        continue;
+      others.insert(others.end(), lamps[k].begin(), lamps[k].end());
+      plain[k]->addMedia(between);
+    }
+    for (AnyMedium& medium : between) medium = scaledBy(1 / snapshot.law.factor(), medium);
+    if (others.empty())
+      continue;
+    if (auto lit = plain[i]->litBy({others, blocksOf(geometry_), between}))
+      snapshot.media[i] = std::move(lit);
+  }
+  for (const auto& some : lamps)
+    snapshot.lights.lamps.insert(snapshot.lights.lamps.end(), some.begin(), some.end());
+  if (toldOfGlow_)
+    return;
+  toldOfGlow_ = true;
+  Rgb power = Rgb::Zero();
+  for (const auto& some : lamps) {
+    for (const Lamp& lamp : some) power += lamp.intensity;
+  }
+  progress.remark(fmt::format(
+      "what glows lights the rest of the scene, as {} lamp{} of {:.3g}, {:.3g}, {:.3g} per solid "
+      "angle in all; \"lights_scene\": \"never\" of a volume leaves that out",
+      count, count == 1 ? "" : "s", power[0], power[1], power[2]));
 }
 
 std::vector<std::string> Scene::files() const {

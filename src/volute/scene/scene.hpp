@@ -114,6 +114,8 @@ class Scene {
   [[nodiscard]] Result<std::vector<std::shared_ptr<SceneMedium>>> openMedia(
       const SceneDescription& description, bool sameLights, Progress& progress);
   [[nodiscard]] Status placeSurfaces(const InstantRequest& request);
+  /// What glows lights the rest.
+  void shine(Snapshot& snapshot, Progress& progress);
 
   std::string path_;  ///< names in the JSON are found from its folder
   bool isFile_ = true;
@@ -124,6 +126,7 @@ class Scene {
   TriangleScene geometry_;  ///< the scene's own
   std::string assumption_;
   std::optional<PictureLaw> law_;
+  bool toldOfGlow_ = false;
   TriangleScene surfaces_;               ///< all that is opaque,
   std::vector<std::uint64_t> surfacesOf_;  ///< SceneMedium::surfacesKey() of it
 };

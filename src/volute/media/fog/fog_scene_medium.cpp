@@ -89,7 +89,20 @@ FogAt::FogAt(FogLayer layer, double time, double factor, std::optional<SunlitFog
       sunlit_(std::move(sunlit)) {}
 
 void FogAt::addMedia(std::vector<AnyMedium>& media) const {
-  media.push_back(scaledBy(factor_, sunlit_ ? AnyMedium(*sunlit_) : AnyMedium(fog_)));
+  AnyMedium fog = lampLit_ ? AnyMedium(*lampLit_) : sunlit_ ? AnyMedium(*sunlit_) : AnyMedium(fog_);
+  media.push_back(scaledBy(factor_, std::move(fog)));
+}
+
+std::shared_ptr<const MediumAt> FogAt::litBy(const MediaLight& light) const {
+  const SunScattering& scattering = layer_.description().scattering;
+  if (light.lamps.empty() || !(scattering.albedo.maxCoeff() > 0))
+    return nullptr;
+  auto lit = std::make_shared<FogAt>(layer_, time_, factor_, sunlit_);
+  const AnyMedium density(fog_);
+  lit->lampLit_.emplace(sunlit_ ? AnyMedium(*sunlit_) : density, density, light.lamps,
+                        LampScattering{scattering.albedo, scattering.asymmetry, light.between,
+                                       light.blocks});
+  return lit;
 }
 
 std::shared_ptr<const MediumAt> FogAt::quick() const {
@@ -99,7 +112,7 @@ std::shared_ptr<const MediumAt> FogAt::quick() const {
 }
 
 Status FogAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
-  const auto options = sunlit_ ? std::nullopt : layer_.polarFor(camera);
+  const auto options = sunlit_ || lampLit_ ? std::nullopt : layer_.polarFor(camera);
   if (!options) {
     addMedia(media);
     return {};

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include "volute/lighting/lamp_lit_medium.hpp"
 #include "volute/media/fog/fog_layer.hpp"
 #include "volute/media/medium_kind.hpp"
 
@@ -20,6 +21,11 @@ class FogAt final : public MediumAt {
 
   std::shared_ptr<const MediumAt> quick() const override;
 
+  std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override;
+
+  /// The same in the light of other media, where any shine at it.
+  const std::optional<LampLitMedium>& lampLit() const { return lampLit_; }
+
   const FogMedium& fog() const { return fog_; }
 
   const std::optional<SunlitFog>& sunlit() const { return sunlit_; }
@@ -34,6 +40,7 @@ class FogAt final : public MediumAt {
   FogMedium fog_;
   double factor_;
   std::optional<SunlitFog> sunlit_;
+  std::optional<LampLitMedium> lampLit_;
 };
 
 /// A map of fog in a scene. Its map can be painted.

@@ -53,6 +53,10 @@ bool scattersSuns(const void* volume, const MediumFacts& facts) {
   return facts.suns && (appearance.albedo > 0).any();
 }
 
+bool saysBasis(const void* volume, const MediumFacts& /*facts*/) {
+  return static_cast<const SceneVolume*>(volume)->appearance.basis.has_value();
+}
+
 double boardStep(const void* board, const MediumFacts& /*facts*/) {
   const BillboardOptions& options = static_cast<const SceneBillboard*>(board)->options;
   return std::hypot(options.width, options.height) / 500;
@@ -62,8 +66,9 @@ double boardStep(const void* board, const MediumFacts& /*facts*/) {
 
 const FieldTable& volumeFields() {
   using enum FieldType;
-  static constexpr std::string_view kBases[] = {"box", "trilinear"};
+  static constexpr std::string_view kBases[] = {"box", "trilinear", "cubic"};
   static constexpr std::string_view kInterpolations[] = {"none", "auto", "linear", "velocity"};
+  static constexpr std::string_view kLights[] = {"auto", "always", "never"};
   static constexpr std::string_view kPresets[] = {"none", "auto", "fire", "smoke", "fire-and-smoke"};
   // clang-format off: a row is read as one
   static const FieldRow kFields[] = {
@@ -95,6 +100,10 @@ const FieldTable& volumeFields() {
       {.name = "flames", .type = kObject,
        .access = optionalPart<&SceneVolume::appearance, &Appearance::flames>(),
        .help = "glowing black bodies in the volume", .table = &flameFields()},
+      {.name = "lights_scene", .type = kChoice,
+       .access = member<&SceneVolume::appearance, &Appearance::lightsScene>(),
+       .help = "whether its emission lights surfaces, fog and other volumes, as up to 8 lamps; auto: "
+               "if it has flames", .choices = kLights},
       {.name = "preset", .type = kChoice, .access = member<&SceneVolume::preset>(),
        .help = "default appearance, from the names and ranges of the grids: fire, smoke, or both",
        .choices = kPresets,
@@ -102,9 +111,10 @@ const FieldTable& volumeFields() {
                                            "--emission", .picture = true}},
       {.name = "basis", .type = kChoice,
        .access = member<&SceneVolume::appearance, &Appearance::basis>(),
-       .help = "interpolation between voxel centres; if not given, trilinear, or the file's own "
-               "basis in measured pictures",
-       .choices = kBases, .option = {.value = "NAME", .scene = true}},
+       .help = "interpolation between voxel centres; cubic: B-splines, for close views; if not "
+               "given, trilinear, or the file's own basis in measured pictures",
+       .choices = kBases, .option = {.value = "NAME", .scene = true},
+       .slider = {.label = "basis", .shown = saysBasis}},
       {.name = "interpolate", .type = kChoice,
        .access = member<&SceneVolume::appearance, &Appearance::interpolation>(),
        .help = "between frames: velocity: move along a velocity grid (velocity, vel or v, or "

@@ -86,7 +86,7 @@ class VolumeKind final : public MediumKind {
     }
     if (appearance.shaded() && appearance.basis == Basis::kBox) {
       return origin.wrong(FieldRow{.name = "basis"},
-                          "what is lit or burns is drawn over the trilinear basis; leave it out");
+                          "what is lit or burns is drawn over the trilinear or the cubic basis");
     }
     // Pictures are smooth where the file does not want otherwise; measurements take its own.
     if (!appearance.basis && (appearance.shaded() || !context.options.measured))

@@ -92,6 +92,9 @@ VolumeLayer::VolumeLayer(VolumeInput input, const Appearance& appearance)
 void VolumeLayer::setAppearance(const Appearance& appearance) {
   shadedMoment_ = -1;
   const Placement before = std::exchange(appearance_, appearance).placement;
+  info_.basis = appearance_.basis.value_or(input_->source->info().basis);
+  if (slice_ && slice_->basis() != info_.basis)
+    slice_ = std::make_shared<const BrickSlice>(asItLooks(*slice_, info_));
   const Placement& now = appearance_.placement;
   if (now.scale == before.scale && now.offset == before.offset && now.turn == before.turn)
     return;
@@ -368,7 +371,8 @@ Result<std::shared_ptr<const BrickSlice>> VolumeLayer::shadedSliceAt(double mome
   const bool emits = flames || appearance_.emission != 0;
   VolumeInfo info = info_;
   info.channels = emits ? 4 : 1;
-  info.basis = Basis::kTrilinear;
+  if (info.basis == Basis::kBox)
+    info.basis = Basis::kTrilinear;
   std::vector<float> values(voxels * static_cast<std::size_t>(info.channels), 0);
   std::vector<float> burns, hot;
   if (flames) {

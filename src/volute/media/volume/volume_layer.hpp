@@ -40,6 +40,13 @@ enum class Interpolation {
   kVelocity,  ///< both, moved along the velocities to where they are then
 };
 
+/// Whether what a volume emits is light for surfaces and other media.
+enum class LightsScene {
+  kAuto,  ///< where flames burn in it
+  kAlways,
+  kNever,
+};
+
 /// How a volume looks, and where and when.
 struct Appearance {
   double emission = 1;         ///< radiance per metre per unit
@@ -48,6 +55,7 @@ struct Appearance {
   double asymmetry = 0;        ///< g of Henyey and Greenstein, -1 < g < 1
   std::optional<Flames> flames{};
   std::string colors{};  ///< the grid (three channels, or three grids _r, _g, _b) that colours albedo
+  LightsScene lightsScene = LightsScene::kAuto;
   std::optional<Basis> basis;  ///< instead of the file's
   Placement placement;
   Clock clock;
@@ -55,6 +63,11 @@ struct Appearance {
   double velocityScale = 1;  ///< [m/s] of one unit of the grid of velocities
 
   bool scatters() const { return extinction > 0 && albedo.maxCoeff() > 0; }
+
+  bool lights() const {
+    return lightsScene == LightsScene::kAuto ? flames.has_value()
+                                             : lightsScene == LightsScene::kAlways;
+  }
 
   /// Whether it is more than one grid of emission and extinction.
   bool shaded() const { return scatters() || flames.has_value(); }

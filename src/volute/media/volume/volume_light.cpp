@@ -11,6 +11,7 @@
 
 #include "volute/base/parallel.hpp"
 #include "volute/math/phase_function.hpp"
+#include "volute/media/volume/light_fan.hpp"
 
 namespace volute {
 namespace {
@@ -116,67 +117,81 @@ class CoarseLattice {
 VolumeLight::VolumeLight(ShadedVoxels volume, VolumeLighting lighting)
     : volume_(std::move(volume)), lighting_(std::move(lighting)) {}
 
-std::vector<Lamp> VolumeLight::lampsOf(const ShadedVoxels& volume, std::size_t most) {
-  const BrickSlice& slice = volume.slice();
-  if (slice.channels() != 4)
-    return {};
+namespace {
 
-  struct Fire {
-    Rgb power = Rgb::Zero();
-    Vec3 moment = Vec3::Zero();
-    double weight = 0;
-    double square = 0;
-  };
+/// What glows in a part of a volume.
+struct Glow {
+  Rgb power = Rgb::Zero();  ///< sums over voxels
+  Vec3 moment = Vec3::Zero();
+  double weight = 0, square = 0;
 
+  void add(const Rgb& sent, const Vec3& at) {
+    const double share = sent.sum();
+    power += sent;
+    moment += share * at;
+    square += share * at.squaredNorm();
+    weight += share;
+  }
+
+  void add(const Glow& other) {
+    power += other.power, moment += other.moment;
+    weight += other.weight, square += other.square;
+  }
+
+  /// A lamp of its power. What a voxel emits goes everywhere: its power per solid angle is radiance
+  /// per metre times volume. Inside of it no light is stronger than at its rim.
+  Lamp lamp(const Vec3& voxel, double scale) const {
+    Lamp made;
+    made.position = moment / weight;
+    made.intensity = scale * voxel.prod() * power;
+    const double spread = std::sqrt(std::max(square / weight - made.position.squaredNorm(), 0.0));
+    made.radius = std::max(spread, 0.5 * voxel.norm());
+    return made;
+  }
+};
+
+Glow glowOf(const BrickSlice& slice, int bx, int by, int bz, const Vec3& voxel) {
+  Glow glow;
+  const std::int32_t stored = slice.brickAt(bx, by, bz);
+  if (stored == BrickSlice::kEmpty)
+    return glow;
+  const int channels = slice.channels(), first = channels == 4 ? 1 : 0;
+  const int step = channels == 1 ? 0 : BrickSlice::kVoxels;  // grey: one for all three
+  const float* values = slice.brick(stored) + first * BrickSlice::kVoxels;
+  for (int i = 0; i < BrickSlice::kVoxels; ++i) {
+    const Rgb sent =
+        Rgb(values[i], values[i + step], values[i + 2 * step]).max(0);
+    if (!(sent.sum() > 0))
+      continue;
+    const Vec3 place(bx * 8 + i % 8 + 0.5, by * 8 + i / 8 % 8 + 0.5, bz * 8 + i / 64 + 0.5);
+    glow.add(sent, slice.bounds().min + place.cwiseProduct(voxel));
+  }
+  return glow;
+}
+
+}  // namespace
+
+std::vector<Lamp> VolumeLight::lampsOf(const BrickSlice& slice, double scale, std::size_t most) {
   const Vec3 voxel = slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()));
-  for (int side = 1;; side *= 2) {  // [bricks]
-    std::map<std::array<int, 3>, Fire> fires;
-    for (int bz = 0; bz < slice.bricksZ(); ++bz) {
-      for (int by = 0; by < slice.bricksY(); ++by) {
-        for (int bx = 0; bx < slice.bricksX(); ++bx) {
-          const std::int32_t stored = slice.brickAt(bx, by, bz);
-          if (stored == BrickSlice::kEmpty)
-            continue;
-          const float* values = slice.brick(stored) + BrickSlice::kVoxels;
-          Fire here;
-          for (int i = 0; i < BrickSlice::kVoxels; ++i) {
-            const Rgb sent(values[i], values[i + BrickSlice::kVoxels],
-                           values[i + 2 * BrickSlice::kVoxels]);
-            const double weight = sent.sum();
-            if (!(weight > 0))
-              continue;
-            const Vec3 place(bx * 8 + i % 8 + 0.5, by * 8 + i / 8 % 8 + 0.5, bz * 8 + i / 64 + 0.5);
-            const Vec3 at = slice.bounds().min + place.cwiseProduct(voxel);
-            here.power += sent.max(0);
-            here.moment += weight * at;
-            here.square += weight * at.squaredNorm();
-            here.weight += weight;
-          }
-          if (!(here.weight > 0))
-            continue;
-          Fire& fire = fires[{bx / side, by / side, bz / side}];
-          fire.power += here.power, fire.moment += here.moment;
-          fire.weight += here.weight, fire.square += here.square;
-        }
+  std::map<std::array<int, 3>, Glow> glows;
+  for (int bz = 0; bz < slice.bricksZ(); ++bz) {
+    for (int by = 0; by < slice.bricksY(); ++by) {
+      for (int bx = 0; bx < slice.bricksX(); ++bx) {
+        const Glow here = glowOf(slice, bx, by, bz, voxel);
+        if (here.weight > 0)
+          glows[{bx, by, bz}] = here;
       }
     }
-    if (fires.size() > most)
-      continue;
-    std::vector<Lamp> lamps;
-    for (const auto& [place, fire] : fires) {
-      Lamp lamp;
-      lamp.position = fire.moment / fire.weight;
-      // What a voxel emits goes everywhere: its power per solid angle is radiance per metre times
-      // volume.
-      lamp.intensity = fire.power * voxel.prod();
-      // Inside of it no light is stronger than at its rim.
-      const double spread =
-          std::sqrt(std::max(fire.square / fire.weight - lamp.position.squaredNorm(), 0.0));
-      lamp.radius = std::max(spread, 0.5 * voxel.norm());
-      lamps.push_back(lamp);
-    }
-    return lamps;
   }
+  while (glows.size() > std::max<std::size_t>(most, 1)) {
+    std::map<std::array<int, 3>, Glow> larger;
+    for (const auto& [place, glow] : glows)
+      larger[{place[0] / 2, place[1] / 2, place[2] / 2}].add(glow);
+    glows = std::move(larger);
+  }
+  std::vector<Lamp> lamps;
+  for (const auto& [place, glow] : glows) lamps.push_back(glow.lamp(voxel, scale));
+  return lamps;
 }
 
 /// Light that is scattered evenly: on a coarse lattice, since it changes slowly.
@@ -217,29 +232,72 @@ void VolumeLight::addSurrounding() const {
   });
 }
 
+/// Where most voxels are light points, rays through all of the volume are fewer.
+bool VolumeLight::fans() const {
+  constexpr std::size_t kSparse = 4;
+  const BrickSlice& slice = volume_.slice();
+  const std::size_t voxels = static_cast<std::size_t>(slice.x()) *
+                             static_cast<std::size_t>(slice.y()) *
+                             static_cast<std::size_t>(slice.z());
+  return slice.basis() == Basis::kTrilinear && kSparse * volume_.lightPoints().size() >= voxels;
+}
+
+/// How much of a lamp's light arrives at each light point.
+void VolumeLight::addShares(std::size_t lamp) const {
+  const auto& points = volume_.lightPoints();
+  lampShares_[lamp].resize(points.size());
+  const bool fan = fans();
+  if (fan)
+    LightFan(volume_.slice(), points).transmittances(lighting_.lamps[lamp], lampShares_[lamp]);
+  if (fan && !lighting_.blocks)
+    return;
+  parallelRanges(points.size(), kLightGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<Segment> segments;
+    for (std::size_t i = begin; i < end; ++i)
+      segments.push_back(lighting_.lamps[lamp].towards(points[i]));
+    const std::span<float> shares(&lampShares_[lamp][begin], end - begin);
+    if (!fan)
+      transmittances(volume_, segments, shares);
+    if (!lighting_.blocks)
+      return;
+    std::vector<std::uint8_t> blocked(segments.size());
+    lighting_.blocks(segments, blocked);
+    for (std::size_t i = 0; i < blocked.size(); ++i) {
+      if (blocked[i])
+        shares[i] = 0;
+    }
+  });
+}
+
+std::shared_ptr<const VolumeLight> VolumeLight::withLamps(std::span<const Lamp> lamps) const {
+  const std::lock_guard lock(guard_);
+  const std::size_t own = lighting_.lamps.size();
+  const auto same = [&] {
+    const auto had = std::span(inMore_->lighting_.lamps).subspan(own);
+    return std::ranges::equal(had, lamps, [](const Lamp& a, const Lamp& b) {
+      return a.position == b.position && (a.intensity == b.intensity).all() &&
+             a.radius == b.radius && a.kind == b.kind && a.direction == b.direction;
+    });
+  };
+  if (inMore_ && same())
+    return inMore_;
+  gather();
+  auto more = std::make_shared<VolumeLight>(volume_, lighting_);
+  more->lighting_.lamps.insert(more->lighting_.lamps.end(), lamps.begin(), lamps.end());
+  std::call_once(more->gathered_, [&] {
+    more->lampShares_ = lampShares_, more->even_ = even_;
+    more->lampShares_.resize(more->lighting_.lamps.size());
+    for (std::size_t l = own; l < more->lampShares_.size(); ++l) more->addShares(l);
+  });
+  return inMore_ = std::move(more);
+}
+
 void VolumeLight::gather() const {
   std::call_once(gathered_, [&] {
     if (!(lighting_.albedo.maxCoeff() > 0))
       return;
-    const auto& points = volume_.lightPoints();
-    lampShares_.assign(lighting_.lamps.size(), std::vector<float>(points.size()));
-    for (std::size_t l = 0; l < lighting_.lamps.size(); ++l) {
-      const Lamp& lamp = lighting_.lamps[l];
-      parallelRanges(points.size(), kLightGrain, [&](std::size_t begin, std::size_t end) {
-        std::vector<Segment> segments;
-        for (std::size_t i = begin; i < end; ++i) segments.push_back(lamp.towards(points[i]));
-        const std::span<float> shares(&lampShares_[l][begin], end - begin);
-        transmittances(volume_, segments, shares);
-        if (!lighting_.blocks)
-          return;
-        std::vector<std::uint8_t> blocked(segments.size());
-        lighting_.blocks(segments, blocked);
-        for (std::size_t i = 0; i < blocked.size(); ++i) {
-          if (blocked[i])
-            shares[i] = 0;
-        }
-      });
-    }
+    lampShares_.resize(lighting_.lamps.size());
+    for (std::size_t l = 0; l < lighting_.lamps.size(); ++l) addShares(l);
     addSurrounding();
   });
 }

@@ -26,7 +26,7 @@ struct VolumeLighting {
 /// Single scattering in a volume at one instant:
 ///   L(x, w) = albedo (sum over lamps of E(x) exp(-t(x, lamp)) V phase + A(x) + F(x))
 /// with E a lamp's irradiance where nothing is in the way, t the volume's own optical depth towards
-/// it, exact, at the centre of every voxel. A, the share of an even surrounding that arrives, is a
+/// it at the centre of every voxel: exact, or by LightFan, exact on rays as close as voxels. A, the share of an even surrounding that arrives, is a
 /// mean over 14 directions, and F, what its own fire sends, a sum over the bricks that emit, each
 /// as a point; both are found at every fourth voxel, and are scattered evenly.
 ///
@@ -52,11 +52,28 @@ class VolumeLight {
   /// About what it takes, with its light and one view of it.
   std::uint64_t memoryBytes() const;
 
-  /// Where its own fire is, and how strong: lamps that shine everywhere.
-  static std::vector<Lamp> lampsOf(const ShadedVoxels& volume, std::size_t most);
+  /// Where a volume's fire is, and how strong: lamps that shine everywhere, for whole bricks, or for
+  /// cubes of them where there would be more than `most`.
+  /// @param slice  one channel or three of light, or four, of which the last three are
+  /// @param scale  [radiance/m] of a unit
+  static std::vector<Lamp> lampsOf(const BrickSlice& slice, double scale, std::size_t most);
+
+  static std::vector<Lamp> lampsOf(const ShadedVoxels& volume, std::size_t most) {
+    return volume.slice().channels() == 4 ? lampsOf(volume.slice(), 1, most) : std::vector<Lamp>();
+  }
+
+  /// The same in the light of more lamps; the last one is kept.
+  /// @param lamps  in the volume's own place
+  std::shared_ptr<const VolumeLight> withLamps(std::span<const Lamp> lamps) const;
+
+  const VolumeLighting& lighting() const { return lighting_; }
+
+  const BrickSlice& slice() const { return volume_.slice(); }
 
  private:
   void gather() const;
+  void addShares(std::size_t lamp) const;
+  bool fans() const;
   void addSurrounding() const;
   ShadedVoxels shaded(const std::optional<View>& view) const;
 
@@ -66,6 +83,7 @@ class VolumeLight {
   mutable std::vector<std::vector<float>> lampShares_;  ///< of each lamp, at each light point: 0..1
   mutable std::vector<Rgb> even_;                       ///< A + F at each light point
   mutable std::mutex guard_;
+  mutable std::shared_ptr<const VolumeLight> inMore_;  ///< withLamps()
   mutable std::optional<View> lastView_;
   mutable std::optional<ShadedVoxels> last_;
 };

@@ -33,7 +33,17 @@ VolumeAt::VolumeAt(const VolumeLayer& layer, double factor)
       placement_(layer.placement()),
       emission_(layer.appearance().emission),
       extinction_(factor * layer.appearance().extinction),
-      factor_(factor) {}
+      factor_(factor),
+      lightsScene_(layer.appearance().lights()) {}
+
+VolumeAt::VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> light)
+    : info_(other.info_),
+      placement_(other.placement_),
+      emission_(other.emission_),
+      extinction_(other.extinction_),
+      factor_(other.factor_),
+      lightsScene_(other.lightsScene_),
+      light_(std::move(light)) {}
 
 VolumeAt::VolumeAt(const VolumeLayer& layer, std::shared_ptr<const BrickSlice> slice, double factor)
     : VolumeAt(layer, factor) {
@@ -101,6 +111,30 @@ Status VolumeAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media
   }
   addPlaced(scaledBy(factor_, AnyMedium(seen)), media);
   return {};
+}
+
+std::vector<Lamp> VolumeAt::lightSources() const {
+  constexpr std::size_t kMostLamps = 8;  // each costs a shadow's ray for each pixel of a surface
+  if (!lightsScene_)
+    return {};
+  std::vector<Lamp> lamps;
+  if (light_) {
+    if (light_->slice().channels() == 4)
+      lamps = VolumeLight::lampsOf(light_->slice(), 1, kMostLamps);
+  } else if (emission_ > 0) {
+    lamps = VolumeLight::lampsOf(*slice(), emission_, kMostLamps);
+  }
+  for (Lamp& lamp : lamps) lamp.position = placement_.turn * lamp.position + placement_.offset;
+  return lamps;
+}
+
+std::shared_ptr<const MediumAt> VolumeAt::litBy(const MediaLight& light) const {
+  if (!light_ || !(light_->lighting().albedo.maxCoeff() > 0) || light.lamps.empty())
+    return nullptr;
+  std::vector<Lamp> inVolume(light.lamps.begin(), light.lamps.end());
+  for (Lamp& lamp : inVolume)
+    lamp.position = placement_.turn.transpose() * (lamp.position - placement_.offset);
+  return std::shared_ptr<const MediumAt>(new VolumeAt(*this, light_->withLamps(inVolume)));
 }
 
 /// The values, and what VoxelMedium makes of them.

@@ -27,6 +27,12 @@ class VolumeAt final : public MediumAt {
   void addMedia(std::vector<AnyMedium>& media) const override;
   Status addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const override;
   nlohmann::ordered_json counts() const override;
+  /// Of what it emits, unless its appearance says that it lights nothing.
+  std::vector<Lamp> lightSources() const override;
+
+  /// Where it scatters light.
+  std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override;
+
   std::uint64_t memoryBytes() const override;
 
   /// Null: it is plain emission and extinction of one grid.
@@ -56,11 +62,14 @@ class VolumeAt final : public MediumAt {
 
  private:
   VolumeAt(const VolumeLayer& layer, double factor);
+  /// The same in other light.
+  VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> light);
   void addPlaced(AnyMedium medium, std::vector<AnyMedium>& media) const;
 
   VolumeInfo info_;
   Placement placement_;
   double emission_, extinction_, factor_;
+  bool lightsScene_;
   std::shared_ptr<const VolumeLight> light_;
   std::shared_ptr<const Tree4d> tree_;
   int position_ = 0;

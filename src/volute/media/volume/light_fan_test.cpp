@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include "volute/media/volume/light_fan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <random>
+
+#include "volute/grid/voxel_medium.hpp"
+
+namespace volute {
+namespace {
+
+/// A volume of voxels that are no cubes, over trilinear values.
+std::shared_ptr<const BrickSlice> fanVolume(const std::function<float(const Vec3&)>& value) {
+  VolumeInfo info;
+  info.x = 22, info.y = 17, info.z = 30;
+  info.bounds = {Vec3(-1, 2, 0), Vec3(1.2, 3.36, 3.3)};
+  info.basis = Basis::kTrilinear;
+  std::vector<float> values;
+  for (int z = 0; z < info.z; ++z) {
+    for (int y = 0; y < info.y; ++y) {
+      for (int x = 0; x < info.x; ++x)
+        values.push_back(value(Vec3((x + 0.5) / info.x, (y + 0.5) / info.y, (z + 0.5) / info.z)));
+    }
+  }
+  return std::make_shared<BrickSlice>(BrickSlice::fromDense(info, values));
+}
+
+std::vector<Vec3> centresOf(const BrickSlice& slice) {
+  const Vec3 voxel = slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()));
+  std::vector<Vec3> points;
+  for (int z = -1; z <= slice.z(); ++z) {
+    for (int y = -1; y <= slice.y(); ++y) {
+      for (int x = -1; x <= slice.x(); ++x)
+        points.push_back(slice.bounds().min + voxel.cwiseProduct(Vec3(x + 0.5, y + 0.5, z + 0.5)));
+    }
+  }
+  return points;
+}
+
+struct FanError {
+  double largest = 0, mean = 0;
+};
+
+/// Against one exact ray for each centre.
+FanError fanError(const std::shared_ptr<const BrickSlice>& slice, const Lamp& lamp) {
+  const VoxelMedium medium(slice, 0, 1);
+  const auto points = centresOf(*slice);
+  std::vector<float> found(points.size());
+  LightFan(*slice, points).transmittances(lamp, found);
+  std::vector<Segment> ways;
+  for (const Vec3& point : points) ways.push_back(lamp.towards(point));
+  std::vector<double> depths(points.size());
+  medium.opticalDepth(ways, depths);
+  FanError error;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double off = std::abs(static_cast<double>(found[i]) - std::exp(-depths[i]));
+    error.largest = std::max(error.largest, off);
+    error.mean += off / static_cast<double>(points.size());
+  }
+  return error;
+}
+
+Lamp sunFrom(const Vec3& towards) {
+  Lamp lamp;
+  lamp.kind = Lamp::Kind::kSun;
+  lamp.direction = -towards.normalized();
+  return lamp;
+}
+
+Lamp pointAt(const Vec3& place) {
+  Lamp lamp;
+  lamp.position = place;
+  return lamp;
+}
+
+float smooth(const Vec3& p) {
+  const Vec3 from = p - Vec3(0.45, 0.55, 0.5);
+  return static_cast<float>(4 * std::exp(-30 * from.squaredNorm()));
+}
+
+const Vec3 kWays[] = {Vec3(0, 0, 1),    Vec3(0, 0, -1),    Vec3(1, 0, 0),        Vec3(0, -1, 0),
+                      Vec3(1, 2, 3),    Vec3(-3, 0.2, 1),  Vec3(0.1, -2, -0.5),  Vec3(1, 1, 1),
+                      Vec3(-1, 1, 0.3), Vec3(0.5, -3, 2.9), Vec3(-0.2, -0.1, -4)};
+
+TEST(LightFan, OfSunsIsOneRayForEachCentre) {
+  const auto slice = fanVolume(smooth);
+  for (const Vec3& way : kWays) {
+    const FanError error = fanError(slice, sunFrom(way));
+    EXPECT_LT(error.largest, 2.5e-2) << way.transpose();
+    EXPECT_LT(error.mean, 1e-3) << way.transpose();
+  }
+}
+
+TEST(LightFan, OfLampsIsOneRayForEachCentre) {
+  const auto slice = fanVolume(smooth);
+  const Vec3 middle = slice->bounds().min + 0.5 * slice->bounds().size();
+  for (const Vec3& way : kWays) {
+    for (const double far : {0.02, 0.9, 2.4, 30.0}) {
+      const FanError error = fanError(slice, pointAt(middle + far * way.normalized()));
+      EXPECT_LT(error.largest, 2.5e-2) << way.transpose() << " " << far;
+      EXPECT_LT(error.mean, 1e-3) << way.transpose() << " " << far;
+    }
+  }
+}
+
+TEST(LightFan, IsExactAlongAxes) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  const auto slice = fanVolume([&](const Vec3&) { return std::max(0.0F, uniform(random)); });
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {-1.0, 1.0})
+      EXPECT_LT(fanError(slice, sunFrom(sign * Vec3::Unit(axis))).largest, 1e-5) << axis << sign;
+  }
+}
+
+/// Noise has no values between rays; what is found stays near what is there.
+TEST(LightFan, StaysNearInNoise) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  const auto slice = fanVolume([&](const Vec3&) { return std::max(0.0F, uniform(random)); });
+  for (const Vec3& way : kWays) EXPECT_LT(fanError(slice, sunFrom(way)).mean, 2.5e-2);
+  EXPECT_LT(fanError(slice, pointAt(Vec3(0, 2.5, 1.4))).mean, 2.5e-2);
+}
+
+TEST(LightFan, NothingTakesNothing) {
+  const auto slice = fanVolume([](const Vec3&) { return 0.0F; });
+  EXPECT_EQ(fanError(slice, sunFrom(Vec3(1, 2, 3))).largest, 0);
+  EXPECT_EQ(fanError(slice, pointAt(Vec3(0, 2.5, 1.4))).largest, 0);
+}
+
+}  // namespace
+}  // namespace volute

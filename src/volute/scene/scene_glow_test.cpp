@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include "volute/io/image_file.hpp"
+#include "volute/io/npy.hpp"
+#include "volute/media/fog/fog_scene_medium.hpp"
+#include "volute/media/volume/volume_medium.hpp"
+#include "volute/render/surfaces.hpp"
+#include "volute/scene/scene.hpp"
+
+// What glows in a volume lights the rest of a scene.
+
+namespace volute {
+namespace {
+
+constexpr int kGlowSide = 20;  ///< voxels of 5 cm
+
+/// A folder with a bright ball of 25 cm in the middle of 1 m, even smoke, and a ground.
+class SceneGlow : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              (std::string("glow_") +
+               testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder_);
+    power_ = write("fire.npy", 100);
+    write("smoke.npy", 0);
+    std::ofstream(folder_ / "ground.obj")
+        << "v -90 -90 0\nv 90 -90 0\nv 90 90 0\nv -90 90 0\nf 1 2 3 4\n";
+  }
+
+  /// A ball of the value in 0; the value 0 stands for 1 everywhere. Returns the sum over voxels.
+  double write(const std::string& name, float bright) const {
+    VolumeInfo info;
+    info.frames = 1;
+    info.x = info.y = info.z = kGlowSide;
+    info.fillDefaults();
+    auto sink = NpySink::create((folder_ / name).string(), info);
+    EXPECT_TRUE(sink);
+    std::vector<float> values;
+    double sum = 0;
+    for (int z = 0; z < kGlowSide; ++z) {
+      for (int y = 0; y < kGlowSide; ++y) {
+        for (int x = 0; x < kGlowSide; ++x) {
+          const bool inside = std::hypot(x - 9.5, y - 9.5, z - 9.5) < 5;
+          values.push_back(bright == 0 ? 1 : inside ? bright : 0);
+          sum += values.back();
+        }
+      }
+    }
+    EXPECT_TRUE((*sink)->writeFrame(values));
+    EXPECT_TRUE((*sink)->finish());
+    return sum / (kGlowSide * kGlowSide * kGlowSide);
+  }
+
+  /// The ball's middle is 8 m above the ground.
+  std::string fire(const std::string& more) const {
+    return R"({"kind": "volume", "file": "fire.npy", "transform": [1,0,0,-0.5, 0,1,0,-0.5, 0,0,1,7.5, 0,0,0,1])" +
+           more + "}";
+  }
+
+  Snapshot at(const std::string& media, const std::string& more = "") {
+    const auto json = nlohmann::ordered_json::parse(
+        R"({"format": "volute-scene-1", "camera": {"eye": [0, -30, 8], "target": [0, 0, 4], "fov": 40},
+            "geometry": [{"file": "ground.obj"}], "media": [)" + media + "]" + more + "}");
+    auto scene = Scene::make(json, (folder_ / "scene.json").string(), {}, heard_);
+    EXPECT_TRUE(scene) << scene.error().message;
+    auto snapshot = scene->at({}, heard_);
+    EXPECT_TRUE(snapshot) << snapshot.error().message;
+    return snapshot.value_or(Snapshot());
+  }
+
+  class Heard : public Progress {
+   public:
+    void remark(std::string_view said) override { remarks += std::string(said) + "\n"; }
+    std::string remarks;
+  };
+
+  std::filesystem::path folder_;
+  double power_ = 0;  ///< per solid angle
+  Heard heard_;
+};
+
+TEST_F(SceneGlow, FarAwayABallIsAPointOfItsPower) {
+  const Snapshot snapshot = at(fire(R"(, "emission": 2, "lights_scene": "always")"));
+  const auto& lamps = snapshot.lights.lamps;
+  ASSERT_FALSE(lamps.empty());
+  EXPECT_LE(lamps.size(), 8U);
+  double power = 0;
+  for (const Lamp& lamp : lamps) power += lamp.intensity[0];
+  EXPECT_NEAR(power, 2 * power_, 1e-9 * power);
+  EXPECT_THAT(heard_.remarks, testing::HasSubstr("lights the rest of the scene"));
+  // On the ground: base color / pi * power / r^2 * cosine.
+  for (const double far : {0.0, 6.0, 15.0}) {
+    const Segment down{Vec3(far, 0, 1), -Vec3::UnitZ(), 0, 10};
+    const auto points = lookAtSurfaces({snapshot.geometry, lamps}, {&down, 1});
+    const double r2 = 64 + far * far;
+    const double expected = 0.8 / std::numbers::pi * 2 * power_ / r2 * 8 / std::sqrt(r2);
+    EXPECT_NEAR(points[0].radiance[1] / expected, 1, 5e-3) << far;
+  }
+}
+
+/// The integral over the ball's voxels, each a point, close to the ground.
+TEST_F(SceneGlow, CloseByItIsTheSumOfItsVoxels) {
+  const std::string low =
+      R"({"kind": "volume", "file": "fire.npy", "emission": 2, "lights_scene": "always"})";
+  const Snapshot snapshot = at(low);
+  for (const double far : {0.0, 0.4, 1.0}) {
+    const Vec3 place(0.5 + far, 0.5, 0);
+    const Segment down{place + Vec3::UnitZ() * 0.01, -Vec3::UnitZ(), 0, 10};
+    const auto points = lookAtSurfaces({snapshot.geometry, snapshot.lights.lamps}, {&down, 1});
+    double expected = 0;
+    for (int i = 0; i < kGlowSide * kGlowSide * kGlowSide; ++i) {
+      const Vec3 voxel(i % kGlowSide, i / kGlowSide % kGlowSide, i / kGlowSide / kGlowSide);
+      if ((voxel - Vec3::Constant(9.5)).norm() >= 5)
+        continue;
+      const Vec3 way = (voxel + Vec3::Constant(0.5)) / kGlowSide - place;
+      expected += 200.0 / std::pow(kGlowSide, 3) * way.z() / std::pow(way.norm(), 3);
+    }
+    expected *= 0.8 / std::numbers::pi;
+    EXPECT_NEAR(points[0].radiance[1] / expected, 1, 0.06) << far;
+  }
+}
+
+TEST_F(SceneGlow, OnlyWhatIsAskedToOrBurnsLights) {
+  EXPECT_TRUE(at(fire(R"(, "emission": 2)")).lights.lamps.empty());
+  EXPECT_TRUE(heard_.remarks.empty()) << heard_.remarks;
+  const std::string burning = R"(, "emission": 0, "flames": {"field": "density", "brightness": 1})";
+  EXPECT_FALSE(at(fire(burning)).lights.lamps.empty());
+  EXPECT_TRUE(at(fire(burning + R"(, "lights_scene": "never")")).lights.lamps.empty());
+}
+
+TEST_F(SceneGlow, OtherVolumesScatterIt) {
+  const std::string smoke =
+      R"({"kind": "volume", "file": "smoke.npy", "emission": 0, "extinction": 0.1, "albedo": [0.9, 0.9, 0.9],
+          "transform": [1,0,0,4, 0,1,0,-0.5, 0,0,1,7.5, 0,0,0,1]})";
+  const Snapshot snapshot =
+      at(smoke + "," + fire(R"(, "emission": 2, "lights_scene": "always")"));
+  std::vector<AnyMedium> media;
+  snapshot.media[0]->addMedia(media);
+  const double r2 = 4.5 * 4.5;  // from the ball's middle to the cube's
+  const double expected =
+      0.1 * 0.9 * 2 * power_ / r2 / (4 * std::numbers::pi) * std::exp(-0.1 * 0.5);
+  EXPECT_NEAR(media[0].emission(Vec3(4.5, 0, 8))[0] / expected, 1, 0.03);
+}
+
+TEST_F(SceneGlow, FogScattersItAndTheGroundKeepsIt) {
+  const std::string fog =
+      R"({"kind": "fog", "map": "fog.png", "origin": [-80, -80, 0], "cell": 40, "degree": 1,
+          "sigma_max": 0.01, "profile": {"kind": "slab", "bottom": -20, "top": 40}, "color": [0, 0, 0]})";
+  Image white(4, 4, 1);
+  std::ranges::fill(white.pixels, 1.0F);
+  ASSERT_TRUE(writeImage((folder_ / "fog.png").string(), white));
+  const Snapshot snapshot = at(fog + "," + fire(R"(, "emission": 2, "lights_scene": "always")"));
+  const auto* lit = dynamic_cast<const FogAt*>(snapshot.media[0].get());
+  ASSERT_TRUE(lit && lit->lampLit());
+  std::vector<AnyMedium> media;
+  lit->addMedia(media);
+  const double r2 = 36;
+  const double expected = 0.01 * 2 * power_ / r2 / (4 * std::numbers::pi) * std::exp(-0.01 * 6);
+  EXPECT_NEAR(media[0].emission(Vec3(6, 0, 8))[0] / expected, 1, 0.03);
+  EXPECT_EQ(media[0].emission(Vec3(1, 0, -15))[0], 0) << "below the ground";
+}
+
+}  // namespace
+}  // namespace volute
