@@ -48,6 +48,11 @@ Result<ProjectedFrames> openSubject(const std::string& path, const Arguments& ar
     subject.basis = info.basis;
   if (const auto name = arguments.find<std::string>("basis"))
     subject.basis = *name == "box" ? Basis::kBox : Basis::kTrilinear;
+  if (subject.basis == Basis::kCubic) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: its values are cubic B-splines, which are not projected; use --basis trilinear",
+                path);
+  }
   subject.numbers = numbersOf(path, info, capture);
   VolumeInfo numbered = info;
   numbered.frameNumbers = subject.numbers;
