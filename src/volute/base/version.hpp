@@ -2,8 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-// The one place that says which version this is: CMake reads it here, too. Before 1.0 a new minor
-// version may change the API; docs/install.md. Files have a version of their own; docs/format.md.
+// The single definition of the version; CMake reads it from here. Before 1.0 a new minor version
+// may change the API (docs/install.md). Files have their own version (docs/format.md).
 #define VOLUTE_VERSION_MAJOR 0
 #define VOLUTE_VERSION_MINOR 2
 #define VOLUTE_VERSION_PATCH 0

@@ -11,14 +11,14 @@
 
 namespace volute {
 
-/// Where a picture is taken from, the way people say it. z is up unless they say otherwise.
+/// A view as people describe it: eye, target, up (z by default).
 struct View3 {
   Vec3 eye = Vec3(0, -1, 0);
   Vec3 target = Vec3::Zero();
   Vec3 up = Vec3::UnitZ();
 };
 
-/// A pinhole camera as calibrations describe it. x right, y down, z forward:
+/// A pinhole camera in the convention of calibrations. x right, y down, z forward:
 ///   x_cam = R x_world + t,  (x, y) = x_cam.xy / x_cam.z,  (x', y') = distort(x, y),
 ///   u = K(0,0) x' + K(0,1) y' + K(0,2),  v = K(1,1) y' + K(1,2).
 struct Calibration {
@@ -28,7 +28,7 @@ struct Calibration {
   Mat3 R = Mat3::Identity();  ///< a rotation
   Vec3 t = Vec3::Zero();      ///< [m]
   Distortion distortion;
-  /// What (u, v) is at the centre of the first pixel: 0.5 (COLMAP, NeRF transforms) or 0 (OpenCV).
+  /// (u, v) at the centre of the first pixel: 0.5 (COLMAP, NeRF transforms) or 0 (OpenCV).
   double pixelCentre = 0.5;
 };
 
@@ -44,21 +44,21 @@ class Camera {
   static Camera pinhole(const View3& view, double fov, int width, int height);
 
   /// `extent`: the height of the view volume [m], > 0 (Ahrenberg et al. 2005, section 5.2 and
-  /// equation 13: a block-shaped view volume; their time translation is the medium's instant).
+  /// equation 13: a block-shaped view volume; their time translation is the medium's time).
   static Camera orthographic(const View3& view, double extent, int width, int height);
 
-  /// Frames `bounds` from a little above and beside, with a margin. Empty or infinite bounds count
-  /// as a cube of 1 m around the origin.
+  /// A view of all of `bounds` from slightly above and to the side, with a margin. Empty or
+  /// infinite bounds are replaced by a cube of 1 m around the origin.
   static Camera framing(const Box3& bounds, int width, int height);
 
-  /// The camera of a rectangle of this one's picture, whose pixel (0, 0) is (left, top) here: the
-  /// same rays for the same pixels. The rectangle may lie outside the picture.
+  /// The camera of a rectangle of this camera's picture, whose pixel (0, 0) is (left, top) here:
+  /// the same rays for the same pixels. The rectangle may extend outside the picture.
   Camera cropped(int left, int top, int width, int height) const;
 
-  /// kInvalidArgument, in a sentence that wants a subject, unless R is a rotation to 1e-3 (rounded
-  /// digits are repaired, mirrored and scaled ones are refused), the focal lengths are positive,
-  /// K's other entries are those of a pinhole, and the lens can be undone along the whole border of
-  /// the image.
+  /// kInvalidArgument (the message lacks a subject) unless R is a rotation to 1e-3 (rounded digits
+  /// are corrected, mirrored and scaled matrices refused), the focal lengths are positive, K's
+  /// other entries are those of a pinhole, and the distortion is invertible along the whole border
+  /// of the image.
   [[nodiscard]] static Result<Camera> calibrated(const Calibration& calibration);
 
   int width() const { return width_; }
@@ -81,14 +81,14 @@ class Camera {
   /// (orthographic) [m].
   double pixelSize() const { return pixelSize_; }
 
-  /// Its width, as pixelSize(): the same but for calibrated cameras.
+  /// The width of a pixel, as pixelSize(): differs only for calibrated cameras.
   double pixelWidth() const { return pixelWidth_; }
 
-  /// The image point that `forward` meets, but for the lens; the middle of the image but for
+  /// The image point that `forward` meets, without the lens; the centre of the image except for
   /// calibrated cameras.
   const Vec2& principalPoint() const { return principal_; }
 
-  /// None but for calibrated cameras.
+  /// Only for calibrated cameras; else none.
   const Distortion& distortion() const { return distortion_; }
 
   /// K for centres at +0.5, as Calibration has it. Pinhole cameras only.
@@ -108,7 +108,7 @@ class Camera {
   /// @param angle  [radians]
   Camera turned(const Vec3& point, const Vec3& axis, double angle) const;
 
-  /// The same view in another number of pixels; the height decides what is seen.
+  /// The same view with another number of pixels; the height determines the field of view.
   Camera resized(int width, int height) const;
 
   /// The same view with all image points moved: its ray(px, py) is this one's ray(px + x, py + y)

@@ -15,7 +15,7 @@
 
 namespace volute {
 
-/// What a compressed file must reach.
+/// The target of a compression.
 struct ErrorTarget {
   enum class Kind {
     kRms,    ///< relative RMS <= value: RMS over all voxels and channels / (max - min of the whole
@@ -31,27 +31,27 @@ struct ErrorTarget {
 
 struct CompressOptions {
   ErrorTarget target;
-  std::string wavelet = "auto";   ///< auto, haar, cdf53 or cdf97: what blocks may choose from
+  std::string wavelet = "auto";   ///< auto, haar, cdf53 or cdf97: allowed for blocks
   std::optional<BlockMode> mode;  ///< one mode for all blocks, for experiments
-  bool fast = false;       ///< fewer modes to choose from: quicker, and up to some percent larger
+  bool fast = false;       ///< try fewer modes: faster, files some percent larger
   std::string provenance;  ///< kept in the file
-  /// What the source is already off its own original, absolute; the file states the sums, which the
-  /// errors to that original do not exceed.
+  /// The absolute error of the source relative to its own original; the file states the sums, which
+  /// bound the errors relative to that original.
   double sourceRms = 0;
   double sourceMaxError = 0;
-  /// The values are 16-bit floats, and will be rounded to such again: what is asked for holds after
-  /// that too. The file states the errors before it.
+  /// The values are 16-bit floats and will be rounded to such again: the target holds after that
+  /// rounding, too. The file states the errors before it.
   bool halves = false;
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
-  /// A folder for finished units, which all ranks share: a run that was interrupted goes on from
-  /// them, with any number of ranks, and gives the same bytes. Removed in the end. Empty: none.
+  /// A folder for finished units, shared by all ranks: an interrupted run continues from them, with
+  /// any number of ranks, and gives the same bytes. Removed at the end. Empty: none.
   std::filesystem::path work{};
 };
 
 struct CompressReport {
   std::uint64_t rawBytes = 0;
   std::uint64_t fileBytes = 0;
-  double relativeRms = 0;  ///< measured on what was written
+  double relativeRms = 0;  ///< measured on the written data
   double maxError = 0;     ///< absolute
   double valueMin = 0, valueMax = 0;
   std::size_t blocks = 0;
@@ -59,16 +59,16 @@ struct CompressReport {
 };
 
 /// Compresses `source` into the .volute file `target`. Holds a row of blocks (16 frames) in memory,
-/// or where the source can be read by layers and that is too much, some layers of one, whatever the
-/// number of frames; NaN and Inf are refused with their frame and voxel; the same bytes for any
-/// number of threads and ranks. Rank 0 writes; others need no more than the source, and room for
-/// their share in the target's folder or in that for temporary files. Collective.
+/// or, if that is too much and the source can be read by layers, some layers of it, for any number
+/// of frames. NaN and Inf are refused with frame and voxel. The bytes are the same for any number
+/// of threads and ranks. Rank 0 writes; the others need only the source, and space for their share
+/// in the target's folder or in that for temporary files. Collective.
 [[nodiscard]] Result<CompressReport> compress(FrameSource& source,
                                               const std::filesystem::path& target,
                                               const CompressOptions& options, Progress& progress,
                                               Team& team);
 
-/// The same in this process alone.
+/// The same in this process only.
 [[nodiscard]] Result<CompressReport> compress(FrameSource& source,
                                               const std::filesystem::path& target,
                                               const CompressOptions& options, Progress& progress);

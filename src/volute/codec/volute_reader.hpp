@@ -20,11 +20,11 @@
 
 namespace volute {
 
-/// What a .volute file says of itself beyond its VolumeInfo.
+/// Properties of a .volute file besides its VolumeInfo.
 struct VoluteHeader {
   int versionMajor = 0;
   int versionMinor = 0;
-  int codec = 0;           ///< which bit stream the blocks use; docs/format.md
+  int codec = 0;           ///< bit stream of the blocks; docs/format.md
   std::string writtenBy;   ///< program and version
   std::string provenance;  ///< what it was made from
   std::string targetKind;  ///< rms, psnr, ratio, size or max-error
@@ -36,37 +36,37 @@ struct VoluteHeader {
 
 /// One of the grids of a file.
 struct VoluteGrid {
-  VolumeInfo info;     ///< of an empty one x, y and z are 0, and it has no bounds
+  VolumeInfo info;     ///< x, y and z are 0 for an empty grid, which has no bounds
   VoluteHeader header;
-  /// What the cache that it comes from says of it; none where it comes from something else.
+  /// Its description in the original cache; none if it comes from elsewhere.
   std::optional<GridDescription> description{};
   bool empty = false;       ///< in all frames
   std::uint64_t bytes = 0;  ///< of its values in the file
 };
 
-/// What of a file is there and whole.
+/// Which parts of a file are present and intact.
 struct Integrity {
   std::uint64_t expectedBytes = 0;
   std::uint64_t presentBytes = 0;
   std::uint64_t segments = 0;  ///< one or two levels of one block each, empty ones not counted
   std::uint64_t intactSegments = 0;
-  int intactLevels = 0;    ///< levels, from the coarsest, that are whole in every block
-  std::string firstFault;  ///< empty when all is whole
+  int intactLevels = 0;    ///< levels, from the coarsest, intact in every block
+  std::string firstFault;  ///< empty if everything is intact
 
   bool complete() const { return firstFault.empty(); }
 };
 
-/// Reads any block, frame or region of a .volute file, touching only what that needs. Const reads
+/// Reads any block, frame or region of a .volute file, and only the segments needed. Const reads
 /// are thread-safe. Every byte is covered by a checksum that is verified before it is used.
 class VoluteReader {
  public:
   struct Options {
-    /// False: a truncated file, or a damaged block when it is touched, is an error. True: what is
-    /// intact of a block's levels, coarse first, is decoded and the rest taken as zero.
+    /// False: a truncated file, or reading a damaged block, is an error. True: the intact levels of
+    /// a block, coarse first, are decoded and the rest is taken as zero.
     bool partial = false;
     std::uint64_t maxMemory = std::uint64_t{4} << 30;
-    /// Which one of several grids is read: all that follows is of it alone. Empty: 'density', else
-    /// the first that is not empty.
+    /// The grid to read, to which all functions below refer. Empty: 'density', else the first that
+    /// is not empty.
     std::string grid{};
   };
 
@@ -84,16 +84,16 @@ class VoluteReader {
   /// All grids of the file, in its order.
   const std::vector<VoluteGrid>& grids() const;
 
-  /// Which of them is read.
+  /// The grid that is read.
   const VoluteGrid& grid() const;
 
-  /// What the files of a cache say of themselves.
+  /// Metadata of the files of a cache.
   const FrameMetadata& fileMetadata() const;
 
   /// Checks every segment of the grid.
   Integrity verify() const;
 
-  /// The same; kCancelled when `progress` said so.
+  /// The same; kCancelled if `progress` requests it.
   [[nodiscard]] Result<Integrity> verify(Progress& progress) const;
 
   /// Fills `values` with block `block` at full resolution, shape = blocks().extents(block) x
@@ -102,7 +102,7 @@ class VoluteReader {
   [[nodiscard]] Status readBlock(std::size_t block, std::span<float> values, int levels = 99) const;
 
   /// The region of one frame: [begin, end) in voxels on the axes z, y, x, shape (z, y, x, c).
-  /// Decodes the blocks that it touches, in parallel.
+  /// Decodes the blocks it intersects, in parallel.
   [[nodiscard]] Status readRegion(int frame, const std::array<int, 3>& begin,
                                   const std::array<int, 3>& end, std::span<float> values,
                                   int levels = 99) const;
@@ -111,7 +111,7 @@ class VoluteReader {
   /// parallel.
   [[nodiscard]] Status readRow(int row, std::span<float> values, int levels = 99) const;
 
-  /// How a block is coded, in a few words. Reads its first tier.
+  /// A short description of how a block is coded. Reads its first tier.
   [[nodiscard]] Result<std::string> describeBlock(std::size_t block) const;
 
   /// Bytes that the values of a block take in the file.
@@ -119,7 +119,7 @@ class VoluteReader {
 
   std::uint64_t maxMemory() const;
 
-  /// Since open: what has been read and decoded, for `extract`'s report.
+  /// Bytes read and blocks decoded since open, for `extract`'s report.
   std::uint64_t bytesRead() const;
   std::uint64_t blocksDecoded() const;
 

@@ -20,58 +20,58 @@ namespace volute {
 
 /// How to read a case.
 struct FdsOptions {
-  std::string quantity{};       ///< what FDS calls it, as it is stored; empty: extinction [1/m]
-  std::string source{};         ///< name of a source; empty: the best, as FdsCase::open() says
-  bool volume = false;          ///< only what fills meshes, for pictures and volumes
+  std::string quantity{};       ///< FDS's name of a stored quantity; empty: extinction [1/m]
+  std::string source{};         ///< name of a source; empty: the best, see FdsCase::open()
+  bool volume = false;          ///< only sources that fill meshes, for pictures and volumes
   double massExtinction = 0;    ///< Km [m2/kg]; 0: the case's, else what FDS assumes
   double visibilityFactor = 3;  ///< C of visibility slices (VISIBILITY_FACTOR)
-  double visibilityCap = 30;    ///< [m], what FDS cuts visibility at (MAXIMUM_VISIBILITY)
+  double visibilityCap = 30;    ///< [m], FDS's limit of visibility (MAXIMUM_VISIBILITY)
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes], for frames
   FdsShare share{};  ///< fields have values of these meshes alone
 };
 
-/// The smoke of a case, or another quantity: which files it is read from, when, where, and one
-/// snapshot after the other.
+/// The smoke of a case, or another quantity: its files, stored times, bounds, and snapshots of
+/// it.
 class FdsCase {
  public:
-  /// Reads the index and checks all files of the chosen source. kNotFound when nothing in the case
-  /// says how thick the smoke is. What was left out, and why, is in remarks().
+  /// Reads the index and checks all files of the chosen source. kNotFound if the case has no source
+  /// of smoke. What was left out, and why, is in remarks().
   ///
-  /// Without a name the first of sources() is taken that will do, and instead of it a later one
-  /// that fills meshes, or as many of the same, where that one has files of more meshes, or of as
-  /// many at least twice as many stored times: a fire changes more between two times than a byte is
-  /// rounded by. remarks() says what was taken and why where there is more than one.
+  /// Without a name, the first suitable one of sources() is taken, or instead of it a later one
+  /// that fills as many meshes, if it has files for more meshes, or for as many meshes and at least
+  /// twice as many stored times: a fire changes more between two times than the rounding of a byte.
+  /// If there are several, remarks() says which was taken and why.
   [[nodiscard]] static Result<FdsCase> open(const std::filesystem::path& path,
                                             const FdsOptions& options = {});
 
-  /// The same of an index that is read already.
+  /// The same with an index that was already read.
   [[nodiscard]] static Result<FdsCase> open(SmvIndex index, const FdsOptions& options = {});
 
   const SmvIndex& index() const { return index_; }
 
-  /// All that the case offers, best first.
+  /// All sources of the case, best first.
   std::span<const FdsSource> sources() const { return sources_; }
 
   const FdsSource& source() const { return sources_[chosen_]; }
 
-  /// Of the stored frames [s], those that all files of the source have; ascending, one at least.
+  /// Times [s] of the stored frames that all files of the source have; ascending, at least one.
   std::span<const double> times() const { return times_; }
 
-  /// What the source covers.
+  /// Bounds of the region the source covers.
   const Box3& bounds() const { return grid_->bounds(); }
 
   const FdsGrid& grid() const { return *grid_; }
 
-  /// Truncated files, meshes without a file, caps; sentences.
+  /// Sentences about truncated files, meshes without a file, caps.
   std::span<const std::string> remarks() const { return remarks_; }
 
-  /// The smoke at a time [s]: linear between the stored frames, the first before them, the last
-  /// after them; obstructions are those of that time. Keeps the frames that it read last. From one
+  /// The smoke at a time [s]: linear between the stored frames; the first frame before them, the
+  /// last one after them; obstructions as of that time. Keeps the frames read last. Call from one
   /// thread at a time.
   [[nodiscard]] Result<FdsField> field(double time);
 
-  /// The largest value of all frames as the .sz files of bytes of fire say it, in the unit of the
-  /// quantity; nothing where they do not.
+  /// The largest value over all frames according to the .sz files of 8-bit fire, in the unit of the
+  /// quantity; nothing if they do not state it.
   std::optional<double> largestSaid() const;
 
   /// The obstructions at a time [s].

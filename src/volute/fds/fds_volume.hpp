@@ -11,17 +11,17 @@
 namespace volute {
 
 /// The extinction of a case [1/m] as voxels, at its stored times: all meshes together with voxels
-/// of the finest cell size, or one mesh. A voxel has the value at its centre; obstructions and what
-/// no mesh covers are 0.
+/// of the finest cell size, or one mesh. A voxel has the value at its centre; obstructions and
+/// places outside all meshes are 0.
 class FdsVolume final : public FrameSource {
  public:
   struct Options {
     FdsOptions read;             ///< `volume` is set
     std::optional<int> mesh;     ///< from 0; none: all together
-    std::optional<Box3> bounds;  ///< [m] the part to take, cut to whole voxels of all
+    std::optional<Box3> bounds;  ///< [m] the region to read, rounded to whole voxels
   };
 
-  /// kTooLarge when a frame needs more than read.maxMemory.
+  /// kTooLarge if a frame needs more than read.maxMemory.
   [[nodiscard]] static Result<std::unique_ptr<FdsVolume>> open(const std::filesystem::path& path,
                                                                Options options);
 

@@ -17,7 +17,7 @@ namespace volute {
 
 struct FogOptions {
   int degree = 1;  ///< of the B-splines, 0..3
-  int levels = 0;  ///< how often the map is halved, 0..kMostFogLevels
+  int levels = 0;  ///< number of times the map is halved, 0..kMostFogLevels
   FogDetail detail{};
   Restriction restriction = Restriction::kFullWeighting;
   Rgb color = Rgb::Ones();  ///< radiance of infinitely thick fog: albedo * ambient light
@@ -26,14 +26,14 @@ struct FogOptions {
 /// Fog from a painted map (Giroud and Biri 2010): extinction K(x, y, z) = rho(x, y) g(z), emission
 /// color * K. Integrated exactly in every cell, for every degree and profile.
 ///
-/// A Medium, FastMedium and LinearMedium. With FogOptions::detail other than the default the answer
-/// to a segment depends on its origin, where the eye is; extinction() then is that of the finest
-/// level. Cheap to copy: what it holds is shared and const.
+/// A Medium, FastMedium and LinearMedium. With FogOptions::detail other than the default, the
+/// result for a segment depends on its origin (the eye); extinction() is then that of the finest
+/// level. Cheap to copy: its data are shared and const.
 class FogMedium {
  public:
   /// @param top  if given, there is no fog above these heights [m above the map's origin]: the
   /// map's
-  ///   values are heights, its degree is 1, any placement will do (its origin's z is ignored). The
+  ///   values are heights, its degree is 1, with any placement (its origin's z is ignored). The
   ///   finest level is integrated at every distance then.
   /// kInvalidArgument for options out of range.
   [[nodiscard]] static Result<FogMedium> make(const FogMap& map, const FogProfile& profile,
@@ -51,9 +51,9 @@ class FogMedium {
   /// One piece for each cell, profile zone and level that is not all zero.
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
-  /// The fast path, in float and SIMD: transmittances within 2e-6 of the reference. Each ray's
-  /// result depends on nothing but the ray. Jumps over empty parts of the map. With a `top` map it
-  /// is the reference.
+  /// The fast path, in float and SIMD: transmittances within 2e-6 of the reference. The result of a
+  /// ray depends only on that ray. Skips empty parts of the map. With a `top` map it is the
+  /// reference.
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
   /// The map, shape (rows, columns), row 0 at the smallest y.
@@ -61,13 +61,13 @@ class FogMedium {
 
   FogMedium withCoefficients(std::span<const double> coefficients) const;
 
-  /// The same fog elsewhere, as wind would move it [m].
+  /// The same fog displaced [m], as by wind.
   FogMedium shifted(const Vec3& by) const;
 
   /// The same without dropping details.
   FogMedium finest() const;
 
-  /// The same map under another profile.
+  /// The same map with another profile.
   FogMedium withProfile(const FogProfile& profile) const;
 
   /// The same with other levels of the same map size, as a sequence of maps has.

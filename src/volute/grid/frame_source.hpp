@@ -13,21 +13,21 @@
 
 namespace volute {
 
-/// A sequence of volumes that is read a frame at a time, so that ten thousand frames need the memory of one.
+/// A sequence of volumes that is read frame by frame, so that ten thousand frames need the memory of one.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
 
   virtual const VolumeInfo& info() const = 0;
 
-  /// Grids of the same files that could have been read instead; as many as are known.
+  /// Other grids of the same files, as far as they are known.
   virtual std::vector<std::string> otherGrids() const { return {}; }
 
   /// Fills `values`, shape (z, y, x, c), x and c fastest, with frame `index` (a position, not a frame number).
   /// Errors name the file and the frame. May be called again for the same frame, and from one thread at a time.
   [[nodiscard]] virtual Status readFrame(int index, std::span<float> values) = 0;
 
-  /// Whether readLayers() touches little more than what it gives.
+  /// Whether readLayers() reads little more than the layers it returns.
   virtual bool readsLayers() const { return false; }
 
   /// Fills `values` with the layers first <= z < end of a frame, shape (end - first, y, x, c).
@@ -43,7 +43,7 @@ class FrameSource {
   }
 };
 
-/// A place to write a sequence to, a frame at a time and in order.
+/// Writes a sequence, frame by frame, in order.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
@@ -51,7 +51,7 @@ class FrameSink {
   /// `values` as FrameSource::readFrame gives them.
   [[nodiscard]] virtual Status writeFrame(std::span<const float> values) = 0;
 
-  /// After the last frame; without it nothing appears.
+  /// To be called after the last frame; without it, no file appears.
   [[nodiscard]] virtual Status finish() = 0;
 };
 

@@ -23,9 +23,9 @@ std::vector<std::uint8_t> toSrgb8(const Image& image, double exposure = 1);
 /// The picture times `factor`.
 Image exposed(Image image, double factor);
 
-/// The factor that brings the value below which `share` of all non-zero pixel values lie to 1; 1
-/// for a picture without positive finite values. What a first look at a volume of unknown
-/// brightness uses.
+/// The factor that maps the `share` quantile of the non-zero pixel values to 1; 1 for a picture
+/// without positive finite values. Used for the first picture of a volume of unknown
+/// brightness.
 double suggestExposure(const Image& image, double share = 0.99);
 
 }  // namespace volute

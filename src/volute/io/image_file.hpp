@@ -15,7 +15,7 @@
 
 namespace volute {
 
-/// By the name's end: .png or .exr.
+/// By the extension: .png or .exr.
 inline bool isPicturePath(const std::filesystem::path& path) {
   return extensionOf(path) == ".png" || extensionOf(path) == ".exr";
 }
@@ -23,7 +23,7 @@ inline bool isPicturePath(const std::filesystem::path& path) {
 /// How to read a picture.
 struct ImageReadOptions {
   bool raw =
-      false;  ///< PNG: value / maximum as it stands, without decoding sRGB; for maps and masks
+      false;  ///< PNG: stored value / maximum, without decoding sRGB; for maps and masks
   std::uint64_t maxMemory = std::uint64_t{1} << 30;  ///< [bytes] that the pixels may take
 };
 
@@ -38,11 +38,11 @@ struct ImageReadOptions {
 [[nodiscard]] Result<std::optional<Image>> readAlpha(const std::filesystem::path& path,
                                                      const ImageReadOptions& options = {});
 
-/// What a picture says about itself, as names and texts in Latin letters: tEXt of a .png,
-/// attributes of a .exr.
+/// Metadata of a picture, as names and texts in Latin letters: tEXt chunks of a .png, attributes
+/// of a .exr.
 using ImageNotes = std::vector<std::pair<std::string, std::string>>;
 
-/// The notes of a .png or .exr; empty when it has none.
+/// The metadata of a .png or .exr; empty if it has none.
 [[nodiscard]] Result<ImageNotes> readImageNotes(const std::filesystem::path& path);
 
 /// Writes a .png (8 bits, sRGB; values are clamped to 0..1) or a .exr (scan lines, float32, ZIP;
@@ -61,8 +61,8 @@ struct ImageChannel {
                                    const std::vector<ImageChannel>& channels,
                                    const ImageNotes& notes = {});
 
-/// Writes values 0..1 as they stand, as readImage() with `raw` reads them: a .png (16 bits, linear,
-/// clamped to 0..1) or a .exr (float32).
+/// Writes values 0..1 without conversion, as readImage() with `raw` reads them: a .png (16 bits,
+/// linear, clamped to 0..1) or a .exr (float32).
 [[nodiscard]] Status writeMap(const std::filesystem::path& path, const Image& map);
 
 }  // namespace volute

@@ -16,40 +16,40 @@
 
 namespace volute {
 
-/// One instant of a case. Vertices and tets are in an order of our own, near in memory where they
-/// are near in space; it depends on the file's mesh alone.
+/// One stored frame of a case. Vertices and tets are reordered so that those near in space are near
+/// in memory; the order depends only on the file's mesh.
 struct MeshFrame {
   std::shared_ptr<const TetMesh> mesh;
   std::vector<float> values;  ///< one for each vertex of the mesh, >= 0
   std::string field;
-  std::string others;       ///< fields that could have been chosen, as people read them
+  std::string others;       ///< other available fields, as readable text
   std::size_t clamped = 0;  ///< negative values that were set to 0
-  bool ofCells = false;     ///< the file has values of cells, which became those of points
+  bool ofCells = false;     ///< the file has cell values, which were converted to point values
 };
 
 struct MeshOptions {
   std::string field{};  ///< empty: the only scalar, or the one called "density"
   Negatives negatives = Negatives::kRefuse;
-  std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< bytes, for an instant as it is read
-  std::uint64_t perTet = 0;  ///< bytes of maxMemory that the caller needs for each tet besides
-  MeshShare share{};  ///< of the pieces of a .pvtu; points that pieces have in common are in each
+  std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes], for reading one frame
+  std::uint64_t perTet = 0;  ///< additional bytes of maxMemory that the caller needs per tet
+  MeshShare share{};  ///< of the pieces of a .pvtu; shared points are in each piece
 };
 
-/// What a case has at one instant, whatever its fields are.
+/// The contents of a case at one stored time, for all its fields.
 struct MeshDescription {
   MeshContents contents;
   std::vector<MeshFieldSummary> fields;
   Result<std::shared_ptr<const TetMesh>> mesh;  ///< or why its cells cannot be used
 };
 
-/// Whether a file's name is that of a case which MeshSource reads beside .vtu and .pvd: EnSight,
-/// Exodus, OpenFOAM, VTK's legacy format or its parallel one.
+/// Whether a file's name is that of a case that MeshSource reads besides .vtu and .pvd: EnSight,
+/// Exodus, OpenFOAM, legacy VTK or .pvtu.
 bool isMeshCase(const std::filesystem::path& path);
 
 /// Smoke on a mesh over time: a .vtu, .pvtu or legacy .vtk file, a .pvd series of .vtu or .pvtu, or
 /// a case of EnSight Gold (.case), Exodus (.e, .ex2, .exo, .exii) or OpenFOAM (.foam). Cells are
-/// split into tets, values of cells become values of points; blocks of a case and pieces of a .pvtu
-/// are joined where their points are the same. Files are read in a child process.
+/// split into tets, cell values become point values; blocks of a case and pieces of a .pvtu
+/// are joined where their points are equal. Files are read in a child process.
 class MeshSource {
  public:
   [[nodiscard]] static Result<MeshSource> open(const std::filesystem::path& path,
@@ -58,25 +58,25 @@ class MeshSource {
   /// [s], ascending; a single file is at 0.
   std::span<const double> times() const { return times_; }
 
-  /// What --frames calls an instant: the last number in its file's name where a .pvd names files in
-  /// ascending order of these, as for volumes; else its position.
+  /// The number of a frame for --frames: the last number in its file's name if a .pvd names files
+  /// in ascending order of these, as for volumes; else its position.
   int numberOf(std::size_t frame) const { return numbers_[frame]; }
 
-  /// Reads one instant. Frames whose cells are the same share a mesh.
+  /// Reads one frame. Frames with equal cells share a mesh.
   [[nodiscard]] Result<MeshFrame> read(std::size_t frame);
 
-  /// What there is at one instant. Fails where the file cannot be read; a mesh that cannot be used
-  /// is part of the description.
+  /// The contents of one frame. Fails if the file cannot be read; that a mesh cannot be used is
+  /// part of the description.
   [[nodiscard]] Result<MeshDescription> describe(std::size_t frame) const;
 
-  /// The file of an instant.
+  /// The file of a frame.
   const std::filesystem::path& file(std::size_t frame) const { return instants_[frame].file; }
 
  private:
   [[nodiscard]] static Result<MeshSource> list(const std::filesystem::path& path,
                                                const MeshOptions& options);
 
-  /// Where an instant is: a file, and the place in it.
+  /// Location of a frame: a file, and the position in it.
   struct Instant {
     std::filesystem::path file;
     std::size_t index = 0;

@@ -13,18 +13,18 @@ struct ReaderLine;
 
 bool hasReaderHelper();
 
-/// Whether those who wait for a reader's process shall give up.
+/// Whether callers that wait for a reader process should give up.
 bool readingIsCancelled();
 
-/// Forks a child that serves; below 0 without a helper.
+/// Forks a serving child; negative without a helper.
 pid_t startFromHelper(ReaderJob::Make make, const ReaderLine& line);
 }  // namespace detail
 
-/// While it lives, processes that read files of strangers are forked from a small process that was
-/// made with it: they see nothing of this one's memory, find no lock that another thread held, and
-/// start as fast however large this one has grown. Make it at the beginning of a program, before
-/// threads; without one, readers are forked from this process. `cancelled` is asked a few times a
-/// second while one reads, from any thread: whether to give up.
+/// While it exists, processes that read untrusted files are forked from a small process created
+/// with it: they do not share this process's memory, inherit no locks of other threads, and start
+/// equally fast however large this process has grown. Create it at the start of a program, before
+/// threads; without one, readers are forked from this process. `cancelled` is polled a few times
+/// per second during reading, from any thread, and tells whether to give up.
 class ReaderHelper {
  public:
   explicit ReaderHelper(bool (*cancelled)() = nullptr);

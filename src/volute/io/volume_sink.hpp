@@ -18,9 +18,9 @@ struct SinkOptions {
   bool half = false;  ///< OpenVDB: store values as 16-bit floats
 };
 
-/// A sink by what `output` is: OUT.npy (float32, (t, z, y, x) or (t, z, y, x, 3)), or "-" for the
-/// same on standard output; a pattern such as smoke_%04d.vdb or smoke_%04d.vti, one file a frame
-/// with its number in the name (a plain name will do for one frame); OUT.pvd, which writes
+/// A sink according to `output`: OUT.npy (float32, (t, z, y, x) or (t, z, y, x, 3)), or "-" for the
+/// same on standard output; a pattern such as smoke_%04d.vdb or smoke_%04d.vti, one file per frame
+/// with its number in the name (a plain name suffices for one frame); OUT.pvd, which writes
 /// OUT_0001.vti, ... and a list of them with their times. The grid or array is called info.name. No
 /// file appears before finish().
 [[nodiscard]] Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& output,
@@ -29,11 +29,11 @@ struct SinkOptions {
 
 /// One of the grids of a cache to be written.
 struct GridTarget {
-  VolumeInfo info;              ///< of an empty grid x is 0
+  VolumeInfo info;              ///< x is 0 for an empty grid
   GridDescription description;  ///< of the frames in `info`, and of its first voxel
 };
 
-/// A place to write all grids of a cache to, a frame at a time and in order.
+/// Writes all grids of a cache, frame by frame, in order.
 class CacheSink {
  public:
   virtual ~CacheSink() = default;
@@ -41,13 +41,13 @@ class CacheSink {
   /// The values of each grid, as FrameSource::readFrame gives them; none of empty grids.
   [[nodiscard]] virtual Status writeFrame(std::span<const std::vector<float>> grids) = 0;
 
-  /// After the last frame; without it nothing appears.
+  /// To be called after the last frame; without it, no file appears.
   [[nodiscard]] virtual Status finish() = 0;
 };
 
-/// A sink for .vdb files, by a pattern such as cache_%04d.vdb (a plain name will do for one frame),
-/// each with all `grids`.
-/// @param fileMetadata  what each of them says of itself
+/// A sink for .vdb files, by a pattern such as cache_%04d.vdb (a plain name suffices for one
+/// frame), each with all `grids`.
+/// @param fileMetadata  metadata of each file
 [[nodiscard]] Result<std::unique_ptr<CacheSink>> createCacheSink(
     const std::filesystem::path& output, std::vector<GridTarget> grids,
     FrameMetadata fileMetadata);

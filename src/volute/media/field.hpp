@@ -18,7 +18,7 @@
 #include "volute/image/pixels.hpp"
 #include "volute/math/vec.hpp"
 
-// What may be said about an object of a scene: a table with one row a member. Reading and writing
+// The members of an object of a scene, as a table with one row per member. Reading and writing
 // JSON, the schema, the options of commands and the viewer's sliders are loops over its rows.
 
 namespace volute {
@@ -29,7 +29,7 @@ enum class FieldType {
   kFlag,    ///< true or false
   kChoice,  ///< one of `choices`
   kText,
-  kFile,       ///< found from the scene's folder
+  kFile,       ///< relative to the scene's folder
   kPoint,      ///< three numbers
   kDirection,  ///< likewise
   kColor,      ///< likewise: linear RGB
@@ -38,8 +38,8 @@ enum class FieldType {
   kObject,     ///< members of another table
 };
 
-/// What is said of a member, in the types of JSON; null: nothing. Names of files are as they are
-/// found, not as they are written.
+/// The value of a member, in the types of JSON; null: not given. File names are resolved paths, not
+/// as written.
 using FieldValue = nlohmann::json;
 
 struct FieldRow;
@@ -47,46 +47,46 @@ struct FieldTable;
 struct MediumFacts;
 class ParameterGroup;
 
-/// Between a row and the struct that it describes. member() and part() make one for a plain member,
-/// customMember() one from two functions.
+/// Connects a row with the struct that it describes. member() and part() make one for a plain
+/// member, customMember() one from two functions.
 struct FieldAccess {
   const std::type_info* owner = nullptr;  ///< of the struct
   FieldValue (*get)(const FieldRow& field, const void* object) = nullptr;
-  /// Takes what the row allows. Its error is a sentence without a place.
+  /// Sets a value allowed by the row. Its error message does not name the place.
   Status (*set)(const FieldRow& field, void* object, const FieldValue& value) = nullptr;
-  /// Of a kObject: the object, made where there is none; null there for who only looks.
+  /// For a kObject: the object, created if there is none; null for read-only access then.
   void* (*make)(void* object) = nullptr;
   const void* (*find)(const void* object) = nullptr;
 };
 
-/// The option of commands that says the same; none without a value and a name.
+/// The equivalent option of commands; none without a value and a name.
 struct FieldOption {
-  std::string_view value = {};    ///< how the help calls it: "KM"
+  std::string_view value = {};    ///< its name in the help: "KM"
   std::string_view name = {};     ///< unless it is the member's with `-` for `_`
-  std::string_view initial = {};  ///< a default that is not the struct's
+  std::string_view initial = {};  ///< a default that differs from the struct's
   std::string_view says = {};     ///< a flag that stands for this value
-  std::string_view beside = {};   ///< the option without which it says nothing
-  std::string_view more = {};     ///< to be added to the help
-  /// Another way to say it than a number, a name or numbers with commas.
+  std::string_view beside = {};   ///< the option without which it has no effect
+  std::string_view more = {};     ///< appended to the help
+  /// A parser, for another syntax than a number, a name or numbers with commas.
   Result<FieldValue> (*parse)(std::string_view text) = nullptr;
-  bool picture = false;  ///< changes what is seen of a medium, not what it is
-  bool scene = false;    ///< is for scenes as well, whatever they say
+  bool picture = false;  ///< changes the appearance of a medium, not its data
+  bool scene = false;    ///< applies to scenes as well
 };
 
-/// The slider that says the same; none without a label.
+/// The slider for the member; none without a label.
 struct FieldSlider {
   std::string_view label = {};  ///< "width|height": one for each of two numbers
   double least = -std::numeric_limits<double>::infinity();  ///< unless the member's
   double most = std::numeric_limits<double>::infinity();
   bool logarithmic = false;
-  double room = 1;                ///< reaches so many times the value at least
+  double room = 1;                ///< the range extends to at least this multiple of the value
   std::string_view section = {};  ///< a heading of its own
   std::string_view unit = {};     ///< unless the member's
-  /// Whether it says something now.
+  /// Whether it applies at present.
   bool (*shown)(const void* object, const MediumFacts& facts) = nullptr;
-  /// What a pixel of the mouse moves a kPoint by.
+  /// The distance a kPoint moves per pixel of the mouse.
   double (*step)(const void* object, const MediumFacts& facts) = nullptr;
-  /// What one row cannot say. `object` is the struct, of a kObject the member, or null.
+  /// Adds what one row cannot express. `object` is the struct, for a kObject the member, or null.
   void (*custom)(ParameterGroup& group, const void* object, const MediumFacts& facts) = nullptr;
 };
 
@@ -102,12 +102,12 @@ struct FieldRow {
   bool above = false, below = false;  ///< more than `least`, less than `most`
   std::span<const std::string_view> choices = {};
   int count = 3;         ///< of kNumbers and kRows
-  int fewest = 0;        ///< of what has a count; 0: `count`
+  int fewest = 0;        ///< minimum count; 0: `count`
   bool whole = false;    ///< kNumbers: integers
-  bool several = false;  ///< kFile: or a list of them
-  bool flagToo = false;  ///< or true or false
+  bool several = false;  ///< kFile: a list is allowed, too
+  bool flagToo = false;  ///< true or false is allowed, too
   bool required = false;
-  bool inherited = false;  ///< its default is what the object around has
+  bool inherited = false;  ///< its default is the value of the enclosing object
   std::string_view otherName = {};
   std::string_view pattern = {};      ///< kFile: that names match, for the schema
   const FieldTable* table = nullptr;  ///< of a kObject
@@ -120,7 +120,7 @@ struct FieldRow {
 
   bool hasOption() const { return !option.value.empty() || !option.name.empty(); }
 
-  /// Without dashes; of a member of a member `outer` is that one's name.
+  /// Without dashes; for a member of a member, `outer` is the name of the latter.
   std::string optionName(std::string_view outer = {}) const;
 
   /// "at least 0", "0 to 1", "more than 0"; empty: any.
@@ -136,44 +136,44 @@ struct FieldRow {
 /// A kind of object. fieldTable() fills in the struct's part.
 struct FieldTable {
   std::string_view name = {};      ///< "fog"
-  std::string_view sentence = {};  ///< what it is
+  std::string_view sentence = {};  ///< what it describes
   std::span<const FieldRow> fields = {};
-  std::string_view says = {};    ///< what "kind" must be; empty: no such member
+  std::string_view says = {};    ///< the value of "kind"; empty: no such member
   std::string_view thing = {};   ///< "an FDS case"
   std::string_view things = {};  ///< "FDS cases"
-  /// Of the same "kind" by the file's name: its members are refused by the names of both.
+  /// Other table with the same "kind", told apart by the file's name; errors name both.
   const FieldTable& (*sibling)() = nullptr;
-  const void* usual = nullptr;  ///< the struct as it is by itself
+  const void* usual = nullptr;  ///< the struct with its defaults
   std::shared_ptr<void> (*make)() = nullptr;  ///< another one
   const std::type_info* owner = nullptr;
 
-  /// Null where there is none; also by its other name.
+  /// Null if there is none; also found by its other name.
   const FieldRow* find(std::string_view name) const;
-  /// One that is there.
+  /// A row that must exist.
   const FieldRow& at(std::string_view name) const;
 };
 
-/// What a file or a command line says, and how errors about it begin.
+/// The place of an object in a file or on a command line, for error messages.
 struct FieldOrigin {
   std::string file = {};   ///< empty: options of a command line
   std::string path = {};   ///< of the object in the file: "/media/0"
-  std::string outer = {};  ///< of a command line: the option whose value this object is
+  std::string outer = {};  ///< on a command line: the option whose value is this object
 
   bool options() const { return file.empty(); }
 
   /// "scene.json: /media/0/cell" or "--cell".
   std::string place(const FieldRow& field) const;
 
-  /// A sentence about a member, or about all of it. The code is kInvalidData of files,
-  /// kInvalidArgument of options.
+  /// A message about a member, or about the whole object. The code is kInvalidData for files,
+  /// kInvalidArgument for options.
   tl::unexpected<Error> wrong(const FieldRow& field, std::string_view message) const;
   tl::unexpected<Error> wrong(std::string_view message) const;
 
   FieldOrigin within(const FieldRow& field) const;
 };
 
-/// Checks each member and puts it into `object`, which is of the table's type; what is not said
-/// stays as it is. Names that the table does not have are errors, and so are missing required ones.
+/// Checks each member and stores it in `object`, which has the table's type; members not given keep
+/// their values. Unknown names are errors, and so are missing required ones.
 [[nodiscard]] Status readFields(const FieldTable& table, const FieldValue& json,
                                 const FieldOrigin& origin, void* object);
 
@@ -200,18 +200,18 @@ Result<std::vector<T>> readList(const FieldTable& table, const FieldValue& json,
   return list;
 }
 
-/// What readFields() takes: "kind" where there is one, required members, and what is not as it is
-/// by itself. Names of files are said from the folder of `file`.
+/// The JSON that readFields() reads: "kind" if there is one, required members, and members that
+/// differ from their defaults. File names are relative to the folder of `file`.
 nlohmann::ordered_json writeFields(const FieldTable& table, const void* object,
                                    const std::string& file);
 
 /// The members that name files: "file", "top/map".
 std::vector<std::string> filesIn(const FieldTable& table);
 
-/// The value that the struct has by itself; null: none.
+/// The default value; null: none.
 FieldValue usualValue(const FieldTable& table, const FieldRow& field);
 
-/// With what is known of the struct.
+/// Completes a table with the properties of the struct.
 template <class T>
 FieldTable fieldTable(FieldTable table) {
   static const T kUsual{};
@@ -321,7 +321,7 @@ void take(const FieldRow& field, const FieldValue& value, std::optional<T>& out)
 }  // namespace fields
 
 /// member<&FogDescription::placement, &FogPlacement::cell>(): a member of a member. Enumerations,
-/// flags and integers are places in the row's choices where it is a kChoice.
+/// flags and integers are indices into the row's choices if it is a kChoice.
 template <auto... path>
 FieldAccess member() {
   using Path = fields::Path<path...>;
@@ -366,7 +366,7 @@ FieldAccess part() {
           }};
 }
 
-/// Of a kObject that may not be there.
+/// Of an optional kObject.
 template <auto... path>
 FieldAccess optionalPart() {
   using Path = fields::Path<path...>;

@@ -21,34 +21,34 @@
 
 namespace volute {
 
-/// How the files of a scene are read, whatever is in them.
+/// How the files of a scene are read, for all kinds of media.
 struct OpenOptions {
-  bool partial = false;  ///< damaged files are read as far as they are whole
-  bool verify = true;    ///< with `partial`: looks through them first, and says what is missing
-  /// What files do not say is as it is measured, not as it looks best: their own basis.
+  bool partial = false;  ///< read the intact part of damaged files
+  bool verify = true;    ///< with `partial`: check them first, and report what is missing
+  /// Defaults for measurements instead of appearance: the files' own basis.
   bool measured = true;
-  std::optional<LightCache> lightCache{};     ///< where the light of lamps is looked for and kept
-  std::shared_ptr<LightMemory> lightMemory{};  ///< asked before; may be null
-  /// Whose ranks hold a share each of meshes in pieces and draw pictures together, by calling the
-  /// same in the same order; null: this process holds all.
+  std::optional<LightCache> lightCache{};     ///< cache on disk for the light of lamps
+  std::shared_ptr<LightMemory> lightMemory{};  ///< consulted before it; may be null
+  /// The team whose ranks each hold a share of a mesh in pieces and draw pictures together, with
+  /// the same calls in the same order; null: this process holds everything.
   Team* holders = nullptr;
 };
 
-/// What a medium is opened in.
+/// The context in which a medium is opened.
 struct MediumContext {
   Reading& reading;
   const OpenOptions& options;
   const SceneLights& lights;
-  const TriangleScene& geometry;  ///< the scene's own: it stands in the light
-  const std::string& file;        ///< of the scene; names of files are found from its folder
+  const TriangleScene& geometry;  ///< the scene's own surfaces, which block light
+  const std::string& file;        ///< of the scene; file names are relative to its folder
   std::string path;               ///< of the medium in it: "/media/0"
-  /// What was read before in this place of the scene; null: nothing.
+  /// The medium previously read for this entry of the scene; null: none.
   std::shared_ptr<SceneMedium> before{};
-  /// All that was read before and that nobody has taken yet.
+  /// All previously read media that have not been reused yet.
   std::vector<std::shared_ptr<SceneMedium>>* earlier = nullptr;
 
-  /// One of `earlier` of a type, which is what `serves` says: rather `before` than another. Nobody
-  /// else gets it.
+  /// One of `earlier` of a type for which `serves` is true, preferably `before`. It is then removed
+  /// from the list.
   template <class M, class Serves>
   std::shared_ptr<M> take(Serves&& serves) {
     if (!earlier)
@@ -66,89 +66,89 @@ struct MediumContext {
 
 struct FileDescription;
 
-/// What describe() is asked for besides what every description has.
+/// Optional parts of describe().
 struct DescribeRequest {
-  std::string field{};  ///< which grid of a file with several, which source of a case; empty: the usual
-  bool values = false;  ///< reads everything for its range
-  bool blocks = false;  ///< of what is stored in blocks, each block
+  std::string field{};  ///< grid of a file with several, or source of a case; empty: the default
+  bool values = false;  ///< read all values to report their range
+  bool blocks = false;  ///< list each block of data stored in blocks
 };
 
-/// A kind of medium: how one is written down, found in a file, opened and changed by a person.
+/// A kind of medium: its syntax in scenes, its files, and how it is opened and changed by a user.
 class MediumKind {
  public:
   virtual ~MediumKind() = default;
 
-  /// What an entry may say. Its members are all that is known of the kind by name: in files, in
-  /// options, in the schema, and as what a person may change.
+  /// The members of an entry. They define all names of the kind: in files, in options, in the
+  /// schema and in the viewer's sliders.
   virtual const FieldTable& fields() const = 0;
 
-  /// Of "kind" in a scene's media.
+  /// The value of "kind" in a scene's media.
   std::string_view name() const { return fields().says.empty() ? fields().name : fields().says; }
 
   /// For people: "volumes of voxels", "a volume of voxels".
   std::string_view plural() const { return fields().things; }
   std::string_view singular() const { return fields().thing; }
 
-  /// Which list of the scene it stands in.
+  /// The list of the scene that contains its entries.
   virtual std::string_view list() const { return "media"; }
 
-  /// Among kinds of the same name: whether an entry is one of these, by the patterns of its members.
+  /// Among kinds of the same name: whether an entry is of this kind, by its members' patterns.
   bool claims(const nlohmann::json& entry) const;
 
-  /// Errors name the file and the place in it, members that are unknown included.
+  /// Errors name the file and the place in it, also for unknown members.
   [[nodiscard]] virtual Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
                                                                   MediumContext& context) const = 0;
 
-  /// The same as sight lines ask for it; by default along rays through what open() gives.
+  /// The same for sight lines; by default along rays through the result of open().
   [[nodiscard]] virtual Result<std::unique_ptr<SightField>> openSight(const nlohmann::json& entry,
                                                                       MediumContext& context) const;
 
-  /// Whether a file alone, by its name, is one of these.
+  /// Whether a file alone is of this kind, by its name.
   virtual bool opens(const std::string& path) const {
     (void)path;
     return false;
   }
 
-  /// What is in such a file, for people and programs. By default its name and kind alone.
+  /// Describes such a file, for people and programs. By default only its name and kind.
   [[nodiscard]] virtual Result<FileDescription> describe(const std::string& path,
                                                          const DescribeRequest& request,
                                                          Reading& reading) const;
 
-  /// Whether such a file says too little to be shown without assume().
+  /// Whether such a file lacks information, so that it cannot be shown without assume().
   virtual bool assumes() const { return false; }
 
-  /// A scene that shows such a file and nothing else; `name` is what the scene calls it.
+  /// A scene that shows only such a file, under the name `name`.
   virtual nlohmann::ordered_json sceneOf(const std::string& name) const;
 
-  /// Adds to the entry of such a scene what only a person knows, so that something is seen. Says
-  /// what was assumed; empty: nothing.
+  /// Adds assumptions about information that only the user has to the entry of such a scene, so
+  /// that it can be shown. Returns a sentence about what was assumed; empty: nothing.
   virtual std::string assume(nlohmann::ordered_json& scene) const {
     (void)scene;
     return "";
   }
 
-  /// What the values of such a file, of which some were read, tell of what assume() assumed: changes
-  /// its entry and says why; empty: nothing.
+  /// Checks the assumptions of assume() against values read since: changes the entry and says why;
+  /// empty: no change.
   virtual std::string guess(nlohmann::ordered_json& entry, const SceneMedium& medium) const {
     (void)entry, (void)medium;
     return "";
   }
 
-  /// Other entries that may be meant where one cannot be opened; the first that can is taken.
+  /// Alternative entries if one cannot be opened; the first that can be opened is taken.
   virtual std::vector<nlohmann::ordered_json> alternatives(
       const nlohmann::ordered_json& entry) const {
     (void)entry;
     return {};
   }
 
-  /// Adds what a person may change about one. By default the sliders of what the entry says.
+  /// Adds the parameters that a user may change. By default the sliders of the entry's members.
   virtual void addParameters(ParameterGroup& group, const nlohmann::ordered_json& entry,
                              const SceneMedium& medium, MediumFacts facts) const;
 
-  /// Sets a value in an entry that more than one of its numbers stand for, or that other values
-  /// must go with. False, with nothing done, for all others.
+  /// Sets a value that is stored in several numbers of an entry, or that other values must follow.
+  /// False, with nothing changed, for all other values.
   /// @param key  below the entry: "transform/turn"
-  /// @param value  as jsonOf() gives it; `numbers` as the person set them
+  /// @param value  as jsonOf() returns it; `numbers` as set by the user
   virtual bool setParameter(nlohmann::ordered_json& entry, const SceneMedium& medium,
                             const std::string& key, const nlohmann::ordered_json& value,
                             const std::vector<double>& numbers) const {
@@ -156,8 +156,8 @@ class MediumKind {
     return false;
   }
 
-  /// Of a Parameter that is an entry of a list: it is there twice, or no more. Says in a sentence
-  /// what was done; nothing where the key names none.
+  /// For a Parameter that is an entry of a list: duplicates or removes it. Returns a sentence about
+  /// what was done; nothing if the key names no entry.
   [[nodiscard]] virtual Result<std::optional<std::string>> editEntry(nlohmann::ordered_json& entry,
                                                                      const std::string& key,
                                                                      bool more) const {
@@ -172,20 +172,20 @@ class MediumKind {
   }
 };
 
-/// All kinds there are, in the order in which files are asked for.
+/// All kinds, in the order in which they are tried for a file.
 std::vector<const MediumKind*>& mediumKinds();
 
-/// Adds a kind; it must live as long as the program.
+/// Registers a kind, which must exist until the program ends.
 void registerMedium(const MediumKind& kind);
 
-/// That of an entry of a list; kInvalidData, which lists the names, where there is none.
+/// The kind of an entry of a list; kInvalidData, which lists the names, if there is none.
 [[nodiscard]] Result<const MediumKind*> mediumKindOf(const nlohmann::json& entry,
                                                      std::string_view list,
                                                      const std::string& file,
                                                      const std::string& path);
 
-/// That of a file alone, by its name. Null: none.
-/// @param assuming  kinds that say too little alone count as well
+/// The kind of a file alone, by its name. Null: none.
+/// @param assuming  also accept kinds whose files need assume()
 const MediumKind* mediumKindOf(const std::string& path, bool assuming);
 
 }  // namespace volute

@@ -8,7 +8,7 @@
 
 #include "volute/medium/medium.hpp"
 
-// The reference integrator: scalar, double, and meant to be obviously right. Everything faster is
+// The reference integrator: scalar, double, and obviously correct. All faster implementations are
 // tested against it.
 
 namespace volute {
@@ -39,7 +39,7 @@ Radiance composite(std::span<const Piece> pieces, double* errorBound = nullptr);
 Radiance compositeMedia(std::span<const std::vector<Piece>> perMedium,
                         double* errorBound = nullptr);
 
-/// What AnyMedium does for a medium that has no radiance() of its own.
+/// Used by AnyMedium for a medium without its own radiance().
 template <Medium M>
 void radianceByPieces(const M& medium, std::span<const Segment> segments, std::span<Radiance> out) {
   std::vector<std::vector<Piece>> pieces(segments.size());
@@ -53,8 +53,8 @@ void radianceByPieces(const M& medium, std::span<const Segment> segments, std::s
 double integralOfPoints(const std::function<double(const Vec3&)>& value, const Box3& bounds,
                         const Segment& segment, double tolerance, int cuts = 16);
 
-/// The optical depth from the extinction at points alone: what the conformance suite holds the
-/// closed forms against.
+/// The optical depth computed only from the extinction at points: the conformance suite compares
+/// the closed forms with it.
 template <Medium M>
 double opticalDepthByQuadrature(const M& medium, const Segment& segment, double tolerance) {
   return integralOfPoints([&](const Vec3& point) { return double(medium.extinction(point)); },

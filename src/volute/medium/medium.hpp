@@ -11,8 +11,8 @@
 #include "volute/math/vec.hpp"
 
 // A medium is a list of coefficients over basis functions, and Volute does one thing with it:
-// integrate it along a ray segment. A Medium object is the medium at one instant; what varies in
-// time makes one for each instant.
+// integrate it along a ray segment. A Medium object is the medium at one time; a medium that varies
+// in time makes one object for each time.
 
 namespace volute {
 
@@ -37,11 +37,11 @@ struct Piece {
   double end = 0;    ///< infinite only when decay > 0 or all polynomials are constant
   Polynomial extinction;
   Polynomial emission[3];
-  double decay = 0;  ///< [1/m]; 0 but for exponential height profiles; decay * length > -700
+  double decay = 0;  ///< [1/m]; 0 except for exponential height profiles; decay * length > -700
 };
 
-/// What comes out of a segment: light emitted along it and not absorbed before its begin, and what
-/// share of the light from behind passes.
+/// The result of a segment: the light emitted along it that reaches its begin, and the transmitted
+/// share of the light from behind.
 struct Radiance {
   Rgb emitted = Rgb::Zero();
   double transmittance = 1;
@@ -52,7 +52,7 @@ struct Radiance {
 template <class M>
 concept Medium = requires(const M& medium, const Vec3& point, std::span<const Segment> segments,
                           std::span<double> depths, std::span<std::vector<Piece>> pieces) {
-  /// Outside of it extinction and emission are zero. Never empty; may be infinite.
+  /// Outside, extinction and emission are zero. Never empty; may be infinite.
   { medium.bounds() } -> std::convertible_to<Box3>;
   /// [1/m] at a point; for probes and tests only.
   { medium.extinction(point) } -> std::convertible_to<double>;

@@ -19,16 +19,16 @@ enum class Renderer {
          ///< and with sunlit fog within some 1e-3
 };
 
-/// What a pixel says instead of its colour, in one channel.
+/// A quantity shown instead of colour, in one channel.
 enum class Aov {
   kNone,
   kOpticalDepth,   ///< the integral of the extinction along the pixel's ray, natural logarithm
   kTransmittance,  ///< exp(-optical depth)
-  /// How far away what is seen is, along the view [m]: the nearest opaque surface or, where media
-  /// before it take more than half of the light, the place where half is left; infinite where there
-  /// is neither. Of scenes alone.
+  /// Depth along the view axis [m]: of the nearest opaque surface or, where media in front of it
+  /// take more than half of the light, of the point where half is left; infinite where there is
+  /// neither. Only for scenes.
   kDistance,
-  kAlpha,  ///< 1 where a surface is opaque, else 1 - transmittance; of scenes alone
+  kAlpha,  ///< 1 where a surface is opaque, else 1 - transmittance; only for scenes
 };
 
 struct RenderOptions {
@@ -36,22 +36,22 @@ struct RenderOptions {
   Rgb background = Rgb::Zero();  ///< linear radiance behind all media where no opaque surface is
   Aov aov = Aov::kNone;
   Box3 within{};  ///< of kDistance: around all media
-  /// A linear RGB picture of the camera's size that is seen through all media, opaque surfaces
-  /// and what is beyond them alike; instead of the background. Must outlive the call.
+  /// A linear RGB picture of the camera's size behind all media, including opaque surfaces and what
+  /// is beyond them; replaces the background. Must outlive the call.
   const Image* behind = nullptr;
-  /// Empty, or one for each pixel, row by row: 0 leaves it black. Must outlive the call.
+  /// Empty, or one value per pixel, row by row: 0 leaves the pixel black. Must outlive the call.
   std::span<const std::uint8_t> only = {};
 };
 
 struct RenderStats {
   std::uint64_t rays = 0;
-  std::uint64_t segments = 0;  ///< handed to media: rays times media
+  std::uint64_t segments = 0;  ///< passed to media: rays times media
   std::uint64_t pieces = 0;    ///< that were composited; fast paths make none
   double milliseconds = 0;
 };
 
 /// A picture of all media together: their emission, attenuated by all of them, and the background
-/// through them. Overlapping media add up. One ray for each pixel, through its centre.
+/// seen through them. Overlapping media add up. One ray per pixel, through its centre.
 ///
 /// @param opaqueDepth  empty, or the distance along each pixel's ray to the nearest opaque surface
 /// [m], shape

@@ -18,7 +18,7 @@
 
 namespace volute {
 
-/// What taking a picture came to.
+/// Statistics of rendering a picture.
 struct PictureCounts {
   RenderStats render;
   std::uint64_t surfacePixels = 0;
@@ -26,22 +26,22 @@ struct PictureCounts {
   double surfaceMilliseconds = 0;
 };
 
-/// Takes pictures of snapshots. Keeps what serves the next picture; takes one at a time.
+/// Renders pictures of snapshots, one at a time. Keeps data that the next picture can reuse.
 class SceneRenderer {
  public:
   virtual ~SceneRenderer() = default;
 
-  /// Linear RGB: the light of all media over surfaces, signs and the background; or the AOV, of
-  /// which an optical depth is natural whatever the law. kCancelled when `progress` said so,
-  /// kUnsupported for media that this renderer does not draw.
-  /// @param options  of the picture; what is behind the media comes from the snapshot
+  /// Linear RGB: the light of all media over surfaces, signs and the background; or the AOV, where
+  /// optical depth uses the natural logarithm for every law. kCancelled if `progress` requests it,
+  /// kUnsupported for media that this renderer cannot draw.
+  /// @param options  of the picture; the background comes from the snapshot
   [[nodiscard]] Result<Image> render(const Snapshot& snapshot, const Camera& camera,
                                      const RenderOptions& options, Progress& progress,
                                      PictureCounts* counts = nullptr);
 
-  /// render(), with `samples` rays in the pixels where it has edges: those of surfaces, signs and
-  /// boxes, and whatever else a display would show as a step. No AOVs.
-  /// @param shown  how light is shown: by that edges are found
+  /// render(), with `samples` rays in pixels with edges: of surfaces, signs and boxes, and any
+  /// other visible steps. No AOVs.
+  /// @param shown  how light is displayed, for finding edges
   [[nodiscard]] Result<Image> renderSmooth(const Snapshot& snapshot, const Camera& camera,
                                            const RenderOptions& options, int samples,
                                            const PictureStyle& shown, Progress& progress,
@@ -54,40 +54,40 @@ class SceneRenderer {
   /// "cpu", "gl", "reference".
   virtual std::string_view name() const = 0;
 
-  /// What it is and did, for `render --stats`; an empty object: nothing to be said.
+  /// Statistics for `render --stats`; an empty object: none.
   virtual nlohmann::ordered_json stats() { return nlohmann::ordered_json::object(); }
 
  protected:
-  /// A snapshot as one camera sees it, while its picture is taken.
+  /// A snapshot and a camera, while a picture is rendered.
   struct View {
     const Snapshot& snapshot;
     const Camera& camera;
-    std::span<const float> opaqueDepth{};  ///< of what has been drawn so far, as render() takes it
-    bool surfaces = true;                  ///< are shown, and walls
-    /// Empty, or one for each pixel: of the others nothing is asked.
+    std::span<const float> opaqueDepth{};  ///< depth of what has been drawn so far, as for render()
+    bool surfaces = true;                  ///< draw surfaces and walls
+    /// Empty, or one value per pixel: pixels with 0 are not needed.
     std::span<const std::uint8_t> only{};
   };
 
-  /// Before the first of the others for a picture.
+  /// Called before the other functions for a picture.
   [[nodiscard]] virtual Status begin(const View& view) = 0;
 
   /// The geometry, lit through the media.
   [[nodiscard]] virtual Result<SurfacePicture> surfaces(const View& view, Progress& progress) = 0;
 
-  /// The walls of a medium that has some: its place in the snapshot.
+  /// The walls of a medium, given by its index in the snapshot.
   [[nodiscard]] virtual Result<SurfaceView> walls(const View& view, std::size_t medium) = 0;
 
   [[nodiscard]] virtual Result<std::vector<SignPixel>> findSigns(const View& view) = 0;
 
-  /// The light of the media over what options.behind says.
+  /// The light of the media over options.behind.
   [[nodiscard]] virtual Result<Image> color(const View& view, const RenderOptions& options,
                                             Progress& progress, RenderStats& stats) = 0;
 
-  /// Of all media, natural logarithm, whatever the law: one channel.
+  /// The optical depth of all media, natural logarithm for every law: one channel.
   [[nodiscard]] virtual Result<Image> opticalDepth(const View& view, const RenderOptions& options,
                                                    Progress& progress, RenderStats& stats) = 0;
 
-  /// Adds what is seen of the signs found last.
+  /// Adds the visible light of the signs found last.
   [[nodiscard]] virtual Status addSigns(const View& view, std::span<const SignPixel> seen,
                                         const RenderOptions& options, Progress& progress,
                                         Image& image) = 0;
@@ -98,14 +98,14 @@ class SceneRenderer {
   [[nodiscard]] Result<Image> picture(View view, const RenderOptions& options, Progress& progress,
                                       PictureCounts& counts);
 
-  /// Aov::kDistance, of what is behind view.opaqueDepth.
+  /// Aov::kDistance, given view.opaqueDepth.
   [[nodiscard]] Result<Image> distances(View view, const RenderOptions& options, Progress& progress,
                                         PictureCounts& counts);
 };
 
-/// The CPU, by the media's fast paths or, as the reference, by their pieces in double. A single
-/// medium that draws itself at all pixels at once does so wherever nothing else is on a pixel's
-/// ray; rays that meet other media too go through all pieces of all media.
+/// Renders on the CPU, by the media's fast paths or, as the reference, by their pieces in double. A
+/// medium that can draw all pixels at once does so wherever nothing else is on a pixel's ray; rays
+/// that also meet other media go through the pieces of all media.
 class CpuRenderer final : public SceneRenderer {
  public:
   explicit CpuRenderer(Renderer method = Renderer::kCpu) : method_(method) {}

@@ -9,8 +9,8 @@
 
 namespace volute {
 
-/// A scene as sight lines ask for it: the sum of all its media, and its surfaces, which are in the
-/// way. A medium that is alone is asked in its own way, which may know more of it than rays do.
+/// A scene for sight lines: the sum of all its media, and its surfaces, which block them. A medium
+/// that is alone answers through its own interface, which may know more than rays do.
 [[nodiscard]] Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& options,
                                                           Progress& progress);
 

@@ -14,24 +14,24 @@
 
 namespace volute {
 
-/// A scene at one instant, with all that pictures of it need. Nothing in it changes: threads may
-/// take pictures while others go on to the next instant.
+/// A scene at one time, with everything that pictures of it need. Immutable: threads may render
+/// pictures while others request the next time.
 struct Snapshot {
   double time = 0;  ///< [s], of the scene
-  PictureLaw law;   ///< that everything but signs is seen through
+  PictureLaw law;   ///< law for everything except signs
   std::vector<std::shared_ptr<const MediumAt>> media;  ///< in the order of the scene
-  TriangleScene geometry;                              ///< all that is opaque, walls of media apart
-  TriangleScene fixedGeometry;  ///< the scene's own, which stands in the light of media
+  TriangleScene geometry;                              ///< all opaque surfaces, except walls of media
+  TriangleScene fixedGeometry;  ///< the scene's own surfaces, which block light for media
   SceneLights lights;
   std::vector<Sign> signs;
   Rgb background = Rgb::Zero();
-  bool shadows = true;  ///< surfaces and media keep lamps' light from surfaces; false: previews
+  bool shadows = true;  ///< surfaces and media cast shadows on surfaces; false: previews
 
-  /// What looks nearly the same and is drawn much sooner, without shadows of surfaces; nothing
-  /// where that would be no sooner.
+  /// A preview that looks nearly the same and is drawn much faster, without shadows of surfaces;
+  /// nothing if it would not be faster.
   std::optional<Snapshot> quick() const;
 
-  /// Whether a medium has walls of its own.
+  /// Whether a medium has its own walls.
   bool hasWalls() const;
 };
 

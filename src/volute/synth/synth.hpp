@@ -10,8 +10,8 @@
 
 namespace volute {
 
-/// What to make up: a turbulent flame (fast, about nine tenths of the voxels exactly 0) or three
-/// columns of coloured smoke that mix (calm, fills more of the volume).
+/// What to synthesize: a turbulent flame (fast, about nine tenths of the voxels exactly 0) or three
+/// mixing columns of coloured smoke (slow, fills more of the volume).
 enum class SynthKind { kFire, kSmoke };
 
 /// The cube of 2 m side with z up: x and y from -1 to 1, z from 0 to 2; 25 frames a second.
@@ -22,16 +22,16 @@ struct SynthOptions {
   SynthKind kind = SynthKind::kFire;
   int size = 64;           ///< voxels on a side, 16..128 and a multiple of 8
   int frames = 64;         ///< 1..100000
-  std::uint32_t seed = 1;  ///< another seed is another fire
+  std::uint32_t seed = 1;  ///< another seed gives another fire
   int channels = 3;        ///< 1 or 3
 };
 
-/// A made-up sequence that is computed while it is read. The same options give the same bytes on
+/// A synthetic sequence that is computed while it is read. The same options give the same bytes on
 /// every machine and for any number of threads. The first frame shows a developed flame or plume.
-/// Frames are cheap in order; an earlier one than the last starts again from the beginning.
+/// Read frames in order; reading an earlier one restarts from the beginning.
 class SyntheticSource final : public FrameSource {
  public:
-  /// kInvalidArgument when the options are out of range. `progress` is asked and told between
+  /// kInvalidArgument if the options are out of range. `progress` is polled and updated between
   /// frames and must outlive the source.
   [[nodiscard]] static Result<std::unique_ptr<SyntheticSource>> create(const SynthOptions& options,
                                                                        Progress& progress);
@@ -39,7 +39,7 @@ class SyntheticSource final : public FrameSource {
 
   const VolumeInfo& info() const override { return info_; }
 
-  /// kCancelled when `progress` says so; it may be called again.
+  /// kCancelled if `progress` requests it; it may be called again.
   [[nodiscard]] Status readFrame(int index, std::span<float> values) override;
 
  private:

@@ -9,14 +9,14 @@
 
 namespace volute {
 
-/// How smoke slows people down.
+/// Laws of walking speed in smoke.
 enum class SpeedLaw { kNone, kFridolf, kFrantzichNilsson };
 
 struct SpeedLawInfo {
   SpeedLaw law;
   std::string_view name;
   std::string_view source;
-  bool checked = false;  ///< the source was read, not quoted from memory
+  bool checked = false;  ///< checked against the source
 };
 
 std::span<const SpeedLawInfo> speedLaws();
@@ -24,9 +24,9 @@ std::span<const SpeedLawInfo> speedLaws();
 /// "none", "fridolf" or "frantzich-nilsson".
 [[nodiscard]] Result<SpeedLaw> speedLaw(std::string_view name);
 
-/// The speed [m/s] in smoke of extinction K [1/m] of somebody who walks at `clear` [m/s] without.
-/// Fridolf et al. 2019: 0.34 m/s less for each metre of sight (3 / K) below 3 m, 0.2 m/s at least.
-/// Frantzich and Nilsson, as FDS+Evac has it: times 1 - 0.057 K / 0.706, a tenth at least.
+/// Walking speed [m/s] in smoke of extinction K [1/m], given the speed `clear` [m/s] without smoke.
+/// Fridolf et al. 2019: minus 0.34 m/s per metre of visibility (3 / K) below 3 m, at least 0.2 m/s.
+/// Frantzich and Nilsson, as in FDS+Evac: times 1 - 0.057 K / 0.706, at least a tenth.
 double walkingSpeed(SpeedLaw law, double clear, double extinction);
 
 }  // namespace volute

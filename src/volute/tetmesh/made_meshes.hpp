@@ -9,7 +9,7 @@
 
 #include "volute/tetmesh/tet_mesh.hpp"
 
-// Meshes for tests, benchmarks and examples, made from a seed.
+// Synthetic meshes for tests, benchmarks and examples.
 
 namespace volute {
 
@@ -18,12 +18,12 @@ namespace volute {
 std::shared_ptr<const TetMesh> boxMesh(const Box3& box, const std::array<int, 3>& cells,
                                        double jitter, std::uint32_t seed);
 
-/// A hall of 28 x 12 x 6 m with columns and a curtain below the ceiling, holes that rays leave and
-/// re-enter by; cells of about `cell` metres.
+/// A hall of 28 x 12 x 6 m with columns and a curtain below the ceiling, that is, holes where rays
+/// leave and re-enter the mesh; cells of about `cell` metres.
 std::shared_ptr<const TetMesh> hallMesh(double cell, std::uint32_t seed);
 
-/// A plume that rises from a fire seat and spreads below the ceiling of the mesh's bounds, as soot
-/// density [g/m3], > 0 nowhere far from it; `time` in seconds moves its eddies.
+/// A plume that rises from a fire and spreads below the ceiling of the mesh's bounds, as soot
+/// density [g/m3], zero far from it; `time` [s] moves its eddies.
 std::vector<float> plume(const TetMesh& mesh, double time, std::uint32_t seed);
 
 }  // namespace volute

@@ -12,7 +12,7 @@ namespace volute {
 /// [value * m]; exact for the basis up to float rounding.
 /// @param volume  (z, y, x, 3). Box: constant in each voxel. Trilinear: interpolated between voxel
 ///   centres, zero one voxel beyond the outer ones.
-/// @param raysPerPixel  1 through the pixel's centre, or 4: the mean of 2 x 2 at its quarters.
+/// @param raysPerPixel  1: through the pixel's centre; 4: mean of 2 x 2 at its quarter points.
 Image projectVolume(std::span<const float> volume, const VolumeGeometry& geometry, Basis basis,
                     const Camera& camera, int raysPerPixel);
 

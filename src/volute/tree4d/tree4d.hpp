@@ -30,13 +30,13 @@ struct VoxelBox {
 class Tree4d {
  public:
   struct BuildOptions {
-    double relativeRms = 3e-3;  ///< never exceeded, and reached within some 3 %
+    double relativeRms = 3e-3;  ///< never exceeded, and met within about 3 %
     double step = 0;  ///< instead: the quantisation step of the orthonormal coefficients; 0 = from
                       ///< relativeRms
   };
 
-  /// Reads the source several times (once for the statistics, then for each try at the step), a
-  /// row of 16 frames in memory at once. NaN and infinities are refused.
+  /// Reads the source several times (once for statistics, then for each trial of the step), with 16
+  /// frames in memory at a time. NaN and infinities are refused.
   [[nodiscard]] static Result<Tree4d> build(FrameSource& source, const BuildOptions& options,
                                             Progress& progress);
 
@@ -46,8 +46,8 @@ class Tree4d {
     int endFrame = 1 << 30;  ///< frames outside are not read from the file and hold zeros
   };
 
-  /// From a file, block by block, quantised anew with a quarter of the file's error, which adds 3 %
-  /// to it.
+  /// From a file, block by block, requantised with a quarter of the file's error, which increases
+  /// the error by 3 %.
   [[nodiscard]] static Result<Tree4d> load(const VoluteReader& reader, const LoadOptions& options,
                                            Progress& progress);
 
@@ -64,7 +64,7 @@ class Tree4d {
   void values(std::span<const std::array<int, 4>> voxels, std::span<float> values) const;
 
   /// `values[i]` = the voxel `origin + i * direction`; each component of `direction` is -1, 0 or 1.
-  /// What neighbours share of the path from the root is walked once.
+  /// Path sections shared by neighbours are walked only once.
   void valuesAlong(const std::array<int, 4>& origin, const std::array<int, 4>& direction,
                    std::span<float> values) const;
 
@@ -76,16 +76,16 @@ class Tree4d {
   void extractFrame(int t, std::span<float> values) const;
 
   /// Frame t as bricks; empty ones are neither computed nor stored. On all threads.
-  /// `nodesVisited`, when given, grows by the nodes that were read.
+  /// `nodesVisited`, if given, is increased by the number of nodes read.
   BrickSlice extractSlice(int t, std::uint64_t* nodesVisited = nullptr) const;
 
-  /// The smallest box around all voxels of frame t that are not zero (section 5.2 of the paper).
+  /// The smallest box around all non-zero voxels of frame t (section 5.2 of the paper).
   const VoxelBox& occupiedBox(int t) const { return boxes_[t]; }
 
   /// Only the first `nodes` nodes of the breadth-first array: a coarse picture of everything.
   Tree4d prefix(std::size_t nodes) const;
 
-  /// Nodes of the pruned tree, and the bytes that all its arrays take in memory.
+  /// Number of nodes of the pruned tree, and the bytes of all its arrays in memory.
   std::size_t nodeCount() const;
   std::size_t memoryBytes() const;
 

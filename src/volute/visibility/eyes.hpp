@@ -10,16 +10,16 @@
 
 #include "volute/visibility/floor_plan.hpp"
 
-// Where people look from.
+// Eye positions: plans, routes, tables and trajectories.
 
 namespace volute {
 
-/// The points of a plan over `bounds` at a height, and what stands there at that instant. The
-/// squares start at the bounds' lower corner; at most 4 million of them.
+/// The points of a plan over `bounds` at a height, and whether they are obstructed at that time.
+/// The grid starts at the bounds' lower corner; at most 4 million points.
 [[nodiscard]] Result<FloorPlan> floorPlan(const SightInstant& instant, const Box3& bounds,
                                           double height, double step);
 
-/// A way of escape: straight from point to point.
+/// An escape route: straight from point to point.
 struct Route {
   std::string name;
   std::vector<Vec3> points;  ///< of the eyes [m], at least two
@@ -34,27 +34,27 @@ std::vector<double> stationsOf(const Route& route, double step);
 
 /// A line of a table of points.
 struct NamedPoint {
-  std::string name;  ///< of the column "route" or "name"; empty without
+  std::string name;  ///< from the column "route" or "name"; empty without one
   Vec3 position = Vec3::Zero();
 };
 
 /// Points in comma-separated text: x,y,z or x,y [m], with or without a line of column names (x, y,
-/// z, and name or route); lines that begin with # are remarks. Without z the eyes are at `height`.
+/// z, and name or route); lines that begin with # are comments. Without z the eyes are at `height`.
 /// Errors name `file` and the line.
 [[nodiscard]] Result<std::vector<NamedPoint>> parsePoints(std::string_view text,
                                                           std::string_view file,
                                                           std::optional<double> height);
 
-/// Routes of points that follow each other: a route for each name, in the order of the first.
+/// Routes of consecutive points: one route for each name, in order of first appearance.
 [[nodiscard]] Result<std::vector<Route>> routesOf(const std::vector<NamedPoint>& points,
                                                   std::string_view file);
 
-/// Where walking people are over time.
+/// Positions of walking people over time.
 class Trajectories {
  public:
-  /// JuPedSim's text format, or a table as parseTable() has it: "# framerate: F", lines "id frame x y z ..." in metres, or in
-  /// centimetres when the line of column names says so ("x/cm"). With `height` the eyes are at that
-  /// z, else at the file's.
+  /// JuPedSim's text format, or a table as parseTable() has it: "# framerate: F", lines "id frame x
+  /// y z ..." in metres, or in centimetres when the line of column names says so ("x/cm"). With
+  /// `height` the eyes are at that z, else at the file's.
   [[nodiscard]] static Result<Trajectories> parse(std::string_view text, std::string_view file,
                                                   std::optional<double> height);
 
@@ -68,12 +68,12 @@ class Trajectories {
     Vec3 eye = Vec3::Zero();
   };
 
-  /// Those who are there at a time [s], by id; between two frames of a person on the straight line
-  /// between them.
+  /// The people present at a time [s], by id; positions are interpolated linearly between two
+  /// frames of a person.
   std::vector<Person> at(double time) const;
 
-  /// When somebody is within `radius` [m] of a point for the last time, seen from above [s]; NaN
-  /// where nobody comes.
+  /// The last time [s] at which a person is within `radius` [m] of a point, seen from above; NaN if
+  /// nobody comes near it.
   std::vector<double> lastTimes(std::span<const Vec3> points, double radius) const;
 
   std::span<const int> ids() const { return ids_; }  ///< ascending

@@ -15,30 +15,30 @@
 
 namespace volute {
 
-/// Who sees which sign, and what people take in, for programs that move them: asked again and again
-/// while time goes on, for all agents at once. From one thread at a time; works on all.
+/// Tells evacuation programs which agents see which signs, and the doses they take in: called
+/// repeatedly as time proceeds, for all agents at once. Call from one thread; it uses all threads.
 class SightEngine {
  public:
-  /// Signs are put in their places at the first stored time. Criteria of which the case stores
-  /// nothing are left out; missing() names them. `progress` hears remarks.
+  /// Signs are placed at the first stored time. Criteria without data in the case are left out;
+  /// missing() names them. `progress` receives remarks.
   [[nodiscard]] static Result<SightEngine> open(std::shared_ptr<SightField> field,
                                                 std::span<const SafetySign> signs,
                                                 std::span<const Criterion> criteria,
                                                 Progress& progress);
 
   /// Whether each agent sees each sign at a time [s]: optical depths are linear between stored
-  /// times, what is opaque is as of `t`; before the first stored time and after the last the smoke
-  /// stays. Any order of times; ascending ones are read once.
+  /// times, obstructions as of `t`; before the first and after the last stored time the smoke is
+  /// constant. Times may be in any order; ascending ones are read once.
   /// @param eyes  [m].
   /// @param out  shape (sign, agent), agent fastest.
   [[nodiscard]] Status sees(std::span<const Vec3> eyes, double t, std::span<Seen> out);
 
-  /// What agents have taken in until `t` [s], by trapezoids from the time before to this one: steps
-  /// of a second or less are small enough for people who walk. Who was not there at the call before
-  /// goes on with the dose from when they were, without what they took in between.
+  /// The doses of agents until `t` [s], by the trapezoidal rule from the previous time to this one;
+  /// steps of a second or less are small enough for walking people. An agent absent at the previous
+  /// call continues with its earlier dose, without the time in between.
   /// @param ids  of the agents, each once.
-  /// @param eyes  where each is [m].
-  /// @param out  shape (criterion, agent): doses so far, or levels; NaN where the case says nothing.
+  /// @param eyes  position of each [m].
+  /// @param out  shape (criterion, agent): doses so far, or levels; NaN without data in the case.
   [[nodiscard]] Status dose(std::span<const std::int64_t> ids, std::span<const Vec3> eyes, double t,
                             std::span<double> out);
 
@@ -54,7 +54,7 @@ class SightEngine {
   std::span<const double> times() const { return field_->times(); }
 
  private:
-  /// The case between two times that are known.
+  /// The case between two stored times.
   struct Instants {
     std::shared_ptr<const SightInstant> before, after;  // `after` is null at a known time
     double share = 0;                                   // of `after`

@@ -10,7 +10,7 @@
 namespace volute {
 
 /// The "signs" of a JSON file, a scene's among them: {"signs": [{"name", "position", "normal",
-/// "size", "emitting" or "C", "angle_law"}, ..]}. docs/visibility.md says what they mean. Errors
+/// "size", "emitting" or "C", "angle_law"}, ..]}. docs/visibility.md explains them. Errors
 /// name the file and the path inside it.
 [[nodiscard]] Result<std::vector<SafetySign>> readSigns(const std::string& file);
 

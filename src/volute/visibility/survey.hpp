@@ -18,37 +18,37 @@ struct SightTarget {
   Vec3 target = Vec3::Zero();  ///< the sign's position, or the nearest gas in front of it
 };
 
-/// Finds where sight lines to the signs end. A sign on a wall's face is its own target; one inside
-/// of a wall or outside of the field gets the first gas along its normal, with a remark, as far as
-/// half a metre; beyond that it is an error that names the sign.
+/// Finds the end points of sight lines to the signs. A sign on a wall's face is its own target; one
+/// inside a wall or outside the field gets the first gas along its normal, up to half a metre away,
+/// with a remark; beyond that it is an error that names the sign.
 [[nodiscard]] Result<std::vector<SightTarget>> placeSigns(const SightInstant& instant,
                                                           std::span<const SafetySign> signs,
                                                           const Box3& bounds, Progress& progress);
 
-/// Looks from all eyes to all signs at one instant, on all threads.
+/// Looks from all eyes to all signs at one time, on all threads.
 /// @param out  shape (sign, eye), eye fastest.
 void lookAround(const SightInstant& instant, std::span<const SightTarget> signs,
                 std::span<const Vec3> eyes, std::span<Sighting> out);
 
-/// Looks again and again from the same eyes, while smoke changes and obstructions mostly stay:
-/// works the lines out once and keeps them, as far as memory allows.
+/// Looks repeatedly from the same eyes, while smoke changes and obstructions mostly stay: computes
+/// the weights of lines once and keeps them, as far as memory allows.
 class Lookout {
  public:
-  /// Keeps at most `maxBytes` of worked-out lines; more are looked along anew each time.
+  /// Keeps at most `maxBytes` of weights; further lines are traced again each time.
   explicit Lookout(std::uint64_t maxBytes) : maxBytes_(maxBytes) {}
 
   /// As lookAround(), to float precision.
-  /// @param again  whether there will be another call; a single look keeps nothing.
+  /// @param again  whether there will be another call; if not, nothing is kept.
   void look(const SightInstant& instant, std::span<const SightTarget> signs,
             std::span<const Vec3> eyes, std::span<Sighting> out, bool again);
 
-  /// Collective. Works the lines out that look() would, each on one rank, and gives them to all.
+  /// Collective. Computes the weights for look(), each line on one rank, and distributes them.
   [[nodiscard]] Status workOutTogether(const SightInstant& instant,
                                        std::span<const SightTarget> signs,
                                        std::span<const Vec3> eyes, Team& team);
 
  private:
-  /// Lines that are worked out and summed together.
+  /// Lines that are computed and summed together.
   struct Batch {
     std::vector<SightWeight> weights;
     std::vector<std::uint32_t> ends;  ///< of each line's weights
