@@ -120,7 +120,7 @@ Result<std::string> guarded(Function&& function) {
   }
 }
 
-[[noreturn]] void serveForever(const Result<ReaderProcess::Serve>& serve) {
+[[noreturn]] void serveForever(const Result<ReaderJob::Serve>& serve) {
   SharedValues shared;
   ReaderHeader request;
   std::string text;
@@ -188,7 +188,7 @@ void serveAsReader(ReaderJob::Make make, const ReaderLine& line) {
   endWithParent();
   limitMemory(line.memory);
   const Parameters parameters = readParameters();
-  Result<ReaderProcess::Serve> serve = fail(ErrorCode::kIo, "nothing reads it");
+  Result<ReaderJob::Serve> serve = fail(ErrorCode::kIo, "nothing reads it");
   const auto made = guarded([&]() -> Result<std::string> {
     serve = make(parameters.text);
     return std::string();
@@ -205,7 +205,7 @@ void serveAsReader(ReaderJob::Make make, const ReaderLine& line) {
   serveForever(serve);
 }
 
-void serveUnconfined(const ReaderProcess::Serve& serve, const ReaderLine& line) {
+void serveUnconfined(const ReaderJob::Serve& serve, const ReaderLine& line) {
   takeSignals();
   takeDescriptors(line);
   endWithParent();

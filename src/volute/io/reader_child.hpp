@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include "volute/io/reader_process.hpp"
+#include <cstdint>
+
+#include "volute/io/reader_job.hpp"
 
 namespace volute::detail {
 
@@ -23,6 +25,6 @@ int writeReaderParameters(const ReaderJob& job);
 [[noreturn]] void serveAsReader(ReaderJob::Make make, const ReaderLine& line);
 
 /// The same without giving anything up.
-[[noreturn]] void serveUnconfined(const ReaderProcess::Serve& serve, const ReaderLine& line);
+[[noreturn]] void serveUnconfined(const ReaderJob::Serve& serve, const ReaderLine& line);
 
 }  // namespace volute::detail

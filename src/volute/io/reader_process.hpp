@@ -5,35 +5,13 @@
 #include <sys/types.h>
 
 #include <cstdint>
-#include <cstring>
-#include <filesystem>
-#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <type_traits>
-#include <vector>
 
-#include "volute/base/result.hpp"
+#include "volute/io/reader_job.hpp"
 
 namespace volute {
-
-/// What a reader's process is for.
-struct ReaderJob {
-  /// Runs in the child, once for each call: takes the request and returns the reply, and may fill
-  /// `values`.
-  using Serve =
-      std::function<Result<std::string>(std::string_view request, std::span<float> values)>;
-
-  /// Makes it from the parameters, in the child and before that gives up its rights: libraries are
-  /// loaded here. A function of the program, because the child may come from a process that was
-  /// forked before anything was known (ReaderHelper).
-  using Make = Result<Serve> (*)(std::string_view parameters);
-
-  Make make = nullptr;
-  std::string parameters{};
-  std::vector<std::filesystem::path> readable{};  ///< files, and folders with all below them
-};
 
 /// Reads untrusted files with a library that may crash on them, or be taken over by them: in a
 /// child process with limits on memory and time, so that a crash or a hang becomes an error. The
@@ -94,34 +72,5 @@ class ReaderProcess {
   std::size_t valueCount_ = 0;
   std::size_t mappedBytes_ = 0;
 };
-
-/// A value as a message to or from the other process.
-template <class T>
-std::string toMessage(const T& value) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  return {reinterpret_cast<const char*>(&value), sizeof value};
-}
-
-/// kInvalidData where the size is not T's: it comes from a process that read a file nobody vouches
-/// for.
-template <class T>
-Result<T> fromMessage(std::string_view message) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  if (message.size() != sizeof(T)) {
-    return fail(ErrorCode::kInvalidData,
-                "the process that reads the file answered with {} bytes; expected {}",
-                message.size(), sizeof(T));
-  }
-  T value;
-  std::memcpy(&value, message.data(), sizeof value);
-  return value;
-}
-
-/// A byte that came as a flag may be neither true nor false: any but 0 is true.
-inline void settleFlag(bool& flag) {
-  unsigned char byte = 0;
-  std::memcpy(&byte, &flag, 1);
-  flag = byte != 0;
-}
 
 }  // namespace volute

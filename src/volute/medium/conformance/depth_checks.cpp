@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "volute/medium/conformance/random.hpp"
 #include "volute/medium/conformance/support.hpp"
 
 namespace volute::conformance {

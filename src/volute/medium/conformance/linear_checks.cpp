@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/medium/conformance/random.hpp"
 #include "volute/medium/conformance/support.hpp"
 
 // For media whose optical depth is P c: P is opticalDepth() as a function of the coefficients.

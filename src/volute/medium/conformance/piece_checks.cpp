@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/medium/conformance/random.hpp"
 #include "volute/medium/conformance/support.hpp"
 
 namespace volute::conformance {

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <cmath>
 
+#include "volute/medium/conformance/random.hpp"
 #include "volute/medium/conformance/support.hpp"
 
 namespace volute::conformance {

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include "volute/medium/conformance/segments.hpp"
+
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <limits>
 
-#include "volute/medium/conformance/support.hpp"
+#include "volute/medium/conformance/random.hpp"
 
 namespace volute::conformance {
 namespace {
@@ -207,6 +212,12 @@ std::vector<NamedSegment> missingSegmentsOf(const MediumUnderTest& tested) {
     }
   }
   return out;
+}
+
+std::vector<Segment> batchOf(std::span<const NamedSegment> segments) {
+  std::vector<Segment> batch;
+  for (const NamedSegment& named : segments) batch.push_back(named.segment);
+  return batch;
 }
 
 }  // namespace volute::conformance

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "volute/medium/conformance/random.hpp"
+
 namespace volute::conformance {
 namespace {
 
@@ -27,26 +29,6 @@ class Typical {
 };
 
 }  // namespace
-
-Vec3 Random::pointIn(const Box3& box) {
-  Vec3 point;
-  for (int axis = 0; axis < 3; ++axis) point[axis] = uniform(box.min[axis], box.max[axis]);
-  return point;
-}
-
-Vec3 Random::direction() {
-  Vec3 v;
-  do {
-    for (int axis = 0; axis < 3; ++axis) v[axis] = uniform(-1, 1);
-  } while (v.squaredNorm() > 1 || v.squaredNorm() < 0.01);
-  return v.normalized();
-}
-
-std::vector<double> Random::numbers(std::size_t count, double from, double to) {
-  std::vector<double> values(count);
-  for (double& value : values) value = uniform(from, to);
-  return values;
-}
 
 Traits completed(Traits traits, const Box3& bounds) {
   constexpr double kExtent = 10;
@@ -92,12 +74,6 @@ double parameterInside(const MediumUnderTest& tested, const Segment& segment, do
   if (std::isinf(range.end))
     range.end = range.begin + 2 * far;
   return range.begin + share * (range.end - range.begin);
-}
-
-std::vector<Segment> batchOf(std::span<const NamedSegment> segments) {
-  std::vector<Segment> batch;
-  for (const NamedSegment& named : segments) batch.push_back(named.segment);
-  return batch;
 }
 
 double depthOf(const AnyMedium& medium, const Segment& segment) {

@@ -4,53 +4,13 @@
 
 #include <fmt/format.h>
 
-#include <random>
-
 #include "volute/medium/conformance.hpp"
+#include "volute/medium/conformance/segments.hpp"
 
-// What the checks share: seeded numbers, segments of every awkward kind, and reports that a person
+// What the checks share: a medium asked about one segment, what is near, and reports that a person
 // can act on.
 
 namespace volute::conformance {
-
-/// The same numbers on every platform, unlike the distributions of <random>.
-class Random {
- public:
-  explicit Random(std::uint32_t seed) : engine_(seed) {}
-
-  double uniform(double from, double to) { return from + (to - from) * (engine_() / 4294967296.0); }
-
-  Vec3 pointIn(const Box3& box);
-  Vec3 direction();
-  std::vector<double> numbers(std::size_t count, double from, double to);
-
- private:
-  std::mt19937 engine_;
-};
-
-/// A segment and what is special about it.
-struct NamedSegment {
-  std::string what;
-  Segment segment;
-  /// For a segment along a face or an edge, where the answer may be that of either side: unit
-  /// vectors towards the sides. Empty for all others, whose answer is unique.
-  std::vector<Vec3> sides{};
-};
-
-/// Segments that are not empty: random ones, from inside, infinite ones, parallel to axes, along
-/// faces and edges.
-std::vector<NamedSegment> segmentsOf(const MediumUnderTest& tested);
-
-/// Those of segmentsOf() that lie along no face or edge.
-std::vector<NamedSegment> genericSegmentsOf(const MediumUnderTest& tested);
-
-std::vector<NamedSegment> emptySegmentsOf(const MediumUnderTest& tested);
-
-/// Segments that pass the bounds by.
-std::vector<NamedSegment> missingSegmentsOf(const MediumUnderTest& tested);
-
-/// The plain segments, to be handed over as one batch.
-std::vector<Segment> batchOf(std::span<const NamedSegment> segments);
 
 /// What is inside the bounds.
 Interval insideBounds(const MediumUnderTest& tested, const Segment& segment);

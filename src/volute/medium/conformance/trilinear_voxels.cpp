@@ -5,6 +5,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/medium/conformance/dummy_media.hpp"
+#include "volute/medium/conformance/random.hpp"
 #include "volute/medium/conformance/support.hpp"
 
 namespace volute::conformance {
