@@ -10,7 +10,7 @@
 
 namespace volute {
 
-/// One instant of a volume as bricks of 8^3 voxels; empty bricks (all zero) are not stored. What a renderer marches.
+/// One frame of a volume as bricks of 8^3 voxels, for rendering; empty bricks (all zero) are not stored.
 /// Values of a brick: [channel][z][y][x] within the brick, x fastest (channel planes, so that SIMD lanes gather one).
 class BrickSlice {
  public:
@@ -30,11 +30,11 @@ class BrickSlice {
   int channels() const { return channels_; }
   Basis basis() const { return basis_; }
 
-  /// The same values over another basis.
+  /// The same values with another basis.
   void setBasis(Basis basis) { basis_ = basis; }
   const Box3& bounds() const { return bounds_; }  ///< outer voxel faces [m]
 
-  /// The same values elsewhere.
+  /// The same values with other bounds.
   void setBounds(const Box3& bounds) { bounds_ = bounds; }
 
   int bricksX() const { return bricks_[0]; }
@@ -62,7 +62,7 @@ class BrickSlice {
   /// Appends storage for brick (bx, by, bz), zero-filled, and returns it. Pointers returned before become invalid.
   float* addBrick(int bx, int by, int bz);
 
-  /// Removes everything but keeps the memory, for the next instant.
+  /// Removes everything but keeps the memory, for the next frame.
   void clear();
 
   /// Restores the state of a freshly extracted slice from raw parts; used by parallel extraction.

@@ -13,7 +13,7 @@
 
 namespace volute {
 
-/// What the values of a volume multiply: `kBox` is constant in each voxel; `kTrilinear` interpolates between voxel
+/// The basis functions of a volume: `kBox` is constant in each voxel; `kTrilinear` interpolates between voxel
 /// centres and falls to zero one voxel beyond the outer ones; `kCubic` are B-splines of degree 3 at voxel centres, smooth
 /// to the second derivative, which reach two voxels beyond the outer ones. Splines do not interpolate: they stay within
 /// the range of the values.
@@ -25,16 +25,16 @@ std::string_view basisName(Basis basis);
 /// The basis of a name; nothing for any other name.
 std::optional<Basis> basisNamed(std::string_view name);
 
-/// A sequence of volumes without its values: sizes, place and time.
+/// A sequence of volumes without its values: sizes, bounds and times.
 struct VolumeInfo {
   std::string name = "density";  ///< the grid's name
-  std::string unit;              ///< of one value; empty when unknown
+  std::string unit;              ///< of the values; empty if unknown
   int frames = 0;
   int z = 0, y = 0, x = 0;  ///< voxels
   int channels = 1;         ///< 1, or 3 for linear RGB
   Box3 bounds;              ///< outer voxel faces [m]
-  std::vector<int> frameNumbers;  ///< one a frame, ascending: the number that the input has
-  std::vector<double> times;      ///< [s], one a frame, ascending
+  std::vector<int> frameNumbers;  ///< one per frame, ascending: the numbers of the input
+  std::vector<double> times;      ///< [s], one per frame, ascending
   Basis basis = Basis::kBox;
 
   std::size_t voxels() const { return static_cast<std::size_t>(z) * y * x; }
@@ -43,14 +43,14 @@ struct VolumeInfo {
   std::uint64_t rawBytes() const { return 4ull * values(); }
   Vec3 voxelSize() const { return bounds.size().cwiseQuotient(Vec3(x, y, z)); }
 
-  /// The frame that is shown at `time` [s]: each is held until the next; the first before, the last after them all.
+  /// The frame shown at `time` [s]: each until the next one; the first before all, the last after all.
   int frameAt(double time) const;
 
-  /// Fills what an input does not state: frame numbers 0.., times from the first at 0 s with 25 frames/s, and bounds
+  /// Fills in what an input does not state: frame numbers 0.., times from the first at 0 s with 25 frames/s, and bounds
   /// with cubic voxels whose longest side is 1 m.
   void fillDefaults();
 
-  /// An error that names the field, when the sizes, bounds, numbers or times make no sense together.
+  /// An error that names the field if sizes, bounds, numbers or times are inconsistent.
   [[nodiscard]] Status validate(const std::string& where) const;
 };
 

@@ -16,23 +16,23 @@ namespace volute {
 struct MarchGrid;
 class CubicVoxels;
 
-/// What VoxelMedium::radiance has looked at so far, summed over all calls.
+/// Work done by VoxelMedium::radiance so far, summed over all calls.
 struct MarchCounts {
   std::uint64_t voxels =
       0;  ///< faces between voxels (cells, when trilinear) crossed inside stored bricks
-  std::uint64_t bricksVisited = 0;  ///< stored bricks entered, once for each ray
-  std::uint64_t bricksSkipped = 0;  ///< empty bricks jumped over, once for each ray
+  std::uint64_t bricksVisited = 0;  ///< stored bricks entered, once per ray
+  std::uint64_t bricksSkipped = 0;  ///< empty bricks skipped, once per ray
 };
 
-/// One instant of a volume as a medium:
+/// One frame of a volume as a medium:
 ///   emission   = emissionScale * value of each channel [radiance/m]; one channel is grey
 ///   extinction = extinctionScale * mean of the channels [1/m]
 /// with values that are constant in each voxel (box), or interpolated between voxel centres and
 /// falling to zero one voxel beyond the outer ones (trilinear; its bounds are then half a voxel
 /// larger than the slice's), or that are coefficients of B-splines (cubic; see CubicVoxels).
 ///
-/// Values should not be negative where they absorb; small negative ones, as lossy compression
-/// leaves, do no harm. Cheap to copy: what it holds is shared and const.
+/// Values should not be negative where they absorb; small negative values from lossy compression
+/// are harmless. Cheap to copy: its data are shared and const.
 class VoxelMedium {
  public:
   VoxelMedium(std::shared_ptr<const BrickSlice> slice, double emissionScale,
@@ -50,17 +50,17 @@ class VoxelMedium {
   /// not all zero.
   void pieces(std::span<const Segment> segments, std::span<std::vector<Piece>> pieces) const;
 
-  /// The fast path, in float and SIMD. Closed forms throughout, but for absorbing RGB in the
+  /// The fast path, in float and SIMD. Closed forms throughout, except for absorbing RGB in the
   /// trilinear basis: there 4-point Gauss rules over steps with an optical depth of at most 1.5,
-  /// whose error is below 1e-6 of the brightest channel. Rounding adds some 1e-6 of the brightest
-  /// pixel. Each ray's result depends on nothing but the ray: not on its neighbours in the batch,
-  /// nor on the SIMD target. A ray that has lost all but 1e-6 of its light ends there.
+  /// whose error is below 1e-6 of the brightest channel. Rounding adds about 1e-6 of the brightest
+  /// pixel. The result of a ray depends only on that ray, not on its neighbours in the batch or on
+  /// the SIMD target. A ray ends where its transmittance falls below 1e-6.
   void radiance(std::span<const Segment> segments, std::span<Radiance> out) const;
 
   /// The voxel values, shape (z, y, x, c).
   std::vector<double> coefficients() const;
 
-  /// The same volume with other values, which are rounded to float.
+  /// The same volume with other values, rounded to float.
   VoxelMedium withCoefficients(std::span<const double> coefficients) const;
 
   const BrickSlice& slice() const { return *slice_; }

@@ -20,32 +20,32 @@ namespace volute {
 struct SceneOptions {
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes]
   OpenOptions files{};
-  /// Members of the medium of a file that is no scene: what the scene it stands for would say.
+  /// Members of the medium of a file that is not a scene, as in a scene's entry.
   nlohmann::ordered_json members = nlohmann::ordered_json::object();
-  /// Members that all media have instead of their own, if they are of a kind that has them.
+  /// Members that override those of all media whose kind has them.
   nlohmann::ordered_json overrides = nlohmann::ordered_json::object();
-  /// What only a person knows of such a file is assumed, so that something is seen.
+  /// Make assumptions about what only the user knows of such a file, so that it can be shown.
   bool assume = false;
 };
 
-/// By its name: a scene file, not a medium alone.
+/// Whether it is a scene file and not a medium alone, by its name.
 bool isScenePath(const std::string& path);
 
-/// Everything that a picture is of: media, surfaces, lights, signs, and a camera. It is opened from
-/// a file of any kind; at() gives an instant of it. Its JSON is what it is: changes go into that
-/// and are read back. One thread at a time calls it; Snapshots are free of it.
+/// Media, surfaces, lights, signs and a camera. It is opened from a file of any kind; at() gives a
+/// Snapshot. Its state is its JSON: changes are made there and read back. Call it from one thread at
+/// a time; Snapshots are independent of it.
 class Scene {
  public:
-  /// A scene file, or a scene that shows any other file and nothing else. Errors name the file and
-  /// the place in it. What is remarked on while media are opened is told once to `progress`.
+  /// Opens a scene file, or a scene that shows only the given file. Errors name the file and the place
+  /// in it. Remarks made while media are opened go once to `progress`.
   [[nodiscard]] static Result<Scene> open(const std::string& path, const SceneOptions& options,
                                           Progress& progress);
 
-  /// From JSON that a file `file`, which need not be there, would hold.
+  /// From the JSON of a file `file`, which need not exist.
   [[nodiscard]] static Result<Scene> make(nlohmann::ordered_json json, const std::string& file,
                                           const SceneOptions& options, Progress& progress);
 
-  /// As it was opened.
+  /// The options it was opened with.
   const std::string& path() const { return path_; }
 
   /// Whether path() is a scene file, not a medium alone.
@@ -58,53 +58,53 @@ class Scene {
   /// In the order of description().media.
   std::span<const std::shared_ptr<SceneMedium>> media() const { return media_; }
 
-  /// Its own.
+  /// The scene's own surfaces.
   const TriangleScene& geometry() const { return geometry_; }
 
-  /// All that was opaque at the last instant.
+  /// All opaque surfaces at the last time requested.
   const TriangleScene& surfaces() const { return surfaces_; }
 
-  /// Around all that is to be seen, finite [m]; what has no end above or below ends near the rest.
+  /// Finite bounds of the visible content [m]; unbounded media are cut off near the rest.
   Box3 bounds() const;
 
-  /// When its frames begin [s]: a medium's own where it is alone, else 25 a second; one at least.
+  /// Times of its frames [s]: a medium's own if it is alone, else 25 per second; at least one.
   std::vector<double> times() const;
 
-  /// That its media want to be seen through, or setLaw().
+  /// The law requested by its media, or set by setLaw().
   PictureLaw law() const;
 
   void setLaw(const PictureLaw& law) { law_ = law; }
 
-  /// The scene's camera, or that of a medium alone; nothing: one that frames bounds().
+  /// The scene's camera, or that of a medium alone; nothing: use one that frames bounds().
   std::optional<CameraDescription> camera() const;
 
   /// The scene at request.time; request.factor is that of law().
   [[nodiscard]] Result<Snapshot> at(const InstantRequest& request, Progress& progress);
 
-  /// Becomes what `json` says. What was read serves as long as the same is read. An error leaves
-  /// everything as it was.
+  /// Changes the scene to `json`. Data already read are reused where entries do not change. An error
+  /// leaves everything unchanged.
   [[nodiscard]] Status change(nlohmann::ordered_json json, Progress& progress);
 
-  /// What a person may change, in the order of the file: media, lights, signs, the background.
+  /// Parameters a user may change, in the order of the file: media, lights, signs, the background.
   std::vector<Parameter> parameters() const;
 
-  /// The JSON in which one of parameters() has another value, with whatever must go with it: media
-  /// of a kind share what MediumKind::shares(), a sign that emits light drops a C of its own.
-  /// kInvalidArgument for a path that none of them has.
+  /// The JSON with a new value of one of parameters() and all dependent changes: media of a kind share
+  /// the values of MediumKind::shares(), a sign that emits light loses its own C. kInvalidArgument for
+  /// an unknown path.
   [[nodiscard]] Result<nlohmann::ordered_json> with(const std::string& path,
                                                     const std::vector<double>& value) const;
 
-  /// Takes what was assumed of a file alone for something else where the values that were read since
-  /// say so.
+  /// Revises the assumptions about a file alone if the values read since contradict
+  /// them.
   [[nodiscard]] Status reconsider(Progress& progress);
 
-  /// What was assumed of a file alone; empty: nothing.
+  /// The assumptions about a file alone; empty: none.
   const std::string& assumption() const { return assumption_; }
 
-  /// Names of all files that it is read from, whether they are there or not.
+  /// Names of all files it is read from, whether they exist or not.
   std::vector<std::string> files() const;
 
-  /// The JSON changed without the scene: a map has another name.
+  /// Changes only the name of a map in the JSON.
   void note(nlohmann::ordered_json json);
 
  private:
@@ -131,7 +131,7 @@ class Scene {
   std::vector<std::uint64_t> surfacesOf_;  ///< SceneMedium::surfacesKey() of it
 };
 
-/// InstantRequest::eye of a camera: of parallel rays far behind all that they may meet [m].
+/// InstantRequest::eye of a camera: for parallel rays, a point far behind everything [m].
 Vec3 seenFrom(const Camera& camera);
 
 }  // namespace volute
