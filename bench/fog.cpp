@@ -27,7 +27,7 @@ constexpr double kSide = 65;  // [m], of the valley
 constexpr int kWidth = 800, kHeight = 600;
 
 /// The least of several runs of each, taken in turns, so that what else the machine does hits all.
-std::vector<double> leastSeconds(const std::vector<std::function<void()>>& works, int rounds = 7) {
+std::vector<double> minSeconds(const std::vector<std::function<void()>>& works, int rounds = 7) {
   std::vector<double> least(works.size(), std::numeric_limits<double>::infinity());
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < works.size(); ++i)
@@ -156,7 +156,7 @@ Status benchSizes(Run& run) {
   for (int side : {64, 256, 512}) {
     VOLUTE_ASSIGN(const FogMedium fog, makeFog(fogMap(side), run.slab));
     VOLUTE_TRY(PolarTable::make(fog, run.valley.eye, {.sector = sector}));
-    const auto seconds = leastSeconds(
+    const auto seconds = minSeconds(
         {run.walk(fog), [&] { uniformStepDepths(fog, 64, run.valley.segments, run.depths); },
          [&] {
            const auto table = PolarTable::make(fog, run.valley.eye, {.sector = sector});
@@ -191,7 +191,7 @@ Status benchDetail(Run& run) {
         const FogMedium pixels,
         makeFog(fogMap(side), run.slab, {.levels = 3, .detail = {.cellAngle = 8 * pixel}}));
     const auto seconds =
-        leastSeconds({run.walk(plain), run.walk(all), run.walk(none), run.walk(pixels)}, 11);
+        minSeconds({run.walk(plain), run.walk(all), run.walk(none), run.walk(pixels)}, 11);
     const std::string map = fmt::format("{0} x {0}, 3 levels: ", side);
     run.add(map + "mu = 1, of no decomposition", 1e3 * seconds[1], "ms", seconds[1] / seconds[0]);
     run.add(map + "mu = 0, times as fast", 1e3 * seconds[2], "ms", seconds[0] / seconds[2]);
@@ -218,7 +218,7 @@ Status benchProfiles(Run& run) {
   for (int degree = 0; degree <= 3; ++degree) {
     for (const auto& [name, profile] : profiles) {
       VOLUTE_ASSIGN(const FogMedium fog, makeFog(fogMap(64), *profile, {.degree = degree}));
-      const auto seconds = leastSeconds({run.walk(base), run.walk(fog)}, 3);
+      const auto seconds = minSeconds({run.walk(base), run.walk(fog)}, 3);
       const std::string row = fmt::format("degree {}, {}", degree, name);
       run.add(row + ", of degree 1, slab", 1e3 * seconds[1], "ms", seconds[1] / seconds[0]);
       run.add(row + ", |dT|", run.walkError(fog), "");
@@ -246,7 +246,7 @@ Status benchEmpty(Run& run) {
   std::ranges::fill(full.c, sparse.sum() / static_cast<double>(full.c.size()));
   VOLUTE_ASSIGN(const FogMedium few, makeFog(sparse, run.slab));
   VOLUTE_ASSIGN(const FogMedium all, makeFog(full, run.slab));
-  const auto seconds = leastSeconds({run.walk(all), run.walk(few)}, 3);
+  const auto seconds = minSeconds({run.walk(all), run.walk(few)}, 3);
   run.add("1024 x 1024: full", 1e3 * seconds[0], "ms", 1.0);
   run.add("1024 x 1024: 95 % empty, as much fog, times as fast", 1e3 * seconds[1], "ms",
           seconds[0] / seconds[1]);
@@ -258,7 +258,7 @@ Status benchEmpty(Run& run) {
 Status benchChange(Run& run) {
   const SplineGrid map = fogMap(512);
   for (int degree = 1; degree <= 3; ++degree) {
-    const auto seconds = leastSeconds(
+    const auto seconds = minSeconds(
         {[&] { const FogLevels levels(map, degree, 3, Restriction::kFullWeighting); }});
     run.add(fmt::format("512 x 512: decomposed anew, degree {}, 3 levels", degree),
             1e3 * seconds[0], "ms");
@@ -266,7 +266,7 @@ Status benchChange(Run& run) {
   VOLUTE_ASSIGN(const FogProfile exponential, FogProfile::exponential(0, 4));
   VOLUTE_ASSIGN(const FogMedium fog, makeFog(fogMap(256), exponential));
   VOLUTE_TRY(SunShadow::make(fog, Vec3(1, 0.5, 0.6)));
-  const auto seconds = leastSeconds({[&] { (void)SunShadow::make(fog, Vec3(1, 0.5, 0.6)); }}, 3);
+  const auto seconds = minSeconds({[&] { (void)SunShadow::make(fog, Vec3(1, 0.5, 0.6)); }}, 3);
   run.add("256 x 256: shadow maps of a sun, exponential profile", 1e3 * seconds[0], "ms");
   return {};
 }
@@ -316,7 +316,7 @@ void benchTable1(Run& run) {
       const int side = 16 << s;
       const auto rays = flatRays(run.valley, side, degree, 997);
       const PaperFog fog(fogMap(side), degree, 0);
-      const auto seconds = leastSeconds(
+      const auto seconds = minSeconds(
           {walkAll(base, &PaperFog::merged, baseRays, 1), walkAll(fog, &PaperFog::merged, rays, 1)},
           3);
       run.add(fmt::format("table 1: {0} x {0}, degree {1}; paper {2:.2f}", side, degree,
@@ -338,7 +338,7 @@ void benchTable2(Run& run) {
     for (int m = 0; m < 6; ++m) {
       std::vector<std::function<void()>> works{walkAll(plain, &PaperFog::merged, rays, 1)};
       for (const auto& [name, walk] : kWalks) works.push_back(walkAll(fog, walk, rays, kMus[m]));
-      const auto seconds = leastSeconds(works, 5);
+      const auto seconds = minSeconds(works, 5);
       for (int w = 0; w < 3; ++w) {
         run.add(fmt::format("table 2: {}, {} levels, mu {}; paper {:.2f}", kWalks[w].first, levels,
                             kMus[m], kFrames[levels - 1][m] / 45.0),
@@ -364,7 +364,7 @@ void benchTable3(Run& run) {
       const PaperFog fog(fogMap(row.side), row.degree, levels);
       std::vector<std::function<void()>> works;
       for (const auto& [name, walk] : kWalks) works.push_back(walkAll(fog, walk, rays, 1));
-      const auto seconds = leastSeconds(works, 5);
+      const auto seconds = minSeconds(works, 5);
       const std::string map =
           fmt::format("table 3: {0} x {0}, degree {1}, {2} levels: ", row.side, row.degree, levels);
       const auto& frames = row.frames[levels - 1];
@@ -394,7 +394,7 @@ void benchPaths(Run& run) {
   const PaperFog exact(map, 1, 0);
   for (int samples : {16, 64}) {
     const PathTable table(samples);
-    const auto seconds = leastSeconds({walkAll(exact, &PaperFog::merged, rays, 1),
+    const auto seconds = minSeconds({walkAll(exact, &PaperFog::merged, rays, 1),
                                        [&] {
                                          double sum = 0;
                                          for (const auto& [ray, distance] : rays)

@@ -19,7 +19,7 @@ namespace {
 /// What a run may take without a graphics card [s]. With one all pictures have their size.
 constexpr double kAllSeconds = 420, kQuickSeconds = 60;
 /// And a case of it, when the time is over: small pictures are drawn all the same.
-constexpr double kLeastSeconds = 0.6;
+constexpr double kMinSeconds = 0.6;
 
 double largestDifference(const Image& a, const Image& b) {
   double largest = 0, brightest = 0;
@@ -205,7 +205,7 @@ Status benchGl(const BenchInput& input, BenchRows& rows, Progress& progress) {
       if (progress.cancelled())
         return fail(ErrorCode::kCancelled, "stopped before {}", cases[i].name);
       const double mine = (share * all - spent) / static_cast<double>(cases.size() - i);
-      VOLUTE_TRY(bench.measure(cases[i], std::max(mine, kLeastSeconds)));
+      VOLUTE_TRY(bench.measure(cases[i], std::max(mine, kMinSeconds)));
     }
   }
   return {};

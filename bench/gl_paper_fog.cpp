@@ -162,7 +162,7 @@ void main() {
 }
 )glsl";
 
-constexpr int kMostLevels = 3;
+constexpr int kMaxLevels = 3;
 
 using Powers = std::array<float, 4>;
 
@@ -257,18 +257,18 @@ Image byCpu(const PaperPicture& picture, const Camera& camera) {
 Result<GlPaperFog> GlPaperFog::make(const PaperPicture& picture) {
   const PaperFog& fog = *picture.fog;
   const int degree = fog.degree();
-  if (degree > 2 || fog.levels() > kMostLevels) {
+  if (degree > 2 || fog.levels() > kMaxLevels) {
     return fail(ErrorCode::kUnsupported,
                 "the paper's walks are drawn by OpenGL for degrees 0 to 2 and up to {} levels; got "
                 "degree {} and {} levels",
-                kMostLevels, degree, fog.levels());
+                kMaxLevels, degree, fog.levels());
   }
   const CdfFilters& filters = shortestCdf(degree);
   const CoarsePieces splines(twoScale(degree), 0, degree);
   const CoarsePieces wavelets(filters.wavelet, filters.waveletFirst, degree);
   const std::string settings =
       fmt::format(kSettings, fmt::arg("degree", degree), fmt::arg("splines", splines.count),
-                  fmt::arg("wavelets", wavelets.count), fmt::arg("levels", kMostLevels),
+                  fmt::arg("wavelets", wavelets.count), fmt::arg("levels", kMaxLevels),
                   fmt::arg("bases", picture.deconstructed ? 0 : 1));
   const ShaderStage stage{
       GL_COMPUTE_SHADER,

@@ -39,11 +39,11 @@ constexpr int kStripPixels = 384;  // of a picture in the strip
 template <class Work>
 double perSecond(Work&& work) {
   using Clock = std::chrono::steady_clock;
-  constexpr double kLeastSeconds = 0.4;
+  constexpr double kMinSeconds = 0.4;
   const auto begin = Clock::now();
   double seconds = 0;
   int runs = 0;
-  for (; runs < 3 || seconds < kLeastSeconds; ++runs) {
+  for (; runs < 3 || seconds < kMinSeconds; ++runs) {
     work(runs);
     seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   }

@@ -96,12 +96,12 @@ void SmokeTable::judge(BenchRows& rows, SmokeTargets& targets) {
 }
 
 std::vector<SmokeTable::Timing> SmokeTable::draw(const SmokeMode& mode) {
-  constexpr int kMost = 6;
+  constexpr int kMax = 6;
   constexpr double kPatience = 1.5;  // seconds, after the least number of frames
   const auto least = [&](std::size_t i) { return alwaysDraws(drawers_[i]->role()) ? 2 : 1; };
   std::vector<Timing> timings(drawers_.size());
   std::vector<float> opacity(setting_.pixels());
-  for (int frame = 1; frame <= kMost; ++frame) {
+  for (int frame = 1; frame <= kMax; ++frame) {
     const auto fields = static_cast<int>(setting_.smoke.extinction.size());
     const SmokeView view =
         setting_.view(mode.newSmoke ? frame % fields : 0, frame, mode.moving ? frame : 0);

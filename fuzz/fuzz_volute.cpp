@@ -26,8 +26,8 @@ class Work {
 
   /// Whether `values` more may be decoded; the first always, whatever its size.
   bool allows(std::size_t values) {
-    constexpr std::size_t kMostValues = std::size_t{1} << 15;
-    if (done_ > 0 && values > kMostValues - std::min(done_, kMostValues))
+    constexpr std::size_t kMaxValues = std::size_t{1} << 15;
+    if (done_ > 0 && values > kMaxValues - std::min(done_, kMaxValues))
       return false;
     done_ += values;
     return true;
@@ -110,11 +110,11 @@ bool readGrid(const std::string& path, bool partial, const std::string& name, Wo
 }
 
 bool readEverything(const std::string& path, bool partial, std::size_t size) {
-  constexpr std::size_t kMostGrids = 4;
+  constexpr std::size_t kMaxGrids = 4;
   Work work(size);
   std::vector<std::string> others;
   const bool opened = readGrid(path, partial, "", work, &others);
-  for (std::size_t i = 0; i < std::min(others.size(), kMostGrids); ++i)
+  for (std::size_t i = 0; i < std::min(others.size(), kMaxGrids); ++i)
     readGrid(path, partial, others[i], work, nullptr);
   return opened;
 }

@@ -24,6 +24,7 @@ RULES = [
     (r"\b[Mm]oments?\b|[a-z]Moment|\bMOMENTS?\b", OF_TIMES, "time, frame (a stored one) or snapshot (the scene at a time)"),
     (r"\btakeWords\b|\bobjection\b", EVERYWHERE, "parse, error"),
     (r"\bletOthersBeforeWorkers\b", EVERYWHERE, "lowerWorkerPriority"),
+    (r"\bkMost(?![a-z])|\bkLeast(?!Squares|[a-z])", EVERYWHERE, "kMax, kMin"),
     (r"\bGlNature\b", EVERYWHERE, "GlMediumTraits"),
     (r"\bwho hears of\b", EVERYWHERE, "receives progress of"),
     (r"\brays that begin nowhere\b", EVERYWHERE, "parallel rays without a near plane"),

@@ -32,8 +32,8 @@ void UniformSteps(const FogLevels& levels, const FogLanes& lanes, std::size_t co
                   float* sums) {
   const FogLevels::Level& level = lanes.level;
   const float* values = levels.values().data() + level.base;
-  const VF mostX = Constant(static_cast<float>(level.cellsX) - 0.001F);
-  const VF mostY = Constant(static_cast<float>(level.cellsY) - 0.001F);
+  const VF maxX = Constant(static_cast<float>(level.cellsX) - 0.001F);
+  const VF maxY = Constant(static_cast<float>(level.cellsY) - 0.001F);
   for (std::size_t lane = 0; lane < count; lane += hn::Lanes(df)) {
     const VF step =
         hn::Mul(hn::Load(df, lanes.length + lane), Constant(1.0F / static_cast<float>(steps)));
@@ -43,8 +43,8 @@ void UniformSteps(const FogLevels& levels, const FogLanes& lanes, std::size_t co
     VF sum = hn::Zero(df);
     for (int k = 0; k < steps; ++k) {
       const VF at = Constant(static_cast<float>(k) + 0.5F);
-      const VF x = hn::Min(hn::Max(MulThenAdd(dx, at, x0), hn::Zero(df)), mostX);
-      const VF y = hn::Min(hn::Max(MulThenAdd(dy, at, y0), hn::Zero(df)), mostY);
+      const VF x = hn::Min(hn::Max(MulThenAdd(dx, at, x0), hn::Zero(df)), maxX);
+      const VF y = hn::Min(hn::Max(MulThenAdd(dy, at, y0), hn::Zero(df)), maxY);
       const VI cellX = hn::ConvertTo(di, x), cellY = hn::ConvertTo(di, y);
       const VI index = hn::Add(hn::Mul(cellY, hn::Set(di, level.stride)), cellX);
       const VF u = hn::Sub(x, hn::ConvertTo(df, cellX)), v = hn::Sub(y, hn::ConvertTo(df, cellY));

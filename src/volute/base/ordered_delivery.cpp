@@ -7,9 +7,9 @@
 namespace volute {
 
 Status OrderedDelivery::give(std::int64_t unit, Bytes bytes) {
-  mostPending_ = std::max<std::uint64_t>(mostPending_, bytes.size());
+  maxPending_ = std::max<std::uint64_t>(maxPending_, bytes.size());
   if (!team_.leads())
-    return team_.post(unit, std::move(bytes), mostPending_);
+    return team_.post(unit, std::move(bytes), maxPending_);
   ownBytes_ += bytes.size();
   own_.emplace(unit, std::move(bytes));
   return takeWhatIsThere();
@@ -19,7 +19,7 @@ Status OrderedDelivery::give(std::int64_t unit, Bytes bytes) {
 // so the next one is done or in work, and its rank has room for it.
 Status OrderedDelivery::takeWhatIsThere() {
   while (next_ < units_ &&
-         (own_.contains(next_) || ownBytes_ > mostPending_ || team_.arrived(next_)))
+         (own_.contains(next_) || ownBytes_ > maxPending_ || team_.arrived(next_)))
     VOLUTE_TRY(takeNext());
   return {};
 }

@@ -21,11 +21,11 @@ class OrderedDelivery {
  public:
   using Bytes = std::vector<std::byte>;
 
-  /// @param mostPending  bytes that may wait on each rank, one unit's at least.
+  /// @param maxPending  bytes that may wait on each rank, one unit's at least.
   /// @param take  called on rank 0, for each unit in order.
-  OrderedDelivery(Team& team, std::int64_t units, std::uint64_t mostPending,
+  OrderedDelivery(Team& team, std::int64_t units, std::uint64_t maxPending,
                   std::function<Status(std::int64_t, const Bytes&)> take)
-      : team_(team), units_(units), mostPending_(mostPending), take_(std::move(take)) {}
+      : team_(team), units_(units), maxPending_(maxPending), take_(std::move(take)) {}
 
   /// What a unit gave, in any order on rank 0, in ascending order on others.
   [[nodiscard]] Status give(std::int64_t unit, Bytes bytes);
@@ -39,7 +39,7 @@ class OrderedDelivery {
 
   Team& team_;
   std::int64_t units_;
-  std::uint64_t mostPending_;
+  std::uint64_t maxPending_;
   std::function<Status(std::int64_t, const Bytes&)> take_;
   std::map<std::int64_t, Bytes> own_;  // of rank 0, before their turn
   std::uint64_t ownBytes_ = 0;

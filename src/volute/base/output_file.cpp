@@ -28,12 +28,12 @@ Status writeAll(int descriptor, std::span<const std::byte> bytes, std::int64_t o
 
 /// Where a target is: symbolic links lead there.
 Result<std::filesystem::path> placeOf(const std::filesystem::path& target) {
-  constexpr int kMostLinks = 40;
+  constexpr int kMaxLinks = 40;
   std::filesystem::path place = target;
   std::error_code error;
   for (int i = 0; std::filesystem::is_symlink(place, error); ++i) {
     const auto next = std::filesystem::read_symlink(place, error);
-    if (error || i == kMostLinks)
+    if (error || i == kMaxLinks)
       return fail(ErrorCode::kIo, "{}: this symbolic link leads nowhere", target.string());
     place = place.parent_path() / next;
   }

@@ -30,9 +30,9 @@ Character firstOf(std::string_view text) {
       return {};
     code = code << 6 | (next & 0x3FU);
   }
-  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
+  constexpr std::uint32_t kMin[] = {0, 0, 0x80, 0x800, 0x10000};
   const bool surrogate = code >= 0xD800 && code < 0xE000;
-  if (code < kLeast[bytes] || code > 0x10FFFF || surrogate)
+  if (code < kMin[bytes] || code > 0x10FFFF || surrogate)
     return {};
   return {code, bytes};
 }

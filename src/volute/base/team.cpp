@@ -148,7 +148,7 @@ Status Team::forUnits(std::string_view stage, std::int64_t count, Progress& prog
   return {};
 }
 
-Status Team::post(std::int64_t item, std::vector<std::byte> bytes, std::uint64_t mostPending) {
+Status Team::post(std::int64_t item, std::vector<std::byte> bytes, std::uint64_t maxPending) {
   if (leads()) {
     own_.emplace_back(item, std::move(bytes));
     return {};
@@ -157,7 +157,7 @@ Status Team::post(std::int64_t item, std::vector<std::byte> bytes, std::uint64_t
   double milliseconds = 0;
   {
     const Stopwatch watch(milliseconds);
-    for (int times = 0; sending() > mostPending; pause(times)) {
+    for (int times = 0; sending() > maxPending; pause(times)) {
       if (stopped())
         return fail(ErrorCode::kCancelled, "stopped, since another rank was");
     }

@@ -94,10 +94,10 @@ class Team {
                                 const std::function<Status()>& last = {});
 
   /// Sends bytes to rank 0, where collect(item) gets them; returns at once unless more than
-  /// `mostPending` bytes wait to be collected. Rank 0 may send to itself, without a limit. An
+  /// `maxPending` bytes wait to be collected. Rank 0 may send to itself, without a limit. An
   /// item, >= 0, is sent by one rank, and its number is free again after it was collected.
   [[nodiscard]] Status post(std::int64_t item, std::vector<std::byte> bytes,
-                            std::uint64_t mostPending);
+                            std::uint64_t maxPending);
 
   /// Rank 0: waits for what a rank posts. kCancelled when a rank has left with an error: go to
   /// agree().

@@ -28,10 +28,10 @@ Eigen::Matrix2d jacobian(const Distortion& lens, const Vec2& point) {
 
 /// Newton's method with halved steps where a whole one does not come closer.
 std::optional<Vec2> solve(const Distortion& lens, const Vec2& target, Vec2 point) {
-  constexpr int kMostSteps = 50;
+  constexpr int kMaxSteps = 50;
   const double enough = kTolerance * std::max(1.0, target.norm());
   Vec2 miss = distort(lens, point) - target;
-  for (int i = 0; i < kMostSteps && !(miss.norm() <= 1e-3 * enough); ++i) {
+  for (int i = 0; i < kMaxSteps && !(miss.norm() <= 1e-3 * enough); ++i) {
     const Eigen::Matrix2d slope = jacobian(lens, point);
     if (!(std::abs(slope.determinant()) > 1e-9))
       return std::nullopt;

@@ -71,7 +71,7 @@ DriftLine refitted(const Samples& samples, const DriftLine& line, double spread)
 /// Nothing where most pixels do not follow any such line.
 std::optional<DriftLine> fitLine(const Samples& samples) {
   constexpr int kSteps = 12;
-  constexpr double kNormal = 1.4826, kMost = 0.7;
+  constexpr double kNormal = 1.4826, kMax = 0.7;
   // From the median of the ratios, which half of the pixels may spoil.
   std::vector<float> ratios;
   for (std::size_t i = 0; i < samples.picture.size(); ++i) {
@@ -84,7 +84,7 @@ std::optional<DriftLine> fitLine(const Samples& samples) {
   for (int step = 0; step < kSteps; ++step)
     line = refitted(samples, line, kNormal * spreadAround(samples, line).median);
   const Spread spread = spreadAround(samples, line);
-  if (spread.share < kMost)
+  if (spread.share < kMax)
     return std::nullopt;
   return line;
 }

@@ -78,7 +78,7 @@ Status checkFilm(const CaptureCamera& camera, int firstFrame, int lastFrame,
 
 /// How many pictures each camera has, where they have different numbers of them.
 std::string countsText(const Capture& capture, std::span<const std::size_t> there) {
-  constexpr std::size_t kMost = 6;
+  constexpr std::size_t kMax = 6;
   if (capture.frames.size() < 2)
     return "";
   std::vector<std::string> fewer;
@@ -86,7 +86,7 @@ std::string countsText(const Capture& capture, std::span<const std::size_t> ther
     if (!capture.cameras[i].pictures.image.empty() && there[i] < capture.frames.size())
       fewer.push_back(fmt::format("{} has {}", capture.cameras[i].name, there[i]));
   }
-  const std::size_t more = fewer.size() > kMost ? fewer.size() - kMost : 0;
+  const std::size_t more = fewer.size() > kMax ? fewer.size() - kMax : 0;
   fewer.resize(fewer.size() - more);
   return fmt::format(": of {} frames {}{}", capture.frames.size(), fmt::join(fewer, ", "),
                      more > 0 ? fmt::format(" and {} more cameras fewer too", more) : "");

@@ -54,19 +54,19 @@ Result<double> readWithin(const JsonValue& value, double most, const char* unit)
 }
 
 Result<double> readRate(const JsonValue& value) {
-  constexpr double kLeast = 1e-3, kMost = 1e6;
+  constexpr double kMin = 1e-3, kMax = 1e6;
   VOLUTE_ASSIGN(const double rate, value.number());
-  if (!(rate >= kLeast && rate <= kMost))
+  if (!(rate >= kMin && rate <= kMax))
     return value.fault(
-        fmt::format("is {}; expected {} to {} pictures a second", rate, kLeast, kMost));
+        fmt::format("is {}; expected {} to {} pictures a second", rate, kMin, kMax));
   return rate;
 }
 
 Result<int> readSide(const JsonValue& value) {
-  constexpr int kMost = 1 << 16;
+  constexpr int kMax = 1 << 16;
   VOLUTE_ASSIGN(const int side, value.integer());
-  if (side < 1 || side > kMost)
-    return value.fault(fmt::format("is {}; expected 1 to {} pixels", side, kMost));
+  if (side < 1 || side > kMax)
+    return value.fault(fmt::format("is {}; expected 1 to {} pixels", side, kMax));
   return side;
 }
 
@@ -89,9 +89,9 @@ Result<std::vector<int>> readFrames(const JsonValue& value) {
 Result<std::vector<int>> readEmptyFrames(const JsonValue& value) {
   VOLUTE_ASSIGN(auto frames, readFrames(value));
   if (frames.size() == 2) {
-    constexpr int kMost = 10000;
-    if (frames[1] - frames[0] >= kMost)
-      return value.fault(fmt::format("more than {} frames", kMost));
+    constexpr int kMax = 10000;
+    if (frames[1] - frames[0] >= kMax)
+      return value.fault(fmt::format("more than {} frames", kMax));
     const int last = frames[1];
     frames.pop_back();
     while (frames.back() < last) frames.push_back(frames.back() + 1);
@@ -206,10 +206,10 @@ Status readVolume(const JsonValue& value, CaptureDraft& draft) {
     return resolution.fault("expected three whole numbers, voxels on x, y and z");
   std::array<int, 3> voxels{};
   for (int axis = 0; axis < 3; ++axis) {
-    constexpr int kMost = 1 << 14;
+    constexpr int kMax = 1 << 14;
     VOLUTE_ASSIGN(voxels[axis], sides[axis].integer());
-    if (voxels[axis] < 1 || voxels[axis] > kMost)
-      return sides[axis].fault(fmt::format("expected 1 to {} voxels", kMost));
+    if (voxels[axis] < 1 || voxels[axis] > kMax)
+      return sides[axis].fault(fmt::format("expected 1 to {} voxels", kMax));
   }
   draft.resolution = voxels;
   return {};

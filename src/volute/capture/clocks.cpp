@@ -94,15 +94,15 @@ void settleClocks(CaptureDraft& draft, std::uint64_t maxMemory) {
 }
 
 Result<std::vector<int>> framesOfFilms(const CaptureDraft& draft, std::uint64_t maxMemory) {
-  constexpr int kMost = 1 << 24;
-  double first = 0, last = kMost;
+  constexpr int kMax = 1 << 24;
+  double first = 0, last = kMax;
   const CameraDraft *latest = nullptr, *earliest = nullptr;  // to begin, to end
   for (const CameraDraft& camera : draft.cameras) {
     const PictureSource& pictures = camera.pictures;
     if (pictures.video.empty())
       continue;
     auto film = FilmReader::open(pictures.video, maxMemory);
-    const auto count = film ? film->countRest(kMost) : Result<int>(tl::unexpect, film.error());
+    const auto count = film ? film->countRest(kMax) : Result<int>(tl::unexpect, film.error());
     if (!count)
       return fail(count.error().code, "camera {}: {}", camera.name, count.error().message);
     const double begin = pictures.videoStart - pictures.frameShift;

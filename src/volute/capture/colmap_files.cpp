@@ -34,9 +34,9 @@ constexpr std::array<Model, 12> kModels{{{"SIMPLE_PINHOLE", 3},
                                          {"RAD_TAN_THIN_PRISM_FISHEYE", 16}}};
 
 Result<std::string> readWhole(const std::filesystem::path& path) {
-  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+  constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
   VOLUTE_ASSIGN(const auto file, InputFile::open(path));
-  if (file.size() > kMostBytes)
+  if (file.size() > kMaxBytes)
     return fail(ErrorCode::kTooLarge, "{}: {} bytes are too many for a COLMAP model", path.string(),
                 file.size());
   std::string text(file.size(), '\0');

@@ -55,10 +55,10 @@ Result<double> JsonValue::number() const {
 }
 
 Result<int> JsonValue::integer() const {
-  constexpr double kMost = std::numeric_limits<int>::max();
+  constexpr double kMax = std::numeric_limits<int>::max();
   if (json_->is_number()) {
     const double value = json_->get<double>();
-    if (value == std::floor(value) && std::abs(value) <= kMost)
+    if (value == std::floor(value) && std::abs(value) <= kMax)
       return static_cast<int>(value);
   }
   return fault("expected a whole number of at most 2147483647");

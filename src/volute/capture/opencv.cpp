@@ -112,9 +112,9 @@ std::vector<std::string> unused(const Entries& entries, std::span<const CameraDr
 
 /// JSON is YAML too, so one reader does for both. yaml-cpp throws.
 Result<Entries> readEntries(const std::filesystem::path& file) {
-  constexpr std::uint64_t kMostBytes = 16 << 20;
+  constexpr std::uint64_t kMaxBytes = 16 << 20;
   VOLUTE_ASSIGN(const auto input, InputFile::open(file));
-  if (input.size() > kMostBytes) {
+  if (input.size() > kMaxBytes) {
     return fail(ErrorCode::kTooLarge, "{}: {} bytes are too many for a calibration", file.string(),
                 input.size());
   }
@@ -239,10 +239,10 @@ class CameraFinder {
     const Entry* height = find({"image_height_", "height_"}, name);
     width = width ? width : findEntry(entries_, "image_width");
     height = height ? height : findEntry(entries_, "image_height");
-    constexpr double kMost = 1 << 20;
+    constexpr double kMax = 1 << 20;
     for (const auto& [entry, side] :
          {std::pair(width, &calibration.width), std::pair(height, &calibration.height)}) {
-      if (entry && entry->values.size() == 1 && entry->values[0] >= 1 && entry->values[0] <= kMost)
+      if (entry && entry->values.size() == 1 && entry->values[0] >= 1 && entry->values[0] <= kMax)
         *side = static_cast<int>(entry->values[0]);
     }
   }

@@ -7,14 +7,14 @@ namespace {
 
 /// "64" or "64,48,96".
 Result<std::array<int, 3>> parseResolution(const std::string& text) {
-  constexpr int kMost = 1 << 14;
+  constexpr int kMax = 1 << 14;
   std::array<int, 3> voxels{};
   std::size_t begin = 0;
   int count = 0;
   for (; count < 3 && begin <= text.size(); ++count) {
     const auto end = std::min(text.find(',', begin), text.size());
     const auto side = parseInteger(std::string_view(text).substr(begin, end - begin));
-    if (!side || *side < 1 || *side > kMost)
+    if (!side || *side < 1 || *side > kMax)
       break;
     voxels[static_cast<std::size_t>(count)] = *side;
     begin = end + 1;
@@ -22,7 +22,7 @@ Result<std::array<int, 3>> parseResolution(const std::string& text) {
   if (begin <= text.size() || (count != 1 && count != 3)) {
     return fail(ErrorCode::kInvalidArgument,
                 "--resolution: '{}' is not a resolution; expected N or NX,NY,NZ voxels, 1 to {}",
-                text, kMost);
+                text, kMax);
   }
   return voxels;
 }

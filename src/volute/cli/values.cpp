@@ -196,17 +196,17 @@ Result<Vec3> parseVector(std::string_view text) {
 }
 
 Result<Pixels> parsePixels(std::string_view text) {
-  constexpr int kMost = 32768;
+  constexpr int kMax = 32768;
   const auto parts = split(text, 'x');
   Pixels pixels;
   if (parts.size() == 2 && parseWhole(parts[0], pixels.width) &&
       parseWhole(parts[1], pixels.height) && std::min(pixels.width, pixels.height) >= 1 &&
-      std::max(pixels.width, pixels.height) <= kMost) {
+      std::max(pixels.width, pixels.height) <= kMax) {
     return pixels;
   }
   return fail(ErrorCode::kInvalidArgument,
               "'{}' is not a picture size; expected WxH of 1 to {} pixels, like 800x600", text,
-              kMost);
+              kMax);
 }
 
 Result<Value> parseValue(const Option& option, std::string_view text) {

@@ -16,24 +16,24 @@ namespace volute {
 
 /// An estimate of how likely a bit is 1, which learns from the bits seen.
 struct AdaptiveBit {
-  std::uint16_t one = 32768;  ///< probability of 1, in 1/65536; kLeast to 65536 - kLeast
-  std::uint8_t seen = 0;      ///< how sure it is: bits seen, at most kMost
+  std::uint16_t one = 32768;  ///< probability of 1, in 1/65536; kMin to 65536 - kMin
+  std::uint8_t seen = 0;      ///< how sure it is: bits seen, at most kMax
 
-  static constexpr int kLeast = 64;
-  static constexpr int kMost = 250;
+  static constexpr int kMin = 64;
+  static constexpr int kMax = 250;
 
   void learn(bool bit) {
     const int change = (bit ? 65535 : 0) - one;
     const int next = one + (change * kRate[seen] >> 15);
-    one = static_cast<std::uint16_t>(std::clamp(next, kLeast, 65536 - kLeast));
-    seen = static_cast<std::uint8_t>(seen + (seen < kMost ? 1 : 0));
+    one = static_cast<std::uint16_t>(std::clamp(next, kMin, 65536 - kMin));
+    seen = static_cast<std::uint8_t>(seen + (seen < kMax ? 1 : 0));
   }
 
  private:
   /// 1 / (seen + 1.6) in 1/32768.
-  static constexpr std::array<int, kMost + 1> kRate = [] {
-    std::array<int, kMost + 1> rate{};
-    for (int n = 0; n <= kMost; ++n) rate[n] = 327680 / (10 * n + 16);
+  static constexpr std::array<int, kMax + 1> kRate = [] {
+    std::array<int, kMax + 1> rate{};
+    for (int n = 0; n <= kMax; ++n) rate[n] = 327680 / (10 * n + 16);
     return rate;
   }();
 };

@@ -91,9 +91,9 @@ TEST(AdaptiveBit, StaysInRange) {
   for (bool bit : {false, true}) {
     AdaptiveBit state;
     for (int i = 0; i < 10000; ++i) state.learn(bit);
-    EXPECT_GE(state.one, AdaptiveBit::kLeast);
-    EXPECT_LE(state.one, 65536 - AdaptiveBit::kLeast);
-    EXPECT_EQ(state.seen, AdaptiveBit::kMost);
+    EXPECT_GE(state.one, AdaptiveBit::kMin);
+    EXPECT_LE(state.one, 65536 - AdaptiveBit::kMin);
+    EXPECT_EQ(state.seen, AdaptiveBit::kMax);
   }
 }
 
@@ -129,8 +129,8 @@ TEST(Contexts, AnyTableIsOne) {
     std::vector<std::byte> bytes(size);
     for (std::byte& byte : bytes) byte = static_cast<std::byte>(random());
     for (const AdaptiveBit& state : contextsOf(bytes)) {
-      ASSERT_GE(state.one, AdaptiveBit::kLeast);
-      ASSERT_LE(state.one, 65536 - AdaptiveBit::kLeast);
+      ASSERT_GE(state.one, AdaptiveBit::kMin);
+      ASSERT_LE(state.one, 65536 - AdaptiveBit::kMin);
     }
   }
 }

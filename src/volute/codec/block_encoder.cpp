@@ -175,9 +175,9 @@ class CellQuantiser {
 };
 
 // The greatest scaling coefficient, 4^4 times the greatest value and 1.13 of that with CDF 9/7,
-// at the finest step, 2^-21 of that value, has kMostBits.
+// at the finest step, 2^-21 of that value, has kMaxBits.
 std::int32_t rounded(double size) {
-  constexpr double kGreatest = (1 << kMostBits) - 1;
+  constexpr double kGreatest = (1 << kMaxBits) - 1;
   return static_cast<std::int32_t>(std::min(size + 0.5, kGreatest));
 }
 
@@ -433,7 +433,7 @@ BlockMode simplest(BlockMode mode, const BlockShape& shape, bool full) {
 // Original - shown, in steps of correction, where it is too much.
 std::vector<std::int32_t> correctionsOf(std::span<const float> values, std::span<const float> shown,
                                         const WaveletParameters& parameters) {
-  constexpr double kGreatest = (1 << (kMostBits - 2)) - 1;
+  constexpr double kGreatest = (1 << (kMaxBits - 2)) - 1;
   std::vector<std::int32_t> corrections(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double error = static_cast<double>(values[i]) - shown[i];
@@ -523,7 +523,7 @@ std::optional<BlockMode> BlockEncoder::choose(std::span<const float> values,
   if (starts.empty())
     search.tryAll();
   search.descend();
-  return search.leastCost() < leftOut ? search.best() : std::nullopt;
+  return search.minCost() < leftOut ? search.best() : std::nullopt;
 }
 
 std::vector<std::vector<std::byte>> BlockEncoder::encode(std::span<const float> values,

@@ -24,7 +24,7 @@ namespace volute {
 inline constexpr int kRemembered = 255;
 
 /// Greatest number of bits of a quantised coefficient.
-inline constexpr int kMostBits = 30;
+inline constexpr int kMaxBits = 30;
 
 namespace detail {
 
@@ -186,20 +186,20 @@ std::int32_t codeMagnitude(Bits& bits, unsigned context, std::int32_t magnitude)
   const unsigned longer =
       context::kLong + 32 * ((context - context::kSize) / 16 % static_cast<unsigned>(kWideClasses));
   int n = 0;
-  while (n < kMostBits - 1 && bits.bit(longer + static_cast<unsigned>(n), length > n)) ++n;
+  while (n < kMaxBits - 1 && bits.bit(longer + static_cast<unsigned>(n), length > n)) ++n;
   std::uint32_t value = 1;
   for (int i = n; i-- > 0;) value = value << 1 | (bits.even((rest >> i & 1) != 0) ? 1u : 0u);
   return static_cast<std::int32_t>(value) + 15;
 }
 
 /// Any number: how many bits its magnitude has, in unary, those below the first, and the sign.
-/// `context`: the first of kMostBits.
+/// `context`: the first of kMaxBits.
 template <class Bits>
 std::int32_t codeNumber(Bits& bits, unsigned context, std::int32_t q) {
   const auto magnitude = static_cast<std::uint32_t>(std::abs(q));
   const int length = static_cast<int>(std::bit_width(magnitude));
   int n = 0;
-  while (n < kMostBits && bits.bit(context + static_cast<unsigned>(n), length > n)) ++n;
+  while (n < kMaxBits && bits.bit(context + static_cast<unsigned>(n), length > n)) ++n;
   if (n == 0)
     return 0;
   std::uint32_t value = 1;

@@ -104,11 +104,11 @@ double CompressionGoal::firstStep(const QuantisationModel& model) const {
 }
 
 double CompressionGoal::betterStep(double step, double outcome) const {
-  constexpr double kMostChange = 6;
+  constexpr double kMaxChange = 6;
   // How the step goes with the error, and with the size.
   const double power = isSize() ? -1.3 : 1.2;
   const double change = std::pow(0.995 * problem().target / std::max(outcome, 1e-30), power);
-  return within(step * std::clamp(change, 1 / kMostChange, kMostChange));
+  return within(step * std::clamp(change, 1 / kMaxChange, kMaxChange));
 }
 
 double CompressionGoal::within(double step) const {

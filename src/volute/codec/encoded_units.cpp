@@ -220,13 +220,13 @@ Status EncodedUnits::writeSegments(OutputFile& file, const std::function<Status(
 }
 
 Status EncodedUnits::sendSegments() {
-  constexpr std::uint64_t kMostPending = std::uint64_t{64} << 20;
+  constexpr std::uint64_t kMaxPending = std::uint64_t{64} << 20;
   for (std::size_t tier = 0; tier < spools_.size(); ++tier) {
     for (const Unit& unit : units_) {
       std::vector<std::byte> bytes(unit.sizes[tier]);
       VOLUTE_TRY(spools_[tier].read(unit.begins[tier], bytes));
       const auto item = static_cast<std::int64_t>(tier) * plan_.count() + unit.number;
-      VOLUTE_TRY(team_.post(item, std::move(bytes), kMostPending));
+      VOLUTE_TRY(team_.post(item, std::move(bytes), kMaxPending));
     }
   }
   return {};

@@ -11,7 +11,7 @@ namespace {
 
 enum GridFlags : std::uint8_t { kEmptyGrid = 1, kDescribedGrid = 2 };
 
-constexpr std::size_t kMostTiers = 5;
+constexpr std::size_t kMaxTiers = 5;
 
 void writeMetadata(ByteWriter& out, const FrameMetadata& metadata) {
   out.varint(metadata.lists.size());
@@ -121,7 +121,7 @@ bool readRow(ByteReader& in, GridRow& row) {
     return false;
   row.empty = (flags & kEmptyGrid) != 0;
   const std::uint64_t tiers = in.varint();
-  if (!in.ok() || tiers > kMostTiers || row.empty != (tiers == 0))
+  if (!in.ok() || tiers > kMaxTiers || row.empty != (tiers == 0))
     return false;
   for (std::uint64_t i = 0; i < tiers; ++i) {
     row.tierBytes.push_back(in.varint());

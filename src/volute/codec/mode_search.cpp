@@ -24,10 +24,10 @@ void ModeSearch::tryMode(const BlockMode& candidate) {
   const BlockMode mode = *at;
   left_.erase(at);
   const double cost = costOf_(mode);
-  if (!(cost < leastCost_))
+  if (!(cost < minCost_))
     return;
   best_ = mode;
-  leastCost_ = cost;
+  minCost_ = cost;
 }
 
 void ModeSearch::tryAll() {

@@ -34,14 +34,14 @@ class ModeSearch {
   /// None before one was tried whose cost is finite.
   const std::optional<BlockMode>& best() const { return best_; }
 
-  double leastCost() const { return leastCost_; }
+  double minCost() const { return minCost_; }
 
  private:
   Simplest simplest_;
   CostOf costOf_;
   std::vector<BlockMode> left_;  // in the order of the candidates
   std::optional<BlockMode> best_;
-  double leastCost_ = std::numeric_limits<double>::infinity();
+  double minCost_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace volute

@@ -37,7 +37,7 @@ TEST(ModeSearch, FindsTheLowestPlaceOfAnyValleyFromAnywhere) {
       search.tryMode(start);
       search.descend();
       EXPECT_EQ(search.best(), lowest) << describe(start);
-      EXPECT_DOUBLE_EQ(search.leastCost(), 1);
+      EXPECT_DOUBLE_EQ(search.minCost(), 1);
       EXPECT_LE(valley.tried.size(), 16u) << describe(lowest) << " from " << describe(start);
     }
   }

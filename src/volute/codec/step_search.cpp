@@ -56,8 +56,8 @@ double StepSearch::proposal() const {
     const Try& only = good_.known ? good_ : bad_;
     // Where the outcome hardly depends on the step, or goes up and down with it just beside the
     // target, steps of its own size would never arrive: each try goes further.
-    constexpr double kLeastMoveAtThird = 0.01;
-    const double least = tries_ < 3 ? 1 : 1 + kLeastMoveAtThird * std::ldexp(1.0, tries_ - 3);
+    constexpr double kMinMoveAtThird = 0.01;
+    const double least = tries_ < 3 ? 1 : 1 + kMinMoveAtThird * std::ldexp(1.0, tries_ - 3);
     double ratio = std::pow(aim / std::max(only.outcome, 1e-300), tries_);
     ratio = ratio < 1 ? std::min(ratio, 1 / least) : std::max(ratio, least);
     const double move =

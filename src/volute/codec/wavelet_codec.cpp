@@ -66,7 +66,7 @@ std::vector<std::byte> writeParameters(const WaveletParameters& parameters, int 
 }
 
 Result<WaveletParameters> readParameters(std::span<const std::byte> bytes, int channels) {
-  constexpr std::uint64_t kMostTableBytes = 4 * context::kCount;
+  constexpr std::uint64_t kMaxTableBytes = 4 * context::kCount;
   WaveletParameters parameters;
   ByteReader in(bytes);
   const std::int64_t exponent = in.zigzag();
@@ -84,7 +84,7 @@ Result<WaveletParameters> readParameters(std::span<const std::byte> bytes, int c
   if (!in.ok() || !within(static_cast<double>(exponent), -126, 127) || !(parameters.step > 0) ||
       !std::isfinite(parameters.step) || !within(parameters.maxError, 0, 1e38) ||
       !within(static_cast<double>(one), 1, 512) || !within(static_cast<double>(more), -255, 255) ||
-      !orthonormal || in.remaining() > kMostTableBytes) {
+      !orthonormal || in.remaining() > kMaxTableBytes) {
     return fail(ErrorCode::kInvalidData, "parameters of its codec that are missing or impossible");
   }
   parameters.exponent = static_cast<int>(exponent);

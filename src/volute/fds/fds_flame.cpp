@@ -65,14 +65,14 @@ class BlackBodyLight {
  public:
   explicit BlackBodyLight(double brightest) {
     for (std::size_t i = 0; i < light_.size(); ++i) {
-      const double kelvin = kLeast + i * kStep;
+      const double kelvin = kMin + i * kStep;
       const auto [r, g, b] = blackBodyColour(kelvin);
       light_[i] = blackBodyLuminance(kelvin, brightest) * Rgb(r, g, b);
     }
   }
 
   Rgb at(double kelvin) const {
-    const double place = (kelvin - kLeast) / kStep;
+    const double place = (kelvin - kMin) / kStep;
     if (!(place >= 0))
       return Rgb::Zero();
     const auto low = std::min(static_cast<std::size_t>(std::min(place, 1e6)), light_.size() - 2);
@@ -82,7 +82,7 @@ class BlackBodyLight {
 
  private:
   // Below the Draper point (798 K) nothing is seen to glow; FDS has no flames above 4000 K.
-  static constexpr double kLeast = 700, kStep = 4;  // [K]
+  static constexpr double kMin = 700, kStep = 4;  // [K]
 
   std::array<Rgb, 826> light_;
 };

@@ -7,7 +7,7 @@
 namespace volute {
 namespace {
 
-constexpr double kMostParts = 1 << 24;
+constexpr double kMaxParts = 1 << 24;
 constexpr double kSnap = 1e-4;      // of a cell
 constexpr double kRounding = 1e-5;  // [m], what five decimals leave
 
@@ -68,10 +68,10 @@ Result<std::shared_ptr<const FdsGrid>> FdsGrid::create(std::vector<FdsLattice> l
     grid->planes_[axis] = commonPlanes(grid->lattices_, axis);
     parts *= static_cast<double>(grid->planes_[axis].size() - 1);
   }
-  if (parts > kMostParts) {
+  if (parts > kMaxParts) {
     return fail(ErrorCode::kTooLarge,
                 "the ends of {} meshes cut space into {:.3g} parts, more than {:.3g}: align them",
-                grid->lattices_.size(), parts, kMostParts);
+                grid->lattices_.size(), parts, kMaxParts);
   }
   grid->table_.assign(static_cast<std::size_t>(parts), -1);
   std::vector<int> order(grid->lattices_.size());

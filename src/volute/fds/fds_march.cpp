@@ -29,26 +29,26 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kMostLanes = 64;  // what a batch holds; a multiple of any vector's lanes
+constexpr std::size_t kMaxLanes = 64;  // what a batch holds; a multiple of any vector's lanes
 
 struct PartLanes {
-  alignas(64) double from[kMostLanes];
-  alignas(64) double end[kMostLanes];
-  alignas(64) double next[3][kMostLanes];  ///< where the next plane of each axis is met
-  alignas(64) double origin[3][kMostLanes];
-  alignas(64) double direction[3][kMostLanes];
-  alignas(64) double inverse[3][kMostLanes];  ///< 1 / direction; 0 when parallel
+  alignas(64) double from[kMaxLanes];
+  alignas(64) double end[kMaxLanes];
+  alignas(64) double next[3][kMaxLanes];  ///< where the next plane of each axis is met
+  alignas(64) double origin[3][kMaxLanes];
+  alignas(64) double direction[3][kMaxLanes];
+  alignas(64) double inverse[3][kMaxLanes];  ///< 1 / direction; 0 when parallel
   alignas(
-      64) std::int64_t plane[3][kMostLanes];     ///< the next one; of a parallel axis the upper one
-  alignas(64) std::int64_t step[3][kMostLanes];  ///< -1, 0, 1
-  alignas(64) std::int64_t cell[kMostLanes];
-  alignas(64) std::int64_t cellStep[3][kMostLanes];
-  alignas(64) std::int64_t corner[kMostLanes];  ///< the value at the cell's least corner
-  alignas(64) std::int64_t cornerStep[3][kMostLanes];
-  alignas(64) double depth[kMostLanes];
-  alignas(64) double gas[kMostLanes];
-  alignas(64) double low[kMostLanes];
-  alignas(64) double high[kMostLanes];
+      64) std::int64_t plane[3][kMaxLanes];     ///< the next one; of a parallel axis the upper one
+  alignas(64) std::int64_t step[3][kMaxLanes];  ///< -1, 0, 1
+  alignas(64) std::int64_t cell[kMaxLanes];
+  alignas(64) std::int64_t cellStep[3][kMaxLanes];
+  alignas(64) std::int64_t corner[kMaxLanes];  ///< the value at the cell's least corner
+  alignas(64) std::int64_t cornerStep[3][kMaxLanes];
+  alignas(64) double depth[kMaxLanes];
+  alignas(64) double gas[kMaxLanes];
+  alignas(64) double low[kMaxLanes];
+  alignas(64) double high[kMaxLanes];
 };
 
 }  // namespace
@@ -462,9 +462,9 @@ void marchParts(const FdsLattice& lattice, const MarchLattice& march,
                 std::span<MarchSum> sums) {
   constexpr std::size_t kWidest = 8;
   PartLanes lanes;
-  std::array<std::uint32_t, kMostLanes> order;
-  for (std::size_t begin = 0; begin < parts.size(); begin += kMostLanes) {
-    const std::size_t count = std::min(kMostLanes, parts.size() - begin);
+  std::array<std::uint32_t, kMaxLanes> order;
+  for (std::size_t begin = 0; begin < parts.size(); begin += kMaxLanes) {
+    const std::size_t count = std::min(kMaxLanes, parts.size() - begin);
     // Parts of like length side by side: the lanes of a vector wait for the longest of them.
     std::iota(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), 0U);
     std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),

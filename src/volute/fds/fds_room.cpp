@@ -16,9 +16,9 @@ namespace {
 constexpr int kColumns = 200;            ///< along the longer side
 constexpr double kStep = 0.05;           ///< [m] that a floor may be uneven by
 constexpr double kHeadroom = 1.9;        ///< [m]
-constexpr double kLeastHeight = 0.6;     ///< of the meshes', where they are low
-constexpr double kLeastPlan = 0.02;      ///< of the meshes' plan
-constexpr std::size_t kMostFloors = 16;  ///< levels that are looked at, the largest first
+constexpr double kMinHeight = 0.6;     ///< of the meshes', where they are low
+constexpr double kMinPlan = 0.02;      ///< of the meshes' plan
+constexpr std::size_t kMaxFloors = 16;  ///< levels that are looked at, the largest first
 constexpr double kOpen = std::numeric_limits<double>::infinity();
 
 /// A rectangle of columns, ends not included.
@@ -114,7 +114,7 @@ std::vector<double> floorsOf(const SmvIndex& index, std::span<const FdsBox> boxe
   std::vector<std::pair<double, long>> largest;
   for (const auto& [level, area] : areas) largest.emplace_back(area, level);
   std::ranges::sort(largest, std::greater<>());
-  largest.resize(std::min(largest.size(), kMostFloors));
+  largest.resize(std::min(largest.size(), kMaxFloors));
   std::vector<double> floors;
   for (const auto& [area, level] : largest) floors.push_back(kStep * static_cast<double>(level));
   for (const FdsMesh& mesh : index.meshes) {
@@ -151,9 +151,9 @@ std::optional<Box3> largestRoom(const SmvIndex& index, double time) {
     bounds.extend(mesh.bounds().max);
   }
   const Plan plan(bounds);
-  const double headroom = std::min(kHeadroom, kLeastHeight * bounds.size().z());
+  const double headroom = std::min(kHeadroom, kMinHeight * bounds.size().z());
   std::optional<Box3> room;
-  double largest = kLeastPlan * bounds.size().x() * bounds.size().y();
+  double largest = kMinPlan * bounds.size().x() * bounds.size().y();
   for (const double floor : floorsOf(index, boxes)) {
     // Over each column the lowest of what stands on the floor or is above it.
     std::vector<double> ceiling(plan.size(), kOpen);

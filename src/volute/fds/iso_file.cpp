@@ -10,8 +10,8 @@
 namespace volute {
 namespace {
 
-constexpr int kMostLevels = 1000;
-constexpr int kMostWords = 1 << 20;  // of the header's list of whole numbers
+constexpr int kMaxLevels = 1000;
+constexpr int kMaxWords = 1 << 20;  // of the header's list of whole numbers
 
 /// A mesh and a cell around it.
 Box3 roomOf(const FdsMesh& mesh) {
@@ -68,7 +68,7 @@ Result<std::uint64_t> FdsIsoFile::readHeader() {
     return fail(ErrorCode::kUnsupported, "{}: is of version {} of isosurface files; expected 1",
                 file_.path().string(), version);
   }
-  VOLUTE_ASSIGN(const int levels, readCount(file_, offset, "the number of levels", 0, kMostLevels));
+  VOLUTE_ASSIGN(const int levels, readCount(file_, offset, "the number of levels", 0, kMaxLevels));
   levels_.resize(static_cast<std::size_t>(levels));
   if (levels > 0) {
     VOLUTE_ASSIGN(offset, file_.readInto(offset, std::span(levels_), "the levels"));
@@ -79,7 +79,7 @@ Result<std::uint64_t> FdsIsoFile::readHeader() {
                   file_.path().string(), level);
     }
   }
-  VOLUTE_ASSIGN(const int words, readCount(file_, offset, "a number of words", 0, kMostWords));
+  VOLUTE_ASSIGN(const int words, readCount(file_, offset, "a number of words", 0, kMaxWords));
   if (words > 0) {
     VOLUTE_ASSIGN(offset, file_.skip(offset, 4 * static_cast<std::uint64_t>(words), "the words"));
   }

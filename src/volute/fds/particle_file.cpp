@@ -10,7 +10,7 @@
 namespace volute {
 namespace {
 
-constexpr int kMostQuantities = 1000;  // of a class
+constexpr int kMaxQuantities = 1000;  // of a class
 
 }  // namespace
 
@@ -53,7 +53,7 @@ Result<std::uint64_t> FdsParticleFile::readHeader(std::size_t classes) {
     std::array<std::int32_t, 2> sizes{};
     const std::uint64_t begin = offset;
     VOLUTE_ASSIGN(offset, file_.readInto(offset, std::span(sizes), "the quantities of a class"));
-    if (sizes[0] < 0 || sizes[0] > kMostQuantities) {
+    if (sizes[0] < 0 || sizes[0] > kMaxQuantities) {
       return fail(ErrorCode::kInvalidData,
                   "{}: byte {}: class {} has {} quantities: the file is damaged",
                   file_.path().string(), begin + 4, one + 1, sizes[0]);
@@ -74,8 +74,8 @@ Result<std::uint64_t> FdsParticleFile::readHeader(std::size_t classes) {
 Status FdsParticleFile::readClass(std::uint64_t& offset, std::size_t one, std::size_t frame,
                                   FdsParticles* into, std::uint64_t& count) const {
   const std::string what = frameName("particles", frame);
-  constexpr std::int64_t kMost = (std::int64_t{1} << 31) - 1;
-  VOLUTE_ASSIGN(const int number, readCount(file_, offset, frameName("number of particles", frame), 0, kMost));
+  constexpr std::int64_t kMax = (std::int64_t{1} << 31) - 1;
+  VOLUTE_ASSIGN(const int number, readCount(file_, offset, frameName("number of particles", frame), 0, kMax));
   count = static_cast<std::uint64_t>(number);
   const std::uint64_t quantities = quantities_[one].size();
   if (count == 0) {

@@ -230,8 +230,8 @@ Result<FdsNodeBox> SmvReader::nodeBox(std::span<const double> indices) {
 }
 
 Result<int> SmvReader::surface(double number) {
-  constexpr double kMost = 1e9;
-  if (!(std::abs(number) <= kMost))
+  constexpr double kMax = 1e9;
+  if (!(std::abs(number) <= kMax))
     return wrong(fmt::format("the number of a surface, not {:g}", number));
   return static_cast<int>(number);
 }

@@ -6,7 +6,7 @@
 
 namespace volute {
 
-constexpr int kMostFogLevels = 10;
+constexpr int kMaxFogLevels = 10;
 
 /// Which level of a fog map is integrated at what distance from the eye, which is the origin of the
 /// segment (s = 0). What is integrated at each distance is the merged approximation of one level:
@@ -27,7 +27,7 @@ struct FogDetail {
   /// True when level 0 is used at every distance.
   bool finestOnly() const { return cellAngle <= 0 && mu >= 1; }
 
-  using Ends = std::array<double, kMostFogLevels + 1>;
+  using Ends = std::array<double, kMaxFogLevels + 1>;
 
   /// ends[L] is the distance at which level L ends, ascending; the last is infinite.
   /// @param cell  [m], of level 0

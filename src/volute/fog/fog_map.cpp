@@ -24,12 +24,12 @@ Status check(const FogPlacement& placement) {
 }
 
 Status checkSize(int columns, int rows) {
-  constexpr double kMost = 1 << 28;
+  constexpr double kMax = 1 << 28;
   if (columns < 1 || rows < 1) {
     return fail(ErrorCode::kInvalidData, "the fog map has {} x {} pixels, but needs at least one",
                 columns, rows);
   }
-  if (double(columns) * rows > kMost) {
+  if (double(columns) * rows > kMax) {
     return fail(ErrorCode::kTooLarge,
                 "the fog map has {} x {} pixels, but at most 2^28 are allowed", columns, rows);
   }

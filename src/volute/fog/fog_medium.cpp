@@ -59,13 +59,13 @@ Piece zonedPiece(const Polynomial& along, const FogProfile::Zone& zone, double h
 }
 
 Status check(const FogMap& map, const FogOptions& options) {
-  if (options.degree < 0 || options.degree > kMostSplineDegree) {
+  if (options.degree < 0 || options.degree > kMaxSplineDegree) {
     return fail(ErrorCode::kInvalidArgument, "the fog's degree is {}, but must be from 0 to {}",
-                options.degree, kMostSplineDegree);
+                options.degree, kMaxSplineDegree);
   }
-  if (options.levels < 0 || options.levels > kMostFogLevels) {
+  if (options.levels < 0 || options.levels > kMaxFogLevels) {
     return fail(ErrorCode::kInvalidArgument, "the fog has {} levels, but must have from 0 to {}",
-                options.levels, kMostFogLevels);
+                options.levels, kMaxFogLevels);
   }
   const FogDetail& detail = options.detail;
   if (!(detail.mu >= 0 && detail.mu <= 1)) {

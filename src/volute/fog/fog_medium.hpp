@@ -17,7 +17,7 @@ namespace volute {
 
 struct FogOptions {
   int degree = 1;  ///< of the B-splines, 0..3
-  int levels = 0;  ///< number of times the map is halved, 0..kMostFogLevels
+  int levels = 0;  ///< number of times the map is halved, 0..kMaxFogLevels
   FogDetail detail{};
   Restriction restriction = Restriction::kFullWeighting;
   Rgb color = Rgb::Ones();  ///< radiance of infinitely thick fog: albedo * ambient light

@@ -16,7 +16,7 @@ namespace {
 constexpr double kLightTolerance = 1e-4;
 constexpr double kFinestCut = 1 / 32.0;  // of a cell
 constexpr double kThin = 0.125;          // optical depth of a step of radiance()
-constexpr int kMostSteps = 4096;         // in a cell, for rays that hardly ever leave it
+constexpr int kMaxSteps = 4096;         // in a cell, for rays that hardly ever leave it
 constexpr double kLightLost = 1e-7;
 
 /// curve * (a + b s + c s^2).
@@ -232,7 +232,7 @@ std::vector<double> SunlitFog::sunlight(const Segment& segment, Cells& cells) co
       const double step = std::min(fog_.cell(), kThin / cell.largest());
       const auto inSteps = [&](double from, double to, std::span<const double> reach) {
         const int steps =
-            std::clamp(static_cast<int>(std::min((to - from) / step, 1e6)) + 1, 1, kMostSteps);
+            std::clamp(static_cast<int>(std::min((to - from) / step, 1e6)) + 1, 1, kMaxSteps);
         const double length = (to - from) / steps;
         for (int k = 0; k < steps && passed >= kLightLost; ++k) {
           double depth = 0;

@@ -13,13 +13,13 @@ namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kSunLeaf = 8;      ///< so few triangles are not shared out any more
-constexpr double kMostCopies = 8;       ///< of a triangle, on average: long ones only multiply
+constexpr double kMaxCopies = 8;       ///< of a triangle, on average: long ones only multiply
 constexpr double kMargin = 1e-9;        ///< of a square's side, by which triangles may miss it
 constexpr double kSliver = 1e-10;       ///< of a square's area: a gap no larger is rounding
 constexpr double kEdgeOn = 1e-14;       ///< sine of an angle
 constexpr int kPlotDepth = 5;           ///< of the plots' squares, where there are many triangles
 constexpr std::size_t kFewTriangles = 4096;
-constexpr std::size_t kMostParts = 16;  ///< that the uncovered rest of a square may have
+constexpr std::size_t kMaxParts = 16;  ///< that the uncovered rest of a square may have
 
 /// Across a far light: x, y, and the height towards it.
 struct FlatTriangle {
@@ -70,7 +70,7 @@ Cover coverOf(const FlatTriangle& triangle, const Square& square) {
 
 /// Convex. Cut by lines it gains a corner at most by each; what would have more is given up.
 struct Polygon {
-  static constexpr int kMost = 14;
+  static constexpr int kMax = 14;
 
   Polygon() = default;
   Polygon(const Polygon& other) { *this = other; }
@@ -78,12 +78,12 @@ struct Polygon {
   /// The corners that there are, no more.
   Polygon& operator=(const Polygon& other) {
     count = other.count;
-    std::copy_n(other.points.begin(), std::min(count, kMost), points.begin());
+    std::copy_n(other.points.begin(), std::min(count, kMax), points.begin());
     return *this;
   }
 
   void add(const Vec2& point) {
-    if (count < kMost)
+    if (count < kMax)
       points[count] = point;
     ++count;
   }
@@ -98,7 +98,7 @@ struct Polygon {
   }
 
   int count = 0;
-  std::array<Vec2, kMost> points;
+  std::array<Vec2, kMax> points;
 };
 
 /// Cuts a polygon along an edge into what is on the triangle's side and what is not.
@@ -126,7 +126,7 @@ void divide(const Polygon& polygon, const FlatTriangle& triangle, int edge, Poly
 template <class Square, class Triangles>
 double coveredTogether(const Square& square, const Triangles& triangles) {
   const double least = kSliver * 4 * square.half * square.half;
-  std::array<Polygon, kMostParts> store[2];
+  std::array<Polygon, kMaxParts> store[2];
   Polygon *rest = store[0].data(), *next = store[1].data();
   std::size_t parts = 1;
   const double x = square.x, y = square.y, half = square.half;
@@ -142,10 +142,10 @@ double coveredTogether(const Square& square, const Triangles& triangles) {
       left = rest[i];
       for (int edge = 0; edge < 3 && left.count > 0; ++edge) {
         divide(left, *triangle, edge, inside, outside);
-        if (inside.count > Polygon::kMost || outside.count > Polygon::kMost)
+        if (inside.count > Polygon::kMax || outside.count > Polygon::kMax)
           return -kEndless;
         if (outside.area() > least) {
-          if (more == kMostParts)
+          if (more == kMaxParts)
             return -kEndless;
           next[more++] = outside;
         }
@@ -156,7 +156,7 @@ double coveredTogether(const Square& square, const Triangles& triangles) {
         continue;
       }
       more = first;  // the triangle takes nothing of it
-      if (more == kMostParts)
+      if (more == kMaxParts)
         return -kEndless;
       next[more++] = rest[i];
     }
@@ -295,7 +295,7 @@ class SunTreeBuilder {
         dark = std::max(dark, entry.cover.lowest);
     }
     std::erase_if(entries, [&](const Entry& entry) { return entry.cover.highest < dark; });
-    if (entries.size() > kSunLeaf && depth + 1 < SunTree::kDeepest && copies < kMostCopies) {
+    if (entries.size() > kSunLeaf && depth + 1 < SunTree::kDeepest && copies < kMaxCopies) {
       std::array<std::vector<Entry>, 4> parts;
       std::size_t sum = 0;
       for (int i = 0; i < 4; ++i) {

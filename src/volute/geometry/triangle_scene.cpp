@@ -43,13 +43,13 @@ struct TriangleScene::Impl {
       if (direction == towards)
         return tree;
     }
-    if (suns.size() == kMostSuns)
+    if (suns.size() == kMaxSuns)
       suns.erase(suns.begin());
     suns.emplace_back(towards, std::make_shared<const SunTree>(triangles, towards));
     return suns.back().second;
   }
 
-  static constexpr std::size_t kMostSuns = 4;
+  static constexpr std::size_t kMaxSuns = 4;
 
   Execution execution = Execution::kFast;
   mutable std::mutex sunsMutex;

@@ -158,8 +158,8 @@ double GlDevice::loopRounds() const {
 }
 
 int GlDevice::rowsAtOnce(int width) const {
-  constexpr int kLeast = 64, kPixels = 1 << 18;  // as many threads as a large card has
-  return hardware ? std::max(kLeast, kPixels / std::max(width, 1) / 8 * 8) : kLeast;
+  constexpr int kMin = 64, kPixels = 1 << 18;  // as many threads as a large card has
+  return hardware ? std::max(kMin, kPixels / std::max(width, 1) / 8 * 8) : kMin;
 }
 
 bool graphicsHardwarePresent() {

@@ -117,7 +117,7 @@ struct GlFdsData {
 constexpr double kFdsRoundsPerCell = 12;
 
 /// That one ray may pass: as if the narrowest were everywhere.
-double mostCells(const FdsField& field) {
+double maxCells(const FdsField& field) {
   Vec3 narrowest = field.bounds().size();
   for (const FdsLattice& lattice : field.grid().lattices()) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -152,7 +152,7 @@ class FdsOnDevice final : public GlMedium {
   }
 
   GlNeeds needs() const override {
-    return {.storage = 1, .cells = mostCells(data_->field), .roundsPerCell = kFdsRoundsPerCell};
+    return {.storage = 1, .cells = maxCells(data_->field), .roundsPerCell = kFdsRoundsPerCell};
   }
 
   Box3 bounds() const override { return data_->field.bounds(); }

@@ -86,11 +86,11 @@ template <class T>
 GlBuffer makeBuffer(std::span<const T> values) {
   GLuint name = 0;
   glCreateBuffers(1, &name);
-  constexpr GLsizeiptr kLeast = 16;
+  constexpr GLsizeiptr kMin = 16;
   const auto bytes = static_cast<GLsizeiptr>(values.size_bytes());
-  glNamedBufferStorage(name, bytes > kLeast ? bytes : kLeast,
-                       bytes > kLeast ? values.data() : nullptr, GL_DYNAMIC_STORAGE_BIT);
-  if (bytes > 0 && bytes <= kLeast)
+  glNamedBufferStorage(name, bytes > kMin ? bytes : kMin,
+                       bytes > kMin ? values.data() : nullptr, GL_DYNAMIC_STORAGE_BIT);
+  if (bytes > 0 && bytes <= kMin)
     glNamedBufferSubData(name, 0, bytes, values.data());
   return GlBuffer(name);
 }

@@ -26,7 +26,7 @@ struct GlSmokeFields {
 };
 
 /// What a ray through tets of about equal size takes at most.
-double mostCells(const TetMesh& mesh) {
+double maxCells(const TetMesh& mesh) {
   return 4 * std::cbrt(static_cast<double>(mesh.tets().size()));
 }
 
@@ -51,7 +51,7 @@ class SmokeOnDevice final : public GlMedium {
   }
 
   GlNeeds needs() const override {
-    return {.storage = 6, .cells = mostCells(locator_->mesh()), .roundsPerCell = 12};
+    return {.storage = 6, .cells = maxCells(locator_->mesh()), .roundsPerCell = 12};
   }
 
   Box3 bounds() const override { return locator_->mesh().bounds(); }

@@ -52,24 +52,24 @@ bool appendCorners(const BrickSlice& slice, int bx, int by, int bz, std::vector<
 
 /// How many Gauss rules keep the optical depth of each at 1.5 on the longest way through a cell.
 int gaussSteps(const BrickSlice& slice, const CellGrid& cells, double extinctionScale) {
-  constexpr double kMostDepth = 1.5;
-  constexpr double kMostSteps = 64;
+  constexpr double kMaxDepth = 1.5;
+  constexpr double kMaxSteps = 64;
   double largest = 0;
   for (float value : slice.values())
     largest = std::max(largest, std::abs(static_cast<double>(value)));
   const double steps =
-      std::ceil(largest * std::abs(extinctionScale) * cells.cell.norm() / kMostDepth);
-  return static_cast<int>(steps < kMostSteps ? std::max(steps, 1.0) : kMostSteps);
+      std::ceil(largest * std::abs(extinctionScale) * cells.cell.norm() / kMaxDepth);
+  return static_cast<int>(steps < kMaxSteps ? std::max(steps, 1.0) : kMaxSteps);
 }
 
 }  // namespace
 
 float packLight(const Rgb& shares) {
   std::uint32_t bits = 0;
-  constexpr double kMost[3] = {2047, 2047, 1023};
+  constexpr double kMax[3] = {2047, 2047, 1023};
   constexpr int kShift[3] = {0, 11, 22};
   for (int c = 0; c < 3; ++c) {
-    const double level = std::round(kMost[c] * std::sqrt(std::clamp(shares[c], 0.0, 1.0)));
+    const double level = std::round(kMax[c] * std::sqrt(std::clamp(shares[c], 0.0, 1.0)));
     bits |= static_cast<std::uint32_t>(level) << kShift[c];
   }
   return std::bit_cast<float>(bits);
@@ -100,7 +100,7 @@ std::shared_ptr<const MarchGrid> makeMarchGrid(const std::shared_ptr<const Brick
   }
   grid->channelStride = brickValues;
   grid->table.assign(static_cast<std::size_t>(grid->tableStride[2]) * (bricks[2] + 2), -1);
-  constexpr auto kMost = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
+  constexpr auto kMax = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
   for (int z = 0; z < bricks[2] && grid->fits; ++z) {
     for (int y = 0; y < bricks[1]; ++y) {
       for (int x = 0; x < bricks[0]; ++x) {
@@ -114,7 +114,7 @@ std::shared_ptr<const MarchGrid> makeMarchGrid(const std::shared_ptr<const Brick
           begin = static_cast<std::size_t>(slice->brickAt(x, y, z)) * brickValues * grid->channels;
         }
         grid->fits =
-            grid->fits && begin + static_cast<std::size_t>(brickValues) * grid->channels <= kMost;
+            grid->fits && begin + static_cast<std::size_t>(brickValues) * grid->channels <= kMax;
         grid->table[(z + 1) * grid->tableStride[2] + (y + 1) * grid->tableStride[1] + x + 1] =
             static_cast<std::int32_t>(begin);
       }

@@ -47,14 +47,14 @@ std::shared_ptr<const BrickSlice> firstChannel(const BrickSlice& slice) {
 
 /// How many steps keep the optical depth of each at 1.3 on the longest way through a cell.
 int stepsOf(const BrickSlice& slice, const CellGrid& cells) {
-  constexpr double kMostDepth = 1.3, kMostSteps = 64;
+  constexpr double kMaxDepth = 1.3, kMaxSteps = 64;
   double largest = 0;
   for (std::size_t b = 0; b < slice.storedBricks(); ++b) {
     const float* brick = slice.brick(static_cast<std::int32_t>(b));
     largest = std::max<double>(largest, *std::max_element(brick, brick + BrickSlice::kVoxels));
   }
-  const double steps = std::ceil(largest * cells.cell.norm() / kMostDepth);
-  return static_cast<int>(steps < kMostSteps ? std::max(steps, 1.0) : kMostSteps);
+  const double steps = std::ceil(largest * cells.cell.norm() / kMaxDepth);
+  return static_cast<int>(steps < kMaxSteps ? std::max(steps, 1.0) : kMaxSteps);
 }
 
 /// 1 where a corner, or one beside it along any axes, is not 0; of the corners of one brick.

@@ -24,29 +24,29 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kMostLanes = 128;  // what a batch holds; a multiple of any vector's lanes
+constexpr std::size_t kMaxLanes = 128;  // what a batch holds; a multiple of any vector's lanes
 constexpr float kNever = 3e38F;          // stands for infinity, which times 0 would be NaN
 constexpr double kFarAway = 1e30;        // [m] planes beyond are never met
 
 /// Rays as the march wants them: `s` counts from where each enters the volume, in metres.
 struct RayLanes {
   alignas(
-      64) float first[3][kMostLanes];  ///< s of the first plane on each axis; kNever when parallel
-  alignas(64) float delta[3][kMostLanes];     ///< from plane to plane; 0 when parallel
-  alignas(64) float perDelta[3][kMostLanes];  ///< 1 / delta; 0 when parallel
-  alignas(64) float velocity[3][kMostLanes];  ///< cells per metre
-  alignas(64) float exitAt[3][kMostLanes];    ///< place in the cell (0..1) where the ray leaves it,
+      64) float first[3][kMaxLanes];  ///< s of the first plane on each axis; kNever when parallel
+  alignas(64) float delta[3][kMaxLanes];     ///< from plane to plane; 0 when parallel
+  alignas(64) float perDelta[3][kMaxLanes];  ///< 1 / delta; 0 when parallel
+  alignas(64) float velocity[3][kMaxLanes];  ///< cells per metre
+  alignas(64) float exitAt[3][kMaxLanes];    ///< place in the cell (0..1) where the ray leaves it,
                                               ///< or stays
-  alignas(64) std::int32_t cell[3][kMostLanes];
-  alignas(64) std::int32_t step[3][kMostLanes];
-  alignas(64) float length[kMostLanes];
+  alignas(64) std::int32_t cell[3][kMaxLanes];
+  alignas(64) std::int32_t step[3][kMaxLanes];
+  alignas(64) float length[kMaxLanes];
 };
 
 /// Without absorption, or where it is in closed form: the line integrals of the channels. Else
 /// emission, transmittance.
 struct LaneResults {
-  alignas(64) float sum[3][kMostLanes];
-  alignas(64) float transmittance[kMostLanes];
+  alignas(64) float sum[3][kMaxLanes];
+  alignas(64) float transmittance[kMaxLanes];
 };
 
 }  // namespace
@@ -568,7 +568,7 @@ void marchBatch(const MarchGrid& grid, const CellGrid& cells, const CellRange& r
   RayLanes rays;
   LaneResults results;
   std::size_t lanes = 0;
-  std::size_t segmentOf[kMostLanes];
+  std::size_t segmentOf[kMaxLanes];
   for (std::size_t i = 0; i < segments.size(); ++i) {
     CellEntry entry;
     if (enterCells(cells, range, segments[i], entry)) {
@@ -589,8 +589,8 @@ void marchBatch(const MarchGrid& grid, const CellGrid& cells, const CellRange& r
 void marchRadiance(const MarchGrid& grid, const CellGrid& cells, const CellRange& range,
                    std::span<const Segment> segments, std::span<Radiance> out,
                    MarchCounts& counts) {
-  for (std::size_t i = 0; i < segments.size(); i += kMostLanes) {
-    const std::size_t count = std::min(kMostLanes, segments.size() - i);
+  for (std::size_t i = 0; i < segments.size(); i += kMaxLanes) {
+    const std::size_t count = std::min(kMaxLanes, segments.size() - i);
     marchBatch(grid, cells, range, segments.subspan(i, count), out.subspan(i, count), counts);
   }
 }

@@ -15,7 +15,7 @@ namespace volute {
 namespace {
 
 constexpr int kRowsOfDots = 320;  // a dot for so many rows of the picture
-constexpr double kMostHigh = 0.22; // of the picture's height, unless letters are smallest
+constexpr double kMaxHigh = 0.22; // of the picture's height, unless letters are smallest
 constexpr double kShade = 0.08;   // of the ground behind the text, linear
 constexpr double kInk = 0.9;
 
@@ -92,7 +92,7 @@ LegendLayout layOutLegend(int width, int height, const std::vector<std::string>&
   layout.dot = std::max(1, height / kRowsOfDots);
   while (layout.dot > 1 && (Room(width, height, layout.dot).letters < longest ||
                             Room(width, height, layout.dot).dots < rows ||
-                            (rows + 2 * kMargin) * layout.dot > kMostHigh * height))
+                            (rows + 2 * kMargin) * layout.dot > kMaxHigh * height))
     --layout.dot;
   const Room room(width, height, layout.dot);
   const bool bar = scale && room.dots >= kBar && room.letters >= scaleLetters(*scale);

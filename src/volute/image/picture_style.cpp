@@ -54,9 +54,9 @@ const Matrix& agxOut() {
 
 /// The sigmoid over a logarithmic scale of 16.5 stops, 10 of them below middle grey.
 double agxCurve(double light) {
-  constexpr double kLeast = -12.47393, kMost = 4.026069;
+  constexpr double kMin = -12.47393, kMax = 4.026069;
   const double x =
-      std::clamp((std::log2(std::max(light, 1e-10)) - kLeast) / (kMost - kLeast), 0.0, 1.0);
+      std::clamp((std::log2(std::max(light, 1e-10)) - kMin) / (kMax - kMin), 0.0, 1.0);
   return ((((((15.5 * x - 40.14) * x + 31.96) * x - 6.868) * x + 0.4298) * x) + 0.1191) * x -
          0.00232;
 }
@@ -151,9 +151,9 @@ std::string_view nameOf(ToneCurve tone) {
 Rgb toneMapped(ToneCurve tone, const Rgb& light) {
   if (tone == ToneCurve::kNone)
     return light;
-  constexpr double kMost = 1e12;  // beyond it curves are level
+  constexpr double kMax = 1e12;  // beyond it curves are level
   Eigen::Vector3d v;
-  for (int c = 0; c < 3; ++c) v[c] = light[c] > 0 ? std::min(light[c], kMost) : 0;
+  for (int c = 0; c < 3; ++c) v[c] = light[c] > 0 ? std::min(light[c], kMax) : 0;
   if (tone == ToneCurve::kFilmic) {
     const Eigen::Vector3d in = hillIn() * v;
     return unitClamped(hillOut() * in.unaryExpr(&hillCurve));

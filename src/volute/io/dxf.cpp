@@ -481,7 +481,7 @@ class DxfReader {
   }
 
   Status addInsert(const Entity& entity, const Placement& place, int depth) {
-    constexpr int kDeepest = 16, kMostCopies = 10000;
+    constexpr int kDeepest = 16, kMaxCopies = 10000;
     const auto found = blocks_.find(std::string(entity.text(2)));
     if (found == blocks_.end()) {
       return fault(entity.line, "inserts the block '{}', which is not there",
@@ -498,9 +498,9 @@ class DxfReader {
     VOLUTE_ASSIGN(const double rows, number(entity, 71, 1));
     VOLUTE_ASSIGN(const double dx, number(entity, 44, 0));
     VOLUTE_ASSIGN(const double dy, number(entity, 45, 0));
-    if (!(columns >= 0 && rows >= 0 && columns * rows <= kMostCopies))
+    if (!(columns >= 0 && rows >= 0 && columns * rows <= kMaxCopies))
       return fault(entity.line, "{} x {} copies of a block; expected {} at most", columns, rows,
-                   kMostCopies);
+                   kMaxCopies);
     const double angle = degrees * std::numbers::pi / 180;
     const Vec2 x(std::cos(angle), std::sin(angle)), y(-x.y(), x.x());
     for (int row = 0; row < std::max(1, static_cast<int>(rows)); ++row) {
@@ -521,11 +521,11 @@ class DxfReader {
   }
 
   Status draw(const Entity& entity, const Placement& outer, int depth) {
-    constexpr std::uint64_t kMostVisits = 100'000'000;
-    if ((visits_ += 1 + entity.pairs.size()) > kMostVisits)
+    constexpr std::uint64_t kMaxVisits = 100'000'000;
+    if ((visits_ += 1 + entity.pairs.size()) > kMaxVisits)
       return fail(ErrorCode::kTooLarge,
                   "{}: more than {} values to draw, blocks within blocks counted", path_.string(),
-                  kMostVisits);
+                  kMaxVisits);
     if (isHidden(entity)) {
       ++hidden_;
       return {};

@@ -69,8 +69,8 @@ std::optional<double> numberOf(const std::string& word) {
 /// A whole number of a line; nothing where an int does not hold it.
 std::optional<int> wholeOf(const std::string& word) {
   const auto value = numberOf(word);
-  constexpr double kMost = 1e9;
-  if (!value || !(std::abs(*value) <= kMost))
+  constexpr double kMax = 1e9;
+  if (!value || !(std::abs(*value) <= kMax))
     return std::nullopt;
   return static_cast<int>(*value);
 }
@@ -251,13 +251,13 @@ class Cursor {
 
   /// The number of a part, from which the order of bytes is known.
   Result<std::int64_t> partNumber() {
-    constexpr std::int64_t kMost = 1 << 16;
+    constexpr std::int64_t kMax = 1 << 16;
     if (!binary_)
       return integer();
     const std::uint64_t at = at_;
     swapped_ = false;
     const auto number = integer();
-    if (number && *number < kMost)
+    if (number && *number < kMax)
       return number;
     at_ = at;
     swapped_ = true;

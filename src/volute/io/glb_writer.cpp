@@ -73,8 +73,8 @@ Json document(const TriangleMesh& mesh, std::vector<float>& binary) {
 }  // namespace
 
 Status writeGlb(const std::filesystem::path& path, const TriangleMesh& mesh) {
-  constexpr std::uint64_t kMost = 0xFFFF0000;  // lengths have 32 bits
-  if (mesh.triangles.size() * 9 * sizeof(float) > kMost) {
+  constexpr std::uint64_t kMax = 0xFFFF0000;  // lengths have 32 bits
+  if (mesh.triangles.size() * 9 * sizeof(float) > kMax) {
     return fail(ErrorCode::kTooLarge, "{}: {} triangles are more than a .glb file can hold",
                 path.string(), mesh.triangles.size());
   }

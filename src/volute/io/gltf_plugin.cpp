@@ -190,7 +190,7 @@ class GltfReader {
   Status addNode(int number, const Mat4& parent, int depth) {
     if (number < 0 || number >= static_cast<int>(model_.nodes.size()))
       return fail(ErrorCode::kInvalidData, "{}: /nodes: there is no node {}", file_, number);
-    if (depth > kDeepest || ++visited_ > kMostNodes) {
+    if (depth > kDeepest || ++visited_ > kMaxNodes) {
       return fail(ErrorCode::kInvalidData, "{}: /nodes/{}: nodes that contain each other", file_,
                   number);
     }
@@ -326,7 +326,7 @@ class GltfReader {
     return {};
   }
 
-  static constexpr std::size_t kMostNodes = 1 << 22;
+  static constexpr std::size_t kMaxNodes = 1 << 22;
 
   const tinygltf::Model& model_;
   std::string file_;

@@ -25,13 +25,13 @@ std::size_t editDistance(const std::string& a, const std::string& b) {
 }
 
 std::string listed(std::span<const GridEntry> entries) {
-  constexpr std::size_t kMost = 32;
+  constexpr std::size_t kMax = 32;
   std::string text;
-  for (std::size_t i = 0; i < std::min(entries.size(), kMost); ++i) {
+  for (std::size_t i = 0; i < std::min(entries.size(), kMax); ++i) {
     text += fmt::format("{}{} ({})", i == 0 ? "" : ", ", entries[i].name, entries[i].type);
   }
-  if (entries.size() > kMost)
-    text += fmt::format(" and {} more", entries.size() - kMost);
+  if (entries.size() > kMax)
+    text += fmt::format(" and {} more", entries.size() - kMax);
   return text;
 }
 

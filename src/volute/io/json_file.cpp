@@ -28,13 +28,13 @@ std::string wordAt(const std::string& text, std::size_t end) {
 }  // namespace
 
 Result<nlohmann::json> readJson(const std::filesystem::path& path) {
-  constexpr std::uint64_t kMostBytes = 16 << 20;
+  constexpr std::uint64_t kMaxBytes = 16 << 20;
   const std::string file = path.string();
   VOLUTE_ASSIGN(const auto input, InputFile::open(path));
-  if (input.size() > kMostBytes) {
+  if (input.size() > kMaxBytes) {
     return fail(ErrorCode::kTooLarge,
                 "{}: {} bytes are too many for a JSON file of ours; expected at most {}", file,
-                input.size(), kMostBytes);
+                input.size(), kMaxBytes);
   }
   std::string text(input.size(), '\0');
   VOLUTE_TRY(input.read(0, std::as_writable_bytes(std::span(text))));

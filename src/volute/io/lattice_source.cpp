@@ -176,9 +176,9 @@ Result<IndexBox> toIndexBox(const LatticeFrame& lattice, const Box3& bounds,
 Status checkSize(const IndexBox& box, int channels, std::uint64_t maxMemory,
                  const std::string& where, bool byLayers) {
   const double bytes = 4.0 * channels * box.size(0) * box.size(1) * box.size(2);
-  constexpr std::int64_t kMost = 1'000'000'000;  // so that shifted indices stay within 32 bits
+  constexpr std::int64_t kMax = 1'000'000'000;  // so that shifted indices stay within 32 bits
   const bool huge = std::ranges::any_of(std::array{0, 1, 2}, [&](int axis) {
-    return box.size(axis) > kMost || box.begin[axis] < -kMost || box.end[axis] > kMost;
+    return box.size(axis) > kMax || box.begin[axis] < -kMax || box.end[axis] > kMax;
   });
   if (!huge && (byLayers || bytes <= static_cast<double>(maxMemory)))
     return {};

@@ -42,8 +42,8 @@ struct MeshSize {
   bool sound() {
     field[kMaxName] = '\0';
     others[kMaxName] = '\0';
-    constexpr std::uint64_t kMost = std::uint64_t{1} << 40;
-    return points < kMost && cells < kMost && indices < kMost;
+    constexpr std::uint64_t kMax = std::uint64_t{1} << 40;
+    return points < kMax && cells < kMax && indices < kMax;
   }
 };
 

@@ -68,10 +68,10 @@ class HeaderReader {
 
   /// What is printed of it.
   Result<std::string> name() {
-    constexpr Count kMost = 64;
+    constexpr Count kMax = 64;
     VOLUTE_ASSIGN(const Count length, count());
     VOLUTE_TRY(need(padded(length)));
-    std::string text(std::min(length, kMost), ' ');
+    std::string text(std::min(length, kMax), ' ');
     VOLUTE_TRY(file_.read(at_, std::as_writable_bytes(std::span(text))));
     at_ += padded(length);
     std::ranges::replace_if(

@@ -29,11 +29,11 @@ Result<VolumeInfo> toInfo(const NpyHeader& header, const InputFile& file,
     shape.insert(shape.begin(), 1);
   if (shape.size() == 4)
     shape.push_back(1);
-  constexpr std::uint64_t kMost = std::numeric_limits<std::int32_t>::max();
+  constexpr std::uint64_t kMax = std::numeric_limits<std::int32_t>::max();
   std::uint64_t bytes = header.half ? 2 : 4;
   bool possible = true;
   for (std::uint64_t extent : shape) {
-    possible = possible && extent <= kMost && !__builtin_mul_overflow(bytes, extent, &bytes);
+    possible = possible && extent <= kMax && !__builtin_mul_overflow(bytes, extent, &bytes);
   }
   const std::uint64_t present = file.size() - header.dataOffset;
   if (!possible || bytes != present) {

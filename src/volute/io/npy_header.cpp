@@ -131,12 +131,12 @@ class DictionaryParser {
   }
 
   Result<std::uint64_t> parseExtent() {
-    constexpr std::uint64_t kMost = std::numeric_limits<std::int64_t>::max() / 16;
+    constexpr std::uint64_t kMax = std::numeric_limits<std::int64_t>::max() / 16;
     const std::size_t begin = at_;
     std::uint64_t value = 0;
     for (; peek() >= '0' && peek() <= '9'; ++at_) {
       value = value * 10 + static_cast<std::uint64_t>(peek() - '0');
-      if (value > kMost)
+      if (value > kMax)
         return malformed();
     }
     const bool leadingZero = text_[begin] == '0' && at_ - begin > 1;

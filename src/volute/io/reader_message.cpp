@@ -12,19 +12,19 @@
 namespace volute::detail {
 namespace {
 
-constexpr std::size_t kMostDescriptors = 4;
+constexpr std::size_t kMaxDescriptors = 4;
 
 /// Room for descriptors beside a message.
 union ControlBuffer {
   cmsghdr header;
-  char bytes[CMSG_SPACE(kMostDescriptors * sizeof(int))];
+  char bytes[CMSG_SPACE(kMaxDescriptors * sizeof(int))];
 };
 
 }  // namespace
 
 bool sendReaderMessage(int socket, const ReaderHeader& header, std::string_view text,
                        std::span<const int> descriptors) {
-  text = text.substr(0, kMostMessage);
+  text = text.substr(0, kMaxMessage);
   iovec parts[2] = {{const_cast<ReaderHeader*>(&header), sizeof header},
                     {const_cast<char*>(text.data()), text.size()}};
   msghdr message{};
@@ -49,7 +49,7 @@ bool sendReaderMessage(int socket, const ReaderHeader& header, std::string_view 
 
 bool receiveReaderMessage(int socket, ReaderHeader& header, std::string& text,
                           std::span<int> descriptors) {
-  text.resize(kMostMessage);
+  text.resize(kMaxMessage);
   iovec parts[2] = {{&header, sizeof header}, {text.data(), text.size()}};
   msghdr message{};
   message.msg_iov = parts;

@@ -10,7 +10,7 @@
 namespace volute::detail {
 
 /// Replies and requests of a reader's process are at most this many bytes.
-inline constexpr std::size_t kMostMessage = 128 << 10;
+inline constexpr std::size_t kMaxMessage = 128 << 10;
 
 /// The fixed part of a message, in both directions; the text follows.
 struct ReaderHeader {

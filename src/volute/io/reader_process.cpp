@@ -24,7 +24,7 @@
 namespace volute {
 namespace {
 
-static_assert(ReaderProcess::kMaxMessage == detail::kMostMessage);
+static_assert(ReaderProcess::kMaxMessage == detail::kMaxMessage);
 
 /// Of CPU time that a process has used [s]; nothing where the system does not say.
 double cpuSecondsOf(pid_t process) {
@@ -158,8 +158,8 @@ ReaderProcess::~ReaderProcess() {
 }
 
 Status ReaderProcess::reserve(const std::string& file, std::size_t valueCount) {
-  constexpr std::size_t kMostValues = std::size_t{1} << 44;
-  const std::size_t bytes = std::min(valueCount, kMostValues) * sizeof(float);
+  constexpr std::size_t kMaxValues = std::size_t{1} << 44;
+  const std::size_t bytes = std::min(valueCount, kMaxValues) * sizeof(float);
   valueCount_ = valueCount;
   if (bytes <= mappedBytes_)
     return {};
@@ -169,7 +169,7 @@ Status ReaderProcess::reserve(const std::string& file, std::size_t valueCount) {
   mappedBytes_ = 0;
   valueCount_ = 0;
   void* memory = MAP_FAILED;
-  if (shared_ >= 0 && valueCount <= kMostValues &&
+  if (shared_ >= 0 && valueCount <= kMaxValues &&
       ::ftruncate(shared_, static_cast<off_t>(bytes)) == 0) {
     memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, shared_, 0);
   }

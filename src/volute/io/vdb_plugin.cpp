@@ -353,11 +353,11 @@ constexpr std::size_t kSizeBytes = sizeof(openvdb::Index32);  // before a value 
 
 /// Entries of types that everybody knows, and of a size that somebody meant.
 MetadataList listMetadata(const openvdb::MetaMap& map) {
-  constexpr std::size_t kMostBytes = 4096;
+  constexpr std::size_t kMaxBytes = 4096;
   MetadataList list;
   for (auto it = map.beginMeta(); it != map.endMeta(); ++it) {
     const std::string type = it->second->typeName();
-    if (isKeptElsewhere(it->first) || !isKnownMetadata(type) || it->second->size() > kMostBytes)
+    if (isKeptElsewhere(it->first) || !isKnownMetadata(type) || it->second->size() > kMaxBytes)
       continue;
     std::ostringstream bytes;
     it->second->write(bytes);

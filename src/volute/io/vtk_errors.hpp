@@ -20,9 +20,9 @@ namespace volute {
 
 /// One line of what a damaged file may have put into a message.
 inline std::string printable(std::string text) {
-  constexpr std::size_t kMost = 400;
-  if (text.size() > kMost)
-    text = text.substr(0, kMost) + " ...";
+  constexpr std::size_t kMax = 400;
+  if (text.size() > kMax)
+    text = text.substr(0, kMax) + " ...";
   std::ranges::replace_if(text, [](unsigned char c) { return c < ' ' || c == 0x7F; }, ' ');
   // What follows a first byte of UTF-8; other bytes are of no text.
   std::size_t following = 0;

@@ -21,9 +21,9 @@ constexpr int kDistances = 32;
 constexpr double kFarther = 1.35;  ///< each is at as many times the one before
 constexpr double kNothing = 1e-7;  ///< of a lamp's light
 constexpr double kAfar = 4;        ///< spreads away lamps are one
-constexpr std::size_t kMostLamps = 3;
+constexpr std::size_t kMaxLamps = 3;
 constexpr double kTolerance = 1e-3;
-constexpr int kMostCuts = 12;
+constexpr int kMaxCuts = 12;
 constexpr double kGone = 30;  ///< e-folds after which nothing is left
 
 double roughAngle(double x, double y);
@@ -203,7 +203,7 @@ std::vector<Lamp> fewLamps(std::span<const Lamp> lamps) {
     if (lamp.kind != Lamp::Kind::kSun && lamp.intensity.maxCoeff() > 0)
       few.push_back(lamp);
   }
-  while (few.size() > kMostLamps) {
+  while (few.size() > kMaxLamps) {
     std::size_t first = 0, second = 1;
     double closest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < few.size(); ++i) {
@@ -281,7 +281,7 @@ void LampLitMedium::cut(const Segment& segment, const Piece& piece, std::vector<
       error = std::max(error, (a + b * x + c * x * x - there).abs().maxCoeff() -
                                   kTolerance * there.maxCoeff());
     }
-    if (error > 0 && cuts < kMostCuts) {
+    if (error > 0 && cuts < kMaxCuts) {
       const double half = part.begin + 0.5 * length;
       self(self, clipped(part, part.begin, half), cuts + 1);
       self(self, clipped(part, half, part.end), cuts + 1);

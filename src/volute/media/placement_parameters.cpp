@@ -13,7 +13,7 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kLeastScale = 1e-3, kMostScale = 1e3;
+constexpr double kMinScale = 1e-3, kMaxScale = 1e3;
 constexpr double kSteep = 89.99;    ///< [degrees] about y: at 90 x and z would be the same
 constexpr double kPlacementRounding = 1e-9;  ///< of what is shown
 constexpr double kNothing = 1e-15;  ///< of a matrix, beside its largest number
@@ -28,7 +28,7 @@ Vec3 rounded(const Vec3& v) {
 }
 
 Vec3 inRange(const Vec3& scale) {
-  return scale.cwiseMax(kLeastScale).cwiseMin(kMostScale);
+  return scale.cwiseMax(kMinScale).cwiseMin(kMaxScale);
 }
 
 Mat3 turnBy(const Vec3& degrees) {

@@ -11,9 +11,9 @@
 namespace volute {
 namespace {
 
-constexpr int kMostColumns = 4096;            ///< of a texture
+constexpr int kMaxColumns = 4096;            ///< of a texture
 constexpr double kThickness = 1e-4;           ///< of the height
-constexpr double kLeastTransmittance = 1e-7;  ///< so that the extinction stays finite
+constexpr double kMinTransmittance = 1e-7;  ///< so that the extinction stays finite
 
 /// Four channels between four texels; beyond the outer centres it is theirs.
 std::array<double, 4> bilinear(const Image& texture, double across, double down) {
@@ -38,10 +38,10 @@ Camera billboardView(const Box3& volume, const Camera& camera, const BillboardOp
   const Vec3 forward = faces ? Vec3(way.normalized()) : camera.forward();
   const Box3& bounds = options.shown.empty() ? volume : options.shown;
   const double shape = options.width / options.height;
-  const int rows = std::clamp(static_cast<int>(std::lround(std::min(kMostColumns / shape, 1e9))), 1,
+  const int rows = std::clamp(static_cast<int>(std::lround(std::min(kMaxColumns / shape, 1e9))), 1,
                               std::max(options.rows, 1));
   const int columns = std::max(
-      1, static_cast<int>(std::lround(std::min(rows * shape, static_cast<double>(kMostColumns)))));
+      1, static_cast<int>(std::lround(std::min(rows * shape, static_cast<double>(kMaxColumns)))));
   const Vec3 middle = bounds.centre();
   return Camera::orthographic({middle - bounds.size().norm() * forward, middle, -camera.down()},
                               bounds.size().z(), columns, rows);
@@ -106,7 +106,7 @@ Interval Billboard::crossing(const Segment& segment, double& across, double& dow
 
 Billboard::Sheet Billboard::at(double across, double down, double length) const {
   const auto texel = bilinear(*texture_, across, down);
-  const double passed = std::clamp(texel[3], kLeastTransmittance, 1.0);
+  const double passed = std::clamp(texel[3], kMinTransmittance, 1.0);
   const double depth = -std::log(passed);
   // Light emitted evenly and absorbed on its way: emission * length * (1 - e^-depth) / depth.
   const double left = depth > 1e-9 ? (1 - passed) / depth : 1;

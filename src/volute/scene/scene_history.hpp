@@ -20,7 +20,7 @@ class SceneHistory {
     if (name.empty() || name != last_ || past_.empty())
       past_.push_back(std::move(before));
     last_ = name;
-    if (past_.size() > kMost)
+    if (past_.size() > kMax)
       past_.pop_front();
   }
 
@@ -51,7 +51,7 @@ class SceneHistory {
   void clear() { *this = {}; }
 
  private:
-  static constexpr std::size_t kMost = 200;
+  static constexpr std::size_t kMax = 200;
 
   std::deque<nlohmann::ordered_json> past_;
   std::vector<nlohmann::ordered_json> future_;

@@ -98,11 +98,11 @@ double fdsGas(const Exposure& air, Activity activity) {
 }
 
 double smokeviewGas(const Exposure& air) {
-  constexpr double kMost = 10, kMostOxygen = 20;  // [%]
-  const double monoxide = std::min(air.percent(Air::kCarbonMonoxide), kMost) * 1e4;
-  const double dioxide = std::min(air.percent(Air::kCarbonDioxide), kMost);
+  constexpr double kMax = 10, kMaxOxygen = 20;  // [%]
+  const double monoxide = std::min(air.percent(Air::kCarbonMonoxide), kMax) * 1e4;
+  const double dioxide = std::min(air.percent(Air::kCarbonDioxide), kMax);
   return fdsCarbonMonoxide(monoxide, Activity::kLight) * std::exp(0.1930 * dioxide + 2.0004) / 7.1 +
-         lowOxygen(std::min(air.percent(Air::kOxygen), kMostOxygen));
+         lowOxygen(std::min(air.percent(Air::kOxygen), kMaxOxygen));
 }
 
 constexpr double kHarmlessFlux = 2.5;  // [kW/m2], ISO 13571:2012, 8

@@ -12,7 +12,7 @@ namespace {
 
 /// Shares of an area or a volume, each times the number of pieces: 1 where all are alike.
 constexpr double kGood = 1e-2;   // taken without looking further
-constexpr double kLeast = 1e-9;  // smaller ones are rounding
+constexpr double kMin = 1e-9;  // smaller ones are rounding
 
 constexpr std::int64_t kNone = -1;
 
@@ -40,7 +40,7 @@ bool clipEars(const std::vector<Vec3>& at, const Vec3& area,
     const std::size_t n = left.size();
     const std::size_t a = left[(k + n - 1) % n], b = left[k], c = left[(k + 1) % n];
     const double size = twice(a, b, c);
-    if (!(size > kLeast))
+    if (!(size > kMin))
       return -1.0;
     for (const std::size_t d : left) {
       if (d != a && d != b && d != c && twice(a, b, d) >= 0 && twice(b, c, d) >= 0 &&
@@ -146,7 +146,7 @@ Status CellCutter::cutFace(const Polygon& face) {
     for (std::size_t i = 0; i < n; ++i)
       least = std::min(least, share(mean, at[i], at[(i + 1) % n]));
     least *= static_cast<double>(n);
-    if (!(std::max(least, best) > kLeast)) {
+    if (!(std::max(least, best) > kMin)) {
       std::vector<std::array<std::size_t, 3>> ears;
       if (!clipEars(at, area, ears)) {
         return fail(ErrorCode::kInvalidData,
@@ -168,7 +168,7 @@ Status CellCutter::cutFace(const Polygon& face) {
   return {};
 }
 
-double CellCutter::leastShare(const Vec3& tip, std::int64_t vertex, double volume,
+double CellCutter::minShare(const Vec3& tip, std::int64_t vertex, double volume,
                               double enough) const {
   double least = std::numeric_limits<double>::infinity();
   int count = 0;
@@ -232,7 +232,7 @@ Status CellCutter::cut(std::int32_t cell, const std::vector<Polygon>& faces) {
   double best = -std::numeric_limits<double>::infinity();
   std::int64_t tip = kNone;
   for (const std::int64_t candidate : corners_) {
-    const double least = leastShare(place(candidate), candidate, volume, best);
+    const double least = minShare(place(candidate), candidate, volume, best);
     if (least > best)
       best = least, tip = candidate;
     if (best >= kGood)
@@ -240,11 +240,11 @@ Status CellCutter::cut(std::int32_t cell, const std::vector<Polygon>& faces) {
   }
   if (!(best >= kGood)) {
     std::vector<double> shares(corners_.size(), 1 / n);
-    double least = leastShare(middle, kNone, volume, best);
+    double least = minShare(middle, kNone, volume, best);
     if (!(least >= kGood)) {
       // A place that sees all faces, as shares of the corners: those of the linear fit there.
       const Vec3 inside = placeInside(middle, volume / 6);
-      const double there = leastShare(inside, kNone, volume, best);
+      const double there = minShare(inside, kNone, volume, best);
       if (there > least) {
         Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
         for (const std::int64_t v : corners_)
@@ -255,7 +255,7 @@ Status CellCutter::cut(std::int32_t cell, const std::vector<Polygon>& faces) {
         least = there;
       }
     }
-    if (!(std::max(least, best) > kLeast)) {
+    if (!(std::max(least, best) > kMin)) {
       return fail(ErrorCode::kInvalidData,
                   "(of {} faces) cannot be split into tetrahedra: from no place inside are all of "
                   "its faces seen; divide it or mend the mesh",

@@ -28,7 +28,7 @@ class CellCutter {
 
   /// The least share of the volume of a tet from `tip` over the triangles without `vertex`, times
   /// their number; something less where it is not above `enough`.
-  double leastShare(const Vec3& tip, std::int64_t vertex, double volume, double enough) const;
+  double minShare(const Vec3& tip, std::int64_t vertex, double volume, double enough) const;
   Vec3 placeInside(const Vec3& middle, double volume) const;
 
   const CellSoup& soup_;

@@ -91,8 +91,8 @@ double ScreenView::rayScale(int x, int y) const {
 
 PixelBox pixelBox(const ScreenView& view, const ScreenVertex& a, const ScreenVertex& b,
                   const ScreenVertex& c) {
-  constexpr float kMost = std::numeric_limits<float>::max();
-  float x0 = kMost, x1 = -kMost, y0 = kMost, y1 = -kMost;
+  constexpr float kMax = std::numeric_limits<float>::max();
+  float x0 = kMax, x1 = -kMax, y0 = kMax, y1 = -kMax;
   const auto add = [&](float x, float y, float w) {
     x0 = std::min(x0, x / w), x1 = std::max(x1, x / w);
     y0 = std::min(y0, y / w), y1 = std::max(y1, y / w);

@@ -109,8 +109,8 @@ using Doubles = hn::Vec<FourDoubles>;
 /// One over what planes' functions are at the eye (orthographic: along the view).
 HWY_INLINE Doubles OverDivisor(Doubles divisor) {
   constexpr FourDoubles dd;
-  constexpr double kLeast = 1e-12;  // an eye in a face's plane
-  const auto least = hn::Set(dd, kLeast);
+  constexpr double kMin = 1e-12;  // an eye in a face's plane
+  const auto least = hn::Set(dd, kMin);
   const auto safe = hn::IfThenElse(hn::Gt(divisor, hn::Zero(dd)), hn::Max(divisor, least),
                                    hn::Min(divisor, hn::Neg(least)));
   return hn::Div(hn::Set(dd, 1), safe);
@@ -283,7 +283,7 @@ struct RowSpans {
 template <int kLows>
 HWY_INLINE void SetSpans(const TetBounds& tet, const BinnedTet& blocks, RowSpans& spans) {
   constexpr int kLines = kLows * (4 - kLows);
-  constexpr float kFar = 1e6F, kLeast = 1e-30F, kMargin = 1e-6F, kFlat = 1e-3F;
+  constexpr float kFar = 1e6F, kMin = 1e-30F, kMargin = 1e-6F, kFlat = 1e-3F;
   constexpr float kReach = kBlock - 1;
   Affine begins[kLines + 1], ends[kLines + 1];  // in blocks, `y` for a row of them
   for (int line = 0; line < kLines; ++line) {
@@ -295,7 +295,7 @@ HWY_INLINE void SetSpans(const TetBounds& tet, const BinnedTet& blocks, RowSpans
                                                         std::abs(high.y) + std::abs(low.y)));
     const float at = high.at - low.at + std::max(0.0F, kReach * y) + rounding;
     const bool begin = x > 0;
-    const float least = kFlat * rounding + kLeast;
+    const float least = kFlat * rounding + kMin;
     const float by = -1 / (begin ? std::max(x, least) : std::min(x, -least));
     const float from = at * by / kBlock, step = y * by;
     begins[line] = {begin ? from - kReach / kBlock : -kFar, 0, begin ? step : 0};

@@ -211,7 +211,7 @@ namespace {
 HWY_EXPORT(LightTets);
 HWY_EXPORT(PieceLosses);
 
-constexpr std::size_t kMostLanes = 16;
+constexpr std::size_t kMaxLanes = 16;
 
 }  // namespace
 
@@ -223,9 +223,9 @@ void lightTets(const ScreenView& view, const LitMesh& mesh, std::span<const Binn
 
 void pieceLosses(std::span<const float> d, std::span<const float> c, std::span<float> lost,
                  std::span<float> lean) {
-  for (std::size_t i = 0; i < d.size(); i += kMostLanes) {
-    float in[2][kMostLanes] = {}, out[2][kMostLanes];
-    const std::size_t count = std::min(kMostLanes, d.size() - i);
+  for (std::size_t i = 0; i < d.size(); i += kMaxLanes) {
+    float in[2][kMaxLanes] = {}, out[2][kMaxLanes];
+    const std::size_t count = std::min(kMaxLanes, d.size() - i);
     std::copy_n(&d[i], count, in[0]);
     std::copy_n(&c[i], count, in[1]);
     HWY_DYNAMIC_DISPATCH(PieceLosses)(in[0], in[1], out[0], out[1]);

@@ -111,7 +111,7 @@ struct alignas(64) Lanes {
 
 enum State : std::int32_t { kRunning, kLeft, kEnded, kDoubtful, kIdle };
 
-constexpr std::int32_t kMostSteps = 1 << 20;
+constexpr std::int32_t kMaxSteps = 1 << 20;
 
 struct FaceAtRay {
   float x[3], y[3], e[3];
@@ -413,7 +413,7 @@ class Pack {
       if constexpr (kLit)
         ended = hn::Or(ended, hn::Gt(sum, Constant(kLightLost)));
       const Mask lost =
-          hn::Or(hn::Not(way), hn::RebindMask(df, hn::Gt(steps, hn::Set(di, kMostSteps))));
+          hn::Or(hn::Not(way), hn::RebindMask(df, hn::Gt(steps, hn::Set(di, kMaxSteps))));
       const VI now = Choose(
           lost, hn::Set(di, kDoubtful),
           Choose(ended, hn::Set(di, kEnded),

@@ -217,12 +217,12 @@ Status TetMesh::linkFaces(std::string_view name) {
 Result<std::shared_ptr<const TetMesh>> TetMesh::build(std::vector<Vec3> vertices,
                                                       std::vector<Tet> tets,
                                                       std::string_view name) {
-  constexpr std::size_t kMostTets = std::size_t{1} << 29;
+  constexpr std::size_t kMaxTets = std::size_t{1} << 29;
   if (tets.empty())
     return fail(ErrorCode::kInvalidData, "{}: has no cells with a volume", name);
-  if (tets.size() > kMostTets || vertices.size() > kMostTets) {
+  if (tets.size() > kMaxTets || vertices.size() > kMaxTets) {
     return fail(ErrorCode::kTooLarge, "{}: {} tets and {} vertices; at most {} of each", name,
-                tets.size(), vertices.size(), kMostTets);
+                tets.size(), vertices.size(), kMaxTets);
   }
   VOLUTE_TRY(checkVertices(vertices, name));
   VOLUTE_TRY(checkTets(vertices, tets, name));

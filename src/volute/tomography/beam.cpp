@@ -10,7 +10,7 @@ namespace volute {
 namespace {
 
 // Rounding in the kernels' floats must not carry a ray beyond the last node.
-constexpr double kMostSpread = kBeamNodes - 2 - 1e-3;
+constexpr double kMaxSpread = kBeamNodes - 2 - 1e-3;
 
 // Nodes on the whole way that a ray may go down, as rounding has it for those along a plane.
 constexpr double kLevel = 1e-7;
@@ -119,7 +119,7 @@ bool makeBeam(const Support& support, std::span<const Segment> segments,
         spread[1] = std::max(spread[1], std::abs(apart + beam.slabs * turn));
       }
     }
-    if (std::max(spread[0], spread[1]) + steepest > kMostSpread)
+    if (std::max(spread[0], spread[1]) + steepest > kMaxSpread)
       return false;
     const int anchor = static_cast<int>(std::floor(least));
     beam.node += anchor * beam.stride[a];

@@ -23,7 +23,7 @@ using Square = Eigen::Matrix<double, kCount, kCount>;
 using Vector = std::vector<float>;
 
 /// A step makes some sixty products, which a table pays for. Few voxels are refined.
-constexpr std::uint64_t kMostTableBytes = std::uint64_t{512} << 20;
+constexpr std::uint64_t kMaxTableBytes = std::uint64_t{512} << 20;
 
 /// How fine volume and pictures are.
 struct Level {
@@ -299,7 +299,7 @@ class LevelFit {
       seen.push_back({&cameras_[v], views_[v].view.silhouette});
     projector_.reset();  // two tables at a time would be one too many
     const std::uint64_t table =
-        std::min({kMostTableBytes, maxMemory_ / 4, maxMemory_ - ownBytes()});
+        std::min({kMaxTableBytes, maxMemory_ / 4, maxMemory_ - ownBytes()});
     projector_ = std::make_unique<const Projector>(seen, support_, 1, table);
     if (projector_->rows() == 0)
       return fail(ErrorCode::kNotFound, "No ray meets the volume");

@@ -117,7 +117,7 @@ Eigen::VectorXd displacements(const Camera& given, const Camera& now, std::span<
 Result<std::vector<Camera>> keepInPlace(std::span<const Camera> given, const Box3& bounds,
                                         std::span<CameraCorrection> corrections) {
   constexpr int kSteps = 30;
-  constexpr double kLittle = 1e-5, kLeast = 1e-4;
+  constexpr double kLittle = 1e-5, kMin = 1e-4;
   const Vec3 centre = bounds.centre();
   std::vector<Vec3> points{centre};
   for (int corner = 0; corner < 8; ++corner) {
@@ -150,7 +150,7 @@ Result<std::vector<Camera>> keepInPlace(std::span<const Camera> given, const Box
         beside[p] += little[p];
         slope.col(p) = (displacements(was[v], now[v], points, beside, centre) - off) / little[p];
       }
-      const double weight = 1 / std::max(off.norm(), kLeast);
+      const double weight = 1 / std::max(off.norm(), kMin);
       normal += weight * slope.transpose() * slope;
       right -= weight * slope.transpose() * off;
     }

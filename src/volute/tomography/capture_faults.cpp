@@ -24,7 +24,7 @@ using Views = std::vector<TomographyView>;
 
 constexpr std::size_t kFewestToTell = 4;
 constexpr int kCoarse = 16;                 // voxels on the longest side, about
-constexpr double kLeastUnexplained = 0.12;  // of a view; below, nothing is looked for
+constexpr double kMinUnexplained = 0.12;  // of a view; below, nothing is looked for
 constexpr double kTimesResolved = 1.3;
 
 /// The mean of the channels, reduced so that a voxel of `coarse` is two pixels wide.
@@ -126,7 +126,7 @@ class FaultSearch {
     for (const TomographyView& view : views) {
       const ViewMatch match = matched(view, volume);
       found.misfit.push_back(match.misfit);
-      found.bad |= match.misfit > std::max(kLeastUnexplained, kTimesResolved * match.unresolved);
+      found.bad |= match.misfit > std::max(kMinUnexplained, kTimesResolved * match.unresolved);
       squares += match.misfit * match.misfit;
     }
     found.all = std::sqrt(squares / static_cast<double>(views.size()));
@@ -164,7 +164,7 @@ class FaultSearch {
     }
     VOLUTE_TRY(attempt(FaultKind::kMirrored, {}));
     VOLUTE_TRY(attempt(FaultKind::kUpsideDown, {}));
-    VOLUTE_ASSIGN(const auto suspects, mostSuspicious(views));
+    VOLUTE_ASSIGN(const auto suspects, maxSuspicious(views));
     for (const std::size_t v : suspects) {
       for (const FaultKind kind :
            {FaultKind::kMirrored, FaultKind::kFlipped, FaultKind::kUpsideDown})
@@ -232,8 +232,8 @@ class FaultSearch {
 
   /// Those without which the others agree best, the worst first. A wrong view spoils the others'
   /// fits more than its own where it is brighter.
-  Result<std::vector<std::size_t>> mostSuspicious(const Views& views) {
-    constexpr std::size_t kMost = 4;
+  Result<std::vector<std::size_t>> maxSuspicious(const Views& views) {
+    constexpr std::size_t kMax = 4;
     std::vector<double> left;
     std::vector<std::size_t> order(views.size());
     std::iota(order.begin(), order.end(), 0);
@@ -244,7 +244,7 @@ class FaultSearch {
       left.push_back(found.all);
     }
     std::ranges::stable_sort(order, {}, [&](std::size_t v) { return left[v]; });
-    order.resize(std::min(order.size(), kMost));
+    order.resize(std::min(order.size(), kMax));
     return order;
   }
 

@@ -160,12 +160,12 @@ class Refiner {
 
   /// The camera that is explained least, where it is much less than the others.
   static std::optional<std::size_t> outstanding(const CalibrationFit& fit) {
-    constexpr double kTimes = 1.5, kLeast = 0.02;
+    constexpr double kTimes = 1.5, kMin = 0.02;
     const auto worst =
         static_cast<std::size_t>(std::ranges::max_element(fit.after) - fit.after.begin());
     std::vector<double> others = fit.after;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(worst));
-    if (fit.after[worst] < std::max(kLeast, kTimes * medianOf(others)))
+    if (fit.after[worst] < std::max(kMin, kTimes * medianOf(others)))
       return std::nullopt;
     return worst;
   }

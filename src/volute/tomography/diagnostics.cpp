@@ -14,9 +14,9 @@ namespace volute {
 namespace {
 
 constexpr double kStandsOut = 2;            // times the median misfit of the others
-constexpr double kLeastOutstanding = 0.02;  // below, nobody stands out
+constexpr double kMinOutstanding = 0.02;  // below, nobody stands out
 constexpr double kGainShare = 0.3;          // of the squared residual that a gain must explain
-constexpr double kLeastMisfit = 0.04;       // below, nobody misfits
+constexpr double kMinMisfit = 0.04;       // below, nobody misfits
 constexpr double kMisfits = 1.5;            // times what the size of the voxels explains
 constexpr double kFullHull = 0.9;
 constexpr double kNarrow = 15;  // [degrees]
@@ -53,7 +53,7 @@ class Consistency {
     found.cameras.resize(views_.size());
     for (std::size_t v = 0; v < views_.size(); ++v)
       found.cameras[v].residual = matches_[v].residual;
-    while (const auto worst = mostOutstanding()) {
+    while (const auto worst = maxOutstanding()) {
       compare(*worst, found.cameras[*worst]);
       VOLUTE_TRY(judge(*worst, found.cameras[*worst]));
     }
@@ -96,12 +96,12 @@ class Consistency {
   }
 
   bool standsOut(std::size_t v) const {
-    return matches_[v].misfit > kLeastOutstanding && ratio(v) > kStandsOut;
+    return matches_[v].misfit > kMinOutstanding && ratio(v) > kStandsOut;
   }
 
   /// Of the believed that were not judged yet, while most are believed and there are others to
   /// compare with.
-  std::optional<std::size_t> mostOutstanding() const {
+  std::optional<std::size_t> maxOutstanding() const {
     if (believed_.size() < 3 || 2 * believed_.size() <= views_.size())
       return {};
     const auto worst = std::ranges::max_element(
@@ -187,7 +187,7 @@ class Consistency {
     for (const std::size_t v : believed_) unresolved.push_back(matches_[v].unresolved);
     const double misfit = medianMisfit();
     explained = median(std::move(unresolved));
-    if (misfit > std::max(kLeastMisfit, kMisfits * explained))
+    if (misfit > std::max(kMinMisfit, kMisfits * explained))
       return misfit;
     return {};
   }
@@ -226,11 +226,11 @@ class Consistency {
 
   /// The few without which the others agree; none when that is not so. They are believed no more.
   Result<std::vector<std::size_t>> culpritsOf(const TomographyOptions& plain) {
-    constexpr std::size_t kLeast = 5;  // fewer agree on nearly everything
+    constexpr std::size_t kMin = 5;  // fewer agree on nearly everything
     constexpr double kBetter = 0.5;
     const double before = medianMisfit();
     std::vector<std::size_t> culprits;
-    for (std::size_t most = views_.size() / 4; most > 0 && believed_.size() > kLeast; --most) {
+    for (std::size_t most = views_.size() / 4; most > 0 && believed_.size() > kMin; --most) {
       culprits.push_back(*std::ranges::max_element(
           believed_, {}, [&](std::size_t v) { return matches_[v].misfit; }));
       std::erase(believed_, culprits.back());

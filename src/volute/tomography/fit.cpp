@@ -243,11 +243,11 @@ struct Fold {
 
 /// Whole cameras, those whose nearest neighbour is as far as is usual first; or pixels.
 std::vector<Fold> foldsOf(const FitSetup& setup) {
-  constexpr std::size_t kLeastViews = 4, kFew = 5;
+  constexpr std::size_t kMinViews = 4, kFew = 5;
   const FrameProblem& problem = setup.problem;
   const auto& views = setup.views;
   std::vector<Fold> folds;
-  if (views.size() < kLeastViews) {
+  if (views.size() < kMinViews) {
     folds.push_back({heldOutRows(problem.data.rows(), setup.options.seed), {}});
   } else {
     const Vec3 centre = problem.support->geometry().bounds.centre();

@@ -14,7 +14,7 @@ namespace {
 
 /// How many rays on a side of a pixel keep neighbours within one voxel, all through the volume.
 int raysPerSide(const Camera& camera, const VolumeGeometry& geometry) {
-  constexpr double kMost = 16;
+  constexpr double kMax = 16;
   const double x = 0.5 * camera.width(), y = 0.5 * camera.height();
   const Segment middle = camera.ray(x, y), right = camera.ray(x + 1, y),
                 below = camera.ray(x, y + 1);
@@ -28,7 +28,7 @@ int raysPerSide(const Camera& camera, const VolumeGeometry& geometry) {
   const double spacing =
       std::max((right.at(furthest) - there).norm(), (below.at(furthest) - there).norm());
   const double rays = std::ceil(spacing / geometry.voxelSize().minCoeff());
-  return rays > 1 ? static_cast<int>(std::min(rays, kMost)) : 1;
+  return rays > 1 ? static_cast<int>(std::min(rays, kMax)) : 1;
 }
 
 enum Seen : std::uint8_t { kUnseen = 0, kOutside = 1, kInside = 2 };

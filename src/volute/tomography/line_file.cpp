@@ -158,8 +158,8 @@ Result<LineFrame*> LineReader::frame() {
   double key = 0;
   if (has("frame")) {
     VOLUTE_ASSIGN(key, number("frame"));
-    constexpr double kMost = 1e9;
-    if (key < 0 || key > kMost || key != std::floor(key))
+    constexpr double kMax = 1e9;
+    if (key < 0 || key > kMax || key != std::floor(key))
       return fail(ErrorCode::kInvalidData, "{}, frame: {}; expected a whole number from 0 on",
                   where(), key);
   } else if (has("time")) {
@@ -213,9 +213,9 @@ Result<LineFile> LineReader::read(std::string_view text) {
 }  // namespace
 
 Result<LineFile> readLines(const std::filesystem::path& file) {
-  constexpr std::uint64_t kMost = std::uint64_t{1} << 30;
+  constexpr std::uint64_t kMax = std::uint64_t{1} << 30;
   VOLUTE_ASSIGN(const auto input, InputFile::open(file));
-  if (input.size() > kMost)
+  if (input.size() > kMax)
     return fail(ErrorCode::kTooLarge, "{}: {} bytes; expected a table of at most 1 GiB",
                 file.string(), input.size());
   std::string text(input.size(), '\0');

@@ -93,10 +93,10 @@ class LineProblem {
   /// Fits all lines but those of `fold`, from where `unknowns` are; how many iterations it took.
   Result<int> fit(double lambda, const std::vector<std::uint8_t>& fold,
                   std::vector<float>& unknowns) {
-    constexpr int kMost = 1000, kEvery = 10;
+    constexpr int kMax = 1000, kEvery = 10;
     LeastSquares data = fold.empty() ? data_ : withoutRows(data_, fold);
     WholeSmoothness prior(geometry_, lambda * largest_);
-    const int most = options_.iterations.value_or(kMost);
+    const int most = options_.iterations.value_or(kMax);
     std::vector<float> before;
     const auto watch = [&](int iteration, std::span<const float> now, std::span<const float>) {
       progress_.report("solving", iteration, most);

@@ -252,7 +252,7 @@ PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geo
   const auto seeing =
       std::ranges::count_if(counts, [](const Counts& count) { return count.lit >= kFew; });
   findings.dark = seeing == 0;
-  const bool mostSee = 2 * static_cast<std::size_t>(seeing) > counts.size();
+  const bool maxSee = 2 * static_cast<std::size_t>(seeing) > counts.size();
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const std::string name = fmt::format("camera {}, frame {}", views.views[i].name, views.frame);
     if (views.facts[i].missing) {
@@ -261,7 +261,7 @@ PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geo
       continue;
     }
     checkHotPixels(views.views[i], counts[i], name, findings);
-    if (counts[i].lit == 0 && mostSee) {
+    if (counts[i].lit == 0 && maxSee) {
       findings.faults.push_back(fmt::format(
           "{}: {}, while camera {} has {} lit pixels: a covered lens, a wrong file, or another "
           "frame?",

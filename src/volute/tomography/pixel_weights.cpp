@@ -47,13 +47,13 @@ std::vector<float> squaredGradients(const TomographyView& view, double noise) {
 
 /// Of optical depths, the light that is left of the brightest background.
 double lightLeft(const TomographyView& view, std::size_t pixel) {
-  constexpr double kLeast = 1e-3;
+  constexpr double kMin = 1e-3;
   if (view.isSaturated(pixel)) {
     const float* depth = &view.radiance.pixels[3 * pixel];
     return std::max(std::exp(-static_cast<double>(std::max({depth[0], depth[1], depth[2]}))),
-                    kLeast);
+                    kMin);
   }
-  return view.weight.empty() ? 1 : std::max<double>(view.weight[pixel], kLeast);
+  return view.weight.empty() ? 1 : std::max<double>(view.weight[pixel], kMin);
 }
 
 }  // namespace

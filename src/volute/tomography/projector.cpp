@@ -18,10 +18,10 @@ namespace volute {
 namespace {
 
 constexpr std::size_t kChunkRows = 2048;
-constexpr std::size_t kMostChunks = 32;
+constexpr std::size_t kMaxChunks = 32;
 constexpr std::size_t kTableParts = 32;
 constexpr std::size_t kPartRows = 256;
-constexpr std::size_t kMostRays = 4;
+constexpr std::size_t kMaxRays = 4;
 
 using Colour = Eigen::Array4f;
 
@@ -44,7 +44,7 @@ struct ImageRow {
 /// The rays of one pixel, if any meets an unknown.
 void addPixel(const Support& support, std::span<const Segment> segments, PixelRow pixel,
               ImageRow& row) {
-  std::array<TouchedPart, kMostRays> touched;
+  std::array<TouchedPart, kMaxRays> touched;
   bool meets = false;
   for (std::size_t i = 0; i < segments.size(); ++i) {
     touched[i] = touchedPart(support, segments[i]);
@@ -54,7 +54,7 @@ void addPixel(const Support& support, std::span<const Segment> segments, PixelRo
     return;
   row.pixels.push_back(pixel);
   Beam beam{};
-  std::array<BeamRay, kMostRays> rays{};
+  std::array<BeamRay, kMaxRays> rays{};
   const bool isBeam =
       support.basis() == Basis::kTrilinear && makeBeam(support, segments, touched, beam, rays);
   row.isBeam.push_back(isBeam ? 1 : 0);
@@ -74,7 +74,7 @@ ImageRow makeImageRow(const Support& support, const Camera& camera,
     const std::int32_t pixel = y * camera.width() + x;
     if (!mask.empty() && mask[pixel] == 0)
       continue;
-    std::array<Segment, kMostRays> segments;
+    std::array<Segment, kMaxRays> segments;
     for (int i = 0; i < raysPerPixel; ++i) {
       const auto [dx, dy] = rayOffset(raysPerPixel, i);
       segments[i] = camera.ray(x + dx, y + dy);
@@ -289,7 +289,7 @@ void Projector::cutChunks() {
     std::ranges::stable_sort(order, {}, [&](std::uint32_t row) { return plane[row]; });
     const std::size_t first = chunks_.size();
     const std::size_t most =
-        std::max<std::size_t>(kMostChunks * order.size() / std::max<std::size_t>(rows(), 1), 1);
+        std::max<std::size_t>(kMaxChunks * order.size() / std::max<std::size_t>(rows(), 1), 1);
     const std::size_t count =
         order.empty() ? 0 : std::clamp<std::size_t>(order.size() / kChunkRows, 1, most);
     for (std::size_t k = 0; k < order.size(); ++k)

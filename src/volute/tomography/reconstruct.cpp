@@ -36,7 +36,7 @@ double expectedResidual(const LeastSquares& data, double sigma) {
 
 /// A fit with what the user fixed: no regularization, or one of a given strength.
 Result<Fit> fixedFit(const FitSetup& setup, std::vector<float> start) {
-  constexpr int kMost = 400;
+  constexpr int kMax = 400;
   constexpr double kUsualLambda = 1e-5;
   const TomographyOptions& options = setup.options;
   const LeastSquares& data = setup.problem.data;
@@ -53,17 +53,17 @@ Result<Fit> fixedFit(const FitSetup& setup, std::vector<float> start) {
   if (options.iterations)
     return runFit(setup, data, prior, std::move(start), {*options.iterations, 0, {}, 0});
   if (penalised)
-    return runFit(setup, data, prior, std::move(start), {kMost, 0, {}, kSettled});
+    return runFit(setup, data, prior, std::move(start), {kMax, 0, {}, kSettled});
   if (options.noiseSigma && *options.noiseSigma > 0)
     return runFit(setup, data, prior, std::move(start),
-                  {kMost, expectedResidual(data, *options.noiseSigma), {}, 0});
+                  {kMax, expectedResidual(data, *options.noiseSigma), {}, 0});
   // The held-out pixels tell how long to go on; the last run has them too.
   const auto heldOut = heldOutRows(data.rows(), options.seed);
   VOLUTE_ASSIGN(Fit search, runFit(setup, withoutRows(data, heldOut), prior, start,
-                                   {kMost, 0, heldOut, 0, 0, 2 * kMost}));
+                                   {kMax, 0, heldOut, 0, 0, 2 * kMax}));
   const int best = std::max(1, search.iterations - (search.stoppedBy == "iterations" ? 0 : 12));
   VOLUTE_ASSIGN(
-      Fit fit, runFit(setup, data, prior, std::move(start), {best, 0, {}, 0, kMost, kMost + best}));
+      Fit fit, runFit(setup, data, prior, std::move(start), {best, 0, {}, 0, kMax, kMax + best}));
   if (search.stoppedBy == "held-out pixels")
     fit.stoppedBy = search.stoppedBy;
   fit.searchIterations = search.iterations;

@@ -329,12 +329,12 @@ std::optional<std::string> ReconstructedFrames::explained(std::size_t camera,
 Result<std::optional<std::string>> ReconstructedFrames::commonShift(const FrameViews& views,
                                                                     const Reconstruction& result,
                                                                     bool othersWarn) {
-  constexpr double kLeast = 0.35;                 // pixels
+  constexpr double kMin = 0.35;                 // pixels
   const double better = othersWarn ? 0.7 : 0.97;  // times the residual
   Quietly quiet(progress_);
   VOLUTE_ASSIGN(const auto shift,
                 findCommonShift(views.fitted(), geometry(), settings_.tomography, result, quiet));
-  if (!shift || std::abs(shift->pixels) < kLeast || shift->nearest > better * shift->residual)
+  if (!shift || std::abs(shift->pixels) < kMin || shift->nearest > better * shift->residual)
     return std::nullopt;
   const bool right = shift->pixels > 0;
   const double centre = right ? 0 : 0.5;

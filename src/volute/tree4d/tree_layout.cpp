@@ -15,17 +15,17 @@ namespace {
 /// Chooses the width of a level's coefficients and stores them.
 template <class Narrow>
 std::size_t countEscapes(std::span<const std::int32_t> coefficients) {
-  constexpr std::int32_t kMost = std::numeric_limits<Narrow>::max();
+  constexpr std::int32_t kMax = std::numeric_limits<Narrow>::max();
   return static_cast<std::size_t>(
-      std::ranges::count_if(coefficients, [](std::int32_t q) { return std::abs(q) > kMost; }));
+      std::ranges::count_if(coefficients, [](std::int32_t q) { return std::abs(q) > kMax; }));
 }
 
 template <class Narrow>
 void store(std::span<const std::int32_t> coefficients, std::vector<Narrow>& out,
            TreeData::Level& level) {
-  constexpr std::int32_t kMost = std::numeric_limits<Narrow>::max();
+  constexpr std::int32_t kMax = std::numeric_limits<Narrow>::max();
   for (std::int32_t q : coefficients) {
-    if (std::abs(q) > kMost) {
+    if (std::abs(q) > kMax) {
       level.escapeIndex.push_back(static_cast<std::uint32_t>(out.size()));
       level.escapeValue.push_back(q);
       q = std::numeric_limits<Narrow>::min();

@@ -15,14 +15,14 @@ namespace {
 
 constexpr double kCaptureRate = 25;           ///< frames a second
 constexpr double kScreenShare = 0.12;  ///< of the distance from the cameras to the volume
-constexpr std::size_t kMostRemarks = 4;
-constexpr int kMostPixels = 512;  ///< across a screen; larger pictures are thinned out
+constexpr std::size_t kMaxRemarks = 4;
+constexpr int kMaxPixels = 512;  ///< across a screen; larger pictures are thinned out
 
 const Rgb kBoxColor(0.37, 0.79, 0.70), kCameraColor(0.99, 0.91, 0.15);
 
 /// Every n-th pixel, RGB, nothing below 0.
 std::shared_ptr<const Image> thinned(const Image& picture) {
-  const int step = 1 + (std::max(picture.width, picture.height) - 1) / kMostPixels;
+  const int step = 1 + (std::max(picture.width, picture.height) - 1) / kMaxPixels;
   auto small = std::make_shared<Image>((picture.width + step - 1) / step,
                                        (picture.height + step - 1) / step);
   for (int y = 0; y < small->height; ++y) {
@@ -160,9 +160,9 @@ Result<ViewScene> CaptureDocument::sceneAt(const SceneRequest& request, Progress
     else if (screen.error().code != ErrorCode::kNotFound)  // a camera may have missed a frame
       scene.remarks.push_back(screen.error().message);
   }
-  if (scene.remarks.size() > kMostRemarks) {
-    const std::size_t more = scene.remarks.size() - kMostRemarks;
-    scene.remarks.resize(kMostRemarks);
+  if (scene.remarks.size() > kMaxRemarks) {
+    const std::size_t more = scene.remarks.size() - kMaxRemarks;
+    scene.remarks.resize(kMaxRemarks);
     scene.remarks.push_back(fmt::format("and {} more pictures cannot be read", more));
   }
   return scene;

@@ -14,9 +14,9 @@ using SteadyClock = std::chrono::steady_clock;
 
 constexpr int kRows = 8;         ///< of the flattest tiles: a work group's
 constexpr double kTile = 0.01;   ///< [s] that one may take
-constexpr double kLeastTile = 512;   ///< pixels of a tile
+constexpr double kMinTile = 512;   ///< pixels of a tile
 constexpr double kBlind = 8192;  ///< at most, after one where there was nothing to be lit
-constexpr double kMostTile = 1 << 22;
+constexpr double kMaxTile = 1 << 22;
 
 double secondsSince(SteadyClock::time_point begun) {
   return std::chrono::duration<double>(SteadyClock::now() - begun).count();
@@ -98,9 +98,9 @@ Status ExactSurfaces::drawTile(GlRenderer& renderer) {
   if (work.left >= width)
     work.left = 0, work.top += work.rows;
   if (seconds > kTile)
-    pixels_ = std::max(kLeastTile, pixels_ * kTile / seconds);
+    pixels_ = std::max(kMinTile, pixels_ * kTile / seconds);
   else if (seconds < 0.5 * kTile && 4 * lit >= static_cast<std::uint64_t>(columns) * work.rows)
-    pixels_ = std::min(kMostTile, 2 * pixels_);
+    pixels_ = std::min(kMaxTile, 2 * pixels_);
   else if (seconds < 0.5 * kTile && pixels_ < kBlind)
     pixels_ = 2 * pixels_;
   return {};

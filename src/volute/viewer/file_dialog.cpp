@@ -132,7 +132,7 @@ std::vector<FolderEntry> folderEntries(const std::filesystem::path& folder, std:
 
 RecentFiles::RecentFiles(std::filesystem::path file) : file_(std::move(file)) {
   std::ifstream in(file_);
-  for (std::string line; names_.size() < kMost && std::getline(in, line);) {
+  for (std::string line; names_.size() < kMax && std::getline(in, line);) {
     if (!line.empty())
       names_.push_back(line);
   }
@@ -146,7 +146,7 @@ void RecentFiles::add(const std::string& name) {
     return;
   std::erase(names_, whole);
   names_.insert(names_.begin(), whole);
-  names_.resize(std::min(names_.size(), kMost));
+  names_.resize(std::min(names_.size(), kMax));
   if (file_.empty())
     return;
   std::filesystem::create_directories(file_.parent_path(), failed);

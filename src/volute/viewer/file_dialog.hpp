@@ -58,7 +58,7 @@ class RecentFiles {
   static std::filesystem::path usualFile();
 
  private:
-  static constexpr std::size_t kMost = 10;
+  static constexpr std::size_t kMax = 10;
 
   std::filesystem::path file_;
   std::vector<std::string> names_;

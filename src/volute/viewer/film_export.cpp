@@ -12,7 +12,7 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kMostWaiting = 3;  ///< pictures that the encoder has not come to
+constexpr std::size_t kMaxWaiting = 3;  ///< pictures that the encoder has not come to
 constexpr int kLargestSide = 8192;
 
 }  // namespace
@@ -85,7 +85,7 @@ Status FilmExport::step(const std::shared_ptr<const ViewScene>& scene, DisplayLo
     return {};
   {
     const std::lock_guard lock(mutex_);
-    if (waiting_.size() >= kMostWaiting)
+    if (waiting_.size() >= kMaxWaiting)
       return {};
   }
   const PictureRequest request{.camera = order_.camera,

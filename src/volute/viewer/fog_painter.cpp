@@ -10,7 +10,7 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kMostSteps = 200;  ///< that can be undone
+constexpr std::size_t kMaxSteps = 200;  ///< that can be undone
 constexpr double kDabsARadius = 4;       ///< so that a fast stroke shows no beads
 
 }  // namespace
@@ -95,7 +95,7 @@ void FogPainter::end() {
   }
   version_ = step.versionAfter;
   past_.push_back(std::move(step));
-  if (past_.size() > kMostSteps)
+  if (past_.size() > kMaxSteps)
     past_.pop_front();
   future_.clear();
 }

@@ -11,10 +11,10 @@
 namespace volute {
 namespace {
 
-constexpr double kMost = 0.04, kCell = 2;
+constexpr double kMax = 0.04, kCell = 2;
 
 FogPainter painterOf(int columns = 20, int rows = 14, int degree = 1) {
-  return {SplineGrid(columns, rows), Vec2(-4, 6), kCell, degree, kMost};
+  return {SplineGrid(columns, rows), Vec2(-4, 6), kCell, degree, kMax};
 }
 
 TEST(FogBrush, FadesFromTheMiddleToTheRim) {
@@ -37,7 +37,7 @@ TEST(FogPainter, AddsWhatTheBrushSays) {
   for (int j = 0; j < 14; ++j) {
     for (int i = 0; i < 20; ++i) {
       const double expected =
-          0.25 * 0.5 * kMost * brush.weight((painter.peakOf({i, j}) - at).norm());
+          0.25 * 0.5 * kMax * brush.weight((painter.peakOf({i, j}) - at).norm());
       EXPECT_NEAR(painter.valueOf({i, j}), expected, 1e-15) << i << ", " << j;
     }
   }
@@ -56,7 +56,7 @@ TEST(FogPainter, OneCoefficientIsClamped) {
   EXPECT_EQ(painter.valueOf({2, 2}), 0.01);
   EXPECT_FALSE(painter.set({2, 2}, 0.01));
   painter.set({2, 2}, 7);
-  EXPECT_EQ(painter.valueOf({2, 2}), kMost);
+  EXPECT_EQ(painter.valueOf({2, 2}), kMax);
   painter.set({2, 2}, -7);
   EXPECT_EQ(painter.valueOf({2, 2}), 0);
 }
@@ -69,9 +69,9 @@ TEST(FogPainter, SmoothingKeepsAPlaneAndLowersAPeak) {
   const Vec2 at = painter.peakOf({9, 6});
   painter.paint(smooth, at, at, 1);
   EXPECT_NEAR(painter.valueOf({9, 6}), 0.015, 1e-15);
-  painter.set({9, 6}, kMost);
+  painter.set({9, 6}, kMax);
   painter.paint(smooth, at, at, 1);
-  EXPECT_NEAR(painter.valueOf({9, 6}), kMost / 4 + 0.75 * 0.015, 1e-15) << "weights 1 2 1";
+  EXPECT_NEAR(painter.valueOf({9, 6}), kMax / 4 + 0.75 * 0.015, 1e-15) << "weights 1 2 1";
 }
 
 TEST(FogPainter, AStrokeIsUndoneAsOne) {
@@ -103,10 +103,10 @@ TEST(FogPainter, KnowsWhatIsSaved) {
 
 TEST(FogPainter, ThePictureHasItsTopAtTheLargestY) {
   FogPainter painter = painterOf();
-  painter.set({4, 13}, kMost / 2);
+  painter.set({4, 13}, kMax / 2);
   const Image picture = painter.picture();
   EXPECT_EQ(picture.at(4, 0), 0.5F);
-  const auto map = FogMap::fromImage(picture, {Vec3(-4, 6, 0), kCell, kMost});
+  const auto map = FogMap::fromImage(picture, {Vec3(-4, 6, 0), kCell, kMax});
   ASSERT_TRUE(map);
   for (std::size_t k = 0; k < painter.coefficients().c.size(); ++k)
     EXPECT_NEAR(map->coefficients.c[k], painter.coefficients().c[k], 1e-9);
@@ -116,10 +116,10 @@ TEST(FogPainter, StandsWhereTheFogStands) {
   SplineGrid grid(9, 7);
   grid.at(4, 3) = 0.02;
   for (int levels = 0; levels <= 2; ++levels) {
-    const auto map = FogMap::fromCoefficients(grid, {Vec3(10, 20, 0), 3, kMost});
+    const auto map = FogMap::fromCoefficients(grid, {Vec3(10, 20, 0), 3, kMax});
     const auto fog =
         FogMedium::make(*map, *FogProfile::slab(0, 5), {.degree = 2, .levels = levels});
-    const FogPainter painter(fog->shifted(Vec3(1, 2, 0)), kMost);
+    const FogPainter painter(fog->shifted(Vec3(1, 2, 0)), kMax);
     EXPECT_LT((painter.origin() - Vec2(11, 22)).norm(), 1e-9);
     EXPECT_EQ(painter.coefficients().c, grid.c);
     const Vec2 at = painter.peakOf({4, 3});
@@ -141,7 +141,7 @@ RC_GTEST_PROP(FogPainterProperty, UndoAndRedoWalkTheSameWay, ()) {
         0.5 + *rc::gen::inRange(0, 20), 0.1 * *rc::gen::inRange(1, 20),
         0.1 * *rc::gen::inRange(0, 11)};
     painter.paint(brush, somewhere(), somewhere(), 0.3);
-    for (const double value : painter.coefficients().c) RC_ASSERT(value >= 0 && value <= kMost);
+    for (const double value : painter.coefficients().c) RC_ASSERT(value >= 0 && value <= kMax);
     if (painter.coefficients().c != states.back())
       states.push_back(painter.coefficients().c);
   }

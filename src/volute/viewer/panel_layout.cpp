@@ -9,8 +9,8 @@ namespace {
 
 constexpr float kWide = 860;  ///< from here on a third of the width is free between both sides
 constexpr float kTall = 850;  ///< from here on there is enough of the picture below them
-constexpr float kLeast[] = {250, 250, 280};  ///< width, with all that is written in it
-constexpr float kMost[] = {300, 300, 310};
+constexpr float kMin[] = {250, 250, 280};  ///< width, with all that is written in it
+constexpr float kMax[] = {300, 300, 310};
 constexpr float kShare[] = {0.235F, 0.235F, 0.245F};  ///< of the window
 
 }  // namespace
@@ -68,7 +68,7 @@ float PanelLayout::lowerTop(float above) {
 
 float PanelLayout::width(SidePanel panel) const {
   const auto i = static_cast<std::size_t>(panel);
-  return std::clamp(kShare[i] * width_, kLeast[i], kMost[i]);
+  return std::clamp(kShare[i] * width_, kMin[i], kMax[i]);
 }
 
 float PanelLayout::most(SidePanel panel) const {

@@ -41,11 +41,11 @@ class SnapshotRing {
 
  private:
   static constexpr std::uint64_t kEach = 64 << 10;  ///< [bytes] of each, besides what it says
-  static constexpr std::size_t kMost = 4096;
+  static constexpr std::size_t kMax = 4096;
 
   static std::uint64_t bytesOf(const Held& snapshot) { return kEach + snapshot->bytes; }
 
-  bool tooMuch() const { return held_.size() > 1 && (bytes_ > limit_ || held_.size() > kMost); }
+  bool tooMuch() const { return held_.size() > 1 && (bytes_ > limit_ || held_.size() > kMax); }
 
   std::uint64_t limit_ = std::uint64_t{256} << 20;
   std::uint64_t bytes_ = 0;

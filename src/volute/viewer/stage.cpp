@@ -121,8 +121,8 @@ void drawScaleBar(ViewerApp& app, const FreeArea& free, const ViewerInput& input
   const double depth = camera.isOrthographic() ? 1 : (view.pivot() - camera.eye()).dot(camera.forward());
   if (!(depth > 0))
     return;
-  constexpr double kMost = 120;  // pixels
-  const double metres = roundLength(kMost * depth * camera.pixelSize());
+  constexpr double kMax = 120;  // pixels
+  const double metres = roundLength(kMax * depth * camera.pixelSize());
   const auto length = static_cast<float>(metres / (depth * camera.pixelSize()));
   const std::string text = lengthText(metres);
   ImDrawList* list = ImGui::GetBackgroundDrawList();

@@ -25,9 +25,9 @@ Mat3 uprightAlong(const Vec3& up) {
 
 /// Width and height between the insets, or some of them where these leave little.
 std::array<double, 2> freeOf(int width, int height, const ViewCamera::Insets& insets) {
-  constexpr double kLeastFree = 0.2;
-  return {std::max(width - insets.left - insets.right, kLeastFree * width),
-          std::max(height - insets.top - insets.bottom, kLeastFree * height)};
+  constexpr double kMinFree = 0.2;
+  return {std::max(width - insets.left - insets.right, kMinFree * width),
+          std::max(height - insets.top - insets.bottom, kMinFree * height)};
 }
 
 }  // namespace

@@ -432,8 +432,8 @@ void ViewerApp::goOnWithFilm() {
 
 /// [s] for a picture while it plays: its share of the time until the next one.
 double ViewerApp::playingBudget() const {
-  constexpr double kShare = 0.6, kLeast = 0.012;
-  return std::clamp(kShare * timeline_.snapshotSeconds(), kLeast, kQuickPicture);
+  constexpr double kShare = 0.6, kMin = 0.012;
+  return std::clamp(kShare * timeline_.snapshotSeconds(), kMin, kQuickPicture);
 }
 
 PictureRequest ViewerApp::request(const ViewerInput& input) const {

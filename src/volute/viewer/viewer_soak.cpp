@@ -34,7 +34,7 @@ namespace {
 using namespace volute;
 
 constexpr double kLongest = 0.1;      ///< [s] a frame may take while a file loads
-constexpr double kMostGrowth = 0.05;  ///< of memory, on average
+constexpr double kMaxGrowth = 0.05;  ///< of memory, on average
 constexpr double kTellEvery = 60;     ///< [s] between two lines
 constexpr int kWidth = 640, kHeight = 900;
 
@@ -374,7 +374,7 @@ int main(int count, char** words) {
   fmt::print("all of it: ");
   all.tell(now() - begun);
   const bool good =
-      growth <= kMostGrowth && all.glErrors == 0 && all.byGl > 0 && all.loading.seconds <= kLongest;
+      growth <= kMaxGrowth && all.glErrors == 0 && all.byGl > 0 && all.loading.seconds <= kLongest;
   fmt::print("{}\n", good ? "good" : "NOT GOOD");
   return good ? 0 : 1;
 }

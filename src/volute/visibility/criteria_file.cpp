@@ -138,13 +138,13 @@ class CriterionReader {
 
 Result<std::vector<Criterion>> readCriteria(const std::string& file) {
   VOLUTE_ASSIGN(const auto json, readJson(file));
-  constexpr std::size_t kMost = 100;
+  constexpr std::size_t kMax = 100;
   if (!json.is_object() || !json.contains("criteria") || !json["criteria"].is_array() ||
-      json["criteria"].empty() || json["criteria"].size() > kMost) {
+      json["criteria"].empty() || json["criteria"].size() > kMax) {
     return fail(ErrorCode::kInvalidData,
                 "{}: /criteria: expected a list of 1 to {} criteria, {{\"criteria\": [{{\"kind\": "
                 "\"temperature\", \"limit\": 60}}]}}",
-                file, kMost);
+                file, kMax);
   }
   std::vector<Criterion> criteria;
   for (std::size_t i = 0; i < json["criteria"].size(); ++i) {

@@ -236,14 +236,14 @@ struct TrajectoryHead {
 
 Result<FloorPlan> floorPlan(const SightInstant& instant, const Box3& bounds, double height,
                             double step) {
-  constexpr double kMost = 4e6;
+  constexpr double kMax = 4e6;
   const double nx = std::ceil(bounds.size()[0] / step - 1e-6);
   const double ny = std::ceil(bounds.size()[1] / step - 1e-6);
-  if (!(nx * ny <= kMost)) {
+  if (!(nx * ny <= kMax)) {
     return fail(ErrorCode::kInvalidArgument,
                 "a plan of {} x {} m has {:.0f} points {} m apart; expected at most {:.0f}: choose "
                 "a larger step",
-                bounds.size()[0], bounds.size()[1], nx * ny, step, kMost);
+                bounds.size()[0], bounds.size()[1], nx * ny, step, kMax);
   }
   FloorPlan plan;
   plan.step = step;

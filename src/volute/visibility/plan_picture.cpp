@@ -20,9 +20,9 @@ namespace volute {
 namespace {
 
 constexpr double kLeft = 92, kTop = 62, kBottom = 108, kBar = 160, kPlain = 40, kRow = 26;
-constexpr std::size_t kMostLevels = 24;  ///< that a key shows one by one
-constexpr double kLeastLine = 0.2;  ///< of an underlay that is drawn [pixels]
-constexpr double kLeastWall = 2.5;       ///< pixels across a thin wall
+constexpr std::size_t kMaxLevels = 24;  ///< that a key shows one by one
+constexpr double kMinLine = 0.2;  ///< of an underlay that is drawn [pixels]
+constexpr double kMinWall = 2.5;       ///< pixels across a thin wall
 
 /// A colour as displays show it, as linear light.
 Rgb linear(const Rgb& display) {
@@ -113,7 +113,7 @@ std::vector<double> levelsOf(const PlanPicture& picture) {
   for (std::size_t i = 0; i < picture.values.size(); ++i) {
     if (picture.marks[i] == PlanMark::kValue)
       levels.insert(picture.values[i]);
-    if (levels.size() > kMostLevels)
+    if (levels.size() > kMaxLevels)
       return {};
   }
   return {levels.begin(), levels.end()};
@@ -334,7 +334,7 @@ class PlanDrawing {
     const Vec2 low(kLeft, kTop), high = low + Vec2(frame_.width(), frame_.height());
     for (const auto& [from, to] : underlay.lines) {
       const auto part = lineWithin(frame_.at(from.x(), from.y()), frame_.at(to.x(), to.y()), low, high);
-      if (part && (part->second - part->first).norm() > kLeastLine)
+      if (part && (part->second - part->first).norm() > kMinLine)
         canvas.line(part->first, part->second, 1.2, grey(0.25));
     }
   }
@@ -391,12 +391,12 @@ class PlanDrawing {
     const auto solid = [&](const PlanShape& shape) {
       double x0 = frame_.x(shape.min.x()), x1 = frame_.x(shape.max.x());
       double y0 = frame_.y(shape.max.y()), y1 = frame_.y(shape.min.y());
-      if (x1 - x0 < kLeastWall)
-        x0 -= 0.5 * (kLeastWall - (x1 - x0)), x1 = x0 + kLeastWall;
-      if (y1 - y0 < kLeastWall)
-        y0 -= 0.5 * (kLeastWall - (y1 - y0)), y1 = y0 + kLeastWall;
-      x0 = std::max(x0, left - kLeastWall), x1 = std::min(x1, right + kLeastWall);
-      y0 = std::max(y0, top - kLeastWall), y1 = std::min(y1, bottom + kLeastWall);
+      if (x1 - x0 < kMinWall)
+        x0 -= 0.5 * (kMinWall - (x1 - x0)), x1 = x0 + kMinWall;
+      if (y1 - y0 < kMinWall)
+        y0 -= 0.5 * (kMinWall - (y1 - y0)), y1 = y0 + kMinWall;
+      x0 = std::max(x0, left - kMinWall), x1 = std::min(x1, right + kMinWall);
+      y0 = std::max(y0, top - kMinWall), y1 = std::min(y1, bottom + kMinWall);
       if (x0 < x1 && y0 < y1)
         canvas.rect(x0, y0, x1, y1, kWallColor);
     };
@@ -530,7 +530,7 @@ class PlanDrawing {
   }
 
   void drawSigns(Canvas& canvas) const {
-    constexpr std::size_t kMostNames = 24;
+    constexpr std::size_t kMaxNames = 24;
     for (const SightTarget& target : signs_) {
       const SafetySign& sign = target.sign;
       const Vec2 at = frame_.at(sign.position[0], sign.position[1]);
@@ -543,7 +543,7 @@ class PlanDrawing {
         drawSign(canvas, at, facing, half);
       else
         canvas.rect(at.x() - 6, at.y() - 6, at.x() + 6, at.y() + 6, kSignColor);
-      if (signs_.size() > kMostNames)
+      if (signs_.size() > kMaxNames)
         continue;
       // Behind the sign where there is room, else before its arrow; on a ground of its own.
       const double wide = canvasTextWidth(sign.name);

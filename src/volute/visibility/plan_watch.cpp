@@ -481,8 +481,8 @@ class PlanWatch final : public Watch {
     const std::size_t count = drawn.size();
     std::vector<int> shown{drawn[0], drawn[count / 3], drawn[2 * count / 3], drawn[count - 1]};
     shown.erase(std::ranges::unique(shown).begin(), shown.end());
-    constexpr std::size_t kMost = 6;
-    for (std::size_t s = 0; s < std::min(kMost, survey_->signs.size()); ++s) {
+    constexpr std::size_t kMax = 6;
+    for (std::size_t s = 0; s < std::min(kMax, survey_->signs.size()); ++s) {
       for (const int i : shown) {
         const auto file = survey_->folder / "maps" / fmt::format("{}_{:04d}.png", mapName(s), i);
         VOLUTE_ASSIGN(const auto figure,

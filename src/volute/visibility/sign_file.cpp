@@ -130,11 +130,11 @@ Result<std::vector<SafetySign>> readSigns(const std::string& file) {
                 "[x,y,z], \"normal\": [x,y,z]}}]}}",
                 file);
   }
-  constexpr std::size_t kMost = 10000;
+  constexpr std::size_t kMax = 10000;
   const nlohmann::json& list = json["signs"];
-  if (list.empty() || list.size() > kMost)
+  if (list.empty() || list.size() > kMax)
     return fail(ErrorCode::kInvalidData, "{}: /signs: {} signs; expected 1 to {}", file,
-                list.size(), kMost);
+                list.size(), kMax);
   std::vector<SafetySign> signs;
   for (std::size_t i = 0; i < list.size(); ++i) {
     VOLUTE_ASSIGN(auto sign, SignReader(list[i], file, fmt::format("/signs/{}", i)).read(i));

@@ -20,7 +20,7 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kMostRuns = 100000;
+constexpr std::size_t kMaxRuns = 100000;
 
 /// Options whose values are files.
 constexpr std::array<std::string_view, 6> kFiles{"signs", "route", "eyes",
@@ -188,8 +188,8 @@ class StudyReader {
 
   Status addRun(const std::string& title, const std::string& file, const OptionSet& own,
                 const Variant& variant, const OptionSet& common, Study& study) {
-    if (study.runs.size() == kMostRuns)
-      return wrong("/cases", fmt::format("more than {} runs", kMostRuns));
+    if (study.runs.size() == kMaxRuns)
+      return wrong("/cases", fmt::format("more than {} runs", kMaxRuns));
     StudyRun run;
     const std::string wanted =
         plainName(title) + (variant.name.empty() ? "" : "_" + plainName(variant.name));
@@ -219,7 +219,7 @@ class StudyReader {
     for (; !error && entries != end; entries.increment(error)) {
       if (entries->path().extension() == ".smv" && entries->is_regular_file(error))
         files.push_back(entries->path().string());
-      if (files.size() > kMostRuns)
+      if (files.size() > kMaxRuns)
         break;
     }
     if (error)

@@ -21,7 +21,7 @@ namespace volute {
 namespace {
 
 constexpr const char* kMark = "visibility.json";
-constexpr std::uint64_t kMostLines = std::uint64_t{512} << 20;  // bytes of worked-out sight lines
+constexpr std::uint64_t kMaxLines = std::uint64_t{512} << 20;  // bytes of worked-out sight lines
 
 Result<std::vector<SignSet>> setsOf(const SurveyRequest& request) {
   std::vector<SignSet> sets{{"all signs", {}}};
@@ -106,7 +106,7 @@ class Job {
         pictures_(pictures),
         log_(progress),
         team_(team),
-        lookout_(std::min(request_.maxMemory / 4, kMostLines)),
+        lookout_(std::min(request_.maxMemory / 4, kMaxLines)),
         survey_(request_.survey) {}
 
   Result<SurveySummary> run() {

@@ -10,7 +10,7 @@ namespace volute {
 // Cardinal B-splines of degree d, order m = d + 1: N(x) has support [0, m], knots at the integers,
 // integral 1, and its shifts by integers sum to 1.
 
-constexpr int kMostSplineDegree = 3;
+constexpr int kMaxSplineDegree = 3;
 
 /// N(x) of any degree from 0 to 7. Degree 0 is 1 on [0, 1).
 double bspline(int degree, double x);

@@ -145,8 +145,8 @@ Result<std::vector<FactCurve>> readColumns(const std::filesystem::path& path, Wa
       columns.push_back(i);
     }
   }
-  constexpr std::size_t kMost = 1000000;
-  for (std::size_t row = 0; row < kMost && !curves.empty(); ++row) {
+  constexpr std::size_t kMax = 1000000;
+  for (std::size_t row = 0; row < kMax && !curves.empty(); ++row) {
     VOLUTE_ASSIGN(const auto line, lines.next());
     if (!line)
       break;
@@ -329,8 +329,8 @@ CaseFacts fdsFacts(const SmvIndex& index) {
   take(beside("_hrr.csv"), facts.fire,
        [](const std::string& name, const std::string&) { return name == "HRR"; });
   if (!index.devices.empty()) {
-    constexpr std::size_t kMost = 400;
-    take(beside("_devc.csv"), facts.devices, [n = kMost](const auto&, const auto&) mutable {
+    constexpr std::size_t kMax = 400;
+    take(beside("_devc.csv"), facts.devices, [n = kMax](const auto&, const auto&) mutable {
       return n > 0 && n-- > 0;
     });
   }

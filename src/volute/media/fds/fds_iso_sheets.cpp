@@ -17,7 +17,7 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kMostLevels = 8;
+constexpr std::size_t kMaxLevels = 8;
 
 /// Whether two levels are one: files have them as floats.
 bool isLevel(double a, double b) {
@@ -41,11 +41,11 @@ Result<std::vector<double>> levelsIn(const std::string& text, const std::string&
     const auto [rest, error] =
         std::from_chars(numbers.data() + begin, numbers.data() + end, level);
     if (error != std::errc() || rest != numbers.data() + end || !std::isfinite(level) ||
-        levels.size() == kMostLevels) {
+        levels.size() == kMaxLevels) {
       return fail(ErrorCode::kInvalidArgument,
                   "'{}' is no isosurface; expected a quantity and up to {} values of it, as "
                   "TEMPERATURE 60 or TEMPERATURE 60,200, or a quantity of isosurface files alone{}",
-                  text, kMostLevels, storedIn(index));
+                  text, kMaxLevels, storedIn(index));
     }
     levels.push_back(level);
     begin = end + 1;

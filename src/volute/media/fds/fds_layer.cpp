@@ -37,7 +37,7 @@ constexpr double kCutShare = 0.25, kCutLight = 0.02;
 constexpr double kLine = 0.0011;      // of the building's diagonal: half the width of outlines
 constexpr double kEdge = 0.0004;       // likewise of edges of faces
 constexpr double kEdgeLight = 0.12;
-constexpr std::size_t kMostOutlined = 2500;  // faces; with more, edges are a grey haze
+constexpr std::size_t kMaxOutlined = 2500;  // faces; with more, edges are a grey haze
 constexpr int kTimesLookedAt = 9;
 constexpr double kZeroCelsius = 273.15;  // [K]
 constexpr std::size_t kTimesForFire = 5;
@@ -587,7 +587,7 @@ void FdsLayer::addBuilding(double time, const std::optional<Vec3>& eye, Triangle
   }
   if (open == 0)
     return;
-  if (quads.size() <= kMostOutlined)
+  if (quads.size() <= kMaxOutlined)
     addEdges(quads, building.bounds(), to);
   addOutline(*shell_, openTowards(*shell_, eye), to);  // stays where things come or go
   if (case_->index().north && eye) {

@@ -15,7 +15,7 @@
 namespace volute {
 namespace {
 
-constexpr std::uint64_t kMostMarks = 100000;
+constexpr std::uint64_t kMaxMarks = 100000;
 constexpr double kMarkShare = 0.0012;  // of the case's diagonal
 constexpr std::uint32_t kCloudColours = 256;
 
@@ -139,7 +139,7 @@ Status FdsParticleCloud::addTo(TriangleMesh& mesh, double time) const {
            displayColor(ColorMap::kViridis, (i + 0.5) / kCloudColours).unaryExpr(&srgbDecode)});
     }
   }
-  const std::uint64_t every = countAt(time) / kMostMarks + 1;
+  const std::uint64_t every = countAt(time) / kMaxMarks + 1;
   std::uint64_t number = 0;
   for (const Part& part : parts_) {
     VOLUTE_ASSIGN(const auto all,
@@ -176,8 +176,8 @@ std::string FdsParticleCloud::words() const {
   if (!quantity_.empty())
     text += fmt::format(", {} {:.4g} .. {:.4g} {}", quantity_, range_[0], range_[1], unit_);
   text += fmt::format(", the nearest of {} stored times", times.size());
-  if (most > kMostMarks)
-    text += fmt::format(", {} of {} at most", kMostMarks, most);
+  if (most > kMaxMarks)
+    text += fmt::format(", {} of {} at most", kMaxMarks, most);
   return text;
 }
 

@@ -93,8 +93,8 @@ FdsInstant::Blocks::OfLattice FdsInstant::Blocks::of(const FdsLattice& lattice,
   const std::size_t all =
       static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) *
       static_cast<std::size_t>(count[2]);
-  constexpr float kMost = std::numeric_limits<float>::infinity();
-  blocks.low.assign(all, kMost);
+  constexpr float kMax = std::numeric_limits<float>::infinity();
+  blocks.low.assign(all, kMax);
   blocks.high.assign(all, 0);
   const std::vector<float>& low = values.low.empty() ? values.value : values.low;
   const std::vector<float>& high = values.high.empty() ? values.value : values.high;
@@ -102,7 +102,7 @@ FdsInstant::Blocks::OfLattice FdsInstant::Blocks::of(const FdsLattice& lattice,
     std::array<int, 3> block{0, 0, static_cast<int>(slab)};
     for (block[1] = 0; block[1] < count[1]; ++block[1]) {
       for (block[0] = 0; block[0] < count[0]; ++block[0]) {
-        float least = kMost, most = 0;
+        float least = kMax, most = 0;
         const auto forEach = [&](const std::array<int, 3>& sizes, int more, auto&& visit) {
           const auto end = [&](int axis) {
             return std::min(sizes[axis], (block[axis] + 1) * kEdge + more);
@@ -124,7 +124,7 @@ FdsInstant::Blocks::OfLattice FdsInstant::Blocks::of(const FdsLattice& lattice,
           if (cells[i] != FdsCell::kGas)
             least = 0;
           if (cells[i] == FdsCell::kUnknown)
-            most = kMost;
+            most = kMax;
         });
         blocks.low[blocks.lattice.cellAt(block)] = std::min(least, most);
         blocks.high[blocks.lattice.cellAt(block)] = most;

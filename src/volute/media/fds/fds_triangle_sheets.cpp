@@ -12,7 +12,7 @@
 namespace volute {
 namespace {
 
-constexpr std::size_t kMostSheets = 64;  // of which 0.6^64 = 6e-15 of the light passes
+constexpr std::size_t kMaxSheets = 64;  // of which 0.6^64 = 6e-15 of the light passes
 constexpr double kBehind = 1e-5;         // [m] and of the distance: where to look for the next one
 
 Vec3 pointOf(const FdsIsoFrame& frame, std::int32_t vertex) {
@@ -66,7 +66,7 @@ Box3 FdsTriangleSheets::bounds() const {
 std::vector<Hit> FdsTriangleSheets::crossings(const Segment& segment) const {
   std::vector<Hit> hits;
   Segment rest = segment;
-  while (hits.size() < kMostSheets && !rest.empty()) {
+  while (hits.size() < kMaxSheets && !rest.empty()) {
     Hit hit;
     scene_.nearest({&rest, 1}, {&hit, 1});
     if (!hit.found())

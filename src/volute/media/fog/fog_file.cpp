@@ -201,13 +201,13 @@ const FieldTable& fogFields() {
                "angle; 0: off", .unit = "rad", .least = 0, .most = std::numbers::pi / 2,
        .option = {"A"}},
       {.name = "levels", .type = kInteger, .access = member<&Fog::options, &FogOptions::levels>(),
-       .help = "number of times the map is halved", .least = 0, .most = kMostFogLevels,
+       .help = "number of times the map is halved", .least = 0, .most = kMaxFogLevels,
        .option = {"J"},
        .slider = {.label = "levels", .most = 6}},
       {.name = "degree", .type = kInteger, .access = member<&Fog::options, &FogOptions::degree>(),
        .help = "degree of the splines: 0 (Haar) is constant in a cell, 1 linear, 2 quadratic, 3 "
                "cubic",
-       .least = 0, .most = kMostSplineDegree, .option = {"D"}, .slider = {.label = "degree"}},
+       .least = 0, .most = kMaxSplineDegree, .option = {"D"}, .slider = {.label = "degree"}},
       {.name = "path", .type = kChoice, .access = member<&Fog::polar>(),
        .help = "walk: every ray, exactly; polar: through a table for each camera position, "
                "accurate to 1/512 of transmittance, if applicable (degree 1 to 3, slab, linear or "

@@ -40,7 +40,7 @@ class BlackBodies {
  public:
   explicit BlackBodies(const Flames& flames) : flames_(flames) {
     for (std::size_t i = 0; i < light_.size(); ++i) {
-      const double kelvin = kLeast + (kMost - kLeast) * static_cast<double>(i) / (kCount - 1);
+      const double kelvin = kMin + (kMax - kMin) * static_cast<double>(i) / (kCount - 1);
       const auto [r, g, b] = blackBodyColour(kelvin);
       light_[i] = flames.brightness * Rgb(r, g, b);
       // Without flames what glows is as bright as it is hot.
@@ -57,9 +57,9 @@ class BlackBodies {
     const double kelvin = temperature ? flames_.zero + flames_.kelvin * *temperature
                                       : flames_.coolest + (flames_.hottest - flames_.coolest) *
                                                               std::min(flame, 1.0F);
-    if (!(kelvin > kLeast))
+    if (!(kelvin > kMin))
       return;
-    const double place = std::min((kelvin - kLeast) / (kMost - kLeast), 1.0) * (kCount - 1);
+    const double place = std::min((kelvin - kMin) / (kMax - kMin), 1.0) * (kCount - 1);
     const auto low = std::min(static_cast<std::size_t>(place), kCount - 2);
     const double share = place - static_cast<double>(low);
     const Rgb light = (1 - share) * light_[low] + share * light_[low + 1];
@@ -68,7 +68,7 @@ class BlackBodies {
 
  private:
   static constexpr std::size_t kCount = 1024;
-  static constexpr double kLeast = 500, kMost = 6000;  // [K]; cooler is dark
+  static constexpr double kMin = 500, kMax = 6000;  // [K]; cooler is dark
 
   Flames flames_;
   std::array<Rgb, kCount> light_;

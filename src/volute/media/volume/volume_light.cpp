@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kLightGrain = 512;  // rays that are marched together
 constexpr int kCoarse = 4;                // voxels between places where even light is known
-constexpr std::size_t kMostFires = 48;
+constexpr std::size_t kMaxFires = 48;
 
 /// Transmittances of the volume along segments.
 void transmittances(const ShadedVoxels& volume, std::span<const Segment> segments,
@@ -200,7 +200,7 @@ void VolumeLight::addSurrounding() const {
   even_.assign(points.size(), Rgb::Zero());
   const bool surrounded = lighting_.surrounding.maxCoeff() > 0;
   const std::vector<Lamp> fires =
-      lighting_.ownFire ? lampsOf(volume_, kMostFires) : std::vector<Lamp>();
+      lighting_.ownFire ? lampsOf(volume_, kMaxFires) : std::vector<Lamp>();
   if (!surrounded && fires.empty())
     return;
   const CoarseLattice lattice(volume_.slice(), points);

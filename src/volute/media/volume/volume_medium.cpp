@@ -114,15 +114,15 @@ Status VolumeAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media
 }
 
 std::vector<Lamp> VolumeAt::lightSources() const {
-  constexpr std::size_t kMostLamps = 8;  // each costs a shadow's ray for each pixel of a surface
+  constexpr std::size_t kMaxLamps = 8;  // each costs a shadow's ray for each pixel of a surface
   if (!lightsScene_)
     return {};
   std::vector<Lamp> lamps;
   if (light_) {
     if (light_->slice().channels() == 4)
-      lamps = VolumeLight::lampsOf(light_->slice(), 1, kMostLamps);
+      lamps = VolumeLight::lampsOf(light_->slice(), 1, kMaxLamps);
   } else if (emission_ > 0) {
-    lamps = VolumeLight::lampsOf(*slice(), emission_, kMostLamps);
+    lamps = VolumeLight::lampsOf(*slice(), emission_, kMaxLamps);
   }
   for (Lamp& lamp : lamps) lamp.position = placement_.turn * lamp.position + placement_.offset;
   return lamps;
