@@ -50,8 +50,7 @@ class Lines(support.TestCase):
                 self.assertAlmostEqual(found, truth, delta=0.2, msg=(frame, layers))
         report = json.loads(self.path("r.json").read_text())
         self.assertEqual([one["lines"] for one in report["lines"]], [150, 150])
-        # More than noise is left, as the smoke ends between two voxels.
-        self.assertTrue(all(0.8 < one["spread"] < 8 for one in report["lines"]), report["lines"])
+        self.assertTrue(all(0 < one["spread"] < 3 for one in report["lines"]), report["lines"])
 
     def test_usual_volume_and_one_frame(self):
         self.write(60)
