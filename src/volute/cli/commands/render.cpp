@@ -242,7 +242,6 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target, C
   job.orbit = arguments.find<double>("orbit").value_or(0) * std::numbers::pi / 180;
   job.orbitCentre = centre;
   job.measured = isMeasured(arguments);
-  job.partial = arguments.flag("partial") && job.frames.size() == 1 && context.team.size() == 1;
   if (!job.measured && !job.contour)
     job.samples = arguments.get<int>("samples");
   VOLUTE_TRY(scaleContour(job, context.progress, context.team));
@@ -484,8 +483,8 @@ std::vector<Option> renderOptionTable() {
       {.name = "no-legend", .help = "no legend in pictures of an FDS case alone"},
       statsOption(),
       {.name = "partial",
-       .help = "use the intact part of a damaged .volute; of a single picture that is interrupted, "
-               "write what is drawn"}};
+       .help = "use the intact part of a damaged .volute",
+       .kinds = {"volume", kSceneKind}}};
   auto camera = fieldOptions({&cameraFields()});
   for (Option& option : camera) option.kinds.clear();
   for (const auto& more : {camera, mediumOptions(), lightCacheOptions()})
