@@ -53,8 +53,10 @@ bool scattersSuns(const void* volume, const MediumFacts& facts) {
   return facts.suns && (appearance.albedo > 0).any();
 }
 
-bool saysBasis(const void* volume, const MediumFacts& /*facts*/) {
-  return static_cast<const SceneVolume*>(volume)->appearance.basis.has_value();
+/// What is lit or burns is never drawn over boxes, so that one choice of three would be refused.
+bool choosesBasis(const void* volume, const MediumFacts& /*facts*/) {
+  const Appearance& appearance = static_cast<const SceneVolume*>(volume)->appearance;
+  return appearance.basis && !appearance.shaded();
 }
 
 double boardStep(const void* board, const MediumFacts& /*facts*/) {
@@ -114,7 +116,7 @@ const FieldTable& volumeFields() {
        .help = "interpolation between voxel centres; cubic: B-splines, for close views; if not "
                "given, trilinear, or the file's own basis in measured pictures",
        .choices = kBases, .option = {.value = "NAME", .scene = true},
-       .slider = {.label = "basis", .shown = saysBasis}},
+       .slider = {.label = "basis", .shown = choosesBasis}},
       {.name = "interpolate", .type = kChoice,
        .access = member<&SceneVolume::appearance, &Appearance::interpolation>(),
        .help = "between frames: velocity: move along a velocity grid (velocity, vel or v, or "
